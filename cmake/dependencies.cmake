@@ -1,0 +1,16 @@
+# SPDX-License-Identifier: BSD-3-Clause
+# The libraries we stand on; all are Debian packages (`./dev deps`).
+include(${CMAKE_CURRENT_LIST_DIR}/find_library_by_header.cmake)
+
+find_package(Eigen3 3.4 REQUIRED NO_MODULE)
+find_package(tl-expected REQUIRED)
+find_package(fmt REQUIRED)
+find_package(TBB REQUIRED)
+find_package(Boost 1.74 REQUIRED)
+find_package(SQLite3 REQUIRED)
+find_package(ZLIB REQUIRED)
+find_library_by_header(matio::matio HEADER matio.h LIBRARIES matio)
+find_library_by_header(METIS::METIS HEADER metis.h LIBRARIES metis)
+if(MAPJOIN_CHOLMOD)
+  find_library_by_header(SuiteSparse::CHOLMOD HEADER cholmod.h SUFFIX suitesparse LIBRARIES cholmod)
+endif()

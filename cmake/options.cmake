@@ -1,0 +1,26 @@
+# SPDX-License-Identifier: BSD-3-Clause
+# What a builder can choose, and the flags of our own targets (never of what is installed).
+option(MAPJOIN_CHOLMOD "Sparse Cholesky by SuiteSparse CHOLMOD (OFF: Eigen's SimplicialLLT; no GPL parts)" ON)
+option(MAPJOIN_WERROR "Warnings are errors" OFF)
+option(MAPJOIN_BENCH "Build the benchmarks" OFF)
+set(MAPJOIN_SANITIZE "" CACHE STRING "Sanitizers, e.g. address,undefined or thread")
+
+if(NOT CMAKE_BUILD_TYPE AND NOT CMAKE_CONFIGURATION_TYPES)
+  set(CMAKE_BUILD_TYPE Release CACHE STRING "" FORCE)
+endif()
+set(CMAKE_CXX_STANDARD 20)
+set(CMAKE_CXX_STANDARD_REQUIRED ON)
+set(CMAKE_CXX_EXTENSIONS OFF)
+set(CMAKE_EXPORT_COMPILE_COMMANDS ON)
+set(CMAKE_POSITION_INDEPENDENT_CODE ON)
+
+function(mapjoin_flags target)
+  target_compile_options(${target} PRIVATE -Wall -Wextra -Wpedantic -Wconversion)
+  if(MAPJOIN_WERROR)
+    target_compile_options(${target} PRIVATE -Werror)
+  endif()
+  if(MAPJOIN_SANITIZE)
+    target_compile_options(${target} PRIVATE -fsanitize=${MAPJOIN_SANITIZE} -fno-omit-frame-pointer -fno-sanitize-recover=all)
+    target_link_options(${target} PUBLIC -fsanitize=${MAPJOIN_SANITIZE})
+  endif()
+endfunction()

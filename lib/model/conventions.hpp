@@ -1,0 +1,34 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+// How the numbers of a file were taken, so that every chi2 can be reported with its meaning.
+
+#include <cstdint>
+
+namespace mapjoin {
+
+/// What a file's pose-pose information matrix weighs. Inside, the residual is always the paper's (10).
+enum class PoseError : std::uint8_t {
+  kPaper,  ///< X̂ - H(X), translation in the frame of the base.
+  kG2o,    ///< Z⁻¹ X_b⁻¹ X_t: translation turned by R_Zᵀ against the paper's; W is turned with R_Z on reading.
+};
+
+/// What the rotational part of a file's 3D information matrix weighs.
+enum class RotationInformation : std::uint8_t {
+  kVector,      ///< The rotation vector (GTSAM, SE-Sync); what is used inside.
+  kQuaternion,  ///< The vector part of the unit quaternion, half the rotation vector (g2o).
+};
+
+/// Which weights are in force.
+enum class Covariance : std::uint8_t {
+  kOriginal,  ///< As the file gives them.
+  kIdentity,  ///< Every information matrix replaced by the identity (paper's Table I).
+};
+
+struct Conventions {
+  PoseError pose_error = PoseError::kPaper;
+  RotationInformation rotation_information = RotationInformation::kVector;
+  Covariance covariance = Covariance::kOriginal;
+  std::int64_t repaired_informations = 0;  ///< Indefinite matrices replaced by their nearest semidefinite one.
+};
+
+}  // namespace mapjoin

@@ -1,0 +1,32 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+// What went wrong, in one sentence for the user, and of which kind, for the exit code.
+
+#include <string>
+#include <tl/expected.hpp>
+#include <utility>
+
+namespace mapjoin {
+
+enum class ErrorKind {
+  kBadInput,     ///< The data cannot be used as they are.
+  kUsage,        ///< The options contradict each other or the data.
+  kCannotWrite,  ///< An output could not be written; nothing half-written is left.
+  kTooLarge,     ///< Refused before memory was asked for.
+  kInterrupted,  ///< Cancelled through the stop token.
+};
+
+/// One clear sentence; for a file it begins with `file:line:column: `, or names variable and row.
+struct Error {
+  ErrorKind kind = ErrorKind::kBadInput;
+  std::string message;
+};
+
+template <typename T>
+using Expected = tl::expected<T, Error>;
+
+inline tl::unexpected<Error> bad_input(std::string message) {
+  return tl::unexpected(Error{ErrorKind::kBadInput, std::move(message)});
+}
+
+}  // namespace mapjoin

@@ -1,0 +1,26 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+// The result: poses and features in one frame, which says what holds it still and in which convention its chi2 is meant.
+
+#include <cstdint>
+#include <mapjoin/geometry/pose.hpp>
+#include <mapjoin/model/conventions.hpp>
+#include <mapjoin/model/ids.hpp>
+#include <string>
+#include <vector>
+
+namespace mapjoin {
+
+/// Lengths are in metres, angles in radians.
+template <int Dim>
+struct GlobalMap {
+  std::vector<PoseId> pose_ids;
+  std::vector<Pose<Dim>> poses;
+  std::vector<FeatureId> feature_ids;
+  std::vector<Point<Dim>> features;
+  std::vector<std::int64_t> stamps_ns;  ///< Per pose, or empty.
+  std::vector<Index> gauge;             ///< The poses held still; empty where priors of the World hold the map.
+  Conventions conventions;
+};
+
+}  // namespace mapjoin

@@ -1,0 +1,49 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+// A local map: an integrated observation, from its start pose, of the poses it keeps and of its features (paper's (31)).
+
+#include <Eigen/Core>
+#include <mapjoin/model/conventions.hpp>
+#include <mapjoin/model/log.hpp>
+#include <mapjoin/model/observation.hpp>
+#include <string>
+#include <vector>
+
+namespace mapjoin {
+
+/// A Gaussian over kept poses and features in the frame of the start pose `base`. The targets are the poses, then the features;
+/// `information` is over their steps in that order (kPoseDof<Dim> rows a pose, Dim rows a feature).
+template <int Dim>
+struct LocalMap {
+  Index base = 0;
+  std::vector<Index> poses;  ///< Kept poses in ascending order, the end pose last.
+  std::vector<Index> features;
+  std::vector<Pose<Dim>> pose_estimates;      ///< In the frame of the base.
+  std::vector<Point<Dim>> feature_estimates;  ///< In the frame of the base (m).
+  Eigen::MatrixXd information;                ///< W, symmetric positive semidefinite.
+  double chi2 = 0.0;                          ///< Of the observations inside, at the estimate.
+};
+
+/// What there is to join: local maps, and observations that stand on their own (one-step maps), over shared poses and features.
+template <int Dim>
+struct MapSet {
+  std::string source;  ///< The file or folder it was read from, for messages.
+  std::vector<PoseId> poses;
+  std::vector<FeatureId> features;
+
+  std::vector<LocalMap<Dim>> maps;                      ///< In the order of their base.
+  std::vector<PoseObservation<Dim>> pose_observations;  ///< Of spans, closures and priors.
+  std::vector<FeatureObservation<Dim>> feature_observations;
+  std::vector<FixedPose<Dim>> fixed;
+
+  /// Poses [begin, end] of each stretch that is joined as one: a local map from its start to its end pose, or a span of
+  /// observations. In order; neighbours of one session share their end/start pose.
+  struct Stretch {
+    Index begin = 0;
+    Index end = 0;
+  };
+  std::vector<Stretch> stretches;
+  Conventions conventions;
+};
+
+}  // namespace mapjoin

@@ -1,0 +1,57 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+// A robot's log: poses in the order they were driven, odometry, closures, feature observations, and what the World says.
+
+#include <cstdint>
+#include <mapjoin/model/conventions.hpp>
+#include <mapjoin/model/ids.hpp>
+#include <mapjoin/model/observation.hpp>
+#include <string>
+#include <vector>
+
+namespace mapjoin {
+
+/// Successive poses [begin, end) that odometry ties together. A missing odometry edge starts the next session.
+struct Session {
+  Index begin = 0;
+  Index end = 0;
+};
+
+/// A pose that the World holds still.
+template <int Dim>
+struct FixedPose {
+  Index pose = 0;
+  Pose<Dim> value;  ///< In the World frame.
+};
+
+/// A log over `poses.size()` poses and `features.size()` features, made by LogBuilder, which keeps what is said here.
+template <int Dim>
+struct Log {
+  std::string source;  ///< The file it was read from, for messages.
+
+  std::vector<PoseId> poses;        ///< Names by index, in ascending order within each session.
+  std::vector<FeatureId> features;  ///< Names by index, in ascending order.
+  std::vector<Session> sessions;    ///< In order; together they hold every pose once.
+
+  /// Edges between successive poses of a session, either direction, in the order of their later pose. Repeated edges stand
+  /// side by side and all count.
+  std::vector<PoseObservation<Dim>> odometry;
+  std::vector<PoseObservation<Dim>> closures;           ///< Every other pose-pose edge, in the order of the file.
+  std::vector<FeatureObservation<Dim>> observations;    ///< In the order of their pose, then of the file.
+  std::vector<PoseObservation<Dim>> pose_priors;        ///< From the World.
+  std::vector<FeatureObservation<Dim>> feature_priors;  ///< From the World.
+  std::vector<FixedPose<Dim>> fixed;                    ///< In the order of their pose; each pose once.
+
+  std::vector<std::int64_t> stamps_ns;       ///< Per pose, or empty.
+  std::vector<Pose<Dim>> initial_poses;      ///< The file's values per pose, or empty unless every pose has one.
+  std::vector<Point<Dim>> initial_features;  ///< The file's values per feature, or empty unless every one has one.
+
+  std::int64_t repeated_edges = 0;  ///< Pose-pose edges beyond the first between the same two poses.
+  Conventions conventions;
+};
+
+/// Every information matrix replaced by the identity, in place; the conventions say so (paper's Table I).
+template <int Dim>
+void use_identity_covariance(Log<Dim>& log);
+
+}  // namespace mapjoin
