@@ -24,6 +24,14 @@ struct LocalMap {
   double chi2 = 0.0;                          ///< Of the observations inside, at the estimate.
 };
 
+/// Poses [begin, end] that are joined as one, both included: neighbours of one session share their end/start pose.
+struct Stretch {
+  Index begin = 0;
+  Index end = 0;
+  bool is_map = true;  ///< A local map from its start to its end pose, else a span of its observations as they are.
+  bool operator==(const Stretch&) const = default;
+};
+
 /// What there is to join: local maps, and observations that stand on their own (one-step maps), over shared poses and features.
 template <int Dim>
 struct MapSet {
@@ -36,12 +44,6 @@ struct MapSet {
   std::vector<FeatureObservation<Dim>> feature_observations;
   std::vector<FixedPose<Dim>> fixed;
 
-  /// Poses [begin, end] of each stretch that is joined as one: a local map from its start to its end pose, or a span of
-  /// observations. In order; neighbours of one session share their end/start pose.
-  struct Stretch {
-    Index begin = 0;
-    Index end = 0;
-  };
   std::vector<Stretch> stretches;
   Conventions conventions;
 };
