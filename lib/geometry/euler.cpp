@@ -1,0 +1,22 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <mapjoin/geometry/euler.hpp>
+
+namespace mapjoin {
+
+Rotation<3> rotation_from_euler(double roll, double pitch, double yaw) {
+  using Eigen::AngleAxisd;
+  return Rotation<3>(Eigen::Quaterniond(AngleAxisd(yaw, Vector<3>::UnitZ()) * AngleAxisd(pitch, Vector<3>::UnitY()) *
+                                        AngleAxisd(roll, Vector<3>::UnitX())));
+}
+
+Matrix<3> J_vector_euler(double roll, double pitch, double /*yaw*/) {
+  // Column by column: the axes of roll, pitch and yaw in the turned frame, e_x, Rxᵀ e_y and Rxᵀ Ryᵀ e_z.
+  const double s = std::sin(roll);
+  const double c = std::cos(roll);
+  return (Matrix<3>() << 1.0, 0.0, -std::sin(pitch),  //
+          0.0, c, s * std::cos(pitch),                //
+          0.0, -s, c * std::cos(pitch))
+      .finished();
+}
+
+}  // namespace mapjoin

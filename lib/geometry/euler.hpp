@@ -1,0 +1,16 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+// Rotations in space as roll, pitch and yaw (rad), the way some files give them; inside, only the rotation vector is used.
+
+#include <mapjoin/geometry/rotation.hpp>
+
+namespace mapjoin {
+
+/// R = Rz(yaw) Ry(pitch) Rx(roll).
+Rotation<3> rotation_from_euler(double roll, double pitch, double yaw);
+
+/// ∂(right step of R)/∂(roll, pitch, yaw): R(angles + δ) = R(angles) Exp(J δ + O(δ²)). Its determinant is cos(pitch), so
+/// it is singular at a pitch of ±π/2. An information matrix W of the angles is J⁻ᵀ W J⁻¹ of the rotation vector.
+Matrix<3> J_vector_euler(double roll, double pitch, double yaw);
+
+}  // namespace mapjoin
