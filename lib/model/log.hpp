@@ -47,6 +47,7 @@ struct Log {
   std::vector<Point<Dim>> initial_features;  ///< The file's values per feature, or empty unless every one has one.
 
   std::int64_t repeated_edges = 0;  ///< Pose-pose edges beyond the first between the same two poses.
+  std::int64_t unassociated = 0;    ///< Observations left out since the file does not say of which feature they are.
   Conventions conventions;
 };
 

@@ -3,15 +3,18 @@
 // Makes a Log out of what a reader finds, in whatever order it comes: sorts poses, tells odometry from closures, finds
 // sessions.
 
+#include <cstdint>
 #include <mapjoin/model/error.hpp>
 #include <mapjoin/model/log.hpp>
 #include <optional>
 #include <string>
+#include <utility>
+#include <vector>
 
 namespace mapjoin {
 
 /// Poses and features are named by the user's ids and come into being when first mentioned. Every information matrix must be
-/// finite, symmetric and positive semidefinite (see check_information in io/information.hpp): readers check, for they know the
+/// finite, symmetric and positive semidefinite (see InformationCheck in io/information.hpp): readers check, for they know the
 /// line.
 template <int Dim>
 class LogBuilder {
@@ -30,12 +33,37 @@ class LogBuilder {
   /// The World holds the pose at `value` or, where none is given, at its initial value, else at the origin.
   void fix(PoseId id, const std::optional<Pose<Dim>>& value = std::nullopt);
 
-  /// The log, with the promises of Log kept. An edge from a pose to itself, a stamp on some poses only, and a log
-  /// without poses are bad input. O(n log n).
+  /// The log, with the promises of Log kept. Bad input are: an edge from a pose to itself, a pose or feature with two initial
+  /// values, a pose with two stamps or fixed at two places, stamps on some poses only, and a log without poses. O(n log n).
   Expected<Log<Dim>> finish() &&;
 
  private:
-  // (implementation's business)
+  /// Something said of the pose or feature `id`.
+  template <typename Id, typename Value>
+  struct Said {
+    Id id;
+    Value value;
+  };
+
+  void mention(PoseId id);
+  void mention(FeatureId id);
+
+  Expected<void> check_names() const;
+  Expected<void> check_edges() const;
+  void resolve_ends();
+  Expected<void> resolve_values();
+
+  Log<Dim> log_;  ///< Observations wait here in the order of the file; their ends are not yet indices.
+  std::vector<PoseId> pose_mentions_;
+  std::vector<FeatureId> feature_mentions_;
+  std::vector<std::pair<PoseId, PoseId>> edge_ends_;
+  std::vector<std::pair<PoseId, FeatureId>> observation_ends_;
+  std::vector<PoseId> pose_prior_ends_;
+  std::vector<FeatureId> feature_prior_ends_;
+  std::vector<Said<PoseId, Pose<Dim>>> initial_poses_;
+  std::vector<Said<FeatureId, Point<Dim>>> initial_features_;
+  std::vector<Said<PoseId, std::int64_t>> stamps_;
+  std::vector<Said<PoseId, std::optional<Pose<Dim>>>> fixed_;
 };
 
 }  // namespace mapjoin

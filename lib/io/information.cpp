@@ -1,0 +1,70 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <fmt/format.h>
+
+#include <Eigen/Cholesky>
+#include <Eigen/Eigenvalues>
+#include <mapjoin/io/information.hpp>
+
+namespace mapjoin {
+namespace {
+
+/// Relative to the largest entry or eigenvalue: above the round-off of a factorisation, below any deliberate figure.
+constexpr double kRoundOff = 1e-9;
+
+}  // namespace
+
+template <int Size>
+Matrix<Size> nearest_semidefinite(const Matrix<Size>& W) {
+  const Eigen::SelfAdjointEigenSolver<Matrix<Size>> eigen(W);
+  const Matrix<Size> V = eigen.eigenvectors();
+  const Matrix<Size> clipped = V * eigen.eigenvalues().cwiseMax(0.0).asDiagonal() * V.transpose();
+  return 0.5 * (clipped + clipped.transpose());
+}
+
+template <int Size>
+std::optional<Matrix<Size>> information_of_covariance(const Matrix<Size>& covariance) {
+  if (!covariance.allFinite()) return std::nullopt;
+  const Eigen::LLT<Matrix<Size>> llt(covariance);
+  if (llt.info() != Eigen::Success) return std::nullopt;
+  const Matrix<Size> inverse = llt.solve(Matrix<Size>::Identity(covariance.rows(), covariance.cols()));
+  if (!inverse.allFinite()) return std::nullopt;
+  return Matrix<Size>(0.5 * (inverse + inverse.transpose()));
+}
+
+template <int Size>
+std::optional<std::string> InformationCheck::fault(Matrix<Size>& W) {
+  if (!W.allFinite()) return "is not finite";
+  const double asymmetry = (W - W.transpose()).cwiseAbs().maxCoeff();
+  if (asymmetry > kRoundOff * W.cwiseAbs().maxCoeff()) {
+    return fmt::format("is not symmetric (entries across the diagonal differ by up to {:.6g})", asymmetry);
+  }
+  if (asymmetry > 0.0) W = Matrix<Size>(0.5 * (W + W.transpose()));
+  if (Eigen::LLT<Matrix<Size>>(W).info() == Eigen::Success) return std::nullopt;
+
+  const Eigen::SelfAdjointEigenSolver<Matrix<Size>> eigen(W, Eigen::EigenvaluesOnly);
+  const double smallest = eigen.eigenvalues()[0];
+  const double largest = eigen.eigenvalues()[W.rows() - 1];
+  if (smallest >= -kRoundOff * largest) return std::nullopt;
+  if (!repair_) return fmt::format("is indefinite (eigenvalues from {:.6g} to {:.6g})", smallest, largest);
+  W = nearest_semidefinite<Size>(W);
+  ++repaired_;
+  return std::nullopt;
+}
+
+template Matrix<2> nearest_semidefinite<2>(const Matrix<2>&);
+template std::optional<Matrix<2>> information_of_covariance<2>(const Matrix<2>&);
+template std::optional<std::string> InformationCheck::fault<2>(Matrix<2>&);
+
+template Matrix<3> nearest_semidefinite<3>(const Matrix<3>&);
+template std::optional<Matrix<3>> information_of_covariance<3>(const Matrix<3>&);
+template std::optional<std::string> InformationCheck::fault<3>(Matrix<3>&);
+
+template Matrix<6> nearest_semidefinite<6>(const Matrix<6>&);
+template std::optional<Matrix<6>> information_of_covariance<6>(const Matrix<6>&);
+template std::optional<std::string> InformationCheck::fault<6>(Matrix<6>&);
+
+template Matrix<Eigen::Dynamic> nearest_semidefinite<Eigen::Dynamic>(const Matrix<Eigen::Dynamic>&);
+template std::optional<Matrix<Eigen::Dynamic>> information_of_covariance<Eigen::Dynamic>(const Matrix<Eigen::Dynamic>&);
+template std::optional<std::string> InformationCheck::fault<Eigen::Dynamic>(Matrix<Eigen::Dynamic>&);
+
+}  // namespace mapjoin

@@ -1,0 +1,40 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+// An output file that appears whole under its name, or not at all.
+
+#include <filesystem>
+#include <mapjoin/model/error.hpp>
+#include <string>
+#include <string_view>
+
+namespace mapjoin {
+
+/// Bytes go to `name.tmp-<pid>` beside the file, which takes the name on commit() and is removed where that does not happen.
+/// What is there and is not a regular file (a device, a pipe) is written to directly. Buffered.
+class OutputFile {
+ public:
+  /// kCannotWrite where the file cannot be made.
+  static Expected<OutputFile> create(const std::filesystem::path& path);
+  OutputFile(OutputFile&& other) noexcept;
+  OutputFile& operator=(OutputFile&&) = delete;
+  ~OutputFile();
+
+  /// After a write has failed, further ones do nothing: commit() reports the failure.
+  void write(std::string_view bytes);
+  /// Everything on the disk and the file under its name; else kCannotWrite, with the first failure's path and reason. Once.
+  Expected<void> commit();
+
+ private:
+  OutputFile(std::filesystem::path path, std::filesystem::path written_path, int descriptor);
+  void flush();
+  void remember_failure();
+  bool is_beside() const { return written_path_ != path_; }
+
+  std::filesystem::path path_;
+  std::filesystem::path written_path_;
+  int descriptor_ = -1;
+  int failure_ = 0;  ///< The first errno, or 0.
+  std::string buffer_;
+};
+
+}  // namespace mapjoin

@@ -1,0 +1,200 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <mapjoin/model/log_builder.hpp>
+#include <tests/support/dimensions.hpp>
+#include <tests/support/random.hpp>
+
+namespace mapjoin {
+namespace {
+
+using ::testing::ElementsAre;
+using ::testing::HasSubstr;
+
+template <typename D>
+class LogBuilderTest : public ::testing::Test {
+ protected:
+  static constexpr int kDim = D::value;
+
+  /// An edge that can be told from the others by `mark`, its first coordinate.
+  void edge(PoseId base, PoseId target, double mark = 0.0) {
+    Pose<kDim> measured;
+    measured.translation[0] = mark;
+    builder.add_pose_edge(base, target, measured, PoseMatrix<kDim>::Identity());
+  }
+  void observe(std::uint64_t pose, std::uint64_t feature, double mark = 0.0) {
+    builder.add_observation({0, pose}, {feature}, mark * Point<kDim>::UnitX(), PointMatrix<kDim>::Identity());
+  }
+  Expected<Log<kDim>> finish() { return std::move(builder).finish(); }
+  std::string message() { return finish().error().message; }
+
+  LogBuilder<kDim> builder{"some.log"};
+};
+TYPED_TEST_SUITE(LogBuilderTest, testing::Dimensions);
+
+template <typename Observations>
+std::vector<double> marks(const Observations& observations) {
+  std::vector<double> result;
+  for (const auto& o : observations) {
+    if constexpr (requires { o.measured.translation; }) {
+      result.push_back(o.measured.translation[0]);
+    } else {
+      result.push_back(o.measured[0]);
+    }
+  }
+  return result;
+}
+
+TYPED_TEST(LogBuilderTest, SortsPosesAndTellsOdometryFromClosuresWhateverTheOrderAndDirection) {
+  this->edge({0, 40}, {0, 10}, 1);  // A closure: 20 and 30 lie between.
+  this->edge({0, 30}, {0, 40}, 2);
+  this->edge({0, 20}, {0, 10}, 3);  // Odometry against its direction.
+  this->edge({0, 20}, {0, 30}, 4);
+  this->edge({0, 10}, {0, 20}, 5);  // The same two poses again.
+  const auto log = this->finish();
+  ASSERT_TRUE(log);
+  EXPECT_THAT(log->poses, ElementsAre(PoseId{0, 10}, PoseId{0, 20}, PoseId{0, 30}, PoseId{0, 40}));
+  EXPECT_THAT(marks(log->odometry), ElementsAre(3, 5, 4, 2));
+  EXPECT_EQ(log->odometry[0].base, 1);
+  EXPECT_EQ(log->odometry[0].target, 0);
+  EXPECT_THAT(marks(log->closures), ElementsAre(1));
+  EXPECT_EQ(log->repeated_edges, 1);
+  ASSERT_EQ(log->sessions.size(), 1u);
+  EXPECT_EQ(log->sessions[0].end, 4);
+}
+
+TYPED_TEST(LogBuilderTest, StartsASessionWhereOdometryIsMissingAndWhereTheUserStartsOne) {
+  this->edge({0, 1}, {0, 2});
+  this->edge({0, 3}, {0, 4});
+  this->edge({1, 1}, {1, 2});
+  this->edge({0, 4}, {1, 1}, 7);  // Neighbours in order, but of two sessions.
+  const auto log = this->finish();
+  ASSERT_TRUE(log);
+  std::vector<std::pair<Index, Index>> sessions;
+  for (const auto& s : log->sessions) sessions.emplace_back(s.begin, s.end);
+  EXPECT_THAT(sessions, ElementsAre(std::pair(0, 2), std::pair(2, 4), std::pair(4, 6)));
+  EXPECT_EQ(log->odometry.size(), 3u);
+  EXPECT_THAT(marks(log->closures), ElementsAre(7));
+}
+
+TYPED_TEST(LogBuilderTest, SortsObservationsByPoseAndKeepsTheFilesOrderWithin) {
+  this->edge({0, 5}, {0, 6});
+  this->observe(6, 9, 1);
+  this->observe(5, 9, 2);
+  this->observe(6, 3, 3);
+  this->observe(5, 6, 4);  // Feature 6 is not pose 6.
+  const auto log = this->finish();
+  ASSERT_TRUE(log);
+  EXPECT_THAT(marks(log->observations), ElementsAre(2, 4, 1, 3));
+  EXPECT_THAT(log->features, ElementsAre(FeatureId{3}, FeatureId{6}, FeatureId{9}));
+  EXPECT_EQ(log->observations[0].target, 2);
+  EXPECT_EQ(log->poses.size(), 2u);
+}
+
+TYPED_TEST(LogBuilderTest, KeepsInitialValuesOnlyWhereEveryoneHasOne) {
+  constexpr int kDim = TestFixture::kDim;
+  testing::Random random;
+  const auto a = random.template pose<kDim>();
+  const auto b = random.template pose<kDim>();
+  this->builder.add_pose({0, 2}, b);
+  this->builder.add_pose({0, 1}, a);
+  this->builder.add_feature({4}, Point<kDim>::Ones());
+  this->builder.add_feature({5});
+  const auto log = this->finish();
+  ASSERT_TRUE(log);
+  ASSERT_EQ(log->initial_poses.size(), 2u);
+  EXPECT_EQ(local(log->initial_poses[1], b).norm(), 0.0);
+  EXPECT_TRUE(log->initial_features.empty());
+}
+
+TYPED_TEST(LogBuilderTest, FixesAPoseAtTheValueGivenElseAtItsInitialValueElseAtTheOrigin) {
+  constexpr int kDim = TestFixture::kDim;
+  testing::Random random;
+  const auto given = random.template pose<kDim>();
+  const auto initial = random.template pose<kDim>();
+  this->builder.fix({0, 3});
+  this->builder.fix({0, 2}, given);
+  this->builder.fix({0, 1});
+  this->builder.fix({0, 1});
+  this->builder.add_pose({0, 1}, initial);
+  this->builder.add_pose({0, 2}, initial);
+  const auto log = this->finish();
+  ASSERT_TRUE(log);
+  ASSERT_EQ(log->fixed.size(), 3u);
+  EXPECT_EQ(local(log->fixed[0].value, initial).norm(), 0.0);
+  EXPECT_EQ(local(log->fixed[1].value, given).norm(), 0.0);
+  EXPECT_EQ(local(log->fixed[2].value, Pose<kDim>{}).norm(), 0.0);
+}
+
+TYPED_TEST(LogBuilderTest, PriorsComeFromTheWorld) {
+  constexpr int kDim = TestFixture::kDim;
+  this->builder.add_pose({0, 1});
+  this->builder.add_pose_prior({0, 8}, Pose<kDim>{}, PoseMatrix<kDim>::Identity());
+  this->builder.add_feature_prior({8}, Point<kDim>::Ones(), PointMatrix<kDim>::Identity());
+  const auto log = this->finish();
+  ASSERT_TRUE(log);
+  EXPECT_EQ(log->pose_priors.at(0).base, kWorld);
+  EXPECT_EQ(log->pose_priors.at(0).target, 1);
+  EXPECT_EQ(log->feature_priors.at(0).target, 0);
+}
+
+TYPED_TEST(LogBuilderTest, RefusesALogWithoutPoses) {
+  EXPECT_EQ(this->message(), "some.log: the log has no poses");
+}
+
+TYPED_TEST(LogBuilderTest, RefusesAnEdgeFromAPoseToItself) {
+  this->edge({2, 7}, {2, 7});
+  EXPECT_EQ(this->message(), "some.log: an edge leads from pose 7 of session 2 to itself");
+}
+
+TYPED_TEST(LogBuilderTest, RefusesStampsOnSomePosesOnly) {
+  this->builder.add_stamp({0, 1}, 1000);
+  this->builder.add_pose({0, 2});
+  EXPECT_THAT(this->message(), HasSubstr("only 1 of 2 poses"));
+}
+
+TYPED_TEST(LogBuilderTest, RefusesTwoInitialValuesOfOnePose) {
+  this->builder.add_pose({0, 1}, Pose<TestFixture::kDim>{});
+  this->builder.add_pose({0, 1}, Pose<TestFixture::kDim>{});
+  EXPECT_THAT(this->message(), HasSubstr("pose 1 has two initial values"));
+}
+
+TYPED_TEST(LogBuilderTest, RefusesAPoseFixedAtTwoPlaces) {
+  testing::Random random;
+  this->builder.fix({0, 1});
+  this->builder.fix({0, 1}, random.template pose<TestFixture::kDim>());
+  EXPECT_THAT(this->message(), HasSubstr("pose 1 is fixed at two places"));
+}
+
+TYPED_TEST(LogBuilderTest, FindsKeysFarApart) {
+  const std::uint64_t far = ~std::uint64_t{0};
+  this->edge({0, 3}, {0, far - 1});
+  this->edge({0, far - 1}, {0, far});
+  const auto log = this->finish();
+  ASSERT_TRUE(log);
+  EXPECT_EQ(log->odometry.size(), 2u);
+  EXPECT_EQ(log->odometry[1].target, 2);
+}
+
+TYPED_TEST(LogBuilderTest, IdentityCovarianceReplacesEveryInformationMatrix) {
+  constexpr int kDim = TestFixture::kDim;
+  testing::Random random;
+  for (const PoseId target : {PoseId{0, 1}, PoseId{0, 2}}) {
+    this->builder.add_pose_edge({0, 0}, target, Pose<kDim>{}, random.template information<kPoseDof<kDim>>());
+  }
+  this->builder.add_observation({0, 0}, {1}, Point<kDim>::Ones(), random.template information<kDim>());
+  this->builder.add_pose_prior({0, 0}, Pose<kDim>{}, random.template information<kPoseDof<kDim>>());
+  this->builder.add_feature_prior({1}, Point<kDim>::Ones(), random.template information<kDim>());
+  auto log = this->finish();
+  ASSERT_TRUE(log);
+  use_identity_covariance(*log);
+  EXPECT_TRUE(log->odometry.at(0).information.isIdentity(0.0));
+  EXPECT_TRUE(log->closures.at(0).information.isIdentity(0.0));
+  EXPECT_TRUE(log->observations.at(0).information.isIdentity(0.0));
+  EXPECT_TRUE(log->pose_priors.at(0).information.isIdentity(0.0));
+  EXPECT_TRUE(log->feature_priors.at(0).information.isIdentity(0.0));
+  EXPECT_EQ(log->conventions.covariance, Covariance::kIdentity);
+}
+
+}  // namespace
+}  // namespace mapjoin
