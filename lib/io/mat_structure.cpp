@@ -1,0 +1,122 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <zlib.h>
+
+#include <cstdint>
+#include <cstring>
+#include <iterator>
+#include <mapjoin/io/mat_structure.hpp>
+#include <vector>
+
+namespace mapjoin {
+namespace {
+
+/// Of the version 5 format: the file's header; an element's tag, its type and size; types of elements; a class of matrices.
+constexpr std::size_t kHeaderSize = 128;
+constexpr std::size_t kTagSize = 8;
+constexpr std::uint32_t kMatrixElement = 14;
+constexpr std::uint32_t kCompressedElement = 15;
+constexpr std::uint32_t kDoubleClass = 6;
+
+constexpr std::size_t kMaxInflated = std::size_t{4} << 30;
+
+std::uint32_t word(std::string_view bytes, std::size_t at) {
+  std::uint32_t value;
+  std::memcpy(&value, bytes.data() + at, sizeof value);
+  return value;
+}
+
+/// Appends what the zlib stream holds; false where it is damaged or too large.
+bool append_inflated(std::string_view compressed, std::string& out) {
+  z_stream stream{};
+  if (inflateInit(&stream) != Z_OK) return false;
+  stream.next_in = reinterpret_cast<Bytef*>(const_cast<char*>(compressed.data()));
+  stream.avail_in = static_cast<uInt>(compressed.size());
+  char chunk[1 << 14];
+  int status = Z_OK;
+  while (status == Z_OK && out.size() < kMaxInflated) {
+    stream.next_out = reinterpret_cast<Bytef*>(chunk);
+    stream.avail_out = sizeof chunk;
+    status = inflate(&stream, Z_NO_FLUSH);
+    out.append(chunk, sizeof chunk - stream.avail_out);
+  }
+  inflateEnd(&stream);
+  return status == Z_STREAM_END;
+}
+
+/// One part of a matrix element: its tag and its data, padded to eight bytes.
+struct Part {
+  std::uint32_t type = 0;
+  std::size_t begin = 0;  ///< Of the data, in the element.
+  std::size_t size = 0;   ///< Of the data, without padding.
+  std::size_t end = 0;
+};
+
+/// Bytes of a number of the types 1 to 13 (int8 to uint64); 0 where it is no number.
+std::size_t width(std::uint32_t type) {
+  constexpr std::size_t kWidths[] = {0, 1, 1, 2, 2, 4, 4, 4, 0, 8, 0, 0, 8, 8};
+  return type < std::size(kWidths) ? kWidths[type] : 0;
+}
+
+/// The parts of a matrix element: flags, dimensions, name, and data; empty where they do not fill it.
+std::optional<std::vector<Part>> parts(std::string_view element) {
+  std::vector<Part> all;
+  for (std::size_t at = kTagSize; at < element.size(); at = all.back().end) {
+    if (element.size() - at < kTagSize) return std::nullopt;
+    const std::uint32_t first = word(element, at);
+    // Up to four bytes of data are kept in the tag itself, with their size in its upper half.
+    const bool is_small = first >> 16 != 0;
+    const std::size_t size = is_small ? first >> 16 : word(element, at + 4);
+    const std::size_t begin = at + (is_small ? 4 : kTagSize);
+    const std::size_t end = is_small ? at + kTagSize : begin + (size + 7) / 8 * 8;
+    if (end > element.size() || begin + size > end) return std::nullopt;
+    all.push_back({is_small ? first & 0xffff : first, begin, size, end});
+  }
+  return all;
+}
+
+/// Whether a matrix element's parts fill it and a matrix of doubles has as many numbers as its dimensions say; matio reads on
+/// beyond them where they are too few.
+bool sizes_agree(std::string_view element) {
+  const auto all = parts(element);
+  if (!all || all->size() < 3) return false;
+  const Part& flags = (*all)[0];
+  const Part& dimensions = (*all)[1];
+  if (flags.size != 8 || dimensions.size < 8) return false;
+  if ((word(element, flags.begin) & 0xff) != kDoubleClass) return true;
+  const std::size_t count = std::size_t{word(element, dimensions.begin)} * word(element, dimensions.begin + 4);
+  const bool is_matrix = dimensions.size == 8;
+  const bool is_empty = count == 0 && all->size() == 3;
+  return !is_matrix || is_empty || (all->size() > 3 && (*all)[3].size == count * width((*all)[3].type));
+}
+
+}  // namespace
+
+bool is_mat_file(std::string_view bytes) {
+  return bytes.size() >= kHeaderSize && bytes.substr(124, 4) == std::string_view("\0\1IM", 4);
+}
+
+/// The file with its compressed elements inflated, since matio passes over a damaged or shortened stream in silence. Empty
+/// where a stream is damaged, the elements do not fill the file, or their sizes do not agree.
+std::optional<std::string> checked_and_inflated(std::string_view bytes) {
+  std::string plain(bytes.substr(0, kHeaderSize));
+  bytes.remove_prefix(kHeaderSize);
+  while (!bytes.empty()) {
+    if (bytes.size() < kTagSize || word(bytes, 4) > bytes.size() - kTagSize) return std::nullopt;
+    const std::string_view element = bytes.substr(0, kTagSize + word(bytes, 4));
+    const std::size_t begin = plain.size();
+    if (word(element, 0) != kCompressedElement) {
+      plain += element;
+    } else if (!append_inflated(element.substr(kTagSize), plain)) {
+      return std::nullopt;
+    }
+    const std::string_view inflated = std::string_view(plain).substr(begin);
+    if (inflated.size() < kTagSize || word(inflated, 0) != kMatrixElement || word(inflated, 4) != inflated.size() - kTagSize ||
+        !sizes_agree(inflated)) {
+      return std::nullopt;
+    }
+    bytes.remove_prefix(element.size());
+  }
+  return plain;
+}
+
+}  // namespace mapjoin

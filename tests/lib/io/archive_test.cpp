@@ -1,0 +1,102 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <mapjoin/io/archive.hpp>
+#include <tests/support/data.hpp>
+#include <tests/support/file_bytes.hpp>
+#include <tests/support/temporary_folder.hpp>
+
+namespace mapjoin {
+namespace {
+
+namespace fs = std::filesystem;
+using ::testing::ElementsAre;
+using ::testing::HasSubstr;
+using ::testing::Pair;
+using testing::tar_of;
+using testing::write_gzipped;
+
+class ArchiveTest : public ::testing::Test {
+ protected:
+  /// Names and contents of the files not called "other", in the order of the visit.
+  Expected<std::vector<std::pair<std::string, std::string>>> visit(const fs::path& path) {
+    std::vector<std::pair<std::string, std::string>> seen;
+    const auto done = visit_files(
+        path, [](const std::string& name) { return name != "other"; },
+        [&](const fs::path& file, std::string&& bytes) -> Expected<void> {
+          seen.emplace_back(file.filename().string(), std::move(bytes));
+          return {};
+        });
+    if (!done) return tl::unexpected(done.error());
+    return seen;
+  }
+  testing::TemporaryFolder folder;
+  const std::string long_text = std::string(3000, 'a') + "end";
+};
+
+TEST_F(ArchiveTest, GivesTheWantedMembersPlainOrGzipped) {
+  const std::string tar = tar_of({{"maps/b", "short"}, {"maps/other", "unwanted"}, {"maps/c", long_text}, {"empty", ""}});
+  folder.file("plain.tar", tar);
+  write_gzipped(folder.path() / "maps.tar.gz", tar);
+  for (const char* name : {"plain.tar", "maps.tar.gz"}) {
+    EXPECT_TRUE(is_tar_archive(folder.path() / name));
+    const auto seen = visit(folder.path() / name);
+    ASSERT_TRUE(seen) << seen.error().message;
+    EXPECT_THAT(*seen, ElementsAre(Pair("empty", ""), Pair("b", "short"), Pair("c", long_text)));
+  }
+}
+
+TEST_F(ArchiveTest, GivesTheWantedFilesOfAFolderInOrderAndInflated) {
+  folder.file("b", "plain");
+  folder.file("other", "unwanted");
+  write_gzipped(folder.path() / "a.gz", long_text);
+  const auto seen = visit(folder.path());
+  ASSERT_TRUE(seen) << seen.error().message;
+  EXPECT_THAT(*seen, ElementsAre(Pair("a.gz", long_text), Pair("b", "plain")));
+}
+
+TEST_F(ArchiveTest, RefusesAnArchiveThatIsCutShort) {
+  const fs::path path = folder.path() / "maps.tar";
+  const std::string tar = tar_of({{"a", long_text}});
+  folder.file("maps.tar", tar.substr(0, 2000));
+  EXPECT_THAT(visit(path).error().message, HasSubstr("maps.tar: damaged archive: it ends inside a"));
+
+  write_gzipped(path, tar);
+  folder.file("maps.tar", testing::bytes_of(path).substr(0, 60));
+  EXPECT_THAT(visit(path).error().message, HasSubstr("maps.tar: damaged or cut short"));
+}
+
+TEST_F(ArchiveTest, RefusesAHeaderWithAWrongSizeOrChecksum) {
+  const fs::path path = folder.path() / "maps.tar";
+  for (const std::size_t at : {std::size_t{124}, std::size_t{150}, std::size_t{10}}) {
+    std::string tar = tar_of({{"a", long_text}});
+    tar[at] = '9';
+    folder.file("maps.tar", tar);
+    EXPECT_THAT(visit(path).error().message, HasSubstr("a member's header is wrong")) << at;
+  }
+}
+
+TEST_F(ArchiveTest, NamesWhatCannotBeRead) {
+  EXPECT_THAT(visit(folder.path() / "absent").error().message, HasSubstr("absent: cannot be read"));
+  EXPECT_THAT(read_whole_file(folder.path()).error().message, HasSubstr("is a folder"));
+  EXPECT_FALSE(is_tar_archive(folder.path()));
+  EXPECT_FALSE(is_tar_archive(folder.path() / "absent"));
+}
+
+TEST_F(ArchiveTest, ReadsAnArchiveThatTarMade) {
+  std::size_t files = 0, size = 0;
+  const auto done = visit_files(
+      testing::data_file("vicpark-200-local-maps/localmaps_txt.tar.gz"), [](const std::string&) { return true; },
+      [&](const fs::path&, std::string&& bytes) -> Expected<void> {
+        ++files;
+        size += bytes.size();
+        return {};
+      });
+  ASSERT_TRUE(done) << done.error().message;
+  EXPECT_EQ(files, 200u);
+  EXPECT_EQ(size, 11538729u);
+}
+
+}  // namespace
+}  // namespace mapjoin

@@ -1,0 +1,50 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+// Whole files: their bytes, gzipped ones, and tar archives, for tests of readers.
+
+#include <zlib.h>
+
+#include <cstdio>
+#include <filesystem>
+#include <fstream>
+#include <iterator>
+#include <map>
+#include <string>
+
+namespace mapjoin::testing {
+
+inline std::string bytes_of(const std::filesystem::path& path) {
+  std::ifstream in(path, std::ios::binary);
+  return {std::istreambuf_iterator<char>(in), {}};
+}
+
+inline void write_gzipped(const std::filesystem::path& path, const std::string& bytes) {
+  const gzFile file = gzopen(path.c_str(), "wb");
+  gzwrite(file, bytes.data(), static_cast<unsigned>(bytes.size()));
+  gzclose(file);
+}
+
+/// The bytes of a ustar archive with these members.
+inline std::string tar_of(const std::map<std::string, std::string>& members) {
+  std::string tar;
+  for (const auto& [name, bytes] : members) {
+    std::string header(512, '\0');
+    const auto put = [&](std::size_t at, const std::string& text) { header.replace(at, text.size(), text); };
+    char size[13];
+    std::snprintf(size, sizeof size, "%011o", static_cast<unsigned>(bytes.size()));
+    put(0, name);
+    put(124, size);
+    put(148, "        ");
+    put(156, "0");
+    put(257, std::string("ustar\00000", 8));
+    unsigned sum = 0;
+    for (const char c : header) sum += static_cast<unsigned char>(c);
+    char checksum[8];
+    std::snprintf(checksum, sizeof checksum, "%06o", sum);
+    put(148, checksum);
+    tar += header + bytes + std::string((512 - bytes.size() % 512) % 512, '\0');
+  }
+  return tar + std::string(1024, '\0');
+}
+
+}  // namespace mapjoin::testing
