@@ -1,1 +1,121 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include <algorithm>
+#include <cmath>
+#include <mapjoin/localmap/segment.hpp>
+#include <mapjoin/localmap/split.hpp>
+#include <mapjoin/localmap/split_cost.hpp>
+
+namespace mapjoin {
+namespace {
+
+/// Grows stretches along the poses of a log, by what each further pose adds.
+template <int Dim>
+class Growth {
+ public:
+  Growth(const Log<Dim>& log, const SplitOptions& options) : log_(log), options_(options), seen_in_(log.features.size(), -1) {}
+
+  /// The end of the stretch that begins at `begin` in `session`.
+  Index end_from(Index begin, const Session& session) {
+    double metres = 0.0;
+    Index features = 0;
+    for (Index end = begin + 1; end < session.end; ++end) {
+      features += new_features(end - 1, begin);
+      metres += step_length(end);
+      if (is_long_enough(end - begin, metres, features)) return end;
+    }
+    return session.end - 1;
+  }
+
+ private:
+  bool is_long_enough(Index steps, double metres, Index features) const {
+    switch (options_.rule) {
+      case SplitRule::kDistance:
+        return metres >= options_.amount;
+      case SplitRule::kFeatures:
+        return features >= options_.amount;
+      default:
+        return steps >= options_.amount;
+    }
+  }
+
+  Index new_features(Index pose, Index begin) {
+    Index count = 0;
+    for (const auto& observation : observations_of(log_, {pose, pose + 1})) {
+      Index& seen_in = seen_in_[static_cast<std::size_t>(observation.target)];
+      if (observation.base == pose && seen_in != begin) ++count;
+      seen_in = begin;
+    }
+    return count;
+  }
+
+  double step_length(Index later_pose) const {
+    const auto step = odometry_of(log_, {later_pose - 1, later_pose});
+    return step.empty() ? 0.0 : step.front().measured.translation.norm();
+  }
+
+  const Log<Dim>& log_;
+  const SplitOptions& options_;
+  std::vector<Index> seen_in_;  // per feature: the stretch, by its begin, that saw it last
+};
+
+template <int Dim>
+std::vector<bool> mentioned_poses(const Log<Dim>& log) {
+  std::vector<bool> kept(log.poses.size(), false);
+  for (const auto& closure : log.closures) {
+    kept[static_cast<std::size_t>(closure.base)] = true;
+    kept[static_cast<std::size_t>(closure.target)] = true;
+  }
+  for (const auto& prior : log.pose_priors) kept[static_cast<std::size_t>(prior.target)] = true;
+  for (const auto& fixed : log.fixed) kept[static_cast<std::size_t>(fixed.pose)] = true;
+  return kept;
+}
+
+/// A map pays when it eliminates at least half of its inner poses.
+void decide_kind(Stretch& stretch, std::vector<bool>& kept) {
+  const Index inner = stretch.end - stretch.begin - 1;
+  const auto first = kept.begin() + stretch.begin;
+  const auto last = kept.begin() + stretch.end + 1;
+  const auto mentioned = inner > 0 ? std::count(first + 1, last - 1, true) : 0;
+  stretch.is_map = inner > 0 && 2 * mentioned <= inner;
+  if (stretch.is_map) {
+    *first = *(last - 1) = true;
+  } else {
+    std::fill(first, last, true);
+  }
+}
+
+}  // namespace
+
+std::vector<std::string> SplitOptions::validate() const {
+  std::vector<std::string> violations;
+  if (rule == SplitRule::kPoses && !(amount >= 1.0)) violations.emplace_back("a local map needs at least one step");
+  if (rule == SplitRule::kDistance && !(amount > 0.0)) violations.emplace_back("the distance of a local map must be positive");
+  if (rule == SplitRule::kFeatures && !(amount >= 1.0)) violations.emplace_back("a local map needs at least one feature");
+  return violations;
+}
+
+template <int Dim>
+Split split(const Log<Dim>& log, const SplitOptions& options) {
+  SplitOptions chosen = options;
+  if (options.rule == SplitRule::kAuto) chosen = {SplitRule::kPoses, static_cast<double>(cheapest_poses_per_map(log))};
+
+  Split result;
+  result.kept = mentioned_poses(log);
+  if (chosen.rule == SplitRule::kPoses) result.poses_per_map = static_cast<Index>(std::min(chosen.amount, 1e9));
+  Growth<Dim> growth(log, chosen);
+  for (const Session& session : log.sessions) {
+    Index begin = session.begin;
+    do {
+      const Index end = growth.end_from(begin, session);
+      result.stretches.push_back({begin, end, true});
+      begin = end;
+    } while (begin + 1 < session.end);
+  }
+  for (Stretch& stretch : result.stretches) decide_kind(stretch, result.kept);
+  return result;
+}
+
+template Split split(const Log<2>&, const SplitOptions&);
+template Split split(const Log<3>&, const SplitOptions&);
+
+}  // namespace mapjoin

@@ -1,0 +1,89 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <mapjoin/join/join_problem.hpp>
+#include <mapjoin/model/accumulate.hpp>
+
+namespace mapjoin {
+namespace {
+
+/// X̂_t - H_t of every target of a map with `residual_of(measured, target)`, stacked.
+template <int Dim, typename PoseAt, typename FeatureAt>
+double chi2_of(const LocalMap<Dim>& map, const Pose<Dim>& base, PoseAt&& pose_at, FeatureAt&& feature_at) {
+  Eigen::VectorXd r(map.information.rows());
+  Eigen::Index row = 0;
+  for (std::size_t p = 0; p < map.poses.size(); ++p, row += kPoseDof<Dim>) {
+    r.segment<kPoseDof<Dim>>(row) = residual<Dim>(map.pose_estimates[p], base, pose_at(p));
+  }
+  for (std::size_t f = 0; f < map.features.size(); ++f, row += Dim) {
+    r.segment<Dim>(row) = residual<Dim>(map.feature_estimates[f], base, feature_at(f));
+  }
+  return r.dot(map.information * r);
+}
+
+template <int Dim>
+LinearMap<Dim> linearise_map(const typename JointSystem<Dim>::PlacedMap& placed, const State<Dim>& state) {
+  const LocalMap<Dim>& map = *placed.map;
+  const Pose<Dim> base = state.pose(placed.base);
+  LinearMap<Dim> linear;
+  linear.W = &map.information;
+  for (std::size_t p = 0; p < map.poses.size(); ++p) {
+    linear.poses.push_back(linearise<Dim>(map.pose_estimates[p], base, state.pose(placed.poses[p])));
+  }
+  for (std::size_t f = 0; f < map.features.size(); ++f) {
+    linear.features.push_back(linearise<Dim>(map.feature_estimates[f], base, state.feature(placed.features[f])));
+  }
+  return linear;
+}
+
+}  // namespace
+
+template <int Dim>
+double map_chi2(const typename JointSystem<Dim>::PlacedMap& placed, const State<Dim>& state) {
+  return chi2_of<Dim>(
+      *placed.map, state.pose(placed.base), [&](std::size_t p) { return state.pose(placed.poses[p]); },
+      [&](std::size_t f) -> const Point<Dim>& { return state.feature(placed.features[f]); });
+}
+
+template <int Dim>
+double piece_chi2(const Piece<Dim>& piece) {
+  double chi2 = 0.0;
+  for (const auto* o : piece.pose_observations) {
+    const PoseVector<Dim> r = residual<Dim>(o->measured, pose_in(piece, o->base), pose_in(piece, o->target));
+    chi2 += r.dot(o->information * r);
+  }
+  for (const auto* o : piece.feature_observations) {
+    const Point<Dim> r = residual<Dim>(o->measured, pose_in(piece, o->base), feature_in(piece, o->target));
+    chi2 += r.dot(o->information * r);
+  }
+  for (const auto* map : piece.maps) {
+    chi2 += chi2_of<Dim>(
+        *map, pose_in(piece, map->base), [&](std::size_t p) -> const Pose<Dim>& { return pose_in(piece, map->poses[p]); },
+        [&](std::size_t f) -> const Point<Dim>& { return feature_in(piece, map->features[f]); });
+  }
+  return chi2;
+}
+
+template <int Dim>
+double JoinProblem<Dim>::linearise() {
+  double chi2 = system_.linearise_observations();
+  for (std::size_t m = 0; m < system_.map_count(); ++m) {
+    chi2 += accumulate(linearise_map<Dim>(system_.maps()[m], system_.estimate()), system_.map_sink(m));
+  }
+  return chi2;
+}
+
+template <int Dim>
+double JoinProblem<Dim>::try_step(const Eigen::VectorXd& step) {
+  candidate_ = system_.retracted(step);
+  double chi2 = system_.observations_chi2(candidate_);
+  for (const auto& placed : system_.maps()) chi2 += map_chi2<Dim>(placed, candidate_);
+  return chi2;
+}
+
+template class JoinProblem<2>;
+template class JoinProblem<3>;
+template double map_chi2<2>(const JointSystem<2>::PlacedMap&, const State<2>&);
+template double map_chi2<3>(const JointSystem<3>::PlacedMap&, const State<3>&);
+template double piece_chi2(const Piece<2>&);
+template double piece_chi2(const Piece<3>&);
+
+}  // namespace mapjoin

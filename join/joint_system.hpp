@@ -1,0 +1,82 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+// The joined state (30), its normal equations, and the observations that stand on their own. What the local maps add is the
+// caller's: their Gaussians when joining, their segments when polishing; both into the same pattern.
+
+#include <Eigen/Core>
+#include <mapjoin/join/piece.hpp>
+#include <mapjoin/solve/minimise_options.hpp>
+#include <mapjoin/solve/normal_equations.hpp>
+#include <vector>
+
+namespace mapjoin {
+
+/// What holds a piece still.
+template <int Dim>
+struct Gauge {
+  std::vector<Index> held;  ///< Places of poses that have no columns.
+  std::vector<const PoseObservation<Dim>*> pose_priors;
+  std::vector<const FeatureObservation<Dim>*> feature_priors;
+};
+
+template <int Dim>
+class JointSystem {
+ public:
+  /// `piece` gives observations and start; it may go afterwards, the observations and maps must stay.
+  JointSystem(const Piece<Dim>& piece, const Gauge<Dim>& gauge);
+
+  /// Normal equations of the single observations, from zero; returns their chi2.
+  double linearise_observations();
+  double observations_chi2(const State<Dim>& state) const;
+
+  NormalEquations& equations() { return equations_; }
+  const NormalEquations& equations() const { return equations_; }
+  /// Where the normal equations of map m go; slots are base, poses, features.
+  NormalEquations::Sink map_sink(std::size_t m) { return equations_.sink(first_map_clique_ + m); }
+  std::span<const Index> map_variables(std::size_t m) const { return equations_.clique(first_map_clique_ + m); }
+  std::size_t map_count() const { return maps_.size(); }
+
+  /// A map whose indices are places of the joined state.
+  struct PlacedMap {
+    const LocalMap<Dim>* map;
+    Index base;
+    std::vector<Index> poses;
+    std::vector<Index> features;
+  };
+  const std::vector<PlacedMap>& maps() const { return maps_; }
+
+  State<Dim>& estimate() { return estimate_; }
+  const State<Dim>& estimate() const { return estimate_; }
+  /// The estimate moved by a step.
+  State<Dim> retracted(const Eigen::VectorXd& step) const;
+  StepSize step_size(const Eigen::VectorXd& step) const;
+  /// The place of a variable: a pose, or a feature after all poses.
+  Index place_of_variable(Index variable) const { return places_[static_cast<std::size_t>(variable)]; }
+
+ private:
+  template <typename Observation>
+  struct Placed {
+    const Observation* observation;
+    Index base;
+    Index target;
+  };
+  void number_variables(const Gauge<Dim>& gauge);
+  void place_observations(const Piece<Dim>& piece, const Gauge<Dim>& gauge);
+  NormalEquations make_equations() const;
+  Index pose_variable(Index place) const {
+    return place == kWorld ? kConstant : pose_variables_[static_cast<std::size_t>(place)];
+  }
+  Index feature_variable(Index place) const { return first_feature_variable_ + place; }
+
+  State<Dim> estimate_;
+  std::vector<Placed<PoseObservation<Dim>>> pose_observations_;
+  std::vector<Placed<FeatureObservation<Dim>>> feature_observations_;
+  std::vector<PlacedMap> maps_;
+  std::vector<Index> pose_variables_;  // per place; kConstant where held
+  Index first_feature_variable_ = 0;
+  std::vector<Index> places_;  // per variable
+  std::size_t first_map_clique_ = 0;
+  NormalEquations equations_;
+};
+
+}  // namespace mapjoin

@@ -1,0 +1,41 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+// A piece of the network that hangs together: its poses, features and observations, and their state in a frame of its own.
+
+#include <algorithm>
+#include <mapjoin/join/network.hpp>
+#include <mapjoin/model/state.hpp>
+#include <vector>
+
+namespace mapjoin {
+
+template <int Dim>
+struct Piece {
+  std::vector<Index> poses;     ///< Of the network, ascending.
+  std::vector<Index> features;  ///< Of the network, ascending.
+  State<Dim> state;             ///< By place in `poses` and `features`.
+  std::vector<const LocalMap<Dim>*> maps;
+  std::vector<const PoseObservation<Dim>*> pose_observations;
+  std::vector<const FeatureObservation<Dim>*> feature_observations;
+};
+
+/// The place of an index in an ascending list that holds it.
+inline Index place_of(const std::vector<Index>& ascending, Index index) {
+  return static_cast<Index>(std::lower_bound(ascending.begin(), ascending.end(), index) - ascending.begin());
+}
+
+inline bool holds(const std::vector<Index>& ascending, Index index) {
+  return std::binary_search(ascending.begin(), ascending.end(), index);
+}
+
+template <int Dim>
+const Pose<Dim>& pose_in(const Piece<Dim>& piece, Index pose) {
+  return piece.state.poses[static_cast<std::size_t>(place_of(piece.poses, pose))];
+}
+
+template <int Dim>
+const Point<Dim>& feature_in(const Piece<Dim>& piece, Index feature) {
+  return piece.state.features[static_cast<std::size_t>(place_of(piece.features, feature))];
+}
+
+}  // namespace mapjoin

@@ -1,0 +1,38 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+// Where a piece stands in the frame of another: from the poses and features they share and the closures between them.
+
+#include <mapjoin/join/piece.hpp>
+#include <optional>
+#include <utility>
+#include <vector>
+
+namespace mapjoin {
+
+/// The rigid motion that takes `from` onto `to` with the least sum of squared distances (Umeyama, without scale), or nothing
+/// where the points do not determine it: fewer than two distinct ones in 2D, all on a line in 3D.
+template <int Dim>
+std::optional<Pose<Dim>> rigid_alignment(const std::vector<Point<Dim>>& from, const std::vector<Point<Dim>>& to);
+
+/// What ties two frames together.
+template <int Dim>
+struct Ties {
+  std::vector<Pose<Dim>> placements;     ///< Of the second frame in the first, each from one shared pose or closure.
+  std::vector<Point<Dim>> first_points;  ///< The same points in both frames.
+  std::vector<Point<Dim>> second_points;
+
+  void add_pose(const Pose<Dim>& in_first, const Pose<Dim>& in_second);
+  void add_point(const Point<Dim>& in_first, const Point<Dim>& in_second);
+  /// The placements worth trying, those from poses first; empty where the ties do not determine one.
+  std::vector<Pose<Dim>> candidates() const;
+};
+
+/// The ties between two pieces; `closures` may hold others, too.
+template <int Dim>
+Ties<Dim> ties_between(const Piece<Dim>& a, const Piece<Dim>& b, const std::vector<const PoseObservation<Dim>*>& closures);
+
+/// Both pieces in the frame of `a`, `b` placed by `placement`; what both hold keeps its value in `a`.
+template <int Dim>
+Piece<Dim> merged(const Piece<Dim>& a, const Piece<Dim>& b, const Pose<Dim>& placement);
+
+}  // namespace mapjoin

@@ -1,0 +1,189 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <tbb/parallel_invoke.h>
+
+#include <algorithm>
+#include <limits>
+#include <mapjoin/join/join_problem.hpp>
+#include <mapjoin/join/leaf.hpp>
+#include <mapjoin/join/placement.hpp>
+#include <mapjoin/join/schedule.hpp>
+#include <mutex>
+#include <utility>
+
+namespace mapjoin {
+namespace {
+
+template <int Dim>
+using Closures = std::vector<const PoseObservation<Dim>*>;
+
+/// The placement of `b` that gives the merged piece the least chi2; the first of equals.
+template <int Dim>
+Piece<Dim> merged_best(const Piece<Dim>& a, const Piece<Dim>& b, const std::vector<Pose<Dim>>& candidates,
+                       const Closures<Dim>& closures) {
+  Piece<Dim> best = merged(a, b, candidates.front());
+  if (candidates.size() == 1) return best;
+  double best_chi2 = std::numeric_limits<double>::infinity();
+  for (std::size_t k = 0; k < candidates.size(); ++k) {
+    Piece<Dim> piece = merged(a, b, candidates[k]);
+    for (const auto* closure : closures) {
+      if (holds(piece.poses, closure->base) && holds(piece.poses, closure->target)) piece.pose_observations.push_back(closure);
+    }
+    const double chi2 = piece_chi2(piece);
+    if (!(chi2 < best_chi2)) continue;
+    best_chi2 = chi2;
+    piece.pose_observations.resize(a.pose_observations.size() + b.pose_observations.size());
+    best = std::move(piece);
+  }
+  return best;
+}
+
+/// How many pieces are settled on the way, the leaves among them.
+std::size_t joins(std::size_t stretches, Schedule schedule) {
+  return schedule == Schedule::kSequential ? stretches : 2 * stretches - 1;
+}
+
+template <int Dim>
+class Joiner {
+ public:
+  Joiner(const Network<Dim>& network, const ScheduleOptions& options, const std::stop_token& stop)
+      : network_(network),
+        options_(options),
+        stop_(stop),
+        leaves_(network),
+        to_do_(joins(network.stretches.size(), options.schedule)) {}
+
+  JoinedPieces<Dim> all() {
+    Closures<Dim> closures = leaves_.closures();
+    const std::size_t count = network_.stretches.size();
+    if (options_.schedule == Schedule::kSequential) return one_by_one(std::move(closures));
+    return range(0, count, std::move(closures));
+  }
+
+ private:
+  /// The join of stretches [low, high) and of the closures among them.
+  JoinedPieces<Dim> range(std::size_t low, std::size_t high, Closures<Dim> closures) {
+    if (high - low == 1) return settled({leaves_.piece(low)}, std::move(closures));
+    const std::size_t middle = low + (high - low) / 2;
+    Closures<Dim> left, right, here;
+    for (const auto* closure : closures) {
+      const auto [first, last] = leaves_.stretches_of(*closure);
+      (last < middle ? left : first >= middle ? right : here).push_back(closure);
+    }
+    JoinedPieces<Dim> a, b;
+    tbb::parallel_invoke([&] { a = range(low, middle, std::move(left)); }, [&] { b = range(middle, high, std::move(right)); });
+    return joined(std::move(a), std::move(b), std::move(here));
+  }
+
+  JoinedPieces<Dim> one_by_one(Closures<Dim> closures) {
+    std::vector<Closures<Dim>> closed_by(network_.stretches.size());
+    for (const auto* closure : closures) closed_by[leaves_.stretches_of(*closure).second].push_back(closure);
+    JoinedPieces<Dim> so_far = settled({leaves_.piece(0)}, std::move(closed_by[0]));
+    for (std::size_t k = 1; k < closed_by.size(); ++k) {
+      so_far = joined(std::move(so_far), {{leaves_.piece(k)}, {}}, std::move(closed_by[k]));
+    }
+    return so_far;
+  }
+
+  JoinedPieces<Dim> joined(JoinedPieces<Dim> a, JoinedPieces<Dim> b, Closures<Dim> here) {
+    for (auto* pending : {&a.pending, &b.pending}) here.insert(here.end(), pending->begin(), pending->end());
+    std::vector<Piece<Dim>> pieces = std::move(a.pieces);
+    std::move(b.pieces.begin(), b.pieces.end(), std::back_inserter(pieces));
+    if (stop_.stop_requested()) return {std::move(pieces), std::move(here)};
+    return settled(merge_tied(std::move(pieces), here), std::move(here));
+  }
+
+  /// Merges pieces that are tied until none are.
+  std::vector<Piece<Dim>> merge_tied(std::vector<Piece<Dim>> pieces, const Closures<Dim>& closures) {
+    for (std::size_t i = 0; i < pieces.size(); ++i) {
+      for (std::size_t j = i + 1; j < pieces.size();) {
+        auto candidates = ties_between(pieces[i], pieces[j], closures).candidates();
+        if (candidates.empty()) {
+          ++j;
+          continue;
+        }
+        if (options_.schedule == Schedule::kBatch) candidates.resize(1);
+        pieces[i] = merged_best(pieces[i], pieces[j], candidates, closures);
+        pieces.erase(pieces.begin() + static_cast<std::ptrdiff_t>(j));
+        j = i + 1;  // what was not tied to the smaller piece may be tied to this one
+      }
+    }
+    return pieces;
+  }
+
+  /// Gives each closure to the piece that holds both its poses, and leads every piece towards its optimum.
+  JoinedPieces<Dim> settled(std::vector<Piece<Dim>> pieces, Closures<Dim> closures) {
+    JoinedPieces<Dim> result;
+    for (const auto* closure : closures) {
+      const auto owner = std::find_if(pieces.begin(), pieces.end(), [&](const Piece<Dim>& piece) {
+        return holds(piece.poses, closure->base) && holds(piece.poses, closure->target);
+      });
+      if (owner == pieces.end()) {
+        result.pending.push_back(closure);
+      } else {
+        owner->pose_observations.push_back(closure);
+      }
+    }
+    const bool is_last = !pieces.empty() && pieces.front().poses.size() == leaves_.joined_pose_count();
+    for (auto& piece : pieces) {
+      if (options_.schedule != Schedule::kBatch && !is_last && !stop_.stop_requested()) lead(piece);
+    }
+    result.pieces = std::move(pieces);
+    report_progress();
+    return result;
+  }
+
+  void lead(Piece<Dim>& piece) {
+    if (piece.maps.size() == 1 && piece.pose_observations.empty() && piece.feature_observations.empty()) return;
+    JoinProblem<Dim> problem(piece, {{0}, {}, {}});
+    minimise(problem, options_.inner, stop_);
+    piece.state = problem.estimate();
+  }
+
+  void report_progress() {
+    if (!options_.progress) return;
+    const std::lock_guard lock(progress_mutex_);
+    options_.progress(++done_, to_do_);
+  }
+
+  const Network<Dim>& network_;
+  const ScheduleOptions& options_;
+  const std::stop_token& stop_;
+  Leaves<Dim> leaves_;
+  std::mutex progress_mutex_;
+  std::size_t done_ = 0;
+  std::size_t to_do_;
+};
+
+}  // namespace
+
+std::string to_string(Schedule schedule) {
+  switch (schedule) {
+    case Schedule::kBatch:
+      return "batch";
+    case Schedule::kSequential:
+      return "sequential";
+    case Schedule::kTree:
+      return "tree";
+  }
+  return "unknown";
+}
+
+MinimiseOptions ScheduleOptions::leading() {
+  MinimiseOptions options;
+  options.max_iterations = 50;
+  options.relative_chi2 = 1e-4;
+  options.step_metres = 1e-3;
+  options.step_radians = 1e-4;
+  options.damp_singular = true;
+  return options;
+}
+
+template <int Dim>
+JoinedPieces<Dim> join_stretches(const Network<Dim>& network, const ScheduleOptions& options, const std::stop_token& stop) {
+  return Joiner<Dim>(network, options, stop).all();
+}
+
+template JoinedPieces<2> join_stretches(const Network<2>&, const ScheduleOptions&, const std::stop_token&);
+template JoinedPieces<3> join_stretches(const Network<3>&, const ScheduleOptions&, const std::stop_token&);
+
+}  // namespace mapjoin

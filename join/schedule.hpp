@@ -1,0 +1,45 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+// In which order local maps are joined: all at once, map by map, or along a tree.
+
+#include <cstdint>
+#include <functional>
+#include <mapjoin/join/piece.hpp>
+#include <mapjoin/solve/minimise_options.hpp>
+#include <stop_token>
+#include <string>
+#include <vector>
+
+namespace mapjoin {
+
+enum class Schedule : std::uint8_t {
+  kBatch,       ///< All maps at once, from the composed start.
+  kSequential,  ///< Map by map (I-SLSJF), re-solved while the estimate moves more than a threshold.
+  kTree,        ///< Pairs of neighbours, then pairs of pairs: needs no initial value.
+};
+
+/// "batch", "sequential" or "tree".
+std::string to_string(Schedule schedule);
+
+struct ScheduleOptions {
+  Schedule schedule = Schedule::kTree;
+  MinimiseOptions inner;  ///< Of the joins below the last one, which only have to lead to its basin.
+  /// Called after every join with the number done and to do; from one thread at a time.
+  std::function<void(std::size_t, std::size_t)> progress;
+
+  static MinimiseOptions leading();
+};
+
+/// Pieces that could not be tied together, and the closures between them.
+template <int Dim>
+struct JoinedPieces {
+  std::vector<Piece<Dim>> pieces;
+  std::vector<const PoseObservation<Dim>*> pending;
+};
+
+/// Joins all stretches of a network but for the last solve: the pieces, one where the network hangs together, hold a start for
+/// it. Each is in the frame of its first pose. In parallel along the tree, with the same result for any number of threads.
+template <int Dim>
+JoinedPieces<Dim> join_stretches(const Network<Dim>& network, const ScheduleOptions& options, const std::stop_token& stop = {});
+
+}  // namespace mapjoin

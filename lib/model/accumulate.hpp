@@ -1,0 +1,94 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+// The normal equations of an observation, whatever its storage: one `accumulate` over pairs of targets.
+//
+// An observation offers, per target t, its residual r_t and Jacobians M_t = ∂H_t/∂x_t and B_t = ∂H_t/∂x_b, and blocks W_st of
+// its information. Slot 0 is the base, slot 1 + t the target t. The sink is given the blocks H_ij = J_iᵀ W J_j of slots i ≤ j
+// and the right-hand sides g_i = J_iᵀ W r, so that H δ = g is the Gauss-Newton step.
+
+#include <Eigen/Core>
+#include <mapjoin/model/linearise.hpp>
+#include <mapjoin/model/local_map.hpp>
+#include <mapjoin/model/observation.hpp>
+#include <mapjoin/model/state.hpp>
+#include <vector>
+
+namespace mapjoin {
+
+/// A linearised observation of one target.
+template <int Dim, int Dof>
+struct LinearObservation {
+  LinearTarget<Dim, Dof> target;
+  Matrix<Dof> W;
+
+  static constexpr int kDim = Dim;
+  template <typename F>
+  void for_each_target(F&& f) const {
+    f(0, target);
+  }
+  template <int RowDof, int ColDof>
+  const Matrix<Dof>& information(int, int) const {
+    return W;
+  }
+};
+
+template <int Dim, int Dof>
+LinearObservation<Dim, Dof> weighted(const LinearTarget<Dim, Dof>& target, const Matrix<Dof>& information, Loss loss) {
+  const double chi2 = target.residual.dot(information * target.residual);
+  return {target, loss_weight(loss, chi2) * information};
+}
+
+/// A linearised local map: its poses, then its features.
+template <int Dim>
+struct LinearMap {
+  std::vector<LinearTarget<Dim, kPoseDof<Dim>>> poses;
+  std::vector<LinearTarget<Dim, Dim>> features;
+  const Eigen::MatrixXd* W = nullptr;
+
+  static constexpr int kDim = Dim;
+  template <typename F>
+  void for_each_target(F&& f) const {
+    int t = 0;
+    for (const auto& pose : poses) f(t++, pose);
+    for (const auto& feature : features) f(t++, feature);
+  }
+  template <int RowDof, int ColDof>
+  auto information(int s, int t) const {
+    return W->block<RowDof, ColDof>(row(s), row(t));
+  }
+
+ private:
+  Eigen::Index row(int t) const {
+    const int count = static_cast<int>(poses.size());
+    return t < count ? t * kPoseDof<Dim> : count * kPoseDof<Dim> + (t - count) * Dim;
+  }
+};
+
+/// Gives `sink` the normal equations of `observation` and returns its chi2 = rᵀ W r.
+template <typename Observation, typename Sink>
+double accumulate(const Observation& observation, Sink&& sink) {
+  constexpr int kDof = kPoseDof<Observation::kDim>;
+  double chi2 = 0.0;
+  Matrix<kDof> H_bb = Matrix<kDof>::Zero();
+  Vector<kDof> g_b = Vector<kDof>::Zero();
+  observation.for_each_target([&]<int DofT>(int t, const LinearTarget<Observation::kDim, DofT>& target_t) {
+    Vector<DofT> Wr = Vector<DofT>::Zero();
+    Matrix<kDof, DofT> BtW = Matrix<kDof, DofT>::Zero();
+    observation.for_each_target([&]<int DofS>(int s, const LinearTarget<Observation::kDim, DofS>& target_s) {
+      const Matrix<DofS, DofT> W_st = observation.template information<DofS, DofT>(s, t);
+      Wr.noalias() += W_st.transpose() * target_s.residual;
+      BtW.noalias() += target_s.J_base.transpose() * W_st;
+      if (s <= t) sink.hessian(1 + s, 1 + t, target_s.J_target.transpose() * W_st * target_t.J_target);
+    });
+    chi2 += target_t.residual.dot(Wr);
+    sink.hessian(0, 1 + t, BtW * target_t.J_target);
+    sink.rhs(1 + t, target_t.J_target.transpose() * Wr);
+    H_bb.noalias() += BtW * target_t.J_base;
+    g_b.noalias() += target_t.J_base.transpose() * Wr;
+  });
+  sink.hessian(0, 0, H_bb);
+  sink.rhs(0, g_b);
+  return chi2;
+}
+
+}  // namespace mapjoin

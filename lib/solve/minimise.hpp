@@ -1,0 +1,88 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+// The one nonlinear loop: Gauss-Newton, dogleg or Levenberg-Marquardt over any problem that can linearise, solve and step.
+
+#include <Eigen/Core>
+#include <algorithm>
+#include <cmath>
+#include <concepts>
+#include <limits>
+#include <mapjoin/model/ids.hpp>
+#include <mapjoin/solve/minimise_options.hpp>
+#include <mapjoin/solve/trust_region.hpp>
+#include <optional>
+#include <stop_token>
+
+namespace mapjoin {
+
+/// chi2(x ⊕ δ) ≈ chi2 - 2 gᵀδ + δᵀHδ.
+template <typename P>
+concept LeastSquaresProblem = requires(P p, const Eigen::VectorXd& v, double damping) {
+  { p.linearise() } -> std::convertible_to<double>;                // makes H and g at the estimate; returns chi2 there
+  { p.gradient() } -> std::convertible_to<Eigen::VectorXd>;        // g
+  { p.diagonal() } -> std::convertible_to<Eigen::VectorXd>;        // of H
+  { p.curvature(v) } -> std::convertible_to<double>;               // vᵀHv; asked for before factorise
+  { p.factorise(damping) } -> std::same_as<std::optional<Index>>;  // H + damping·diag(H); a singular variable or nothing
+  { p.solve() } -> std::convertible_to<Eigen::VectorXd>;           // (H + damping·diag(H))⁻¹ g
+  { p.step_size(v) } -> std::same_as<StepSize>;
+  { p.try_step(v) } -> std::convertible_to<double>;  // chi2 of the estimate moved by v, kept as the candidate
+  {p.accept()};                                      // the candidate becomes the estimate
+};
+
+namespace detail {
+
+/// Factorises with the least damping that makes the system regular; the first singular variable met where none does or none is
+/// allowed.
+template <LeastSquaresProblem P>
+std::optional<Index> factorise_damped(P& problem, double damping, bool damp_singular) {
+  const auto singular = problem.factorise(damping);
+  if (!singular || !damp_singular) return singular;
+  for (double more = std::max(1e-8, 10.0 * damping); more <= 1.0; more *= 10.0) {
+    if (!problem.factorise(more)) return std::nullopt;
+  }
+  return singular;
+}
+
+}  // namespace detail
+
+/// Minimises chi2 from the problem's estimate, which is left at the best one found. Each accepted step counts as one iteration.
+template <LeastSquaresProblem P>
+MinimiseResult minimise(P& problem, const MinimiseOptions& options, const std::stop_token& stop = {}) {
+  MinimiseResult result;
+  result.chi2 = result.start_chi2 = problem.linearise();
+  TrustRegion region(options.method);
+  while (true) {
+    if (stop.stop_requested()) return result.ended(MinimiseStatus::kInterrupted);
+    if (!std::isfinite(result.chi2)) return result.ended(MinimiseStatus::kNoProgress);
+    const Quadratic model = Quadratic::of(problem);
+    Eigen::VectorXd step;
+    do {
+      if (region.needs_factorisation()) {
+        result.singular = detail::factorise_damped(problem, region.damping(), options.damp_singular);
+        if (result.singular) return result.ended(MinimiseStatus::kSingular);
+        region.set_newton_step(problem.solve(), model);
+      }
+      step = region.step(model);
+      const StepSize size = problem.step_size(step);
+      const bool last = region.predicted_decrease() <= options.relative_chi2 * result.chi2 ||
+                        (size.metres <= options.step_metres && size.radians <= options.step_radians);
+      const double chi2 = problem.try_step(step);
+      if (last) {
+        if (chi2 <= result.chi2) {
+          problem.accept();
+          result.chi2 = chi2;
+          ++result.iterations;
+        }
+        return result.ended(region.is_newton_step() ? MinimiseStatus::kConverged : MinimiseStatus::kNoProgress);
+      }
+      if (options.method == Method::kGaussNewton && !std::isfinite(chi2)) return result.ended(MinimiseStatus::kNoProgress);
+      region.judge(result.chi2 - chi2);
+      if (region.accepted()) result.chi2 = chi2;
+    } while (!region.accepted());
+    problem.accept();
+    if (++result.iterations >= options.max_iterations) return result.ended(MinimiseStatus::kMaxIterations);
+    problem.linearise();
+  }
+}
+
+}  // namespace mapjoin

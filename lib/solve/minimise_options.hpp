@@ -1,0 +1,62 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+// What can be asked of the nonlinear loop, and what it answers.
+
+#include <cstdint>
+#include <mapjoin/model/ids.hpp>
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace mapjoin {
+
+enum class Method : std::uint8_t {
+  kGaussNewton,  ///< Every step is taken, better or not: for experiments.
+  kDogleg,       ///< Powell's dogleg: one factorisation per linearisation.
+  kLevenbergMarquardt,
+};
+
+struct MinimiseOptions {
+  Method method = Method::kDogleg;
+  int max_iterations = 200;
+  double relative_chi2 = 1e-11;  ///< Converged when a step promises to lower chi2 by less than this share of it,
+  double step_metres = 1e-9;     ///< or moves no position by more than this (m)
+  double step_radians = 1e-9;    ///< and turns no pose by more than this (rad).
+  bool damp_singular = false;    ///< Damp where the system is singular instead of stopping there.
+
+  /// Every violation in words; empty if there is none.
+  std::vector<std::string> validate() const;
+};
+
+enum class MinimiseStatus : std::uint8_t {
+  kConverged,      ///< A stop test held.
+  kMaxIterations,  ///< The estimate is the best found so far.
+  kNoProgress,     ///< No step lowers chi2, or chi2 is not finite; the estimate is the last good one.
+  kSingular,       ///< `singular` cannot be determined from the observations; the estimate is the last good one.
+  kInterrupted,    ///< The stop token was set; the estimate is the best found so far.
+};
+
+/// "converged", "max_iterations", …, as in the report.
+std::string to_string(MinimiseStatus status);
+std::string to_string(Method method);
+
+struct MinimiseResult {
+  MinimiseStatus status = MinimiseStatus::kConverged;
+  int iterations = 0;
+  double start_chi2 = 0.0;
+  double chi2 = 0.0;
+  std::optional<Index> singular;  ///< A variable of the problem.
+
+  MinimiseResult& ended(MinimiseStatus with) {
+    status = with;
+    return *this;
+  }
+};
+
+/// The largest move of a position (m) and the largest turn of a pose (rad) in a step.
+struct StepSize {
+  double metres = 0.0;
+  double radians = 0.0;
+};
+
+}  // namespace mapjoin

@@ -1,0 +1,206 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <algorithm>
+#include <mapjoin/solve/normal_equations.hpp>
+#include <mapjoin/solve/ordering.hpp>
+#include <utility>
+
+namespace mapjoin {
+namespace {
+
+/// Sorts each list lists[begin[k] .. begin[k+1]) and drops what is repeated.
+void sort_and_unite(std::vector<std::int64_t>& begin, std::vector<Index>& lists) {
+  std::int64_t kept = 0;
+  for (std::size_t k = 0; k + 1 < begin.size(); ++k) {
+    const auto first = lists.begin() + begin[k];
+    const auto last = lists.begin() + begin[k + 1];
+    std::sort(first, last);
+    const auto end = std::unique(first, last);
+    begin[k] = kept;
+    kept = std::move(first, end, lists.begin() + kept) - lists.begin();
+  }
+  begin.back() = kept;
+  lists.resize(static_cast<std::size_t>(kept));
+}
+
+/// Calls f(a, b) for every pair of variables of every clique, each pair once.
+template <typename F>
+void for_each_pair(const Cliques& cliques, F&& f) {
+  for (std::size_t c = 0; c < cliques.size(); ++c) {
+    const auto slots = cliques[c];
+    for (std::size_t j = 0; j < slots.size(); ++j) {
+      for (std::size_t i = 0; i < j; ++i) {
+        if (slots[i] != kConstant && slots[j] != kConstant) f(slots[i], slots[j]);
+      }
+    }
+  }
+}
+
+/// Compressed lists of the values that `for_each(f)` gives as f(list, value).
+template <typename ForEach>
+std::pair<std::vector<std::int64_t>, std::vector<Index>> compress(std::size_t count, ForEach&& for_each) {
+  std::vector<std::int64_t> begin(count + 1, 0);
+  for_each([&](Index list, Index) { ++begin[static_cast<std::size_t>(list) + 1]; });
+  for (std::size_t k = 0; k < count; ++k) begin[k + 1] += begin[k];
+  std::vector<Index> lists(static_cast<std::size_t>(begin.back()));
+  std::vector<std::int64_t> next(begin.begin(), begin.end() - 1);
+  for_each([&](Index list, Index value) { lists[static_cast<std::size_t>(next[static_cast<std::size_t>(list)]++)] = value; });
+  sort_and_unite(begin, lists);
+  return {std::move(begin), std::move(lists)};
+}
+
+}  // namespace
+
+NormalEquations::NormalEquations(std::vector<int> dofs, Cliques cliques)
+    : dofs_(std::move(dofs)), cliques_(std::move(cliques)) {
+  offsets_.assign(dofs_.size() + 1, 0);
+  for (std::size_t v = 0; v < dofs_.size(); ++v) offsets_[v + 1] = offsets_[v] + dofs_[v];
+  gradient_.setZero(size());
+  order_variables();
+  lay_out();
+  cholesky_.analyse(matrix_);
+}
+
+void NormalEquations::order_variables() {
+  auto [begin, neighbours] = compress(dofs_.size(), [&](auto&& f) {
+    for_each_pair(cliques_, [&](Index a, Index b) {
+      f(a, b);
+      f(b, a);
+    });
+  });
+  order_ = elimination_order({std::move(begin), std::move(neighbours)});
+  place_.resize(order_.size());
+  place_offsets_.assign(order_.size() + 1, 0);
+  for (std::size_t k = 0; k < order_.size(); ++k) {
+    place_[static_cast<std::size_t>(order_[k])] = static_cast<Index>(k);
+    place_offsets_[k + 1] = place_offsets_[k] + dofs_[static_cast<std::size_t>(order_[k])];
+  }
+}
+
+NormalEquations::BlockColumns NormalEquations::block_columns() const {
+  auto [begin, rows] = compress(dofs_.size(), [&](auto&& f) {
+    for (std::size_t v = 0; v < dofs_.size(); ++v) f(place_[v], place_[v]);
+    for_each_pair(cliques_, [&](Index a, Index b) {
+      const auto [low, high] = std::minmax(place_[static_cast<std::size_t>(a)], place_[static_cast<std::size_t>(b)]);
+      f(high, low);
+    });
+  });
+  return {std::move(begin), std::move(rows)};
+}
+
+void NormalEquations::lay_out() {
+  const BlockColumns columns = block_columns();
+  const auto dof_at = [&](Index place) { return dofs_[static_cast<std::size_t>(order_[static_cast<std::size_t>(place)])]; };
+
+  // Where each block begins within its scalar columns, and how long these are.
+  std::vector<std::int64_t> row_offsets(columns.rows.size());
+  strides_.assign(order_.size(), 0);
+  diagonal_.assign(order_.size(), 0);
+  std::vector<std::int64_t> first_value(order_.size() + 1, 0);
+  for (std::size_t k = 0; k < order_.size(); ++k) {
+    for (auto r = columns.begin[k]; r < columns.begin[k + 1]; ++r) {
+      row_offsets[static_cast<std::size_t>(r)] = strides_[k];
+      strides_[k] += dof_at(columns.rows[static_cast<std::size_t>(r)]);
+    }
+    diagonal_[k] = first_value[k] + strides_[k] - dof_at(static_cast<Index>(k));
+    first_value[k + 1] = first_value[k] + strides_[k] * dof_at(static_cast<Index>(k));
+  }
+
+  matrix_.column_begin.assign(1, 0);
+  matrix_.rows.reserve(static_cast<std::size_t>(first_value.back()));
+  for (std::size_t k = 0; k < order_.size(); ++k) {
+    for (int c = 0; c < dof_at(static_cast<Index>(k)); ++c) {
+      for (auto r = columns.begin[k]; r < columns.begin[k + 1]; ++r) {
+        const auto row = static_cast<std::size_t>(columns.rows[static_cast<std::size_t>(r)]);
+        for (auto i = place_offsets_[row]; i < place_offsets_[row + 1]; ++i) matrix_.rows.push_back(i);
+      }
+      matrix_.column_begin.push_back(static_cast<std::int64_t>(matrix_.rows.size()));
+    }
+  }
+  matrix_.values.assign(matrix_.rows.size(), 0.0);
+
+  const auto destination = [&](Index a, Index b) -> std::int64_t {
+    if (a == kConstant || b == kConstant) return 0;
+    const auto [low, high] = std::minmax(place_[static_cast<std::size_t>(a)], place_[static_cast<std::size_t>(b)]);
+    const auto column = static_cast<std::size_t>(high);
+    const auto first = columns.rows.begin() + columns.begin[column];
+    const auto found = std::lower_bound(first, columns.rows.begin() + columns.begin[column + 1], low);
+    return first_value[column] + row_offsets[static_cast<std::size_t>(found - columns.rows.begin())];
+  };
+  for (std::size_t c = 0; c < cliques_.size(); ++c) {
+    destination_begin_.push_back(static_cast<std::int64_t>(destinations_.size()));
+    const auto slots = cliques_[c];
+    for (std::size_t j = 0; j < slots.size(); ++j) {
+      for (std::size_t i = 0; i < j; ++i) destinations_.push_back(destination(slots[i], slots[j]));
+    }
+  }
+}
+
+void NormalEquations::set_zero() {
+  std::fill(matrix_.values.begin(), matrix_.values.end(), 0.0);
+  gradient_.setZero();
+}
+
+Eigen::VectorXd NormalEquations::diagonal() const {
+  Eigen::VectorXd diagonal(size());
+  for (std::size_t k = 0; k < order_.size(); ++k) {
+    const auto v = static_cast<std::size_t>(order_[k]);
+    for (int i = 0; i < dofs_[v]; ++i) {
+      diagonal[offsets_[v] + i] = matrix_.values[static_cast<std::size_t>(diagonal_[k] + i * (strides_[k] + 1))];
+    }
+  }
+  return diagonal;
+}
+
+Eigen::VectorXd NormalEquations::permuted(const Eigen::VectorXd& v) const {
+  Eigen::VectorXd out(size());
+  for (std::size_t k = 0; k < order_.size(); ++k) {
+    const auto variable = static_cast<std::size_t>(order_[k]);
+    out.segment(place_offsets_[k], dofs_[variable]) = v.segment(offsets_[variable], dofs_[variable]);
+  }
+  return out;
+}
+
+double NormalEquations::curvature(const Eigen::VectorXd& v) const {
+  const Eigen::VectorXd p = permuted(v);
+  double sum = 0.0;
+  for (std::int64_t j = 0; j < matrix_.size(); ++j) {
+    double above = 0.0;
+    for (auto k = matrix_.column_begin[static_cast<std::size_t>(j)]; k < matrix_.column_begin[static_cast<std::size_t>(j) + 1];
+         ++k) {
+      const std::int64_t i = matrix_.rows[static_cast<std::size_t>(k)];
+      if (i > j) break;
+      above += (i < j ? 2.0 : 1.0) * matrix_.values[static_cast<std::size_t>(k)] * p[i];
+    }
+    sum += above * p[j];
+  }
+  return sum;
+}
+
+std::optional<Index> NormalEquations::factorise(double damping) {
+  const auto scale_diagonal = [&](double factor) {
+    for (std::size_t k = 0; k < order_.size(); ++k) {
+      const int dof = dofs_[static_cast<std::size_t>(order_[k])];
+      for (int i = 0; i < dof; ++i) matrix_.values[static_cast<std::size_t>(diagonal_[k] + i * (strides_[k] + 1))] *= factor;
+    }
+  };
+  if (size() == 0) return std::nullopt;
+  if (damping > 0.0) scale_diagonal(1.0 + damping);
+  const auto column = cholesky_.factorise(matrix_);
+  if (damping > 0.0) scale_diagonal(1.0 / (1.0 + damping));
+  if (!column) return std::nullopt;
+  const auto place = std::upper_bound(place_offsets_.begin(), place_offsets_.end(), *column) - place_offsets_.begin() - 1;
+  return order_[static_cast<std::size_t>(place)];
+}
+
+Eigen::VectorXd NormalEquations::solve(const Eigen::VectorXd& b) const {
+  if (size() == 0) return b;
+  const Eigen::VectorXd x = cholesky_.solve(permuted(b));
+  Eigen::VectorXd out(size());
+  for (std::size_t k = 0; k < order_.size(); ++k) {
+    const auto variable = static_cast<std::size_t>(order_[k]);
+    out.segment(offsets_[variable], dofs_[variable]) = x.segment(place_offsets_[k], dofs_[variable]);
+  }
+  return out;
+}
+
+}  // namespace mapjoin

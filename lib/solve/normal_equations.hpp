@@ -1,0 +1,133 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+// Sparse normal equations H δ = g over block variables: pattern, ordering and destinations once, values as often as needed.
+
+#include <Eigen/Core>
+#include <algorithm>
+#include <mapjoin/model/ids.hpp>
+#include <mapjoin/solve/sparse_cholesky.hpp>
+#include <optional>
+#include <span>
+#include <type_traits>
+#include <vector>
+
+namespace mapjoin {
+
+/// A variable that is held still: it has no columns.
+inline constexpr Index kConstant = -1;
+
+/// Which variables each observation ties together: its slots, kConstant where the slot is held still.
+struct Cliques {
+  std::vector<std::int64_t> begin = {0};
+  std::vector<Index> variables;
+
+  std::size_t size() const { return begin.size() - 1; }
+  std::span<const Index> operator[](std::size_t clique) const {
+    return {variables.data() + begin[clique], static_cast<std::size_t>(begin[clique + 1] - begin[clique])};
+  }
+  template <typename Range>
+  void push_back(const Range& slots) {
+    variables.insert(variables.end(), slots.begin(), slots.end());
+    begin.push_back(static_cast<std::int64_t>(variables.size()));
+  }
+};
+
+/// Vectors are over the variables in their own order, `dofs[v]` entries each.
+class NormalEquations {
+ public:
+  NormalEquations(std::vector<int> dofs, Cliques cliques);
+
+  /// Takes the blocks of one observation to their destinations.
+  class Sink {
+   public:
+    template <typename Block>
+    void hessian(int i, int j, const Block& block) {
+      const Index a = slots_[static_cast<std::size_t>(i)];
+      const Index b = slots_[static_cast<std::size_t>(j)];
+      if (a == kConstant || b == kConstant) return;
+      equations_.add(a, b, i == j ? 0 : destinations_[j * (j - 1) / 2 + i], block);
+    }
+    template <typename Block>
+    void rhs(int i, const Block& block) {
+      const Index a = slots_[static_cast<std::size_t>(i)];
+      if (a != kConstant) equations_.gradient_.segment(equations_.offsets_[static_cast<std::size_t>(a)], block.size()) += block;
+    }
+
+   private:
+    friend NormalEquations;
+    Sink(NormalEquations& equations, std::span<const Index> slots, const std::int64_t* destinations)
+        : equations_(equations), slots_(slots), destinations_(destinations) {}
+    NormalEquations& equations_;
+    std::span<const Index> slots_;
+    const std::int64_t* destinations_;
+  };
+
+  void set_zero();
+  Sink sink(std::size_t clique) { return {*this, cliques_[clique], destinations_.data() + destination_begin_[clique]}; }
+
+  std::span<const Index> clique(std::size_t clique) const { return cliques_[clique]; }
+  Eigen::Index size() const { return offsets_.back(); }
+  /// Where the entries of variable v begin.
+  Eigen::Index offset(Index v) const { return offsets_[static_cast<std::size_t>(v)]; }
+  const Eigen::VectorXd& gradient() const { return gradient_; }
+  Eigen::VectorXd diagonal() const;
+  /// vᵀ H v.
+  double curvature(const Eigen::VectorXd& v) const;
+
+  /// Factorises H + damping·diag(H). Returns a variable at which it is singular, or nothing.
+  std::optional<Index> factorise(double damping);
+  /// (H + damping·diag(H))⁻¹ b of the last factorisation.
+  Eigen::VectorXd solve(const Eigen::VectorXd& b) const;
+
+  /// Non-zeros of the upper triangle, for reports and for refusing what is too large.
+  std::int64_t nonzeros() const { return static_cast<std::int64_t>(matrix_.rows.size()); }
+
+ private:
+  void order_variables();
+  void lay_out();
+
+  /// The block rows of each block column, on and above the diagonal: the pattern, by places.
+  struct BlockColumns {
+    std::vector<std::int64_t> begin;
+    std::vector<Index> rows;
+  };
+  BlockColumns block_columns() const;
+  /// A vector in the order of the elimination.
+  Eigen::VectorXd permuted(const Eigen::VectorXd& v) const;
+
+  template <typename Expression>
+  void add(Index a, Index b, std::int64_t destination, const Expression& expression) {
+    const auto block = expression.eval();
+    using Block = std::remove_const_t<decltype(block)>;
+    const Index place_a = place_[static_cast<std::size_t>(a)];
+    const Index place_b = place_[static_cast<std::size_t>(b)];
+    constexpr int kRows = Block::RowsAtCompileTime;
+    constexpr int kCols = Block::ColsAtCompileTime;
+    using Stride = Eigen::OuterStride<>;
+    if (a == b) destination = diagonal_[static_cast<std::size_t>(place_a)];
+    const Stride stride(strides_[static_cast<std::size_t>(std::max(place_a, place_b))]);
+    double* values = matrix_.values.data() + destination;
+    if (place_a <= place_b) {
+      Eigen::Map<Eigen::Matrix<double, kRows, kCols>, 0, Stride>(values, block.rows(), block.cols(), stride) += block;
+    } else {
+      Eigen::Map<Eigen::Matrix<double, kCols, kRows>, 0, Stride>(values, block.cols(), block.rows(), stride) +=
+          block.transpose();
+    }
+  }
+
+  std::vector<int> dofs_;
+  Cliques cliques_;
+  std::vector<Eigen::Index> offsets_;        ///< Per variable, in its own order, and the total.
+  std::vector<Index> order_;                 ///< Variable at each place of the elimination.
+  std::vector<Index> place_;                 ///< Place of each variable.
+  std::vector<Eigen::Index> place_offsets_;  ///< First scalar column of each place, and the total.
+  std::vector<std::int64_t> strides_;        ///< Length of a scalar column, per place.
+  std::vector<std::int64_t> diagonal_;       ///< Destination of the diagonal block, per place.
+  std::vector<std::int64_t> destination_begin_;
+  std::vector<std::int64_t> destinations_;  ///< Per clique, of slots i < j at j(j-1)/2 + i.
+  SparseUpper matrix_;
+  Eigen::VectorXd gradient_;
+  SparseCholesky cholesky_;
+};
+
+}  // namespace mapjoin

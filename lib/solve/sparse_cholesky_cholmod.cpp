@@ -1,0 +1,143 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// SparseCholesky by SuiteSparse CHOLMOD, on one thread: parallelism is ours, over maps and subtrees.
+#ifdef MAPJOIN_CHOLMOD
+#include <cholmod.h>
+#include <dlfcn.h>
+
+#include <mapjoin/solve/sparse_cholesky.hpp>
+#include <new>
+#include <stdexcept>
+
+namespace mapjoin {
+namespace {
+
+constexpr double kLostDigits = 1e-14;
+
+/// A function of the libraries that CHOLMOD brought along, or null where there is none of that name.
+template <typename Function>
+Function* loaded_function(const char* name) {
+  return reinterpret_cast<Function*>(dlsym(RTLD_DEFAULT, name));
+}
+
+/// Nested OpenMP and BLAS threads made CHOLMOD slower, and would make its sums depend on their number.
+void use_one_thread() {
+  if (auto* set_levels = loaded_function<void(int)>("omp_set_max_active_levels")) set_levels(0);
+  if (auto* set_threads = loaded_function<void(int)>("openblas_set_num_threads")) set_threads(1);
+}
+
+cholmod_sparse view(const SparseUpper& matrix) {
+  cholmod_sparse A{};
+  A.nrow = A.ncol = static_cast<std::size_t>(matrix.size());
+  A.nzmax = matrix.rows.size();
+  A.p = const_cast<std::int64_t*>(matrix.column_begin.data());
+  A.i = const_cast<std::int64_t*>(matrix.rows.data());
+  A.x = const_cast<double*>(matrix.values.data());
+  A.stype = 1;
+  A.itype = CHOLMOD_LONG;
+  A.xtype = CHOLMOD_REAL;
+  A.dtype = CHOLMOD_DOUBLE;
+  A.sorted = 1;
+  A.packed = 1;
+  return A;
+}
+
+/// L_jj of every column j, in the order of the factor.
+Eigen::VectorXd factor_diagonal(const cholmod_factor& L) {
+  Eigen::VectorXd diagonal(static_cast<Eigen::Index>(L.n));
+  const auto* x = static_cast<const double*>(L.x);
+  if (!L.is_super) {
+    const auto* p = static_cast<const std::int64_t*>(L.p);
+    for (Eigen::Index j = 0; j < diagonal.size(); ++j) diagonal[j] = x[p[j]];
+    return diagonal;
+  }
+  const auto* super = static_cast<const std::int64_t*>(L.super);
+  const auto* pi = static_cast<const std::int64_t*>(L.pi);
+  const auto* px = static_cast<const std::int64_t*>(L.px);
+  for (std::size_t s = 0; s < L.nsuper; ++s) {
+    const std::int64_t rows = pi[s + 1] - pi[s];
+    for (std::int64_t j = super[s]; j < super[s + 1]; ++j) diagonal[j] = x[px[s] + (j - super[s]) * (rows + 1)];
+  }
+  return diagonal;
+}
+
+}  // namespace
+
+struct SparseCholesky::Factor {
+  cholmod_common common;
+  cholmod_factor* L = nullptr;
+
+  Factor() {
+    use_one_thread();
+    cholmod_l_start(&common);
+    common.print = 0;
+    common.nmethods = 1;
+    common.method[0].ordering = CHOLMOD_NATURAL;
+    common.postorder = 1;
+    common.final_ll = 1;
+    common.quick_return_if_not_posdef = 1;
+  }
+  ~Factor() {
+    cholmod_l_free_factor(&L, &common);
+    cholmod_l_finish(&common);
+  }
+  Factor(const Factor&) = delete;
+  Factor& operator=(const Factor&) = delete;
+
+  void check() const {
+    if (common.status == CHOLMOD_OUT_OF_MEMORY) throw std::bad_alloc();
+    if (common.status < CHOLMOD_OK) throw std::runtime_error("CHOLMOD failed with status " + std::to_string(common.status));
+  }
+  /// The column of the matrix that stands at place `k` of the factor.
+  std::int64_t column(std::int64_t k) const { return static_cast<const std::int64_t*>(L->Perm)[k]; }
+};
+
+SparseCholesky::SparseCholesky() = default;
+SparseCholesky::~SparseCholesky() = default;
+SparseCholesky::SparseCholesky(SparseCholesky&&) noexcept = default;
+SparseCholesky& SparseCholesky::operator=(SparseCholesky&&) noexcept = default;
+
+void SparseCholesky::analyse(const SparseUpper& matrix) {
+  factor_ = std::make_unique<Factor>();
+  cholmod_sparse A = view(matrix);
+  factor_->L = cholmod_l_analyze(&A, &factor_->common);
+  factor_->check();
+}
+
+std::optional<std::int64_t> SparseCholesky::factorise(const SparseUpper& matrix) {
+  cholmod_sparse A = view(matrix);
+  cholmod_l_factorize(&A, factor_->L, &factor_->common);
+  factor_->check();
+  const cholmod_factor& L = *factor_->L;
+  if (L.minor < L.n) return factor_->column(static_cast<std::int64_t>(L.minor));
+
+  const Eigen::VectorXd pivots = factor_diagonal(L);
+  for (std::int64_t k = 0; k < pivots.size(); ++k) {
+    const std::int64_t j = factor_->column(k);
+    std::int64_t p = matrix.column_begin[static_cast<std::size_t>(j)];
+    while (matrix.rows[static_cast<std::size_t>(p)] != j) ++p;
+    if (!(pivots[k] * pivots[k] > kLostDigits * matrix.values[static_cast<std::size_t>(p)])) return j;
+  }
+  return std::nullopt;
+}
+
+Eigen::VectorXd SparseCholesky::solve(const Eigen::VectorXd& b) const {
+  cholmod_dense rhs{};
+  rhs.nrow = rhs.d = rhs.nzmax = static_cast<std::size_t>(b.size());
+  rhs.ncol = 1;
+  rhs.x = const_cast<double*>(b.data());
+  rhs.xtype = CHOLMOD_REAL;
+  rhs.dtype = CHOLMOD_DOUBLE;
+  cholmod_dense* x = cholmod_l_solve(CHOLMOD_A, factor_->L, &rhs, &factor_->common);
+  factor_->check();
+  const Eigen::VectorXd solution = Eigen::Map<const Eigen::VectorXd>(static_cast<const double*>(x->x), b.size());
+  cholmod_l_free_dense(&x, &factor_->common);
+  return solution;
+}
+
+std::string blas_name() {
+  auto* config = loaded_function<char*()>("openblas_get_config");
+  return config ? config() : "BLAS of the system";
+}
+
+}  // namespace mapjoin
+#endif

@@ -1,0 +1,98 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <algorithm>
+#include <cmath>
+#include <mapjoin/solve/trust_region.hpp>
+#include <utility>
+
+namespace mapjoin {
+namespace {
+
+/// Beyond this a Levenberg-Marquardt step no longer speaks for the whole Gauss-Newton step.
+constexpr double kMuchDamping = 1e-2;
+
+/// The β in [0, 1] at which c + β (n - c) has length `radius` in the scale D; |c| ≤ radius ≤ |n|.
+double dogleg_fraction(const Eigen::VectorXd& c, const Eigen::VectorXd& n, const Eigen::VectorXd& scale, double radius) {
+  const Eigen::VectorXd d = n - c;
+  const double a = d.cwiseAbs2().dot(scale);
+  const double b = d.cwiseProduct(c).dot(scale);
+  const double e = c.cwiseAbs2().dot(scale) - radius * radius;
+  const double root = std::sqrt(std::max(0.0, b * b - a * e));
+  // The positive root of aβ² + 2bβ + e, in the form without cancellation.
+  const double beta = b > 0.0 ? -e / (b + root) : (root - b) / a;
+  return std::clamp(beta, 0.0, 1.0);
+}
+
+}  // namespace
+
+void TrustRegion::set_newton_step(Eigen::VectorXd newton, const Quadratic& model) {
+  newton_ = std::move(newton);
+  newton_length_ = model.length(newton_);
+  newton_decrease_ = model.gradient.dot(newton_);
+  if (method_ == Method::kLevenbergMarquardt) newton_decrease_ += damping_ * newton_length_ * newton_length_;
+  needs_factorisation_ = method_ == Method::kLevenbergMarquardt;
+}
+
+Eigen::VectorXd TrustRegion::step(const Quadratic& model) {
+  const bool whole = method_ != Method::kDogleg || newton_length_ <= radius_;
+  is_newton_ = whole && damping() <= kMuchDamping;
+  if (whole) {
+    predicted_ = newton_decrease_;
+    step_length_ = newton_length_;
+    return newton_;
+  }
+  step_length_ = radius_;
+  const double cauchy_length = model.length(model.cauchy);
+  if (cauchy_length >= radius_) {
+    const double share = radius_ / cauchy_length;
+    // The Cauchy point minimises along its direction: gᵀc = cᵀHc.
+    predicted_ = (2.0 * share - share * share) * model.cauchy_curvature;
+    return share * model.cauchy;
+  }
+  const double beta = dogleg_fraction(model.cauchy, newton_, model.scale, radius_);
+  const double gc = model.cauchy_curvature;
+  const double gn = newton_decrease_;
+  const double gs = (1.0 - beta) * gc + beta * gn;
+  // H n = g, so cᵀHn = gᵀc and nᵀHn = gᵀn.
+  const double sHs = (1.0 - beta) * (1.0 - beta) * gc + 2.0 * beta * (1.0 - beta) * gc + beta * beta * gn;
+  predicted_ = 2.0 * gs - sHs;
+  return (1.0 - beta) * model.cauchy + beta * newton_;
+}
+
+void TrustRegion::judge(double actual_decrease) {
+  const double ratio = actual_decrease / predicted_;
+  switch (method_) {
+    case Method::kGaussNewton:
+      accepted_ = true;
+      break;
+    case Method::kDogleg:
+      judge_radius(ratio);
+      break;
+    case Method::kLevenbergMarquardt:
+      judge_damping(ratio);
+      break;
+  }
+  if (accepted_) needs_factorisation_ = true;
+}
+
+void TrustRegion::judge_radius(double ratio) {
+  accepted_ = ratio > 1e-4;  // false for NaN too
+  if (!(ratio > 0.25)) {
+    radius_ = (accepted_ ? 0.5 : 0.25) * step_length_;
+  } else if (ratio > 0.75) {
+    radius_ = std::max(radius_, 3.0 * step_length_);
+  }
+}
+
+/// Nielsen's update: smooth for good steps, ever faster growth for bad ones.
+void TrustRegion::judge_damping(double ratio) {
+  accepted_ = ratio > 1e-4;
+  if (accepted_) {
+    damping_ *= std::max(1.0 / 3.0, 1.0 - std::pow(2.0 * ratio - 1.0, 3.0));
+    damping_growth_ = 2.0;
+  } else {
+    damping_ *= damping_growth_;
+    damping_growth_ *= 2.0;
+  }
+}
+
+}  // namespace mapjoin

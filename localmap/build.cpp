@@ -1,0 +1,84 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <tbb/parallel_for.h>
+
+#include <algorithm>
+#include <mapjoin/localmap/build.hpp>
+#include <mapjoin/localmap/segment_problem.hpp>
+#include <mutex>
+#include <utility>
+
+namespace mapjoin {
+
+template <int Dim>
+BuiltMap<Dim> build_local_map(const Segment<Dim>& segment, const MinimiseOptions& solver) {
+  SegmentFreedom freedom;
+  freedom.features.assign(segment.features.size(), true);
+  SegmentProblem<Dim> problem(segment, freedom, composed_start(segment));
+  const MinimiseResult result = minimise(problem, solver);
+  BuiltMap<Dim> built;
+  built.iterations = result.iterations;
+  if (result.status != MinimiseStatus::kConverged) return built;
+  auto information = problem.marginal_information();
+  if (!information) return built;
+
+  LocalMap<Dim>& map = built.map.emplace();
+  map.base = segment.begin;
+  map.poses = segment.kept;
+  map.features = segment.features;
+  for (const Index pose : segment.kept) {
+    map.pose_estimates.push_back(problem.estimate().poses[static_cast<std::size_t>(pose - segment.begin)]);
+  }
+  map.feature_estimates = problem.estimate().features;
+  map.information = std::move(*information);
+  map.chi2 = result.chi2;
+  return built;
+}
+
+namespace {
+
+/// What a stretch without a map keeps: all its poses.
+void turn_into_span(Stretch& stretch, std::vector<bool>& kept) {
+  stretch.is_map = false;
+  std::fill(kept.begin() + stretch.begin, kept.begin() + stretch.end + 1, true);
+}
+
+}  // namespace
+
+template <int Dim>
+Expected<LocalMaps<Dim>> build_local_maps(const Log<Dim>& log, Split& split, const BuildOptions& options,
+                                          const std::stop_token& stop) {
+  const auto to_do = static_cast<std::size_t>(
+      std::count_if(split.stretches.begin(), split.stretches.end(), [](const Stretch& s) { return s.is_map; }));
+  std::vector<BuiltMap<Dim>> built(split.stretches.size());
+  std::mutex progress_mutex;
+  std::size_t done = 0;
+  tbb::parallel_for(std::size_t{0}, built.size(), [&](std::size_t k) {
+    if (!split.stretches[k].is_map || stop.stop_requested()) return;
+    built[k] = build_local_map(segment_of(log, split, split.stretches[k]), options.solver);
+    if (!options.progress) return;
+    const std::lock_guard lock(progress_mutex);
+    options.progress(++done, to_do);
+  });
+  if (stop.stop_requested()) return tl::unexpected(Error{ErrorKind::kInterrupted, "interrupted while building local maps"});
+
+  LocalMaps<Dim> result;
+  for (std::size_t k = 0; k < built.size(); ++k) {
+    if (!split.stretches[k].is_map) continue;
+    result.iterations += built[k].iterations;
+    if (built[k].map) {
+      result.maps.push_back(std::move(*built[k].map));
+    } else {
+      turn_into_span(split.stretches[k], split.kept);
+    }
+  }
+  return result;
+}
+
+#define MAPJOIN_INSTANTIATE(Dim)                                                       \
+  template BuiltMap<Dim> build_local_map(const Segment<Dim>&, const MinimiseOptions&); \
+  template Expected<LocalMaps<Dim>> build_local_maps(const Log<Dim>&, Split&, const BuildOptions&, const std::stop_token&);
+MAPJOIN_INSTANTIATE(2)
+MAPJOIN_INSTANTIATE(3)
+#undef MAPJOIN_INSTANTIATE
+
+}  // namespace mapjoin

@@ -1,0 +1,47 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+// Building local maps: least squares over each segment in the frame of its start pose, then its interior eliminated.
+
+#include <functional>
+#include <mapjoin/localmap/segment.hpp>
+#include <mapjoin/model/error.hpp>
+#include <mapjoin/model/local_map.hpp>
+#include <mapjoin/solve/minimise_options.hpp>
+#include <optional>
+#include <stop_token>
+#include <vector>
+
+namespace mapjoin {
+
+struct BuildOptions {
+  MinimiseOptions solver;
+  /// Called after every map with the number done and to do; from one thread at a time.
+  std::function<void(std::size_t, std::size_t)> progress;
+};
+
+/// A local map and how it was found.
+template <int Dim>
+struct BuiltMap {
+  /// Nothing where the segment's own observations do not determine all its poses and features: it then stays a span.
+  std::optional<LocalMap<Dim>> map;
+  int iterations = 0;
+};
+
+/// The local map of one segment (paper's VI.A), from odometry and first observations.
+template <int Dim>
+BuiltMap<Dim> build_local_map(const Segment<Dim>& segment, const MinimiseOptions& solver);
+
+/// Local maps of all stretches of a log that are maps, in their order; stretches whose map could not be determined, or did not
+/// converge, are turned into spans in `split`.
+template <int Dim>
+struct LocalMaps {
+  std::vector<LocalMap<Dim>> maps;
+  std::int64_t iterations = 0;  ///< Of all maps together.
+};
+
+/// In parallel, with the same result for any number of threads. kInterrupted where `stop` was requested.
+template <int Dim>
+Expected<LocalMaps<Dim>> build_local_maps(const Log<Dim>& log, Split& split, const BuildOptions& options,
+                                          const std::stop_token& stop = {});
+
+}  // namespace mapjoin

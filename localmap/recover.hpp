@@ -1,0 +1,22 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+// Interior poses, eliminated when their local map was built, recovered after joining.
+
+#include <mapjoin/localmap/segment.hpp>
+#include <mapjoin/model/state.hpp>
+#include <mapjoin/solve/minimise_options.hpp>
+#include <vector>
+
+namespace mapjoin {
+
+/// The values of a segment's poses and features, taken from the state of the whole log.
+template <int Dim>
+State<Dim> values_of(const Segment<Dim>& segment, const State<Dim>& state);
+
+/// Re-solves every segment for its interior poses and private features, what is kept and shared being held at its joined value:
+/// `state` is over the poses and features of the log. In parallel, with the same result for any number of threads.
+template <int Dim>
+void recover_interiors(const Log<Dim>& log, const Split& split, const std::vector<bool>& is_private,
+                       const MinimiseOptions& solver, State<Dim>& state);
+
+}  // namespace mapjoin

@@ -1,0 +1,99 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <Eigen/Cholesky>
+#include <algorithm>
+#include <mapjoin/localmap/segment_problem.hpp>
+#include <utility>
+
+namespace mapjoin {
+namespace {
+
+/// A pivot² below this share of its diagonal entry has lost its digits to cancellation.
+constexpr double kLostDigits = 1e-14;
+
+}  // namespace
+
+template <int Dim>
+SegmentProblem<Dim>::SegmentProblem(const Segment<Dim>& segment, const SegmentFreedom& freedom, State<Dim> start)
+    : system_(segment, freedom), factored_(0, 0), estimate_(std::move(start)), candidate_(estimate_) {}
+
+template <int Dim>
+std::optional<Index> SegmentProblem<Dim>::factorise(double damping) {
+  const Eigen::VectorXd scale = system_.equations().diagonal().tail(system_.equations().border_size());
+  factored_ = system_.equations();
+  if (damping > 0.0) factored_.damp(damping);
+  if (!factored_.eliminate_chain()) return 0;
+  const Eigen::LLT<Eigen::MatrixXd, Eigen::Upper> llt(factored_.border());
+  border_factor_ = llt.matrixL();
+  if (border_factor_.size() == 0) return std::nullopt;
+  const Eigen::VectorXd pivots = border_factor_.diagonal();
+  if (llt.info() != Eigen::Success || !(pivots.array().square() > kLostDigits * scale.array()).all()) return 0;
+  return std::nullopt;
+}
+
+template <int Dim>
+Eigen::VectorXd SegmentProblem<Dim>::solve() const {
+  const auto L = border_factor_.triangularView<Eigen::Lower>();
+  Eigen::VectorXd border_step = factored_.gradient().tail(factored_.border_size());
+  if (border_step.size() > 0) {
+    L.solveInPlace(border_step);
+    L.transpose().solveInPlace(border_step);
+  }
+  Eigen::VectorXd step(factored_.size());
+  step << factored_.chain_step(border_step), border_step;
+  return step;
+}
+
+template <int Dim>
+StepSize SegmentProblem<Dim>::step_size(const Eigen::VectorXd& step) const {
+  StepSize size;
+  system_.for_each_variable([&](Eigen::Index entry, int dof, bool is_pose) {
+    size.metres = std::max(size.metres, step.segment<Dim>(entry).norm());
+    if (is_pose) size.radians = std::max(size.radians, step.segment(entry + Dim, dof - Dim).norm());
+  });
+  return size;
+}
+
+template <int Dim>
+double SegmentProblem<Dim>::try_step(const Eigen::VectorXd& step) {
+  candidate_ = estimate_;
+  system_.retract(step, candidate_);
+  return system_.chi2(candidate_);
+}
+
+template <int Dim>
+std::optional<Eigen::MatrixXd> SegmentProblem<Dim>::marginal_information() {
+  linearise();
+  if (factorise(0.0)) return std::nullopt;
+  return Eigen::MatrixXd(factored_.border().template selfadjointView<Eigen::Upper>());
+}
+
+template <int Dim>
+State<Dim> composed_start(const Segment<Dim>& segment) {
+  State<Dim> start;
+  start.poses.resize(static_cast<std::size_t>(segment.poses()));
+  start.features.resize(segment.features.size());
+  for (const auto& o : segment.odometry) {
+    const auto base = static_cast<std::size_t>(o.base - segment.begin);
+    const auto target = static_cast<std::size_t>(o.target - segment.begin);
+    if (target > base) {
+      start.poses[target] = compose(start.poses[base], o.measured);
+    } else {
+      start.poses[base] = compose(start.poses[target], inverse(o.measured));
+    }
+  }
+  std::vector<bool> seen(segment.features.size(), false);
+  for (const auto& o : segment.observations) {
+    const std::size_t f = segment.feature_slot(o.target);
+    if (seen[f]) continue;
+    seen[f] = true;
+    start.features[f] = transform(start.poses[static_cast<std::size_t>(o.base - segment.begin)], o.measured);
+  }
+  return start;
+}
+
+template class SegmentProblem<2>;
+template class SegmentProblem<3>;
+template State<2> composed_start(const Segment<2>&);
+template State<3> composed_start(const Segment<3>&);
+
+}  // namespace mapjoin

@@ -1,0 +1,45 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+// One segment as a least-squares problem of its own: building a local map, and recovering its interior.
+
+#include <Eigen/Core>
+#include <mapjoin/localmap/segment_system.hpp>
+#include <mapjoin/solve/minimise.hpp>
+#include <optional>
+
+namespace mapjoin {
+
+/// A LeastSquaresProblem over the free variables of a segment, solved by eliminating the chain, then the border densely.
+template <int Dim>
+class SegmentProblem {
+ public:
+  SegmentProblem(const Segment<Dim>& segment, const SegmentFreedom& freedom, State<Dim> start);
+
+  double linearise() { return system_.linearise(estimate_); }
+  const Eigen::VectorXd& gradient() const { return system_.equations().gradient(); }
+  Eigen::VectorXd diagonal() const { return system_.equations().diagonal(); }
+  double curvature(const Eigen::VectorXd& v) const { return system_.equations().curvature(v); }
+  std::optional<Index> factorise(double damping);
+  Eigen::VectorXd solve() const;
+  StepSize step_size(const Eigen::VectorXd& step) const;
+  double try_step(const Eigen::VectorXd& step);
+  void accept() { estimate_ = candidate_; }
+
+  const State<Dim>& estimate() const { return estimate_; }
+  /// The information of the border with the chain eliminated, at the estimate: W of the local map. Nothing where it is
+  /// singular.
+  std::optional<Eigen::MatrixXd> marginal_information();
+
+ private:
+  SegmentSystem<Dim> system_;
+  ChainSystem<Dim> factored_;
+  Eigen::MatrixXd border_factor_;  // lower triangle
+  State<Dim> estimate_;
+  State<Dim> candidate_;
+};
+
+/// Poses and features of a segment in the frame of its first pose, from odometry and first observations.
+template <int Dim>
+State<Dim> composed_start(const Segment<Dim>& segment);
+
+}  // namespace mapjoin

@@ -1,0 +1,144 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <algorithm>
+#include <array>
+#include <mapjoin/localmap/segment_system.hpp>
+#include <mapjoin/model/accumulate.hpp>
+
+namespace mapjoin {
+namespace {
+
+template <int Dim>
+Eigen::Index border_size(const Segment<Dim>& segment, const SegmentFreedom& freedom) {
+  Eigen::Index size = freedom.base ? kPoseDof<Dim> : 0;
+  if (freedom.kept) size += static_cast<Eigen::Index>(segment.kept.size()) * kPoseDof<Dim>;
+  return size + Dim * std::count(freedom.features.begin(), freedom.features.end(), true);
+}
+
+}  // namespace
+
+/// Takes the blocks of an observation of one target into chain, border rows or border.
+template <int Dim>
+class SegmentSystem<Dim>::Sink {
+ public:
+  Sink(ChainSystem<Dim>& equations, Slot base, Slot target) : equations_(equations), slots_{base, target} {}
+
+  template <typename Block>
+  void hessian(int i, int j, const Block& block) {
+    const Slot a = slots_[static_cast<std::size_t>(i)];
+    const Slot b = slots_[static_cast<std::size_t>(j)];
+    if (!a.is_free() || !b.is_free()) return;
+    if (a.entry <= b.entry) {
+      add(a.entry, b.entry, block);
+    } else {
+      add(b.entry, a.entry, block.transpose());
+    }
+  }
+  template <typename Block>
+  void rhs(int i, const Block& block) {
+    const Slot a = slots_[static_cast<std::size_t>(i)];
+    if (a.is_free()) equations_.gradient().segment(a.entry, block.size()) += block;
+  }
+
+ private:
+  /// The block at row and column, row ≤ column; the chain's entries come first.
+  template <typename Block>
+  void add(Eigen::Index row, Eigen::Index column, const Block& block) {
+    const Eigen::Index chain = equations_.chain_length() * kDof;
+    if (row >= chain) {
+      equations_.border().block(row - chain, column - chain, block.rows(), block.cols()) += block;
+      return;
+    }
+    if constexpr (Block::RowsAtCompileTime == kDof) {  // the chain has poses only
+      if (column >= chain) {
+        equations_.border_rows(row / kDof).middleCols(column - chain, block.cols()) += block;
+        return;
+      }
+    }
+    if constexpr (Block::RowsAtCompileTime == kDof && Block::ColsAtCompileTime == kDof) {
+      (row == column ? equations_.diagonal_block(row / kDof) : equations_.coupling(row / kDof)) += block;
+    }
+  }
+
+  ChainSystem<Dim>& equations_;
+  std::array<Slot, 2> slots_;
+};
+
+template <int Dim>
+SegmentSystem<Dim>::SegmentSystem(const Segment<Dim>& segment, const SegmentFreedom& freedom)
+    : segment_(&segment),
+      pose_slots_(static_cast<std::size_t>(segment.poses())),
+      feature_slots_(segment.features.size()),
+      equations_(static_cast<Eigen::Index>(segment.interior.size()), border_size(segment, freedom)) {
+  Eigen::Index entry = 0;
+  const auto place_pose = [&](Index pose) {
+    pose_slots_[static_cast<std::size_t>(pose - segment.begin)].entry = entry;
+    entry += kDof;
+  };
+  for (const Index pose : segment.interior) place_pose(pose);
+  if (freedom.base) place_pose(segment.begin);
+  if (freedom.kept) {
+    for (const Index pose : segment.kept) place_pose(pose);
+  }
+  for (std::size_t f = 0; f < segment.features.size(); ++f) {
+    if (!freedom.features[f]) continue;
+    feature_slots_[f].entry = entry;
+    entry += Dim;
+  }
+  observed_.reserve(segment.observations.size());
+  for (const auto& observation : segment.observations) {
+    observed_.push_back(static_cast<std::uint32_t>(segment.feature_slot(observation.target)));
+  }
+}
+
+template <int Dim>
+double SegmentSystem<Dim>::linearise(const State<Dim>& values) {
+  equations_.set_zero();
+  double chi2 = 0.0;
+  for (const auto& o : segment_->odometry) {
+    const auto base = static_cast<std::size_t>(o.base - segment_->begin);
+    const auto target = static_cast<std::size_t>(o.target - segment_->begin);
+    const auto linear = mapjoin::linearise<Dim>(o.measured, values.poses[base], values.poses[target]);
+    chi2 += accumulate(weighted(linear, o.information, o.loss), Sink(equations_, pose_slots_[base], pose_slots_[target]));
+  }
+  for (std::size_t k = 0; k < segment_->observations.size(); ++k) {
+    const auto& o = segment_->observations[k];
+    const auto base = static_cast<std::size_t>(o.base - segment_->begin);
+    const auto linear = mapjoin::linearise<Dim>(o.measured, values.poses[base], values.features[observed_[k]]);
+    chi2 +=
+        accumulate(weighted(linear, o.information, o.loss), Sink(equations_, pose_slots_[base], feature_slots_[observed_[k]]));
+  }
+  return chi2;
+}
+
+template <int Dim>
+double SegmentSystem<Dim>::chi2(const State<Dim>& values) const {
+  double chi2 = 0.0;
+  for (const auto& o : segment_->odometry) {
+    const PoseVector<Dim> r = residual<Dim>(o.measured, values.poses[static_cast<std::size_t>(o.base - segment_->begin)],
+                                            values.poses[static_cast<std::size_t>(o.target - segment_->begin)]);
+    chi2 += r.dot(o.information * r);
+  }
+  for (std::size_t k = 0; k < segment_->observations.size(); ++k) {
+    const auto& o = segment_->observations[k];
+    const Point<Dim> r = residual<Dim>(o.measured, values.poses[static_cast<std::size_t>(o.base - segment_->begin)],
+                                       values.features[observed_[k]]);
+    chi2 += r.dot(o.information * r);
+  }
+  return chi2;
+}
+
+template <int Dim>
+void SegmentSystem<Dim>::retract(const Eigen::VectorXd& step, State<Dim>& values) const {
+  for (std::size_t p = 0; p < pose_slots_.size(); ++p) {
+    if (!pose_slots_[p].is_free()) continue;
+    values.poses[p] = mapjoin::retract<Dim>(values.poses[p], step.segment<kDof>(pose_slots_[p].entry));
+  }
+  for (std::size_t f = 0; f < feature_slots_.size(); ++f) {
+    if (feature_slots_[f].is_free()) values.features[f] += step.segment<Dim>(feature_slots_[f].entry);
+  }
+}
+
+template class SegmentSystem<2>;
+template class SegmentSystem<3>;
+
+}  // namespace mapjoin

@@ -1,0 +1,64 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+// The normal equations of one segment: its interior poses are the chain, everything else that is free the dense border.
+
+#include <Eigen/Core>
+#include <mapjoin/localmap/segment.hpp>
+#include <mapjoin/model/state.hpp>
+#include <mapjoin/solve/chain_system.hpp>
+#include <vector>
+
+namespace mapjoin {
+
+/// What may move besides the interior poses. The border is laid out as: base, kept poses, features (those that are free).
+struct SegmentFreedom {
+  bool base = false;
+  bool kept = true;
+  std::vector<bool> features;  ///< Per feature of the segment.
+};
+
+/// Values of the segment are a State of its own: poses begin..end and its features, by their places in the segment.
+template <int Dim>
+class SegmentSystem {
+ public:
+  static constexpr int kDof = kPoseDof<Dim>;
+
+  /// `segment` must outlive the system.
+  SegmentSystem(const Segment<Dim>& segment, const SegmentFreedom& freedom);
+
+  /// Makes the normal equations at `values`; returns chi2 there.
+  double linearise(const State<Dim>& values);
+  double chi2(const State<Dim>& values) const;
+
+  ChainSystem<Dim>& equations() { return equations_; }
+  const ChainSystem<Dim>& equations() const { return equations_; }
+
+  /// `values` moved by a step of chain and border.
+  void retract(const Eigen::VectorXd& step, State<Dim>& values) const;
+  /// Calls f(entry of the step, dof, is_pose) for every free variable.
+  template <typename F>
+  void for_each_variable(F&& f) const {
+    for (const Slot& slot : pose_slots_) {
+      if (slot.is_free()) f(slot.entry, kDof, true);
+    }
+    for (const Slot& slot : feature_slots_) {
+      if (slot.is_free()) f(slot.entry, Dim, false);
+    }
+  }
+
+ private:
+  /// Where a variable stands: its entry in the step (chain first), or nowhere.
+  struct Slot {
+    Eigen::Index entry = -1;
+    bool is_free() const { return entry >= 0; }
+  };
+  class Sink;
+
+  const Segment<Dim>* segment_;
+  std::vector<Slot> pose_slots_;
+  std::vector<Slot> feature_slots_;
+  std::vector<std::uint32_t> observed_;  ///< Per observation, the place of its feature.
+  ChainSystem<Dim> equations_;
+};
+
+}  // namespace mapjoin

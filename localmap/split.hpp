@@ -1,0 +1,43 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+// Where a log is cut into stretches, and which poses the rest of the log mentions.
+
+#include <cstdint>
+#include <mapjoin/model/local_map.hpp>
+#include <mapjoin/model/log.hpp>
+#include <string>
+#include <vector>
+
+namespace mapjoin {
+
+/// How long a stretch may grow.
+enum class SplitRule : std::uint8_t {
+  kAuto,      ///< By a number of poses that a cost model chooses (docs/decisions.md).
+  kPoses,     ///< At most `amount` steps.
+  kDistance,  ///< At least `amount` metres travelled, by odometry.
+  kFeatures,  ///< At least `amount` different features seen.
+};
+
+struct SplitOptions {
+  SplitRule rule = SplitRule::kAuto;
+  double amount = 0.0;
+
+  /// Every violation in words; empty if there is none.
+  std::vector<std::string> validate() const;
+};
+
+/// Consecutive stretches of a session share their end/start pose, so that every step of odometry belongs to one stretch; an
+/// observation belongs to the stretch that starts at or contains its pose, those of a session's last pose to its last stretch.
+struct Split {
+  std::vector<Stretch> stretches;
+  /// Per pose: it stays in the joined state. Ends of stretches, what closures and the World mention, and every pose of a span.
+  std::vector<bool> kept;
+  /// The steps per map that were chosen; 0 where the rule does not count poses.
+  Index poses_per_map = 0;
+};
+
+/// Cuts the log. A stretch that would keep most of its inner poses stays a span of its observations. O(size of the log).
+template <int Dim>
+Split split(const Log<Dim>& log, const SplitOptions& options);
+
+}  // namespace mapjoin
