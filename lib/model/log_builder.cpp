@@ -2,32 +2,30 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <iterator>
 #include <limits>
 #include <mapjoin/model/log_builder.hpp>
+#include <numeric>
 
 namespace mapjoin {
 namespace {
 
-template <typename T, typename Less>
-void stable_sort_unless_sorted(std::vector<T>& items, Less less) {
-  if (!std::is_sorted(items.begin(), items.end(), less)) std::stable_sort(items.begin(), items.end(), less);
-}
-
-/// Every id once, in ascending order.
-template <typename Id>
-std::vector<Id> names_of(std::vector<Id>& mentions) {
-  if (!std::is_sorted(mentions.begin(), mentions.end())) std::sort(mentions.begin(), mentions.end());
-  mentions.erase(std::unique(mentions.begin(), mentions.end()), mentions.end());
-  mentions.shrink_to_fit();
-  return std::move(mentions);
-}
-
-/// The index of `id` among the ascending `names`, of which it is one. Constant time where keys are consecutive.
 template <typename Id>
 Index index_of(const std::vector<Id>& names, const Id& id) {
-  const std::uint64_t guess = id.key - names.front().key;
-  if (guess < names.size() && names[guess] == id) return static_cast<Index>(guess);
-  return static_cast<Index>(std::lower_bound(names.begin(), names.end(), id) - names.begin());
+  return static_cast<Index>(position_of(names, id));
+}
+
+/// `items` in the stable order of `key(item)`, a number in [0, keys). O(items + keys).
+template <typename T, typename Key>
+std::vector<T> sorted_by(Key key, std::size_t keys, std::vector<T> items) {
+  const auto less = [&](const T& a, const T& b) { return key(a) < key(b); };
+  if (std::is_sorted(items.begin(), items.end(), less)) return items;
+  std::vector<std::size_t> next(keys + 1);  // Where the next item of each key goes.
+  for (const T& item : items) ++next[static_cast<std::size_t>(key(item)) + 1];
+  std::partial_sum(next.begin(), next.end(), next.begin());
+  std::vector<T> sorted(items.size());
+  for (const T& item : items) sorted[next[static_cast<std::size_t>(key(item))]++] = item;
+  return sorted;
 }
 
 /// What was said of each id, by its index.
@@ -45,7 +43,7 @@ Expected<Column<Value>> column_of(const std::vector<Said>& said, const std::vect
   column.values.resize(names.size());
   column.given.resize(names.size());
   for (const Said& item : said) {
-    const auto i = static_cast<std::size_t>(index_of(names, item.id));
+    const std::size_t i = position_of(names, item.id);
     if (column.given[i]) return bad_input(fmt::format("{} has two {}", to_string(item.id), what));
     column.values[i] = item.value;
     column.given[i] = true;
@@ -83,11 +81,11 @@ template <int Dim>
 void part_edges(Log<Dim>& log) {
   auto& edges = log.odometry;
   log.repeated_edges = count_repeated(edges);
-  const auto closures =
-      std::stable_partition(edges.begin(), edges.end(), [&](const auto& edge) { return is_odometry(edge, log.poses); });
-  log.closures.assign(closures, edges.end());
-  edges.erase(closures, edges.end());
-  stable_sort_unless_sorted(edges, [](const auto& a, const auto& b) { return later_pose(a) < later_pose(b); });
+  const auto is_closure = [&](const auto& edge) { return !is_odometry(edge, log.poses); };
+  log.closures.reserve(static_cast<std::size_t>(std::count_if(edges.begin(), edges.end(), is_closure)));
+  std::copy_if(edges.begin(), edges.end(), std::back_inserter(log.closures), is_closure);
+  std::erase_if(edges, is_closure);
+  edges = sorted_by(later_pose<Dim>, log.poses.size(), std::move(edges));
 }
 
 /// Poses that odometry ties to their predecessor belong to its session, every other one starts a session.
@@ -112,7 +110,7 @@ bool same(const Pose<Dim>& a, const Pose<Dim>& b) {
 /// In the order of their pose, each once; a pose may be fixed twice only at the same place.
 template <int Dim>
 Expected<std::vector<FixedPose<Dim>>> sorted_once(std::vector<FixedPose<Dim>> fixed, const std::vector<PoseId>& poses) {
-  stable_sort_unless_sorted(fixed, [](const auto& a, const auto& b) { return a.pose < b.pose; });
+  fixed = sorted_by([](const auto& f) { return f.pose; }, poses.size(), std::move(fixed));
   const auto differing = std::adjacent_find(
       fixed.begin(), fixed.end(), [](const auto& a, const auto& b) { return a.pose == b.pose && !same(a.value, b.value); });
   if (differing != fixed.end()) {
@@ -131,39 +129,28 @@ LogBuilder<Dim>::LogBuilder(std::string source, Conventions conventions) {
   log_.conventions = conventions;
 }
 
-// Neighbouring observations mention the same pose: most repetitions are caught here, the others by names_of.
-template <int Dim>
-void LogBuilder<Dim>::mention(PoseId id) {
-  if (pose_mentions_.empty() || pose_mentions_.back() != id) pose_mentions_.push_back(id);
-}
-
-template <int Dim>
-void LogBuilder<Dim>::mention(FeatureId id) {
-  if (feature_mentions_.empty() || feature_mentions_.back() != id) feature_mentions_.push_back(id);
-}
-
 template <int Dim>
 void LogBuilder<Dim>::add_pose(PoseId id, const std::optional<Pose<Dim>>& initial) {
-  mention(id);
+  poses_.mention(id);
   if (initial) initial_poses_.push_back({id, *initial});
 }
 
 template <int Dim>
 void LogBuilder<Dim>::add_feature(FeatureId id, const std::optional<Point<Dim>>& initial) {
-  mention(id);
+  features_.mention(id);
   if (initial) initial_features_.push_back({id, *initial});
 }
 
 template <int Dim>
 void LogBuilder<Dim>::add_stamp(PoseId id, std::int64_t nanoseconds) {
-  mention(id);
+  poses_.mention(id);
   stamps_.push_back({id, nanoseconds});
 }
 
 template <int Dim>
 void LogBuilder<Dim>::add_pose_edge(PoseId base, PoseId target, const Pose<Dim>& measured, const PoseMatrix<Dim>& information) {
-  mention(base);
-  mention(target);
+  poses_.mention(base);
+  poses_.mention(target);
   edge_ends_.emplace_back(base, target);
   log_.odometry.push_back({0, 0, measured, information});
 }
@@ -171,36 +158,35 @@ void LogBuilder<Dim>::add_pose_edge(PoseId base, PoseId target, const Pose<Dim>&
 template <int Dim>
 void LogBuilder<Dim>::add_observation(PoseId pose, FeatureId feature, const Point<Dim>& measured,
                                       const PointMatrix<Dim>& information) {
-  mention(pose);
-  mention(feature);
+  poses_.mention(pose);
+  features_.mention(feature);
   observation_ends_.emplace_back(pose, feature);
   log_.observations.push_back({0, 0, measured, information});
 }
 
 template <int Dim>
 void LogBuilder<Dim>::add_pose_prior(PoseId pose, const Pose<Dim>& measured, const PoseMatrix<Dim>& information) {
-  mention(pose);
+  poses_.mention(pose);
   pose_prior_ends_.push_back(pose);
   log_.pose_priors.push_back({kWorld, 0, measured, information});
 }
 
 template <int Dim>
 void LogBuilder<Dim>::add_feature_prior(FeatureId feature, const Point<Dim>& measured, const PointMatrix<Dim>& information) {
-  mention(feature);
+  features_.mention(feature);
   feature_prior_ends_.push_back(feature);
   log_.feature_priors.push_back({kWorld, 0, measured, information});
 }
 
 template <int Dim>
 void LogBuilder<Dim>::fix(PoseId id, const std::optional<Pose<Dim>>& value) {
-  mention(id);
   fixed_.push_back({id, value});
 }
 
 template <int Dim>
 Expected<Log<Dim>> LogBuilder<Dim>::finish() && {
-  log_.poses = names_of(pose_mentions_);
-  log_.features = names_of(feature_mentions_);
+  log_.poses = poses_.take();
+  log_.features = features_.take();
   return check_names()
       .and_then([&] { return check_edges(); })
       .map([&] { resolve_ends(); })
@@ -244,7 +230,7 @@ void LogBuilder<Dim>::resolve_ends() {
     log_.feature_priors[i].target = index_of(log_.features, feature_prior_ends_[i]);
   }
   part_edges(log_);
-  stable_sort_unless_sorted(log_.observations, [](const auto& a, const auto& b) { return a.base < b.base; });
+  log_.observations = sorted_by([](const auto& o) { return o.base; }, log_.poses.size(), std::move(log_.observations));
   log_.sessions = sessions_of(log_);
 }
 
@@ -260,20 +246,28 @@ Expected<void> LogBuilder<Dim>::resolve_values() {
     return bad_input(fmt::format("only {} of {} poses have a time stamp", stamps->count, log_.poses.size()));
   }
 
-  std::vector<FixedPose<Dim>> fixed;
-  for (const auto& [id, value] : fixed_) {
-    const Index pose = index_of(log_.poses, id);
-    const auto i = static_cast<std::size_t>(pose);
-    fixed.push_back({pose, value ? *value : poses->count > 0 ? poses->values[i] : Pose<Dim>{}});
-  }
-  auto fixed_once = sorted_once(std::move(fixed), log_.poses);
-  if (!fixed_once) return tl::unexpected(fixed_once.error());
+  auto fixed = resolve_fixed(poses->values);
+  if (!fixed) return tl::unexpected(fixed.error());
 
-  log_.fixed = *std::move(fixed_once);
+  log_.fixed = *std::move(fixed);
   log_.stamps_ns = std::move(stamps->values);
   if (poses->count == log_.poses.size()) log_.initial_poses = std::move(poses->values);
   if (features->count == log_.features.size()) log_.initial_features = std::move(features->values);
   return {};
+}
+
+template <int Dim>
+Expected<std::vector<FixedPose<Dim>>> LogBuilder<Dim>::resolve_fixed(const std::vector<Pose<Dim>>& initial_poses) const {
+  std::vector<FixedPose<Dim>> fixed;
+  for (const auto& [id, value] : fixed_) {
+    if (!contains(log_.poses, id)) {
+      return bad_input(fmt::format("{} is fixed, but the log has no such pose (features cannot be fixed)", to_string(id)));
+    }
+    const std::size_t i = position_of(log_.poses, id);
+    const Pose<Dim> otherwise = initial_poses.empty() ? Pose<Dim>{} : initial_poses[i];
+    fixed.push_back({static_cast<Index>(i), value.value_or(otherwise)});
+  }
+  return sorted_once(std::move(fixed), log_.poses);
 }
 
 template class LogBuilder<2>;

@@ -6,6 +6,7 @@
 #include <cstdint>
 #include <mapjoin/model/error.hpp>
 #include <mapjoin/model/log.hpp>
+#include <mapjoin/model/name_table.hpp>
 #include <optional>
 #include <string>
 #include <utility>
@@ -30,11 +31,13 @@ class LogBuilder {
   void add_observation(PoseId pose, FeatureId feature, const Point<Dim>& measured, const PointMatrix<Dim>& information);
   void add_pose_prior(PoseId pose, const Pose<Dim>& measured, const PoseMatrix<Dim>& information);
   void add_feature_prior(FeatureId feature, const Point<Dim>& measured, const PointMatrix<Dim>& information);
-  /// The World holds the pose at `value` or, where none is given, at its initial value, else at the origin.
+  /// The World holds the pose, which must be mentioned elsewhere, at `value` or, where none is given, at its initial value,
+  /// else at the origin.
   void fix(PoseId id, const std::optional<Pose<Dim>>& value = std::nullopt);
 
   /// The log, with the promises of Log kept. Bad input are: an edge from a pose to itself, a pose or feature with two initial
-  /// values, a pose with two stamps or fixed at two places, stamps on some poses only, and a log without poses. O(n log n).
+  /// values, a pose with two stamps, stamps on some poses only, a pose that is fixed at two places or that nothing but its
+  /// fixing mentions, and a log without poses. O(n log n).
   Expected<Log<Dim>> finish() &&;
 
  private:
@@ -45,17 +48,15 @@ class LogBuilder {
     Value value;
   };
 
-  void mention(PoseId id);
-  void mention(FeatureId id);
-
   Expected<void> check_names() const;
   Expected<void> check_edges() const;
   void resolve_ends();
   Expected<void> resolve_values();
+  Expected<std::vector<FixedPose<Dim>>> resolve_fixed(const std::vector<Pose<Dim>>& initial_poses) const;
 
   Log<Dim> log_;  ///< Observations wait here in the order of the file; their ends are not yet indices.
-  std::vector<PoseId> pose_mentions_;
-  std::vector<FeatureId> feature_mentions_;
+  NameTable<PoseId> poses_;
+  NameTable<FeatureId> features_;
   std::vector<std::pair<PoseId, PoseId>> edge_ends_;
   std::vector<std::pair<PoseId, FeatureId>> observation_ends_;
   std::vector<PoseId> pose_prior_ends_;

@@ -118,6 +118,7 @@ TYPED_TEST(LogBuilderTest, FixesAPoseAtTheValueGivenElseAtItsInitialValueElseAtT
   this->builder.fix({0, 1});
   this->builder.add_pose({0, 1}, initial);
   this->builder.add_pose({0, 2}, initial);
+  this->builder.add_pose({0, 3});
   const auto log = this->finish();
   ASSERT_TRUE(log);
   ASSERT_EQ(log->fixed.size(), 3u);
@@ -162,8 +163,15 @@ TYPED_TEST(LogBuilderTest, RefusesTwoInitialValuesOfOnePose) {
 TYPED_TEST(LogBuilderTest, RefusesAPoseFixedAtTwoPlaces) {
   testing::Random random;
   this->builder.fix({0, 1});
+  this->builder.add_pose({0, 1});
   this->builder.fix({0, 1}, random.template pose<TestFixture::kDim>());
   EXPECT_THAT(this->message(), HasSubstr("pose 1 is fixed at two places"));
+}
+
+TYPED_TEST(LogBuilderTest, RefusesToFixWhatIsNoPose) {
+  this->observe(1, 7);
+  this->builder.fix({0, 7});
+  EXPECT_EQ(this->message(), "some.log: pose 7 is fixed, but the log has no such pose (features cannot be fixed)");
 }
 
 TYPED_TEST(LogBuilderTest, FindsKeysFarApart) {

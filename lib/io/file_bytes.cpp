@@ -1,0 +1,161 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <fcntl.h>
+#include <fmt/format.h>
+#include <sys/mman.h>
+#include <sys/stat.h>
+#include <unistd.h>
+#include <zlib.h>
+
+#include <algorithm>
+#include <cerrno>
+#include <limits>
+#include <mapjoin/io/file_bytes.hpp>
+#include <system_error>
+#include <utility>
+
+namespace mapjoin {
+namespace {
+
+constexpr std::string_view kGzipMagic = "\x1f\x8b";
+
+tl::unexpected<Error> cannot_read(const std::filesystem::path& path, int reason) {
+  return bad_input(fmt::format("{}: {}", path.string(), std::generic_category().message(reason)));
+}
+
+tl::unexpected<Error> too_large(std::size_t most) {
+  return tl::unexpected(Error{ErrorKind::kTooLarge, fmt::format("unpacks to more than {} MB", most >> 20)});
+}
+
+/// A file descriptor that closes itself.
+class Descriptor {
+ public:
+  explicit Descriptor(const std::filesystem::path& path) : value_(::open(path.c_str(), O_RDONLY | O_CLOEXEC)) {}
+  Descriptor(const Descriptor&) = delete;
+  Descriptor& operator=(const Descriptor&) = delete;
+  ~Descriptor() {
+    if (value_ >= 0) ::close(value_);
+  }
+  int value() const { return value_; }
+
+ private:
+  int value_;
+};
+
+/// Room for more bytes behind the first `used`: doubled, up to one byte beyond `most`, by which too much is noticed.
+void grow(std::string& bytes, std::size_t used, std::size_t most) {
+  constexpr std::size_t kFirst = std::size_t{1} << 16;
+  if (used == bytes.size()) bytes.resize(std::min(std::max(kFirst, 2 * used), most + 1));
+}
+
+/// Everything a pipe gives.
+Expected<std::string> drain(int descriptor, std::size_t most) {
+  std::string bytes;
+  std::size_t used = 0;
+  while (used <= most) {
+    grow(bytes, used, most);
+    const ::ssize_t got = ::read(descriptor, bytes.data() + used, bytes.size() - used);
+    if (got < 0 && errno == EINTR) continue;
+    if (got < 0) return bad_input(std::generic_category().message(errno));
+    if (got == 0) {
+      bytes.resize(used);
+      return bytes;
+    }
+    used += static_cast<std::size_t>(got);
+  }
+  return too_large(most);
+}
+
+/// zlib's inflate over a gzip file of one or more members.
+class Inflater {
+ public:
+  explicit Inflater(std::string_view packed) : rest_(packed) {
+    constexpr int kGzip = 16;
+    ready_ = inflateInit2(&stream_, MAX_WBITS + kGzip) == Z_OK;
+  }
+  Inflater(const Inflater&) = delete;
+  Inflater& operator=(const Inflater&) = delete;
+  ~Inflater() {
+    if (ready_) inflateEnd(&stream_);
+  }
+
+  Expected<std::string> run(std::size_t most) {
+    std::string bytes;
+    std::size_t used = 0;
+    while (used <= most) {
+      grow(bytes, used, most);
+      const int status = ready_ ? step(bytes, used) : Z_MEM_ERROR;
+      if (status == Z_STREAM_END) {
+        if (rest_.empty()) {
+          bytes.resize(used);
+          if (used > most) break;
+          return bytes;
+        }
+        if (rest_.substr(0, 2) != kGzipMagic) return bad_input("bytes follow the end of the gzip stream");
+        inflateReset(&stream_);
+      } else if (status == Z_BUF_ERROR && rest_.empty()) {
+        return bad_input("the gzip stream is cut off");
+      } else if (status != Z_OK && status != Z_BUF_ERROR) {
+        return bad_input("the gzip stream is damaged");
+      }
+    }
+    return too_large(most);
+  }
+
+ private:
+  int step(std::string& bytes, std::size_t& used) {
+    constexpr std::size_t kMost = std::numeric_limits<uInt>::max();
+    const auto in = static_cast<uInt>(std::min(rest_.size(), kMost));
+    const auto out = static_cast<uInt>(std::min(bytes.size() - used, kMost));
+    stream_.next_in = reinterpret_cast<Bytef*>(const_cast<char*>(rest_.data()));  // zlib reads only.
+    stream_.avail_in = in;
+    stream_.next_out = reinterpret_cast<Bytef*>(bytes.data() + used);
+    stream_.avail_out = out;
+    const int status = inflate(&stream_, Z_NO_FLUSH);
+    rest_.remove_prefix(in - stream_.avail_in);
+    used += out - stream_.avail_out;
+    return status;
+  }
+
+  std::string_view rest_;
+  z_stream stream_{};
+  bool ready_ = false;
+};
+
+}  // namespace
+
+FileBytes FileBytes::of(std::string bytes) {
+  auto owner = std::make_shared<const std::string>(std::move(bytes));
+  const std::string_view view = *owner;
+  return {std::move(owner), view};
+}
+
+Expected<FileBytes> FileBytes::read(const std::filesystem::path& path, std::size_t most_unpacked) {
+  const auto named = [&](Error error) { return Error{error.kind, fmt::format("{}: {}", path.string(), error.message)}; };
+  const Descriptor file(path);
+  struct stat status {};
+  if (file.value() < 0 || ::fstat(file.value(), &status) != 0) return cannot_read(path, errno);
+  if (S_ISDIR(status.st_mode)) return cannot_read(path, EISDIR);
+
+  FileBytes bytes(nullptr, {});
+  if (!S_ISREG(status.st_mode)) {
+    auto drained = drain(file.value(), most_unpacked).map_error(named);
+    if (!drained) return tl::unexpected(drained.error());
+    bytes = of(*std::move(drained));
+  } else if (status.st_size > 0) {
+    const auto size = static_cast<std::size_t>(status.st_size);
+    void* const data = ::mmap(nullptr, size, PROT_READ, MAP_PRIVATE, file.value(), 0);
+    if (data == MAP_FAILED) return cannot_read(path, errno);
+    ::madvise(data, size, MADV_SEQUENTIAL);
+    const auto unmap = [size](const void* mapped) { ::munmap(const_cast<void*>(mapped), size); };
+    bytes = {std::shared_ptr<const void>(data, unmap), {static_cast<const char*>(data), size}};
+  }
+  if (bytes.view().substr(0, 2) == kGzipMagic) {
+    auto unpacked = Inflater(bytes.view()).run(most_unpacked).map_error(named);
+    if (!unpacked) return tl::unexpected(unpacked.error());
+    bytes = of(*std::move(unpacked));
+  }
+  if (bytes.view().empty()) return bad_input(fmt::format("{}: the file is empty", path.string()));
+  return bytes;
+}
+
+}  // namespace mapjoin

@@ -1,0 +1,60 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+// A line of a text output: words apart by one separator, numbers with the fewest digits that read back as the same bits.
+
+#include <charconv>
+#include <concepts>
+#include <cstdint>
+#include <mapjoin/geometry/pose.hpp>
+#include <mapjoin/io/output_file.hpp>
+#include <string>
+#include <string_view>
+
+namespace mapjoin {
+
+class TextLine {
+ public:
+  explicit TextLine(char separator) : separator_(separator) {}
+
+  TextLine& add(std::string_view word) {
+    if (!line_.empty()) line_ += separator_;
+    line_ += word;
+    return *this;
+  }
+  /// An integer or a double, whatever the locale.
+  template <typename Number>
+  requires std::integral<Number> || std::floating_point<Number> TextLine& add(Number number) {
+    char digits[32];
+    const auto end = std::to_chars(digits, digits + sizeof digits, number).ptr;
+    return add(std::string_view(digits, static_cast<std::size_t>(end - digits)));
+  }
+  template <int Size>
+  TextLine& add(const Vector<Size>& v) {
+    for (int i = 0; i < Size; ++i) add(v[i]);
+    return *this;
+  }
+  /// `x y φ`, or `x y z qx qy qz qw`.
+  TextLine& add(const Pose<2>& pose) { return add<2>(pose.translation).add(pose.rotation.angle()); }
+  TextLine& add(const Pose<3>& pose) { return add<3>(pose.translation).add<4>(pose.rotation.quaternion().coeffs()); }
+  /// The upper triangle, row by row.
+  template <int Size>
+  TextLine& add_symmetric(const Matrix<Size>& M) {
+    for (int i = 0; i < Size; ++i) {
+      for (int j = i; j < Size; ++j) add(M(i, j));
+    }
+    return *this;
+  }
+
+  /// Writes the line with its end and starts over with an empty one.
+  void write_to(OutputFile& file) {
+    line_ += '\n';
+    file.write(line_);
+    line_.clear();
+  }
+
+ private:
+  char separator_;
+  std::string line_;
+};
+
+}  // namespace mapjoin

@@ -1,0 +1,87 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+// The words and numbers of a text file, line by line, with the place of each for messages.
+
+#include <cstdint>
+#include <mapjoin/geometry/rotation.hpp>
+#include <mapjoin/model/error.hpp>
+#include <string>
+#include <string_view>
+
+namespace mapjoin {
+
+/// Where a word begins; both count from 1, the column in bytes.
+struct Place {
+  std::size_t line = 0;
+  std::size_t column = 0;
+};
+
+/// Words are separated by blanks; `#` at the begin of a word starts a comment to the end of the line; lines end with LF or
+/// CRLF, the last one also without. Numbers are decimal, whatever the locale. The first failure of a number sticks: what
+/// follows gives zeros until finish_line() reports it, so that a line is parsed as if it were right. A value: a copy reads on
+/// from the same place.
+class TextScanner {
+ public:
+  /// `source` is the file's name for messages. `text` outlives the scanner.
+  TextScanner(std::string source, std::string_view text);
+
+  /// On to the next line that has a word, past what is left of this one; false at the end of the file.
+  bool next_line();
+  /// Whether the line has no further word.
+  bool at_end_of_line();
+
+  /// The next word of the line, empty at its end.
+  std::string_view word();
+  /// The next word as a finite number.
+  double number();
+  /// The next word as an id, an integer from 0 to 2⁶⁴ - 1.
+  std::uint64_t key();
+  /// The next word as an integer.
+  std::int64_t integer();
+  template <int Size>
+  Vector<Size> vector() {
+    Vector<Size> v;
+    for (int i = 0; i < Size; ++i) v[i] = number();
+    return v;
+  }
+  /// The upper triangle, row by row, of a symmetric matrix.
+  template <int Size>
+  Matrix<Size> symmetric() {
+    Matrix<Size> M;
+    for (int i = 0; i < Size; ++i) {
+      for (int j = i; j < Size; ++j) M(i, j) = M(j, i) = number();
+    }
+    return M;
+  }
+
+  /// Lets finish_line() say `message` about the last word, unless something went wrong before.
+  void reject(std::string_view message);
+  /// What went wrong on this line so far, else a complaint about a word too many, if any.
+  Expected<void> finish_line();
+
+  const std::string& source() const { return source_; }
+  /// Where the last word began; at the end of a line, where the next one would have.
+  Place place() const { return {line_, static_cast<std::size_t>(word_ - line_begin_) + 1}; }
+  /// A bad-input error whose message begins with `file:line:column: `.
+  tl::unexpected<Error> error(const Place& place, std::string_view message) const;
+  /// The same at place().
+  tl::unexpected<Error> error(std::string_view message) const { return error(place(), message); }
+
+ private:
+  void reject_next(std::string_view expected);
+  template <typename Number>
+  Number parse(std::string_view expected);
+
+  std::string source_;
+  const char* next_;        ///< The next byte to look at.
+  const char* end_;         ///< Of the file.
+  const char* line_begin_;  ///< Of the current line.
+  const char* word_;        ///< Begin of the last word.
+  std::size_t line_ = 0;
+  std::string failure_;  ///< The first failure of this line.
+};
+
+/// `word` in quotes for a message: shortened, and with nothing in it that a terminal would take as a command.
+std::string quoted(std::string_view word);
+
+}  // namespace mapjoin
