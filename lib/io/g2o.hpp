@@ -24,7 +24,7 @@ Expected<AnyLog> read_g2o(TextScanner text, const ReadOptions& options);
 /// Writes the log in the conventions used inside, numbers with as many digits as bring back the same bits: what was read from a
 /// file this function wrote is written as the same bytes. Vertices are written where every pose and feature has an initial
 /// value. The file has one numbering: features are numbered from a power of ten where they would meet poses, and so are the
-/// poses of further sessions; a comment says so. g2o holds no stamps. kUsage where the log has what g2o files cannot say:
+/// poses of further sessions. g2o holds no stamps. kUsage where the log has what g2o files cannot say:
 /// priors of the World, or a pose fixed away from the origin without vertices; kCannotWrite.
 template <int Dim>
 Expected<void> write_g2o(const Log<Dim>& log, const std::filesystem::path& path);

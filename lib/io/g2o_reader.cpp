@@ -50,7 +50,7 @@ class G2oReader {
     if (tag == kG2oFix) return read_fix();
     if (is_g2o_parameter(tag)) return {};
     if (is_g2o_tag_of<5 - Dim>(tag)) return text_.error(fmt::format("{} in a file of dimension {}", tag, Dim));
-    return text_.error(fmt::format("unknown tag {}", quoted(tag)));
+    return text_.error(fmt::format("unknown tag {}", in_quotes(tag)));
   }
 
   Expected<void> read_pose_vertex() {
@@ -186,7 +186,7 @@ Expected<AnyLog> read_g2o(TextScanner text, const ReadOptions& options) {
     const std::string_view tag = ahead.word();
     if (is_g2o_tag_of<2>(tag)) return read<2>(std::move(text), options);
     if (is_g2o_tag_of<3>(tag)) return read<3>(std::move(text), options);
-    if (!is_g2o_tag(tag)) return ahead.error(fmt::format("unknown tag {}", quoted(tag)));
+    if (!is_g2o_tag(tag)) return ahead.error(fmt::format("unknown tag {}", in_quotes(tag)));
   }
   return bad_input(fmt::format("{}: the log has no poses", text.source()));
 }

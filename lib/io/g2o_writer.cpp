@@ -33,10 +33,8 @@ class G2oWriter {
     comment("Information matrices weigh the difference between measured and predicted relative pose:");
     comment(Dim == 2 ? "translation in the frame of the first pose, then heading."
                      : "translation in the frame of the first pose, then the rotation vector (not the quaternion).");
-    if (numbering_.session_step > 0) {
-      comment(fmt::format("The poses of session s are numbered s * {} + their key.", numbering_.session_step));
-    }
-    if (numbering_.feature_offset > 0) comment(fmt::format("Features are numbered {} + their key.", numbering_.feature_offset));
+    comment(
+        "One numbering: keys of features and of sessions beyond the first are moved by a power of ten where they met others.");
   }
 
   void write_vertices(const std::vector<Pose<Dim>>& poses, const std::vector<Point<Dim>>& features) {

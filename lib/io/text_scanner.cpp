@@ -47,7 +47,7 @@ const char* parse_number(const char* begin, const char* end, Integer& value) {
 
 }  // namespace
 
-std::string quoted(std::string_view word) {
+std::string in_quotes(std::string_view word) {
   constexpr std::size_t kMost = 40;
   std::string result = "'";
   for (const char c : word.substr(0, kMost)) result += c >= ' ' && c <= '~' ? c : '?';
@@ -93,7 +93,7 @@ void TextScanner::reject(std::string_view message) {
 
 void TextScanner::reject_next(std::string_view expected) {
   const std::string_view next = word();
-  reject(fmt::format("{} where {} is expected", next.empty() ? "the line ends" : quoted(next) + " stands", expected));
+  reject(fmt::format("{} where {} is expected", next.empty() ? "the line ends" : in_quotes(next) + " stands", expected));
 }
 
 template <typename Number>
@@ -129,7 +129,7 @@ Expected<void> TextScanner::finish_line() {
   if (!failure_.empty()) return bad_input(failure_);
   if (at_end_of_line()) return {};
   const std::string_view extra = word();
-  return error(fmt::format("{} stands where the line should end", quoted(extra)));
+  return error(fmt::format("{} stands where the line should end", in_quotes(extra)));
 }
 
 tl::unexpected<Error> TextScanner::error(const Place& place, std::string_view message) const {

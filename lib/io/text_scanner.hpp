@@ -82,6 +82,6 @@ class TextScanner {
 };
 
 /// `word` in quotes for a message: shortened, and with nothing in it that a terminal would take as a command.
-std::string quoted(std::string_view word);
+std::string in_quotes(std::string_view word);
 
 }  // namespace mapjoin

@@ -25,12 +25,13 @@ class Random {
   Pose<Dim> pose(double metres = 5.0, double radians = 1.5) {
     return {vector<Dim>(metres), Rotation<Dim>::exp(vector<kRotationDof<Dim>>(radians))};
   }
-  /// A dense, well-conditioned, symmetric positive definite matrix.
+  /// A dense, well-conditioned, exactly symmetric positive definite matrix.
   template <int Rows>
   Matrix<Rows> information() {
     Matrix<Rows> A;
     for (int i = 0; i < Rows; ++i) A.col(i) = vector<Rows>();
-    return A * A.transpose() + Matrix<Rows>::Identity();
+    const Matrix<Rows> M = A * A.transpose() + Matrix<Rows>::Identity();
+    return 0.5 * (M + M.transpose());
   }
 
  private:

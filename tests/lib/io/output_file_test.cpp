@@ -12,12 +12,8 @@ namespace mapjoin {
 namespace {
 
 namespace fs = std::filesystem;
+using testing::content_of;
 using ::testing::HasSubstr;
-
-std::string content(const fs::path& path) {
-  std::ifstream in(path, std::ios::binary);
-  return {std::istreambuf_iterator<char>(in), {}};
-}
 
 class OutputFileTest : public ::testing::Test {
  protected:
@@ -37,7 +33,7 @@ TEST_F(OutputFileTest, AppearsWholeOnCommit) {
   }
   EXPECT_FALSE(fs::exists(path));
   EXPECT_TRUE(file->commit());
-  EXPECT_EQ(content(path), expected);
+  EXPECT_EQ(content_of(path), expected);
   EXPECT_EQ(entries(), 1u);
 }
 
@@ -48,7 +44,7 @@ TEST_F(OutputFileTest, LeavesWhatWasThereWhenNotCommitted) {
     ASSERT_TRUE(file);
     file->write("half");
   }
-  EXPECT_EQ(content(path), "before");
+  EXPECT_EQ(content_of(path), "before");
   EXPECT_EQ(entries(), 1u);
 }
 
@@ -61,7 +57,7 @@ TEST_F(OutputFileTest, WritesThroughALinkAndToADevice) {
   file->write("after");
   EXPECT_TRUE(file->commit());
   EXPECT_TRUE(fs::is_symlink(link));
-  EXPECT_EQ(content(path), "after");
+  EXPECT_EQ(content_of(path), "after");
 
   auto null = OutputFile::create("/dev/null");
   ASSERT_TRUE(null);
