@@ -1,1 +1,197 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include <chrono>
+#include <mapjoin/graph/connectivity.hpp>
+#include <mapjoin/join/polish_problem.hpp>
+#include <mapjoin/join/run.hpp>
+#include <mapjoin/localmap/recover.hpp>
+#include <mapjoin/measure/chi2.hpp>
+#include <utility>
+
+namespace mapjoin {
+namespace {
+
+/// Adds the wall-clock seconds of its scope.
+class Stopwatch {
+ public:
+  explicit Stopwatch(double& seconds) : seconds_(seconds) {}
+  ~Stopwatch() { seconds_ += std::chrono::duration<double>(std::chrono::steady_clock::now() - start_).count(); }
+
+ private:
+  double& seconds_;
+  std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now();
+};
+
+std::function<void(std::size_t, std::size_t)> progress_of(const RunOptions& options, Stage stage) {
+  if (!options.progress) return nullptr;
+  return [&options, stage](std::size_t done, std::size_t to_do) { options.progress(stage, done, to_do); };
+}
+
+template <int Dim>
+JoinOptions<Dim> join_options(const RunOptions& options, const Pose<Dim>& origin) {
+  return {options.schedule, options.solver, origin, nullptr, progress_of(options, Stage::kJoin)};
+}
+
+/// Where the first pose is held when the World says nothing: at the file's value, if it has one.
+template <int Dim>
+Pose<Dim> origin_of(const Log<Dim>& log) {
+  return log.initial_poses.empty() ? Pose<Dim>{} : log.initial_poses.front();
+}
+
+template <int Dim, template <int> typename Source>
+void write_map(const Source<Dim>& source, State<Dim> state, const std::vector<Index>& held, RunResult<Dim>& result) {
+  result.map.pose_ids = source.poses;
+  result.map.feature_ids = source.features;
+  result.map.poses = std::move(state.poses);
+  result.map.features = std::move(state.features);
+  result.map.gauge = held;
+  result.map.conventions = source.conventions;
+}
+
+template <int Dim>
+std::vector<Segment<Dim>> segments_of(const Log<Dim>& log, const Split& split) {
+  std::vector<Segment<Dim>> segments;
+  for (const Stretch& stretch : split.stretches) {
+    if (stretch.is_map) segments.push_back(segment_of(log, split, stretch));
+  }
+  return segments;
+}
+
+/// Exact Gauss-Newton on the whole log from `state`, which takes the result.
+template <int Dim>
+MinimiseResult polish(const Log<Dim>& log, const Split& split, const Network<Dim>& network, Join<Dim>& join,
+                      const RunOptions& options, const std::stop_token& stop, State<Dim>& state) {
+  const auto segments = segments_of(log, split);
+  PolishProblem<Dim> problem(*join.system, segments, network.is_private, state);
+  const MinimiseResult result = minimise(problem, options.solver, stop);
+  const State<Dim>& joined = join.system->estimate();
+  for (std::size_t p = 0; p < join.poses.size(); ++p) state.poses[static_cast<std::size_t>(join.poses[p])] = joined.poses[p];
+  for (std::size_t f = 0; f < join.features.size(); ++f) {
+    state.features[static_cast<std::size_t>(join.features[f])] = joined.features[f];
+  }
+  problem.write_interiors(state);
+  return result;
+}
+
+/// Joins, recovers and polishes from local maps.
+template <int Dim>
+Expected<void> join_and_polish(const Log<Dim>& log, const Split& split, std::vector<LocalMap<Dim>> maps,
+                               const RunOptions& options, const std::stop_token& stop, const State<Dim>* start,
+                               RunResult<Dim>& result) {
+  result.local_maps = maps.size();
+  result.spans = split.stretches.size() - maps.size();
+  result.poses_per_map = split.poses_per_map;
+  const Network<Dim> network = network_of(log, split, std::move(maps));
+  JoinOptions<Dim> joining = join_options(options, origin_of(log));
+  joining.start = start;
+  Expected<Join<Dim>> joined = [&] {
+    const Stopwatch watch(result.seconds.join);
+    return join(network, log.poses, log.features, joining, stop);
+  }();
+  if (!joined) return tl::unexpected(joined.error());
+  result.join = joined->result;
+  result.join_dof = joined->dof();
+  State<Dim> state = std::move(joined->state);
+  {
+    const Stopwatch watch(result.seconds.recover);
+    if (options.progress) options.progress(Stage::kRecover, 0, 1);
+    recover_interiors(log, split, network.is_private, options.solver, state);
+    result.recovered_chi2 = result.chi2 = log_chi2(log, state.poses, state.features).total();
+  }
+  if (options.polish && !stop.stop_requested()) {
+    const Stopwatch watch(result.seconds.polish);
+    if (options.progress) options.progress(Stage::kPolish, 0, 1);
+    result.polish = polish(log, split, network, *joined, options, stop, state);
+    result.chi2 = log_chi2(log, state.poses, state.features).total();
+  }
+  result.dof = degrees_of_freedom(log, joined->held.size());
+  write_map(log, std::move(state), joined->held, result);
+  result.map.stamps_ns = log.stamps_ns;
+  return {};
+}
+
+}  // namespace
+
+std::vector<std::string> RunOptions::validate() const {
+  std::vector<std::string> violations = split.validate();
+  for (auto& violation : solver.validate()) violations.push_back(std::move(violation));
+  return violations;
+}
+
+template <int Dim>
+bool RunResult<Dim>::converged() const {
+  return join.status == MinimiseStatus::kConverged && (!polish || polish->status == MinimiseStatus::kConverged);
+}
+
+template <int Dim>
+Expected<RunResult<Dim>> run(const Log<Dim>& log, const RunOptions& options, const std::stop_token& stop) {
+  if (auto connected = check_connected(log); !connected) return tl::unexpected(connected.error());
+  RunResult<Dim> result;
+  Split parts;
+  LocalMaps<Dim> built;
+  {
+    const Stopwatch watch(result.seconds.build);
+    parts = split(log, options.split);
+    auto maps = build_local_maps(log, parts, {options.solver, progress_of(options, Stage::kBuild)}, stop);
+    if (!maps) return tl::unexpected(maps.error());
+    built = std::move(*maps);
+  }
+  result.build_iterations = built.iterations;
+  auto done = join_and_polish<Dim>(log, parts, std::move(built.maps), options, stop, nullptr, result);
+  if (!done) return tl::unexpected(done.error());
+  return result;
+}
+
+template <int Dim>
+Expected<RunResult<Dim>> run_from_maps(const Log<Dim>& log, const Split& split, std::vector<LocalMap<Dim>> maps,
+                                       const RunOptions& options, const std::stop_token& stop) {
+  if (auto connected = check_connected(log); !connected) return tl::unexpected(connected.error());
+  RunResult<Dim> result;
+  auto done = join_and_polish<Dim>(log, split, std::move(maps), options, stop, nullptr, result);
+  if (!done) return tl::unexpected(done.error());
+  return result;
+}
+
+template <int Dim>
+Expected<RunResult<Dim>> run(const MapSet<Dim>& set, const RunOptions& options, const std::stop_token& stop) {
+  if (auto connected = check_connected(set); !connected) return tl::unexpected(connected.error());
+  RunResult<Dim> result;
+  result.local_maps = set.maps.size();
+  const Network<Dim> network = network_of(set);
+  const Stopwatch watch(result.seconds.join);
+  auto joined = join(network, set.poses, set.features, join_options(options, Pose<Dim>{}), stop);
+  if (!joined) return tl::unexpected(joined.error());
+  result.join = joined->result;
+  result.join_dof = result.dof = joined->dof();
+  result.chi2 = joined->result.chi2;
+  write_map(set, std::move(joined->state), joined->held, result);
+  return result;
+}
+
+template <int Dim>
+Expected<RunResult<Dim>> solve(const Log<Dim>& log, RunOptions options, const std::stop_token& stop) {
+  if (auto connected = check_connected(log); !connected) return tl::unexpected(connected.error());
+  options.split = {SplitRule::kPoses, 1.0};
+  options.polish = false;  // the join is full SLAM already
+  if (options.start_from_values && (log.initial_poses.empty() || log.initial_features.size() != log.features.size())) {
+    return bad_input(log.source + ": not every pose and feature has a value to start from");
+  }
+  const State<Dim> values{log.initial_poses, log.initial_features};
+  RunResult<Dim> result;
+  auto done = join_and_polish<Dim>(log, split(log, options.split), {}, options, stop,
+                                   options.start_from_values ? &values : nullptr, result);
+  if (!done) return tl::unexpected(done.error());
+  return result;
+}
+
+#define MAPJOIN_INSTANTIATE(Dim)                                                                             \
+  template struct RunResult<Dim>;                                                                            \
+  template Expected<RunResult<Dim>> run(const Log<Dim>&, const RunOptions&, const std::stop_token&);         \
+  template Expected<RunResult<Dim>> run(const MapSet<Dim>&, const RunOptions&, const std::stop_token&);      \
+  template Expected<RunResult<Dim>> run_from_maps(const Log<Dim>&, const Split&, std::vector<LocalMap<Dim>>, \
+                                                  const RunOptions&, const std::stop_token&);                \
+  template Expected<RunResult<Dim>> solve(const Log<Dim>&, RunOptions, const std::stop_token&);
+MAPJOIN_INSTANTIATE(2)
+MAPJOIN_INSTANTIATE(3)
+#undef MAPJOIN_INSTANTIATE
+
+}  // namespace mapjoin

@@ -57,7 +57,7 @@ NormalEquations::NormalEquations(std::vector<int> dofs, Cliques cliques)
   gradient_.setZero(size());
   order_variables();
   lay_out();
-  cholesky_.analyse(matrix_);
+  if (size() > 0) cholesky_.analyse(matrix_);
 }
 
 void NormalEquations::order_variables() {

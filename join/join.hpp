@@ -1,0 +1,52 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+// Joining local maps into one global map, with the absolute joined state (paper's VI.B).
+
+#include <cstdint>
+#include <mapjoin/join/joint_system.hpp>
+#include <mapjoin/join/network.hpp>
+#include <mapjoin/join/schedule.hpp>
+#include <mapjoin/model/error.hpp>
+#include <mapjoin/solve/minimise_options.hpp>
+#include <memory>
+#include <stop_token>
+#include <string>
+#include <vector>
+
+namespace mapjoin {
+
+template <int Dim>
+struct JoinOptions {
+  Schedule schedule = Schedule::kTree;
+  MinimiseOptions solver;             ///< Of the last join, over all original maps.
+  Pose<Dim> origin;                   ///< Where the first pose is held when the World says nothing.
+  const State<Dim>* start = nullptr;  ///< Of the whole network, to start from instead of a schedule; may be null.
+  std::function<void(std::size_t, std::size_t)> progress;  ///< As in ScheduleOptions.
+};
+
+template <int Dim>
+struct Join {
+  MinimiseResult result;
+  State<Dim> state;                          ///< Of the whole network; poses that are not joined are left at the origin.
+  std::vector<Index> poses;                  ///< The poses of the joined state, ascending.
+  std::vector<Index> features;               ///< Its features: all but the private ones.
+  std::vector<Index> held;                   ///< The poses that hold the map still; empty where priors do.
+  std::unique_ptr<JointSystem<Dim>> system;  ///< Of the last join, for polishing.
+  std::int64_t rows = 0;                     ///< Measured rows of the maps and observations, private features left out.
+  std::int64_t dof() const { return rows - static_cast<std::int64_t>(system->equations().size()); }
+};
+
+/// Joins a network. Bad input where the network falls apart,
+/// or where the observations leave a pose or feature undetermined (named by `name_pose`, `name_feature`); kInterrupted on
+/// `stop`. When the last solve does not converge, result.status says so and the state is the best found.
+template <int Dim>
+Expected<Join<Dim>> join(const Network<Dim>& network, const std::vector<PoseId>& pose_ids,
+                         const std::vector<FeatureId>& feature_ids, const JoinOptions<Dim>& options,
+                         const std::stop_token& stop = {});
+
+/// Moves the piece into the World's frame and says what holds it: fixed poses at their values, else priors, else the first pose
+/// at `origin`.
+template <int Dim>
+Gauge<Dim> settle_in_world(const Network<Dim>& network, const Pose<Dim>& origin, Piece<Dim>& piece);
+
+}  // namespace mapjoin

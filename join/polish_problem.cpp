@@ -1,0 +1,117 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <tbb/parallel_for.h>
+
+#include <algorithm>
+#include <atomic>
+#include <mapjoin/join/polish_problem.hpp>
+#include <mapjoin/localmap/recover.hpp>
+#include <utility>
+
+namespace mapjoin {
+namespace {
+
+/// The sum of f(k) over all k, computed in parallel, added in order.
+template <typename F>
+double ordered_sum(std::size_t count, F&& f) {
+  std::vector<double> terms(count);
+  tbb::parallel_for(std::size_t{0}, count, [&](std::size_t k) { terms[k] = f(k); });
+  double sum = 0.0;
+  for (const double term : terms) sum += term;
+  return sum;
+}
+
+}  // namespace
+
+template <int Dim>
+PolishProblem<Dim>::PolishProblem(JointSystem<Dim>& system, const std::vector<Segment<Dim>>& segments,
+                                  const std::vector<bool>& is_private, const State<Dim>& state)
+    : system_(system), size_(system.equations().size()) {
+  for (std::size_t k = 0; k < segments.size(); ++k) {
+    segments_.emplace_back(segments[k], is_private, system.equations(), system.map_variables(k), size_,
+                           values_of(segments[k], state));
+    size_ += segments_.back().own_size();
+  }
+}
+
+template <int Dim>
+double PolishProblem<Dim>::linearise() {
+  is_reduced_ = false;
+  const double chi2 = system_.linearise_observations();
+  const double segments_chi2 = ordered_sum(segments_.size(), [&](std::size_t k) { return segments_[k].linearise(); });
+  gradient_.setZero(size_);
+  gradient_.head(system_.equations().size()) = system_.equations().gradient();
+  for (const auto& segment : segments_) segment.add_gradient(gradient_);
+  return chi2 + segments_chi2;
+}
+
+template <int Dim>
+Eigen::VectorXd PolishProblem<Dim>::diagonal() const {
+  Eigen::VectorXd diagonal = Eigen::VectorXd::Zero(size_);
+  diagonal.head(system_.equations().size()) = system_.equations().diagonal();
+  for (const auto& segment : segments_) segment.add_diagonal(diagonal);
+  return diagonal;
+}
+
+template <int Dim>
+double PolishProblem<Dim>::curvature(const Eigen::VectorXd& v) const {
+  return system_.equations().curvature(v.head(system_.equations().size())) +
+         ordered_sum(segments_.size(), [&](std::size_t k) { return segments_[k].curvature(v); });
+}
+
+template <int Dim>
+bool PolishProblem<Dim>::eliminate_segments() {
+  std::atomic<bool> is_regular = true;
+  tbb::parallel_for(std::size_t{0}, segments_.size(), [&](std::size_t k) {
+    if (!segments_[k].eliminate()) is_regular = false;
+  });
+  return is_regular;
+}
+
+template <int Dim>
+std::optional<Index> PolishProblem<Dim>::factorise(double damping) {
+  if (!is_reduced_) {
+    if (!eliminate_segments()) return 0;
+    for (std::size_t k = 0; k < segments_.size(); ++k) segments_[k].add_reduced(system_.map_sink(k));
+    is_reduced_ = true;
+  }
+  return system_.equations().factorise(damping);
+}
+
+template <int Dim>
+Eigen::VectorXd PolishProblem<Dim>::solve() const {
+  const NormalEquations& equations = system_.equations();
+  Eigen::VectorXd step = Eigen::VectorXd::Zero(size_);
+  step.head(equations.size()) = equations.solve(equations.gradient());
+  tbb::parallel_for(std::size_t{0}, segments_.size(), [&](std::size_t k) { segments_[k].back_substitute(step); });
+  return step;
+}
+
+template <int Dim>
+StepSize PolishProblem<Dim>::step_size(const Eigen::VectorXd& step) const {
+  StepSize size = system_.step_size(step);
+  for (const auto& segment : segments_) segment.add_step_size(step, size);
+  return size;
+}
+
+template <int Dim>
+double PolishProblem<Dim>::try_step(const Eigen::VectorXd& step) {
+  candidate_ = system_.retracted(step);
+  return system_.observations_chi2(candidate_) +
+         ordered_sum(segments_.size(), [&](std::size_t k) { return segments_[k].try_step(step); });
+}
+
+template <int Dim>
+void PolishProblem<Dim>::accept() {
+  std::swap(system_.estimate(), candidate_);
+  for (auto& segment : segments_) segment.accept();
+}
+
+template <int Dim>
+void PolishProblem<Dim>::write_interiors(State<Dim>& state) const {
+  for (const auto& segment : segments_) segment.write_own(state);
+}
+
+template class PolishProblem<2>;
+template class PolishProblem<3>;
+
+}  // namespace mapjoin

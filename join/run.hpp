@@ -1,0 +1,81 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+// The front door: from a log to a global map, or from local maps to one.
+
+#include <functional>
+#include <mapjoin/join/join.hpp>
+#include <mapjoin/localmap/build.hpp>
+#include <mapjoin/localmap/split.hpp>
+#include <mapjoin/model/error.hpp>
+#include <mapjoin/model/global_map.hpp>
+#include <mapjoin/model/local_map.hpp>
+#include <mapjoin/model/log.hpp>
+#include <optional>
+#include <stop_token>
+#include <string>
+#include <vector>
+
+namespace mapjoin {
+
+/// What a run is busy with.
+enum class Stage : std::uint8_t { kBuild, kJoin, kRecover, kPolish };
+
+struct RunOptions {
+  SplitOptions split;
+  Schedule schedule = Schedule::kTree;
+  MinimiseOptions solver;  ///< Of every least-squares problem, local maps to polish.
+  bool polish = true;
+  bool start_from_values = false;  ///< Full SLAM only: from the log's initial values instead of a schedule.
+  /// Called with a stage, what is done of it and what there is to do; from one thread at a time.
+  std::function<void(Stage, std::size_t, std::size_t)> progress;
+
+  /// Every violation in words; empty if there is none.
+  std::vector<std::string> validate() const;
+};
+
+/// CPU-independent account of one run. Times are wall-clock seconds.
+struct RunSeconds {
+  double build = 0.0;
+  double join = 0.0;
+  double recover = 0.0;
+  double polish = 0.0;
+};
+
+template <int Dim>
+struct RunResult {
+  GlobalMap<Dim> map;
+  std::size_t local_maps = 0;  ///< Stretches that became maps.
+  std::size_t spans = 0;       ///< Stretches that stayed observations.
+  Index poses_per_map = 0;     ///< As chosen; 0 where another rule than poses cut the log.
+  std::int64_t build_iterations = 0;
+  MinimiseResult join;
+  std::int64_t join_dof = 0;
+  std::optional<double> recovered_chi2;  ///< Of the whole log before polishing.
+  std::optional<MinimiseResult> polish;
+  double chi2 = 0.0;     ///< Of the final estimate: rᵀWr over the whole log, or over all maps where there is none.
+  std::int64_t dof = 0;  ///< Measured rows less free variables.
+  RunSeconds seconds;
+
+  /// Whether every solve whose result is in the map converged.
+  bool converged() const;
+};
+
+/// Splits the log, builds local maps, joins them, recovers what was eliminated, and polishes to the optimum of the whole log.
+/// Bad input: a log that falls apart or leaves something undetermined. kInterrupted on `stop`.
+template <int Dim>
+Expected<RunResult<Dim>> run(const Log<Dim>& log, const RunOptions& options, const std::stop_token& stop = {});
+
+/// As run(), from local maps already built: `split` and `maps` as build_local_maps left them.
+template <int Dim>
+Expected<RunResult<Dim>> run_from_maps(const Log<Dim>& log, const Split& split, std::vector<LocalMap<Dim>> maps,
+                                       const RunOptions& options, const std::stop_token& stop = {});
+
+/// Joins local maps of which nothing else is known: no recovery, no polish.
+template <int Dim>
+Expected<RunResult<Dim>> run(const MapSet<Dim>& set, const RunOptions& options, const std::stop_token& stop = {});
+
+/// Full SLAM: the join of one-step maps.
+template <int Dim>
+Expected<RunResult<Dim>> solve(const Log<Dim>& log, RunOptions options, const std::stop_token& stop = {});
+
+}  // namespace mapjoin

@@ -1,0 +1,91 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <limits>
+#include <mapjoin/join/join.hpp>
+#include <mapjoin/join/placement.hpp>
+#include <mapjoin/model/linearise.hpp>
+
+namespace mapjoin {
+namespace {
+
+template <int Dim>
+bool measures_rotation(const PoseObservation<Dim>& prior) {
+  return !prior.information.template bottomRightCorner<kRotationDof<Dim>, kRotationDof<Dim>>().isZero(0.0);
+}
+
+/// What ties the World (first frame) to a piece (second frame).
+template <int Dim>
+Ties<Dim> world_ties(const Network<Dim>& network, const Piece<Dim>& piece) {
+  Ties<Dim> ties;
+  for (const auto& fixed : network.fixed) {
+    if (holds(piece.poses, fixed.pose)) ties.add_pose(fixed.value, pose_in(piece, fixed.pose));
+  }
+  for (const auto* prior : network.pose_priors) {
+    if (!holds(piece.poses, prior->target)) continue;
+    const Pose<Dim>& pose = pose_in(piece, prior->target);
+    if (measures_rotation(*prior)) {
+      ties.add_pose(prior->measured, pose);
+    } else {
+      ties.add_point(prior->measured.translation, pose.translation);
+    }
+  }
+  for (const auto* prior : network.feature_priors) {
+    if (holds(piece.features, prior->target)) ties.add_point(prior->measured, feature_in(piece, prior->target));
+  }
+  return ties;
+}
+
+/// Sum of squared distances of the tied points under a placement.
+template <int Dim>
+double misfit(const Ties<Dim>& ties, const Pose<Dim>& placement) {
+  double sum = 0.0;
+  for (std::size_t k = 0; k < ties.first_points.size(); ++k) {
+    sum += (ties.first_points[k] - transform(placement, ties.second_points[k])).squaredNorm();
+  }
+  return sum;
+}
+
+template <int Dim>
+void place_in_world(const Ties<Dim>& ties, Piece<Dim>& piece) {
+  double least = std::numeric_limits<double>::infinity();
+  Pose<Dim> best;
+  for (const Pose<Dim>& placement : ties.candidates()) {
+    const double sum = misfit(ties, placement);
+    if (sum < least) {
+      least = sum;
+      best = placement;
+    }
+  }
+  piece.state = moved(best, std::move(piece.state));
+}
+
+}  // namespace
+
+template <int Dim>
+Gauge<Dim> settle_in_world(const Network<Dim>& network, const Pose<Dim>& origin, Piece<Dim>& piece) {
+  Gauge<Dim> gauge;
+  const Ties<Dim> ties = world_ties(network, piece);
+  if (ties.first_points.empty()) {
+    const Pose<Dim> frame = compose(origin, inverse(piece.state.poses.front()));
+    piece.state = moved(frame, std::move(piece.state));
+    gauge.held = {0};
+    return gauge;
+  }
+  place_in_world(ties, piece);
+  for (const auto& fixed : network.fixed) {
+    if (!holds(piece.poses, fixed.pose)) continue;
+    gauge.held.push_back(place_of(piece.poses, fixed.pose));
+    piece.state.poses[static_cast<std::size_t>(gauge.held.back())] = fixed.value;
+  }
+  for (const auto* prior : network.pose_priors) {
+    if (holds(piece.poses, prior->target)) gauge.pose_priors.push_back(prior);
+  }
+  for (const auto* prior : network.feature_priors) {
+    if (holds(piece.features, prior->target)) gauge.feature_priors.push_back(prior);
+  }
+  return gauge;
+}
+
+template Gauge<2> settle_in_world(const Network<2>&, const Pose<2>&, Piece<2>&);
+template Gauge<3> settle_in_world(const Network<3>&, const Pose<3>&, Piece<3>&);
+
+}  // namespace mapjoin

@@ -1,0 +1,38 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+// chi2 of a log at given poses and features, observation by observation, apart from every solver.
+
+#include <cstddef>
+#include <cstdint>
+#include <mapjoin/model/log.hpp>
+#include <vector>
+
+namespace mapjoin {
+
+/// Sums of squared Mahalanobis residuals rᵀWr (no factor 1/2), by kind.
+struct Chi2 {
+  double odometry = 0.0;
+  double closures = 0.0;
+  double observations = 0.0;
+  double priors = 0.0;  ///< Of poses and of features.
+
+  double total() const { return odometry + closures + observations + priors; }
+};
+
+/// rᵀWr of one observation; `base` is the identity where it is the World.
+template <int Dim>
+double chi2(const PoseObservation<Dim>& observation, const Pose<Dim>& base, const Pose<Dim>& target);
+template <int Dim>
+double chi2(const FeatureObservation<Dim>& observation, const Pose<Dim>& base, const Point<Dim>& target);
+
+/// chi2 of the whole log with the residual of model/observation.hpp, at one pose per pose and one point per feature of the log,
+/// in the World frame. Fixed poses count as they stand in `poses`. Throws std::invalid_argument where the numbers differ.
+template <int Dim>
+Chi2 log_chi2(const Log<Dim>& log, const std::vector<Pose<Dim>>& poses, const std::vector<Point<Dim>>& features);
+
+/// What chi2 has as its expected value at the optimum of a consistent log: measured rows (the rank of every W) less unknowns,
+/// where `held_poses` poses are held still (see GlobalMap::gauge; fixed ones count among them).
+template <int Dim>
+std::int64_t degrees_of_freedom(const Log<Dim>& log, std::size_t held_poses);
+
+}  // namespace mapjoin
