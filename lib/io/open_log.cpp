@@ -1,0 +1,47 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <fmt/format.h>
+
+#include <mapjoin/io/covariance_text.hpp>
+#include <mapjoin/io/file_bytes.hpp>
+#include <mapjoin/io/g2o.hpp>
+#include <mapjoin/io/isam.hpp>
+#include <mapjoin/io/mat_log.hpp>
+#include <mapjoin/io/open_log.hpp>
+#include <mapjoin/io/text_scanner.hpp>
+#include <string_view>
+
+namespace mapjoin {
+namespace {
+
+/// A text format, known by the words that its lines begin with.
+struct TextFormat {
+  bool (*is_tag)(std::string_view tag);
+  Expected<AnyLog> (*read)(TextScanner text, const ReadOptions& options);
+};
+
+constexpr TextFormat kTextFormats[] = {
+    {is_g2o_tag, read_g2o},
+    {is_isam_tag, read_isam},
+    {is_odom_obs_tag, read_odom_obs},
+    {is_map_circles_tag, read_map_circles},
+};
+
+}  // namespace
+
+Expected<AnyLog> open_log(const std::filesystem::path& path, const ReadOptions& options) {
+  constexpr std::string_view kMatMagic = "MATLAB 5.0";
+  const auto bytes = FileBytes::read(path);
+  if (!bytes) return tl::unexpected(bytes.error());
+  if (bytes->view().substr(0, kMatMagic.size()) == kMatMagic) return read_mat_log(path, options);
+
+  const TextScanner text(path.string(), bytes->view());
+  TextScanner ahead = text;
+  if (!ahead.next_line()) return bad_input(fmt::format("{}: the file has nothing but blanks and comments", path.string()));
+  const std::string_view tag = ahead.word();
+  for (const TextFormat& format : kTextFormats) {
+    if (format.is_tag(tag)) return format.read(text, options);
+  }
+  return ahead.error(fmt::format("no log format has lines that begin with {}", in_quotes(tag)));
+}
+
+}  // namespace mapjoin
