@@ -1,0 +1,90 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <mapjoin/io/map_text.hpp>
+#include <mapjoin/io/output_file.hpp>
+#include <mapjoin/io/text_line.hpp>
+
+namespace mapjoin {
+namespace {
+
+/// Seconds with nine decimals, exactly.
+std::string seconds(std::int64_t nanoseconds) {
+  constexpr std::int64_t kNanosecondsPerSecond = 1'000'000'000;
+  const std::int64_t whole = nanoseconds / kNanosecondsPerSecond;
+  const std::int64_t rest = nanoseconds % kNanosecondsPerSecond;  // Has the sign of `nanoseconds`.
+  return fmt::format("{}{}.{:09}", nanoseconds < 0 ? "-" : "", std::abs(whole), std::abs(rest));
+}
+
+const Pose<3>& in_space(const Pose<3>& pose) {
+  return pose;
+}
+Pose<3> in_space(const Pose<2>& pose) {
+  const double half = 0.5 * pose.rotation.log()[0];
+  const Eigen::Quaterniond about_z(std::cos(half), 0.0, 0.0, std::sin(half));
+  return {Point<3>(pose.translation.x(), pose.translation.y(), 0.0), Rotation<3>(about_z)};
+}
+
+}  // namespace
+
+template <int Dim>
+Expected<void> write_tum(const GlobalMap<Dim>& map, const std::filesystem::path& path) {
+  auto file = OutputFile::create(path);
+  if (!file) return tl::unexpected(file.error());
+  const bool has_stamps = !map.stamps_ns.empty();
+  TextLine line(' ');
+  line.add(has_stamps ? "# time[s] x y z qx qy qz qw" : "# index x y z qx qy qz qw (the poses have no time stamps)");
+  line.write_to(*file);
+  for (std::size_t i = 0; i < map.poses.size(); ++i) {
+    if (has_stamps) {
+      line.add(seconds(map.stamps_ns[i]));
+    } else {
+      line.add(i);
+    }
+    line.add(in_space(map.poses[i])).write_to(*file);
+  }
+  return file->commit();
+}
+
+template <int Dim>
+Expected<void> write_pose_csv(const GlobalMap<Dim>& map, const std::filesystem::path& path) {
+  auto file = OutputFile::create(path);
+  if (!file) return tl::unexpected(file.error());
+  const bool has_stamps = !map.stamps_ns.empty();
+  const bool has_sessions = std::any_of(map.pose_ids.begin(), map.pose_ids.end(), [](auto& id) { return id.session != 0; });
+  TextLine line(',');
+  if (has_sessions) line.add("session");
+  line.add(Dim == 2 ? "pose,x,y,phi" : "pose,x,y,z,qx,qy,qz,qw");
+  if (has_stamps) line.add("stamp_ns");
+  line.write_to(*file);
+  for (std::size_t i = 0; i < map.poses.size(); ++i) {
+    if (has_sessions) line.add(map.pose_ids[i].session);
+    line.add(map.pose_ids[i].key).add(map.poses[i]);
+    if (has_stamps) line.add(map.stamps_ns[i]);
+    line.write_to(*file);
+  }
+  return file->commit();
+}
+
+template <int Dim>
+Expected<void> write_feature_csv(const GlobalMap<Dim>& map, const std::filesystem::path& path) {
+  auto file = OutputFile::create(path);
+  if (!file) return tl::unexpected(file.error());
+  TextLine line(',');
+  line.add(Dim == 2 ? "feature,x,y" : "feature,x,y,z").write_to(*file);
+  for (std::size_t i = 0; i < map.features.size(); ++i) {
+    line.add(map.feature_ids[i].key).template add<Dim>(map.features[i]).write_to(*file);
+  }
+  return file->commit();
+}
+
+template Expected<void> write_tum(const GlobalMap<2>&, const std::filesystem::path&);
+template Expected<void> write_tum(const GlobalMap<3>&, const std::filesystem::path&);
+template Expected<void> write_pose_csv(const GlobalMap<2>&, const std::filesystem::path&);
+template Expected<void> write_pose_csv(const GlobalMap<3>&, const std::filesystem::path&);
+template Expected<void> write_feature_csv(const GlobalMap<2>&, const std::filesystem::path&);
+template Expected<void> write_feature_csv(const GlobalMap<3>&, const std::filesystem::path&);
+
+}  // namespace mapjoin

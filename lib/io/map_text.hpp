@@ -1,0 +1,28 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+// A global map as plain tables: a trajectory in the TUM format, poses and features as CSV. For g2o see g2o.hpp.
+
+#include <filesystem>
+#include <mapjoin/model/error.hpp>
+#include <mapjoin/model/global_map.hpp>
+
+namespace mapjoin {
+
+// Each number has the fewest digits that read back as the same bits. Files appear whole or not at all: kCannotWrite.
+
+/// `time x y z qx qy qz qw` per pose, in the map's order, after a comment that names the columns. The time is in seconds to the
+/// nanosecond; where the map has no stamps it is the index of the pose, counted from 0, as the comment then says. In the plane
+/// z is 0 and the heading a turn about z.
+template <int Dim>
+Expected<void> write_tum(const GlobalMap<Dim>& map, const std::filesystem::path& path);
+
+/// `pose,x,y,phi` or `pose,x,y,z,qx,qy,qz,qw`, under a header with these names (m, rad); before them `session,` where any pose
+/// is of a session other than 0, behind them `,stamp_ns` where the map has stamps.
+template <int Dim>
+Expected<void> write_pose_csv(const GlobalMap<Dim>& map, const std::filesystem::path& path);
+
+/// `feature,x,y` or `feature,x,y,z`, under a header with these names (m).
+template <int Dim>
+Expected<void> write_feature_csv(const GlobalMap<Dim>& map, const std::filesystem::path& path);
+
+}  // namespace mapjoin
