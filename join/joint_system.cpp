@@ -45,6 +45,7 @@ void JointSystem<Dim>::place_observations(const Piece<Dim>& piece, const Gauge<D
     for (const Index feature : map->features) placed.features.push_back(feature_place(feature));
     maps_.push_back(std::move(placed));
   }
+  first_map_clique_ = pose_observations_.size() + feature_observations_.size();
 }
 
 template <int Dim>

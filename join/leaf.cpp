@@ -52,10 +52,14 @@ Piece<Dim> Leaves<Dim>::map_piece(const LocalMap<Dim>& map) const {
   piece.maps.push_back(&map);
   piece.poses.push_back(map.base);
   piece.poses.insert(piece.poses.end(), map.poses.begin(), map.poses.end());
-  piece.features = map.features;
   piece.state.poses.emplace_back();
   piece.state.poses.insert(piece.state.poses.end(), map.pose_estimates.begin(), map.pose_estimates.end());
-  piece.state.features = map.feature_estimates;
+  piece.features = map.features;
+  std::sort(piece.features.begin(), piece.features.end());
+  piece.state.features.resize(piece.features.size());
+  for (std::size_t f = 0; f < map.features.size(); ++f) {
+    piece.state.features[static_cast<std::size_t>(place_of(piece.features, map.features[f]))] = map.feature_estimates[f];
+  }
   return piece;
 }
 
