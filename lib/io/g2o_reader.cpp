@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <mapjoin/io/g2o.hpp>
 #include <mapjoin/io/g2o_declarations.hpp>
 #include <mapjoin/io/g2o_fields.hpp>
@@ -27,6 +28,7 @@ class G2oReader {
                   .rotation_information = Dim == 3 ? options.rotation_information : RotationInformation::kVector}) {}
 
   Expected<Log<Dim>> read() {
+    make_room();
     while (text_.next_line()) {
       if (auto line = read_line(text_.word()); !line) return tl::unexpected(line.error());
     }
@@ -41,6 +43,21 @@ class G2oReader {
 
  private:
   using Tags = G2oTags<Dim>;
+
+  /// Growing the vectors of a large log costs as much as reading it. A count is believed as far as so many lines that are
+  /// complete, of two bytes a number at least, fit into the file.
+  void make_room() {
+    std::size_t pose_edges = 0;
+    std::size_t observations = 0;
+    for (TextScanner ahead = text_; ahead.next_line();) {
+      const std::string_view tag = ahead.word();
+      if (tag == Tags::kPoseEdge) ++pose_edges;
+      if (tag == Tags::kObservation) ++observations;
+    }
+    const auto bytes = [](int dof) { return static_cast<std::size_t>(2 * (2 + dof + dof * (dof + 1) / 2)); };
+    builder_.reserve(std::min(pose_edges, text_.size() / bytes(kPoseDof<Dim>)),
+                     std::min(observations, text_.size() / bytes(Dim)));
+  }
 
   Expected<void> read_line(std::string_view tag) {
     if (tag == Tags::kPoseEdge) return read_pose_edge();

@@ -60,6 +60,8 @@ class TextScanner {
   Expected<void> finish_line();
 
   const std::string& source() const { return source_; }
+  /// The bytes that are left.
+  std::size_t size() const { return static_cast<std::size_t>(end_ - next_); }
   /// Where the last word began; at the end of a line, where the next one would have.
   Place place() const { return {line_, static_cast<std::size_t>(word_ - line_begin_) + 1}; }
   /// A bad-input error whose message begins with `file:line:column: `.

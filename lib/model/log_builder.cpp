@@ -2,10 +2,9 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <iterator>
 #include <limits>
 #include <mapjoin/model/log_builder.hpp>
-#include <numeric>
+#include <mapjoin/model/log_order.hpp>
 
 namespace mapjoin {
 namespace {
@@ -13,19 +12,6 @@ namespace {
 template <typename Id>
 Index index_of(const std::vector<Id>& names, const Id& id) {
   return static_cast<Index>(position_of(names, id));
-}
-
-/// `items` in the stable order of `key(item)`, a number in [0, keys). O(items + keys).
-template <typename T, typename Key>
-std::vector<T> sorted_by(Key key, std::size_t keys, std::vector<T> items) {
-  const auto less = [&](const T& a, const T& b) { return key(a) < key(b); };
-  if (std::is_sorted(items.begin(), items.end(), less)) return items;
-  std::vector<std::size_t> next(keys + 1);  // Where the next item of each key goes.
-  for (const T& item : items) ++next[static_cast<std::size_t>(key(item)) + 1];
-  std::partial_sum(next.begin(), next.end(), next.begin());
-  std::vector<T> sorted(items.size());
-  for (const T& item : items) sorted[next[static_cast<std::size_t>(key(item))]++] = item;
-  return sorted;
 }
 
 /// What was said of each id, by its index.
@@ -52,56 +38,6 @@ Expected<Column<Value>> column_of(const std::vector<Said>& said, const std::vect
   return column;
 }
 
-/// An edge between successive poses of one of the user's sessions.
-template <int Dim>
-bool is_odometry(const PoseObservation<Dim>& edge, const std::vector<PoseId>& poses) {
-  const Index first = std::min(edge.base, edge.target);
-  const Index second = std::max(edge.base, edge.target);
-  return second == first + 1 &&
-         poses[static_cast<std::size_t>(first)].session == poses[static_cast<std::size_t>(second)].session;
-}
-
-template <int Dim>
-Index later_pose(const PoseObservation<Dim>& edge) {
-  return std::max(edge.base, edge.target);
-}
-
-/// The number of edges beyond the first between the same two poses, whatever their direction.
-template <int Dim>
-std::int64_t count_repeated(const std::vector<PoseObservation<Dim>>& edges) {
-  std::vector<std::pair<Index, Index>> ends;
-  ends.reserve(edges.size());
-  for (const auto& edge : edges) ends.emplace_back(std::minmax(edge.base, edge.target));
-  std::sort(ends.begin(), ends.end());
-  return ends.end() - std::unique(ends.begin(), ends.end());
-}
-
-/// Parts log.odometry, which holds all edges, into odometry and closures.
-template <int Dim>
-void part_edges(Log<Dim>& log) {
-  auto& edges = log.odometry;
-  log.repeated_edges = count_repeated(edges);
-  const auto is_closure = [&](const auto& edge) { return !is_odometry(edge, log.poses); };
-  log.closures.reserve(static_cast<std::size_t>(std::count_if(edges.begin(), edges.end(), is_closure)));
-  std::copy_if(edges.begin(), edges.end(), std::back_inserter(log.closures), is_closure);
-  std::erase_if(edges, is_closure);
-  edges = sorted_by(later_pose<Dim>, log.poses.size(), std::move(edges));
-}
-
-/// Poses that odometry ties to their predecessor belong to its session, every other one starts a session.
-template <int Dim>
-std::vector<Session> sessions_of(const Log<Dim>& log) {
-  std::vector<Session> sessions{{0, 1}};
-  auto edge = log.odometry.begin();
-  for (Index pose = 1; pose < static_cast<Index>(log.poses.size()); ++pose) {
-    while (edge != log.odometry.end() && later_pose(*edge) < pose) ++edge;
-    const bool tied = edge != log.odometry.end() && later_pose(*edge) == pose;
-    if (!tied) sessions.push_back({pose, pose});
-    sessions.back().end = pose + 1;
-  }
-  return sessions;
-}
-
 template <int Dim>
 bool same(const Pose<Dim>& a, const Pose<Dim>& b) {
   return a.translation == b.translation && a.rotation.matrix() == b.rotation.matrix();
@@ -110,7 +46,7 @@ bool same(const Pose<Dim>& a, const Pose<Dim>& b) {
 /// In the order of their pose, each once; a pose may be fixed twice only at the same place.
 template <int Dim>
 Expected<std::vector<FixedPose<Dim>>> sorted_once(std::vector<FixedPose<Dim>> fixed, const std::vector<PoseId>& poses) {
-  fixed = sorted_by([](const auto& f) { return f.pose; }, poses.size(), std::move(fixed));
+  std::stable_sort(fixed.begin(), fixed.end(), [](const auto& a, const auto& b) { return a.pose < b.pose; });
   const auto differing = std::adjacent_find(
       fixed.begin(), fixed.end(), [](const auto& a, const auto& b) { return a.pose == b.pose && !same(a.value, b.value); });
   if (differing != fixed.end()) {
@@ -127,6 +63,14 @@ template <int Dim>
 LogBuilder<Dim>::LogBuilder(std::string source, Conventions conventions) {
   log_.source = std::move(source);
   log_.conventions = conventions;
+}
+
+template <int Dim>
+void LogBuilder<Dim>::reserve(std::size_t pose_edges, std::size_t observations) {
+  edge_ends_.reserve(pose_edges);
+  log_.odometry.reserve(pose_edges);
+  observation_ends_.reserve(observations);
+  log_.observations.reserve(observations);
 }
 
 template <int Dim>
@@ -229,9 +173,7 @@ void LogBuilder<Dim>::resolve_ends() {
   for (std::size_t i = 0; i < feature_prior_ends_.size(); ++i) {
     log_.feature_priors[i].target = index_of(log_.features, feature_prior_ends_[i]);
   }
-  part_edges(log_);
-  log_.observations = sorted_by([](const auto& o) { return o.base; }, log_.poses.size(), std::move(log_.observations));
-  log_.sessions = sessions_of(log_);
+  put_in_order(log_);
 }
 
 template <int Dim>

@@ -22,6 +22,9 @@ class LogBuilder {
  public:
   explicit LogBuilder(std::string source, Conventions conventions = {});
 
+  /// Makes room for so many pose-pose edges and observations, where a reader knows beforehand.
+  void reserve(std::size_t pose_edges, std::size_t observations);
+
   void add_pose(PoseId id, const std::optional<Pose<Dim>>& initial = std::nullopt);
   void add_feature(FeatureId id, const std::optional<Point<Dim>>& initial = std::nullopt);
   void add_stamp(PoseId id, std::int64_t nanoseconds);
