@@ -1,0 +1,127 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <fmt/format.h>
+#include <sqlite3.h>
+
+#include <mapjoin/io/store_database.hpp>
+
+namespace mapjoin::store {
+namespace {
+
+tl::unexpected<Error> error_of(sqlite3* database, const std::string& file, ErrorKind kind) {
+  return tl::unexpected(Error{kind, fmt::format("{}: {}", file, sqlite3_errmsg(database))});
+}
+
+}  // namespace
+
+void Statement::Finalize::operator()(sqlite3_stmt* statement) const {
+  sqlite3_finalize(statement);
+}
+
+Statement& Statement::bind(std::int64_t value) {
+  sqlite3_bind_int64(statement_.get(), ++bound_, value);
+  return *this;
+}
+
+Statement& Statement::bind(double value) {
+  sqlite3_bind_double(statement_.get(), ++bound_, value);
+  return *this;
+}
+
+Statement& Statement::bind_text(std::string_view text) {
+  sqlite3_bind_text64(statement_.get(), ++bound_, text.data(), text.size(), SQLITE_STATIC, SQLITE_UTF8);
+  return *this;
+}
+
+Statement& Statement::bind_blob(std::string_view bytes) {
+  // A null pointer would bind NULL, not an empty blob.
+  sqlite3_bind_blob64(statement_.get(), ++bound_, bytes.empty() ? "" : bytes.data(), bytes.size(), SQLITE_STATIC);
+  return *this;
+}
+
+Expected<bool> Statement::step() {
+  const int status = sqlite3_step(statement_.get());
+  if (status == SQLITE_ROW) return true;
+  sqlite3* database = sqlite3_db_handle(statement_.get());
+  if (status != SQLITE_DONE) return error_of(database, file_, kind_);
+  sqlite3_reset(statement_.get());
+  sqlite3_clear_bindings(statement_.get());
+  bound_ = 0;
+  return false;
+}
+
+bool Statement::is_null(int column) const {
+  return sqlite3_column_type(statement_.get(), column) == SQLITE_NULL;
+}
+
+std::int64_t Statement::integer(int column) const {
+  return sqlite3_column_int64(statement_.get(), column);
+}
+
+double Statement::number(int column) const {
+  return sqlite3_column_double(statement_.get(), column);
+}
+
+std::string_view Statement::bytes(int column) const {
+  const auto* data = static_cast<const char*>(sqlite3_column_blob(statement_.get(), column));
+  return {data ? data : "", static_cast<std::size_t>(sqlite3_column_bytes(statement_.get(), column))};
+}
+
+void Database::Close::operator()(sqlite3* database) const {
+  sqlite3_close_v2(database);
+}
+
+tl::unexpected<Error> Database::error() const {
+  return error_of(database_.get(), file_, kind_);
+}
+
+Expected<Database> Database::open(const std::filesystem::path& path, int flags, ErrorKind kind) {
+  Database database;
+  database.file_ = path.string();
+  database.kind_ = kind;
+  sqlite3* handle = nullptr;
+  const int status = sqlite3_open_v2(path.c_str(), &handle, flags | SQLITE_OPEN_NOMUTEX, nullptr);
+  database.database_.reset(handle);
+  if (status != SQLITE_OK) return database.error();
+  return database;
+}
+
+Expected<Database> Database::open(const std::filesystem::path& path) {
+  return open(path, SQLITE_OPEN_READWRITE | SQLITE_OPEN_CREATE, ErrorKind::kCannotWrite);
+}
+
+Expected<Database> Database::open_read_only(const std::filesystem::path& path) {
+  auto database = open(path, SQLITE_OPEN_READONLY, ErrorKind::kBadInput);
+  if (!database) return database;
+  sqlite3_db_config(database->database_.get(), SQLITE_DBCONFIG_DEFENSIVE, 1, nullptr);
+  const auto set = database->execute("PRAGMA trusted_schema = OFF; PRAGMA cell_size_check = ON; PRAGMA mmap_size = 0");
+  if (!set) return tl::unexpected(set.error());
+  return database;
+}
+
+Expected<void> Database::execute(const std::string& sql) {
+  if (sqlite3_exec(database_.get(), sql.c_str(), nullptr, nullptr, nullptr) != SQLITE_OK) return error();
+  return {};
+}
+
+Expected<Statement> Database::prepare(std::string_view sql) {
+  sqlite3_stmt* handle = nullptr;
+  if (sqlite3_prepare_v2(database_.get(), sql.data(), static_cast<int>(sql.size()), &handle, nullptr) != SQLITE_OK) {
+    return error();
+  }
+  Statement statement;
+  statement.statement_.reset(handle);
+  statement.file_ = file_;
+  statement.kind_ = kind_;
+  return statement;
+}
+
+Expected<std::int64_t> Database::integer(std::string_view sql) {
+  auto statement = prepare(sql);
+  if (!statement) return tl::unexpected(statement.error());
+  const auto row = statement->step();
+  if (!row) return tl::unexpected(row.error());
+  if (!*row) return tl::unexpected(Error{kind_, fmt::format("{}: no answer to {}", file_, sql)});
+  return statement->integer(0);
+}
+
+}  // namespace mapjoin::store

@@ -1,0 +1,308 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <sqlite3.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <csignal>
+#include <functional>
+#include <tests/support/dimensions.hpp>
+#include <tests/support/file_bytes.hpp>
+#include <tests/support/stored_maps.hpp>
+#include <tests/support/temporary_folder.hpp>
+
+namespace mapjoin {
+namespace {
+
+namespace fs = std::filesystem;
+using ::testing::ElementsAre;
+using testing::expect_same;
+using ::testing::HasSubstr;
+using testing::Random;
+using testing::random_stored_maps;
+
+/// Goes on from what is done; `after` is called with the number of maps done after every one.
+template <int Dim>
+void build(const fs::path& path, const StoredMaps<Dim>& maps, const std::function<void(std::size_t)>& after = {}) {
+  auto writer = StoreWriter<Dim>::open(path, maps.log, maps.stretches, maps.options);
+  ASSERT_TRUE(writer) << writer.error().message;
+  for (std::size_t k = writer->done().size(); k < maps.maps.size(); ++k) {
+    ASSERT_TRUE(writer->add(k, maps.maps[k]));
+    if (after) after(k + 1);
+  }
+  const auto finished = writer->finish();
+  ASSERT_TRUE(finished) << finished.error().message;
+}
+
+template <int Dim>
+std::size_t maps_done(const fs::path& path, const StoredMaps<Dim>& maps) {
+  return StoreWriter<Dim>::open(path, maps.log, maps.stretches, maps.options)->done().size();
+}
+
+template <typename D>
+class StoreTest : public ::testing::Test {
+ protected:
+  static constexpr int kDim = D::value;
+  Expected<StoredMaps<kDim>> read() const {
+    return read_store(path).map([](AnyStoredMaps&& any) { return std::get<StoredMaps<kDim>>(std::move(any)); });
+  }
+  testing::TemporaryFolder folder;
+  fs::path path = folder.path() / "maps.mapjoin";
+  fs::path partial = folder.path() / "maps.mapjoin.partial";
+  Random random;
+};
+TYPED_TEST_SUITE(StoreTest, testing::Dimensions);
+
+TYPED_TEST(StoreTest, GivesBackEveryBitOfLogStretchesAndMaps) {
+  const auto maps = random_stored_maps<TestFixture::kDim>(this->random, 20);
+  build(this->path, maps);
+  EXPECT_FALSE(fs::exists(this->partial));
+  EXPECT_TRUE(is_store(this->path));
+  const auto read = this->read();
+  ASSERT_TRUE(read) << read.error().message;
+  expect_same(*read, maps);
+}
+
+TYPED_TEST(StoreTest, GivesBackALogThatTakesManyChunks) {
+  auto maps = random_stored_maps<TestFixture::kDim>(this->random, 3);
+  for (int i = 0; i < 40000; ++i) {
+    maps.log.observations.push_back(testing::random_feature_observation<TestFixture::kDim>(this->random, i % 8, i % 5));
+  }
+  build(this->path, maps);
+  const auto read = this->read();
+  ASSERT_TRUE(read) << read.error().message;
+  expect_same(*read, maps);
+}
+
+TYPED_TEST(StoreTest, AStretchThatDidNotDetermineItsMapIsReadAsASpan) {
+  constexpr int kDim = TestFixture::kDim;
+  auto maps = random_stored_maps<kDim>(this->random, 3);
+  auto writer = StoreWriter<kDim>::open(this->path, maps.log, maps.stretches, maps.options);
+  ASSERT_TRUE(writer);
+  ASSERT_TRUE(writer->add(0, maps.maps[0]) && writer->add(1, std::nullopt) && writer->add(2, maps.maps[2]));
+  EXPECT_THAT(writer->done(), ElementsAre(0, 1, 2));
+  ASSERT_TRUE(writer->finish());
+  maps.maps.erase(maps.maps.begin() + 1);
+  maps.stretches[1].is_map = false;
+  const auto read = this->read();
+  ASSERT_TRUE(read) << read.error().message;
+  expect_same(*read, maps);
+}
+
+TYPED_TEST(StoreTest, ABuildThatWasKilledGoesOnAndEndsWithTheSameBytes) {
+  constexpr int kDim = TestFixture::kDim;
+  const auto maps = random_stored_maps<kDim>(this->random, 1000);
+  build(this->path, maps);
+  const std::string uninterrupted = testing::bytes_of(this->path);
+  fs::remove(this->path);
+
+  std::size_t done_before = 0;
+  for (const std::size_t kill_after : {100u, 300u, 301u, 700u, 999u}) {
+    const pid_t child = fork();
+    if (child == 0) {
+      build(this->path, maps, [&](std::size_t done) {
+        if (done == kill_after) kill(getpid(), SIGKILL);
+      });
+      _exit(1);
+    }
+    int status = 0;
+    ASSERT_EQ(waitpid(child, &status, 0), child);
+    ASSERT_TRUE(WIFSIGNALED(status)) << kill_after;
+    EXPECT_FALSE(fs::exists(this->path));
+    const std::size_t done = maps_done(this->path, maps);
+    EXPECT_LE(done, kill_after);
+    EXPECT_GT(done + 257, kill_after);
+    EXPECT_GE(done, done_before);
+    done_before = done;
+  }
+  EXPECT_EQ(done_before, 768u);
+  build(this->path, maps);
+  EXPECT_TRUE(testing::bytes_of(this->path) == uninterrupted);
+  expect_same(*this->read(), maps);
+}
+
+TYPED_TEST(StoreTest, ABuildOfAnotherLogSplitOrOptionsBeginsAfresh) {
+  constexpr int kDim = TestFixture::kDim;
+  const auto maps = random_stored_maps<kDim>(this->random, 300);
+  const auto begin = [&] {
+    auto writer = StoreWriter<kDim>::open(this->path, maps.log, maps.stretches, maps.options);
+    for (std::size_t k = writer->done().size(); k < 260; ++k) ASSERT_TRUE(writer->add(k, maps.maps[k]));
+  };
+  begin();
+  ASSERT_EQ(maps_done(this->path, maps), 256u);
+  auto other = maps;
+  other.options = "--poses-per-map 3";
+  EXPECT_EQ(maps_done(this->path, other), 0u);
+
+  begin();
+  other = maps;
+  other.log.observations.back().measured[0] += 1e-12;
+  EXPECT_EQ(maps_done(this->path, other), 0u);
+
+  begin();
+  other = maps;
+  other.log.observations.pop_back();
+  EXPECT_EQ(maps_done(this->path, other), 0u);
+
+  begin();
+  other = maps;
+  other.stretches.pop_back();
+  EXPECT_EQ(maps_done(this->path, other), 0u);
+  build(this->path, other);
+  expect_same(*this->read(), other);
+}
+
+TYPED_TEST(StoreTest, MapsAreAddedInOrderAndAllOfThem) {
+  constexpr int kDim = TestFixture::kDim;
+  const auto maps = random_stored_maps<kDim>(this->random, 3);
+  auto writer = StoreWriter<kDim>::open(this->path, maps.log, maps.stretches, maps.options);
+  ASSERT_TRUE(writer);
+  EXPECT_THROW((void)writer->add(1, maps.maps[1]), std::invalid_argument);
+  EXPECT_THROW((void)writer->finish(), std::logic_error);
+}
+
+class StoreFileTest : public StoreTest<std::integral_constant<int, 2>> {
+ protected:
+  void SetUp() override { build(path, maps); }
+  std::string error() const {
+    const auto stored = read();
+    return stored ? "no error" : stored.error().message;
+  }
+  void execute(const std::string& sql) const {
+    sqlite3* database = nullptr;
+    sqlite3_open(path.c_str(), &database);
+    EXPECT_EQ(sqlite3_exec(database, sql.c_str(), nullptr, nullptr, nullptr), SQLITE_OK) << sqlite3_errmsg(database);
+    sqlite3_close(database);
+  }
+  /// The error of a store with this change made to it.
+  std::string error_after(const std::string& sql) {
+    const std::string before = testing::bytes_of(path);
+    execute(sql);
+    const std::string message = error();
+    folder.file("maps.mapjoin", before);
+    return message;
+  }
+  StoredMaps<2> maps = random_stored_maps<2>(random, 10);
+};
+
+TEST_F(StoreFileTest, OtherFilesAreNoStores) {
+  for (const std::string& content : {std::string("VERTEX_SE2 0 0 0 0\n"), std::string(), std::string(5000, 'x')}) {
+    folder.file("maps.mapjoin", content);
+    EXPECT_THAT(error(), HasSubstr("maps.mapjoin: not a mapjoin store"));
+    EXPECT_FALSE(is_store(path));
+  }
+  fs::remove(path);
+  EXPECT_THAT(error(), HasSubstr("not a mapjoin store"));
+  execute("CREATE TABLE maps (a)");
+  EXPECT_THAT(error(), HasSubstr("not a mapjoin store"));
+  path = folder.path();
+  EXPECT_THAT(error(), HasSubstr("not a mapjoin store"));
+}
+
+TEST_F(StoreFileTest, NamesTheVersionOfAnother) {
+  EXPECT_THAT(error_after("PRAGMA user_version = 2"), HasSubstr("a mapjoin store of version 2; this mapjoin reads version 1"));
+}
+
+TEST_F(StoreFileTest, AnUnfinishedStoreIsNotRead) {
+  EXPECT_THAT(error_after("DELETE FROM maps WHERE stretch = 9"), HasSubstr("the local map of stretch 9 is missing"));
+}
+
+TEST_F(StoreFileTest, NothingDamagedGetsThrough) {
+  ASSERT_EQ(error(), "no error");
+  for (const char* sql : {
+           "UPDATE maps SET stretch = 10 WHERE stretch = 9",
+           "INSERT INTO maps (stretch) VALUES (11)",
+           "UPDATE maps SET base = 1 WHERE stretch = 3",
+           "UPDATE maps SET chi2 = 9e999 WHERE stretch = 3",
+           "UPDATE maps SET poses = x'ffffff7f' WHERE stretch = 3",
+           "UPDATE maps SET poses = x'0000' WHERE stretch = 3",
+           "UPDATE maps SET poses = x'' WHERE stretch = 3",
+           "UPDATE maps SET features = zeroblob(20) WHERE stretch = 3",
+           "UPDATE maps SET features = zeroblob(40) WHERE stretch = 3",
+           "UPDATE maps SET pose_estimates = zeroblob(48) WHERE stretch = 3",
+           "UPDATE maps SET feature_estimates = zeroblob(16) WHERE stretch = 3",
+           "UPDATE maps SET information = zeroblob(16) WHERE stretch = 3",
+           "UPDATE maps SET information = NULL WHERE stretch = 3",
+           "UPDATE maps SET information = 'text' WHERE stretch = 3",
+           "UPDATE maps SET information = x'00000000000059c0' || substr(information, 9) WHERE stretch = 3",
+           "UPDATE records SET data = substr(data, 1, length(data) - 1) WHERE name = 'odometry'",
+           "UPDATE records SET data = 7 WHERE name = 'observations'",
+           "UPDATE records SET data = zeroblob(12) WHERE name = 'poses'",
+           "UPDATE records SET data = zeroblob(8) WHERE name = 'sessions'",
+           "UPDATE records SET data = zeroblob(9) WHERE name = 'stretches'",
+           "UPDATE records SET data = zeroblob(8) WHERE name = 'stamps_ns'",
+           "UPDATE records SET data = zeroblob(24) WHERE name = 'initial_poses'",
+           "UPDATE records SET data = x'ffffffff' || substr(data, 5) WHERE name = 'odometry'",
+           "UPDATE records SET data = x'ffffff7f' || substr(data, 5) WHERE name = 'observations'",
+           "UPDATE records SET data = x'00000000' || substr(data, 5) WHERE name = 'pose_priors'",
+           "UPDATE records SET data = x'ffffff7f' || substr(data, 5) WHERE name = 'fixed'",
+           "UPDATE records SET data = substr(data, 1, 8) || x'000000000000f07f' || substr(data, 17) WHERE name = 'closures'",
+           "UPDATE records SET data = substr(data, 1, 32) || x'00000000000059c0' || substr(data, 41) WHERE name = 'closures'",
+           "UPDATE records SET data = substr(data, 1, length(data) - 1) || x'01' WHERE name = 'closures'",
+           "DELETE FROM records",
+           "DELETE FROM info WHERE key = 'dimension'",
+           "UPDATE info SET value = '4' WHERE key = 'dimension'",
+           "UPDATE info SET value = '2' WHERE key = 'covariance'",
+           "UPDATE info SET value = '-1' WHERE key = 'unassociated'",
+           "UPDATE info SET value = 'many' WHERE key = 'repeated_edges'",
+           "DELETE FROM info WHERE key = 'pose_error'",
+           "CREATE TABLE more (a)",
+           "CREATE TRIGGER t AFTER INSERT ON maps BEGIN DELETE FROM maps; END",
+           "DROP TABLE maps; CREATE VIEW maps AS SELECT 1",
+           "ALTER TABLE maps ADD COLUMN computed AS (zeroblob(1000000000))",
+       }) {
+    EXPECT_THAT(error_after(sql), HasSubstr("maps.mapjoin: ")) << sql;
+  }
+}
+
+TEST_F(StoreFileTest, ACutLosesNothingUnnoticed) {
+  const std::string whole = testing::bytes_of(path);
+  for (std::size_t size = 0; size < whole.size(); size += 997) {
+    folder.file("maps.mapjoin", whole.substr(0, size));
+    // Behind the last content there may be unused bytes.
+    if (const auto stored = read()) expect_same(*stored, maps);
+  }
+  folder.file("maps.mapjoin", whole.substr(0, whole.size() / 2));
+  EXPECT_NE(error(), "no error");
+}
+
+TEST_F(StoreFileTest, OverwrittenBytesDoNoHarm) {
+  const std::string whole = testing::bytes_of(path);
+  for (std::size_t at = 0; at < whole.size(); at += 101) {
+    std::string changed = whole;
+    changed[at] = static_cast<char>(~changed[at]);
+    folder.file("maps.mapjoin", changed);
+    const auto stored = read();
+    EXPECT_LE(stored ? stored->maps.size() : 0, maps.maps.size()) << at;
+  }
+}
+
+TEST_F(StoreFileTest, SaysWhatCannotBeWritten) {
+  const auto open = [&](const fs::path& where) { return StoreWriter<2>::open(where, maps.log, maps.stretches, maps.options); };
+  const auto missing = open(folder.path() / "absent" / "maps.mapjoin");
+  ASSERT_FALSE(missing);
+  EXPECT_EQ(missing.error().kind, ErrorKind::kCannotWrite);
+  EXPECT_THAT(missing.error().message, HasSubstr("absent/maps.mapjoin.partial: unable to open database file"));
+
+  folder.file("maps.mapjoin.partial", "somebody's notes");
+  EXPECT_THAT(open(path).error().message, HasSubstr("maps.mapjoin.partial: file is not a database"));
+  EXPECT_EQ(testing::bytes_of(partial), "somebody's notes");
+  fs::remove(partial);
+  fs::copy_file(path, partial);
+  fs::remove(path);
+  execute("CREATE TABLE a (b)");
+  fs::rename(path, partial);
+  EXPECT_THAT(open(path).error().message, HasSubstr("is in the way, and not a mapjoin store"));
+}
+
+TEST_F(StoreFileTest, OneBuildAtATime) {
+  const auto first = StoreWriter<2>::open(path, maps.log, maps.stretches, maps.options);
+  ASSERT_TRUE(first);
+  const auto second = StoreWriter<2>::open(path, maps.log, maps.stretches, maps.options);
+  ASSERT_FALSE(second);
+  EXPECT_THAT(second.error().message, HasSubstr("maps.mapjoin.partial: database is locked"));
+}
+
+}  // namespace
+}  // namespace mapjoin

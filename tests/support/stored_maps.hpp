@@ -1,0 +1,143 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+// Random logs with their local maps, and exact comparison of what a store gives back.
+
+#include <gtest/gtest.h>
+
+#include <mapjoin/io/store.hpp>
+#include <tests/support/random.hpp>
+
+namespace mapjoin::testing {
+
+template <int Dim>
+PoseObservation<Dim> random_pose_observation(Random& random, Index base, Index target) {
+  return {base, target, random.pose<Dim>(), random.information<kPoseDof<Dim>>()};
+}
+
+template <int Dim>
+FeatureObservation<Dim> random_feature_observation(Random& random, Index base, Index target) {
+  return {base, target, random.vector<Dim>(), random.information<Dim>()};
+}
+
+template <int Dim>
+LocalMap<Dim> random_map(Random& random, const Stretch& stretch, Index features) {
+  LocalMap<Dim> map;
+  map.base = stretch.begin;
+  map.poses = {stretch.end};
+  map.pose_estimates = {random.pose<Dim>()};
+  for (Index i = 0; i < features; ++i) {
+    map.features.push_back(features - 1 - i);
+    map.feature_estimates.push_back(random.vector<Dim>(9.0));
+  }
+  const Eigen::Index n = kPoseDof<Dim> + Dim * features;
+  Eigen::MatrixXd A(n, n);
+  for (double& entry : A.reshaped()) entry = random.uniform(-1.0, 1.0);
+  map.information = A * A.transpose();
+  map.information.template triangularView<Eigen::StrictlyLower>() = map.information.transpose();
+  map.chi2 = random.uniform(0.0, 10.0);
+  return map;
+}
+
+/// `maps` stretches of two steps each, then a span of one; every array of the log has something in it.
+template <int Dim>
+StoredMaps<Dim> random_stored_maps(Random& random, Index maps, Index features = 5) {
+  StoredMaps<Dim> stored;
+  Log<Dim>& log = stored.log;
+  const Index poses = 2 * maps + 2;
+  log.source = "some folder/some log.g2o";
+  for (Index i = 0; i < poses; ++i) {
+    log.poses.push_back({7, std::uint64_t{0x6100000000000000} + static_cast<std::uint64_t>(i)});
+    log.stamps_ns.push_back(-5 + 1'000'000'000'000'000'007 * (i % 9));
+    log.initial_poses.push_back(random.pose<Dim>());
+    if (i > 0) log.odometry.push_back(random_pose_observation<Dim>(random, i - 1, i));
+    log.observations.push_back(random_feature_observation<Dim>(random, i, i % features));
+  }
+  for (Index i = 0; i < features; ++i) {
+    log.features.push_back({~std::uint64_t{0} - static_cast<std::uint64_t>(features - i)});
+    log.initial_features.push_back(random.vector<Dim>());
+  }
+  log.sessions = {{0, poses}};
+  log.closures = {random_pose_observation<Dim>(random, poses - 1, 0)};
+  log.pose_priors = {random_pose_observation<Dim>(random, kWorld, 1)};
+  log.feature_priors = {random_feature_observation<Dim>(random, kWorld, 2)};
+  log.fixed = {{0, random.pose<Dim>()}};
+  log.repeated_edges = 3;
+  log.unassociated = 4;
+  log.conventions = {PoseError::kG2o, RotationInformation::kQuaternion, Covariance::kIdentity, 5};
+  for (Index k = 0; k < maps; ++k) {
+    stored.stretches.push_back({2 * k, 2 * k + 2, true});
+    stored.maps.push_back(random_map<Dim>(random, stored.stretches.back(), features));
+  }
+  stored.stretches.push_back({poses - 2, poses - 1, false});
+  stored.options = "--poses-per-map 2";
+  return stored;
+}
+
+inline bool same(const Rotation<2>& a, const Rotation<2>& b) {
+  return a.angle() == b.angle();
+}
+inline bool same(const Rotation<3>& a, const Rotation<3>& b) {
+  return a.quaternion().coeffs() == b.quaternion().coeffs();
+}
+template <int Rows>
+bool same(const Vector<Rows>& a, const Vector<Rows>& b) {
+  return a == b;
+}
+template <int Dim>
+bool same(const Pose<Dim>& a, const Pose<Dim>& b) {
+  return a.translation == b.translation && same(a.rotation, b.rotation);
+}
+template <int Dim>
+bool same(const FixedPose<Dim>& a, const FixedPose<Dim>& b) {
+  return a.pose == b.pose && same(a.value, b.value);
+}
+inline bool same(const Session& a, const Session& b) {
+  return a.begin == b.begin && a.end == b.end;
+}
+template <typename Observation>
+requires requires(Observation o) {
+  o.loss;
+}
+bool same(const Observation& a, const Observation& b) {
+  return a.base == b.base && a.target == b.target && same(a.measured, b.measured) && a.information == b.information &&
+         a.loss == b.loss;
+}
+template <int Dim>
+bool same(const LocalMap<Dim>& a, const LocalMap<Dim>& b);
+template <typename T>
+bool same(const std::vector<T>& a, const std::vector<T>& b) {
+  return std::equal(a.begin(), a.end(), b.begin(), b.end(), [](const T& x, const T& y) { return same(x, y); });
+}
+template <int Dim>
+bool same(const LocalMap<Dim>& a, const LocalMap<Dim>& b) {
+  return a.base == b.base && a.poses == b.poses && a.features == b.features && same(a.pose_estimates, b.pose_estimates) &&
+         a.feature_estimates == b.feature_estimates && a.information == b.information && a.chi2 == b.chi2;
+}
+
+template <int Dim>
+void expect_same(const StoredMaps<Dim>& a, const StoredMaps<Dim>& b) {
+  EXPECT_EQ(a.log.source, b.log.source);
+  EXPECT_EQ(a.log.poses, b.log.poses);
+  EXPECT_EQ(a.log.features, b.log.features);
+  EXPECT_TRUE(same(a.log.sessions, b.log.sessions));
+  EXPECT_TRUE(same(a.log.odometry, b.log.odometry));
+  EXPECT_TRUE(same(a.log.closures, b.log.closures));
+  EXPECT_TRUE(same(a.log.observations, b.log.observations));
+  EXPECT_TRUE(same(a.log.pose_priors, b.log.pose_priors));
+  EXPECT_TRUE(same(a.log.feature_priors, b.log.feature_priors));
+  EXPECT_TRUE(same(a.log.fixed, b.log.fixed));
+  EXPECT_EQ(a.log.stamps_ns, b.log.stamps_ns);
+  EXPECT_TRUE(same(a.log.initial_poses, b.log.initial_poses));
+  EXPECT_TRUE(same(a.log.initial_features, b.log.initial_features));
+  EXPECT_EQ(a.log.repeated_edges, b.log.repeated_edges);
+  EXPECT_EQ(a.log.unassociated, b.log.unassociated);
+  EXPECT_EQ(a.log.conventions.pose_error, b.log.conventions.pose_error);
+  EXPECT_EQ(a.log.conventions.rotation_information, b.log.conventions.rotation_information);
+  EXPECT_EQ(a.log.conventions.covariance, b.log.conventions.covariance);
+  EXPECT_EQ(a.log.conventions.repaired_informations, b.log.conventions.repaired_informations);
+  EXPECT_EQ(a.stretches, b.stretches);
+  EXPECT_TRUE(same(a.maps, b.maps));
+  EXPECT_EQ(a.options, b.options);
+}
+
+}  // namespace mapjoin::testing
