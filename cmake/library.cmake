@@ -1,6 +1,8 @@
 # SPDX-License-Identifier: BSD-3-Clause
-# One of our libraries from one top-level folder. Sources include what they need as <mapjoin/room/file.hpp>, in the build tree (through
-# links) and when installed alike.
+configure_file(cmake/version.hpp.in include/mapjoin/version.hpp)
+
+# One of our libraries from one top-level folder. Sources include what they need as <mapjoin/room/file.hpp>, in the build tree
+# (through links) and when installed alike.
 function(mapjoin_library name)
   cmake_parse_arguments(ARG "" "FOLDER" "" ${ARGN})
   set(headers ${CMAKE_BINARY_DIR}/include/mapjoin)
@@ -17,7 +19,8 @@ function(mapjoin_library name)
   file(GLOB_RECURSE sources CONFIGURE_DEPENDS ${CMAKE_SOURCE_DIR}/${ARG_FOLDER}/*.cpp)
   add_library(mapjoin_${name} ${sources})
   add_library(mapjoin::${name} ALIAS mapjoin_${name})
-  set_target_properties(mapjoin_${name} PROPERTIES EXPORT_NAME ${name})
+  set_target_properties(mapjoin_${name} PROPERTIES
+    EXPORT_NAME ${name} VERSION ${PROJECT_VERSION} SOVERSION ${PROJECT_VERSION_MAJOR}.${PROJECT_VERSION_MINOR})
   target_compile_features(mapjoin_${name} PUBLIC cxx_std_20)
   target_include_directories(mapjoin_${name} PUBLIC
     $<BUILD_INTERFACE:${CMAKE_BINARY_DIR}/include> $<INSTALL_INTERFACE:${CMAKE_INSTALL_INCLUDEDIR}>)

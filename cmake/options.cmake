@@ -2,6 +2,7 @@
 # What a builder can choose, and the flags of our own targets (never of what is installed).
 option(MAPJOIN_CHOLMOD "Sparse Cholesky by SuiteSparse CHOLMOD (OFF: Eigen's SimplicialLLT; no GPL parts)" ON)
 option(MAPJOIN_WERROR "Warnings are errors" OFF)
+option(BUILD_SHARED_LIBS "Shared libraries instead of static ones" OFF)
 option(MAPJOIN_BENCH "Build the benchmarks" OFF)
 set(MAPJOIN_SANITIZE "" CACHE STRING "Sanitizers, e.g. address,undefined or thread")
 
@@ -13,6 +14,9 @@ set(CMAKE_CXX_STANDARD_REQUIRED ON)
 set(CMAKE_CXX_EXTENSIONS OFF)
 set(CMAKE_EXPORT_COMPILE_COMMANDS ON)
 set(CMAKE_POSITION_INDEPENDENT_CODE ON)
+if(BUILD_SHARED_LIBS)
+  set(CMAKE_INSTALL_RPATH $ORIGIN/../${CMAKE_INSTALL_LIBDIR})
+endif()
 
 function(mapjoin_flags target)
   target_compile_options(${target} PRIVATE -Wall -Wextra -Wpedantic -Wconversion)

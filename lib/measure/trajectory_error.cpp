@@ -1,0 +1,145 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <Eigen/SVD>
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <mapjoin/measure/trajectory_error.hpp>
+#include <numeric>
+#include <stdexcept>
+
+namespace mapjoin {
+namespace {
+
+class Accumulator {
+ public:
+  void add(double error) {
+    ++count_;
+    sum_of_squares_ += error * error;
+    max_ = std::max(max_, error);
+  }
+  ErrorSummary summary() const {
+    return {count_, count_ == 0 ? 0.0 : std::sqrt(sum_of_squares_ / static_cast<double>(count_)), max_};
+  }
+
+ private:
+  std::size_t count_ = 0;
+  double sum_of_squares_ = 0.0;
+  double max_ = 0.0;
+};
+
+template <int Dim>
+class PoseAccumulator {
+ public:
+  void add(const Pose<Dim>& a, const Pose<Dim>& b) {
+    const PoseVector<Dim> delta = local(a, b);
+    translation_.add(delta.template head<Dim>().norm());
+    rotation_.add(delta.template tail<kRotationDof<Dim>>().norm());
+  }
+  PoseErrorSummary summary() const { return {translation_.summary(), rotation_.summary()}; }
+
+ private:
+  Accumulator translation_;
+  Accumulator rotation_;
+};
+
+void require_same_size(std::size_t a, std::size_t b) {
+  if (a != b) throw std::invalid_argument("Trajectories of different lengths cannot be compared");
+}
+
+template <int Dim>
+std::vector<Point<Dim>> positions(const std::vector<Pose<Dim>>& poses) {
+  std::vector<Point<Dim>> points;
+  points.reserve(poses.size());
+  for (const Pose<Dim>& pose : poses) points.push_back(pose.translation);
+  return points;
+}
+
+template <int Dim>
+Point<Dim> mean(const std::vector<Point<Dim>>& points) {
+  return std::accumulate(points.begin(), points.end(), Point<Dim>(Point<Dim>::Zero())) / static_cast<double>(points.size());
+}
+
+Rotation<2> to_rotation(const Matrix<2>& R) {
+  return Rotation<2>(std::atan2(R(1, 0), R(0, 0)));
+}
+Rotation<3> to_rotation(const Matrix<3>& R) {
+  return Rotation<3>(R);
+}
+
+/// Calls `both(value in a, value in b)` for every id that both hold and returns how many ids only one of them holds.
+template <typename Id, typename Value, typename Both>
+std::size_t match(const std::vector<Id>& ids_a, const std::vector<Value>& a, const std::vector<Id>& ids_b,
+                  const std::vector<Value>& b, Both&& both) {
+  std::map<Id, std::size_t> index_b;
+  for (std::size_t i = 0; i < ids_b.size(); ++i) index_b.emplace(ids_b[i], i);
+  std::size_t matched = 0;
+  for (std::size_t i = 0; i < ids_a.size(); ++i) {
+    const auto found = index_b.find(ids_a[i]);
+    if (found == index_b.end()) continue;
+    both(a[i], b[found->second]);
+    ++matched;
+  }
+  return ids_a.size() + ids_b.size() - 2 * matched;
+}
+
+}  // namespace
+
+template <int Dim>
+Pose<Dim> align(const std::vector<Point<Dim>>& from, const std::vector<Point<Dim>>& to) {
+  require_same_size(from.size(), to.size());
+  if (from.empty()) throw std::invalid_argument("Nothing to align");
+  const Point<Dim> mean_from = mean<Dim>(from);
+  const Point<Dim> mean_to = mean<Dim>(to);
+  PointMatrix<Dim> covariance = PointMatrix<Dim>::Zero();
+  for (std::size_t i = 0; i < from.size(); ++i) covariance += (to[i] - mean_to) * (from[i] - mean_from).transpose();
+  const Eigen::JacobiSVD<PointMatrix<Dim>> svd(covariance, Eigen::ComputeFullU | Eigen::ComputeFullV);
+  // The nearest rotation, not reflection: the least singular direction gives way.
+  Point<Dim> signs = Point<Dim>::Ones();
+  signs[Dim - 1] = svd.matrixU().determinant() * svd.matrixV().determinant() < 0.0 ? -1.0 : 1.0;
+  const PointMatrix<Dim> R = svd.matrixU() * signs.asDiagonal() * svd.matrixV().transpose();
+  return {mean_to - R * mean_from, to_rotation(R)};
+}
+
+template <int Dim>
+AbsoluteTrajectoryError<Dim> absolute_trajectory_error(const std::vector<Pose<Dim>>& estimate,
+                                                       const std::vector<Pose<Dim>>& truth) {
+  const Pose<Dim> alignment = align(positions(estimate), positions(truth));
+  PoseAccumulator<Dim> errors;
+  for (std::size_t i = 0; i < estimate.size(); ++i) errors.add(truth[i], compose(alignment, estimate[i]));
+  return {alignment, errors.summary()};
+}
+
+template <int Dim>
+PoseErrorSummary relative_pose_error(const std::vector<Pose<Dim>>& estimate, const std::vector<Pose<Dim>>& truth,
+                                     std::size_t span) {
+  require_same_size(estimate.size(), truth.size());
+  if (span == 0) throw std::invalid_argument("A relative pose error needs a span of at least one step");
+  PoseAccumulator<Dim> errors;
+  for (std::size_t i = 0; i + span < truth.size(); ++i) {
+    const Pose<Dim> true_motion = between(truth[i], truth[i + span]);
+    errors.add(Pose<Dim>{}, between(true_motion, between(estimate[i], estimate[i + span])));
+  }
+  return errors.summary();
+}
+
+template <int Dim>
+MapDifference map_difference(const GlobalMap<Dim>& a, const GlobalMap<Dim>& b) {
+  PoseAccumulator<Dim> poses;
+  Accumulator features;
+  std::size_t unmatched = match(a.pose_ids, a.poses, b.pose_ids, b.poses,
+                                [&](const Pose<Dim>& pose_a, const Pose<Dim>& pose_b) { poses.add(pose_a, pose_b); });
+  unmatched += match(a.feature_ids, a.features, b.feature_ids, b.features,
+                     [&](const Point<Dim>& p_a, const Point<Dim>& p_b) { features.add((p_a - p_b).norm()); });
+  return {poses.summary(), features.summary(), unmatched};
+}
+
+template Pose<2> align(const std::vector<Point<2>>&, const std::vector<Point<2>>&);
+template Pose<3> align(const std::vector<Point<3>>&, const std::vector<Point<3>>&);
+template AbsoluteTrajectoryError<2> absolute_trajectory_error(const std::vector<Pose<2>>&, const std::vector<Pose<2>>&);
+template AbsoluteTrajectoryError<3> absolute_trajectory_error(const std::vector<Pose<3>>&, const std::vector<Pose<3>>&);
+template PoseErrorSummary relative_pose_error(const std::vector<Pose<2>>&, const std::vector<Pose<2>>&, std::size_t);
+template PoseErrorSummary relative_pose_error(const std::vector<Pose<3>>&, const std::vector<Pose<3>>&, std::size_t);
+template MapDifference map_difference(const GlobalMap<2>&, const GlobalMap<2>&);
+template MapDifference map_difference(const GlobalMap<3>&, const GlobalMap<3>&);
+
+}  // namespace mapjoin

@@ -1,0 +1,95 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <gtest/gtest.h>
+
+#include <mapjoin/measure/chi2.hpp>
+#include <tests/support/ceres_reference.hpp>
+#include <tests/support/dimensions.hpp>
+#include <tests/support/random.hpp>
+
+namespace mapjoin {
+namespace {
+
+using testing::Random;
+
+template <typename D>
+class Chi2Test : public ::testing::Test {};
+TYPED_TEST_SUITE(Chi2Test, testing::Dimensions);
+
+/// Four poses and two features with one observation or more of every kind, far from consistent.
+template <int Dim>
+Log<Dim> random_log(Random& random) {
+  const auto edge = [&](Index base, Index target) {
+    return PoseObservation<Dim>{base, target, random.pose<Dim>(), random.information<kPoseDof<Dim>>()};
+  };
+  const auto sight = [&](Index base, Index target) {
+    return FeatureObservation<Dim>{base, target, random.vector<Dim>(5.0), random.information<Dim>()};
+  };
+  Log<Dim> log;
+  log.poses = {{0, 0}, {0, 1}, {0, 2}, {0, 3}};
+  log.features = {{0}, {1}};
+  log.sessions = {{0, 4}};
+  log.odometry = {edge(0, 1), edge(2, 1), edge(2, 3)};
+  log.closures = {edge(3, 0)};
+  log.observations = {sight(0, 0), sight(2, 0), sight(3, 1)};
+  log.pose_priors = {edge(kWorld, 2)};
+  log.feature_priors = {sight(kWorld, 1)};
+  return log;
+}
+
+template <int Dim>
+testing::Values<Dim> random_values(const Log<Dim>& log, Random& random) {
+  testing::Values<Dim> values;
+  for (std::size_t i = 0; i < log.poses.size(); ++i) values.poses.push_back(random.pose<Dim>());
+  for (std::size_t i = 0; i < log.features.size(); ++i) values.features.push_back(random.vector<Dim>(5.0));
+  return values;
+}
+
+TYPED_TEST(Chi2Test, EqualsTheReferenceOptimisersCostOfEveryKind) {
+  constexpr int kDim = TypeParam::value;
+  Random random;
+  for (int i = 0; i < 10; ++i) {
+    const Log<kDim> log = random_log<kDim>(random);
+    const auto values = random_values(log, random);
+    const Chi2 chi2 = log_chi2(log, values.poses, values.features);
+    EXPECT_GT(std::min({chi2.odometry, chi2.closures, chi2.observations, chi2.priors}), 0.0);
+    const double reference = testing::ceres_optimum(log, values, {.max_iterations = 0}).initial_chi2;
+    EXPECT_NEAR(chi2.total(), reference, 1e-12 * reference);
+  }
+}
+
+TYPED_TEST(Chi2Test, RefusesValuesOfAnotherLog) {
+  constexpr int kDim = TypeParam::value;
+  Random random;
+  const Log<kDim> log = random_log<kDim>(random);
+  EXPECT_THROW(log_chi2(log, {}, {}), std::invalid_argument);
+}
+
+TYPED_TEST(Chi2Test, DegreesOfFreedomCountMeasuredRowsOnly) {
+  constexpr int kDim = TypeParam::value;
+  Random random;
+  Log<kDim> log = random_log<kDim>(random);
+  const std::int64_t rows = 5 * kPoseDof<kDim> + 4 * kDim;
+  const std::int64_t unknowns = 4 * kPoseDof<kDim> + 2 * kDim;
+  EXPECT_EQ(degrees_of_freedom(log, 0), rows - unknowns);
+  EXPECT_EQ(degrees_of_freedom(log, 1), rows - unknowns + kPoseDof<kDim>);
+
+  // A position from GPS says nothing of the rotation, and a bearing has one row less than the point has coordinates.
+  auto& gps = log.pose_priors.front().information;
+  gps.template rightCols<kRotationDof<kDim>>().setZero();
+  gps.template bottomRows<kRotationDof<kDim>>().setZero();
+  const Point<kDim> direction = random.vector<kDim>().normalized();
+  log.observations.front().information = 1e6 * (PointMatrix<kDim>::Identity() - direction * direction.transpose());
+  EXPECT_EQ(degrees_of_freedom(log, 0), rows - unknowns - kRotationDof<kDim> - 1);
+}
+
+TEST(Chi2Test, WeighsTheHeadingDifferenceTheShortWayRound) {
+  PoseObservation<2> observation;
+  observation.measured.rotation = Rotation<2>(3.1);
+  observation.information = Vector<3>(1.0, 1.0, 100.0).asDiagonal();
+  const Pose<2> target{{0.0, 0.0}, Rotation<2>(-3.1)};
+  const double difference = 2.0 * std::numbers::pi - 6.2;
+  EXPECT_NEAR(chi2(observation, Pose<2>{}, target), 100.0 * difference * difference, 1e-12);
+}
+
+}  // namespace
+}  // namespace mapjoin

@@ -1,0 +1,34 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+// Initial values for a whole log, made without the library's own solvers, from which a reference optimiser can start.
+
+#include <mapjoin/model/log.hpp>
+#include <optional>
+#include <vector>
+
+namespace mapjoin::testing {
+
+/// Poses and features in the World frame, by the indices of a log.
+template <int Dim>
+struct Values {
+  std::vector<Pose<Dim>> poses;
+  std::vector<Point<Dim>> features;
+};
+
+/// Every feature where its first observation (or prior) puts it, seen from the given poses.
+template <int Dim>
+Values<Dim> with_first_observations(const Log<Dim>& log, std::vector<Pose<Dim>> poses);
+
+/// Each session dead-reckoned from its first pose; features by their first observations.
+template <int Dim>
+Values<Dim> odometry_start(const Log<Dim>& log);
+
+/// Poses breadth-first over all pose-pose edges, odometry and closures alike; features by their first observations.
+template <int Dim>
+Values<Dim> spanning_tree_start(const Log<Dim>& log);
+
+/// The values of the file; features by their first observations where it has none of theirs. Nothing without its poses.
+template <int Dim>
+std::optional<Values<Dim>> file_start(const Log<Dim>& log);
+
+}  // namespace mapjoin::testing
