@@ -140,7 +140,7 @@ class MapError {
 template <int Dim>
 class Problem {
  public:
-  explicit Problem(const Values<Dim>& start) {
+  explicit Problem(const State<Dim>& start) {
     for (const Pose<Dim>& pose : start.poses) {
       parameters_.translations.push_back(to_array<Dim>(pose.translation));
       parameters_.rotations.push_back(to_array(pose.rotation));
@@ -201,8 +201,8 @@ class Problem {
 };
 
 template <int Dim>
-Values<Dim> to_values(const Parameters<Dim>& parameters) {
-  Values<Dim> values;
+State<Dim> to_values(const Parameters<Dim>& parameters) {
+  State<Dim> values;
   for (std::size_t i = 0; i < parameters.translations.size(); ++i) {
     values.poses.push_back({Point<Dim>::Map(parameters.translations[i].data()), to_rotation(parameters.rotations[i])});
   }
@@ -235,7 +235,7 @@ ReferenceResult<Dim> Problem<Dim>::solve(const ReferenceOptions& options) {
 }  // namespace
 
 template <int Dim>
-ReferenceResult<Dim> ceres_optimum(const Log<Dim>& log, const Values<Dim>& start, const ReferenceOptions& options) {
+ReferenceResult<Dim> ceres_optimum(const Log<Dim>& log, const State<Dim>& start, const ReferenceOptions& options) {
   Problem<Dim> problem(start);
   problem.add(log.odometry);
   problem.add(log.closures);
@@ -248,7 +248,7 @@ ReferenceResult<Dim> ceres_optimum(const Log<Dim>& log, const Values<Dim>& start
 }
 
 template <int Dim>
-ReferenceResult<Dim> ceres_optimum(const MapSet<Dim>& set, const Values<Dim>& start, const ReferenceOptions& options) {
+ReferenceResult<Dim> ceres_optimum(const MapSet<Dim>& set, const State<Dim>& start, const ReferenceOptions& options) {
   Problem<Dim> problem(start);
   problem.add(set.maps);
   problem.add(set.pose_observations);
@@ -263,9 +263,9 @@ ReferenceResult<Dim> ceres_optimum(const MapSet<Dim>& set, const Values<Dim>& st
   return problem.solve(options);
 }
 
-template ReferenceResult<2> ceres_optimum(const Log<2>&, const Values<2>&, const ReferenceOptions&);
-template ReferenceResult<3> ceres_optimum(const Log<3>&, const Values<3>&, const ReferenceOptions&);
-template ReferenceResult<2> ceres_optimum(const MapSet<2>&, const Values<2>&, const ReferenceOptions&);
-template ReferenceResult<3> ceres_optimum(const MapSet<3>&, const Values<3>&, const ReferenceOptions&);
+template ReferenceResult<2> ceres_optimum(const Log<2>&, const State<2>&, const ReferenceOptions&);
+template ReferenceResult<3> ceres_optimum(const Log<3>&, const State<3>&, const ReferenceOptions&);
+template ReferenceResult<2> ceres_optimum(const MapSet<2>&, const State<2>&, const ReferenceOptions&);
+template ReferenceResult<3> ceres_optimum(const MapSet<3>&, const State<3>&, const ReferenceOptions&);
 
 }  // namespace mapjoin::testing

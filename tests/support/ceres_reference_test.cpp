@@ -32,7 +32,7 @@ class CeresReferenceTest : public ::testing::Test {
     return {static_cast<Index>(base), static_cast<Index>(target), transform_into(truth.poses[base], truth.features[target]),
             random.information<kDim>()};
   }
-  double distance_from_truth(const Values<kDim>& values) const {
+  double distance_from_truth(const State<kDim>& values) const {
     double largest = 0.0;
     for (std::size_t i = 0; i < truth.poses.size(); ++i) {
       largest = std::max(largest, local(truth.poses[i], values.poses[i]).norm());
@@ -44,7 +44,7 @@ class CeresReferenceTest : public ::testing::Test {
   }
 
   Random random;
-  Values<kDim> truth;
+  State<kDim> truth;
   Log<kDim> log;
 };
 TYPED_TEST_SUITE(CeresReferenceTest, Dimensions);
@@ -67,7 +67,7 @@ TYPED_TEST(CeresReferenceTest, StartsHangFromAFixedPose) {
 TYPED_TEST(CeresReferenceTest, ComesBackToTheTruthByEitherMethod) {
   constexpr int kDim = TestFixture::kDim;
   for (const auto method : {ReferenceMethod::kLevenbergMarquardt, ReferenceMethod::kDogleg}) {
-    Values<kDim> start = this->truth;
+    State<kDim> start = this->truth;
     for (std::size_t i = 1; i < 4; ++i) {
       start.poses[i] = retract(start.poses[i], this->random.template vector<kPoseDof<kDim>>(0.2));
     }
@@ -106,7 +106,7 @@ TYPED_TEST(CeresReferenceTest, AMapOfSeveralTargetsIsOneObservation) {
   map.information.topLeftCorner(kPoseDof<kDim>, kPoseDof<kDim>) = log.odometry[0].information;
   map.information.bottomRightCorner(kDim, kDim) = log.observations[0].information;
   set.maps = {map};
-  Values<kDim> start = this->truth;
+  State<kDim> start = this->truth;
   start.poses[1] = this->random.template pose<kDim>();
   start.features[0].setOnes();
   const ReferenceOptions look_only{.max_iterations = 0};

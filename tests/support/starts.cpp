@@ -26,7 +26,7 @@ std::vector<std::vector<const PoseObservation<Dim>*>> incident_edges(
 
 /// Breadth-first from each fixed pose in turn, then from every pose not reached yet, which goes to the origin.
 template <int Dim>
-Values<Dim> spread(const Log<Dim>& log, std::initializer_list<const std::vector<PoseObservation<Dim>>*> lists) {
+State<Dim> spread(const Log<Dim>& log, std::initializer_list<const std::vector<PoseObservation<Dim>>*> lists) {
   const auto incident = incident_edges<Dim>(log.poses.size(), lists);
   std::vector<Pose<Dim>> poses(log.poses.size());
   std::vector<bool> reached(log.poses.size());
@@ -61,7 +61,7 @@ Values<Dim> spread(const Log<Dim>& log, std::initializer_list<const std::vector<
 }  // namespace
 
 template <int Dim>
-Values<Dim> with_first_observations(const Log<Dim>& log, std::vector<Pose<Dim>> poses) {
+State<Dim> with_first_observations(const Log<Dim>& log, std::vector<Pose<Dim>> poses) {
   std::vector<Point<Dim>> features(log.features.size(), Point<Dim>::Zero());
   std::vector<bool> placed(features.size());
   const auto place = [&](const FeatureObservation<Dim>& observation) {
@@ -76,29 +76,29 @@ Values<Dim> with_first_observations(const Log<Dim>& log, std::vector<Pose<Dim>> 
 }
 
 template <int Dim>
-Values<Dim> odometry_start(const Log<Dim>& log) {
+State<Dim> odometry_start(const Log<Dim>& log) {
   return spread<Dim>(log, {&log.odometry});
 }
 
 template <int Dim>
-Values<Dim> spanning_tree_start(const Log<Dim>& log) {
+State<Dim> spanning_tree_start(const Log<Dim>& log) {
   return spread<Dim>(log, {&log.odometry, &log.closures});
 }
 
 template <int Dim>
-std::optional<Values<Dim>> file_start(const Log<Dim>& log) {
+std::optional<State<Dim>> file_start(const Log<Dim>& log) {
   if (log.initial_poses.empty()) return std::nullopt;
   if (log.initial_features.empty()) return with_first_observations(log, log.initial_poses);
-  return Values<Dim>{log.initial_poses, log.initial_features};
+  return State<Dim>{log.initial_poses, log.initial_features};
 }
 
-template Values<2> with_first_observations(const Log<2>&, std::vector<Pose<2>>);
-template Values<3> with_first_observations(const Log<3>&, std::vector<Pose<3>>);
-template Values<2> odometry_start(const Log<2>&);
-template Values<3> odometry_start(const Log<3>&);
-template Values<2> spanning_tree_start(const Log<2>&);
-template Values<3> spanning_tree_start(const Log<3>&);
-template std::optional<Values<2>> file_start(const Log<2>&);
-template std::optional<Values<3>> file_start(const Log<3>&);
+template State<2> with_first_observations(const Log<2>&, std::vector<Pose<2>>);
+template State<3> with_first_observations(const Log<3>&, std::vector<Pose<3>>);
+template State<2> odometry_start(const Log<2>&);
+template State<3> odometry_start(const Log<3>&);
+template State<2> spanning_tree_start(const Log<2>&);
+template State<3> spanning_tree_start(const Log<3>&);
+template std::optional<State<2>> file_start(const Log<2>&);
+template std::optional<State<3>> file_start(const Log<3>&);
 
 }  // namespace mapjoin::testing

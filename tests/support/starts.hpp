@@ -3,32 +3,26 @@
 // Initial values for a whole log, made without the library's own solvers, from which a reference optimiser can start.
 
 #include <mapjoin/model/log.hpp>
+#include <mapjoin/model/state.hpp>
 #include <optional>
 #include <vector>
 
 namespace mapjoin::testing {
 
-/// Poses and features in the World frame, by the indices of a log.
-template <int Dim>
-struct Values {
-  std::vector<Pose<Dim>> poses;
-  std::vector<Point<Dim>> features;
-};
-
 /// Every feature where its first observation (or prior) puts it, seen from the given poses.
 template <int Dim>
-Values<Dim> with_first_observations(const Log<Dim>& log, std::vector<Pose<Dim>> poses);
+State<Dim> with_first_observations(const Log<Dim>& log, std::vector<Pose<Dim>> poses);
 
 /// Each session dead-reckoned from its first pose; features by their first observations.
 template <int Dim>
-Values<Dim> odometry_start(const Log<Dim>& log);
+State<Dim> odometry_start(const Log<Dim>& log);
 
 /// Poses breadth-first over all pose-pose edges, odometry and closures alike; features by their first observations.
 template <int Dim>
-Values<Dim> spanning_tree_start(const Log<Dim>& log);
+State<Dim> spanning_tree_start(const Log<Dim>& log);
 
 /// The values of the file; features by their first observations where it has none of theirs. Nothing without its poses.
 template <int Dim>
-std::optional<Values<Dim>> file_start(const Log<Dim>& log);
+std::optional<State<Dim>> file_start(const Log<Dim>& log);
 
 }  // namespace mapjoin::testing

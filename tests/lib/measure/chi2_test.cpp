@@ -37,8 +37,8 @@ Log<Dim> random_log(Random& random) {
 }
 
 template <int Dim>
-testing::Values<Dim> random_values(const Log<Dim>& log, Random& random) {
-  testing::Values<Dim> values;
+State<Dim> random_values(const Log<Dim>& log, Random& random) {
+  State<Dim> values;
   for (std::size_t i = 0; i < log.poses.size(); ++i) values.poses.push_back(random.pose<Dim>());
   for (std::size_t i = 0; i < log.features.size(); ++i) values.features.push_back(random.vector<Dim>(5.0));
   return values;
