@@ -6,7 +6,6 @@
 #include <algorithm>
 #include <cmath>
 #include <concepts>
-#include <limits>
 #include <mapjoin/model/ids.hpp>
 #include <mapjoin/solve/minimise_options.hpp>
 #include <mapjoin/solve/trust_region.hpp>
@@ -73,7 +72,7 @@ MinimiseResult minimise(P& problem, const MinimiseOptions& options, const std::s
           result.chi2 = chi2;
           ++result.iterations;
         }
-        return result.ended(region.is_newton_step() ? MinimiseStatus::kConverged : MinimiseStatus::kNoProgress);
+        return result.ended(MinimiseStatus::kConverged);
       }
       if (options.method == Method::kGaussNewton && !std::isfinite(chi2)) return result.ended(MinimiseStatus::kNoProgress);
       region.judge(result.chi2 - chi2);

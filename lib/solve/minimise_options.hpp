@@ -19,10 +19,10 @@ enum class Method : std::uint8_t {
 struct MinimiseOptions {
   Method method = Method::kDogleg;
   int max_iterations = 200;
-  double relative_chi2 = 1e-11;  ///< Converged when a step promises to lower chi2 by less than this share of it,
-  double step_metres = 1e-9;     ///< or moves no position by more than this (m)
-  double step_radians = 1e-9;    ///< and turns no pose by more than this (rad).
-  bool damp_singular = false;    ///< Damp where the system is singular instead of stopping there.
+  double relative_chi2 = 1e-9;  ///< Converged when a step promises to lower chi2 by less than this share of it,
+  double step_metres = 1e-9;    ///< or moves no position by more than this (m)
+  double step_radians = 1e-9;   ///< and turns no pose by more than this (rad).
+  bool damp_singular = false;   ///< Damp where the system is singular instead of stopping there.
 
   /// Every violation in words; empty if there is none.
   std::vector<std::string> validate() const;
@@ -31,7 +31,7 @@ struct MinimiseOptions {
 enum class MinimiseStatus : std::uint8_t {
   kConverged,      ///< A stop test held.
   kMaxIterations,  ///< The estimate is the best found so far.
-  kNoProgress,     ///< No step lowers chi2, or chi2 is not finite; the estimate is the last good one.
+  kNoProgress,     ///< chi2 is not finite; the estimate is the last good one.
   kSingular,       ///< `singular` cannot be determined from the observations; the estimate is the last good one.
   kInterrupted,    ///< The stop token was set; the estimate is the best found so far.
 };

@@ -7,9 +7,6 @@
 namespace mapjoin {
 namespace {
 
-/// Beyond this a Levenberg-Marquardt step no longer speaks for the whole Gauss-Newton step.
-constexpr double kMuchDamping = 1e-2;
-
 /// The β in [0, 1] at which c + β (n - c) has length `radius` in the scale D; |c| ≤ radius ≤ |n|.
 double dogleg_fraction(const Eigen::VectorXd& c, const Eigen::VectorXd& n, const Eigen::VectorXd& scale, double radius) {
   const Eigen::VectorXd d = n - c;
@@ -33,9 +30,7 @@ void TrustRegion::set_newton_step(Eigen::VectorXd newton, const Quadratic& model
 }
 
 Eigen::VectorXd TrustRegion::step(const Quadratic& model) {
-  const bool whole = method_ != Method::kDogleg || newton_length_ <= radius_;
-  is_newton_ = whole && damping() <= kMuchDamping;
-  if (whole) {
+  if (method_ != Method::kDogleg || newton_length_ <= radius_) {
     predicted_ = newton_decrease_;
     step_length_ = newton_length_;
     return newton_;

@@ -43,8 +43,6 @@ class TrustRegion {
   Eigen::VectorXd step(const Quadratic& model);
   /// By how much the model says the step lowers chi2.
   double predicted_decrease() const { return predicted_; }
-  /// Whether the step is the whole Gauss-Newton step, or nearly (LM).
-  bool is_newton_step() const { return is_newton_; }
 
   /// Updates radius or damping by what the step achieved.
   void judge(double actual_decrease);
@@ -63,7 +61,6 @@ class TrustRegion {
   double damping_growth_ = 2.0;
   double step_length_ = 0.0;
   double predicted_ = 0.0;
-  bool is_newton_ = true;
   bool needs_factorisation_ = true;
   bool accepted_ = false;
 };
