@@ -54,8 +54,8 @@ template <int Dim>
 Expected<Join<Dim>> join(const Network<Dim>& network, const std::vector<PoseId>& pose_ids,
                          const std::vector<FeatureId>& feature_ids, const JoinOptions<Dim>& options,
                          const std::stop_token& stop) {
-  const ScheduleOptions schedule{options.start ? Schedule::kBatch : options.schedule, ScheduleOptions::leading(),
-                                 options.progress};
+  const Schedule order = options.start ? Schedule::kBatch : options.schedule;
+  const ScheduleOptions schedule{order, ScheduleOptions::leading(order), options.progress};
   JoinedPieces<Dim> joined = join_stretches(network, schedule, stop);
   if (options.start) {
     for (auto& piece : joined.pieces) take_values(*options.start, piece);

@@ -168,12 +168,13 @@ std::string to_string(Schedule schedule) {
   return "unknown";
 }
 
-MinimiseOptions ScheduleOptions::leading() {
+MinimiseOptions ScheduleOptions::leading(Schedule schedule) {
+  const bool map_by_map = schedule == Schedule::kSequential;
   MinimiseOptions options;
   options.max_iterations = 50;
   options.relative_chi2 = 1e-4;
-  options.step_metres = 1e-3;
-  options.step_radians = 1e-4;
+  options.step_metres = map_by_map ? 0.1 : 1e-3;
+  options.step_radians = map_by_map ? 1e-2 : 1e-4;
   options.damp_singular = true;
   return options;
 }

@@ -27,7 +27,9 @@ struct ScheduleOptions {
   /// Called after every join with the number done and to do; from one thread at a time.
   std::function<void(std::size_t, std::size_t)> progress;
 
-  static MinimiseOptions leading();
+  /// For the joins below the last one: one step where that moves little, more where it moves the estimate beyond a threshold
+  /// (map by map, 0.1 m or 0.01 rad).
+  static MinimiseOptions leading(Schedule schedule);
 };
 
 /// Pieces that could not be tied together, and the closures between them.

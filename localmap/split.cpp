@@ -96,11 +96,11 @@ std::vector<std::string> SplitOptions::validate() const {
 
 template <int Dim>
 Split split(const Log<Dim>& log, const SplitOptions& options) {
-  SplitOptions chosen = options;
-  if (options.rule == SplitRule::kAuto) chosen = {SplitRule::kPoses, static_cast<double>(cheapest_poses_per_map(log))};
-
   Split result;
   result.kept = mentioned_poses(log);
+  SplitOptions chosen = options;
+  if (options.rule == SplitRule::kAuto)
+    chosen = {SplitRule::kPoses, static_cast<double>(cheapest_poses_per_map(log, result.kept))};
   if (chosen.rule == SplitRule::kPoses) result.poses_per_map = static_cast<Index>(std::min(chosen.amount, 1e9));
   Growth<Dim> growth(log, chosen);
   for (const Session& session : log.sessions) {

@@ -3,10 +3,20 @@
 // The cost model by which `auto` chooses how many steps a local map takes (docs/decisions.md).
 
 #include <mapjoin/model/log.hpp>
+#include <vector>
 
 namespace mapjoin {
 
+/// What a map of N steps costs per step of the log, in units of one sparse floating-point operation, from a sample of the log:
+///   ( L (30 m² + 0.4 m³) + 2 (steps) dof m² + 0.5 m³ ) / N,
+/// where m is the mean size of a map's border (kept poses and features) and L the depth of the tree of joins. The first term is
+/// assembling and factorising the map at each level of the tree; the others are building and polishing it, dense and therefore
+/// cheaper. `kept` says which poses the rest of the log mentions; they are in the border, too.
 template <int Dim>
-Index cheapest_poses_per_map(const Log<Dim>& log);
+double cost_per_step(const Log<Dim>& log, const std::vector<bool>& kept, Index poses_per_map);
+
+/// The cheapest number of steps among 1, 2, 3, 5, 7, 10, 15, 20, 30, 45, 70, 100.
+template <int Dim>
+Index cheapest_poses_per_map(const Log<Dim>& log, const std::vector<bool>& kept);
 
 }  // namespace mapjoin
