@@ -89,7 +89,8 @@ class Joiner {
     std::vector<Piece<Dim>> pieces = std::move(a.pieces);
     std::move(b.pieces.begin(), b.pieces.end(), std::back_inserter(pieces));
     if (stop_.stop_requested()) return {std::move(pieces), std::move(here)};
-    return settled(merge_tied(std::move(pieces), here), std::move(here));
+    pieces = merge_tied(std::move(pieces), here);
+    return settled(std::move(pieces), std::move(here));
   }
 
   /// Merges pieces that are tied until none are.
