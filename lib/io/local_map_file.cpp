@@ -1,91 +1,66 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <fmt/format.h>
 
-#include <algorithm>
 #include <charconv>
 #include <mapjoin/io/local_map_file.hpp>
 #include <mapjoin/io/mat_file.hpp>
 #include <mapjoin/io/mat_structure.hpp>
+#include <mapjoin/io/text_scanner.hpp>
 
 namespace mapjoin {
 namespace {
 
-/// The numbers of a text one after the other, whatever white space is between them.
-class Numbers {
- public:
-  Numbers(std::string_view text, const std::string& file) : text_(text), file_(file) {}
+/// Takes the next line apart with `read`.
+template <typename Read>
+Expected<void> take_line(TextScanner& text, const char* what, const Read& read) {
+  if (!text.next_line()) return text.error(fmt::format("the file ends where {} is expected", what));
+  read();
+  return text.finish_line();
+}
 
-  /// The next number. The first that is malformed or missing is remembered, and from it on all are 0.
-  template <typename T>
-  T next() {
-    skip_space();
-    T value{};
-    const char* begin = text_.data() + position_;
-    const char* end = text_.data() + text_.size();
-    const auto [stop, error] = std::from_chars(begin, end, value);
-    if (error != std::errc() || (stop != end && !is_space(*stop))) {
-      fail(begin == end ? "the file ends here, but a number is missing" : "not a number of the kind expected here");
-      return T{};
-    }
-    position_ += static_cast<std::size_t>(stop - begin);
-    return value;
-  }
-  /// At most this many numbers are left.
-  std::size_t capacity() const { return (text_.size() - position_ + 1) / 2; }
-  void expect_end() {
-    skip_space();
-    if (position_ < text_.size()) fail("more than the information matrix");
-  }
-  /// Remembers what is wrong at this place; the first counts.
-  void fail(const std::string& message) {
-    if (error_) return;
-    const std::string_view before = text_.substr(0, position_);
-    const auto line = 1 + std::count(before.begin(), before.end(), '\n');
-    const auto column = before.size() - (before.rfind('\n') + 1) + 1;
-    error_ = Error{ErrorKind::kBadInput, fmt::format("{}:{}:{}: {}", file_, line, column, message)};
-    position_ = text_.size();
-  }
-  const std::optional<Error>& error() const { return error_; }
-
- private:
-  static bool is_space(char c) { return c == ' ' || c == '\n' || c == '\r' || c == '\t'; }
-  void skip_space() {
-    while (position_ < text_.size() && is_space(text_[position_])) ++position_;
-  }
-
-  std::string_view text_;
-  const std::string& file_;
-  std::size_t position_ = 0;
-  std::optional<Error> error_;
-};
+/// The first two lines: the start pose, which the file's name says too, and the number of rows, which the file must have room
+/// for.
+Expected<std::size_t> parse_text_header(TextScanner& text, std::int64_t start) {
+  std::size_t rows = 0;
+  return take_line(text, "the start pose",
+                   [&] {
+                     if (text.integer() != start) text.reject(fmt::format("by the file's name the start pose is {}", start));
+                   })
+      .and_then([&] {
+        return take_line(text, "the number of rows", [&] {
+          rows = text.key();
+          // Every number takes two bytes at least. The first comparison keeps the product from overflowing.
+          const std::size_t most = text.size() / 2 + 1;
+          if (rows > most || rows * rows + 2 * rows > most) text.reject("the file is too short for so many rows");
+        });
+      })
+      .map([&] { return rows; });
+}
 
 /// Linear SLAM's text.
-Expected<LocalMapFile> parse_text(LocalMapFile&& map, std::string_view text) {
-  const std::string file = map.path.string();
-  Numbers numbers(text, file);
-  const auto start = numbers.next<std::int64_t>();
-  if (start != map.number - 1) {
-    numbers.fail(fmt::format("the start pose is {}, but by the file's name it is {}", start, map.number - 1));
-  }
-  const auto n = numbers.next<std::size_t>();
-  // n² does not overflow: n is at most half the text's length first.
-  if (n > numbers.capacity() || n * n + 2 * n > numbers.capacity()) {
-    numbers.fail(fmt::format("the file is too short for {} rows and their information matrix", n));
-  }
-  if (numbers.error()) return tl::unexpected(*numbers.error());
-
-  const auto rows = static_cast<Eigen::Index>(n);
+Expected<LocalMapFile> parse_text(LocalMapFile&& map, std::string_view bytes) {
+  TextScanner text(map.path.string(), bytes);
+  const auto header = parse_text_header(text, map.number - 1);
+  if (!header) return tl::unexpected(header.error());
+  const auto rows = static_cast<Eigen::Index>(*header);
   map.state.resize(rows, 2);
-  for (Eigen::Index row = 0; row < rows; ++row) {
-    map.state(row, 0) = static_cast<double>(numbers.next<std::int64_t>());
-    map.state(row, 1) = numbers.next<double>();
-  }
   map.gaussian.resize(rows, rows);
-  // Row by row in the file, column by column in memory: the matrix is symmetric, or refused.
-  for (double& entry : map.gaussian.reshaped()) entry = numbers.next<double>();
   map.is_information = true;
-  numbers.expect_end();
-  if (numbers.error()) return tl::unexpected(*numbers.error());
+
+  Expected<void> line;
+  for (Eigen::Index row = 0; row < rows && line; ++row) {
+    line = take_line(text, "a row of the state", [&] {
+      map.state(row, 0) = static_cast<double>(text.integer());
+      map.state(row, 1) = text.number();
+    });
+  }
+  for (Eigen::Index row = 0; row < rows && line; ++row) {
+    line = take_line(text, "a row of the information matrix", [&] {
+      for (double& entry : map.gaussian.row(row)) entry = text.number();
+    });
+  }
+  if (!line) return tl::unexpected(line.error());
+  if (text.next_line()) return text.error("the file goes on behind the information matrix");
   return std::move(map);
 }
 

@@ -75,7 +75,7 @@ Expected<AnyMapSet> read_local_map_set(const std::filesystem::path& folder_or_ar
   };
   const auto visited = visit_files(
       folder_or_archive, [](const std::string& name) { return local_map_number(name).has_value(); },
-      [&](const std::filesystem::path& path, std::string&& bytes) { return parse_local_map(path, bytes).and_then(take); });
+      [&](const std::filesystem::path& path, std::string_view bytes) { return parse_local_map(path, bytes).and_then(take); });
   if (!visited) return tl::unexpected(visited.error());
   if (plane.empty() && space.empty()) {
     return bad_input(fmt::format("{}: holds no localmap_<k>.mat or localmap_<k>.txt", source));

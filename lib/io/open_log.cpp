@@ -6,6 +6,7 @@
 #include <mapjoin/io/g2o.hpp>
 #include <mapjoin/io/isam.hpp>
 #include <mapjoin/io/mat_log.hpp>
+#include <mapjoin/io/mat_structure.hpp>
 #include <mapjoin/io/open_log.hpp>
 #include <mapjoin/io/text_scanner.hpp>
 #include <string_view>
@@ -29,10 +30,9 @@ constexpr TextFormat kTextFormats[] = {
 }  // namespace
 
 Expected<AnyLog> open_log(const std::filesystem::path& path, const ReadOptions& options) {
-  constexpr std::string_view kMatMagic = "MATLAB 5.0";
   const auto bytes = FileBytes::read(path);
   if (!bytes) return tl::unexpected(bytes.error());
-  if (bytes->view().substr(0, kMatMagic.size()) == kMatMagic) return read_mat_log(path, options);
+  if (is_mat_file(bytes->view())) return read_mat_log(path, options);
 
   const TextScanner text(path.string(), bytes->view());
   TextScanner ahead = text;

@@ -3,7 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <map>
-#include <mapjoin/io/archive.hpp>
+#include <mapjoin/io/file_bytes.hpp>
 #include <mapjoin/io/local_map_set.hpp>
 #include <mapjoin/io/mat_file.hpp>
 #include <tests/support/data.hpp>
@@ -111,8 +111,8 @@ TEST(LocalMapSetData, TheLastMapOfDlrIn3298MapsStandsStill) {
 TEST(LocalMapSetData, VictoriaParkIn6898MapsIsTheCleanData) {
   const auto set = read<2>(data_file("vicpark-6898/localmaps_mat.tar.gz"));
   ASSERT_EQ(set.maps.size(), 6898u);
-  const auto bytes = read_whole_file(data_file("vicpark-6898/VicPark_clean_data.mat"));
-  const Eigen::MatrixXd rows = read_mat(*bytes, "clean data", {"VicPark_clean_data"})->at("VicPark_clean_data");
+  const auto bytes = FileBytes::read(data_file("vicpark-6898/VicPark_clean_data.mat"));
+  const Eigen::MatrixXd rows = read_mat(bytes->view(), "clean data", {"VicPark_clean_data"})->at("VicPark_clean_data");
   ASSERT_EQ(rows.rows(), 52288);
 
   std::vector<std::size_t> features_seen(set.maps.size(), 0);

@@ -225,14 +225,15 @@ TEST_F(LocalMapSetTest, NamesLineAndColumnOfAMalformedText) {
     return error();
   };
   ASSERT_EQ(error_of(good), "no error");
-  EXPECT_THAT(error_of("0\n3\n-1 1\n-1 x2\n" + std::string(40, ' ')), HasSubstr("localmap_1.txt:4:4: not a number"));
-  EXPECT_THAT(error_of(good + "1"), HasSubstr("localmap_1.txt:9:1: more than the information matrix"));
-  EXPECT_THAT(error_of(good.substr(0, good.size() - 3)), HasSubstr("localmap_1.txt:8:5: the file ends here"));
-  EXPECT_THAT(error_of("4\n" + good.substr(2)), HasSubstr("localmap_1.txt:1:2: the start pose is 4, but"));
+  EXPECT_THAT(error_of("0\n3\n-1 1\n-1 x2\n" + std::string(40, ' ')), HasSubstr("localmap_1.txt:4:4: 'x2' stands where"));
+  EXPECT_THAT(error_of(good + "1"), HasSubstr("localmap_1.txt:9:"));
+  EXPECT_THAT(error_of(good.substr(0, good.size() - 7)), HasSubstr("localmap_1.txt:8:"));
+  EXPECT_THAT(error_of(good.substr(0, good.size() - 3)), HasSubstr("localmap_1.txt:8:5: the line ends where a number"));
+  EXPECT_THAT(error_of("4\n" + good.substr(2)), HasSubstr("localmap_1.txt:1:1: by the file's name the start pose is 0"));
   for (const char* count : {"1000", "6000000000", "18446744073709551615"}) {
-    EXPECT_THAT(error_of(fmt::format("0\n{}\n-1 1\n", count)), HasSubstr("too short for")) << count;
+    EXPECT_THAT(error_of(fmt::format("0\n{}\n-1 1\n", count)), HasSubstr("localmap_1.txt:2:1: the file is too short")) << count;
   }
-  EXPECT_THAT(error_of("0\n-3\n"), HasSubstr("localmap_1.txt:2:1: not a number of the kind"));
+  EXPECT_THAT(error_of("0\n-3\n"), HasSubstr("localmap_1.txt:2:1: '-3' stands where"));
 }
 
 TEST_F(LocalMapSetTest, RefusesAFolderWithoutMapsAndMapsOfBothDimensions) {
