@@ -49,7 +49,8 @@ std::optional<Member> parse_header(std::string_view block) {
 Expected<void> visit_archive(const fs::path& path, const WantFile& want, const VisitFile& visit) {
   const auto bytes = FileBytes::read(path);
   if (!bytes) return tl::unexpected(bytes.error());
-  if (!is_tar_archive(bytes->view())) return bad_input(fmt::format("{}: neither a folder nor a tar archive", path.string()));
+  if (!is_tar_archive(bytes->view()))
+    return bad_input(fmt::format("{}: neither a folder nor a tar archive nor a mapjoin store", path.string()));
   std::string_view rest = bytes->view();
   while (!rest.empty() && rest.substr(0, kBlock) != std::string(kBlock, '\0')) {
     const auto member = parse_header(rest.substr(0, kBlock));

@@ -1,0 +1,19 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+// The front door for local maps, whoever built them.
+
+#include <filesystem>
+#include <mapjoin/io/local_map_set.hpp>
+#include <mapjoin/io/store.hpp>
+#include <variant>
+
+namespace mapjoin {
+
+/// Local maps of others, or those of a store, which come with their log.
+using AnyMaps = std::variant<MapSet<2>, MapSet<3>, StoredMaps<2>, StoredMaps<3>>;
+
+/// The local maps in a folder or a .tar or .tar.gz archive of localmap_<k>.mat or .txt (see read_local_map_set()), or in a
+/// mapjoin store (see read_store()), which are told apart by their content.
+Expected<AnyMaps> open_maps(const std::filesystem::path& path, const ReadOptions& options = {});
+
+}  // namespace mapjoin
