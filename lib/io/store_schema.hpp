@@ -12,10 +12,11 @@ inline constexpr std::int64_t kApplicationId = 0x4d4a5354;
 inline constexpr std::int64_t kVersion = 1;
 
 inline constexpr const char* kTables[] = {
-    "CREATE TABLE info (key TEXT PRIMARY KEY, value TEXT NOT NULL) WITHOUT ROWID",
-    "CREATE TABLE records (name TEXT NOT NULL, chunk INTEGER NOT NULL, data BLOB NOT NULL, UNIQUE (name, chunk))",
-    "CREATE TABLE maps (stretch INTEGER PRIMARY KEY, base INTEGER, chi2 REAL, poses BLOB, features BLOB, pose_estimates BLOB, "
-    "feature_estimates BLOB, information BLOB)",
+    R"(CREATE TABLE info (key TEXT PRIMARY KEY, value TEXT NOT NULL) WITHOUT ROWID)",
+    R"(CREATE TABLE records (name TEXT NOT NULL, chunk INTEGER NOT NULL, data BLOB NOT NULL, UNIQUE (name, chunk)))",
+    R"(CREATE TABLE maps (
+  stretch INTEGER PRIMARY KEY, base INTEGER, chi2 REAL,
+  poses BLOB, features BLOB, pose_estimates BLOB, feature_estimates BLOB, information BLOB))",
 };
 
 }  // namespace mapjoin::store
