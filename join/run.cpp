@@ -117,8 +117,7 @@ std::vector<std::string> RunOptions::validate() const {
   return violations;
 }
 
-template <int Dim>
-bool RunResult<Dim>::converged() const {
+bool RunFigures::converged() const {
   return join.status == MinimiseStatus::kConverged && (!polish || polish->status == MinimiseStatus::kConverged);
 }
 
@@ -184,7 +183,6 @@ Expected<RunResult<Dim>> solve(const Log<Dim>& log, RunOptions options, const st
 }
 
 #define MAPJOIN_INSTANTIATE(Dim)                                                                             \
-  template struct RunResult<Dim>;                                                                            \
   template Expected<RunResult<Dim>> run(const Log<Dim>&, const RunOptions&, const std::stop_token&);         \
   template Expected<RunResult<Dim>> run(const MapSet<Dim>&, const RunOptions&, const std::stop_token&);      \
   template Expected<RunResult<Dim>> run_from_maps(const Log<Dim>&, const Split&, std::vector<LocalMap<Dim>>, \

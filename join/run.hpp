@@ -41,9 +41,8 @@ struct RunSeconds {
   double polish = 0.0;
 };
 
-template <int Dim>
-struct RunResult {
-  GlobalMap<Dim> map;
+/// What a run says of itself, whatever the dimension.
+struct RunFigures {
   std::size_t local_maps = 0;  ///< Stretches that became maps.
   std::size_t spans = 0;       ///< Stretches that stayed observations.
   Index poses_per_map = 0;     ///< As chosen; 0 where another rule than poses cut the log.
@@ -58,6 +57,11 @@ struct RunResult {
 
   /// Whether every solve whose result is in the map converged.
   bool converged() const;
+};
+
+template <int Dim>
+struct RunResult : RunFigures {
+  GlobalMap<Dim> map;
 };
 
 /// Splits the log, builds local maps, joins them, recovers what was eliminated, and polishes to the optimum of the whole log.

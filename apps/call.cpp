@@ -1,0 +1,115 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <fmt/format.h>
+#include <tbb/info.h>
+
+#include <apps/call.hpp>
+#include <apps/console.hpp>
+#include <apps/map_file.hpp>
+#include <apps/report.hpp>
+#include <apps/summary.hpp>
+#include <mapjoin/io/open_log.hpp>
+#include <mapjoin/io/output_file.hpp>
+#include <utility>
+
+namespace mapjoin::apps {
+namespace {
+
+/// Whether a file could appear at `path`; devices and pipes are left alone.
+Expected<void> check_writable(const std::filesystem::path& path) {
+  std::error_code ignored;
+  if (path.empty() || (std::filesystem::exists(path, ignored) && !std::filesystem::is_regular_file(path, ignored))) return {};
+  return OutputFile::create(path).map([](const OutputFile&) {});
+}
+
+template <int Dim>
+void use_identity_covariance(MapSet<Dim>& set) {
+  for (LocalMap<Dim>& map : set.maps) map.information.setIdentity();
+  set.conventions.covariance = Covariance::kIdentity;
+}
+
+std::string why_not_converged(const RunFigures& figures) {
+  const bool joined = figures.join.status == MinimiseStatus::kConverged;
+  const MinimiseResult& last = joined && figures.polish ? *figures.polish : figures.join;
+  return fmt::format("the {} did not converge ({} after {} iterations); the result is written all the same",
+                     joined ? "polish" : "join", to_string(last.status), last.iterations);
+}
+
+}  // namespace
+
+Call::Call(const std::string& command, const Options& options, std::stop_token stop)
+    : account(command, options),
+      options_(options),
+      stop_(std::move(stop)),
+      threads_(tbb::global_control::max_allowed_parallelism,
+               static_cast<std::size_t>(options.jobs > 0 ? options.jobs : tbb::info::default_concurrency())),
+      progress_(!options.quiet),
+      run_options_(options.run) {
+  run_options_.progress = progress_.callback();
+}
+
+Expected<void> Call::check_report() const {
+  return options_.report_on_stdout() ? Expected<void>() : check_writable(options_.report);
+}
+
+Expected<void> Call::check_outputs() const {
+  return check_writable(options_.output).and_then([&] { return check_report(); });
+}
+
+Expected<AnyLog> Call::read_log() {
+  auto log = timed(account.read_seconds, [&] { return open_log(options_.input, options_.read); });
+  if (!log) return log;
+  std::visit(
+      [&](auto& any) {
+        if (options_.covariance == Covariance::kIdentity) mapjoin::use_identity_covariance(any);
+        account.describe(any);
+      },
+      *log);
+  return check_interrupted().and_then([&] { return std::move(log); });
+}
+
+Expected<AnyMapSet> Call::read_maps() {
+  auto set = timed(account.read_seconds, [&] { return read_local_map_set(options_.input, options_.read); });
+  if (!set) return set;
+  std::visit(
+      [&](auto& any) {
+        if (options_.covariance == Covariance::kIdentity) use_identity_covariance(any);
+        account.describe(any);
+      },
+      *set);
+  return check_interrupted().and_then([&] { return std::move(set); });
+}
+
+Expected<void> Call::check_interrupted() const {
+  if (stop_.stop_requested()) return tl::unexpected(Error{ErrorKind::kInterrupted, "interrupted"});
+  return {};
+}
+
+template <int Dim>
+Expected<void> Call::write_map(const RunResult<Dim>& result, const Log<Dim>* log) {
+  account.describe(result);
+  if (auto going_on = check_interrupted(); !going_on) return going_on;
+  auto files = timed(account.write_seconds, [&] { return apps::write_map(result.map, log, options_.output); });
+  return files.map([&](auto&& written) { account.files = std::move(written); });
+}
+
+Expected<ExitCode> Call::conclude() {
+  progress_.close();
+  if (options_.report_on_stdout()) {
+    if (auto written = write_stdout(report(account)); !written) return tl::unexpected(written.error());
+  } else {
+    if (!options_.report.empty()) {
+      if (auto written = write_report(account, options_.report); !written) return tl::unexpected(written.error());
+    }
+    if (!options_.quiet) {
+      if (auto written = write_stdout(summary(account)); !written) return tl::unexpected(written.error());
+    }
+  }
+  if (!account.is_joined || account.figures.converged()) return ExitCode::kDone;
+  say(why_not_converged(account.figures));
+  return ExitCode::kDidNotConverge;
+}
+
+template Expected<void> Call::write_map(const RunResult<2>&, const Log<2>*);
+template Expected<void> Call::write_map(const RunResult<3>&, const Log<3>*);
+
+}  // namespace mapjoin::apps

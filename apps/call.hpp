@@ -1,0 +1,53 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+// One call of a subcommand from reading to the last word: what run, build, join and solve have in common.
+
+#include <tbb/global_control.h>
+
+#include <apps/account.hpp>
+#include <apps/exit_code.hpp>
+#include <apps/progress.hpp>
+#include <mapjoin/io/local_map_set.hpp>
+#include <stop_token>
+#include <string>
+
+namespace mapjoin::apps {
+
+class Call {
+ public:
+  /// The call works on as many threads as its options say. `options` must outlive it.
+  Call(const std::string& command, const Options& options, std::stop_token stop);
+
+  /// kCannotWrite where the report, or the output as a single file, cannot be made: better now than after the work.
+  Expected<void> check_report() const;
+  Expected<void> check_outputs() const;
+  /// The input as a log, with the weights asked for.
+  Expected<AnyLog> read_log();
+  /// The input as a set of local maps, with the weights asked for.
+  Expected<AnyMapSet> read_maps();
+  /// kInterrupted where a stop was requested.
+  Expected<void> check_interrupted() const;
+
+  /// Of the options, with this call's progress.
+  const RunOptions& run_options() const { return run_options_; }
+  const Options& options() const { return options_; }
+  const std::stop_token& stop() const { return stop_; }
+
+  /// Writes a result as one file, in the format that the extension of the path names. `log`, where it is known, gives edges.
+  template <int Dim>
+  Expected<void> write_map(const RunResult<Dim>& result, const Log<Dim>* log);
+
+  /// Report and summary; the exit code by how the work ended.
+  Expected<ExitCode> conclude();
+
+  Account account;
+
+ private:
+  const Options& options_;
+  std::stop_token stop_;
+  tbb::global_control threads_;
+  Progress progress_;
+  RunOptions run_options_;
+};
+
+}  // namespace mapjoin::apps

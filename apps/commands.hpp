@@ -1,0 +1,23 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+// The subcommands, each in a file of its own.
+
+#include <apps/subcommand.hpp>
+#include <memory>
+#include <vector>
+
+namespace mapjoin::apps {
+
+std::unique_ptr<Subcommand> run_command(CLI::App& app);
+std::unique_ptr<Subcommand> join_command(CLI::App& app);
+std::unique_ptr<Subcommand> solve_command(CLI::App& app);
+std::unique_ptr<Subcommand> info_command(CLI::App& app);
+
+/// In the order of the help.
+inline std::vector<std::unique_ptr<Subcommand>> all_commands(CLI::App& app) {
+  std::vector<std::unique_ptr<Subcommand>> commands;
+  for (const auto make : {run_command, join_command, solve_command, info_command}) commands.push_back(make(app));
+  return commands;
+}
+
+}  // namespace mapjoin::apps

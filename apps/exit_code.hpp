@@ -1,0 +1,36 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+// What the command tells the shell.
+
+#include <mapjoin/model/error.hpp>
+
+namespace mapjoin::apps {
+
+enum class ExitCode : int {
+  kDone = 0,
+  kInternalError = 1,
+  kUsage = 2,
+  kBadInput = 3,
+  kDidNotConverge = 4,  ///< The result was written, and says so.
+  kCannotWrite = 5,
+  kTooLarge = 6,
+  kInterrupted = 130,
+};
+
+inline ExitCode exit_code_of(ErrorKind kind) {
+  switch (kind) {
+    case ErrorKind::kBadInput:
+      return ExitCode::kBadInput;
+    case ErrorKind::kUsage:
+      return ExitCode::kUsage;
+    case ErrorKind::kCannotWrite:
+      return ExitCode::kCannotWrite;
+    case ErrorKind::kTooLarge:
+      return ExitCode::kTooLarge;
+    case ErrorKind::kInterrupted:
+      return ExitCode::kInterrupted;
+  }
+  return ExitCode::kInternalError;
+}
+
+}  // namespace mapjoin::apps

@@ -1,0 +1,47 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// `mapjoin join`: from local maps to a global map.
+
+#include <apps/call.hpp>
+#include <apps/commands.hpp>
+#include <memory>
+#include <variant>
+
+namespace mapjoin::apps {
+namespace {
+
+constexpr const char* kExamples = "  mapjoin join maps -o map.g2o";
+
+template <int Dim>
+Expected<ExitCode> join_set(Call& call, const MapSet<Dim>& set) {
+  const auto result = run(set, call.run_options(), call.stop());
+  if (!result) return tl::unexpected(result.error());
+  if (auto written = call.write_map(*result, static_cast<const Log<Dim>*>(nullptr)); !written) {
+    return tl::unexpected(written.error());
+  }
+  return call.conclude();
+}
+
+Expected<ExitCode> join_maps(const Options& options, const std::stop_token& stop) {
+  Call call("join", options, stop);
+  if (auto writable = call.check_outputs(); !writable) return tl::unexpected(writable.error());
+  const auto set = call.read_maps();
+  if (!set) return tl::unexpected(set.error());
+  return std::visit([&](const auto& any) { return join_set(call, any); }, *set);
+}
+
+}  // namespace
+
+std::unique_ptr<Subcommand> join_command(CLI::App& app) {
+  auto command = std::make_unique<Subcommand>(app, "join", "From local maps to a global map", kExamples);
+  const auto options = std::make_shared<Options>();
+  command->argument("MAPS", options->input, "A folder or archive of localmap_1, localmap_2, ... as .mat or .txt");
+  command->output("-o,--output", options->output, "MAP", "Write the map: .tum, .csv (features beside it), else g2o");
+  add_schedule(*command, *options);
+  add_solver(*command, *options);
+  add_weights(*command, *options);
+  add_reporting(*command, *options);
+  command->act([options](const std::stop_token& stop) { return join_maps(*options, stop); });
+  return command;
+}
+
+}  // namespace mapjoin::apps

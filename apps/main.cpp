@@ -1,0 +1,84 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// The `mapjoin` command: parses, hands over to a subcommand, and turns what comes of it into a sentence and an exit code.
+
+#include <fmt/format.h>
+
+#include <CLI/App.hpp>
+#include <CLI/Config.hpp>
+#include <CLI/Formatter.hpp>
+#include <algorithm>
+#include <apps/commands.hpp>
+#include <apps/console.hpp>
+#include <apps/interruption.hpp>
+#include <exception>
+#include <mapjoin/version.hpp>
+#include <memory>
+#include <new>
+#include <vector>
+
+namespace mapjoin::apps {
+namespace {
+
+constexpr const char* kDescription =
+    "Builds large maps from many small ones: splits a log of odometry and feature observations into local maps, joins them, "
+    "and "
+    "polishes the result to the optimum of the whole log.";
+
+/// Of --help and --version.
+Expected<ExitCode> told(const std::string& text) {
+  return write_stdout(text).map([] { return ExitCode::kDone; });
+}
+
+/// A command line that is wrong, in one sentence.
+tl::unexpected<Error> misused(const std::string& what) {
+  return tl::unexpected(Error{ErrorKind::kUsage, what + " (see mapjoin --help)"});
+}
+
+Expected<ExitCode> parse_and_run(int argc, char** argv) {
+  const Interruption interruption;
+  CLI::App app(kDescription, "mapjoin");
+  app.get_formatter()->column_width(36);
+  app.set_help_flag("-h,--help", "This text");
+  app.set_version_flag("--version", fmt::format("mapjoin {}", kVersion));
+  app.require_subcommand(1);
+  app.footer(
+      "`mapjoin COMMAND --help` lists a command's options, with examples.\n"
+      "Exit codes: 0 done, 1 internal error, 2 usage, 3 bad input, 4 did not converge (the result is written),\n"
+      "5 cannot write, 6 too large, 130 interrupted.");
+  const auto commands = all_commands(app);
+  try {
+    app.parse(argc, argv);
+  } catch (const CLI::CallForHelp&) {
+    return told(app.help());
+  } catch (const CLI::CallForVersion& version) {
+    return told(fmt::format("{}\n", version.what()));
+  } catch (const CLI::ParseError& error) {
+    return misused(error.what());
+  }
+  const auto chosen = std::find_if(commands.begin(), commands.end(), [](const auto& command) { return command->is_chosen(); });
+  auto done = (*chosen)->run(interruption.token());
+  if (!done && interruption.token().stop_requested()) return tl::unexpected(Error{ErrorKind::kInterrupted, "interrupted"});
+  return done;
+}
+
+ExitCode main(int argc, char** argv) {
+  try {
+    const auto done = parse_and_run(argc, argv);
+    if (done) return *done;
+    say(done.error().message);
+    return exit_code_of(done.error().kind);
+  } catch (const std::bad_alloc&) {
+    say("there is not enough memory for this");
+    return ExitCode::kTooLarge;
+  } catch (const std::exception& error) {
+    say(fmt::format("internal error: {}", error.what()));
+    return ExitCode::kInternalError;
+  }
+}
+
+}  // namespace
+}  // namespace mapjoin::apps
+
+int main(int argc, char** argv) {
+  return static_cast<int>(mapjoin::apps::main(argc, argv));
+}

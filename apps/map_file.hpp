@@ -1,0 +1,19 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+// A global map as one file, in the format that its name asks for.
+
+#include <filesystem>
+#include <mapjoin/model/error.hpp>
+#include <mapjoin/model/global_map.hpp>
+#include <mapjoin/model/log.hpp>
+#include <string>
+#include <vector>
+
+namespace mapjoin::apps {
+
+/// `.tum`: the trajectory, without features. `.csv`: the poses, and the features, if there are any, beside them in
+/// `.features.csv`. Any other name: g2o, with the edges of `log` where it is given. The files written, or kCannotWrite.
+template <int Dim>
+Expected<std::vector<std::string>> write_map(const GlobalMap<Dim>& map, const Log<Dim>* log, const std::filesystem::path& path);
+
+}  // namespace mapjoin::apps

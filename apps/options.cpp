@@ -1,0 +1,100 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <algorithm>
+#include <apps/options.hpp>
+#include <optional>
+#include <vector>
+
+namespace mapjoin::apps {
+namespace {
+
+/// "auto" or a number of poses.
+std::optional<std::string> take_poses_per_map(const std::string& word, SplitOptions& split) {
+  if (word == "auto") {
+    split = {};
+    return std::nullopt;
+  }
+  const std::optional<int> poses = number_in<int>(word);
+  if (!poses || *poses < 1) return "not auto or a whole number from 1 on";
+  split = {SplitRule::kPoses, static_cast<double>(*poses)};
+  return std::nullopt;
+}
+
+/// The rules exclude each other.
+std::vector<std::string> check_one_rule(const Subcommand& command) {
+  const std::vector<std::string> rules = {"--poses-per-map", "--metres-per-map", "--features-per-map"};
+  const auto given = std::count_if(rules.begin(), rules.end(), [&](const auto& rule) { return command.is_given(rule); });
+  if (given < 2) return {};
+  return {"only one of --poses-per-map, --metres-per-map and --features-per-map can say where to cut"};
+}
+
+}  // namespace
+
+void add_weights(Subcommand& command, Options& options) {
+  command.group("Reading");
+  command.choice<Covariance>("--covariance", options.covariance,
+                             {{"original", Covariance::kOriginal}, {"identity", Covariance::kIdentity}},
+                             "Weights as given, or every information matrix replaced by the identity");
+  command.flag("--repair-information", options.read.repair_information,
+               "Take the nearest semidefinite matrix for an indefinite information matrix, and count them");
+}
+
+void add_reading(Subcommand& command, Options& options) {
+  add_weights(command, options);
+  command.choice<PoseError>("--g2o-error", options.read.pose_error, {{"paper", PoseError::kPaper}, {"g2o", PoseError::kG2o}},
+                            "What a g2o file's pose-pose information weighs: the residual in the frame of the base, or g2o's");
+  command.choice<RotationInformation>(
+      "--rotation-information", options.read.rotation_information,
+      {{"vector", RotationInformation::kVector}, {"quaternion", RotationInformation::kQuaternion}},
+      "What its rotational part weighs in 3D: the rotation vector (GTSAM, SE-Sync) or the quaternion's (g2o)");
+}
+
+void add_splitting(Subcommand& command, Options& options) {
+  SplitOptions& split = options.run.split;
+  command.group("Local maps");
+  command.option("--poses-per-map", "N|auto", "Cut after so many poses; auto: where a cost model finds it cheapest [auto]",
+                 [&split](const std::string& word) { return take_poses_per_map(word, split); });
+  const auto rule = [&](const std::string& name, SplitRule by, const std::string& kind, const std::string& help) {
+    command.option(name, kind, help, [&split, by](const std::string& word) -> std::optional<std::string> {
+      const std::optional<double> amount = number_in<double>(word);
+      if (!amount) return "not a number";
+      const SplitOptions asked{by, *amount};
+      if (const auto violations = asked.validate(); !violations.empty()) return "but " + violations.front();
+      split = asked;
+      return std::nullopt;
+    });
+  };
+  rule("--metres-per-map", SplitRule::kDistance, "METRES", "Cut after so many metres travelled");
+  rule("--features-per-map", SplitRule::kFeatures, "N", "Cut after so many different features seen");
+  command.check([&command] { return check_one_rule(command); });
+}
+
+void add_schedule(Subcommand& command, Options& options) {
+  command.group("Joining");
+  command.choice<Schedule>("--schedule", options.run.schedule,
+                           {{"tree", Schedule::kTree}, {"sequential", Schedule::kSequential}, {"batch", Schedule::kBatch}},
+                           "In which order: neighbours in pairs, then pairs of pairs; map by map; or all at once");
+}
+
+void add_polish(Subcommand& command, Options& options) {
+  command.group("Joining");
+  command.refusal("--no-polish", options.run.polish, "Stop at the joined and recovered map");
+}
+
+void add_solver(Subcommand& command, Options& options) {
+  MinimiseOptions& solver = options.run.solver;
+  command.group("Joining");
+  command.choice<Method>("--method", solver.method,
+                         {{"dogleg", Method::kDogleg}, {"lm", Method::kLevenbergMarquardt}, {"gn", Method::kGaussNewton}},
+                         "Steps: Powell's dogleg, Levenberg-Marquardt, or plain Gauss-Newton, which may diverge");
+  command.number<int>("--max-iterations", solver.max_iterations, 1, "N",
+                      "At most so many steps of every solve [" + std::to_string(solver.max_iterations) + "]");
+}
+
+void add_reporting(Subcommand& command, Options& options) {
+  command.group("Running and reporting");
+  command.number<int>("--jobs", options.jobs, 1, "N", "Threads; the result is the same for any number [all processors]");
+  command.path("--report", options.report, "FILE|-", "Write a report in JSON; with - nothing else goes to standard output");
+  command.flag("--quiet", options.quiet, "No summary and no progress");
+}
+
+}  // namespace mapjoin::apps

@@ -1,0 +1,41 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+// The options that several subcommands share.
+
+#include <apps/subcommand.hpp>
+#include <filesystem>
+#include <mapjoin/io/read_options.hpp>
+#include <mapjoin/join/run.hpp>
+#include <string>
+
+namespace mapjoin::apps {
+
+struct Options {
+  std::filesystem::path input;
+  std::filesystem::path output;  ///< Empty: none.
+  ReadOptions read;
+  Covariance covariance = Covariance::kOriginal;
+  RunOptions run;
+  int jobs = 0;                  ///< Threads; 0: as many as there are processors.
+  std::filesystem::path report;  ///< Empty: none; "-": standard output.
+  bool quiet = false;
+
+  bool report_on_stdout() const { return report == "-"; }
+};
+
+/// How the numbers of a log are taken: --g2o-error, --rotation-information, --repair-information, --covariance.
+void add_reading(Subcommand& command, Options& options);
+/// As add_reading() where there is no g2o file: --repair-information, --covariance.
+void add_weights(Subcommand& command, Options& options);
+/// Where a log is cut: --poses-per-map, --metres-per-map, --features-per-map.
+void add_splitting(Subcommand& command, Options& options);
+/// --schedule
+void add_schedule(Subcommand& command, Options& options);
+/// --no-polish
+void add_polish(Subcommand& command, Options& options);
+/// --method, --max-iterations
+void add_solver(Subcommand& command, Options& options);
+/// --jobs, --report, --quiet
+void add_reporting(Subcommand& command, Options& options);
+
+}  // namespace mapjoin::apps

@@ -1,0 +1,114 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <apps/report.hpp>
+#include <apps/words.hpp>
+#include <mapjoin/io/output_file.hpp>
+#include <mapjoin/solve/sparse_cholesky.hpp>
+#include <mapjoin/version.hpp>
+#include <nlohmann/json.hpp>
+
+namespace mapjoin::apps {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+template <typename T>
+Json value_if(bool known, const T& value) {
+  return known ? Json(value) : Json();
+}
+
+Json input_of(const Account& account) {
+  const Counts& counts = account.counts;
+  return {{"dimension", account.dimension},
+          {"convention",
+           {{"pose_error", word(account.conventions.pose_error)},
+            {"rotation_information", word(account.conventions.rotation_information)},
+            {"covariance", word(account.conventions.covariance)}}},
+          {"units", {{"length", "m"}, {"angle", "rad"}}},
+          {"sessions", counts.sessions},
+          {"poses", counts.poses},
+          {"features", counts.features},
+          {"odometry", counts.odometry},
+          {"closures", counts.closures},
+          {"observations", counts.observations},
+          {"priors", counts.priors},
+          {"fixed_poses", counts.fixed_poses},
+          {"stamps", account.has_stamps},
+          {"repeated_edges", counts.repeated_edges},
+          {"repaired_informations", account.conventions.repaired_informations},
+          {"unassociated", counts.unassociated}};
+}
+
+Json gauge_of(const Account& account) {
+  Json held = Json::array();
+  for (const PoseId& id : account.held) held.push_back({{"session", id.session}, {"pose", id.key}});
+  return {{"held_poses", value_if(account.is_joined, held)}};
+}
+
+Json local_maps_of(const Account& account) {
+  const RunFigures& figures = account.figures;
+  const bool known = account.has_local_maps;
+  return {{"count", value_if(known, figures.local_maps)},
+          {"spans", value_if(known, figures.spans)},
+          {"poses_per_map", value_if(known && figures.poses_per_map > 0, figures.poses_per_map)},
+          {"iterations", value_if(known, figures.build_iterations)},
+          {"seconds", figures.seconds.build}};
+}
+
+Json join_of(const Account& account) {
+  const RunFigures& figures = account.figures;
+  const bool done = account.is_joined;
+  return {{"status", done ? to_string(figures.join.status) : "not_run"},
+          {"state", "absolute"},
+          {"start", account.schedule ? "odometry" : "values"},
+          {"schedule", account.schedule ? Json(to_string(*account.schedule)) : Json()},
+          {"method", to_string(account.method)},
+          {"iterations", value_if(done, figures.join.iterations)},
+          {"chi2", value_if(done, figures.join.chi2)},
+          {"dof", value_if(done, figures.join_dof)},
+          {"seconds", figures.seconds.join}};
+}
+
+Json polish_of(const Account& account) {
+  if (!account.figures.polish) return {{"status", "not_run"}, {"iterations", nullptr}, {"chi2", nullptr}};
+  const MinimiseResult& polish = *account.figures.polish;
+  return {{"status", to_string(polish.status)}, {"iterations", polish.iterations}, {"chi2", polish.chi2}};
+}
+
+Json seconds_of(const Account& account) {
+  const RunSeconds& seconds = account.figures.seconds;
+  return {{"read", account.read_seconds},    {"build", seconds.build},   {"join", seconds.join},
+          {"recover", seconds.recover},      {"polish", seconds.polish}, {"write", account.write_seconds},
+          {"total", account.total_seconds()}};
+}
+
+}  // namespace
+
+std::string report(const Account& account) {
+  const RunFigures& figures = account.figures;
+  const auto& recovered = figures.recovered_chi2;
+  Json json = {
+      {"schema_version", kReportSchemaVersion}, {"version", kVersion}, {"command", account.command}, {"input", account.input}};
+  json.update(input_of(account));
+  json["local_maps"] = local_maps_of(account);
+  json["join"] = join_of(account);
+  json["recover"] = {{"chi2", value_if(recovered.has_value(), recovered.value_or(0.0))}};
+  json["polish"] = polish_of(account);
+  json["converged"] = value_if(account.is_joined, figures.converged());
+  json["chi2"] = value_if(account.is_joined, figures.chi2);
+  json["dof"] = value_if(account.is_joined, figures.dof);
+  json["gauge"] = gauge_of(account);
+  json["files"] = account.files;
+  json["seconds"] = seconds_of(account);
+  json["peak_memory_mb"] = peak_memory_mb();
+  json["blas"] = blas_name();
+  return json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
+}
+
+Expected<void> write_report(const Account& account, const std::filesystem::path& path) {
+  auto file = OutputFile::create(path);
+  if (!file) return tl::unexpected(file.error());
+  file->write(report(account));
+  return file->commit();
+}
+
+}  // namespace mapjoin::apps

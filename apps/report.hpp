@@ -1,0 +1,18 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+// The report for other programs: JSON by the schema of docs/report.md.
+
+#include <apps/account.hpp>
+#include <filesystem>
+#include <string>
+
+namespace mapjoin::apps {
+
+inline constexpr int kReportSchemaVersion = 1;
+
+/// One JSON object and a newline. Every key is always there; what was not done is null.
+std::string report(const Account& account);
+
+Expected<void> write_report(const Account& account, const std::filesystem::path& path);
+
+}  // namespace mapjoin::apps

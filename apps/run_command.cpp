@@ -1,0 +1,85 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// `mapjoin run`: from a log to a global map.
+
+#include <apps/call.hpp>
+#include <apps/commands.hpp>
+#include <apps/output_folder.hpp>
+#include <apps/report.hpp>
+#include <mapjoin/io/g2o.hpp>
+#include <mapjoin/io/map_text.hpp>
+#include <memory>
+#include <optional>
+#include <variant>
+
+namespace mapjoin::apps {
+namespace {
+
+constexpr const char* kExamples =
+    "  mapjoin run data/manhattan2d.g2o\n"
+    "  mapjoin run data/manhattan2d.g2o -o result\n"
+    "  mapjoin run data/manhattan3d.g2o --poses-per-map 20 --report -";
+
+template <int Dim>
+Expected<void> write_map_files(const GlobalMap<Dim>& map, const Log<Dim>& log, const OutputFolder& folder) {
+  return write_g2o(map, &log, folder.aside("map.g2o"))
+      .and_then([&] { return write_tum(map, folder.aside("trajectory.tum")); })
+      .and_then([&] { return write_pose_csv(map, folder.aside("poses.csv")); })
+      .and_then([&] { return write_feature_csv(map, folder.aside("features.csv")); });
+}
+
+template <int Dim>
+Expected<void> write_folder(Call& call, const RunResult<Dim>& result, const Log<Dim>& log, OutputFolder& folder) {
+  const std::vector<std::string> names = {"map.g2o", "trajectory.tum", "poses.csv", "features.csv", "report.json"};
+  for (const std::string& name : names) call.account.files.push_back(folder.file(name).string());
+  return timed(call.account.write_seconds, [&] { return write_map_files(result.map, log, folder); })
+      .and_then([&] { return write_report(call.account, folder.aside("report.json")); })
+      .and_then([&] { return call.check_interrupted(); })
+      .and_then([&] { return folder.commit(names); });
+}
+
+template <int Dim>
+Expected<ExitCode> run_on(Call& call, const Log<Dim>& log, std::optional<OutputFolder>& folder) {
+  const auto result = run(log, call.run_options(), call.stop());
+  if (!result) return tl::unexpected(result.error());
+  call.account.describe(*result);
+  if (auto going_on = call.check_interrupted(); !going_on) return tl::unexpected(going_on.error());
+  if (folder) {
+    if (auto written = write_folder(call, *result, log, *folder); !written) return tl::unexpected(written.error());
+  }
+  return call.conclude();
+}
+
+Expected<ExitCode> run_log(const Options& options, const std::stop_token& stop) {
+  Call call("run", options, stop);
+  if (auto writable = call.check_report(); !writable) return tl::unexpected(writable.error());
+  const auto log = call.read_log();
+  if (!log) return tl::unexpected(log.error());
+  std::optional<OutputFolder> folder;
+  if (!options.output.empty()) {
+    auto made = OutputFolder::create(options.output);
+    if (!made) return tl::unexpected(made.error());
+    folder.emplace(std::move(*made));
+  }
+  return std::visit([&](const auto& any) { return run_on(call, any, folder); }, *log);
+}
+
+}  // namespace
+
+std::unique_ptr<Subcommand> run_command(CLI::App& app) {
+  auto command = std::make_unique<Subcommand>(
+      app, "run", "From a log to a global map: splits, builds local maps, joins, recovers, polishes", kExamples);
+  const auto options = std::make_shared<Options>();
+  command->argument("LOG", options->input, "The log, known by its content: g2o, iSAM, MAT or text; also as gzip");
+  command->path("-o,--output", options->output, "DIR",
+                "Write map.g2o, trajectory.tum, poses.csv, features.csv and report.json into this folder");
+  add_splitting(*command, *options);
+  add_schedule(*command, *options);
+  add_solver(*command, *options);
+  add_polish(*command, *options);
+  add_reading(*command, *options);
+  add_reporting(*command, *options);
+  command->act([options](const std::stop_token& stop) { return run_log(*options, stop); });
+  return command;
+}
+
+}  // namespace mapjoin::apps

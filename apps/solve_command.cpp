@@ -1,0 +1,50 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// `mapjoin solve`: full SLAM, the join of one-step maps.
+
+#include <apps/call.hpp>
+#include <apps/commands.hpp>
+#include <memory>
+#include <variant>
+
+namespace mapjoin::apps {
+namespace {
+
+constexpr const char* kExamples =
+    "  mapjoin solve data/manhattan2d.g2o -o map.g2o\n"
+    "  mapjoin solve data/manhattan2d.g2o -o map.csv --start values --method lm";
+
+template <int Dim>
+Expected<ExitCode> solve_log(Call& call, const Log<Dim>& log) {
+  const auto result = solve(log, call.run_options(), call.stop());
+  if (!result) return tl::unexpected(result.error());
+  if (auto written = call.write_map(*result, &log); !written) return tl::unexpected(written.error());
+  return call.conclude();
+}
+
+Expected<ExitCode> solve_input(const Options& options, const std::stop_token& stop) {
+  Call call("solve", options, stop);
+  if (auto writable = call.check_outputs(); !writable) return tl::unexpected(writable.error());
+  const auto log = call.read_log();
+  if (!log) return tl::unexpected(log.error());
+  return std::visit([&](const auto& any) { return solve_log(call, any); }, *log);
+}
+
+}  // namespace
+
+std::unique_ptr<Subcommand> solve_command(CLI::App& app) {
+  auto command = std::make_unique<Subcommand>(app, "solve", "Full SLAM of a log, as the join of one-step maps", kExamples);
+  const auto options = std::make_shared<Options>();
+  command->argument("LOG", options->input, "The log, known by its content: g2o, iSAM, MAT or text; also as gzip");
+  command->output("-o,--output", options->output, "MAP", "Write the map: .tum, .csv (features beside it), else g2o");
+  command->group("Joining");
+  command->choice<bool>("--start", options->run.start_from_values, {{"odometry", false}, {"values", true}},
+                        "From odometry, along a schedule, or from the values in the file");
+  add_schedule(*command, *options);
+  add_solver(*command, *options);
+  add_reading(*command, *options);
+  add_reporting(*command, *options);
+  command->act([options](const std::stop_token& stop) { return solve_input(*options, stop); });
+  return command;
+}
+
+}  // namespace mapjoin::apps

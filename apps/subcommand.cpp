@@ -1,0 +1,108 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <CLI/App.hpp>
+#include <CLI/Config.hpp>
+#include <CLI/Formatter.hpp>
+#include <apps/subcommand.hpp>
+#include <charconv>
+#include <cmath>
+#include <type_traits>
+
+namespace mapjoin::apps {
+
+template <typename T>
+std::optional<T> number_in(const std::string& word) {
+  T value{};
+  const char* const end = word.data() + word.size();
+  const auto [rest, failure] = std::from_chars(word.data(), end, value);
+  if (failure != std::errc() || rest != end) return std::nullopt;
+  if constexpr (std::is_floating_point_v<T>) {
+    if (!std::isfinite(value)) return std::nullopt;
+  }
+  return value;
+}
+
+Subcommand::Subcommand(CLI::App& parent, const std::string& name, const std::string& description, const std::string& examples)
+    : app_(parent.add_subcommand(name, description)) {
+  app_->footer("Examples:\n" + examples);
+  app_->set_help_flag("-h,--help", "This text");
+}
+
+CLI::Option& Subcommand::grouped(CLI::Option& option) const {
+  if (!group_.empty()) option.group(group_);
+  return option;
+}
+
+void Subcommand::argument(const std::string& name, std::filesystem::path& value, const std::string& help) {
+  app_->add_option(name, value, help)->required()->type_name("");
+}
+
+void Subcommand::flag(const std::string& name, bool& value, const std::string& help) {
+  grouped(*app_->add_flag(name, value, help));
+}
+
+void Subcommand::refusal(const std::string& name, bool& value, const std::string& help) {
+  grouped(*app_->add_flag_callback(
+      name, [&value] { value = false; }, help));
+}
+
+void Subcommand::path(const std::string& names, std::filesystem::path& value, const std::string& kind,
+                      const std::string& help) {
+  grouped(*app_->add_option(names, value, help)->type_name(kind));
+}
+
+void Subcommand::output(const std::string& names, std::filesystem::path& value, const std::string& kind,
+                        const std::string& help) {
+  grouped(*app_->add_option(names, value, help)->required()->type_name(kind));
+}
+
+void Subcommand::option(const std::string& name, const std::string& kind, const std::string& help, Take take) {
+  const auto heed = [this, name, take = std::move(take)](const std::string& word) {
+    if (const auto violation = take(word)) violations_.push_back(fmt::format("{} is \"{}\", {}", name, word, *violation));
+  };
+  grouped(*app_->add_option_function<std::string>(name, heed, help)->type_name(kind));
+}
+
+template <typename T>
+void Subcommand::number(const std::string& name, T& value, T least, const std::string& kind, const std::string& help) {
+  option(name, kind, help, [&value, least](const std::string& word) -> std::optional<std::string> {
+    const std::optional<T> given = number_in<T>(word);
+    if (!given || *given < least) {
+      return fmt::format("not a {} from {} on", std::is_integral_v<T> ? "whole number" : "number", least);
+    }
+    value = *given;
+    return std::nullopt;
+  });
+}
+
+bool Subcommand::is_given(const std::string& name) const {
+  return app_->count(name) > 0;
+}
+
+bool Subcommand::is_chosen() const {
+  return app_->parsed();
+}
+
+Expected<ExitCode> Subcommand::run(const std::stop_token& stop) const {
+  std::vector<std::string> violations = violations_;
+  for (const auto& check : checks_) {
+    for (auto& violation : check()) violations.push_back(std::move(violation));
+  }
+  if (!violations.empty()) return tl::unexpected(Error{ErrorKind::kUsage, joined(violations, "; ")});
+  return action_(stop);
+}
+
+std::string Subcommand::joined(const std::vector<std::string>& words, const std::string& separator) {
+  return fmt::format("{}", fmt::join(words, separator));
+}
+
+template std::optional<int> number_in(const std::string&);
+template std::optional<std::uint64_t> number_in(const std::string&);
+template std::optional<double> number_in(const std::string&);
+template void Subcommand::number(const std::string&, int&, int, const std::string&, const std::string&);
+template void Subcommand::number(const std::string&, std::uint64_t&, std::uint64_t, const std::string&, const std::string&);
+template void Subcommand::number(const std::string&, double&, double, const std::string&, const std::string&);
+
+}  // namespace mapjoin::apps

@@ -1,0 +1,119 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <apps/console.hpp>
+#include <apps/summary.hpp>
+#include <string_view>
+
+namespace mapjoin::apps {
+namespace {
+
+/// "1 pose", "2 poses".
+template <typename Count>
+std::string count_of(Count count, std::string_view one, std::string_view many) {
+  return fmt::format("{} {}", count, count == 1 ? one : many);
+}
+
+std::string local_maps_in_words(const RunFigures& figures) {
+  std::string text = count_of(figures.local_maps, "map", "maps");
+  if (figures.poses_per_map > 0) text += fmt::format(" of up to {}", count_of(figures.poses_per_map, "step", "steps"));
+  if (figures.spans > 0) text += fmt::format(", {} joined as observations", count_of(figures.spans, "stretch", "stretches"));
+  if (figures.build_iterations > 0) text += fmt::format(", {} iterations", figures.build_iterations);
+  return text;
+}
+
+std::string solve_in_words(const MinimiseResult& result) {
+  const std::string_view how = result.status == MinimiseStatus::kConverged ? "" : "DID NOT CONVERGE: ";
+  return fmt::format("{}{} after {}, chi2 {:.10g}", how, to_string(result.status),
+                     count_of(result.iterations, "iteration", "iterations"), result.chi2);
+}
+
+std::string join_in_words(const Account& account) {
+  const std::string start = account.schedule ? to_string(*account.schedule) : "from the file's values";
+  return fmt::format("{}, dof {} ({}, {}, absolute state)", solve_in_words(account.figures.join), account.figures.join_dof,
+                     start, to_string(account.method));
+}
+
+std::string gauge_in_words(const Account& account) {
+  if (account.held.empty()) return "held by the priors of the World";
+  if (account.held.size() == 1) return to_string(account.held.front()) + " held";
+  return fmt::format("{} and {} more held", to_string(account.held.front()),
+                     count_of(account.held.size() - 1, "pose", "poses"));
+}
+
+std::string seconds_in_words(const Account& account) {
+  const RunSeconds& seconds = account.figures.seconds;
+  return fmt::format(
+      "{:.2f}: read {:.2f}, build {:.2f}, join {:.2f}, recover {:.2f}, polish {:.2f}, write {:.2f}; {:.0f} MB at most",
+      account.total_seconds(), account.read_seconds, seconds.build, seconds.join, seconds.recover, seconds.polish,
+      account.write_seconds, peak_memory_mb());
+}
+
+void add_result(const Account& account, Lines& lines) {
+  const RunFigures& figures = account.figures;
+  lines.add("join", join_in_words(account));
+  if (figures.recovered_chi2) lines.add("recovered", fmt::format("chi2 {:.10g} of the whole log", *figures.recovered_chi2));
+  if (figures.polish) lines.add("polished", solve_in_words(*figures.polish));
+  lines.add("chi2", fmt::format("{:.10g}, dof {}, {}", figures.chi2, figures.dof, gauge_in_words(account)));
+}
+
+}  // namespace
+
+std::string counts_in_words(const Account& account) {
+  const Counts& counts = account.counts;
+  std::string text = fmt::format("{}D, {}, {}", account.dimension, count_of(counts.poses, "pose", "poses"),
+                                 count_of(counts.features, "feature", "features"));
+  const auto add = [&](std::size_t count, std::string_view one, std::string_view many) {
+    if (count > 0) text += ", " + count_of(count, one, many);
+  };
+  add(counts.odometry, "odometry edge", "odometry edges");
+  add(counts.closures, "closure", "closures");
+  add(counts.observations, "observation", "observations");
+  add(counts.priors, "prior", "priors");
+  add(counts.fixed_poses, "fixed pose", "fixed poses");
+  if (counts.sessions > 1) add(counts.sessions, "session", "sessions");
+  return text;
+}
+
+std::string conventions_in_words(const Conventions& conventions, int dimension) {
+  std::string text = conventions.pose_error == PoseError::kPaper ? "residual in the frame of the base (the paper's)"
+                                                                 : "pose residual by g2o, turned into the frame of the base";
+  if (dimension == 3) {
+    text += conventions.rotation_information == RotationInformation::kVector ? ", rotation vector"
+                                                                             : ", vector part of the quaternion";
+  }
+  return text + (conventions.covariance == Covariance::kOriginal ? ", original covariance" : ", identity covariance");
+}
+
+std::vector<std::string> remarks(const Account& account) {
+  std::vector<std::string> all;
+  if (account.conventions.repaired_informations > 0) {
+    all.push_back(fmt::format("{} replaced by the nearest semidefinite one",
+                              count_of(account.conventions.repaired_informations, "indefinite information matrix was",
+                                       "indefinite information matrices were")));
+  }
+  if (account.counts.repeated_edges > 0) {
+    all.push_back(fmt::format("{} between the same two poses; all of them count",
+                              count_of(account.counts.repeated_edges, "edge repeats another", "edges repeat others")));
+  }
+  if (account.counts.unassociated > 0) {
+    all.push_back(fmt::format("{} left out: the file does not say of which feature",
+                              count_of(account.counts.unassociated, "observation was", "observations were")));
+  }
+  return all;
+}
+
+std::string summary(const Account& account) {
+  Lines lines;
+  lines.add("input", fmt::format("{}: {}", account.input, counts_in_words(account)));
+  if (account.has_local_maps) lines.add("local maps", local_maps_in_words(account.figures));
+  if (account.is_joined) add_result(account, lines);
+  lines.add("convention", conventions_in_words(account.conventions, account.dimension));
+  lines.add("seconds", seconds_in_words(account));
+  if (!account.files.empty()) lines.add("written", fmt::format("{}", fmt::join(account.files, ", ")));
+  for (const std::string& remark : remarks(account)) lines.add("note", remark);
+  return lines.text();
+}
+
+}  // namespace mapjoin::apps
