@@ -38,6 +38,7 @@ Expected<ExitCode> parse_and_run(int argc, char** argv) {
   const Interruption interruption;
   CLI::App app(kDescription, "mapjoin");
   app.get_formatter()->column_width(36);
+  app.get_formatter()->label("SUBCOMMAND", "COMMAND");
   app.set_help_flag("-h,--help", "This text");
   app.set_version_flag("--version", fmt::format("mapjoin {}", kVersion));
   app.require_subcommand(1);
