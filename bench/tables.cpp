@@ -1,0 +1,140 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// mapjoin_tables: what each schedule reaches, and what the length of local maps changes, as Markdown tables.
+#include <fmt/format.h>
+
+#include <CLI/CLI.hpp>
+#include <algorithm>
+#include <filesystem>
+#include <map>
+#include <mapjoin/io/local_map_set.hpp>
+#include <mapjoin/io/open_log.hpp>
+#include <mapjoin/join/run.hpp>
+#include <string>
+#include <vector>
+
+namespace mapjoin {
+namespace {
+
+struct Arguments {
+  std::vector<std::filesystem::path> files;
+  std::vector<double> poses_per_map = {1, 5, 10, 16, 20, 35, 60, 100};
+  bool identity = false;
+};
+
+using AnyData = std::variant<Log<2>, Log<3>, MapSet<2>, MapSet<3>>;
+
+Expected<AnyData> read(const std::filesystem::path& path, bool identity) {
+  ReadOptions options;
+  options.repair_information = true;
+  if (auto log = open_log(path, options)) {
+    return std::visit(
+        [&](auto& any) -> AnyData {
+          if (identity) use_identity_covariance(any);
+          return std::move(any);
+        },
+        *log);
+  }
+  auto set = read_local_map_set(path, options);
+  if (!set) return tl::unexpected(set.error());
+  return std::visit([](auto& any) -> AnyData { return std::move(any); }, *set);
+}
+
+std::string name_of(const std::filesystem::path& path) {
+  const auto folder = path.parent_path().filename().string();
+  return fmt::format("{}/{}", folder, path.filename().string());
+}
+
+std::string status_of(const MinimiseResult& result) {
+  return fmt::format("{}{}", result.iterations,
+                     result.status == MinimiseStatus::kConverged ? "" : " (" + to_string(result.status) + ")");
+}
+
+void schedules(const Arguments& arguments) {
+  fmt::print(
+      "| data | schedule | iterations of the last join | chi2 of the join | recovered | polished | dof |\n"
+      "|---|---|---|---|---|---|---|\n");
+  for (const auto& path : arguments.files) {
+    const auto data = read(path, arguments.identity);
+    if (!data) {
+      fmt::print(stderr, "{}\n", data.error().message);
+      continue;
+    }
+    for (const Schedule schedule : {Schedule::kTree, Schedule::kSequential, Schedule::kBatch}) {
+      RunOptions options;
+      options.schedule = schedule;
+      const auto print = [&](const auto& result) {
+        if (!result) return fmt::print("| {} | {} | {} |\n", name_of(path), to_string(schedule), result.error().message);
+        fmt::print("| {} | {} | {} | {:.4f} | {} | {} | {} |\n", name_of(path), to_string(schedule), status_of(result->join),
+                   result->join.chi2, result->recovered_chi2 ? fmt::format("{:.4f}", *result->recovered_chi2) : "",
+                   result->polish ? fmt::format("{:.4f}", result->polish->chi2) : "", result->dof);
+      };
+      std::visit([&](const auto& any) { print(run(any, options)); }, *data);
+      std::fflush(stdout);
+    }
+  }
+}
+
+/// The largest distance between the same poses of two maps, and between the same features (m).
+template <int Dim>
+std::pair<double, double> differences(const GlobalMap<Dim>& a, const GlobalMap<Dim>& b) {
+  double poses = 0.0;
+  double features = 0.0;
+  for (std::size_t p = 0; p < a.poses.size(); ++p) {
+    poses = std::max(poses, (a.poses[p].translation - b.poses[p].translation).norm());
+  }
+  for (std::size_t f = 0; f < a.features.size(); ++f) features = std::max(features, (a.features[f] - b.features[f]).norm());
+  return {poses, features};
+}
+
+template <int Dim>
+void splits_of(const Log<Dim>& log, const Arguments& arguments, const std::string& name) {
+  RunOptions options;
+  options.split = {SplitRule::kPoses, arguments.poses_per_map.front()};
+  const auto first = run(log, options);
+  if (!first) return fmt::print(stderr, "{}\n", first.error().message);
+  for (const double steps : arguments.poses_per_map) {
+    options.split = {SplitRule::kPoses, steps};
+    const auto result = run(log, options);
+    if (!result) return fmt::print(stderr, "{}\n", result.error().message);
+    const auto [poses, features] = differences(first->map, result->map);
+    fmt::print("| {} | {} | {} | {:.6f} | {:.8f} | {:.7f} | {:.1e} | {:.1e} |\n", name, steps, result->local_maps,
+               *result->recovered_chi2, *result->recovered_chi2 / result->chi2, result->chi2, poses, features);
+    std::fflush(stdout);
+  }
+}
+
+void splits(const Arguments& arguments) {
+  fmt::print(
+      "| data | poses per map | maps | chi2 before polishing | ratio | after | largest difference of poses (m) | of features "
+      "(m) |\n"
+      "|---|---|---|---|---|---|---|---|\n");
+  for (const auto& path : arguments.files) {
+    const auto data = read(path, arguments.identity);
+    if (!data) {
+      fmt::print(stderr, "{}\n", data.error().message);
+    } else if (const auto* log = std::get_if<Log<2>>(&*data)) {
+      splits_of(*log, arguments, name_of(path));
+    } else if (const auto* spatial = std::get_if<Log<3>>(&*data)) {
+      splits_of(*spatial, arguments, name_of(path));
+    }
+  }
+}
+
+}  // namespace
+}  // namespace mapjoin
+
+int main(int argc, char** argv) {
+  mapjoin::Arguments arguments;
+  CLI::App app("Tables of results, in Markdown");
+  app.require_subcommand(1);
+  auto* schedules = app.add_subcommand("schedules", "What tree, sequential and batch reach on each log or set of local maps");
+  auto* splits = app.add_subcommand("splits", "What the number of poses per local map changes");
+  for (auto* command : {schedules, splits}) {
+    command->add_option("files", arguments.files, "Logs, or sets of local maps")->required();
+    command->add_flag("--identity", arguments.identity, "Replace every information matrix by the identity");
+  }
+  splits->add_option("--poses-per-map", arguments.poses_per_map, "Numbers to compare")->delimiter(',');
+  CLI11_PARSE(app, argc, argv);
+  if (*schedules) mapjoin::schedules(arguments);
+  if (*splits) mapjoin::splits(arguments);
+}
