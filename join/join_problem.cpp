@@ -1,23 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <mapjoin/join/join_problem.hpp>
 #include <mapjoin/model/accumulate.hpp>
+#include <mapjoin/model/map_residual.hpp>
 
 namespace mapjoin {
 namespace {
-
-/// X̂_t - H_t of every target of a map with `residual_of(measured, target)`, stacked.
-template <int Dim, typename PoseAt, typename FeatureAt>
-double chi2_of(const LocalMap<Dim>& map, const Pose<Dim>& base, PoseAt&& pose_at, FeatureAt&& feature_at) {
-  Eigen::VectorXd r(map.information.rows());
-  Eigen::Index row = 0;
-  for (std::size_t p = 0; p < map.poses.size(); ++p, row += kPoseDof<Dim>) {
-    r.segment<kPoseDof<Dim>>(row) = residual<Dim>(map.pose_estimates[p], base, pose_at(p));
-  }
-  for (std::size_t f = 0; f < map.features.size(); ++f, row += Dim) {
-    r.segment<Dim>(row) = residual<Dim>(map.feature_estimates[f], base, feature_at(f));
-  }
-  return r.dot(map.information * r);
-}
 
 template <int Dim>
 LinearMap<Dim> linearise_map(const typename JointSystem<Dim>::PlacedMap& placed, const State<Dim>& state) {
@@ -38,9 +25,10 @@ LinearMap<Dim> linearise_map(const typename JointSystem<Dim>::PlacedMap& placed,
 
 template <int Dim>
 double map_chi2(const typename JointSystem<Dim>::PlacedMap& placed, const State<Dim>& state) {
-  return chi2_of<Dim>(
+  const Eigen::VectorXd r = map_residual(
       *placed.map, state.pose(placed.base), [&](std::size_t p) { return state.pose(placed.poses[p]); },
-      [&](std::size_t f) -> const Point<Dim>& { return state.feature(placed.features[f]); });
+      [&](std::size_t f) { return state.feature(placed.features[f]); });
+  return r.dot(placed.map->information * r);
 }
 
 template <int Dim>
@@ -55,9 +43,10 @@ double piece_chi2(const Piece<Dim>& piece) {
     chi2 += r.dot(o->information * r);
   }
   for (const auto* map : piece.maps) {
-    chi2 += chi2_of<Dim>(
-        *map, pose_in(piece, map->base), [&](std::size_t p) -> const Pose<Dim>& { return pose_in(piece, map->poses[p]); },
-        [&](std::size_t f) -> const Point<Dim>& { return feature_in(piece, map->features[f]); });
+    const Eigen::VectorXd r = map_residual(
+        *map, pose_in(piece, map->base), [&](std::size_t p) { return pose_in(piece, map->poses[p]); },
+        [&](std::size_t f) { return feature_in(piece, map->features[f]); });
+    chi2 += r.dot(map->information * r);
   }
   return chi2;
 }

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <Eigen/Cholesky>
 #include <mapjoin/localmap/condense.hpp>
-#include <mapjoin/model/linearise.hpp>
+#include <mapjoin/model/map_residual.hpp>
 #include <utility>
 
 namespace mapjoin {
@@ -17,21 +17,6 @@ std::vector<Eigen::Index> rows_of(const LocalMap<Dim>& map, const std::vector<st
     for (int i = 0; i < Dim; ++i) rows.push_back(first_feature + static_cast<Eigen::Index>(place) * Dim + i);
   }
   return rows;
-}
-
-/// The residual X̂ - H(X) of a whole map, poses first.
-template <int Dim>
-Eigen::VectorXd stacked_residual(const LocalMap<Dim>& map, const State<Dim>& state) {
-  Eigen::VectorXd r(map.information.rows());
-  const Pose<Dim> base = state.pose(map.base);
-  Eigen::Index row = 0;
-  for (std::size_t p = 0; p < map.poses.size(); ++p, row += kPoseDof<Dim>) {
-    r.segment<kPoseDof<Dim>>(row) = residual<Dim>(map.pose_estimates[p], base, state.pose(map.poses[p]));
-  }
-  for (std::size_t f = 0; f < map.features.size(); ++f, row += Dim) {
-    r.segment<Dim>(row) = residual<Dim>(map.feature_estimates[f], base, state.feature(map.features[f]));
-  }
-  return r;
 }
 
 }  // namespace
@@ -74,8 +59,12 @@ CondensedMap<Dim> condense(LocalMap<Dim> map, const std::vector<bool>& is_privat
 template <int Dim>
 void recover_private_features(const CondensedMap<Dim>& condensed, State<Dim>& state) {
   if (condensed.private_features.empty()) return;
-  const Eigen::VectorXd r = -condensed.gain * stacked_residual(condensed.map, state);
-  const Pose<Dim> base = state.pose(condensed.map.base);
+  const LocalMap<Dim>& map = condensed.map;
+  const Pose<Dim> base = state.pose(map.base);
+  const Eigen::VectorXd r_others = map_residual(
+      map, base, [&](std::size_t p) { return state.pose(map.poses[p]); },
+      [&](std::size_t f) { return state.feature(map.features[f]); });
+  const Eigen::VectorXd r = -condensed.gain * r_others;
   for (std::size_t f = 0; f < condensed.private_features.size(); ++f) {
     const Point<Dim> p_local = condensed.private_estimates[f] - r.segment<Dim>(static_cast<Eigen::Index>(f) * Dim);
     state.features[static_cast<std::size_t>(condensed.private_features[f])] = transform(base, p_local);
