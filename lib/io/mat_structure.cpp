@@ -51,10 +51,12 @@ struct Part {
   std::size_t end = 0;
 };
 
-/// Bytes of a number of the types 1 to 13 (int8 to uint64); 0 where it is no number.
-std::size_t width(std::uint32_t type) {
+/// How many numbers a part has room for.
+std::size_t numbers(const Part& part) {
+  // Bytes of a number of the types 1 to 13, int8 to uint64; 0 is no number.
   constexpr std::size_t kWidths[] = {0, 1, 1, 2, 2, 4, 4, 4, 0, 8, 0, 0, 8, 8};
-  return type < std::size(kWidths) ? kWidths[type] : 0;
+  const std::size_t width = part.type < std::size(kWidths) ? kWidths[part.type] : 0;
+  return width == 0 ? 0 : part.size / width;
 }
 
 /// The parts of a matrix element: flags, dimensions, name, and data; empty where they do not fill it.
@@ -86,7 +88,7 @@ bool sizes_agree(std::string_view element) {
   const std::size_t count = std::size_t{word(element, dimensions.begin)} * word(element, dimensions.begin + 4);
   const bool is_matrix = dimensions.size == 8;
   const bool is_empty = count == 0 && all->size() == 3;
-  return !is_matrix || is_empty || (all->size() > 3 && (*all)[3].size == count * width((*all)[3].type));
+  return !is_matrix || is_empty || (all->size() > 3 && numbers((*all)[3]) == count);
 }
 
 }  // namespace
@@ -95,8 +97,6 @@ bool is_mat_file(std::string_view bytes) {
   return bytes.size() >= kHeaderSize && bytes.substr(124, 4) == std::string_view("\0\1IM", 4);
 }
 
-/// The file with its compressed elements inflated, since matio passes over a damaged or shortened stream in silence. Empty
-/// where a stream is damaged, the elements do not fill the file, or their sizes do not agree.
 std::optional<std::string> checked_and_inflated(std::string_view bytes) {
   std::string plain(bytes.substr(0, kHeaderSize));
   bytes.remove_prefix(kHeaderSize);

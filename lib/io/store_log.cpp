@@ -165,10 +165,10 @@ Expected<int> stored_dimension(Database& database, const std::string& file) {
 }
 
 template <int Dim>
-Expected<Contents<Dim>> read_contents(Database& database, const std::string& file) {
+Expected<ReadContents<Dim>> read_contents(Database& database, const std::string& file) {
   const auto info = read_info(database);
   if (!info) return tl::unexpected(info.error());
-  Contents<Dim> contents;
+  ReadContents<Dim> contents;
   Expected<void> result;
   visit_numbers(contents.log, [&](const char* key, auto& number) {
     if (result && !take_number(*info, key, number)) {
@@ -193,7 +193,7 @@ template Expected<void> write_contents<2>(Database&, const Contents<2>&);
 template Expected<void> write_contents<3>(Database&, const Contents<3>&);
 template Expected<bool> holds_contents<2>(Database&, const Contents<2>&);
 template Expected<bool> holds_contents<3>(Database&, const Contents<3>&);
-template Expected<Contents<2>> read_contents<2>(Database&, const std::string&);
-template Expected<Contents<3>> read_contents<3>(Database&, const std::string&);
+template Expected<ReadContents<2>> read_contents<2>(Database&, const std::string&);
+template Expected<ReadContents<3>> read_contents<3>(Database&, const std::string&);
 
 }  // namespace mapjoin::store

@@ -13,9 +13,17 @@ namespace mapjoin::store {
 /// What a build begins with.
 template <int Dim>
 struct Contents {
+  const Log<Dim>& log;
+  const std::vector<Stretch>& stretches;
+  const std::string& options;  ///< Of the build, in the words of whoever builds.
+};
+
+/// The same, read back.
+template <int Dim>
+struct ReadContents {
   Log<Dim> log;
   std::vector<Stretch> stretches;
-  std::string options;  ///< Of the build, in the words of whoever builds.
+  std::string options;
 };
 
 /// Into empty tables.
@@ -31,6 +39,6 @@ Expected<int> stored_dimension(Database& database, const std::string& file);
 
 /// Checked, see store_check.hpp. Errors begin with `file`.
 template <int Dim>
-Expected<Contents<Dim>> read_contents(Database& database, const std::string& file);
+Expected<ReadContents<Dim>> read_contents(Database& database, const std::string& file);
 
 }  // namespace mapjoin::store
