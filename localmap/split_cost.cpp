@@ -4,6 +4,7 @@
 #include <limits>
 #include <mapjoin/localmap/segment.hpp>
 #include <mapjoin/localmap/split_cost.hpp>
+#include <span>
 
 namespace mapjoin {
 namespace {
@@ -11,31 +12,46 @@ namespace {
 /// Stretches looked at per candidate, spread over the log.
 constexpr Index kSamples = 64;
 
-/// The size of the border of a map from `begin` to `end`.
+/// Assembling and factorising a dense block of `m` variables once.
+double block_cost(double m) {
+  return 30.0 * m * m + 0.4 * m * m * m;
+}
+
+/// The different features that a stretch sees.
 template <int Dim>
-double border_size(const Log<Dim>& log, const std::vector<bool>& kept, Index begin, Index end) {
+std::ptrdiff_t features_seen(std::span<const FeatureObservation<Dim>> observations) {
   std::vector<Index> features;
-  for (const auto& observation : observations_of(log, {begin, end})) features.push_back(observation.target);
+  for (const auto& observation : observations) features.push_back(observation.target);
   std::sort(features.begin(), features.end());
-  const auto count = std::unique(features.begin(), features.end()) - features.begin();
-  const auto mentioned = std::count(kept.begin() + begin + 1, kept.begin() + end, true);
-  return static_cast<double>((2 + mentioned) * kPoseDof<Dim> + count * Dim);
+  return std::unique(features.begin(), features.end()) - features.begin();
+}
+
+/// What one stretch costs, as a map or, where it would keep most of its poses, as a span of one-step maps.
+template <int Dim>
+double stretch_cost(const Log<Dim>& log, const std::vector<bool>& kept, const Stretch& stretch, double levels) {
+  constexpr double kDof = kPoseDof<Dim>;
+  const double steps = stretch.end - stretch.begin;
+  const auto observations = observations_of(log, stretch);
+  const auto mentioned = static_cast<double>(std::count(kept.begin() + stretch.begin + 1, kept.begin() + stretch.end, true));
+  if (steps < 2.0 || 2.0 * mentioned > steps - 1.0) {
+    return steps * levels * block_cost(2.0 * kDof + Dim * static_cast<double>(observations.size()) / steps);
+  }
+  const double m = (2.0 + mentioned) * kDof + Dim * static_cast<double>(features_seen(observations));
+  return levels * block_cost(m) + 2.0 * steps * kDof * m * m + 0.5 * m * m * m;
 }
 
 }  // namespace
 
 template <int Dim>
 double cost_per_step(const Log<Dim>& log, const std::vector<bool>& kept, Index poses_per_map) {
-  const double stretches = std::max(1.0, static_cast<double>(log.poses.size()) / poses_per_map);
-  const double levels = 1.0 + std::log2(stretches);
+  const double levels = 1.0 + std::log2(std::max(1.0, static_cast<double>(log.poses.size()) / poses_per_map));
   double cost = 0.0;
   double steps = 0.0;
   for (const Session& session : log.sessions) {
     const Index available = (session.end - 1 - session.begin) / poses_per_map;
     const Index stride = std::max<Index>(1, available / kSamples) * poses_per_map;
     for (Index begin = session.begin; begin + poses_per_map < session.end; begin += stride) {
-      const double m = border_size(log, kept, begin, begin + poses_per_map);
-      cost += levels * (30.0 * m * m + 0.4 * m * m * m) + 2.0 * poses_per_map * kPoseDof<Dim> * m * m + 0.5 * m * m * m;
+      cost += stretch_cost(log, kept, {begin, begin + poses_per_map}, levels);
       steps += poses_per_map;
     }
   }
