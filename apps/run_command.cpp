@@ -4,6 +4,7 @@
 #include <apps/call.hpp>
 #include <apps/commands.hpp>
 #include <apps/output_folder.hpp>
+#include <apps/picture.hpp>
 #include <apps/report.hpp>
 #include <mapjoin/io/g2o.hpp>
 #include <mapjoin/io/map_text.hpp>
@@ -24,12 +25,13 @@ Expected<void> write_map_files(const GlobalMap<Dim>& map, const Log<Dim>& log, c
   return write_g2o(map, &log, folder.aside("map.g2o"))
       .and_then([&] { return write_tum(map, folder.aside("trajectory.tum")); })
       .and_then([&] { return write_pose_csv(map, folder.aside("poses.csv")); })
-      .and_then([&] { return write_feature_csv(map, folder.aside("features.csv")); });
+      .and_then([&] { return write_feature_csv(map, folder.aside("features.csv")); })
+      .and_then([&] { return write_picture(map, dead_reckoning(log, map), log.sessions, folder.aside("map.svg")); });
 }
 
 template <int Dim>
 Expected<void> write_folder(Call& call, const RunResult<Dim>& result, const Log<Dim>& log, OutputFolder& folder) {
-  const std::vector<std::string> names = {"map.g2o", "trajectory.tum", "poses.csv", "features.csv", "report.json"};
+  const std::vector<std::string> names = {"map.g2o", "trajectory.tum", "poses.csv", "features.csv", "map.svg", "report.json"};
   for (const std::string& name : names) call.account.files.push_back(folder.file(name).string());
   return timed(call.account.write_seconds, [&] { return write_map_files(result.map, log, folder); })
       .and_then([&] { return write_report(call.account, folder.aside("report.json")); })
@@ -71,7 +73,7 @@ std::unique_ptr<Subcommand> run_command(CLI::App& app) {
   const auto options = std::make_shared<Options>();
   command->argument("LOG", options->input, "The log, known by its content: g2o, iSAM, MAT or text; also as gzip");
   command->path("-o,--output", options->output, "DIR",
-                "Write map.g2o, trajectory.tum, poses.csv, features.csv and report.json into this folder");
+                "Write map.g2o, trajectory.tum, poses.csv, features.csv, map.svg and report.json into this folder");
   add_splitting(*command, *options);
   add_schedule(*command, *options);
   add_solver(*command, *options);
