@@ -30,6 +30,12 @@ std::function<void(std::size_t, std::size_t)> progress_of(const RunOptions& opti
   return [&options, stage](std::size_t done, std::size_t to_do) { options.progress(stage, done, to_do); };
 }
 
+/// What is wrong with the data is said of the file they came from.
+Error of_source(const std::string& source, Error error) {
+  if (error.kind == ErrorKind::kBadInput) error.message = source + ": " + error.message;
+  return error;
+}
+
 template <int Dim>
 JoinOptions<Dim> join_options(const RunOptions& options, const Pose<Dim>& origin) {
   return {options.schedule, options.solver, origin, nullptr, progress_of(options, Stage::kJoin)};
@@ -93,7 +99,7 @@ Expected<void> join_and_polish(const Log<Dim>& log, const Split& split, std::vec
     const Stopwatch watch(result.seconds.join);
     return join(network, log.poses, log.features, joining, stop);
   }();
-  if (!joined) return tl::unexpected(joined.error());
+  if (!joined) return tl::unexpected(of_source(log.source, joined.error()));
   result.join = joined->result;
   result.join_dof = joined->dof();
   State<Dim> state = std::move(joined->state);
@@ -164,7 +170,7 @@ Expected<RunResult<Dim>> run(const MapSet<Dim>& set, const RunOptions& options, 
   const Network<Dim> network = network_of(set);
   const Stopwatch watch(result.seconds.join);
   auto joined = join(network, set.poses, set.features, join_options(options, Pose<Dim>{}), stop);
-  if (!joined) return tl::unexpected(joined.error());
+  if (!joined) return tl::unexpected(of_source(set.source, joined.error()));
   result.join = joined->result;
   result.join_dof = result.dof = joined->dof();
   result.chi2 = joined->result.chi2;
