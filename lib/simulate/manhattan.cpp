@@ -115,12 +115,13 @@ template <int Dim>
 void Simulator<Dim>::observe_around(Index i) {
   const Point<Dim> position = result_.truth.poses.back().translation;
   const double reach = options_.range + options_.feature_jitter;
-  const auto cell_of = [&](double x) { return static_cast<std::int64_t>(std::floor(x / options_.feature_cell - 0.5)); };
+  // Cell k has its centre at (k + 1/2) times its side.
   LatticePoint<Dim> low, high;
   for (int axis = 0; axis < Dim; ++axis) {
-    low[axis] = cell_of(position[axis] - reach);
-    high[axis] = cell_of(position[axis] + reach) + 1;
+    low[axis] = static_cast<std::int64_t>(std::ceil((position[axis] - reach) / options_.feature_cell - 0.5));
+    high[axis] = static_cast<std::int64_t>(std::floor((position[axis] + reach) / options_.feature_cell - 0.5));
   }
+  if ((low.array() > high.array()).any()) return;
   // Every cell of the box [low, high], the first axis running fastest.
   for (LatticePoint<Dim> cell = low; cell[Dim - 1] <= high[Dim - 1];) {
     const Point<Dim> feature = feature_in(cell);

@@ -19,10 +19,11 @@ struct ManhattanOptions {
   std::int64_t poses = 1000;  ///< At most kMostPoses.
   std::uint64_t seed = 1;     ///< The same seed and options give the same log.
 
-  double step = 1.0;           ///< (m)
-  double block = 5.0;          ///< (m), a multiple of `step`.
-  std::optional<double> side;  ///< Of the square that the walk stays in (m); 2 √(poses/5) if not given, one block at least.
-  std::int64_t storeys = 3;    ///< Levels one block apart; in space only.
+  double step = 1.0;   ///< (m)
+  double block = 5.0;  ///< (m), a multiple of `step`.
+  std::optional<double> side =
+      std::nullopt;          ///< Of the square that the walk stays in (m); 2 √(poses/5) if not given, one block at least.
+  std::int64_t storeys = 3;  ///< Levels one block apart; in space only.
 
   double feature_cell = 2.0;    ///< One feature in every square (cube) of this side (m),
   double feature_jitter = 0.3;  ///< off its centre by at most so much along every axis (m).
