@@ -10,26 +10,42 @@ decltype(auto) at(T& values, Index i) {
   return values[static_cast<std::size_t>(i)];
 }
 
-/// The edges at every pose, in the order in which they are given.
 template <int Dim>
-std::vector<std::vector<const PoseObservation<Dim>*>> incident_edges(
-    std::size_t poses, std::initializer_list<const std::vector<PoseObservation<Dim>>*> lists) {
-  std::vector<std::vector<const PoseObservation<Dim>*>> incident(poses);
-  for (const auto* list : lists) {
-    for (const PoseObservation<Dim>& edge : *list) {
-      at(incident, edge.base).push_back(&edge);
-      at(incident, edge.target).push_back(&edge);
-    }
+struct Edge {
+  Index base;
+  Index target;
+  Pose<Dim> measured;
+};
+template <int Dim>
+struct Sight {
+  Index base;
+  Index feature;
+  Point<Dim> measured;
+};
+
+template <int Dim>
+void append(std::vector<Edge<Dim>>& edges, const std::vector<PoseObservation<Dim>>& observations) {
+  for (const auto& o : observations) {
+    if (o.base != kWorld) edges.push_back({o.base, o.target, o.measured});
   }
-  return incident;
+}
+template <int Dim>
+void append(std::vector<Sight<Dim>>& sights, const std::vector<FeatureObservation<Dim>>& observations) {
+  for (const auto& o : observations) sights.push_back({o.base, o.target, o.measured});
 }
 
-/// Breadth-first from each fixed pose in turn, then from every pose not reached yet, which goes to the origin.
+/// Breadth-first over the edges in their order, from each fixed pose in turn, then from every pose not reached yet, which goes
+/// to the origin.
 template <int Dim>
-State<Dim> spread(const Log<Dim>& log, std::initializer_list<const std::vector<PoseObservation<Dim>>*> lists) {
-  const auto incident = incident_edges<Dim>(log.poses.size(), lists);
-  std::vector<Pose<Dim>> poses(log.poses.size());
-  std::vector<bool> reached(log.poses.size());
+std::vector<Pose<Dim>> spread(std::size_t count, const std::vector<FixedPose<Dim>>& fixed,
+                              const std::vector<Edge<Dim>>& edges) {
+  std::vector<std::vector<const Edge<Dim>*>> incident(count);
+  for (const Edge<Dim>& edge : edges) {
+    at(incident, edge.base).push_back(&edge);
+    at(incident, edge.target).push_back(&edge);
+  }
+  std::vector<Pose<Dim>> poses(count);
+  std::vector<bool> reached(count);
   std::queue<Index> front;
   const auto reach = [&](Index i, const Pose<Dim>& pose) {
     if (at(reached, i)) return;
@@ -40,49 +56,80 @@ State<Dim> spread(const Log<Dim>& log, std::initializer_list<const std::vector<P
   const auto drain = [&] {
     for (; !front.empty(); front.pop()) {
       const Index i = front.front();
-      for (const PoseObservation<Dim>* edge : at(incident, i)) {
+      for (const Edge<Dim>* edge : at(incident, i)) {
         if (edge->base == i) reach(edge->target, compose(at(poses, i), edge->measured));
         if (edge->target == i) reach(edge->base, compose(at(poses, i), inverse(edge->measured)));
       }
     }
   };
-  for (const FixedPose<Dim>& fixed : log.fixed) {
-    reach(fixed.pose, fixed.value);
-    drain();
-  }
-  for (Index i = 0; i < static_cast<Index>(poses.size()); ++i) {
+  for (const FixedPose<Dim>& pose : fixed) reach(pose.pose, pose.value);
+  drain();
+  for (Index i = 0; i < static_cast<Index>(count); ++i) {
     reach(i, Pose<Dim>{});
     drain();
   }
-  for (const FixedPose<Dim>& fixed : log.fixed) at(poses, fixed.pose) = fixed.value;
-  return with_first_observations(log, std::move(poses));
+  return poses;
+}
+
+template <int Dim>
+State<Dim> with_first_sights(std::vector<Pose<Dim>> poses, std::size_t count, const std::vector<Sight<Dim>>& sights) {
+  std::vector<Point<Dim>> features(count, Point<Dim>::Zero());
+  std::vector<bool> placed(count);
+  for (const Sight<Dim>& sight : sights) {
+    if (at(placed, sight.feature)) continue;
+    at(placed, sight.feature) = true;
+    const Pose<Dim> base = sight.base == kWorld ? Pose<Dim>{} : at(poses, sight.base);
+    at(features, sight.feature) = transform(base, sight.measured);
+  }
+  return {std::move(poses), std::move(features)};
 }
 
 }  // namespace
 
 template <int Dim>
 State<Dim> with_first_observations(const Log<Dim>& log, std::vector<Pose<Dim>> poses) {
-  std::vector<Point<Dim>> features(log.features.size(), Point<Dim>::Zero());
-  std::vector<bool> placed(features.size());
-  const auto place = [&](const FeatureObservation<Dim>& observation) {
-    if (at(placed, observation.target)) return;
-    at(placed, observation.target) = true;
-    const Pose<Dim> base = observation.base == kWorld ? Pose<Dim>{} : at(poses, observation.base);
-    at(features, observation.target) = transform(base, observation.measured);
-  };
-  for (const auto& observation : log.observations) place(observation);
-  for (const auto& prior : log.feature_priors) place(prior);
-  return {std::move(poses), std::move(features)};
+  std::vector<Sight<Dim>> sights;
+  append(sights, log.observations);
+  append(sights, log.feature_priors);
+  return with_first_sights(std::move(poses), log.features.size(), sights);
+}
+
+template <int Dim>
+State<Dim> with_first_observations(const MapSet<Dim>& set, std::vector<Pose<Dim>> poses) {
+  std::vector<Sight<Dim>> sights;
+  for (const LocalMap<Dim>& map : set.maps) {
+    for (std::size_t i = 0; i < map.features.size(); ++i) {
+      sights.push_back({map.base, map.features[i], map.feature_estimates[i]});
+    }
+  }
+  append(sights, set.feature_observations);
+  return with_first_sights(std::move(poses), set.features.size(), sights);
+}
+
+template <int Dim>
+State<Dim> composed_start(const MapSet<Dim>& set) {
+  std::vector<Edge<Dim>> edges;
+  for (const LocalMap<Dim>& map : set.maps) {
+    if (map.base == kWorld) continue;
+    for (std::size_t i = 0; i < map.poses.size(); ++i) edges.push_back({map.base, map.poses[i], map.pose_estimates[i]});
+  }
+  append(edges, set.pose_observations);
+  return with_first_observations(set, spread(set.poses.size(), set.fixed, edges));
 }
 
 template <int Dim>
 State<Dim> odometry_start(const Log<Dim>& log) {
-  return spread<Dim>(log, {&log.odometry});
+  std::vector<Edge<Dim>> edges;
+  append(edges, log.odometry);
+  return with_first_observations(log, spread(log.poses.size(), log.fixed, edges));
 }
 
 template <int Dim>
 State<Dim> spanning_tree_start(const Log<Dim>& log) {
-  return spread<Dim>(log, {&log.odometry, &log.closures});
+  std::vector<Edge<Dim>> edges;
+  append(edges, log.odometry);
+  append(edges, log.closures);
+  return with_first_observations(log, spread(log.poses.size(), log.fixed, edges));
 }
 
 template <int Dim>
@@ -94,6 +141,10 @@ std::optional<State<Dim>> file_start(const Log<Dim>& log) {
 
 template State<2> with_first_observations(const Log<2>&, std::vector<Pose<2>>);
 template State<3> with_first_observations(const Log<3>&, std::vector<Pose<3>>);
+template State<2> with_first_observations(const MapSet<2>&, std::vector<Pose<2>>);
+template State<3> with_first_observations(const MapSet<3>&, std::vector<Pose<3>>);
+template State<2> composed_start(const MapSet<2>&);
+template State<3> composed_start(const MapSet<3>&);
 template State<2> odometry_start(const Log<2>&);
 template State<3> odometry_start(const Log<3>&);
 template State<2> spanning_tree_start(const Log<2>&);

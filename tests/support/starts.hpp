@@ -2,6 +2,7 @@
 #pragma once
 // Initial values for a whole log, made without the library's own solvers, from which a reference optimiser can start.
 
+#include <mapjoin/model/local_map.hpp>
 #include <mapjoin/model/log.hpp>
 #include <mapjoin/model/state.hpp>
 #include <optional>
@@ -13,6 +14,9 @@ namespace mapjoin::testing {
 template <int Dim>
 State<Dim> with_first_observations(const Log<Dim>& log, std::vector<Pose<Dim>> poses);
 
+template <int Dim>
+State<Dim> with_first_observations(const MapSet<Dim>& set, std::vector<Pose<Dim>> poses);
+
 /// Each session dead-reckoned from its first pose; features by their first observations.
 template <int Dim>
 State<Dim> odometry_start(const Log<Dim>& log);
@@ -20,6 +24,11 @@ State<Dim> odometry_start(const Log<Dim>& log);
 /// Poses breadth-first over all pose-pose edges, odometry and closures alike; features by their first observations.
 template <int Dim>
 State<Dim> spanning_tree_start(const Log<Dim>& log);
+
+/// Maps composed end to end, breadth-first over their poses and the pose-pose edges beside them; features by the first map that
+/// holds them.
+template <int Dim>
+State<Dim> composed_start(const MapSet<Dim>& set);
 
 /// The values of the file; features by their first observations where it has none of theirs. Nothing without its poses.
 template <int Dim>

@@ -1,0 +1,92 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// mapjoin_reference: the optimum of a log, or of a set of local maps, as Ceres finds it from a start of one's choice.
+#include <fmt/format.h>
+
+#include <CLI/CLI.hpp>
+#include <filesystem>
+#include <mapjoin/io/local_map_set.hpp>
+#include <mapjoin/io/open_log.hpp>
+#include <mapjoin/measure/chi2.hpp>
+#include <tests/support/ceres_reference.hpp>
+
+#include "reference_start.hpp"
+
+namespace mapjoin {
+namespace {
+
+struct Arguments {
+  std::filesystem::path file;
+  std::string start = "odometry";
+  ReadOptions read;
+  bool identity = false;
+  testing::ReferenceOptions solver;
+};
+
+void add_options(CLI::App& app, Arguments& arguments) {
+  using Method = testing::ReferenceMethod;
+  const std::map<std::string, Method> methods{{"lm", Method::kLevenbergMarquardt}, {"dogleg", Method::kDogleg}};
+  const std::map<std::string, PoseError> errors{{"paper", PoseError::kPaper}, {"g2o", PoseError::kG2o}};
+  const std::map<std::string, RotationInformation> rotations{{"vector", RotationInformation::kVector},
+                                                             {"quaternion", RotationInformation::kQuaternion}};
+  app.add_option("file", arguments.file, "The log or the local maps")->required();
+  app.add_option("--start", arguments.start, "odometry, tree, values, tum:FILE or g2o:FILE")->capture_default_str();
+  app.add_option("--method", arguments.solver.method, "lm or dogleg")->transform(CLI::CheckedTransformer(methods));
+  app.add_option("--iterations", arguments.solver.max_iterations, "At most so many")->capture_default_str();
+  app.add_option("--g2o-error", arguments.read.pose_error, "paper or g2o")->transform(CLI::CheckedTransformer(errors));
+  app.add_option("--rotation-information", arguments.read.rotation_information, "vector or quaternion")
+      ->transform(CLI::CheckedTransformer(rotations));
+  app.add_flag("--repair-information", arguments.read.repair_information, "Take the nearest semidefinite matrix");
+  app.add_flag("--identity", arguments.identity, "Replace every information matrix by the identity");
+  app.add_flag("--verbose", arguments.solver.verbose, "Show every iteration");
+}
+
+template <int Dim>
+void print_parts(const Log<Dim>& log, const State<Dim>& state) {
+  const Chi2 chi2 = log_chi2(log, state.poses, state.features);
+  fmt::print("  odometry {:.6f}, closures {:.6f}, observations {:.6f}, priors {:.6f}\n", chi2.odometry, chi2.closures,
+             chi2.observations, chi2.priors);
+}
+template <int Dim>
+void print_parts(const MapSet<Dim>&, const State<Dim>&) {}
+
+template <typename Data>
+Expected<void> optimise(const Data& data, const Arguments& arguments) {
+  const auto start = bench::start_of(data, arguments.start);
+  if (!start) return tl::unexpected(start.error());
+  const auto result = testing::ceres_optimum(data, *start, arguments.solver);
+  fmt::print("start ({})  chi2 {:.6f}\n", arguments.start, result.initial_chi2);
+  fmt::print("optimum  chi2 {:.6f}, {} iterations, {}\n", result.chi2, result.iterations,
+             result.converged ? "converged" : "not converged");
+  print_parts(data, result.values);
+  return {};
+}
+
+Expected<void> run(const Arguments& arguments) {
+  const bool is_archive = arguments.file.string().find(".tar") != std::string::npos;
+  if (is_archive || std::filesystem::is_directory(arguments.file)) {
+    const auto set = read_local_map_set(arguments.file, arguments.read);
+    if (!set) return tl::unexpected(set.error());
+    return std::visit([&](const auto& maps) { return optimise(maps, arguments); }, *set);
+  }
+  auto opened = open_log(arguments.file, arguments.read);
+  if (!opened) return tl::unexpected(opened.error());
+  return std::visit(
+      [&](auto& log) {
+        if (arguments.identity) use_identity_covariance(log);
+        return optimise(log, arguments);
+      },
+      *opened);
+}
+
+}  // namespace
+}  // namespace mapjoin
+
+int main(int argc, char** argv) {
+  mapjoin::Arguments arguments;
+  CLI::App app("Optimises a log, or a folder or archive of local maps, by Ceres.", "mapjoin_reference");
+  mapjoin::add_options(app, arguments);
+  CLI11_PARSE(app, argc, argv);
+  const auto done = mapjoin::run(arguments);
+  if (!done) fmt::print(stderr, "mapjoin_reference: {}\n", done.error().message);
+  return done ? 0 : 3;
+}

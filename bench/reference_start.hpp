@@ -1,0 +1,22 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+// From where mapjoin_reference starts: `odometry`, `tree`, `values`, `tum:FILE` or `g2o:FILE`.
+
+#include <mapjoin/model/error.hpp>
+#include <mapjoin/model/local_map.hpp>
+#include <mapjoin/model/log.hpp>
+#include <mapjoin/model/state.hpp>
+#include <string>
+
+namespace mapjoin::bench {
+
+/// `tum:FILE` gives a pose for every pose of the log, in its order, features then by their first observations; `g2o:FILE` the
+/// vertices of a g2o file, as many and in the same order.
+template <int Dim>
+Expected<State<Dim>> start_of(const Log<Dim>& log, const std::string& name);
+
+/// For local maps both `odometry` and `tree` mean the maps composed end to end; there are no `values`.
+template <int Dim>
+Expected<State<Dim>> start_of(const MapSet<Dim>& set, const std::string& name);
+
+}  // namespace mapjoin::bench

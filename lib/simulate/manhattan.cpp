@@ -1,0 +1,209 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <fmt/format.h>
+
+#include <cmath>
+#include <mapjoin/simulate/lattice_walk.hpp>
+#include <mapjoin/simulate/manhattan.hpp>
+#include <stdexcept>
+#include <unordered_map>
+
+namespace mapjoin {
+namespace {
+
+/// What each random stream is for: a change of one leaves the others alone.
+enum Stream : std::uint64_t { kPath, kOdometry, kSight, kFeatures };
+
+/// A cell of the feature grid, or a feature by it.
+template <int Dim>
+struct CellHash {
+  std::uint64_t operator()(const LatticePoint<Dim>& cell) const {
+    std::uint64_t hash = kFeatures;
+    for (int axis = 0; axis < Dim; ++axis) hash = mix(hash + static_cast<std::uint64_t>(cell[axis])) + 1;
+    return hash;
+  }
+};
+
+template <int Dim>
+LatticeBox<Dim> box_of(const ManhattanOptions& options) {
+  const double side = options.side.value_or(2.0 * std::sqrt(static_cast<double>(options.poses) / 5.0));
+  const auto blocks = std::max<std::int64_t>(1, static_cast<std::int64_t>(side / options.block));
+  LatticeBox<Dim> box{LatticePoint<Dim>::Constant(-(blocks / 2)), LatticePoint<Dim>::Constant(blocks - blocks / 2)};
+  if constexpr (Dim == 3) {
+    box.low.z() = 0;
+    box.high.z() = options.storeys - 1;
+  }
+  return box;
+}
+
+template <int Dim>
+class Simulator {
+ public:
+  explicit Simulator(const ManhattanOptions& options);
+
+  Simulation<Dim> run() &&;
+
+ private:
+  void add_pose(Index i);
+  void add_odometry(Index i, const LatticeRotation<Dim>& turn);
+  void observe_around(Index i);
+  void observe(Index i, const LatticePoint<Dim>& cell, const Point<Dim>& feature);
+  Point<Dim> feature_in(const LatticePoint<Dim>& cell) const;
+  template <int Rows>
+  Vector<Rows> noise(RandomStream& random, const Vector<Rows>& sigma) const;
+
+  const ManhattanOptions& options_;
+  PoseVector<Dim> step_sigma_;
+  Point<Dim> sight_sigma_;
+  LatticeWalk<Dim> walk_;
+  RandomStream odometry_random_;
+  RandomStream sight_random_;
+  std::unordered_map<LatticePoint<Dim>, Index, CellHash<Dim>> features_;
+  Simulation<Dim> result_;
+};
+
+template <int Dim>
+Simulator<Dim>::Simulator(const ManhattanOptions& options)
+    : options_(options),
+      sight_sigma_(Point<Dim>::Constant(options.observation_noise)),
+      walk_(std::llround(options.block / options.step), box_of<Dim>(options), RandomStream(options.seed, kPath)),
+      odometry_random_(options.seed, kOdometry),
+      sight_random_(options.seed, kSight) {
+  step_sigma_.template head<Dim>().setConstant(options.step_noise);
+  step_sigma_.template tail<kRotationDof<Dim>>().setConstant(options.turn_noise);
+}
+
+template <int Dim>
+Simulation<Dim> Simulator<Dim>::run() && {
+  Log<Dim>& log = result_.log;
+  GlobalMap<Dim>& truth = result_.truth;
+  const auto poses = static_cast<Index>(options_.poses);
+  log.source = fmt::format("simulated Manhattan world, seed {}", options_.seed);
+  log.poses.reserve(static_cast<std::size_t>(poses));
+  truth.poses.reserve(static_cast<std::size_t>(poses));
+  log.odometry.reserve(static_cast<std::size_t>(poses) - 1);
+  for (Index i = 0; i < poses; ++i) {
+    if (i > 0) {
+      const LatticeRotation<Dim> before = walk_.rotation();
+      walk_.advance();
+      add_odometry(i, before.transpose() * walk_.rotation());
+    }
+    add_pose(i);
+    observe_around(i);
+  }
+  log.sessions = {{0, poses}};
+  log.fixed = {{0, Pose<Dim>{}}};
+  truth.pose_ids = log.poses;
+  truth.feature_ids = log.features;
+  truth.gauge = {0};
+  return std::move(result_);
+}
+
+template <int Dim>
+void Simulator<Dim>::add_pose(Index i) {
+  result_.log.poses.push_back({0, static_cast<std::uint64_t>(i)});
+  result_.truth.poses.push_back({options_.step * walk_.position().template cast<double>(), to_rotation(walk_.rotation())});
+}
+
+template <int Dim>
+void Simulator<Dim>::add_odometry(Index i, const LatticeRotation<Dim>& turn) {
+  const Pose<Dim> step{options_.step * Point<Dim>::UnitX(), to_rotation(turn)};
+  result_.log.odometry.push_back(
+      {i - 1, i, retract(step, noise(odometry_random_, step_sigma_)), step_sigma_.cwiseAbs2().cwiseInverse().asDiagonal()});
+}
+
+template <int Dim>
+void Simulator<Dim>::observe_around(Index i) {
+  const Point<Dim> position = result_.truth.poses.back().translation;
+  const double reach = options_.range + options_.feature_jitter;
+  // Cell k has its centre at (k + 1/2) times its side.
+  LatticePoint<Dim> low, high;
+  for (int axis = 0; axis < Dim; ++axis) {
+    low[axis] = static_cast<std::int64_t>(std::ceil((position[axis] - reach) / options_.feature_cell - 0.5));
+    high[axis] = static_cast<std::int64_t>(std::floor((position[axis] + reach) / options_.feature_cell - 0.5));
+  }
+  if ((low.array() > high.array()).any()) return;
+  // Every cell of the box [low, high], the first axis running fastest.
+  for (LatticePoint<Dim> cell = low; cell[Dim - 1] <= high[Dim - 1];) {
+    const Point<Dim> feature = feature_in(cell);
+    if ((feature - position).norm() <= options_.range) observe(i, cell, feature);
+    ++cell[0];
+    for (int axis = 0; axis + 1 < Dim && cell[axis] > high[axis]; ++axis) {
+      cell[axis] = low[axis];
+      ++cell[axis + 1];
+    }
+  }
+}
+
+template <int Dim>
+void Simulator<Dim>::observe(Index i, const LatticePoint<Dim>& cell, const Point<Dim>& feature) {
+  if (options_.chance < 1.0 && sight_random_.uniform(0.0, 1.0) >= options_.chance) return;
+  Log<Dim>& log = result_.log;
+  const auto [entry, is_new] = features_.try_emplace(cell, static_cast<Index>(log.features.size()));
+  if (is_new) {
+    log.features.push_back({log.features.size()});
+    result_.truth.features.push_back(feature);
+  }
+  const Point<Dim> seen =
+      walk_.rotation().transpose().template cast<double>() * (feature - result_.truth.poses.back().translation);
+  log.observations.push_back(
+      {i, entry->second, seen + noise(sight_random_, sight_sigma_), sight_sigma_.cwiseAbs2().cwiseInverse().asDiagonal()});
+}
+
+template <int Dim>
+Point<Dim> Simulator<Dim>::feature_in(const LatticePoint<Dim>& cell) const {
+  RandomStream random(options_.seed, CellHash<Dim>{}(cell));
+  Point<Dim> feature;
+  for (int axis = 0; axis < Dim; ++axis) {
+    feature[axis] = options_.feature_cell * (static_cast<double>(cell[axis]) + 0.5) +
+                    random.uniform(-options_.feature_jitter, options_.feature_jitter);
+  }
+  return feature;
+}
+
+template <int Dim>
+template <int Rows>
+Vector<Rows> Simulator<Dim>::noise(RandomStream& random, const Vector<Rows>& sigma) const {
+  Vector<Rows> w;
+  for (int row = 0; row < Rows; ++row) w[row] = options_.noise_multiplier * sigma[row] * random.normal();
+  return w;
+}
+
+}  // namespace
+
+std::vector<std::string> ManhattanOptions::validate() const {
+  std::vector<std::string> violations;
+  const auto require = [&](bool holds, std::string_view what) {
+    if (!holds) violations.emplace_back(what);
+  };
+  const auto is_length = [](double x) { return x >= 1e-3 && x <= 1e3; };
+  const auto is_deviation = [](double x) { return x >= 1e-9 && x <= 1e3; };
+  require(poses >= 1 && poses <= kMostPoses, fmt::format("poses must be between 1 and {}", kMostPoses));
+  require(is_length(step), "step must lie between a millimetre and a kilometre");
+  require(is_length(block), "block must lie between a millimetre and a kilometre");
+  const double steps = block / step;
+  require(steps >= 1.0 && steps <= 1e6 && std::abs(steps - std::round(steps)) < 1e-9 * steps,
+          "block must be a whole number of steps, at most a million");
+  require(!side || (*side > 0.0 && *side <= 1e6 * block), "side must be above 0 and at most a million blocks");
+  require(storeys >= 1 && storeys <= 1'000'000, "storeys must be between 1 and a million");
+  require(is_length(feature_cell), "feature cell must lie between a millimetre and a kilometre");
+  require(feature_jitter >= 0.0 && feature_jitter <= 0.5 * feature_cell, "feature jitter must lie between 0 and half a cell");
+  require(range >= 0.0 && range <= 20.0 * feature_cell, "range must lie between 0 and 20 feature cells");
+  require(chance >= 0.0 && chance <= 1.0, "chance must lie between 0 and 1");
+  require(is_deviation(step_noise), "step noise must lie between 1e-9 and 1000 m");
+  require(is_deviation(turn_noise), "turn noise must lie between 1e-9 and 1000 rad");
+  require(is_deviation(observation_noise), "observation noise must lie between 1e-9 and 1000 m");
+  require(noise_multiplier >= 0.0 && noise_multiplier <= 1e6, "noise multiplier must lie between 0 and a million");
+  return violations;
+}
+
+template <int Dim>
+Simulation<Dim> simulate_manhattan(const ManhattanOptions& options) {
+  const auto violations = options.validate();
+  if (!violations.empty()) throw std::invalid_argument(fmt::format("{}", fmt::join(violations, "; ")));
+  return Simulator<Dim>(options).run();
+}
+
+template Simulation<2> simulate_manhattan(const ManhattanOptions&);
+template Simulation<3> simulate_manhattan(const ManhattanOptions&);
+
+}  // namespace mapjoin
