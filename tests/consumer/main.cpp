@@ -1,13 +1,23 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// A user's program against the installed package.
+// A user's program against the installed package: a square of odometry with one closure, joined.
+#include <cmath>
 #include <cstdio>
-#include <mapjoin/geometry/pose.hpp>
-#include <mapjoin/model/log.hpp>
+#include <mapjoin/join/run.hpp>
+#include <mapjoin/model/log_builder.hpp>
 #include <mapjoin/version.hpp>
+#include <numbers>
 
 int main() {
-  const mapjoin::Pose<3> step{{1.0, 0.0, 0.0}, mapjoin::Rotation<3>::exp({0.0, 0.0, 0.1})};
-  const mapjoin::Pose<3> there_and_back = compose(step, inverse(step));
-  std::printf("mapjoin %s: %s\n", mapjoin::kVersion.data(), to_string(mapjoin::PoseId{0, 7}).c_str());
-  return there_and_back.translation.norm() < 1e-12 ? 0 : 1;
+  const mapjoin::Pose<2> side{{1.0, 0.0}, mapjoin::Rotation<2>(std::numbers::pi / 2.0)};
+  mapjoin::LogBuilder<2> builder("square");
+  for (std::uint64_t k = 0; k < 4; ++k) builder.add_pose_edge({0, k}, {0, k + 1}, side, mapjoin::PoseMatrix<2>::Identity());
+  builder.add_pose_edge({0, 0}, {0, 4}, {}, mapjoin::PoseMatrix<2>::Identity());
+  const auto log = std::move(builder).finish();
+  if (!log) return 1;
+
+  const auto result = mapjoin::run(*log, mapjoin::RunOptions{});
+  if (!result) return 1;
+  std::printf("mapjoin %s: chi2 %.3g over %d degrees of freedom\n", mapjoin::kVersion.data(), result->chi2,
+              static_cast<int>(result->dof));
+  return result->chi2 < 1e-12 && result->dof == 3 ? 0 : 1;
 }
