@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <fmt/format.h>
 
+#include <algorithm>
+#include <functional>
 #include <mapjoin/join/join.hpp>
 #include <mapjoin/join/join_problem.hpp>
 #include <mapjoin/join/placement.hpp>
@@ -45,7 +47,13 @@ std::pair<Piece<Dim>, Gauge<Dim>> settle_all(const Network<Dim>& network, const 
   }
   if (joined.pieces.size() > 1) gauge = settle_in_world(network, origin, whole);
   for (const auto* closure : joined.pending) whole.pose_observations.push_back(closure);
+  // Pieces that met late are out of order; the maps are members of one vector, so that addresses give the network's order.
+  std::sort(whole.maps.begin(), whole.maps.end(), std::less<>());
   return {std::move(whole), std::move(gauge)};
+}
+
+tl::unexpected<Error> interrupted() {
+  return tl::unexpected(Error{ErrorKind::kInterrupted, "interrupted while joining"});
 }
 
 }  // namespace
@@ -61,11 +69,12 @@ Expected<Join<Dim>> join(const Network<Dim>& network, const std::vector<PoseId>&
     for (auto& piece : joined.pieces) take_values(*options.start, piece);
   }
   auto [whole, gauge] = settle_all(network, options.origin, std::move(joined));
-  if (stop.stop_requested()) return tl::unexpected(Error{ErrorKind::kInterrupted, "interrupted while joining"});
+  if (stop.stop_requested()) return interrupted();
 
   Join<Dim> join;
   JoinProblem<Dim> problem(whole, gauge);
   join.result = minimise(problem, options.solver, stop);
+  if (join.result.status == MinimiseStatus::kInterrupted) return interrupted();
   if (join.result.status == MinimiseStatus::kSingular) {
     const auto place = static_cast<std::size_t>(problem.system().place_of_variable(*join.result.singular));
     const bool is_pose = place < whole.poses.size();

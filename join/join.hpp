@@ -36,9 +36,9 @@ struct Join {
   std::int64_t dof() const { return rows - static_cast<std::int64_t>(system->equations().size()); }
 };
 
-/// Joins a network. Bad input where the network falls apart,
-/// or where the observations leave a pose or feature undetermined (named by `name_pose`, `name_feature`); kInterrupted on
-/// `stop`. When the last solve does not converge, result.status says so and the state is the best found.
+/// Joins a network, whose parts must hang together (see check_connected). Bad input where the observations leave a pose or
+/// feature undetermined, which is named by its id; kInterrupted on `stop`. When the last solve does not converge, result.status
+/// says so and the state is the best found.
 template <int Dim>
 Expected<Join<Dim>> join(const Network<Dim>& network, const std::vector<PoseId>& pose_ids,
                          const std::vector<FeatureId>& feature_ids, const JoinOptions<Dim>& options,

@@ -11,7 +11,10 @@ Leaves<Dim>::Leaves(const Network<Dim>& network)
       odometry_(network.stretches.size()),
       observations_(network.stretches.size()),
       joined_pose_count_(static_cast<std::size_t>(std::count(network.is_joined.begin(), network.is_joined.end(), true))) {
-  for (const auto& condensed : network.maps) maps_[stretch_of(condensed.map.base)] = &condensed.map;
+  auto map = network.maps.begin();
+  for (std::size_t k = 0; k < network.stretches.size(); ++k) {
+    if (network.stretches[k].is_map) maps_[k] = &(map++)->map;
+  }
   for (const auto* o : network.pose_observations) {
     const auto [first, last] = stretches_of(*o);
     if (first == last && !network.stretches[first].is_map) {

@@ -78,8 +78,9 @@ void LiveSegment<Dim>::add_diagonal(Eigen::VectorXd& whole) const {
 }
 
 template <int Dim>
-bool LiveSegment<Dim>::eliminate() {
+bool LiveSegment<Dim>::eliminate(double damping) {
   eliminated_ = system_.equations();
+  if (damping > 0.0) eliminated_.damp(damping);
   if (!eliminated_.eliminate_chain()) return false;
   const Eigen::MatrixXd C = eliminated_.border().template selfadjointView<Eigen::Upper>();
   const Eigen::VectorXd g = eliminated_.gradient().tail(C.rows());

@@ -25,8 +25,8 @@ class LiveSegment {
   void add_diagonal(Eigen::VectorXd& whole) const;
   double curvature(const Eigen::VectorXd& whole) const { return system_.equations().curvature(gathered(whole)); }
 
-  /// Eliminates what is its own; false where that is singular.
-  bool eliminate();
+  /// Eliminates what is its own from H + damping·diag(H); false where that is singular.
+  bool eliminate(double damping);
   /// Adds what is left to the normal equations.
   void add_reduced(NormalEquations::Sink sink) const;
   /// Its own part of the solution, given the joined state's.

@@ -15,7 +15,7 @@ template <int Dim>
 struct Network {
   std::size_t pose_count = 0;
   std::size_t feature_count = 0;
-  std::vector<CondensedMap<Dim>> maps;                         ///< In the order of their base.
+  std::vector<CondensedMap<Dim>> maps;                         ///< Of the stretches that are maps, in their order.
   std::vector<const PoseObservation<Dim>*> pose_observations;  ///< Odometry of spans, and closures.
   std::vector<const FeatureObservation<Dim>*> feature_observations;
   std::vector<const PoseObservation<Dim>*> pose_priors;  ///< From the World.

@@ -59,22 +59,23 @@ double PolishProblem<Dim>::curvature(const Eigen::VectorXd& v) const {
 }
 
 template <int Dim>
-bool PolishProblem<Dim>::eliminate_segments() {
+bool PolishProblem<Dim>::eliminate_segments(double damping) {
   std::atomic<bool> is_regular = true;
   tbb::parallel_for(std::size_t{0}, segments_.size(), [&](std::size_t k) {
-    if (!segments_[k].eliminate()) is_regular = false;
+    if (!segments_[k].eliminate(damping)) is_regular = false;
   });
   return is_regular;
 }
 
 template <int Dim>
 std::optional<Index> PolishProblem<Dim>::factorise(double damping) {
-  if (!is_reduced_) {
-    if (!eliminate_segments()) return 0;
-    for (std::size_t k = 0; k < segments_.size(); ++k) segments_[k].add_reduced(system_.map_sink(k));
-    is_reduced_ = true;
-  }
-  return system_.equations().factorise(damping);
+  // The diagonal to damp is that of the whole system, before anything is eliminated from it.
+  if (is_reduced_) system_.linearise_observations();
+  is_reduced_ = true;
+  if (damping > 0.0) system_.equations().damp(damping);
+  if (!eliminate_segments(damping)) return 0;
+  for (std::size_t k = 0; k < segments_.size(); ++k) segments_[k].add_reduced(system_.map_sink(k));
+  return system_.equations().factorise(0.0);
 }
 
 template <int Dim>

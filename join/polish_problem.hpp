@@ -38,14 +38,14 @@ class PolishProblem {
   void write_interiors(State<Dim>& state) const;
 
  private:
-  bool eliminate_segments();
+  bool eliminate_segments(double damping);
 
   JointSystem<Dim>& system_;
   std::deque<LiveSegment<Dim>> segments_;
   Eigen::Index size_ = 0;
   Eigen::VectorXd gradient_;
   State<Dim> candidate_;
-  bool is_reduced_ = false;  // whether the segments are in the normal equations
+  bool is_reduced_ = false;  // whether the normal equations hold the segments, too
 };
 
 }  // namespace mapjoin

@@ -109,12 +109,13 @@ Expected<void> join_and_polish(const Log<Dim>& log, const Split& split, std::vec
     recover_interiors(log, split, network.is_private, options.solver, state);
     result.recovered_chi2 = result.chi2 = log_chi2(log, state.poses, state.features).total();
   }
-  if (options.polish && !stop.stop_requested()) {
+  if (options.polish) {
     const Stopwatch watch(result.seconds.polish);
     if (options.progress) options.progress(Stage::kPolish, 0, 1);
     result.polish = polish(log, split, network, *joined, options, stop, state);
     result.chi2 = log_chi2(log, state.poses, state.features).total();
   }
+  if (stop.stop_requested()) return tl::unexpected(Error{ErrorKind::kInterrupted, "interrupted while polishing"});
   result.dof = degrees_of_freedom(log, joined->held.size());
   write_map(log, std::move(state), joined->held, result);
   result.map.stamps_ns = log.stamps_ns;

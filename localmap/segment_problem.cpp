@@ -2,16 +2,10 @@
 #include <Eigen/Cholesky>
 #include <algorithm>
 #include <mapjoin/localmap/segment_problem.hpp>
+#include <mapjoin/solve/pivot.hpp>
 #include <utility>
 
 namespace mapjoin {
-namespace {
-
-/// A pivot² below this share of its diagonal entry has lost its digits to cancellation.
-constexpr double kLostDigits = 1e-14;
-
-}  // namespace
-
 template <int Dim>
 SegmentProblem<Dim>::SegmentProblem(const Segment<Dim>& segment, const SegmentFreedom& freedom, State<Dim> start)
     : system_(segment, freedom), factored_(0, 0), estimate_(std::move(start)), candidate_(estimate_) {}
@@ -25,8 +19,10 @@ std::optional<Index> SegmentProblem<Dim>::factorise(double damping) {
   const Eigen::LLT<Eigen::MatrixXd, Eigen::Upper> llt(factored_.border());
   border_factor_ = llt.matrixL();
   if (border_factor_.size() == 0) return std::nullopt;
-  const Eigen::VectorXd pivots = border_factor_.diagonal();
-  if (llt.info() != Eigen::Success || !(pivots.array().square() > kLostDigits * scale.array()).all()) return 0;
+  if (llt.info() != Eigen::Success) return 0;
+  for (Eigen::Index i = 0; i < scale.size(); ++i) {
+    if (has_lost_digits(border_factor_(i, i), scale[i])) return 0;
+  }
   return std::nullopt;
 }
 

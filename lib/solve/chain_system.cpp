@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <Eigen/Cholesky>
 #include <mapjoin/solve/chain_system.hpp>
+#include <mapjoin/solve/pivot.hpp>
 
 namespace mapjoin {
 
@@ -54,11 +55,15 @@ void ChainSystem<Dim>::damp(double damping) {
 
 template <int Dim>
 bool ChainSystem<Dim>::eliminate_chain() {
+  const Eigen::VectorXd scale = diagonal();
   for (Eigen::Index k = 0; k < chain_length(); ++k) {
     const auto i = static_cast<std::size_t>(k);
     const Eigen::LLT<Matrix<kDof>> llt(D_[i]);
     if (llt.info() != Eigen::Success) return false;
     D_[i] = llt.matrixL();
+    for (int j = 0; j < kDof; ++j) {
+      if (has_lost_digits(D_[i](j, j), scale[k * kDof + j])) return false;
+    }
     const auto G = D_[i].template triangularView<Eigen::Lower>();
     auto E_k = border_rows(k);
     auto g_k = g_.segment<kDof>(k * kDof);

@@ -45,8 +45,8 @@ class ChainSystem {
   /// H + damping·diag(H), before elimination.
   void damp(double damping);
 
-  /// Eliminates the chain: the border and its gradient become their Schur complements. False where a chain block is not
-  /// positive definite. O(chain · border²).
+  /// Eliminates the chain: the border and its gradient become their Schur complements. False where a chain block is
+  /// singular to working precision. O(chain · border²).
   bool eliminate_chain();
   /// The chain's part of the solution, given the border's, after eliminate_chain().
   Eigen::VectorXd chain_step(const Eigen::VectorXd& border_step) const;

@@ -176,13 +176,14 @@ double NormalEquations::curvature(const Eigen::VectorXd& v) const {
   return sum;
 }
 
+void NormalEquations::scale_diagonal(double factor) {
+  for (std::size_t k = 0; k < order_.size(); ++k) {
+    const int dof = dofs_[static_cast<std::size_t>(order_[k])];
+    for (int i = 0; i < dof; ++i) matrix_.values[static_cast<std::size_t>(diagonal_[k] + i * (strides_[k] + 1))] *= factor;
+  }
+}
+
 std::optional<Index> NormalEquations::factorise(double damping) {
-  const auto scale_diagonal = [&](double factor) {
-    for (std::size_t k = 0; k < order_.size(); ++k) {
-      const int dof = dofs_[static_cast<std::size_t>(order_[k])];
-      for (int i = 0; i < dof; ++i) matrix_.values[static_cast<std::size_t>(diagonal_[k] + i * (strides_[k] + 1))] *= factor;
-    }
-  };
   if (size() == 0) return std::nullopt;
   if (damping > 0.0) scale_diagonal(1.0 + damping);
   const auto column = cholesky_.factorise(matrix_);

@@ -74,7 +74,9 @@ class NormalEquations {
   /// vᵀ H v.
   double curvature(const Eigen::VectorXd& v) const;
 
-  /// Factorises H + damping·diag(H). Returns a variable at which it is singular, or nothing.
+  /// H + damping·diag(H) from here on.
+  void damp(double damping) { scale_diagonal(1.0 + damping); }
+  /// Factorises H + damping·diag(H), H staying what it is. Returns a variable at which it is singular, or nothing.
   std::optional<Index> factorise(double damping);
   /// (H + damping·diag(H))⁻¹ b of the last factorisation.
   Eigen::VectorXd solve(const Eigen::VectorXd& b) const;
@@ -83,6 +85,7 @@ class NormalEquations {
   std::int64_t nonzeros() const { return static_cast<std::int64_t>(matrix_.rows.size()); }
 
  private:
+  void scale_diagonal(double factor);
   void order_variables();
   void lay_out();
 

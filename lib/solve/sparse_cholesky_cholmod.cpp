@@ -4,14 +4,13 @@
 #include <cholmod.h>
 #include <dlfcn.h>
 
+#include <mapjoin/solve/pivot.hpp>
 #include <mapjoin/solve/sparse_cholesky.hpp>
 #include <new>
 #include <stdexcept>
 
 namespace mapjoin {
 namespace {
-
-constexpr double kLostDigits = 1e-14;
 
 /// A function of the libraries that CHOLMOD brought along, or null where there is none of that name.
 template <typename Function>
@@ -115,7 +114,7 @@ std::optional<std::int64_t> SparseCholesky::factorise(const SparseUpper& matrix)
     const std::int64_t j = factor_->column(k);
     std::int64_t p = matrix.column_begin[static_cast<std::size_t>(j)];
     while (matrix.rows[static_cast<std::size_t>(p)] != j) ++p;
-    if (!(pivots[k] * pivots[k] > kLostDigits * matrix.values[static_cast<std::size_t>(p)])) return j;
+    if (has_lost_digits(pivots[k], matrix.values[static_cast<std::size_t>(p)])) return j;
   }
   return std::nullopt;
 }

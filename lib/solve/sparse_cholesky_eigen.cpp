@@ -3,12 +3,12 @@
 #ifndef MAPJOIN_CHOLMOD
 #include <Eigen/SparseCholesky>
 #include <Eigen/SparseCore>
+#include <mapjoin/solve/pivot.hpp>
 #include <mapjoin/solve/sparse_cholesky.hpp>
 
 namespace mapjoin {
 namespace {
 
-constexpr double kLostDigits = 1e-14;
 using EigenSparse = Eigen::SparseMatrix<double, Eigen::ColMajor, std::int64_t>;
 
 EigenSparse copy(const SparseUpper& matrix) {
@@ -39,7 +39,7 @@ std::optional<std::int64_t> SparseCholesky::factorise(const SparseUpper& matrix)
   const Eigen::VectorXd pivots = EigenSparse(factor_->llt.matrixL()).diagonal();
   const Eigen::VectorXd diagonal = A.diagonal();
   for (Eigen::Index j = 0; j < pivots.size(); ++j) {
-    if (!(pivots[j] * pivots[j] > kLostDigits * diagonal[j])) return j;
+    if (has_lost_digits(pivots[j], diagonal[j])) return j;
   }
   if (!regular) return pivots.size() - 1;
   return std::nullopt;

@@ -1,0 +1,152 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <gtest/gtest.h>
+
+#include <mapjoin/join/join.hpp>
+#include <mapjoin/join/run.hpp>
+#include <mapjoin/localmap/build.hpp>
+#include <tests/support/ceres_reference.hpp>
+#include <tests/support/dimensions.hpp>
+#include <tests/support/small_world.hpp>
+
+namespace mapjoin {
+namespace {
+
+using testing::largest_difference;
+using testing::small_world;
+
+template <typename D>
+class JoinTest : public ::testing::Test {
+ protected:
+  static constexpr int kDim = D::value;
+
+  /// The local maps of a small world as a set of which nothing else is known; closures go along.
+  static MapSet<kDim> map_set(const testing::SmallWorld<kDim>& world, double poses_per_map) {
+    Split parts = split(world.log, {SplitRule::kPoses, poses_per_map});
+    MapSet<kDim> set;
+    set.source = "maps";
+    set.maps = build_local_maps<kDim>(world.log, parts, {}).value().maps;
+    // Only what is kept has a place in the set.
+    std::vector<Index> place(world.log.poses.size(), -1);
+    for (std::size_t p = 0; p < place.size(); ++p) {
+      if (!parts.kept[p]) continue;
+      place[p] = static_cast<Index>(set.poses.size());
+      set.poses.push_back(world.log.poses[p]);
+    }
+    const auto placed = [&](Index pose) { return place[static_cast<std::size_t>(pose)]; };
+    for (auto& map : set.maps) {
+      map.base = placed(map.base);
+      for (Index& pose : map.poses) pose = placed(pose);
+      set.stretches.push_back({map.base, map.poses.back(), true});
+    }
+    for (auto closure : world.log.closures) {
+      closure.base = placed(closure.base);
+      closure.target = placed(closure.target);
+      set.pose_observations.push_back(closure);
+    }
+    set.features = world.log.features;
+    return set;
+  }
+  static State<kDim> state_of(const RunResult<kDim>& result) { return {result.map.poses, result.map.features}; }
+  /// Without the elimination of private features.
+  static Network<kDim> uncondensed(const MapSet<kDim>& set) {
+    Network<kDim> network = network_of(set);
+    network.maps.clear();
+    for (const auto& map : set.maps) network.maps.push_back({map, {}, {}, {}});
+    network.is_private.assign(network.is_private.size(), false);
+    return network;
+  }
+};
+TYPED_TEST_SUITE(JoinTest, testing::Dimensions);
+
+TYPED_TEST(JoinTest, FindsTheOptimumThatCeresFindsByEverySchedule) {
+  constexpr int kDim = TestFixture::kDim;
+  const auto set = this->map_set(small_world<kDim>({.poses = 60, .features = 40}), 8.0);
+  for (const auto schedule : {Schedule::kBatch, Schedule::kSequential, Schedule::kTree}) {
+    RunOptions options;
+    options.schedule = schedule;
+    const auto joined = run(set, options);
+    ASSERT_TRUE(joined) << joined.error().message;
+    EXPECT_TRUE(joined->converged());
+    const auto ceres = testing::ceres_optimum(set, this->state_of(*joined));
+    EXPECT_NEAR(ceres.chi2, joined->chi2, 1e-9 * joined->chi2) << to_string(schedule);
+    EXPECT_LT(largest_difference(ceres.values, this->state_of(*joined)), 1e-5);
+  }
+}
+
+TYPED_TEST(JoinTest, EliminatingPrivateFeaturesChangesNothing) {
+  constexpr int kDim = TestFixture::kDim;
+  const auto set = this->map_set(small_world<kDim>({.features = 40, .range = 2.5}), 10.0);
+  const Network<kDim> condensed = network_of(set);
+  const Network<kDim> whole = this->uncondensed(set);
+  ASSERT_GT(std::count(condensed.is_private.begin(), condensed.is_private.end(), true), 0);
+  const auto a = join(condensed, set.poses, set.features, JoinOptions<kDim>{});
+  const auto b = join(whole, set.poses, set.features, JoinOptions<kDim>{});
+  ASSERT_TRUE(a && b);
+  EXPECT_LT(a->features.size(), b->features.size());
+  EXPECT_NEAR(a->result.chi2, b->result.chi2, 1e-9 * b->result.chi2);
+  EXPECT_EQ(a->dof(), b->dof());
+  EXPECT_LT(largest_difference(a->state, b->state), 1e-7);
+}
+
+TYPED_TEST(JoinTest, AClosureMayLeadEitherWay) {
+  constexpr int kDim = TestFixture::kDim;
+  auto set = this->map_set(small_world<kDim>({.features = 0, .closures = 1, .noise = 0.0}), 8.0);
+  for (int way = 0; way < 2; ++way) {
+    const auto joined = run(set, RunOptions{});
+    ASSERT_TRUE(joined);
+    EXPECT_LT(joined->chi2, 1e-12);
+    auto& closure = set.pose_observations[0];
+    std::swap(closure.base, closure.target);
+    closure.measured = inverse(closure.measured);
+  }
+}
+
+TYPED_TEST(JoinTest, MapsThatObserveFromOnePoseAreAllJoined) {
+  // As where an author's map has no motion: its end is its start, and the next map has the same base.
+  constexpr int kDim = TestFixture::kDim;
+  testing::Random random(3);
+  MapSet<kDim> set;
+  set.poses = {{0, 0}, {0, 1}};
+  set.features = {{0}, {1}, {2}, {3}};
+  const auto map_of = [&](std::vector<Index> poses, std::vector<Index> features) {
+    LocalMap<kDim> map{0, std::move(poses), std::move(features), {}, {}, {}};
+    for (std::size_t p = 0; p < map.poses.size(); ++p) map.pose_estimates.push_back(random.pose<kDim>());
+    for (std::size_t f = 0; f < map.features.size(); ++f) map.feature_estimates.push_back(random.vector<kDim>(3.0));
+    const auto rows =
+        static_cast<Eigen::Index>(map.poses.size()) * kPoseDof<kDim> + static_cast<Eigen::Index>(map.features.size()) * kDim;
+    map.information = Eigen::MatrixXd::Identity(rows, rows);
+    return map;
+  };
+  set.maps = {map_of({}, {0, 1, 2}), map_of({1}, {0, 1, 2, 3})};
+  set.stretches = {{0, 0, true}, {0, 1, true}};
+  const auto joined = run(set, RunOptions{});
+  ASSERT_TRUE(joined) << joined.error().message;
+  double chi2 = 0.0;  // of the means: half the squared differences
+  for (std::size_t f = 0; f < 3; ++f) {
+    const Point<kDim> difference = set.maps[0].feature_estimates[f] - set.maps[1].feature_estimates[f];
+    chi2 += 0.5 * difference.squaredNorm();
+  }
+  EXPECT_NEAR(joined->chi2, chi2, 1e-9 * chi2);
+  EXPECT_LT(local(joined->map.poses[1], set.maps[1].pose_estimates[0]).norm(), 1e-8);
+}
+
+TYPED_TEST(JoinTest, ReportsEveryJoinOnTheWay) {
+  constexpr int kDim = TestFixture::kDim;
+  const auto set = this->map_set(small_world<kDim>(), 5.0);
+  for (const auto schedule : {Schedule::kBatch, Schedule::kSequential, Schedule::kTree}) {
+    std::size_t last = 0;
+    std::size_t total = 0;
+    RunOptions options;
+    options.schedule = schedule;
+    options.progress = [&](Stage stage, std::size_t done, std::size_t to_do) {
+      EXPECT_EQ(stage, Stage::kJoin);
+      EXPECT_EQ(done, ++last);
+      total = to_do;
+    };
+    ASSERT_TRUE(run(set, options));
+    EXPECT_EQ(last, total) << to_string(schedule);
+  }
+}
+
+}  // namespace
+}  // namespace mapjoin

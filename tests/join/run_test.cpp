@@ -1,0 +1,174 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <gtest/gtest.h>
+
+#include <mapjoin/join/run.hpp>
+#include <mapjoin/measure/chi2.hpp>
+#include <tests/support/ceres_reference.hpp>
+#include <tests/support/dense_slam.hpp>
+#include <tests/support/dimensions.hpp>
+#include <tests/support/small_world.hpp>
+
+namespace mapjoin {
+namespace {
+
+using testing::full_slam;
+using testing::largest_difference;
+using testing::small_world;
+using testing::SmallWorld;
+using testing::WorldOptions;
+
+template <typename D>
+class RunTest : public ::testing::Test {
+ protected:
+  static constexpr int kDim = D::value;
+
+  static RunOptions with(double poses_per_map, Schedule schedule = Schedule::kTree, Method method = Method::kDogleg) {
+    RunOptions options;
+    options.split = {SplitRule::kPoses, poses_per_map};
+    options.schedule = schedule;
+    options.solver.method = method;
+    return options;
+  }
+  static State<kDim> state_of(const RunResult<kDim>& result) { return {result.map.poses, result.map.features}; }
+
+  /// The result against the dense optimum of the whole log: every pose and feature, chi2, and no gradient left.
+  static void expect_full_slam(const SmallWorld<kDim>& world, const Expected<RunResult<kDim>>& result) {
+    ASSERT_TRUE(result) << result.error().message;
+    const auto slam = full_slam(world.log);
+    const State<kDim> optimum = slam.optimum(world.truth);
+    const State<kDim> state = state_of(*result);
+    EXPECT_TRUE(result->converged());
+    EXPECT_LT(largest_difference(state, optimum), 1e-6);
+    const double chi2 = slam.linearise(optimum).chi2;
+    EXPECT_NEAR(result->chi2, chi2, 1e-9 * chi2);
+    EXPECT_EQ(result->chi2, log_chi2(world.log, state.poses, state.features).total());
+    EXPECT_LT(slam.linearise(state).g.norm(), 1e-6 * slam.linearise(world.truth).g.norm());
+  }
+};
+TYPED_TEST_SUITE(RunTest, testing::Dimensions);
+
+TYPED_TEST(RunTest, EndsAtTheFullSlamOptimumForMapsOfAnyLength) {
+  const auto world = small_world<TestFixture::kDim>({.reversed_odometry = true});
+  for (const double poses : {1.0, 2.0, 5.0, 10.0, 39.0, 1000.0}) {
+    SCOPED_TRACE(poses);
+    const auto result = run(world.log, this->with(poses));
+    this->expect_full_slam(world, result);
+    EXPECT_GE(*result->recovered_chi2, result->chi2 * (1.0 - 1e-9));
+    EXPECT_LE(*result->recovered_chi2, result->chi2 * 1.01);
+  }
+}
+
+TYPED_TEST(RunTest, EndsAtTheFullSlamOptimumByEveryScheduleAndMethod) {
+  const auto world = small_world<TestFixture::kDim>({.features = 40, .closures = 5, .range = 2.5, .noise = 0.03, .seed = 3});
+  for (const auto schedule : {Schedule::kBatch, Schedule::kSequential, Schedule::kTree}) {
+    for (const auto method : {Method::kGaussNewton, Method::kDogleg, Method::kLevenbergMarquardt}) {
+      SCOPED_TRACE(to_string(schedule) + " " + to_string(method));
+      this->expect_full_slam(world, run(world.log, this->with(6.0, schedule, method)));
+    }
+  }
+}
+
+TYPED_TEST(RunTest, TheJoinOfOneStepMapsIsFullSlam) {
+  const auto world = small_world<TestFixture::kDim>({.seed = 5});
+  for (const auto schedule : {Schedule::kBatch, Schedule::kSequential, Schedule::kTree}) {
+    RunOptions options = this->with(1.0, schedule);
+    this->expect_full_slam(world, solve(world.log, options));
+    options.polish = false;
+    const auto joined = run(world.log, options);
+    this->expect_full_slam(world, joined);
+    EXPECT_FALSE(joined->polish);
+    EXPECT_EQ(joined->local_maps, 0u);
+    EXPECT_EQ(joined->spans, 39u);
+  }
+}
+
+TYPED_TEST(RunTest, CeresGainsNothingFromTheResultNorFromOdometry) {
+  const auto world = small_world<TestFixture::kDim>({.poses = 80, .features = 50, .seed = 7});
+  const auto result = run(world.log, this->with(8.0));
+  ASSERT_TRUE(result);
+  for (const auto& start : {this->state_of(*result), testing::odometry_start(world.log)}) {
+    EXPECT_NEAR(testing::ceres_optimum(world.log, start).chi2, result->chi2, 1e-8 * result->chi2);
+  }
+}
+
+TYPED_TEST(RunTest, SessionsTiedByFeaturesAloneAreJoined) {
+  for (const unsigned seed : {1u, 2u, 3u}) {
+    const auto world = small_world<TestFixture::kDim>({.poses = 25, .features = 30, .sessions = 3, .seed = seed});
+    ASSERT_EQ(world.log.sessions.size(), 3u);
+    for (const auto schedule : {Schedule::kBatch, Schedule::kSequential, Schedule::kTree}) {
+      SCOPED_TRACE(to_string(schedule));
+      this->expect_full_slam(world, run(world.log, this->with(6.0, schedule)));
+    }
+  }
+}
+
+TYPED_TEST(RunTest, ASessionThatIsTiedOnlyToALaterOneIsJoined) {
+  // Sessions 0 and 2 share features, session 1 shares some with session 2 only: it meets the others last.
+  constexpr int kDim = TestFixture::kDim;
+  auto world = small_world<kDim>({.poses = 20, .features = 36, .sessions = 3, .seed = 4});
+  std::erase_if(world.log.observations, [&](const auto& o) {
+    const auto session = world.log.poses[static_cast<std::size_t>(o.base)].session;
+    return (session == 0 && o.target % 2 == 0) || (session == 1 && o.target % 2 == 1);
+  });
+  for (const auto schedule : {Schedule::kBatch, Schedule::kSequential, Schedule::kTree}) {
+    SCOPED_TRACE(to_string(schedule));
+    this->expect_full_slam(world, run(world.log, this->with(5.0, schedule)));
+  }
+}
+
+TYPED_TEST(RunTest, APoseGraphWithoutFeaturesIsJoined) {
+  const auto world = small_world<TestFixture::kDim>({.poses = 60, .features = 0, .closures = 8, .seed = 9});
+  for (const double poses : {1.0, 6.0, 20.0}) this->expect_full_slam(world, run(world.log, this->with(poses)));
+}
+
+TYPED_TEST(RunTest, ALogOfOnePoseStandsAtTheOrigin) {
+  const auto world = small_world<TestFixture::kDim>({.poses = 1, .features = 0, .closures = 0});
+  const auto result = run(world.log, RunOptions{});
+  ASSERT_TRUE(result) << result.error().message;
+  EXPECT_EQ(local(result->map.poses[0], world.truth.poses[0]).norm(), 0.0);
+  EXPECT_EQ(result->chi2, 0.0);
+}
+
+TYPED_TEST(RunTest, SolveMayStartFromTheValuesOfTheFile) {
+  auto world = small_world<TestFixture::kDim>();
+  RunOptions options = this->with(1.0);
+  options.start_from_values = true;
+  const auto refused = solve(world.log, options);
+  ASSERT_FALSE(refused);
+  EXPECT_NE(refused.error().message.find("small world: not every pose and feature has a value"), std::string::npos);
+  world.log.initial_poses = world.truth.poses;
+  world.log.initial_features = world.truth.features;
+  const auto result = solve(world.log, options);
+  this->expect_full_slam(world, result);
+  const double start = log_chi2(world.log, world.truth.poses, world.truth.features).total();
+  EXPECT_NEAR(result->join.start_chi2, start, 1e-9 * start);
+}
+
+TYPED_TEST(RunTest, TheFirstPoseIsHeldWhereTheFileHasIt) {
+  constexpr int kDim = TestFixture::kDim;
+  auto world = small_world<kDim>();
+  testing::Random random(8);
+  const Pose<kDim> elsewhere = random.pose<kDim>();
+  world.log.initial_poses = moved(elsewhere, world.truth).poses;
+  const auto result = run(world.log, this->with(7.0));
+  ASSERT_TRUE(result);
+  EXPECT_EQ(result->map.gauge, std::vector<Index>{0});
+  EXPECT_LT(local(result->map.poses[0], elsewhere).norm(), 1e-14);
+  const State<kDim> optimum = full_slam(world.log).optimum(world.truth);
+  EXPECT_LT(largest_difference(this->state_of(*result), moved(elsewhere, optimum)), 1e-6);
+}
+
+TYPED_TEST(RunTest, DegreesOfFreedomAreTheRowsLessTheUnknowns) {
+  constexpr int kDim = TestFixture::kDim;
+  const auto world = small_world<kDim>();
+  const auto& log = world.log;
+  const auto result = run(log, this->with(5.0));
+  ASSERT_TRUE(result);
+  const auto edges = static_cast<std::int64_t>(log.odometry.size() + log.closures.size());
+  const auto rows = edges * kPoseDof<kDim> + static_cast<std::int64_t>(log.observations.size()) * kDim;
+  const auto unknowns = static_cast<std::int64_t>((log.poses.size() - 1) * kPoseDof<kDim> + log.features.size() * kDim);
+  EXPECT_EQ(result->dof, rows - unknowns);
+}
+
+}  // namespace
+}  // namespace mapjoin

@@ -1,0 +1,92 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <mapjoin/graph/connectivity.hpp>
+#include <tests/support/dimensions.hpp>
+
+namespace mapjoin {
+namespace {
+
+using ::testing::AllOf;
+using ::testing::HasSubstr;
+using ::testing::Not;
+
+template <typename D>
+class ConnectivityTest : public ::testing::Test {
+ protected:
+  /// Poses 10, 11, … and features 20, 21, … with nothing between them.
+  static Log<D::value> bare(std::uint64_t poses, std::uint64_t features) {
+    Log<D::value> log;
+    log.source = "robot.g2o";
+    for (std::uint64_t k = 0; k < poses; ++k) log.poses.push_back({0, 10 + k});
+    for (std::uint64_t k = 0; k < features; ++k) log.features.push_back({20 + k});
+    return log;
+  }
+  static std::string complaint(const Log<D::value>& log) {
+    const auto connected = check_connected(log);
+    return connected ? "" : connected.error().message;
+  }
+};
+TYPED_TEST_SUITE(ConnectivityTest, testing::Dimensions);
+
+TYPED_TEST(ConnectivityTest, ALogHangsTogetherByAnythingThatMentionsTwo) {
+  auto log = this->bare(5, 2);
+  log.odometry = {{0, 1, {}, {}}};
+  log.closures = {{2, 1, {}, {}}};
+  log.observations = {{2, 0, {}, {}}, {3, 0, {}, {}}, {3, 1, {}, {}}};
+  log.pose_priors = {{kWorld, 4, {}, {}}};
+  log.feature_priors = {{kWorld, 1, {}, {}}};
+  EXPECT_EQ(this->complaint(log), "");
+}
+
+TYPED_TEST(ConnectivityTest, OnePoseAloneHangsTogether) {
+  EXPECT_EQ(this->complaint(this->bare(1, 0)), "");
+}
+
+TYPED_TEST(ConnectivityTest, NamesOnePoseOfEachPart) {
+  auto log = this->bare(4, 0);
+  log.odometry = {{0, 1, {}, {}}, {2, 3, {}, {}}};
+  EXPECT_THAT(this->complaint(log), AllOf(HasSubstr("robot.g2o: "), HasSubstr("2 parts"), HasSubstr("pose 10"),
+                                          HasSubstr("pose 12"), Not(HasSubstr("…"))));
+}
+
+TYPED_TEST(ConnectivityTest, NamesTheFirstFewOfManyParts) {
+  EXPECT_THAT(this->complaint(this->bare(6, 0)), AllOf(HasSubstr("6 parts"), HasSubstr("pose 10, pose 11, pose 12, …")));
+}
+
+TYPED_TEST(ConnectivityTest, TheWorldTiesWhatItFixes) {
+  auto log = this->bare(2, 0);
+  log.fixed = {{0, {}}};
+  EXPECT_THAT(this->complaint(log), AllOf(HasSubstr("the World"), HasSubstr("pose 11")));
+  log.fixed = {{0, {}}, {1, {}}};
+  EXPECT_EQ(this->complaint(log), "");
+}
+
+TYPED_TEST(ConnectivityTest, NamesAFeatureThatNothingObserves) {
+  auto log = this->bare(1, 2);
+  log.observations = {{0, 0, {}, {}}};
+  EXPECT_THAT(this->complaint(log), HasSubstr("feature 21 is never observed"));
+}
+
+TYPED_TEST(ConnectivityTest, MapsHangTogetherByWhatTheyShare) {
+  MapSet<TypeParam::value> set;
+  set.source = "maps";
+  for (std::uint64_t k = 0; k < 4; ++k) set.poses.push_back({0, k});
+  set.features = {{7}};
+  set.maps.resize(2);
+  set.maps[0].base = 0;
+  set.maps[0].poses = {1};
+  set.maps[1].base = 2;
+  set.maps[1].poses = {3};
+  set.maps[1].features = {0};
+  EXPECT_THAT(check_connected(set).error().message, AllOf(HasSubstr("pose 0"), HasSubstr("pose 2")));
+  set.maps[0].features = {0};
+  EXPECT_TRUE(check_connected(set));
+  set.maps[0].features.clear();
+  set.pose_observations = {{3, 0, {}, {}}};
+  EXPECT_TRUE(check_connected(set));
+}
+
+}  // namespace
+}  // namespace mapjoin

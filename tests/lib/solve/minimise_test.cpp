@@ -1,0 +1,189 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <gtest/gtest.h>
+
+#include <Eigen/Cholesky>
+#include <functional>
+#include <mapjoin/solve/minimise.hpp>
+#include <tests/support/numerical_jacobian.hpp>
+
+namespace mapjoin {
+namespace {
+
+/// A LeastSquaresProblem over a dense vector; r(x) = -residual to the measured zero. Records chi2 at every estimate.
+class DenseProblem {
+ public:
+  using Function = std::function<Eigen::VectorXd(const Eigen::VectorXd&)>;
+  DenseProblem(Function h, Eigen::VectorXd start) : h_(std::move(h)), x_(std::move(start)) {}
+
+  double linearise() {
+    const Eigen::VectorXd r = -h_(x_);
+    const Eigen::MatrixXd J =
+        testing::numerical_jacobian([&](const Eigen::VectorXd& step) { return h_(x_ + step); }, x_.size());
+    H_ = J.transpose() * J;
+    g_ = J.transpose() * r;
+    visited.push_back(r.squaredNorm());
+    return r.squaredNorm();
+  }
+  Eigen::VectorXd gradient() const { return g_; }
+  Eigen::VectorXd diagonal() const { return H_.diagonal(); }
+  double curvature(const Eigen::VectorXd& v) const { return v.dot(H_ * v); }
+  std::optional<Index> factorise(double damping) {
+    ++factorisations;
+    Eigen::MatrixXd damped = H_;
+    damped.diagonal() *= 1.0 + damping;
+    llt_.compute(damped);
+    const Eigen::VectorXd pivots = llt_.matrixLLT().diagonal().cwiseAbs2();
+    for (Index i = 0; i < pivots.size(); ++i) {
+      if (!(pivots[i] > 1e-14 * damped(i, i))) return i;
+    }
+    if (llt_.info() != Eigen::Success) return 1;  // of two variables, the second one's pivot
+    return std::nullopt;
+  }
+  Eigen::VectorXd solve() const { return llt_.solve(g_); }
+  StepSize step_size(const Eigen::VectorXd& v) const { return {v.norm(), 0.0}; }
+  double try_step(const Eigen::VectorXd& v) {
+    candidate_ = x_ + v;
+    return h_(candidate_).squaredNorm();
+  }
+  void accept() { x_ = candidate_; }
+
+  const Eigen::VectorXd& estimate() const { return x_; }
+  std::vector<double> visited;
+  int factorisations = 0;
+
+ private:
+  Function h_;
+  Eigen::VectorXd x_;
+  Eigen::VectorXd candidate_;
+  Eigen::MatrixXd H_;
+  Eigen::VectorXd g_;
+  Eigen::LLT<Eigen::MatrixXd> llt_;
+};
+
+Eigen::VectorXd rosenbrock(const Eigen::VectorXd& x) {
+  return Eigen::Vector2d(10.0 * (x[1] - x[0] * x[0]), 1.0 - x[0]);
+}
+
+/// Powell's badly scaled function: the valley is a hyperbola, the minimum at (1.098e-5, 9.106).
+Eigen::VectorXd badly_scaled(const Eigen::VectorXd& x) {
+  return Eigen::Vector2d(1e4 * x[0] * x[1] - 1.0, std::exp(-x[0]) + std::exp(-x[1]) - 1.0001);
+}
+
+/// Gauss-Newton steps away from its minimum at 0.
+Eigen::VectorXd arctangent(const Eigen::VectorXd& x) {
+  return Eigen::VectorXd::Constant(1, std::atan(x[0]));
+}
+
+MinimiseOptions with(Method method) {
+  MinimiseOptions options;
+  options.method = method;
+  options.relative_chi2 = 1e-14;
+  return options;
+}
+
+class MinimiseTest : public ::testing::TestWithParam<Method> {
+ protected:
+  /// Dogleg and Levenberg-Marquardt may not climb.
+  static void expect_descent(const DenseProblem& problem) {
+    for (std::size_t k = 1; k < problem.visited.size(); ++k) EXPECT_LT(problem.visited[k], problem.visited[k - 1]);
+  }
+};
+INSTANTIATE_TEST_SUITE_P(Methods, MinimiseTest,
+                         ::testing::Values(Method::kGaussNewton, Method::kDogleg, Method::kLevenbergMarquardt),
+                         [](const auto& method) { return to_string(method.param); });
+
+TEST_P(MinimiseTest, FindsTheBottomOfRosenbrocksValley) {
+  DenseProblem problem(rosenbrock, Eigen::Vector2d(-1.2, 1.0));
+  const MinimiseResult result = minimise(problem, with(GetParam()));
+  EXPECT_EQ(result.status, MinimiseStatus::kConverged);
+  EXPECT_LT((problem.estimate() - Eigen::Vector2d(1.0, 1.0)).norm(), 1e-8);
+  EXPECT_NEAR(result.start_chi2, rosenbrock(Eigen::Vector2d(-1.2, 1.0)).squaredNorm(), 1e-12);
+  EXPECT_LT(result.chi2, 1e-15);
+  if (GetParam() != Method::kGaussNewton) expect_descent(problem);
+}
+
+TEST_P(MinimiseTest, FindsTheMinimumWhereScalesDifferByMillions) {
+  DenseProblem problem(badly_scaled, Eigen::Vector2d(0.0, 1.0));
+  const MinimiseResult result = minimise(problem, with(GetParam()));
+  EXPECT_EQ(result.status, MinimiseStatus::kConverged);
+  EXPECT_NEAR(problem.estimate()[1], 9.10614673986652, 1e-6);
+  if (GetParam() != Method::kGaussNewton) expect_descent(problem);
+}
+
+TEST_P(MinimiseTest, OnlyGaussNewtonIsLedAstray) {
+  DenseProblem problem(arctangent, Eigen::VectorXd::Constant(1, 3.0));
+  const MinimiseResult result = minimise(problem, with(GetParam()));
+  if (GetParam() == Method::kGaussNewton) {
+    EXPECT_NE(result.status, MinimiseStatus::kConverged);
+    EXPECT_TRUE(problem.estimate().allFinite());
+  } else {
+    EXPECT_EQ(result.status, MinimiseStatus::kConverged);
+    EXPECT_NEAR(problem.estimate()[0], 0.0, 1e-7);
+    expect_descent(problem);
+  }
+}
+
+TEST_P(MinimiseTest, StopsAtTheGivenNumberOfIterations) {
+  MinimiseOptions options = with(GetParam());
+  options.max_iterations = 1;
+  DenseProblem problem(rosenbrock, Eigen::Vector2d(-1.2, 1.0));
+  const MinimiseResult result = minimise(problem, options);
+  EXPECT_EQ(result.status, MinimiseStatus::kMaxIterations);
+  EXPECT_EQ(result.iterations, 1);
+  EXPECT_EQ(result.chi2, rosenbrock(problem.estimate()).squaredNorm());
+}
+
+TEST_P(MinimiseTest, NamesASingularVariableAndLeavesTheEstimate) {
+  const auto blind = [](const Eigen::VectorXd& x) { return Eigen::VectorXd::Constant(1, x[0] - 3.0); };
+  DenseProblem problem(blind, Eigen::Vector2d(1.0, 2.0));
+  const MinimiseResult result = minimise(problem, with(GetParam()));
+  EXPECT_EQ(result.status, MinimiseStatus::kSingular);
+  EXPECT_EQ(result.singular, 1);
+  EXPECT_EQ(problem.estimate(), Eigen::Vector2d(1.0, 2.0));
+}
+
+TEST_P(MinimiseTest, MayDampAVariableThatNothingDeterminesYet) {
+  const auto sum = [](const Eigen::VectorXd& x) { return Eigen::VectorXd::Constant(1, x[0] + x[1] - 3.0); };
+  MinimiseOptions options = with(GetParam());
+  options.damp_singular = true;
+  DenseProblem problem(sum, Eigen::Vector2d(0.0, 0.0));
+  const MinimiseResult result = minimise(problem, options);
+  EXPECT_EQ(result.status, MinimiseStatus::kConverged);
+  EXPECT_NEAR(problem.estimate().sum(), 3.0, 1e-6);
+  EXPECT_NEAR(problem.estimate()[0], problem.estimate()[1], 1e-6);
+}
+
+TEST_P(MinimiseTest, TakesNoStepWhereChi2IsNotFinite) {
+  const auto broken = [](const Eigen::VectorXd& x) { return Eigen::VectorXd(x / 0.0); };
+  DenseProblem problem(broken, Eigen::VectorXd::Ones(1));
+  EXPECT_EQ(minimise(problem, with(GetParam())).status, MinimiseStatus::kNoProgress);
+  EXPECT_EQ(problem.estimate()[0], 1.0);
+}
+
+TEST_P(MinimiseTest, StopsWhereAskedTo) {
+  std::stop_source stop;
+  stop.request_stop();
+  DenseProblem problem(rosenbrock, Eigen::Vector2d(-1.2, 1.0));
+  const MinimiseResult result = minimise(problem, with(GetParam()), stop.get_token());
+  EXPECT_EQ(result.status, MinimiseStatus::kInterrupted);
+  EXPECT_EQ(problem.estimate(), Eigen::Vector2d(-1.2, 1.0));
+}
+
+TEST(Minimise, TheDoglegFactorisesOncePerLinearisation) {
+  DenseProblem problem(arctangent, Eigen::VectorXd::Constant(1, 30.0));
+  minimise(problem, with(Method::kDogleg));
+  EXPECT_EQ(problem.factorisations, static_cast<int>(problem.visited.size()));
+}
+
+TEST(Minimise, OptionsNameEveryViolation) {
+  EXPECT_TRUE(MinimiseOptions{}.validate().empty());
+  MinimiseOptions options;
+  options.max_iterations = 0;
+  options.relative_chi2 = -1.0;
+  options.step_metres = std::nan("");
+  options.step_radians = -1.0;
+  EXPECT_EQ(options.validate().size(), 4u);
+}
+
+}  // namespace
+}  // namespace mapjoin

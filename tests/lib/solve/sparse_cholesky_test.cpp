@@ -1,0 +1,109 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <gtest/gtest.h>
+
+#include <Eigen/Cholesky>
+#include <mapjoin/solve/sparse_cholesky.hpp>
+#include <tests/support/random.hpp>
+
+namespace mapjoin {
+namespace {
+
+using testing::Random;
+
+/// A dense matrix as the upper triangle of a sparse one, zeros left out, with one ignored entry below the diagonal per column.
+SparseUpper sparse(const Eigen::MatrixXd& dense) {
+  SparseUpper matrix;
+  matrix.column_begin = {0};
+  for (Eigen::Index j = 0; j < dense.cols(); ++j) {
+    for (Eigen::Index i = 0; i <= j; ++i) {
+      if (dense(i, j) == 0.0 && i != j) continue;
+      matrix.rows.push_back(i);
+      matrix.values.push_back(dense(i, j));
+    }
+    if (j + 1 < dense.cols()) {
+      matrix.rows.push_back(j + 1);
+      matrix.values.push_back(1e9);
+    }
+    matrix.column_begin.push_back(static_cast<std::int64_t>(matrix.rows.size()));
+  }
+  return matrix;
+}
+
+/// A banded positive definite matrix with a few far couplings; `large` ones are factorised by supernodes.
+Eigen::MatrixXd random_matrix(Eigen::Index n, Random& random) {
+  Eigen::MatrixXd A = Eigen::MatrixXd::Identity(n, n);
+  for (Eigen::Index k = 0; k < 3 * n; ++k) {
+    Eigen::VectorXd row = Eigen::VectorXd::Zero(n);
+    const Eigen::Index i = k % n;
+    row[i] = 1.0;
+    row[(i + 1) % n] = random.uniform(-1.0, 1.0);
+    row[(7 * i + k / n) % n] += random.uniform(-1.0, 1.0);
+    A += row * row.transpose();
+  }
+  return A;
+}
+
+TEST(SparseCholesky, SolvesLikeTheDenseSystem) {
+  Random random;
+  for (const Eigen::Index n : {1, 2, 9, 60, 400}) {
+    const Eigen::MatrixXd A = random_matrix(n, random);
+    const SparseUpper matrix = sparse(A);
+    SparseCholesky cholesky;
+    cholesky.analyse(matrix);
+    ASSERT_FALSE(cholesky.factorise(matrix)) << n;
+    const Eigen::VectorXd b = Eigen::VectorXd::LinSpaced(n, -1.0, 2.0);
+    EXPECT_LT((A * cholesky.solve(b) - b).norm(), 1e-10 * b.norm()) << n;
+  }
+}
+
+TEST(SparseCholesky, TakesNewValuesInTheSamePattern) {
+  Random random;
+  Eigen::MatrixXd A = random_matrix(30, random);
+  SparseCholesky cholesky;
+  cholesky.analyse(sparse(A));
+  const Eigen::VectorXd b = Eigen::VectorXd::Ones(30);
+  for (int k = 0; k < 3; ++k) {
+    A.diagonal() *= 1.5;
+    ASSERT_FALSE(cholesky.factorise(sparse(A)));
+    EXPECT_LT((A * cholesky.solve(b) - b).norm(), 1e-10);
+  }
+}
+
+TEST(SparseCholesky, NamesTheColumnWhosePivotIsZero) {
+  Eigen::MatrixXd A = Eigen::MatrixXd::Identity(6, 6);
+  A(3, 3) = 0.0;
+  SparseCholesky cholesky;
+  cholesky.analyse(sparse(A));
+  EXPECT_EQ(cholesky.factorise(sparse(A)), 3);
+}
+
+TEST(SparseCholesky, NamesAColumnThatHasLostItsDigitsToCancellation) {
+  // Columns 2 and 4 measure the same thing: exactly singular but for rounding.
+  Eigen::MatrixXd A = Eigen::MatrixXd::Identity(6, 6);
+  A(2, 2) = 0.1 * 0.1 * 1e6;
+  A(2, 4) = A(4, 2) = 0.1 * 0.3 * 1e6;
+  A(4, 4) = 0.3 * 0.3 * 1e6 * (1.0 + 1e-15);
+  SparseCholesky cholesky;
+  cholesky.analyse(sparse(A));
+  EXPECT_EQ(cholesky.factorise(sparse(A)), 4);
+}
+
+TEST(SparseCholesky, IsFitForUseAgainAfterASingularMatrix) {
+  Random random;
+  const Eigen::MatrixXd A = random_matrix(40, random);
+  Eigen::MatrixXd singular = A;
+  singular(20, 20) = 0.0;
+  SparseCholesky cholesky;
+  cholesky.analyse(sparse(A));
+  EXPECT_TRUE(cholesky.factorise(sparse(singular)));
+  ASSERT_FALSE(cholesky.factorise(sparse(A)));
+  const Eigen::VectorXd b = Eigen::VectorXd::Ones(40);
+  EXPECT_LT((A * cholesky.solve(b) - b).norm(), 1e-10);
+}
+
+TEST(SparseCholesky, NamesTheBlasForTheReport) {
+  EXPECT_FALSE(blas_name().empty());
+}
+
+}  // namespace
+}  // namespace mapjoin
