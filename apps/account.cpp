@@ -43,6 +43,14 @@ void Account::describe(const MapSet<Dim>& set) {
 }
 
 template <int Dim>
+void Account::describe(const StoredMaps<Dim>& stored) {
+  describe(stored.log);
+  has_local_maps = true;
+  figures.local_maps = stored.maps.size();
+  figures.spans = stored.stretches.size() - stored.maps.size();
+}
+
+template <int Dim>
 void Account::describe(const RunResult<Dim>& result) {
   figures = result;
   has_local_maps = is_joined = true;
@@ -61,9 +69,10 @@ double peak_memory_mb() {
   return static_cast<double>(usage.ru_maxrss) * 1024e-6;
 }
 
-#define MAPJOIN_INSTANTIATE(Dim)                       \
-  template void Account::describe(const Log<Dim>&);    \
-  template void Account::describe(const MapSet<Dim>&); \
+#define MAPJOIN_INSTANTIATE(Dim)                           \
+  template void Account::describe(const Log<Dim>&);        \
+  template void Account::describe(const MapSet<Dim>&);     \
+  template void Account::describe(const StoredMaps<Dim>&); \
   template void Account::describe(const RunResult<Dim>&);
 MAPJOIN_INSTANTIATE(2)
 MAPJOIN_INSTANTIATE(3)

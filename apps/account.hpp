@@ -5,7 +5,7 @@
 #include <apps/options.hpp>
 #include <chrono>
 #include <cstdint>
-#include <mapjoin/io/local_map_set.hpp>
+#include <mapjoin/io/store.hpp>
 #include <mapjoin/join/run.hpp>
 #include <mapjoin/model/conventions.hpp>
 #include <mapjoin/model/ids.hpp>
@@ -40,6 +40,8 @@ struct Account {
   void describe(const Log<Dim>& log);
   template <int Dim>
   void describe(const MapSet<Dim>& set);
+  template <int Dim>
+  void describe(const StoredMaps<Dim>& stored);
   /// The result.
   template <int Dim>
   void describe(const RunResult<Dim>& result);

@@ -8,24 +8,19 @@
 #include <apps/report.hpp>
 #include <apps/summary.hpp>
 #include <mapjoin/io/open_log.hpp>
-#include <mapjoin/io/output_file.hpp>
 #include <utility>
 
 namespace mapjoin::apps {
 namespace {
-
-/// Whether a file could appear at `path`; devices and pipes are left alone.
-Expected<void> check_writable(const std::filesystem::path& path) {
-  std::error_code ignored;
-  if (path.empty() || (std::filesystem::exists(path, ignored) && !std::filesystem::is_regular_file(path, ignored))) return {};
-  return OutputFile::create(path).map([](const OutputFile&) {});
-}
 
 template <int Dim>
 void use_identity_covariance(MapSet<Dim>& set) {
   for (LocalMap<Dim>& map : set.maps) map.information.setIdentity();
   set.conventions.covariance = Covariance::kIdentity;
 }
+/// A store's maps are built already: with the weights that it names.
+template <int Dim>
+void use_identity_covariance(StoredMaps<Dim>&) {}
 
 std::string why_not_converged(const RunFigures& figures) {
   const bool joined = figures.join.status == MinimiseStatus::kConverged;
@@ -67,16 +62,16 @@ Expected<AnyLog> Call::read_log() {
   return check_interrupted().and_then([&] { return std::move(log); });
 }
 
-Expected<AnyMapSet> Call::read_maps() {
-  auto set = timed(account.read_seconds, [&] { return read_local_map_set(options_.input, options_.read); });
-  if (!set) return set;
+Expected<AnyMaps> Call::read_maps() {
+  auto maps = timed(account.read_seconds, [&] { return open_maps(options_.input, options_.read); });
+  if (!maps) return maps;
   std::visit(
       [&](auto& any) {
         if (options_.covariance == Covariance::kIdentity) use_identity_covariance(any);
         account.describe(any);
       },
-      *set);
-  return check_interrupted().and_then([&] { return std::move(set); });
+      *maps);
+  return check_interrupted().and_then([&] { return std::move(maps); });
 }
 
 Expected<void> Call::check_interrupted() const {

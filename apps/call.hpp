@@ -7,7 +7,7 @@
 #include <apps/account.hpp>
 #include <apps/exit_code.hpp>
 #include <apps/progress.hpp>
-#include <mapjoin/io/local_map_set.hpp>
+#include <mapjoin/io/open_maps.hpp>
 #include <stop_token>
 #include <string>
 
@@ -23,8 +23,8 @@ class Call {
   Expected<void> check_outputs() const;
   /// The input as a log, with the weights asked for.
   Expected<AnyLog> read_log();
-  /// The input as a set of local maps, with the weights asked for.
-  Expected<AnyMapSet> read_maps();
+  /// The input as local maps; those of a store have the weights that they were built with, others those asked for.
+  Expected<AnyMaps> read_maps();
   /// kInterrupted where a stop was requested.
   Expected<void> check_interrupted() const;
 

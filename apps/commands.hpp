@@ -9,14 +9,17 @@
 namespace mapjoin::apps {
 
 std::unique_ptr<Subcommand> run_command(CLI::App& app);
+std::unique_ptr<Subcommand> build_command(CLI::App& app);
 std::unique_ptr<Subcommand> join_command(CLI::App& app);
 std::unique_ptr<Subcommand> solve_command(CLI::App& app);
+std::unique_ptr<Subcommand> simulate_command(CLI::App& app);
 std::unique_ptr<Subcommand> info_command(CLI::App& app);
 
 /// In the order of the help.
 inline std::vector<std::unique_ptr<Subcommand>> all_commands(CLI::App& app) {
   std::vector<std::unique_ptr<Subcommand>> commands;
-  for (const auto make : {run_command, join_command, solve_command, info_command}) commands.push_back(make(app));
+  for (const auto make : {run_command, build_command, join_command, solve_command, simulate_command, info_command})
+    commands.push_back(make(app));
   return commands;
 }
 

@@ -8,8 +8,11 @@
 #include <apps/console.hpp>
 #include <apps/summary.hpp>
 #include <filesystem>
+#include <mapjoin/io/archive.hpp>
+#include <mapjoin/io/file_bytes.hpp>
 #include <mapjoin/measure/chi2.hpp>
 #include <memory>
+#include <system_error>
 #include <variant>
 
 namespace mapjoin::apps {
@@ -59,11 +62,32 @@ void add_content(const MapSet<Dim>& set, Lines& lines) {
   lines.add("features", fmt::format("{}; {} in all maps together", range_of(set.features), seen));
 }
 
+template <int Dim>
+void add_content(const StoredMaps<Dim>& stored, Lines& lines) {
+  lines.add("local maps", fmt::format("{} of {} stretches", stored.maps.size(), stored.stretches.size()));
+  lines.add("built by", stored.options);
+  lines.add("log", stored.log.source);
+  add_content(stored.log, lines);
+}
+
+template <int Dim>
+std::string kind_of(const Log<Dim>&) {
+  return "log";
+}
+template <int Dim>
+std::string kind_of(const MapSet<Dim>&) {
+  return "set of local maps";
+}
+template <int Dim>
+std::string kind_of(const StoredMaps<Dim>&) {
+  return "store of local maps and their log";
+}
+
 template <typename Content>
-Expected<ExitCode> tell(Call& call, const std::string& kind, const Content& content) {
+Expected<ExitCode> tell(Call& call, const Content& content) {
   Lines lines;
   lines.add("file", call.account.input);
-  lines.add("kind", kind);
+  lines.add("kind", kind_of(content));
   lines.add("dimension", fmt::format("{}", call.account.dimension));
   add_content(content, lines);
   lines.add("convention", conventions_in_words(call.account.conventions, call.account.dimension));
@@ -71,21 +95,19 @@ Expected<ExitCode> tell(Call& call, const std::string& kind, const Content& cont
   return write_stdout(lines.text()).map([] { return ExitCode::kDone; });
 }
 
-/// Sets of local maps are folders or archives; all else is a log.
-bool is_map_set(const std::filesystem::path& path) {
-  const std::string name = path.string();
-  return std::filesystem::is_directory(path) || name.ends_with(".tar") || name.ends_with(".tar.gz") || name.ends_with(".tgz");
+bool holds_maps(const std::filesystem::path& path) {
+  std::error_code ignored;
+  if (std::filesystem::is_directory(path, ignored) || is_store(path)) return true;
+  const auto bytes = FileBytes::read(path);
+  return bytes && is_tar_archive(bytes->view());
 }
 
 Expected<ExitCode> tell_of(const Options& options, const std::stop_token& stop) {
   Call call("info", options, stop);
-  const auto tell_any = [&](const std::string& kind, const auto& any) {
-    return std::visit([&](const auto& content) { return tell(call, kind, content); }, any);
+  const auto tell_any = [&](const auto& any) {
+    return std::visit([&](const auto& content) { return tell(call, content); }, any);
   };
-  if (is_map_set(options.input)) {
-    return call.read_maps().and_then([&](const AnyMapSet& set) { return tell_any("set of local maps", set); });
-  }
-  return call.read_log().and_then([&](const AnyLog& log) { return tell_any("log", log); });
+  return holds_maps(options.input) ? call.read_maps().and_then(tell_any) : call.read_log().and_then(tell_any);
 }
 
 }  // namespace
@@ -93,7 +115,7 @@ Expected<ExitCode> tell_of(const Options& options, const std::stop_token& stop) 
 std::unique_ptr<Subcommand> info_command(CLI::App& app) {
   auto command = std::make_unique<Subcommand>(app, "info", "What is in a file", kExamples);
   const auto options = std::make_shared<Options>();
-  command->argument("FILE", options->input, "A log, or a folder or archive of local maps");
+  command->argument("FILE", options->input, "A log, a store, or a folder or archive of local maps");
   add_reading(*command, *options);
   command->act([options](const std::stop_token& stop) { return tell_of(*options, stop); });
   return command;

@@ -9,10 +9,12 @@
 namespace mapjoin::apps {
 namespace {
 
-constexpr const char* kExamples = "  mapjoin join maps -o map.g2o";
+constexpr const char* kExamples =
+    "  mapjoin build data/manhattan2d.g2o -o manhattan2d.maps\n"
+    "  mapjoin join manhattan2d.maps -o map.g2o";
 
 template <int Dim>
-Expected<ExitCode> join_set(Call& call, const MapSet<Dim>& set) {
+Expected<ExitCode> join_any(Call& call, const MapSet<Dim>& set) {
   const auto result = run(set, call.run_options(), call.stop());
   if (!result) return tl::unexpected(result.error());
   if (auto written = call.write_map(*result, static_cast<const Log<Dim>*>(nullptr)); !written) {
@@ -21,12 +23,26 @@ Expected<ExitCode> join_set(Call& call, const MapSet<Dim>& set) {
   return call.conclude();
 }
 
+template <int Dim>
+Expected<ExitCode> join_any(Call& call, const StoredMaps<Dim>& stored) {
+  if (call.options().covariance != Covariance::kOriginal && stored.log.conventions.covariance == Covariance::kOriginal) {
+    return tl::unexpected(Error{ErrorKind::kUsage,
+                                "the weights of a store are chosen when it is built: --covariance goes with "
+                                "`mapjoin build`"});
+  }
+  const Split parts = split_along(stored.log, stored.stretches);
+  const auto result = run_from_maps(stored.log, parts, stored.maps, call.run_options(), call.stop());
+  if (!result) return tl::unexpected(result.error());
+  if (auto written = call.write_map(*result, &stored.log); !written) return tl::unexpected(written.error());
+  return call.conclude();
+}
+
 Expected<ExitCode> join_maps(const Options& options, const std::stop_token& stop) {
   Call call("join", options, stop);
   if (auto writable = call.check_outputs(); !writable) return tl::unexpected(writable.error());
-  const auto set = call.read_maps();
-  if (!set) return tl::unexpected(set.error());
-  return std::visit([&](const auto& any) { return join_set(call, any); }, *set);
+  const auto maps = call.read_maps();
+  if (!maps) return tl::unexpected(maps.error());
+  return std::visit([&](const auto& any) { return join_any(call, any); }, *maps);
 }
 
 }  // namespace
@@ -34,10 +50,12 @@ Expected<ExitCode> join_maps(const Options& options, const std::stop_token& stop
 std::unique_ptr<Subcommand> join_command(CLI::App& app) {
   auto command = std::make_unique<Subcommand>(app, "join", "From local maps to a global map", kExamples);
   const auto options = std::make_shared<Options>();
-  command->argument("MAPS", options->input, "A folder or archive of localmap_1, localmap_2, ... as .mat or .txt");
-  command->output("-o,--output", options->output, "MAP", "Write the map: .tum, .csv (features beside it), else g2o");
+  command->argument("MAPS", options->input, "A store, or a folder or archive of localmap_1, localmap_2, ... as .mat or .txt");
+  command->output("-o,--output", options->output, "MAP",
+                  "Write the map: .tum (poses only), .csv (features beside it), else g2o");
   add_schedule(*command, *options);
   add_solver(*command, *options);
+  add_polish(*command, *options);
   add_weights(*command, *options);
   add_reporting(*command, *options);
   command->act([options](const std::stop_token& stop) { return join_maps(*options, stop); });

@@ -2,6 +2,8 @@
 #include <apps/map_file.hpp>
 #include <mapjoin/io/g2o.hpp>
 #include <mapjoin/io/map_text.hpp>
+#include <mapjoin/io/output_file.hpp>
+#include <system_error>
 
 namespace mapjoin::apps {
 namespace {
@@ -17,6 +19,12 @@ Expected<std::vector<std::string>> write_csv(const GlobalMap<Dim>& map, const st
 }
 
 }  // namespace
+
+Expected<void> check_writable(const std::filesystem::path& path) {
+  std::error_code ignored;
+  if (path.empty() || (std::filesystem::exists(path, ignored) && !std::filesystem::is_regular_file(path, ignored))) return {};
+  return OutputFile::create(path).map([](const OutputFile&) {});
+}
 
 template <int Dim>
 Expected<std::vector<std::string>> write_map(const GlobalMap<Dim>& map, const Log<Dim>* log,

@@ -11,6 +11,10 @@
 
 namespace mapjoin::apps {
 
+/// kCannotWrite where no file can be made at `path`: better known before the work than after it. Devices and pipes are left
+/// alone, and so is an empty path.
+Expected<void> check_writable(const std::filesystem::path& path);
+
 /// `.tum`: the trajectory, without features. `.csv`: the poses, and the features, if there are any, beside them in
 /// `.features.csv`. Any other name: g2o, with the edges of `log` where it is given. The files written, or kCannotWrite.
 template <int Dim>

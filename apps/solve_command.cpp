@@ -35,7 +35,8 @@ std::unique_ptr<Subcommand> solve_command(CLI::App& app) {
   auto command = std::make_unique<Subcommand>(app, "solve", "Full SLAM of a log, as the join of one-step maps", kExamples);
   const auto options = std::make_shared<Options>();
   command->argument("LOG", options->input, "The log, known by its content: g2o, iSAM, MAT or text; also as gzip");
-  command->output("-o,--output", options->output, "MAP", "Write the map: .tum, .csv (features beside it), else g2o");
+  command->output("-o,--output", options->output, "MAP",
+                  "Write the map: .tum (poses only), .csv (features beside it), else g2o");
   command->group("Joining");
   command->choice<bool>("--start", options->run.start_from_values, {{"odometry", false}, {"values", true}},
                         "From odometry, along a schedule, or from the values in the file");

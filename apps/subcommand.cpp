@@ -99,9 +99,11 @@ std::string Subcommand::joined(const std::vector<std::string>& words, const std:
 }
 
 template std::optional<int> number_in(const std::string&);
+template std::optional<std::int64_t> number_in(const std::string&);
 template std::optional<std::uint64_t> number_in(const std::string&);
 template std::optional<double> number_in(const std::string&);
 template void Subcommand::number(const std::string&, int&, int, const std::string&, const std::string&);
+template void Subcommand::number(const std::string&, std::int64_t&, std::int64_t, const std::string&, const std::string&);
 template void Subcommand::number(const std::string&, std::uint64_t&, std::uint64_t, const std::string&, const std::string&);
 template void Subcommand::number(const std::string&, double&, double, const std::string&, const std::string&);
 

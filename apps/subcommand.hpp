@@ -20,7 +20,7 @@ class Option;
 
 namespace mapjoin::apps {
 
-/// The whole of `word` as a number, finite where it is not whole: int, std::uint64_t or double.
+/// The whole of `word` as a number, finite where it is not whole: int, std::int64_t, std::uint64_t or double.
 template <typename T>
 std::optional<T> number_in(const std::string& word);
 

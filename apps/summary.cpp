@@ -2,9 +2,12 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include <algorithm>
 #include <apps/console.hpp>
 #include <apps/summary.hpp>
 #include <string_view>
+#include <utility>
+#include <vector>
 
 namespace mapjoin::apps {
 namespace {
@@ -44,10 +47,14 @@ std::string gauge_in_words(const Account& account) {
 
 std::string seconds_in_words(const Account& account) {
   const RunSeconds& seconds = account.figures.seconds;
-  return fmt::format(
-      "{:.2f}: read {:.2f}, build {:.2f}, join {:.2f}, recover {:.2f}, polish {:.2f}, write {:.2f}; {:.0f} MB at most",
-      account.total_seconds(), account.read_seconds, seconds.build, seconds.join, seconds.recover, seconds.polish,
-      account.write_seconds, peak_memory_mb());
+  const std::pair<const char*, double> stages[] = {{"read", account.read_seconds}, {"build", seconds.build},
+                                                   {"join", seconds.join},         {"recover", seconds.recover},
+                                                   {"polish", seconds.polish},     {"write", account.write_seconds}};
+  std::vector<std::string> words;
+  for (const auto& [stage, taken] : stages) {
+    if (taken > 0.0) words.push_back(fmt::format("{} {:.2f}", stage, taken));
+  }
+  return fmt::format("{:.2f}: {}; {:.0f} MB at most", account.total_seconds(), fmt::join(words, ", "), peak_memory_mb());
 }
 
 void add_result(const Account& account, Lines& lines) {
@@ -100,6 +107,10 @@ std::vector<std::string> remarks(const Account& account) {
   if (account.counts.unassociated > 0) {
     all.push_back(fmt::format("{} left out: the file does not say of which feature",
                               count_of(account.counts.unassociated, "observation was", "observations were")));
+  }
+  const auto is_trajectory = [](const std::string& file) { return file.ends_with(".tum"); };
+  if (!account.has_stamps && std::any_of(account.files.begin(), account.files.end(), is_trajectory)) {
+    all.push_back("the poses have no time stamps: the trajectory counts them instead");
   }
   return all;
 }

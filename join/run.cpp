@@ -169,8 +169,10 @@ Expected<RunResult<Dim>> run(const MapSet<Dim>& set, const RunOptions& options, 
   RunResult<Dim> result;
   result.local_maps = set.maps.size();
   const Network<Dim> network = network_of(set);
-  const Stopwatch watch(result.seconds.join);
-  auto joined = join(network, set.poses, set.features, join_options(options, Pose<Dim>{}), stop);
+  auto joined = [&] {
+    const Stopwatch watch(result.seconds.join);
+    return join(network, set.poses, set.features, join_options(options, Pose<Dim>{}), stop);
+  }();
   if (!joined) return tl::unexpected(of_source(set.source, joined.error()));
   result.join = joined->result;
   result.join_dof = result.dof = joined->dof();

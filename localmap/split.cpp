@@ -4,6 +4,7 @@
 #include <mapjoin/localmap/segment.hpp>
 #include <mapjoin/localmap/split.hpp>
 #include <mapjoin/localmap/split_cost.hpp>
+#include <utility>
 
 namespace mapjoin {
 namespace {
@@ -70,18 +71,24 @@ std::vector<bool> mentioned_poses(const Log<Dim>& log) {
   return kept;
 }
 
+/// The ends of a map stay, and every pose of a span.
+void keep(const Stretch& stretch, std::vector<bool>& kept) {
+  const auto first = kept.begin() + stretch.begin;
+  const auto last = kept.begin() + stretch.end;
+  if (stretch.is_map) {
+    *first = *last = true;
+  } else {
+    std::fill(first, last + 1, true);
+  }
+}
+
 /// A map pays when it eliminates at least half of its inner poses.
 void decide_kind(Stretch& stretch, std::vector<bool>& kept) {
   const Index inner = stretch.end - stretch.begin - 1;
   const auto first = kept.begin() + stretch.begin;
-  const auto last = kept.begin() + stretch.end + 1;
-  const auto mentioned = inner > 0 ? std::count(first + 1, last - 1, true) : 0;
+  const auto mentioned = inner > 0 ? std::count(first + 1, first + 1 + inner, true) : 0;
   stretch.is_map = inner > 0 && 2 * mentioned <= inner;
-  if (stretch.is_map) {
-    *first = *(last - 1) = true;
-  } else {
-    std::fill(first, last, true);
-  }
+  keep(stretch, kept);
 }
 
 }  // namespace
@@ -115,7 +122,16 @@ Split split(const Log<Dim>& log, const SplitOptions& options) {
   return result;
 }
 
+template <int Dim>
+Split split_along(const Log<Dim>& log, std::vector<Stretch> stretches) {
+  Split result{std::move(stretches), mentioned_poses(log), 0};
+  for (const Stretch& stretch : result.stretches) keep(stretch, result.kept);
+  return result;
+}
+
 template Split split(const Log<2>&, const SplitOptions&);
 template Split split(const Log<3>&, const SplitOptions&);
+template Split split_along(const Log<2>&, std::vector<Stretch>);
+template Split split_along(const Log<3>&, std::vector<Stretch>);
 
 }  // namespace mapjoin

@@ -40,4 +40,8 @@ struct Split {
 template <int Dim>
 Split split(const Log<Dim>& log, const SplitOptions& options);
 
+/// The split that was made into these stretches before, as a store keeps them.
+template <int Dim>
+Split split_along(const Log<Dim>& log, std::vector<Stretch> stretches);
+
 }  // namespace mapjoin

@@ -28,6 +28,8 @@ class StoreWriter {
 
   /// Indices of the stretches that need no further work, ascending: the first of those that are maps.
   const std::vector<std::size_t>& done() const { return done_; }
+  /// How many of them did not determine a map.
+  std::size_t undetermined() const { return undetermined_; }
 
   /// The map of the next stretch after done() that is a map; nothing where the stretch turned out not to determine one, and is
   /// to be read as a span. Safe on the disk within 256 maps or 8 MiB. Throws std::invalid_argument for another stretch.
@@ -46,6 +48,7 @@ class StoreWriter {
   std::optional<store::Statement> insert_;
   std::vector<std::size_t> done_;
   std::vector<std::size_t> to_do_;  ///< Descending.
+  std::size_t undetermined_ = 0;
   std::size_t batch_maps_ = 0;
   std::size_t batch_bytes_ = 0;
 };

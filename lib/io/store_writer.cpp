@@ -108,9 +108,12 @@ Expected<StoreWriter<Dim>> StoreWriter<Dim>::open(const fs::path& path, const Lo
   auto insert = database->prepare("INSERT INTO maps VALUES (?, ?, ?, ?, ?, ?, ?, ?)");
   const auto maps = database->integer("SELECT count(*) FROM maps");
   if (!insert) return tl::unexpected(insert.error());
+  const auto undetermined = database->integer("SELECT count(*) FROM maps WHERE base IS NULL");
   if (!maps) return tl::unexpected(maps.error());
+  if (!undetermined) return tl::unexpected(undetermined.error());
 
   StoreWriter writer(path, std::move(*database), std::move(*insert));
+  writer.undetermined_ = static_cast<std::size_t>(*undetermined);
   for (std::size_t i = stretches.size(); i-- > 0;) {
     if (stretches[i].is_map) writer.to_do_.push_back(i);
   }
@@ -129,6 +132,7 @@ Expected<void> StoreWriter<Dim>::add(std::size_t stretch, const std::optional<Lo
   if (!inserted) return inserted;
   to_do_.pop_back();
   done_.push_back(stretch);
+  if (!map) ++undetermined_;
   if (++batch_maps_ < kBatchMaps && batch_bytes_ < kBatchBytes) return {};
   batch_maps_ = batch_bytes_ = 0;
   return database_->execute("COMMIT; BEGIN EXCLUSIVE");

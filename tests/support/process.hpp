@@ -1,0 +1,45 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+// Runs programs, as a user's shell would, and keeps what they say.
+
+#include <sys/types.h>
+
+#include <filesystem>
+#include <string>
+#include <tests/support/temporary_folder.hpp>
+#include <vector>
+
+namespace mapjoin::testing {
+
+/// Where a program's standard output goes, and where it works.
+struct ProcessOptions {
+  std::filesystem::path working_folder;   ///< Empty: as the test's.
+  std::filesystem::path standard_output;  ///< Empty: it is kept.
+  bool reader_has_gone = false;           ///< Standard output is a pipe that nobody reads.
+};
+
+class Process {
+ public:
+  /// Starts `words[0]`, found on the PATH, with the rest as arguments.
+  explicit Process(const std::vector<std::string>& words, const ProcessOptions& options = {});
+  ~Process();
+  Process(const Process&) = delete;
+  Process& operator=(const Process&) = delete;
+
+  void send(int signal) const;
+  bool is_running();
+  /// Waits for its end: the exit code, or 1000 and the signal that killed it.
+  int wait();
+  /// What it said, once it has ended.
+  std::string standard_output() const { return content_of(folder_.path() / "out"); }
+  std::string standard_error() const { return content_of(folder_.path() / "err"); }
+
+ private:
+  void note_end(int status);
+
+  TemporaryFolder folder_;
+  ::pid_t pid_ = -1;
+  int exit_code_ = -1;
+};
+
+}  // namespace mapjoin::testing
