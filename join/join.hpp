@@ -3,6 +3,7 @@
 // Joining local maps into one global map, with the absolute joined state (paper's VI.B).
 
 #include <cstdint>
+#include <functional>
 #include <mapjoin/join/joint_system.hpp>
 #include <mapjoin/join/network.hpp>
 #include <mapjoin/join/schedule.hpp>
@@ -10,7 +11,6 @@
 #include <mapjoin/solve/minimise_options.hpp>
 #include <memory>
 #include <stop_token>
-#include <string>
 #include <vector>
 
 namespace mapjoin {
@@ -43,10 +43,5 @@ template <int Dim>
 Expected<Join<Dim>> join(const Network<Dim>& network, const std::vector<PoseId>& pose_ids,
                          const std::vector<FeatureId>& feature_ids, const JoinOptions<Dim>& options,
                          const std::stop_token& stop = {});
-
-/// Moves the piece into the World's frame and says what holds it: fixed poses at their values, else priors, else the first pose
-/// at `origin`.
-template <int Dim>
-Gauge<Dim> settle_in_world(const Network<Dim>& network, const Pose<Dim>& origin, Piece<Dim>& piece);
 
 }  // namespace mapjoin

@@ -5,19 +5,13 @@
 
 #include <Eigen/Core>
 #include <mapjoin/join/piece.hpp>
+#include <mapjoin/join/world.hpp>
 #include <mapjoin/solve/minimise_options.hpp>
 #include <mapjoin/solve/normal_equations.hpp>
+#include <span>
 #include <vector>
 
 namespace mapjoin {
-
-/// What holds a piece still.
-template <int Dim>
-struct Gauge {
-  std::vector<Index> held;  ///< Places of poses that have no columns.
-  std::vector<const PoseObservation<Dim>*> pose_priors;
-  std::vector<const FeatureObservation<Dim>*> feature_priors;
-};
 
 template <int Dim>
 class JointSystem {

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <algorithm>
 #include <mapjoin/join/live_segment.hpp>
+#include <mapjoin/solve/pivot.hpp>
 #include <utility>
 
 namespace mapjoin {
@@ -58,22 +59,11 @@ Eigen::VectorXd LiveSegment<Dim>::gathered(const Eigen::VectorXd& whole) const {
 }
 
 template <int Dim>
-void LiveSegment<Dim>::add_gradient(Eigen::VectorXd& whole) const {
-  const Eigen::VectorXd& g = system_.equations().gradient();
+void LiveSegment<Dim>::scatter(const Eigen::VectorXd& own, Eigen::VectorXd& whole) const {
   const Eigen::Index chain = system_.equations().chain_length() * kPoseDof<Dim>;
-  whole.segment(own_offset_, chain) += g.head(chain);
+  whole.segment(own_offset_, chain) += own.head(chain);
   for (const auto& v : border_) {
-    if (v.whole_entry >= 0) whole.segment(v.whole_entry, v.dof) += g.segment(chain + v.entry, v.dof);
-  }
-}
-
-template <int Dim>
-void LiveSegment<Dim>::add_diagonal(Eigen::VectorXd& whole) const {
-  const Eigen::VectorXd d = system_.equations().diagonal();
-  const Eigen::Index chain = system_.equations().chain_length() * kPoseDof<Dim>;
-  whole.segment(own_offset_, chain) += d.head(chain);
-  for (const auto& v : border_) {
-    if (v.whole_entry >= 0) whole.segment(v.whole_entry, v.dof) += d.segment(chain + v.entry, v.dof);
+    if (v.whole_entry >= 0) whole.segment(v.whole_entry, v.dof) += own.segment(chain + v.entry, v.dof);
   }
 }
 
@@ -90,6 +80,11 @@ bool LiveSegment<Dim>::eliminate(double damping) {
   const Eigen::MatrixXd C_os = C(own_rows_, shared_rows_);
   own_factor_.compute(C(own_rows_, own_rows_));
   if (own_factor_.info() != Eigen::Success) return false;
+  for (std::size_t k = 0; k < own_rows_.size(); ++k) {
+    const auto i = static_cast<Eigen::Index>(k);
+    const double diagonal = system_.equations().border()(own_rows_[k], own_rows_[k]);
+    if (has_lost_digits(own_factor_.matrixLLT()(i, i), diagonal)) return false;
+  }
   own_gain_ = own_factor_.solve(C_os);
   own_solution_ = own_factor_.solve(Eigen::VectorXd(g(own_rows_)));
   reduced_.noalias() -= C_os.transpose() * own_gain_;
@@ -137,11 +132,9 @@ double LiveSegment<Dim>::try_step(const Eigen::VectorXd& whole) {
 
 template <int Dim>
 void LiveSegment<Dim>::add_step_size(const Eigen::VectorXd& whole, StepSize& size) const {
-  const Eigen::VectorXd step = gathered(whole);
-  system_.for_each_variable([&](Eigen::Index entry, int dof, bool is_pose) {
-    size.metres = std::max(size.metres, step.segment<Dim>(entry).norm());
-    if (is_pose) size.radians = std::max(size.radians, step.segment(entry + Dim, dof - Dim).norm());
-  });
+  const StepSize own = system_.step_size(gathered(whole));
+  size.metres = std::max(size.metres, own.metres);
+  size.radians = std::max(size.radians, own.radians);
 }
 
 template <int Dim>

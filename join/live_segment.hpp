@@ -21,8 +21,8 @@ class LiveSegment {
   Eigen::Index own_size() const { return own_size_; }
 
   double linearise() { return system_.linearise(values_); }
-  void add_gradient(Eigen::VectorXd& whole) const;
-  void add_diagonal(Eigen::VectorXd& whole) const;
+  void add_gradient(Eigen::VectorXd& whole) const { scatter(system_.equations().gradient(), whole); }
+  void add_diagonal(Eigen::VectorXd& whole) const { scatter(system_.equations().diagonal(), whole); }
   double curvature(const Eigen::VectorXd& whole) const { return system_.equations().curvature(gathered(whole)); }
 
   /// Eliminates what is its own from H + damping·diag(H); false where that is singular.
@@ -45,7 +45,9 @@ class LiveSegment {
     int dof;
     bool is_own;
   };
+  /// From the order of the whole to that of the segment's equations, and back.
   Eigen::VectorXd gathered(const Eigen::VectorXd& whole) const;
+  void scatter(const Eigen::VectorXd& own, Eigen::VectorXd& whole) const;
 
   const Segment<Dim>* segment_;
   SegmentSystem<Dim> system_;

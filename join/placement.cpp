@@ -8,7 +8,8 @@
 namespace mapjoin {
 namespace {
 
-/// The least spread of points, relative to the largest, that fixes a rotation about their main axis.
+/// The least spread of points, relative to their largest coordinate and, about their main axis, to their largest spread, that
+/// fixes a rotation.
 constexpr double kLeastSpread = 1e-6;
 
 template <int Dim>
@@ -21,11 +22,11 @@ Eigen::MatrixXd as_columns(const std::vector<Point<Dim>>& points) {
 /// Whether the points spread in at least Dim - 1 directions, so that a rotation is fixed by them.
 template <int Dim>
 bool fixes_rotation(const Eigen::MatrixXd& points) {
-  const Matrix<Dim> spread =
-      (points.colwise() - points.rowwise().mean()) * (points.colwise() - points.rowwise().mean()).transpose();
-  const Vector<Dim> singular = Eigen::JacobiSVD<Matrix<Dim>>(spread).singularValues();
+  const Eigen::MatrixXd centred = points.colwise() - points.rowwise().mean().eval();
+  const Vector<Dim> squared = Eigen::JacobiSVD<Matrix<Dim>>(centred * centred.transpose()).singularValues();
+  const Vector<Dim> spread = squared.cwiseSqrt();
   const double scale = std::max(1.0, points.cwiseAbs().maxCoeff());
-  return singular[0] > kLeastSpread * kLeastSpread * scale * scale && singular[Dim - 2] > kLeastSpread * singular[0];
+  return spread[0] > kLeastSpread * scale && spread[Dim - 2] > kLeastSpread * spread[0];
 }
 
 inline Rotation<2> rotation_of(const Matrix<2>& R) {
@@ -83,8 +84,10 @@ std::vector<Pose<Dim>> Ties<Dim>::candidates() const {
   std::vector<Pose<Dim>> tries;
   // Placements from single poses: the first, the middle and the last stand for all.
   const std::size_t count = placements.size();
+  std::size_t last = 0;
   for (const std::size_t k : {std::size_t{0}, count / 2, count - 1}) {
-    if (k < count && (tries.empty() || k > 0)) tries.push_back(placements[k]);
+    if (k < count && (tries.empty() || k > last)) tries.push_back(placements[k]);
+    last = k;
   }
   if (const auto aligned = rigid_alignment(second_points, first_points)) tries.push_back(*aligned);
   return tries;

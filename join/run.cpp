@@ -3,8 +3,10 @@
 #include <mapjoin/graph/connectivity.hpp>
 #include <mapjoin/join/polish_problem.hpp>
 #include <mapjoin/join/run.hpp>
+#include <mapjoin/localmap/check.hpp>
 #include <mapjoin/localmap/recover.hpp>
 #include <mapjoin/measure/chi2.hpp>
+#include <stdexcept>
 #include <utility>
 
 namespace mapjoin {
@@ -28,6 +30,11 @@ class Stopwatch {
 std::function<void(std::size_t, std::size_t)> progress_of(const RunOptions& options, Stage stage) {
   if (!options.progress) return nullptr;
   return [&options, stage](std::size_t done, std::size_t to_do) { options.progress(stage, done, to_do); };
+}
+
+void demand_valid(const RunOptions& options) {
+  const auto violations = options.validate();
+  if (!violations.empty()) throw std::invalid_argument(violations.front());
 }
 
 /// What is wrong with the data is said of the file they came from.
@@ -75,11 +82,7 @@ MinimiseResult polish(const Log<Dim>& log, const Split& split, const Network<Dim
   MinimiseOptions solver = options.solver;
   solver.relative_chi2 *= kPolishShare;
   const MinimiseResult result = minimise(problem, solver, stop);
-  const State<Dim>& joined = join.system->estimate();
-  for (std::size_t p = 0; p < join.poses.size(); ++p) state.poses[static_cast<std::size_t>(join.poses[p])] = joined.poses[p];
-  for (std::size_t f = 0; f < join.features.size(); ++f) {
-    state.features[static_cast<std::size_t>(join.features[f])] = joined.features[f];
-  }
+  write_values(join.system->estimate(), join.poses, join.features, state);
   problem.write_interiors(state);
   return result;
 }
@@ -106,7 +109,7 @@ Expected<void> join_and_polish(const Log<Dim>& log, const Split& split, std::vec
   {
     const Stopwatch watch(result.seconds.recover);
     if (options.progress) options.progress(Stage::kRecover, 0, 1);
-    recover_interiors(log, split, network.is_private, options.solver, state);
+    result.unrecovered = recover_interiors(log, split, network.is_private, options.solver, state, stop);
     result.recovered_chi2 = result.chi2 = log_chi2(log, state.poses, state.features).total();
   }
   if (options.polish) {
@@ -131,11 +134,13 @@ std::vector<std::string> RunOptions::validate() const {
 }
 
 bool RunFigures::converged() const {
-  return join.status == MinimiseStatus::kConverged && (!polish || polish->status == MinimiseStatus::kConverged);
+  if (polish) return polish->status == MinimiseStatus::kConverged;
+  return join.status == MinimiseStatus::kConverged && unrecovered == 0;
 }
 
 template <int Dim>
 Expected<RunResult<Dim>> run(const Log<Dim>& log, const RunOptions& options, const std::stop_token& stop) {
+  demand_valid(options);
   if (auto connected = check_connected(log); !connected) return tl::unexpected(connected.error());
   RunResult<Dim> result;
   Split parts;
@@ -156,7 +161,9 @@ Expected<RunResult<Dim>> run(const Log<Dim>& log, const RunOptions& options, con
 template <int Dim>
 Expected<RunResult<Dim>> run_from_maps(const Log<Dim>& log, const Split& split, std::vector<LocalMap<Dim>> maps,
                                        const RunOptions& options, const std::stop_token& stop) {
+  demand_valid(options);
   if (auto connected = check_connected(log); !connected) return tl::unexpected(connected.error());
+  if (auto of_log = check_local_maps(log, split, maps); !of_log) return tl::unexpected(of_log.error());
   RunResult<Dim> result;
   auto done = join_and_polish<Dim>(log, split, std::move(maps), options, stop, nullptr, result);
   if (!done) return tl::unexpected(done.error());
@@ -165,6 +172,7 @@ Expected<RunResult<Dim>> run_from_maps(const Log<Dim>& log, const Split& split, 
 
 template <int Dim>
 Expected<RunResult<Dim>> run(const MapSet<Dim>& set, const RunOptions& options, const std::stop_token& stop) {
+  demand_valid(options);
   if (auto connected = check_connected(set); !connected) return tl::unexpected(connected.error());
   RunResult<Dim> result;
   result.local_maps = set.maps.size();
@@ -183,6 +191,7 @@ Expected<RunResult<Dim>> run(const MapSet<Dim>& set, const RunOptions& options, 
 
 template <int Dim>
 Expected<RunResult<Dim>> solve(const Log<Dim>& log, RunOptions options, const std::stop_token& stop) {
+  demand_valid(options);
   if (auto connected = check_connected(log); !connected) return tl::unexpected(connected.error());
   options.split = {SplitRule::kPoses, 1.0};
   options.polish = false;  // the join is full SLAM already

@@ -33,7 +33,7 @@ struct RunOptions {
   std::vector<std::string> validate() const;
 };
 
-/// CPU-independent account of one run. Times are wall-clock seconds.
+/// Wall-clock seconds of each stage.
 struct RunSeconds {
   double build = 0.0;
   double join = 0.0;
@@ -50,12 +50,13 @@ struct RunFigures {
   MinimiseResult join;
   std::int64_t join_dof = 0;
   std::optional<double> recovered_chi2;  ///< Of the whole log before polishing.
+  std::size_t unrecovered = 0;  ///< Segments whose interior did not converge when it was recovered; polishing cures it.
   std::optional<MinimiseResult> polish;
   double chi2 = 0.0;     ///< Of the final estimate: rᵀWr over the whole log, or over all maps where there is none.
   std::int64_t dof = 0;  ///< Measured rows less free variables.
   RunSeconds seconds;
 
-  /// Whether every solve whose result is in the map converged.
+  /// Whether the solves whose results are in the map converged: the polish, or else the join and the recovery.
   bool converged() const;
 };
 
@@ -65,11 +66,13 @@ struct RunResult : RunFigures {
 };
 
 /// Splits the log, builds local maps, joins them, recovers what was eliminated, and polishes to the optimum of the whole log.
-/// Bad input: a log that falls apart or leaves something undetermined. kInterrupted on `stop`.
+/// Bad input: a log that falls apart or leaves something undetermined. kInterrupted on `stop`. Options that do not validate are
+/// std::invalid_argument, here and below.
 template <int Dim>
 Expected<RunResult<Dim>> run(const Log<Dim>& log, const RunOptions& options, const std::stop_token& stop = {});
 
-/// As run(), from local maps already built: `split` and `maps` as build_local_maps left them.
+/// As run(), from local maps already built: `split` and `maps` as build_local_maps left them; bad input if they are not this
+/// log's.
 template <int Dim>
 Expected<RunResult<Dim>> run_from_maps(const Log<Dim>& log, const Split& split, std::vector<LocalMap<Dim>> maps,
                                        const RunOptions& options, const std::stop_token& stop = {});

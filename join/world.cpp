@@ -1,15 +1,20 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <limits>
-#include <mapjoin/join/join.hpp>
 #include <mapjoin/join/placement.hpp>
-#include <mapjoin/model/linearise.hpp>
+#include <mapjoin/join/world.hpp>
+#include <utility>
 
 namespace mapjoin {
 namespace {
 
 template <int Dim>
+bool measures_position(const PoseObservation<Dim>& prior) {
+  return (prior.information.diagonal().template head<Dim>().array() > 0.0).all();
+}
+
+template <int Dim>
 bool measures_rotation(const PoseObservation<Dim>& prior) {
-  return !prior.information.template bottomRightCorner<kRotationDof<Dim>, kRotationDof<Dim>>().isZero(0.0);
+  return (prior.information.diagonal().template tail<kRotationDof<Dim>>().array() > 0.0).all();
 }
 
 /// What ties the World (first frame) to a piece (second frame).
@@ -20,7 +25,7 @@ Ties<Dim> world_ties(const Network<Dim>& network, const Piece<Dim>& piece) {
     if (holds(piece.poses, fixed.pose)) ties.add_pose(fixed.value, pose_in(piece, fixed.pose));
   }
   for (const auto* prior : network.pose_priors) {
-    if (!holds(piece.poses, prior->target)) continue;
+    if (!holds(piece.poses, prior->target) || !measures_position(*prior)) continue;
     const Pose<Dim>& pose = pose_in(piece, prior->target);
     if (measures_rotation(*prior)) {
       ties.add_pose(prior->measured, pose);
@@ -45,7 +50,7 @@ double misfit(const Ties<Dim>& ties, const Pose<Dim>& placement) {
 }
 
 template <int Dim>
-void place_in_world(const Ties<Dim>& ties, Piece<Dim>& piece) {
+void place_by(const Ties<Dim>& ties, Piece<Dim>& piece) {
   double least = std::numeric_limits<double>::infinity();
   Pose<Dim> best;
   for (const Pose<Dim>& placement : ties.candidates()) {
@@ -61,16 +66,16 @@ void place_in_world(const Ties<Dim>& ties, Piece<Dim>& piece) {
 }  // namespace
 
 template <int Dim>
-Gauge<Dim> settle_in_world(const Network<Dim>& network, const Pose<Dim>& origin, Piece<Dim>& piece) {
-  Gauge<Dim> gauge;
+void place_in_world(const Network<Dim>& network, const Pose<Dim>& origin, Piece<Dim>& piece) {
   const Ties<Dim> ties = world_ties(network, piece);
-  if (ties.first_points.empty()) {
-    const Pose<Dim> frame = compose(origin, inverse(piece.state.poses.front()));
-    piece.state = moved(frame, std::move(piece.state));
-    gauge.held = {0};
-    return gauge;
-  }
-  place_in_world(ties, piece);
+  if (!ties.first_points.empty()) return place_by(ties, piece);
+  const Pose<Dim> frame = compose(origin, inverse(piece.state.poses.front()));
+  piece.state = moved(frame, std::move(piece.state));
+}
+
+template <int Dim>
+Gauge<Dim> hold_in_world(const Network<Dim>& network, Piece<Dim>& piece) {
+  Gauge<Dim> gauge;
   for (const auto& fixed : network.fixed) {
     if (!holds(piece.poses, fixed.pose)) continue;
     gauge.held.push_back(place_of(piece.poses, fixed.pose));
@@ -82,10 +87,13 @@ Gauge<Dim> settle_in_world(const Network<Dim>& network, const Pose<Dim>& origin,
   for (const auto* prior : network.feature_priors) {
     if (holds(piece.features, prior->target)) gauge.feature_priors.push_back(prior);
   }
+  if (gauge.held.empty() && gauge.pose_priors.empty() && gauge.feature_priors.empty()) gauge.held = {0};
   return gauge;
 }
 
-template Gauge<2> settle_in_world(const Network<2>&, const Pose<2>&, Piece<2>&);
-template Gauge<3> settle_in_world(const Network<3>&, const Pose<3>&, Piece<3>&);
+template void place_in_world(const Network<2>&, const Pose<2>&, Piece<2>&);
+template void place_in_world(const Network<3>&, const Pose<3>&, Piece<3>&);
+template Gauge<2> hold_in_world(const Network<2>&, Piece<2>&);
+template Gauge<3> hold_in_world(const Network<3>&, Piece<3>&);
 
 }  // namespace mapjoin

@@ -17,7 +17,8 @@ BuiltMap<Dim> build_local_map(const Segment<Dim>& segment, const MinimiseOptions
   const MinimiseResult result = minimise(problem, solver);
   BuiltMap<Dim> built;
   built.iterations = result.iterations;
-  if (result.status != MinimiseStatus::kConverged) return built;
+  const bool is_usable = result.status == MinimiseStatus::kConverged || result.status == MinimiseStatus::kMaxIterations;
+  if (!is_usable) return built;
   auto information = problem.marginal_information();
   if (!information) return built;
 

@@ -22,7 +22,8 @@ struct BuildOptions {
 /// A local map and how it was found.
 template <int Dim>
 struct BuiltMap {
-  /// Nothing where the segment's own observations do not determine all its poses and features: it then stays a span.
+  /// Nothing where the segment's own observations do not determine all its poses and features, or its chi2 is not finite: it
+  /// then stays a span.
   std::optional<LocalMap<Dim>> map;
   int iterations = 0;
 };
@@ -31,8 +32,8 @@ struct BuiltMap {
 template <int Dim>
 BuiltMap<Dim> build_local_map(const Segment<Dim>& segment, const MinimiseOptions& solver);
 
-/// Local maps of all stretches of a log that are maps, in their order; stretches whose map could not be determined, or did not
-/// converge, are turned into spans in `split`.
+/// Local maps of all stretches of a log that are maps, in their order; stretches without a map
+/// are turned into spans in `split`.
 template <int Dim>
 struct LocalMaps {
   std::vector<LocalMap<Dim>> maps;

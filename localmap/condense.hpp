@@ -19,7 +19,7 @@ struct CondensedMap {
   Eigen::MatrixXd gain;  ///< W_ff⁻¹ W_fo: the residuals of the private features are -gain · those of the others.
 };
 
-/// `is_private` is per feature. Features whose own information is singular stay.
+/// `is_private` is per feature. Where they are not determined within the map, all stay.
 template <int Dim>
 CondensedMap<Dim> condense(LocalMap<Dim> map, const std::vector<bool>& is_private);
 

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <tbb/parallel_for.h>
 
+#include <atomic>
 #include <mapjoin/localmap/recover.hpp>
 #include <mapjoin/localmap/segment_problem.hpp>
 #include <utility>
@@ -26,22 +27,24 @@ void compose_interior(const Segment<Dim>& segment, State<Dim>& values) {
   }
 }
 
+/// Returns whether the segment's own solve converged.
 template <int Dim>
-void recover_interior(const Segment<Dim>& segment, const std::vector<bool>& is_private, const MinimiseOptions& solver,
-                      State<Dim>& state) {
+bool recover_interior(const Segment<Dim>& segment, const std::vector<bool>& is_private, const MinimiseOptions& solver,
+                      const std::stop_token& stop, State<Dim>& state) {
   SegmentFreedom freedom;
   freedom.kept = false;
   for (const Index feature : segment.features) freedom.features.push_back(is_private[static_cast<std::size_t>(feature)]);
   State<Dim> start = values_of(segment, state);
   compose_interior(segment, start);
   SegmentProblem<Dim> problem(segment, freedom, std::move(start));
-  minimise(problem, solver);
+  const MinimiseResult result = minimise(problem, solver, stop);
   for (const Index pose : segment.interior) {
     state.poses[static_cast<std::size_t>(pose)] = problem.estimate().poses[static_cast<std::size_t>(pose - segment.begin)];
   }
   for (std::size_t f = 0; f < segment.features.size(); ++f) {
     if (freedom.features[f]) state.features[static_cast<std::size_t>(segment.features[f])] = problem.estimate().features[f];
   }
+  return result.status == MinimiseStatus::kConverged;
 }
 
 }  // namespace
@@ -55,17 +58,20 @@ State<Dim> values_of(const Segment<Dim>& segment, const State<Dim>& state) {
 }
 
 template <int Dim>
-void recover_interiors(const Log<Dim>& log, const Split& split, const std::vector<bool>& is_private,
-                       const MinimiseOptions& solver, State<Dim>& state) {
+std::size_t recover_interiors(const Log<Dim>& log, const Split& split, const std::vector<bool>& is_private,
+                              const MinimiseOptions& solver, State<Dim>& state, const std::stop_token& stop) {
+  std::atomic<std::size_t> failed = 0;
   tbb::parallel_for(std::size_t{0}, split.stretches.size(), [&](std::size_t k) {
     if (!split.stretches[k].is_map) return;
-    recover_interior(segment_of(log, split, split.stretches[k]), is_private, solver, state);
+    if (!recover_interior(segment_of(log, split, split.stretches[k]), is_private, solver, stop, state)) ++failed;
   });
+  return failed;
 }
 
-#define MAPJOIN_INSTANTIATE(Dim)                                         \
-  template State<Dim> values_of(const Segment<Dim>&, const State<Dim>&); \
-  template void recover_interiors(const Log<Dim>&, const Split&, const std::vector<bool>&, const MinimiseOptions&, State<Dim>&);
+#define MAPJOIN_INSTANTIATE(Dim)                                                                                          \
+  template State<Dim> values_of(const Segment<Dim>&, const State<Dim>&);                                                  \
+  template std::size_t recover_interiors(const Log<Dim>&, const Split&, const std::vector<bool>&, const MinimiseOptions&, \
+                                         State<Dim>&, const std::stop_token&);
 MAPJOIN_INSTANTIATE(2)
 MAPJOIN_INSTANTIATE(3)
 #undef MAPJOIN_INSTANTIATE

@@ -5,6 +5,7 @@
 #include <mapjoin/localmap/segment.hpp>
 #include <mapjoin/model/state.hpp>
 #include <mapjoin/solve/minimise_options.hpp>
+#include <stop_token>
 #include <vector>
 
 namespace mapjoin {
@@ -14,9 +15,10 @@ template <int Dim>
 State<Dim> values_of(const Segment<Dim>& segment, const State<Dim>& state);
 
 /// Re-solves every segment for its interior poses and private features, what is kept and shared being held at its joined value:
-/// `state` is over the poses and features of the log. In parallel, with the same result for any number of threads.
+/// `state` is over the poses and features of the log. In parallel, with the same result for any number of threads. Returns the
+/// number of segments whose solve did not converge; their interior is the best found.
 template <int Dim>
-void recover_interiors(const Log<Dim>& log, const Split& split, const std::vector<bool>& is_private,
-                       const MinimiseOptions& solver, State<Dim>& state);
+std::size_t recover_interiors(const Log<Dim>& log, const Split& split, const std::vector<bool>& is_private,
+                              const MinimiseOptions& solver, State<Dim>& state, const std::stop_token& stop = {});
 
 }  // namespace mapjoin

@@ -30,6 +30,25 @@ std::span<const FeatureObservation<Dim>> observations_of(const Log<Dim>& log, co
   return {first, last};
 }
 
+namespace {
+
+/// The different features of observations, ascending.
+template <int Dim>
+std::vector<Index> features_in(std::span<const FeatureObservation<Dim>> observations) {
+  std::vector<Index> features;
+  for (const auto& observation : observations) features.push_back(observation.target);
+  std::sort(features.begin(), features.end());
+  features.erase(std::unique(features.begin(), features.end()), features.end());
+  return features;
+}
+
+}  // namespace
+
+template <int Dim>
+std::int64_t features_seen(const Log<Dim>& log, const Stretch& stretch) {
+  return static_cast<std::int64_t>(features_in(observations_of(log, stretch)).size());
+}
+
 template <int Dim>
 Segment<Dim> segment_of(const Log<Dim>& log, const Split& split, const Stretch& stretch) {
   Segment<Dim> segment;
@@ -40,9 +59,7 @@ Segment<Dim> segment_of(const Log<Dim>& log, const Split& split, const Stretch& 
   }
   segment.odometry = odometry_of(log, stretch);
   segment.observations = observations_of(log, stretch);
-  for (const auto& observation : segment.observations) segment.features.push_back(observation.target);
-  std::sort(segment.features.begin(), segment.features.end());
-  segment.features.erase(std::unique(segment.features.begin(), segment.features.end()), segment.features.end());
+  segment.features = features_in(segment.observations);
   return segment;
 }
 
@@ -50,6 +67,7 @@ Segment<Dim> segment_of(const Log<Dim>& log, const Split& split, const Stretch& 
   template struct Segment<Dim>;                                                                       \
   template std::span<const PoseObservation<Dim>> odometry_of(const Log<Dim>&, const Stretch&);        \
   template std::span<const FeatureObservation<Dim>> observations_of(const Log<Dim>&, const Stretch&); \
+  template std::int64_t features_seen(const Log<Dim>&, const Stretch&);                               \
   template Segment<Dim> segment_of(const Log<Dim>&, const Split&, const Stretch&);
 MAPJOIN_INSTANTIATE(2)
 MAPJOIN_INSTANTIATE(3)

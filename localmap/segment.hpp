@@ -2,6 +2,7 @@
 #pragma once
 // The part of a log that one local map is made of: full SLAM of one segment.
 
+#include <cstdint>
 #include <mapjoin/localmap/split.hpp>
 #include <mapjoin/model/log.hpp>
 #include <span>
@@ -30,6 +31,10 @@ template <int Dim>
 std::span<const PoseObservation<Dim>> odometry_of(const Log<Dim>& log, const Stretch& stretch);
 template <int Dim>
 std::span<const FeatureObservation<Dim>> observations_of(const Log<Dim>& log, const Stretch& stretch);
+
+/// The number of different features that a stretch sees.
+template <int Dim>
+std::int64_t features_seen(const Log<Dim>& log, const Stretch& stretch);
 
 template <int Dim>
 Segment<Dim> segment_of(const Log<Dim>& log, const Split& split, const Stretch& stretch);

@@ -40,16 +40,6 @@ Eigen::VectorXd SegmentProblem<Dim>::solve() const {
 }
 
 template <int Dim>
-StepSize SegmentProblem<Dim>::step_size(const Eigen::VectorXd& step) const {
-  StepSize size;
-  system_.for_each_variable([&](Eigen::Index entry, int dof, bool is_pose) {
-    size.metres = std::max(size.metres, step.segment<Dim>(entry).norm());
-    if (is_pose) size.radians = std::max(size.radians, step.segment(entry + Dim, dof - Dim).norm());
-  });
-  return size;
-}
-
-template <int Dim>
 double SegmentProblem<Dim>::try_step(const Eigen::VectorXd& step) {
   candidate_ = estimate_;
   system_.retract(step, candidate_);

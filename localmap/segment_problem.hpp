@@ -21,7 +21,7 @@ class SegmentProblem {
   double curvature(const Eigen::VectorXd& v) const { return system_.equations().curvature(v); }
   std::optional<Index> factorise(double damping);
   Eigen::VectorXd solve() const;
-  StepSize step_size(const Eigen::VectorXd& step) const;
+  StepSize step_size(const Eigen::VectorXd& step) const { return system_.step_size(step); }
   double try_step(const Eigen::VectorXd& step);
   void accept() { estimate_ = candidate_; }
 

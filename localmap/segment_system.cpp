@@ -138,6 +138,20 @@ void SegmentSystem<Dim>::retract(const Eigen::VectorXd& step, State<Dim>& values
   }
 }
 
+template <int Dim>
+StepSize SegmentSystem<Dim>::step_size(const Eigen::VectorXd& step) const {
+  StepSize size;
+  for (const Slot& slot : pose_slots_) {
+    if (!slot.is_free()) continue;
+    size.metres = std::max(size.metres, step.segment<Dim>(slot.entry).norm());
+    size.radians = std::max(size.radians, step.segment<kRotationDof<Dim>>(slot.entry + Dim).norm());
+  }
+  for (const Slot& slot : feature_slots_) {
+    if (slot.is_free()) size.metres = std::max(size.metres, step.segment<Dim>(slot.entry).norm());
+  }
+  return size;
+}
+
 template class SegmentSystem<2>;
 template class SegmentSystem<3>;
 

@@ -3,9 +3,11 @@
 // The normal equations of one segment: its interior poses are the chain, everything else that is free the dense border.
 
 #include <Eigen/Core>
+#include <cstdint>
 #include <mapjoin/localmap/segment.hpp>
 #include <mapjoin/model/state.hpp>
 #include <mapjoin/solve/chain_system.hpp>
+#include <mapjoin/solve/minimise_options.hpp>
 #include <vector>
 
 namespace mapjoin {
@@ -33,18 +35,9 @@ class SegmentSystem {
   ChainSystem<Dim>& equations() { return equations_; }
   const ChainSystem<Dim>& equations() const { return equations_; }
 
+  StepSize step_size(const Eigen::VectorXd& step) const;
   /// `values` moved by a step of chain and border.
   void retract(const Eigen::VectorXd& step, State<Dim>& values) const;
-  /// Calls f(entry of the step, dof, is_pose) for every free variable.
-  template <typename F>
-  void for_each_variable(F&& f) const {
-    for (const Slot& slot : pose_slots_) {
-      if (slot.is_free()) f(slot.entry, kDof, true);
-    }
-    for (const Slot& slot : feature_slots_) {
-      if (slot.is_free()) f(slot.entry, Dim, false);
-    }
-  }
 
  private:
   /// Where a variable stands: its entry in the step (chain first), or nowhere.

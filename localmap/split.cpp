@@ -82,12 +82,17 @@ void keep(const Stretch& stretch, std::vector<bool>& kept) {
   }
 }
 
-/// A map pays when it eliminates at least half of its inner poses.
-void decide_kind(Stretch& stretch, std::vector<bool>& kept) {
+/// More variables than this do not fit into one dense matrix with ease: 200 MB, several copies, and a map for every thread.
+constexpr std::int64_t kMostBorder = 5000;
+
+/// A map pays when it eliminates at least half of its inner poses, unless its border is too large.
+template <int Dim>
+void decide_kind(const Log<Dim>& log, Stretch& stretch, std::vector<bool>& kept) {
   const Index inner = stretch.end - stretch.begin - 1;
   const auto first = kept.begin() + stretch.begin;
   const auto mentioned = inner > 0 ? std::count(first + 1, first + 1 + inner, true) : 0;
-  stretch.is_map = inner > 0 && 2 * mentioned <= inner;
+  const auto border = (2 + static_cast<std::int64_t>(mentioned)) * kPoseDof<Dim> + features_seen(log, stretch) * Dim;
+  stretch.is_map = inner > 0 && 2 * mentioned <= inner && border <= kMostBorder;
   keep(stretch, kept);
 }
 
@@ -118,7 +123,7 @@ Split split(const Log<Dim>& log, const SplitOptions& options) {
       begin = end;
     } while (begin + 1 < session.end);
   }
-  for (Stretch& stretch : result.stretches) decide_kind(stretch, result.kept);
+  for (Stretch& stretch : result.stretches) decide_kind(log, stretch, result.kept);
   return result;
 }
 

@@ -4,7 +4,6 @@
 #include <limits>
 #include <mapjoin/localmap/segment.hpp>
 #include <mapjoin/localmap/split_cost.hpp>
-#include <span>
 
 namespace mapjoin {
 namespace {
@@ -17,15 +16,6 @@ double block_cost(double m) {
   return 30.0 * m * m + 0.4 * m * m * m;
 }
 
-/// The different features that a stretch sees.
-template <int Dim>
-std::ptrdiff_t features_seen(std::span<const FeatureObservation<Dim>> observations) {
-  std::vector<Index> features;
-  for (const auto& observation : observations) features.push_back(observation.target);
-  std::sort(features.begin(), features.end());
-  return std::unique(features.begin(), features.end()) - features.begin();
-}
-
 /// What one stretch costs, as a map or, where it would keep most of its poses, as a span of one-step maps.
 template <int Dim>
 double stretch_cost(const Log<Dim>& log, const std::vector<bool>& kept, const Stretch& stretch, double levels) {
@@ -36,7 +26,7 @@ double stretch_cost(const Log<Dim>& log, const std::vector<bool>& kept, const St
   if (steps < 2.0 || 2.0 * mentioned > steps - 1.0) {
     return steps * levels * block_cost(2.0 * kDof + Dim * static_cast<double>(observations.size()) / steps);
   }
-  const double m = (2.0 + mentioned) * kDof + Dim * static_cast<double>(features_seen(observations));
+  const double m = (2.0 + mentioned) * kDof + Dim * static_cast<double>(features_seen(log, stretch));
   return levels * block_cost(m) + 2.0 * steps * kDof * m * m + 0.5 * m * m * m;
 }
 
@@ -49,7 +39,7 @@ double cost_per_step(const Log<Dim>& log, const std::vector<bool>& kept, Index p
   double steps = 0.0;
   for (const Session& session : log.sessions) {
     const Index available = (session.end - 1 - session.begin) / poses_per_map;
-    const Index stride = std::max<Index>(1, available / kSamples) * poses_per_map;
+    const Index stride = std::max<Index>(1, (available + kSamples - 1) / kSamples) * poses_per_map;
     for (Index begin = session.begin; begin + poses_per_map < session.end; begin += stride) {
       cost += stretch_cost(log, kept, {begin, begin + poses_per_map}, levels);
       steps += poses_per_map;

@@ -11,8 +11,8 @@ namespace mapjoin {
 ///   ( L (30 m² + 0.4 m³) + 2 (steps) dof m² + 0.5 m³ ) / N,
 /// where m is the mean size of a map's border (kept poses and features) and L the depth of the tree of joins. The first term is
 /// assembling and factorising the map at each level of the tree; the others are building and polishing it, dense and therefore
-/// cheaper. `kept` says which poses the rest of the log mentions; they are in the border, too. A stretch that would stay a span costs
-/// what its one-step maps do, at each level of the tree.
+/// cheaper. `kept` says which poses the rest of the log mentions; they are in the border, too. A stretch that would stay a span
+/// costs what its one-step maps do, at each level of the tree.
 template <int Dim>
 double cost_per_step(const Log<Dim>& log, const std::vector<bool>& kept, Index poses_per_map);
 

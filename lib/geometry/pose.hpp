@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
-// Poses and what is done with them: compose, between, transform, inverse, retract and local, each with its Jacobians.
+// Poses and what is done with them: retract and local; compose, between, inverse and transform with their Jacobians.
 //
 // A step δ of a pose is (translation, rotation): the translation is added in the parent frame, the rotation composed on the
 // right, t ← t + δ_t, R ← R Exp(δ_φ). In 2D this is the paper's (x, y, φ). A Jacobian is written only where its pointer is

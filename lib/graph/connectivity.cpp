@@ -2,7 +2,6 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <boost/graph/incremental_components.hpp>
 #include <boost/pending/disjoint_sets.hpp>
 #include <mapjoin/graph/connectivity.hpp>
 #include <vector>
@@ -34,7 +33,7 @@ class Components {
   }
   bool is_tied(std::size_t v) const { return is_tied_[v]; }
 
-  /// A vertex of each component, the World's aside from being counted when nothing hangs on it.
+  /// A vertex of each component; the World counts only where something hangs on it.
   std::vector<std::size_t> roots() {
     std::vector<std::size_t> first_of(parent_.size(), parent_.size());
     std::vector<std::size_t> firsts;

@@ -79,6 +79,23 @@ Expected<void> check_names(const Log<Dim>& log, const std::string& file) {
   return {};
 }
 
+/// The order that Log promises: odometry between successive poses of a session, by the later one; observations by their pose.
+template <int Dim>
+Expected<void> check_order(const Log<Dim>& log, const std::string& file) {
+  auto session = log.sessions.begin();
+  Index latest = 0;
+  for (const auto& o : log.odometry) {
+    const auto [earlier, later] = std::minmax(o.base, o.target);
+    if (later != earlier + 1 || later < latest) return damaged(file, "its odometry is not in order");
+    while (session->end <= earlier) ++session;
+    if (session->end <= later) return damaged(file, "its odometry leaves a session");
+    latest = later;
+  }
+  const auto by_pose = [](const auto& a, const auto& b) { return a.base < b.base; };
+  if (std::is_sorted(log.observations.begin(), log.observations.end(), by_pose)) return {};
+  return damaged(file, "its observations are not in order");
+}
+
 }  // namespace
 
 template <int Dim>
@@ -89,6 +106,7 @@ Expected<void> check_log(const Log<Dim>& log, const std::string& file) {
       .and_then([&] { return check_observations(log.odometry, "odometry", poses, false, poses, file); })
       .and_then([&] { return check_observations(log.closures, "closures", poses, false, poses, file); })
       .and_then([&] { return check_observations(log.observations, "observations", poses, false, features, file); })
+      .and_then([&] { return check_order(log, file); })
       .and_then([&] { return check_observations(log.pose_priors, "pose_priors", poses, true, poses, file); })
       .and_then([&] { return check_observations(log.feature_priors, "feature_priors", poses, true, features, file); })
       .and_then([&] { return check_values(log.initial_poses, "initial_poses", poses, file); })

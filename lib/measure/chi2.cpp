@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include <Eigen/Cholesky>
 #include <mapjoin/measure/chi2.hpp>
+#include <mapjoin/model/information_rank.hpp>
 #include <stdexcept>
 
 namespace mapjoin {
@@ -17,21 +17,10 @@ double sum(const Observations& observations, const Poses& poses, const Targets& 
   return total;
 }
 
-/// The rank of a positive semidefinite matrix, by pivoted Cholesky of W scaled to a unit diagonal: metres and radians weigh
-/// alike.
-template <int Rows>
-std::int64_t rank(const Matrix<Rows>& W) {
-  constexpr double kZero = 1e-9;
-  const Vector<Rows> diagonal = W.diagonal();
-  const Vector<Rows> scale = (diagonal.array() > 0.0).select(diagonal.array().rsqrt(), 0.0);
-  const Eigen::LDLT<Matrix<Rows>> ldlt(scale.asDiagonal() * W * scale.asDiagonal());
-  return (ldlt.vectorD().array() > kZero).count();
-}
-
 template <typename Observations>
 std::int64_t measured_rows(const Observations& observations) {
   std::int64_t rows = 0;
-  for (const auto& observation : observations) rows += rank(observation.information);
+  for (const auto& observation : observations) rows += information_rank(observation.information);
   return rows;
 }
 

@@ -11,7 +11,8 @@
 
 namespace mapjoin {
 
-/// The loss ρ(rᵀWr) of an observation. All are quadratic today; `loss_weight` is the one place where another would enter.
+/// The loss ρ(s) of an observation, s = rᵀWr. All are quadratic today: ρ(s) = s. Another would enter in `loss_weight` and
+/// wherever chi2 is summed.
 enum class Loss : std::uint8_t { kQuadratic };
 
 /// dρ/ds at s = rᵀWr, by which W is scaled in the normal equations.

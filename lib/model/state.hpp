@@ -18,6 +18,14 @@ struct State {
   const Point<Dim>& feature(Index index) const { return features[static_cast<std::size_t>(index)]; }
 };
 
+/// Puts the values of a part into the state of the whole: `poses` and `features` are its indices there.
+template <int Dim>
+void write_values(const State<Dim>& part, const std::vector<Index>& poses, const std::vector<Index>& features,
+                  State<Dim>& whole) {
+  for (std::size_t p = 0; p < poses.size(); ++p) whole.poses[static_cast<std::size_t>(poses[p])] = part.poses[p];
+  for (std::size_t f = 0; f < features.size(); ++f) whole.features[static_cast<std::size_t>(features[f])] = part.features[f];
+}
+
 /// `state` seen from another frame: every pose and feature moved by `frame`.
 template <int Dim>
 State<Dim> moved(const Pose<Dim>& frame, State<Dim> state) {

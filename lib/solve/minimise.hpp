@@ -30,38 +30,43 @@ concept LeastSquaresProblem = requires(P p, const Eigen::VectorXd& v, double dam
 
 namespace detail {
 
-/// Factorises with the least damping that makes the system regular; the first singular variable met where none does or none is
-/// allowed.
+/// Factorises with `damping` or, if that may grow, the least that makes the system regular, which `damping` then is. Returns
+/// the first singular variable met where none does.
 template <LeastSquaresProblem P>
-std::optional<Index> factorise_damped(P& problem, double damping, bool damp_singular) {
+std::optional<Index> factorise_damped(P& problem, double& damping, bool damp_singular) {
   const auto singular = problem.factorise(damping);
   if (!singular || !damp_singular) return singular;
   for (double more = std::max(1e-8, 10.0 * damping); more <= 1.0; more *= 10.0) {
-    if (!problem.factorise(more)) return std::nullopt;
+    if (problem.factorise(more)) continue;
+    damping = more;
+    return std::nullopt;
   }
   return singular;
 }
 
 }  // namespace detail
 
-/// Minimises chi2 from the problem's estimate, which is left at the best one found. Each accepted step counts as one iteration.
+/// Minimises chi2 from the problem's estimate, which is left at the best one found (for Gauss-Newton, at the last). Each
+/// accepted step counts as one iteration.
 template <LeastSquaresProblem P>
 MinimiseResult minimise(P& problem, const MinimiseOptions& options, const std::stop_token& stop = {}) {
   MinimiseResult result;
   result.chi2 = result.start_chi2 = problem.linearise();
   TrustRegion region(options.method);
   while (true) {
-    if (stop.stop_requested()) return result.ended(MinimiseStatus::kInterrupted);
     if (!std::isfinite(result.chi2)) return result.ended(MinimiseStatus::kNoProgress);
     const Quadratic model = Quadratic::of(problem);
     Eigen::VectorXd step;
     do {
+      if (stop.stop_requested()) return result.ended(MinimiseStatus::kInterrupted);
       if (region.needs_factorisation()) {
-        result.singular = detail::factorise_damped(problem, region.damping(), options.damp_singular);
+        double damping = region.damping();
+        result.singular = detail::factorise_damped(problem, damping, options.damp_singular);
         if (result.singular) return result.ended(MinimiseStatus::kSingular);
-        region.set_newton_step(problem.solve(), model);
+        region.set_newton_step(problem.solve(), damping, model);
       }
       step = region.step(model);
+      if (!region.is_finite()) return result.ended(MinimiseStatus::kNoProgress);
       const StepSize size = problem.step_size(step);
       const bool last = region.predicted_decrease() <= options.relative_chi2 * result.chi2 ||
                         (size.metres <= options.step_metres && size.radians <= options.step_radians);
@@ -72,7 +77,8 @@ MinimiseResult minimise(P& problem, const MinimiseOptions& options, const std::s
           result.chi2 = chi2;
           ++result.iterations;
         }
-        return result.ended(MinimiseStatus::kConverged);
+        return result.ended(region.speaks_for_whole_step(result.chi2) ? MinimiseStatus::kConverged
+                                                                      : MinimiseStatus::kNoProgress);
       }
       if (options.method == Method::kGaussNewton && !std::isfinite(chi2)) return result.ended(MinimiseStatus::kNoProgress);
       region.judge(result.chi2 - chi2);

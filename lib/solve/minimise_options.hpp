@@ -31,7 +31,7 @@ struct MinimiseOptions {
 enum class MinimiseStatus : std::uint8_t {
   kConverged,      ///< A stop test held.
   kMaxIterations,  ///< The estimate is the best found so far.
-  kNoProgress,     ///< chi2 is not finite; the estimate is the last good one.
+  kNoProgress,     ///< No step lowers chi2 though the model promises it, or chi2 is not finite.
   kSingular,       ///< `singular` cannot be determined from the observations; the estimate is the last good one.
   kInterrupted,    ///< The stop token was set; the estimate is the best found so far.
 };

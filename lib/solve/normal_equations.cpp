@@ -176,18 +176,21 @@ double NormalEquations::curvature(const Eigen::VectorXd& v) const {
   return sum;
 }
 
-void NormalEquations::scale_diagonal(double factor) {
+void NormalEquations::set_diagonal(const Eigen::VectorXd& diagonal) {
   for (std::size_t k = 0; k < order_.size(); ++k) {
-    const int dof = dofs_[static_cast<std::size_t>(order_[k])];
-    for (int i = 0; i < dof; ++i) matrix_.values[static_cast<std::size_t>(diagonal_[k] + i * (strides_[k] + 1))] *= factor;
+    const auto v = static_cast<std::size_t>(order_[k]);
+    for (int i = 0; i < dofs_[v]; ++i) {
+      matrix_.values[static_cast<std::size_t>(diagonal_[k] + i * (strides_[k] + 1))] = diagonal[offsets_[v] + i];
+    }
   }
 }
 
 std::optional<Index> NormalEquations::factorise(double damping) {
   if (size() == 0) return std::nullopt;
-  if (damping > 0.0) scale_diagonal(1.0 + damping);
+  const Eigen::VectorXd undamped = damping > 0.0 ? diagonal() : Eigen::VectorXd();
+  if (damping > 0.0) damp(damping);
   const auto column = cholesky_.factorise(matrix_);
-  if (damping > 0.0) scale_diagonal(1.0 / (1.0 + damping));
+  if (damping > 0.0) set_diagonal(undamped);
   if (!column) return std::nullopt;
   const auto place = std::upper_bound(place_offsets_.begin(), place_offsets_.end(), *column) - place_offsets_.begin() - 1;
   return order_[static_cast<std::size_t>(place)];

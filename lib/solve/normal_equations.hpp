@@ -75,17 +75,14 @@ class NormalEquations {
   double curvature(const Eigen::VectorXd& v) const;
 
   /// H + damping·diag(H) from here on.
-  void damp(double damping) { scale_diagonal(1.0 + damping); }
+  void damp(double damping) { set_diagonal((1.0 + damping) * diagonal()); }
   /// Factorises H + damping·diag(H), H staying what it is. Returns a variable at which it is singular, or nothing.
   std::optional<Index> factorise(double damping);
   /// (H + damping·diag(H))⁻¹ b of the last factorisation.
   Eigen::VectorXd solve(const Eigen::VectorXd& b) const;
 
-  /// Non-zeros of the upper triangle, for reports and for refusing what is too large.
-  std::int64_t nonzeros() const { return static_cast<std::int64_t>(matrix_.rows.size()); }
-
  private:
-  void scale_diagonal(double factor);
+  void set_diagonal(const Eigen::VectorXd& diagonal);
   void order_variables();
   void lay_out();
 

@@ -3,6 +3,7 @@
 
 #include <Eigen/OrderingMethods>
 #include <Eigen/SparseCore>
+#include <limits>
 #include <mapjoin/solve/ordering.hpp>
 #include <mutex>
 #include <new>
@@ -57,7 +58,8 @@ std::vector<Index> elimination_order(const BlockGraph& graph) {
     std::iota(order.begin(), order.end(), 0);
     return order;
   }
-  return graph.size() < kSmall ? minimum_degree(graph) : nested_dissection(graph);
+  const bool fits_metis = graph.neighbours.size() <= static_cast<std::size_t>(std::numeric_limits<idx_t>::max());
+  return graph.size() < kSmall || !fits_metis ? minimum_degree(graph) : nested_dissection(graph);
 }
 
 }  // namespace mapjoin

@@ -66,7 +66,8 @@ struct SparseCholesky::Factor {
   cholmod_factor* L = nullptr;
 
   Factor() {
-    use_one_thread();
+    static const bool once = (use_one_thread(), true);
+    static_cast<void>(once);
     cholmod_l_start(&common);
     common.print = 0;
     common.nmethods = 1;

@@ -19,13 +19,29 @@ double dogleg_fraction(const Eigen::VectorXd& c, const Eigen::VectorXd& n, const
   return std::clamp(beta, 0.0, 1.0);
 }
 
+/// What rounding may leave of chi2 that no step can gain, as a share of it.
+constexpr double kLittle = 1e-6;
+/// Beyond this a damped step no longer speaks for the whole one.
+constexpr double kMuchDamping = 1.0;
+
 }  // namespace
 
-void TrustRegion::set_newton_step(Eigen::VectorXd newton, const Quadratic& model) {
+bool TrustRegion::speaks_for_whole_step(double chi2) const {
+  switch (method_) {
+    case Method::kGaussNewton:
+      return true;
+    case Method::kDogleg:
+      return newton_length_ <= radius_ || newton_decrease_ <= kLittle * chi2;
+    case Method::kLevenbergMarquardt:
+      return damping_ <= kMuchDamping;
+  }
+  return false;
+}
+
+void TrustRegion::set_newton_step(Eigen::VectorXd newton, double damping, const Quadratic& model) {
   newton_ = std::move(newton);
   newton_length_ = model.length(newton_);
-  newton_decrease_ = model.gradient.dot(newton_);
-  if (method_ == Method::kLevenbergMarquardt) newton_decrease_ += damping_ * newton_length_ * newton_length_;
+  newton_decrease_ = model.gradient.dot(newton_) + damping * newton_length_ * newton_length_;
   needs_factorisation_ = method_ == Method::kLevenbergMarquardt;
 }
 

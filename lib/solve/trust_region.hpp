@@ -37,12 +37,17 @@ class TrustRegion {
   /// False where only the radius shrank and the Gauss-Newton step still stands.
   bool needs_factorisation() const { return needs_factorisation_; }
   double damping() const { return method_ == Method::kLevenbergMarquardt ? damping_ : 0.0; }
-  void set_newton_step(Eigen::VectorXd newton, const Quadratic& model);
+  /// The solution of (H + damping·D) n = g.
+  void set_newton_step(Eigen::VectorXd newton, double damping, const Quadratic& model);
 
   /// The step to try: within the radius for the dogleg.
   Eigen::VectorXd step(const Quadratic& model);
   /// By how much the model says the step lowers chi2.
   double predicted_decrease() const { return predicted_; }
+  bool is_finite() const { return std::isfinite(predicted_) && std::isfinite(step_length_); }
+  /// Whether a step that promises little means that the whole Gauss-Newton step does: it is that step, or that one promises
+  /// little, too. Else the region has only shrunk.
+  bool speaks_for_whole_step(double chi2) const;
 
   /// Updates radius or damping by what the step achieved.
   void judge(double actual_decrease);
