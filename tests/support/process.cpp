@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <fcntl.h>
 #include <signal.h>
+#include <sys/resource.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
@@ -38,6 +39,8 @@ Process::Process(const std::vector<std::string>& words, const ProcessOptions& op
     ::dup2(out, STDOUT_FILENO);
     ::dup2(err, STDERR_FILENO);
     if (!options.working_folder.empty() && ::chdir(options.working_folder.c_str()) != 0) ::_exit(127);
+    const ::rlimit limit{options.memory_bytes, options.memory_bytes};
+    if (options.memory_bytes > 0) ::setrlimit(RLIMIT_DATA, &limit);
     ::execvp(arguments[0], arguments.data());
     ::_exit(127);
   }

@@ -4,6 +4,7 @@
 
 #include <sys/types.h>
 
+#include <cstddef>
 #include <filesystem>
 #include <string>
 #include <tests/support/temporary_folder.hpp>
@@ -11,11 +12,12 @@
 
 namespace mapjoin::testing {
 
-/// Where a program's standard output goes, and where it works.
+/// What surrounds a program.
 struct ProcessOptions {
   std::filesystem::path working_folder;   ///< Empty: as the test's.
   std::filesystem::path standard_output;  ///< Empty: it is kept.
   bool reader_has_gone = false;           ///< Standard output is a pipe that nobody reads.
+  std::size_t memory_bytes = 0;           ///< What it may have for data; 0: no limit.
 };
 
 class Process {

@@ -1,0 +1,52 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+// The command as the tests call it, and the small logs they give it.
+
+#include <filesystem>
+#include <nlohmann/json.hpp>
+#include <string>
+#include <tests/support/process.hpp>
+#include <utility>
+#include <vector>
+
+namespace mapjoin::testing {
+
+/// The binary under test.
+inline const std::string kCommand = MAPJOIN_COMMAND;
+/// The folder of the logs that come with the project.
+inline const std::filesystem::path kBundledData = MAPJOIN_BUNDLED_DATA;
+
+/// How a call of the command ended.
+struct Ended {
+  int exit_code = -1;
+  std::string out;
+  std::string err;
+};
+
+inline std::vector<std::string> command_line(std::vector<std::string> arguments) {
+  arguments.insert(arguments.begin(), kCommand);
+  return arguments;
+}
+
+inline Ended call(std::vector<std::string> arguments, const ProcessOptions& options = {}) {
+  Process process(command_line(std::move(arguments)), options);
+  const int exit_code = process.wait();
+  return {exit_code, process.standard_output(), process.standard_error()};
+}
+
+/// The report of a call, to which `--report -` is added.
+inline nlohmann::json report_of(std::vector<std::string> arguments) {
+  arguments.insert(arguments.end(), {"--report", "-"});
+  const Ended ended = call(std::move(arguments));
+  EXPECT_EQ(ended.exit_code, 0) << ended.err;
+  return nlohmann::json::parse(ended.out);
+}
+
+/// Three poses in a row that see one feature.
+inline const std::string kSmallLog =
+    "EDGE_SE2 0 1 1 0 0 1 0 0 1 0 1\n"
+    "EDGE_SE2 1 2 1 0 0 1 0 0 1 0 1\n"
+    "EDGE_SE2_XY 0 7 2 1 1 0 1\n"
+    "EDGE_SE2_XY 2 7 0 1.1 1 0 1\n";
+
+}  // namespace mapjoin::testing

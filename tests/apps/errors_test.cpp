@@ -1,0 +1,131 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <filesystem>
+#include <tests/apps/command.hpp>
+
+namespace mapjoin::testing {
+namespace {
+
+using ::testing::AllOf;
+using ::testing::HasSubstr;
+using ::testing::StartsWith;
+
+/// One sentence on standard error, after the command's name, and nothing on standard output.
+void expect_failure(const Ended& ended, int exit_code, const std::string& part) {
+  EXPECT_EQ(ended.exit_code, exit_code);
+  EXPECT_EQ(ended.out, "");
+  EXPECT_THAT(ended.err, AllOf(StartsWith("mapjoin: "), HasSubstr(part)));
+  EXPECT_EQ(std::count(ended.err.begin(), ended.err.end(), '\n'), 1) << ended.err;
+}
+
+class BadInput : public ::testing::Test {
+ protected:
+  /// A log with this content is refused, with a message that has its name followed by `place` and `part`.
+  void expect_refused(const std::string& content, const std::string& place, const std::string& part) const {
+    const auto log = folder.file("log.g2o", content);
+    for (const std::string command : {"run", "info"}) {
+      const Ended ended = call({command, log.string()});
+      if (command == "info" && ended.exit_code == 0) continue;  // What only a solve finds out.
+      expect_failure(ended, 3, part);
+      EXPECT_THAT(ended.err, HasSubstr(log.string() + place)) << command;
+    }
+    expect_failure(call({"solve", log.string(), "-o", (folder.path() / "map.g2o").string()}), 3, part);
+    EXPECT_FALSE(std::filesystem::exists(folder.path() / "map.g2o"));
+  }
+  TemporaryFolder folder;
+};
+
+TEST_F(BadInput, AMissingFileIsNamed) {
+  expect_failure(call({"run", (folder.path() / "nowhere.g2o").string()}), 3, "nowhere.g2o: No such file or directory");
+  expect_failure(call({"info", (folder.path() / "nowhere.g2o").string()}), 3, "nowhere.g2o");
+  expect_failure(call({"join", (folder.path() / "nowhere").string(), "-o", (folder.path() / "map.g2o").string()}), 3,
+                 "nowhere");
+}
+
+TEST_F(BadInput, AMalformedNumberIsNamedWithItsPlace) {
+  expect_refused(kSmallLog + "EDGE_SE2 2 3 1 O 0 1 0 0 1 0 1\n", ":5:16: ", "O");
+}
+
+TEST_F(BadInput, ATruncatedLineIsNamedWithItsPlace) {
+  expect_refused(kSmallLog + "EDGE_SE2 2 3 1 0\n", ":5:", "");
+}
+
+TEST_F(BadInput, NotANumberIsRefused) {
+  expect_refused(kSmallLog + "EDGE_SE2 2 3 nan 0 0 1 0 0 1 0 1\n", ":5:14: ", "nan");
+}
+
+TEST_F(BadInput, AnIndefiniteInformationMatrixIsNamedByItsEdge) {
+  expect_refused(kSmallLog + "EDGE_SE2 2 3 1 0 0 1 0 0 -1 0 1\n", ":5:", "2-3");
+}
+
+TEST_F(BadInput, AnUnknownIdIsNamed) {
+  expect_refused("VERTEX_SE2 0 0 0 0\nVERTEX_SE2 1 1 0 0\nEDGE_SE2 0 1 1 0 0 1 0 0 1 0 1\nEDGE_SE2 1 5 1 0 0 1 0 0 1 0 1\n",
+                 ":4:", "5");
+}
+
+TEST_F(BadInput, ALogThatFallsApartIsNamedByItsParts) {
+  expect_refused(kSmallLog + "EDGE_SE2 10 11 1 0 0 1 0 0 1 0 1\n", "", "10");
+}
+
+TEST_F(BadInput, ATruncatedMatFileIsRefused) {
+  const auto log = folder.file("log.mat", "MATLAB 5.0 MAT-file, but no more");
+  expect_failure(call({"run", log.string()}), 3, "log.mat");
+}
+
+TEST_F(BadInput, AStoreThatIsCutShortIsRefused) {
+  const auto log = folder.file("log.g2o", kSmallLog);
+  const auto store = folder.path() / "maps";
+  ASSERT_EQ(call({"build", log.string(), "-o", store.string()}).exit_code, 0);
+  std::filesystem::resize_file(store, std::filesystem::file_size(store) / 2);
+  expect_failure(call({"join", store.string(), "-o", (folder.path() / "map.g2o").string()}), 3, "maps");
+}
+
+TEST(Repair, TakesTheNearestSemidefiniteMatrixAndCountsIt) {
+  const TemporaryFolder folder;
+  const auto log = folder.file("log.g2o", kSmallLog + "EDGE_SE2 2 3 1 0 0 2 0 0 2 1e-3 0\n");
+  ASSERT_EQ(call({"run", log.string()}).exit_code, 3);
+  EXPECT_EQ(report_of({"run", log.string(), "--repair-information"}).at("repaired_informations"), 1);
+}
+
+TEST(Usage, EveryViolationIsNamed) {
+  const Ended ended =
+      call({"run", "log", "--jobs", "none", "--schedule", "forest", "--poses-per-map", "0", "--metres-per-map", "x"});
+  expect_failure(ended, 2, "--jobs is \"none\"");
+  EXPECT_THAT(ended.err, AllOf(HasSubstr("--schedule is \"forest\""), HasSubstr("--poses-per-map is \"0\""),
+                               HasSubstr("--metres-per-map is \"x\""), HasSubstr("only one of")));
+}
+
+TEST(Usage, WhatIsMissingOrUnknownIsNamed) {
+  expect_failure(call({}), 2, "command");
+  expect_failure(call({"run"}), 2, "LOG");
+  expect_failure(call({"solve", "log"}), 2, "--output");
+  expect_failure(call({"fly", "log"}), 2, "fly");
+  expect_failure(call({"run", "log", "--faster"}), 2, "--faster");
+  expect_failure(call({"simulate", "-o", "log", "--chance", "2", "--block", "1.5"}), 2, "chance");
+}
+
+TEST(Usage, TheWeightsOfAStoreAreThoseItWasBuiltWith) {
+  const TemporaryFolder folder;
+  const auto log = folder.file("log.g2o", kSmallLog);
+  const std::string store = (folder.path() / "maps").string();
+  const std::string map = (folder.path() / "map.g2o").string();
+  ASSERT_EQ(call({"build", log.string(), "-o", store}).exit_code, 0);
+  expect_failure(call({"join", store, "-o", map, "--covariance", "identity"}), 2, "build");
+}
+
+TEST(Size, WhatDoesNotFitIntoMemoryIsRefused) {
+#ifdef __SANITIZE_ADDRESS__
+  GTEST_SKIP() << "The address sanitizer needs memory of its own.";
+#endif
+  const TemporaryFolder folder;
+  ProcessOptions small;
+  small.memory_bytes = std::size_t{256} << 20;
+  expect_failure(call({"simulate", "--poses", "10000000", "-o", (folder.path() / "log.g2o").string()}, small), 6, "memory");
+  EXPECT_TRUE(std::filesystem::is_empty(folder.path()));
+}
+
+}  // namespace
+}  // namespace mapjoin::testing

@@ -1,0 +1,61 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <sstream>
+#include <tests/apps/command.hpp>
+
+namespace mapjoin::testing {
+namespace {
+
+namespace fs = std::filesystem;
+
+/// The lines below "Examples:" of a help text.
+std::vector<std::string> examples_in(const std::string& help) {
+  std::istringstream lines(help.substr(std::min(help.find("Examples:"), help.size())));
+  std::vector<std::string> examples;
+  std::string line;
+  std::getline(lines, line);
+  while (std::getline(lines, line)) {
+    if (!line.empty()) examples.push_back(line);
+  }
+  return examples;
+}
+
+/// A command's examples, one after the other, in a folder with the bundled logs under `data`.
+class Examples : public ::testing::TestWithParam<std::string> {};
+
+TEST_P(Examples, WorkAsPasted) {
+  const Ended help = call({GetParam(), "--help"});
+  ASSERT_EQ(help.exit_code, 0);
+  const auto examples = examples_in(help.out);
+  ASSERT_FALSE(examples.empty()) << help.out;
+  const TemporaryFolder folder;
+  fs::create_directory_symlink(kBundledData, folder.path() / "data");
+  const std::string path = "export PATH=" + fs::path(kCommand).parent_path().string() + ":$PATH\n";
+  for (const std::string& example : examples) {
+    Process process({"sh", "-c", path + example}, {folder.path(), {}, false, 0});
+    EXPECT_EQ(process.wait(), 0) << example << '\n' << process.standard_error();
+    EXPECT_NE(process.standard_output(), "") << example;
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(OfEveryCommand, Examples, ::testing::Values("run", "build", "join", "solve", "simulate", "info"),
+                         [](const auto& command) { return command.param; });
+
+TEST(Help, NamesEveryCommandAndExitCode) {
+  const Ended help = call({"--help"});
+  EXPECT_EQ(help.exit_code, 0);
+  for (const std::string word : {"run", "build", "join", "solve", "simulate", "info", "130 interrupted"}) {
+    EXPECT_THAT(help.out, ::testing::HasSubstr(word));
+  }
+}
+
+TEST(Help, NamesTheVersion) {
+  const Ended version = call({"--version"});
+  EXPECT_EQ(version.exit_code, 0);
+  EXPECT_THAT(version.out, ::testing::MatchesRegex("mapjoin [0-9]+\\.[0-9]+\\.[0-9]+\n"));
+}
+
+}  // namespace
+}  // namespace mapjoin::testing

@@ -1,0 +1,59 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <regex>
+#include <tests/apps/command.hpp>
+
+namespace mapjoin::testing {
+namespace {
+
+/// Whether a line of `text` has these words, with any space between them.
+void expect_line(const std::string& text, const std::string& name, const std::string& words) {
+  const std::regex line("(^|\n)" + name + " +" + words + "\n");
+  EXPECT_TRUE(std::regex_search(text, line)) << name << ' ' << words << " in\n" << text;
+}
+
+TEST(Info, TellsWhatALogHas) {
+  const TemporaryFolder folder;
+  const auto log = folder.file("log.g2o", kSmallLog + "EDGE_SE2 0 2 2 0 0 1 0 0 1 0 1\nFIX 0\n");
+  const std::string text = call({"info", log.string()}).out;
+  expect_line(text, "kind", "log");
+  expect_line(text, "dimension", "2");
+  expect_line(text, "poses", "3, pose 0 to pose 2");
+  expect_line(text, "features", "1, feature 7 to feature 7");
+  expect_line(text, "odometry", "2");
+  expect_line(text, "closures", "1");
+  expect_line(text, "observations", "2");
+  expect_line(text, "fixed poses", "1");
+  expect_line(text, "stamps", "none");
+}
+
+TEST(Info, TellsAStoreFromALog) {
+  const TemporaryFolder folder;
+  const std::string store = (folder.path() / "maps").string();
+  ASSERT_EQ(call({"build", (kBundledData / "manhattan2d.g2o").string(), "-o", store, "--poses-per-map", "50"}).exit_code, 0);
+  const std::string text = call({"info", store}).out;
+  expect_line(text, "kind", "store of local maps and their log");
+  expect_line(text, "local maps", "10 of 10 stretches");
+  expect_line(text, "poses", "500, pose 0 to pose 499");
+}
+
+TEST(Info, TellsWhatASetOfLocalMapsHas) {
+  const TemporaryFolder folder;
+  // One map, from pose 0 to pose 1, that sees feature 7.
+  std::string map = "0\n5\n-1 1\n-1 0\n-1 0\n7 2\n7 1\n";
+  for (int row = 0; row < 5; ++row) {
+    for (int col = 0; col < 5; ++col) map += row == col ? "1 " : "0 ";
+    map += "\n";
+  }
+  folder.file("localmap_1.txt", map);
+  const Ended ended = call({"info", folder.path().string()});
+  EXPECT_EQ(ended.exit_code, 0) << ended.err;
+  expect_line(ended.out, "kind", "set of local maps");
+  expect_line(ended.out, "local maps", "1");
+  expect_line(ended.out, "features", "1, feature 7 to feature 7; 1 in all maps together");
+}
+
+}  // namespace
+}  // namespace mapjoin::testing

@@ -1,0 +1,160 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <signal.h>
+
+#include <algorithm>
+#include <chrono>
+#include <tests/apps/command.hpp>
+#include <thread>
+
+namespace mapjoin::testing {
+namespace {
+
+namespace fs = std::filesystem;
+using ::testing::HasSubstr;
+using ::testing::StartsWith;
+
+const std::string kLog = (kBundledData / "manhattan2d.g2o").string();
+
+std::vector<std::string> names_in(const fs::path& folder) {
+  std::vector<std::string> names;
+  for (const auto& entry : fs::directory_iterator(folder)) names.push_back(entry.path().filename().string());
+  std::sort(names.begin(), names.end());
+  return names;
+}
+
+class Output : public ::testing::Test {
+ protected:
+  std::string path(const std::string& name) const { return (folder.path() / name).string(); }
+  TemporaryFolder folder;
+};
+
+TEST_F(Output, ARunFillsItsFolder) {
+  const Ended ended = call({"run", kLog, "-o", path("some/where")});
+  EXPECT_EQ(ended.exit_code, 0) << ended.err;
+  EXPECT_EQ(names_in(path("some/where")),
+            (std::vector<std::string>{"features.csv", "map.g2o", "map.svg", "poses.csv", "report.json", "trajectory.tum"}));
+}
+
+TEST_F(Output, IsTheSameBytesForAnyNumberOfThreads) {
+  for (const std::string jobs : {"1", "2"}) ASSERT_EQ(call({"run", kLog, "-o", path(jobs), "--jobs", jobs}).exit_code, 0);
+  for (const std::string name : {"map.g2o", "trajectory.tum", "poses.csv", "features.csv"}) {
+    EXPECT_EQ(content_of(path("1/" + name)), content_of(path("2/" + name))) << name;
+  }
+}
+
+TEST_F(Output, TheFormatGoesByTheName) {
+  for (const std::string name : {"map.g2o", "map.tum", "map.csv"}) {
+    ASSERT_EQ(call({"solve", kLog, "-o", path(name)}).exit_code, 0);
+  }
+  EXPECT_THAT(content_of(path("map.g2o")), HasSubstr("VERTEX_SE2 "));
+  EXPECT_THAT(content_of(path("map.tum")), StartsWith("# index x y z qx qy qz qw"));
+  EXPECT_THAT(content_of(path("map.csv")), StartsWith("pose,x,y,phi\n"));
+  EXPECT_THAT(content_of(path("map.features.csv")), StartsWith("feature,x,y\n"));
+}
+
+TEST_F(Output, ABuildThatIsJoinedGivesTheMapOfARun) {
+  ASSERT_EQ(call({"run", kLog, "-o", path("run")}).exit_code, 0);
+  ASSERT_EQ(call({"build", kLog, "-o", path("maps")}).exit_code, 0);
+  ASSERT_EQ(call({"join", path("maps"), "-o", path("map.csv")}).exit_code, 0);
+  EXPECT_EQ(content_of(path("map.csv")), content_of(path("run/poses.csv")));
+  EXPECT_EQ(content_of(path("map.features.csv")), content_of(path("run/features.csv")));
+}
+
+TEST_F(Output, ASolveFromTheValuesOfASolvedMapStaysThere) {
+  ASSERT_EQ(call({"solve", kLog, "-o", path("map.g2o")}).exit_code, 0);
+  const auto again = report_of({"solve", path("map.g2o"), "--start", "values", "-o", path("again.g2o")});
+  EXPECT_EQ(again.at("join").at("start"), "values");
+  EXPECT_TRUE(again.at("join").at("schedule").is_null());
+  EXPECT_LE(again.at("join").at("iterations"), 2);
+}
+
+TEST_F(Output, WhatDoesNotConvergeIsWrittenAndMarked) {
+  const Ended ended = call({"solve", kLog, "-o", path("map.g2o"), "--max-iterations", "1", "--report", "-"});
+  EXPECT_EQ(ended.exit_code, 4);
+  EXPECT_THAT(ended.err, StartsWith("mapjoin: the join did not converge"));
+  EXPECT_EQ(nlohmann::json::parse(ended.out).at("converged"), false);
+  EXPECT_TRUE(fs::exists(path("map.g2o")));
+  EXPECT_THAT(call({"solve", kLog, "-o", path("map.g2o"), "--max-iterations", "1"}).out, HasSubstr("DID NOT CONVERGE"));
+}
+
+TEST_F(Output, AFolderThatCannotBeIsAnErrorThatLeavesNothing) {
+  folder.file("file", "in the way");
+  for (const std::string where : {path("file"), path("file/below"), std::string("/proc/nowhere")}) {
+    const Ended ended = call({"run", kLog, "-o", where});
+    EXPECT_EQ(ended.exit_code, 5);
+    EXPECT_THAT(ended.err, StartsWith("mapjoin: " + where + ": "));
+  }
+  EXPECT_EQ(content_of(path("file")), "in the way");
+  EXPECT_EQ(names_in(folder.path()), std::vector<std::string>{"file"});
+}
+
+TEST_F(Output, AFileThatCannotBeIsAnErrorBeforeTheWork) {
+  for (const std::string command : {"solve", "build", "simulate"}) {
+    std::vector<std::string> arguments = {command, "-o", path("nowhere/file")};
+    if (command != "simulate") arguments.push_back(kLog);
+    EXPECT_EQ(call(arguments).exit_code, 5) << command;
+  }
+  EXPECT_EQ(call({"run", kLog, "--report", path("nowhere/report.json")}).exit_code, 5);
+  EXPECT_TRUE(fs::is_empty(folder.path()));
+}
+
+TEST_F(Output, AFullDiskIsAnError) {
+  if (!fs::exists("/dev/full")) GTEST_SKIP() << "Needs /dev/full.";
+  ProcessOptions full;
+  full.standard_output = "/dev/full";
+  EXPECT_EQ(call({"run", kLog}, full).exit_code, 5);
+  EXPECT_EQ(call({"run", kLog, "--report", "-"}, full).exit_code, 5);
+  EXPECT_EQ(call({"info", kLog}, full).exit_code, 5);
+  EXPECT_EQ(call({"--help"}, full).exit_code, 5);
+  EXPECT_EQ(call({"run", kLog, "--report", "/dev/full"}).exit_code, 5);
+  EXPECT_EQ(call({"solve", kLog, "-o", "/dev/full"}).exit_code, 5);
+}
+
+TEST_F(Output, AReaderThatHasGoneIsNoError) {
+  ProcessOptions gone;
+  gone.reader_has_gone = true;
+  for (const auto& arguments : std::vector<std::vector<std::string>>{{"run", kLog}, {"info", kLog}, {"--help"}}) {
+    const Ended ended = call(arguments, gone);
+    EXPECT_EQ(ended.exit_code, 0);
+    EXPECT_EQ(ended.err, "");
+  }
+}
+
+/// A call that is sent a signal as soon as it has begun to write at `sign`, or has read its input.
+class Interruption : public Output {
+ protected:
+  void SetUp() override { ASSERT_EQ(call({"simulate", "--poses", "30000", "-o", path("log.g2o"), "--quiet"}).exit_code, 0); }
+  Ended interrupted(const std::vector<std::string>& arguments, const fs::path& sign, int signal) {
+    Process process(command_line(arguments));
+    while (process.is_running() && !fs::exists(sign)) std::this_thread::sleep_for(std::chrono::milliseconds(2));
+    process.send(signal);
+    const int exit_code = process.wait();
+    return {exit_code, process.standard_output(), process.standard_error()};
+  }
+};
+
+TEST_F(Interruption, LeavesNothingOfARun) {
+  for (const int signal : {SIGINT, SIGTERM}) {
+    const Ended ended = interrupted({"run", path("log.g2o"), "-o", path("out")}, path("out"), signal);
+    EXPECT_EQ(ended.exit_code, 130);
+    EXPECT_EQ(ended.err, "mapjoin: interrupted\n");
+    EXPECT_EQ(ended.out, "");
+    EXPECT_EQ(names_in(folder.path()), std::vector<std::string>{"log.g2o"});
+  }
+}
+
+TEST_F(Interruption, ABuildGoesOnAndEndsWithTheSameBytes) {
+  const std::vector<std::string> build = {"build", path("log.g2o"), "-o", path("maps"), "--quiet"};
+  const Ended ended = interrupted(build, path("maps.partial"), SIGINT);
+  EXPECT_EQ(ended.exit_code, 130);
+  EXPECT_FALSE(fs::exists(path("maps")));
+  ASSERT_EQ(call(build).exit_code, 0);
+  ASSERT_EQ(call({"build", path("log.g2o"), "-o", path("whole"), "--quiet"}).exit_code, 0);
+  EXPECT_EQ(content_of(path("maps")), content_of(path("whole")));
+  EXPECT_EQ(names_in(folder.path()), (std::vector<std::string>{"log.g2o", "maps", "whole"}));
+}
+
+}  // namespace
+}  // namespace mapjoin::testing

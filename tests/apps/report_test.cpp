@@ -1,0 +1,150 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <tests/apps/command.hpp>
+
+namespace mapjoin::testing {
+namespace {
+
+using nlohmann::json;
+
+const std::string kLog = (kBundledData / "manhattan2d.g2o").string();
+
+/// What other programs rely on, as JSON pointers.
+const std::vector<std::string> kPromised = {"/schema_version",
+                                            "/version",
+                                            "/command",
+                                            "/input",
+                                            "/dimension",
+                                            "/convention/pose_error",
+                                            "/convention/rotation_information",
+                                            "/convention/covariance",
+                                            "/units/length",
+                                            "/units/angle",
+                                            "/sessions",
+                                            "/poses",
+                                            "/features",
+                                            "/odometry",
+                                            "/closures",
+                                            "/observations",
+                                            "/priors",
+                                            "/fixed_poses",
+                                            "/stamps",
+                                            "/repeated_edges",
+                                            "/repaired_informations",
+                                            "/unassociated",
+                                            "/local_maps/count",
+                                            "/local_maps/spans",
+                                            "/local_maps/poses_per_map",
+                                            "/local_maps/iterations",
+                                            "/local_maps/seconds",
+                                            "/join/status",
+                                            "/join/state",
+                                            "/join/start",
+                                            "/join/schedule",
+                                            "/join/method",
+                                            "/join/iterations",
+                                            "/join/chi2",
+                                            "/join/dof",
+                                            "/join/seconds",
+                                            "/recover/chi2",
+                                            "/polish/status",
+                                            "/polish/iterations",
+                                            "/polish/chi2",
+                                            "/converged",
+                                            "/chi2",
+                                            "/dof",
+                                            "/gauge/held_poses",
+                                            "/files",
+                                            "/seconds/read",
+                                            "/seconds/build",
+                                            "/seconds/join",
+                                            "/seconds/recover",
+                                            "/seconds/polish",
+                                            "/seconds/write",
+                                            "/seconds/total",
+                                            "/peak_memory_mb",
+                                            "/blas"};
+
+/// The report without what differs from call to call.
+json without_figures_of_the_machine(json report) {
+  for (const std::string key : {"seconds", "peak_memory_mb", "files"}) report.erase(key);
+  report["local_maps"].erase("seconds");
+  report["join"].erase("seconds");
+  return report;
+}
+
+TEST(Report, HasEveryKeyWhateverTheCommandDoes) {
+  const TemporaryFolder folder;
+  const std::string store = (folder.path() / "maps").string();
+  const std::string map = (folder.path() / "map.g2o").string();
+  for (const auto& arguments : std::vector<std::vector<std::string>>{{"run", kLog},
+                                                                     {"run", kLog, "--no-polish"},
+                                                                     {"build", kLog, "-o", store},
+                                                                     {"join", store, "-o", map},
+                                                                     {"solve", kLog, "-o", map}}) {
+    const json report = report_of(arguments);
+    EXPECT_EQ(report.at("command"), arguments.front());
+    for (const std::string& key : kPromised) EXPECT_TRUE(report.contains(json::json_pointer(key))) << key;
+  }
+}
+
+TEST(Report, SaysWhatTheRunDid) {
+  const json report = report_of({"run", kLog, "--poses-per-map", "20", "--schedule", "sequential", "--method", "lm"});
+  EXPECT_EQ(report.at("dimension"), 2);
+  EXPECT_EQ(report.at("poses"), 500);
+  EXPECT_EQ(report.at("odometry"), 499);
+  EXPECT_EQ(report.at("local_maps").at("poses_per_map"), 20);
+  EXPECT_EQ(report.at("local_maps").at("count"), 25);
+  EXPECT_EQ(report.at("join").at("schedule"), "sequential");
+  EXPECT_EQ(report.at("join").at("method"), "lm");
+  EXPECT_EQ(report.at("join").at("status"), "converged");
+  EXPECT_EQ(report.at("converged"), true);
+  EXPECT_EQ(report.at("convention").at("covariance"), "original");
+  EXPECT_EQ(report.at("gauge").at("held_poses"), json::parse(R"([{"session": 0, "pose": 0}])"));
+  EXPECT_GE(report.at("recover").at("chi2"), report.at("chi2"));
+  EXPECT_DOUBLE_EQ(report.at("polish").at("chi2"), report.at("chi2"));
+  // Noise as stated: chi2 is within five of its standard deviations √(2 dof) of dof.
+  const double dof = report.at("dof");
+  EXPECT_NEAR(report.at("chi2"), dof, 5.0 * std::sqrt(2.0 * dof));
+}
+
+TEST(Report, IsTheSameForAnyNumberOfThreads) {
+  for (const std::string name : {"manhattan2d.g2o", "manhattan3d.g2o"}) {
+    const std::string log = (kBundledData / name).string();
+    const json one = report_of({"run", log, "--jobs", "1"});
+    const json two = report_of({"run", log, "--jobs", "2"});
+    EXPECT_EQ(without_figures_of_the_machine(one), without_figures_of_the_machine(two));
+  }
+}
+
+TEST(Report, GoesToAFileBesideTheSummary) {
+  const TemporaryFolder folder;
+  const std::string path = (folder.path() / "report.json").string();
+  const Ended ended = call({"run", kLog, "--report", path});
+  EXPECT_EQ(ended.exit_code, 0);
+  EXPECT_THAT(ended.out, ::testing::HasSubstr("chi2"));
+  EXPECT_EQ(json::parse(content_of(path)).at("command"), "run");
+}
+
+TEST(Summary, IsLeftOutWhenAskedTo) {
+  const Ended ended = call({"run", kLog, "--quiet"});
+  EXPECT_EQ(ended.exit_code, 0);
+  EXPECT_EQ(ended.out, "");
+  EXPECT_EQ(ended.err, "");
+}
+
+TEST(Summary, NamesGaugeAndConventionAndWhatIsSpecialInTheData) {
+  const TemporaryFolder folder;
+  const auto log = folder.file("log.g2o", kSmallLog + "EDGE_SE2 1 2 1 0 0 1 0 0 1 0 1\n");
+  const Ended ended = call({"run", log.string(), "--covariance", "identity"});
+  EXPECT_EQ(ended.err, "");
+  EXPECT_THAT(ended.out, ::testing::HasSubstr("pose 0 held"));
+  EXPECT_THAT(ended.out, ::testing::HasSubstr("identity covariance"));
+  EXPECT_THAT(ended.out, ::testing::HasSubstr("1 edge repeats another"));
+}
+
+}  // namespace
+}  // namespace mapjoin::testing
