@@ -4,6 +4,7 @@
 
 #include <apps/output_folder.hpp>
 #include <system_error>
+#include <utility>
 
 namespace mapjoin::apps {
 namespace fs = std::filesystem;
@@ -37,6 +38,9 @@ Expected<OutputFolder> OutputFolder::create(const fs::path& path) {
   if (failure) return cannot_write(path, failure);
   return folder;
 }
+
+OutputFolder::OutputFolder(OutputFolder&& other) noexcept
+    : path_(std::move(other.path_)), aside_(std::exchange(other.aside_, {})), made_(std::move(other.made_)) {}
 
 OutputFolder::~OutputFolder() {
   if (aside_.empty()) return;

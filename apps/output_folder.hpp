@@ -15,7 +15,7 @@ class OutputFolder {
  public:
   /// Makes the folder if it is not there. kCannotWrite where nothing can be written into it.
   static Expected<OutputFolder> create(const std::filesystem::path& path);
-  OutputFolder(OutputFolder&& other) noexcept = default;
+  OutputFolder(OutputFolder&& other) noexcept;
   OutputFolder& operator=(OutputFolder&&) = delete;
   ~OutputFolder();
 

@@ -20,9 +20,11 @@ std::string count_of(Count count, std::string_view one, std::string_view many) {
 
 std::string local_maps_in_words(const RunFigures& figures) {
   std::string text = count_of(figures.local_maps, "map", "maps");
-  if (figures.poses_per_map > 0) text += fmt::format(" of up to {}", count_of(figures.poses_per_map, "step", "steps"));
-  if (figures.spans > 0) text += fmt::format(", {} joined as observations", count_of(figures.spans, "stretch", "stretches"));
+  if (figures.local_maps > 0 && figures.poses_per_map > 0) {
+    text += fmt::format(" of up to {}", count_of(figures.poses_per_map, "step", "steps"));
+  }
   if (figures.build_iterations > 0) text += fmt::format(", {} iterations", figures.build_iterations);
+  if (figures.spans > 0) text += fmt::format("; {} joined as observations", count_of(figures.spans, "stretch", "stretches"));
   return text;
 }
 
