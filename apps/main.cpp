@@ -30,8 +30,13 @@ Expected<ExitCode> told(const std::string& text) {
 }
 
 /// A command line that is wrong, in one sentence.
-tl::unexpected<Error> misused(const std::string& what) {
-  return tl::unexpected(Error{ErrorKind::kUsage, what + " (see mapjoin --help)"});
+tl::unexpected<Error> misused(const CLI::App& app, const std::string& what) {
+  std::string sentence = what;
+  if (app.get_subcommands().empty()) {
+    const auto words = app.remaining();
+    sentence = words.empty() ? "a command is required" : fmt::format("there is no command \"{}\"", words.front());
+  }
+  return tl::unexpected(Error{ErrorKind::kUsage, sentence + " (see mapjoin --help)"});
 }
 
 Expected<ExitCode> parse_and_run(int argc, char** argv) {
@@ -54,7 +59,7 @@ Expected<ExitCode> parse_and_run(int argc, char** argv) {
   } catch (const CLI::CallForVersion& version) {
     return told(fmt::format("{}\n", version.what()));
   } catch (const CLI::ParseError& error) {
-    return misused(error.what());
+    return misused(app, error.what());
   }
   const auto chosen = std::find_if(commands.begin(), commands.end(), [](const auto& command) { return command->is_chosen(); });
   auto done = (*chosen)->run(interruption.token());

@@ -11,7 +11,7 @@ namespace {
 
 constexpr const char* kExamples =
     "  mapjoin solve data/manhattan2d.g2o -o map.g2o\n"
-    "  mapjoin solve data/manhattan2d.g2o -o map.csv --start values --method lm";
+    "  mapjoin solve map.g2o -o again.csv --start values --method lm";
 
 template <int Dim>
 Expected<ExitCode> solve_log(Call& call, const Log<Dim>& log) {

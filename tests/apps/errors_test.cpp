@@ -85,7 +85,7 @@ TEST_F(BadInput, AStoreThatIsCutShortIsRefused) {
 
 TEST(Repair, TakesTheNearestSemidefiniteMatrixAndCountsIt) {
   const TemporaryFolder folder;
-  const auto log = folder.file("log.g2o", kSmallLog + "EDGE_SE2 2 3 1 0 0 2 0 0 2 1e-3 0\n");
+  const auto log = folder.file("log.g2o", kSmallLog + "EDGE_SE2 1 2 1 0 0 2 0 0 2 0 -1\n");
   ASSERT_EQ(call({"run", log.string()}).exit_code, 3);
   EXPECT_EQ(report_of({"run", log.string(), "--repair-information"}).at("repaired_informations"), 1);
 }

@@ -81,7 +81,7 @@ TEST_F(Output, WhatDoesNotConvergeIsWrittenAndMarked) {
 
 TEST_F(Output, AFolderThatCannotBeIsAnErrorThatLeavesNothing) {
   folder.file("file", "in the way");
-  for (const std::string where : {path("file"), path("file/below"), std::string("/proc/nowhere")}) {
+  for (const std::string& where : {path("file"), path("file/below"), std::string("/proc/nowhere")}) {
     const Ended ended = call({"run", kLog, "-o", where});
     EXPECT_EQ(ended.exit_code, 5);
     EXPECT_THAT(ended.err, StartsWith("mapjoin: " + where + ": "));
