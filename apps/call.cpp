@@ -8,6 +8,7 @@
 #include <apps/report.hpp>
 #include <apps/summary.hpp>
 #include <mapjoin/io/open_log.hpp>
+#include <string_view>
 #include <utility>
 
 namespace mapjoin::apps {
@@ -23,10 +24,13 @@ template <int Dim>
 void use_identity_covariance(StoredMaps<Dim>&) {}
 
 std::string why_not_converged(const RunFigures& figures) {
-  const bool joined = figures.join.status == MinimiseStatus::kConverged;
-  const MinimiseResult& last = joined && figures.polish ? *figures.polish : figures.join;
-  return fmt::format("the {} did not converge ({} after {} iterations); the result is written all the same",
-                     joined ? "polish" : "join", to_string(last.status), last.iterations);
+  constexpr std::string_view kWritten = "the result is written all the same";
+  const MinimiseResult& last = figures.polish ? *figures.polish : figures.join;
+  if (last.status != MinimiseStatus::kConverged) {
+    return fmt::format("the {} did not converge ({} after {} iterations); {}", figures.polish ? "polish" : "join",
+                       to_string(last.status), last.iterations, kWritten);
+  }
+  return fmt::format("the poses inside {} local maps were not recovered to convergence; {}", figures.unrecovered, kWritten);
 }
 
 }  // namespace

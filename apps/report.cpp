@@ -91,7 +91,8 @@ std::string report(const Account& account) {
   json.update(input_of(account));
   json["local_maps"] = local_maps_of(account);
   json["join"] = join_of(account);
-  json["recover"] = {{"chi2", value_if(recovered.has_value(), recovered.value_or(0.0))}};
+  json["recover"] = {{"chi2", value_if(recovered.has_value(), recovered.value_or(0.0))},
+                     {"unrecovered", value_if(recovered.has_value(), figures.unrecovered)}};
   json["polish"] = polish_of(account);
   json["converged"] = value_if(account.is_joined, figures.converged());
   json["chi2"] = value_if(account.is_joined, figures.chi2);

@@ -40,6 +40,12 @@ std::string join_in_words(const Account& account) {
                      start, to_string(account.method));
 }
 
+std::string recovered_in_words(const RunFigures& figures) {
+  std::string text = fmt::format("chi2 {:.10g} of the whole log", *figures.recovered_chi2);
+  if (figures.unrecovered > 0) text += fmt::format("; {} not to convergence", count_of(figures.unrecovered, "map", "maps"));
+  return text;
+}
+
 std::string gauge_in_words(const Account& account) {
   if (account.held.empty()) return "held by the priors of the World";
   if (account.held.size() == 1) return to_string(account.held.front()) + " held";
@@ -62,7 +68,7 @@ std::string seconds_in_words(const Account& account) {
 void add_result(const Account& account, Lines& lines) {
   const RunFigures& figures = account.figures;
   lines.add("join", join_in_words(account));
-  if (figures.recovered_chi2) lines.add("recovered", fmt::format("chi2 {:.10g} of the whole log", *figures.recovered_chi2));
+  if (figures.recovered_chi2) lines.add("recovered", recovered_in_words(figures));
   if (figures.polish) lines.add("polished", solve_in_words(*figures.polish));
   lines.add("chi2", fmt::format("{:.10g}, dof {}, {}", figures.chi2, figures.dof, gauge_in_words(account)));
 }

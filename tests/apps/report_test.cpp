@@ -50,6 +50,7 @@ const std::vector<std::string> kPromised = {"/schema_version",
                                             "/join/dof",
                                             "/join/seconds",
                                             "/recover/chi2",
+                                            "/recover/unrecovered",
                                             "/polish/status",
                                             "/polish/iterations",
                                             "/polish/chi2",
@@ -94,10 +95,10 @@ TEST(Report, HasEveryKeyWhateverTheCommandDoes) {
 TEST(Report, SaysWhatTheRunDid) {
   const json report = report_of({"run", kLog, "--poses-per-map", "20", "--schedule", "sequential", "--method", "lm"});
   EXPECT_EQ(report.at("dimension"), 2);
-  EXPECT_EQ(report.at("poses"), 500);
-  EXPECT_EQ(report.at("odometry"), 499);
+  EXPECT_EQ(report.at("poses"), 1000);
+  EXPECT_EQ(report.at("odometry"), 999);
   EXPECT_EQ(report.at("local_maps").at("poses_per_map"), 20);
-  EXPECT_EQ(report.at("local_maps").at("count"), 25);
+  EXPECT_EQ(report.at("local_maps").at("count"), 50);
   EXPECT_EQ(report.at("join").at("schedule"), "sequential");
   EXPECT_EQ(report.at("join").at("method"), "lm");
   EXPECT_EQ(report.at("join").at("status"), "converged");
