@@ -1,9 +1,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+
 #include <sqlite3.h>
 #include <sys/wait.h>
 #include <unistd.h>
+#include <algorithm>
 
 #include <csignal>
 #include <functional>
@@ -69,6 +71,8 @@ TYPED_TEST(StoreTest, GivesBackALogThatTakesManyChunks) {
   for (int i = 0; i < 40000; ++i) {
     maps.log.observations.push_back(testing::random_feature_observation<TestFixture::kDim>(this->random, i % 8, i % 5));
   }
+  std::stable_sort(maps.log.observations.begin(), maps.log.observations.end(),
+                   [](const auto& a, const auto& b) { return a.base < b.base; });
   build(this->path, maps);
   const auto read = this->read();
   ASSERT_TRUE(read) << read.error().message;
