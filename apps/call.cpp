@@ -56,6 +56,9 @@ Expected<void> Call::check_outputs() const {
 
 Expected<AnyLog> Call::read_log() {
   auto log = timed(account.read_seconds, [&] { return open_log(options_.input, options_.read); });
+  if (!log && may_hold_maps(options_.input)) {
+    return bad_input(fmt::format("{}: not a log, but perhaps local maps, which `mapjoin join` takes", account.input));
+  }
   if (!log) return log;
   std::visit(
       [&](auto& any) {

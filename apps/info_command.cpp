@@ -7,12 +7,8 @@
 #include <apps/commands.hpp>
 #include <apps/console.hpp>
 #include <apps/summary.hpp>
-#include <filesystem>
-#include <mapjoin/io/archive.hpp>
-#include <mapjoin/io/file_bytes.hpp>
 #include <mapjoin/measure/chi2.hpp>
 #include <memory>
-#include <system_error>
 #include <variant>
 
 namespace mapjoin::apps {
@@ -95,19 +91,14 @@ Expected<ExitCode> tell(Call& call, const Content& content) {
   return write_stdout(lines.text()).map([] { return ExitCode::kDone; });
 }
 
-bool holds_maps(const std::filesystem::path& path) {
-  std::error_code ignored;
-  if (std::filesystem::is_directory(path, ignored) || is_store(path)) return true;
-  const auto bytes = FileBytes::read(path);
-  return bytes && is_tar_archive(bytes->view());
-}
-
 Expected<ExitCode> tell_of(const Options& options, const std::stop_token& stop) {
   Call call("info", options, stop);
   const auto tell_any = [&](const auto& any) {
     return std::visit([&](const auto& content) { return tell(call, content); }, any);
   };
-  return holds_maps(options.input) ? call.read_maps().and_then(tell_any) : call.read_log().and_then(tell_any);
+  const auto log = call.read_log();
+  if (log || !may_hold_maps(options.input)) return log.and_then(tell_any);
+  return call.read_maps().and_then(tell_any);
 }
 
 }  // namespace

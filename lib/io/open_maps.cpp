@@ -1,8 +1,20 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include <mapjoin/io/archive.hpp>
+#include <mapjoin/io/file_bytes.hpp>
 #include <mapjoin/io/open_maps.hpp>
+#include <system_error>
 #include <utility>
 
 namespace mapjoin {
+
+bool may_hold_maps(const std::filesystem::path& path) {
+  std::error_code ignored;
+  if (std::filesystem::is_directory(path, ignored)) return true;
+  if (!std::filesystem::is_regular_file(path, ignored)) return false;  // A pipe can be read only once.
+  if (is_store(path)) return true;
+  const auto bytes = FileBytes::read(path);
+  return bytes && is_tar_archive(bytes->view());
+}
 
 Expected<AnyMaps> open_maps(const std::filesystem::path& path, const ReadOptions& options) {
   const auto widen = [](auto&& any) {

@@ -28,7 +28,9 @@ OutputFile::OutputFile(std::filesystem::path path, std::filesystem::path written
 Expected<OutputFile> OutputFile::create(const std::filesystem::path& path) {
   namespace fs = std::filesystem;
   std::error_code ignored;
-  const fs::path target = fs::exists(path, ignored) ? fs::canonical(path, ignored) : path;  // A link stays a link.
+  std::error_code nameless;  // /dev/stdout leads to a pipe without a name.
+  const fs::path resolved = fs::canonical(path, nameless);
+  const fs::path target = nameless ? path : resolved;  // A link stays a link.
   const bool beside = !fs::exists(target, ignored) || fs::is_regular_file(target, ignored);
   fs::path written = target;
   if (beside) written += fmt::format(".tmp-{}", ::getpid());

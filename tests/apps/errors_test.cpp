@@ -75,6 +75,15 @@ TEST_F(BadInput, ATruncatedMatFileIsRefused) {
   expect_failure(call({"run", log.string()}), 3, "log.mat");
 }
 
+TEST_F(BadInput, LocalMapsInThePlaceOfALogAreToldApart) {
+  const auto log = folder.file("log.g2o", kSmallLog);
+  const std::string store = (folder.path() / "maps").string();
+  ASSERT_EQ(call({"build", log.string(), "-o", store}).exit_code, 0);
+  expect_failure(call({"run", store}), 3, "`mapjoin join` takes");
+  expect_failure(call({"run", folder.path().string()}), 3, "`mapjoin join` takes");
+  expect_failure(call({"join", log.string(), "-o", (folder.path() / "map.g2o").string()}), 3, "neither");
+}
+
 TEST_F(BadInput, AStoreThatIsCutShortIsRefused) {
   const auto log = folder.file("log.g2o", kSmallLog);
   const auto store = folder.path() / "maps";

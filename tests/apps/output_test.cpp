@@ -112,6 +112,14 @@ TEST_F(Output, AFullDiskIsAnError) {
   EXPECT_EQ(call({"solve", kLog, "-o", "/dev/full"}).exit_code, 5);
 }
 
+TEST_F(Output, GoesThroughAPipeToo) {
+  const std::string run = kCommand + " solve " + kLog + " --quiet -o /dev/stdout | cat > " + path("piped.g2o");
+  Process process({"sh", "-c", run});
+  ASSERT_EQ(process.wait(), 0) << process.standard_error();
+  ASSERT_EQ(call({"solve", kLog, "-o", path("map.g2o")}).exit_code, 0);
+  EXPECT_EQ(content_of(path("piped.g2o")), content_of(path("map.g2o")));
+}
+
 TEST_F(Output, AReaderThatHasGoneIsNoError) {
   ProcessOptions gone;
   gone.reader_has_gone = true;
