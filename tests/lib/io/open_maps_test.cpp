@@ -28,6 +28,10 @@ TEST(OpenMaps, KnowsFoldersArchivesAndStoresByTheirContent) {
   auto writer = StoreWriter<3>::open(store, maps.log, maps.stretches, maps.options);
   ASSERT_TRUE(writer && writer->add(0, maps.maps[0]) && writer->finish());
   EXPECT_TRUE(std::holds_alternative<StoredMaps<3>>(open_maps(store).value()));
+
+  for (const auto& path : {folder.path(), archive, store}) EXPECT_TRUE(may_hold_maps(path)) << path;
+  EXPECT_FALSE(may_hold_maps(folder.path() / "localmap_1.txt"));
+  EXPECT_FALSE(may_hold_maps(folder.path() / "nowhere"));
 }
 
 TEST(OpenMaps, SaysOfOtherFilesWhatTheyAreNot) {
