@@ -52,7 +52,7 @@ void Account::describe(const StoredMaps<Dim>& stored) {
 
 template <int Dim>
 void Account::describe(const RunResult<Dim>& result) {
-  figures = result;
+  figures = static_cast<const RunFigures&>(result);
   has_local_maps = is_joined = true;
   for (const Index pose : result.map.gauge) held.push_back(result.map.pose_ids[static_cast<std::size_t>(pose)]);
 }

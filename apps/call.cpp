@@ -8,7 +8,6 @@
 #include <apps/report.hpp>
 #include <apps/summary.hpp>
 #include <mapjoin/io/open_log.hpp>
-#include <string_view>
 #include <utility>
 
 namespace mapjoin::apps {
@@ -23,14 +22,15 @@ void use_identity_covariance(MapSet<Dim>& set) {
 template <int Dim>
 void use_identity_covariance(StoredMaps<Dim>&) {}
 
-std::string why_not_converged(const RunFigures& figures) {
-  constexpr std::string_view kWritten = "the result is written all the same";
+std::string why_not_converged(const Account& account) {
+  const RunFigures& figures = account.figures;
   const MinimiseResult& last = figures.polish ? *figures.polish : figures.join;
+  std::string why = fmt::format("the poses inside {} local maps were not recovered to convergence", figures.unrecovered);
   if (last.status != MinimiseStatus::kConverged) {
-    return fmt::format("the {} did not converge ({} after {} iterations); {}", figures.polish ? "polish" : "join",
-                       to_string(last.status), last.iterations, kWritten);
+    why = fmt::format("the {} did not converge ({} at iteration {})", figures.polish ? "polish" : "join",
+                      to_string(last.status), last.iterations);
   }
-  return fmt::format("the poses inside {} local maps were not recovered to convergence; {}", figures.unrecovered, kWritten);
+  return account.files.empty() ? why : why + "; the result is written all the same";
 }
 
 }  // namespace
@@ -91,7 +91,9 @@ Expected<void> Call::write_map(const RunResult<Dim>& result, const Log<Dim>* log
   account.describe(result);
   if (auto going_on = check_interrupted(); !going_on) return going_on;
   auto files = timed(account.write_seconds, [&] { return apps::write_map(result.map, log, options_.output); });
-  return files.map([&](auto&& written) { account.files = std::move(written); });
+  if (!files) return tl::unexpected(files.error());
+  account.files = std::move(*files);
+  return {};
 }
 
 Expected<ExitCode> Call::conclude() {
@@ -107,7 +109,7 @@ Expected<ExitCode> Call::conclude() {
     }
   }
   if (!account.is_joined || account.figures.converged()) return ExitCode::kDone;
-  say(why_not_converged(account.figures));
+  say(why_not_converged(account));
   return ExitCode::kDidNotConverge;
 }
 
