@@ -67,7 +67,7 @@ bool ChainSystem<Dim>::eliminate_chain() {
     const auto G = D_[i].template triangularView<Eigen::Lower>();
     auto E_k = border_rows(k);
     auto g_k = g_.segment<kDof>(k * kDof);
-    G.solveInPlace(E_k);
+    if (border_size() > 0) G.solveInPlace(E_k);
     G.solveInPlace(g_k);
     if (k + 1 == chain_length()) break;
     G.solveInPlace(L_[i]);
