@@ -37,8 +37,9 @@ Eigen::VectorXd ChainSystem<Dim>::diagonal() const {
 template <int Dim>
 double ChainSystem<Dim>::curvature(const Eigen::VectorXd& v) const {
   const auto v_border = v.tail(border_size());
-  double sum = v_border.dot(C_.template selfadjointView<Eigen::Upper>() * v_border);
-  sum += 2.0 * v.head(E_.rows()).dot(E_ * v_border);
+  double sum = 0.0;
+  if (border_size() > 0) sum += v_border.dot(C_.template selfadjointView<Eigen::Upper>() * v_border);
+  if (E_.size() > 0) sum += 2.0 * v.head(E_.rows()).dot(E_ * v_border);
   for (Eigen::Index k = 0; k < chain_length(); ++k) {
     const auto v_k = v.segment<kDof>(k * kDof);
     sum += v_k.dot(D_[static_cast<std::size_t>(k)] * v_k);
@@ -75,6 +76,7 @@ bool ChainSystem<Dim>::eliminate_chain() {
     border_rows(k + 1).noalias() -= L_[i].transpose() * E_k;
     g_.segment<kDof>((k + 1) * kDof).noalias() -= L_[i].transpose() * g_k;
   }
+  if (E_.size() == 0) return true;
   C_.template selfadjointView<Eigen::Upper>().rankUpdate(E_.transpose(), -1.0);
   g_.tail(border_size()).noalias() -= E_.transpose() * g_.head(E_.rows());
   return true;
@@ -82,7 +84,8 @@ bool ChainSystem<Dim>::eliminate_chain() {
 
 template <int Dim>
 Eigen::VectorXd ChainSystem<Dim>::chain_step(const Eigen::VectorXd& border_step) const {
-  Eigen::VectorXd step = g_.head(E_.rows()) - E_ * border_step;
+  Eigen::VectorXd step = g_.head(E_.rows());
+  if (E_.size() > 0) step.noalias() -= E_ * border_step;
   for (Eigen::Index k = chain_length() - 1; k >= 0; --k) {
     auto step_k = step.segment<kDof>(k * kDof);
     if (k + 1 < chain_length()) step_k.noalias() -= L_[static_cast<std::size_t>(k)] * step.segment<kDof>((k + 1) * kDof);
