@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <array>
+#include <cassert>
 #include <mapjoin/simulate/lattice_walk.hpp>
 #include <numbers>
 
@@ -25,13 +26,13 @@ bool LatticeWalk<Dim>::leads_out(const LatticePoint<Dim>& direction) const {
 template <int Dim>
 void LatticeWalk<Dim>::turn() {
   // Straight on as often as all turns together.
-  constexpr int kTurns = 2 * (Dim - 1);
+  constexpr std::size_t kTurns = 2 * (Dim - 1);
   std::array<LatticeRotation<Dim>, 2 * kTurns> choices;
   std::size_t count = 0;
   const auto offer = [&](const LatticeRotation<Dim>& rotation) {
     if (!leads_out(rotation.col(0))) choices[count++] = rotation;
   };
-  for (int i = 0; i < kTurns; ++i) offer(rotation_);
+  for (std::size_t i = 0; i < kTurns; ++i) offer(rotation_);
   for (int axis = 1; axis < Dim; ++axis) {
     for (const int sign : {1, -1}) {
       LatticeRotation<Dim> turned = rotation_;
@@ -40,6 +41,7 @@ void LatticeWalk<Dim>::turn() {
       offer(turned);
     }
   }
+  assert(count > 0);  // There is a way on from every corner of a box as wide as promised.
   rotation_ = choices[random_.next() % count];
 }
 
