@@ -2,16 +2,14 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include <regex>
 #include <tests/apps/command.hpp>
 
 namespace mapjoin::testing {
 namespace {
 
-/// Whether a line of `text` has these words, with any space between them.
+/// A line of `text` has these words, with any space between them.
 void expect_line(const std::string& text, const std::string& name, const std::string& words) {
-  const std::regex line("(^|\n)" + name + " +" + words + "\n");
-  EXPECT_TRUE(std::regex_search(text, line)) << name << ' ' << words << " in\n" << text;
+  EXPECT_THAT(text, ::testing::ContainsRegex("(^|\n)" + name + " +" + words + "\n"));
 }
 
 TEST(Info, TellsWhatALogHas) {

@@ -34,7 +34,7 @@ class FileBytesTest : public ::testing::Test {
   testing::TemporaryFolder folder;
   std::string text = [] {
     std::string lines;
-    for (int i = 0; i < 50000; ++i) lines += std::to_string(i * i % 7919) + "\n";
+    for (unsigned i = 0; i < 50000; ++i) lines += std::to_string(i * i % 7919) + "\n";
     return lines;
   }();
 };
