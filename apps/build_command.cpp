@@ -2,13 +2,13 @@
 // `mapjoin build`: from a log to a store of local maps, which a build that was interrupted goes on with.
 
 #include <fmt/format.h>
-#include <tbb/parallel_for.h>
 
 #include <algorithm>
 #include <apps/call.hpp>
 #include <apps/commands.hpp>
 #include <mapjoin/graph/connectivity.hpp>
 #include <mapjoin/io/store.hpp>
+#include <mapjoin/parallel/parallel.hpp>
 #include <mapjoin/version.hpp>
 #include <memory>
 #include <span>
@@ -41,7 +41,7 @@ template <int Dim>
 Expected<void> build_some(Call& call, const Log<Dim>& log, const Split& parts, std::span<const std::size_t> stretches,
                           StoreWriter<Dim>& store) {
   std::vector<BuiltMap<Dim>> built(stretches.size());
-  tbb::parallel_for(std::size_t{0}, built.size(), [&](std::size_t i) {
+  parallel_for(built.size(), [&](std::size_t i) {
     if (call.stop().stop_requested()) return;
     built[i] = build_local_map(segment_of(log, parts, parts.stretches[stretches[i]]), call.run_options().solver);
   });

@@ -1,10 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include <tbb/parallel_for.h>
-
 #include <algorithm>
 #include <atomic>
 #include <mapjoin/join/polish_problem.hpp>
 #include <mapjoin/localmap/recover.hpp>
+#include <mapjoin/parallel/parallel.hpp>
 #include <utility>
 
 namespace mapjoin {
@@ -14,7 +13,7 @@ namespace {
 template <typename F>
 double ordered_sum(std::size_t count, F&& f) {
   std::vector<double> terms(count);
-  tbb::parallel_for(std::size_t{0}, count, [&](std::size_t k) { terms[k] = f(k); });
+  parallel_for(count, [&](std::size_t k) { terms[k] = f(k); });
   double sum = 0.0;
   for (const double term : terms) sum += term;
   return sum;
@@ -61,7 +60,7 @@ double PolishProblem<Dim>::curvature(const Eigen::VectorXd& v) const {
 template <int Dim>
 bool PolishProblem<Dim>::eliminate_segments(double damping) {
   std::atomic<bool> is_regular = true;
-  tbb::parallel_for(std::size_t{0}, segments_.size(), [&](std::size_t k) {
+  parallel_for(segments_.size(), [&](std::size_t k) {
     if (!segments_[k].eliminate(damping)) is_regular = false;
   });
   return is_regular;
@@ -83,7 +82,7 @@ Eigen::VectorXd PolishProblem<Dim>::solve() const {
   const NormalEquations& equations = system_.equations();
   Eigen::VectorXd step = Eigen::VectorXd::Zero(size_);
   step.head(equations.size()) = equations.solve(equations.gradient());
-  tbb::parallel_for(std::size_t{0}, segments_.size(), [&](std::size_t k) { segments_[k].back_substitute(step); });
+  parallel_for(segments_.size(), [&](std::size_t k) { segments_[k].back_substitute(step); });
   return step;
 }
 

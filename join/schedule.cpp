@@ -1,12 +1,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include <tbb/parallel_invoke.h>
-
 #include <algorithm>
 #include <limits>
 #include <mapjoin/join/join_problem.hpp>
 #include <mapjoin/join/leaf.hpp>
 #include <mapjoin/join/placement.hpp>
 #include <mapjoin/join/schedule.hpp>
+#include <mapjoin/parallel/parallel.hpp>
 #include <mutex>
 #include <utility>
 
@@ -70,7 +69,7 @@ class Joiner {
       (last < middle ? left : first >= middle ? right : here).push_back(closure);
     }
     JoinedPieces<Dim> a, b;
-    tbb::parallel_invoke([&] { a = range(low, middle, std::move(left)); }, [&] { b = range(middle, high, std::move(right)); });
+    parallel_invoke([&] { a = range(low, middle, std::move(left)); }, [&] { b = range(middle, high, std::move(right)); });
     return joined(std::move(a), std::move(b), std::move(here));
   }
 

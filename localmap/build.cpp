@@ -1,9 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include <tbb/parallel_for.h>
-
 #include <algorithm>
 #include <mapjoin/localmap/build.hpp>
 #include <mapjoin/localmap/segment_problem.hpp>
+#include <mapjoin/parallel/parallel.hpp>
 #include <mutex>
 #include <utility>
 
@@ -53,7 +52,7 @@ Expected<LocalMaps<Dim>> build_local_maps(const Log<Dim>& log, Split& split, con
   std::vector<BuiltMap<Dim>> built(split.stretches.size());
   std::mutex progress_mutex;
   std::size_t done = 0;
-  tbb::parallel_for(std::size_t{0}, built.size(), [&](std::size_t k) {
+  parallel_for(built.size(), [&](std::size_t k) {
     if (!split.stretches[k].is_map || stop.stop_requested()) return;
     built[k] = build_local_map(segment_of(log, split, split.stretches[k]), options.solver);
     if (!options.progress) return;

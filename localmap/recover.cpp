@@ -1,9 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include <tbb/parallel_for.h>
-
 #include <atomic>
 #include <mapjoin/localmap/recover.hpp>
 #include <mapjoin/localmap/segment_problem.hpp>
+#include <mapjoin/parallel/parallel.hpp>
 #include <utility>
 
 namespace mapjoin {
@@ -61,7 +60,7 @@ template <int Dim>
 std::size_t recover_interiors(const Log<Dim>& log, const Split& split, const std::vector<bool>& is_private,
                               const MinimiseOptions& solver, State<Dim>& state, const std::stop_token& stop) {
   std::atomic<std::size_t> failed = 0;
-  tbb::parallel_for(std::size_t{0}, split.stretches.size(), [&](std::size_t k) {
+  parallel_for(split.stretches.size(), [&](std::size_t k) {
     if (!split.stretches[k].is_map) return;
     if (!recover_interior(segment_of(log, split, split.stretches[k]), is_private, solver, stop, state)) ++failed;
   });

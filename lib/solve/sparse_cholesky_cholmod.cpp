@@ -19,10 +19,27 @@ Function* loaded_function(const char* name) {
 }
 
 /// Nested OpenMP and BLAS threads made CHOLMOD slower, and would make its sums depend on their number.
-void use_one_thread() {
-  if (auto* set_levels = loaded_function<void(int)>("omp_set_max_active_levels")) set_levels(0);
+void use_one_blas_thread() {
   if (auto* set_threads = loaded_function<void(int)>("openblas_set_num_threads")) set_threads(1);
 }
+
+/// While it lives, the calling thread opens no parallel region of OpenMP. (The limit belongs to each thread.)
+class NoOpenMp {
+ public:
+  NoOpenMp() : before_(get_levels ? get_levels() : 0) {
+    if (set_levels) set_levels(0);
+  }
+  ~NoOpenMp() {
+    if (set_levels) set_levels(before_);
+  }
+  NoOpenMp(const NoOpenMp&) = delete;
+  NoOpenMp& operator=(const NoOpenMp&) = delete;
+
+ private:
+  static inline auto* const get_levels = loaded_function<int()>("omp_get_max_active_levels");
+  static inline auto* const set_levels = loaded_function<void(int)>("omp_set_max_active_levels");
+  int before_;
+};
 
 cholmod_sparse view(const SparseUpper& matrix) {
   cholmod_sparse A{};
@@ -66,7 +83,7 @@ struct SparseCholesky::Factor {
   cholmod_factor* L = nullptr;
 
   Factor() {
-    static const bool once = (use_one_thread(), true);
+    static const bool once = (use_one_blas_thread(), true);
     static_cast<void>(once);
     cholmod_l_start(&common);
     common.print = 0;
@@ -97,6 +114,7 @@ SparseCholesky::SparseCholesky(SparseCholesky&&) noexcept = default;
 SparseCholesky& SparseCholesky::operator=(SparseCholesky&&) noexcept = default;
 
 void SparseCholesky::analyse(const SparseUpper& matrix) {
+  const NoOpenMp serial;
   factor_ = std::make_unique<Factor>();
   cholmod_sparse A = view(matrix);
   factor_->L = cholmod_l_analyze(&A, &factor_->common);
@@ -104,6 +122,7 @@ void SparseCholesky::analyse(const SparseUpper& matrix) {
 }
 
 std::optional<std::int64_t> SparseCholesky::factorise(const SparseUpper& matrix) {
+  const NoOpenMp serial;
   cholmod_sparse A = view(matrix);
   cholmod_l_factorize(&A, factor_->L, &factor_->common);
   factor_->check();
@@ -121,6 +140,7 @@ std::optional<std::int64_t> SparseCholesky::factorise(const SparseUpper& matrix)
 }
 
 Eigen::VectorXd SparseCholesky::solve(const Eigen::VectorXd& b) const {
+  const NoOpenMp serial;
   cholmod_dense rhs{};
   rhs.nrow = rhs.d = rhs.nzmax = static_cast<std::size_t>(b.size());
   rhs.ncol = 1;

@@ -126,8 +126,8 @@ TEST(Usage, TheWeightsOfAStoreAreThoseItWasBuiltWith) {
 }
 
 TEST(Size, WhatDoesNotFitIntoMemoryIsRefused) {
-#ifdef __SANITIZE_ADDRESS__
-  GTEST_SKIP() << "The address sanitizer needs memory of its own.";
+#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
+  GTEST_SKIP() << "Sanitizers need memory of their own.";
 #endif
   const TemporaryFolder folder;
   ProcessOptions small;

@@ -2,8 +2,11 @@
 #include <gtest/gtest.h>
 
 #include <Eigen/Cholesky>
+#include <filesystem>
+#include <iterator>
 #include <mapjoin/solve/sparse_cholesky.hpp>
 #include <tests/support/random.hpp>
+#include <thread>
 
 namespace mapjoin {
 namespace {
@@ -99,6 +102,26 @@ TEST(SparseCholesky, IsFitForUseAgainAfterASingularMatrix) {
   ASSERT_FALSE(cholesky.factorise(sparse(A)));
   const Eigen::VectorXd b = Eigen::VectorXd::Ones(40);
   EXPECT_LT((A * cholesky.solve(b) - b).norm(), 1e-10);
+}
+
+std::ptrdiff_t threads_of_this_process() {
+  return std::distance(std::filesystem::directory_iterator("/proc/self/task"), {});
+}
+
+TEST(SparseCholesky, StartsNoThreadsWhicheverThreadCallsIt) {
+  Random random;
+  const Eigen::MatrixXd A = random_matrix(400, random);
+  const SparseUpper matrix = sparse(A);
+  const auto factorise = [&] {
+    SparseCholesky cholesky;
+    const std::ptrdiff_t before = threads_of_this_process();
+    cholesky.analyse(matrix);
+    ASSERT_FALSE(cholesky.factorise(matrix));
+    cholesky.solve(Eigen::VectorXd::Ones(400));
+    EXPECT_EQ(threads_of_this_process(), before);
+  };
+  factorise();
+  std::thread(factorise).join();
 }
 
 TEST(SparseCholesky, NamesTheBlasForTheReport) {
