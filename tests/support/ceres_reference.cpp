@@ -125,9 +125,9 @@ class MapError {
   static T* position_error(const std::array<double, Dim>& measured, const T* t_base, const T* R_base, const T* t_target,
                            T* error) {
     std::array<T, Dim> offset;
-    for (int i = 0; i < Dim; ++i) offset[i] = t_target[i] - t_base[i];
+    for (std::size_t i = 0; i < Dim; ++i) offset[i] = t_target[i] - t_base[i];
     const std::array<T, Dim> expected = turned_back(R_base, offset);
-    for (int i = 0; i < Dim; ++i) error[i] = measured[i] - expected[i];
+    for (std::size_t i = 0; i < Dim; ++i) error[i] = measured[i] - expected[i];
     return error + Dim;
   }
 

@@ -22,7 +22,7 @@ double deviation(double chi2, std::size_t rows) {
 
 TYPED_TEST(ManhattanTest, Chi2AtTheTruthIsWhatTheStatedNoisePromises) {
   constexpr int kDim = TypeParam::value;
-  for (const std::uint64_t seed : {1, 2, 3}) {
+  for (const std::uint64_t seed : {1u, 2u, 3u}) {
     const auto [log, truth] = simulate_manhattan<kDim>({.poses = 2000, .seed = seed});
     const Chi2 chi2 = log_chi2(log, truth.poses, truth.features);
     EXPECT_LT(std::abs(deviation(chi2.odometry, log.odometry.size() * kPoseDof<kDim>)), 4.0);
