@@ -151,11 +151,11 @@ Eigen::VectorXd NormalEquations::diagonal() const {
   return diagonal;
 }
 
-Eigen::VectorXd NormalEquations::permuted(const Eigen::VectorXd& v) const {
-  Eigen::VectorXd out(size());
+Eigen::MatrixXd NormalEquations::permuted(const Eigen::MatrixXd& columns) const {
+  Eigen::MatrixXd out(columns.rows(), columns.cols());
   for (std::size_t k = 0; k < order_.size(); ++k) {
     const auto variable = static_cast<std::size_t>(order_[k]);
-    out.segment(place_offsets_[k], dofs_[variable]) = v.segment(offsets_[variable], dofs_[variable]);
+    out.middleRows(place_offsets_[k], dofs_[variable]) = columns.middleRows(offsets_[variable], dofs_[variable]);
   }
   return out;
 }
@@ -196,13 +196,13 @@ std::optional<Index> NormalEquations::factorise(double damping) {
   return order_[static_cast<std::size_t>(place)];
 }
 
-Eigen::VectorXd NormalEquations::solve(const Eigen::VectorXd& b) const {
-  if (size() == 0) return b;
-  const Eigen::VectorXd x = cholesky_.solve(permuted(b));
-  Eigen::VectorXd out(size());
+Eigen::MatrixXd NormalEquations::solve_columns(const Eigen::MatrixXd& B) const {
+  if (size() == 0) return B;
+  const Eigen::MatrixXd X = cholesky_.solve_columns(permuted(B));
+  Eigen::MatrixXd out(X.rows(), X.cols());
   for (std::size_t k = 0; k < order_.size(); ++k) {
     const auto variable = static_cast<std::size_t>(order_[k]);
-    out.segment(offsets_[variable], dofs_[variable]) = x.segment(place_offsets_[k], dofs_[variable]);
+    out.middleRows(offsets_[variable], dofs_[variable]) = X.middleRows(place_offsets_[k], dofs_[variable]);
   }
   return out;
 }

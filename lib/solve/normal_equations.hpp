@@ -79,7 +79,17 @@ class NormalEquations {
   /// Factorises H + damping·diag(H), H staying what it is. Returns a variable at which it is singular, or nothing.
   std::optional<Index> factorise(double damping);
   /// (H + damping·diag(H))⁻¹ b of the last factorisation.
-  Eigen::VectorXd solve(const Eigen::VectorXd& b) const;
+  Eigen::VectorXd solve(const Eigen::VectorXd& b) const { return solve_columns(b); }
+  /// The same for every column of B.
+  Eigen::MatrixXd solve_columns(const Eigen::MatrixXd& B) const;
+
+  /// The factor L of the last factorisation, whose columns are those of column_of(); it holds until the next one.
+  Supernodes supernodes() const { return size() == 0 ? Supernodes{} : cholesky_.supernodes(); }
+  /// The column of the factorised matrix at which variable v begins.
+  std::int64_t column_of(Index v) const {
+    return place_offsets_[static_cast<std::size_t>(place_[static_cast<std::size_t>(v)])];
+  }
+  int dof(Index v) const { return dofs_[static_cast<std::size_t>(v)]; }
 
  private:
   void set_diagonal(const Eigen::VectorXd& diagonal);
@@ -92,8 +102,8 @@ class NormalEquations {
     std::vector<Index> rows;
   };
   BlockColumns block_columns() const;
-  /// A vector in the order of the elimination.
-  Eigen::VectorXd permuted(const Eigen::VectorXd& v) const;
+  /// Vectors, side by side, in the order of the elimination.
+  Eigen::MatrixXd permuted(const Eigen::MatrixXd& columns) const;
 
   template <typename Expression>
   void add(Index a, Index b, std::int64_t destination, const Expression& expression) {

@@ -4,6 +4,7 @@
 
 #include <Eigen/Core>
 #include <cstdint>
+#include <mapjoin/solve/supernodes.hpp>
 #include <memory>
 #include <optional>
 #include <string>
@@ -36,7 +37,12 @@ class SparseCholesky {
   std::optional<std::int64_t> factorise(const SparseUpper& matrix);
 
   /// A⁻¹ b by the last factorisation that succeeded.
-  Eigen::VectorXd solve(const Eigen::VectorXd& b) const;
+  Eigen::VectorXd solve(const Eigen::VectorXd& b) const { return solve_columns(b); }
+  /// A⁻¹ B, likewise.
+  Eigen::MatrixXd solve_columns(const Eigen::MatrixXd& B) const;
+
+  /// L of that factorisation; it holds until the next one.
+  Supernodes supernodes() const;
 
  private:
   struct Factor;

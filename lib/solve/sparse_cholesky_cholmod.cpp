@@ -76,6 +76,31 @@ Eigen::VectorXd factor_diagonal(const cholmod_factor& L) {
   return diagonal;
 }
 
+std::vector<Supernode> supernodes_of(const cholmod_factor& L) {
+  const auto* super = static_cast<const std::int64_t*>(L.super);
+  const auto* pi = static_cast<const std::int64_t*>(L.pi);
+  const auto* px = static_cast<const std::int64_t*>(L.px);
+  const auto* rows = static_cast<const std::int64_t*>(L.s);
+  const auto* x = static_cast<const double*>(L.x);
+  std::vector<Supernode> nodes;
+  for (std::size_t s = 0; s < L.nsuper; ++s) {
+    nodes.push_back({super[s], super[s + 1], {rows + pi[s], rows + pi[s + 1]}, x + px[s]});
+  }
+  return nodes;
+}
+
+std::vector<Supernode> columns_of(const cholmod_factor& L) {
+  const auto* p = static_cast<const std::int64_t*>(L.p);
+  const auto* nz = static_cast<const std::int64_t*>(L.nz);
+  const auto* rows = static_cast<const std::int64_t*>(L.i);
+  const auto* x = static_cast<const double*>(L.x);
+  std::vector<Supernode> nodes;
+  for (std::int64_t j = 0; j < static_cast<std::int64_t>(L.n); ++j) {
+    nodes.push_back({j, j + 1, {rows + p[j], static_cast<std::size_t>(nz[j])}, x + p[j]});
+  }
+  return nodes;
+}
+
 }  // namespace
 
 struct SparseCholesky::Factor {
@@ -139,19 +164,29 @@ std::optional<std::int64_t> SparseCholesky::factorise(const SparseUpper& matrix)
   return std::nullopt;
 }
 
-Eigen::VectorXd SparseCholesky::solve(const Eigen::VectorXd& b) const {
+Eigen::MatrixXd SparseCholesky::solve_columns(const Eigen::MatrixXd& B) const {
   const NoOpenMp serial;
   cholmod_dense rhs{};
-  rhs.nrow = rhs.d = rhs.nzmax = static_cast<std::size_t>(b.size());
-  rhs.ncol = 1;
-  rhs.x = const_cast<double*>(b.data());
+  rhs.nrow = rhs.d = static_cast<std::size_t>(B.rows());
+  rhs.ncol = static_cast<std::size_t>(B.cols());
+  rhs.nzmax = rhs.nrow * rhs.ncol;
+  rhs.x = const_cast<double*>(B.data());
   rhs.xtype = CHOLMOD_REAL;
   rhs.dtype = CHOLMOD_DOUBLE;
   cholmod_dense* x = cholmod_l_solve(CHOLMOD_A, factor_->L, &rhs, &factor_->common);
   factor_->check();
-  const Eigen::VectorXd solution = Eigen::Map<const Eigen::VectorXd>(static_cast<const double*>(x->x), b.size());
+  const Eigen::MatrixXd solution = Eigen::Map<const Eigen::MatrixXd>(static_cast<const double*>(x->x), B.rows(), B.cols());
   cholmod_l_free_dense(&x, &factor_->common);
   return solution;
+}
+
+Supernodes SparseCholesky::supernodes() const {
+  const cholmod_factor& L = *factor_->L;
+  Supernodes factor{L.is_super ? supernodes_of(L) : columns_of(L), std::vector<std::int64_t>(L.n)};
+  for (std::size_t k = 0; k < L.n; ++k) {
+    factor.places[static_cast<std::size_t>(factor_->column(static_cast<std::int64_t>(k)))] = static_cast<std::int64_t>(k);
+  }
+  return factor;
 }
 
 std::string blas_name() {

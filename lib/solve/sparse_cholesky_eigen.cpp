@@ -45,8 +45,20 @@ std::optional<std::int64_t> SparseCholesky::factorise(const SparseUpper& matrix)
   return std::nullopt;
 }
 
-Eigen::VectorXd SparseCholesky::solve(const Eigen::VectorXd& b) const {
-  return factor_->llt.solve(b);
+Eigen::MatrixXd SparseCholesky::solve_columns(const Eigen::MatrixXd& B) const {
+  return factor_->llt.solve(B);
+}
+
+Supernodes SparseCholesky::supernodes() const {
+  const EigenSparse& L = factor_->llt.matrixL().nestedExpression();
+  Supernodes factor;
+  for (std::int64_t j = 0; j < L.cols(); ++j) {
+    const std::int64_t begin = L.outerIndexPtr()[j];
+    const auto height = static_cast<std::size_t>(L.outerIndexPtr()[j + 1] - begin);
+    factor.nodes.push_back({j, j + 1, {L.innerIndexPtr() + begin, height}, L.valuePtr() + begin});
+    factor.places.push_back(j);
+  }
+  return factor;
 }
 
 std::string blas_name() {

@@ -1,0 +1,59 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+// The entries of A⁻¹ on the pattern of its Cholesky factor, without the others.
+//
+// From A⁻¹ = L⁻ᵀ L⁻¹ follows, for a supernode J with the rows R below it and G = L_RJ L_JJ⁻¹ (Takahashi, Fagan and Chin, 1973;
+// Erisman and Tinney, 1975),
+//
+//   Z_RJ = -Z_RR G,    Z_JJ = L_JJ⁻ᵀ L_JJ⁻¹ + Gᵀ Z_RR G.
+//
+// Any two rows of R are in the pattern, too, in columns after J: one sweep from the last supernode to the first, of about
+// the cost of the factorisation.
+
+#include <Eigen/Core>
+#include <cstdint>
+#include <mapjoin/solve/supernodes.hpp>
+#include <span>
+#include <vector>
+
+namespace mapjoin {
+
+class InverseSubset {
+ public:
+  /// `factor` may go afterwards. Throws std::bad_alloc when memory runs out.
+  explicit InverseSubset(const Supernodes& factor);
+  InverseSubset(InverseSubset&&) = default;
+  InverseSubset& operator=(InverseSubset&&) = default;
+
+  /// What the constructor asks for (bytes).
+  static std::int64_t bytes(const Supernodes& factor);
+
+  /// The block of A⁻¹ over some of its columns, in the order given. Any two of them must be coupled in L, as those are that one
+  /// observation ties together; else std::out_of_range.
+  Eigen::MatrixXd block(std::span<const std::int64_t> columns) const;
+
+ private:
+  struct Node {
+    std::int64_t begin;
+    std::int64_t end;
+    std::span<const std::int64_t> rows;  // in rows_
+    double* values;                      // in values_, laid out as in Supernode; the lower triangle of Z
+  };
+  /// Room for what is done at one supernode.
+  struct Workspace {
+    std::vector<std::int64_t> positions;
+    std::vector<double> Z_RR;
+    Eigen::MatrixXd G;
+  };
+  void invert(const Supernode& L, const Node& node, Workspace& workspace) const;
+  /// The lower triangle of Z over ascending places of L, any two of which are coupled.
+  void gather(std::span<const std::int64_t> places, std::vector<std::int64_t>& positions, double* out) const;
+
+  std::vector<std::int64_t> places_;
+  std::vector<std::int64_t> rows_;
+  std::vector<double> values_;
+  std::vector<Node> nodes_;
+  std::vector<std::int32_t> node_of_;  // per place
+};
+
+}  // namespace mapjoin

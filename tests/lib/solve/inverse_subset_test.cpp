@@ -1,0 +1,109 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <gtest/gtest.h>
+
+#include <Eigen/LU>
+#include <mapjoin/solve/inverse_subset.hpp>
+#include <mapjoin/solve/sparse_cholesky.hpp>
+#include <tests/support/random.hpp>
+
+namespace mapjoin {
+namespace {
+
+using testing::Random;
+
+SparseUpper sparse(const Eigen::MatrixXd& dense) {
+  SparseUpper matrix;
+  matrix.column_begin = {0};
+  for (Eigen::Index j = 0; j < dense.cols(); ++j) {
+    for (Eigen::Index i = 0; i <= j; ++i) {
+      if (dense(i, j) == 0.0 && i != j) continue;
+      matrix.rows.push_back(i);
+      matrix.values.push_back(dense(i, j));
+    }
+    matrix.column_begin.push_back(static_cast<std::int64_t>(matrix.rows.size()));
+  }
+  return matrix;
+}
+
+/// Of `count` random observations, each of three columns at most `reach` apart.
+Eigen::MatrixXd random_matrix(Eigen::Index n, Eigen::Index count, Eigen::Index reach, Random& random) {
+  Eigen::MatrixXd A = Eigen::MatrixXd::Identity(n, n);
+  for (Eigen::Index k = 0; k < count; ++k) {
+    Eigen::VectorXd row = Eigen::VectorXd::Zero(n);
+    const Eigen::Index i = k % n;
+    for (const Eigen::Index j : {i, i + 1, i + 1 + k % reach}) row[j % n] = random.uniform(-1.0, 1.0);
+    A += row * row.transpose();
+  }
+  return A;
+}
+
+struct Case {
+  Eigen::Index size;
+  Eigen::Index observations;
+  Eigen::Index reach;
+};
+
+class InverseSubsetTest : public ::testing::TestWithParam<Case> {};
+
+TEST_P(InverseSubsetTest, HoldsTheEntriesOfTheDenseInverseWhereTheMatrixHasSome) {
+  Random random;
+  const Eigen::MatrixXd A = random_matrix(GetParam().size, GetParam().observations, GetParam().reach, random);
+  SparseCholesky cholesky;
+  const SparseUpper matrix = sparse(A);
+  cholesky.analyse(matrix);
+  ASSERT_FALSE(cholesky.factorise(matrix));
+  const InverseSubset subset(cholesky.supernodes());
+  const Eigen::MatrixXd inverse = A.inverse();
+  double largest = 0.0;
+  for (std::int64_t j = 0; j < A.cols(); ++j) {
+    for (std::int64_t i = 0; i <= j; ++i) {
+      if (A(i, j) == 0.0) continue;
+      const std::vector<std::int64_t> columns = i == j ? std::vector{j} : std::vector{j, i};
+      const Eigen::MatrixXd block = subset.block(columns);
+      const Eigen::MatrixXd expected = inverse(columns, columns);
+      largest = std::max(largest, (block - expected).cwiseAbs().maxCoeff());
+    }
+  }
+  EXPECT_LT(largest, 1e-11 * inverse.cwiseAbs().maxCoeff());
+}
+// From factors kept column by column to those of wide supernodes.
+INSTANTIATE_TEST_SUITE_P(Sizes, InverseSubsetTest,
+                         ::testing::Values(Case{1, 0, 1}, Case{2, 4, 1}, Case{50, 60, 3}, Case{200, 600, 9},
+                                           Case{300, 1500, 290}, Case{250, 9000, 240}),
+                         [](const auto& info) { return std::to_string(info.index); });
+
+TEST(InverseSubset, KeepsTheOrderOfTheColumnsAskedFor) {
+  Random random;
+  const Eigen::MatrixXd A = random_matrix(30, 3000, 29, random);
+  const SparseUpper matrix = sparse(A);
+  SparseCholesky cholesky;
+  cholesky.analyse(matrix);
+  ASSERT_FALSE(cholesky.factorise(matrix));
+  const std::vector<std::int64_t> columns = {17, 3, 29, 0};
+  const Eigen::MatrixXd expected = A.inverse()(columns, columns);
+  EXPECT_LT((InverseSubset(cholesky.supernodes()).block(columns) - expected).norm(), 1e-12 * expected.norm());
+}
+
+TEST(InverseSubset, RefusesWhatIsNotCoupled) {
+  SparseCholesky cholesky;
+  const SparseUpper matrix = sparse(Eigen::MatrixXd::Identity(4, 4));
+  cholesky.analyse(matrix);
+  ASSERT_FALSE(cholesky.factorise(matrix));
+  const InverseSubset subset(cholesky.supernodes());
+  const std::vector<std::int64_t> columns = {1, 2};
+  EXPECT_THROW(subset.block(columns), std::out_of_range);
+}
+
+TEST(InverseSubset, CountsItsMemoryBeforehand) {
+  Random random;
+  const SparseUpper matrix = sparse(random_matrix(200, 9000, 190, random));
+  SparseCholesky cholesky;
+  cholesky.analyse(matrix);
+  ASSERT_FALSE(cholesky.factorise(matrix));
+  // Nearly dense: the lower triangle at least, and not many times the square.
+  EXPECT_GT(InverseSubset::bytes(cholesky.supernodes()), 8 * 200 * 200 / 2);
+  EXPECT_LT(InverseSubset::bytes(cholesky.supernodes()), 8 * 200 * 200 * 4);
+}
+
+}  // namespace
+}  // namespace mapjoin
