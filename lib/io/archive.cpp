@@ -40,7 +40,7 @@ std::optional<Member> parse_header(std::string_view block) {
   const auto add = [](std::size_t sum, char c) { return sum + static_cast<unsigned char>(c); };
   // The checksum counts its own eight bytes as blanks.
   const std::size_t own = std::accumulate(block.begin() + 148, block.begin() + 156, std::size_t{0}, add);
-  if (std::accumulate(block.begin(), block.end(), std::size_t{0}, add) - own + 8 * ' ' != *checksum) return std::nullopt;
+  if (std::accumulate(block.begin(), block.end(), std::size_t{0}, add) - own + std::size_t{8} * ' ' != *checksum) return std::nullopt;
   const std::string_view field = block.substr(0, 100);
   const std::string_view name = field.substr(0, field.find('\0'));
   return Member{std::string(name.substr(name.rfind('/') + 1)), *size, block[156] == '0' || block[156] == '\0'};

@@ -53,6 +53,8 @@ Expected<G2oNumbering> number_for_g2o(const std::vector<PoseId>& poses, const st
   }
   std::vector<std::uint64_t> pose_numbers;
   std::vector<std::uint64_t> feature_numbers;
+  pose_numbers.reserve(poses.size());
+  feature_numbers.reserve(features.size());
   for (const PoseId& id : poses) pose_numbers.push_back(numbering(id));
   for (const FeatureId& id : features) feature_numbers.push_back(numbering(id));
   if (meet(pose_numbers, feature_numbers)) {

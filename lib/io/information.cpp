@@ -16,7 +16,7 @@ constexpr double kRoundOff = 1e-9;
 template <int Size>
 Matrix<Size> nearest_semidefinite(const Matrix<Size>& W) {
   const Eigen::SelfAdjointEigenSolver<Matrix<Size>> eigen(W);
-  const Matrix<Size> V = eigen.eigenvectors();
+  const Matrix<Size>& V = eigen.eigenvectors();
   const Matrix<Size> clipped = V * eigen.eigenvalues().cwiseMax(0.0).asDiagonal() * V.transpose();
   return 0.5 * (clipped + clipped.transpose());
 }

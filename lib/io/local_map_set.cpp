@@ -70,8 +70,8 @@ Expected<AnyMapSet> read_local_map_set(const std::filesystem::path& folder_or_ar
   const auto take = [&](LocalMapFile&& file) -> Expected<void> {
     const auto dim = dimension(file);
     if (!dim) return tl::unexpected(dim.error());
-    if (*dim == 2) return named_local_map<2>(std::move(file), check).map([&](auto&& map) { plane.push_back(std::move(map)); });
-    return named_local_map<3>(std::move(file), check).map([&](auto&& map) { space.push_back(std::move(map)); });
+    if (*dim == 2) return named_local_map<2>(std::move(file), check).map([&](auto map) { plane.push_back(std::move(map)); });
+    return named_local_map<3>(std::move(file), check).map([&](auto map) { space.push_back(std::move(map)); });
   };
   const auto visited = visit_files(
       folder_or_archive, [](const std::string& name) { return local_map_number(name).has_value(); },

@@ -20,7 +20,7 @@ constexpr std::uint32_t kDoubleClass = 6;
 constexpr std::size_t kMaxInflated = std::size_t{4} << 30;
 
 std::uint32_t word(std::string_view bytes, std::size_t at) {
-  std::uint32_t value;
+  std::uint32_t value = 0;
   std::memcpy(&value, bytes.data() + at, sizeof value);
   return value;
 }

@@ -18,7 +18,7 @@ bool may_hold_maps(const std::filesystem::path& path) {
 
 Expected<AnyMaps> open_maps(const std::filesystem::path& path, const ReadOptions& options) {
   const auto widen = [](auto&& any) {
-    return std::visit([](auto&& maps) { return AnyMaps(std::move(maps)); }, std::forward<decltype(any)>(any));
+    return std::visit([](auto maps) { return AnyMaps(std::move(maps)); }, std::forward<decltype(any)>(any));
   };
   if (is_store(path)) return read_store(path).map(widen);
   return read_local_map_set(path, options).map(widen);

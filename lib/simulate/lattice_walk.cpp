@@ -26,7 +26,7 @@ bool LatticeWalk<Dim>::leads_out(const LatticePoint<Dim>& direction) const {
 template <int Dim>
 void LatticeWalk<Dim>::turn() {
   // Straight on as often as all turns together.
-  constexpr std::size_t kTurns = 2 * (Dim - 1);
+  constexpr std::size_t kTurns = 2 * std::size_t{Dim - 1};
   std::array<LatticeRotation<Dim>, 2 * kTurns> choices;
   std::size_t count = 0;
   const auto offer = [&](const LatticeRotation<Dim>& rotation) {

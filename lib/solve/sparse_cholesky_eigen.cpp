@@ -3,6 +3,7 @@
 #ifndef MAPJOIN_CHOLMOD
 #include <Eigen/SparseCholesky>
 #include <Eigen/SparseCore>
+#include <algorithm>
 #include <mapjoin/solve/pivot.hpp>
 #include <mapjoin/solve/sparse_cholesky.hpp>
 
@@ -16,10 +17,21 @@ EigenSparse copy(const SparseUpper& matrix) {
                                        matrix.column_begin.data(), matrix.rows.data(), matrix.values.data());
 }
 
+/// Eigen's factorisation ends at the first pivot that is not positive, and does not say which: the pivots it did not come to
+/// are zero here.
+struct Llt : Eigen::SimplicialLLT<EigenSparse, Eigen::Upper, Eigen::NaturalOrdering<std::int64_t>> {
+  void factorise(const EigenSparse& A) {
+    std::fill_n(m_matrix.valuePtr(), m_matrix.nonZeros(), 0.0);
+    factorize(A);
+  }
+  /// Each column begins with its pivot.
+  double pivot(Eigen::Index j) const { return m_matrix.valuePtr()[m_matrix.outerIndexPtr()[j]]; }
+};
+
 }  // namespace
 
 struct SparseCholesky::Factor {
-  Eigen::SimplicialLLT<EigenSparse, Eigen::Upper, Eigen::NaturalOrdering<std::int64_t>> llt;
+  Llt llt;
 };
 
 SparseCholesky::SparseCholesky() = default;
@@ -34,14 +46,11 @@ void SparseCholesky::analyse(const SparseUpper& matrix) {
 
 std::optional<std::int64_t> SparseCholesky::factorise(const SparseUpper& matrix) {
   const EigenSparse A = copy(matrix);
-  factor_->llt.factorize(A);
-  const bool regular = factor_->llt.info() == Eigen::Success;
-  const Eigen::VectorXd pivots = EigenSparse(factor_->llt.matrixL()).diagonal();
+  factor_->llt.factorise(A);
   const Eigen::VectorXd diagonal = A.diagonal();
-  for (Eigen::Index j = 0; j < pivots.size(); ++j) {
-    if (has_lost_digits(pivots[j], diagonal[j])) return j;
+  for (Eigen::Index j = 0; j < diagonal.size(); ++j) {
+    if (has_lost_digits(factor_->llt.pivot(j), diagonal[j])) return j;
   }
-  if (!regular) return pivots.size() - 1;
   return std::nullopt;
 }
 
