@@ -31,7 +31,9 @@ Expected<ExitCode> join_any(Call& call, const StoredMaps<Dim>& stored) {
                                 "`mapjoin build`"});
   }
   const Split parts = split_along(stored.log, stored.stretches);
-  const auto result = run_from_maps(stored.log, parts, stored.maps, call.run_options(), call.stop());
+  // What is wrong with the log in a store is said of the store.
+  const auto of_store = [&](const Error& error) { return Error{error.kind, call.account.input + ": " + error.message}; };
+  const auto result = run_from_maps(stored.log, parts, stored.maps, call.run_options(), call.stop()).map_error(of_store);
   if (!result) return tl::unexpected(result.error());
   if (auto written = call.write_map(*result, &stored.log); !written) return tl::unexpected(written.error());
   return call.conclude();

@@ -106,6 +106,7 @@ std::optional<std::int64_t> local_map_number(const std::string& file_name) {
 Expected<LocalMapFile> parse_local_map(const std::filesystem::path& path, std::string_view bytes) {
   const auto number = local_map_number(path.filename().string());
   if (!number) return bad_input(fmt::format("{}: not named localmap_<k>.mat or localmap_<k>.txt", path.string()));
+  if (*number < 1) return bad_input(fmt::format("{}: local maps are counted from 1", path.string()));
   LocalMapFile map;
   map.path = path;
   map.number = *number;

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
 #include <mapjoin/io/information.hpp>
 #include <mapjoin/io/store_check.hpp>
 
@@ -59,9 +60,16 @@ Expected<void> check_values(const std::vector<Value>& values, const char* name, 
   return damaged(file, fmt::format("{} are not finite", name));
 }
 
+/// Each once, and ascending.
+template <typename Items, typename By = std::identity>
+bool ascend(const Items& items, By by = {}) {
+  return std::ranges::adjacent_find(items, std::greater_equal(), by) == items.end();
+}
+
 template <int Dim>
 Expected<void> check_names(const Log<Dim>& log, const std::string& file) {
   if (log.poses.empty()) return damaged(file, "it has no poses");
+  if (!ascend(log.poses) || !ascend(log.features)) return damaged(file, "its poses or features are not in order");
   Index next = 0;
   for (const Session& session : log.sessions) {
     if (session.begin != next || session.end <= session.begin || !is_index(session.end - 1, log.poses.size())) {
@@ -76,6 +84,7 @@ Expected<void> check_names(const Log<Dim>& log, const std::string& file) {
   for (const FixedPose<Dim>& fixed : log.fixed) {
     if (!is_index(fixed.pose, log.poses.size()) || !is_sound(fixed.value)) return damaged(file, "a fixed pose is none");
   }
+  if (!ascend(log.fixed, &FixedPose<Dim>::pose)) return damaged(file, "its fixed poses are not in order");
   return {};
 }
 
@@ -91,6 +100,9 @@ Expected<void> check_order(const Log<Dim>& log, const std::string& file) {
     if (session->end <= later) return damaged(file, "its odometry leaves a session");
     latest = later;
   }
+  const auto is_loop = [](const auto& o) { return o.base == o.target; };
+  if (std::any_of(log.closures.begin(), log.closures.end(), is_loop))
+    return damaged(file, "a closure leads from a pose to itself");
   const auto by_pose = [](const auto& a, const auto& b) { return a.base < b.base; };
   if (std::is_sorted(log.observations.begin(), log.observations.end(), by_pose)) return {};
   return damaged(file, "its observations are not in order");

@@ -10,8 +10,9 @@
 
 namespace mapjoin::store {
 
-/// Every index names something, sessions hold every pose once and in order, arrays that go with poses or features are as long,
-/// numbers are finite, rotations are rotations, and information matrices are symmetric and positive semidefinite.
+/// Every index names something, names and what is fixed ascend, sessions hold every pose once and in order, no closure leads
+/// from a pose to itself, arrays that go with poses or features are as long, numbers are finite, rotations are rotations, and
+/// information matrices are symmetric and positive semidefinite.
 template <int Dim>
 Expected<void> check_log(const Log<Dim>& log, const std::string& file);
 

@@ -75,6 +75,7 @@ bool TextScanner::next_line() {
 }
 
 bool TextScanner::at_end_of_line() {
+  if (!failure_.empty()) return true;
   while (next_ != end_ && is_blank(*next_)) ++next_;
   return next_ == end_ || *next_ == '\n' || *next_ == '#';
 }

@@ -27,7 +27,7 @@ class TextScanner {
 
   /// On to the next line that has a word, past what is left of this one; false at the end of the file.
   bool next_line();
-  /// Whether the line has no further word.
+  /// Whether the line has no further word, or one went wrong, after which none counts.
   bool at_end_of_line();
 
   /// The next word of the line, empty at its end.

@@ -4,6 +4,8 @@
 
 #include <algorithm>
 #include <filesystem>
+#include <mapjoin/io/open_log.hpp>
+#include <mapjoin/io/store.hpp>
 #include <tests/apps/command.hpp>
 
 namespace mapjoin::testing {
@@ -90,6 +92,17 @@ TEST_F(BadInput, AStoreThatIsCutShortIsRefused) {
   ASSERT_EQ(call({"build", log.string(), "-o", store.string()}).exit_code, 0);
   std::filesystem::resize_file(store, std::filesystem::file_size(store) / 2);
   expect_failure(call({"join", store.string(), "-o", (folder.path() / "map.g2o").string()}), 3, "maps");
+}
+
+TEST_F(BadInput, WhatIsWrongInAStoreIsSaidOfTheStore) {
+  Log<2> log = std::get<Log<2>>(*open_log(folder.file("log.g2o", kSmallLog)));
+  log.observations.clear();
+  const auto store = folder.path() / "maps";
+  auto writer = StoreWriter<2>::open(store, log, {{0, 2, false}}, "");
+  ASSERT_TRUE(writer && writer->finish());
+  const Ended ended = call({"join", store.string(), "-o", (folder.path() / "map.g2o").string()});
+  expect_failure(ended, 3, "feature 7 is never observed");
+  EXPECT_THAT(ended.err, StartsWith("mapjoin: " + store.string() + ": "));
 }
 
 TEST(Repair, TakesTheNearestSemidefiniteMatrixAndCountsIt) {

@@ -24,26 +24,29 @@ inline void write_gzipped(const std::filesystem::path& path, const std::string& 
   gzclose(file);
 }
 
+/// The bytes of one member of a ustar archive: its header and its content, filled up.
+inline std::string tar_member(const std::string& name, const std::string& bytes, char type = '0') {
+  std::string header(512, '\0');
+  const auto put = [&](std::size_t at, const std::string& text) { header.replace(at, text.size(), text); };
+  char size[13];
+  std::snprintf(size, sizeof size, "%011o", static_cast<unsigned>(bytes.size()));
+  put(0, name);
+  put(124, size);
+  put(148, "        ");
+  put(156, {type});
+  put(257, std::string("ustar\00000", 8));
+  unsigned sum = 0;
+  for (const char c : header) sum += static_cast<unsigned char>(c);
+  char checksum[8];
+  std::snprintf(checksum, sizeof checksum, "%06o", sum);
+  put(148, checksum);
+  return header + bytes + std::string((512 - bytes.size() % 512) % 512, '\0');
+}
+
 /// The bytes of a ustar archive with these members.
 inline std::string tar_of(const std::map<std::string, std::string>& members) {
   std::string tar;
-  for (const auto& [name, bytes] : members) {
-    std::string header(512, '\0');
-    const auto put = [&](std::size_t at, const std::string& text) { header.replace(at, text.size(), text); };
-    char size[13];
-    std::snprintf(size, sizeof size, "%011o", static_cast<unsigned>(bytes.size()));
-    put(0, name);
-    put(124, size);
-    put(148, "        ");
-    put(156, "0");
-    put(257, std::string("ustar\00000", 8));
-    unsigned sum = 0;
-    for (const char c : header) sum += static_cast<unsigned char>(c);
-    char checksum[8];
-    std::snprintf(checksum, sizeof checksum, "%06o", sum);
-    put(148, checksum);
-    tar += header + bytes + std::string((512 - bytes.size() % 512) % 512, '\0');
-  }
+  for (const auto& [name, bytes] : members) tar += tar_member(name, bytes);
   return tar + std::string(1024, '\0');
 }
 

@@ -15,6 +15,7 @@ namespace fs = std::filesystem;
 using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 using ::testing::Pair;
+using testing::tar_member;
 using testing::tar_of;
 using testing::write_gzipped;
 
@@ -66,6 +67,37 @@ TEST_F(ArchiveTest, RefusesAnArchiveThatIsCutShort) {
   write_gzipped(path, tar);
   folder.file("maps.tar", testing::bytes_of(path).substr(0, 60));
   EXPECT_THAT(visit(path).error().message, HasSubstr("maps.tar: the gzip stream is cut off"));
+}
+
+TEST_F(ArchiveTest, RefusesAnArchiveThatIsCutBetweenMembers) {
+  const std::string tar = tar_of({{"a", "short"}, {"b", "short"}});
+  for (const std::size_t size : {1024u, 2048u, 2100u}) {
+    folder.file("maps.tar", tar.substr(0, size));
+    EXPECT_THAT(visit(folder.path() / "maps.tar").error().message, HasSubstr("maps.tar: damaged archive: it is cut off"))
+        << size;
+  }
+}
+
+TEST_F(ArchiveTest, KnowsMembersByTheirLongNames) {
+  const std::string name(99, 'n');
+  const std::string long_name = std::string(120, 'd') + "/" + name + ".txt";
+  const std::string record = " path=" + long_name + "\n";
+  for (const std::string& header :
+       {tar_member("././@LongLink", long_name + '\0', 'L'),
+        tar_member("PaxHeaders/1", "13 mtime=1.5\n" + std::to_string(record.size() + 3) + record, 'x') +
+            tar_member("GlobalHead", "14 comment=no\n", 'g')}) {
+    folder.file("maps.tar", header + tar_of({{long_name.substr(0, 99), "first"}, {"second", "short"}}));
+    const auto seen = visit(folder.path() / "maps.tar");
+    ASSERT_TRUE(seen) << seen.error().message;
+    EXPECT_THAT(*seen, ElementsAre(Pair(name + ".txt", "first"), Pair("second", "short")));
+  }
+}
+
+TEST_F(ArchiveTest, RefusesRecordsOfAHeaderThatAreNone) {
+  for (const std::string records : {"path=a\n", "99 path=a\n", "0 path=a\n", "2 path=a\n"}) {
+    folder.file("maps.tar", tar_member("PaxHeaders/1", records, 'x') + tar_of({{"a", "short"}}));
+    EXPECT_THAT(visit(folder.path() / "maps.tar").error().message, HasSubstr("a member's header is wrong")) << records;
+  }
 }
 
 TEST_F(ArchiveTest, RefusesAHeaderWithAWrongSizeOrChecksum) {

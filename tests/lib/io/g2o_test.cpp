@@ -57,6 +57,13 @@ TEST(G2o, ReadsEveryTagOfThePlane) {
   EXPECT_EQ(log.observations[0].information, (Matrix<2>() << 2, 0.5, 0.5, 3).finished());
 }
 
+TEST(G2o, FixesSeveralPosesOnOneLineAndNamesAWordThatIsNone) {
+  const auto log = read_as<2>("FIX 0 1\n" + kEdge2);
+  EXPECT_EQ(log.fixed.size(), 2u);
+  EXPECT_EQ(message("FIX a b\n" + kEdge2), "some.g2o:1:5: 'a' stands where an id is expected");
+  EXPECT_EQ(message("FIX 0 -1 1\n" + kEdge2), "some.g2o:1:7: '-1' stands where an id is expected");
+}
+
 TEST(G2o, ReadsEveryTagOfSpaceAndAppliesSensorOffsetsGivenLater) {
   const auto log = read_as<3>(
       "EDGE_SE3_TRACKXYZ 7 9 3 2 1 3 1 0 0 2 0 3\n"

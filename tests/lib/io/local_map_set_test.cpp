@@ -98,6 +98,11 @@ TEST_F(LocalMapSetTest, PutsMapsInTheOrderOfTheirNumbersAndGzippedOnesAmongThem)
   EXPECT_EQ(set.maps[0].pose_estimates[0].rotation.angle(), 7.5);
 }
 
+TEST_F(LocalMapSetTest, CountsMapsFromOne) {
+  folder.file("localmap_0.txt", text_map(0, plane, random.information<7>()));
+  EXPECT_THAT(error(), HasSubstr("localmap_0.txt: local maps are counted from 1"));
+}
+
 TEST_F(LocalMapSetTest, TheInformationOfAMatMapIsTheInverseOfItsCovariance) {
   const Matrix<7> P = random.information<7>();
   write_mat_map(path("localmap_1.mat"), plane, P);
