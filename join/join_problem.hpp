@@ -6,6 +6,7 @@
 #include <mapjoin/join/joint_system.hpp>
 #include <mapjoin/solve/minimise.hpp>
 #include <optional>
+#include <utility>
 
 namespace mapjoin {
 
@@ -14,6 +15,7 @@ template <int Dim>
 class JoinProblem {
  public:
   JoinProblem(const Piece<Dim>& piece, const Gauge<Dim>& gauge) : system_(piece, gauge) {}
+  explicit JoinProblem(JointSystem<Dim> system) : system_(std::move(system)) {}
 
   double linearise();
   const Eigen::VectorXd& gradient() const { return system_.equations().gradient(); }

@@ -124,6 +124,26 @@ void LiveSegment<Dim>::back_substitute(Eigen::VectorXd& whole) const {
 }
 
 template <int Dim>
+OwnGivenShared<Dim> LiveSegment<Dim>::own_given_shared() const {
+  OwnGivenShared<Dim> own;
+  own.poses = segment_->interior;
+  for (std::size_t f = 0; f < segment_->features.size(); ++f) {
+    if (is_own_feature_[f]) own.features.push_back(segment_->features[f]);
+  }
+  own.chain = ChainGivenBorder<Dim>(eliminated_);
+  const Eigen::MatrixXd& M = own.chain.gain();
+  const auto own_size = static_cast<Eigen::Index>(own_rows_.size());
+  own.pose_gain = M(Eigen::all, own_rows_);
+  own.gain.resize(M.rows() + own_size, static_cast<Eigen::Index>(shared_rows_.size()));
+  own.gain.topRows(M.rows()) = M(Eigen::all, shared_rows_);
+  if (own_size == 0) return own;
+  own.gain.topRows(M.rows()).noalias() -= own.pose_gain * own_gain_;
+  own.gain.bottomRows(own_size) = -own_gain_;
+  own.feature_covariance = own_factor_.solve(Eigen::MatrixXd::Identity(own_size, own_size));
+  return own;
+}
+
+template <int Dim>
 double LiveSegment<Dim>::try_step(const Eigen::VectorXd& whole) {
   candidate_ = values_;
   system_.retract(gathered(whole), candidate_);

@@ -6,6 +6,7 @@
 #include <Eigen/Cholesky>
 #include <Eigen/Core>
 #include <mapjoin/join/joint_system.hpp>
+#include <mapjoin/join/own_given_shared.hpp>
 #include <mapjoin/localmap/segment_system.hpp>
 #include <vector>
 
@@ -31,6 +32,9 @@ class LiveSegment {
   void add_reduced(NormalEquations::Sink sink) const;
   /// Its own part of the solution, given the joined state's.
   void back_substitute(Eigen::VectorXd& whole) const;
+
+  /// What is its own as a Gaussian given the rest, after eliminate().
+  OwnGivenShared<Dim> own_given_shared() const;
 
   double try_step(const Eigen::VectorXd& whole);
   void accept() { values_ = candidate_; }

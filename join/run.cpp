@@ -87,6 +87,22 @@ MinimiseResult polish(const Log<Dim>& log, const Split& split, const Network<Dim
   return result;
 }
 
+/// Of the final estimate `state` of the whole network.
+template <int Dim>
+Expected<void> add_covariances(Network<Dim> network, Join<Dim> join, std::vector<Segment<Dim>> segments, State<Dim> state,
+                               const RunOptions& options, RunResult<Dim>& result) {
+  const Stopwatch watch(result.seconds.covariances);
+  auto covariances = MapCovariances<Dim>::make(std::move(network), std::move(join), std::move(segments), std::move(state),
+                                               result.polish ? Estimate::kPolished : Estimate::kJoined, options.most_memory);
+  if (!covariances) return tl::unexpected(covariances.error());
+  auto marginals = covariances->marginals();
+  if (!marginals) return tl::unexpected(marginals.error());
+  result.map.pose_covariances = std::move(marginals->poses);
+  result.map.feature_covariances = std::move(marginals->features);
+  result.covariances = std::make_shared<const MapCovariances<Dim>>(*std::move(covariances));
+  return {};
+}
+
 /// Joins, recovers and polishes from local maps.
 template <int Dim>
 Expected<void> join_and_polish(const Log<Dim>& log, const Split& split, std::vector<LocalMap<Dim>> maps,
@@ -95,7 +111,7 @@ Expected<void> join_and_polish(const Log<Dim>& log, const Split& split, std::vec
   result.local_maps = maps.size();
   result.spans = split.stretches.size() - maps.size();
   result.poses_per_map = split.poses_per_map;
-  const Network<Dim> network = network_of(log, split, std::move(maps));
+  Network<Dim> network = network_of(log, split, std::move(maps));
   JoinOptions<Dim> joining = join_options(options, origin_of(log));
   joining.start = start;
   Expected<Join<Dim>> joined = [&] {
@@ -120,9 +136,11 @@ Expected<void> join_and_polish(const Log<Dim>& log, const Split& split, std::vec
   }
   if (stop.stop_requested()) return tl::unexpected(Error{ErrorKind::kInterrupted, "interrupted while polishing"});
   result.dof = degrees_of_freedom(log, joined->held.size());
-  write_map(log, std::move(state), joined->held, result);
+  write_map(log, state, joined->held, result);
   result.map.stamps_ns = log.stamps_ns;
-  return {};
+  if (!options.covariances) return {};
+  return add_covariances(std::move(network), *std::move(joined), segments_of(log, split), std::move(state), options, result)
+      .map_error([&](const Error& error) { return of_source(log.source, error); });
 }
 
 }  // namespace
@@ -176,7 +194,7 @@ Expected<RunResult<Dim>> run(const MapSet<Dim>& set, const RunOptions& options, 
   if (auto connected = check_connected(set); !connected) return tl::unexpected(connected.error());
   RunResult<Dim> result;
   result.local_maps = set.maps.size();
-  const Network<Dim> network = network_of(set);
+  Network<Dim> network = network_of(set);
   auto joined = [&] {
     const Stopwatch watch(result.seconds.join);
     return join(network, set.poses, set.features, join_options(options, Pose<Dim>{}), stop);
@@ -185,8 +203,12 @@ Expected<RunResult<Dim>> run(const MapSet<Dim>& set, const RunOptions& options, 
   result.join = joined->result;
   result.join_dof = result.dof = joined->dof();
   result.chi2 = joined->result.chi2;
-  write_map(set, std::move(joined->state), joined->held, result);
-  return result;
+  State<Dim> state = std::move(joined->state);
+  write_map(set, state, joined->held, result);
+  if (!options.covariances) return result;
+  return add_covariances(std::move(network), *std::move(joined), {}, std::move(state), options, result)
+      .map_error([&](const Error& error) { return of_source(set.source, error); })
+      .map([&] { return std::move(result); });
 }
 
 template <int Dim>

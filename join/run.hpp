@@ -4,12 +4,14 @@
 
 #include <functional>
 #include <mapjoin/join/join.hpp>
+#include <mapjoin/join/map_covariances.hpp>
 #include <mapjoin/localmap/build.hpp>
 #include <mapjoin/localmap/split.hpp>
 #include <mapjoin/model/error.hpp>
 #include <mapjoin/model/global_map.hpp>
 #include <mapjoin/model/local_map.hpp>
 #include <mapjoin/model/log.hpp>
+#include <memory>
 #include <optional>
 #include <stop_token>
 #include <string>
@@ -26,6 +28,8 @@ struct RunOptions {
   MinimiseOptions solver;  ///< Of every least-squares problem, local maps to polish.
   bool polish = true;
   bool start_from_values = false;  ///< Full SLAM only: from the log's initial values instead of a schedule.
+  bool covariances = false;        ///< Of the final estimate, too: RunResult::covariances, and the marginals in the map.
+  std::int64_t most_memory = 0;    ///< For covariances (bytes); 0: as much as the machine has.
   /// Called with a stage, what is done of it and what there is to do; from one thread at a time.
   std::function<void(Stage, std::size_t, std::size_t)> progress;
 
@@ -39,6 +43,7 @@ struct RunSeconds {
   double join = 0.0;
   double recover = 0.0;
   double polish = 0.0;
+  double covariances = 0.0;
 };
 
 /// What a run says of itself, whatever the dimension.
@@ -63,10 +68,12 @@ struct RunFigures {
 template <int Dim>
 struct RunResult : RunFigures {
   GlobalMap<Dim> map;
+  std::shared_ptr<const MapCovariances<Dim>> covariances;  ///< Where they were asked for; the input must outlive them.
 };
 
 /// Splits the log, builds local maps, joins them, recovers what was eliminated, and polishes to the optimum of the whole log.
-/// Bad input: a log that falls apart or leaves something undetermined. kInterrupted on `stop`. Options that do not validate are
+/// Bad input: a log that falls apart or leaves something undetermined. kTooLarge: covariances that do not fit into memory.
+/// kInterrupted on `stop`. Options that do not validate are
 /// std::invalid_argument, here and below.
 template <int Dim>
 Expected<RunResult<Dim>> run(const Log<Dim>& log, const RunOptions& options, const std::stop_token& stop = {});

@@ -28,7 +28,7 @@ CondensedMap<Dim> condense(LocalMap<Dim> map, const std::vector<bool>& is_privat
   for (std::size_t f = 0; f < map.features.size(); ++f) {
     (is_private[static_cast<std::size_t>(map.features[f])] ? private_places : shared_places).push_back(f);
   }
-  CondensedMap<Dim> condensed{std::move(map), {}, {}, {}};
+  CondensedMap<Dim> condensed{std::move(map), {}, {}, {}, {}};
   if (private_places.empty()) return condensed;
   const LocalMap<Dim>& whole = condensed.map;
   const auto o = rows_of(whole, shared_places, true);
@@ -39,6 +39,7 @@ CondensedMap<Dim> condense(LocalMap<Dim> map, const std::vector<bool>& is_privat
   if (llt.info() != Eigen::Success || !(llt.rcond() > 1e-13)) return condensed;
 
   condensed.gain = llt.solve(W_fo);
+  condensed.private_information = W_ff;
   LocalMap<Dim> rest = whole;
   rest.features.clear();
   rest.feature_estimates.clear();
@@ -54,6 +55,20 @@ CondensedMap<Dim> condense(LocalMap<Dim> map, const std::vector<bool>& is_privat
   rest.information = 0.5 * (W_oo + W_oo.transpose());
   condensed.map = std::move(rest);
   return condensed;
+}
+
+template <int Dim>
+LocalMap<Dim> uncondensed(const CondensedMap<Dim>& condensed) {
+  LocalMap<Dim> map = condensed.map;
+  if (condensed.private_features.empty()) return map;
+  map.features.insert(map.features.end(), condensed.private_features.begin(), condensed.private_features.end());
+  map.feature_estimates.insert(map.feature_estimates.end(), condensed.private_estimates.begin(),
+                               condensed.private_estimates.end());
+  const Eigen::MatrixXd W_fo = condensed.private_information * condensed.gain;
+  map.information.resize(W_fo.cols() + W_fo.rows(), W_fo.cols() + W_fo.rows());
+  map.information << condensed.map.information + condensed.gain.transpose() * W_fo, W_fo.transpose(), W_fo,
+      condensed.private_information;
+  return map;
 }
 
 template <int Dim>
@@ -87,6 +102,7 @@ std::vector<bool> private_features(const std::vector<LocalMap<Dim>>& maps, std::
 
 #define MAPJOIN_INSTANTIATE(Dim)                                                 \
   template CondensedMap<Dim> condense(LocalMap<Dim>, const std::vector<bool>&);  \
+  template LocalMap<Dim> uncondensed(const CondensedMap<Dim>&);                  \
   template void recover_private_features(const CondensedMap<Dim>&, State<Dim>&); \
   template std::vector<bool> private_features(const std::vector<LocalMap<Dim>>&, std::vector<bool>);
 MAPJOIN_INSTANTIATE(2)

@@ -17,11 +17,16 @@ struct CondensedMap {
   std::vector<Index> private_features;
   std::vector<Point<Dim>> private_estimates;  ///< In the frame of the base (m).
   Eigen::MatrixXd gain;  ///< W_ff⁻¹ W_fo: the residuals of the private features are -gain · those of the others.
+  Eigen::MatrixXd private_information;  ///< W_ff, of the private features given the others.
 };
 
 /// `is_private` is per feature. Where they are not determined within the map, all stay.
 template <int Dim>
 CondensedMap<Dim> condense(LocalMap<Dim> map, const std::vector<bool>& is_private);
+
+/// The map as it was, its private features behind the others.
+template <int Dim>
+LocalMap<Dim> uncondensed(const CondensedMap<Dim>& condensed);
 
 /// Puts the private features where they lower chi2 most, given the joined poses and features in `state`.
 template <int Dim>

@@ -28,10 +28,13 @@ class ChainSystem {
   Eigen::Index size() const { return chain_length() * kDof + border_size(); }
 
   Matrix<kDof>& diagonal_block(Eigen::Index k) { return D_[static_cast<std::size_t>(k)]; }
+  const Matrix<kDof>& diagonal_block(Eigen::Index k) const { return D_[static_cast<std::size_t>(k)]; }
   /// The coupling of chain pose k with k + 1.
   Matrix<kDof>& coupling(Eigen::Index k) { return L_[static_cast<std::size_t>(k)]; }
+  const Matrix<kDof>& coupling(Eigen::Index k) const { return L_[static_cast<std::size_t>(k)]; }
   /// The couplings of chain pose k with the border, kDof × border_size().
   auto border_rows(Eigen::Index k) { return E_.middleRows<kDof>(k * kDof); }
+  auto border_rows(Eigen::Index k) const { return E_.middleRows<kDof>(k * kDof); }
   /// Only the upper triangle counts.
   Eigen::MatrixXd& border() { return C_; }
   const Eigen::MatrixXd& border() const { return C_; }
@@ -45,8 +48,9 @@ class ChainSystem {
   /// H + damping·diag(H), before elimination.
   void damp(double damping);
 
-  /// Eliminates the chain: the border and its gradient become their Schur complements. False where a chain block is
-  /// singular to working precision. O(chain · border²).
+  /// Eliminates the chain: the border and its gradient become their Schur complements, and with G_k G_kᵀ = D_k as far as it is
+  /// reduced, the blocks of chain pose k become G_k, G_k⁻¹ L_k and G_k⁻¹ E_k. False where a chain block is singular to working
+  /// precision. O(chain · border²).
   bool eliminate_chain();
   /// The chain's part of the solution, given the border's, after eliminate_chain().
   Eigen::VectorXd chain_step(const Eigen::VectorXd& border_step) const;

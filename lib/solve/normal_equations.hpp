@@ -67,6 +67,7 @@ class NormalEquations {
 
   std::span<const Index> clique(std::size_t clique) const { return cliques_[clique]; }
   Eigen::Index size() const { return offsets_.back(); }
+  Index variable_count() const { return static_cast<Index>(dofs_.size()); }
   /// Where the entries of variable v begin.
   Eigen::Index offset(Index v) const { return offsets_[static_cast<std::size_t>(v)]; }
   const Eigen::VectorXd& gradient() const { return gradient_; }

@@ -51,7 +51,7 @@ class JoinTest : public ::testing::Test {
   static Network<kDim> uncondensed(const MapSet<kDim>& set) {
     Network<kDim> network = network_of(set);
     network.maps.clear();
-    for (const auto& map : set.maps) network.maps.push_back({map, {}, {}, {}});
+    for (const auto& map : set.maps) network.maps.push_back({map, {}, {}, {}, {}});
     network.is_private.assign(network.is_private.size(), false);
     return network;
   }

@@ -1,0 +1,260 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <map>
+#include <mapjoin/join/join_problem.hpp>
+#include <mapjoin/join/map_covariances.hpp>
+#include <mapjoin/join/polish_problem.hpp>
+#include <mapjoin/localmap/recover.hpp>
+#include <mapjoin/parallel/parallel.hpp>
+#include <mapjoin/solve/memory.hpp>
+#include <optional>
+#include <thread>
+#include <utility>
+
+namespace mapjoin {
+
+std::string to_string(Estimate estimate) {
+  return estimate == Estimate::kJoined ? "joined" : "polished";
+}
+
+template <int Dim>
+MapCovariances<Dim>::MapCovariances(Network<Dim> network, Join<Dim> join, std::vector<Segment<Dim>> segments, State<Dim> state,
+                                    Estimate estimate, std::int64_t most_memory)
+    : network_(std::move(network)),
+      join_(std::move(join)),
+      segments_(std::move(segments)),
+      state_(std::move(state)),
+      estimate_(estimate),
+      most_memory_(most_memory) {}
+
+template <int Dim>
+Expected<MapCovariances<Dim>> MapCovariances<Dim>::make(Network<Dim> network, Join<Dim> join,
+                                                        std::vector<Segment<Dim>> segments, State<Dim> state, Estimate estimate,
+                                                        std::int64_t most_memory) {
+  MapCovariances covariances(std::move(network), std::move(join), std::move(segments), std::move(state), estimate, most_memory);
+  if (!covariances.factorise()) return bad_input("the covariances are not finite: something is free to move");
+  covariances.find_homes();
+  return covariances;
+}
+
+template <int Dim>
+bool MapCovariances<Dim>::factorise() {
+  JointSystem<Dim>& system = *join_.system;
+  if (estimate_ == Estimate::kPolished) {
+    PolishProblem<Dim> problem(system, segments_, network_.is_private, state_);
+    problem.linearise();
+    return !problem.factorise(0.0);
+  }
+  JoinProblem<Dim> problem(std::move(system));
+  problem.linearise();
+  const bool is_regular = !problem.factorise(0.0);
+  system = std::move(problem.system());
+  return is_regular;
+}
+
+template <int Dim>
+void MapCovariances<Dim>::find_homes() {
+  pose_homes_.resize(network_.pose_count);
+  feature_homes_.resize(network_.feature_count);
+  for (Index v = 0; v < equations().variable_count(); ++v) {
+    const auto place = static_cast<std::size_t>(join_.system->place_of_variable(v));
+    const std::size_t poses = join_.poses.size();
+    Home& home = place < poses ? pose_homes_[static_cast<std::size_t>(join_.poses[place])]
+                               : feature_homes_[static_cast<std::size_t>(join_.features[place - poses])];
+    home.variable = v;
+  }
+  for (std::size_t m = 0; m < network_.maps.size(); ++m) {
+    Home home{kConstant, static_cast<Index>(m), 0};
+    for (std::size_t p = 0; p < own_poses(m); ++p, ++home.own) {
+      pose_homes_[static_cast<std::size_t>(segments_[m].interior[p])] = home;
+    }
+    for (const Index feature : network_.maps[m].private_features) {
+      feature_homes_[static_cast<std::size_t>(feature)] = home;
+      ++home.own;
+    }
+  }
+}
+
+template <int Dim>
+Expected<OwnGivenShared<Dim>> MapCovariances<Dim>::own_of(std::size_t map) const {
+  if (segments_.empty()) return own_given_shared(network_.maps[map], state_);
+  const Segment<Dim>& segment = segments_[map];
+  LiveSegment<Dim> live(segment, network_.is_private, equations(), join_.system->map_variables(map), 0,
+                        values_of(segment, state_));
+  live.linearise();
+  if (!live.eliminate(0.0)) return bad_input("the covariances inside a local map are not finite: something is free to move");
+  return live.own_given_shared();
+}
+
+template <int Dim>
+std::vector<Eigen::Index> MapCovariances<Dim>::shared_entries(std::size_t map) const {
+  const auto slots = join_.system->map_variables(map);
+  const std::size_t poses = 1 + network_.maps[map].map.poses.size();
+  std::vector<Eigen::Index> entries;
+  for (std::size_t s = 0; s < slots.size(); ++s) {
+    for (int i = 0; i < (s < poses ? kPoseDof<Dim> : Dim); ++i) {
+      entries.push_back(slots[s] == kConstant ? -1 : equations().offset(slots[s]) + i);
+    }
+  }
+  return entries;
+}
+
+template <int Dim>
+Eigen::MatrixXd MapCovariances<Dim>::shared_covariance(std::size_t map, const Marginals& marginals) const {
+  std::vector<Index> free;
+  for (const Index v : join_.system->map_variables(map)) {
+    if (v != kConstant) free.push_back(v);
+  }
+  const std::vector<Eigen::Index> entries = shared_entries(map);
+  std::vector<Eigen::Index> rows;
+  for (std::size_t k = 0; k < entries.size(); ++k) {
+    if (entries[k] >= 0) rows.push_back(static_cast<Eigen::Index>(k));
+  }
+  const auto size = static_cast<Eigen::Index>(entries.size());
+  Eigen::MatrixXd covariance = Eigen::MatrixXd::Zero(size, size);
+  covariance(rows, rows) = marginals.joint(free);
+  return covariance;
+}
+
+template <int Dim>
+Expected<void> MapCovariances<Dim>::add_own(std::size_t map, const Marginals& marginals, MarginalCovariances<Dim>& out) const {
+  if (own_poses(map) + own_features(map) == 0) return {};
+  const auto own = own_of(map);
+  if (!own) return tl::unexpected(own.error());
+  const Eigen::MatrixXd gain_shared = own->gain * shared_covariance(map, marginals);
+  for (Eigen::Index k = 0; k < own->size(); ++k) {
+    const auto rows = Eigen::seqN(own->row(k), own->dof(k));
+    const Eigen::MatrixXd covariance =
+        own->covariance({&k, 1}) + gain_shared(rows, Eigen::all) * own->gain(rows, Eigen::all).transpose();
+    const Eigen::MatrixXd symmetric = 0.5 * (covariance + covariance.transpose());
+    const auto i = static_cast<std::size_t>(k);
+    if (own->is_pose(k)) {
+      out.poses[static_cast<std::size_t>(own->poses[i])] = symmetric;
+    } else {
+      out.features[static_cast<std::size_t>(own->features[i - own->poses.size()])] = symmetric;
+    }
+  }
+  return {};
+}
+
+template <int Dim>
+std::int64_t MapCovariances<Dim>::marginal_bytes() const {
+  std::int64_t largest_map = 0;
+  for (std::size_t m = 0; m < network_.maps.size(); ++m) {
+    const auto features = static_cast<std::int64_t>(own_features(m)) * Dim;
+    const auto own = static_cast<std::int64_t>(own_poses(m)) * kPoseDof<Dim> + features;
+    const std::int64_t border = network_.maps[m].map.information.rows() + kPoseDof<Dim> + features;
+    // Chain and border before and after elimination; gains, their products, and the covariance of what is shared.
+    if (own > 0) largest_map = std::max(largest_map, 6 * (own + border) * border);
+  }
+  const auto blocks =
+      static_cast<std::int64_t>(network_.pose_count * kPoseDof<Dim> * kPoseDof<Dim> + network_.feature_count * Dim * Dim);
+  return Marginals::bytes(equations()) + 8 * (blocks + largest_map * std::max(1U, std::thread::hardware_concurrency()));
+}
+
+template <int Dim>
+Expected<MarginalCovariances<Dim>> MapCovariances<Dim>::marginals() const {
+  if (auto fits = check_memory("the covariances of all poses and features", marginal_bytes(), most_memory_); !fits) {
+    return tl::unexpected(fits.error());
+  }
+  const Marginals marginals(equations());
+  MarginalCovariances<Dim> out;
+  for (const Home& home : pose_homes_) {
+    out.poses.push_back(PoseMatrix<Dim>::Zero());
+    if (home.variable != kConstant) out.poses.back() = marginals[home.variable];
+  }
+  for (const Home& home : feature_homes_) {
+    out.features.push_back(PointMatrix<Dim>::Zero());
+    if (home.variable != kConstant) out.features.back() = marginals[home.variable];
+  }
+  std::vector<Expected<void>> done(network_.maps.size());
+  parallel_for(done.size(), [&](std::size_t m) { done[m] = add_own(m, marginals, out); });
+  for (const auto& map : done) {
+    if (!map) return tl::unexpected(map.error());
+  }
+  return out;
+}
+
+template <int Dim>
+Expected<void> MapCovariances<Dim>::carry_own(std::size_t map, OwnRows asked, Triplets& J_transposed,
+                                              Eigen::MatrixXd& noise) const {
+  const auto own = own_of(map);
+  if (!own) return tl::unexpected(own.error());
+  std::sort(asked.begin(), asked.end());
+  const std::vector<Eigen::Index> entries = shared_entries(map);
+  std::vector<Eigen::Index> indices;
+  std::vector<Eigen::Index> rows;
+  for (const auto& [k, row] : asked) {
+    indices.push_back(k);
+    for (int i = 0; i < own->dof(k); ++i) {
+      rows.push_back(row + i);
+      for (std::size_t s = 0; s < entries.size(); ++s) {
+        if (entries[s] < 0) continue;
+        J_transposed.emplace_back(entries[s], row + i, own->gain(own->row(k) + i, static_cast<Eigen::Index>(s)));
+      }
+    }
+  }
+  noise(rows, rows) = own->covariance(indices);
+  return {};
+}
+
+template <int Dim>
+Expected<Eigen::MatrixXd> MapCovariances<Dim>::joint(std::span<const PoseOrFeature> variables) const {
+  Triplets J_transposed;
+  std::map<Index, OwnRows> own_rows;  // per map
+  Eigen::Index size = 0;
+  for (const PoseOrFeature& variable : variables) {
+    const Home& at = home(variable);
+    const int dof = variable.is_pose ? kPoseDof<Dim> : Dim;
+    for (int i = 0; at.variable != kConstant && i < dof; ++i) {
+      J_transposed.emplace_back(equations().offset(at.variable) + i, size + i, 1.0);
+    }
+    if (at.map >= 0) own_rows[at.map].emplace_back(at.own, size);
+    size += dof;
+  }
+  const std::string what = fmt::format("the joint covariance of {} poses and features", variables.size());
+  if (auto fits = check_memory(what, covariance_bytes(equations(), size), most_memory_); !fits) {
+    return tl::unexpected(fits.error());
+  }
+  Eigen::MatrixXd noise = Eigen::MatrixXd::Zero(size, size);
+  for (const auto& [map, rows] : own_rows) {
+    if (auto done = carry_own(static_cast<std::size_t>(map), rows, J_transposed, noise); !done) {
+      return tl::unexpected(done.error());
+    }
+  }
+  Eigen::SparseMatrix<double> columns(equations().size(), size);
+  columns.setFromTriplets(J_transposed.begin(), J_transposed.end());
+  return Eigen::MatrixXd(covariance_of(equations(), columns) + noise);
+}
+
+template <int Dim>
+Expected<PoseMatrix<Dim>> MapCovariances<Dim>::relative_pose(Index base, Index target) const {
+  const auto covariance = joint(std::array{PoseOrFeature::pose(base), PoseOrFeature::pose(target)});
+  if (!covariance) return tl::unexpected(covariance.error());
+  PoseMatrix<Dim> J_base;
+  PoseMatrix<Dim> J_target;
+  between(state_.pose(base), state_.pose(target), &J_base, &J_target);
+  Matrix<kPoseDof<Dim>, 2 * kPoseDof<Dim>> J;
+  J << J_base, J_target;
+  return PoseMatrix<Dim>(J * *covariance * J.transpose());
+}
+
+template <int Dim>
+Expected<PointMatrix<Dim>> MapCovariances<Dim>::relative_feature(Index base, Index feature) const {
+  const auto covariance = joint(std::array{PoseOrFeature::pose(base), PoseOrFeature::feature(feature)});
+  if (!covariance) return tl::unexpected(covariance.error());
+  PointPoseMatrix<Dim> J_base;
+  PointMatrix<Dim> J_feature;
+  transform_into<Dim>(state_.pose(base), state_.feature(feature), &J_base, &J_feature);
+  Matrix<Dim, kPoseDof<Dim> + Dim> J;
+  J << J_base, J_feature;
+  return PointMatrix<Dim>(J * *covariance * J.transpose());
+}
+
+template class MapCovariances<2>;
+template class MapCovariances<3>;
+
+}  // namespace mapjoin

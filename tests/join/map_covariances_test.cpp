@@ -1,0 +1,288 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <gtest/gtest.h>
+
+#include <Eigen/LU>
+#include <mapjoin/join/run.hpp>
+#include <mapjoin/localmap/build.hpp>
+#include <numeric>
+#include <tests/support/dense_information.hpp>
+#include <tests/support/dimensions.hpp>
+#include <tests/support/numerical_jacobian.hpp>
+#include <tests/support/small_world.hpp>
+
+namespace mapjoin {
+namespace {
+
+using testing::DenseInformation;
+using testing::small_world;
+
+/// What holds the map still.
+enum class Held { kFirstPose, kTwoPoses, kPriors };
+
+template <typename D>
+class MapCovariancesTest : public ::testing::Test {
+ protected:
+  static constexpr int kDim = D::value;
+  static constexpr int kDof = kPoseDof<kDim>;
+
+  static Log<kDim> world(Held held = Held::kFirstPose) {
+    auto small = small_world<kDim>({.poses = 36, .features = 40, .closures = 2, .range = 2.5});
+    Log<kDim> log = std::move(small.log);
+    testing::Random random(5);
+    if (held == Held::kTwoPoses) log.fixed = {{4, small.truth.poses[4]}, {20, small.truth.poses[20]}};
+    if (held == Held::kPriors) {
+      const Pose<kDim> pose = small.truth.poses[7];
+      log.pose_priors.push_back({kWorld, 7, pose, 1e2 * random.information<kDof>()});
+      log.feature_priors.push_back({kWorld, 3, small.truth.features[3], 1e2 * random.information<kDim>()});
+    }
+    return log;
+  }
+  static RunOptions options(double poses_per_map) {
+    RunOptions options;
+    options.split = {SplitRule::kPoses, poses_per_map};
+    options.covariances = true;
+    return options;
+  }
+  static State<kDim> state_of(const RunResult<kDim>& result) { return {result.map.poses, result.map.features}; }
+
+  static void add_single_observations(const Log<kDim>& log, DenseInformation<kDim>& dense) {
+    for (const auto* list : {&log.closures, &log.pose_priors}) {
+      for (const auto& o : *list) dense.add(o);
+    }
+    for (const auto& o : log.feature_priors) dense.add(o);
+  }
+  static Eigen::MatrixXd covariance_of_log(const Log<kDim>& log, const RunResult<kDim>& result) {
+    const State<kDim> state = state_of(result);
+    DenseInformation<kDim> dense(state);
+    add_single_observations(log, dense);
+    for (const auto& o : log.odometry) dense.add(o);
+    for (const auto& o : log.observations) dense.add(o);
+    return dense.inverse(result.map.gauge);
+  }
+
+  static void expect_near(const Eigen::MatrixXd& covariance, const Eigen::MatrixXd& expected, const std::string& of) {
+    ASSERT_EQ(covariance.rows(), expected.rows());
+    EXPECT_LE((covariance - expected).norm(), 1e-9 * expected.norm()) << of;
+  }
+  /// Marginals of everything, and joint covariances of a few, against the inverse of the whole information.
+  static void expect_blocks_of(const Eigen::MatrixXd& whole, const RunResult<kDim>& result) {
+    const auto& map = result.map;
+    const auto pose_count = static_cast<Index>(map.poses.size());
+    const auto feature_count = static_cast<Index>(map.features.size());
+    const auto row = [&](const PoseOrFeature& v) {
+      return v.is_pose ? Eigen::Index{v.index} * kDof : Eigen::Index{pose_count} * kDof + v.index * kDim;
+    };
+    ASSERT_EQ(map.pose_covariances.size(), map.poses.size());
+    ASSERT_EQ(map.feature_covariances.size(), map.features.size());
+    for (Index p = 0; p < pose_count; ++p) {
+      expect_near(map.pose_covariances[static_cast<std::size_t>(p)], whole.block(p * kDof, p * kDof, kDof, kDof),
+                  "pose " + std::to_string(p));
+    }
+    for (Index f = 0; f < feature_count; ++f) {
+      const Eigen::Index at = row(PoseOrFeature::feature(f));
+      expect_near(map.feature_covariances[static_cast<std::size_t>(f)], whole.block(at, at, kDim, kDim),
+                  "feature " + std::to_string(f));
+    }
+    // Every third pose and every second feature, in no order: of one map and of several, kept and eliminated, held and free.
+    std::vector<PoseOrFeature> some;
+    for (Index k = 0; k < pose_count; k += 3) some.push_back(PoseOrFeature::pose((k * 7 + 5) % pose_count));
+    for (Index k = 0; k < feature_count; k += 2) some.push_back(PoseOrFeature::feature((k * 11 + 3) % feature_count));
+    std::vector<Eigen::Index> rows;
+    for (const auto& v : some) {
+      for (int i = 0; i < (v.is_pose ? kDof : kDim); ++i) rows.push_back(row(v) + i);
+    }
+    const auto joint = result.covariances->joint(some);
+    ASSERT_TRUE(joint) << joint.error().message;
+    expect_near(*joint, whole(rows, rows), "joint");
+  }
+
+  /// The local maps of a world as a set of which nothing else is known.
+  static MapSet<kDim> map_set(const Log<kDim>& log, double poses_per_map) {
+    Split parts = split(log, {SplitRule::kPoses, poses_per_map});
+    MapSet<kDim> set;
+    set.source = "maps";
+    set.maps = build_local_maps<kDim>(log, parts, {}).value().maps;
+    std::vector<Index> place(log.poses.size(), -1);
+    for (std::size_t p = 0; p < place.size(); ++p) {
+      if (!parts.kept[p]) continue;
+      place[p] = static_cast<Index>(set.poses.size());
+      set.poses.push_back(log.poses[p]);
+    }
+    for (auto& map : set.maps) {
+      map.base = place[static_cast<std::size_t>(map.base)];
+      for (Index& pose : map.poses) pose = place[static_cast<std::size_t>(pose)];
+      set.stretches.push_back({map.base, map.poses.back(), true});
+    }
+    for (auto closure : log.closures) {
+      closure.base = place[static_cast<std::size_t>(closure.base)];
+      closure.target = place[static_cast<std::size_t>(closure.target)];
+      set.pose_observations.push_back(closure);
+    }
+    set.features = log.features;
+    return set;
+  }
+};
+TYPED_TEST_SUITE(MapCovariancesTest, testing::Dimensions);
+
+TYPED_TEST(MapCovariancesTest, OfThePolishedMapAreBlocksOfTheDenseInverseWhateverHoldsIt) {
+  for (const Held held : {Held::kFirstPose, Held::kTwoPoses, Held::kPriors}) {
+    SCOPED_TRACE(static_cast<int>(held));
+    const auto log = this->world(held);
+    for (const double poses : {1.0, 6.0, 11.0}) {
+      const auto result = run(log, this->options(poses));
+      ASSERT_TRUE(result) << result.error().message;
+      EXPECT_EQ(result->covariances->estimate(), Estimate::kPolished);
+      EXPECT_EQ(result->covariances->held(), result->map.gauge);
+      this->expect_blocks_of(this->covariance_of_log(log, *result), *result);
+    }
+  }
+}
+
+TYPED_TEST(MapCovariancesTest, OfFullSlamAreBlocksOfTheDenseInverse) {
+  const auto log = this->world();
+  const auto result = solve(log, this->options(1.0));
+  ASSERT_TRUE(result) << result.error().message;
+  EXPECT_EQ(result->covariances->estimate(), Estimate::kJoined);
+  this->expect_blocks_of(this->covariance_of_log(log, *result), *result);
+}
+
+TYPED_TEST(MapCovariancesTest, OfJoinedMapsAreBlocksOfTheDenseInverseWithPrivateFeatures) {
+  constexpr int kDim = TestFixture::kDim;
+  for (const bool has_prior : {false, true}) {
+    auto set = this->map_set(this->world(), 7.0);
+    if (has_prior) {
+      set.pose_observations.push_back({kWorld, 2, Pose<kDim>{}, 1e2 * testing::Random(3).information<kPoseDof<kDim>>()});
+    }
+    const auto network = network_of(set);
+    ASSERT_GT(std::count(network.is_private.begin(), network.is_private.end(), true), 2);
+    const auto result = run(set, this->options(1.0));
+    ASSERT_TRUE(result) << result.error().message;
+    EXPECT_EQ(result->covariances->held().empty(), has_prior);
+    const State<kDim> state = this->state_of(*result);
+    DenseInformation<kDim> dense(state);
+    for (const auto& map : set.maps) dense.add(map);
+    for (const auto& closure : set.pose_observations) dense.add(closure);
+    this->expect_blocks_of(dense.inverse(result->map.gauge), *result);
+  }
+}
+
+TYPED_TEST(MapCovariancesTest, OfTheJoinedMapCarryWhatItsMapsEliminated) {
+  // The information of a map's own variables, at the recovered estimate, is that of its segment with what is shared put in.
+  constexpr int kDim = TestFixture::kDim;
+  constexpr int kDof = kPoseDof<kDim>;
+  const auto log = this->world();
+  RunOptions options = this->options(9.0);
+  options.polish = false;
+  const auto result = run(log, options);
+  ASSERT_TRUE(result) << result.error().message;
+  EXPECT_EQ(result->covariances->estimate(), Estimate::kJoined);
+  const State<kDim> state = this->state_of(*result);
+
+  Split parts = split(log, options.split);
+  const auto network = network_of<kDim>(log, parts, build_local_maps<kDim>(log, parts, {}).value().maps);
+  DenseInformation<kDim> dense(state);
+  this->add_single_observations(log, dense);
+  std::size_t m = 0;
+  for (const Stretch& stretch : parts.stretches) {
+    const auto segment = segment_of(log, parts, stretch);
+    ASSERT_TRUE(stretch.is_map);
+    const auto& condensed = network.maps[m++];
+    dense.add(condensed.map);
+    DenseInformation<kDim> inside(state);
+    for (const auto& o : segment.odometry) inside.add(o);
+    for (const auto& o : segment.observations) inside.add(o);
+    std::vector<Eigen::Index> own, shared;
+    const auto append = [](std::vector<Eigen::Index>& rows, Eigen::Index first, int dof) {
+      for (int i = 0; i < dof; ++i) rows.push_back(first + i);
+    };
+    for (const Index pose : segment.interior) append(own, inside.pose_row(pose), kDof);
+    for (const Index feature : condensed.private_features) append(own, inside.feature_row(feature), kDim);
+    append(shared, inside.pose_row(segment.begin), kDof);
+    for (const Index pose : condensed.map.poses) append(shared, inside.pose_row(pose), kDof);
+    for (const Index feature : condensed.map.features) append(shared, inside.feature_row(feature), kDim);
+    const Eigen::MatrixXd S_oo = inside.information()(own, own);
+    const Eigen::MatrixXd S_os = inside.information()(own, shared);
+    const Eigen::MatrixXd S_ss = S_os.transpose() * S_oo.ldlt().solve(S_os);
+    std::vector<Eigen::Index> all = own;
+    all.insert(all.end(), shared.begin(), shared.end());
+    Eigen::MatrixXd S(all.size(), all.size());
+    S << S_oo, S_os, S_os.transpose(), S_ss;
+    dense.add(all, S);
+  }
+  this->expect_blocks_of(dense.inverse(result->map.gauge), *result);
+}
+
+TYPED_TEST(MapCovariancesTest, RelativeOnesAreThoseOfTheDifferenceInTheFrameOfTheFirst) {
+  constexpr int kDim = TestFixture::kDim;
+  constexpr int kDof = kPoseDof<kDim>;
+  const auto log = this->world();
+  const auto result = run(log, this->options(6.0));
+  ASSERT_TRUE(result);
+  const auto& covariances = *result->covariances;
+  const State<kDim> state = this->state_of(*result);
+  const auto carried = [&](const std::vector<PoseOrFeature>& pair, const auto& f) {
+    const Eigen::MatrixXd joint = covariances.joint(pair).value();
+    const Eigen::MatrixXd J = testing::numerical_jacobian(f, joint.rows(), 1e-5);
+    return Eigen::MatrixXd(J * joint * J.transpose());
+  };
+  for (const auto& [base, target] : {std::pair<Index, Index>{2, 3}, {3, 30}, {0, 17}, {29, 12}}) {
+    const Pose<kDim> measured = between(state.pose(base), state.pose(target));
+    const auto moved = [&, base = base, target = target](const Eigen::VectorXd& step) {
+      return Eigen::VectorXd(local(measured, between(retract(state.pose(base), PoseVector<kDim>(step.head(kDof))),
+                                                     retract(state.pose(target), PoseVector<kDim>(step.tail(kDof))))));
+    };
+    const Eigen::MatrixXd expected = carried({PoseOrFeature::pose(base), PoseOrFeature::pose(target)}, moved);
+    const auto relative = covariances.relative_pose(base, target);
+    ASSERT_TRUE(relative);
+    EXPECT_LT((*relative - expected).norm(), 1e-7 * expected.norm()) << base << " " << target;
+  }
+  for (const auto& [base, feature] : {std::pair<Index, Index>{5, 8}, {31, 1}, {0, 20}}) {
+    const auto moved = [&, base = base, feature = feature](const Eigen::VectorXd& step) {
+      return Eigen::VectorXd(transform_into(retract(state.pose(base), PoseVector<kDim>(step.head(kDof))),
+                                            Point<kDim>(state.feature(feature) + step.template tail<kDim>())));
+    };
+    const Eigen::MatrixXd expected = carried({PoseOrFeature::pose(base), PoseOrFeature::feature(feature)}, moved);
+    const auto relative = covariances.relative_feature(base, feature);
+    ASSERT_TRUE(relative);
+    EXPECT_LT((*relative - expected).norm(), 1e-7 * expected.norm()) << base << " " << feature;
+  }
+}
+
+TYPED_TEST(MapCovariancesTest, RelativeOnesDoNotDependOnTheGauge) {
+  auto log = this->world();
+  const auto options = this->options(6.0);
+  const auto first = run(log, options);
+  ASSERT_TRUE(first);
+  log.fixed = {{25, first->map.poses[25]}};
+  const auto later = run(log, options);
+  ASSERT_TRUE(later);
+  ASSERT_EQ(later->map.gauge, std::vector<Index>{25});
+  const auto a = first->covariances->relative_pose(10, 14);
+  const auto b = later->covariances->relative_pose(10, 14);
+  ASSERT_TRUE(a && b);
+  EXPECT_LT((*a - *b).norm(), 1e-6 * a->norm());
+  EXPECT_GT((first->map.pose_covariances[14] - later->map.pose_covariances[14]).norm(), 1e-3 * a->norm());
+}
+
+TYPED_TEST(MapCovariancesTest, AreRefusedWhereMemoryDoesNotSuffice) {
+  const auto log = this->world();
+  RunOptions options = this->options(6.0);
+  options.most_memory = 10'000;
+  const auto result = run(log, options);
+  ASSERT_FALSE(result);
+  EXPECT_EQ(result.error().kind, ErrorKind::kTooLarge);
+  EXPECT_NE(result.error().message.find("the covariances of all poses and features would take"), std::string::npos)
+      << result.error().message;
+}
+
+TYPED_TEST(MapCovariancesTest, AreNotMadeUnlessAskedFor) {
+  RunOptions options = this->options(6.0);
+  options.covariances = false;
+  const auto result = run(this->world(), options);
+  ASSERT_TRUE(result);
+  EXPECT_FALSE(result->covariances);
+  EXPECT_TRUE(result->map.pose_covariances.empty());
+}
+
+}  // namespace
+}  // namespace mapjoin

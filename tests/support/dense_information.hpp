@@ -1,0 +1,92 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+// The information matrix of everything at once, dense and with nothing eliminated, to invert and compare covariances with.
+
+#include <Eigen/Cholesky>
+#include <algorithm>
+#include <mapjoin/model/accumulate.hpp>
+#include <mapjoin/model/local_map.hpp>
+#include <mapjoin/model/state.hpp>
+#include <vector>
+
+namespace mapjoin::testing {
+
+/// Poses first, then features; rows of held poses are cut out before inverting.
+template <int Dim>
+class DenseInformation {
+ public:
+  explicit DenseInformation(const State<Dim>& state) : state_(state) {
+    poses_ = static_cast<Index>(state.poses.size());
+    const Eigen::Index size = feature_row(static_cast<Index>(state.features.size()));
+    H_ = Eigen::MatrixXd::Zero(size, size);
+  }
+
+  void add(const PoseObservation<Dim>& o) {
+    accumulate(weighted(linearise<Dim>(o.measured, state_.pose(o.base), state_.pose(o.target)), o.information, o.loss),
+               Sink{H_, {pose_row(o.base), pose_row(o.target)}});
+  }
+  void add(const FeatureObservation<Dim>& o) {
+    accumulate(weighted(linearise<Dim>(o.measured, state_.pose(o.base), state_.feature(o.target)), o.information, o.loss),
+               Sink{H_, {pose_row(o.base), feature_row(o.target)}});
+  }
+  void add(const LocalMap<Dim>& map) {
+    LinearMap<Dim> linear;
+    linear.W = &map.information;
+    std::vector<Eigen::Index> rows{pose_row(map.base)};
+    for (std::size_t p = 0; p < map.poses.size(); ++p) {
+      linear.poses.push_back(linearise<Dim>(map.pose_estimates[p], state_.pose(map.base), state_.pose(map.poses[p])));
+      rows.push_back(pose_row(map.poses[p]));
+    }
+    for (std::size_t f = 0; f < map.features.size(); ++f) {
+      linear.features.push_back(
+          linearise<Dim>(map.feature_estimates[f], state_.pose(map.base), state_.feature(map.features[f])));
+      rows.push_back(feature_row(map.features[f]));
+    }
+    accumulate(linear, Sink{H_, rows});
+  }
+  /// Adds a quadratic form over entries of the state.
+  void add(const std::vector<Eigen::Index>& rows, const Eigen::MatrixXd& information) { H_(rows, rows) += information; }
+
+  const Eigen::MatrixXd& information() const { return H_; }
+  Eigen::Index pose_row(Index pose) const { return pose == kWorld ? -1 : pose * kPoseDof<Dim>; }
+  Eigen::Index feature_row(Index feature) const { return poses_ * kPoseDof<Dim> + feature * Dim; }
+
+  /// Of everything but the held poses, whose rows are zero. In extended precision: what is compared with it is not.
+  Eigen::MatrixXd inverse(const std::vector<Index>& held) const {
+    using Extended = Eigen::Matrix<long double, Eigen::Dynamic, Eigen::Dynamic>;
+    std::vector<Eigen::Index> free;
+    for (Eigen::Index row = 0; row < H_.rows(); ++row) {
+      const bool is_held =
+          row < feature_row(0) && std::find(held.begin(), held.end(), static_cast<Index>(row / kPoseDof<Dim>)) != held.end();
+      if (!is_held) free.push_back(row);
+    }
+    const Extended H = Eigen::MatrixXd(H_(free, free)).template cast<long double>();
+    const Extended unit = Extended::Identity(H.rows(), H.cols());
+    Eigen::MatrixXd covariance = Eigen::MatrixXd::Zero(H_.rows(), H_.cols());
+    covariance(free, free) = H.llt().solve(unit).template cast<double>();
+    return covariance;
+  }
+
+ private:
+  struct Sink {
+    Eigen::MatrixXd& H;
+    std::vector<Eigen::Index> rows;
+
+    template <typename Block>
+    void hessian(int i, int j, const Block& block) {
+      const Eigen::Index a = rows[static_cast<std::size_t>(i)];
+      const Eigen::Index b = rows[static_cast<std::size_t>(j)];
+      if (a < 0 || b < 0) return;
+      H.block(a, b, block.rows(), block.cols()) += block;
+      if (i != j) H.block(b, a, block.cols(), block.rows()) += block.transpose();
+    }
+    template <typename Block>
+    void rhs(int, const Block&) {}
+  };
+
+  const State<Dim>& state_;
+  Index poses_ = 0;
+  Eigen::MatrixXd H_;
+};
+
+}  // namespace mapjoin::testing
