@@ -57,6 +57,9 @@ class MapCovariances {
                                        State<Dim> state, Estimate estimate, std::int64_t most_memory = 0);
 
   Estimate estimate() const { return estimate_; }
+  const Network<Dim>& network() const { return network_; }
+  const std::vector<Segment<Dim>>& segments() const { return segments_; }
+  const State<Dim>& state() const { return state_; }
   /// The gauge: poses held still; empty where priors hold the map.
   const std::vector<Index>& held() const { return join_.held; }
 

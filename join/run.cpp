@@ -91,14 +91,9 @@ MinimiseResult polish(const Log<Dim>& log, const Split& split, const Network<Dim
 template <int Dim>
 Expected<void> add_covariances(Network<Dim> network, Join<Dim> join, std::vector<Segment<Dim>> segments, State<Dim> state,
                                const RunOptions& options, RunResult<Dim>& result) {
-  const Stopwatch watch(result.seconds.covariances);
   auto covariances = MapCovariances<Dim>::make(std::move(network), std::move(join), std::move(segments), std::move(state),
                                                result.polish ? Estimate::kPolished : Estimate::kJoined, options.most_memory);
   if (!covariances) return tl::unexpected(covariances.error());
-  auto marginals = covariances->marginals();
-  if (!marginals) return tl::unexpected(marginals.error());
-  result.map.pose_covariances = std::move(marginals->poses);
-  result.map.feature_covariances = std::move(marginals->features);
   result.covariances = std::make_shared<const MapCovariances<Dim>>(*std::move(covariances));
   return {};
 }

@@ -43,7 +43,6 @@ struct RunSeconds {
   double join = 0.0;
   double recover = 0.0;
   double polish = 0.0;
-  double covariances = 0.0;
 };
 
 /// What a run says of itself, whatever the dimension.
@@ -72,8 +71,7 @@ struct RunResult : RunFigures {
 };
 
 /// Splits the log, builds local maps, joins them, recovers what was eliminated, and polishes to the optimum of the whole log.
-/// Bad input: a log that falls apart or leaves something undetermined. kTooLarge: covariances that do not fit into memory.
-/// kInterrupted on `stop`. Options that do not validate are
+/// Bad input: a log that falls apart or leaves something undetermined. kInterrupted on `stop`. Options that do not validate are
 /// std::invalid_argument, here and below.
 template <int Dim>
 Expected<RunResult<Dim>> run(const Log<Dim>& log, const RunOptions& options, const std::stop_token& stop = {});

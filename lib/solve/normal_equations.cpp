@@ -160,20 +160,64 @@ Eigen::MatrixXd NormalEquations::permuted(const Eigen::MatrixXd& columns) const 
   return out;
 }
 
-double NormalEquations::curvature(const Eigen::VectorXd& v) const {
-  const Eigen::VectorXd p = permuted(v);
-  double sum = 0.0;
+Eigen::VectorXd NormalEquations::product(const Eigen::VectorXd& v) const {
+  Eigen::VectorXd Hv = Eigen::VectorXd::Zero(v.size());
   for (std::int64_t j = 0; j < matrix_.size(); ++j) {
-    double above = 0.0;
     for (auto k = matrix_.column_begin[static_cast<std::size_t>(j)]; k < matrix_.column_begin[static_cast<std::size_t>(j) + 1];
          ++k) {
       const std::int64_t i = matrix_.rows[static_cast<std::size_t>(k)];
       if (i > j) break;
-      above += (i < j ? 2.0 : 1.0) * matrix_.values[static_cast<std::size_t>(k)] * p[i];
+      const double value = matrix_.values[static_cast<std::size_t>(k)];
+      Hv[i] += value * v[j];
+      if (i < j) Hv[j] += value * v[i];
     }
-    sum += above * p[j];
   }
-  return sum;
+  return Hv;
+}
+
+double NormalEquations::curvature(const Eigen::VectorXd& v) const {
+  const Eigen::VectorXd p = permuted(v);
+  return p.dot(product(p));
+}
+
+SparseUpper NormalEquations::principal_submatrix(const std::vector<bool>& is_kept) const {
+  std::vector<std::int64_t> kept_before(is_kept.size(), 0);
+  for (std::size_t j = 1; j < is_kept.size(); ++j) kept_before[j] = kept_before[j - 1] + (is_kept[j - 1] ? 1 : 0);
+  SparseUpper part;
+  part.column_begin = {0};
+  for (std::size_t j = 0; j < is_kept.size(); ++j) {
+    if (!is_kept[j]) continue;
+    for (auto k = static_cast<std::size_t>(matrix_.column_begin[j]); k < static_cast<std::size_t>(matrix_.column_begin[j + 1]);
+         ++k) {
+      const auto i = static_cast<std::size_t>(matrix_.rows[k]);
+      if (i > j || !is_kept[i]) continue;
+      part.rows.push_back(kept_before[i]);
+      part.values.push_back(matrix_.values[k]);
+    }
+    part.column_begin.push_back(static_cast<std::int64_t>(part.rows.size()));
+  }
+  return part;
+}
+
+std::optional<double> NormalEquations::least_curvature(const Eigen::VectorXd& v, const std::vector<bool>& is_given) const {
+  Eigen::VectorXd w = permuted(v);
+  std::vector<bool> is_free(static_cast<std::size_t>(size()));
+  std::vector<Eigen::Index> free;
+  for (std::size_t k = 0; k < order_.size(); ++k) {
+    if (is_given[static_cast<std::size_t>(order_[k])]) continue;
+    for (auto row = place_offsets_[k]; row < place_offsets_[k + 1]; ++row) {
+      is_free[static_cast<std::size_t>(row)] = true;
+      free.push_back(row);
+      w[row] = 0.0;
+    }
+  }
+  if (free.empty()) return w.dot(product(w));
+  const SparseUpper H_free = principal_submatrix(is_free);
+  SparseCholesky cholesky;
+  cholesky.analyse(H_free);
+  if (cholesky.factorise(H_free)) return std::nullopt;
+  w(free) = -cholesky.solve(product(w)(free));
+  return w.dot(product(w));
 }
 
 void NormalEquations::set_diagonal(const Eigen::VectorXd& diagonal) {

@@ -74,6 +74,10 @@ class NormalEquations {
   Eigen::VectorXd diagonal() const;
   /// vᵀ H v.
   double curvature(const Eigen::VectorXd& v) const;
+  /// The least wᵀ H w over all w that are v in the given variables (those of `is_given`): the squared Mahalanobis length of
+  /// these entries of v under their joint covariance, a block of H⁻¹. Nothing where that is singular. By a factorisation over
+  /// the other variables.
+  std::optional<double> least_curvature(const Eigen::VectorXd& v, const std::vector<bool>& is_given) const;
 
   /// H + damping·diag(H) from here on.
   void damp(double damping) { set_diagonal((1.0 + damping) * diagonal()); }
@@ -103,6 +107,10 @@ class NormalEquations {
     std::vector<Index> rows;
   };
   BlockColumns block_columns() const;
+  /// H over the columns at which `is_kept`, in the order of the elimination.
+  SparseUpper principal_submatrix(const std::vector<bool>& is_kept) const;
+  /// H v; both in the order of the elimination.
+  Eigen::VectorXd product(const Eigen::VectorXd& v) const;
   /// Vectors, side by side, in the order of the elimination.
   Eigen::MatrixXd permuted(const Eigen::MatrixXd& columns) const;
 

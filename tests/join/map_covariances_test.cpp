@@ -2,6 +2,7 @@
 #include <gtest/gtest.h>
 
 #include <Eigen/LU>
+#include <array>
 #include <mapjoin/join/run.hpp>
 #include <mapjoin/localmap/build.hpp>
 #include <numeric>
@@ -72,15 +73,17 @@ class MapCovariancesTest : public ::testing::Test {
     const auto row = [&](const PoseOrFeature& v) {
       return v.is_pose ? Eigen::Index{v.index} * kDof : Eigen::Index{pose_count} * kDof + v.index * kDim;
     };
-    ASSERT_EQ(map.pose_covariances.size(), map.poses.size());
-    ASSERT_EQ(map.feature_covariances.size(), map.features.size());
+    const auto marginals = result.covariances->marginals();
+    ASSERT_TRUE(marginals) << marginals.error().message;
+    ASSERT_EQ(marginals->poses.size(), map.poses.size());
+    ASSERT_EQ(marginals->features.size(), map.features.size());
     for (Index p = 0; p < pose_count; ++p) {
-      expect_near(map.pose_covariances[static_cast<std::size_t>(p)], whole.block(p * kDof, p * kDof, kDof, kDof),
+      expect_near(marginals->poses[static_cast<std::size_t>(p)], whole.block(p * kDof, p * kDof, kDof, kDof),
                   "pose " + std::to_string(p));
     }
     for (Index f = 0; f < feature_count; ++f) {
       const Eigen::Index at = row(PoseOrFeature::feature(f));
-      expect_near(map.feature_covariances[static_cast<std::size_t>(f)], whole.block(at, at, kDim, kDim),
+      expect_near(marginals->features[static_cast<std::size_t>(f)], whole.block(at, at, kDim, kDim),
                   "feature " + std::to_string(f));
     }
     // Every third pose and every second feature, in no order: of one map and of several, kept and eliminated, held and free.
@@ -261,7 +264,7 @@ TYPED_TEST(MapCovariancesTest, RelativeOnesDoNotDependOnTheGauge) {
   const auto b = later->covariances->relative_pose(10, 14);
   ASSERT_TRUE(a && b);
   EXPECT_LT((*a - *b).norm(), 1e-6 * a->norm());
-  EXPECT_GT((first->map.pose_covariances[14] - later->map.pose_covariances[14]).norm(), 1e-3 * a->norm());
+  EXPECT_GT((first->covariances->marginals()->poses[14] - later->covariances->marginals()->poses[14]).norm(), 1e-3 * a->norm());
 }
 
 TYPED_TEST(MapCovariancesTest, AreRefusedWhereMemoryDoesNotSuffice) {
@@ -269,10 +272,14 @@ TYPED_TEST(MapCovariancesTest, AreRefusedWhereMemoryDoesNotSuffice) {
   RunOptions options = this->options(6.0);
   options.most_memory = 10'000;
   const auto result = run(log, options);
-  ASSERT_FALSE(result);
-  EXPECT_EQ(result.error().kind, ErrorKind::kTooLarge);
-  EXPECT_NE(result.error().message.find("the covariances of all poses and features would take"), std::string::npos)
-      << result.error().message;
+  ASSERT_TRUE(result);
+  const auto marginals = result->covariances->marginals();
+  ASSERT_FALSE(marginals);
+  EXPECT_EQ(marginals.error().kind, ErrorKind::kTooLarge);
+  EXPECT_TRUE(marginals.error().message.starts_with("the covariances of all poses and features would take"));
+  const auto joint = result->covariances->joint(std::array{PoseOrFeature::pose(3), PoseOrFeature::feature(1)});
+  ASSERT_FALSE(joint);
+  EXPECT_TRUE(joint.error().message.starts_with("the joint covariance of 2 poses and features would take"));
 }
 
 TYPED_TEST(MapCovariancesTest, AreNotMadeUnlessAskedFor) {
@@ -281,7 +288,6 @@ TYPED_TEST(MapCovariancesTest, AreNotMadeUnlessAskedFor) {
   const auto result = run(this->world(), options);
   ASSERT_TRUE(result);
   EXPECT_FALSE(result->covariances);
-  EXPECT_TRUE(result->map.pose_covariances.empty());
 }
 
 }  // namespace

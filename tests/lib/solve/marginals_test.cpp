@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <gtest/gtest.h>
 
+#include <Eigen/Cholesky>
 #include <Eigen/LU>
 #include <array>
 #include <mapjoin/solve/marginals.hpp>
@@ -86,6 +87,20 @@ TEST_P(MarginalsTest, UnitColumnsGiveTheJointCovarianceOfVariablesFarApart) {
   for (std::size_t k = 0; k < list.size(); ++k) units.insert(list[k], static_cast<Eigen::Index>(k)) = 1.0;
   const Eigen::MatrixXd expected = inverse_over(variables);
   EXPECT_LT((covariance_of(equations, units) - expected).norm(), 1e-12 * expected.norm());
+}
+
+TEST_P(MarginalsTest, TheLeastCurvatureIsTheMahalanobisLengthUnderTheJointCovarianceOfWhatIsGiven) {
+  Eigen::VectorXd v(equations.size());
+  for (auto& entry : v) entry = random.uniform(-1.0, 1.0);
+  for (const Index every : {1, 2, 5}) {
+    std::vector<Index> given;
+    std::vector<bool> is_given(static_cast<std::size_t>(GetParam()));
+    for (Index k = 0; k < GetParam(); k += every) given.push_back(k);
+    for (const Index k : given) is_given[static_cast<std::size_t>(k)] = true;
+    const Eigen::VectorXd part = v(entries(given));
+    const double expected = part.dot(inverse_over(given).ldlt().solve(part));
+    EXPECT_NEAR(equations.least_curvature(v, is_given).value(), expected, 1e-10 * expected) << every;
+  }
 }
 INSTANTIATE_TEST_SUITE_P(Variables, MarginalsTest, ::testing::Values(7, 40, 300));
 

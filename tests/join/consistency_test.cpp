@@ -1,0 +1,158 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <gtest/gtest.h>
+
+#include <Eigen/Cholesky>
+#include <mapjoin/io/local_map_set.hpp>
+#include <mapjoin/io/mat_file.hpp>
+#include <mapjoin/join/consistency.hpp>
+#include <mapjoin/join/run.hpp>
+#include <mapjoin/model/name_table.hpp>
+#include <tests/support/data.hpp>
+#include <tests/support/dimensions.hpp>
+#include <tests/support/file_bytes.hpp>
+#include <tests/support/small_world.hpp>
+
+namespace mapjoin {
+namespace {
+
+using testing::data_file;
+using testing::small_world;
+
+template <typename D>
+class ConsistencyTest : public ::testing::Test {
+ protected:
+  static constexpr int kDim = D::value;
+  static constexpr int kDof = kPoseDof<kDim>;
+
+  static RunOptions options(bool polish = true) {
+    RunOptions options;
+    options.split = {SplitRule::kPoses, 7.0};
+    options.polish = polish;
+    options.covariances = true;
+    return options;
+  }
+  static Truth<kDim> all_of(const State<kDim>& truth) {
+    Truth<kDim> known;
+    known.poses.assign(truth.poses.begin(), truth.poses.end());
+    known.features.assign(truth.features.begin(), truth.features.end());
+    return known;
+  }
+  /// eᵀ P⁻¹ e by the joint covariance.
+  static double dense_nees(const RunResult<kDim>& result, const State<kDim>& truth, const std::vector<PoseOrFeature>& of) {
+    std::vector<double> errors;
+    const auto append = [&](const Eigen::VectorXd& e) { errors.insert(errors.end(), e.begin(), e.end()); };
+    for (const auto& v : of) {
+      const auto i = static_cast<std::size_t>(v.index);
+      if (v.is_pose) append(local(result.map.poses[i], truth.poses[i]));
+      if (!v.is_pose) append(truth.features[i] - result.map.features[i]);
+    }
+    const Eigen::Map<Eigen::VectorXd> e(errors.data(), static_cast<Eigen::Index>(errors.size()));
+    return e.dot(result.covariances->joint(of).value().ldlt().solve(e));
+  }
+};
+TYPED_TEST_SUITE(ConsistencyTest, testing::Dimensions);
+
+TYPED_TEST(ConsistencyTest, WeighsErrorsByTheJointCovarianceOfTheSameThings) {
+  constexpr int kDim = TestFixture::kDim;
+  const auto world = small_world<kDim>({.poses = 36, .features = 40, .range = 2.5});
+  for (const bool polish : {true, false}) {
+    const auto result = run(world.log, this->options(polish));
+    ASSERT_TRUE(result) << result.error().message;
+    const auto consistent = consistency(*result->covariances, this->all_of(world.truth));
+    ASSERT_TRUE(consistent) << consistent.error().message;
+    std::vector<PoseOrFeature> poses, features;
+    const auto& is_joined = result->covariances->network().is_joined;
+    for (Index p = 1; p < 36; ++p) {
+      if (polish || is_joined[static_cast<std::size_t>(p)]) poses.push_back(PoseOrFeature::pose(p));
+    }
+    for (Index f = 0; f < static_cast<Index>(world.log.features.size()); ++f) features.push_back(PoseOrFeature::feature(f));
+    const auto expect = [&](const Nees& nees, const std::vector<PoseOrFeature>& of, double tolerance) {
+      const double expected = this->dense_nees(*result, world.truth, of);
+      EXPECT_NEAR(nees.value, expected, tolerance * expected) << polish;
+    };
+    // A joined map's private features are, by joint(), as their own observations place them after recovery.
+    const double tolerance = polish ? 1e-7 : 0.05;
+    EXPECT_EQ(consistent->poses.dimensions, static_cast<Eigen::Index>(poses.size()) * kPoseDof<kDim>);
+    expect(consistent->poses, poses, 1e-7);
+    expect(consistent->features, features, tolerance);
+    std::vector<PoseOrFeature> all = poses;
+    all.insert(all.end(), features.begin(), features.end());
+    expect(consistent->joint, all, tolerance);
+    EXPECT_EQ(consistent->joint.dimensions, consistent->poses.dimensions + consistent->features.dimensions);
+  }
+}
+
+TYPED_TEST(ConsistencyTest, TakesTheFrameOfTheTruthFromThePoseThatHoldsTheMap) {
+  constexpr int kDim = TestFixture::kDim;
+  const auto world = small_world<kDim>();
+  const auto result = run(world.log, this->options());
+  ASSERT_TRUE(result);
+  const State<kDim> elsewhere = moved(testing::Random(4).pose<kDim>(), world.truth);
+  const auto here = consistency(*result->covariances, this->all_of(world.truth));
+  const auto there = consistency(*result->covariances, this->all_of(elsewhere));
+  ASSERT_TRUE(here && there);
+  EXPECT_NEAR(here->joint.value, there->joint.value, 1e-6 * here->joint.value);
+}
+
+TYPED_TEST(ConsistencyTest, CountsWhatIsKnownOnly) {
+  constexpr int kDim = TestFixture::kDim;
+  const auto world = small_world<kDim>();
+  const auto result = run(world.log, this->options());
+  ASSERT_TRUE(result);
+  Truth<kDim> some = this->all_of(world.truth);
+  std::fill(some.features.begin(), some.features.end(), std::nullopt);
+  some.poses[5] = some.poses[17] = std::nullopt;
+  const auto consistent = consistency(*result->covariances, some);
+  ASSERT_TRUE(consistent);
+  EXPECT_EQ(consistent->features.dimensions, 0);
+  EXPECT_EQ(consistent->poses.dimensions, (40 - 1 - 2) * kPoseDof<kDim>);
+  EXPECT_EQ(consistent->joint.value, consistent->poses.value);
+
+  some.poses[0] = std::nullopt;
+  const auto unplaced = consistency(*result->covariances, some);
+  ASSERT_FALSE(unplaced);
+  EXPECT_EQ(unplaced.error().kind, ErrorKind::kUsage);
+}
+
+/// The truth of sim-35188: local map k ends at step round(35187 k / 700); features are named as the beacons are.
+Truth<2> truth_of_simulation(const MapSet<2>& set) {
+  const auto read = [](const std::string& name) {
+    const std::string bytes = testing::bytes_of(data_file("sim-35188/" + name + ".mat"));
+    return read_mat(bytes, name, {name}).value().at(name);
+  };
+  const Eigen::MatrixXd robot = read("store_robotTrue");
+  const Eigen::MatrixXd beacons = read("store_beaconsTrue");
+  Truth<2> truth;
+  for (std::size_t k = 0; k < set.poses.size(); ++k) {
+    const auto step = static_cast<Eigen::Index>(std::lround(35187.0 * static_cast<double>(k) / 700.0));
+    truth.poses.push_back(Pose<2>{robot.block<2, 1>(0, step), Rotation<2>(robot(2, step))});
+  }
+  truth.features.resize(set.features.size());
+  for (Eigen::Index b = 0; b < beacons.rows(); ++b) {
+    const FeatureId id{static_cast<std::uint64_t>(beacons(b, 0))};
+    if (contains(set.features, id)) truth.features[position_of(set.features, id)] = beacons.block<1, 2>(b, 1).transpose();
+  }
+  return truth;
+}
+
+TEST(ConsistencyDataTest, OfTheLargeSimulationIsWithinItsGates) {
+  const auto any = read_local_map_set(data_file("sim-35188/localmaps_mat.tar.gz"));
+  ASSERT_TRUE(any) << any.error().message;
+  const auto& set = std::get<MapSet<2>>(*any);
+  RunOptions options;
+  options.covariances = true;
+  const auto result = run(set, options);
+  ASSERT_TRUE(result) << result.error().message;
+  const auto consistent = consistency(*result->covariances, truth_of_simulation(set));
+  ASSERT_TRUE(consistent) << consistent.error().message;
+  EXPECT_EQ(consistent->joint.dimensions, 10504);
+  EXPECT_NEAR(consistent->joint.value, 9961.0, 1.0);
+  EXPECT_NEAR(consistent->joint.most(), 10844.0, 1.0);
+  EXPECT_EQ(consistent->features.dimensions, 8404);
+  EXPECT_NEAR(consistent->features.value, 7821.0, 1.0);
+  EXPECT_NEAR(consistent->features.most(), 8709.0, 1.0);
+  EXPECT_LT(consistent->poses.value, consistent->poses.most());
+}
+
+}  // namespace
+}  // namespace mapjoin

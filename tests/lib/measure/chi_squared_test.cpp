@@ -1,0 +1,29 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <mapjoin/measure/chi_squared.hpp>
+
+namespace mapjoin {
+namespace {
+
+TEST(ChiSquared, IsAnExponentialWithTwoDegreesOfFreedom) {
+  for (const double value : {0.1, 1.0, 9.0, 60.0}) {
+    EXPECT_NEAR(chi_squared_upper_tail(value, 2), std::exp(-0.5 * value), 1e-12 * std::exp(-0.5 * value));
+  }
+  EXPECT_NEAR(chi_squared_quantile(0.99, 2), -2.0 * std::log(0.01), 1e-12);
+}
+
+TEST(ChiSquared, HasTheTabulatedQuantiles) {
+  EXPECT_NEAR(chi_squared_quantile(0.95, 1), 3.841, 1e-3);
+  EXPECT_NEAR(chi_squared_quantile(0.01, 10), 2.558, 1e-3);
+  EXPECT_NEAR(chi_squared_quantile(0.99, 100), 135.807, 1e-3);
+}
+
+TEST(ChiSquared, WithoutDegreesOfFreedomIsCertain) {
+  EXPECT_EQ(chi_squared_upper_tail(0.0, 0), 1.0);
+  EXPECT_EQ(chi_squared_quantile(0.99, 0), 0.0);
+}
+
+}  // namespace
+}  // namespace mapjoin
