@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <apps/call.hpp>
 #include <apps/commands.hpp>
+#include <apps/distinct.hpp>
 #include <mapjoin/graph/connectivity.hpp>
 #include <mapjoin/io/store.hpp>
 #include <mapjoin/parallel/parallel.hpp>
@@ -86,7 +87,7 @@ Expected<ExitCode> build_log(Call& call, const Log<Dim>& log) {
 
 Expected<ExitCode> build_input(const Options& options, const std::stop_token& stop) {
   Call call("build", options, stop);
-  if (auto writable = call.check_report(); !writable) return tl::unexpected(writable.error());
+  if (auto writable = call.check_outputs(); !writable) return tl::unexpected(writable.error());
   const auto log = call.read_log();
   if (!log) return tl::unexpected(log.error());
   return std::visit([&](const auto& any) { return build_log(call, any); }, *log);
@@ -104,6 +105,7 @@ std::unique_ptr<Subcommand> build_command(CLI::App& app) {
   add_solver(*command, *options);
   add_reading(*command, *options);
   add_reporting(*command, *options);
+  command->check([options] { return check_distinct(files_of(*options, "LOG")); });
   command->act([options](const std::stop_token& stop) { return build_input(*options, stop); });
   return command;
 }

@@ -51,7 +51,7 @@ Expected<void> Call::check_report() const {
 }
 
 Expected<void> Call::check_outputs() const {
-  return check_writable(options_.output).and_then([&] { return check_report(); });
+  return check_map_writable(options_.output).and_then([&] { return check_report(); });
 }
 
 Expected<AnyLog> Call::read_log() {
@@ -90,7 +90,7 @@ template <int Dim>
 Expected<void> Call::write_map(const RunResult<Dim>& result, const Log<Dim>* log) {
   account.describe(result);
   if (auto going_on = check_interrupted(); !going_on) return going_on;
-  auto files = timed(account.write_seconds, [&] { return apps::write_map(result.map, log, options_.output); });
+  auto files = timed(account.write_seconds, [&] { return write_map_file(result.map, log, options_.output); });
   if (!files) return tl::unexpected(files.error());
   account.files = std::move(*files);
   return {};

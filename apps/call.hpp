@@ -18,7 +18,7 @@ class Call {
   /// The call works on as many threads as its options say. `options` must outlive it.
   Call(const std::string& command, const Options& options, std::stop_token stop);
 
-  /// kCannotWrite where the report, or the output as a single file, cannot be made: better now than after the work.
+  /// kCannotWrite where the report, or the output as files of a map, cannot be made: better now than after the work.
   Expected<void> check_report() const;
   Expected<void> check_outputs() const;
   /// The input as a log, with the weights asked for.

@@ -5,23 +5,14 @@
 #include <apps/console.hpp>
 #include <cerrno>
 #include <cstdio>
-#include <system_error>
+#include <mapjoin/io/system_call.hpp>
 
 namespace mapjoin::apps {
 
 Expected<void> write_stdout(std::string_view text) {
-  while (!text.empty()) {
-    const ::ssize_t written = ::write(STDOUT_FILENO, text.data(), text.size());
-    if (written >= 0) {
-      text.remove_prefix(static_cast<std::size_t>(written));
-    } else if (errno == EPIPE) {
-      return {};
-    } else if (errno != EINTR) {
-      return tl::unexpected(
-          Error{ErrorKind::kCannotWrite, fmt::format("standard output: {}", std::generic_category().message(errno))});
-    }
-  }
-  return {};
+  const int failure = write_all(STDOUT_FILENO, text);
+  if (failure == 0 || failure == EPIPE) return {};
+  return call_failed("standard output", failure, ErrorKind::kCannotWrite);
 }
 
 void say(const std::string& sentence) {

@@ -4,6 +4,7 @@
 
 #include <apps/interruption.hpp>
 #include <cerrno>
+#include <chrono>
 #include <csignal>
 #include <system_error>
 #include <thread>
@@ -13,6 +14,7 @@ namespace {
 
 /// A handler may do little more than write a byte: a thread at the other end of this pipe does the rest.
 int signal_pipe[2] = {-1, -1};
+constexpr std::chrono::milliseconds kAgainAfter(50);
 
 extern "C" void on_signal(int) {
   const int errno_before = errno;
@@ -26,14 +28,18 @@ extern "C" void on_signal(int) {
 Interruption::Interruption() {
   std::signal(SIGPIPE, SIG_IGN);
   if (::pipe2(signal_pipe, O_CLOEXEC) != 0) throw std::system_error(errno, std::generic_category(), "pipe2");
-  std::thread([source = source_]() mutable {
+  std::thread([source = source_, main = ::pthread_self()]() mutable {
     char byte = 0;
-    while (::read(signal_pipe[0], &byte, 1) < 0 && errno == EINTR) {
+    while (true) {
+      if (::read(signal_pipe[0], &byte, 1) != 1) continue;
+      source.request_stop();
+      // The signal may have come just before a call that waits for ever, or in the midst of a write: it comes again.
+      std::this_thread::sleep_for(kAgainAfter);
+      ::pthread_kill(main, SIGINT);
     }
-    source.request_stop();
   }).detach();
   struct sigaction action {};
-  action.sa_handler = on_signal;  // Without SA_RESTART: a read that waits for ever ends too.
+  action.sa_handler = on_signal;  // Without SA_RESTART: a read or write that waits ends too.
   for (const int signal : {SIGINT, SIGTERM}) ::sigaction(signal, &action, nullptr);
 }
 

@@ -3,6 +3,7 @@
 
 #include <apps/call.hpp>
 #include <apps/commands.hpp>
+#include <apps/distinct.hpp>
 #include <memory>
 #include <variant>
 
@@ -60,6 +61,7 @@ std::unique_ptr<Subcommand> join_command(CLI::App& app) {
   add_polish(*command, *options);
   add_weights(*command, *options);
   add_reporting(*command, *options);
+  command->check([options] { return check_distinct(files_of(*options, "MAPS")); });
   command->act([options](const std::stop_token& stop) { return join_maps(*options, stop); });
   return command;
 }

@@ -15,9 +15,14 @@ namespace mapjoin::apps {
 /// alone, and so is an empty path.
 Expected<void> check_writable(const std::filesystem::path& path);
 
-/// `.tum`: the trajectory, without features. `.csv`: the poses, and the features, if there are any, beside them in
-/// `.features.csv`. Any other name: g2o, with the edges of `log` where it is given. The files written, or kCannotWrite.
+/// The files that write_map_file() makes for `path`, and whether they can be made, as above.
+std::vector<std::filesystem::path> map_files(const std::filesystem::path& path);
+Expected<void> check_map_writable(const std::filesystem::path& path);
+
+/// `.tum`: the trajectory, without features. `.csv`: the poses, and the features beside them in `.features.csv`. Any other
+/// name: g2o, with the edges of `log` where it is given. The files written, or kCannotWrite.
 template <int Dim>
-Expected<std::vector<std::string>> write_map(const GlobalMap<Dim>& map, const Log<Dim>* log, const std::filesystem::path& path);
+Expected<std::vector<std::string>> write_map_file(const GlobalMap<Dim>& map, const Log<Dim>* log,
+                                                  const std::filesystem::path& path);
 
 }  // namespace mapjoin::apps

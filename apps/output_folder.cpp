@@ -50,8 +50,12 @@ OutputFolder::~OutputFolder() {
 }
 
 Expected<void> OutputFolder::commit(const std::vector<std::string>& names) {
+  std::error_code failure;
   for (const std::string& name : names) {
-    std::error_code failure;
+    if (!fs::is_directory(fs::symlink_status(file(name), failure))) continue;
+    return cannot_write(file(name), std::make_error_code(std::errc::is_a_directory));
+  }
+  for (const std::string& name : names) {
     fs::rename(aside(name), file(name), failure);
     if (failure) return cannot_write(file(name), failure);
   }

@@ -5,6 +5,7 @@
 
 #include <apps/commands.hpp>
 #include <apps/console.hpp>
+#include <apps/distinct.hpp>
 #include <apps/map_file.hpp>
 #include <mapjoin/io/g2o.hpp>
 #include <mapjoin/simulate/manhattan.hpp>
@@ -31,7 +32,7 @@ struct SimulateOptions {
 
 template <int Dim>
 Expected<ExitCode> simulate_in(const SimulateOptions& options, const std::stop_token& stop) {
-  const auto writable = check_writable(options.log).and_then([&] { return check_writable(options.truth); });
+  const auto writable = check_writable(options.log).and_then([&] { return check_map_writable(options.truth); });
   if (!writable) return tl::unexpected(writable.error());
   const Simulation<Dim> simulation = simulate_manhattan<Dim>(options.manhattan);
   const Log<Dim>& log = simulation.log;
@@ -41,7 +42,7 @@ Expected<ExitCode> simulate_in(const SimulateOptions& options, const std::stop_t
   lines.add("log", fmt::format("{}: {}D, {} poses, {} features, {} observations", options.log.string(), Dim, log.poses.size(),
                                log.features.size(), log.observations.size()));
   if (!options.truth.empty()) {
-    const auto written = write_map(simulation.truth, static_cast<const Log<Dim>*>(nullptr), options.truth);
+    const auto written = write_map_file(simulation.truth, static_cast<const Log<Dim>*>(nullptr), options.truth);
     if (!written) return tl::unexpected(written.error());
     for (const std::string& file : *written) lines.add("truth", file);
   }
@@ -106,6 +107,7 @@ std::unique_ptr<Subcommand> simulate_command(CLI::App& app) {
   add_sensor(*command, world);
   add_noise(*command, world);
   command->check([options] { return options->manhattan.validate(); });
+  command->check([options] { return check_distinct({{"--output", options->log}, {"--truth", options->truth}}); });
   command->act([options](const std::stop_token& stop) {
     return options->dimension == 2 ? simulate_in<2>(*options, stop) : simulate_in<3>(*options, stop);
   });

@@ -3,6 +3,7 @@
 
 #include <apps/call.hpp>
 #include <apps/commands.hpp>
+#include <apps/distinct.hpp>
 #include <memory>
 #include <variant>
 
@@ -44,6 +45,7 @@ std::unique_ptr<Subcommand> solve_command(CLI::App& app) {
   add_solver(*command, *options);
   add_reading(*command, *options);
   add_reporting(*command, *options);
+  command->check([options] { return check_distinct(files_of(*options, "LOG")); });
   command->act([options](const std::stop_token& stop) { return solve_input(*options, stop); });
   return command;
 }

@@ -24,6 +24,15 @@ std::optional<T> number_in(const std::string& word) {
   return value;
 }
 
+namespace {
+
+/// What is wrong with a path, to follow its option; nothing where it will do.
+std::string check_path(const std::string& word) {
+  return word.empty() ? "is empty" : "";
+}
+
+}  // namespace
+
 Subcommand::Subcommand(CLI::App& parent, const std::string& name, const std::string& description, const std::string& examples)
     : app_(parent.add_subcommand(name, description)) {
   app_->footer("Examples:\n" + examples);
@@ -36,7 +45,7 @@ CLI::Option& Subcommand::grouped(CLI::Option& option) const {
 }
 
 void Subcommand::argument(const std::string& name, std::filesystem::path& value, const std::string& help) {
-  app_->add_option(name, value, help)->required()->type_name("");
+  app_->add_option(name, value, help)->required()->check(check_path)->type_name("");
 }
 
 void Subcommand::flag(const std::string& name, bool& value, const std::string& help) {
@@ -50,12 +59,12 @@ void Subcommand::refusal(const std::string& name, bool& value, const std::string
 
 void Subcommand::path(const std::string& names, std::filesystem::path& value, const std::string& kind,
                       const std::string& help) {
-  grouped(*app_->add_option(names, value, help)->type_name(kind));
+  grouped(*app_->add_option(names, value, help)->check(check_path)->type_name(kind));
 }
 
 void Subcommand::output(const std::string& names, std::filesystem::path& value, const std::string& kind,
                         const std::string& help) {
-  grouped(*app_->add_option(names, value, help)->required()->type_name(kind));
+  grouped(*app_->add_option(names, value, help)->required()->check(check_path)->type_name(kind));
 }
 
 void Subcommand::option(const std::string& name, const std::string& kind, const std::string& help, Take take) {

@@ -10,7 +10,7 @@
 #include <cerrno>
 #include <limits>
 #include <mapjoin/io/file_bytes.hpp>
-#include <system_error>
+#include <mapjoin/io/system_call.hpp>
 #include <utility>
 
 namespace mapjoin {
@@ -19,11 +19,11 @@ namespace {
 constexpr std::string_view kGzipMagic = "\x1f\x8b";
 
 tl::unexpected<Error> cannot_read(const std::filesystem::path& path, int reason) {
-  return bad_input(fmt::format("{}: {}", path.string(), std::generic_category().message(reason)));
+  return call_failed(path, reason, ErrorKind::kBadInput);
 }
 
-tl::unexpected<Error> too_large(std::size_t most) {
-  return tl::unexpected(Error{ErrorKind::kTooLarge, fmt::format("unpacks to more than {} MB", most >> 20)});
+tl::unexpected<Error> too_large(const std::filesystem::path& path, std::size_t most) {
+  return tl::unexpected(Error{ErrorKind::kTooLarge, fmt::format("{}: unpacks to more than {} MB", path.string(), most >> 20)});
 }
 
 /// A file descriptor that closes itself.
@@ -47,28 +47,27 @@ void grow(std::string& bytes, std::size_t used, std::size_t most) {
   if (used == bytes.size()) bytes.resize(std::min(std::max(kFirst, 2 * used), most + 1));
 }
 
-/// Everything a pipe gives.
-Expected<std::string> drain(int descriptor, std::size_t most) {
+/// Everything that the pipe `path` gives.
+Expected<std::string> drain(const std::filesystem::path& path, int descriptor, std::size_t most) {
   std::string bytes;
   std::size_t used = 0;
   while (used <= most) {
     grow(bytes, used, most);
     const ::ssize_t got = ::read(descriptor, bytes.data() + used, bytes.size() - used);
-    if (got < 0 && errno == EINTR) continue;
-    if (got < 0) return bad_input(std::generic_category().message(errno));
+    if (got < 0) return cannot_read(path, errno);
     if (got == 0) {
       bytes.resize(used);
       return bytes;
     }
     used += static_cast<std::size_t>(got);
   }
-  return too_large(most);
+  return too_large(path, most);
 }
 
-/// zlib's inflate over a gzip file of one or more members.
+/// zlib's inflate over the gzip file `path` of one or more members.
 class Inflater {
  public:
-  explicit Inflater(std::string_view packed) : rest_(packed) {
+  Inflater(const std::filesystem::path& path, std::string_view packed) : path_(path), rest_(packed) {
     constexpr int kGzip = 16;
     ready_ = inflateInit2(&stream_, MAX_WBITS + kGzip) == Z_OK;
   }
@@ -85,23 +84,25 @@ class Inflater {
       grow(bytes, used, most);
       const int status = ready_ ? step(bytes, used) : Z_MEM_ERROR;
       if (status == Z_STREAM_END) {
-        if (rest_.empty()) {
+        if (rest_.find_first_not_of('\0') == rest_.npos) {  // Tapes fill up with zeros; gzip passes over them, too.
           bytes.resize(used);
           if (used > most) break;
           return bytes;
         }
-        if (rest_.substr(0, 2) != kGzipMagic) return bad_input("bytes follow the end of the gzip stream");
+        if (rest_.substr(0, 2) != kGzipMagic) return wrong("bytes follow the end of the gzip stream");
         inflateReset(&stream_);
       } else if (status == Z_BUF_ERROR && rest_.empty()) {
-        return bad_input("the gzip stream is cut off");
+        return wrong("the gzip stream is cut off");
       } else if (status != Z_OK && status != Z_BUF_ERROR) {
-        return bad_input("the gzip stream is damaged");
+        return wrong("the gzip stream is damaged");
       }
     }
-    return too_large(most);
+    return too_large(path_, most);
   }
 
  private:
+  tl::unexpected<Error> wrong(std::string_view what) const { return bad_input(fmt::format("{}: {}", path_.string(), what)); }
+
   int step(std::string& bytes, std::size_t& used) {
     constexpr std::size_t kMost = std::numeric_limits<uInt>::max();
     const auto in = static_cast<uInt>(std::min(rest_.size(), kMost));
@@ -116,6 +117,7 @@ class Inflater {
     return status;
   }
 
+  const std::filesystem::path& path_;
   std::string_view rest_;
   z_stream stream_{};
   bool ready_ = false;
@@ -130,7 +132,6 @@ FileBytes FileBytes::of(std::string bytes) {
 }
 
 Expected<FileBytes> FileBytes::read(const std::filesystem::path& path, std::size_t most_unpacked) {
-  const auto named = [&](Error error) { return Error{error.kind, fmt::format("{}: {}", path.string(), error.message)}; };
   const Descriptor file(path);
   struct stat status {};
   if (file.value() < 0 || ::fstat(file.value(), &status) != 0) return cannot_read(path, errno);
@@ -138,7 +139,7 @@ Expected<FileBytes> FileBytes::read(const std::filesystem::path& path, std::size
 
   FileBytes bytes(nullptr, {});
   if (!S_ISREG(status.st_mode)) {
-    auto drained = drain(file.value(), most_unpacked).map_error(named);
+    auto drained = drain(path, file.value(), most_unpacked);
     if (!drained) return tl::unexpected(drained.error());
     bytes = of(*std::move(drained));
   } else if (status.st_size > 0) {
@@ -150,7 +151,7 @@ Expected<FileBytes> FileBytes::read(const std::filesystem::path& path, std::size
     bytes = {std::shared_ptr<const void>(data, unmap), {static_cast<const char*>(data), size}};
   }
   if (bytes.view().substr(0, 2) == kGzipMagic) {
-    auto unpacked = Inflater(bytes.view()).run(most_unpacked).map_error(named);
+    auto unpacked = Inflater(path, bytes.view()).run(most_unpacked);
     if (!unpacked) return tl::unexpected(unpacked.error());
     bytes = of(*std::move(unpacked));
   }

@@ -19,7 +19,8 @@ class FileBytes {
  public:
   /// Bad input, in one sentence beginning with the path: a file that is missing, a directory, unreadable, empty, or a damaged
   /// or cut-off gzip stream. kTooLarge where more than `most_unpacked` bytes come out of a gzip stream or a pipe. Gzip is known
-  /// by its first two bytes; several members in a row are one stream.
+  /// by its first two bytes; several members in a row are one stream, zeros behind it do not count. kInterrupted where a signal
+  /// ends the wait for a pipe.
   static Expected<FileBytes> read(const std::filesystem::path& path, std::size_t most_unpacked = kMostUnpackedBytes);
 
   std::string_view view() const { return view_; }

@@ -27,6 +27,32 @@ Pose<3> in_space(const Pose<2>& pose) {
   return {Point<3>(pose.translation.x(), pose.translation.y(), 0.0), Rotation<3>(about_z)};
 }
 
+template <int Dim>
+void put_poses(const GlobalMap<Dim>& map, OutputFile& file) {
+  const bool has_stamps = !map.stamps_ns.empty();
+  const bool has_sessions = std::any_of(map.pose_ids.begin(), map.pose_ids.end(), [](auto& id) { return id.session != 0; });
+  TextLine line(',');
+  if (has_sessions) line.add("session");
+  line.add(Dim == 2 ? "pose,x,y,phi" : "pose,x,y,z,qx,qy,qz,qw");
+  if (has_stamps) line.add("stamp_ns");
+  line.write_to(file);
+  for (std::size_t i = 0; i < map.poses.size(); ++i) {
+    if (has_sessions) line.add(map.pose_ids[i].session);
+    line.add(map.pose_ids[i].key).add(map.poses[i]);
+    if (has_stamps) line.add(map.stamps_ns[i]);
+    line.write_to(file);
+  }
+}
+
+template <int Dim>
+void put_features(const GlobalMap<Dim>& map, OutputFile& file) {
+  TextLine line(',');
+  line.add(Dim == 2 ? "feature,x,y" : "feature,x,y,z").write_to(file);
+  for (std::size_t i = 0; i < map.features.size(); ++i) {
+    line.add(map.feature_ids[i].key).template add<Dim>(map.features[i]).write_to(file);
+  }
+}
+
 }  // namespace
 
 template <int Dim>
@@ -49,42 +75,19 @@ Expected<void> write_tum(const GlobalMap<Dim>& map, const std::filesystem::path&
 }
 
 template <int Dim>
-Expected<void> write_pose_csv(const GlobalMap<Dim>& map, const std::filesystem::path& path) {
-  auto file = OutputFile::create(path);
-  if (!file) return tl::unexpected(file.error());
-  const bool has_stamps = !map.stamps_ns.empty();
-  const bool has_sessions = std::any_of(map.pose_ids.begin(), map.pose_ids.end(), [](auto& id) { return id.session != 0; });
-  TextLine line(',');
-  if (has_sessions) line.add("session");
-  line.add(Dim == 2 ? "pose,x,y,phi" : "pose,x,y,z,qx,qy,qz,qw");
-  if (has_stamps) line.add("stamp_ns");
-  line.write_to(*file);
-  for (std::size_t i = 0; i < map.poses.size(); ++i) {
-    if (has_sessions) line.add(map.pose_ids[i].session);
-    line.add(map.pose_ids[i].key).add(map.poses[i]);
-    if (has_stamps) line.add(map.stamps_ns[i]);
-    line.write_to(*file);
-  }
-  return file->commit();
-}
-
-template <int Dim>
-Expected<void> write_feature_csv(const GlobalMap<Dim>& map, const std::filesystem::path& path) {
-  auto file = OutputFile::create(path);
-  if (!file) return tl::unexpected(file.error());
-  TextLine line(',');
-  line.add(Dim == 2 ? "feature,x,y" : "feature,x,y,z").write_to(*file);
-  for (std::size_t i = 0; i < map.features.size(); ++i) {
-    line.add(map.feature_ids[i].key).template add<Dim>(map.features[i]).write_to(*file);
-  }
-  return file->commit();
+Expected<void> write_csv(const GlobalMap<Dim>& map, const std::filesystem::path& poses, const std::filesystem::path& features) {
+  auto pose_file = OutputFile::create(poses);
+  if (!pose_file) return tl::unexpected(pose_file.error());
+  auto feature_file = OutputFile::create(features);
+  if (!feature_file) return tl::unexpected(feature_file.error());
+  put_poses(map, *pose_file);
+  put_features(map, *feature_file);
+  return pose_file->sync().and_then([&] { return feature_file->commit(); }).and_then([&] { return pose_file->commit(); });
 }
 
 template Expected<void> write_tum(const GlobalMap<2>&, const std::filesystem::path&);
 template Expected<void> write_tum(const GlobalMap<3>&, const std::filesystem::path&);
-template Expected<void> write_pose_csv(const GlobalMap<2>&, const std::filesystem::path&);
-template Expected<void> write_pose_csv(const GlobalMap<3>&, const std::filesystem::path&);
-template Expected<void> write_feature_csv(const GlobalMap<2>&, const std::filesystem::path&);
-template Expected<void> write_feature_csv(const GlobalMap<3>&, const std::filesystem::path&);
+template Expected<void> write_csv(const GlobalMap<2>&, const std::filesystem::path&, const std::filesystem::path&);
+template Expected<void> write_csv(const GlobalMap<3>&, const std::filesystem::path&, const std::filesystem::path&);
 
 }  // namespace mapjoin

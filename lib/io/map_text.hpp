@@ -16,13 +16,11 @@ namespace mapjoin {
 template <int Dim>
 Expected<void> write_tum(const GlobalMap<Dim>& map, const std::filesystem::path& path);
 
-/// `pose,x,y,phi` or `pose,x,y,z,qx,qy,qz,qw`, under a header with these names (m, rad); before them `session,` where any pose
-/// is of a session other than 0, behind them `,stamp_ns` where the map has stamps.
+/// Two tables; neither appears unless both could be written.
+/// - Poses: `pose,x,y,phi` or `pose,x,y,z,qx,qy,qz,qw`, under a header with these names (m, rad); before them `session,` where
+///   any pose is of a session other than 0, behind them `,stamp_ns` where the map has stamps.
+/// - Features: `feature,x,y` or `feature,x,y,z`, under a header with these names (m), also where there are none.
 template <int Dim>
-Expected<void> write_pose_csv(const GlobalMap<Dim>& map, const std::filesystem::path& path);
-
-/// `feature,x,y` or `feature,x,y,z`, under a header with these names (m).
-template <int Dim>
-Expected<void> write_feature_csv(const GlobalMap<Dim>& map, const std::filesystem::path& path);
+Expected<void> write_csv(const GlobalMap<Dim>& map, const std::filesystem::path& poses, const std::filesystem::path& features);
 
 }  // namespace mapjoin

@@ -4,9 +4,11 @@
 #include <unistd.h>
 
 #include <algorithm>
+#include <cerrno>
 #include <filesystem>
 #include <mapjoin/io/mat_file.hpp>
 #include <mapjoin/io/mat_structure.hpp>
+#include <mapjoin/io/system_call.hpp>
 #include <memory>
 #include <optional>
 
@@ -24,26 +26,19 @@ struct FreeVariable {
 using Mat = std::unique_ptr<mat_t, CloseMat>;
 using Variable = std::unique_ptr<matvar_t, FreeVariable>;
 
-bool write_all(int descriptor, std::string_view bytes) {
-  while (!bytes.empty()) {
-    const ssize_t written = ::write(descriptor, bytes.data(), bytes.size());
-    if (written <= 0) return false;
-    bytes.remove_prefix(static_cast<std::size_t>(written));
-  }
-  return true;
-}
-
 /// matio opens by name only: the bytes go through a temporary file, which loses its name as soon as it is open.
 Expected<Mat> open_mat(std::string_view bytes, const std::string& file) {
-  std::error_code ignored;
-  std::string name = (std::filesystem::temp_directory_path(ignored) / "mapjoin-XXXXXX").string();
+  std::error_code failure;
+  const std::filesystem::path folder = std::filesystem::temp_directory_path(failure);
+  if (failure) return call_failed("the folder for temporary files", failure.value(), ErrorKind::kCannotWrite);
+  std::string name = folder / "mapjoin-XXXXXX";
   const int descriptor = ::mkstemp(name.data());
-  if (descriptor < 0) return tl::unexpected(Error{ErrorKind::kCannotWrite, fmt::format("cannot create {}", name)});
-  const bool written = write_all(descriptor, bytes);
+  if (descriptor < 0) return call_failed(name, errno, ErrorKind::kCannotWrite);
+  const int unwritten = write_all(descriptor, bytes);
   ::close(descriptor);
-  Mat mat(written ? Mat_Open(name.c_str(), MAT_ACC_RDONLY) : nullptr);
+  Mat mat(unwritten == 0 ? Mat_Open(name.c_str(), MAT_ACC_RDONLY) : nullptr);
   ::unlink(name.c_str());
-  if (!written) return tl::unexpected(Error{ErrorKind::kCannotWrite, fmt::format("cannot write {}", name)});
+  if (unwritten != 0) return call_failed(name, unwritten, ErrorKind::kCannotWrite);
   if (!mat) return bad_input(fmt::format("{}: a damaged MAT file", file));
   return mat;
 }

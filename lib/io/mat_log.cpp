@@ -2,7 +2,6 @@
 #include <fmt/format.h>
 
 #include <cmath>
-#include <mapjoin/io/file_bytes.hpp>
 #include <mapjoin/io/information.hpp>
 #include <mapjoin/io/mat_file.hpp>
 #include <mapjoin/io/mat_log.hpp>
@@ -129,11 +128,8 @@ Expected<Log<2>> dlr(const std::string& file, const Eigen::MatrixXd& table) {
 
 }  // namespace
 
-Expected<AnyLog> read_mat_log(const std::filesystem::path& path, const ReadOptions&) {
-  const std::string file = path.string();
-  const auto bytes = FileBytes::read(path);
-  if (!bytes) return tl::unexpected(bytes.error());
-  const auto variables = read_mat(bytes->view(), file, {kVictoriaPark, kDlr});
+Expected<AnyLog> read_mat_log(std::string_view bytes, const std::string& file, const ReadOptions&) {
+  const auto variables = read_mat(bytes, file, {kVictoriaPark, kDlr});
   if (!variables) return tl::unexpected(variables.error());
   const auto to_any = [](Log<2>&& log) { return AnyLog(std::move(log)); };
   if (const auto found = variables->find(kVictoriaPark); found != variables->end()) {

@@ -32,7 +32,7 @@ constexpr TextFormat kTextFormats[] = {
 Expected<AnyLog> open_log(const std::filesystem::path& path, const ReadOptions& options) {
   const auto bytes = FileBytes::read(path);
   if (!bytes) return tl::unexpected(bytes.error());
-  if (is_mat_file(bytes->view())) return read_mat_log(path, options);
+  if (is_mat_file(bytes->view())) return read_mat_log(bytes->view(), path.string(), options);
 
   const TextScanner text(path.string(), bytes->view());
   TextScanner ahead = text;

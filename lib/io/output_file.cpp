@@ -5,6 +5,7 @@
 
 #include <cerrno>
 #include <mapjoin/io/output_file.hpp>
+#include <mapjoin/io/system_call.hpp>
 #include <system_error>
 #include <utility>
 
@@ -13,9 +14,23 @@ namespace {
 
 constexpr std::size_t kBufferSize = std::size_t{1} << 18;
 
-tl::unexpected<Error> cannot_write(const std::filesystem::path& path, int reason) {
-  return tl::unexpected(
-      Error{ErrorKind::kCannotWrite, fmt::format("{}: {}", path.string(), std::generic_category().message(reason))});
+namespace fs = std::filesystem;
+
+/// Whether `path` is a link in /proc, as /dev/stdout leads to: an open file rather than a name.
+bool is_open_file(const fs::path& path) {
+  std::error_code failure;
+  const fs::path folder = fs::canonical(path.has_parent_path() ? path.parent_path() : ".", failure);
+  return !failure && folder.native().starts_with("/proc/");
+}
+
+/// Where links lead from `path`, also where nothing is yet; not through open files.
+fs::path followed(fs::path path) {
+  constexpr int kMostLinks = 40;
+  std::error_code ignored;
+  for (int links = 0; links < kMostLinks && !is_open_file(path) && fs::is_symlink(path, ignored); ++links) {
+    path = path.parent_path() / fs::read_symlink(path, ignored);
+  }
+  return path;
 }
 
 }  // namespace
@@ -25,17 +40,15 @@ OutputFile::OutputFile(std::filesystem::path path, std::filesystem::path written
   buffer_.reserve(kBufferSize);
 }
 
-Expected<OutputFile> OutputFile::create(const std::filesystem::path& path) {
-  namespace fs = std::filesystem;
+Expected<OutputFile> OutputFile::create(const fs::path& path) {
   std::error_code ignored;
-  std::error_code nameless;  // /dev/stdout leads to a pipe without a name.
-  const fs::path resolved = fs::canonical(path, nameless);
-  const fs::path target = nameless ? path : resolved;  // A link stays a link.
-  const bool beside = !fs::exists(target, ignored) || fs::is_regular_file(target, ignored);
+  const fs::path target = followed(path);  // A link stays a link.
+  const bool beside = !is_open_file(target) && (!fs::exists(target, ignored) || fs::is_regular_file(target, ignored));
   fs::path written = target;
   if (beside) written += fmt::format(".tmp-{}", ::getpid());
-  const int descriptor = ::open(written.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0666);
-  if (descriptor < 0) return cannot_write(path, errno);
+  // What is open already may have something in it, from which this goes on.
+  const int descriptor = ::open(written.c_str(), O_WRONLY | O_CLOEXEC | (beside ? O_CREAT | O_TRUNC : O_APPEND), 0666);
+  if (descriptor < 0) return call_failed(path, errno, ErrorKind::kCannotWrite);
   return OutputFile(target, written, descriptor);
 }
 
@@ -62,26 +75,31 @@ void OutputFile::write(std::string_view bytes) {
 }
 
 void OutputFile::flush() {
-  std::string_view rest = buffer_;
-  while (!rest.empty() && failure_ == 0) {
-    const ::ssize_t written = ::write(descriptor_, rest.data(), rest.size());
-    if (written >= 0) {
-      rest.remove_prefix(static_cast<std::size_t>(written));
-    } else if (errno != EINTR) {
-      remember_failure();
-    }
-  }
+  if (failure_ == 0) failure_ = write_all(descriptor_, buffer_);
   buffer_.clear();
 }
 
-Expected<void> OutputFile::commit() {
+void OutputFile::write_out() {
   flush();
   if (failure_ == 0 && is_beside() && ::fsync(descriptor_) != 0) remember_failure();
+}
+
+Expected<void> OutputFile::outcome() const {
+  if (failure_ == 0) return {};
+  return call_failed(path_, failure_, ErrorKind::kCannotWrite);
+}
+
+Expected<void> OutputFile::sync() {
+  write_out();
+  return outcome();
+}
+
+Expected<void> OutputFile::commit() {
+  write_out();
   if (::close(std::exchange(descriptor_, -1)) != 0) remember_failure();
   if (failure_ == 0 && is_beside() && std::rename(written_path_.c_str(), path_.c_str()) != 0) remember_failure();
-  if (failure_ == 0) return {};
-  if (is_beside()) ::unlink(written_path_.c_str());
-  return cannot_write(path_, failure_);
+  if (failure_ != 0 && is_beside()) ::unlink(written_path_.c_str());
+  return outcome();
 }
 
 }  // namespace mapjoin

@@ -10,7 +10,8 @@
 namespace mapjoin {
 
 /// Bytes go to `name.tmp-<pid>` beside the file, which takes the name on commit() and is removed where that does not happen.
-/// What is there and is not a regular file (a device, a pipe) is written to directly. Buffered.
+/// What is there and is not a regular file (a device, a pipe) is written to directly, and so is what is open already
+/// (/dev/stdout), behind what is in it. A link stays a link. Buffered.
 class OutputFile {
  public:
   /// kCannotWrite where the file cannot be made.
@@ -21,12 +22,17 @@ class OutputFile {
 
   /// After a write has failed, further ones do nothing: commit() reports the failure.
   void write(std::string_view bytes);
-  /// Everything on the disk and the file under its name; else kCannotWrite, with the first failure's path and reason. Once.
+  /// Everything so far on the disk, for commit() to be all but certain; else as commit().
+  Expected<void> sync();
+  /// Everything on the disk and the file under its name; else kCannotWrite, with the first failure's path and reason, or
+  /// kInterrupted where a signal ended the wait for a pipe. Once.
   Expected<void> commit();
 
  private:
   OutputFile(std::filesystem::path path, std::filesystem::path written_path, int descriptor);
   void flush();
+  void write_out();
+  Expected<void> outcome() const;
   void remember_failure();
   bool is_beside() const { return written_path_ != path_; }
 

@@ -129,6 +129,30 @@ TEST(Usage, WhatIsMissingOrUnknownIsNamed) {
   expect_failure(call({"simulate", "-o", "log", "--chance", "2", "--block", "1.5"}), 2, "chance");
 }
 
+TEST(Usage, NoPathIsEmpty) {
+  expect_failure(call({"run", "log", "-o", ""}), 2, "--output");
+  expect_failure(call({"build", "log", "-o", ""}), 2, "--output");
+  expect_failure(call({"run", ""}), 2, "LOG");
+}
+
+TEST(Usage, NoFileIsWrittenOverAnother) {
+  const TemporaryFolder folder;
+  const auto log = folder.file("log.g2o", kSmallLog).string();
+  const auto link = (folder.path() / "link").string();
+  const auto other = (folder.path() / "other").string();
+  std::filesystem::create_symlink("log.g2o", link);
+  for (const std::string command : {"build", "solve", "join"}) {
+    expect_failure(call({command, log, "-o", link}), 2, "--output are one file, " + link);
+    expect_failure(call({command, log, "-o", other, "--report", folder.path().string() + "/./other"}), 2, "--report");
+  }
+  expect_failure(call({"run", log, "--report", log}), 2, "LOG and --report are one file");
+  expect_failure(call({"run", log, "-o", other, "--report", other + "/map.g2o"}), 2, "--report and --output");
+  expect_failure(call({"simulate", "-o", other, "--truth", other}), 2, "--truth");
+  EXPECT_EQ(content_of(log), kSmallLog);
+  EXPECT_FALSE(std::filesystem::exists(other));
+  EXPECT_EQ(call({"solve", log, "-o", "/dev/null", "--report", "/dev/null"}).exit_code, 0);
+}
+
 TEST(Usage, TheWeightsOfAStoreAreThoseItWasBuiltWith) {
   const TemporaryFolder folder;
   const auto log = folder.file("log.g2o", kSmallLog);

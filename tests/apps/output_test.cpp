@@ -1,7 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include <fcntl.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <signal.h>
+#include <sys/stat.h>
+#include <unistd.h>
 
 #include <algorithm>
 #include <chrono>
@@ -100,6 +103,26 @@ TEST_F(Output, AFileThatCannotBeIsAnErrorBeforeTheWork) {
   EXPECT_TRUE(fs::is_empty(folder.path()));
 }
 
+TEST_F(Output, AFolderInTheWayOfAFileIsAnErrorThatLeavesNothing) {
+  fs::create_directories(path("out/map.svg"));
+  EXPECT_EQ(call({"run", kLog, "-o", path("out")}).exit_code, 5);
+  EXPECT_EQ(names_in(path("out")), std::vector<std::string>{"map.svg"});
+
+  fs::create_directory(path("map.features.csv"));
+  for (const auto& [command, name] : {std::pair("solve", "map.csv"), std::pair("solve", "out"), std::pair("build", "out")}) {
+    const Ended ended = call({command, kLog, "-o", path(name)});
+    EXPECT_EQ(ended.exit_code, 5) << command << " " << name;
+    EXPECT_THAT(ended.err, HasSubstr("Is a directory"));
+  }
+  EXPECT_EQ(names_in(folder.path()), (std::vector<std::string>{"map.features.csv", "out"}));
+}
+
+TEST_F(Output, AReportGoesIntoTheFolderOfARun) {
+  const Ended ended = call({"run", kLog, "-o", path("out"), "--report", path("out/mine.json")});
+  EXPECT_EQ(ended.exit_code, 0) << ended.err;
+  EXPECT_TRUE(fs::exists(path("out/mine.json")));
+}
+
 TEST_F(Output, AFullDiskIsAnError) {
   if (!fs::exists("/dev/full")) GTEST_SKIP() << "Needs /dev/full.";
   ProcessOptions full;
@@ -118,6 +141,13 @@ TEST_F(Output, GoesThroughAPipeToo) {
   ASSERT_EQ(process.wait(), 0) << process.standard_error();
   ASSERT_EQ(call({"solve", kLog, "-o", path("map.g2o")}).exit_code, 0);
   EXPECT_EQ(content_of(path("piped.g2o")), content_of(path("map.g2o")));
+}
+
+TEST_F(Output, GoesOnBehindWhatStandardOutputHasInIt) {
+  const auto log = folder.file("log.txt", "before\n");
+  Process process({"sh", "-c", kCommand + " solve " + kLog + " --quiet -o /dev/stdout >> " + log.string()});
+  ASSERT_EQ(process.wait(), 0) << process.standard_error();
+  EXPECT_EQ(content_of(log).substr(0, 9), "before\n# ");
 }
 
 TEST_F(Output, AReaderThatHasGoneIsNoError) {
@@ -162,6 +192,22 @@ TEST_F(Interruption, ABuildGoesOnAndEndsWithTheSameBytes) {
   ASSERT_EQ(call({"build", path("log.g2o"), "-o", path("whole"), "--quiet"}).exit_code, 0);
   EXPECT_EQ(content_of(path("maps")), content_of(path("whole")));
   EXPECT_EQ(names_in(folder.path()), (std::vector<std::string>{"log.g2o", "maps", "whole"}));
+}
+
+TEST_F(Interruption, EndsACallThatWaitsForAPipe) {
+  ASSERT_EQ(::mkfifo(path("pipe").c_str(), 0600), 0);
+  const auto interrupted_soon = [&](const std::vector<std::string>& arguments) {
+    Process process(command_line(arguments));
+    std::this_thread::sleep_for(std::chrono::milliseconds(300));
+    process.send(SIGTERM);
+    for (int k = 0; k < 1000 && process.is_running(); ++k) std::this_thread::sleep_for(std::chrono::milliseconds(10));
+    return !process.is_running() && process.wait() == 130;
+  };
+  EXPECT_TRUE(interrupted_soon({"info", path("pipe")})) << "while nobody writes";
+  const int both_ends = ::open(path("pipe").c_str(), O_RDWR | O_CLOEXEC);
+  EXPECT_TRUE(interrupted_soon({"info", path("pipe")})) << "while nothing comes";
+  EXPECT_TRUE(interrupted_soon({"simulate", "-o", path("pipe")})) << "while nobody reads on";
+  ::close(both_ends);
 }
 
 }  // namespace

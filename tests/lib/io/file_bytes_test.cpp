@@ -74,6 +74,14 @@ TEST_F(FileBytesTest, SaysInASentenceWhatIsWrongWithAFile) {
   EXPECT_EQ(message(testing::write_gzip(folder.path() / "empty.gz", "")), "the file is empty");
 }
 
+TEST_F(FileBytesTest, PassesOverZerosBehindAGzipStream) {
+  const fs::path path = testing::write_gzip(folder.path() / "padded.gz", text);
+  std::ofstream(path, std::ios::app) << std::string(512, '\0');
+  const auto bytes = FileBytes::read(path);
+  ASSERT_TRUE(bytes) << bytes.error().message;
+  EXPECT_EQ(bytes->view(), text);
+}
+
 TEST_F(FileBytesTest, RefusesADamagedGzipStream) {
   const fs::path packed = testing::write_gzip(folder.path() / "packed.gz", text);
   EXPECT_EQ(message(cut(packed, 1)), "the gzip stream is cut off");

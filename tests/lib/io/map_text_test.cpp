@@ -19,6 +19,13 @@ class MapText : public ::testing::Test {
     const auto done = write(map, path);
     return done ? testing::content_of(path) : done.error().message;
   }
+  /// The tables of poses and of features.
+  template <int Dim>
+  std::pair<std::string, std::string> tables(const GlobalMap<Dim>& map) {
+    const auto done = write_csv(map, path, beside);
+    EXPECT_TRUE(done) << done.error().message;
+    return {testing::content_of(path), testing::content_of(beside)};
+  }
 
   /// Two poses, one after a whole turn, and a feature.
   static GlobalMap<2> plane() {
@@ -41,6 +48,7 @@ class MapText : public ::testing::Test {
 
   testing::TemporaryFolder folder;
   std::filesystem::path path = folder.path() / "out";
+  std::filesystem::path beside = folder.path() / "beside";
 };
 
 TEST_F(MapText, TumHasIndicesWhereThereAreNoStampsAndSaysSo) {
@@ -69,26 +77,39 @@ TEST_F(MapText, TumHasSecondsToTheNanosecond) {
 }
 
 TEST_F(MapText, CsvOfPosesKeepsTheirNamesAndHeadings) {
-  EXPECT_EQ(written<2>(write_pose_csv, plane()), "pose,x,y,phi\n4,0.1,-2,0\n7,1e-07,3,6.283185307179586\n");
+  EXPECT_EQ(tables(plane()).first, "pose,x,y,phi\n4,0.1,-2,0\n7,1e-07,3,6.283185307179586\n");
 }
 
 TEST_F(MapText, CsvOfPosesHasSessionsAndStampsWhereTheMapHas) {
-  EXPECT_EQ(written<3>(write_pose_csv, space()),
+  EXPECT_EQ(tables(space()).first,
             "session,pose,x,y,z,qx,qy,qz,qw,stamp_ns\n"
             "0,4,1,2,3,0,0,0,1,1500000001\n"
             "2,4,4,5,6,0.6,0,0,0.8,-20\n");
 }
 
 TEST_F(MapText, CsvOfFeatures) {
-  EXPECT_EQ(written<2>(write_feature_csv, plane()), "feature,x,y\n9,5,0.3333333333333333\n");
-  EXPECT_EQ(written<3>(write_feature_csv, space()), "feature,x,y,z\n9,7,8,9\n");
+  EXPECT_EQ(tables(plane()).second, "feature,x,y\n9,5,0.3333333333333333\n");
+  EXPECT_EQ(tables(space()).second, "feature,x,y,z\n9,7,8,9\n");
+}
+
+TEST_F(MapText, CsvOfFeaturesIsWrittenAlsoWhereThereAreNone) {
+  auto map = plane();
+  map.features.clear();
+  map.feature_ids.clear();
+  EXPECT_EQ(tables(map).second, "feature,x,y\n");
 }
 
 TEST_F(MapText, SaysWhenItCannotWrite) {
   path = folder.path() / "no" / "out";
   EXPECT_EQ(written<2>(write_tum, plane()), path.string() + ": No such file or directory");
-  EXPECT_EQ(written<2>(write_pose_csv, plane()), path.string() + ": No such file or directory");
-  EXPECT_EQ(written<2>(write_feature_csv, plane()), path.string() + ": No such file or directory");
+}
+
+TEST_F(MapText, NeitherTableAppearsWhereOneCannot) {
+  for (const std::filesystem::path& missing : {folder.path() / "no" / "out", std::filesystem::path("/dev/full")}) {
+    EXPECT_FALSE(write_csv(plane(), path, missing));
+    EXPECT_FALSE(write_csv(plane(), missing, path));
+    EXPECT_TRUE(std::filesystem::is_empty(folder.path()));
+  }
 }
 
 }  // namespace

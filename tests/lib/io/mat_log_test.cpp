@@ -4,6 +4,7 @@
 #include <matio.h>
 
 #include <mapjoin/io/mat_log.hpp>
+#include <mapjoin/io/open_log.hpp>
 #include <tests/support/data.hpp>
 #include <tests/support/temporary_folder.hpp>
 
@@ -15,7 +16,7 @@ using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 
 Log<2> read(const std::filesystem::path& path) {
-  auto log = read_mat_log(path);
+  auto log = open_log(path);
   EXPECT_TRUE(log) << log.error().message;
   return std::get<Log<2>>(*log);
 }
@@ -33,7 +34,8 @@ class MatLogTest : public ::testing::Test {
     return path;
   }
   std::string error(const char* variable, const Eigen::MatrixXd& table) {
-    const auto log = read_mat_log(write(variable, table));
+    const auto path = write(variable, table);
+    const auto log = read_mat_log(testing::content_of(path), path.string());
     return log ? "no error" : log.error().message;
   }
   testing::TemporaryFolder folder;

@@ -1,16 +1,20 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <sys/stat.h>
 
+#include <fstream>
 #include <mapjoin/io/open_log.hpp>
 #include <string>
 #include <tests/support/gzip.hpp>
 #include <tests/support/temporary_folder.hpp>
+#include <thread>
 
 namespace mapjoin {
 namespace {
 
 using ::testing::EndsWith;
+using ::testing::HasSubstr;
 
 class OpenLogTest : public ::testing::Test {
  protected:
@@ -41,6 +45,17 @@ TEST_F(OpenLogTest, SaysWhatIsWrongWithAFileInOneSentence) {
   EXPECT_THAT(message(folder.file("blank", "# nothing\n\n")), EndsWith("blank: the file has nothing but blanks and comments"));
   EXPECT_THAT(message(folder.file("prose", "\nDear reader")),
               EndsWith("prose:2:1: no log format has lines that begin with 'Dear'"));
+}
+
+TEST_F(OpenLogTest, ReadsAMatFileFromAPipe) {
+  // An empty MAT file, which has neither log: that much can be said only of what was read.
+  const std::string header = std::string("MATLAB 5.0 MAT-file").append(105, ' ') + std::string("\0\1IM", 4);
+  const auto pipe = folder.path() / "pipe";
+  ASSERT_EQ(::mkfifo(pipe.c_str(), 0600), 0);
+  std::thread writer([&] { std::ofstream(pipe) << header; });
+  const auto log = open_log(pipe);
+  writer.join();
+  EXPECT_THAT(log.error().message, HasSubstr("pipe: holds neither the variable"));
 }
 
 }  // namespace

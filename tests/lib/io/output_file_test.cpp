@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include <fcntl.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <unistd.h>
@@ -64,6 +65,31 @@ TEST_F(OutputFileTest, WritesThroughALinkAndToADevice) {
   null->write("gone");
   EXPECT_TRUE(null->commit());
   EXPECT_TRUE(fs::is_character_file("/dev/null"));
+}
+
+TEST_F(OutputFileTest, WritesThroughALinkThatLeadsNowhereYet) {
+  const fs::path link = folder.path() / "link";
+  fs::create_symlink("map.g2o", link);
+  auto file = OutputFile::create(link);
+  ASSERT_TRUE(file);
+  file->write("content");
+  EXPECT_TRUE(file->commit());
+  EXPECT_TRUE(fs::is_symlink(link));
+  EXPECT_EQ(content_of(path), "content");
+}
+
+TEST_F(OutputFileTest, GoesOnBehindWhatAnOpenFileHasInIt) {
+  std::ofstream(path) << "before ";
+  const int descriptor = ::open(path.c_str(), O_WRONLY | O_APPEND);
+  for (const std::string folder_of_descriptors : {"/dev/fd/", "/proc/self/fd/"}) {
+    auto file = OutputFile::create(folder_of_descriptors + std::to_string(descriptor));
+    ASSERT_TRUE(file);
+    file->write("after ");
+    EXPECT_TRUE(file->commit());
+  }
+  ::close(descriptor);
+  EXPECT_EQ(content_of(path), "before after after ");
+  EXPECT_EQ(entries(), 1u);
 }
 
 TEST_F(OutputFileTest, SaysWhyItCannotWrite) {

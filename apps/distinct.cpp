@@ -1,0 +1,40 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <fmt/format.h>
+
+#include <apps/distinct.hpp>
+#include <system_error>
+
+namespace mapjoin::apps {
+namespace {
+
+namespace fs = std::filesystem;
+
+bool is_same(const fs::path& a, const fs::path& b) {
+  if (a.empty() || b.empty()) return false;
+  std::error_code ignored;
+  if (fs::exists(a, ignored) || fs::exists(b, ignored)) {
+    return fs::is_regular_file(a, ignored) && fs::equivalent(a, b, ignored);
+  }
+  return fs::weakly_canonical(a, ignored) == fs::weakly_canonical(b, ignored);
+}
+
+}  // namespace
+
+std::vector<std::string> check_distinct(const NamedFiles& files) {
+  std::vector<std::string> violations;
+  for (auto later = files.begin(); later != files.end(); ++later) {
+    for (auto earlier = files.begin(); earlier != later; ++earlier) {
+      if (!is_same(earlier->second, later->second)) continue;
+      violations.push_back(fmt::format("{} and {} are one file, {}", earlier->first, later->first, later->second.string()));
+    }
+  }
+  return violations;
+}
+
+NamedFiles files_of(const Options& options, const std::string& argument) {
+  NamedFiles files = {{argument, options.input}, {"--output", options.output}};
+  if (!options.report_on_stdout()) files.emplace_back("--report", options.report);
+  return files;
+}
+
+}  // namespace mapjoin::apps
