@@ -19,7 +19,7 @@ class JoinProblem {
 
   double linearise();
   const Eigen::VectorXd& gradient() const { return system_.equations().gradient(); }
-  Eigen::VectorXd diagonal() const { return system_.equations().diagonal(); }
+  DiagonalMetric metric() const { return DiagonalMetric(system_.equations().diagonal()); }
   double curvature(const Eigen::VectorXd& v) const { return system_.equations().curvature(v); }
   std::optional<Index> factorise(double damping) { return system_.equations().factorise(damping); }
   Eigen::VectorXd solve() const { return system_.equations().solve(gradient()); }

@@ -44,11 +44,11 @@ double PolishProblem<Dim>::linearise() {
 }
 
 template <int Dim>
-Eigen::VectorXd PolishProblem<Dim>::diagonal() const {
+DiagonalMetric PolishProblem<Dim>::metric() const {
   Eigen::VectorXd diagonal = Eigen::VectorXd::Zero(size_);
   diagonal.head(system_.equations().size()) = system_.equations().diagonal();
   for (const auto& segment : segments_) segment.add_diagonal(diagonal);
-  return diagonal;
+  return DiagonalMetric(std::move(diagonal));
 }
 
 template <int Dim>

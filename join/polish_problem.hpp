@@ -26,7 +26,7 @@ class PolishProblem {
 
   double linearise();
   const Eigen::VectorXd& gradient() const { return gradient_; }
-  Eigen::VectorXd diagonal() const;
+  DiagonalMetric metric() const;
   double curvature(const Eigen::VectorXd& v) const;
   std::optional<Index> factorise(double damping);
   Eigen::VectorXd solve() const;

@@ -17,7 +17,7 @@ class SegmentProblem {
 
   double linearise() { return system_.linearise(estimate_); }
   const Eigen::VectorXd& gradient() const { return system_.equations().gradient(); }
-  Eigen::VectorXd diagonal() const { return system_.equations().diagonal(); }
+  DiagonalMetric metric() const { return DiagonalMetric(system_.equations().diagonal()); }
   double curvature(const Eigen::VectorXd& v) const { return system_.equations().curvature(v); }
   std::optional<Index> factorise(double damping);
   Eigen::VectorXd solve() const;

@@ -7,6 +7,7 @@
 #include <cmath>
 #include <concepts>
 #include <mapjoin/model/ids.hpp>
+#include <mapjoin/solve/metric.hpp>
 #include <mapjoin/solve/minimise_options.hpp>
 #include <mapjoin/solve/trust_region.hpp>
 #include <optional>
@@ -19,16 +20,37 @@ template <typename P>
 concept LeastSquaresProblem = requires(P p, const Eigen::VectorXd& v, double damping) {
   { p.linearise() } -> std::convertible_to<double>;                // makes H and g at the estimate; returns chi2 there
   { p.gradient() } -> std::convertible_to<Eigen::VectorXd>;        // g
-  { p.diagonal() } -> std::convertible_to<Eigen::VectorXd>;        // of H
+  { p.metric() } -> StepMetric;                                    // D, at the estimate
   { p.curvature(v) } -> std::convertible_to<double>;               // vᵀHv; asked for before factorise
-  { p.factorise(damping) } -> std::same_as<std::optional<Index>>;  // H + damping·diag(H); a singular variable or nothing
-  { p.solve() } -> std::convertible_to<Eigen::VectorXd>;           // (H + damping·diag(H))⁻¹ g
+  { p.factorise(damping) } -> std::same_as<std::optional<Index>>;  // H + damping·D; a singular variable or nothing
+  { p.solve() } -> std::convertible_to<Eigen::VectorXd>;           // (H + damping·D)⁻¹ g
   { p.step_size(v) } -> std::same_as<StepSize>;
   { p.try_step(v) } -> std::convertible_to<double>;  // chi2 of the estimate moved by v, kept as the candidate
   {p.accept()};                                      // the candidate becomes the estimate
 };
 
 namespace detail {
+
+/// The minimiser of the model along the direction of steepest descent; it has gᵀc = cᵀHc.
+template <LeastSquaresProblem P, StepMetric M>
+ModelStep cauchy_point(const P& problem, const M& metric) {
+  ModelStep point{metric.descent(problem.gradient())};
+  const double curvature = problem.curvature(point.v);
+  const double share = curvature > 0.0 ? problem.gradient().dot(point.v) / curvature : 0.0;
+  point.v *= share;
+  point.decrease = share * share * curvature;
+  point.length = length(metric, point.v);
+  return point;
+}
+
+/// The solution of (H + damping·D) n = g, after factorise.
+template <LeastSquaresProblem P, StepMetric M>
+ModelStep newton_step(const P& problem, double damping, const M& metric) {
+  ModelStep step{problem.solve()};
+  step.length = length(metric, step.v);
+  step.decrease = problem.gradient().dot(step.v) + damping * step.length * step.length;
+  return step;
+}
 
 /// Factorises with `damping` or, if that may grow, the least that makes the system regular, which `damping` then is. Returns
 /// the first singular variable met where none does.
@@ -55,7 +77,8 @@ MinimiseResult minimise(P& problem, const MinimiseOptions& options, const std::s
   TrustRegion region(options.method);
   while (true) {
     if (!std::isfinite(result.chi2)) return result.ended(MinimiseStatus::kNoProgress);
-    const Quadratic model = Quadratic::of(problem);
+    const auto& metric = problem.metric();
+    if (options.method == Method::kDogleg) region.set_cauchy_point(detail::cauchy_point(problem, metric));
     Eigen::VectorXd step;
     do {
       if (stop.stop_requested()) return result.ended(MinimiseStatus::kInterrupted);
@@ -63,9 +86,9 @@ MinimiseResult minimise(P& problem, const MinimiseOptions& options, const std::s
         double damping = region.damping();
         result.singular = detail::factorise_damped(problem, damping, options.damp_singular);
         if (result.singular) return result.ended(MinimiseStatus::kSingular);
-        region.set_newton_step(problem.solve(), damping, model);
+        region.set_newton_step(detail::newton_step(problem, damping, metric), metric);
       }
-      step = region.step(model);
+      step = region.step();
       if (!region.is_finite()) return result.ended(MinimiseStatus::kNoProgress);
       const StepSize size = problem.step_size(step);
       const bool last = region.predicted_decrease() <= options.relative_chi2 * result.chi2 ||

@@ -7,12 +7,11 @@
 namespace mapjoin {
 namespace {
 
-/// The β in [0, 1] at which c + β (n - c) has length `radius` in the scale D; |c| ≤ radius ≤ |n|.
-double dogleg_fraction(const Eigen::VectorXd& c, const Eigen::VectorXd& n, const Eigen::VectorXd& scale, double radius) {
-  const Eigen::VectorXd d = n - c;
-  const double a = d.cwiseAbs2().dot(scale);
-  const double b = d.cwiseProduct(c).dot(scale);
-  const double e = c.cwiseAbs2().dot(scale) - radius * radius;
+/// The β in [0, 1] at which c + β (n - c) has length `radius`; |c| ≤ radius ≤ |n|. Given are |c|², cᵀDn and |n|².
+double dogleg_fraction(double cc, double cn, double nn, double radius) {
+  const double a = nn - 2.0 * cn + cc;
+  const double b = cn - cc;
+  const double e = cc - radius * radius;
   const double root = std::sqrt(std::max(0.0, b * b - a * e));
   // The positive root of aβ² + 2bβ + e, in the form without cancellation.
   const double beta = b > 0.0 ? -e / (b + root) : (root - b) / a;
@@ -31,42 +30,34 @@ bool TrustRegion::speaks_for_whole_step(double chi2) const {
     case Method::kGaussNewton:
       return true;
     case Method::kDogleg:
-      return newton_length_ <= radius_ || newton_decrease_ <= kLittle * chi2;
+      return newton_.length <= radius_ || newton_.decrease <= kLittle * chi2;
     case Method::kLevenbergMarquardt:
       return damping_ <= kMuchDamping;
   }
   return false;
 }
 
-void TrustRegion::set_newton_step(Eigen::VectorXd newton, double damping, const Quadratic& model) {
-  newton_ = std::move(newton);
-  newton_length_ = model.length(newton_);
-  newton_decrease_ = model.gradient.dot(newton_) + damping * newton_length_ * newton_length_;
-  needs_factorisation_ = method_ == Method::kLevenbergMarquardt;
-}
-
-Eigen::VectorXd TrustRegion::step(const Quadratic& model) {
-  if (method_ != Method::kDogleg || newton_length_ <= radius_) {
-    predicted_ = newton_decrease_;
-    step_length_ = newton_length_;
-    return newton_;
+Eigen::VectorXd TrustRegion::step() {
+  if (method_ != Method::kDogleg || newton_.length <= radius_) {
+    predicted_ = newton_.decrease;
+    step_length_ = newton_.length;
+    return newton_.v;
   }
   step_length_ = radius_;
-  const double cauchy_length = model.length(model.cauchy);
-  if (cauchy_length >= radius_) {
-    const double share = radius_ / cauchy_length;
-    // The Cauchy point minimises along its direction: gᵀc = cᵀHc.
-    predicted_ = (2.0 * share - share * share) * model.cauchy_curvature;
-    return share * model.cauchy;
+  const double gc = cauchy_.decrease;  // gᵀc = cᵀHc
+  if (cauchy_.length >= radius_) {
+    const double share = radius_ / cauchy_.length;
+    predicted_ = (2.0 * share - share * share) * gc;
+    return share * cauchy_.v;
   }
-  const double beta = dogleg_fraction(model.cauchy, newton_, model.scale, radius_);
-  const double gc = model.cauchy_curvature;
-  const double gn = newton_decrease_;
+  const double beta =
+      dogleg_fraction(cauchy_.length * cauchy_.length, cauchy_newton_, newton_.length * newton_.length, radius_);
+  const double gn = newton_.decrease;
   const double gs = (1.0 - beta) * gc + beta * gn;
   // H n = g, so cᵀHn = gᵀc and nᵀHn = gᵀn.
   const double sHs = (1.0 - beta) * (1.0 - beta) * gc + 2.0 * beta * (1.0 - beta) * gc + beta * beta * gn;
   predicted_ = 2.0 * gs - sHs;
-  return (1.0 - beta) * model.cauchy + beta * newton_;
+  return (1.0 - beta) * cauchy_.v + beta * newton_.v;
 }
 
 void TrustRegion::judge(double actual_decrease) {

@@ -5,29 +5,17 @@
 #include <Eigen/Core>
 #include <cmath>
 #include <limits>
+#include <mapjoin/solve/metric.hpp>
 #include <mapjoin/solve/minimise_options.hpp>
+#include <utility>
 
 namespace mapjoin {
 
-/// The quadratic model of chi2 at the estimate: g, the scale D = diag(H) in which steps are measured, and the Cauchy point.
-struct Quadratic {
-  Eigen::VectorXd gradient;
-  Eigen::VectorXd scale;
-  Eigen::VectorXd cauchy;         ///< The minimiser of the model along D⁻¹ g.
-  double cauchy_curvature = 0.0;  ///< cᵀHc.
-
-  template <typename Problem>
-  static Quadratic of(const Problem& problem) {
-    Quadratic model{problem.gradient(), problem.diagonal(), {}, 0.0};
-    model.cauchy = (model.scale.array() > 0.0).select(model.gradient.cwiseQuotient(model.scale), 0.0);
-    const double curvature = problem.curvature(model.cauchy);
-    const double length = curvature > 0.0 ? model.gradient.dot(model.cauchy) / curvature : 0.0;
-    model.cauchy *= length;
-    model.cauchy_curvature = length * length * curvature;
-    return model;
-  }
-  /// |v| in the scale D.
-  double length(const Eigen::VectorXd& v) const { return std::sqrt(v.cwiseAbs2().dot(scale)); }
+/// A step and what the quadratic model says of it.
+struct ModelStep {
+  Eigen::VectorXd v;
+  double decrease = 0.0;  ///< By how much the model lowers chi2.
+  double length = 0.0;    ///< |v| in the metric of the steps.
 };
 
 class TrustRegion {
@@ -37,11 +25,18 @@ class TrustRegion {
   /// False where only the radius shrank and the Gauss-Newton step still stands.
   bool needs_factorisation() const { return needs_factorisation_; }
   double damping() const { return method_ == Method::kLevenbergMarquardt ? damping_ : 0.0; }
+  /// Asked for where the method is the dogleg, before the Gauss-Newton step.
+  void set_cauchy_point(ModelStep cauchy) { cauchy_ = std::move(cauchy); }
   /// The solution of (H + damping·D) n = g.
-  void set_newton_step(Eigen::VectorXd newton, double damping, const Quadratic& model);
+  template <StepMetric M>
+  void set_newton_step(ModelStep newton, const M& metric) {
+    if (method_ == Method::kDogleg) cauchy_newton_ = metric.inner(cauchy_.v, newton.v);
+    newton_ = std::move(newton);
+    needs_factorisation_ = method_ == Method::kLevenbergMarquardt;
+  }
 
   /// The step to try: within the radius for the dogleg.
-  Eigen::VectorXd step(const Quadratic& model);
+  Eigen::VectorXd step();
   /// By how much the model says the step lowers chi2.
   double predicted_decrease() const { return predicted_; }
   bool is_finite() const { return std::isfinite(predicted_) && std::isfinite(step_length_); }
@@ -58,9 +53,9 @@ class TrustRegion {
   void judge_damping(double ratio);
 
   Method method_;
-  Eigen::VectorXd newton_;
-  double newton_length_ = 0.0;
-  double newton_decrease_ = 0.0;  // what the model promises for the whole Gauss-Newton step
+  ModelStep cauchy_;
+  ModelStep newton_;
+  double cauchy_newton_ = 0.0;  // cᵀDn
   double radius_ = std::numeric_limits<double>::infinity();
   double damping_ = 1e-6;
   double damping_growth_ = 2.0;

@@ -25,7 +25,7 @@ class DenseProblem {
     return r.squaredNorm();
   }
   Eigen::VectorXd gradient() const { return g_; }
-  Eigen::VectorXd diagonal() const { return H_.diagonal(); }
+  DiagonalMetric metric() const { return DiagonalMetric(H_.diagonal()); }
   double curvature(const Eigen::VectorXd& v) const { return v.dot(H_ * v); }
   std::optional<Index> factorise(double damping) {
     ++factorisations;
