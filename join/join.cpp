@@ -73,14 +73,14 @@ Expected<Join<Dim>> join(const Network<Dim>& network, const std::vector<PoseId>&
                          const std::vector<FeatureId>& feature_ids, const JoinOptions<Dim>& options,
                          const std::stop_token& stop) {
   const Schedule order = options.start ? Schedule::kBatch : options.schedule;
-  const ScheduleOptions schedule{order, ScheduleOptions::leading(order), options.progress};
+  const ScheduleOptions schedule{order, options.state, ScheduleOptions::leading(order), options.progress};
   Piece<Dim> whole = whole_of(network, options, join_stretches(network, schedule, stop));
   const Gauge<Dim> gauge = hold_in_world(network, whole);
   if (stop.stop_requested()) return interrupted();
 
   Join<Dim> result;
   JoinProblem<Dim> problem(whole, gauge);
-  result.result = minimise(problem, options.solver, stop);
+  result.result = minimise_join(problem, options.state, options.solver, stop);
   if (result.result.status == MinimiseStatus::kInterrupted) return interrupted();
   if (result.result.status == MinimiseStatus::kSingular) {
     const auto place = static_cast<std::size_t>(problem.system().place_of_variable(*result.result.singular));

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
-// Joining local maps into one global map, with the absolute joined state (paper's VI.B).
+// Joining local maps into one global map, with the absolute or the relative joined state (paper's VI.B, VI.C).
 
 #include <cstdint>
 #include <functional>
@@ -18,9 +18,10 @@ namespace mapjoin {
 template <int Dim>
 struct JoinOptions {
   Schedule schedule = Schedule::kTree;
-  MinimiseOptions solver;             ///< Of the last join, over all original maps.
-  Pose<Dim> origin;                   ///< Where the first pose is held when the World says nothing.
-  const State<Dim>* start = nullptr;  ///< Of the whole network, to start from instead of a schedule; may be null.
+  JoinedState state = JoinedState::kAbsolute;  ///< Coordinates of the steps.
+  MinimiseOptions solver;                      ///< Of the last join, over all original maps.
+  Pose<Dim> origin;                            ///< Where the first pose is held when the World says nothing.
+  const State<Dim>* start = nullptr;           ///< Of the whole network, to start from instead of a schedule; may be null.
   std::function<void(std::size_t, std::size_t)> progress;  ///< As in ScheduleOptions.
 };
 

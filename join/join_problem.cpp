@@ -2,6 +2,7 @@
 #include <mapjoin/join/join_problem.hpp>
 #include <mapjoin/model/accumulate.hpp>
 #include <mapjoin/model/map_residual.hpp>
+#include <utility>
 
 namespace mapjoin {
 namespace {
@@ -61,15 +62,44 @@ double JoinProblem<Dim>::linearise() {
 }
 
 template <int Dim>
-double JoinProblem<Dim>::try_step(const Eigen::VectorXd& step) {
-  candidate_ = system_.retracted(step);
+double JoinProblem<Dim>::try_state(State<Dim> candidate) {
+  candidate_ = std::move(candidate);
   double chi2 = system_.observations_chi2(candidate_);
   for (const auto& placed : system_.maps()) chi2 += map_chi2<Dim>(placed, candidate_);
   return chi2;
 }
 
-template class JoinProblem<2>;
-template class JoinProblem<3>;
+template <int Dim>
+double RelativeJoinProblem<Dim>::linearise() {
+  is_damped_ = false;
+  const double chi2 = join_.linearise();
+  relative_.linearise(join_.system());
+  return chi2;
+}
+
+template <int Dim>
+std::optional<Index> RelativeJoinProblem<Dim>::factorise(double damping) {
+  if (is_damped_) join_.linearise();
+  is_damped_ = damping > 0.0;
+  if (is_damped_) relative_.damp(join_.system(), damping);
+  return join_.factorise(0.0);
+}
+
+template <int Dim>
+MinimiseResult minimise_join(JoinProblem<Dim>& problem, JoinedState state, const MinimiseOptions& options,
+                             const std::stop_token& stop) {
+  if (state == JoinedState::kAbsolute) return minimise(problem, options, stop);
+  RelativeJoinProblem<Dim> relative(problem);
+  return minimise(relative, options, stop);
+}
+
+#define MAPJOIN_INSTANTIATE(Dim)           \
+  template class JoinProblem<Dim>;         \
+  template class RelativeJoinProblem<Dim>; \
+  template MinimiseResult minimise_join(JoinProblem<Dim>&, JoinedState, const MinimiseOptions&, const std::stop_token&);
+MAPJOIN_INSTANTIATE(2)
+MAPJOIN_INSTANTIATE(3)
+#undef MAPJOIN_INSTANTIATE
 template double map_chi2<2>(const JointSystem<2>::PlacedMap&, const State<2>&);
 template double map_chi2<3>(const JointSystem<3>::PlacedMap&, const State<3>&);
 template double piece_chi2(const Piece<2>&);

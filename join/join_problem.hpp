@@ -3,9 +3,12 @@
 // Joining as a least-squares problem: each local map is one integrated observation (paper's (31), (32)).
 
 #include <Eigen/Core>
+#include <mapjoin/join/joined_state.hpp>
 #include <mapjoin/join/joint_system.hpp>
+#include <mapjoin/join/relative_state.hpp>
 #include <mapjoin/solve/minimise.hpp>
 #include <optional>
+#include <stop_token>
 #include <utility>
 
 namespace mapjoin {
@@ -24,17 +27,46 @@ class JoinProblem {
   std::optional<Index> factorise(double damping) { return system_.equations().factorise(damping); }
   Eigen::VectorXd solve() const { return system_.equations().solve(gradient()); }
   StepSize step_size(const Eigen::VectorXd& step) const { return system_.step_size(step); }
-  double try_step(const Eigen::VectorXd& step);
+  double try_step(const Eigen::VectorXd& step) { return try_state(system_.retracted(step)); }
+  /// chi2 of a state, kept as the candidate.
+  double try_state(State<Dim> candidate);
   void accept() { std::swap(system_.estimate(), candidate_); }
 
   const State<Dim>& estimate() const { return system_.estimate(); }
-  /// The system with its pattern, ordering and symbolic factor, for polishing.
+  /// The system with its pattern, ordering and symbolic factor.
   JointSystem<Dim>& system() { return system_; }
 
  private:
   JointSystem<Dim> system_;
   State<Dim> candidate_;
 };
+
+/// A join problem with its steps in relative coordinates: the same linear system, another way of applying what solves it.
+template <int Dim>
+class RelativeJoinProblem {
+ public:
+  explicit RelativeJoinProblem(JoinProblem<Dim>& join) : join_(join), relative_(join.system()) {}
+
+  double linearise();
+  const Eigen::VectorXd& gradient() const { return join_.gradient(); }
+  const RelativeState<Dim>& metric() const { return relative_; }
+  double curvature(const Eigen::VectorXd& v) const { return join_.curvature(v); }
+  std::optional<Index> factorise(double damping);
+  Eigen::VectorXd solve() const { return join_.solve(); }
+  StepSize step_size(const Eigen::VectorXd& step) const { return join_.step_size(step); }
+  double try_step(const Eigen::VectorXd& step) { return join_.try_state(relative_.retracted(join_.system(), step)); }
+  void accept() { join_.accept(); }
+
+ private:
+  JoinProblem<Dim>& join_;
+  RelativeState<Dim> relative_;
+  bool is_damped_ = false;  // whether the normal equations hold the damping, too
+};
+
+/// Minimises with steps in the coordinates of `state`.
+template <int Dim>
+MinimiseResult minimise_join(JoinProblem<Dim>& problem, JoinedState state, const MinimiseOptions& options,
+                             const std::stop_token& stop = {});
 
 /// chi2 of a local map as an observation of `state`, whose poses and features stand at the given places.
 template <int Dim>

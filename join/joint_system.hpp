@@ -30,6 +30,16 @@ class JointSystem {
   std::span<const Index> map_variables(std::size_t m) const { return equations_.clique(first_map_clique_ + m); }
   std::size_t map_count() const { return maps_.size(); }
 
+  /// An observation whose base and target are places of the joined state, or the World.
+  template <typename Observation>
+  struct Placed {
+    const Observation* observation;
+    Index base;
+    Index target;
+  };
+  /// The cliques of the system are these, in this order: observations of poses, of features, maps.
+  const std::vector<Placed<PoseObservation<Dim>>>& pose_observations() const { return pose_observations_; }
+  const std::vector<Placed<FeatureObservation<Dim>>>& feature_observations() const { return feature_observations_; }
   /// A map whose indices are places of the joined state.
   struct PlacedMap {
     const LocalMap<Dim>* map;
@@ -44,24 +54,19 @@ class JointSystem {
   /// The estimate moved by a step.
   State<Dim> retracted(const Eigen::VectorXd& step) const;
   StepSize step_size(const Eigen::VectorXd& step) const;
+  /// kConstant for the World and for poses that are held still.
+  Index pose_variable(Index place) const {
+    return place == kWorld ? kConstant : pose_variables_[static_cast<std::size_t>(place)];
+  }
+  bool is_held(Index pose_place) const { return pose_variable(pose_place) == kConstant; }
+  Index feature_variable(Index place) const { return first_feature_variable_ + place; }
   /// The place of a variable: a pose, or a feature after all poses.
   Index place_of_variable(Index variable) const { return places_[static_cast<std::size_t>(variable)]; }
 
  private:
-  template <typename Observation>
-  struct Placed {
-    const Observation* observation;
-    Index base;
-    Index target;
-  };
   void number_variables(const Gauge<Dim>& gauge);
   void place_observations(const Piece<Dim>& piece, const Gauge<Dim>& gauge);
   NormalEquations make_equations() const;
-  Index pose_variable(Index place) const {
-    return place == kWorld ? kConstant : pose_variables_[static_cast<std::size_t>(place)];
-  }
-  Index feature_variable(Index place) const { return first_feature_variable_ + place; }
-
   State<Dim> estimate_;
   std::vector<Placed<PoseObservation<Dim>>> pose_observations_;
   std::vector<Placed<FeatureObservation<Dim>>> feature_observations_;

@@ -45,7 +45,7 @@ Error of_source(const std::string& source, Error error) {
 
 template <int Dim>
 JoinOptions<Dim> join_options(const RunOptions& options, const Pose<Dim>& origin) {
-  return {options.schedule, options.solver, origin, nullptr, progress_of(options, Stage::kJoin)};
+  return {options.schedule, options.state, options.solver, origin, nullptr, progress_of(options, Stage::kJoin)};
 }
 
 /// Where the first pose is held when the World says nothing: at the file's value, if it has one.

@@ -25,7 +25,8 @@ enum class Stage : std::uint8_t { kBuild, kJoin, kRecover, kPolish };
 struct RunOptions {
   SplitOptions split;
   Schedule schedule = Schedule::kTree;
-  MinimiseOptions solver;  ///< Of every least-squares problem, local maps to polish.
+  JoinedState state = JoinedState::kAbsolute;  ///< Coordinates of the steps of a join.
+  MinimiseOptions solver;                      ///< Of every least-squares problem, local maps to polish.
   bool polish = true;
   bool start_from_values = false;  ///< Full SLAM only: from the log's initial values instead of a schedule.
   bool covariances = false;        ///< Of the final estimate, too: RunResult::covariances, and the marginals in the map.

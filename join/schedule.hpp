@@ -4,6 +4,7 @@
 
 #include <cstdint>
 #include <functional>
+#include <mapjoin/join/joined_state.hpp>
 #include <mapjoin/join/piece.hpp>
 #include <mapjoin/solve/minimise_options.hpp>
 #include <stop_token>
@@ -23,7 +24,8 @@ std::string to_string(Schedule schedule);
 
 struct ScheduleOptions {
   Schedule schedule = Schedule::kTree;
-  MinimiseOptions inner;  ///< Of the joins below the last one, which only have to lead to its basin.
+  JoinedState state = JoinedState::kAbsolute;  ///< Coordinates of the steps.
+  MinimiseOptions inner;                       ///< Of the joins below the last one, which only have to lead to its basin.
   /// Called after every join with the number done and to do; from one thread at a time.
   std::function<void(std::size_t, std::size_t)> progress;
 

@@ -65,6 +65,12 @@ class NormalEquations {
   void set_zero();
   Sink sink(std::size_t clique) { return {*this, cliques_[clique], destinations_.data() + destination_begin_[clique]}; }
 
+  /// Adds to the block of one variable with itself.
+  template <typename Block>
+  void add_diagonal(Index v, const Block& block) {
+    add(v, v, 0, block);
+  }
+
   std::span<const Index> clique(std::size_t clique) const { return cliques_[clique]; }
   Eigen::Index size() const { return offsets_.back(); }
   Index variable_count() const { return static_cast<Index>(dofs_.size()); }

@@ -1,0 +1,234 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <Eigen/Cholesky>
+#include <mapjoin/join/joined_state.hpp>
+#include <mapjoin/join/relative_state.hpp>
+#include <mapjoin/model/linearise.hpp>
+#include <mapjoin/solve/pivot.hpp>
+#include <utility>
+
+namespace mapjoin {
+namespace {
+
+/// The measurement of an edge, of a pose or a point, and its information.
+template <typename Measured, int Dof>
+struct Measurement {
+  Measured value;
+  Matrix<Dof> W;
+};
+
+/// The map whose clique it is, or null.
+template <int Dim>
+const LocalMap<Dim>* map_of(const JointSystem<Dim>& system, std::size_t clique) {
+  const std::size_t first = system.pose_observations().size() + system.feature_observations().size();
+  return clique < first ? nullptr : system.maps()[clique - first].map;
+}
+
+template <int Dim>
+Measurement<Pose<Dim>, kPoseDof<Dim>> measured_pose(const JointSystem<Dim>& system, const TreeObservation& edge) {
+  constexpr int kDof = kPoseDof<Dim>;
+  if (const LocalMap<Dim>* map = map_of(system, edge.clique)) {
+    const Eigen::Index row = edge.target * kDof;
+    return {map->pose_estimates[static_cast<std::size_t>(edge.target)], map->information.template block<kDof, kDof>(row, row)};
+  }
+  const auto& o = *system.pose_observations()[edge.clique].observation;
+  return {o.measured, o.information};
+}
+
+template <int Dim>
+Measurement<Point<Dim>, Dim> measured_point(const JointSystem<Dim>& system, const TreeObservation& edge) {
+  if (const LocalMap<Dim>* map = map_of(system, edge.clique)) {
+    const auto poses = static_cast<Eigen::Index>(map->poses.size());
+    const Eigen::Index feature = edge.target - poses;
+    const Eigen::Index row = poses * kPoseDof<Dim> + feature * Dim;
+    return {map->feature_estimates[static_cast<std::size_t>(feature)], map->information.template block<Dim, Dim>(row, row)};
+  }
+  const auto& o = *system.feature_observations()[edge.clique - system.pose_observations().size()].observation;
+  return {o.measured, o.information};
+}
+
+/// The information that the observation of an edge has of its child, the parent held still.
+template <int Dim>
+Matrix<kPoseDof<Dim>> information_of_child(const JointSystem<Dim>& system, const TreeEdge& edge,
+                                           std::integral_constant<int, kPoseDof<Dim>>) {
+  const auto [measured, W] = measured_pose(system, *edge.observation);
+  const bool child_is_base = edge.observation->child_is_base;
+  const State<Dim>& state = system.estimate();
+  const Pose<Dim> child = state.pose(edge.child);
+  const Pose<Dim> parent = state.pose(edge.parent);
+  const auto linear = child_is_base ? linearise<Dim>(measured, child, parent) : linearise<Dim>(measured, parent, child);
+  const auto& J = child_is_base ? linear.J_base : linear.J_target;
+  return J.transpose() * W * J;
+}
+
+template <int Dim>
+Matrix<Dim> information_of_child(const JointSystem<Dim>& system, const TreeEdge& edge, std::integral_constant<int, Dim>) {
+  const auto [measured, W] = measured_point(system, *edge.observation);
+  const Matrix<Dim> R = system.estimate().pose(edge.parent).rotation.matrix();
+  return R * W * R.transpose();
+}
+
+/// K: how the step of the parent carries a pose along.
+template <int Dim>
+PoseMatrix<Dim> carrying(const State<Dim>& state, const TreeEdge& edge, std::integral_constant<int, kPoseDof<Dim>>) {
+  const Pose<Dim> parent = state.pose(edge.parent);
+  PoseMatrix<Dim> K;
+  compose(parent, between(parent, state.pose(edge.child)), &K);
+  return K;
+}
+
+template <int Dim>
+PointPoseMatrix<Dim> carrying(const State<Dim>& state, const TreeEdge& edge, std::integral_constant<int, Dim>) {
+  const Pose<Dim> parent = state.pose(edge.parent);
+  PointPoseMatrix<Dim> K;
+  transform(parent, transform_into(parent, state.feature(edge.child)), &K);
+  return K;
+}
+
+template <int Dof>
+bool is_regular(const Matrix<Dof>& M) {
+  const Eigen::LLT<Matrix<Dof>> llt(M);
+  if (llt.info() != Eigen::Success) return false;
+  for (int i = 0; i < Dof; ++i) {
+    if (has_lost_digits(llt.matrixLLT()(i, i), M(i, i))) return false;
+  }
+  return true;
+}
+
+}  // namespace
+
+std::string to_string(JoinedState state) {
+  return state == JoinedState::kAbsolute ? "absolute" : "relative";
+}
+
+template <int Dim>
+RelativeState<Dim>::RelativeState(const JointSystem<Dim>& system) {
+  const SpanningTree tree = spanning_tree(system);
+  for (const TreeEdge& edge : tree.poses) {
+    poses_.push_back(make_link<kPoseDof<Dim>>(system, edge, system.pose_variable(edge.child)));
+  }
+  for (const TreeEdge& edge : tree.features) {
+    features_.push_back(make_link<Dim>(system, edge, system.feature_variable(edge.child)));
+  }
+}
+
+template <int Dim>
+template <int Dof>
+RelativeState<Dim>::Link<Dof> RelativeState<Dim>::make_link(const JointSystem<Dim>& system, const TreeEdge& edge,
+                                                            Index variable) const {
+  const Index parent = system.pose_variable(edge.parent);
+  const Eigen::Index parent_begin = parent == kConstant ? kStill : system.equations().offset(parent);
+  return {edge, system.equations().offset(variable), parent_begin, {}, {}, {}};
+}
+
+template <int Dim>
+template <int Dof>
+void RelativeState<Dim>::weigh(const JointSystem<Dim>& system, const Eigen::VectorXd& diagonal, Link<Dof>& link) const {
+  constexpr std::integral_constant<int, Dof> kChild;
+  link.K = carrying<Dim>(system.estimate(), link.edge, kChild);
+  link.M.setZero();
+  if (link.edge.observation) link.M = information_of_child<Dim>(system, link.edge, kChild);
+  // Where the edge does not determine its child, all that is known of it does.
+  if (!is_regular<Dof>(link.M)) link.M = diagonal.template segment<Dof>(link.child).asDiagonal();
+  link.M_inverse = is_regular<Dof>(link.M) ? Matrix<Dof>(link.M.inverse()) : Matrix<Dof>(Matrix<Dof>::Zero());
+}
+
+template <int Dim>
+void RelativeState<Dim>::linearise(const JointSystem<Dim>& system) {
+  const Eigen::VectorXd diagonal = system.equations().diagonal();
+  for (auto& link : poses_) weigh(system, diagonal, link);
+  for (auto& link : features_) weigh(system, diagonal, link);
+}
+
+template <int Dim>
+template <int Dof>
+Vector<Dof> RelativeState<Dim>::Link<Dof>::own(const Eigen::VectorXd& step) const {
+  Vector<Dof> u = step.segment<Dof>(child);
+  if (parent != kStill) u -= K * step.segment<kPoseDof<Dim>>(parent);
+  return u;
+}
+
+template <int Dim>
+template <typename F>
+void RelativeState<Dim>::for_each_link(F&& f) const {
+  for (const auto& link : poses_) f(link);
+  for (const auto& link : features_) f(link);
+}
+
+template <int Dim>
+double RelativeState<Dim>::inner(const Eigen::VectorXd& a, const Eigen::VectorXd& b) const {
+  double sum = 0.0;
+  for_each_link([&](const auto& link) { sum += link.own(a).dot(link.M * link.own(b)); });
+  return sum;
+}
+
+template <int Dim>
+Eigen::VectorXd RelativeState<Dim>::descent(Eigen::VectorXd gradient) const {
+  constexpr int kDof = kPoseDof<Dim>;
+  const auto give_to_parent = [&]<int Dof>(const Link<Dof>& link) {
+    if (link.parent == kStill) return;
+    gradient.segment<kDof>(link.parent) += link.K.transpose() * gradient.segment<Dof>(link.child);
+  };
+  for (const auto& link : features_) give_to_parent(link);
+  for (auto link = poses_.rbegin(); link != poses_.rend(); ++link) give_to_parent(*link);
+
+  Eigen::VectorXd step = Eigen::VectorXd::Zero(gradient.size());
+  for_each_link([&]<int Dof>(const Link<Dof>& link) {
+    Vector<Dof> child = link.M_inverse * gradient.segment<Dof>(link.child);
+    if (link.parent != kStill) child += link.K * step.segment<kDof>(link.parent);
+    step.segment<Dof>(link.child) = child;
+  });
+  return step;
+}
+
+template <int Dim>
+template <int Dof>
+void RelativeState<Dim>::damp(JointSystem<Dim>& system, double damping, const Link<Dof>& link) const {
+  const Matrix<Dof> M = damping * link.M;
+  NormalEquations& equations = system.equations();
+  if (!link.edge.observation) {
+    equations.add_diagonal(system.pose_variable(link.edge.child), M);
+    return;
+  }
+  const TreeObservation& observation = *link.edge.observation;
+  auto sink = equations.sink(observation.clique);
+  const int target = 1 + observation.target;
+  const int child = observation.child_is_base ? 0 : target;
+  const int parent = observation.child_is_base ? target : 0;
+  const Matrix<Dof, kPoseDof<Dim>> MK = M * link.K;
+  sink.hessian(child, child, M);
+  sink.hessian(parent, parent, link.K.transpose() * MK);
+  if constexpr (Dof == kPoseDof<Dim>) {
+    if (observation.child_is_base) return sink.hessian(child, parent, -MK);
+  }
+  sink.hessian(parent, child, -MK.transpose());
+}
+
+template <int Dim>
+void RelativeState<Dim>::damp(JointSystem<Dim>& system, double damping) const {
+  for_each_link([&](const auto& link) { damp(system, damping, link); });
+}
+
+template <int Dim>
+State<Dim> RelativeState<Dim>::retracted(const JointSystem<Dim>& system, const Eigen::VectorXd& step) const {
+  const State<Dim>& before = system.estimate();
+  State<Dim> after = before;
+  for (const auto& link : poses_) {
+    const Pose<Dim> parent = before.pose(link.edge.parent);
+    PoseVector<Dim> own = link.own(step);
+    own.template head<Dim>() = parent.rotation.matrix().transpose() * own.template head<Dim>();
+    const Pose<Dim> relation = retract<Dim>(between(parent, before.pose(link.edge.child)), own);
+    after.poses[static_cast<std::size_t>(link.edge.child)] = compose(after.pose(link.edge.parent), relation);
+  }
+  for (const auto& link : features_) {
+    const Pose<Dim> parent = before.pose(link.edge.parent);
+    const Point<Dim> moved = before.feature(link.edge.child) + link.own(step);
+    after.features[static_cast<std::size_t>(link.edge.child)] =
+        transform(after.pose(link.edge.parent), transform_into(parent, moved));
+  }
+  return after;
+}
+
+template class RelativeState<2>;
+template class RelativeState<3>;
+
+}  // namespace mapjoin

@@ -1,0 +1,68 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+// The relative joined state (paper's (22), (33)) as coordinates of the step.
+//
+// With T = ∂x_abs/∂x_rel, square and invertible along a spanning tree, the Gauss-Newton step in relative coordinates is
+// T δ_rel = δ_abs: the sparse absolute system is solved, and its step converted along the tree. T is never formed. A child's
+// step is
+//
+//   δ_child = K δ_parent + u,   K = ∂(parent ⊕ relation)/∂parent,
+//
+// what its parent carries it along, and its own. Steps are measured by Σ uᵀMu over the edges of the tree, M the information of
+// the edge's observation: the metric D of the relative state, in which its trust region damps. T⁻ᵀDT⁻¹ adds no fill, for edges
+// are observations.
+
+#include <Eigen/Core>
+#include <mapjoin/join/joint_system.hpp>
+#include <mapjoin/join/spanning_tree.hpp>
+#include <vector>
+
+namespace mapjoin {
+
+/// A StepMetric. Steps are in the absolute coordinates of the joining system.
+template <int Dim>
+class RelativeState {
+ public:
+  explicit RelativeState(const JointSystem<Dim>& system);
+
+  /// K and M at the estimate of the system, which has just been linearised.
+  void linearise(const JointSystem<Dim>& system);
+
+  double inner(const Eigen::VectorXd& a, const Eigen::VectorXd& b) const;
+  /// T D⁻¹ Tᵀ g: steepest descent in relative coordinates. O(n).
+  Eigen::VectorXd descent(Eigen::VectorXd gradient) const;
+  /// Adds damping · T⁻ᵀ D T⁻¹ to the normal equations: the rows of the tree, weighted more.
+  void damp(JointSystem<Dim>& system, double damping) const;
+
+  /// The estimate of the system with the step converted to relations, these moved, and all composed again from the roots.
+  State<Dim> retracted(const JointSystem<Dim>& system, const Eigen::VectorXd& step) const;
+
+ private:
+  /// An edge of the tree whose child has `Dof` degrees of freedom.
+  template <int Dof>
+  struct Link {
+    TreeEdge edge;
+    Eigen::Index child;   // where the step of the child begins
+    Eigen::Index parent;  // and that of its parent; kStill where that is held
+    Matrix<Dof, kPoseDof<Dim>> K;
+    Matrix<Dof> M;
+    Matrix<Dof> M_inverse;
+
+    Vector<Dof> own(const Eigen::VectorXd& step) const;
+  };
+  static constexpr Eigen::Index kStill = -1;
+
+  template <int Dof>
+  Link<Dof> make_link(const JointSystem<Dim>& system, const TreeEdge& edge, Index variable) const;
+  template <int Dof>
+  void weigh(const JointSystem<Dim>& system, const Eigen::VectorXd& diagonal, Link<Dof>& link) const;
+  template <int Dof>
+  void damp(JointSystem<Dim>& system, double damping, const Link<Dof>& link) const;
+  template <typename F>
+  void for_each_link(F&& f) const;
+
+  std::vector<Link<kPoseDof<Dim>>> poses_;  // parents before their children
+  std::vector<Link<Dim>> features_;
+};
+
+}  // namespace mapjoin
