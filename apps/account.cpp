@@ -10,7 +10,9 @@ namespace mapjoin::apps {
 Account::Account(std::string command_name, const Options& options)
     : command(std::move(command_name)),
       input(options.input.string()),
-      schedule(options.run.start_from_values ? std::nullopt : std::optional(options.run.schedule)),
+      schedule(options.run.schedule),
+      state(options.run.state),
+      start_values(options.run.start),
       method(options.run.solver.method) {}
 
 template <int Dim>

@@ -55,7 +55,9 @@ struct Account {
   Conventions conventions;
   Counts counts;
   bool has_stamps = false;
-  std::optional<Schedule> schedule;  ///< Nothing where the join started from the file's values.
+  Schedule schedule = Schedule::kTree;
+  JoinedState state = JoinedState::kAbsolute;
+  Start start_values = Start::kComposed;  ///< For the batch schedule.
   Method method = Method::kDogleg;
   bool has_local_maps = false;  ///< `figures` hold how they were built, or that they were given,
   bool is_joined = false;       ///< and what came of joining them.

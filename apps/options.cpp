@@ -27,6 +27,14 @@ std::vector<std::string> check_one_rule(const Subcommand& command) {
   return {"only one of --poses-per-map, --metres-per-map and --features-per-map can say where to cut"};
 }
 
+/// The other schedules need no start: one that is asked for means batch.
+std::vector<std::string> settle_start(const Subcommand& command, RunOptions& run) {
+  if (!command.is_given("--start")) return {};
+  if (!command.is_given("--schedule")) run.schedule = Schedule::kBatch;
+  if (run.schedule == Schedule::kBatch) return {};
+  return {"--start is for --schedule batch: " + to_string(run.schedule) + " needs no initial value"};
+}
+
 }  // namespace
 
 void add_weights(Subcommand& command, Options& options) {
@@ -73,6 +81,16 @@ void add_schedule(Subcommand& command, Options& options) {
   command.choice<Schedule>("--schedule", options.run.schedule,
                            {{"tree", Schedule::kTree}, {"sequential", Schedule::kSequential}, {"batch", Schedule::kBatch}},
                            "In which order: neighbours in pairs, then pairs of pairs; map by map; or all at once");
+  command.choice<JoinedState>("--state", options.run.state,
+                              {{"absolute", JoinedState::kAbsolute}, {"relative", JoinedState::kRelative}},
+                              "Coordinates of the steps: positions in the map, or each relative to where it hangs");
+  command.choice<Start>(
+      "--start", options.run.start,
+      {{"composed", Start::kComposed}, {"zero", Start::kZero}, {"random", Start::kRandom}, {"file", Start::kFile}},
+      "What to join all at once from: odometry or maps composed, zeros, random values, or those in the file");
+  command.number<std::uint64_t>("--seed", options.run.seed, 0, "N",
+                                "Of the random start [" + std::to_string(options.run.seed) + "]");
+  command.check([&command, &run = options.run] { return settle_start(command, run); });
 }
 
 void add_polish(Subcommand& command, Options& options) {

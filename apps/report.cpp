@@ -58,9 +58,9 @@ Json join_of(const Account& account) {
   const RunFigures& figures = account.figures;
   const bool done = account.is_joined;
   return {{"status", done ? to_string(figures.join.status) : "not_run"},
-          {"state", "absolute"},
-          {"start", account.schedule ? "odometry" : "values"},
-          {"schedule", account.schedule ? Json(to_string(*account.schedule)) : Json()},
+          {"state", to_string(account.state)},
+          {"start", value_if(account.schedule == Schedule::kBatch, to_string(account.start_values))},
+          {"schedule", to_string(account.schedule)},
           {"method", to_string(account.method)},
           {"iterations", value_if(done, figures.join.iterations)},
           {"chi2", value_if(done, figures.join.chi2)},

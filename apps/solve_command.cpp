@@ -12,7 +12,7 @@ namespace {
 
 constexpr const char* kExamples =
     "  mapjoin solve data/manhattan2d.g2o -o map.g2o\n"
-    "  mapjoin solve map.g2o -o again.csv --start values --method lm";
+    "  mapjoin solve map.g2o -o again.csv --start file --method lm";
 
 template <int Dim>
 Expected<ExitCode> solve_log(Call& call, const Log<Dim>& log) {
@@ -38,9 +38,6 @@ std::unique_ptr<Subcommand> solve_command(CLI::App& app) {
   command->argument("LOG", options->input, "The log, known by its content: g2o, iSAM, MAT or text; also as gzip");
   command->output("-o,--output", options->output, "MAP",
                   "Write the map: .tum (poses only), .csv (features beside it), else g2o");
-  command->group("Joining");
-  command->choice<bool>("--start", options->run.start_from_values, {{"odometry", false}, {"values", true}},
-                        "From odometry, along a schedule, or from the values in the file");
   add_schedule(*command, *options);
   add_solver(*command, *options);
   add_reading(*command, *options);

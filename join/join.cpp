@@ -26,29 +26,31 @@ std::int64_t measured_rows(const Piece<Dim>& piece, const Gauge<Dim>& gauge) {
   return rows;
 }
 
+/// All pieces as one, in the World: the tied ones, and those that only the World ties together.
 template <int Dim>
-void take_values(const State<Dim>& state, Piece<Dim>& piece) {
-  for (std::size_t p = 0; p < piece.poses.size(); ++p) piece.state.poses[p] = state.pose(piece.poses[p]);
-  for (std::size_t f = 0; f < piece.features.size(); ++f) piece.state.features[f] = state.feature(piece.features[f]);
-}
-
-/// All pieces as one: the tied ones, and those that only the World ties together. Placed in the World, or taken from the start
-/// if there is one.
-template <int Dim>
-Piece<Dim> whole_of(const Network<Dim>& network, const JoinOptions<Dim>& options, JoinedPieces<Dim> joined) {
-  for (auto& piece : joined.pieces) {
-    if (options.start) {
-      take_values(*options.start, piece);
-    } else {
-      place_in_world(network, options.origin, piece);
-    }
-  }
+Piece<Dim> whole_of(const Network<Dim>& network, const Pose<Dim>& origin, JoinedPieces<Dim> joined) {
+  for (auto& piece : joined.pieces) place_in_world(network, origin, piece);
   Piece<Dim> whole = std::move(joined.pieces.front());
   for (std::size_t k = 1; k < joined.pieces.size(); ++k) whole = merged(whole, joined.pieces[k], Pose<Dim>{});
   for (const auto* closure : joined.pending) whole.pose_observations.push_back(closure);
   // Pieces that met late are out of order; the maps are members of one vector, so that addresses give the network's order.
   std::sort(whole.maps.begin(), whole.maps.end(), std::less<>());
   return whole;
+}
+
+/// From the composed start to the one asked for.
+template <int Dim>
+void set_start(const JoinOptions<Dim>& options, Piece<Dim>& whole) {
+  switch (options.start) {
+    case Start::kComposed:
+      return;
+    case Start::kZero:
+      return set_to_zero(whole);
+    case Start::kRandom:
+      return set_to_random(options.seed, whole);
+    case Start::kFile:
+      return set_to_values(*options.values, whole);
+  }
 }
 
 /// The state of the whole network from the estimate of its joined part.
@@ -72,9 +74,9 @@ template <int Dim>
 Expected<Join<Dim>> join(const Network<Dim>& network, const std::vector<PoseId>& pose_ids,
                          const std::vector<FeatureId>& feature_ids, const JoinOptions<Dim>& options,
                          const std::stop_token& stop) {
-  const Schedule order = options.start ? Schedule::kBatch : options.schedule;
-  const ScheduleOptions schedule{order, options.state, ScheduleOptions::leading(order), options.progress};
-  Piece<Dim> whole = whole_of(network, options, join_stretches(network, schedule, stop));
+  const ScheduleOptions schedule{options.schedule, options.state, ScheduleOptions::leading(options.schedule), options.progress};
+  Piece<Dim> whole = whole_of(network, options.origin, join_stretches(network, schedule, stop));
+  set_start(options, whole);
   const Gauge<Dim> gauge = hold_in_world(network, whole);
   if (stop.stop_requested()) return interrupted();
 

@@ -7,6 +7,7 @@
 #include <mapjoin/join/joint_system.hpp>
 #include <mapjoin/join/network.hpp>
 #include <mapjoin/join/schedule.hpp>
+#include <mapjoin/join/start.hpp>
 #include <mapjoin/model/error.hpp>
 #include <mapjoin/solve/minimise_options.hpp>
 #include <memory>
@@ -18,10 +19,12 @@ namespace mapjoin {
 template <int Dim>
 struct JoinOptions {
   Schedule schedule = Schedule::kTree;
-  JoinedState state = JoinedState::kAbsolute;  ///< Coordinates of the steps.
-  MinimiseOptions solver;                      ///< Of the last join, over all original maps.
-  Pose<Dim> origin;                            ///< Where the first pose is held when the World says nothing.
-  const State<Dim>* start = nullptr;           ///< Of the whole network, to start from instead of a schedule; may be null.
+  JoinedState state = JoinedState::kAbsolute;              ///< Coordinates of the steps.
+  MinimiseOptions solver;                                  ///< Of the last join, over all original maps.
+  Pose<Dim> origin;                                        ///< Where the first pose is held when the World says nothing.
+  Start start = Start::kComposed;                          ///< Another one is for the batch schedule only.
+  std::uint64_t seed = 1;                                  ///< Of the random start.
+  const State<Dim>* values = nullptr;                      ///< For Start::kFile: of the whole network.
   std::function<void(std::size_t, std::size_t)> progress;  ///< As in ScheduleOptions.
 };
 

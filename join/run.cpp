@@ -45,7 +45,15 @@ Error of_source(const std::string& source, Error error) {
 
 template <int Dim>
 JoinOptions<Dim> join_options(const RunOptions& options, const Pose<Dim>& origin) {
-  return {options.schedule, options.state, options.solver, origin, nullptr, progress_of(options, Stage::kJoin)};
+  JoinOptions<Dim> joining;
+  joining.schedule = options.schedule;
+  joining.state = options.state;
+  joining.solver = options.solver;
+  joining.origin = origin;
+  joining.start = options.start;
+  joining.seed = options.seed;
+  joining.progress = progress_of(options, Stage::kJoin);
+  return joining;
 }
 
 /// Where the first pose is held when the World says nothing: at the file's value, if it has one.
@@ -101,14 +109,18 @@ Expected<void> add_covariances(Network<Dim> network, Join<Dim> join, std::vector
 /// Joins, recovers and polishes from local maps.
 template <int Dim>
 Expected<void> join_and_polish(const Log<Dim>& log, const Split& split, std::vector<LocalMap<Dim>> maps,
-                               const RunOptions& options, const std::stop_token& stop, const State<Dim>* start,
-                               RunResult<Dim>& result) {
+                               const RunOptions& options, const std::stop_token& stop, RunResult<Dim>& result) {
+  const bool has_values = !log.initial_poses.empty() && log.initial_features.size() == log.features.size();
+  if (options.start == Start::kFile && !has_values) {
+    return bad_input(log.source + ": not every pose and feature has a value to start from");
+  }
   result.local_maps = maps.size();
   result.spans = split.stretches.size() - maps.size();
   result.poses_per_map = split.poses_per_map;
   Network<Dim> network = network_of(log, split, std::move(maps));
   JoinOptions<Dim> joining = join_options(options, origin_of(log));
-  joining.start = start;
+  const State<Dim> values{log.initial_poses, log.initial_features};
+  joining.values = &values;
   Expected<Join<Dim>> joined = [&] {
     const Stopwatch watch(result.seconds.join);
     return join(network, log.poses, log.features, joining, stop);
@@ -143,6 +155,9 @@ Expected<void> join_and_polish(const Log<Dim>& log, const Split& split, std::vec
 std::vector<std::string> RunOptions::validate() const {
   std::vector<std::string> violations = split.validate();
   for (auto& violation : solver.validate()) violations.push_back(std::move(violation));
+  if (start != Start::kComposed && schedule != Schedule::kBatch) {
+    violations.push_back("a " + to_string(start) + " start is for the batch schedule: the others need none");
+  }
   return violations;
 }
 
@@ -166,7 +181,7 @@ Expected<RunResult<Dim>> run(const Log<Dim>& log, const RunOptions& options, con
     built = std::move(*maps);
   }
   result.build_iterations = built.iterations;
-  auto done = join_and_polish<Dim>(log, parts, std::move(built.maps), options, stop, nullptr, result);
+  auto done = join_and_polish<Dim>(log, parts, std::move(built.maps), options, stop, result);
   if (!done) return tl::unexpected(done.error());
   return result;
 }
@@ -178,7 +193,7 @@ Expected<RunResult<Dim>> run_from_maps(const Log<Dim>& log, const Split& split, 
   if (auto connected = check_connected(log); !connected) return tl::unexpected(connected.error());
   if (auto of_log = check_local_maps(log, split, maps); !of_log) return tl::unexpected(of_log.error());
   RunResult<Dim> result;
-  auto done = join_and_polish<Dim>(log, split, std::move(maps), options, stop, nullptr, result);
+  auto done = join_and_polish<Dim>(log, split, std::move(maps), options, stop, result);
   if (!done) return tl::unexpected(done.error());
   return result;
 }
@@ -186,6 +201,8 @@ Expected<RunResult<Dim>> run_from_maps(const Log<Dim>& log, const Split& split, 
 template <int Dim>
 Expected<RunResult<Dim>> run(const MapSet<Dim>& set, const RunOptions& options, const std::stop_token& stop) {
   demand_valid(options);
+  if (options.start == Start::kFile)
+    return bad_input(set.source + ": local maps hold no values of the whole map to start from");
   if (auto connected = check_connected(set); !connected) return tl::unexpected(connected.error());
   RunResult<Dim> result;
   result.local_maps = set.maps.size();
@@ -212,13 +229,8 @@ Expected<RunResult<Dim>> solve(const Log<Dim>& log, RunOptions options, const st
   if (auto connected = check_connected(log); !connected) return tl::unexpected(connected.error());
   options.split = {SplitRule::kPoses, 1.0};
   options.polish = false;  // the join is full SLAM already
-  if (options.start_from_values && (log.initial_poses.empty() || log.initial_features.size() != log.features.size())) {
-    return bad_input(log.source + ": not every pose and feature has a value to start from");
-  }
-  const State<Dim> values{log.initial_poses, log.initial_features};
   RunResult<Dim> result;
-  auto done = join_and_polish<Dim>(log, split(log, options.split), {}, options, stop,
-                                   options.start_from_values ? &values : nullptr, result);
+  auto done = join_and_polish<Dim>(log, split(log, options.split), {}, options, stop, result);
   if (!done) return tl::unexpected(done.error());
   return result;
 }

@@ -28,9 +28,10 @@ struct RunOptions {
   JoinedState state = JoinedState::kAbsolute;  ///< Coordinates of the steps of a join.
   MinimiseOptions solver;                      ///< Of every least-squares problem, local maps to polish.
   bool polish = true;
-  bool start_from_values = false;  ///< Full SLAM only: from the log's initial values instead of a schedule.
   bool covariances = false;        ///< Of the final estimate, too: RunResult::covariances, and the marginals in the map.
   std::int64_t most_memory = 0;    ///< For covariances (bytes); 0: as much as the machine has.
+  Start start = Start::kComposed;  ///< Of a join; another one is for the batch schedule only.
+  std::uint64_t seed = 1;          ///< Of the random start.
   /// Called with a stage, what is done of it and what there is to do; from one thread at a time.
   std::function<void(Stage, std::size_t, std::size_t)> progress;
 

@@ -14,7 +14,7 @@
 namespace mapjoin {
 
 enum class Schedule : std::uint8_t {
-  kBatch,       ///< All maps at once, from the composed start.
+  kBatch,       ///< All maps at once, from an initial value.
   kSequential,  ///< Map by map (I-SLSJF), re-solved while the estimate moves more than a threshold.
   kTree,        ///< Pairs of neighbours, then pairs of pairs: needs no initial value.
 };

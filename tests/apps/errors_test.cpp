@@ -153,6 +153,10 @@ TEST(Usage, NoFileIsWrittenOverAnother) {
   EXPECT_EQ(call({"solve", log, "-o", "/dev/null", "--report", "/dev/null"}).exit_code, 0);
 }
 
+TEST(Usage, AStartIsForTheBatchSchedule) {
+  expect_failure(call({"solve", "log.g2o", "-o", "map", "--start", "zero", "--schedule", "tree"}), 2, "--start");
+}
+
 TEST(Usage, TheWeightsOfAStoreAreThoseItWasBuiltWith) {
   const TemporaryFolder folder;
   const auto log = folder.file("log.g2o", kSmallLog);

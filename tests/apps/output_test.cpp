@@ -67,9 +67,9 @@ TEST_F(Output, ABuildThatIsJoinedGivesTheMapOfARun) {
 
 TEST_F(Output, ASolveFromTheValuesOfASolvedMapStaysThere) {
   ASSERT_EQ(call({"solve", kLog, "-o", path("map.g2o")}).exit_code, 0);
-  const auto again = report_of({"solve", path("map.g2o"), "--start", "values", "-o", path("again.g2o")});
-  EXPECT_EQ(again.at("join").at("start"), "values");
-  EXPECT_TRUE(again.at("join").at("schedule").is_null());
+  const auto again = report_of({"solve", path("map.g2o"), "--start", "file", "-o", path("again.g2o")});
+  EXPECT_EQ(again.at("join").at("start"), "file");
+  EXPECT_EQ(again.at("join").at("schedule"), "batch");
   EXPECT_LE(again.at("join").at("iterations"), 2);
 }
 

@@ -132,7 +132,8 @@ TYPED_TEST(RunTest, ALogOfOnePoseStandsAtTheOrigin) {
 TYPED_TEST(RunTest, SolveMayStartFromTheValuesOfTheFile) {
   auto world = small_world<TestFixture::kDim>();
   RunOptions options = this->with(1.0);
-  options.start_from_values = true;
+  options.schedule = Schedule::kBatch;
+  options.start = Start::kFile;
   const auto refused = solve(world.log, options);
   ASSERT_FALSE(refused);
   EXPECT_NE(refused.error().message.find("small world: not every pose and feature has a value"), std::string::npos);

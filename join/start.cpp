@@ -1,0 +1,83 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <algorithm>
+#include <mapjoin/join/start.hpp>
+#include <mapjoin/simulate/random_stream.hpp>
+#include <numbers>
+
+namespace mapjoin {
+namespace {
+
+template <int Dim>
+Eigen::AlignedBox<double, Dim> bounding_box(const State<Dim>& state) {
+  Eigen::AlignedBox<double, Dim> box;
+  for (const auto& pose : state.poses) box.extend(pose.translation);
+  for (const auto& feature : state.features) box.extend(feature);
+  return box;
+}
+
+template <int Dim>
+Point<Dim> random_point(const Eigen::AlignedBox<double, Dim>& box, RandomStream& random) {
+  Point<Dim> point;
+  for (int i = 0; i < Dim; ++i) point[i] = random.uniform(box.min()[i], box.max()[i]);
+  return point;
+}
+
+template <int Dim>
+Rotation<Dim> random_rotation(RandomStream& random) {
+  if constexpr (Dim == 2) {
+    return Rotation<2>(random.uniform(-std::numbers::pi, std::numbers::pi));
+  } else {
+    Eigen::Vector4d direction;  // of a normal vector: uniform on the sphere of unit quaternions
+    for (int i = 0; i < 4; ++i) direction[i] = random.normal();
+    return Rotation<3>(Eigen::Quaterniond(direction.normalized()));
+  }
+}
+
+}  // namespace
+
+std::string to_string(Start start) {
+  switch (start) {
+    case Start::kComposed:
+      return "composed";
+    case Start::kZero:
+      return "zero";
+    case Start::kRandom:
+      return "random";
+    case Start::kFile:
+      return "file";
+  }
+  return "unknown";
+}
+
+template <int Dim>
+void set_to_zero(Piece<Dim>& piece) {
+  std::fill(piece.state.poses.begin() + 1, piece.state.poses.end(), Pose<Dim>{});
+  std::fill(piece.state.features.begin(), piece.state.features.end(), Point<Dim>::Zero());
+}
+
+template <int Dim>
+void set_to_random(std::uint64_t seed, Piece<Dim>& piece) {
+  const auto box = bounding_box(piece.state);
+  RandomStream random(seed, 0);
+  for (auto pose = piece.state.poses.begin() + 1; pose != piece.state.poses.end(); ++pose) {
+    pose->translation = random_point<Dim>(box, random);
+    pose->rotation = random_rotation<Dim>(random);
+  }
+  for (auto& feature : piece.state.features) feature = random_point<Dim>(box, random);
+}
+
+template <int Dim>
+void set_to_values(const State<Dim>& state, Piece<Dim>& piece) {
+  for (std::size_t p = 0; p < piece.poses.size(); ++p) piece.state.poses[p] = state.pose(piece.poses[p]);
+  for (std::size_t f = 0; f < piece.features.size(); ++f) piece.state.features[f] = state.feature(piece.features[f]);
+}
+
+#define MAPJOIN_INSTANTIATE(Dim)                           \
+  template void set_to_zero(Piece<Dim>&);                  \
+  template void set_to_random(std::uint64_t, Piece<Dim>&); \
+  template void set_to_values(const State<Dim>&, Piece<Dim>&);
+MAPJOIN_INSTANTIATE(2)
+MAPJOIN_INSTANTIATE(3)
+#undef MAPJOIN_INSTANTIATE
+
+}  // namespace mapjoin

@@ -1,0 +1,164 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <gtest/gtest.h>
+
+#include <Eigen/Cholesky>
+#include <algorithm>
+#include <cmath>
+#include <mapjoin/join/join_problem.hpp>
+#include <mapjoin/join/run.hpp>
+#include <mapjoin/join/schedule.hpp>
+#include <mapjoin/localmap/build.hpp>
+#include <tests/support/dense_relative.hpp>
+#include <tests/support/numerical_jacobian.hpp>
+#include <tests/support/small_world.hpp>
+
+namespace mapjoin {
+namespace {
+
+using testing::DenseRelative;
+using testing::largest_difference;
+
+template <int Dim, int PosesPerMap>
+struct Joining {
+  static constexpr int kDim = Dim;
+  static constexpr int kPosesPerMap = PosesPerMap;
+};
+
+/// A join of local maps, or of single observations, and closures, some edges stored against their direction, somewhere beside
+/// its optimum.
+template <typename J>
+class RelativeStateTest : public ::testing::Test {
+ protected:
+  static constexpr int kDim = J::kDim;
+
+  RelativeStateTest()
+      : world_(testing::small_world<kDim>({.poses = 30, .features = 12, .reversed_odometry = true})),
+        split_(split(world_.log, {SplitRule::kPoses, J::kPosesPerMap})),
+        network_(network_of(world_.log, split_, build_local_maps<kDim>(world_.log, split_, {}).value().maps)),
+        problem_(whole(), {{0}, {}, {}}) {
+    problem_.linearise();
+    problem_.factorise(0.0);
+    const Eigen::VectorXd step = 0.7 * problem_.solve();
+    problem_.try_step(step);
+    problem_.accept();
+  }
+
+  const JointSystem<kDim>& system() { return problem_.system(); }
+  static Eigen::VectorXd random_step(Eigen::Index size, double radius) {
+    testing::Random random;
+    return Eigen::VectorXd::NullaryExpr(size, [&] { return random.uniform(-radius, radius); });
+  }
+  static void expect_near(const Eigen::VectorXd& a, const Eigen::VectorXd& b) { EXPECT_LT((a - b).norm(), 1e-9 * b.norm()); }
+
+  testing::SmallWorld<kDim> world_;
+  Split split_;
+  Network<kDim> network_;
+  JoinProblem<kDim> problem_;
+
+ private:
+  Piece<kDim> whole() const {
+    auto joined = join_stretches(network_, {Schedule::kBatch, JoinedState::kAbsolute, {}, {}});
+    EXPECT_EQ(joined.pieces.size(), 1u);
+    return std::move(joined.pieces.front());
+  }
+};
+using Joinings = ::testing::Types<Joining<2, 6>, Joining<3, 6>, Joining<2, 1>, Joining<3, 1>>;
+TYPED_TEST_SUITE(RelativeStateTest, Joinings);
+
+TYPED_TEST(RelativeStateTest, EveryPoseAndFeatureHangsFromWhatCameBefore) {
+  const SpanningTree tree = spanning_tree(this->system());
+  std::vector<bool> stands(this->system().estimate().poses.size(), false);
+  stands[0] = true;
+  for (const TreeEdge& edge : tree.poses) {
+    EXPECT_FALSE(stands[static_cast<std::size_t>(edge.child)]);
+    ASSERT_TRUE(edge.observation);
+    EXPECT_TRUE(stands[static_cast<std::size_t>(edge.parent)]);
+    stands[static_cast<std::size_t>(edge.child)] = true;
+  }
+  EXPECT_EQ(std::count(stands.begin(), stands.end(), false), 0);
+  EXPECT_EQ(tree.features.size(), this->system().estimate().features.size());
+}
+
+TYPED_TEST(RelativeStateTest, TheDenseReferenceAgreesWithCentralDifferences) {
+  constexpr int kDim = TestFixture::kDim;
+  const DenseRelative<kDim> dense(this->system());
+  const State<kDim>& estimate = this->system().estimate();
+  const auto absolute = [&](const Eigen::VectorXd& step) {
+    const State<kDim> moved = dense.moved(step);
+    Eigen::VectorXd x(dense.T.rows());
+    for (std::size_t p = 1; p < moved.poses.size(); ++p) {
+      const auto entry = static_cast<Eigen::Index>(p - 1) * kPoseDof<kDim>;
+      x.template segment<kPoseDof<kDim>>(entry) = local(estimate.poses[p], moved.poses[p]);
+    }
+    const auto first = static_cast<Eigen::Index>(moved.poses.size() - 1) * kPoseDof<kDim>;
+    for (std::size_t f = 0; f < moved.features.size(); ++f) {
+      x.template segment<kDim>(first + static_cast<Eigen::Index>(f) * kDim) = moved.features[f];
+    }
+    return x;
+  };
+  const Eigen::MatrixXd T = testing::numerical_jacobian(absolute, dense.T.cols());
+  EXPECT_LT((T - dense.T).norm(), 1e-6 * T.norm());
+}
+
+TYPED_TEST(RelativeStateTest, TheGaussNewtonStepIsThatOfTheDenseRelativeSystem) {
+  const DenseRelative<TestFixture::kDim> dense(this->system());
+  RelativeJoinProblem<TestFixture::kDim> relative(this->problem_);
+  relative.linearise();
+  ASSERT_FALSE(relative.factorise(0.0));
+  this->expect_near(relative.solve(), dense.T * dense.H.ldlt().solve(dense.g));
+}
+
+TYPED_TEST(RelativeStateTest, LevenbergMarquardtDampsTheRelations) {
+  const DenseRelative<TestFixture::kDim> dense(this->system());
+  RelativeJoinProblem<TestFixture::kDim> relative(this->problem_);
+  relative.linearise();
+  for (const double damping : {1e-3, 1.0, 1e3, 0.0}) {
+    ASSERT_FALSE(relative.factorise(damping));
+    this->expect_near(relative.solve(), dense.T * (dense.H + damping * dense.D).ldlt().solve(dense.g));
+  }
+}
+
+TYPED_TEST(RelativeStateTest, TheDoglegMeasuresAndDescendsInRelations) {
+  const DenseRelative<TestFixture::kDim> dense(this->system());
+  RelativeJoinProblem<TestFixture::kDim> relative(this->problem_);
+  relative.linearise();
+  const Eigen::VectorXd descent = dense.D.ldlt().solve(dense.g);
+  this->expect_near(relative.metric().descent(relative.gradient()), dense.T * descent);
+  EXPECT_NEAR(relative.curvature(dense.T * descent), descent.dot(dense.H * descent), 1e-9 * descent.dot(dense.H * descent));
+  const Eigen::VectorXd a = this->random_step(dense.T.cols(), 1.0);
+  const double lengths = std::sqrt(a.dot(dense.D * a) * descent.dot(dense.D * descent));
+  EXPECT_NEAR(relative.metric().inner(dense.T * a, dense.T * descent), a.dot(dense.D * descent), 1e-9 * lengths);
+}
+
+TYPED_TEST(RelativeStateTest, AStepMovesTheRelationsAndComposesThemAgain) {
+  constexpr int kDim = TestFixture::kDim;
+  const DenseRelative<kDim> dense(this->system());
+  RelativeState<kDim> relative(this->system());
+  relative.linearise(this->system());
+  const Eigen::VectorXd step = this->random_step(dense.T.cols(), 0.5);
+  EXPECT_LT(largest_difference(relative.retracted(this->system(), dense.T * step), dense.moved(step)), 1e-9);
+}
+
+TYPED_TEST(RelativeStateTest, BothStatesHaveOneOptimum) {
+  constexpr int kDim = TestFixture::kDim;
+  const auto world = testing::small_world<kDim>({.poses = 60, .features = 30, .closures = 6, .sessions = 2});
+  RunOptions options;
+  options.split = {SplitRule::kPoses, TypeParam::kPosesPerMap};
+  const auto absolute = run(world.log, options);
+  ASSERT_TRUE(absolute) << absolute.error().message;
+  for (const auto method : {Method::kGaussNewton, Method::kDogleg, Method::kLevenbergMarquardt}) {
+    for (const auto schedule : {Schedule::kBatch, Schedule::kSequential, Schedule::kTree}) {
+      options.state = JoinedState::kRelative;
+      options.solver.method = method;
+      options.schedule = schedule;
+      const auto relative = run(world.log, options);
+      ASSERT_TRUE(relative) << relative.error().message;
+      EXPECT_TRUE(relative->converged());
+      EXPECT_NEAR(relative->join.chi2, absolute->join.chi2, 1e-8 * absolute->join.chi2) << to_string(method);
+      EXPECT_NEAR(relative->chi2, absolute->chi2, 1e-9 * absolute->chi2);
+    }
+  }
+}
+
+}  // namespace
+}  // namespace mapjoin

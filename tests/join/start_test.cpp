@@ -1,0 +1,89 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <gtest/gtest.h>
+
+#include <mapjoin/join/run.hpp>
+#include <mapjoin/join/start.hpp>
+#include <tests/support/dimensions.hpp>
+#include <tests/support/small_world.hpp>
+
+namespace mapjoin {
+namespace {
+
+using testing::largest_difference;
+using testing::small_world;
+
+template <typename D>
+class StartTest : public ::testing::Test {
+ protected:
+  static constexpr int kDim = D::value;
+  Piece<kDim> piece() const {
+    Piece<kDim> piece;
+    piece.state = world.truth;
+    for (Index p = 0; p < static_cast<Index>(world.truth.poses.size()); ++p) piece.poses.push_back(p);
+    for (Index f = 0; f < static_cast<Index>(world.truth.features.size()); ++f) piece.features.push_back(f);
+    return piece;
+  }
+  testing::SmallWorld<kDim> world = small_world<kDim>();
+};
+TYPED_TEST_SUITE(StartTest, testing::Dimensions);
+
+TYPED_TEST(StartTest, ZeroIsZeroButForThePoseThatHoldsTheMap) {
+  auto piece = this->piece();
+  const auto first = retract<TestFixture::kDim>({}, PoseVector<TestFixture::kDim>::Ones());
+  piece.state.poses[0] = first;
+  set_to_zero(piece);
+  EXPECT_EQ(piece.state.poses[0].translation, first.translation);
+  for (std::size_t p = 1; p < piece.state.poses.size(); ++p) {
+    EXPECT_EQ(local(piece.state.poses[p], Pose<TestFixture::kDim>{}).norm(), 0.0);
+  }
+  for (const auto& feature : piece.state.features) EXPECT_EQ(feature.norm(), 0.0);
+}
+
+TYPED_TEST(StartTest, RandomValuesFillTheBoxOfTheComposedStart) {
+  constexpr int kDim = TestFixture::kDim;
+  auto piece = this->piece();
+  Eigen::AlignedBox<double, kDim> box, drawn;
+  for (const auto& pose : piece.state.poses) box.extend(pose.translation);
+  for (const auto& feature : piece.state.features) box.extend(feature);
+  set_to_random(7, piece);
+  for (const auto& pose : piece.state.poses) drawn.extend(pose.translation);
+  for (const auto& feature : piece.state.features) drawn.extend(feature);
+  EXPECT_TRUE(box.contains(drawn));
+  EXPECT_GT(drawn.sizes().minCoeff(), 0.7 * box.sizes().minCoeff());
+}
+
+TYPED_TEST(StartTest, OneSeedGivesOneStart) {
+  auto once = this->piece();
+  auto again = this->piece();
+  auto another = this->piece();
+  set_to_random(7, once);
+  set_to_random(7, again);
+  set_to_random(8, another);
+  EXPECT_EQ(largest_difference(once.state, again.state), 0.0);
+  EXPECT_GT(largest_difference(once.state, another.state), 1.0);
+}
+
+TYPED_TEST(StartTest, AScheduleThatNeedsNoStartTakesNone) {
+  RunOptions options;
+  options.start = Start::kZero;
+  EXPECT_EQ(options.validate().size(), 1u);
+  options.schedule = Schedule::kBatch;
+  EXPECT_TRUE(options.validate().empty());
+}
+
+TYPED_TEST(StartTest, TheRelativeStateFindsTheOptimumFromZero) {
+  constexpr int kDim = TestFixture::kDim;
+  const auto optimum = run(this->world.log, RunOptions{});
+  ASSERT_TRUE(optimum);
+  RunOptions options;
+  options.schedule = Schedule::kBatch;
+  options.start = Start::kZero;
+  options.state = JoinedState::kRelative;
+  options.solver.method = Method::kGaussNewton;
+  const auto result = solve<kDim>(this->world.log, options);
+  ASSERT_TRUE(result) << result.error().message;
+  EXPECT_NEAR(result->chi2, optimum->chi2, 1e-7 * optimum->chi2);
+}
+
+}  // namespace
+}  // namespace mapjoin

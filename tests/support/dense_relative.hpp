@@ -1,0 +1,151 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+// The relative joined state densely: every Jacobian of (26)-(29) and (35) written out along the paths of the tree.
+
+#include <map>
+#include <mapjoin/join/joint_system.hpp>
+#include <mapjoin/join/spanning_tree.hpp>
+#include <mapjoin/model/linearise.hpp>
+#include <utility>
+#include <vector>
+
+namespace mapjoin::testing {
+
+/// J_rel, W and r of all observations of a joining system at its estimate. A relation's columns are where its child's are in
+/// the absolute state.
+template <int Dim>
+class DenseRelative {
+ public:
+  static constexpr int kDof = kPoseDof<Dim>;
+
+  explicit DenseRelative(const JointSystem<Dim>& system)
+      : system_(system), state_(system.estimate()), tree_(spanning_tree(system)) {
+    const Eigen::Index n = system.equations().size();
+    T = Eigen::MatrixXd::Zero(n, n);
+    for (const TreeEdge& edge : tree_.poses) compose_pose(edge);
+    for (const TreeEdge& edge : tree_.features) compose_feature(edge);
+    for (const auto& o : system.pose_observations()) {
+      add_rows(linearise<Dim>(o.observation->measured, state_.pose(o.base), state_.pose(o.target)), o.base,
+               pose_entry(o.target), o.observation->information);
+    }
+    for (const auto& o : system.feature_observations()) {
+      add_rows(linearise<Dim>(o.observation->measured, state_.pose(o.base), state_.feature(o.target)), o.base,
+               feature_entry(o.target), o.observation->information);
+    }
+    for (const auto& map : system.maps()) add_map(map);
+    H = J.transpose() * W * J;
+    g = J.transpose() * W * r;
+    D = Eigen::MatrixXd::Zero(n, n);
+    for (const TreeEdge& edge : tree_.poses) weigh(edge, pose_entry(edge.child), kDof);
+    for (const TreeEdge& edge : tree_.features) weigh(edge, feature_entry(edge.child), Dim);
+  }
+
+  /// The state whose relations are those of the estimate moved by `step`.
+  State<Dim> moved(const Eigen::VectorXd& step) const {
+    State<Dim> state = state_;
+    for (const TreeEdge& edge : tree_.poses) {
+      const Pose<Dim> relation = between(state_.pose(edge.parent), state_.pose(edge.child));
+      const PoseVector<Dim> delta = step.segment<kDof>(pose_entry(edge.child));
+      state.poses[static_cast<std::size_t>(edge.child)] = compose(state.pose(edge.parent), retract<Dim>(relation, delta));
+    }
+    for (const TreeEdge& edge : tree_.features) {
+      const Point<Dim> relation = transform_into(state_.pose(edge.parent), state_.feature(edge.child));
+      const Point<Dim> delta = step.segment<Dim>(feature_entry(edge.child));
+      state.features[static_cast<std::size_t>(edge.child)] = transform<Dim>(state.pose(edge.parent), relation + delta);
+    }
+    return state;
+  }
+
+  Eigen::MatrixXd T;  ///< ∂x_abs/∂x_rel.
+  Eigen::MatrixXd J;  ///< J_rel.
+  Eigen::MatrixXd W;
+  Eigen::VectorXd r;
+  Eigen::MatrixXd H;
+  Eigen::VectorXd g;
+  Eigen::MatrixXd D;  ///< The information that each edge's observation has of its relation.
+
+ private:
+  Eigen::Index pose_entry(Index place) const {
+    const Index variable = system_.pose_variable(place);
+    return variable == kConstant ? -1 : system_.equations().offset(variable);
+  }
+  Eigen::Index feature_entry(Index place) const { return system_.equations().offset(system_.feature_variable(place)); }
+
+  void compose_pose(const TreeEdge& edge) {
+    PoseMatrix<Dim> J_parent, J_relation;
+    const Pose<Dim> parent = state_.pose(edge.parent);
+    compose(parent, between(parent, state_.pose(edge.child)), &J_parent, &J_relation);
+    hang<kDof>(pose_entry(edge.child), pose_entry(edge.parent), J_parent, J_relation);
+  }
+  void compose_feature(const TreeEdge& edge) {
+    PointPoseMatrix<Dim> J_parent;
+    PointMatrix<Dim> J_relation;
+    const Pose<Dim> parent = state_.pose(edge.parent);
+    transform(parent, transform_into(parent, state_.feature(edge.child)), &J_parent, &J_relation);
+    hang<Dim>(feature_entry(edge.child), pose_entry(edge.parent), J_parent, J_relation);
+  }
+  template <int Dof, typename JParent, typename JRelation>
+  void hang(Eigen::Index child, Eigen::Index parent, const JParent& J_parent, const JRelation& J_relation) {
+    if (parent >= 0) T.middleRows<Dof>(child) = J_parent * T.middleRows<kDof>(parent).eval();
+    T.block<Dof, Dof>(child, child) += J_relation;
+  }
+
+  void grow(Eigen::Index rows) {
+    const Eigen::Index before = r.size();
+    J.conservativeResize(before + rows, T.cols());
+    r.conservativeResize(before + rows);
+    W.conservativeResize(before + rows, before + rows);
+    W.rightCols(rows).setZero();
+    W.bottomRows(rows).setZero();
+    J.bottomRows(rows).setZero();
+  }
+  template <int Dof>
+  void set_rows(Eigen::Index row, const LinearTarget<Dim, Dof>& linear, Index base, Eigen::Index target) {
+    r.segment<Dof>(row) = linear.residual;
+    if (target >= 0) J.middleRows<Dof>(row) += linear.J_target * T.middleRows<Dof>(target);
+    if (pose_entry(base) >= 0) J.middleRows<Dof>(row) += linear.J_base * T.middleRows<kDof>(pose_entry(base));
+  }
+  template <int Dof>
+  void add_rows(const LinearTarget<Dim, Dof>& linear, Index base, Eigen::Index target, const Matrix<Dof>& information) {
+    const Eigen::Index row = r.size();
+    grow(Dof);
+    set_rows(row, linear, base, target);
+    W.bottomRightCorner<Dof, Dof>() = information;
+    first_row_.push_back(row);
+  }
+  void add_map(const typename JointSystem<Dim>::PlacedMap& placed) {
+    const LocalMap<Dim>& map = *placed.map;
+    Eigen::Index row = r.size();
+    first_row_.push_back(row);
+    grow(map.information.rows());
+    W.bottomRightCorner(map.information.rows(), map.information.cols()) = map.information;
+    const Pose<Dim> base = state_.pose(placed.base);
+    for (std::size_t p = 0; p < map.poses.size(); ++p, row += kDof) {
+      const auto linear = linearise<Dim>(map.pose_estimates[p], base, state_.pose(placed.poses[p]));
+      set_rows(row, linear, placed.base, pose_entry(placed.poses[p]));
+    }
+    first_feature_row_[first_row_.size() - 1] = {row, map.poses.size()};
+    for (std::size_t f = 0; f < map.features.size(); ++f, row += Dim) {
+      const auto linear = linearise<Dim>(map.feature_estimates[f], base, state_.feature(placed.features[f]));
+      set_rows(row, linear, placed.base, feature_entry(placed.features[f]));
+    }
+  }
+  void weigh(const TreeEdge& edge, Eigen::Index child, int dof) {
+    const TreeObservation& o = edge.observation.value();
+    Eigen::Index row = first_row_[o.clique];
+    if (const auto map = first_feature_row_.find(o.clique); map != first_feature_row_.end()) {
+      const auto [feature_row, poses] = map->second;
+      row = dof == kDof ? row + o.target * kDof : feature_row + (o.target - static_cast<Eigen::Index>(poses)) * Dim;
+    }
+    const Eigen::MatrixXd J_edge = J.block(row, child, dof, dof);
+    D.block(child, child, dof, dof) = J_edge.transpose() * W.block(row, row, dof, dof) * J_edge;
+  }
+
+  const JointSystem<Dim>& system_;
+  const State<Dim>& state_;
+  SpanningTree tree_;
+  std::vector<Eigen::Index> first_row_;                                            // per clique
+  std::map<std::size_t, std::pair<Eigen::Index, std::size_t>> first_feature_row_;  // of maps, with the number of their poses
+};
+
+}  // namespace mapjoin::testing
