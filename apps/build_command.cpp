@@ -70,6 +70,7 @@ Expected<void> build_all(Call& call, const Log<Dim>& log, const Split& parts, St
   figures.spans = parts.stretches.size() - figures.local_maps;
   figures.poses_per_map = parts.poses_per_map;
   call.account.has_local_maps = true;
+  call.account.is_resumed = before > 0;
   return store.finish();
 }
 

@@ -2,6 +2,7 @@
 #include <fmt/format.h>
 #include <tbb/info.h>
 
+#include <algorithm>
 #include <apps/call.hpp>
 #include <apps/console.hpp>
 #include <apps/map_file.hpp>
@@ -18,9 +19,28 @@ void use_identity_covariance(MapSet<Dim>& set) {
   for (LocalMap<Dim>& map : set.maps) map.information.setIdentity();
   set.conventions.covariance = Covariance::kIdentity;
 }
+template <int Dim>
+Expected<void> take_weights(const Options& options, MapSet<Dim>& set) {
+  if (options.covariance == Covariance::kIdentity) use_identity_covariance(set);
+  return {};
+}
 /// A store's maps are built already: with the weights that it names.
 template <int Dim>
-void use_identity_covariance(StoredMaps<Dim>&) {}
+Expected<void> take_weights(const Options& options, const StoredMaps<Dim>& stored) {
+  const bool are_those = options.covariance == Covariance::kOriginal || options.covariance == stored.log.conventions.covariance;
+  if (are_those && !options.read.repair_information) return {};
+  return tl::unexpected(Error{ErrorKind::kUsage,
+                              "the weights of a store are chosen when it is built: --covariance and --repair-information go "
+                              "with `mapjoin build`"});
+}
+
+template <int Dim>
+bool is_finite(const GlobalMap<Dim>& map) {
+  const auto pose_is = [](const Pose<Dim>& pose) { return pose.translation.allFinite() && pose.rotation.matrix().allFinite(); };
+  const auto feature_is = [](const Point<Dim>& feature) { return feature.allFinite(); };
+  return std::all_of(map.poses.begin(), map.poses.end(), pose_is) &&
+         std::all_of(map.features.begin(), map.features.end(), feature_is);
+}
 
 std::string why_not_converged(const Account& account) {
   const RunFigures& figures = account.figures;
@@ -72,13 +92,9 @@ Expected<AnyLog> Call::read_log() {
 Expected<AnyMaps> Call::read_maps() {
   auto maps = timed(account.read_seconds, [&] { return open_maps(options_.input, options_.read); });
   if (!maps) return maps;
-  std::visit(
-      [&](auto& any) {
-        if (options_.covariance == Covariance::kIdentity) use_identity_covariance(any);
-        account.describe(any);
-      },
-      *maps);
-  return check_interrupted().and_then([&] { return std::move(maps); });
+  const auto taken =
+      std::visit([&](auto& any) { return take_weights(options_, any).map([&] { account.describe(any); }); }, *maps);
+  return taken.and_then([&] { return check_interrupted(); }).and_then([&] { return std::move(maps); });
 }
 
 Expected<void> Call::check_interrupted() const {
@@ -87,9 +103,15 @@ Expected<void> Call::check_interrupted() const {
 }
 
 template <int Dim>
-Expected<void> Call::write_map(const RunResult<Dim>& result, const Log<Dim>* log) {
+Expected<void> Call::take(const RunResult<Dim>& result) {
   account.describe(result);
-  if (auto going_on = check_interrupted(); !going_on) return going_on;
+  if (!is_finite(result.map)) return bad_input(account.input + ": its numbers are too large: the map is not finite");
+  return check_interrupted();
+}
+
+template <int Dim>
+Expected<void> Call::write_map(const RunResult<Dim>& result, const Log<Dim>* log) {
+  if (auto taken = take(result); !taken) return taken;
   auto files = timed(account.write_seconds, [&] { return write_map_file(result.map, log, options_.output); });
   if (!files) return tl::unexpected(files.error());
   account.files = std::move(*files);
@@ -113,6 +135,8 @@ Expected<ExitCode> Call::conclude() {
   return ExitCode::kDidNotConverge;
 }
 
+template Expected<void> Call::take(const RunResult<2>&);
+template Expected<void> Call::take(const RunResult<3>&);
 template Expected<void> Call::write_map(const RunResult<2>&, const Log<2>*);
 template Expected<void> Call::write_map(const RunResult<3>&, const Log<3>*);
 

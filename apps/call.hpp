@@ -23,7 +23,8 @@ class Call {
   Expected<void> check_outputs() const;
   /// The input as a log, with the weights asked for.
   Expected<AnyLog> read_log();
-  /// The input as local maps; those of a store have the weights that they were built with, others those asked for.
+  /// The input as local maps; those of a store have the weights that they were built with (kUsage where others are asked
+  /// for), others those asked for.
   Expected<AnyMaps> read_maps();
   /// kInterrupted where a stop was requested.
   Expected<void> check_interrupted() const;
@@ -33,7 +34,11 @@ class Call {
   const Options& options() const { return options_; }
   const std::stop_token& stop() const { return stop_; }
 
-  /// Writes a result as one file, in the format that the extension of the path names. `log`, where it is known, gives edges.
+  /// Accounts for a result. Bad input where the map is not finite; kInterrupted where a stop was requested.
+  template <int Dim>
+  Expected<void> take(const RunResult<Dim>& result);
+  /// Takes a result and writes it as one file, in the format that the extension of the path names. `log`, where it is known,
+  /// gives edges.
   template <int Dim>
   Expected<void> write_map(const RunResult<Dim>& result, const Log<Dim>* log);
 

@@ -7,6 +7,7 @@
 #include <apps/commands.hpp>
 #include <apps/console.hpp>
 #include <apps/summary.hpp>
+#include <mapjoin/io/map_text.hpp>
 #include <mapjoin/measure/chi2.hpp>
 #include <memory>
 #include <variant>
@@ -31,8 +32,7 @@ std::string values_in_words(const Log<Dim>& log) {
 
 std::string stamps_in_words(const std::vector<std::int64_t>& stamps_ns) {
   if (stamps_ns.empty()) return "none";
-  return fmt::format("{:.9f} s to {:.9f} s", static_cast<double>(stamps_ns.front()) * 1e-9,
-                     static_cast<double>(stamps_ns.back()) * 1e-9);
+  return fmt::format("{} s to {} s", seconds(stamps_ns.front()), seconds(stamps_ns.back()));
 }
 
 template <int Dim>
@@ -96,9 +96,7 @@ Expected<ExitCode> tell_of(const Options& options, const std::stop_token& stop) 
   const auto tell_any = [&](const auto& any) {
     return std::visit([&](const auto& content) { return tell(call, content); }, any);
   };
-  const auto log = call.read_log();
-  if (log || !may_hold_maps(options.input)) return log.and_then(tell_any);
-  return call.read_maps().and_then(tell_any);
+  return may_hold_maps(options.input) ? call.read_maps().and_then(tell_any) : call.read_log().and_then(tell_any);
 }
 
 }  // namespace

@@ -26,11 +26,6 @@ Expected<ExitCode> join_any(Call& call, const MapSet<Dim>& set) {
 
 template <int Dim>
 Expected<ExitCode> join_any(Call& call, const StoredMaps<Dim>& stored) {
-  if (call.options().covariance != Covariance::kOriginal && stored.log.conventions.covariance == Covariance::kOriginal) {
-    return tl::unexpected(Error{ErrorKind::kUsage,
-                                "the weights of a store are chosen when it is built: --covariance goes with "
-                                "`mapjoin build`"});
-  }
   const Split parts = split_along(stored.log, stored.stretches);
   // What is wrong with the log in a store is said of the store.
   const auto of_store = [&](const Error& error) { return Error{error.kind, call.account.input + ": " + error.message}; };

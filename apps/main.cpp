@@ -21,8 +21,7 @@ namespace {
 
 constexpr const char* kDescription =
     "Builds large maps from many small ones: splits a log of odometry and feature observations into local maps, joins them, "
-    "and "
-    "polishes the result to the optimum of the whole log.";
+    "and polishes the result to the optimum of the whole log.";
 
 /// Of --help and --version.
 Expected<ExitCode> told(const std::string& text) {

@@ -7,6 +7,8 @@
 namespace mapjoin::apps {
 namespace {
 
+constexpr int kMostJobs = 1024;
+
 /// "auto" or a number of poses.
 std::optional<std::string> take_poses_per_map(const std::string& word, SplitOptions& split) {
   if (word == "auto") {
@@ -110,7 +112,8 @@ void add_solver(Subcommand& command, Options& options) {
 
 void add_reporting(Subcommand& command, Options& options) {
   command.group("Running and reporting");
-  command.number<int>("--jobs", options.jobs, 1, "N", "Threads; the result is the same for any number [all processors]");
+  command.number<int>("--jobs", options.jobs, 1, "N", "Threads; the result is the same for any number [all processors]",
+                      kMostJobs);
   command.path("--report", options.report, "FILE|-", "Write a report in JSON; with - nothing else goes to standard output");
   command.flag("--quiet", options.quiet, "No summary and no progress");
 }

@@ -50,7 +50,7 @@ Json local_maps_of(const Account& account) {
   return {{"count", value_if(known, figures.local_maps)},
           {"spans", value_if(known, figures.spans)},
           {"poses_per_map", value_if(known && figures.poses_per_map > 0, figures.poses_per_map)},
-          {"iterations", value_if(known, figures.build_iterations)},
+          {"iterations", value_if(known && !account.is_resumed, figures.build_iterations)},
           {"seconds", figures.seconds.build}};
 }
 

@@ -52,8 +52,7 @@ template <int Dim>
 Expected<ExitCode> run_on(Call& call, const Log<Dim>& log, std::optional<OutputFolder>& folder) {
   const auto result = run(log, call.run_options(), call.stop());
   if (!result) return tl::unexpected(result.error());
-  call.account.describe(*result);
-  if (auto going_on = call.check_interrupted(); !going_on) return tl::unexpected(going_on.error());
+  if (auto taken = call.take(*result); !taken) return tl::unexpected(taken.error());
   if (folder) {
     if (auto written = write_folder(call, *result, log, *folder); !written) return tl::unexpected(written.error());
   }

@@ -34,7 +34,7 @@ template <int Dim>
 Expected<ExitCode> simulate_in(const SimulateOptions& options, const std::stop_token& stop) {
   const auto writable = check_writable(options.log).and_then([&] { return check_map_writable(options.truth); });
   if (!writable) return tl::unexpected(writable.error());
-  const Simulation<Dim> simulation = simulate_manhattan<Dim>(options.manhattan);
+  const Simulation<Dim> simulation = simulate_manhattan<Dim>(options.manhattan, stop);
   const Log<Dim>& log = simulation.log;
   if (stop.stop_requested()) return tl::unexpected(Error{ErrorKind::kInterrupted, "interrupted"});
   if (auto written = write_g2o(log, options.log); !written) return tl::unexpected(written.error());

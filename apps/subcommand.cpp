@@ -75,11 +75,12 @@ void Subcommand::option(const std::string& name, const std::string& kind, const 
 }
 
 template <typename T>
-void Subcommand::number(const std::string& name, T& value, T least, const std::string& kind, const std::string& help) {
-  option(name, kind, help, [&value, least](const std::string& word) -> std::optional<std::string> {
+void Subcommand::number(const std::string& name, T& value, T least, const std::string& kind, const std::string& help, T most) {
+  option(name, kind, help, [&value, least, most](const std::string& word) -> std::optional<std::string> {
     const std::optional<T> given = number_in<T>(word);
-    if (!given || *given < least) {
-      return fmt::format("not a {} from {} on", std::is_integral_v<T> ? "whole number" : "number", least);
+    if (!given || *given < least || *given > most) {
+      const std::string end = most < std::numeric_limits<T>::max() ? fmt::format("to {}", most) : "on";
+      return fmt::format("not a {} from {} {}", std::is_integral_v<T> ? "whole number" : "number", least, end);
     }
     value = *given;
     return std::nullopt;
@@ -111,9 +112,11 @@ template std::optional<int> number_in(const std::string&);
 template std::optional<std::int64_t> number_in(const std::string&);
 template std::optional<std::uint64_t> number_in(const std::string&);
 template std::optional<double> number_in(const std::string&);
-template void Subcommand::number(const std::string&, int&, int, const std::string&, const std::string&);
-template void Subcommand::number(const std::string&, std::int64_t&, std::int64_t, const std::string&, const std::string&);
-template void Subcommand::number(const std::string&, std::uint64_t&, std::uint64_t, const std::string&, const std::string&);
-template void Subcommand::number(const std::string&, double&, double, const std::string&, const std::string&);
+template void Subcommand::number(const std::string&, int&, int, const std::string&, const std::string&, int);
+template void Subcommand::number(const std::string&, std::int64_t&, std::int64_t, const std::string&, const std::string&,
+                                 std::int64_t);
+template void Subcommand::number(const std::string&, std::uint64_t&, std::uint64_t, const std::string&, const std::string&,
+                                 std::uint64_t);
+template void Subcommand::number(const std::string&, double&, double, const std::string&, const std::string&, double);
 
 }  // namespace mapjoin::apps

@@ -6,6 +6,7 @@
 #include <cstdint>
 #include <filesystem>
 #include <functional>
+#include <limits>
 #include <mapjoin/model/error.hpp>
 #include <optional>
 #include <stop_token>
@@ -64,9 +65,10 @@ class Subcommand {
     });
   }
 
-  /// A number that is at least `least` (and finite); whole where T is.
+  /// A number from `least` to `most` (and finite); whole where T is.
   template <typename T>
-  void number(const std::string& name, T& value, T least, const std::string& kind, const std::string& help);
+  void number(const std::string& name, T& value, T least, const std::string& kind, const std::string& help,
+              T most = std::numeric_limits<T>::max());
 
   /// Called after parsing: what is wrong with options that are right one by one.
   void check(std::function<std::vector<std::string>()> violations) { checks_.push_back(std::move(violations)); }

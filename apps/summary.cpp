@@ -18,12 +18,13 @@ std::string count_of(Count count, std::string_view one, std::string_view many) {
   return fmt::format("{} {}", count, count == 1 ? one : many);
 }
 
-std::string local_maps_in_words(const RunFigures& figures) {
+std::string local_maps_in_words(const Account& account) {
+  const RunFigures& figures = account.figures;
   std::string text = count_of(figures.local_maps, "map", "maps");
   if (figures.local_maps > 0 && figures.poses_per_map > 0) {
     text += fmt::format(" of up to {}", count_of(figures.poses_per_map, "step", "steps"));
   }
-  if (figures.build_iterations > 0) text += fmt::format(", {} iterations", figures.build_iterations);
+  if (figures.build_iterations > 0 && !account.is_resumed) text += fmt::format(", {} iterations", figures.build_iterations);
   if (figures.spans > 0) text += fmt::format("; {} joined as observations", count_of(figures.spans, "stretch", "stretches"));
   return text;
 }
@@ -127,7 +128,7 @@ std::vector<std::string> remarks(const Account& account) {
 std::string summary(const Account& account) {
   Lines lines;
   lines.add("input", fmt::format("{}: {}", account.input, counts_in_words(account)));
-  if (account.has_local_maps) lines.add("local maps", local_maps_in_words(account.figures));
+  if (account.has_local_maps) lines.add("local maps", local_maps_in_words(account));
   if (account.is_joined) add_result(account, lines);
   lines.add("convention", conventions_in_words(account.conventions, account.dimension));
   lines.add("seconds", seconds_in_words(account));

@@ -75,9 +75,8 @@ class CovarianceTextReader {
   }
 
   Expected<void> add_observation(PoseId pose, std::optional<FeatureId> feature, const Point<2>& measured, const Matrix<2>& P) {
-    const Matrix<2> W = inverse_of(P, text_);
     if (feature) {
-      builder_.add_observation(pose, *feature, measured, W);
+      builder_.add_observation(pose, *feature, measured, inverse_of(P, text_));
     } else {
       ++unassociated_;
     }

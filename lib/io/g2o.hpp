@@ -29,8 +29,9 @@ Expected<AnyLog> read_g2o(TextScanner text, const ReadOptions& options);
 template <int Dim>
 Expected<void> write_g2o(const Log<Dim>& log, const std::filesystem::path& path);
 
-/// Writes the map's poses and features as vertices, its gauge as FIX and, where `log` is given, its edges. `log` is the one the
-/// map was made of: over the same poses and features, else std::invalid_argument.
+/// Writes the map's poses and features as vertices, its gauge as FIX and, where `log` is given, its edges, without the priors
+/// of the World, for which g2o files have no line. `log` is the one the map was made of: over the same poses and features, else
+/// std::invalid_argument.
 template <int Dim>
 Expected<void> write_g2o(const GlobalMap<Dim>& map, const Log<Dim>* log, const std::filesystem::path& path);
 

@@ -99,13 +99,14 @@ class G2oReader {
     const PoseId base{0, text_.key()};
     const PoseId target{0, text_.key()};
     const Pose<Dim> measured = read_g2o_pose<Dim>(text_);
-    PoseMatrix<Dim> W = text_.symmetric<kPoseDof<Dim>>();
+    // Turned before it is checked: what passes here passes again where it is written and read back.
+    PoseMatrix<Dim> W = from_g2o<Dim>(text_.symmetric<kPoseDof<Dim>>(), measured, options_);
     if (auto line = text_.finish_line(); !line) return line;
     if (base == target) return text_.error(place, fmt::format("an edge leads from {} to itself", to_string(base)));
     if (const auto fault = check_.fault(W)) {
       return text_.error(place, fmt::format("the information matrix of edge {}-{} {}", base.key, target.key, *fault));
     }
-    builder_.add_pose_edge(base, target, measured, from_g2o(W, measured, options_));
+    builder_.add_pose_edge(base, target, measured, W);
     return {};
   }
 
@@ -116,12 +117,12 @@ class G2oReader {
     const auto sensor = read_sensor();
     if (!sensor) return tl::unexpected(sensor.error());
     const Point<Dim> seen = text_.vector<Dim>();
-    PointMatrix<Dim> W = text_.symmetric<Dim>();
+    PointMatrix<Dim> W = turned_to_parent<Dim>(text_.symmetric<Dim>(), sensor->rotation);
     if (auto line = text_.finish_line(); !line) return line;
     if (const auto fault = check_.fault(W)) {
       return text_.error(place, fmt::format("the information matrix of edge {}-{} {}", pose.key, feature.key, *fault));
     }
-    builder_.add_observation(pose, feature, transform(*sensor, seen), turned_to_parent(W, sensor->rotation));
+    builder_.add_observation(pose, feature, transform(*sensor, seen), W);
     return {};
   }
 

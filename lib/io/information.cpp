@@ -11,8 +11,7 @@ namespace {
 /// Relative to the largest entry or eigenvalue: above the round-off of a factorisation, below any deliberate figure.
 constexpr double kRoundOff = 1e-9;
 
-}  // namespace
-
+/// In Frobenius norm: eigenvalues clipped at zero.
 template <int Size>
 Matrix<Size> nearest_semidefinite(const Matrix<Size>& W) {
   const Eigen::SelfAdjointEigenSolver<Matrix<Size>> eigen(W);
@@ -20,6 +19,8 @@ Matrix<Size> nearest_semidefinite(const Matrix<Size>& W) {
   const Matrix<Size> clipped = V * eigen.eigenvalues().cwiseMax(0.0).asDiagonal() * V.transpose();
   return 0.5 * (clipped + clipped.transpose());
 }
+
+}  // namespace
 
 template <int Size>
 std::optional<Matrix<Size>> information_of_covariance(const Matrix<Size>& covariance) {
@@ -32,13 +33,19 @@ std::optional<Matrix<Size>> information_of_covariance(const Matrix<Size>& covari
 }
 
 template <int Size>
-std::optional<std::string> InformationCheck::fault(Matrix<Size>& W) {
-  if (!W.allFinite()) return "is not finite";
-  const double asymmetry = (W - W.transpose()).cwiseAbs().maxCoeff();
-  if (asymmetry > kRoundOff * W.cwiseAbs().maxCoeff()) {
+std::optional<std::string> make_symmetric(Matrix<Size>& M) {
+  if (!M.allFinite()) return "is not finite";
+  const double asymmetry = (M - M.transpose()).cwiseAbs().maxCoeff();
+  if (asymmetry > kRoundOff * M.cwiseAbs().maxCoeff()) {
     return fmt::format("is not symmetric (entries across the diagonal differ by up to {:.6g})", asymmetry);
   }
-  if (asymmetry > 0.0) W = Matrix<Size>(0.5 * (W + W.transpose()));
+  if (asymmetry > 0.0) M = Matrix<Size>(0.5 * (M + M.transpose()));
+  return std::nullopt;
+}
+
+template <int Size>
+std::optional<std::string> InformationCheck::fault(Matrix<Size>& W) {
+  if (const auto fault = make_symmetric<Size>(W)) return fault;
   if (Eigen::LLT<Matrix<Size>>(W).info() == Eigen::Success) return std::nullopt;
 
   const Eigen::SelfAdjointEigenSolver<Matrix<Size>> eigen(W, Eigen::EigenvaluesOnly);
@@ -51,20 +58,20 @@ std::optional<std::string> InformationCheck::fault(Matrix<Size>& W) {
   return std::nullopt;
 }
 
-template Matrix<2> nearest_semidefinite<2>(const Matrix<2>&);
 template std::optional<Matrix<2>> information_of_covariance<2>(const Matrix<2>&);
+template std::optional<std::string> make_symmetric<2>(Matrix<2>&);
 template std::optional<std::string> InformationCheck::fault<2>(Matrix<2>&);
 
-template Matrix<3> nearest_semidefinite<3>(const Matrix<3>&);
 template std::optional<Matrix<3>> information_of_covariance<3>(const Matrix<3>&);
+template std::optional<std::string> make_symmetric<3>(Matrix<3>&);
 template std::optional<std::string> InformationCheck::fault<3>(Matrix<3>&);
 
-template Matrix<6> nearest_semidefinite<6>(const Matrix<6>&);
 template std::optional<Matrix<6>> information_of_covariance<6>(const Matrix<6>&);
+template std::optional<std::string> make_symmetric<6>(Matrix<6>&);
 template std::optional<std::string> InformationCheck::fault<6>(Matrix<6>&);
 
-template Matrix<Eigen::Dynamic> nearest_semidefinite<Eigen::Dynamic>(const Matrix<Eigen::Dynamic>&);
 template std::optional<Matrix<Eigen::Dynamic>> information_of_covariance<Eigen::Dynamic>(const Matrix<Eigen::Dynamic>&);
+template std::optional<std::string> make_symmetric<Eigen::Dynamic>(Matrix<Eigen::Dynamic>&);
 template std::optional<std::string> InformationCheck::fault<Eigen::Dynamic>(Matrix<Eigen::Dynamic>&);
 
 }  // namespace mapjoin

@@ -2,6 +2,8 @@
 #include <fmt/format.h>
 
 #include <charconv>
+#include <cmath>
+#include <mapjoin/io/double_id.hpp>
 #include <mapjoin/io/local_map_file.hpp>
 #include <mapjoin/io/mat_file.hpp>
 #include <mapjoin/io/mat_structure.hpp>
@@ -50,7 +52,9 @@ Expected<LocalMapFile> parse_text(LocalMapFile&& map, std::string_view bytes) {
   Expected<void> line;
   for (Eigen::Index row = 0; row < rows && line; ++row) {
     line = take_line(text, "a row of the state", [&] {
-      map.state(row, 0) = static_cast<double>(text.integer());
+      const auto id = static_cast<double>(text.integer());
+      if (std::abs(id) >= kDoubleIdEnd) text.reject("an id must be below 2^53");
+      map.state(row, 0) = id;
       map.state(row, 1) = text.number();
     });
   }

@@ -10,14 +10,6 @@
 namespace mapjoin {
 namespace {
 
-/// Seconds with nine decimals, exactly.
-std::string seconds(std::int64_t nanoseconds) {
-  constexpr std::int64_t kNanosecondsPerSecond = 1'000'000'000;
-  const std::int64_t whole = nanoseconds / kNanosecondsPerSecond;
-  const std::int64_t rest = nanoseconds % kNanosecondsPerSecond;  // Has the sign of `nanoseconds`.
-  return fmt::format("{}{}.{:09}", nanoseconds < 0 ? "-" : "", std::abs(whole), std::abs(rest));
-}
-
 const Pose<3>& in_space(const Pose<3>& pose) {
   return pose;
 }
@@ -54,6 +46,13 @@ void put_features(const GlobalMap<Dim>& map, OutputFile& file) {
 }
 
 }  // namespace
+
+std::string seconds(std::int64_t nanoseconds) {
+  constexpr std::int64_t kNanosecondsPerSecond = 1'000'000'000;
+  const std::int64_t whole = nanoseconds / kNanosecondsPerSecond;
+  const std::int64_t rest = nanoseconds % kNanosecondsPerSecond;  // Has the sign of `nanoseconds`.
+  return fmt::format("{}{}.{:09}", nanoseconds < 0 ? "-" : "", std::abs(whole), std::abs(rest));
+}
 
 template <int Dim>
 Expected<void> write_tum(const GlobalMap<Dim>& map, const std::filesystem::path& path) {

@@ -2,11 +2,16 @@
 #pragma once
 // A global map as plain tables: a trajectory in the TUM format, poses and features as CSV. For g2o see g2o.hpp.
 
+#include <cstdint>
 #include <filesystem>
 #include <mapjoin/model/error.hpp>
 #include <mapjoin/model/global_map.hpp>
+#include <string>
 
 namespace mapjoin {
+
+/// Seconds with nine decimals, exactly.
+std::string seconds(std::int64_t nanoseconds);
 
 // Each number has the fewest digits that read back as the same bits. Files appear whole or not at all: kCannotWrite.
 

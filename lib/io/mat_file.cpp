@@ -91,9 +91,8 @@ std::optional<Eigen::MatrixXd> read_data(mat_t* mat, matvar_t& variable) {
 
 Expected<MatVariables> read_mat(std::string_view bytes, const std::string& file,
                                 std::initializer_list<std::string_view> names) {
-  if (!is_mat_file(bytes)) return bad_input(fmt::format("{}: not a little-endian MAT file of version 5, 6 or 7", file));
-  const auto plain = checked_and_inflated(bytes);
-  if (!plain) return bad_input(fmt::format("{}: a MAT file that is damaged or cut short", file));
+  const auto plain = checked_and_inflated(bytes, file);
+  if (!plain) return tl::unexpected(plain.error());
   const auto mat = open_mat(*plain, file);
   if (!mat) return tl::unexpected(mat.error());
   MatVariables found;

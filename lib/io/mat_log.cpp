@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <fmt/format.h>
 
-#include <cmath>
+#include <mapjoin/io/double_id.hpp>
 #include <mapjoin/io/information.hpp>
 #include <mapjoin/io/mat_file.hpp>
 #include <mapjoin/io/mat_log.hpp>
@@ -15,8 +15,6 @@ constexpr const char* kDlr = "corrected_data_circles";
 /// In the first column of the DLR data: the row is a step.
 constexpr double kDlrStep = -100.0;
 constexpr double kUnassociated = -1.0;
-/// Beyond it not every integer is a double.
-constexpr double kMaxId = 9007199254740992.0;
 
 /// What a row of the table says, or what is wrong with it in words; the first fault counts.
 class Row {
@@ -28,10 +26,9 @@ class Row {
   double operator[](Eigen::Index col) const { return table_(row_, col); }
 
   std::uint64_t id(Eigen::Index col) {
-    const double value = (*this)[col];
-    if (value >= 0.0 && value <= kMaxId && value == std::floor(value)) return static_cast<std::uint64_t>(value);
-    fail(fmt::format("column {}: {} is not an id", col + 1, value));
-    return 0;
+    const auto id = id_of((*this)[col]);
+    if (!id) fail(fmt::format("column {}: {} is not an id", col + 1, (*this)[col]));
+    return id.value_or(0);
   }
   PoseId pose(Eigen::Index col) { return {0, id(col)}; }
   FeatureId feature(Eigen::Index col) { return {id(col)}; }

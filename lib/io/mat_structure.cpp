@@ -1,10 +1,12 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include <fmt/format.h>
 #include <zlib.h>
 
 #include <cstdint>
 #include <cstring>
 #include <iterator>
 #include <mapjoin/io/mat_structure.hpp>
+#include <optional>
 #include <vector>
 
 namespace mapjoin {
@@ -17,7 +19,10 @@ constexpr std::uint32_t kMatrixElement = 14;
 constexpr std::uint32_t kCompressedElement = 15;
 constexpr std::uint32_t kDoubleClass = 6;
 
-constexpr std::size_t kMaxInflated = std::size_t{4} << 30;
+/// Version and byte order.
+constexpr std::string_view kVersion5("\0\1IM", 4);
+constexpr std::string_view kVersion73("\0\2IM", 4);  // HDF5 behind the header.
+constexpr std::string_view kBigEndian5("\1\0MI", 4);
 
 std::uint32_t word(std::string_view bytes, std::size_t at) {
   std::uint32_t value = 0;
@@ -25,22 +30,22 @@ std::uint32_t word(std::string_view bytes, std::size_t at) {
   return value;
 }
 
-/// Appends what the zlib stream holds; false where it is damaged or too large.
-bool append_inflated(std::string_view compressed, std::string& out) {
+/// Appends what the zlib stream holds, until there is more than `most`; false where it is damaged.
+bool append_inflated(std::string_view compressed, std::size_t most, std::string& out) {
   z_stream stream{};
   if (inflateInit(&stream) != Z_OK) return false;
   stream.next_in = reinterpret_cast<Bytef*>(const_cast<char*>(compressed.data()));
   stream.avail_in = static_cast<uInt>(compressed.size());
   char chunk[1 << 14];
   int status = Z_OK;
-  while (status == Z_OK && out.size() < kMaxInflated) {
+  while (status == Z_OK && out.size() <= most) {
     stream.next_out = reinterpret_cast<Bytef*>(chunk);
     stream.avail_out = sizeof chunk;
     status = inflate(&stream, Z_NO_FLUSH);
     out.append(chunk, sizeof chunk - stream.avail_out);
   }
   inflateEnd(&stream);
-  return status == Z_STREAM_END;
+  return status == Z_STREAM_END || out.size() > most;
 }
 
 /// One part of a matrix element: its tag and its data, padded to eight bytes.
@@ -91,28 +96,41 @@ bool sizes_agree(std::string_view element) {
   return !is_matrix || is_empty || (all->size() > 3 && numbers((*all)[3]) == count);
 }
 
+/// What a MAT file's header says of its bytes, if anything.
+std::string_view version_of(std::string_view bytes) {
+  return bytes.size() < kHeaderSize ? std::string_view() : bytes.substr(124, 4);
+}
+
 }  // namespace
 
 bool is_mat_file(std::string_view bytes) {
-  return bytes.size() >= kHeaderSize && bytes.substr(124, 4) == std::string_view("\0\1IM", 4);
+  const std::string_view version = version_of(bytes);
+  return version == kVersion5 || version == kVersion73 || version == kBigEndian5;
 }
 
-std::optional<std::string> checked_and_inflated(std::string_view bytes) {
+Expected<std::string> checked_and_inflated(std::string_view bytes, const std::string& file, std::size_t most) {
+  const auto damaged = [&] { return bad_input(fmt::format("{}: a MAT file that is damaged or cut short", file)); };
+  if (version_of(bytes) == kVersion73) return bad_input(fmt::format("{}: a MAT file of version 7.3: save it with -v7", file));
+  if (version_of(bytes) == kBigEndian5) return bad_input(fmt::format("{}: a MAT file of a big-endian machine", file));
+  if (version_of(bytes) != kVersion5) return bad_input(fmt::format("{}: not a MAT file of version 5, 6 or 7", file));
   std::string plain(bytes.substr(0, kHeaderSize));
   bytes.remove_prefix(kHeaderSize);
   while (!bytes.empty()) {
-    if (bytes.size() < kTagSize || word(bytes, 4) > bytes.size() - kTagSize) return std::nullopt;
+    if (bytes.size() < kTagSize || word(bytes, 4) > bytes.size() - kTagSize) return damaged();
     const std::string_view element = bytes.substr(0, kTagSize + word(bytes, 4));
     const std::size_t begin = plain.size();
     if (word(element, 0) != kCompressedElement) {
       plain += element;
-    } else if (!append_inflated(element.substr(kTagSize), plain)) {
-      return std::nullopt;
+    } else if (!append_inflated(element.substr(kTagSize), most, plain)) {
+      return damaged();
+    }
+    if (plain.size() > most) {
+      return tl::unexpected(Error{ErrorKind::kTooLarge, fmt::format("{}: unpacks to more than {} MB", file, most >> 20)});
     }
     const std::string_view inflated = std::string_view(plain).substr(begin);
     if (inflated.size() < kTagSize || word(inflated, 0) != kMatrixElement || word(inflated, 4) != inflated.size() - kTagSize ||
         !sizes_agree(inflated)) {
-      return std::nullopt;
+      return damaged();
     }
     bytes.remove_prefix(element.size());
   }

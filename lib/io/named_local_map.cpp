@@ -3,16 +3,12 @@
 
 #include <cmath>
 #include <mapjoin/geometry/euler.hpp>
+#include <mapjoin/io/double_id.hpp>
 #include <mapjoin/io/named_local_map.hpp>
 #include <set>
 
 namespace mapjoin {
 namespace {
-
-/// Beyond it not every integer is a double.
-constexpr double kMaxId = 9007199254740992.0;
-/// Of the largest entry: asymmetry that counts as round-off.
-constexpr double kMaxAsymmetry = 1e-9;
 
 Error row_error(const LocalMapFile& file, Eigen::Index row, const std::string& message) {
   return {ErrorKind::kBadInput, fmt::format("{}: row {} of the state: {}", file.path.string(), row + 1, message)};
@@ -40,11 +36,9 @@ Expected<std::vector<FeatureId>> feature_ids(const LocalMapFile& file) {
   std::vector<FeatureId> ids;
   std::set<FeatureId> seen;
   for (Eigen::Index row = kPoseDof<Dim>; row < file.state.rows(); row += Dim) {
-    const double id = file.state(row, 0);
-    if (!(id >= 0.0 && id <= kMaxId) || id != std::floor(id)) {
-      return tl::unexpected(row_error(file, row, fmt::format("{} is not a feature's id", id)));
-    }
-    const FeatureId feature{static_cast<std::uint64_t>(id)};
+    const auto id = id_of(file.state(row, 0));
+    if (!id) return tl::unexpected(row_error(file, row, fmt::format("{} is not a feature's id", file.state(row, 0))));
+    const FeatureId feature{*id};
     if (const Eigen::Index rows = rows_of_one_id(file.state, row); rows != Dim) {
       return tl::unexpected(row_error(file, row, fmt::format("{} has {} rows, not {}", to_string(feature), rows, Dim)));
     }
@@ -105,10 +99,10 @@ Expected<Eigen::MatrixXd> information(const LocalMapFile& file, InformationCheck
     return W;
   }
   if (W.size() == 0) return W;
-  if (!W.allFinite() || (W - W.transpose()).cwiseAbs().maxCoeff() > kMaxAsymmetry * W.cwiseAbs().maxCoeff()) {
-    return file_error(file, fmt::format("the covariance of map {} is not finite and symmetric", file.number));
+  if (const auto fault = make_symmetric<Eigen::Dynamic>(W)) {
+    return file_error(file, fmt::format("the covariance of map {} {}", file.number, *fault));
   }
-  const auto inverse = information_of_covariance<Eigen::Dynamic>(0.5 * (W + W.transpose()));
+  const auto inverse = information_of_covariance<Eigen::Dynamic>(W);
   if (!inverse) return file_error(file, fmt::format("the covariance of map {} is not positive definite", file.number));
   return *inverse;
 }
@@ -124,8 +118,9 @@ bool coincides(const LocalMapFile& file) {
 
 Expected<int> dimension(const LocalMapFile& file) {
   const Eigen::Index rows = file.state.rows() > 0 ? rows_of_one_id(file.state, 0) : 0;
-  if (rows == kPoseDof<2>) return 2;
-  if (rows == kPoseDof<3>) return 3;
+  // The end pose's id may be 0, and so may the first feature's.
+  if (rows == kPoseDof<2> || rows == kPoseDof<2> + 2) return 2;
+  if (rows == kPoseDof<3> || rows == kPoseDof<3> + 3) return 3;
   return file_error(file, fmt::format("the state begins with {} rows of one id; an end pose has 3 or 6", rows));
 }
 

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <charconv>
 #include <cmath>
 #include <cstring>
@@ -19,22 +20,34 @@ bool ends_word(char c) {
   return c == '\n' || is_blank(c);
 }
 
+/// Whether `number`, which is out of the range of doubles, is so since it is too small.
+bool is_tiny(std::string_view number) {
+  const std::size_t e = std::min(number.find_first_of("eE"), number.size());
+  const std::string_view digits = number.substr(0, e);
+  const auto first_digit = static_cast<std::int64_t>(digits.find_first_of("123456789"));
+  const auto point = static_cast<std::int64_t>(std::min(digits.find('.'), digits.size()));
+  std::string_view power = number.substr(e);
+  if (power.size() < 2) return point < first_digit;
+  power.remove_prefix(power[1] == '+' ? 2 : 1);
+  std::int64_t exponent = 0;
+  const auto status = std::from_chars(power.data(), power.data() + power.size(), exponent).ec;
+  return status == std::errc() ? exponent + point < first_digit : power.front() == '-';
+}
+
 /// The end of the number that [begin, end) opens with, or null. A number too small for a double is zero.
 const char* parse_number(const char* begin, const char* end, double& value) {
   // Most numbers of information matrices are short integers, "0" above all.
   std::int64_t integer = 0;
   const char* digit = begin;
-  for (; digit != end && digit < begin + 15 && *digit >= '0' && *digit <= '9'; ++digit) integer = 10 * integer + (*digit - '0');
+  for (; digit != end && digit - begin < 15 && *digit >= '0' && *digit <= '9'; ++digit) integer = 10 * integer + (*digit - '0');
   if (digit != begin && (digit == end || ends_word(*digit))) {
     value = static_cast<double>(integer);
     return digit;
   }
   const auto [rest, status] = std::from_chars(begin, end, value);
   if (status == std::errc::result_out_of_range) {
-    const std::string_view digits(begin, static_cast<std::size_t>(rest - begin));
-    const bool is_tiny = digits.find("e-") != digits.npos || digits.find("E-") != digits.npos;
     value = 0.0;
-    return is_tiny ? rest : nullptr;
+    return is_tiny({begin, static_cast<std::size_t>(rest - begin)}) ? rest : nullptr;
   }
   return status == std::errc() && std::isfinite(value) ? rest : nullptr;
 }
@@ -69,7 +82,9 @@ bool TextScanner::next_line() {
     }
     ++line_;
     line_begin_ = next_;
-    if (next_ != end_ && !at_end_of_line()) return true;
+    const bool has_word = next_ != end_ && !at_end_of_line();
+    word_ = next_;
+    if (has_word) return true;
   }
   return false;
 }

@@ -40,7 +40,7 @@ class Simulator {
  public:
   explicit Simulator(const ManhattanOptions& options);
 
-  Simulation<Dim> run() &&;
+  Simulation<Dim> run(const std::stop_token& stop) &&;
 
  private:
   void add_pose(Index i);
@@ -73,7 +73,7 @@ Simulator<Dim>::Simulator(const ManhattanOptions& options)
 }
 
 template <int Dim>
-Simulation<Dim> Simulator<Dim>::run() && {
+Simulation<Dim> Simulator<Dim>::run(const std::stop_token& stop) && {
   Log<Dim>& log = result_.log;
   GlobalMap<Dim>& truth = result_.truth;
   const auto poses = static_cast<Index>(options_.poses);
@@ -81,7 +81,7 @@ Simulation<Dim> Simulator<Dim>::run() && {
   log.poses.reserve(static_cast<std::size_t>(poses));
   truth.poses.reserve(static_cast<std::size_t>(poses));
   log.odometry.reserve(static_cast<std::size_t>(poses) - 1);
-  for (Index i = 0; i < poses; ++i) {
+  for (Index i = 0; i < poses && (i == 0 || !stop.stop_requested()); ++i) {
     if (i > 0) {
       const LatticeRotation<Dim> before = walk_.rotation();
       walk_.advance();
@@ -90,7 +90,7 @@ Simulation<Dim> Simulator<Dim>::run() && {
     add_pose(i);
     observe_around(i);
   }
-  log.sessions = {{0, poses}};
+  log.sessions = {{0, static_cast<Index>(log.poses.size())}};
   log.fixed = {{0, Pose<Dim>{}}};
   truth.pose_ids = log.poses;
   truth.feature_ids = log.features;
@@ -197,13 +197,13 @@ std::vector<std::string> ManhattanOptions::validate() const {
 }
 
 template <int Dim>
-Simulation<Dim> simulate_manhattan(const ManhattanOptions& options) {
+Simulation<Dim> simulate_manhattan(const ManhattanOptions& options, const std::stop_token& stop) {
   const auto violations = options.validate();
   if (!violations.empty()) throw std::invalid_argument(fmt::format("{}", fmt::join(violations, "; ")));
-  return Simulator<Dim>(options).run();
+  return Simulator<Dim>(options).run(stop);
 }
 
-template Simulation<2> simulate_manhattan(const ManhattanOptions&);
-template Simulation<3> simulate_manhattan(const ManhattanOptions&);
+template Simulation<2> simulate_manhattan(const ManhattanOptions&, const std::stop_token&);
+template Simulation<3> simulate_manhattan(const ManhattanOptions&, const std::stop_token&);
 
 }  // namespace mapjoin

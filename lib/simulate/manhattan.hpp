@@ -7,6 +7,7 @@
 #include <mapjoin/model/log.hpp>
 #include <numbers>
 #include <optional>
+#include <stop_token>
 #include <string>
 #include <vector>
 
@@ -49,8 +50,9 @@ struct Simulation {
 
 /// In space the lattice has `storeys` levels, a turn is left, right, up or down, and roll, pitch and yaw all occur. Time and
 /// memory are linear in poses and observations. In the plane the same bits everywhere; in space but for the last digits of the
-/// C library's sine. Throws std::invalid_argument with the violations of `options`.
+/// C library's sine. Once a stop is requested the walk ends, of fewer poses. Throws std::invalid_argument with the violations
+/// of `options`.
 template <int Dim>
-Simulation<Dim> simulate_manhattan(const ManhattanOptions& options);
+Simulation<Dim> simulate_manhattan(const ManhattanOptions& options, const std::stop_token& stop = {});
 
 }  // namespace mapjoin

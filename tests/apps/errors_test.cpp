@@ -72,6 +72,15 @@ TEST_F(BadInput, ALogThatFallsApartIsNamedByItsParts) {
   expect_refused(kSmallLog + "EDGE_SE2 10 11 1 0 0 1 0 0 1 0 1\n", "", "10");
 }
 
+TEST_F(BadInput, NumbersTooLargeForAMapAreRefused) {
+  const auto log = folder.file("log.g2o", "EDGE_SE2 0 1 1e308 0 0 1 0 0 1 0 1\nEDGE_SE2 1 2 1e308 0 0 1 0 0 1 0 1\n");
+  const auto out = folder.path() / "out";
+  for (const std::string command : {"run", "solve"}) {
+    expect_failure(call({command, log.string(), "-o", out.string()}), 3, "the map is not finite");
+    EXPECT_FALSE(std::filesystem::exists(out)) << command;
+  }
+}
+
 TEST_F(BadInput, ATruncatedMatFileIsRefused) {
   const auto log = folder.file("log.mat", "MATLAB 5.0 MAT-file, but no more");
   expect_failure(call({"run", log.string()}), 3, "log.mat");
@@ -129,6 +138,10 @@ TEST(Usage, WhatIsMissingOrUnknownIsNamed) {
   expect_failure(call({"simulate", "-o", "log", "--chance", "2", "--block", "1.5"}), 2, "chance");
 }
 
+TEST(Usage, ThreadsHaveALimit) {
+  expect_failure(call({"run", "log", "--jobs", "1025"}), 2, "not a whole number from 1 to 1024");
+}
+
 TEST(Usage, NoPathIsEmpty) {
   expect_failure(call({"run", "log", "-o", ""}), 2, "--output");
   expect_failure(call({"build", "log", "-o", ""}), 2, "--output");
@@ -164,6 +177,8 @@ TEST(Usage, TheWeightsOfAStoreAreThoseItWasBuiltWith) {
   const std::string map = (folder.path() / "map.g2o").string();
   ASSERT_EQ(call({"build", log.string(), "-o", store}).exit_code, 0);
   expect_failure(call({"join", store, "-o", map, "--covariance", "identity"}), 2, "build");
+  expect_failure(call({"join", store, "-o", map, "--repair-information"}), 2, "build");
+  expect_failure(call({"info", store, "--covariance", "identity"}), 2, "build");
 }
 
 TEST(Size, WhatDoesNotFitIntoMemoryIsRefused) {

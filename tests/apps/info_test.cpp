@@ -2,6 +2,8 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <mapjoin/io/open_log.hpp>
+#include <mapjoin/io/store.hpp>
 #include <tests/apps/command.hpp>
 
 namespace mapjoin::testing {
@@ -35,6 +37,16 @@ TEST(Info, TellsAStoreFromALog) {
   expect_line(text, "kind", "store of local maps and their log");
   expect_line(text, "local maps", "20 of 20 stretches");
   expect_line(text, "poses", "1000, pose 0 to pose 999");
+}
+
+TEST(Info, TellsStampsToTheNanosecond) {
+  const TemporaryFolder folder;
+  Log<2> log = std::get<Log<2>>(*open_log(folder.file("log.g2o", kSmallLog)));
+  log.stamps_ns = {1'600'000'000'123'456'789, 1'600'000'001'000'000'000, 1'600'000'002'000'000'001};
+  const auto store = folder.path() / "maps";
+  auto writer = StoreWriter<2>::open(store, log, {{0, 2, false}}, "");
+  ASSERT_TRUE(writer && writer->finish());
+  expect_line(call({"info", store.string()}).out, "stamps", "1600000000.123456789 s to 1600000002.000000001 s");
 }
 
 TEST(Info, TellsWhatASetOfLocalMapsHas) {

@@ -8,6 +8,7 @@
 
 #include <algorithm>
 #include <chrono>
+#include <mapjoin/io/store.hpp>
 #include <tests/apps/command.hpp>
 #include <thread>
 
@@ -80,6 +81,18 @@ TEST_F(Output, WhatDoesNotConvergeIsWrittenAndMarked) {
   EXPECT_EQ(nlohmann::json::parse(ended.out).at("converged"), false);
   EXPECT_TRUE(fs::exists(path("map.g2o")));
   EXPECT_THAT(call({"solve", kLog, "-o", path("map.g2o"), "--max-iterations", "1"}).out, HasSubstr("DID NOT CONVERGE"));
+}
+
+TEST_F(Output, ABuildThatGoesOnDoesNotKnowOfTheIterationsBefore) {
+  const std::vector<std::string> build = {"build", kLog, "-o", path("maps"), "--poses-per-map", "2"};
+  EXPECT_GT(report_of(build).at("local_maps").at("iterations"), 0);
+  const auto stored = std::get<StoredMaps<2>>(*read_store(path("maps")));
+  {
+    auto writer = StoreWriter<2>::open(path("maps"), stored.log, stored.stretches, stored.options);
+    ASSERT_TRUE(writer);
+    for (std::size_t k = 0; k < 300; ++k) ASSERT_TRUE(writer->add(k, stored.maps.at(k)));
+  }
+  EXPECT_TRUE(report_of(build).at("local_maps").at("iterations").is_null());
 }
 
 TEST_F(Output, AFolderThatCannotBeIsAnErrorThatLeavesNothing) {

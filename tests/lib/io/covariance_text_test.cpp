@@ -31,7 +31,7 @@ TEST(OdomObs, ReadsBothFormsOfObservationsAndCountsTheUnassociated) {
                              "ODOM 0 1 0.1 0.2 0.3 4 1 0.5 3 0.25 2\n"
                              "OBS 0 17 1 2 2 1 3\n"
                              "OBS 1 17 3 4 0.9 2 1 3\n"
-                             "OBS 1 -1 3 4 0.9 2 1 3\n");
+                             "OBS 1 -1 3 4 0.9 0 0 0\n");
   EXPECT_TRUE((log.odometry.at(0).information * kCovariance).isIdentity(1e-14));
   EXPECT_EQ(log.odometry[0].measured.translation, Point<2>(0.1, 0.2));
   EXPECT_EQ(log.odometry[0].measured.rotation.angle(), 0.3);
@@ -48,7 +48,7 @@ TEST(MapCircles, CountsPosesByStepsAndOrdersTheCovariance) {
                              "STEP image.0000 0.1 0.2 0.3 4 1 3 0.5 0.25 2\n"
                              "LANDMARK_C 1 2 0.9 2 1 3 23\n"
                              "STEP image.0001 0.1 0.2 0.3 4 1 3 0.5 0.25 2\n"
-                             "LANDMARK_C 1 2 0.9 2 1 3 -1\n"
+                             "LANDMARK_C 1 2 0.9 0 0 0 -1\n"
                              "LANDMARK_C 3 4 0.9 2 1 3 7\n");
   EXPECT_THAT(log.poses, ElementsAre(PoseId{0, 0}, PoseId{0, 1}, PoseId{0, 2}));
   EXPECT_TRUE((log.odometry.at(1).information * kCovariance).isIdentity(1e-14));

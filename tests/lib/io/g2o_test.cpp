@@ -64,6 +64,13 @@ TEST(G2o, FixesSeveralPosesOnOneLineAndNamesAWordThatIsNone) {
   EXPECT_EQ(message("FIX 0 -1 1\n" + kEdge2), "some.g2o:1:7: '-1' stands where an id is expected");
 }
 
+TEST(G2o, AnInformationMatrixPassesAsItIsTurned) {
+  // By the quaternion the rotational part counts a quarter, of which the negative eigenvalue is too much.
+  const std::string edge = "EDGE_SE3:QUAT 0 1 1 0 0 0 0 0 1 -9e-10 0 0 0 0 0 1e-3 0 0 0 0 1e-3 0 0 0 1 0 0 1 0 1\n";
+  EXPECT_EQ(message(edge), "");
+  EXPECT_THAT(message(edge, {.rotation_information = RotationInformation::kQuaternion}), HasSubstr("is indefinite"));
+}
+
 TEST(G2o, ReadsEveryTagOfSpaceAndAppliesSensorOffsetsGivenLater) {
   const auto log = read_as<3>(
       "EDGE_SE3_TRACKXYZ 7 9 3 2 1 3 1 0 0 2 0 3\n"

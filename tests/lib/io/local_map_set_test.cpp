@@ -103,6 +103,22 @@ TEST_F(LocalMapSetTest, CountsMapsFromOne) {
   EXPECT_THAT(error(), HasSubstr("localmap_0.txt: local maps are counted from 1"));
 }
 
+TEST_F(LocalMapSetTest, TellsFeatureZeroFromTheEndPose) {
+  write_mat_map(path("localmap_1.mat"), {{0, 1.0}, {0, 2.0}, {0, 7.5}, {0, -3.0}, {0, 4.0}}, Matrix<5>::Identity());
+  EXPECT_THAT(read<2>().features, ElementsAre(FeatureId{0}));
+  const std::vector<Row> space(9, Row{0, 0.5});
+  write_mat_map(path("localmap_1.mat"), space, Matrix<9>::Identity());
+  EXPECT_THAT(read<3>().features, ElementsAre(FeatureId{0}));
+}
+
+TEST_F(LocalMapSetTest, RefusesAnIdThatNoDoubleTellsFromAnother) {
+  const std::int64_t end = std::int64_t{1} << 53;
+  for (const std::int64_t id : {end - 1, end, end + 1}) {
+    folder.file("localmap_1.txt", text_map(1, {{0, 1.0}, {0, 2.0}, {0, 7.5}, {id, -3.0}, {id, 4.0}}, Matrix<5>::Identity()));
+    EXPECT_THAT(error(), id < end ? HasSubstr("no error") : HasSubstr("localmap_1.txt:6:1: an id must be below 2^53"));
+  }
+}
+
 TEST_F(LocalMapSetTest, TheInformationOfAMatMapIsTheInverseOfItsCovariance) {
   const Matrix<7> P = random.information<7>();
   write_mat_map(path("localmap_1.mat"), plane, P);
@@ -208,9 +224,9 @@ TEST_F(LocalMapSetTest, RefusesGaussiansThatAreNone) {
     return error();
   };
   P(2, 5) += 0.1;
-  EXPECT_THAT(error_of(P), HasSubstr("the covariance of map 1 is not finite and symmetric"));
+  EXPECT_THAT(error_of(P), HasSubstr("the covariance of map 1 is not symmetric"));
   P(2, 5) = std::numeric_limits<double>::infinity();
-  EXPECT_THAT(error_of(P), HasSubstr("the covariance of map 1 is not finite and symmetric"));
+  EXPECT_THAT(error_of(P), HasSubstr("the covariance of map 1 is not finite"));
   EXPECT_THAT(error_of(-Matrix<7>::Identity()), HasSubstr("is not positive definite"));
 
   fs::remove(path("localmap_1.mat"));

@@ -95,12 +95,30 @@ TEST_F(MatFileTest, RefusesOtherFilesAndSurvivesEveryCut) {
   const std::string whole = bytes();
   EXPECT_TRUE(is_mat_file(whole));
   EXPECT_FALSE(is_mat_file("VERTEX_SE2 0 0 0 0\n"));
-  EXPECT_THAT(read_mat("VERTEX_SE2 0 0 0 0\n", "f.mat", {"a"}).error().message,
-              HasSubstr("f.mat: not a little-endian MAT file"));
+  EXPECT_THAT(read_mat("VERTEX_SE2 0 0 0 0\n", "f.mat", {"a"}).error().message, HasSubstr("f.mat: not a MAT file"));
   for (std::size_t size = 0; size < whole.size(); ++size) {
     const auto found = read_mat(whole.substr(0, size), "f.mat", {"a"});
     EXPECT_FALSE(found && found->contains("a")) << size;
   }
+}
+
+TEST_F(MatFileTest, NamesTheVersionsThatItDoesNotRead) {
+  const auto header = [](const std::string& version) { return std::string("MATLAB").append(118, ' ') + version; };
+  for (const auto& [version, part] : {std::pair(std::string("\0\2IM", 4), "f.mat: a MAT file of version 7.3: save it with -v7"),
+                                      std::pair(std::string("\1\0MI", 4), "f.mat: a MAT file of a big-endian machine")}) {
+    EXPECT_TRUE(is_mat_file(header(version)));
+    EXPECT_EQ(read_mat(header(version), "f.mat", {"a"}).error().message, part);
+  }
+}
+
+TEST_F(MatFileTest, IsTooLargeRatherThanDamagedWhereItUnpacksToMoreThanAllowed) {
+  put("a", Eigen::MatrixXd::Zero(1000, 1000), MAT_COMPRESSION_ZLIB);
+  const std::string packed = bytes();
+  EXPECT_TRUE(checked_and_inflated(packed, "f.mat", std::size_t{8} << 20));
+  const auto inflated = checked_and_inflated(packed, "f.mat", std::size_t{7} << 20);
+  ASSERT_FALSE(inflated);
+  EXPECT_EQ(inflated.error().kind, ErrorKind::kTooLarge);
+  EXPECT_EQ(inflated.error().message, "f.mat: unpacks to more than 7 MB");
 }
 
 TEST_F(MatFileTest, NoticesEveryFlippedBitOfACompressedVariable) {

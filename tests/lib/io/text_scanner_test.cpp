@@ -6,9 +6,12 @@
 #include <cstdlib>
 #include <mapjoin/io/text_scanner.hpp>
 #include <string>
+#include <vector>
 
 namespace mapjoin {
 namespace {
+
+using ::testing::HasSubstr;
 
 /// The message about the first line of `text`, read as `numbers` numbers.
 std::string message_about(const std::string& text, int numbers) {
@@ -69,10 +72,35 @@ TEST(TextScanner, ReadsAPlusSignAndWhatIsTooSmallForADouble) {
   EXPECT_TRUE(text.finish_line());
 }
 
-TEST(TextScanner, RefusesWhatIsNoFiniteNumber) {
-  for (const char* const word : {"nan", "inf", "-inf", "1e400", "1,5", "0x10", "1.2.3", "--1", "+-1", "1e", "x"}) {
-    EXPECT_EQ(message_about(word, 1), "some.txt:1:1: '" + std::string(word) + "' stands where a number is expected");
+TEST(TextScanner, TakesANumberThatIsTooSmallForZeroHoweverItIsWritten) {
+  const std::string small = "0." + std::string(400, '0') + "1";
+  for (const std::string& word :
+       std::vector<std::string>{small, small + "e5", "1000e-400", "1e-99999999999999999999", "-.5E-350"}) {
+    TextScanner text("some.txt", word);
+    ASSERT_TRUE(text.next_line());
+    EXPECT_EQ(text.number(), 0.0) << word;
+    EXPECT_TRUE(text.finish_line()) << word;
   }
+}
+
+TEST(TextScanner, APlaceBeforeTheFirstWordIsWhereItWillBe) {
+  TextScanner text("some.txt", "a\n  \n  b\n");
+  for (const Place expected : {Place{1, 1}, Place{3, 3}}) {
+    ASSERT_TRUE(text.next_line());
+    EXPECT_EQ(text.place().line, expected.line);
+    EXPECT_EQ(text.place().column, expected.column);
+  }
+  EXPECT_FALSE(text.next_line());
+  EXPECT_EQ(text.error("the end").value().message, "some.txt:4:1: the end");
+}
+
+TEST(TextScanner, RefusesWhatIsNoFiniteNumber) {
+  const std::string too_large = "1" + std::string(400, '0') + "e-5";
+  for (const std::string word : {"nan", "inf", "-inf", "1e400", "0.001e400", "1e99999999999999999999", "1,5", "0x10", "1.2.3",
+                                 "--1", "+-1", "1e", "x"}) {
+    EXPECT_EQ(message_about(word, 1), "some.txt:1:1: '" + word + "' stands where a number is expected");
+  }
+  EXPECT_THAT(message_about(too_large, 1), HasSubstr("stands where a number is expected"));
 }
 
 TEST(TextScanner, NamesLineAndColumnOfTheFirstFailureOnly) {

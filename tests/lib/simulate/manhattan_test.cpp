@@ -184,5 +184,14 @@ TEST(ManhattanTest, EveryViolationIsNamed) {
   EXPECT_THAT(ManhattanOptions{}.validate(), ::testing::IsEmpty());
 }
 
+TEST(Manhattan, EndsWithAWholeLogOnceAStopIsRequested) {
+  std::stop_source source;
+  source.request_stop();
+  const auto [log, truth] = simulate_manhattan<2>({.poses = ManhattanOptions::kMostPoses}, source.get_token());
+  EXPECT_EQ(log.poses.size(), 1u);
+  EXPECT_EQ(log.sessions.at(0).end, 1);
+  EXPECT_EQ(truth.poses.size(), 1u);
+}
+
 }  // namespace
 }  // namespace mapjoin
