@@ -3,6 +3,7 @@
 #include <unistd.h>
 
 #include <apps/output_folder.hpp>
+#include <mapjoin/io/system_call.hpp>
 #include <system_error>
 #include <utility>
 
@@ -11,7 +12,7 @@ namespace fs = std::filesystem;
 namespace {
 
 tl::unexpected<Error> cannot_write(const fs::path& path, const std::error_code& reason) {
-  return tl::unexpected(Error{ErrorKind::kCannotWrite, fmt::format("{}: {}", path.string(), reason.message())});
+  return call_failed(path, reason.value(), ErrorKind::kCannotWrite);
 }
 
 /// The folders on the way to `path` that are not there, innermost first.
