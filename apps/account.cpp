@@ -56,7 +56,9 @@ template <int Dim>
 void Account::describe(const RunResult<Dim>& result) {
   figures = static_cast<const RunFigures&>(result);
   has_local_maps = is_joined = true;
-  for (const Index pose : result.map.gauge) held.push_back(result.map.pose_ids[static_cast<std::size_t>(pose)]);
+  const auto& ids = result.map.pose_ids;
+  for (const Index pose : result.map.gauge) held.push_back(ids[static_cast<std::size_t>(pose)]);
+  for (const MapFit& fit : result.maps) map_bases.push_back(ids[static_cast<std::size_t>(fit.base)]);
 }
 
 double peak_memory_mb() {

@@ -6,6 +6,7 @@
 #include <chrono>
 #include <cstdint>
 #include <mapjoin/io/store.hpp>
+#include <mapjoin/join/consistency.hpp>
 #include <mapjoin/join/run.hpp>
 #include <mapjoin/model/conventions.hpp>
 #include <mapjoin/model/ids.hpp>
@@ -63,7 +64,11 @@ struct Account {
   bool is_resumed = false;      ///< The iterations in `figures` are only those since a build went on.
   bool is_joined = false;       ///< and what came of joining them.
   RunFigures figures;
-  std::vector<PoseId> held;  ///< The gauge: poses held still.
+  std::vector<PoseId> held;                ///< The gauge: poses held still.
+  std::vector<PoseId> map_bases;           ///< Of `figures.maps`: the poses that they start from.
+  std::optional<Estimate> covariances;     ///< Which estimate's were asked for, if any.
+  std::optional<Consistency> consistency;  ///< With the truth, where that was given.
+  double covariance_seconds = 0.0;
   double read_seconds = 0.0;
   double write_seconds = 0.0;
   std::vector<std::string> files;  ///< Written, in their order.

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <apps/call.hpp>
 #include <apps/console.hpp>
+#include <apps/covariance_file.hpp>
 #include <apps/map_file.hpp>
 #include <apps/report.hpp>
 #include <apps/summary.hpp>
@@ -64,6 +65,8 @@ Call::Call(const std::string& command, const Options& options, std::stop_token s
       progress_(!options.quiet),
       run_options_(options.run) {
   run_options_.progress = progress_.callback();
+  run_options_.covariances = options.covariances || !options.truth.empty();
+  run_options_.most_memory = static_cast<std::int64_t>(1e6 * std::min(options.most_memory_mb, 1e12));
 }
 
 Expected<void> Call::check_report() const {
@@ -71,7 +74,16 @@ Expected<void> Call::check_report() const {
 }
 
 Expected<void> Call::check_outputs() const {
-  return check_map_writable(options_.output).and_then([&] { return check_report(); });
+  return check_map_writable(options_.output)
+      .and_then([&] { return options_.covariances ? check_writable(covariance_file(options_.output)) : Expected<void>(); })
+      .and_then([&] { return check_report(); });
+}
+
+Expected<void> Call::read_truth() {
+  if (options_.truth.empty()) return {};
+  return timed(account.read_seconds, [&] { return TruthFile::open(options_.truth); }).map([&](TruthFile&& truth) {
+    truth_ = std::move(truth);
+  });
 }
 
 Expected<AnyLog> Call::read_log() {
@@ -103,19 +115,42 @@ Expected<void> Call::check_interrupted() const {
 }
 
 template <int Dim>
-Expected<void> Call::take(const RunResult<Dim>& result) {
-  account.describe(result);
-  if (!is_finite(result.map)) return bad_input(account.input + ": its numbers are too large: the map is not finite");
-  return check_interrupted();
+Expected<void> Call::certify(RunResult<Dim>& result) {
+  if (!result.covariances) return {};
+  account.covariances = result.covariances->estimate();
+  return timed(account.covariance_seconds, [&]() -> Expected<void> {
+    if (options_.covariances) {
+      auto marginals = result.covariances->marginals();
+      if (!marginals) return tl::unexpected(marginals.error());
+      result.map.pose_covariances = std::move(marginals->poses);
+      result.map.feature_covariances = std::move(marginals->features);
+    }
+    if (!truth_) return {};
+    const auto found =
+        truth_->of(result.map).and_then([&](const Truth<Dim>& truth) { return consistency(*result.covariances, truth); });
+    if (!found) return tl::unexpected(found.error());
+    account.consistency = *found;
+    return {};
+  });
 }
 
 template <int Dim>
-Expected<void> Call::write_map(const RunResult<Dim>& result, const Log<Dim>* log) {
+Expected<void> Call::take(RunResult<Dim>& result) {
+  account.describe(result);
+  if (!is_finite(result.map)) return bad_input(account.input + ": its numbers are too large: the map is not finite");
+  return certify(result).and_then([&] { return check_interrupted(); });
+}
+
+template <int Dim>
+Expected<void> Call::write_map(RunResult<Dim>& result, const Log<Dim>* log) {
   if (auto taken = take(result); !taken) return taken;
   auto files = timed(account.write_seconds, [&] { return write_map_file(result.map, log, options_.output); });
   if (!files) return tl::unexpected(files.error());
   account.files = std::move(*files);
-  return {};
+  if (!options_.covariances) return {};
+  const auto beside = covariance_file(options_.output);
+  account.files.push_back(beside.string());
+  return timed(account.write_seconds, [&] { return write_covariances(result.map, *account.covariances, beside); });
 }
 
 Expected<ExitCode> Call::conclude() {
@@ -135,9 +170,9 @@ Expected<ExitCode> Call::conclude() {
   return ExitCode::kDidNotConverge;
 }
 
-template Expected<void> Call::take(const RunResult<2>&);
-template Expected<void> Call::take(const RunResult<3>&);
-template Expected<void> Call::write_map(const RunResult<2>&, const Log<2>*);
-template Expected<void> Call::write_map(const RunResult<3>&, const Log<3>*);
+template Expected<void> Call::take(RunResult<2>&);
+template Expected<void> Call::take(RunResult<3>&);
+template Expected<void> Call::write_map(RunResult<2>&, const Log<2>*);
+template Expected<void> Call::write_map(RunResult<3>&, const Log<3>*);
 
 }  // namespace mapjoin::apps

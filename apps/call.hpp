@@ -7,7 +7,9 @@
 #include <apps/account.hpp>
 #include <apps/exit_code.hpp>
 #include <apps/progress.hpp>
+#include <apps/truth_file.hpp>
 #include <mapjoin/io/open_maps.hpp>
+#include <optional>
 #include <stop_token>
 #include <string>
 
@@ -21,6 +23,8 @@ class Call {
   /// kCannotWrite where the report, or the output as files of a map, cannot be made: better now than after the work.
   Expected<void> check_report() const;
   Expected<void> check_outputs() const;
+  /// The truth, where there is one, likewise before the work.
+  Expected<void> read_truth();
   /// The input as a log, with the weights asked for.
   Expected<AnyLog> read_log();
   /// The input as local maps; those of a store have the weights that they were built with (kUsage where others are asked
@@ -34,13 +38,13 @@ class Call {
   const Options& options() const { return options_; }
   const std::stop_token& stop() const { return stop_; }
 
-  /// Accounts for a result. Bad input where the map is not finite; kInterrupted where a stop was requested.
+  /// Accounts for a result, and certifies it. Bad input where the map is not finite; kInterrupted where a stop was requested.
   template <int Dim>
-  Expected<void> take(const RunResult<Dim>& result);
-  /// Takes a result and writes it as one file, in the format that the extension of the path names. `log`, where it is known,
-  /// gives edges.
+  Expected<void> take(RunResult<Dim>& result);
+  /// Takes a result and writes it as one file, in the format that the extension of the path names, with its covariances
+  /// beside it. `log`, where it is known, gives edges.
   template <int Dim>
-  Expected<void> write_map(const RunResult<Dim>& result, const Log<Dim>* log);
+  Expected<void> write_map(RunResult<Dim>& result, const Log<Dim>* log);
 
   /// Report and summary; the exit code by how the work ended.
   Expected<ExitCode> conclude();
@@ -48,11 +52,16 @@ class Call {
   Account account;
 
  private:
+  /// What was asked of a result's certainty: its covariances into its map, its errors against the truth into the account.
+  template <int Dim>
+  Expected<void> certify(RunResult<Dim>& result);
+
   const Options& options_;
   std::stop_token stop_;
   tbb::global_control threads_;
   Progress progress_;
   RunOptions run_options_;
+  std::optional<TruthFile> truth_;
 };
 
 }  // namespace mapjoin::apps

@@ -33,6 +33,7 @@ std::vector<std::string> check_distinct(const NamedFiles& files) {
 
 NamedFiles files_of(const Options& options, const std::string& argument) {
   NamedFiles files = {{argument, options.input}, {"--output", options.output}};
+  if (options.truth != options.input) files.emplace_back("--truth", options.truth);
   if (!options.report_on_stdout()) files.emplace_back("--report", options.report);
   return files;
 }

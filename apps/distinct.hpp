@@ -17,7 +17,7 @@ using NamedFiles = std::vector<std::pair<std::string, std::filesystem::path>>;
 /// what is there but not a regular file, such as /dev/null, are like no other.
 std::vector<std::string> check_distinct(const NamedFiles& files);
 
-/// The input, under the name of its argument, the output and the report.
+/// The input, under the name of its argument, the output, the truth, unless it is the input, and the report.
 NamedFiles files_of(const Options& options, const std::string& argument);
 
 }  // namespace mapjoin::apps

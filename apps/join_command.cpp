@@ -16,7 +16,7 @@ constexpr const char* kExamples =
 
 template <int Dim>
 Expected<ExitCode> join_any(Call& call, const MapSet<Dim>& set) {
-  const auto result = run(set, call.run_options(), call.stop());
+  auto result = run(set, call.run_options(), call.stop());
   if (!result) return tl::unexpected(result.error());
   if (auto written = call.write_map(*result, static_cast<const Log<Dim>*>(nullptr)); !written) {
     return tl::unexpected(written.error());
@@ -29,7 +29,7 @@ Expected<ExitCode> join_any(Call& call, const StoredMaps<Dim>& stored) {
   const Split parts = split_along(stored.log, stored.stretches);
   // What is wrong with the log in a store is said of the store.
   const auto of_store = [&](const Error& error) { return Error{error.kind, call.account.input + ": " + error.message}; };
-  const auto result = run_from_maps(stored.log, parts, stored.maps, call.run_options(), call.stop()).map_error(of_store);
+  auto result = run_from_maps(stored.log, parts, stored.maps, call.run_options(), call.stop()).map_error(of_store);
   if (!result) return tl::unexpected(result.error());
   if (auto written = call.write_map(*result, &stored.log); !written) return tl::unexpected(written.error());
   return call.conclude();
@@ -37,7 +37,9 @@ Expected<ExitCode> join_any(Call& call, const StoredMaps<Dim>& stored) {
 
 Expected<ExitCode> join_maps(const Options& options, const std::stop_token& stop) {
   Call call("join", options, stop);
-  if (auto writable = call.check_outputs(); !writable) return tl::unexpected(writable.error());
+  if (auto ready = call.check_outputs().and_then([&] { return call.read_truth(); }); !ready) {
+    return tl::unexpected(ready.error());
+  }
   const auto maps = call.read_maps();
   if (!maps) return tl::unexpected(maps.error());
   return std::visit([&](const auto& any) { return join_any(call, any); }, *maps);
@@ -55,6 +57,7 @@ std::unique_ptr<Subcommand> join_command(CLI::App& app) {
   add_solver(*command, *options);
   add_polish(*command, *options);
   add_weights(*command, *options);
+  add_certainty(*command, *options);
   add_reporting(*command, *options);
   command->check([options] { return check_distinct(files_of(*options, "MAPS")); });
   command->act([options](const std::stop_token& stop) { return join_maps(*options, stop); });

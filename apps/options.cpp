@@ -110,6 +110,15 @@ void add_solver(Subcommand& command, Options& options) {
                       "At most so many steps of every solve [" + std::to_string(solver.max_iterations) + "]");
 }
 
+void add_certainty(Subcommand& command, Options& options) {
+  command.group("Certainty");
+  command.flag("--covariances", options.covariances, "Write the covariance of every pose and feature: CSV columns, and JSON");
+  command.path("--truth", options.truth, "FILE",
+               "Weigh the errors against this map by their covariances (NEES): .tum (poses only), else g2o with vertices");
+  command.number<double>("--max-memory", options.most_memory_mb, 0.0, "MB",
+                         "For covariances, which are refused where they take more [as much as there is]");
+}
+
 void add_reporting(Subcommand& command, Options& options) {
   command.group("Running and reporting");
   command.number<int>("--jobs", options.jobs, 1, "N", "Threads; the result is the same for any number [all processors]",

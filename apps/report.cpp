@@ -54,6 +54,20 @@ Json local_maps_of(const Account& account) {
           {"seconds", figures.seconds.build}};
 }
 
+/// How each local map fits into the join.
+Json map_fits_of(const Account& account) {
+  Json fits = Json::array();
+  for (std::size_t m = 0; m < account.map_bases.size(); ++m) {
+    const MapFit& fit = account.figures.maps[m];
+    fits.push_back({{"session", account.map_bases[m].session},
+                    {"pose", account.map_bases[m].key},
+                    {"chi2", fit.chi2},
+                    {"rows", fit.rows},
+                    {"probability", fit.probability()}});
+  }
+  return fits;
+}
+
 Json join_of(const Account& account) {
   const RunFigures& figures = account.figures;
   const bool done = account.is_joined;
@@ -65,6 +79,7 @@ Json join_of(const Account& account) {
           {"iterations", value_if(done, figures.join.iterations)},
           {"chi2", value_if(done, figures.join.chi2)},
           {"dof", value_if(done, figures.join_dof)},
+          {"maps", value_if(done, map_fits_of(account))},
           {"seconds", figures.seconds.join}};
 }
 
@@ -74,11 +89,29 @@ Json polish_of(const Account& account) {
   return {{"status", to_string(polish.status)}, {"iterations", polish.iterations}, {"chi2", polish.chi2}};
 }
 
+Json nees_of(const std::optional<Consistency>& consistency, Nees Consistency::*part) {
+  const Nees nees = consistency ? (*consistency).*part : Nees{};
+  const bool known = nees.dimensions > 0;
+  return {{"value", value_if(known, nees.value)},
+          {"dimensions", nees.dimensions},
+          {"least", value_if(known, nees.least())},
+          {"most", value_if(known, nees.most())},
+          {"probability", value_if(known, nees.probability())}};
+}
+
+Json certainty_of(const Account& account) {
+  return {{"estimate", account.covariances ? Json(to_string(*account.covariances)) : Json()},
+          {"nees",
+           {{"poses", nees_of(account.consistency, &Consistency::poses)},
+            {"features", nees_of(account.consistency, &Consistency::features)},
+            {"joint", nees_of(account.consistency, &Consistency::joint)}}}};
+}
+
 Json seconds_of(const Account& account) {
   const RunSeconds& seconds = account.figures.seconds;
-  return {{"read", account.read_seconds},    {"build", seconds.build},   {"join", seconds.join},
-          {"recover", seconds.recover},      {"polish", seconds.polish}, {"write", account.write_seconds},
-          {"total", account.total_seconds()}};
+  return {{"read", account.read_seconds},   {"build", seconds.build},          {"join", seconds.join},
+          {"recover", seconds.recover},     {"polish", seconds.polish},        {"covariances", account.covariance_seconds},
+          {"write", account.write_seconds}, {"total", account.total_seconds()}};
 }
 
 }  // namespace
@@ -98,6 +131,7 @@ std::string report(const Account& account) {
   json["chi2"] = value_if(account.is_joined, figures.chi2);
   json["dof"] = value_if(account.is_joined, figures.dof);
   json["gauge"] = gauge_of(account);
+  json["certainty"] = certainty_of(account);
   json["files"] = account.files;
   json["seconds"] = seconds_of(account);
   json["peak_memory_mb"] = peak_memory_mb();

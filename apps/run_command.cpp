@@ -3,6 +3,7 @@
 
 #include <apps/call.hpp>
 #include <apps/commands.hpp>
+#include <apps/covariance_file.hpp>
 #include <apps/distinct.hpp>
 #include <apps/output_folder.hpp>
 #include <apps/picture.hpp>
@@ -21,36 +22,47 @@ constexpr const char* kExamples =
     "  mapjoin run data/manhattan2d.g2o -o result\n"
     "  mapjoin run data/manhattan3d.g2o --poses-per-map 20 --report -";
 
-const std::vector<std::string> kFiles = {"map.g2o", "trajectory.tum", "poses.csv", "features.csv", "map.svg", "report.json"};
+/// The files of the folder.
+std::vector<std::string> names_of(const Options& options) {
+  std::vector<std::string> names = {"map.g2o", "trajectory.tum", "poses.csv", "features.csv", "map.svg"};
+  if (options.covariances) names.emplace_back("covariances.json");
+  names.emplace_back("report.json");
+  return names;
+}
 
 /// The input, the report, and the files of the folder.
 NamedFiles all_files(const Options& options) {
   NamedFiles files = files_of(options, "LOG");
   if (options.output.empty()) return files;
-  for (const std::string& name : kFiles) files.emplace_back("--output", options.output / name);
+  for (const std::string& name : names_of(options)) files.emplace_back("--output", options.output / name);
   return files;
 }
 
 template <int Dim>
-Expected<void> write_map_files(const GlobalMap<Dim>& map, const Log<Dim>& log, const OutputFolder& folder) {
+Expected<void> write_map_files(const Call& call, const GlobalMap<Dim>& map, const Log<Dim>& log, const OutputFolder& folder) {
   return write_g2o(map, &log, folder.aside("map.g2o"))
       .and_then([&] { return write_tum(map, folder.aside("trajectory.tum")); })
       .and_then([&] { return write_csv(map, folder.aside("poses.csv"), folder.aside("features.csv")); })
-      .and_then([&] { return write_picture(map, dead_reckoning(log, map), log.sessions, folder.aside("map.svg")); });
+      .and_then([&] { return write_picture(map, dead_reckoning(log, map), log.sessions, folder.aside("map.svg")); })
+      .and_then([&] {
+        if (!call.options().covariances) return Expected<void>();
+        return write_covariances(map, *call.account.covariances, folder.aside("covariances.json"));
+      });
 }
 
 template <int Dim>
 Expected<void> write_folder(Call& call, const RunResult<Dim>& result, const Log<Dim>& log, OutputFolder& folder) {
-  for (const std::string& name : kFiles) call.account.files.push_back(folder.file(name).string());
-  return timed(call.account.write_seconds, [&] { return write_map_files(result.map, log, folder); })
+  const std::vector<std::string> names = names_of(call.options());
+  for (const std::string& name : names) call.account.files.push_back(folder.file(name).string());
+  return timed(call.account.write_seconds, [&] { return write_map_files(call, result.map, log, folder); })
       .and_then([&] { return write_report(call.account, folder.aside("report.json")); })
       .and_then([&] { return call.check_interrupted(); })
-      .and_then([&] { return folder.commit(kFiles); });
+      .and_then([&] { return folder.commit(names); });
 }
 
 template <int Dim>
 Expected<ExitCode> run_on(Call& call, const Log<Dim>& log, std::optional<OutputFolder>& folder) {
-  const auto result = run(log, call.run_options(), call.stop());
+  auto result = run(log, call.run_options(), call.stop());
   if (!result) return tl::unexpected(result.error());
   if (auto taken = call.take(*result); !taken) return tl::unexpected(taken.error());
   if (folder) {
@@ -67,7 +79,9 @@ Expected<ExitCode> run_log(const Options& options, const std::stop_token& stop) 
     if (!made) return tl::unexpected(made.error());
     folder.emplace(std::move(*made));
   }
-  if (auto writable = call.check_report(); !writable) return tl::unexpected(writable.error());
+  if (auto ready = call.check_report().and_then([&] { return call.read_truth(); }); !ready) {
+    return tl::unexpected(ready.error());
+  }
   const auto log = call.read_log();
   if (!log) return tl::unexpected(log.error());
   return std::visit([&](const auto& any) { return run_on(call, any, folder); }, *log);
@@ -87,6 +101,7 @@ std::unique_ptr<Subcommand> run_command(CLI::App& app) {
   add_solver(*command, *options);
   add_polish(*command, *options);
   add_reading(*command, *options);
+  add_certainty(*command, *options);
   add_reporting(*command, *options);
   command->check([options] { return check_distinct(all_files(*options)); });
   command->act([options](const std::stop_token& stop) { return run_log(*options, stop); });

@@ -16,7 +16,7 @@ constexpr const char* kExamples =
 
 template <int Dim>
 Expected<ExitCode> solve_log(Call& call, const Log<Dim>& log) {
-  const auto result = solve(log, call.run_options(), call.stop());
+  auto result = solve(log, call.run_options(), call.stop());
   if (!result) return tl::unexpected(result.error());
   if (auto written = call.write_map(*result, &log); !written) return tl::unexpected(written.error());
   return call.conclude();
@@ -24,7 +24,9 @@ Expected<ExitCode> solve_log(Call& call, const Log<Dim>& log) {
 
 Expected<ExitCode> solve_input(const Options& options, const std::stop_token& stop) {
   Call call("solve", options, stop);
-  if (auto writable = call.check_outputs(); !writable) return tl::unexpected(writable.error());
+  if (auto ready = call.check_outputs().and_then([&] { return call.read_truth(); }); !ready) {
+    return tl::unexpected(ready.error());
+  }
   const auto log = call.read_log();
   if (!log) return tl::unexpected(log.error());
   return std::visit([&](const auto& any) { return solve_log(call, any); }, *log);
@@ -41,6 +43,7 @@ std::unique_ptr<Subcommand> solve_command(CLI::App& app) {
   add_schedule(*command, *options);
   add_solver(*command, *options);
   add_reading(*command, *options);
+  add_certainty(*command, *options);
   add_reporting(*command, *options);
   command->check([options] { return check_distinct(files_of(*options, "LOG")); });
   command->act([options](const std::stop_token& stop) { return solve_input(*options, stop); });

@@ -55,11 +55,28 @@ std::string gauge_in_words(const Account& account) {
                      count_of(account.held.size() - 1, "pose", "poses"));
 }
 
+std::string nees_in_words(std::string_view what, const Nees& nees) {
+  const std::string_view verdict = nees.value > nees.most()    ? "OVERCONFIDENT"
+                                   : nees.value < nees.least() ? "cautious"
+                                                               : "consistent";
+  return fmt::format("{} {:.1f} over {} dimensions, {} ({:.0f} to {:.0f} in 98 of 100)", what, nees.value, nees.dimensions,
+                     verdict, nees.least(), nees.most());
+}
+
+void add_consistency(const Account& account, Lines& lines) {
+  if (!account.consistency) return;
+  const auto& [poses, features, joint] = *account.consistency;
+  for (const auto& [what, nees] : {std::pair{"poses", &poses}, {"features", &features}, {"joint", &joint}}) {
+    if (nees->dimensions > 0) lines.add("NEES", nees_in_words(what, *nees));
+  }
+}
+
 std::string seconds_in_words(const Account& account) {
   const RunSeconds& seconds = account.figures.seconds;
-  const std::pair<const char*, double> stages[] = {{"read", account.read_seconds}, {"build", seconds.build},
-                                                   {"join", seconds.join},         {"recover", seconds.recover},
-                                                   {"polish", seconds.polish},     {"write", account.write_seconds}};
+  const std::pair<const char*, double> stages[] = {{"read", account.read_seconds},  {"build", seconds.build},
+                                                   {"join", seconds.join},          {"recover", seconds.recover},
+                                                   {"polish", seconds.polish},      {"covariances", account.covariance_seconds},
+                                                   {"write", account.write_seconds}};
   std::vector<std::string> words;
   for (const auto& [stage, taken] : stages) {
     if (taken > 0.0) words.push_back(fmt::format("{} {:.2f}", stage, taken));
@@ -73,6 +90,7 @@ void add_result(const Account& account, Lines& lines) {
   if (figures.recovered_chi2) lines.add("recovered", recovered_in_words(figures));
   if (figures.polish) lines.add("polished", solve_in_words(*figures.polish));
   lines.add("chi2", fmt::format("{:.10g}, dof {}, {}", figures.chi2, figures.dof, gauge_in_words(account)));
+  add_consistency(account, lines);
 }
 
 }  // namespace

@@ -7,6 +7,7 @@
 #include <mapjoin/join/join_problem.hpp>
 #include <mapjoin/join/placement.hpp>
 #include <mapjoin/join/world.hpp>
+#include <mapjoin/measure/chi_squared.hpp>
 #include <mapjoin/model/information_rank.hpp>
 #include <utility>
 
@@ -14,9 +15,18 @@ namespace mapjoin {
 namespace {
 
 template <int Dim>
-std::int64_t measured_rows(const Piece<Dim>& piece, const Gauge<Dim>& gauge) {
+std::vector<MapFit> map_fits(const JointSystem<Dim>& system) {
+  std::vector<MapFit> fits;
+  for (const auto& placed : system.maps()) {
+    fits.push_back({placed.map->base, map_chi2<Dim>(placed, system.estimate()), information_rank(placed.map->information)});
+  }
+  return fits;
+}
+
+template <int Dim>
+std::int64_t measured_rows(const Piece<Dim>& piece, const Gauge<Dim>& gauge, const std::vector<MapFit>& maps) {
   std::int64_t rows = 0;
-  for (const auto* map : piece.maps) rows += information_rank(map->information);
+  for (const MapFit& map : maps) rows += map.rows;
   for (const auto* list : {&piece.pose_observations, &gauge.pose_priors}) {
     for (const auto* o : *list) rows += information_rank(o->information);
   }
@@ -70,6 +80,10 @@ tl::unexpected<Error> interrupted() {
 
 }  // namespace
 
+double MapFit::probability() const {
+  return chi_squared_upper_tail(chi2, static_cast<double>(rows));
+}
+
 template <int Dim>
 Expected<Join<Dim>> join(const Network<Dim>& network, const std::vector<PoseId>& pose_ids,
                          const std::vector<FeatureId>& feature_ids, const JoinOptions<Dim>& options,
@@ -94,7 +108,8 @@ Expected<Join<Dim>> join(const Network<Dim>& network, const std::vector<PoseId>&
   }
   result.state = state_of(network, whole, problem.estimate());
   for (const Index place : gauge.held) result.held.push_back(whole.poses[static_cast<std::size_t>(place)]);
-  result.rows = measured_rows(whole, gauge);
+  result.maps = map_fits(problem.system());
+  result.rows = measured_rows(whole, gauge, result.maps);
   result.poses = std::move(whole.poses);
   result.features = std::move(whole.features);
   result.system = std::make_unique<JointSystem<Dim>>(std::move(problem.system()));

@@ -28,6 +28,17 @@ struct JoinOptions {
   std::function<void(std::size_t, std::size_t)> progress;  ///< As in ScheduleOptions.
 };
 
+/// How a local map fits into the join: its residual there, as an observation.
+struct MapFit {
+  Index base = 0;  ///< The pose that it starts from.
+  double chi2 = 0.0;
+  std::int64_t rows = 0;  ///< Measured ones, private features left out: their residuals follow the others'.
+
+  /// Of a larger chi2, if the map is as certain as it says. The join adapts itself to the map, so that the probability is
+  /// rather too large than too small.
+  double probability() const;
+};
+
 template <int Dim>
 struct Join {
   MinimiseResult result;
@@ -36,6 +47,7 @@ struct Join {
   std::vector<Index> features;               ///< Its features: all but the private ones.
   std::vector<Index> held;                   ///< The poses that hold the map still; empty where priors do.
   std::unique_ptr<JointSystem<Dim>> system;  ///< Of the last join, for polishing.
+  std::vector<MapFit> maps;                  ///< Of the network's maps, in their order.
   std::int64_t rows = 0;                     ///< Measured rows of the maps and observations, private features left out.
   std::int64_t dof() const { return rows - static_cast<std::int64_t>(system->equations().size()); }
 };

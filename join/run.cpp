@@ -128,6 +128,7 @@ Expected<void> join_and_polish(const Log<Dim>& log, const Split& split, std::vec
   if (!joined) return tl::unexpected(of_source(log.source, joined.error()));
   result.join = joined->result;
   result.join_dof = joined->dof();
+  result.maps = joined->maps;
   State<Dim> state = std::move(joined->state);
   {
     const Stopwatch watch(result.seconds.recover);
@@ -214,6 +215,7 @@ Expected<RunResult<Dim>> run(const MapSet<Dim>& set, const RunOptions& options, 
   if (!joined) return tl::unexpected(of_source(set.source, joined.error()));
   result.join = joined->result;
   result.join_dof = result.dof = joined->dof();
+  result.maps = joined->maps;
   result.chi2 = joined->result.chi2;
   State<Dim> state = std::move(joined->state);
   write_map(set, state, joined->held, result);

@@ -55,6 +55,7 @@ struct RunFigures {
   std::int64_t build_iterations = 0;
   MinimiseResult join;
   std::int64_t join_dof = 0;
+  std::vector<MapFit> maps;              ///< How each local map fits into the join.
   std::optional<double> recovered_chi2;  ///< Of the whole log before polishing.
   std::size_t unrecovered = 0;  ///< Segments whose interior did not converge when it was recovered; polishing cures it.
   std::optional<MinimiseResult> polish;

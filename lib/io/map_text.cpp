@@ -6,9 +6,18 @@
 #include <mapjoin/io/map_text.hpp>
 #include <mapjoin/io/output_file.hpp>
 #include <mapjoin/io/text_line.hpp>
+#include <string>
+#include <vector>
 
 namespace mapjoin {
 namespace {
+
+/// `cov_x_x`, `cov_x_y`, …: the columns of add_symmetric().
+void add_covariance_names(const std::vector<std::string>& coordinates, TextLine& line) {
+  for (std::size_t i = 0; i < coordinates.size(); ++i) {
+    for (std::size_t j = i; j < coordinates.size(); ++j) line.add(fmt::format("cov_{}_{}", coordinates[i], coordinates[j]));
+  }
+}
 
 const Pose<3>& in_space(const Pose<3>& pose) {
   return pose;
@@ -27,11 +36,15 @@ void put_poses(const GlobalMap<Dim>& map, OutputFile& file) {
   if (has_sessions) line.add("session");
   line.add(Dim == 2 ? "pose,x,y,phi" : "pose,x,y,z,qx,qy,qz,qw");
   if (has_stamps) line.add("stamp_ns");
+  const bool has_covariances = !map.pose_covariances.empty();
+  if (has_covariances && Dim == 2) add_covariance_names({"x", "y", "phi"}, line);
+  if (has_covariances && Dim == 3) add_covariance_names({"x", "y", "z", "rx", "ry", "rz"}, line);
   line.write_to(file);
   for (std::size_t i = 0; i < map.poses.size(); ++i) {
     if (has_sessions) line.add(map.pose_ids[i].session);
     line.add(map.pose_ids[i].key).add(map.poses[i]);
     if (has_stamps) line.add(map.stamps_ns[i]);
+    if (has_covariances) line.add_symmetric<kPoseDof<Dim>>(map.pose_covariances[i]);
     line.write_to(file);
   }
 }
@@ -39,9 +52,15 @@ void put_poses(const GlobalMap<Dim>& map, OutputFile& file) {
 template <int Dim>
 void put_features(const GlobalMap<Dim>& map, OutputFile& file) {
   TextLine line(',');
-  line.add(Dim == 2 ? "feature,x,y" : "feature,x,y,z").write_to(file);
+  line.add(Dim == 2 ? "feature,x,y" : "feature,x,y,z");
+  const bool has_covariances = !map.feature_covariances.empty();
+  if (has_covariances && Dim == 2) add_covariance_names({"x", "y"}, line);
+  if (has_covariances && Dim == 3) add_covariance_names({"x", "y", "z"}, line);
+  line.write_to(file);
   for (std::size_t i = 0; i < map.features.size(); ++i) {
-    line.add(map.feature_ids[i].key).template add<Dim>(map.features[i]).write_to(file);
+    line.add(map.feature_ids[i].key).template add<Dim>(map.features[i]);
+    if (has_covariances) line.template add_symmetric<Dim>(map.feature_covariances[i]);
+    line.write_to(file);
   }
 }
 

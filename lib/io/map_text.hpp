@@ -23,8 +23,11 @@ Expected<void> write_tum(const GlobalMap<Dim>& map, const std::filesystem::path&
 
 /// Two tables; neither appears unless both could be written.
 /// - Poses: `pose,x,y,phi` or `pose,x,y,z,qx,qy,qz,qw`, under a header with these names (m, rad); before them `session,` where
-///   any pose is of a session other than 0, behind them `,stamp_ns` where the map has stamps.
-/// - Features: `feature,x,y` or `feature,x,y,z`, under a header with these names (m), also where there are none.
+///   any pose is of a session other than 0, behind them `,stamp_ns` where the map has stamps. Then, where the map has
+///   covariances, the upper triangle of the pose's, row by row, as `,cov_x_x,cov_x_y,cov_x_phi,…`; in space over x, y, z and
+///   the rotation vector rx, ry, rz on the right.
+/// - Features: `feature,x,y` or `feature,x,y,z`, under a header with these names (m), also where there are none; then the
+///   covariance, likewise.
 template <int Dim>
 Expected<void> write_csv(const GlobalMap<Dim>& map, const std::filesystem::path& poses, const std::filesystem::path& features);
 

@@ -21,7 +21,7 @@ Expected<void> check_memory(const std::string& what, std::int64_t bytes, std::in
   const std::int64_t most = limit > 0 ? limit : machine_memory();
   if (bytes <= most) return {};
   return tl::unexpected(
-      Error{ErrorKind::kTooLarge, fmt::format("{} would take {:.0f} MB of memory, more than the {:.0f} MB {}", what,
+      Error{ErrorKind::kTooLarge, fmt::format("{} would take {:.1f} MB of memory, more than the {:.1f} MB {}", what,
                                               megabytes(bytes), megabytes(most), limit > 0 ? "allowed" : "of this machine")});
 }
 

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <mapjoin/join/join.hpp>
 #include <mapjoin/join/run.hpp>
 #include <mapjoin/localmap/build.hpp>
@@ -86,6 +87,30 @@ TYPED_TEST(JoinTest, EliminatingPrivateFeaturesChangesNothing) {
   EXPECT_NEAR(a->result.chi2, b->result.chi2, 1e-9 * b->result.chi2);
   EXPECT_EQ(a->dof(), b->dof());
   EXPECT_LT(largest_difference(a->state, b->state), 1e-7);
+}
+
+TYPED_TEST(JoinTest, SaysHowEveryMapFits) {
+  constexpr int kDim = TestFixture::kDim;
+  auto set = this->map_set(small_world<kDim>({.poses = 60, .features = 40, .closures = 0, .noise = 0.01}), 10.0);
+  const auto right = run(set, RunOptions{});
+  ASSERT_TRUE(right);
+  ASSERT_EQ(right->maps.size(), set.maps.size());
+  double chi2 = 0.0;
+  std::int64_t rows = 0;
+  for (std::size_t m = 0; m < set.maps.size(); ++m) {
+    EXPECT_EQ(right->maps[m].base, set.maps[m].base);
+    EXPECT_GT(right->maps[m].probability(), 0.01) << m;
+    chi2 += right->maps[m].chi2;
+    rows += right->maps[m].rows;
+  }
+  EXPECT_NEAR(chi2, right->chi2, 1e-9 * chi2);
+  EXPECT_EQ(rows - right->join_dof, join(network_of(set), set.poses, set.features, {})->system->equations().size());
+
+  for (auto& feature : set.maps[3].feature_estimates) feature[0] += 0.3;  // against the maps on both sides
+  const auto wrong = run(set, RunOptions{});
+  ASSERT_TRUE(wrong);
+  EXPECT_LT(wrong->maps[3].probability(), 1e-6);
+  EXPECT_GT(wrong->maps[0].probability(), 0.01);
 }
 
 TYPED_TEST(JoinTest, AClosureMayLeadEitherWay) {

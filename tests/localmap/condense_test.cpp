@@ -111,5 +111,13 @@ TYPED_TEST(CondenseTest, PrivateIsWhatOneMapAloneMentions) {
             (std::vector<bool>{false, true, false, true, false}));
 }
 
+TYPED_TEST(CondenseTest, CanBeUndone) {
+  const auto whole = uncondensed(condense(this->map, this->is_private));
+  EXPECT_EQ(whole.features, (std::vector<Index>{0, 2, 1, 3, 4}));
+  EXPECT_EQ(whole.information.rows(), this->map.information.rows());
+  const double expected = this->chi2(this->map, this->state);
+  EXPECT_NEAR(this->chi2(whole, this->state), expected, 1e-10 * expected);
+}
+
 }  // namespace
 }  // namespace mapjoin

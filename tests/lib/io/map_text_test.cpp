@@ -58,6 +58,21 @@ TEST_F(MapText, TumHasIndicesWhereThereAreNoStampsAndSaysSo) {
             "1 1e-07 3 0 0 0 0 1\n");
 }
 
+TEST_F(MapText, TablesHaveTheUpperTrianglesOfCovariances) {
+  auto map = plane();
+  const Matrix<3> of_pose = (Matrix<3>() << 1, 2, 3, 2, 4, 5, 3, 5, 6).finished();
+  map.pose_covariances = {Matrix<3>::Zero(), of_pose};
+  map.feature_covariances = {(Matrix<2>() << 7, 8, 8, 9).finished()};
+  const auto [poses, features] = tables<2>(map);
+  EXPECT_EQ(poses,
+            "pose,x,y,phi,cov_x_x,cov_x_y,cov_x_phi,cov_y_y,cov_y_phi,cov_phi_phi\n"
+            "4,0.1,-2,0,0,0,0,0,0,0\n"
+            "7,1e-07,3,6.283185307179586,1,2,3,4,5,6\n");
+  EXPECT_EQ(features,
+            "feature,x,y,cov_x_x,cov_x_y,cov_y_y\n"
+            "9,5,0.3333333333333333,7,8,9\n");
+}
+
 TEST_F(MapText, TumTurnsAHeadingAboutZ) {
   auto map = plane();
   map.poses[0].rotation = Rotation<2>(-2.5);

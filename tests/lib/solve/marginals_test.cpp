@@ -110,7 +110,7 @@ TEST(Memory, IsRefusedBeyondTheLimitInASentence) {
   const auto refused = check_memory("the covariances", 3'000'000, 2'000'000);
   ASSERT_FALSE(refused);
   EXPECT_EQ(refused.error().kind, ErrorKind::kTooLarge);
-  EXPECT_EQ(refused.error().message, "the covariances would take 3 MB of memory, more than the 2 MB allowed");
+  EXPECT_EQ(refused.error().message, "the covariances would take 3.0 MB of memory, more than the 2.0 MB allowed");
   EXPECT_FALSE(check_memory("the covariances", machine_memory() + 1, 0));
 }
 

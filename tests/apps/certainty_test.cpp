@@ -1,0 +1,130 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <fstream>
+#include <sstream>
+#include <tests/apps/command.hpp>
+#include <tests/support/temporary_folder.hpp>
+
+namespace mapjoin::testing {
+namespace {
+
+using nlohmann::json;
+using ::testing::HasSubstr;
+using ::testing::StartsWith;
+
+class Certainty : public ::testing::Test {
+ protected:
+  std::string path(const std::string& name) const { return (folder.path() / name).string(); }
+  void simulate(const std::string& dimension, const std::string& truth) const {
+    const Ended ended = call({"simulate", "--dim", dimension, "--poses", "150", "--seed", "2", "-o", path("log.g2o"), "--truth",
+                              path(truth), "--quiet"});
+    ASSERT_EQ(ended.exit_code, 0) << ended.err;
+  }
+  /// The numbers of a line of a CSV file.
+  static std::vector<double> numbers(const std::string& file, int line) {
+    std::ifstream in(file);
+    std::string text;
+    for (int k = 0; k <= line; ++k) std::getline(in, text);
+    std::vector<double> values;
+    std::istringstream words(text);
+    for (std::string word; std::getline(words, word, ',');) values.push_back(std::stod(word));
+    return values;
+  }
+  TemporaryFolder folder;
+};
+
+TEST_F(Certainty, CovariancesGoIntoTheTablesAndIntoAFileOfTheirOwn) {
+  simulate("2", "truth.g2o");
+  ASSERT_EQ(call({"run", path("log.g2o"), "-o", path("out"), "--covariances", "--quiet"}).exit_code, 0);
+  EXPECT_THAT(content_of(path("out/poses.csv")),
+              StartsWith("pose,x,y,phi,cov_x_x,cov_x_y,cov_x_phi,cov_y_y,cov_y_phi,cov_phi_phi\n0,"));
+  EXPECT_THAT(content_of(path("out/features.csv")), StartsWith("feature,x,y,cov_x_x,cov_x_y,cov_y_y\n"));
+  const json covariances = json::parse(content_of(path("out/covariances.json")));
+  EXPECT_EQ(covariances["estimate"], "polished");
+  EXPECT_EQ(covariances["gauge"]["held_poses"][0]["pose"], 0);
+  EXPECT_EQ(covariances["pose_coordinates"], json({"x", "y", "phi"}));
+  ASSERT_EQ(covariances["poses"].size(), 150U);
+  const std::vector<double> row = numbers(path("out/poses.csv"), 78);
+  EXPECT_EQ(covariances["poses"][77]["pose"], 77);
+  EXPECT_EQ(covariances["poses"][77]["covariance"], json(std::vector<double>(row.begin() + 4, row.end())));
+  EXPECT_GT(row[4], 0.0);
+  const json report = json::parse(content_of(path("out/report.json")));
+  EXPECT_EQ(report["certainty"]["estimate"], "polished");
+  EXPECT_THAT(report["files"].dump(), HasSubstr("covariances.json"));
+}
+
+TEST_F(Certainty, CovariancesOfASingleFileStandBesideIt) {
+  simulate("3", "truth.g2o");
+  ASSERT_EQ(call({"solve", path("log.g2o"), "-o", path("map.csv"), "--covariances", "--quiet"}).exit_code, 0);
+  EXPECT_THAT(content_of(path("map.csv")), HasSubstr("qw,cov_x_x,cov_x_y,cov_x_z,cov_x_rx,"));
+  const json covariances = json::parse(content_of(path("map.covariances.json")));
+  EXPECT_EQ(covariances["estimate"], "joined");
+  EXPECT_EQ(covariances["poses"][5]["covariance"].size(), 21U);
+}
+
+TEST_F(Certainty, AStoreThatIsJoinedHasTheCovariancesOfARun) {
+  simulate("2", "truth.g2o");
+  ASSERT_EQ(call({"run", path("log.g2o"), "-o", path("out"), "--covariances", "--quiet"}).exit_code, 0);
+  ASSERT_EQ(call({"build", path("log.g2o"), "-o", path("maps"), "--quiet"}).exit_code, 0);
+  ASSERT_EQ(call({"join", path("maps"), "-o", path("map.csv"), "--covariances", "--quiet"}).exit_code, 0);
+  EXPECT_EQ(content_of(path("map.covariances.json")), content_of(path("out/covariances.json")));
+}
+
+TEST_F(Certainty, TheTruthIsAMapOrATrajectory) {
+  simulate("2", "truth.g2o");
+  const json whole = report_of({"run", path("log.g2o"), "--truth", path("truth.g2o")})["certainty"]["nees"];
+  for (const std::string part : {"poses", "features", "joint"}) {
+    EXPECT_GT(whole[part]["value"], whole[part]["least"]) << part;
+    EXPECT_LT(whole[part]["value"], whole[part]["most"]) << part;
+  }
+  EXPECT_EQ(whole["poses"]["dimensions"], 149 * 3);
+  simulate("2", "truth.tum");
+  const json poses = report_of({"run", path("log.g2o"), "--truth", path("truth.tum")})["certainty"]["nees"];
+  EXPECT_NEAR(poses["poses"]["value"], whole["poses"]["value"], 1e-6);
+  EXPECT_TRUE(poses["features"]["value"].is_null());
+  EXPECT_EQ(poses["features"]["dimensions"], 0);
+}
+
+TEST_F(Certainty, TheSummaryGivesAVerdict) {
+  simulate("2", "truth.g2o");
+  const Ended ended = call({"run", path("log.g2o"), "--truth", path("truth.g2o")});
+  EXPECT_THAT(ended.out, HasSubstr("NEES         joint "));
+  EXPECT_THAT(ended.out, HasSubstr("dimensions, consistent ("));
+}
+
+TEST_F(Certainty, ATruthThatDoesNotFitIsRefused) {
+  simulate("3", "space.g2o");
+  simulate("2", "truth.g2o");
+  const Ended other = call({"run", path("log.g2o"), "--truth", path("space.g2o")});
+  EXPECT_EQ(other.exit_code, 2);
+  EXPECT_THAT(other.err, HasSubstr("the truth is not in 2D, as the map is"));
+  const Ended no_values = call({"run", path("log.g2o"), "--truth", path("log.g2o")});
+  EXPECT_EQ(no_values.exit_code, 3);
+  EXPECT_EQ(call({"run", path("log.g2o"), "--truth", path("nowhere.tum")}).exit_code, 3);
+}
+
+TEST_F(Certainty, TooMuchMemoryIsRefusedAndNothingIsWritten) {
+  simulate("2", "truth.g2o");
+  const Ended ended = call({"run", path("log.g2o"), "-o", path("out"), "--covariances", "--max-memory", "0.01"});
+  EXPECT_EQ(ended.exit_code, 6);
+  EXPECT_THAT(ended.err, HasSubstr("more than the 0.0 MB allowed"));
+  EXPECT_FALSE(std::filesystem::exists(path("out")));
+}
+
+TEST_F(Certainty, EveryLocalMapSaysHowItFits) {
+  simulate("2", "truth.g2o");
+  const json report = report_of({"run", path("log.g2o")});
+  ASSERT_EQ(report["join"]["maps"].size(), report["local_maps"]["count"]);
+  double chi2 = 0.0;
+  for (const json& map : report["join"]["maps"]) {
+    chi2 += map["chi2"].get<double>();
+    EXPECT_GT(map["probability"], 1e-6);
+    EXPECT_LE(map["probability"], 1.0);
+  }
+  EXPECT_NEAR(chi2, report["join"]["chi2"], 1e-6 * chi2);  // there is nothing but maps to join
+}
+
+}  // namespace
+}  // namespace mapjoin::testing
