@@ -20,6 +20,7 @@ namespace {
 constexpr const char* kExamples =
     "  mapjoin run data/manhattan2d.g2o\n"
     "  mapjoin run data/manhattan2d.g2o -o result\n"
+    "  mapjoin run data/manhattan2d.g2o -o certain --covariances --truth data/manhattan2d.truth.tum\n"
     "  mapjoin run data/manhattan3d.g2o --poses-per-map 20 --report -";
 
 /// The files of the folder.

@@ -67,7 +67,8 @@ void add_consistency(const Account& account, Lines& lines) {
   if (!account.consistency) return;
   const auto& [poses, features, joint] = *account.consistency;
   for (const auto& [what, nees] : {std::pair{"poses", &poses}, {"features", &features}, {"joint", &joint}}) {
-    if (nees->dimensions > 0) lines.add("NEES", nees_in_words(what, *nees));
+    const bool repeats = nees == &joint && (poses.dimensions == 0 || features.dimensions == 0);
+    if (nees->dimensions > 0 && !repeats) lines.add("NEES", nees_in_words(what, *nees));
   }
 }
 

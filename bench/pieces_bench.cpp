@@ -1,12 +1,16 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Times the pieces of a run on simulated worlds, by the number of poses.
+// Times the pieces of a run on simulated worlds, by the number of poses, and covariances against a factorisation.
 #include <benchmark/benchmark.h>
 
+#include <chrono>
+#include <cstdlib>
 #include <mapjoin/io/g2o.hpp>
+#include <mapjoin/io/local_map_set.hpp>
 #include <mapjoin/io/open_log.hpp>
 #include <mapjoin/join/run.hpp>
 #include <mapjoin/measure/chi2.hpp>
 #include <mapjoin/simulate/manhattan.hpp>
+#include <mapjoin/solve/marginals.hpp>
 #include <tests/support/temporary_folder.hpp>
 
 namespace mapjoin {
@@ -59,6 +63,35 @@ void Run(benchmark::State& state) {
   state.counters["polish"] = Counter(sum.polish, Counter::kAvgIterations);
 }
 
+/// The covariances of all poses and features of a joined map, sim-35188 below the folder that MAPJOIN_DATA_DIR names; the
+/// counter is their time in factorisations of the same system, made by turns.
+void MarginalsOfTheLargeSimulation(benchmark::State& state) {
+  using Clock = std::chrono::steady_clock;
+  const char* folder = std::getenv("MAPJOIN_DATA_DIR");
+  if (!folder) return state.SkipWithError("MAPJOIN_DATA_DIR is not set");
+  const auto any = read_local_map_set(std::filesystem::path(folder) / "sim-35188/localmaps_mat.tar.gz");
+  if (!any) return state.SkipWithError("cannot read sim-35188");
+  const auto& set = std::get<MapSet<2>>(*any);
+  const auto network = network_of(set);
+  const auto joined = join(network, set.poses, set.features, JoinOptions<2>{});
+  if (!joined) return state.SkipWithError("cannot join sim-35188");
+  NormalEquations& equations = joined->system->equations();
+  Clock::duration factorising{};
+  Clock::duration marginalising{};
+  for (auto _ : state) {
+    const auto start = Clock::now();
+    if (equations.factorise(0.0)) return state.SkipWithError("singular");
+    const auto middle = Clock::now();
+    const Marginals marginals(equations);
+    for (Index v = 0; v < equations.variable_count(); ++v) benchmark::DoNotOptimize(marginals[v]);
+    const auto end = Clock::now();
+    factorising += middle - start;
+    marginalising += end - middle;
+    state.SetIterationTime(std::chrono::duration<double>(end - middle).count());
+  }
+  state.counters["factorisations"] = std::chrono::duration<double>(marginalising) / std::chrono::duration<double>(factorising);
+}
+
 constexpr auto kUnit = benchmark::kMillisecond;
 BENCHMARK(Simulate<2>)->Arg(1'000)->Arg(100'000)->Unit(kUnit);
 BENCHMARK(Simulate<3>)->Arg(1'000)->Arg(100'000)->Unit(kUnit);
@@ -68,6 +101,7 @@ BENCHMARK(ReadG2o<2>)->Arg(10'000)->Unit(kUnit);
 BENCHMARK(ReadG2o<3>)->Arg(10'000)->Unit(kUnit);
 BENCHMARK(Run<2>)->Arg(1'000)->Arg(10'000)->Unit(kUnit);
 BENCHMARK(Run<3>)->Arg(1'000)->Unit(kUnit);
+BENCHMARK(MarginalsOfTheLargeSimulation)->UseManualTime()->Unit(kUnit);
 
 }  // namespace
 }  // namespace mapjoin
