@@ -29,12 +29,20 @@ std::vector<std::string> check_one_rule(const Subcommand& command) {
   return {"only one of --poses-per-map, --metres-per-map and --features-per-map can say where to cut"};
 }
 
-/// The other schedules need no start: one that is asked for means batch.
+/// The other schedules need no start: one that is asked for means batch. In the relative state, batch is gradual if nothing
+/// else is asked for.
 std::vector<std::string> settle_start(const Subcommand& command, RunOptions& run) {
-  if (!command.is_given("--start")) return {};
-  if (!command.is_given("--schedule")) run.schedule = Schedule::kBatch;
-  if (run.schedule == Schedule::kBatch) return {};
-  return {"--start is for --schedule batch: " + to_string(run.schedule) + " needs no initial value"};
+  if (command.is_given("--start") && !command.is_given("--schedule")) run.schedule = Schedule::kBatch;
+  const bool is_batch = run.schedule == Schedule::kBatch;
+  const bool is_plain = command.is_given("--method") || run.state == JoinedState::kAbsolute;
+  if (!command.is_given("--batch")) run.gradual = is_batch && !is_plain;
+  if (is_batch) return {};
+  for (const std::string option : {"--start", "--batch"}) {
+    if (command.is_given(option)) {
+      return {option + " is for --schedule batch: " + to_string(run.schedule) + " needs no initial value"};
+    }
+  }
+  return {};
 }
 
 }  // namespace
@@ -90,6 +98,9 @@ void add_schedule(Subcommand& command, Options& options) {
       "--start", options.run.start,
       {{"composed", Start::kComposed}, {"zero", Start::kZero}, {"random", Start::kRandom}, {"file", Start::kFile}},
       "What to join all at once from: odometry or maps composed, zeros, random values, or those in the file");
+  command.choice<bool>("--batch", options.run.gradual, {{"direct", false}, {"gradual", true}},
+                       "All observations whole from the start, or what is not quadratic in the relative state brought in "
+                       "gradually [gradual with --state relative and no --method]");
   command.number<std::uint64_t>("--seed", options.run.seed, 0, "N",
                                 "Of the random start [" + std::to_string(options.run.seed) + "]");
   command.check([&command, &run = options.run] { return settle_start(command, run); });

@@ -32,7 +32,7 @@ void add_reading(Subcommand& command, Options& options);
 void add_weights(Subcommand& command, Options& options);
 /// Where a log is cut: --poses-per-map, --metres-per-map, --features-per-map.
 void add_splitting(Subcommand& command, Options& options);
-/// --schedule, --state, --start, --seed
+/// --schedule, --state, --start, --batch, --seed
 void add_schedule(Subcommand& command, Options& options);
 /// --no-polish
 void add_polish(Subcommand& command, Options& options);

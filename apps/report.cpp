@@ -68,6 +68,15 @@ Json map_fits_of(const Account& account) {
   return fits;
 }
 
+/// The optimum at each share of what is not quadratic; null where the join was not gradual.
+Json path_of(const RunFigures& figures) {
+  Json path;
+  for (const PathPoint& point : figures.path) {
+    path.push_back({{"share", point.share}, {"chi2", point.result.chi2}, {"iterations", point.result.iterations}});
+  }
+  return path;
+}
+
 Json join_of(const Account& account) {
   const RunFigures& figures = account.figures;
   const bool done = account.is_joined;
@@ -75,6 +84,7 @@ Json join_of(const Account& account) {
           {"state", to_string(account.state)},
           {"start", value_if(account.schedule == Schedule::kBatch, to_string(account.start_values))},
           {"schedule", to_string(account.schedule)},
+          {"path", path_of(figures)},
           {"method", to_string(account.method)},
           {"iterations", value_if(done, figures.join.iterations)},
           {"chi2", value_if(done, figures.join.chi2)},

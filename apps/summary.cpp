@@ -37,7 +37,9 @@ std::string solve_in_words(const MinimiseResult& result) {
 
 std::string join_in_words(const Account& account) {
   const bool is_batch = account.schedule == Schedule::kBatch;
-  const std::string start = is_batch ? fmt::format(" from the {} start", to_string(account.start_values)) : "";
+  const std::string start = is_batch ? fmt::format("{} from the {} start", account.figures.path.empty() ? "" : ", gradually,",
+                                                   to_string(account.start_values))
+                                     : "";
   return fmt::format("{}, dof {} ({}{}, {}, {} state)", solve_in_words(account.figures.join), account.figures.join_dof,
                      to_string(account.schedule), start, to_string(account.method), to_string(account.state));
 }

@@ -52,6 +52,7 @@ JoinOptions<Dim> join_options(const RunOptions& options, const Pose<Dim>& origin
   joining.origin = origin;
   joining.start = options.start;
   joining.seed = options.seed;
+  joining.gradual = options.gradual;
   joining.progress = progress_of(options, Stage::kJoin);
   return joining;
 }
@@ -127,6 +128,7 @@ Expected<void> join_and_polish(const Log<Dim>& log, const Split& split, std::vec
   }();
   if (!joined) return tl::unexpected(of_source(log.source, joined.error()));
   result.join = joined->result;
+  result.path = joined->path;
   result.join_dof = joined->dof();
   result.maps = joined->maps;
   State<Dim> state = std::move(joined->state);
@@ -159,6 +161,7 @@ std::vector<std::string> RunOptions::validate() const {
   if (start != Start::kComposed && schedule != Schedule::kBatch) {
     violations.push_back("a " + to_string(start) + " start is for the batch schedule: the others need none");
   }
+  if (gradual && schedule != Schedule::kBatch) violations.emplace_back("only the batch schedule is gradual");
   return violations;
 }
 
@@ -214,6 +217,7 @@ Expected<RunResult<Dim>> run(const MapSet<Dim>& set, const RunOptions& options, 
   }();
   if (!joined) return tl::unexpected(of_source(set.source, joined.error()));
   result.join = joined->result;
+  result.path = joined->path;
   result.join_dof = result.dof = joined->dof();
   result.maps = joined->maps;
   result.chi2 = joined->result.chi2;

@@ -31,7 +31,8 @@ struct RunOptions {
   bool covariances = false;        ///< Of the final estimate, too: RunResult::covariances, and the marginals in the map.
   std::int64_t most_memory = 0;    ///< For covariances (bytes); 0: as much as the machine has.
   Start start = Start::kComposed;  ///< Of a join; another one is for the batch schedule only.
-  std::uint64_t seed = 1;          ///< Of the random start.
+  bool gradual = false;    ///< Of the batch schedule: the rest beside the quadratic part comes in gradually (GradedProblem).
+  std::uint64_t seed = 1;  ///< Of the random start.
   /// Called with a stage, what is done of it and what there is to do; from one thread at a time.
   std::function<void(Stage, std::size_t, std::size_t)> progress;
 
@@ -54,6 +55,7 @@ struct RunFigures {
   Index poses_per_map = 0;     ///< As chosen; 0 where another rule than poses cut the log.
   std::int64_t build_iterations = 0;
   MinimiseResult join;
+  std::vector<PathPoint> path;  ///< To the join, where it was gradual.
   std::int64_t join_dof = 0;
   std::vector<MapFit> maps;              ///< How each local map fits into the join.
   std::optional<double> recovered_chi2;  ///< Of the whole log before polishing.
