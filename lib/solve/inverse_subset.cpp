@@ -102,6 +102,7 @@ Eigen::MatrixXd InverseSubset::block(std::span<const std::int64_t> columns) cons
   const auto place = [&](Eigen::Index k) { return places_[static_cast<std::size_t>(columns[static_cast<std::size_t>(k)])]; };
   std::sort(order.begin(), order.end(), [&](Eigen::Index a, Eigen::Index b) { return place(a) < place(b); });
   std::vector<std::int64_t> places;
+  places.reserve(columns.size());
   for (const Eigen::Index k : order) places.push_back(place(k));
   std::vector<std::int64_t> positions;
   Eigen::MatrixXd sorted(size, size);
