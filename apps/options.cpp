@@ -29,20 +29,17 @@ std::vector<std::string> check_one_rule(const Subcommand& command) {
   return {"only one of --poses-per-map, --metres-per-map and --features-per-map can say where to cut"};
 }
 
-/// The other schedules need no start: one that is asked for means batch. In the relative state, batch is gradual if nothing
-/// else is asked for.
-std::vector<std::string> settle_start(const Subcommand& command, RunOptions& run) {
-  if (command.is_given("--start") && !command.is_given("--schedule")) run.schedule = Schedule::kBatch;
+/// The other schedules need no start: who asks for one, or how to go on from it, means batch. In the relative state, batch is
+/// gradual if nothing else is asked for.
+std::vector<std::string> settle_batch(const Subcommand& command, RunOptions& run) {
+  const std::vector<std::string> options = {"--start", "--batch"};
+  const auto asked = std::find_if(options.begin(), options.end(), [&](const auto& option) { return command.is_given(option); });
+  if (asked != options.end() && !command.is_given("--schedule")) run.schedule = Schedule::kBatch;
   const bool is_batch = run.schedule == Schedule::kBatch;
   const bool is_plain = command.is_given("--method") || run.state == JoinedState::kAbsolute;
   if (!command.is_given("--batch")) run.gradual = is_batch && !is_plain;
-  if (is_batch) return {};
-  for (const std::string option : {"--start", "--batch"}) {
-    if (command.is_given(option)) {
-      return {option + " is for --schedule batch: " + to_string(run.schedule) + " needs no initial value"};
-    }
-  }
-  return {};
+  if (is_batch || asked == options.end()) return {};
+  return {*asked + " is for --schedule batch: " + to_string(run.schedule) + " needs no initial value"};
 }
 
 }  // namespace
@@ -100,10 +97,10 @@ void add_schedule(Subcommand& command, Options& options) {
       "What to join all at once from: odometry or maps composed, zeros, random values, or those in the file");
   command.choice<bool>("--batch", options.run.gradual, {{"direct", false}, {"gradual", true}},
                        "All observations whole from the start, or what is not quadratic in the relative state brought in "
-                       "gradually [gradual with --state relative and no --method]");
+                       "gradually; the latter with --state relative, unless there is a --method");
   command.number<std::uint64_t>("--seed", options.run.seed, 0, "N",
                                 "Of the random start [" + std::to_string(options.run.seed) + "]");
-  command.check([&command, &run = options.run] { return settle_start(command, run); });
+  command.check([&command, &run = options.run] { return settle_batch(command, run); });
 }
 
 void add_polish(Subcommand& command, Options& options) {

@@ -5,25 +5,13 @@
 #include <mapjoin/solve/inverse_subset.hpp>
 #include <mapjoin/solve/sparse_cholesky.hpp>
 #include <tests/support/random.hpp>
+#include <tests/support/sparse.hpp>
 
 namespace mapjoin {
 namespace {
 
 using testing::Random;
-
-SparseUpper sparse(const Eigen::MatrixXd& dense) {
-  SparseUpper matrix;
-  matrix.column_begin = {0};
-  for (Eigen::Index j = 0; j < dense.cols(); ++j) {
-    for (Eigen::Index i = 0; i <= j; ++i) {
-      if (dense(i, j) == 0.0 && i != j) continue;
-      matrix.rows.push_back(i);
-      matrix.values.push_back(dense(i, j));
-    }
-    matrix.column_begin.push_back(static_cast<std::int64_t>(matrix.rows.size()));
-  }
-  return matrix;
-}
+using testing::sparse;
 
 /// Of `count` random observations, each of three columns at most `reach` apart.
 Eigen::MatrixXd random_matrix(Eigen::Index n, Eigen::Index count, Eigen::Index reach, Random& random) {

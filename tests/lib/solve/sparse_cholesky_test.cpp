@@ -6,31 +6,14 @@
 #include <iterator>
 #include <mapjoin/solve/sparse_cholesky.hpp>
 #include <tests/support/random.hpp>
+#include <tests/support/sparse.hpp>
 #include <thread>
 
 namespace mapjoin {
 namespace {
 
 using testing::Random;
-
-/// A dense matrix as the upper triangle of a sparse one, zeros left out, with one ignored entry below the diagonal per column.
-SparseUpper sparse(const Eigen::MatrixXd& dense) {
-  SparseUpper matrix;
-  matrix.column_begin = {0};
-  for (Eigen::Index j = 0; j < dense.cols(); ++j) {
-    for (Eigen::Index i = 0; i <= j; ++i) {
-      if (dense(i, j) == 0.0 && i != j) continue;
-      matrix.rows.push_back(i);
-      matrix.values.push_back(dense(i, j));
-    }
-    if (j + 1 < dense.cols()) {
-      matrix.rows.push_back(j + 1);
-      matrix.values.push_back(1e9);
-    }
-    matrix.column_begin.push_back(static_cast<std::int64_t>(matrix.rows.size()));
-  }
-  return matrix;
-}
+using testing::sparse;
 
 /// A banded positive definite matrix with a few far couplings; `large` ones are factorised by supernodes.
 Eigen::MatrixXd random_matrix(Eigen::Index n, Random& random) {
