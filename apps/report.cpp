@@ -77,6 +77,13 @@ Json path_of(const RunFigures& figures) {
   return path;
 }
 
+/// chi2 from the start on, and after each iteration.
+Json course_of(const MinimiseResult& result) {
+  Json course = {result.start_chi2};
+  for (const double chi2 : result.course) course.push_back(chi2);
+  return course;
+}
+
 Json join_of(const Account& account) {
   const RunFigures& figures = account.figures;
   const bool done = account.is_joined;
@@ -88,6 +95,7 @@ Json join_of(const Account& account) {
           {"method", to_string(account.method)},
           {"iterations", value_if(done, figures.join.iterations)},
           {"chi2", value_if(done, figures.join.chi2)},
+          {"course", value_if(done, course_of(figures.join))},
           {"dof", value_if(done, figures.join_dof)},
           {"maps", value_if(done, map_fits_of(account))},
           {"seconds", figures.seconds.join}};

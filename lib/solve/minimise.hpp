@@ -97,18 +97,17 @@ MinimiseResult minimise(P& problem, const MinimiseOptions& options, const std::s
       if (last) {
         if (chi2 <= result.chi2) {
           problem.accept();
-          result.chi2 = chi2;
-          ++result.iterations;
+          result.moved_to(chi2);
         }
         return result.ended(region.speaks_for_whole_step(result.chi2) ? MinimiseStatus::kConverged
                                                                       : MinimiseStatus::kNoProgress);
       }
       if (options.method == Method::kGaussNewton && !std::isfinite(chi2)) return result.ended(MinimiseStatus::kNoProgress);
       region.judge(result.chi2 - chi2);
-      if (region.accepted()) result.chi2 = chi2;
+      if (region.accepted()) result.moved_to(chi2);
     } while (!region.accepted());
     problem.accept();
-    if (++result.iterations >= options.max_iterations) return result.ended(MinimiseStatus::kMaxIterations);
+    if (result.iterations >= options.max_iterations) return result.ended(MinimiseStatus::kMaxIterations);
     problem.linearise();
   }
 }

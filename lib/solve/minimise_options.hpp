@@ -45,8 +45,15 @@ struct MinimiseResult {
   int iterations = 0;
   double start_chi2 = 0.0;
   double chi2 = 0.0;
+  std::vector<double> course;     ///< chi2 after each iteration.
   std::optional<Index> singular;  ///< A variable of the problem.
 
+  /// One iteration more, to an estimate of this chi2.
+  void moved_to(double new_chi2) {
+    chi2 = new_chi2;
+    ++iterations;
+    course.push_back(new_chi2);
+  }
   MinimiseResult& ended(MinimiseStatus with) {
     status = with;
     return *this;

@@ -133,6 +133,18 @@ TEST_P(MinimiseTest, StopsAtTheGivenNumberOfIterations) {
   EXPECT_EQ(result.chi2, rosenbrock(problem.estimate()).squaredNorm());
 }
 
+TEST_P(MinimiseTest, RecordsTheCourseOfChi2) {
+  MinimiseOptions options = with(GetParam());
+  DenseProblem whole(rosenbrock, Eigen::Vector2d(-1.2, 1.0));
+  const MinimiseResult result = minimise(whole, options);
+  ASSERT_EQ(result.course.size(), static_cast<std::size_t>(result.iterations));
+  EXPECT_EQ(result.course.back(), result.chi2);
+  options.max_iterations = 2;
+  DenseProblem part(rosenbrock, Eigen::Vector2d(-1.2, 1.0));
+  minimise(part, options);
+  EXPECT_EQ(result.course[1], rosenbrock(part.estimate()).squaredNorm());
+}
+
 TEST_P(MinimiseTest, NamesASingularVariableAndLeavesTheEstimate) {
   const auto blind = [](const Eigen::VectorXd& x) { return Eigen::VectorXd::Constant(1, x[0] - 3.0); };
   DenseProblem problem(blind, Eigen::Vector2d(1.0, 2.0));
