@@ -2,7 +2,7 @@
 #include <sys/resource.h>
 
 #include <apps/account.hpp>
-#include <fstream>
+#include <mapjoin/measure/effort.hpp>
 #include <utility>
 
 namespace mapjoin::apps {
@@ -63,11 +63,7 @@ void Account::describe(const RunResult<Dim>& result) {
 
 double peak_memory_mb() {
   // getrusage() inherits the peak of the process that started this one: what Linux keeps per program is asked first.
-  std::ifstream status("/proc/self/status");
-  for (std::string key; status >> key; status.ignore(256, '\n')) {
-    double kibibytes = 0.0;
-    if (key == "VmHWM:" && status >> kibibytes) return kibibytes * 1024e-6;
-  }
+  if (const auto bytes = largest_resident_memory()) return 1e-6 * static_cast<double>(*bytes);
   ::rusage usage{};
   ::getrusage(RUSAGE_SELF, &usage);
   return static_cast<double>(usage.ru_maxrss) * 1024e-6;

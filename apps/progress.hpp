@@ -6,7 +6,7 @@
 #include <cstddef>
 #include <functional>
 #include <mapjoin/join/run.hpp>
-#include <optional>
+#include <string>
 
 namespace mapjoin::apps {
 
@@ -20,14 +20,16 @@ class Progress {
 
   /// For RunOptions; must not outlive this. Empty where nobody looks.
   std::function<void(Stage, std::size_t, std::size_t)> callback();
+  /// For studies, with their own words: what they are busy with, what is done of it, and what there is to do.
+  std::function<void(const std::string&, std::size_t, std::size_t)> callback_in_words();
   /// Ends the line, so that something else can be written.
   void close();
 
  private:
-  void show(Stage stage, std::size_t done, std::size_t to_do);
+  void show(const std::string& what, std::size_t done, std::size_t to_do);
 
   bool shown_ = false;
-  std::optional<Stage> stage_;  ///< Of the line that is open.
+  std::string what_;  ///< The line that is open is of; empty: none is.
   std::chrono::steady_clock::time_point last_;
 };
 

@@ -1,11 +1,13 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <chrono>
+#include <cmath>
 #include <mapjoin/graph/connectivity.hpp>
 #include <mapjoin/join/polish_problem.hpp>
 #include <mapjoin/join/run.hpp>
 #include <mapjoin/localmap/check.hpp>
 #include <mapjoin/localmap/recover.hpp>
 #include <mapjoin/measure/chi2.hpp>
+#include <mapjoin/solve/memory.hpp>
 #include <stdexcept>
 #include <utility>
 
@@ -96,6 +98,17 @@ MinimiseResult polish(const Log<Dim>& log, const Split& split, const Network<Dim
   return result;
 }
 
+template <int Dim>
+std::int64_t information_bytes(const LocalMap<Dim>& map) {
+  return static_cast<std::int64_t>(sizeof(double)) * map.information.size();
+}
+
+/// Of the join's factor, where its chi2 could be linearised at all.
+template <int Dim>
+std::int64_t factor_bytes(const Join<Dim>& join) {
+  return std::isfinite(join.result.start_chi2) ? mapjoin::factor_bytes(join.system->equations().supernodes()) : 0;
+}
+
 /// Of the final estimate `state` of the whole network.
 template <int Dim>
 Expected<void> add_covariances(Network<Dim> network, Join<Dim> join, std::vector<Segment<Dim>> segments, State<Dim> state,
@@ -118,6 +131,7 @@ Expected<void> join_and_polish(const Log<Dim>& log, const Split& split, std::vec
   result.local_maps = maps.size();
   result.spans = split.stretches.size() - maps.size();
   result.poses_per_map = split.poses_per_map;
+  for (const LocalMap<Dim>& map : maps) result.joint_bytes += information_bytes(map);
   Network<Dim> network = network_of(log, split, std::move(maps));
   JoinOptions<Dim> joining = join_options(options, origin_of(log));
   const State<Dim> values{log.initial_poses, log.initial_features};
@@ -131,6 +145,7 @@ Expected<void> join_and_polish(const Log<Dim>& log, const Split& split, std::vec
   result.path = joined->path;
   result.join_dof = joined->dof();
   result.maps = joined->maps;
+  result.joint_bytes += factor_bytes(*joined);
   State<Dim> state = std::move(joined->state);
   {
     const Stopwatch watch(result.seconds.recover);
@@ -138,6 +153,7 @@ Expected<void> join_and_polish(const Log<Dim>& log, const Split& split, std::vec
     result.unrecovered = recover_interiors(log, split, network.is_private, options.solver, state, stop);
     result.recovered_chi2 = result.chi2 = log_chi2(log, state.poses, state.features).total();
   }
+  if (options.keep_recovered) result.recovered = state;
   if (options.polish) {
     const Stopwatch watch(result.seconds.polish);
     if (options.progress) options.progress(Stage::kPolish, 0, 1);
@@ -210,6 +226,7 @@ Expected<RunResult<Dim>> run(const MapSet<Dim>& set, const RunOptions& options, 
   if (auto connected = check_connected(set); !connected) return tl::unexpected(connected.error());
   RunResult<Dim> result;
   result.local_maps = set.maps.size();
+  for (const LocalMap<Dim>& map : set.maps) result.joint_bytes += information_bytes(map);
   Network<Dim> network = network_of(set);
   auto joined = [&] {
     const Stopwatch watch(result.seconds.join);
@@ -220,6 +237,7 @@ Expected<RunResult<Dim>> run(const MapSet<Dim>& set, const RunOptions& options, 
   result.path = joined->path;
   result.join_dof = result.dof = joined->dof();
   result.maps = joined->maps;
+  result.joint_bytes += factor_bytes(*joined);
   result.chi2 = joined->result.chi2;
   State<Dim> state = std::move(joined->state);
   write_map(set, state, joined->held, result);

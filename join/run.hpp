@@ -11,6 +11,7 @@
 #include <mapjoin/model/global_map.hpp>
 #include <mapjoin/model/local_map.hpp>
 #include <mapjoin/model/log.hpp>
+#include <mapjoin/model/state.hpp>
 #include <memory>
 #include <optional>
 #include <stop_token>
@@ -33,6 +34,7 @@ struct RunOptions {
   Start start = Start::kComposed;  ///< Of a join; another one is for the batch schedule only.
   bool gradual = false;    ///< Of the batch schedule: the rest beside the quadratic part comes in gradually (GradedProblem).
   std::uint64_t seed = 1;  ///< Of the random start.
+  bool keep_recovered = false;  ///< RunResult::recovered.
   /// Called with a stage, what is done of it and what there is to do; from one thread at a time.
   std::function<void(Stage, std::size_t, std::size_t)> progress;
 
@@ -64,6 +66,7 @@ struct RunFigures {
   double chi2 = 0.0;     ///< Of the final estimate: rᵀWr over the whole log, or over all maps where there is none.
   std::int64_t dof = 0;  ///< Measured rows less free variables.
   RunSeconds seconds;
+  std::int64_t joint_bytes = 0;  ///< What the last join keeps: the local maps' information matrices and its factor.
 
   /// Whether the solves whose results are in the map converged: the polish, or else the join and the recovery.
   bool converged() const;
@@ -72,6 +75,7 @@ struct RunFigures {
 template <int Dim>
 struct RunResult : RunFigures {
   GlobalMap<Dim> map;
+  std::optional<State<Dim>> recovered;                     ///< Of the whole log before polishing, where it was asked for.
   std::shared_ptr<const MapCovariances<Dim>> covariances;  ///< Where they were asked for; the input must outlive them.
 };
 

@@ -1,0 +1,177 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <mapjoin/graph/connectivity.hpp>
+#include <mapjoin/join/study/comparison.hpp>
+#include <utility>
+
+namespace mapjoin {
+namespace {
+
+constexpr double kSameChi2 = 1e-6;  // relative, and absolute where chi2 is below one
+
+std::vector<std::size_t> spans_within(std::size_t poses) {
+  std::vector<std::size_t> spans;
+  for (std::size_t power = 1; power < poses; power *= 10) {
+    for (const std::size_t factor : {1, 2, 5}) {
+      if (factor * power < poses) spans.push_back(factor * power);
+    }
+  }
+  return spans;
+}
+
+template <int Dim>
+std::vector<PoseErrorSummary> span_errors(const std::vector<Pose<Dim>>& estimate, const std::vector<Pose<Dim>>& other,
+                                          const std::vector<std::size_t>& spans) {
+  std::vector<PoseErrorSummary> errors;
+  for (const std::size_t span : spans) errors.push_back(relative_pose_error(estimate, other, span));
+  return errors;
+}
+
+/// The estimate and the truth at the poses that are known of it.
+template <int Dim>
+std::pair<std::vector<Pose<Dim>>, std::vector<Pose<Dim>>> known_poses(const std::vector<Pose<Dim>>& estimate,
+                                                                      const Truth<Dim>& truth) {
+  std::pair<std::vector<Pose<Dim>>, std::vector<Pose<Dim>>> known;
+  for (std::size_t p = 0; p < truth.poses.size(); ++p) {
+    if (!truth.poses[p]) continue;
+    known.first.push_back(estimate[p]);
+    known.second.push_back(*truth.poses[p]);
+  }
+  return known;
+}
+
+template <int Dim>
+RunOptions run_options(const ComparedCase& way, const ComparisonOptions<Dim>& options) {
+  RunOptions run;
+  run.split = {SplitRule::kPoses, static_cast<double>(way.poses_per_map)};
+  run.schedule = way.schedule;
+  run.state = way.state;
+  run.gradual = way.gradual;
+  run.solver = options.solver;
+  run.keep_recovered = true;
+  return run;
+}
+
+template <int Dim>
+Expected<RunResult<Dim>> map_by(const Log<Dim>& log, const ComparedCase& way, const ComparisonOptions<Dim>& options,
+                                const std::stop_token& stop) {
+  const std::size_t maps = log.poses.size() / static_cast<std::size_t>(way.poses_per_map);
+  if (way.schedule == Schedule::kSequential && maps > options.most_sequential) {
+    return bad_input(fmt::format("not tried: about {} maps one by one take too long", maps));
+  }
+  const RunOptions run_as = run_options(way, options);
+  auto result = way.is_full_slam() ? solve(log, run_as, stop) : run(log, run_as, stop);
+  if (result && !std::isfinite(result->chi2)) return bad_input("the map is not finite");
+  return result;
+}
+
+template <int Dim>
+Expected<CaseOutcome<Dim>> outcome_of(const Log<Dim>& log, const ComparedCase& way, const ComparisonOptions<Dim>& options,
+                                      const std::stop_token& stop) {
+  CaseOutcome<Dim> outcome;
+  outcome.way = way;
+  const EffortMeter meter;
+  auto result = map_by(log, way, options, stop);
+  outcome.effort = meter.so_far();
+  if (stop.stop_requested()) return tl::unexpected(Error{ErrorKind::kInterrupted, "interrupted while comparing"});
+  if (!result) {
+    outcome.failure = result.error().message;
+    return outcome;
+  }
+  outcome.run = static_cast<const RunFigures&>(*result);
+  outcome.joined.chi2 = result->recovered_chi2.value_or(result->chi2);
+  outcome.polished.chi2 = result->chi2;
+  outcome.joined_map = outcome.polished_map = std::move(result->map);
+  outcome.joined_map.poses = std::move(result->recovered->poses);
+  outcome.joined_map.features = std::move(result->recovered->features);
+  return outcome;
+}
+
+/// Nothing where no case gives a map.
+template <int Dim>
+std::optional<std::size_t> least_chi2(const std::vector<CaseOutcome<Dim>>& outcomes) {
+  std::optional<std::size_t> best;
+  for (std::size_t k = 0; k < outcomes.size(); ++k) {
+    if (!outcomes[k].has_map()) continue;
+    if (!best || outcomes[k].polished.chi2 < outcomes[*best].polished.chi2) best = k;
+  }
+  return best;
+}
+
+/// Fills in how far an estimate is from the best one and from the truth.
+template <int Dim>
+void measure(const GlobalMap<Dim>& map, const GlobalMap<Dim>& best, const std::vector<std::size_t>& spans,
+             const Truth<Dim>* truth, EstimateFigures& figures) {
+  figures.from_best = map_difference(map, best);
+  figures.best_spans = span_errors(map.poses, best.poses, spans);
+  if (!truth) return;
+  const auto [known, true_poses] = known_poses(map.poses, *truth);
+  figures.from_truth =
+      TruthDistance{absolute_trajectory_error(known, true_poses).errors, span_errors(known, true_poses, spans)};
+}
+
+}  // namespace
+
+std::string schedule_in_words(const ComparedCase& way) {
+  return (way.gradual ? "gradual " : "") + to_string(way.schedule);
+}
+
+std::string to_string(const ComparedCase& way) {
+  const std::string maps = way.is_full_slam() ? "full SLAM" : fmt::format("maps of {} steps", way.poses_per_map);
+  return fmt::format("{}, {} state, {}", maps, to_string(way.state), schedule_in_words(way));
+}
+
+std::vector<ComparedCase> compared_cases(const std::vector<Index>& poses_per_map) {
+  std::vector<ComparedCase> cases;
+  const auto add = [&](Index steps, std::initializer_list<Schedule> schedules) {
+    for (const JoinedState state : {JoinedState::kAbsolute, JoinedState::kRelative}) {
+      for (const Schedule schedule : schedules) cases.push_back({steps, state, schedule, false});
+    }
+    cases.push_back({steps, JoinedState::kRelative, Schedule::kBatch, true});
+  };
+  add(1, {Schedule::kTree, Schedule::kBatch});
+  for (const Index steps : poses_per_map) add(steps, {Schedule::kTree, Schedule::kSequential, Schedule::kBatch});
+  return cases;
+}
+
+int CaseFigures::join_iterations() const {
+  int iterations = run.join.iterations;
+  for (const PathPoint& point : run.path) iterations += point.result.iterations;
+  return iterations;
+}
+
+template <int Dim>
+Expected<Comparison<Dim>> compare(const Log<Dim>& log, const ComparisonOptions<Dim>& options, const std::stop_token& stop) {
+  if (auto connected = check_connected(log); !connected) return tl::unexpected(connected.error());
+  Comparison<Dim> comparison;
+  for (const ComparedCase& way : options.cases) {
+    if (options.progress) options.progress(comparison.outcomes.size());
+    auto outcome = outcome_of(log, way, options, stop);
+    if (!outcome) return tl::unexpected(outcome.error());
+    comparison.outcomes.push_back(*std::move(outcome));
+  }
+  const auto best = least_chi2(comparison.outcomes);
+  if (!best) return bad_input("no case gives a map; the first: " + comparison.outcomes.front().failure);
+  comparison.best = *best;
+  comparison.spans = spans_within(log.poses.size());
+  const GlobalMap<Dim>& best_map = comparison.outcomes[*best].polished_map;
+  const double least = comparison.outcomes[*best].polished.chi2;
+  for (auto& outcome : comparison.outcomes) {
+    if (!outcome.has_map()) continue;
+    outcome.reaches_best = outcome.run.converged() && outcome.polished.chi2 - least <= kSameChi2 * std::max(1.0, least);
+    measure(outcome.joined_map, best_map, comparison.spans, options.truth, outcome.joined);
+    measure(outcome.polished_map, best_map, comparison.spans, options.truth, outcome.polished);
+  }
+  return comparison;
+}
+
+#define MAPJOIN_INSTANTIATE(Dim) \
+  template Expected<Comparison<Dim>> compare(const Log<Dim>&, const ComparisonOptions<Dim>&, const std::stop_token&);
+MAPJOIN_INSTANTIATE(2)
+MAPJOIN_INSTANTIATE(3)
+#undef MAPJOIN_INSTANTIATE
+
+}  // namespace mapjoin

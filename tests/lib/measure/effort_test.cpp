@@ -1,0 +1,52 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <gtest/gtest.h>
+
+#include <cstring>
+#include <mapjoin/measure/effort.hpp>
+#include <thread>
+#include <vector>
+
+namespace mapjoin::testing {
+namespace {
+
+constexpr std::size_t kBytes = 64'000'000;
+
+/// Memory that was really written to.
+std::vector<char> written() {
+  std::vector<char> bytes(kBytes);
+  std::memset(bytes.data(), 1, bytes.size());
+  return bytes;
+}
+
+TEST(Effort, CountsTheTimeOfTheWallAndThatOfAllThreads) {
+  const EffortMeter meter;
+  std::vector<std::jthread> threads;
+  for (int k = 0; k < 2; ++k) {
+    threads.emplace_back([&] {
+      while (meter.so_far().seconds < 0.1) continue;
+    });
+  }
+  threads.clear();
+  const Effort effort = meter.so_far();
+  EXPECT_GE(effort.seconds, 0.1);
+  EXPECT_GT(effort.cpu_seconds, 0.02);
+  EXPECT_LE(effort.cpu_seconds, 2.5 * effort.seconds);
+}
+
+TEST(Effort, CountsTheLargestMemoryEvenWhereItIsGivenBack) {
+  const EffortMeter meter;
+  if (!meter.so_far().memory) GTEST_SKIP() << "The system does not tell.";
+  EXPECT_LT(*meter.so_far().memory, static_cast<std::int64_t>(kBytes) / 2);
+  EXPECT_EQ(written().back(), 1);
+  EXPECT_GT(*meter.so_far().memory, static_cast<std::int64_t>(kBytes) * 9 / 10);
+}
+
+TEST(Effort, ForgetsTheMemoryOfEarlierWork) {
+  EXPECT_EQ(written().back(), 1);
+  const EffortMeter meter;
+  if (!meter.so_far().memory) GTEST_SKIP() << "The system does not tell.";
+  EXPECT_LT(*meter.so_far().memory, static_cast<std::int64_t>(kBytes) / 2);
+}
+
+}  // namespace
+}  // namespace mapjoin::testing
