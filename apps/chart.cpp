@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <apps/chart.hpp>
+#include <apps/markup.hpp>
 #include <array>
 #include <string_view>
 
@@ -19,29 +20,6 @@ constexpr double kRight = 18.0;              // margins around the plot
 constexpr double kTop = 34.0;
 constexpr double kBottom = 46.0;
 constexpr double kSample = 22.0;  // of a line, in the legend
-
-std::string escaped(std::string_view text) {
-  std::string out;
-  for (const char c : text) {
-    switch (c) {
-      case '&':
-        out += "&amp;";
-        break;
-      case '<':
-        out += "&lt;";
-        break;
-      case '>':
-        out += "&gt;";
-        break;
-      case '"':
-        out += "&quot;";
-        break;
-      default:
-        out += c;
-    }
-  }
-  return out;
-}
 
 /// Roughly, in pixels: the bytes of UTF-8 that begin a character are counted.
 double width_of(std::string_view text) {

@@ -38,4 +38,11 @@ NamedFiles files_of(const Options& options, const std::string& argument) {
   return files;
 }
 
+NamedFiles files_of_folder(const Options& options, const std::string& argument, const std::vector<std::string>& names) {
+  NamedFiles files = files_of(options, argument);
+  if (options.output.empty()) return files;
+  for (const std::string& name : names) files.emplace_back("--output", options.output / name);
+  return files;
+}
+
 }  // namespace mapjoin::apps

@@ -2,6 +2,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <apps/markup.hpp>
 #include <apps/picture.hpp>
 #include <cmath>
 #include <limits>
@@ -11,34 +12,44 @@
 namespace mapjoin::apps {
 namespace {
 
-constexpr double kWidth = 1000.0;  // of the drawing, in pixels
-constexpr double kMargin = 40.0;
-constexpr double kFooter = 50.0;  // for scale and legend
-constexpr double kFinest = 0.4;   // a line leaves out points nearer than this to the last one drawn
+constexpr double kMargin = 40.0;             // in pixels, as all here
+constexpr double kLine = 22.0;               // of scale and legend, below the drawing
+constexpr double kFinest = 0.4;              // a line leaves out points nearer than this to the last one drawn,
+constexpr std::size_t kMostPoints = 10'000;  // and nearer than more where it would have more of them than this
+constexpr double kLetter = 7.2;              // the mean width of one
 
-/// The rectangle that holds all points, and its place on the page: metres to pixels, y up.
-class Page {
+/// The rectangle that holds all points, and its place on the sheet: metres to pixels, y up.
+class Sheet {
  public:
+  template <int Dim>
+  void hold(const Layer<Dim>& layer) {
+    if (layer.poses) {
+      for (const auto& pose : *layer.poses) hold(pose.translation);
+    }
+    if (layer.features) {
+      for (const auto& feature : *layer.features) hold(feature);
+    }
+  }
   template <int Dim>
   void hold(const Point<Dim>& p) {
     low_ = low_.cwiseMin(p.template head<2>());
     high_ = high_.cwiseMax(p.template head<2>());
   }
-  /// Where nothing was held, or all at one place, the page shows one metre around it.
-  void settle() {
+  /// Where nothing was held, or all at one place, the sheet shows one metre around it.
+  void settle(double pixels) {
     if (!(low_.x() <= high_.x())) low_ = high_ = Point<2>::Zero();
     if ((high_ - low_).maxCoeff() < 1e-6) {
       low_.array() -= 0.5;
       high_.array() += 0.5;
     }
-    scale_ = (kWidth - 2.0 * kMargin) / (high_ - low_).maxCoeff();
+    scale_ = (pixels - 2.0 * kMargin) / (high_ - low_).maxCoeff();
   }
   template <int Dim>
   Point<2> at(const Point<Dim>& p) const {
     return {kMargin + (p.x() - low_.x()) * scale_, kMargin + (high_.y() - p.y()) * scale_};
   }
   double width() const { return std::max(2.0 * kMargin + (high_.x() - low_.x()) * scale_, 420.0); }
-  double height() const { return 2.0 * kMargin + (high_.y() - low_.y()) * scale_ + kFooter; }
+  double height() const { return 2.0 * kMargin + (high_.y() - low_.y()) * scale_; }
   double pixels_per_metre() const { return scale_; }
   double metres_across() const { return (width() - 2.0 * kMargin) / scale_; }
 
@@ -48,38 +59,46 @@ class Page {
   double scale_ = 1.0;
 };
 
+/// Without the points that are too near to the last one left; the last one stays.
+std::vector<Point<2>> thinned(const std::vector<Point<2>>& points, double finest) {
+  std::vector<Point<2>> kept;
+  for (std::size_t k = 0; k < points.size(); ++k) {
+    if (kept.empty() || k + 1 == points.size() || (points[k] - kept.back()).norm() >= finest) kept.push_back(points[k]);
+  }
+  return kept.size() > kMostPoints ? thinned(kept, 1.5 * finest) : kept;
+}
+
 /// One line per session.
 template <int Dim>
-std::string trajectory(const Page& page, const std::vector<Pose<Dim>>& poses, const std::vector<Session>& sessions,
-                       const char* style) {
+std::string trajectory(const Sheet& sheet, const Layer<Dim>& layer, const std::vector<Session>& sessions) {
   std::string svg;
   for (const Session& session : sessions) {
-    svg += "<polyline points=\"";
-    Point<2> last = Point<2>::Constant(-1e9);
+    std::vector<Point<2>> points;
     for (Index k = session.begin; k < session.end; ++k) {
-      const Point<2> p = page.at(poses[static_cast<std::size_t>(k)].translation);
-      if ((p - last).norm() < kFinest && k + 1 < session.end) continue;
-      svg += fmt::format("{:.1f},{:.1f} ", p.x(), p.y());
-      last = p;
+      points.push_back(sheet.at((*layer.poses)[static_cast<std::size_t>(k)].translation));
     }
-    svg += fmt::format("\" {}/>\n", style);
+    svg += "<polyline points=\"";
+    for (const Point<2>& p : thinned(points, kFinest)) svg += fmt::format("{:.1f},{:.1f} ", p.x(), p.y());
+    svg += fmt::format("\" fill=\"none\" stroke=\"{}\" stroke-width=\"{:g}\"/>\n", layer.colour, layer.width);
   }
   return svg;
 }
 
 template <int Dim>
-std::string dots(const Page& page, const std::vector<Point<Dim>>& features) {
-  std::string svg = "<g fill=\"#c2410c\">\n";
-  for (const auto& feature : features) {
-    const Point<2> p = page.at(feature);
-    svg += fmt::format("<circle cx=\"{:.1f}\" cy=\"{:.1f}\" r=\"2.2\"/>\n", p.x(), p.y());
+std::string marks(const Sheet& sheet, const Layer<Dim>& layer) {
+  const bool is_ring = layer.mark == Mark::kRing;
+  std::string svg =
+      fmt::format("<g fill=\"{}\" stroke=\"{}\">\n", is_ring ? "none" : layer.colour, is_ring ? layer.colour : "none");
+  for (const auto& feature : *layer.features) {
+    const Point<2> p = sheet.at(feature);
+    svg += fmt::format("<circle cx=\"{:.1f}\" cy=\"{:.1f}\" r=\"{}\"/>\n", p.x(), p.y(), is_ring ? "4.5" : "2.2");
   }
   return svg + "</g>\n";
 }
 
-/// The largest of 1, 2, 5 times a power of ten that fits into a fifth of the page.
-double scale_bar_metres(const Page& page) {
-  const double most = page.metres_across() / 5.0;
+/// The largest of 1, 2, 5 times a power of ten that fits into a fifth of the sheet.
+double scale_bar_metres(const Sheet& sheet) {
+  const double most = sheet.metres_across() / 5.0;
   const double power = std::pow(10.0, std::floor(std::log10(most)));
   for (const double factor : {5.0, 2.0}) {
     if (factor * power <= most) return factor * power;
@@ -87,24 +106,44 @@ double scale_bar_metres(const Page& page) {
   return power;
 }
 
-std::string footer(const Page& page, bool with_odometry, bool with_features) {
-  const double y = page.height() - kFooter + 10.0;
-  const double metres = scale_bar_metres(page);
-  const double x_end = kMargin + metres * page.pixels_per_metre();
-  std::string svg = fmt::format(
-      "<path d=\"M{0} {1}v6H{2:.1f}v-6\" fill=\"none\" stroke=\"#222\"/>\n<text x=\"{0}\" y=\"{3}\">{4:g} m</text>\n", kMargin,
-      y, x_end, y + 24.0, metres);
-  double x = std::max(x_end + 30.0, kMargin + 90.0);
-  const auto entry = [&](const char* colour, const char* name, double width) {
-    svg += fmt::format(
-        "<rect x=\"{:.1f}\" y=\"{:.1f}\" width=\"14\" height=\"4\" fill=\"{}\"/><text x=\"{:.1f}\" y=\"{:.1f}\">{}</text>\n", x,
-        y + 1.0, colour, x + 20.0, y + 8.0, name);
+/// A line or a mark, as the layer has it.
+template <int Dim>
+std::string sample(const Layer<Dim>& layer, double x, double y) {
+  if (layer.poses) {
+    return fmt::format("<rect x=\"{:.1f}\" y=\"{:.1f}\" width=\"14\" height=\"4\" fill=\"{}\"/>", x, y - 2.0, layer.colour);
+  }
+  return fmt::format("<circle cx=\"{:.1f}\" cy=\"{:.1f}\" r=\"4\" fill=\"{}\"/>", x + 7.0, y, layer.colour);
+}
+
+/// Scale and legend, and the height of the whole picture.
+struct Footer {
+  std::string svg;
+  double height;
+};
+
+template <int Dim>
+Footer footer(const Sheet& sheet, const std::vector<Layer<Dim>>& layers) {
+  const double metres = scale_bar_metres(sheet);
+  const double x_end = kMargin + metres * sheet.pixels_per_metre();
+  double y = sheet.height() + 12.0;
+  Footer footer;
+  footer.svg = fmt::format(
+      "<path d=\"M{0} {1:.1f}v6H{2:.1f}v-6\" fill=\"none\" stroke=\"#222\"/>\n<text x=\"{0}\" y=\"{3:.1f}\">{4:g} m</text>\n",
+      kMargin, y, x_end, y + 24.0, metres);
+  const double first = std::max(x_end + 30.0, kMargin + 90.0);
+  double x = first;
+  for (auto layer = layers.rbegin(); layer != layers.rend(); ++layer) {
+    const double width = 40.0 + kLetter * static_cast<double>(layer->name.size());
+    if (x > first && x + width > sheet.width()) {
+      x = first;
+      y += kLine;
+    }
+    footer.svg += sample(*layer, x, y + 3.0) +
+                  fmt::format("<text x=\"{:.1f}\" y=\"{:.1f}\">{}</text>\n", x + 20.0, y + 8.0, escaped(layer->name));
     x += width;
-  };
-  entry("#1d4ed8", "map", 70.0);
-  if (with_features) entry("#c2410c", "features", 100.0);
-  if (with_odometry) entry("#b0b0b0", "odometry alone", 120.0);
-  return svg;
+  }
+  footer.height = y + 38.0;
+  return footer;
 }
 
 }  // namespace
@@ -125,32 +164,38 @@ std::vector<Pose<Dim>> dead_reckoning(const Log<Dim>& log, const GlobalMap<Dim>&
 }
 
 template <int Dim>
+std::string picture(const std::vector<Layer<Dim>>& layers, const std::vector<Session>& sessions, double pixels) {
+  Sheet sheet;
+  for (const auto& layer : layers) {
+    if (layer.is_framed) sheet.hold(layer);
+  }
+  sheet.settle(pixels);
+  const Footer below = footer(sheet, layers);
+  std::string svg = fmt::format(
+      "<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 {0:.0f} {1:.0f}\" width=\"{0:.0f}\" height=\"{1:.0f}\" "
+      "font-family=\"sans-serif\" font-size=\"13\">\n<rect width=\"100%\" height=\"100%\" fill=\"white\"/>\n"
+      "<svg width=\"{0:.0f}\" height=\"{2:.1f}\">\n",
+      sheet.width(), below.height, sheet.height());
+  for (const auto& layer : layers) {
+    if (layer.features) svg += marks(sheet, layer);
+    if (layer.poses) svg += trajectory(sheet, layer, sessions);
+  }
+  return svg + "</svg>\n" + below.svg + "</svg>\n";
+}
+
+template <int Dim>
 Expected<void> write_picture(const GlobalMap<Dim>& map, const std::vector<Pose<Dim>>& odometry,
                              const std::vector<Session>& sessions, const std::filesystem::path& path) {
-  Page page;
-  for (const auto& pose : map.poses) page.hold(pose.translation);
-  for (const auto& pose : odometry) page.hold(pose.translation);
-  for (const auto& feature : map.features) page.hold(feature);
-  page.settle();
-
-  auto file = OutputFile::create(path);
-  if (!file) return tl::unexpected(file.error());
-  file->write(fmt::format(
-      "<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 {0:.0f} {1:.0f}\" width=\"{0:.0f}\" height=\"{1:.0f}\" "
-      "font-family=\"sans-serif\" font-size=\"13\">\n<rect width=\"100%\" height=\"100%\" fill=\"white\"/>\n",
-      page.width(), page.height()));
-  if (!odometry.empty()) {
-    file->write(trajectory(page, odometry, sessions, "fill=\"none\" stroke=\"#b0b0b0\" stroke-width=\"1\""));
-  }
-  file->write(dots(page, map.features));
-  file->write(trajectory(page, map.poses, sessions, "fill=\"none\" stroke=\"#1d4ed8\" stroke-width=\"1.4\""));
-  file->write(footer(page, !odometry.empty(), !map.features.empty()));
-  file->write("</svg>\n");
-  return file->commit();
+  std::vector<Layer<Dim>> layers;
+  if (!odometry.empty()) layers.push_back({"odometry alone", "#b0b0b0", &odometry, nullptr, 1.0});
+  if (!map.features.empty()) layers.push_back({"features", "#c2410c", nullptr, &map.features});
+  layers.push_back({"map", "#1d4ed8", &map.poses, nullptr});
+  return write_file(path, picture(layers, sessions));
 }
 
 #define MAPJOIN_INSTANTIATE(Dim)                                                                                           \
   template std::vector<Pose<Dim>> dead_reckoning(const Log<Dim>&, const GlobalMap<Dim>&);                                  \
+  template std::string picture(const std::vector<Layer<Dim>>&, const std::vector<Session>&, double);                       \
   template Expected<void> write_picture(const GlobalMap<Dim>&, const std::vector<Pose<Dim>>&, const std::vector<Session>&, \
                                         const std::filesystem::path&);
 MAPJOIN_INSTANTIATE(2)

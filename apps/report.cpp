@@ -134,12 +134,17 @@ Json seconds_of(const Account& account) {
 
 }  // namespace
 
-std::string report(const Account& account) {
-  const RunFigures& figures = account.figures;
-  const auto& recovered = figures.recovered_chi2;
+Json report_head(const Account& account) {
   Json json = {
       {"schema_version", kReportSchemaVersion}, {"version", kVersion}, {"command", account.command}, {"input", account.input}};
   json.update(input_of(account));
+  return json;
+}
+
+std::string report(const Account& account) {
+  const RunFigures& figures = account.figures;
+  const auto& recovered = figures.recovered_chi2;
+  Json json = report_head(account);
   json["local_maps"] = local_maps_of(account);
   json["join"] = join_of(account);
   json["recover"] = {{"chi2", value_if(recovered.has_value(), recovered.value_or(0.0))},
@@ -158,10 +163,7 @@ std::string report(const Account& account) {
 }
 
 Expected<void> write_report(const Account& account, const std::filesystem::path& path) {
-  auto file = OutputFile::create(path);
-  if (!file) return tl::unexpected(file.error());
-  file->write(report(account));
-  return file->commit();
+  return write_file(path, report(account));
 }
 
 }  // namespace mapjoin::apps

@@ -4,11 +4,15 @@
 
 #include <apps/account.hpp>
 #include <filesystem>
+#include <nlohmann/json_fwd.hpp>
 #include <string>
 
 namespace mapjoin::apps {
 
 inline constexpr int kReportSchemaVersion = 1;
+
+/// What every report begins with: version, command, and what the input is.
+nlohmann::ordered_json report_head(const Account& account);
 
 /// One JSON object and a newline. Every key is always there; what was not done is null.
 std::string report(const Account& account);

@@ -31,14 +31,6 @@ std::vector<std::string> names_of(const Options& options) {
   return names;
 }
 
-/// The input, the report, and the files of the folder.
-NamedFiles all_files(const Options& options) {
-  NamedFiles files = files_of(options, "LOG");
-  if (options.output.empty()) return files;
-  for (const std::string& name : names_of(options)) files.emplace_back("--output", options.output / name);
-  return files;
-}
-
 template <int Dim>
 Expected<void> write_map_files(const Call& call, const GlobalMap<Dim>& map, const Log<Dim>& log, const OutputFolder& folder) {
   return write_g2o(map, &log, folder.aside("map.g2o"))
@@ -104,7 +96,7 @@ std::unique_ptr<Subcommand> run_command(CLI::App& app) {
   add_reading(*command, *options);
   add_certainty(*command, *options);
   add_reporting(*command, *options);
-  command->check([options] { return check_distinct(all_files(*options)); });
+  command->check([options] { return check_distinct(files_of_folder(*options, "LOG", names_of(*options))); });
   command->act([options](const std::stop_token& stop) { return run_log(*options, stop); });
   return command;
 }

@@ -68,35 +68,35 @@ Expected<RunResult<Dim>> map_by(const Log<Dim>& log, const ComparedCase& way, co
   return result;
 }
 
+/// Works through a case and keeps its maps.
 template <int Dim>
-Expected<CaseOutcome<Dim>> outcome_of(const Log<Dim>& log, const ComparedCase& way, const ComparisonOptions<Dim>& options,
-                                      const std::stop_token& stop) {
-  CaseOutcome<Dim> outcome;
-  outcome.way = way;
+Expected<CaseFigures> take(const Log<Dim>& log, const ComparedCase& way, const ComparisonOptions<Dim>& options,
+                           const std::stop_token& stop, CaseMaps<Dim>& maps) {
+  CaseFigures figures;
+  figures.way = way;
   const EffortMeter meter;
   auto result = map_by(log, way, options, stop);
-  outcome.effort = meter.so_far();
+  figures.effort = meter.so_far();
   if (stop.stop_requested()) return tl::unexpected(Error{ErrorKind::kInterrupted, "interrupted while comparing"});
   if (!result) {
-    outcome.failure = result.error().message;
-    return outcome;
+    figures.failure = result.error().message;
+    return figures;
   }
-  outcome.run = static_cast<const RunFigures&>(*result);
-  outcome.joined.chi2 = result->recovered_chi2.value_or(result->chi2);
-  outcome.polished.chi2 = result->chi2;
-  outcome.joined_map = outcome.polished_map = std::move(result->map);
-  outcome.joined_map.poses = std::move(result->recovered->poses);
-  outcome.joined_map.features = std::move(result->recovered->features);
-  return outcome;
+  figures.run = static_cast<const RunFigures&>(*result);
+  figures.joined.chi2 = result->recovered_chi2.value_or(result->chi2);
+  figures.polished.chi2 = result->chi2;
+  maps.joined = maps.polished = std::move(result->map);
+  maps.joined.poses = std::move(result->recovered->poses);
+  maps.joined.features = std::move(result->recovered->features);
+  return figures;
 }
 
 /// Nothing where no case gives a map.
-template <int Dim>
-std::optional<std::size_t> least_chi2(const std::vector<CaseOutcome<Dim>>& outcomes) {
+std::optional<std::size_t> least_chi2(const std::vector<CaseFigures>& cases) {
   std::optional<std::size_t> best;
-  for (std::size_t k = 0; k < outcomes.size(); ++k) {
-    if (!outcomes[k].has_map()) continue;
-    if (!best || outcomes[k].polished.chi2 < outcomes[*best].polished.chi2) best = k;
+  for (std::size_t k = 0; k < cases.size(); ++k) {
+    if (!cases[k].has_map()) continue;
+    if (!best || cases[k].polished.chi2 < cases[*best].polished.chi2) best = k;
   }
   return best;
 }
@@ -120,8 +120,8 @@ std::string schedule_in_words(const ComparedCase& way) {
 }
 
 std::string to_string(const ComparedCase& way) {
-  const std::string maps = way.is_full_slam() ? "full SLAM" : fmt::format("maps of {} steps", way.poses_per_map);
-  return fmt::format("{}, {} state, {}", maps, to_string(way.state), schedule_in_words(way));
+  const std::string maps = way.is_full_slam() ? "" : fmt::format(", maps of {} steps", way.poses_per_map);
+  return fmt::format("{}{}, {}", to_string(way.formulation()), maps, schedule_in_words(way));
 }
 
 std::vector<ComparedCase> compared_cases(const std::vector<Index>& poses_per_map) {
@@ -148,22 +148,23 @@ Expected<Comparison<Dim>> compare(const Log<Dim>& log, const ComparisonOptions<D
   if (auto connected = check_connected(log); !connected) return tl::unexpected(connected.error());
   Comparison<Dim> comparison;
   for (const ComparedCase& way : options.cases) {
-    if (options.progress) options.progress(comparison.outcomes.size());
-    auto outcome = outcome_of(log, way, options, stop);
-    if (!outcome) return tl::unexpected(outcome.error());
-    comparison.outcomes.push_back(*std::move(outcome));
+    if (options.progress) options.progress(comparison.cases.size());
+    auto figures = take(log, way, options, stop, comparison.maps.emplace_back());
+    if (!figures) return tl::unexpected(figures.error());
+    comparison.cases.push_back(*std::move(figures));
   }
-  const auto best = least_chi2(comparison.outcomes);
-  if (!best) return bad_input("no case gives a map; the first: " + comparison.outcomes.front().failure);
+  const auto best = least_chi2(comparison.cases);
+  if (!best) return bad_input("no case gives a map; the first: " + comparison.cases.front().failure);
   comparison.best = *best;
   comparison.spans = spans_within(log.poses.size());
-  const GlobalMap<Dim>& best_map = comparison.outcomes[*best].polished_map;
-  const double least = comparison.outcomes[*best].polished.chi2;
-  for (auto& outcome : comparison.outcomes) {
-    if (!outcome.has_map()) continue;
-    outcome.reaches_best = outcome.run.converged() && outcome.polished.chi2 - least <= kSameChi2 * std::max(1.0, least);
-    measure(outcome.joined_map, best_map, comparison.spans, options.truth, outcome.joined);
-    measure(outcome.polished_map, best_map, comparison.spans, options.truth, outcome.polished);
+  const GlobalMap<Dim>& best_map = comparison.maps[*best].polished;
+  const double least = comparison.cases[*best].polished.chi2;
+  for (std::size_t k = 0; k < comparison.cases.size(); ++k) {
+    CaseFigures& figures = comparison.cases[k];
+    if (!figures.has_map()) continue;
+    figures.reaches_best = figures.run.converged() && figures.polished.chi2 - least <= kSameChi2 * std::max(1.0, least);
+    measure(comparison.maps[k].joined, best_map, comparison.spans, options.truth, figures.joined);
+    measure(comparison.maps[k].polished, best_map, comparison.spans, options.truth, figures.polished);
   }
   return comparison;
 }

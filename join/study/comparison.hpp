@@ -6,6 +6,7 @@
 #include <functional>
 #include <mapjoin/join/consistency.hpp>
 #include <mapjoin/join/run.hpp>
+#include <mapjoin/join/study/formulation.hpp>
 #include <mapjoin/measure/effort.hpp>
 #include <mapjoin/measure/trajectory_error.hpp>
 #include <mapjoin/model/error.hpp>
@@ -26,12 +27,13 @@ struct ComparedCase {
   bool gradual = false;  ///< Of the batch schedule: the rest beside the quadratic part comes in gradually.
 
   bool is_full_slam() const { return poses_per_map == 1; }
+  Formulation formulation() const { return {!is_full_slam(), state}; }
   bool operator==(const ComparedCase&) const = default;
 };
 
 /// "tree", "sequential", "batch" or "gradual batch".
 std::string schedule_in_words(const ComparedCase& way);
-/// "full SLAM, absolute state, batch", "maps of 20 steps, relative state, gradual batch".
+/// "full SLAM, absolute, batch", "joining, relative, maps of 20 steps, gradual batch".
 std::string to_string(const ComparedCase& way);
 
 /// Full SLAM, at once from the composed start and along the tree, then joining with each number of steps per map, along the
@@ -68,17 +70,22 @@ struct CaseFigures {
   int polish_iterations() const { return run.polish ? run.polish->iterations : 0; }
 };
 
+struct ComparisonFigures {
+  std::vector<std::size_t> spans;  ///< In steps: 1, 2, 5, 10, …, as far as the log goes.
+  std::vector<CaseFigures> cases;
+  std::size_t best = 0;  ///< The case whose map has the least chi2; the first of equals.
+};
+
+/// The maps of a case, empty where it gives none.
 template <int Dim>
-struct CaseOutcome : CaseFigures {
-  GlobalMap<Dim> joined_map;
-  GlobalMap<Dim> polished_map;
+struct CaseMaps {
+  GlobalMap<Dim> joined;
+  GlobalMap<Dim> polished;
 };
 
 template <int Dim>
-struct Comparison {
-  std::vector<std::size_t> spans;  ///< In steps: 1, 2, 5, 10, …, as far as the log goes.
-  std::vector<CaseOutcome<Dim>> outcomes;
-  std::size_t best = 0;  ///< The case whose map has the least chi2; the first of equals.
+struct Comparison : ComparisonFigures {
+  std::vector<CaseMaps<Dim>> maps;  ///< By case.
 };
 
 template <int Dim>
@@ -91,9 +98,9 @@ struct ComparisonOptions {
   std::function<void(std::size_t)> progress;
 };
 
-/// Works through the cases one after the other, so that each has the machine to itself. A case that gives no map is an outcome
-/// that says why; bad input where none gives one, or the log falls apart; kInterrupted on `stop`. But for Effort and
-/// RunFigures::seconds, the same for any number of threads.
+/// Works through the cases one after the other, so that each has the machine to itself. A case that gives no map says why; bad
+/// input where none gives one, or the log falls apart; kInterrupted on `stop`. But for Effort and RunFigures::seconds, the same
+/// for any number of threads.
 template <int Dim>
 Expected<Comparison<Dim>> compare(const Log<Dim>& log, const ComparisonOptions<Dim>& options, const std::stop_token& stop = {});
 

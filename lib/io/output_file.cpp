@@ -102,4 +102,11 @@ Expected<void> OutputFile::commit() {
   return outcome();
 }
 
+Expected<void> write_file(const std::filesystem::path& path, std::string_view bytes) {
+  auto file = OutputFile::create(path);
+  if (!file) return tl::unexpected(file.error());
+  file->write(bytes);
+  return file->commit();
+}
+
 }  // namespace mapjoin

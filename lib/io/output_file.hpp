@@ -43,4 +43,7 @@ class OutputFile {
   std::string buffer_;
 };
 
+/// All of a file at once; kCannotWrite.
+Expected<void> write_file(const std::filesystem::path& path, std::string_view bytes);
+
 }  // namespace mapjoin

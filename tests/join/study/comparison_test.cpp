@@ -30,24 +30,24 @@ TYPED_TEST_SUITE(ComparisonOfASmallWorld, Dimensions);
 TYPED_TEST(ComparisonOfASmallWorld, EveryWayEndsInTheSameMap) {
   const auto comparison = this->compared();
   ASSERT_TRUE(comparison) << comparison.error().message;
-  ASSERT_EQ(comparison->outcomes.size(), 5U + 2U * 7U);
+  ASSERT_EQ(comparison->cases.size(), 5U + 2U * 7U);
   const auto independent = solve(this->world.log, RunOptions{});
-  for (const auto& outcome : comparison->outcomes) {
-    SCOPED_TRACE(to_string(outcome.way));
-    EXPECT_TRUE(outcome.has_map()) << outcome.failure;
-    EXPECT_TRUE(outcome.reaches_best);
-    EXPECT_NEAR(outcome.polished.chi2, independent->chi2, 1e-6);
-    EXPECT_LT(outcome.polished.from_best.poses.translation.max, 1e-5);
-    EXPECT_LT(outcome.polished.from_best.features.max, 1e-5);
-    EXPECT_EQ(outcome.polished.from_best.unmatched, 0U);
-    EXPECT_GT(outcome.run.joint_bytes, 0);
+  for (const auto& figures : comparison->cases) {
+    SCOPED_TRACE(to_string(figures.way));
+    EXPECT_TRUE(figures.has_map()) << figures.failure;
+    EXPECT_TRUE(figures.reaches_best);
+    EXPECT_NEAR(figures.polished.chi2, independent->chi2, 1e-6);
+    EXPECT_LT(figures.polished.from_best.poses.translation.max, 1e-5);
+    EXPECT_LT(figures.polished.from_best.features.max, 1e-5);
+    EXPECT_EQ(figures.polished.from_best.unmatched, 0U);
+    EXPECT_GT(figures.run.joint_bytes, 0);
   }
 }
 
 TYPED_TEST(ComparisonOfASmallWorld, TheBestIsAtNoDistanceFromItself) {
   const auto comparison = this->compared();
-  const auto& best = comparison->outcomes[comparison->best];
-  for (const auto& outcome : comparison->outcomes) EXPECT_GE(outcome.polished.chi2, best.polished.chi2);
+  const auto& best = comparison->cases[comparison->best];
+  for (const auto& figures : comparison->cases) EXPECT_GE(figures.polished.chi2, best.polished.chi2);
   EXPECT_TRUE(best.reaches_best);
   EXPECT_EQ(best.polished.from_best.poses.translation.max, 0.0);
   EXPECT_EQ(best.polished.from_best.features.max, 0.0);
@@ -56,16 +56,16 @@ TYPED_TEST(ComparisonOfASmallWorld, TheBestIsAtNoDistanceFromItself) {
 
 TYPED_TEST(ComparisonOfASmallWorld, JoiningAloneIsCloseToTheBestAndFullSlamIsThere) {
   const auto comparison = this->compared();
-  for (const auto& outcome : comparison->outcomes) {
-    SCOPED_TRACE(to_string(outcome.way));
-    if (outcome.way.is_full_slam()) {
-      EXPECT_EQ(outcome.joined.chi2, outcome.polished.chi2);
-      EXPECT_EQ(outcome.polish_iterations(), 0);
+  for (const auto& figures : comparison->cases) {
+    SCOPED_TRACE(to_string(figures.way));
+    if (figures.way.is_full_slam()) {
+      EXPECT_EQ(figures.joined.chi2, figures.polished.chi2);
+      EXPECT_EQ(figures.polish_iterations(), 0);
     } else {
       // Interior poses were eliminated at the local linearisation, so that the joined map is near the optimum, not at it.
-      EXPECT_GT(outcome.joined.chi2, outcome.polished.chi2);
-      EXPECT_GT(outcome.joined.from_best.poses.translation.max, 1e-6);
-      EXPECT_LT(outcome.joined.from_best.poses.translation.max, 0.05);
+      EXPECT_GT(figures.joined.chi2, figures.polished.chi2);
+      EXPECT_GT(figures.joined.from_best.poses.translation.max, 1e-6);
+      EXPECT_LT(figures.joined.from_best.poses.translation.max, 0.05);
     }
   }
 }
@@ -95,17 +95,18 @@ TYPED_TEST(ComparisonOfASmallWorld, TheRelativePoseMetricIsThatOfMatricesByHand)
   truth.features.resize(this->world.log.features.size());
   const auto comparison = this->compared(&truth);
   EXPECT_EQ(comparison->spans, (std::vector<std::size_t>{1, 2, 5, 10, 20}));
-  const auto& best = comparison->outcomes[comparison->best].polished_map.poses;
-  for (const auto& outcome : comparison->outcomes) {
+  const auto& best = comparison->maps[comparison->best].polished.poses;
+  for (std::size_t c = 0; c < comparison->cases.size(); ++c) {
+    const CaseFigures& figures = comparison->cases[c];
+    const auto& maps = comparison->maps[c];
     for (std::size_t k = 0; k < comparison->spans.size(); ++k) {
       const std::size_t span = comparison->spans[k];
-      EXPECT_NEAR(outcome.joined.best_spans[k].translation.rms, relative_translation_rms(outcome.joined_map.poses, best, span),
-                  1e-9);
-      EXPECT_NEAR(outcome.polished.from_truth->spans[k].translation.rms,
-                  relative_translation_rms(outcome.polished_map.poses, this->world.truth.poses, span), 1e-9);
+      EXPECT_NEAR(figures.joined.best_spans[k].translation.rms, relative_translation_rms(maps.joined.poses, best, span), 1e-9);
+      EXPECT_NEAR(figures.polished.from_truth->spans[k].translation.rms,
+                  relative_translation_rms(maps.polished.poses, this->world.truth.poses, span), 1e-9);
     }
-    EXPECT_GT(outcome.polished.from_truth->absolute.translation.rms, 0.0);
-    EXPECT_LT(outcome.polished.from_truth->absolute.translation.rms, 0.1);
+    EXPECT_GT(figures.polished.from_truth->absolute.translation.rms, 0.0);
+    EXPECT_LT(figures.polished.from_truth->absolute.translation.rms, 0.1);
   }
 }
 
@@ -116,7 +117,7 @@ TYPED_TEST(ComparisonOfASmallWorld, ATruthOfSomePosesCountsThoseOnly) {
   truth.features.resize(this->world.log.features.size());
   for (std::size_t p = 0; p < 7; ++p) truth.poses[p] = this->world.truth.poses[p];
   const auto comparison = this->compared(&truth);
-  const auto& known = *comparison->outcomes.front().polished.from_truth;
+  const auto& known = *comparison->cases.front().polished.from_truth;
   EXPECT_EQ(known.absolute.translation.count, 7U);
   EXPECT_EQ(known.spans[2].translation.count, 2U);  // of 5 steps
   EXPECT_EQ(known.spans[3].translation.count, 0U);  // of 10
@@ -142,8 +143,8 @@ TYPED_TEST(ComparisonOfASmallWorld, ACaseThatGivesNoMapSaysWhy) {
   options.most_sequential = 3;
   const auto comparison = compare(this->world.log, options);
   ASSERT_TRUE(comparison);
-  EXPECT_EQ(comparison->outcomes[0].failure, "not tried: about 4 maps one by one take too long");
-  EXPECT_FALSE(comparison->outcomes[0].reaches_best);
+  EXPECT_EQ(comparison->cases[0].failure, "not tried: about 4 maps one by one take too long");
+  EXPECT_FALSE(comparison->cases[0].reaches_best);
   EXPECT_EQ(comparison->best, 1U);
 }
 
@@ -154,9 +155,9 @@ TYPED_TEST(ComparisonOfASmallWorld, WhatDoesNotConvergeDoesNotReachTheBest) {
   options.solver.max_iterations = 1;
   const auto comparison = compare(this->world.log, options);
   ASSERT_TRUE(comparison);
-  EXPECT_TRUE(std::any_of(comparison->outcomes.begin(), comparison->outcomes.end(),
-                          [](const auto& outcome) { return !outcome.reaches_best; }));
-  for (const auto& outcome : comparison->outcomes) EXPECT_LE(outcome.reaches_best, outcome.run.converged());
+  EXPECT_TRUE(std::any_of(comparison->cases.begin(), comparison->cases.end(),
+                          [](const auto& figures) { return !figures.reaches_best; }));
+  for (const auto& figures : comparison->cases) EXPECT_LE(figures.reaches_best, figures.run.converged());
 }
 
 TYPED_TEST(ComparisonOfASmallWorld, EndsWhereAStopIsRequested) {
@@ -187,9 +188,9 @@ TEST(Comparison, OfWhatNothingDeterminesIsBadInput) {
 }
 
 TEST(ComparedCase, IsNamedInWords) {
-  EXPECT_EQ(to_string(ComparedCase{}), "full SLAM, absolute state, tree");
+  EXPECT_EQ(to_string(ComparedCase{}), "full SLAM, absolute, tree");
   EXPECT_EQ(to_string(ComparedCase{20, JoinedState::kRelative, Schedule::kBatch, true}),
-            "maps of 20 steps, relative state, gradual batch");
+            "joining, relative, maps of 20 steps, gradual batch");
 }
 
 }  // namespace

@@ -1,0 +1,224 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// `mapjoin compare`: joining beside full SLAM on one log.
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <apps/call.hpp>
+#include <apps/commands.hpp>
+#include <apps/compare_page.hpp>
+#include <apps/compare_report.hpp>
+#include <apps/compare_table.hpp>
+#include <apps/console.hpp>
+#include <apps/distinct.hpp>
+#include <apps/output_folder.hpp>
+#include <apps/summary.hpp>
+#include <apps/words.hpp>
+#include <mapjoin/io/output_file.hpp>
+#include <memory>
+#include <optional>
+#include <sstream>
+#include <utility>
+#include <variant>
+
+namespace mapjoin::apps {
+namespace {
+
+constexpr const char* kExamples =
+    "  mapjoin compare data/manhattan2d.g2o\n"
+    "  mapjoin compare data/manhattan2d.g2o -o comparison --truth data/manhattan2d.truth.tum\n"
+    "  mapjoin compare data/manhattan3d.g2o --poses-per-map 10,40 --report -";
+
+constexpr Index kLongestMap = 1'000'000;
+
+struct CompareOptions {
+  Options common;
+  std::vector<Index> poses_per_map = {5, 20, 60};
+};
+
+/// Whole numbers with commas between them. 1 would be full SLAM, which is there in any case.
+std::optional<std::string> take_list(const std::string& word, std::vector<Index>& list) {
+  list.clear();
+  std::istringstream words(word + ",");
+  for (std::string one; std::getline(words, one, ',');) {
+    const std::optional<int> number = number_in<int>(one);
+    if (!number || *number < 2 || *number > kLongestMap) {
+      return fmt::format("not whole numbers from 2 to {} with commas between them", kLongestMap);
+    }
+    if (std::find(list.begin(), list.end(), *number) == list.end()) list.push_back(*number);
+  }
+  return std::nullopt;
+}
+
+const std::vector<std::string> kNames = {"compare.json", "compare.csv", "compare.html"};
+
+/// What the maps of a log will have, but for their values.
+template <int Dim>
+GlobalMap<Dim> outline_of(const Log<Dim>& log) {
+  GlobalMap<Dim> map;
+  map.pose_ids = log.poses;
+  map.poses.resize(log.poses.size());
+  map.feature_ids = log.features;
+  map.features.resize(log.features.size(), Point<Dim>::Zero());
+  map.stamps_ns = log.stamps_ns;
+  return map;
+}
+
+/// The truth of a log, where a file of it is given: at least two poses.
+template <int Dim>
+Expected<std::optional<Truth<Dim>>> truth_of(const Log<Dim>& log, const std::filesystem::path& path) {
+  if (path.empty()) return std::optional<Truth<Dim>>();
+  const auto file = TruthFile::open(path);
+  if (!file) return tl::unexpected(file.error());
+  auto truth = file->of(outline_of(log));
+  if (!truth) return tl::unexpected(truth.error());
+  const auto known = std::count_if(truth->poses.begin(), truth->poses.end(), [](const auto& pose) { return pose.has_value(); });
+  if (known < 2) {
+    return tl::unexpected(
+        Error{ErrorKind::kUsage, fmt::format("{}: the truth has fewer than two poses of the log", path.string())});
+  }
+  return std::optional<Truth<Dim>>(*std::move(truth));
+}
+
+/// The optimum with the weights that are not compared, by mapjoin's default; `map` has no poses where there is none.
+template <int Dim>
+Expected<OtherWeights> other_weights(const Log<Dim>& log, const GlobalMap<Dim>& best, const std::stop_token& stop,
+                                     GlobalMap<Dim>& map) {
+  OtherWeights other;
+  other.covariance = log.conventions.covariance;
+  auto result = run(log, RunOptions{}, stop);
+  if (stop.stop_requested()) return tl::unexpected(Error{ErrorKind::kInterrupted, "interrupted"});
+  if (!result) {
+    other.failure = result.error().message;
+    return other;
+  }
+  other.chi2 = result->chi2;
+  map = std::move(result->map);
+  other.from_best = map_difference(map, best);
+  return other;
+}
+
+std::string in_words(const OtherWeights& other) {
+  if (!other.failure.empty()) return other.failure;
+  return fmt::format("chi2 {:.10g}; poses {:.2g} m (RMS) and features {:.2g} m from the best map", other.chi2,
+                     other.from_best.poses.translation.rms, other.from_best.features.rms);
+}
+
+std::string compare_summary(const Account& account, const ComparisonFigures& comparison, const OtherWeights& other) {
+  const CaseFigures& best = comparison.cases[comparison.best];
+  Lines lines;
+  lines.add("input", fmt::format("{}: {}", account.input, counts_in_words(account)));
+  lines.add("convention", conventions_in_words(account.conventions, account.dimension));
+  lines.add("best", fmt::format("chi2 {:.10g}, dof {}", best.polished.chi2, best.run.dof));
+  lines.add(word(other.covariance), in_words(other));
+  for (const std::string& file : account.files) lines.add("written", file);
+  std::string text = lines.text();
+  for (const NamedTable& named : tables_of(comparison)) text += fmt::format("\n{}\n{}", named.name, aligned(named.table));
+  return text;
+}
+
+template <int Dim>
+Expected<void> write_folder(const Account& account, const Comparison<Dim>& comparison, const OtherWeights& other,
+                            const GlobalMap<Dim>& other_map, const Log<Dim>& log, OutputFolder& folder) {
+  return write_file(folder.aside(kNames[0]), compare_report(account, comparison, other))
+      .and_then([&] { return write_file(folder.aside(kNames[1]), csv(whole_table(comparison))); })
+      .and_then([&] {
+        return write_file(folder.aside(kNames[2]), compare_page(account, comparison, other, other_map, log.sessions));
+      })
+      .and_then([&] { return folder.commit(kNames); });
+}
+
+Expected<ExitCode> conclude(const Call& call, const ComparisonFigures& comparison, const OtherWeights& other) {
+  const Options& options = call.options();
+  const std::string json = compare_report(call.account, comparison, other);
+  Expected<void> told;
+  if (!options.report.empty() && !options.report_on_stdout()) told = write_file(options.report, json);
+  if (!told) return tl::unexpected(told.error());
+  if (options.report_on_stdout()) {
+    told = write_stdout(json);
+  } else if (!options.quiet) {
+    told = write_stdout(compare_summary(call.account, comparison, other));
+  }
+  if (!told) return tl::unexpected(told.error());
+  if (comparison.cases[comparison.best].run.converged()) return ExitCode::kDone;
+  say("the best map did not converge");
+  return ExitCode::kDidNotConverge;
+}
+
+template <int Dim>
+Expected<Comparison<Dim>> compared(const Call& call, const CompareOptions& options, const Log<Dim>& log,
+                                   const Truth<Dim>* truth) {
+  Progress progress(!options.common.quiet);
+  const auto say_case = progress.callback_in_words();
+  ComparisonOptions<Dim> comparing;
+  comparing.cases = compared_cases(options.poses_per_map);
+  comparing.truth = truth;
+  if (say_case) {
+    comparing.progress = [&](std::size_t k) {
+      say_case(to_string(comparing.cases[k]) + ": case", k + 1, comparing.cases.size());
+    };
+  }
+  return compare(log, comparing, call.stop());
+}
+
+/// `log` has the weights that the file gives.
+template <int Dim>
+Expected<ExitCode> compare_on(Call& call, const CompareOptions& options, const Log<Dim>& log,
+                              std::optional<OutputFolder>& folder) {
+  Log<Dim> identity = log;
+  use_identity_covariance(identity);
+  const bool by_identity = options.common.covariance == Covariance::kIdentity;
+  const Log<Dim>& here = by_identity ? identity : log;
+  call.account.describe(here);
+  const auto truth = truth_of(log, options.common.truth);
+  if (!truth) return tl::unexpected(truth.error());
+  const auto comparison = compared(call, options, here, *truth ? &**truth : nullptr);
+  if (!comparison) return tl::unexpected(comparison.error());
+  GlobalMap<Dim> other_map;
+  const auto other =
+      other_weights(by_identity ? log : identity, comparison->maps[comparison->best].polished, call.stop(), other_map);
+  if (!other) return tl::unexpected(other.error());
+  if (folder) {
+    for (const std::string& name : kNames) call.account.files.push_back(folder->file(name).string());
+    const auto written = write_folder(call.account, *comparison, *other, other_map, log, *folder);
+    if (!written) return tl::unexpected(written.error());
+  }
+  return conclude(call, *comparison, *other);
+}
+
+Expected<ExitCode> compare_log(const CompareOptions& options, const std::stop_token& stop) {
+  Options as_given = options.common;
+  as_given.covariance = Covariance::kOriginal;
+  Call call("compare", as_given, stop);
+  std::optional<OutputFolder> folder;
+  if (!as_given.output.empty()) {
+    auto made = OutputFolder::create(as_given.output);
+    if (!made) return tl::unexpected(made.error());
+    folder.emplace(std::move(*made));
+  }
+  if (auto ready = call.check_report(); !ready) return tl::unexpected(ready.error());
+  const auto log = call.read_log();
+  if (!log) return tl::unexpected(log.error());
+  return std::visit([&](const auto& any) { return compare_on(call, options, any, folder); }, *log);
+}
+
+}  // namespace
+
+std::unique_ptr<Subcommand> compare_command(CLI::App& app) {
+  auto command = std::make_unique<Subcommand>(
+      app, "compare", "Joining beside full SLAM on one log: what each takes, and how far its map is from the best", kExamples);
+  const auto options = std::make_shared<CompareOptions>();
+  Options& common = options->common;
+  command->argument("LOG", common.input, "The log, known by its content: g2o, iSAM, MAT or text; also as gzip");
+  command->path("-o,--output", common.output, "DIR", "Write compare.json, compare.csv and compare.html into this folder");
+  command->option("--poses-per-map", "N,N,...", "Cut the log into local maps after so many poses, each in its turn [5,20,60]",
+                  [options](const std::string& word) { return take_list(word, options->poses_per_map); });
+  command->path("--truth", common.truth, "FILE", "Measure the errors against this map, too: .tum, else g2o with vertices");
+  add_reading(*command, common);
+  add_reporting(*command, common);
+  command->check([options] { return check_distinct(files_of_folder(options->common, "LOG", kNames)); });
+  command->act([options](const std::stop_token& stop) { return compare_log(*options, stop); });
+  return command;
+}
+
+}  // namespace mapjoin::apps

@@ -1,0 +1,13 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+// Text within SVG and HTML.
+
+#include <string>
+#include <string_view>
+
+namespace mapjoin::apps {
+
+/// With the characters that markup is made of, &, <, > and ", as entities.
+std::string escaped(std::string_view text);
+
+}  // namespace mapjoin::apps
