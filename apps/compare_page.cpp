@@ -18,7 +18,9 @@ namespace {
 
 constexpr const char* kBlue = "#1d4ed8";
 constexpr const char* kOrange = "#d55e00";
-constexpr std::array kOtherColours{kOrange, "#009e73", "#cc79a7", "#e69f00", "#56b4e9"};  // of minima beside the best
+constexpr std::array kOtherColours{"#cc79a7", "#e69f00", "#56b4e9", "#000000"};  // of minima beside the best,
+constexpr std::size_t kFirstOther = 3;                                           // which a chart has from this colour on
+constexpr std::size_t kBlack = 6;
 
 constexpr double kPixels = 560.0;  // of the pictures: small enough for the words in them to be read on a phone
 
@@ -97,16 +99,19 @@ template <typename Errors>
 Chart chart_of_spans(const ComparisonFigures& comparison, const std::vector<Solution>& solutions, const std::string& title,
                      bool with_best, Errors&& errors) {
   Chart chart{title, {"steps from pose to pose", true}, {"RMS of position (m)", true}, {}};
-  const auto add = [&](const std::string& name, const EstimateFigures& estimate, Line line) {
+  const auto add = [&](const std::string& name, const EstimateFigures& estimate, Line line, std::size_t colour) {
     chart.curves.push_back(curve_of(name, comparison.spans, errors(estimate)));
     chart.curves.back().line = line;
+    chart.curves.back().colour = colour;
   };
-  if (with_best) add("the best map", comparison.cases[comparison.best].polished, Line::kSolid);
+  if (with_best) add("the best map", comparison.cases[comparison.best].polished, Line::kSolid, kBlack);
+  std::size_t place = 0;
   for (const CaseFigures* figures : joined_cases(comparison)) {
-    add(fmt::format("joined, {} steps per map", figures->way.poses_per_map), figures->joined, Line::kSolid);
+    const std::string name = fmt::format("joined, {} steps per map", figures->way.poses_per_map);
+    add(name, figures->joined, Line::kSolid, place++ % kFirstOther);
   }
   for (std::size_t s = 1; s < shown_count(solutions); ++s) {
-    add(name_of(solutions[s], comparison), comparison.cases[solutions[s].front()].polished, Line::kDashed);
+    add(name_of(solutions[s], comparison), comparison.cases[solutions[s].front()].polished, Line::kDashed, kFirstOther + s - 1);
   }
   return chart;
 }
