@@ -6,114 +6,94 @@
 namespace mapjoin {
 namespace {
 
+/// Copies observations, and has copies of their lists point to the copies.
 template <typename Graded, typename Observation>
-void take(const std::vector<const Observation*>& own, const std::vector<const Observation*>& priors, std::vector<Graded>& out) {
-  out.reserve(own.size() + priors.size());
-  for (const auto* list : {&own, &priors}) {
-    for (const auto* o : *list) out.push_back({*o, o->information, false});
-  }
-}
-
-template <typename Graded, typename Observation>
-void point_to(const std::vector<Graded>& graded, std::vector<const Observation*>& own,
-              std::vector<const Observation*>& priors) {
-  auto copy = graded.begin();
+void copy(std::vector<const Observation*>& own, std::vector<const Observation*>& priors, std::vector<Graded>& out) {
+  out.reserve(own.size() + priors.size());  // addresses stay
   for (auto* list : {&own, &priors}) {
-    for (auto& o : *list) o = &(copy++)->observation;
+    for (const Observation*& o : *list) o = &out.emplace_back(o, *o, false).weighted;
   }
 }
 
-/// The marginal of some rows, others zero: W_LL - W_LN W_NN⁻¹ W_NL.
+/// The marginal of the rows L, the others being N: W_LL - W_LN W_NN⁻¹ W_NL.
 Eigen::MatrixXd marginal(const Eigen::MatrixXd& W, const std::vector<Eigen::Index>& L, const std::vector<Eigen::Index>& N) {
-  Eigen::MatrixXd out = Eigen::MatrixXd::Zero(W.rows(), W.cols());
   Eigen::MatrixXd W_LL = W(L, L);
   if (!N.empty() && !L.empty()) {
     const Eigen::MatrixXd W_NL = W(N, L);
     W_LL -= W_NL.transpose() * Eigen::MatrixXd(W(N, N)).ldlt().solve(W_NL);
   }
-  out(L, L) = W_LL;
-  return out;
+  return W_LL;
 }
 
 }  // namespace
 
 template <int Dim>
-GradedProblem<Dim>::Copies::Copies(const Piece<Dim>& original, const Gauge<Dim>& held) : piece(original), gauge(held) {
-  take(piece.pose_observations, gauge.pose_priors, poses);
-  take(piece.feature_observations, gauge.feature_priors, features);
-  point_to(poses, piece.pose_observations, gauge.pose_priors);
-  point_to(features, piece.feature_observations, gauge.feature_priors);
-  maps.reserve(piece.maps.size());
-  for (auto& map : piece.maps) {
-    maps.push_back({*map, map->information, {}});
-    map = &maps.back().map;
-  }
-}
-
-template <int Dim>
-GradedProblem<Dim>::GradedProblem(const Piece<Dim>& piece, const Gauge<Dim>& gauge)
-    : copies_(piece, gauge), join_(copies_.piece, copies_.gauge) {
+GradedProblem<Dim>::GradedProblem(JoinProblem<Dim>& join, const Piece<Dim>& piece, const Gauge<Dim>& gauge)
+    : join_(join), piece_(piece), gauge_(gauge), weighted_piece_(piece), weighted_gauge_(gauge) {
+  copy(weighted_piece_.pose_observations, weighted_gauge_.pose_priors, poses_);
+  copy(weighted_piece_.feature_observations, weighted_gauge_.feature_priors, features_);
+  maps_.reserve(piece.maps.size());
+  for (const LocalMap<Dim>*& map : weighted_piece_.maps) map = &maps_.emplace_back(map, *map).weighted;
   take_tree();
 }
 
+/// What the tree hangs by is quadratic.
 template <int Dim>
 void GradedProblem<Dim>::take_tree() {
-  const std::size_t first_map = copies_.poses.size() + copies_.features.size();
-  std::vector<std::vector<bool>> is_in_tree(copies_.maps.size());
-  for (std::size_t m = 0; m < copies_.maps.size(); ++m) {
-    is_in_tree[m].resize(copies_.maps[m].map.poses.size() + copies_.maps[m].map.features.size());
-  }
+  using Source = typename JointSystem<Dim>::Source;
+  std::vector<std::vector<bool>> is_in_tree;  // per map and target
+  for (const GradedMap& map : maps_) is_in_tree.emplace_back(map.whole->poses.size() + map.whole->features.size());
   const SpanningTree tree = spanning_tree(join_.system());
   for (const auto* edges : {&tree.poses, &tree.features}) {
     for (const TreeEdge& edge : *edges) {
       if (!edge.observation) continue;
-      const std::size_t clique = edge.observation->clique;
-      if (clique < copies_.poses.size()) {
-        copies_.poses[clique].is_quadratic = true;
-      } else if (clique < first_map) {
-        copies_.features[clique - copies_.poses.size()].is_quadratic = true;
-      } else {
-        is_in_tree[clique - first_map][static_cast<std::size_t>(edge.observation->target)] = true;
-      }
+      const Source source = join_.system().source_of(edge.observation->clique);
+      if (source.kind == Source::kPoseObservation) poses_[source.place].is_quadratic = true;
+      if (source.kind == Source::kFeatureObservation) features_[source.place].is_quadratic = true;
+      if (source.kind == Source::kMap) is_in_tree[source.place][edge.observation->target] = true;
     }
   }
-  for (std::size_t m = 0; m < copies_.maps.size(); ++m) {
-    GradedMap& graded = copies_.maps[m];
-    std::vector<Eigen::Index> linear, rest;
-    Eigen::Index row = 0;
+  for (std::size_t m = 0; m < maps_.size(); ++m) {
+    const LocalMap<Dim>& whole = *maps_[m].whole;
+    std::vector<Eigen::Index> rest;
     for (std::size_t t = 0; t < is_in_tree[m].size(); ++t) {
-      const int dof = t < graded.map.poses.size() ? kPoseDof<Dim> : Dim;
-      for (int i = 0; i < dof; ++i) (is_in_tree[m][t] ? linear : rest).push_back(row++);
+      auto& rows = is_in_tree[m][t] ? maps_[m].tree_rows : rest;
+      for (Eigen::Index row = whole.row(t); row < whole.row(t + 1); ++row) rows.push_back(row);
     }
-    graded.quadratic = marginal(graded.whole, linear, rest);
+    maps_[m].quadratic = marginal(whole.information, maps_[m].tree_rows, rest);
   }
 }
 
 template <int Dim>
 void GradedProblem<Dim>::set_share(double share) {
-  for (auto& o : copies_.poses) o.observation.information = (o.is_quadratic ? 1.0 : share) * o.whole;
-  for (auto& o : copies_.features) o.observation.information = (o.is_quadratic ? 1.0 : share) * o.whole;
-  for (auto& m : copies_.maps) m.map.information = share * m.whole + (1.0 - share) * m.quadratic;
+  for (auto& o : poses_) o.weighted.information = (o.is_quadratic ? 1.0 : share) * o.whole->information;
+  for (auto& o : features_) o.weighted.information = (o.is_quadratic ? 1.0 : share) * o.whole->information;
+  for (auto& m : maps_) {
+    m.weighted.information = share * m.whole->information;
+    m.weighted.information(m.tree_rows, m.tree_rows) += (1.0 - share) * m.quadratic;
+  }
+  const bool is_whole = share == 1.0;
+  join_.system().observe(is_whole ? piece_ : weighted_piece_, is_whole ? gauge_ : weighted_gauge_);
 }
 
 template <int Dim>
-std::vector<PathPoint> lead_gradually(const Gauge<Dim>& gauge, JoinedState state, const MinimiseOptions& options,
-                                      const std::stop_token& stop, Piece<Dim>& piece) {
+std::vector<PathPoint> lead_gradually(JoinProblem<Dim>& join, const Piece<Dim>& piece, const Gauge<Dim>& gauge,
+                                      JoinedState state, const MinimiseOptions& options, const std::stop_token& stop) {
   std::vector<PathPoint> path;
-  GradedProblem<Dim> graded(piece, gauge);
+  GradedProblem<Dim> graded(join, piece, gauge);
   for (const double share : {0.0, 1e-6, 1e-5, 1e-4, 1e-3, 1e-2, 1e-1}) {
     if (stop.stop_requested()) break;
     graded.set_share(share);
-    path.push_back({share, minimise_join(graded.join(), state, options, stop)});
+    path.push_back({share, minimise_join(join, state, options, stop)});
   }
-  piece.state = graded.join().estimate();
+  graded.set_share(1.0);
   return path;
 }
 
-#define MAPJOIN_INSTANTIATE(Dim)                                                                         \
-  template class GradedProblem<Dim>;                                                                     \
-  template std::vector<PathPoint> lead_gradually(const Gauge<Dim>&, JoinedState, const MinimiseOptions&, \
-                                                 const std::stop_token&, Piece<Dim>&);
+#define MAPJOIN_INSTANTIATE(Dim)                                                                                       \
+  template class GradedProblem<Dim>;                                                                                   \
+  template std::vector<PathPoint> lead_gradually(JoinProblem<Dim>&, const Piece<Dim>&, const Gauge<Dim>&, JoinedState, \
+                                                 const MinimiseOptions&, const std::stop_token&);
 MAPJOIN_INSTANTIATE(2)
 MAPJOIN_INSTANTIATE(3)
 #undef MAPJOIN_INSTANTIATE

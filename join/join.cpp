@@ -95,12 +95,12 @@ Expected<Join<Dim>> join(const Network<Dim>& network, const std::vector<PoseId>&
   if (stop.stop_requested()) return interrupted();
 
   Join<Dim> result;
+  JoinProblem<Dim> problem(whole, gauge);
   if (options.gradual) {
     MinimiseOptions leading = ScheduleOptions::leading(options.schedule);
     leading.method = options.solver.method;
-    result.path = lead_gradually(gauge, options.state, leading, stop, whole);
+    result.path = lead_gradually(problem, whole, gauge, options.state, leading, stop);
   }
-  JoinProblem<Dim> problem(whole, gauge);
   result.result = minimise_join(problem, options.state, options.solver, stop);
   if (result.result.status == MinimiseStatus::kInterrupted) return interrupted();
   if (result.result.status == MinimiseStatus::kSingular) {

@@ -12,7 +12,7 @@ LinearMap<Dim> linearise_map(const typename JointSystem<Dim>::PlacedMap& placed,
   const LocalMap<Dim>& map = *placed.map;
   const Pose<Dim> base = state.pose(placed.base);
   LinearMap<Dim> linear;
-  linear.W = &map.information;
+  linear.map = &map;
   for (std::size_t p = 0; p < map.poses.size(); ++p) {
     linear.poses.push_back(linearise<Dim>(map.pose_estimates[p], base, state.pose(placed.poses[p])));
   }
@@ -71,17 +71,24 @@ double JoinProblem<Dim>::try_state(State<Dim> candidate) {
 
 template <int Dim>
 double RelativeJoinProblem<Dim>::linearise() {
-  is_damped_ = false;
+  is_damped_ = is_weighed_ = false;
   const double chi2 = join_.linearise();
   relative_.linearise(join_.system());
   return chi2;
 }
 
 template <int Dim>
+const RelativeState<Dim>& RelativeJoinProblem<Dim>::metric() {
+  if (!is_weighed_) relative_.weigh(join_.system());
+  is_weighed_ = true;
+  return relative_;
+}
+
+template <int Dim>
 std::optional<Index> RelativeJoinProblem<Dim>::factorise(double damping) {
   if (is_damped_) join_.linearise();
   is_damped_ = damping > 0.0;
-  if (is_damped_) relative_.damp(join_.system(), damping);
+  if (is_damped_) metric().damp(join_.system(), damping);
   return join_.factorise(0.0);
 }
 

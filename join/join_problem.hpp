@@ -49,7 +49,7 @@ class RelativeJoinProblem {
 
   double linearise();
   const Eigen::VectorXd& gradient() const { return join_.gradient(); }
-  const RelativeState<Dim>& metric() const { return relative_; }
+  const RelativeState<Dim>& metric();
   double curvature(const Eigen::VectorXd& v) const { return join_.curvature(v); }
   std::optional<Index> factorise(double damping);
   Eigen::VectorXd solve() const { return join_.solve(); }
@@ -60,7 +60,8 @@ class RelativeJoinProblem {
  private:
   JoinProblem<Dim>& join_;
   RelativeState<Dim> relative_;
-  bool is_damped_ = false;  // whether the normal equations hold the damping, too
+  bool is_weighed_ = false;  // whether the metric is that of the estimate
+  bool is_damped_ = false;   // whether the normal equations hold the damping, too
 };
 
 /// Minimises with steps in the coordinates of `state`.

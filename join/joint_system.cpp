@@ -31,6 +31,9 @@ void JointSystem<Dim>::number_variables(const Gauge<Dim>& gauge) {
 
 template <int Dim>
 void JointSystem<Dim>::place_observations(const Piece<Dim>& piece, const Gauge<Dim>& gauge) {
+  pose_observations_.clear();
+  feature_observations_.clear();
+  maps_.clear();
   const auto pose_place = [&](Index pose) { return pose == kWorld ? kWorld : place_of(piece.poses, pose); };
   const auto feature_place = [&](Index feature) { return place_of(piece.features, feature); };
   for (const auto* list : {&piece.pose_observations, &gauge.pose_priors}) {
@@ -46,6 +49,13 @@ void JointSystem<Dim>::place_observations(const Piece<Dim>& piece, const Gauge<D
     maps_.push_back(std::move(placed));
   }
   first_map_clique_ = pose_observations_.size() + feature_observations_.size();
+}
+
+template <int Dim>
+typename JointSystem<Dim>::Source JointSystem<Dim>::source_of(std::size_t clique) const {
+  if (clique < pose_observations_.size()) return {Source::kPoseObservation, clique};
+  if (clique < first_map_clique_) return {Source::kFeatureObservation, clique - pose_observations_.size()};
+  return {Source::kMap, clique - first_map_clique_};
 }
 
 template <int Dim>

@@ -37,7 +37,6 @@ class JointSystem {
     Index base;
     Index target;
   };
-  /// The cliques of the system are these, in this order: observations of poses, of features, maps.
   const std::vector<Placed<PoseObservation<Dim>>>& pose_observations() const { return pose_observations_; }
   const std::vector<Placed<FeatureObservation<Dim>>>& feature_observations() const { return feature_observations_; }
   /// A map whose indices are places of the joined state.
@@ -48,6 +47,15 @@ class JointSystem {
     std::vector<Index> features;
   };
   const std::vector<PlacedMap>& maps() const { return maps_; }
+  /// Puts the observations and maps of another piece and gauge, which differ in their numbers only, in place of these.
+  void observe(const Piece<Dim>& piece, const Gauge<Dim>& gauge) { place_observations(piece, gauge); }
+
+  /// What a clique of the normal equations is: its list among the three, and its place there.
+  struct Source {
+    enum Kind { kPoseObservation, kFeatureObservation, kMap } kind;
+    std::size_t place;
+  };
+  Source source_of(std::size_t clique) const;
 
   State<Dim>& estimate() { return estimate_; }
   const State<Dim>& estimate() const { return estimate_; }
@@ -67,6 +75,7 @@ class JointSystem {
   void number_variables(const Gauge<Dim>& gauge);
   void place_observations(const Piece<Dim>& piece, const Gauge<Dim>& gauge);
   NormalEquations make_equations() const;
+
   State<Dim> estimate_;
   std::vector<Placed<PoseObservation<Dim>>> pose_observations_;
   std::vector<Placed<FeatureObservation<Dim>>> feature_observations_;

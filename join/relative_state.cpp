@@ -9,41 +9,29 @@
 namespace mapjoin {
 namespace {
 
-/// The measurement of an edge, of a pose or a point, and its information.
-template <typename Measured, int Dof>
-struct Measurement {
-  Measured value;
-  Matrix<Dof> W;
-};
-
-/// The map whose clique it is, or null.
+/// What the observation of an edge measured, and its information.
 template <int Dim>
-const LocalMap<Dim>* map_of(const JointSystem<Dim>& system, std::size_t clique) {
-  const std::size_t first = system.pose_observations().size() + system.feature_observations().size();
-  return clique < first ? nullptr : system.maps()[clique - first].map;
-}
-
-template <int Dim>
-Measurement<Pose<Dim>, kPoseDof<Dim>> measured_pose(const JointSystem<Dim>& system, const TreeObservation& edge) {
+std::pair<Pose<Dim>, PoseMatrix<Dim>> measured_pose(const JointSystem<Dim>& system, const TreeObservation& edge) {
   constexpr int kDof = kPoseDof<Dim>;
-  if (const LocalMap<Dim>* map = map_of(system, edge.clique)) {
-    const Eigen::Index row = edge.target * kDof;
-    return {map->pose_estimates[static_cast<std::size_t>(edge.target)], map->information.template block<kDof, kDof>(row, row)};
+  const auto source = system.source_of(edge.clique);
+  if (source.kind != JointSystem<Dim>::Source::kMap) {
+    const auto& o = *system.pose_observations()[source.place].observation;
+    return {o.measured, o.information};
   }
-  const auto& o = *system.pose_observations()[edge.clique].observation;
-  return {o.measured, o.information};
+  const LocalMap<Dim>& map = *system.maps()[source.place].map;
+  const Eigen::Index row = map.row(edge.target);
+  return {map.pose_estimates[edge.target], map.information.template block<kDof, kDof>(row, row)};
 }
 
 template <int Dim>
-Measurement<Point<Dim>, Dim> measured_point(const JointSystem<Dim>& system, const TreeObservation& edge) {
-  if (const LocalMap<Dim>* map = map_of(system, edge.clique)) {
-    const auto poses = static_cast<Eigen::Index>(map->poses.size());
-    const Eigen::Index feature = edge.target - poses;
-    const Eigen::Index row = poses * kPoseDof<Dim> + feature * Dim;
-    return {map->feature_estimates[static_cast<std::size_t>(feature)], map->information.template block<Dim, Dim>(row, row)};
+PointMatrix<Dim> point_information(const JointSystem<Dim>& system, const TreeObservation& edge) {
+  const auto source = system.source_of(edge.clique);
+  if (source.kind != JointSystem<Dim>::Source::kMap) {
+    return system.feature_observations()[source.place].observation->information;
   }
-  const auto& o = *system.feature_observations()[edge.clique - system.pose_observations().size()].observation;
-  return {o.measured, o.information};
+  const LocalMap<Dim>& map = *system.maps()[source.place].map;
+  const Eigen::Index row = map.row(edge.target);
+  return map.information.template block<Dim, Dim>(row, row);
 }
 
 /// The information that the observation of an edge has of its child, the parent held still.
@@ -62,26 +50,9 @@ Matrix<kPoseDof<Dim>> information_of_child(const JointSystem<Dim>& system, const
 
 template <int Dim>
 Matrix<Dim> information_of_child(const JointSystem<Dim>& system, const TreeEdge& edge, std::integral_constant<int, Dim>) {
-  const auto [measured, W] = measured_point(system, *edge.observation);
+  const PointMatrix<Dim> W = point_information(system, *edge.observation);
   const Matrix<Dim> R = system.estimate().pose(edge.parent).rotation.matrix();
   return R * W * R.transpose();
-}
-
-/// K: how the step of the parent carries a pose along.
-template <int Dim>
-PoseMatrix<Dim> carrying(const State<Dim>& state, const TreeEdge& edge, std::integral_constant<int, kPoseDof<Dim>>) {
-  const Pose<Dim> parent = state.pose(edge.parent);
-  PoseMatrix<Dim> K;
-  compose(parent, between(parent, state.pose(edge.child)), &K);
-  return K;
-}
-
-template <int Dim>
-PointPoseMatrix<Dim> carrying(const State<Dim>& state, const TreeEdge& edge, std::integral_constant<int, Dim>) {
-  const Pose<Dim> parent = state.pose(edge.parent);
-  PointPoseMatrix<Dim> K;
-  transform(parent, transform_into(parent, state.feature(edge.child)), &K);
-  return K;
 }
 
 template <int Dof>
@@ -123,10 +94,8 @@ RelativeState<Dim>::Link<Dof> RelativeState<Dim>::make_link(const JointSystem<Di
 template <int Dim>
 template <int Dof>
 void RelativeState<Dim>::weigh(const JointSystem<Dim>& system, const Eigen::VectorXd& diagonal, Link<Dof>& link) const {
-  constexpr std::integral_constant<int, Dof> kChild;
-  link.K = carrying<Dim>(system.estimate(), link.edge, kChild);
   link.M.setZero();
-  if (link.edge.observation) link.M = information_of_child<Dim>(system, link.edge, kChild);
+  if (link.edge.observation) link.M = information_of_child<Dim>(system, link.edge, std::integral_constant<int, Dof>());
   // Where the edge does not determine its child, all that is known of it does.
   if (!is_regular<Dof>(link.M)) link.M = diagonal.template segment<Dof>(link.child).asDiagonal();
   link.M_inverse = is_regular<Dof>(link.M) ? Matrix<Dof>(link.M.inverse()) : Matrix<Dof>(Matrix<Dof>::Zero());
@@ -134,6 +103,19 @@ void RelativeState<Dim>::weigh(const JointSystem<Dim>& system, const Eigen::Vect
 
 template <int Dim>
 void RelativeState<Dim>::linearise(const JointSystem<Dim>& system) {
+  const State<Dim>& state = system.estimate();
+  for (auto& link : poses_) {
+    const Pose<Dim> parent = state.pose(link.edge.parent);
+    compose(parent, between(parent, state.pose(link.edge.child)), &link.K);
+  }
+  for (auto& link : features_) {
+    const Pose<Dim> parent = state.pose(link.edge.parent);
+    transform(parent, transform_into(parent, state.feature(link.edge.child)), &link.K);
+  }
+}
+
+template <int Dim>
+void RelativeState<Dim>::weigh(const JointSystem<Dim>& system) {
   const Eigen::VectorXd diagonal = system.equations().diagonal();
   for (auto& link : poses_) weigh(system, diagonal, link);
   for (auto& link : features_) weigh(system, diagonal, link);
@@ -191,7 +173,7 @@ void RelativeState<Dim>::damp(JointSystem<Dim>& system, double damping, const Li
   }
   const TreeObservation& observation = *link.edge.observation;
   auto sink = equations.sink(observation.clique);
-  const int target = 1 + observation.target;
+  const int target = 1 + static_cast<int>(observation.target);
   const int child = observation.child_is_base ? 0 : target;
   const int parent = observation.child_is_base ? target : 0;
   const Matrix<Dof, kPoseDof<Dim>> MK = M * link.K;

@@ -25,8 +25,10 @@ class RelativeState {
  public:
   explicit RelativeState(const JointSystem<Dim>& system);
 
-  /// K and M at the estimate of the system, which has just been linearised.
+  /// K at the estimate of the system.
   void linearise(const JointSystem<Dim>& system);
+  /// M there, after linearise(), the normal equations being those of the observations, undamped.
+  void weigh(const JointSystem<Dim>& system);
 
   double inner(const Eigen::VectorXd& a, const Eigen::VectorXd& b) const;
   /// T D⁻¹ Tᵀ g: steepest descent in relative coordinates. O(n).

@@ -14,7 +14,7 @@ struct Relation {
   Index base;
   Index target;
   std::size_t clique;
-  int number;  // among the targets of its observation
+  std::size_t number;  // among the targets of its observation
 };
 
 /// In the order in which they are wanted.
@@ -31,7 +31,7 @@ std::vector<Relation> pose_relations(const JointSystem<Dim>& system) {
   for (const auto& map : system.maps()) {
     const auto rank = map.base == kWorld ? Relation::kPrior : Relation::kChain;
     for (std::size_t p = 0; p < map.poses.size(); ++p) {
-      relations.push_back({rank, map.base, map.poses[p], clique, static_cast<int>(p)});
+      relations.push_back({rank, map.base, map.poses[p], clique, p});
     }
     ++clique;
   }
@@ -113,7 +113,7 @@ template <int Dim>
 std::vector<TreeEdge> feature_edges(const JointSystem<Dim>& system) {
   std::vector<TreeEdge> edges(system.estimate().features.size());
   for (std::size_t f = 0; f < edges.size(); ++f) edges[f].child = static_cast<Index>(f);
-  const auto offer = [&](Index feature, Index base, std::size_t clique, int number) {
+  const auto offer = [&](Index feature, Index base, std::size_t clique, std::size_t number) {
     TreeEdge& edge = edges[static_cast<std::size_t>(feature)];
     const bool is_earlier = !edge.observation || (base != kWorld && (edge.parent == kWorld || base < edge.parent));
     if (is_earlier) edge = {feature, base, TreeObservation{clique, number, false}};
@@ -122,7 +122,7 @@ std::vector<TreeEdge> feature_edges(const JointSystem<Dim>& system) {
   for (const auto& o : system.feature_observations()) offer(o.target, o.base, clique++, 0);
   for (const auto& map : system.maps()) {
     for (std::size_t f = 0; f < map.features.size(); ++f) {
-      offer(map.features[f], map.base, clique, static_cast<int>(map.poses.size() + f));
+      offer(map.features[f], map.base, clique, map.poses.size() + f);
     }
     ++clique;
   }

@@ -11,7 +11,7 @@ namespace mapjoin {
 /// Which observation relates a child to its parent: one is its base, the other its target number `target`.
 struct TreeObservation {
   std::size_t clique = 0;  ///< Of the joining system.
-  int target = 0;
+  std::size_t target = 0;
   bool child_is_base = false;
 };
 

@@ -25,8 +25,7 @@ bool cover_sessions(const Log<Dim>& log, const std::vector<Stretch>& stretches) 
 
 template <int Dim>
 bool is_map_of(const LocalMap<Dim>& map, const Segment<Dim>& segment) {
-  const auto rows =
-      static_cast<Eigen::Index>(map.poses.size()) * kPoseDof<Dim> + static_cast<Eigen::Index>(map.features.size()) * Dim;
+  const auto rows = map.row(map.poses.size() + map.features.size());
   return map.base == segment.begin && map.poses == segment.kept && map.features == segment.features &&
          map.pose_estimates.size() == map.poses.size() && map.feature_estimates.size() == map.features.size() &&
          map.information.rows() == rows && map.information.cols() == rows;

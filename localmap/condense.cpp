@@ -11,10 +11,10 @@ namespace {
 template <int Dim>
 std::vector<Eigen::Index> rows_of(const LocalMap<Dim>& map, const std::vector<std::size_t>& feature_places, bool with_poses) {
   std::vector<Eigen::Index> rows;
-  const auto first_feature = static_cast<Eigen::Index>(map.poses.size()) * kPoseDof<Dim>;
-  for (Eigen::Index row = 0; with_poses && row < first_feature; ++row) rows.push_back(row);
+  const std::size_t poses = map.poses.size();
+  for (Eigen::Index row = 0; with_poses && row < map.row(poses); ++row) rows.push_back(row);
   for (const std::size_t place : feature_places) {
-    for (int i = 0; i < Dim; ++i) rows.push_back(first_feature + static_cast<Eigen::Index>(place) * Dim + i);
+    for (int i = 0; i < Dim; ++i) rows.push_back(map.row(poses + place) + i);
   }
   return rows;
 }

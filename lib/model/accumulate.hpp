@@ -43,7 +43,7 @@ template <int Dim>
 struct LinearMap {
   std::vector<LinearTarget<Dim, kPoseDof<Dim>>> poses;
   std::vector<LinearTarget<Dim, Dim>> features;
-  const Eigen::MatrixXd* W = nullptr;
+  const LocalMap<Dim>* map = nullptr;
 
   static constexpr int kDim = Dim;
   template <typename F>
@@ -54,13 +54,8 @@ struct LinearMap {
   }
   template <int RowDof, int ColDof>
   auto information(int s, int t) const {
-    return W->block<RowDof, ColDof>(row(s), row(t));
-  }
-
- private:
-  Eigen::Index row(int t) const {
-    const int count = static_cast<int>(poses.size());
-    return t < count ? t * kPoseDof<Dim> : count * kPoseDof<Dim> + (t - count) * Dim;
+    return map->information.template block<RowDof, ColDof>(map->row(static_cast<std::size_t>(s)),
+                                                           map->row(static_cast<std::size_t>(t)));
   }
 };
 

@@ -3,6 +3,8 @@
 // A local map: an integrated observation, from its start pose, of the poses it keeps and of its features (paper's (31)).
 
 #include <Eigen/Core>
+#include <algorithm>
+#include <cstddef>
 #include <mapjoin/model/conventions.hpp>
 #include <mapjoin/model/log.hpp>
 #include <mapjoin/model/observation.hpp>
@@ -22,6 +24,12 @@ struct LocalMap {
   std::vector<Point<Dim>> feature_estimates;  ///< In the frame of the base (m).
   Eigen::MatrixXd information;                ///< W, symmetric positive semidefinite.
   double chi2 = 0.0;                          ///< Of the observations inside, at the estimate.
+
+  /// The first row of a target in `information`; of the number of targets, the number of rows.
+  Eigen::Index row(std::size_t target) const {
+    const std::size_t before = std::min(target, poses.size());
+    return static_cast<Eigen::Index>(before * kPoseDof<Dim> + (target - before) * Dim);
+  }
 };
 
 /// Poses [begin, end] that are joined as one, both included: neighbours of one session share their end/start pose.

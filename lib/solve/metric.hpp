@@ -20,6 +20,12 @@ double length(const M& metric, const Eigen::VectorXd& v) {
   return std::sqrt(metric.inner(v, v));
 }
 
+/// For plain Gauss-Newton, which takes every step as it is.
+struct Unmeasured {
+  double inner(const Eigen::VectorXd&, const Eigen::VectorXd&) const { return 0.0; }
+  Eigen::VectorXd descent(Eigen::VectorXd gradient) const { return gradient; }
+};
+
 /// D = diag(H): every entry in units of its own certainty.
 class DiagonalMetric {
  public:

@@ -66,27 +66,24 @@ std::optional<Index> factorise_damped(P& problem, double& damping, bool damp_sin
   return singular;
 }
 
-}  // namespace detail
-
-/// Minimises chi2 from the problem's estimate, which is left at the best one found (for Gauss-Newton, at the last). Each
-/// accepted step counts as one iteration.
-template <LeastSquaresProblem P>
-MinimiseResult minimise(P& problem, const MinimiseOptions& options, const std::stop_token& stop = {}) {
+/// minimise() with steps measured in metric_of(), which is asked for once after each linearisation.
+template <LeastSquaresProblem P, typename MetricOf>
+MinimiseResult minimise_in(MetricOf&& metric_of, P& problem, const MinimiseOptions& options, const std::stop_token& stop) {
   MinimiseResult result;
   result.chi2 = result.start_chi2 = problem.linearise();
   TrustRegion region(options.method);
   while (true) {
     if (!std::isfinite(result.chi2)) return result.ended(MinimiseStatus::kNoProgress);
-    const auto& metric = problem.metric();
-    if (options.method == Method::kDogleg) region.set_cauchy_point(detail::cauchy_point(problem, metric));
+    const auto& metric = metric_of();
+    if (options.method == Method::kDogleg) region.set_cauchy_point(cauchy_point(problem, metric));
     Eigen::VectorXd step;
     do {
       if (stop.stop_requested()) return result.ended(MinimiseStatus::kInterrupted);
       if (region.needs_factorisation()) {
         double damping = region.damping();
-        result.singular = detail::factorise_damped(problem, damping, options.damp_singular);
+        result.singular = factorise_damped(problem, damping, options.damp_singular);
         if (result.singular) return result.ended(MinimiseStatus::kSingular);
-        region.set_newton_step(detail::newton_step(problem, damping, metric), metric);
+        region.set_newton_step(newton_step(problem, damping, metric), metric);
       }
       step = region.step();
       if (!region.is_finite()) return result.ended(MinimiseStatus::kNoProgress);
@@ -110,6 +107,17 @@ MinimiseResult minimise(P& problem, const MinimiseOptions& options, const std::s
     if (result.iterations >= options.max_iterations) return result.ended(MinimiseStatus::kMaxIterations);
     problem.linearise();
   }
+}
+
+}  // namespace detail
+
+/// Minimises chi2 from the problem's estimate, which is left at the best one found (for Gauss-Newton, at the last). Each
+/// accepted step counts as one iteration.
+template <LeastSquaresProblem P>
+MinimiseResult minimise(P& problem, const MinimiseOptions& options, const std::stop_token& stop = {}) {
+  const bool is_plain = options.method == Method::kGaussNewton && !options.damp_singular;
+  if (is_plain) return detail::minimise_in([] { return Unmeasured{}; }, problem, options, stop);
+  return detail::minimise_in([&]() -> decltype(auto) { return problem.metric(); }, problem, options, stop);
 }
 
 }  // namespace mapjoin

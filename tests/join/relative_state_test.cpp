@@ -7,6 +7,7 @@
 #include <mapjoin/join/join_problem.hpp>
 #include <mapjoin/join/run.hpp>
 #include <mapjoin/join/schedule.hpp>
+#include <mapjoin/join/world.hpp>
 #include <mapjoin/localmap/build.hpp>
 #include <tests/support/dense_relative.hpp>
 #include <tests/support/numerical_jacobian.hpp>
@@ -32,10 +33,13 @@ class RelativeStateTest : public ::testing::Test {
   static constexpr int kDim = J::kDim;
 
   RelativeStateTest()
-      : world_(testing::small_world<kDim>({.poses = 30, .features = 12, .reversed_odometry = true})),
+      : RelativeStateTest(testing::small_world<kDim>({.poses = 30, .features = 12, .reversed_odometry = true})) {}
+  explicit RelativeStateTest(testing::SmallWorld<kDim> world)
+      : world_(std::move(world)),
         split_(split(world_.log, {SplitRule::kPoses, J::kPosesPerMap})),
         network_(network_of(world_.log, split_, build_local_maps<kDim>(world_.log, split_, {}).value().maps)),
-        problem_(whole(), {{0}, {}, {}}) {
+        piece_(whole()),
+        problem_(piece_, hold_in_world(network_, piece_)) {
     problem_.linearise();
     problem_.factorise(0.0);
     const Eigen::VectorXd step = 0.7 * problem_.solve();
@@ -53,6 +57,7 @@ class RelativeStateTest : public ::testing::Test {
   testing::SmallWorld<kDim> world_;
   Split split_;
   Network<kDim> network_;
+  Piece<kDim> piece_;
   JoinProblem<kDim> problem_;
 
  private:
@@ -158,6 +163,41 @@ TYPED_TEST(RelativeStateTest, BothStatesHaveOneOptimum) {
       EXPECT_NEAR(relative->chi2, absolute->chi2, 1e-9 * absolute->chi2);
     }
   }
+}
+
+/// Two robots that features alone tie to each other, held by priors of a later pose and of a feature.
+template <typename J>
+class RelativeStateInTheWorldTest : public RelativeStateTest<J> {
+ protected:
+  static constexpr int kDim = J::kDim;
+
+  RelativeStateInTheWorldTest() : RelativeStateTest<J>(world_with_priors()) {}
+
+ private:
+  static testing::SmallWorld<kDim> world_with_priors() {
+    auto world = testing::small_world<kDim>({.poses = 15, .features = 12, .sessions = 2, .reversed_odometry = true});
+    testing::Random random(5);
+    world.log.pose_priors = {{kWorld, 7, world.truth.poses[7], 1e2 * random.information<kPoseDof<kDim>>()}};
+    world.log.feature_priors = {{kWorld, 3, world.truth.features[3], 1e2 * random.information<kDim>()}};
+    return world;
+  }
+};
+TYPED_TEST_SUITE(RelativeStateInTheWorldTest, Joinings);
+
+TYPED_TEST(RelativeStateInTheWorldTest, StepsAreThoseOfTheDenseRelativeSystem) {
+  constexpr int kDim = TestFixture::kDim;
+  this->problem_.linearise();
+  const DenseRelative<kDim> dense(this->system());
+  RelativeJoinProblem<kDim> relative(this->problem_);
+  relative.linearise();
+  for (const double damping : {0.0, 1e-2, 10.0, 0.0}) {
+    ASSERT_FALSE(relative.factorise(damping));
+    this->expect_near(relative.solve(), dense.T * (dense.H + damping * dense.D).ldlt().solve(dense.g));
+  }
+  relative.linearise();
+  this->expect_near(relative.metric().descent(relative.gradient()), dense.T * dense.D.ldlt().solve(dense.g));
+  const Eigen::VectorXd step = this->random_step(dense.T.cols(), 0.5);
+  EXPECT_LT(largest_difference(relative.metric().retracted(this->system(), dense.T * step), dense.moved(step)), 1e-9);
 }
 
 }  // namespace

@@ -31,7 +31,7 @@ class DenseInformation {
   }
   void add(const LocalMap<Dim>& map) {
     LinearMap<Dim> linear;
-    linear.W = &map.information;
+    linear.map = &map;
     std::vector<Eigen::Index> rows{pose_row(map.base)};
     for (std::size_t p = 0; p < map.poses.size(); ++p) {
       linear.poses.push_back(linearise<Dim>(map.pose_estimates[p], state_.pose(map.base), state_.pose(map.poses[p])));
@@ -53,21 +53,36 @@ class DenseInformation {
 
   /// Of everything but the held poses, whose rows are zero. In extended precision: what is compared with it is not.
   Eigen::MatrixXd inverse(const std::vector<Index>& held) const {
-    using Extended = Eigen::Matrix<long double, Eigen::Dynamic, Eigen::Dynamic>;
+    const auto free = free_rows(held);
+    return inverse(free, Eigen::MatrixXd(H_(free, free)).template cast<long double>());
+  }
+  /// The same in coordinates y of as many entries, T = ∂x/∂y; held poses are held in both.
+  Eigen::MatrixXd inverse(const std::vector<Index>& held, const Eigen::MatrixXd& T) const {
+    const auto free = free_rows(held);
+    const Extended T_free = Eigen::MatrixXd(T(free, free)).template cast<long double>();
+    const Extended H_T = Eigen::MatrixXd(H_(free, free)).template cast<long double>() * T_free;
+    return inverse(free, T_free.transpose() * H_T);
+  }
+
+ private:
+  using Extended = Eigen::Matrix<long double, Eigen::Dynamic, Eigen::Dynamic>;
+
+  std::vector<Eigen::Index> free_rows(const std::vector<Index>& held) const {
     std::vector<Eigen::Index> free;
     for (Eigen::Index row = 0; row < H_.rows(); ++row) {
       const bool is_held =
           row < feature_row(0) && std::find(held.begin(), held.end(), static_cast<Index>(row / kPoseDof<Dim>)) != held.end();
       if (!is_held) free.push_back(row);
     }
-    const Extended H = Eigen::MatrixXd(H_(free, free)).template cast<long double>();
+    return free;
+  }
+  Eigen::MatrixXd inverse(const std::vector<Eigen::Index>& free, const Extended& H) const {
     const Extended unit = Extended::Identity(H.rows(), H.cols());
     Eigen::MatrixXd covariance = Eigen::MatrixXd::Zero(H_.rows(), H_.cols());
     covariance(free, free) = H.llt().solve(unit).template cast<double>();
     return covariance;
   }
 
- private:
   struct Sink {
     Eigen::MatrixXd& H;
     std::vector<Eigen::Index> rows;

@@ -11,8 +11,8 @@
 
 namespace mapjoin::testing {
 
-/// J_rel, W and r of all observations of a joining system at its estimate. A relation's columns are where its child's are in
-/// the absolute state.
+/// J_rel, W and r of all observations of a joining system at its estimate, about which it has just been linearised. A
+/// relation's columns are where its child's are in the absolute state.
 template <int Dim>
 class DenseRelative {
  public:
@@ -131,11 +131,16 @@ class DenseRelative {
     }
   }
   void weigh(const TreeEdge& edge, Eigen::Index child, int dof) {
-    const TreeObservation& o = edge.observation.value();
+    if (!edge.observation) {  // all that is known of the child
+      D.block(child, child, dof, dof) = system_.equations().diagonal().segment(child, dof).asDiagonal();
+      return;
+    }
+    const TreeObservation& o = *edge.observation;
     Eigen::Index row = first_row_[o.clique];
     if (const auto map = first_feature_row_.find(o.clique); map != first_feature_row_.end()) {
       const auto [feature_row, poses] = map->second;
-      row = dof == kDof ? row + o.target * kDof : feature_row + (o.target - static_cast<Eigen::Index>(poses)) * Dim;
+      const auto target = static_cast<Eigen::Index>(o.target);
+      row = dof == kDof ? row + target * kDof : feature_row + (target - static_cast<Eigen::Index>(poses)) * Dim;
     }
     const Eigen::MatrixXd J_edge = J.block(row, child, dof, dof);
     D.block(child, child, dof, dof) = J_edge.transpose() * W.block(row, row, dof, dof) * J_edge;

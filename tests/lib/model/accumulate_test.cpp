@@ -112,7 +112,7 @@ TYPED_TEST(AccumulateTest, ALocalMapGivesItsDenseNormalEquations) {
   constexpr int kDof = TestFixture::kDof;
   for (const auto& [poses, features] : {std::pair{1, 0}, {0, 2}, {1, 3}, {2, 4}}) {
     const Eigen::Index rows = poses * kDof + features * kDim;
-    LinearMap<kDim> map;
+    LinearMap<kDim> linear;
     std::vector<Eigen::Index> widths{kDof};
     Eigen::MatrixXd J = Eigen::MatrixXd::Zero(rows, kDof + rows);
     Eigen::VectorXd r(rows);
@@ -125,15 +125,18 @@ TYPED_TEST(AccumulateTest, ALocalMapGivesItsDenseNormalEquations) {
       widths.push_back(dof);
       row += dof;
     };
-    for (int k = 0; k < poses; ++k) add(map.poses.emplace_back(this->template random_target<kDof>()));
-    for (int k = 0; k < features; ++k) add(map.features.emplace_back(this->template random_target<kDim>()));
+    for (int k = 0; k < poses; ++k) add(linear.poses.emplace_back(this->template random_target<kDof>()));
+    for (int k = 0; k < features; ++k) add(linear.features.emplace_back(this->template random_target<kDim>()));
     Eigen::MatrixXd A(rows, rows - 1);  // W has a null space, as that of a map of bearings would
     for (auto& entry : A.reshaped()) entry = this->random.uniform(-1.0, 1.0);
-    const Eigen::MatrixXd W = A * A.transpose();
-    map.W = &W;
+    LocalMap<kDim> map;
+    map.poses.resize(static_cast<std::size_t>(poses));
+    map.features.resize(static_cast<std::size_t>(features));
+    map.information = A * A.transpose();
+    linear.map = &map;
     DenseSink sink(widths);
-    const double chi2 = accumulate(map, sink);
-    expect_dense(sink, chi2, J, W, r);
+    const double chi2 = accumulate(linear, sink);
+    expect_dense(sink, chi2, J, map.information, r);
   }
 }
 
