@@ -2,6 +2,7 @@
 #pragma once
 // What one call of the command did: what report and summary are made of.
 
+#include <apps/deviations.hpp>
 #include <apps/options.hpp>
 #include <chrono>
 #include <cstdint>
@@ -67,8 +68,8 @@ struct Account {
   std::vector<PoseId> held;                ///< The gauge: poses held still.
   std::vector<PoseId> map_bases;           ///< Of `figures.maps`: the poses that they start from.
   std::optional<Estimate> covariances;     ///< Which estimate's were asked for, if any.
+  std::optional<Deviations> deviations;    ///< Of its marginals, if any.
   std::optional<Consistency> consistency;  ///< With the truth, where that was given.
-  double covariance_seconds = 0.0;
   double read_seconds = 0.0;
   double write_seconds = 0.0;
   std::vector<std::string> files;  ///< Written, in their order.

@@ -7,6 +7,7 @@
 #include <apps/console.hpp>
 #include <apps/covariance_file.hpp>
 #include <apps/map_file.hpp>
+#include <apps/relation_file.hpp>
 #include <apps/report.hpp>
 #include <apps/summary.hpp>
 #include <mapjoin/io/open_log.hpp>
@@ -65,7 +66,8 @@ Call::Call(const std::string& command, const Options& options, std::stop_token s
       progress_(!options.quiet),
       run_options_(options.run) {
   run_options_.progress = progress_.callback();
-  run_options_.covariances = options.covariances || !options.truth.empty();
+  run_options_.covariances = !options.truth.empty();
+  run_options_.marginals = options.covariances || options.relations;
   run_options_.most_memory = static_cast<std::int64_t>(1e6 * std::min(options.most_memory_mb, 1e12));
 }
 
@@ -76,6 +78,7 @@ Expected<void> Call::check_report() const {
 Expected<void> Call::check_outputs() const {
   return check_map_writable(options_.output)
       .and_then([&] { return options_.covariances ? check_writable(covariance_file(options_.output)) : Expected<void>(); })
+      .and_then([&] { return options_.relations ? check_writable(relation_file(options_.output)) : Expected<void>(); })
       .and_then([&] { return check_report(); });
 }
 
@@ -118,20 +121,18 @@ template <int Dim>
 Expected<void> Call::certify(RunResult<Dim>& result) {
   if (!result.covariances) return {};
   account.covariances = result.covariances->estimate();
-  return timed(account.covariance_seconds, [&]() -> Expected<void> {
-    if (options_.covariances) {
-      auto marginals = result.covariances->marginals();
-      if (!marginals) return tl::unexpected(marginals.error());
-      result.map.pose_covariances = std::move(marginals->poses);
-      result.map.feature_covariances = std::move(marginals->features);
-    }
-    if (!truth_) return {};
-    const auto found =
-        truth_->of(result.map).and_then([&](const Truth<Dim>& truth) { return consistency(*result.covariances, truth); });
-    if (!found) return tl::unexpected(found.error());
-    account.consistency = *found;
-    return {};
+  if (result.marginals) account.deviations = deviations_of(*result.marginals);
+  if (options_.covariances) {
+    result.map.pose_covariances = result.marginals->poses;
+    result.map.feature_covariances = result.marginals->features;
+  }
+  if (!truth_) return {};
+  const auto found = timed(account.figures.seconds.covariances, [&] {
+    return truth_->of(result.map).and_then([&](const Truth<Dim>& truth) {
+      return consistency(*result.covariances, truth, stop_);
+    });
   });
+  return found.map([&](const Consistency& of_truth) { account.consistency = of_truth; });
 }
 
 template <int Dim>
@@ -147,10 +148,18 @@ Expected<void> Call::write_map(RunResult<Dim>& result, const Log<Dim>* log) {
   auto files = timed(account.write_seconds, [&] { return write_map_file(result.map, log, options_.output); });
   if (!files) return tl::unexpected(files.error());
   account.files = std::move(*files);
-  if (!options_.covariances) return {};
-  const auto beside = covariance_file(options_.output);
-  account.files.push_back(beside.string());
-  return timed(account.write_seconds, [&] { return write_covariances(result.map, *account.covariances, beside); });
+  if (!result.marginals) return {};
+  return timed(account.write_seconds, [&]() -> Expected<void> {
+    if (options_.covariances) {
+      const auto beside = covariance_file(options_.output);
+      account.files.push_back(beside.string());
+      if (auto written = write_covariances(result.map, *account.covariances, beside); !written) return written;
+    }
+    if (!options_.relations) return {};
+    const auto beside = relation_file(options_.output);
+    account.files.push_back(beside.string());
+    return write_relations(result.map, *result.marginals, beside);
+  });
 }
 
 Expected<ExitCode> Call::conclude() {
@@ -165,9 +174,11 @@ Expected<ExitCode> Call::conclude() {
       if (auto written = write_stdout(summary(account)); !written) return tl::unexpected(written.error());
     }
   }
-  if (!account.is_joined || account.figures.converged()) return ExitCode::kDone;
-  say(why_not_converged(account));
-  return ExitCode::kDidNotConverge;
+  if (!account.is_joined) return ExitCode::kDone;
+  const auto& no_covariances = account.figures.no_covariances;
+  if (no_covariances) say(account.input + ": " + no_covariances->message + "; the map is written without them");
+  if (!account.figures.converged()) say(why_not_converged(account));
+  return !account.figures.converged() ? ExitCode::kDidNotConverge : no_covariances ? ExitCode::kBadInput : ExitCode::kDone;
 }
 
 template Expected<void> Call::take(RunResult<2>&);

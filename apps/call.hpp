@@ -41,8 +41,8 @@ class Call {
   /// Accounts for a result, and certifies it. Bad input where the map is not finite; kInterrupted where a stop was requested.
   template <int Dim>
   Expected<void> take(RunResult<Dim>& result);
-  /// Takes a result and writes it as one file, in the format that the extension of the path names, with its covariances
-  /// beside it. `log`, where it is known, gives edges.
+  /// Takes a result and writes it as one file, in the format that the extension of the path names, with its covariances and
+  /// relations beside it. `log`, where it is known, gives edges.
   template <int Dim>
   Expected<void> write_map(RunResult<Dim>& result, const Log<Dim>* log);
 
@@ -52,7 +52,8 @@ class Call {
   Account account;
 
  private:
-  /// What was asked of a result's certainty: its covariances into its map, its errors against the truth into the account.
+  /// What was asked of a result's certainty: its covariances into its map; how large they are, and its errors against the
+  /// truth, into the account.
   template <int Dim>
   Expected<void> certify(RunResult<Dim>& result);
 

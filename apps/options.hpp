@@ -17,6 +17,7 @@ struct Options {
   Covariance covariance = Covariance::kOriginal;
   RunOptions run;
   bool covariances = false;      ///< Write them.
+  bool relations = false;        ///< Write them.
   std::filesystem::path truth;   ///< Empty: none.
   double most_memory_mb = 0.0;   ///< For covariances; 0: as much as the machine has.
   int jobs = 0;                  ///< Threads; 0: as many as there are processors.
@@ -38,7 +39,7 @@ void add_schedule(Subcommand& command, Options& options);
 void add_polish(Subcommand& command, Options& options);
 /// --method, --max-iterations
 void add_solver(Subcommand& command, Options& options);
-/// --covariances, --truth, --max-memory
+/// --covariances, --relations, --truth, --max-memory
 void add_certainty(Subcommand& command, Options& options);
 /// --jobs, --report, --quiet
 void add_reporting(Subcommand& command, Options& options);

@@ -20,6 +20,8 @@ const char* word(Stage stage) {
       return "recovering";
     case Stage::kPolish:
       return "polishing";
+    case Stage::kCovariances:
+      return "covariances";
   }
   return "";
 }

@@ -118,7 +118,13 @@ Json nees_of(const std::optional<Consistency>& consistency, Nees Consistency::*p
 }
 
 Json certainty_of(const Account& account) {
+  const auto deviations = account.deviations.value_or(Deviations{});
+  const auto medians = [&](const Deviations::Median& of) {
+    const bool known = account.deviations.has_value();
+    return Json{{"in_map", value_if(known, of.in_map)}, {"relative", value_if(known, of.relative)}};
+  };
   return {{"estimate", account.covariances ? Json(to_string(*account.covariances)) : Json()},
+          {"median_deviation", {{"poses", medians(deviations.poses)}, {"features", medians(deviations.features)}}},
           {"nees",
            {{"poses", nees_of(account.consistency, &Consistency::poses)},
             {"features", nees_of(account.consistency, &Consistency::features)},
@@ -128,7 +134,7 @@ Json certainty_of(const Account& account) {
 Json seconds_of(const Account& account) {
   const RunSeconds& seconds = account.figures.seconds;
   return {{"read", account.read_seconds},   {"build", seconds.build},          {"join", seconds.join},
-          {"recover", seconds.recover},     {"polish", seconds.polish},        {"covariances", account.covariance_seconds},
+          {"recover", seconds.recover},     {"polish", seconds.polish},        {"covariances", seconds.covariances},
           {"write", account.write_seconds}, {"total", account.total_seconds()}};
 }
 

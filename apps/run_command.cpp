@@ -7,6 +7,7 @@
 #include <apps/distinct.hpp>
 #include <apps/output_folder.hpp>
 #include <apps/picture.hpp>
+#include <apps/relation_file.hpp>
 #include <apps/report.hpp>
 #include <mapjoin/io/g2o.hpp>
 #include <mapjoin/io/map_text.hpp>
@@ -23,31 +24,39 @@ constexpr const char* kExamples =
     "  mapjoin run data/manhattan2d.g2o -o certain --covariances --truth data/manhattan2d.truth.tum\n"
     "  mapjoin run data/manhattan3d.g2o --poses-per-map 20 --report -";
 
-/// The files of the folder.
-std::vector<std::string> names_of(const Options& options) {
+/// The files of the folder; a map may have no covariances though they are asked for.
+std::vector<std::string> names_of(const Options& options, bool has_covariances) {
   std::vector<std::string> names = {"map.g2o", "trajectory.tum", "poses.csv", "features.csv", "map.svg"};
-  if (options.covariances) names.emplace_back("covariances.json");
+  if (options.covariances && has_covariances) names.emplace_back("covariances.json");
+  if (options.relations && has_covariances) names.emplace_back("relations.csv");
   names.emplace_back("report.json");
   return names;
 }
 
 template <int Dim>
-Expected<void> write_map_files(const Call& call, const GlobalMap<Dim>& map, const Log<Dim>& log, const OutputFolder& folder) {
+Expected<void> write_map_files(const Call& call, const RunResult<Dim>& result, const Log<Dim>& log,
+                               const OutputFolder& folder) {
+  const GlobalMap<Dim>& map = result.map;
+  const Options& options = call.options();
   return write_g2o(map, &log, folder.aside("map.g2o"))
       .and_then([&] { return write_tum(map, folder.aside("trajectory.tum")); })
       .and_then([&] { return write_csv(map, folder.aside("poses.csv"), folder.aside("features.csv")); })
       .and_then([&] { return write_picture(map, dead_reckoning(log, map), log.sessions, folder.aside("map.svg")); })
       .and_then([&] {
-        if (!call.options().covariances) return Expected<void>();
+        if (!options.covariances || !result.marginals) return Expected<void>();
         return write_covariances(map, *call.account.covariances, folder.aside("covariances.json"));
+      })
+      .and_then([&] {
+        if (!options.relations || !result.marginals) return Expected<void>();
+        return write_relations(map, *result.marginals, folder.aside("relations.csv"));
       });
 }
 
 template <int Dim>
 Expected<void> write_folder(Call& call, const RunResult<Dim>& result, const Log<Dim>& log, OutputFolder& folder) {
-  const std::vector<std::string> names = names_of(call.options());
+  const std::vector<std::string> names = names_of(call.options(), result.marginals.has_value());
   for (const std::string& name : names) call.account.files.push_back(folder.file(name).string());
-  return timed(call.account.write_seconds, [&] { return write_map_files(call, result.map, log, folder); })
+  return timed(call.account.write_seconds, [&] { return write_map_files(call, result, log, folder); })
       .and_then([&] { return write_report(call.account, folder.aside("report.json")); })
       .and_then([&] { return call.check_interrupted(); })
       .and_then([&] { return folder.commit(names); });
@@ -96,7 +105,7 @@ std::unique_ptr<Subcommand> run_command(CLI::App& app) {
   add_reading(*command, *options);
   add_certainty(*command, *options);
   add_reporting(*command, *options);
-  command->check([options] { return check_distinct(files_of_folder(*options, "LOG", names_of(*options))); });
+  command->check([options] { return check_distinct(files_of_folder(*options, "LOG", names_of(*options, true))); });
   command->act([options](const std::stop_token& stop) { return run_log(*options, stop); });
   return command;
 }

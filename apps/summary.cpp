@@ -65,6 +65,16 @@ std::string nees_in_words(std::string_view what, const Nees& nees) {
                      verdict, nees.least(), nees.most());
 }
 
+std::string deviations_in_words(const Account& account) {
+  const Deviations& all = *account.deviations;
+  const auto words = [](std::string_view what, const Deviations::Median& of) {
+    return fmt::format("{} {:.2g} m in the map, {:.2g} m relative to where they hang", what, of.in_map, of.relative);
+  };
+  std::string text = words("poses", all.poses);
+  if (account.counts.features > 0) text += "; " + words("features", all.features);
+  return text + " (median standard deviations)";
+}
+
 void add_consistency(const Account& account, Lines& lines) {
   if (!account.consistency) return;
   const auto& [poses, features, joint] = *account.consistency;
@@ -78,7 +88,7 @@ std::string seconds_in_words(const Account& account) {
   const RunSeconds& seconds = account.figures.seconds;
   const std::pair<const char*, double> stages[] = {{"read", account.read_seconds},  {"build", seconds.build},
                                                    {"join", seconds.join},          {"recover", seconds.recover},
-                                                   {"polish", seconds.polish},      {"covariances", account.covariance_seconds},
+                                                   {"polish", seconds.polish},      {"covariances", seconds.covariances},
                                                    {"write", account.write_seconds}};
   std::vector<std::string> words;
   for (const auto& [stage, taken] : stages) {
@@ -93,6 +103,7 @@ void add_result(const Account& account, Lines& lines) {
   if (figures.recovered_chi2) lines.add("recovered", recovered_in_words(figures));
   if (figures.polish) lines.add("polished", solve_in_words(*figures.polish));
   lines.add("chi2", fmt::format("{:.10g}, dof {}, {}", figures.chi2, figures.dof, gauge_in_words(account)));
+  if (account.deviations) lines.add("certainty", deviations_in_words(account));
   add_consistency(account, lines);
 }
 

@@ -112,7 +112,8 @@ double Nees::probability() const {
 }
 
 template <int Dim>
-Expected<Consistency> consistency(const MapCovariances<Dim>& covariances, const Truth<Dim>& truth) {
+Expected<Consistency> consistency(const MapCovariances<Dim>& covariances, const Truth<Dim>& truth,
+                                  const std::stop_token& stop) {
   const auto frame = frame_of(covariances, truth);
   if (!frame) return tl::unexpected(frame.error());
   const Network<Dim> network = uneliminated(covariances);
@@ -127,6 +128,7 @@ Expected<Consistency> consistency(const MapCovariances<Dim>& covariances, const 
   Consistency result;
   for (const auto& [nees, is_known] :
        {std::pair{&result.poses, &errors.poses}, {&result.features, &errors.features}, {&result.joint, &errors.all}}) {
+    if (stop.stop_requested()) return tl::unexpected(Error{ErrorKind::kInterrupted, "interrupted while weighing the errors"});
     auto value = nees_of(equations, errors.steps, *is_known);
     if (!value) return tl::unexpected(value.error());
     *nees = *value;
@@ -134,7 +136,7 @@ Expected<Consistency> consistency(const MapCovariances<Dim>& covariances, const 
   return result;
 }
 
-template Expected<Consistency> consistency(const MapCovariances<2>&, const Truth<2>&);
-template Expected<Consistency> consistency(const MapCovariances<3>&, const Truth<3>&);
+template Expected<Consistency> consistency(const MapCovariances<2>&, const Truth<2>&, const std::stop_token&);
+template Expected<Consistency> consistency(const MapCovariances<3>&, const Truth<3>&, const std::stop_token&);
 
 }  // namespace mapjoin

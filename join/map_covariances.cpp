@@ -8,10 +8,8 @@
 #include <mapjoin/join/map_covariances.hpp>
 #include <mapjoin/join/polish_problem.hpp>
 #include <mapjoin/localmap/recover.hpp>
-#include <mapjoin/parallel/parallel.hpp>
 #include <mapjoin/solve/memory.hpp>
 #include <optional>
-#include <thread>
 #include <utility>
 
 namespace mapjoin {
@@ -91,91 +89,12 @@ Expected<OwnGivenShared<Dim>> MapCovariances<Dim>::own_of(std::size_t map) const
 
 template <int Dim>
 std::vector<Eigen::Index> MapCovariances<Dim>::shared_entries(std::size_t map) const {
-  const auto slots = join_.system->map_variables(map);
-  const std::size_t poses = 1 + network_.maps[map].map.poses.size();
   std::vector<Eigen::Index> entries;
-  for (std::size_t s = 0; s < slots.size(); ++s) {
-    for (int i = 0; i < (s < poses ? kPoseDof<Dim> : Dim); ++i) {
-      entries.push_back(slots[s] == kConstant ? -1 : equations().offset(slots[s]) + i);
-    }
+  for (const Index v : join_.system->map_variables(map)) {
+    const int dof = v == kConstant ? kPoseDof<Dim> : equations().dof(v);  // only poses are held
+    for (int i = 0; i < dof; ++i) entries.push_back(v == kConstant ? -1 : equations().offset(v) + i);
   }
   return entries;
-}
-
-template <int Dim>
-Eigen::MatrixXd MapCovariances<Dim>::shared_covariance(std::size_t map, const Marginals& marginals) const {
-  std::vector<Index> free;
-  for (const Index v : join_.system->map_variables(map)) {
-    if (v != kConstant) free.push_back(v);
-  }
-  const std::vector<Eigen::Index> entries = shared_entries(map);
-  std::vector<Eigen::Index> rows;
-  for (std::size_t k = 0; k < entries.size(); ++k) {
-    if (entries[k] >= 0) rows.push_back(static_cast<Eigen::Index>(k));
-  }
-  const auto size = static_cast<Eigen::Index>(entries.size());
-  Eigen::MatrixXd covariance = Eigen::MatrixXd::Zero(size, size);
-  covariance(rows, rows) = marginals.joint(free);
-  return covariance;
-}
-
-template <int Dim>
-Expected<void> MapCovariances<Dim>::add_own(std::size_t map, const Marginals& marginals, MarginalCovariances<Dim>& out) const {
-  if (own_poses(map) + own_features(map) == 0) return {};
-  const auto own = own_of(map);
-  if (!own) return tl::unexpected(own.error());
-  const Eigen::MatrixXd gain_shared = own->gain * shared_covariance(map, marginals);
-  for (Eigen::Index k = 0; k < own->size(); ++k) {
-    const auto rows = Eigen::seqN(own->row(k), own->dof(k));
-    const Eigen::MatrixXd covariance =
-        own->covariance({&k, 1}) + gain_shared(rows, Eigen::all) * own->gain(rows, Eigen::all).transpose();
-    const Eigen::MatrixXd symmetric = 0.5 * (covariance + covariance.transpose());
-    const auto i = static_cast<std::size_t>(k);
-    if (own->is_pose(k)) {
-      out.poses[static_cast<std::size_t>(own->poses[i])] = symmetric;
-    } else {
-      out.features[static_cast<std::size_t>(own->features[i - own->poses.size()])] = symmetric;
-    }
-  }
-  return {};
-}
-
-template <int Dim>
-std::int64_t MapCovariances<Dim>::marginal_bytes() const {
-  std::int64_t largest_map = 0;
-  for (std::size_t m = 0; m < network_.maps.size(); ++m) {
-    const auto features = static_cast<std::int64_t>(own_features(m)) * Dim;
-    const auto own = static_cast<std::int64_t>(own_poses(m)) * kPoseDof<Dim> + features;
-    const std::int64_t border = network_.maps[m].map.information.rows() + kPoseDof<Dim> + features;
-    // Chain and border before and after elimination; gains, their products, and the covariance of what is shared.
-    if (own > 0) largest_map = std::max(largest_map, 6 * (own + border) * border);
-  }
-  const auto blocks =
-      static_cast<std::int64_t>(network_.pose_count * kPoseDof<Dim> * kPoseDof<Dim> + network_.feature_count * Dim * Dim);
-  return Marginals::bytes(equations()) + 8 * (blocks + largest_map * std::max(1U, std::thread::hardware_concurrency()));
-}
-
-template <int Dim>
-Expected<MarginalCovariances<Dim>> MapCovariances<Dim>::marginals() const {
-  if (auto fits = check_memory("the covariances of all poses and features", marginal_bytes(), most_memory_); !fits) {
-    return tl::unexpected(fits.error());
-  }
-  const Marginals marginals(equations());
-  MarginalCovariances<Dim> out;
-  for (const Home& home : pose_homes_) {
-    out.poses.push_back(PoseMatrix<Dim>::Zero());
-    if (home.variable != kConstant) out.poses.back() = marginals[home.variable];
-  }
-  for (const Home& home : feature_homes_) {
-    out.features.push_back(PointMatrix<Dim>::Zero());
-    if (home.variable != kConstant) out.features.back() = marginals[home.variable];
-  }
-  std::vector<Expected<void>> done(network_.maps.size());
-  parallel_for(done.size(), [&](std::size_t m) { done[m] = add_own(m, marginals, out); });
-  for (const auto& map : done) {
-    if (!map) return tl::unexpected(map.error());
-  }
-  return out;
 }
 
 template <int Dim>
@@ -234,11 +153,7 @@ template <int Dim>
 Expected<PoseMatrix<Dim>> MapCovariances<Dim>::relative_pose(Index base, Index target) const {
   const auto covariance = joint(std::array{PoseOrFeature::pose(base), PoseOrFeature::pose(target)});
   if (!covariance) return tl::unexpected(covariance.error());
-  PoseMatrix<Dim> J_base;
-  PoseMatrix<Dim> J_target;
-  between(state_.pose(base), state_.pose(target), &J_base, &J_target);
-  Matrix<kPoseDof<Dim>, 2 * kPoseDof<Dim>> J;
-  J << J_base, J_target;
+  const auto J = J_relation(state_.pose(base), state_.pose(target));
   return PoseMatrix<Dim>(J * *covariance * J.transpose());
 }
 
@@ -246,11 +161,7 @@ template <int Dim>
 Expected<PointMatrix<Dim>> MapCovariances<Dim>::relative_feature(Index base, Index feature) const {
   const auto covariance = joint(std::array{PoseOrFeature::pose(base), PoseOrFeature::feature(feature)});
   if (!covariance) return tl::unexpected(covariance.error());
-  PointPoseMatrix<Dim> J_base;
-  PointMatrix<Dim> J_feature;
-  transform_into<Dim>(state_.pose(base), state_.feature(feature), &J_base, &J_feature);
-  Matrix<Dim, kPoseDof<Dim> + Dim> J;
-  J << J_base, J_feature;
+  const auto J = J_relation<Dim>(state_.pose(base), state_.feature(feature));
   return PointMatrix<Dim>(J * *covariance * J.transpose());
 }
 

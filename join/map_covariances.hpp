@@ -8,13 +8,16 @@
 
 #include <Eigen/Core>
 #include <cstdint>
+#include <functional>
 #include <mapjoin/join/join.hpp>
 #include <mapjoin/join/own_given_shared.hpp>
+#include <mapjoin/join/relations.hpp>
 #include <mapjoin/localmap/segment.hpp>
 #include <mapjoin/model/error.hpp>
 #include <mapjoin/solve/marginals.hpp>
 #include <memory>
 #include <span>
+#include <stop_token>
 #include <string>
 #include <utility>
 #include <vector>
@@ -43,6 +46,7 @@ template <int Dim>
 struct MarginalCovariances {
   std::vector<PoseMatrix<Dim>> poses;  ///< Zero where the pose is held.
   std::vector<PointMatrix<Dim>> features;
+  Relations<Dim> relations;  ///< The same map in relative form.
 };
 
 /// Errors of all functions: kTooLarge where more memory would be asked for than there may be, before it is asked for; bad input
@@ -63,9 +67,11 @@ class MapCovariances {
   /// The gauge: poses held still; empty where priors hold the map.
   const std::vector<Index>& held() const { return join_.held; }
 
-  /// Of every pose and feature, eliminated ones, too. At about twice the cost of the factorisation, and per map that of its
-  /// elimination.
-  Expected<MarginalCovariances<Dim>> marginals() const;
+  /// Of every pose and feature, eliminated ones, too, in the map and relative to what they hang from. At about twice the cost
+  /// of the factorisation, and per map that of its elimination. `progress` is given what is done and what there is to do, from
+  /// one thread at a time; kInterrupted on `stop`.
+  Expected<MarginalCovariances<Dim>> marginals(const std::function<void(std::size_t, std::size_t)>& progress = nullptr,
+                                               const std::stop_token& stop = {}) const;
   /// Of all of `variables` together, in their order (kPoseDof<Dim> rows a pose, Dim rows a feature).
   Expected<Eigen::MatrixXd> joint(std::span<const PoseOrFeature> variables) const;
   /// Of a pose in the frame of another: a step of between(base, target).
@@ -95,8 +101,16 @@ class MapCovariances {
   Expected<OwnGivenShared<Dim>> own_of(std::size_t map) const;
   /// For each entry that a map shares, the one of the normal equations, or -1 where it is held.
   std::vector<Eigen::Index> shared_entries(std::size_t map) const;
-  Eigen::MatrixXd shared_covariance(std::size_t map, const Marginals& marginals) const;
+  /// The joint covariance of joined variables that one observation ties together; zero where one is held.
+  Eigen::MatrixXd joined_covariance(std::span<const Index> slots, const Marginals& marginals) const;
+  void add_joined(const Marginals& marginals, MarginalCovariances<Dim>& out) const;
   Expected<void> add_own(std::size_t map, const Marginals& marginals, MarginalCovariances<Dim>& out) const;
+  /// The pose that an own variable of a map hangs from, among the map's own, or its column among what is shared.
+  struct OwnParent {
+    Eigen::Index own = -1;
+    Eigen::Index column = -1;
+  };
+  OwnParent parent_of(const OwnGivenShared<Dim>& own, std::size_t map, Eigen::Index k) const;
   /// Own variables of a map, each with its first row in a joint covariance.
   using OwnRows = std::vector<std::pair<Eigen::Index, Eigen::Index>>;
   using Triplets = std::vector<Eigen::Triplet<double>>;

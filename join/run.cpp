@@ -109,13 +109,26 @@ std::int64_t factor_bytes(const Join<Dim>& join) {
   return std::isfinite(join.result.start_chi2) ? mapjoin::factor_bytes(join.system->equations().supernodes()) : 0;
 }
 
-/// Of the final estimate `state` of the whole network.
+/// Of the final estimate `state` of the whole network. A map that has none is a result all the same.
 template <int Dim>
 Expected<void> add_covariances(Network<Dim> network, Join<Dim> join, std::vector<Segment<Dim>> segments, State<Dim> state,
-                               const RunOptions& options, RunResult<Dim>& result) {
+                               const RunOptions& options, const std::stop_token& stop, RunResult<Dim>& result) {
+  if (!options.covariances && !options.marginals) return {};
+  const Stopwatch watch(result.seconds.covariances);
+  if (options.progress) options.progress(Stage::kCovariances, 0, 1);
+  const auto without = [&](const Error& error) -> Expected<void> {
+    if (error.kind != ErrorKind::kBadInput) return tl::unexpected(error);
+    result.no_covariances = error;
+    return {};
+  };
   auto covariances = MapCovariances<Dim>::make(std::move(network), std::move(join), std::move(segments), std::move(state),
                                                result.polish ? Estimate::kPolished : Estimate::kJoined, options.most_memory);
-  if (!covariances) return tl::unexpected(covariances.error());
+  if (!covariances) return without(covariances.error());
+  if (options.marginals) {
+    auto marginals = covariances->marginals(progress_of(options, Stage::kCovariances), stop);
+    if (!marginals) return without(marginals.error());
+    result.marginals = *std::move(marginals);
+  }
   result.covariances = std::make_shared<const MapCovariances<Dim>>(*std::move(covariances));
   return {};
 }
@@ -164,9 +177,8 @@ Expected<void> join_and_polish(const Log<Dim>& log, const Split& split, std::vec
   result.dof = degrees_of_freedom(log, joined->held.size());
   write_map(log, state, joined->held, result);
   result.map.stamps_ns = log.stamps_ns;
-  if (!options.covariances) return {};
-  return add_covariances(std::move(network), *std::move(joined), segments_of(log, split), std::move(state), options, result)
-      .map_error([&](const Error& error) { return of_source(log.source, error); });
+  return add_covariances(std::move(network), *std::move(joined), segments_of(log, split), std::move(state), options, stop,
+                         result);
 }
 
 }  // namespace
@@ -241,10 +253,9 @@ Expected<RunResult<Dim>> run(const MapSet<Dim>& set, const RunOptions& options, 
   result.chi2 = joined->result.chi2;
   State<Dim> state = std::move(joined->state);
   write_map(set, state, joined->held, result);
-  if (!options.covariances) return result;
-  return add_covariances(std::move(network), *std::move(joined), {}, std::move(state), options, result)
-      .map_error([&](const Error& error) { return of_source(set.source, error); })
-      .map([&] { return std::move(result); });
+  return add_covariances(std::move(network), *std::move(joined), {}, std::move(state), options, stop, result).map([&] {
+    return std::move(result);
+  });
 }
 
 template <int Dim>

@@ -21,7 +21,7 @@
 namespace mapjoin {
 
 /// What a run is busy with.
-enum class Stage : std::uint8_t { kBuild, kJoin, kRecover, kPolish };
+enum class Stage : std::uint8_t { kBuild, kJoin, kRecover, kPolish, kCovariances };
 
 struct RunOptions {
   SplitOptions split;
@@ -29,7 +29,8 @@ struct RunOptions {
   JoinedState state = JoinedState::kAbsolute;  ///< Coordinates of the steps of a join.
   MinimiseOptions solver;                      ///< Of every least-squares problem, local maps to polish.
   bool polish = true;
-  bool covariances = false;        ///< Of the final estimate, too: RunResult::covariances, and the marginals in the map.
+  bool covariances = false;        ///< Of the final estimate, too: RunResult::covariances.
+  bool marginals = false;          ///< All of them, and the relations: RunResult::marginals, which take covariances.
   std::int64_t most_memory = 0;    ///< For covariances (bytes); 0: as much as the machine has.
   Start start = Start::kComposed;  ///< Of a join; another one is for the batch schedule only.
   bool gradual = false;    ///< Of the batch schedule: the rest beside the quadratic part comes in gradually (GradedProblem).
@@ -48,6 +49,7 @@ struct RunSeconds {
   double join = 0.0;
   double recover = 0.0;
   double polish = 0.0;
+  double covariances = 0.0;
 };
 
 /// What a run says of itself, whatever the dimension.
@@ -65,6 +67,7 @@ struct RunFigures {
   std::optional<MinimiseResult> polish;
   double chi2 = 0.0;     ///< Of the final estimate: rᵀWr over the whole log, or over all maps where there is none.
   std::int64_t dof = 0;  ///< Measured rows less free variables.
+  std::optional<Error> no_covariances;  ///< Why there are none though they were asked for: something is free to move.
   RunSeconds seconds;
   std::int64_t joint_bytes = 0;  ///< What the last join keeps: the local maps' information matrices and its factor.
 
@@ -77,6 +80,7 @@ struct RunResult : RunFigures {
   GlobalMap<Dim> map;
   std::optional<State<Dim>> recovered;                     ///< Of the whole log before polishing, where it was asked for.
   std::shared_ptr<const MapCovariances<Dim>> covariances;  ///< Where they were asked for; the input must outlive them.
+  std::optional<MarginalCovariances<Dim>> marginals;
 };
 
 /// Splits the log, builds local maps, joins them, recovers what was eliminated, and polishes to the optimum of the whole log.

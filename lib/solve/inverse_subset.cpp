@@ -40,7 +40,7 @@ std::int64_t InverseSubset::bytes(const Supernodes& factor) {
   return 8 * (doubles + size.rows + columns) + 4 * columns + nodes * static_cast<std::int64_t>(sizeof(Node));
 }
 
-InverseSubset::InverseSubset(const Supernodes& factor) : places_(factor.places) {
+InverseSubset::InverseSubset(const Supernodes& factor, const GoOn& go_on) : places_(factor.places) {
   const Size size(factor);
   rows_.reserve(static_cast<std::size_t>(size.rows));
   values_.resize(static_cast<std::size_t>(size.values));
@@ -55,7 +55,10 @@ InverseSubset::InverseSubset(const Supernodes& factor) : places_(factor.places) 
   }
   Workspace workspace;
   workspace.Z_RR.resize(static_cast<std::size_t>(size.most_below * size.most_below));
-  for (std::size_t k = nodes_.size(); k-- > 0;) invert(factor.nodes[k], nodes_[k], workspace);
+  for (std::size_t k = nodes_.size(); k-- > 0;) {
+    if (go_on && !go_on(nodes_.size() - 1 - k)) return;
+    invert(factor.nodes[k], nodes_[k], workspace);
+  }
 }
 
 void InverseSubset::invert(const Supernode& L, const Node& node, Workspace& workspace) const {

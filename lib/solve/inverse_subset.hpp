@@ -12,6 +12,7 @@
 
 #include <Eigen/Core>
 #include <cstdint>
+#include <functional>
 #include <mapjoin/solve/supernodes.hpp>
 #include <span>
 #include <vector>
@@ -20,8 +21,10 @@ namespace mapjoin {
 
 class InverseSubset {
  public:
+  /// Told how many supernodes are done; false ends the work there, and the rest of the subset is zero.
+  using GoOn = std::function<bool(std::size_t)>;
   /// `factor` may go afterwards. Throws std::bad_alloc when memory runs out.
-  explicit InverseSubset(const Supernodes& factor);
+  explicit InverseSubset(const Supernodes& factor, const GoOn& go_on = nullptr);
   InverseSubset(InverseSubset&&) = default;
   InverseSubset& operator=(InverseSubset&&) = default;
 

@@ -13,8 +13,9 @@ namespace mapjoin {
 /// The blocks of H⁻¹ on the pattern of the factor: every variable, and every pair that one observation ties together.
 class Marginals {
  public:
-  /// By the last factorisation; `equations` must outlive the marginals. See InverseSubset for memory.
-  explicit Marginals(const NormalEquations& equations) : equations_(&equations), subset_(equations.supernodes()) {}
+  /// By the last factorisation; `equations` must outlive the marginals. See InverseSubset for memory and `go_on`.
+  explicit Marginals(const NormalEquations& equations, const InverseSubset::GoOn& go_on = nullptr)
+      : equations_(&equations), subset_(equations.supernodes(), go_on) {}
 
   /// What the constructor asks for (bytes).
   static std::int64_t bytes(const NormalEquations& equations) { return InverseSubset::bytes(equations.supernodes()); }

@@ -2,7 +2,10 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <fstream>
+#include <map>
+#include <mapjoin/geometry/pose.hpp>
 #include <sstream>
 #include <tests/apps/command.hpp>
 #include <tests/support/temporary_folder.hpp>
@@ -62,6 +65,64 @@ TEST_F(Certainty, CovariancesOfASingleFileStandBesideIt) {
   const json covariances = json::parse(content_of(path("map.covariances.json")));
   EXPECT_EQ(covariances["estimate"], "joined");
   EXPECT_EQ(covariances["poses"][5]["covariance"].size(), 21U);
+}
+
+TEST_F(Certainty, RelationsAreALinePerPoseAfterItsParentAndOnePerFeature) {
+  simulate("2", "truth.g2o");
+  ASSERT_EQ(call({"run", path("log.g2o"), "-o", path("out"), "--relations", "--quiet"}).exit_code, 0);
+  std::istringstream lines(content_of(path("out/relations.csv")));
+  std::string line;
+  std::getline(lines, line);
+  EXPECT_EQ(line,
+            "kind,session,id,parent_session,parent,x,y,phi,cov_x_x,cov_x_y,cov_x_phi,cov_y_y,cov_y_phi,cov_phi_phi,"
+            "position_sd,position_sd_in_map,rotation_sd,rotation_sd_in_map");
+  std::map<std::string, Pose<2>> poses;
+  std::size_t features = 0;
+  while (std::getline(lines, line)) {
+    std::vector<std::string> cells;
+    std::istringstream words(line + ",");
+    for (std::string word; std::getline(words, word, ',');) cells.push_back(word);
+    ASSERT_EQ(cells.size(), 18U) << line;
+    const Pose<2> parent = cells[4].empty() ? Pose<2>{} : poses.at(cells[4]);
+    const Point<2> translation(std::stod(cells[5]), std::stod(cells[6]));
+    if (cells[0] == "pose") {
+      poses[cells[2]] = compose(parent, {translation, Rotation<2>(std::stod(cells[7]))});
+      EXPECT_NEAR(std::pow(std::stod(cells[14]), 2), std::stod(cells[8]) + std::stod(cells[11]), 1e-12);
+      continue;
+    }
+    const std::vector<double> feature = numbers(path("out/features.csv"), static_cast<int>(++features));
+    EXPECT_EQ(feature[0], std::stod(cells[2]));
+    EXPECT_LT((transform(parent, translation) - Point<2>(feature[1], feature[2])).norm(), 1e-9);
+    EXPECT_EQ(cells[1] + cells[7] + cells[10] + cells[17], "");
+  }
+  ASSERT_EQ(poses.size(), 150U);
+  const std::vector<double> last = numbers(path("out/poses.csv"), 150);
+  EXPECT_EQ(last.size(), 4U) << "the covariances were not asked for";
+  EXPECT_LT((poses.at("149").translation - Point<2>(last[1], last[2])).norm(), 1e-9);
+  const json report = json::parse(content_of(path("out/report.json")));
+  EXPECT_LT(report["certainty"]["median_deviation"]["poses"]["relative"],
+            report["certainty"]["median_deviation"]["poses"]["in_map"]);
+}
+
+TEST_F(Certainty, RelationsOfASingleFileStandBesideIt) {
+  simulate("3", "truth.g2o");
+  ASSERT_EQ(call({"solve", path("log.g2o"), "-o", path("map.g2o"), "--relations", "--quiet"}).exit_code, 0);
+  const std::string relations = content_of(path("map.relations.csv"));
+  EXPECT_THAT(relations, HasSubstr(",qw,cov_x_x,"));
+  EXPECT_THAT(relations, HasSubstr("\npose,0,149,0,148,"));
+}
+
+TEST_F(Certainty, AMapThatIsFreeToMoveIsWrittenWithoutThem) {
+  // Of the feature only one coordinate is known: Levenberg-Marquardt's damping holds it, nothing else does.
+  std::ofstream(path("log.g2o")) << "VERTEX_SE2 0 0 0 0.5\nVERTEX_SE2 1 1 0 0.5\nVERTEX_XY 2 3 1\nFIX 0\n"
+                                    "EDGE_SE2 0 1 1 0 0 10 0 0 10 0 10\nEDGE_SE2_XY 0 2 3 1 10 0 0\n";
+  const Ended ended = call({"solve", path("log.g2o"), "-o", path("map.g2o"), "--method", "lm", "--covariances", "--relations"});
+  EXPECT_EQ(ended.exit_code, 3) << ended.err;
+  EXPECT_THAT(ended.err,
+              HasSubstr("the covariances are not finite: something is free to move; the map is written without them"));
+  EXPECT_TRUE(std::filesystem::exists(path("map.g2o")));
+  EXPECT_FALSE(std::filesystem::exists(path("map.covariances.json")));
+  EXPECT_FALSE(std::filesystem::exists(path("map.relations.csv")));
 }
 
 TEST_F(Certainty, AStoreThatIsJoinedHasTheCovariancesOfARun) {

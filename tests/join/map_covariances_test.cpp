@@ -7,6 +7,7 @@
 #include <mapjoin/localmap/build.hpp>
 #include <numeric>
 #include <tests/support/dense_information.hpp>
+#include <tests/support/dense_relations.hpp>
 #include <tests/support/dimensions.hpp>
 #include <tests/support/numerical_jacobian.hpp>
 #include <tests/support/small_world.hpp>
@@ -52,13 +53,13 @@ class MapCovariancesTest : public ::testing::Test {
     }
     for (const auto& o : log.feature_priors) dense.add(o);
   }
-  static Eigen::MatrixXd covariance_of_log(const Log<kDim>& log, const RunResult<kDim>& result) {
+  static void expect_those_of_the_log(const Log<kDim>& log, const RunResult<kDim>& result) {
     const State<kDim> state = state_of(result);
     DenseInformation<kDim> dense(state);
     add_single_observations(log, dense);
     for (const auto& o : log.odometry) dense.add(o);
     for (const auto& o : log.observations) dense.add(o);
-    return dense.inverse(result.map.gauge);
+    expect_blocks_of(dense, result);
   }
 
   static void expect_near(const Eigen::MatrixXd& covariance, const Eigen::MatrixXd& expected, const std::string& of) {
@@ -66,8 +67,9 @@ class MapCovariancesTest : public ::testing::Test {
     EXPECT_LE((covariance - expected).norm(), 1e-9 * expected.norm()) << of;
   }
   /// Marginals of everything, and joint covariances of a few, against the inverse of the whole information.
-  static void expect_blocks_of(const Eigen::MatrixXd& whole, const RunResult<kDim>& result) {
+  static void expect_blocks_of(const DenseInformation<kDim>& information, const RunResult<kDim>& result) {
     const auto& map = result.map;
+    const Eigen::MatrixXd whole = information.inverse(map.gauge);
     const auto pose_count = static_cast<Index>(map.poses.size());
     const auto feature_count = static_cast<Index>(map.features.size());
     const auto row = [&](const PoseOrFeature& v) {
@@ -136,7 +138,7 @@ TYPED_TEST(MapCovariancesTest, OfThePolishedMapAreBlocksOfTheDenseInverseWhateve
       ASSERT_TRUE(result) << result.error().message;
       EXPECT_EQ(result->covariances->estimate(), Estimate::kPolished);
       EXPECT_EQ(result->covariances->held(), result->map.gauge);
-      this->expect_blocks_of(this->covariance_of_log(log, *result), *result);
+      this->expect_those_of_the_log(log, *result);
     }
   }
 }
@@ -146,7 +148,7 @@ TYPED_TEST(MapCovariancesTest, OfFullSlamAreBlocksOfTheDenseInverse) {
   const auto result = solve(log, this->options(1.0));
   ASSERT_TRUE(result) << result.error().message;
   EXPECT_EQ(result->covariances->estimate(), Estimate::kJoined);
-  this->expect_blocks_of(this->covariance_of_log(log, *result), *result);
+  this->expect_those_of_the_log(log, *result);
 }
 
 TYPED_TEST(MapCovariancesTest, OfJoinedMapsAreBlocksOfTheDenseInverseWithPrivateFeatures) {
@@ -165,7 +167,8 @@ TYPED_TEST(MapCovariancesTest, OfJoinedMapsAreBlocksOfTheDenseInverseWithPrivate
     DenseInformation<kDim> dense(state);
     for (const auto& map : set.maps) dense.add(map);
     for (const auto& closure : set.pose_observations) dense.add(closure);
-    this->expect_blocks_of(dense.inverse(result->map.gauge), *result);
+    this->expect_blocks_of(dense, *result);
+    testing::expect_relations_of(dense, result->map.gauge, result->covariances->marginals().value().relations);
   }
 }
 
@@ -212,7 +215,8 @@ TYPED_TEST(MapCovariancesTest, OfTheJoinedMapCarryWhatItsMapsEliminated) {
     S << S_oo, S_os, S_os.transpose(), S_ss;
     dense.add(all, S);
   }
-  this->expect_blocks_of(dense.inverse(result->map.gauge), *result);
+  this->expect_blocks_of(dense, *result);
+  testing::expect_relations_of(dense, result->map.gauge, result->covariances->marginals().value().relations);
 }
 
 TYPED_TEST(MapCovariancesTest, RelativeOnesAreThoseOfTheDifferenceInTheFrameOfTheFirst) {

@@ -1,0 +1,67 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+// A map in relative form (paper's (22), (33)): every pose and feature in the frame of the pose that it hangs from.
+//
+// Poses of the joined state hang along its spanning tree, features from the start of their first map; of what a local map
+// eliminated, poses hang from the pose before them, private features from the start of their map. Relations can be far more
+// certain than positions: errors add up along the tree.
+
+#include <mapjoin/join/join.hpp>
+#include <mapjoin/join/network.hpp>
+#include <mapjoin/localmap/segment.hpp>
+#include <mapjoin/model/state.hpp>
+#include <vector>
+
+namespace mapjoin {
+
+/// A pose in the frame of its parent, with the covariance of its step there: translation (m), then rotation on the right (rad).
+template <int Dim>
+struct PoseRelation {
+  Index parent = kWorld;  ///< A pose, or the World.
+  Pose<Dim> placement;
+  PoseMatrix<Dim> covariance = PoseMatrix<Dim>::Zero();  ///< Zero where the pose is held.
+};
+
+/// A feature in the frame of its parent (m).
+template <int Dim>
+struct FeatureRelation {
+  Index parent = kWorld;
+  Point<Dim> placement = Point<Dim>::Zero();
+  PointMatrix<Dim> covariance = PointMatrix<Dim>::Zero();
+};
+
+/// By the indices of poses and features.
+template <int Dim>
+struct Relations {
+  std::vector<PoseRelation<Dim>> poses;
+  std::vector<FeatureRelation<Dim>> features;
+  std::vector<Index> order;  ///< All poses, each after its parent.
+};
+
+/// The estimate `state` of a joined network in relative form, without covariances. `segments` are those of the network's maps,
+/// or none where nothing has an interior.
+template <int Dim>
+Relations<Dim> relations_of(const Network<Dim>& network, const Join<Dim>& join, const std::vector<Segment<Dim>>& segments,
+                            const State<Dim>& state);
+
+/// The map that the relations compose to.
+template <int Dim>
+State<Dim> composed(const Relations<Dim>& relations);
+
+/// ∂(child in the frame of parent)/∂(parent, child).
+template <int Dim>
+Matrix<kPoseDof<Dim>, 2 * kPoseDof<Dim>> J_relation(const Pose<Dim>& parent, const Pose<Dim>& child) {
+  PoseMatrix<Dim> J_parent;
+  PoseMatrix<Dim> J_child;
+  between(parent, child, &J_parent, &J_child);
+  return (Matrix<kPoseDof<Dim>, 2 * kPoseDof<Dim>>() << J_parent, J_child).finished();
+}
+template <int Dim>
+Matrix<Dim, kPoseDof<Dim> + Dim> J_relation(const Pose<Dim>& parent, const Point<Dim>& child) {
+  PointPoseMatrix<Dim> J_parent;
+  PointMatrix<Dim> J_child;
+  transform_into<Dim>(parent, child, &J_parent, &J_child);
+  return (Matrix<Dim, kPoseDof<Dim> + Dim>() << J_parent, J_child).finished();
+}
+
+}  // namespace mapjoin
