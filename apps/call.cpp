@@ -55,6 +55,11 @@ std::string why_not_converged(const Account& account) {
   return account.files.empty() ? why : why + "; the result is written all the same";
 }
 
+std::string why_not_certified(const Account& account) {
+  const std::string why = account.input + ": " + account.figures.no_covariances->message;
+  return account.files.empty() ? why : why + "; the map is written without them";
+}
+
 }  // namespace
 
 Call::Call(const std::string& command, const Options& options, std::stop_token stop)
@@ -175,10 +180,10 @@ Expected<ExitCode> Call::conclude() {
     }
   }
   if (!account.is_joined) return ExitCode::kDone;
-  const auto& no_covariances = account.figures.no_covariances;
-  if (no_covariances) say(account.input + ": " + no_covariances->message + "; the map is written without them");
+  const bool is_certified = !account.figures.no_covariances;
+  if (!is_certified) say(why_not_certified(account));
   if (!account.figures.converged()) say(why_not_converged(account));
-  return !account.figures.converged() ? ExitCode::kDidNotConverge : no_covariances ? ExitCode::kBadInput : ExitCode::kDone;
+  return !account.figures.converged() ? ExitCode::kDidNotConverge : is_certified ? ExitCode::kDone : ExitCode::kBadInput;
 }
 
 template Expected<void> Call::take(RunResult<2>&);

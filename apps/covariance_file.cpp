@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <apps/covariance_file.hpp>
 #include <mapjoin/io/output_file.hpp>
+#include <mapjoin/io/text_line.hpp>
 #include <nlohmann/json.hpp>
 #include <string>
 #include <vector>
@@ -31,14 +32,12 @@ template <int Dim>
 Json head(const GlobalMap<Dim>& map, Estimate estimate) {
   Json held = Json::array();
   for (const Index pose : map.gauge) held.push_back(named(map.pose_ids[static_cast<std::size_t>(pose)]));
-  const std::vector<std::string> of_pose =
-      Dim == 2 ? std::vector<std::string>{"x", "y", "phi"} : std::vector<std::string>{"x", "y", "z", "rx", "ry", "rz"};
   return {{"schema_version", 1},
           {"dimension", Dim},
           {"estimate", to_string(estimate)},
           {"gauge", {{"held_poses", held}}},
-          {"pose_coordinates", of_pose},
-          {"feature_coordinates", std::vector<std::string>(of_pose.begin(), of_pose.begin() + Dim)}};
+          {"pose_coordinates", step_names<Dim>()},
+          {"feature_coordinates", step_names<Dim>(Dim)}};
 }
 
 /// One line per pose or feature, written as it comes: maps can be large.

@@ -1,12 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include <fmt/format.h>
-
 #include <apps/deviations.hpp>
 #include <apps/relation_file.hpp>
 #include <mapjoin/io/output_file.hpp>
 #include <mapjoin/io/text_line.hpp>
-#include <string>
-#include <vector>
 
 namespace mapjoin::apps {
 namespace {
@@ -14,11 +10,7 @@ namespace {
 template <int Dim>
 void put_header(TextLine& line) {
   line.add("kind,session,id,parent_session,parent").add(Dim == 2 ? "x,y,phi" : "x,y,z,qx,qy,qz,qw");
-  const std::vector<std::string> steps =
-      Dim == 2 ? std::vector<std::string>{"x", "y", "phi"} : std::vector<std::string>{"x", "y", "z", "rx", "ry", "rz"};
-  for (std::size_t i = 0; i < steps.size(); ++i) {
-    for (std::size_t j = i; j < steps.size(); ++j) line.add(fmt::format("cov_{}_{}", steps[i], steps[j]));
-  }
+  line.add_covariance_names(step_names<Dim>());
   line.add("position_sd,position_sd_in_map,rotation_sd,rotation_sd_in_map");
 }
 

@@ -12,13 +12,6 @@
 namespace mapjoin {
 namespace {
 
-/// `cov_x_x`, `cov_x_y`, …: the columns of add_symmetric().
-void add_covariance_names(const std::vector<std::string>& coordinates, TextLine& line) {
-  for (std::size_t i = 0; i < coordinates.size(); ++i) {
-    for (std::size_t j = i; j < coordinates.size(); ++j) line.add(fmt::format("cov_{}_{}", coordinates[i], coordinates[j]));
-  }
-}
-
 const Pose<3>& in_space(const Pose<3>& pose) {
   return pose;
 }
@@ -37,8 +30,7 @@ void put_poses(const GlobalMap<Dim>& map, OutputFile& file) {
   line.add(Dim == 2 ? "pose,x,y,phi" : "pose,x,y,z,qx,qy,qz,qw");
   if (has_stamps) line.add("stamp_ns");
   const bool has_covariances = !map.pose_covariances.empty();
-  if (has_covariances && Dim == 2) add_covariance_names({"x", "y", "phi"}, line);
-  if (has_covariances && Dim == 3) add_covariance_names({"x", "y", "z", "rx", "ry", "rz"}, line);
+  if (has_covariances) line.add_covariance_names(step_names<Dim>());
   line.write_to(file);
   for (std::size_t i = 0; i < map.poses.size(); ++i) {
     if (has_sessions) line.add(map.pose_ids[i].session);
@@ -54,8 +46,7 @@ void put_features(const GlobalMap<Dim>& map, OutputFile& file) {
   TextLine line(',');
   line.add(Dim == 2 ? "feature,x,y" : "feature,x,y,z");
   const bool has_covariances = !map.feature_covariances.empty();
-  if (has_covariances && Dim == 2) add_covariance_names({"x", "y"}, line);
-  if (has_covariances && Dim == 3) add_covariance_names({"x", "y", "z"}, line);
+  if (has_covariances) line.add_covariance_names(step_names<Dim>(Dim));
   line.write_to(file);
   for (std::size_t i = 0; i < map.features.size(); ++i) {
     line.add(map.feature_ids[i].key).template add<Dim>(map.features[i]);

@@ -9,8 +9,18 @@
 #include <mapjoin/io/output_file.hpp>
 #include <string>
 #include <string_view>
+#include <vector>
 
 namespace mapjoin {
+
+/// The first `count` coordinates of a step of a pose; those of a feature are the first Dim.
+template <int Dim>
+std::vector<std::string> step_names(std::size_t count = kPoseDof<Dim>) {
+  std::vector<std::string> names = {"x", "y", "phi"};
+  if constexpr (Dim == 3) names = {"x", "y", "z", "rx", "ry", "rz"};
+  names.resize(count);
+  return names;
+}
 
 class TextLine {
  public:
@@ -36,6 +46,13 @@ class TextLine {
   /// `x y φ`, or `x y z qx qy qz qw`.
   TextLine& add(const Pose<2>& pose) { return add<2>(pose.translation).add(pose.rotation.angle()); }
   TextLine& add(const Pose<3>& pose) { return add<3>(pose.translation).add<4>(pose.rotation.quaternion().coeffs()); }
+  /// `cov_x_x`, `cov_x_y`, …: the columns of add_symmetric().
+  TextLine& add_covariance_names(const std::vector<std::string>& coordinates) {
+    for (std::size_t i = 0; i < coordinates.size(); ++i) {
+      for (std::size_t j = i; j < coordinates.size(); ++j) add("cov_" + coordinates[i] + '_' + coordinates[j]);
+    }
+    return *this;
+  }
   /// The upper triangle, row by row.
   template <int Size>
   TextLine& add_symmetric(const Matrix<Size>& M) {
