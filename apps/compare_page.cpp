@@ -72,7 +72,7 @@ std::vector<const CaseFigures*> joined_cases(const ComparisonFigures& comparison
 
 Chart chart_of_joined_chi2(const ComparisonFigures& comparison) {
   const double least = comparison.cases[comparison.best].polished.chi2;
-  Chart chart{"chi2 before polishing, above the optimum", {"steps per local map", true}, {"share of chi2", true}, {}};
+  Chart chart{"chi2 before polishing, above the optimum", {"steps per local map", true}, {"chi2 / optimum - 1", true}, {}};
   Curve good{"ways that reach the best map", {}, Line::kNone, true, 0};
   Curve bad{"ways that end elsewhere", {}, Line::kNone, true, 1};
   for (const CaseFigures& figures : comparison.cases) {

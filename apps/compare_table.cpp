@@ -14,6 +14,7 @@ namespace {
 constexpr int kChi2Digits = 10;
 constexpr int kTimeDigits = 3;
 constexpr int kErrorDigits = 2;
+constexpr double kSameChi2 = 1e-4;     // for people, as a share of it
 constexpr std::size_t kForPeople = 3;  // of 1, 2, 5, 10, …: the powers of ten
 
 /// A column, and what stands in it of a case that gives a map.
@@ -119,7 +120,7 @@ Table table_of(const Figures& figures, const ComparisonFigures& comparison) {
 using Alike = std::vector<const CaseFigures*>;
 
 bool are_alike(const CaseFigures& a, const CaseFigures& b) {
-  const auto is_same = [](double x, double y) { return std::abs(x - y) <= 1e-6 * std::max({1.0, x, y}); };
+  const auto is_same = [](double x, double y) { return std::abs(x - y) <= kSameChi2 * std::max({1.0, x, y}); };
   return a.way.poses_per_map == b.way.poses_per_map && a.failure == b.failure && a.reaches_best == b.reaches_best &&
          is_same(a.joined.chi2, b.joined.chi2) && is_same(a.polished.chi2, b.polished.chi2);
 }
@@ -174,7 +175,8 @@ std::string result_in_words(const CaseFigures& figures) {
   const RunFigures& run = figures.run;
   const MinimiseStatus last = (run.polish ? *run.polish : run.join).status;
   if (!run.converged()) return "did not converge: " + to_string(last);
-  return figures.reaches_best ? "best" : "another minimum";
+  const std::string where = figures.reaches_best ? "best" : "another minimum";
+  return run.join.status == MinimiseStatus::kConverged ? where : where + ", though the join did not converge";
 }
 
 std::vector<NamedTable> tables_of(const ComparisonFigures& comparison) {

@@ -9,7 +9,7 @@
 
 namespace mapjoin::apps {
 
-/// "best", "another minimum", "did not converge: …", or why there is no map.
+/// "best", "another minimum", either although the join did not converge, "did not converge: …", or why there is no map.
 std::string result_in_words(const CaseFigures& figures);
 
 /// What people read: what each case takes, then how far its map is from the best one and from the truth, where that is known.
