@@ -100,8 +100,10 @@ Expected<OtherWeights> other_weights(const Log<Dim>& log, const GlobalMap<Dim>& 
 
 std::string in_words(const OtherWeights& other) {
   if (!other.failure.empty()) return other.failure;
-  return fmt::format("chi2 {:.10g}; poses {:.2g} m (RMS) and features {:.2g} m from the best map", other.chi2,
-                     other.from_best.poses.translation.rms, other.from_best.features.rms);
+  const MapDifference& apart = other.from_best;
+  const std::string features = apart.features.count > 0 ? fmt::format(", features {:.2g} m", apart.features.rms) : "";
+  return fmt::format("chi2 {:.10g}; from the best map: poses {:.2g} m{} (RMS)", other.chi2, apart.poses.translation.rms,
+                     features);
 }
 
 std::string compare_summary(const Account& account, const ComparisonFigures& comparison, const OtherWeights& other) {

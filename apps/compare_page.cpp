@@ -130,11 +130,13 @@ void add_weights(const Comparison<Dim>& comparison, const Account& account, cons
   }
   const GlobalMap<Dim>& best = comparison.maps[comparison.best].polished;
   const MapDifference& apart = other.from_best;
-  page.paragraph(fmt::format(
-      "The same log with the {} instead of the {}: the poses move by {:.2g} m (root mean square; {:.2g} m at most), the "
-      "features by {:.2g} m ({:.2g} m at most).",
-      weights_in_words(other.covariance), weights_in_words(account.conventions.covariance), apart.poses.translation.rms,
-      apart.poses.translation.max, apart.features.rms, apart.features.max));
+  const auto size_of = [](const ErrorSummary& errors) {
+    return fmt::format("{:.2g} m (root mean square; {:.2g} m at most)", errors.rms, errors.max);
+  };
+  const std::string features = apart.features.count > 0 ? ", the features by " + size_of(apart.features) : "";
+  page.paragraph(fmt::format("The same log with the {} instead of the {}: the poses move by {}{}.",
+                             weights_in_words(other.covariance), weights_in_words(account.conventions.covariance),
+                             size_of(apart.poses.translation), features));
   std::vector<Layer<Dim>> layers = {
       {weights_in_words(other.covariance), kOrange, &other_map.poses, &other_map.features, 1.2, Mark::kRing},
       {weights_in_words(account.conventions.covariance), kBlue, &best.poses, &best.features, 1.2}};

@@ -24,14 +24,13 @@ struct Figure {
 };
 using Figures = std::vector<Figure>;
 
-/// The joined estimate or the polished one, and what their columns are called.
+/// The joined estimate or the polished one.
 struct Side {
   EstimateFigures CaseFigures::*estimate;
-  std::string key;
   std::string name;
 };
-const Side kJoined{&CaseFigures::joined, "joined", "joined"};
-const Side kPolished{&CaseFigures::polished, "polished", "polished"};
+const Side kJoined{&CaseFigures::joined, "joined"};
+const Side kPolished{&CaseFigures::polished, "polished"};
 
 Cell bytes_in_mb(std::int64_t bytes) {
   return 1e-6 * static_cast<double>(bytes);
@@ -41,10 +40,12 @@ void add_distances(const Side& side, const std::vector<std::string>& parts, Figu
   const auto add = [&](const std::string& what, const std::string& unit, auto part) {
     if (std::find(parts.begin(), parts.end(), what) == parts.end()) return;
     for (const auto& [word, value] : {std::pair{"max", &ErrorSummary::max}, {"rms", &ErrorSummary::rms}}) {
-      figures.push_back(
-          {{fmt::format("{}_{}_{}_{}", side.key, what, word, unit), fmt::format("{} {} {} ({})", side.name, what, word, unit),
-            kErrorDigits},
-           [side, part, value = value](const CaseFigures& c) { return part((c.*side.estimate).from_best).*value; }});
+      figures.push_back({{fmt::format("{}_{}_{}_{}", side.name, what, word, unit),
+                          fmt::format("{} {} {} ({})", side.name, what, word, unit), kErrorDigits},
+                         [side, part, value = value](const CaseFigures& c) -> Cell {
+                           const ErrorSummary errors = part((c.*side.estimate).from_best);
+                           return errors.count > 0 ? Cell(errors.*value) : Cell();
+                         }});
     }
   };
   add("poses", "m", [](const MapDifference& d) { return d.poses.translation; });
@@ -55,17 +56,17 @@ void add_distances(const Side& side, const std::vector<std::string>& parts, Figu
 /// Of every span, or, for people, of every third: powers of ten.
 void add_spans(const Side& side, const std::vector<std::size_t>& spans, std::size_t every, Figures& figures) {
   for (std::size_t k = 0; k < spans.size(); k += every) {
-    figures.push_back({{fmt::format("{}_relative_{}_m", side.key, spans[k]), fmt::format("{} over {} (m)", side.name, spans[k]),
-                        kErrorDigits},
+    figures.push_back({{fmt::format("{}_relative_{}_m", side.name, spans[k]),
+                        fmt::format("{} over {} (m)", side.name, spans[k]), kErrorDigits},
                        [side, k](const CaseFigures& c) { return (c.*side.estimate).best_spans[k].translation.rms; }});
   }
 }
 
 void add_truth(const Side& side, const std::vector<std::size_t>& spans, std::size_t every, Figures& figures) {
-  figures.push_back({{side.key + "_ate_m", side.name + " ATE (m)", kErrorDigits + 2},
+  figures.push_back({{side.name + "_ate_m", side.name + " ATE (m)", kErrorDigits + 2},
                      [side](const CaseFigures& c) { return (c.*side.estimate).from_truth->absolute.translation.rms; }});
   for (std::size_t k = 0; k < spans.size(); k += every) {
-    figures.push_back({{fmt::format("{}_rpe_{}_m", side.key, spans[k]), fmt::format("{} RPE over {} (m)", side.name, spans[k]),
+    figures.push_back({{fmt::format("{}_rpe_{}_m", side.name, spans[k]), fmt::format("{} RPE over {} (m)", side.name, spans[k]),
                         kErrorDigits + 2},
                        [side, k](const CaseFigures& c) { return (c.*side.estimate).from_truth->spans[k].translation.rms; }});
   }
@@ -186,10 +187,12 @@ std::vector<NamedTable> tables_of(const ComparisonFigures& comparison) {
        "last join and of the polish. System: the local maps' information matrices and the factor of the joint system. Memory: "
        "by how much the process grew at most.",
        table_of(cost_figures(), comparison)}};
+  std::vector<std::string> parts = {"poses"};
+  if (comparison.cases[comparison.best].polished.from_best.features.count > 0) parts.emplace_back("features");
   Figures distances;
-  add_distances(kJoined, {"poses", "features"}, distances);
+  add_distances(kJoined, parts, distances);
   add_spans(kJoined, comparison.spans, kForPeople, distances);
-  add_distances(kPolished, {"poses", "features"}, distances);
+  add_distances(kPolished, parts, distances);
   tables.push_back(
       {"How far its map is from the best one",
        "Joined: before polishing. Poses and features as they stand, in the frame of the first pose. Over so many steps: the "

@@ -14,8 +14,8 @@ namespace {
 
 constexpr double kMargin = 40.0;             // in pixels, as all here
 constexpr double kLine = 22.0;               // of scale and legend, below the drawing
-constexpr double kFinest = 0.4;              // a line leaves out points nearer than this to the last one drawn,
-constexpr std::size_t kMostPoints = 10'000;  // and nearer than more where it would have more of them than this
+constexpr double kFinest = 0.4;              // a line leaves out points nearer than this to the last one drawn
+constexpr std::size_t kMostPoints = 10'000;  // of a line, and of features: beyond, more is left out
 constexpr double kLetter = 7.2;              // the mean width of one
 
 /// The rectangle that holds all points, and its place on the sheet: metres to pixels, y up.
@@ -89,8 +89,9 @@ std::string marks(const Sheet& sheet, const Layer<Dim>& layer) {
   const bool is_ring = layer.mark == Mark::kRing;
   std::string svg =
       fmt::format("<g fill=\"{}\" stroke=\"{}\">\n", is_ring ? "none" : layer.colour, is_ring ? layer.colour : "none");
-  for (const auto& feature : *layer.features) {
-    const Point<2> p = sheet.at(feature);
+  const std::size_t every = 1 + layer.features->size() / (kMostPoints + 1);
+  for (std::size_t k = 0; k < layer.features->size(); k += every) {
+    const Point<2> p = sheet.at((*layer.features)[k]);
     svg += fmt::format("<circle cx=\"{:.1f}\" cy=\"{:.1f}\" r=\"{}\"/>\n", p.x(), p.y(), is_ring ? "4.5" : "2.2");
   }
   return svg + "</g>\n";

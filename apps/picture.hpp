@@ -30,7 +30,8 @@ struct Layer {
 };
 
 /// The layers seen from above (x to the right, y up, in metres), the first at the bottom and last in the legend, with a scale.
-/// Trajectories are thinned, so that the size of the picture is bounded but for the features. Its longer side has `pixels`.
+/// Trajectories are thinned, and of very many features some are left out, so that the size of the picture is bounded. Its
+/// longer side has `pixels`.
 template <int Dim>
 std::string picture(const std::vector<Layer<Dim>>& layers, const std::vector<Session>& sessions, double pixels = 1000.0);
 

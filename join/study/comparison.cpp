@@ -15,7 +15,7 @@ constexpr double kSameChi2 = 1e-6;  // relative, and absolute where chi2 is belo
 std::vector<std::size_t> spans_within(std::size_t poses) {
   std::vector<std::size_t> spans;
   for (std::size_t power = 1; power < poses; power *= 10) {
-    for (const std::size_t factor : {1, 2, 5}) {
+    for (const std::size_t factor : {1U, 2U, 5U}) {
       if (factor * power < poses) spans.push_back(factor * power);
     }
   }

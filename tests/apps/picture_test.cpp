@@ -41,10 +41,14 @@ TEST(Picture, DrawsEveryLayerOverTheOneBefore) {
   EXPECT_EQ(count(svg, "r=\"4.5\""), 2U);
 }
 
-TEST(Picture, IsBoundedHoweverLongTheTrajectory) {
+TEST(Picture, IsBoundedHoweverLargeTheMap) {
   const auto path = spiral(200'000);
-  const std::vector<Layer<2>> layers = {{"long", "red", &path, nullptr}};
-  EXPECT_LT(picture(layers, {{0, 200'000}}).size(), 200'000U);
+  std::vector<Point<2>> features;
+  for (const Pose<2>& pose : path) features.push_back(pose.translation);
+  const std::vector<Layer<2>> line = {{"long", "red", &path, nullptr}};
+  EXPECT_LT(picture(line, {{0, 200'000}}).size(), 200'000U);
+  const std::vector<Layer<2>> dots = {{"many", "red", nullptr, &features}};
+  EXPECT_LT(picture(dots, {}).size(), 500'000U);
 }
 
 TEST(Picture, HoldsWhatIsFramedAndCutsTheRest) {

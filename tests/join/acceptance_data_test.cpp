@@ -5,6 +5,7 @@
 #include <mapjoin/io/local_map_set.hpp>
 #include <mapjoin/io/open_log.hpp>
 #include <mapjoin/join/run.hpp>
+#include <mapjoin/join/study/comparison.hpp>
 #include <tests/support/ceres_reference.hpp>
 #include <tests/support/data.hpp>
 
@@ -149,6 +150,28 @@ TEST(JoinedDataTest, TheMapsOfTheSimulationInSpaceLeaveCeresNothingToGain) {
     ASSERT_TRUE(set) << set.error().message;
     const auto& maps = std::get<MapSet<3>>(*set);
     expect_ceres_gains_nothing(maps, converged(run(maps, RunOptions{})));
+  }
+}
+
+TEST(ComparisonData, JoiningAtOnceReachesTheOptimumOfVictoriaParkAndFullSlamDoesNot) {
+  const auto log = log_in<2>("vicpark-6898/vicpark6898.g2o.gz");
+  ComparisonOptions<2> options;
+  for (const Index steps : {1, 20, 60}) {
+    for (const JoinedState state : {JoinedState::kAbsolute, JoinedState::kRelative}) {
+      options.cases.push_back({steps, state, Schedule::kBatch, false});
+    }
+  }
+  const auto comparison = compare(log, options);
+  ASSERT_TRUE(comparison) << comparison.error().message;
+  for (const CaseFigures& figures : comparison->cases) {
+    SCOPED_TRACE(to_string(figures.way));
+    EXPECT_EQ(figures.reaches_best, !figures.way.is_full_slam());
+    if (figures.reaches_best) {
+      EXPECT_NEAR(figures.polished.chi2, 9012.7193, 1e-3);
+      EXPECT_LT(figures.joined.from_best.poses.translation.max, 0.1);
+    } else {
+      EXPECT_GT(figures.polished.chi2, 1e6);
+    }
   }
 }
 
