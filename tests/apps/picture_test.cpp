@@ -44,6 +44,7 @@ TEST(Picture, DrawsEveryLayerOverTheOneBefore) {
 TEST(Picture, IsBoundedHoweverLargeTheMap) {
   const auto path = spiral(200'000);
   std::vector<Point<2>> features;
+  features.reserve(path.size());
   for (const Pose<2>& pose : path) features.push_back(pose.translation);
   const std::vector<Layer<2>> line = {{"long", "red", &path, nullptr}};
   EXPECT_LT(picture(line, {{0, 200'000}}).size(), 200'000U);

@@ -20,13 +20,13 @@ std::vector<char> written() {
 
 TEST(Effort, CountsTheTimeOfTheWallAndThatOfAllThreads) {
   const EffortMeter meter;
-  std::vector<std::jthread> threads;
-  for (int k = 0; k < 2; ++k) {
-    threads.emplace_back([&] {
+  {
+    const auto work = [&] {
       while (meter.so_far().seconds < 0.1) continue;
-    });
+    };
+    const std::jthread one(work);
+    const std::jthread two(work);
   }
-  threads.clear();
   const Effort effort = meter.so_far();
   EXPECT_GE(effort.seconds, 0.1);
   EXPECT_GT(effort.cpu_seconds, 0.02);
