@@ -25,7 +25,7 @@ th, td { padding: 0.28rem 0.4rem; text-align: left; vertical-align: bottom; whit
 th { font-weight: 600; white-space: normal; border-bottom: 2px solid var(--ink); }
 td { border-bottom: 1px solid var(--line); }
 th.number, td.number { text-align: right; }
-td:last-child { white-space: normal; min-width: 7.75rem; }
+td:last-child { white-space: normal; min-width: 8.75rem; }
 tr.good td:last-child { color: var(--good); }
 tr.bad td:last-child { color: var(--bad); }
 tbody tr:hover { background: #f5f7f9; }
