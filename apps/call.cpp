@@ -17,11 +17,6 @@ namespace mapjoin::apps {
 namespace {
 
 template <int Dim>
-void use_identity_covariance(MapSet<Dim>& set) {
-  for (LocalMap<Dim>& map : set.maps) map.information.setIdentity();
-  set.conventions.covariance = Covariance::kIdentity;
-}
-template <int Dim>
 Expected<void> take_weights(const Options& options, MapSet<Dim>& set) {
   if (options.covariance == Covariance::kIdentity) use_identity_covariance(set);
   return {};
@@ -102,7 +97,7 @@ Expected<AnyLog> Call::read_log() {
   if (!log) return log;
   std::visit(
       [&](auto& any) {
-        if (options_.covariance == Covariance::kIdentity) mapjoin::use_identity_covariance(any);
+        if (options_.covariance == Covariance::kIdentity) use_identity_covariance(any);
         account.describe(any);
       },
       *log);

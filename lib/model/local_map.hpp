@@ -56,4 +56,8 @@ struct MapSet {
   Conventions conventions;
 };
 
+/// Every information matrix replaced by the identity, in place, those of the maps among them; the conventions say so.
+template <int Dim>
+void use_identity_covariance(MapSet<Dim>& set);
+
 }  // namespace mapjoin

@@ -1,0 +1,80 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+// The experiment of the paper's Table I: from which initial values does least squares reach the optimum, and how often?
+
+#include <array>
+#include <functional>
+#include <limits>
+#include <mapjoin/join/run.hpp>
+#include <mapjoin/join/study/formulation.hpp>
+#include <mapjoin/model/conventions.hpp>
+#include <optional>
+#include <stop_token>
+#include <string>
+#include <vector>
+
+namespace mapjoin {
+
+/// How a cell of the experiment is solved, all observations or maps at once.
+enum class BasinMethod : std::uint8_t {
+  kGaussNewton,  ///< Every step taken, whatever comes of it.
+  kDefault,      ///< Dogleg; in the relative state what is not quadratic is brought in gradually.
+};
+
+/// "gn" or "default".
+std::string to_string(BasinMethod method);
+
+inline constexpr std::array kBasinStarts = {Start::kComposed, Start::kZero, Start::kRandom};
+
+struct BasinOptions {
+  std::vector<SplitOptions> splits = {SplitOptions{}};  ///< Of a log into the local maps that are joined.
+  int seeds = 20;                                       ///< Random starts per cell: seeds 1, 2, …
+  int max_iterations = 200;                             ///< Of each solve.
+  /// Called with the solves done and to do; from one thread at a time.
+  std::function<void(std::size_t, std::size_t)> progress;
+
+  /// Every violation in words; empty if there is none.
+  std::vector<std::string> validate() const;
+};
+
+/// One solve.
+struct BasinRun {
+  double chi2 = std::numeric_limits<double>::infinity();  ///< Of the whole log, polished, or of the maps of a set.
+  int iterations = 0;                                     ///< Of the joint solve, along the whole path where it is gradual.
+  MinimiseStatus status = MinimiseStatus::kNoProgress;    ///< Of the joint solve.
+  std::optional<std::string> failure;                     ///< Why there is no chi2, in words.
+  bool is_at_optimum = false;                             ///< chi2 is the best known one to 1e-6 of it.
+};
+
+struct BasinCell {
+  Covariance covariance = Covariance::kOriginal;
+  Formulation formulation;
+  SplitOptions split;  ///< Of joining; as given.
+  BasinMethod method = BasinMethod::kGaussNewton;
+  Start start = Start::kComposed;
+  std::vector<BasinRun> runs;  ///< One, or one per seed of the random start.
+
+  std::size_t hits() const;  ///< Runs that end at the optimum.
+};
+
+struct Basin {
+  std::vector<Covariance> covariances;
+  std::vector<double> best_chi2;  ///< Per covariance: the least of all cells, and of joining along a tree.
+  std::vector<BasinCell> cells;   ///< By covariance, formulation, split, method and start, in this order.
+};
+
+/// All four formulations of a log, with its covariances and, unless these are identities, with identity covariances. Cells are
+/// solved in parallel, with the same result for any number of threads. Bad input as run(); kInterrupted on `stop`. Throws
+/// std::invalid_argument with the violations of `options`.
+template <int Dim>
+Expected<Basin> basin(const Log<Dim>& log, const BasinOptions& options, const std::stop_token& stop = {});
+
+/// As before, of the log cut into these stretches.
+template <int Dim>
+Expected<Basin> basin(const Log<Dim>& log, const Split& split, const BasinOptions& options, const std::stop_token& stop = {});
+
+/// The two joining formulations of local maps; identity covariances replace the maps' information.
+template <int Dim>
+Expected<Basin> basin(const MapSet<Dim>& set, const BasinOptions& options, const std::stop_token& stop = {});
+
+}  // namespace mapjoin
