@@ -71,6 +71,12 @@ Call::Call(const std::string& command, const Options& options, std::stop_token s
   run_options_.most_memory = static_cast<std::int64_t>(1e6 * std::min(options.most_memory_mb, 1e12));
 }
 
+std::function<void(std::size_t, std::size_t)> Call::progress(const std::string& things) {
+  const auto show = progress_.callback_in_words();
+  if (!show) return nullptr;
+  return [show, things](std::size_t done, std::size_t to_do) { show(things, done, to_do); };
+}
+
 Expected<void> Call::check_report() const {
   return options_.report_on_stdout() ? Expected<void>() : check_writable(options_.report);
 }

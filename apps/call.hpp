@@ -8,6 +8,7 @@
 #include <apps/exit_code.hpp>
 #include <apps/progress.hpp>
 #include <apps/truth_file.hpp>
+#include <functional>
 #include <mapjoin/io/open_maps.hpp>
 #include <optional>
 #include <stop_token>
@@ -35,6 +36,9 @@ class Call {
 
   /// Of the options, with this call's progress.
   const RunOptions& run_options() const { return run_options_; }
+  /// Of work whose `things` are counted, done and to do; must not outlive this. Empty where nobody looks.
+  std::function<void(std::size_t, std::size_t)> progress(const std::string& things);
+  void close_progress() { progress_.close(); }
   const Options& options() const { return options_; }
   const std::stop_token& stop() const { return stop_; }
 

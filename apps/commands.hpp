@@ -12,7 +12,8 @@ std::unique_ptr<Subcommand> run_command(CLI::App& app);
 std::unique_ptr<Subcommand> build_command(CLI::App& app);
 std::unique_ptr<Subcommand> join_command(CLI::App& app);
 std::unique_ptr<Subcommand> solve_command(CLI::App& app);
-std::unique_ptr<Subcommand> compare_command(CLI::App& app);
+       {run_command, build_command, join_command, solve_command, compare_command, basin_command, simulate_command,
+        info_command}) {
 std::unique_ptr<Subcommand> simulate_command(CLI::App& app);
 std::unique_ptr<Subcommand> info_command(CLI::App& app);
 
@@ -20,8 +21,10 @@ std::unique_ptr<Subcommand> info_command(CLI::App& app);
 inline std::vector<std::unique_ptr<Subcommand>> all_commands(CLI::App& app) {
   std::vector<std::unique_ptr<Subcommand>> commands;
   for (const auto make :
-       {run_command, build_command, join_command, solve_command, compare_command, simulate_command, info_command})
+       {run_command, build_command, join_command, solve_command, compare_command, basin_command, simulate_command,
+        info_command}) {
     commands.push_back(make(app));
+  }
   return commands;
 }
 

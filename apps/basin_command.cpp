@@ -1,0 +1,129 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// `mapjoin basin`: the experiment of the paper's Table I.
+
+#include <apps/basin_report.hpp>
+#include <apps/call.hpp>
+#include <apps/commands.hpp>
+#include <apps/console.hpp>
+#include <apps/distinct.hpp>
+#include <apps/output_folder.hpp>
+#include <mapjoin/io/output_file.hpp>
+#include <memory>
+#include <optional>
+#include <sstream>
+#include <variant>
+
+namespace mapjoin::apps {
+namespace {
+
+constexpr const char* kExamples =
+    "  mapjoin basin data/manhattan2d.g2o\n"
+    "  mapjoin basin data/manhattan2d.g2o --poses-per-map 10,20,35,60 --seeds 5 -o basin";
+
+const std::vector<std::string> kFiles = {"basin.csv", "basin.json", "basin.svg"};
+
+struct BasinCall {
+  Options shared;
+  BasinOptions basin;
+};
+
+/// Numbers of poses, or "auto", between commas.
+std::optional<std::string> take_splits(const std::string& words, std::vector<SplitOptions>& splits) {
+  splits.clear();
+  std::istringstream list(words);
+  for (std::string word; std::getline(list, word, ',');) {
+    const std::optional<int> poses = number_in<int>(word);
+    if (word != "auto" && (!poses || *poses < 1)) return "not auto, nor whole numbers from 1 on with commas between them";
+    splits.push_back(word == "auto" ? SplitOptions{} : SplitOptions{SplitRule::kPoses, static_cast<double>(*poses)});
+  }
+  if (splits.empty()) return "empty";
+  return std::nullopt;
+}
+
+Expected<void> write_text(const std::string& text, const std::filesystem::path& path) {
+  auto file = OutputFile::create(path);
+  if (!file) return tl::unexpected(file.error());
+  file->write(text);
+  return file->commit();
+}
+
+Expected<void> write_folder(const Basin& basin, const Account& account, OutputFolder& folder) {
+  return write_text(basin_csv(basin), folder.aside("basin.csv"))
+      .and_then([&] { return write_text(basin_json(basin, account), folder.aside("basin.json")); })
+      .and_then([&] { return write_text(basin_picture(basin), folder.aside("basin.svg")); })
+      .and_then([&] { return folder.commit(kFiles); });
+}
+
+/// The table or the report, on standard output.
+Expected<void> tell(const Basin& basin, const Options& options, const Account& account) {
+  if (options.report_on_stdout()) return write_stdout(basin_json(basin, account));
+  if (!options.report.empty()) {
+    if (auto written = write_text(basin_json(basin, account), options.report); !written) return written;
+  }
+  return options.quiet ? Expected<void>() : write_stdout(basin_table(basin));
+}
+
+template <int Dim>
+Expected<Basin> basin_of(const StoredMaps<Dim>& stored, const BasinOptions& options, const std::stop_token& stop) {
+  return basin(stored.log, split_along(stored.log, stored.stretches), options, stop);
+}
+template <typename Data>
+Expected<Basin> basin_of(const Data& data, const BasinOptions& options, const std::stop_token& stop) {
+  return basin(data, options, stop);
+}
+
+Expected<ExitCode> run_basin(const BasinCall& asked, const std::stop_token& stop) {
+  Call call("basin", asked.shared, stop);
+  std::optional<OutputFolder> folder;
+  if (!asked.shared.output.empty()) {
+    auto made = OutputFolder::create(asked.shared.output);
+    if (!made) return tl::unexpected(made.error());
+    folder.emplace(std::move(*made));
+  }
+  if (auto ready = call.check_report(); !ready) return tl::unexpected(ready.error());
+  BasinOptions options = asked.basin;
+  options.progress = call.progress("solves");
+  const auto experiment = [&](const auto& any) {
+    return std::visit([&](const auto& data) { return basin_of(data, options, stop); }, any);
+  };
+  const auto found =
+      may_hold_maps(asked.shared.input) ? call.read_maps().and_then(experiment) : call.read_log().and_then(experiment);
+  call.close_progress();
+  if (!found) return tl::unexpected(found.error());
+  if (folder) {
+    if (auto written = write_folder(*found, call.account, *folder); !written) return tl::unexpected(written.error());
+  }
+  return tell(*found, asked.shared, call.account).map([] { return ExitCode::kDone; });
+}
+
+NamedFiles all_files(const Options& options) {
+  NamedFiles files = {{"LOG|MAPS", options.input}, {"--report", options.report_on_stdout() ? "" : options.report}};
+  if (options.output.empty()) return files;
+  for (const std::string& name : kFiles) files.emplace_back("--output", options.output / name);
+  return files;
+}
+
+}  // namespace
+
+std::unique_ptr<Subcommand> basin_command(CLI::App& app) {
+  auto command = std::make_unique<Subcommand>(
+      app, "basin", "From which starts the optimum is reached: full SLAM and joining, absolute and relative", kExamples);
+  const auto asked = std::make_shared<BasinCall>();
+  Options& options = asked->shared;
+  BasinOptions& basin = asked->basin;
+  command->argument("LOG|MAPS", options.input, "A log; or a store, or a folder or archive of local maps");
+  command->path("-o,--output", options.output, "DIR", "Write basin.csv, basin.json and basin.svg into this folder");
+  command->group("Experiment");
+  command->option("--poses-per-map", "N|auto,...", "Lengths of the local maps to join, of a log [auto]",
+                  [&basin](const std::string& words) { return take_splits(words, basin.splits); });
+  command->number<int>("--seeds", basin.seeds, 1, "N", "Random starts per cell [" + std::to_string(basin.seeds) + "]");
+  command->number<int>("--max-iterations", basin.max_iterations, 1, "N",
+                       "At most so many steps of every solve [" + std::to_string(basin.max_iterations) + "]");
+  add_reading(*command, options);
+  add_reporting(*command, options);
+  command->check([asked] { return check_distinct(all_files(asked->shared)); });
+  command->act([asked](const std::stop_token& stop) { return run_basin(*asked, stop); });
+  return command;
+}
+
+}  // namespace mapjoin::apps

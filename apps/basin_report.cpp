@@ -1,0 +1,141 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <apps/basin_report.hpp>
+#include <apps/report.hpp>
+#include <apps/text_table.hpp>
+#include <apps/words.hpp>
+#include <cmath>
+#include <mapjoin/version.hpp>
+#include <nlohmann/json.hpp>
+#include <optional>
+
+namespace mapjoin::apps {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+const char* ending(const BasinRun& run) {
+  if (run.is_at_optimum) return "optimum";
+  return run.failure ? "failed" : "elsewhere";
+}
+
+/// The median of the iterations of the runs that end at the optimum, or else of all.
+int typical_iterations(const BasinCell& cell) {
+  std::vector<int> iterations;
+  for (const BasinRun& run : cell.runs) {
+    if (run.is_at_optimum || cell.hits() == 0) iterations.push_back(run.iterations);
+  }
+  const auto middle = iterations.begin() + static_cast<std::ptrdiff_t>(iterations.size() / 2);
+  std::nth_element(iterations.begin(), middle, iterations.end());
+  return *middle;
+}
+
+/// What the runs that miss fell into: their chi2, from the least to the largest.
+std::string misses_in_words(const BasinCell& cell) {
+  std::vector<double> chi2;
+  for (const BasinRun& run : cell.runs) {
+    if (!run.is_at_optimum && std::isfinite(run.chi2)) chi2.push_back(run.chi2);
+  }
+  if (chi2.empty()) return cell.hits() == cell.runs.size() ? "" : "no map";
+  const auto [least, most] = std::minmax_element(chi2.begin(), chi2.end());
+  return *least == *most ? fmt::format("{:.4g}", *least) : fmt::format("{:.4g} to {:.4g}", *least, *most);
+}
+
+/// "yes (12)", "no (200): 2.814e+05", "17 of 20 (9): 3.1e+04 to 1.2e+09"; iterations in parentheses.
+std::string cell_in_words(const BasinCell& cell) {
+  std::string rate = cell.hits() == 1 ? "yes" : "no";
+  if (cell.start == Start::kRandom) rate = fmt::format("{} of {}", cell.hits(), cell.runs.size());
+  const std::string misses = misses_in_words(cell);
+  return fmt::format("{} ({}){}", rate, typical_iterations(cell), misses.empty() ? "" : ": " + misses);
+}
+
+Json json_of(const BasinRun& run, std::optional<std::uint64_t> seed) {
+  return {{"seed", seed ? Json(*seed) : Json()},
+          {"ends", ending(run)},
+          {"chi2", std::isfinite(run.chi2) ? Json(run.chi2) : Json()},
+          {"iterations", run.iterations},
+          {"status", run.failure ? Json() : Json(to_string(run.status))},
+          {"failure", run.failure ? Json(*run.failure) : Json()}};
+}
+
+std::optional<std::uint64_t> seed_of(const BasinCell& cell, std::size_t run) {
+  if (cell.start != Start::kRandom) return std::nullopt;
+  return run + 1;
+}
+
+Json json_of(const BasinCell& cell) {
+  Json runs = Json::array();
+  for (std::size_t k = 0; k < cell.runs.size(); ++k) runs.push_back(json_of(cell.runs[k], seed_of(cell, k)));
+  return {{"covariance", word(cell.covariance)},
+          {"problem", cell.formulation.is_joining ? "joining" : "full_slam"},
+          {"state", to_string(cell.formulation.state)},
+          {"local_maps", cell.formulation.is_joining ? Json(split_in_words(cell)) : Json()},
+          {"method", to_string(cell.method)},
+          {"start", to_string(cell.start)},
+          {"hits", cell.hits()},
+          {"runs", runs}};
+}
+
+}  // namespace
+
+std::string split_in_words(const BasinCell& cell) {
+  if (!cell.formulation.is_joining) return "";
+  switch (cell.split.rule) {
+    case SplitRule::kAuto:
+      return "auto";
+    case SplitRule::kPoses:
+      return fmt::format("{:g}", cell.split.amount);
+    case SplitRule::kDistance:
+      return fmt::format("{:g} m", cell.split.amount);
+    case SplitRule::kFeatures:
+      return fmt::format("{:g} features", cell.split.amount);
+  }
+  return "";
+}
+
+std::string basin_table(const Basin& basin) {
+  std::vector<std::vector<std::string>> rows = {{"covariance", "formulation", "maps of", "method", "composed", "zero", "random"}};
+  for (const BasinCell& cell : basin.cells) {
+    if (cell.start == kBasinStarts.front()) {
+      rows.push_back({word(cell.covariance), to_string(cell.formulation), split_in_words(cell), to_string(cell.method)});
+    }
+    rows.back().push_back(cell_in_words(cell));
+  }
+  return text_table(rows, "llrllll");
+}
+
+std::string basin_csv(const Basin& basin) {
+  std::string csv = "covariance,problem,state,local_maps,method,start,seed,ends,chi2,iterations,status\n";
+  for (const BasinCell& cell : basin.cells) {
+    for (std::size_t k = 0; k < cell.runs.size(); ++k) {
+      const BasinRun& run = cell.runs[k];
+      const auto seed = seed_of(cell, k);
+      csv += fmt::format("{},{},{},{},{},{},{},{},{},{},{}\n", word(cell.covariance),
+                         cell.formulation.is_joining ? "joining" : "full_slam", to_string(cell.formulation.state),
+                         split_in_words(cell), to_string(cell.method), to_string(cell.start), seed ? std::to_string(*seed) : "",
+                         ending(run), std::isfinite(run.chi2) ? fmt::format("{:.17g}", run.chi2) : "", run.iterations,
+                         run.failure ? "" : to_string(run.status));
+    }
+  }
+  return csv;
+}
+
+std::string basin_json(const Basin& basin, const Account& account) {
+  Json best;
+  for (std::size_t c = 0; c < basin.covariances.size(); ++c) best[word(basin.covariances[c])] = basin.best_chi2[c];
+  Json cells = Json::array();
+  for (const BasinCell& cell : basin.cells) cells.push_back(json_of(cell));
+  const Json json = {{"schema_version", kReportSchemaVersion},
+                     {"version", kVersion},
+                     {"command", account.command},
+                     {"input", account.input},
+                     {"dimension", account.dimension},
+                     {"best_chi2", best},
+                     {"cells", cells},
+                     {"seconds", account.total_seconds()}};
+  return json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
+}
+
+}  // namespace mapjoin::apps
