@@ -96,7 +96,8 @@ std::string split_in_words(const BasinCell& cell) {
 }
 
 std::string basin_table(const Basin& basin) {
-  std::vector<std::vector<std::string>> rows = {{"covariance", "formulation", "maps of", "method", "composed", "zero", "random"}};
+  std::vector<std::vector<std::string>> rows = {
+      {"covariance", "formulation", "maps of", "method", "composed", "zero", "random"}};
   for (const BasinCell& cell : basin.cells) {
     if (cell.start == kBasinStarts.front()) {
       rows.push_back({word(cell.covariance), to_string(cell.formulation), split_in_words(cell), to_string(cell.method)});

@@ -127,13 +127,25 @@ class Drawing {
     });
     std::string out = fmt::format("<svg x=\"{:.1f}\" y=\"{:.1f}\" width=\"{:.1f}\" height=\"{:.1f}\" overflow=\"{}\">\n", left_,
                                   kTop, plot_width_, plot_height_, is_cut ? "hidden" : "visible");
-    for (std::size_t c = 0; c < chart_.curves.size(); ++c) out += band(chart_.curves[c], colour_of(chart_.curves[c], c));
+    for (std::size_t c = 0; c < chart_.curves.size(); ++c) {
+      const Curve& curve = chart_.curves[c];
+      const char* colour = colour_of(curve, c);
+      out += curve.has_markers ? bars(curve, colour) : band(curve, colour);
+    }
     for (std::size_t c = 0; c < chart_.curves.size(); ++c) out += curve(chart_.curves[c], colour_of(chart_.curves[c], c));
     return out + "</svg>\n";
   }
 
   bool has_place(const CurvePoint& point) const { return x_.takes(point.x) && y_.takes(point.y); }
   bool has_band(const CurvePoint& point) const { return x_.takes(point.x) && y_.takes(point.low) && y_.takes(point.high); }
+
+  std::string bars(const Curve& curve, const char* colour) const {
+    std::string path;
+    for (const CurvePoint& point : curve.points) {
+      if (has_band(point)) path += fmt::format("M{:.1f} {:.1f}V{:.1f}", across(point.x), down(point.high), down(point.low));
+    }
+    return path.empty() ? path : fmt::format("<path d=\"{}\" stroke=\"{}\" stroke-opacity=\"0.5\"/>\n", path, colour);
+  }
 
   std::string band(const Curve& curve, const char* colour) const {
     std::string path;

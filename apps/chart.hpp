@@ -11,7 +11,7 @@
 
 namespace mapjoin::apps {
 
-/// A point of a curve, with the ends of its uncertainty where it has one.
+/// A point of a curve, with the ends of its uncertainty where it has one: a bar at a marker, else a part of a band.
 struct CurvePoint {
   double x = 0.0;
   double y = 0.0;

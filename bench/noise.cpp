@@ -4,6 +4,7 @@
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
+#include <apps/chart.hpp>
 #include <array>
 #include <cmath>
 #include <filesystem>
@@ -19,8 +20,6 @@
 namespace mapjoin {
 namespace {
 
-using Log2 = Log<2>;
-
 struct Arguments {
   std::filesystem::path folder = "build/noise";
   std::vector<double> levels = {1, 3, 6, 10, 15, 20, 30};
@@ -35,7 +34,7 @@ struct Surroundings {
 };
 constexpr std::array kSurroundings = {Surroundings{"rich", 2.17}, Surroundings{"poor", 7.5}};
 
-/// chi2 that a method ends at; infinite where it gives up.
+/// chi2 of the whole log that a method ends at; infinite where it gives up.
 using Solver = double (*)(const Simulation<2>&);
 
 double chi2_of(const Expected<RunResult<2>>& result) {
@@ -54,7 +53,7 @@ double by_gradual(const Simulation<2>& world) {
   return chi2_of(run(world.log, options));
 }
 
-double by_full_slam(const Log2& log, Method method, Start start) {
+double by_full_slam(const Log<2>& log, Method method, Start start) {
   RunOptions options;
   options.schedule = Schedule::kBatch;
   options.solver.method = method;
@@ -77,7 +76,7 @@ double by_ceres(const Simulation<2>& world) {
 }
 
 double by_truth(const Simulation<2>& world) {
-  Log2 log = world.log;
+  Log<2> log = world.log;
   log.initial_poses = world.truth.poses;
   log.initial_features = world.truth.features;
   return by_full_slam(log, Method::kDogleg, Start::kFile);
@@ -87,12 +86,14 @@ struct Contender {
   const char* name;
   Solver solve;
 };
-constexpr std::array kContenders = {Contender{"mapjoin run", by_run},
-                                    Contender{"mapjoin run, relative, gradual", by_gradual},
-                                    Contender{"Gauss-Newton, full SLAM", by_gauss_newton},
-                                    Contender{"Ceres Levenberg-Marquardt", by_ceres<testing::ReferenceMethod::kLevenbergMarquardt>},
-                                    Contender{"Ceres dogleg", by_ceres<testing::ReferenceMethod::kDogleg>},
-                                    Contender{"from the truth", by_truth}};
+constexpr std::array kContenders = {
+    Contender{"mapjoin run", by_run},
+    Contender{"mapjoin run --batch gradual", by_gradual},
+    Contender{"Gauss-Newton, full SLAM", by_gauss_newton},
+    Contender{"Ceres Levenberg-Marquardt", by_ceres<testing::ReferenceMethod::kLevenbergMarquardt>},
+    Contender{"Ceres dogleg", by_ceres<testing::ReferenceMethod::kDogleg>},
+    Contender{"from the truth", by_truth}};
+constexpr std::size_t kMethods = kContenders.size() - 1;  // the last one only says where the optimum is
 using Chi2s = std::array<double, kContenders.size()>;
 
 Simulation<2> world_of(const Surroundings& surroundings, double level, std::size_t world, std::int64_t poses) {
@@ -119,29 +120,71 @@ bool is_best(const Chi2s& chi2, std::size_t contender) {
   return chi2[contender] <= *std::min_element(chi2.begin(), chi2.end()) * (1.0 + 1e-6);
 }
 
-void noise(const Arguments& arguments) {
-  fmt::print("| features | odometry noise |");
-  for (const Contender& contender : kContenders) fmt::print(" {} |", contender.name);
-  fmt::print("\n|---|---|{}\n", std::string(4 * kContenders.size(), '-'));
+/// A rate of hits with the 95 % interval of Wilson's score (JASA 1927).
+apps::CurvePoint rate(double level, double hits, double tries) {
+  constexpr double kZ = 1.959964;  // 97.5 % of a normal distribution
+  const double share = hits / tries;
+  const double spread = kZ * kZ / tries;
+  const double middle = (share + 0.5 * spread) / (1.0 + spread);
+  const double half = kZ * std::sqrt(share * (1.0 - share) / tries + 0.25 * spread / tries) / (1.0 + spread);
+  return {level, 100.0 * share, 100.0 * std::max(middle - half, 0.0), 100.0 * std::min(middle + half, 1.0)};
+}
+
+/// The rates in one kind of surroundings, as a row per level and as curves, and all chi2 as CSV.
+struct Findings {
   std::string csv = "features,noise,world,method,chi2\n";
-  for (const Surroundings& surroundings : kSurroundings) {
-    for (const double level : arguments.levels) {
-      const auto reached = contest(surroundings, level, arguments);
-      fmt::print("| {} | x{} |", surroundings.name, level);
-      for (std::size_t c = 0; c < kContenders.size(); ++c) {
-        fmt::print(" {} |", std::count_if(reached.begin(), reached.end(), [&](const Chi2s& chi2) { return is_best(chi2, c); }));
-        for (std::size_t w = 0; w < reached.size(); ++w) {
-          csv += fmt::format("{},{},{},\"{}\",{:.9g}\n", surroundings.name, level, w + 1, kContenders[c].name, reached[w][c]);
-        }
+  std::vector<apps::Chart> charts;
+};
+
+void contest_in(const Surroundings& surroundings, const Arguments& arguments, Findings& findings) {
+  apps::Chart chart{fmt::format("Worlds {} in features", surroundings.name),
+                    {"odometry noise (times 0.03 m and 0.4\u00b0 a step)", true},
+                    {"worlds at the optimum (%)", false, 0.0, 100.0},
+                    {}};
+  for (std::size_t c = 0; c < kMethods; ++c) chart.curves.push_back({kContenders[c].name, {}, apps::Line::kSolid, true});
+  for (const double level : arguments.levels) {
+    const auto reached = contest(surroundings, level, arguments);
+    fmt::print("| {} | \u00d7{} |", surroundings.name, level);
+    for (std::size_t c = 0; c < kContenders.size(); ++c) {
+      const auto hits = std::count_if(reached.begin(), reached.end(), [&](const Chi2s& chi2) { return is_best(chi2, c); });
+      fmt::print(" {} |", hits);
+      if (c < kMethods) {
+        const double aside = std::pow(1.03, static_cast<double>(c) - 0.5 * (kMethods - 1));  // so that bars stand side by side
+        chart.curves[c].points.push_back(rate(aside * level, static_cast<double>(hits), static_cast<double>(reached.size())));
       }
-      fmt::print("\n");
-      std::fflush(stdout);
+      for (std::size_t w = 0; w < reached.size(); ++w) {
+        findings.csv +=
+            fmt::format("{},{},{},\"{}\",{:.9g}\n", surroundings.name, level, w + 1, kContenders[c].name, reached[w][c]);
+      }
     }
+    fmt::print("\n");
+    std::fflush(stdout);
   }
+  findings.charts.push_back(std::move(chart));
+}
+
+Expected<void> write(const std::string& text, const std::filesystem::path& path) {
+  auto file = OutputFile::create(path);
+  if (!file) return tl::unexpected(file.error());
+  file->write(text);
+  return file->commit();
+}
+
+Expected<void> noise(const Arguments& arguments) {
   std::filesystem::create_directories(arguments.folder);
-  auto file = OutputFile::create(arguments.folder / "noise.csv");
-  file->write(csv);
-  (void)file->commit();
+  fmt::print(
+      "Worlds of {} poses, {} of each kind; how many of them each method brings to the best chi2 of all.\n\n| features | noise "
+      "|",
+      arguments.poses, arguments.worlds);
+  for (const Contender& contender : kContenders) fmt::print(" {} |", contender.name);
+  std::string rule = "\n|---|---|";
+  for (std::size_t c = 0; c < kContenders.size(); ++c) rule += "---|";
+  fmt::print("{}\n", rule);
+  Findings findings;
+  for (const Surroundings& surroundings : kSurroundings) contest_in(surroundings, arguments, findings);
+  return write(findings.csv, arguments.folder / "noise.csv").and_then([&] {
+    return write(apps::svg(findings.charts, kSurroundings.size()), arguments.folder / "noise.svg");
+  });
 }
 
 }  // namespace
@@ -155,5 +198,7 @@ int main(int argc, char** argv) {
   app.add_option("--worlds", arguments.worlds, "Per level, and as many rich as poor in features")->capture_default_str();
   app.add_option("--poses", arguments.poses, "Of each world")->capture_default_str();
   CLI11_PARSE(app, argc, argv);
-  mapjoin::noise(arguments);
+  const auto done = mapjoin::noise(arguments);
+  if (!done) fmt::print(stderr, "mapjoin_noise: {}\n", done.error().message);
+  return done ? 0 : 5;
 }

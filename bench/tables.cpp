@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// mapjoin_tables: what each schedule reaches, and what the length of local maps changes, as Markdown tables.
+// mapjoin_tables: what each schedule reaches, what the length of local maps changes, and how Gauss-Newton goes in either state,
+// as Markdown tables.
 #include <fmt/format.h>
 
 #include <CLI/CLI.hpp>
@@ -19,6 +20,7 @@ struct Arguments {
   std::vector<std::filesystem::path> files;
   std::vector<double> poses_per_map = {1, 5, 10, 16, 20, 35, 60, 100};
   bool identity = false;
+  int iterations = 20;
 };
 
 using AnyData = std::variant<Log<2>, Log<3>, MapSet<2>, MapSet<3>>;
@@ -120,6 +122,45 @@ void splits(const Arguments& arguments) {
   }
 }
 
+template <int Dim>
+Expected<MinimiseResult> all_at_once(const Log<Dim>& log, const RunOptions& options) {
+  return solve(log, options).map([](const auto& result) { return result.join; });
+}
+template <int Dim>
+Expected<MinimiseResult> all_at_once(const MapSet<Dim>& set, const RunOptions& options) {
+  return run(set, options).map([](const auto& result) { return result.join; });
+}
+
+/// chi2 from the composed start on: that of the start, then after each iteration of Gauss-Newton.
+std::string course_of(const Expected<MinimiseResult>& result) {
+  if (!result) return result.error().message;
+  std::string course = fmt::format("{:.6g}", result->start_chi2);
+  for (const double chi2 : result->course) course += fmt::format(", {:.6g}", chi2);
+  return course + (result->status == MinimiseStatus::kConverged ? "" : " (" + to_string(result->status) + ")");
+}
+
+void courses(const Arguments& arguments) {
+  fmt::print("| data | state | iterations | chi2 of the start and after each iteration |\n|---|---|---|---|\n");
+  for (const auto& path : arguments.files) {
+    const auto data = read(path, arguments.identity);
+    if (!data) {
+      fmt::print(stderr, "{}\n", data.error().message);
+      continue;
+    }
+    for (const JoinedState state : {JoinedState::kAbsolute, JoinedState::kRelative}) {
+      RunOptions options;
+      options.schedule = Schedule::kBatch;
+      options.state = state;
+      options.solver.method = Method::kGaussNewton;
+      options.solver.max_iterations = arguments.iterations;
+      const auto result = std::visit([&](const auto& any) { return all_at_once(any, options); }, *data);
+      fmt::print("| {} | {} | {} | {} |\n", name_of(path), to_string(state), result ? result->iterations : 0,
+                 course_of(result));
+      std::fflush(stdout);
+    }
+  }
+}
+
 }  // namespace
 }  // namespace mapjoin
 
@@ -129,12 +170,15 @@ int main(int argc, char** argv) {
   app.require_subcommand(1);
   auto* schedules = app.add_subcommand("schedules", "What tree, sequential and batch reach on each log or set of local maps");
   auto* splits = app.add_subcommand("splits", "What the number of poses per local map changes");
-  for (auto* command : {schedules, splits}) {
+  auto* courses = app.add_subcommand("courses", "chi2 after each Gauss-Newton step from the composed start, in either state");
+  for (auto* command : {schedules, splits, courses}) {
     command->add_option("files", arguments.files, "Logs, or sets of local maps")->required();
     command->add_flag("--identity", arguments.identity, "Replace every information matrix by the identity");
   }
   splits->add_option("--poses-per-map", arguments.poses_per_map, "Numbers to compare")->delimiter(',');
+  courses->add_option("--iterations", arguments.iterations, "At most so many")->capture_default_str();
   CLI11_PARSE(app, argc, argv);
+  if (*courses) mapjoin::courses(arguments);
   if (*schedules) mapjoin::schedules(arguments);
   if (*splits) mapjoin::splits(arguments);
 }

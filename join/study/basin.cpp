@@ -210,9 +210,9 @@ Expected<Subjects> subjects_of(const Log<Dim>& log, const std::vector<std::pair<
 template <int Dim>
 Expected<Basin> basin_along(const Log<Dim>& log, const std::vector<std::pair<Split, SplitOptions>>& splits,
                             const BasinOptions& options, const std::stop_token& stop) {
-  return check_connected(log)
-      .and_then([&] { return subjects_of(log, splits, stop); })
-      .and_then([&](const Subjects& subjects) { return basin_of(subjects, options, stop); });
+  return check_connected(log).and_then([&] { return subjects_of(log, splits, stop); }).and_then([&](const Subjects& subjects) {
+    return basin_of(subjects, options, stop);
+  });
 }
 
 }  // namespace
@@ -263,9 +263,9 @@ Expected<Basin> basin(const MapSet<Dim>& set, const BasinOptions& options, const
   return basin_of(subjects, options, stop);
 }
 
-#define MAPJOIN_INSTANTIATE(Dim)                                                                                     \
-  template Expected<Basin> basin(const Log<Dim>&, const BasinOptions&, const std::stop_token&);                      \
-  template Expected<Basin> basin(const Log<Dim>&, const Split&, const BasinOptions&, const std::stop_token&);        \
+#define MAPJOIN_INSTANTIATE(Dim)                                                                              \
+  template Expected<Basin> basin(const Log<Dim>&, const BasinOptions&, const std::stop_token&);               \
+  template Expected<Basin> basin(const Log<Dim>&, const Split&, const BasinOptions&, const std::stop_token&); \
   template Expected<Basin> basin(const MapSet<Dim>&, const BasinOptions&, const std::stop_token&);
 MAPJOIN_INSTANTIATE(2)
 MAPJOIN_INSTANTIATE(3)
