@@ -60,7 +60,7 @@ Expected<void> tell(const Basin& basin, const Options& options, const Account& a
   if (!options.report.empty()) {
     if (auto written = write_text(basin_json(basin, account), options.report); !written) return written;
   }
-  return options.quiet ? Expected<void>() : write_stdout(basin_table(basin));
+  return options.quiet ? Expected<void>() : write_stdout(basin_table(basin, account));
 }
 
 template <int Dim>

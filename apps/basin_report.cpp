@@ -3,7 +3,9 @@
 
 #include <algorithm>
 #include <apps/basin_report.hpp>
+#include <apps/console.hpp>
 #include <apps/report.hpp>
+#include <apps/summary.hpp>
 #include <apps/text_table.hpp>
 #include <apps/words.hpp>
 #include <cmath>
@@ -95,7 +97,14 @@ std::string split_in_words(const BasinCell& cell) {
   return "";
 }
 
-std::string basin_table(const Basin& basin) {
+std::string basin_table(const Basin& basin, const Account& account) {
+  Lines lines;
+  lines.add("input", fmt::format("{}: {}", account.input, counts_in_words(account)));
+  for (std::size_t c = 0; c < basin.covariances.size(); ++c) {
+    lines.add(c == 0 ? "optimum" : "",
+              fmt::format("chi2 {:.6f} with {} covariances, the best known", basin.best_chi2[c], word(basin.covariances[c])));
+  }
+  lines.add("cells", "whether, or how often, the optimum is reached (iterations): chi2 of what the others fell into");
   std::vector<std::vector<std::string>> rows = {
       {"covariance", "formulation", "maps of", "method", "composed", "zero", "random"}};
   for (const BasinCell& cell : basin.cells) {
@@ -104,7 +113,7 @@ std::string basin_table(const Basin& basin) {
     }
     rows.back().push_back(cell_in_words(cell));
   }
-  return text_table(rows, "llrllll");
+  return lines.text() + "\n" + text_table(rows, "llrllll");
 }
 
 std::string basin_csv(const Basin& basin) {

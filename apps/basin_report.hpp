@@ -8,8 +8,9 @@
 
 namespace mapjoin::apps {
 
-/// A row per covariance, formulation, split and method; a column per start, as in the paper's Table I.
-std::string basin_table(const Basin& basin);
+/// The input and the best chi2 known; then a row per covariance, formulation, split and method and a column per start, as in the
+/// paper's Table I.
+std::string basin_table(const Basin& basin, const Account& account);
 
 /// A row per solve.
 std::string basin_csv(const Basin& basin);

@@ -126,6 +126,15 @@ TEST(Chart, DrawsABandWherePointsHaveOne) {
   EXPECT_EQ(count(picture, "Z"), 2U);  // one area on either side of the point without
 }
 
+TEST(Chart, DrawsBarsAtMarkersThatHaveThem) {
+  Chart chart = chart_of({{0, 1, 0.5, 1.5}, {1, 2, 1, 3}, {2, 3}});
+  chart.curves.front().has_markers = true;
+  const std::string picture = svg(chart);
+  EXPECT_EQ(count(picture, "fill-opacity"), 0U);
+  const auto bars = picture.substr(picture.rfind("<path", picture.find("stroke-opacity")));
+  EXPECT_EQ(count(bars.substr(0, bars.find('\n')), "V"), 2U);
+}
+
 TEST(Chart, EscapesItsText) {
   Chart chart = chart_of({{0, 1}});
   chart.title = "a < b & \"c\" > d";
