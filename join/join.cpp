@@ -1,11 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <fmt/format.h>
 
-#include <algorithm>
-#include <functional>
 #include <mapjoin/join/join.hpp>
 #include <mapjoin/join/join_problem.hpp>
-#include <mapjoin/join/placement.hpp>
+#include <mapjoin/join/whole.hpp>
 #include <mapjoin/join/world.hpp>
 #include <mapjoin/measure/chi_squared.hpp>
 #include <mapjoin/model/information_rank.hpp>
@@ -34,18 +32,6 @@ std::int64_t measured_rows(const Piece<Dim>& piece, const Gauge<Dim>& gauge, con
     for (const auto* o : *list) rows += information_rank(o->information);
   }
   return rows;
-}
-
-/// All pieces as one, in the World: the tied ones, and those that only the World ties together.
-template <int Dim>
-Piece<Dim> whole_of(const Network<Dim>& network, const Pose<Dim>& origin, JoinedPieces<Dim> joined) {
-  for (auto& piece : joined.pieces) place_in_world(network, origin, piece);
-  Piece<Dim> whole = std::move(joined.pieces.front());
-  for (std::size_t k = 1; k < joined.pieces.size(); ++k) whole = merged(whole, joined.pieces[k], Pose<Dim>{});
-  for (const auto* closure : joined.pending) whole.pose_observations.push_back(closure);
-  // Pieces that met late are out of order; the maps are members of one vector, so that addresses give the network's order.
-  std::sort(whole.maps.begin(), whole.maps.end(), std::less<>());
-  return whole;
 }
 
 /// From the composed start to the one asked for.

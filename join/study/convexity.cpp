@@ -1,0 +1,214 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <algorithm>
+#include <cmath>
+#include <mapjoin/graph/connectivity.hpp>
+#include <mapjoin/join/join_problem.hpp>
+#include <mapjoin/join/study/convexity.hpp>
+#include <mapjoin/join/study/convexity_objective.hpp>
+#include <mapjoin/join/whole.hpp>
+#include <mapjoin/join/world.hpp>
+#include <mapjoin/parallel/parallel.hpp>
+#include <mapjoin/simulate/random_stream.hpp>
+#include <stdexcept>
+#include <utility>
+
+namespace mapjoin {
+namespace {
+
+/// Of the whole network.
+template <int Dim>
+struct Pair {
+  State<Dim> X;
+  State<Dim> Y;
+};
+
+/// What the default method finds: the reference for headings, and F*.
+template <int Dim>
+struct Best {
+  State<Dim> state;  // of the whole network
+  double chi2;
+};
+
+tl::unexpected<Error> interrupted() {
+  return tl::unexpected(Error{ErrorKind::kInterrupted, "interrupted"});
+}
+
+template <int Dim>
+State<Dim> restricted(const State<Dim>& whole, const Piece<Dim>& piece) {
+  State<Dim> part;
+  for (const Index pose : piece.poses) part.poses.push_back(whole.pose(pose));
+  for (const Index feature : piece.features) part.features.push_back(whole.feature(feature));
+  return part;
+}
+
+/// One of the two least-squares problems, full SLAM or joining, ready to be looked at.
+template <int Dim>
+class PosedProblem {
+ public:
+  PosedProblem(Network<Dim> network, const Best<Dim>& best, bool is_joining)
+      : network_(std::move(network)),
+        composed_(whole_of(network_, best.state.poses.front(), join_stretches(network_, {Schedule::kBatch, {}, {}, {}}))),
+        problem_(composed_, hold_in_world(network_, composed_)),
+        best_(best),
+        best_part_(restricted(best.state, composed_)),
+        is_joining_(is_joining) {}
+  PosedProblem(const PosedProblem&) = delete;
+  PosedProblem& operator=(const PosedProblem&) = delete;
+
+  /// The states that the options ask for, over the whole network.
+  std::vector<Pair<Dim>> drawn_pairs(const ConvexityOptions& options) {
+    const StateSampler<Dim> sampler(options.source, options.spread, composed_, problem_.system(), best_part_);
+    const auto state = [&](std::size_t number) {
+      State<Dim> whole{std::vector<Pose<Dim>>(network_.pose_count),
+                       std::vector<Point<Dim>>(network_.feature_count, Point<Dim>::Zero())};
+      const State<Dim> drawn = sampler.draw(RandomStream(options.seed, number).next());
+      write_values(drawn, composed_.poses, composed_.features, whole);
+      return whole;
+    };
+    std::vector<Pair<Dim>> pairs;
+    for (std::size_t k = 0; k < options.pairs; ++k) {
+      pairs.push_back({state(2 * k), options.to_best ? best_.state : state(2 * k + 1)});
+    }
+    return pairs;
+  }
+
+  Expected<FormulationFigures> figures(JoinedState state, const std::vector<Pair<Dim>>& pairs, std::size_t points,
+                                       const std::function<void()>& segment_done) {
+    FormulationFigures figures{{is_joining_, state}, {}, {}, {}, first_step(state)};
+    problem_.system().estimate() = best_part_;
+    problem_.linearise();
+    if (problem_.factorise(0.0)) return bad_input("the best estimate is not determined by the observations");
+    figures.quadratic = quadratic_share(problem_.system(), state);
+    const UnwrappedObjective<Dim> objective(problem_.system(), best_part_);
+    const RelativeCoordinates<Dim> relative(problem_.system(), best_part_);
+    for (const Pair<Dim>& pair : pairs) {
+      const State<Dim> X = restricted(pair.X, composed_);
+      const State<Dim> Y = restricted(pair.Y, composed_);
+      LineOfStates line;
+      if (state == JoinedState::kAbsolute) {
+        line.values = sampled([&](double lambda) { return objective(on_line(X, Y, lambda)); }, points);
+      } else {
+        const Eigen::VectorXd x = relative.of(X);
+        const Eigen::VectorXd y = relative.of(Y);
+        line.values =
+            sampled([&](double lambda) { return objective(relative.composed(lambda * x + (1.0 - lambda) * y)); }, points);
+      }
+      line.curvature = curvature_figures(line.values);
+      figures.curvature.add(line.curvature);
+      figures.segments.push_back(std::move(line));
+      segment_done();
+    }
+    return figures;
+  }
+
+ private:
+  FirstStep first_step(JoinedState state) {
+    problem_.system().estimate() = composed_.state;
+    MinimiseOptions one_step;
+    one_step.method = Method::kGaussNewton;
+    one_step.max_iterations = 1;
+    one_step.relative_chi2 = one_step.step_metres = one_step.step_radians = 0.0;
+    const MinimiseResult result = minimise_join(problem_, state, one_step);
+    FirstStep step;
+    step.start_chi2 = result.start_chi2;
+    if (result.iterations > 0) step.chi2 = result.chi2;
+    step.best_chi2 = best_.chi2;
+    return step;
+  }
+
+  Network<Dim> network_;
+  Piece<Dim> composed_;
+  JoinProblem<Dim> problem_;
+  Best<Dim> best_;
+  State<Dim> best_part_;  // of what is posed
+  bool is_joining_;
+};
+
+/// The figures of all problems in both states, with pairs of states drawn from the first.
+template <int Dim>
+Expected<Convexity> figures_of(const std::vector<std::unique_ptr<PosedProblem<Dim>>>& problems, const ConvexityOptions& options,
+                               const std::stop_token& stop) {
+  const std::vector<Pair<Dim>> pairs = problems.front()->drawn_pairs(options);
+  const std::size_t to_do = 2 * problems.size() * pairs.size();
+  std::size_t done = 0;
+  Convexity all;
+  for (const auto& problem : problems) {
+    for (const JoinedState state : {JoinedState::kAbsolute, JoinedState::kRelative}) {
+      if (stop.stop_requested()) return interrupted();
+      auto figures = problem->figures(state, pairs, options.points, [&] {
+        if (options.progress) options.progress(++done, to_do);
+      });
+      if (!figures) return tl::unexpected(figures.error());
+      all.push_back(std::move(*figures));
+    }
+  }
+  return all;
+}
+
+void demand_valid(const ConvexityOptions& options) {
+  const auto violations = options.validate();
+  if (!violations.empty()) throw std::invalid_argument(violations.front());
+}
+
+}  // namespace
+
+std::vector<std::string> ConvexityOptions::validate() const {
+  std::vector<std::string> violations = split.validate();
+  if (pairs < 1) violations.emplace_back("there must be a pair of states");
+  if (points < 3) violations.emplace_back("a segment has an inner point from three points on");
+  if (!(spread > 0.0 && std::isfinite(spread))) violations.emplace_back("the spread must be a positive number");
+  return violations;
+}
+
+std::optional<double> FirstStep::share() const {
+  const double whole = start_chi2 - best_chi2;
+  if (!(whole > 1e-9 * start_chi2) || !std::isfinite(chi2)) return std::nullopt;
+  return (start_chi2 - chi2) / whole;
+}
+
+template <int Dim>
+Expected<Convexity> convexity(const Log<Dim>& log, const Split& split, const std::vector<LocalMap<Dim>>& maps,
+                              const ConvexityOptions& options, const std::stop_token& stop) {
+  demand_valid(options);
+  const auto best = run_from_maps(log, split, maps, {}, stop);
+  if (!best) return tl::unexpected(best.error());
+  const State<Dim> state{best->map.poses, best->map.features};
+  const Split one_step = mapjoin::split(log, {SplitRule::kPoses, 1.0});
+  std::vector<std::unique_ptr<PosedProblem<Dim>>> problems;
+  problems.push_back(std::make_unique<PosedProblem<Dim>>(network_of(log, one_step, {}), Best<Dim>{state, best->chi2}, false));
+  problems.push_back(
+      std::make_unique<PosedProblem<Dim>>(network_of(log, split, maps), Best<Dim>{state, best->join.chi2}, true));
+  return figures_of(problems, options, stop);
+}
+
+template <int Dim>
+Expected<Convexity> convexity(const Log<Dim>& log, const ConvexityOptions& options, const std::stop_token& stop) {
+  demand_valid(options);
+  if (auto connected = check_connected(log); !connected) return tl::unexpected(connected.error());
+  Split parts = split(log, options.split);
+  const auto built = build_local_maps(log, parts, {}, stop);
+  if (!built) return tl::unexpected(built.error());
+  return convexity(log, parts, built->maps, options, stop);
+}
+
+template <int Dim>
+Expected<Convexity> convexity(const MapSet<Dim>& set, const ConvexityOptions& options, const std::stop_token& stop) {
+  demand_valid(options);
+  const auto best = run(set, {}, stop);
+  if (!best) return tl::unexpected(best.error());
+  std::vector<std::unique_ptr<PosedProblem<Dim>>> problems;
+  problems.push_back(
+      std::make_unique<PosedProblem<Dim>>(network_of(set), Best<Dim>{{best->map.poses, best->map.features}, best->chi2}, true));
+  return figures_of(problems, options, stop);
+}
+
+#define MAPJOIN_INSTANTIATE(Dim)                                                                            \
+  template Expected<Convexity> convexity(const Log<Dim>&, const ConvexityOptions&, const std::stop_token&); \
+  template Expected<Convexity> convexity(const Log<Dim>&, const Split&, const std::vector<LocalMap<Dim>>&,  \
+                                         const ConvexityOptions&, const std::stop_token&);                  \
+  template Expected<Convexity> convexity(const MapSet<Dim>&, const ConvexityOptions&, const std::stop_token&);
+MAPJOIN_INSTANTIATE(2)
+MAPJOIN_INSTANTIATE(3)
+#undef MAPJOIN_INSTANTIATE
+
+}  // namespace mapjoin

@@ -1,0 +1,102 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <Eigen/Eigenvalues>
+#include <mapjoin/join/start.hpp>
+#include <mapjoin/join/study/convexity_pairs.hpp>
+#include <mapjoin/simulate/random_stream.hpp>
+
+namespace mapjoin {
+namespace {
+
+/// S with S Sᵀ = W⁻¹; what W does not measure has no deviation. W is scaled to a unit diagonal: metres and radians weigh alike.
+template <int Rows>
+Matrix<Rows> deviation(const Matrix<Rows>& W) {
+  constexpr double kZero = 1e-9;  // as for the rank of W
+  const Vector<Rows> diagonal = W.diagonal();
+  const Vector<Rows> scale = (diagonal.array() > 0.0).select(diagonal.array().rsqrt(), 0.0);
+  const Eigen::SelfAdjointEigenSolver<Matrix<Rows>> eigen(scale.asDiagonal() * W * scale.asDiagonal());
+  const Vector<Rows> values = eigen.eigenvalues();
+  const Vector<Rows> roots = (values.array() > kZero).select(values.array().rsqrt(), 0.0);
+  return scale.asDiagonal() * eigen.eigenvectors() * roots.asDiagonal();
+}
+
+template <int Rows>
+Vector<Rows> normal_vector(Eigen::Index rows, RandomStream& random) {
+  Vector<Rows> v(rows);
+  for (Eigen::Index i = 0; i < rows; ++i) v[i] = random.normal();
+  return v;
+}
+
+}  // namespace
+
+std::string to_string(StateSource source) {
+  return source == StateSource::kBox ? "box" : "drift";
+}
+
+template <int Dim>
+StateSampler<Dim>::StateSampler(StateSource source, double spread, const Piece<Dim>& composed, const JointSystem<Dim>& system,
+                                const State<Dim>& reference)
+    : source_(source),
+      spread_(spread),
+      composed_(composed),
+      system_(system),
+      reference_(reference),
+      coordinates_(system, reference) {
+  if (source_ == StateSource::kBox) return;
+  for (const auto& placed : system.maps()) map_deviations_.push_back(deviation<Eigen::Dynamic>(placed.map->information));
+}
+
+template <int Dim>
+State<Dim> StateSampler<Dim>::draw(std::uint64_t seed) const {
+  return source_ == StateSource::kBox ? draw_from_box(seed) : draw_drifted(seed);
+}
+
+template <int Dim>
+State<Dim> StateSampler<Dim>::draw_from_box(std::uint64_t seed) const {
+  Piece<Dim> piece = composed_;
+  set_to_random(seed, piece);
+  for (std::size_t p = 0; p < piece.state.poses.size(); ++p) {
+    if (system_.is_held(static_cast<Index>(p))) piece.state.poses[p] = reference_.poses[p];
+  }
+  return unwrapped_near(std::move(piece.state), reference_);
+}
+
+template <int Dim>
+State<Dim> StateSampler<Dim>::draw_drifted(std::uint64_t seed) const {
+  constexpr int kDof = kPoseDof<Dim>;
+  RandomStream random(seed, 1);
+  std::vector<Eigen::VectorXd> map_errors;
+  for (const auto& S : map_deviations_) map_errors.push_back(S * normal_vector<Eigen::Dynamic>(S.cols(), random));
+  const std::size_t poses = system_.pose_observations().size();
+  const std::size_t first_map = poses + system_.feature_observations().size();
+
+  const SpanningTree& tree = coordinates_.tree();
+  Eigen::VectorXd errors = Eigen::VectorXd::Zero(coordinates_.size());
+  for (std::size_t e = 0; e < tree.poses.size(); ++e) {
+    if (!tree.poses[e].observation) continue;
+    const auto [clique, target, child_is_base] = *tree.poses[e].observation;
+    auto error = errors.segment<kDof>(coordinates_.pose_entry(e));
+    if (clique < first_map) {
+      error = deviation<kDof>(system_.pose_observations()[clique].observation->information) * normal_vector<kDof>(kDof, random);
+    } else {
+      error = map_errors[clique - first_map].template segment<kDof>(target * kDof);
+    }
+  }
+  for (std::size_t e = 0; e < tree.features.size(); ++e) {
+    if (!tree.features[e].observation) continue;
+    const auto [clique, target, child_is_base] = *tree.features[e].observation;
+    auto error = errors.segment<Dim>(coordinates_.feature_entry(e));
+    if (clique < first_map) {
+      const auto& W = system_.feature_observations()[clique - poses].observation->information;
+      error = deviation<Dim>(W) * normal_vector<Dim>(Dim, random);
+    } else {
+      const auto map_poses = static_cast<Eigen::Index>(system_.maps()[clique - first_map].poses.size());
+      error = map_errors[clique - first_map].template segment<Dim>(map_poses * kDof + (target - map_poses) * Dim);
+    }
+  }
+  return coordinates_.composed(spread_ * errors);
+}
+
+template class StateSampler<2>;
+template class StateSampler<3>;
+
+}  // namespace mapjoin

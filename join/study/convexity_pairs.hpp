@@ -1,0 +1,46 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+// The random states between which the objective is looked at.
+
+#include <cstdint>
+#include <mapjoin/join/piece.hpp>
+#include <mapjoin/join/study/convexity_states.hpp>
+#include <string>
+#include <vector>
+
+namespace mapjoin {
+
+enum class StateSource : std::uint8_t {
+  kBox,    ///< Start::kRandom: positions uniform over the bounding box of the composed start, rotations uniform.
+  kDrift,  ///< Composed along the spanning tree from measurements with errors of their own stated covariance, times a factor².
+};
+
+/// "box" or "drift".
+std::string to_string(StateSource source);
+
+/// Draws states of one joining system. Headings are within half a turn of those of `reference` (box), or have turned with the
+/// errors (drift).
+template <int Dim>
+class StateSampler {
+ public:
+  /// `composed` is the composed start. All must outlive the sampler. `spread` multiplies the errors of kDrift.
+  StateSampler(StateSource source, double spread, const Piece<Dim>& composed, const JointSystem<Dim>& system,
+               const State<Dim>& reference);
+
+  /// The same seed gives the same state.
+  State<Dim> draw(std::uint64_t seed) const;
+
+ private:
+  State<Dim> draw_from_box(std::uint64_t seed) const;
+  State<Dim> draw_drifted(std::uint64_t seed) const;
+
+  StateSource source_;
+  double spread_;
+  const Piece<Dim>& composed_;
+  const JointSystem<Dim>& system_;
+  const State<Dim>& reference_;
+  RelativeCoordinates<Dim> coordinates_;
+  std::vector<Eigen::MatrixXd> map_deviations_;  // S with S Sᵀ = W⁻¹, per map
+};
+
+}  // namespace mapjoin

@@ -1,0 +1,171 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <mapjoin/join/spanning_tree.hpp>
+#include <mapjoin/join/study/convexity_quadratic.hpp>
+#include <mapjoin/model/information_rank.hpp>
+#include <mapjoin/model/linearise.hpp>
+#include <mapjoin/model/marginal_information.hpp>
+#include <mapjoin/solve/marginals.hpp>
+#include <numeric>
+#include <optional>
+#include <utility>
+#include <vector>
+
+namespace mapjoin {
+namespace {
+
+/// Which relations are coordinates of the state: from which pose each pose and feature is measured, and in which direction.
+template <int Dim>
+class Linearity {
+ public:
+  Linearity(const JointSystem<Dim>& system, JoinedState state) : system_(system), state_(state) {
+    if (state == JoinedState::kAbsolute) return;
+    SpanningTree tree = spanning_tree(system);
+    poses_.resize(system.estimate().poses.size());
+    for (TreeEdge& edge : tree.poses) poses_[static_cast<std::size_t>(edge.child)] = edge;
+    features_ = std::move(tree.features);
+  }
+
+  /// Whether all rows of a pose seen from `base` are linear.
+  bool of_pose(Index base, Index target) const {
+    if (state_ == JoinedState::kAbsolute) return is_still(base);
+    return hangs(target, base, false) || (base != kWorld && hangs(base, target, true));
+  }
+  bool of_feature(Index base, Index feature) const {
+    if (state_ == JoinedState::kAbsolute) return is_still(base);
+    const Index parent = features_[static_cast<std::size_t>(feature)].parent;
+    return parent == base || (is_still(parent) && is_still(base));
+  }
+
+ private:
+  bool is_still(Index pose) const { return system_.pose_variable(pose) == kConstant; }
+
+  /// Whether the relation of `child` is with `parent`, measured from the child or from the parent. From one still pose it is as
+  /// linear as from another.
+  bool hangs(Index child, Index parent, bool from_child) const {
+    if (is_still(child)) return is_still(parent);
+    const auto& edge = poses_[static_cast<std::size_t>(child)];
+    if ((edge->observation && edge->observation->child_is_base) != from_child) return false;
+    return edge->parent == parent || (!from_child && is_still(edge->parent) && is_still(parent));
+  }
+
+  const JointSystem<Dim>& system_;
+  JoinedState state_;
+  std::vector<std::optional<TreeEdge>> poses_;  // per place; none where held
+  std::vector<TreeEdge> features_;
+};
+
+/// One observation or map: the Jacobian of its rows with respect to its slots that are free, and which rows are linear.
+struct Rows {
+  Eigen::MatrixXd J;
+  std::vector<Eigen::Index> linear;
+  std::vector<Eigen::Index> other;
+
+  Rows(Eigen::Index rows, Eigen::Index columns) : J(Eigen::MatrixXd::Zero(rows, columns)) {}
+};
+
+template <int Dim>
+class Counter {
+ public:
+  Counter(const JointSystem<Dim>& system, JoinedState state)
+      : system_(system), linearity_(system, state), marginals_(system.equations()) {}
+
+  QuadraticShare counted() {
+    std::size_t clique = 0;
+    for (const auto& [o, base, target] : system_.pose_observations()) {
+      Slots slots(*this, clique++);
+      Rows rows(kDof, slots.columns);
+      add_pose(o->measured, base, target, 0, slots, 1, rows);
+      add(rows, o->information, slots);
+    }
+    for (const auto& [o, base, target] : system_.feature_observations()) {
+      Slots slots(*this, clique++);
+      Rows rows(Dim, slots.columns);
+      add_feature(o->measured, base, target, 0, slots, 1, rows);
+      add(rows, o->information, slots);
+    }
+    for (const auto& placed : system_.maps()) add_map(placed, clique++);
+    share_.information /= static_cast<double>(system_.equations().size());
+    return share_;
+  }
+
+ private:
+  static constexpr int kDof = kPoseDof<Dim>;
+
+  /// The variables of a clique that are free, and where each slot's columns begin.
+  struct Slots {
+    Slots(const Counter& counter, std::size_t clique) {
+      for (const Index v : counter.system_.equations().clique(clique)) {
+        begin.push_back(v == kConstant ? -1 : columns);
+        if (v == kConstant) continue;
+        free.push_back(v);
+        columns += counter.system_.equations().dof(v);
+      }
+    }
+    std::vector<Index> free;
+    std::vector<Eigen::Index> begin;
+    Eigen::Index columns = 0;
+  };
+
+  template <int Dof>
+  static void set(const LinearTarget<Dim, Dof>& linear, Eigen::Index row, const Slots& slots, std::size_t slot, Rows& rows) {
+    if (slots.begin[0] >= 0) rows.J.block<Dof, kDof>(row, slots.begin[0]) = linear.J_base;
+    if (slots.begin[slot] >= 0) rows.J.block<Dof, Dof>(row, slots.begin[slot]) = linear.J_target;
+  }
+
+  void add_pose(const Pose<Dim>& measured, Index base, Index target, Eigen::Index row, const Slots& slots, std::size_t slot,
+                Rows& rows) const {
+    set<kDof>(linearise<Dim>(measured, system_.estimate().pose(base), system_.estimate().pose(target)), row, slots, slot, rows);
+    const bool is_linear = linearity_.of_pose(base, target);
+    for (int i = 0; i < kDof; ++i) (is_linear || (Dim == 2 && i == Dim) ? rows.linear : rows.other).push_back(row + i);
+  }
+
+  void add_feature(const Point<Dim>& measured, Index base, Index feature, Eigen::Index row, const Slots& slots,
+                   std::size_t slot, Rows& rows) const {
+    set<Dim>(linearise<Dim>(measured, system_.estimate().pose(base), system_.estimate().feature(feature)), row, slots, slot,
+             rows);
+    const bool is_linear = linearity_.of_feature(base, feature);
+    for (int i = 0; i < Dim; ++i) (is_linear ? rows.linear : rows.other).push_back(row + i);
+  }
+
+  void add_map(const typename JointSystem<Dim>::PlacedMap& placed, std::size_t clique) {
+    const LocalMap<Dim>& map = *placed.map;
+    const Slots slots(*this, clique);
+    Rows rows(map.information.rows(), slots.columns);
+    Eigen::Index row = 0;
+    std::size_t slot = 1;
+    for (std::size_t p = 0; p < map.poses.size(); ++p, row += kDof) {
+      add_pose(map.pose_estimates[p], placed.base, placed.poses[p], row, slots, slot++, rows);
+    }
+    for (std::size_t f = 0; f < map.features.size(); ++f, row += Dim) {
+      add_feature(map.feature_estimates[f], placed.base, placed.features[f], row, slots, slot++, rows);
+    }
+    add(rows, map.information, slots);
+  }
+
+  void add(const Rows& rows, const Eigen::MatrixXd& W, const Slots& slots) {
+    share_.rows += information_rank(W);
+    if (rows.linear.empty()) return;
+    const Eigen::MatrixXd M = marginal_information(W, rows.linear, rows.other);
+    share_.quadratic_rows += information_rank(M);
+    if (slots.free.empty()) return;
+    const Eigen::MatrixXd J = rows.J(rows.linear, Eigen::all);
+    share_.information += (M * J * marginals_.joint(slots.free)).cwiseProduct(J).sum();
+  }
+
+  const JointSystem<Dim>& system_;
+  Linearity<Dim> linearity_;
+  Marginals marginals_;
+  QuadraticShare share_;
+};
+
+}  // namespace
+
+template <int Dim>
+QuadraticShare quadratic_share(const JointSystem<Dim>& system, JoinedState state) {
+  return Counter<Dim>(system, state).counted();
+}
+
+template QuadraticShare quadratic_share(const JointSystem<2>&, JoinedState);
+template QuadraticShare quadratic_share(const JointSystem<3>&, JoinedState);
+
+}  // namespace mapjoin

@@ -1,0 +1,132 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <mapjoin/join/study/convexity_states.hpp>
+#include <mapjoin/model/linearise.hpp>
+
+namespace mapjoin {
+namespace {
+
+/// The step between two rotations, headings being real numbers.
+RotationVector<2> difference(const Rotation<2>& from, const Rotation<2>& to) {
+  return RotationVector<2>(to.angle() - from.angle());
+}
+RotationVector<3> difference(const Rotation<3>& from, const Rotation<3>& to) {
+  return (from.inverse() * to).log();
+}
+
+template <int Dim>
+PoseVector<Dim> difference(const Pose<Dim>& from, const Pose<Dim>& to) {
+  PoseVector<Dim> delta;
+  delta << to.translation - from.translation, difference(from.rotation, to.rotation);
+  return delta;
+}
+
+/// A relation goes the way its observation does, for only so it is linear in it.
+bool is_from_child(const TreeEdge& edge) {
+  return edge.observation && edge.observation->child_is_base;
+}
+
+template <int Dim>
+Eigen::Index clique_of_first_map(const JointSystem<Dim>& system) {
+  return static_cast<Eigen::Index>(system.pose_observations().size() + system.feature_observations().size());
+}
+
+/// What was measured of a relation between poses, or its value in `reference` where nothing was.
+template <int Dim>
+Pose<Dim> measured_pose(const JointSystem<Dim>& system, const TreeEdge& edge, const Pose<Dim>& in_reference) {
+  if (!edge.observation) return in_reference;
+  const auto clique = static_cast<Eigen::Index>(edge.observation->clique);
+  const Eigen::Index map = clique - clique_of_first_map(system);
+  const Pose<Dim>& measured = map < 0 ? system.pose_observations()[edge.observation->clique].observation->measured
+                                      : system.maps()[static_cast<std::size_t>(map)]
+                                            .map->pose_estimates[static_cast<std::size_t>(edge.observation->target)];
+  // The same rotation, its heading within half a turn of the reference's.
+  return retract(in_reference, local(in_reference, measured));
+}
+
+template <int Dim>
+Point<Dim> measured_point(const JointSystem<Dim>& system, const TreeEdge& edge, const State<Dim>& reference) {
+  if (!edge.observation) return transform_into(reference.pose(edge.parent), reference.feature(edge.child));
+  const std::size_t clique = edge.observation->clique;
+  const std::size_t poses = system.pose_observations().size();
+  if (clique < poses + system.feature_observations().size()) {
+    return system.feature_observations()[clique - poses].observation->measured;
+  }
+  const LocalMap<Dim>& map = *system.maps()[clique - poses - system.feature_observations().size()].map;
+  return map.feature_estimates[static_cast<std::size_t>(edge.observation->target) - map.poses.size()];
+}
+
+}  // namespace
+
+template <int Dim>
+State<Dim> unwrapped_near(State<Dim> state, const State<Dim>& reference) {
+  for (std::size_t p = 0; p < state.poses.size(); ++p) {
+    const Rotation<Dim>& near = reference.poses[p].rotation;
+    state.poses[p].rotation = near * Rotation<Dim>::exp((near.inverse() * state.poses[p].rotation).log());
+  }
+  return state;
+}
+
+template <int Dim>
+State<Dim> on_line(const State<Dim>& X, const State<Dim>& Y, double lambda) {
+  State<Dim> state = Y;
+  for (std::size_t p = 0; p < state.poses.size(); ++p) {
+    state.poses[p] = retract<Dim>(Y.poses[p], lambda * difference(Y.poses[p], X.poses[p]));
+  }
+  for (std::size_t f = 0; f < state.features.size(); ++f) state.features[f] += lambda * (X.features[f] - Y.features[f]);
+  return state;
+}
+
+template <int Dim>
+RelativeCoordinates<Dim>::RelativeCoordinates(const JointSystem<Dim>& system, const State<Dim>& reference)
+    : tree_(spanning_tree(system)), held_(reference) {
+  for (const TreeEdge& edge : tree_.poses) poses_.push_back(measured_pose(system, edge, relation(edge, reference)));
+  for (const TreeEdge& edge : tree_.features) features_.push_back(measured_point(system, edge, reference));
+}
+
+template <int Dim>
+Pose<Dim> RelativeCoordinates<Dim>::relation(const TreeEdge& edge, const State<Dim>& state) const {
+  const Pose<Dim> parent = state.pose(edge.parent);
+  const Pose<Dim> child = state.pose(edge.child);
+  return is_from_child(edge) ? between(child, parent) : between(parent, child);
+}
+
+template <int Dim>
+Eigen::VectorXd RelativeCoordinates<Dim>::of(const State<Dim>& state) const {
+  Eigen::VectorXd coordinates(size());
+  for (std::size_t e = 0; e < tree_.poses.size(); ++e) {
+    coordinates.segment<kPoseDof<Dim>>(pose_entry(e)) = difference(poses_[e], relation(tree_.poses[e], state));
+  }
+  for (std::size_t e = 0; e < tree_.features.size(); ++e) {
+    const TreeEdge& edge = tree_.features[e];
+    coordinates.segment<Dim>(feature_entry(e)) =
+        transform_into(state.pose(edge.parent), state.feature(edge.child)) - features_[e];
+  }
+  return coordinates;
+}
+
+template <int Dim>
+State<Dim> RelativeCoordinates<Dim>::composed(const Eigen::VectorXd& coordinates) const {
+  State<Dim> state = held_;
+  for (std::size_t e = 0; e < tree_.poses.size(); ++e) {
+    const TreeEdge& edge = tree_.poses[e];
+    const Pose<Dim> relation = retract<Dim>(poses_[e], coordinates.segment<kPoseDof<Dim>>(pose_entry(e)));
+    state.poses[static_cast<std::size_t>(edge.child)] =
+        compose(state.pose(edge.parent), is_from_child(edge) ? inverse(relation) : relation);
+  }
+  for (std::size_t e = 0; e < tree_.features.size(); ++e) {
+    const TreeEdge& edge = tree_.features[e];
+    const Point<Dim> relation = features_[e] + coordinates.segment<Dim>(feature_entry(e));
+    state.features[static_cast<std::size_t>(edge.child)] = transform(state.pose(edge.parent), relation);
+  }
+  return state;
+}
+
+#define MAPJOIN_INSTANTIATE(Dim)                                             \
+  template State<Dim> unwrapped_near(State<Dim>, const State<Dim>&);         \
+  template State<Dim> on_line(const State<Dim>&, const State<Dim>&, double); \
+  template class RelativeCoordinates<Dim>;
+MAPJOIN_INSTANTIATE(2)
+MAPJOIN_INSTANTIATE(3)
+#undef MAPJOIN_INSTANTIATE
+
+}  // namespace mapjoin

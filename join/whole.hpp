@@ -1,0 +1,15 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+// A whole network as one piece in the World: what the last join starts from.
+
+#include <mapjoin/join/piece.hpp>
+#include <mapjoin/join/schedule.hpp>
+
+namespace mapjoin {
+
+/// All pieces as one, in the World: the tied ones, and those that only the World ties together. Where the World says nothing of
+/// a piece, its first pose is at `origin`.
+template <int Dim>
+Piece<Dim> whole_of(const Network<Dim>& network, const Pose<Dim>& origin, JoinedPieces<Dim> joined);
+
+}  // namespace mapjoin
