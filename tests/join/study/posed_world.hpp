@@ -1,0 +1,66 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+// A small world as a join of local maps, or of single observations, at its composed start.
+
+#include <mapjoin/join/join_problem.hpp>
+#include <mapjoin/join/schedule.hpp>
+#include <mapjoin/localmap/build.hpp>
+#include <tests/support/small_world.hpp>
+#include <utility>
+
+namespace mapjoin::testing {
+
+template <int Dim>
+struct PosedWorld {
+  explicit PosedWorld(Log<Dim> the_log, double poses_per_map = 1.0)
+      : log(std::move(the_log)),
+        parts(split(log, {SplitRule::kPoses, poses_per_map})),
+        network(network_of(log, parts, build_local_maps<Dim>(log, parts, {}).value().maps)),
+        composed(std::move(join_stretches(network, {Schedule::kBatch, JoinedState::kAbsolute, {}, {}}).pieces.front())),
+        problem(composed, {{0}, {}, {}}) {}
+  PosedWorld(const PosedWorld&) = delete;
+  PosedWorld& operator=(const PosedWorld&) = delete;
+
+  const JointSystem<Dim>& system() { return problem.system(); }
+  const State<Dim>& state() { return problem.estimate(); }
+  /// A state with every pose and feature moved by at most so much (m, rad), but for what is held.
+  State<Dim> moved_by(double radius, unsigned seed = 5) {
+    Random random(seed);
+    State<Dim> moved = state();
+    for (std::size_t p = 1; p < moved.poses.size(); ++p) {
+      moved.poses[p] = retract<Dim>(moved.poses[p], random.vector<kPoseDof<Dim>>(radius));
+    }
+    for (auto& feature : moved.features) feature += random.vector<Dim>(radius);
+    return moved;
+  }
+
+  Log<Dim> log;
+  Split parts;
+  Network<Dim> network;
+  Piece<Dim> composed;
+  JoinProblem<Dim> problem;
+};
+
+/// A walk of which every relation is in the relative state: each pose is observed from the one before, twice, each feature from
+/// one pose. The second odometry differs in translation.
+template <int Dim>
+Log<Dim> tree_world() {
+  Random random(3);
+  LogBuilder<Dim> builder("tree world");
+  for (std::uint64_t pose = 0; pose < 30; ++pose) {
+    Pose<Dim> step = random.pose<Dim>(1.0, 1.5);
+    const auto add = [&] {
+      const auto information = random.information<kPoseDof<Dim>>();
+      // Some are stored against their direction.
+      pose % 3 == 2 ? builder.add_pose_edge({0, pose + 1}, {0, pose}, step, information)
+                    : builder.add_pose_edge({0, pose}, {0, pose + 1}, step, information);
+    };
+    add();
+    step.translation += random.vector<Dim>(0.2);
+    add();
+    builder.add_observation({0, pose}, {pose}, random.vector<Dim>(3.0), random.information<Dim>());
+  }
+  return std::move(builder).finish().value();
+}
+
+}  // namespace mapjoin::testing
