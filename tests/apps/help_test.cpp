@@ -40,13 +40,15 @@ TEST_P(Examples, WorkAsPasted) {
   }
 }
 
-INSTANTIATE_TEST_SUITE_P(OfEveryCommand, Examples, ::testing::Values("run", "build", "join", "solve", "compare", "simulate", "info"),
+INSTANTIATE_TEST_SUITE_P(OfEveryCommand, Examples,
+                         ::testing::Values("run", "build", "join", "solve", "compare", "convexity", "simulate", "info"),
                          [](const auto& command) { return command.param; });
 
 TEST(Help, NamesEveryCommandAndExitCode) {
   const Ended help = call({"--help"});
   EXPECT_EQ(help.exit_code, 0);
-  for (const std::string word : {"run", "build", "join", "solve", "compare", "simulate", "info", "130 interrupted"}) {
+  for (const std::string word :
+       {"run", "build", "join", "solve", "compare", "convexity", "simulate", "info", "130 interrupted"}) {
     EXPECT_THAT(help.out, ::testing::HasSubstr(word));
   }
 }

@@ -44,7 +44,7 @@ TYPED_TEST(UnwrappedObjectiveTest, IsChi2OfTheJoinNearTheReference) {
 
 TYPED_TEST(UnwrappedObjectiveTest, IsQuadraticWhereAllRelationsAreInTheState) {
   constexpr int kDim = TestFixture::kDim;
-  PosedWorld<kDim> world(testing::tree_world<kDim>());
+  PosedWorld<kDim> world(testing::tree_world<kDim>(true));
   const UnwrappedObjective<kDim> objective(world.system(), world.state());
   const RelativeCoordinates<kDim> relative(world.system(), world.state());
   testing::Random random;

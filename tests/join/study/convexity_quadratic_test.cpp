@@ -58,7 +58,7 @@ class QuadraticShareInBothDimensions : public ::testing::Test {};
 TYPED_TEST_SUITE(QuadraticShareInBothDimensions, testing::Dimensions);
 
 TYPED_TEST(QuadraticShareInBothDimensions, IsAllWhereAllRelationsAreInTheState) {
-  PosedWorld<TypeParam::value> world(testing::tree_world<TypeParam::value>());
+  PosedWorld<TypeParam::value> world(testing::tree_world<TypeParam::value>(true));
   world.problem.linearise();
   ASSERT_FALSE(world.problem.factorise(0.0));
   const QuadraticShare share = quadratic_share(world.system(), JoinedState::kRelative);

@@ -77,6 +77,45 @@ TYPED_TEST(ConvexityTest, OneStepIsAllWhereEverythingIsQuadratic) {
   EXPECT_LT((*found)[0].quadratic.information, 0.9);
 }
 
+/// The maps of a log as if nothing else were known: over the poses they keep.
+template <int Dim>
+MapSet<Dim> map_set(const Log<Dim>& log, const SplitOptions& options) {
+  Split parts = split(log, options);
+  MapSet<Dim> set;
+  set.maps = build_local_maps<Dim>(log, parts, {}).value().maps;
+  std::vector<Index> place(log.poses.size());
+  for (std::size_t pose = 0; pose < place.size(); ++pose) {
+    place[pose] = static_cast<Index>(set.poses.size());
+    if (parts.kept[pose]) set.poses.push_back(log.poses[pose]);
+  }
+  set.features = log.features;
+  for (auto& map : set.maps) {
+    map.base = place[static_cast<std::size_t>(map.base)];
+    for (Index& pose : map.poses) pose = place[static_cast<std::size_t>(pose)];
+    set.stretches.push_back({map.base, map.poses.back(), true});
+  }
+  return set;
+}
+
+TYPED_TEST(ConvexityTest, OfMapsAloneIsThatOfJoining) {
+  constexpr int kDim = TestFixture::kDim;
+  const auto log = small_world<kDim>({.poses = 31, .features = 12, .closures = 0}).log;
+  const auto options = this->options();
+  const auto of_log = convexity(log, options);
+  const auto of_maps = convexity(map_set(log, options.split), options);
+  ASSERT_TRUE(of_log && of_maps);
+  ASSERT_EQ(of_maps->size(), 2u);
+  for (std::size_t f = 0; f < 2; ++f) {
+    const auto& here = (*of_maps)[f];
+    const auto& there = (*of_log)[f + 2];
+    EXPECT_EQ(here.formulation, there.formulation);
+    EXPECT_EQ(here.quadratic.rows, there.quadratic.rows);
+    EXPECT_EQ(here.quadratic.quadratic_rows, there.quadratic.quadratic_rows);
+    EXPECT_NEAR(here.first_step.start_chi2, there.first_step.start_chi2, 1e-9 * there.first_step.start_chi2);
+    EXPECT_NEAR(here.first_step.best_chi2, there.first_step.best_chi2, 1e-6 * there.first_step.best_chi2);
+  }
+}
+
 TYPED_TEST(ConvexityTest, AStepLeadsFromTheComposedStartTowardsTheBest) {
   const auto found = convexity(this->log_, this->options());
   ASSERT_TRUE(found);

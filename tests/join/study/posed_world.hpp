@@ -42,18 +42,17 @@ struct PosedWorld {
 };
 
 /// A walk of which every relation is in the relative state: each pose is observed from the one before, twice, each feature from
-/// one pose. The second odometry differs in translation.
+/// one pose. The second odometry differs in translation. Every third may be stored against its direction.
 template <int Dim>
-Log<Dim> tree_world() {
+Log<Dim> tree_world(bool reversed_odometry = false) {
   Random random(3);
   LogBuilder<Dim> builder("tree world");
   for (std::uint64_t pose = 0; pose < 30; ++pose) {
     Pose<Dim> step = random.pose<Dim>(1.0, 1.5);
     const auto add = [&] {
       const auto information = random.information<kPoseDof<Dim>>();
-      // Some are stored against their direction.
-      pose % 3 == 2 ? builder.add_pose_edge({0, pose + 1}, {0, pose}, step, information)
-                    : builder.add_pose_edge({0, pose}, {0, pose + 1}, step, information);
+      reversed_odometry&& pose % 3 == 2 ? builder.add_pose_edge({0, pose + 1}, {0, pose}, step, information)
+                                        : builder.add_pose_edge({0, pose}, {0, pose + 1}, step, information);
     };
     add();
     step.translation += random.vector<Dim>(0.2);

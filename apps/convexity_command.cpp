@@ -1,0 +1,109 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// `mapjoin convexity`: how far from convex and from linear full SLAM and joining are (paper's Fig. 4, V and VI).
+
+#include <fmt/format.h>
+
+#include <apps/call.hpp>
+#include <apps/commands.hpp>
+#include <apps/convexity_report.hpp>
+#include <apps/study_output.hpp>
+#include <memory>
+#include <variant>
+
+namespace mapjoin::apps {
+namespace {
+
+constexpr const char* kExamples =
+    "  mapjoin convexity data/manhattan2d.g2o -o convexity\n"
+    "  mapjoin convexity data/manhattan2d.g2o --states drift --spread 0.5 --to-best --pairs 20";
+
+const std::vector<std::string> kFiles = {"curves.csv", "convexity.svg", "region.svg", "convexity.json"};
+
+struct ConvexityCall {
+  Options shared;
+  ConvexityOptions convexity;
+};
+
+template <int Dim>
+Expected<Convexity> convexity_of(const StoredMaps<Dim>& stored, const ConvexityOptions& options, const std::stop_token& stop) {
+  return convexity(stored.log, split_along(stored.log, stored.stretches), stored.maps, options, stop);
+}
+template <typename Data>
+Expected<Convexity> convexity_of(const Data& data, const ConvexityOptions& options, const std::stop_token& stop) {
+  return convexity(data, options, stop);
+}
+
+StudyOutput output_of(const Convexity& found, const ConvexityOptions& options, const Account& account) {
+  const std::string json = convexity_json(found, options, account);
+  return {convexity_table(found, options, account),
+          json,
+          {{kFiles[0], convexity_csv(found)},
+           {kFiles[1], convexity_picture(found)},
+           {kFiles[2], region_picture()},
+           {kFiles[3], json}}};
+}
+
+Expected<ExitCode> run_convexity(const ConvexityCall& asked, const std::stop_token& stop) {
+  Call call("convexity", asked.shared, stop);
+  auto folder = study_folder(asked.shared);
+  if (!folder) return tl::unexpected(folder.error());
+  if (auto ready = call.check_report(); !ready) return tl::unexpected(ready.error());
+  ConvexityOptions options = asked.convexity;
+  options.split = asked.shared.run.split;
+  options.progress = call.progress("lines");
+  const auto study = [&](const auto& any) {
+    return std::visit([&](const auto& data) { return convexity_of(data, options, stop); }, any);
+  };
+  const auto found = may_hold_maps(asked.shared.input) ? call.read_maps().and_then(study) : call.read_log().and_then(study);
+  call.close_progress();
+  if (!found) return tl::unexpected(found.error());
+  return call.check_interrupted()
+      .and_then([&] { return hand_over(output_of(*found, options, call.account), asked.shared, *folder); })
+      .map([] { return ExitCode::kDone; });
+}
+
+/// Maps are cut already.
+std::vector<std::string> check_cutting(const Subcommand& command, const Options& options) {
+  if (!may_hold_maps(options.input)) return {};
+  for (const std::string rule : {"--poses-per-map", "--metres-per-map", "--features-per-map"}) {
+    if (command.is_given(rule)) return {rule + " is for a log: local maps are cut already"};
+  }
+  return {};
+}
+
+void add_lines(Subcommand& command, ConvexityOptions& convexity) {
+  command.group("Lines of states");
+  command.choice<StateSource>(
+      "--states", convexity.source, {{"box", StateSource::kBox}, {"drift", StateSource::kDrift}},
+      "Random states: positions uniform over the bounding box of the composed start and rotations uniform; or "
+      "composed, odometry and first observations, from measurements with errors of their own covariance");
+  command.number<double>("--spread", convexity.spread, 1e-9, "X", "With drift: so many times those errors [1]", 1e9);
+  command.flag("--to-best", convexity.to_best, "From random states to the best estimate, not to other random states");
+  command.number<std::size_t>("--pairs", convexity.pairs, 1, "N", fmt::format("Pairs of states [{}]", convexity.pairs), 10'000);
+  command.number<std::size_t>("--points", convexity.points, 3, "N",
+                              fmt::format("Values of lambda from 0 to 1 [{}]", convexity.points), 100'001);
+  command.number<std::uint64_t>("--seed", convexity.seed, 0, "N",
+                                fmt::format("The same seed gives the same states [{}]", convexity.seed));
+}
+
+}  // namespace
+
+std::unique_ptr<Subcommand> convexity_command(CLI::App& app) {
+  auto command = std::make_unique<Subcommand>(
+      app, "convexity", "How far from convex and from linear: full SLAM and joining, absolute and relative", kExamples);
+  const auto asked = std::make_shared<ConvexityCall>();
+  Options& options = asked->shared;
+  command->argument("LOG|MAPS", options.input, "A log; or a store, or a folder or archive of local maps");
+  command->path("-o,--output", options.output, "DIR",
+                "Write curves.csv, convexity.svg, region.svg and convexity.json into this folder");
+  add_lines(*command, asked->convexity);
+  add_splitting(*command, options);
+  add_reading(*command, options);
+  add_reporting(*command, options);
+  command->check([asked, &command = *command] { return check_cutting(command, asked->shared); });
+  command->check([asked] { return check_distinct(study_files(asked->shared, "LOG|MAPS", kFiles)); });
+  command->act([asked](const std::stop_token& stop) { return run_convexity(*asked, stop); });
+  return command;
+}
+
+}  // namespace mapjoin::apps

@@ -1,0 +1,25 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+// What `mapjoin convexity` found: as a table for people, as CSV and JSON for programs, and as pictures.
+
+#include <apps/account.hpp>
+#include <mapjoin/join/study/convexity.hpp>
+#include <string>
+
+namespace mapjoin::apps {
+
+/// The input, how the pairs of states were drawn, and a row per formulation.
+std::string convexity_table(const Convexity& found, const ConvexityOptions& options, const Account& account);
+
+/// F at every λ: formulation, pair, lambda, F.
+std::string convexity_csv(const Convexity& found);
+
+std::string convexity_json(const Convexity& found, const ConvexityOptions& options, const Account& account);
+
+/// F along every line, of the larger of its ends, in a panel per formulation, as the paper's Fig. 4.
+std::string convexity_picture(const Convexity& found);
+
+/// Where the term of one observation is convex (paper's (13)-(21)), for headings known more or less well.
+std::string region_picture();
+
+}  // namespace mapjoin::apps
