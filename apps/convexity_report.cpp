@@ -6,10 +6,9 @@
 #include <apps/report.hpp>
 #include <apps/summary.hpp>
 #include <apps/text_table.hpp>
-#include <apps/words.hpp>
 #include <cmath>
-#include <mapjoin/version.hpp>
 #include <nlohmann/json.hpp>
+#include <utility>
 
 namespace mapjoin::apps {
 namespace {
@@ -21,7 +20,7 @@ std::string percent(double share) {
 }
 
 const char* problem_of(const Formulation& formulation) {
-  return formulation.is_joining ? "joining" : "full_slam";
+  return formulation.is_joining ? "joining" : "full SLAM";
 }
 
 std::string pairs_in_words(const ConvexityOptions& options) {
@@ -39,7 +38,7 @@ std::string best_in_words(const Convexity& found) {
   std::string words;
   for (std::size_t f = 0; f < found.size(); f += 2) {
     words += fmt::format("{}chi2 {:.6f} of {}, {:.6g} at the composed start", f == 0 ? "" : "; ", found[f].first_step.best_chi2,
-                         found[f].formulation.is_joining ? "joining" : "full SLAM", found[f].first_step.start_chi2);
+                         problem_of(found[f].formulation), found[f].first_step.start_chi2);
   }
   return words;
 }
@@ -71,7 +70,7 @@ Json json_of(const FormulationFigures& figures) {
     pairs.push_back(std::move(pair));
   }
   const auto share = figures.first_step.share();
-  return {{"problem", problem_of(figures.formulation)},
+  return {{"formulation", problem_of(figures.formulation)},
           {"state", to_string(figures.formulation.state)},
           {"convexity", json_of(figures.curvature)},
           {"quadratic",
@@ -107,7 +106,7 @@ std::string convexity_table(const Convexity& found, const ConvexityOptions& opti
 }
 
 std::string convexity_csv(const Convexity& found) {
-  std::string csv = "problem,state,pair,lambda,F\n";
+  std::string csv = "formulation,state,pair,lambda,F\n";
   for (const FormulationFigures& figures : found) {
     for (std::size_t pair = 0; pair < figures.segments.size(); ++pair) {
       const std::vector<double>& values = figures.segments[pair].values;
@@ -124,19 +123,14 @@ std::string convexity_csv(const Convexity& found) {
 std::string convexity_json(const Convexity& found, const ConvexityOptions& options, const Account& account) {
   Json formulations = Json::array();
   for (const FormulationFigures& figures : found) formulations.push_back(json_of(figures));
-  const Json json = {{"schema_version", kReportSchemaVersion},
-                     {"version", kVersion},
-                     {"command", account.command},
-                     {"input", account.input},
-                     {"dimension", account.dimension},
-                     {"covariance", word(account.conventions.covariance)},
-                     {"states", to_string(options.source)},
-                     {"spread", options.source == StateSource::kDrift ? Json(options.spread) : Json()},
-                     {"to_best", options.to_best},
-                     {"points", options.points},
-                     {"seed", options.seed},
-                     {"tolerance", kCurvatureTolerance},
-                     {"formulations", formulations}};
+  Json json = report_head(account);
+  json["states"] = to_string(options.source);
+  json["spread"] = options.source == StateSource::kDrift ? Json(options.spread) : Json();
+  json["to_best"] = options.to_best;
+  json["points"] = options.points;
+  json["seed"] = options.seed;
+  json["tolerance"] = kCurvatureTolerance;
+  json["formulations"] = std::move(formulations);
   return json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
 }
 

@@ -73,7 +73,7 @@ class PosedProblem {
   }
 
   Expected<FormulationFigures> figures(JoinedState state, const std::vector<Pair<Dim>>& pairs, std::size_t points,
-                                       const std::function<void()>& segment_done) {
+                                       const std::function<void()>& segment_done, const std::stop_token& stop) {
     FormulationFigures figures{{is_joining_, state}, {}, {}, {}, first_step(state)};
     problem_.system().estimate() = best_part_;
     problem_.linearise();
@@ -82,6 +82,7 @@ class PosedProblem {
     const UnwrappedObjective<Dim> objective(problem_.system(), best_part_);
     const RelativeCoordinates<Dim> relative(problem_.system(), best_part_);
     for (const Pair<Dim>& pair : pairs) {
+      if (stop.stop_requested()) return interrupted();
       const State<Dim> X = restricted(pair.X, composed_);
       const State<Dim> Y = restricted(pair.Y, composed_);
       LineOfStates line;
@@ -134,10 +135,10 @@ Expected<Convexity> figures_of(const std::vector<std::unique_ptr<PosedProblem<Di
   Convexity all;
   for (const auto& problem : problems) {
     for (const JoinedState state : {JoinedState::kAbsolute, JoinedState::kRelative}) {
-      if (stop.stop_requested()) return interrupted();
-      auto figures = problem->figures(state, pairs, options.points, [&] {
+      const auto segment_done = [&] {
         if (options.progress) options.progress(++done, to_do);
-      });
+      };
+      auto figures = problem->figures(state, pairs, options.points, segment_done, stop);
       if (!figures) return tl::unexpected(figures.error());
       all.push_back(std::move(*figures));
     }

@@ -10,7 +10,8 @@
 //     observations, and of a local map its end pose and the features first seen in it; in the plane, where it is a heading
 //     difference, a sum of relations (27).
 //
-// Of an observation whose rows L are linear and N are not, the quadratic part is the marginal of L, r_Lᵀ M r_L.
+// Rotations in space are taken as rotation vectors about what was measured of them. Of an observation whose rows L are linear
+// and N are not, the quadratic part is the marginal of L, r_Lᵀ M r_L.
 
 #include <cstdint>
 #include <mapjoin/join/joined_state.hpp>

@@ -38,7 +38,7 @@ TEST_F(ConvexityCommand, WritesATableForPeopleAndFilesForPrograms) {
   EXPECT_EQ(report["states"], "box");
   ASSERT_EQ(report["formulations"].size(), 4U);
   const json& joining = report["formulations"][3];
-  EXPECT_EQ(joining["problem"], "joining");
+  EXPECT_EQ(joining["formulation"], "joining");
   EXPECT_EQ(joining["state"], "relative");
   EXPECT_EQ(joining["pairs"].size(), 2U);
   // Three poses and a feature: two edges of odometry, the first observation, and the other's, of which nothing is linear.
