@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include <Eigen/Cholesky>
 #include <mapjoin/join/graded_problem.hpp>
 #include <mapjoin/join/spanning_tree.hpp>
+#include <mapjoin/model/marginal_information.hpp>
 
 namespace mapjoin {
 namespace {
@@ -13,16 +13,6 @@ void copy(std::vector<const Observation*>& own, std::vector<const Observation*>&
   for (auto* list : {&own, &priors}) {
     for (const Observation*& o : *list) o = &out.emplace_back(o, *o, false).weighted;
   }
-}
-
-/// The marginal of the rows L, the others being N: W_LL - W_LN W_NN⁻¹ W_NL.
-Eigen::MatrixXd marginal(const Eigen::MatrixXd& W, const std::vector<Eigen::Index>& L, const std::vector<Eigen::Index>& N) {
-  Eigen::MatrixXd W_LL = W(L, L);
-  if (!N.empty() && !L.empty()) {
-    const Eigen::MatrixXd W_NL = W(N, L);
-    W_LL -= W_NL.transpose() * Eigen::MatrixXd(W(N, N)).ldlt().solve(W_NL);
-  }
-  return W_LL;
 }
 
 }  // namespace
@@ -60,7 +50,7 @@ void GradedProblem<Dim>::take_tree() {
       auto& rows = is_in_tree[m][t] ? maps_[m].tree_rows : rest;
       for (Eigen::Index row = whole.row(t); row < whole.row(t + 1); ++row) rows.push_back(row);
     }
-    maps_[m].quadratic = marginal(whole.information, maps_[m].tree_rows, rest);
+    maps_[m].quadratic = marginal_information(whole.information, maps_[m].tree_rows, rest);
   }
 }
 

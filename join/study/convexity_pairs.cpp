@@ -3,6 +3,7 @@
 #include <mapjoin/join/start.hpp>
 #include <mapjoin/join/study/convexity_pairs.hpp>
 #include <mapjoin/simulate/random_stream.hpp>
+#include <type_traits>
 
 namespace mapjoin {
 namespace {
@@ -62,36 +63,32 @@ State<Dim> StateSampler<Dim>::draw_from_box(std::uint64_t seed) const {
 
 template <int Dim>
 State<Dim> StateSampler<Dim>::draw_drifted(std::uint64_t seed) const {
-  constexpr int kDof = kPoseDof<Dim>;
   RandomStream random(seed, 1);
   std::vector<Eigen::VectorXd> map_errors;
   for (const auto& S : map_deviations_) map_errors.push_back(S * normal_vector<Eigen::Dynamic>(S.cols(), random));
-  const std::size_t poses = system_.pose_observations().size();
-  const std::size_t first_map = poses + system_.feature_observations().size();
 
+  const auto error_of = [&]<int Dof>(const TreeObservation& edge, std::integral_constant<int, Dof>) -> Vector<Dof> {
+    const auto [kind, place] = system_.source_of(edge.clique);
+    if (kind == JointSystem<Dim>::Source::kMap) {
+      return map_errors[place].template segment<Dof>(system_.maps()[place].map->row(edge.target));
+    }
+    if constexpr (Dof == kPoseDof<Dim>) {
+      return deviation<Dof>(system_.pose_observations()[place].observation->information) * normal_vector<Dof>(Dof, random);
+    } else {
+      return deviation<Dof>(system_.feature_observations()[place].observation->information) * normal_vector<Dof>(Dof, random);
+    }
+  };
   const SpanningTree& tree = coordinates_.tree();
   Eigen::VectorXd errors = Eigen::VectorXd::Zero(coordinates_.size());
   for (std::size_t e = 0; e < tree.poses.size(); ++e) {
     if (!tree.poses[e].observation) continue;
-    const auto [clique, target, child_is_base] = *tree.poses[e].observation;
-    auto error = errors.segment<kDof>(coordinates_.pose_entry(e));
-    if (clique < first_map) {
-      error = deviation<kDof>(system_.pose_observations()[clique].observation->information) * normal_vector<kDof>(kDof, random);
-    } else {
-      error = map_errors[clique - first_map].template segment<kDof>(target * kDof);
-    }
+    constexpr std::integral_constant<int, kPoseDof<Dim>> kPose;
+    errors.segment<kPose>(coordinates_.pose_entry(e)) = error_of(*tree.poses[e].observation, kPose);
   }
   for (std::size_t e = 0; e < tree.features.size(); ++e) {
     if (!tree.features[e].observation) continue;
-    const auto [clique, target, child_is_base] = *tree.features[e].observation;
-    auto error = errors.segment<Dim>(coordinates_.feature_entry(e));
-    if (clique < first_map) {
-      const auto& W = system_.feature_observations()[clique - poses].observation->information;
-      error = deviation<Dim>(W) * normal_vector<Dim>(Dim, random);
-    } else {
-      const auto map_poses = static_cast<Eigen::Index>(system_.maps()[clique - first_map].poses.size());
-      error = map_errors[clique - first_map].template segment<Dim>(map_poses * kDof + (target - map_poses) * Dim);
-    }
+    constexpr std::integral_constant<int, Dim> kPoint;
+    errors.segment<kPoint>(coordinates_.feature_entry(e)) = error_of(*tree.features[e].observation, kPoint);
   }
   return coordinates_.composed(spread_ * errors);
 }

@@ -25,20 +25,14 @@ bool is_from_child(const TreeEdge& edge) {
   return edge.observation && edge.observation->child_is_base;
 }
 
-template <int Dim>
-Eigen::Index clique_of_first_map(const JointSystem<Dim>& system) {
-  return static_cast<Eigen::Index>(system.pose_observations().size() + system.feature_observations().size());
-}
-
 /// What was measured of a relation between poses, or its value in `reference` where nothing was.
 template <int Dim>
 Pose<Dim> measured_pose(const JointSystem<Dim>& system, const TreeEdge& edge, const Pose<Dim>& in_reference) {
   if (!edge.observation) return in_reference;
-  const auto clique = static_cast<Eigen::Index>(edge.observation->clique);
-  const Eigen::Index map = clique - clique_of_first_map(system);
-  const Pose<Dim>& measured = map < 0 ? system.pose_observations()[edge.observation->clique].observation->measured
-                                      : system.maps()[static_cast<std::size_t>(map)]
-                                            .map->pose_estimates[static_cast<std::size_t>(edge.observation->target)];
+  const auto [kind, place] = system.source_of(edge.observation->clique);
+  const Pose<Dim>& measured = kind == JointSystem<Dim>::Source::kMap
+                                  ? system.maps()[place].map->pose_estimates[edge.observation->target]
+                                  : system.pose_observations()[place].observation->measured;
   // The same rotation, its heading within half a turn of the reference's.
   return retract(in_reference, local(in_reference, measured));
 }
@@ -46,13 +40,10 @@ Pose<Dim> measured_pose(const JointSystem<Dim>& system, const TreeEdge& edge, co
 template <int Dim>
 Point<Dim> measured_point(const JointSystem<Dim>& system, const TreeEdge& edge, const State<Dim>& reference) {
   if (!edge.observation) return transform_into(reference.pose(edge.parent), reference.feature(edge.child));
-  const std::size_t clique = edge.observation->clique;
-  const std::size_t poses = system.pose_observations().size();
-  if (clique < poses + system.feature_observations().size()) {
-    return system.feature_observations()[clique - poses].observation->measured;
-  }
-  const LocalMap<Dim>& map = *system.maps()[clique - poses - system.feature_observations().size()].map;
-  return map.feature_estimates[static_cast<std::size_t>(edge.observation->target) - map.poses.size()];
+  const auto [kind, place] = system.source_of(edge.observation->clique);
+  if (kind == JointSystem<Dim>::Source::kFeatureObservation) return system.feature_observations()[place].observation->measured;
+  const LocalMap<Dim>& map = *system.maps()[place].map;
+  return map.feature_estimates[edge.observation->target - map.poses.size()];
 }
 
 }  // namespace

@@ -68,14 +68,14 @@ TYPED_TEST(StateSamplerTest, DriftsByTheStatedCovariances) {
       const Eigen::VectorXd x = relative.of(sampler.draw(seed));
       for (Eigen::Index e = 0; e < poses; ++e) {
         const auto [clique, target, child_is_base] = *relative.tree().poses[static_cast<std::size_t>(e)].observation;
-        const std::size_t first_map = world.system().pose_observations().size() + world.system().feature_observations().size();
+        const auto [kind, place] = world.system().source_of(clique);
         Eigen::MatrixXd W;
-        if (clique < first_map) {
-          W = world.system().pose_observations()[clique].observation->information;
+        if (kind == JointSystem<kDim>::Source::kMap) {
+          const auto& map = *world.system().maps()[place].map;
+          const Eigen::MatrixXd P = map.information.inverse();
+          W = P.block(map.row(target), map.row(target), kPoseDof<kDim>, kPoseDof<kDim>).inverse();
         } else {
-          const Eigen::MatrixXd P = world.system().maps()[clique - first_map].map->information.inverse();
-          const Eigen::Index row = target * kPoseDof<kDim>;
-          W = P.block(row, row, kPoseDof<kDim>, kPoseDof<kDim>).inverse();
+          W = world.system().pose_observations()[place].observation->information;
         }
         const Eigen::VectorXd own = x.segment(e * kPoseDof<kDim>, kPoseDof<kDim>);
         sum += own.dot(W * own);
