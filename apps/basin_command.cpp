@@ -40,17 +40,10 @@ std::optional<std::string> take_splits(const std::string& words, std::vector<Spl
   return std::nullopt;
 }
 
-Expected<void> write_text(const std::string& text, const std::filesystem::path& path) {
-  auto file = OutputFile::create(path);
-  if (!file) return tl::unexpected(file.error());
-  file->write(text);
-  return file->commit();
-}
-
 Expected<void> write_folder(const Basin& basin, const Account& account, OutputFolder& folder) {
-  return write_text(basin_csv(basin), folder.aside("basin.csv"))
-      .and_then([&] { return write_text(basin_json(basin, account), folder.aside("basin.json")); })
-      .and_then([&] { return write_text(basin_picture(basin), folder.aside("basin.svg")); })
+  return write_file(folder.aside("basin.csv"), basin_csv(basin))
+      .and_then([&] { return write_file(folder.aside("basin.json"), basin_json(basin, account)); })
+      .and_then([&] { return write_file(folder.aside("basin.svg"), basin_picture(basin)); })
       .and_then([&] { return folder.commit(kFiles); });
 }
 
@@ -58,7 +51,7 @@ Expected<void> write_folder(const Basin& basin, const Account& account, OutputFo
 Expected<void> tell(const Basin& basin, const Options& options, const Account& account) {
   if (options.report_on_stdout()) return write_stdout(basin_json(basin, account));
   if (!options.report.empty()) {
-    if (auto written = write_text(basin_json(basin, account), options.report); !written) return written;
+    if (auto written = write_file(options.report, basin_json(basin, account)); !written) return written;
   }
   return options.quiet ? Expected<void>() : write_stdout(basin_table(basin, account));
 }
@@ -96,13 +89,6 @@ Expected<ExitCode> run_basin(const BasinCall& asked, const std::stop_token& stop
   return tell(*found, asked.shared, call.account).map([] { return ExitCode::kDone; });
 }
 
-NamedFiles all_files(const Options& options) {
-  NamedFiles files = {{"LOG|MAPS", options.input}, {"--report", options.report_on_stdout() ? "" : options.report}};
-  if (options.output.empty()) return files;
-  for (const std::string& name : kFiles) files.emplace_back("--output", options.output / name);
-  return files;
-}
-
 }  // namespace
 
 std::unique_ptr<Subcommand> basin_command(CLI::App& app) {
@@ -121,7 +107,7 @@ std::unique_ptr<Subcommand> basin_command(CLI::App& app) {
                        "At most so many steps of every solve [" + std::to_string(basin.max_iterations) + "]");
   add_reading(*command, options);
   add_reporting(*command, options);
-  command->check([asked] { return check_distinct(all_files(asked->shared)); });
+  command->check([asked] { return check_distinct(files_of_folder(asked->shared, "LOG|MAPS", kFiles)); });
   command->act([asked](const std::stop_token& stop) { return run_basin(*asked, stop); });
   return command;
 }

@@ -6,12 +6,11 @@
 #include <apps/console.hpp>
 #include <apps/report.hpp>
 #include <apps/summary.hpp>
-#include <apps/text_table.hpp>
+#include <apps/table.hpp>
 #include <apps/words.hpp>
 #include <cmath>
 #include <mapjoin/version.hpp>
 #include <nlohmann/json.hpp>
-#include <optional>
 
 namespace mapjoin::apps {
 namespace {
@@ -53,8 +52,18 @@ std::string cell_in_words(const BasinCell& cell) {
   return fmt::format("{} ({}){}", rate, typical_iterations(cell), misses.empty() ? "" : ": " + misses);
 }
 
-Json json_of(const BasinRun& run, std::optional<std::uint64_t> seed) {
-  return {{"seed", seed ? Json(*seed) : Json()},
+const char* problem(const BasinCell& cell) {
+  return cell.formulation.is_joining ? "joining" : "full_slam";
+}
+
+/// Of a run of a random start.
+std::int64_t seed_of(std::size_t run) {
+  return static_cast<std::int64_t>(run) + 1;
+}
+
+Json json_of(const BasinCell& cell, std::size_t k) {
+  const BasinRun& run = cell.runs[k];
+  return {{"seed", cell.start == Start::kRandom ? Json(seed_of(k)) : Json()},
           {"ends", ending(run)},
           {"chi2", std::isfinite(run.chi2) ? Json(run.chi2) : Json()},
           {"iterations", run.iterations},
@@ -62,16 +71,11 @@ Json json_of(const BasinRun& run, std::optional<std::uint64_t> seed) {
           {"failure", run.failure ? Json(*run.failure) : Json()}};
 }
 
-std::optional<std::uint64_t> seed_of(const BasinCell& cell, std::size_t run) {
-  if (cell.start != Start::kRandom) return std::nullopt;
-  return run + 1;
-}
-
 Json json_of(const BasinCell& cell) {
   Json runs = Json::array();
-  for (std::size_t k = 0; k < cell.runs.size(); ++k) runs.push_back(json_of(cell.runs[k], seed_of(cell, k)));
+  for (std::size_t k = 0; k < cell.runs.size(); ++k) runs.push_back(json_of(cell, k));
   return {{"covariance", word(cell.covariance)},
-          {"problem", cell.formulation.is_joining ? "joining" : "full_slam"},
+          {"problem", problem(cell)},
           {"state", to_string(cell.formulation.state)},
           {"local_maps", cell.formulation.is_joining ? Json(split_in_words(cell)) : Json()},
           {"method", to_string(cell.method)},
@@ -105,31 +109,41 @@ std::string basin_table(const Basin& basin, const Account& account) {
               fmt::format("chi2 {:.6f} with {} covariances, the best known", basin.best_chi2[c], word(basin.covariances[c])));
   }
   lines.add("cells", "whether, or how often, the optimum is reached (iterations): chi2 of what the others fell into");
-  std::vector<std::vector<std::string>> rows = {
-      {"covariance", "formulation", "maps of", "method", "composed", "zero", "random"}};
+  Table table{{{"covariance", "covariance"},
+               {"formulation", "formulation"},
+               {"local_maps", "maps of"},
+               {"method", "method"},
+               {"composed", "composed"},
+               {"zero", "zero"},
+               {"random", "random"}},
+              {}};
   for (const BasinCell& cell : basin.cells) {
     if (cell.start == kBasinStarts.front()) {
-      rows.push_back({word(cell.covariance), to_string(cell.formulation), split_in_words(cell), to_string(cell.method)});
+      table.rows.push_back(
+          {{word(cell.covariance), to_string(cell.formulation), split_in_words(cell), to_string(cell.method)}});
     }
-    rows.back().push_back(cell_in_words(cell));
+    table.rows.back().cells.emplace_back(cell_in_words(cell));
   }
-  return lines.text() + "\n" + text_table(rows, "llrllll");
+  return lines.text() + "\n" + aligned(table);
 }
 
 std::string basin_csv(const Basin& basin) {
-  std::string csv = "covariance,problem,state,local_maps,method,start,seed,ends,chi2,iterations,status\n";
+  Table table;
+  for (const char* key :
+       {"covariance", "problem", "state", "local_maps", "method", "start", "seed", "ends", "chi2", "iterations", "status"}) {
+    table.columns.push_back({key, key});
+  }
   for (const BasinCell& cell : basin.cells) {
     for (std::size_t k = 0; k < cell.runs.size(); ++k) {
       const BasinRun& run = cell.runs[k];
-      const auto seed = seed_of(cell, k);
-      csv += fmt::format("{},{},{},{},{},{},{},{},{},{},{}\n", word(cell.covariance),
-                         cell.formulation.is_joining ? "joining" : "full_slam", to_string(cell.formulation.state),
-                         split_in_words(cell), to_string(cell.method), to_string(cell.start), seed ? std::to_string(*seed) : "",
-                         ending(run), std::isfinite(run.chi2) ? fmt::format("{:.17g}", run.chi2) : "", run.iterations,
-                         run.failure ? "" : to_string(run.status));
+      table.rows.push_back(
+          {{word(cell.covariance), problem(cell), to_string(cell.formulation.state), split_in_words(cell),
+            to_string(cell.method), to_string(cell.start), cell.start == Start::kRandom ? Cell(seed_of(k)) : Cell(),
+            ending(run), std::isfinite(run.chi2) ? Cell(run.chi2) : Cell(), std::int64_t{run.iterations},
+            run.failure ? Cell() : Cell(to_string(run.status))}});
     }
   }
-  return csv;
+  return csv(table);
 }
 
 std::string basin_json(const Basin& basin, const Account& account) {
