@@ -4,10 +4,8 @@
 #include <apps/basin_report.hpp>
 #include <apps/call.hpp>
 #include <apps/commands.hpp>
-#include <apps/console.hpp>
 #include <apps/distinct.hpp>
-#include <apps/output_folder.hpp>
-#include <mapjoin/io/output_file.hpp>
+#include <apps/study_output.hpp>
 #include <memory>
 #include <optional>
 #include <sstream>
@@ -40,22 +38,6 @@ std::optional<std::string> take_splits(const std::string& words, std::vector<Spl
   return std::nullopt;
 }
 
-Expected<void> write_folder(const Basin& basin, const Account& account, OutputFolder& folder) {
-  return write_file(folder.aside("basin.csv"), basin_csv(basin))
-      .and_then([&] { return write_file(folder.aside("basin.json"), basin_json(basin, account)); })
-      .and_then([&] { return write_file(folder.aside("basin.svg"), basin_picture(basin)); })
-      .and_then([&] { return folder.commit(kFiles); });
-}
-
-/// The table or the report, on standard output.
-Expected<void> tell(const Basin& basin, const Options& options, const Account& account) {
-  if (options.report_on_stdout()) return write_stdout(basin_json(basin, account));
-  if (!options.report.empty()) {
-    if (auto written = write_file(options.report, basin_json(basin, account)); !written) return written;
-  }
-  return options.quiet ? Expected<void>() : write_stdout(basin_table(basin, account));
-}
-
 template <int Dim>
 Expected<Basin> basin_of(const StoredMaps<Dim>& stored, const BasinOptions& options, const std::stop_token& stop) {
   return basin(stored.log, split_along(stored.log, stored.stretches), options, stop);
@@ -65,14 +47,16 @@ Expected<Basin> basin_of(const Data& data, const BasinOptions& options, const st
   return basin(data, options, stop);
 }
 
+StudyOutput output_of(const Basin& basin, const Account& account) {
+  const std::string json = basin_json(basin, account);
+  return {
+      basin_table(basin, account), json, {{kFiles[0], basin_csv(basin)}, {kFiles[1], json}, {kFiles[2], basin_picture(basin)}}};
+}
+
 Expected<ExitCode> run_basin(const BasinCall& asked, const std::stop_token& stop) {
   Call call("basin", asked.shared, stop);
-  std::optional<OutputFolder> folder;
-  if (!asked.shared.output.empty()) {
-    auto made = OutputFolder::create(asked.shared.output);
-    if (!made) return tl::unexpected(made.error());
-    folder.emplace(std::move(*made));
-  }
+  auto folder = study_folder(asked.shared);
+  if (!folder) return tl::unexpected(folder.error());
   if (auto ready = call.check_report(); !ready) return tl::unexpected(ready.error());
   BasinOptions options = asked.basin;
   options.progress = call.progress("solves");
@@ -83,10 +67,7 @@ Expected<ExitCode> run_basin(const BasinCall& asked, const std::stop_token& stop
       may_hold_maps(asked.shared.input) ? call.read_maps().and_then(experiment) : call.read_log().and_then(experiment);
   call.close_progress();
   if (!found) return tl::unexpected(found.error());
-  if (folder) {
-    if (auto written = write_folder(*found, call.account, *folder); !written) return tl::unexpected(written.error());
-  }
-  return tell(*found, asked.shared, call.account).map([] { return ExitCode::kDone; });
+  return hand_over(output_of(*found, call.account), asked.shared, *folder).map([] { return ExitCode::kDone; });
 }
 
 }  // namespace

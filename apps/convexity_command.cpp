@@ -6,6 +6,7 @@
 #include <apps/call.hpp>
 #include <apps/commands.hpp>
 #include <apps/convexity_report.hpp>
+#include <apps/distinct.hpp>
 #include <apps/study_output.hpp>
 #include <memory>
 #include <variant>
@@ -101,7 +102,7 @@ std::unique_ptr<Subcommand> convexity_command(CLI::App& app) {
   add_reading(*command, options);
   add_reporting(*command, options);
   command->check([asked, &command = *command] { return check_cutting(command, asked->shared); });
-  command->check([asked] { return check_distinct(study_files(asked->shared, "LOG|MAPS", kFiles)); });
+  command->check([asked] { return check_distinct(files_of_folder(asked->shared, "LOG|MAPS", kFiles)); });
   command->act([asked](const std::stop_token& stop) { return run_convexity(*asked, stop); });
   return command;
 }

@@ -5,7 +5,7 @@
 #include <apps/convexity_report.hpp>
 #include <apps/report.hpp>
 #include <apps/summary.hpp>
-#include <apps/text_table.hpp>
+#include <apps/table.hpp>
 #include <cmath>
 #include <nlohmann/json.hpp>
 #include <utility>
@@ -14,10 +14,6 @@ namespace mapjoin::apps {
 namespace {
 
 using Json = nlohmann::ordered_json;
-
-std::string percent(double share) {
-  return fmt::format("{:.1f} %", 100.0 * share);
-}
 
 const char* problem_of(const Formulation& formulation) {
   return formulation.is_joining ? "joining" : "full SLAM";
@@ -43,16 +39,12 @@ std::string best_in_words(const Convexity& found) {
   return words;
 }
 
-std::vector<std::string> row_of(const FormulationFigures& figures) {
+Row row_of(const FormulationFigures& figures) {
   const CurvatureFigures& curvature = figures.curvature;
   const auto step = figures.first_step.share();
-  return {to_string(figures.formulation),
-          percent(curvature.share_violated()),
-          curvature.violations == 0 ? "" : fmt::format("{:.3g}", curvature.largest_violation),
-          percent(curvature.share_negative()),
-          percent(figures.quadratic.of_rows()),
-          percent(figures.quadratic.information),
-          step ? percent(*step) : ""};
+  return {{to_string(figures.formulation), 100.0 * curvature.share_violated(),
+           curvature.violations == 0 ? Cell() : Cell(curvature.largest_violation), 100.0 * curvature.share_negative(),
+           100.0 * figures.quadratic.of_rows(), 100.0 * figures.quadratic.information, step ? Cell(100.0 * *step) : Cell()}};
 }
 
 Json json_of(const CurvatureFigures& curvature) {
@@ -99,10 +91,16 @@ std::string convexity_table(const Convexity& found, const ConvexityOptions& opti
   lines.add("bent down", "share of lambda at which the curvature of F is negative");
   lines.add("linear", "share of the rows that are linear in the state, and of the information that the estimate has from them");
   lines.add("one step", "of Gauss-Newton from the composed start: its share of the whole decrease");
-  std::vector<std::vector<std::string>> rows = {
-      {"", "not convex", "by", "bent down", "linear rows", "information", "one step"}};
-  for (const FormulationFigures& figures : found) rows.push_back(row_of(figures));
-  return lines.text() + "\n" + text_table(rows, "lrrrrrr");
+  Table table{{{"", ""},
+               {"", "not convex (%)", 3},
+               {"", "by", 3},
+               {"", "bent down (%)", 3},
+               {"", "linear rows (%)", 3},
+               {"", "information (%)", 3},
+               {"", "one step (%)", 3}},
+              {}};
+  for (const FormulationFigures& figures : found) table.rows.push_back(row_of(figures));
+  return lines.text() + "\n" + aligned(table);
 }
 
 std::string convexity_csv(const Convexity& found) {

@@ -2,7 +2,6 @@
 #pragma once
 // What a study hands over: a table for people, JSON for programs, and a folder of files.
 
-#include <apps/distinct.hpp>
 #include <apps/options.hpp>
 #include <apps/output_folder.hpp>
 #include <mapjoin/model/error.hpp>
@@ -25,9 +24,6 @@ struct StudyOutput {
 
 /// The folder that --output asks for, before the work; none where it does not. kCannotWrite.
 Expected<std::optional<OutputFolder>> study_folder(const Options& options);
-
-/// The input, the report, and the files of the folder, for check_distinct().
-NamedFiles study_files(const Options& options, const std::string& input, const std::vector<std::string>& names);
 
 /// Writes the folder and the report, then the table, or with `--report -` the JSON, to standard output.
 Expected<void> hand_over(const StudyOutput& output, const Options& options, std::optional<OutputFolder>& folder);

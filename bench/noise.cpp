@@ -163,13 +163,6 @@ void contest_in(const Surroundings& surroundings, const Arguments& arguments, Fi
   findings.charts.push_back(std::move(chart));
 }
 
-Expected<void> write(const std::string& text, const std::filesystem::path& path) {
-  auto file = OutputFile::create(path);
-  if (!file) return tl::unexpected(file.error());
-  file->write(text);
-  return file->commit();
-}
-
 Expected<void> noise(const Arguments& arguments) {
   std::filesystem::create_directories(arguments.folder);
   fmt::print(
@@ -182,8 +175,8 @@ Expected<void> noise(const Arguments& arguments) {
   fmt::print("{}\n", rule);
   Findings findings;
   for (const Surroundings& surroundings : kSurroundings) contest_in(surroundings, arguments, findings);
-  return write(findings.csv, arguments.folder / "noise.csv").and_then([&] {
-    return write(apps::svg(findings.charts, kSurroundings.size()), arguments.folder / "noise.svg");
+  return write_file(arguments.folder / "noise.csv", findings.csv).and_then([&] {
+    return write_file(arguments.folder / "noise.svg", apps::svg(findings.charts, kSurroundings.size()));
   });
 }
 
