@@ -43,7 +43,7 @@ TYPED_TEST(ConvexityTest, LooksAtTheSamePairsInBothStates) {
     ASSERT_TRUE(found) << found.error().message;
     ASSERT_EQ(found->size(), 4u);
     for (std::size_t f = 0; f < 4; ++f) EXPECT_EQ((*found)[f].formulation, kFormulations[f]);
-    for (const std::size_t f : {0, 2}) {
+    for (const std::size_t f : {std::size_t{0}, std::size_t{2}}) {
       const auto absolute = this->ends_of((*found)[f]);
       const auto relative = this->ends_of((*found)[f + 1]);
       for (std::size_t k = 0; k < absolute.size(); ++k) EXPECT_NEAR(relative[k], absolute[k], 1e-9 * absolute[k]);
