@@ -9,6 +9,8 @@
 #include <mapjoin/join/world.hpp>
 #include <mapjoin/parallel/parallel.hpp>
 #include <mapjoin/simulate/random_stream.hpp>
+#include <mapjoin/solve/marginals.hpp>
+#include <mapjoin/solve/memory.hpp>
 #include <stdexcept>
 #include <utility>
 
@@ -78,6 +80,10 @@ class PosedProblem {
     problem_.system().estimate() = best_part_;
     problem_.linearise();
     if (problem_.factorise(0.0)) return bad_input("the best estimate is not determined by the observations");
+    const std::int64_t bytes = Marginals::bytes(problem_.system().equations());
+    if (auto fits = check_memory("the share of the information that is from linear rows", bytes, 0); !fits) {
+      return tl::unexpected(fits.error());
+    }
     figures.quadratic = quadratic_share(problem_.system(), state);
     const UnwrappedObjective<Dim> objective(problem_.system(), best_part_);
     const RelativeCoordinates<Dim> relative(problem_.system(), best_part_);

@@ -62,8 +62,8 @@ struct FormulationFigures {
 using Convexity = std::vector<FormulationFigures>;
 
 /// All four formulations of a log; the pairs of states are the same for all, for joining what is joined of them. In parallel,
-/// with the same result for any number of threads. Bad input as run(); kInterrupted on `stop`. Throws std::invalid_argument
-/// with the first violation of `options`.
+/// with the same result for any number of threads. Bad input as run(); kTooLarge where the covariances for QuadraticShare are
+/// more than the machine can hold; kInterrupted on `stop`. Throws std::invalid_argument with the first violation of `options`.
 template <int Dim>
 Expected<Convexity> convexity(const Log<Dim>& log, const ConvexityOptions& options, const std::stop_token& stop = {});
 
