@@ -4,6 +4,7 @@
 #include <mapjoin/join/relative_state.hpp>
 #include <mapjoin/model/linearise.hpp>
 #include <mapjoin/solve/pivot.hpp>
+#include <optional>
 #include <utility>
 
 namespace mapjoin {
@@ -36,8 +37,7 @@ PointMatrix<Dim> point_information(const JointSystem<Dim>& system, const TreeObs
 
 /// The information that the observation of an edge has of its child, the parent held still.
 template <int Dim>
-Matrix<kPoseDof<Dim>> information_of_child(const JointSystem<Dim>& system, const TreeEdge& edge,
-                                           std::integral_constant<int, kPoseDof<Dim>>) {
+PoseMatrix<Dim> information_of_child(const JointSystem<Dim>& system, const TreeEdge& edge) {
   const auto [measured, W] = measured_pose(system, *edge.observation);
   const bool child_is_base = edge.observation->child_is_base;
   const State<Dim>& state = system.estimate();
@@ -48,21 +48,15 @@ Matrix<kPoseDof<Dim>> information_of_child(const JointSystem<Dim>& system, const
   return J.transpose() * W * J;
 }
 
-template <int Dim>
-Matrix<Dim> information_of_child(const JointSystem<Dim>& system, const TreeEdge& edge, std::integral_constant<int, Dim>) {
-  const PointMatrix<Dim> W = point_information(system, *edge.observation);
-  const Matrix<Dim> R = system.estimate().pose(edge.parent).rotation.matrix();
-  return R * W * R.transpose();
-}
-
+/// Nothing where M is singular.
 template <int Dof>
-bool is_regular(const Matrix<Dof>& M) {
+std::optional<Matrix<Dof>> inverse_of(const Matrix<Dof>& M) {
   const Eigen::LLT<Matrix<Dof>> llt(M);
-  if (llt.info() != Eigen::Success) return false;
+  if (llt.info() != Eigen::Success) return std::nullopt;
   for (int i = 0; i < Dof; ++i) {
-    if (has_lost_digits(llt.matrixLLT()(i, i), M(i, i))) return false;
+    if (has_lost_digits(llt.matrixLLT()(i, i), M(i, i))) return std::nullopt;
   }
-  return true;
+  return llt.solve(Matrix<Dof>::Identity());
 }
 
 }  // namespace
@@ -78,7 +72,8 @@ RelativeState<Dim>::RelativeState(const JointSystem<Dim>& system) {
     poses_.push_back(make_link<kPoseDof<Dim>>(system, edge, system.pose_variable(edge.child)));
   }
   for (const TreeEdge& edge : tree.features) {
-    features_.push_back(make_link<Dim>(system, edge, system.feature_variable(edge.child)));
+    const PointMatrix<Dim> W = point_information(system, edge.observation.value());  // nothing else brings in a feature
+    features_.push_back({make_link<Dim>(system, edge, system.feature_variable(edge.child)), W, inverse_of<Dim>(W)});
   }
 }
 
@@ -89,16 +84,6 @@ RelativeState<Dim>::Link<Dof> RelativeState<Dim>::make_link(const JointSystem<Di
   const Index parent = system.pose_variable(edge.parent);
   const Eigen::Index parent_begin = parent == kConstant ? kStill : system.equations().offset(parent);
   return {edge, system.equations().offset(variable), parent_begin, {}, {}, {}};
-}
-
-template <int Dim>
-template <int Dof>
-void RelativeState<Dim>::weigh(const JointSystem<Dim>& system, const Eigen::VectorXd& diagonal, Link<Dof>& link) const {
-  link.M.setZero();
-  if (link.edge.observation) link.M = information_of_child<Dim>(system, link.edge, std::integral_constant<int, Dof>());
-  // Where the edge does not determine its child, all that is known of it does.
-  if (!is_regular<Dof>(link.M)) link.M = diagonal.template segment<Dof>(link.child).asDiagonal();
-  link.M_inverse = is_regular<Dof>(link.M) ? Matrix<Dof>(link.M.inverse()) : Matrix<Dof>(Matrix<Dof>::Zero());
 }
 
 template <int Dim>
@@ -115,10 +100,36 @@ void RelativeState<Dim>::linearise(const JointSystem<Dim>& system) {
 }
 
 template <int Dim>
+template <int Dof>
+void RelativeState<Dim>::weigh_by(const Eigen::VectorXd& diagonal, Link<Dof>& link) {
+  link.M = diagonal.template segment<Dof>(link.child).asDiagonal();
+  link.M_inverse = inverse_of<Dof>(link.M).value_or(Matrix<Dof>::Zero());
+}
+
+template <int Dim>
 void RelativeState<Dim>::weigh(const JointSystem<Dim>& system) {
   const Eigen::VectorXd diagonal = system.equations().diagonal();
-  for (auto& link : poses_) weigh(system, diagonal, link);
-  for (auto& link : features_) weigh(system, diagonal, link);
+  for (auto& link : poses_) {
+    std::optional<PoseMatrix<Dim>> inverse;
+    if (link.edge.observation) {
+      link.M = information_of_child<Dim>(system, link.edge);
+      inverse = inverse_of<kPoseDof<Dim>>(link.M);
+    }
+    if (!inverse) {
+      weigh_by(diagonal, link);
+    } else {
+      link.M_inverse = *inverse;
+    }
+  }
+  for (auto& link : features_) {
+    if (!link.W_inverse) {
+      weigh_by<Dim>(diagonal, link);
+      continue;
+    }
+    const PointMatrix<Dim> R = system.estimate().pose(link.edge.parent).rotation.matrix();
+    link.M = R * link.W * R.transpose();
+    link.M_inverse = R * *link.W_inverse * R.transpose();
+  }
 }
 
 template <int Dim>
@@ -139,7 +150,10 @@ void RelativeState<Dim>::for_each_link(F&& f) const {
 template <int Dim>
 double RelativeState<Dim>::inner(const Eigen::VectorXd& a, const Eigen::VectorXd& b) const {
   double sum = 0.0;
-  for_each_link([&](const auto& link) { sum += link.own(a).dot(link.M * link.own(b)); });
+  for_each_link([&]<int Dof>(const Link<Dof>& link) {
+    const Vector<Dof> u = link.own(a);
+    sum += u.dot(link.M * (&a == &b ? u : link.own(b)));
+  });
   return sum;
 }
 

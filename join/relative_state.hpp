@@ -15,6 +15,7 @@
 #include <Eigen/Core>
 #include <mapjoin/join/joint_system.hpp>
 #include <mapjoin/join/spanning_tree.hpp>
+#include <optional>
 #include <vector>
 
 namespace mapjoin {
@@ -23,6 +24,7 @@ namespace mapjoin {
 template <int Dim>
 class RelativeState {
  public:
+  /// The observations of the system stay what they are as long as this is used.
   explicit RelativeState(const JointSystem<Dim>& system);
 
   /// K at the estimate of the system.
@@ -52,19 +54,25 @@ class RelativeState {
 
     Vector<Dof> own(const Eigen::VectorXd& step) const;
   };
+  /// Of a feature the observation is linear in the relation: its information there stays what it is.
+  struct FeatureLink : Link<Dim> {
+    PointMatrix<Dim> W;
+    std::optional<PointMatrix<Dim>> W_inverse;  // none where W is singular
+  };
   static constexpr Eigen::Index kStill = -1;
 
   template <int Dof>
   Link<Dof> make_link(const JointSystem<Dim>& system, const TreeEdge& edge, Index variable) const;
+  /// M where the edge does not determine its child: all that is known of it.
   template <int Dof>
-  void weigh(const JointSystem<Dim>& system, const Eigen::VectorXd& diagonal, Link<Dof>& link) const;
+  static void weigh_by(const Eigen::VectorXd& diagonal, Link<Dof>& link);
   template <int Dof>
   void damp(JointSystem<Dim>& system, double damping, const Link<Dof>& link) const;
   template <typename F>
   void for_each_link(F&& f) const;
 
   std::vector<Link<kPoseDof<Dim>>> poses_;  // parents before their children
-  std::vector<Link<Dim>> features_;
+  std::vector<FeatureLink> features_;
 };
 
 }  // namespace mapjoin
