@@ -55,6 +55,7 @@ void Account::describe(const StoredMaps<Dim>& stored) {
 template <int Dim>
 void Account::describe(const RunResult<Dim>& result) {
   figures = static_cast<const RunFigures&>(result);
+  schedule = result.schedule;
   has_local_maps = is_joined = true;
   const auto& ids = result.map.pose_ids;
   for (const Index pose : result.map.gauge) held.push_back(ids[static_cast<std::size_t>(pose)]);

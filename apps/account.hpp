@@ -57,7 +57,7 @@ struct Account {
   Conventions conventions;
   Counts counts;
   bool has_stamps = false;
-  Schedule schedule = Schedule::kTree;
+  Schedule schedule = Schedule::kAuto;  ///< As asked for; once joined, the one that found the map.
   JoinedState state = JoinedState::kAbsolute;
   Start start_values = Start::kComposed;  ///< For the batch schedule.
   Method method = Method::kDogleg;

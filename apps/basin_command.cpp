@@ -84,10 +84,12 @@ std::unique_ptr<Subcommand> basin_command(CLI::App& app) {
   command->option("--poses-per-map", "N|auto,...", "Lengths of the local maps to join, of a log [auto]",
                   [&basin](const std::string& words) { return take_splits(words, basin.splits); });
   command->number<int>("--seeds", basin.seeds, 1, "N", "Random starts per cell [" + std::to_string(basin.seeds) + "]");
-  command->number<int>("--max-iterations", basin.max_iterations, 1, "N",
-                       "At most so many steps of every solve [" + std::to_string(basin.max_iterations) + "]");
+  command->number<int>(
+      "--max-iterations", basin.max_iterations, 1, "N",
+      "At most so many steps of every solve, where gradual of its last one [" + std::to_string(basin.max_iterations) + "]");
   add_reading(*command, options);
   add_reporting(*command, options);
+  command->check([asked, &command = *command] { return check_uncut(command, asked->shared); });
   command->check([asked] { return check_distinct(files_of_folder(asked->shared, "LOG|MAPS", kFiles)); });
   command->act([asked](const std::stop_token& stop) { return run_basin(*asked, stop); });
   return command;

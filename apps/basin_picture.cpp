@@ -30,7 +30,7 @@ std::string colour_of(double rate) {
 }
 
 std::string row_name(const BasinCell& cell) {
-  const std::string maps = cell.formulation.is_joining ? " (maps of " + split_in_words(cell) + ")" : "";
+  const std::string maps = cell.split ? " (maps of " + split_in_words(cell) + ")" : "";
   return to_string(cell.formulation) + maps + ", " + to_string(cell.method);
 }
 

@@ -77,7 +77,7 @@ Json json_of(const BasinCell& cell) {
   return {{"covariance", word(cell.covariance)},
           {"problem", problem(cell)},
           {"state", to_string(cell.formulation.state)},
-          {"local_maps", cell.formulation.is_joining ? Json(split_in_words(cell)) : Json()},
+          {"local_maps", cell.split ? Json(split_in_words(cell)) : Json()},
           {"method", to_string(cell.method)},
           {"start", to_string(cell.start)},
           {"hits", cell.hits()},
@@ -87,16 +87,16 @@ Json json_of(const BasinCell& cell) {
 }  // namespace
 
 std::string split_in_words(const BasinCell& cell) {
-  if (!cell.formulation.is_joining) return "";
-  switch (cell.split.rule) {
+  if (!cell.split) return "";
+  switch (cell.split->rule) {
     case SplitRule::kAuto:
       return "auto";
     case SplitRule::kPoses:
-      return fmt::format("{:g}", cell.split.amount);
+      return fmt::format("{:g}", cell.split->amount);
     case SplitRule::kDistance:
-      return fmt::format("{:g} m", cell.split.amount);
+      return fmt::format("{:g} m", cell.split->amount);
     case SplitRule::kFeatures:
-      return fmt::format("{:g} features", cell.split.amount);
+      return fmt::format("{:g} features", cell.split->amount);
   }
   return "";
 }
@@ -108,6 +108,7 @@ std::string basin_table(const Basin& basin, const Account& account) {
     lines.add(c == 0 ? "optimum" : "",
               fmt::format("chi2 {:.6f} with {} covariances, the best known", basin.best_chi2[c], word(basin.covariances[c])));
   }
+  lines.add("convention", conventions_in_words(account.conventions, account.dimension));
   lines.add("cells", "whether, or how often, the optimum is reached (iterations): chi2 of what the others fell into");
   Table table{{{"covariance", "covariance"},
                {"formulation", "formulation"},
@@ -151,14 +152,10 @@ std::string basin_json(const Basin& basin, const Account& account) {
   for (std::size_t c = 0; c < basin.covariances.size(); ++c) best[word(basin.covariances[c])] = basin.best_chi2[c];
   Json cells = Json::array();
   for (const BasinCell& cell : basin.cells) cells.push_back(json_of(cell));
-  const Json json = {{"schema_version", kReportSchemaVersion},
-                     {"version", kVersion},
-                     {"command", account.command},
-                     {"input", account.input},
-                     {"dimension", account.dimension},
-                     {"best_chi2", best},
-                     {"cells", cells},
-                     {"seconds", account.total_seconds()}};
+  Json json = report_head(account);
+  json["best_chi2"] = best;
+  json["cells"] = cells;
+  json["seconds"] = account.total_seconds();
   return json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
 }
 

@@ -8,8 +8,8 @@
 
 namespace mapjoin::apps {
 
-/// The input and the best chi2 known; then a row per covariance, formulation, split and method and a column per start, as in the
-/// paper's Table I.
+/// The input and the best chi2 known; then a row per covariance, formulation, split and method and a column per start, as in
+/// the paper's Table I.
 std::string basin_table(const Basin& basin, const Account& account);
 
 /// A row per solve.
@@ -22,7 +22,7 @@ std::string basin_json(const Basin& basin, const Account& account);
 std::string basin_picture(const Basin& basin);
 
 /// The local maps of a cell, as --poses-per-map and its like name them: "20", "auto", "10 m", "15 features"; empty for full
-/// SLAM.
+/// SLAM and for maps that were cut before.
 std::string split_in_words(const BasinCell& cell);
 
 }  // namespace mapjoin::apps

@@ -13,8 +13,8 @@ constexpr int kMostSteps = 6;         // between the ticks of a linear axis
 constexpr double kFewDecades = 2.0;   // up to here a logarithmic axis has ticks within its decades
 constexpr double kHair = 1e-9;        // of a step: what rounding may do
 constexpr double kLargeLabel = 1e5;   // from here on, and
-constexpr double kLargest = 1e300;    // so that differences are finite
 constexpr double kSmallLabel = 1e-3;  // below, labels have a factor
+constexpr double kLargest = 1e300;    // so that differences are finite
 
 double power_of_ten(int exponent) {
   return std::pow(10.0, exponent);
@@ -42,7 +42,7 @@ std::vector<double> one_two_five(double low, double high) {
   std::vector<double> values;
   const auto first = static_cast<int>(std::floor(std::log10(low) + kHair));
   const auto last = static_cast<int>(std::floor(std::log10(high) + kHair)) + 1;
-  for (int exponent = first; exponent <= last; ++exponent) {
+  for (int exponent = first - 1; exponent <= last; ++exponent) {
     for (const double factor : {1.0, 2.0, 5.0}) values.push_back(factor * power_of_ten(exponent));
   }
   const auto is_below = [&](double v) { return v <= low * (1.0 + kHair); };

@@ -63,15 +63,6 @@ Expected<ExitCode> run_convexity(const ConvexityCall& asked, const std::stop_tok
       .map([] { return ExitCode::kDone; });
 }
 
-/// Maps are cut already.
-std::vector<std::string> check_cutting(const Subcommand& command, const Options& options) {
-  if (!may_hold_maps(options.input)) return {};
-  for (const std::string rule : {"--poses-per-map", "--metres-per-map", "--features-per-map"}) {
-    if (command.is_given(rule)) return {rule + " is for a log: local maps are cut already"};
-  }
-  return {};
-}
-
 void add_lines(Subcommand& command, ConvexityOptions& convexity) {
   command.group("Lines of states");
   command.choice<StateSource>(
@@ -101,7 +92,7 @@ std::unique_ptr<Subcommand> convexity_command(CLI::App& app) {
   add_splitting(*command, options);
   add_reading(*command, options);
   add_reporting(*command, options);
-  command->check([asked, &command = *command] { return check_cutting(command, asked->shared); });
+  command->check([asked, &command = *command] { return check_uncut(command, asked->shared); });
   command->check([asked] { return check_distinct(files_of_folder(asked->shared, "LOG|MAPS", kFiles)); });
   command->act([asked](const std::stop_token& stop) { return run_convexity(*asked, stop); });
   return command;

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <algorithm>
 #include <apps/options.hpp>
+#include <mapjoin/io/open_maps.hpp>
 #include <optional>
 #include <vector>
 
@@ -21,10 +22,11 @@ std::optional<std::string> take_poses_per_map(const std::string& word, SplitOpti
   return std::nullopt;
 }
 
+const std::vector<std::string> kRules = {"--poses-per-map", "--metres-per-map", "--features-per-map"};
+
 /// The rules exclude each other.
 std::vector<std::string> check_one_rule(const Subcommand& command) {
-  const std::vector<std::string> rules = {"--poses-per-map", "--metres-per-map", "--features-per-map"};
-  const auto given = std::count_if(rules.begin(), rules.end(), [&](const auto& rule) { return command.is_given(rule); });
+  const auto given = std::count_if(kRules.begin(), kRules.end(), [&](const auto& rule) { return command.is_given(rule); });
   if (given < 2) return {};
   return {"only one of --poses-per-map, --metres-per-map and --features-per-map can say where to cut"};
 }
@@ -85,9 +87,15 @@ void add_splitting(Subcommand& command, Options& options) {
 
 void add_schedule(Subcommand& command, Options& options) {
   command.group("Joining");
-  command.choice<Schedule>("--schedule", options.run.schedule,
-                           {{"tree", Schedule::kTree}, {"sequential", Schedule::kSequential}, {"batch", Schedule::kBatch}},
-                           "In which order: neighbours in pairs, then pairs of pairs; map by map; or all at once");
+  command.choice<Schedule>(
+      "--schedule", options.run.schedule,
+      {{"auto", Schedule::kAuto},
+       {"tree", Schedule::kTree},
+       {"leaning", Schedule::kLeaning},
+       {"sequential", Schedule::kSequential},
+       {"batch", Schedule::kBatch}},
+      "In which order: neighbours in pairs, then pairs of pairs (tree); in unequal pairs, nearly map by map; "
+      "map by map; or all at once. auto: tree, and where the maps then do not fit together, leaning, too");
   command.choice<JoinedState>("--state", options.run.state,
                               {{"absolute", JoinedState::kAbsolute}, {"relative", JoinedState::kRelative}},
                               "Coordinates of the steps: positions in the map, or each relative to where it hangs");
@@ -101,6 +109,14 @@ void add_schedule(Subcommand& command, Options& options) {
   command.number<std::uint64_t>("--seed", options.run.seed, 0, "N",
                                 "Of the random start [" + std::to_string(options.run.seed) + "]");
   command.check([&command, &run = options.run] { return settle_batch(command, run); });
+}
+
+std::vector<std::string> check_uncut(const Subcommand& command, const Options& options) {
+  if (!may_hold_maps(options.input)) return {};
+  for (const std::string& rule : kRules) {
+    if (command.is_given(rule)) return {rule + " is for a log: local maps are cut already"};
+  }
+  return {};
 }
 
 void add_polish(Subcommand& command, Options& options) {

@@ -33,6 +33,8 @@ void add_reading(Subcommand& command, Options& options);
 void add_weights(Subcommand& command, Options& options);
 /// Where a log is cut: --poses-per-map, --metres-per-map, --features-per-map.
 void add_splitting(Subcommand& command, Options& options);
+/// Says where rules of add_splitting() are given for local maps, which are cut already.
+std::vector<std::string> check_uncut(const Subcommand& command, const Options& options);
 /// --schedule, --state, --start, --batch, --seed
 void add_schedule(Subcommand& command, Options& options);
 /// --no-polish

@@ -7,6 +7,7 @@
 #include <apps/chart.hpp>
 #include <array>
 #include <cmath>
+#include <cstdio>
 #include <filesystem>
 #include <limits>
 #include <mapjoin/io/output_file.hpp>
@@ -37,8 +38,12 @@ constexpr std::array kSurroundings = {Surroundings{"rich", 2.17}, Surroundings{"
 /// chi2 of the whole log that a method ends at; infinite where it gives up.
 using Solver = double (*)(const Simulation<2>&);
 
+double finite(double chi2) {
+  return std::isfinite(chi2) ? chi2 : std::numeric_limits<double>::infinity();
+}
+
 double chi2_of(const Expected<RunResult<2>>& result) {
-  return result ? result->chi2 : std::numeric_limits<double>::infinity();
+  return finite(result ? result->chi2 : std::numeric_limits<double>::infinity());
 }
 
 double by_run(const Simulation<2>& world) {
@@ -71,8 +76,7 @@ double by_ceres(const Simulation<2>& world) {
   options.method = method;
   options.max_iterations = 200;
   options.function_tolerance = 1e-10;
-  const double chi2 = testing::ceres_optimum(world.log, testing::odometry_start(world.log), options).chi2;
-  return std::isfinite(chi2) ? chi2 : std::numeric_limits<double>::infinity();
+  return finite(testing::ceres_optimum(world.log, testing::odometry_start(world.log), options).chi2);
 }
 
 double by_truth(const Simulation<2>& world) {
@@ -117,7 +121,7 @@ std::vector<Chi2s> contest(const Surroundings& surroundings, double level, const
 }
 
 bool is_best(const Chi2s& chi2, std::size_t contender) {
-  return chi2[contender] <= *std::min_element(chi2.begin(), chi2.end()) * (1.0 + 1e-6);
+  return std::isfinite(chi2[contender]) && chi2[contender] <= *std::min_element(chi2.begin(), chi2.end()) * (1.0 + 1e-6);
 }
 
 /// A rate of hits with the 95 % interval of Wilson's score (JASA 1927).
@@ -164,7 +168,8 @@ void contest_in(const Surroundings& surroundings, const Arguments& arguments, Fi
 }
 
 Expected<void> noise(const Arguments& arguments) {
-  std::filesystem::create_directories(arguments.folder);
+  std::error_code failure;
+  std::filesystem::create_directories(arguments.folder, failure);  // what cannot be made cannot be written into either
   fmt::print(
       "Worlds of {} poses, {} of each kind; how many of them each method brings to the best chi2 of all.\n\n| features | noise "
       "|",
@@ -187,9 +192,13 @@ int main(int argc, char** argv) {
   mapjoin::Arguments arguments;
   CLI::App app("How often each method reaches the optimum of simulated worlds, as odometry gets worse.", "mapjoin_noise");
   app.add_option("-o,--output", arguments.folder, "Folder for the table and the picture")->capture_default_str();
-  app.add_option("--levels", arguments.levels, "Of the odometry noise, in 0.03 m and 0.4 degrees a step")->delimiter(',');
-  app.add_option("--worlds", arguments.worlds, "Per level, and as many rich as poor in features")->capture_default_str();
-  app.add_option("--poses", arguments.poses, "Of each world")->capture_default_str();
+  app.add_option("--levels", arguments.levels, "Of the odometry noise, in 0.03 m and 0.4 degrees a step")
+      ->delimiter(',')
+      ->check(CLI::PositiveNumber);
+  app.add_option("--worlds", arguments.worlds, "Per level, and as many rich as poor in features")
+      ->capture_default_str()
+      ->check(CLI::PositiveNumber);
+  app.add_option("--poses", arguments.poses, "Of each world")->capture_default_str()->check(CLI::Range(2, 1'000'000));
   CLI11_PARSE(app, argc, argv);
   const auto done = mapjoin::noise(arguments);
   if (!done) fmt::print(stderr, "mapjoin_noise: {}\n", done.error().message);

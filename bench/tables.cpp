@@ -5,12 +5,13 @@
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
+#include <cstdio>
 #include <filesystem>
-#include <map>
 #include <mapjoin/io/local_map_set.hpp>
 #include <mapjoin/io/open_log.hpp>
 #include <mapjoin/join/run.hpp>
 #include <string>
+#include <variant>
 #include <vector>
 
 namespace mapjoin {
@@ -38,7 +39,12 @@ Expected<AnyData> read(const std::filesystem::path& path, bool identity) {
   }
   auto set = read_local_map_set(path, options);
   if (!set) return tl::unexpected(set.error());
-  return std::visit([](auto& any) -> AnyData { return std::move(any); }, *set);
+  return std::visit(
+      [&](auto& any) -> AnyData {
+        if (identity) use_identity_covariance(any);
+        return std::move(any);
+      },
+      *set);
 }
 
 std::string name_of(const std::filesystem::path& path) {
@@ -61,7 +67,7 @@ void schedules(const Arguments& arguments) {
       fmt::print(stderr, "{}\n", data.error().message);
       continue;
     }
-    for (const Schedule schedule : {Schedule::kTree, Schedule::kSequential, Schedule::kBatch}) {
+    for (const Schedule schedule : {Schedule::kTree, Schedule::kLeaning, Schedule::kSequential, Schedule::kBatch}) {
       RunOptions options;
       options.schedule = schedule;
       const auto print = [&](const auto& result) {
@@ -168,7 +174,8 @@ int main(int argc, char** argv) {
   mapjoin::Arguments arguments;
   CLI::App app("Tables of results, in Markdown");
   app.require_subcommand(1);
-  auto* schedules = app.add_subcommand("schedules", "What tree, sequential and batch reach on each log or set of local maps");
+  auto* schedules =
+      app.add_subcommand("schedules", "What tree, leaning, sequential and batch reach on each log or set of local maps");
   auto* splits = app.add_subcommand("splits", "What the number of poses per local map changes");
   auto* courses = app.add_subcommand("courses", "chi2 after each Gauss-Newton step from the composed start, in either state");
   for (auto* command : {schedules, splits, courses}) {

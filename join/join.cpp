@@ -64,16 +64,23 @@ tl::unexpected<Error> interrupted() {
   return tl::unexpected(Error{ErrorKind::kInterrupted, "interrupted while joining"});
 }
 
-}  // namespace
+/// Maps that fit together less than this may be in a local minimum.
+constexpr double kLeastProbability = 1e-3;
+/// Two joins whose chi2 differs by less than this share of it are the same.
+constexpr double kSameChi2 = 1e-9;
 
-double MapFit::probability() const {
-  return chi_squared_upper_tail(chi2, static_cast<double>(rows));
+/// Whether the chi2 of a join is such as its degrees of freedom make it.
+template <int Dim>
+bool fits(const Join<Dim>& join) {
+  if (!std::isfinite(join.result.chi2)) return false;
+  return join.dof() <= 0 || chi_squared_upper_tail(join.result.chi2, static_cast<double>(join.dof())) > kLeastProbability;
 }
 
+/// Joins by one schedule, not kAuto.
 template <int Dim>
-Expected<Join<Dim>> join(const Network<Dim>& network, const std::vector<PoseId>& pose_ids,
-                         const std::vector<FeatureId>& feature_ids, const JoinOptions<Dim>& options,
-                         const std::stop_token& stop) {
+Expected<Join<Dim>> join_by(const Network<Dim>& network, const std::vector<PoseId>& pose_ids,
+                            const std::vector<FeatureId>& feature_ids, const JoinOptions<Dim>& options,
+                            const std::stop_token& stop) {
   const ScheduleOptions schedule{options.schedule, options.state, ScheduleOptions::leading(options.schedule), options.progress};
   Piece<Dim> whole = whole_of(network, options.origin, join_stretches(network, schedule, stop));
   set_start(options, whole);
@@ -81,6 +88,7 @@ Expected<Join<Dim>> join(const Network<Dim>& network, const std::vector<PoseId>&
   if (stop.stop_requested()) return interrupted();
 
   Join<Dim> result;
+  result.schedule = options.schedule;
   JoinProblem<Dim> problem(whole, gauge);
   if (options.gradual) {
     MinimiseOptions leading = ScheduleOptions::leading(options.schedule);
@@ -105,6 +113,28 @@ Expected<Join<Dim>> join(const Network<Dim>& network, const std::vector<PoseId>&
   result.features = std::move(whole.features);
   result.system = std::make_unique<JointSystem<Dim>>(std::move(problem.system()));
   return result;
+}
+
+}  // namespace
+
+double MapFit::probability() const {
+  return chi_squared_upper_tail(chi2, static_cast<double>(rows));
+}
+
+template <int Dim>
+Expected<Join<Dim>> join(const Network<Dim>& network, const std::vector<PoseId>& pose_ids,
+                         const std::vector<FeatureId>& feature_ids, const JoinOptions<Dim>& options,
+                         const std::stop_token& stop) {
+  if (options.schedule != Schedule::kAuto) return join_by(network, pose_ids, feature_ids, options, stop);
+  JoinOptions<Dim> by = options;
+  by.schedule = Schedule::kTree;
+  auto along_tree = join_by(network, pose_ids, feature_ids, by, stop);
+  if (!along_tree || fits(*along_tree)) return along_tree;
+  by.schedule = Schedule::kLeaning;
+  auto leaning = join_by(network, pose_ids, feature_ids, by, stop);
+  if (stop.stop_requested()) return interrupted();
+  const bool is_better = leaning && leaning->result.chi2 < along_tree->result.chi2 * (1.0 - kSameChi2);
+  return is_better ? std::move(leaning) : std::move(along_tree);
 }
 
 #define MAPJOIN_INSTANTIATE(Dim)                                                                                    \

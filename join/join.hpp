@@ -19,7 +19,7 @@ namespace mapjoin {
 
 template <int Dim>
 struct JoinOptions {
-  Schedule schedule = Schedule::kTree;
+  Schedule schedule = Schedule::kAuto;
   JoinedState state = JoinedState::kAbsolute;  ///< Coordinates of the steps.
   MinimiseOptions solver;                      ///< Of the last join, over all original maps.
   Pose<Dim> origin;                            ///< Where the first pose is held when the World says nothing.
@@ -44,6 +44,7 @@ struct MapFit {
 template <int Dim>
 struct Join {
   MinimiseResult result;
+  Schedule schedule = Schedule::kTree;       ///< That it was found by; of kAuto, the one of less chi2.
   std::vector<PathPoint> path;               ///< Where it was brought in gradually.
   State<Dim> state;                          ///< Of the whole network; poses that are not joined are left at the origin.
   std::vector<Index> poses;                  ///< The poses of the joined state, ascending.

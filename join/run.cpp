@@ -155,6 +155,7 @@ Expected<void> join_and_polish(const Log<Dim>& log, const Split& split, std::vec
   }();
   if (!joined) return tl::unexpected(of_source(log.source, joined.error()));
   result.join = joined->result;
+  result.schedule = joined->schedule;
   result.path = joined->path;
   result.join_dof = joined->dof();
   result.maps = joined->maps;
@@ -246,6 +247,7 @@ Expected<RunResult<Dim>> run(const MapSet<Dim>& set, const RunOptions& options, 
   }();
   if (!joined) return tl::unexpected(of_source(set.source, joined.error()));
   result.join = joined->result;
+  result.schedule = joined->schedule;
   result.path = joined->path;
   result.join_dof = result.dof = joined->dof();
   result.maps = joined->maps;

@@ -25,7 +25,7 @@ enum class Stage : std::uint8_t { kBuild, kJoin, kRecover, kPolish, kCovariances
 
 struct RunOptions {
   SplitOptions split;
-  Schedule schedule = Schedule::kTree;
+  Schedule schedule = Schedule::kAuto;
   JoinedState state = JoinedState::kAbsolute;  ///< Coordinates of the steps of a join.
   MinimiseOptions solver;                      ///< Of every least-squares problem, local maps to polish.
   bool polish = true;
@@ -59,7 +59,8 @@ struct RunFigures {
   Index poses_per_map = 0;     ///< As chosen; 0 where another rule than poses cut the log.
   std::int64_t build_iterations = 0;
   MinimiseResult join;
-  std::vector<PathPoint> path;  ///< To the join, where it was gradual.
+  Schedule schedule = Schedule::kTree;  ///< That the join was found by; of kAuto, the one of less chi2.
+  std::vector<PathPoint> path;          ///< To the join, where it was gradual.
   std::int64_t join_dof = 0;
   std::vector<MapFit> maps;              ///< How each local map fits into the join.
   std::optional<double> recovered_chi2;  ///< Of the whole log before polishing.

@@ -41,6 +41,11 @@ std::size_t joins(std::size_t stretches, Schedule schedule) {
   return schedule == Schedule::kSequential ? stretches : 2 * stretches - 1;
 }
 
+/// How many of at least two stretches are in the first of the two parts that a tree joins.
+std::size_t first_part(std::size_t stretches, Schedule schedule) {
+  return schedule == Schedule::kLeaning ? std::max<std::size_t>(1, stretches * 9 / 10) : stretches / 2;
+}
+
 template <int Dim>
 class Joiner {
  public:
@@ -62,7 +67,7 @@ class Joiner {
   /// The join of stretches [low, high) and of the closures among them.
   JoinedPieces<Dim> range(std::size_t low, std::size_t high, Closures<Dim> closures) {
     if (high - low == 1) return settled({leaves_.piece(low)}, std::move(closures));
-    const std::size_t middle = low + (high - low) / 2;
+    const std::size_t middle = low + first_part(high - low, options_.schedule);
     Closures<Dim> left, right, here;
     for (const auto* closure : closures) {
       const auto [first, last] = leaves_.stretches_of(*closure);
@@ -164,6 +169,10 @@ std::string to_string(Schedule schedule) {
       return "sequential";
     case Schedule::kTree:
       return "tree";
+    case Schedule::kLeaning:
+      return "leaning";
+    case Schedule::kAuto:
+      return "auto";
   }
   return "unknown";
 }

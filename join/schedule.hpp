@@ -17,13 +17,15 @@ enum class Schedule : std::uint8_t {
   kBatch,       ///< All maps at once, from an initial value.
   kSequential,  ///< Map by map (I-SLSJF), re-solved while the estimate moves more than a threshold.
   kTree,        ///< Pairs of neighbours, then pairs of pairs: needs no initial value.
+  kLeaning,     ///< A tree with nine tenths of the maps on its left branches: nearly map by map, at twice the cost of kTree.
+  kAuto,        ///< Along a tree; and along a leaning one, too, where the maps then do not fit together.
 };
 
-/// "batch", "sequential" or "tree".
+/// "batch", "sequential", "tree", "leaning" or "auto".
 std::string to_string(Schedule schedule);
 
 struct ScheduleOptions {
-  Schedule schedule = Schedule::kTree;
+  Schedule schedule = Schedule::kTree;         ///< Not kAuto, which is two of the others.
   JoinedState state = JoinedState::kAbsolute;  ///< Coordinates of the steps.
   MinimiseOptions inner;                       ///< Of the joins below the last one, which only have to lead to its basin.
   /// Called after every join with the number done and to do; from one thread at a time.

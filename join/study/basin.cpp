@@ -16,7 +16,7 @@ namespace {
 struct Subject {
   Covariance covariance = Covariance::kOriginal;
   bool is_joining = false;
-  SplitOptions split;
+  std::optional<SplitOptions> split;
   std::function<Expected<RunFigures>(const RunOptions&)> solve;
 };
 using Subjects = std::vector<Subject>;
@@ -28,14 +28,13 @@ Expected<RunFigures> figures_of(auto result) {
 
 template <int Dim>
 Subject full_slam(const std::shared_ptr<const Log<Dim>>& log, const std::stop_token& stop) {
-  return {log->conventions.covariance, false, {}, [log, stop](const RunOptions& options) {
-            return figures_of(solve(*log, options, stop));
-          }};
+  return {log->conventions.covariance, false, std::nullopt,
+          [log, stop](const RunOptions& options) { return figures_of(solve(*log, options, stop)); }};
 }
 
 /// Local maps are built once for all cells.
 template <int Dim>
-Expected<Subject> joining(const std::shared_ptr<const Log<Dim>>& log, Split parts, const SplitOptions& given,
+Expected<Subject> joining(const std::shared_ptr<const Log<Dim>>& log, Split parts, const std::optional<SplitOptions>& given,
                           const std::stop_token& stop) {
   auto built = build_local_maps(*log, parts, {}, stop);
   if (!built) return tl::unexpected(built.error());
@@ -77,7 +76,11 @@ BasinRun outcome(const Expected<RunFigures>& figures) {
     run.failure = figures.error().message;
     return run;
   }
-  if (std::isfinite(figures->chi2)) run.chi2 = figures->chi2;
+  if (std::isfinite(figures->chi2)) {
+    run.chi2 = figures->chi2;
+  } else {
+    run.failure = "the map is not finite";
+  }
   run.status = figures->join.status;
   run.iterations = figures->join.iterations;
   for (const PathPoint& point : figures->path) run.iterations += point.result.iterations;
@@ -183,7 +186,11 @@ Expected<Basin> basin_of(const Subjects& subjects, const BasinOptions& options, 
   Experiment experiment(subjects, options);
   experiment.run(stop);
   if (stop.stop_requested()) return tl::unexpected(Error{ErrorKind::kInterrupted, "interrupted"});
-  return std::move(experiment).judged();
+  Basin basin = std::move(experiment).judged();
+  for (const double best : basin.best_chi2) {
+    if (!std::isfinite(best)) return bad_input(basin.cells.front().runs.front().failure.value_or("no solve gives a map"));
+  }
+  return basin;
 }
 
 void demand_valid(const BasinOptions& options) {
@@ -193,7 +200,7 @@ void demand_valid(const BasinOptions& options) {
 
 /// Full SLAM, then joining along each of the splits.
 template <int Dim>
-Expected<Subjects> subjects_of(const Log<Dim>& log, const std::vector<std::pair<Split, SplitOptions>>& splits,
+Expected<Subjects> subjects_of(const Log<Dim>& log, const std::vector<std::pair<Split, std::optional<SplitOptions>>>& splits,
                                const std::stop_token& stop) {
   Subjects subjects;
   for (const auto& weighed : weighings(log)) {
@@ -208,7 +215,7 @@ Expected<Subjects> subjects_of(const Log<Dim>& log, const std::vector<std::pair<
 }
 
 template <int Dim>
-Expected<Basin> basin_along(const Log<Dim>& log, const std::vector<std::pair<Split, SplitOptions>>& splits,
+Expected<Basin> basin_along(const Log<Dim>& log, const std::vector<std::pair<Split, std::optional<SplitOptions>>>& splits,
                             const BasinOptions& options, const std::stop_token& stop) {
   return check_connected(log).and_then([&] { return subjects_of(log, splits, stop); }).and_then([&](const Subjects& subjects) {
     return basin_of(subjects, options, stop);
@@ -239,7 +246,7 @@ std::size_t BasinCell::hits() const {
 template <int Dim>
 Expected<Basin> basin(const Log<Dim>& log, const BasinOptions& options, const std::stop_token& stop) {
   demand_valid(options);
-  std::vector<std::pair<Split, SplitOptions>> splits;
+  std::vector<std::pair<Split, std::optional<SplitOptions>>> splits;
   for (const SplitOptions& given : options.splits) splits.emplace_back(split(log, given), given);
   return basin_along(log, splits, options, stop);
 }
@@ -247,7 +254,7 @@ Expected<Basin> basin(const Log<Dim>& log, const BasinOptions& options, const st
 template <int Dim>
 Expected<Basin> basin(const Log<Dim>& log, const Split& split, const BasinOptions& options, const std::stop_token& stop) {
   demand_valid(options);
-  return basin_along(log, {{split, SplitOptions{}}}, options, stop);
+  return basin_along(log, {{split, std::nullopt}}, options, stop);
 }
 
 template <int Dim>

@@ -29,7 +29,7 @@ inline constexpr std::array kBasinStarts = {Start::kComposed, Start::kZero, Star
 struct BasinOptions {
   std::vector<SplitOptions> splits = {SplitOptions{}};  ///< Of a log into the local maps that are joined.
   int seeds = 20;                                       ///< Random starts per cell: seeds 1, 2, …
-  int max_iterations = 200;                             ///< Of each solve.
+  int max_iterations = 200;                             ///< Of each solve; where gradual, of the last one.
   /// Called with the solves done and to do; from one thread at a time.
   std::function<void(std::size_t, std::size_t)> progress;
 
@@ -49,7 +49,7 @@ struct BasinRun {
 struct BasinCell {
   Covariance covariance = Covariance::kOriginal;
   Formulation formulation;
-  SplitOptions split;  ///< Of joining; as given.
+  std::optional<SplitOptions> split;  ///< Of joining; none where the maps were cut before.
   BasinMethod method = BasinMethod::kGaussNewton;
   Start start = Start::kComposed;
   std::vector<BasinRun> runs;  ///< One, or one per seed of the random start.
@@ -60,12 +60,12 @@ struct BasinCell {
 struct Basin {
   std::vector<Covariance> covariances;
   std::vector<double> best_chi2;  ///< Per covariance: the least of all cells, and of joining along a tree.
-  std::vector<BasinCell> cells;   ///< By covariance, formulation, split, method and start, in this order.
+  std::vector<BasinCell> cells;   ///< By covariance, problem, split, state, method and start, in this order.
 };
 
 /// All four formulations of a log, with its covariances and, unless these are identities, with identity covariances. Cells are
-/// solved in parallel, with the same result for any number of threads. Bad input as run(); kInterrupted on `stop`. Throws
-/// std::invalid_argument with the violations of `options`.
+/// solved in parallel, with the same result for any number of threads. Bad input as run(); and where no solve gives a map;
+/// kInterrupted on `stop`. Throws std::invalid_argument with the violations of `options`.
 template <int Dim>
 Expected<Basin> basin(const Log<Dim>& log, const BasinOptions& options, const std::stop_token& stop = {});
 

@@ -53,6 +53,8 @@ TEST_F(BasinCommand, TakesTheMapsOfAStoreAsTheyWereCut) {
   ASSERT_EQ(call({"build", path("log.g2o"), "-o", path("log.maps"), "--poses-per-map", "2", "--quiet"}).exit_code, 0);
   const json report = report_of({"basin", path("log.maps"), "--seeds", "1"});
   EXPECT_EQ(report["cells"].size(), 2U * 4 * 2 * 3);
+  EXPECT_TRUE(report["cells"][23]["local_maps"].is_null());
+  EXPECT_EQ(call({"basin", path("log.maps"), "--poses-per-map", "3"}).exit_code, 2);
 }
 
 TEST_F(BasinCommand, SaysWhichLengthsOfMapsMakeNoSense) {

@@ -62,7 +62,7 @@ TYPED_TEST_SUITE(JoinTest, testing::Dimensions);
 TYPED_TEST(JoinTest, FindsTheOptimumThatCeresFindsByEverySchedule) {
   constexpr int kDim = TestFixture::kDim;
   const auto set = this->map_set(small_world<kDim>({.poses = 60, .features = 40}), 8.0);
-  for (const auto schedule : {Schedule::kBatch, Schedule::kSequential, Schedule::kTree}) {
+  for (const auto schedule : {Schedule::kBatch, Schedule::kSequential, Schedule::kLeaning, Schedule::kTree}) {
     RunOptions options;
     options.schedule = schedule;
     const auto joined = run(set, options);
@@ -158,7 +158,7 @@ TYPED_TEST(JoinTest, MapsThatObserveFromOnePoseAreAllJoined) {
 TYPED_TEST(JoinTest, ReportsEveryJoinOnTheWay) {
   constexpr int kDim = TestFixture::kDim;
   const auto set = this->map_set(small_world<kDim>(), 5.0);
-  for (const auto schedule : {Schedule::kBatch, Schedule::kSequential, Schedule::kTree}) {
+  for (const auto schedule : {Schedule::kBatch, Schedule::kSequential, Schedule::kLeaning, Schedule::kTree}) {
     std::size_t last = 0;
     std::size_t total = 0;
     RunOptions options;

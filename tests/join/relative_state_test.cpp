@@ -152,7 +152,7 @@ TYPED_TEST(RelativeStateTest, BothStatesHaveOneOptimum) {
   const auto absolute = run(world.log, options);
   ASSERT_TRUE(absolute) << absolute.error().message;
   for (const auto method : {Method::kGaussNewton, Method::kDogleg, Method::kLevenbergMarquardt}) {
-    for (const auto schedule : {Schedule::kBatch, Schedule::kSequential, Schedule::kTree}) {
+    for (const auto schedule : {Schedule::kBatch, Schedule::kSequential, Schedule::kLeaning, Schedule::kTree}) {
       options.state = JoinedState::kRelative;
       options.solver.method = method;
       options.schedule = schedule;

@@ -3,6 +3,7 @@
 
 #include <mapjoin/join/run.hpp>
 #include <mapjoin/measure/chi2.hpp>
+#include <mapjoin/simulate/manhattan.hpp>
 #include <tests/support/ceres_reference.hpp>
 #include <tests/support/dense_slam.hpp>
 #include <tests/support/dimensions.hpp>
@@ -169,6 +170,44 @@ TYPED_TEST(RunTest, DegreesOfFreedomAreTheRowsLessTheUnknowns) {
   const auto rows = edges * kPoseDof<kDim> + static_cast<std::int64_t>(log.observations.size()) * kDim;
   const auto unknowns = static_cast<std::int64_t>((log.poses.size() - 1) * kPoseDof<kDim> + log.features.size() * kDim);
   EXPECT_EQ(result->dof, rows - unknowns);
+}
+
+/// A walk with odometry of 0.6 m and 8 degrees a step that sees a feature every other step.
+Simulation<2> poor_world(std::uint64_t seed) {
+  ManhattanOptions options;
+  options.seed = seed;
+  options.feature_cell = 7.5;
+  options.step_noise *= 20.0;
+  options.turn_noise *= 20.0;
+  return simulate_manhattan<2>(options);
+}
+
+TEST(AutoSchedule, JoinsAlongALeaningTreeWhereMapsDoNotFit) {
+  const Simulation<2> world = poor_world(21);
+  RunOptions options;
+  const auto found = run(world.log, options).value();
+  options.schedule = Schedule::kTree;
+  const auto along_tree = run(world.log, options).value();
+  EXPECT_EQ(found.schedule, Schedule::kLeaning);
+  EXPECT_LT(found.chi2, along_tree.chi2 - 1.0);
+  const auto from_truth = testing::ceres_optimum(world.log, State<2>{world.truth.poses, world.truth.features});
+  EXPECT_NEAR(found.chi2, from_truth.chi2, 1e-6 * found.chi2);
+}
+
+TEST(AutoSchedule, IsATreeWhereMapsFit) {
+  const Simulation<2> world = simulate_manhattan<2>({.poses = 300});
+  const auto found = run(world.log, RunOptions{}).value();
+  RunOptions options;
+  options.schedule = Schedule::kTree;
+  EXPECT_EQ(found.schedule, Schedule::kTree);
+  EXPECT_EQ(found.chi2, run(world.log, options).value().chi2);
+}
+
+TEST(AutoSchedule, KeepsTheFirstMapWhereTheSecondIsNoBetter) {
+  auto world = small_world<2>({.poses = 60, .noise = 0.2});
+  const auto found = run(world.log, RunOptions{}).value();
+  EXPECT_GT(found.join.chi2, 2.0 * static_cast<double>(found.join_dof));
+  EXPECT_EQ(found.schedule, Schedule::kTree);
 }
 
 }  // namespace

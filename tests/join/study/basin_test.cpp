@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <mapjoin/join/study/basin.hpp>
+#include <mapjoin/localmap/build.hpp>
 #include <tests/support/ceres_reference.hpp>
 #include <tests/support/data.hpp>
 #include <tests/support/dimensions.hpp>
@@ -12,7 +13,6 @@
 namespace mapjoin {
 namespace {
 
-using ::testing::HasSubstr;
 using ::testing::SizeIs;
 
 template <typename D>
@@ -81,6 +81,35 @@ TYPED_TEST(BasinTest, TakesASplitThatWasMadeBefore) {
   const auto& log = this->world_.log;
   const auto found = basin(log, split(log, this->options_.splits.front()), this->options_).value();
   EXPECT_THAT(found.cells, SizeIs(2 * (2 + 2) * 2 * 3));
+}
+
+TYPED_TEST(BasinTest, JoinsASetOfLocalMaps) {
+  constexpr int kDim = TestFixture::kDim;
+  MapSet<kDim> set;
+  const auto& log = this->world_.log;
+  Split parts = split(log, this->options_.splits.front());
+  set.maps = build_local_maps(log, parts, {}).value().maps;
+  set.poses = log.poses;
+  set.features = log.features;
+  set.pose_observations = log.closures;
+  set.stretches = parts.stretches;
+  const auto found = basin(set, this->options_).value();
+  EXPECT_THAT(found.cells, SizeIs(2 * 2 * 2 * 3));
+  EXPECT_NEAR(found.best_chi2[0], run(set, RunOptions{}).value().chi2, 1e-6 * found.best_chi2[0]);
+  for (const BasinCell& cell : found.cells) {
+    EXPECT_TRUE(cell.formulation.is_joining);
+    if (cell.start == Start::kComposed) EXPECT_EQ(cell.hits(), 1U);
+  }
+}
+
+TYPED_TEST(BasinTest, SaysWhyThereIsNoMapAtAll) {
+  auto log = this->world_.log;
+  for (auto& edge : log.odometry) edge.information.setZero();
+  log.closures.clear();
+  log.observations.clear();
+  const auto found = basin(log, this->options_);
+  ASSERT_FALSE(found);
+  EXPECT_EQ(found.error().kind, ErrorKind::kBadInput);
 }
 
 TYPED_TEST(BasinTest, RefusesAnExperimentWithoutSeedsOrSplits) {
