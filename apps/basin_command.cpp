@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // `mapjoin basin`: the experiment of the paper's Table I.
 
+#include <algorithm>
 #include <apps/basin_report.hpp>
 #include <apps/call.hpp>
 #include <apps/commands.hpp>
@@ -28,13 +29,14 @@ struct BasinCall {
 /// Numbers of poses, or "auto", between commas.
 std::optional<std::string> take_splits(const std::string& words, std::vector<SplitOptions>& splits) {
   splits.clear();
-  std::istringstream list(words);
+  std::istringstream list(words + ",");
   for (std::string word; std::getline(list, word, ',');) {
     const std::optional<int> poses = number_in<int>(word);
     if (word != "auto" && (!poses || *poses < 1)) return "not auto, nor whole numbers from 1 on with commas between them";
-    splits.push_back(word == "auto" ? SplitOptions{} : SplitOptions{SplitRule::kPoses, static_cast<double>(*poses)});
+    const SplitOptions split = word == "auto" ? SplitOptions{} : SplitOptions{SplitRule::kPoses, static_cast<double>(*poses)};
+    const auto is_same = [&](const SplitOptions& other) { return other.rule == split.rule && other.amount == split.amount; };
+    if (std::none_of(splits.begin(), splits.end(), is_same)) splits.push_back(split);
   }
-  if (splits.empty()) return "empty";
   return std::nullopt;
 }
 

@@ -5,6 +5,7 @@
 #include <apps/chart.hpp>
 #include <apps/convexity_report.hpp>
 #include <cmath>
+#include <mapjoin/measure/observation_curvature.hpp>
 #include <numbers>
 #include <utility>
 
@@ -50,14 +51,15 @@ std::string region_picture() {
   chart.y = {.label = "|δ| / |Z|", .low = 0.0, .high = kFarthest};
   chart.width = 560.0;
   chart.height = 400.0;
-  // The ratio of σ_φ to σ/|Z|; the border is |δ|/|Z| cos φ = 1 - 1/ratio².
+  // The ratio of σ_φ to σ/|Z|.
   const std::vector<std::pair<double, std::string>> headings = {
       {INFINITY, "heading unknown"}, {2.0, "σφ = 2 σ/|Z|"}, {1.5, "σφ = 1.5 σ/|Z|"}, {1.2, "σφ = 1.2 σ/|Z|"}};
   for (const auto& [ratio, name] : headings) {
     Curve curve;
     curve.name = name;
+    const ObservationTerm term{{1.0, 0.0}, 1.0 / (ratio * ratio)};
     for (int degrees = -89; degrees <= 89; ++degrees) {
-      const double border = (1.0 - 1.0 / (ratio * ratio)) / std::cos(degrees * std::numbers::pi / 180.0);
+      const double border = term.border(degrees * std::numbers::pi / 180.0);
       CurvePoint point{static_cast<double>(degrees), border};
       if (std::isinf(ratio) && border <= kFarthest) {
         point.low = border;

@@ -67,7 +67,7 @@ void schedules(const Arguments& arguments) {
       fmt::print(stderr, "{}\n", data.error().message);
       continue;
     }
-    for (const Schedule schedule : {Schedule::kTree, Schedule::kLeaning, Schedule::kSequential, Schedule::kBatch}) {
+    for (const Schedule schedule : {Schedule::kTree, Schedule::kSequential, Schedule::kBatch}) {
       RunOptions options;
       options.schedule = schedule;
       const auto print = [&](const auto& result) {
@@ -175,7 +175,7 @@ int main(int argc, char** argv) {
   CLI::App app("Tables of results, in Markdown");
   app.require_subcommand(1);
   auto* schedules =
-      app.add_subcommand("schedules", "What tree, leaning, sequential and batch reach on each log or set of local maps");
+      app.add_subcommand("schedules", "What tree, sequential and batch reach on each log or set of local maps");
   auto* splits = app.add_subcommand("splits", "What the number of poses per local map changes");
   auto* courses = app.add_subcommand("courses", "chi2 after each Gauss-Newton step from the composed start, in either state");
   for (auto* command : {schedules, splits, courses}) {

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <mapjoin/graph/connectivity.hpp>
 #include <mapjoin/join/study/comparison.hpp>
+#include <stdexcept>
 #include <utility>
 
 namespace mapjoin {
@@ -147,6 +148,10 @@ int CaseFigures::join_iterations() const {
 template <int Dim>
 Expected<Comparison<Dim>> compare(const Log<Dim>& log, const ComparisonOptions<Dim>& options, const std::stop_token& stop) {
   if (auto connected = check_connected(log); !connected) return tl::unexpected(connected.error());
+  if (options.cases.empty()) throw std::invalid_argument("there is no case to compare");
+  for (const ComparedCase& way : options.cases) {
+    if (way.poses_per_map < 1) throw std::invalid_argument("a local map has at least one step");
+  }
   Comparison<Dim> comparison;
   for (const ComparedCase& way : options.cases) {
     if (options.progress) options.progress(comparison.cases.size());

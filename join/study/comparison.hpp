@@ -100,7 +100,7 @@ struct ComparisonOptions {
 
 /// Works through the cases one after the other, so that each has the machine to itself. A case that gives no map says why; bad
 /// input where none gives one, or the log falls apart; kInterrupted on `stop`. But for Effort and RunFigures::seconds, the same
-/// for any number of threads.
+/// for any number of threads. Throws std::invalid_argument without cases, or with one of no steps per map.
 template <int Dim>
 Expected<Comparison<Dim>> compare(const Log<Dim>& log, const ComparisonOptions<Dim>& options, const std::stop_token& stop = {});
 

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include <cmath>
 #include <mapjoin/measure/observation_curvature.hpp>
 
 namespace mapjoin {
@@ -19,6 +20,10 @@ Matrix<3> ObservationTerm::hessian(double heading_error, const Point<2>& delta) 
 bool ObservationTerm::is_convex_at(double heading_error, const Point<2>& delta) const {
   const Point<2> u = Rotation<2>(heading_error).matrix() * measured;
   return u.dot(delta) + heading_weight >= measured.squaredNorm();
+}
+
+double ObservationTerm::border(double heading_error) const {
+  return (measured.squaredNorm() - heading_weight) / (measured.norm() * std::cos(heading_error));
 }
 
 }  // namespace mapjoin

@@ -29,6 +29,8 @@ struct ObservationTerm {
   /// Over (φ̃, δ_x, δ_y).
   Matrix<3> hessian(double heading_error, const Point<2>& delta) const;
   bool is_convex_at(double heading_error, const Point<2>& delta) const;
+  /// The least |δ| (m) at which the term is convex, for δ in the direction of Ẑ and |φ̃| < π/2; negative: any.
+  double border(double heading_error) const;
 };
 
 }  // namespace mapjoin

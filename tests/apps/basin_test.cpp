@@ -58,7 +58,7 @@ TEST_F(BasinCommand, TakesTheMapsOfAStoreAsTheyWereCut) {
 }
 
 TEST_F(BasinCommand, SaysWhichLengthsOfMapsMakeNoSense) {
-  for (const std::string wrong : {"0", "3,,4", "ten", "", "5;6"}) {
+  for (const std::string wrong : {"0", "3,,4", "ten", "", "5;6", "5,"}) {
     const Ended ended = call({"basin", path("log.g2o"), "--poses-per-map", wrong});
     EXPECT_EQ(ended.exit_code, 2) << wrong;
     EXPECT_THAT(ended.err, HasSubstr("--poses-per-map"));

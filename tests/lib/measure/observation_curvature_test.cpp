@@ -63,5 +63,15 @@ TEST(ObservationTerm, HasEveryMinimumOnTheBorder) {
   }
 }
 
+TEST(ObservationTerm, IsConvexFromItsBorderOn) {
+  for (const double heading_error : {-1.2, -0.3, 0.0, 0.8}) {
+    const ObservationTerm term{{3.0, 4.0}, 6.0};
+    const Point<2> direction(0.6, 0.8);
+    const double border = term.border(heading_error);
+    EXPECT_TRUE(term.is_convex_at(heading_error, 1.001 * border * direction));
+    EXPECT_FALSE(term.is_convex_at(heading_error, 0.999 * border * direction));
+  }
+}
+
 }  // namespace
 }  // namespace mapjoin
