@@ -88,7 +88,8 @@ void Subcommand::number(const std::string& name, T& value, T least, const std::s
 }
 
 bool Subcommand::is_given(const std::string& name) const {
-  return app_->count(name) > 0;
+  const CLI::Option* option = app_->get_option_no_throw(name);
+  return option != nullptr && option->count() > 0;
 }
 
 bool Subcommand::is_chosen() const {

@@ -74,6 +74,7 @@ class Subcommand {
   void check(std::function<std::vector<std::string>()> violations) { checks_.push_back(std::move(violations)); }
   void act(Action action) { action_ = std::move(action); }
 
+  /// Not where there is no such option either.
   bool is_given(const std::string& name) const;
   bool is_chosen() const;
   /// kUsage with every violation where there is one.

@@ -7,6 +7,7 @@
 #include <mapjoin/localmap/build.hpp>
 #include <tests/support/ceres_reference.hpp>
 #include <tests/support/dimensions.hpp>
+#include <tests/support/small_map_set.hpp>
 #include <tests/support/small_world.hpp>
 
 namespace mapjoin {
@@ -20,33 +21,6 @@ class JoinTest : public ::testing::Test {
  protected:
   static constexpr int kDim = D::value;
 
-  /// The local maps of a small world as a set of which nothing else is known; closures go along.
-  static MapSet<kDim> map_set(const testing::SmallWorld<kDim>& world, double poses_per_map) {
-    Split parts = split(world.log, {SplitRule::kPoses, poses_per_map});
-    MapSet<kDim> set;
-    set.source = "maps";
-    set.maps = build_local_maps<kDim>(world.log, parts, {}).value().maps;
-    // Only what is kept has a place in the set.
-    std::vector<Index> place(world.log.poses.size(), -1);
-    for (std::size_t p = 0; p < place.size(); ++p) {
-      if (!parts.kept[p]) continue;
-      place[p] = static_cast<Index>(set.poses.size());
-      set.poses.push_back(world.log.poses[p]);
-    }
-    const auto placed = [&](Index pose) { return place[static_cast<std::size_t>(pose)]; };
-    for (auto& map : set.maps) {
-      map.base = placed(map.base);
-      for (Index& pose : map.poses) pose = placed(pose);
-      set.stretches.push_back({map.base, map.poses.back(), true});
-    }
-    for (auto closure : world.log.closures) {
-      closure.base = placed(closure.base);
-      closure.target = placed(closure.target);
-      set.pose_observations.push_back(closure);
-    }
-    set.features = world.log.features;
-    return set;
-  }
   static State<kDim> state_of(const RunResult<kDim>& result) { return {result.map.poses, result.map.features}; }
   /// Without the elimination of private features.
   static Network<kDim> uncondensed(const MapSet<kDim>& set) {
@@ -61,7 +35,7 @@ TYPED_TEST_SUITE(JoinTest, testing::Dimensions);
 
 TYPED_TEST(JoinTest, FindsTheOptimumThatCeresFindsByEverySchedule) {
   constexpr int kDim = TestFixture::kDim;
-  const auto set = this->map_set(small_world<kDim>({.poses = 60, .features = 40}), 8.0);
+  const auto set = testing::small_map_set(small_world<kDim>({.poses = 60, .features = 40}), 8.0);
   for (const auto schedule : {Schedule::kBatch, Schedule::kSequential, Schedule::kLeaning, Schedule::kTree}) {
     RunOptions options;
     options.schedule = schedule;
@@ -76,7 +50,7 @@ TYPED_TEST(JoinTest, FindsTheOptimumThatCeresFindsByEverySchedule) {
 
 TYPED_TEST(JoinTest, EliminatingPrivateFeaturesChangesNothing) {
   constexpr int kDim = TestFixture::kDim;
-  const auto set = this->map_set(small_world<kDim>({.features = 40, .range = 2.5}), 10.0);
+  const auto set = testing::small_map_set(small_world<kDim>({.features = 40, .range = 2.5}), 10.0);
   const Network<kDim> condensed = network_of(set);
   const Network<kDim> whole = this->uncondensed(set);
   ASSERT_GT(std::count(condensed.is_private.begin(), condensed.is_private.end(), true), 0);
@@ -91,7 +65,7 @@ TYPED_TEST(JoinTest, EliminatingPrivateFeaturesChangesNothing) {
 
 TYPED_TEST(JoinTest, SaysHowEveryMapFits) {
   constexpr int kDim = TestFixture::kDim;
-  auto set = this->map_set(small_world<kDim>({.poses = 60, .features = 40, .closures = 0, .noise = 0.01}), 10.0);
+  auto set = testing::small_map_set(small_world<kDim>({.poses = 60, .features = 40, .closures = 0, .noise = 0.01}), 10.0);
   const auto right = run(set, RunOptions{});
   ASSERT_TRUE(right);
   ASSERT_EQ(right->maps.size(), set.maps.size());
@@ -115,7 +89,7 @@ TYPED_TEST(JoinTest, SaysHowEveryMapFits) {
 
 TYPED_TEST(JoinTest, AClosureMayLeadEitherWay) {
   constexpr int kDim = TestFixture::kDim;
-  auto set = this->map_set(small_world<kDim>({.features = 0, .closures = 1, .noise = 0.0}), 8.0);
+  auto set = testing::small_map_set(small_world<kDim>({.features = 0, .closures = 1, .noise = 0.0}), 8.0);
   for (int way = 0; way < 2; ++way) {
     const auto joined = run(set, RunOptions{});
     ASSERT_TRUE(joined);
@@ -157,7 +131,7 @@ TYPED_TEST(JoinTest, MapsThatObserveFromOnePoseAreAllJoined) {
 
 TYPED_TEST(JoinTest, ReportsEveryJoinOnTheWay) {
   constexpr int kDim = TestFixture::kDim;
-  const auto set = this->map_set(small_world<kDim>(), 5.0);
+  const auto set = testing::small_map_set(small_world<kDim>(), 5.0);
   for (const auto schedule : {Schedule::kBatch, Schedule::kSequential, Schedule::kLeaning, Schedule::kTree}) {
     std::size_t last = 0;
     std::size_t total = 0;

@@ -4,11 +4,10 @@
 
 #include <algorithm>
 #include <mapjoin/join/study/basin.hpp>
-#include <mapjoin/localmap/build.hpp>
 #include <tests/support/ceres_reference.hpp>
 #include <tests/support/data.hpp>
 #include <tests/support/dimensions.hpp>
-#include <tests/support/small_world.hpp>
+#include <tests/support/small_map_set.hpp>
 
 namespace mapjoin {
 namespace {
@@ -84,21 +83,15 @@ TYPED_TEST(BasinTest, TakesASplitThatWasMadeBefore) {
 }
 
 TYPED_TEST(BasinTest, JoinsASetOfLocalMaps) {
-  constexpr int kDim = TestFixture::kDim;
-  MapSet<kDim> set;
-  const auto& log = this->world_.log;
-  Split parts = split(log, this->options_.splits.front());
-  set.maps = build_local_maps(log, parts, {}).value().maps;
-  set.poses = log.poses;
-  set.features = log.features;
-  set.pose_observations = log.closures;
-  set.stretches = parts.stretches;
-  const auto found = basin(set, this->options_).value();
+  const auto set = testing::small_map_set(this->world_, 5.0);
+  const auto done = basin(set, this->options_);
+  ASSERT_TRUE(done) << done.error().message;
+  const Basin& found = *done;
   EXPECT_THAT(found.cells, SizeIs(2 * 2 * 2 * 3));
   EXPECT_NEAR(found.best_chi2[0], run(set, RunOptions{}).value().chi2, 1e-6 * found.best_chi2[0]);
   for (const BasinCell& cell : found.cells) {
     EXPECT_TRUE(cell.formulation.is_joining);
-    if (cell.start == Start::kComposed) EXPECT_EQ(cell.hits(), 1U);
+    EXPECT_TRUE(cell.start != Start::kComposed || cell.hits() == 1) << to_string(cell.method);
   }
 }
 
