@@ -9,7 +9,6 @@
 #include <apps/study_output.hpp>
 #include <memory>
 #include <optional>
-#include <sstream>
 #include <variant>
 
 namespace mapjoin::apps {
@@ -29,8 +28,7 @@ struct BasinCall {
 /// Numbers of poses, or "auto", between commas.
 std::optional<std::string> take_splits(const std::string& words, std::vector<SplitOptions>& splits) {
   splits.clear();
-  std::istringstream list(words + ",");
-  for (std::string word; std::getline(list, word, ',');) {
+  for (const std::string& word : words_between_commas(words)) {
     const std::optional<int> poses = number_in<int>(word);
     if (word != "auto" && (!poses || *poses < 1)) return "not auto, nor whole numbers from 1 on with commas between them";
     const SplitOptions split = word == "auto" ? SplitOptions{} : SplitOptions{SplitRule::kPoses, static_cast<double>(*poses)};
@@ -57,7 +55,7 @@ StudyOutput output_of(const Basin& basin, const Account& account) {
 
 Expected<ExitCode> run_basin(const BasinCall& asked, const std::stop_token& stop) {
   Call call("basin", asked.shared, stop);
-  auto folder = study_folder(asked.shared);
+  auto folder = output_folder(asked.shared.output);
   if (!folder) return tl::unexpected(folder.error());
   if (auto ready = call.check_report(); !ready) return tl::unexpected(ready.error());
   BasinOptions options = asked.basin;

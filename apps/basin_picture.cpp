@@ -2,6 +2,7 @@
 #include <fmt/format.h>
 
 #include <apps/basin_report.hpp>
+#include <apps/markup.hpp>
 #include <apps/words.hpp>
 #include <array>
 #include <cmath>
@@ -77,11 +78,7 @@ std::string basin_picture(const Basin& basin) {
   const std::size_t rows = basin.cells.size() / (basin.covariances.size() * starts);
   const double width = column_at(basin.covariances.size() - 1, starts) + kMargin;
   const double height = row_at(rows) + kMargin;
-  std::string svg = fmt::format(
-      "<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 {0:.0f} {1:.0f}\" width=\"{0:.0f}\" height=\"{1:.0f}\" "
-      "font-family=\"sans-serif\" font-size=\"13\">\n<rect width=\"100%\" height=\"100%\" fill=\"white\"/>\n",
-      width, height);
-  svg += heading(basin);
+  std::string svg = svg_head(width, height, 13.0) + heading(basin);
   for (std::size_t k = 0; k < basin.cells.size(); ++k) {
     const BasinCell& cell = basin.cells[k];
     const std::size_t covariance = k / (rows * starts);

@@ -9,7 +9,6 @@
 #include <apps/table.hpp>
 #include <apps/words.hpp>
 #include <cmath>
-#include <mapjoin/version.hpp>
 #include <nlohmann/json.hpp>
 
 namespace mapjoin::apps {
@@ -56,14 +55,9 @@ const char* problem(const BasinCell& cell) {
   return cell.formulation.is_joining ? "joining" : "full_slam";
 }
 
-/// Of a run of a random start.
-std::int64_t seed_of(std::size_t run) {
-  return static_cast<std::int64_t>(run) + 1;
-}
-
 Json json_of(const BasinCell& cell, std::size_t k) {
   const BasinRun& run = cell.runs[k];
-  return {{"seed", cell.start == Start::kRandom ? Json(seed_of(k)) : Json()},
+  return {{"seed", cell.start == Start::kRandom ? Json(BasinCell::seed_of(k)) : Json()},
           {"ends", ending(run)},
           {"chi2", std::isfinite(run.chi2) ? Json(run.chi2) : Json()},
           {"iterations", run.iterations},
@@ -137,11 +131,11 @@ std::string basin_csv(const Basin& basin) {
   for (const BasinCell& cell : basin.cells) {
     for (std::size_t k = 0; k < cell.runs.size(); ++k) {
       const BasinRun& run = cell.runs[k];
-      table.rows.push_back(
-          {{word(cell.covariance), problem(cell), to_string(cell.formulation.state), split_in_words(cell),
-            to_string(cell.method), to_string(cell.start), cell.start == Start::kRandom ? Cell(seed_of(k)) : Cell(),
-            ending(run), std::isfinite(run.chi2) ? Cell(run.chi2) : Cell(), std::int64_t{run.iterations},
-            run.failure ? Cell() : Cell(to_string(run.status))}});
+      table.rows.push_back({{word(cell.covariance), problem(cell), to_string(cell.formulation.state), split_in_words(cell),
+                             to_string(cell.method), to_string(cell.start),
+                             cell.start == Start::kRandom ? Cell(static_cast<std::int64_t>(BasinCell::seed_of(k))) : Cell(),
+                             ending(run), std::isfinite(run.chi2) ? Cell(run.chi2) : Cell(), std::int64_t{run.iterations},
+                             run.failure ? Cell() : Cell(to_string(run.status))}});
     }
   }
   return csv(table);

@@ -238,11 +238,7 @@ std::string svg(const std::vector<Chart>& charts, std::size_t columns) {
     width = std::max(width, row_width);
     height += row_height;
   }
-  return fmt::format(
-             "<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 {0:.0f} {1:.0f}\" width=\"{0:.0f}\" height=\"{1:.0f}\" "
-             "font-family=\"sans-serif\" font-size=\"{2:.0f}\">\n<rect width=\"100%\" height=\"100%\" fill=\"white\"/>\n",
-             width, height + 10.0, kFont) +
-         panels + "</svg>\n";
+  return svg_head(width, height + 10.0, kFont) + panels + "</svg>\n";
 }
 
 }  // namespace mapjoin::apps

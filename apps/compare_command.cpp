@@ -11,13 +11,12 @@
 #include <apps/compare_table.hpp>
 #include <apps/console.hpp>
 #include <apps/distinct.hpp>
-#include <apps/output_folder.hpp>
+#include <apps/study_output.hpp>
 #include <apps/summary.hpp>
 #include <apps/words.hpp>
 #include <mapjoin/io/output_file.hpp>
 #include <memory>
 #include <optional>
-#include <sstream>
 #include <utility>
 #include <variant>
 
@@ -39,8 +38,7 @@ struct CompareOptions {
 /// Whole numbers with commas between them. 1 would be full SLAM, which is there in any case.
 std::optional<std::string> take_list(const std::string& word, std::vector<Index>& list) {
   list.clear();
-  std::istringstream words(word + ",");
-  for (std::string one; std::getline(words, one, ',');) {
+  for (const std::string& one : words_between_commas(word)) {
     const std::optional<int> number = number_in<int>(one);
     if (!number || *number < 2 || *number > kLongestMap) {
       return fmt::format("not whole numbers from 2 to {} with commas between them", kLongestMap);
@@ -119,32 +117,16 @@ std::string compare_summary(const Account& account, const ComparisonFigures& com
   return text;
 }
 
+/// What is read of it by people and programs; the page is made for the folder only.
 template <int Dim>
-Expected<void> write_folder(const Account& account, const Comparison<Dim>& comparison, const OtherWeights& other,
-                            const GlobalMap<Dim>& other_map, const Log<Dim>& log, OutputFolder& folder) {
-  return write_file(folder.aside(kNames[0]), compare_report(account, comparison, other))
-      .and_then([&] { return write_file(folder.aside(kNames[1]), csv(whole_table(comparison))); })
-      .and_then([&] {
-        return write_file(folder.aside(kNames[2]), compare_page(account, comparison, other, other_map, log.sessions));
-      })
-      .and_then([&] { return folder.commit(kNames); });
-}
-
-Expected<ExitCode> conclude(const Call& call, const ComparisonFigures& comparison, const OtherWeights& other) {
-  const Options& options = call.options();
-  const std::string json = compare_report(call.account, comparison, other);
-  Expected<void> told;
-  if (!options.report.empty() && !options.report_on_stdout()) told = write_file(options.report, json);
-  if (!told) return tl::unexpected(told.error());
-  if (options.report_on_stdout()) {
-    told = write_stdout(json);
-  } else if (!options.quiet) {
-    told = write_stdout(compare_summary(call.account, comparison, other));
-  }
-  if (!told) return tl::unexpected(told.error());
-  if (comparison.cases[comparison.best].run.converged()) return ExitCode::kDone;
-  say("the best map did not converge");
-  return ExitCode::kDidNotConverge;
+StudyOutput output_of(const Account& account, const Comparison<Dim>& comparison, const OtherWeights& other,
+                      const GlobalMap<Dim>& other_map, const Log<Dim>& log, bool has_folder) {
+  StudyOutput output{compare_summary(account, comparison, other), compare_report(account, comparison, other), {}};
+  if (!has_folder) return output;
+  output.files = {{kNames[0], output.json},
+                  {kNames[1], csv(whole_table(comparison))},
+                  {kNames[2], compare_page(account, comparison, other, other_map, log.sessions)}};
+  return output;
 }
 
 template <int Dim>
@@ -182,26 +164,24 @@ Expected<ExitCode> compare_on(Call& call, const CompareOptions& options, const L
   if (!other) return tl::unexpected(other.error());
   if (folder) {
     for (const std::string& name : kNames) call.account.files.push_back(folder->file(name).string());
-    const auto written = write_folder(call.account, *comparison, *other, other_map, log, *folder);
-    if (!written) return tl::unexpected(written.error());
   }
-  return conclude(call, *comparison, *other);
+  const StudyOutput output = output_of(call.account, *comparison, *other, other_map, log, folder.has_value());
+  if (auto told = hand_over(output, call.options(), folder); !told) return tl::unexpected(told.error());
+  if (comparison->cases[comparison->best].run.converged()) return ExitCode::kDone;
+  say("the best map did not converge");
+  return ExitCode::kDidNotConverge;
 }
 
 Expected<ExitCode> compare_log(const CompareOptions& options, const std::stop_token& stop) {
   Options as_given = options.common;
   as_given.covariance = Covariance::kOriginal;
   Call call("compare", as_given, stop);
-  std::optional<OutputFolder> folder;
-  if (!as_given.output.empty()) {
-    auto made = OutputFolder::create(as_given.output);
-    if (!made) return tl::unexpected(made.error());
-    folder.emplace(std::move(*made));
-  }
+  auto folder = output_folder(as_given.output);
+  if (!folder) return tl::unexpected(folder.error());
   if (auto ready = call.check_report(); !ready) return tl::unexpected(ready.error());
   const auto log = call.read_log();
   if (!log) return tl::unexpected(log.error());
-  return std::visit([&](const auto& any) { return compare_on(call, options, any, folder); }, *log);
+  return std::visit([&](const auto& any) { return compare_on(call, options, any, *folder); }, *log);
 }
 
 }  // namespace

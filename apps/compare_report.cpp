@@ -49,7 +49,7 @@ Json effort_of(const CaseFigures& figures) {
 
 Json json_of(const std::vector<std::size_t>& spans, const CaseFigures& figures) {
   const ComparedCase& way = figures.way;
-  Json json = {{"formulation", way.is_full_slam() ? "full SLAM" : "joining"},
+  Json json = {{"formulation", problem_in_words(way.formulation())},
                {"steps_per_map", way.poses_per_map},
                {"state", to_string(way.state)},
                {"schedule", schedule_in_words(way)},

@@ -103,7 +103,7 @@ Table with_columns(std::vector<Column> begin, const Figures& figures) {
 }
 
 std::vector<Cell> problem_of(const CaseFigures& c) {
-  return {std::string(c.way.is_full_slam() ? "full SLAM" : "joining"), std::int64_t{c.way.poses_per_map}};
+  return {problem_in_words(c.way.formulation()), std::int64_t{c.way.poses_per_map}};
 }
 
 /// One row per case.

@@ -46,7 +46,7 @@ StudyOutput output_of(const Convexity& found, const ConvexityOptions& options, c
 
 Expected<ExitCode> run_convexity(const ConvexityCall& asked, const std::stop_token& stop) {
   Call call("convexity", asked.shared, stop);
-  auto folder = study_folder(asked.shared);
+  auto folder = output_folder(asked.shared.output);
   if (!folder) return tl::unexpected(folder.error());
   if (auto ready = call.check_report(); !ready) return tl::unexpected(ready.error());
   ConvexityOptions options = asked.convexity;

@@ -15,10 +15,6 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-const char* problem_of(const Formulation& formulation) {
-  return formulation.is_joining ? "joining" : "full SLAM";
-}
-
 std::string pairs_in_words(const ConvexityOptions& options) {
   const std::string states =
       options.source == StateSource::kBox
@@ -34,7 +30,7 @@ std::string best_in_words(const Convexity& found) {
   std::string words;
   for (std::size_t f = 0; f < found.size(); f += 2) {
     words += fmt::format("{}chi2 {:.6f} of {}, {:.6g} at the composed start", f == 0 ? "" : "; ", found[f].first_step.best_chi2,
-                         problem_of(found[f].formulation), found[f].first_step.start_chi2);
+                         problem_in_words(found[f].formulation), found[f].first_step.start_chi2);
   }
   return words;
 }
@@ -62,7 +58,7 @@ Json json_of(const FormulationFigures& figures) {
     pairs.push_back(std::move(pair));
   }
   const auto share = figures.first_step.share();
-  return {{"formulation", problem_of(figures.formulation)},
+  return {{"formulation", problem_in_words(figures.formulation)},
           {"state", to_string(figures.formulation.state)},
           {"convexity", json_of(figures.curvature)},
           {"quadratic",
@@ -110,8 +106,8 @@ std::string convexity_csv(const Convexity& found) {
       const std::vector<double>& values = figures.segments[pair].values;
       for (std::size_t k = 0; k < values.size(); ++k) {
         const double lambda = static_cast<double>(k) / static_cast<double>(values.size() - 1);
-        csv += fmt::format("{},{},{},{:.9g},{:.17g}\n", problem_of(figures.formulation), to_string(figures.formulation.state),
-                           pair + 1, lambda, values[k]);
+        csv += fmt::format("{},{},{},{:.9g},{:.17g}\n", problem_in_words(figures.formulation),
+                           to_string(figures.formulation.state), pair + 1, lambda, values[k]);
       }
     }
   }

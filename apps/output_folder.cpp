@@ -63,4 +63,9 @@ Expected<void> OutputFolder::commit(const std::vector<std::string>& names) {
   return {};
 }
 
+Expected<std::optional<OutputFolder>> output_folder(const fs::path& path) {
+  if (path.empty()) return std::nullopt;
+  return OutputFolder::create(path).map([](OutputFolder&& folder) { return std::optional(std::move(folder)); });
+}
+
 }  // namespace mapjoin::apps

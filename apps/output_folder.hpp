@@ -4,6 +4,7 @@
 
 #include <filesystem>
 #include <mapjoin/model/error.hpp>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -32,5 +33,8 @@ class OutputFolder {
   std::filesystem::path aside_;              ///< Empty once moved from.
   std::vector<std::filesystem::path> made_;  ///< Innermost first.
 };
+
+/// The folder that a call asks for, before its work; none where the path is empty. As OutputFolder::create().
+Expected<std::optional<OutputFolder>> output_folder(const std::filesystem::path& path);
 
 }  // namespace mapjoin::apps

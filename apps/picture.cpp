@@ -12,6 +12,7 @@
 namespace mapjoin::apps {
 namespace {
 
+constexpr double kFont = 13.0;
 constexpr double kMargin = 40.0;             // in pixels, as all here
 constexpr double kLine = 22.0;               // of scale and legend, below the drawing
 constexpr double kFinest = 0.4;              // a line leaves out points nearer than this to the last one drawn
@@ -172,11 +173,8 @@ std::string picture(const std::vector<Layer<Dim>>& layers, const std::vector<Ses
   }
   sheet.settle(pixels);
   const Footer below = footer(sheet, layers);
-  std::string svg = fmt::format(
-      "<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 {0:.0f} {1:.0f}\" width=\"{0:.0f}\" height=\"{1:.0f}\" "
-      "font-family=\"sans-serif\" font-size=\"13\">\n<rect width=\"100%\" height=\"100%\" fill=\"white\"/>\n"
-      "<svg width=\"{0:.0f}\" height=\"{2:.1f}\">\n",
-      sheet.width(), below.height, sheet.height());
+  std::string svg = svg_head(sheet.width(), below.height, kFont) +
+                    fmt::format("<svg width=\"{:.0f}\" height=\"{:.1f}\">\n", sheet.width(), sheet.height());
   for (const auto& layer : layers) {
     if (layer.features) svg += marks(sheet, layer);
     if (layer.poses) svg += trajectory(sheet, layer, sessions);

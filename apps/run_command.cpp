@@ -75,18 +75,14 @@ Expected<ExitCode> run_on(Call& call, const Log<Dim>& log, std::optional<OutputF
 
 Expected<ExitCode> run_log(const Options& options, const std::stop_token& stop) {
   Call call("run", options, stop);
-  std::optional<OutputFolder> folder;
-  if (!options.output.empty()) {
-    auto made = OutputFolder::create(options.output);
-    if (!made) return tl::unexpected(made.error());
-    folder.emplace(std::move(*made));
-  }
+  auto folder = output_folder(options.output);
+  if (!folder) return tl::unexpected(folder.error());
   if (auto ready = call.check_report().and_then([&] { return call.read_truth(); }); !ready) {
     return tl::unexpected(ready.error());
   }
   const auto log = call.read_log();
   if (!log) return tl::unexpected(log.error());
-  return std::visit([&](const auto& any) { return run_on(call, any, folder); }, *log);
+  return std::visit([&](const auto& any) { return run_on(call, any, *folder); }, *log);
 }
 
 }  // namespace

@@ -18,11 +18,6 @@ Expected<void> write_folder(const std::vector<StudyFile>& files, OutputFolder& f
 
 }  // namespace
 
-Expected<std::optional<OutputFolder>> study_folder(const Options& options) {
-  if (options.output.empty()) return std::nullopt;
-  return OutputFolder::create(options.output).map([](OutputFolder&& folder) { return std::optional(std::move(folder)); });
-}
-
 Expected<void> hand_over(const StudyOutput& output, const Options& options, std::optional<OutputFolder>& folder) {
   if (folder) {
     if (auto written = write_folder(output.files, *folder); !written) return written;

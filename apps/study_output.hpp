@@ -22,9 +22,6 @@ struct StudyOutput {
   std::vector<StudyFile> files;  ///< Of the folder.
 };
 
-/// The folder that --output asks for, before the work; none where it does not. kCannotWrite.
-Expected<std::optional<OutputFolder>> study_folder(const Options& options);
-
 /// Writes the folder and the report, then the table, or with `--report -` the JSON, to standard output.
 Expected<void> hand_over(const StudyOutput& output, const Options& options, std::optional<OutputFolder>& folder);
 

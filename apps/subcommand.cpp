@@ -8,6 +8,7 @@
 #include <apps/subcommand.hpp>
 #include <charconv>
 #include <cmath>
+#include <sstream>
 #include <type_traits>
 
 namespace mapjoin::apps {
@@ -22,6 +23,13 @@ std::optional<T> number_in(const std::string& word) {
     if (!std::isfinite(value)) return std::nullopt;
   }
   return value;
+}
+
+std::vector<std::string> words_between_commas(const std::string& list) {
+  std::vector<std::string> words;
+  std::istringstream rest(list + ",");
+  for (std::string word; std::getline(rest, word, ',');) words.push_back(word);
+  return words;
 }
 
 namespace {

@@ -25,6 +25,9 @@ namespace mapjoin::apps {
 template <typename T>
 std::optional<T> number_in(const std::string& word);
 
+/// What stands between the commas of a list; a comma at its end has an empty word behind it.
+std::vector<std::string> words_between_commas(const std::string& list);
+
 /// Values that options are bound to must outlive the subcommand; its action can own them.
 class Subcommand {
  public:

@@ -7,8 +7,8 @@
 #include <mapjoin/localmap/check.hpp>
 #include <mapjoin/localmap/recover.hpp>
 #include <mapjoin/measure/chi2.hpp>
+#include <mapjoin/model/demand_valid.hpp>
 #include <mapjoin/solve/memory.hpp>
-#include <stdexcept>
 #include <utility>
 
 namespace mapjoin {
@@ -32,11 +32,6 @@ class Stopwatch {
 std::function<void(std::size_t, std::size_t)> progress_of(const RunOptions& options, Stage stage) {
   if (!options.progress) return nullptr;
   return [&options, stage](std::size_t done, std::size_t to_do) { options.progress(stage, done, to_do); };
-}
-
-void demand_valid(const RunOptions& options) {
-  const auto violations = options.validate();
-  if (!violations.empty()) throw std::invalid_argument(violations.front());
 }
 
 /// What is wrong with the data is said of the file they came from.

@@ -3,10 +3,10 @@
 #include <cmath>
 #include <mapjoin/graph/connectivity.hpp>
 #include <mapjoin/join/study/basin.hpp>
+#include <mapjoin/model/demand_valid.hpp>
 #include <mapjoin/parallel/parallel.hpp>
 #include <memory>
 #include <mutex>
-#include <stdexcept>
 #include <utility>
 
 namespace mapjoin {
@@ -60,7 +60,7 @@ RunOptions options_of(const BasinCell& cell, std::size_t run, const BasinOptions
   solving.schedule = Schedule::kBatch;
   solving.state = cell.formulation.state;
   solving.start = cell.start;
-  solving.seed = run + 1;
+  solving.seed = BasinCell::seed_of(run);
   solving.solver.max_iterations = options.max_iterations;
   if (cell.method == BasinMethod::kGaussNewton) {
     solving.solver.method = Method::kGaussNewton;
@@ -133,14 +133,10 @@ class Experiment {
   Basin judged() && {
     Basin basin;
     for (const Subject& subject : subjects_) {
-      if (basin.covariances.empty() || basin.covariances.back() != subject.covariance) {
-        basin.covariances.push_back(subject.covariance);
-        basin.best_chi2.push_back(best_chi2(subject.covariance));
-      }
-    }
-    for (BasinCell& cell : cells_) {
-      const double best = best_chi2(cell.covariance);
-      for (BasinRun& run : cell.runs) run.is_at_optimum = run.chi2 - best <= 1e-6 * best + 1e-9;
+      if (!basin.covariances.empty() && basin.covariances.back() == subject.covariance) continue;
+      basin.covariances.push_back(subject.covariance);
+      basin.best_chi2.push_back(best_chi2(subject.covariance));
+      judge(basin.covariances.back(), basin.best_chi2.back());
     }
     basin.cells = std::move(cells_);
     return basin;
@@ -167,6 +163,13 @@ class Experiment {
     return best;
   }
 
+  void judge(Covariance covariance, double best) {
+    for (BasinCell& cell : cells_) {
+      if (cell.covariance != covariance) continue;
+      for (BasinRun& run : cell.runs) run.is_at_optimum = run.chi2 - best <= 1e-6 * best + 1e-9;
+    }
+  }
+
   void report() {
     const std::lock_guard lock(mutex_);
     ++done_;
@@ -191,11 +194,6 @@ Expected<Basin> basin_of(const Subjects& subjects, const BasinOptions& options, 
     if (!std::isfinite(best)) return bad_input(basin.cells.front().runs.front().failure.value_or("no solve gives a map"));
   }
   return basin;
-}
-
-void demand_valid(const BasinOptions& options) {
-  const auto violations = options.validate();
-  if (!violations.empty()) throw std::invalid_argument(violations.front());
 }
 
 /// Full SLAM, then joining along each of the splits.

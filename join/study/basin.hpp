@@ -54,7 +54,8 @@ struct BasinCell {
   Start start = Start::kComposed;
   std::vector<BasinRun> runs;  ///< One, or one per seed of the random start.
 
-  std::size_t hits() const;  ///< Runs that end at the optimum.
+  static std::uint64_t seed_of(std::size_t run) { return run + 1; }  ///< Of the random start.
+  std::size_t hits() const;                                          ///< Runs that end at the optimum.
 };
 
 struct Basin {

@@ -7,11 +7,11 @@
 #include <mapjoin/join/study/convexity_objective.hpp>
 #include <mapjoin/join/whole.hpp>
 #include <mapjoin/join/world.hpp>
+#include <mapjoin/model/demand_valid.hpp>
 #include <mapjoin/parallel/parallel.hpp>
 #include <mapjoin/simulate/random_stream.hpp>
 #include <mapjoin/solve/marginals.hpp>
 #include <mapjoin/solve/memory.hpp>
-#include <stdexcept>
 #include <utility>
 
 namespace mapjoin {
@@ -150,11 +150,6 @@ Expected<Convexity> figures_of(const std::vector<std::unique_ptr<PosedProblem<Di
     }
   }
   return all;
-}
-
-void demand_valid(const ConvexityOptions& options) {
-  const auto violations = options.validate();
-  if (!violations.empty()) throw std::invalid_argument(violations.front());
 }
 
 }  // namespace

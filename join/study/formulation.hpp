@@ -22,9 +22,14 @@ inline constexpr std::array<Formulation, 4> kFormulations = {{
     {true, JoinedState::kRelative},
 }};
 
+/// "full SLAM" or "joining".
+inline std::string problem_in_words(const Formulation& formulation) {
+  return formulation.is_joining ? "joining" : "full SLAM";
+}
+
 /// "full SLAM, absolute" and so on.
 inline std::string to_string(const Formulation& formulation) {
-  return (formulation.is_joining ? "joining, " : "full SLAM, ") + to_string(formulation.state);
+  return problem_in_words(formulation) + ", " + to_string(formulation.state);
 }
 
 }  // namespace mapjoin

@@ -35,7 +35,7 @@ TYPED_TEST_SUITE(JoinTest, testing::Dimensions);
 
 TYPED_TEST(JoinTest, FindsTheOptimumThatCeresFindsByEverySchedule) {
   constexpr int kDim = TestFixture::kDim;
-  const auto set = testing::small_map_set(small_world<kDim>({.poses = 60, .features = 40}), 8.0);
+  const auto set = testing::small_map_set(small_world<kDim>({.poses = 60, .features = 40}).log, 8.0);
   for (const auto schedule : {Schedule::kBatch, Schedule::kSequential, Schedule::kLeaning, Schedule::kTree}) {
     RunOptions options;
     options.schedule = schedule;
@@ -50,7 +50,7 @@ TYPED_TEST(JoinTest, FindsTheOptimumThatCeresFindsByEverySchedule) {
 
 TYPED_TEST(JoinTest, EliminatingPrivateFeaturesChangesNothing) {
   constexpr int kDim = TestFixture::kDim;
-  const auto set = testing::small_map_set(small_world<kDim>({.features = 40, .range = 2.5}), 10.0);
+  const auto set = testing::small_map_set(small_world<kDim>({.features = 40, .range = 2.5}).log, 10.0);
   const Network<kDim> condensed = network_of(set);
   const Network<kDim> whole = this->uncondensed(set);
   ASSERT_GT(std::count(condensed.is_private.begin(), condensed.is_private.end(), true), 0);
@@ -65,7 +65,7 @@ TYPED_TEST(JoinTest, EliminatingPrivateFeaturesChangesNothing) {
 
 TYPED_TEST(JoinTest, SaysHowEveryMapFits) {
   constexpr int kDim = TestFixture::kDim;
-  auto set = testing::small_map_set(small_world<kDim>({.poses = 60, .features = 40, .closures = 0, .noise = 0.01}), 10.0);
+  auto set = testing::small_map_set(small_world<kDim>({.poses = 60, .features = 40, .closures = 0, .noise = 0.01}).log, 10.0);
   const auto right = run(set, RunOptions{});
   ASSERT_TRUE(right);
   ASSERT_EQ(right->maps.size(), set.maps.size());
@@ -89,7 +89,7 @@ TYPED_TEST(JoinTest, SaysHowEveryMapFits) {
 
 TYPED_TEST(JoinTest, AClosureMayLeadEitherWay) {
   constexpr int kDim = TestFixture::kDim;
-  auto set = testing::small_map_set(small_world<kDim>({.features = 0, .closures = 1, .noise = 0.0}), 8.0);
+  auto set = testing::small_map_set(small_world<kDim>({.features = 0, .closures = 1, .noise = 0.0}).log, 8.0);
   for (int way = 0; way < 2; ++way) {
     const auto joined = run(set, RunOptions{});
     ASSERT_TRUE(joined);
@@ -131,7 +131,7 @@ TYPED_TEST(JoinTest, MapsThatObserveFromOnePoseAreAllJoined) {
 
 TYPED_TEST(JoinTest, ReportsEveryJoinOnTheWay) {
   constexpr int kDim = TestFixture::kDim;
-  const auto set = testing::small_map_set(small_world<kDim>(), 5.0);
+  const auto set = testing::small_map_set(small_world<kDim>().log, 5.0);
   for (const auto schedule : {Schedule::kBatch, Schedule::kSequential, Schedule::kLeaning, Schedule::kTree}) {
     std::size_t last = 0;
     std::size_t total = 0;

@@ -10,6 +10,7 @@
 #include <tests/support/dense_relations.hpp>
 #include <tests/support/dimensions.hpp>
 #include <tests/support/numerical_jacobian.hpp>
+#include <tests/support/small_map_set.hpp>
 #include <tests/support/small_world.hpp>
 
 namespace mapjoin {
@@ -100,32 +101,6 @@ class MapCovariancesTest : public ::testing::Test {
     ASSERT_TRUE(joint) << joint.error().message;
     expect_near(*joint, whole(rows, rows), "joint");
   }
-
-  /// The local maps of a world as a set of which nothing else is known.
-  static MapSet<kDim> map_set(const Log<kDim>& log, double poses_per_map) {
-    Split parts = split(log, {SplitRule::kPoses, poses_per_map});
-    MapSet<kDim> set;
-    set.source = "maps";
-    set.maps = build_local_maps<kDim>(log, parts, {}).value().maps;
-    std::vector<Index> place(log.poses.size(), -1);
-    for (std::size_t p = 0; p < place.size(); ++p) {
-      if (!parts.kept[p]) continue;
-      place[p] = static_cast<Index>(set.poses.size());
-      set.poses.push_back(log.poses[p]);
-    }
-    for (auto& map : set.maps) {
-      map.base = place[static_cast<std::size_t>(map.base)];
-      for (Index& pose : map.poses) pose = place[static_cast<std::size_t>(pose)];
-      set.stretches.push_back({map.base, map.poses.back(), true});
-    }
-    for (auto closure : log.closures) {
-      closure.base = place[static_cast<std::size_t>(closure.base)];
-      closure.target = place[static_cast<std::size_t>(closure.target)];
-      set.pose_observations.push_back(closure);
-    }
-    set.features = log.features;
-    return set;
-  }
 };
 TYPED_TEST_SUITE(MapCovariancesTest, testing::Dimensions);
 
@@ -154,7 +129,7 @@ TYPED_TEST(MapCovariancesTest, OfFullSlamAreBlocksOfTheDenseInverse) {
 TYPED_TEST(MapCovariancesTest, OfJoinedMapsAreBlocksOfTheDenseInverseWithPrivateFeatures) {
   constexpr int kDim = TestFixture::kDim;
   for (const bool has_prior : {false, true}) {
-    auto set = this->map_set(this->world(), 7.0);
+    auto set = testing::small_map_set(this->world(), 7.0);
     if (has_prior) {
       set.pose_observations.push_back({kWorld, 2, Pose<kDim>{}, 1e2 * testing::Random(3).information<kPoseDof<kDim>>()});
     }

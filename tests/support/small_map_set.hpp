@@ -3,23 +3,24 @@
 // Small sets of local maps, without their log.
 
 #include <mapjoin/localmap/build.hpp>
-#include <tests/support/small_world.hpp>
+#include <mapjoin/localmap/split.hpp>
+#include <mapjoin/model/local_map.hpp>
 
 namespace mapjoin::testing {
 
-/// The local maps of a small world as a set of which nothing else is known; closures go along.
+/// The local maps of a log as a set of which nothing else is known; closures go along.
 template <int Dim>
-MapSet<Dim> small_map_set(const SmallWorld<Dim>& world, double poses_per_map) {
-  Split parts = split(world.log, {SplitRule::kPoses, poses_per_map});
+MapSet<Dim> small_map_set(const Log<Dim>& log, double poses_per_map) {
+  Split parts = split(log, {SplitRule::kPoses, poses_per_map});
   MapSet<Dim> set;
   set.source = "maps";
-  set.maps = build_local_maps<Dim>(world.log, parts, {}).value().maps;
+  set.maps = build_local_maps<Dim>(log, parts, {}).value().maps;
   // Only what is kept has a place in the set.
-  std::vector<Index> place(world.log.poses.size(), -1);
+  std::vector<Index> place(log.poses.size(), -1);
   for (std::size_t p = 0; p < place.size(); ++p) {
     if (!parts.kept[p]) continue;
     place[p] = static_cast<Index>(set.poses.size());
-    set.poses.push_back(world.log.poses[p]);
+    set.poses.push_back(log.poses[p]);
   }
   const auto placed = [&](Index pose) { return place[static_cast<std::size_t>(pose)]; };
   for (auto& map : set.maps) {
@@ -27,12 +28,12 @@ MapSet<Dim> small_map_set(const SmallWorld<Dim>& world, double poses_per_map) {
     for (Index& pose : map.poses) pose = placed(pose);
     set.stretches.push_back({map.base, map.poses.back(), true});
   }
-  for (auto closure : world.log.closures) {
+  for (auto closure : log.closures) {
     closure.base = placed(closure.base);
     closure.target = placed(closure.target);
     set.pose_observations.push_back(closure);
   }
-  set.features = world.log.features;
+  set.features = log.features;
   return set;
 }
 
