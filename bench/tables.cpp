@@ -174,8 +174,7 @@ int main(int argc, char** argv) {
   mapjoin::Arguments arguments;
   CLI::App app("Tables of results, in Markdown");
   app.require_subcommand(1);
-  auto* schedules =
-      app.add_subcommand("schedules", "What tree, sequential and batch reach on each log or set of local maps");
+  auto* schedules = app.add_subcommand("schedules", "What tree, sequential and batch reach on each log or set of local maps");
   auto* splits = app.add_subcommand("splits", "What the number of poses per local map changes");
   auto* courses = app.add_subcommand("courses", "chi2 after each Gauss-Newton step from the composed start, in either state");
   for (auto* command : {schedules, splits, courses}) {

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <fcntl.h>
 #include <signal.h>
-#include <sys/resource.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
@@ -41,6 +40,8 @@ Process::Process(const std::vector<std::string>& words, const ProcessOptions& op
     if (!options.working_folder.empty() && ::chdir(options.working_folder.c_str()) != 0) ::_exit(127);
     const ::rlimit limit{options.memory_bytes, options.memory_bytes};
     if (options.memory_bytes > 0) ::setrlimit(RLIMIT_DATA, &limit);
+    const ::rlimit time{options.cpu_seconds, options.cpu_seconds + 1};
+    if (options.cpu_seconds > 0) ::setrlimit(RLIMIT_CPU, &time);
     ::execvp(arguments[0], arguments.data());
     ::_exit(127);
   }
@@ -60,13 +61,13 @@ void Process::send(int signal) const {
 
 bool Process::is_running() {
   int status = 0;
-  if (exit_code_ < 0 && ::waitpid(pid_, &status, WNOHANG) == pid_) note_end(status);
+  if (exit_code_ < 0 && ::wait4(pid_, &status, WNOHANG, &usage_) == pid_) note_end(status);
   return exit_code_ < 0;
 }
 
 int Process::wait() {
   int status = 0;
-  if (exit_code_ < 0 && ::waitpid(pid_, &status, 0) == pid_) note_end(status);
+  if (exit_code_ < 0 && ::wait4(pid_, &status, 0, &usage_) == pid_) note_end(status);
   return exit_code_;
 }
 

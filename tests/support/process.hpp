@@ -2,6 +2,7 @@
 #pragma once
 // Runs programs, as a user's shell would, and keeps what they say.
 
+#include <sys/resource.h>
 #include <sys/types.h>
 
 #include <cstddef>
@@ -18,6 +19,7 @@ struct ProcessOptions {
   std::filesystem::path standard_output;  ///< Empty: it is kept.
   bool reader_has_gone = false;           ///< Standard output is a pipe that nobody reads.
   std::size_t memory_bytes = 0;           ///< What it may have for data; 0: no limit.
+  std::size_t cpu_seconds = 0;            ///< After which SIGXCPU ends it; 0: no limit.
 };
 
 class Process {
@@ -32,7 +34,8 @@ class Process {
   bool is_running();
   /// Waits for its end: the exit code, or 1000 and the signal that killed it.
   int wait();
-  /// What it said, once it has ended.
+  /// What it took, and what it said, once it has ended.
+  const ::rusage& usage() const { return usage_; }
   std::string standard_output() const { return content_of(folder_.path() / "out"); }
   std::string standard_error() const { return content_of(folder_.path() / "err"); }
 
@@ -42,6 +45,7 @@ class Process {
   TemporaryFolder folder_;
   ::pid_t pid_ = -1;
   int exit_code_ = -1;
+  ::rusage usage_{};
 };
 
 }  // namespace mapjoin::testing

@@ -1,0 +1,221 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// mapjoin_limit: what no solver of a log, or of a set of local maps, can do without: to read the file, to order and analyse the
+// final information matrix once, to factorise it once, to solve with it once. What that takes goes to standard output, as JSON.
+#include <fmt/format.h>
+
+#include <CLI/CLI.hpp>
+#include <array>
+#include <filesystem>
+#include <mapjoin/io/open_log.hpp>
+#include <mapjoin/io/open_maps.hpp>
+#include <mapjoin/join/join_problem.hpp>
+#include <mapjoin/join/network.hpp>
+#include <mapjoin/join/world.hpp>
+#include <mapjoin/measure/chi2.hpp>
+#include <mapjoin/measure/effort.hpp>
+#include <mapjoin/model/accumulate.hpp>
+#include <mapjoin/solve/normal_equations.hpp>
+#include <nlohmann/json.hpp>
+#include <variant>
+
+namespace mapjoin {
+namespace {
+
+using AnyState = std::variant<State<2>, State<3>>;
+
+/// CPU seconds of each part; what is not timed is not part of the limit.
+struct Limit {
+  double read = 0.0;
+  double order = 0.0;
+  double factorise = 0.0;
+  double solve = 0.0;
+  double chi2 = 0.0;
+  std::size_t poses = 0;
+  std::size_t features = 0;
+};
+
+template <typename F>
+auto timed(double& seconds, F&& f) {
+  const std::clock_t start = std::clock();
+  auto result = f();
+  seconds += static_cast<double>(std::clock() - start) / CLOCKS_PER_SEC;
+  return result;
+}
+
+Expected<void> factorise_and_solve(NormalEquations& equations, Limit& limit) {
+  if (timed(limit.factorise, [&] { return equations.factorise(0.0); })) return bad_input("the information matrix is singular");
+  timed(limit.solve, [&] { return equations.solve(equations.gradient()); });
+  return {};
+}
+
+/// Full SLAM: poses, but for those that are held, then features.
+template <int Dim>
+class FullSlam {
+ public:
+  explicit FullSlam(const Log<Dim>& log) : log_(log), variables_(log.poses.size(), 0) {
+    for (const auto& fixed : log.fixed) variables_[static_cast<std::size_t>(fixed.pose)] = kConstant;
+    if (log.fixed.empty() && log.pose_priors.empty() && log.feature_priors.empty()) variables_.front() = kConstant;
+    for (Index& variable : variables_) {
+      if (variable != kConstant) variable = first_feature_++;
+    }
+  }
+
+  NormalEquations equations() const {
+    std::vector<int> dofs(static_cast<std::size_t>(first_feature_), kPoseDof<Dim>);
+    dofs.resize(dofs.size() + log_.features.size(), Dim);
+    Cliques cliques;
+    for (const auto* list : pose_observations()) {
+      for (const auto& o : *list) cliques.push_back(std::array{pose(o.base), pose(o.target)});
+    }
+    for (const auto* list : feature_observations()) {
+      for (const auto& o : *list) cliques.push_back(std::array{pose(o.base), first_feature_ + o.target});
+    }
+    return {std::move(dofs), std::move(cliques)};
+  }
+
+  void linearise(const State<Dim>& state, NormalEquations& equations) const {
+    std::size_t clique = 0;
+    const auto take = [&](const auto& o, const auto& target) {
+      accumulate(weighted(mapjoin::linearise<Dim>(o.measured, state.pose(o.base), target), o.information, o.loss),
+                 equations.sink(clique++));
+    };
+    for (const auto* list : pose_observations()) {
+      for (const auto& o : *list) take(o, state.pose(o.target));
+    }
+    for (const auto* list : feature_observations()) {
+      for (const auto& o : *list) take(o, state.feature(o.target));
+    }
+  }
+
+ private:
+  Index pose(Index index) const { return index == kWorld ? kConstant : variables_[static_cast<std::size_t>(index)]; }
+  std::array<const std::vector<PoseObservation<Dim>>*, 3> pose_observations() const {
+    return {&log_.odometry, &log_.closures, &log_.pose_priors};
+  }
+  std::array<const std::vector<FeatureObservation<Dim>>*, 2> feature_observations() const {
+    return {&log_.observations, &log_.feature_priors};
+  }
+
+  const Log<Dim>& log_;
+  std::vector<Index> variables_;  // per pose; kConstant where held
+  Index first_feature_ = 0;
+};
+
+template <int Dim>
+Expected<void> measure(const Log<Dim>& log, const State<Dim>& state, Limit& limit) {
+  const FullSlam<Dim> problem(log);
+  NormalEquations equations = timed(limit.order, [&] { return problem.equations(); });
+  problem.linearise(state, equations);
+  limit.chi2 = log_chi2(log, state.poses, state.features).total();
+  return factorise_and_solve(equations, limit);
+}
+
+/// The joined part of a network, at `state`.
+template <int Dim>
+Piece<Dim> joined_piece(const Network<Dim>& network, const State<Dim>& state) {
+  Piece<Dim> piece;
+  for (std::size_t p = 0; p < network.pose_count; ++p) {
+    if (!network.is_joined[p]) continue;
+    piece.poses.push_back(static_cast<Index>(p));
+    piece.state.poses.push_back(state.poses[p]);
+  }
+  for (std::size_t f = 0; f < network.feature_count; ++f) {
+    if (network.is_private[f]) continue;
+    piece.features.push_back(static_cast<Index>(f));
+    piece.state.features.push_back(state.features[f]);
+  }
+  for (const auto& condensed : network.maps) piece.maps.push_back(&condensed.map);
+  piece.pose_observations = network.pose_observations;
+  piece.feature_observations = network.feature_observations;
+  return piece;
+}
+
+template <int Dim>
+Expected<void> measure(const Network<Dim>& network, const State<Dim>& state, Limit& limit) {
+  Piece<Dim> piece = joined_piece(network, state);
+  const Gauge<Dim> gauge = hold_in_world(network, piece);
+  JoinProblem<Dim> problem = timed(limit.order, [&] { return JoinProblem<Dim>(piece, gauge); });
+  limit.chi2 = problem.linearise();
+  return factorise_and_solve(problem.system().equations(), limit);
+}
+
+template <int Dim>
+Expected<void> measure(const MapSet<Dim>& set, const State<Dim>& state, Limit& limit) {
+  return measure(network_of(set), state, limit);
+}
+
+template <int Dim>
+Expected<void> measure(const StoredMaps<Dim>& stored, const State<Dim>& state, Limit& limit) {
+  return measure(network_of(stored.log, split_along(stored.log, stored.stretches), stored.maps), state, limit);
+}
+
+std::size_t pose_count(const auto& data) {
+  return data.poses.size();
+}
+template <int Dim>
+std::size_t pose_count(const StoredMaps<Dim>& stored) {
+  return stored.log.poses.size();
+}
+std::size_t feature_count(const auto& data) {
+  return data.features.size();
+}
+template <int Dim>
+std::size_t feature_count(const StoredMaps<Dim>& stored) {
+  return stored.log.features.size();
+}
+
+template <int Dim, template <int> typename Data>
+Expected<void> measure_at(const Data<Dim>& data, const AnyState& any, Limit& limit) {
+  const auto* state = std::get_if<State<Dim>>(&any);
+  limit.poses = pose_count(data);
+  limit.features = feature_count(data);
+  if (!state || state->poses.size() != limit.poses || state->features.size() != limit.features) {
+    return bad_input("the map is of another log");
+  }
+  return measure(data, *state, limit);
+}
+
+/// The values of all poses and features that a map holds.
+Expected<AnyState> read_state(const std::filesystem::path& path) {
+  return open_log(path).map([](const AnyLog& log) {
+    return std::visit([](const auto& any) { return AnyState(State{any.initial_poses, any.initial_features}); }, log);
+  });
+}
+
+Expected<Limit> limit_of(const std::filesystem::path& data, const AnyState& state) {
+  Limit limit;
+  const auto take = [&](const auto& any) {
+    return std::visit([&](const auto& known) { return measure_at(known, state, limit); }, any);
+  };
+  const auto measured = may_hold_maps(data) ? timed(limit.read, [&] { return open_maps(data); }).and_then(take)
+                                            : timed(limit.read, [&] { return open_log(data); }).and_then(take);
+  return measured.map([&] { return limit; });
+}
+
+void print(const Limit& limit) {
+  const nlohmann::json json = {
+      {"chi2", limit.chi2},
+      {"poses", limit.poses},
+      {"features", limit.features},
+      {"seconds", {{"read", limit.read}, {"order", limit.order}, {"factorise", limit.factorise}, {"solve", limit.solve}}},
+      {"cpu_seconds", limit.read + limit.order + limit.factorise + limit.solve},
+      {"memory_mb", static_cast<double>(largest_resident_memory().value_or(0)) * 1e-6}};
+  fmt::print("{}\n", json.dump());
+}
+
+}  // namespace
+}  // namespace mapjoin
+
+int main(int argc, char** argv) {
+  std::filesystem::path data, map;
+  CLI::App app("What no solver of a log, or of local maps, can do without.", "mapjoin_limit");
+  app.add_option("data", data, "The log, or the local maps")->required();
+  app.add_option("--map", map, "Its final map, as g2o")->required();
+  CLI11_PARSE(app, argc, argv);
+  const auto state = mapjoin::read_state(map);
+  const mapjoin::EffortMeter from_here;  // on: the largest memory is that of the limit, and of the map that it is at
+  const auto limit = state.and_then([&](const auto& known) { return mapjoin::limit_of(data, known); });
+  if (limit) mapjoin::print(*limit);
+  if (!limit) fmt::print(stderr, "mapjoin_limit: {}\n", limit.error().message);
+  return limit ? 0 : 3;
+}

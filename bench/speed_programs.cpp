@@ -1,0 +1,108 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "speed_programs.hpp"
+
+#include <fmt/format.h>
+
+#include <chrono>
+#include <csignal>
+#include <tests/support/process.hpp>
+
+namespace mapjoin::bench {
+namespace {
+
+using Words = std::vector<std::string>;
+
+Words mapjoin(const Surroundings& surroundings, const Words& words) {
+  Words all{surroundings.programs / "mapjoin"};
+  all.insert(all.end(), words.begin(), words.end());
+  all.insert(all.end(), {"--report", "-"});
+  return all;
+}
+
+/// Where the first of the programs leaves its map.
+std::filesystem::path map_of(const Data& data, const Surroundings& surroundings) {
+  return data.is_maps ? surroundings.folder / "join.g2o" : surroundings.folder / "run" / "map.g2o";
+}
+
+template <int jobs>
+Words run(const Data& data, const Surroundings& surroundings) {
+  return mapjoin(surroundings, {"run", data.file, "--jobs", std::to_string(jobs), "-o", surroundings.folder / "run"});
+}
+
+template <int jobs>
+Words join(const Data& data, const Surroundings& surroundings) {
+  return mapjoin(surroundings, {"join", data.file, "--jobs", std::to_string(jobs), "-o", map_of(data, surroundings)});
+}
+
+Words solve(const Data& data, const Surroundings& surroundings) {
+  return mapjoin(surroundings, {"solve", data.file, "--schedule", "batch", "--method", "gn", "--jobs", "1", "-o",
+                                surroundings.folder / "solve.g2o"});
+}
+
+Words ceres(const Data& data, const Surroundings& surroundings, const std::string& linear, const std::string& method) {
+  return {surroundings.programs / "mapjoin_ceres", data.file, "--linear", linear, "--method", method, "--optimum",
+          fmt::format("{}", surroundings.optimum)};
+}
+
+Words limit(const Data& data, const Surroundings& surroundings) {
+  return {surroundings.programs / "mapjoin_limit", data.file, "--map", map_of(data, surroundings)};
+}
+
+double seconds_of(const ::timeval& time) {
+  return static_cast<double>(time.tv_sec) + 1e-6 * static_cast<double>(time.tv_usec);
+}
+
+constexpr int kKilled = 1000;  // testing::Process: and the signal
+
+std::string failure_of(const testing::Process& process, int exit_code, const Surroundings& surroundings) {
+  if (exit_code == kKilled + SIGXCPU) return fmt::format("stopped after {} s", surroundings.most_seconds);
+  if (exit_code > kKilled) return fmt::format("killed by signal {}", exit_code - kKilled);
+  const std::string words = process.standard_error();
+  return fmt::format("exit code {}: {}", exit_code, words.substr(0, words.find('\n')));
+}
+
+}  // namespace
+
+std::vector<Program> programs_for(const Data& data) {
+  using enum ProgramKind;
+  if (data.is_maps) return {{"join", kOurs, join<1>}, {"join --jobs 2", kOurs, join<2>}, {"limit", kLimit, limit}};
+  return {{"run", kOurs, run<1>},
+          {"run --jobs 2", kOurs, run<2>},
+          {"solve", kOther, solve},
+          {"ceres cholesky lm", kOther, [](const auto& d, const auto& s) { return ceres(d, s, "cholesky", "lm"); }},
+          {"ceres cholesky dogleg", kOther, [](const auto& d, const auto& s) { return ceres(d, s, "cholesky", "dogleg"); }},
+          {"ceres schur lm", kOther, [](const auto& d, const auto& s) { return ceres(d, s, "schur", "lm"); }},
+          {"ceres schur dogleg", kOther, [](const auto& d, const auto& s) { return ceres(d, s, "schur", "dogleg"); }},
+          {"limit", kLimit, limit}};
+}
+
+Trial try_program(const Program& program, const Data& data, const Surroundings& surroundings) {
+  testing::ProcessOptions options;
+  if (program.kind == ProgramKind::kOther) options.cpu_seconds = surroundings.most_seconds;
+  const auto start = std::chrono::steady_clock::now();
+  testing::Process process(program.words(data, surroundings), options);
+  const int exit_code = process.wait();
+  Trial trial;
+  trial.wall_seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+  trial.cpu_seconds = seconds_of(process.usage().ru_utime) + seconds_of(process.usage().ru_stime);
+  trial.memory_mb = static_cast<double>(process.usage().ru_maxrss) * 1024e-6;
+  trial.said = nlohmann::json::parse(process.standard_output(), nullptr, false);
+  if (trial.said.is_object() && trial.said.at("chi2").is_number()) {
+    trial.chi2 = trial.said.at("chi2").get<double>();
+  } else {
+    trial.failure = failure_of(process, exit_code, surroundings);
+  }
+  if (trial.chi2 && program.kind == ProgramKind::kLimit) {
+    trial.cpu_seconds = trial.wall_seconds = trial.said.at("cpu_seconds").get<double>();
+    trial.memory_mb = trial.said.at("memory_mb").get<double>();
+  }
+  return trial;
+}
+
+std::optional<std::string> said_by(const std::vector<std::string>& words) {
+  testing::Process process(words);
+  if (process.wait() != 0) return std::nullopt;
+  return process.standard_output();
+}
+
+}  // namespace mapjoin::bench
