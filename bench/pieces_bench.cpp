@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Times the pieces of a run on simulated worlds, by the number of poses, and covariances against a factorisation.
+// Times the pieces of a run on simulated worlds, by the number of poses: reading, building, one step of the join and of the
+// polish, covariances; and these against a factorisation.
 #include <benchmark/benchmark.h>
 
 #include <chrono>
@@ -7,7 +8,10 @@
 #include <mapjoin/io/g2o.hpp>
 #include <mapjoin/io/local_map_set.hpp>
 #include <mapjoin/io/open_log.hpp>
+#include <mapjoin/join/join_problem.hpp>
+#include <mapjoin/join/polish_problem.hpp>
 #include <mapjoin/join/run.hpp>
+#include <mapjoin/localmap/recover.hpp>
 #include <mapjoin/measure/chi2.hpp>
 #include <mapjoin/simulate/manhattan.hpp>
 #include <mapjoin/solve/marginals.hpp>
@@ -63,6 +67,79 @@ void Run(benchmark::State& state) {
   state.counters["polish"] = Counter(sum.polish, Counter::kAvgIterations);
 }
 
+template <int Dim>
+void Build(benchmark::State& state) {
+  const Log<Dim> log = world<Dim>(state).log;
+  for (auto _ : state) {
+    Split parts = split(log, SplitOptions{});
+    if (!build_local_maps(log, parts, BuildOptions{})) return state.SkipWithError("cannot build");
+  }
+  state.SetItemsProcessed(state.iterations() * state.range(0));
+}
+
+/// A world that is joined already; members point into it.
+template <int Dim>
+struct JoinedWorld {
+  explicit JoinedWorld(const benchmark::State& state) : log(world<Dim>(state).log), parts(split(log, SplitOptions{})) {
+    auto built = build_local_maps(log, parts, BuildOptions{});
+    if (!built) return;
+    network = network_of(log, parts, std::move(built->maps));
+    auto result = mapjoin::join(network, log.poses, log.features, JoinOptions<Dim>{});
+    if (result) join = *std::move(result);
+  }
+  JoinedWorld(const JoinedWorld&) = delete;
+  JoinedWorld& operator=(const JoinedWorld&) = delete;
+
+  Log<Dim> log;
+  Split parts;
+  Network<Dim> network;
+  std::optional<Join<Dim>> join;
+};
+
+/// Gauss-Newton steps, each tried and then dropped.
+template <typename Problem>
+void step(benchmark::State& state, Problem& problem) {
+  for (auto _ : state) {
+    problem.linearise();
+    if (problem.factorise(0.0)) return state.SkipWithError("singular");
+    benchmark::DoNotOptimize(problem.try_step(problem.solve()));
+  }
+  state.SetItemsProcessed(state.iterations() * state.range(0));
+}
+
+template <int Dim>
+void JoinStep(benchmark::State& state) {
+  JoinedWorld<Dim> world(state);
+  if (!world.join) return state.SkipWithError("cannot join");
+  JoinProblem<Dim> problem(std::move(*world.join->system));
+  step(state, problem);
+}
+
+template <int Dim>
+void PolishStep(benchmark::State& state) {
+  JoinedWorld<Dim> world(state);
+  if (!world.join) return state.SkipWithError("cannot join");
+  recover_interiors(world.log, world.parts, world.network.is_private, MinimiseOptions{}, world.join->state);
+  std::vector<Segment<Dim>> segments;
+  for (const Stretch& stretch : world.parts.stretches) {
+    if (stretch.is_map) segments.push_back(segment_of(world.log, world.parts, stretch));
+  }
+  PolishProblem<Dim> problem(*world.join->system, segments, world.network.is_private, world.join->state);
+  step(state, problem);
+}
+
+/// Of all poses and features, in the map and relative, from a factor that is there.
+template <int Dim>
+void Covariances(benchmark::State& state) {
+  const Log<Dim> log = world<Dim>(state).log;
+  RunOptions options;
+  options.covariances = true;
+  const auto result = run(log, options);
+  if (!result || !result->covariances) return state.SkipWithError("no covariances");
+  for (auto _ : state) benchmark::DoNotOptimize(result->covariances->marginals());
+  state.SetItemsProcessed(state.iterations() * state.range(0));
+}
+
 /// The covariances of all poses and features of a joined map, sim-35188 below the folder that MAPJOIN_DATA_DIR names; the
 /// counter is their time in factorisations of the same system, made by turns.
 void MarginalsOfTheLargeSimulation(benchmark::State& state) {
@@ -93,14 +170,22 @@ void MarginalsOfTheLargeSimulation(benchmark::State& state) {
 }
 
 constexpr auto kUnit = benchmark::kMillisecond;
-BENCHMARK(Simulate<2>)->Arg(1'000)->Arg(100'000)->Unit(kUnit);
-BENCHMARK(Simulate<3>)->Arg(1'000)->Arg(100'000)->Unit(kUnit);
-BENCHMARK(EvaluateChi2<2>)->Arg(10'000)->Unit(kUnit);
-BENCHMARK(EvaluateChi2<3>)->Arg(10'000)->Unit(kUnit);
-BENCHMARK(ReadG2o<2>)->Arg(10'000)->Unit(kUnit);
-BENCHMARK(ReadG2o<3>)->Arg(10'000)->Unit(kUnit);
-BENCHMARK(Run<2>)->Arg(1'000)->Arg(10'000)->Unit(kUnit);
-BENCHMARK(Run<3>)->Arg(1'000)->Unit(kUnit);
+BENCHMARK(Simulate<2>)->Arg(1'000)->Arg(100'000)->MeasureProcessCPUTime()->Unit(kUnit);
+BENCHMARK(Simulate<3>)->Arg(1'000)->Arg(100'000)->MeasureProcessCPUTime()->Unit(kUnit);
+BENCHMARK(EvaluateChi2<2>)->Arg(10'000)->MeasureProcessCPUTime()->Unit(kUnit);
+BENCHMARK(EvaluateChi2<3>)->Arg(10'000)->MeasureProcessCPUTime()->Unit(kUnit);
+BENCHMARK(ReadG2o<2>)->Arg(10'000)->MeasureProcessCPUTime()->Unit(kUnit);
+BENCHMARK(ReadG2o<3>)->Arg(10'000)->MeasureProcessCPUTime()->Unit(kUnit);
+BENCHMARK(Build<2>)->Arg(10'000)->MeasureProcessCPUTime()->Unit(kUnit);
+BENCHMARK(Build<3>)->Arg(10'000)->MeasureProcessCPUTime()->Unit(kUnit);
+BENCHMARK(JoinStep<2>)->Arg(10'000)->MeasureProcessCPUTime()->Unit(kUnit);
+BENCHMARK(JoinStep<3>)->Arg(1'000)->MeasureProcessCPUTime()->Unit(kUnit);
+BENCHMARK(PolishStep<2>)->Arg(10'000)->MeasureProcessCPUTime()->Unit(kUnit);
+BENCHMARK(PolishStep<3>)->Arg(1'000)->MeasureProcessCPUTime()->Unit(kUnit);
+BENCHMARK(Covariances<2>)->Arg(10'000)->MeasureProcessCPUTime()->Unit(kUnit);
+BENCHMARK(Covariances<3>)->Arg(1'000)->MeasureProcessCPUTime()->Unit(kUnit);
+BENCHMARK(Run<2>)->Arg(1'000)->Arg(10'000)->MeasureProcessCPUTime()->Unit(kUnit);
+BENCHMARK(Run<3>)->Arg(1'000)->MeasureProcessCPUTime()->Unit(kUnit);
 BENCHMARK(MarginalsOfTheLargeSimulation)->UseManualTime()->Unit(kUnit);
 
 }  // namespace
