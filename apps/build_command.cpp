@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// `mapjoin build`: from a log to a store of local maps, which a build that was interrupted goes on with.
+// `mapjoin build`: from a log to a store of local maps, which a build that was interrupted goes on with; or from the files of
+// local maps to a store.
 
 #include <fmt/format.h>
 
@@ -8,7 +9,7 @@
 #include <apps/commands.hpp>
 #include <apps/distinct.hpp>
 #include <mapjoin/graph/connectivity.hpp>
-#include <mapjoin/io/store.hpp>
+#include <mapjoin/io/store_map_set.hpp>
 #include <mapjoin/parallel/parallel.hpp>
 #include <mapjoin/version.hpp>
 #include <memory>
@@ -20,7 +21,8 @@ namespace {
 
 constexpr const char* kExamples =
     "  mapjoin build data/manhattan2d.g2o -o manhattan2d.maps\n"
-    "  mapjoin join manhattan2d.maps -o map.g2o";
+    "  mapjoin join manhattan2d.maps -o map.g2o\n"
+    "  mapjoin build localmaps_mat.tar.gz -o localmaps.maps";
 
 constexpr std::size_t kMapsAtOnce = 256;  // Built before they are stored: few enough to lose little, enough for all threads.
 
@@ -86,9 +88,30 @@ Expected<ExitCode> build_log(Call& call, const Log<Dim>& log) {
   return call.conclude();
 }
 
+template <int Dim>
+Expected<ExitCode> store_any(Call& call, const MapSet<Dim>& set) {
+  const auto& path = call.options().output;
+  const auto written = timed(call.account.write_seconds, [&] { return write_store(set, path); });
+  if (!written) return tl::unexpected(written.error());
+  call.account.files.push_back(path.string());
+  return call.conclude();
+}
+template <int Dim>
+Expected<ExitCode> store_any(Call& call, const StoredMaps<Dim>&) {
+  return tl::unexpected(Error{ErrorKind::kUsage, call.account.input + ": is a store already"});
+}
+
+/// What others built is kept as it is.
+Expected<ExitCode> store_maps(Call& call) {
+  const auto maps = call.read_maps();
+  if (!maps) return tl::unexpected(maps.error());
+  return std::visit([&](const auto& any) { return store_any(call, any); }, *maps);
+}
+
 Expected<ExitCode> build_input(const Options& options, const std::stop_token& stop) {
   Call call("build", options, stop);
   if (auto writable = call.check_outputs(); !writable) return tl::unexpected(writable.error());
+  if (may_hold_maps(options.input)) return store_maps(call);
   const auto log = call.read_log();
   if (!log) return tl::unexpected(log.error());
   return std::visit([&](const auto& any) { return build_log(call, any); }, *log);
@@ -97,16 +120,19 @@ Expected<ExitCode> build_input(const Options& options, const std::stop_token& st
 }  // namespace
 
 std::unique_ptr<Subcommand> build_command(CLI::App& app) {
-  auto command = std::make_unique<Subcommand>(app, "build", "From a log to a store of local maps", kExamples);
+  auto command = std::make_unique<Subcommand>(app, "build", "From a log, or the files of local maps, to a store", kExamples);
   const auto options = std::make_shared<Options>();
-  command->argument("LOG", options->input, "The log, known by its content: g2o, iSAM, MAT or text; also as gzip");
+  command->argument("LOG|MAPS", options->input,
+                    "The log, known by its content: g2o, iSAM, MAT or text; also as gzip. Or local maps of others, which are "
+                    "stored as they are: a folder or archive of localmap_1, localmap_2, ... as .mat or .txt");
   command->output("-o,--output", options->output, "MAPS",
                   "Write the store; until it is done it is MAPS.partial, from which the same command goes on");
   add_splitting(*command, *options);
   add_solver(*command, *options);
   add_reading(*command, *options);
   add_reporting(*command, *options);
-  command->check([options] { return check_distinct(files_of(*options, "LOG")); });
+  command->check([options] { return check_distinct(files_of(*options, "LOG|MAPS")); });
+  command->check([options, &command = *command] { return check_uncut(command, *options); });
   command->act([options](const std::stop_token& stop) { return build_input(*options, stop); });
   return command;
 }

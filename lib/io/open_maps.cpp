@@ -2,6 +2,7 @@
 #include <mapjoin/io/archive.hpp>
 #include <mapjoin/io/file_bytes.hpp>
 #include <mapjoin/io/open_maps.hpp>
+#include <mapjoin/io/store_map_set.hpp>
 #include <system_error>
 #include <utility>
 
@@ -17,11 +18,17 @@ bool may_hold_maps(const std::filesystem::path& path) {
 }
 
 Expected<AnyMaps> open_maps(const std::filesystem::path& path, const ReadOptions& options) {
-  const auto widen = [](auto&& any) {
-    return std::visit([](auto maps) { return AnyMaps(std::move(maps)); }, std::forward<decltype(any)>(any));
-  };
-  if (is_store(path)) return read_store(path).map(widen);
-  return read_local_map_set(path, options).map(widen);
+  if (!is_store(path)) {
+    return read_local_map_set(path, options).map([](AnyMapSet any) {
+      return std::visit([](auto&& set) { return AnyMaps(std::move(set)); }, std::move(any));
+    });
+  }
+  return read_store(path).map([&](AnyStoredMaps any) {
+    const auto as_they_are = [&](auto&& stored) {
+      return has_maps_alone(stored) ? AnyMaps(map_set_of(std::move(stored), path)) : AnyMaps(std::move(stored));
+    };
+    return std::visit(as_they_are, std::move(any));
+  });
 }
 
 }  // namespace mapjoin

@@ -181,6 +181,17 @@ TEST(Usage, TheWeightsOfAStoreAreThoseItWasBuiltWith) {
   expect_failure(call({"info", store, "--covariance", "identity"}), 2, "build");
 }
 
+TEST(Usage, LocalMapsAreNotBuiltAgain) {
+  const TemporaryFolder folder;
+  const auto log = folder.file("log.g2o", kSmallLog);
+  const std::string store = (folder.path() / "maps").string();
+  const std::string again = (folder.path() / "again").string();
+  ASSERT_EQ(call({"build", log.string(), "-o", store}).exit_code, 0);
+  expect_failure(call({"build", store, "-o", again}), 2, "maps: is a store already");
+  expect_failure(call({"build", store, "-o", again, "--poses-per-map", "5"}), 2, "--poses-per-map");
+  EXPECT_FALSE(std::filesystem::exists(again));
+}
+
 TEST(Size, WhatDoesNotFitIntoMemoryIsRefused) {
 #if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
   GTEST_SKIP() << "Sanitizers need memory of their own.";

@@ -8,6 +8,7 @@
 
 #include <algorithm>
 #include <chrono>
+#include <fstream>
 #include <mapjoin/io/store.hpp>
 #include <tests/apps/command.hpp>
 #include <thread>
@@ -93,6 +94,22 @@ TEST_F(Output, ABuildThatGoesOnDoesNotKnowOfTheIterationsBefore) {
     for (std::size_t k = 0; k < 300; ++k) ASSERT_TRUE(writer->add(k, stored.maps.at(k)));
   }
   EXPECT_TRUE(report_of(build).at("local_maps").at("iterations").is_null());
+}
+
+TEST_F(Output, ABuildKeepsTheLocalMapsOfOthersAsTheyAre) {
+  const fs::path maps = fs::path(path("maps"));
+  fs::create_directory(maps);
+  for (const int k : {1, 2}) {
+    std::ofstream map(maps / ("localmap_" + std::to_string(k) + ".txt"));
+    map << k - 1 << "\n5\n-" << k << " 1\n-" << k << " 0.5\n-" << k << " 0.1\n7 2\n7 " << k << "\n";
+    for (const char* row : {"9 1 0 0 0", "1 8 0 0 0", "0 0 7 0 0", "0 0 0 6 2", "0 0 0 2 5"}) map << row << "\n";
+  }
+  ASSERT_EQ(call({"build", maps.string(), "-o", path("store")}).exit_code, 0);
+  for (const std::string from : {"maps", "store"}) {
+    ASSERT_EQ(call({"join", path(from), "-o", path(from + ".g2o")}).exit_code, 0);
+  }
+  EXPECT_EQ(content_of(path("store.g2o")), content_of(path("maps.g2o")));
+  EXPECT_THAT(content_of(path("store.g2o")), HasSubstr("VERTEX_XY 7 "));
 }
 
 TEST_F(Output, AFolderThatCannotBeIsAnErrorThatLeavesNothing) {
