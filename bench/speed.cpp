@@ -37,7 +37,22 @@ Expected<Data> simulated(std::int64_t poses, const Arguments& arguments, const S
   const auto said = said_by({surroundings.programs / "mapjoin", "simulate", "--poses", std::to_string(poses), "--dim",
                              std::to_string(arguments.dimension), "--seed", "1", "-o", file});
   if (!said) return bad_input("cannot simulate " + name);
-  return Data{name, file, false, true};
+  return Data{name, file, file, false, true};
+}
+
+/// Local maps in a store of ours.
+Expected<Data> stored(const std::filesystem::path& maps, const Arguments& arguments, const Surroundings& surroundings) {
+  if (is_store(maps)) return Data{maps.filename(), maps, maps, true, false};
+  const std::string name = std::filesystem::absolute(maps).parent_path().filename();
+  const std::filesystem::path store = arguments.folder / (name + ".maps");
+  const auto said = said_by({surroundings.programs / "mapjoin", "build", maps, "-o", store});
+  if (!said) return bad_input("cannot store " + maps.string());
+  return Data{name, maps, store, true, false};
+}
+
+Data log_in(const std::filesystem::path& file) {
+  const std::string name = file.filename();
+  return {name.substr(0, name.find('.')), file, file, false, false};
 }
 
 Expected<std::vector<Data>> data_of(const Arguments& arguments, const Surroundings& surroundings) {
@@ -48,14 +63,15 @@ Expected<std::vector<Data>> data_of(const Arguments& arguments, const Surroundin
     all.push_back(*std::move(world));
   }
   for (const auto& file : arguments.files) {
-    const std::string name = file.filename().string();
-    all.push_back({name.substr(0, name.find('.')), file, may_hold_maps(file), false});
+    auto data = may_hold_maps(file) ? stored(file, arguments, surroundings) : log_in(file);
+    if (!data) return tl::unexpected(data.error());
+    all.push_back(*std::move(data));
   }
   return all;
 }
 
 std::string sha256_of(const Data& data) {
-  return said_by({"sha256sum", data.file}).value_or("").substr(0, 64);
+  return said_by({"sha256sum", data.source}).value_or("").substr(0, 64);
 }
 
 bool is_left_out(const Program& program, const Arguments& arguments) {

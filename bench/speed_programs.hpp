@@ -18,7 +18,8 @@ inline constexpr double kAsGood = 1e-6;
 /// A log, or local maps to be joined.
 struct Data {
   std::string name;
-  std::filesystem::path file;
+  std::filesystem::path source;  ///< As it was given or simulated.
+  std::filesystem::path file;    ///< What the programs read: of local maps, a store.
   bool is_maps = false;
   bool is_simulated = false;
 };

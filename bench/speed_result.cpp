@@ -99,7 +99,7 @@ nlohmann::json json_of(const std::vector<Result>& results) {
     nlohmann::json programs = nlohmann::json::array();
     for (const Runs& runs : result.runs) programs.push_back(json_of(runs, result));
     json.push_back({{"data", result.data.name},
-                    {"file", result.data.file.string()},
+                    {"file", result.data.source.string()},
                     {"sha256", result.sha256},
                     {"poses", pose_count(result)},
                     {"optimum", result.optimum},
