@@ -1,0 +1,81 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+// A joined state that is kept at the optimum of the maps it is made of, while maps and variables are added.
+
+#include <mapjoin/join/incremental/front_tree.hpp>
+#include <mapjoin/join/incremental/map_factor.hpp>
+#include <mapjoin/solve/minimise_options.hpp>
+#include <span>
+#include <utility>
+#include <vector>
+
+namespace mapjoin {
+
+/// How the estimate came to its optimum.
+struct Settling {
+  bool converged = false;
+  int iterations = 0;
+  std::size_t eliminated = 0;  ///< Variables, over all iterations.
+  StepSize moved;              ///< The most that a variable has moved that was there before.
+};
+
+/// Gauss-Newton, with a map linearised again only where its linearisation errs by more than 0.3 % of a standard deviation
+/// (rms); steps that do not lower chi2 are halved.
+template <int Dim>
+class IncrementalEstimate {
+ public:
+  /// Variables are numbered from 0. One that is held stays where it is.
+  Index add_variable(bool is_pose, Index index, const Pose<Dim>& value, bool is_held);
+  /// Puts a variable of which no map is there yet elsewhere.
+  void place(Index variable, const Pose<Dim>& value);
+  void add_factor(MapFactor<Dim> factor);
+
+  /// To the optimum; `last` are the variables that the next maps will probably touch.
+  Settling settle(std::span<const Index> last);
+
+  const JoinedVariables<Dim>& variables() const { return variables_; }
+  double chi2() const { return chi2_; }
+  /// Measured rows less free entries.
+  std::int64_t dof() const { return rows_ - free_; }
+
+ private:
+  struct Factor {
+    MapFactor<Dim> map;
+    Index quadratic = -1;  // of the tree; -1: not linearised yet
+    typename MapFactor<Dim>::Fit fit;
+    std::size_t met_in = 0;  // the step that looked at it last
+  };
+  /// A variable on its way.
+  struct Move {
+    Index variable;
+    PoseVector<Dim> from;
+    PoseVector<Dim> to;
+  };
+
+  JoinedVariable<Dim>& variable(Index v) { return variables_[static_cast<std::size_t>(v)]; }
+  Factor& factor(Index f) { return factors_[static_cast<std::size_t>(f)]; }
+  void linearise_stale();
+  std::vector<Move> moves() const;
+  /// As much of the moves as lowers chi2: 1, ½, …; 0 where nothing does.
+  double take(const std::vector<Move>& moves);
+  /// Puts the variables at a share of their moves, and returns the factors that this concerns.
+  std::vector<Index> apply(const std::vector<Move>& moves, double share);
+  void remember(const std::vector<Move>& moves);
+  StepSize take_moved();
+  void refer_turned(const std::vector<Move>& moves);
+
+  JoinedVariables<Dim> variables_;
+  std::vector<Index> variable_of_column_;
+  std::vector<Factor> factors_;
+  std::vector<Index> stale_;  // factors to be linearised
+  FrontTree tree_;
+  double chi2_ = 0.0;
+  std::int64_t rows_ = 0;
+  std::int64_t free_ = 0;
+  std::size_t steps_ = 0;
+  std::size_t known_ = 0;                            // variables that were there before this settling
+  std::vector<std::pair<Index, Pose<Dim>>> before_;  // where those were that have moved
+  std::vector<bool> is_remembered_;
+};
+
+}  // namespace mapjoin

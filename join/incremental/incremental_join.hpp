@@ -1,0 +1,95 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+// Joining local maps one by one as they become known, with the estimate of all kept at its optimum.
+//
+// A new map is placed by what it shares with the estimate. Of the elimination tree only what it touches is done again
+// (FrontTree), and only maps whose variables have moved are linearised again (IncrementalEstimate). Where the chi2 has grown
+// more than the new map can explain, all maps so far are joined along the tree of join(), once, and the better estimate is
+// taken.
+
+#include <cstdint>
+#include <deque>
+#include <mapjoin/join/incremental/incremental_estimate.hpp>
+#include <mapjoin/join/incremental/part.hpp>
+#include <mapjoin/join/join.hpp>
+#include <optional>
+#include <span>
+#include <stop_token>
+#include <vector>
+
+namespace mapjoin {
+
+/// What adding a part did.
+struct AddedPart {
+  /// Whether it is in the estimate. A part that shares too little with it waits until something ties it.
+  bool is_joined = false;
+  double metres = 0.0;         ///< The most that a position has moved that was known before (m),
+  double radians = 0.0;        ///< and a pose has turned (rad).
+  double chi2 = 0.0;           ///< Of all joined parts at the estimate,
+  std::int64_t dof = 0;        ///< and its degrees of freedom.
+  std::size_t eliminated = 0;  ///< Variables eliminated again, over all iterations.
+  int iterations = 0;
+  bool converged = true;
+  bool looked_anew = false;  ///< Whether all parts were joined by join(), too,
+  bool joined_anew = false;  ///< and its estimate was taken, for it was better or the only one.
+};
+
+template <int Dim>
+class IncrementalJoin {
+ public:
+  /// Where the first pose is held when the World says nothing.
+  explicit IncrementalJoin(const Pose<Dim>& origin = {}) : origin_(origin) {}
+
+  /// Adds the next part. Where a stop is requested while all parts are joined anew, the estimate stays as it is, and a part
+  /// that took that waits.
+  AddedPart add(Part<Dim> part, const std::stop_token& stop = {});
+
+  /// The estimate of a pose or feature, or null while it is not in it.
+  const Pose<Dim>* pose(Index pose) const;
+  const Point<Dim>* feature(Index feature) const;
+  double chi2() const { return estimate_.chi2(); }
+  std::int64_t dof() const { return estimate_.dof(); }
+  std::size_t waiting() const { return waiting_.size(); }
+
+ private:
+  /// Variables by the index of their pose or feature.
+  struct Directory {
+    std::vector<Index> variables;
+    Index operator[](Index index) const {
+      return static_cast<std::size_t>(index) < variables.size() ? variables[static_cast<std::size_t>(index)] : -1;
+    }
+    void enter(Index index, Index variable) {
+      if (static_cast<std::size_t>(index) >= variables.size()) variables.resize(static_cast<std::size_t>(index) + 1, -1);
+      variables[static_cast<std::size_t>(index)] = variable;
+    }
+  };
+
+  bool asks_for_join(const Part<Dim>& part) const;
+  std::vector<Pose<Dim>> placements(const Part<Dim>& part, const Piece<Dim>& piece) const;
+  /// The variables of the part's piece, entered where they are new, and the part's factors; nothing where the part shares too
+  /// little with the estimate, which then stays as it is.
+  std::optional<std::vector<Index>> enter(const Part<Dim>& part);
+  Index enter_pose(Index index, const Pose<Dim>& value, bool is_held);
+  Index enter_feature(Index index, const Point<Dim>& value);
+  std::vector<MapFactor<Dim>> factors_of(const Part<Dim>& part);
+  void settle(std::span<const Index> last, AddedPart& added);
+  bool has_outgrown(double chi2_before, std::int64_t dof_before) const;
+  /// How many of their poses and features the waiting parts share with the estimate.
+  std::size_t shared_by_waiting() const;
+  void admit_waiting(const std::stop_token& stop, AddedPart& added);
+  /// Joins all parts in the estimate and, where asked for, the waiting ones by join().
+  void join_anew(bool with_waiting, const std::stop_token& stop, AddedPart& added);
+  void take(const std::vector<const Part<Dim>*>& parts, const Join<Dim>& joined, AddedPart& added);
+
+  Pose<Dim> origin_;
+  std::deque<Part<Dim>> parts_;
+  std::vector<std::size_t> waiting_;   // parts that are not in the estimate, ascending
+  std::size_t shared_when_tried_ = 0;  // by those that were waiting then
+  std::deque<LocalMap<Dim>> singles_;  // single observations as maps of one target
+  IncrementalEstimate<Dim> estimate_;
+  Directory poses_;
+  Directory features_;
+  bool is_held_by_world_ = false;
+};
+
+}  // namespace mapjoin

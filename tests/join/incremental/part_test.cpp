@@ -1,0 +1,86 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <gtest/gtest.h>
+
+#include <mapjoin/join/incremental/part.hpp>
+#include <mapjoin/join/join.hpp>
+#include <mapjoin/localmap/build.hpp>
+#include <tests/support/dimensions.hpp>
+#include <tests/support/small_world.hpp>
+
+namespace mapjoin {
+namespace {
+
+template <typename D>
+class PartTest : public ::testing::Test {
+ protected:
+  static constexpr int kDim = D::value;
+
+  PartTest() {
+    world_.log.fixed.push_back({3, world_.truth.poses[3]});
+    world_.log.feature_priors.push_back(
+        {kWorld, 7, world_.truth.features[7], PointMatrix<kDim>(100.0 * PointMatrix<kDim>::Identity())});
+    split_ = split(world_.log, {SplitRule::kPoses, 6.0});
+    maps_ = build_local_maps<kDim>(world_.log, split_, {}).value().maps;
+    parts_ = parts_of(world_.log, split_, maps_);
+  }
+
+  testing::SmallWorld<kDim> world_ = testing::small_world<kDim>({.poses = 60, .closures = 12, .sessions = 2});
+  Split split_;
+  std::vector<LocalMap<kDim>> maps_;
+  std::vector<Part<kDim>> parts_;
+};
+TYPED_TEST_SUITE(PartTest, testing::Dimensions);
+
+TYPED_TEST(PartTest, NothingIsSaidOfWhatIsNotYetKnown) {
+  std::vector<bool> is_known(this->world_.log.features.size(), false);
+  for (const auto& part : this->parts_) {
+    if (part.map) {
+      for (const Index f : part.map->features) is_known[static_cast<std::size_t>(f)] = true;
+    }
+    for (const auto& o : part.pose_observations) EXPECT_LE(std::max(o.base, o.target), part.stretch->end);
+    for (const auto& fixed : part.fixed) EXPECT_LE(fixed.pose, part.stretch->end);
+    for (const auto& o : part.feature_observations) {
+      EXPECT_TRUE(o.base != kWorld || is_known[static_cast<std::size_t>(o.target)]);
+      is_known[static_cast<std::size_t>(o.target)] = true;
+    }
+  }
+}
+
+TYPED_TEST(PartTest, AllPartsJoinAsTheirLogDoes) {
+  constexpr int kDim = TestFixture::kDim;
+  const auto& log = this->world_.log;
+  const Network<kDim> of_log = network_of(log, this->split_, this->maps_);
+  std::vector<const Part<kDim>*> parts;
+  for (const auto& part : this->parts_) parts.push_back(&part);
+  const MapSet<kDim> set = set_of(parts);
+  const Network<kDim> of_parts = network_of_parts(set);
+  EXPECT_EQ(of_parts.stretches, of_log.stretches);
+  EXPECT_EQ(of_parts.is_joined, of_log.is_joined);
+  EXPECT_EQ(of_parts.is_private, of_log.is_private);
+  const auto a = join(of_log, log.poses, log.features, JoinOptions<kDim>{});
+  const auto b = join(of_parts, set.poses, set.features, JoinOptions<kDim>{});
+  ASSERT_TRUE(a && b);
+  EXPECT_NEAR(a->result.chi2, b->result.chi2, 1e-9 * a->result.chi2);
+  EXPECT_EQ(a->dof(), b->dof());
+  EXPECT_LT(testing::largest_difference(a->state, b->state), 1e-6);
+}
+
+TYPED_TEST(PartTest, AStretchIsComposedInTheFrameOfItsFirstPose) {
+  constexpr int kDim = TestFixture::kDim;
+  for (const auto& part : this->parts_) {
+    const Piece<kDim> piece = composed(part);
+    EXPECT_EQ(piece.poses.front(), part.stretch->begin);
+    EXPECT_EQ(piece.poses.back(), part.stretch->end);
+    const Pose<kDim>& base = this->world_.truth.pose(part.stretch->begin);
+    for (std::size_t p = 0; p < piece.poses.size(); ++p) {
+      EXPECT_LT(local(piece.state.poses[p], between(base, this->world_.truth.pose(piece.poses[p]))).norm(), 0.5);
+    }
+    for (std::size_t f = 0; f < piece.features.size(); ++f) {
+      const Point<kDim> p_local = transform_into(base, this->world_.truth.feature(piece.features[f]));
+      EXPECT_LT((piece.state.features[f] - p_local).norm(), 0.5);
+    }
+  }
+}
+
+}  // namespace
+}  // namespace mapjoin
