@@ -149,26 +149,20 @@ Expected<void> measure(const StoredMaps<Dim>& stored, const State<Dim>& state, L
   return measure(network_of(stored.log, split_along(stored.log, stored.stretches), stored.maps), state, limit);
 }
 
-std::size_t pose_count(const auto& data) {
-  return data.poses.size();
+/// What names the poses and features of the data.
+const auto& names_of(const auto& data) {
+  return data;
 }
 template <int Dim>
-std::size_t pose_count(const StoredMaps<Dim>& stored) {
-  return stored.log.poses.size();
-}
-std::size_t feature_count(const auto& data) {
-  return data.features.size();
-}
-template <int Dim>
-std::size_t feature_count(const StoredMaps<Dim>& stored) {
-  return stored.log.features.size();
+const Log<Dim>& names_of(const StoredMaps<Dim>& stored) {
+  return stored.log;
 }
 
 template <int Dim, template <int> typename Data>
 Expected<void> measure_at(const Data<Dim>& data, const AnyState& any, Limit& limit) {
   const auto* state = std::get_if<State<Dim>>(&any);
-  limit.poses = pose_count(data);
-  limit.features = feature_count(data);
+  limit.poses = names_of(data).poses.size();
+  limit.features = names_of(data).features.size();
   if (!state || state->poses.size() != limit.poses || state->features.size() != limit.features) {
     return bad_input("the map is of another log");
   }
