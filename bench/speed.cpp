@@ -119,7 +119,7 @@ Expected<void> compare(const Arguments& arguments) {
       if (auto written = write_file(arguments.json, json_of(results).dump(2) + "\n"); !written) return written;
     }
   }
-  for (const Result& result : results) fmt::print("{}  {}\n", result.sha256, result.data.name);
+  for (const Result& result : results) fmt::print("{}: sha256 {}\n", result.data.name, result.sha256);
   fmt::print("\n{}", table_of(results));
   return arguments.picture.empty() ? Expected<void>() : write_file(arguments.picture, picture_of(results));
 }

@@ -38,6 +38,23 @@ std::string end_of(const Runs& runs, double optimum) {
   return *trial.chi2 <= optimum * (1.0 + kAsGood) ? "optimum" : fmt::format("chi2 {:.6g}", *trial.chi2);
 }
 
+/// In Markdown.
+std::string lines_of(const apps::Table& table) {
+  std::string head = "|";
+  std::string rule = "|";
+  for (const apps::Column& column : table.columns) {
+    head += fmt::format(" {} |", column.heading);
+    rule += "---|";
+  }
+  std::string lines = head + "\n" + rule + "\n";
+  for (const apps::Row& row : table.rows) {
+    lines += "|";
+    for (std::size_t c = 0; c < row.cells.size(); ++c) lines += fmt::format(" {} |", shown(row.cells[c], table.columns[c]));
+    lines += "\n";
+  }
+  return lines;
+}
+
 nlohmann::json json_of(const Runs& runs, const Result& result) {
   const Runs& first = result.runs.front();
   const auto& last = runs.trials.back().said;
@@ -90,7 +107,7 @@ std::string table_of(const std::vector<Result>& results) {
                              end_of(runs, result.optimum)}});
     }
   }
-  return apps::aligned(table);
+  return lines_of(table);
 }
 
 nlohmann::json json_of(const std::vector<Result>& results) {

@@ -29,7 +29,7 @@ double median_of(const Runs& runs, Figure figure);
 /// 0 where no program says it.
 std::int64_t pose_count(const Result& result);
 
-/// A line per file and program.
+/// A line per file and program, in Markdown.
 std::string table_of(const std::vector<Result>& results);
 nlohmann::json json_of(const std::vector<Result>& results);
 /// CPU seconds and memory over the number of poses, of logs: lines through the simulated ones.
