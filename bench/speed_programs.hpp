@@ -28,14 +28,14 @@ struct Data {
 struct Surroundings {
   std::filesystem::path programs;  ///< The folder that they are in.
   std::filesystem::path folder;    ///< For what they write.
-  double optimum = 0.0;            ///< The least chi2 seen.
+  double optimum = 0.0;            ///< The least chi2 seen; infinite where there is none.
   std::size_t most_seconds = 0;    ///< CPU that the others have.
 };
 
 enum class ProgramKind : std::uint8_t {
   kOurs,   ///< As long as it takes.
   kOther,  ///< Stopped after Surroundings::most_seconds.
-  kLimit,  ///< Says itself what it took: its start is not part of it.
+  kLimit,  ///< Says itself what CPU and memory it took, for its start is not part of it.
 };
 
 struct Program {

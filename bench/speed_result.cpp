@@ -55,6 +55,18 @@ std::string lines_of(const apps::Table& table) {
   return lines;
 }
 
+/// The start of the limit is not part of it: it has no time on the wall.
+apps::Row row_of(const Runs& runs, const Result& result) {
+  const Runs& first = result.runs.front();
+  const auto if_program = [&](double figure) {
+    return runs.program.kind == ProgramKind::kLimit ? apps::Cell() : apps::Cell(figure);
+  };
+  return {{result.data.name, pose_count(result), runs.program.name, median_of(runs, &Trial::cpu_seconds),
+           if_program(median_of(runs, &Trial::wall_seconds)), median_of(runs, &Trial::memory_mb),
+           median_ratio(first, runs, &Trial::cpu_seconds), if_program(median_ratio(runs, first, &Trial::wall_seconds)),
+           end_of(runs, result.optimum)}};
+}
+
 nlohmann::json json_of(const Runs& runs, const Result& result) {
   const Runs& first = result.runs.front();
   const auto& last = runs.trials.back().said;
@@ -99,13 +111,7 @@ std::string table_of(const std::vector<Result>& results) {
                      {"end", "ends at"}},
                     {}};
   for (const Result& result : results) {
-    const Runs& first = result.runs.front();
-    for (const Runs& runs : result.runs) {
-      table.rows.push_back({{result.data.name, pose_count(result), runs.program.name, median_of(runs, &Trial::cpu_seconds),
-                             median_of(runs, &Trial::wall_seconds), median_of(runs, &Trial::memory_mb),
-                             median_ratio(first, runs, &Trial::cpu_seconds), median_ratio(runs, first, &Trial::wall_seconds),
-                             end_of(runs, result.optimum)}});
-    }
+    for (const Runs& runs : result.runs) table.rows.push_back(row_of(runs, result));
   }
   return lines_of(table);
 }
