@@ -59,7 +59,10 @@ void Account::describe(const RunResult<Dim>& result) {
   has_local_maps = is_joined = true;
   const auto& ids = result.map.pose_ids;
   for (const Index pose : result.map.gauge) held.push_back(ids[static_cast<std::size_t>(pose)]);
-  for (const MapFit& fit : result.maps) map_bases.push_back(ids[static_cast<std::size_t>(fit.base)]);
+  for (const MapFit& fit : result.maps) {
+    map_bases.push_back(ids[static_cast<std::size_t>(fit.base)]);
+    map_ends.push_back(ids[static_cast<std::size_t>(fit.end)]);
+  }
 }
 
 double peak_memory_mb() {

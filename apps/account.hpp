@@ -66,7 +66,8 @@ struct Account {
   bool is_joined = false;       ///< and what came of joining them.
   RunFigures figures;
   std::vector<PoseId> held;                ///< The gauge: poses held still.
-  std::vector<PoseId> map_bases;           ///< Of `figures.maps`: the poses that they start from.
+  std::vector<PoseId> map_bases;           ///< Of `figures.maps`: the poses that they start from,
+  std::vector<PoseId> map_ends;            ///< and those that they end at.
   std::optional<Estimate> covariances;     ///< Which estimate's were asked for, if any.
   std::optional<Deviations> deviations;    ///< Of its marginals, if any.
   std::optional<Consistency> consistency;  ///< With the truth, where that was given.

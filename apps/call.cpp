@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <fmt/format.h>
-#include <tbb/info.h>
 
 #include <algorithm>
 #include <apps/call.hpp>
@@ -61,8 +60,7 @@ Call::Call(const std::string& command, const Options& options, std::stop_token s
     : account(command, options),
       options_(options),
       stop_(std::move(stop)),
-      threads_(tbb::global_control::max_allowed_parallelism,
-               static_cast<std::size_t>(options.jobs > 0 ? options.jobs : tbb::info::default_concurrency())),
+      threads_(tbb::global_control::max_allowed_parallelism, thread_count(options)),
       progress_(!options.quiet),
       run_options_(options.run) {
   run_options_.progress = progress_.callback();

@@ -3,15 +3,12 @@
 
 #include <algorithm>
 #include <apps/chart.hpp>
+#include <apps/colours.hpp>
 #include <apps/markup.hpp>
-#include <array>
 #include <string_view>
 
 namespace mapjoin::apps {
 namespace {
-
-// Okabe and Ito's colours, for all kinds of colour vision; without their yellow, which is too light for a line.
-constexpr std::array kColours{"#0072b2", "#d55e00", "#009e73", "#cc79a7", "#e69f00", "#56b4e9", "#000000"};
 
 constexpr double kFont = 12.0;
 constexpr double kCharacter = 0.58 * kFont;  // the mean width of one
@@ -28,7 +25,7 @@ double width_of(std::string_view text) {
 }
 
 const char* colour_of(const Curve& curve, std::size_t place) {
-  return kColours[curve.colour.value_or(place) % kColours.size()];
+  return kDistinctColours[curve.colour.value_or(place) % kDistinctColours.size()];
 }
 
 std::string text(double x, double y, std::string_view anchor, std::string_view words, std::string_view more = "") {

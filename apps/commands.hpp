@@ -15,6 +15,7 @@ std::unique_ptr<Subcommand> solve_command(CLI::App& app);
 std::unique_ptr<Subcommand> compare_command(CLI::App& app);
 std::unique_ptr<Subcommand> basin_command(CLI::App& app);
 std::unique_ptr<Subcommand> convexity_command(CLI::App& app);
+std::unique_ptr<Subcommand> plot_command(CLI::App& app);
 std::unique_ptr<Subcommand> simulate_command(CLI::App& app);
 std::unique_ptr<Subcommand> info_command(CLI::App& app);
 
@@ -22,7 +23,7 @@ std::unique_ptr<Subcommand> info_command(CLI::App& app);
 inline std::vector<std::unique_ptr<Subcommand>> all_commands(CLI::App& app) {
   std::vector<std::unique_ptr<Subcommand>> commands;
   for (const auto make : {run_command, build_command, join_command, solve_command, compare_command, basin_command,
-                          convexity_command, simulate_command, info_command})
+                          convexity_command, plot_command, simulate_command, info_command})
     commands.push_back(make(app));
   return commands;
 }

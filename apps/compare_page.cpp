@@ -137,10 +137,13 @@ void add_weights(const Comparison<Dim>& comparison, const Account& account, cons
   page.paragraph(fmt::format("The same log with the {} instead of the {}: the poses move by {}{}.",
                              weights_in_words(other.covariance), weights_in_words(account.conventions.covariance),
                              size_of(apart.poses.translation), features));
-  std::vector<Layer<Dim>> layers = {
-      {weights_in_words(other.covariance), kOrange, &other_map.poses, &other_map.features, 1.2, Mark::kRing},
-      {weights_in_words(account.conventions.covariance), kBlue, &best.poses, &best.features, 1.2}};
-  page.figure(picture(layers, sessions, kPixels),
+  const auto layer_of = [&](const GlobalMap<Dim>& map, Covariance covariance, const char* colour, Mark mark) {
+    return Layer{
+        weights_in_words(covariance), {colour}, trajectory_lines(map.poses, sessions), from_above(map.features), {}, 1.2, mark};
+  };
+  const std::vector<Layer> layers = {layer_of(other_map, other.covariance, kOrange, Mark::kRing),
+                                     layer_of(best, account.conventions.covariance, kBlue, Mark::kDot)};
+  page.figure(picture(layers, kPixels),
               fmt::format("Trajectories, and features: rings with the {}, dots with the {}.",
                           weights_in_words(other.covariance), weights_in_words(account.conventions.covariance)));
 }
@@ -149,17 +152,23 @@ template <int Dim>
 void add_solutions(const Comparison<Dim>& comparison, const std::vector<Solution>& solutions,
                    const std::vector<Session>& sessions, Page& page) {
   page.heading("The maps");
-  std::vector<Layer<Dim>> layers;
+  std::vector<Layer> layers;
   for (std::size_t s = shown_count(solutions); s-- > 0;) {
     const GlobalMap<Dim>& map = comparison.maps[solutions[s].front()].polished;
     const bool is_best = s == 0;
-    layers.push_back({name_of(solutions[s], comparison), is_best ? kBlue : kOtherColours[s - 1], &map.poses,
-                      is_best ? &map.features : nullptr, is_best ? 1.4 : 1.0, Mark::kDot, is_best});
+    Layer layer{name_of(solutions[s], comparison),
+                {is_best ? kBlue : kOtherColours[s - 1]},
+                trajectory_lines(map.poses, sessions),
+                is_best ? from_above(map.features) : std::vector<Point<2>>(),
+                {}};
+    layer.width = is_best ? 1.4 : 1.0;
+    layer.is_framed = is_best;
+    layers.push_back(std::move(layer));
   }
   std::string caption = "The best map: trajectory and features.";
   if (solutions.size() > 1) caption += " Beside it the trajectories of the other maps, as far as they lie within its frame.";
   if (solutions.size() > layers.size()) caption += fmt::format(" {} more are not drawn.", solutions.size() - layers.size());
-  page.figure(picture(layers, sessions, kPixels), caption);
+  page.figure(picture(layers, kPixels), caption);
 }
 
 void add_charts(const ComparisonFigures& comparison, const std::vector<Solution>& solutions, Page& page) {

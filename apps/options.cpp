@@ -1,4 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include <tbb/info.h>
+
 #include <algorithm>
 #include <apps/options.hpp>
 #include <mapjoin/io/open_maps.hpp>
@@ -45,6 +47,10 @@ std::vector<std::string> settle_batch(const Subcommand& command, RunOptions& run
 }
 
 }  // namespace
+
+std::size_t thread_count(const Options& options) {
+  return static_cast<std::size_t>(options.jobs > 0 ? options.jobs : tbb::info::default_concurrency());
+}
 
 void add_weights(Subcommand& command, Options& options) {
   command.group("Reading");
@@ -145,12 +151,16 @@ void add_certainty(Subcommand& command, Options& options) {
                          "For covariances, which are refused where they take more [as much as there is]");
 }
 
-void add_reporting(Subcommand& command, Options& options) {
+void add_running(Subcommand& command, Options& options) {
   command.group("Running and reporting");
   command.number<int>("--jobs", options.jobs, 1, "N", "Threads; the result is the same for any number [all processors]",
                       kMostJobs);
-  command.path("--report", options.report, "FILE|-", "Write a report in JSON; with - nothing else goes to standard output");
   command.flag("--quiet", options.quiet, "No summary and no progress");
+}
+
+void add_reporting(Subcommand& command, Options& options) {
+  add_running(command, options);
+  command.path("--report", options.report, "FILE|-", "Write a report in JSON; with - nothing else goes to standard output");
 }
 
 }  // namespace mapjoin::apps

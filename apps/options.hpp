@@ -27,6 +27,9 @@ struct Options {
   bool report_on_stdout() const { return report == "-"; }
 };
 
+/// How many threads the call works on.
+std::size_t thread_count(const Options& options);
+
 /// How the numbers of a log are taken: --g2o-error, --rotation-information, --repair-information, --covariance.
 void add_reading(Subcommand& command, Options& options);
 /// As add_reading() where there is no g2o file: --repair-information, --covariance.
@@ -43,6 +46,8 @@ void add_polish(Subcommand& command, Options& options);
 void add_solver(Subcommand& command, Options& options);
 /// --covariances, --relations, --truth, --max-memory
 void add_certainty(Subcommand& command, Options& options);
+/// --jobs, --quiet
+void add_running(Subcommand& command, Options& options);
 /// --jobs, --report, --quiet
 void add_reporting(Subcommand& command, Options& options);
 

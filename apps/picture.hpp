@@ -1,43 +1,50 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
-// Pictures of maps, as SVG: equal axes, trajectories and features of one map or of several on top of each other.
+// Pictures of maps, as SVG: equal axes, lines, marks and ellipses of one map or of several on top of each other, with a scale
+// and a legend.
 
-#include <filesystem>
-#include <mapjoin/model/error.hpp>
-#include <mapjoin/model/global_map.hpp>
+#include <mapjoin/geometry/pose.hpp>
 #include <mapjoin/model/log.hpp>
 #include <string>
 #include <vector>
 
 namespace mapjoin::apps {
 
-/// The poses composed from odometry alone, each session from where the map has its first pose.
-template <int Dim>
-std::vector<Pose<Dim>> dead_reckoning(const Log<Dim>& log, const GlobalMap<Dim>& map);
+/// From above: x to the right, y up (m).
+using FlatLine = std::vector<Point<2>>;
 
-enum class Mark { kDot, kRing };
+/// Of a covariance, seen from above.
+struct Ellipse {
+  Point<2> centre;
+  Point<2> half_axes;  ///< (m)
+  double angle = 0.0;  ///< Of the first axis (rad).
+};
 
-/// What is drawn in one colour. It points to what must outlive it.
-template <int Dim>
+enum class Mark { kDot, kRing, kSpeck };
+
+/// What is drawn in one style.
 struct Layer {
-  std::string name;    ///< In the legend.
-  std::string colour;  ///< As SVG has it.
-  const std::vector<Pose<Dim>>* poses = nullptr;
-  const std::vector<Point<Dim>>* features = nullptr;
-  double width = 1.4;  ///< Of the trajectory, in pixels.
+  std::string name;                  ///< In the legend; a layer without a name is not there.
+  std::vector<std::string> colours;  ///< As SVG has them; the lines take them in turn, all else has the first.
+  std::vector<FlatLine> lines;
+  std::vector<Point<2>> marks;
+  std::vector<Ellipse> ellipses;
+  double width = 1.4;  ///< Of the lines, in pixels.
   Mark mark = Mark::kDot;
+  bool is_dashed = false;
   bool is_framed = true;  ///< The picture holds all of it; else what lies beyond the others is cut off.
 };
 
-/// The layers seen from above (x to the right, y up, in metres), the first at the bottom and last in the legend, with a scale.
-/// Trajectories are thinned, and of very many features some are left out, so that the size of the picture is bounded. Its
-/// longer side has `pixels`.
+/// One line per session.
 template <int Dim>
-std::string picture(const std::vector<Layer<Dim>>& layers, const std::vector<Session>& sessions, double pixels = 1000.0);
+std::vector<FlatLine> trajectory_lines(const std::vector<Pose<Dim>>& poses, const std::vector<Session>& sessions);
+template <int Dim>
+std::vector<Point<2>> from_above(const std::vector<Point<Dim>>& points);
+/// `sigmas` standard deviations of a position along each axis of its covariance `P` (m²).
+Ellipse ellipse(const Point<2>& centre, const Matrix<2>& P, double sigmas);
 
-/// Draws a map; `odometry` may be empty. kCannotWrite.
-template <int Dim>
-Expected<void> write_picture(const GlobalMap<Dim>& map, const std::vector<Pose<Dim>>& odometry,
-                             const std::vector<Session>& sessions, const std::filesystem::path& path);
+/// The layers, the first at the bottom and last in the legend. Lines are thinned, and of very many marks and ellipses some are
+/// left out, so that the size of the picture is bounded. Its longer side has `pixels`.
+std::string picture(const std::vector<Layer>& layers, double pixels = 1000.0);
 
 }  // namespace mapjoin::apps

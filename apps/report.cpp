@@ -61,6 +61,7 @@ Json map_fits_of(const Account& account) {
     const MapFit& fit = account.figures.maps[m];
     fits.push_back({{"session", account.map_bases[m].session},
                     {"pose", account.map_bases[m].key},
+                    {"end", account.map_ends[m].key},
                     {"chi2", fit.chi2},
                     {"rows", fit.rows},
                     {"probability", fit.probability()}});

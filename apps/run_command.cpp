@@ -6,11 +6,12 @@
 #include <apps/covariance_file.hpp>
 #include <apps/distinct.hpp>
 #include <apps/output_folder.hpp>
-#include <apps/picture.hpp>
+#include <apps/plot/map_layers.hpp>
 #include <apps/relation_file.hpp>
 #include <apps/report.hpp>
 #include <mapjoin/io/g2o.hpp>
 #include <mapjoin/io/map_text.hpp>
+#include <mapjoin/io/output_file.hpp>
 #include <memory>
 #include <optional>
 #include <variant>
@@ -41,7 +42,7 @@ Expected<void> write_map_files(const Call& call, const RunResult<Dim>& result, c
   return write_g2o(map, &log, folder.aside("map.g2o"))
       .and_then([&] { return write_tum(map, folder.aside("trajectory.tum")); })
       .and_then([&] { return write_csv(map, folder.aside("poses.csv"), folder.aside("features.csv")); })
-      .and_then([&] { return write_picture(map, dead_reckoning(log, map), log.sessions, folder.aside("map.svg")); })
+      .and_then([&] { return write_file(folder.aside("map.svg"), picture(map_layers<Dim>({plotted(result, log)}, nullptr))); })
       .and_then([&] {
         if (!options.covariances || !result.marginals) return Expected<void>();
         return write_covariances(map, *call.account.covariances, folder.aside("covariances.json"));

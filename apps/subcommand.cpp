@@ -56,6 +56,10 @@ void Subcommand::argument(const std::string& name, std::filesystem::path& value,
   app_->add_option(name, value, help)->required()->check(check_path)->type_name("");
 }
 
+void Subcommand::arguments(const std::string& name, std::vector<std::filesystem::path>& values, const std::string& help) {
+  app_->add_option(name, values, help)->required()->check(check_path)->type_name("");
+}
+
 void Subcommand::flag(const std::string& name, bool& value, const std::string& help) {
   grouped(*app_->add_flag(name, value, help));
 }

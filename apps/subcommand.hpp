@@ -41,6 +41,8 @@ class Subcommand {
   void group(const std::string& heading) { group_ = heading; }
   /// An argument that must be given.
   void argument(const std::string& name, std::filesystem::path& value, const std::string& help);
+  /// One or several.
+  void arguments(const std::string& name, std::vector<std::filesystem::path>& values, const std::string& help);
   void flag(const std::string& name, bool& value, const std::string& help);
   /// A flag that makes `value` false.
   void refusal(const std::string& name, bool& value, const std::string& help);

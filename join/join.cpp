@@ -16,7 +16,9 @@ template <int Dim>
 std::vector<MapFit> map_fits(const JointSystem<Dim>& system) {
   std::vector<MapFit> fits;
   for (const auto& placed : system.maps()) {
-    fits.push_back({placed.map->base, map_chi2<Dim>(placed, system.estimate()), information_rank(placed.map->information)});
+    const LocalMap<Dim>& map = *placed.map;
+    const Index end = map.poses.empty() ? map.base : map.poses.back();
+    fits.push_back({map.base, end, map_chi2<Dim>(placed, system.estimate()), information_rank(map.information)});
   }
   return fits;
 }

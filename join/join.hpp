@@ -32,7 +32,8 @@ struct JoinOptions {
 
 /// How a local map fits into the join: its residual there, as an observation.
 struct MapFit {
-  Index base = 0;  ///< The pose that it starts from.
+  Index base = 0;  ///< The pose that it starts from,
+  Index end = 0;   ///< and the one that it ends at.
   double chi2 = 0.0;
   std::int64_t rows = 0;  ///< Measured ones, private features left out: their residuals follow the others'.
 

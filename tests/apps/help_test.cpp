@@ -41,14 +41,14 @@ TEST_P(Examples, WorkAsPasted) {
 }
 
 INSTANTIATE_TEST_SUITE_P(OfEveryCommand, Examples,
-                         ::testing::Values("run", "build", "join", "solve", "compare", "convexity", "simulate", "info"),
+                         ::testing::Values("run", "build", "join", "solve", "compare", "convexity", "plot", "simulate", "info"),
                          [](const auto& command) { return command.param; });
 
 TEST(Help, NamesEveryCommandAndExitCode) {
   const Ended help = call({"--help"});
   EXPECT_EQ(help.exit_code, 0);
   for (const std::string word :
-       {"run", "build", "join", "solve", "compare", "convexity", "simulate", "info", "130 interrupted"}) {
+       {"run", "build", "join", "solve", "compare", "convexity", "plot", "simulate", "info", "130 interrupted"}) {
     EXPECT_THAT(help.out, ::testing::HasSubstr(word));
   }
 }

@@ -19,56 +19,76 @@ std::size_t count(std::string_view text, std::string_view part) {
 }
 
 /// Round and round, ever wider.
-std::vector<Pose<2>> spiral(std::size_t poses) {
-  std::vector<Pose<2>> path;
-  for (std::size_t k = 0; k < poses; ++k) {
+FlatLine spiral(std::size_t points) {
+  FlatLine path;
+  for (std::size_t k = 0; k < points; ++k) {
     const double t = static_cast<double>(k);
-    path.push_back({Point<2>(t * std::cos(t), t * std::sin(t)), Rotation<2>(t)});
+    path.emplace_back(t * std::cos(t), t * std::sin(t));
   }
   return path;
 }
 
+Layer line(const std::string& name, const std::string& colour, FlatLine points) {
+  return {name, {colour}, {std::move(points)}, {}, {}};
+}
+
 TEST(Picture, DrawsEveryLayerOverTheOneBefore) {
-  const auto path = spiral(20);
-  const std::vector<Point<2>> features = {{1.0, 2.0}, {3.0, 4.0}};
-  const std::vector<Layer<2>> layers = {{"first & last", "red", &path, &features, 1.0, Mark::kRing},
-                                        {"second", "blue", &path, nullptr}};
-  const std::string svg = picture(layers, {{0, 10}, {10, 20}});
-  EXPECT_EQ(count(svg, "<polyline"), 4U);  // two sessions each
+  Layer first = line("first & last", "red", spiral(20));
+  first.marks = {{1.0, 2.0}, {3.0, 4.0}};
+  first.mark = Mark::kRing;
+  const std::string svg = picture({first, line("second", "blue", spiral(20)), line("", "green", spiral(20))});
   EXPECT_LT(svg.find("stroke=\"red\" stroke-width"), svg.find("stroke=\"blue\" stroke-width"));
   EXPECT_THAT(svg, HasSubstr("first &amp; last</text>"));
   EXPECT_LT(svg.find("second</text>"), svg.find("first &amp; last</text>"));
-  EXPECT_EQ(count(svg, "r=\"4.5\""), 2U);
+  EXPECT_EQ(count(svg, "</text>"), 3U);  // scale and two names: what has none is not in the legend
+  EXPECT_EQ(count(svg, "r=\"4.5\""), 3U);
+}
+
+TEST(Picture, LinesOfALayerTakeItsColoursInTurn) {
+  const Layer layer{"", {"red", "blue"}, {{{0, 0}, {1, 0}}, {{1, 0}, {2, 0}}, {{2, 0}, {4, 0}}}, {}, {}};
+  const std::string svg = picture({layer}, 480.0);
+  EXPECT_THAT(svg, HasSubstr("M40.0,40.0 140.0,40.0M240.0,40.0 440.0,40.0\" fill=\"none\" stroke=\"red\""));
+  EXPECT_THAT(svg, HasSubstr("M140.0,40.0 240.0,40.0\" fill=\"none\" stroke=\"blue\""));
 }
 
 TEST(Picture, IsBoundedHoweverLargeTheMap) {
-  const auto path = spiral(200'000);
-  std::vector<Point<2>> features;
-  features.reserve(path.size());
-  for (const Pose<2>& pose : path) features.push_back(pose.translation);
-  const std::vector<Layer<2>> line = {{"long", "red", &path, nullptr}};
-  EXPECT_LT(picture(line, {{0, 200'000}}).size(), 200'000U);
-  const std::vector<Layer<2>> dots = {{"many", "red", nullptr, &features}};
-  EXPECT_LT(picture(dots, {}).size(), 500'000U);
+  const FlatLine path = spiral(200'000);
+  EXPECT_LT(picture({line("long", "red", path)}).size(), 200'000U);
+  Layer many{"many", {"red"}, {}, path, {}};
+  EXPECT_LT(picture({many}).size(), 500'000U);
+  for (const Point<2>& p : path) many.lines.push_back({p, p + Point<2>(1.0, 0.0)});
+  many.marks.clear();
+  EXPECT_LT(picture({many}).size(), 500'000U);
 }
 
 TEST(Picture, HoldsWhatIsFramedAndCutsTheRest) {
-  const auto near = spiral(10);
-  const auto far = spiral(1000);
   const auto scale_of = [](const std::string& svg) { return svg.substr(svg.find(" m</text>") - 4, 4); };
-  const std::vector<Layer<2>> alone = {{"near", "red", &near, nullptr}};
-  const std::vector<Layer<2>> cut = {{"far", "red", &far, nullptr, 1.0, Mark::kDot, false}, {"near", "red", &near, nullptr}};
-  const std::vector<Layer<2>> whole = {{"far", "red", &far, nullptr}, {"near", "red", &near, nullptr}};
-  EXPECT_EQ(scale_of(picture(cut, {{0, 10}})), scale_of(picture(alone, {{0, 10}})));
-  EXPECT_NE(scale_of(picture(whole, {{0, 10}})), scale_of(picture(alone, {{0, 10}})));
+  const Layer near = line("near", "red", spiral(10));
+  Layer far = line("far", "red", spiral(1000));
+  const std::string alone = scale_of(picture({near}));
+  EXPECT_NE(scale_of(picture({far, near})), alone);
+  far.is_framed = false;
+  EXPECT_EQ(scale_of(picture({far, near})), alone);
 }
 
 TEST(Picture, OfNothingIsOneMetre) {
-  const std::vector<Pose<3>> still(3);
-  const std::vector<Layer<3>> layers = {{"still", "red", &still, nullptr}};
-  const std::string svg = picture(layers, {{0, 3}});
+  const std::string svg = picture({line("still", "red", FlatLine(3, Point<2>::Zero()))});
   EXPECT_THAT(svg, Not(HasSubstr("nan")));
   EXPECT_THAT(svg, HasSubstr("0.2 m</text>"));
+}
+
+TEST(Picture, AnEllipseIsWhereTheMahalanobisDistanceIsSoMany) {
+  const Matrix<2> P = (Matrix<2>() << 4.0, -1.5, -1.5, 1.0).finished();
+  const Ellipse e = ellipse({1.0, 2.0}, P, 3.0);
+  const Rotation<2> turn(e.angle);
+  for (double t = 0.0; t < 6.3; t += 0.1) {
+    const Point<2> d = turn.matrix() * Point<2>(e.half_axes.x() * std::cos(t), e.half_axes.y() * std::sin(t));
+    EXPECT_NEAR(d.dot(P.inverse() * d), 9.0, 1e-9);
+  }
+}
+
+TEST(Picture, AnEllipseOfACertainPlaceIsAPoint) {
+  EXPECT_EQ(ellipse({1.0, 2.0}, Matrix<2>::Zero(), 3.0).half_axes.norm(), 0.0);
 }
 
 }  // namespace

@@ -1,0 +1,68 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <apps/plot/beside_map.hpp>
+#include <apps/plot/load.hpp>
+#include <mapjoin/io/open_log.hpp>
+#include <mapjoin/io/open_maps.hpp>
+#include <mapjoin/localmap/split.hpp>
+
+namespace mapjoin::apps {
+namespace {
+
+namespace fs = std::filesystem;
+
+/// The map in the folder of a run, else the path as it is.
+fs::path file_of(const fs::path& path) {
+  std::error_code ignored;
+  const fs::path map = path / "map.g2o";
+  return fs::is_directory(path, ignored) && fs::is_regular_file(map, ignored) ? map : path;
+}
+
+template <int Dim>
+Expected<PlottedMap<Dim>> of_log(const Log<Dim>& log, const fs::path& path) {
+  PlottedMap<Dim> out = plotted(log);
+  if (out.is_odometry) return out;
+  if (auto read = read_covariances_beside(path, out.map); !read) return tl::unexpected(read.error());
+  return read_fits_beside(path, out.map).map([&](const std::vector<MapFit>& fits) {
+    out.local_maps = plotted_local_maps(fits, log);
+    return std::move(out);
+  });
+}
+
+template <int Dim>
+Expected<PlottedMap<Dim>> of_result(RunResult<Dim>& result, PlottedMap<Dim> out) {
+  if (result.marginals) {
+    out.map.pose_covariances = std::move(result.marginals->poses);
+    out.map.feature_covariances = std::move(result.marginals->features);
+  }
+  return out;
+}
+
+template <int Dim>
+Expected<PlottedMap<Dim>> joined(const MapSet<Dim>& set, const RunOptions& options, const std::stop_token& stop) {
+  return run(set, options, stop).and_then([&](RunResult<Dim>&& result) { return of_result(result, plotted(result, set)); });
+}
+
+template <int Dim>
+Expected<PlottedMap<Dim>> joined(const StoredMaps<Dim>& stored, const RunOptions& options, const std::stop_token& stop) {
+  const Split parts = split_along(stored.log, stored.stretches);
+  return run_from_maps(stored.log, parts, stored.maps, options, stop).and_then([&](RunResult<Dim>&& result) {
+    return of_result(result, plotted(result, stored.log));
+  });
+}
+
+}  // namespace
+
+Expected<AnyPlottedMap> load(const fs::path& path, const LoadOptions& options, const std::stop_token& stop) {
+  const auto any = [](auto&& plotted) { return AnyPlottedMap(std::forward<decltype(plotted)>(plotted)); };
+  const fs::path file = file_of(path);
+  if (may_hold_maps(file)) {
+    const auto maps = open_maps(file, options.read);
+    if (!maps) return tl::unexpected(maps.error());
+    return std::visit([&](const auto& of_dim) { return joined(of_dim, options.run, stop).map(any); }, *maps);
+  }
+  const auto log = open_log(file, options.read);
+  if (!log) return tl::unexpected(log.error());
+  return std::visit([&](const auto& of_dim) { return of_log(of_dim, file).map(any); }, *log);
+}
+
+}  // namespace mapjoin::apps

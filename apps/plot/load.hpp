@@ -1,0 +1,23 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+// Whatever can be plotted, as maps.
+
+#include <apps/plot/plotted_map.hpp>
+#include <filesystem>
+#include <mapjoin/io/read_options.hpp>
+#include <mapjoin/join/run.hpp>
+#include <mapjoin/model/error.hpp>
+#include <stop_token>
+
+namespace mapjoin::apps {
+
+struct LoadOptions {
+  ReadOptions read;
+  RunOptions run;  ///< Of local maps, which are joined first.
+};
+
+/// A log by its values or its odometry; a map that mapjoin wrote, or the folder of a run, with what is beside it; local maps
+/// joined. kInterrupted on `stop`.
+Expected<AnyPlottedMap> load(const std::filesystem::path& path, const LoadOptions& options, const std::stop_token& stop);
+
+}  // namespace mapjoin::apps

@@ -1,0 +1,52 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+// A map with all that a picture or a page of it shows.
+
+#include <mapjoin/join/run.hpp>
+#include <mapjoin/model/global_map.hpp>
+#include <mapjoin/model/local_map.hpp>
+#include <mapjoin/model/log.hpp>
+#include <string>
+#include <utility>
+#include <variant>
+#include <vector>
+
+namespace mapjoin::apps {
+
+/// A local map within a map: how it fits, with the poses from its base to its end, and the features that it saw.
+struct PlottedLocalMap {
+  MapFit fit;
+  std::vector<Index> features;
+};
+
+template <int Dim>
+struct PlottedMap {
+  std::string name;  ///< In a legend.
+  GlobalMap<Dim> map;
+  std::vector<Session> sessions;                  ///< Poses that a line goes through.
+  std::vector<Pose<Dim>> odometry;                ///< Composed from odometry alone; empty where that is not known.
+  std::vector<std::pair<Index, Index>> closures;  ///< Poses.
+  std::vector<PlottedLocalMap> local_maps;        ///< In their order; empty where they are not known.
+  bool is_odometry = false;                       ///< `map` is composed from odometry and first observations, for want of more.
+};
+
+using AnyPlottedMap = std::variant<PlottedMap<2>, PlottedMap<3>>;
+
+/// The poses composed from odometry alone, each session from where `poses` has its first one.
+template <int Dim>
+std::vector<Pose<Dim>> dead_reckoning(const Log<Dim>& log, std::vector<Pose<Dim>> poses);
+
+/// A log by the values that its file gives to poses and features, else by odometry and first observations.
+template <int Dim>
+PlottedMap<Dim> plotted(const Log<Dim>& log);
+/// What came of a log, or of a set of local maps.
+template <int Dim>
+PlottedMap<Dim> plotted(const RunResult<Dim>& result, const Log<Dim>& log);
+template <int Dim>
+PlottedMap<Dim> plotted(const RunResult<Dim>& result, const MapSet<Dim>& set);
+
+/// Local maps of a log with the features that were seen from their poses.
+template <int Dim>
+std::vector<PlottedLocalMap> plotted_local_maps(const std::vector<MapFit>& fits, const Log<Dim>& log);
+
+}  // namespace mapjoin::apps

@@ -1,0 +1,178 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// `mapjoin plot`: pictures of maps, logs and local maps.
+
+#include <fmt/format.h>
+#include <tbb/global_control.h>
+
+#include <algorithm>
+#include <apps/commands.hpp>
+#include <apps/console.hpp>
+#include <apps/distinct.hpp>
+#include <apps/map_file.hpp>
+#include <apps/picture.hpp>
+#include <apps/plot/alignment.hpp>
+#include <apps/plot/load.hpp>
+#include <apps/plot/map_layers.hpp>
+#include <apps/progress.hpp>
+#include <apps/truth_file.hpp>
+#include <mapjoin/io/output_file.hpp>
+#include <memory>
+#include <optional>
+#include <utility>
+#include <variant>
+
+namespace mapjoin::apps {
+namespace {
+
+constexpr const char* kExamples =
+    "  mapjoin run data/manhattan2d.g2o -o result --covariances\n"
+    "  mapjoin plot result -o map.svg --truth data/manhattan2d.truth.tum\n"
+    "  mapjoin plot result data/manhattan2d.g2o -o map-and-odometry.svg";
+
+struct PlotOptions {
+  std::vector<std::filesystem::path> inputs;
+  Options common;
+  bool align = true;
+};
+
+/// What is drawn: maps of one dimension, in one frame, with the truth of the first one.
+template <int Dim>
+struct Scene {
+  std::vector<PlottedMap<Dim>> maps;
+  std::optional<Truth<Dim>> truth;
+};
+
+using AnyScene = std::variant<Scene<2>, Scene<3>>;
+
+/// Names that tell the maps apart: those of their files, with their folders where these are the same.
+std::vector<std::string> names_of(const std::vector<std::filesystem::path>& paths) {
+  std::vector<std::string> names;
+  for (const auto& path : paths) names.push_back((path.has_filename() ? path : path.parent_path()).filename().string());
+  for (std::size_t k = 0; k < paths.size(); ++k) {
+    if (std::count(names.begin(), names.end(), names[k]) > 1) names[k] = paths[k].string();
+  }
+  return names;
+}
+
+Expected<AnyScene> load_all(const PlotOptions& options, const LoadOptions& loading, const std::stop_token& stop) {
+  std::optional<AnyScene> scene;
+  const std::vector<std::string> names = names_of(options.inputs);
+  for (std::size_t k = 0; k < options.inputs.size(); ++k) {
+    auto any = load(options.inputs[k], loading, stop);
+    if (!any) return tl::unexpected(any.error());
+    if (stop.stop_requested()) return tl::unexpected(Error{ErrorKind::kInterrupted, "interrupted"});
+    const bool is_taken = std::visit(
+        [&]<int Dim>(PlottedMap<Dim>& plotted) {
+          if (!scene) scene = Scene<Dim>();
+          auto* same = std::get_if<Scene<Dim>>(&*scene);
+          if (!same) return false;
+          plotted.name = names[k];
+          same->maps.push_back(std::move(plotted));
+          return true;
+        },
+        *any);
+    if (is_taken) continue;
+    return tl::unexpected(Error{ErrorKind::kUsage, fmt::format("{}: is not of the same dimension as {}",
+                                                               options.inputs[k].string(), options.inputs.front().string())});
+  }
+  return *std::move(scene);
+}
+
+template <int Dim>
+Expected<void> read_truth(const std::filesystem::path& path, Scene<Dim>& scene) {
+  if (path.empty()) return {};
+  const auto file = TruthFile::open(path);
+  if (!file) return tl::unexpected(file.error());
+  return file->of(scene.maps.front().map).map([&](Truth<Dim>&& truth) { scene.truth = std::move(truth); });
+}
+
+/// Puts everything into the frame of the first map, and says what could not be.
+template <int Dim>
+void align_all(const PlotOptions& options, Scene<Dim>& scene) {
+  if (!options.align) return;
+  const GlobalMap<Dim>& first = scene.maps.front().map;
+  const auto stays = [](const std::string& what) {
+    say(what + ": shares too little with the first map to be aligned with it, and is drawn as it stands");
+  };
+  for (std::size_t k = 1; k < scene.maps.size(); ++k) {
+    if (const auto frame = alignment(scene.maps[k].map, first)) {
+      move(*frame, scene.maps[k]);
+    } else {
+      stays(options.inputs[k].string());
+    }
+  }
+  if (!scene.truth) return;
+  if (const auto frame = alignment(*scene.truth, first)) {
+    move(*frame, *scene.truth);
+  } else {
+    stays(options.common.truth.string());
+  }
+}
+
+template <int Dim>
+Expected<ExitCode> plot_scene(const PlotOptions& options, Scene<Dim>& scene) {
+  if (auto read = read_truth(options.common.truth, scene); !read) return tl::unexpected(read.error());
+  align_all(options, scene);
+  const std::string svg = picture(map_layers(scene.maps, scene.truth ? &*scene.truth : nullptr));
+  if (auto written = write_file(options.common.output, svg); !written) return tl::unexpected(written.error());
+  if (options.common.quiet) return ExitCode::kDone;
+  Lines lines;
+  for (const auto& plotted : scene.maps) {
+    lines.add("map", fmt::format("{}: {}D, {} poses, {} features, {} local maps{}", plotted.name, Dim, plotted.map.poses.size(),
+                                 plotted.map.features.size(), plotted.local_maps.size(),
+                                 plotted.is_odometry ? ", from odometry alone" : ""));
+  }
+  lines.add("written", options.common.output.string());
+  return write_stdout(lines.text()).map([] { return ExitCode::kDone; });
+}
+
+Expected<ExitCode> plot(const PlotOptions& options, const std::stop_token& stop) {
+  if (auto ready = check_writable(options.common.output); !ready) return tl::unexpected(ready.error());
+  const tbb::global_control threads(tbb::global_control::max_allowed_parallelism, thread_count(options.common));
+  Progress progress(!options.common.quiet);
+  LoadOptions loading{options.common.read, {}};
+  loading.run.marginals = options.common.covariances;
+  loading.run.progress = progress.callback();
+  auto scene = load_all(options, loading, stop);
+  progress.close();
+  if (!scene) return tl::unexpected(scene.error());
+  return std::visit([&](auto& of_dim) { return plot_scene(options, of_dim); }, *scene);
+}
+
+std::vector<std::string> check_files(const PlotOptions& options) {
+  NamedFiles files = {{"--output", options.common.output}};
+  std::vector<std::string> violations;
+  for (const auto& input : options.inputs) {
+    files.resize(1);
+    files.emplace_back("MAP", input);
+    for (auto& violation : check_distinct(files)) violations.push_back(std::move(violation));
+  }
+  files.resize(1);
+  files.emplace_back("--truth", options.common.truth);
+  for (auto& violation : check_distinct(files)) violations.push_back(std::move(violation));
+  return violations;
+}
+
+}  // namespace
+
+std::unique_ptr<Subcommand> plot_command(CLI::App& app) {
+  auto command = std::make_unique<Subcommand>(app, "plot", "Pictures of maps, logs and local maps", kExamples);
+  const auto options = std::make_shared<PlotOptions>();
+  Options& common = options->common;
+  common.output = "plot.svg";
+  command->arguments("MAP", options->inputs,
+                     "The folder of a run, a map or a log (without values by its odometry), or local maps, which are joined "
+                     "first; several are overlaid");
+  command->path("-o,--output", common.output, "FILE", "Write the picture, as SVG [plot.svg]");
+  command->path("--truth", common.truth, "FILE", "Draw the truth of the first map, too: .tum, else g2o with vertices");
+  command->refusal("--no-align", options->align, "Overlay maps as they stand, not by what they share with the first one");
+  command->flag("--covariances", common.covariances,
+                "Local maps: with their covariances when joined; those of a map are drawn where they are beside it");
+  add_reading(*command, common);
+  add_running(*command, common);
+  command->check([options] { return check_files(*options); });
+  command->act([options](const std::stop_token& stop) { return plot(*options, stop); });
+  return command;
+}
+
+}  // namespace mapjoin::apps

@@ -1,0 +1,120 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <string_view>
+#include <tests/apps/command.hpp>
+
+namespace mapjoin::testing {
+namespace {
+
+using ::testing::AllOf;
+using ::testing::HasSubstr;
+using ::testing::Not;
+
+const std::string kLog = (kBundledData / "manhattan2d.g2o").string();
+const std::string kTruth = (kBundledData / "manhattan2d.truth.tum").string();
+
+std::size_t count(std::string_view text, std::string_view part) {
+  std::size_t found = 0;
+  for (std::size_t at = text.find(part); at != std::string_view::npos; at = text.find(part, at + 1)) ++found;
+  return found;
+}
+
+class Plot : public ::testing::Test {
+ protected:
+  std::string path(const std::string& name) const { return (folder.path() / name).string(); }
+  /// The picture that a call makes.
+  std::string picture(std::vector<std::string> arguments) const {
+    arguments.insert(arguments.begin(), "plot");
+    arguments.insert(arguments.end(), {"-o", path("plot.svg"), "--quiet"});
+    const Ended ended = call(arguments);
+    EXPECT_EQ(ended.exit_code, 0) << ended.err;
+    EXPECT_EQ(ended.err, "");
+    return content_of(path("plot.svg"));
+  }
+  void expect_refused(std::vector<std::string> arguments, int exit_code, const std::string& part) const {
+    arguments.insert(arguments.begin(), "plot");
+    const Ended ended = call(arguments);
+    EXPECT_EQ(ended.exit_code, exit_code);
+    EXPECT_THAT(ended.err, HasSubstr(part));
+  }
+  TemporaryFolder folder;
+};
+
+TEST_F(Plot, TheFolderOfARunShowsAllThatIsKnown) {
+  ASSERT_EQ(call({"run", kLog, "-o", path("run"), "--covariances", "--poses-per-map", "50", "--quiet"}).exit_code, 0);
+  const std::string svg = picture({path("run"), "--truth", kTruth});
+  for (const std::string name :
+       {"local maps", "end poses", "features", "3σ of features", "3σ of poses", "odometry alone", "truth"}) {
+    EXPECT_EQ(count(svg, ">" + name + "<"), 1U) << name;
+  }
+  EXPECT_EQ(count(svg, "<ellipse rx"), 143U + 20U);  // of all features, and of the ends of 20 maps
+  EXPECT_EQ(picture({path("run/map.g2o"), "--truth", kTruth}), svg);
+  // The run's own picture is the same but for the truth.
+  EXPECT_EQ(picture({path("run")}), content_of(path("run/map.svg")));
+}
+
+TEST_F(Plot, ALogWithoutValuesIsDrawnByItsOdometry) {
+  const std::string svg = picture({kLog});
+  EXPECT_EQ(count(svg, ">odometry alone<"), 1U);
+  EXPECT_EQ(count(svg, ">trajectory<"), 0U);
+  EXPECT_EQ(count(svg, "<circle"), 143U + 1U);  // and one in the legend
+}
+
+TEST_F(Plot, LocalMapsAreJoinedFirstAndTheirClosuresDrawn) {
+  const std::string log =
+      "EDGE_SE2 0 1 2 0 0 1 0 0 1 0 1\nEDGE_SE2 1 2 2 0 1.6 1 0 0 1 0 1\nEDGE_SE2 2 3 2 0 1.6 1 0 0 1 0 1\n"
+      "EDGE_SE2 3 4 2 0 1.5 1 0 0 1 0 1\nEDGE_SE2 4 0 2 0 1.5 1 0 0 1 0 1\nEDGE_SE2_XY 0 7 1 1 1 0 1\nEDGE_SE2_XY 3 7 3 1 1 0 "
+      "1\n";
+  ASSERT_EQ(call({"build", folder.file("log.g2o", log).string(), "-o", path("maps"), "--poses-per-map", "2"}).exit_code, 0);
+  const std::string svg = picture({path("maps"), "--covariances"});
+  EXPECT_EQ(count(svg, ">local maps<"), 1U);
+  EXPECT_EQ(count(svg, ">loop closures<"), 1U);
+  EXPECT_EQ(count(svg, "<ellipse rx"), 1U + 2U);
+  EXPECT_EQ(count(picture({path("maps")}), "<ellipse"), 0U);
+  EXPECT_EQ(picture({path("maps"), "--jobs", "1"}), picture({path("maps"), "--jobs", "2"}));
+}
+
+TEST_F(Plot, SeveralMapsAreLaidOnTheFirstOne) {
+  const std::string map = "VERTEX_SE2 0 0 0 0\nVERTEX_SE2 1 10 0 0\nVERTEX_SE2 2 10 5 0\n";
+  const std::string turned = "VERTEX_SE2 0 100 7 1.5707963267948966\nVERTEX_SE2 1 100 17 0\nVERTEX_SE2 2 95 17 0\n";
+  const std::vector<std::string> both = {folder.file("a.g2o", map).string(), folder.file("b.g2o", turned).string()};
+  const std::string aligned = picture(both);
+  EXPECT_EQ(count(aligned, "M40.0,500.0 960.0,500.0 960.0,40.0"), 2U) << aligned;
+  EXPECT_EQ(count(aligned, ">a.g2o<") + count(aligned, ">b.g2o<"), 2U);
+  EXPECT_EQ(count(picture({both[0], both[1], "--no-align"}), "M40.0,500.0 960.0,500.0 960.0,40.0"), 0U);
+}
+
+TEST_F(Plot, MapsThatShareNothingAreDrawnAsTheyStand) {
+  const std::string a = folder.file("a.g2o", "VERTEX_SE2 0 0 0 0\nVERTEX_SE2 1 10 0 0\n").string();
+  const std::string b = folder.file("b.g2o", "VERTEX_SE2 5 0 0 0\nVERTEX_SE2 6 10 0 0\n").string();
+  const Ended ended = call({"plot", a, b, "-o", path("plot.svg")});
+  EXPECT_EQ(ended.exit_code, 0);
+  EXPECT_THAT(ended.err, AllOf(HasSubstr("b.g2o: shares too little with the first map"), Not(HasSubstr("a.g2o: shares"))));
+}
+
+TEST_F(Plot, RefusesWhatDoesNotGoTogether) {
+  const std::string other = (kBundledData / "manhattan3d.g2o").string();
+  expect_refused({kLog, other, "-o", path("plot.svg")}, 2, "is not of the same dimension as");
+  expect_refused({kLog, path("nowhere"), "-o", path("plot.svg")}, 3, "nowhere");
+  expect_refused({kLog, "-o", path("no/such/folder.svg")}, 5, "no/such");
+  const std::string map = folder.file("a.g2o", "VERTEX_SE2 0 0 0 0\nVERTEX_SE2 1 10 0 0\n").string();
+  expect_refused({map, "-o", map}, 2, "--output and MAP are one file");
+  EXPECT_FALSE(std::filesystem::exists(path("plot.svg")));
+}
+
+TEST_F(Plot, WhatLiesBesideAMapMustBeOfIt) {
+  ASSERT_EQ(call({"run", kLog, "-o", path("run"), "--covariances", "--quiet"}).exit_code, 0);
+  const std::string certain = content_of(path("run/covariances.json"));
+  folder.file("run/covariances.json", certain.substr(0, certain.size() / 2));
+  expect_refused({path("run"), "-o", path("plot.svg")}, 3, "covariances.json: is not as mapjoin writes it");
+  folder.file("run/covariances.json", R"({"dimension": 2, "poses": [], "features": []})");
+  expect_refused({path("run"), "-o", path("plot.svg")}, 3, "covariances.json: is not of the map beside it");
+  std::filesystem::remove(path("run/covariances.json"));
+  folder.file("run/report.json", R"({"join": {"maps": [{"session": 0, "pose": 5, "end": 777777, "chi2": 1, "rows": 2}]}})");
+  expect_refused({path("run"), "-o", path("plot.svg")}, 3, "report.json: is not of the map beside it");
+}
+
+}  // namespace
+}  // namespace mapjoin::testing
