@@ -13,6 +13,8 @@
 #include <apps/plot/alignment.hpp>
 #include <apps/plot/load.hpp>
 #include <apps/plot/map_layers.hpp>
+#include <apps/plot/scene.hpp>
+#include <apps/plot/viewer_page.hpp>
 #include <apps/progress.hpp>
 #include <apps/truth_file.hpp>
 #include <mapjoin/io/output_file.hpp>
@@ -27,7 +29,9 @@ namespace {
 constexpr const char* kExamples =
     "  mapjoin run data/manhattan2d.g2o -o result --covariances\n"
     "  mapjoin plot result -o map.svg --truth data/manhattan2d.truth.tum\n"
-    "  mapjoin plot result data/manhattan2d.g2o -o map-and-odometry.svg";
+    "  mapjoin plot result data/manhattan2d.g2o -o map-and-odometry.svg\n"
+    "  mapjoin build data/manhattan3d.g2o -o manhattan3d.maps\n"
+    "  mapjoin plot manhattan3d.maps --covariances -o manhattan3d.html";
 
 struct PlotOptions {
   std::vector<std::filesystem::path> inputs;
@@ -35,14 +39,9 @@ struct PlotOptions {
   bool align = true;
 };
 
-/// What is drawn: maps of one dimension, in one frame, with the truth of the first one.
-template <int Dim>
-struct Scene {
-  std::vector<PlottedMap<Dim>> maps;
-  std::optional<Truth<Dim>> truth;
-};
-
-using AnyScene = std::variant<Scene<2>, Scene<3>>;
+bool is_page(const PlotOptions& options) {
+  return options.common.output.extension() == ".html";
+}
 
 /// Names that tell the maps apart: those of their files, with their folders where these are the same.
 std::vector<std::string> names_of(const std::vector<std::filesystem::path>& paths) {
@@ -110,11 +109,19 @@ void align_all(const PlotOptions& options, Scene<Dim>& scene) {
 }
 
 template <int Dim>
+std::string title_of(const Scene<Dim>& scene) {
+  std::string title = scene.maps.front().name;
+  for (std::size_t k = 1; k < scene.maps.size(); ++k) title += ", " + scene.maps[k].name;
+  return title;
+}
+
+template <int Dim>
 Expected<ExitCode> plot_scene(const PlotOptions& options, Scene<Dim>& scene) {
   if (auto read = read_truth(options.common.truth, scene); !read) return tl::unexpected(read.error());
   align_all(options, scene);
-  const std::string svg = picture(map_layers(scene.maps, scene.truth ? &*scene.truth : nullptr));
-  if (auto written = write_file(options.common.output, svg); !written) return tl::unexpected(written.error());
+  const std::string drawn = is_page(options) ? viewer_page(scene, title_of(scene))
+                                             : picture(map_layers(scene.maps, scene.truth ? &*scene.truth : nullptr));
+  if (auto written = write_file(options.common.output, drawn); !written) return tl::unexpected(written.error());
   if (options.common.quiet) return ExitCode::kDone;
   Lines lines;
   for (const auto& plotted : scene.maps) {
@@ -130,9 +137,14 @@ Expected<ExitCode> plot(const PlotOptions& options, const std::stop_token& stop)
   if (auto ready = check_writable(options.common.output); !ready) return tl::unexpected(ready.error());
   const tbb::global_control threads(tbb::global_control::max_allowed_parallelism, thread_count(options.common));
   Progress progress(!options.common.quiet);
-  LoadOptions loading{options.common.read, {}};
+  LoadOptions loading;
+  loading.read = options.common.read;
   loading.run.marginals = options.common.covariances;
   loading.run.progress = progress.callback();
+  loading.has_stops = is_page(options);
+  if (const auto show = progress.callback_in_words()) {
+    loading.progress = [show](std::size_t done, std::size_t to_do) { show("map after map", done, to_do); };
+  }
   auto scene = load_all(options, loading, stop);
   progress.close();
   if (!scene) return tl::unexpected(scene.error());
@@ -156,14 +168,16 @@ std::vector<std::string> check_files(const PlotOptions& options) {
 }  // namespace
 
 std::unique_ptr<Subcommand> plot_command(CLI::App& app) {
-  auto command = std::make_unique<Subcommand>(app, "plot", "Pictures of maps, logs and local maps", kExamples);
+  auto command = std::make_unique<Subcommand>(app, "plot", "Pictures of maps, logs and local maps, and pages to look around in",
+                                              kExamples);
   const auto options = std::make_shared<PlotOptions>();
   Options& common = options->common;
   common.output = "plot.svg";
   command->arguments("MAP", options->inputs,
                      "The folder of a run, a map or a log (without values by its odometry), or local maps, which are joined "
                      "first; several are overlaid");
-  command->path("-o,--output", common.output, "FILE", "Write the picture, as SVG [plot.svg]");
+  command->path("-o,--output", common.output, "FILE",
+                "Write a picture as SVG or, where the name ends in .html, a page to look around in [plot.svg]");
   command->path("--truth", common.truth, "FILE", "Draw the truth of the first map, too: .tum, else g2o with vertices");
   command->refusal("--no-align", options->align, "Overlay maps as they stand, not by what they share with the first one");
   command->flag("--covariances", common.covariances,

@@ -36,9 +36,10 @@ Piece<Dim> merged_best(const Piece<Dim>& a, const Piece<Dim>& b, const std::vect
   return best;
 }
 
-/// How many pieces are settled on the way, the leaves among them.
-std::size_t joins(std::size_t stretches, Schedule schedule) {
-  return schedule == Schedule::kSequential ? stretches : 2 * stretches - 1;
+/// How many pieces are settled on the way, the leaves among them but where they come one by one.
+std::size_t joins(std::size_t stretches, Schedule schedule, std::size_t at_once) {
+  if (schedule != Schedule::kSequential) return 2 * stretches - 1;
+  return at_once == 1 ? stretches : 2 * stretches;
 }
 
 /// How many of at least two stretches are in the first of the two parts that a tree joins.
@@ -49,18 +50,39 @@ std::size_t first_part(std::size_t stretches, Schedule schedule) {
 template <int Dim>
 class Joiner {
  public:
-  Joiner(const Network<Dim>& network, const ScheduleOptions& options, const std::stop_token& stop)
+  Joiner(const Network<Dim>& network, const ScheduleOptions& options, const std::stop_token& stop, std::size_t at_once = 1)
       : network_(network),
         options_(options),
         stop_(stop),
+        at_once_(at_once),
         leaves_(network),
-        to_do_(joins(network.stretches.size(), options.schedule)) {}
+        to_do_(joins(network.stretches.size(), options.schedule, at_once)) {}
 
   JoinedPieces<Dim> all() {
-    Closures<Dim> closures = leaves_.closures();
+    if (options_.schedule == Schedule::kSequential) return one_after_another(nullptr);
+    return range(0, network_.stretches.size(), leaves_.closures());
+  }
+
+  /// Stretches one by one, or so many at once, each lot of them joined before.
+  JoinedPieces<Dim> one_after_another(const JoinWatch<Dim>& watch) {
     const std::size_t count = network_.stretches.size();
-    if (options_.schedule == Schedule::kSequential) return one_by_one(std::move(closures));
-    return range(0, count, std::move(closures));
+    std::vector<Closures<Dim>> within((count + at_once_ - 1) / at_once_);
+    std::vector<Closures<Dim>> closed_by(within.size());
+    for (const auto* closure : leaves_.closures()) {
+      const auto [first, last] = leaves_.stretches_of(*closure);
+      const bool is_within = at_once_ > 1 && first / at_once_ == last / at_once_;
+      (is_within ? within : closed_by)[last / at_once_].push_back(closure);
+    }
+    JoinedPieces<Dim> so_far;
+    for (std::size_t lot = 0; lot < within.size(); ++lot) {
+      const std::size_t low = lot * at_once_;
+      const std::size_t high = std::min(low + at_once_, count);
+      JoinedPieces<Dim> next =
+          at_once_ == 1 ? JoinedPieces<Dim>{{leaves_.piece(low)}, {}} : range(low, high, std::move(within[lot]));
+      so_far = joined(std::move(so_far), std::move(next), std::move(closed_by[lot]));
+      if (watch && !stop_.stop_requested()) watch(high, so_far);
+    }
+    return so_far;
   }
 
  private:
@@ -76,16 +98,6 @@ class Joiner {
     JoinedPieces<Dim> a, b;
     parallel_invoke([&] { a = range(low, middle, std::move(left)); }, [&] { b = range(middle, high, std::move(right)); });
     return joined(std::move(a), std::move(b), std::move(here));
-  }
-
-  JoinedPieces<Dim> one_by_one(Closures<Dim> closures) {
-    std::vector<Closures<Dim>> closed_by(network_.stretches.size());
-    for (const auto* closure : closures) closed_by[leaves_.stretches_of(*closure).second].push_back(closure);
-    JoinedPieces<Dim> so_far = settled({leaves_.piece(0)}, std::move(closed_by[0]));
-    for (std::size_t k = 1; k < closed_by.size(); ++k) {
-      so_far = joined(std::move(so_far), {{leaves_.piece(k)}, {}}, std::move(closed_by[k]));
-    }
-    return so_far;
   }
 
   JoinedPieces<Dim> joined(JoinedPieces<Dim> a, JoinedPieces<Dim> b, Closures<Dim> here) {
@@ -153,6 +165,7 @@ class Joiner {
   const Network<Dim>& network_;
   const ScheduleOptions& options_;
   const std::stop_token& stop_;
+  std::size_t at_once_;
   Leaves<Dim> leaves_;
   std::mutex progress_mutex_;
   std::size_t done_ = 0;
@@ -193,7 +206,20 @@ JoinedPieces<Dim> join_stretches(const Network<Dim>& network, const ScheduleOpti
   return Joiner<Dim>(network, options, stop).all();
 }
 
-template JoinedPieces<2> join_stretches(const Network<2>&, const ScheduleOptions&, const std::stop_token&);
-template JoinedPieces<3> join_stretches(const Network<3>&, const ScheduleOptions&, const std::stop_token&);
+template <int Dim>
+void watch_join(const Network<Dim>& network, std::size_t at_once, const JoinWatch<Dim>& watch,
+                const std::function<void(std::size_t, std::size_t)>& progress, const std::stop_token& stop) {
+  const ScheduleOptions options{Schedule::kSequential, JoinedState::kAbsolute, ScheduleOptions::leading(Schedule::kSequential),
+                                progress};
+  Joiner<Dim>(network, options, stop, at_once).one_after_another(watch);
+}
+
+#define MAPJOIN_INSTANTIATE(Dim)                                                                                  \
+  template JoinedPieces<Dim> join_stretches(const Network<Dim>&, const ScheduleOptions&, const std::stop_token&); \
+  template void watch_join(const Network<Dim>&, std::size_t, const JoinWatch<Dim>&,                               \
+                           const std::function<void(std::size_t, std::size_t)>&, const std::stop_token&);
+MAPJOIN_INSTANTIATE(2)
+MAPJOIN_INSTANTIATE(3)
+#undef MAPJOIN_INSTANTIATE
 
 }  // namespace mapjoin

@@ -48,4 +48,14 @@ struct JoinedPieces {
 template <int Dim>
 JoinedPieces<Dim> join_stretches(const Network<Dim>& network, const ScheduleOptions& options, const std::stop_token& stop = {});
 
+/// Told how many stretches are joined, and what came of them; the last join is not yet solved.
+template <int Dim>
+using JoinWatch = std::function<void(std::size_t stretches, const JoinedPieces<Dim>& joined)>;
+
+/// Joins as Schedule::kSequential does, for it to be watched: stretch after stretch, or `at_once` of them each time, which are
+/// joined along a tree before. From 1 on.
+template <int Dim>
+void watch_join(const Network<Dim>& network, std::size_t at_once, const JoinWatch<Dim>& watch,
+                const std::function<void(std::size_t, std::size_t)>& progress = nullptr, const std::stop_token& stop = {});
+
 }  // namespace mapjoin

@@ -77,6 +77,7 @@ void move(const Pose<Dim>& frame, PlottedMap<Dim>& plotted) {
     for (Pose<Dim>& pose : *poses) pose = compose(frame, pose);
   }
   for (Point<Dim>& feature : map.features) feature = transform(frame, feature);
+  for (JoinStop<Dim>& stop : plotted.stops) stop.state = moved(frame, std::move(stop.state));
   for (PoseMatrix<Dim>& P : map.pose_covariances) turn<Dim>(R, P);
   for (PointMatrix<Dim>& P : map.feature_covariances) P = R * P.eval() * R.transpose();
 }

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <apps/plot/beside_map.hpp>
+#include <apps/plot/join_stops.hpp>
 #include <apps/plot/load.hpp>
 #include <mapjoin/io/open_log.hpp>
 #include <mapjoin/io/open_maps.hpp>
@@ -29,24 +30,28 @@ Expected<PlottedMap<Dim>> of_log(const Log<Dim>& log, const fs::path& path) {
 }
 
 template <int Dim>
-Expected<PlottedMap<Dim>> of_result(RunResult<Dim>& result, PlottedMap<Dim> out) {
+Expected<PlottedMap<Dim>> of_result(RunResult<Dim>& result, const Network<Dim>& network, PlottedMap<Dim> out,
+                                    const LoadOptions& options, const std::stop_token& stop) {
   if (result.marginals) {
     out.map.pose_covariances = std::move(result.marginals->poses);
     out.map.feature_covariances = std::move(result.marginals->features);
   }
+  if (options.has_stops) out.stops = join_stops(network, out.map, options.progress, stop);
   return out;
 }
 
 template <int Dim>
-Expected<PlottedMap<Dim>> joined(const MapSet<Dim>& set, const RunOptions& options, const std::stop_token& stop) {
-  return run(set, options, stop).and_then([&](RunResult<Dim>&& result) { return of_result(result, plotted(result, set)); });
+Expected<PlottedMap<Dim>> joined(const MapSet<Dim>& set, const LoadOptions& options, const std::stop_token& stop) {
+  return run(set, options.run, stop).and_then([&](RunResult<Dim>&& result) {
+    return of_result(result, network_of(set), plotted(result, set), options, stop);
+  });
 }
 
 template <int Dim>
-Expected<PlottedMap<Dim>> joined(const StoredMaps<Dim>& stored, const RunOptions& options, const std::stop_token& stop) {
+Expected<PlottedMap<Dim>> joined(const StoredMaps<Dim>& stored, const LoadOptions& options, const std::stop_token& stop) {
   const Split parts = split_along(stored.log, stored.stretches);
-  return run_from_maps(stored.log, parts, stored.maps, options, stop).and_then([&](RunResult<Dim>&& result) {
-    return of_result(result, plotted(result, stored.log));
+  return run_from_maps(stored.log, parts, stored.maps, options.run, stop).and_then([&](RunResult<Dim>&& result) {
+    return of_result(result, network_of(stored.log, parts, stored.maps), plotted(result, stored.log), options, stop);
   });
 }
 
@@ -58,7 +63,7 @@ Expected<AnyPlottedMap> load(const fs::path& path, const LoadOptions& options, c
   if (may_hold_maps(file)) {
     const auto maps = open_maps(file, options.read);
     if (!maps) return tl::unexpected(maps.error());
-    return std::visit([&](const auto& of_dim) { return joined(of_dim, options.run, stop).map(any); }, *maps);
+    return std::visit([&](const auto& of_dim) { return joined(of_dim, options, stop).map(any); }, *maps);
   }
   const auto log = open_log(file, options.read);
   if (!log) return tl::unexpected(log.error());

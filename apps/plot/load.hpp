@@ -4,6 +4,7 @@
 
 #include <apps/plot/plotted_map.hpp>
 #include <filesystem>
+#include <functional>
 #include <mapjoin/io/read_options.hpp>
 #include <mapjoin/join/run.hpp>
 #include <mapjoin/model/error.hpp>
@@ -13,7 +14,9 @@ namespace mapjoin::apps {
 
 struct LoadOptions {
   ReadOptions read;
-  RunOptions run;  ///< Of local maps, which are joined first.
+  RunOptions run;                                          ///< Of local maps, which are joined first.
+  bool has_stops = false;                                  ///< Watch that, map after map.
+  std::function<void(std::size_t, std::size_t)> progress;  ///< Of watching, as in ScheduleOptions.
 };
 
 /// A log by its values or its odometry; a map that mapjoin wrote, or the folder of a run, with what is beside it; local maps

@@ -19,6 +19,15 @@ struct PlottedLocalMap {
   std::vector<Index> features;
 };
 
+/// The join of the first maps of several: the poses that it held, and where they and its features were.
+template <int Dim>
+struct JoinStop {
+  std::size_t maps = 0;
+  double chi2 = 0.0;
+  std::vector<Index> poses;
+  State<Dim> state;  ///< Poses by place in `poses`; the features in no order.
+};
+
 template <int Dim>
 struct PlottedMap {
   std::string name;  ///< In a legend.
@@ -27,6 +36,7 @@ struct PlottedMap {
   std::vector<Pose<Dim>> odometry;                ///< Composed from odometry alone; empty where that is not known.
   std::vector<std::pair<Index, Index>> closures;  ///< Poses.
   std::vector<PlottedLocalMap> local_maps;        ///< In their order; empty where they are not known.
+  std::vector<JoinStop<Dim>> stops;               ///< On the way of joining map after map; empty where it was not watched.
   bool is_odometry = false;                       ///< `map` is composed from odometry and first observations, for want of more.
 };
 

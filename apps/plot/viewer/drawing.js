@@ -1,0 +1,210 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// What layers are drawn with: round dots, lines of a width in pixels, thin lines, ellipses.
+"use strict";
+
+const kDotVertex = `
+  uniform float size;
+  void main() {
+    gl_Position = projectionMatrix * modelViewMatrix * vec4(position, 1.0);
+    gl_PointSize = size;
+  }`;
+
+const kDotFragment = `
+  uniform vec3 colour;
+  uniform float opacity;
+  uniform float size;
+  uniform float hole;
+  void main() {
+    float r = length(gl_PointCoord - 0.5) * size;
+    float rim = 0.5 * size;
+    float alpha = smoothstep(rim, rim - 1.5, r) * smoothstep(hole * rim - 1.5, hole * rim, r);
+    if (alpha < 0.02) discard;
+    gl_FragColor = vec4(colour, opacity * alpha);
+  }`;
+
+/// In 2D what is drawn later lies on top; in 3D what is nearer does.
+let isDeep = false;
+
+function placed(object, order, opacity) {
+  object.frustumCulled = false;
+  object.renderOrder = order;
+  object.userData.opacity = opacity;
+  return object;
+}
+
+/// Each object below at a share of its own opacity.
+function fade(object, share) {
+  object.traverse(({ material, userData }) => {
+    if (!material) return;
+    material.opacity = userData.opacity * share;
+    if (material.uniforms && material.uniforms.opacity) material.uniforms.opacity.value = material.opacity;
+  });
+}
+
+/// Over everything, in space too.
+function onTop(object) {
+  object.traverse(({ material }) => {
+    if (material) material.depthTest = false;
+  });
+  return object;
+}
+
+/// Takes an object out of the world, and its buffers off the graphics card.
+function discard(world, object) {
+  world.remove(object);
+  object.traverse(({ geometry, material }) => {
+    if (geometry) geometry.dispose();
+    if (material) material.dispose();
+  });
+}
+
+function geometryOf(places) {
+  const geometry = new THREE.BufferGeometry();
+  geometry.setAttribute("position", new THREE.BufferAttribute(places, 3));
+  return geometry;
+}
+
+/// How far places are apart on average, in a box of their own (m).
+function spacingOf(places, dimension) {
+  const box = new THREE.Box3().setFromArray(places);
+  return box.getSize(new THREE.Vector3()).length() / Math.max(1, places.length / 3) ** (1 / dimension);
+}
+
+/// Makes dots that have a spacing smaller where they would hide each other, down to a third.
+function fitDots(world, zoom) {
+  world.traverse(({ userData, material }) => {
+    if (!userData.spacing) return;
+    const share = Math.min(1, Math.max(0.34, (0.6 * userData.spacing * zoom) / userData.size));
+    material.uniforms.size.value = share * userData.size * window.devicePixelRatio;
+  });
+}
+
+/// `size` in pixels of the page; a ring has a hole of that share of it. For `spacing` see fitDots().
+function dots(places, { colour, size, order, spacing = 0, opacity = 1, hole = 0 }) {
+  const material = new THREE.ShaderMaterial({
+    uniforms: {
+      colour: { value: new THREE.Color(colour) },
+      opacity: { value: opacity },
+      size: { value: size * window.devicePixelRatio },
+      hole: { value: hole },
+    },
+    vertexShader: kDotVertex,
+    fragmentShader: kDotFragment,
+    transparent: true,
+    depthTest: isDeep,
+    depthWrite: isDeep,
+  });
+  const object = placed(new THREE.Points(geometryOf(places), material), order, opacity);
+  Object.assign(object.userData, { size, spacing });
+  return object;
+}
+
+/// One pixel wide, from each even point to the next; `colours`, three numbers per point, may be null.
+function thinLines(ends, colours, { colour, order, opacity = 1 }) {
+  const material = new THREE.LineBasicMaterial({
+    color: colours ? 0xffffff : new THREE.Color(colour).getHex(),
+    vertexColors: colours ? THREE.VertexColors : THREE.NoColors,
+    transparent: true,
+    opacity,
+    depthTest: isDeep,
+    depthWrite: false,
+  });
+  const geometry = geometryOf(ends);
+  if (colours) geometry.setAttribute("color", new THREE.BufferAttribute(colours, 3));
+  return placed(new THREE.LineSegments(geometry, material), order, opacity);
+}
+
+const kMostWide = 30000; // segments
+
+/// As thinLines(), so many pixels wide; one where there are so many that each is a few pixels long, for speed.
+function wideLines(ends, colours, { colour, width, order, opacity = 1 }) {
+  if (ends.length > 6 * kMostWide) return thinLines(ends, colours, { colour, order, opacity });
+  const geometry = new THREE.LineSegmentsGeometry();
+  geometry.setPositions(ends);
+  if (colours) geometry.setColors(colours);
+  const material = new THREE.LineMaterial({
+    color: colours ? 0xffffff : new THREE.Color(colour).getHex(),
+    linewidth: width,
+    vertexColors: colours ? THREE.VertexColors : THREE.NoColors,
+    transparent: true,
+    opacity,
+    depthTest: isDeep,
+  });
+  material.resolution.set(window.innerWidth, window.innerHeight);
+  return placed(new THREE.LineSegments2(geometry, material), order, opacity);
+}
+
+/// The ends of the segments of a path over `places` through the points of `order`, broken where `isTied` says so or where a
+/// place is not known.
+function segmentEnds(places, order, isTied) {
+  const ends = [];
+  for (let k = 1; k < order.length; ++k) {
+    const a = 3 * order[k - 1];
+    const b = 3 * order[k];
+    if (!isTied(k) || Number.isNaN(places[a] + places[b])) continue;
+    ends.push(places[a], places[a + 1], places[a + 2], places[b], places[b + 1], places[b + 2]);
+  }
+  return new Float32Array(ends);
+}
+
+/// The ends of the segments between all poses of each session.
+function sessionEnds(places, sessions) {
+  let count = 0;
+  for (let s = 0; s < sessions.length; s += 2) count += Math.max(0, sessions[s + 1] - sessions[s] - 1);
+  const ends = new Float32Array(6 * count);
+  let next = 0;
+  for (let s = 0; s < sessions.length; s += 2) {
+    for (let p = sessions[s] + 1; p < sessions[s + 1]; ++p, next += 6) ends.set(places.subarray(3 * p - 3, 3 * p + 3), next);
+  }
+  return ends;
+}
+
+/// Lower triangular L with L Lᵀ = P, a zero column where P has nothing.
+function cholesky(P) {
+  const size = P.length;
+  const L = P.map((row) => row.map(() => 0));
+  for (let j = 0; j < size; ++j) {
+    let pivot = P[j][j];
+    for (let k = 0; k < j; ++k) pivot -= L[j][k] ** 2;
+    L[j][j] = Math.sqrt(Math.max(pivot, 0));
+    for (let i = j + 1; i < size && L[j][j] > 0; ++i) {
+      let entry = P[i][j];
+      for (let k = 0; k < j; ++k) entry -= L[i][k] * L[j][k];
+      L[i][j] = entry / L[j][j];
+    }
+  }
+  return L;
+}
+
+const kCorners = 32;
+
+/// Appends the segments of the ellipse of three standard deviations, in space of three circles of the ellipsoid: the unit
+/// circles taken by 3 L, with L Lᵀ the covariance of the position.
+function addEllipse(centre, covariance, dimension, ends) {
+  const L = cholesky(covariance.slice(0, dimension).map((row) => row.slice(0, dimension)));
+  const planes =
+    dimension === 2
+      ? [[0, 1]]
+      : [
+          [0, 1],
+          [1, 2],
+          [2, 0],
+        ];
+  const corner = (plane, k) => {
+    const angle = (2 * Math.PI * k) / kCorners;
+    const unit = [0, 0, 0];
+    unit[plane[0]] = 3 * Math.cos(angle);
+    unit[plane[1]] = 3 * Math.sin(angle);
+    return [0, 1, 2].map((i) => centre[i] + (i < dimension ? L[i].reduce((sum, l, j) => sum + l * unit[j], 0) : 0));
+  };
+  for (const plane of planes) {
+    for (let k = 0; k < kCorners; ++k) ends.push(...corner(plane, k), ...corner(plane, k + 1));
+  }
+}
+
+/// Those of the chosen entries of packed covariances of so many rows.
+function ellipseEnds(places, packed, rows, chosen, dimension) {
+  const ends = [];
+  for (const k of chosen) addEllipse(places.subarray(3 * k, 3 * k + 3), covarianceAt(packed, k, rows), dimension, ends);
+  return new Float32Array(ends);
+}

@@ -1,0 +1,190 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// The layers of a scene: what can be switched on and off, each with the objects that show it.
+"use strict";
+
+// Okabe and Ito's colours, as in the pictures for paper.
+const kDistinct = ["#0072b2", "#d55e00", "#009e73", "#cc79a7", "#e69f00", "#56b4e9"];
+const kLocalMapColours = [kDistinct[0], kDistinct[2], kDistinct[3], kDistinct[5], kDistinct[4]];
+const kInk = { light: "#1c2024", dark: "#e6e8eb" };
+const kFaint = { light: "#a3a9b3", dark: "#6b7280" };
+const kMostEllipses = 5000;
+const kPoseEllipses = 400; // about so many along a trajectory without local maps
+
+function localMapColour(m) {
+  return kLocalMapColours[m % kLocalMapColours.length];
+}
+
+/// Every k-th of so many, at most `most`.
+function everyOf(count, most) {
+  const step = Math.max(1, Math.ceil(count / most));
+  const chosen = [];
+  for (let k = step - 1; k < count; k += step) chosen.push(k);
+  return chosen;
+}
+
+/// A trajectory in the colours of its local maps: ends of segments and a colour for each end.
+function localMapSegments(map) {
+  const ends = [];
+  const colours = [];
+  for (let m = 0; m < map.localMaps.count; ++m) {
+    const { r, g, b } = new THREE.Color(localMapColour(m));
+    for (let p = map.localMaps.base[m]; p < map.localMaps.end[m]; ++p) {
+      for (let i = 3 * p; i < 3 * p + 6; ++i) ends.push(map.poses[i]);
+      colours.push(r, g, b, r, g, b);
+    }
+  }
+  return { ends: new Float32Array(ends), colours: new Float32Array(colours) };
+}
+
+function closureEnds(map) {
+  const ends = new Float32Array(3 * map.closures.length);
+  map.closures.forEach((pose, k) => ends.set(map.poses.subarray(3 * pose, 3 * pose + 3), 3 * k));
+  return ends;
+}
+
+function placesOf(places, chosen) {
+  const some = new Float32Array(3 * chosen.length);
+  chosen.forEach((k, n) => some.set(places.subarray(3 * k, 3 * k + 3), 3 * n));
+  return some;
+}
+
+/// Whether local maps go through all poses, so that the trajectory is theirs.
+function isCovered(map) {
+  const steps = map.localMaps.end.reduce((sum, end, m) => sum + end - map.localMaps.base[m], 0);
+  return steps >= map.poses.length / 3 - map.sessions.length / 2;
+}
+
+/// Poses and the lines through them. `tells` says what can be hovered over: poses or features.
+function pathLayers({ map, colours, dimension, ends, isSingle }) {
+  const hasMaps = map.localMaps.count > 0;
+  const endPlaces = placesOf(map.poses, ends);
+  const makeEnds = (order) =>
+    dots(endPlaces, { colour: colours.ink, size: 5, order, spacing: spacingOf(endPlaces, dimension) });
+  const makeLocalMaps = (order) => {
+    const segments = localMapSegments(map);
+    return wideLines(segments.ends, segments.colours, { width: 2.8, order });
+  };
+  const makePoses = (order) => dots(map.poses, { colour: colours.own, size: 4.5, order });
+  const makePath = (order) => wideLines(sessionEnds(map.poses, map.sessions), null, { colour: colours.own, width: 1.8, order });
+  const localMapColour = isSingle ? kLocalMapColours : colours.own;
+  return [
+    { name: "end poses", count: hasMaps ? ends.length : 0, colour: colours.ink, kind: "dot", make: makeEnds },
+    {
+      name: "local maps",
+      count: map.localMaps.count,
+      colour: localMapColour,
+      kind: "line",
+      make: makeLocalMaps,
+      tells: "poses",
+      isOn: isSingle,
+    },
+    {
+      name: "poses",
+      count: map.poses.length / 3,
+      colour: colours.own,
+      kind: "dot",
+      make: makePoses,
+      tells: "poses",
+      isDetail: true,
+    },
+    {
+      name: map.isOdometry ? "odometry alone" : "trajectory",
+      count: map.sessions.length / 2,
+      colour: colours.own,
+      kind: "line",
+      make: makePath,
+      tells: "poses",
+      isOn: !(isSingle && hasMaps && isCovered(map)),
+    },
+  ];
+}
+
+function featureLayer({ map, colours, dimension }) {
+  const spacing = spacingOf(map.features, dimension);
+  const make = (order) => dots(map.features, { colour: colours.features, size: 6.5, order, spacing });
+  return { name: "features", count: map.features.length / 3, colour: colours.features, kind: "dot", make, tells: "features" };
+}
+
+/// Ellipses where covariances are known.
+function certaintyLayers({ map, colours, dimension, ends }) {
+  const poses = map.poseCovariances.length > 0 ? ends : [];
+  const features = map.featureCovariances.length > 0 ? everyOf(map.features.length / 3, kMostEllipses) : [];
+  const rows = dimension === 2 ? 3 : 6;
+  const makePoses = (order) =>
+    thinLines(ellipseEnds(map.poses, map.poseCovariances, rows, poses, dimension), null, {
+      colour: colours.ink,
+      order,
+      opacity: 0.7,
+    });
+  const makeFeatures = (order) =>
+    thinLines(ellipseEnds(map.features, map.featureCovariances, dimension, features, dimension), null, {
+      colour: colours.features,
+      order,
+      opacity: 0.8,
+    });
+  return [
+    { name: "3σ of poses", count: poses.length, colour: colours.ink, kind: "ring", make: makePoses },
+    { name: "3σ of features", count: features.length, colour: colours.features, kind: "ring", make: makeFeatures },
+  ];
+}
+
+/// The fainter the more there are.
+function closureLayer({ map, colours }) {
+  const opacity = Math.max(0.15, Math.min(0.8, 4000 / map.closures.length));
+  const make = (order) => thinLines(closureEnds(map), null, { colour: colours.faint, order, opacity });
+  return { name: "loop closures", count: map.closures.length / 2, colour: colours.faint, kind: "line", make };
+}
+
+function odometryLayer({ map, colours }) {
+  const make = (order) =>
+    wideLines(sessionEnds(map.odometry, map.sessions), null, { colour: colours.faint, width: 1.2, order, opacity: 0.8 });
+  const count = map.odometry.length > 0 ? map.sessions.length / 2 : 0;
+  return { name: "odometry alone", count, colour: colours.faint, kind: "line", make, isOn: false };
+}
+
+/// The layers of one map that have anything in them, the uppermost first; those of earlier maps lie above those of later ones.
+function layersOfMap(scene, m, theme) {
+  const map = scene.maps[m];
+  const isSingle = scene.maps.length === 1;
+  const own = kDistinct[m % kDistinct.length];
+  const colours = { ink: kInk[theme], faint: kFaint[theme], own, features: isSingle ? kDistinct[1] : own };
+  const ends = map.localMaps.count > 0 ? Array.from(map.localMaps.end) : everyOf(map.poses.length / 3, kPoseEllipses);
+  const content = { map, colours, ends, isSingle, dimension: scene.dimension };
+  const layers = [
+    ...pathLayers(content),
+    featureLayer(content),
+    ...certaintyLayers(content),
+    closureLayer(content),
+    odometryLayer(content),
+  ];
+  const top = 100 * (scene.maps.length - m) + layers.length;
+  const heading = isSingle ? "" : map.name;
+  return layers
+    .filter((layer) => layer.count > 0)
+    .map((layer, k) => ({ isOn: true, tells: null, map, heading, order: top - k, ...layer }));
+}
+
+/// One layer of the truth of the first map, below all maps: its path, and rings where features truly are.
+function truthLayers(scene, theme) {
+  if (!scene.truth) return [];
+  const { poses, features } = scene.truth;
+  const ink = kInk[theme];
+  const map = scene.maps[0];
+  const make = (order) => {
+    const group = new THREE.Group();
+    const sessionOf = sessionOfPoses(map);
+    const sequence = Array.from(sessionOf.keys());
+    group.add(
+      wideLines(
+        segmentEnds(poses, sequence, (k) => sessionOf[k - 1] === sessionOf[k]),
+        null,
+        { colour: ink, width: 1.4, order },
+      ),
+    );
+    const known = [];
+    for (let f = 0; f < features.length / 3; ++f) if (!Number.isNaN(features[3 * f])) known.push(f);
+    group.add(dots(placesOf(features, known), { colour: ink, size: 12, order: order + 1, hole: 0.75 }));
+    return group;
+  };
+  return [{ name: "truth", count: 1, colour: ink, kind: "line", map, make, order: 50, isOn: true, tells: null, heading: "" }];
+}

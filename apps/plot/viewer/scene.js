@@ -1,0 +1,107 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// The scene that the page brings along: JSON, with numbers as base64 of little-endian arrays. Places are metres from `centre`.
+"use strict";
+
+function bytesOf(base64) {
+  const text = atob(base64);
+  const bytes = new Uint8Array(text.length);
+  for (let k = 0; k < text.length; ++k) bytes[k] = text.charCodeAt(k);
+  return bytes.buffer;
+}
+
+const floats = (base64) => new Float32Array(bytesOf(base64 || ""));
+const doubles = (base64) => new Float64Array(bytesOf(base64 || ""));
+const indices = (base64) => new Uint32Array(bytesOf(base64 || ""));
+const keys = (base64) => new BigUint64Array(bytesOf(base64 || ""));
+
+/// Local maps as arrays over them; the features of map m are features[offsets[m]] to features[offsets[m + 1]].
+function readLocalMaps(raw) {
+  return {
+    count: raw.count,
+    base: indices(raw.base),
+    end: indices(raw.end),
+    chi2: doubles(raw.chi2),
+    rows: indices(raw.rows),
+    probability: doubles(raw.probability),
+    offsets: indices(raw.offsets),
+    features: indices(raw.features),
+  };
+}
+
+/// The join of the first `maps` maps: places of the poses that it held, by their indices, and of its features.
+function readStop(raw) {
+  return {
+    maps: raw.maps,
+    chi2: raw.chi2,
+    poses: indices(raw.poses),
+    posePlaces: floats(raw.posePlaces),
+    featurePlaces: floats(raw.featurePlaces),
+  };
+}
+
+function readMap(raw) {
+  return {
+    name: raw.name,
+    isOdometry: raw.isOdometry,
+    poses: floats(raw.poses),
+    headings: floats(raw.headings),
+    poseKeys: keys(raw.poseKeys),
+    robots: indices(raw.robots),
+    sessions: indices(raw.sessions),
+    poseCovariances: floats(raw.poseCovariances),
+    features: floats(raw.features),
+    featureKeys: keys(raw.featureKeys),
+    featureCovariances: floats(raw.featureCovariances),
+    odometry: floats(raw.odometry),
+    closures: indices(raw.closures),
+    localMaps: readLocalMaps(raw.localMaps),
+    stops: raw.stops.map(readStop),
+  };
+}
+
+function readScene() {
+  const raw = JSON.parse(document.getElementById("scene").textContent);
+  return {
+    title: raw.title,
+    dimension: raw.dimension,
+    centre: raw.centre,
+    maps: raw.maps.map(readMap),
+    truth: raw.truth && { poses: floats(raw.truth.poses), features: floats(raw.truth.features) },
+  };
+}
+
+/// "pose 17", or "pose 17 of session 2".
+function poseName(map, pose) {
+  const robot = map.robots.length > 0 ? map.robots[pose] : 0;
+  return `pose ${map.poseKeys[pose]}` + (robot === 0 ? "" : ` of session ${robot}`);
+}
+
+const featureName = (map, feature) => `feature ${map.featureKeys[feature]}`;
+
+/// The map that starts at or contains each pose, or -1.
+function localMapOfPoses(map) {
+  const of = new Int32Array(map.poses.length / 3).fill(-1);
+  const maps = map.localMaps;
+  for (let m = maps.count - 1; m >= 0; --m) {
+    for (let p = maps.base[m]; p < maps.end[m]; ++p) of[p] = m;
+    if (of[maps.end[m]] < 0) of[maps.end[m]] = m;
+  }
+  return of;
+}
+
+function sessionOfPoses(map) {
+  const of = new Uint32Array(map.poses.length / 3);
+  for (let s = 0; s < map.sessions.length; s += 2) of.fill(s / 2, map.sessions[s], map.sessions[s + 1]);
+  return of;
+}
+
+/// The symmetric matrix whose upper triangle, row by row, is entry `k` of a packed array.
+function covarianceAt(packed, k, size) {
+  const triangle = (size * (size + 1)) / 2;
+  const P = Array.from({ length: size }, () => new Array(size).fill(0));
+  let next = k * triangle;
+  for (let i = 0; i < size; ++i) {
+    for (let j = i; j < size; ++j) P[i][j] = P[j][i] = packed[next++];
+  }
+  return P;
+}

@@ -1,0 +1,69 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Looks at a page of `mapjoin plot` from within, for the tests: what it says is JSON in an element of its own.
+"use strict";
+
+/// A number that tells one picture from another; 0 where nothing is drawn.
+function fingerprint() {
+  viewer.view.drawNow();
+  const gl = viewer.view.renderer.getContext();
+  const pixels = new Uint8Array(4 * gl.drawingBufferWidth * gl.drawingBufferHeight);
+  gl.readPixels(0, 0, gl.drawingBufferWidth, gl.drawingBufferHeight, gl.RGBA, gl.UNSIGNED_BYTE, pixels);
+  let sum = 0;
+  for (let k = 0; k < pixels.length; ++k) sum = (sum + pixels[k] * ((k % 9973) + 1)) % 2 ** 48;
+  return sum;
+}
+
+/// What each layer's switch does: whether the picture changes by it, and is the same again after switching back.
+function switchLayers() {
+  return Array.from(document.querySelectorAll("#layers label"), (label) => {
+    const before = fingerprint();
+    label.querySelector("input").click();
+    const without = fingerprint();
+    label.querySelector("input").click();
+    return { name: label.querySelector(".name").textContent, changes: without !== before, comesBack: fingerprint() === before };
+  });
+}
+
+/// The tip over a place of the map's frame (m), or null where none is shown.
+function tipOver(...place) {
+  const at = {};
+  const { centre } = viewer.scene;
+  viewer.view.projector()(
+    [0, 1, 2].map((i) => (place[i] || 0) - (centre[i] || 0)),
+    0,
+    at,
+  );
+  viewer.view.canvas.dispatchEvent(new PointerEvent("pointermove", { clientX: at.x, clientY: at.y, bubbles: true }));
+  const tip = document.getElementById("tip");
+  return tip.hidden ? null : tip.innerText;
+}
+
+/// What the panel says of the local map of a number, typed in as a user does.
+function pickLocalMap(number) {
+  const field = document.getElementById("local-map-number");
+  field.value = number;
+  field.dispatchEvent(new Event("change"));
+  return { text: document.getElementById("local-map-figures").innerText.split("\n"), picture: fingerprint() };
+}
+
+/// The picture and the words at a stop of the slider.
+function slideTo(stop) {
+  const slider = document.getElementById("stop");
+  slider.value = stop;
+  slider.dispatchEvent(new Event("input"));
+  return { text: document.getElementById("stop-text").textContent, picture: fingerprint() };
+}
+
+/// Calls `probe` and leaves what it returns, and what went wrong on the page, for the test to read.
+function report(probe) {
+  const found = { errors: window.problems };
+  try {
+    Object.assign(found, probe());
+  } catch (error) {
+    found.errors.push(String(error.stack));
+  }
+  const out = document.createElement("pre");
+  out.id = "found";
+  out.textContent = `[[[${JSON.stringify(found)}]]]`;
+  document.body.append(out);
+}
