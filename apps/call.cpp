@@ -99,12 +99,16 @@ Expected<AnyLog> Call::read_log() {
     return bad_input(fmt::format("{}: not a log, but perhaps local maps, which `mapjoin join` takes", account.input));
   }
   if (!log) return log;
+  return take_log(*std::move(log));
+}
+
+Expected<AnyLog> Call::take_log(AnyLog log) {
   std::visit(
       [&](auto& any) {
         if (options_.covariance == Covariance::kIdentity) use_identity_covariance(any);
         account.describe(any);
       },
-      *log);
+      log);
   return check_interrupted().and_then([&] { return std::move(log); });
 }
 

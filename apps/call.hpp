@@ -28,6 +28,8 @@ class Call {
   Expected<void> read_truth();
   /// The input as a log, with the weights asked for.
   Expected<AnyLog> read_log();
+  /// The same of a log that was read already.
+  Expected<AnyLog> take_log(AnyLog log);
   /// The input as local maps; those of a store have the weights that they were built with (kUsage where others are asked
   /// for), others those asked for.
   Expected<AnyMaps> read_maps();

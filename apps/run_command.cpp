@@ -5,6 +5,7 @@
 #include <apps/commands.hpp>
 #include <apps/covariance_file.hpp>
 #include <apps/distinct.hpp>
+#include <apps/follow.hpp>
 #include <apps/output_folder.hpp>
 #include <apps/plot/map_layers.hpp>
 #include <apps/relation_file.hpp>
@@ -23,7 +24,8 @@ constexpr const char* kExamples =
     "  mapjoin run data/manhattan2d.g2o\n"
     "  mapjoin run data/manhattan2d.g2o -o result\n"
     "  mapjoin run data/manhattan2d.g2o -o certain --covariances --truth data/manhattan2d.truth.tum\n"
-    "  mapjoin run data/manhattan3d.g2o --poses-per-map 20 --report -";
+    "  mapjoin run data/manhattan3d.g2o --poses-per-map 20 --report -\n"
+    "  mapjoin run data/manhattan2d.g2o --follow --idle 0.5 --steps steps.jsonl";
 
 /// The files of the folder; a map may have no covariances though they are asked for.
 std::vector<std::string> names_of(const Options& options, bool has_covariances) {
@@ -74,13 +76,27 @@ Expected<ExitCode> run_on(Call& call, const Log<Dim>& log, std::optional<OutputF
   return call.conclude();
 }
 
-Expected<ExitCode> run_log(const Options& options, const std::stop_token& stop) {
-  Call call("run", options, stop);
+/// The log that is followed until it is complete; a stop ends the following, not the work on what is there.
+Expected<ExitCode> run_followed(Call& call, const FollowOptions& following, const std::stop_token& stop,
+                                std::optional<OutputFolder>& folder) {
+  auto followed = follow(call.options(), following, stop);
+  if (!followed) return tl::unexpected(followed.error());
+  const auto log = call.take_log(std::move(followed->log));
+  if (!log) return tl::unexpected(log.error());
+  auto done = std::visit([&](const auto& any) { return run_on(call, any, folder); }, *log);
+  if (!done || !followed->fault) return done;
+  if (folder) followed->fault->message += "; the map of what stands before it is written";
+  return tl::unexpected(*followed->fault);
+}
+
+Expected<ExitCode> run_log(const Options& options, const FollowOptions& following, const std::stop_token& stop) {
+  Call call("run", options, following.wanted ? std::stop_token() : stop);
   auto folder = output_folder(options.output);
   if (!folder) return tl::unexpected(folder.error());
   if (auto ready = call.check_report().and_then([&] { return call.read_truth(); }); !ready) {
     return tl::unexpected(ready.error());
   }
+  if (following.wanted) return run_followed(call, following, stop, *folder);
   const auto log = call.read_log();
   if (!log) return tl::unexpected(log.error());
   return std::visit([&](const auto& any) { return run_on(call, any, *folder); }, *log);
@@ -92,6 +108,7 @@ std::unique_ptr<Subcommand> run_command(CLI::App& app) {
   auto command = std::make_unique<Subcommand>(
       app, "run", "From a log to a global map: splits, builds local maps, joins, recovers, polishes", kExamples);
   const auto options = std::make_shared<Options>();
+  const auto following = std::make_shared<FollowOptions>();
   command->argument("LOG", options->input, "The log, known by its content: g2o, iSAM, MAT or text; also as gzip");
   command->path("-o,--output", options->output, "DIR",
                 "Write map.g2o, trajectory.tum, poses.csv, features.csv, map.svg and report.json into this folder");
@@ -101,9 +118,18 @@ std::unique_ptr<Subcommand> run_command(CLI::App& app) {
   add_polish(*command, *options);
   add_reading(*command, *options);
   add_certainty(*command, *options);
+  add_following(*command, *following);
   add_reporting(*command, *options);
-  command->check([options] { return check_distinct(files_of_folder(*options, "LOG", names_of(*options, true))); });
-  command->act([options](const std::stop_token& stop) { return run_log(*options, stop); });
+  command->check([options, following] {
+    NamedFiles files = files_of_folder(*options, "LOG", names_of(*options, true));
+    if (following->steps != "-") files.emplace_back("--steps", following->steps);
+    return check_distinct(files);
+  });
+  command->check([&command = *command, options, following] { return check_following(command, *options, *following); });
+  command->act([options, following](const std::stop_token& stop) {
+    if (following->steps == "-") options->quiet = true;
+    return run_log(*options, *following, stop);
+  });
   return command;
 }
 

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <algorithm>
+#include <iterator>
 #include <limits>
 #include <mapjoin/join/incremental/incremental_join.hpp>
 #include <mapjoin/join/placement.hpp>
@@ -13,22 +14,6 @@ namespace {
 constexpr double kLeastProbability = 1e-3;
 /// Two joins whose chi2 differs by less than this share of it are the same.
 constexpr double kSameChi2 = 1e-6;
-
-template <int Dim>
-bool speaks_of_world(const Part<Dim>& part) {
-  const auto is_of_world = [](const auto& o) { return o.base == kWorld; };
-  return !part.fixed.empty() || std::any_of(part.pose_observations.begin(), part.pose_observations.end(), is_of_world) ||
-         std::any_of(part.feature_observations.begin(), part.feature_observations.end(), is_of_world);
-}
-
-template <int Dim>
-LocalMap<Dim> as_map(const PoseObservation<Dim>& o) {
-  return {o.base, {o.target}, {}, {o.measured}, {}, o.information};
-}
-template <int Dim>
-LocalMap<Dim> as_map(const FeatureObservation<Dim>& o) {
-  return {o.base, {}, {o.target}, {}, {o.measured}, o.information};
-}
 
 }  // namespace
 
@@ -60,6 +45,25 @@ AddedPart IncrementalJoin<Dim>::add(Part<Dim> new_part, const std::stop_token& s
     waiting_.push_back(parts_.size() - 1);
   }
   if (!waiting_.empty()) admit_waiting(stop, added);
+  return added;
+}
+
+template <int Dim>
+AddedPart IncrementalJoin<Dim>::add_all(std::vector<Part<Dim>> parts, const std::stop_token& stop) {
+  AddedPart added;
+  const std::size_t before = parts_.size();
+  for (Part<Dim>& part : parts) {
+    waiting_.push_back(parts_.size());
+    parts_.push_back(std::move(part));
+  }
+  if (parts_.size() > before) join_anew(true, stop, added);
+  if (waiting_.empty() || stop.stop_requested()) return added;
+  // They do not hang together: as far as they do.
+  std::vector<Part<Dim>> again(std::make_move_iterator(parts_.begin() + static_cast<std::ptrdiff_t>(before)),
+                               std::make_move_iterator(parts_.end()));
+  parts_.resize(before);
+  std::erase_if(waiting_, [&](std::size_t k) { return k >= before; });
+  for (Part<Dim>& part : again) added = add(std::move(part), stop);
   return added;
 }
 
@@ -104,6 +108,17 @@ std::vector<Pose<Dim>> IncrementalJoin<Dim>::placements(const Part<Dim>& part, c
   return ties.candidates();
 }
 
+/// Whether what the part observes is in the estimate or in the part's own piece.
+template <int Dim>
+bool IncrementalJoin<Dim>::knows_ends(const Part<Dim>& part, const Piece<Dim>& piece) const {
+  const auto knows_pose = [&](Index p) { return p == kWorld || pose(p) || holds(piece.poses, p); };
+  const auto knows_feature = [&](Index f) { return feature(f) || holds(piece.features, f); };
+  return std::all_of(part.pose_observations.begin(), part.pose_observations.end(),
+                     [&](const auto& o) { return knows_pose(o.base) && knows_pose(o.target); }) &&
+         std::all_of(part.feature_observations.begin(), part.feature_observations.end(),
+                     [&](const auto& o) { return knows_pose(o.base) && knows_feature(o.target); });
+}
+
 template <int Dim>
 Index IncrementalJoin<Dim>::enter_pose(Index index, const Pose<Dim>& value, bool is_held) {
   const Index v = estimate_.add_variable(true, index, value, is_held);
@@ -128,19 +143,15 @@ std::vector<MapFactor<Dim>> IncrementalJoin<Dim>::factors_of(const Part<Dim>& pa
     factors.emplace_back(map, std::move(slots));
   };
   if (part.map) add(*part.map);
-  for (const auto& o : part.pose_observations) add(singles_.emplace_back(as_map(o)));
-  for (const auto& o : part.feature_observations) add(singles_.emplace_back(as_map(o)));
+  for (LocalMap<Dim>& single : observations_as_maps(part)) add(singles_.emplace_back(std::move(single)));
   return factors;
 }
 
 template <int Dim>
 std::optional<std::vector<Index>> IncrementalJoin<Dim>::enter(const Part<Dim>& part) {
   const Piece<Dim> piece = composed(part);
-  const auto is_there = [&](Index p) { return p == kWorld || pose(p) || holds(piece.poses, p); };
-  const bool is_closed = std::all_of(part.pose_observations.begin(), part.pose_observations.end(),
-                                     [&](const auto& o) { return is_there(o.base) && is_there(o.target); });
   const auto candidates = placements(part, piece);
-  if (!is_closed || candidates.empty()) return std::nullopt;
+  if (candidates.empty() || !knows_ends(part, piece)) return std::nullopt;
 
   std::vector<Index> variables;
   std::vector<std::pair<Index, Pose<Dim>>> entered;  // with their place in the piece

@@ -44,6 +44,9 @@ class IncrementalJoin {
   /// that took that waits.
   AddedPart add(Part<Dim> part, const std::stop_token& stop = {});
 
+  /// Adds many at once, as where the first part of a long log is there already.
+  AddedPart add_all(std::vector<Part<Dim>> parts, const std::stop_token& stop = {});
+
   /// The estimate of a pose or feature, or null while it is not in it.
   const Pose<Dim>* pose(Index pose) const;
   const Point<Dim>* feature(Index feature) const;
@@ -66,6 +69,7 @@ class IncrementalJoin {
 
   bool asks_for_join(const Part<Dim>& part) const;
   std::vector<Pose<Dim>> placements(const Part<Dim>& part, const Piece<Dim>& piece) const;
+  bool knows_ends(const Part<Dim>& part, const Piece<Dim>& piece) const;
   /// The variables of the part's piece, entered where they are new, and the part's factors; nothing where the part shares too
   /// little with the estimate, which then stays as it is.
   std::optional<std::vector<Index>> enter(const Part<Dim>& part);

@@ -74,6 +74,21 @@ Piece<Dim> composed(const Part<Dim>& part) {
 }
 
 template <int Dim>
+std::vector<LocalMap<Dim>> observations_as_maps(const Part<Dim>& part) {
+  std::vector<LocalMap<Dim>> maps;
+  for (const auto& o : part.pose_observations) maps.push_back({o.base, {o.target}, {}, {o.measured}, {}, o.information});
+  for (const auto& o : part.feature_observations) maps.push_back({o.base, {}, {o.target}, {}, {o.measured}, o.information});
+  return maps;
+}
+
+template <int Dim>
+bool speaks_of_world(const Part<Dim>& part) {
+  const auto is_of_world = [](const auto& o) { return o.base == kWorld; };
+  return !part.fixed.empty() || std::any_of(part.pose_observations.begin(), part.pose_observations.end(), is_of_world) ||
+         std::any_of(part.feature_observations.begin(), part.feature_observations.end(), is_of_world);
+}
+
+template <int Dim>
 MapSet<Dim> set_of(const std::vector<const Part<Dim>*>& parts) {
   MapSet<Dim> set;
   Index poses = 0;
@@ -115,6 +130,8 @@ Network<Dim> network_of_parts(const MapSet<Dim>& set) {
 #define MAPJOIN_INSTANTIATE(Dim)                                                                              \
   template std::vector<Part<Dim>> parts_of(const Log<Dim>&, const Split&, const std::vector<LocalMap<Dim>>&); \
   template Piece<Dim> composed(const Part<Dim>&);                                                             \
+  template std::vector<LocalMap<Dim>> observations_as_maps(const Part<Dim>&);                                 \
+  template bool speaks_of_world(const Part<Dim>&);                                                            \
   template MapSet<Dim> set_of(const std::vector<const Part<Dim>*>&);                                          \
   template Network<Dim> network_of_parts(const MapSet<Dim>&);
 MAPJOIN_INSTANTIATE(2)

@@ -34,6 +34,14 @@ std::vector<Part<Dim>> parts_of(const Log<Dim>& log, const Split& split, const s
 template <int Dim>
 Piece<Dim> composed(const Part<Dim>& part);
 
+/// The part's single observations, each as a map of one target.
+template <int Dim>
+std::vector<LocalMap<Dim>> observations_as_maps(const Part<Dim>& part);
+
+/// Whether the part has priors or fixed poses.
+template <int Dim>
+bool speaks_of_world(const Part<Dim>& part);
+
 /// Parts as one set of maps; poses and features have their index as their key.
 template <int Dim>
 MapSet<Dim> set_of(const std::vector<const Part<Dim>*>& parts);

@@ -6,6 +6,7 @@
 #include <mapjoin/io/g2o_declarations.hpp>
 #include <mapjoin/io/g2o_fields.hpp>
 #include <mapjoin/io/g2o_information.hpp>
+#include <mapjoin/io/g2o_part.hpp>
 #include <mapjoin/io/g2o_tags.hpp>
 #include <mapjoin/io/information.hpp>
 #include <mapjoin/model/log_builder.hpp>
@@ -15,13 +16,16 @@
 namespace mapjoin {
 namespace {
 
+enum class Extent : std::uint8_t { kWhole, kPart };
+
 template <int Dim>
 class G2oReader {
  public:
-  G2oReader(TextScanner text, const ReadOptions& options)
+  G2oReader(TextScanner text, const ReadOptions& options, Extent extent)
       : begin_(text),
         text_(std::move(text)),
         options_(options),
+        extent_(extent),
         check_(options.repair_information),
         builder_(begin_.source(),
                  {.pose_error = options.pose_error,
@@ -35,7 +39,8 @@ class G2oReader {
     if (auto declared = check_declarations(); !declared) return tl::unexpected(declared.error());
     auto log = std::move(builder_).finish();
     if (log) log->conventions.repaired_informations = check_.repaired();
-    if (log && has_vertices() && (log->poses.size() > poses_.size() || log->features.size() > features_.size())) {
+    if (log && extent_ == Extent::kWhole && has_vertices() &&
+        (log->poses.size() > poses_.size() || log->features.size() > features_.size())) {
       return tl::unexpected(undeclared());
     }
     return log;
@@ -89,8 +94,10 @@ class G2oReader {
   }
 
   Expected<void> read_fix() {
-    do builder_.fix({0, text_.key()});
-    while (!text_.at_end_of_line());
+    do {
+      const PoseId id{0, text_.key()};
+      if (extent_ == Extent::kWhole) builder_.fix(id);
+    } while (!text_.at_end_of_line());
     return text_.finish_line();
   }
 
@@ -179,6 +186,7 @@ class G2oReader {
   TextScanner begin_;
   TextScanner text_;
   ReadOptions options_;
+  Extent extent_;
   InformationCheck check_;
   LogBuilder<Dim> builder_;
   G2oDeclarations poses_;
@@ -187,10 +195,20 @@ class G2oReader {
 };
 
 template <int Dim>
-Expected<AnyLog> read(TextScanner text, const ReadOptions& options) {
-  auto log = G2oReader<Dim>(std::move(text), options).read();
+Expected<AnyLog> read(TextScanner text, const ReadOptions& options, Extent extent) {
+  auto log = G2oReader<Dim>(std::move(text), options, extent).read();
   if (!log) return tl::unexpected(log.error());
   return AnyLog(*std::move(log));
+}
+
+Expected<AnyLog> read(TextScanner text, const ReadOptions& options, Extent extent) {
+  for (TextScanner ahead = text; ahead.next_line();) {
+    const std::string_view tag = ahead.word();
+    if (is_g2o_tag_of<2>(tag)) return read<2>(std::move(text), options, extent);
+    if (is_g2o_tag_of<3>(tag)) return read<3>(std::move(text), options, extent);
+    if (!is_g2o_tag(tag)) return ahead.error(fmt::format("unknown tag {}", in_quotes(tag)));
+  }
+  return bad_input(fmt::format("{}: the log has no poses", text.source()));
 }
 
 }  // namespace
@@ -200,13 +218,11 @@ bool is_g2o_tag(std::string_view tag) {
 }
 
 Expected<AnyLog> read_g2o(TextScanner text, const ReadOptions& options) {
-  for (TextScanner ahead = text; ahead.next_line();) {
-    const std::string_view tag = ahead.word();
-    if (is_g2o_tag_of<2>(tag)) return read<2>(std::move(text), options);
-    if (is_g2o_tag_of<3>(tag)) return read<3>(std::move(text), options);
-    if (!is_g2o_tag(tag)) return ahead.error(fmt::format("unknown tag {}", in_quotes(tag)));
-  }
-  return bad_input(fmt::format("{}: the log has no poses", text.source()));
+  return read(std::move(text), options, Extent::kWhole);
+}
+
+Expected<AnyLog> read_g2o_part(TextScanner text, const ReadOptions& options) {
+  return read(std::move(text), options, Extent::kPart);
 }
 
 }  // namespace mapjoin

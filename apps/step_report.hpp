@@ -1,0 +1,42 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+// What each added map did: a line for people on a terminal, a line of JSON for programs.
+
+#include <cstddef>
+#include <filesystem>
+#include <mapjoin/join/incremental/incremental_join.hpp>
+#include <mapjoin/model/error.hpp>
+#include <mapjoin/model/ids.hpp>
+#include <string>
+
+namespace mapjoin::apps {
+
+/// The parts that were added at once.
+struct Step {
+  std::size_t first = 0;  ///< The number of its first part, from 1, and how many there are.
+  std::size_t count = 1;
+  PoseId begin, end;
+  AddedPart added;
+  double seconds = 0.0;  ///< CPU time.
+};
+
+class StepReport {
+ public:
+  /// `path`: as FollowOptions::steps. Lines for people go to standard error where that is a terminal, unless `quiet`.
+  /// kCannotWrite where the file cannot be made; it grows line by line, for others to follow.
+  static Expected<StepReport> open(const std::filesystem::path& path, bool quiet);
+  StepReport(StepReport&& other) noexcept;
+  StepReport& operator=(StepReport&&) = delete;
+  ~StepReport();
+
+  Expected<void> add(const Step& step);
+
+ private:
+  StepReport(std::filesystem::path path, int descriptor, bool is_shown);
+
+  std::filesystem::path path_;
+  int descriptor_;  // -1: none
+  bool is_shown_;
+};
+
+}  // namespace mapjoin::apps

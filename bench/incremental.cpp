@@ -1,0 +1,138 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// mapjoin_incremental: local maps joined one by one, beside one join of all of them. CPU time per map, and how far chi2 is
+// above what joining the same maps at once reaches.
+#include <fmt/format.h>
+#include <tbb/global_control.h>
+
+#include <CLI/CLI.hpp>
+#include <algorithm>
+#include <cstdio>
+#include <ctime>
+#include <filesystem>
+#include <limits>
+#include <mapjoin/io/open_log.hpp>
+#include <mapjoin/join/incremental/incremental_join.hpp>
+#include <mapjoin/localmap/build.hpp>
+#include <numeric>
+#include <optional>
+#include <string>
+#include <variant>
+#include <vector>
+
+namespace mapjoin {
+namespace {
+
+struct Arguments {
+  std::vector<std::filesystem::path> files;
+  double poses_per_map = 10;
+  std::size_t check = 0;
+  std::size_t most = std::numeric_limits<std::size_t>::max();
+};
+
+double cpu_seconds() {
+  return static_cast<double>(std::clock()) / CLOCKS_PER_SEC;
+}
+
+/// The join of all these parts at once.
+struct Batch {
+  double chi2 = 0.0;
+  double seconds = 0.0;
+};
+
+template <int Dim>
+Expected<Batch> batch_of(const std::vector<const Part<Dim>*>& parts) {
+  const MapSet<Dim> set = set_of(parts);
+  const Network<Dim> network = network_of_parts(set);
+  const double start = cpu_seconds();
+  const auto joined = join(network, set.poses, set.features, JoinOptions<Dim>{});
+  if (!joined) return tl::unexpected(joined.error());
+  return Batch{joined->result.chi2, cpu_seconds() - start};
+}
+
+struct Course {
+  std::vector<double> seconds;                                     ///< Per part.
+  std::size_t eliminated = 0;                                      ///< Variables, over all parts.
+  std::size_t joined_anew = 0;                                     ///< Parts after which the estimate is that of a join of all.
+  double worst_excess = -std::numeric_limits<double>::infinity();  ///< Of chi2 over the batch's, as a share of it,
+  double least_room = std::numeric_limits<double>::infinity();     ///< and of 1.01 times the batch's + 0.5 over chi2.
+  Batch last;
+};
+
+template <int Dim>
+Expected<Course> course_of(const std::vector<Part<Dim>>& parts, const Arguments& arguments) {
+  Course course;
+  IncrementalJoin<Dim> joined;
+  std::vector<const Part<Dim>*> so_far;
+  for (const Part<Dim>& part : parts) {
+    so_far.push_back(&part);
+    Part<Dim> copy = part;
+    const double start = cpu_seconds();
+    const AddedPart added = joined.add(std::move(copy));
+    course.seconds.push_back(cpu_seconds() - start);
+    course.eliminated += added.eliminated;
+    course.joined_anew += added.joined_anew ? 1 : 0;
+    const bool is_last = so_far.size() == parts.size();
+    if (!is_last && (arguments.check == 0 || so_far.size() % arguments.check != 0)) continue;
+    const auto batch = batch_of(so_far);
+    if (!batch) return tl::unexpected(batch.error());
+    course.last = *batch;
+    if (batch->chi2 > 1.0) course.worst_excess = std::max(course.worst_excess, added.chi2 / batch->chi2 - 1.0);
+    course.least_room = std::min(course.least_room, 1.01 * batch->chi2 + 0.5 - added.chi2);
+  }
+  return course;
+}
+
+template <int Dim>
+Expected<std::string> row(const std::string& name, const Log<Dim>& log, const Arguments& arguments) {
+  Split stretches = split(log, {SplitRule::kPoses, arguments.poses_per_map});
+  const auto maps = build_local_maps<Dim>(log, stretches, {});
+  if (!maps) return tl::unexpected(maps.error());
+  std::vector<Part<Dim>> parts = parts_of(log, stretches, maps->maps);
+  parts.resize(std::min(parts.size(), arguments.most));
+  return course_of(parts, arguments).map([&](const Course& course) {
+    std::vector<double> seconds = course.seconds;
+    std::sort(seconds.begin(), seconds.end());
+    const double median = seconds[seconds.size() / 2];
+    const double mean = std::accumulate(seconds.begin(), seconds.end(), 0.0) / static_cast<double>(seconds.size());
+    const auto eliminated = static_cast<double>(course.eliminated) / static_cast<double>(seconds.size());
+    return fmt::format("| {} | {} | {:.2f} | {:.2f} | {:.0f} | {:.0f} | {} | {:.0f} | {:.0f} | {:.1e} | {:.2f} |\n", name,
+                       seconds.size(), 1e3 * median, 1e3 * mean, 1e3 * seconds.back(), eliminated, course.joined_anew,
+                       1e3 * course.last.seconds, course.last.seconds / median, course.worst_excess, course.least_room);
+  });
+}
+
+int table(const Arguments& arguments) {
+  fmt::print(
+      "| data | maps | median (ms) | mean (ms) | most (ms) | variables eliminated per map | joined anew | one batch join (ms) "
+      "| "
+      "batch / median | worst chi2 over batch | least room to 1 % + 0.5 |\n"
+      "|---|---|---|---|---|---|---|---|---|---|---|\n");
+  for (const auto& path : arguments.files) {
+    const auto log = open_log(path, {});
+    const auto line = log ? std::visit([&](const auto& any) { return row(path.filename().string(), any, arguments); }, *log)
+                          : tl::unexpected(log.error());
+    if (!line) {
+      fmt::print(stderr, "{}\n", line.error().message);
+      return 1;
+    }
+    fmt::print("{}", *line);
+    std::fflush(stdout);
+  }
+  return 0;
+}
+
+}  // namespace
+}  // namespace mapjoin
+
+int main(int argc, char** argv) {
+  mapjoin::Arguments arguments;
+  CLI::App app("Joining local maps one by one: CPU time per map, beside one join of all");
+  app.add_option("LOG", arguments.files, "Logs")->required();
+  app.add_option("--poses-per-map", arguments.poses_per_map, "Steps of a local map [10]")->check(CLI::Range(1.0, 1e9));
+  app.add_option("--check", arguments.check,
+                 "Join the maps so far at once after every so many, and compare chi2 [at the end only]");
+  app.add_option("--most", arguments.most, "Only so many first maps")->check(CLI::PositiveNumber);
+  CLI11_PARSE(app, argc, argv);
+  const tbb::global_control one_thread(tbb::global_control::max_allowed_parallelism, 1);
+  return mapjoin::table(arguments);
+}

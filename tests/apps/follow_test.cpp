@@ -1,0 +1,159 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <signal.h>
+
+#include <algorithm>
+#include <chrono>
+#include <fstream>
+#include <nlohmann/json.hpp>
+#include <sstream>
+#include <tests/apps/command.hpp>
+#include <thread>
+
+namespace mapjoin::testing {
+namespace {
+
+namespace fs = std::filesystem;
+using ::testing::HasSubstr;
+
+class Follow : public ::testing::Test {
+ protected:
+  std::string path(const std::string& name) const { return (folder.path() / name).string(); }
+
+  static std::vector<std::string> lines_of(const fs::path& file) {
+    std::ifstream in(file);
+    std::vector<std::string> lines;
+    for (std::string line; std::getline(in, line);) lines.push_back(line + '\n');
+    return lines;
+  }
+
+  std::vector<nlohmann::json> steps() const {
+    std::vector<nlohmann::json> steps;
+    for (const auto& line : lines_of(path("steps"))) steps.push_back(nlohmann::json::parse(line));
+    return steps;
+  }
+
+  /// As a robot would write them: every pose's odometry, then what it sees. The bundled file has all odometry first.
+  static std::vector<std::string> as_driven(std::vector<std::string> lines) {
+    const auto pose = [](const std::string& line) {
+      std::istringstream words(line);
+      std::string tag;
+      int base = -1;
+      int target = -1;
+      words >> tag >> base >> target;
+      return tag == "EDGE_SE2" ? target : tag == "EDGE_SE2_XY" ? base : -1;
+    };
+    std::stable_sort(lines.begin(), lines.end(), [&](const auto& a, const auto& b) { return pose(a) < pose(b); });
+    return lines;
+  }
+
+  /// Waits until there are so many steps, a minute at most.
+  void await_steps(std::size_t count) const {
+    for (int k = 0; k < 1200 && lines_of(path("steps")).size() < count; ++k) {
+      std::this_thread::sleep_for(std::chrono::milliseconds(50));
+    }
+    ASSERT_GE(lines_of(path("steps")).size(), count);
+  }
+
+  TemporaryFolder folder;
+  std::vector<std::string> log = as_driven(lines_of(kBundledData / "manhattan2d.g2o"));
+};
+
+TEST_F(Follow, ALogThatGrowsEndsAsTheRunOfTheWhole) {
+  ASSERT_EQ(call({"run", (kBundledData / "manhattan2d.g2o").string(), "-o", path("whole")}).exit_code, 0);
+  std::ofstream growing(path("log.g2o"));
+  const std::size_t slices = 20;
+  Process process(
+      command_line({"run", path("log.g2o"), "--follow", "--idle", "2", "--steps", path("steps"), "-o", path("map")}));
+  for (std::size_t k = 0; k < slices; ++k) {
+    for (std::size_t l = k * log.size() / slices; l < (k + 1) * log.size() / slices; ++l) growing << log[l];
+    growing.flush();
+    std::this_thread::sleep_for(std::chrono::milliseconds(100));
+  }
+  EXPECT_EQ(process.wait(), 0) << process.standard_error();
+  for (const std::string name : {"map.g2o", "poses.csv", "features.csv"}) {
+    EXPECT_EQ(content_of(path("map/" + name)), content_of(path("whole/" + name))) << name;
+  }
+  EXPECT_THAT(process.standard_output(), HasSubstr("polished     converged"));
+  std::size_t maps = 0;
+  for (const auto& step : steps()) {
+    EXPECT_TRUE(step.at("joined"));
+    EXPECT_EQ(step.at("map"), maps + 1);
+    maps += step.at("maps").get<std::size_t>();
+  }
+  EXPECT_EQ(maps, 100u);  // of 10 poses
+  EXPECT_GT(steps().size(), 10u);
+  EXPECT_EQ(steps().back().at("last_pose"), 999);
+}
+
+TEST_F(Follow, AFileThatIsCompleteIsJoinedAtOnce) {
+  fs::copy_file(kBundledData / "manhattan3d.g2o", path("log.g2o"));
+  const Ended ended = call({"run", path("log.g2o"), "--follow", "--idle", "0", "--steps", "-"});
+  ASSERT_EQ(ended.exit_code, 0) << ended.err;
+  std::istringstream lines(ended.out);
+  double chi2 = 0.0;
+  std::size_t count = 0;
+  for (std::string line; std::getline(lines, line); ++count) chi2 = nlohmann::json::parse(line).at("chi2");
+  EXPECT_EQ(count, 2u);            // all that was complete, and the last map
+  EXPECT_NEAR(chi2, 884.68, 9.0);  // of a join of its maps of 10 poses (IncrementalData compares every step)
+}
+
+TEST_F(Follow, AtCtrlCWhatIsThereIsWritten) {
+  std::ofstream(path("log.g2o")) << [&] {
+    std::string half;
+    for (std::size_t l = 0; l < log.size() / 2; ++l) half += log[l];
+    return half + "EDGE_SE2 half a li";
+  }();
+  Process process(
+      command_line({"run", path("log.g2o"), "--follow", "--idle", "600", "--steps", path("steps"), "-o", path("map")}));
+  await_steps(1);
+  process.send(SIGINT);
+  EXPECT_EQ(process.wait(), 0) << process.standard_error();
+  EXPECT_TRUE(fs::exists(path("map/map.g2o")));
+  EXPECT_EQ(steps().size(), 2u);  // the last, incomplete map is closed
+}
+
+TEST_F(Follow, ALineThatIsWrongEndsItAndWhatIsThereIsKept) {
+  std::ofstream growing(path("log.g2o"));
+  for (std::size_t l = 0; l < 2000; ++l) growing << log[l];
+  growing.flush();
+  Process process(
+      command_line({"run", path("log.g2o"), "--follow", "--idle", "600", "--steps", path("steps"), "-o", path("map")}));
+  await_steps(1);
+  growing << "EDGE_SE2 1 2 here\n" << log[2000];
+  growing.flush();
+  EXPECT_EQ(process.wait(), 3);
+  EXPECT_THAT(process.standard_error(), HasSubstr("log.g2o:2001:14: "));
+  EXPECT_TRUE(fs::exists(path("map/map.g2o")));
+}
+
+TEST_F(Follow, AClosureToAnEliminatedPoseMakesTheMapsAnew) {
+  std::ofstream growing(path("log.g2o"));
+  for (std::size_t l = 0; l < 2000; ++l) growing << log[l];
+  growing.flush();
+  Process process(command_line({"run", path("log.g2o"), "--follow", "--idle", "1", "--steps", path("steps")}));
+  await_steps(1);
+  growing << "EDGE_SE2 5 15 0 0 0 1e-6 0 0 1e-6 0 1e-6\n";
+  growing.flush();
+  EXPECT_EQ(process.wait(), 0) << process.standard_error();
+  const auto all = steps();
+  ASSERT_EQ(all.size(), 3u);
+  EXPECT_EQ(all[1].at("map"), 1);
+  EXPECT_TRUE(all[1].at("joined"));
+  EXPECT_EQ(all[1].at("maps"), all[0].at("maps"));
+}
+
+TEST_F(Follow, WhatCannotBeFollowedIsSaid) {
+  EXPECT_EQ(call({"run", path("none.g2o"), "--follow"}).exit_code, 3);
+  const Ended zipped = call({"run", kCommand, "--follow", "--idle", "0"});
+  EXPECT_EQ(zipped.exit_code, 3);
+  EXPECT_NE(zipped.err, "");
+  const Ended unfollowed = call({"run", path("none.g2o"), "--idle", "3"});
+  EXPECT_EQ(unfollowed.exit_code, 2);
+  EXPECT_THAT(unfollowed.err, HasSubstr("--idle is for --follow"));
+  EXPECT_EQ(call({"run", path("none.g2o"), "--follow", "--steps", "-", "--report", "-"}).exit_code, 2);
+}
+
+}  // namespace
+}  // namespace mapjoin::testing

@@ -1,0 +1,132 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <gtest/gtest.h>
+
+#include <mapjoin/join/incremental/part_maker.hpp>
+#include <mapjoin/join/join.hpp>
+#include <mapjoin/localmap/build.hpp>
+#include <mapjoin/model/log_builder.hpp>
+#include <tests/support/dimensions.hpp>
+#include <tests/support/small_world.hpp>
+
+namespace mapjoin {
+namespace {
+
+/// A log as it is written while the robot drives: with each pose its odometry, its closures to earlier poses and its sights.
+template <int Dim>
+std::vector<Log<Dim>> driven(const Log<Dim>& log, Index poses_at_once) {
+  std::vector<Log<Dim>> slices;
+  const auto id = [&](Index pose) { return log.poses[static_cast<std::size_t>(pose)]; };
+  for (Index begin = 0; begin < static_cast<Index>(log.poses.size()); begin += poses_at_once) {
+    LogBuilder<Dim> builder("slice");
+    const auto is_here = [&](Index pose) { return pose >= begin && pose < begin + poses_at_once; };
+    for (const auto* list : {&log.odometry, &log.closures}) {
+      for (const auto& o : *list) {
+        if (is_here(std::max(o.base, o.target))) builder.add_pose_edge(id(o.base), id(o.target), o.measured, o.information);
+      }
+    }
+    for (const auto& o : log.observations) {
+      if (is_here(o.base)) {
+        builder.add_observation(id(o.base), log.features[static_cast<std::size_t>(o.target)], o.measured, o.information);
+      }
+    }
+    auto slice = std::move(builder).finish();
+    if (slice) slices.push_back(*std::move(slice));
+  }
+  return slices;
+}
+
+template <int Dim>
+double chi2_of(const std::vector<Part<Dim>>& parts) {
+  std::vector<const Part<Dim>*> all;
+  for (const auto& part : parts) all.push_back(&part);
+  const MapSet<Dim> set = set_of(all);
+  return join(network_of_parts(set), set.poses, set.features, JoinOptions<Dim>{}).value().result.chi2;
+}
+
+template <typename D>
+class PartMakerTest : public ::testing::Test {
+ protected:
+  static constexpr int kDim = D::value;
+
+  /// All parts of a log that comes in slices, or none where it must be cut anew.
+  static std::vector<Part<kDim>> parts_of_slices(const std::vector<Log<kDim>>& slices, PartMaker<kDim>& maker) {
+    std::vector<Part<kDim>> parts;
+    for (std::size_t k = 0; k <= slices.size(); ++k) {
+      if (k < slices.size() && !maker.add(slices[k])) return {};
+      auto more = maker.take(k == slices.size()).value();
+      std::move(more.begin(), more.end(), std::back_inserter(parts));
+    }
+    return parts;
+  }
+};
+TYPED_TEST_SUITE(PartMakerTest, testing::Dimensions);
+
+TYPED_TEST(PartMakerTest, ALogThatComesInSlicesHasThePartsOfTheWhole) {
+  constexpr int kDim = TestFixture::kDim;
+  const auto log = testing::small_world<kDim>({.poses = 50, .closures = 0, .sessions = 2}).log;
+  Split stretches = split(log, {SplitRule::kPoses, 6.0});
+  const auto maps = build_local_maps<kDim>(log, stretches, {}).value().maps;
+  const auto whole = parts_of(log, stretches, maps);
+  for (const Index at_once : {1, 4, 7, 200}) {
+    PartMaker<kDim> maker({SplitRule::kPoses, 6.0});
+    const auto parts = this->parts_of_slices(driven(log, at_once), maker);
+    ASSERT_EQ(parts.size(), whole.size()) << at_once;
+    for (std::size_t k = 0; k < parts.size(); ++k) EXPECT_EQ(parts[k].stretch, whole[k].stretch) << at_once;
+    EXPECT_EQ(maker.name(50), (PoseId{1, 0}));
+    EXPECT_NEAR(chi2_of(parts), chi2_of(whole), 1e-6 * chi2_of(whole));
+  }
+}
+
+TYPED_TEST(PartMakerTest, AStretchIsTakenOnceTheNextStepIsThere) {
+  constexpr int kDim = TestFixture::kDim;
+  const auto slices = driven(testing::small_world<kDim>({.poses = 20, .closures = 0}).log, 1);
+  PartMaker<kDim> maker({SplitRule::kPoses, 6.0});
+  std::vector<Index> ends;  // the poses that are there when parts are taken
+  for (std::size_t k = 0; k < slices.size(); ++k) {
+    ASSERT_TRUE(maker.add(slices[k]));
+    for (const auto& part : maker.take(false).value()) {
+      EXPECT_EQ(part.stretch->end, static_cast<Index>(6 * (ends.size() + 1)));
+      ends.push_back(static_cast<Index>(slices[k].poses.back().key));
+    }
+  }
+  EXPECT_EQ(ends, (std::vector<Index>{7, 13, 19}));
+}
+
+TYPED_TEST(PartMakerTest, APoseGraphKeepsAllPosesForClosuresToCome) {
+  constexpr int kDim = TestFixture::kDim;
+  const auto log = testing::small_world<kDim>({.poses = 50, .features = 0, .closures = 30}).log;
+  PartMaker<kDim> maker({SplitRule::kPoses, 6.0});
+  const auto parts = this->parts_of_slices(driven(log, 1), maker);
+  ASSERT_EQ(parts.size(), 9u);
+  std::size_t edges = 0;
+  for (const auto& part : parts) {
+    EXPECT_FALSE(part.map);
+    edges += part.pose_observations.size();
+  }
+  EXPECT_EQ(edges, log.odometry.size() + log.closures.size());
+}
+
+TYPED_TEST(PartMakerTest, WhatConcernsAMapThatIsMadeIsRefused) {
+  constexpr int kDim = TestFixture::kDim;
+  const auto slices = driven(testing::small_world<kDim>({.poses = 30, .closures = 0}).log, 30);
+  PartMaker<kDim> maker({SplitRule::kPoses, 6.0});
+  ASSERT_TRUE(maker.add(slices[0]));
+  ASSERT_EQ(maker.take(false).value().size(), 4u);
+  const auto edge = [](std::uint64_t base, std::uint64_t target) {
+    LogBuilder<kDim> builder("edge");
+    builder.add_pose_edge({0, base}, {0, target}, {}, PoseMatrix<kDim>::Identity());
+    return std::move(builder).finish().value();
+  };
+  EXPECT_TRUE(maker.add(edge(6, 29)));   // a kept pose and an open one
+  EXPECT_TRUE(maker.add(edge(12, 18)));  // kept ones
+  EXPECT_FALSE(maker.add(edge(29, 8)));  // one that was eliminated
+  LogBuilder<kDim> late("sight");
+  late.add_observation({0, 3}, {0}, Point<kDim>::Ones(), PointMatrix<kDim>::Identity());
+  EXPECT_FALSE(maker.add(std::move(late).finish().value()));
+  const auto rest = maker.take(true).value();
+  ASSERT_EQ(rest.size(), 1u);
+  EXPECT_EQ(rest[0].pose_observations.size(), 2u);
+}
+
+}  // namespace
+}  // namespace mapjoin
