@@ -109,7 +109,7 @@ Expected<AnyLog> Call::take_log(AnyLog log) {
         account.describe(any);
       },
       log);
-  return check_interrupted().and_then([&] { return std::move(log); });
+  return check_interrupted().map([&] { return std::move(log); });
 }
 
 Expected<AnyMaps> Call::read_maps() {

@@ -88,7 +88,7 @@ class Follower {
     std::optional<Error> fault;
     auto last_growth = Clock::now();
     const auto is_idle = [&] { return std::chrono::duration<double>(Clock::now() - last_growth).count() > idle_seconds; };
-    while (!fault && !stop.stop_requested() && !is_idle()) {
+    do {
       const std::size_t size = file_.size();
       if (auto added = add(file_.appended(), fault); !added) return tl::unexpected(added.error());
       if (file_.size() > size) {
@@ -96,7 +96,7 @@ class Follower {
       } else {
         std::this_thread::sleep_for(kBetweenLooks);
       }
-    }
+    } while (!fault && !stop.stop_requested() && !is_idle());
     if (!fault && !stop.stop_requested()) {
       if (auto added = add(file_.rest(), fault); !added) return tl::unexpected(added.error());
     }

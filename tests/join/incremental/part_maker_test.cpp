@@ -84,7 +84,8 @@ TYPED_TEST(PartMakerTest, AStretchIsTakenOnceTheNextStepIsThere) {
   std::vector<Index> ends;  // the poses that are there when parts are taken
   for (std::size_t k = 0; k < slices.size(); ++k) {
     ASSERT_TRUE(maker.add(slices[k]));
-    for (const auto& part : maker.take(false).value()) {
+    const auto parts = maker.take(false).value();
+    for (const auto& part : parts) {
       EXPECT_EQ(part.stretch->end, static_cast<Index>(6 * (ends.size() + 1)));
       ends.push_back(static_cast<Index>(slices[k].poses.back().key));
     }
