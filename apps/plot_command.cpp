@@ -45,20 +45,23 @@ bool is_page(const PlotOptions& options) {
 
 /// Names that tell the maps apart: those of their files, with their folders where these are the same.
 std::vector<std::string> names_of(const std::vector<std::filesystem::path>& paths) {
+  std::vector<std::string> files;
+  for (const auto& path : paths) files.push_back((path.has_filename() ? path : path.parent_path()).filename().string());
   std::vector<std::string> names;
-  for (const auto& path : paths) names.push_back((path.has_filename() ? path : path.parent_path()).filename().string());
   for (std::size_t k = 0; k < paths.size(); ++k) {
-    if (std::count(names.begin(), names.end(), names[k]) > 1) names[k] = paths[k].string();
+    names.push_back(std::count(files.begin(), files.end(), files[k]) > 1 ? paths[k].string() : files[k]);
   }
   return names;
 }
 
-Expected<AnyScene> load_all(const PlotOptions& options, const LoadOptions& loading, const std::stop_token& stop) {
+/// Says what is wrong with a joined map, and gives its exit code.
+Expected<AnyScene> load_all(const PlotOptions& options, const LoadOptions& loading, const std::stop_token& stop,
+                            ExitCode& exit_code) {
   std::optional<AnyScene> scene;
   const std::vector<std::string> names = names_of(options.inputs);
   for (std::size_t k = 0; k < options.inputs.size(); ++k) {
-    auto any = load(options.inputs[k], loading, stop);
-    if (!any) return tl::unexpected(any.error());
+    auto loaded = load(options.inputs[k], loading, stop);
+    if (!loaded) return tl::unexpected(loaded.error());
     if (stop.stop_requested()) return tl::unexpected(Error{ErrorKind::kInterrupted, "interrupted"});
     const bool is_taken = std::visit(
         [&]<int Dim>(PlottedMap<Dim>& plotted) {
@@ -69,7 +72,9 @@ Expected<AnyScene> load_all(const PlotOptions& options, const LoadOptions& loadi
           same->maps.push_back(std::move(plotted));
           return true;
         },
-        *any);
+        loaded->plotted);
+    for (const std::string& remark : loaded->remarks) say(options.inputs[k].string() + ": " + remark);
+    if (loaded->exit_code != ExitCode::kDone) exit_code = loaded->exit_code;
     if (is_taken) continue;
     return tl::unexpected(Error{ErrorKind::kUsage, fmt::format("{}: is not of the same dimension as {}",
                                                                options.inputs[k].string(), options.inputs.front().string())});
@@ -116,13 +121,13 @@ std::string title_of(const Scene<Dim>& scene) {
 }
 
 template <int Dim>
-Expected<ExitCode> plot_scene(const PlotOptions& options, Scene<Dim>& scene) {
+Expected<void> plot_scene(const PlotOptions& options, Scene<Dim>& scene) {
   if (auto read = read_truth(options.common.truth, scene); !read) return tl::unexpected(read.error());
   align_all(options, scene);
   const std::string drawn = is_page(options) ? viewer_page(scene, title_of(scene))
                                              : picture(map_layers(scene.maps, scene.truth ? &*scene.truth : nullptr));
   if (auto written = write_file(options.common.output, drawn); !written) return tl::unexpected(written.error());
-  if (options.common.quiet) return ExitCode::kDone;
+  if (options.common.quiet) return {};
   Lines lines;
   for (const auto& plotted : scene.maps) {
     lines.add("map", fmt::format("{}: {}D, {} poses, {} features, {} local maps{}", plotted.name, Dim, plotted.map.poses.size(),
@@ -130,7 +135,7 @@ Expected<ExitCode> plot_scene(const PlotOptions& options, Scene<Dim>& scene) {
                                  plotted.is_odometry ? ", from odometry alone" : ""));
   }
   lines.add("written", options.common.output.string());
-  return write_stdout(lines.text()).map([] { return ExitCode::kDone; });
+  return write_stdout(lines.text());
 }
 
 Expected<ExitCode> plot(const PlotOptions& options, const std::stop_token& stop) {
@@ -145,10 +150,11 @@ Expected<ExitCode> plot(const PlotOptions& options, const std::stop_token& stop)
   if (const auto show = progress.callback_in_words()) {
     loading.progress = [show](std::size_t done, std::size_t to_do) { show("map after map", done, to_do); };
   }
-  auto scene = load_all(options, loading, stop);
+  ExitCode exit_code = ExitCode::kDone;
+  auto scene = load_all(options, loading, stop, exit_code);
   progress.close();
   if (!scene) return tl::unexpected(scene.error());
-  return std::visit([&](auto& of_dim) { return plot_scene(options, of_dim); }, *scene);
+  return std::visit([&](auto& of_dim) { return plot_scene(options, of_dim); }, *scene).map([&] { return exit_code; });
 }
 
 std::vector<std::string> check_files(const PlotOptions& options) {
@@ -182,7 +188,8 @@ std::unique_ptr<Subcommand> plot_command(CLI::App& app) {
   command->refusal("--no-align", options->align, "Overlay maps as they stand, not by what they share with the first one");
   command->flag("--covariances", common.covariances,
                 "Local maps: with their covariances when joined; those of a map are drawn where they are beside it");
-  add_reading(*command, common);
+  command->flag("--repair-information", common.read.repair_information,
+                "Take the nearest semidefinite matrix for an indefinite information matrix");
   add_running(*command, common);
   command->check([options] { return check_files(*options); });
   command->act([options](const std::stop_token& stop) { return plot(*options, stop); });

@@ -19,55 +19,63 @@ fs::path file_of(const fs::path& path) {
 }
 
 template <int Dim>
-Expected<PlottedMap<Dim>> of_log(const Log<Dim>& log, const fs::path& path) {
+Expected<LoadedMap> of_log(const Log<Dim>& log, const fs::path& path) {
   PlottedMap<Dim> out = plotted(log);
-  if (out.is_odometry) return out;
+  if (out.is_odometry) return LoadedMap{std::move(out)};
   if (auto read = read_covariances_beside(path, out.map); !read) return tl::unexpected(read.error());
   return read_fits_beside(path, out.map).map([&](const std::vector<MapFit>& fits) {
     out.local_maps = plotted_local_maps(fits, log);
-    return std::move(out);
+    return LoadedMap{std::move(out)};
   });
 }
 
 template <int Dim>
-Expected<PlottedMap<Dim>> of_result(RunResult<Dim>& result, const Network<Dim>& network, PlottedMap<Dim> out,
-                                    const LoadOptions& options, const std::stop_token& stop) {
+LoadedMap of_result(RunResult<Dim>& result, const Network<Dim>& network, PlottedMap<Dim> out, const LoadOptions& options,
+                    const std::stop_token& stop) {
   if (result.marginals) {
     out.map.pose_covariances = std::move(result.marginals->poses);
     out.map.feature_covariances = std::move(result.marginals->features);
   }
   if (options.has_stops) out.stops = join_stops(network, out.map, options.progress, stop);
-  return out;
+  LoadedMap loaded{std::move(out)};
+  if (result.no_covariances) {
+    loaded.exit_code = ExitCode::kBadInput;
+    loaded.remarks.push_back(result.no_covariances->message + "; it is drawn without covariances");
+  }
+  if (!result.converged()) {
+    loaded.exit_code = ExitCode::kDidNotConverge;
+    loaded.remarks.emplace_back("the join did not converge; it is drawn all the same");
+  }
+  return loaded;
 }
 
 template <int Dim>
-Expected<PlottedMap<Dim>> joined(const MapSet<Dim>& set, const LoadOptions& options, const std::stop_token& stop) {
-  return run(set, options.run, stop).and_then([&](RunResult<Dim>&& result) {
+Expected<LoadedMap> joined(const MapSet<Dim>& set, const LoadOptions& options, const std::stop_token& stop) {
+  return run(set, options.run, stop).map([&](RunResult<Dim>&& result) {
     return of_result(result, network_of(set), plotted(result, set), options, stop);
   });
 }
 
 template <int Dim>
-Expected<PlottedMap<Dim>> joined(const StoredMaps<Dim>& stored, const LoadOptions& options, const std::stop_token& stop) {
+Expected<LoadedMap> joined(const StoredMaps<Dim>& stored, const LoadOptions& options, const std::stop_token& stop) {
   const Split parts = split_along(stored.log, stored.stretches);
-  return run_from_maps(stored.log, parts, stored.maps, options.run, stop).and_then([&](RunResult<Dim>&& result) {
+  return run_from_maps(stored.log, parts, stored.maps, options.run, stop).map([&](RunResult<Dim>&& result) {
     return of_result(result, network_of(stored.log, parts, stored.maps), plotted(result, stored.log), options, stop);
   });
 }
 
 }  // namespace
 
-Expected<AnyPlottedMap> load(const fs::path& path, const LoadOptions& options, const std::stop_token& stop) {
-  const auto any = [](auto&& plotted) { return AnyPlottedMap(std::forward<decltype(plotted)>(plotted)); };
+Expected<LoadedMap> load(const fs::path& path, const LoadOptions& options, const std::stop_token& stop) {
   const fs::path file = file_of(path);
   if (may_hold_maps(file)) {
     const auto maps = open_maps(file, options.read);
     if (!maps) return tl::unexpected(maps.error());
-    return std::visit([&](const auto& of_dim) { return joined(of_dim, options, stop).map(any); }, *maps);
+    return std::visit([&](const auto& of_dim) { return joined(of_dim, options, stop); }, *maps);
   }
   const auto log = open_log(file, options.read);
   if (!log) return tl::unexpected(log.error());
-  return std::visit([&](const auto& of_dim) { return of_log(of_dim, file).map(any); }, *log);
+  return std::visit([&](const auto& of_dim) { return of_log(of_dim, file); }, *log);
 }
 
 }  // namespace mapjoin::apps

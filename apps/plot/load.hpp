@@ -2,6 +2,7 @@
 #pragma once
 // Whatever can be plotted, as maps.
 
+#include <apps/exit_code.hpp>
 #include <apps/plot/plotted_map.hpp>
 #include <filesystem>
 #include <functional>
@@ -9,6 +10,8 @@
 #include <mapjoin/join/run.hpp>
 #include <mapjoin/model/error.hpp>
 #include <stop_token>
+#include <string>
+#include <vector>
 
 namespace mapjoin::apps {
 
@@ -19,8 +22,14 @@ struct LoadOptions {
   std::function<void(std::size_t, std::size_t)> progress;  ///< Of watching, as in ScheduleOptions.
 };
 
+struct LoadedMap {
+  AnyPlottedMap plotted;
+  ExitCode exit_code = ExitCode::kDone;   ///< Of joining, as `mapjoin join` has it,
+  std::vector<std::string> remarks = {};  ///< and what is wrong with it, to follow the name of the input.
+};
+
 /// A log by its values or its odometry; a map that mapjoin wrote, or the folder of a run, with what is beside it; local maps
 /// joined. kInterrupted on `stop`.
-Expected<AnyPlottedMap> load(const std::filesystem::path& path, const LoadOptions& options, const std::stop_token& stop);
+Expected<LoadedMap> load(const std::filesystem::path& path, const LoadOptions& options, const std::stop_token& stop);
 
 }  // namespace mapjoin::apps

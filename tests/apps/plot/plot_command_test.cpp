@@ -1,9 +1,12 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <signal.h>
 
+#include <chrono>
 #include <string_view>
 #include <tests/apps/command.hpp>
+#include <thread>
 
 namespace mapjoin::testing {
 namespace {
@@ -76,6 +79,26 @@ TEST_F(Plot, LocalMapsAreJoinedFirstAndTheirClosuresDrawn) {
   EXPECT_EQ(picture({path("maps"), "--jobs", "1"}), picture({path("maps"), "--jobs", "2"}));
 }
 
+TEST_F(Plot, APageIsTheSameForAnyNumberOfThreads) {
+  ASSERT_EQ(call({"build", kLog, "-o", path("maps"), "--quiet"}).exit_code, 0);
+  for (const std::string jobs : {"1", "2"}) {
+    const Ended ended = call({"plot", path("maps"), "--covariances", "-o", path(jobs + ".html"), "--jobs", jobs});
+    EXPECT_EQ(ended.exit_code, 0) << ended.err;
+  }
+  EXPECT_EQ(content_of(path("1.html")), content_of(path("2.html")));
+}
+
+TEST_F(Plot, EndsWhenItIsInterrupted) {
+  ASSERT_EQ(call({"simulate", "--poses", "8000", "-o", path("log.g2o"), "--quiet"}).exit_code, 0);
+  ASSERT_EQ(call({"build", path("log.g2o"), "-o", path("maps"), "--quiet"}).exit_code, 0);
+  Process process(command_line({"plot", path("maps"), "-o", path("page.html")}), {});
+  std::this_thread::sleep_for(std::chrono::milliseconds(300));
+  process.send(SIGINT);
+  EXPECT_EQ(process.wait(), 130);
+  EXPECT_EQ(process.standard_error(), "mapjoin: interrupted\n");
+  EXPECT_FALSE(std::filesystem::exists(path("page.html")));
+}
+
 TEST_F(Plot, SeveralMapsAreLaidOnTheFirstOne) {
   const std::string map = "VERTEX_SE2 0 0 0 0\nVERTEX_SE2 1 10 0 0\nVERTEX_SE2 2 10 5 0\n";
   const std::string turned = "VERTEX_SE2 0 100 7 1.5707963267948966\nVERTEX_SE2 1 100 17 0\nVERTEX_SE2 2 95 17 0\n";
@@ -84,6 +107,14 @@ TEST_F(Plot, SeveralMapsAreLaidOnTheFirstOne) {
   EXPECT_EQ(count(aligned, "M40.0,500.0 960.0,500.0 960.0,40.0"), 2U) << aligned;
   EXPECT_EQ(count(aligned, ">a.g2o<") + count(aligned, ">b.g2o<"), 2U);
   EXPECT_EQ(count(picture({both[0], both[1], "--no-align"}), "M40.0,500.0 960.0,500.0 960.0,40.0"), 0U);
+}
+
+TEST_F(Plot, MapsOfOneNameAreToldApartByTheirFolders) {
+  const std::string map = "VERTEX_SE2 0 0 0 0\nVERTEX_SE2 1 10 0 0\nVERTEX_SE2 2 10 5 0\n";
+  for (const std::string name : {"one", "two"}) std::filesystem::create_directory(path(name));
+  const std::vector<std::string> both = {folder.file("one/map.g2o", map).string(), folder.file("two/map.g2o", map).string()};
+  const std::string svg = picture(both);
+  for (const std::string& name : both) EXPECT_EQ(count(svg, ">" + name + "<"), 1U);
 }
 
 TEST_F(Plot, MapsThatShareNothingAreDrawnAsTheyStand) {

@@ -38,6 +38,34 @@ function tipOver(...place) {
   return tip.hidden ? null : tip.innerText;
 }
 
+/// Where a pose is on the page.
+function pixelsOf(pose) {
+  const at = {};
+  viewer.view.projector()(viewer.scene.maps[0].poses, pose, at);
+  return [at.x, at.y];
+}
+
+/// Where a pose is before and after the wheel was turned over it, and by what share the map has grown.
+function zoomOver(pose) {
+  const before = pixelsOf(pose);
+  const { zoom } = viewer.view.camera;
+  const where = { clientX: before[0], clientY: before[1], bubbles: true, cancelable: true };
+  viewer.view.canvas.dispatchEvent(new WheelEvent("wheel", { deltaY: -100, ...where }));
+  return { before, after: pixelsOf(pose), share: viewer.view.camera.zoom / zoom };
+}
+
+/// Where a pose is before and after the pointer was dragged.
+function drag(pose, dx, dy) {
+  const before = pixelsOf(pose);
+  const { canvas } = viewer.view;
+  const send = (target, name, x, y) =>
+    target.dispatchEvent(new MouseEvent(name, { clientX: x, clientY: y, button: 0, bubbles: true }));
+  send(canvas, "mousedown", 400, 300);
+  send(document, "mousemove", 400 + dx, 300 + dy);
+  send(document, "mouseup", 400 + dx, 300 + dy);
+  return { before, after: pixelsOf(pose) };
+}
+
 /// What the panel says of the local map of a number, typed in as a user does.
 function pickLocalMap(number) {
   const field = document.getElementById("local-map-number");

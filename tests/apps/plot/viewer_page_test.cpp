@@ -113,6 +113,36 @@ TEST_F(ViewerPage, TellsHowCertainThatIs) {
   EXPECT_THAT(found["feature"].get<std::string>(), AllOf(HasSubstr("feature 700"), HasSubstr("σx 1.00 m, σy 2.00 m")));
 }
 
+TEST_F(ViewerPage, MovesWithThePointerAndZoomsUnderIt) {
+  const std::string page = page_of({folder.file("map.g2o", kNamedMap).string()});
+  const Json found = found_on(page, "{zoomed: zoomOver(2), dragged: drag(1, 70, -30)}");
+  EXPECT_EQ(found["errors"], Json::array());
+  EXPECT_GT(found["zoomed"]["share"], 1.05);
+  for (const std::size_t i : {0, 1}) {
+    const auto moved = [&](const std::string& by) {
+      return found[by]["after"][i].get<double>() - found[by]["before"][i].get<double>();
+    };
+    EXPECT_NEAR(moved("zoomed"), 0.0, 0.5);
+    EXPECT_NEAR(moved("dragged"), i == 0 ? 70.0 : -30.0, 0.5);
+  }
+}
+
+TEST_F(ViewerPage, TurnsAMapInSpace) {
+  const std::string map =
+      "VERTEX_SE3:QUAT 0 0 0 0 0 0 0 1\nVERTEX_SE3:QUAT 1 4 0 0 0 0 0 1\nVERTEX_SE3:QUAT 2 4 3 0 0 0 0 1\n"
+      "VERTEX_SE3:QUAT 3 4 3 9 0 0 0 1\n";
+  const Json found = found_on(page_of({folder.file("map.g2o", map).string()}),
+                              "{dragged: [0, 3].map((pose) => drag(pose, 90, 0)), "
+                              "tip: tipOver(4, 3, 9)}");
+  EXPECT_EQ(found["errors"], Json::array());
+  // What is above one another turns about the vertical: the two ends go apart, or nearer, to the side.
+  const auto aside = [&](std::size_t k) {
+    return found["dragged"][k]["after"][0].get<double>() - found["dragged"][k]["before"][0].get<double>();
+  };
+  EXPECT_GT(std::abs(aside(0) - aside(1)), 1.0);
+  EXPECT_THAT(found["tip"].get<std::string>(), AllOf(HasSubstr("pose 3"), HasSubstr("z 9.0000 m")));
+}
+
 TEST_F(ViewerPage, PicksALocalMapAndSaysHowItFits) {
   ASSERT_EQ(call({"run", (kBundledData / "manhattan2d.g2o").string(), "-o", path("run"), "--quiet"}).exit_code, 0);
   const Json map = Json::parse(content_of(path("run/report.json")))["join"]["maps"][6];
