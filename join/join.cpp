@@ -1,12 +1,14 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <mapjoin/join/join.hpp>
 #include <mapjoin/join/join_problem.hpp>
 #include <mapjoin/join/whole.hpp>
 #include <mapjoin/join/world.hpp>
 #include <mapjoin/measure/chi_squared.hpp>
 #include <mapjoin/model/information_rank.hpp>
+#include <optional>
 #include <utility>
 
 namespace mapjoin {
@@ -66,6 +68,19 @@ tl::unexpected<Error> interrupted() {
   return tl::unexpected(Error{ErrorKind::kInterrupted, "interrupted while joining"});
 }
 
+/// The most that a pose is turned from one state to another (rad).
+template <int Dim>
+double most_turned(const State<Dim>& from, const State<Dim>& to) {
+  double most = 0.0;
+  for (std::size_t p = 0; p < to.poses.size(); ++p) {
+    most = std::max(most, (from.poses[p].rotation.inverse() * to.poses[p].rotation).log().norm());
+  }
+  return most;
+}
+
+/// A solve that turns a pose further (rad) has left the part of space where the rotations, all that is not linear in a map,
+/// are nearly so; it may have ended in a local minimum.
+constexpr double kFarFromLinear = 1.0;
 /// Maps that fit together less than this may be in a local minimum.
 constexpr double kLeastProbability = 1e-3;
 /// Two joins whose chi2 differs by less than this share of it are the same.
@@ -76,6 +91,12 @@ template <int Dim>
 bool fits(const Join<Dim>& join) {
   if (!std::isfinite(join.result.chi2)) return false;
   return join.dof() <= 0 || chi_squared_upper_tail(join.result.chi2, static_cast<double>(join.dof())) > kLeastProbability;
+}
+
+/// Whether the last solve converged from near by.
+template <int Dim>
+bool was_nearly_linear(const Join<Dim>& join) {
+  return join.result.status == MinimiseStatus::kConverged && join.turned < kFarFromLinear;
 }
 
 /// Joins by one schedule, not kAuto.
@@ -97,7 +118,9 @@ Expected<Join<Dim>> join_by(const Network<Dim>& network, const std::vector<PoseI
     leading.method = options.solver.method;
     result.path = lead_gradually(problem, whole, gauge, options.state, leading, stop);
   }
+  const State<Dim> start = problem.estimate();
   result.result = minimise_join(problem, options.state, options.solver, stop);
+  result.turned = most_turned(start, problem.estimate());
   if (result.result.status == MinimiseStatus::kInterrupted) return interrupted();
   if (result.result.status == MinimiseStatus::kSingular) {
     const auto place = static_cast<std::size_t>(problem.system().place_of_variable(*result.result.singular));
@@ -128,15 +151,18 @@ Expected<Join<Dim>> join(const Network<Dim>& network, const std::vector<PoseId>&
                          const std::vector<FeatureId>& feature_ids, const JoinOptions<Dim>& options,
                          const std::stop_token& stop) {
   if (options.schedule != Schedule::kAuto) return join_by(network, pose_ids, feature_ids, options, stop);
-  JoinOptions<Dim> by = options;
-  by.schedule = Schedule::kTree;
-  auto along_tree = join_by(network, pose_ids, feature_ids, by, stop);
-  if (!along_tree || fits(*along_tree)) return along_tree;
-  by.schedule = Schedule::kLeaning;
-  auto leaning = join_by(network, pose_ids, feature_ids, by, stop);
-  if (stop.stop_requested()) return interrupted();
-  const bool is_better = leaning && leaning->result.chi2 < along_tree->result.chi2 * (1.0 - kSameChi2);
-  return is_better ? std::move(leaning) : std::move(along_tree);
+  std::optional<Join<Dim>> best;
+  for (const Schedule schedule : {Schedule::kAligned, Schedule::kTree, Schedule::kLeaning}) {
+    JoinOptions<Dim> by = options;
+    by.schedule = schedule;
+    auto found = join_by(network, pose_ids, feature_ids, by, stop);
+    if (stop.stop_requested()) return interrupted();
+    if (!found && schedule == Schedule::kTree && !best) return found;
+    if (found && (!best || found->result.chi2 < best->result.chi2 * (1.0 - kSameChi2))) best = *std::move(found);
+    const bool is_trusted = best && (schedule == Schedule::kAligned ? was_nearly_linear(*best) : fits(*best));
+    if (is_trusted) break;
+  }
+  return *std::move(best);
 }
 
 #define MAPJOIN_INSTANTIATE(Dim)                                                                                    \

@@ -53,6 +53,7 @@ struct Join {
   std::vector<Index> held;                   ///< The poses that hold the map still; empty where priors do.
   std::unique_ptr<JointSystem<Dim>> system;  ///< Of the last join, for polishing.
   std::vector<MapFit> maps;                  ///< Of the network's maps, in their order.
+  double turned = 0.0;                       ///< The most that the last solve turned a pose (rad): how far from linear it was.
   std::int64_t rows = 0;                     ///< Measured rows of the maps and observations, private features left out.
   std::int64_t dof() const { return rows - static_cast<std::int64_t>(system->equations().size()); }
 };

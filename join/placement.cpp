@@ -2,7 +2,6 @@
 #include <Eigen/Geometry>
 #include <Eigen/SVD>
 #include <algorithm>
-#include <iterator>
 #include <mapjoin/join/placement.hpp>
 
 namespace mapjoin {
@@ -36,18 +35,35 @@ inline Rotation<3> rotation_of(const Matrix<3>& R) {
   return Rotation<3>(R);
 }
 
-/// The union of two ascending lists.
-std::vector<Index> united(const std::vector<Index>& a, const std::vector<Index>& b) {
-  std::vector<Index> both;
-  both.reserve(a.size() + b.size());
-  std::set_union(a.begin(), a.end(), b.begin(), b.end(), std::back_inserter(both));
-  return both;
+/// Calls f(place in a, place in b) for every index that two ascending lists share.
+template <typename F>
+void for_each_common(const std::vector<Index>& a, const std::vector<Index>& b, F&& f) {
+  for (std::size_t i = 0, j = 0; i < a.size() && j < b.size();) {
+    if (a[i] == b[j])
+      f(i++, j++);
+    else if (a[i] < b[j])
+      ++i;
+    else
+      ++j;
+  }
 }
 
-std::vector<Index> common(const std::vector<Index>& a, const std::vector<Index>& b) {
-  std::vector<Index> both;
-  std::set_intersection(a.begin(), a.end(), b.begin(), b.end(), std::back_inserter(both));
-  return both;
+/// The union of two ascending lists with their values; those of `a` hold where both have one, those of `b` are moved.
+template <typename T, typename Moved>
+void unite(const std::vector<Index>& a, const std::vector<T>& a_values, const std::vector<Index>& b,
+           const std::vector<T>& b_values, const Moved& moved, std::vector<Index>& both, std::vector<T>& values) {
+  both.reserve(a.size() + b.size());
+  values.reserve(a.size() + b.size());
+  for (std::size_t i = 0, j = 0; i < a.size() || j < b.size();) {
+    if (j == b.size() || (i < a.size() && a[i] <= b[j])) {
+      if (j < b.size() && a[i] == b[j]) ++j;
+      both.push_back(a[i]);
+      values.push_back(a_values[i++]);
+    } else {
+      both.push_back(b[j]);
+      values.push_back(moved(b_values[j++]));
+    }
+  }
 }
 
 template <typename T>
@@ -96,7 +112,7 @@ std::vector<Pose<Dim>> Ties<Dim>::candidates() const {
 template <int Dim>
 Ties<Dim> ties_between(const Piece<Dim>& a, const Piece<Dim>& b, const std::vector<const PoseObservation<Dim>*>& closures) {
   Ties<Dim> ties;
-  for (const Index pose : common(a.poses, b.poses)) ties.add_pose(pose_in(a, pose), pose_in(b, pose));
+  for_each_common(a.poses, b.poses, [&](std::size_t i, std::size_t j) { ties.add_pose(a.state.poses[i], b.state.poses[j]); });
   for (const auto* closure : closures) {
     if (holds(a.poses, closure->base) && holds(b.poses, closure->target)) {
       ties.add_pose(compose(pose_in(a, closure->base), closure->measured), pose_in(b, closure->target));
@@ -104,24 +120,20 @@ Ties<Dim> ties_between(const Piece<Dim>& a, const Piece<Dim>& b, const std::vect
       ties.add_pose(pose_in(a, closure->target), compose(pose_in(b, closure->base), closure->measured));
     }
   }
-  for (const Index feature : common(a.features, b.features)) ties.add_point(feature_in(a, feature), feature_in(b, feature));
+  for_each_common(a.features, b.features,
+                  [&](std::size_t i, std::size_t j) { ties.add_point(a.state.features[i], b.state.features[j]); });
   return ties;
 }
 
 template <int Dim>
 Piece<Dim> merged(const Piece<Dim>& a, const Piece<Dim>& b, const Pose<Dim>& placement) {
   Piece<Dim> both;
-  both.poses = united(a.poses, b.poses);
-  both.features = united(a.features, b.features);
-  both.state.poses.reserve(both.poses.size());
-  both.state.features.reserve(both.features.size());
-  for (const Index pose : both.poses) {
-    both.state.poses.push_back(holds(a.poses, pose) ? pose_in(a, pose) : compose(placement, pose_in(b, pose)));
-  }
-  for (const Index feature : both.features) {
-    both.state.features.push_back(holds(a.features, feature) ? feature_in(a, feature)
-                                                             : transform(placement, feature_in(b, feature)));
-  }
+  unite(
+      a.poses, a.state.poses, b.poses, b.state.poses, [&](const Pose<Dim>& pose) { return compose(placement, pose); },
+      both.poses, both.state.poses);
+  unite(
+      a.features, a.state.features, b.features, b.state.features,
+      [&](const Point<Dim>& point) { return transform(placement, point); }, both.features, both.state.features);
   for (const Piece<Dim>* piece : {&a, &b}) {
     append(both.maps, piece->maps);
     append(both.pose_observations, piece->pose_observations);

@@ -5,6 +5,7 @@
 #include <mapjoin/join/leaf.hpp>
 #include <mapjoin/join/placement.hpp>
 #include <mapjoin/join/schedule.hpp>
+#include <mapjoin/join/seam.hpp>
 #include <mapjoin/parallel/parallel.hpp>
 #include <mutex>
 #include <utility>
@@ -15,23 +16,19 @@ namespace {
 template <int Dim>
 using Closures = std::vector<const PoseObservation<Dim>*>;
 
-/// The placement of `b` that gives the merged piece the least chi2; the first of equals.
+/// The placement of `b` in the frame of `a` that gives what ties them the least chi2; the first of equals.
 template <int Dim>
-Piece<Dim> merged_best(const Piece<Dim>& a, const Piece<Dim>& b, const std::vector<Pose<Dim>>& candidates,
-                       const Closures<Dim>& closures) {
-  Piece<Dim> best = merged(a, b, candidates.front());
+Pose<Dim> best_placement(const Piece<Dim>& a, const Piece<Dim>& b, const std::vector<Pose<Dim>>& candidates,
+                         const Closures<Dim>& closures) {
+  Pose<Dim> best = candidates.front();
   if (candidates.size() == 1) return best;
-  double best_chi2 = std::numeric_limits<double>::infinity();
-  for (std::size_t k = 0; k < candidates.size(); ++k) {
-    Piece<Dim> piece = merged(a, b, candidates[k]);
-    for (const auto* closure : closures) {
-      if (holds(piece.poses, closure->base) && holds(piece.poses, closure->target)) piece.pose_observations.push_back(closure);
-    }
-    const double chi2 = piece_chi2(piece);
-    if (!(chi2 < best_chi2)) continue;
-    best_chi2 = chi2;
-    piece.pose_observations.resize(a.pose_observations.size() + b.pose_observations.size());
-    best = std::move(piece);
+  const Seam<Dim> seam(a, b, closures);
+  double least = std::numeric_limits<double>::infinity();
+  for (const Pose<Dim>& candidate : candidates) {
+    const double chi2 = seam.chi2(candidate);
+    if (!(chi2 < least)) continue;
+    least = chi2;
+    best = candidate;
   }
   return best;
 }
@@ -56,6 +53,7 @@ class Joiner {
         stop_(stop),
         at_once_(at_once),
         leaves_(network),
+        leads_(options.schedule != Schedule::kBatch && options.schedule != Schedule::kAligned),
         to_do_(joins(network.stretches.size(), options.schedule, at_once)) {}
 
   JoinedPieces<Dim> all() {
@@ -119,7 +117,7 @@ class Joiner {
           continue;
         }
         if (options_.schedule == Schedule::kBatch) candidates.resize(1);
-        pieces[i] = merged_best(pieces[i], pieces[j], candidates, closures);
+        pieces[i] = merged(pieces[i], pieces[j], best_placement(pieces[i], pieces[j], candidates, closures));
         pieces.erase(pieces.begin() + static_cast<std::ptrdiff_t>(j));
         j = i + 1;  // what was not tied to the smaller piece may be tied to this one
       }
@@ -142,7 +140,7 @@ class Joiner {
     }
     const bool is_last = !pieces.empty() && pieces.front().poses.size() == leaves_.joined_pose_count();
     for (auto& piece : pieces) {
-      if (options_.schedule != Schedule::kBatch && !is_last && !stop_.stop_requested()) lead(piece);
+      if (leads_ && !is_last && !stop_.stop_requested()) lead(piece);
     }
     result.pieces = std::move(pieces);
     report_progress();
@@ -167,6 +165,7 @@ class Joiner {
   const std::stop_token& stop_;
   std::size_t at_once_;
   Leaves<Dim> leaves_;
+  bool leads_;  // whether every join on the way is solved
   std::mutex progress_mutex_;
   std::size_t done_ = 0;
   std::size_t to_do_;
@@ -180,6 +179,8 @@ std::string to_string(Schedule schedule) {
       return "batch";
     case Schedule::kSequential:
       return "sequential";
+    case Schedule::kAligned:
+      return "aligned";
     case Schedule::kTree:
       return "tree";
     case Schedule::kLeaning:

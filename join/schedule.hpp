@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
-// In which order local maps are joined: all at once, map by map, or along a tree.
+// In which order local maps are joined: all at once, map by map, or along a tree, solved on the way or only aligned.
 
 #include <cstdint>
 #include <functional>
@@ -16,9 +16,10 @@ namespace mapjoin {
 enum class Schedule : std::uint8_t {
   kBatch,       ///< All maps at once, from an initial value.
   kSequential,  ///< Map by map (I-SLSJF), re-solved while the estimate moves more than a threshold.
+  kAligned,     ///< As kTree, but nothing is solved on the way: halves are only placed, rigidly, by all that they share.
   kTree,        ///< Pairs of neighbours, then pairs of pairs: needs no initial value.
   kLeaning,     ///< A tree with nine tenths of the maps on its left branches: nearly map by map, at twice the cost of kTree.
-  kAuto,        ///< Along a tree; and along a leaning one, too, where the maps then do not fit together.
+  kAuto,        ///< Aligned; where that turns out to be far from linear, along a tree; where that does not fit, a leaning one.
 };
 
 /// "batch", "sequential", "tree", "leaning" or "auto".
