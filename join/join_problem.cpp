@@ -85,8 +85,20 @@ const RelativeState<Dim>& RelativeJoinProblem<Dim>::metric() {
 }
 
 template <int Dim>
-std::optional<Index> RelativeJoinProblem<Dim>::factorise(double damping) {
+void RelativeJoinProblem<Dim>::undamp() {
   if (is_damped_) join_.linearise();
+  is_damped_ = false;
+}
+
+template <int Dim>
+double RelativeJoinProblem<Dim>::curvature(const Eigen::VectorXd& v) {
+  undamp();
+  return join_.curvature(v);
+}
+
+template <int Dim>
+std::optional<Index> RelativeJoinProblem<Dim>::factorise(double damping) {
+  undamp();
   is_damped_ = damping > 0.0;
   if (is_damped_) metric().damp(join_.system(), damping);
   return join_.factorise(0.0);

@@ -50,7 +50,7 @@ class RelativeJoinProblem {
   double linearise();
   const Eigen::VectorXd& gradient() const { return join_.gradient(); }
   const RelativeState<Dim>& metric();
-  double curvature(const Eigen::VectorXd& v) const { return join_.curvature(v); }
+  double curvature(const Eigen::VectorXd& v);
   std::optional<Index> factorise(double damping);
   Eigen::VectorXd solve() const { return join_.solve(); }
   StepSize step_size(const Eigen::VectorXd& step) const { return join_.step_size(step); }
@@ -58,6 +58,8 @@ class RelativeJoinProblem {
   void accept() { join_.accept(); }
 
  private:
+  void undamp();
+
   JoinProblem<Dim>& join_;
   RelativeState<Dim> relative_;
   bool is_weighed_ = false;  // whether the metric is that of the estimate

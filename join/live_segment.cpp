@@ -73,10 +73,11 @@ bool LiveSegment<Dim>::eliminate(double damping) {
   if (damping > 0.0) eliminated_.damp(damping);
   if (!eliminated_.eliminate_chain()) return false;
   const Eigen::MatrixXd C = eliminated_.border().template selfadjointView<Eigen::Upper>();
-  const Eigen::VectorXd g = eliminated_.gradient().tail(C.rows());
   reduced_ = C(shared_rows_, shared_rows_);
-  reduced_gradient_ = g(shared_rows_);
-  if (own_rows_.empty()) return true;
+  if (own_rows_.empty()) {
+    reduce_gradient();
+    return true;
+  }
   const Eigen::MatrixXd C_os = C(own_rows_, shared_rows_);
   own_factor_.compute(C(own_rows_, own_rows_));
   if (own_factor_.info() != Eigen::Success) return false;
@@ -86,10 +87,25 @@ bool LiveSegment<Dim>::eliminate(double damping) {
     if (has_lost_digits(own_factor_.matrixLLT()(i, i), diagonal)) return false;
   }
   own_gain_ = own_factor_.solve(C_os);
-  own_solution_ = own_factor_.solve(Eigen::VectorXd(g(own_rows_)));
   reduced_.noalias() -= C_os.transpose() * own_gain_;
-  reduced_gradient_.noalias() -= C_os.transpose() * own_solution_;
+  reduce_gradient();
   return true;
+}
+
+template <int Dim>
+void LiveSegment<Dim>::eliminate_gradient() {
+  eliminated_.eliminate_gradient(system_.equations().gradient());
+  reduce_gradient();
+}
+
+template <int Dim>
+void LiveSegment<Dim>::reduce_gradient() {
+  const Eigen::VectorXd g = eliminated_.gradient().tail(eliminated_.border_size());
+  reduced_gradient_ = g(shared_rows_);
+  if (own_rows_.empty()) return;
+  const Eigen::VectorXd g_own = g(own_rows_);
+  own_solution_ = own_factor_.solve(g_own);
+  reduced_gradient_.noalias() -= own_gain_.transpose() * g_own;
 }
 
 template <int Dim>
@@ -106,9 +122,20 @@ void LiveSegment<Dim>::add_reduced(NormalEquations::Sink sink) const {
       row += a.dof;
       if (++i > j) break;
     }
-    sink.rhs(j, reduced_gradient_.segment(column, b.dof));
     column += b.dof;
     ++j;
+  }
+  add_reduced_gradient(sink);
+}
+
+template <int Dim>
+void LiveSegment<Dim>::add_reduced_gradient(NormalEquations::Sink sink) const {
+  int j = 0;
+  Eigen::Index row = 0;
+  for (const auto& b : border_) {
+    if (b.is_own) continue;
+    sink.rhs(j++, reduced_gradient_.segment(row, b.dof));
+    row += b.dof;
   }
 }
 

@@ -28,8 +28,12 @@ class LiveSegment {
 
   /// Eliminates what is its own from H + damping·diag(H); false where that is singular.
   bool eliminate(double damping);
-  /// Adds what is left to the normal equations.
+  /// By the last elimination, of the gradient at the estimate.
+  void eliminate_gradient();
+  /// Adds what is left of H and g to the normal equations,
   void add_reduced(NormalEquations::Sink sink) const;
+  /// or of g only.
+  void add_reduced_gradient(NormalEquations::Sink sink) const;
   /// Its own part of the solution, given the joined state's.
   void back_substitute(Eigen::VectorXd& whole) const;
 
@@ -52,6 +56,8 @@ class LiveSegment {
   /// From the order of the whole to that of the segment's equations, and back.
   Eigen::VectorXd gathered(const Eigen::VectorXd& whole) const;
   void scatter(const Eigen::VectorXd& own, Eigen::VectorXd& whole) const;
+
+  void reduce_gradient();
 
   const Segment<Dim>* segment_;
   SegmentSystem<Dim> system_;

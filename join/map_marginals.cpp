@@ -132,7 +132,7 @@ Expected<MarginalCovariances<Dim>> MapCovariances<Dim>::marginals(const std::fun
   if (auto fits = check_memory("the covariances of all poses and features", marginal_bytes(), most_memory_); !fits) {
     return tl::unexpected(fits.error());
   }
-  const std::size_t nodes = equations().supernodes().nodes.size();
+  const std::size_t nodes = equations().supernodes().size();
   const std::size_t to_do = nodes + network_.maps.size();
   const auto go_on = [&](std::size_t done) {
     if (progress) progress(done, to_do);

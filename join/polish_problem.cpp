@@ -52,7 +52,14 @@ DiagonalMetric PolishProblem<Dim>::metric() const {
 }
 
 template <int Dim>
-double PolishProblem<Dim>::curvature(const Eigen::VectorXd& v) const {
+void PolishProblem<Dim>::restore_observations() {
+  if (is_reduced_) system_.linearise_observations();
+  is_reduced_ = false;
+}
+
+template <int Dim>
+double PolishProblem<Dim>::curvature(const Eigen::VectorXd& v) {
+  restore_observations();
   return system_.equations().curvature(v.head(system_.equations().size())) +
          ordered_sum(segments_.size(), [&](std::size_t k) { return segments_[k].curvature(v); });
 }
@@ -69,7 +76,7 @@ bool PolishProblem<Dim>::eliminate_segments(double damping) {
 template <int Dim>
 std::optional<Index> PolishProblem<Dim>::factorise(double damping) {
   // The diagonal to damp is that of the whole system, before anything is eliminated from it.
-  if (is_reduced_) system_.linearise_observations();
+  restore_observations();
   is_reduced_ = true;
   if (damping > 0.0) system_.equations().damp(damping);
   if (!eliminate_segments(damping)) return 0;
@@ -78,7 +85,12 @@ std::optional<Index> PolishProblem<Dim>::factorise(double damping) {
 }
 
 template <int Dim>
-Eigen::VectorXd PolishProblem<Dim>::solve() const {
+Eigen::VectorXd PolishProblem<Dim>::solve() {
+  if (!is_reduced_) {
+    parallel_for(segments_.size(), [&](std::size_t k) { segments_[k].eliminate_gradient(); });
+    for (std::size_t k = 0; k < segments_.size(); ++k) segments_[k].add_reduced_gradient(system_.map_sink(k));
+    is_reduced_ = true;
+  }
   const NormalEquations& equations = system_.equations();
   Eigen::VectorXd step = Eigen::VectorXd::Zero(size_);
   step.head(equations.size()) = equations.solve(equations.gradient());

@@ -27,9 +27,9 @@ class PolishProblem {
   double linearise();
   const Eigen::VectorXd& gradient() const { return gradient_; }
   DiagonalMetric metric() const;
-  double curvature(const Eigen::VectorXd& v) const;
+  double curvature(const Eigen::VectorXd& v);
   std::optional<Index> factorise(double damping);
-  Eigen::VectorXd solve() const;
+  Eigen::VectorXd solve();
   StepSize step_size(const Eigen::VectorXd& step) const;
   double try_step(const Eigen::VectorXd& step);
   void accept();
@@ -39,6 +39,8 @@ class PolishProblem {
 
  private:
   bool eliminate_segments(double damping);
+  /// The normal equations of the single observations alone, if they hold the segments, too.
+  void restore_observations();
 
   JointSystem<Dim>& system_;
   std::deque<LiveSegment<Dim>> segments_;

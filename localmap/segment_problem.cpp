@@ -11,7 +11,14 @@ SegmentProblem<Dim>::SegmentProblem(const Segment<Dim>& segment, const SegmentFr
     : system_(segment, freedom), factored_(0, 0), estimate_(std::move(start)), candidate_(estimate_) {}
 
 template <int Dim>
+double SegmentProblem<Dim>::linearise() {
+  is_eliminated_ = false;
+  return system_.linearise(estimate_);
+}
+
+template <int Dim>
 std::optional<Index> SegmentProblem<Dim>::factorise(double damping) {
+  is_eliminated_ = true;
   const Eigen::VectorXd scale = system_.equations().diagonal().tail(system_.equations().border_size());
   factored_ = system_.equations();
   if (damping > 0.0) factored_.damp(damping);
@@ -27,8 +34,10 @@ std::optional<Index> SegmentProblem<Dim>::factorise(double damping) {
 }
 
 template <int Dim>
-Eigen::VectorXd SegmentProblem<Dim>::solve() const {
-  const auto L = border_factor_.triangularView<Eigen::Lower>();
+Eigen::VectorXd SegmentProblem<Dim>::solve() {
+  if (!is_eliminated_) factored_.eliminate_gradient(system_.equations().gradient());
+  is_eliminated_ = true;
+  const auto L = std::as_const(border_factor_).triangularView<Eigen::Lower>();
   Eigen::VectorXd border_step = factored_.gradient().tail(factored_.border_size());
   if (border_step.size() > 0) {
     L.solveInPlace(border_step);

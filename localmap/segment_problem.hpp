@@ -15,12 +15,12 @@ class SegmentProblem {
  public:
   SegmentProblem(const Segment<Dim>& segment, const SegmentFreedom& freedom, State<Dim> start);
 
-  double linearise() { return system_.linearise(estimate_); }
+  double linearise();
   const Eigen::VectorXd& gradient() const { return system_.equations().gradient(); }
   DiagonalMetric metric() const { return DiagonalMetric(system_.equations().diagonal()); }
   double curvature(const Eigen::VectorXd& v) const { return system_.equations().curvature(v); }
   std::optional<Index> factorise(double damping);
-  Eigen::VectorXd solve() const;
+  Eigen::VectorXd solve();
   StepSize step_size(const Eigen::VectorXd& step) const { return system_.step_size(step); }
   double try_step(const Eigen::VectorXd& step);
   void accept() { estimate_ = candidate_; }
@@ -34,6 +34,7 @@ class SegmentProblem {
   SegmentSystem<Dim> system_;
   ChainSystem<Dim> factored_;
   Eigen::MatrixXd border_factor_;  // lower triangle
+  bool is_eliminated_ = false;     // whether the gradient of `factored_` is that of the estimate
   State<Dim> estimate_;
   State<Dim> candidate_;
 };

@@ -67,19 +67,27 @@ bool ChainSystem<Dim>::eliminate_chain() {
     }
     const auto G = D_[i].template triangularView<Eigen::Lower>();
     auto E_k = border_rows(k);
-    auto g_k = g_.segment<kDof>(k * kDof);
     if (border_size() > 0) G.solveInPlace(E_k);
-    G.solveInPlace(g_k);
     if (k + 1 == chain_length()) break;
     G.solveInPlace(L_[i]);
     D_[i + 1].noalias() -= L_[i].transpose() * L_[i];
     border_rows(k + 1).noalias() -= L_[i].transpose() * E_k;
-    g_.segment<kDof>((k + 1) * kDof).noalias() -= L_[i].transpose() * g_k;
   }
-  if (E_.size() == 0) return true;
-  C_.template selfadjointView<Eigen::Upper>().rankUpdate(E_.transpose(), -1.0);
-  g_.tail(border_size()).noalias() -= E_.transpose() * g_.head(E_.rows());
+  if (E_.size() > 0) C_.template selfadjointView<Eigen::Upper>().rankUpdate(E_.transpose(), -1.0);
+  eliminate_gradient(g_);
   return true;
+}
+
+template <int Dim>
+void ChainSystem<Dim>::eliminate_gradient(const Eigen::VectorXd& gradient) {
+  g_ = gradient;
+  for (Eigen::Index k = 0; k < chain_length(); ++k) {
+    const auto i = static_cast<std::size_t>(k);
+    auto g_k = g_.segment<kDof>(k * kDof);
+    D_[i].template triangularView<Eigen::Lower>().solveInPlace(g_k);
+    if (k + 1 < chain_length()) g_.segment<kDof>((k + 1) * kDof).noalias() -= L_[i].transpose() * g_k;
+  }
+  if (E_.size() > 0) g_.tail(border_size()).noalias() -= E_.transpose() * g_.head(E_.rows());
 }
 
 template <int Dim>

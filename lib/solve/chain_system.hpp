@@ -52,6 +52,8 @@ class ChainSystem {
   /// reduced, the blocks of chain pose k become G_k, G_k⁻¹ L_k and G_k⁻¹ E_k. False where a chain block is singular to working
   /// precision. O(chain · border²).
   bool eliminate_chain();
+  /// Another gradient in place of the one that was eliminated with the chain.
+  void eliminate_gradient(const Eigen::VectorXd& gradient);
   /// The chain's part of the solution, given the border's, after eliminate_chain().
   Eigen::VectorXd chain_step(const Eigen::VectorXd& border_step) const;
 

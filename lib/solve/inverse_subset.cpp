@@ -19,7 +19,7 @@ struct Size {
   std::int64_t widest = 0;
 
   explicit Size(const Supernodes& factor) {
-    for (const Supernode& L : factor.nodes) {
+    for (const Supernode& L : factor) {
       const auto height = static_cast<std::int64_t>(L.rows.size());
       const std::int64_t width = L.end - L.begin;
       rows += height;
@@ -34,20 +34,20 @@ struct Size {
 
 std::int64_t InverseSubset::bytes(const Supernodes& factor) {
   const Size size(factor);
-  const auto columns = static_cast<std::int64_t>(factor.places.size());
-  const auto nodes = static_cast<std::int64_t>(factor.nodes.size());
+  const std::int64_t columns = factor.empty() ? 0 : factor.back().end;
+  const auto nodes = static_cast<std::int64_t>(factor.size());
   const auto doubles = size.values + size.most_below * (size.most_below + size.widest);
-  return 8 * (doubles + size.rows + columns) + 4 * columns + nodes * static_cast<std::int64_t>(sizeof(Node));
+  return 8 * (doubles + size.rows) + 4 * columns + nodes * static_cast<std::int64_t>(sizeof(Node));
 }
 
-InverseSubset::InverseSubset(const Supernodes& factor, const GoOn& go_on) : places_(factor.places) {
+InverseSubset::InverseSubset(const Supernodes& factor, const GoOn& go_on) {
   const Size size(factor);
   rows_.reserve(static_cast<std::size_t>(size.rows));
   values_.resize(static_cast<std::size_t>(size.values));
-  nodes_.reserve(factor.nodes.size());
-  node_of_.reserve(places_.size());
+  nodes_.reserve(factor.size());
+  node_of_.reserve(factor.empty() ? 0 : static_cast<std::size_t>(factor.back().end));
   double* values = values_.data();
-  for (const Supernode& L : factor.nodes) {
+  for (const Supernode& L : factor) {
     rows_.insert(rows_.end(), L.rows.begin(), L.rows.end());
     node_of_.insert(node_of_.end(), static_cast<std::size_t>(L.end - L.begin), static_cast<std::int32_t>(nodes_.size()));
     nodes_.push_back({L.begin, L.end, {rows_.data() + rows_.size() - L.rows.size(), L.rows.size()}, values});
@@ -57,7 +57,7 @@ InverseSubset::InverseSubset(const Supernodes& factor, const GoOn& go_on) : plac
   workspace.Z_RR.resize(static_cast<std::size_t>(size.most_below * size.most_below));
   for (std::size_t k = nodes_.size(); k-- > 0;) {
     if (go_on && !go_on(nodes_.size() - 1 - k)) return;
-    invert(factor.nodes[k], nodes_[k], workspace);
+    invert(factor[k], nodes_[k], workspace);
   }
 }
 
@@ -102,7 +102,7 @@ Eigen::MatrixXd InverseSubset::block(std::span<const std::int64_t> columns) cons
   const auto size = static_cast<Eigen::Index>(columns.size());
   std::vector<Eigen::Index> order(columns.size());
   std::iota(order.begin(), order.end(), Eigen::Index{0});
-  const auto place = [&](Eigen::Index k) { return places_[static_cast<std::size_t>(columns[static_cast<std::size_t>(k)])]; };
+  const auto place = [&](Eigen::Index k) { return columns[static_cast<std::size_t>(k)]; };
   std::sort(order.begin(), order.end(), [&](Eigen::Index a, Eigen::Index b) { return place(a) < place(b); });
   std::vector<std::int64_t> places;
   places.reserve(columns.size());

@@ -52,11 +52,10 @@ class InverseSubset {
   /// The lower triangle of Z over ascending places of L, any two of which are coupled.
   void gather(std::span<const std::int64_t> places, std::vector<std::int64_t>& positions, double* out) const;
 
-  std::vector<std::int64_t> places_;
   std::vector<std::int64_t> rows_;
   std::vector<double> values_;
   std::vector<Node> nodes_;
-  std::vector<std::int32_t> node_of_;  // per place
+  std::vector<std::int32_t> node_of_;  // per column
 };
 
 }  // namespace mapjoin

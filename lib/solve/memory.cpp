@@ -19,7 +19,7 @@ std::int64_t machine_memory() {
 
 std::int64_t factor_bytes(const Supernodes& factor) {
   std::int64_t values = 0;
-  for (const Supernode& node : factor.nodes) values += static_cast<std::int64_t>(node.rows.size()) * (node.end - node.begin);
+  for (const Supernode& node : factor) values += static_cast<std::int64_t>(node.rows.size()) * (node.end - node.begin);
   return static_cast<std::int64_t>(sizeof(double)) * values;
 }
 

@@ -21,9 +21,9 @@ concept LeastSquaresProblem = requires(P p, const Eigen::VectorXd& v, double dam
   { p.linearise() } -> std::convertible_to<double>;                // makes H and g at the estimate; returns chi2 there
   { p.gradient() } -> std::convertible_to<Eigen::VectorXd>;        // g
   { p.metric() } -> StepMetric;                                    // D, at the estimate
-  { p.curvature(v) } -> std::convertible_to<double>;               // vᵀHv; asked for before factorise
+  { p.curvature(v) } -> std::convertible_to<double>;               // vᵀHv
   { p.factorise(damping) } -> std::same_as<std::optional<Index>>;  // H + damping·D; a singular variable or nothing
-  { p.solve() } -> std::convertible_to<Eigen::VectorXd>;           // (H + damping·D)⁻¹ g
+  { p.solve() } -> std::convertible_to<Eigen::VectorXd>;  // (H + damping·D)⁻¹ g by the last factor, whatever g now is
   { p.step_size(v) } -> std::same_as<StepSize>;
   { p.try_step(v) } -> std::convertible_to<double>;  // chi2 of the estimate moved by v, kept as the candidate
   {p.accept()};                                      // the candidate becomes the estimate
@@ -33,7 +33,7 @@ namespace detail {
 
 /// The minimiser of the model along the direction of steepest descent; it has gᵀc = cᵀHc.
 template <LeastSquaresProblem P, StepMetric M>
-ModelStep cauchy_point(const P& problem, const M& metric) {
+ModelStep cauchy_point(P& problem, const M& metric) {
   ModelStep point{metric.descent(problem.gradient())};
   const double curvature = problem.curvature(point.v);
   const double share = curvature > 0.0 ? problem.gradient().dot(point.v) / curvature : 0.0;
@@ -43,10 +43,11 @@ ModelStep cauchy_point(const P& problem, const M& metric) {
   return point;
 }
 
-/// The solution of (H + damping·D) n = g, after factorise.
+/// The solution of (H + damping·D) n = g, by the last factor.
 template <LeastSquaresProblem P, StepMetric M>
-ModelStep newton_step(const P& problem, double damping, const M& metric) {
+ModelStep newton_step(P& problem, double damping, const M& metric) {
   ModelStep step{problem.solve()};
+  step.is_damped = damping > 0.0;
   step.length = length(metric, step.v);
   step.decrease = problem.gradient().dot(step.v) + damping * step.length * step.length;
   return step;
@@ -75,7 +76,7 @@ MinimiseResult minimise_in(MetricOf&& metric_of, P& problem, const MinimiseOptio
   while (true) {
     if (!std::isfinite(result.chi2)) return result.ended(MinimiseStatus::kNoProgress);
     const auto& metric = metric_of();
-    if (options.method == Method::kDogleg) region.set_cauchy_point(cauchy_point(problem, metric));
+    if (region.may_repeat()) region.propose_repeated(newton_step(problem, 0.0, metric));
     Eigen::VectorXd step;
     do {
       if (stop.stop_requested()) return result.ended(MinimiseStatus::kInterrupted);
@@ -83,8 +84,9 @@ MinimiseResult minimise_in(MetricOf&& metric_of, P& problem, const MinimiseOptio
         double damping = region.damping();
         result.singular = factorise_damped(problem, damping, options.damp_singular);
         if (result.singular) return result.ended(MinimiseStatus::kSingular);
-        region.set_newton_step(newton_step(problem, damping, metric), metric);
+        region.set_newton_step(newton_step(problem, damping, metric));
       }
+      if (region.needs_cauchy_point()) region.set_cauchy_point(cauchy_point(problem, metric), metric);
       step = region.step();
       if (!region.is_finite()) return result.ended(MinimiseStatus::kNoProgress);
       const StepSize size = problem.step_size(step);

@@ -68,10 +68,9 @@ void NormalEquations::order_variables() {
     });
   });
   order_ = elimination_order({std::move(begin), std::move(neighbours)});
-  place_.resize(order_.size());
+  place_ = inverse_order(order_);
   place_offsets_.assign(order_.size() + 1, 0);
   for (std::size_t k = 0; k < order_.size(); ++k) {
-    place_[static_cast<std::size_t>(order_[k])] = static_cast<Index>(k);
     place_offsets_[k + 1] = place_offsets_[k] + dofs_[static_cast<std::size_t>(order_[k])];
   }
 }
@@ -81,7 +80,7 @@ NormalEquations::BlockColumns NormalEquations::block_columns() const {
     for (std::size_t v = 0; v < dofs_.size(); ++v) f(place_[v], place_[v]);
     for_each_pair(cliques_, [&](Index a, Index b) {
       const auto [low, high] = std::minmax(place_[static_cast<std::size_t>(a)], place_[static_cast<std::size_t>(b)]);
-      f(high, low);
+      f(low, high);
     });
   });
   return {std::move(begin), std::move(rows)};
@@ -101,7 +100,7 @@ void NormalEquations::lay_out() {
       row_offsets[static_cast<std::size_t>(r)] = strides_[k];
       strides_[k] += dof_at(columns.rows[static_cast<std::size_t>(r)]);
     }
-    diagonal_[k] = first_value[k] + strides_[k] - dof_at(static_cast<Index>(k));
+    diagonal_[k] = first_value[k];
     first_value[k + 1] = first_value[k] + strides_[k] * dof_at(static_cast<Index>(k));
   }
 
@@ -121,9 +120,9 @@ void NormalEquations::lay_out() {
   const auto destination = [&](Index a, Index b) -> std::int64_t {
     if (a == kConstant || b == kConstant) return 0;
     const auto [low, high] = std::minmax(place_[static_cast<std::size_t>(a)], place_[static_cast<std::size_t>(b)]);
-    const auto column = static_cast<std::size_t>(high);
+    const auto column = static_cast<std::size_t>(low);
     const auto first = columns.rows.begin() + columns.begin[column];
-    const auto found = std::lower_bound(first, columns.rows.begin() + columns.begin[column + 1], low);
+    const auto found = std::lower_bound(first, columns.rows.begin() + columns.begin[column + 1], high);
     return first_value[column] + row_offsets[static_cast<std::size_t>(found - columns.rows.begin())];
   };
   for (std::size_t c = 0; c < cliques_.size(); ++c) {
@@ -166,10 +165,10 @@ Eigen::VectorXd NormalEquations::product(const Eigen::VectorXd& v) const {
     for (auto k = matrix_.column_begin[static_cast<std::size_t>(j)]; k < matrix_.column_begin[static_cast<std::size_t>(j) + 1];
          ++k) {
       const std::int64_t i = matrix_.rows[static_cast<std::size_t>(k)];
-      if (i > j) break;
+      if (i < j) continue;
       const double value = matrix_.values[static_cast<std::size_t>(k)];
       Hv[i] += value * v[j];
-      if (i < j) Hv[j] += value * v[i];
+      if (i > j) Hv[j] += value * v[i];
     }
   }
   return Hv;
@@ -180,17 +179,17 @@ double NormalEquations::curvature(const Eigen::VectorXd& v) const {
   return p.dot(product(p));
 }
 
-SparseUpper NormalEquations::principal_submatrix(const std::vector<bool>& is_kept) const {
+SparseLower NormalEquations::principal_submatrix(const std::vector<bool>& is_kept) const {
   std::vector<std::int64_t> kept_before(is_kept.size(), 0);
   for (std::size_t j = 1; j < is_kept.size(); ++j) kept_before[j] = kept_before[j - 1] + (is_kept[j - 1] ? 1 : 0);
-  SparseUpper part;
+  SparseLower part;
   part.column_begin = {0};
   for (std::size_t j = 0; j < is_kept.size(); ++j) {
     if (!is_kept[j]) continue;
     for (auto k = static_cast<std::size_t>(matrix_.column_begin[j]); k < static_cast<std::size_t>(matrix_.column_begin[j + 1]);
          ++k) {
       const auto i = static_cast<std::size_t>(matrix_.rows[k]);
-      if (i > j || !is_kept[i]) continue;
+      if (i < j || !is_kept[i]) continue;
       part.rows.push_back(kept_before[i]);
       part.values.push_back(matrix_.values[k]);
     }
@@ -212,7 +211,7 @@ std::optional<double> NormalEquations::least_curvature(const Eigen::VectorXd& v,
     }
   }
   if (free.empty()) return w.dot(product(w));
-  const SparseUpper H_free = principal_submatrix(is_free);
+  const SparseLower H_free = principal_submatrix(is_free);
   SparseCholesky cholesky;
   cholesky.analyse(H_free);
   if (cholesky.factorise(H_free)) return std::nullopt;

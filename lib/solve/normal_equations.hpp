@@ -107,14 +107,14 @@ class NormalEquations {
   void order_variables();
   void lay_out();
 
-  /// The block rows of each block column, on and above the diagonal: the pattern, by places.
+  /// The block rows of each block column, on and below the diagonal: the pattern, by places.
   struct BlockColumns {
     std::vector<std::int64_t> begin;
     std::vector<Index> rows;
   };
   BlockColumns block_columns() const;
   /// H over the columns at which `is_kept`, in the order of the elimination.
-  SparseUpper principal_submatrix(const std::vector<bool>& is_kept) const;
+  SparseLower principal_submatrix(const std::vector<bool>& is_kept) const;
   /// H v; both in the order of the elimination.
   Eigen::VectorXd product(const Eigen::VectorXd& v) const;
   /// Vectors, side by side, in the order of the elimination.
@@ -130,9 +130,9 @@ class NormalEquations {
     constexpr int kCols = Block::ColsAtCompileTime;
     using Stride = Eigen::OuterStride<>;
     if (a == b) destination = diagonal_[static_cast<std::size_t>(place_a)];
-    const Stride stride(strides_[static_cast<std::size_t>(std::max(place_a, place_b))]);
+    const Stride stride(strides_[static_cast<std::size_t>(std::min(place_a, place_b))]);
     double* values = matrix_.values.data() + destination;
-    if (place_a <= place_b) {
+    if (place_a >= place_b) {
       Eigen::Map<Eigen::Matrix<double, kRows, kCols>, 0, Stride>(values, block.rows(), block.cols(), stride) += block;
     } else {
       Eigen::Map<Eigen::Matrix<double, kCols, kRows>, 0, Stride>(values, block.cols(), block.rows(), stride) +=
@@ -150,7 +150,7 @@ class NormalEquations {
   std::vector<std::int64_t> diagonal_;       ///< Destination of the diagonal block, per place.
   std::vector<std::int64_t> destination_begin_;
   std::vector<std::int64_t> destinations_;  ///< Per clique, of slots i < j at j(j-1)/2 + i.
-  SparseUpper matrix_;
+  SparseLower matrix_;
   Eigen::VectorXd gradient_;
   SparseCholesky cholesky_;
 };

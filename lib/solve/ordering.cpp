@@ -9,6 +9,7 @@
 #include <new>
 #include <numeric>
 #include <stdexcept>
+#include <utility>
 
 namespace mapjoin {
 namespace {
@@ -50,7 +51,52 @@ std::vector<Index> nested_dissection(const BlockGraph& graph) {
   return {order.begin(), order.end()};
 }
 
+/// Per place of the elimination, the place that it is first coupled to once it is eliminated; the size for a root (Liu, 1986).
+std::vector<Index> elimination_tree(const BlockGraph& graph, const std::vector<Index>& order) {
+  const std::vector<Index> place = inverse_order(order);
+  std::vector<Index> parent(order.size(), graph.size());
+  std::vector<Index> ancestor(order.size(), graph.size());  // a shortcut towards the root
+  for (Index k = 0; k < graph.size(); ++k) {
+    const auto v = static_cast<std::size_t>(order[static_cast<std::size_t>(k)]);
+    for (auto n = graph.begin[v]; n < graph.begin[v + 1]; ++n) {
+      Index i = place[static_cast<std::size_t>(graph.neighbours[static_cast<std::size_t>(n)])];
+      while (i < k) {
+        const auto at = static_cast<std::size_t>(i);
+        i = std::exchange(ancestor[at], k);
+        if (i == graph.size()) parent[at] = k;
+      }
+    }
+  }
+  return parent;
+}
+
+/// The same elimination with the places of every subtree in one run: equal fill, and its supernodes are runs of columns.
+std::vector<Index> postordered(const BlockGraph& graph, const std::vector<Index>& order) {
+  const std::vector<Index> parent = elimination_tree(graph, order);
+  // How many places the subtrees of each place take, then where they begin: children of one parent by their places.
+  std::vector<Index> taken(order.size(), 1);
+  for (std::size_t k = 0; k < order.size(); ++k) {
+    if (parent[k] < graph.size()) taken[static_cast<std::size_t>(parent[k])] += taken[k];
+  }
+  std::vector<Index> next(order.size() + 1, 0);  // the first free place below each parent, the last one for roots
+  std::vector<Index> result(order.size());
+  for (std::size_t k = order.size(); k-- > 0;) {
+    Index& free = next[static_cast<std::size_t>(parent[k])];
+    const Index first = free;
+    free += taken[k];
+    next[k] = first;
+    result[static_cast<std::size_t>(first + taken[k] - 1)] = order[k];
+  }
+  return result;
+}
+
 }  // namespace
+
+std::vector<Index> inverse_order(const std::vector<Index>& order) {
+  std::vector<Index> place(order.size());
+  for (std::size_t k = 0; k < order.size(); ++k) place[static_cast<std::size_t>(order[k])] = static_cast<Index>(k);
+  return place;
+}
 
 std::vector<Index> elimination_order(const BlockGraph& graph) {
   if (graph.neighbours.empty()) {
@@ -59,7 +105,7 @@ std::vector<Index> elimination_order(const BlockGraph& graph) {
     return order;
   }
   const bool fits_metis = graph.neighbours.size() <= static_cast<std::size_t>(std::numeric_limits<idx_t>::max());
-  return graph.size() < kSmall || !fits_metis ? minimum_degree(graph) : nested_dissection(graph);
+  return postordered(graph, graph.size() < kSmall || !fits_metis ? minimum_degree(graph) : nested_dissection(graph));
 }
 
 }  // namespace mapjoin

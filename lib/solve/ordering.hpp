@@ -17,7 +17,10 @@ struct BlockGraph {
 };
 
 /// Variables by their place in the elimination: nested dissection (METIS), which decides everything at scale; approximate
-/// minimum degree for graphs too small to dissect. The same graph gives the same order, from any thread.
+/// minimum degree for graphs too small to dissect; either postordered. The same graph gives the same order, from any thread.
 std::vector<Index> elimination_order(const BlockGraph& graph);
+
+/// The place of each variable in an order.
+std::vector<Index> inverse_order(const std::vector<Index>& order);
 
 }  // namespace mapjoin

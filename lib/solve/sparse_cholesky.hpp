@@ -12,8 +12,8 @@
 
 namespace mapjoin {
 
-/// The upper triangle of a symmetric matrix in compressed columns, rows ascending. Entries below the diagonal are ignored.
-struct SparseUpper {
+/// The lower triangle of a symmetric matrix in compressed columns, rows ascending. Entries above the diagonal are ignored.
+struct SparseLower {
   std::vector<std::int64_t> column_begin;  ///< n + 1 offsets.
   std::vector<std::int64_t> rows;
   std::vector<double> values;
@@ -21,7 +21,7 @@ struct SparseUpper {
   std::int64_t size() const { return static_cast<std::int64_t>(column_begin.size()) - 1; }
 };
 
-/// L Lᵀ of a matrix that is already in its elimination order. Works on one thread.
+/// L Lᵀ of a matrix that is already in its elimination order, as it stays. Works on one thread.
 class SparseCholesky {
  public:
   SparseCholesky();
@@ -30,11 +30,11 @@ class SparseCholesky {
   SparseCholesky& operator=(SparseCholesky&&) noexcept;
 
   /// Symbolic analysis; `matrix` keeps its pattern until the next call. Throws std::bad_alloc when memory runs out.
-  void analyse(const SparseUpper& matrix);
+  void analyse(const SparseLower& matrix);
 
   /// Numeric factorisation. Returns the first column whose pivot is not positive or has lost all its digits to cancellation
   /// (pivot² below 1e-14 of the diagonal), where the matrix is singular to working precision; nothing if it is regular.
-  std::optional<std::int64_t> factorise(const SparseUpper& matrix);
+  std::optional<std::int64_t> factorise(const SparseLower& matrix);
 
   /// A⁻¹ b by the last factorisation that succeeded.
   Eigen::VectorXd solve(const Eigen::VectorXd& b) const { return solve_columns(b); }

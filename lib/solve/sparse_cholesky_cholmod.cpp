@@ -41,14 +41,14 @@ class NoOpenMp {
   int before_;
 };
 
-cholmod_sparse view(const SparseUpper& matrix) {
+cholmod_sparse view(const SparseLower& matrix) {
   cholmod_sparse A{};
   A.nrow = A.ncol = static_cast<std::size_t>(matrix.size());
   A.nzmax = matrix.rows.size();
   A.p = const_cast<std::int64_t*>(matrix.column_begin.data());
   A.i = const_cast<std::int64_t*>(matrix.rows.data());
   A.x = const_cast<double*>(matrix.values.data());
-  A.stype = 1;
+  A.stype = -1;
   A.itype = CHOLMOD_LONG;
   A.xtype = CHOLMOD_REAL;
   A.dtype = CHOLMOD_DOUBLE;
@@ -76,25 +76,25 @@ Eigen::VectorXd factor_diagonal(const cholmod_factor& L) {
   return diagonal;
 }
 
-std::vector<Supernode> supernodes_of(const cholmod_factor& L) {
+Supernodes supernodes_of(const cholmod_factor& L) {
   const auto* super = static_cast<const std::int64_t*>(L.super);
   const auto* pi = static_cast<const std::int64_t*>(L.pi);
   const auto* px = static_cast<const std::int64_t*>(L.px);
   const auto* rows = static_cast<const std::int64_t*>(L.s);
   const auto* x = static_cast<const double*>(L.x);
-  std::vector<Supernode> nodes;
+  Supernodes nodes;
   for (std::size_t s = 0; s < L.nsuper; ++s) {
     nodes.push_back({super[s], super[s + 1], {rows + pi[s], rows + pi[s + 1]}, x + px[s]});
   }
   return nodes;
 }
 
-std::vector<Supernode> columns_of(const cholmod_factor& L) {
+Supernodes columns_of(const cholmod_factor& L) {
   const auto* p = static_cast<const std::int64_t*>(L.p);
   const auto* nz = static_cast<const std::int64_t*>(L.nz);
   const auto* rows = static_cast<const std::int64_t*>(L.i);
   const auto* x = static_cast<const double*>(L.x);
-  std::vector<Supernode> nodes;
+  Supernodes nodes;
   for (std::int64_t j = 0; j < static_cast<std::int64_t>(L.n); ++j) {
     nodes.push_back({j, j + 1, {rows + p[j], static_cast<std::size_t>(nz[j])}, x + p[j]});
   }
@@ -114,7 +114,7 @@ struct SparseCholesky::Factor {
     common.print = 0;
     common.nmethods = 1;
     common.method[0].ordering = CHOLMOD_NATURAL;
-    common.postorder = 1;
+    common.postorder = 0;
     common.final_ll = 1;
     common.quick_return_if_not_posdef = 1;
   }
@@ -129,8 +129,6 @@ struct SparseCholesky::Factor {
     if (common.status == CHOLMOD_OUT_OF_MEMORY) throw std::bad_alloc();
     if (common.status < CHOLMOD_OK) throw std::runtime_error("CHOLMOD failed with status " + std::to_string(common.status));
   }
-  /// The column of the matrix that stands at place `k` of the factor.
-  std::int64_t column(std::int64_t k) const { return static_cast<const std::int64_t*>(L->Perm)[k]; }
 };
 
 SparseCholesky::SparseCholesky() = default;
@@ -138,7 +136,7 @@ SparseCholesky::~SparseCholesky() = default;
 SparseCholesky::SparseCholesky(SparseCholesky&&) noexcept = default;
 SparseCholesky& SparseCholesky::operator=(SparseCholesky&&) noexcept = default;
 
-void SparseCholesky::analyse(const SparseUpper& matrix) {
+void SparseCholesky::analyse(const SparseLower& matrix) {
   const NoOpenMp serial;
   factor_ = std::make_unique<Factor>();
   cholmod_sparse A = view(matrix);
@@ -146,20 +144,19 @@ void SparseCholesky::analyse(const SparseUpper& matrix) {
   factor_->check();
 }
 
-std::optional<std::int64_t> SparseCholesky::factorise(const SparseUpper& matrix) {
+std::optional<std::int64_t> SparseCholesky::factorise(const SparseLower& matrix) {
   const NoOpenMp serial;
   cholmod_sparse A = view(matrix);
   cholmod_l_factorize(&A, factor_->L, &factor_->common);
   factor_->check();
   const cholmod_factor& L = *factor_->L;
-  if (L.minor < L.n) return factor_->column(static_cast<std::int64_t>(L.minor));
+  if (L.minor < L.n) return static_cast<std::int64_t>(L.minor);
 
   const Eigen::VectorXd pivots = factor_diagonal(L);
-  for (std::int64_t k = 0; k < pivots.size(); ++k) {
-    const std::int64_t j = factor_->column(k);
+  for (std::int64_t j = 0; j < pivots.size(); ++j) {
     std::int64_t p = matrix.column_begin[static_cast<std::size_t>(j)];
     while (matrix.rows[static_cast<std::size_t>(p)] != j) ++p;
-    if (has_lost_digits(pivots[k], matrix.values[static_cast<std::size_t>(p)])) return j;
+    if (has_lost_digits(pivots[j], matrix.values[static_cast<std::size_t>(p)])) return j;
   }
   return std::nullopt;
 }
@@ -182,11 +179,7 @@ Eigen::MatrixXd SparseCholesky::solve_columns(const Eigen::MatrixXd& B) const {
 
 Supernodes SparseCholesky::supernodes() const {
   const cholmod_factor& L = *factor_->L;
-  Supernodes factor{L.is_super ? supernodes_of(L) : columns_of(L), std::vector<std::int64_t>(L.n)};
-  for (std::size_t k = 0; k < L.n; ++k) {
-    factor.places[static_cast<std::size_t>(factor_->column(static_cast<std::int64_t>(k)))] = static_cast<std::int64_t>(k);
-  }
-  return factor;
+  return L.is_super ? supernodes_of(L) : columns_of(L);
 }
 
 std::string blas_name() {

@@ -12,14 +12,14 @@ namespace {
 
 using EigenSparse = Eigen::SparseMatrix<double, Eigen::ColMajor, std::int64_t>;
 
-EigenSparse copy(const SparseUpper& matrix) {
+EigenSparse copy(const SparseLower& matrix) {
   return Eigen::Map<const EigenSparse>(matrix.size(), matrix.size(), static_cast<Eigen::Index>(matrix.rows.size()),
                                        matrix.column_begin.data(), matrix.rows.data(), matrix.values.data());
 }
 
 /// Eigen's factorisation ends at the first pivot that is not positive, and does not say which: the pivots it did not come to
 /// are zero here.
-struct Llt : Eigen::SimplicialLLT<EigenSparse, Eigen::Upper, Eigen::NaturalOrdering<std::int64_t>> {
+struct Llt : Eigen::SimplicialLLT<EigenSparse, Eigen::Lower, Eigen::NaturalOrdering<std::int64_t>> {
   void factorise(const EigenSparse& A) {
     std::fill_n(m_matrix.valuePtr(), m_matrix.nonZeros(), 0.0);
     factorize(A);
@@ -39,12 +39,12 @@ SparseCholesky::~SparseCholesky() = default;
 SparseCholesky::SparseCholesky(SparseCholesky&&) noexcept = default;
 SparseCholesky& SparseCholesky::operator=(SparseCholesky&&) noexcept = default;
 
-void SparseCholesky::analyse(const SparseUpper& matrix) {
+void SparseCholesky::analyse(const SparseLower& matrix) {
   factor_ = std::make_unique<Factor>();
   factor_->llt.analyzePattern(copy(matrix));
 }
 
-std::optional<std::int64_t> SparseCholesky::factorise(const SparseUpper& matrix) {
+std::optional<std::int64_t> SparseCholesky::factorise(const SparseLower& matrix) {
   const EigenSparse A = copy(matrix);
   factor_->llt.factorise(A);
   const Eigen::VectorXd diagonal = A.diagonal();
@@ -64,8 +64,7 @@ Supernodes SparseCholesky::supernodes() const {
   for (std::int64_t j = 0; j < L.cols(); ++j) {
     const std::int64_t begin = L.outerIndexPtr()[j];
     const auto height = static_cast<std::size_t>(L.outerIndexPtr()[j + 1] - begin);
-    factor.nodes.push_back({j, j + 1, {L.innerIndexPtr() + begin, height}, L.valuePtr() + begin});
-    factor.places.push_back(j);
+    factor.push_back({j, j + 1, {L.innerIndexPtr() + begin, height}, L.valuePtr() + begin});
   }
   return factor;
 }

@@ -16,10 +16,7 @@ struct Supernode {
   const double* values = nullptr;      ///< rows.size() × (end - begin), column by column. Above the diagonal is nothing.
 };
 
-/// A view of L, P A Pᵀ = L Lᵀ, that holds until A is factorised again.
-struct Supernodes {
-  std::vector<Supernode> nodes;      ///< In the order of their columns.
-  std::vector<std::int64_t> places;  ///< Where each column of A stands in L.
-};
+/// A view of L, A = L Lᵀ, in the order of its columns; it holds until A is factorised again.
+using Supernodes = std::vector<Supernode>;
 
 }  // namespace mapjoin

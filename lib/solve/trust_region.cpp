@@ -20,6 +20,8 @@ double dogleg_fraction(double cc, double cn, double nn, double radius) {
 
 /// What rounding may leave of chi2 that no step can gain, as a share of it.
 constexpr double kLittle = 1e-6;
+/// A step by the last factor is worth its price where it promises at most this share of what the one before did.
+constexpr double kRepeatedShare = 0.05;
 /// Beyond this a damped step no longer speaks for the whole one.
 constexpr double kMuchDamping = 1.0;
 
@@ -37,8 +39,15 @@ bool TrustRegion::speaks_for_whole_step(double chi2) const {
   return false;
 }
 
+void TrustRegion::propose_repeated(ModelStep newton) {
+  if (!(newton.decrease <= kRepeatedShare * predicted_)) return;
+  set_newton_step(std::move(newton));
+  is_repeated_ = true;
+}
+
 Eigen::VectorXd TrustRegion::step() {
-  if (method_ != Method::kDogleg || newton_.length <= radius_) {
+  took_newton_step_ = !is_truncated() && !newton_.is_damped;
+  if (!is_truncated()) {
     predicted_ = newton_.decrease;
     step_length_ = newton_.length;
     return newton_.v;
@@ -73,7 +82,8 @@ void TrustRegion::judge(double actual_decrease) {
       judge_damping(ratio);
       break;
   }
-  if (accepted_) needs_factorisation_ = true;
+  if (accepted_) has_cauchy_point_ = false;
+  if (accepted_ || is_repeated_) needs_factorisation_ = true;
 }
 
 void TrustRegion::judge_radius(double ratio) {

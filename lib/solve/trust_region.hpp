@@ -16,6 +16,7 @@ struct ModelStep {
   Eigen::VectorXd v;
   double decrease = 0.0;  ///< By how much the model lowers chi2.
   double length = 0.0;    ///< |v| in the metric of the steps.
+  bool is_damped = false;
 };
 
 class TrustRegion {
@@ -25,15 +26,26 @@ class TrustRegion {
   /// False where only the radius shrank and the Gauss-Newton step still stands.
   bool needs_factorisation() const { return needs_factorisation_; }
   double damping() const { return method_ == Method::kLevenbergMarquardt ? damping_ : 0.0; }
-  /// Asked for where the method is the dogleg, before the Gauss-Newton step.
-  void set_cauchy_point(ModelStep cauchy) { cauchy_ = std::move(cauchy); }
   /// The solution of (H + damping·D) n = g.
-  template <StepMetric M>
-  void set_newton_step(ModelStep newton, const M& metric) {
-    if (method_ == Method::kDogleg) cauchy_newton_ = metric.inner(cauchy_.v, newton.v);
+  void set_newton_step(ModelStep newton) {
     newton_ = std::move(newton);
     needs_factorisation_ = method_ == Method::kLevenbergMarquardt;
+    is_repeated_ = false;
   }
+  /// Where the Gauss-Newton step is too long for the dogleg.
+  bool needs_cauchy_point() const { return is_truncated() && !has_cauchy_point_; }
+  template <StepMetric M>
+  void set_cauchy_point(ModelStep cauchy, const M& metric) {
+    cauchy_newton_ = metric.inner(cauchy.v, newton_.v);
+    cauchy_ = std::move(cauchy);
+    has_cauchy_point_ = true;
+  }
+
+  /// Whether the last factor may serve once more: the dogleg took the whole Gauss-Newton step that it gave.
+  bool may_repeat() const { return method_ == Method::kDogleg && accepted_ && took_newton_step_; }
+  /// The step by the last factor at the new estimate. It is tried where it promises so much less than the one before that it
+  /// converges without another factorisation.
+  void propose_repeated(ModelStep newton);
 
   /// The step to try: within the radius for the dogleg.
   Eigen::VectorXd step();
@@ -49,6 +61,7 @@ class TrustRegion {
   bool accepted() const { return accepted_; }
 
  private:
+  bool is_truncated() const { return method_ == Method::kDogleg && newton_.length > radius_; }
   void judge_radius(double ratio);
   void judge_damping(double ratio);
 
@@ -62,6 +75,9 @@ class TrustRegion {
   double step_length_ = 0.0;
   double predicted_ = 0.0;
   bool needs_factorisation_ = true;
+  bool has_cauchy_point_ = false;
+  bool took_newton_step_ = false;
+  bool is_repeated_ = false;
   bool accepted_ = false;
 };
 

@@ -33,7 +33,7 @@ TEST(SparseCholesky, SolvesLikeTheDenseSystem) {
   Random random;
   for (const Eigen::Index n : {1, 2, 9, 60, 400}) {
     const Eigen::MatrixXd A = random_matrix(n, random);
-    const SparseUpper matrix = sparse(A);
+    const SparseLower matrix = sparse(A);
     SparseCholesky cholesky;
     cholesky.analyse(matrix);
     ASSERT_FALSE(cholesky.factorise(matrix)) << n;
@@ -94,7 +94,7 @@ std::ptrdiff_t threads_of_this_process() {
 TEST(SparseCholesky, StartsNoThreadsWhicheverThreadCallsIt) {
   Random random;
   const Eigen::MatrixXd A = random_matrix(400, random);
-  const SparseUpper matrix = sparse(A);
+  const SparseLower matrix = sparse(A);
   const auto factorise = [&] {
     SparseCholesky cholesky;
     const std::ptrdiff_t before = threads_of_this_process();
