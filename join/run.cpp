@@ -163,7 +163,7 @@ Expected<void> join_and_polish(const Log<Dim>& log, const Split& split, std::vec
     result.recovered_chi2 = result.chi2 = log_chi2(log, state.poses, state.features).total();
   }
   if (options.keep_recovered) result.recovered = state;
-  if (options.polish) {
+  if (options.polish && result.local_maps > 0) {
     const Stopwatch watch(result.seconds.polish);
     if (options.progress) options.progress(Stage::kPolish, 0, 1);
     result.polish = polish(log, split, network, *joined, options, stop, state);

@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <algorithm>
-#include <cmath>
 #include <limits>
 #include <mapjoin/localmap/segment.hpp>
 #include <mapjoin/localmap/split_cost.hpp>
@@ -16,32 +15,35 @@ double block_cost(double m) {
   return 30.0 * m * m + 0.4 * m * m * m;
 }
 
+/// How often a join, and how often the making and polishing of a map, does the work that is counted here once.
+constexpr double kJoining = 4.0;
+constexpr double kPolishing = 5.0;
+
 /// What one stretch costs, as a map or, where it would keep most of its poses, as a span of one-step maps.
 template <int Dim>
-double stretch_cost(const Log<Dim>& log, const std::vector<bool>& kept, const Stretch& stretch, double levels) {
+double stretch_cost(const Log<Dim>& log, const std::vector<bool>& kept, const Stretch& stretch) {
   constexpr double kDof = kPoseDof<Dim>;
   const double steps = stretch.end - stretch.begin;
   const auto observations = observations_of(log, stretch);
   const auto mentioned = static_cast<double>(std::count(kept.begin() + stretch.begin + 1, kept.begin() + stretch.end, true));
   if (steps < 2.0 || 2.0 * mentioned > steps - 1.0) {
-    return steps * levels * block_cost(2.0 * kDof + Dim * static_cast<double>(observations.size()) / steps);
+    return steps * kJoining * block_cost(2.0 * kDof + Dim * static_cast<double>(observations.size()) / steps);
   }
   const double m = (2.0 + mentioned) * kDof + Dim * static_cast<double>(features_seen(log, stretch));
-  return levels * block_cost(m) + 2.0 * steps * kDof * m * m + 0.5 * m * m * m;
+  return kJoining * block_cost(m) + kPolishing * (2.0 * steps * kDof * m * m + 0.5 * m * m * m);
 }
 
 }  // namespace
 
 template <int Dim>
 double cost_per_step(const Log<Dim>& log, const std::vector<bool>& kept, Index poses_per_map) {
-  const double levels = 1.0 + std::log2(std::max(1.0, static_cast<double>(log.poses.size()) / poses_per_map));
   double cost = 0.0;
   double steps = 0.0;
   for (const Session& session : log.sessions) {
     const Index available = (session.end - 1 - session.begin) / poses_per_map;
     const Index stride = std::max<Index>(1, (available + kSamples - 1) / kSamples) * poses_per_map;
     for (Index begin = session.begin; begin + poses_per_map < session.end; begin += stride) {
-      cost += stretch_cost(log, kept, {begin, begin + poses_per_map}, levels);
+      cost += stretch_cost(log, kept, {begin, begin + poses_per_map});
       steps += poses_per_map;
     }
   }

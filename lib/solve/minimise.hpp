@@ -76,13 +76,14 @@ MinimiseResult minimise_in(MetricOf&& metric_of, P& problem, const MinimiseOptio
   while (true) {
     if (!std::isfinite(result.chi2)) return result.ended(MinimiseStatus::kNoProgress);
     const auto& metric = metric_of();
-    if (region.may_repeat()) region.propose_repeated(newton_step(problem, 0.0, metric));
+    if (region.may_repeat(result.chi2)) region.propose_repeated(newton_step(problem, 0.0, metric));
     Eigen::VectorXd step;
     do {
       if (stop.stop_requested()) return result.ended(MinimiseStatus::kInterrupted);
       if (region.needs_factorisation()) {
         double damping = region.damping();
         result.singular = factorise_damped(problem, damping, options.damp_singular);
+        ++result.factorisations;
         if (result.singular) return result.ended(MinimiseStatus::kSingular);
         region.set_newton_step(newton_step(problem, damping, metric));
       }

@@ -43,6 +43,7 @@ std::string to_string(Method method);
 struct MinimiseResult {
   MinimiseStatus status = MinimiseStatus::kConverged;
   int iterations = 0;
+  int factorisations = 0;  ///< Fewer than iterations where one factor served several steps.
   double start_chi2 = 0.0;
   double chi2 = 0.0;
   std::vector<double> course;     ///< chi2 after each iteration.

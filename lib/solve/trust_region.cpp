@@ -20,7 +20,9 @@ double dogleg_fraction(double cc, double cn, double nn, double radius) {
 
 /// What rounding may leave of chi2 that no step can gain, as a share of it.
 constexpr double kLittle = 1e-6;
-/// A step by the last factor is worth its price where it promises at most this share of what the one before did.
+/// The last factor serves once more where its step lowered chi2 by at most this share of it: the estimate has moved little,
+constexpr double kLittleMoved = 0.01;
+/// and promises at most this share of that now.
 constexpr double kRepeatedShare = 0.05;
 /// Beyond this a damped step no longer speaks for the whole one.
 constexpr double kMuchDamping = 1.0;
@@ -37,6 +39,10 @@ bool TrustRegion::speaks_for_whole_step(double chi2) const {
       return damping_ <= kMuchDamping;
   }
   return false;
+}
+
+bool TrustRegion::may_repeat(double chi2) const {
+  return method_ == Method::kDogleg && accepted_ && took_newton_step_ && predicted_ <= kLittleMoved * chi2;
 }
 
 void TrustRegion::propose_repeated(ModelStep newton) {

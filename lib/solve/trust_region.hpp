@@ -41,8 +41,9 @@ class TrustRegion {
     has_cauchy_point_ = true;
   }
 
-  /// Whether the last factor may serve once more: the dogleg took the whole Gauss-Newton step that it gave.
-  bool may_repeat() const { return method_ == Method::kDogleg && accepted_ && took_newton_step_; }
+  /// Whether the last factor may serve once more: the dogleg took the whole Gauss-Newton step that it gave, and chi2 is now
+  /// not much less than before.
+  bool may_repeat(double chi2) const;
   /// The step by the last factor at the new estimate. It is tried where it promises so much less than the one before that it
   /// converges without another factorisation.
   void propose_repeated(ModelStep newton);
