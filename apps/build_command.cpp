@@ -21,8 +21,7 @@ namespace {
 
 constexpr const char* kExamples =
     "  mapjoin build data/manhattan2d.g2o -o manhattan2d.maps\n"
-    "  mapjoin join manhattan2d.maps -o map.g2o\n"
-    "  mapjoin build localmaps_mat.tar.gz -o localmaps.maps";
+    "  mapjoin join manhattan2d.maps -o map.g2o";
 
 constexpr std::size_t kMapsAtOnce = 256;  // Built before they are stored: few enough to lose little, enough for all threads.
 
@@ -79,7 +78,9 @@ Expected<void> build_all(Call& call, const Log<Dim>& log, const Split& parts, St
 template <int Dim>
 Expected<ExitCode> build_log(Call& call, const Log<Dim>& log) {
   if (auto connected = check_connected(log); !connected) return tl::unexpected(connected.error());
-  const Split parts = split(log, call.run_options().split);
+  SplitOptions cut = call.run_options().split;
+  if (cut.rule == SplitRule::kAuto) cut.amount = 2.0;  // maps of one step would be the log itself
+  const Split parts = split(log, cut);
   auto store = StoreWriter<Dim>::open(call.options().output, log, parts.stretches, settings(call.run_options().solver));
   if (!store) return tl::unexpected(store.error());
   const auto built = timed(call.account.figures.seconds.build, [&] { return build_all(call, log, parts, *store); });

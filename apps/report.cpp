@@ -96,6 +96,7 @@ Json join_of(const Account& account) {
           {"method", to_string(account.method)},
           {"iterations", value_if(done, figures.join.iterations)},
           {"factorisations", value_if(done, figures.join.factorisations)},
+          {"turned", value_if(done, figures.turned)},
           {"chi2", value_if(done, figures.join.chi2)},
           {"course", value_if(done, course_of(figures.join))},
           {"dof", value_if(done, figures.join_dof)},

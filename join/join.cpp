@@ -93,10 +93,12 @@ bool fits(const Join<Dim>& join) {
   return join.dof() <= 0 || chi_squared_upper_tail(join.result.chi2, static_cast<double>(join.dof())) > kLeastProbability;
 }
 
-/// Whether the last solve converged from near by.
+/// Whether a join need not be tried another way: its last solve converged from near by and, unless it is the first and
+/// cheapest way, the maps fit. (Maps that are surer than right fit nowhere.)
 template <int Dim>
-bool was_nearly_linear(const Join<Dim>& join) {
-  return join.result.status == MinimiseStatus::kConverged && join.turned < kFarFromLinear;
+bool is_trusted(const Join<Dim>& join) {
+  const bool was_nearly_linear = join.result.status == MinimiseStatus::kConverged && join.turned < kFarFromLinear;
+  return was_nearly_linear && (join.schedule == Schedule::kAligned || fits(join));
 }
 
 /// Joins by one schedule, not kAuto.
@@ -158,9 +160,9 @@ Expected<Join<Dim>> join(const Network<Dim>& network, const std::vector<PoseId>&
     auto found = join_by(network, pose_ids, feature_ids, by, stop);
     if (stop.stop_requested()) return interrupted();
     if (!found && schedule == Schedule::kTree && !best) return found;
-    if (found && (!best || found->result.chi2 < best->result.chi2 * (1.0 - kSameChi2))) best = *std::move(found);
-    const bool is_trusted = best && (schedule == Schedule::kAligned ? was_nearly_linear(*best) : fits(*best));
-    if (is_trusted) break;
+    if (!found || (best && best->result.chi2 < found->result.chi2 * (1.0 - kSameChi2))) continue;
+    best = *std::move(found);
+    if (is_trusted(*best)) break;
   }
   return *std::move(best);
 }

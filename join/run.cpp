@@ -116,8 +116,9 @@ Expected<void> add_covariances(Network<Dim> network, Join<Dim> join, std::vector
     result.no_covariances = error;
     return {};
   };
+  const bool is_polished = result.polish || (options.polish && result.local_maps == 0);
   auto covariances = MapCovariances<Dim>::make(std::move(network), std::move(join), std::move(segments), std::move(state),
-                                               result.polish ? Estimate::kPolished : Estimate::kJoined, options.most_memory);
+                                               is_polished ? Estimate::kPolished : Estimate::kJoined, options.most_memory);
   if (!covariances) return without(covariances.error());
   if (options.marginals) {
     auto marginals = covariances->marginals(progress_of(options, Stage::kCovariances), stop);
@@ -152,6 +153,7 @@ Expected<void> join_and_polish(const Log<Dim>& log, const Split& split, std::vec
   result.join = joined->result;
   result.schedule = joined->schedule;
   result.path = joined->path;
+  result.turned = joined->turned;
   result.join_dof = joined->dof();
   result.maps = joined->maps;
   result.joint_bytes += factor_bytes(*joined);
@@ -163,7 +165,7 @@ Expected<void> join_and_polish(const Log<Dim>& log, const Split& split, std::vec
     result.recovered_chi2 = result.chi2 = log_chi2(log, state.poses, state.features).total();
   }
   if (options.keep_recovered) result.recovered = state;
-  if (options.polish && result.local_maps > 0) {
+  if (options.polish && result.local_maps > 0) {  // else the join was of the whole log
     const Stopwatch watch(result.seconds.polish);
     if (options.progress) options.progress(Stage::kPolish, 0, 1);
     result.polish = polish(log, split, network, *joined, options, stop, state);
@@ -244,6 +246,7 @@ Expected<RunResult<Dim>> run(const MapSet<Dim>& set, const RunOptions& options, 
   result.join = joined->result;
   result.schedule = joined->schedule;
   result.path = joined->path;
+  result.turned = joined->turned;
   result.join_dof = result.dof = joined->dof();
   result.maps = joined->maps;
   result.joint_bytes += factor_bytes(*joined);

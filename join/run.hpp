@@ -28,8 +28,8 @@ struct RunOptions {
   Schedule schedule = Schedule::kAuto;
   JoinedState state = JoinedState::kAbsolute;  ///< Coordinates of the steps of a join.
   MinimiseOptions solver;                      ///< Of every least-squares problem, local maps to polish.
-  bool polish = true;
-  bool covariances = false;        ///< Of the final estimate, too: RunResult::covariances.
+  bool polish = true;                          ///< Where local maps eliminated anything.
+  bool covariances = false;                    ///< Of the final estimate, too: RunResult::covariances.
   bool marginals = false;          ///< All of them, and the relations: RunResult::marginals, which take covariances.
   std::int64_t most_memory = 0;    ///< For covariances (bytes); 0: as much as the machine has.
   Start start = Start::kComposed;  ///< Of a join; another one is for the batch schedule only.
@@ -60,6 +60,7 @@ struct RunFigures {
   std::int64_t build_iterations = 0;
   MinimiseResult join;
   Schedule schedule = Schedule::kTree;  ///< That the join was found by; of kAuto, the one of less chi2.
+  double turned = 0.0;                  ///< The most that the last solve of the join turned a pose (rad).
   std::vector<PathPoint> path;          ///< To the join, where it was gradual.
   std::int64_t join_dof = 0;
   std::vector<MapFit> maps;              ///< How each local map fits into the join.

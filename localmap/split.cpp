@@ -112,7 +112,7 @@ Split split(const Log<Dim>& log, const SplitOptions& options) {
   result.kept = mentioned_poses(log);
   SplitOptions chosen = options;
   if (options.rule == SplitRule::kAuto)
-    chosen = {SplitRule::kPoses, static_cast<double>(cheapest_poses_per_map(log, result.kept))};
+    chosen = {SplitRule::kPoses, static_cast<double>(cheapest_poses_per_map(log, result.kept, options.amount))};
   if (chosen.rule == SplitRule::kPoses) result.poses_per_map = static_cast<Index>(std::min(chosen.amount, 1e9));
   Growth<Dim> growth(log, chosen);
   for (const Session& session : log.sessions) {

@@ -12,7 +12,7 @@ namespace mapjoin {
 
 /// How long a stretch may grow.
 enum class SplitRule : std::uint8_t {
-  kAuto,      ///< By a number of poses that a cost model chooses (docs/decisions.md).
+  kAuto,      ///< By a number of steps, at least `amount`, that a cost model chooses (docs/decisions.md).
   kPoses,     ///< At most `amount` steps.
   kDistance,  ///< At least `amount` metres travelled, by odometry.
   kFeatures,  ///< At least `amount` different features seen.

@@ -51,10 +51,11 @@ double cost_per_step(const Log<Dim>& log, const std::vector<bool>& kept, Index p
 }
 
 template <int Dim>
-Index cheapest_poses_per_map(const Log<Dim>& log, const std::vector<bool>& kept) {
-  Index cheapest = 1;
+Index cheapest_poses_per_map(const Log<Dim>& log, const std::vector<bool>& kept, double fewest) {
+  Index cheapest = 100;
   double least = std::numeric_limits<double>::infinity();
   for (const Index candidate : {1, 2, 3, 5, 7, 10, 15, 20, 30, 45, 70, 100}) {
+    if (candidate < fewest) continue;
     const double cost = cost_per_step(log, kept, candidate);
     if (!(cost < least)) continue;
     least = cost;
@@ -65,7 +66,7 @@ Index cheapest_poses_per_map(const Log<Dim>& log, const std::vector<bool>& kept)
 
 #define MAPJOIN_INSTANTIATE(Dim)                                                   \
   template double cost_per_step(const Log<Dim>&, const std::vector<bool>&, Index); \
-  template Index cheapest_poses_per_map(const Log<Dim>&, const std::vector<bool>&);
+  template Index cheapest_poses_per_map(const Log<Dim>&, const std::vector<bool>&, double);
 MAPJOIN_INSTANTIATE(2)
 MAPJOIN_INSTANTIATE(3)
 #undef MAPJOIN_INSTANTIATE

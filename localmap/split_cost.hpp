@@ -10,14 +10,14 @@ namespace mapjoin {
 /// What a map of N steps costs per step of the log, in units of one sparse floating-point operation, from a sample of the log:
 ///   ( 4 (30 m² + 0.4 m³) + 5 (2 N dof m² + 0.5 m³) ) / N,
 /// where m is the size of a map's border (kept poses and features). The first term is assembling and factorising the map in the
-/// join, four times; the others are eliminating its interior and factorising its border, five times while it is built, recovered
-/// and polished. `kept` says which poses the rest of the log mentions; they are in the border, too. A stretch that would stay a
-/// span costs what its one-step maps do, in the join only.
+/// join, four times; the others are eliminating its interior and factorising its border, five times while it is built,
+/// recovered and polished. `kept` says which poses the rest of the log mentions; they are in the border, too. A stretch that
+/// would stay a span costs what its one-step maps do, in the join only.
 template <int Dim>
 double cost_per_step(const Log<Dim>& log, const std::vector<bool>& kept, Index poses_per_map);
 
-/// The cheapest number of steps among 1, 2, 3, 5, 7, 10, 15, 20, 30, 45, 70, 100.
+/// The cheapest number of steps among those of 1, 2, 3, 5, 7, 10, 15, 20, 30, 45, 70, 100 that are at least `fewest`.
 template <int Dim>
-Index cheapest_poses_per_map(const Log<Dim>& log, const std::vector<bool>& kept);
+Index cheapest_poses_per_map(const Log<Dim>& log, const std::vector<bool>& kept, double fewest);
 
 }  // namespace mapjoin

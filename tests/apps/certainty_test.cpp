@@ -176,7 +176,7 @@ TEST_F(Certainty, TooMuchMemoryIsRefusedAndNothingIsWritten) {
 
 TEST_F(Certainty, EveryLocalMapSaysHowItFits) {
   simulate("2", "truth.g2o");
-  const json report = report_of({"run", path("log.g2o")});
+  const json report = report_of({"run", path("log.g2o"), "--poses-per-map", "10"});
   ASSERT_EQ(report["join"]["maps"].size(), report["local_maps"]["count"]);
   double chi2 = 0.0;
   for (const json& map : report["join"]["maps"]) {
