@@ -82,7 +82,7 @@ double most_turned(const State<Dim>& from, const State<Dim>& to) {
 /// are nearly so; it may have ended in a local minimum.
 constexpr double kFarFromLinear = 1.0;
 /// Maps that fit together less than this may be in a local minimum.
-constexpr double kLeastProbability = 1e-3;
+constexpr double kLeastProbability = 0.05;
 /// Two joins whose chi2 differs by less than this share of it are the same.
 constexpr double kSameChi2 = 1e-9;
 

@@ -179,6 +179,30 @@ Expected<void> join_and_polish(const Log<Dim>& log, const Split& split, std::vec
                          result);
 }
 
+template <int Dim>
+Expected<RunResult<Dim>> run_once(const Log<Dim>& log, const RunOptions& options, const std::stop_token& stop) {
+  RunResult<Dim> result;
+  Split parts;
+  LocalMaps<Dim> built;
+  {
+    const Stopwatch watch(result.seconds.build);
+    parts = split(log, options.split);
+    auto maps = build_local_maps(log, parts, {options.solver, progress_of(options, Stage::kBuild)}, stop);
+    if (!maps) return tl::unexpected(maps.error());
+    built = std::move(*maps);
+  }
+  result.build_iterations = built.iterations;
+  auto done = join_and_polish<Dim>(log, parts, std::move(built.maps), options, stop, result);
+  if (!done) return tl::unexpected(done.error());
+  return result;
+}
+
+/// Whether a map was found only on a long way where all was left to the defaults. The Gaussians of local maps are then crude.
+bool was_led_far(const RunFigures& figures, const RunOptions& options) {
+  return options.split.rule == SplitRule::kAuto && options.schedule == Schedule::kAuto && figures.local_maps > 0 &&
+         figures.schedule != Schedule::kAligned;
+}
+
 }  // namespace
 
 std::vector<std::string> RunOptions::validate() const {
@@ -200,20 +224,13 @@ template <int Dim>
 Expected<RunResult<Dim>> run(const Log<Dim>& log, const RunOptions& options, const std::stop_token& stop) {
   demand_valid(options);
   if (auto connected = check_connected(log); !connected) return tl::unexpected(connected.error());
-  RunResult<Dim> result;
-  Split parts;
-  LocalMaps<Dim> built;
-  {
-    const Stopwatch watch(result.seconds.build);
-    parts = split(log, options.split);
-    auto maps = build_local_maps(log, parts, {options.solver, progress_of(options, Stage::kBuild)}, stop);
-    if (!maps) return tl::unexpected(maps.error());
-    built = std::move(*maps);
-  }
-  result.build_iterations = built.iterations;
-  auto done = join_and_polish<Dim>(log, parts, std::move(built.maps), options, stop, result);
-  if (!done) return tl::unexpected(done.error());
-  return result;
+  auto result = run_once(log, options, stop);
+  if (!result || !was_led_far(*result, options)) return result;
+  RunOptions without_maps = options;
+  without_maps.split = {SplitRule::kPoses, 1.0};
+  auto other = run_once(log, without_maps, stop);
+  if (stop.stop_requested()) return other;
+  return other && other->chi2 < result->chi2 ? other : result;
 }
 
 template <int Dim>
