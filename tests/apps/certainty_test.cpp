@@ -127,8 +127,9 @@ TEST_F(Certainty, AMapThatIsFreeToMoveIsWrittenWithoutThem) {
 
 TEST_F(Certainty, AStoreThatIsJoinedHasTheCovariancesOfARun) {
   simulate("2", "truth.g2o");
-  ASSERT_EQ(call({"run", path("log.g2o"), "-o", path("out"), "--covariances", "--quiet"}).exit_code, 0);
-  ASSERT_EQ(call({"build", path("log.g2o"), "-o", path("maps"), "--quiet"}).exit_code, 0);
+  ASSERT_EQ(call({"run", path("log.g2o"), "--poses-per-map", "10", "-o", path("out"), "--covariances", "--quiet"}).exit_code,
+            0);
+  ASSERT_EQ(call({"build", path("log.g2o"), "--poses-per-map", "10", "-o", path("maps"), "--quiet"}).exit_code, 0);
   ASSERT_EQ(call({"join", path("maps"), "-o", path("map.csv"), "--covariances", "--quiet"}).exit_code, 0);
   EXPECT_EQ(content_of(path("map.covariances.json")), content_of(path("out/covariances.json")));
 }
