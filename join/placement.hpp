@@ -2,6 +2,7 @@
 #pragma once
 // Where a piece stands in the frame of another: from the poses and features they share and the closures between them.
 
+#include <limits>
 #include <mapjoin/join/piece.hpp>
 #include <optional>
 #include <utility>
@@ -26,6 +27,21 @@ struct Ties {
   /// The placements worth trying, those from poses first; empty where the ties do not determine one.
   std::vector<Pose<Dim>> candidates() const;
 };
+
+/// The candidate of least cost(candidate), the first of equals; a single one is not weighed.
+template <int Dim, typename Cost>
+Pose<Dim> cheapest_placement(const std::vector<Pose<Dim>>& candidates, Cost&& cost) {
+  Pose<Dim> best = candidates.front();
+  if (candidates.size() == 1) return best;
+  double least = std::numeric_limits<double>::infinity();
+  for (const Pose<Dim>& candidate : candidates) {
+    const double of_candidate = cost(candidate);
+    if (!(of_candidate < least)) continue;
+    least = of_candidate;
+    best = candidate;
+  }
+  return best;
+}
 
 /// The ties between two pieces; `closures` may hold others, too.
 template <int Dim>

@@ -104,6 +104,18 @@ std::int64_t factor_bytes(const Join<Dim>& join) {
   return std::isfinite(join.result.start_chi2) ? mapjoin::factor_bytes(join.system->equations().supernodes()) : 0;
 }
 
+/// What a join says of itself.
+template <int Dim>
+void take_figures(const Join<Dim>& join, RunFigures& figures) {
+  figures.join = join.result;
+  figures.schedule = join.schedule;
+  figures.path = join.path;
+  figures.turned = join.turned;
+  figures.join_dof = join.dof();
+  figures.maps = join.maps;
+  figures.joint_bytes += factor_bytes(join);
+}
+
 /// Of the final estimate `state` of the whole network. A map that has none is a result all the same.
 template <int Dim>
 Expected<void> add_covariances(Network<Dim> network, Join<Dim> join, std::vector<Segment<Dim>> segments, State<Dim> state,
@@ -131,8 +143,8 @@ Expected<void> add_covariances(Network<Dim> network, Join<Dim> join, std::vector
 
 /// Joins, recovers and polishes from local maps.
 template <int Dim>
-Expected<void> join_and_polish(const Log<Dim>& log, const Split& split, std::vector<LocalMap<Dim>> maps,
-                               const RunOptions& options, const std::stop_token& stop, RunResult<Dim>& result) {
+Expected<RunResult<Dim>> join_and_polish(const Log<Dim>& log, const Split& split, std::vector<LocalMap<Dim>> maps,
+                                         const RunOptions& options, const std::stop_token& stop, RunResult<Dim> result = {}) {
   const bool has_values = !log.initial_poses.empty() && log.initial_features.size() == log.features.size();
   if (options.start == Start::kFile && !has_values) {
     return bad_input(log.source + ": not every pose and feature has a value to start from");
@@ -150,13 +162,7 @@ Expected<void> join_and_polish(const Log<Dim>& log, const Split& split, std::vec
     return join(network, log.poses, log.features, joining, stop);
   }();
   if (!joined) return tl::unexpected(of_source(log.source, joined.error()));
-  result.join = joined->result;
-  result.schedule = joined->schedule;
-  result.path = joined->path;
-  result.turned = joined->turned;
-  result.join_dof = joined->dof();
-  result.maps = joined->maps;
-  result.joint_bytes += factor_bytes(*joined);
+  take_figures(*joined, result);
   State<Dim> state = std::move(joined->state);
   {
     const Stopwatch watch(result.seconds.recover);
@@ -176,7 +182,8 @@ Expected<void> join_and_polish(const Log<Dim>& log, const Split& split, std::vec
   write_map(log, state, joined->held, result);
   result.map.stamps_ns = log.stamps_ns;
   return add_covariances(std::move(network), *std::move(joined), segments_of(log, split), std::move(state), options, stop,
-                         result);
+                         result)
+      .map([&] { return std::move(result); });
 }
 
 template <int Dim>
@@ -192,9 +199,7 @@ Expected<RunResult<Dim>> run_once(const Log<Dim>& log, const RunOptions& options
     built = std::move(*maps);
   }
   result.build_iterations = built.iterations;
-  auto done = join_and_polish<Dim>(log, parts, std::move(built.maps), options, stop, result);
-  if (!done) return tl::unexpected(done.error());
-  return result;
+  return join_and_polish(log, parts, std::move(built.maps), options, stop, std::move(result));
 }
 
 /// Whether a map was found only on a long way where all was left to the defaults. The Gaussians of local maps are then crude.
@@ -239,10 +244,7 @@ Expected<RunResult<Dim>> run_from_maps(const Log<Dim>& log, const Split& split, 
   demand_valid(options);
   if (auto connected = check_connected(log); !connected) return tl::unexpected(connected.error());
   if (auto of_log = check_local_maps(log, split, maps); !of_log) return tl::unexpected(of_log.error());
-  RunResult<Dim> result;
-  auto done = join_and_polish<Dim>(log, split, std::move(maps), options, stop, result);
-  if (!done) return tl::unexpected(done.error());
-  return result;
+  return join_and_polish(log, split, std::move(maps), options, stop);
 }
 
 template <int Dim>
@@ -260,13 +262,8 @@ Expected<RunResult<Dim>> run(const MapSet<Dim>& set, const RunOptions& options, 
     return join(network, set.poses, set.features, join_options(options, Pose<Dim>{}), stop);
   }();
   if (!joined) return tl::unexpected(of_source(set.source, joined.error()));
-  result.join = joined->result;
-  result.schedule = joined->schedule;
-  result.path = joined->path;
-  result.turned = joined->turned;
-  result.join_dof = result.dof = joined->dof();
-  result.maps = joined->maps;
-  result.joint_bytes += factor_bytes(*joined);
+  take_figures(*joined, result);
+  result.dof = joined->dof();
   result.chi2 = joined->result.chi2;
   State<Dim> state = std::move(joined->state);
   write_map(set, state, joined->held, result);
@@ -281,10 +278,7 @@ Expected<RunResult<Dim>> solve(const Log<Dim>& log, RunOptions options, const st
   if (auto connected = check_connected(log); !connected) return tl::unexpected(connected.error());
   options.split = {SplitRule::kPoses, 1.0};
   options.polish = false;  // the join is full SLAM already
-  RunResult<Dim> result;
-  auto done = join_and_polish<Dim>(log, split(log, options.split), {}, options, stop, result);
-  if (!done) return tl::unexpected(done.error());
-  return result;
+  return join_and_polish<Dim>(log, split(log, options.split), {}, options, stop);
 }
 
 #define MAPJOIN_INSTANTIATE(Dim)                                                                             \

@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <algorithm>
-#include <limits>
 #include <mapjoin/join/join_problem.hpp>
 #include <mapjoin/join/leaf.hpp>
 #include <mapjoin/join/placement.hpp>
@@ -20,17 +19,9 @@ using Closures = std::vector<const PoseObservation<Dim>*>;
 template <int Dim>
 Pose<Dim> best_placement(const Piece<Dim>& a, const Piece<Dim>& b, const std::vector<Pose<Dim>>& candidates,
                          const Closures<Dim>& closures) {
-  Pose<Dim> best = candidates.front();
-  if (candidates.size() == 1) return best;
+  if (candidates.size() == 1) return candidates.front();
   const Seam<Dim> seam(a, b, closures);
-  double least = std::numeric_limits<double>::infinity();
-  for (const Pose<Dim>& candidate : candidates) {
-    const double chi2 = seam.chi2(candidate);
-    if (!(chi2 < least)) continue;
-    least = chi2;
-    best = candidate;
-  }
-  return best;
+  return cheapest_placement<Dim>(candidates, [&](const Pose<Dim>& placement) { return seam.chi2(placement); });
 }
 
 /// How many pieces are settled on the way, the leaves among them but where they come one by one.

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <algorithm>
 #include <iterator>
-#include <limits>
 #include <mapjoin/join/incremental/incremental_join.hpp>
 #include <mapjoin/join/placement.hpp>
 #include <mapjoin/measure/chi_squared.hpp>
@@ -169,19 +168,12 @@ std::optional<std::vector<Index>> IncrementalJoin<Dim>::enter(const Part<Dim>& p
   const auto place = [&](const Pose<Dim>& placement) {
     for (const auto& [v, in_piece] : entered) estimate_.place(v, compose(placement, in_piece));
   };
-  double least = std::numeric_limits<double>::infinity();
-  Pose<Dim> best = candidates.front();
-  for (const Pose<Dim>& candidate : candidates) {
-    if (candidates.size() == 1) break;
-    place(candidate);
+  place(cheapest_placement<Dim>(candidates, [&](const Pose<Dim>& placement) {
+    place(placement);
     double chi2 = 0.0;
     for (const auto& factor : factors) chi2 += factor.chi2(estimate_.variables());
-    if (chi2 < least) {
-      least = chi2;
-      best = candidate;
-    }
-  }
-  place(best);
+    return chi2;
+  }));
   for (auto& factor : factors) estimate_.add_factor(std::move(factor));
   return variables;
 }
