@@ -1,19 +1,37 @@
 # SPDX-License-Identifier: BSD-3-Clause
-# What is installed beside the command: libraries, headers, and the package that find_package(mapjoin) finds.
+# What is installed: the command, with its documents and logs to try; and what programs are built with: libraries, headers, and the
+# packages that find_package(mapjoin) and pkg-config find.
 include(CMakePackageConfigHelpers)
 set(package_folder ${CMAKE_INSTALL_LIBDIR}/cmake/mapjoin)
 set(header_folder ${CMAKE_INSTALL_INCLUDEDIR}/mapjoin)
 
-install(TARGETS mapjoin_core mapjoin_localmap mapjoin_join EXPORT mapjoin-targets)
-install(EXPORT mapjoin-targets NAMESPACE mapjoin:: DESTINATION ${package_folder})
+install(TARGETS mapjoin COMPONENT command)
+install(FILES README.md DESTINATION ${CMAKE_INSTALL_DOCDIR} COMPONENT command)
+install(DIRECTORY docs data DESTINATION ${CMAKE_INSTALL_DOCDIR} COMPONENT command PATTERN Doxyfile EXCLUDE)
 
-install(DIRECTORY lib/ DESTINATION ${header_folder} FILES_MATCHING PATTERN *.hpp)
-install(DIRECTORY localmap join DESTINATION ${header_folder} FILES_MATCHING PATTERN *.hpp)
-install(FILES ${CMAKE_BINARY_DIR}/include/mapjoin/version.hpp DESTINATION ${header_folder})
+install(TARGETS mapjoin_core mapjoin_localmap mapjoin_join EXPORT mapjoin-targets COMPONENT development)
+install(EXPORT mapjoin-targets NAMESPACE mapjoin:: DESTINATION ${package_folder} COMPONENT development)
+install(DIRECTORY lib/ DESTINATION ${header_folder} COMPONENT development FILES_MATCHING PATTERN *.hpp)
+install(DIRECTORY localmap join DESTINATION ${header_folder} COMPONENT development FILES_MATCHING PATTERN *.hpp)
+install(FILES ${CMAKE_BINARY_DIR}/include/mapjoin/version.hpp DESTINATION ${header_folder} COMPONENT development)
 
 configure_package_config_file(cmake/mapjoin-config.cmake.in mapjoin-config.cmake INSTALL_DESTINATION ${package_folder})
 write_basic_package_version_file(mapjoin-config-version.cmake COMPATIBILITY SameMinorVersion)
 install(
   FILES ${CMAKE_CURRENT_BINARY_DIR}/mapjoin-config.cmake ${CMAKE_CURRENT_BINARY_DIR}/mapjoin-config-version.cmake
         cmake/find_library_by_header.cmake
-  DESTINATION ${package_folder})
+  DESTINATION ${package_folder} COMPONENT development)
+
+# mapjoin.pc finds its prefix from where it lies. A static library's user links what it was linked with.
+file(RELATIVE_PATH prefix_of_pc /${CMAKE_INSTALL_LIBDIR}/pkgconfig /)
+if(NOT BUILD_SHARED_LIBS)
+  set(pc_requires fmt tbb sqlite3 zlib matio)
+  set(pc_libs -lmetis)
+  if(MAPJOIN_CHOLMOD)
+    list(APPEND pc_libs -lcholmod)
+  endif()
+endif()
+list(JOIN pc_requires " " pc_requires)
+list(JOIN pc_libs " " pc_libs)
+configure_file(cmake/mapjoin.pc.in mapjoin.pc @ONLY)
+install(FILES ${CMAKE_CURRENT_BINARY_DIR}/mapjoin.pc DESTINATION ${CMAKE_INSTALL_LIBDIR}/pkgconfig COMPONENT development)

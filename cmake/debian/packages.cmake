@@ -1,0 +1,61 @@
+# SPDX-License-Identifier: BSD-3-Clause
+# `cpack`, or `./dev package`: mapjoin (the command) and libmapjoin-dev (headers, static libraries, what finds them), as Debian packages.
+set(MAPJOIN_MAINTAINER "The mapjoin authors <maintainers@mapjoin.invalid>" CACHE STRING "Who answers for the Debian packages")
+set(debian ${CMAKE_CURRENT_LIST_DIR})
+
+set(CPACK_GENERATOR DEB)
+set(CPACK_PACKAGE_NAME mapjoin)
+set(CPACK_PACKAGE_VERSION ${PROJECT_VERSION})
+set(CPACK_PACKAGE_DESCRIPTION_SUMMARY "large maps from many small ones by submap joining")
+set(CPACK_PACKAGING_INSTALL_PREFIX /usr)
+set(CPACK_PACKAGE_DIRECTORY ${CMAKE_BINARY_DIR}/packages)
+set(CPACK_STRIP_FILES ON)
+set(CPACK_INSTALL_DEFAULT_DIRECTORY_PERMISSIONS
+  OWNER_READ OWNER_WRITE OWNER_EXECUTE GROUP_READ GROUP_EXECUTE WORLD_READ WORLD_EXECUTE)
+set(CPACK_COMPONENTS_ALL command development)
+set(CPACK_DEB_COMPONENT_INSTALL ON)
+set(CPACK_DEBIAN_FILE_NAME DEB-DEFAULT)
+set(CPACK_DEBIAN_PACKAGE_RELEASE 1)
+set(CPACK_DEBIAN_PACKAGE_MAINTAINER ${MAPJOIN_MAINTAINER})
+set(CPACK_DEBIAN_PACKAGE_CONTROL_STRICT_PERMISSION ON)
+
+# Without OpenBLAS the reference BLAS serves, which is many times slower.
+set(CPACK_DEBIAN_COMMAND_PACKAGE_NAME mapjoin)
+set(CPACK_DEBIAN_COMMAND_PACKAGE_SECTION science)
+set(CPACK_DEBIAN_COMMAND_PACKAGE_SHLIBDEPS ON)
+set(CPACK_DEBIAN_COMMAND_PACKAGE_RECOMMENDS libopenblas0)
+set(CPACK_DEBIAN_COMMAND_DESCRIPTION "mapjoin takes a robot's log (odometry, loop closures, observations of point
+features, in the plane or in space), splits it into short local maps, solves
+each by least squares, joins them along a tree, and polishes the result to the
+optimum of the whole log: full SLAM, without an initial guess.")
+
+# The headers need Eigen and tl::expected; the other packages are what the static libraries are linked with.
+set(CPACK_DEBIAN_DEVELOPMENT_PACKAGE_NAME libmapjoin-dev)
+set(CPACK_DEBIAN_DEVELOPMENT_PACKAGE_SECTION libdevel)
+set(CPACK_DEBIAN_DEVELOPMENT_PACKAGE_DEPENDS
+  "libeigen3-dev (>= 3.4), libexpected-dev, libboost-dev (>= 1.74), libfmt-dev, libmatio-dev, libmetis-dev, libsqlite3-dev, libtbb-dev, zlib1g-dev")
+if(MAPJOIN_CHOLMOD)
+  string(APPEND CPACK_DEBIAN_DEVELOPMENT_PACKAGE_DEPENDS ", libsuitesparse-dev")
+endif()
+set(CPACK_DEBIAN_DEVELOPMENT_PACKAGE_SUGGESTS mapjoin)
+set(CPACK_DEBIAN_DEVELOPMENT_DESCRIPTION "mapjoin splits a robot's log into short local maps, solves each by least
+squares, joins them along a tree, and polishes the result to the optimum of the
+whole log. This package holds the C++20 headers, the static libraries, and the
+packages for CMake and pkg-config.")
+
+# Each package carries its licence and changes; a plain `cmake --install` leaves them out.
+find_program(GZIP gzip REQUIRED)
+string(TIMESTAMP release_date "%a, %d %b %Y %H:%M:%S +0000" UTC)
+configure_file(${debian}/changelog.in ${CMAKE_CURRENT_BINARY_DIR}/debian/changelog.Debian @ONLY)
+configure_file(CHANGELOG.md ${CMAKE_CURRENT_BINARY_DIR}/debian/changelog COPYONLY)
+foreach(file changelog.Debian changelog)
+  execute_process(COMMAND ${GZIP} -9nf ${file} WORKING_DIRECTORY ${CMAKE_CURRENT_BINARY_DIR}/debian COMMAND_ERROR_IS_FATAL ANY)
+endforeach()
+foreach(component command development)
+  string(TOUPPER ${component} id)
+  install(
+    FILES ${debian}/copyright ${CMAKE_CURRENT_BINARY_DIR}/debian/changelog.Debian.gz ${CMAKE_CURRENT_BINARY_DIR}/debian/changelog.gz
+    DESTINATION ${CMAKE_INSTALL_DATAROOTDIR}/doc/${CPACK_DEBIAN_${id}_PACKAGE_NAME} COMPONENT ${component} EXCLUDE_FROM_ALL)
+endforeach()
+
+include(CPack)
