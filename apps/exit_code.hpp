@@ -9,6 +9,7 @@ namespace mapjoin::apps {
 enum class ExitCode : int {
   kDone = 0,
   kInternalError = 1,
+  kFindings = 1,  ///< Of `check`, as of its like elsewhere; an internal error is told on standard error.
   kUsage = 2,
   kBadInput = 3,
   kDidNotConverge = 4,  ///< The result was written, and says so.

@@ -1,0 +1,30 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+// What `mapjoin check` found, for people and for programs.
+
+#include <apps/account.hpp>
+#include <cstdint>
+#include <mapjoin/check/finding.hpp>
+#include <mapjoin/check/fit.hpp>
+#include <vector>
+
+namespace mapjoin::apps {
+
+/// At which map residuals are weighed.
+enum class CheckedEstimate : std::uint8_t { kJoined, kFile, kNone };
+
+struct Checked {
+  CheckedEstimate estimate = CheckedEstimate::kJoined;
+  Findings findings;
+  std::vector<KindFit> fits;  ///< Empty where residuals were not weighed.
+  std::int64_t dof = 0;       ///< Of all of them together.
+};
+
+bool has_errors(const Findings& findings);
+/// Errors among them.
+bool has_warnings(const Findings& findings);
+
+/// The summary on standard output, and the report where the options want one, or there instead.
+Expected<void> write_check(const Account& account, const Options& options, const Checked& checked);
+
+}  // namespace mapjoin::apps

@@ -1,0 +1,146 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <map>
+#include <mapjoin/check/fit.hpp>
+#include <mapjoin/measure/chi2.hpp>
+#include <mapjoin/measure/chi_squared.hpp>
+#include <mapjoin/model/information_rank.hpp>
+#include <numeric>
+
+namespace mapjoin {
+namespace {
+
+/// Residuals so many times larger, or smaller, than covariances say are worth a word: the first makes a map look better than it
+/// is.
+constexpr double kLarger = 1.5;
+constexpr double kSmaller = 2.0;
+
+/// χ² quantiles, of which there are as many as there are ranks.
+class Quantiles {
+ public:
+  explicit Quantiles(double p) : p_(p) {}
+  double operator()(std::int64_t rows) {
+    const auto [known, is_new] = of_.emplace(rows, 0.0);
+    if (is_new) known->second = chi_squared_quantile(p_, static_cast<double>(rows));
+    return known->second;
+  }
+
+ private:
+  double p_;
+  std::map<std::int64_t, double> of_;
+};
+
+double scale_of(const std::vector<WeighedResidual>& residuals) {
+  Quantiles medians(0.5);
+  std::vector<double> ratios;
+  for (const WeighedResidual& r : residuals) {
+    if (r.rows > 0) ratios.push_back(r.chi2 / medians(r.rows));
+  }
+  if (ratios.empty()) return std::numeric_limits<double>::quiet_NaN();
+  const auto middle = ratios.begin() + static_cast<std::ptrdiff_t>(ratios.size() / 2);
+  std::nth_element(ratios.begin(), middle, ratios.end());
+  return *middle;
+}
+
+std::string pose_name(const std::vector<PoseId>& poses, Index pose) {
+  return pose == kWorld ? "the World" : to_string(poses[static_cast<std::size_t>(pose)]);
+}
+
+template <int Dim>
+WeighedResidual weighed(const PoseObservation<Dim>& o, const State<Dim>& state) {
+  return {chi2(o, state.pose(o.base), state.pose(o.target)), information_rank<kPoseDof<Dim>>(o.information)};
+}
+template <int Dim>
+WeighedResidual weighed(const FeatureObservation<Dim>& o, const State<Dim>& state) {
+  return {chi2(o, state.pose(o.base), state.feature(o.target)), information_rank<Dim>(o.information)};
+}
+
+template <int Dim>
+std::string name_of(const PoseObservation<Dim>& o, const Log<Dim>& log) {
+  return fmt::format("{} to {}", pose_name(log.poses, o.base), pose_name(log.poses, o.target));
+}
+template <int Dim>
+std::string name_of(const FeatureObservation<Dim>& o, const Log<Dim>& log) {
+  return fmt::format("{} from {}", to_string(log.features[static_cast<std::size_t>(o.target)]), pose_name(log.poses, o.base));
+}
+
+template <int Dim, typename Observation>
+void add_kind(std::string kind, const std::vector<Observation>& all, const Log<Dim>& log, const State<Dim>& state,
+              std::vector<KindFit>& fits) {
+  if (all.empty()) return;
+  std::vector<WeighedResidual> residuals;
+  residuals.reserve(all.size());
+  for (const Observation& o : all) residuals.push_back(weighed(o, state));
+  fits.push_back(kind_fit(std::move(kind), residuals, [&](std::size_t i) { return name_of(all[i], log); }));
+}
+
+}  // namespace
+
+KindFit kind_fit(std::string kind, const std::vector<WeighedResidual>& residuals,
+                 const std::function<std::string(std::size_t)>& name) {
+  KindFit fit;
+  fit.kind = std::move(kind);
+  fit.count = residuals.size();
+  fit.scale = scale_of(residuals);
+  Quantiles most(1.0 - 1e-3 / static_cast<double>(std::max<std::size_t>(1, residuals.size())));
+  std::vector<std::size_t> outliers;
+  for (std::size_t i = 0; i < residuals.size(); ++i) {
+    const auto& [chi2, rows] = residuals[i];
+    fit.rows += rows;
+    fit.chi2 += chi2;
+    fit.worst = std::max(fit.worst, chi2);
+    if (rows > 0 && chi2 > std::max(1.0, fit.scale) * most(rows)) outliers.push_back(i);
+  }
+  const auto is_worse = [&](std::size_t a, std::size_t b) { return residuals[a].chi2 > residuals[b].chi2; };
+  std::stable_sort(outliers.begin(), outliers.end(), is_worse);
+  for (const std::size_t i : outliers) {
+    fit.outliers.add([&] { return fmt::format("{} (chi2 {:.4g})", name(i), residuals[i].chi2); });
+  }
+  return fit;
+}
+
+template <int Dim>
+std::vector<KindFit> fits_of(const Log<Dim>& log, const State<Dim>& state) {
+  std::vector<KindFit> fits;
+  add_kind("odometry", log.odometry, log, state, fits);
+  add_kind("closures", log.closures, log, state, fits);
+  add_kind("observations", log.observations, log, state, fits);
+  add_kind("priors of poses", log.pose_priors, log, state, fits);
+  add_kind("priors of features", log.feature_priors, log, state, fits);
+  return fits;
+}
+
+Findings check_fit(const std::vector<KindFit>& fits, std::int64_t dof) {
+  constexpr std::int64_t kLeastDof = 20;
+  Findings findings;
+  double chi2 = 0.0;
+  for (const KindFit& fit : fits) {
+    chi2 += fit.chi2;
+    if (fit.scale > kLarger * kLarger && fit.rows >= kLeastDof) {
+      findings.push_back(
+          {FindingLevel::kWarning,
+           "too_certain",
+           fmt::format("typical residuals of {} are {:.3g} times what the covariances say", fit.kind, std::sqrt(fit.scale)),
+           {}});
+    }
+    add_if_any(findings,
+               {FindingLevel::kWarning, "outliers",
+                fmt::format("out of line with the map: {} of {} {}", fit.outliers.count, fit.count, fit.kind), fit.outliers});
+  }
+  if (dof < kLeastDof || chi2 * kSmaller * kSmaller > static_cast<double>(dof)) return findings;
+  findings.push_back({FindingLevel::kWarning,
+                      "too_cautious",
+                      fmt::format("residuals are {:.2g} of what the covariances say (chi2 {:.6g}, dof {})",
+                                  std::sqrt(chi2 / static_cast<double>(dof)), chi2, dof),
+                      {}});
+  return findings;
+}
+
+template std::vector<KindFit> fits_of(const Log<2>&, const State<2>&);
+template std::vector<KindFit> fits_of(const Log<3>&, const State<3>&);
+
+}  // namespace mapjoin

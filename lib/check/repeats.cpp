@@ -1,0 +1,129 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <fmt/format.h>
+
+#include <Eigen/QR>
+#include <algorithm>
+#include <mapjoin/check/repeats.hpp>
+#include <mapjoin/measure/chi_squared.hpp>
+#include <mapjoin/model/information_rank.hpp>
+#include <tuple>
+#include <type_traits>
+#include <utility>
+
+namespace mapjoin {
+namespace {
+
+constexpr double kLeastProbability = 1e-9;
+
+/// What was found of one kind of observations.
+struct Repeats {
+  Places copies;
+  Places contradictions;
+  Places others;
+};
+
+/// Whether two measurements of one thing, with the informations A and B, differ by more than the sum of their covariances
+/// allows. (A⁻¹ + B⁻¹)⁻¹ = A (A + B)⁻¹ B, which singular A and B have, too.
+template <int Size>
+bool contradict(const Vector<Size>& difference, const Matrix<Size>& A, const Matrix<Size>& B) {
+  const Matrix<Size> sum = A + B;
+  const Matrix<Size> W = A * sum.completeOrthogonalDecomposition().solve(B);
+  const double chi2 = difference.dot(W * difference);
+  const auto rows = information_rank<Size>(Matrix<Size>(0.5 * (W + W.transpose())));
+  return chi_squared_upper_tail(chi2, static_cast<double>(rows)) < kLeastProbability;
+}
+
+/// The edge as it is from its earlier pose: the residual of the inverse is -J r, to first order.
+template <int Dim>
+PoseObservation<Dim> forward(const PoseObservation<Dim>& edge) {
+  if (edge.base < edge.target) return edge;
+  PoseMatrix<Dim> J;
+  PoseObservation<Dim> turned{edge.target, edge.base, inverse(edge.measured, &J), {}, edge.loss};
+  const PoseMatrix<Dim> J_inverse = J.inverse();
+  turned.information = J_inverse.transpose() * edge.information * J_inverse;
+  return turned;
+}
+template <int Dim>
+const FeatureObservation<Dim>& forward(const FeatureObservation<Dim>& observation) {
+  return observation;
+}
+
+template <int Dim>
+PoseVector<Dim> difference(const PoseObservation<Dim>& a, const PoseObservation<Dim>& b) {
+  return local(a.measured, b.measured);
+}
+template <int Dim>
+Point<Dim> difference(const FeatureObservation<Dim>& a, const FeatureObservation<Dim>& b) {
+  return b.measured - a.measured;
+}
+
+/// Compares each observation with the one before it that has the same ends. `name(base, target)` names them.
+template <typename Observation, typename Name>
+Repeats repeats_among(const std::vector<Observation>& all, bool has_direction, const Name& name) {
+  struct Ends {
+    Index first, second;
+    std::size_t at;
+    bool operator<(const Ends& other) const {
+      return std::tie(first, second, at) < std::tie(other.first, other.second, other.at);
+    }
+  };
+  std::vector<Ends> ends;
+  ends.reserve(all.size());
+  for (std::size_t i = 0; i < all.size(); ++i) {
+    const bool turn = !has_direction && all[i].target < all[i].base;
+    ends.push_back({turn ? all[i].target : all[i].base, turn ? all[i].base : all[i].target, i});
+  }
+  std::sort(ends.begin(), ends.end());
+
+  Repeats repeats;
+  for (std::size_t k = 1; k < ends.size(); ++k) {
+    if (ends[k].first != ends[k - 1].first || ends[k].second != ends[k - 1].second) continue;
+    const auto& a = forward(all[ends[k - 1].at]);
+    const auto& b = forward(all[ends[k].at]);
+    const auto named = [&] { return name(ends[k].first, ends[k].second); };
+    const auto d = difference(a, b).eval();
+    if (d.isZero(0.0) && a.information == b.information) {
+      repeats.copies.add(named);
+    } else if (contradict<std::decay_t<decltype(d)>::RowsAtCompileTime>(d, a.information, b.information)) {
+      repeats.contradictions.add(named);
+    } else {
+      repeats.others.add(named);
+    }
+  }
+  return repeats;
+}
+
+void tell(const Repeats& repeats, const std::string& what, std::string_view of_what, Findings& findings) {
+  const auto add = [&](FindingLevel level, const char* check, const Places& where, std::string_view how) {
+    add_if_any(findings,
+               {level, check, fmt::format("{} repeating others {}{}", counted(where.count, what), of_what, how), where});
+  };
+  add(FindingLevel::kWarning, "copies", repeats.copies, " to the last digit: what was measured once counts twice");
+  add(FindingLevel::kWarning, "contradiction", repeats.contradictions,
+      ", and contradicting them by more than the covariances allow");
+  add(FindingLevel::kNote, "repeated", repeats.others, "; all of them count");
+}
+
+}  // namespace
+
+template <int Dim>
+Findings check_repeats(const Log<Dim>& log) {
+  const auto pose = [&](Index p) { return log.poses[static_cast<std::size_t>(p)]; };
+  std::vector<PoseObservation<Dim>> edges = log.odometry;
+  edges.insert(edges.end(), log.closures.begin(), log.closures.end());
+  const Repeats of_poses = repeats_among(edges, false, [&](Index base, Index target) {
+    return fmt::format("{} to {}", to_string(pose(base)), to_string(pose(target)));
+  });
+  const Repeats of_features = repeats_among(log.observations, true, [&](Index base, Index target) {
+    return fmt::format("{} from {}", to_string(log.features[static_cast<std::size_t>(target)]), to_string(pose(base)));
+  });
+  Findings findings;
+  tell(of_poses, "edge", "between the same two poses", findings);
+  tell(of_features, "observation", "of the same feature from the same pose", findings);
+  return findings;
+}
+
+template Findings check_repeats(const Log<2>&);
+template Findings check_repeats(const Log<3>&);
+
+}  // namespace mapjoin

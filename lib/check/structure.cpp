@@ -1,0 +1,189 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <map>
+#include <mapjoin/check/structure.hpp>
+#include <mapjoin/graph/components.hpp>
+#include <mapjoin/graph/weak_links.hpp>
+#include <utility>
+
+namespace mapjoin {
+namespace {
+
+/// Per feature, from how many poses (by how many maps) it was seen.
+template <typename Tied>
+std::vector<std::size_t> times_seen(const Tied& tied) {
+  const TieVertices of = vertices_of(tied);
+  std::vector<std::size_t> times(of.features);
+  for_each_tie(tied, [&](std::size_t, std::size_t b) {
+    if (of.is_feature(b)) ++times[b - 1 - of.poses];
+  });
+  return times;
+}
+
+template <typename Tied>
+Places features_seen(std::size_t wanted, const std::vector<std::size_t>& times, const Tied& tied) {
+  Places places;
+  for (std::size_t f = 0; f < times.size(); ++f) {
+    if (times[f] == wanted) places.add([&] { return to_string(tied.features[f]); });
+  }
+  return places;
+}
+
+template <typename Tied>
+void check_unobserved(const Tied& tied, const std::vector<std::size_t>& times, Findings& findings) {
+  const Places never = features_seen(0, times, tied);
+  add_if_any(findings, {FindingLevel::kError, "unobserved",
+                        fmt::format("declared, but never observed: {} of {} features", never.count, times.size()), never});
+}
+
+template <int Dim>
+void check_features(const Log<Dim>& log, Findings& findings) {
+  constexpr std::size_t kEnoughToJudge = 20;
+  const std::vector<std::size_t> times = times_seen(log);
+  check_unobserved(log, times, findings);
+  const Places once = features_seen(1, times, log);
+  const bool is_most = times.size() >= kEnoughToJudge && 2 * once.count > times.size();
+  add_if_any(findings, {is_most ? FindingLevel::kWarning : FindingLevel::kNote, "seen_once",
+                        fmt::format("seen once only, which adds nothing to the map: {} of {} features{}", once.count,
+                                    times.size(), is_most ? "; does each have one id whenever it is seen?" : ""),
+                        once});
+}
+
+template <int Dim>
+void check_features(const MapSet<Dim>& set, Findings& findings) {
+  const std::vector<std::size_t> times = times_seen(set);
+  check_unobserved(set, times, findings);
+  const Places once = features_seen(1, times, set);
+  add_if_any(findings,
+             {FindingLevel::kNote, "seen_once",
+              fmt::format("in one map only, which ties it to no other: {} of {} features", once.count, times.size()), once});
+}
+
+template <typename Tied>
+void check_parts(const Tied& tied, Findings& findings) {
+  Components components(vertices_of(tied).size());
+  for_each_tie(tied, [&](std::size_t a, std::size_t b) { components.tie(a, b); });
+  Places parts;
+  for (const std::size_t v : components.roots()) {
+    const bool is_unobserved = vertices_of(tied).is_feature(v);
+    if (!is_unobserved) parts.add([&] { return name_of(v, tied); });
+  }
+  if (parts.count < 2) return;
+  findings.push_back({FindingLevel::kError, "parts", fmt::format("nothing ties {} parts together", parts.count), parts});
+}
+
+template <typename Tied>
+void check_links(const Tied& tied, Findings& findings) {
+  const WeakLinks links = weak_links(tied);
+  Places chains;
+  for (const LoneChain& chain : links.chains) {
+    chains.add([&] {
+      const std::string ends = fmt::format("{} to {}", name_of(chain.first, tied), name_of(chain.last, tied));
+      return chain.edges == 1 ? ends : fmt::format("{} ({} edges in a row)", ends, chain.edges);
+    });
+  }
+  add_if_any(findings, {FindingLevel::kWarning, "weak_link",
+                        fmt::format("{} where a single edge holds two parts together: an error in it shows nowhere",
+                                    counted(chains.count, "place")),
+                        chains});
+  Places features;
+  for (const std::size_t v : links.features) features.add([&] { return name_of(v, tied); });
+  add_if_any(findings, {FindingLevel::kWarning, "weak_feature",
+                        fmt::format("{} without which poses fall apart: what hangs on one can turn about it",
+                                    counted(features.count, "feature")),
+                        features});
+}
+
+/// Per body, poses that edges tie together (by its root in `bodies`), the features that it shares with others.
+template <typename Tied>
+std::map<std::size_t, std::size_t> shared_features(const Tied& tied, Components& bodies) {
+  const TieVertices of = vertices_of(tied);
+  std::vector<std::pair<std::size_t, std::size_t>> seen;  // Feature, body.
+  for_each_tie(tied, [&](std::size_t a, std::size_t b) {
+    if (of.is_feature(b)) seen.emplace_back(b, bodies.root(a));
+  });
+  std::sort(seen.begin(), seen.end());
+  seen.erase(std::unique(seen.begin(), seen.end()), seen.end());
+  std::map<std::size_t, std::size_t> shared;
+  for (std::size_t i = 0; i < seen.size(); ++i) {
+    const bool is_shared =
+        (i > 0 && seen[i - 1].first == seen[i].first) || (i + 1 < seen.size() && seen[i + 1].first == seen[i].first);
+    if (is_shared) ++shared[seen[i].second];
+  }
+  return shared;
+}
+
+/// Among several bodies: those that too few features hold, or just enough. One that shares none is a part of its own.
+template <int Dim, typename Tied>
+void check_bodies(const Tied& tied, Findings& findings) {
+  const TieVertices of = vertices_of(tied);
+  Components bodies(of.size());
+  for_each_tie(tied, [&](std::size_t a, std::size_t b) {
+    if (!of.is_feature(b)) bodies.tie(a, b);
+  });
+  Places loose;
+  Places weak;
+  for (const auto& [root, count] : shared_features(tied, bodies)) {
+    if (count > Dim) continue;
+    (count < Dim ? loose : weak).add([&, body = root, shared = count] {
+      return fmt::format("the poses with {}: {} shared", name_of(body, tied), counted(shared, "feature"));
+    });
+  }
+  add_if_any(findings, {FindingLevel::kError, "loose_body",
+                        fmt::format("{} of poses held to the others by fewer than {} features: that leaves them free to turn",
+                                    counted(loose.count, "group"), Dim),
+                        loose});
+  add_if_any(findings, {FindingLevel::kWarning, "weak_body",
+                        fmt::format("{} of poses held to the others by {} features, with not one to spare",
+                                    counted(weak.count, "group"), Dim),
+                        weak});
+}
+
+template <int Dim, typename Tied>
+Findings check_ties(const Tied& tied) {
+  Findings findings;
+  check_parts(tied, findings);
+  check_bodies<Dim>(tied, findings);
+  check_links(tied, findings);
+  check_features(tied, findings);
+  return findings;
+}
+
+}  // namespace
+
+template <int Dim>
+Findings check_structure(const Log<Dim>& log) {
+  Findings findings = check_ties<Dim>(log);
+  Places breaks;
+  for (std::size_t s = 1; s < log.sessions.size(); ++s) {
+    const PoseId& before = log.poses[static_cast<std::size_t>(log.sessions[s].begin) - 1];
+    const PoseId& after = log.poses[static_cast<std::size_t>(log.sessions[s].begin)];
+    if (before.session == after.session)
+      breaks.add([&] { return fmt::format("{} to {}", to_string(before), to_string(after)); });
+  }
+  add_if_any(
+      findings,
+      {FindingLevel::kNote, "breaks",
+       fmt::format("{} without odometry: a session of its own begins behind it", counted(breaks.count, "step")), breaks});
+  const auto unassociated = static_cast<std::size_t>(log.unassociated);
+  add_if_any(findings,
+             {FindingLevel::kNote,
+              "unassociated",
+              fmt::format("{} left out: the file does not say of which feature", counted(unassociated, "observation")),
+              {unassociated, {}}});
+  return findings;
+}
+
+template <int Dim>
+Findings check_structure(const MapSet<Dim>& set) {
+  return check_ties<Dim>(set);
+}
+
+template Findings check_structure(const Log<2>&);
+template Findings check_structure(const Log<3>&);
+template Findings check_structure(const MapSet<2>&);
+template Findings check_structure(const MapSet<3>&);
+
+}  // namespace mapjoin

@@ -1,0 +1,69 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+// Logs and sets of maps as graphs: what ties poses, features and the World together.
+
+#include <cstddef>
+#include <mapjoin/model/local_map.hpp>
+#include <mapjoin/model/log.hpp>
+#include <string>
+
+namespace mapjoin {
+
+/// The vertices of such a graph: the World, then the poses, then the features.
+struct TieVertices {
+  static constexpr std::size_t kWorldVertex = 0;
+
+  std::size_t poses = 0;
+  std::size_t features = 0;
+
+  std::size_t size() const { return 1 + poses + features; }
+  std::size_t pose(Index index) const { return static_cast<std::size_t>(index + 1); }
+  std::size_t feature(Index index) const { return 1 + poses + static_cast<std::size_t>(index); }
+  bool is_feature(std::size_t vertex) const { return vertex > poses; }
+};
+static_assert(kWorld == -1, "the World is the pose before the first");
+
+template <int Dim>
+TieVertices vertices_of(const Log<Dim>& log) {
+  return {log.poses.size(), log.features.size()};
+}
+template <int Dim>
+TieVertices vertices_of(const MapSet<Dim>& set) {
+  return {set.poses.size(), set.features.size()};
+}
+
+/// "the World", "pose 17" or "feature 3". `names` is the log or the set.
+template <typename Names>
+std::string name_of(std::size_t vertex, const Names& names) {
+  if (vertex == TieVertices::kWorldVertex) return "the World";
+  const std::size_t index = vertex - 1;
+  return index < names.poses.size() ? to_string(names.poses[index]) : to_string(names.features[index - names.poses.size()]);
+}
+
+/// Calls `tie(a, b)` with the two vertices of every observation, a fixed pose as observed from the World.
+template <int Dim, typename Tie>
+void for_each_tie(const Log<Dim>& log, Tie&& tie) {
+  const TieVertices of = vertices_of(log);
+  for (const auto* list : {&log.odometry, &log.closures, &log.pose_priors}) {
+    for (const auto& o : *list) tie(of.pose(o.base), of.pose(o.target));
+  }
+  for (const auto* list : {&log.observations, &log.feature_priors}) {
+    for (const auto& o : *list) tie(of.pose(o.base), of.feature(o.target));
+  }
+  for (const auto& fixed : log.fixed) tie(of.pose(kWorld), of.pose(fixed.pose));
+}
+
+/// The same; a map ties its base to each of its targets.
+template <int Dim, typename Tie>
+void for_each_tie(const MapSet<Dim>& set, Tie&& tie) {
+  const TieVertices of = vertices_of(set);
+  for (const auto& map : set.maps) {
+    for (const Index pose : map.poses) tie(of.pose(map.base), of.pose(pose));
+    for (const Index feature : map.features) tie(of.pose(map.base), of.feature(feature));
+  }
+  for (const auto& o : set.pose_observations) tie(of.pose(o.base), of.pose(o.target));
+  for (const auto& o : set.feature_observations) tie(of.pose(o.base), of.feature(o.target));
+  for (const auto& fixed : set.fixed) tie(of.pose(kWorld), of.pose(fixed.pose));
+}
+
+}  // namespace mapjoin

@@ -1,0 +1,151 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <algorithm>
+#include <boost/graph/adjacency_list.hpp>
+#include <boost/graph/biconnected_components.hpp>
+#include <cstdint>
+#include <limits>
+#include <map>
+#include <mapjoin/graph/components.hpp>
+#include <mapjoin/graph/ties.hpp>
+#include <mapjoin/graph/weak_links.hpp>
+#include <utility>
+
+namespace mapjoin {
+namespace {
+
+using Edge = std::pair<std::uint32_t, std::uint32_t>;
+using Graph = boost::adjacency_list<boost::vecS, boost::vecS, boost::undirectedS, boost::no_property,
+                                    boost::property<boost::edge_index_t, std::size_t>>;
+
+/// The edges of a graph without loops, each once, the smaller end first, and whether there are several of it.
+struct Edges {
+  std::vector<Edge> ends;
+  std::vector<bool> is_repeated;
+};
+
+template <typename Tied>
+Edges edges_of(const Tied& tied) {
+  std::vector<Edge> all;
+  for_each_tie(tied, [&](std::size_t a, std::size_t b) {
+    all.emplace_back(static_cast<std::uint32_t>(std::min(a, b)), static_cast<std::uint32_t>(std::max(a, b)));
+  });
+  std::sort(all.begin(), all.end());
+  Edges edges;
+  for (const Edge& edge : all) {
+    if (!edges.ends.empty() && edges.ends.back() == edge) {
+      edges.is_repeated.back() = true;
+    } else {
+      edges.ends.push_back(edge);
+      edges.is_repeated.push_back(false);
+    }
+  }
+  return edges;
+}
+
+/// Per vertex its degree in what is left when vertices with one edge are taken away, again and again: 0, or 2 and more.
+std::vector<std::size_t> core_degrees(const Graph& graph) {
+  std::vector<std::size_t> degree(num_vertices(graph));
+  std::vector<std::size_t> leaves;
+  for (std::size_t v = 0; v < degree.size(); ++v) {
+    degree[v] = out_degree(v, graph);
+    if (degree[v] == 1) leaves.push_back(v);
+  }
+  while (!leaves.empty()) {
+    const std::size_t leaf = leaves.back();
+    leaves.pop_back();
+    if (degree[leaf] == 0) continue;
+    degree[leaf] = 0;
+    for (auto [v, end] = adjacent_vertices(leaf, graph); v != end; ++v) {
+      if (degree[*v] > 0 && --degree[*v] == 1) leaves.push_back(*v);
+    }
+  }
+  return degree;
+}
+
+/// The biconnected component of every edge.
+std::vector<std::size_t> edge_components(const Graph& graph) {
+  std::vector<std::size_t> component(num_edges(graph));
+  biconnected_components(graph, boost::make_iterator_property_map(component.begin(), get(boost::edge_index, graph)));
+  return component;
+}
+
+/// Bridges are in one chain where they meet at a vertex that has no other edge.
+std::vector<LoneChain> chains_of(const std::vector<Edge>& bridges, const std::vector<std::size_t>& degree) {
+  std::map<std::size_t, std::size_t> bridge_at;  // Of the vertices of two edges, the bridge that was there first.
+  Components together(bridges.size());
+  for (std::size_t b = 0; b < bridges.size(); ++b) {
+    for (const std::size_t v : {bridges[b].first, bridges[b].second}) {
+      if (degree[v] != 2) continue;
+      const auto [first, is_new] = bridge_at.emplace(v, b);
+      if (!is_new) together.tie(first->second, b);
+    }
+  }
+  std::map<std::size_t, LoneChain> chains;
+  for (std::size_t b = 0; b < bridges.size(); ++b) {
+    LoneChain& chain = chains.emplace(together.root(b), LoneChain{bridges[b].first, 0, 0}).first->second;
+    chain.first = std::min<std::size_t>(chain.first, bridges[b].first);
+    chain.last = std::max<std::size_t>(chain.last, bridges[b].second);
+    ++chain.edges;
+  }
+  std::vector<LoneChain> sorted;
+  for (const auto& [root, chain] : chains) sorted.push_back(chain);
+  std::sort(sorted.begin(), sorted.end(), [](const auto& a, const auto& b) { return a.first < b.first; });
+  return sorted;
+}
+
+/// The features in several of the components, edges outside of the core left out.
+std::vector<std::size_t> cut_features(const std::vector<Edge>& edges, const std::vector<std::size_t>& component,
+                                      const std::vector<std::size_t>& degree, const TieVertices& vertices) {
+  constexpr std::size_t kNone = std::numeric_limits<std::size_t>::max();
+  std::vector<std::size_t> component_of(vertices.features, kNone);
+  std::vector<std::size_t> features;
+  for (std::size_t e = 0; e < edges.size(); ++e) {
+    const std::size_t v = edges[e].second;  // Features come last.
+    if (!vertices.is_feature(v) || degree[edges[e].first] == 0 || degree[v] == 0) continue;
+    std::size_t& known = component_of[v - 1 - vertices.poses];
+    if (known != kNone && known != component[e]) features.push_back(v);
+    known = component[e];
+  }
+  std::sort(features.begin(), features.end());
+  features.erase(std::unique(features.begin(), features.end()), features.end());
+  return features;
+}
+
+template <typename Tied>
+WeakLinks links_of(const Tied& tied) {
+  const TieVertices vertices = vertices_of(tied);
+  const Edges edges = edges_of(tied);
+  Graph graph(vertices.size());
+  for (std::size_t e = 0; e < edges.ends.size(); ++e) add_edge(edges.ends[e].first, edges.ends[e].second, e, graph);
+  const std::vector<std::size_t> degree = core_degrees(graph);
+  const std::vector<std::size_t> component = edge_components(graph);
+  std::vector<std::size_t> size(edges.ends.size());
+  for (const std::size_t c : component) ++size[c];
+
+  std::vector<Edge> bridges;
+  for (std::size_t e = 0; e < edges.ends.size(); ++e) {
+    const auto [a, b] = edges.ends[e];
+    const bool is_bridge = size[component[e]] == 1 && !edges.is_repeated[e] && degree[a] > 0 && degree[b] > 0;
+    if (is_bridge && !vertices.is_feature(b)) bridges.push_back(edges.ends[e]);
+  }
+  return {chains_of(bridges, degree), cut_features(edges.ends, component, degree, vertices)};
+}
+
+}  // namespace
+
+template <int Dim>
+WeakLinks weak_links(const Log<Dim>& log) {
+  return links_of(log);
+}
+
+template <int Dim>
+WeakLinks weak_links(const MapSet<Dim>& set) {
+  return links_of(set);
+}
+
+template WeakLinks weak_links(const Log<2>&);
+template WeakLinks weak_links(const Log<3>&);
+template WeakLinks weak_links(const MapSet<2>&);
+template WeakLinks weak_links(const MapSet<3>&);
+
+}  // namespace mapjoin

@@ -1,0 +1,125 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <tests/apps/command.hpp>
+#include <tests/support/data.hpp>
+
+namespace mapjoin::testing {
+namespace {
+
+using nlohmann::json;
+using ::testing::HasSubstr;
+using ::testing::Not;
+
+json checked(std::vector<std::string> arguments, int exit_code) {
+  arguments.insert(arguments.begin(), "check");
+  arguments.insert(arguments.end(), {"--report", "-"});
+  const Ended ended = call(arguments);
+  EXPECT_EQ(ended.exit_code, exit_code) << ended.err << ended.out;
+  return json::parse(ended.out);
+}
+
+/// The finding of this name; null where there is none.
+json finding(const json& report, const std::string& check) {
+  for (const json& finding : report["findings"]) {
+    if (finding["check"] == check) return finding;
+  }
+  return nullptr;
+}
+
+TEST(Check, HasNothingToSayOfTheBundledLogs) {
+  for (const char* log : {"manhattan2d.g2o", "manhattan3d.g2o"}) {
+    const Ended ended = call({"check", (kBundledData / log).string()});
+    EXPECT_EQ(ended.exit_code, 0) << ended.err;
+    EXPECT_THAT(ended.out, HasSubstr("nothing to warn of"));
+    EXPECT_THAT(ended.out, Not(HasSubstr("warning")));
+  }
+}
+
+TEST(Check, WeighsResidualsAtTheJoinedMap) {
+  const std::string log = (kBundledData / "manhattan2d.g2o").string();
+  const json report = checked({log}, 0);
+  double chi2 = 0.0;
+  for (const json& fit : report["fits"]) chi2 += fit["chi2"].get<double>();
+  EXPECT_NEAR(chi2, 4702.179445, 1e-5);
+  EXPECT_EQ(report["dof"], 4762);
+  EXPECT_EQ(report["estimate"], "joined");
+  EXPECT_TRUE(checked({log, "--estimate", "none"}, 0)["fits"].empty());
+}
+
+TEST(Check, EndsWithOneWhereThereIsSomethingToLookAt) {
+  const TemporaryFolder folder;
+  const auto log = folder.file("log.g2o", kSmallLog + "EDGE_SE2 0 1 1 0 0 1 0 0 1 0 1\n");
+  const json copies = finding(checked({log.string()}, 1), "copies");
+  EXPECT_EQ(copies["level"], "warning");
+  EXPECT_EQ(copies["count"], 1);
+  EXPECT_EQ(copies["where"], json({"pose 0 to pose 1"}));
+}
+
+TEST(Check, ReportsALogThatFallsApartInsteadOfRefusingIt) {
+  const TemporaryFolder folder;
+  const auto log = folder.file("log.g2o", kSmallLog + "EDGE_SE2 8 9 1 0 0 1 0 0 1 0 1\n");
+  const json report = checked({log.string()}, 1);
+  EXPECT_EQ(finding(report, "parts")["level"], "error");
+  EXPECT_EQ(report["dof"], nullptr);
+}
+
+TEST(Check, ReportsWhatTheNumbersLeaveUndetermined) {
+  const TemporaryFolder folder;
+  const auto log = folder.file("log.g2o", "EDGE_SE2 0 1 1 0 0 1 0 0 1 0 0\nEDGE_SE2 1 2 1 0 0 1 0 0 1 0 1\n");
+  EXPECT_THAT(finding(checked({log.string()}, 1), "undetermined")["text"].get<std::string>(), HasSubstr("pose"));
+}
+
+TEST(Check, TakesTheFilesOwnValuesWhereAskedTo) {
+  const TemporaryFolder folder;
+  const std::string map = (folder.path() / "map.g2o").string();
+  ASSERT_EQ(call({"solve", (kBundledData / "manhattan2d.g2o").string(), "-o", map}).exit_code, 0);
+  EXPECT_TRUE(checked({map, "--estimate", "file"}, 0)["findings"].size() == 1);  // Of the feature that is seen once.
+  std::string text = content_of(map);
+  const std::string vertex = "VERTEX_SE2 500 ";
+  text.insert(text.find(vertex) + vertex.size(), "100");  // Away by a hundred metres or more.
+  const json moved = checked({folder.file("moved.g2o", text).string(), "--estimate", "file"}, 1);
+  EXPECT_THAT(finding(moved, "outliers")["where"][0].get<std::string>(), HasSubstr("pose 500"));
+  const Ended without = call({"check", folder.file("bare.g2o", kSmallLog).string(), "--estimate", "file"});
+  EXPECT_EQ(without.exit_code, 2);
+  EXPECT_THAT(without.err, HasSubstr("no values"));
+}
+
+TEST(Check, CannotReadWhatIsNoLog) {
+  const TemporaryFolder folder;
+  EXPECT_EQ(call({"check", folder.file("log.g2o", "EDGE_SE2 0 1 nan\n").string()}).exit_code, 3);
+}
+
+TEST(Check, ChecksStoresAndWritesItsReportBesideTheSummary) {
+  const TemporaryFolder folder;
+  const std::string store = (folder.path() / "maps").string();
+  const std::string report = (folder.path() / "report.json").string();
+  ASSERT_EQ(call({"build", (kBundledData / "manhattan2d.g2o").string(), "-o", store, "--poses-per-map", "50"}).exit_code, 0);
+  const Ended ended = call({"check", store, "--report", report});
+  EXPECT_EQ(ended.exit_code, 0) << ended.err;
+  EXPECT_THAT(ended.out, HasSubstr("odometry: "));
+  EXPECT_EQ(json::parse(content_of(report))["poses"], 1000);
+}
+
+TEST(CheckData, FindsWhatIsKnownOfPublicData) {
+  const json vicpark = checked({data_file("vicpark-6898/vicpark6898.g2o.gz").string()}, 1);
+  EXPECT_TRUE(finding(vicpark, "too_cautious").is_object());
+  EXPECT_EQ(vicpark["findings"].size(), 1u);
+
+  // The associations that were corrected later are what does not fit.
+  const json dlr = checked({data_file("dlr/map.circles.gz").string()}, 1);
+  const json corrected = checked({data_file("dlr/dlr_corrected.txt.gz").string()}, 1);
+  EXPECT_GT(finding(dlr, "outliers")["count"].get<int>(), 3 * finding(corrected, "outliers")["count"].get<int>() / 2);
+  EXPECT_EQ(finding(dlr, "unassociated")["count"], 436);
+
+  EXPECT_TRUE(finding(checked({data_file("dlr-200-local-maps").string()}, 1), "too_certain").is_object());
+  const json csail = checked({data_file("pose-graphs-2d/CSAIL.g2o.gz").string()}, 1);
+  EXPECT_EQ(finding(csail, "copies")["count"], 1);
+  const json klinik = checked({data_file("pose-graphs-2d/ais2klinik.g2o.gz").string()}, 1);
+  EXPECT_EQ(finding(klinik, "breaks")["count"], 1);
+}
+
+}  // namespace
+}  // namespace mapjoin::testing

@@ -1,0 +1,123 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <mapjoin/check/structure.hpp>
+#include <mapjoin/model/log_builder.hpp>
+#include <tests/support/dimensions.hpp>
+#include <tests/support/small_world.hpp>
+
+namespace mapjoin::testing {
+namespace {
+
+using ::testing::ElementsAre;
+
+std::vector<std::string> checks_of(const Findings& findings, FindingLevel level) {
+  std::vector<std::string> checks;
+  for (const Finding& finding : findings) {
+    if (finding.level == level) checks.push_back(finding.check);
+  }
+  return checks;
+}
+
+const Finding& finding_of(const Findings& findings, const std::string& check) {
+  const auto found = std::find_if(findings.begin(), findings.end(), [&](const auto& f) { return f.check == check; });
+  if (found == findings.end()) throw std::runtime_error("there is no " + check);
+  return *found;
+}
+
+template <typename Dimension>
+class Structure : public ::testing::Test {};
+TYPED_TEST_SUITE(Structure, Dimensions);
+
+TYPED_TEST(Structure, OfALogThatHangsTogetherIsFine) {
+  constexpr int Dim = TypeParam::value;
+  const auto world = small_world<Dim>();
+  EXPECT_TRUE(checks_of(check_structure(world.log), FindingLevel::kWarning).empty());
+  EXPECT_TRUE(checks_of(check_structure(world.log), FindingLevel::kError).empty());
+}
+
+TYPED_TEST(Structure, NamesPartsThatNothingTiesTogether) {
+  constexpr int Dim = TypeParam::value;
+  LogBuilder<Dim> builder("some.g2o");
+  builder.add_pose_edge({0, 0}, {0, 1}, {}, PoseMatrix<Dim>::Identity());
+  builder.add_pose_edge({0, 5}, {0, 6}, {}, PoseMatrix<Dim>::Identity());
+  builder.add_feature({9}, Point<Dim>::Zero());
+  const Findings findings = check_structure(std::move(builder).finish().value());
+  EXPECT_THAT(checks_of(findings, FindingLevel::kError), ElementsAre("parts", "unobserved"));
+  EXPECT_THAT(finding_of(findings, "parts").where.names, ElementsAre("pose 0", "pose 5"));
+  EXPECT_THAT(finding_of(findings, "unobserved").where.names, ElementsAre("feature 9"));
+  EXPECT_THAT(finding_of(findings, "breaks").where.names, ElementsAre("pose 1 to pose 5"));
+}
+
+/// Two sessions of four poses each that see `shared` features both, and five of their own.
+template <int Dim>
+Log<Dim> two_sessions(std::size_t shared) {
+  LogBuilder<Dim> builder("some.g2o");
+  for (std::uint32_t session = 0; session < 2; ++session) {
+    for (std::uint64_t k = 0; k + 1 < 4; ++k) {
+      builder.add_pose_edge({session, k}, {session, k + 1}, {}, PoseMatrix<Dim>::Identity());
+    }
+    const auto see = [&](std::uint64_t feature) {
+      for (const std::uint64_t pose : {0, 3}) {
+        builder.add_observation({session, pose}, {feature}, Point<Dim>::Zero(), PointMatrix<Dim>::Identity());
+      }
+    };
+    for (std::size_t f = 0; f < shared; ++f) see(f);
+    for (std::size_t f = 0; f < 5; ++f) see(100 * (session + 1) + f);
+  }
+  return std::move(builder).finish().value();
+}
+
+TYPED_TEST(Structure, CountsTheFeaturesThatHoldSessionsTogether) {
+  constexpr int Dim = TypeParam::value;
+  EXPECT_THAT(checks_of(check_structure(two_sessions<Dim>(0)), FindingLevel::kError), ElementsAre("parts"));
+  const Findings loose = check_structure(two_sessions<Dim>(1));
+  EXPECT_THAT(checks_of(loose, FindingLevel::kError), ElementsAre("loose_body"));
+  EXPECT_THAT(checks_of(loose, FindingLevel::kWarning), ElementsAre("weak_feature"));
+  EXPECT_EQ(finding_of(loose, "loose_body").where.count, 2u);
+  EXPECT_THAT(checks_of(check_structure(two_sessions<Dim>(Dim)), FindingLevel::kWarning), ElementsAre("weak_body"));
+  const Findings held = check_structure(two_sessions<Dim>(Dim + 1));
+  EXPECT_TRUE(checks_of(held, FindingLevel::kError).empty());
+  EXPECT_TRUE(checks_of(held, FindingLevel::kWarning).empty());
+}
+
+TYPED_TEST(Structure, OfLocalMapsOnlyNotesFeaturesOfOneMap) {
+  constexpr int Dim = TypeParam::value;
+  MapSet<Dim> set;
+  set.poses = {{0, 0}, {0, 1}, {0, 2}};
+  for (std::uint64_t f = 0; f < 30; ++f) set.features.push_back({f});
+  for (Index k = 0; k < 2; ++k) {
+    LocalMap<Dim> map;
+    map.base = k;
+    map.poses = {k + 1};
+    for (Index f = k == 0 ? 0 : 20; f < (k == 0 ? 22 : 30); ++f) map.features.push_back(f);
+    set.maps.push_back(map);
+  }
+  const Findings findings = check_structure(set);
+  ASSERT_EQ(findings.size(), 1u);
+  EXPECT_EQ(findings[0].check, "seen_once");
+  EXPECT_EQ(findings[0].level, FindingLevel::kNote);
+  EXPECT_EQ(findings[0].where.count, 28u);
+}
+
+TYPED_TEST(Structure, WarnsOfFeaturesSeenOnceOnlyWhereTheyAreMost) {
+  constexpr int Dim = TypeParam::value;
+  const auto log_with = [](std::uint64_t once) {
+    LogBuilder<Dim> builder("some.g2o");
+    builder.add_pose_edge({0, 0}, {0, 1}, {}, PoseMatrix<Dim>::Identity());
+    for (std::uint64_t f = 0; f < 30; ++f) {
+      for (std::uint64_t pose = 0; pose < (f < once ? 1 : 2); ++pose) {
+        builder.add_observation({0, pose}, {f}, Point<Dim>::Zero(), PointMatrix<Dim>::Identity());
+      }
+    }
+    return std::move(builder).finish().value();
+  };
+  EXPECT_EQ(finding_of(check_structure(log_with(15)), "seen_once").level, FindingLevel::kNote);
+  const Findings most = check_structure(log_with(16));
+  EXPECT_EQ(finding_of(most, "seen_once").level, FindingLevel::kWarning);
+  EXPECT_EQ(finding_of(most, "seen_once").where.count, 16u);
+}
+
+}  // namespace
+}  // namespace mapjoin::testing
