@@ -2,7 +2,10 @@
 #pragma once
 // What the command tells the shell.
 
+#include <array>
 #include <mapjoin/model/error.hpp>
+#include <string_view>
+#include <utility>
 
 namespace mapjoin::apps {
 
@@ -17,6 +20,18 @@ enum class ExitCode : int {
   kTooLarge = 6,
   kInterrupted = 130,
 };
+
+/// What the help and the manual say of them.
+inline constexpr std::array<std::pair<ExitCode, std::string_view>, 8> kExitCodes = {{
+    {ExitCode::kDone, "done"},
+    {ExitCode::kInternalError, "internal error"},
+    {ExitCode::kUsage, "usage"},
+    {ExitCode::kBadInput, "bad input"},
+    {ExitCode::kDidNotConverge, "did not converge (the result is written)"},
+    {ExitCode::kCannotWrite, "cannot write"},
+    {ExitCode::kTooLarge, "too large"},
+    {ExitCode::kInterrupted, "interrupted"},
+}};
 
 inline ExitCode exit_code_of(ErrorKind kind) {
   switch (kind) {

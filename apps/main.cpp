@@ -5,23 +5,15 @@
 
 #include <CLI/App.hpp>
 #include <CLI/Config.hpp>
-#include <CLI/Formatter.hpp>
 #include <algorithm>
-#include <apps/commands.hpp>
+#include <apps/command_line.hpp>
 #include <apps/console.hpp>
 #include <apps/interruption.hpp>
 #include <exception>
-#include <mapjoin/version.hpp>
-#include <memory>
 #include <new>
-#include <vector>
 
 namespace mapjoin::apps {
 namespace {
-
-constexpr const char* kDescription =
-    "Builds large maps from many small ones: splits a log of odometry and feature observations into local maps, joins them, "
-    "and polishes the result to the optimum of the whole log.";
 
 /// Of --help and --version.
 Expected<ExitCode> told(const std::string& text) {
@@ -40,17 +32,8 @@ tl::unexpected<Error> misused(const CLI::App& app, const std::string& what) {
 
 Expected<ExitCode> parse_and_run(int argc, char** argv) {
   const Interruption interruption;
-  CLI::App app(kDescription, "mapjoin");
-  app.get_formatter()->column_width(36);
-  app.get_formatter()->label("SUBCOMMAND", "COMMAND");
-  app.set_help_flag("-h,--help", "This text");
-  app.set_version_flag("--version", fmt::format("mapjoin {}", kVersion));
-  app.require_subcommand(1);
-  app.footer(
-      "`mapjoin COMMAND --help` lists a command's options, with examples.\n"
-      "Exit codes: 0 done, 1 internal error, 2 usage, 3 bad input, 4 did not converge (the result is written),\n"
-      "5 cannot write, 6 too large, 130 interrupted.");
-  const auto commands = all_commands(app);
+  const CommandLine line = command_line();
+  CLI::App& app = *line.app;
   try {
     app.parse(argc, argv);
   } catch (const CLI::CallForHelp&) {
@@ -60,7 +43,8 @@ Expected<ExitCode> parse_and_run(int argc, char** argv) {
   } catch (const CLI::ParseError& error) {
     return misused(app, error.what());
   }
-  const auto chosen = std::find_if(commands.begin(), commands.end(), [](const auto& command) { return command->is_chosen(); });
+  const auto chosen =
+      std::find_if(line.commands.begin(), line.commands.end(), [](const auto& command) { return command->is_chosen(); });
   auto done = (*chosen)->run(interruption.token());
   if (!done && interruption.token().stop_requested()) return tl::unexpected(Error{ErrorKind::kInterrupted, "interrupted"});
   return done;

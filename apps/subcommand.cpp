@@ -39,6 +39,9 @@ std::string check_path(const std::string& word) {
   return word.empty() ? "is empty" : "";
 }
 
+/// Of every option that names a file or a folder; has_path() finds it by its name.
+const CLI::Validator kPath(check_path, "", "path");
+
 }  // namespace
 
 Subcommand::Subcommand(CLI::App& parent, const std::string& name, const std::string& description, const std::string& examples)
@@ -53,11 +56,11 @@ CLI::Option& Subcommand::grouped(CLI::Option& option) const {
 }
 
 void Subcommand::argument(const std::string& name, std::filesystem::path& value, const std::string& help) {
-  app_->add_option(name, value, help)->required()->check(check_path)->type_name("");
+  app_->add_option(name, value, help)->required()->check(kPath)->type_name("");
 }
 
 void Subcommand::arguments(const std::string& name, std::vector<std::filesystem::path>& values, const std::string& help) {
-  app_->add_option(name, values, help)->required()->check(check_path)->type_name("");
+  app_->add_option(name, values, help)->required()->check(kPath)->type_name("");
 }
 
 void Subcommand::flag(const std::string& name, bool& value, const std::string& help) {
@@ -71,12 +74,12 @@ void Subcommand::refusal(const std::string& name, bool& value, const std::string
 
 void Subcommand::path(const std::string& names, std::filesystem::path& value, const std::string& kind,
                       const std::string& help) {
-  grouped(*app_->add_option(names, value, help)->check(check_path)->type_name(kind));
+  grouped(*app_->add_option(names, value, help)->check(kPath)->type_name(kind));
 }
 
 void Subcommand::output(const std::string& names, std::filesystem::path& value, const std::string& kind,
                         const std::string& help) {
-  grouped(*app_->add_option(names, value, help)->required()->check(check_path)->type_name(kind));
+  grouped(*app_->add_option(names, value, help)->required()->check(kPath)->type_name(kind));
 }
 
 void Subcommand::option(const std::string& name, const std::string& kind, const std::string& help, Take take) {

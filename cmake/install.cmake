@@ -9,6 +9,10 @@ install(TARGETS mapjoin COMPONENT command)
 install(FILES README.md DESTINATION ${CMAKE_INSTALL_DOCDIR} COMPONENT command)
 install(DIRECTORY docs data DESTINATION ${CMAKE_INSTALL_DOCDIR} COMPONENT command PATTERN Doxyfile EXCLUDE)
 
+install(DIRECTORY ${MAPJOIN_MANUAL}/man1 DESTINATION ${CMAKE_INSTALL_MANDIR} COMPONENT command FILES_MATCHING PATTERN *.gz)
+install(FILES ${MAPJOIN_MANUAL}/bash/mapjoin DESTINATION ${CMAKE_INSTALL_DATAROOTDIR}/bash-completion/completions COMPONENT command)
+install(FILES ${MAPJOIN_MANUAL}/zsh/_mapjoin DESTINATION ${CMAKE_INSTALL_DATAROOTDIR}/zsh/site-functions COMPONENT site)
+
 install(TARGETS mapjoin_core mapjoin_localmap mapjoin_join EXPORT mapjoin-targets COMPONENT development)
 install(EXPORT mapjoin-targets NAMESPACE mapjoin:: DESTINATION ${package_folder} COMPONENT development)
 install(DIRECTORY lib/ DESTINATION ${header_folder} COMPONENT development FILES_MATCHING PATTERN *.hpp)

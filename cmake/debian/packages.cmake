@@ -44,7 +44,6 @@ whole log. This package holds the C++20 headers, the static libraries, and the
 packages for CMake and pkg-config.")
 
 # Each package carries its licence and changes; a plain `cmake --install` leaves them out.
-find_program(GZIP gzip REQUIRED)
 string(TIMESTAMP release_date "%a, %d %b %Y %H:%M:%S +0000" UTC)
 configure_file(${debian}/changelog.in ${CMAKE_CURRENT_BINARY_DIR}/debian/changelog.Debian @ONLY)
 configure_file(CHANGELOG.md ${CMAKE_CURRENT_BINARY_DIR}/debian/changelog COPYONLY)
@@ -57,5 +56,9 @@ foreach(component command development)
     FILES ${debian}/copyright ${CMAKE_CURRENT_BINARY_DIR}/debian/changelog.Debian.gz ${CMAKE_CURRENT_BINARY_DIR}/debian/changelog.gz
     DESTINATION ${CMAKE_INSTALL_DATAROOTDIR}/doc/${CPACK_DEBIAN_${id}_PACKAGE_NAME} COMPONENT ${component} EXCLUDE_FROM_ALL)
 endforeach()
+
+# Where Debian's zsh looks.
+install(FILES ${MAPJOIN_MANUAL}/zsh/_mapjoin DESTINATION ${CMAKE_INSTALL_DATAROOTDIR}/zsh/vendor-completions
+  COMPONENT command EXCLUDE_FROM_ALL)
 
 include(CPack)

@@ -5,4 +5,4 @@ set -euo pipefail
 command -v lintian >/dev/null || { echo "lintian is not installed"; exit 77; }
 # Nobody asked Debian for these packages; and there is one folder for libraries, not one for each machine.
 lintian --allow-root --fail-on error,warning \
-  --suppress-tags no-manual-page,initial-upload-closes-no-bugs,pkg-config-unavailable-for-cross-compilation "$1"/*.deb
+  --suppress-tags initial-upload-closes-no-bugs,pkg-config-unavailable-for-cross-compilation "$1"/*.deb

@@ -1,0 +1,71 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <fmt/format.h>
+
+#include <CLI/App.hpp>
+#include <CLI/Config.hpp>
+#include <CLI/Formatter.hpp>
+#include <apps/command_line.hpp>
+#include <apps/commands.hpp>
+#include <mapjoin/version.hpp>
+#include <sstream>
+
+namespace mapjoin::apps {
+namespace {
+
+constexpr const char* kDescription =
+    "Builds large maps from many small ones: splits a log of odometry and feature observations into local maps, joins them, "
+    "and polishes the result to the optimum of the whole log.";
+
+constexpr std::size_t kWidth = 120;      ///< Of the help, in characters.
+constexpr std::size_t kNameColumn = 36;  ///< Of it, for the names of options.
+
+/// CLI11's, with lines that end between words.
+class HelpFormatter : public CLI::Formatter {
+ public:
+  std::string make_description(const CLI::App* app) const override { return wrapped(app->get_description(), kWidth) + "\n"; }
+  std::string make_option_desc(const CLI::Option* option) const override {
+    return wrapped(option->get_description(), kWidth - kNameColumn);
+  }
+};
+
+std::string footer() {
+  std::string exit_codes = "Exit codes:";
+  for (const auto& [code, meaning] : kExitCodes) exit_codes += fmt::format(" {} {},", static_cast<int>(code), meaning);
+  exit_codes.back() = '.';
+  return "`mapjoin COMMAND --help` lists a command's options, with examples.\n" + wrapped(exit_codes, kWidth);
+}
+
+}  // namespace
+
+std::string wrapped(const std::string& text, std::size_t width) {
+  std::istringstream words(text);
+  std::string lines;
+  std::size_t length = 0;
+  for (std::string word; words >> word; length += word.size()) {
+    if (length > 0 && length + 1 + word.size() > width) {
+      lines += '\n';
+      length = 0;
+    } else if (length > 0) {
+      lines += ' ';
+      ++length;
+    }
+    lines += word;
+  }
+  return lines;
+}
+
+CommandLine command_line() {
+  CommandLine line{std::make_shared<CLI::App>(kDescription, "mapjoin"), {}};
+  CLI::App& app = *line.app;
+  app.formatter(std::make_shared<HelpFormatter>());
+  app.get_formatter()->column_width(kNameColumn);
+  app.get_formatter()->label("SUBCOMMAND", "COMMAND");
+  app.set_help_flag("-h,--help", "This text");
+  app.set_version_flag("--version", fmt::format("mapjoin {}", kVersion), "The version");
+  app.require_subcommand(1);
+  app.footer(footer());
+  line.commands = all_commands(app);
+  return line;
+}
+
+}  // namespace mapjoin::apps
