@@ -24,7 +24,7 @@ enum class ExitCode : int {
 /// What the help and the manual say of them.
 inline constexpr std::array<std::pair<ExitCode, std::string_view>, 8> kExitCodes = {{
     {ExitCode::kDone, "done"},
-    {ExitCode::kInternalError, "internal error"},
+    {ExitCode::kInternalError, "internal error (of check: there are findings)"},
     {ExitCode::kUsage, "usage"},
     {ExitCode::kBadInput, "bad input"},
     {ExitCode::kDidNotConverge, "did not converge (the result is written)"},

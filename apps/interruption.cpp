@@ -3,6 +3,7 @@
 #include <unistd.h>
 
 #include <apps/interruption.hpp>
+#include <atomic>
 #include <cerrno>
 #include <chrono>
 #include <csignal>
@@ -14,16 +15,23 @@ namespace {
 
 /// A handler may do little more than write a byte: a thread at the other end of this pipe does the rest.
 int signal_pipe[2] = {-1, -1};
+std::atomic<bool> signal_has_come = false;
+static_assert(std::atomic<bool>::is_always_lock_free);
 constexpr std::chrono::milliseconds kAgainAfter(50);
 
 extern "C" void on_signal(int) {
   const int errno_before = errno;
+  signal_has_come = true;
   const char byte = 0;
   [[maybe_unused]] const auto written = ::write(signal_pipe[1], &byte, 1);
   errno = errno_before;
 }
 
 }  // namespace
+
+bool Interruption::has_come() const {
+  return signal_has_come;
+}
 
 Interruption::Interruption() {
   std::signal(SIGPIPE, SIG_IGN);

@@ -12,6 +12,8 @@ class Interruption {
  public:
   Interruption();
   std::stop_token token() const { return source_.get_token(); }
+  /// Whether a signal has come. The token hears of it a moment later: a call that the signal ended may be back before.
+  bool has_come() const;
 
  private:
   std::stop_source source_;

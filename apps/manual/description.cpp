@@ -30,14 +30,16 @@ Parameter parameter_of(CLI::Option& option) {
   return parameter;
 }
 
-/// The indented lines below "Examples:".
-std::vector<std::string> examples_in(const std::string& footer) {
+/// The indented lines below "Examples:", and the others.
+void take_footer(const std::string& footer, Command& command) {
   std::istringstream lines(footer);
-  std::vector<std::string> examples;
   for (std::string line; std::getline(lines, line);) {
-    if (line.starts_with("  ")) examples.push_back(line.substr(2));
+    if (line.starts_with("  ")) {
+      command.examples.push_back(line.substr(2));
+    } else if (line != "Examples:") {
+      command.notes.push_back(line);
+    }
   }
-  return examples;
 }
 
 bool is_word(const std::string& part) {
@@ -48,7 +50,8 @@ bool is_word(const std::string& part) {
 }  // namespace
 
 Command describe(CLI::App& app) {
-  Command command{app.get_name(), app.get_description(), {}, {}, examples_in(app.get_footer())};
+  Command command{app.get_name(), app.get_description(), {}, {}, {}, {}};
+  take_footer(app.get_footer(), command);
   for (CLI::Option* option : app.get_options()) {
     if (option->get_positional()) {
       command.arguments.push_back(parameter_of(*option));

@@ -31,6 +31,7 @@ struct Command {
   std::vector<Parameter> arguments;
   std::vector<Group> groups;
   std::vector<std::string> examples;
+  std::vector<std::string> notes;  ///< What the help says below the examples.
 };
 
 /// Of a subcommand, or of the whole command, which has no examples.

@@ -103,7 +103,10 @@ std::string man_page(const Command& command, const std::vector<Command>& all) {
   text += options_of(command);
   text += section("Examples") + ".EX\n";
   for (const std::string& example : command.examples) text += escaped(example) + "\n";
-  return text + ".EE\n" + exit_status() + see_also(all, command.name);
+  text += ".EE\n";
+  if (!command.notes.empty()) text += section("Notes");
+  for (const std::string& note : command.notes) text += escaped(note) + "\n";
+  return text + exit_status() + see_also(all, command.name);
 }
 
 std::string man_page_of_all(const Command& mapjoin, const std::vector<Command>& all) {

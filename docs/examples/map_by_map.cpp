@@ -1,0 +1,25 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// map_by_map LOG: local maps joined one by one, the estimate at its optimum after each.
+#include <iostream>
+#include <mapjoin/io/open_log.hpp>
+#include <mapjoin/join/incremental/incremental_join.hpp>
+#include <mapjoin/localmap/build.hpp>
+#include <variant>
+
+int main(int, char** argv) {
+  using namespace mapjoin;
+  const auto read = open_log(argv[1]);
+  if (!read || !std::holds_alternative<Log<2>>(*read)) return 1;
+  const auto& log = std::get<Log<2>>(*read);
+
+  Split stretches = split(log, {SplitRule::kPoses, 10.0});
+  const auto built = build_local_maps(log, stretches, BuildOptions{});
+  if (!built) return 1;
+
+  IncrementalJoin<2> joined;
+  std::size_t added = 0;
+  for (const Part<2>& part : parts_of(log, stretches, built->maps)) {
+    const AddedPart step = joined.add(part);
+    if (++added % 25 == 0) std::cout << added << " maps: chi2 " << step.chi2 << " over " << step.dof << '\n';
+  }
+}

@@ -1,0 +1,19 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// progress LOG: a run that says how far it is, and is stopped by another thread.
+#include <iostream>
+#include <mapjoin/io/open_log.hpp>
+#include <mapjoin/join/run.hpp>
+#include <variant>
+
+int main(int, char** argv) {
+  const auto log = mapjoin::open_log(argv[1]);
+  if (!log) return 1;
+  std::stop_source stop;
+  mapjoin::RunOptions options;
+  options.progress = [&stop](mapjoin::Stage stage, std::size_t done, std::size_t all) {
+    if (stage != mapjoin::Stage::kBuild) return;
+    if (2 * done >= all) stop.request_stop();  // From any thread: here as soon as half of the maps are built.
+  };
+  const auto result = mapjoin::run(std::get<mapjoin::Log<2>>(*log), options, stop.get_token());
+  if (!result && result.error().kind == mapjoin::ErrorKind::kInterrupted) std::cout << "stopped half-way\n";
+}
