@@ -8,6 +8,7 @@
 #include <apps/commands.hpp>
 #include <mapjoin/version.hpp>
 #include <sstream>
+#include <utility>
 
 namespace mapjoin::apps {
 namespace {
@@ -19,9 +20,14 @@ constexpr const char* kDescription =
 constexpr std::size_t kWidth = 120;      ///< Of the help, in characters.
 constexpr std::size_t kNameColumn = 36;  ///< Of it, for the names of options.
 
-/// CLI11's, with lines that end between words.
+/// CLI11's, with lines that end between words, and one blank line where it leaves two.
 class HelpFormatter : public CLI::Formatter {
  public:
+  std::string make_help(const CLI::App* app, std::string name, CLI::AppFormatMode mode) const override {
+    std::string help = CLI::Formatter::make_help(app, std::move(name), mode);
+    for (std::size_t at = 0; (at = help.find("\n\n\n", at)) != std::string::npos;) help.erase(at, 1);
+    return help;
+  }
   std::string make_description(const CLI::App* app) const override { return wrapped(app->get_description(), kWidth) + "\n"; }
   std::string make_option_desc(const CLI::Option* option) const override {
     return wrapped(option->get_description(), kWidth - kNameColumn);
@@ -60,6 +66,7 @@ CommandLine command_line() {
   app.formatter(std::make_shared<HelpFormatter>());
   app.get_formatter()->column_width(kNameColumn);
   app.get_formatter()->label("SUBCOMMAND", "COMMAND");
+  app.get_formatter()->label("Positionals", "Arguments");
   app.set_help_flag("-h,--help", "This text");
   app.set_version_flag("--version", fmt::format("mapjoin {}", kVersion), "The version");
   app.require_subcommand(1);

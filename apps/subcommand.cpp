@@ -45,7 +45,7 @@ const CLI::Validator kPath(check_path, "", "path");
 }  // namespace
 
 Subcommand::Subcommand(CLI::App& parent, const std::string& name, const std::string& description, const std::string& examples)
-    : app_(parent.add_subcommand(name, description)) {
+    : app_(parent.add_subcommand(name, description)->group("Commands")) {
   app_->footer("Examples:\n" + examples);
   app_->set_help_flag("-h,--help", "This text");
 }

@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <apps/exit_code.hpp>
 #include <cctype>
 #include <iostream>
 #include <set>
@@ -165,6 +166,13 @@ TEST(Documents, SayWhichCommandsAreNotRun) {
       EXPECT_NE(*reason, "") << page;
       std::cout << "not run: " << name_of(page) << ':' << block.line << ": " << *reason << '\n';
     }
+  }
+}
+
+TEST(Documents, TheGuideListsEveryExitCode) {
+  const std::string guide = content_of(kDocs / "guide.md");
+  for (const auto& [code, meaning] : apps::kExitCodes) {
+    EXPECT_THAT(guide, ::testing::HasSubstr("\n| " + std::to_string(static_cast<int>(code)) + " | ")) << meaning;
   }
 }
 

@@ -33,7 +33,7 @@ std::vector<std::string> commands() {
   const std::string help = call({"--help"}).out;
   const std::regex line("\n  ([a-z]+)  ");
   std::vector<std::string> names;
-  for (auto match = std::sregex_iterator(help.begin() + static_cast<long>(help.find("Subcommands:")), help.end(), line);
+  for (auto match = std::sregex_iterator(help.begin() + static_cast<long>(help.find("Commands:")), help.end(), line);
        match != std::sregex_iterator(); ++match)
     names.push_back((*match)[1]);
   return names;
