@@ -19,12 +19,13 @@ std::unique_ptr<Subcommand> plot_command(CLI::App& app);
 std::unique_ptr<Subcommand> simulate_command(CLI::App& app);
 std::unique_ptr<Subcommand> info_command(CLI::App& app);
 std::unique_ptr<Subcommand> check_command(CLI::App& app);
+std::unique_ptr<Subcommand> convert_command(CLI::App& app);
 
 /// In the order of the help.
 inline std::vector<std::unique_ptr<Subcommand>> all_commands(CLI::App& app) {
   std::vector<std::unique_ptr<Subcommand>> commands;
   for (const auto make : {run_command, build_command, join_command, solve_command, compare_command, basin_command,
-                          convexity_command, plot_command, simulate_command, info_command, check_command})
+                          convexity_command, plot_command, simulate_command, info_command, check_command, convert_command})
     commands.push_back(make(app));
   return commands;
 }

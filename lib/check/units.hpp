@@ -8,7 +8,8 @@
 namespace mapjoin {
 
 /// In the plane; in space nothing, for files give rotations there that degrees would not pass for.
-/// - `degrees` (warning): relative headings beyond a full turn; or short loops, of odometry and what was seen before and after
+/// - `degrees` (warning): relative headings beyond a full turn, one in a hundred or more; or short loops, of odometry and what
+/// was seen before and after
 ///   it, that close far better with headings taken as degrees; or headings of the file's values that turn 57.3 times more, or
 ///   less, than its edges; or odometry whose heading is uncertain by more than a quarter turn.
 /// - `unwrapped` (note): relative headings between a half and a full turn, which are taken as they are.

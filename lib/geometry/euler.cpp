@@ -9,6 +9,12 @@ Rotation<3> rotation_from_euler(double roll, double pitch, double yaw) {
                                         AngleAxisd(roll, Vector<3>::UnitX())));
 }
 
+Vector<3> euler_from_rotation(const Rotation<3>& rotation) {
+  const Matrix<3> R = rotation.matrix();
+  const double cos_pitch = std::hypot(R(0, 0), R(1, 0));
+  return {std::atan2(R(2, 1), R(2, 2)), std::atan2(-R(2, 0), cos_pitch), std::atan2(R(1, 0), R(0, 0))};
+}
+
 Matrix<3> J_vector_euler(double roll, double pitch, double /*yaw*/) {
   // Column by column: the axes of roll, pitch and yaw in the turned frame, e_x, Rxᵀ e_y and Rxᵀ Ryᵀ e_z.
   const double s = std::sin(roll);

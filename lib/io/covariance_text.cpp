@@ -2,7 +2,7 @@
 #include <fmt/format.h>
 
 #include <mapjoin/io/covariance_text.hpp>
-#include <mapjoin/io/information.hpp>
+#include <mapjoin/io/covariance_weights.hpp>
 #include <mapjoin/model/log_builder.hpp>
 #include <optional>
 #include <utility>
@@ -15,19 +15,6 @@ constexpr std::string_view kObservation = "OBS";
 constexpr std::string_view kStep = "STEP";
 constexpr std::string_view kCircle = "LANDMARK_C";
 constexpr std::int64_t kUnassociated = -1;
-
-/// The information of the covariance that the line gives up to here, which must be positive definite.
-template <int Size>
-Matrix<Size> inverse_of(const Matrix<Size>& covariance, TextScanner& text) {
-  const auto W = information_of_covariance<Size>(covariance);
-  if (!W) text.reject("the covariance that ends here is not positive definite");
-  return W.value_or(Matrix<Size>::Zero());
-}
-
-Pose<2> read_motion(TextScanner& text) {
-  const Vector<3> v = text.vector<3>();
-  return {v.head<2>(), Rotation<2>(v[2])};
-}
 
 /// An id, or nothing for -1.
 std::optional<FeatureId> read_feature(TextScanner& text) {
@@ -67,8 +54,7 @@ class CovarianceTextReader {
  private:
   Expected<void> unknown(std::string_view tag) { return text_.error(fmt::format("unknown tag {}", in_quotes(tag))); }
 
-  Expected<void> add_motion(PoseId base, PoseId target, const Pose<2>& measured, const Matrix<3>& P) {
-    const Matrix<3> W = inverse_of(P, text_);
+  Expected<void> add_motion(PoseId base, PoseId target, const Pose<2>& measured, const Matrix<3>& W) {
     if (base == target) text_.reject(fmt::format("an edge leads from {} to itself", to_string(base)));
     builder_.add_pose_edge(base, target, measured, W);
     return text_.finish_line();
@@ -86,8 +72,8 @@ class CovarianceTextReader {
   Expected<void> read_odometry() {
     const PoseId base{0, text_.key()};
     const PoseId target{0, text_.key()};
-    const Pose<2> measured = read_motion(text_);
-    return add_motion(base, target, measured, text_.symmetric<3>());
+    const MeasuredPose<2> edge = read_covariance_edge(text_);
+    return add_motion(base, target, edge.measured, edge.information);
   }
 
   Expected<void> read_observation() {
@@ -101,13 +87,13 @@ class CovarianceTextReader {
 
   Expected<void> read_step() {
     text_.word();  // The image.
-    const Pose<2> measured = read_motion(text_);
+    const Vector<3> motion = text_.vector<3>();
     const Matrix<2> P_translation = text_.symmetric<2>();
     const Vector<3> P_heading = text_.vector<3>();
     Matrix<3> P;
     P << P_translation, P_heading.head<2>(), P_heading.transpose();
     const PoseId before{0, step_++};
-    return add_motion(before, {0, step_}, measured, P);
+    return add_motion(before, {0, step_}, {motion.head<2>(), Rotation<2>(motion[2])}, inverse_of(P, text_));
   }
 
   Expected<void> read_circle() {
@@ -138,6 +124,18 @@ bool is_map_circles_tag(std::string_view tag) {
 
 Expected<AnyLog> read_odom_obs(TextScanner text, const ReadOptions&) {
   return CovarianceTextReader(std::move(text)).read(&CovarianceTextReader::read_odom_obs_line);
+}
+
+Expected<void> write_odom_obs(const Log<2>& log, const std::filesystem::path& path) {
+  constexpr EdgeText<2> kFormat{
+      .name = "the text form of Victoria Park's data",
+      .comment = "ODOM i j x y phi, covariance row by row; OBS i feature x y, covariance",
+      .edge_tag = kOdometry,
+      .observation_tag = kObservation,
+      .put_edge = put_covariance_edge,
+      .put_point = put_covariance_point,
+  };
+  return write_edge_text(log, kFormat, path);
 }
 
 Expected<AnyLog> read_map_circles(TextScanner text, const ReadOptions&) {

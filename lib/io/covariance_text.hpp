@@ -3,6 +3,7 @@
 // Planar logs as lines with covariances: the text forms of Victoria Park's "clean data" and of the corrected DLR data, and the
 // original DLR `map.circles`.
 
+#include <filesystem>
 #include <mapjoin/io/read_options.hpp>
 #include <mapjoin/io/text_scanner.hpp>
 #include <mapjoin/model/error.hpp>
@@ -20,7 +21,10 @@ bool is_map_circles_tag(std::string_view tag);
 /// input.
 Expected<AnyLog> read_odom_obs(TextScanner text, const ReadOptions& options);
 
-/// The same of lines
+/// Edges and observations. kUsage where an information matrix is singular (see write_edge_text()).
+Expected<void> write_odom_obs(const Log<2>& log, const std::filesystem::path& path);
+
+/// As read_odom_obs(), of lines
 /// - `STEP image dx dy dφ Pxx Pxy Pyy Pxφ Pyφ Pφφ` (mind the order): leads from pose k-1 to pose k, counted from 0;
 /// - `LANDMARK_C x y quality Pxx Pxy Pyy feature`: seen at the pose that the last step leads to.
 Expected<AnyLog> read_map_circles(TextScanner text, const ReadOptions& options);

@@ -3,6 +3,7 @@
 // Logs in iSAM's text format: `EDGE2 LANDMARK` in the plane, `EDGE3 POINT3` in space, with square roots of information
 // matrices.
 
+#include <filesystem>
 #include <mapjoin/io/read_options.hpp>
 #include <mapjoin/io/text_scanner.hpp>
 #include <mapjoin/model/error.hpp>
@@ -19,5 +20,9 @@ bool is_isam_tag(std::string_view tag);
 /// their order; W of the three angles is turned to the rotation vector with the Jacobian at the measurement, which is bad input
 /// where the pitch is a right angle. Poses and features are named apart.
 Expected<AnyLog> read_isam(TextScanner text, const ReadOptions& options);
+
+/// Edges and observations (see write_edge_text()). The square root is rounded, and so are the angles in space.
+template <int Dim>
+Expected<void> write_isam(const Log<Dim>& log, const std::filesystem::path& path);
 
 }  // namespace mapjoin

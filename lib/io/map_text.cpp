@@ -84,6 +84,20 @@ Expected<void> write_tum(const GlobalMap<Dim>& map, const std::filesystem::path&
 }
 
 template <int Dim>
+Expected<void> write_kitti(const GlobalMap<Dim>& map, const std::filesystem::path& path) {
+  auto file = OutputFile::create(path);
+  if (!file) return tl::unexpected(file.error());
+  TextLine line(' ');
+  for (const Pose<Dim>& pose : map.poses) {
+    const Pose<3> as_3d = in_space(pose);
+    const Matrix<3> R = as_3d.rotation.matrix();
+    for (int row = 0; row < 3; ++row) line.add<3>(R.row(row).transpose()).add(as_3d.translation[row]);
+    line.write_to(*file);
+  }
+  return file->commit();
+}
+
+template <int Dim>
 Expected<void> write_csv(const GlobalMap<Dim>& map, const std::filesystem::path& poses, const std::filesystem::path& features) {
   auto pose_file = OutputFile::create(poses);
   if (!pose_file) return tl::unexpected(pose_file.error());
@@ -96,6 +110,8 @@ Expected<void> write_csv(const GlobalMap<Dim>& map, const std::filesystem::path&
 
 template Expected<void> write_tum(const GlobalMap<2>&, const std::filesystem::path&);
 template Expected<void> write_tum(const GlobalMap<3>&, const std::filesystem::path&);
+template Expected<void> write_kitti(const GlobalMap<2>&, const std::filesystem::path&);
+template Expected<void> write_kitti(const GlobalMap<3>&, const std::filesystem::path&);
 template Expected<void> write_csv(const GlobalMap<2>&, const std::filesystem::path&, const std::filesystem::path&);
 template Expected<void> write_csv(const GlobalMap<3>&, const std::filesystem::path&, const std::filesystem::path&);
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
-// A global map as plain tables: a trajectory in the TUM format, poses and features as CSV. For g2o see g2o.hpp.
+// A global map as plain tables: a trajectory in the TUM or KITTI format, poses and features as CSV. For g2o see g2o.hpp.
 
 #include <cstdint>
 #include <filesystem>
@@ -20,6 +20,10 @@ std::string seconds(std::int64_t nanoseconds);
 /// z is 0 and the heading a turn about z.
 template <int Dim>
 Expected<void> write_tum(const GlobalMap<Dim>& map, const std::filesystem::path& path);
+
+/// Twelve numbers per pose, in the map's order: the rows of (R | t), as above. There are no names, no times and no comments.
+template <int Dim>
+Expected<void> write_kitti(const GlobalMap<Dim>& map, const std::filesystem::path& path);
 
 /// Two tables; neither appears unless both could be written.
 /// - Poses: `pose,x,y,phi` or `pose,x,y,z,qx,qy,qz,qw`, under a header with these names (m, rad); before them `session,` where

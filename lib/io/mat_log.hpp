@@ -2,6 +2,7 @@
 #pragma once
 // The paper's two logs as their MAT files: Victoria Park's "clean data" and the corrected DLR data.
 
+#include <filesystem>
 #include <mapjoin/io/read_options.hpp>
 #include <mapjoin/model/error.hpp>
 #include <string>
@@ -18,5 +19,9 @@ namespace mapjoin {
 ///   unassociated.
 /// Errors name `file`, variable and row.
 Expected<AnyLog> read_mat_log(std::string_view bytes, const std::string& file, const ReadOptions& options = {});
+
+/// The variable `VicPark_clean_data` with the log's edges, then its observations. kUsage where an information matrix is
+/// singular, or an id is 2^53 or more; kCannotWrite.
+Expected<void> write_mat_log(const Log<2>& log, const std::filesystem::path& path);
 
 }  // namespace mapjoin

@@ -8,9 +8,10 @@
 
 namespace mapjoin {
 
-/// The log in a file, which is known by its content, not by its name: g2o, iSAM, the text and MAT forms of Victoria Park and of
-/// the corrected DLR data, or `map.circles`; each also as gzip. Bad input are a file that is missing, a directory, empty or
-/// unreadable, and one of another format.
+/// The log in a file, which is known by its content, not by its name: g2o, TORO, iSAM, GTSAM's text, the text and MAT forms of
+/// Victoria Park and of the corrected DLR data, `map.circles`, or a TUM or KITTI trajectory; each also as gzip. Or the log in a
+/// folder of UTIAS MRCLAM data. Bad input are a file that is missing, another folder, a file that is empty or unreadable, and
+/// one of another format.
 Expected<AnyLog> open_log(const std::filesystem::path& path, const ReadOptions& options = {});
 
 }  // namespace mapjoin

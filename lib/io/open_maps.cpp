@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <mapjoin/io/archive.hpp>
 #include <mapjoin/io/file_bytes.hpp>
+#include <mapjoin/io/mrclam.hpp>
 #include <mapjoin/io/open_maps.hpp>
 #include <mapjoin/io/store_map_set.hpp>
 #include <system_error>
@@ -10,7 +11,7 @@ namespace mapjoin {
 
 bool may_hold_maps(const std::filesystem::path& path) {
   std::error_code ignored;
-  if (std::filesystem::is_directory(path, ignored)) return true;
+  if (std::filesystem::is_directory(path, ignored)) return !is_mrclam_folder(path);
   if (!std::filesystem::is_regular_file(path, ignored)) return false;  // A pipe can be read only once.
   if (is_store(path)) return true;
   const auto bytes = FileBytes::read(path);

@@ -12,7 +12,8 @@ namespace mapjoin {
 /// Local maps of others, or those that were built from a log, which come with it.
 using AnyMaps = std::variant<MapSet<2>, MapSet<3>, StoredMaps<2>, StoredMaps<3>>;
 
-/// Whether the path is of a kind that open_maps() takes: a folder, a tar archive or a store. Logs are none of these.
+/// Whether the path is of a kind that open_maps() takes: a folder, a tar archive or a store. Logs are none of these, but for
+/// folders of MRCLAM data.
 bool may_hold_maps(const std::filesystem::path& path);
 
 /// The local maps in a folder or a .tar or .tar.gz archive of localmap_<k>.mat or .txt (see read_local_map_set()), or in a

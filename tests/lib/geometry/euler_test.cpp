@@ -25,6 +25,14 @@ TEST(Euler, TurnsAboutTheFixedAxesInTheOrderRollPitchYaw) {
   EXPECT_NEAR(rolled(2, 1), std::sin(0.3), 1e-15);
 }
 
+TEST(Euler, AnglesComeBackFromTheRotation) {
+  Random random;
+  for (int i = 0; i < 20; ++i) {
+    const Vector<3> angles = random.vector<3>(1.5);
+    EXPECT_LT((euler_from_rotation(rotation_from_euler(angles[0], angles[1], angles[2])) - angles).norm(), 1e-12);
+  }
+}
+
 TEST(Euler, JacobianEqualsCentralDifferences) {
   Random random;
   for (int i = 0; i < 20; ++i) {

@@ -1,0 +1,29 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+// Local maps as the original authors' programs take them: localmap_1, localmap_2, … as MAT or Linear SLAM text files.
+
+#include <filesystem>
+#include <mapjoin/model/error.hpp>
+#include <mapjoin/model/local_map.hpp>
+#include <string>
+#include <vector>
+
+namespace mapjoin {
+
+enum class LocalMapFormat {
+  kMat,   ///< In the plane `localmap_st` and `localmap_P` (covariance), in space `st`, `I` (information) and `Ref`.
+  kText,  ///< Linear SLAM's, with information matrices.
+};
+
+/// Writes map k of `maps` as `localmap_<k>.mat` or `.txt` into a folder that is there; the names, in their order. Map k goes
+/// from pose k - 1 to pose k, whatever they were called. What is written reads back (see read_local_map_set()) as the same bits
+/// in the plane as text; covariances are inverses, and in space angles and their weights are rounded. kUsage where the maps are
+/// not a chain, each from the end pose of the one before it to one pose; where an id is 2^53 or more; where a covariance does
+/// not exist; where a map does not move, but for MAT files in the plane; at a pitch of a right angle. kCannotWrite, after which
+/// some of the files may be there.
+template <int Dim>
+Expected<std::vector<std::string>> write_local_maps(const std::vector<LocalMap<Dim>>& maps,
+                                                    const std::vector<FeatureId>& features, LocalMapFormat format,
+                                                    const std::filesystem::path& folder);
+
+}  // namespace mapjoin

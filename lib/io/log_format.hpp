@@ -1,0 +1,44 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+// The formats that logs are written in, and what each of them has no place for.
+
+#include <cstdint>
+#include <filesystem>
+#include <mapjoin/model/error.hpp>
+#include <mapjoin/model/log.hpp>
+#include <string>
+#include <vector>
+
+namespace mapjoin {
+
+enum class LogFormat : std::uint8_t {
+  kG2o,
+  kToro,
+  kIsam,
+  kGtsam,    ///< In the plane only, as the next two.
+  kOdomObs,  ///< The text form of Victoria Park's data,
+  kMat,      ///< and its MAT file.
+  kTum,      ///< The values of poses only, as the next.
+  kKitti,
+};
+
+/// "g2o", "toro", "isam", "gtsam", "odom-obs", "mat", "tum" or "kitti".
+std::string to_string(LogFormat format);
+
+/// Whether the format has nothing without the values of all poses: TORO's and trajectories.
+bool needs_values(LogFormat format);
+
+/// Whether these are poses 0, 1, 2, … of session 0.
+bool are_counted(const std::vector<PoseId>& poses);
+
+/// What of the log the format has no place for, or takes down otherwise than it is, a sentence without its end for each; empty
+/// where what is written reads back as the same log, bit by bit (but for its source and conventions).
+template <int Dim>
+std::vector<std::string> losses(const Log<Dim>& log, LogFormat format);
+
+/// Writes what the format has a place for. kUsage where that cannot be: a log in space for a planar format, none of the values
+/// that it needs, and what the format's writer refuses; kCannotWrite.
+template <int Dim>
+Expected<void> write_log(const Log<Dim>& log, LogFormat format, const std::filesystem::path& path);
+
+}  // namespace mapjoin

@@ -1,0 +1,94 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <tests/apps/command.hpp>
+
+namespace mapjoin::testing {
+namespace {
+
+using ::testing::HasSubstr;
+using ::testing::IsEmpty;
+using ::testing::Not;
+
+class ConvertTest : public ::testing::Test {
+ protected:
+  std::string path(const std::string& name) const { return (folder.path() / name).string(); }
+  double chi2(const std::string& command, const std::string& input) const {
+    return report_of({command, input, "-o", path("map.csv")})["chi2"];
+  }
+
+  const std::string town = (kBundledData / "manhattan2d.g2o").string();
+  TemporaryFolder folder;
+};
+
+TEST_F(ConvertTest, TakesTheFormatFromTheNameOrAsItIsTold) {
+  for (const char* name : {"log.g2o", "log.isam", "log.gtsam", "log.txt", "log.mat"}) {
+    const Ended ended = call({"convert", town, path(name)});
+    ASSERT_EQ(ended.exit_code, 0) << ended.err;
+    EXPECT_NEAR(chi2("solve", path(name)), 4702.179445, 1e-5) << name;
+  }
+  ASSERT_EQ(call({"convert", town, path("log.dat"), "--to", "isam"}).exit_code, 0);
+  EXPECT_EQ(content_of(path("log.dat")), content_of(path("log.isam")));
+}
+
+TEST_F(ConvertTest, SaysWhatIsLost) {
+  const Ended isam = call({"convert", town, path("log.isam")});
+  EXPECT_THAT(isam.out, HasSubstr("lost         which poses are fixed is left out\n"));
+  EXPECT_THAT(isam.out, Not(HasSubstr("values")));  // There are none.
+  const Ended toro = call({"convert", town, path("log.graph")});
+  EXPECT_THAT(toro.out, HasSubstr("143 features and their 2524 observations left out"));
+  EXPECT_THAT(toro.out, HasSubstr("poses are where odometry alone has them"));
+  EXPECT_THAT(call({"convert", town, path("log.g2o")}).out, Not(HasSubstr("lost")));
+  EXPECT_THAT(call({"convert", town, path("log.isam"), "--quiet"}).out, IsEmpty());
+}
+
+TEST_F(ConvertTest, BringsAG2oFileBackToTheByte) {
+  ASSERT_EQ(call({"convert", town, path("log.g2o")}).exit_code, 0);
+  EXPECT_EQ(content_of(path("log.g2o")), content_of(town));
+}
+
+TEST_F(ConvertTest, WritesStoredLocalMapsAsTheAuthorsDidAndTheirLog) {
+  ASSERT_EQ(call({"build", town, "-o", path("maps"), "--poses-per-map", "50"}).exit_code, 0);
+  const double of_store = report_of({"join", path("maps"), "-o", path("map.csv"), "--no-polish"})["join"]["chi2"];
+  for (const char* format : {"maps-text", "maps-mat"}) {
+    const Ended ended = call({"convert", path("maps"), path(format), "--to", format});
+    ASSERT_EQ(ended.exit_code, 0) << ended.err;
+    EXPECT_THAT(ended.out, HasSubstr("the log that the maps were built from is left out"));
+    EXPECT_NEAR(chi2("join", path(format)), of_store, 1e-6 * of_store);
+  }
+  ASSERT_EQ(call({"convert", path("maps-text"), path("again"), "--to", "store"}).exit_code, 0);
+  EXPECT_NEAR(chi2("join", path("again")), of_store, 1e-6 * of_store);
+  ASSERT_EQ(call({"convert", path("maps"), path("log.g2o")}).exit_code, 0);
+  EXPECT_NEAR(chi2("solve", path("log.g2o")), 4702.179445, 1e-5);
+}
+
+TEST_F(ConvertTest, RefusesWhatCannotBe) {
+  const auto refused = [&](const std::vector<std::string>& arguments, const std::string& why) {
+    std::vector<std::string> all{"convert"};
+    all.insert(all.end(), arguments.begin(), arguments.end());
+    const Ended ended = call(all);
+    EXPECT_EQ(ended.exit_code, 2) << ended.err;
+    EXPECT_THAT(ended.err, HasSubstr(why));
+  };
+  refused({town, path("log")}, "its name does not say which format it is to have");
+  refused({town, path("maps"), "--to", "maps-text"}, "local maps of a log are made by `mapjoin build`");
+  refused({town, path("log"), "--to", "pdf"}, "not one of g2o|toro");
+  refused({(kBundledData / "manhattan3d.g2o").string(), path("log.mat")}, "the format mat is for the plane");
+  refused({town, town}, "are the same file");
+  EXPECT_TRUE(std::filesystem::is_empty(folder.path()));
+  EXPECT_EQ(call({"convert", path("missing"), path("log.g2o")}).exit_code, 3);
+  EXPECT_EQ(call({"convert", town, path("no/such/log.g2o")}).exit_code, 5);
+}
+
+TEST_F(ConvertTest, TrajectoriesAreTruthInEitherFormat) {
+  const std::string truth = (kBundledData / "manhattan2d.truth.tum").string();
+  ASSERT_EQ(call({"convert", truth, path("truth.kitti")}).exit_code, 0);
+  const auto nees = [&](const std::string& file) {
+    return report_of({"run", town, "-o", path("out"), "--truth", file})["certainty"]["nees"]["poses"]["value"].get<double>();
+  };
+  EXPECT_NEAR(nees(truth), nees(path("truth.kitti")), 1e-3);
+}
+
+}  // namespace
+}  // namespace mapjoin::testing
