@@ -75,7 +75,7 @@ TEST_F(ConvertTest, RefusesWhatCannotBe) {
   refused({town, path("maps"), "--to", "maps-text"}, "local maps of a log are made by `mapjoin build`");
   refused({town, path("log"), "--to", "pdf"}, "not one of g2o|toro");
   refused({(kBundledData / "manhattan3d.g2o").string(), path("log.mat")}, "the format mat is for the plane");
-  refused({town, town}, "are the same file");
+  refused({town, town}, "IN and OUT are one file");
   EXPECT_TRUE(std::filesystem::is_empty(folder.path()));
   EXPECT_EQ(call({"convert", path("missing"), path("log.g2o")}).exit_code, 3);
   EXPECT_EQ(call({"convert", town, path("no/such/log.g2o")}).exit_code, 5);
