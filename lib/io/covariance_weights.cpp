@@ -11,6 +11,14 @@ Matrix<Size> inverse_of(const Matrix<Size>& covariance, TextScanner& text) {
   return W.value_or(Matrix<Size>::Zero());
 }
 
+template <int Size>
+Fault covariance_of(const Matrix<Size>& information, Matrix<Size>& covariance) {
+  const auto inverse = information_of_covariance<Size>(information);
+  if (!inverse) return "has an information matrix that is singular, and so no covariance";
+  covariance = *inverse;
+  return std::nullopt;
+}
+
 MeasuredPose<2> read_covariance_edge(TextScanner& text) {
   const Vector<3> v = text.vector<3>();
   return {{v.head<2>(), Rotation<2>(v[2])}, inverse_of(text.symmetric<3>(), text)};
@@ -35,6 +43,8 @@ Fault put_covariance_point(const MeasuredPoint<2>& point, TextLine& line) {
   return std::nullopt;
 }
 
+template Fault covariance_of(const Matrix<2>&, Matrix<2>&);
+template Fault covariance_of(const Matrix<3>&, Matrix<3>&);
 template Matrix<2> inverse_of(const Matrix<2>&, TextScanner&);
 template Matrix<3> inverse_of(const Matrix<3>&, TextScanner&);
 

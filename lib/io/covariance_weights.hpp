@@ -15,6 +15,10 @@ MeasuredPoint<2> read_covariance_point(TextScanner& text);
 Fault put_covariance_edge(const MeasuredPose<2>& edge, TextLine& line);
 Fault put_covariance_point(const MeasuredPoint<2>& point, TextLine& line);
 
+/// The covariance of an information matrix; a fault where that is singular.
+template <int Size>
+Fault covariance_of(const Matrix<Size>& information, Matrix<Size>& covariance);
+
 /// The information of the covariance that the line gives up to here.
 template <int Size>
 Matrix<Size> inverse_of(const Matrix<Size>& covariance, TextScanner& text);

@@ -183,19 +183,9 @@ Expected<void> write_edge_text(const Log<Dim>& log, const EdgeText<Dim>& format,
   return EdgeTextWriter<Dim>(log, format, *numbering, *std::move(file)).write();
 }
 
-template <int Size>
-Fault covariance_of(const Matrix<Size>& information, Matrix<Size>& covariance) {
-  const auto inverse = information_of_covariance<Size>(information);
-  if (!inverse) return "has an information matrix that is singular, and so no covariance";
-  covariance = *inverse;
-  return std::nullopt;
-}
-
 template Expected<AnyLog> read_edge_text(TextScanner, const EdgeText<2>&, const ReadOptions&);
 template Expected<AnyLog> read_edge_text(TextScanner, const EdgeText<3>&, const ReadOptions&);
 template Expected<void> write_edge_text(const Log<2>&, const EdgeText<2>&, const std::filesystem::path&);
 template Expected<void> write_edge_text(const Log<3>&, const EdgeText<3>&, const std::filesystem::path&);
-template Fault covariance_of(const Matrix<2>&, Matrix<2>&);
-template Fault covariance_of(const Matrix<3>&, Matrix<3>&);
 
 }  // namespace mapjoin

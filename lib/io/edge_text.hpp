@@ -61,8 +61,4 @@ Expected<AnyLog> read_edge_text(TextScanner text, const EdgeText<Dim>& format, c
 template <int Dim>
 Expected<void> write_edge_text(const Log<Dim>& log, const EdgeText<Dim>& format, const std::filesystem::path& path);
 
-/// What a format needs to give covariances instead of information matrices.
-template <int Size>
-Fault covariance_of(const Matrix<Size>& information, Matrix<Size>& covariance);
-
 }  // namespace mapjoin

@@ -80,7 +80,7 @@ Expected<void> write_text(const Rows& rows, const std::filesystem::path& path) {
     for (Eigen::Index col = 0; col < rows.information.cols(); ++col) line.add(rows.information(row, col));
     line.write_to(*file);
   }
-  return file->commit();
+  return file->commit_unsynced();
 }
 
 /// In the plane a covariance, zero for an end pose that is the start pose; in space information. Nothing where the covariance
@@ -126,7 +126,7 @@ Expected<std::vector<std::string>> write_local_maps(const std::vector<LocalMap<D
     } else {
       const auto bytes = mat_of<Dim>(rows);
       if (!bytes) return refused("has a singular information matrix, and so no covariance");
-      if (auto written = write_file(path, *bytes); !written) return tl::unexpected(written.error());
+      if (auto written = write_file_unsynced(path, *bytes); !written) return tl::unexpected(written.error());
     }
   }
   return names;

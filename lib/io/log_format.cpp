@@ -71,6 +71,10 @@ std::size_t unmentioned(const Log<Dim>& log) {
                                   std::count(feature.begin(), feature.end(), false));
 }
 
+std::string counted(std::size_t count, const std::string& thing) {
+  return fmt::format("{} {}{}", count, thing, count == 1 ? "" : "s");
+}
+
 template <int Dim>
 void tell_numbering(const Log<Dim>& log, const Room& room, std::vector<std::string>& lost) {
   const auto numbering = number_for_g2o(log.poses, room.one_numbering ? log.features : std::vector<FeatureId>());
@@ -163,13 +167,13 @@ std::vector<std::string> losses(const Log<Dim>& log, LogFormat format) {
     if (count > 0) lost.push_back(fmt::format("{} left out", what));
   };
   const std::size_t edges = log.odometry.size() + log.closures.size();
-  if (!room.edges) tell(edges, fmt::format("{} pose-pose edges", edges));
+  if (!room.edges) tell(edges, counted(edges, "pose-pose edge"));
   if (!room.observations) {
     tell(log.features.size(),
-         fmt::format("{} features and their {} observations", log.features.size(), log.observations.size()));
+         counted(log.features.size(), "feature") + " with " + counted(log.observations.size(), "observation"));
   }
   const std::size_t priors = log.pose_priors.size() + log.feature_priors.size();
-  tell(priors, fmt::format("{} priors", priors));
+  tell(priors, counted(priors, "prior"));
   if (!room.fixed) tell(log.fixed.size(), "which poses are fixed is");
   const bool has_values = !log.initial_poses.empty() || !log.initial_features.empty();
   const bool all_values = !log.initial_poses.empty() && log.initial_features.size() == log.features.size();

@@ -20,6 +20,11 @@ namespace fs = std::filesystem;
 
 constexpr std::uint64_t kFirstLandmark = 6;
 
+/// Velocities (m/s, rad/s) and ranges (m) beyond are no robot's.
+constexpr double kMostSpeed = 1e6;
+constexpr double kLeastRange = 1e-6;
+constexpr double kMostRange = 1e6;
+
 struct Velocity {
   double time = 0.0;  ///< (s), from which on it holds.
   double forward = 0.0;
@@ -53,6 +58,14 @@ Expected<void> read_lines(const fs::path& path, const Read& read) {
   return {};
 }
 
+/// Times are told apart to the nanosecond in 64 bits.
+double read_time(TextScanner& text) {
+  constexpr double kMost = 9e9;
+  const double time = text.number();
+  if (std::abs(time) > kMost) text.reject("a time must be below 9e9 s");
+  return time;
+}
+
 /// In the order of their times.
 template <typename Line, typename Read>
 Expected<std::vector<Line>> read_timed(const fs::path& path, const Read& read) {
@@ -65,18 +78,20 @@ Expected<std::vector<Line>> read_timed(const fs::path& path, const Read& read) {
 
 Expected<std::vector<Velocity>> read_odometry(const fs::path& path) {
   return read_timed<Velocity>(path, [](TextScanner& text) {
-    const Vector<3> v = text.vector<3>();
-    return Velocity{v[0], v[1], v[2]};
+    const double time = read_time(text);
+    const Vector<2> v = text.vector<2>();
+    if (v.cwiseAbs().maxCoeff() > kMostSpeed) text.reject("a velocity must be below 1e6 m/s or rad/s");
+    return Velocity{time, v[0], v[1]};
   });
 }
 
 Expected<std::vector<Sighting>> read_sightings(const fs::path& path) {
   return read_timed<Sighting>(path, [](TextScanner& text) {
     Sighting seen;
-    seen.time = text.number();
+    seen.time = read_time(text);
     seen.barcode = text.key();
     seen.range = text.number();
-    if (!(seen.range > 0.0)) text.reject("a range must be positive");
+    if (!(seen.range > kLeastRange && seen.range < kMostRange)) text.reject("a range must be from 1e-6 to 1e6 m");
     seen.bearing = text.number();
     return seen;
   });
@@ -133,16 +148,17 @@ std::int64_t nanoseconds(double seconds) {
 /// A range and bearing as a position, weighed.
 void observe(PoseId pose, FeatureId landmark, const Sighting& seen, const MrclamNoise& noise, LogBuilder<2>& builder) {
   const Point<2> ahead(std::cos(seen.bearing), std::sin(seen.bearing));
-  Matrix<2> J;  // ∂(x, y)/∂(range, bearing)
-  J << ahead.x(), -seen.range * ahead.y(), ahead.y(), seen.range * ahead.x();
-  const Vector<2> deviations(noise.range, noise.bearing);
-  const Matrix<2> P = J * deviations.cwiseAbs2().asDiagonal() * J.transpose();
-  builder.add_observation(pose, landmark, seen.range * ahead, *information_of_covariance<2>(0.5 * (P + P.transpose())));
+  Matrix<2> R;  // Along the sight, and across it.
+  R << ahead.x(), -ahead.y(), ahead.y(), ahead.x();
+  const Vector<2> deviations(noise.range, seen.range * noise.bearing);
+  const Matrix<2> W = R * deviations.cwiseAbs2().cwiseInverse().asDiagonal() * R.transpose();
+  builder.add_observation(pose, landmark, seen.range * ahead, 0.5 * (W + W.transpose()));
 }
 
 /// One robot's poses and what it saw; how many sightings were left out.
-std::int64_t add_robot(std::uint32_t session, const std::vector<Velocity>& odometry, const std::vector<Sighting>& sightings,
-                       const Subjects& subjects, const MrclamNoise& noise, LogBuilder<2>& builder) {
+Expected<std::int64_t> add_robot(std::uint32_t session, const std::vector<Velocity>& odometry,
+                                 const std::vector<Sighting>& sightings, const Subjects& subjects, const MrclamNoise& noise,
+                                 LogBuilder<2>& builder) {
   constexpr double kLeastSeconds = 1e-4;  // Closer sightings are of one pose: their motion would have no covariance.
   Driver driver(odometry, noise);
   PoseId pose{session, 0};
@@ -159,7 +175,11 @@ std::int64_t add_robot(std::uint32_t session, const std::vector<Velocity>& odome
       const Motion motion = driver.drive_to(seen.time);
       const Pose<2> moved{motion.moved.translation, Rotation<2>(motion.moved.rotation.log()[0])};
       const PoseId next{session, pose.key + 1};
-      builder.add_pose_edge(pose, next, moved, *information_of_covariance<3>(0.5 * (motion.P + motion.P.transpose())));
+      const auto W = information_of_covariance<3>(0.5 * (motion.P + motion.P.transpose()));
+      if (!W)
+        return bad_input(
+            fmt::format("robot {} moves too far until the time {} for its motion to be weighed", session + 1, seen.time));
+      builder.add_pose_edge(pose, next, moved, *W);
       pose = next;
       pose_time = seen.time;
       builder.add_stamp(pose, nanoseconds(pose_time));
@@ -200,7 +220,9 @@ Expected<AnyLog> read_mrclam(const fs::path& folder, const MrclamNoise& noise) {
     if (odometry->empty()) return bad_input(odometry_file.string() + ": there is no odometry");
     const auto sightings = read_sightings(file_in(folder, fmt::format("Robot{}_Measurement.dat", robot)));
     if (!sightings) return tl::unexpected(sightings.error());
-    left_out += add_robot(robot - 1, *odometry, *sightings, *subjects, noise, builder);
+    const auto added = add_robot(robot - 1, *odometry, *sightings, *subjects, noise, builder);
+    if (!added) return bad_input(folder.string() + ": " + added.error().message);
+    left_out += *added;
   }
   auto log = std::move(builder).finish();
   if (!log) return tl::unexpected(log.error());

@@ -96,6 +96,11 @@ Expected<void> OutputFile::sync() {
 
 Expected<void> OutputFile::commit() {
   write_out();
+  return commit_unsynced();
+}
+
+Expected<void> OutputFile::commit_unsynced() {
+  flush();
   if (::close(std::exchange(descriptor_, -1)) != 0) remember_failure();
   if (failure_ == 0 && is_beside() && std::rename(written_path_.c_str(), path_.c_str()) != 0) remember_failure();
   if (failure_ != 0 && is_beside()) ::unlink(written_path_.c_str());
@@ -107,6 +112,13 @@ Expected<void> write_file(const std::filesystem::path& path, std::string_view by
   if (!file) return tl::unexpected(file.error());
   file->write(bytes);
   return file->commit();
+}
+
+Expected<void> write_file_unsynced(const std::filesystem::path& path, std::string_view bytes) {
+  auto file = OutputFile::create(path);
+  if (!file) return tl::unexpected(file.error());
+  file->write(bytes);
+  return file->commit_unsynced();
 }
 
 }  // namespace mapjoin

@@ -27,6 +27,8 @@ class OutputFile {
   /// Everything on the disk and the file under its name; else kCannotWrite, with the first failure's path and reason, or
   /// kInterrupted where a signal ended the wait for a pipe. Once.
   Expected<void> commit();
+  /// The same without waiting for the disk: for one of many files, which a folder of their own makes appear together.
+  Expected<void> commit_unsynced();
 
  private:
   OutputFile(std::filesystem::path path, std::filesystem::path written_path, int descriptor);
@@ -45,5 +47,6 @@ class OutputFile {
 
 /// All of a file at once; kCannotWrite.
 Expected<void> write_file(const std::filesystem::path& path, std::string_view bytes);
+Expected<void> write_file_unsynced(const std::filesystem::path& path, std::string_view bytes);
 
 }  // namespace mapjoin

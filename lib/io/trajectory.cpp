@@ -25,11 +25,11 @@ bool has_numbers(TextScanner& line, std::size_t count) {
 
 /// Seconds in nanoseconds, exactly where they are written without an exponent.
 std::optional<std::int64_t> nanoseconds(std::string_view word) {
+  constexpr std::int64_t kEnd = std::numeric_limits<std::int64_t>::max() / kSecond;
   const std::size_t point = std::min(word.find('.'), word.size());
   std::int64_t whole = 0;
   const auto [end, failure] = std::from_chars(word.data(), word.data() + point, whole);
-  if (failure == std::errc() && end == word.data() + point &&
-      std::abs(whole) < std::numeric_limits<std::int64_t>::max() / kSecond) {
+  if (failure == std::errc() && end == word.data() + point && -kEnd < whole && whole < kEnd) {
     std::int64_t fraction = 0;
     std::size_t digits = 0;
     std::size_t at = point + 1;
@@ -41,7 +41,7 @@ std::optional<std::int64_t> nanoseconds(std::string_view word) {
   }
   double seconds = 0.0;
   const auto [rest, failed] = std::from_chars(word.data(), word.data() + word.size(), seconds);
-  const bool fits = std::abs(seconds) < static_cast<double>(std::numeric_limits<std::int64_t>::max() / kSecond);
+  const bool fits = std::abs(seconds) < static_cast<double>(kEnd);
   if (failed != std::errc() || rest != word.data() + word.size() || !fits) return std::nullopt;
   return std::llround(seconds * static_cast<double>(kSecond));
 }

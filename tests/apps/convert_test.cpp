@@ -37,7 +37,7 @@ TEST_F(ConvertTest, SaysWhatIsLost) {
   EXPECT_THAT(isam.out, HasSubstr("lost         which poses are fixed is left out\n"));
   EXPECT_THAT(isam.out, Not(HasSubstr("values")));  // There are none.
   const Ended toro = call({"convert", town, path("log.graph")});
-  EXPECT_THAT(toro.out, HasSubstr("143 features and their 2524 observations left out"));
+  EXPECT_THAT(toro.out, HasSubstr("143 features with 2524 observations left out"));
   EXPECT_THAT(toro.out, HasSubstr("poses are where odometry alone has them"));
   EXPECT_THAT(call({"convert", town, path("log.g2o")}).out, Not(HasSubstr("lost")));
   EXPECT_THAT(call({"convert", town, path("log.isam"), "--quiet"}).out, IsEmpty());

@@ -69,7 +69,7 @@ TYPED_TEST(LogFormatTest, ToroBringsBackAPoseGraphAndItsValues) {
 
 TYPED_TEST(LogFormatTest, ToroLeavesFeaturesOutAndSaysSo) {
   const auto log = this->world({.features = 10});
-  EXPECT_THAT(losses(log, LogFormat::kToro), Contains(HasSubstr("10 features and their")));
+  EXPECT_THAT(losses(log, LogFormat::kToro), Contains(HasSubstr("10 features with")));
   EXPECT_TRUE(this->again(log, LogFormat::kToro).features.empty());
 }
 
@@ -130,7 +130,7 @@ TYPED_TEST(LogFormatTest, TellsWhatHasNoPlace) {
   log.pose_priors.push_back({kWorld, 0, {}, PoseMatrix<Dim>::Identity()});
   log.fixed.push_back({0, log.initial_poses[0]});
   log.stamps_ns.resize(log.poses.size());
-  EXPECT_THAT(losses(log, LogFormat::kG2o), ElementsAre("1 priors left out", "time stamps are left out"));
+  EXPECT_THAT(losses(log, LogFormat::kG2o), ElementsAre("1 prior left out", "time stamps are left out"));
   EXPECT_THAT(losses(log, LogFormat::kToro), Contains("which poses are fixed is left out"));
   EXPECT_EQ(this->again(log, LogFormat::kG2o).fixed.size(), 1u);
 }
