@@ -2,7 +2,7 @@
 #include <apps/report.hpp>
 #include <apps/words.hpp>
 #include <mapjoin/io/output_file.hpp>
-#include <mapjoin/solve/sparse_cholesky.hpp>
+#include <mapjoin/solve/dense_kernels.hpp>
 #include <mapjoin/version.hpp>
 #include <nlohmann/json.hpp>
 

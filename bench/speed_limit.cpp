@@ -10,6 +10,8 @@
 #include <mapjoin/io/open_maps.hpp>
 #include <mapjoin/join/join_problem.hpp>
 #include <mapjoin/join/network.hpp>
+#include <mapjoin/join/start.hpp>
+#include <mapjoin/join/whole.hpp>
 #include <mapjoin/join/world.hpp>
 #include <mapjoin/measure/chi2.hpp>
 #include <mapjoin/measure/effort.hpp>
@@ -110,29 +112,10 @@ Expected<void> measure(const Log<Dim>& log, const State<Dim>& state, Limit& limi
   return factorise_and_solve(equations, limit);
 }
 
-/// The joined part of a network, at `state`.
-template <int Dim>
-Piece<Dim> joined_piece(const Network<Dim>& network, const State<Dim>& state) {
-  Piece<Dim> piece;
-  for (std::size_t p = 0; p < network.pose_count; ++p) {
-    if (!network.is_joined[p]) continue;
-    piece.poses.push_back(static_cast<Index>(p));
-    piece.state.poses.push_back(state.poses[p]);
-  }
-  for (std::size_t f = 0; f < network.feature_count; ++f) {
-    if (network.is_private[f]) continue;
-    piece.features.push_back(static_cast<Index>(f));
-    piece.state.features.push_back(state.features[f]);
-  }
-  for (const auto& condensed : network.maps) piece.maps.push_back(&condensed.map);
-  piece.pose_observations = network.pose_observations;
-  piece.feature_observations = network.feature_observations;
-  return piece;
-}
-
 template <int Dim>
 Expected<void> measure(const Network<Dim>& network, const State<Dim>& state, Limit& limit) {
-  Piece<Dim> piece = joined_piece(network, state);
+  Piece<Dim> piece = whole_of(network);
+  set_to_values(state, piece);
   const Gauge<Dim> gauge = hold_in_world(network, piece);
   JoinProblem<Dim> problem = timed(limit.order, [&] { return JoinProblem<Dim>(piece, gauge); });
   limit.chi2 = problem.linearise();

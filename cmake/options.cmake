@@ -1,6 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
 # What a builder can choose, and the flags of our own targets (never of what is installed).
-option(MAPJOIN_CHOLMOD "Sparse Cholesky by SuiteSparse CHOLMOD (OFF: Eigen's SimplicialLLT; no GPL parts)" ON)
 option(MAPJOIN_WERROR "Warnings are errors" OFF)
 option(BUILD_SHARED_LIBS "Shared libraries instead of static ones" OFF)
 option(MAPJOIN_BENCH "Build the benchmarks" OFF)

@@ -2,9 +2,10 @@
 #include <algorithm>
 #include <mapjoin/join/consistency.hpp>
 #include <mapjoin/join/join_problem.hpp>
+#include <mapjoin/join/start.hpp>
+#include <mapjoin/join/whole.hpp>
 #include <mapjoin/join/world.hpp>
 #include <mapjoin/measure/chi_squared.hpp>
-#include <numeric>
 #include <utility>
 
 namespace mapjoin {
@@ -25,24 +26,6 @@ Network<Dim> uneliminated(const MapCovariances<Dim>& covariances) {
   }
   network.is_joined.assign(network.pose_count, true);
   return network;
-}
-
-/// All of it as one piece at the estimate.
-template <int Dim>
-Piece<Dim> whole_of(const Network<Dim>& network, const State<Dim>& state) {
-  Piece<Dim> piece;
-  for (std::size_t p = 0; p < network.pose_count; ++p) {
-    if (!network.is_joined[p]) continue;
-    piece.poses.push_back(static_cast<Index>(p));
-    piece.state.poses.push_back(state.poses[p]);
-  }
-  piece.features.resize(network.feature_count);
-  std::iota(piece.features.begin(), piece.features.end(), 0);
-  piece.state.features = state.features;
-  for (const auto& map : network.maps) piece.maps.push_back(&map.map);
-  piece.pose_observations = network.pose_observations;
-  piece.feature_observations = network.feature_observations;
-  return piece;
 }
 
 /// What takes the frame of the truth into that of the map.
@@ -117,7 +100,8 @@ Expected<Consistency> consistency(const MapCovariances<Dim>& covariances, const 
   const auto frame = frame_of(covariances, truth);
   if (!frame) return tl::unexpected(frame.error());
   const Network<Dim> network = uneliminated(covariances);
-  Piece<Dim> piece = whole_of(network, covariances.state());
+  Piece<Dim> piece = whole_of(network);
+  set_to_values(covariances.state(), piece);
   JoinProblem<Dim> problem(piece, hold_in_world(network, piece));
   problem.linearise();
   const NormalEquations& equations = problem.system().equations();

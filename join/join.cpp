@@ -8,6 +8,7 @@
 #include <mapjoin/join/world.hpp>
 #include <mapjoin/measure/chi_squared.hpp>
 #include <mapjoin/model/information_rank.hpp>
+#include <mapjoin/parallel/parallel.hpp>
 #include <optional>
 #include <utility>
 
@@ -107,14 +108,21 @@ Expected<Join<Dim>> join_by(const Network<Dim>& network, const std::vector<PoseI
                             const std::vector<FeatureId>& feature_ids, const JoinOptions<Dim>& options,
                             const std::stop_token& stop) {
   const ScheduleOptions schedule{options.schedule, options.state, ScheduleOptions::leading(options.schedule), options.progress};
-  Piece<Dim> whole = whole_of(network, options.origin, join_stretches(network, schedule, stop));
-  set_start(options, whole);
-  const Gauge<Dim> gauge = hold_in_world(network, whole);
+  Piece<Dim> whole = whole_of(network);
+  const Gauge<Dim> gauge = gauge_of(network, whole);
+  JoinedPieces<Dim> pieces;
+  std::optional<JoinProblem<Dim>> posed;  // its pattern, ordering and symbolic factor need no state
+  parallel_invoke([&] { pieces = join_stretches(network, schedule, stop); }, [&] { posed.emplace(whole, gauge); });
   if (stop.stop_requested()) return interrupted();
+
+  whole.state = composed_state(network, whole, options.origin, std::move(pieces));
+  set_start(options, whole);
+  hold_in_world(network, whole);
+  JoinProblem<Dim>& problem = *posed;
+  problem.system().estimate() = whole.state;
 
   Join<Dim> result;
   result.schedule = options.schedule;
-  JoinProblem<Dim> problem(whole, gauge);
   if (options.gradual) {
     MinimiseOptions leading = ScheduleOptions::leading(options.schedule);
     leading.method = options.solver.method;

@@ -2,6 +2,7 @@
 #include <mapjoin/join/join_problem.hpp>
 #include <mapjoin/model/accumulate.hpp>
 #include <mapjoin/model/map_residual.hpp>
+#include <mapjoin/parallel/parallel.hpp>
 #include <utility>
 
 namespace mapjoin {
@@ -54,19 +55,17 @@ double piece_chi2(const Piece<Dim>& piece) {
 
 template <int Dim>
 double JoinProblem<Dim>::linearise() {
-  double chi2 = system_.linearise_observations();
-  for (std::size_t m = 0; m < system_.map_count(); ++m) {
-    chi2 += accumulate(linearise_map<Dim>(system_.maps()[m], system_.estimate()), system_.map_sink(m));
-  }
-  return chi2;
+  return system_.linearise([&](std::size_t m, NormalEquations::Sink sink) {
+    return accumulate(linearise_map<Dim>(system_.maps()[m], system_.estimate()), sink);
+  });
 }
 
 template <int Dim>
 double JoinProblem<Dim>::try_state(State<Dim> candidate) {
   candidate_ = std::move(candidate);
-  double chi2 = system_.observations_chi2(candidate_);
-  for (const auto& placed : system_.maps()) chi2 += map_chi2<Dim>(placed, candidate_);
-  return chi2;
+  const auto& maps = system_.maps();
+  return system_.observations_chi2(candidate_) +
+         parallel_sum(maps.size(), 8, [&](std::size_t m) { return map_chi2<Dim>(maps[m], candidate_); });
 }
 
 template <int Dim>

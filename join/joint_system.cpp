@@ -3,9 +3,16 @@
 #include <array>
 #include <mapjoin/join/joint_system.hpp>
 #include <mapjoin/model/accumulate.hpp>
+#include <mapjoin/parallel/parallel.hpp>
 #include <utility>
 
 namespace mapjoin {
+namespace {
+
+/// Poses or observations that are worth a piece of work.
+constexpr std::size_t kGrain = 2000;
+
+}  // namespace
 
 template <int Dim>
 JointSystem<Dim>::JointSystem(const Piece<Dim>& piece, const Gauge<Dim>& gauge) : estimate_(piece.state), equations_({}, {}) {
@@ -75,43 +82,43 @@ NormalEquations JointSystem<Dim>::make_equations() const {
 }
 
 template <int Dim>
-double JointSystem<Dim>::linearise_observations() {
-  equations_.set_zero();
-  double chi2 = 0.0;
-  std::size_t clique = 0;
-  for (const auto& [o, base, target] : pose_observations_) {
-    const auto linear = linearise<Dim>(o->measured, estimate_.pose(base), estimate_.pose(target));
-    chi2 += accumulate(weighted(linear, o->information, o->loss), equations_.sink(clique++));
+double JointSystem<Dim>::add_observation(std::size_t clique, NormalEquations::Sink sink) const {
+  const auto [kind, place] = source_of(clique);
+  if (kind == Source::kPoseObservation) {
+    const auto& [o, base, target] = pose_observations_[place];
+    const auto linear = mapjoin::linearise<Dim>(o->measured, estimate_.pose(base), estimate_.pose(target));
+    return accumulate(weighted(linear, o->information, o->loss), sink);
   }
-  for (const auto& [o, base, target] : feature_observations_) {
-    const auto linear = linearise<Dim>(o->measured, estimate_.pose(base), estimate_.feature(target));
-    chi2 += accumulate(weighted(linear, o->information, o->loss), equations_.sink(clique++));
-  }
-  return chi2;
+  const auto& [o, base, target] = feature_observations_[place];
+  const auto linear = mapjoin::linearise<Dim>(o->measured, estimate_.pose(base), estimate_.feature(target));
+  return accumulate(weighted(linear, o->information, o->loss), sink);
 }
 
 template <int Dim>
 double JointSystem<Dim>::observations_chi2(const State<Dim>& state) const {
-  double chi2 = 0.0;
-  for (const auto& [o, base, target] : pose_observations_) {
+  const double of_poses = parallel_sum(pose_observations_.size(), kGrain, [&](std::size_t k) {
+    const auto& [o, base, target] = pose_observations_[k];
     const PoseVector<Dim> r = residual<Dim>(o->measured, state.pose(base), state.pose(target));
-    chi2 += r.dot(o->information * r);
-  }
-  for (const auto& [o, base, target] : feature_observations_) {
+    return r.dot(o->information * r);
+  });
+  const double of_features = parallel_sum(feature_observations_.size(), kGrain, [&](std::size_t k) {
+    const auto& [o, base, target] = feature_observations_[k];
     const Point<Dim> r = residual<Dim>(o->measured, state.pose(base), state.feature(target));
-    chi2 += r.dot(o->information * r);
-  }
-  return chi2;
+    return r.dot(o->information * r);
+  });
+  return of_poses + of_features;
 }
 
 template <int Dim>
 State<Dim> JointSystem<Dim>::retracted(const Eigen::VectorXd& step) const {
   State<Dim> moved = estimate_;
-  for (std::size_t place = 0; place < moved.poses.size(); ++place) {
-    const Index variable = pose_variables_[place];
-    if (variable == kConstant) continue;
-    moved.poses[place] = retract<Dim>(moved.poses[place], step.segment<kPoseDof<Dim>>(equations_.offset(variable)));
-  }
+  parallel_chunks(moved.poses.size(), kGrain, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t place = begin; place < end; ++place) {
+      const Index variable = pose_variables_[place];
+      if (variable == kConstant) continue;
+      moved.poses[place] = retract<Dim>(moved.poses[place], step.segment<kPoseDof<Dim>>(equations_.offset(variable)));
+    }
+  });
   const Eigen::Index first = equations_.offset(first_feature_variable_);
   for (std::size_t f = 0; f < moved.features.size(); ++f) {
     moved.features[f] += step.segment<Dim>(first + static_cast<Eigen::Index>(f) * Dim);

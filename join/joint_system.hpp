@@ -20,7 +20,17 @@ class JointSystem {
   JointSystem(const Piece<Dim>& piece, const Gauge<Dim>& gauge);
 
   /// Normal equations of the single observations, from zero; returns their chi2.
-  double linearise_observations();
+  double linearise_observations() {
+    return linearise([](std::size_t, NormalEquations::Sink) { return 0.0; });
+  }
+  /// And of the maps: `add_map(m, sink)` adds those of map m and returns its chi2.
+  template <typename AddMap>
+  double linearise(AddMap&& add_map) {
+    equations_.set_zero();
+    return equations_.accumulate_cliques([&](std::size_t clique, NormalEquations::Sink sink) {
+      return clique < first_map_clique_ ? add_observation(clique, sink) : add_map(clique - first_map_clique_, sink);
+    });
+  }
   double observations_chi2(const State<Dim>& state) const;
 
   NormalEquations& equations() { return equations_; }
@@ -75,6 +85,7 @@ class JointSystem {
   void number_variables(const Gauge<Dim>& gauge);
   void place_observations(const Piece<Dim>& piece, const Gauge<Dim>& gauge);
   NormalEquations make_equations() const;
+  double add_observation(std::size_t clique, NormalEquations::Sink sink) const;
 
   State<Dim> estimate_;
   std::vector<Placed<PoseObservation<Dim>>> pose_observations_;

@@ -7,20 +7,6 @@
 #include <utility>
 
 namespace mapjoin {
-namespace {
-
-/// The sum of f(k) over all k, computed in parallel, added in order.
-template <typename F>
-double ordered_sum(std::size_t count, F&& f) {
-  std::vector<double> terms(count);
-  parallel_for(count, [&](std::size_t k) { terms[k] = f(k); });
-  double sum = 0.0;
-  for (const double term : terms) sum += term;
-  return sum;
-}
-
-}  // namespace
-
 template <int Dim>
 PolishProblem<Dim>::PolishProblem(JointSystem<Dim>& system, const std::vector<Segment<Dim>>& segments,
                                   const std::vector<bool>& is_private, const State<Dim>& state)
@@ -36,7 +22,7 @@ template <int Dim>
 double PolishProblem<Dim>::linearise() {
   is_reduced_ = false;
   const double chi2 = system_.linearise_observations();
-  const double segments_chi2 = ordered_sum(segments_.size(), [&](std::size_t k) { return segments_[k].linearise(); });
+  const double segments_chi2 = parallel_sum(segments_.size(), 1, [&](std::size_t k) { return segments_[k].linearise(); });
   gradient_.setZero(size_);
   gradient_.head(system_.equations().size()) = system_.equations().gradient();
   for (const auto& segment : segments_) segment.add_gradient(gradient_);
@@ -61,7 +47,7 @@ template <int Dim>
 double PolishProblem<Dim>::curvature(const Eigen::VectorXd& v) {
   restore_observations();
   return system_.equations().curvature(v.head(system_.equations().size())) +
-         ordered_sum(segments_.size(), [&](std::size_t k) { return segments_[k].curvature(v); });
+         parallel_sum(segments_.size(), 1, [&](std::size_t k) { return segments_[k].curvature(v); });
 }
 
 template <int Dim>
@@ -109,7 +95,7 @@ template <int Dim>
 double PolishProblem<Dim>::try_step(const Eigen::VectorXd& step) {
   candidate_ = system_.retracted(step);
   return system_.observations_chi2(candidate_) +
-         ordered_sum(segments_.size(), [&](std::size_t k) { return segments_[k].try_step(step); });
+         parallel_sum(segments_.size(), 1, [&](std::size_t k) { return segments_[k].try_step(step); });
 }
 
 template <int Dim>

@@ -1,7 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <algorithm>
-#include <functional>
-#include <mapjoin/join/placement.hpp>
 #include <mapjoin/join/whole.hpp>
 #include <mapjoin/join/world.hpp>
 #include <utility>
@@ -9,17 +7,50 @@
 namespace mapjoin {
 
 template <int Dim>
-Piece<Dim> whole_of(const Network<Dim>& network, const Pose<Dim>& origin, JoinedPieces<Dim> joined) {
-  for (auto& piece : joined.pieces) place_in_world(network, origin, piece);
-  Piece<Dim> whole = std::move(joined.pieces.front());
-  for (std::size_t k = 1; k < joined.pieces.size(); ++k) whole = merged(whole, joined.pieces[k], Pose<Dim>{});
-  for (const auto* closure : joined.pending) whole.pose_observations.push_back(closure);
-  // Pieces that met late are out of order; the maps are members of one vector, so that addresses give the network's order.
-  std::sort(whole.maps.begin(), whole.maps.end(), std::less<>());
+Piece<Dim> whole_of(const Network<Dim>& network) {
+  Piece<Dim> whole;
+  for (std::size_t p = 0; p < network.pose_count; ++p) {
+    if (network.is_joined[p]) whole.poses.push_back(static_cast<Index>(p));
+  }
+  for (const auto& condensed : network.maps) whole.maps.push_back(&condensed.map);
+  whole.pose_observations = network.pose_observations;
+  whole.feature_observations = network.feature_observations;
+
+  std::vector<bool> is_seen(network.feature_count, false);
+  for (const auto* map : whole.maps) {
+    for (const Index feature : map->features) is_seen[static_cast<std::size_t>(feature)] = true;
+  }
+  for (const auto* o : whole.feature_observations) is_seen[static_cast<std::size_t>(o->target)] = true;
+  for (std::size_t f = 0; f < network.feature_count; ++f) {
+    if (is_seen[f]) whole.features.push_back(static_cast<Index>(f));
+  }
+  whole.state.poses.resize(whole.poses.size());
+  whole.state.features.resize(whole.features.size(), Point<Dim>::Zero());
   return whole;
 }
 
-template Piece<2> whole_of(const Network<2>&, const Pose<2>&, JoinedPieces<2>);
-template Piece<3> whole_of(const Network<3>&, const Pose<3>&, JoinedPieces<3>);
+template <int Dim>
+State<Dim> composed_state(const Network<Dim>& network, const Piece<Dim>& whole, const Pose<Dim>& origin,
+                          JoinedPieces<Dim> joined) {
+  State<Dim> state = whole.state;
+  // What pieces have in common is where the first of them says.
+  for (auto piece = joined.pieces.rbegin(); piece != joined.pieces.rend(); ++piece) {
+    place_in_world(network, origin, *piece);
+    for (std::size_t p = 0; p < piece->poses.size(); ++p) {
+      state.poses[static_cast<std::size_t>(place_of(whole.poses, piece->poses[p]))] = piece->state.poses[p];
+    }
+    for (std::size_t f = 0; f < piece->features.size(); ++f) {
+      state.features[static_cast<std::size_t>(place_of(whole.features, piece->features[f]))] = piece->state.features[f];
+    }
+  }
+  return state;
+}
+
+#define MAPJOIN_INSTANTIATE(Dim)                   \
+  template Piece<Dim> whole_of(const Network<Dim>&); \
+  template State<Dim> composed_state(const Network<Dim>&, const Piece<Dim>&, const Pose<Dim>&, JoinedPieces<Dim>);
+MAPJOIN_INSTANTIATE(2)
+MAPJOIN_INSTANTIATE(3)
+#undef MAPJOIN_INSTANTIATE
 
 }  // namespace mapjoin

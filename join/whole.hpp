@@ -7,9 +7,14 @@
 
 namespace mapjoin {
 
-/// All pieces as one, in the World: the tied ones, and those that only the World ties together. Where the World says nothing of
-/// a piece, its first pose is at `origin`.
+/// All poses, features, maps and observations of a network, in its order, as one piece; its state is zero.
 template <int Dim>
-Piece<Dim> whole_of(const Network<Dim>& network, const Pose<Dim>& origin, JoinedPieces<Dim> joined);
+Piece<Dim> whole_of(const Network<Dim>& network);
+
+/// The state of that piece by those that it was joined from: the tied ones, and those that only the World ties together. Where
+/// the World says nothing of a piece, its first pose is at `origin`.
+template <int Dim>
+State<Dim> composed_state(const Network<Dim>& network, const Piece<Dim>& whole, const Pose<Dim>& origin,
+                          JoinedPieces<Dim> joined);
 
 }  // namespace mapjoin

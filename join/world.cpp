@@ -74,12 +74,10 @@ void place_in_world(const Network<Dim>& network, const Pose<Dim>& origin, Piece<
 }
 
 template <int Dim>
-Gauge<Dim> hold_in_world(const Network<Dim>& network, Piece<Dim>& piece) {
+Gauge<Dim> gauge_of(const Network<Dim>& network, const Piece<Dim>& piece) {
   Gauge<Dim> gauge;
   for (const auto& fixed : network.fixed) {
-    if (!holds(piece.poses, fixed.pose)) continue;
-    gauge.held.push_back(place_of(piece.poses, fixed.pose));
-    piece.state.poses[static_cast<std::size_t>(gauge.held.back())] = fixed.value;
+    if (holds(piece.poses, fixed.pose)) gauge.held.push_back(place_of(piece.poses, fixed.pose));
   }
   for (const auto* prior : network.pose_priors) {
     if (holds(piece.poses, prior->target)) gauge.pose_priors.push_back(prior);
@@ -91,8 +89,18 @@ Gauge<Dim> hold_in_world(const Network<Dim>& network, Piece<Dim>& piece) {
   return gauge;
 }
 
+template <int Dim>
+Gauge<Dim> hold_in_world(const Network<Dim>& network, Piece<Dim>& piece) {
+  for (const auto& fixed : network.fixed) {
+    if (holds(piece.poses, fixed.pose)) piece.state.poses[static_cast<std::size_t>(place_of(piece.poses, fixed.pose))] = fixed.value;
+  }
+  return gauge_of(network, piece);
+}
+
 template void place_in_world(const Network<2>&, const Pose<2>&, Piece<2>&);
 template void place_in_world(const Network<3>&, const Pose<3>&, Piece<3>&);
+template Gauge<2> gauge_of(const Network<2>&, const Piece<2>&);
+template Gauge<3> gauge_of(const Network<3>&, const Piece<3>&);
 template Gauge<2> hold_in_world(const Network<2>&, Piece<2>&);
 template Gauge<3> hold_in_world(const Network<3>&, Piece<3>&);
 

@@ -20,7 +20,11 @@ struct Gauge {
 template <int Dim>
 void place_in_world(const Network<Dim>& network, const Pose<Dim>& origin, Piece<Dim>& piece);
 
-/// Puts fixed poses at their values and says what holds the piece: these and the priors, else its first pose.
+/// What holds the piece: fixed poses and priors, else its first pose.
+template <int Dim>
+Gauge<Dim> gauge_of(const Network<Dim>& network, const Piece<Dim>& piece);
+
+/// Puts fixed poses at their values and says what holds the piece.
 template <int Dim>
 Gauge<Dim> hold_in_world(const Network<Dim>& network, Piece<Dim>& piece);
 

@@ -43,13 +43,21 @@ State<Dim> restricted(const State<Dim>& whole, const Piece<Dim>& piece) {
   return part;
 }
 
+/// A network as one piece, led along its spanning tree.
+template <int Dim>
+Piece<Dim> composed(const Network<Dim>& network, const Pose<Dim>& origin) {
+  Piece<Dim> whole = whole_of(network);
+  whole.state = composed_state(network, whole, origin, join_stretches(network, {Schedule::kBatch, {}, {}, {}}));
+  return whole;
+}
+
 /// One of the two least-squares problems, full SLAM or joining, ready to be looked at.
 template <int Dim>
 class PosedProblem {
  public:
   PosedProblem(Network<Dim> network, const Best<Dim>& best, bool is_joining)
       : network_(std::move(network)),
-        composed_(whole_of(network_, best.state.poses.front(), join_stretches(network_, {Schedule::kBatch, {}, {}, {}}))),
+        composed_(composed(network_, best.state.poses.front())),
         problem_(composed_, hold_in_world(network_, composed_)),
         best_(best),
         best_part_(restricted(best.state, composed_)),

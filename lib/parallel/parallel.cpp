@@ -52,6 +52,7 @@ struct HandOver {
 }  // namespace
 
 void parallel_for(std::size_t count, const std::function<void(std::size_t)>& f) {
+  if (count == 1) return f(0);
   HandOver whole;
   tbb::parallel_for(std::size_t{0}, count, [&](std::size_t k) {
     const HandOver::Piece piece(whole);

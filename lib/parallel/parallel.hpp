@@ -5,8 +5,10 @@
 // No piece may use what another one writes; what they compute is put together afterwards, in a fixed order, so that any number
 // of threads gives the same result.
 
+#include <algorithm>
 #include <cstddef>
 #include <functional>
+#include <vector>
 
 namespace mapjoin {
 
@@ -15,5 +17,25 @@ void parallel_for(std::size_t count, const std::function<void(std::size_t)>& f);
 
 /// Calls f and g side by side.
 void parallel_invoke(const std::function<void()>& f, const std::function<void()>& g);
+
+/// Calls f(begin, end) for the pieces of [0, count) that have `grain` elements, the last one maybe fewer.
+template <typename F>
+void parallel_chunks(std::size_t count, std::size_t grain, F&& f) {
+  parallel_for((count + grain - 1) / grain, [&](std::size_t k) { f(k * grain, std::min(count, (k + 1) * grain)); });
+}
+
+/// The sum of f(k) over [0, count), `grain` terms at a time side by side.
+template <typename F>
+double parallel_sum(std::size_t count, std::size_t grain, F&& f) {
+  std::vector<double> sums((count + grain - 1) / grain, 0.0);
+  parallel_chunks(count, grain, [&](std::size_t begin, std::size_t end) {
+    double sum = 0.0;
+    for (std::size_t k = begin; k < end; ++k) sum += f(k);
+    sums[begin / grain] = sum;
+  });
+  double sum = 0.0;
+  for (const double part : sums) sum += part;
+  return sum;
+}
 
 }  // namespace mapjoin

@@ -73,7 +73,7 @@ void InverseSubset::invert(const Supernode& L, const Node& node, Workspace& work
 
   workspace.G = ConstBlock(L.values + width, below, width, Eigen::OuterStride<>(height));
   L_JJ.solveInPlace<Eigen::OnTheRight>(workspace.G);
-  gather(L.rows.subspan(static_cast<std::size_t>(width)), workspace.positions, workspace.Z_RR.data());
+  gather(std::span(L.rows).subspan(static_cast<std::size_t>(width)), workspace.positions, workspace.Z_RR.data());
   const Eigen::Map<const Eigen::MatrixXd> Z_RR(workspace.Z_RR.data(), below, below);
   Block Z_RJ(node.values + width, below, width, Eigen::OuterStride<>(height));
   Z_RJ.noalias() = -(Z_RR.selfadjointView<Lower>() * workspace.G);

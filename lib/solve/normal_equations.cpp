@@ -1,11 +1,17 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <algorithm>
+#include <limits>
+#include <mapjoin/parallel/parallel.hpp>
 #include <mapjoin/solve/normal_equations.hpp>
 #include <mapjoin/solve/ordering.hpp>
 #include <utility>
 
 namespace mapjoin {
 namespace {
+
+/// A part of the cliques that is worth a piece of work has so many slots at least; there are so many parts at most.
+constexpr std::size_t kSlotsPerPart = 1000;
+constexpr std::size_t kMostParts = 16;
 
 /// Sorts each list lists[begin[k] .. begin[k+1]) and drops what is repeated.
 void sort_and_unite(std::vector<std::int64_t>& begin, std::vector<Index>& lists) {
@@ -57,6 +63,7 @@ NormalEquations::NormalEquations(std::vector<int> dofs, Cliques cliques)
   gradient_.setZero(size());
   order_variables();
   lay_out();
+  share_out_cliques();
   if (size() > 0) cholesky_.analyse(matrix_);
 }
 
@@ -69,9 +76,9 @@ void NormalEquations::order_variables() {
   });
   order_ = elimination_order({std::move(begin), std::move(neighbours)});
   place_ = inverse_order(order_);
-  place_offsets_.assign(order_.size() + 1, 0);
+  matrix_.offsets.assign(order_.size() + 1, 0);
   for (std::size_t k = 0; k < order_.size(); ++k) {
-    place_offsets_[k + 1] = place_offsets_[k] + dofs_[static_cast<std::size_t>(order_[k])];
+    matrix_.offsets[k + 1] = matrix_.offsets[k] + dofs_[static_cast<std::size_t>(order_[k])];
   }
 }
 
@@ -88,42 +95,24 @@ NormalEquations::BlockColumns NormalEquations::block_columns() const {
 
 void NormalEquations::lay_out() {
   const BlockColumns columns = block_columns();
-  const auto dof_at = [&](Index place) { return dofs_[static_cast<std::size_t>(order_[static_cast<std::size_t>(place)])]; };
-
-  // Where each block begins within its scalar columns, and how long these are.
-  std::vector<std::int64_t> row_offsets(columns.rows.size());
-  strides_.assign(order_.size(), 0);
-  diagonal_.assign(order_.size(), 0);
-  std::vector<std::int64_t> first_value(order_.size() + 1, 0);
   for (std::size_t k = 0; k < order_.size(); ++k) {
-    for (auto r = columns.begin[k]; r < columns.begin[k + 1]; ++r) {
-      row_offsets[static_cast<std::size_t>(r)] = strides_[k];
-      strides_[k] += dof_at(columns.rows[static_cast<std::size_t>(r)]);
-    }
-    diagonal_[k] = first_value[k];
-    first_value[k + 1] = first_value[k] + strides_[k] * dof_at(static_cast<Index>(k));
+    matrix_.append_column({columns.rows.data() + columns.begin[k], columns.rows.data() + columns.begin[k + 1]});
   }
-
-  matrix_.column_begin.assign(1, 0);
-  matrix_.rows.reserve(static_cast<std::size_t>(first_value.back()));
+  std::vector<Eigen::Index> row_in_panel(columns.rows.size());
   for (std::size_t k = 0; k < order_.size(); ++k) {
-    for (int c = 0; c < dof_at(static_cast<Index>(k)); ++c) {
-      for (auto r = columns.begin[k]; r < columns.begin[k + 1]; ++r) {
-        const auto row = static_cast<std::size_t>(columns.rows[static_cast<std::size_t>(r)]);
-        for (auto i = place_offsets_[row]; i < place_offsets_[row + 1]; ++i) matrix_.rows.push_back(i);
-      }
-      matrix_.column_begin.push_back(static_cast<std::int64_t>(matrix_.rows.size()));
+    Eigen::Index row = 0;
+    for (auto r = static_cast<std::size_t>(columns.begin[k]); r < static_cast<std::size_t>(columns.begin[k + 1]); ++r) {
+      row_in_panel[r] = row;
+      row += matrix_.dof(static_cast<std::size_t>(columns.rows[r]));
     }
   }
-  matrix_.values.assign(matrix_.rows.size(), 0.0);
-
   const auto destination = [&](Index a, Index b) -> std::int64_t {
     if (a == kConstant || b == kConstant) return 0;
     const auto [low, high] = std::minmax(place_[static_cast<std::size_t>(a)], place_[static_cast<std::size_t>(b)]);
     const auto column = static_cast<std::size_t>(low);
     const auto first = columns.rows.begin() + columns.begin[column];
     const auto found = std::lower_bound(first, columns.rows.begin() + columns.begin[column + 1], high);
-    return first_value[column] + row_offsets[static_cast<std::size_t>(found - columns.rows.begin())];
+    return matrix_.first_value[column] + row_in_panel[static_cast<std::size_t>(found - columns.rows.begin())];
   };
   for (std::size_t c = 0; c < cliques_.size(); ++c) {
     destination_begin_.push_back(static_cast<std::int64_t>(destinations_.size()));
@@ -132,6 +121,80 @@ void NormalEquations::lay_out() {
       for (std::size_t i = 0; i < j; ++i) destinations_.push_back(destination(slots[i], slots[j]));
     }
   }
+}
+
+std::vector<std::uint32_t> NormalEquations::cut_places(const std::vector<Index>& first_places) {
+  std::vector<std::size_t> slots_at(order_.size() + 1, 0);  // of the cliques that begin at each place
+  for (std::size_t c = 0; c < cliques_.size(); ++c) slots_at[static_cast<std::size_t>(first_places[c])] += cliques_[c].size();
+  const std::size_t per_part = std::max(kSlotsPerPart, cliques_.variables.size() / kMostParts + 1);
+  std::vector<std::uint32_t> part_of(order_.size() + 1, 0);
+  std::uint32_t part = 0;
+  std::size_t slots = 0;
+  for (std::size_t k = 0; k < order_.size(); ++k) {
+    if (slots >= per_part) {
+      ++part;
+      slots = 0;
+    }
+    part_of[k] = part;
+    slots += slots_at[k];
+  }
+  parts_.assign(part + 1, {});
+  return part_of;
+}
+
+void NormalEquations::share_out_cliques() {
+  std::vector<Index> first_places(cliques_.size(), 0);
+  for (std::size_t c = 0; c < cliques_.size(); ++c) {
+    Index first = static_cast<Index>(order_.size());
+    for (const Index v : cliques_[c]) {
+      if (v != kConstant) first = std::min(first, place(v));
+    }
+    first_places[c] = first;
+  }
+  const std::vector<std::uint32_t> part_of = cut_places(first_places);
+  for (std::size_t c = 0; c < cliques_.size(); ++c) {
+    auto& cliques = cliques_[c].size() > 2 ? large_cliques_ : parts_[part_of[static_cast<std::size_t>(first_places[c])]].cliques;
+    cliques.push_back(static_cast<std::uint32_t>(c));
+  }
+
+  sums_.assign(cliques_.variables.size(), kOwn);
+  std::vector<std::uint32_t> last_part(dofs_.size(), std::numeric_limits<std::uint32_t>::max());
+  std::vector<std::int32_t> begin(dofs_.size());
+  for (std::uint32_t p = 0; p < parts_.size(); ++p) {
+    Part& part = parts_[p];
+    for (const std::uint32_t c : part.cliques) {
+      for (auto slot = cliques_.begin[c]; slot < cliques_.begin[c + 1]; ++slot) {
+        const Index variable = cliques_.variables[static_cast<std::size_t>(slot)];
+        if (variable == kConstant || part_of[static_cast<std::size_t>(place(variable))] == p) continue;
+        const auto v = static_cast<std::size_t>(variable);
+        if (std::exchange(last_part[v], p) != p) {
+          begin[v] = part.sums;
+          part.others.emplace_back(variable, part.sums);
+          part.sums += dofs_[v] * (dofs_[v] + 1);
+        }
+        sums_[static_cast<std::size_t>(slot)] = begin[v];
+      }
+    }
+  }
+}
+
+double NormalEquations::accumulate_cliques(const std::function<double(std::size_t, Sink)>& f) {
+  std::vector<std::vector<double>> waiting(parts_.size());
+  double sum = parallel_sum(parts_.size(), 1, [&](std::size_t p) {
+    waiting[p].assign(static_cast<std::size_t>(parts_[p].sums), 0.0);
+    double part = 0.0;
+    for (const std::uint32_t clique : parts_[p].cliques) part += f(clique, {*this, clique, waiting[p].data()});
+    return part;
+  });
+  for (std::size_t p = 0; p < parts_.size(); ++p) {
+    for (const auto& [variable, begin] : parts_[p].others) {
+      const double* sums = waiting[p].data() + begin;
+      add(variable, variable, 0, Eigen::Map<const Eigen::MatrixXd>(sums, dof(variable), dof(variable)));
+      add_rhs(variable, Eigen::Map<const Eigen::VectorXd>(sums + dof(variable) * dof(variable), dof(variable)));
+    }
+  }
+  for (const std::uint32_t clique : large_cliques_) sum += f(clique, sink(clique));
+  return sum;
 }
 
 void NormalEquations::set_zero() {
@@ -144,7 +207,7 @@ Eigen::VectorXd NormalEquations::diagonal() const {
   for (std::size_t k = 0; k < order_.size(); ++k) {
     const auto v = static_cast<std::size_t>(order_[k]);
     for (int i = 0; i < dofs_[v]; ++i) {
-      diagonal[offsets_[v] + i] = matrix_.values[static_cast<std::size_t>(diagonal_[k] + i * (strides_[k] + 1))];
+      diagonal[offsets_[v] + i] = matrix_.values[static_cast<std::size_t>(matrix_.first_value[k] + i * (matrix_.heights[k] + 1))];
     }
   }
   return diagonal;
@@ -154,21 +217,25 @@ Eigen::MatrixXd NormalEquations::permuted(const Eigen::MatrixXd& columns) const 
   Eigen::MatrixXd out(columns.rows(), columns.cols());
   for (std::size_t k = 0; k < order_.size(); ++k) {
     const auto variable = static_cast<std::size_t>(order_[k]);
-    out.middleRows(place_offsets_[k], dofs_[variable]) = columns.middleRows(offsets_[variable], dofs_[variable]);
+    out.middleRows(matrix_.offsets[k], dofs_[variable]) = columns.middleRows(offsets_[variable], dofs_[variable]);
   }
   return out;
 }
 
 Eigen::VectorXd NormalEquations::product(const Eigen::VectorXd& v) const {
   Eigen::VectorXd Hv = Eigen::VectorXd::Zero(v.size());
-  for (std::int64_t j = 0; j < matrix_.size(); ++j) {
-    for (auto k = matrix_.column_begin[static_cast<std::size_t>(j)]; k < matrix_.column_begin[static_cast<std::size_t>(j) + 1];
-         ++k) {
-      const std::int64_t i = matrix_.rows[static_cast<std::size_t>(k)];
-      if (i < j) continue;
-      const double value = matrix_.values[static_cast<std::size_t>(k)];
-      Hv[i] += value * v[j];
-      if (i > j) Hv[j] += value * v[i];
+  for (std::size_t k = 0; k < matrix_.blocks(); ++k) {
+    const Eigen::Index dof = matrix_.dof(k);
+    const Eigen::Map<const Eigen::MatrixXd> panel(matrix_.values.data() + matrix_.first_value[k], matrix_.heights[k], dof);
+    const auto v_k = v.segment(matrix_.offsets[k], dof);
+    Hv.segment(matrix_.offsets[k], dof) += panel.topRows(dof).selfadjointView<Eigen::Lower>() * v_k;
+    Eigen::Index row = dof;
+    for (const Index below : matrix_.rows_of(k).subspan(1)) {
+      const auto i = static_cast<std::size_t>(below);
+      const auto block = panel.middleRows(row, matrix_.dof(i));
+      Hv.segment(matrix_.offsets[i], matrix_.dof(i)) += block.lazyProduct(v_k);
+      Hv.segment(matrix_.offsets[k], dof) += block.transpose().lazyProduct(v.segment(matrix_.offsets[i], matrix_.dof(i)));
+      row += matrix_.dof(i);
     }
   }
   return Hv;
@@ -179,39 +246,47 @@ double NormalEquations::curvature(const Eigen::VectorXd& v) const {
   return p.dot(product(p));
 }
 
-SparseLower NormalEquations::principal_submatrix(const std::vector<bool>& is_kept) const {
-  std::vector<std::int64_t> kept_before(is_kept.size(), 0);
-  for (std::size_t j = 1; j < is_kept.size(); ++j) kept_before[j] = kept_before[j - 1] + (is_kept[j - 1] ? 1 : 0);
-  SparseLower part;
-  part.column_begin = {0};
-  for (std::size_t j = 0; j < is_kept.size(); ++j) {
-    if (!is_kept[j]) continue;
-    for (auto k = static_cast<std::size_t>(matrix_.column_begin[j]); k < static_cast<std::size_t>(matrix_.column_begin[j + 1]);
-         ++k) {
-      const auto i = static_cast<std::size_t>(matrix_.rows[k]);
-      if (i < j || !is_kept[i]) continue;
-      part.rows.push_back(kept_before[i]);
-      part.values.push_back(matrix_.values[k]);
+BlockLower NormalEquations::principal_submatrix(const std::vector<bool>& is_kept) const {
+  std::vector<Index> kept(is_kept.size());  // the place among those that are kept
+  BlockLower part;
+  for (std::size_t k = 0; k < is_kept.size(); ++k) {
+    kept[k] = static_cast<Index>(part.blocks());
+    if (is_kept[k]) part.offsets.push_back(part.offsets.back() + matrix_.dof(k));
+  }
+  for (std::size_t k = 0; k < is_kept.size(); ++k) {
+    if (!is_kept[k]) continue;
+    std::vector<Index> rows;
+    for (const Index row : matrix_.rows_of(k)) {
+      if (is_kept[static_cast<std::size_t>(row)]) rows.push_back(kept[static_cast<std::size_t>(row)]);
     }
-    part.column_begin.push_back(static_cast<std::int64_t>(part.rows.size()));
+    part.append_column(rows);
+    double* to = part.values.data() + part.first_value[static_cast<std::size_t>(kept[k])];
+    const double* from = matrix_.values.data() + matrix_.first_value[k];
+    for (Eigen::Index j = 0; j < matrix_.dof(k); ++j) {
+      for (const Index row : matrix_.rows_of(k)) {
+        const Eigen::Index dof = matrix_.dof(static_cast<std::size_t>(row));
+        if (is_kept[static_cast<std::size_t>(row)]) to = std::copy_n(from, dof, to);
+        from += dof;
+      }
+    }
   }
   return part;
 }
 
 std::optional<double> NormalEquations::least_curvature(const Eigen::VectorXd& v, const std::vector<bool>& is_given) const {
   Eigen::VectorXd w = permuted(v);
-  std::vector<bool> is_free(static_cast<std::size_t>(size()));
+  std::vector<bool> is_free(order_.size());
   std::vector<Eigen::Index> free;
   for (std::size_t k = 0; k < order_.size(); ++k) {
-    if (is_given[static_cast<std::size_t>(order_[k])]) continue;
-    for (auto row = place_offsets_[k]; row < place_offsets_[k + 1]; ++row) {
-      is_free[static_cast<std::size_t>(row)] = true;
+    is_free[k] = !is_given[static_cast<std::size_t>(order_[k])];
+    if (!is_free[k]) continue;
+    for (auto row = matrix_.offsets[k]; row < matrix_.offsets[k + 1]; ++row) {
       free.push_back(row);
       w[row] = 0.0;
     }
   }
   if (free.empty()) return w.dot(product(w));
-  const SparseLower H_free = principal_submatrix(is_free);
+  const BlockLower H_free = principal_submatrix(is_free);
   SparseCholesky cholesky;
   cholesky.analyse(H_free);
   if (cholesky.factorise(H_free)) return std::nullopt;
@@ -223,7 +298,7 @@ void NormalEquations::set_diagonal(const Eigen::VectorXd& diagonal) {
   for (std::size_t k = 0; k < order_.size(); ++k) {
     const auto v = static_cast<std::size_t>(order_[k]);
     for (int i = 0; i < dofs_[v]; ++i) {
-      matrix_.values[static_cast<std::size_t>(diagonal_[k] + i * (strides_[k] + 1))] = diagonal[offsets_[v] + i];
+      matrix_.values[static_cast<std::size_t>(matrix_.first_value[k] + i * (matrix_.heights[k] + 1))] = diagonal[offsets_[v] + i];
     }
   }
 }
@@ -235,7 +310,7 @@ std::optional<Index> NormalEquations::factorise(double damping) {
   const auto column = cholesky_.factorise(matrix_);
   if (damping > 0.0) set_diagonal(undamped);
   if (!column) return std::nullopt;
-  const auto place = std::upper_bound(place_offsets_.begin(), place_offsets_.end(), *column) - place_offsets_.begin() - 1;
+  const auto place = std::upper_bound(matrix_.offsets.begin(), matrix_.offsets.end(), *column) - matrix_.offsets.begin() - 1;
   return order_[static_cast<std::size_t>(place)];
 }
 
@@ -245,7 +320,7 @@ Eigen::MatrixXd NormalEquations::solve_columns(const Eigen::MatrixXd& B) const {
   Eigen::MatrixXd out(X.rows(), X.cols());
   for (std::size_t k = 0; k < order_.size(); ++k) {
     const auto variable = static_cast<std::size_t>(order_[k]);
-    out.middleRows(offsets_[variable], dofs_[variable]) = X.middleRows(place_offsets_[k], dofs_[variable]);
+    out.middleRows(offsets_[variable], dofs_[variable]) = X.middleRows(matrix_.offsets[k], dofs_[variable]);
   }
   return out;
 }

@@ -4,11 +4,13 @@
 
 #include <Eigen/Core>
 #include <algorithm>
+#include <functional>
 #include <mapjoin/model/ids.hpp>
 #include <mapjoin/solve/sparse_cholesky.hpp>
 #include <optional>
 #include <span>
 #include <type_traits>
+#include <utility>
 #include <vector>
 
 namespace mapjoin {
@@ -45,25 +47,50 @@ class NormalEquations {
       const Index a = slots_[static_cast<std::size_t>(i)];
       const Index b = slots_[static_cast<std::size_t>(j)];
       if (a == kConstant || b == kConstant) return;
-      equations_.add(a, b, i == j ? 0 : destinations_[j * (j - 1) / 2 + i], block);
+      if (i == j && is_elsewhere(i)) {
+        add_to_sums(sums_[static_cast<std::size_t>(i)], block);
+      } else {
+        equations_.add(a, b, i == j ? 0 : destinations_[j * (j - 1) / 2 + i], block);
+      }
     }
     template <typename Block>
     void rhs(int i, const Block& block) {
       const Index a = slots_[static_cast<std::size_t>(i)];
-      if (a != kConstant) equations_.gradient_.segment(equations_.offsets_[static_cast<std::size_t>(a)], block.size()) += block;
+      if (a == kConstant) return;
+      if (is_elsewhere(i)) {
+        add_to_sums(sums_[static_cast<std::size_t>(i)] + equations_.dof(a) * equations_.dof(a), block);
+      } else {
+        equations_.add_rhs(a, block);
+      }
     }
 
    private:
     friend NormalEquations;
-    Sink(NormalEquations& equations, std::span<const Index> slots, const std::int64_t* destinations)
-        : equations_(equations), slots_(slots), destinations_(destinations) {}
+    Sink(NormalEquations& equations, std::size_t clique, double* elsewhere = nullptr)
+        : equations_(equations),
+          slots_(equations.cliques_[clique]),
+          destinations_(equations.destinations_.data() + equations.destination_begin_[clique]),
+          sums_(equations.sums_.data() + equations.cliques_.begin[clique]),
+          elsewhere_(elsewhere) {}
+    bool is_elsewhere(int i) const { return elsewhere_ && sums_[static_cast<std::size_t>(i)] != kOwn; }
+    template <typename Block>
+    void add_to_sums(std::int32_t begin, const Block& block) {
+      const auto value = block.eval();
+      Eigen::Map<std::remove_const_t<decltype(value)>>(elsewhere_ + begin, value.rows(), value.cols()) += value;
+    }
+
     NormalEquations& equations_;
     std::span<const Index> slots_;
     const std::int64_t* destinations_;
+    const std::int32_t* sums_;
+    double* elsewhere_;  // sums of what other parts own, or null where everything is added in its place
   };
 
   void set_zero();
-  Sink sink(std::size_t clique) { return {*this, cliques_[clique], destinations_.data() + destination_begin_[clique]}; }
+  Sink sink(std::size_t clique) { return {*this, clique}; }
+  /// Calls f(clique, sink) for every clique, those of two slots on all threads, and returns the sum of what it returns. All sums
+  /// are the same for any number of threads.
+  double accumulate_cliques(const std::function<double(std::size_t, Sink)>& f);
 
   /// Adds to the block of one variable with itself.
   template <typename Block>
@@ -98,7 +125,7 @@ class NormalEquations {
   Supernodes supernodes() const { return size() == 0 ? Supernodes{} : cholesky_.supernodes(); }
   /// The column of the factorised matrix at which variable v begins.
   std::int64_t column_of(Index v) const {
-    return place_offsets_[static_cast<std::size_t>(place_[static_cast<std::size_t>(v)])];
+    return matrix_.offsets[static_cast<std::size_t>(place_[static_cast<std::size_t>(v)])];
   }
   int dof(Index v) const { return dofs_[static_cast<std::size_t>(v)]; }
 
@@ -113,24 +140,43 @@ class NormalEquations {
     std::vector<Index> rows;
   };
   BlockColumns block_columns() const;
-  /// H over the columns at which `is_kept`, in the order of the elimination.
-  SparseLower principal_submatrix(const std::vector<bool>& is_kept) const;
+  /// H over the places at which `is_kept`, in the order of the elimination.
+  BlockLower principal_submatrix(const std::vector<bool>& is_kept) const;
   /// H v; both in the order of the elimination.
   Eigen::VectorXd product(const Eigen::VectorXd& v) const;
   /// Vectors, side by side, in the order of the elimination.
   Eigen::MatrixXd permuted(const Eigen::MatrixXd& columns) const;
 
+  /// The cliques of two slots whose first place is in one run of places, and their variables at other places. What adds to
+  /// these waits in sums until nobody else writes: per variable its diagonal block, then its right-hand side.
+  struct Part {
+    std::vector<std::uint32_t> cliques;
+    std::vector<std::pair<Index, std::int32_t>> others;  ///< Each with where its sums begin.
+    std::int32_t sums = 0;
+  };
+  /// A slot whose variable is of the clique's part.
+  static constexpr std::int32_t kOwn = -1;
+  void share_out_cliques();
+  /// The part of each place.
+  std::vector<std::uint32_t> cut_places(const std::vector<Index>& first_places);
+
+  Index place(Index v) const { return place_[static_cast<std::size_t>(v)]; }
+  template <typename Block>
+  void add_rhs(Index v, const Block& block) {
+    gradient_.segment(offset(v), block.size()) += block;
+  }
   template <typename Expression>
   void add(Index a, Index b, std::int64_t destination, const Expression& expression) {
     const auto block = expression.eval();
     using Block = std::remove_const_t<decltype(block)>;
-    const Index place_a = place_[static_cast<std::size_t>(a)];
-    const Index place_b = place_[static_cast<std::size_t>(b)];
+    const Index place_a = place(a);
+    const Index place_b = place(b);
     constexpr int kRows = Block::RowsAtCompileTime;
     constexpr int kCols = Block::ColsAtCompileTime;
     using Stride = Eigen::OuterStride<>;
-    if (a == b) destination = diagonal_[static_cast<std::size_t>(place_a)];
-    const Stride stride(strides_[static_cast<std::size_t>(std::min(place_a, place_b))]);
+    const auto column = static_cast<std::size_t>(std::min(place_a, place_b));
+    if (a == b) destination = matrix_.first_value[column];
+    const Stride stride(matrix_.heights[column]);
     double* values = matrix_.values.data() + destination;
     if (place_a >= place_b) {
       Eigen::Map<Eigen::Matrix<double, kRows, kCols>, 0, Stride>(values, block.rows(), block.cols(), stride) += block;
@@ -142,15 +188,15 @@ class NormalEquations {
 
   std::vector<int> dofs_;
   Cliques cliques_;
-  std::vector<Eigen::Index> offsets_;        ///< Per variable, in its own order, and the total.
-  std::vector<Index> order_;                 ///< Variable at each place of the elimination.
-  std::vector<Index> place_;                 ///< Place of each variable.
-  std::vector<Eigen::Index> place_offsets_;  ///< First scalar column of each place, and the total.
-  std::vector<std::int64_t> strides_;        ///< Length of a scalar column, per place.
-  std::vector<std::int64_t> diagonal_;       ///< Destination of the diagonal block, per place.
+  std::vector<Eigen::Index> offsets_;  ///< Per variable, in its own order, and the total.
+  std::vector<Index> order_;           ///< Variable at each place of the elimination.
+  std::vector<Index> place_;           ///< Place of each variable.
   std::vector<std::int64_t> destination_begin_;
   std::vector<std::int64_t> destinations_;  ///< Per clique, of slots i < j at j(j-1)/2 + i.
-  SparseLower matrix_;
+  std::vector<Part> parts_;
+  std::vector<std::uint32_t> large_cliques_;  ///< Of more than two slots.
+  std::vector<std::int32_t> sums_;  ///< Per slot of all cliques, where the sums of its part begin, or kOwn.
+  BlockLower matrix_;  ///< H, by places.
   Eigen::VectorXd gradient_;
   SparseCholesky cholesky_;
 };

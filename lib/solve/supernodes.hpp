@@ -1,19 +1,18 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
-// A Cholesky factor seen by runs of columns with the same rows, whichever library made it.
+// A Cholesky factor seen by runs of columns with the same rows.
 
 #include <cstdint>
-#include <span>
 #include <vector>
 
 namespace mapjoin {
 
-/// Columns [begin, end) of L as one dense block; a factor that is kept column by column has one of width 1 per column.
+/// Columns [begin, end) of L as one dense block.
 struct Supernode {
   std::int64_t begin = 0;
   std::int64_t end = 0;
-  std::span<const std::int64_t> rows;  ///< Ascending: its own columns, then the rows below them.
-  const double* values = nullptr;      ///< rows.size() × (end - begin), column by column. Above the diagonal is nothing.
+  std::vector<std::int64_t> rows;  ///< Ascending: its own columns, then the rows below them.
+  const double* values = nullptr;  ///< rows.size() × (end - begin), column by column. Above the diagonal is nothing.
 };
 
 /// A view of L, A = L Lᵀ, in the order of its columns; it holds until A is factorised again.

@@ -6,23 +6,31 @@
 
 namespace mapjoin::testing {
 
-/// A dense matrix as the lower triangle of a sparse one, zeros left out, with one ignored entry above the diagonal per column.
-inline SparseLower sparse(const Eigen::MatrixXd& dense) {
-  SparseLower matrix;
-  matrix.column_begin = {0};
-  for (Eigen::Index j = 0; j < dense.cols(); ++j) {
-    if (j > 0) {
-      matrix.rows.push_back(j - 1);
-      matrix.values.push_back(1e9);
+/// A dense matrix by blocks of these sizes, zero blocks left out, with 1e9 where entries above the diagonal are ignored.
+inline BlockLower sparse(const Eigen::MatrixXd& dense, const std::vector<Eigen::Index>& dofs) {
+  BlockLower matrix;
+  for (const Eigen::Index dof : dofs) matrix.offsets.push_back(matrix.offsets.back() + dof);
+  for (std::size_t j = 0; j < dofs.size(); ++j) {
+    const auto block = [&](std::size_t i) { return dense.block(matrix.offsets[i], matrix.offsets[j], dofs[i], dofs[j]); };
+    std::vector<Index> rows{static_cast<Index>(j)};
+    for (std::size_t i = j + 1; i < dofs.size(); ++i) {
+      if (!block(i).isZero(0.0)) rows.push_back(static_cast<Index>(i));
     }
-    for (Eigen::Index i = j; i < dense.rows(); ++i) {
-      if (dense(i, j) == 0.0 && i != j) continue;
-      matrix.rows.push_back(i);
-      matrix.values.push_back(dense(i, j));
+    matrix.append_column(rows);
+    Eigen::Map<Eigen::MatrixXd> panel(matrix.values.data() + matrix.first_value[j], matrix.heights[j], dofs[j]);
+    Eigen::Index row = 0;
+    for (const Index i : rows) {
+      panel.middleRows(row, dofs[static_cast<std::size_t>(i)]) = block(static_cast<std::size_t>(i));
+      row += dofs[static_cast<std::size_t>(i)];
     }
-    matrix.column_begin.push_back(static_cast<std::int64_t>(matrix.rows.size()));
+    panel.topRows(dofs[j]).triangularView<Eigen::StrictlyUpper>().fill(1e9);
   }
   return matrix;
+}
+
+/// The same, entry by entry.
+inline BlockLower sparse(const Eigen::MatrixXd& dense) {
+  return sparse(dense, std::vector<Eigen::Index>(static_cast<std::size_t>(dense.cols()), 1));
 }
 
 }  // namespace mapjoin::testing

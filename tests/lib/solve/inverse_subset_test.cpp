@@ -37,7 +37,7 @@ TEST_P(InverseSubsetTest, HoldsTheEntriesOfTheDenseInverseWhereTheMatrixHasSome)
   Random random;
   const Eigen::MatrixXd A = random_matrix(GetParam().size, GetParam().observations, GetParam().reach, random);
   SparseCholesky cholesky;
-  const SparseLower matrix = sparse(A);
+  const BlockLower matrix = sparse(A);
   cholesky.analyse(matrix);
   ASSERT_FALSE(cholesky.factorise(matrix));
   const InverseSubset subset(cholesky.supernodes());
@@ -63,7 +63,7 @@ INSTANTIATE_TEST_SUITE_P(Sizes, InverseSubsetTest,
 TEST(InverseSubset, KeepsTheOrderOfTheColumnsAskedFor) {
   Random random;
   const Eigen::MatrixXd A = random_matrix(30, 3000, 29, random);
-  const SparseLower matrix = sparse(A);
+  const BlockLower matrix = sparse(A);
   SparseCholesky cholesky;
   cholesky.analyse(matrix);
   ASSERT_FALSE(cholesky.factorise(matrix));
@@ -74,7 +74,7 @@ TEST(InverseSubset, KeepsTheOrderOfTheColumnsAskedFor) {
 
 TEST(InverseSubset, RefusesWhatIsNotCoupled) {
   SparseCholesky cholesky;
-  const SparseLower matrix = sparse(Eigen::MatrixXd::Identity(4, 4));
+  const BlockLower matrix = sparse(Eigen::MatrixXd::Identity(4, 4));
   cholesky.analyse(matrix);
   ASSERT_FALSE(cholesky.factorise(matrix));
   const InverseSubset subset(cholesky.supernodes());
@@ -84,7 +84,7 @@ TEST(InverseSubset, RefusesWhatIsNotCoupled) {
 
 TEST(InverseSubset, CountsItsMemoryBeforehand) {
   Random random;
-  const SparseLower matrix = sparse(random_matrix(200, 9000, 190, random));
+  const BlockLower matrix = sparse(random_matrix(200, 9000, 190, random));
   SparseCholesky cholesky;
   cholesky.analyse(matrix);
   ASSERT_FALSE(cholesky.factorise(matrix));

@@ -4,6 +4,7 @@
 #include <Eigen/Cholesky>
 #include <filesystem>
 #include <iterator>
+#include <mapjoin/solve/dense_kernels.hpp>
 #include <mapjoin/solve/sparse_cholesky.hpp>
 #include <tests/support/random.hpp>
 #include <tests/support/sparse.hpp>
@@ -33,7 +34,7 @@ TEST(SparseCholesky, SolvesLikeTheDenseSystem) {
   Random random;
   for (const Eigen::Index n : {1, 2, 9, 60, 400}) {
     const Eigen::MatrixXd A = random_matrix(n, random);
-    const SparseLower matrix = sparse(A);
+    const BlockLower matrix = sparse(A);
     SparseCholesky cholesky;
     cholesky.analyse(matrix);
     ASSERT_FALSE(cholesky.factorise(matrix)) << n;
@@ -94,7 +95,7 @@ std::ptrdiff_t threads_of_this_process() {
 TEST(SparseCholesky, StartsNoThreadsWhicheverThreadCallsIt) {
   Random random;
   const Eigen::MatrixXd A = random_matrix(400, random);
-  const SparseLower matrix = sparse(A);
+  const BlockLower matrix = sparse(A);
   const auto factorise = [&] {
     SparseCholesky cholesky;
     const std::ptrdiff_t before = threads_of_this_process();

@@ -1,0 +1,78 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <algorithm>
+#include <mapjoin/parallel/parallel.hpp>
+#include <mapjoin/solve/frontal_matrix.hpp>
+
+namespace mapjoin {
+namespace {
+
+/// Columns that are eliminated at once, and columns or rows that are a piece of work: large enough for the BLAS, small enough to
+/// be shared out.
+constexpr Eigen::Index kTile = 192;
+
+DenseBlock part(DenseBlock block, Eigen::Index row, Eigen::Index column, Eigen::Index rows, Eigen::Index columns) {
+  return {block.data() + row + column * block.outerStride(), rows, columns, Eigen::OuterStride<>(block.outerStride())};
+}
+
+ConstDenseBlock constant(DenseBlock block) {
+  return {block.data(), block.rows(), block.cols(), Eigen::OuterStride<>(block.outerStride())};
+}
+
+/// Calls f(begin, size) for each of the tiles that make up [0, size).
+template <typename F>
+void for_each_tile(Eigen::Index size, F&& f) {
+  parallel_for(static_cast<std::size_t>((size + kTile - 1) / kTile), [&](std::size_t k) {
+    const auto begin = static_cast<Eigen::Index>(k) * kTile;
+    f(begin, std::min(kTile, size - begin));
+  });
+}
+
+/// The lower trapezoid of C - B B_Cᵀ, over the columns that C has; B_C are the first rows of B.
+void subtract_square_by_tiles(DenseBlock B, DenseBlock C) {
+  for_each_tile(C.cols(), [&](Eigen::Index begin, Eigen::Index size) {
+    const DenseBlock rows = part(B, begin, 0, size, B.cols());
+    subtract_square(constant(rows), part(C, begin, begin, size, size));
+    const Eigen::Index below = B.rows() - begin - size;
+    if (below == 0) return;
+    subtract_product(constant(part(B, begin + size, 0, below, B.cols())), constant(rows),
+                     part(C, begin + size, begin, below, size));
+  });
+}
+
+}  // namespace
+
+void add_update(ConstDenseBlock update, std::span<const RowRun> runs, FrontalMatrix parent) {
+  const Eigen::Index width = parent.panel.cols();
+  for (std::size_t c = 0; c < runs.size(); ++c) {
+    for (std::int32_t j = 0; j < runs[c].length; ++j) {
+      const double* from = update.data() + (runs[c].from + j) * update.outerStride();
+      const Eigen::Index column = runs[c].to + j;
+      double* to = column < width ? parent.panel.data() + column * parent.panel.outerStride()
+                                  : parent.update.data() + (column - width) * parent.update.outerStride() - width;
+      for (std::int32_t i = j; i < runs[c].length; ++i) to[runs[c].to + i] += from[runs[c].from + i];
+      for (const RowRun& run : runs.subspan(c + 1)) {
+        for (std::int32_t i = 0; i < run.length; ++i) to[run.to + i] += from[run.from + i];
+      }
+    }
+  }
+}
+
+std::optional<Eigen::Index> eliminate(FrontalMatrix front) {
+  const Eigen::Index height = front.panel.rows();
+  const Eigen::Index width = front.panel.cols();
+  for (Eigen::Index begin = 0; begin < width; begin += kTile) {
+    const Eigen::Index columns = std::min(kTile, width - begin);
+    const DenseBlock diagonal = part(front.panel, begin, begin, columns, columns);
+    if (const auto column = cholesky_in_place(diagonal)) return begin + *column;
+    const Eigen::Index end = begin + columns;
+    for_each_tile(height - end, [&](Eigen::Index row, Eigen::Index rows) {
+      divide_by_transpose(constant(diagonal), part(front.panel, end + row, begin, rows, columns));
+    });
+    if (end == width) break;
+    subtract_square_by_tiles(part(front.panel, end, begin, height - end, columns), part(front.panel, end, end, height - end, width - end));
+  }
+  if (height > width) subtract_square_by_tiles(part(front.panel, width, 0, height - width, width), front.update);
+  return std::nullopt;
+}
+
+}  // namespace mapjoin

@@ -1,0 +1,61 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+// What a Cholesky factor will look like: its supernodes, the tree in which they depend on each other, and where everything goes.
+
+#include <Eigen/Core>
+#include <cstdint>
+#include <mapjoin/model/ids.hpp>
+#include <mapjoin/solve/block_lower.hpp>
+#include <vector>
+
+namespace mapjoin {
+
+/// Half-open: [begin, end) of some list.
+template <typename T>
+struct Range {
+  T begin = 0;
+  T end = 0;
+};
+
+/// Block columns of L with the same rows below them, kept as one dense panel of height × width. Its front is its own rows,
+/// then those below.
+struct FactorNode {
+  Range<std::size_t> columns;
+  std::size_t parent = 0;          ///< The supernode of the first row below; the number of supernodes for a root.
+  Range<std::size_t> children;     ///< In SupernodalTree::children, ascending.
+  Range<std::int64_t> rows;        ///< Its block rows below, in SupernodalTree::rows, ascending.
+  Range<std::int64_t> runs;        ///< Where these lie in its parent's front, in SupernodalTree::runs.
+  std::int64_t first_value = 0;    ///< Its panel in the values of L.
+  Eigen::Index width = 0;          ///< Scalar columns.
+  Eigen::Index height = 0;         ///< Scalar rows of the front.
+
+  Eigen::Index below() const { return height - width; }
+};
+
+/// Scalar rows [from, from + length) below a supernode are rows [to, to + length) of its parent's front.
+struct RowRun {
+  std::int32_t from = 0;
+  std::int32_t to = 0;
+  std::int32_t length = 0;
+};
+
+/// Supernodes that are worked on one after the other, ascending, once the tasks that they depend on are done.
+struct FactorTask {
+  std::vector<std::size_t> nodes;
+  std::vector<FactorTask> before;  ///< Independent of each other.
+};
+
+struct SupernodalTree {
+  std::vector<FactorNode> nodes;  ///< By their columns.
+  std::vector<std::size_t> children;
+  std::vector<Index> rows;
+  std::vector<RowRun> runs;
+  std::vector<std::int32_t> front_rows;  ///< Of each entry of BlockLower::rows, its first scalar row in the front.
+  std::int64_t value_count = 0;          ///< Of L.
+  FactorTask tasks;                      ///< The same for any number of threads.
+};
+
+/// By the pattern of a matrix that is in the order of its elimination (Liu, Ng & Peyton, 1993).
+SupernodalTree supernodal_tree(const BlockLower& matrix);
+
+}  // namespace mapjoin
