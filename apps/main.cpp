@@ -9,6 +9,7 @@
 #include <apps/command_line.hpp>
 #include <apps/console.hpp>
 #include <apps/interruption.hpp>
+#include <mapjoin/solve/dense_kernels.hpp>
 #include <exception>
 #include <new>
 
@@ -51,6 +52,7 @@ Expected<ExitCode> parse_and_run(int argc, char** argv) {
 }
 
 ExitCode main(int argc, char** argv) {
+  keep_blas_on_one_thread();
   try {
     const auto done = parse_and_run(argc, argv);
     if (done) return *done;

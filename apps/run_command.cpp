@@ -13,6 +13,7 @@
 #include <mapjoin/io/g2o.hpp>
 #include <mapjoin/io/map_text.hpp>
 #include <mapjoin/io/output_file.hpp>
+#include <mapjoin/parallel/parallel.hpp>
 #include <memory>
 #include <optional>
 #include <variant>
@@ -41,9 +42,15 @@ Expected<void> write_map_files(const Call& call, const RunResult<Dim>& result, c
                                const OutputFolder& folder) {
   const GlobalMap<Dim>& map = result.map;
   const Options& options = call.options();
-  return write_g2o(map, &log, folder.aside("map.g2o"))
-      .and_then([&] { return write_tum(map, folder.aside("trajectory.tum")); })
-      .and_then([&] { return write_csv(map, folder.aside("poses.csv"), folder.aside("features.csv")); })
+  Expected<void> graph;
+  Expected<void> lists;
+  parallel_invoke([&] { graph = write_g2o(map, &log, folder.aside("map.g2o")); },
+                  [&] {
+                    lists = write_tum(map, folder.aside("trajectory.tum")).and_then([&] {
+                      return write_csv(map, folder.aside("poses.csv"), folder.aside("features.csv"));
+                    });
+                  });
+  return graph.and_then([&] { return lists; })
       .and_then([&] { return write_file(folder.aside("map.svg"), picture(map_layers<Dim>({plotted(result, log)}, nullptr))); })
       .and_then([&] {
         if (!options.covariances || !result.marginals) return Expected<void>();

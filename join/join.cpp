@@ -28,15 +28,17 @@ std::vector<MapFit> map_fits(const JointSystem<Dim>& system) {
 
 template <int Dim>
 std::int64_t measured_rows(const Piece<Dim>& piece, const Gauge<Dim>& gauge, const std::vector<MapFit>& maps) {
-  std::int64_t rows = 0;
-  for (const MapFit& map : maps) rows += map.rows;
-  for (const auto* list : {&piece.pose_observations, &gauge.pose_priors}) {
-    for (const auto* o : *list) rows += information_rank(o->information);
-  }
-  for (const auto* list : {&piece.feature_observations, &gauge.feature_priors}) {
-    for (const auto* o : *list) rows += information_rank(o->information);
-  }
-  return rows;
+  double rows = 0.0;
+  for (const MapFit& map : maps) rows += static_cast<double>(map.rows);
+  const auto add = [&](const auto& observations) {
+    rows += parallel_sum(observations.size(), 2000,
+                         [&](std::size_t k) { return static_cast<double>(information_rank(observations[k]->information)); });
+  };
+  add(piece.pose_observations);
+  add(gauge.pose_priors);
+  add(piece.feature_observations);
+  add(gauge.feature_priors);
+  return static_cast<std::int64_t>(rows);
 }
 
 /// From the composed start to the one asked for.

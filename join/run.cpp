@@ -98,12 +98,6 @@ std::int64_t information_bytes(const LocalMap<Dim>& map) {
   return static_cast<std::int64_t>(sizeof(double)) * map.information.size();
 }
 
-/// Of the join's factor, where its chi2 could be linearised at all.
-template <int Dim>
-std::int64_t factor_bytes(const Join<Dim>& join) {
-  return std::isfinite(join.result.start_chi2) ? mapjoin::factor_bytes(join.system->equations().supernodes()) : 0;
-}
-
 /// What a join says of itself.
 template <int Dim>
 void take_figures(const Join<Dim>& join, RunFigures& figures) {
@@ -113,7 +107,7 @@ void take_figures(const Join<Dim>& join, RunFigures& figures) {
   figures.turned = join.turned;
   figures.join_dof = join.dof();
   figures.maps = join.maps;
-  figures.joint_bytes += factor_bytes(join);
+  figures.joint_bytes += join.system->equations().factor_bytes();
 }
 
 /// Of the final estimate `state` of the whole network. A map that has none is a result all the same.

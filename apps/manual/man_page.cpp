@@ -22,7 +22,8 @@ std::string escaped(const std::string& text) {
       out += c;
     }
   }
-  return out.starts_with('.') || out.starts_with('\'') ? "\\&" + out : out;
+  if (out.starts_with('.') || out.starts_with('\'')) out.insert(0, "\\&");
+  return out;
 }
 
 std::string upper(std::string text) {

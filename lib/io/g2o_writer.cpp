@@ -38,12 +38,12 @@ class G2oWriter {
   }
 
   void write_vertices(const std::vector<Pose<Dim>>& poses, const std::vector<Point<Dim>>& features) {
-    for (std::size_t i = 0; i < poses.size(); ++i) {
-      line_.add(Tags::kPose).add(numbering_(pose_ids_[i])).add(poses[i]).write_to(file_);
-    }
-    for (std::size_t i = 0; i < features.size(); ++i) {
-      line_.add(Tags::kFeature).add(numbering_(feature_ids_[i])).template add<Dim>(features[i]).write_to(file_);
-    }
+    write_each(poses.size(), [&](TextLine& line, std::size_t i) {
+      line.add(Tags::kPose).add(numbering_(pose_ids_[i])).add(poses[i]);
+    });
+    write_each(features.size(), [&](TextLine& line, std::size_t i) {
+      line.add(Tags::kFeature).add(numbering_(feature_ids_[i])).template add<Dim>(features[i]);
+    });
   }
 
   void write_fix(Index pose) { line_.add(kG2oFix).add(pose_number(pose)).write_to(file_); }
@@ -52,40 +52,47 @@ class G2oWriter {
     write_pose_edges(log.odometry);
     write_pose_edges(log.closures);
     if (Dim == 3 && !log.observations.empty()) line_.add(kG2oOffset).add(kOffset).add(Pose<Dim>{}).write_to(file_);
-    for (const FeatureObservation<Dim>& o : log.observations) {
+    write_each(log.observations.size(), [&](TextLine& line, std::size_t k) {
+      const FeatureObservation<Dim>& o = log.observations[k];
       const FeatureId feature = feature_ids_[static_cast<std::size_t>(o.target)];
-      line_.add(Tags::kObservation).add(pose_number(o.base)).add(numbering_(feature));
-      if (Dim == 3) line_.add(kOffset);
-      line_.template add<Dim>(o.measured).template add_symmetric<Dim>(o.information).write_to(file_);
-    }
+      line.add(Tags::kObservation).add(pose_number(o.base)).add(numbering_(feature));
+      if (Dim == 3) line.add(kOffset);
+      line.template add<Dim>(o.measured).template add_symmetric<Dim>(o.information);
+    });
   }
 
   Expected<void> commit() { return file_.commit(); }
 
  private:
   using Tags = G2oTags<Dim>;
+  static constexpr char kSeparator = ' ';
   static constexpr int kOffset = 0;  ///< The id of the one sensor offset, which is the identity.
 
   G2oWriter(OutputFile file, const G2oNumbering& numbering, const std::vector<PoseId>& poses,
             const std::vector<FeatureId>& features)
       : file_(std::move(file)), numbering_(numbering), pose_ids_(poses), feature_ids_(features) {}
 
+  template <typename Fill>
+  void write_each(std::size_t count, Fill&& fill) {
+    write_lines(file_, kSeparator, count, fill);
+  }
   void comment(const std::string& text) { line_.add("#").add(text).write_to(file_); }
 
   std::uint64_t pose_number(Index pose) const { return numbering_(pose_ids_[static_cast<std::size_t>(pose)]); }
 
   void write_pose_edges(const std::vector<PoseObservation<Dim>>& edges) {
-    for (const PoseObservation<Dim>& edge : edges) {
-      line_.add(Tags::kPoseEdge).add(pose_number(edge.base)).add(pose_number(edge.target));
-      line_.add(edge.measured).template add_symmetric<kPoseDof<Dim>>(edge.information).write_to(file_);
-    }
+    write_each(edges.size(), [&](TextLine& line, std::size_t k) {
+      const PoseObservation<Dim>& edge = edges[k];
+      line.add(Tags::kPoseEdge).add(pose_number(edge.base)).add(pose_number(edge.target));
+      line.add(edge.measured).template add_symmetric<kPoseDof<Dim>>(edge.information);
+    });
   }
 
   OutputFile file_;
   G2oNumbering numbering_;
   const std::vector<PoseId>& pose_ids_;
   const std::vector<FeatureId>& feature_ids_;
-  TextLine line_{' '};
+  TextLine line_{kSeparator};
 };
 
 /// The vertices of a log, fixed poses at the value they are fixed at; none unless every pose and feature has an initial value.

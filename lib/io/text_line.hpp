@@ -2,11 +2,13 @@
 #pragma once
 // A line of a text output: words apart by one separator, numbers with the fewest digits that read back as the same bits.
 
+#include <algorithm>
 #include <charconv>
 #include <concepts>
 #include <cstdint>
 #include <mapjoin/geometry/pose.hpp>
 #include <mapjoin/io/output_file.hpp>
+#include <mapjoin/parallel/parallel.hpp>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -62,6 +64,12 @@ class TextLine {
     return *this;
   }
 
+  /// Appends the line with its end to a text, and starts over with an empty one.
+  void append_to(std::string& text) {
+    text += line_;
+    text += '\n';
+    line_.clear();
+  }
   /// Writes the line with its end and starts over with an empty one.
   void write_to(OutputFile& file) {
     line_ += '\n';
@@ -73,5 +81,24 @@ class TextLine {
   char separator_;
   std::string line_;
 };
+
+/// Writes a line for every k in [0, count), in order, `fill(line, k)` adding its words; filled on all threads.
+template <typename Fill>
+void write_lines(OutputFile& file, char separator, std::size_t count, Fill&& fill) {
+  constexpr std::size_t kLines = 500;             // a piece of work
+  constexpr std::size_t kLinesAtOnce = 64 * kLines;  // in memory
+  for (std::size_t first = 0; first < count; first += kLinesAtOnce) {
+    const std::size_t lines = std::min(kLinesAtOnce, count - first);
+    std::vector<std::string> texts((lines + kLines - 1) / kLines);
+    parallel_chunks(lines, kLines, [&](std::size_t begin, std::size_t end) {
+      TextLine line(separator);
+      for (std::size_t k = begin; k < end; ++k) {
+        fill(line, first + k);
+        line.append_to(texts[begin / kLines]);
+      }
+    });
+    for (const std::string& text : texts) file.write(text);
+  }
+}
 
 }  // namespace mapjoin

@@ -1,27 +1,30 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <mapjoin/measure/chi2.hpp>
 #include <mapjoin/model/information_rank.hpp>
+#include <mapjoin/parallel/parallel.hpp>
 #include <stdexcept>
 
 namespace mapjoin {
 namespace {
 
+/// Observations that are worth a piece of work.
+constexpr std::size_t kGrain = 2000;
+
 template <typename Observations, typename Targets, typename Poses>
 double sum(const Observations& observations, const Poses& poses, const Targets& targets) {
   const typename Poses::value_type world;
-  double total = 0.0;
-  for (const auto& observation : observations) {
+  return parallel_sum(observations.size(), kGrain, [&](std::size_t k) {
+    const auto& observation = observations[k];
     const auto& base = observation.base == kWorld ? world : poses[static_cast<std::size_t>(observation.base)];
-    total += chi2(observation, base, targets[static_cast<std::size_t>(observation.target)]);
-  }
-  return total;
+    return chi2(observation, base, targets[static_cast<std::size_t>(observation.target)]);
+  });
 }
 
 template <typename Observations>
 std::int64_t measured_rows(const Observations& observations) {
-  std::int64_t rows = 0;
-  for (const auto& observation : observations) rows += information_rank(observation.information);
-  return rows;
+  return static_cast<std::int64_t>(parallel_sum(observations.size(), kGrain, [&](std::size_t k) {
+    return static_cast<double>(information_rank(observations[k].information));
+  }));
 }
 
 }  // namespace

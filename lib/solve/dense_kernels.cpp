@@ -26,13 +26,12 @@ Function* loaded_function(const char* name) {
   return reinterpret_cast<Function*>(dlsym(RTLD_DEFAULT, name));
 }
 
-/// The BLAS for one call. Threads are ours, over subtrees and tiles: its own would be too many, and its sums would depend on
-/// their number. An OpenBLAS that was built without threads must not be called by two at once.
+/// The BLAS for one call. An OpenBLAS that was built without threads must not be called by two at once.
 class Blas {
  public:
   Blas() : alone_(mutex_, std::defer_lock) {
     static const bool must_be_alone = [] {
-      if (auto* set_threads = loaded_function<void(int)>("openblas_set_num_threads")) set_threads(1);
+      keep_blas_on_one_thread();
       auto* get_parallel = loaded_function<int()>("openblas_get_parallel");
       return get_parallel && get_parallel() == 0;
     }();
@@ -49,6 +48,15 @@ int stride(const auto& block) {
 }
 
 }  // namespace
+
+void keep_blas_on_one_thread() {
+  static const bool once = [] {
+    if (auto* set_threads = loaded_function<void(int)>("openblas_set_num_threads")) set_threads(1);
+    if (auto* end_threads = loaded_function<int()>("blas_thread_shutdown_")) end_threads();
+    return true;
+  }();
+  static_cast<void>(once);
+}
 
 std::optional<Eigen::Index> cholesky_in_place(DenseBlock A) {
   const Blas blas;

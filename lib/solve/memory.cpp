@@ -17,12 +17,6 @@ std::int64_t machine_memory() {
   return std::int64_t{::sysconf(_SC_PHYS_PAGES)} * ::sysconf(_SC_PAGESIZE);
 }
 
-std::int64_t factor_bytes(const Supernodes& factor) {
-  std::int64_t values = 0;
-  for (const Supernode& node : factor) values += static_cast<std::int64_t>(node.rows.size()) * (node.end - node.begin);
-  return static_cast<std::int64_t>(sizeof(double)) * values;
-}
-
 Expected<void> check_memory(const std::string& what, std::int64_t bytes, std::int64_t limit) {
   const std::int64_t most = limit > 0 ? limit : machine_memory();
   if (bytes <= most) return {};

@@ -62,9 +62,16 @@ NormalEquations::NormalEquations(std::vector<int> dofs, Cliques cliques)
   for (std::size_t v = 0; v < dofs_.size(); ++v) offsets_[v + 1] = offsets_[v] + dofs_[v];
   gradient_.setZero(size());
   order_variables();
-  lay_out();
-  share_out_cliques();
-  if (size() > 0) cholesky_.analyse(matrix_);
+  const BlockColumns columns = block_columns();
+  lay_out(columns);
+  parallel_invoke(
+      [&] {
+        find_destinations(columns);
+        share_out_cliques();
+      },
+      [&] {
+        if (size() > 0) cholesky_.analyse(matrix_);
+      });
 }
 
 void NormalEquations::order_variables() {
@@ -93,11 +100,13 @@ NormalEquations::BlockColumns NormalEquations::block_columns() const {
   return {std::move(begin), std::move(rows)};
 }
 
-void NormalEquations::lay_out() {
-  const BlockColumns columns = block_columns();
+void NormalEquations::lay_out(const BlockColumns& columns) {
   for (std::size_t k = 0; k < order_.size(); ++k) {
     matrix_.append_column({columns.rows.data() + columns.begin[k], columns.rows.data() + columns.begin[k + 1]});
   }
+}
+
+void NormalEquations::find_destinations(const BlockColumns& columns) {
   std::vector<Eigen::Index> row_in_panel(columns.rows.size());
   for (std::size_t k = 0; k < order_.size(); ++k) {
     Eigen::Index row = 0;

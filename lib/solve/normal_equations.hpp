@@ -123,6 +123,8 @@ class NormalEquations {
 
   /// The factor L of the last factorisation, whose columns are those of column_of(); it holds until the next one.
   Supernodes supernodes() const { return size() == 0 ? Supernodes{} : cholesky_.supernodes(); }
+  /// Memory of its values.
+  std::int64_t factor_bytes() const { return cholesky_.bytes(); }
   /// The column of the factorised matrix at which variable v begins.
   std::int64_t column_of(Index v) const {
     return matrix_.offsets[static_cast<std::size_t>(place_[static_cast<std::size_t>(v)])];
@@ -132,7 +134,6 @@ class NormalEquations {
  private:
   void set_diagonal(const Eigen::VectorXd& diagonal);
   void order_variables();
-  void lay_out();
 
   /// The block rows of each block column, on and below the diagonal: the pattern, by places.
   struct BlockColumns {
@@ -140,6 +141,8 @@ class NormalEquations {
     std::vector<Index> rows;
   };
   BlockColumns block_columns() const;
+  void lay_out(const BlockColumns& columns);
+  void find_destinations(const BlockColumns& columns);
   /// H over the places at which `is_kept`, in the order of the elimination.
   BlockLower principal_submatrix(const std::vector<bool>& is_kept) const;
   /// H v; both in the order of the elimination.

@@ -31,6 +31,8 @@ class SparseCholesky {
 
   /// L of that factorisation; it holds until the next one.
   Supernodes supernodes() const;
+  /// Memory of its values, known after analyse().
+  std::int64_t bytes() const { return static_cast<std::int64_t>(sizeof(double)) * tree_.value_count; }
 
  private:
   SupernodalTree tree_;

@@ -1,10 +1,13 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <gtest/gtest.h>
+#include <tbb/global_control.h>
 
 #include <Eigen/Cholesky>
 #include <array>
 #include <mapjoin/solve/normal_equations.hpp>
+#include <optional>
 #include <tests/support/random.hpp>
+#include <utility>
 
 namespace mapjoin {
 namespace {
@@ -106,6 +109,59 @@ TEST_F(NormalEquationsTest, NameTheVariableThatNothingDetermines) {
   equations = NormalEquations(dofs, cliques);
   fill(dofs, cliques);
   EXPECT_EQ(equations.factorise(0.0), 2);  // no clique mentions it
+}
+
+/// A chain of poses that see features of a strip beside it.
+Cliques strip(Index poses, Index features) {
+  Cliques cliques;
+  for (Index p = 0; p < poses; ++p) {
+    if (p > 0) cliques.push_back(std::array{p - 1, p});
+    for (Index k = 0; k < 3; ++k) cliques.push_back(std::array{p, poses + (p * features / poses + k) % features});
+    if (p % 50 == 0) cliques.push_back(std::array{p, poses + p % features, (p + 7) % poses});
+    if (p % 90 == 0) cliques.push_back(std::array{kConstant, p});
+  }
+  return cliques;
+}
+
+TEST_F(NormalEquationsTest, AreTheSameFromAllThreadsAsOneByOne) {
+  const Index poses = 1500;
+  const Index features = 200;
+  std::vector<int> dofs(poses, 3);
+  dofs.resize(poses + features, 2);
+  const Cliques cliques = strip(poses, features);
+  const auto fill_one = [&](std::size_t clique, NormalEquations::Sink sink) {
+    const auto slots = cliques[clique];
+    Random of_clique(static_cast<unsigned>(clique));
+    for (int j = 0; j < static_cast<int>(slots.size()); ++j) {
+      const Index b = slots[static_cast<std::size_t>(j)];
+      const int cols = b == kConstant ? 3 : dofs[static_cast<std::size_t>(b)];
+      sink.rhs(j, Eigen::VectorXd::Constant(cols, of_clique.uniform(-1.0, 1.0)).eval());
+      for (int i = 0; i <= j; ++i) {
+        const Index a = slots[static_cast<std::size_t>(i)];
+        const int rows = a == kConstant ? 3 : dofs[static_cast<std::size_t>(a)];
+        sink.hessian(i, j, Eigen::MatrixXd::Constant(rows, cols, of_clique.uniform(-1.0, 1.0)).eval());
+      }
+    }
+    return 1.0;
+  };
+  NormalEquations one_by_one(dofs, cliques);
+  one_by_one.set_zero();
+  for (std::size_t c = 0; c < cliques.size(); ++c) fill_one(c, one_by_one.sink(c));
+  const Eigen::VectorXd v = Eigen::VectorXd::LinSpaced(one_by_one.size(), -1.0, 1.0);
+
+  std::optional<std::pair<Eigen::VectorXd, double>> first;
+  for (const std::size_t threads : {1, 2, 4}) {
+    const tbb::global_control control(tbb::global_control::max_allowed_parallelism, threads);
+    NormalEquations together(dofs, cliques);
+    together.set_zero();
+    EXPECT_EQ(together.accumulate_cliques(fill_one), static_cast<double>(cliques.size()));
+    EXPECT_LT((together.gradient() - one_by_one.gradient()).norm(), 1e-13 * one_by_one.gradient().norm());
+    EXPECT_LT((together.diagonal() - one_by_one.diagonal()).norm(), 1e-13 * one_by_one.diagonal().norm());
+    EXPECT_NEAR(together.curvature(v), one_by_one.curvature(v), 1e-11);
+    const auto sums = std::pair{Eigen::VectorXd(together.gradient()), together.curvature(v)};
+    if (!first) first = sums;
+    EXPECT_TRUE(sums.first == first->first && sums.second == first->second) << threads;
+  }
 }
 
 TEST_F(NormalEquationsTest, MayHaveNoVariables) {

@@ -5,23 +5,13 @@
 #include <mapjoin/solve/ordering.hpp>
 #include <numeric>
 #include <set>
+#include <tests/support/grid_system.hpp>
 #include <thread>
 
 namespace mapjoin {
 namespace {
 
-/// A grid of `side` × `side` variables.
-BlockGraph grid(Index side) {
-  BlockGraph graph{{0}, {}};
-  for (Index v = 0; v < side * side; ++v) {
-    if (v >= side) graph.neighbours.push_back(v - side);
-    if (v % side > 0) graph.neighbours.push_back(v - 1);
-    if (v % side + 1 < side) graph.neighbours.push_back(v + 1);
-    if (v + side < side * side) graph.neighbours.push_back(v + side);
-    graph.begin.push_back(static_cast<std::int64_t>(graph.neighbours.size()));
-  }
-  return graph;
-}
+using testing::grid;
 
 /// Blocks of the Cholesky factor below the diagonal, by eliminating one variable after the other.
 std::size_t fill(const BlockGraph& graph, const std::vector<Index>& order) {

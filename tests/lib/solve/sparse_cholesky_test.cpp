@@ -1,11 +1,13 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <gtest/gtest.h>
+#include <tbb/global_control.h>
 
 #include <Eigen/Cholesky>
 #include <filesystem>
 #include <iterator>
 #include <mapjoin/solve/dense_kernels.hpp>
 #include <mapjoin/solve/sparse_cholesky.hpp>
+#include <tests/support/grid_system.hpp>
 #include <tests/support/random.hpp>
 #include <tests/support/sparse.hpp>
 #include <thread>
@@ -13,10 +15,12 @@
 namespace mapjoin {
 namespace {
 
+using testing::dense;
+using testing::grid_system;
 using testing::Random;
 using testing::sparse;
 
-/// A banded positive definite matrix with a few far couplings; `large` ones are factorised by supernodes.
+/// A banded positive definite matrix with a few far couplings.
 Eigen::MatrixXd random_matrix(Eigen::Index n, Random& random) {
   Eigen::MatrixXd A = Eigen::MatrixXd::Identity(n, n);
   for (Eigen::Index k = 0; k < 3 * n; ++k) {
@@ -41,6 +45,62 @@ TEST(SparseCholesky, SolvesLikeTheDenseSystem) {
     const Eigen::VectorXd b = Eigen::VectorXd::LinSpaced(n, -1.0, 2.0);
     EXPECT_LT((A * cholesky.solve(b) - b).norm(), 1e-10 * b.norm()) << n;
   }
+}
+
+TEST(SparseCholesky, SolvesSystemsOfBlocksLikeTheDenseOne) {
+  Random random;
+  for (const Index side : {1, 2, 7, 25}) {
+    const BlockLower matrix = grid_system(side, random);
+    const Eigen::MatrixXd A = dense(matrix);
+    SparseCholesky cholesky;
+    cholesky.analyse(matrix);
+    ASSERT_FALSE(cholesky.factorise(matrix)) << side;
+    Eigen::MatrixXd B(A.rows(), 3);
+    for (auto& entry : B.reshaped()) entry = random.uniform(-1.0, 1.0);
+    EXPECT_LT((cholesky.solve_columns(B) - A.llt().solve(B)).norm(), 1e-12 * B.norm()) << side;
+  }
+}
+
+TEST(SparseCholesky, FactorisesWideFrontsByTiles) {
+  // 450 columns that all depend on each other: three tiles, the last one narrow.
+  Random random;
+  Eigen::MatrixXd A = 450.0 * Eigen::MatrixXd::Identity(450, 450);
+  for (Eigen::Index j = 0; j < 450; ++j) {
+    for (Eigen::Index i = 0; i < j; ++i) A(i, j) = A(j, i) = random.uniform(-1.0, 1.0);
+  }
+  const BlockLower matrix = sparse(A, std::vector<Eigen::Index>(150, 3));
+  SparseCholesky cholesky;
+  cholesky.analyse(matrix);
+  ASSERT_FALSE(cholesky.factorise(matrix));
+  const Eigen::VectorXd b = Eigen::VectorXd::LinSpaced(450, -1.0, 2.0);
+  EXPECT_LT((cholesky.solve(b) - A.llt().solve(b)).norm(), 1e-12 * b.norm());
+}
+
+TEST(SparseCholesky, IsTheSameToTheLastBitForAnyNumberOfThreads) {
+  Random random;
+  const BlockLower matrix = grid_system(90, random);
+  const Eigen::VectorXd b = Eigen::VectorXd::LinSpaced(matrix.size(), -1.0, 2.0);
+  const auto solved_by = [&](std::size_t threads) {
+    const tbb::global_control control(tbb::global_control::max_allowed_parallelism, threads);
+    SparseCholesky cholesky;
+    cholesky.analyse(matrix);
+    EXPECT_FALSE(cholesky.factorise(matrix));
+    return cholesky.solve(b);
+  };
+  const Eigen::VectorXd x = solved_by(1);
+  for (const std::size_t threads : {2, 3, 4}) EXPECT_TRUE(solved_by(threads) == x) << threads;
+}
+
+TEST(SparseCholesky, NamesTheFirstOfSeveralSingularColumns) {
+  Random random;
+  BlockLower matrix = grid_system(60, random);
+  for (const std::size_t block : {3100u, 900u, 2000u}) {
+    Eigen::Map<Eigen::MatrixXd>(matrix.values.data() + matrix.first_value[block], matrix.heights[block], matrix.dof(block))(1, 1) =
+        -1.0;
+  }
+  SparseCholesky cholesky;
+  cholesky.analyse(matrix);
+  for (int k = 0; k < 20; ++k) EXPECT_EQ(cholesky.factorise(matrix), matrix.offsets[900] + 1);
 }
 
 TEST(SparseCholesky, TakesNewValuesInTheSamePattern) {
@@ -92,7 +152,8 @@ std::ptrdiff_t threads_of_this_process() {
   return std::distance(std::filesystem::directory_iterator("/proc/self/task"), {});
 }
 
-TEST(SparseCholesky, StartsNoThreadsWhicheverThreadCallsIt) {
+TEST(SparseCholesky, StartsNoThreadsButThoseItIsAllowed) {
+  const tbb::global_control one(tbb::global_control::max_allowed_parallelism, 1);
   Random random;
   const Eigen::MatrixXd A = random_matrix(400, random);
   const BlockLower matrix = sparse(A);

@@ -1,0 +1,137 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <mapjoin/solve/factor_tasks.hpp>
+#include <mapjoin/solve/supernodal_tree.hpp>
+#include <set>
+#include <tests/support/grid_system.hpp>
+#include <tests/support/random.hpp>
+#include <tests/support/sparse.hpp>
+
+namespace mapjoin {
+namespace {
+
+using testing::grid_system;
+using testing::Random;
+
+/// Block rows below the diagonal of every column of L, by eliminating one column after the other.
+std::vector<std::set<Index>> eliminated(const BlockLower& A) {
+  std::vector<std::set<Index>> below(A.blocks());
+  for (std::size_t k = 0; k < A.blocks(); ++k) {
+    const auto rows = A.rows_of(k).subspan(1);
+    below[k].insert(rows.begin(), rows.end());
+    if (below[k].empty()) continue;
+  }
+  for (auto& column : below) {
+    if (column.empty()) continue;
+    auto& parent = below[static_cast<std::size_t>(*column.begin())];
+    parent.insert(std::next(column.begin()), column.end());
+  }
+  return below;
+}
+
+class SupernodalTreeTest : public ::testing::TestWithParam<Index> {
+ protected:
+  BlockLower A = grid_system(GetParam(), random_);
+  SupernodalTree tree = supernodal_tree(A);
+
+ private:
+  Random random_;
+};
+
+TEST_P(SupernodalTreeTest, HoldsEveryEntryThatEliminationFills) {
+  const auto below = eliminated(A);
+  std::size_t next = 0;
+  for (const FactorNode& node : tree.nodes) {
+    ASSERT_EQ(node.columns.begin, next);
+    next = node.columns.end;
+    for (std::size_t k = node.columns.begin; k < node.columns.end; ++k) {
+      for (const Index row : below[k]) {
+        const bool is_own = static_cast<std::size_t>(row) < node.columns.end;
+        EXPECT_TRUE(is_own || std::binary_search(tree.rows.begin() + node.rows.begin, tree.rows.begin() + node.rows.end, row));
+      }
+    }
+  }
+  EXPECT_EQ(next, A.blocks());
+}
+
+TEST_P(SupernodalTreeTest, TakesFewZerosAlong) {
+  std::int64_t entries = 0;
+  const auto below = eliminated(A);
+  for (std::size_t k = 0; k < A.blocks(); ++k) {
+    Eigen::Index rows = A.dof(k);
+    for (const Index row : below[k]) rows += A.dof(static_cast<std::size_t>(row));
+    entries += rows * A.dof(k);
+  }
+  EXPECT_LT(static_cast<double>(tree.value_count), 1.5 * static_cast<double>(entries));
+}
+
+TEST_P(SupernodalTreeTest, NamesTheSameRowsInTheParentsFront) {
+  for (const FactorNode& node : tree.nodes) {
+    if (node.parent == tree.nodes.size()) continue;
+    const FactorNode& parent = tree.nodes[node.parent];
+    // Scalar rows of both fronts, by their blocks.
+    const auto rows_of = [&](const FactorNode& of, bool with_own) {
+      std::vector<Eigen::Index> rows;
+      const auto append = [&](std::size_t block) {
+        for (auto row = A.offsets[block]; row < A.offsets[block + 1]; ++row) rows.push_back(row);
+      };
+      for (std::size_t k = of.columns.begin; with_own && k < of.columns.end; ++k) append(k);
+      for (auto r = of.rows.begin; r < of.rows.end; ++r) append(static_cast<std::size_t>(tree.rows[static_cast<std::size_t>(r)]));
+      return rows;
+    };
+    const auto from = rows_of(node, false);
+    const auto to = rows_of(parent, true);
+    Eigen::Index taken = 0;
+    for (auto r = node.runs.begin; r < node.runs.end; ++r) {
+      const RowRun& run = tree.runs[static_cast<std::size_t>(r)];
+      for (std::int32_t i = 0; i < run.length; ++i) {
+        EXPECT_EQ(from[static_cast<std::size_t>(run.from + i)], to[static_cast<std::size_t>(run.to + i)]);
+      }
+      taken += run.length;
+    }
+    EXPECT_EQ(taken, node.below());
+  }
+}
+
+void collect(const FactorTask& task, std::vector<std::size_t>& nodes, std::size_t& tasks) {
+  ++tasks;
+  for (const FactorTask& before : task.before) collect(before, nodes, tasks);
+  nodes.insert(nodes.end(), task.nodes.begin(), task.nodes.end());
+}
+
+TEST_P(SupernodalTreeTest, GivesEverySupernodeToOneTaskAfterItsChildren) {
+  std::vector<std::size_t> order;
+  std::size_t tasks = 0;
+  collect(tree.tasks, order, tasks);
+  std::vector<std::size_t> place(tree.nodes.size(), tree.nodes.size());
+  for (std::size_t k = 0; k < order.size(); ++k) {
+    ASSERT_EQ(place[order[k]], tree.nodes.size());
+    place[order[k]] = k;
+  }
+  ASSERT_EQ(order.size(), tree.nodes.size());
+  for (std::size_t s = 0; s < tree.nodes.size(); ++s) {
+    if (tree.nodes[s].parent < tree.nodes.size()) EXPECT_LT(place[s], place[tree.nodes[s].parent]);
+  }
+  if (GetParam() >= 60) EXPECT_GT(tasks, 4u);
+  if (GetParam() <= 3) EXPECT_EQ(tasks, 1u);
+}
+
+INSTANTIATE_TEST_SUITE_P(Sides, SupernodalTreeTest, ::testing::Values(1, 2, 3, 12, 60),
+                         [](const auto& info) { return std::to_string(info.param); });
+
+TEST(SupernodalTree, TakesAnEliminationThatIsNotPostordered) {
+  // Two chains, their columns in turns: 0-2-4-6, 1-3-5-7.
+  Eigen::MatrixXd dense = 4.0 * Eigen::MatrixXd::Identity(8, 8);
+  for (Eigen::Index i = 0; i < 6; ++i) dense(i, i + 2) = dense(i + 2, i) = 1.0;
+  const BlockLower A = testing::sparse(dense);
+  const SupernodalTree tree = supernodal_tree(A);
+  EXPECT_EQ(tree.nodes.back().parent, tree.nodes.size());
+  std::size_t columns = 0;
+  for (const FactorNode& node : tree.nodes) columns += node.columns.end - node.columns.begin;
+  EXPECT_EQ(columns, 8u);
+}
+
+}  // namespace
+}  // namespace mapjoin
