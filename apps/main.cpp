@@ -9,8 +9,8 @@
 #include <apps/command_line.hpp>
 #include <apps/console.hpp>
 #include <apps/interruption.hpp>
-#include <mapjoin/solve/dense_kernels.hpp>
 #include <exception>
+#include <mapjoin/solve/dense_kernels.hpp>
 #include <new>
 
 namespace mapjoin::apps {

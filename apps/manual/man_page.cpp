@@ -22,8 +22,7 @@ std::string escaped(const std::string& text) {
       out += c;
     }
   }
-  if (out.starts_with('.') || out.starts_with('\'')) out.insert(0, "\\&");
-  return out;
+  return out.starts_with('.') || out.starts_with('\'') ? fmt::format("\\&{}", out) : out;
 }
 
 std::string upper(std::string text) {
@@ -32,11 +31,11 @@ std::string upper(std::string text) {
 }
 
 std::string bold(const std::string& text) {
-  return "\\fB" + escaped(text) + "\\fR";
+  return fmt::format("\\fB{}\\fR", escaped(text));
 }
 
 std::string italic(const std::string& text) {
-  return "\\fI" + escaped(text) + "\\fR";
+  return fmt::format("\\fI{}\\fR", escaped(text));
 }
 
 std::string head(const std::string& title, const std::string& name, const std::string& description) {
@@ -45,14 +44,14 @@ std::string head(const std::string& title, const std::string& name, const std::s
 }
 
 std::string section(const std::string& heading) {
-  return ".SH " + upper(heading) + "\n";
+  return fmt::format(".SH {}\n", upper(heading));
 }
 
 /// What it is called, in bold, with the kind of its value in italics.
 std::string term(const Parameter& option) {
   std::vector<std::string> names;
   for (const std::string& name : option.names) names.push_back(bold(name));
-  return fmt::format("{}{}", fmt::join(names, ", "), option.kind.empty() ? "" : " " + italic(option.kind));
+  return fmt::format("{}{}", fmt::join(names, ", "), option.kind.empty() ? "" : fmt::format(" {}", italic(option.kind)));
 }
 
 std::string tagged(const std::string& tag, const std::string& text) {
@@ -94,7 +93,7 @@ std::string man_page(const Command& command, const std::vector<Command>& all) {
   std::string text = head(name, name, command.description) + section("Synopsis");
   text += bold("mapjoin " + command.name) + " [" + italic("OPTIONS") + "]";
   for (const Parameter& argument : command.arguments) {
-    text += " " + italic(argument.names.front()) + (argument.is_repeated ? "..." : "");
+    text += fmt::format(" {}{}", italic(argument.names.front()), argument.is_repeated ? "..." : "");
   }
   text += "\n";
   if (!command.arguments.empty()) text += section("Arguments");
