@@ -2,6 +2,7 @@
 // The `mapjoin` command: parses, hands over to a subcommand, and turns what comes of it into a sentence and an exit code.
 
 #include <fmt/format.h>
+#include <malloc.h>
 
 #include <CLI/App.hpp>
 #include <CLI/Config.hpp>
@@ -51,8 +52,16 @@ Expected<ExitCode> parse_and_run(int argc, char** argv) {
   return done;
 }
 
+/// Large vectors come and go with every iteration: their memory is kept for the next one, not given back and zeroed anew.
+void keep_freed_memory() {
+  ::mallopt(M_MMAP_THRESHOLD, 32 << 20);
+  ::mallopt(M_TRIM_THRESHOLD, 256 << 20);
+  ::mallopt(M_TOP_PAD, 4 << 20);
+}
+
 ExitCode main(int argc, char** argv) {
   keep_blas_on_one_thread();
+  keep_freed_memory();
   try {
     const auto done = parse_and_run(argc, argv);
     if (done) return *done;

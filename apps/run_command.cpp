@@ -10,6 +10,7 @@
 #include <apps/plot/map_layers.hpp>
 #include <apps/relation_file.hpp>
 #include <apps/report.hpp>
+#include <array>
 #include <mapjoin/io/g2o.hpp>
 #include <mapjoin/io/map_text.hpp>
 #include <mapjoin/io/output_file.hpp>
@@ -42,16 +43,17 @@ Expected<void> write_map_files(const Call& call, const RunResult<Dim>& result, c
                                const OutputFolder& folder) {
   const GlobalMap<Dim>& map = result.map;
   const Options& options = call.options();
-  Expected<void> graph;
-  Expected<void> lists;
-  parallel_invoke([&] { graph = write_g2o(map, &log, folder.aside("map.g2o")); },
-                  [&] {
-                    lists = write_tum(map, folder.aside("trajectory.tum")).and_then([&] {
-                      return write_csv(map, folder.aside("poses.csv"), folder.aside("features.csv"));
-                    });
-                  });
-  return graph.and_then([&] { return lists; })
-      .and_then([&] { return write_file(folder.aside("map.svg"), picture(map_layers<Dim>({plotted(result, log)}, nullptr))); })
+  std::array<Expected<void>, 4> written;
+  parallel_for(written.size(), [&](std::size_t k) {
+    if (k == 0) written[k] = write_g2o(map, &log, folder.aside("map.g2o"));
+    if (k == 1) written[k] = write_file(folder.aside("map.svg"), picture(map_layers<Dim>({plotted(result, log)}, nullptr)));
+    if (k == 2) written[k] = write_csv(map, folder.aside("poses.csv"), folder.aside("features.csv"));
+    if (k == 3) written[k] = write_tum(map, folder.aside("trajectory.tum"));
+  });
+  for (const auto& file : written) {
+    if (!file) return file;
+  }
+  return Expected<void>()
       .and_then([&] {
         if (!options.covariances || !result.marginals) return Expected<void>();
         return write_covariances(map, *call.account.covariances, folder.aside("covariances.json"));

@@ -43,28 +43,29 @@ inline Matrix<3> skew(const Vector<3>& a) {
 template <int Dim>
 class Rotation;
 
-/// A heading φ in the plane (rad). It is stored as given, not wrapped: a robot may turn many times.
+/// A heading φ in the plane (rad). It is stored as given, not wrapped: a robot may turn many times; and with its cosine and sine,
+/// which many observations from one pose ask for.
 template <>
 class Rotation<2> {
  public:
   Rotation() = default;
-  explicit Rotation(double angle) : angle_(angle) {}
+  explicit Rotation(double angle) : Rotation(angle, std::cos(angle), std::sin(angle)) {}
 
   static Rotation exp(const RotationVector<2>& v) { return Rotation(v[0]); }
   /// The heading wrapped to [-π, π].
   RotationVector<2> log() const { return RotationVector<2>(wrap_angle(angle_)); }
 
   double angle() const { return angle_; }
-  Matrix<2> matrix() const {
-    const double c = std::cos(angle_);
-    const double s = std::sin(angle_);
-    return (Matrix<2>() << c, -s, s, c).finished();
-  }
-  Rotation inverse() const { return Rotation(-angle_); }
+  Matrix<2> matrix() const { return (Matrix<2>() << cos_, -sin_, sin_, cos_).finished(); }
+  Rotation inverse() const { return Rotation(-angle_, cos_, -sin_); }
   Rotation operator*(const Rotation& other) const { return Rotation(angle_ + other.angle_); }
 
  private:
+  Rotation(double angle, double cos, double sin) : angle_(angle), cos_(cos), sin_(sin) {}
+
   double angle_ = 0.0;
+  double cos_ = 1.0;
+  double sin_ = 0.0;
 };
 
 /// A rotation in space, a unit quaternion.
