@@ -24,14 +24,14 @@ LiveSegment<Dim>::LiveSegment(const Segment<Dim>& segment, const std::vector<boo
       values_(std::move(values)),
       candidate_(values_),
       eliminated_(0, 0) {
-  own_size_ = system_.equations().chain_length() * kPoseDof<Dim>;
+  Eigen::Index next_own = own_offset_ + system_.equations().chain_length() * kPoseDof<Dim>;
   Eigen::Index entry = 0;
   std::size_t slot = 0;
   const auto add = [&](int dof, bool is_own) {
     BorderVariable variable{entry, -1, dof, is_own};
     if (is_own) {
-      variable.whole_entry = own_offset_ + own_size_;
-      own_size_ += dof;
+      variable.whole_entry = next_own;
+      next_own += dof;
     } else {
       const Index joined = variables[slot++];
       if (joined != kConstant) variable.whole_entry = equations.offset(joined);
@@ -45,6 +45,13 @@ LiveSegment<Dim>::LiveSegment(const Segment<Dim>& segment, const std::vector<boo
     is_own_feature_.push_back(is_private[static_cast<std::size_t>(feature)]);
     add(Dim, is_own_feature_.back());
   }
+}
+
+template <int Dim>
+Eigen::Index LiveSegment<Dim>::own_size(const Segment<Dim>& segment, const std::vector<bool>& is_private) {
+  const auto own_features = std::count_if(segment.features.begin(), segment.features.end(),
+                                          [&](Index feature) { return is_private[static_cast<std::size_t>(feature)]; });
+  return static_cast<Eigen::Index>(segment.interior.size()) * kPoseDof<Dim> + own_features * Dim;
 }
 
 template <int Dim>

@@ -19,7 +19,8 @@ class LiveSegment {
   LiveSegment(const Segment<Dim>& segment, const std::vector<bool>& is_private, const NormalEquations& equations,
               std::span<const Index> variables, Eigen::Index own_offset, State<Dim> values);
 
-  Eigen::Index own_size() const { return own_size_; }
+  /// How many entries of a step belong to a segment alone.
+  static Eigen::Index own_size(const Segment<Dim>& segment, const std::vector<bool>& is_private);
 
   double linearise() { return system_.linearise(values_); }
   void add_gradient(Eigen::VectorXd& whole) const { scatter(system_.equations().gradient(), whole); }
@@ -62,7 +63,6 @@ class LiveSegment {
   const Segment<Dim>* segment_;
   SegmentSystem<Dim> system_;
   Eigen::Index own_offset_;
-  Eigen::Index own_size_ = 0;
   std::vector<BorderVariable> border_;
   std::vector<Eigen::Index> own_rows_;     // border entries of private features
   std::vector<Eigen::Index> shared_rows_;  // the others

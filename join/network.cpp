@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <mapjoin/join/network.hpp>
 #include <mapjoin/localmap/segment.hpp>
+#include <mapjoin/parallel/parallel.hpp>
 #include <utility>
 
 namespace mapjoin {
@@ -13,9 +14,10 @@ void add_maps(Network<Dim>& network, std::vector<LocalMap<Dim>> maps) {
   for (const auto* observation : network.feature_observations) mentioned[static_cast<std::size_t>(observation->target)] = true;
   for (const auto* prior : network.feature_priors) mentioned[static_cast<std::size_t>(prior->target)] = true;
   network.is_private = private_features(maps, std::move(mentioned));
-  for (auto& map : maps) {
-    network.maps.push_back(condense(std::move(map), network.is_private));
-    for (const Index feature : network.maps.back().map.features) network.is_private[static_cast<std::size_t>(feature)] = false;
+  network.maps.resize(maps.size());
+  parallel_for(maps.size(), [&](std::size_t k) { network.maps[k] = condense(std::move(maps[k]), network.is_private); });
+  for (const auto& condensed : network.maps) {
+    for (const Index feature : condensed.map.features) network.is_private[static_cast<std::size_t>(feature)] = false;
   }
 }
 

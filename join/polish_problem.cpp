@@ -11,21 +11,26 @@ template <int Dim>
 PolishProblem<Dim>::PolishProblem(JointSystem<Dim>& system, const std::vector<Segment<Dim>>& segments,
                                   const std::vector<bool>& is_private, const State<Dim>& state)
     : system_(system), size_(system.equations().size()) {
-  for (std::size_t k = 0; k < segments.size(); ++k) {
-    segments_.emplace_back(segments[k], is_private, system.equations(), system.map_variables(k), size_,
-                           values_of(segments[k], state));
-    size_ += segments_.back().own_size();
+  std::vector<Eigen::Index> offsets;
+  for (const auto& segment : segments) {
+    offsets.push_back(size_);
+    size_ += LiveSegment<Dim>::own_size(segment, is_private);
   }
+  segments_.resize(segments.size());
+  parallel_for(segments.size(), [&](std::size_t k) {
+    segments_[k] = std::make_unique<LiveSegment<Dim>>(segments[k], is_private, system.equations(), system.map_variables(k),
+                                                      offsets[k], values_of(segments[k], state));
+  });
 }
 
 template <int Dim>
 double PolishProblem<Dim>::linearise() {
   is_reduced_ = false;
   const double chi2 = system_.linearise_observations();
-  const double segments_chi2 = parallel_sum(segments_.size(), 1, [&](std::size_t k) { return segments_[k].linearise(); });
+  const double segments_chi2 = parallel_sum(segments_.size(), 1, [&](std::size_t k) { return segments_[k]->linearise(); });
   gradient_.setZero(size_);
   gradient_.head(system_.equations().size()) = system_.equations().gradient();
-  for (const auto& segment : segments_) segment.add_gradient(gradient_);
+  for (const auto& segment : segments_) segment->add_gradient(gradient_);
   return chi2 + segments_chi2;
 }
 
@@ -33,7 +38,7 @@ template <int Dim>
 DiagonalMetric PolishProblem<Dim>::metric() const {
   Eigen::VectorXd diagonal = Eigen::VectorXd::Zero(size_);
   diagonal.head(system_.equations().size()) = system_.equations().diagonal();
-  for (const auto& segment : segments_) segment.add_diagonal(diagonal);
+  for (const auto& segment : segments_) segment->add_diagonal(diagonal);
   return DiagonalMetric(std::move(diagonal));
 }
 
@@ -47,14 +52,14 @@ template <int Dim>
 double PolishProblem<Dim>::curvature(const Eigen::VectorXd& v) {
   restore_observations();
   return system_.equations().curvature(v.head(system_.equations().size())) +
-         parallel_sum(segments_.size(), 1, [&](std::size_t k) { return segments_[k].curvature(v); });
+         parallel_sum(segments_.size(), 1, [&](std::size_t k) { return segments_[k]->curvature(v); });
 }
 
 template <int Dim>
 bool PolishProblem<Dim>::eliminate_segments(double damping) {
   std::atomic<bool> is_regular = true;
   parallel_for(segments_.size(), [&](std::size_t k) {
-    if (!segments_[k].eliminate(damping)) is_regular = false;
+    if (!segments_[k]->eliminate(damping)) is_regular = false;
   });
   return is_regular;
 }
@@ -66,28 +71,28 @@ std::optional<Index> PolishProblem<Dim>::factorise(double damping) {
   is_reduced_ = true;
   if (damping > 0.0) system_.equations().damp(damping);
   if (!eliminate_segments(damping)) return 0;
-  for (std::size_t k = 0; k < segments_.size(); ++k) segments_[k].add_reduced(system_.map_sink(k));
+  for (std::size_t k = 0; k < segments_.size(); ++k) segments_[k]->add_reduced(system_.map_sink(k));
   return system_.equations().factorise(0.0);
 }
 
 template <int Dim>
 Eigen::VectorXd PolishProblem<Dim>::solve() {
   if (!is_reduced_) {
-    parallel_for(segments_.size(), [&](std::size_t k) { segments_[k].eliminate_gradient(); });
-    for (std::size_t k = 0; k < segments_.size(); ++k) segments_[k].add_reduced_gradient(system_.map_sink(k));
+    parallel_for(segments_.size(), [&](std::size_t k) { segments_[k]->eliminate_gradient(); });
+    for (std::size_t k = 0; k < segments_.size(); ++k) segments_[k]->add_reduced_gradient(system_.map_sink(k));
     is_reduced_ = true;
   }
   const NormalEquations& equations = system_.equations();
   Eigen::VectorXd step = Eigen::VectorXd::Zero(size_);
   step.head(equations.size()) = equations.solve(equations.gradient());
-  parallel_for(segments_.size(), [&](std::size_t k) { segments_[k].back_substitute(step); });
+  parallel_for(segments_.size(), [&](std::size_t k) { segments_[k]->back_substitute(step); });
   return step;
 }
 
 template <int Dim>
 StepSize PolishProblem<Dim>::step_size(const Eigen::VectorXd& step) const {
   StepSize size = system_.step_size(step);
-  for (const auto& segment : segments_) segment.add_step_size(step, size);
+  for (const auto& segment : segments_) segment->add_step_size(step, size);
   return size;
 }
 
@@ -95,18 +100,18 @@ template <int Dim>
 double PolishProblem<Dim>::try_step(const Eigen::VectorXd& step) {
   candidate_ = system_.retracted(step);
   return system_.observations_chi2(candidate_) +
-         parallel_sum(segments_.size(), 1, [&](std::size_t k) { return segments_[k].try_step(step); });
+         parallel_sum(segments_.size(), 1, [&](std::size_t k) { return segments_[k]->try_step(step); });
 }
 
 template <int Dim>
 void PolishProblem<Dim>::accept() {
   std::swap(system_.estimate(), candidate_);
-  for (auto& segment : segments_) segment.accept();
+  for (auto& segment : segments_) segment->accept();
 }
 
 template <int Dim>
 void PolishProblem<Dim>::write_interiors(State<Dim>& state) const {
-  for (const auto& segment : segments_) segment.write_own(state);
+  for (const auto& segment : segments_) segment->write_own(state);
 }
 
 template class PolishProblem<2>;

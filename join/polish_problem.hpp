@@ -5,11 +5,11 @@
 // (paper's (8), (9)).
 
 #include <Eigen/Core>
-#include <deque>
 #include <mapjoin/join/joint_system.hpp>
 #include <mapjoin/join/live_segment.hpp>
 #include <mapjoin/localmap/segment.hpp>
 #include <mapjoin/solve/minimise.hpp>
+#include <memory>
 #include <optional>
 #include <vector>
 
@@ -43,7 +43,7 @@ class PolishProblem {
   void restore_observations();
 
   JointSystem<Dim>& system_;
-  std::deque<LiveSegment<Dim>> segments_;
+  std::vector<std::unique_ptr<LiveSegment<Dim>>> segments_;
   Eigen::Index size_ = 0;
   Eigen::VectorXd gradient_;
   State<Dim> candidate_;

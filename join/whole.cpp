@@ -46,7 +46,7 @@ State<Dim> composed_state(const Network<Dim>& network, const Piece<Dim>& whole, 
   return state;
 }
 
-#define MAPJOIN_INSTANTIATE(Dim)                   \
+#define MAPJOIN_INSTANTIATE(Dim)                     \
   template Piece<Dim> whole_of(const Network<Dim>&); \
   template State<Dim> composed_state(const Network<Dim>&, const Piece<Dim>&, const Pose<Dim>&, JoinedPieces<Dim>);
 MAPJOIN_INSTANTIATE(2)

@@ -92,7 +92,8 @@ Gauge<Dim> gauge_of(const Network<Dim>& network, const Piece<Dim>& piece) {
 template <int Dim>
 Gauge<Dim> hold_in_world(const Network<Dim>& network, Piece<Dim>& piece) {
   for (const auto& fixed : network.fixed) {
-    if (holds(piece.poses, fixed.pose)) piece.state.poses[static_cast<std::size_t>(place_of(piece.poses, fixed.pose))] = fixed.value;
+    if (holds(piece.poses, fixed.pose))
+      piece.state.poses[static_cast<std::size_t>(place_of(piece.poses, fixed.pose))] = fixed.value;
   }
   return gauge_of(network, piece);
 }

@@ -43,8 +43,8 @@ inline Matrix<3> skew(const Vector<3>& a) {
 template <int Dim>
 class Rotation;
 
-/// A heading φ in the plane (rad). It is stored as given, not wrapped: a robot may turn many times; and with its cosine and sine,
-/// which many observations from one pose ask for.
+/// A heading φ in the plane (rad). It is stored as given, not wrapped: a robot may turn many times; and with its cosine and
+/// sine, which many observations from one pose ask for.
 template <>
 class Rotation<2> {
  public:

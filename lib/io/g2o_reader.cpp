@@ -5,40 +5,52 @@
 #include <mapjoin/io/g2o.hpp>
 #include <mapjoin/io/g2o_declarations.hpp>
 #include <mapjoin/io/g2o_fields.hpp>
-#include <mapjoin/io/g2o_information.hpp>
+#include <mapjoin/io/g2o_lines.hpp>
 #include <mapjoin/io/g2o_part.hpp>
 #include <mapjoin/io/g2o_tags.hpp>
-#include <mapjoin/io/information.hpp>
 #include <mapjoin/model/log_builder.hpp>
-#include <optional>
+#include <mapjoin/parallel/parallel.hpp>
+#include <numeric>
 #include <utility>
+#include <variant>
+#include <vector>
 
 namespace mapjoin {
 namespace {
 
 enum class Extent : std::uint8_t { kWhole, kPart };
 
+/// Pieces of a file are read side by side, so many at once; what they say is taken in their order.
+constexpr std::size_t kPieceBytes = 1 << 16;
+constexpr std::size_t kPiecesAtOnce = 64;
+
 template <int Dim>
 class G2oReader {
  public:
-  G2oReader(TextScanner text, const ReadOptions& options, Extent extent)
+  G2oReader(const TextScanner& text, const ReadOptions& options, Extent extent)
       : begin_(text),
-        text_(std::move(text)),
         options_(options),
         extent_(extent),
-        check_(options.repair_information),
         builder_(begin_.source(),
                  {.pose_error = options.pose_error,
                   .rotation_information = Dim == 3 ? options.rotation_information : RotationInformation::kVector}) {}
 
   Expected<Log<Dim>> read() {
-    make_room();
-    while (text_.next_line()) {
-      if (auto line = read_line(text_.word()); !line) return tl::unexpected(line.error());
+    const std::vector<TextScanner> pieces = begin_.pieces(kPieceBytes);
+    const bool sees_features = make_room(pieces);
+    const Expected<G2oOffsets> offsets = Dim == 3 && sees_features ? read_g2o_offsets(begin_) : G2oOffsets{};
+    for (std::size_t first = 0; first < pieces.size(); first += kPiecesAtOnce) {
+      std::vector<G2oLines<Dim>> read(std::min(kPiecesAtOnce, pieces.size() - first));
+      parallel_for(read.size(), [&](std::size_t k) { read[k] = read_g2o_lines<Dim>(pieces[first + k], options_, offsets); });
+      for (const auto& piece : read) {
+        for (const auto& line : piece.lines) std::visit([this](const auto& known) { take(known); }, line);
+        if (piece.fault) return tl::unexpected(*piece.fault);
+        repaired_ += piece.repaired;
+      }
     }
     if (auto declared = check_declarations(); !declared) return tl::unexpected(declared.error());
     auto log = std::move(builder_).finish();
-    if (log) log->conventions.repaired_informations = check_.repaired();
+    if (log) log->conventions.repaired_informations = repaired_;
     if (log && extent_ == Extent::kWhole && has_vertices() &&
         (log->poses.size() > poses_.size() || log->features.size() > features_.size())) {
       return tl::unexpected(undeclared());
@@ -50,105 +62,40 @@ class G2oReader {
   using Tags = G2oTags<Dim>;
 
   /// Growing the vectors of a large log costs as much as reading it. A count is believed as far as so many lines that are
-  /// complete, of two bytes a number at least, fit into the file.
-  void make_room() {
-    std::size_t pose_edges = 0;
-    std::size_t observations = 0;
-    for (TextScanner ahead = text_; ahead.next_line();) {
-      const std::string_view tag = ahead.word();
-      if (tag == Tags::kPoseEdge) ++pose_edges;
-      if (tag == Tags::kObservation) ++observations;
-    }
-    const auto bytes = [](int dof) { return static_cast<std::size_t>(2 * (2 + dof + dof * (dof + 1) / 2)); };
-    builder_.reserve(std::min(pose_edges, text_.size() / bytes(kPoseDof<Dim>)),
-                     std::min(observations, text_.size() / bytes(Dim)));
-  }
-
-  Expected<void> read_line(std::string_view tag) {
-    if (tag == Tags::kPoseEdge) return read_pose_edge();
-    if (tag == Tags::kObservation) return read_observation();
-    if (tag == Tags::kPose) return read_pose_vertex();
-    if (tag == Tags::kFeature) return read_feature_vertex();
-    if (tag == kG2oFix) return read_fix();
-    if (is_g2o_parameter(tag)) return {};
-    if (is_g2o_tag_of<5 - Dim>(tag)) return text_.error(fmt::format("{} in a file of dimension {}", tag, Dim));
-    return text_.error(fmt::format("unknown tag {}", in_quotes(tag)));
-  }
-
-  Expected<void> read_pose_vertex() {
-    const Place place = text_.place();
-    const PoseId id{0, text_.key()};
-    const Pose<Dim> pose = read_g2o_pose<Dim>(text_);
-    poses_.add(id.key, place);
-    builder_.add_pose(id, pose);
-    return text_.finish_line();
-  }
-
-  Expected<void> read_feature_vertex() {
-    const Place place = text_.place();
-    const FeatureId id{text_.key()};
-    const Point<Dim> point = text_.vector<Dim>();
-    features_.add(id.key, place);
-    builder_.add_feature(id, point);
-    return text_.finish_line();
-  }
-
-  Expected<void> read_fix() {
-    do {
-      const PoseId id{0, text_.key()};
-      if (extent_ == Extent::kWhole) builder_.fix(id);
-    } while (!text_.at_end_of_line());
-    return text_.finish_line();
-  }
-
-  Expected<void> read_pose_edge() {
-    const Place place = text_.place();
-    const PoseId base{0, text_.key()};
-    const PoseId target{0, text_.key()};
-    const Pose<Dim> measured = read_g2o_pose<Dim>(text_);
-    // Turned before it is checked: what passes here passes again where it is written and read back.
-    PoseMatrix<Dim> W = from_g2o<Dim>(text_.symmetric<kPoseDof<Dim>>(), measured, options_);
-    if (auto line = text_.finish_line(); !line) return line;
-    if (base == target) return text_.error(place, fmt::format("an edge leads from {} to itself", to_string(base)));
-    if (const auto fault = check_.fault(W)) {
-      return text_.error(place, fmt::format("the information matrix of edge {}-{} {}", base.key, target.key, *fault));
-    }
-    builder_.add_pose_edge(base, target, measured, W);
-    return {};
-  }
-
-  Expected<void> read_observation() {
-    const Place place = text_.place();
-    const PoseId pose{0, text_.key()};
-    const FeatureId feature{text_.key()};
-    const auto sensor = read_sensor();
-    if (!sensor) return tl::unexpected(sensor.error());
-    const Point<Dim> seen = text_.vector<Dim>();
-    PointMatrix<Dim> W = turned_to_parent<Dim>(text_.symmetric<Dim>(), sensor->rotation);
-    if (auto line = text_.finish_line(); !line) return line;
-    if (const auto fault = check_.fault(W)) {
-      return text_.error(place, fmt::format("the information matrix of edge {}-{} {}", pose.key, feature.key, *fault));
-    }
-    builder_.add_observation(pose, feature, transform(*sensor, seen), W);
-    return {};
-  }
-
-  /// The pose of the sensor in the frame of the robot's pose, which an observation in space names.
-  Expected<Pose<Dim>> read_sensor() {
-    if constexpr (Dim == 2) {
-      return Pose<2>{};
-    } else {
-      if (!offsets_) {
-        auto offsets = read_g2o_offsets(begin_);
-        if (!offsets) return tl::unexpected(offsets.error());
-        offsets_ = *std::move(offsets);
+  /// complete, of two bytes a number at least, fit into the file. Returns whether there are observations of features.
+  bool make_room(const std::vector<TextScanner>& pieces) {
+    std::vector<std::size_t> pose_edges(pieces.size());
+    std::vector<std::size_t> observations(pieces.size());
+    parallel_for(pieces.size(), [&](std::size_t k) {
+      for (TextScanner ahead = pieces[k]; ahead.next_line();) {
+        const std::string_view tag = ahead.word();
+        if (tag == Tags::kPoseEdge) ++pose_edges[k];
+        if (tag == Tags::kObservation) ++observations[k];
       }
-      const std::uint64_t key = text_.key();
-      const auto offset = offsets_->find(key);
-      if (offset != offsets_->end()) return offset->second;
-      text_.reject(fmt::format("no {} line gives the sensor offset {}", kG2oOffset, key));
-      return Pose<3>{};
-    }
+    });
+    const auto count = [&](const std::vector<std::size_t>& counts, int dof) {
+      const auto bytes = static_cast<std::size_t>(2 * (2 + dof + dof * (dof + 1) / 2));
+      return std::min(std::accumulate(counts.begin(), counts.end(), std::size_t{0}), begin_.size() / bytes);
+    };
+    const std::size_t observed = count(observations, Dim);
+    builder_.reserve(count(pose_edges, kPoseDof<Dim>), observed);
+    return observed > 0;
+  }
+
+  void take(const G2oPoseVertex<Dim>& vertex) {
+    poses_.add(vertex.id.key, vertex.place);
+    builder_.add_pose(vertex.id, vertex.pose);
+  }
+  void take(const G2oFeatureVertex<Dim>& vertex) {
+    features_.add(vertex.id.key, vertex.place);
+    builder_.add_feature(vertex.id, vertex.point);
+  }
+  void take(const G2oFix& fix) {
+    if (extent_ == Extent::kWhole) builder_.fix(fix.id);
+  }
+  void take(const G2oPoseEdge<Dim>& edge) { builder_.add_pose_edge(edge.base, edge.target, edge.measured, edge.information); }
+  void take(const G2oObservation<Dim>& seen) {
+    builder_.add_observation(seen.pose, seen.feature, seen.measured, seen.information);
   }
 
   bool has_vertices() const { return poses_.size() + features_.size() > 0; }
@@ -157,10 +104,10 @@ class G2oReader {
     poses_.sort();
     features_.sort();
     if (const auto twice = poses_.repetition()) {
-      return text_.error(twice->place, fmt::format("pose {} is declared a second time", twice->key));
+      return begin_.error(twice->place, fmt::format("pose {} is declared a second time", twice->key));
     }
     if (const auto twice = features_.repetition()) {
-      return text_.error(twice->place, fmt::format("feature {} is declared a second time", twice->key));
+      return begin_.error(twice->place, fmt::format("feature {} is declared a second time", twice->key));
     }
     return {};
   }
@@ -184,28 +131,26 @@ class G2oReader {
   }
 
   TextScanner begin_;
-  TextScanner text_;
   ReadOptions options_;
   Extent extent_;
-  InformationCheck check_;
   LogBuilder<Dim> builder_;
   G2oDeclarations poses_;
   G2oDeclarations features_;
-  std::optional<G2oOffsets> offsets_;  ///< Once an observation asks for one.
+  std::int64_t repaired_ = 0;
 };
 
 template <int Dim>
-Expected<AnyLog> read(TextScanner text, const ReadOptions& options, Extent extent) {
-  auto log = G2oReader<Dim>(std::move(text), options, extent).read();
+Expected<AnyLog> read(const TextScanner& text, const ReadOptions& options, Extent extent) {
+  auto log = G2oReader<Dim>(text, options, extent).read();
   if (!log) return tl::unexpected(log.error());
   return AnyLog(*std::move(log));
 }
 
-Expected<AnyLog> read(TextScanner text, const ReadOptions& options, Extent extent) {
+Expected<AnyLog> read(const TextScanner& text, const ReadOptions& options, Extent extent) {
   for (TextScanner ahead = text; ahead.next_line();) {
     const std::string_view tag = ahead.word();
-    if (is_g2o_tag_of<2>(tag)) return read<2>(std::move(text), options, extent);
-    if (is_g2o_tag_of<3>(tag)) return read<3>(std::move(text), options, extent);
+    if (is_g2o_tag_of<2>(tag)) return read<2>(text, options, extent);
+    if (is_g2o_tag_of<3>(tag)) return read<3>(text, options, extent);
     if (!is_g2o_tag(tag)) return ahead.error(fmt::format("unknown tag {}", in_quotes(tag)));
   }
   return bad_input(fmt::format("{}: the log has no poses", text.source()));
@@ -218,11 +163,11 @@ bool is_g2o_tag(std::string_view tag) {
 }
 
 Expected<AnyLog> read_g2o(TextScanner text, const ReadOptions& options) {
-  return read(std::move(text), options, Extent::kWhole);
+  return read(text, options, Extent::kWhole);
 }
 
 Expected<AnyLog> read_g2o_part(TextScanner text, const ReadOptions& options) {
-  return read(std::move(text), options, Extent::kPart);
+  return read(text, options, Extent::kPart);
 }
 
 }  // namespace mapjoin

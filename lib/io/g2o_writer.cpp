@@ -38,9 +38,8 @@ class G2oWriter {
   }
 
   void write_vertices(const std::vector<Pose<Dim>>& poses, const std::vector<Point<Dim>>& features) {
-    write_each(poses.size(), [&](TextLine& line, std::size_t i) {
-      line.add(Tags::kPose).add(numbering_(pose_ids_[i])).add(poses[i]);
-    });
+    write_each(poses.size(),
+               [&](TextLine& line, std::size_t i) { line.add(Tags::kPose).add(numbering_(pose_ids_[i])).add(poses[i]); });
     write_each(features.size(), [&](TextLine& line, std::size_t i) {
       line.add(Tags::kFeature).add(numbering_(feature_ids_[i])).template add<Dim>(features[i]);
     });

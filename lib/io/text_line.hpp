@@ -85,7 +85,7 @@ class TextLine {
 /// Writes a line for every k in [0, count), in order, `fill(line, k)` adding its words; filled on all threads.
 template <typename Fill>
 void write_lines(OutputFile& file, char separator, std::size_t count, Fill&& fill) {
-  constexpr std::size_t kLines = 500;             // a piece of work
+  constexpr std::size_t kLines = 500;                // a piece of work
   constexpr std::size_t kLinesAtOnce = 64 * kLines;  // in memory
   for (std::size_t first = 0; first < count; first += kLinesAtOnce) {
     const std::size_t lines = std::min(kLinesAtOnce, count - first);

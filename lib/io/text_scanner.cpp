@@ -67,10 +67,31 @@ std::string in_quotes(std::string_view word) {
   return result + (word.size() > kMost ? "...'" : "'");
 }
 
-TextScanner::TextScanner(std::string source, std::string_view text)
-    : source_(std::move(source)), next_(text.data()), end_(text.data() + text.size()), line_begin_(next_), word_(next_) {
+TextScanner::TextScanner(std::string source, std::string_view text, std::size_t lines_before)
+    : source_(std::move(source)),
+      next_(text.data()),
+      end_(text.data() + text.size()),
+      line_begin_(next_),
+      word_(next_),
+      lines_before_(lines_before) {
   constexpr std::string_view kByteOrderMark = "\xef\xbb\xbf";
-  if (text.substr(0, 3) == kByteOrderMark) next_ += kByteOrderMark.size();
+  if (lines_before == 0 && text.substr(0, 3) == kByteOrderMark) next_ += kByteOrderMark.size();
+}
+
+std::vector<TextScanner> TextScanner::pieces(std::size_t bytes) const {
+  std::vector<TextScanner> pieces;
+  std::size_t lines = lines_before_;
+  for (const char* begin = next_; begin != end_;) {
+    const char* end = end_;
+    if (static_cast<std::size_t>(end_ - begin) > bytes) {
+      const void* const newline = std::memchr(begin + bytes, '\n', static_cast<std::size_t>(end_ - begin) - bytes);
+      if (newline) end = static_cast<const char*>(newline) + 1;
+    }
+    pieces.emplace_back(source_, std::string_view(begin, static_cast<std::size_t>(end - begin)), lines);
+    lines += static_cast<std::size_t>(std::count(begin, end, '\n'));
+    begin = end;
+  }
+  return pieces;
 }
 
 bool TextScanner::next_line() {

@@ -7,6 +7,7 @@
 #include <mapjoin/model/error.hpp>
 #include <string>
 #include <string_view>
+#include <vector>
 
 namespace mapjoin {
 
@@ -22,8 +23,10 @@ struct Place {
 /// from the same place.
 class TextScanner {
  public:
-  /// `source` is the file's name for messages. `text` outlives the scanner.
-  TextScanner(std::string source, std::string_view text);
+  /// `source` is the file's name for messages. `text` outlives the scanner; so many lines of the file are before it.
+  TextScanner(std::string source, std::string_view text, std::size_t lines_before = 0);
+  /// The text of a scanner that has not begun, cut at ends of lines into pieces of `bytes` at least but for the last.
+  std::vector<TextScanner> pieces(std::size_t bytes) const;
 
   /// On to the next line that has a word, past what is left of this one; false at the end of the file.
   bool next_line();
@@ -63,7 +66,7 @@ class TextScanner {
   /// The bytes that are left.
   std::size_t size() const { return static_cast<std::size_t>(end_ - next_); }
   /// Where the last word began; at the end of a line, where the next one would have.
-  Place place() const { return {line_, static_cast<std::size_t>(word_ - line_begin_) + 1}; }
+  Place place() const { return {lines_before_ + line_, static_cast<std::size_t>(word_ - line_begin_) + 1}; }
   /// A bad-input error whose message begins with `file:line:column: `.
   tl::unexpected<Error> error(const Place& place, std::string_view message) const;
   /// The same at place().
@@ -79,6 +82,7 @@ class TextScanner {
   const char* end_;         ///< Of the file.
   const char* line_begin_;  ///< Of the current line.
   const char* word_;        ///< Begin of the last word.
+  std::size_t lines_before_;
   std::size_t line_ = 0;
   std::string failure_;  ///< The first failure of this line.
 };

@@ -13,11 +13,11 @@ namespace mapjoin {
 /// Block column k is one dense panel, column by column: as many columns as block k has rows, and one below the other the block
 /// rows that `rows` names. What the diagonal blocks hold above their diagonal is ignored.
 struct BlockLower {
-  std::vector<Eigen::Index> offsets = {0};       ///< The first scalar row of each block, and the total.
-  std::vector<std::int64_t> begin = {0};         ///< Per block column into `rows`, and the total.
-  std::vector<Index> rows;                       ///< Of each block column ascending, the diagonal first.
-  std::vector<Eigen::Index> heights;             ///< Scalar rows of each panel.
-  std::vector<std::int64_t> first_value = {0};   ///< Per panel into `values`, and the total.
+  std::vector<Eigen::Index> offsets = {0};      ///< The first scalar row of each block, and the total.
+  std::vector<std::int64_t> begin = {0};        ///< Per block column into `rows`, and the total.
+  std::vector<Index> rows;                      ///< Of each block column ascending, the diagonal first.
+  std::vector<Eigen::Index> heights;            ///< Scalar rows of each panel.
+  std::vector<std::int64_t> first_value = {0};  ///< Per panel into `values`, and the total.
   std::vector<double> values;
 
   std::size_t blocks() const { return offsets.size() - 1; }

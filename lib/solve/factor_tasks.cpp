@@ -71,7 +71,8 @@ class TaskCutter {
 
   std::vector<std::size_t> children(std::size_t node) const {
     const auto [begin, end] = tree_.nodes[node].children;
-    return {tree_.children.begin() + static_cast<std::ptrdiff_t>(begin), tree_.children.begin() + static_cast<std::ptrdiff_t>(end)};
+    return {tree_.children.begin() + static_cast<std::ptrdiff_t>(begin),
+            tree_.children.begin() + static_cast<std::ptrdiff_t>(end)};
   }
   void append_subtree(std::vector<std::size_t>& nodes, std::size_t root) const {
     std::size_t next = nodes.size();

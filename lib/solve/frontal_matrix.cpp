@@ -6,8 +6,8 @@
 namespace mapjoin {
 namespace {
 
-/// Columns that are eliminated at once, and columns or rows that are a piece of work: large enough for the BLAS, small enough to
-/// be shared out.
+/// Columns that are eliminated at once, and columns or rows that are a piece of work: large enough for the BLAS, small enough
+/// to be shared out.
 constexpr Eigen::Index kTile = 192;
 
 DenseBlock part(DenseBlock block, Eigen::Index row, Eigen::Index column, Eigen::Index rows, Eigen::Index columns) {
@@ -69,7 +69,8 @@ std::optional<Eigen::Index> eliminate(FrontalMatrix front) {
       divide_by_transpose(constant(diagonal), part(front.panel, end + row, begin, rows, columns));
     });
     if (end == width) break;
-    subtract_square_by_tiles(part(front.panel, end, begin, height - end, columns), part(front.panel, end, end, height - end, width - end));
+    subtract_square_by_tiles(part(front.panel, end, begin, height - end, columns),
+                             part(front.panel, end, end, height - end, width - end));
   }
   if (height > width) subtract_square_by_tiles(part(front.panel, width, 0, height - width, width), front.update);
   return std::nullopt;

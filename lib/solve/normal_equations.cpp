@@ -162,7 +162,8 @@ void NormalEquations::share_out_cliques() {
   }
   const std::vector<std::uint32_t> part_of = cut_places(first_places);
   for (std::size_t c = 0; c < cliques_.size(); ++c) {
-    auto& cliques = cliques_[c].size() > 2 ? large_cliques_ : parts_[part_of[static_cast<std::size_t>(first_places[c])]].cliques;
+    auto& cliques =
+        cliques_[c].size() > 2 ? large_cliques_ : parts_[part_of[static_cast<std::size_t>(first_places[c])]].cliques;
     cliques.push_back(static_cast<std::uint32_t>(c));
   }
 
@@ -216,7 +217,8 @@ Eigen::VectorXd NormalEquations::diagonal() const {
   for (std::size_t k = 0; k < order_.size(); ++k) {
     const auto v = static_cast<std::size_t>(order_[k]);
     for (int i = 0; i < dofs_[v]; ++i) {
-      diagonal[offsets_[v] + i] = matrix_.values[static_cast<std::size_t>(matrix_.first_value[k] + i * (matrix_.heights[k] + 1))];
+      diagonal[offsets_[v] + i] =
+          matrix_.values[static_cast<std::size_t>(matrix_.first_value[k] + i * (matrix_.heights[k] + 1))];
     }
   }
   return diagonal;
@@ -307,7 +309,8 @@ void NormalEquations::set_diagonal(const Eigen::VectorXd& diagonal) {
   for (std::size_t k = 0; k < order_.size(); ++k) {
     const auto v = static_cast<std::size_t>(order_[k]);
     for (int i = 0; i < dofs_[v]; ++i) {
-      matrix_.values[static_cast<std::size_t>(matrix_.first_value[k] + i * (matrix_.heights[k] + 1))] = diagonal[offsets_[v] + i];
+      matrix_.values[static_cast<std::size_t>(matrix_.first_value[k] + i * (matrix_.heights[k] + 1))] =
+          diagonal[offsets_[v] + i];
     }
   }
 }

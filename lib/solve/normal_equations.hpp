@@ -88,8 +88,8 @@ class NormalEquations {
 
   void set_zero();
   Sink sink(std::size_t clique) { return {*this, clique}; }
-  /// Calls f(clique, sink) for every clique, those of two slots on all threads, and returns the sum of what it returns. All sums
-  /// are the same for any number of threads.
+  /// Calls f(clique, sink) for every clique, those of two slots on all threads, and returns the sum of what it returns. All
+  /// sums are the same for any number of threads.
   double accumulate_cliques(const std::function<double(std::size_t, Sink)>& f);
 
   /// Adds to the block of one variable with itself.
@@ -198,8 +198,8 @@ class NormalEquations {
   std::vector<std::int64_t> destinations_;  ///< Per clique, of slots i < j at j(j-1)/2 + i.
   std::vector<Part> parts_;
   std::vector<std::uint32_t> large_cliques_;  ///< Of more than two slots.
-  std::vector<std::int32_t> sums_;  ///< Per slot of all cliques, where the sums of its part begin, or kOwn.
-  BlockLower matrix_;  ///< H, by places.
+  std::vector<std::int32_t> sums_;            ///< Per slot of all cliques, where the sums of its part begin, or kOwn.
+  BlockLower matrix_;                         ///< H, by places.
   Eigen::VectorXd gradient_;
   SparseCholesky cholesky_;
 };

@@ -122,7 +122,8 @@ Eigen::MatrixXd SparseCholesky::solve_columns(Eigen::MatrixXd B) const {
         const auto from = updates[c].middleRows(run.from, run.length);
         const Eigen::Index in_own = std::clamp<Eigen::Index>(node.width - run.to, 0, run.length);
         own.middleRows(std::min<Eigen::Index>(run.to, node.width), in_own) += from.topRows(in_own);
-        updates[s].middleRows(std::max<Eigen::Index>(run.to - node.width, 0), run.length - in_own) += from.bottomRows(run.length - in_own);
+        updates[s].middleRows(std::max<Eigen::Index>(run.to - node.width, 0), run.length - in_own) +=
+            from.bottomRows(run.length - in_own);
       }
       updates[c].resize(0, 0);
     }

@@ -20,8 +20,9 @@ class SparseCholesky {
   /// Symbolic analysis of the pattern, which stays until the next call.
   void analyse(const BlockLower& matrix);
 
-  /// Numeric factorisation. Returns the first scalar column whose pivot is not positive or has lost all its digits to cancellation
-  /// (pivot² below 1e-14 of the diagonal), where the matrix is singular to working precision; nothing if it is regular.
+  /// Numeric factorisation. Returns the first scalar column whose pivot is not positive or has lost all its digits to
+  /// cancellation (pivot² below 1e-14 of the diagonal), where the matrix is singular to working precision; nothing if it is
+  /// regular.
   std::optional<std::int64_t> factorise(const BlockLower& matrix);
 
   /// A⁻¹ b by the last factorisation that succeeded.

@@ -51,7 +51,8 @@ class ColumnMerger {
 
   /// The first row below a supernode, whose column depends on it; none for a root.
   std::size_t first_row(const Columns& node) const {
-    return node.rows.begin == node.rows.end ? A_.blocks() : static_cast<std::size_t>(rows[static_cast<std::size_t>(node.rows.begin)]);
+    return node.rows.begin == node.rows.end ? A_.blocks()
+                                            : static_cast<std::size_t>(rows[static_cast<std::size_t>(node.rows.begin)]);
   }
   void attach(std::size_t node) {
     const std::size_t parent = first_row(supernodes[node]);
@@ -96,7 +97,8 @@ struct Group {
 bool should_merge(const Group& child, const Group& parent) {
   const Eigen::Index width = child.width + parent.width;
   const double zeros = 1.0 - (child.entries + parent.entries) / Group::entries_of(width, parent.below);
-  const auto relaxation = std::find_if(kRelaxations.begin(), kRelaxations.end(), [&](const auto& r) { return width <= r.width; });
+  const auto relaxation =
+      std::find_if(kRelaxations.begin(), kRelaxations.end(), [&](const auto& r) { return width <= r.width; });
   return zeros <= relaxation->zeros;
 }
 
@@ -110,9 +112,9 @@ std::vector<Group> merged(const std::vector<Columns>& supernodes, const std::vec
       group.below += A.dof(static_cast<std::size_t>(rows[static_cast<std::size_t>(r)]));
     }
     group.entries = Group::entries_of(group.width, group.below);
-    const bool depends = group.below > 0 && !groups.empty() &&
-                         static_cast<std::size_t>(rows[static_cast<std::size_t>(group.columns.rows.begin)]) <
-                             groups.back().columns.columns.end;
+    const bool depends =
+        group.below > 0 && !groups.empty() &&
+        static_cast<std::size_t>(rows[static_cast<std::size_t>(group.columns.rows.begin)]) < groups.back().columns.columns.end;
     if (depends && should_merge(group, groups.back())) {
       groups.back().columns.columns.begin = group.columns.columns.begin;
       groups.back().width += group.width;
@@ -126,7 +128,8 @@ std::vector<Group> merged(const std::vector<Columns>& supernodes, const std::vec
 }
 
 /// Nodes with their rows, panels, parents and children.
-void lay_out_nodes(SupernodalTree& tree, const std::vector<Group>& groups, const std::vector<Index>& rows, std::size_t columns) {
+void lay_out_nodes(SupernodalTree& tree, const std::vector<Group>& groups, const std::vector<Index>& rows,
+                   std::size_t columns) {
   std::vector<std::size_t> node_of(columns);
   for (const Group& group : groups) {
     FactorNode node;
@@ -143,7 +146,8 @@ void lay_out_nodes(SupernodalTree& tree, const std::vector<Group>& groups, const
   }
   for (FactorNode& node : tree.nodes) {
     const bool is_root = node.rows.begin == node.rows.end;
-    node.parent = is_root ? tree.nodes.size() : node_of[static_cast<std::size_t>(tree.rows[static_cast<std::size_t>(node.rows.begin)])];
+    node.parent =
+        is_root ? tree.nodes.size() : node_of[static_cast<std::size_t>(tree.rows[static_cast<std::size_t>(node.rows.begin)])];
     if (!is_root) ++tree.nodes[node.parent].children.end;
   }
   std::size_t taken = 0;
@@ -170,7 +174,8 @@ void lay_out_fronts(SupernodalTree& tree, const BlockLower& A) {
       height += A.dof(row);
     };
     for (std::size_t k = node.columns.begin; k < node.columns.end; ++k) place(k);
-    for (auto r = node.rows.begin; r < node.rows.end; ++r) place(static_cast<std::size_t>(tree.rows[static_cast<std::size_t>(r)]));
+    for (auto r = node.rows.begin; r < node.rows.end; ++r)
+      place(static_cast<std::size_t>(tree.rows[static_cast<std::size_t>(r)]));
 
     for (auto entry = A.begin[node.columns.begin]; entry < A.begin[node.columns.end]; ++entry) {
       tree.front_rows[static_cast<std::size_t>(entry)] = lies_at(A.rows[static_cast<std::size_t>(entry)]);

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
-// What a Cholesky factor will look like: its supernodes, the tree in which they depend on each other, and where everything goes.
+// What a Cholesky factor will look like: its supernodes, the tree in which they depend on each other, and where everything
+// goes.
 
 #include <Eigen/Core>
 #include <cstdint>
@@ -21,13 +22,13 @@ struct Range {
 /// then those below.
 struct FactorNode {
   Range<std::size_t> columns;
-  std::size_t parent = 0;          ///< The supernode of the first row below; the number of supernodes for a root.
-  Range<std::size_t> children;     ///< In SupernodalTree::children, ascending.
-  Range<std::int64_t> rows;        ///< Its block rows below, in SupernodalTree::rows, ascending.
-  Range<std::int64_t> runs;        ///< Where these lie in its parent's front, in SupernodalTree::runs.
-  std::int64_t first_value = 0;    ///< Its panel in the values of L.
-  Eigen::Index width = 0;          ///< Scalar columns.
-  Eigen::Index height = 0;         ///< Scalar rows of the front.
+  std::size_t parent = 0;        ///< The supernode of the first row below; the number of supernodes for a root.
+  Range<std::size_t> children;   ///< In SupernodalTree::children, ascending.
+  Range<std::int64_t> rows;      ///< Its block rows below, in SupernodalTree::rows, ascending.
+  Range<std::int64_t> runs;      ///< Where these lie in its parent's front, in SupernodalTree::runs.
+  std::int64_t first_value = 0;  ///< Its panel in the values of L.
+  Eigen::Index width = 0;        ///< Scalar columns.
+  Eigen::Index height = 0;       ///< Scalar rows of the front.
 
   Eigen::Index below() const { return height - width; }
 };

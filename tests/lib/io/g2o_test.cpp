@@ -4,6 +4,7 @@
 
 #include <mapjoin/io/g2o.hpp>
 #include <string>
+#include <vector>
 
 namespace mapjoin {
 namespace {
@@ -112,6 +113,28 @@ TEST(G2o, NamesTheLineAndColumnOfAMalformedNumber) {
   EXPECT_EQ(message("EDGE_SE2 0 1 1 0"), "some.g2o:1:17: the line ends where a number is expected");
   EXPECT_EQ(message("EDGE_SE2 -1 1 1 0 0 1 0 0 1 0 1"), "some.g2o:1:10: '-1' stands where an id is expected");
   EXPECT_EQ(message("VERTEX_SE2 0 0 0 0 0"), "some.g2o:1:20: '0' stands where the line should end");
+}
+
+TEST(G2o, ReadsALongFileInPiecesAndNamesTheFirstFaultOfSeveral) {
+  // Some megabytes: more than are read at once.
+  std::vector<std::string> lines;
+  for (int k = 0; k < 100000; ++k) {
+    lines.push_back("EDGE_SE2 " + std::to_string(k) + " " + std::to_string(k + 1) + " 1.0000000000001 0.5 0.1 1 0 0 1 0 1\n");
+  }
+  const auto joined = [&] {
+    std::string text;
+    for (const auto& line : lines) text += line;
+    return text;
+  };
+  const auto log = read_as<2>(joined());
+  ASSERT_EQ(log.odometry.size(), 100000u);
+  for (std::size_t k = 0; k < log.odometry.size(); ++k) {
+    EXPECT_EQ(log.odometry[k].target, static_cast<Index>(k) + 1);
+  }
+  lines[99990] = "EDGE_SE2 5\n";
+  lines[77777] = "EDGE_SE2 5 6 1 0 0.1 1 0 0 1 0 one\n";
+  lines[88888] = "NO_TAG\n";
+  EXPECT_THAT(message(joined()), HasSubstr("some.g2o:77778:32: 'one'"));
 }
 
 TEST(G2o, NamesAnUnknownTag) {

@@ -22,6 +22,23 @@ std::string message_about(const std::string& text, int numbers) {
   return line ? "" : line.error().message;
 }
 
+TEST(TextScanner, FallsIntoPiecesOfWholeLinesThatKnowTheirPlace) {
+  std::string text = "\xef\xbb\xbf";
+  for (int line = 1; line <= 200; ++line) text += std::to_string(line) + (line % 3 == 0 ? "\n" : " x\r\n");
+  text += "201";
+  for (const std::size_t bytes : {1u, 7u, 100u, 5000u}) {
+    std::size_t next = 1;
+    for (TextScanner piece : TextScanner("some.txt", text).pieces(bytes)) {
+      while (piece.next_line()) {
+        EXPECT_EQ(piece.key(), next) << bytes;
+        EXPECT_EQ(piece.place().line, next++) << bytes;
+      }
+    }
+    EXPECT_EQ(next, 202u) << bytes;
+  }
+  EXPECT_TRUE(TextScanner("some.txt", "").pieces(100).empty());
+}
+
 TEST(TextScanner, PassesOverBlankLinesCommentsAndBothLineEnds) {
   TextScanner text("some.txt", "\xef\xbb\xbf# comment\r\n\r\n  \t\nfirst 1\r\n\n# 2\n second\t2 # rest\nlast");
   ASSERT_TRUE(text.next_line());

@@ -95,8 +95,8 @@ TEST(SparseCholesky, NamesTheFirstOfSeveralSingularColumns) {
   Random random;
   BlockLower matrix = grid_system(60, random);
   for (const std::size_t block : {3100u, 900u, 2000u}) {
-    Eigen::Map<Eigen::MatrixXd>(matrix.values.data() + matrix.first_value[block], matrix.heights[block], matrix.dof(block))(1, 1) =
-        -1.0;
+    Eigen::Map<Eigen::MatrixXd>(matrix.values.data() + matrix.first_value[block], matrix.heights[block], matrix.dof(block))(
+        1, 1) = -1.0;
   }
   SparseCholesky cholesky;
   cholesky.analyse(matrix);
@@ -163,7 +163,7 @@ TEST(SparseCholesky, StartsNoThreadsButThoseItIsAllowed) {
     cholesky.analyse(matrix);
     ASSERT_FALSE(cholesky.factorise(matrix));
     cholesky.solve(Eigen::VectorXd::Ones(400));
-    EXPECT_EQ(threads_of_this_process(), before);
+    EXPECT_LE(threads_of_this_process(), before);
   };
   factorise();
   std::thread(factorise).join();

@@ -64,7 +64,8 @@ TEST_P(SupernodalTreeTest, TakesFewZerosAlong) {
     for (const Index row : below[k]) rows += A.dof(static_cast<std::size_t>(row));
     entries += rows * A.dof(k);
   }
-  EXPECT_LT(static_cast<double>(tree.value_count), 1.5 * static_cast<double>(entries));
+  // Panels are rectangles: what is above their diagonal is nothing, too.
+  EXPECT_LT(tree.value_count, 2 * entries);
 }
 
 TEST_P(SupernodalTreeTest, NamesTheSameRowsInTheParentsFront) {
@@ -78,7 +79,8 @@ TEST_P(SupernodalTreeTest, NamesTheSameRowsInTheParentsFront) {
         for (auto row = A.offsets[block]; row < A.offsets[block + 1]; ++row) rows.push_back(row);
       };
       for (std::size_t k = of.columns.begin; with_own && k < of.columns.end; ++k) append(k);
-      for (auto r = of.rows.begin; r < of.rows.end; ++r) append(static_cast<std::size_t>(tree.rows[static_cast<std::size_t>(r)]));
+      for (auto r = of.rows.begin; r < of.rows.end; ++r)
+        append(static_cast<std::size_t>(tree.rows[static_cast<std::size_t>(r)]));
       return rows;
     };
     const auto from = rows_of(node, false);
