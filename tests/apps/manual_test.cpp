@@ -89,7 +89,7 @@ std::vector<std::string> offered_by_bash(const std::vector<std::string>& words) 
 }
 
 TEST(BashCompletion, OffersCommandsOptionsAndTheirValues) {
-  EXPECT_THAT(offered_by_bash({"conve"}), ElementsAre("convexity"));
+  EXPECT_THAT(offered_by_bash({"convex"}), ElementsAre("convexity"));
   EXPECT_THAT(offered_by_bash({"run", "--poses"}), ElementsAre("--poses-per-map"));
   EXPECT_THAT(offered_by_bash({"run", "--state", ""}), ElementsAre("absolute", "relative"));
   EXPECT_THAT(offered_by_bash({"run", "--poses-per-map", ""}), ElementsAre("auto"));
