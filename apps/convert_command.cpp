@@ -59,7 +59,10 @@ tl::unexpected<Error> misused(std::string message) {
 
 std::string words() {
   std::string all;
-  for (const Format& format : kFormats) all += (all.empty() ? "" : "|") + std::string(format.word);
+  for (const Format& format : kFormats) {
+    if (!all.empty()) all += '|';
+    all += format.word;
+  }
   return all;
 }
 
@@ -176,7 +179,7 @@ std::unique_ptr<Subcommand> convert_command(CLI::App& app) {
                     for (const Format& format : kFormats) {
                       if (word == format.word) options->format = format.format;
                     }
-                    return options->format ? std::nullopt : std::optional<std::string>("not one of " + words());
+                    return options->format ? std::nullopt : std::optional(fmt::format("not one of {}", words()));
                   });
   command->flag("--quiet", options->quiet, "No summary");
   add_reading(*command, *options);

@@ -2,6 +2,7 @@
 // mapjoin_limit: what no solver of a log, or of a set of local maps, can do without: to read the file, to order and analyse the
 // final information matrix once, to factorise it once, to solve with it once. What that takes goes to standard output, as JSON.
 #include <fmt/format.h>
+#include <tbb/global_control.h>
 
 #include <CLI/CLI.hpp>
 #include <array>
@@ -189,6 +190,7 @@ int main(int argc, char** argv) {
   app.add_option("data", data, "The log, or the local maps")->required();
   app.add_option("--map", map, "Its final map, as g2o")->required();
   CLI11_PARSE(app, argc, argv);
+  const tbb::global_control one_thread(tbb::global_control::max_allowed_parallelism, 1);
   const auto state = mapjoin::read_state(map);
   const mapjoin::EffortMeter from_here;  // on: the largest memory is that of the limit, and of the map that it is at
   const auto limit = state.and_then([&](const auto& known) { return mapjoin::limit_of(data, known); });
