@@ -60,7 +60,7 @@ void keep_freed_memory() {
 }
 
 ExitCode main(int argc, char** argv) {
-  keep_blas_on_one_thread();
+  end_blas_threads();
   keep_freed_memory();
   try {
     const auto done = parse_and_run(argc, argv);

@@ -46,9 +46,9 @@ Expected<void> write_map_files(const Call& call, const RunResult<Dim>& result, c
   std::array<Expected<void>, 4> written;
   parallel_for(written.size(), [&](std::size_t k) {
     if (k == 0) written[k] = write_g2o(map, &log, folder.aside("map.g2o"));
-    if (k == 1) written[k] = write_file(folder.aside("map.svg"), picture(map_layers<Dim>({plotted(result, log)}, nullptr)));
+    if (k == 1) written[k] = write_tum(map, folder.aside("trajectory.tum"));
     if (k == 2) written[k] = write_csv(map, folder.aside("poses.csv"), folder.aside("features.csv"));
-    if (k == 3) written[k] = write_tum(map, folder.aside("trajectory.tum"));
+    if (k == 3) written[k] = write_file(folder.aside("map.svg"), picture(map_layers<Dim>({plotted(result, log)}, nullptr)));
   });
   for (const auto& file : written) {
     if (!file) return file;

@@ -12,7 +12,12 @@ Rotation<3> rotation_from_euler(double roll, double pitch, double yaw) {
 Vector<3> euler_from_rotation(const Rotation<3>& rotation) {
   const Matrix<3> R = rotation.matrix();
   const double cos_pitch = std::hypot(R(0, 0), R(1, 0));
-  return {std::atan2(R(2, 1), R(2, 2)), std::atan2(-R(2, 0), cos_pitch), std::atan2(R(1, 0), R(0, 0))};
+  const double yaw = std::atan2(R(1, 0), R(0, 0));
+  // Roll from Rz(yaw)ᵀ R: where pitch is ±π/2, and yaw is whatever rounding leaves, the two still give R.
+  const double s = std::sin(yaw);
+  const double c = std::cos(yaw);
+  const double roll = std::atan2(s * R(0, 2) - c * R(1, 2), c * R(1, 1) - s * R(0, 1));
+  return {roll, std::atan2(-R(2, 0), cos_pitch), yaw};
 }
 
 Matrix<3> J_vector_euler(double roll, double pitch, double /*yaw*/) {

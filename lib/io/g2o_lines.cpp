@@ -56,10 +56,11 @@ class LineReader {
   }
 
   Expected<void> read_fix() {
+    G2oFix fix;
     do {
-      read_.lines.push_back(G2oFix{{0, text_.key()}});
+      fix.ids.push_back({0, text_.key()});
     } while (!text_.at_end_of_line());
-    return text_.finish_line();
+    return finish(std::move(fix));
   }
 
   Expected<void> read_pose_edge() {
@@ -109,9 +110,9 @@ class LineReader {
   }
 
   template <typename Line>
-  Expected<void> finish(const Line& line) {
+  Expected<void> finish(Line line) {
     if (auto end = text_.finish_line(); !end) return end;
-    read_.lines.push_back(line);
+    read_.lines.push_back(std::move(line));
     return {};
   }
 

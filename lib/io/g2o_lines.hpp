@@ -28,7 +28,7 @@ struct G2oFeatureVertex {
 };
 
 struct G2oFix {
-  PoseId id;
+  std::vector<PoseId> ids;
 };
 
 /// Its information weighs the paper's residual, and is checked.

@@ -91,7 +91,8 @@ class G2oReader {
     builder_.add_feature(vertex.id, vertex.point);
   }
   void take(const G2oFix& fix) {
-    if (extent_ == Extent::kWhole) builder_.fix(fix.id);
+    if (extent_ == Extent::kPart) return;
+    for (const PoseId& id : fix.ids) builder_.fix(id);
   }
   void take(const G2oPoseEdge<Dim>& edge) { builder_.add_pose_edge(edge.base, edge.target, edge.measured, edge.information); }
   void take(const G2oObservation<Dim>& seen) {

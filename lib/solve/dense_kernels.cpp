@@ -26,20 +26,32 @@ Function* loaded_function(const char* name) {
   return reinterpret_cast<Function*>(dlsym(RTLD_DEFAULT, name));
 }
 
-/// The BLAS for one call. An OpenBLAS that was built without threads must not be called by two at once.
+/// The BLAS for one call, on the calling thread alone. Threads are ours, over subtrees and tiles: those of the BLAS would be
+/// too many, and its sums would depend on their number. OpenBLAS's own number holds for the process, OpenMP's for each thread;
+/// and an OpenBLAS that was built without threads must not be called by two at once.
 class Blas {
  public:
-  Blas() : alone_(mutex_, std::defer_lock) {
+  Blas()
+      : threads_before_(get_openmp_threads && set_openmp_threads ? get_openmp_threads() : 0), alone_(mutex_, std::defer_lock) {
     static const bool must_be_alone = [] {
-      keep_blas_on_one_thread();
+      if (auto* set_threads = loaded_function<void(int)>("openblas_set_num_threads")) set_threads(1);
       auto* get_parallel = loaded_function<int()>("openblas_get_parallel");
       return get_parallel && get_parallel() == 0;
     }();
+    if (threads_before_ > 1) set_openmp_threads(1);
     if (must_be_alone) alone_.lock();
   }
+  ~Blas() {
+    if (threads_before_ > 1) set_openmp_threads(threads_before_);
+  }
+  Blas(const Blas&) = delete;
+  Blas& operator=(const Blas&) = delete;
 
  private:
+  static inline auto* const get_openmp_threads = loaded_function<int()>("omp_get_max_threads");
+  static inline auto* const set_openmp_threads = loaded_function<void(int)>("omp_set_num_threads");
   static inline std::mutex mutex_;
+  int threads_before_;
   std::unique_lock<std::mutex> alone_;
 };
 
@@ -49,13 +61,9 @@ int stride(const auto& block) {
 
 }  // namespace
 
-void keep_blas_on_one_thread() {
-  static const bool once = [] {
-    if (auto* set_threads = loaded_function<void(int)>("openblas_set_num_threads")) set_threads(1);
-    if (auto* end_threads = loaded_function<int()>("blas_thread_shutdown_")) end_threads();
-    return true;
-  }();
-  static_cast<void>(once);
+void end_blas_threads() {
+  if (auto* set_threads = loaded_function<void(int)>("openblas_set_num_threads")) set_threads(1);
+  if (auto* end_threads = loaded_function<int()>("blas_thread_shutdown_")) end_threads();
 }
 
 std::optional<Eigen::Index> cholesky_in_place(DenseBlock A) {

@@ -20,10 +20,9 @@ void subtract_square(ConstDenseBlock B, DenseBlock C);
 /// C ← C - A Bᵀ.
 void subtract_product(ConstDenseBlock A, ConstDenseBlock B, DenseBlock C);
 
-/// Threads are ours, over subtrees and tiles: those of the BLAS would be too many, and its sums would depend on their number.
-/// The first of the above does this; to do it at once ends the threads that OpenBLAS starts, and lets spin, as soon as it is
-/// loaded.
-void keep_blas_on_one_thread();
+/// Ends the threads that OpenBLAS starts, and lets spin, as soon as it is loaded; the above need none. For a program that uses
+/// the BLAS through this alone, before it does.
+void end_blas_threads();
 
 /// The name of the BLAS in use, for the report.
 std::string blas_name();

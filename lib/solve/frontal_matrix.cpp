@@ -47,11 +47,13 @@ void add_update(ConstDenseBlock update, std::span<const RowRun> runs, FrontalMat
     for (std::int32_t j = 0; j < runs[c].length; ++j) {
       const double* from = update.data() + (runs[c].from + j) * update.outerStride();
       const Eigen::Index column = runs[c].to + j;
+      // Rows from `shift` on of a column of the front.
+      const Eigen::Index shift = column < width ? 0 : width;
       double* to = column < width ? parent.panel.data() + column * parent.panel.outerStride()
-                                  : parent.update.data() + (column - width) * parent.update.outerStride() - width;
-      for (std::int32_t i = j; i < runs[c].length; ++i) to[runs[c].to + i] += from[runs[c].from + i];
+                                  : parent.update.data() + (column - width) * parent.update.outerStride();
+      for (std::int32_t i = j; i < runs[c].length; ++i) to[runs[c].to + i - shift] += from[runs[c].from + i];
       for (const RowRun& run : runs.subspan(c + 1)) {
-        for (std::int32_t i = 0; i < run.length; ++i) to[run.to + i] += from[run.from + i];
+        for (std::int32_t i = 0; i < run.length; ++i) to[run.to + i - shift] += from[run.from + i];
       }
     }
   }

@@ -96,6 +96,15 @@ NormalEquations::BlockColumns NormalEquations::block_columns() const {
 }
 
 void NormalEquations::lay_out(const BlockColumns& columns) {
+  std::size_t values = 0;
+  for (std::size_t k = 0; k < order_.size(); ++k) {
+    for (auto r = columns.begin[k]; r < columns.begin[k + 1]; ++r) {
+      values += static_cast<std::size_t>(matrix_.dof(k) *
+                                         matrix_.dof(static_cast<std::size_t>(columns.rows[static_cast<std::size_t>(r)])));
+    }
+  }
+  matrix_.rows.reserve(columns.rows.size());
+  matrix_.values.reserve(values);
   for (std::size_t k = 0; k < order_.size(); ++k) {
     matrix_.append_column({columns.rows.data() + columns.begin[k], columns.rows.data() + columns.begin[k + 1]});
   }

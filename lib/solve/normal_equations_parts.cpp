@@ -18,8 +18,13 @@ constexpr std::size_t kMostParts = 16;
 
 std::vector<std::uint32_t> NormalEquations::cut_places(const std::vector<Index>& first_places) {
   std::vector<std::size_t> slots_at(order_.size() + 1, 0);  // of the cliques that begin at each place
-  for (std::size_t c = 0; c < cliques_.size(); ++c) slots_at[static_cast<std::size_t>(first_places[c])] += cliques_[c].size();
-  const std::size_t per_part = std::max(kSlotsPerPart, cliques_.variables.size() / kMostParts + 1);
+  std::size_t all_slots = 0;
+  for (std::size_t c = 0; c < cliques_.size(); ++c) {
+    if (cliques_[c].size() > 2) continue;
+    slots_at[static_cast<std::size_t>(first_places[c])] += cliques_[c].size();
+    all_slots += cliques_[c].size();
+  }
+  const std::size_t per_part = std::max(kSlotsPerPart, all_slots / kMostParts + 1);
   std::vector<std::uint32_t> part_of(order_.size() + 1, 0);
   std::uint32_t part = 0;
   std::size_t slots = 0;

@@ -44,5 +44,17 @@ TEST(Euler, JacobianEqualsCentralDifferences) {
   }
 }
 
+TEST(Euler, GiveTheRotationBackWhereItPointsStraightUpOrDown) {
+  for (const double pitch : {0.5 * std::numbers::pi, -0.5 * std::numbers::pi, 1.5707}) {
+    for (const double roll : {-3.0, -0.7, 0.0, 2.04}) {
+      for (const double yaw : {-2.48, 0.0, 1.3}) {
+        const Matrix<3> R = rotation_from_euler(roll, pitch, yaw).matrix();
+        const Vector<3> angles = euler_from_rotation(rotation_from_euler(roll, pitch, yaw));
+        EXPECT_LT((rotation_from_euler(angles[0], angles[1], angles[2]).matrix() - R).norm(), 1e-12) << roll << ' ' << yaw;
+      }
+    }
+  }
+}
+
 }  // namespace
 }  // namespace mapjoin
