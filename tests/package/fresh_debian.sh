@@ -4,6 +4,7 @@
 # between commas) asks for, ours from the folder PACKAGES. mmdebstrap makes that system and throws it away; where it cannot (no network,
 # no rights) the test says so and is skipped.
 set -euo pipefail
+unset CMAKE_CXX_COMPILER_LAUNCHER # that of this machine
 packages=$(realpath "$1") include=$2 script=$(realpath "$3")
 folder=$(mktemp -d)
 trap 'rm -rf "$folder"' EXIT
