@@ -10,7 +10,7 @@ find_package(Boost 1.74 REQUIRED)
 find_package(SQLite3 REQUIRED)
 find_package(ZLIB REQUIRED)
 find_package(LAPACK REQUIRED)
-# Static where it can be: HDF5's shared library brings some thirty others along, and to load them takes longer than to map a small log.
+# Static where it can be: HDF5's shared library brings some forty others along, and to load them takes longer than to map a small log.
 find_library(MAPJOIN_STATIC_HDF5 libhdf5_serial.a)
 if(MAPJOIN_STATIC_HDF5 AND NOT BUILD_SHARED_LIBS)
   find_library_by_header(mapjoin::matio HEADER matio.h LIBRARIES libmatio.a libhdf5_serial.a libsz.a libaec.a z)
