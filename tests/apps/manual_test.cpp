@@ -51,10 +51,11 @@ std::set<fs::path> files_in(const fs::path& folder) {
 }
 
 TEST(Manual, ThePagesOfCommandsAreThoseThatTheBuildMakes) {
+  const std::string remedy = "`cmake --build --preset dev --target command_pages` makes them anew";
   const fs::path pages = fs::path(MAPJOIN_DOCS) / "commands";
-  EXPECT_EQ(files_in(pages), files_in(kManual / "commands")) << "`./dev docs` makes them anew";
+  EXPECT_EQ(files_in(pages), files_in(kManual / "commands")) << remedy;
   for (const fs::path& page : files_in(pages)) {
-    EXPECT_EQ(content_of(pages / page), content_of(kManual / "commands" / page)) << page << ": `./dev docs` makes it anew";
+    EXPECT_EQ(content_of(pages / page), content_of(kManual / "commands" / page)) << page << ": " << remedy;
   }
 }
 
