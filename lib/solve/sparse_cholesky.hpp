@@ -25,7 +25,7 @@ class SparseCholesky {
   /// regular.
   std::optional<std::int64_t> factorise(const BlockLower& matrix);
 
-  /// A⁻¹ b by the last factorisation that succeeded.
+  /// A⁻¹ b by the last factorisation, which must have succeeded.
   Eigen::VectorXd solve(const Eigen::VectorXd& b) const { return solve_columns(b); }
   /// A⁻¹ B, likewise.
   Eigen::MatrixXd solve_columns(Eigen::MatrixXd B) const;
