@@ -9,6 +9,7 @@
 #include <apps/table.hpp>
 #include <apps/words.hpp>
 #include <cmath>
+#include <mapjoin/measure/median.hpp>
 #include <nlohmann/json.hpp>
 
 namespace mapjoin::apps {
@@ -27,9 +28,7 @@ int typical_iterations(const BasinCell& cell) {
   for (const BasinRun& run : cell.runs) {
     if (run.is_at_optimum || cell.hits() == 0) iterations.push_back(run.iterations);
   }
-  const auto middle = iterations.begin() + static_cast<std::ptrdiff_t>(iterations.size() / 2);
-  std::nth_element(iterations.begin(), middle, iterations.end());
-  return *middle;
+  return median(std::move(iterations));
 }
 
 /// What the runs that miss fell into: their chi2, from the least to the largest.

@@ -1,17 +1,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include <algorithm>
 #include <apps/deviations.hpp>
+#include <mapjoin/measure/median.hpp>
+#include <utility>
 #include <vector>
 
 namespace mapjoin::apps {
 namespace {
-
-double median(std::vector<double> values) {
-  if (values.empty()) return 0.0;
-  const auto middle = values.begin() + std::ssize(values) / 2;
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
-}
 
 template <int Dim, typename Covariances, typename RelationsOfOne>
 Deviations::Median medians(const Covariances& covariances, const RelationsOfOne& relations) {
@@ -22,6 +16,7 @@ Deviations::Median medians(const Covariances& covariances, const RelationsOfOne&
     in_map.push_back(position_deviation<Dim>(covariances[k]));
     relative.push_back(position_deviation<Dim>(relations[k].covariance));
   }
+  if (in_map.empty()) return {0.0, 0.0};
   return {median(std::move(in_map)), median(std::move(relative))};
 }
 

@@ -3,6 +3,7 @@
 // What a check found: one sentence, how often, and where.
 
 #include <cstddef>
+#include <mapjoin/model/counted.hpp>
 #include <string>
 #include <utility>
 #include <vector>
@@ -37,11 +38,6 @@ struct Finding {
 };
 
 using Findings = std::vector<Finding>;
-
-/// "1 edge", "2 edges".
-inline std::string counted(std::size_t count, const std::string& thing) {
-  return std::to_string(count) + " " + thing + (count == 1 ? "" : "s");
-}
 
 /// Where it was found anywhere.
 inline void add_if_any(Findings& findings, Finding finding) {

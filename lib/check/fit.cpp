@@ -6,10 +6,12 @@
 #include <limits>
 #include <map>
 #include <mapjoin/check/fit.hpp>
+#include <mapjoin/graph/ties.hpp>
 #include <mapjoin/measure/chi2.hpp>
 #include <mapjoin/measure/chi_squared.hpp>
+#include <mapjoin/measure/median.hpp>
 #include <mapjoin/model/information_rank.hpp>
-#include <numeric>
+#include <utility>
 
 namespace mapjoin {
 namespace {
@@ -41,13 +43,7 @@ double scale_of(const std::vector<WeighedResidual>& residuals) {
     if (r.rows > 0) ratios.push_back(r.chi2 / medians(r.rows));
   }
   if (ratios.empty()) return std::numeric_limits<double>::quiet_NaN();
-  const auto middle = ratios.begin() + static_cast<std::ptrdiff_t>(ratios.size() / 2);
-  std::nth_element(ratios.begin(), middle, ratios.end());
-  return *middle;
-}
-
-std::string pose_name(const std::vector<PoseId>& poses, Index pose) {
-  return pose == kWorld ? "the World" : to_string(poses[static_cast<std::size_t>(pose)]);
+  return median(std::move(ratios));
 }
 
 template <int Dim>
@@ -61,11 +57,13 @@ WeighedResidual weighed(const FeatureObservation<Dim>& o, const State<Dim>& stat
 
 template <int Dim>
 std::string name_of(const PoseObservation<Dim>& o, const Log<Dim>& log) {
-  return fmt::format("{} to {}", pose_name(log.poses, o.base), pose_name(log.poses, o.target));
+  const TieVertices of = vertices_of(log);
+  return fmt::format("{} to {}", name_of(of.pose(o.base), log), name_of(of.pose(o.target), log));
 }
 template <int Dim>
 std::string name_of(const FeatureObservation<Dim>& o, const Log<Dim>& log) {
-  return fmt::format("{} from {}", to_string(log.features[static_cast<std::size_t>(o.target)]), pose_name(log.poses, o.base));
+  const TieVertices of = vertices_of(log);
+  return fmt::format("{} from {}", name_of(of.feature(o.target), log), name_of(of.pose(o.base), log));
 }
 
 template <int Dim, typename Observation>

@@ -17,7 +17,7 @@ std::vector<std::size_t> times_seen(const Tied& tied) {
   const TieVertices of = vertices_of(tied);
   std::vector<std::size_t> times(of.features);
   for_each_tie(tied, [&](std::size_t, std::size_t b) {
-    if (of.is_feature(b)) ++times[b - 1 - of.poses];
+    if (of.is_feature(b)) ++times[of.feature_at(b)];
   });
   return times;
 }

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <limits>
 #include <mapjoin/check/units.hpp>
+#include <mapjoin/measure/median.hpp>
 #include <numbers>
 
 namespace mapjoin {
@@ -14,13 +15,6 @@ constexpr double kPi = std::numbers::pi;
 constexpr double kDegree = kPi / 180.0;
 /// Fewer loops or turns than these prove nothing.
 constexpr std::size_t kLeastSamples = 10;
-
-/// Of values that there are; the vector is spent.
-double median(std::vector<double>& values) {
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
-}
 
 void warn(Findings& findings, std::string text, Places where = {}) {
   findings.push_back({FindingLevel::kWarning, "degrees", std::move(text), std::move(where)});

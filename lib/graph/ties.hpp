@@ -20,6 +20,8 @@ struct TieVertices {
   std::size_t pose(Index index) const { return static_cast<std::size_t>(index + 1); }
   std::size_t feature(Index index) const { return 1 + poses + static_cast<std::size_t>(index); }
   bool is_feature(std::size_t vertex) const { return vertex > poses; }
+  /// The index of a vertex that is a feature.
+  std::size_t feature_at(std::size_t vertex) const { return vertex - 1 - poses; }
 };
 static_assert(kWorld == -1, "the World is the pose before the first");
 

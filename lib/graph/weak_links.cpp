@@ -102,7 +102,7 @@ std::vector<std::size_t> cut_features(const std::vector<Edge>& edges, const std:
   for (std::size_t e = 0; e < edges.size(); ++e) {
     const std::size_t v = edges[e].second;  // Features come last.
     if (!vertices.is_feature(v) || degree[edges[e].first] == 0 || degree[v] == 0) continue;
-    std::size_t& known = component_of[v - 1 - vertices.poses];
+    std::size_t& known = component_of[vertices.feature_at(v)];
     if (known != kNone && known != component[e]) features.push_back(v);
     known = component[e];
   }

@@ -3,6 +3,7 @@
 
 #include <mapjoin/io/covariance_text.hpp>
 #include <mapjoin/io/covariance_weights.hpp>
+#include <mapjoin/io/g2o_fields.hpp>
 #include <mapjoin/model/log_builder.hpp>
 #include <optional>
 #include <utility>
@@ -87,13 +88,13 @@ class CovarianceTextReader {
 
   Expected<void> read_step() {
     text_.word();  // The image.
-    const Vector<3> motion = text_.vector<3>();
+    const Pose<2> motion = read_g2o_pose<2>(text_);
     const Matrix<2> P_translation = text_.symmetric<2>();
     const Vector<3> P_heading = text_.vector<3>();
     Matrix<3> P;
     P << P_translation, P_heading.head<2>(), P_heading.transpose();
     const PoseId before{0, step_++};
-    return add_motion(before, {0, step_}, {motion.head<2>(), Rotation<2>(motion[2])}, inverse_of(P, text_));
+    return add_motion(before, {0, step_}, motion, inverse_of(P, text_));
   }
 
   Expected<void> read_circle() {

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <mapjoin/io/covariance_weights.hpp>
+#include <mapjoin/io/g2o_fields.hpp>
 #include <mapjoin/io/information.hpp>
 
 namespace mapjoin {
@@ -20,8 +21,8 @@ Fault covariance_of(const Matrix<Size>& information, Matrix<Size>& covariance) {
 }
 
 MeasuredPose<2> read_covariance_edge(TextScanner& text) {
-  const Vector<3> v = text.vector<3>();
-  return {{v.head<2>(), Rotation<2>(v[2])}, inverse_of(text.symmetric<3>(), text)};
+  const Pose<2> measured = read_g2o_pose<2>(text);
+  return {measured, inverse_of(text.symmetric<3>(), text)};
 }
 
 MeasuredPoint<2> read_covariance_point(TextScanner& text) {

@@ -2,6 +2,7 @@
 #include <cmath>
 #include <mapjoin/geometry/euler.hpp>
 #include <mapjoin/io/euler_angles.hpp>
+#include <mapjoin/io/g2o_fields.hpp>
 
 namespace mapjoin {
 namespace {
@@ -19,8 +20,7 @@ Matrix<6> J_numbers_step(double roll, double pitch, double yaw) {
 
 template <>
 std::pair<Pose<2>, PoseMatrix<2>> read_pose_angles(TextScanner& text) {
-  const Vector<3> v = text.vector<3>();
-  return {{v.head<2>(), Rotation<2>(v[2])}, PoseMatrix<2>::Identity()};
+  return {read_g2o_pose<2>(text), PoseMatrix<2>::Identity()};
 }
 
 template <>

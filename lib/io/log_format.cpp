@@ -11,6 +11,7 @@
 #include <mapjoin/io/map_text.hpp>
 #include <mapjoin/io/mat_log.hpp>
 #include <mapjoin/io/toro.hpp>
+#include <mapjoin/model/counted.hpp>
 
 namespace mapjoin {
 namespace {
@@ -69,10 +70,6 @@ std::size_t unmentioned(const Log<Dim>& log) {
   }
   return static_cast<std::size_t>(std::count(pose.begin(), pose.end(), false) +
                                   std::count(feature.begin(), feature.end(), false));
-}
-
-std::string counted(std::size_t count, const std::string& thing) {
-  return fmt::format("{} {}{}", count, thing, count == 1 ? "" : "s");
 }
 
 template <int Dim>
