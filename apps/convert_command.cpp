@@ -103,7 +103,7 @@ Expected<ExitCode> convert_log(Call& call, AnyFormat asked, Log<Dim> log) {
 template <int Dim>
 Expected<void> write_folder(const std::vector<LocalMap<Dim>>& maps, const std::vector<FeatureId>& features, MapsFormat format,
                             const std::filesystem::path& path) {
-  auto folder = OutputFolder::create(path);
+  auto folder = OutputFolder::create_whole(path);
   if (!folder) return tl::unexpected(folder.error());
   const auto file_format = format == MapsFormat::kText ? LocalMapFormat::kText : LocalMapFormat::kMat;
   const auto names = write_local_maps(maps, features, file_format, folder->aside(""));

@@ -6,14 +6,13 @@
 
 namespace mapjoin::apps {
 
-/// From its construction to the end of the process, SIGINT and SIGTERM request a stop instead of ending it. To be made once.
-/// SIGPIPE is ignored: a reader that has gone away shows when writing.
+/// From its construction to the end of the process, SIGINT and SIGTERM request a stop instead of ending it, and then end reads
+/// and writes that wait. To be made once, before other threads are.
+/// SIGPIPE and SIGXFSZ are ignored: a reader that has gone away, or a file that grows too large, shows when writing.
 class Interruption {
  public:
   Interruption();
   std::stop_token token() const { return source_.get_token(); }
-  /// Whether a signal has come. The token hears of it a moment later: a call that the signal ended may be back before.
-  bool has_come() const;
 
  private:
   std::stop_source source_;

@@ -48,7 +48,7 @@ Expected<ExitCode> parse_and_run(int argc, char** argv) {
   const auto chosen =
       std::find_if(line.commands.begin(), line.commands.end(), [](const auto& command) { return command->is_chosen(); });
   auto done = (*chosen)->run(interruption.token());
-  if (!done && interruption.has_come()) return tl::unexpected(Error{ErrorKind::kInterrupted, "interrupted"});
+  if (!done && interruption.token().stop_requested()) return tl::unexpected(Error{ErrorKind::kInterrupted, "interrupted"});
   return done;
 }
 

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include <fmt/format.h>
 #include <unistd.h>
 
 #include <apps/output_folder.hpp>
+#include <mapjoin/io/lone_file.hpp>
 #include <mapjoin/io/system_call.hpp>
 #include <system_error>
 #include <utility>
@@ -10,6 +10,9 @@
 namespace mapjoin::apps {
 namespace fs = std::filesystem;
 namespace {
+
+constexpr const char* kAside = ".mapjoin-tmp";
+constexpr const char* kLock = ".lock";
 
 tl::unexpected<Error> cannot_write(const fs::path& path, const std::error_code& reason) {
   return call_failed(path, reason.value(), ErrorKind::kCannotWrite);
@@ -25,32 +28,78 @@ std::vector<fs::path> missing(const fs::path& path) {
   return folders;
 }
 
+/// Makes a folder, and those on the way to it. A link is none: what is in there may be somebody's.
+Expected<void> make_folder(const fs::path& folder, const fs::path& output) {
+  std::error_code failure;
+  fs::create_directories(folder, failure);
+  if (!failure && !fs::is_directory(fs::symlink_status(folder, failure))) {
+    failure = std::make_error_code(std::errc::not_a_directory);
+  }
+  if (failure) return cannot_write(output, failure);
+  return {};
+}
+
 }  // namespace
 
+OutputFolder::OutputFolder(fs::path path, fs::path aside, bool is_whole)
+    : path_(std::move(path)), aside_(std::move(aside)), made_(missing(aside_.parent_path())), is_whole_(is_whole) {}
+
 Expected<OutputFolder> OutputFolder::create(const fs::path& path) {
-  OutputFolder folder;
-  folder.path_ = path;
-  folder.made_ = missing(path);
-  folder.aside_ = path / fmt::format(".mapjoin-{}", ::getpid());
-  std::error_code failure;
-  fs::create_directories(path, failure);
-  if (!failure && !fs::is_directory(path)) failure = std::make_error_code(std::errc::not_a_directory);
-  if (!failure) fs::create_directory(folder.aside_, failure);
-  if (failure) return cannot_write(path, failure);
+  OutputFolder folder(path, path / kAside, false);
+  if (auto begun = folder.begin(); !begun) return tl::unexpected(begun.error());
   return folder;
 }
 
+Expected<OutputFolder> OutputFolder::create_whole(const fs::path& path) {
+  const fs::path named = path.has_filename() ? path : path.parent_path();
+  std::error_code ignored;
+  if (fs::exists(named, ignored) && !fs::is_directory(named, ignored)) {
+    return cannot_write(path, std::make_error_code(std::errc::not_a_directory));
+  }
+  if (fs::exists(named, ignored) && !fs::is_empty(named, ignored)) {
+    return cannot_write(path, std::make_error_code(std::errc::directory_not_empty));
+  }
+  OutputFolder folder(named, named.string() + kAside, true);
+  if (auto begun = folder.begin(); !begun) return tl::unexpected(begun.error());
+  return folder;
+}
+
+/// Takes the folder aside for this process, and clears it.
+Expected<void> OutputFolder::begin() {
+  if (auto made = make_folder(aside_, path_); !made) return made;
+  const auto lock = open_alone(aside_ / kLock, path_);
+  if (!lock) return tl::unexpected(lock.error());
+  lock_ = *lock;
+  std::error_code failure;
+  for (const auto& left : fs::directory_iterator(aside_, failure)) {
+    if (left.path().filename() != kLock) fs::remove_all(left.path(), failure);
+  }
+  return failure ? cannot_write(path_, failure) : Expected<void>();
+}
+
 OutputFolder::OutputFolder(OutputFolder&& other) noexcept
-    : path_(std::move(other.path_)), aside_(std::exchange(other.aside_, {})), made_(std::move(other.made_)) {}
+    : path_(std::move(other.path_)),
+      aside_(std::exchange(other.aside_, {})),
+      made_(std::move(other.made_)),
+      is_whole_(other.is_whole_),
+      lock_(std::exchange(other.lock_, -1)) {}
 
 OutputFolder::~OutputFolder() {
-  if (aside_.empty()) return;
   std::error_code ignored;
-  fs::remove_all(aside_, ignored);
+  if (lock_ < 0) {
+    fs::remove(aside_, ignored);  // Not where another process has it, whose lock is in it.
+  } else {
+    if (!aside_.empty()) fs::remove_all(aside_, ignored);
+    ::close(lock_);
+  }
   for (const fs::path& folder : made_) fs::remove(folder, ignored);  // Not where something is in it.
 }
 
 Expected<void> OutputFolder::commit(const std::vector<std::string>& names) {
+  return is_whole_ ? appear() : replace(names);
+}
+
+Expected<void> OutputFolder::replace(const std::vector<std::string>& names) const {
   std::error_code failure;
   for (const std::string& name : names) {
     if (!fs::is_directory(fs::symlink_status(file(name), failure))) continue;
@@ -60,6 +109,15 @@ Expected<void> OutputFolder::commit(const std::vector<std::string>& names) {
     fs::rename(aside(name), file(name), failure);
     if (failure) return cannot_write(file(name), failure);
   }
+  return {};
+}
+
+Expected<void> OutputFolder::appear() {
+  std::error_code failure;
+  fs::rename(aside_, path_, failure);
+  if (failure) return cannot_write(path_, failure);
+  aside_.clear();
+  fs::remove(path_ / kLock, failure);
   return {};
 }
 

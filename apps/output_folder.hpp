@@ -10,12 +10,16 @@
 
 namespace mapjoin::apps {
 
-/// Files are written aside, in a folder within the folder, and take their places on commit(). Where that does not happen, they
-/// are removed, and so are the folders that were made.
+/// Files are written aside and take their places on commit(). Where that does not happen, they are removed, and so are the
+/// folders that were made; what a process left aside that was killed, the next one clears.
 class OutputFolder {
  public:
-  /// Makes the folder if it is not there. kCannotWrite where nothing can be written into it.
+  /// Makes the folder if it is not there; its files then replace those of their names, one after the other. kCannotWrite where
+  /// nothing can be written into it, or where another process is writing it.
   static Expected<OutputFolder> create(const std::filesystem::path& path);
+  /// For files that mean something only together: the folder appears with all of them at once. kCannotWrite, too, where there
+  /// is something in it.
+  static Expected<OutputFolder> create_whole(const std::filesystem::path& path);
   OutputFolder(OutputFolder&& other) noexcept;
   OutputFolder& operator=(OutputFolder&&) = delete;
   ~OutputFolder();
@@ -27,11 +31,16 @@ class OutputFolder {
   Expected<void> commit(const std::vector<std::string>& names);
 
  private:
-  OutputFolder() = default;
+  OutputFolder(std::filesystem::path path, std::filesystem::path aside, bool is_whole);
+  Expected<void> begin();
+  Expected<void> replace(const std::vector<std::string>& names) const;
+  Expected<void> appear();
 
   std::filesystem::path path_;
-  std::filesystem::path aside_;              ///< Empty once moved from.
+  std::filesystem::path aside_;              ///< Within the folder, or beside it. Empty once it is gone or moved from.
   std::vector<std::filesystem::path> made_;  ///< Innermost first.
+  bool is_whole_ = false;
+  int lock_ = -1;
 };
 
 /// The folder that a call asks for, before its work; none where the path is empty. As OutputFolder::create().

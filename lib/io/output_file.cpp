@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <fcntl.h>
-#include <fmt/format.h>
 #include <unistd.h>
 
 #include <cerrno>
+#include <mapjoin/io/lone_file.hpp>
 #include <mapjoin/io/output_file.hpp>
 #include <mapjoin/io/system_call.hpp>
 #include <system_error>
@@ -13,6 +13,7 @@ namespace mapjoin {
 namespace {
 
 constexpr std::size_t kBufferSize = std::size_t{1} << 18;
+constexpr const char* kUnfinished = ".mapjoin-tmp";
 
 namespace fs = std::filesystem;
 
@@ -44,12 +45,14 @@ Expected<OutputFile> OutputFile::create(const fs::path& path) {
   std::error_code ignored;
   const fs::path target = followed(path);  // A link stays a link.
   const bool beside = !is_open_file(target) && (!fs::exists(target, ignored) || fs::is_regular_file(target, ignored));
-  fs::path written = target;
-  if (beside) written += fmt::format(".tmp-{}", ::getpid());
+  if (beside) {
+    const fs::path written = target.string() + kUnfinished;
+    return open_alone(written, path).map([&](int descriptor) { return OutputFile(target, written, descriptor); });
+  }
   // What is open already may have something in it, from which this goes on.
-  const int descriptor = ::open(written.c_str(), O_WRONLY | O_CLOEXEC | (beside ? O_CREAT | O_TRUNC : O_APPEND), 0666);
+  const int descriptor = ::open(target.c_str(), O_WRONLY | O_CLOEXEC | O_APPEND);
   if (descriptor < 0) return call_failed(path, errno, ErrorKind::kCannotWrite);
-  return OutputFile(target, written, descriptor);
+  return OutputFile(target, target, descriptor);
 }
 
 OutputFile::OutputFile(OutputFile&& other) noexcept
@@ -61,8 +64,8 @@ OutputFile::OutputFile(OutputFile&& other) noexcept
 
 OutputFile::~OutputFile() {
   if (descriptor_ < 0) return;
-  ::close(descriptor_);
   if (is_beside()) ::unlink(written_path_.c_str());
+  ::close(descriptor_);
 }
 
 void OutputFile::remember_failure() {
@@ -101,9 +104,11 @@ Expected<void> OutputFile::commit() {
 
 Expected<void> OutputFile::commit_unsynced() {
   flush();
-  if (::close(std::exchange(descriptor_, -1)) != 0) remember_failure();
+  // What closing would say, while the lock still holds the name.
+  if (failure_ == 0 && ::close(::dup(descriptor_)) != 0) remember_failure();
   if (failure_ == 0 && is_beside() && std::rename(written_path_.c_str(), path_.c_str()) != 0) remember_failure();
   if (failure_ != 0 && is_beside()) ::unlink(written_path_.c_str());
+  ::close(std::exchange(descriptor_, -1));
   return outcome();
 }
 

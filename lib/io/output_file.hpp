@@ -9,12 +9,13 @@
 
 namespace mapjoin {
 
-/// Bytes go to `name.tmp-<pid>` beside the file, which takes the name on commit() and is removed where that does not happen.
-/// What is there and is not a regular file (a device, a pipe) is written to directly, and so is what is open already
-/// (/dev/stdout), behind what is in it. A link stays a link. Buffered.
+/// Bytes go to `name.mapjoin-tmp` beside the file, which takes the name on commit() and is removed where that does not happen;
+/// the next to write the file clears what a process left there that was killed. What is there and is not a regular file (a
+/// device, a pipe) is written to directly, and so is what is open already (/dev/stdout), behind what is in it. A link stays a
+/// link. Buffered.
 class OutputFile {
  public:
-  /// kCannotWrite where the file cannot be made.
+  /// kCannotWrite where the file cannot be made, or where another process is writing it.
   static Expected<OutputFile> create(const std::filesystem::path& path);
   OutputFile(OutputFile&& other) noexcept;
   OutputFile& operator=(OutputFile&&) = delete;

@@ -2,13 +2,24 @@
 #include <fmt/format.h>
 #include <sqlite3.h>
 
+#include <algorithm>
+#include <limits>
 #include <mapjoin/io/store_database.hpp>
 
 namespace mapjoin::store {
 namespace {
 
+/// What is wrong with a store, where SQLite's words are about something else.
+std::string_view reason_of(sqlite3* database, ErrorKind kind) {
+  const int status = sqlite3_errcode(database);
+  if (status == SQLITE_BUSY) return "another process is writing it";
+  // Only what writes it can bring back what was there before.
+  if (status == SQLITE_READONLY && kind == ErrorKind::kBadInput) return "unfinished store: its writer was interrupted";
+  return sqlite3_errmsg(database);
+}
+
 tl::unexpected<Error> error_of(sqlite3* database, const std::string& file, ErrorKind kind) {
-  return tl::unexpected(Error{kind, fmt::format("{}: {}", file, sqlite3_errmsg(database))});
+  return tl::unexpected(Error{kind, fmt::format("{}: {}", file, reason_of(database, kind))});
 }
 
 }  // namespace
@@ -82,6 +93,10 @@ Expected<Database> Database::open(const std::filesystem::path& path, int flags, 
   const int status = sqlite3_open_v2(path.c_str(), &handle, flags | SQLITE_OPEN_NOMUTEX, nullptr);
   database.database_.reset(handle);
   if (status != SQLITE_OK) return database.error();
+  sqlite3_db_config(handle, SQLITE_DBCONFIG_DEFENSIVE, 1, nullptr);
+  sqlite3_db_config(handle, SQLITE_DBCONFIG_TRUSTED_SCHEMA, 0, nullptr);
+  sqlite3_db_config(handle, SQLITE_DBCONFIG_ENABLE_TRIGGER, 0, nullptr);
+  sqlite3_db_config(handle, SQLITE_DBCONFIG_ENABLE_VIEW, 0, nullptr);
   return database;
 }
 
@@ -90,10 +105,15 @@ Expected<Database> Database::open(const std::filesystem::path& path) {
 }
 
 Expected<Database> Database::open_read_only(const std::filesystem::path& path) {
+  constexpr std::uintmax_t kLeast = 1 << 16;  // For the words of SQLite itself.
   auto database = open(path, SQLITE_OPEN_READONLY, ErrorKind::kBadInput);
   if (!database) return database;
-  sqlite3_db_config(database->database_.get(), SQLITE_DBCONFIG_DEFENSIVE, 1, nullptr);
-  const auto set = database->execute("PRAGMA trusted_schema = OFF; PRAGMA cell_size_check = ON; PRAGMA mmap_size = 0");
+  std::error_code failure;
+  const std::uintmax_t size = std::filesystem::file_size(path, failure);
+  if (failure) return tl::unexpected(Error{ErrorKind::kBadInput, database->file_ + ": " + failure.message()});
+  const auto most = std::min<std::uintmax_t>(std::max(size, kLeast), std::numeric_limits<int>::max());
+  sqlite3_limit(database->database_.get(), SQLITE_LIMIT_LENGTH, static_cast<int>(most));
+  const auto set = database->execute("PRAGMA cell_size_check = ON; PRAGMA mmap_size = 0");
   if (!set) return tl::unexpected(set.error());
   return database;
 }

@@ -41,12 +41,13 @@ class Statement {
   int bound_ = 0;
 };
 
-/// A database file. Its errors are kCannotWrite where it was opened for writing, else bad input; they begin with its path.
+/// A database file, in whose schema nothing is trusted. Its errors are kCannotWrite where it was opened for writing, else bad
+/// input; they begin with its path.
 class Database {
  public:
   /// For writing; made where there is none.
   static Expected<Database> open(const std::filesystem::path& path);
-  /// A file from a stranger, for reading: nothing in its schema is trusted.
+  /// A file from a stranger, for reading: no value is taken that is larger than the file.
   static Expected<Database> open_read_only(const std::filesystem::path& path);
 
   /// Statements without parameters and results.

@@ -37,31 +37,6 @@ std::optional<Header> read_header(const fs::path& path) {
   return Header{big_endian(68), big_endian(60)};
 }
 
-/// The schema is ours to the letter: no views, triggers, or columns that compute.
-Expected<void> check_schema(Database& database, const std::string& file) {
-  auto select = database.prepare("SELECT sql FROM sqlite_master WHERE sql IS NOT NULL ORDER BY rowid");
-  if (!select) return tl::unexpected(select.error());
-  for (const char* table : store::kTables) {
-    const auto row = select->step();
-    if (!row) return tl::unexpected(row.error());
-    if (!*row || select->bytes(0) != table)
-      return bad_input(fmt::format("{}: damaged store: its tables are not a store's", file));
-  }
-  const auto more = select->step();
-  if (!more) return tl::unexpected(more.error());
-  if (*more) return bad_input(fmt::format("{}: damaged store: it has more tables than a store", file));
-  return {};
-}
-
-Expected<void> check_integrity(Database& database, const std::string& file) {
-  auto check = database.prepare("PRAGMA quick_check(1)");
-  if (!check) return tl::unexpected(check.error());
-  const auto row = check->step();
-  if (!row) return tl::unexpected(row.error());
-  if (!*row || check->bytes(0) != "ok") return bad_input(fmt::format("{}: damaged store: {}", file, check->bytes(0)));
-  return {};
-}
-
 /// The map in the current row of a SELECT of all columns of `maps`; nothing where the sizes do not agree.
 template <int Dim>
 std::optional<LocalMap<Dim>> map_of_row(const Statement& row) {
@@ -134,7 +109,7 @@ Expected<AnyStoredMaps> read_store(const fs::path& path) {
   }
   auto database = Database::open_read_only(path);
   if (!database) return tl::unexpected(database.error());
-  const auto sound = check_integrity(*database, file).and_then([&] { return check_schema(*database, file); });
+  const auto sound = store::check_database(*database, file);
   if (!sound) return tl::unexpected(sound.error());
   const auto dimension = store::stored_dimension(*database, file);
   if (!dimension) return tl::unexpected(dimension.error());

@@ -3,6 +3,9 @@
 // The tables of a store (docs/store.md), and the numbers in its header that tell it from other SQLite files.
 
 #include <cstdint>
+#include <mapjoin/io/store_database.hpp>
+#include <mapjoin/model/error.hpp>
+#include <string>
 
 namespace mapjoin::store {
 
@@ -18,5 +21,9 @@ inline constexpr const char* kTables[] = {
   stretch INTEGER PRIMARY KEY, base INTEGER, chi2 REAL,
   poses BLOB, features BLOB, pose_estimates BLOB, feature_estimates BLOB, information BLOB))",
 };
+
+/// Bad input where the database is damaged, or has other tables than these: views, triggers, columns that compute. Errors begin
+/// with `file`.
+Expected<void> check_database(Database& database, const std::string& file);
 
 }  // namespace mapjoin::store

@@ -50,15 +50,17 @@ Expected<Found> find(Database& database, const fs::path& path, const Contents<Di
   if (!version) return tl::unexpected(version.error());
   if (*tables == 0 && *application == 0) return Found::kNothing;
   if (*application != store::kApplicationId) return cannot_write(path, "is in the way, and not a mapjoin store");
-  if (*version != store::kVersion) return Found::kOtherBuild;
+  if (*version != store::kVersion || !store::check_database(database, path.string())) return Found::kOtherBuild;
   return store::holds_contents(database, contents).map([](bool same) { return same ? Found::kThisBuild : Found::kOtherBuild; });
 }
 
 Expected<Database> open_partial(const fs::path& path) {
   auto database = Database::open(path);
   if (!database) return database;
-  // Whatever an interrupted build had not finished is rolled back here; another running build is kept out.
-  if (auto begun = database->execute("BEGIN EXCLUSIVE"); !begun) return tl::unexpected(begun.error());
+  // Whatever an interrupted build had not finished is rolled back here; another running build is kept out until the end.
+  if (auto begun = database->execute("PRAGMA locking_mode = EXCLUSIVE; BEGIN EXCLUSIVE"); !begun) {
+    return tl::unexpected(begun.error());
+  }
   return database;
 }
 
@@ -71,27 +73,26 @@ Expected<Database> open_with(const fs::path& path, const Contents<Dim>& contents
   if (!found) return tl::unexpected(found.error());
   if (*found == Found::kThisBuild) return database;
   if (*found == Found::kOtherBuild) {
-    *database = Database();
     std::error_code ignored;
-    fs::remove(path, ignored);
+    fs::remove(path, ignored);  // While it is locked.
+    *database = Database();
     database = open_partial(path);
     if (!database) return database;
   }
   const auto written =
       create_tables(*database).and_then([&] { return store::write_contents(*database, contents); }).and_then([&] {
-        return database->execute("COMMIT; BEGIN EXCLUSIVE");
+        return database->execute("COMMIT; BEGIN");
       });
   if (!written) return tl::unexpected(written.error());
   return database;
 }
 
-/// The file's, or the folder's, data on the disk.
-bool sync(const fs::path& path) {
+/// The new name on the disk, where the folder can be asked for that.
+void sync_folder(const fs::path& path) {
   const int descriptor = ::open(path.c_str(), O_RDONLY | O_CLOEXEC);
-  if (descriptor < 0) return false;
-  const bool synced = ::fsync(descriptor) == 0;
+  if (descriptor < 0) return;
+  ::fsync(descriptor);
   ::close(descriptor);
-  return synced;
 }
 
 }  // namespace
@@ -135,7 +136,7 @@ Expected<void> StoreWriter<Dim>::add(std::size_t stretch, const std::optional<Lo
   if (!map) ++undetermined_;
   if (++batch_maps_ < kBatchMaps && batch_bytes_ < kBatchBytes) return {};
   batch_maps_ = batch_bytes_ = 0;
-  return database_->execute("COMMIT; BEGIN EXCLUSIVE");
+  return database_->execute("COMMIT; BEGIN");
 }
 
 template <int Dim>
@@ -159,15 +160,16 @@ Expected<void> StoreWriter<Dim>::insert_map(std::size_t stretch, const LocalMap<
 template <int Dim>
 Expected<void> StoreWriter<Dim>::finish() {
   if (!to_do_.empty()) throw std::logic_error("a store is finished before its maps are");
-  if (auto committed = database_->execute("COMMIT"); !committed) return committed;
-  insert_.reset();
-  database_.reset();
   const fs::path partial = partial_path(path_);
-  if (!sync(partial)) return cannot_write(partial, "cannot be synchronised with the disk");
+  if (auto committed = database_->execute("COMMIT; PRAGMA journal_mode = OFF"); !committed) return committed;
+  insert_.reset();
+  // The lock lasts until the file has its name: no other build takes it for one that was interrupted.
   std::error_code error;
+  fs::remove(partial.string() + "-journal", error);
   fs::rename(partial, path_, error);
+  database_.reset();
   if (error) return cannot_write(path_, error.message());
-  sync(fs::absolute(path_).parent_path());
+  sync_folder(fs::absolute(path_).parent_path());
   return {};
 }
 

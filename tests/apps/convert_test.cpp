@@ -63,6 +63,18 @@ TEST_F(ConvertTest, WritesStoredLocalMapsAsTheAuthorsDidAndTheirLog) {
   EXPECT_NEAR(chi2("solve", path("log.g2o")), 4702.179445, 1e-5);
 }
 
+TEST_F(ConvertTest, LocalMapsGetAFolderOfTheirOwn) {
+  for (const std::string length : {"50", "100"}) {
+    ASSERT_EQ(call({"build", town, "-o", path(length), "--poses-per-map", length}).exit_code, 0);
+  }
+  std::filesystem::create_directory(path("set"));
+  ASSERT_EQ(call({"convert", path("50"), path("set") + "/", "--to", "maps-text"}).exit_code, 0);
+  const Ended second = call({"convert", path("100"), path("set"), "--to", "maps-text"});
+  EXPECT_EQ(second.exit_code, 5);
+  EXPECT_EQ(second.err, "mapjoin: " + path("set") + ": Directory not empty\n");
+  EXPECT_EQ(report_of({"join", path("set"), "-o", path("map.csv")})["local_maps"]["count"], 20);
+}
+
 TEST_F(ConvertTest, RefusesWhatCannotBe) {
   const auto refused = [&](const std::vector<std::string>& arguments, const std::string& why) {
     std::vector<std::string> all{"convert"};

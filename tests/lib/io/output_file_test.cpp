@@ -49,6 +49,29 @@ TEST_F(OutputFileTest, LeavesWhatWasThereWhenNotCommitted) {
   EXPECT_EQ(entries(), 1u);
 }
 
+TEST_F(OutputFileTest, ClearsWhatAKilledProcessLeft) {
+  std::ofstream(path.string() + ".mapjoin-tmp") << "half of something long";
+  auto file = OutputFile::create(path);
+  ASSERT_TRUE(file);
+  file->write("whole");
+  EXPECT_TRUE(file->commit());
+  EXPECT_EQ(content_of(path), "whole");
+  EXPECT_EQ(entries(), 1u);
+}
+
+TEST_F(OutputFileTest, OneWriterAtATime) {
+  auto first = OutputFile::create(path);
+  ASSERT_TRUE(first);
+  first->write("first");
+  const auto second = OutputFile::create(path);
+  ASSERT_FALSE(second);
+  EXPECT_EQ(second.error().kind, ErrorKind::kCannotWrite);
+  EXPECT_THAT(second.error().message, HasSubstr("map.g2o: another process is writing it"));
+  EXPECT_TRUE(first->commit());
+  EXPECT_EQ(content_of(path), "first");
+  EXPECT_TRUE(OutputFile::create(path));
+}
+
 TEST_F(OutputFileTest, WritesThroughALinkAndToADevice) {
   std::ofstream(path) << "before";
   const fs::path link = folder.path() / "link";

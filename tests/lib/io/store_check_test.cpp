@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
-#include <sqlite3.h>
 
 #include <tests/support/file_bytes.hpp>
+#include <tests/support/sqlite.hpp>
 #include <tests/support/stored_maps.hpp>
 #include <tests/support/temporary_folder.hpp>
 
@@ -20,13 +20,6 @@ void write_store(const std::filesystem::path& path) {
   ASSERT_TRUE(writer);
   for (std::size_t k = 0; k < maps.maps.size(); ++k) ASSERT_TRUE(writer->add(k, maps.maps[k]));
   ASSERT_TRUE(writer->finish());
-}
-
-void execute(const std::filesystem::path& path, const char* sql) {
-  sqlite3* database = nullptr;
-  sqlite3_open(path.c_str(), &database);
-  EXPECT_EQ(sqlite3_exec(database, sql, nullptr, nullptr, nullptr), SQLITE_OK) << sqlite3_errmsg(database);
-  sqlite3_close(database);
 }
 
 TEST(StoreCheck, NothingDamagedGetsThrough) {
@@ -82,7 +75,7 @@ TEST(StoreCheck, NothingDamagedGetsThrough) {
            "ALTER TABLE maps ADD COLUMN computed AS (zeroblob(1000000000))",
        }) {
     folder.file("maps.mapjoin", sound);
-    execute(path, sql);
+    testing::execute_sql(path, sql);
     const auto stored = read_store(path);
     ASSERT_FALSE(stored) << sql;
     EXPECT_EQ(stored.error().kind, ErrorKind::kBadInput) << sql;

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
-#include <sqlite3.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
@@ -10,6 +9,7 @@
 #include <functional>
 #include <tests/support/dimensions.hpp>
 #include <tests/support/file_bytes.hpp>
+#include <tests/support/sqlite.hpp>
 #include <tests/support/stored_maps.hpp>
 #include <tests/support/temporary_folder.hpp>
 
@@ -18,6 +18,7 @@ namespace {
 
 namespace fs = std::filesystem;
 using ::testing::ElementsAre;
+using testing::execute_sql;
 using testing::expect_same;
 using ::testing::HasSubstr;
 using testing::Random;
@@ -172,16 +173,10 @@ class StoreFileTest : public StoreTest<std::integral_constant<int, 2>> {
     const auto stored = read();
     return stored ? "no error" : stored.error().message;
   }
-  void execute(const std::string& sql) const {
-    sqlite3* database = nullptr;
-    sqlite3_open(path.c_str(), &database);
-    EXPECT_EQ(sqlite3_exec(database, sql.c_str(), nullptr, nullptr, nullptr), SQLITE_OK) << sqlite3_errmsg(database);
-    sqlite3_close(database);
-  }
   /// The error of a store with this change made to it.
   std::string error_after(const std::string& sql) {
     const std::string before = testing::bytes_of(path);
-    execute(sql);
+    execute_sql(path, sql);
     const std::string message = error();
     folder.file("maps.mapjoin", before);
     return message;
@@ -197,7 +192,7 @@ TEST_F(StoreFileTest, OtherFilesAreNoStores) {
   }
   fs::remove(path);
   EXPECT_THAT(error(), HasSubstr("not a mapjoin store"));
-  execute("CREATE TABLE maps (a)");
+  execute_sql(path, "CREATE TABLE maps (a)");
   EXPECT_THAT(error(), HasSubstr("not a mapjoin store"));
   path = folder.path();
   EXPECT_THAT(error(), HasSubstr("not a mapjoin store"));
@@ -246,9 +241,47 @@ TEST_F(StoreFileTest, SaysWhatCannotBeWritten) {
   fs::remove(partial);
   fs::copy_file(path, partial);
   fs::remove(path);
-  execute("CREATE TABLE a (b)");
+  execute_sql(path, "CREATE TABLE a (b)");
   fs::rename(path, partial);
   EXPECT_THAT(open(path).error().message, HasSubstr("is in the way, and not a mapjoin store"));
+}
+
+TEST_F(StoreFileTest, ADamagedOrAlteredBuildIsBegunAfresh) {
+  const auto begin = [&] {
+    fs::remove(partial);
+    build(path, maps);
+    fs::rename(path, partial);
+  };
+  begin();
+  ASSERT_EQ(maps_done(path, maps), 10u);
+  for (const char* sql : {"CREATE TRIGGER t AFTER INSERT ON maps BEGIN DELETE FROM maps; END", "CREATE TABLE more (a)",
+                          "DELETE FROM info WHERE key = 'source'", "PRAGMA user_version = 7"}) {
+    begin();
+    fs::rename(partial, path);
+    execute_sql(path, sql);
+    fs::rename(path, partial);
+    EXPECT_EQ(maps_done(path, maps), 0u) << sql;
+  }
+  begin();
+  std::string bytes = testing::bytes_of(partial);
+  std::fill(bytes.end() - 4096, bytes.end(), 'x');
+  folder.file("maps.mapjoin.partial", bytes);
+  EXPECT_EQ(maps_done(path, maps), 0u);
+}
+
+TEST_F(StoreFileTest, ABuildThatWasKilledInTheMidstOfABatchIsNotRead) {
+  const pid_t child = fork();
+  if (child == 0) {
+    sqlite3* database = nullptr;
+    sqlite3_open(path.c_str(), &database);
+    // A cache of one page: what is not committed goes into the file.
+    const char* sql = "PRAGMA cache_size = 1; BEGIN; UPDATE maps SET information = zeroblob(length(information))";
+    sqlite3_exec(database, sql, nullptr, nullptr, nullptr);
+    kill(getpid(), SIGKILL);
+  }
+  int status = 0;
+  ASSERT_EQ(waitpid(child, &status, 0), child);
+  EXPECT_THAT(error(), HasSubstr("maps.mapjoin: unfinished store: its writer was interrupted"));
 }
 
 TEST_F(StoreFileTest, OneBuildAtATime) {
@@ -256,7 +289,9 @@ TEST_F(StoreFileTest, OneBuildAtATime) {
   ASSERT_TRUE(first);
   const auto second = StoreWriter<2>::open(path, maps.log, maps.stretches, maps.options);
   ASSERT_FALSE(second);
-  EXPECT_THAT(second.error().message, HasSubstr("maps.mapjoin.partial: database is locked"));
+  EXPECT_THAT(second.error().message, HasSubstr("maps.mapjoin.partial: another process is writing it"));
+  path = partial;  // Nor is it read.
+  EXPECT_THAT(error(), HasSubstr("maps.mapjoin.partial: another process is writing it"));
 }
 
 }  // namespace
