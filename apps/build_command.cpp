@@ -124,8 +124,9 @@ std::unique_ptr<Subcommand> build_command(CLI::App& app) {
   auto command = std::make_unique<Subcommand>(app, "build", "From a log, or the files of local maps, to a store", kExamples);
   const auto options = std::make_shared<Options>();
   command->argument("LOG|MAPS", options->input,
-                    "The log, known by its content: g2o, iSAM, MAT or text; also as gzip. Or local maps of others, which are "
-                    "stored as they are: a folder or archive of localmap_1, localmap_2, ... as .mat or .txt");
+                    kLogFormats +
+                        ". Or local maps of others, which are stored as they are: a folder or archive of localmap_1, "
+                        "localmap_2, ... as .mat or .txt");
   command->output("-o,--output", options->output, "MAPS",
                   "Write the store; until it is done it is MAPS.partial, from which the same command goes on");
   add_splitting(*command, *options);

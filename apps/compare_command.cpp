@@ -191,7 +191,7 @@ std::unique_ptr<Subcommand> compare_command(CLI::App& app) {
       app, "compare", "Joining beside full SLAM on one log: what each takes, and how far its map is from the best", kExamples);
   const auto options = std::make_shared<CompareOptions>();
   Options& common = options->common;
-  command->argument("LOG", common.input, "The log, known by its content: g2o, iSAM, MAT or text; also as gzip");
+  command->argument("LOG", common.input, kLogFormats);
   command->path("-o,--output", common.output, "DIR", "Write compare.json, compare.csv and compare.html into this folder");
   command->option("--poses-per-map", "N,N,...", "Cut the log into local maps after so many poses, each in its turn [5,20,60]",
                   [options](const std::string& word) { return take_list(word, options->poses_per_map); });

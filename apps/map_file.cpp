@@ -18,6 +18,12 @@ Expected<void> check_writable(const fs::path& path) {
   return OutputFile::create(path).map([](const OutputFile&) {});
 }
 
+bool names_map_file(const fs::path& path) {
+  const fs::path extension = path.extension();
+  std::error_code ignored;
+  return (extension == ".g2o" || extension == ".tum" || extension == ".csv") && !fs::is_directory(path, ignored);
+}
+
 std::vector<fs::path> map_files(const fs::path& path) {
   if (path.extension() != ".csv") return {path};
   return {path, fs::path(path).replace_extension(".features.csv")};

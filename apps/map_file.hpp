@@ -15,6 +15,9 @@ namespace mapjoin::apps {
 /// alone, and so is an empty path.
 Expected<void> check_writable(const std::filesystem::path& path);
 
+/// Whether a path names the file of a map, by its extension: .g2o, .tum or .csv, and there is no folder of that name.
+bool names_map_file(const std::filesystem::path& path);
+
 /// The files that write_map_file() makes for `path`, and whether they can be made, as above.
 std::vector<std::filesystem::path> map_files(const std::filesystem::path& path);
 Expected<void> check_map_writable(const std::filesystem::path& path);

@@ -27,6 +27,10 @@ struct Options {
   bool report_on_stdout() const { return report == "-"; }
 };
 
+/// What a command that takes a LOG says of it (see open_log()).
+inline const std::string kLogFormats =
+    "The log, known by its content: g2o, TORO, iSAM, GTSAM, MAT or text, also as gzip; or a folder of UTIAS MRCLAM data";
+
 /// How many threads the call works on.
 std::size_t thread_count(const Options& options);
 

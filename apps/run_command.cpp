@@ -6,15 +6,16 @@
 #include <apps/covariance_file.hpp>
 #include <apps/distinct.hpp>
 #include <apps/follow.hpp>
+#include <apps/map_file.hpp>
 #include <apps/output_folder.hpp>
 #include <apps/plot/map_layers.hpp>
 #include <apps/relation_file.hpp>
 #include <apps/report.hpp>
-#include <array>
+#include <functional>
 #include <mapjoin/io/g2o.hpp>
 #include <mapjoin/io/map_text.hpp>
 #include <mapjoin/io/output_file.hpp>
-#include <mapjoin/parallel/parallel.hpp>
+#include <mapjoin/parallel/parallel_try.hpp>
 #include <memory>
 #include <optional>
 #include <variant>
@@ -25,6 +26,7 @@ namespace {
 constexpr const char* kExamples =
     "  mapjoin run data/manhattan2d.g2o\n"
     "  mapjoin run data/manhattan2d.g2o -o result\n"
+    "  mapjoin run data/manhattan2d.g2o -o map.g2o\n"
     "  mapjoin run data/manhattan2d.g2o -o certain --covariances --truth data/manhattan2d.truth.tum\n"
     "  mapjoin run data/manhattan3d.g2o --poses-per-map 20 --report -\n"
     "  mapjoin run data/manhattan2d.g2o --follow --idle 0.5 --steps steps.jsonl";
@@ -43,25 +45,19 @@ Expected<void> write_map_files(const Call& call, const RunResult<Dim>& result, c
                                const OutputFolder& folder) {
   const GlobalMap<Dim>& map = result.map;
   const Options& options = call.options();
-  std::array<Expected<void>, 4> written;
-  parallel_for(written.size(), [&](std::size_t k) {
-    if (k == 0) written[k] = write_g2o(map, &log, folder.aside("map.g2o"));
-    if (k == 1) written[k] = write_tum(map, folder.aside("trajectory.tum"));
-    if (k == 2) written[k] = write_csv(map, folder.aside("poses.csv"), folder.aside("features.csv"));
-    if (k == 3) written[k] = write_file(folder.aside("map.svg"), picture(map_layers<Dim>({plotted(result, log)}, nullptr)));
-  });
-  for (const auto& file : written) {
-    if (!file) return file;
+  std::vector<std::function<Expected<void>()>> files = {
+      [&] { return write_g2o(map, &log, folder.aside("map.g2o")); },
+      [&] { return write_tum(map, folder.aside("trajectory.tum")); },
+      [&] { return write_csv(map, folder.aside("poses.csv"), folder.aside("features.csv")); },
+      [&] { return write_file(folder.aside("map.svg"), picture(map_layers<Dim>({plotted(result, log)}, nullptr))); },
+  };
+  if (options.covariances && result.marginals) {
+    files.emplace_back([&] { return write_covariances(map, *call.account.covariances, folder.aside("covariances.json")); });
   }
-  return Expected<void>()
-      .and_then([&] {
-        if (!options.covariances || !result.marginals) return Expected<void>();
-        return write_covariances(map, *call.account.covariances, folder.aside("covariances.json"));
-      })
-      .and_then([&] {
-        if (!options.relations || !result.marginals) return Expected<void>();
-        return write_relations(map, *result.marginals, folder.aside("relations.csv"));
-      });
+  if (options.relations && result.marginals) {
+    files.emplace_back([&] { return write_relations(map, *result.marginals, folder.aside("relations.csv")); });
+  }
+  return parallel_try(files.size(), [&](std::size_t k) { return files[k](); });
 }
 
 template <int Dim>
@@ -78,10 +74,10 @@ template <int Dim>
 Expected<ExitCode> run_on(Call& call, const Log<Dim>& log, std::optional<OutputFolder>& folder) {
   auto result = run(log, call.run_options(), call.stop());
   if (!result) return tl::unexpected(result.error());
-  if (auto taken = call.take(*result); !taken) return tl::unexpected(taken.error());
-  if (folder) {
-    if (auto written = write_folder(call, *result, log, *folder); !written) return tl::unexpected(written.error());
-  }
+  const auto written = names_map_file(call.options().output) ? call.write_map(*result, &log) : call.take(*result).and_then([&] {
+    return folder ? write_folder(call, *result, log, *folder) : Expected<void>();
+  });
+  if (!written) return tl::unexpected(written.error());
   return call.conclude();
 }
 
@@ -100,11 +96,11 @@ Expected<ExitCode> run_followed(Call& call, const FollowOptions& following, cons
 
 Expected<ExitCode> run_log(const Options& options, const FollowOptions& following, const std::stop_token& stop) {
   Call call("run", options, following.wanted ? std::stop_token() : stop);
-  auto folder = output_folder(options.output);
+  const bool is_file = names_map_file(options.output);
+  auto folder = output_folder(is_file ? std::filesystem::path() : options.output);
   if (!folder) return tl::unexpected(folder.error());
-  if (auto ready = call.check_report().and_then([&] { return call.read_truth(); }); !ready) {
-    return tl::unexpected(ready.error());
-  }
+  const auto writable = is_file ? call.check_outputs() : call.check_report();
+  if (auto ready = writable.and_then([&] { return call.read_truth(); }); !ready) return tl::unexpected(ready.error());
   if (following.wanted) return run_followed(call, following, stop, *folder);
   const auto log = call.read_log();
   if (!log) return tl::unexpected(log.error());
@@ -118,9 +114,10 @@ std::unique_ptr<Subcommand> run_command(CLI::App& app) {
       app, "run", "From a log to a global map: splits, builds local maps, joins, recovers, polishes", kExamples);
   const auto options = std::make_shared<Options>();
   const auto following = std::make_shared<FollowOptions>();
-  command->argument("LOG", options->input, "The log, known by its content: g2o, iSAM, MAT or text; also as gzip");
-  command->path("-o,--output", options->output, "DIR",
-                "Write map.g2o, trajectory.tum, poses.csv, features.csv, map.svg and report.json into this folder");
+  command->argument("LOG", options->input, kLogFormats);
+  command->path("-o,--output", options->output, "DIR|MAP",
+                "Write map.g2o, trajectory.tum, poses.csv, features.csv, map.svg and report.json into this folder; or the map "
+                "alone: .g2o, .tum (poses only), .csv (features beside it)");
   add_splitting(*command, *options);
   add_schedule(*command, *options);
   add_solver(*command, *options);
@@ -130,7 +127,8 @@ std::unique_ptr<Subcommand> run_command(CLI::App& app) {
   add_following(*command, *following);
   add_reporting(*command, *options);
   command->check([options, following] {
-    NamedFiles files = files_of_folder(*options, "LOG", names_of(*options, true));
+    NamedFiles files = names_map_file(options->output) ? files_of(*options, "LOG")
+                                                       : files_of_folder(*options, "LOG", names_of(*options, true));
     if (following->steps != "-") files.emplace_back("--steps", following->steps);
     return check_distinct(files);
   });

@@ -37,7 +37,7 @@ Expected<ExitCode> solve_input(const Options& options, const std::stop_token& st
 std::unique_ptr<Subcommand> solve_command(CLI::App& app) {
   auto command = std::make_unique<Subcommand>(app, "solve", "Full SLAM of a log, as the join of one-step maps", kExamples);
   const auto options = std::make_shared<Options>();
-  command->argument("LOG", options->input, "The log, known by its content: g2o, iSAM, MAT or text; also as gzip");
+  command->argument("LOG", options->input, kLogFormats);
   command->output("-o,--output", options->output, "MAP",
                   "Write the map: .tum (poses only), .csv (features beside it), else g2o");
   add_schedule(*command, *options);

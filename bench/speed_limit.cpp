@@ -117,7 +117,8 @@ template <int Dim>
 Expected<void> measure(const Network<Dim>& network, const State<Dim>& state, Limit& limit) {
   Piece<Dim> piece = whole_of(network);
   set_to_values(state, piece);
-  const Gauge<Dim> gauge = hold_in_world(network, piece);
+  place_fixed_poses(network, piece);
+  const Gauge<Dim> gauge = gauge_of(network, piece);
   JoinProblem<Dim> problem = timed(limit.order, [&] { return JoinProblem<Dim>(piece, gauge); });
   limit.chi2 = problem.linearise();
   return factorise_and_solve(problem.system().equations(), limit);

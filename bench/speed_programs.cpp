@@ -22,17 +22,18 @@ Words mapjoin(const Surroundings& surroundings, const Words& words) {
 
 /// Where the first of the programs leaves its map.
 std::filesystem::path map_of(const Data& data, const Surroundings& surroundings) {
-  return data.is_maps ? surroundings.folder / "join.g2o" : surroundings.folder / "run" / "map.g2o";
+  return surroundings.folder / (data.is_maps ? "join.g2o" : "run.g2o");
 }
 
+/// `mapjoin run` or `join`.
 template <int jobs>
-Words run(const Data& data, const Surroundings& surroundings) {
-  return mapjoin(surroundings, {"run", data.file, "--jobs", std::to_string(jobs), "-o", surroundings.folder / "run"});
+Words ours(const Data& data, const Surroundings& surroundings) {
+  return mapjoin(surroundings,
+                 {data.is_maps ? "join" : "run", data.file, "--jobs", std::to_string(jobs), "-o", map_of(data, surroundings)});
 }
 
-template <int jobs>
-Words join(const Data& data, const Surroundings& surroundings) {
-  return mapjoin(surroundings, {"join", data.file, "--jobs", std::to_string(jobs), "-o", map_of(data, surroundings)});
+Words run_to_folder(const Data& data, const Surroundings& surroundings) {
+  return mapjoin(surroundings, {"run", data.file, "--jobs", "1", "-o", surroundings.folder / "run"});
 }
 
 Words solve(const Data& data, const Surroundings& surroundings) {
@@ -72,9 +73,10 @@ std::string failure_of(const testing::Process& process, int exit_code, const Sur
 
 std::vector<Program> programs_for(const Data& data) {
   using enum ProgramKind;
-  if (data.is_maps) return {{"join", kOurs, join<1>}, {"join --jobs 2", kOurs, join<2>}, {"limit", kLimit, limit}};
-  return {{"run", kOurs, run<1>},
-          {"run --jobs 2", kOurs, run<2>},
+  if (data.is_maps) return {{"join", kOurs, ours<1>}, {"join --jobs 2", kOurs, ours<2>}, {"limit", kLimit, limit}};
+  return {{"run", kOurs, ours<1>},
+          {"run --jobs 2", kOurs, ours<2>},
+          {"run to a folder", kOurs, run_to_folder},
           {"solve", kOther, solve},
           {"ceres cholesky lm", kOther, [](const auto& d, const auto& s) { return ceres(d, s, "cholesky", "lm"); }},
           {"ceres cholesky dogleg", kOther, [](const auto& d, const auto& s) { return ceres(d, s, "cholesky", "dogleg"); }},

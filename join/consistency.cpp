@@ -102,7 +102,8 @@ Expected<Consistency> consistency(const MapCovariances<Dim>& covariances, const 
   const Network<Dim> network = uneliminated(covariances);
   Piece<Dim> piece = whole_of(network);
   set_to_values(covariances.state(), piece);
-  JoinProblem<Dim> problem(piece, hold_in_world(network, piece));
+  place_fixed_poses(network, piece);
+  JoinProblem<Dim> problem(piece, gauge_of(network, piece));
   problem.linearise();
   const NormalEquations& equations = problem.system().equations();
   const Errors errors = errors_of(problem.system(), piece, truth, *frame);

@@ -17,12 +17,13 @@ namespace {
 
 template <int Dim>
 std::vector<MapFit> map_fits(const JointSystem<Dim>& system) {
-  std::vector<MapFit> fits;
-  for (const auto& placed : system.maps()) {
+  std::vector<MapFit> fits(system.maps().size());
+  parallel_for(fits.size(), [&](std::size_t m) {
+    const auto& placed = system.maps()[m];
     const LocalMap<Dim>& map = *placed.map;
     const Index end = map.poses.empty() ? map.base : map.poses.back();
-    fits.push_back({map.base, end, map_chi2<Dim>(placed, system.estimate()), information_rank(map.information)});
-  }
+    fits[m] = {map.base, end, map_chi2<Dim>(placed, system.estimate()), information_rank(map.information)};
+  });
   return fits;
 }
 
@@ -31,7 +32,7 @@ std::int64_t measured_rows(const Piece<Dim>& piece, const Gauge<Dim>& gauge, con
   double rows = 0.0;
   for (const MapFit& map : maps) rows += static_cast<double>(map.rows);
   const auto add = [&](const auto& observations) {
-    rows += parallel_sum(observations.size(), 2000,
+    rows += parallel_sum(observations.size(), kObservationsPerPiece,
                          [&](std::size_t k) { return static_cast<double>(information_rank(observations[k]->information)); });
   };
   add(piece.pose_observations);
@@ -122,7 +123,7 @@ Expected<Join<Dim>> join_by(const Network<Dim>& network, const std::vector<PoseI
 
   whole.state = composed_state(network, whole, options.origin, std::move(pieces));
   set_start(options, whole);
-  hold_in_world(network, whole);
+  place_fixed_poses(network, whole);
   JoinProblem<Dim>& problem = *posed;
   problem.system().estimate() = whole.state;
 

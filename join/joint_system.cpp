@@ -7,12 +7,6 @@
 #include <utility>
 
 namespace mapjoin {
-namespace {
-
-/// Poses or observations that are worth a piece of work.
-constexpr std::size_t kGrain = 2000;
-
-}  // namespace
 
 template <int Dim>
 JointSystem<Dim>::JointSystem(const Piece<Dim>& piece, const Gauge<Dim>& gauge) : estimate_(piece.state), equations_({}, {}) {
@@ -96,12 +90,12 @@ double JointSystem<Dim>::add_observation(std::size_t clique, NormalEquations::Si
 
 template <int Dim>
 double JointSystem<Dim>::observations_chi2(const State<Dim>& state) const {
-  const double of_poses = parallel_sum(pose_observations_.size(), kGrain, [&](std::size_t k) {
+  const double of_poses = parallel_sum(pose_observations_.size(), kObservationsPerPiece, [&](std::size_t k) {
     const auto& [o, base, target] = pose_observations_[k];
     const PoseVector<Dim> r = residual<Dim>(o->measured, state.pose(base), state.pose(target));
     return r.dot(o->information * r);
   });
-  const double of_features = parallel_sum(feature_observations_.size(), kGrain, [&](std::size_t k) {
+  const double of_features = parallel_sum(feature_observations_.size(), kObservationsPerPiece, [&](std::size_t k) {
     const auto& [o, base, target] = feature_observations_[k];
     const Point<Dim> r = residual<Dim>(o->measured, state.pose(base), state.feature(target));
     return r.dot(o->information * r);
@@ -112,7 +106,7 @@ double JointSystem<Dim>::observations_chi2(const State<Dim>& state) const {
 template <int Dim>
 State<Dim> JointSystem<Dim>::retracted(const Eigen::VectorXd& step) const {
   State<Dim> moved = estimate_;
-  parallel_chunks(moved.poses.size(), kGrain, [&](std::size_t begin, std::size_t end) {
+  parallel_chunks(moved.poses.size(), kObservationsPerPiece, [&](std::size_t begin, std::size_t end) {
     for (std::size_t place = begin; place < end; ++place) {
       const Index variable = pose_variables_[place];
       if (variable == kConstant) continue;

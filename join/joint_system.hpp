@@ -23,7 +23,7 @@ class JointSystem {
   double linearise_observations() {
     return linearise([](std::size_t, NormalEquations::Sink) { return 0.0; });
   }
-  /// And of the maps: `add_map(m, sink)` adds those of map m and returns its chi2.
+  /// And of the maps: `add_map(m, sink)` adds those of map m, whose slots are base, poses and features, and returns its chi2.
   template <typename AddMap>
   double linearise(AddMap&& add_map) {
     equations_.set_zero();
@@ -31,12 +31,18 @@ class JointSystem {
       return clique < first_map_clique_ ? add_observation(clique, sink) : add_map(clique - first_map_clique_, sink);
     });
   }
+  /// To what the normal equations are already, those of the maps.
+  template <typename AddMap>
+  void add_maps(AddMap&& add_map) {
+    equations_.accumulate_cliques([&](std::size_t clique, NormalEquations::Sink sink) {
+      if (clique >= first_map_clique_) add_map(clique - first_map_clique_, sink);
+      return 0.0;
+    });
+  }
   double observations_chi2(const State<Dim>& state) const;
 
   NormalEquations& equations() { return equations_; }
   const NormalEquations& equations() const { return equations_; }
-  /// Where the normal equations of map m go; slots are base, poses, features.
-  NormalEquations::Sink map_sink(std::size_t m) { return equations_.sink(first_map_clique_ + m); }
   std::span<const Index> map_variables(std::size_t m) const { return equations_.clique(first_map_clique_ + m); }
   std::size_t map_count() const { return maps_.size(); }
 

@@ -2,7 +2,7 @@
 #include <algorithm>
 #include <array>
 #include <mapjoin/join/map_covariances.hpp>
-#include <mapjoin/parallel/parallel.hpp>
+#include <mapjoin/parallel/parallel_try.hpp>
 #include <mapjoin/solve/memory.hpp>
 #include <mutex>
 #include <thread>
@@ -132,7 +132,7 @@ Expected<MarginalCovariances<Dim>> MapCovariances<Dim>::marginals(const std::fun
   if (auto fits = check_memory("the covariances of all poses and features", marginal_bytes(), most_memory_); !fits) {
     return tl::unexpected(fits.error());
   }
-  const std::size_t nodes = equations().supernodes().size();
+  const std::size_t nodes = equations().supernode_count();
   const std::size_t to_do = nodes + network_.maps.size();
   const auto go_on = [&](std::size_t done) {
     if (progress) progress(done, to_do);
@@ -144,20 +144,17 @@ Expected<MarginalCovariances<Dim>> MapCovariances<Dim>::marginals(const std::fun
                                std::vector<PointMatrix<Dim>>(network_.feature_count),
                                relations_of(network_, join_, segments_, state_)};
   add_joined(marginals, out);
-  std::vector<Expected<void>> maps(network_.maps.size());
   std::mutex progress_mutex;
   std::size_t done = nodes;
-  parallel_for(maps.size(), [&](std::size_t m) {
-    if (stop.stop_requested()) return;
-    maps[m] = add_own(m, marginals, out);
+  const auto added = parallel_try(network_.maps.size(), [&](std::size_t m) {
+    if (stop.stop_requested()) return Expected<void>(interrupted());
+    auto own = add_own(m, marginals, out);
     const std::lock_guard lock(progress_mutex);
     go_on(++done);
+    return own;
   });
   if (stop.stop_requested()) return interrupted();
-  for (const auto& map : maps) {
-    if (!map) return tl::unexpected(map.error());
-  }
-  return out;
+  return added.map([&] { return std::move(out); });
 }
 
 template Expected<MarginalCovariances<2>> MapCovariances<2>::marginals(const std::function<void(std::size_t, std::size_t)>&,

@@ -7,6 +7,7 @@
 #include <utility>
 
 namespace mapjoin {
+
 template <int Dim>
 PolishProblem<Dim>::PolishProblem(JointSystem<Dim>& system, const std::vector<Segment<Dim>>& segments,
                                   const std::vector<bool>& is_private, const State<Dim>& state)
@@ -71,7 +72,7 @@ std::optional<Index> PolishProblem<Dim>::factorise(double damping) {
   is_reduced_ = true;
   if (damping > 0.0) system_.equations().damp(damping);
   if (!eliminate_segments(damping)) return 0;
-  for (std::size_t k = 0; k < segments_.size(); ++k) segments_[k]->add_reduced(system_.map_sink(k));
+  system_.add_maps([&](std::size_t k, NormalEquations::Sink sink) { segments_[k]->add_reduced(sink); });
   return system_.equations().factorise(0.0);
 }
 
@@ -79,7 +80,7 @@ template <int Dim>
 Eigen::VectorXd PolishProblem<Dim>::solve() {
   if (!is_reduced_) {
     parallel_for(segments_.size(), [&](std::size_t k) { segments_[k]->eliminate_gradient(); });
-    for (std::size_t k = 0; k < segments_.size(); ++k) segments_[k]->add_reduced_gradient(system_.map_sink(k));
+    system_.add_maps([&](std::size_t k, NormalEquations::Sink sink) { segments_[k]->add_reduced_gradient(sink); });
     is_reduced_ = true;
   }
   const NormalEquations& equations = system_.equations();

@@ -8,6 +8,7 @@
 #include <mapjoin/localmap/recover.hpp>
 #include <mapjoin/measure/chi2.hpp>
 #include <mapjoin/model/demand_valid.hpp>
+#include <mapjoin/parallel/parallel.hpp>
 #include <mapjoin/solve/memory.hpp>
 #include <utility>
 
@@ -72,18 +73,19 @@ void write_map(const Source<Dim>& source, State<Dim> state, const std::vector<In
 
 template <int Dim>
 std::vector<Segment<Dim>> segments_of(const Log<Dim>& log, const Split& split) {
-  std::vector<Segment<Dim>> segments;
+  std::vector<const Stretch*> maps;
   for (const Stretch& stretch : split.stretches) {
-    if (stretch.is_map) segments.push_back(segment_of(log, split, stretch));
+    if (stretch.is_map) maps.push_back(&stretch);
   }
+  std::vector<Segment<Dim>> segments(maps.size());
+  parallel_for(maps.size(), [&](std::size_t k) { segments[k] = segment_of(log, split, *maps[k]); });
   return segments;
 }
 
 /// Exact Gauss-Newton on the whole log from `state`, which takes the result.
 template <int Dim>
-MinimiseResult polish(const Log<Dim>& log, const Split& split, const Network<Dim>& network, Join<Dim>& join,
+MinimiseResult polish(const std::vector<Segment<Dim>>& segments, const Network<Dim>& network, Join<Dim>& join,
                       const RunOptions& options, const std::stop_token& stop, State<Dim>& state) {
-  const auto segments = segments_of(log, split);
   PolishProblem<Dim> problem(*join.system, segments, network.is_private, state);
   MinimiseOptions solver = options.solver;
   solver.relative_chi2 *= kPolishShare;
@@ -158,8 +160,10 @@ Expected<RunResult<Dim>> join_and_polish(const Log<Dim>& log, const Split& split
   if (!joined) return tl::unexpected(of_source(log.source, joined.error()));
   take_figures(*joined, result);
   State<Dim> state = std::move(joined->state);
+  std::vector<Segment<Dim>> segments;
   {
     const Stopwatch watch(result.seconds.recover);
+    segments = segments_of(log, split);
     if (options.progress) options.progress(Stage::kRecover, 0, 1);
     result.unrecovered = recover_interiors(log, split, network.is_private, options.solver, state, stop);
     result.recovered_chi2 = result.chi2 = log_chi2(log, state.poses, state.features).total();
@@ -168,15 +172,14 @@ Expected<RunResult<Dim>> join_and_polish(const Log<Dim>& log, const Split& split
   if (options.polish && result.local_maps > 0) {  // else the join was of the whole log
     const Stopwatch watch(result.seconds.polish);
     if (options.progress) options.progress(Stage::kPolish, 0, 1);
-    result.polish = polish(log, split, network, *joined, options, stop, state);
+    result.polish = polish(segments, network, *joined, options, stop, state);
     result.chi2 = log_chi2(log, state.poses, state.features).total();
   }
   if (stop.stop_requested()) return tl::unexpected(Error{ErrorKind::kInterrupted, "interrupted while polishing"});
   result.dof = degrees_of_freedom(log, joined->held.size());
   write_map(log, state, joined->held, result);
   result.map.stamps_ns = log.stamps_ns;
-  return add_covariances(std::move(network), *std::move(joined), segments_of(log, split), std::move(state), options, stop,
-                         result)
+  return add_covariances(std::move(network), *std::move(joined), std::move(segments), std::move(state), options, stop, result)
       .map([&] { return std::move(result); });
 }
 

@@ -90,19 +90,18 @@ Gauge<Dim> gauge_of(const Network<Dim>& network, const Piece<Dim>& piece) {
 }
 
 template <int Dim>
-Gauge<Dim> hold_in_world(const Network<Dim>& network, Piece<Dim>& piece) {
+void place_fixed_poses(const Network<Dim>& network, Piece<Dim>& piece) {
   for (const auto& fixed : network.fixed) {
     if (holds(piece.poses, fixed.pose))
       piece.state.poses[static_cast<std::size_t>(place_of(piece.poses, fixed.pose))] = fixed.value;
   }
-  return gauge_of(network, piece);
 }
 
 template void place_in_world(const Network<2>&, const Pose<2>&, Piece<2>&);
 template void place_in_world(const Network<3>&, const Pose<3>&, Piece<3>&);
 template Gauge<2> gauge_of(const Network<2>&, const Piece<2>&);
 template Gauge<3> gauge_of(const Network<3>&, const Piece<3>&);
-template Gauge<2> hold_in_world(const Network<2>&, Piece<2>&);
-template Gauge<3> hold_in_world(const Network<3>&, Piece<3>&);
+template void place_fixed_poses(const Network<2>&, Piece<2>&);
+template void place_fixed_poses(const Network<3>&, Piece<3>&);
 
 }  // namespace mapjoin

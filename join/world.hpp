@@ -24,8 +24,8 @@ void place_in_world(const Network<Dim>& network, const Pose<Dim>& origin, Piece<
 template <int Dim>
 Gauge<Dim> gauge_of(const Network<Dim>& network, const Piece<Dim>& piece);
 
-/// Puts fixed poses at their values and says what holds the piece.
+/// Puts fixed poses at their values.
 template <int Dim>
-Gauge<Dim> hold_in_world(const Network<Dim>& network, Piece<Dim>& piece);
+void place_fixed_poses(const Network<Dim>& network, Piece<Dim>& piece);
 
 }  // namespace mapjoin

@@ -1,8 +1,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <algorithm>
+#include <array>
+#include <cmath>
 #include <limits>
 #include <mapjoin/localmap/segment.hpp>
 #include <mapjoin/localmap/split_cost.hpp>
+#include <mapjoin/parallel/parallel.hpp>
 
 namespace mapjoin {
 namespace {
@@ -52,16 +55,13 @@ double cost_per_step(const Log<Dim>& log, const std::vector<bool>& kept, Index p
 
 template <int Dim>
 Index cheapest_poses_per_map(const Log<Dim>& log, const std::vector<bool>& kept, double fewest) {
-  Index cheapest = 100;
-  double least = std::numeric_limits<double>::infinity();
-  for (const Index candidate : {1, 2, 3, 5, 7, 10, 15, 20, 30, 45, 70, 100}) {
-    if (candidate < fewest) continue;
-    const double cost = cost_per_step(log, kept, candidate);
-    if (!(cost < least)) continue;
-    least = cost;
-    cheapest = candidate;
-  }
-  return cheapest;
+  constexpr std::array<Index, 12> kCandidates{1, 2, 3, 5, 7, 10, 15, 20, 30, 45, 70, 100};
+  std::array<double, kCandidates.size()> costs{};
+  parallel_for(costs.size(), [&](std::size_t k) {
+    costs[k] = kCandidates[k] < fewest ? std::numeric_limits<double>::infinity() : cost_per_step(log, kept, kCandidates[k]);
+  });
+  const auto least = std::min_element(costs.begin(), costs.end());
+  return std::isfinite(*least) ? kCandidates[static_cast<std::size_t>(least - costs.begin())] : kCandidates.back();
 }
 
 #define MAPJOIN_INSTANTIATE(Dim)                                                   \

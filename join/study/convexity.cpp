@@ -48,6 +48,7 @@ template <int Dim>
 Piece<Dim> composed(const Network<Dim>& network, const Pose<Dim>& origin) {
   Piece<Dim> whole = whole_of(network);
   whole.state = composed_state(network, whole, origin, join_stretches(network, {Schedule::kBatch, {}, {}, {}}));
+  place_fixed_poses(network, whole);
   return whole;
 }
 
@@ -58,7 +59,7 @@ class PosedProblem {
   PosedProblem(Network<Dim> network, const Best<Dim>& best, bool is_joining)
       : network_(std::move(network)),
         composed_(composed(network_, best.state.poses.front())),
-        problem_(composed_, hold_in_world(network_, composed_)),
+        problem_(composed_, gauge_of(network_, composed_)),
         best_(best),
         best_part_(restricted(best.state, composed_)),
         is_joining_(is_joining) {}

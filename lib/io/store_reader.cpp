@@ -7,6 +7,7 @@
 #include <mapjoin/io/store_check.hpp>
 #include <mapjoin/io/store_records.hpp>
 #include <mapjoin/io/store_schema.hpp>
+#include <mapjoin/parallel/parallel_try.hpp>
 
 namespace mapjoin {
 namespace {
@@ -54,6 +55,17 @@ std::optional<LocalMap<Dim>> map_of_row(const Statement& row) {
   return map;
 }
 
+/// Each map beside its stretch; the first fault.
+template <int Dim>
+Expected<void> check_maps(const StoredMaps<Dim>& stored, const std::string& file) {
+  std::vector<const Stretch*> stretches;
+  for (const Stretch& stretch : stored.stretches) {
+    if (stretch.is_map) stretches.push_back(&stretch);
+  }
+  return parallel_try(stored.maps.size(),
+                      [&](std::size_t k) { return store::check_map(stored.maps[k], *stretches[k], stored.log, file); });
+}
+
 /// Every stretch that is a map has its row, in order; it becomes a span where that is empty.
 template <int Dim>
 Expected<void> read_maps(Database& database, const std::string& file, StoredMaps<Dim>& stored) {
@@ -72,13 +84,12 @@ Expected<void> read_maps(Database& database, const std::string& file, StoredMaps
     if (!stretch.is_map) continue;
     auto map = map_of_row<Dim>(*select);
     if (!map) return bad_input(fmt::format("{}: damaged store: the sizes of map {} do not agree", file, i));
-    if (auto ok = store::check_map(*map, stretch, stored.log, file); !ok) return ok;
     stored.maps.push_back(std::move(*map));
   }
   const auto more = select->step();
   if (!more) return tl::unexpected(more.error());
   if (*more) return bad_input(fmt::format("{}: damaged store: it has more maps than stretches", file));
-  return {};
+  return check_maps(stored, file);
 }
 
 template <int Dim>

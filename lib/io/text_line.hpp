@@ -82,23 +82,36 @@ class TextLine {
   std::string line_;
 };
 
-/// Writes a line for every k in [0, count), in order, `fill(line, k)` adding its words; filled on all threads.
+/// The lines for k in [begin, end), `fill(line, k)` adding their words; filled on all threads, in pieces.
+template <typename Fill>
+std::vector<std::string> filled_lines(char separator, std::size_t begin, std::size_t end, Fill&& fill) {
+  constexpr std::size_t kLines = 500;  // a piece of work
+  std::vector<std::string> texts((end - begin + kLines - 1) / kLines);
+  parallel_chunks(end - begin, kLines, [&](std::size_t first, std::size_t last) {
+    TextLine line(separator);
+    for (std::size_t k = first; k < last; ++k) {
+      fill(line, begin + k);
+      line.append_to(texts[first / kLines]);
+    }
+  });
+  return texts;
+}
+
+/// Writes a line for every k in [0, count), in order: some are filled while those before them are written.
 template <typename Fill>
 void write_lines(OutputFile& file, char separator, std::size_t count, Fill&& fill) {
-  constexpr std::size_t kLines = 500;                // a piece of work
-  constexpr std::size_t kLinesAtOnce = 64 * kLines;  // in memory
-  for (std::size_t first = 0; first < count; first += kLinesAtOnce) {
-    const std::size_t lines = std::min(kLinesAtOnce, count - first);
-    std::vector<std::string> texts((lines + kLines - 1) / kLines);
-    parallel_chunks(lines, kLines, [&](std::size_t begin, std::size_t end) {
-      TextLine line(separator);
-      for (std::size_t k = begin; k < end; ++k) {
-        fill(line, first + k);
-        line.append_to(texts[begin / kLines]);
-      }
-    });
-    for (const std::string& text : texts) file.write(text);
+  constexpr std::size_t kLinesAtOnce = 8000;
+  std::vector<std::string> filled;
+  for (std::size_t begin = 0; begin < count; begin += kLinesAtOnce) {
+    std::vector<std::string> next;
+    parallel_invoke(
+        [&] {
+          for (const std::string& text : filled) file.write(text);
+        },
+        [&] { next = filled_lines(separator, begin, std::min(count, begin + kLinesAtOnce), fill); });
+    filled = std::move(next);
   }
+  for (const std::string& text : filled) file.write(text);
 }
 
 }  // namespace mapjoin

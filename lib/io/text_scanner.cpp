@@ -6,6 +6,7 @@
 #include <cmath>
 #include <cstring>
 #include <mapjoin/io/text_scanner.hpp>
+#include <mapjoin/parallel/parallel.hpp>
 #include <system_error>
 #include <utility>
 
@@ -79,17 +80,21 @@ TextScanner::TextScanner(std::string source, std::string_view text, std::size_t 
 }
 
 std::vector<TextScanner> TextScanner::pieces(std::size_t bytes) const {
+  std::vector<std::string_view> texts;
+  for (std::string_view rest(next_, static_cast<std::size_t>(end_ - next_)); !rest.empty();) {
+    const std::size_t newline = rest.size() > bytes ? rest.find('\n', bytes) : std::string_view::npos;
+    const std::size_t size = newline == std::string_view::npos ? rest.size() : newline + 1;
+    texts.push_back(rest.substr(0, size));
+    rest.remove_prefix(size);
+  }
+  std::vector<std::size_t> lines(texts.size());
+  parallel_for(texts.size(),
+               [&](std::size_t k) { lines[k] = static_cast<std::size_t>(std::count(texts[k].begin(), texts[k].end(), '\n')); });
   std::vector<TextScanner> pieces;
-  std::size_t lines = lines_before_;
-  for (const char* begin = next_; begin != end_;) {
-    const char* end = end_;
-    if (static_cast<std::size_t>(end_ - begin) > bytes) {
-      const void* const newline = std::memchr(begin + bytes, '\n', static_cast<std::size_t>(end_ - begin) - bytes);
-      if (newline) end = static_cast<const char*>(newline) + 1;
-    }
-    pieces.emplace_back(source_, std::string_view(begin, static_cast<std::size_t>(end - begin)), lines);
-    lines += static_cast<std::size_t>(std::count(begin, end, '\n'));
-    begin = end;
+  std::size_t lines_before = lines_before_;
+  for (std::size_t k = 0; k < texts.size(); ++k) {
+    pieces.emplace_back(source_, texts[k], lines_before);
+    lines_before += lines[k];
   }
   return pieces;
 }

@@ -7,13 +7,10 @@
 namespace mapjoin {
 namespace {
 
-/// Observations that are worth a piece of work.
-constexpr std::size_t kGrain = 2000;
-
 template <typename Observations, typename Targets, typename Poses>
 double sum(const Observations& observations, const Poses& poses, const Targets& targets) {
   const typename Poses::value_type world;
-  return parallel_sum(observations.size(), kGrain, [&](std::size_t k) {
+  return parallel_sum(observations.size(), kObservationsPerPiece, [&](std::size_t k) {
     const auto& observation = observations[k];
     const auto& base = observation.base == kWorld ? world : poses[static_cast<std::size_t>(observation.base)];
     return chi2(observation, base, targets[static_cast<std::size_t>(observation.target)]);
@@ -22,7 +19,7 @@ double sum(const Observations& observations, const Poses& poses, const Targets& 
 
 template <typename Observations>
 std::int64_t measured_rows(const Observations& observations) {
-  return static_cast<std::int64_t>(parallel_sum(observations.size(), kGrain, [&](std::size_t k) {
+  return static_cast<std::int64_t>(parallel_sum(observations.size(), kObservationsPerPiece, [&](std::size_t k) {
     return static_cast<double>(information_rank(observations[k].information));
   }));
 }

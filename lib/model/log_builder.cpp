@@ -5,6 +5,7 @@
 #include <limits>
 #include <mapjoin/model/log_builder.hpp>
 #include <mapjoin/model/log_order.hpp>
+#include <mapjoin/parallel/parallel.hpp>
 
 namespace mapjoin {
 namespace {
@@ -159,14 +160,16 @@ Expected<void> LogBuilder<Dim>::check_edges() const {
 
 template <int Dim>
 void LogBuilder<Dim>::resolve_ends() {
-  for (std::size_t i = 0; i < edge_ends_.size(); ++i) {
-    log_.odometry[i].base = index_of(log_.poses, edge_ends_[i].first);
-    log_.odometry[i].target = index_of(log_.poses, edge_ends_[i].second);
-  }
-  for (std::size_t i = 0; i < observation_ends_.size(); ++i) {
-    log_.observations[i].base = index_of(log_.poses, observation_ends_[i].first);
-    log_.observations[i].target = index_of(log_.features, observation_ends_[i].second);
-  }
+  const auto resolve = [](const auto& ends, const auto& bases, const auto& targets, auto& observations) {
+    parallel_chunks(ends.size(), kObservationsPerPiece, [&](std::size_t begin, std::size_t end) {
+      for (std::size_t i = begin; i < end; ++i) {
+        observations[i].base = index_of(bases, ends[i].first);
+        observations[i].target = index_of(targets, ends[i].second);
+      }
+    });
+  };
+  resolve(edge_ends_, log_.poses, log_.poses, log_.odometry);
+  resolve(observation_ends_, log_.poses, log_.features, log_.observations);
   for (std::size_t i = 0; i < pose_prior_ends_.size(); ++i) {
     log_.pose_priors[i].target = index_of(log_.poses, pose_prior_ends_[i]);
   }

@@ -27,18 +27,28 @@ struct BlockLower {
   std::span<const Index> rows_of(std::size_t k) const {
     return {rows.data() + begin[k], static_cast<std::size_t>(begin[k + 1] - begin[k])};
   }
+  /// The i-th diagonal entry of block k.
+  double& diagonal(std::size_t k, Eigen::Index i) { return values[static_cast<std::size_t>(diagonal_place(k, i))]; }
+  double diagonal(std::size_t k, Eigen::Index i) const { return values[static_cast<std::size_t>(diagonal_place(k, i))]; }
 
-  /// Appends a block column of these block rows, ascending from its own on, with zeros for values. `offsets` must be complete.
+  /// Names the block rows of the next block column, ascending from its own on.
   void append_column(std::span<const Index> column) {
-    const std::size_t k = heights.size();
     rows.insert(rows.end(), column.begin(), column.end());
     begin.push_back(static_cast<std::int64_t>(rows.size()));
-    Eigen::Index height = 0;
-    for (const Index row : column) height += dof(static_cast<std::size_t>(row));
-    heights.push_back(height);
-    first_value.push_back(first_value.back() + height * dof(k));
-    values.resize(static_cast<std::size_t>(first_value.back()), 0.0);
   }
+  /// Panels of zeros for the block columns whose sizes and rows have been named.
+  void lay_out() {
+    for (std::size_t k = 0; k < blocks(); ++k) {
+      Eigen::Index height = 0;
+      for (const Index row : rows_of(k)) height += dof(static_cast<std::size_t>(row));
+      heights.push_back(height);
+      first_value.push_back(first_value.back() + height * dof(k));
+    }
+    values.assign(static_cast<std::size_t>(first_value.back()), 0.0);
+  }
+
+ private:
+  std::int64_t diagonal_place(std::size_t k, Eigen::Index i) const { return first_value[k] + i * (heights[k] + 1); }
 };
 
 }  // namespace mapjoin

@@ -26,6 +26,13 @@ Function* loaded_function(const char* name) {
   return reinterpret_cast<Function*>(dlsym(RTLD_DEFAULT, name));
 }
 
+/// Sets the number of OpenBLAS's threads only where it is another: to set it starts them again once they have been ended.
+void put_openblas_on_one_thread() {
+  auto* get_threads = loaded_function<int()>("openblas_get_num_threads");
+  auto* set_threads = loaded_function<void(int)>("openblas_set_num_threads");
+  if (get_threads && set_threads && get_threads() != 1) set_threads(1);
+}
+
 /// The BLAS for one call, on the calling thread alone. Threads are ours, over subtrees and tiles: those of the BLAS would be
 /// too many, and its sums would depend on their number. OpenBLAS's own number holds for the process, OpenMP's for each thread;
 /// and an OpenBLAS that was built without threads must not be called by two at once.
@@ -34,7 +41,7 @@ class Blas {
   Blas()
       : threads_before_(get_openmp_threads && set_openmp_threads ? get_openmp_threads() : 0), alone_(mutex_, std::defer_lock) {
     static const bool must_be_alone = [] {
-      if (auto* set_threads = loaded_function<void(int)>("openblas_set_num_threads")) set_threads(1);
+      put_openblas_on_one_thread();
       auto* get_parallel = loaded_function<int()>("openblas_get_parallel");
       return get_parallel && get_parallel() == 0;
     }();
@@ -62,7 +69,7 @@ int stride(const auto& block) {
 }  // namespace
 
 void end_blas_threads() {
-  if (auto* set_threads = loaded_function<void(int)>("openblas_set_num_threads")) set_threads(1);
+  put_openblas_on_one_thread();
   if (auto* end_threads = loaded_function<int()>("blas_thread_shutdown_")) end_threads();
 }
 

@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <mapjoin/parallel/parallel.hpp>
 #include <mapjoin/solve/factor_tasks.hpp>
+#include <span>
 #include <utility>
 
 namespace mapjoin {
@@ -29,14 +30,14 @@ class TaskCutter {
     for (std::size_t s = 0; s < tree_.nodes.size(); ++s) {
       if (tree_.nodes[s].parent == tree_.nodes.size()) roots.push_back(s);
     }
-    cut(task, std::move(roots));
+    cut(task, roots);
     return task;
   }
 
  private:
   /// Shares out the subtrees of `roots`, on which the nodes of the task depend. Where only one of them is worth a task of its
   /// own, its root becomes part of this one, and so on downwards.
-  void cut(FactorTask& task, std::vector<std::size_t> roots) {
+  void cut(FactorTask& task, std::span<const std::size_t> roots) {
     while (true) {
       std::vector<std::size_t> large;
       FactorTask bundle;
@@ -58,27 +59,23 @@ class TaskCutter {
         break;
       }
       task.nodes.push_back(large.front());
-      roots = children(large.front());
+      roots = tree_.children_of(tree_.nodes[large.front()]);
     }
   }
 
   FactorTask rooted(std::size_t root) {
     FactorTask task;
     task.nodes.push_back(root);
-    cut(task, children(root));
+    cut(task, tree_.children_of(tree_.nodes[root]));
     return task;
   }
 
-  std::vector<std::size_t> children(std::size_t node) const {
-    const auto [begin, end] = tree_.nodes[node].children;
-    return {tree_.children.begin() + static_cast<std::ptrdiff_t>(begin),
-            tree_.children.begin() + static_cast<std::ptrdiff_t>(end)};
-  }
   void append_subtree(std::vector<std::size_t>& nodes, std::size_t root) const {
     std::size_t next = nodes.size();
     nodes.push_back(root);
     for (; next < nodes.size(); ++next) {
-      for (const std::size_t child : children(nodes[next])) nodes.push_back(child);
+      const auto children = tree_.children_of(tree_.nodes[nodes[next]]);
+      nodes.insert(nodes.end(), children.begin(), children.end());
     }
   }
 

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <algorithm>
+#include <mapjoin/solve/dense_kernels.hpp>
 #include <mapjoin/solve/inverse_subset.hpp>
 #include <numeric>
 #include <stdexcept>
@@ -8,8 +9,6 @@ namespace mapjoin {
 namespace {
 
 using Eigen::Lower;
-using Block = Eigen::Map<Eigen::MatrixXd, 0, Eigen::OuterStride<>>;
-using ConstBlock = Eigen::Map<const Eigen::MatrixXd, 0, Eigen::OuterStride<>>;
 
 /// How much there is to keep, and the most rows below any supernode.
 struct Size {
@@ -65,17 +64,17 @@ void InverseSubset::invert(const Supernode& L, const Node& node, Workspace& work
   const auto height = static_cast<Eigen::Index>(L.rows.size());
   const Eigen::Index width = L.end - L.begin;
   const Eigen::Index below = height - width;
-  const auto L_JJ = ConstBlock(L.values, width, width, Eigen::OuterStride<>(height)).triangularView<Lower>();
-  Block Z_JJ(node.values, width, width, Eigen::OuterStride<>(height));
+  const auto L_JJ = ConstDenseBlock(L.values, width, width, Eigen::OuterStride<>(height)).triangularView<Lower>();
+  DenseBlock Z_JJ(node.values, width, width, Eigen::OuterStride<>(height));
   const Eigen::MatrixXd L_inverse = L_JJ.solve(Eigen::MatrixXd::Identity(width, width));
   Z_JJ.noalias() = L_inverse.transpose() * L_inverse;
   if (below == 0) return;
 
-  workspace.G = ConstBlock(L.values + width, below, width, Eigen::OuterStride<>(height));
+  workspace.G = ConstDenseBlock(L.values + width, below, width, Eigen::OuterStride<>(height));
   L_JJ.solveInPlace<Eigen::OnTheRight>(workspace.G);
   gather(std::span(L.rows).subspan(static_cast<std::size_t>(width)), workspace.positions, workspace.Z_RR.data());
   const Eigen::Map<const Eigen::MatrixXd> Z_RR(workspace.Z_RR.data(), below, below);
-  Block Z_RJ(node.values + width, below, width, Eigen::OuterStride<>(height));
+  DenseBlock Z_RJ(node.values + width, below, width, Eigen::OuterStride<>(height));
   Z_RJ.noalias() = -(Z_RR.selfadjointView<Lower>() * workspace.G);
   Z_JJ.noalias() -= workspace.G.transpose() * Z_RJ;
 }

@@ -3,6 +3,7 @@
 #include <mapjoin/parallel/parallel.hpp>
 #include <mapjoin/solve/normal_equations.hpp>
 #include <mapjoin/solve/ordering.hpp>
+#include <tuple>
 #include <utility>
 
 namespace mapjoin {
@@ -57,12 +58,12 @@ NormalEquations::NormalEquations(std::vector<int> dofs, Cliques cliques)
   for (std::size_t v = 0; v < dofs_.size(); ++v) offsets_[v + 1] = offsets_[v] + dofs_[v];
   gradient_.setZero(size());
   order_variables();
-  const BlockColumns columns = block_columns();
-  lay_out(columns);
+  lay_out();
   parallel_invoke(
       [&] {
-        find_destinations(columns);
+        find_destinations();
         share_out_cliques();
+        colour_large_cliques();
       },
       [&] {
         if (size() > 0) cholesky_.analyse(matrix_);
@@ -84,48 +85,34 @@ void NormalEquations::order_variables() {
   }
 }
 
-NormalEquations::BlockColumns NormalEquations::block_columns() const {
-  auto [begin, rows] = compress(dofs_.size(), [&](auto&& f) {
-    for (std::size_t v = 0; v < dofs_.size(); ++v) f(place_[v], place_[v]);
+void NormalEquations::lay_out() {
+  std::tie(matrix_.begin, matrix_.rows) = compress(dofs_.size(), [&](auto&& f) {
+    for (Index k = 0; k < variable_count(); ++k) f(k, k);
     for_each_pair(cliques_, [&](Index a, Index b) {
-      const auto [low, high] = std::minmax(place_[static_cast<std::size_t>(a)], place_[static_cast<std::size_t>(b)]);
+      const auto [low, high] = std::minmax({place(a), place(b)});
       f(low, high);
     });
   });
-  return {std::move(begin), std::move(rows)};
+  matrix_.lay_out();
 }
 
-void NormalEquations::lay_out(const BlockColumns& columns) {
-  std::size_t values = 0;
+void NormalEquations::find_destinations() {
+  std::vector<Eigen::Index> row_in_panel;
+  row_in_panel.reserve(matrix_.rows.size());
   for (std::size_t k = 0; k < order_.size(); ++k) {
-    for (auto r = columns.begin[k]; r < columns.begin[k + 1]; ++r) {
-      values += static_cast<std::size_t>(matrix_.dof(k) *
-                                         matrix_.dof(static_cast<std::size_t>(columns.rows[static_cast<std::size_t>(r)])));
-    }
-  }
-  matrix_.rows.reserve(columns.rows.size());
-  matrix_.values.reserve(values);
-  for (std::size_t k = 0; k < order_.size(); ++k) {
-    matrix_.append_column({columns.rows.data() + columns.begin[k], columns.rows.data() + columns.begin[k + 1]});
-  }
-}
-
-void NormalEquations::find_destinations(const BlockColumns& columns) {
-  std::vector<Eigen::Index> row_in_panel(columns.rows.size());
-  for (std::size_t k = 0; k < order_.size(); ++k) {
-    Eigen::Index row = 0;
-    for (auto r = static_cast<std::size_t>(columns.begin[k]); r < static_cast<std::size_t>(columns.begin[k + 1]); ++r) {
-      row_in_panel[r] = row;
-      row += matrix_.dof(static_cast<std::size_t>(columns.rows[r]));
+    Eigen::Index height = 0;
+    for (const Index row : matrix_.rows_of(k)) {
+      row_in_panel.push_back(height);
+      height += matrix_.dof(static_cast<std::size_t>(row));
     }
   }
   const auto destination = [&](Index a, Index b) -> std::int64_t {
     if (a == kConstant || b == kConstant) return 0;
-    const auto [low, high] = std::minmax(place_[static_cast<std::size_t>(a)], place_[static_cast<std::size_t>(b)]);
+    const auto [low, high] = std::minmax({place(a), place(b)});
     const auto column = static_cast<std::size_t>(low);
-    const auto first = columns.rows.begin() + columns.begin[column];
-    const auto found = std::lower_bound(first, columns.rows.begin() + columns.begin[column + 1], high);
-    return matrix_.first_value[column] + row_in_panel[static_cast<std::size_t>(found - columns.rows.begin())];
+    const auto rows = matrix_.rows_of(column);
+    const auto found = std::lower_bound(rows.begin(), rows.end(), high) - rows.begin();
+    return matrix_.first_value[column] + row_in_panel[static_cast<std::size_t>(matrix_.begin[column] + found)];
   };
   for (std::size_t c = 0; c < cliques_.size(); ++c) {
     destination_begin_.push_back(static_cast<std::int64_t>(destinations_.size()));
@@ -145,10 +132,7 @@ Eigen::VectorXd NormalEquations::diagonal() const {
   Eigen::VectorXd diagonal(size());
   for (std::size_t k = 0; k < order_.size(); ++k) {
     const auto v = static_cast<std::size_t>(order_[k]);
-    for (int i = 0; i < dofs_[v]; ++i) {
-      diagonal[offsets_[v] + i] =
-          matrix_.values[static_cast<std::size_t>(matrix_.first_value[k] + i * (matrix_.heights[k] + 1))];
-    }
+    for (int i = 0; i < dofs_[v]; ++i) diagonal[offsets_[v] + i] = matrix_.diagonal(k, i);
   }
   return diagonal;
 }
@@ -200,7 +184,11 @@ BlockLower NormalEquations::principal_submatrix(const std::vector<bool>& is_kept
       if (is_kept[static_cast<std::size_t>(row)]) rows.push_back(kept[static_cast<std::size_t>(row)]);
     }
     part.append_column(rows);
-    double* to = part.values.data() + part.first_value[static_cast<std::size_t>(kept[k])];
+  }
+  part.lay_out();
+  double* to = part.values.data();
+  for (std::size_t k = 0; k < is_kept.size(); ++k) {
+    if (!is_kept[k]) continue;
     const double* from = matrix_.values.data() + matrix_.first_value[k];
     for (Eigen::Index j = 0; j < matrix_.dof(k); ++j) {
       for (const Index row : matrix_.rows_of(k)) {
@@ -237,10 +225,7 @@ std::optional<double> NormalEquations::least_curvature(const Eigen::VectorXd& v,
 void NormalEquations::set_diagonal(const Eigen::VectorXd& diagonal) {
   for (std::size_t k = 0; k < order_.size(); ++k) {
     const auto v = static_cast<std::size_t>(order_[k]);
-    for (int i = 0; i < dofs_[v]; ++i) {
-      matrix_.values[static_cast<std::size_t>(matrix_.first_value[k] + i * (matrix_.heights[k] + 1))] =
-          diagonal[offsets_[v] + i];
-    }
+    for (int i = 0; i < dofs_[v]; ++i) matrix_.diagonal(k, i) = diagonal[offsets_[v] + i];
   }
 }
 

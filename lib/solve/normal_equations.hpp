@@ -88,8 +88,8 @@ class NormalEquations {
 
   void set_zero();
   Sink sink(std::size_t clique) { return {*this, clique}; }
-  /// Calls f(clique, sink) for every clique, those of two slots on all threads, and returns the sum of what it returns. All
-  /// sums are the same for any number of threads.
+  /// Calls f(clique, sink) for every clique, on all threads, and returns the sum of what it returns. All sums are the same for
+  /// any number of threads.
   double accumulate_cliques(const std::function<double(std::size_t, Sink)>& f);
 
   /// Adds to the block of one variable with itself.
@@ -122,27 +122,19 @@ class NormalEquations {
   Eigen::MatrixXd solve_columns(const Eigen::MatrixXd& B) const;
 
   /// The factor L of the last factorisation, whose columns are those of column_of(); it holds until the next one.
-  Supernodes supernodes() const { return size() == 0 ? Supernodes{} : cholesky_.supernodes(); }
+  Supernodes supernodes() const { return cholesky_.supernodes(); }
+  std::size_t supernode_count() const { return cholesky_.supernode_count(); }
   /// Memory of its values.
   std::int64_t factor_bytes() const { return cholesky_.bytes(); }
   /// The column of the factorised matrix at which variable v begins.
-  std::int64_t column_of(Index v) const {
-    return matrix_.offsets[static_cast<std::size_t>(place_[static_cast<std::size_t>(v)])];
-  }
+  std::int64_t column_of(Index v) const { return matrix_.offsets[static_cast<std::size_t>(place(v))]; }
   int dof(Index v) const { return dofs_[static_cast<std::size_t>(v)]; }
 
  private:
   void set_diagonal(const Eigen::VectorXd& diagonal);
   void order_variables();
-
-  /// The block rows of each block column, on and below the diagonal: the pattern, by places.
-  struct BlockColumns {
-    std::vector<std::int64_t> begin;
-    std::vector<Index> rows;
-  };
-  BlockColumns block_columns() const;
-  void lay_out(const BlockColumns& columns);
-  void find_destinations(const BlockColumns& columns);
+  void lay_out();
+  void find_destinations();
   /// H over the places at which `is_kept`, in the order of the elimination.
   BlockLower principal_submatrix(const std::vector<bool>& is_kept) const;
   /// H v; both in the order of the elimination.
@@ -160,6 +152,7 @@ class NormalEquations {
   /// A slot whose variable is of the clique's part.
   static constexpr std::int32_t kOwn = -1;
   void share_out_cliques();
+  void colour_large_cliques();
   /// The part of each place.
   std::vector<std::uint32_t> cut_places(const std::vector<Index>& first_places);
 
@@ -197,9 +190,10 @@ class NormalEquations {
   std::vector<std::int64_t> destination_begin_;
   std::vector<std::int64_t> destinations_;  ///< Per clique, of slots i < j at j(j-1)/2 + i.
   std::vector<Part> parts_;
-  std::vector<std::uint32_t> large_cliques_;  ///< Of more than two slots.
-  std::vector<std::int32_t> sums_;            ///< Per slot of all cliques, where the sums of its part begin, or kOwn.
-  BlockLower matrix_;                         ///< H, by places.
+  /// Cliques of more than two slots, by colour: those of one colour have no variable in common, but for the last colour.
+  std::vector<std::vector<std::uint32_t>> large_cliques_;
+  std::vector<std::int32_t> sums_;  ///< Per slot of all cliques, where the sums of its part begin, or kOwn.
+  BlockLower matrix_;               ///< H, by places.
   Eigen::VectorXd gradient_;
   SparseCholesky cholesky_;
 };

@@ -2,6 +2,7 @@
 // How the cliques of the normal equations are added up on all threads.
 
 #include <algorithm>
+#include <bit>
 #include <limits>
 #include <mapjoin/parallel/parallel.hpp>
 #include <mapjoin/solve/normal_equations.hpp>
@@ -13,6 +14,8 @@ namespace {
 /// A part of the cliques that is worth a piece of work has so many slots at least; there are so many parts at most.
 constexpr std::size_t kSlotsPerPart = 1000;
 constexpr std::size_t kMostParts = 16;
+/// As many colours as a word has bits; cliques for which they do not suffice are added one after the other.
+constexpr int kColours = 64;
 
 }  // namespace
 
@@ -51,9 +54,8 @@ void NormalEquations::share_out_cliques() {
   }
   const std::vector<std::uint32_t> part_of = cut_places(first_places);
   for (std::size_t c = 0; c < cliques_.size(); ++c) {
-    auto& cliques =
-        cliques_[c].size() > 2 ? large_cliques_ : parts_[part_of[static_cast<std::size_t>(first_places[c])]].cliques;
-    cliques.push_back(static_cast<std::uint32_t>(c));
+    if (cliques_[c].size() > 2) continue;
+    parts_[part_of[static_cast<std::size_t>(first_places[c])]].cliques.push_back(static_cast<std::uint32_t>(c));
   }
 
   sums_.assign(cliques_.variables.size(), kOwn);
@@ -77,6 +79,22 @@ void NormalEquations::share_out_cliques() {
   }
 }
 
+void NormalEquations::colour_large_cliques() {
+  large_cliques_.assign(kColours + 1, {});
+  std::vector<std::uint64_t> colours_of(dofs_.size(), 0);  // of the cliques that have each variable
+  for (std::size_t c = 0; c < cliques_.size(); ++c) {
+    if (cliques_[c].size() <= 2) continue;
+    std::uint64_t taken = 0;
+    for (const Index v : cliques_[c]) taken |= v == kConstant ? 0 : colours_of[static_cast<std::size_t>(v)];
+    const int colour = std::countr_one(taken);
+    large_cliques_[static_cast<std::size_t>(colour)].push_back(static_cast<std::uint32_t>(c));
+    if (colour == kColours) continue;
+    for (const Index v : cliques_[c]) {
+      if (v != kConstant) colours_of[static_cast<std::size_t>(v)] |= std::uint64_t{1} << colour;
+    }
+  }
+}
+
 double NormalEquations::accumulate_cliques(const std::function<double(std::size_t, Sink)>& f) {
   std::vector<std::vector<double>> waiting(parts_.size());
   double sum = parallel_sum(parts_.size(), 1, [&](std::size_t p) {
@@ -92,7 +110,12 @@ double NormalEquations::accumulate_cliques(const std::function<double(std::size_
       add_rhs(variable, Eigen::Map<const Eigen::VectorXd>(sums + dof(variable) * dof(variable), dof(variable)));
     }
   }
-  for (const std::uint32_t clique : large_cliques_) sum += f(clique, sink(clique));
+  const auto f_of = [&](std::uint32_t clique) { return f(clique, sink(clique)); };
+  for (int colour = 0; colour < kColours; ++colour) {
+    const auto& cliques = large_cliques_[static_cast<std::size_t>(colour)];
+    sum += parallel_sum(cliques.size(), 1, [&](std::size_t k) { return f_of(cliques[k]); });
+  }
+  for (const std::uint32_t clique : large_cliques_[kColours]) sum += f_of(clique);
   return sum;
 }
 

@@ -5,21 +5,12 @@
 #include <mapjoin/solve/frontal_matrix.hpp>
 #include <mapjoin/solve/pivot.hpp>
 #include <mapjoin/solve/sparse_cholesky.hpp>
-#include <span>
 
 namespace mapjoin {
 namespace {
 
 using Eigen::Lower;
 using Stride = Eigen::OuterStride<>;
-
-std::span<const RowRun> runs_of(const SupernodalTree& tree, const FactorNode& node) {
-  return {tree.runs.data() + node.runs.begin, static_cast<std::size_t>(node.runs.end - node.runs.begin)};
-}
-
-std::span<const std::size_t> children_of(const SupernodalTree& tree, const FactorNode& node) {
-  return {tree.children.data() + node.children.begin, node.children.end - node.children.begin};
-}
 
 /// One factorisation: the updates on their way from supernode to parent.
 class Factorisation {
@@ -44,9 +35,9 @@ class Factorisation {
     const FrontalMatrix front{{values_ + node.first_value, node.height, node.width, Stride(node.height)},
                               {updates_[s].get(), below, below, Stride(below)}};
     take_entries(node, front.panel);
-    for (const std::size_t c : children_of(tree_, node)) {
+    for (const std::size_t c : tree_.children_of(node)) {
       const Eigen::Index size = tree_.nodes[c].below();
-      add_update({updates_[c].get(), size, size, Stride(size)}, runs_of(tree_, tree_.nodes[c]), front);
+      add_update({updates_[c].get(), size, size, Stride(size)}, tree_.runs_of(tree_.nodes[c]), front);
       updates_[c].reset();
     }
     const auto singular = eliminate(front);
@@ -74,9 +65,8 @@ class Factorisation {
   void note_singular(const FactorNode& node, DenseBlock panel, Eigen::Index regular, bool is_singular) {
     Eigen::Index column = 0;
     for (std::size_t k = node.columns.begin; k < node.columns.end; ++k) {
-      const double* diagonal = matrix_.values.data() + matrix_.first_value[k];
       for (Eigen::Index i = 0; i < matrix_.dof(k) && column < regular; ++i, ++column) {
-        if (!has_lost_digits(panel(column, column), diagonal[i * (matrix_.heights[k] + 1)])) continue;
+        if (!has_lost_digits(panel(column, column), matrix_.diagonal(k, i))) continue;
         regular = column;
         is_singular = true;
       }
@@ -117,8 +107,8 @@ Eigen::MatrixXd SparseCholesky::solve_columns(Eigen::MatrixXd B) const {
     const FactorNode& node = tree_.nodes[s];
     auto own = B.middleRows(offsets_[node.columns.begin], node.width);
     updates[s].setZero(node.below(), B.cols());
-    for (const std::size_t c : children_of(tree_, node)) {
-      for (const RowRun& run : runs_of(tree_, tree_.nodes[c])) {
+    for (const std::size_t c : tree_.children_of(node)) {
+      for (const RowRun& run : tree_.runs_of(tree_.nodes[c])) {
         const auto from = updates[c].middleRows(run.from, run.length);
         const Eigen::Index in_own = std::clamp<Eigen::Index>(node.width - run.to, 0, run.length);
         own.middleRows(std::min<Eigen::Index>(run.to, node.width), in_own) += from.topRows(in_own);
@@ -137,8 +127,8 @@ Eigen::MatrixXd SparseCholesky::solve_columns(Eigen::MatrixXd B) const {
     const auto L = panel(node);
     Eigen::MatrixXd below(node.below(), B.cols());
     Eigen::Index taken = 0;
-    for (auto r = node.rows.begin; r < node.rows.end; ++r) {
-      const auto row = static_cast<std::size_t>(tree_.rows[static_cast<std::size_t>(r)]);
+    for (const Index block : tree_.rows_of(node)) {
+      const auto row = static_cast<std::size_t>(block);
       const Eigen::Index rows = offsets_[row + 1] - offsets_[row];
       below.middleRows(taken, rows) = B.middleRows(offsets_[row], rows);
       taken += rows;
@@ -158,8 +148,8 @@ Supernodes SparseCholesky::supernodes() const {
     L.end = L.begin + node.width;
     L.values = values_.get() + node.first_value;
     for (auto row = L.begin; row < L.end; ++row) L.rows.push_back(row);
-    for (auto r = node.rows.begin; r < node.rows.end; ++r) {
-      const auto block = static_cast<std::size_t>(tree_.rows[static_cast<std::size_t>(r)]);
+    for (const Index below : tree_.rows_of(node)) {
+      const auto block = static_cast<std::size_t>(below);
       for (auto row = offsets_[block]; row < offsets_[block + 1]; ++row) L.rows.push_back(row);
     }
   }

@@ -32,6 +32,7 @@ class SparseCholesky {
 
   /// L of that factorisation; it holds until the next one.
   Supernodes supernodes() const;
+  std::size_t supernode_count() const { return tree_.nodes.size(); }
   /// Memory of its values, known after analyse().
   std::int64_t bytes() const { return static_cast<std::int64_t>(sizeof(double)) * tree_.value_count; }
 

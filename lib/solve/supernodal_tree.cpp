@@ -11,19 +11,24 @@ namespace {
 
 /// Columns of L with the same rows below them, without any zeros.
 struct Columns {
-  Range<std::size_t> columns;
-  Range<std::int64_t> rows;
+  Slice columns;
+  Slice rows;  ///< Below them, in FundamentalSupernodes::rows.
 };
 
 /// The columns of L, from left to right: those of one supernode go on as long as they bring no new rows.
-class ColumnMerger {
+class FundamentalSupernodes {
  public:
-  explicit ColumnMerger(const BlockLower& A) : A_(A), first_child_(A.blocks(), kNone), seen_(A.blocks(), kNone) {
+  explicit FundamentalSupernodes(const BlockLower& A) : A_(A), first_child_(A.blocks(), kNone), seen_(A.blocks(), kNone) {
     for (std::size_t k = 0; k < A.blocks(); ++k) add_column(k);
   }
 
   std::vector<Columns> supernodes;
   std::vector<Index> rows;
+
+  /// The first row below a supernode, whose column depends on it; the number of columns for a root.
+  std::size_t first_row(const Columns& node) const {
+    return node.rows.size() == 0 ? A_.blocks() : static_cast<std::size_t>(rows[node.rows.begin]);
+  }
 
  private:
   static constexpr std::int32_t kNone = -1;
@@ -40,20 +45,15 @@ class ColumnMerger {
       return;
     }
     if (is_next) attach(supernodes.size() - 1);
-    const auto begin = static_cast<std::int64_t>(rows.size());
+    const std::size_t begin = rows.size();
     for_each_row(k, [&](Index row) {
       if (std::exchange(seen_[static_cast<std::size_t>(row)], last + 1) != last + 1) rows.push_back(row);
     });
-    std::sort(rows.begin() + begin, rows.end());
-    supernodes.push_back({{k, k + 1}, {begin, static_cast<std::int64_t>(rows.size())}});
+    std::sort(rows.begin() + static_cast<std::ptrdiff_t>(begin), rows.end());
+    supernodes.push_back({{k, k + 1}, {begin, rows.size()}});
     next_child_.push_back(kNone);
   }
 
-  /// The first row below a supernode, whose column depends on it; none for a root.
-  std::size_t first_row(const Columns& node) const {
-    return node.rows.begin == node.rows.end ? A_.blocks()
-                                            : static_cast<std::size_t>(rows[static_cast<std::size_t>(node.rows.begin)]);
-  }
   void attach(std::size_t node) {
     const std::size_t parent = first_row(supernodes[node]);
     if (parent < A_.blocks()) next_child_[node] = std::exchange(first_child_[parent], static_cast<std::int32_t>(node));
@@ -63,8 +63,8 @@ class ColumnMerger {
   void for_each_row(std::size_t k, F&& f) const {
     for (const Index row : A_.rows_of(k).subspan(1)) f(row);
     for (std::int32_t child = first_child_[k]; child != kNone; child = next_child_[static_cast<std::size_t>(child)]) {
-      const Range<std::int64_t> below = supernodes[static_cast<std::size_t>(child)].rows;
-      for (std::int64_t r = below.begin + 1; r < below.end; ++r) f(rows[static_cast<std::size_t>(r)]);
+      const Slice below = supernodes[static_cast<std::size_t>(child)].rows;
+      for (std::size_t r = below.begin + 1; r < below.end; ++r) f(rows[r]);
     }
   }
 
@@ -102,19 +102,20 @@ bool should_merge(const Group& child, const Group& parent) {
   return zeros <= relaxation->zeros;
 }
 
+Group group_of(const Columns& supernode, const FundamentalSupernodes& of, const BlockLower& A) {
+  Group group{supernode};
+  group.width = A.offsets[supernode.columns.end] - A.offsets[supernode.columns.begin];
+  for (const Index row : supernode.rows.of(of.rows)) group.below += A.dof(static_cast<std::size_t>(row));
+  group.entries = Group::entries_of(group.width, group.below);
+  return group;
+}
+
 /// Supernodes that are hardly larger than their children become one with the last of these: fewer and wider panels.
-std::vector<Group> merged(const std::vector<Columns>& supernodes, const std::vector<Index>& rows, const BlockLower& A) {
+std::vector<Group> relaxed(const FundamentalSupernodes& fundamental, const BlockLower& A) {
   std::vector<Group> groups;  // from the last to the first
-  for (std::size_t s = supernodes.size(); s-- > 0;) {
-    Group group{supernodes[s]};
-    group.width = A.offsets[group.columns.columns.end] - A.offsets[group.columns.columns.begin];
-    for (auto r = group.columns.rows.begin; r < group.columns.rows.end; ++r) {
-      group.below += A.dof(static_cast<std::size_t>(rows[static_cast<std::size_t>(r)]));
-    }
-    group.entries = Group::entries_of(group.width, group.below);
-    const bool depends =
-        group.below > 0 && !groups.empty() &&
-        static_cast<std::size_t>(rows[static_cast<std::size_t>(group.columns.rows.begin)]) < groups.back().columns.columns.end;
+  for (auto supernode = fundamental.supernodes.rbegin(); supernode != fundamental.supernodes.rend(); ++supernode) {
+    const Group group = group_of(*supernode, fundamental, A);
+    const bool depends = !groups.empty() && fundamental.first_row(*supernode) < groups.back().columns.columns.end;
     if (depends && should_merge(group, groups.back())) {
       groups.back().columns.columns.begin = group.columns.columns.begin;
       groups.back().width += group.width;
@@ -127,10 +128,8 @@ std::vector<Group> merged(const std::vector<Columns>& supernodes, const std::vec
   return groups;
 }
 
-/// Nodes with their rows, panels, parents and children.
-void lay_out_nodes(SupernodalTree& tree, const std::vector<Group>& groups, const std::vector<Index>& rows,
-                   std::size_t columns) {
-  std::vector<std::size_t> node_of(columns);
+/// Nodes with their rows and panels.
+void lay_out_nodes(SupernodalTree& tree, const std::vector<Group>& groups, const std::vector<Index>& rows) {
   for (const Group& group : groups) {
     FactorNode node;
     node.columns = group.columns.columns;
@@ -138,35 +137,60 @@ void lay_out_nodes(SupernodalTree& tree, const std::vector<Group>& groups, const
     node.height = group.width + group.below;
     node.first_value = tree.value_count;
     tree.value_count += node.width * node.height;
-    node.rows.begin = static_cast<std::int64_t>(tree.rows.size());
-    tree.rows.insert(tree.rows.end(), rows.begin() + group.columns.rows.begin, rows.begin() + group.columns.rows.end);
-    node.rows.end = static_cast<std::int64_t>(tree.rows.size());
-    for (std::size_t k = node.columns.begin; k < node.columns.end; ++k) node_of[k] = tree.nodes.size();
+    node.rows.begin = tree.rows.size();
+    const auto below = group.columns.rows.of(rows);
+    tree.rows.insert(tree.rows.end(), below.begin(), below.end());
+    node.rows.end = tree.rows.size();
     tree.nodes.push_back(node);
   }
-  for (FactorNode& node : tree.nodes) {
-    const bool is_root = node.rows.begin == node.rows.end;
-    node.parent =
-        is_root ? tree.nodes.size() : node_of[static_cast<std::size_t>(tree.rows[static_cast<std::size_t>(node.rows.begin)])];
-    if (!is_root) ++tree.nodes[node.parent].children.end;
+}
+
+void find_parents(SupernodalTree& tree, std::size_t columns) {
+  std::vector<std::size_t> node_of(columns);
+  for (std::size_t s = 0; s < tree.nodes.size(); ++s) {
+    for (std::size_t k = tree.nodes[s].columns.begin; k < tree.nodes[s].columns.end; ++k) node_of[k] = s;
   }
-  std::size_t taken = 0;
   for (FactorNode& node : tree.nodes) {
-    const std::size_t count = node.children.end;
-    node.children = {taken, taken};
-    taken += count;
+    const auto rows = tree.rows_of(node);
+    node.parent = rows.empty() ? tree.nodes.size() : node_of[static_cast<std::size_t>(rows.front())];
   }
-  tree.children.resize(taken);
+}
+
+void find_children(SupernodalTree& tree) {
+  std::vector<std::size_t> counts(tree.nodes.size() + 1, 0);
+  for (const FactorNode& node : tree.nodes) ++counts[node.parent];
+  std::size_t begin = 0;
+  for (std::size_t s = 0; s < tree.nodes.size(); ++s) {
+    tree.nodes[s].children = {begin, begin};
+    begin += counts[s];
+  }
+  tree.children.resize(begin);
   for (std::size_t s = 0; s < tree.nodes.size(); ++s) {
     if (tree.nodes[s].parent < tree.nodes.size()) tree.children[tree.nodes[tree.nodes[s].parent].children.end++] = s;
   }
+}
+
+/// Rows below a supernode, in one run as far as they are next to each other in the parent's front.
+void append_runs(SupernodalTree& tree, FactorNode& node, const BlockLower& A, const std::vector<std::int32_t>& front_row) {
+  node.runs.begin = tree.runs.size();
+  RowRun run;
+  for (const Index block : tree.rows_of(node)) {
+    const auto row = static_cast<std::size_t>(block);
+    if (run.length > 0 && front_row[row] != run.to + run.length) {
+      tree.runs.push_back(run);
+      run = {run.from + run.length, 0, 0};
+    }
+    if (run.length == 0) run.to = front_row[row];
+    run.length += static_cast<std::int32_t>(A.dof(row));
+  }
+  tree.runs.push_back(run);
+  node.runs.end = tree.runs.size();
 }
 
 /// Where the entries of the matrix and the rows of the children lie in each front.
 void lay_out_fronts(SupernodalTree& tree, const BlockLower& A) {
   tree.front_rows.resize(A.rows.size());
   std::vector<std::int32_t> front_row(A.blocks());
-  const auto lies_at = [&](Index row) { return front_row[static_cast<std::size_t>(row)]; };
   for (const FactorNode& node : tree.nodes) {
     Eigen::Index height = 0;
     const auto place = [&](std::size_t row) {
@@ -174,28 +198,13 @@ void lay_out_fronts(SupernodalTree& tree, const BlockLower& A) {
       height += A.dof(row);
     };
     for (std::size_t k = node.columns.begin; k < node.columns.end; ++k) place(k);
-    for (auto r = node.rows.begin; r < node.rows.end; ++r)
-      place(static_cast<std::size_t>(tree.rows[static_cast<std::size_t>(r)]));
+    for (const Index row : tree.rows_of(node)) place(static_cast<std::size_t>(row));
 
     for (auto entry = A.begin[node.columns.begin]; entry < A.begin[node.columns.end]; ++entry) {
-      tree.front_rows[static_cast<std::size_t>(entry)] = lies_at(A.rows[static_cast<std::size_t>(entry)]);
+      const auto e = static_cast<std::size_t>(entry);
+      tree.front_rows[e] = front_row[static_cast<std::size_t>(A.rows[e])];
     }
-    for (std::size_t c = node.children.begin; c < node.children.end; ++c) {
-      FactorNode& child = tree.nodes[tree.children[c]];
-      child.runs.begin = static_cast<std::int64_t>(tree.runs.size());
-      RowRun run;
-      for (auto r = child.rows.begin; r < child.rows.end; ++r) {
-        const Index row = tree.rows[static_cast<std::size_t>(r)];
-        if (run.length > 0 && lies_at(row) != run.to + run.length) {
-          tree.runs.push_back(run);
-          run = {run.from + run.length, 0, 0};
-        }
-        if (run.length == 0) run.to = lies_at(row);
-        run.length += static_cast<std::int32_t>(A.dof(static_cast<std::size_t>(row)));
-      }
-      tree.runs.push_back(run);
-      child.runs.end = static_cast<std::int64_t>(tree.runs.size());
-    }
+    for (const std::size_t child : tree.children_of(node)) append_runs(tree, tree.nodes[child], A, front_row);
   }
 }
 
@@ -203,8 +212,10 @@ void lay_out_fronts(SupernodalTree& tree, const BlockLower& A) {
 
 SupernodalTree supernodal_tree(const BlockLower& matrix) {
   SupernodalTree tree;
-  const ColumnMerger columns(matrix);
-  lay_out_nodes(tree, merged(columns.supernodes, columns.rows, matrix), columns.rows, matrix.blocks());
+  const FundamentalSupernodes fundamental(matrix);
+  lay_out_nodes(tree, relaxed(fundamental, matrix), fundamental.rows);
+  find_parents(tree, matrix.blocks());
+  find_children(tree);
   lay_out_fronts(tree, matrix);
   tree.tasks = factor_tasks(tree);
   return tree;

@@ -7,25 +7,31 @@
 #include <cstdint>
 #include <mapjoin/model/ids.hpp>
 #include <mapjoin/solve/block_lower.hpp>
+#include <span>
 #include <vector>
 
 namespace mapjoin {
 
-/// Half-open: [begin, end) of some list.
-template <typename T>
-struct Range {
-  T begin = 0;
-  T end = 0;
+/// [begin, end) of some list.
+struct Slice {
+  std::size_t begin = 0;
+  std::size_t end = 0;
+
+  std::size_t size() const { return end - begin; }
+  template <typename T>
+  std::span<const T> of(const std::vector<T>& list) const {
+    return {list.data() + begin, size()};
+  }
 };
 
 /// Block columns of L with the same rows below them, kept as one dense panel of height × width. Its front is its own rows,
 /// then those below.
 struct FactorNode {
-  Range<std::size_t> columns;
+  Slice columns;
   std::size_t parent = 0;        ///< The supernode of the first row below; the number of supernodes for a root.
-  Range<std::size_t> children;   ///< In SupernodalTree::children, ascending.
-  Range<std::int64_t> rows;      ///< Its block rows below, in SupernodalTree::rows, ascending.
-  Range<std::int64_t> runs;      ///< Where these lie in its parent's front, in SupernodalTree::runs.
+  Slice children;                ///< In SupernodalTree::children, ascending.
+  Slice rows;                    ///< Its block rows below, in SupernodalTree::rows, ascending.
+  Slice runs;                    ///< Where these lie in its parent's front, in SupernodalTree::runs.
   std::int64_t first_value = 0;  ///< Its panel in the values of L.
   Eigen::Index width = 0;        ///< Scalar columns.
   Eigen::Index height = 0;       ///< Scalar rows of the front.
@@ -54,6 +60,10 @@ struct SupernodalTree {
   std::vector<std::int32_t> front_rows;  ///< Of each entry of BlockLower::rows, its first scalar row in the front.
   std::int64_t value_count = 0;          ///< Of L.
   FactorTask tasks;                      ///< The same for any number of threads.
+
+  std::span<const std::size_t> children_of(const FactorNode& node) const { return node.children.of(children); }
+  std::span<const Index> rows_of(const FactorNode& node) const { return node.rows.of(rows); }
+  std::span<const RowRun> runs_of(const FactorNode& node) const { return node.runs.of(runs); }
 };
 
 /// By the pattern of a matrix that is in the order of its elimination (Liu, Ng & Peyton, 1993).

@@ -95,7 +95,8 @@ TEST(BashCompletion, OffersCommandsOptionsAndTheirValues) {
   EXPECT_THAT(offered_by_bash({"run", "--state", ""}), ElementsAre("absolute", "relative"));
   EXPECT_THAT(offered_by_bash({"run", "--poses-per-map", ""}), ElementsAre("auto"));
   EXPECT_THAT(offered_by_bash({"run", "--jobs", ""}), ElementsAre());
-  EXPECT_THAT(offered_by_bash({"run", "-o", ""}), ElementsAre("compopt dirnames"));
+  EXPECT_THAT(offered_by_bash({"run", "-o", ""}), ElementsAre("compopt default"));
+  EXPECT_THAT(offered_by_bash({"compare", "-o", ""}), ElementsAre("compopt dirnames"));
   EXPECT_THAT(offered_by_bash({"run", ""}), ElementsAre("compopt default"));
 }
 

@@ -50,13 +50,31 @@ TEST_F(Output, IsTheSameBytesForAnyNumberOfThreads) {
 }
 
 TEST_F(Output, TheFormatGoesByTheName) {
-  for (const std::string name : {"map.g2o", "map.tum", "map.csv"}) {
-    ASSERT_EQ(call({"solve", kLog, "-o", path(name)}).exit_code, 0);
+  for (const std::string command : {"solve", "run"}) {
+    ASSERT_TRUE(fs::create_directory(path(command)));
+    for (const std::string name : {"map.g2o", "map.tum", "map.csv"}) {
+      const Ended ended = call({command, kLog, "-o", path(command + "/" + name)});
+      EXPECT_EQ(ended.exit_code, 0) << ended.err;
+    }
+    EXPECT_EQ(names_in(path(command)), (std::vector<std::string>{"map.csv", "map.features.csv", "map.g2o", "map.tum"}));
+    EXPECT_THAT(content_of(path(command + "/map.g2o")), HasSubstr("VERTEX_SE2 "));
+    EXPECT_THAT(content_of(path(command + "/map.tum")), StartsWith("# index x y z qx qy qz qw"));
+    EXPECT_THAT(content_of(path(command + "/map.csv")), StartsWith("pose,x,y,phi\n"));
+    EXPECT_THAT(content_of(path(command + "/map.features.csv")), StartsWith("feature,x,y\n"));
   }
-  EXPECT_THAT(content_of(path("map.g2o")), HasSubstr("VERTEX_SE2 "));
-  EXPECT_THAT(content_of(path("map.tum")), StartsWith("# index x y z qx qy qz qw"));
-  EXPECT_THAT(content_of(path("map.csv")), StartsWith("pose,x,y,phi\n"));
-  EXPECT_THAT(content_of(path("map.features.csv")), StartsWith("feature,x,y\n"));
+}
+
+TEST_F(Output, AFolderMayHaveTheNameOfAMap) {
+  ASSERT_TRUE(fs::create_directory(path("tested.g2o")));
+  const Ended ended = call({"run", kLog, "-o", path("tested.g2o")});
+  EXPECT_EQ(ended.exit_code, 0) << ended.err;
+  EXPECT_TRUE(fs::exists(path("tested.g2o/map.g2o")));
+}
+
+TEST_F(Output, ARunDoesNotWriteOverItsLog) {
+  ASSERT_TRUE(fs::copy_file(kLog, path("log.g2o")));
+  EXPECT_EQ(call({"run", path("log.g2o"), "-o", path("log.g2o")}).exit_code, 2);
+  EXPECT_EQ(content_of(path("log.g2o")), content_of(kLog));
 }
 
 TEST_F(Output, ABuildThatIsJoinedGivesTheMapOfARun) {

@@ -39,7 +39,7 @@ class RelativeStateTest : public ::testing::Test {
         split_(split(world_.log, {SplitRule::kPoses, J::kPosesPerMap})),
         network_(network_of(world_.log, split_, build_local_maps<kDim>(world_.log, split_, {}).value().maps)),
         piece_(whole()),
-        problem_(piece_, hold_in_world(network_, piece_)) {
+        problem_(piece_, gauge_of(network_, piece_)) {
     problem_.linearise();
     problem_.factorise(0.0);
     const Eigen::VectorXd step = 0.7 * problem_.solve();
@@ -64,6 +64,7 @@ class RelativeStateTest : public ::testing::Test {
   Piece<kDim> whole() const {
     auto joined = join_stretches(network_, {Schedule::kBatch, JoinedState::kAbsolute, {}, {}});
     EXPECT_EQ(joined.pieces.size(), 1u);
+    place_fixed_poses(network_, joined.pieces.front());
     return std::move(joined.pieces.front());
   }
 };

@@ -39,6 +39,9 @@ inline BlockLower grid_system(Index side, Random& random) {
     }
     std::sort(rows.begin(), rows.end());
     A.append_column(rows);
+  }
+  A.lay_out();
+  for (std::size_t k = 0; k < A.blocks(); ++k) {
     Eigen::Map<Eigen::MatrixXd> panel(A.values.data() + A.first_value[k], A.heights[k], A.dof(k));
     for (auto& entry : panel.reshaped()) entry = random.uniform(-1.0, 1.0);
     panel.diagonal().array() += 16.0;

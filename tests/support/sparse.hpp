@@ -10,17 +10,22 @@ namespace mapjoin::testing {
 inline BlockLower sparse(const Eigen::MatrixXd& dense, const std::vector<Eigen::Index>& dofs) {
   BlockLower matrix;
   for (const Eigen::Index dof : dofs) matrix.offsets.push_back(matrix.offsets.back() + dof);
+  const auto block = [&](std::size_t i, std::size_t j) {
+    return dense.block(matrix.offsets[i], matrix.offsets[j], dofs[i], dofs[j]);
+  };
   for (std::size_t j = 0; j < dofs.size(); ++j) {
-    const auto block = [&](std::size_t i) { return dense.block(matrix.offsets[i], matrix.offsets[j], dofs[i], dofs[j]); };
     std::vector<Index> rows{static_cast<Index>(j)};
     for (std::size_t i = j + 1; i < dofs.size(); ++i) {
-      if (!block(i).isZero(0.0)) rows.push_back(static_cast<Index>(i));
+      if (!block(i, j).isZero(0.0)) rows.push_back(static_cast<Index>(i));
     }
     matrix.append_column(rows);
+  }
+  matrix.lay_out();
+  for (std::size_t j = 0; j < dofs.size(); ++j) {
     Eigen::Map<Eigen::MatrixXd> panel(matrix.values.data() + matrix.first_value[j], matrix.heights[j], dofs[j]);
     Eigen::Index row = 0;
-    for (const Index i : rows) {
-      panel.middleRows(row, dofs[static_cast<std::size_t>(i)]) = block(static_cast<std::size_t>(i));
+    for (const Index i : matrix.rows_of(j)) {
+      panel.middleRows(row, dofs[static_cast<std::size_t>(i)]) = block(static_cast<std::size_t>(i), j);
       row += dofs[static_cast<std::size_t>(i)];
     }
     panel.topRows(dofs[j]).triangularView<Eigen::StrictlyUpper>().fill(1e9);

@@ -111,13 +111,14 @@ TEST_F(NormalEquationsTest, NameTheVariableThatNothingDetermines) {
   EXPECT_EQ(equations.factorise(0.0), 2);  // no clique mentions it
 }
 
-/// A chain of poses that see features of a strip beside it.
+/// A chain of poses that see features of a strip beside it; more cliques of three have the first feature than have colours.
 Cliques strip(Index poses, Index features) {
   Cliques cliques;
   for (Index p = 0; p < poses; ++p) {
     if (p > 0) cliques.push_back(std::array{p - 1, p});
     for (Index k = 0; k < 3; ++k) cliques.push_back(std::array{p, poses + (p * features / poses + k) % features});
-    if (p % 50 == 0) cliques.push_back(std::array{p, poses + p % features, (p + 7) % poses});
+    if (p % 5 == 0) cliques.push_back(std::array{p, poses + p % features, (p + 7) % poses});
+    if (p % 10 == 0) cliques.push_back(std::array{(p + 11) % poses, p, poses});
     if (p % 90 == 0) cliques.push_back(std::array{kConstant, p});
   }
   return cliques;
