@@ -10,6 +10,7 @@
 #include <apps/command_line.hpp>
 #include <apps/console.hpp>
 #include <apps/interruption.hpp>
+#include <apps/shrunk_input.hpp>
 #include <exception>
 #include <mapjoin/solve/dense_kernels.hpp>
 #include <new>
@@ -62,6 +63,7 @@ void keep_freed_memory() {
 ExitCode main(int argc, char** argv) {
   end_blas_threads();
   keep_freed_memory();
+  end_on_shrunk_input();
   try {
     const auto done = parse_and_run(argc, argv);
     if (done) return *done;

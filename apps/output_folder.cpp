@@ -13,6 +13,7 @@ namespace {
 
 constexpr const char* kAside = ".mapjoin-tmp";
 constexpr const char* kLock = ".lock";
+constexpr int kMostTries = 100;
 
 tl::unexpected<Error> cannot_write(const fs::path& path, const std::error_code& reason) {
   return call_failed(path, reason.value(), ErrorKind::kCannotWrite);
@@ -37,6 +38,13 @@ Expected<void> make_folder(const fs::path& folder, const fs::path& output) {
   }
   if (failure) return cannot_write(output, failure);
   return {};
+}
+
+/// Removes all but the lock.
+void clear(const fs::path& aside, std::error_code& failure) {
+  for (const auto& left : fs::directory_iterator(aside, failure)) {
+    if (left.path().filename() != kLock) fs::remove_all(left.path(), failure);
+  }
 }
 
 }  // namespace
@@ -66,14 +74,15 @@ Expected<OutputFolder> OutputFolder::create_whole(const fs::path& path) {
 
 /// Takes the folder aside for this process, and clears it.
 Expected<void> OutputFolder::begin() {
-  if (auto made = make_folder(aside_, path_); !made) return made;
-  const auto lock = open_alone(aside_ / kLock, path_);
-  if (!lock) return tl::unexpected(lock.error());
-  lock_ = *lock;
   std::error_code failure;
-  for (const auto& left : fs::directory_iterator(aside_, failure)) {
-    if (left.path().filename() != kLock) fs::remove_all(left.path(), failure);
+  for (int tries = 0; lock_ < 0; ++tries) {
+    if (auto made = make_folder(aside_, path_); !made) return made;
+    const auto lock = open_alone(aside_ / kLock, path_);
+    // Another process may have done with it, and removed it, just now.
+    if (!lock && (tries == kMostTries || fs::exists(aside_, failure))) return tl::unexpected(lock.error());
+    if (lock) lock_ = *lock;
   }
+  clear(aside_, failure);
   return failure ? cannot_write(path_, failure) : Expected<void>();
 }
 
@@ -86,12 +95,12 @@ OutputFolder::OutputFolder(OutputFolder&& other) noexcept
 
 OutputFolder::~OutputFolder() {
   std::error_code ignored;
-  if (lock_ < 0) {
-    fs::remove(aside_, ignored);  // Not where another process has it, whose lock is in it.
-  } else {
-    if (!aside_.empty()) fs::remove_all(aside_, ignored);
-    ::close(lock_);
+  if (lock_ >= 0 && !aside_.empty()) {
+    clear(aside_, ignored);
+    fs::remove(aside_ / kLock, ignored);
   }
+  fs::remove(aside_, ignored);  // Not where another process has it, whose lock is in it.
+  if (lock_ >= 0) ::close(lock_);
   for (const fs::path& folder : made_) fs::remove(folder, ignored);  // Not where something is in it.
 }
 

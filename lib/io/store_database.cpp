@@ -5,17 +5,19 @@
 #include <algorithm>
 #include <limits>
 #include <mapjoin/io/store_database.hpp>
+#include <system_error>
 
 namespace mapjoin::store {
 namespace {
 
 /// What is wrong with a store, where SQLite's words are about something else.
-std::string_view reason_of(sqlite3* database, ErrorKind kind) {
+std::string reason_of(sqlite3* database, ErrorKind kind) {
   const int status = sqlite3_errcode(database);
   if (status == SQLITE_BUSY) return "another process is writing it";
   // Only what writes it can bring back what was there before.
   if (status == SQLITE_READONLY && kind == ErrorKind::kBadInput) return "unfinished store: its writer was interrupted";
-  return sqlite3_errmsg(database);
+  const int reason = status == SQLITE_IOERR ? sqlite3_system_errno(database) : 0;
+  return reason != 0 ? std::generic_category().message(reason) : sqlite3_errmsg(database);
 }
 
 tl::unexpected<Error> error_of(sqlite3* database, const std::string& file, ErrorKind kind) {

@@ -20,6 +20,7 @@ using store::Statement;
 struct Header {
   std::int64_t application_id = 0;
   std::int64_t version = 0;
+  bool is_alone = false;  ///< Reading needs no other files beside it.
 };
 
 /// Nothing where the file does not begin as an SQLite file does.
@@ -35,7 +36,8 @@ std::optional<Header> read_header(const fs::path& path) {
     for (std::size_t i = at; i < at + 4; ++i) value = value << 8 | static_cast<unsigned char>(bytes[i]);
     return std::int64_t{value};
   };
-  return Header{big_endian(68), big_endian(60)};
+  constexpr char kRollback = 1;  // Not a write-ahead log.
+  return Header{big_endian(68), big_endian(60), bytes[18] == kRollback && bytes[19] == kRollback};
 }
 
 /// The map in the current row of a SELECT of all columns of `maps`; nothing where the sizes do not agree.
@@ -118,6 +120,7 @@ Expected<AnyStoredMaps> read_store(const fs::path& path) {
     return bad_input(fmt::format("{}: a mapjoin store of version {}; this mapjoin reads version {}", file, header->version,
                                  store::kVersion));
   }
+  if (!header->is_alone) return bad_input(fmt::format("{}: damaged store: it asks for a write-ahead log", file));
   auto database = Database::open_read_only(path);
   if (!database) return tl::unexpected(database.error());
   const auto sound = store::check_database(*database, file);

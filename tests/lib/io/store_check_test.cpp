@@ -34,12 +34,20 @@ TEST(StoreCheck, NothingDamagedGetsThrough) {
            "UPDATE maps SET base = 1 WHERE stretch = 3",
            "UPDATE maps SET chi2 = 9e999 WHERE stretch = 3",
            "UPDATE maps SET poses = x'ffffff7f' WHERE stretch = 3",
+           "UPDATE maps SET stretch = -1 WHERE stretch = 0",
            "UPDATE maps SET poses = x'0000' WHERE stretch = 3",
            "UPDATE maps SET poses = x'' WHERE stretch = 3",
            "UPDATE maps SET features = zeroblob(20) WHERE stretch = 3",
            "UPDATE maps SET features = zeroblob(40) WHERE stretch = 3",
            "UPDATE maps SET pose_estimates = zeroblob(48) WHERE stretch = 3",
            "UPDATE maps SET feature_estimates = zeroblob(16) WHERE stretch = 3",
+           "UPDATE maps SET features = x'ffffffff' || substr(features, 5) WHERE stretch = 3",
+           "UPDATE maps SET features = substr(features, 1, 4) || substr(features, 1, 4) || substr(features, 9) WHERE stretch = "
+           "3",
+           "UPDATE maps SET pose_estimates = x'000000000000f87f' || substr(pose_estimates, 9) WHERE stretch = 3",
+           "UPDATE maps SET feature_estimates = x'000000000000f87f' || substr(feature_estimates, 9) WHERE stretch = 3",
+           "UPDATE maps SET information = x'000000000000f87f' || substr(information, 9) WHERE stretch = 3",
+           "UPDATE maps SET information = information || zeroblob(8) WHERE stretch = 3",
            "UPDATE maps SET information = zeroblob(16) WHERE stretch = 3",
            "UPDATE maps SET information = NULL WHERE stretch = 3",
            "UPDATE maps SET information = 'text' WHERE stretch = 3",
@@ -62,6 +70,10 @@ TEST(StoreCheck, NothingDamagedGetsThrough) {
            "UPDATE records SET data = substr(data, 1, 12) || substr(data, 1, 12) || substr(data, 25) WHERE name = 'poses'",
            "UPDATE records SET data = substr(data, 9, 8) || substr(data, 1, 8) || substr(data, 17) WHERE name = 'features'",
            "UPDATE records SET data = data || data WHERE name = 'fixed'",
+           "UPDATE records SET data = data || data WHERE name = 'poses'",
+           "UPDATE records SET data = x'000000000000f87f' || substr(data, 9) WHERE name = 'initial_features'",
+           "INSERT INTO records VALUES ('odometry', -1, x'00')",
+           "INSERT INTO records VALUES ('sessions', 1, zeroblob(8))",
            "DELETE FROM records",
            "DELETE FROM info WHERE key = 'dimension'",
            "UPDATE info SET value = '4' WHERE key = 'dimension'",
@@ -69,6 +81,8 @@ TEST(StoreCheck, NothingDamagedGetsThrough) {
            "UPDATE info SET value = '-1' WHERE key = 'unassociated'",
            "UPDATE info SET value = 'many' WHERE key = 'repeated_edges'",
            "DELETE FROM info WHERE key = 'pose_error'",
+           "UPDATE info SET value = '99999999999999999999' WHERE key = 'repeated_edges'",
+           "PRAGMA journal_mode = WAL",
            "CREATE TABLE more (a)",
            "CREATE TRIGGER t AFTER INSERT ON maps BEGIN DELETE FROM maps; END",
            "DROP TABLE maps; CREATE VIEW maps AS SELECT 1",
@@ -80,6 +94,7 @@ TEST(StoreCheck, NothingDamagedGetsThrough) {
     ASSERT_FALSE(stored) << sql;
     EXPECT_EQ(stored.error().kind, ErrorKind::kBadInput) << sql;
     EXPECT_THAT(stored.error().message, HasSubstr("maps.mapjoin: ")) << sql;
+    EXPECT_EQ(std::distance(std::filesystem::directory_iterator(folder.path()), {}), 1) << "left beside it: " << sql;
   }
 }
 

@@ -10,8 +10,7 @@
 #include <chrono>
 #include <functional>
 #include <iostream>
-#include <map>
-#include <tests/apps/command.hpp>
+#include <tests/apps/writing_calls.hpp>
 #include <tests/support/how_often.hpp>
 #include <tests/support/random.hpp>
 #include <thread>
@@ -21,24 +20,10 @@ namespace {
 
 namespace fs = std::filesystem;
 using ::testing::AnyOf;
-using Words = std::vector<std::string>;
 using Seconds = std::chrono::duration<double>;
-using Files = std::map<std::string, std::string>;
 
 constexpr double kBeyondTheEnd = 1.15;  ///< Some moments lie behind the end of the call.
 const std::string kOld = "what was there before\n";
-
-/// The bytes of every file in a folder and below it; of a report, which has times in it, whether it is whole.
-Files files_in(const fs::path& folder) {
-  Files files;
-  for (const auto& entry : fs::recursive_directory_iterator(folder)) {
-    if (!entry.is_regular_file()) continue;
-    std::string content = content_of(entry.path());
-    if (entry.path().filename() == "report.json" && nlohmann::json::accept(content)) content = "a report";
-    files[fs::relative(entry.path(), folder).string()] = std::move(content);
-  }
-  return files;
-}
 
 bool is_temporary(const std::string& name) {
   return name.find(".mapjoin-tmp") != name.npos;
@@ -51,12 +36,6 @@ Files outputs_in(const fs::path& folder) {
   return files;
 }
 
-/// A call that writes into the folder it is given.
-struct Writing {
-  std::function<Words(const std::string& folder)> words;
-  bool replaces = true;  ///< What is there already.
-};
-
 class Stopped : public ::testing::Test {
  protected:
   void SetUp() override {
@@ -68,7 +47,7 @@ class Stopped : public ::testing::Test {
     fs::create_directory(out);
   }
   /// How long a call takes undisturbed; what it writes is in the folder then.
-  Seconds time_of(const Writing& writing) const {
+  Seconds time_of(const WritingCall& writing) const {
     Seconds longest{0.0};
     for (int k = 0; k < 2; ++k) {
       empty();
@@ -79,7 +58,7 @@ class Stopped : public ::testing::Test {
     return longest;
   }
   /// What is in the folder after a call that was sent the signal at a random moment.
-  Ended stop(const Writing& writing, Seconds whole, int signal) {
+  Ended stop(const WritingCall& writing, Seconds whole, int signal) {
     Process process(command_line(writing.words(out)));
     std::this_thread::sleep_for(random.uniform(0.0, kBeyondTheEnd) * whole);
     process.send(signal);
@@ -97,7 +76,6 @@ class Stopped : public ::testing::Test {
   /// Stops every call of those below `times` times; `check` sees how it ended and what it left.
   void stop_all(int times, const std::vector<int>& signals,
                 const std::function<void(const Ended&, const Files& found, const Files& expected)>& check);
-  std::vector<Writing> all() const;
 
   TemporaryFolder folder;
   const std::string log = (folder.path() / "log.g2o").string();
@@ -107,27 +85,11 @@ class Stopped : public ::testing::Test {
   const int kills = how_often("MAPJOIN_KILLS", 16);
 };
 
-std::vector<Writing> Stopped::all() const {
-  const auto call_of = [](Words words, const std::string& name) {
-    return [=](const std::string& folder) {
-      Words all = words;
-      all.insert(all.end(), {folder + "/" + name, "--quiet"});
-      return all;
-    };
-  };
-  return {{call_of({"run", log, "--covariances", "--relations", "-o"}, "map")},
-          {call_of({"join", maps, "--covariances", "-o"}, "map.csv")},
-          {call_of({"solve", log, "-o"}, "map.g2o")},
-          {call_of({"plot", maps, "-o"}, "map.html")},
-          {call_of({"convert", log}, "log.mat")},
-          {call_of({"convert", maps, "--to", "maps-text"}, "maps"), false},
-          {call_of({"simulate", "--poses", "1000", "--truth", out + "/truth.csv", "-o"}, "log.g2o")}};
-}
-
 void Stopped::stop_all(int times, const std::vector<int>& signals,
                        const std::function<void(const Ended&, const Files&, const Files&)>& check) {
   int before_the_end = 0;
-  for (const Writing& writing : all()) {
+  const std::vector<WritingCall> calls = writing_calls(log, maps);
+  for (const WritingCall& writing : calls) {
     const Seconds whole = time_of(writing);
     const Files expected = outputs_in(out);
     SCOPED_TRACE(::testing::PrintToString(writing.words(out)));
@@ -152,15 +114,15 @@ void Stopped::stop_all(int times, const std::vector<int>& signals,
     }
   }
   std::cout << fmt::format("{} of {} calls stopped before all of their outputs were there\n", before_the_end,
-                           times * static_cast<int>(all().size()));
+                           times * static_cast<int>(calls.size()));
 }
 
 TEST_F(Stopped, ABuildThatIsKilledGoesOnFromAnyMomentToTheSameBytes) {
   const std::string long_log = (folder.path() / "long.g2o").string();
   ASSERT_EQ(call({"simulate", "--poses", "4000", "-o", long_log, "--quiet"}).exit_code, 0);
-  const Writing build{[&](const std::string& where) {
-    return Words{"build", long_log,  "-o",       where + "/maps",       "--poses-per-map",
-                 "2",     "--quiet", "--report", where + "/report.json"};
+  const WritingCall build{[&](const std::string& where) {
+    return std::vector<std::string>{"build",         long_log,   "--poses-per-map",     "2", "--quiet", "-o",
+                                    where + "/maps", "--report", where + "/report.json"};
   }};
   const Seconds whole = time_of(build);
   const Files expected = files_in(out);
