@@ -2,6 +2,11 @@
 // The camera and what moves it: pan, zoom at the pointer, in space rotate. Zoom is in pixels per metre.
 "use strict";
 
+const kSlowFrame = 50; // ms
+const kFastFrame = 25;
+const kLeastShare = 0.01;
+const kRest = 200; // ms without a move
+
 class View {
   constructor(canvas, scene) {
     this.canvas = canvas;
@@ -14,6 +19,7 @@ class View {
     this.camera = new THREE.OrthographicCamera(-1, 1, 1, -1, 0, 40 * this.radius);
     this.camera.up.set(0, this.dimension === 2 ? 1 : 0, this.dimension === 2 ? 0 : 1);
     this.onDraw = [];
+    this.share = 1;
     this.makeControls();
     this.resize();
     this.fit();
@@ -29,7 +35,7 @@ class View {
       controls.mouseButtons = { LEFT: THREE.MOUSE.PAN, MIDDLE: THREE.MOUSE.DOLLY, RIGHT: THREE.MOUSE.PAN };
       controls.touches = { ONE: THREE.TOUCH.PAN, TWO: THREE.TOUCH.DOLLY_PAN };
     }
-    controls.addEventListener("change", () => this.draw());
+    controls.addEventListener("change", () => this.move());
     this.controls = controls;
     // What is under the pointer stays there: the controls zoom about the middle, and this listener comes after theirs.
     this.canvas.addEventListener("wheel", (event) => this.keepUnder(event.clientX, event.clientY));
@@ -99,6 +105,23 @@ class View {
     };
   }
 
+  /// The camera has moved: while it does, so much of large layers is drawn as leaves the motion smooth; all once it rests.
+  move() {
+    this.isMoving = true;
+    clearTimeout(this.rest);
+    this.rest = setTimeout(() => {
+      this.isMoving = false;
+      this.draw();
+    }, kRest);
+    this.draw();
+  }
+
+  /// The share to draw while moving, by what the last frame took (ms).
+  adapt(taken) {
+    if (taken > kSlowFrame) this.share = Math.max(kLeastShare, this.share * Math.max(0.2, (0.7 * kSlowFrame) / taken));
+    if (taken < kFastFrame) this.share = Math.min(1, 1.2 * this.share);
+  }
+
   /// Soon, and once for however many calls.
   draw() {
     if (this.isDrawing) return;
@@ -109,7 +132,10 @@ class View {
   drawNow() {
     this.isDrawing = false;
     for (const listener of this.onDraw) listener();
+    drawShare(this.world, this.isMoving ? this.share : 1);
+    const begin = performance.now();
     this.renderer.render(this.world, this.camera);
+    if (this.isMoving) requestAnimationFrame(() => this.adapt(performance.now() - begin));
   }
 }
 

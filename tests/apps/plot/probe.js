@@ -66,6 +66,31 @@ function drag(pose, dx, dy) {
   return { before, after: pixelsOf(pose) };
 }
 
+const median = (values) => values.slice().sort((a, b) => a - b)[values.length >> 1];
+
+/// How long a frame takes (ms) at rest, and in motion once as much is drawn as the machine can; the share that this is; and whether
+/// the picture is the same again afterwards.
+function moveAndRest() {
+  const { view } = viewer;
+  const before = fingerprint();
+  const gl = view.renderer.getContext();
+  const frame = () => {
+    const begin = performance.now();
+    view.drawNow();
+    gl.readPixels(0, 0, 1, 1, gl.RGBA, gl.UNSIGNED_BYTE, new Uint8Array(4)); // waits for it
+    return performance.now() - begin;
+  };
+  const times = (count, after) => Array.from({ length: count }, () => after(frame()));
+  const atRest = median(times(5, (taken) => taken));
+  view.move();
+  times(20, (taken) => view.adapt(taken));
+  const { share } = view;
+  const inMotion = median(times(5, (taken) => taken));
+  clearTimeout(view.rest);
+  view.isMoving = false;
+  return { atRest, inMotion, share, comesBack: fingerprint() === before };
+}
+
 /// What the panel says of the local map of a number, typed in as a user does.
 function pickLocalMap(number) {
   const field = document.getElementById("local-map-number");

@@ -1,8 +1,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <fstream>
+#include <iostream>
 #include <tests/apps/command.hpp>
 
 namespace mapjoin::testing {
@@ -88,6 +91,25 @@ TEST_F(ViewerPage, DrawsAndSwitchesItsLayersWithoutComplaint) {
   }
   EXPECT_THAT(names, ::testing::ElementsAre("truth", "end poses", "local maps", "poses", "trajectory", "features",
                                             "3σ of poses", "3σ of features", "odometry alone"));
+}
+
+TEST_F(ViewerPage, MovesSmoothlyWithAHundredThousandPoses) {
+  std::string map;
+  for (int k = 0; k < 100000; ++k) {
+    const double turn = 0.01 * k;
+    map += fmt::format("VERTEX_SE2 {} {} {} {}\n", k, 0.5 * turn * std::cos(turn), 0.5 * turn * std::sin(turn), turn);
+    if (k > 0) map += fmt::format("EDGE_SE2 {} {} 1 0 0.01 1 0 0 1 0 1\n", k - 1, k);
+    if (k % 5 == 0) map += fmt::format("VERTEX_XY {} {} {}\n", 200000 + k, 0.5 * turn * std::cos(turn + 0.3), 0.5 * turn);
+    if (k % 5 == 0) map += fmt::format("EDGE_SE2_XY {} {} 1 1 1 0 1\n", k, 200000 + k);
+  }
+  const Json found = found_on(page_of({folder.file("map.g2o", map).string()}), "moveAndRest()");
+  EXPECT_EQ(found["errors"], Json::array());
+  EXPECT_TRUE(found["comesBack"]) << "the whole map after a move";
+  std::cout << "ms a frame, at rest and in motion: " << found["atRest"] << ", " << found["inMotion"] << '\n';
+  if (found["atRest"] > 100.0) {
+    EXPECT_LT(found["inMotion"], 0.6 * found["atRest"].get<double>());
+    EXPECT_LT(found["share"], 1.0);
+  }
 }
 
 TEST_F(ViewerPage, TellsWhatIsUnderThePointer) {
