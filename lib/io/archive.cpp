@@ -5,6 +5,7 @@
 #include <charconv>
 #include <mapjoin/io/archive.hpp>
 #include <mapjoin/io/file_bytes.hpp>
+#include <mapjoin/io/text_scanner.hpp>
 #include <numeric>
 #include <optional>
 #include <set>
@@ -81,7 +82,7 @@ Expected<void> visit_members(const fs::path& path, std::string_view rest, const 
     if (!member) return damaged("a member's header is wrong");
     rest.remove_prefix(kBlock);
     const std::string name(without_folders(long_name.empty() ? member->name : long_name));
-    if (member->size > rest.size()) return damaged("it ends inside " + name);
+    if (member->size > rest.size()) return damaged("it ends inside " + in_quotes(name));
     const std::string_view content = rest.substr(0, member->size);
     if (member->type == 'L') {  // GNU's long name.
       long_name = up_to_null(content);

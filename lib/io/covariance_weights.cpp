@@ -15,7 +15,10 @@ Matrix<Size> inverse_of(const Matrix<Size>& covariance, TextScanner& text) {
 template <int Size>
 Fault covariance_of(const Matrix<Size>& information, Matrix<Size>& covariance) {
   const auto inverse = information_of_covariance<Size>(information);
-  if (!inverse) return "has an information matrix that is singular, and so no covariance";
+  // Nor is it one that readers would not take.
+  if (!inverse || !information_of_covariance<Size>(*inverse)) {
+    return "has an information matrix that is singular, and so no covariance";
+  }
   covariance = *inverse;
   return std::nullopt;
 }
@@ -46,6 +49,7 @@ Fault put_covariance_point(const MeasuredPoint<2>& point, TextLine& line) {
 
 template Fault covariance_of(const Matrix<2>&, Matrix<2>&);
 template Fault covariance_of(const Matrix<3>&, Matrix<3>&);
+template Fault covariance_of(const Matrix<Eigen::Dynamic>&, Matrix<Eigen::Dynamic>&);
 template Matrix<2> inverse_of(const Matrix<2>&, TextScanner&);
 template Matrix<3> inverse_of(const Matrix<3>&, TextScanner&);
 

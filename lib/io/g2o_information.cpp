@@ -25,7 +25,7 @@ template <int Dim>
 PointMatrix<Dim> turned_to_parent(const PointMatrix<Dim>& W, const Rotation<Dim>& rotation) {
   const PointMatrix<Dim> R = rotation.matrix();
   const PointMatrix<Dim> turned = R * W * R.transpose();
-  return 0.5 * (turned + turned.transpose());
+  return 0.5 * turned + 0.5 * turned.transpose();
 }
 
 template PoseMatrix<2> from_g2o<2>(const PoseMatrix<2>&, const Pose<2>&, const ReadOptions&);

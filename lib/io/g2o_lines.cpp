@@ -87,7 +87,9 @@ class LineReader {
     PointMatrix<Dim> W = turned_to_parent<Dim>(text_.symmetric<Dim>(), sensor->rotation);
     if (auto line = text_.finish_line(); !line) return line;
     if (const auto fault = check_.fault(W)) return unfit(place, pose.key, feature.key, *fault);
-    read_.lines.push_back(G2oObservation<Dim>{pose, feature, transform(*sensor, seen), W});
+    const Point<Dim> measured = transform(*sensor, seen);
+    if (!measured.allFinite()) return text_.error(place, fmt::format("{} is too far away", to_string(feature)));
+    read_.lines.push_back(G2oObservation<Dim>{pose, feature, measured, W});
     return {};
   }
 

@@ -18,11 +18,14 @@
 namespace mapjoin {
 namespace {
 
-enum class Extent : std::uint8_t { kWhole, kPart };
-
 /// Pieces of a file are read side by side, so many at once; what they say is taken in their order.
 constexpr std::size_t kPieceBytes = 1 << 16;
 constexpr std::size_t kPiecesAtOnce = 64;
+
+struct Extent {
+  bool is_whole = true;  ///< Else some lines of a file.
+  std::size_t piece_bytes = kPieceBytes;
+};
 
 template <int Dim>
 class G2oReader {
@@ -36,14 +39,14 @@ class G2oReader {
                   .rotation_information = Dim == 3 ? options.rotation_information : RotationInformation::kVector}) {}
 
   Expected<Log<Dim>> read() {
-    const std::vector<TextScanner> pieces = begin_.pieces(kPieceBytes);
+    const std::vector<TextScanner> pieces = begin_.pieces(extent_.piece_bytes);
     const bool sees_features = make_room(pieces);
     const Expected<G2oOffsets> offsets = Dim == 3 && sees_features ? read_g2o_offsets(begin_) : G2oOffsets{};
     for (std::size_t first = 0; first < pieces.size(); first += kPiecesAtOnce) {
       std::vector<G2oLines<Dim>> read(std::min(kPiecesAtOnce, pieces.size() - first));
       parallel_for(read.size(), [&](std::size_t k) { read[k] = read_g2o_lines<Dim>(pieces[first + k], options_, offsets); });
       for (const auto& piece : read) {
-        for (const auto& line : piece.lines) std::visit([this](const auto& known) { take(known); }, line);
+        for (const auto& line : piece.lines) std::visit([this](const auto& known) { this->take(known); }, line);
         if (piece.fault) return tl::unexpected(*piece.fault);
         repaired_ += piece.repaired;
       }
@@ -51,7 +54,7 @@ class G2oReader {
     if (auto declared = check_declarations(); !declared) return tl::unexpected(declared.error());
     auto log = std::move(builder_).finish();
     if (log) log->conventions.repaired_informations = repaired_;
-    if (log && extent_ == Extent::kWhole && has_vertices() &&
+    if (log && extent_.is_whole && has_vertices() &&
         (log->poses.size() > poses_.size() || log->features.size() > features_.size())) {
       return tl::unexpected(undeclared());
     }
@@ -91,7 +94,7 @@ class G2oReader {
     builder_.add_feature(vertex.id, vertex.point);
   }
   void take(const G2oFix& fix) {
-    if (extent_ == Extent::kPart) return;
+    if (!extent_.is_whole) return;
     for (const PoseId& id : fix.ids) builder_.fix(id);
   }
   void take(const G2oPoseEdge<Dim>& edge) { builder_.add_pose_edge(edge.base, edge.target, edge.measured, edge.information); }
@@ -164,11 +167,15 @@ bool is_g2o_tag(std::string_view tag) {
 }
 
 Expected<AnyLog> read_g2o(TextScanner text, const ReadOptions& options) {
-  return read(text, options, Extent::kWhole);
+  return read(text, options, {});
+}
+
+Expected<AnyLog> read_g2o_in_pieces(TextScanner text, const ReadOptions& options, std::size_t piece_bytes) {
+  return read(text, options, {.piece_bytes = piece_bytes});
 }
 
 Expected<AnyLog> read_g2o_part(TextScanner text, const ReadOptions& options) {
-  return read(text, options, Extent::kPart);
+  return read(text, options, {.is_whole = false});
 }
 
 }  // namespace mapjoin

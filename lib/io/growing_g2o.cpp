@@ -97,7 +97,15 @@ Expected<std::optional<AnyLog>> GrowingG2o::appended() {
 
 Expected<std::optional<AnyLog>> GrowingG2o::rest() {
   if (fault_) return tl::unexpected(*fault_);
-  return take_until(text_.size());
+  auto news = take_until(text_.size());
+  if (!news || *news || taken_ == text_.size()) return news;
+  // Lines without an edge have waited for one: they are the whole's.
+  if (const auto all = read_g2o(TextScanner(path_.string(), text_), options_); !all) {
+    fault_ = all.error();
+    return tl::unexpected(*fault_);
+  }
+  taken_ = text_.size();
+  return news;
 }
 
 /// Lines without an edge wait for one.

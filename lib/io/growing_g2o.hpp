@@ -23,7 +23,7 @@ class GrowingG2o {
   /// have. Bad input, with the line, where one is wrong: what stands before it was given by the call before, and nothing
   /// comes any more. Bad input, too, where the file was cut.
   Expected<std::optional<AnyLog>> appended();
-  /// The same with a last line that has no end yet.
+  /// The same with a last line that has no end yet; there is no more to come.
   Expected<std::optional<AnyLog>> rest();
   /// How many bytes are in the file, of which those at the end may be half a line.
   std::size_t size() const { return text_.size(); }

@@ -11,13 +11,18 @@ namespace {
 /// Relative to the largest entry or eigenvalue: above the round-off of a factorisation, below any deliberate figure.
 constexpr double kRoundOff = 1e-9;
 
+/// Halved first: the sum of two finite numbers may not be one.
+template <int Size>
+Matrix<Size> symmetric_part(const Matrix<Size>& M) {
+  return 0.5 * M + 0.5 * M.transpose();
+}
+
 /// In Frobenius norm: eigenvalues clipped at zero.
 template <int Size>
 Matrix<Size> nearest_semidefinite(const Matrix<Size>& W) {
   const Eigen::SelfAdjointEigenSolver<Matrix<Size>> eigen(W);
   const Matrix<Size>& V = eigen.eigenvectors();
-  const Matrix<Size> clipped = V * eigen.eigenvalues().cwiseMax(0.0).asDiagonal() * V.transpose();
-  return 0.5 * (clipped + clipped.transpose());
+  return symmetric_part<Size>(V * eigen.eigenvalues().cwiseMax(0.0).asDiagonal() * V.transpose());
 }
 
 }  // namespace
@@ -29,7 +34,7 @@ std::optional<Matrix<Size>> information_of_covariance(const Matrix<Size>& covari
   if (llt.info() != Eigen::Success) return std::nullopt;
   const Matrix<Size> inverse = llt.solve(Matrix<Size>::Identity(covariance.rows(), covariance.cols()));
   if (!inverse.allFinite()) return std::nullopt;
-  return Matrix<Size>(0.5 * (inverse + inverse.transpose()));
+  return symmetric_part<Size>(inverse);
 }
 
 template <int Size>
@@ -39,7 +44,7 @@ std::optional<std::string> make_symmetric(Matrix<Size>& M) {
   if (asymmetry > kRoundOff * M.cwiseAbs().maxCoeff()) {
     return fmt::format("is not symmetric (entries across the diagonal differ by up to {:.6g})", asymmetry);
   }
-  if (asymmetry > 0.0) M = Matrix<Size>(0.5 * (M + M.transpose()));
+  if (asymmetry > 0.0) M = symmetric_part<Size>(M);
   return std::nullopt;
 }
 
@@ -54,6 +59,7 @@ std::optional<std::string> InformationCheck::fault(Matrix<Size>& W) {
   if (smallest >= -kRoundOff * largest) return std::nullopt;
   if (!repair_) return fmt::format("is indefinite (eigenvalues from {:.6g} to {:.6g})", smallest, largest);
   W = nearest_semidefinite<Size>(W);
+  if (!W.allFinite()) return "is indefinite and too large to be repaired";
   ++repaired_;
   return std::nullopt;
 }

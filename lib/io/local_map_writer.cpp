@@ -3,10 +3,10 @@
 
 #include <algorithm>
 #include <mapjoin/geometry/euler.hpp>
+#include <mapjoin/io/covariance_weights.hpp>
 #include <mapjoin/io/double_id.hpp>
 #include <mapjoin/io/edge_text.hpp>
 #include <mapjoin/io/euler_angles.hpp>
-#include <mapjoin/io/information.hpp>
 #include <mapjoin/io/local_map_writer.hpp>
 #include <mapjoin/io/mat_writer.hpp>
 #include <mapjoin/io/output_file.hpp>
@@ -94,10 +94,10 @@ std::optional<std::string> mat_of(const Rows& rows) {
     const Eigen::MatrixXd start = Eigen::MatrixXd::Constant(1, 1, static_cast<double>(rows.number - 1));
     return mat_bytes({{"st", state}, {"I", rows.information}, {"Ref", start}});
   }
-  const auto covariance = information_of_covariance<Eigen::Dynamic>(rows.information);
-  if (!covariance) return std::nullopt;
+  Eigen::MatrixXd covariance;
+  if (covariance_of<Eigen::Dynamic>(rows.information, covariance)) return std::nullopt;
   Eigen::MatrixXd P = Eigen::MatrixXd::Zero(n, n);
-  P.bottomRightCorner(covariance->rows(), covariance->cols()) = *covariance;
+  P.bottomRightCorner(covariance.rows(), covariance.cols()) = covariance;
   return mat_bytes({{"localmap_st", state}, {"localmap_P", P}});
 }
 

@@ -16,6 +16,7 @@ namespace mapjoin {
 namespace {
 
 constexpr std::size_t kMaxSparseSide = 10000;
+constexpr std::size_t kLeastBytesARow = 8;  // A number at least.
 
 struct CloseMat {
   void operator()(mat_t* mat) const { Mat_Close(mat); }
@@ -43,17 +44,17 @@ Expected<Mat> open_mat(std::string_view bytes, const std::string& file) {
   return mat;
 }
 
-/// What is wrong with the variable before its data are read, or nothing.
-std::optional<Error> refusal(const matvar_t& variable) {
+/// What is wrong with the variable, in a file of so many bytes, before its data are read, or nothing.
+std::optional<Error> refusal(const matvar_t& variable, std::size_t bytes) {
   const bool sparse = variable.class_type == MAT_C_SPARSE;
   if (variable.rank != 2 || variable.isComplex != 0 || (variable.class_type != MAT_C_DOUBLE && !sparse)) {
     return Error{ErrorKind::kBadInput, "not a real matrix of doubles"};
   }
   const std::size_t rows = variable.dims[0];
   const std::size_t cols = variable.dims[1];
-  if (!sparse || std::max(rows, cols) <= kMaxSparseSide) return std::nullopt;
-  return Error{ErrorKind::kTooLarge,
-               fmt::format("sparse, {} x {}, is more than {} rows or columns", rows, cols, kMaxSparseSide)};
+  const std::size_t most = std::min(kMaxSparseSide, bytes / kLeastBytesARow);
+  if (!sparse || std::max(rows, cols) <= most) return std::nullopt;
+  return Error{ErrorKind::kTooLarge, fmt::format("sparse, {} x {}, is more than {} rows or columns", rows, cols, most)};
 }
 
 /// Empty where the indices do not fit the matrix.
@@ -99,7 +100,7 @@ Expected<MatVariables> read_mat(std::string_view bytes, const std::string& file,
   while (const Variable variable{Mat_VarReadNextInfo(mat->get())}) {
     const std::string_view name = variable->name ? variable->name : "";
     if (std::find(names.begin(), names.end(), name) == names.end()) continue;
-    if (auto error = refusal(*variable)) {
+    if (auto error = refusal(*variable, plain->size())) {
       error->message = fmt::format("{}: variable {}: {}", file, name, error->message);
       return tl::unexpected(*error);
     }

@@ -12,12 +12,16 @@
 namespace mapjoin {
 namespace {
 
-/// Of the version 5 format: the file's header; an element's tag, its type and size; types of elements; a class of matrices.
+/// Of the version 5 format: the file's header; an element's tag, its type and size; types of elements; classes of matrices.
 constexpr std::size_t kHeaderSize = 128;
 constexpr std::size_t kTagSize = 8;
 constexpr std::uint32_t kMatrixElement = 14;
 constexpr std::uint32_t kCompressedElement = 15;
+constexpr std::uint32_t kSparseClass = 5;
 constexpr std::uint32_t kDoubleClass = 6;
+/// Matrices of characters or numbers; other classes, cells and structures among them, hold variables in their turn.
+constexpr std::uint32_t kFirstMatrixClass = 4;
+constexpr std::uint32_t kLastMatrixClass = 15;
 
 /// Version and byte order.
 constexpr std::string_view kVersion5("\0\1IM", 4);
@@ -56,12 +60,12 @@ struct Part {
   std::size_t end = 0;
 };
 
-/// How many numbers a part has room for.
-std::size_t numbers(const Part& part) {
+/// How many numbers a part has room for; nothing where its type is none of numbers.
+std::optional<std::size_t> numbers(const Part& part) {
   // Bytes of a number of the types 1 to 13, int8 to uint64; 0 is no number.
   constexpr std::size_t kWidths[] = {0, 1, 1, 2, 2, 4, 4, 4, 0, 8, 0, 0, 8, 8};
   const std::size_t width = part.type < std::size(kWidths) ? kWidths[part.type] : 0;
-  return width == 0 ? 0 : part.size / width;
+  return width == 0 ? std::nullopt : std::optional(part.size / width);
 }
 
 /// The parts of a matrix element: flags, dimensions, name, and data; empty where they do not fill it.
@@ -81,6 +85,21 @@ std::optional<std::vector<Part>> parts(std::string_view element) {
   return all;
 }
 
+/// What a matrix element whose flags are in place holds.
+std::uint32_t class_of(std::string_view element) {
+  return word(element, 2 * kTagSize) & 0xff;
+}
+
+/// Whether the parts of a sparse matrix behind its name are the rows of its values, where its columns end, and the values.
+bool is_sparse(const std::vector<Part>& all, std::size_t cols) {
+  constexpr std::uint32_t kInt32 = 5;
+  constexpr std::uint32_t kUint32 = 6;
+  const auto are_indices = [](const Part& part) { return part.type == kInt32 || part.type == kUint32; };
+  if (all.size() < 6 || !are_indices(all[3]) || !are_indices(all[4])) return false;
+  const auto values = numbers(all[5]);
+  return numbers(all[4]) == cols + 1 && values && *values <= numbers(all[3]);
+}
+
 /// Whether a matrix element's parts fill it and a matrix of doubles has as many numbers as its dimensions say; matio reads on
 /// beyond them where they are too few.
 bool sizes_agree(std::string_view element) {
@@ -89,11 +108,14 @@ bool sizes_agree(std::string_view element) {
   const Part& flags = (*all)[0];
   const Part& dimensions = (*all)[1];
   if (flags.size != 8 || dimensions.size < 8) return false;
-  if ((word(element, flags.begin) & 0xff) != kDoubleClass) return true;
-  const std::size_t count = std::size_t{word(element, dimensions.begin)} * word(element, dimensions.begin + 4);
+  const std::uint32_t held = class_of(element);
   const bool is_matrix = dimensions.size == 8;
-  const bool is_empty = count == 0 && all->size() == 3;
-  return !is_matrix || is_empty || (all->size() > 3 && numbers((*all)[3]) == count);
+  if (!is_matrix || (held != kDoubleClass && held != kSparseClass)) return true;
+  const std::size_t rows = word(element, dimensions.begin);
+  const std::size_t cols = word(element, dimensions.begin + 4);
+  if (held == kSparseClass) return is_sparse(*all, cols);
+  const bool is_empty = rows * cols == 0 && all->size() == 3;
+  return is_empty || (all->size() > 3 && numbers((*all)[3]) == rows * cols);
 }
 
 /// What a MAT file's header says of its bytes, if anything.
@@ -132,6 +154,8 @@ Expected<std::string> checked_and_inflated(std::string_view bytes, const std::st
         !sizes_agree(inflated)) {
       return damaged();
     }
+    const std::uint32_t held = class_of(inflated);
+    if (held < kFirstMatrixClass || held > kLastMatrixClass) plain.resize(begin);
     bytes.remove_prefix(element.size());
   }
   return plain;

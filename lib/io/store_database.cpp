@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <limits>
 #include <mapjoin/io/store_database.hpp>
+#include <mapjoin/io/text_scanner.hpp>
 #include <system_error>
 
 namespace mapjoin::store {
@@ -21,7 +22,7 @@ std::string reason_of(sqlite3* database, ErrorKind kind) {
 }
 
 tl::unexpected<Error> error_of(sqlite3* database, const std::string& file, ErrorKind kind) {
-  return tl::unexpected(Error{kind, fmt::format("{}: {}", file, reason_of(database, kind))});
+  return tl::unexpected(Error{kind, fmt::format("{}: {}", file, printable(reason_of(database, kind)))});
 }
 
 }  // namespace

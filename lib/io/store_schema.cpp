@@ -2,6 +2,7 @@
 #include <fmt/format.h>
 
 #include <mapjoin/io/store_schema.hpp>
+#include <mapjoin/io/text_scanner.hpp>
 
 namespace mapjoin::store {
 namespace {
@@ -11,8 +12,10 @@ Expected<void> check_integrity(Database& database, const std::string& file) {
   if (!check) return tl::unexpected(check.error());
   const auto row = check->step();
   if (!row) return tl::unexpected(row.error());
-  if (!*row || check->bytes(0) != "ok") return bad_input(fmt::format("{}: damaged store: {}", file, check->bytes(0)));
-  return {};
+  const std::string_view found = *row ? check->bytes(0) : "its check has no result";
+  if (found == "ok") return {};
+  // What is wrong stands below a line that names the database.
+  return bad_input(fmt::format("{}: damaged store: {}", file, printable(found.substr(found.rfind('\n') + 1))));
 }
 
 /// The schema is ours to the letter.

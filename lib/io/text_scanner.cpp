@@ -32,7 +32,7 @@ bool is_tiny(std::string_view number) {
   power.remove_prefix(power[1] == '+' ? 2 : 1);
   std::int64_t exponent = 0;
   const auto status = std::from_chars(power.data(), power.data() + power.size(), exponent).ec;
-  return status == std::errc() ? exponent + point < first_digit : power.front() == '-';
+  return status == std::errc() ? exponent < first_digit - point : power.front() == '-';
 }
 
 /// The end of the number that [begin, end) opens with, or null. A number too small for a double is zero.
@@ -61,11 +61,15 @@ const char* parse_number(const char* begin, const char* end, Integer& value) {
 
 }  // namespace
 
+std::string printable(std::string_view text) {
+  std::string result(text);
+  for (char& c : result) c = c >= ' ' && c <= '~' ? c : '?';
+  return result;
+}
+
 std::string in_quotes(std::string_view word) {
   constexpr std::size_t kMost = 40;
-  std::string result = "'";
-  for (const char c : word.substr(0, kMost)) result += c >= ' ' && c <= '~' ? c : '?';
-  return result + (word.size() > kMost ? "...'" : "'");
+  return "'" + printable(word.substr(0, kMost)) + (word.size() > kMost ? "...'" : "'");
 }
 
 TextScanner::TextScanner(std::string source, std::string_view text, std::size_t lines_before)

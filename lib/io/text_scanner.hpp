@@ -87,7 +87,9 @@ class TextScanner {
   std::string failure_;  ///< The first failure of this line.
 };
 
-/// `word` in quotes for a message: shortened, and with nothing in it that a terminal would take as a command.
+/// A stranger's text for a message: nothing in it ends the line, or would be taken as a command by a terminal.
+std::string printable(std::string_view text);
+/// `word` so, shortened and in quotes.
 std::string in_quotes(std::string_view word);
 
 }  // namespace mapjoin

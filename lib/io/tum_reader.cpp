@@ -13,8 +13,10 @@ Expected<std::vector<StampedPose>> read_tum(const std::filesystem::path& path) {
   while (text.next_line()) {
     const double time = text.number();
     const Point<3> translation = text.vector<3>();
-    const Eigen::Quaterniond q(text.vector<4>());  // x, y, z, w
-    if (!(q.norm() > 0.0)) text.reject("this quaternion is zero");
+    Eigen::Quaterniond q(text.vector<4>());  // x, y, z, w
+    const double largest = q.coeffs().cwiseAbs().maxCoeff();
+    if (largest == 0.0) text.reject("this quaternion is zero");
+    q.coeffs() /= largest;  // Its square may be more than a double holds.
     if (auto whole = text.finish_line(); !whole) return tl::unexpected(whole.error());
     poses.push_back({time, {translation, Rotation<3>(q.normalized())}});
   }

@@ -62,7 +62,10 @@ TEST_F(ArchiveTest, RefusesAnArchiveThatIsCutShort) {
   const fs::path path = folder.path() / "maps.tar";
   const std::string tar = tar_of({{"a", long_text}});
   folder.file("maps.tar", tar.substr(0, 2000));
-  EXPECT_THAT(visit(path).error().message, HasSubstr("maps.tar: damaged archive: it ends inside a"));
+  EXPECT_THAT(visit(path).error().message, HasSubstr("maps.tar: damaged archive: it ends inside 'a'"));
+
+  folder.file("maps.tar", tar_of({{"\x1b[2J\n", long_text}}).substr(0, 2000));
+  EXPECT_THAT(visit(path).error().message, HasSubstr("it ends inside '?[2J?'"));
 
   write_gzipped(path, tar);
   folder.file("maps.tar", testing::bytes_of(path).substr(0, 60));

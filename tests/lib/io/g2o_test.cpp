@@ -3,7 +3,9 @@
 #include <gtest/gtest.h>
 
 #include <mapjoin/io/g2o.hpp>
+#include <mapjoin/io/g2o_part.hpp>
 #include <string>
+#include <tests/support/same_log.hpp>
 #include <vector>
 
 namespace mapjoin {
@@ -137,6 +139,18 @@ TEST(G2o, ReadsALongFileInPiecesAndNamesTheFirstFaultOfSeveral) {
   EXPECT_THAT(message(joined()), HasSubstr("some.g2o:77778:32: 'one'"));
 }
 
+TEST(G2o, InPiecesOfAnySizeTheLogIsTheSame) {
+  const std::string text =
+      kEdge2 + "VERTEX_SE2 1 1 0 0\n# a comment\nVERTEX_SE2 0 0 0 0\nVERTEX_XY 7 1 1\nEDGE_SE2_XY 1 7 1 0 2 0 2\nFIX 0\n";
+  const auto whole = read_as<2>(text);
+  for (std::size_t bytes = 1; bytes <= text.size(); ++bytes) {
+    const auto log = std::get<Log<2>>(read_g2o_in_pieces(TextScanner("some.g2o", text), {}, bytes).value());
+    testing::expect_same_log(log, whole);
+    EXPECT_EQ(log.fixed.size(), 1u);
+    EXPECT_EQ(log.initial_poses.size(), 2u);
+  }
+}
+
 TEST(G2o, NamesAnUnknownTag) {
   EXPECT_EQ(message(kEdge2 + "EDGE_SE2_OFFSET 1 2"), "some.g2o:2:1: unknown tag 'EDGE_SE2_OFFSET'");
   EXPECT_EQ(message("hello world"), "some.g2o:1:1: unknown tag 'hello'");
@@ -189,6 +203,12 @@ TEST(G2o, NamesASensorOffsetThatIsMissingOrGivenTwice) {
   const std::string edge = "EDGE_SE3_TRACKXYZ 0 1 2 1 1 1 1 0 0 1 0 1\n";
   EXPECT_EQ(message(offset + edge), "some.g2o:2:23: no PARAMS_SE3OFFSET line gives the sensor offset 2");
   EXPECT_EQ(message(offset + offset + edge), "some.g2o:2:18: sensor offset 1 is given a second time");
+}
+
+TEST(G2o, RefusesAnObservationThatLeavesTheRangeOfNumbersInTheFrameOfItsPose) {
+  const std::string turned = "PARAMS_SE3OFFSET 1 0 0 0 0 0 0.3826834323650898 0.9238795325112867\n";
+  const std::string edge = "EDGE_SE3_TRACKXYZ 0 7 1 1.7e308 -1.7e308 0 1 0 0 1 0 1\n";
+  EXPECT_EQ(message(turned + edge), "some.g2o:2:1: feature 7 is too far away");
 }
 
 TEST(G2o, RefusesAQuaternionThatIsNone) {

@@ -58,6 +58,26 @@ TEST_F(GrowingG2oTest, VerticesAndFixedPosesMayComeBeforeOrAfterTheirEdges) {
   EXPECT_EQ(whole.initial_poses.size(), 3u);
 }
 
+TEST_F(GrowingG2oTest, WhatStandsBehindTheLastEdgeIsOfTheWhole) {
+  append(kEdge01);
+  GrowingG2o file = open();
+  EXPECT_EQ(count(file.appended()), 1u);
+  append("FIX 1\n");
+  EXPECT_EQ(count(file.appended()), 0u);
+  EXPECT_EQ(count(file.rest()), 0u);
+  EXPECT_EQ(std::get<Log<2>>(file.whole().value()).fixed.size(), 1u);
+}
+
+TEST_F(GrowingG2oTest, NamesTheLineThatIsWrongBehindTheLastEdge) {
+  append(kEdge01);
+  GrowingG2o file = open();
+  EXPECT_EQ(count(file.appended()), 1u);
+  append("FIX one\n");
+  EXPECT_EQ(count(file.appended()), 0u);
+  EXPECT_THAT(file.rest().error().message, HasSubstr("log.g2o:2:5: 'one' stands where an id is expected"));
+  EXPECT_EQ(std::get<Log<2>>(file.whole().value()).odometry.size(), 1u);
+}
+
 TEST_F(GrowingG2oTest, ASensorOffsetIsHeededByLaterObservations) {
   append("PARAMS_SE3OFFSET 4 0 0 5 0 0 0 1\nEDGE_SE3_TRACKXYZ 0 7 4 1 2 3 1 0 0 1 0 1\n");
   GrowingG2o file = open();

@@ -76,6 +76,13 @@ TYPED_TEST(InformationTest, AveragesRoundOffAcrossTheDiagonalAndRefusesMore) {
   EXPECT_THAT(InformationCheck(true).fault(W).value_or(""), HasSubstr("is not symmetric"));
 }
 
+TYPED_TEST(InformationTest, IsFiniteHoweverLarge) {
+  const Matrix<TestFixture::kSize> P = 6e-309 * Matrix<TestFixture::kSize>::Identity();
+  const auto W = information_of_covariance<TestFixture::kSize>(P);
+  ASSERT_TRUE(W);
+  EXPECT_NEAR((*W)(0, 0) / 1e308, 1.0 / 0.6, 1e-9);
+}
+
 TYPED_TEST(InformationTest, InvertsADefiniteCovarianceOnly) {
   const auto P = this->with_smallest_eigenvalue(0.5);
   const auto W = information_of_covariance<TestFixture::kSize>(P);

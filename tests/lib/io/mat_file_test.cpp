@@ -85,6 +85,41 @@ TEST_F(MatFileTest, RefusesSizesThatDoNotAgreeBeforeAskingForMemory) {
   }
 }
 
+TEST_F(MatFileTest, RefusesASparseMatrixOfMoreRowsThanTheFileHasRoomForBeforeAskingForMemory) {
+  put_sparse("sparse");
+  std::string content = bytes();
+  content[160] = '\xff';  // The lowest byte of the number of rows.
+  const auto found = read_mat(content, "f.mat", {"sparse"});
+  ASSERT_FALSE(found);
+  EXPECT_EQ(found.error().kind, ErrorKind::kTooLarge);
+  EXPECT_THAT(found.error().message, HasSubstr("f.mat: variable sparse: sparse, 255 x 3, is more than "));
+}
+
+TEST_F(MatFileTest, RefusesASparseMatrixWhosePartsAreOfOtherTypes) {
+  put_sparse("sparse");
+  const std::string whole = bytes();
+  // Behind the dimensions, the tag of the name and the name: the types of the rows, of the ends of the columns, of the values.
+  for (const std::size_t at : {184u, 200u, 224u}) {
+    std::string content = whole;
+    ASSERT_THAT(content[at], ::testing::AnyOf(6, 9)) << at;
+    content[at] = '\x7f';
+    EXPECT_THAT(read_mat(content, "f.mat", {"sparse"}).error().message, HasSubstr("damaged")) << at;
+  }
+}
+
+TEST_F(MatFileTest, PassesOverCellsWhateverTheyPromise) {
+  std::size_t dims[2] = {1, 1};
+  double value = 7.0;
+  matvar_t* number = Mat_VarCreate("", MAT_C_DOUBLE, MAT_T_DOUBLE, 2, dims, &value, 0);
+  put(Mat_VarCreate("cells", MAT_C_CELL, MAT_T_CELL, 2, dims, &number, 0), MAT_COMPRESSION_NONE);
+  put("a", Eigen::MatrixXd::Ones(2, 2));
+  std::string content = bytes();
+  content[160 + 3] = '\x7f';  // Two thousand million cells.
+  const auto found = read_mat(content, "f.mat", {"a"});
+  ASSERT_TRUE(found) << found.error().message;
+  EXPECT_EQ(found->at("a"), Eigen::MatrixXd::Ones(2, 2));
+}
+
 TEST_F(MatFileTest, RefusesASparseMatrixWithAnIndexOutsideIt) {
   put_sparse("sparse", 2);
   EXPECT_EQ(read_mat(bytes(), "f.mat", {"sparse"}).error().message, "f.mat: variable sparse: its data are damaged");

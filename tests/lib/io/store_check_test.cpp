@@ -98,5 +98,21 @@ TEST(StoreCheck, NothingDamagedGetsThrough) {
   }
 }
 
+TEST(StoreCheck, SaysInOneLineThatAPageIsDamaged) {
+  const testing::TemporaryFolder folder;
+  const auto path = folder.path() / "maps.mapjoin";
+  write_store(path);
+  const std::string sound = testing::bytes_of(path);
+  constexpr std::size_t kPage = 4096;
+  for (std::size_t page = 1; page < sound.size() / kPage; ++page) {
+    std::string damaged = sound;
+    damaged.replace(page * kPage, 8, "\n\x1b[2Jno\n");
+    folder.file("maps.mapjoin", damaged);
+    const auto stored = read_store(path);
+    ASSERT_FALSE(stored) << page;
+    EXPECT_THAT(stored.error().message, ::testing::MatchesRegex("[ -~]*maps.mapjoin: damaged store: [ -~]+")) << page;
+  }
+}
+
 }  // namespace
 }  // namespace mapjoin

@@ -38,6 +38,13 @@ TEST_F(TumReader, ReadsWhatIsWritten) {
   }
 }
 
+TEST_F(TumReader, BringsQuaternionsOfAnySizeToUnitLength) {
+  const auto poses = read("0 1 2 3 0 0 1e308 1e308\n1 1 2 3 0 4.9e-324 0 0\n");
+  ASSERT_TRUE(poses) << poses.error().message;
+  EXPECT_NEAR((*poses)[0].pose.rotation.quaternion().w(), std::sqrt(0.5), 1e-15);
+  EXPECT_EQ((*poses)[1].pose.rotation.quaternion().y(), 1.0);
+}
+
 TEST_F(TumReader, NamesThePlaceOfWhatIsWrong) {
   const auto short_line = read("# time x y z qx qy qz qw\n0 1 2 3 0 0 0 1\n1 1 2 3 0 0 0\n");
   ASSERT_FALSE(short_line);
