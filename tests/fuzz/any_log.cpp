@@ -1,0 +1,17 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <mapjoin/io/open_log.hpp>
+#include <tests/fuzz/choices.hpp>
+#include <tests/fuzz/promises.hpp>
+#include <tests/fuzz/targets.hpp>
+#include <tests/support/temporary_folder.hpp>
+
+namespace mapjoin::fuzz {
+
+/// The front door: a file of whatever kind.
+void any_log(std::string_view bytes) {
+  static const testing::TemporaryFolder folder;
+  const auto path = folder.file("log", bytes);
+  check(open_log(path, choices(bytes).options), path);
+}
+
+}  // namespace mapjoin::fuzz

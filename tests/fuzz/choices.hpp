@@ -1,0 +1,29 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+// How a text is read, chosen by the text itself, so that it stays a file of its format.
+
+#include <algorithm>
+#include <cstddef>
+#include <mapjoin/io/read_options.hpp>
+#include <string_view>
+
+namespace mapjoin::fuzz {
+
+/// From a comment `#OP…` in the first line: the lower three bits of O are the options, the code of P counts bytes.
+struct Choices {
+  ReadOptions options;
+  std::size_t piece_bytes = 64;
+};
+
+inline Choices choices(std::string_view text) {
+  Choices chosen;
+  if (text.size() < 3 || text[0] != '#') return chosen;
+  const auto bits = static_cast<unsigned char>(text[1]);
+  if (bits & 1) chosen.options.pose_error = PoseError::kG2o;
+  if (bits & 2) chosen.options.rotation_information = RotationInformation::kQuaternion;
+  chosen.options.repair_information = (bits & 4) != 0;
+  chosen.piece_bytes = std::max<std::size_t>(1, static_cast<unsigned char>(text[2]));
+  return chosen;
+}
+
+}  // namespace mapjoin::fuzz

@@ -1,0 +1,25 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <mapjoin/io/store.hpp>
+#include <mapjoin/io/store_check.hpp>
+#include <tests/fuzz/promises.hpp>
+#include <tests/fuzz/targets.hpp>
+#include <tests/support/temporary_folder.hpp>
+
+namespace mapjoin::fuzz {
+
+/// What a stranger's store holds keeps the promises of the model.
+void store(std::string_view bytes) {
+  static const testing::TemporaryFolder folder;
+  const auto path = folder.file("maps.db", bytes);
+  const auto any = read_store(path);
+  if (!any) return check_error(any.error(), path);
+  const auto check_all = [](const auto& stored) {
+    check_log(stored.log);
+    std::size_t maps = 0;
+    for (const Stretch& stretch : stored.stretches) maps += stretch.is_map ? 1 : 0;
+    promise(maps == stored.maps.size(), "every stretch that is a map has one");
+  };
+  std::visit(check_all, *any);
+}
+
+}  // namespace mapjoin::fuzz

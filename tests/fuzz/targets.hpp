@@ -1,0 +1,54 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+// The fuzz targets: a function over any bytes for every reader. Each throws where its reader does not keep what it promises.
+
+#include <string_view>
+
+namespace mapjoin::fuzz {
+
+// Texts of logs. A first line `#OP`, a comment to the readers, chooses how: see choices.hpp.
+void g2o(std::string_view bytes);
+void growing_g2o(std::string_view bytes);
+void toro(std::string_view bytes);
+void isam(std::string_view bytes);
+void gtsam_text(std::string_view bytes);
+void covariance_text(std::string_view bytes);
+void trajectory(std::string_view bytes);
+// Several files in one input: see folder.hpp.
+void mrclam(std::string_view bytes);
+void local_map_folder(std::string_view bytes);
+// Local maps by themselves, named localmap_1.
+void local_map_text(std::string_view bytes);
+void local_map_mat(std::string_view bytes);
+void mat_log(std::string_view bytes);
+// Files as they are.
+void gzip(std::string_view bytes);
+void archive(std::string_view bytes);
+void store(std::string_view bytes);
+void any_log(std::string_view bytes);
+
+struct Target {
+  std::string_view name;
+  void (*run)(std::string_view bytes);
+};
+
+inline constexpr Target kTargets[] = {
+    {"g2o", g2o},
+    {"growing_g2o", growing_g2o},
+    {"toro", toro},
+    {"isam", isam},
+    {"gtsam_text", gtsam_text},
+    {"covariance_text", covariance_text},
+    {"trajectory", trajectory},
+    {"mrclam", mrclam},
+    {"local_map_folder", local_map_folder},
+    {"local_map_text", local_map_text},
+    {"local_map_mat", local_map_mat},
+    {"mat_log", mat_log},
+    {"gzip", gzip},
+    {"archive", archive},
+    {"store", store},
+    {"any_log", any_log},
+};
+
+}  // namespace mapjoin::fuzz
