@@ -31,6 +31,9 @@ concept LeastSquaresProblem = requires(P p, const Eigen::VectorXd& v, double dam
 
 namespace detail {
 
+/// What rounding may add to chi2, as a share of it.
+constexpr double kRounding = 1e-12;
+
 /// The minimiser of the model along the direction of steepest descent; it has gᵀc = cᵀHc.
 template <LeastSquaresProblem P, StepMetric M>
 ModelStep cauchy_point(P& problem, const M& metric) {
@@ -95,7 +98,8 @@ MinimiseResult minimise_in(MetricOf&& metric_of, P& problem, const MinimiseOptio
                         (size.metres <= options.step_metres && size.radians <= options.step_radians);
       const double chi2 = problem.try_step(step);
       if (last) {
-        if (chi2 <= result.chi2) {
+        // The last step may gain less than chi2 is rounded to, and still be the one to the optimum.
+        if (chi2 <= result.chi2 * (1.0 + kRounding)) {
           problem.accept();
           result.moved_to(chi2);
         }

@@ -187,6 +187,20 @@ TEST(Minimise, TheDoglegFactorisesOncePerLinearisation) {
   EXPECT_EQ(problem.factorisations, static_cast<int>(problem.visited.size()));
 }
 
+/// What rounding adds to chi2 is more than what the last step gains.
+struct RoundedProblem : DenseProblem {
+  using DenseProblem::DenseProblem;
+  double try_step(const Eigen::VectorXd& v) { return DenseProblem::try_step(v) * (1.0 + 1e-14); }
+};
+
+TEST(Minimise, TheLastStepIsTakenThoughChi2CannotShowItsGain) {
+  const auto h = [](const Eigen::VectorXd& x) { return Eigen::VectorXd(Eigen::Vector2d(x[0] - 1.0, 1e3)); };
+  RoundedProblem problem(h, Eigen::VectorXd::Constant(1, 1.0 + 1e-5));
+  const MinimiseResult result = minimise(problem, with(Method::kDogleg));
+  EXPECT_EQ(result.status, MinimiseStatus::kConverged);
+  EXPECT_NEAR(problem.estimate()[0], 1.0, 1e-9);
+}
+
 TEST(Minimise, OptionsNameEveryViolation) {
   EXPECT_TRUE(MinimiseOptions{}.validate().empty());
   MinimiseOptions options;

@@ -1,0 +1,189 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// What must not matter to a map: the order in which things are said, what they are called, and where the frame is. Over random
+// worlds, states and schedules; RC_PARAMS says how many (rapidcheck).
+#include <gtest/gtest.h>
+#include <rapidcheck.h>
+
+#include <algorithm>
+#include <cstdlib>
+#include <mapjoin/join/run.hpp>
+#include <numeric>
+#include <tests/support/dimensions.hpp>
+#include <tests/support/small_world.hpp>
+
+namespace mapjoin {
+namespace {
+
+using testing::small_world;
+using testing::WorldOptions;
+
+constexpr double kSame = 1e-9;  ///< Relative.
+
+WorldOptions any_world() {
+  WorldOptions options;
+  options.poses = *rc::gen::inRange(8, 36);
+  options.features = *rc::gen::inRange(12, 30);
+  options.closures = *rc::gen::inRange(0, 4);
+  options.sessions = *rc::gen::inRange(1, 3);
+  options.range = 5.0;
+  options.noise = *rc::gen::element(0.0, 0.002, 0.01, 0.03);
+  options.reversed_odometry = *rc::gen::arbitrary<bool>();
+  options.seed = *rc::gen::inRange(0u, 1000000u);
+  return options;
+}
+
+RunOptions any_run() {
+  RunOptions options;
+  options.split = {SplitRule::kPoses, static_cast<double>(*rc::gen::inRange(1, 12))};
+  options.state = *rc::gen::element(JoinedState::kAbsolute, JoinedState::kRelative);
+  options.schedule = *rc::gen::element(Schedule::kAuto, Schedule::kAligned, Schedule::kTree, Schedule::kLeaning,
+                                       Schedule::kSequential, Schedule::kBatch);
+  options.gradual = options.schedule == Schedule::kBatch && options.state == JoinedState::kRelative;
+  options.solver.relative_chi2 = 1e-11;  // Less is lost in the rounding of chi2.
+  options.solver.step_metres = options.solver.step_radians = 1e-11;
+  return options;
+}
+
+/// A random order of [0, count).
+std::vector<std::size_t> any_order(std::size_t count) {
+  std::vector<std::size_t> order(count);
+  std::iota(order.begin(), order.end(), std::size_t{0});
+  testing::Random random(*rc::gen::inRange(0u, 1000000u));
+  for (std::size_t k = count; k > 1; --k) {
+    std::swap(order[k - 1], order[static_cast<std::size_t>(random.uniform(0.0, 0.999999 * static_cast<double>(k)))]);
+  }
+  return order;
+}
+
+/// What poses and features are called, by their index.
+struct Names {
+  std::vector<PoseId> poses;
+  std::vector<FeatureId> features;
+};
+
+/// The same said in other words, and in another order. The World holds pose `held` at `frame`.
+template <int Dim>
+Log<Dim> said_otherwise(const Log<Dim>& log, const Names& names, std::size_t held, const Pose<Dim>& frame) {
+  LogBuilder<Dim> builder("said otherwise");
+  const auto pose = [&](Index k) { return names.poses[static_cast<std::size_t>(k)]; };
+  const auto feature = [&](Index k) { return names.features[static_cast<std::size_t>(k)]; };
+  builder.fix(names.poses[held], frame);
+  std::vector<PoseObservation<Dim>> edges = log.odometry;
+  edges.insert(edges.end(), log.closures.begin(), log.closures.end());
+  for (const std::size_t k : any_order(edges.size())) {
+    const auto& o = edges[k];
+    builder.add_pose_edge(pose(o.base), pose(o.target), o.measured, o.information);
+  }
+  for (const std::size_t k : any_order(log.observations.size())) {
+    const auto& o = log.observations[k];
+    builder.add_observation(pose(o.base), feature(o.target), o.measured, o.information);
+  }
+  return std::move(builder).finish().value();
+}
+
+/// A map with its poses and features in the order of `names`.
+template <int Dim>
+State<Dim> in_order(const GlobalMap<Dim>& map, const Names& names) {
+  State<Dim> state;
+  for (const PoseId& id : names.poses) {
+    const auto found = std::find(map.pose_ids.begin(), map.pose_ids.end(), id);
+    state.poses.push_back(map.poses[static_cast<std::size_t>(found - map.pose_ids.begin())]);
+  }
+  for (const FeatureId& id : names.features) {
+    const auto found = std::find(map.feature_ids.begin(), map.feature_ids.end(), id);
+    state.features.push_back(map.features[static_cast<std::size_t>(found - map.feature_ids.begin())]);
+  }
+  return state;
+}
+
+/// The largest difference relative to the size of the map.
+template <int Dim>
+double difference(const State<Dim>& a, const State<Dim>& b) {
+  double size = 1.0;
+  for (const auto& pose : a.poses) size = std::max(size, pose.translation.norm());
+  return testing::largest_difference(a, b) / size;
+}
+
+/// A world of which every feature is seen.
+template <int Dim>
+Log<Dim> any_log(Names& names) {
+  const Log<Dim> log = small_world<Dim>(any_world()).log;
+  names = {log.poses, log.features};
+  return log;
+}
+
+/// Both logs have the same map, that of `other` seen from `frame`; or neither can be solved.
+template <int Dim>
+void expect_same_map(const Log<Dim>& log, const Names& names, const Log<Dim>& other, const Names& other_names,
+                     const Pose<Dim>& frame) {
+  const RunOptions options = any_run();
+  const auto a = run(log, options);
+  const auto b = run(other, options);
+  RC_ASSERT(a.has_value() == b.has_value());
+  RC_PRE(a.has_value());
+  RC_ASSERT(a->converged());
+  RC_ASSERT(b->converged());
+  RC_ASSERT(std::abs(a->chi2 - b->chi2) <= kSame * std::max(a->chi2, 1.0));
+  State<Dim> expected = in_order(a->map, names);
+  for (auto& pose : expected.poses) pose = compose(frame, pose);
+  for (auto& feature : expected.features) feature = transform(frame, feature);
+  RC_ASSERT(difference(expected, in_order(b->map, other_names)) <= kSame);
+}
+
+template <typename D>
+class MapProperty : public ::testing::Test {
+ protected:
+  /// The same worlds every time, unless the environment asks for others.
+  static void SetUpTestSuite() { ::setenv("RC_PARAMS", "seed=1", 0); }
+};
+TYPED_TEST_SUITE(MapProperty, testing::Dimensions);
+
+TYPED_TEST(MapProperty, TheOrderOfObservationsDoesNotMatter) {
+  constexpr int kDim = TypeParam::value;
+  EXPECT_TRUE(rc::check([] {
+    Names names;
+    const Log<kDim> log = any_log<kDim>(names);
+    expect_same_map<kDim>(log, names, said_otherwise<kDim>(log, names, 0, {}), names, {});
+  }));
+}
+
+TYPED_TEST(MapProperty, NamesDoNotMatter) {
+  constexpr int kDim = TypeParam::value;
+  EXPECT_TRUE(rc::check([] {
+    Names names;
+    const Log<kDim> log = any_log<kDim>(names);
+    Names others = names;
+    for (auto& id : others.poses) id.key = 3 * id.key + 17;  // Odometry is known by the order of names.
+    const auto order = any_order(names.features.size());
+    for (std::size_t k = 0; k < order.size(); ++k) others.features[k] = {~std::uint64_t{0} - order[k] * order[k]};
+    expect_same_map<kDim>(log, names, said_otherwise<kDim>(log, others, 0, {}), others, {});
+  }));
+}
+
+TYPED_TEST(MapProperty, TheOrderOfTheMapsDoesNotMatter) {
+  constexpr int kDim = TypeParam::value;
+  EXPECT_TRUE(rc::check([] {
+    Names names;
+    const Log<kDim> log = any_log<kDim>(names);
+    // Stretches of poses in another order, and with them the local maps; what was odometry between two of them is a closure.
+    const std::size_t length = *rc::gen::inRange<std::size_t>(2, 12);
+    const auto order = any_order(names.poses.size() / length + 1);
+    Names others = names;
+    for (std::size_t k = 0; k < others.poses.size(); ++k) others.poses[k] = {0, 100 * order[k / length] + k % length};
+    expect_same_map<kDim>(log, names, said_otherwise<kDim>(log, others, 0, {}), others, {});
+  }));
+}
+
+TYPED_TEST(MapProperty, TheFrameDoesNotMatter) {
+  constexpr int kDim = TypeParam::value;
+  EXPECT_TRUE(rc::check([] {
+    Names names;
+    const Log<kDim> log = any_log<kDim>(names);
+    testing::Random random(*rc::gen::inRange(0u, 1000000u));
+    const Pose<kDim> frame = random.pose<kDim>(20.0, 3.0);
+    expect_same_map<kDim>(log, names, said_otherwise<kDim>(log, names, 0, frame), names, frame);
+  }));
+}
+
+}  // namespace
+}  // namespace mapjoin
