@@ -66,6 +66,10 @@ int stride(const auto& block) {
   return static_cast<int>(block.outerStride());
 }
 
+double share_of(Before before) {
+  return before == Before::kStays ? 1.0 : 0.0;
+}
+
 }  // namespace
 
 void end_blas_threads() {
@@ -91,24 +95,26 @@ void divide_by_transpose(ConstDenseBlock L, DenseBlock B) {
   dtrsm_("R", "L", "T", "N", &m, &n, &kOne, L.data(), &lda, B.data(), &ldb);
 }
 
-void subtract_square(ConstDenseBlock B, DenseBlock C) {
+void subtract_square(ConstDenseBlock B, DenseBlock C, Before before) {
   const Blas blas;
+  const double beta = share_of(before);
   const auto n = static_cast<int>(B.rows());
   const auto k = static_cast<int>(B.cols());
   const int lda = stride(B);
   const int ldc = stride(C);
-  dsyrk_("L", "N", &n, &k, &kMinusOne, B.data(), &lda, &kOne, C.data(), &ldc);
+  dsyrk_("L", "N", &n, &k, &kMinusOne, B.data(), &lda, &beta, C.data(), &ldc);
 }
 
-void subtract_product(ConstDenseBlock A, ConstDenseBlock B, DenseBlock C) {
+void subtract_product(ConstDenseBlock A, ConstDenseBlock B, DenseBlock C, Before before) {
   const Blas blas;
+  const double beta = share_of(before);
   const auto m = static_cast<int>(A.rows());
   const auto n = static_cast<int>(B.rows());
   const auto k = static_cast<int>(A.cols());
   const int lda = stride(A);
   const int ldb = stride(B);
   const int ldc = stride(C);
-  dgemm_("N", "T", &m, &n, &k, &kMinusOne, A.data(), &lda, B.data(), &ldb, &kOne, C.data(), &ldc);
+  dgemm_("N", "T", &m, &n, &k, &kMinusOne, A.data(), &lda, B.data(), &ldb, &beta, C.data(), &ldc);
 }
 
 std::string blas_name() {

@@ -28,32 +28,30 @@ void for_each_tile(Eigen::Index size, F&& f) {
 }
 
 /// The lower trapezoid of C - B B_Cᵀ, over the columns that C has; B_C are the first rows of B.
-void subtract_square_by_tiles(DenseBlock B, DenseBlock C) {
+void subtract_square_by_tiles(DenseBlock B, DenseBlock C, Before before) {
   for_each_tile(C.cols(), [&](Eigen::Index begin, Eigen::Index size) {
     const DenseBlock rows = part(B, begin, 0, size, B.cols());
-    subtract_square(constant(rows), part(C, begin, begin, size, size));
+    subtract_square(constant(rows), part(C, begin, begin, size, size), before);
     const Eigen::Index below = B.rows() - begin - size;
     if (below == 0) return;
     subtract_product(constant(part(B, begin + size, 0, below, B.cols())), constant(rows),
-                     part(C, begin + size, begin, below, size));
+                     part(C, begin + size, begin, below, size), before);
   });
 }
 
 }  // namespace
 
-void add_update(ConstDenseBlock update, std::span<const RowRun> runs, FrontalMatrix parent) {
-  const Eigen::Index width = parent.panel.cols();
+void add_update(ConstDenseBlock update, std::span<const RowRun> runs, Eigen::Index begin, DenseBlock block) {
   for (std::size_t c = 0; c < runs.size(); ++c) {
     for (std::int32_t j = 0; j < runs[c].length; ++j) {
+      const Eigen::Index column = runs[c].to + j - begin;
+      if (column < 0) continue;
+      if (column >= block.cols()) return;
       const double* from = update.data() + (runs[c].from + j) * update.outerStride();
-      const Eigen::Index column = runs[c].to + j;
-      // Rows from `shift` on of a column of the front.
-      const Eigen::Index shift = column < width ? 0 : width;
-      double* to = column < width ? parent.panel.data() + column * parent.panel.outerStride()
-                                  : parent.update.data() + (column - width) * parent.update.outerStride();
-      for (std::int32_t i = j; i < runs[c].length; ++i) to[runs[c].to + i - shift] += from[runs[c].from + i];
+      double* to = block.data() + column * block.outerStride();
+      for (std::int32_t i = j; i < runs[c].length; ++i) to[runs[c].to + i - begin] += from[runs[c].from + i];
       for (const RowRun& run : runs.subspan(c + 1)) {
-        for (std::int32_t i = 0; i < run.length; ++i) to[run.to + i - shift] += from[run.from + i];
+        for (std::int32_t i = 0; i < run.length; ++i) to[run.to + i - begin] += from[run.from + i];
       }
     }
   }
@@ -72,9 +70,11 @@ std::optional<Eigen::Index> eliminate(FrontalMatrix front) {
     });
     if (end == width) break;
     subtract_square_by_tiles(part(front.panel, end, begin, height - end, columns),
-                             part(front.panel, end, end, height - end, width - end));
+                             part(front.panel, end, end, height - end, width - end), Before::kStays);
   }
-  if (height > width) subtract_square_by_tiles(part(front.panel, width, 0, height - width, width), front.update);
+  if (height > width) {
+    subtract_square_by_tiles(part(front.panel, width, 0, height - width, width), front.update, Before::kGoes);
+  }
   return std::nullopt;
 }
 

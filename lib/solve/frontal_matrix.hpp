@@ -14,17 +14,19 @@ namespace mapjoin {
 ///   ⎡ A_JJ  .    ⎤
 ///   ⎣ A_RJ  U_RR ⎦
 ///
-/// over the rows J of a supernode and R below it; J's columns are its panel, U is what goes to its parent.
+/// over the rows J of a supernode and R below it; J's columns are its panel, U is what goes to its parent: -L_RJ L_RJᵀ and what
+/// came from its children. U need not be there before the elimination.
 struct FrontalMatrix {
   DenseBlock panel;
   DenseBlock update;
 };
 
-/// Adds what a child sends its parent, whose rows `runs` name.
-void add_update(ConstDenseBlock update, std::span<const RowRun> runs, FrontalMatrix parent);
+/// Adds to one of these blocks, which begins at row and column `begin` of the front, the columns that it has of what a child
+/// sends; `runs` name the child's rows.
+void add_update(ConstDenseBlock update, std::span<const RowRun> runs, Eigen::Index begin, DenseBlock block);
 
-/// Eliminates J: its panel becomes [L_JJ; L_RJ], the update U_RR - L_RJ L_RJᵀ. Returns the first column of J whose pivot is not
-/// positive, or nothing. Large fronts are worked on by all threads.
+/// Eliminates J: its panel becomes [L_JJ; L_RJ], the update, whatever it was, -L_RJ L_RJᵀ. Returns the first column of J whose
+/// pivot is not positive, or nothing. Large fronts are worked on by all threads.
 std::optional<Eigen::Index> eliminate(FrontalMatrix front);
 
 }  // namespace mapjoin

@@ -31,17 +31,24 @@ class Factorisation {
   void eliminate_node(std::size_t s) {
     const FactorNode& node = tree_.nodes[s];
     const Eigen::Index below = node.below();
-    updates_[s] = std::make_unique<double[]>(static_cast<std::size_t>(below * below));
+    updates_[s].reset(new double[static_cast<std::size_t>(below * below)]);
     const FrontalMatrix front{{values_ + node.first_value, node.height, node.width, Stride(node.height)},
                               {updates_[s].get(), below, below, Stride(below)}};
     take_entries(node, front.panel);
-    for (const std::size_t c : tree_.children_of(node)) {
-      const Eigen::Index size = tree_.nodes[c].below();
-      add_update({updates_[c].get(), size, size, Stride(size)}, tree_.runs_of(tree_.nodes[c]), front);
-      updates_[c].reset();
-    }
+    add_children(node, 0, front.panel);
     const auto singular = eliminate(front);
     note_singular(node, front.panel, singular.value_or(node.width), singular.has_value());
+    if (singular) return;
+    add_children(node, node.width, front.update);
+    for (const std::size_t c : tree_.children_of(node)) updates_[c].reset();
+  }
+
+  /// What the children send, as far as it belongs to a block that begins at row and column `begin` of the front.
+  void add_children(const FactorNode& node, Eigen::Index begin, DenseBlock block) const {
+    for (const std::size_t c : tree_.children_of(node)) {
+      const Eigen::Index size = tree_.nodes[c].below();
+      add_update({updates_[c].get(), size, size, Stride(size)}, tree_.runs_of(tree_.nodes[c]), begin, block);
+    }
   }
 
   /// The panel is what the matrix has there.
