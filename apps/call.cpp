@@ -152,7 +152,7 @@ Expected<void> Call::take(RunResult<Dim>& result) {
 
 template <int Dim>
 Expected<void> Call::write_map(RunResult<Dim>& result, const Log<Dim>* log) {
-  if (auto taken = take(result); !taken) return taken;
+  if (auto taken = take(result); !taken || options_.output.empty()) return taken;
   auto files = timed(account.write_seconds, [&] { return write_map_file(result.map, log, options_.output); });
   if (!files) return tl::unexpected(files.error());
   account.files = std::move(*files);

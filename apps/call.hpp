@@ -47,8 +47,8 @@ class Call {
   /// Accounts for a result, and certifies it. Bad input where the map is not finite; kInterrupted where a stop was requested.
   template <int Dim>
   Expected<void> take(RunResult<Dim>& result);
-  /// Takes a result and writes it as one file, in the format that the extension of the path names, with its covariances and
-  /// relations beside it. `log`, where it is known, gives edges.
+  /// Takes a result and, where there is an output, writes it as one file, in the format that the extension of the path names,
+  /// with its covariances and relations beside it. `log`, where it is known, gives edges.
   template <int Dim>
   Expected<void> write_map(RunResult<Dim>& result, const Log<Dim>* log);
 

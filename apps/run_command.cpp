@@ -74,9 +74,8 @@ template <int Dim>
 Expected<ExitCode> run_on(Call& call, const Log<Dim>& log, std::optional<OutputFolder>& folder) {
   auto result = run(log, call.run_options(), call.stop());
   if (!result) return tl::unexpected(result.error());
-  const auto written = names_map_file(call.options().output) ? call.write_map(*result, &log) : call.take(*result).and_then([&] {
-    return folder ? write_folder(call, *result, log, *folder) : Expected<void>();
-  });
+  const auto write = [&] { return write_folder(call, *result, log, *folder); };
+  const auto written = folder ? call.take(*result).and_then(write) : call.write_map(*result, &log);
   if (!written) return tl::unexpected(written.error());
   return call.conclude();
 }

@@ -85,6 +85,7 @@ Result contest(const Data& data, const Arguments& arguments, Surroundings surrou
   for (Program& program : programs_for(data)) {
     if (result.runs.empty() || !is_left_out(program, arguments)) result.runs.push_back({std::move(program), {}});
   }
+  make_map(data, surroundings);
   for (int round = 0; round < arguments.repeat; ++round) {
     for (Runs& runs : result.runs) {
       if (!runs.trials.empty() && !runs.trials.back().chi2) continue;

@@ -20,7 +20,7 @@ Words mapjoin(const Surroundings& surroundings, const Words& words) {
   return all;
 }
 
-/// Where the first of the programs leaves its map.
+/// Where make_map() leaves the map.
 std::filesystem::path map_of(const Data& data, const Surroundings& surroundings) {
   return surroundings.folder / (data.is_maps ? "join.g2o" : "run.g2o");
 }
@@ -28,8 +28,7 @@ std::filesystem::path map_of(const Data& data, const Surroundings& surroundings)
 /// `mapjoin run` or `join`.
 template <int jobs>
 Words ours(const Data& data, const Surroundings& surroundings) {
-  return mapjoin(surroundings,
-                 {data.is_maps ? "join" : "run", data.file, "--jobs", std::to_string(jobs), "-o", map_of(data, surroundings)});
+  return mapjoin(surroundings, {data.is_maps ? "join" : "run", data.file, "--jobs", std::to_string(jobs)});
 }
 
 Words run_to_folder(const Data& data, const Surroundings& surroundings) {
@@ -37,8 +36,7 @@ Words run_to_folder(const Data& data, const Surroundings& surroundings) {
 }
 
 Words solve(const Data& data, const Surroundings& surroundings) {
-  return mapjoin(surroundings, {"solve", data.file, "--schedule", "batch", "--method", "gn", "--jobs", "1", "-o",
-                                surroundings.folder / "solve.g2o"});
+  return mapjoin(surroundings, {"solve", data.file, "--schedule", "batch", "--method", "gn", "--jobs", "1"});
 }
 
 Words ceres(const Data& data, const Surroundings& surroundings, const std::string& linear, const std::string& method) {
@@ -83,6 +81,12 @@ std::vector<Program> programs_for(const Data& data) {
           {"ceres schur lm", kOther, [](const auto& d, const auto& s) { return ceres(d, s, "schur", "lm"); }},
           {"ceres schur dogleg", kOther, [](const auto& d, const auto& s) { return ceres(d, s, "schur", "dogleg"); }},
           {"limit", kLimit, limit}};
+}
+
+void make_map(const Data& data, const Surroundings& surroundings) {
+  Words words = ours<2>(data, surroundings);
+  words.insert(words.end(), {"-o", map_of(data, surroundings)});
+  testing::Process(words, {}).wait();
 }
 
 Trial try_program(const Program& program, const Data& data, const Surroundings& surroundings) {

@@ -57,6 +57,9 @@ struct Trial {
   nlohmann::json said;
 };
 
+/// Has the map made at which the limit is taken, `run` or `join` writing it.
+void make_map(const Data& data, const Surroundings& surroundings);
+
 Trial try_program(const Program& program, const Data& data, const Surroundings& surroundings);
 
 /// What a program says on standard output, without a line's end; nothing where it fails.
