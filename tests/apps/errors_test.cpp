@@ -132,7 +132,7 @@ TEST(Usage, EveryViolationIsNamed) {
 TEST(Usage, WhatIsMissingOrUnknownIsNamed) {
   expect_failure(call({}), 2, "command");
   expect_failure(call({"run"}), 2, "LOG");
-  expect_failure(call({"solve", "log"}), 2, "--output");
+  expect_failure(call({"build", "log"}), 2, "--output");
   expect_failure(call({"fly", "log"}), 2, "fly");
   expect_failure(call({"run", "log", "--faster"}), 2, "--faster");
   expect_failure(call({"simulate", "-o", "log", "--chance", "2", "--block", "1.5"}), 2, "chance");

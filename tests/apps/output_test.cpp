@@ -64,6 +64,14 @@ TEST_F(Output, TheFormatGoesByTheName) {
   }
 }
 
+TEST_F(Output, IsWhollyTheUsersChoice) {
+  for (const std::string command : {"run", "solve"}) {
+    const Ended ended = call({command, kLog, "--report", "-"});
+    EXPECT_EQ(ended.exit_code, 0) << ended.err;
+    EXPECT_NEAR(nlohmann::json::parse(ended.out)["chi2"], 4702.179445, 1e-4);
+  }
+}
+
 TEST_F(Output, AFolderMayHaveTheNameOfAMap) {
   ASSERT_TRUE(fs::create_directory(path("tested.g2o")));
   const Ended ended = call({"run", kLog, "-o", path("tested.g2o")});
