@@ -80,6 +80,7 @@ Expected<void> Call::check_report() const {
 }
 
 Expected<void> Call::check_outputs() const {
+  if (options_.output.empty()) return check_report();
   return check_map_writable(options_.output)
       .and_then([&] { return options_.covariances ? check_writable(covariance_file(options_.output)) : Expected<void>(); })
       .and_then([&] { return options_.relations ? check_writable(relation_file(options_.output)) : Expected<void>(); })

@@ -1,7 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <fmt/format.h>
 
+#include <apps/covariance_file.hpp>
 #include <apps/distinct.hpp>
+#include <apps/map_file.hpp>
+#include <apps/relation_file.hpp>
 #include <system_error>
 
 namespace mapjoin::apps {
@@ -35,6 +38,16 @@ NamedFiles files_of(const Options& options, const std::string& argument) {
   NamedFiles files = {{argument, options.input}, {"--output", options.output}};
   if (options.truth != options.input) files.emplace_back("--truth", options.truth);
   if (!options.report_on_stdout()) files.emplace_back("--report", options.report);
+  return files;
+}
+
+NamedFiles files_of_map(const Options& options, const std::string& argument) {
+  NamedFiles files = files_of(options, argument);
+  if (options.output.empty()) return files;
+  const std::vector<fs::path> written = map_files(options.output);
+  for (auto beside = written.begin() + 1; beside != written.end(); ++beside) files.emplace_back("--output", *beside);
+  if (options.covariances) files.emplace_back("--covariances", covariance_file(options.output));
+  if (options.relations) files.emplace_back("--relations", relation_file(options.output));
   return files;
 }
 

@@ -20,6 +20,9 @@ std::vector<std::string> check_distinct(const NamedFiles& files);
 /// The input, under the name of its argument, the output, the truth, unless it is the input, and the report.
 NamedFiles files_of(const Options& options, const std::string& argument);
 
+/// As files_of(), with what is written beside a map that is one file: features of a CSV map, covariances, relations.
+NamedFiles files_of_map(const Options& options, const std::string& argument);
+
 /// As files_of(), with the files of these names in the folder that the output is, where there is one.
 NamedFiles files_of_folder(const Options& options, const std::string& argument, const std::vector<std::string>& names);
 

@@ -51,15 +51,14 @@ std::unique_ptr<Subcommand> join_command(CLI::App& app) {
   auto command = std::make_unique<Subcommand>(app, "join", "From local maps to a global map", kExamples);
   const auto options = std::make_shared<Options>();
   command->argument("MAPS", options->input, "A store, or a folder or archive of localmap_1, localmap_2, ... as .mat or .txt");
-  command->path("-o,--output", options->output, "MAP",
-                "Write the map: .tum (poses only), .csv (features beside it), else g2o");
+  command->path("-o,--output", options->output, "MAP", "Write the map: .tum (poses only), .csv (features beside it), else g2o");
   add_schedule(*command, *options);
   add_solver(*command, *options);
   add_polish(*command, *options);
   add_weights(*command, *options);
   add_certainty(*command, *options);
   add_reporting(*command, *options);
-  command->check([options] { return check_distinct(files_of(*options, "MAPS")); });
+  command->check([options] { return check_distinct(files_of_map(*options, "MAPS")); });
   command->act([options](const std::stop_token& stop) { return join_maps(*options, stop); });
   return command;
 }

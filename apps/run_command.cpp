@@ -89,7 +89,7 @@ Expected<ExitCode> run_followed(Call& call, const FollowOptions& following, cons
   if (!log) return tl::unexpected(log.error());
   auto done = std::visit([&](const auto& any) { return run_on(call, any, folder); }, *log);
   if (!done || !followed->fault) return done;
-  if (folder) followed->fault->message += "; the map of what stands before it is written";
+  if (!call.options().output.empty()) followed->fault->message += "; the map of what stands before it is written";
   return tl::unexpected(*followed->fault);
 }
 
@@ -126,7 +126,7 @@ std::unique_ptr<Subcommand> run_command(CLI::App& app) {
   add_following(*command, *following);
   add_reporting(*command, *options);
   command->check([options, following] {
-    NamedFiles files = names_map_file(options->output) ? files_of(*options, "LOG")
+    NamedFiles files = names_map_file(options->output) ? files_of_map(*options, "LOG")
                                                        : files_of_folder(*options, "LOG", names_of(*options, true));
     if (following->steps != "-") files.emplace_back("--steps", following->steps);
     return check_distinct(files);

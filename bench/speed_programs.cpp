@@ -86,7 +86,8 @@ std::vector<Program> programs_for(const Data& data) {
 void make_map(const Data& data, const Surroundings& surroundings) {
   Words words = ours<2>(data, surroundings);
   words.insert(words.end(), {"-o", map_of(data, surroundings)});
-  testing::Process(words, {}).wait();
+  testing::Process process(words, {});
+  if (process.wait() != 0) fmt::print(stderr, "no map of {}: {}\n", data.name, process.standard_error());
 }
 
 Trial try_program(const Program& program, const Data& data, const Surroundings& surroundings) {

@@ -31,7 +31,7 @@ class JointSystem {
       return clique < first_map_clique_ ? add_observation(clique, sink) : add_map(clique - first_map_clique_, sink);
     });
   }
-  /// To what the normal equations are already, those of the maps.
+  /// Adds the maps to the normal equations as they are.
   template <typename AddMap>
   void add_maps(AddMap&& add_map) {
     equations_.accumulate_cliques([&](std::size_t clique, NormalEquations::Sink sink) {

@@ -12,11 +12,11 @@
 
 namespace mapjoin {
 
-/// Calls f(k) for every k in [0, count); returns when all have returned. What one of them throws is thrown here.
-void parallel_for(std::size_t count, const std::function<void(std::size_t)>& f);
-
 /// Poses or observations that are worth a piece of work.
 inline constexpr std::size_t kObservationsPerPiece = 2000;
+
+/// Calls f(k) for every k in [0, count); returns when all have returned. What one of them throws is thrown here.
+void parallel_for(std::size_t count, const std::function<void(std::size_t)>& f);
 
 /// Calls f and g side by side.
 void parallel_invoke(const std::function<void()>& f, const std::function<void()>& g);

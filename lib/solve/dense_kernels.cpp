@@ -66,8 +66,8 @@ int stride(const auto& block) {
   return static_cast<int>(block.outerStride());
 }
 
-double share_of(Before before) {
-  return before == Before::kStays ? 1.0 : 0.0;
+double beta_of(Into into) {
+  return into == Into::kSum ? 1.0 : 0.0;
 }
 
 }  // namespace
@@ -95,9 +95,9 @@ void divide_by_transpose(ConstDenseBlock L, DenseBlock B) {
   dtrsm_("R", "L", "T", "N", &m, &n, &kOne, L.data(), &lda, B.data(), &ldb);
 }
 
-void subtract_square(ConstDenseBlock B, DenseBlock C, Before before) {
+void subtract_square(ConstDenseBlock B, DenseBlock C, Into into) {
   const Blas blas;
-  const double beta = share_of(before);
+  const double beta = beta_of(into);
   const auto n = static_cast<int>(B.rows());
   const auto k = static_cast<int>(B.cols());
   const int lda = stride(B);
@@ -105,9 +105,9 @@ void subtract_square(ConstDenseBlock B, DenseBlock C, Before before) {
   dsyrk_("L", "N", &n, &k, &kMinusOne, B.data(), &lda, &beta, C.data(), &ldc);
 }
 
-void subtract_product(ConstDenseBlock A, ConstDenseBlock B, DenseBlock C, Before before) {
+void subtract_product(ConstDenseBlock A, ConstDenseBlock B, DenseBlock C, Into into) {
   const Blas blas;
-  const double beta = share_of(before);
+  const double beta = beta_of(into);
   const auto m = static_cast<int>(A.rows());
   const auto n = static_cast<int>(B.rows());
   const auto k = static_cast<int>(A.cols());

@@ -15,12 +15,12 @@ using ConstDenseBlock = Eigen::Map<const Eigen::MatrixXd, 0, Eigen::OuterStride<
 std::optional<Eigen::Index> cholesky_in_place(DenseBlock A);
 /// B ← B L⁻ᵀ.
 void divide_by_transpose(ConstDenseBlock L, DenseBlock B);
-/// What becomes of what is in a block already: added to, or not even read.
-enum class Before { kStays, kGoes };
+/// Whether a product is added to what is in a block already, or that is not even read.
+enum class Into { kSum, kNew };
 /// The lower triangle of C ← C - B Bᵀ, or of C ← -B Bᵀ.
-void subtract_square(ConstDenseBlock B, DenseBlock C, Before before);
+void subtract_square(ConstDenseBlock B, DenseBlock C, Into into);
 /// C ← C - A Bᵀ, or C ← -A Bᵀ.
-void subtract_product(ConstDenseBlock A, ConstDenseBlock B, DenseBlock C, Before before);
+void subtract_product(ConstDenseBlock A, ConstDenseBlock B, DenseBlock C, Into into);
 
 /// Ends the threads that OpenBLAS starts, and lets spin, as soon as it is loaded; the above need none. For a program that uses
 /// the BLAS through this alone, before it does.

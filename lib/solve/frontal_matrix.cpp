@@ -28,14 +28,14 @@ void for_each_tile(Eigen::Index size, F&& f) {
 }
 
 /// The lower trapezoid of C - B B_Cᵀ, over the columns that C has; B_C are the first rows of B.
-void subtract_square_by_tiles(DenseBlock B, DenseBlock C, Before before) {
+void subtract_square_by_tiles(DenseBlock B, DenseBlock C, Into into) {
   for_each_tile(C.cols(), [&](Eigen::Index begin, Eigen::Index size) {
     const DenseBlock rows = part(B, begin, 0, size, B.cols());
-    subtract_square(constant(rows), part(C, begin, begin, size, size), before);
+    subtract_square(constant(rows), part(C, begin, begin, size, size), into);
     const Eigen::Index below = B.rows() - begin - size;
     if (below == 0) return;
     subtract_product(constant(part(B, begin + size, 0, below, B.cols())), constant(rows),
-                     part(C, begin + size, begin, below, size), before);
+                     part(C, begin + size, begin, below, size), into);
   });
 }
 
@@ -70,10 +70,10 @@ std::optional<Eigen::Index> eliminate(FrontalMatrix front) {
     });
     if (end == width) break;
     subtract_square_by_tiles(part(front.panel, end, begin, height - end, columns),
-                             part(front.panel, end, end, height - end, width - end), Before::kStays);
+                             part(front.panel, end, end, height - end, width - end), Into::kSum);
   }
   if (height > width) {
-    subtract_square_by_tiles(part(front.panel, width, 0, height - width, width), front.update, Before::kGoes);
+    subtract_square_by_tiles(part(front.panel, width, 0, height - width, width), front.update, Into::kNew);
   }
   return std::nullopt;
 }

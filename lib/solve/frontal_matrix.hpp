@@ -15,7 +15,7 @@ namespace mapjoin {
 ///   ⎣ A_RJ  U_RR ⎦
 ///
 /// over the rows J of a supernode and R below it; J's columns are its panel, U is what goes to its parent: -L_RJ L_RJᵀ and what
-/// came from its children. U need not be there before the elimination.
+/// came from its children. U need not be set before the elimination.
 struct FrontalMatrix {
   DenseBlock panel;
   DenseBlock update;

@@ -123,6 +123,7 @@ class NormalEquations {
 
   /// The factor L of the last factorisation, whose columns are those of column_of(); it holds until the next one.
   Supernodes supernodes() const { return cholesky_.supernodes(); }
+  /// How many there are, of any factorisation.
   std::size_t supernode_count() const { return cholesky_.supernode_count(); }
   /// Memory of its values.
   std::int64_t factor_bytes() const { return cholesky_.bytes(); }

@@ -31,7 +31,7 @@ class Factorisation {
   void eliminate_node(std::size_t s) {
     const FactorNode& node = tree_.nodes[s];
     const Eigen::Index below = node.below();
-    updates_[s].reset(new double[static_cast<std::size_t>(below * below)]);
+    updates_[s] = std::make_unique_for_overwrite<double[]>(static_cast<std::size_t>(below * below));
     const FrontalMatrix front{{values_ + node.first_value, node.height, node.width, Stride(node.height)},
                               {updates_[s].get(), below, below, Stride(below)}};
     take_entries(node, front.panel);
@@ -39,7 +39,7 @@ class Factorisation {
     const auto singular = eliminate(front);
     note_singular(node, front.panel, singular.value_or(node.width), singular.has_value());
     if (singular) return;
-    add_children(node, node.width, front.update);
+    add_children(node, node.width, front.update);  // which the elimination has overwritten
     for (const std::size_t c : tree_.children_of(node)) updates_[c].reset();
   }
 
@@ -101,7 +101,7 @@ void SparseCholesky::analyse(const BlockLower& matrix) {
 }
 
 std::optional<std::int64_t> SparseCholesky::factorise(const BlockLower& matrix) {
-  if (!values_) values_.reset(new double[static_cast<std::size_t>(tree_.value_count)]);
+  if (!values_) values_ = std::make_unique_for_overwrite<double[]>(static_cast<std::size_t>(tree_.value_count));
   return Factorisation(tree_, matrix, values_.get()).run();
 }
 

@@ -125,7 +125,13 @@ TEST_F(Follow, ALineThatIsWrongEndsItAndWhatIsThereIsKept) {
   growing.flush();
   EXPECT_EQ(process.wait(), 3);
   EXPECT_THAT(process.standard_error(), HasSubstr("log.g2o:2001:14: "));
+  EXPECT_THAT(process.standard_error(), HasSubstr("; the map of what stands before it is written"));
   EXPECT_TRUE(fs::exists(path("map/map.g2o")));
+  const Ended again =
+      call({"run", path("log.g2o"), "--follow", "--idle", "600", "--steps", path("again"), "-o", path("map.tum")});
+  EXPECT_EQ(again.exit_code, 3);
+  EXPECT_THAT(again.err, HasSubstr("; the map of what stands before it is written"));
+  EXPECT_TRUE(fs::is_regular_file(path("map.tum")));
 }
 
 TEST_F(Follow, AClosureToAnEliminatedPoseMakesTheMapsAnew) {

@@ -72,6 +72,19 @@ TEST_F(Output, IsWhollyTheUsersChoice) {
   }
 }
 
+TEST_F(Output, OfOneMapHasItsCertaintyBeside) {
+  for (const std::string command : {"run", "solve"}) {
+    const Ended ended = call({command, kLog, "-o", path(command + ".g2o"), "--covariances", "--relations"});
+    EXPECT_EQ(ended.exit_code, 0) << ended.err;
+    for (const std::string ending : {".g2o", ".covariances.json", ".relations.csv"}) {
+      EXPECT_TRUE(fs::exists(path(command + ending))) << command << ending;
+    }
+    EXPECT_EQ(call({command, kLog, "-o", path("a.csv"), "--report", path("a.features.csv")}).exit_code, 2);
+    EXPECT_EQ(call({command, kLog, "-o", path("b.g2o"), "--covariances", "--report", path("b.covariances.json")}).exit_code, 2);
+  }
+  EXPECT_FALSE(fs::exists(path("a.csv")) || fs::exists(path("b.g2o")));
+}
+
 TEST_F(Output, AFolderMayHaveTheNameOfAMap) {
   ASSERT_TRUE(fs::create_directory(path("tested.g2o")));
   const Ended ended = call({"run", kLog, "-o", path("tested.g2o")});

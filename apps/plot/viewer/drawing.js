@@ -58,29 +58,27 @@ function discard(world, object) {
   });
 }
 
-const kFew = 4000; // dots or segments: drawn whole, whatever a frame takes
+const kFew = 4000; // dots or thin segments: drawn whole, whatever a frame takes
 
-/// Items of `size` numbers each, such that any first part of them is spread over all: in steps of the golden section.
-function spread(numbers, size) {
-  const count = numbers.length / size;
-  if (count <= kFew) return numbers;
+/// The vertices of all items, such that any first part of them is spread over the whole: in steps of the golden section.
+function spreadVertices({ items, verticesOfOne }) {
   const divisor = (a, b) => (b === 0 ? a : divisor(b, a % b));
-  let step = Math.round(0.618 * count);
-  while (divisor(count, step) > 1) ++step;
-  const out = new Float32Array(numbers.length);
-  for (let k = 0, from = 0; k < count; ++k, from = (from + step) % count) {
-    out.set(numbers.subarray(size * from, size * (from + 1)), size * k);
+  let step = Math.round(0.618 * items);
+  while (divisor(items, step) > 1) ++step;
+  const vertices = new Uint32Array(verticesOfOne * items);
+  for (let k = 0, item = 0; k < vertices.length; item = (item + step) % items) {
+    for (let v = 0; v < verticesOfOne; ++v) vertices[k++] = verticesOfOne * item + v;
   }
-  return out;
+  return new THREE.BufferAttribute(vertices, 1);
 }
 
-/// Of an object that has many, draws a share of its dots or segments.
+/// Draws a share of the items, dots or thin segments, of each object that has many; all, and in their order, for 1.
 function drawShare(world, share) {
   world.traverse(({ geometry, userData }) => {
-    if (!geometry || !userData.items) return;
-    const items = Math.min(userData.items, Math.max(kFew, Math.ceil(share * userData.items)));
-    if (geometry.isInstancedBufferGeometry) geometry.maxInstancedCount = items;
-    else geometry.setDrawRange(0, userData.verticesOfOne * items);
+    if (!(userData.items > kFew)) return;
+    if (share < 1 && !userData.spread) userData.spread = spreadVertices(userData);
+    geometry.setIndex(share < 1 ? userData.spread : null);
+    geometry.setDrawRange(0, share < 1 ? userData.verticesOfOne * Math.max(kFew, Math.ceil(share * userData.items)) : Infinity);
   });
 }
 
@@ -120,7 +118,7 @@ function dots(places, { colour, size, order, spacing = 0, opacity = 1, hole = 0 
     depthTest: isDeep,
     depthWrite: isDeep,
   });
-  const object = placed(new THREE.Points(geometryOf(spread(places, 3)), material), order, opacity);
+  const object = placed(new THREE.Points(geometryOf(places), material), order, opacity);
   Object.assign(object.userData, { size, spacing, items: places.length / 3, verticesOfOne: 1 });
   return object;
 }
@@ -135,8 +133,8 @@ function thinLines(ends, colours, { colour, order, opacity = 1 }) {
     depthTest: isDeep,
     depthWrite: false,
   });
-  const geometry = geometryOf(spread(ends, 6));
-  if (colours) geometry.setAttribute("color", new THREE.BufferAttribute(spread(colours, 6), 3));
+  const geometry = geometryOf(ends);
+  if (colours) geometry.setAttribute("color", new THREE.BufferAttribute(colours, 3));
   const object = placed(new THREE.LineSegments(geometry, material), order, opacity);
   Object.assign(object.userData, { items: ends.length / 6, verticesOfOne: 2 });
   return object;
@@ -148,8 +146,8 @@ const kMostWide = 30000; // segments
 function wideLines(ends, colours, { colour, width, order, opacity = 1 }) {
   if (ends.length > 6 * kMostWide) return thinLines(ends, colours, { colour, order, opacity });
   const geometry = new THREE.LineSegmentsGeometry();
-  geometry.setPositions(spread(ends, 6));
-  if (colours) geometry.setColors(spread(colours, 6));
+  geometry.setPositions(ends);
+  if (colours) geometry.setColors(colours);
   const material = new THREE.LineMaterial({
     color: colours ? 0xffffff : new THREE.Color(colour).getHex(),
     linewidth: width,
@@ -159,9 +157,7 @@ function wideLines(ends, colours, { colour, width, order, opacity = 1 }) {
     depthTest: isDeep,
   });
   material.resolution.set(window.innerWidth, window.innerHeight);
-  const object = placed(new THREE.LineSegments2(geometry, material), order, opacity);
-  object.userData.items = ends.length / 6;
-  return object;
+  return placed(new THREE.LineSegments2(geometry, material), order, opacity);
 }
 
 /// The ends of the segments of a path over `places` through the points of `order`, broken where `isTied` says so or where a

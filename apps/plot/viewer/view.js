@@ -3,7 +3,7 @@
 "use strict";
 
 const kSlowFrame = 50; // ms
-const kFastFrame = 25;
+const kFastFrame = 40;
 const kLeastShare = 0.01;
 const kRest = 200; // ms without a move
 
@@ -86,7 +86,7 @@ class View {
     this.controls.target.add(shift);
     this.controls.update();
     this.lastZoom = this.camera.zoom;
-    this.draw();
+    this.stand();
   }
 
   /// From places in the scene to pixels of the page, as a function of an array and an index.
@@ -109,10 +109,13 @@ class View {
   move() {
     this.isMoving = true;
     clearTimeout(this.rest);
-    this.rest = setTimeout(() => {
-      this.isMoving = false;
-      this.draw();
-    }, kRest);
+    this.rest = setTimeout(() => this.stand(), kRest);
+    this.draw();
+  }
+
+  stand() {
+    clearTimeout(this.rest);
+    this.isMoving = false;
     this.draw();
   }
 

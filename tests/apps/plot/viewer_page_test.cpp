@@ -105,11 +105,12 @@ TEST_F(ViewerPage, MovesSmoothlyWithAHundredThousandPoses) {
   const Json found = found_on(page_of({folder.file("map.g2o", map).string()}), "moveAndRest()");
   EXPECT_EQ(found["errors"], Json::array());
   EXPECT_TRUE(found["comesBack"]) << "the whole map after a move";
-  std::cout << "ms a frame, at rest and in motion: " << found["atRest"] << ", " << found["inMotion"] << '\n';
-  if (found["atRest"] > 100.0) {
-    EXPECT_LT(found["inMotion"], 0.6 * found["atRest"].get<double>());
-    EXPECT_LT(found["share"], 1.0);
-  }
+  std::cout << "a frame, at rest and in motion: " << found["atRest"] << ", " << found["inMotion"] << '\n';
+  EXPECT_EQ(found["atRest"]["points"], 20000);
+  EXPECT_EQ(found["atRest"]["lines"], 99999);
+  EXPECT_LE(found["inMotion"]["points"], 4000);
+  EXPECT_LE(found["inMotion"]["lines"], 4000);
+  EXPECT_GT(found["inMotion"]["lines"], 0);
 }
 
 TEST_F(ViewerPage, TellsWhatIsUnderThePointer) {
