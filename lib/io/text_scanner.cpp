@@ -69,7 +69,7 @@ std::string printable(std::string_view text) {
 
 std::string in_quotes(std::string_view word) {
   constexpr std::size_t kMost = 40;
-  return "'" + printable(word.substr(0, kMost)) + (word.size() > kMost ? "...'" : "'");
+  return fmt::format("'{}{}'", printable(word.substr(0, kMost)), word.size() > kMost ? "..." : "");
 }
 
 TextScanner::TextScanner(std::string source, std::string_view text, std::size_t lines_before)
