@@ -85,7 +85,9 @@ Result contest(const Data& data, const Arguments& arguments, Surroundings surrou
   for (Program& program : programs_for(data)) {
     if (result.runs.empty() || !is_left_out(program, arguments)) result.runs.push_back({std::move(program), {}});
   }
-  make_map(data, surroundings);
+  const bool has_limit = std::any_of(result.runs.begin(), result.runs.end(),
+                                     [](const Runs& runs) { return runs.program.kind == ProgramKind::kLimit; });
+  if (has_limit) make_map(data, surroundings);
   for (int round = 0; round < arguments.repeat; ++round) {
     for (Runs& runs : result.runs) {
       if (!runs.trials.empty() && !runs.trials.back().chi2) continue;

@@ -8,6 +8,7 @@
 #include <mapjoin/localmap/recover.hpp>
 #include <mapjoin/measure/chi2.hpp>
 #include <mapjoin/model/demand_valid.hpp>
+#include <mapjoin/model/map_stretches.hpp>
 #include <mapjoin/parallel/parallel.hpp>
 #include <mapjoin/solve/memory.hpp>
 #include <utility>
@@ -73,10 +74,7 @@ void write_map(const Source<Dim>& source, State<Dim> state, const std::vector<In
 
 template <int Dim>
 std::vector<Segment<Dim>> segments_of(const Log<Dim>& log, const Split& split) {
-  std::vector<const Stretch*> maps;
-  for (const Stretch& stretch : split.stretches) {
-    if (stretch.is_map) maps.push_back(&stretch);
-  }
+  const auto maps = map_stretches(split.stretches);
   std::vector<Segment<Dim>> segments(maps.size());
   parallel_for(maps.size(), [&](std::size_t k) { segments[k] = segment_of(log, split, *maps[k]); });
   return segments;

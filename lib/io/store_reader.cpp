@@ -7,6 +7,7 @@
 #include <mapjoin/io/store_check.hpp>
 #include <mapjoin/io/store_records.hpp>
 #include <mapjoin/io/store_schema.hpp>
+#include <mapjoin/model/map_stretches.hpp>
 #include <mapjoin/parallel/parallel_try.hpp>
 
 namespace mapjoin {
@@ -60,10 +61,7 @@ std::optional<LocalMap<Dim>> map_of_row(const Statement& row) {
 /// Each map beside its stretch; the first fault.
 template <int Dim>
 Expected<void> check_maps(const StoredMaps<Dim>& stored, const std::string& file) {
-  std::vector<const Stretch*> stretches;
-  for (const Stretch& stretch : stored.stretches) {
-    if (stretch.is_map) stretches.push_back(&stretch);
-  }
+  const auto stretches = map_stretches(stored.stretches);
   return parallel_try(stored.maps.size(),
                       [&](std::size_t k) { return store::check_map(stored.maps[k], *stretches[k], stored.log, file); });
 }

@@ -1,17 +1,14 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <gtest/gtest.h>
 
-#include <filesystem>
-#include <iterator>
 #include <limits>
 #include <mapjoin/solve/dense_kernels.hpp>
+#include <tests/support/threads.hpp>
 
 namespace mapjoin {
 namespace {
 
-std::ptrdiff_t threads_of_this_process() {
-  return std::distance(std::filesystem::directory_iterator("/proc/self/task"), {});
-}
+using testing::threads_of_this_process;
 
 TEST(DenseKernels, WriteANewProductWithoutReadingWhatWasThere) {
   const Eigen::MatrixXd B = Eigen::MatrixXd::Constant(60, 7, 0.5);

@@ -3,13 +3,12 @@
 #include <tbb/global_control.h>
 
 #include <Eigen/Cholesky>
-#include <filesystem>
-#include <iterator>
 #include <mapjoin/solve/dense_kernels.hpp>
 #include <mapjoin/solve/sparse_cholesky.hpp>
 #include <tests/support/grid_system.hpp>
 #include <tests/support/random.hpp>
 #include <tests/support/sparse.hpp>
+#include <tests/support/threads.hpp>
 #include <thread>
 
 namespace mapjoin {
@@ -19,6 +18,7 @@ using testing::dense;
 using testing::grid_system;
 using testing::Random;
 using testing::sparse;
+using testing::threads_of_this_process;
 
 /// A banded positive definite matrix with a few far couplings.
 Eigen::MatrixXd random_matrix(Eigen::Index n, Random& random) {
@@ -146,10 +146,6 @@ TEST(SparseCholesky, IsFitForUseAgainAfterASingularMatrix) {
   ASSERT_FALSE(cholesky.factorise(sparse(A)));
   const Eigen::VectorXd b = Eigen::VectorXd::Ones(40);
   EXPECT_LT((A * cholesky.solve(b) - b).norm(), 1e-10);
-}
-
-std::ptrdiff_t threads_of_this_process() {
-  return std::distance(std::filesystem::directory_iterator("/proc/self/task"), {});
 }
 
 TEST(SparseCholesky, StartsNoThreadsButThoseItIsAllowed) {
