@@ -15,6 +15,8 @@ namespace {
 /// Of the version 5 format: the file's header; an element's tag, its type and size; types of elements; classes of matrices.
 constexpr std::size_t kHeaderSize = 128;
 constexpr std::size_t kTagSize = 8;
+constexpr std::uint32_t kInt32 = 5;
+constexpr std::uint32_t kUint32 = 6;
 constexpr std::uint32_t kMatrixElement = 14;
 constexpr std::uint32_t kCompressedElement = 15;
 constexpr std::uint32_t kSparseClass = 5;
@@ -92,8 +94,6 @@ std::uint32_t class_of(std::string_view element) {
 
 /// Whether the parts of a sparse matrix behind its name are the rows of its values, where its columns end, and the values.
 bool is_sparse(const std::vector<Part>& all, std::size_t cols) {
-  constexpr std::uint32_t kInt32 = 5;
-  constexpr std::uint32_t kUint32 = 6;
   const auto are_indices = [](const Part& part) { return part.type == kInt32 || part.type == kUint32; };
   if (all.size() < 6 || !are_indices(all[3]) || !are_indices(all[4])) return false;
   const auto values = numbers(all[5]);
@@ -107,7 +107,9 @@ bool sizes_agree(std::string_view element) {
   if (!all || all->size() < 3) return false;
   const Part& flags = (*all)[0];
   const Part& dimensions = (*all)[1];
-  if (flags.size != 8 || dimensions.size < 8) return false;
+  if (flags.type != kUint32 || flags.size != 8) return false;
+  // Else matio looks for what follows in another place.
+  if (dimensions.type != kInt32 || dimensions.size < 8 || dimensions.size % 4 != 0) return false;
   const std::uint32_t held = class_of(element);
   const bool is_matrix = dimensions.size == 8;
   if (!is_matrix || (held != kDoubleClass && held != kSparseClass)) return true;

@@ -85,6 +85,21 @@ TEST_F(MatFileTest, RefusesSizesThatDoNotAgreeBeforeAskingForMemory) {
   }
 }
 
+TEST_F(MatFileTest, RefusesDimensionsThatAreNotWholeNumbersOfTheirType) {
+  put("a", Eigen::MatrixXd::Ones(3, 3));
+  std::string other_type = bytes();
+  std::string longer = other_type;
+  other_type[152] = '\x6';
+  longer.insert(168, 8, '\0');  // Nine bytes of dimensions are kept in sixteen.
+  longer[156] = '\x9';
+  longer[132] = static_cast<char>(longer[132] + 8);  // The whole variable's size.
+  for (const std::string& content : {other_type, longer}) {
+    const auto found = read_mat(content, "f.mat", {"a"});
+    ASSERT_FALSE(found);
+    EXPECT_THAT(found.error().message, HasSubstr("damaged"));
+  }
+}
+
 TEST_F(MatFileTest, RefusesASparseMatrixOfMoreRowsThanTheFileHasRoomForBeforeAskingForMemory) {
   put_sparse("sparse");
   std::string content = bytes();
