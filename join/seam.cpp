@@ -36,6 +36,7 @@ class Common {
 template <typename T, typename Predicate>
 std::vector<T> tying(const std::vector<T>& list, std::size_t most, Predicate&& ties) {
   std::vector<T> found;
+  found.reserve(list.size());
   std::copy_if(list.begin(), list.end(), std::back_inserter(found), ties);
   if (found.size() <= most) return found;
   for (std::size_t k = 0; k < most; ++k) found[k] = found[k * found.size() / most];
@@ -83,13 +84,13 @@ Seam<Dim>::Seam(const Piece<Dim>& a, const Piece<Dim>& b, const std::vector<cons
 
 template <int Dim>
 typename Seam<Dim>::template End<Pose<Dim>> Seam<Dim>::end_of_pose(Index pose) const {
-  if (holds(a_.poses, pose)) return {pose_in(a_, pose), false};
+  if (const auto* in_a = find_pose(a_, pose)) return {*in_a, false};
   return {pose_in(b_, pose), true};
 }
 
 template <int Dim>
 typename Seam<Dim>::template End<Point<Dim>> Seam<Dim>::end_of_feature(Index feature) const {
-  if (holds(a_.features, feature)) return {feature_in(a_, feature), false};
+  if (const auto* in_a = find_feature(a_, feature)) return {*in_a, false};
   return {feature_in(b_, feature), true};
 }
 
@@ -103,7 +104,8 @@ double Seam<Dim>::chi2(const Pose<Dim>& placement) const {
     chi2 += r.dot(o->information * r);
   }
   for (const auto& [o, base, target] : feature_ties_) {
-    const Point<Dim> r = residual<Dim>(o->measured, pose(base), point(target));
+    const Point<Dim> from_base = base.is_placed ? transform_into(placement, point(target)) : point(target);
+    const Point<Dim> r = residual<Dim>(o->measured, base.value, from_base);
     chi2 += r.dot(o->information * r);
   }
   for (const auto& tie : map_ties_) {

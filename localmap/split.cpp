@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <algorithm>
 #include <cmath>
+#include <mapjoin/localmap/seen_features.hpp>
 #include <mapjoin/localmap/segment.hpp>
 #include <mapjoin/localmap/split.hpp>
 #include <mapjoin/localmap/split_cost.hpp>
@@ -13,7 +14,7 @@ namespace {
 template <int Dim>
 class Growth {
  public:
-  Growth(const Log<Dim>& log, const SplitOptions& options) : log_(log), options_(options), seen_in_(log.features.size(), -1) {}
+  Growth(const Log<Dim>& log, const SplitOptions& options) : log_(log), options_(options), seen_(log.features.size()) {}
 
   /// The end of the stretch that begins at `begin` in `session`.
   Index end_from(Index begin, const Session& session) {
@@ -42,9 +43,7 @@ class Growth {
   Index new_features(Index pose, Index begin) {
     Index count = 0;
     for (const auto& observation : observations_of(log_, {pose, pose + 1})) {
-      Index& seen_in = seen_in_[static_cast<std::size_t>(observation.target)];
-      if (observation.base == pose && seen_in != begin) ++count;
-      seen_in = begin;
+      if (seen_.is_new(observation.target, begin) && observation.base == pose) ++count;
     }
     return count;
   }
@@ -56,7 +55,7 @@ class Growth {
 
   const Log<Dim>& log_;
   const SplitOptions& options_;
-  std::vector<Index> seen_in_;  // per feature: the stretch, by its begin, that saw it last
+  SeenFeatures seen_;
 };
 
 template <int Dim>
@@ -87,13 +86,12 @@ constexpr std::int64_t kMostBorder = 5000;
 
 /// A map pays when it eliminates at least half of its inner poses, unless its border is too large.
 template <int Dim>
-void decide_kind(const Log<Dim>& log, Stretch& stretch, std::vector<bool>& kept) {
+bool map_pays(const Log<Dim>& log, const Stretch& stretch, const std::vector<bool>& kept) {
   const Index inner = stretch.end - stretch.begin - 1;
-  const auto first = kept.begin() + stretch.begin;
-  const auto mentioned = inner > 0 ? std::count(first + 1, first + 1 + inner, true) : 0;
-  const auto border = (2 + static_cast<std::int64_t>(mentioned)) * kPoseDof<Dim> + features_seen(log, stretch) * Dim;
-  stretch.is_map = inner > 0 && 2 * mentioned <= inner && border <= kMostBorder;
-  keep(stretch, kept);
+  if (inner <= 0) return false;
+  const auto first = kept.begin() + stretch.begin + 1;
+  const std::int64_t mentioned = std::count(first, first + inner, true);
+  return 2 * mentioned <= inner && (2 + mentioned) * kPoseDof<Dim> + features_seen(log, stretch) * Dim <= kMostBorder;
 }
 
 }  // namespace
@@ -123,7 +121,10 @@ Split split(const Log<Dim>& log, const SplitOptions& options) {
       begin = end;
     } while (begin + 1 < session.end);
   }
-  for (Stretch& stretch : result.stretches) decide_kind(log, stretch, result.kept);
+  for (Stretch& stretch : result.stretches) {
+    stretch.is_map = map_pays(log, stretch, result.kept);
+    keep(stretch, result.kept);
+  }
   return result;
 }
 

@@ -3,6 +3,7 @@
 #include <array>
 #include <cmath>
 #include <limits>
+#include <mapjoin/localmap/seen_features.hpp>
 #include <mapjoin/localmap/segment.hpp>
 #include <mapjoin/localmap/split_cost.hpp>
 #include <mapjoin/parallel/parallel.hpp>
@@ -24,7 +25,7 @@ constexpr double kPolishing = 5.0;
 
 /// What one stretch costs, as a map or, where it would keep most of its poses, as a span of one-step maps.
 template <int Dim>
-double stretch_cost(const Log<Dim>& log, const std::vector<bool>& kept, const Stretch& stretch) {
+double stretch_cost(const Log<Dim>& log, const std::vector<bool>& kept, const Stretch& stretch, SeenFeatures& seen) {
   constexpr double kDof = kPoseDof<Dim>;
   const double steps = stretch.end - stretch.begin;
   const auto observations = observations_of(log, stretch);
@@ -32,7 +33,9 @@ double stretch_cost(const Log<Dim>& log, const std::vector<bool>& kept, const St
   if (steps < 2.0 || 2.0 * mentioned > steps - 1.0) {
     return steps * kJoining * block_cost(2.0 * kDof + Dim * static_cast<double>(observations.size()) / steps);
   }
-  const double m = (2.0 + mentioned) * kDof + Dim * static_cast<double>(features_seen(log, stretch));
+  const auto features = std::count_if(observations.begin(), observations.end(),
+                                      [&](const auto& o) { return seen.is_new(o.target, stretch.begin); });
+  const double m = (2.0 + mentioned) * kDof + Dim * static_cast<double>(features);
   return kJoining * block_cost(m) + kPolishing * (2.0 * steps * kDof * m * m + 0.5 * m * m * m);
 }
 
@@ -40,13 +43,14 @@ double stretch_cost(const Log<Dim>& log, const std::vector<bool>& kept, const St
 
 template <int Dim>
 double cost_per_step(const Log<Dim>& log, const std::vector<bool>& kept, Index poses_per_map) {
+  SeenFeatures seen(log.features.size());
   double cost = 0.0;
   double steps = 0.0;
   for (const Session& session : log.sessions) {
     const Index available = (session.end - 1 - session.begin) / poses_per_map;
     const Index stride = std::max<Index>(1, (available + kSamples - 1) / kSamples) * poses_per_map;
     for (Index begin = session.begin; begin + poses_per_map < session.end; begin += stride) {
-      cost += stretch_cost(log, kept, {begin, begin + poses_per_map});
+      cost += stretch_cost(log, kept, {begin, begin + poses_per_map}, seen);
       steps += poses_per_map;
     }
   }
