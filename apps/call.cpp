@@ -10,6 +10,7 @@
 #include <apps/report.hpp>
 #include <apps/summary.hpp>
 #include <mapjoin/io/open_log.hpp>
+#include <mapjoin/parallel/parallel.hpp>
 #include <utility>
 
 namespace mapjoin::apps {
@@ -63,6 +64,7 @@ Call::Call(const std::string& command, const Options& options, std::stop_token s
       threads_(tbb::global_control::max_allowed_parallelism, thread_count(options)),
       progress_(!options.quiet),
       run_options_(options.run) {
+  parallel_invoke([] {}, [] {});  // starts the threads, which then are there when the first work is
   run_options_.progress = progress_.callback();
   run_options_.covariances = !options.truth.empty();
   run_options_.marginals = options.covariances || options.relations;

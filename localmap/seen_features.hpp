@@ -2,6 +2,8 @@
 #pragma once
 // The features that stretches see, one stretch after the other.
 
+#include <algorithm>
+#include <cstdint>
 #include <mapjoin/model/ids.hpp>
 #include <utility>
 #include <vector>
@@ -14,6 +16,11 @@ class SeenFeatures {
 
   /// Whether the stretch that begins at `begin` sees a feature for the first time; it has seen it now.
   bool is_new(Index feature, Index begin) { return std::exchange(seen_in_[static_cast<std::size_t>(feature)], begin) != begin; }
+  /// How many features it sees for the first time in these observations.
+  template <typename Observations>
+  std::int64_t count_new(const Observations& observations, Index begin) {
+    return std::count_if(observations.begin(), observations.end(), [&](const auto& o) { return is_new(o.target, begin); });
+  }
 
  private:
   std::vector<Index> seen_in_;  // per feature: the stretch, by its begin, that saw it last

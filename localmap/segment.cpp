@@ -45,11 +45,6 @@ std::vector<Index> features_in(std::span<const FeatureObservation<Dim>> observat
 }  // namespace
 
 template <int Dim>
-std::int64_t features_seen(const Log<Dim>& log, const Stretch& stretch) {
-  return static_cast<std::int64_t>(features_in(observations_of(log, stretch)).size());
-}
-
-template <int Dim>
 Segment<Dim> segment_of(const Log<Dim>& log, const Split& split, const Stretch& stretch) {
   Segment<Dim> segment;
   segment.begin = stretch.begin;
@@ -67,7 +62,6 @@ Segment<Dim> segment_of(const Log<Dim>& log, const Split& split, const Stretch& 
   template struct Segment<Dim>;                                                                       \
   template std::span<const PoseObservation<Dim>> odometry_of(const Log<Dim>&, const Stretch&);        \
   template std::span<const FeatureObservation<Dim>> observations_of(const Log<Dim>&, const Stretch&); \
-  template std::int64_t features_seen(const Log<Dim>&, const Stretch&);                               \
   template Segment<Dim> segment_of(const Log<Dim>&, const Split&, const Stretch&);
 MAPJOIN_INSTANTIATE(2)
 MAPJOIN_INSTANTIATE(3)

@@ -32,10 +32,6 @@ std::span<const PoseObservation<Dim>> odometry_of(const Log<Dim>& log, const Str
 template <int Dim>
 std::span<const FeatureObservation<Dim>> observations_of(const Log<Dim>& log, const Stretch& stretch);
 
-/// The number of different features that a stretch sees.
-template <int Dim>
-std::int64_t features_seen(const Log<Dim>& log, const Stretch& stretch);
-
 template <int Dim>
 Segment<Dim> segment_of(const Log<Dim>& log, const Split& split, const Stretch& stretch);
 

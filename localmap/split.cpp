@@ -86,12 +86,13 @@ constexpr std::int64_t kMostBorder = 5000;
 
 /// A map pays when it eliminates at least half of its inner poses, unless its border is too large.
 template <int Dim>
-bool map_pays(const Log<Dim>& log, const Stretch& stretch, const std::vector<bool>& kept) {
+bool map_pays(const Log<Dim>& log, const Stretch& stretch, const std::vector<bool>& kept, SeenFeatures& seen) {
   const Index inner = stretch.end - stretch.begin - 1;
   if (inner <= 0) return false;
   const auto first = kept.begin() + stretch.begin + 1;
   const std::int64_t mentioned = std::count(first, first + inner, true);
-  return 2 * mentioned <= inner && (2 + mentioned) * kPoseDof<Dim> + features_seen(log, stretch) * Dim <= kMostBorder;
+  const std::int64_t features = seen.count_new(observations_of(log, stretch), stretch.begin);
+  return 2 * mentioned <= inner && (2 + mentioned) * kPoseDof<Dim> + features * Dim <= kMostBorder;
 }
 
 }  // namespace
@@ -121,8 +122,9 @@ Split split(const Log<Dim>& log, const SplitOptions& options) {
       begin = end;
     } while (begin + 1 < session.end);
   }
+  SeenFeatures seen(log.features.size());
   for (Stretch& stretch : result.stretches) {
-    stretch.is_map = map_pays(log, stretch, result.kept);
+    stretch.is_map = map_pays(log, stretch, result.kept, seen);
     keep(stretch, result.kept);
   }
   return result;

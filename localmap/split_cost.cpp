@@ -33,9 +33,7 @@ double stretch_cost(const Log<Dim>& log, const std::vector<bool>& kept, const St
   if (steps < 2.0 || 2.0 * mentioned > steps - 1.0) {
     return steps * kJoining * block_cost(2.0 * kDof + Dim * static_cast<double>(observations.size()) / steps);
   }
-  const auto features = std::count_if(observations.begin(), observations.end(),
-                                      [&](const auto& o) { return seen.is_new(o.target, stretch.begin); });
-  const double m = (2.0 + mentioned) * kDof + Dim * static_cast<double>(features);
+  const double m = (2.0 + mentioned) * kDof + Dim * static_cast<double>(seen.count_new(observations, stretch.begin));
   return kJoining * block_cost(m) + kPolishing * (2.0 * steps * kDof * m * m + 0.5 * m * m * m);
 }
 

@@ -76,7 +76,7 @@ Expected<typename PartMaker<Dim>::Window> PartMaker<Dim>::window(bool is_end) co
   window.open_begin = is_end ? static_cast<Index>(window.log.poses.size()) : stretches.back().begin;
   if (!is_end) stretches.pop_back();
   for (Stretch& stretch : stretches) {
-    if (features_seen(window.log, stretch) == 0) keep_as_span(stretch, window.split.kept);
+    if (observations_of(window.log, stretch).empty()) keep_as_span(stretch, window.split.kept);
   }
   std::erase_if(window.log.closures,
                 [&](const auto& o) { return stretches.empty() || std::max(o.base, o.target) > stretches.back().end; });
