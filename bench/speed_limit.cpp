@@ -154,11 +154,14 @@ Expected<void> measure_at(const Data<Dim>& data, const AnyState& any, Limit& lim
   return measure(data, *state, limit);
 }
 
+template <int Dim>
+AnyState state_of(const Log<Dim>& log) {
+  return State<Dim>{log.initial_poses, log.initial_features};
+}
+
 /// The values of all poses and features that a map holds.
 Expected<AnyState> read_state(const std::filesystem::path& path) {
-  return open_log(path).map([](const AnyLog& log) {
-    return std::visit([](const auto& any) { return AnyState(State{any.initial_poses, any.initial_features}); }, log);
-  });
+  return open_log(path).map([](const AnyLog& any) { return std::visit([](const auto& log) { return state_of(log); }, any); });
 }
 
 Expected<Limit> limit_of(const std::filesystem::path& data, const AnyState& state) {
