@@ -48,7 +48,7 @@ TYPED_TEST(WatchJoinTest, IsNearTheOptimumOfTheFirstMapsAtEveryStop) {
   constexpr int kDim = TestFixture::kDim;
   const MapSet<kDim> set = this->maps();
   const Network<kDim> network = network_of(set);
-  for (const std::size_t at_once : {1, 3}) {
+  for (const std::size_t at_once : {1u, 3u}) {
     std::vector<std::size_t> stops;
     watch_join<kDim>(network, at_once, [&](std::size_t stretches, const JoinedPieces<kDim>& joined) {
       stops.push_back(stretches);
@@ -84,7 +84,7 @@ TYPED_TEST(WatchJoinTest, OneByOneIsTheSequentialSchedule) {
 TYPED_TEST(WatchJoinTest, CountsWhatIsDoneToTheEnd) {
   constexpr int kDim = TestFixture::kDim;
   const MapSet<kDim> set = this->maps();
-  for (const std::size_t at_once : {1, 4}) {
+  for (const std::size_t at_once : {1u, 4u}) {
     std::size_t last = 0;
     std::size_t all = 1;
     watch_join<kDim>(network_of(set), at_once, nullptr, [&](std::size_t done, std::size_t to_do) {

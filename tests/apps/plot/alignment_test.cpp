@@ -47,7 +47,7 @@ TYPED_TEST(AlignmentTest, TakesAMovedMapBackByWhatBothKnow) {
   const auto frame = alignment(other.map, first.map);
   ASSERT_TRUE(frame);
   move(*frame, other);
-  for (const std::size_t k : {0, 1, 3, 7}) {
+  for (const std::size_t k : {0u, 1u, 3u, 7u}) {
     EXPECT_LT((other.map.poses[k].translation - first.map.poses[k].translation).norm(), 1e-12);
     EXPECT_TRUE(other.map.poses[k].rotation.matrix().isApprox(first.map.poses[k].rotation.matrix(), 1e-12));
   }

@@ -141,7 +141,7 @@ TEST_F(ViewerPage, MovesWithThePointerAndZoomsUnderIt) {
   const Json found = found_on(page, "{zoomed: zoomOver(2), dragged: drag(1, 70, -30)}");
   EXPECT_EQ(found["errors"], Json::array());
   EXPECT_GT(found["zoomed"]["share"], 1.05);
-  for (const std::size_t i : {0, 1}) {
+  for (const std::size_t i : {0u, 1u}) {
     const auto moved = [&](const std::string& by) {
       return found[by]["after"][i].get<double>() - found[by]["before"][i].get<double>();
     };

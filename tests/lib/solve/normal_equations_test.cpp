@@ -151,7 +151,7 @@ TEST_F(NormalEquationsTest, AreTheSameFromAllThreadsAsOneByOne) {
   const Eigen::VectorXd v = Eigen::VectorXd::LinSpaced(one_by_one.size(), -1.0, 1.0);
 
   std::optional<std::pair<Eigen::VectorXd, double>> first;
-  for (const std::size_t threads : {1, 2, 4}) {
+  for (const std::size_t threads : {1u, 2u, 4u}) {
     const tbb::global_control control(tbb::global_control::max_allowed_parallelism, threads);
     NormalEquations together(dofs, cliques);
     together.set_zero();

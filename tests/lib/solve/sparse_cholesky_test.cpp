@@ -88,7 +88,7 @@ TEST(SparseCholesky, IsTheSameToTheLastBitForAnyNumberOfThreads) {
     return cholesky.solve(b);
   };
   const Eigen::VectorXd x = solved_by(1);
-  for (const std::size_t threads : {2, 3, 4}) EXPECT_TRUE(solved_by(threads) == x) << threads;
+  for (const std::size_t threads : {2u, 3u, 4u}) EXPECT_TRUE(solved_by(threads) == x) << threads;
 }
 
 TEST(SparseCholesky, NamesTheFirstOfSeveralSingularColumns) {
