@@ -67,7 +67,7 @@ void schedules(const Arguments& arguments) {
       fmt::print(stderr, "{}\n", data.error().message);
       continue;
     }
-    for (const Schedule schedule : {Schedule::kTree, Schedule::kSequential, Schedule::kBatch}) {
+    for (const Schedule schedule : {Schedule::kAligned, Schedule::kTree, Schedule::kSequential, Schedule::kBatch}) {
       RunOptions options;
       options.schedule = schedule;
       const auto print = [&](const auto& result) {

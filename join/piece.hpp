@@ -19,7 +19,7 @@ struct Piece {
   std::vector<const FeatureObservation<Dim>*> feature_observations;
 };
 
-/// The place of an index in an ascending list that holds it.
+/// The place of an index in an ascending list, or where it would stand.
 inline Index place_of(const std::vector<Index>& ascending, Index index) {
   return static_cast<Index>(std::lower_bound(ascending.begin(), ascending.end(), index) - ascending.begin());
 }

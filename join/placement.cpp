@@ -1,9 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <Eigen/Eigenvalues>
-#include <Eigen/SVD>
 #include <algorithm>
-#include <cmath>
 #include <mapjoin/join/placement.hpp>
+#include <mapjoin/measure/trajectory_error.hpp>
 
 namespace mapjoin {
 namespace {
@@ -12,41 +11,20 @@ namespace {
 /// fixes a rotation.
 constexpr double kLeastSpread = 1e-6;
 
-template <int Dim>
-Point<Dim> mean(const std::vector<Point<Dim>>& points) {
-  Point<Dim> sum = Point<Dim>::Zero();
-  for (const auto& point : points) sum += point;
-  return sum / static_cast<double>(points.size());
-}
-
-/// The sum of (a - mean a)(b - mean b)ᵀ over corresponding points.
-template <int Dim>
-Matrix<Dim> scatter(const std::vector<Point<Dim>>& a, const Point<Dim>& a_mean, const std::vector<Point<Dim>>& b,
-                    const Point<Dim>& b_mean) {
-  Matrix<Dim> sum = Matrix<Dim>::Zero();
-  for (std::size_t k = 0; k < a.size(); ++k) sum.noalias() += (a[k] - a_mean) * (b[k] - b_mean).transpose();
-  return sum;
-}
-
 /// Whether the points spread in at least Dim - 1 directions, so that a rotation is fixed by them.
 template <int Dim>
-bool fixes_rotation(const std::vector<Point<Dim>>& points, const Point<Dim>& mean) {
-  const Eigen::SelfAdjointEigenSolver<Matrix<Dim>> axes(scatter<Dim>(points, mean, points, mean), Eigen::EigenvaluesOnly);
-  const Vector<Dim> spread = axes.eigenvalues().cwiseMax(0.0).cwiseSqrt();  // ascending
+bool fixes_rotation(const std::vector<Point<Dim>>& points) {
+  Point<Dim> mean = Point<Dim>::Zero();
   double scale = 1.0;
-  for (const auto& point : points) scale = std::max(scale, point.cwiseAbs().maxCoeff());
+  for (const auto& point : points) {
+    mean += point / static_cast<double>(points.size());
+    scale = std::max(scale, point.cwiseAbs().maxCoeff());
+  }
+  Matrix<Dim> scatter = Matrix<Dim>::Zero();
+  for (const auto& point : points) scatter.noalias() += (point - mean) * (point - mean).transpose();
+  const Eigen::SelfAdjointEigenSolver<Matrix<Dim>> axes(scatter, Eigen::EigenvaluesOnly);
+  const Vector<Dim> spread = axes.eigenvalues().cwiseMax(0.0).cwiseSqrt();  // ascending: [1] is the least of Dim - 1
   return spread[Dim - 1] > kLeastSpread * scale && spread[1] > kLeastSpread * spread[Dim - 1];
-}
-
-/// The rotation R with the largest tr(Rᵀ M).
-Rotation<2> nearest_rotation(const Matrix<2>& M) {
-  return Rotation<2>(std::atan2(M(1, 0) - M(0, 1), M(0, 0) + M(1, 1)));
-}
-Rotation<3> nearest_rotation(const Matrix<3>& M) {
-  const Eigen::JacobiSVD<Matrix<3>> svd(M, Eigen::ComputeFullU | Eigen::ComputeFullV);
-  const double handedness = svd.matrixU().determinant() * svd.matrixV().determinant();
-  return Rotation<3>(svd.matrixU() * Vector<3>(1.0, 1.0, std::copysign(1.0, handedness)).asDiagonal() *
-                     svd.matrixV().transpose());
 }
 
 /// Calls f(place in a, place in b) for every index that two ascending lists share.
@@ -90,11 +68,8 @@ void append(std::vector<T>& to, const std::vector<T>& from) {
 template <int Dim>
 std::optional<Pose<Dim>> rigid_alignment(const std::vector<Point<Dim>>& from, const std::vector<Point<Dim>>& to) {
   if (static_cast<int>(from.size()) < Dim) return std::nullopt;
-  const Point<Dim> from_mean = mean<Dim>(from);
-  const Point<Dim> to_mean = mean<Dim>(to);
-  if (!fixes_rotation<Dim>(from, from_mean) || !fixes_rotation<Dim>(to, to_mean)) return std::nullopt;
-  const Rotation<Dim> R = nearest_rotation(scatter<Dim>(to, to_mean, from, from_mean));
-  return Pose<Dim>{to_mean - R.matrix() * from_mean, R};
+  if (!fixes_rotation<Dim>(from) || !fixes_rotation<Dim>(to)) return std::nullopt;
+  return align<Dim>(from, to);
 }
 
 template <int Dim>

@@ -10,7 +10,7 @@
 
 namespace mapjoin {
 
-/// The rigid motion that takes `from` onto `to` with the least sum of squared distances (Umeyama, without scale), or nothing
+/// The rigid motion that takes `from` onto `to`, of equal number, with the least sum of squared distances (align()), or nothing
 /// where the points do not determine it: fewer than two distinct ones in 2D, all on a line in 3D.
 template <int Dim>
 std::optional<Pose<Dim>> rigid_alignment(const std::vector<Point<Dim>>& from, const std::vector<Point<Dim>>& to);

@@ -174,6 +174,7 @@ Expected<RunResult<Dim>> join_and_polish(const Log<Dim>& log, const Split& split
     result.chi2 = log_chi2(log, state.poses, state.features).total();
   }
   if (stop.stop_requested()) return tl::unexpected(Error{ErrorKind::kInterrupted, "interrupted while polishing"});
+  // A join of the whole log has counted its rows already.
   result.dof = result.local_maps > 0 ? degrees_of_freedom(log, joined->held.size()) : joined->dof();
   write_map(log, state, joined->held, result);
   result.map.stamps_ns = log.stamps_ns;

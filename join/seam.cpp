@@ -36,7 +36,6 @@ class Common {
 template <typename T, typename Predicate>
 std::vector<T> tying(const std::vector<T>& list, std::size_t most, Predicate&& ties) {
   std::vector<T> found;
-  found.reserve(list.size());
   std::copy_if(list.begin(), list.end(), std::back_inserter(found), ties);
   if (found.size() <= most) return found;
   for (std::size_t k = 0; k < most; ++k) found[k] = found[k * found.size() / most];
@@ -104,8 +103,9 @@ double Seam<Dim>::chi2(const Pose<Dim>& placement) const {
     chi2 += r.dot(o->information * r);
   }
   for (const auto& [o, base, target] : feature_ties_) {
-    const Point<Dim> from_base = base.is_placed ? transform_into(placement, point(target)) : point(target);
-    const Point<Dim> r = residual<Dim>(o->measured, base.value, from_base);
+    // In the frame that the base is given in: a point is moved with less effort than a pose.
+    const Point<Dim> beside_base = base.is_placed ? transform_into(placement, point(target)) : point(target);
+    const Point<Dim> r = residual<Dim>(o->measured, base.value, beside_base);
     chi2 += r.dot(o->information * r);
   }
   for (const auto& tie : map_ties_) {

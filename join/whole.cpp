@@ -20,7 +20,9 @@ Piece<Dim> whole_of(const Network<Dim>& network) {
   for (const auto* map : whole.maps) {
     for (const Index feature : map->features) is_seen[static_cast<std::size_t>(feature)] = true;
   }
-  for (const auto* o : whole.feature_observations) is_seen[static_cast<std::size_t>(o->target)] = true;
+  for (const auto* list : {&network.feature_observations, &network.feature_priors}) {
+    for (const auto* o : *list) is_seen[static_cast<std::size_t>(o->target)] = true;
+  }
   for (std::size_t f = 0; f < network.feature_count; ++f) {
     if (is_seen[f]) whole.features.push_back(static_cast<Index>(f));
   }

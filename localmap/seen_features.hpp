@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
-// The features that stretches see, one stretch after the other.
+// The features that stretches see, one stretch after the other, each with a begin of its own.
 
 #include <algorithm>
 #include <cstdint>
@@ -14,12 +14,12 @@ class SeenFeatures {
  public:
   explicit SeenFeatures(std::size_t features) : seen_in_(features, -1) {}
 
-  /// Whether the stretch that begins at `begin` sees a feature for the first time; it has seen it now.
-  bool is_new(Index feature, Index begin) { return std::exchange(seen_in_[static_cast<std::size_t>(feature)], begin) != begin; }
-  /// How many features it sees for the first time in these observations.
+  /// The stretch that begins at `begin` sees a feature; true for the first time.
+  bool see(Index feature, Index begin) { return std::exchange(seen_in_[static_cast<std::size_t>(feature)], begin) != begin; }
+  /// How many features it sees for the first time by these observations.
   template <typename Observations>
   std::int64_t count_new(const Observations& observations, Index begin) {
-    return std::count_if(observations.begin(), observations.end(), [&](const auto& o) { return is_new(o.target, begin); });
+    return std::count_if(observations.begin(), observations.end(), [&](const auto& o) { return see(o.target, begin); });
   }
 
  private:

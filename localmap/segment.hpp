@@ -2,7 +2,6 @@
 #pragma once
 // The part of a log that one local map is made of: full SLAM of one segment.
 
-#include <cstdint>
 #include <mapjoin/localmap/split.hpp>
 #include <mapjoin/model/log.hpp>
 #include <span>

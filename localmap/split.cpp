@@ -43,7 +43,8 @@ class Growth {
   Index new_features(Index pose, Index begin) {
     Index count = 0;
     for (const auto& observation : observations_of(log_, {pose, pose + 1})) {
-      if (seen_.is_new(observation.target, begin) && observation.base == pose) ++count;
+      const bool is_first = seen_.see(observation.target, begin);
+      if (is_first && observation.base == pose) ++count;
     }
     return count;
   }

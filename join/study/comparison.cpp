@@ -134,8 +134,9 @@ std::vector<ComparedCase> compared_cases(const std::vector<Index>& poses_per_map
     }
     cases.push_back({steps, JoinedState::kRelative, Schedule::kBatch, true});
   };
-  add(1, {Schedule::kTree, Schedule::kBatch});
-  for (const Index steps : poses_per_map) add(steps, {Schedule::kTree, Schedule::kSequential, Schedule::kBatch});
+  add(1, {Schedule::kAligned, Schedule::kTree, Schedule::kBatch});
+  for (const Index steps : poses_per_map)
+    add(steps, {Schedule::kAligned, Schedule::kTree, Schedule::kSequential, Schedule::kBatch});
   return cases;
 }
 

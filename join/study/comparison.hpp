@@ -31,13 +31,14 @@ struct ComparedCase {
   bool operator==(const ComparedCase&) const = default;
 };
 
-/// "tree", "sequential", "batch" or "gradual batch".
+/// "aligned", "tree", "sequential", "batch" or "gradual batch".
 std::string schedule_in_words(const ComparedCase& way);
 /// "full SLAM, absolute, batch", "joining, relative, maps of 20 steps, gradual batch".
 std::string to_string(const ComparedCase& way);
 
-/// Full SLAM, at once from the composed start and along the tree, then joining with each number of steps per map, along the
-/// tree, map by map and at once; each in the absolute and in the relative state, in the latter also gradually.
+/// Full SLAM, at once from the composed start and along the tree, only aligned or solved on the way, then joining with each
+/// number of steps per map, along the tree likewise, map by map and at once; each in the absolute and in the relative state, in
+/// the latter also gradually.
 std::vector<ComparedCase> compared_cases(const std::vector<Index>& poses_per_map);
 
 /// How far it is from the truth, over the poses that are known of it.

@@ -108,7 +108,7 @@ bool sizes_agree(std::string_view element) {
   const Part& flags = (*all)[0];
   const Part& dimensions = (*all)[1];
   if (flags.type != kUint32 || flags.size != 8) return false;
-  // Else matio looks for what follows in another place.
+  // Behind dimensions of another kind matio looks for what follows in another place.
   if (dimensions.type != kInt32 || dimensions.size < 8 || dimensions.size % 4 != 0) return false;
   const std::uint32_t held = class_of(element);
   const bool is_matrix = dimensions.size == 8;

@@ -61,6 +61,7 @@ TEST_F(Compare, FillsItsFolderAndTellsTheTable) {
   EXPECT_EQ(ended_.err, "");
   for (const std::string name : {"compare.json", "compare.csv", "compare.html"}) EXPECT_TRUE(fs::exists(out() / name)) << name;
   EXPECT_THAT(ended_.out, HasSubstr("best         chi2 4702.179445, dof 4762"));
+  EXPECT_THAT(ended_.out, HasSubstr("full SLAM      1  absolute  aligned"));
   EXPECT_THAT(ended_.out, HasSubstr("full SLAM      1  absolute  tree"));
   EXPECT_THAT(ended_.out, HasSubstr("joining       60  relative  gradual batch"));
   EXPECT_THAT(ended_.out, HasSubstr("How far it is from the truth"));
@@ -70,7 +71,7 @@ TEST_F(Compare, ReportsEveryCase) {
   const json report = json::parse(content("compare.json"));
   EXPECT_EQ(report.at("command"), "compare");
   EXPECT_EQ(report.at("poses"), 1000);
-  ASSERT_EQ(report.at("cases").size(), 5U + 2U * 7U);
+  ASSERT_EQ(report.at("cases").size(), 7U + 2U * 9U);
   const json& best = report.at("cases").at(report.at("best").get<std::size_t>());
   EXPECT_EQ(best.at("polished").at("from_best").at("poses").at("translation").at("max"), 0.0);
   for (const json& one : report.at("cases")) {
@@ -105,7 +106,7 @@ TEST_F(Compare, AgreesWithARunOfEachCommand) {
 
 TEST_F(Compare, WritesARowPerCaseAsCsv) {
   const auto rows = lines_of(content("compare.csv"));
-  ASSERT_EQ(rows.size(), 1U + 5U + 2U * 7U);
+  ASSERT_EQ(rows.size(), 1U + 7U + 2U * 9U);
   const auto keys = fields_of(rows.front());
   for (const std::string& row : rows) EXPECT_EQ(fields_of(row).size(), keys.size()) << row;
   for (const std::string key : {"formulation", "joined_chi2", "memory_mb", "joined_poses_max_m", "joined_relative_100_m",
@@ -123,7 +124,7 @@ TEST_F(Compare, WritesAPageThatIsWellFormedAndNeedsNothingElse) {
   EXPECT_EQ(tree.get_child("html.body").count("figure"), 5U);
   std::string rest = std::regex_replace(page, std::regex(R"(xmlns="http://www\.w3\.org/2000/svg")"), "");
   for (const std::string fetched : {"http", "src=", "href=", "url(", "@import"}) EXPECT_THAT(rest, Not(HasSubstr(fetched)));
-  EXPECT_THAT(page, HasSubstr("19 of the 19 ways reach it"));
+  EXPECT_THAT(page, HasSubstr("25 of the 25 ways reach it"));
 }
 
 /// JSON without what differs from call to call.

@@ -172,6 +172,50 @@ TYPED_TEST(RunTest, DegreesOfFreedomAreTheRowsLessTheUnknowns) {
   EXPECT_EQ(result->dof, rows - unknowns);
 }
 
+TYPED_TEST(RunTest, DegreesOfFreedomDoNotDependOnTheSplit) {
+  constexpr int kDim = TestFixture::kDim;
+  const auto world = small_world<kDim>();
+  Log<kDim> held = world.log;
+  held.fixed = {{0, world.truth.pose(0)}};
+  held.pose_priors = {{kWorld, 0, world.truth.pose(0), PoseMatrix<kDim>::Identity()}};
+  Log<kDim> placed = held;
+  placed.feature_priors = {{kWorld, 2, world.truth.features[2], PointMatrix<kDim>::Identity()}};
+  for (const Log<kDim>& log : {world.log, held, placed}) {
+    const auto whole = run(log, this->with(1.0));
+    const auto split = run(log, this->with(5.0));
+    ASSERT_TRUE(whole && split);
+    EXPECT_EQ(whole->local_maps, 0U);
+    EXPECT_EQ(whole->dof, split->dof);
+    EXPECT_EQ(whole->dof, degrees_of_freedom(log, whole->map.gauge.size()));
+  }
+}
+
+/// Nobody sees it, but it is in the log, and must not stay where it is not.
+TYPED_TEST(RunTest, AFeatureThatOnlyTheWorldMentionsIsWhereItSays) {
+  constexpr int kDim = TestFixture::kDim;
+  const auto world = small_world<kDim>();
+  Log<kDim> log = world.log;
+  log.fixed = {{0, world.truth.pose(0)}};
+  const auto feature = static_cast<Index>(log.features.size());
+  log.features.push_back({log.features.back().key + 1});
+  const Point<kDim> at = Point<kDim>::Constant(7.0);
+  log.feature_priors.push_back({kWorld, feature, at, PointMatrix<kDim>::Identity()});
+  Log<kDim> without = world.log;
+  without.fixed = log.fixed;
+  for (const double poses : {1.0, 5.0}) {
+    SCOPED_TRACE(poses);
+    RunOptions options = this->with(poses);
+    options.covariances = options.marginals = true;
+    const auto result = run(log, options);
+    ASSERT_TRUE(result) << result.error().message;
+    EXPECT_LT((result->map.features.back() - at).norm(), 1e-9);
+    EXPECT_EQ(result->dof, degrees_of_freedom(log, 1));
+    const auto alone = run(without, options);
+    EXPECT_NEAR(result->chi2, alone->chi2, 1e-9 * alone->chi2);
+    EXPECT_EQ(result->dof, alone->dof);
+  }
+}
+
 /// A walk with odometry of 0.6 m and 8 degrees a step that sees a feature every other step.
 Simulation<2> poor_world(std::uint64_t seed) {
   ManhattanOptions options;

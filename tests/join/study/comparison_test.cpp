@@ -30,7 +30,7 @@ TYPED_TEST_SUITE(ComparisonOfASmallWorld, Dimensions);
 TYPED_TEST(ComparisonOfASmallWorld, EveryWayEndsInTheSameMap) {
   const auto comparison = this->compared();
   ASSERT_TRUE(comparison) << comparison.error().message;
-  ASSERT_EQ(comparison->cases.size(), 5U + 2U * 7U);
+  ASSERT_EQ(comparison->cases.size(), 7U + 2U * 9U);
   const auto independent = solve(this->world.log, RunOptions{});
   for (const auto& figures : comparison->cases) {
     SCOPED_TRACE(to_string(figures.way));

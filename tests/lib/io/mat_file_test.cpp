@@ -85,15 +85,17 @@ TEST_F(MatFileTest, RefusesSizesThatDoNotAgreeBeforeAskingForMemory) {
   }
 }
 
-TEST_F(MatFileTest, RefusesDimensionsThatAreNotWholeNumbersOfTheirType) {
+TEST_F(MatFileTest, RefusesFlagsAndDimensionsThatAreNotWholeNumbersOfTheirType) {
   put("a", Eigen::MatrixXd::Ones(3, 3));
   std::string other_type = bytes();
+  std::string other_flags = other_type;
   std::string longer = other_type;
   other_type[152] = '\x6';
+  other_flags[136] = '\x5';
   longer.insert(168, 8, '\0');  // Nine bytes of dimensions are kept in sixteen.
   longer[156] = '\x9';
   longer[132] = static_cast<char>(longer[132] + 8);  // The whole variable's size.
-  for (const std::string& content : {other_type, longer}) {
+  for (const std::string& content : {other_type, other_flags, longer}) {
     const auto found = read_mat(content, "f.mat", {"a"});
     ASSERT_FALSE(found);
     EXPECT_THAT(found.error().message, HasSubstr("damaged"));
