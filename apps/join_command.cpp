@@ -51,7 +51,7 @@ std::unique_ptr<Subcommand> join_command(CLI::App& app) {
   auto command = std::make_unique<Subcommand>(app, "join", "From local maps to a global map", kExamples);
   const auto options = std::make_shared<Options>();
   command->argument("MAPS", options->input, "A store, or a folder or archive of localmap_1, localmap_2, ... as .mat or .txt");
-  command->path("-o,--output", options->output, "MAP", "Write the map: .tum (poses only), .csv (features beside it), else g2o");
+  command->path("-o,--output", options->output, "MAP", kMapFile);
   add_schedule(*command, *options);
   add_solver(*command, *options);
   add_polish(*command, *options);

@@ -31,6 +31,9 @@ struct Options {
 inline const std::string kLogFormats =
     "The log, known by its content: g2o, TORO, iSAM, GTSAM, MAT or text, also as gzip; or a folder of UTIAS MRCLAM data";
 
+/// What a command that writes one MAP says of it (see write_map_file()).
+inline const std::string kMapFile = "Write the map: .tum (poses only), .csv (features beside it), else g2o";
+
 /// How many threads the call works on.
 std::size_t thread_count(const Options& options);
 

@@ -38,7 +38,7 @@ std::unique_ptr<Subcommand> solve_command(CLI::App& app) {
   auto command = std::make_unique<Subcommand>(app, "solve", "Full SLAM of a log, as the join of one-step maps", kExamples);
   const auto options = std::make_shared<Options>();
   command->argument("LOG", options->input, kLogFormats);
-  command->path("-o,--output", options->output, "MAP", "Write the map: .tum (poses only), .csv (features beside it), else g2o");
+  command->path("-o,--output", options->output, "MAP", kMapFile);
   add_schedule(*command, *options);
   add_solver(*command, *options);
   add_reading(*command, *options);

@@ -38,18 +38,21 @@ const Point<Dim>& feature_in(const Piece<Dim>& piece, Index feature) {
   return piece.state.features[static_cast<std::size_t>(place_of(piece.features, feature))];
 }
 
-/// The value of a pose of the network, or null where the piece does not hold it.
-template <int Dim>
-const Pose<Dim>* find_pose(const Piece<Dim>& piece, Index pose) {
-  const auto place = static_cast<std::size_t>(place_of(piece.poses, pose));
-  return place < piece.poses.size() && piece.poses[place] == pose ? &piece.state.poses[place] : nullptr;
+/// The value that stands where an index does in an ascending list, or null where the list does not hold it.
+template <typename T>
+const T* find_value(const std::vector<Index>& ascending, const std::vector<T>& values, Index index) {
+  const auto place = static_cast<std::size_t>(place_of(ascending, index));
+  return place < ascending.size() && ascending[place] == index ? &values[place] : nullptr;
 }
 
-/// The value of a feature of the network, or null where the piece does not hold it.
+template <int Dim>
+const Pose<Dim>* find_pose(const Piece<Dim>& piece, Index pose) {
+  return find_value(piece.poses, piece.state.poses, pose);
+}
+
 template <int Dim>
 const Point<Dim>* find_feature(const Piece<Dim>& piece, Index feature) {
-  const auto place = static_cast<std::size_t>(place_of(piece.features, feature));
-  return place < piece.features.size() && piece.features[place] == feature ? &piece.state.features[place] : nullptr;
+  return find_value(piece.features, piece.state.features, feature);
 }
 
 }  // namespace mapjoin

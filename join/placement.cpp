@@ -17,9 +17,10 @@ bool fixes_rotation(const std::vector<Point<Dim>>& points) {
   Point<Dim> mean = Point<Dim>::Zero();
   double scale = 1.0;
   for (const auto& point : points) {
-    mean += point / static_cast<double>(points.size());
+    mean += point;
     scale = std::max(scale, point.cwiseAbs().maxCoeff());
   }
+  mean /= static_cast<double>(points.size());
   Matrix<Dim> scatter = Matrix<Dim>::Zero();
   for (const auto& point : points) scatter.noalias() += (point - mean) * (point - mean).transpose();
   const Eigen::SelfAdjointEigenSolver<Matrix<Dim>> axes(scatter, Eigen::EigenvaluesOnly);

@@ -22,19 +22,19 @@ template <int Dim>
 Ties<Dim> world_ties(const Network<Dim>& network, const Piece<Dim>& piece) {
   Ties<Dim> ties;
   for (const auto& fixed : network.fixed) {
-    if (holds(piece.poses, fixed.pose)) ties.add_pose(fixed.value, pose_in(piece, fixed.pose));
+    if (const auto* pose = find_pose(piece, fixed.pose)) ties.add_pose(fixed.value, *pose);
   }
   for (const auto* prior : network.pose_priors) {
-    if (!holds(piece.poses, prior->target) || !measures_position(*prior)) continue;
-    const Pose<Dim>& pose = pose_in(piece, prior->target);
+    const auto* pose = find_pose(piece, prior->target);
+    if (!pose || !measures_position(*prior)) continue;
     if (measures_rotation(*prior)) {
-      ties.add_pose(prior->measured, pose);
+      ties.add_pose(prior->measured, *pose);
     } else {
-      ties.add_point(prior->measured.translation, pose.translation);
+      ties.add_point(prior->measured.translation, pose->translation);
     }
   }
   for (const auto* prior : network.feature_priors) {
-    if (holds(piece.features, prior->target)) ties.add_point(prior->measured, feature_in(piece, prior->target));
+    if (const auto* feature = find_feature(piece, prior->target)) ties.add_point(prior->measured, *feature);
   }
   return ties;
 }

@@ -41,7 +41,8 @@ std::optional<Header> read_header(const fs::path& path) {
   return Header{big_endian(68), big_endian(60), bytes[18] == kRollback && bytes[19] == kRollback};
 }
 
-/// The map in the current row of a SELECT of all columns of `maps`; nothing where the sizes do not agree.
+/// The map in the current row of a SELECT of all columns of `maps`, whose information has its upper triangle alone; nothing
+/// where the sizes do not agree.
 template <int Dim>
 std::optional<LocalMap<Dim>> map_of_row(const Statement& row) {
   LocalMap<Dim> map;
@@ -52,18 +53,21 @@ std::optional<LocalMap<Dim>> map_of_row(const Statement& row) {
     return std::nullopt;
   }
   const auto rows = static_cast<Eigen::Index>(kPoseDof<Dim> * map.poses.size() + Dim * map.features.size());
-  auto information = store::decode_symmetric(row.bytes(7), rows);
+  auto information = store::decode_upper(row.bytes(7), rows);
   if (!information) return std::nullopt;
   map.information = std::move(*information);
   return map;
 }
 
-/// Each map beside its stretch; the first fault.
+/// Makes each information symmetric and checks each map beside its stretch; the first fault.
 template <int Dim>
-Expected<void> check_maps(const StoredMaps<Dim>& stored, const std::string& file) {
+Expected<void> finish_maps(StoredMaps<Dim>& stored, const std::string& file) {
   const auto stretches = map_stretches(stored.stretches);
-  return parallel_try(stored.maps.size(),
-                      [&](std::size_t k) { return store::check_map(stored.maps[k], *stretches[k], stored.log, file); });
+  return parallel_try(stored.maps.size(), [&](std::size_t k) {
+    Eigen::MatrixXd& information = stored.maps[k].information;
+    information.template triangularView<Eigen::StrictlyLower>() = information.transpose();
+    return store::check_map(stored.maps[k], *stretches[k], stored.log, file);
+  });
 }
 
 /// Every stretch that is a map has its row, in order; it becomes a span where that is empty.
@@ -89,7 +93,7 @@ Expected<void> read_maps(Database& database, const std::string& file, StoredMaps
   const auto more = select->step();
   if (!more) return tl::unexpected(more.error());
   if (*more) return bad_input(fmt::format("{}: damaged store: it has more maps than stretches", file));
-  return check_maps(stored, file);
+  return finish_maps(stored, file);
 }
 
 template <int Dim>

@@ -3,7 +3,7 @@
 
 namespace mapjoin::store {
 
-std::string encode_symmetric(const Eigen::MatrixXd& matrix) {
+std::string encode_upper(const Eigen::MatrixXd& matrix) {
   std::string bytes;
   bytes.reserve(static_cast<std::size_t>(matrix.rows() * (matrix.rows() + 1) / 2) * sizeof(double));
   for (Eigen::Index col = 0; col < matrix.cols(); ++col) {
@@ -12,13 +12,12 @@ std::string encode_symmetric(const Eigen::MatrixXd& matrix) {
   return bytes;
 }
 
-std::optional<Eigen::MatrixXd> decode_symmetric(std::string_view bytes, Eigen::Index rows) {
+std::optional<Eigen::MatrixXd> decode_upper(std::string_view bytes, Eigen::Index rows) {
   if (bytes.size() != static_cast<std::size_t>(rows * (rows + 1) / 2) * sizeof(double)) return std::nullopt;
-  Eigen::MatrixXd matrix(rows, rows);
+  Eigen::MatrixXd matrix = Eigen::MatrixXd::Zero(rows, rows);
   const char* at = bytes.data();
   for (Eigen::Index col = 0; col < rows; ++col) {
     std::memcpy(matrix.col(col).data(), at, static_cast<std::size_t>(col + 1) * sizeof(double));
-    matrix.row(col).head(col) = matrix.col(col).head(col);
     at += static_cast<std::size_t>(col + 1) * sizeof(double);
   }
   return matrix;

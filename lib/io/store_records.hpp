@@ -125,8 +125,8 @@ bool decode_all(std::string_view bytes, std::vector<Record>& records) {
   return true;
 }
 
-/// The upper triangle of a symmetric matrix, column by column, and back; nothing where the size is wrong.
-std::string encode_symmetric(const Eigen::MatrixXd& matrix);
-std::optional<Eigen::MatrixXd> decode_symmetric(std::string_view bytes, Eigen::Index rows);
+/// The upper triangle of a symmetric matrix, column by column, and back, with zeros below; nothing where the size is wrong.
+std::string encode_upper(const Eigen::MatrixXd& matrix);
+std::optional<Eigen::MatrixXd> decode_upper(std::string_view bytes, Eigen::Index rows);
 
 }  // namespace mapjoin::store

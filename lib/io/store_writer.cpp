@@ -150,7 +150,7 @@ Expected<void> StoreWriter<Dim>::insert_map(std::size_t stretch, const LocalMap<
   const std::string features = store::encode_all(map.features);
   const std::string pose_estimates = store::encode_all(map.pose_estimates);
   const std::string feature_estimates = store::encode_all(map.feature_estimates);
-  const std::string information = store::encode_symmetric(map.information);
+  const std::string information = store::encode_upper(map.information);
   batch_bytes_ += information.size();
   insert_->bind(static_cast<std::int64_t>(stretch)).bind(std::int64_t{map.base}).bind(map.chi2);
   insert_->bind_blob(poses).bind_blob(features).bind_blob(pose_estimates).bind_blob(feature_estimates).bind_blob(information);

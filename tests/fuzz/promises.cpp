@@ -44,7 +44,7 @@ std::string bits(const MapSet<Dim>& set) {
     put(map.features, bits);
     put(map.pose_estimates, bits);
     put(map.feature_estimates, bits);
-    bits += store::encode_symmetric(map.information);
+    bits += store::encode_upper(map.information);
   }
   return bits;
 }

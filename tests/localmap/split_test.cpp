@@ -130,6 +130,19 @@ TYPED_TEST(SplitTest, AStretchThatWouldKeepMostOfItsPosesStaysASpan) {
   EXPECT_EQ(std::count(parts.kept.begin(), parts.kept.begin() + 11, true), 11);
 }
 
+TYPED_TEST(SplitTest, AMapWhoseBorderWouldBeTooLargeStaysASpan) {
+  constexpr int kDim = TestFixture::kDim;
+  constexpr Index kMost = (5000 - 2 * kPoseDof<kDim>) / kDim;  // features beside the two ends
+  for (const Index features : {kMost, kMost + 1}) {
+    auto log = this->corridor(11);
+    for (Index f = 0; f < features; ++f) log.features.push_back({static_cast<std::uint64_t>(f)});
+    for (const Index pose : {2, 5}) {
+      for (Index f = 0; f < features; ++f) log.observations.push_back(this->sight(pose, f));
+    }
+    EXPECT_EQ(split(log, {SplitRule::kPoses, 10.0}).stretches[0].is_map, features == kMost);
+  }
+}
+
 TYPED_TEST(SplitTest, ASessionMayBeASinglePose) {
   constexpr int kDim = TestFixture::kDim;
   const Log<kDim> log = this->corridor(1);

@@ -1,0 +1,84 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <gtest/gtest.h>
+
+#include <limits>
+#include <mapjoin/localmap/split_cost.hpp>
+#include <tests/support/dimensions.hpp>
+#include <tests/support/small_world.hpp>
+
+namespace mapjoin {
+namespace {
+
+using testing::small_world;
+
+template <typename D>
+class SplitCostTest : public ::testing::Test {
+ protected:
+  static constexpr int kDim = D::value;
+  static constexpr double kDof = kPoseDof<kDim>;
+  /// Nine steps, of which every other pose sees one feature more: pose 2 k sees features 0 to k.
+  static Log<kDim> widening_corridor() {
+    auto log = small_world<kDim>({.poses = 10, .features = 0, .closures = 0, .noise = 0.0}).log;
+    for (std::uint64_t f = 0; f < 5; ++f) log.features.push_back({f});
+    for (Index pose = 0; pose < 10; pose += 2) {
+      for (Index f = 0; f <= pose / 2; ++f) {
+        log.observations.push_back({pose, f, Point<kDim>::Zero(), PointMatrix<kDim>::Identity()});
+      }
+    }
+    return log;
+  }
+  static double joining(double m) { return 4.0 * (30.0 * m * m + 0.4 * m * m * m); }
+  static double building(double steps, double m) { return 5.0 * (2.0 * steps * kDof * m * m + 0.5 * m * m * m); }
+};
+TYPED_TEST_SUITE(SplitCostTest, testing::Dimensions);
+
+TYPED_TEST(SplitCostTest, IsThatOfTheBorderWhereEachFeatureCountsOnce) {
+  using T = TestFixture;
+  const auto log = T::widening_corridor();
+  const std::vector<bool> nothing_kept(log.poses.size(), false);
+  // The one map of nine steps: its ends, and five features that its poses see fifteen times.
+  const double m = 2.0 * T::kDof + T::kDim * 5.0;
+  EXPECT_NEAR(cost_per_step(log, nothing_kept, 9), (T::joining(m) + T::building(9.0, m)) / 9.0, 1e-9 * T::joining(m));
+}
+
+TYPED_TEST(SplitCostTest, CountsKeptPosesInTheBorder) {
+  using T = TestFixture;
+  const auto log = T::widening_corridor();
+  std::vector<bool> kept(log.poses.size(), false);
+  kept[3] = kept[4] = true;
+  const double m = 4.0 * T::kDof + T::kDim * 5.0;
+  EXPECT_NEAR(cost_per_step(log, kept, 9), (T::joining(m) + T::building(9.0, m)) / 9.0, 1e-9 * T::joining(m));
+}
+
+TYPED_TEST(SplitCostTest, OfAStretchThatStaysASpanIsThatOfItsSteps) {
+  using T = TestFixture;
+  const auto log = T::widening_corridor();
+  const std::vector<bool> all_kept(log.poses.size(), true);
+  const double sights_of_a_step = 15.0 / 9.0;
+  const double expected = T::joining(2.0 * T::kDof + T::kDim * sights_of_a_step);
+  EXPECT_NEAR(cost_per_step(log, all_kept, 9), expected, 1e-9 * expected);
+}
+
+TYPED_TEST(SplitCostTest, IsInfiniteWhereTheLogIsShorter) {
+  const auto log = TestFixture::widening_corridor();
+  EXPECT_EQ(cost_per_step(log, std::vector<bool>(log.poses.size(), false), 10), std::numeric_limits<double>::infinity());
+}
+
+TYPED_TEST(SplitCostTest, ChoosesTheCheapestOfItsCandidates) {
+  const auto log = small_world<TestFixture::kDim>({.poses = 120}).log;
+  const std::vector<bool> nothing_kept(log.poses.size(), false);
+  for (const double fewest : {0.0, 6.0, 31.0}) {
+    Index best = 0;
+    double least = std::numeric_limits<double>::infinity();
+    for (const Index n : {1, 2, 3, 5, 7, 10, 15, 20, 30, 45, 70, 100}) {
+      const double cost = cost_per_step(log, nothing_kept, n);
+      if (n < fewest || cost >= least) continue;
+      best = n;
+      least = cost;
+    }
+    EXPECT_EQ(cheapest_poses_per_map(log, nothing_kept, fewest), best) << fewest;
+  }
+}
+
+}  // namespace
+}  // namespace mapjoin
