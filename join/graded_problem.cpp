@@ -11,7 +11,10 @@ template <typename Graded, typename Observation>
 void copy(std::vector<const Observation*>& own, std::vector<const Observation*>& priors, std::vector<Graded>& out) {
   out.reserve(own.size() + priors.size());  // addresses stay
   for (auto* list : {&own, &priors}) {
-    for (const Observation*& o : *list) o = &out.emplace_back(o, *o, false).weighted;
+    for (const Observation*& o : *list) {
+      out.push_back({o, *o});
+      o = &out.back().weighted;
+    }
   }
 }
 
@@ -23,7 +26,10 @@ GradedProblem<Dim>::GradedProblem(JoinProblem<Dim>& join, const Piece<Dim>& piec
   copy(weighted_piece_.pose_observations, weighted_gauge_.pose_priors, poses_);
   copy(weighted_piece_.feature_observations, weighted_gauge_.feature_priors, features_);
   maps_.reserve(piece.maps.size());
-  for (const LocalMap<Dim>*& map : weighted_piece_.maps) map = &maps_.emplace_back(map, *map).weighted;
+  for (const LocalMap<Dim>*& map : weighted_piece_.maps) {
+    maps_.push_back({map, *map});
+    map = &maps_.back().weighted;
+  }
   take_tree();
 }
 

@@ -32,8 +32,8 @@ class GradedProblem {
   struct GradedMap {
     const LocalMap<Dim>* whole;
     LocalMap<Dim> weighted;
-    std::vector<Eigen::Index> tree_rows;
-    Eigen::MatrixXd quadratic;  // over the tree's rows
+    std::vector<Eigen::Index> tree_rows{};
+    Eigen::MatrixXd quadratic{};  // over the tree's rows
   };
   template <typename Observation>
   struct GradedObservation {

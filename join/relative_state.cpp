@@ -79,8 +79,7 @@ RelativeState<Dim>::RelativeState(const JointSystem<Dim>& system) {
 
 template <int Dim>
 template <int Dof>
-RelativeState<Dim>::Link<Dof> RelativeState<Dim>::make_link(const JointSystem<Dim>& system, const TreeEdge& edge,
-                                                            Index variable) const {
+auto RelativeState<Dim>::make_link(const JointSystem<Dim>& system, const TreeEdge& edge, Index variable) const -> Link<Dof> {
   const Index parent = system.pose_variable(edge.parent);
   const Eigen::Index parent_begin = parent == kConstant ? kStill : system.equations().offset(parent);
   return {edge, system.equations().offset(variable), parent_begin, {}, {}, {}};

@@ -59,7 +59,7 @@ Log<Dim> two_sessions(std::size_t shared) {
       builder.add_pose_edge({session, k}, {session, k + 1}, {}, PoseMatrix<Dim>::Identity());
     }
     const auto see = [&](std::uint64_t feature) {
-      for (const std::uint64_t pose : {0, 3}) {
+      for (const std::uint64_t pose : {0u, 3u}) {
         builder.add_observation({session, pose}, {feature}, Point<Dim>::Zero(), PointMatrix<Dim>::Identity());
       }
     };
