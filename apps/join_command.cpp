@@ -5,6 +5,7 @@
 #include <apps/commands.hpp>
 #include <apps/distinct.hpp>
 #include <memory>
+#include <utility>
 #include <variant>
 
 namespace mapjoin::apps {
@@ -25,11 +26,11 @@ Expected<ExitCode> join_any(Call& call, const MapSet<Dim>& set) {
 }
 
 template <int Dim>
-Expected<ExitCode> join_any(Call& call, const StoredMaps<Dim>& stored) {
+Expected<ExitCode> join_any(Call& call, StoredMaps<Dim> stored) {
   const Split parts = split_along(stored.log, stored.stretches);
   // What is wrong with the log in a store is said of the store.
   const auto of_store = [&](const Error& error) { return Error{error.kind, call.account.input + ": " + error.message}; };
-  auto result = run_from_maps(stored.log, parts, stored.maps, call.run_options(), call.stop()).map_error(of_store);
+  auto result = run_from_maps(stored.log, parts, std::move(stored.maps), call.run_options(), call.stop()).map_error(of_store);
   if (!result) return tl::unexpected(result.error());
   if (auto written = call.write_map(*result, &stored.log); !written) return tl::unexpected(written.error());
   return call.conclude();
@@ -40,9 +41,9 @@ Expected<ExitCode> join_maps(const Options& options, const std::stop_token& stop
   if (auto ready = call.check_outputs().and_then([&] { return call.read_truth(); }); !ready) {
     return tl::unexpected(ready.error());
   }
-  const auto maps = call.read_maps();
+  auto maps = call.read_maps();
   if (!maps) return tl::unexpected(maps.error());
-  return std::visit([&](const auto& any) { return join_any(call, any); }, *maps);
+  return std::visit([&](auto& any) { return join_any(call, std::move(any)); }, *maps);
 }
 
 }  // namespace

@@ -25,7 +25,7 @@ GradedProblem<Dim>::GradedProblem(JoinProblem<Dim>& join, const Piece<Dim>& piec
     : join_(join), piece_(piece), gauge_(gauge), weighted_piece_(piece), weighted_gauge_(gauge) {
   copy(weighted_piece_.pose_observations, weighted_gauge_.pose_priors, poses_);
   copy(weighted_piece_.feature_observations, weighted_gauge_.feature_priors, features_);
-  maps_.reserve(piece.maps.size());
+  maps_.reserve(piece.maps.size());  // addresses stay
   for (const LocalMap<Dim>*& map : weighted_piece_.maps) {
     maps_.push_back({map, *map});
     map = &maps_.back().weighted;

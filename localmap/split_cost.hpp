@@ -16,7 +16,8 @@ namespace mapjoin {
 template <int Dim>
 double cost_per_step(const Log<Dim>& log, const std::vector<bool>& kept, Index poses_per_map);
 
-/// The cheapest number of steps among those of 1, 2, 3, 5, 7, 10, 15, 20, 30, 45, 70, 100 that are at least `fewest`.
+/// The cheapest number of steps among those of 1, 2, 3, 5, 7, 10, 15, 20, 30, 45, 70, 100 that are at least `fewest`; 100
+/// where there is none.
 template <int Dim>
 Index cheapest_poses_per_map(const Log<Dim>& log, const std::vector<bool>& kept, double fewest);
 

@@ -41,8 +41,8 @@ std::optional<Header> read_header(const fs::path& path) {
   return Header{big_endian(68), big_endian(60), bytes[18] == kRollback && bytes[19] == kRollback};
 }
 
-/// The map in the current row of a SELECT of all columns of `maps`, whose information has its upper triangle alone; nothing
-/// where the sizes do not agree.
+/// The map in the current row of a SELECT of all columns of `maps`, its information without the lower triangle (see
+/// finish_maps()); nothing where the sizes do not agree.
 template <int Dim>
 std::optional<LocalMap<Dim>> map_of_row(const Statement& row) {
   LocalMap<Dim> map;

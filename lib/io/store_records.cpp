@@ -14,7 +14,7 @@ std::string encode_upper(const Eigen::MatrixXd& matrix) {
 
 std::optional<Eigen::MatrixXd> decode_upper(std::string_view bytes, Eigen::Index rows) {
   if (bytes.size() != static_cast<std::size_t>(rows * (rows + 1) / 2) * sizeof(double)) return std::nullopt;
-  Eigen::MatrixXd matrix = Eigen::MatrixXd::Zero(rows, rows);
+  Eigen::MatrixXd matrix(rows, rows);
   const char* at = bytes.data();
   for (Eigen::Index col = 0; col < rows; ++col) {
     std::memcpy(matrix.col(col).data(), at, static_cast<std::size_t>(col + 1) * sizeof(double));

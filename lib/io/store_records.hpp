@@ -125,8 +125,9 @@ bool decode_all(std::string_view bytes, std::vector<Record>& records) {
   return true;
 }
 
-/// The upper triangle of a symmetric matrix, column by column, and back, with zeros below; nothing where the size is wrong.
+/// The upper triangle of a symmetric matrix, column by column.
 std::string encode_upper(const Eigen::MatrixXd& matrix);
+/// And back; what is below the diagonal is left unwritten. Nothing where the size is wrong.
 std::optional<Eigen::MatrixXd> decode_upper(std::string_view bytes, Eigen::Index rows);
 
 }  // namespace mapjoin::store

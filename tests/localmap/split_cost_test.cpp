@@ -16,7 +16,7 @@ class SplitCostTest : public ::testing::Test {
  protected:
   static constexpr int kDim = D::value;
   static constexpr double kDof = kPoseDof<kDim>;
-  /// Nine steps, of which every other pose sees one feature more: pose 2 k sees features 0 to k.
+  /// Ten poses in a row, of which every other one sees one feature more: pose 2 k sees features 0 to k.
   static Log<kDim> widening_corridor() {
     auto log = small_world<kDim>({.poses = 10, .features = 0, .closures = 0, .noise = 0.0}).log;
     for (std::uint64_t f = 0; f < 5; ++f) log.features.push_back({f});
@@ -50,6 +50,29 @@ TYPED_TEST(SplitCostTest, CountsKeptPosesInTheBorder) {
   EXPECT_NEAR(cost_per_step(log, kept, 9), (T::joining(m) + T::building(9.0, m)) / 9.0, 1e-9 * T::joining(m));
 }
 
+TYPED_TEST(SplitCostTest, IsSummedOverStretchesOfWhichEachCountsItsOwnFeatures) {
+  using T = TestFixture;
+  const auto log = T::widening_corridor();
+  double sum = 0.0;
+  for (const double features : {2.0, 3.0, 5.0}) {  // of poses 0 to 2, 3 to 5 and 6 to 9
+    const double m = 2.0 * T::kDof + T::kDim * features;
+    sum += T::joining(m) + T::building(3.0, m);
+  }
+  EXPECT_NEAR(cost_per_step(log, std::vector<bool>(log.poses.size(), false), 3), sum / 9.0, 1e-9 * sum);
+}
+
+TYPED_TEST(SplitCostTest, IsThatOfAMapAsLongAsHalfOfItsPosesGo) {
+  using T = TestFixture;
+  const auto log = T::widening_corridor();
+  std::vector<bool> kept(log.poses.size(), false);
+  kept[1] = kept[2] = kept[3] = kept[4] = true;
+  const double m = 6.0 * T::kDof + T::kDim * 5.0;
+  EXPECT_NEAR(cost_per_step(log, kept, 9), (T::joining(m) + T::building(9.0, m)) / 9.0, 1e-9 * T::joining(m));
+  kept[5] = true;
+  const double of_a_step = T::joining(2.0 * T::kDof + T::kDim * 15.0 / 9.0);
+  EXPECT_NEAR(cost_per_step(log, kept, 9), of_a_step, 1e-9 * of_a_step);
+}
+
 TYPED_TEST(SplitCostTest, OfAStretchThatStaysASpanIsThatOfItsSteps) {
   using T = TestFixture;
   const auto log = T::widening_corridor();
@@ -78,6 +101,7 @@ TYPED_TEST(SplitCostTest, ChoosesTheCheapestOfItsCandidates) {
     }
     EXPECT_EQ(cheapest_poses_per_map(log, nothing_kept, fewest), best) << fewest;
   }
+  EXPECT_EQ(cheapest_poses_per_map(log, nothing_kept, 101.0), 100);
 }
 
 }  // namespace

@@ -139,7 +139,7 @@ TYPED_TEST(SplitTest, AMapWhoseBorderWouldBeTooLargeStaysASpan) {
     for (const Index pose : {2, 5}) {
       for (Index f = 0; f < features; ++f) log.observations.push_back(this->sight(pose, f));
     }
-    EXPECT_EQ(split(log, {SplitRule::kPoses, 10.0}).stretches[0].is_map, features == kMost);
+    EXPECT_EQ(split(log, {SplitRule::kPoses, 10.0}).stretches[0].is_map, features == kMost) << features;
   }
 }
 
