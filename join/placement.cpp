@@ -104,11 +104,15 @@ Ties<Dim> ties_between(const Piece<Dim>& a, const Piece<Dim>& b, const std::vect
   Ties<Dim> ties;
   for_each_common(a.poses, b.poses, [&](std::size_t i, std::size_t j) { ties.add_pose(a.state.poses[i], b.state.poses[j]); });
   for (const auto* closure : closures) {
-    if (holds(a.poses, closure->base) && holds(b.poses, closure->target)) {
-      ties.add_pose(compose(pose_in(a, closure->base), closure->measured), pose_in(b, closure->target));
-    } else if (holds(b.poses, closure->base) && holds(a.poses, closure->target)) {
-      ties.add_pose(pose_in(a, closure->target), compose(pose_in(b, closure->base), closure->measured));
+    const auto* base = find_pose(a, closure->base);
+    const auto* target = find_pose(b, closure->target);
+    if (base && target) {
+      ties.add_pose(compose(*base, closure->measured), *target);
+      continue;
     }
+    base = find_pose(b, closure->base);
+    target = find_pose(a, closure->target);
+    if (base && target) ties.add_pose(*target, compose(*base, closure->measured));
   }
   for_each_common(a.features, b.features,
                   [&](std::size_t i, std::size_t j) { ties.add_point(a.state.features[i], b.state.features[j]); });

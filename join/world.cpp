@@ -1,5 +1,4 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include <limits>
 #include <mapjoin/join/placement.hpp>
 #include <mapjoin/join/world.hpp>
 #include <utility>
@@ -51,15 +50,9 @@ double misfit(const Ties<Dim>& ties, const Pose<Dim>& placement) {
 
 template <int Dim>
 void place_by(const Ties<Dim>& ties, Piece<Dim>& piece) {
-  double least = std::numeric_limits<double>::infinity();
-  Pose<Dim> best;
-  for (const Pose<Dim>& placement : ties.candidates()) {
-    const double sum = misfit(ties, placement);
-    if (sum < least) {
-      least = sum;
-      best = placement;
-    }
-  }
+  const auto candidates = ties.candidates();
+  if (candidates.empty()) return;
+  const auto best = cheapest_placement<Dim>(candidates, [&](const Pose<Dim>& placement) { return misfit(ties, placement); });
   piece.state = moved(best, std::move(piece.state));
 }
 

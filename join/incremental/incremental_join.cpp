@@ -96,10 +96,10 @@ std::vector<Pose<Dim>> IncrementalJoin<Dim>::placements(const Part<Dim>& part, c
   for (const auto& o : part.pose_observations) {
     const Pose<Dim>* base = o.base == kWorld ? nullptr : pose(o.base);
     const Pose<Dim>* target = pose(o.target);
-    if (base && holds(piece.poses, o.target)) ties.add_pose(compose(*base, o.measured), pose_in(piece, o.target));
-    if (target && o.base != kWorld && holds(piece.poses, o.base)) {
-      ties.add_pose(*target, compose(pose_in(piece, o.base), o.measured));
-    }
+    const Pose<Dim>* own_base = find_pose(piece, o.base);  // never the World, which is no pose
+    const Pose<Dim>* own_target = find_pose(piece, o.target);
+    if (base && own_target) ties.add_pose(compose(*base, o.measured), *own_target);
+    if (target && own_base) ties.add_pose(*target, compose(*own_base, o.measured));
   }
   for (const Index f : piece.features) {
     if (const auto* known = feature(f)) ties.add_point(*known, feature_in(piece, f));

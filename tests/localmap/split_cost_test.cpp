@@ -27,6 +27,8 @@ class SplitCostTest : public ::testing::Test {
     }
     return log;
   }
+  /// Per step, of a map of `steps` with `m` variables in its border; it is in the join once, and built.
+  static double of_a_map(double steps, double m) { return (joining(m) + building(steps, m)) / steps; }
   static double joining(double m) { return 4.0 * (30.0 * m * m + 0.4 * m * m * m); }
   static double building(double steps, double m) { return 5.0 * (2.0 * steps * kDof * m * m + 0.5 * m * m * m); }
 };
@@ -38,7 +40,7 @@ TYPED_TEST(SplitCostTest, IsThatOfTheBorderWhereEachFeatureCountsOnce) {
   const std::vector<bool> nothing_kept(log.poses.size(), false);
   // The one map of nine steps: its ends, and five features that its poses see fifteen times.
   const double m = 2.0 * T::kDof + T::kDim * 5.0;
-  EXPECT_NEAR(cost_per_step(log, nothing_kept, 9), (T::joining(m) + T::building(9.0, m)) / 9.0, 1e-9 * T::joining(m));
+  EXPECT_NEAR(cost_per_step(log, nothing_kept, 9), T::of_a_map(9.0, m), 1e-9 * T::joining(m));
 }
 
 TYPED_TEST(SplitCostTest, CountsKeptPosesInTheBorder) {
@@ -47,18 +49,17 @@ TYPED_TEST(SplitCostTest, CountsKeptPosesInTheBorder) {
   std::vector<bool> kept(log.poses.size(), false);
   kept[3] = kept[4] = true;
   const double m = 4.0 * T::kDof + T::kDim * 5.0;
-  EXPECT_NEAR(cost_per_step(log, kept, 9), (T::joining(m) + T::building(9.0, m)) / 9.0, 1e-9 * T::joining(m));
+  EXPECT_NEAR(cost_per_step(log, kept, 9), T::of_a_map(9.0, m), 1e-9 * T::joining(m));
 }
 
 TYPED_TEST(SplitCostTest, IsSummedOverStretchesOfWhichEachCountsItsOwnFeatures) {
   using T = TestFixture;
   const auto log = T::widening_corridor();
-  double sum = 0.0;
+  double expected = 0.0;
   for (const double features : {2.0, 3.0, 5.0}) {  // of poses 0 to 2, 3 to 5 and 6 to 9
-    const double m = 2.0 * T::kDof + T::kDim * features;
-    sum += T::joining(m) + T::building(3.0, m);
+    expected += T::of_a_map(3.0, 2.0 * T::kDof + T::kDim * features) / 3.0;
   }
-  EXPECT_NEAR(cost_per_step(log, std::vector<bool>(log.poses.size(), false), 3), sum / 9.0, 1e-9 * sum);
+  EXPECT_NEAR(cost_per_step(log, std::vector<bool>(log.poses.size(), false), 3), expected, 1e-9 * expected);
 }
 
 TYPED_TEST(SplitCostTest, IsThatOfAMapAsLongAsHalfOfItsPosesGo) {
@@ -67,7 +68,7 @@ TYPED_TEST(SplitCostTest, IsThatOfAMapAsLongAsHalfOfItsPosesGo) {
   std::vector<bool> kept(log.poses.size(), false);
   kept[1] = kept[2] = kept[3] = kept[4] = true;
   const double m = 6.0 * T::kDof + T::kDim * 5.0;
-  EXPECT_NEAR(cost_per_step(log, kept, 9), (T::joining(m) + T::building(9.0, m)) / 9.0, 1e-9 * T::joining(m));
+  EXPECT_NEAR(cost_per_step(log, kept, 9), T::of_a_map(9.0, m), 1e-9 * T::joining(m));
   kept[5] = true;
   const double of_a_step = T::joining(2.0 * T::kDof + T::kDim * 15.0 / 9.0);
   EXPECT_NEAR(cost_per_step(log, kept, 9), of_a_step, 1e-9 * of_a_step);
