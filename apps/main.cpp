@@ -12,7 +12,7 @@
 #include <apps/interruption.hpp>
 #include <apps/shrunk_input.hpp>
 #include <exception>
-#include <mapjoin/solve/dense_kernels.hpp>
+#include <mapjoin/solve/blas.hpp>
 #include <new>
 
 namespace mapjoin::apps {
@@ -61,7 +61,6 @@ void keep_freed_memory() {
 }
 
 ExitCode main(int argc, char** argv) {
-  end_blas_threads();
   keep_freed_memory();
   end_on_shrunk_input();
   try {
@@ -72,6 +71,9 @@ ExitCode main(int argc, char** argv) {
   } catch (const std::bad_alloc&) {
     say("there is not enough memory for this");
     return ExitCode::kTooLarge;
+  } catch (const NoLapack& error) {
+    say(error.what());
+    return ExitCode::kInternalError;
   } catch (const std::exception& error) {
     say(fmt::format("internal error: {}", error.what()));
     return ExitCode::kInternalError;

@@ -4,7 +4,6 @@
 
 #include <Eigen/Core>
 #include <optional>
-#include <string>
 
 namespace mapjoin {
 
@@ -21,12 +20,5 @@ enum class Into { kSum, kNew };
 void subtract_square(ConstDenseBlock B, DenseBlock C, Into into);
 /// C ← C - A Bᵀ, or C ← -A Bᵀ.
 void subtract_product(ConstDenseBlock A, ConstDenseBlock B, DenseBlock C, Into into);
-
-/// Ends the threads that OpenBLAS starts, and lets spin, as soon as it is loaded; the above need none. For a program that uses
-/// the BLAS through this alone, before it does.
-void end_blas_threads();
-
-/// The name of the BLAS in use, for the report.
-std::string blas_name();
 
 }  // namespace mapjoin

@@ -3,7 +3,6 @@
 #include <tbb/global_control.h>
 
 #include <Eigen/Cholesky>
-#include <mapjoin/solve/dense_kernels.hpp>
 #include <mapjoin/solve/sparse_cholesky.hpp>
 #include <tests/support/grid_system.hpp>
 #include <tests/support/random.hpp>
@@ -163,10 +162,6 @@ TEST(SparseCholesky, StartsNoThreadsButThoseItIsAllowed) {
   };
   factorise();
   std::thread(factorise).join();
-}
-
-TEST(SparseCholesky, NamesTheBlasForTheReport) {
-  EXPECT_FALSE(blas_name().empty());
 }
 
 }  // namespace
