@@ -70,29 +70,32 @@ Expected<ExitCode> run_basin(const BasinCall& asked, const std::stop_token& stop
   return hand_over(output_of(*found, call.account), asked.shared, *folder).map([] { return ExitCode::kDone; });
 }
 
-}  // namespace
-
-std::unique_ptr<Subcommand> basin_command(CLI::App& app) {
-  auto command = std::make_unique<Subcommand>(
-      app, "basin", "From which starts the optimum is reached: full SLAM and joining, absolute and relative", kExamples);
+void declare(Subcommand& command) {
   const auto asked = std::make_shared<BasinCall>();
   Options& options = asked->shared;
   BasinOptions& basin = asked->basin;
-  command->argument("LOG|MAPS", options.input, "A log; or a store, or a folder or archive of local maps");
-  command->path("-o,--output", options.output, "DIR", "Write basin.csv, basin.json and basin.svg into this folder");
-  command->group("Experiment");
-  command->option("--poses-per-map", "N|auto,...", "Lengths of the local maps to join, of a log [auto]",
-                  [&basin](const std::string& words) { return take_splits(words, basin.splits); });
-  command->number<int>("--seeds", basin.seeds, 1, "N", "Random starts per cell [" + std::to_string(basin.seeds) + "]");
-  command->number<int>(
+  command.argument("LOG|MAPS", options.input, "A log; or a store, or a folder or archive of local maps");
+  command.path("-o,--output", options.output, "DIR", "Write basin.csv, basin.json and basin.svg into this folder");
+  command.group("Experiment");
+  command.option("--poses-per-map", "N|auto,...", "Lengths of the local maps to join, of a log [auto]",
+                 [&basin](const std::string& words) { return take_splits(words, basin.splits); });
+  command.number<int>("--seeds", basin.seeds, 1, "N", "Random starts per cell [" + std::to_string(basin.seeds) + "]");
+  command.number<int>(
       "--max-iterations", basin.max_iterations, 1, "N",
       "At most so many steps of every solve, where gradual of its last one [" + std::to_string(basin.max_iterations) + "]");
-  add_reading(*command, options);
-  add_reporting(*command, options);
-  command->check([asked, &command = *command] { return check_uncut(command, asked->shared); });
-  command->check([asked] { return check_distinct(files_of_folder(asked->shared, "LOG|MAPS", kFiles)); });
-  command->act([asked](const std::stop_token& stop) { return run_basin(*asked, stop); });
-  return command;
+  add_reading(command, options);
+  add_reporting(command, options);
+  command.check([asked, &command] { return check_uncut(command, asked->shared); });
+  command.check([asked] { return check_distinct(files_of_folder(asked->shared, "LOG|MAPS", kFiles)); });
+  command.act([asked](const std::stop_token& stop) { return run_basin(*asked, stop); });
+}
+
+}  // namespace
+
+std::unique_ptr<Subcommand> basin_command(CLI::App& app) {
+  return std::make_unique<Subcommand>(app, "basin",
+                                      "From which starts the optimum is reached: full SLAM and joining, absolute and relative",
+                                      kExamples, declare);
 }
 
 }  // namespace mapjoin::apps

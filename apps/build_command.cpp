@@ -118,25 +118,27 @@ Expected<ExitCode> build_input(const Options& options, const std::stop_token& st
   return std::visit([&](const auto& any) { return build_log(call, any); }, *log);
 }
 
+void declare(Subcommand& command) {
+  const auto options = std::make_shared<Options>();
+  command.argument("LOG|MAPS", options->input,
+                   kLogFormats +
+                       ". Or local maps of others, which are stored as they are: a folder or archive of localmap_1, "
+                       "localmap_2, ... as .mat or .txt");
+  command.output("-o,--output", options->output, "MAPS",
+                 "Write the store; until it is done it is MAPS.partial, from which the same command goes on");
+  add_splitting(command, *options);
+  add_solver(command, *options);
+  add_reading(command, *options);
+  add_reporting(command, *options);
+  command.check([options] { return check_distinct(files_of(*options, "LOG|MAPS")); });
+  command.check([options, &command] { return check_uncut(command, *options); });
+  command.act([options](const std::stop_token& stop) { return build_input(*options, stop); });
+}
+
 }  // namespace
 
 std::unique_ptr<Subcommand> build_command(CLI::App& app) {
-  auto command = std::make_unique<Subcommand>(app, "build", "From a log, or the files of local maps, to a store", kExamples);
-  const auto options = std::make_shared<Options>();
-  command->argument("LOG|MAPS", options->input,
-                    kLogFormats +
-                        ". Or local maps of others, which are stored as they are: a folder or archive of localmap_1, "
-                        "localmap_2, ... as .mat or .txt");
-  command->output("-o,--output", options->output, "MAPS",
-                  "Write the store; until it is done it is MAPS.partial, from which the same command goes on");
-  add_splitting(*command, *options);
-  add_solver(*command, *options);
-  add_reading(*command, *options);
-  add_reporting(*command, *options);
-  command->check([options] { return check_distinct(files_of(*options, "LOG|MAPS")); });
-  command->check([options, &command = *command] { return check_uncut(command, *options); });
-  command->act([options](const std::stop_token& stop) { return build_input(*options, stop); });
-  return command;
+  return std::make_unique<Subcommand>(app, "build", "From a log, or the files of local maps, to a store", kExamples, declare);
 }
 
 }  // namespace mapjoin::apps

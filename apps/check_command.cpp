@@ -125,22 +125,24 @@ Expected<ExitCode> check_input(const CheckOptions& options, const std::stop_toke
   return may_hold_maps(options.input) ? call.read_maps().and_then(check_any) : call.read_log().and_then(check_any);
 }
 
-}  // namespace
-
-std::unique_ptr<Subcommand> check_command(CLI::App& app) {
-  auto command = std::make_unique<Subcommand>(app, "check", "What could be wrong with a log, before it is joined", kExamples);
+void declare(Subcommand& command) {
   const auto options = std::make_shared<CheckOptions>();
-  command->argument("FILE", options->input, "A log, a store, or a folder or archive of local maps");
-  command->choice<CheckedEstimate>(
+  command.argument("FILE", options->input, "A log, a store, or a folder or archive of local maps");
+  command.choice<CheckedEstimate>(
       "--estimate", options->estimate,
       {{"joined", CheckedEstimate::kJoined}, {"file", CheckedEstimate::kFile}, {"none", CheckedEstimate::kNone}},
       "Where residuals are weighed: at the joined map, as `mapjoin run` would find it; at the "
       "file's own values; or nowhere, which is fastest");
-  add_reading(*command, *options);
-  add_reporting(*command, *options);
-  command->check([options] { return check_distinct(files_of(*options, "FILE")); });
-  command->act([options](const std::stop_token& stop) { return check_input(*options, stop); });
-  return command;
+  add_reading(command, *options);
+  add_reporting(command, *options);
+  command.check([options] { return check_distinct(files_of(*options, "FILE")); });
+  command.act([options](const std::stop_token& stop) { return check_input(*options, stop); });
+}
+
+}  // namespace
+
+std::unique_ptr<Subcommand> check_command(CLI::App& app) {
+  return std::make_unique<Subcommand>(app, "check", "What could be wrong with a log, before it is joined", kExamples, declare);
 }
 
 }  // namespace mapjoin::apps

@@ -184,23 +184,26 @@ Expected<ExitCode> compare_log(const CompareOptions& options, const std::stop_to
   return std::visit([&](const auto& any) { return compare_on(call, options, any, *folder); }, *log);
 }
 
+void declare(Subcommand& command) {
+  const auto options = std::make_shared<CompareOptions>();
+  Options& common = options->common;
+  command.argument("LOG", common.input, kLogFormats);
+  command.path("-o,--output", common.output, "DIR", "Write compare.json, compare.csv and compare.html into this folder");
+  command.option("--poses-per-map", "N,N,...", "Cut the log into local maps after so many poses, each in its turn [5,20,60]",
+                 [options](const std::string& word) { return take_list(word, options->poses_per_map); });
+  command.path("--truth", common.truth, "FILE", "Measure the errors against this map, too: .tum, else g2o with vertices");
+  add_reading(command, common);
+  add_reporting(command, common);
+  command.check([options] { return check_distinct(files_of_folder(options->common, "LOG", kNames)); });
+  command.act([options](const std::stop_token& stop) { return compare_log(*options, stop); });
+}
+
 }  // namespace
 
 std::unique_ptr<Subcommand> compare_command(CLI::App& app) {
-  auto command = std::make_unique<Subcommand>(
-      app, "compare", "Joining beside full SLAM on one log: what each takes, and how far its map is from the best", kExamples);
-  const auto options = std::make_shared<CompareOptions>();
-  Options& common = options->common;
-  command->argument("LOG", common.input, kLogFormats);
-  command->path("-o,--output", common.output, "DIR", "Write compare.json, compare.csv and compare.html into this folder");
-  command->option("--poses-per-map", "N,N,...", "Cut the log into local maps after so many poses, each in its turn [5,20,60]",
-                  [options](const std::string& word) { return take_list(word, options->poses_per_map); });
-  command->path("--truth", common.truth, "FILE", "Measure the errors against this map, too: .tum, else g2o with vertices");
-  add_reading(*command, common);
-  add_reporting(*command, common);
-  command->check([options] { return check_distinct(files_of_folder(options->common, "LOG", kNames)); });
-  command->act([options](const std::stop_token& stop) { return compare_log(*options, stop); });
-  return command;
+  return std::make_unique<Subcommand>(
+      app, "compare", "Joining beside full SLAM on one log: what each takes, and how far its map is from the best", kExamples,
+      declare);
 }
 
 }  // namespace mapjoin::apps

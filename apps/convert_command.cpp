@@ -165,27 +165,29 @@ Expected<ExitCode> convert_input(const ConvertOptions& options, const std::stop_
       [&](AnyLog log) { return std::visit([&](auto& of_dim) { return convert_log(call, *format, std::move(of_dim)); }, log); });
 }
 
+void declare(Subcommand& command) {
+  const auto options = std::make_shared<ConvertOptions>();
+  command.argument("IN", options->input, "A log, a store, or a folder or archive of local maps, known by its content");
+  command.argument("OUT", options->output, "The file, or for maps-mat and maps-text the folder, to write");
+  command.option("--to", words(),
+                 "Its format [by its extension: .g2o, .graph (TORO), .isam, .gtsam, .txt (ODOM and OBS), .mat, .tum, .kitti, "
+                 ".maps (a store)]",
+                 [options](const std::string& word) -> std::optional<std::string> {
+                   for (const Format& format : kFormats) {
+                     if (word == format.word) options->format = format.format;
+                   }
+                   return options->format ? std::nullopt : std::optional(fmt::format("not one of {}", words()));
+                 });
+  command.flag("--quiet", options->quiet, "No summary");
+  add_reading(command, *options);
+  command.check([options] { return check_distinct({{"IN", options->input}, {"OUT", options->output}}); });
+  command.act([options](const std::stop_token& stop) { return convert_input(*options, stop); });
+}
+
 }  // namespace
 
 std::unique_ptr<Subcommand> convert_command(CLI::App& app) {
-  auto command = std::make_unique<Subcommand>(app, "convert", "A log or local maps in another format", kExamples);
-  const auto options = std::make_shared<ConvertOptions>();
-  command->argument("IN", options->input, "A log, a store, or a folder or archive of local maps, known by its content");
-  command->argument("OUT", options->output, "The file, or for maps-mat and maps-text the folder, to write");
-  command->option("--to", words(),
-                  "Its format [by its extension: .g2o, .graph (TORO), .isam, .gtsam, .txt (ODOM and OBS), .mat, .tum, .kitti, "
-                  ".maps (a store)]",
-                  [options](const std::string& word) -> std::optional<std::string> {
-                    for (const Format& format : kFormats) {
-                      if (word == format.word) options->format = format.format;
-                    }
-                    return options->format ? std::nullopt : std::optional(fmt::format("not one of {}", words()));
-                  });
-  command->flag("--quiet", options->quiet, "No summary");
-  add_reading(*command, *options);
-  command->check([options] { return check_distinct({{"IN", options->input}, {"OUT", options->output}}); });
-  command->act([options](const std::stop_token& stop) { return convert_input(*options, stop); });
-  return command;
+  return std::make_unique<Subcommand>(app, "convert", "A log or local maps in another format", kExamples, declare);
 }
 
 }  // namespace mapjoin::apps

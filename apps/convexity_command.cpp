@@ -78,24 +78,27 @@ void add_lines(Subcommand& command, ConvexityOptions& convexity) {
                                 fmt::format("The same seed gives the same states [{}]", convexity.seed));
 }
 
+void declare(Subcommand& command) {
+  const auto asked = std::make_shared<ConvexityCall>();
+  Options& options = asked->shared;
+  command.argument("LOG|MAPS", options.input, "A log; or a store, or a folder or archive of local maps");
+  command.path("-o,--output", options.output, "DIR",
+               "Write curves.csv, convexity.svg, region.svg and convexity.json into this folder");
+  add_lines(command, asked->convexity);
+  add_splitting(command, options);
+  add_reading(command, options);
+  add_reporting(command, options);
+  command.check([asked, &command] { return check_uncut(command, asked->shared); });
+  command.check([asked] { return check_distinct(files_of_folder(asked->shared, "LOG|MAPS", kFiles)); });
+  command.act([asked](const std::stop_token& stop) { return run_convexity(*asked, stop); });
+}
+
 }  // namespace
 
 std::unique_ptr<Subcommand> convexity_command(CLI::App& app) {
-  auto command = std::make_unique<Subcommand>(
-      app, "convexity", "How far from convex and from linear: full SLAM and joining, absolute and relative", kExamples);
-  const auto asked = std::make_shared<ConvexityCall>();
-  Options& options = asked->shared;
-  command->argument("LOG|MAPS", options.input, "A log; or a store, or a folder or archive of local maps");
-  command->path("-o,--output", options.output, "DIR",
-                "Write curves.csv, convexity.svg, region.svg and convexity.json into this folder");
-  add_lines(*command, asked->convexity);
-  add_splitting(*command, options);
-  add_reading(*command, options);
-  add_reporting(*command, options);
-  command->check([asked, &command = *command] { return check_uncut(command, asked->shared); });
-  command->check([asked] { return check_distinct(files_of_folder(asked->shared, "LOG|MAPS", kFiles)); });
-  command->act([asked](const std::stop_token& stop) { return run_convexity(*asked, stop); });
-  return command;
+  return std::make_unique<Subcommand>(app, "convexity",
+                                      "How far from convex and from linear: full SLAM and joining, absolute and relative",
+                                      kExamples, declare);
 }
 
 }  // namespace mapjoin::apps

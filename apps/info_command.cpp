@@ -99,15 +99,17 @@ Expected<ExitCode> tell_of(const Options& options, const std::stop_token& stop) 
   return may_hold_maps(options.input) ? call.read_maps().and_then(tell_any) : call.read_log().and_then(tell_any);
 }
 
+void declare(Subcommand& command) {
+  const auto options = std::make_shared<Options>();
+  command.argument("FILE", options->input, "A log, a store, or a folder or archive of local maps");
+  add_reading(command, *options);
+  command.act([options](const std::stop_token& stop) { return tell_of(*options, stop); });
+}
+
 }  // namespace
 
 std::unique_ptr<Subcommand> info_command(CLI::App& app) {
-  auto command = std::make_unique<Subcommand>(app, "info", "What is in a file", kExamples);
-  const auto options = std::make_shared<Options>();
-  command->argument("FILE", options->input, "A log, a store, or a folder or archive of local maps");
-  add_reading(*command, *options);
-  command->act([options](const std::stop_token& stop) { return tell_of(*options, stop); });
-  return command;
+  return std::make_unique<Subcommand>(app, "info", "What is in a file", kExamples, declare);
 }
 
 }  // namespace mapjoin::apps

@@ -16,8 +16,8 @@ constexpr const char* kExamples =
     "  mapjoin join manhattan2d.maps -o map.g2o";
 
 template <int Dim>
-Expected<ExitCode> join_any(Call& call, const MapSet<Dim>& set) {
-  auto result = run(set, call.run_options(), call.stop());
+Expected<ExitCode> join_any(Call& call, MapSet<Dim> set) {
+  auto result = run(std::move(set), call.run_options(), call.stop());
   if (!result) return tl::unexpected(result.error());
   if (auto written = call.write_map(*result, static_cast<const Log<Dim>*>(nullptr)); !written) {
     return tl::unexpected(written.error());
@@ -46,22 +46,24 @@ Expected<ExitCode> join_maps(const Options& options, const std::stop_token& stop
   return std::visit([&](auto& any) { return join_any(call, std::move(any)); }, *maps);
 }
 
+void declare(Subcommand& command) {
+  const auto options = std::make_shared<Options>();
+  command.argument("MAPS", options->input, "A store, or a folder or archive of localmap_1, localmap_2, ... as .mat or .txt");
+  command.path("-o,--output", options->output, "MAP", kMapFile);
+  add_schedule(command, *options);
+  add_solver(command, *options);
+  add_polish(command, *options);
+  add_weights(command, *options);
+  add_certainty(command, *options);
+  add_reporting(command, *options);
+  command.check([options] { return check_distinct(files_of_map(*options, "MAPS")); });
+  command.act([options](const std::stop_token& stop) { return join_maps(*options, stop); });
+}
+
 }  // namespace
 
 std::unique_ptr<Subcommand> join_command(CLI::App& app) {
-  auto command = std::make_unique<Subcommand>(app, "join", "From local maps to a global map", kExamples);
-  const auto options = std::make_shared<Options>();
-  command->argument("MAPS", options->input, "A store, or a folder or archive of localmap_1, localmap_2, ... as .mat or .txt");
-  command->path("-o,--output", options->output, "MAP", kMapFile);
-  add_schedule(*command, *options);
-  add_solver(*command, *options);
-  add_polish(*command, *options);
-  add_weights(*command, *options);
-  add_certainty(*command, *options);
-  add_reporting(*command, *options);
-  command->check([options] { return check_distinct(files_of_map(*options, "MAPS")); });
-  command->act([options](const std::stop_token& stop) { return join_maps(*options, stop); });
-  return command;
+  return std::make_unique<Subcommand>(app, "join", "From local maps to a global map", kExamples, declare);
 }
 
 }  // namespace mapjoin::apps

@@ -171,29 +171,31 @@ std::vector<std::string> check_files(const PlotOptions& options) {
   return violations;
 }
 
-}  // namespace
-
-std::unique_ptr<Subcommand> plot_command(CLI::App& app) {
-  auto command = std::make_unique<Subcommand>(app, "plot", "Pictures of maps, logs and local maps, and pages to look around in",
-                                              kExamples);
+void declare(Subcommand& command) {
   const auto options = std::make_shared<PlotOptions>();
   Options& common = options->common;
   common.output = "plot.svg";
-  command->arguments("MAP", options->inputs,
-                     "The folder of a run, a map or a log (without values by its odometry), or local maps, which are joined "
-                     "first; several are overlaid");
-  command->path("-o,--output", common.output, "FILE",
-                "Write a picture as SVG or, where the name ends in .html, a page to look around in [plot.svg]");
-  command->path("--truth", common.truth, "FILE", "Draw the truth of the first map, too: .tum, else g2o with vertices");
-  command->refusal("--no-align", options->align, "Overlay maps as they stand, not by what they share with the first one");
-  command->flag("--covariances", common.covariances,
-                "Local maps: with their covariances when joined; those of a map are drawn where they are beside it");
-  command->flag("--repair-information", common.read.repair_information,
-                "Take the nearest semidefinite matrix for an indefinite information matrix");
-  add_running(*command, common);
-  command->check([options] { return check_files(*options); });
-  command->act([options](const std::stop_token& stop) { return plot(*options, stop); });
-  return command;
+  command.arguments("MAP", options->inputs,
+                    "The folder of a run, a map or a log (without values by its odometry), or local maps, which are joined "
+                    "first; several are overlaid");
+  command.path("-o,--output", common.output, "FILE",
+               "Write a picture as SVG or, where the name ends in .html, a page to look around in [plot.svg]");
+  command.path("--truth", common.truth, "FILE", "Draw the truth of the first map, too: .tum, else g2o with vertices");
+  command.refusal("--no-align", options->align, "Overlay maps as they stand, not by what they share with the first one");
+  command.flag("--covariances", common.covariances,
+               "Local maps: with their covariances when joined; those of a map are drawn where they are beside it");
+  command.flag("--repair-information", common.read.repair_information,
+               "Take the nearest semidefinite matrix for an indefinite information matrix");
+  add_running(command, common);
+  command.check([options] { return check_files(*options); });
+  command.act([options](const std::stop_token& stop) { return plot(*options, stop); });
+}
+
+}  // namespace
+
+std::unique_ptr<Subcommand> plot_command(CLI::App& app) {
+  return std::make_unique<Subcommand>(app, "plot", "Pictures of maps, logs and local maps, and pages to look around in",
+                                      kExamples, declare);
 }
 
 }  // namespace mapjoin::apps

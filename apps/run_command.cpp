@@ -106,37 +106,39 @@ Expected<ExitCode> run_log(const Options& options, const FollowOptions& followin
   return std::visit([&](const auto& any) { return run_on(call, any, *folder); }, *log);
 }
 
-}  // namespace
-
-std::unique_ptr<Subcommand> run_command(CLI::App& app) {
-  auto command = std::make_unique<Subcommand>(
-      app, "run", "From a log to a global map: splits, builds local maps, joins, recovers, polishes", kExamples);
+void declare(Subcommand& command) {
   const auto options = std::make_shared<Options>();
   const auto following = std::make_shared<FollowOptions>();
-  command->argument("LOG", options->input, kLogFormats);
-  command->path("-o,--output", options->output, "DIR|MAP",
-                "Write map.g2o, trajectory.tum, poses.csv, features.csv, map.svg and report.json into this folder; or the map "
-                "alone: .g2o, .tum (poses only), .csv (features beside it)");
-  add_splitting(*command, *options);
-  add_schedule(*command, *options);
-  add_solver(*command, *options);
-  add_polish(*command, *options);
-  add_reading(*command, *options);
-  add_certainty(*command, *options);
-  add_following(*command, *following);
-  add_reporting(*command, *options);
-  command->check([options, following] {
+  command.argument("LOG", options->input, kLogFormats);
+  command.path("-o,--output", options->output, "DIR|MAP",
+               "Write map.g2o, trajectory.tum, poses.csv, features.csv, map.svg and report.json into this folder; or the map "
+               "alone: .g2o, .tum (poses only), .csv (features beside it)");
+  add_splitting(command, *options);
+  add_schedule(command, *options);
+  add_solver(command, *options);
+  add_polish(command, *options);
+  add_reading(command, *options);
+  add_certainty(command, *options);
+  add_following(command, *following);
+  add_reporting(command, *options);
+  command.check([options, following] {
     NamedFiles files = names_map_file(options->output) ? files_of_map(*options, "LOG")
                                                        : files_of_folder(*options, "LOG", names_of(*options, true));
     if (following->steps != "-") files.emplace_back("--steps", following->steps);
     return check_distinct(files);
   });
-  command->check([&command = *command, options, following] { return check_following(command, *options, *following); });
-  command->act([options, following](const std::stop_token& stop) {
+  command.check([&command, options, following] { return check_following(command, *options, *following); });
+  command.act([options, following](const std::stop_token& stop) {
     if (following->steps == "-") options->quiet = true;
     return run_log(*options, *following, stop);
   });
-  return command;
+}
+
+}  // namespace
+
+std::unique_ptr<Subcommand> run_command(CLI::App& app) {
+  return std::make_unique<Subcommand>(
+      app, "run", "From a log to a global map: splits, builds local maps, joins, recovers, polishes", kExamples, declare);
 }
 
 }  // namespace mapjoin::apps

@@ -87,31 +87,31 @@ void add_noise(Subcommand& command, ManhattanOptions& world) {
                          fmt::format("Errors made, by those stated; 0: none are made [{}]", world.noise_multiplier));
 }
 
+void declare(Subcommand& command) {
+  const auto options = std::make_shared<SimulateOptions>();
+  ManhattanOptions& world = options->manhattan;
+  command.choice<World>("--world", options->world, {{"manhattan", World::kManhattan}},
+                        "Streets; in space corridors and shafts");
+  command.number<std::int64_t>("--poses", world.poses, 1, "N", fmt::format("From a hundred to millions [{}]", world.poses));
+  command.choice<int>("--dim", options->dimension, {{"2", 2}, {"3", 3}}, "Dimension");
+  command.number<std::uint64_t>("--seed", world.seed, 0, "S", fmt::format("The same seed gives the same log [{}]", world.seed));
+  command.output("-o,--output", options->log, "LOG", "Write the log, as g2o");
+  command.path("--truth", options->truth, "FILE", "Write the true map: .tum (poses only), .csv (features beside it), else g2o");
+  command.flag("--quiet", options->quiet, "No summary");
+  add_path(command, world);
+  add_sensor(command, world);
+  add_noise(command, world);
+  command.check([options] { return options->manhattan.validate(); });
+  command.check([options] { return check_distinct({{"--output", options->log}, {"--truth", options->truth}}); });
+  command.act([options](const std::stop_token& stop) {
+    return options->dimension == 2 ? simulate_in<2>(*options, stop) : simulate_in<3>(*options, stop);
+  });
+}
+
 }  // namespace
 
 std::unique_ptr<Subcommand> simulate_command(CLI::App& app) {
-  auto command = std::make_unique<Subcommand>(app, "simulate", "A log with its truth", kExamples);
-  const auto options = std::make_shared<SimulateOptions>();
-  ManhattanOptions& world = options->manhattan;
-  command->choice<World>("--world", options->world, {{"manhattan", World::kManhattan}},
-                         "Streets; in space corridors and shafts");
-  command->number<std::int64_t>("--poses", world.poses, 1, "N", fmt::format("From a hundred to millions [{}]", world.poses));
-  command->choice<int>("--dim", options->dimension, {{"2", 2}, {"3", 3}}, "Dimension");
-  command->number<std::uint64_t>("--seed", world.seed, 0, "S",
-                                 fmt::format("The same seed gives the same log [{}]", world.seed));
-  command->output("-o,--output", options->log, "LOG", "Write the log, as g2o");
-  command->path("--truth", options->truth, "FILE",
-                "Write the true map: .tum (poses only), .csv (features beside it), else g2o");
-  command->flag("--quiet", options->quiet, "No summary");
-  add_path(*command, world);
-  add_sensor(*command, world);
-  add_noise(*command, world);
-  command->check([options] { return options->manhattan.validate(); });
-  command->check([options] { return check_distinct({{"--output", options->log}, {"--truth", options->truth}}); });
-  command->act([options](const std::stop_token& stop) {
-    return options->dimension == 2 ? simulate_in<2>(*options, stop) : simulate_in<3>(*options, stop);
-  });
-  return command;
+  return std::make_unique<Subcommand>(app, "simulate", "A log with its truth", kExamples, declare);
 }
 
 }  // namespace mapjoin::apps

@@ -32,21 +32,23 @@ Expected<ExitCode> solve_input(const Options& options, const std::stop_token& st
   return std::visit([&](const auto& any) { return solve_log(call, any); }, *log);
 }
 
+void declare(Subcommand& command) {
+  const auto options = std::make_shared<Options>();
+  command.argument("LOG", options->input, kLogFormats);
+  command.path("-o,--output", options->output, "MAP", kMapFile);
+  add_schedule(command, *options);
+  add_solver(command, *options);
+  add_reading(command, *options);
+  add_certainty(command, *options);
+  add_reporting(command, *options);
+  command.check([options] { return check_distinct(files_of_map(*options, "LOG")); });
+  command.act([options](const std::stop_token& stop) { return solve_input(*options, stop); });
+}
+
 }  // namespace
 
 std::unique_ptr<Subcommand> solve_command(CLI::App& app) {
-  auto command = std::make_unique<Subcommand>(app, "solve", "Full SLAM of a log, as the join of one-step maps", kExamples);
-  const auto options = std::make_shared<Options>();
-  command->argument("LOG", options->input, kLogFormats);
-  command->path("-o,--output", options->output, "MAP", kMapFile);
-  add_schedule(*command, *options);
-  add_solver(*command, *options);
-  add_reading(*command, *options);
-  add_certainty(*command, *options);
-  add_reporting(*command, *options);
-  command->check([options] { return check_distinct(files_of_map(*options, "LOG")); });
-  command->act([options](const std::stop_token& stop) { return solve_input(*options, stop); });
-  return command;
+  return std::make_unique<Subcommand>(app, "solve", "Full SLAM of a log, as the join of one-step maps", kExamples, declare);
 }
 
 }  // namespace mapjoin::apps

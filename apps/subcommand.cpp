@@ -44,8 +44,10 @@ const CLI::Validator kPath(check_path, "", "path");
 
 }  // namespace
 
-Subcommand::Subcommand(CLI::App& parent, const std::string& name, const std::string& description, const std::string& examples)
-    : app_(parent.add_subcommand(name, description)->group("Commands")) {
+Subcommand::Subcommand(CLI::App& parent, const std::string& name, const std::string& description, const std::string& examples,
+                       Declare declare)
+    : app_(parent.add_subcommand(name, description)->group("Commands")), declare_(declare) {
+  app_->preparse_callback([this](std::size_t) { this->declare(); });
   app_->footer("Examples:\n" + examples);
   app_->set_help_flag("-h,--help", "This text");
 }
