@@ -9,16 +9,23 @@
 namespace mapjoin {
 namespace {
 
+/// Lists, or cliques, that are worth a piece of work.
+constexpr std::size_t kListsPerPiece = 100;
+
 /// Sorts each list lists[begin[k] .. begin[k+1]) and drops what is repeated.
 void sort_and_unite(std::vector<std::int64_t>& begin, std::vector<Index>& lists) {
+  std::vector<std::int64_t> end(begin.size() - 1);
+  parallel_chunks(end.size(), kListsPerPiece, [&](std::size_t k, std::size_t last) {
+    for (; k < last; ++k) {
+      const std::span list(lists.begin() + begin[k], lists.begin() + begin[k + 1]);
+      std::ranges::sort(list);
+      end[k] = begin[k] + (std::ranges::unique(list).begin() - list.begin());
+    }
+  });
   std::int64_t kept = 0;
-  for (std::size_t k = 0; k + 1 < begin.size(); ++k) {
-    const auto first = lists.begin() + begin[k];
-    const auto last = lists.begin() + begin[k + 1];
-    std::sort(first, last);
-    const auto end = std::unique(first, last);
-    begin[k] = kept;
-    kept = std::move(first, end, lists.begin() + kept) - lists.begin();
+  for (std::size_t k = 0; k < end.size(); ++k) {
+    const auto united = std::move(lists.begin() + begin[k], lists.begin() + end[k], lists.begin() + kept);
+    begin[k] = std::exchange(kept, united - lists.begin());
   }
   begin.back() = kept;
   lists.resize(static_cast<std::size_t>(kept));
@@ -114,13 +121,21 @@ void NormalEquations::find_destinations() {
     const auto found = std::lower_bound(rows.begin(), rows.end(), high) - rows.begin();
     return matrix_.first_value[column] + row_in_panel[static_cast<std::size_t>(matrix_.begin[column] + found)];
   };
+  destination_begin_.assign(1, 0);
   for (std::size_t c = 0; c < cliques_.size(); ++c) {
-    destination_begin_.push_back(static_cast<std::int64_t>(destinations_.size()));
-    const auto slots = cliques_[c];
-    for (std::size_t j = 0; j < slots.size(); ++j) {
-      for (std::size_t i = 0; i < j; ++i) destinations_.push_back(destination(slots[i], slots[j]));
-    }
+    const auto slots = static_cast<std::int64_t>(cliques_[c].size());
+    destination_begin_.push_back(destination_begin_.back() + slots * (slots - 1) / 2);
   }
+  destinations_.resize(static_cast<std::size_t>(destination_begin_.back()));
+  parallel_chunks(cliques_.size(), kListsPerPiece, [&](std::size_t c, std::size_t end) {
+    for (; c < end; ++c) {
+      const auto slots = cliques_[c];
+      std::int64_t* next = destinations_.data() + destination_begin_[c];
+      for (std::size_t j = 0; j < slots.size(); ++j) {
+        for (std::size_t i = 0; i < j; ++i) *next++ = destination(slots[i], slots[j]);
+      }
+    }
+  });
 }
 
 void NormalEquations::set_zero() {
