@@ -9,6 +9,7 @@
 #include <mapjoin/io/store.hpp>
 #include <mapjoin/join/consistency.hpp>
 #include <mapjoin/join/run.hpp>
+#include <mapjoin/measure/stopwatch.hpp>
 #include <mapjoin/model/conventions.hpp>
 #include <mapjoin/model/ids.hpp>
 #include <mapjoin/model/log.hpp>
@@ -79,10 +80,8 @@ struct Account {
 /// What `work` returns; its wall-clock time is added to `seconds`.
 template <typename Work>
 auto timed(double& seconds, Work&& work) {
-  const auto start = Account::Clock::now();
-  auto result = work();
-  seconds += std::chrono::duration<double>(Account::Clock::now() - start).count();
-  return result;
+  const Stopwatch watch(seconds);
+  return work();
 }
 
 /// The largest memory the process has had so far (MB, 10⁶ bytes).

@@ -48,7 +48,7 @@ Network<Dim> network_of(const Log<Dim>& log, const Split& split, std::vector<Loc
 }
 
 template <int Dim>
-Network<Dim> network_of(const MapSet<Dim>& set) {
+Network<Dim> network_of(const MapSet<Dim>& set, std::vector<LocalMap<Dim>> maps) {
   Network<Dim> network;
   network.pose_count = set.poses.size();
   network.feature_count = set.features.size();
@@ -60,13 +60,13 @@ Network<Dim> network_of(const MapSet<Dim>& set) {
     (o.base == kWorld ? network.feature_priors : network.feature_observations).push_back(&o);
   }
   network.fixed = set.fixed;
-  add_maps(network, set.maps);
+  add_maps(network, std::move(maps));
   return network;
 }
 
 #define MAPJOIN_INSTANTIATE(Dim)                                                               \
   template Network<Dim> network_of(const Log<Dim>&, const Split&, std::vector<LocalMap<Dim>>); \
-  template Network<Dim> network_of(const MapSet<Dim>&);
+  template Network<Dim> network_of(const MapSet<Dim>&, std::vector<LocalMap<Dim>>);
 MAPJOIN_INSTANTIATE(2)
 MAPJOIN_INSTANTIATE(3)
 #undef MAPJOIN_INSTANTIATE

@@ -30,8 +30,12 @@ struct Network {
 template <int Dim>
 Network<Dim> network_of(const Log<Dim>& log, const Split& split, std::vector<LocalMap<Dim>> maps);
 
-/// The network of a set of local maps.
+/// The network of a set of local maps; `maps` are those of the set, which need not hold them any more.
 template <int Dim>
-Network<Dim> network_of(const MapSet<Dim>& set);
+Network<Dim> network_of(const MapSet<Dim>& set, std::vector<LocalMap<Dim>> maps);
+template <int Dim>
+Network<Dim> network_of(const MapSet<Dim>& set) {
+  return network_of(set, set.maps);
+}
 
 }  // namespace mapjoin

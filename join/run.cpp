@@ -1,5 +1,4 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include <chrono>
 #include <cmath>
 #include <mapjoin/graph/connectivity.hpp>
 #include <mapjoin/join/polish_problem.hpp>
@@ -7,6 +6,7 @@
 #include <mapjoin/localmap/check.hpp>
 #include <mapjoin/localmap/recover.hpp>
 #include <mapjoin/measure/chi2.hpp>
+#include <mapjoin/measure/stopwatch.hpp>
 #include <mapjoin/model/demand_valid.hpp>
 #include <mapjoin/model/map_stretches.hpp>
 #include <mapjoin/parallel/parallel.hpp>
@@ -19,17 +19,6 @@ namespace {
 /// The polish goes on until a step promises this share of what ends a join: near the optimum that is one step more, and the map
 /// is the same to the micrometre however the log was split.
 constexpr double kPolishShare = 1e-3;
-
-/// Adds the wall-clock seconds of its scope.
-class Stopwatch {
- public:
-  explicit Stopwatch(double& seconds) : seconds_(seconds) {}
-  ~Stopwatch() { seconds_ += std::chrono::duration<double>(std::chrono::steady_clock::now() - start_).count(); }
-
- private:
-  double& seconds_;
-  std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now();
-};
 
 std::function<void(std::size_t, std::size_t)> progress_of(const RunOptions& options, Stage stage) {
   if (!options.progress) return nullptr;
@@ -198,6 +187,37 @@ Expected<RunResult<Dim>> run_once(const Log<Dim>& log, const RunOptions& options
   return join_and_polish(log, parts, std::move(built.maps), options, stop, std::move(result));
 }
 
+template <int Dim>
+Expected<void> check_set(const MapSet<Dim>& set, const RunOptions& options) {
+  demand_valid(options);
+  if (options.start == Start::kFile)
+    return bad_input(set.source + ": local maps hold no values of the whole map to start from");
+  return check_connected(set);
+}
+
+/// Joins the maps of a set, which need not hold them any more.
+template <int Dim>
+Expected<RunResult<Dim>> join_set(const MapSet<Dim>& set, std::vector<LocalMap<Dim>> maps, const RunOptions& options,
+                                  const std::stop_token& stop) {
+  RunResult<Dim> result;
+  result.local_maps = maps.size();
+  for (const LocalMap<Dim>& map : maps) result.joint_bytes += information_bytes(map);
+  Network<Dim> network = network_of(set, std::move(maps));
+  auto joined = [&] {
+    const Stopwatch watch(result.seconds.join);
+    return join(network, set.poses, set.features, join_options(options, Pose<Dim>{}), stop);
+  }();
+  if (!joined) return tl::unexpected(of_source(set.source, joined.error()));
+  take_figures(*joined, result);
+  result.dof = joined->dof();
+  result.chi2 = joined->result.chi2;
+  State<Dim> state = std::move(joined->state);
+  write_map(set, state, joined->held, result);
+  return add_covariances(std::move(network), *std::move(joined), {}, std::move(state), options, stop, result).map([&] {
+    return std::move(result);
+  });
+}
+
 /// Whether a map was found only on a long way where all was left to the defaults. The Gaussians of local maps are then crude.
 bool was_led_far(const RunFigures& figures, const RunOptions& options) {
   return options.split.rule == SplitRule::kAuto && options.schedule == Schedule::kAuto && figures.local_maps > 0 &&
@@ -245,27 +265,12 @@ Expected<RunResult<Dim>> run_from_maps(const Log<Dim>& log, const Split& split, 
 
 template <int Dim>
 Expected<RunResult<Dim>> run(const MapSet<Dim>& set, const RunOptions& options, const std::stop_token& stop) {
-  demand_valid(options);
-  if (options.start == Start::kFile)
-    return bad_input(set.source + ": local maps hold no values of the whole map to start from");
-  if (auto connected = check_connected(set); !connected) return tl::unexpected(connected.error());
-  RunResult<Dim> result;
-  result.local_maps = set.maps.size();
-  for (const LocalMap<Dim>& map : set.maps) result.joint_bytes += information_bytes(map);
-  Network<Dim> network = network_of(set);
-  auto joined = [&] {
-    const Stopwatch watch(result.seconds.join);
-    return join(network, set.poses, set.features, join_options(options, Pose<Dim>{}), stop);
-  }();
-  if (!joined) return tl::unexpected(of_source(set.source, joined.error()));
-  take_figures(*joined, result);
-  result.dof = joined->dof();
-  result.chi2 = joined->result.chi2;
-  State<Dim> state = std::move(joined->state);
-  write_map(set, state, joined->held, result);
-  return add_covariances(std::move(network), *std::move(joined), {}, std::move(state), options, stop, result).map([&] {
-    return std::move(result);
-  });
+  return check_set(set, options).and_then([&] { return join_set(set, set.maps, options, stop); });
+}
+
+template <int Dim>
+Expected<RunResult<Dim>> run(MapSet<Dim>&& set, const RunOptions& options, const std::stop_token& stop) {
+  return check_set(set, options).and_then([&] { return join_set(set, std::move(set.maps), options, stop); });
 }
 
 template <int Dim>
@@ -280,6 +285,7 @@ Expected<RunResult<Dim>> solve(const Log<Dim>& log, RunOptions options, const st
 #define MAPJOIN_INSTANTIATE(Dim)                                                                             \
   template Expected<RunResult<Dim>> run(const Log<Dim>&, const RunOptions&, const std::stop_token&);         \
   template Expected<RunResult<Dim>> run(const MapSet<Dim>&, const RunOptions&, const std::stop_token&);      \
+  template Expected<RunResult<Dim>> run(MapSet<Dim>&&, const RunOptions&, const std::stop_token&);           \
   template Expected<RunResult<Dim>> run_from_maps(const Log<Dim>&, const Split&, std::vector<LocalMap<Dim>>, \
                                                   const RunOptions&, const std::stop_token&);                \
   template Expected<RunResult<Dim>> solve(const Log<Dim>&, RunOptions, const std::stop_token&);

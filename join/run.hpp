@@ -101,6 +101,10 @@ Expected<RunResult<Dim>> run_from_maps(const Log<Dim>& log, const Split& split, 
 /// Joins local maps of which nothing else is known: no recovery, no polish.
 template <int Dim>
 Expected<RunResult<Dim>> run(const MapSet<Dim>& set, const RunOptions& options, const std::stop_token& stop = {});
+/// Without a copy of the maps, which are taken out of the set unless its check fails. Its observations must outlive the
+/// covariances all the same.
+template <int Dim>
+Expected<RunResult<Dim>> run(MapSet<Dim>&& set, const RunOptions& options, const std::stop_token& stop = {});
 
 /// Full SLAM: the join of one-step maps.
 template <int Dim>

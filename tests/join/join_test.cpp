@@ -2,6 +2,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <mapjoin/join/consistency.hpp>
 #include <mapjoin/join/join.hpp>
 #include <mapjoin/join/run.hpp>
 #include <mapjoin/localmap/build.hpp>
@@ -9,6 +10,7 @@
 #include <tests/support/dimensions.hpp>
 #include <tests/support/small_map_set.hpp>
 #include <tests/support/small_world.hpp>
+#include <utility>
 
 namespace mapjoin {
 namespace {
@@ -127,6 +129,32 @@ TYPED_TEST(JoinTest, MapsThatObserveFromOnePoseAreAllJoined) {
   }
   EXPECT_NEAR(joined->chi2, chi2, 1e-9 * chi2);
   EXPECT_LT(local(joined->map.poses[1], set.maps[1].pose_estimates[0]).norm(), 1e-8);
+}
+
+TYPED_TEST(JoinTest, TakesTheMapsOfASetThatIsGivenAway) {
+  constexpr int kDim = TestFixture::kDim;
+  const auto world = small_world<kDim>();
+  auto set = testing::small_map_set(world.log, 5.0);
+  ASSERT_FALSE(set.pose_observations.empty());
+  set.pose_observations.push_back({kWorld, 0, Pose<kDim>{}, PoseMatrix<kDim>::Identity()});
+  RunOptions options;
+  options.covariances = true;
+  const auto kept = run(set, options);
+  const auto given = run(std::move(set), options);
+  ASSERT_TRUE(kept && given);
+  EXPECT_TRUE(set.maps.empty());
+  EXPECT_EQ(given->chi2, kept->chi2);
+  EXPECT_EQ(given->joint_bytes, kept->joint_bytes);
+  for (std::size_t p = 0; p < set.poses.size(); ++p) {
+    EXPECT_EQ(given->map.poses[p].translation, kept->map.poses[p].translation);
+  }
+  // The covariances look into the observations of the set, which are still there.
+  Truth<kDim> truth;
+  for (const auto& pose : kept->map.poses) truth.poses.push_back(pose);
+  for (const auto& feature : kept->map.features) truth.features.push_back(feature);
+  truth.poses.back()->translation[0] += 0.01;
+  EXPECT_EQ(consistency(*given->covariances, truth).value().joint.value,
+            consistency(*kept->covariances, truth).value().joint.value);
 }
 
 TYPED_TEST(JoinTest, ReportsEveryJoinOnTheWay) {
