@@ -42,15 +42,7 @@ class G2oReader {
     const std::vector<TextScanner> pieces = begin_.pieces(extent_.piece_bytes);
     const bool sees_features = make_room(pieces);
     const Expected<G2oOffsets> offsets = Dim == 3 && sees_features ? read_g2o_offsets(begin_) : G2oOffsets{};
-    for (std::size_t first = 0; first < pieces.size(); first += kPiecesAtOnce) {
-      std::vector<G2oLines<Dim>> read(std::min(kPiecesAtOnce, pieces.size() - first));
-      parallel_for(read.size(), [&](std::size_t k) { read[k] = read_g2o_lines<Dim>(pieces[first + k], options_, offsets); });
-      for (const auto& piece : read) {
-        for (const auto& line : piece.lines) std::visit([this](const auto& known) { this->take(known); }, line);
-        if (piece.fault) return tl::unexpected(*piece.fault);
-        repaired_ += piece.repaired;
-      }
-    }
+    if (auto taken = read_and_take(pieces, offsets); !taken) return tl::unexpected(taken.error());
     if (auto declared = check_declarations(); !declared) return tl::unexpected(declared.error());
     auto log = std::move(builder_).finish();
     if (log) log->conventions.repaired_informations = repaired_;
@@ -83,6 +75,25 @@ class G2oReader {
     const std::size_t observed = count(observations, Dim);
     builder_.reserve(count(pose_edges, kPoseDof<Dim>), observed);
     return observed > 0;
+  }
+
+  /// What a piece says is taken while later ones are read.
+  Expected<void> read_and_take(const std::vector<TextScanner>& pieces, const Expected<G2oOffsets>& offsets) {
+    std::vector<G2oLines<Dim>> read(pieces.size());
+    Expected<void> taken;
+    parallel_in_order(
+        pieces.size(), kPiecesAtOnce, [&](std::size_t k) { read[k] = read_g2o_lines<Dim>(pieces[k], options_, offsets); },
+        [&](std::size_t k) {
+          taken = take(std::exchange(read[k], {}));
+          return taken.has_value();
+        });
+    return taken;
+  }
+
+  Expected<void> take(const G2oLines<Dim>& piece) {
+    for (const auto& line : piece.lines) std::visit([this](const auto& known) { this->take(known); }, line);
+    repaired_ += piece.repaired;
+    return piece.fault ? tl::unexpected(*piece.fault) : Expected<void>();
   }
 
   void take(const G2oPoseVertex<Dim>& vertex) {

@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <tbb/parallel_for.h>
 #include <tbb/parallel_invoke.h>
+#include <tbb/parallel_pipeline.h>
 
+#include <atomic>
 #include <mapjoin/parallel/parallel.hpp>
 
 #ifdef MAPJOIN_TELL_TSAN
@@ -14,8 +16,9 @@ namespace {
 #ifdef MAPJOIN_TELL_TSAN
 
 /// TBB's library is not compiled with the thread sanitizer, which so does not see how TBB hands work over and waits for it.
-/// This tells it: every piece comes after what was before the call and before what follows. The pieces stay unordered among
-/// themselves. This file, and with it TBB's headers, is not instrumented either.
+/// This tells it: every piece comes after what was before the call and before what follows, every step moreover after the
+/// pieces and steps that have ended. The pieces stay unordered among themselves. This file, and with it TBB's headers, is not
+/// instrumented either.
 class HandOver {
  public:
   HandOver() { __tsan_release(&begin_); }
@@ -23,16 +26,18 @@ class HandOver {
   HandOver(const HandOver&) = delete;
   HandOver& operator=(const HandOver&) = delete;
 
-  class Piece {
+  class Part {
    public:
-    explicit Piece(HandOver& whole) : whole_(whole) { __tsan_acquire(&whole_.begin_); }
-    ~Piece() { __tsan_release(&whole_.end_); }
-    Piece(const Piece&) = delete;
-    Piece& operator=(const Piece&) = delete;
+    Part(char& after, char& before) : before_(before) { __tsan_acquire(&after); }
+    ~Part() { __tsan_release(&before_); }
+    Part(const Part&) = delete;
+    Part& operator=(const Part&) = delete;
 
    private:
-    HandOver& whole_;
+    char& before_;
   };
+  Part piece() { return {begin_, end_}; }
+  Part step() { return {end_, end_}; }
 
  private:
   char begin_ = 0;
@@ -42,9 +47,9 @@ class HandOver {
 #else
 
 struct HandOver {
-  struct Piece {
-    explicit Piece(HandOver&) {}
-  };
+  struct Part {};
+  Part piece() { return {}; }
+  Part step() { return {}; }
 };
 
 #endif
@@ -55,7 +60,7 @@ void parallel_for(std::size_t count, const std::function<void(std::size_t)>& f) 
   if (count == 1) return f(0);
   HandOver whole;
   tbb::parallel_for(std::size_t{0}, count, [&](std::size_t k) {
-    const HandOver::Piece piece(whole);
+    [[maybe_unused]] const auto piece = whole.piece();
     f(k);
   });
 }
@@ -63,10 +68,33 @@ void parallel_for(std::size_t count, const std::function<void(std::size_t)>& f) 
 void parallel_invoke(const std::function<void()>& f, const std::function<void()>& g) {
   HandOver whole;
   const auto piece_of = [&whole](const std::function<void()>& h) {
-    const HandOver::Piece piece(whole);
+    [[maybe_unused]] const auto piece = whole.piece();
     h();
   };
   tbb::parallel_invoke([&] { piece_of(f); }, [&] { piece_of(g); });
+}
+
+void parallel_in_order(std::size_t count, std::size_t at_once, const std::function<void(std::size_t)>& f,
+                       const std::function<bool(std::size_t)>& g) {
+  HandOver whole;
+  std::size_t next = 0;
+  std::atomic<bool> goes_on = true;
+  const auto begin = [&](tbb::flow_control& control) {
+    if (next == count || !goes_on) control.stop();
+    return next++;
+  };
+  const auto work = [&](std::size_t k) {
+    [[maybe_unused]] const auto piece = whole.piece();
+    f(k);
+    return k;
+  };
+  const auto finish = [&](std::size_t k) {
+    [[maybe_unused]] const auto step = whole.step();
+    if (goes_on) goes_on = g(k);
+  };
+  tbb::parallel_pipeline(at_once, tbb::make_filter<void, std::size_t>(tbb::filter_mode::serial_in_order, begin) &
+                                      tbb::make_filter<std::size_t, std::size_t>(tbb::filter_mode::parallel, work) &
+                                      tbb::make_filter<std::size_t, void>(tbb::filter_mode::serial_in_order, finish));
 }
 
 }  // namespace mapjoin

@@ -21,6 +21,12 @@ void parallel_for(std::size_t count, const std::function<void(std::size_t)>& f);
 /// Calls f and g side by side.
 void parallel_invoke(const std::function<void()>& f, const std::function<void()>& g);
 
+/// Calls f(k) for every k in [0, count), side by side, and meanwhile g(k), one at a time and in order, for those of which f has
+/// returned; until a g returns false. g(k) may use what f(k) wrote. f is less than `at_once`, at least 1, ahead of g. What one
+/// of them throws is thrown here.
+void parallel_in_order(std::size_t count, std::size_t at_once, const std::function<void(std::size_t)>& f,
+                       const std::function<bool(std::size_t)>& g);
+
 /// Calls f(begin, end) for the pieces of [0, count) that have `grain` elements, the last one maybe fewer.
 template <typename F>
 void parallel_chunks(std::size_t count, std::size_t grain, F&& f) {
