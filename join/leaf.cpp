@@ -13,7 +13,11 @@ Leaves<Dim>::Leaves(const Network<Dim>& network)
       joined_pose_count_(static_cast<std::size_t>(std::count(network.is_joined.begin(), network.is_joined.end(), true))) {
   auto map = network.maps.begin();
   for (std::size_t k = 0; k < network.stretches.size(); ++k) {
-    if (network.stretches[k].is_map) maps_[k] = &(map++)->map;
+    const Stretch& stretch = network.stretches[k];
+    if (stretch.is_map) maps_[k] = &(map++)->map;
+    // What two stretches share is of the later one.
+    stretch_of_.resize(static_cast<std::size_t>(stretch.begin - network.stretches.front().begin), static_cast<Index>(k) - 1);
+    stretch_of_.resize(static_cast<std::size_t>(stretch.end - network.stretches.front().begin) + 1, static_cast<Index>(k));
   }
   for (const auto* o : network.pose_observations) {
     const auto [first, last] = stretches_of(*o);
@@ -28,10 +32,9 @@ Leaves<Dim>::Leaves(const Network<Dim>& network)
 
 template <int Dim>
 std::size_t Leaves<Dim>::stretch_of(Index pose) const {
-  const auto& stretches = network_.stretches;
-  const auto after = std::upper_bound(stretches.begin(), stretches.end(), pose,
-                                      [](Index p, const Stretch& stretch) { return p < stretch.begin; });
-  return static_cast<std::size_t>(after - stretches.begin()) - 1;
+  const Index last = static_cast<Index>(stretch_of_.size()) - 1;
+  const Index place = std::clamp<Index>(pose - network_.stretches.front().begin, 0, last);
+  return static_cast<std::size_t>(stretch_of_[static_cast<std::size_t>(place)]);
 }
 
 template <int Dim>

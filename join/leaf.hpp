@@ -32,6 +32,7 @@ class Leaves {
 
   const Network<Dim>& network_;
   std::vector<const LocalMap<Dim>*> maps_;  // per stretch, or null
+  std::vector<Index> stretch_of_;           // per pose from the first stretch's first one to the last one's last
   std::vector<std::vector<const PoseObservation<Dim>*>> odometry_;
   std::vector<std::vector<const FeatureObservation<Dim>*>> observations_;
   std::vector<const PoseObservation<Dim>*> closures_;

@@ -19,13 +19,17 @@ struct Piece {
   std::vector<const FeatureObservation<Dim>*> feature_observations;
 };
 
-/// The place of an index in an ascending list, or where it would stand.
+/// The place of an index in a strictly ascending list, or where it would stand. Constant time where what stands before it is
+/// consecutive.
 inline Index place_of(const std::vector<Index>& ascending, Index index) {
+  const std::size_t guess = ascending.empty() ? 0 : static_cast<std::size_t>(index - ascending.front());
+  if (guess < ascending.size() && ascending[guess] == index) return static_cast<Index>(guess);
   return static_cast<Index>(std::lower_bound(ascending.begin(), ascending.end(), index) - ascending.begin());
 }
 
 inline bool holds(const std::vector<Index>& ascending, Index index) {
-  return std::binary_search(ascending.begin(), ascending.end(), index);
+  const auto place = static_cast<std::size_t>(place_of(ascending, index));
+  return place < ascending.size() && ascending[place] == index;
 }
 
 template <int Dim>

@@ -18,25 +18,24 @@ class Growth {
 
   /// The end of the stretch that begins at `begin` in `session`.
   Index end_from(Index begin, const Session& session) {
-    double metres = 0.0;
-    Index features = 0;
+    double amount = 0.0;
     for (Index end = begin + 1; end < session.end; ++end) {
-      features += new_features(end - 1, begin);
-      metres += step_length(end);
-      if (is_long_enough(end - begin, metres, features)) return end;
+      amount += added_by_step(end - 1, begin);
+      if (amount >= options_.amount) return end;
     }
     return session.end - 1;
   }
 
  private:
-  bool is_long_enough(Index steps, double metres, Index features) const {
+  /// What the step from `pose` adds to the stretch that begins at `begin`, as the rule counts.
+  double added_by_step(Index pose, Index begin) {
     switch (options_.rule) {
       case SplitRule::kDistance:
-        return metres >= options_.amount;
+        return step_length(pose);
       case SplitRule::kFeatures:
-        return features >= options_.amount;
+        return static_cast<double>(new_features(pose, begin));
       default:
-        return steps >= options_.amount;
+        return 1.0;
     }
   }
 
@@ -49,8 +48,8 @@ class Growth {
     return count;
   }
 
-  double step_length(Index later_pose) const {
-    const auto step = odometry_of(log_, {later_pose - 1, later_pose});
+  double step_length(Index pose) const {
+    const auto step = odometry_of(log_, {pose, pose + 1});
     return step.empty() ? 0.0 : step.front().measured.translation.norm();
   }
 
