@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <algorithm>
 #include <mapjoin/join/leaf.hpp>
+#include <numeric>
 
 namespace mapjoin {
 
@@ -73,7 +74,8 @@ template <int Dim>
 Piece<Dim> Leaves<Dim>::span_piece(std::size_t stretch) const {
   const Stretch& span = network_.stretches[stretch];
   Piece<Dim> piece;
-  for (Index pose = span.begin; pose <= span.end; ++pose) piece.poses.push_back(pose);
+  piece.poses.resize(static_cast<std::size_t>(span.end - span.begin) + 1);
+  std::iota(piece.poses.begin(), piece.poses.end(), span.begin);
   piece.state.poses.resize(piece.poses.size());
   piece.pose_observations = odometry_[stretch];
   piece.feature_observations = observations_[stretch];
@@ -88,6 +90,7 @@ Piece<Dim> Leaves<Dim>::span_piece(std::size_t stretch) const {
     known[base] = known[target] = known[base] || known[target];
   }
 
+  piece.features.reserve(piece.feature_observations.size());
   for (const auto* o : piece.feature_observations) piece.features.push_back(o->target);
   std::sort(piece.features.begin(), piece.features.end());
   piece.features.erase(std::unique(piece.features.begin(), piece.features.end()), piece.features.end());

@@ -23,7 +23,12 @@ bool fixes_rotation(const std::vector<Point<Dim>>& points) {
   mean /= static_cast<double>(points.size());
   Matrix<Dim> scatter = Matrix<Dim>::Zero();
   for (const auto& point : points) scatter.noalias() += (point - mean) * (point - mean).transpose();
-  const Eigen::SelfAdjointEigenSolver<Matrix<Dim>> axes(scatter, Eigen::EigenvaluesOnly);
+  Eigen::SelfAdjointEigenSolver<Matrix<Dim>> axes;
+  if constexpr (Dim == 2) {
+    axes.computeDirect(scatter, Eigen::EigenvaluesOnly);
+  } else {
+    axes.compute(scatter, Eigen::EigenvaluesOnly);  // in space the direct way loses half the digits
+  }
   const Vector<Dim> spread = axes.eigenvalues().cwiseMax(0.0).cwiseSqrt();  // ascending: [1] is the least of Dim - 1
   return spread[Dim - 1] > kLeastSpread * scale && spread[1] > kLeastSpread * spread[Dim - 1];
 }
@@ -60,8 +65,12 @@ void unite(const std::vector<Index>& a, const std::vector<T>& a_values, const st
 }
 
 template <typename T>
-void append(std::vector<T>& to, const std::vector<T>& from) {
-  to.insert(to.end(), from.begin(), from.end());
+std::vector<T> one_after_the_other(const std::vector<T>& a, const std::vector<T>& b) {
+  std::vector<T> both;
+  both.reserve(a.size() + b.size());
+  both.insert(both.end(), a.begin(), a.end());
+  both.insert(both.end(), b.begin(), b.end());
+  return both;
 }
 
 }  // namespace
@@ -102,6 +111,8 @@ std::vector<Pose<Dim>> Ties<Dim>::candidates() const {
 template <int Dim>
 Ties<Dim> ties_between(const Piece<Dim>& a, const Piece<Dim>& b, const std::vector<const PoseObservation<Dim>*>& closures) {
   Ties<Dim> ties;
+  ties.first_points.reserve(std::min(a.features.size(), b.features.size()) + 1);
+  ties.second_points.reserve(ties.first_points.capacity());
   for_each_common(a.poses, b.poses, [&](std::size_t i, std::size_t j) { ties.add_pose(a.state.poses[i], b.state.poses[j]); });
   for (const auto* closure : closures) {
     const auto* base = find_pose(a, closure->base);
@@ -128,11 +139,9 @@ Piece<Dim> merged(const Piece<Dim>& a, const Piece<Dim>& b, const Pose<Dim>& pla
   unite(
       a.features, a.state.features, b.features, b.state.features,
       [&](const Point<Dim>& point) { return transform(placement, point); }, both.features, both.state.features);
-  for (const Piece<Dim>* piece : {&a, &b}) {
-    append(both.maps, piece->maps);
-    append(both.pose_observations, piece->pose_observations);
-    append(both.feature_observations, piece->feature_observations);
-  }
+  both.maps = one_after_the_other(a.maps, b.maps);
+  both.pose_observations = one_after_the_other(a.pose_observations, b.pose_observations);
+  both.feature_observations = one_after_the_other(a.feature_observations, b.feature_observations);
   return both;
 }
 

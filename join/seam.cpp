@@ -23,8 +23,8 @@ class Common {
     }
   }
   bool operator()(Index index) const {
-    const auto k = static_cast<std::size_t>(index - first_);
-    return index >= first_ && k < is_common_.size() && is_common_[k];
+    const auto k = static_cast<std::size_t>(index - first_);  // huge where the index is below
+    return k < is_common_.size() && is_common_[k];
   }
 
  private:
@@ -36,6 +36,7 @@ class Common {
 template <typename T, typename Predicate>
 std::vector<T> tying(const std::vector<T>& list, std::size_t most, Predicate&& ties) {
   std::vector<T> found;
+  found.reserve(list.size());
   std::copy_if(list.begin(), list.end(), std::back_inserter(found), ties);
   if (found.size() <= most) return found;
   for (std::size_t k = 0; k < most; ++k) found[k] = found[k * found.size() / most];
@@ -70,9 +71,9 @@ Seam<Dim>::Seam(const Piece<Dim>& a, const Piece<Dim>& b, const std::vector<cons
     pose_ties_.push_back({o, end_of_pose(o->base), end_of_pose(o->target)});
   }
   const auto is_cut_sight = [&](const auto* o) { return pose(o->base) != feature(o->target); };
-  for (const auto* o : tying(b.feature_observations, kMost, is_cut_sight)) {
-    feature_ties_.push_back({o, end_of_pose(o->base), end_of_feature(o->target)});
-  }
+  const auto cut_sights = tying(b.feature_observations, kMost, is_cut_sight);
+  feature_ties_.reserve(cut_sights.size());
+  for (const auto* o : cut_sights) feature_ties_.push_back({o, end_of_pose(o->base), end_of_feature(o->target)});
   for (const auto* map : tying(b.maps, kMost, [&](const auto* m) { return is_cut(*m, pose, feature); })) {
     MapTie tie{map, end_of_pose(map->base), {}, {}};
     for (const Index p : map->poses) tie.poses.push_back(end_of_pose(p));

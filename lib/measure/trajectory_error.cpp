@@ -59,13 +59,6 @@ Point<Dim> mean(const std::vector<Point<Dim>>& points) {
   return std::accumulate(points.begin(), points.end(), Point<Dim>(Point<Dim>::Zero())) / static_cast<double>(points.size());
 }
 
-Rotation<2> to_rotation(const Matrix<2>& R) {
-  return Rotation<2>(std::atan2(R(1, 0), R(0, 0)));
-}
-Rotation<3> to_rotation(const Matrix<3>& R) {
-  return Rotation<3>(R);
-}
-
 /// Calls `both(value in a, value in b)` for every id that both hold and returns how many ids only one of them holds.
 template <typename Id, typename Value, typename Both>
 std::size_t match(const std::vector<Id>& ids_a, const std::vector<Value>& a, const std::vector<Id>& ids_b,
@@ -82,6 +75,17 @@ std::size_t match(const std::vector<Id>& ids_a, const std::vector<Value>& a, con
   return ids_a.size() + ids_b.size() - 2 * matched;
 }
 
+/// The rotation R of largest tr(Rᵀ C).
+Rotation<2> nearest_rotation(const PointMatrix<2>& C) {
+  return Rotation<2>(std::atan2(C(1, 0) - C(0, 1), C(0, 0) + C(1, 1)));
+}
+Rotation<3> nearest_rotation(const PointMatrix<3>& C) {
+  const Eigen::JacobiSVD<PointMatrix<3>> svd(C, Eigen::ComputeFullU | Eigen::ComputeFullV);
+  // Not a reflection: the least singular direction gives way.
+  const double sign = svd.matrixU().determinant() * svd.matrixV().determinant() < 0.0 ? -1.0 : 1.0;
+  return Rotation<3>(Matrix<3>(svd.matrixU() * Point<3>(1.0, 1.0, sign).asDiagonal() * svd.matrixV().transpose()));
+}
+
 }  // namespace
 
 template <int Dim>
@@ -92,12 +96,8 @@ Pose<Dim> align(const std::vector<Point<Dim>>& from, const std::vector<Point<Dim
   const Point<Dim> mean_to = mean<Dim>(to);
   PointMatrix<Dim> covariance = PointMatrix<Dim>::Zero();
   for (std::size_t i = 0; i < from.size(); ++i) covariance += (to[i] - mean_to) * (from[i] - mean_from).transpose();
-  const Eigen::JacobiSVD<PointMatrix<Dim>> svd(covariance, Eigen::ComputeFullU | Eigen::ComputeFullV);
-  // The nearest rotation, not reflection: the least singular direction gives way.
-  Point<Dim> signs = Point<Dim>::Ones();
-  signs[Dim - 1] = svd.matrixU().determinant() * svd.matrixV().determinant() < 0.0 ? -1.0 : 1.0;
-  const PointMatrix<Dim> R = svd.matrixU() * signs.asDiagonal() * svd.matrixV().transpose();
-  return {mean_to - R * mean_from, to_rotation(R)};
+  const Rotation<Dim> rotation = nearest_rotation(covariance);
+  return {mean_to - rotation.matrix() * mean_from, rotation};
 }
 
 template <int Dim>
