@@ -13,7 +13,7 @@
 namespace mapjoin {
 
 /// Poses or observations that are worth a piece of work.
-inline constexpr std::size_t kObservationsPerPiece = 2000;
+inline constexpr std::size_t kObservationsPerPiece = 500;
 
 /// Calls f(k) for every k in [0, count); returns when all have returned. What one of them throws is thrown here.
 void parallel_for(std::size_t count, const std::function<void(std::size_t)>& f);
