@@ -3,6 +3,7 @@
 #include <mapjoin/parallel/parallel.hpp>
 #include <mapjoin/solve/normal_equations.hpp>
 #include <mapjoin/solve/ordering.hpp>
+#include <numeric>
 #include <tuple>
 #include <utility>
 
@@ -12,50 +13,57 @@ namespace {
 /// Lists, or cliques, that are worth a piece of work.
 constexpr std::size_t kListsPerPiece = 100;
 
-/// Sorts each list lists[begin[k] .. begin[k+1]) and drops what is repeated.
-void sort_and_unite(std::vector<std::int64_t>& begin, std::vector<Index>& lists) {
-  std::vector<std::int64_t> end(begin.size() - 1);
-  parallel_chunks(end.size(), kListsPerPiece, [&](std::size_t k, std::size_t last) {
-    for (; k < last; ++k) {
-      const std::span list(lists.begin() + begin[k], lists.begin() + begin[k + 1]);
-      std::ranges::sort(list);
-      end[k] = begin[k] + (std::ranges::unique(list).begin() - list.begin());
+/// Compressed lists, each ascending and without repetitions, of what gather(list, values) appends; on all threads.
+template <typename Gather>
+std::pair<std::vector<std::int64_t>, std::vector<Index>> sorted_lists(std::size_t count, Gather&& gather) {
+  std::vector<std::int64_t> begin(count + 1, 0);
+  std::vector<std::vector<Index>> values((count + kListsPerPiece - 1) / kListsPerPiece);  // list after list
+  parallel_chunks(count, kListsPerPiece, [&](std::size_t first, std::size_t last) {
+    std::vector<Index>& of_piece = values[first / kListsPerPiece];
+    for (std::size_t k = first; k < last; ++k) {
+      const auto size = static_cast<std::ptrdiff_t>(of_piece.size());
+      gather(k, of_piece);
+      std::sort(of_piece.begin() + size, of_piece.end());
+      of_piece.erase(std::unique(of_piece.begin() + size, of_piece.end()), of_piece.end());
+      begin[k + 1] = static_cast<std::int64_t>(of_piece.size()) - size;
     }
   });
-  std::int64_t kept = 0;
-  for (std::size_t k = 0; k < end.size(); ++k) {
-    const auto united = std::move(lists.begin() + begin[k], lists.begin() + end[k], lists.begin() + kept);
-    begin[k] = std::exchange(kept, united - lists.begin());
-  }
-  begin.back() = kept;
-  lists.resize(static_cast<std::size_t>(kept));
+  std::partial_sum(begin.begin(), begin.end(), begin.begin());
+  std::vector<Index> lists;
+  lists.reserve(static_cast<std::size_t>(begin.back()));
+  for (const auto& of_piece : values) lists.insert(lists.end(), of_piece.begin(), of_piece.end());
+  return {std::move(begin), std::move(lists)};
 }
 
-/// Calls f(a, b) for every pair of variables of every clique, each pair once.
-template <typename F>
-void for_each_pair(const Cliques& cliques, F&& f) {
-  for (std::size_t c = 0; c < cliques.size(); ++c) {
-    const auto slots = cliques[c];
-    for (std::size_t j = 0; j < slots.size(); ++j) {
-      for (std::size_t i = 0; i < j; ++i) {
-        if (slots[i] != kConstant && slots[j] != kConstant) f(slots[i], slots[j]);
+/// The cliques that each variable is in.
+class CliquesOf {
+ public:
+  CliquesOf(std::size_t variables, const Cliques& cliques) : begin_(variables + 1, 0) {
+    for_each_slot(cliques, [&](std::size_t v, std::uint32_t) { ++begin_[v + 1]; });
+    std::partial_sum(begin_.begin(), begin_.end(), begin_.begin());
+    cliques_.resize(static_cast<std::size_t>(begin_.back()));
+    std::vector<std::int64_t> next(begin_.begin(), begin_.end() - 1);
+    for_each_slot(cliques,
+                  [&](std::size_t v, std::uint32_t clique) { cliques_[static_cast<std::size_t>(next[v]++)] = clique; });
+  }
+  std::span<const std::uint32_t> operator[](Index variable) const {
+    const auto v = static_cast<std::size_t>(variable);
+    return {cliques_.data() + begin_[v], cliques_.data() + begin_[v + 1]};
+  }
+
+ private:
+  template <typename F>
+  static void for_each_slot(const Cliques& cliques, F&& f) {
+    for (std::uint32_t c = 0; c < cliques.size(); ++c) {
+      for (const Index v : cliques[c]) {
+        if (v != kConstant) f(static_cast<std::size_t>(v), c);
       }
     }
   }
-}
 
-/// Compressed lists of the values that `for_each(f)` gives as f(list, value).
-template <typename ForEach>
-std::pair<std::vector<std::int64_t>, std::vector<Index>> compress(std::size_t count, ForEach&& for_each) {
-  std::vector<std::int64_t> begin(count + 1, 0);
-  for_each([&](Index list, Index) { ++begin[static_cast<std::size_t>(list) + 1]; });
-  for (std::size_t k = 0; k < count; ++k) begin[k + 1] += begin[k];
-  std::vector<Index> lists(static_cast<std::size_t>(begin.back()));
-  std::vector<std::int64_t> next(begin.begin(), begin.end() - 1);
-  for_each([&](Index list, Index value) { lists[static_cast<std::size_t>(next[static_cast<std::size_t>(list)]++)] = value; });
-  sort_and_unite(begin, lists);
-  return {std::move(begin), std::move(lists)};
-}
+  std::vector<std::int64_t> begin_;
+  std::vector<std::uint32_t> cliques_;
+};
 
 }  // namespace
 
@@ -64,8 +72,7 @@ NormalEquations::NormalEquations(std::vector<int> dofs, Cliques cliques)
   offsets_.assign(dofs_.size() + 1, 0);
   for (std::size_t v = 0; v < dofs_.size(); ++v) offsets_[v + 1] = offsets_[v] + dofs_[v];
   gradient_.setZero(size());
-  order_variables();
-  lay_out();
+  order_and_lay_out();
   parallel_invoke(
       [&] {
         find_destinations();
@@ -77,12 +84,20 @@ NormalEquations::NormalEquations(std::vector<int> dofs, Cliques cliques)
       });
 }
 
-void NormalEquations::order_variables() {
-  auto [begin, neighbours] = compress(dofs_.size(), [&](auto&& f) {
-    for_each_pair(cliques_, [&](Index a, Index b) {
-      f(a, b);
-      f(b, a);
-    });
+template <typename F>
+void NormalEquations::for_each_neighbour(Index v, std::span<const std::uint32_t> cliques, F&& f) const {
+  for (const std::uint32_t clique : cliques) {
+    for (const Index other : cliques_[clique]) {
+      if (other != kConstant && other != v) f(other);
+    }
+  }
+}
+
+void NormalEquations::order_and_lay_out() {
+  const CliquesOf cliques_of(dofs_.size(), cliques_);
+  auto [begin, neighbours] = sorted_lists(dofs_.size(), [&](std::size_t k, std::vector<Index>& found) {
+    const auto v = static_cast<Index>(k);
+    for_each_neighbour(v, cliques_of[v], [&](Index other) { found.push_back(other); });
   });
   order_ = elimination_order({std::move(begin), std::move(neighbours)});
   place_ = inverse_order(order_);
@@ -90,14 +105,11 @@ void NormalEquations::order_variables() {
   for (std::size_t k = 0; k < order_.size(); ++k) {
     matrix_.offsets[k + 1] = matrix_.offsets[k] + dofs_[static_cast<std::size_t>(order_[k])];
   }
-}
-
-void NormalEquations::lay_out() {
-  std::tie(matrix_.begin, matrix_.rows) = compress(dofs_.size(), [&](auto&& f) {
-    for (Index k = 0; k < variable_count(); ++k) f(k, k);
-    for_each_pair(cliques_, [&](Index a, Index b) {
-      const auto [low, high] = std::minmax({place(a), place(b)});
-      f(low, high);
+  std::tie(matrix_.begin, matrix_.rows) = sorted_lists(order_.size(), [&](std::size_t k, std::vector<Index>& found) {
+    const auto column = static_cast<Index>(k);
+    found.push_back(column);
+    for_each_neighbour(order_[k], cliques_of[order_[k]], [&](Index other) {
+      if (place(other) > column) found.push_back(place(other));
     });
   });
   matrix_.lay_out();

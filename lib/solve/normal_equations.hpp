@@ -133,8 +133,9 @@ class NormalEquations {
 
  private:
   void set_diagonal(const Eigen::VectorXd& diagonal);
-  void order_variables();
-  void lay_out();
+  void order_and_lay_out();
+  template <typename F>
+  void for_each_neighbour(Index v, std::span<const std::uint32_t> cliques, F&& f) const;
   void find_destinations();
   /// H over the places at which `is_kept`, in the order of the elimination.
   BlockLower principal_submatrix(const std::vector<bool>& is_kept) const;
