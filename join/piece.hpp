@@ -22,9 +22,13 @@ struct Piece {
 /// The place of an index in a strictly ascending list, or where it would stand. Constant time where what stands before it is
 /// consecutive.
 inline Index place_of(const std::vector<Index>& ascending, Index index) {
-  const std::size_t guess = ascending.empty() ? 0 : static_cast<std::size_t>(index - ascending.front());
-  if (guess < ascending.size() && ascending[guess] == index) return static_cast<Index>(guess);
-  return static_cast<Index>(std::lower_bound(ascending.begin(), ascending.end(), index) - ascending.begin());
+  if (ascending.empty() || index <= ascending.front()) return 0;
+  if (index > ascending.back()) return static_cast<Index>(ascending.size());
+  // No later than where it stands if none is missing.
+  const auto latest = std::min(static_cast<std::size_t>(index - ascending.front()), ascending.size() - 1);
+  if (ascending[latest] == index) return static_cast<Index>(latest);
+  return static_cast<Index>(
+      std::lower_bound(ascending.begin(), ascending.begin() + static_cast<std::ptrdiff_t>(latest), index) - ascending.begin());
 }
 
 inline bool holds(const std::vector<Index>& ascending, Index index) {
