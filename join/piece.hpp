@@ -31,9 +31,15 @@ inline Index place_of(const std::vector<Index>& ascending, Index index) {
       std::lower_bound(ascending.begin(), ascending.begin() + static_cast<std::ptrdiff_t>(latest), index) - ascending.begin());
 }
 
-inline bool holds(const std::vector<Index>& ascending, Index index) {
+/// The value that stands where an index does in an ascending list, or null where the list does not hold it.
+template <typename T>
+const T* find_value(const std::vector<Index>& ascending, const std::vector<T>& values, Index index) {
   const auto place = static_cast<std::size_t>(place_of(ascending, index));
-  return place < ascending.size() && ascending[place] == index;
+  return place < ascending.size() && ascending[place] == index ? &values[place] : nullptr;
+}
+
+inline bool holds(const std::vector<Index>& ascending, Index index) {
+  return find_value(ascending, ascending, index) != nullptr;
 }
 
 template <int Dim>
@@ -44,13 +50,6 @@ const Pose<Dim>& pose_in(const Piece<Dim>& piece, Index pose) {
 template <int Dim>
 const Point<Dim>& feature_in(const Piece<Dim>& piece, Index feature) {
   return piece.state.features[static_cast<std::size_t>(place_of(piece.features, feature))];
-}
-
-/// The value that stands where an index does in an ascending list, or null where the list does not hold it.
-template <typename T>
-const T* find_value(const std::vector<Index>& ascending, const std::vector<T>& values, Index index) {
-  const auto place = static_cast<std::size_t>(place_of(ascending, index));
-  return place < ascending.size() && ascending[place] == index ? &values[place] : nullptr;
 }
 
 template <int Dim>

@@ -2,7 +2,7 @@
 #pragma once
 // Independent pieces of work on all threads (as many as the caller's tbb::global_control allows).
 //
-// No piece may use what another one writes; what they compute is put together afterwards, in a fixed order, so that any number
+// No piece may use what another one writes; what they compute is put together in a fixed order, so that any number
 // of threads gives the same result.
 
 #include <algorithm>

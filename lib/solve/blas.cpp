@@ -2,7 +2,6 @@
 #include <dlfcn.h>
 
 #include <mapjoin/solve/blas.hpp>
-#include <utility>
 
 namespace mapjoin {
 namespace {
@@ -12,10 +11,13 @@ class Library {
  public:
   /// What the program was linked with.
   static Library of_program() { return Library(dlopen(nullptr, RTLD_LAZY)); }
-  /// Only if the program has it already.
-  static Library loaded(const char* name) { return Library(dlopen(name, RTLD_LAZY | RTLD_NOLOAD)); }
-  static Library load(const char* name) { return Library(dlopen(name, RTLD_LAZY | RTLD_LOCAL)); }
+  static Library load(const char* name) {
+    void* const loaded = dlopen(name, RTLD_LAZY | RTLD_NOLOAD);
+    return loaded ? Library(loaded) : Library(dlopen(name, RTLD_LAZY | RTLD_LOCAL), true);
+  }
 
+  /// Whether the program had not loaded it before.
+  bool is_new() const { return is_new_; }
   /// Null where there is no such function.
   template <typename Function>
   void find(const char* name, Function*& function) const {
@@ -23,9 +25,10 @@ class Library {
   }
 
  private:
-  explicit Library(void* handle) : handle_(handle) {}
+  explicit Library(void* handle, bool is_new = false) : handle_(handle), is_new_(is_new) {}
 
   void* handle_;
+  bool is_new_;
 };
 
 /// Threads are ours: those of the BLAS would be too many, and its sums would depend on their number.
@@ -65,12 +68,7 @@ Library find_lapack(Blas& blas) {
   if (const Library program = Library::of_program(); find_routines(program, blas)) return program;
   std::string reasons;
   for (const char* name : {"libopenblas.so.0", "liblapack.so.3"}) {
-    if (const Library library = Library::loaded(name); find_routines(library, blas)) return library;
-    if (const Library library = Library::load(name); find_routines(library, blas)) {
-      put_openblas_on_one_thread(library);
-      end_openblas_threads(library);
-      return library;
-    }
+    if (const Library library = Library::load(name); find_routines(library, blas)) return library;
     const char* reason = dlerror();
     reasons += std::string("; ") + (reason ? reason : name);
   }
@@ -81,6 +79,7 @@ Blas load_blas() {
   Blas found{};
   const Library library = find_lapack(found);
   put_openblas_on_one_thread(library);
+  if (library.is_new()) end_openblas_threads(library);
   find_openmp(library, found);
   int (*get_parallel)();
   library.find("openblas_get_parallel", get_parallel);
