@@ -2,7 +2,6 @@
 // The `mapjoin` command: parses, hands over to a subcommand, and turns what comes of it into a sentence and an exit code.
 
 #include <fmt/format.h>
-#include <malloc.h>
 
 #include <CLI/App.hpp>
 #include <CLI/Config.hpp>
@@ -13,6 +12,7 @@
 #include <apps/shrunk_input.hpp>
 #include <exception>
 #include <mapjoin/solve/blas.hpp>
+#include <mapjoin/solve/heap.hpp>
 #include <new>
 
 namespace mapjoin::apps {
@@ -53,15 +53,8 @@ Expected<ExitCode> parse_and_run(int argc, char** argv) {
   return done;
 }
 
-/// Large vectors come and go with every iteration: their memory is kept for the next one, not given back and zeroed anew.
-void keep_freed_memory() {
-  ::mallopt(M_MMAP_THRESHOLD, 32 << 20);
-  ::mallopt(M_TRIM_THRESHOLD, 256 << 20);
-  ::mallopt(M_TOP_PAD, 4 << 20);
-}
-
 ExitCode main(int argc, char** argv) {
-  keep_freed_memory();
+  prepare_heap();
   end_on_shrunk_input();
   try {
     const auto done = parse_and_run(argc, argv);
