@@ -116,7 +116,7 @@ Expected<Database> Database::open_read_only(const std::filesystem::path& path) {
   if (failure) return tl::unexpected(Error{ErrorKind::kBadInput, database->file_ + ": " + failure.message()});
   const auto most = std::min<std::uintmax_t>(std::max(size, kLeast), std::numeric_limits<int>::max());
   sqlite3_limit(database->database_.get(), SQLITE_LIMIT_LENGTH, static_cast<int>(most));
-  const auto set = database->execute("PRAGMA cell_size_check = ON; PRAGMA mmap_size = 0");
+  const auto set = database->execute("PRAGMA cell_size_check = ON; PRAGMA mmap_size = 0; BEGIN");
   if (!set) return tl::unexpected(set.error());
   return database;
 }

@@ -47,7 +47,7 @@ class Database {
  public:
   /// For writing; made where there is none.
   static Expected<Database> open(const std::filesystem::path& path);
-  /// A file from a stranger, for reading: no value is taken that is larger than the file.
+  /// A file from a stranger, for reading: no value is taken that is larger than the file, and all statements see one state of it.
   static Expected<Database> open_read_only(const std::filesystem::path& path);
 
   /// Statements without parameters and results.

@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <sys/wait.h>
+#include <tbb/global_control.h>
 #include <unistd.h>
 
 #include <algorithm>
@@ -92,6 +94,29 @@ TYPED_TEST(StoreTest, AStretchThatDidNotDetermineItsMapIsReadAsASpan) {
   const auto read = this->read();
   ASSERT_TRUE(read) << read.error().message;
   expect_same(*read, maps);
+}
+
+TYPED_TEST(StoreTest, TheFirstOfManyMapsThatIsDamagedIsNamed) {
+  const auto maps = random_stored_maps<TestFixture::kDim>(this->random, 40, 50);  // more than are read at once
+  build(this->path, maps);
+  for (const int stretch : {39, 3}) {
+    execute_sql(this->path, fmt::format("UPDATE maps SET information = x'00' WHERE stretch = {}", stretch));
+    for (const std::size_t threads : {1u, 4u}) {
+      const tbb::global_control control(tbb::global_control::max_allowed_parallelism, threads);
+      const auto read = this->read();
+      ASSERT_FALSE(read);
+      EXPECT_THAT(read.error().message, HasSubstr(fmt::format("the sizes of map {} do not agree", stretch)));
+    }
+  }
+}
+
+TYPED_TEST(StoreTest, StaysAsItIsWhileItIsRead) {
+  build(this->path, random_stored_maps<TestFixture::kDim>(this->random, 3));
+  auto database = store::Database::open_read_only(this->path);
+  ASSERT_TRUE(database && database->integer("SELECT count(*) FROM maps"));
+  EXPECT_FALSE(store::Database::open(this->path).and_then([](auto other) { return other.execute("DELETE FROM maps"); }));
+  database = store::Database::open(this->path);
+  EXPECT_TRUE(database->execute("DELETE FROM maps"));
 }
 
 TYPED_TEST(StoreTest, ABuildThatWasKilledGoesOnAndEndsWithTheSameBytes) {
@@ -264,7 +289,7 @@ TEST_F(StoreFileTest, ADamagedOrAlteredBuildIsBegunAfresh) {
   }
   begin();
   std::string bytes = testing::bytes_of(partial);
-  std::fill(bytes.end() - 4096, bytes.end(), 'x');
+  std::fill(bytes.end() - 32768, bytes.end(), 'x');  // a page
   folder.file("maps.mapjoin.partial", bytes);
   EXPECT_EQ(maps_done(path, maps), 0u);
 }
@@ -274,8 +299,8 @@ TEST_F(StoreFileTest, ABuildThatWasKilledInTheMidstOfABatchIsNotRead) {
   if (child == 0) {
     sqlite3* database = nullptr;
     sqlite3_open(path.c_str(), &database);
-    // A cache of one page: what is not committed goes into the file.
-    const char* sql = "PRAGMA cache_size = 1; BEGIN; UPDATE maps SET information = zeroblob(length(information))";
+    // A cache of one page, and values of many: what is not committed goes into the file.
+    const char* sql = "PRAGMA cache_size = 1; BEGIN; UPDATE maps SET information = zeroblob(1000000)";
     sqlite3_exec(database, sql, nullptr, nullptr, nullptr);
     kill(getpid(), SIGKILL);
   }
