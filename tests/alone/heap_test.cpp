@@ -2,9 +2,11 @@
 // Each in a process of its own, as ctest runs them: what is done to the heap stays.
 
 #include <gtest/gtest.h>
+#include <sys/mman.h>
 #include <sys/resource.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <cstddef>
 #include <cstdint>
 #include <cstdlib>
@@ -72,6 +74,22 @@ TEST(Heap, BeginsOnLargePages) {
   ASSERT_TRUE(is_on_heap(some.data()));
   const std::string flags = flags_of_mapping(&some.back());
   EXPECT_NE(flags.find(" hg"), std::string::npos) << flags;
+}
+
+/// Else what malloc gives first is on small pages: where one of these is touched, no large one will be.
+TEST(Heap, FirstLargePageIsNearAndUntouched) {
+  if (is_malloc_of_sanitizer()) GTEST_SKIP() << "another malloc";
+  prepare_heap();
+  const std::uintptr_t large_page = 2 * kMegabyte;
+  void* const block = std::malloc(kMegabyte / 5);
+  ASSERT_TRUE(is_on_heap(block));
+  const auto begin = reinterpret_cast<std::uintptr_t>(block);
+  std::free(block);
+  const std::uintptr_t first = (begin + large_page - 1) / large_page * large_page;
+  EXPECT_LT(first - begin, kMegabyte / 2);
+  std::vector<unsigned char> is_touched(large_page / 4096);
+  ASSERT_EQ(::mincore(reinterpret_cast<void*>(first), large_page, is_touched.data()), 0);
+  EXPECT_EQ(std::count_if(is_touched.begin(), is_touched.end(), [](unsigned char page) { return (page & 1U) != 0; }), 0);
 }
 
 TEST(Heap, KeepsWhatIsFreed) {
