@@ -12,8 +12,9 @@ namespace mapjoin {
 namespace {
 
 constexpr int kMegabyte = 1 << 20;
-constexpr int kLargePage = 2 * kMegabyte;
-constexpr int kMoreThanThereIs = kMegabyte / 4;  // free, where a program begins
+constexpr std::uintptr_t kLargePage = 2 * kMegabyte;
+/// malloc's own words around a block, and more.
+constexpr std::size_t kWords = 4096;
 
 void keep_freed_memory() {
   ::mallopt(M_MMAP_THRESHOLD, 32 * kMegabyte);
@@ -24,20 +25,26 @@ std::byte* end_of_heap() {
   return static_cast<std::byte*>(::sbrk(0));
 }
 
+/// Room for a block that is larger than all that is free, in whole pages of any size.
+std::size_t more_than_is_free() {
+  constexpr std::size_t kStep = kMegabyte / 4;
+  return (::mallinfo2().fordblks + kWords) / kStep * kStep + kStep;
+}
+
 /// Leaves out so much of the address space that a large page begins `room` bytes behind the end of the heap.
-void move_end_of_heap_before_large_page(int room) {
-  const auto past =
-      static_cast<int>((reinterpret_cast<std::uintptr_t>(end_of_heap()) + static_cast<std::uintptr_t>(room)) % kLargePage);
-  ::sbrk(kLargePage - past);
+void move_end_of_heap_before_large_page(std::size_t room) {
+  const std::uintptr_t end = reinterpret_cast<std::uintptr_t>(end_of_heap()) + room;
+  ::sbrk(static_cast<std::intptr_t>(-end % kLargePage));
 }
 
 /// Makes malloc extend the heap once by so much that the kernel can be advised of all of it, and before any of its large pages
 /// is touched: the block that it is extended for ends below them. Where that is refused, malloc goes on without.
 void begin_on_large_pages() {
-  move_end_of_heap_before_large_page(kMoreThanThereIs + 4096);  // malloc's own words around the block
+  const std::size_t room = more_than_is_free();
+  move_end_of_heap_before_large_page(room);
   ::mallopt(M_TOP_PAD, 128 * kMegabyte);
   std::byte* const begin = end_of_heap();
-  void* volatile block = std::malloc(kMoreThanThereIs);  // volatile: else the compiler leaves both calls out
+  void* volatile block = std::malloc(room - kWords);  // volatile: else the compiler leaves both calls out
   std::free(block);
   ::madvise(begin, static_cast<std::size_t>(end_of_heap() - begin), MADV_HUGEPAGE);
   ::mallopt(M_TOP_PAD, 4 * kMegabyte);

@@ -80,16 +80,27 @@ TEST(Heap, BeginsOnLargePages) {
 TEST(Heap, FirstLargePageIsNearAndUntouched) {
   if (is_malloc_of_sanitizer()) GTEST_SKIP() << "another malloc";
   prepare_heap();
-  const std::uintptr_t large_page = 2 * kMegabyte;
-  void* const block = std::malloc(kMegabyte / 5);
+  auto* const block = static_cast<std::byte*>(std::malloc(kMegabyte / 5));
   ASSERT_TRUE(is_on_heap(block));
-  const auto begin = reinterpret_cast<std::uintptr_t>(block);
-  std::free(block);
-  const std::uintptr_t first = (begin + large_page - 1) / large_page * large_page;
-  EXPECT_LT(first - begin, kMegabyte / 2);
+  const std::size_t large_page = 2 * kMegabyte;
+  const std::size_t before = large_page - reinterpret_cast<std::uintptr_t>(block) % large_page;
+  EXPECT_LE(before, kMegabyte / 4);
   std::vector<unsigned char> is_touched(large_page / 4096);
-  ASSERT_EQ(::mincore(reinterpret_cast<void*>(first), large_page, is_touched.data()), 0);
+  ASSERT_EQ(::mincore(block + before, large_page, is_touched.data()), 0);
+  std::free(block);
   EXPECT_EQ(std::count_if(is_touched.begin(), is_touched.end(), [](unsigned char page) { return (page & 1U) != 0; }), 0);
+}
+
+/// Of a program that has worked before.
+TEST(Heap, IsExtendedWhateverIsFree) {
+  if (is_malloc_of_sanitizer()) GTEST_SKIP() << "another malloc";
+  std::vector<std::vector<std::byte>> freed(80, std::vector<std::byte>(kMegabyte / 10));
+  const std::vector<std::byte> above(kMegabyte / 9);
+  freed.clear();
+  ASSERT_TRUE(is_on_heap(above.data()));
+  const std::byte* const end = end_of_heap();
+  prepare_heap();
+  EXPECT_GT(end_of_heap() - end, static_cast<std::ptrdiff_t>(128 * kMegabyte));
 }
 
 TEST(Heap, KeepsWhatIsFreed) {
