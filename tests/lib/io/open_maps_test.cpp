@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <mapjoin/io/open_maps.hpp>
+#include <tests/lib/io/store_fixture.hpp>
 #include <tests/support/file_bytes.hpp>
 #include <tests/support/stored_maps.hpp>
 #include <tests/support/temporary_folder.hpp>
@@ -23,10 +24,8 @@ TEST(OpenMaps, KnowsFoldersArchivesAndStoresByTheirContent) {
   EXPECT_TRUE(std::holds_alternative<MapSet<2>>(open_maps(archive).value()));
 
   testing::Random random;
-  const auto maps = testing::random_stored_maps<3>(random, 1);
   const auto store = folder.path() / "store";
-  auto writer = StoreWriter<3>::open(store, maps.log, maps.stretches, maps.options);
-  ASSERT_TRUE(writer && writer->add(0, maps.maps[0]) && writer->finish());
+  testing::build_store(store, testing::random_stored_maps<3>(random, 1));
   EXPECT_TRUE(std::holds_alternative<StoredMaps<3>>(open_maps(store).value()));
 
   for (const auto& path : {folder.path(), archive, store}) EXPECT_TRUE(may_hold_maps(path)) << path;

@@ -2,6 +2,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <tests/lib/io/store_fixture.hpp>
 #include <tests/support/file_bytes.hpp>
 #include <tests/support/sqlite.hpp>
 #include <tests/support/stored_maps.hpp>
@@ -15,11 +16,7 @@ using ::testing::HasSubstr;
 /// Of ten maps, with something in every array.
 void write_store(const std::filesystem::path& path) {
   testing::Random random;
-  const auto maps = testing::random_stored_maps<2>(random, 10);
-  auto writer = StoreWriter<2>::open(path, maps.log, maps.stretches, maps.options);
-  ASSERT_TRUE(writer);
-  for (std::size_t k = 0; k < maps.maps.size(); ++k) ASSERT_TRUE(writer->add(k, maps.maps[k]));
-  ASSERT_TRUE(writer->finish());
+  testing::build_store(path, testing::random_stored_maps<2>(random, 10));
 }
 
 TEST(StoreCheck, NothingDamagedGetsThrough) {
@@ -103,11 +100,10 @@ TEST(StoreCheck, SaysInOneLineThatAPageIsDamaged) {
   const auto path = folder.path() / "maps.mapjoin";
   write_store(path);
   const std::string sound = testing::bytes_of(path);
-  constexpr std::size_t kPage = 32768;
-  ASSERT_GT(sound.size(), 4 * kPage);
-  for (std::size_t page = 1; page < sound.size() / kPage; ++page) {
+  ASSERT_GT(sound.size(), 4 * testing::kStorePage);
+  for (std::size_t page = 1; page < sound.size() / testing::kStorePage; ++page) {
     std::string damaged = sound;
-    damaged.replace(page * kPage, 8, "\n\x1b[2Jno\n");
+    damaged.replace(page * testing::kStorePage, 8, "\n\x1b[2Jno\n");
     folder.file("maps.mapjoin", damaged);
     const auto stored = read_store(path);
     ASSERT_FALSE(stored) << page;
