@@ -46,7 +46,7 @@ void fields(Number& number, const F& f) {
 }
 template <int Rows, int Cols, typename F>
 void fields(Matrix<Rows, Cols>& matrix, const F& f) {
-  for (double& entry : matrix.reshaped()) f(entry);
+  for (int entry = 0; entry < Rows * Cols; ++entry) f(matrix.data()[entry]);
 }
 template <typename F>
 void fields(Rotation<2>& rotation, const F& f) {

@@ -12,7 +12,7 @@ namespace mapjoin {
 namespace {
 
 constexpr int kMegabyte = 1 << 20;
-constexpr std::uintptr_t kLargePage = 2 * kMegabyte;
+constexpr std::uintptr_t kLargePage = 2 << 20;
 /// malloc's own words around a block, and more.
 constexpr std::size_t kWords = 4096;
 
