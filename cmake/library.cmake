@@ -25,4 +25,5 @@ function(mapjoin_library name)
   target_include_directories(mapjoin_${name} PUBLIC
     $<BUILD_INTERFACE:${CMAKE_BINARY_DIR}/include> $<INSTALL_INTERFACE:${CMAKE_INSTALL_INCLUDEDIR}>)
   mapjoin_flags(mapjoin_${name})
+  target_precompile_headers(mapjoin_${name} PRIVATE ${CMAKE_SOURCE_DIR}/cmake/precompiled.hpp)
 endfunction()

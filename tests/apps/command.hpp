@@ -5,16 +5,12 @@
 #include <filesystem>
 #include <nlohmann/json.hpp>
 #include <string>
+#include <tests/support/places.hpp>
 #include <tests/support/process.hpp>
 #include <utility>
 #include <vector>
 
 namespace mapjoin::testing {
-
-/// The binary under test.
-inline const std::string kCommand = MAPJOIN_COMMAND;
-/// The folder of the logs that come with the project.
-inline const std::filesystem::path kBundledData = MAPJOIN_BUNDLED_DATA;
 
 /// How a call of the command ended.
 struct Ended {

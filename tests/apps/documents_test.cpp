@@ -15,7 +15,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-const fs::path kDocs = MAPJOIN_DOCS;
+const fs::path kDocs = kDocuments;
 
 /// README.md and every page of docs/.
 std::vector<fs::path> pages() {
@@ -40,7 +40,7 @@ class Reader {
   Reader() {
     fs::create_directory_symlink(kBundledData, folder_.path() / "data");
     fs::create_directory(folder_.path() / "build");
-    for (const auto& program : fs::directory_iterator(MAPJOIN_EXAMPLES)) {
+    for (const auto& program : fs::directory_iterator(kExamples)) {
       fs::create_symlink(program.path(), folder_.path() / program.path().filename());
     }
   }

@@ -15,9 +15,6 @@ namespace fs = std::filesystem;
 using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 
-/// The folder that the build wrote man pages, completion and docs/commands to.
-const fs::path kManual = MAPJOIN_MANUAL;
-
 bool is_installed(const std::string& program) {
   return Process({"sh", "-c", "command -v " + program}).wait() == 0;
 }
@@ -52,7 +49,7 @@ std::set<fs::path> files_in(const fs::path& folder) {
 
 TEST(Manual, ThePagesOfCommandsAreThoseThatTheBuildMakes) {
   const std::string remedy = "`cmake --build --preset dev --target command_pages` makes them anew";
-  const fs::path pages = fs::path(MAPJOIN_DOCS) / "commands";
+  const fs::path pages = kDocuments / "commands";
   EXPECT_EQ(files_in(pages), files_in(kManual / "commands")) << remedy;
   for (const fs::path& page : files_in(pages)) {
     EXPECT_EQ(content_of(pages / page), content_of(kManual / "commands" / page)) << page << ": " << remedy;

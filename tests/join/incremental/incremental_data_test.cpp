@@ -4,6 +4,7 @@
 #include <mapjoin/io/open_log.hpp>
 #include <tests/support/batch_join.hpp>
 #include <tests/support/data.hpp>
+#include <tests/support/places.hpp>
 #include <variant>
 
 namespace mapjoin {
@@ -18,8 +19,8 @@ void expect_optimal(const std::filesystem::path& path, std::size_t every) {
 }
 
 TEST(IncrementalData, BundledWorldsAreOptimalAtEveryStep) {
-  expect_optimal(MAPJOIN_BUNDLED_DATA "/manhattan2d.g2o", 1);
-  expect_optimal(MAPJOIN_BUNDLED_DATA "/manhattan3d.g2o", 1);
+  expect_optimal(testing::kBundledData / "manhattan2d.g2o", 1);
+  expect_optimal(testing::kBundledData / "manhattan3d.g2o", 1);
 }
 
 TEST(IncrementalData, VictoriaParkIsOptimalAllTheWay) {
