@@ -26,8 +26,8 @@ struct Repeats {
 /// allows. (A⁻¹ + B⁻¹)⁻¹ = A (A + B)⁻¹ B, which singular A and B have, too.
 template <int Size>
 bool contradict(const Vector<Size>& difference, const Matrix<Size>& A, const Matrix<Size>& B) {
-  const Matrix<Size> sum = A + B;
-  const Matrix<Size> W = A * sum.completeOrthogonalDecomposition().solve(B);
+  const Eigen::MatrixXd sum = A + B;  // Of dynamic size: a decomposition unrolled for each size takes the compiler a minute.
+  const Matrix<Size> W = A * sum.completeOrthogonalDecomposition().solve(Eigen::MatrixXd(B));
   const double chi2 = difference.dot(W * difference);
   const auto rows = information_rank<Size>(Matrix<Size>(0.5 * (W + W.transpose())));
   return chi_squared_upper_tail(chi2, static_cast<double>(rows)) < kLeastProbability;
