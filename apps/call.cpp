@@ -10,7 +10,6 @@
 #include <apps/report.hpp>
 #include <apps/summary.hpp>
 #include <mapjoin/io/open_log.hpp>
-#include <mapjoin/parallel/parallel.hpp>
 #include <utility>
 
 namespace mapjoin::apps {
@@ -64,7 +63,6 @@ Call::Call(const std::string& command, const Options& options, std::stop_token s
       threads_(tbb::global_control::max_allowed_parallelism, thread_count(options)),
       progress_(!options.quiet),
       run_options_(options.run) {
-  parallel_invoke([] {}, [] {});  // asks for the threads, which start while the input is opened
   run_options_.progress = progress_.callback();
   run_options_.covariances = !options.truth.empty();
   run_options_.marginals = options.covariances || options.relations;

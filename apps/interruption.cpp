@@ -1,9 +1,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <pthread.h>
 
+#include <apps/exit_code.hpp>
 #include <apps/interruption.hpp>
-#include <chrono>
 #include <csignal>
+#include <cstdlib>
+#include <ctime>
 #include <thread>
 
 namespace mapjoin::apps {
@@ -11,7 +13,7 @@ namespace {
 
 /// Ends the main thread's reads and writes that wait.
 constexpr int kWakes = SIGUSR1;
-constexpr std::chrono::milliseconds kAgainAfter(50);
+constexpr ::timespec kAgainAfter{0, 50'000'000};
 
 }  // namespace
 
@@ -28,14 +30,13 @@ Interruption::Interruption() {
   for (const int signal : {SIGINT, SIGTERM}) ::sigaddset(&signals, signal);
   ::pthread_sigmask(SIG_BLOCK, &signals, nullptr);
   std::thread([signals, source = source_, main = ::pthread_self()]() mutable {
-    int signal = 0;
-    while (::sigwait(&signals, &signal) != 0) {
+    while (::sigwaitinfo(&signals, nullptr) < 0) {
     }
     source.request_stop();
-    while (true) {  // It may come just before a call that waits for ever.
+    do {  // It may come just before a call that waits for ever.
       ::pthread_kill(main, kWakes);
-      std::this_thread::sleep_for(kAgainAfter);
-    }
+    } while (::sigtimedwait(&signals, nullptr, &kAgainAfter) < 0);
+    std::_Exit(static_cast<int>(ExitCode::kInterrupted));
   }).detach();
 }
 

@@ -6,8 +6,8 @@
 
 namespace mapjoin::apps {
 
-/// From its construction to the end of the process, SIGINT and SIGTERM request a stop instead of ending it, and then end reads
-/// and writes that wait. To be made once, before other threads are.
+/// From its construction to the end of the process, the first SIGINT or SIGTERM requests a stop, and ends reads and writes
+/// that wait; the second one ends the process at once. To be made once, before other threads are.
 /// SIGPIPE and SIGXFSZ are ignored: a reader that has gone away, or a file that grows too large, shows when writing.
 class Interruption {
  public:

@@ -6,13 +6,13 @@
 #include <CLI/App.hpp>
 #include <CLI/Config.hpp>
 #include <algorithm>
+#include <apps/blas.hpp>
 #include <apps/command_line.hpp>
 #include <apps/console.hpp>
 #include <apps/interruption.hpp>
 #include <apps/shrunk_input.hpp>
+#include <cstdlib>
 #include <exception>
-#include <mapjoin/solve/blas.hpp>
-#include <mapjoin/solve/heap.hpp>
 #include <new>
 
 namespace mapjoin::apps {
@@ -54,7 +54,11 @@ Expected<ExitCode> parse_and_run(int argc, char** argv) {
 }
 
 ExitCode main(int argc, char** argv) {
-  prepare_heap();
+  if (const auto room = check_process_limits(); !room) {
+    say(room.error().message);
+    std::_Exit(static_cast<int>(ExitCode::kTooLarge));  // OpenBLAS would wait for its threads, which ask for memory for ever
+  }
+  keep_blas_on_one_thread();
   end_on_shrunk_input();
   try {
     const auto done = parse_and_run(argc, argv);
@@ -64,9 +68,6 @@ ExitCode main(int argc, char** argv) {
   } catch (const std::bad_alloc&) {
     say("there is not enough memory for this");
     return ExitCode::kTooLarge;
-  } catch (const NoLapack& error) {
-    say(error.what());
-    return ExitCode::kInternalError;
   } catch (const std::exception& error) {
     say(fmt::format("internal error: {}", error.what()));
     return ExitCode::kInternalError;

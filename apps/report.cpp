@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include <apps/blas.hpp>
 #include <apps/report.hpp>
 #include <apps/words.hpp>
 #include <mapjoin/io/output_file.hpp>
-#include <mapjoin/solve/blas.hpp>
 #include <mapjoin/version.hpp>
 #include <nlohmann/json.hpp>
 
@@ -167,7 +167,7 @@ std::string report(const Account& account) {
   json["files"] = account.files;
   json["seconds"] = seconds_of(account);
   json["peak_memory_mb"] = peak_memory_mb();
-  json["blas"] = account.is_joined ? Json(blas().name) : Json();
+  json["blas"] = blas_name();
   return json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
 }
 

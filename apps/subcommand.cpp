@@ -46,10 +46,10 @@ const CLI::Validator kPath(check_path, "", "path");
 
 Subcommand::Subcommand(CLI::App& parent, const std::string& name, const std::string& description, const std::string& examples,
                        Declare declare)
-    : app_(parent.add_subcommand(name, description)->group("Commands")), declare_(declare) {
-  app_->preparse_callback([this](std::size_t) { this->declare(); });
+    : app_(parent.add_subcommand(name, description)->group("Commands")) {
   app_->footer("Examples:\n" + examples);
   app_->set_help_flag("-h,--help", "This text");
+  declare(*this);
 }
 
 CLI::Option& Subcommand::grouped(CLI::Option& option) const {

@@ -13,7 +13,6 @@
 #include <mapjoin/io/open_log.hpp>
 #include <mapjoin/join/incremental/incremental_join.hpp>
 #include <mapjoin/localmap/build.hpp>
-#include <mapjoin/solve/heap.hpp>
 #include <numeric>
 #include <optional>
 #include <string>
@@ -126,7 +125,6 @@ int table(const Arguments& arguments) {
 }  // namespace mapjoin
 
 int main(int argc, char** argv) {
-  mapjoin::prepare_heap();
   mapjoin::Arguments arguments;
   CLI::App app("Joining local maps one by one: CPU time per map, beside one join of all");
   app.add_option("LOG", arguments.files, "Logs")->required();

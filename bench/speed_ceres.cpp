@@ -13,7 +13,6 @@
 #include <mapjoin/io/open_log.hpp>
 #include <mapjoin/measure/chi2.hpp>
 #include <mapjoin/model/linearise.hpp>
-#include <mapjoin/solve/heap.hpp>
 #include <nlohmann/json.hpp>
 #include <string>
 #include <tests/support/starts.hpp>
@@ -257,7 +256,6 @@ void solve(const Log<Dim>& log, const Arguments& arguments) {
 }  // namespace mapjoin
 
 int main(int argc, char** argv) {
-  mapjoin::prepare_heap();
   using mapjoin::Arguments;
   Arguments arguments;
   const std::map<std::string, ceres::LinearSolverType> linear{{"cholesky", ceres::SPARSE_NORMAL_CHOLESKY},

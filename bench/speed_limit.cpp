@@ -17,7 +17,6 @@
 #include <mapjoin/measure/chi2.hpp>
 #include <mapjoin/measure/effort.hpp>
 #include <mapjoin/model/accumulate.hpp>
-#include <mapjoin/solve/heap.hpp>
 #include <mapjoin/solve/normal_equations.hpp>
 #include <nlohmann/json.hpp>
 #include <variant>
@@ -198,7 +197,6 @@ int main(int argc, char** argv) {
   const tbb::global_control one_thread(tbb::global_control::max_allowed_parallelism, 1);
   const auto state = mapjoin::read_state(map);
   const mapjoin::EffortMeter from_here;  // on: the largest memory is that of the limit, and of the map that it is at
-  mapjoin::prepare_heap();               // which the meter has given back
   const auto limit = state.and_then([&](const auto& known) { return mapjoin::limit_of(data, known); });
   if (limit) mapjoin::print(*limit);
   if (!limit) fmt::print(stderr, "mapjoin_limit: {}\n", limit.error().message);

@@ -9,7 +9,6 @@
 #include <mapjoin/measure/chi_squared.hpp>
 #include <mapjoin/model/information_rank.hpp>
 #include <mapjoin/parallel/parallel.hpp>
-#include <mapjoin/solve/blas.hpp>
 #include <optional>
 #include <utility>
 
@@ -116,14 +115,10 @@ Expected<Join<Dim>> join_by(const Network<Dim>& network, const std::vector<PoseI
   const Gauge<Dim> gauge = gauge_of(network, whole);
   JoinedPieces<Dim> pieces;
   std::optional<JoinProblem<Dim>> posed;  // its pattern, ordering and symbolic factor need no state
-  parallel_invoke(
-      [&] {
-        blas();  // is loaded while the other thread is ordering, if it is not loaded yet
-        pieces = join_stretches(network, schedule, stop);
-      },
-      [&] {
-        if (!stop.stop_requested()) posed.emplace(whole, gauge);
-      });
+  parallel_invoke([&] { pieces = join_stretches(network, schedule, stop); },
+                  [&] {
+                    if (!stop.stop_requested()) posed.emplace(whole, gauge);
+                  });
   if (stop.stop_requested()) return interrupted();
 
   whole.state = composed_state(network, whole, options.origin, std::move(pieces));

@@ -48,7 +48,6 @@ std::string list_of(const std::vector<Command>& all) {
 
 void write_all(const std::filesystem::path& folder) {
   const CommandLine line = command_line();
-  for (const auto& command : line.commands) command->declare();
   const Command mapjoin = describe(*line.app);
   std::vector<Command> all;
   for (CLI::App* command : line.app->get_subcommands([](CLI::App*) { return true; })) all.push_back(describe(*command));

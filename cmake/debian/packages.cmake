@@ -19,12 +19,9 @@ set(CPACK_DEBIAN_PACKAGE_RELEASE 1)
 set(CPACK_DEBIAN_PACKAGE_MAINTAINER ${MAPJOIN_MAINTAINER})
 set(CPACK_DEBIAN_PACKAGE_CONTROL_STRICT_PERMISSION ON)
 
-# LAPACK is loaded when the command runs: no shared library of it is seen here. The reference serves, but is many times slower.
-set(lapack "libopenblas0 | liblapack.so.3")
 set(CPACK_DEBIAN_COMMAND_PACKAGE_NAME mapjoin)
 set(CPACK_DEBIAN_COMMAND_PACKAGE_SECTION science)
 set(CPACK_DEBIAN_COMMAND_PACKAGE_SHLIBDEPS ON)
-set(CPACK_DEBIAN_COMMAND_PACKAGE_DEPENDS ${lapack})
 set(CPACK_DEBIAN_COMMAND_DESCRIPTION "mapjoin takes a robot's log (odometry, loop closures, observations of point
 features, in the plane or in space), splits it into short local maps, solves
 each by least squares, joins them along a tree, and polishes the result to the
@@ -34,7 +31,7 @@ optimum of the whole log: full SLAM, without an initial guess.")
 set(CPACK_DEBIAN_DEVELOPMENT_PACKAGE_NAME libmapjoin-dev)
 set(CPACK_DEBIAN_DEVELOPMENT_PACKAGE_SECTION libdevel)
 set(CPACK_DEBIAN_DEVELOPMENT_PACKAGE_DEPENDS
-  "libeigen3-dev (>= 3.4), libexpected-dev, libboost-dev (>= 1.74), libfmt-dev, libmatio-dev, libmetis-dev, ${lapack}, libsqlite3-dev, libtbb-dev, zlib1g-dev")
+  "libeigen3-dev (>= 3.4), libexpected-dev, libboost-dev (>= 1.74), libfmt-dev, libmatio-dev, libmetis-dev, libopenblas-dev | liblapack-dev, libsqlite3-dev, libtbb-dev, zlib1g-dev")
 set(CPACK_DEBIAN_DEVELOPMENT_PACKAGE_SUGGESTS mapjoin)
 set(CPACK_DEBIAN_DEVELOPMENT_DESCRIPTION "mapjoin splits a robot's log into short local maps, solves each by least
 squares, joins them along a tree, and polishes the result to the optimum of the

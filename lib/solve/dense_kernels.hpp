@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
-// The dense steps of a Cholesky factorisation, by the BLAS and LAPACK on one thread.
+// The dense steps of a Cholesky factorisation, by the BLAS and LAPACK. Several threads may call them at once.
 
 #include <Eigen/Core>
 #include <optional>

@@ -192,16 +192,5 @@ TEST(Usage, LocalMapsAreNotBuiltAgain) {
   EXPECT_FALSE(std::filesystem::exists(again));
 }
 
-TEST(Size, WhatDoesNotFitIntoMemoryIsRefused) {
-#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
-  GTEST_SKIP() << "Sanitizers need memory of their own.";
-#endif
-  const TemporaryFolder folder;
-  ProcessOptions small;
-  small.memory_bytes = std::size_t{256} << 20;
-  expect_failure(call({"simulate", "--poses", "10000000", "-o", (folder.path() / "log.g2o").string()}, small), 6, "memory");
-  EXPECT_TRUE(std::filesystem::is_empty(folder.path()));
-}
-
 }  // namespace
 }  // namespace mapjoin::testing

@@ -15,6 +15,12 @@ int open_output(const std::filesystem::path& path) {
   return ::open(path.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0666);
 }
 
+/// Limits what this process may have of a resource, unless `most` is 0; beyond it, and `more`, it is killed.
+void limit(__rlimit_resource resource, std::size_t most, std::size_t more = 0) {
+  const ::rlimit both{most, most + more};
+  if (most > 0) ::setrlimit(resource, &both);
+}
+
 int pipe_without_reader() {
   int ends[2] = {-1, -1};
   if (::pipe2(ends, O_CLOEXEC) != 0) throw std::runtime_error("pipe2");
@@ -38,10 +44,9 @@ Process::Process(const std::vector<std::string>& words, const ProcessOptions& op
     ::dup2(out, STDOUT_FILENO);
     ::dup2(err, STDERR_FILENO);
     if (!options.working_folder.empty() && ::chdir(options.working_folder.c_str()) != 0) ::_exit(127);
-    const ::rlimit limit{options.memory_bytes, options.memory_bytes};
-    if (options.memory_bytes > 0) ::setrlimit(RLIMIT_DATA, &limit);
-    const ::rlimit time{options.cpu_seconds, options.cpu_seconds + 1};
-    if (options.cpu_seconds > 0) ::setrlimit(RLIMIT_CPU, &time);
+    limit(RLIMIT_DATA, options.memory_bytes);
+    limit(RLIMIT_AS, options.address_space_bytes);
+    limit(RLIMIT_CPU, options.cpu_seconds, 1);
     ::execvp(arguments[0], arguments.data());
     ::_exit(127);
   }

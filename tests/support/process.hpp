@@ -20,6 +20,7 @@ struct ProcessOptions {
   bool reader_has_gone = false;           ///< Standard output is a pipe that nobody reads.
   std::size_t memory_bytes = 0;           ///< What it may have for data; 0: no limit.
   std::size_t cpu_seconds = 0;            ///< After which SIGXCPU ends it; 0: no limit.
+  std::size_t address_space_bytes = 0;    ///< What it may map; 0: no limit.
 };
 
 class Process {
@@ -30,6 +31,7 @@ class Process {
   Process(const Process&) = delete;
   Process& operator=(const Process&) = delete;
 
+  ::pid_t id() const { return pid_; }
   void send(int signal) const;
   bool is_running();
   /// Waits for its end: the exit code, or 1000 and the signal that killed it.

@@ -4,6 +4,11 @@
 #include <limits>
 #include <mapjoin/solve/dense_kernels.hpp>
 
+extern "C" {  // Null where the BLAS is not OpenBLAS.
+[[gnu::weak]] int openblas_get_num_threads();
+[[gnu::weak]] void openblas_set_num_threads(int);
+}
+
 namespace mapjoin {
 namespace {
 
@@ -18,6 +23,17 @@ TEST(DenseKernels, WriteANewProductWithoutReadingWhatWasThere) {
   C.fill(std::numeric_limits<double>::quiet_NaN());
   subtract_product(block, block, result, Into::kNew);
   EXPECT_TRUE(C.isApprox(Eigen::MatrixXd::Constant(60, 60, -1.75)));
+}
+
+TEST(DenseKernels, LeaveTheNumberOfBlasThreadsToTheProgram) {
+  if (!openblas_get_num_threads || !openblas_set_num_threads) GTEST_SKIP() << "another BLAS";
+  const int before = openblas_get_num_threads();
+  openblas_set_num_threads(2);
+  Eigen::MatrixXd A = Eigen::MatrixXd::Identity(400, 400) * 4.0;
+  EXPECT_FALSE(cholesky_in_place(DenseBlock(A.data(), 400, 400, Eigen::OuterStride<>(400))));
+  EXPECT_EQ(A.diagonal(), Eigen::VectorXd::Constant(400, 2.0));
+  EXPECT_EQ(openblas_get_num_threads(), 2);
+  openblas_set_num_threads(before);
 }
 
 }  // namespace

@@ -17,7 +17,6 @@ using testing::dense;
 using testing::grid_system;
 using testing::Random;
 using testing::sparse;
-using testing::threads_of_this_process;
 
 /// A banded positive definite matrix with a few far couplings.
 Eigen::MatrixXd random_matrix(Eigen::Index n, Random& random) {
@@ -154,11 +153,11 @@ TEST(SparseCholesky, StartsNoThreadsButThoseItIsAllowed) {
   const BlockLower matrix = sparse(A);
   const auto factorise = [&] {
     SparseCholesky cholesky;
-    const std::ptrdiff_t before = threads_of_this_process();
+    const std::ptrdiff_t before = testing::threads_of("self");
     cholesky.analyse(matrix);
     ASSERT_FALSE(cholesky.factorise(matrix));
     cholesky.solve(Eigen::VectorXd::Ones(400));
-    EXPECT_LE(threads_of_this_process(), before);
+    EXPECT_LE(testing::threads_of("self"), before);
   };
   factorise();
   std::thread(factorise).join();

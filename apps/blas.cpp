@@ -1,0 +1,78 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <fmt/format.h>
+#include <sys/resource.h>
+#include <tbb/info.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <apps/blas.hpp>
+#include <cstdint>
+#include <fstream>
+#include <optional>
+
+extern "C" {  // Null where the BLAS is not OpenBLAS.
+[[gnu::weak]] char* openblas_get_config();
+[[gnu::weak]] int openblas_get_num_threads();
+[[gnu::weak]] void openblas_set_num_threads(int);
+[[gnu::weak]] int blas_thread_shutdown_();
+}
+
+namespace mapjoin::apps {
+namespace {
+
+constexpr std::int64_t kMegabyte = 1 << 20;
+constexpr std::int64_t kBuffer = 128 * kMegabyte;   ///< OpenBLAS's for each thread that calls it (BUFFER_SIZE of x86-64).
+constexpr std::int64_t kArena = 128 * kMegabyte;    ///< Address space that malloc asks for in each thread, to keep half of it.
+constexpr std::int64_t kSmallMap = 32 * kMegabyte;  ///< What reading and mapping a small log takes beside.
+
+/// Bytes, or nothing where there is no limit.
+std::optional<std::int64_t> limit_of(int resource) {
+  ::rlimit limit{};
+  if (::getrlimit(static_cast<__rlimit_resource>(resource), &limit) != 0 || limit.rlim_cur == RLIM_INFINITY) return {};
+  return static_cast<std::int64_t>(limit.rlim_cur);
+}
+
+/// Address space of the program and its libraries (bytes): all but data, of which OpenBLAS's threads take theirs meanwhile.
+std::int64_t mapped_files() {
+  std::int64_t size = 0, resident = 0, shared = 0, text = 0, unused = 0, data = 0;
+  std::ifstream("/proc/self/statm") >> size >> resident >> shared >> text >> unused >> data;
+  return (size - data) * ::sysconf(_SC_PAGESIZE);
+}
+
+/// Those of TBB, or OpenBLAS's own: these started before main() and take their buffers whatever is asked of them later.
+std::int64_t thread_count() {
+  const int of_blas = openblas_get_num_threads ? openblas_get_num_threads() - 1 : 0;
+  return std::max<std::int64_t>(tbb::info::default_concurrency(), of_blas);
+}
+
+Expected<void> check_limit(std::int64_t needed, std::optional<std::int64_t> limit, const char* what, const char* option) {
+  if (!limit || *limit >= needed) return {};
+  return tl::unexpected(
+      Error{ErrorKind::kTooLarge,
+            fmt::format("{} is limited to {} kB, and {} kB are needed to begin with (threads: {}): raise the limit "
+                        "(`ulimit {} {}`) or give fewer processors (`taskset`)",
+                        what, *limit / 1024, needed / 1024, thread_count(), option, needed / 1024)});
+}
+
+}  // namespace
+
+Expected<void> check_process_limits() {
+  const std::int64_t stack = limit_of(RLIMIT_STACK).value_or(2 * kMegabyte);  // of each thread, as glibc chooses it
+  const std::int64_t data = kSmallMap + thread_count() * (kBuffer + stack);
+  return check_limit(mapped_files() + data + thread_count() * kArena, limit_of(RLIMIT_AS), "address space", "-v").and_then([&] {
+    return check_limit(data, limit_of(RLIMIT_DATA), "data", "-d");
+  });
+}
+
+void keep_blas_on_one_thread() {
+  if (!openblas_set_num_threads || !blas_thread_shutdown_) return;
+  if (limit_of(RLIMIT_AS) || limit_of(RLIMIT_DATA)) openblas_set_num_threads(static_cast<int>(thread_count()) + 1);
+  openblas_set_num_threads(1);
+  blas_thread_shutdown_();
+}
+
+std::string blas_name() {
+  return openblas_get_config ? openblas_get_config() : "BLAS";
+}
+
+}  // namespace mapjoin::apps

@@ -1,0 +1,31 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <gtest/gtest.h>
+#include <unistd.h>
+
+#include <apps/blas.hpp>
+#include <apps/interruption.hpp>
+#include <csignal>
+#include <thread>
+
+namespace mapjoin::apps {
+namespace {
+
+/// A process that is deaf to the request to stop.
+[[noreturn]] void go_on_whatever_is_asked(int first, int second) {
+  ::alarm(60);
+  keep_blas_on_one_thread();
+  const Interruption interruption;
+  ::kill(::getpid(), first);
+  while (!interruption.token().stop_requested()) std::this_thread::yield();
+  ::kill(::getpid(), second);
+  while (true) ::pause();
+}
+
+TEST(InterruptionDeathTest, TheSecondSignalEndsTheProcessWhateverItDoes) {
+  GTEST_FLAG_SET(death_test_style, "threadsafe");
+  EXPECT_EXIT(go_on_whatever_is_asked(SIGTERM, SIGTERM), ::testing::ExitedWithCode(130), "");
+  EXPECT_EXIT(go_on_whatever_is_asked(SIGINT, SIGTERM), ::testing::ExitedWithCode(130), "");
+}
+
+}  // namespace
+}  // namespace mapjoin::apps
