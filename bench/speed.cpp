@@ -26,7 +26,7 @@ struct Arguments {
   int repeat = 5;
   std::vector<std::string> without;
   std::size_t limit = 150;
-  std::filesystem::path folder = "build/bench/speed";
+  std::filesystem::path folder = "build/speed";
   std::filesystem::path json, picture;  ///< Empty: none.
 };
 

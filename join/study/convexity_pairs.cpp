@@ -9,14 +9,13 @@ namespace mapjoin {
 namespace {
 
 /// S with S Sᵀ = W⁻¹; what W does not measure has no deviation. W is scaled to a unit diagonal: metres and radians weigh alike.
-template <int Rows>
-Matrix<Rows> deviation(const Matrix<Rows>& W) {
+Eigen::MatrixXd deviation(const Eigen::MatrixXd& W) {
   constexpr double kZero = 1e-9;  // as for the rank of W
-  const Vector<Rows> diagonal = W.diagonal();
-  const Vector<Rows> scale = (diagonal.array() > 0.0).select(diagonal.array().rsqrt(), 0.0);
-  const Eigen::SelfAdjointEigenSolver<Matrix<Rows>> eigen(scale.asDiagonal() * W * scale.asDiagonal());
-  const Vector<Rows> values = eigen.eigenvalues();
-  const Vector<Rows> roots = (values.array() > kZero).select(values.array().rsqrt(), 0.0);
+  const Eigen::VectorXd diagonal = W.diagonal();
+  const Eigen::VectorXd scale = (diagonal.array() > 0.0).select(diagonal.array().rsqrt(), 0.0);
+  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(scale.asDiagonal() * W * scale.asDiagonal());
+  const Eigen::VectorXd values = eigen.eigenvalues();
+  const Eigen::VectorXd roots = (values.array() > kZero).select(values.array().rsqrt(), 0.0);
   return scale.asDiagonal() * eigen.eigenvectors() * roots.asDiagonal();
 }
 
@@ -43,7 +42,7 @@ StateSampler<Dim>::StateSampler(StateSource source, double spread, const Piece<D
       reference_(reference),
       coordinates_(system, reference) {
   if (source_ == StateSource::kBox) return;
-  for (const auto& placed : system.maps()) map_deviations_.push_back(deviation<Eigen::Dynamic>(placed.map->information));
+  for (const auto& placed : system.maps()) map_deviations_.push_back(deviation(placed.map->information));
 }
 
 template <int Dim>
@@ -73,9 +72,9 @@ State<Dim> StateSampler<Dim>::draw_drifted(std::uint64_t seed) const {
       return map_errors[place].template segment<Dof>(system_.maps()[place].map->row(edge.target));
     }
     if constexpr (Dof == kPoseDof<Dim>) {
-      return deviation<Dof>(system_.pose_observations()[place].observation->information) * normal_vector<Dof>(Dof, random);
+      return deviation(system_.pose_observations()[place].observation->information) * normal_vector<Dof>(Dof, random);
     } else {
-      return deviation<Dof>(system_.feature_observations()[place].observation->information) * normal_vector<Dof>(Dof, random);
+      return deviation(system_.feature_observations()[place].observation->information) * normal_vector<Dof>(Dof, random);
     }
   };
   const SpanningTree& tree = coordinates_.tree();

@@ -18,11 +18,10 @@ Matrix<Size> symmetric_part(const Matrix<Size>& M) {
 }
 
 /// In Frobenius norm: eigenvalues clipped at zero.
-template <int Size>
-Matrix<Size> nearest_semidefinite(const Matrix<Size>& W) {
-  const Eigen::SelfAdjointEigenSolver<Matrix<Size>> eigen(W);
-  const Matrix<Size>& V = eigen.eigenvectors();
-  return symmetric_part<Size>(V * eigen.eigenvalues().cwiseMax(0.0).asDiagonal() * V.transpose());
+Eigen::MatrixXd nearest_semidefinite(const Eigen::MatrixXd& W) {
+  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(W);
+  const Eigen::MatrixXd& V = eigen.eigenvectors();
+  return symmetric_part<Eigen::Dynamic>(V * eigen.eigenvalues().cwiseMax(0.0).asDiagonal() * V.transpose());
 }
 
 }  // namespace
@@ -53,12 +52,12 @@ std::optional<std::string> InformationCheck::fault(Matrix<Size>& W) {
   if (const auto fault = make_symmetric<Size>(W)) return fault;
   if (Eigen::LLT<Matrix<Size>>(W).info() == Eigen::Success) return std::nullopt;
 
-  const Eigen::SelfAdjointEigenSolver<Matrix<Size>> eigen(W, Eigen::EigenvaluesOnly);
+  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(W, Eigen::EigenvaluesOnly);
   const double smallest = eigen.eigenvalues()[0];
   const double largest = eigen.eigenvalues()[W.rows() - 1];
   if (smallest >= -kRoundOff * largest) return std::nullopt;
   if (!repair_) return fmt::format("is indefinite (eigenvalues from {:.6g} to {:.6g})", smallest, largest);
-  W = nearest_semidefinite<Size>(W);
+  W = nearest_semidefinite(W);
   if (!W.allFinite()) return "is indefinite and too large to be repaired";
   ++repaired_;
   return std::nullopt;

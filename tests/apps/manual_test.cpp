@@ -48,7 +48,7 @@ std::set<fs::path> files_in(const fs::path& folder) {
 }
 
 TEST(Manual, ThePagesOfCommandsAreThoseThatTheBuildMakes) {
-  const std::string remedy = "`cmake --build --preset dev --target command_pages` makes them anew";
+  const std::string remedy = "`cmake --build --preset test --target command_pages` makes them anew";
   const fs::path pages = kDocuments / "commands";
   EXPECT_EQ(files_in(pages), files_in(kManual / "commands")) << remedy;
   for (const fs::path& page : files_in(pages)) {
