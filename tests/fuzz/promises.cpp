@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <algorithm>
-#include <mapjoin/io/open_log.hpp>
-#include <mapjoin/io/store_check.hpp>
-#include <mapjoin/io/store_records.hpp>
+#include <mapjoin/io/open.hpp>
+#include <mapjoin/io/store/records.hpp>
+#include <mapjoin/io/store/store.hpp>
 #include <stdexcept>
 #include <tests/fuzz/promises.hpp>
 #include <tests/support/temporary_folder.hpp>
