@@ -6,7 +6,7 @@
 #include <apps/options.hpp>
 #include <chrono>
 #include <cstdint>
-#include <mapjoin/io/store.hpp>
+#include <mapjoin/io/store/store.hpp>
 #include <mapjoin/join/consistency.hpp>
 #include <mapjoin/join/run.hpp>
 #include <mapjoin/measure/stopwatch.hpp>
@@ -63,6 +63,7 @@ struct Account {
   Start start_values = Start::kComposed;  ///< For the batch schedule.
   Method method = Method::kDogleg;
   bool has_local_maps = false;  ///< `figures` hold how they were built, or that they were given,
+  bool was_damaged = false;     ///< What an interrupted build had left, which is begun afresh.
   bool is_resumed = false;      ///< The iterations in `figures` are only those since a build went on.
   bool is_joined = false;       ///< and what came of joining them.
   RunFigures figures;

@@ -9,7 +9,7 @@
 #include <apps/commands.hpp>
 #include <apps/distinct.hpp>
 #include <mapjoin/graph/connectivity.hpp>
-#include <mapjoin/io/store_map_set.hpp>
+#include <mapjoin/io/store/store.hpp>
 #include <mapjoin/parallel/parallel.hpp>
 #include <mapjoin/version.hpp>
 #include <memory>
@@ -28,14 +28,6 @@ constexpr std::size_t kMapsAtOnce = 256;  // Built before they are stored: few e
 /// What the maps depend on beside the log and its stretches: a build goes on only where it is the same.
 std::string settings(const MinimiseOptions& solver) {
   return fmt::format("mapjoin {} --method {} --max-iterations {}", kVersion, to_string(solver.method), solver.max_iterations);
-}
-
-std::vector<std::size_t> maps_to_do(const Split& parts, const std::vector<std::size_t>& done) {
-  std::vector<std::size_t> to_do;
-  for (std::size_t k = done.empty() ? 0 : done.back() + 1; k < parts.stretches.size(); ++k) {
-    if (parts.stretches[k].is_map) to_do.push_back(k);
-  }
-  return to_do;
 }
 
 /// Builds the maps of some stretches, in parallel, and stores them.
@@ -57,7 +49,7 @@ Expected<void> build_some(Call& call, const Log<Dim>& log, const Split& parts, s
 
 template <int Dim>
 Expected<void> build_all(Call& call, const Log<Dim>& log, const Split& parts, StoreWriter<Dim>& store) {
-  const std::vector<std::size_t> to_do = maps_to_do(parts, store.done());
+  const std::vector<std::size_t> to_do(store.to_do().begin(), store.to_do().end());
   const std::size_t before = store.done().size();
   for (std::size_t begin = 0; begin < to_do.size(); begin += kMapsAtOnce) {
     const auto some = std::span(to_do).subspan(begin, std::min(kMapsAtOnce, to_do.size() - begin));
@@ -83,6 +75,7 @@ Expected<ExitCode> build_log(Call& call, const Log<Dim>& log) {
   const Split parts = split(log, cut);
   auto store = StoreWriter<Dim>::open(call.options().output, log, parts.stretches, settings(call.run_options().solver));
   if (!store) return tl::unexpected(store.error());
+  call.account.was_damaged = store->found_damaged();
   const auto built = timed(call.account.figures.seconds.build, [&] { return build_all(call, log, parts, *store); });
   if (!built) return tl::unexpected(built.error());
   call.account.files.push_back(call.options().output.string());

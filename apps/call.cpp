@@ -9,7 +9,7 @@
 #include <apps/relation_file.hpp>
 #include <apps/report.hpp>
 #include <apps/summary.hpp>
-#include <mapjoin/io/open_log.hpp>
+#include <mapjoin/io/open.hpp>
 #include <utility>
 
 namespace mapjoin::apps {
@@ -32,10 +32,9 @@ Expected<void> take_weights(const Options& options, const StoredMaps<Dim>& store
 
 template <int Dim>
 bool is_finite(const GlobalMap<Dim>& map) {
-  const auto pose_is = [](const Pose<Dim>& pose) { return pose.translation.allFinite() && pose.rotation.matrix().allFinite(); };
-  const auto feature_is = [](const Point<Dim>& feature) { return feature.allFinite(); };
-  return std::all_of(map.poses.begin(), map.poses.end(), pose_is) &&
-         std::all_of(map.features.begin(), map.features.end(), feature_is);
+  const auto is_finite = [](const auto& value) { return is_valid(value); };
+  return std::all_of(map.poses.begin(), map.poses.end(), is_finite) &&
+         std::all_of(map.features.begin(), map.features.end(), is_finite);
 }
 
 std::string why_not_converged(const Account& account) {

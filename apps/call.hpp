@@ -9,7 +9,7 @@
 #include <apps/progress.hpp>
 #include <apps/truth_file.hpp>
 #include <functional>
-#include <mapjoin/io/open_maps.hpp>
+#include <mapjoin/io/open.hpp>
 #include <optional>
 #include <stop_token>
 #include <string>

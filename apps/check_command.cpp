@@ -10,9 +10,7 @@
 #include <apps/console.hpp>
 #include <apps/distinct.hpp>
 #include <apps/map_file.hpp>
-#include <mapjoin/check/repeats.hpp>
-#include <mapjoin/check/structure.hpp>
-#include <mapjoin/check/units.hpp>
+#include <mapjoin/check/checks.hpp>
 #include <mapjoin/measure/chi2.hpp>
 #include <memory>
 #include <variant>

@@ -8,7 +8,7 @@
 #include <apps/report.hpp>
 #include <apps/summary.hpp>
 #include <cmath>
-#include <mapjoin/io/output_file.hpp>
+#include <mapjoin/io/files/output_file.hpp>
 #include <nlohmann/json.hpp>
 
 namespace mapjoin::apps {

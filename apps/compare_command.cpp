@@ -14,7 +14,7 @@
 #include <apps/study_output.hpp>
 #include <apps/summary.hpp>
 #include <apps/words.hpp>
-#include <mapjoin/io/output_file.hpp>
+#include <mapjoin/io/files/output_file.hpp>
 #include <memory>
 #include <optional>
 #include <utility>

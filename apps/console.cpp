@@ -5,7 +5,7 @@
 #include <apps/console.hpp>
 #include <cerrno>
 #include <cstdio>
-#include <mapjoin/io/system_call.hpp>
+#include <mapjoin/io/files/system_call.hpp>
 
 namespace mapjoin::apps {
 

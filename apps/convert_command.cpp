@@ -11,13 +11,14 @@
 #include <apps/output_folder.hpp>
 #include <apps/plot/plotted_map.hpp>
 #include <apps/summary.hpp>
-#include <array>
-#include <mapjoin/io/local_map_writer.hpp>
-#include <mapjoin/io/log_format.hpp>
-#include <mapjoin/io/store_map_set.hpp>
+#include <mapjoin/io/formats/log_format.hpp>
+#include <mapjoin/io/local_maps/local_map_set.hpp>
+#include <mapjoin/io/store/store.hpp>
 #include <memory>
 #include <optional>
+#include <string>
 #include <variant>
+#include <vector>
 
 namespace mapjoin::apps {
 namespace {
@@ -32,22 +33,20 @@ enum class MapsFormat : std::uint8_t { kMat, kText, kStore };
 using AnyFormat = std::variant<LogFormat, MapsFormat>;
 
 struct Format {
-  const char* word;
-  const char* extension;  ///< That asks for it; empty: none does.
+  std::string word;
+  std::string extension;  ///< That asks for it; empty: none does.
   AnyFormat format;
 };
 
-constexpr std::array<Format, 11> kFormats{{{"g2o", ".g2o", LogFormat::kG2o},
-                                           {"toro", ".graph", LogFormat::kToro},
-                                           {"isam", ".isam", LogFormat::kIsam},
-                                           {"gtsam", ".gtsam", LogFormat::kGtsam},
-                                           {"odom-obs", ".txt", LogFormat::kOdomObs},
-                                           {"mat", ".mat", LogFormat::kMat},
-                                           {"tum", ".tum", LogFormat::kTum},
-                                           {"kitti", ".kitti", LogFormat::kKitti},
-                                           {"maps-mat", "", MapsFormat::kMat},
-                                           {"maps-text", "", MapsFormat::kText},
-                                           {"store", ".maps", MapsFormat::kStore}}};
+/// Those of logs, then those of local maps.
+std::vector<Format> formats() {
+  std::vector<Format> all;
+  for (const LogFormat format : log_formats()) all.push_back({name_of(format).word, name_of(format).extension, format});
+  all.push_back({"maps-mat", "", MapsFormat::kMat});
+  all.push_back({"maps-text", "", MapsFormat::kText});
+  all.push_back({"store", ".maps", MapsFormat::kStore});
+  return all;
+}
 
 struct ConvertOptions : Options {
   std::optional<AnyFormat> format;  ///< As asked for, else by the output's extension.
@@ -58,21 +57,27 @@ tl::unexpected<Error> misused(std::string message) {
 }
 
 std::string words() {
-  std::string all;
-  for (const Format& format : kFormats) {
-    if (!all.empty()) all += '|';
-    all += format.word;
+  std::vector<std::string> all;
+  for (const Format& format : formats()) all.push_back(format.word);
+  return fmt::format("{}", fmt::join(all, "|"));
+}
+
+std::string extensions() {
+  std::vector<std::string> all;
+  for (const Format& format : formats()) {
+    if (!format.extension.empty()) all.push_back(format.extension);
   }
-  return all;
+  return fmt::format("{}", fmt::join(all, ", "));
 }
 
 Expected<AnyFormat> format_of(const ConvertOptions& options) {
   if (options.format) return *options.format;
-  const std::string extension = options.output.extension().string();
-  for (const Format& format : kFormats) {
+  const std::string extension = extension_of(options.output);
+  for (const Format& format : formats()) {
     if (!extension.empty() && extension == format.extension) return format.format;
   }
-  return misused(fmt::format("{}: its name does not say which format it is to have; --to does", options.output.string()));
+  return misused(fmt::format("{}: its name does not say which format it is to have, as {} do; --to does",
+                             options.output.string(), extensions()));
 }
 
 Expected<ExitCode> tell(Call& call, const std::vector<std::string>& lost) {
@@ -169,11 +174,9 @@ void declare(Subcommand& command) {
   const auto options = std::make_shared<ConvertOptions>();
   command.argument("IN", options->input, "A log, a store, or a folder or archive of local maps, known by its content");
   command.argument("OUT", options->output, "The file, or for maps-mat and maps-text the folder, to write");
-  command.option("--to", words(),
-                 "Its format [by its extension: .g2o, .graph (TORO), .isam, .gtsam, .txt (ODOM and OBS), .mat, .tum, .kitti, "
-                 ".maps (a store)]",
+  command.option("--to", words(), "Its format [by its extension: " + extensions() + "]",
                  [options](const std::string& word) -> std::optional<std::string> {
-                   for (const Format& format : kFormats) {
+                   for (const Format& format : formats()) {
                      if (word == format.word) options->format = format.format;
                    }
                    return options->format ? std::nullopt : std::optional(fmt::format("not one of {}", words()));

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <apps/covariance_file.hpp>
-#include <mapjoin/io/output_file.hpp>
-#include <mapjoin/io/text_line.hpp>
+#include <mapjoin/io/files/output_file.hpp>
+#include <mapjoin/io/files/text_line.hpp>
 #include <nlohmann/json.hpp>
 #include <string>
 #include <vector>

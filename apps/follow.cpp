@@ -3,7 +3,7 @@
 #include <apps/step_report.hpp>
 #include <chrono>
 #include <ctime>
-#include <mapjoin/io/growing_g2o.hpp>
+#include <mapjoin/io/g2o/growing_g2o.hpp>
 #include <mapjoin/join/incremental/incremental_join.hpp>
 #include <mapjoin/join/incremental/part_maker.hpp>
 #include <thread>

@@ -4,8 +4,8 @@
 
 #include <apps/options.hpp>
 #include <filesystem>
-#include <mapjoin/io/read_options.hpp>
 #include <mapjoin/model/error.hpp>
+#include <mapjoin/model/log.hpp>
 #include <optional>
 #include <stop_token>
 #include <string>

@@ -7,7 +7,7 @@
 #include <apps/commands.hpp>
 #include <apps/console.hpp>
 #include <apps/summary.hpp>
-#include <mapjoin/io/map_text.hpp>
+#include <mapjoin/io/formats/map_text.hpp>
 #include <mapjoin/measure/chi2.hpp>
 #include <memory>
 #include <variant>

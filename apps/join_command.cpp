@@ -4,6 +4,7 @@
 #include <apps/call.hpp>
 #include <apps/commands.hpp>
 #include <apps/distinct.hpp>
+#include <apps/map_file.hpp>
 #include <memory>
 #include <utility>
 #include <variant>
@@ -56,6 +57,7 @@ void declare(Subcommand& command) {
   add_weights(command, *options);
   add_certainty(command, *options);
   add_reporting(command, *options);
+  command.check([options] { return check_extension(options->output); });
   command.check([options] { return check_distinct(files_of_map(*options, "MAPS")); });
   command.act([options](const std::stop_token& stop) { return join_maps(*options, stop); });
 }

@@ -3,7 +3,7 @@
 
 #include <algorithm>
 #include <apps/options.hpp>
-#include <mapjoin/io/open_maps.hpp>
+#include <mapjoin/io/open.hpp>
 #include <optional>
 #include <vector>
 
@@ -57,8 +57,10 @@ void add_weights(Subcommand& command, Options& options) {
   command.choice<Covariance>("--covariance", options.covariance,
                              {{"original", Covariance::kOriginal}, {"identity", Covariance::kIdentity}},
                              "Weights as given, or every information matrix replaced by the identity");
-  command.flag("--repair-information", options.read.repair_information,
-               "Take the nearest semidefinite matrix for an indefinite information matrix, and count them");
+  command.flag(
+      "--repair-information", options.read.repair_information,
+      "Take the symmetric part of an asymmetric information matrix or covariance and the nearest semidefinite one of an "
+      "indefinite one, and count them");
 }
 
 void add_reading(Subcommand& command, Options& options) {

@@ -4,8 +4,8 @@
 
 #include <apps/subcommand.hpp>
 #include <filesystem>
-#include <mapjoin/io/read_options.hpp>
 #include <mapjoin/join/run.hpp>
+#include <mapjoin/model/log.hpp>
 #include <string>
 
 namespace mapjoin::apps {
@@ -32,7 +32,7 @@ inline const std::string kLogFormats =
     "The log, known by its content: g2o, TORO, iSAM, GTSAM, MAT or text, also as gzip; or a folder of UTIAS MRCLAM data";
 
 /// What a command that writes one MAP says of it (see write_map_file()).
-inline const std::string kMapFile = "Write the map: .tum (poses only), .csv (features beside it), else g2o";
+inline const std::string kMapFile = "Write the map: .g2o, .tum (poses only), .csv (features beside it)";
 
 /// How many threads the call works on.
 std::size_t thread_count(const Options& options);

@@ -2,8 +2,7 @@
 #include <unistd.h>
 
 #include <apps/output_folder.hpp>
-#include <mapjoin/io/lone_file.hpp>
-#include <mapjoin/io/system_call.hpp>
+#include <mapjoin/io/files/system_call.hpp>
 #include <system_error>
 #include <utility>
 

@@ -17,7 +17,7 @@
 #include <apps/plot/viewer_page.hpp>
 #include <apps/progress.hpp>
 #include <apps/truth_file.hpp>
-#include <mapjoin/io/output_file.hpp>
+#include <mapjoin/io/files/output_file.hpp>
 #include <memory>
 #include <optional>
 #include <utility>

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <apps/deviations.hpp>
 #include <apps/relation_file.hpp>
-#include <mapjoin/io/output_file.hpp>
-#include <mapjoin/io/text_line.hpp>
+#include <mapjoin/io/files/output_file.hpp>
+#include <mapjoin/io/files/text_line.hpp>
 
 namespace mapjoin::apps {
 namespace {

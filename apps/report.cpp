@@ -2,7 +2,7 @@
 #include <apps/blas.hpp>
 #include <apps/report.hpp>
 #include <apps/words.hpp>
-#include <mapjoin/io/output_file.hpp>
+#include <mapjoin/io/files/output_file.hpp>
 #include <mapjoin/version.hpp>
 #include <nlohmann/json.hpp>
 
@@ -34,7 +34,9 @@ Json input_of(const Account& account) {
           {"fixed_poses", counts.fixed_poses},
           {"stamps", account.has_stamps},
           {"repeated_edges", counts.repeated_edges},
-          {"repaired_informations", account.conventions.repaired_informations},
+          {"symmetrised_matrices", account.conventions.repairs.symmetrised},
+          {"largest_asymmetry", account.conventions.repairs.largest_asymmetry},
+          {"repaired_informations", account.conventions.repairs.indefinite},
           {"unassociated", counts.unassociated}};
 }
 

@@ -12,9 +12,9 @@
 #include <apps/relation_file.hpp>
 #include <apps/report.hpp>
 #include <functional>
-#include <mapjoin/io/g2o.hpp>
-#include <mapjoin/io/map_text.hpp>
-#include <mapjoin/io/output_file.hpp>
+#include <mapjoin/io/files/output_file.hpp>
+#include <mapjoin/io/formats/map_text.hpp>
+#include <mapjoin/io/g2o/g2o.hpp>
 #include <mapjoin/parallel/parallel_try.hpp>
 #include <memory>
 #include <optional>
@@ -121,6 +121,7 @@ void declare(Subcommand& command) {
   add_certainty(command, *options);
   add_following(command, *following);
   add_reporting(command, *options);
+  command.check([options] { return check_extension(options->output); });
   command.check([options, following] {
     NamedFiles files = names_map_file(options->output) ? files_of_map(*options, "LOG")
                                                        : files_of_folder(*options, "LOG", names_of(*options, true));

@@ -7,7 +7,7 @@
 #include <apps/console.hpp>
 #include <apps/distinct.hpp>
 #include <apps/map_file.hpp>
-#include <mapjoin/io/g2o.hpp>
+#include <mapjoin/io/g2o/g2o.hpp>
 #include <mapjoin/simulate/manhattan.hpp>
 #include <memory>
 

@@ -4,6 +4,7 @@
 #include <apps/call.hpp>
 #include <apps/commands.hpp>
 #include <apps/distinct.hpp>
+#include <apps/map_file.hpp>
 #include <memory>
 #include <variant>
 
@@ -41,6 +42,7 @@ void declare(Subcommand& command) {
   add_reading(command, *options);
   add_certainty(command, *options);
   add_reporting(command, *options);
+  command.check([options] { return check_extension(options->output); });
   command.check([options] { return check_distinct(files_of_map(*options, "LOG")); });
   command.act([options](const std::stop_token& stop) { return solve_input(*options, stop); });
 }

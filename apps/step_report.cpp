@@ -6,7 +6,7 @@
 #include <apps/step_report.hpp>
 #include <cerrno>
 #include <cstdio>
-#include <mapjoin/io/system_call.hpp>
+#include <mapjoin/io/files/system_call.hpp>
 #include <nlohmann/json.hpp>
 #include <utility>
 

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <apps/console.hpp>
 #include <apps/study_output.hpp>
-#include <mapjoin/io/output_file.hpp>
+#include <mapjoin/io/files/output_file.hpp>
 #include <utility>
 
 namespace mapjoin::apps {

@@ -137,10 +137,17 @@ std::string conventions_in_words(const Conventions& conventions, int dimension) 
 
 std::vector<std::string> remarks(const Account& account) {
   std::vector<std::string> all;
-  if (account.conventions.repaired_informations > 0) {
-    all.push_back(fmt::format("{} replaced by the nearest semidefinite one",
-                              count_of(account.conventions.repaired_informations, "indefinite information matrix was",
-                                       "indefinite information matrices were")));
+  const MatrixRepairs& repairs = account.conventions.repairs;
+  if (repairs.symmetrised > 0) {
+    all.push_back(fmt::format(
+        "{} replaced by the symmetric part: entries across the diagonal differ by up to {:.2g} of the largest",
+        count_of(repairs.symmetrised, "information matrix or covariance was", "information matrices or covariances were"),
+        repairs.largest_asymmetry));
+  }
+  if (repairs.indefinite > 0) {
+    all.push_back(
+        fmt::format("{} replaced by the nearest semidefinite one",
+                    count_of(repairs.indefinite, "indefinite information matrix was", "indefinite information matrices were")));
   }
   if (account.counts.repeated_edges > 0) {
     all.push_back(fmt::format("{} between the same two poses; all of them count",
@@ -150,6 +157,7 @@ std::vector<std::string> remarks(const Account& account) {
     all.push_back(fmt::format("{} left out: the file does not say of which feature",
                               count_of(account.counts.unassociated, "observation was", "observations were")));
   }
+  if (account.was_damaged) all.emplace_back("what an interrupted build had left was damaged: the build began afresh");
   const auto is_trajectory = [](const std::string& file) { return file.ends_with(".tum"); };
   if (!account.has_stamps && std::any_of(account.files.begin(), account.files.end(), is_trajectory)) {
     all.push_back("the poses have no time stamps: the trajectory counts them instead");

@@ -1,10 +1,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <fmt/format.h>
 
+#include <apps/map_file.hpp>
 #include <apps/truth_file.hpp>
 #include <cmath>
 #include <map>
-#include <mapjoin/io/open_log.hpp>
+#include <mapjoin/io/open.hpp>
 #include <utility>
 
 namespace mapjoin::apps {
@@ -77,7 +78,7 @@ Truth<Dim> by_count(const std::vector<StampedPose>& trajectory, const GlobalMap<
 }  // namespace
 
 Expected<TruthFile> TruthFile::open(const std::filesystem::path& path) {
-  if (path.extension() == ".tum") {
+  if (extension_of(path) == ".tum") {
     return read_tum(path).map([&](auto&& trajectory) { return TruthFile(path.string(), Content(std::move(trajectory))); });
   }
   auto log = open_log(path);

@@ -3,11 +3,11 @@
 // The truth that a map is measured against, as a file gives it.
 
 #include <filesystem>
-#include <mapjoin/io/read_options.hpp>
-#include <mapjoin/io/tum_reader.hpp>
+#include <mapjoin/io/formats/trajectory.hpp>
 #include <mapjoin/join/consistency.hpp>
 #include <mapjoin/model/error.hpp>
 #include <mapjoin/model/global_map.hpp>
+#include <mapjoin/model/log.hpp>
 #include <string>
 #include <variant>
 #include <vector>

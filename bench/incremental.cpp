@@ -10,7 +10,7 @@
 #include <ctime>
 #include <filesystem>
 #include <limits>
-#include <mapjoin/io/open_log.hpp>
+#include <mapjoin/io/open.hpp>
 #include <mapjoin/join/incremental/incremental_join.hpp>
 #include <mapjoin/localmap/build.hpp>
 #include <numeric>

@@ -10,7 +10,7 @@
 #include <cstdio>
 #include <filesystem>
 #include <limits>
-#include <mapjoin/io/output_file.hpp>
+#include <mapjoin/io/files/output_file.hpp>
 #include <mapjoin/join/run.hpp>
 #include <mapjoin/parallel/parallel.hpp>
 #include <mapjoin/simulate/manhattan.hpp>

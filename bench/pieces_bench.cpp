@@ -5,9 +5,9 @@
 
 #include <chrono>
 #include <cstdlib>
-#include <mapjoin/io/g2o.hpp>
-#include <mapjoin/io/local_map_set.hpp>
-#include <mapjoin/io/open_log.hpp>
+#include <mapjoin/io/g2o/g2o.hpp>
+#include <mapjoin/io/local_maps/local_map_set.hpp>
+#include <mapjoin/io/open.hpp>
 #include <mapjoin/join/join_problem.hpp>
 #include <mapjoin/join/polish_problem.hpp>
 #include <mapjoin/join/run.hpp>

@@ -4,8 +4,8 @@
 
 #include <CLI/CLI.hpp>
 #include <filesystem>
-#include <mapjoin/io/local_map_set.hpp>
-#include <mapjoin/io/open_log.hpp>
+#include <mapjoin/io/local_maps/local_map_set.hpp>
+#include <mapjoin/io/open.hpp>
 #include <mapjoin/measure/chi2.hpp>
 #include <tests/support/ceres_reference.hpp>
 

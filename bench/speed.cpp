@@ -8,8 +8,8 @@
 #include <cstdlib>
 #include <filesystem>
 #include <limits>
-#include <mapjoin/io/open_maps.hpp>
-#include <mapjoin/io/output_file.hpp>
+#include <mapjoin/io/files/output_file.hpp>
+#include <mapjoin/io/open.hpp>
 #include <mapjoin/model/error.hpp>
 #include <string>
 #include <vector>

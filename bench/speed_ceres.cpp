@@ -10,7 +10,7 @@
 #include <array>
 #include <filesystem>
 #include <map>
-#include <mapjoin/io/open_log.hpp>
+#include <mapjoin/io/open.hpp>
 #include <mapjoin/measure/chi2.hpp>
 #include <mapjoin/model/linearise.hpp>
 #include <nlohmann/json.hpp>

@@ -7,8 +7,7 @@
 #include <CLI/CLI.hpp>
 #include <array>
 #include <filesystem>
-#include <mapjoin/io/open_log.hpp>
-#include <mapjoin/io/open_maps.hpp>
+#include <mapjoin/io/open.hpp>
 #include <mapjoin/join/join_problem.hpp>
 #include <mapjoin/join/network.hpp>
 #include <mapjoin/join/start.hpp>

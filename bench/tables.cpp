@@ -7,8 +7,8 @@
 #include <algorithm>
 #include <cstdio>
 #include <filesystem>
-#include <mapjoin/io/local_map_set.hpp>
-#include <mapjoin/io/open_log.hpp>
+#include <mapjoin/io/local_maps/local_map_set.hpp>
+#include <mapjoin/io/open.hpp>
 #include <mapjoin/join/run.hpp>
 #include <string>
 #include <variant>

@@ -7,7 +7,7 @@
 #include <mapjoin/join/whole.hpp>
 #include <mapjoin/join/world.hpp>
 #include <mapjoin/measure/chi_squared.hpp>
-#include <mapjoin/model/information_rank.hpp>
+#include <mapjoin/model/information.hpp>
 #include <mapjoin/parallel/parallel.hpp>
 #include <optional>
 #include <utility>

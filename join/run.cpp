@@ -192,7 +192,7 @@ Expected<void> check_set(const MapSet<Dim>& set, const RunOptions& options) {
   demand_valid(options);
   if (options.start == Start::kFile)
     return bad_input(set.source + ": local maps hold no values of the whole map to start from");
-  return check_connected(set);
+  return check_numbers(set).and_then([&] { return check_connected(set); });
 }
 
 /// Joins the maps of a set, which need not hold them any more.

@@ -4,7 +4,7 @@
 #include <apps/covariance_file.hpp>
 #include <apps/plot/beside_map.hpp>
 #include <map>
-#include <mapjoin/io/file_bytes.hpp>
+#include <mapjoin/io/files/file_bytes.hpp>
 #include <nlohmann/json.hpp>
 #include <string>
 

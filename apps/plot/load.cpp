@@ -2,8 +2,7 @@
 #include <apps/plot/beside_map.hpp>
 #include <apps/plot/join_stops.hpp>
 #include <apps/plot/load.hpp>
-#include <mapjoin/io/open_log.hpp>
-#include <mapjoin/io/open_maps.hpp>
+#include <mapjoin/io/open.hpp>
 #include <mapjoin/localmap/split.hpp>
 
 namespace mapjoin::apps {

@@ -6,9 +6,9 @@
 #include <apps/plot/plotted_map.hpp>
 #include <filesystem>
 #include <functional>
-#include <mapjoin/io/read_options.hpp>
 #include <mapjoin/join/run.hpp>
 #include <mapjoin/model/error.hpp>
+#include <mapjoin/model/log.hpp>
 #include <stop_token>
 #include <string>
 #include <vector>

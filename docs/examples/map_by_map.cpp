@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // map_by_map LOG: local maps joined one by one, the estimate at its optimum after each.
 #include <iostream>
-#include <mapjoin/io/open_log.hpp>
+#include <mapjoin/io/open.hpp>
 #include <mapjoin/join/incremental/incremental_join.hpp>
 #include <mapjoin/localmap/build.hpp>
 #include <variant>

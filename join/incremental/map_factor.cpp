@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <Eigen/LU>
 #include <mapjoin/join/incremental/map_factor.hpp>
-#include <mapjoin/model/information_rank.hpp>
+#include <mapjoin/model/information.hpp>
 #include <mapjoin/model/map_residual.hpp>
 #include <utility>
 

@@ -56,7 +56,7 @@ bool PartMaker<Dim>::add(const Log<Dim>& news) {
 
 template <int Dim>
 Expected<typename PartMaker<Dim>::Window> PartMaker<Dim>::window(bool is_end) const {
-  LogBuilder<Dim> builder("");
+  LogBuilder<Dim> builder("", {}, Numbers::kChecked);
   for (const Edge& e : edges_) builder.add_pose_edge(e.base, e.target, e.observation.measured, e.observation.information);
   for (const Sight& s : sights_) builder.add_observation(s.pose, s.feature, s.observation.measured, s.observation.information);
   auto log = std::move(builder).finish();

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <mapjoin/join/spanning_tree.hpp>
 #include <mapjoin/join/study/convexity_quadratic.hpp>
-#include <mapjoin/model/information_rank.hpp>
+#include <mapjoin/model/information.hpp>
 #include <mapjoin/model/linearise.hpp>
 #include <mapjoin/model/marginal_information.hpp>
 #include <mapjoin/solve/marginals.hpp>

@@ -10,7 +10,7 @@
 #include <mapjoin/measure/chi2.hpp>
 #include <mapjoin/measure/chi_squared.hpp>
 #include <mapjoin/measure/median.hpp>
-#include <mapjoin/model/information_rank.hpp>
+#include <mapjoin/model/information.hpp>
 #include <utility>
 
 namespace mapjoin {

@@ -3,9 +3,9 @@
 
 #include <Eigen/QR>
 #include <algorithm>
-#include <mapjoin/check/repeats.hpp>
+#include <mapjoin/check/checks.hpp>
 #include <mapjoin/measure/chi_squared.hpp>
-#include <mapjoin/model/information_rank.hpp>
+#include <mapjoin/model/information.hpp>
 #include <tuple>
 #include <type_traits>
 #include <utility>

@@ -3,7 +3,7 @@
 
 #include <algorithm>
 #include <map>
-#include <mapjoin/check/structure.hpp>
+#include <mapjoin/check/checks.hpp>
 #include <mapjoin/graph/components.hpp>
 #include <mapjoin/graph/weak_links.hpp>
 #include <utility>

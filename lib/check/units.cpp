@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <mapjoin/check/units.hpp>
+#include <mapjoin/check/checks.hpp>
 #include <mapjoin/measure/median.hpp>
 #include <numbers>
 

@@ -6,6 +6,7 @@
 // right, t ← t + δ_t, R ← R Exp(δ_φ). In 2D this is the paper's (x, y, φ). A Jacobian is written only where its pointer is
 // given.
 
+#include <cmath>
 #include <mapjoin/geometry/rotation.hpp>
 
 namespace mapjoin {
@@ -27,6 +28,22 @@ using PointMatrix = Matrix<Dim>;
 /// ∂point/∂pose.
 template <int Dim>
 using PointPoseMatrix = Matrix<Dim, kPoseDof<Dim>>;
+
+/// Whether the numbers of a value make sense: all finite, a quaternion of unit length.
+template <int Dim>
+bool is_valid(const Point<Dim>& point) {
+  return point.allFinite();
+}
+inline bool is_valid(const Rotation<2>& rotation) {
+  return std::isfinite(rotation.angle());
+}
+inline bool is_valid(const Rotation<3>& rotation) {
+  return std::abs(rotation.quaternion().norm() - 1.0) < 1e-9;
+}
+template <int Dim>
+bool is_valid(const Pose<Dim>& pose) {
+  return pose.translation.allFinite() && is_valid(pose.rotation);
+}
 
 /// The pose moved by the step `delta`.
 template <int Dim>

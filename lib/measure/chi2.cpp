@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <mapjoin/measure/chi2.hpp>
-#include <mapjoin/model/information_rank.hpp>
+#include <mapjoin/model/information.hpp>
 #include <mapjoin/parallel/parallel.hpp>
 #include <stdexcept>
 

@@ -2,6 +2,7 @@
 #pragma once
 // How the numbers of a file were taken, so that every chi2 can be reported with its meaning.
 
+#include <algorithm>
 #include <cstdint>
 
 namespace mapjoin {
@@ -24,11 +25,32 @@ enum class Covariance : std::uint8_t {
   kIdentity,  ///< Every information matrix replaced by the identity (paper's Table I).
 };
 
+/// Information matrices and covariances that were not taken as the input gives them.
+struct MatrixRepairs {
+  std::int64_t symmetrised = 0;    ///< Replaced by their symmetric part, where that is more than round-off.
+  double largest_asymmetry = 0.0;  ///< Of those, relative to the largest entry of the matrix.
+  std::int64_t indefinite = 0;     ///< Replaced by the nearest semidefinite, or for a covariance definite, matrix.
+
+  MatrixRepairs& operator+=(const MatrixRepairs& other) {
+    symmetrised += other.symmetrised;
+    largest_asymmetry = std::max(largest_asymmetry, other.largest_asymmetry);
+    indefinite += other.indefinite;
+    return *this;
+  }
+};
+
 struct Conventions {
   PoseError pose_error = PoseError::kPaper;
   RotationInformation rotation_information = RotationInformation::kVector;
   Covariance covariance = Covariance::kOriginal;
-  std::int64_t repaired_informations = 0;  ///< Indefinite matrices replaced by their nearest semidefinite one.
+  MatrixRepairs repairs = {};
+};
+
+/// How the reader of a file is to take its numbers.
+struct ReadOptions {
+  PoseError pose_error = PoseError::kPaper;                                 ///< g2o files only.
+  RotationInformation rotation_information = RotationInformation::kVector;  ///< 3D g2o files only.
+  bool repair_information = false;  ///< Indefinite matrices become their nearest semidefinite one, and are counted.
 };
 
 }  // namespace mapjoin

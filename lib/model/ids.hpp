@@ -2,9 +2,12 @@
 #pragma once
 // The user's names of poses and features, and the dense indices that stand for them inside.
 
+#include <algorithm>
 #include <compare>
 #include <cstdint>
+#include <optional>
 #include <string>
+#include <vector>
 
 namespace mapjoin {
 
@@ -27,9 +30,24 @@ struct FeatureId {
   auto operator<=>(const FeatureId&) const = default;
 };
 
+/// The index of `id` among the ascending names of a Log, MapSet or GlobalMap; nothing where it is not there. Constant time
+/// where keys are consecutive, else logarithmic.
+template <typename Id>
+std::optional<Index> find_index(const std::vector<Id>& names, const Id& id) {
+  const std::uint64_t guess = names.empty() ? 0 : id.key - names.front().key;
+  if (guess < names.size() && names[guess] == id) return static_cast<Index>(guess);
+  const auto found = std::lower_bound(names.begin(), names.end(), id);
+  if (found == names.end() || *found != id) return std::nullopt;
+  return static_cast<Index>(found - names.begin());
+}
+
 /// "pose 17", or "pose 17 of session 2" where the session is not 0.
-std::string to_string(const PoseId& id);
+inline std::string to_string(const PoseId& id) {
+  return "pose " + std::to_string(id.key) + (id.session == 0 ? "" : " of session " + std::to_string(id.session));
+}
 /// "feature 17".
-std::string to_string(const FeatureId& id);
+inline std::string to_string(const FeatureId& id) {
+  return "feature " + std::to_string(id.key);
+}
 
 }  // namespace mapjoin

@@ -6,8 +6,10 @@
 #include <algorithm>
 #include <cstddef>
 #include <mapjoin/model/conventions.hpp>
+#include <mapjoin/model/error.hpp>
 #include <mapjoin/model/log.hpp>
 #include <mapjoin/model/observation.hpp>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -55,6 +57,16 @@ struct MapSet {
   std::vector<Stretch> stretches;
   Conventions conventions;
 };
+
+/// What is wrong with the numbers of a map, "has … that …"; nothing where its estimates are finite, as many as its targets, and
+/// its information matrix is of their size and passes InformationCheck.
+template <int Dim>
+std::optional<std::string> fault(const LocalMap<Dim>& map);
+
+/// Bad input, named by its poses, unless every map and observation of a set made in memory is over poses and features of the
+/// set and has sound numbers.
+template <int Dim>
+Expected<void> check_numbers(const MapSet<Dim>& set);
 
 /// Every information matrix replaced by the identity, in place, those of the maps among them; the conventions say so.
 template <int Dim>

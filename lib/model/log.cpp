@@ -1,7 +1,84 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include <algorithm>
+#include <iterator>
 #include <mapjoin/model/log.hpp>
+#include <numeric>
+#include <utility>
 
 namespace mapjoin {
+namespace {
+
+/// `items` in the stable order of `key(item)`, a number in [0, keys). O(items + keys).
+template <typename T, typename Key>
+std::vector<T> sorted_by(Key key, std::size_t keys, std::vector<T> items) {
+  const auto less = [&](const T& a, const T& b) { return key(a) < key(b); };
+  if (std::is_sorted(items.begin(), items.end(), less)) return items;
+  std::vector<std::size_t> next(keys + 1);  // Where the next item of each key goes.
+  for (const T& item : items) ++next[static_cast<std::size_t>(key(item)) + 1];
+  std::partial_sum(next.begin(), next.end(), next.begin());
+  std::vector<T> sorted(items.size());
+  for (const T& item : items) sorted[next[static_cast<std::size_t>(key(item))]++] = item;
+  return sorted;
+}
+
+/// An edge between successive poses of one of the user's sessions.
+template <int Dim>
+bool is_odometry(const PoseObservation<Dim>& edge, const std::vector<PoseId>& poses) {
+  const Index first = std::min(edge.base, edge.target);
+  const Index second = std::max(edge.base, edge.target);
+  return second == first + 1 &&
+         poses[static_cast<std::size_t>(first)].session == poses[static_cast<std::size_t>(second)].session;
+}
+
+template <int Dim>
+Index later_pose(const PoseObservation<Dim>& edge) {
+  return std::max(edge.base, edge.target);
+}
+
+/// The number of edges beyond the first between the same two poses, whatever their direction.
+template <int Dim>
+std::int64_t count_repeated(const std::vector<PoseObservation<Dim>>& edges) {
+  std::vector<std::pair<Index, Index>> ends;
+  ends.reserve(edges.size());
+  for (const auto& edge : edges) ends.emplace_back(std::minmax(edge.base, edge.target));
+  std::sort(ends.begin(), ends.end());
+  return ends.end() - std::unique(ends.begin(), ends.end());
+}
+
+/// Parts log.odometry, which holds all edges, into odometry and closures.
+template <int Dim>
+void part_edges(Log<Dim>& log) {
+  auto& edges = log.odometry;
+  log.repeated_edges = count_repeated(edges);
+  const auto is_closure = [&](const auto& edge) { return !is_odometry(edge, log.poses); };
+  log.closures.reserve(static_cast<std::size_t>(std::count_if(edges.begin(), edges.end(), is_closure)));
+  std::copy_if(edges.begin(), edges.end(), std::back_inserter(log.closures), is_closure);
+  std::erase_if(edges, is_closure);
+  edges = sorted_by(later_pose<Dim>, log.poses.size(), std::move(edges));
+}
+
+/// Poses that odometry ties to their predecessor belong to its session, every other one starts a session.
+template <int Dim>
+std::vector<Session> sessions_of(const Log<Dim>& log) {
+  std::vector<Session> sessions{{0, 1}};
+  auto edge = log.odometry.begin();
+  for (Index pose = 1; pose < static_cast<Index>(log.poses.size()); ++pose) {
+    while (edge != log.odometry.end() && later_pose(*edge) < pose) ++edge;
+    const bool tied = edge != log.odometry.end() && later_pose(*edge) == pose;
+    if (!tied) sessions.push_back({pose, pose});
+    sessions.back().end = pose + 1;
+  }
+  return sessions;
+}
+
+}  // namespace
+
+template <int Dim>
+void put_in_order(Log<Dim>& log) {
+  part_edges(log);
+  log.observations = sorted_by([](const auto& o) { return o.base; }, log.poses.size(), std::move(log.observations));
+  log.sessions = sessions_of(log);
+}
 
 template <int Dim>
 void use_identity_covariance(Log<Dim>& log) {
@@ -14,6 +91,8 @@ void use_identity_covariance(Log<Dim>& log) {
   log.conventions.covariance = Covariance::kIdentity;
 }
 
+template void put_in_order(Log<2>&);
+template void put_in_order(Log<3>&);
 template void use_identity_covariance(Log<2>&);
 template void use_identity_covariance(Log<3>&);
 

@@ -7,6 +7,7 @@
 #include <mapjoin/model/ids.hpp>
 #include <mapjoin/model/observation.hpp>
 #include <string>
+#include <variant>
 #include <vector>
 
 namespace mapjoin {
@@ -50,6 +51,14 @@ struct Log {
   std::int64_t unassociated = 0;    ///< Observations left out since the file does not say of which feature they are.
   Conventions conventions;
 };
+
+/// The log of a file, which decides on the dimension.
+using AnyLog = std::variant<Log<2>, Log<3>>;
+
+/// Makes what is said of Log's members true of a log whose poses are in order, whose odometry holds all pose-pose edges and
+/// whose observations come in any order: parts and sorts them stably, counts repeated edges, finds the sessions. O(n log n).
+template <int Dim>
+void put_in_order(Log<Dim>& log);
 
 /// Every information matrix replaced by the identity, in place; the conventions say so (paper's Table I).
 template <int Dim>

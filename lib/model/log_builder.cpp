@@ -3,40 +3,45 @@
 
 #include <algorithm>
 #include <limits>
+#include <mapjoin/model/information.hpp>
 #include <mapjoin/model/log_builder.hpp>
-#include <mapjoin/model/log_order.hpp>
 #include <mapjoin/parallel/parallel.hpp>
 
 namespace mapjoin {
 namespace {
 
-template <typename Id>
-Index index_of(const std::vector<Id>& names, const Id& id) {
-  return static_cast<Index>(position_of(names, id));
+/// What is wrong with the numbers of an observation, to follow its name.
+template <typename Observation>
+std::optional<std::string> fault(Observation& observation, InformationCheck& check) {
+  if (!is_valid(observation.measured)) return "has a measurement that is not finite, or no rotation";
+  const auto fault = check.fault(observation.information);
+  return fault ? std::optional("has an information matrix that " + *fault) : std::nullopt;
 }
 
-/// What was said of each id, by its index.
-template <typename Value>
-struct Column {
-  std::vector<Value> values;
-  std::vector<bool> given;
-  std::size_t count = 0;
-};
+std::string name_of(const std::pair<PoseId, PoseId>& edge) {
+  return fmt::format("the edge from {} to {}", to_string(edge.first), to_string(edge.second));
+}
+std::string name_of(const std::pair<PoseId, FeatureId>& observation) {
+  return fmt::format("the observation of {} from {}", to_string(observation.second), to_string(observation.first));
+}
+template <typename Id>
+std::string name_of(const Id& id) {
+  return "the prior of " + to_string(id);
+}
 
-template <typename Value, typename Id, typename Said>
-Expected<Column<Value>> column_of(const std::vector<Said>& said, const std::vector<Id>& names, const char* what) {
-  Column<Value> column;
-  if (said.empty()) return column;
-  column.values.resize(names.size());
-  column.given.resize(names.size());
-  for (const Said& item : said) {
-    const std::size_t i = position_of(names, item.id);
-    if (column.given[i]) return bad_input(fmt::format("{} has two {}", to_string(item.id), what));
-    column.values[i] = item.value;
-    column.given[i] = true;
+/// The observations are of what stands at their place in `ends`.
+template <typename Observation, typename Ends>
+Expected<void> check_all(std::vector<Observation>& observations, const std::vector<Ends>& ends, InformationCheck& check) {
+  for (std::size_t i = 0; i < observations.size(); ++i) {
+    if (const auto wrong = fault(observations[i], check)) return bad_input(fmt::format("{} {}", name_of(ends[i]), *wrong));
   }
-  column.count = said.size();
-  return column;
+  return {};
+}
+
+/// The index of an id that is there.
+template <typename Id>
+Index index_of(const std::vector<Id>& names, const Id& id) {
+  return *find_index(names, id);
 }
 
 template <int Dim>
@@ -61,7 +66,26 @@ Expected<std::vector<FixedPose<Dim>>> sorted_once(std::vector<FixedPose<Dim>> fi
 }  // namespace
 
 template <int Dim>
-LogBuilder<Dim>::LogBuilder(std::string source, Conventions conventions) {
+template <typename Value, typename Id>
+Expected<typename LogBuilder<Dim>::template Column<Value>> LogBuilder<Dim>::column_of(const std::vector<Said<Id, Value>>& said,
+                                                                                      const std::vector<Id>& names,
+                                                                                      const char* what) {
+  Column<Value> column;
+  if (said.empty()) return column;
+  column.values.resize(names.size());
+  column.given.resize(names.size());
+  for (const auto& item : said) {
+    const auto i = static_cast<std::size_t>(index_of(names, item.id));
+    if (column.given[i]) return bad_input(fmt::format("{} has two {}", to_string(item.id), what));
+    column.values[i] = item.value;
+    column.given[i] = true;
+  }
+  column.count = said.size();
+  return column;
+}
+
+template <int Dim>
+LogBuilder<Dim>::LogBuilder(std::string source, Conventions conventions, Numbers numbers) : numbers_(numbers) {
   log_.source = std::move(source);
   log_.conventions = conventions;
 }
@@ -134,6 +158,7 @@ Expected<Log<Dim>> LogBuilder<Dim>::finish() && {
   log_.features = features_.take();
   return check_names()
       .and_then([&] { return check_edges(); })
+      .and_then([&] { return check_numbers(); })
       .map([&] { resolve_ends(); })
       .and_then([&] { return resolve_values(); })
       .map([&] { return std::move(log_); })
@@ -159,6 +184,35 @@ Expected<void> LogBuilder<Dim>::check_edges() const {
 }
 
 template <int Dim>
+Expected<void> LogBuilder<Dim>::check_numbers() {
+  if (numbers_ == Numbers::kChecked) return {};
+  InformationCheck check;
+  return check_all(log_.odometry, edge_ends_, check)
+      .and_then([&] { return check_all(log_.observations, observation_ends_, check); })
+      .and_then([&] { return check_all(log_.pose_priors, pose_prior_ends_, check); })
+      .and_then([&] { return check_all(log_.feature_priors, feature_prior_ends_, check); })
+      .and_then([&] { return check_values(); })
+      .map([&] { log_.conventions.repairs += check.repairs(); });
+}
+
+template <int Dim>
+Expected<void> LogBuilder<Dim>::check_values() const {
+  const auto wrong = [](const auto& id) {
+    return bad_input(to_string(id) + " has a value that is not finite, or no rotation");
+  };
+  for (const auto& [id, value] : initial_poses_) {
+    if (!is_valid(value)) return wrong(id);
+  }
+  for (const auto& [id, value] : initial_features_) {
+    if (!is_valid(value)) return wrong(id);
+  }
+  for (const auto& [id, value] : fixed_) {
+    if (value && !is_valid(*value)) return wrong(id);
+  }
+  return {};
+}
+
+template <int Dim>
 void LogBuilder<Dim>::resolve_ends() {
   const auto resolve = [](const auto& ends, const auto& bases, const auto& targets, auto& observations) {
     parallel_chunks(ends.size(), kObservationsPerPiece, [&](std::size_t begin, std::size_t end) {
@@ -181,17 +235,17 @@ void LogBuilder<Dim>::resolve_ends() {
 
 template <int Dim>
 Expected<void> LogBuilder<Dim>::resolve_values() {
-  auto poses = column_of<Pose<Dim>>(initial_poses_, log_.poses, "initial values");
+  auto poses = column_of(initial_poses_, log_.poses, "initial values");
   if (!poses) return tl::unexpected(poses.error());
-  auto features = column_of<Point<Dim>>(initial_features_, log_.features, "initial values");
+  auto features = column_of(initial_features_, log_.features, "initial values");
   if (!features) return tl::unexpected(features.error());
-  auto stamps = column_of<std::int64_t>(stamps_, log_.poses, "time stamps");
+  auto stamps = column_of(stamps_, log_.poses, "time stamps");
   if (!stamps) return tl::unexpected(stamps.error());
   if (stamps->count > 0 && stamps->count < log_.poses.size()) {
     return bad_input(fmt::format("only {} of {} poses have a time stamp", stamps->count, log_.poses.size()));
   }
 
-  auto fixed = resolve_fixed(poses->values);
+  auto fixed = resolve_fixed(*poses);
   if (!fixed) return tl::unexpected(fixed.error());
 
   log_.fixed = *std::move(fixed);
@@ -202,15 +256,24 @@ Expected<void> LogBuilder<Dim>::resolve_values() {
 }
 
 template <int Dim>
-Expected<std::vector<FixedPose<Dim>>> LogBuilder<Dim>::resolve_fixed(const std::vector<Pose<Dim>>& initial_poses) const {
+Expected<std::vector<FixedPose<Dim>>> LogBuilder<Dim>::resolve_fixed(const Column<Pose<Dim>>& initial_poses) const {
   std::vector<FixedPose<Dim>> fixed;
+  std::optional<Index> at_origin;  // For want of a value.
   for (const auto& [id, value] : fixed_) {
-    if (!contains(log_.poses, id)) {
+    const auto pose = find_index(log_.poses, id);
+    if (!pose) {
       return bad_input(fmt::format("{} is fixed, but the log has no such pose (features cannot be fixed)", to_string(id)));
     }
-    const std::size_t i = position_of(log_.poses, id);
-    const Pose<Dim> otherwise = initial_poses.empty() ? Pose<Dim>{} : initial_poses[i];
-    fixed.push_back({static_cast<Index>(i), value.value_or(otherwise)});
+    const auto i = static_cast<std::size_t>(*pose);
+    const bool has_initial = initial_poses.count > 0 && initial_poses.given[i];
+    if (!value && !has_initial && at_origin.value_or(*pose) != *pose) {
+      return bad_input(
+          fmt::format("{} is fixed beside {}, but nothing says where: give it a value (in a g2o file, its vertex) or "
+                      "fix one of the two only",
+                      to_string(id), to_string(log_.poses[static_cast<std::size_t>(*at_origin)])));
+    }
+    if (!value && !has_initial) at_origin = *pose;
+    fixed.push_back({*pose, value.value_or(has_initial ? initial_poses.values[i] : Pose<Dim>{})});
   }
   return sorted_once(std::move(fixed), log_.poses);
 }

@@ -14,13 +14,17 @@
 
 namespace mapjoin {
 
-/// Poses and features are named by the user's ids and come into being when first mentioned. Every information matrix must be
-/// finite, symmetric and positive semidefinite (see InformationCheck in io/information.hpp): readers check, for they know the
-/// line.
+/// Who checks the numbers of a log.
+enum class Numbers : std::uint8_t {
+  kUnchecked,  ///< LogBuilder::finish().
+  kChecked,    ///< A reader has, line by line.
+};
+
+/// Poses and features are named by the user's ids and come into being when first mentioned.
 template <int Dim>
 class LogBuilder {
  public:
-  explicit LogBuilder(std::string source, Conventions conventions = {});
+  explicit LogBuilder(std::string source, Conventions conventions = {}, Numbers numbers = Numbers::kUnchecked);
 
   /// Makes room for so many pose-pose edges and observations, where a reader knows beforehand.
   void reserve(std::size_t pose_edges, std::size_t observations);
@@ -34,13 +38,14 @@ class LogBuilder {
   void add_observation(PoseId pose, FeatureId feature, const Point<Dim>& measured, const PointMatrix<Dim>& information);
   void add_pose_prior(PoseId pose, const Pose<Dim>& measured, const PoseMatrix<Dim>& information);
   void add_feature_prior(FeatureId feature, const Point<Dim>& measured, const PointMatrix<Dim>& information);
-  /// The World holds the pose, which must be mentioned elsewhere, at `value` or, where none is given, at its initial value,
-  /// else at the origin.
+  /// The World holds the pose, which must be mentioned elsewhere, at `value` or, where none is given, at its initial value; one
+  /// pose without either is held at the origin.
   void fix(PoseId id, const std::optional<Pose<Dim>>& value = std::nullopt);
 
   /// The log, with the promises of Log kept. Bad input are: an edge from a pose to itself, a pose or feature with two initial
   /// values, a pose with two stamps, stamps on some poses only, a pose that is fixed at two places or that nothing but its
-  /// fixing mentions, and a log without poses. O(n log n).
+  /// fixing mentions, a second fixed pose without a value, a log without poses; a number that is not finite, a quaternion that
+  /// is not of unit length, and an information matrix that InformationCheck refuses. O(n log n).
   Expected<Log<Dim>> finish() &&;
 
  private:
@@ -50,13 +55,26 @@ class LogBuilder {
     Id id;
     Value value;
   };
+  /// What was said of each id, by its index.
+  template <typename Value>
+  struct Column {
+    std::vector<Value> values;
+    std::vector<bool> given;
+    std::size_t count = 0;
+  };
+  template <typename Value, typename Id>
+  static Expected<Column<Value>> column_of(const std::vector<Said<Id, Value>>& said, const std::vector<Id>& names,
+                                           const char* what);
 
   Expected<void> check_names() const;
   Expected<void> check_edges() const;
+  Expected<void> check_numbers();
+  Expected<void> check_values() const;
   void resolve_ends();
   Expected<void> resolve_values();
-  Expected<std::vector<FixedPose<Dim>>> resolve_fixed(const std::vector<Pose<Dim>>& initial_poses) const;
+  Expected<std::vector<FixedPose<Dim>>> resolve_fixed(const Column<Pose<Dim>>& initial_poses) const;
 
+  Numbers numbers_;
   Log<Dim> log_;  ///< Observations wait here in the order of the file; their ends are not yet indices.
   NameTable<PoseId> poses_;
   NameTable<FeatureId> features_;

@@ -4,8 +4,8 @@
 
 #include <algorithm>
 #include <filesystem>
-#include <mapjoin/io/open_log.hpp>
-#include <mapjoin/io/store.hpp>
+#include <mapjoin/io/open.hpp>
+#include <mapjoin/io/store/store.hpp>
 #include <tests/apps/command.hpp>
 
 namespace mapjoin::testing {
@@ -119,6 +119,29 @@ TEST(Repair, TakesTheNearestSemidefiniteMatrixAndCountsIt) {
   const auto log = folder.file("log.g2o", kSmallLog + "EDGE_SE2 1 2 1 0 0 2 0 0 2 0 -1\n");
   ASSERT_EQ(call({"run", log.string()}).exit_code, 3);
   EXPECT_EQ(report_of({"run", log.string(), "--repair-information"}).at("repaired_informations"), 1);
+}
+
+TEST(Repair, SaysHowAsymmetricWhatItTookWas) {
+  const TemporaryFolder folder;
+  const auto map = [&](const std::string& above) {
+    folder.file("localmap_1.txt", "0\n3\n-1 1\n-1 0.5\n-1 0.1\n4 " + above + " 0\n1 3 0\n0 0 2\n");
+  };
+  map("1.0000004");
+  const Ended taken = call({"join", folder.path().string()});
+  EXPECT_EQ(taken.exit_code, 0) << taken.err;
+  EXPECT_THAT(taken.out, HasSubstr("1 information matrix or covariance was replaced by the symmetric part: entries across the "
+                                   "diagonal differ by up to 1e-07 of the largest"));
+  map("1.1");
+  const Ended refused = call({"join", folder.path().string()});
+  EXPECT_EQ(refused.exit_code, 3);
+  EXPECT_THAT(refused.err, HasSubstr("the information matrix of map 1 is not symmetric"));
+  EXPECT_THAT(refused.err, HasSubstr("--repair-information takes its symmetric part"));
+  EXPECT_EQ(report_of({"join", folder.path().string(), "--repair-information"}).at("symmetrised_matrices"), 1);
+}
+
+TEST_F(BadInput, ASecondFixedPoseNeedsAValue) {
+  const auto log = folder.file("log.g2o", "FIX 0\nFIX 2\nEDGE_SE2 0 1 1 0 0 1 0 0 1 0 1\nEDGE_SE2 1 2 1 0 0 1 0 0 1 0 1\n");
+  expect_failure(call({"run", log.string()}), 3, "pose 2 is fixed beside pose 0, but nothing says where");
 }
 
 TEST(Usage, EveryViolationIsNamed) {

@@ -134,6 +134,23 @@ TEST_F(Follow, ALineThatIsWrongEndsItAndWhatIsThereIsKept) {
   EXPECT_TRUE(fs::is_regular_file(path("map.tum")));
 }
 
+TEST_F(Follow, ALogThatIsReplacedEndsItAndWhatWasThereIsKept) {
+  std::ofstream(path("log.g2o")) << [&] {
+    std::string begin;
+    for (std::size_t l = 0; l < 2000; ++l) begin += log[l];
+    return begin;
+  }();
+  Process process(
+      command_line({"run", path("log.g2o"), "--follow", "--idle", "600", "--steps", path("steps"), "-o", path("map")}));
+  await_steps(1);
+  std::ofstream(path("new.g2o")) << log[0] << log[1];
+  fs::rename(path("new.g2o"), path("log.g2o"));
+  EXPECT_EQ(process.wait(), 3);
+  EXPECT_THAT(process.standard_error(), HasSubstr("log.g2o: the file was replaced, renamed or removed while it was followed"));
+  EXPECT_THAT(process.standard_error(), HasSubstr("; the map of what stands before it is written"));
+  EXPECT_TRUE(fs::exists(path("map/map.g2o")));
+}
+
 TEST_F(Follow, AClosureToAnEliminatedPoseMakesTheMapsAnew) {
   std::ofstream growing(path("log.g2o"));
   for (std::size_t l = 0; l < 2000; ++l) growing << log[l];

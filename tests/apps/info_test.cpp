@@ -2,8 +2,8 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include <mapjoin/io/open_log.hpp>
-#include <mapjoin/io/store.hpp>
+#include <mapjoin/io/open.hpp>
+#include <mapjoin/io/store/store.hpp>
 #include <tests/apps/command.hpp>
 
 namespace mapjoin::testing {

@@ -9,7 +9,7 @@
 #include <algorithm>
 #include <chrono>
 #include <fstream>
-#include <mapjoin/io/store.hpp>
+#include <mapjoin/io/store/store.hpp>
 #include <tests/apps/command.hpp>
 #include <thread>
 
@@ -52,15 +52,33 @@ TEST_F(Output, IsTheSameBytesForAnyNumberOfThreads) {
 TEST_F(Output, TheFormatGoesByTheName) {
   for (const std::string command : {"solve", "run"}) {
     ASSERT_TRUE(fs::create_directory(path(command)));
-    for (const std::string name : {"map.g2o", "map.tum", "map.csv"}) {
+    for (const std::string name : {"map.g2o", "map.tum", "map.csv", "CAPITALS.G2O"}) {
       const Ended ended = call({command, kLog, "-o", path(command + "/" + name)});
       EXPECT_EQ(ended.exit_code, 0) << ended.err;
     }
-    EXPECT_EQ(names_in(path(command)), (std::vector<std::string>{"map.csv", "map.features.csv", "map.g2o", "map.tum"}));
+    EXPECT_EQ(names_in(path(command)),
+              (std::vector<std::string>{"CAPITALS.G2O", "map.csv", "map.features.csv", "map.g2o", "map.tum"}));
+    EXPECT_EQ(content_of(path(command + "/CAPITALS.G2O")), content_of(path(command + "/map.g2o")));
     EXPECT_THAT(content_of(path(command + "/map.g2o")), HasSubstr("VERTEX_SE2 "));
     EXPECT_THAT(content_of(path(command + "/map.tum")), StartsWith("# index x y z qx qy qz qw"));
     EXPECT_THAT(content_of(path(command + "/map.csv")), StartsWith("pose,x,y,phi\n"));
     EXPECT_THAT(content_of(path(command + "/map.features.csv")), StartsWith("feature,x,y\n"));
+  }
+}
+
+TEST_F(Output, AnExtensionThatNoMapHasIsRefused) {
+  for (const std::string command : {"run", "solve", "join"}) {
+    for (const std::string name : {"out.mat", "x.txt", "y.xyz", "results.v2"}) {
+      const Ended ended = call({command, kLog, "-o", path(name)});
+      EXPECT_EQ(ended.exit_code, 2) << command << name;
+      EXPECT_THAT(ended.err, HasSubstr(name + " has none of the extensions of a map, .g2o, .tum and .csv"));
+      EXPECT_FALSE(fs::exists(path(name)));
+    }
+  }
+  ASSERT_TRUE(fs::create_directory(path("results.v2")));
+  for (const std::string name : {"results.v2", "results.v3/"}) {
+    EXPECT_EQ(call({"run", kLog, "-o", path(name)}).exit_code, 0) << name;
+    EXPECT_TRUE(fs::exists(path(name) + "/map.g2o")) << name;
   }
 }
 
@@ -133,6 +151,14 @@ TEST_F(Output, ABuildThatGoesOnDoesNotKnowOfTheIterationsBefore) {
     for (std::size_t k = 0; k < 300; ++k) ASSERT_TRUE(writer->add(k, stored.maps.at(k)));
   }
   EXPECT_TRUE(report_of(build).at("local_maps").at("iterations").is_null());
+}
+
+TEST_F(Output, ABuildSaysThatWhatWasLeftOfAnotherIsDamaged) {
+  folder.file("maps.partial", std::string(50'000, 'x'));
+  const Ended ended = call({"build", kLog, "-o", path("maps"), "--poses-per-map", "50"});
+  EXPECT_EQ(ended.exit_code, 0) << ended.err;
+  EXPECT_THAT(ended.out, HasSubstr("what an interrupted build had left was damaged: the build began afresh"));
+  EXPECT_TRUE(read_store(path("maps")));
 }
 
 TEST_F(Output, ABuildKeepsTheLocalMapsOfOthersAsTheyAre) {

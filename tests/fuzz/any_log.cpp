@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include <mapjoin/io/open_log.hpp>
+#include <mapjoin/io/open.hpp>
 #include <tests/fuzz/choices.hpp>
 #include <tests/fuzz/promises.hpp>
 #include <tests/fuzz/targets.hpp>

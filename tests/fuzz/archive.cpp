@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <algorithm>
-#include <mapjoin/io/archive.hpp>
-#include <mapjoin/io/local_map_set.hpp>
+#include <mapjoin/io/files/archive.hpp>
+#include <mapjoin/io/local_maps/local_map_set.hpp>
 #include <tests/fuzz/promises.hpp>
 #include <tests/fuzz/targets.hpp>
 #include <tests/support/temporary_folder.hpp>

@@ -4,7 +4,7 @@
 
 #include <algorithm>
 #include <cstddef>
-#include <mapjoin/io/read_options.hpp>
+#include <mapjoin/model/log.hpp>
 #include <string_view>
 
 namespace mapjoin::fuzz {

@@ -1,18 +1,15 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include <mapjoin/io/covariance_text.hpp>
+#include <mapjoin/io/formats/covariance_text.hpp>
 #include <tests/fuzz/promises.hpp>
 #include <tests/fuzz/targets.hpp>
 
 namespace mapjoin::fuzz {
 
-/// Both formats.
+/// Of either format.
 void covariance_text(std::string_view bytes) {
-  const TextScanner text("log.txt", bytes);
-  for (const auto read : {read_odom_obs, read_map_circles}) {
-    const auto log = read(text, {});
-    check(log, "log.txt");
-    if (log) check_round_trip(*log, LogFormat::kOdomObs);
-  }
+  const auto log = read_covariance_text(TextScanner("log.txt", bytes), {});
+  check(log, "log.txt");
+  if (log) check_round_trip(*log, LogFormat::kOdomObs);
 }
 
 }  // namespace mapjoin::fuzz

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include <mapjoin/io/gtsam_text.hpp>
-#include <mapjoin/io/isam.hpp>
-#include <mapjoin/io/toro.hpp>
+#include <mapjoin/io/formats/gtsam_text.hpp>
+#include <mapjoin/io/formats/isam.hpp>
+#include <mapjoin/io/formats/toro.hpp>
 #include <tests/fuzz/choices.hpp>
 #include <tests/fuzz/promises.hpp>
 #include <tests/fuzz/targets.hpp>

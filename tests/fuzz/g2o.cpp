@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include <mapjoin/io/g2o.hpp>
-#include <mapjoin/io/g2o_part.hpp>
+#include <mapjoin/io/g2o/g2o.hpp>
 #include <tests/fuzz/choices.hpp>
 #include <tests/fuzz/promises.hpp>
 #include <tests/fuzz/targets.hpp>

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <algorithm>
 #include <fstream>
-#include <mapjoin/io/g2o.hpp>
-#include <mapjoin/io/growing_g2o.hpp>
+#include <mapjoin/io/g2o/g2o.hpp>
+#include <mapjoin/io/g2o/growing_g2o.hpp>
 #include <tests/fuzz/choices.hpp>
 #include <tests/fuzz/promises.hpp>
 #include <tests/fuzz/targets.hpp>

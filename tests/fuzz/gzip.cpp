@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include <mapjoin/io/file_bytes.hpp>
+#include <mapjoin/io/files/file_bytes.hpp>
 #include <tests/fuzz/promises.hpp>
 #include <tests/fuzz/targets.hpp>
 #include <tests/support/temporary_folder.hpp>

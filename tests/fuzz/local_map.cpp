@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include <mapjoin/io/local_map_file.hpp>
+#include <mapjoin/io/local_maps/local_map_file.hpp>
 #include <tests/fuzz/folder.hpp>
 #include <tests/fuzz/local_map.hpp>
 #include <tests/fuzz/promises.hpp>

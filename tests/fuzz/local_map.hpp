@@ -2,8 +2,7 @@
 #pragma once
 // What the targets of local maps share.
 
-#include <mapjoin/io/local_map_set.hpp>
-#include <mapjoin/io/local_map_writer.hpp>
+#include <mapjoin/io/local_maps/local_map_set.hpp>
 #include <string_view>
 
 namespace mapjoin::fuzz {

@@ -2,10 +2,10 @@
 #pragma once
 // What every reader promises of any bytes, beyond not to crash.
 
-#include <mapjoin/io/local_map_set.hpp>
-#include <mapjoin/io/log_format.hpp>
-#include <mapjoin/io/read_options.hpp>
+#include <mapjoin/io/formats/log_format.hpp>
+#include <mapjoin/io/local_maps/local_map_set.hpp>
 #include <mapjoin/model/error.hpp>
+#include <mapjoin/model/log.hpp>
 #include <string>
 #include <string_view>
 

@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include <mapjoin/io/store.hpp>
-#include <mapjoin/io/store_check.hpp>
+#include <mapjoin/io/store/store.hpp>
 #include <tests/fuzz/promises.hpp>
 #include <tests/fuzz/targets.hpp>
 #include <tests/support/temporary_folder.hpp>

@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include <mapjoin/io/trajectory.hpp>
-#include <mapjoin/io/tum_reader.hpp>
+#include <mapjoin/io/formats/trajectory.hpp>
 #include <tests/fuzz/promises.hpp>
 #include <tests/fuzz/targets.hpp>
 #include <tests/support/temporary_folder.hpp>

@@ -2,8 +2,8 @@
 // The public data sets, joined and polished: what is known of their optima must come out.
 #include <gtest/gtest.h>
 
-#include <mapjoin/io/local_map_set.hpp>
-#include <mapjoin/io/open_log.hpp>
+#include <mapjoin/io/local_maps/local_map_set.hpp>
+#include <mapjoin/io/open.hpp>
 #include <mapjoin/join/run.hpp>
 #include <mapjoin/join/study/comparison.hpp>
 #include <tests/support/ceres_reference.hpp>

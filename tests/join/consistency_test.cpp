@@ -2,11 +2,11 @@
 #include <gtest/gtest.h>
 
 #include <Eigen/Cholesky>
-#include <mapjoin/io/local_map_set.hpp>
-#include <mapjoin/io/mat_file.hpp>
+#include <mapjoin/io/files/mat_file.hpp>
+#include <mapjoin/io/local_maps/local_map_set.hpp>
 #include <mapjoin/join/consistency.hpp>
 #include <mapjoin/join/run.hpp>
-#include <mapjoin/model/name_table.hpp>
+#include <mapjoin/model/ids.hpp>
 #include <tests/support/data.hpp>
 #include <tests/support/dimensions.hpp>
 #include <tests/support/file_bytes.hpp>
@@ -130,7 +130,8 @@ Truth<2> truth_of_simulation(const MapSet<2>& set) {
   truth.features.resize(set.features.size());
   for (Eigen::Index b = 0; b < beacons.rows(); ++b) {
     const FeatureId id{static_cast<std::uint64_t>(beacons(b, 0))};
-    if (contains(set.features, id)) truth.features[position_of(set.features, id)] = beacons.block<1, 2>(b, 1).transpose();
+    if (const auto f = find_index(set.features, id))
+      truth.features[static_cast<std::size_t>(*f)] = beacons.block<1, 2>(b, 1).transpose();
   }
   return truth;
 }

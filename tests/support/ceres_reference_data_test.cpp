@@ -2,8 +2,8 @@
 // The published optima, found by readers and reference optimiser alone: what the library's own optimum is compared with.
 #include <gtest/gtest.h>
 
-#include <mapjoin/io/local_map_set.hpp>
-#include <mapjoin/io/open_log.hpp>
+#include <mapjoin/io/local_maps/local_map_set.hpp>
+#include <mapjoin/io/open.hpp>
 #include <mapjoin/measure/chi2.hpp>
 #include <tests/support/ceres_reference.hpp>
 #include <tests/support/data.hpp>

@@ -4,7 +4,7 @@
 
 #include <gtest/gtest.h>
 
-#include <mapjoin/io/store.hpp>
+#include <mapjoin/io/store/store.hpp>
 #include <tests/support/random.hpp>
 
 namespace mapjoin::testing {
@@ -61,9 +61,8 @@ StoredMaps<Dim> random_stored_maps(Random& random, Index maps, Index features = 
   log.pose_priors = {random_pose_observation<Dim>(random, kWorld, 1)};
   log.feature_priors = {random_feature_observation<Dim>(random, kWorld, 2)};
   log.fixed = {{0, random.pose<Dim>()}};
-  log.repeated_edges = 3;
   log.unassociated = 4;
-  log.conventions = {PoseError::kG2o, RotationInformation::kQuaternion, Covariance::kIdentity, 5};
+  log.conventions = {PoseError::kG2o, RotationInformation::kQuaternion, Covariance::kIdentity, {3, 1.25e-7, 5}};
   for (Index k = 0; k < maps; ++k) {
     stored.stretches.push_back({2 * k, 2 * k + 2, true});
     stored.maps.push_back(random_map<Dim>(random, stored.stretches.back(), features));
@@ -134,7 +133,9 @@ void expect_same(const StoredMaps<Dim>& a, const StoredMaps<Dim>& b) {
   EXPECT_EQ(a.log.conventions.pose_error, b.log.conventions.pose_error);
   EXPECT_EQ(a.log.conventions.rotation_information, b.log.conventions.rotation_information);
   EXPECT_EQ(a.log.conventions.covariance, b.log.conventions.covariance);
-  EXPECT_EQ(a.log.conventions.repaired_informations, b.log.conventions.repaired_informations);
+  EXPECT_EQ(a.log.conventions.repairs.indefinite, b.log.conventions.repairs.indefinite);
+  EXPECT_EQ(a.log.conventions.repairs.symmetrised, b.log.conventions.repairs.symmetrised);
+  EXPECT_EQ(a.log.conventions.repairs.largest_asymmetry, b.log.conventions.repairs.largest_asymmetry);
   EXPECT_EQ(a.stretches, b.stretches);
   EXPECT_TRUE(same(a.maps, b.maps));
   EXPECT_EQ(a.options, b.options);

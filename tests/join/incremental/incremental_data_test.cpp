@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <gtest/gtest.h>
 
-#include <mapjoin/io/open_log.hpp>
+#include <mapjoin/io/open.hpp>
 #include <tests/support/batch_join.hpp>
 #include <tests/support/data.hpp>
 #include <tests/support/places.hpp>

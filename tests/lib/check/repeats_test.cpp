@@ -2,7 +2,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include <mapjoin/check/repeats.hpp>
+#include <mapjoin/check/checks.hpp>
 #include <mapjoin/model/log_builder.hpp>
 #include <tests/support/dimensions.hpp>
 #include <tests/support/random.hpp>

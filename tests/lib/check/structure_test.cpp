@@ -2,7 +2,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include <mapjoin/check/structure.hpp>
+#include <mapjoin/check/checks.hpp>
 #include <mapjoin/model/log_builder.hpp>
 #include <tests/support/dimensions.hpp>
 #include <tests/support/small_world.hpp>

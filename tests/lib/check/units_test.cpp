@@ -3,7 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
-#include <mapjoin/check/units.hpp>
+#include <mapjoin/check/checks.hpp>
 #include <numbers>
 #include <tests/support/small_world.hpp>
 

@@ -2,8 +2,8 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include <mapjoin/io/open_maps.hpp>
-#include <tests/lib/io/store_fixture.hpp>
+#include <mapjoin/io/open.hpp>
+#include <tests/lib/io/store/store_fixture.hpp>
 #include <tests/support/file_bytes.hpp>
 #include <tests/support/stored_maps.hpp>
 #include <tests/support/temporary_folder.hpp>

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <limits>
 #include <mapjoin/model/log_builder.hpp>
 #include <tests/support/dimensions.hpp>
 #include <tests/support/random.hpp>
@@ -202,6 +203,80 @@ TYPED_TEST(LogBuilderTest, IdentityCovarianceReplacesEveryInformationMatrix) {
   EXPECT_TRUE(log->pose_priors.at(0).information.isIdentity(0.0));
   EXPECT_TRUE(log->feature_priors.at(0).information.isIdentity(0.0));
   EXPECT_EQ(log->conventions.covariance, Covariance::kIdentity);
+}
+
+TYPED_TEST(LogBuilderTest, RefusesNumbersThatNoReaderWouldTake) {
+  constexpr int kDim = TestFixture::kDim;
+  constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
+  const auto message = [](const auto& say) {
+    LogBuilder<kDim> builder("some.log");
+    builder.add_pose_edge({0, 0}, {0, 1}, Pose<kDim>{}, PoseMatrix<kDim>::Identity());
+    builder.add_observation({0, 0}, {7}, Point<kDim>::Zero(), PointMatrix<kDim>::Identity());
+    say(builder);
+    const auto log = std::move(builder).finish();
+    return log ? "" : log.error().message;
+  };
+  const Pose<kDim> nowhere{Point<kDim>::Constant(kNan), {}};
+  PoseMatrix<kDim> W = PoseMatrix<kDim>::Identity();
+  EXPECT_EQ(message([&](auto& b) { b.add_pose_edge({0, 1}, {0, 2}, Pose<kDim>{}, W); }), "");
+  EXPECT_THAT(message([&](auto& b) {
+                b.add_pose_edge({0, 1}, {0, 2}, nowhere, W);
+              }),
+              HasSubstr("some.log: the edge from pose 1 to pose 2 has a measurement that is not finite"));
+  EXPECT_THAT(message([&](auto& b) {
+                b.add_pose_prior({0, 1}, nowhere, W);
+              }),
+              HasSubstr("the prior of pose 1 has a measurement"));
+  EXPECT_THAT(message([&](auto& b) { b.add_pose({0, 1}, nowhere); }), HasSubstr("pose 1 has a value that is not finite"));
+  EXPECT_THAT(message([&](auto& b) { b.add_feature({7}, nowhere.translation); }),
+              HasSubstr("feature 7 has a value that is not"));
+  EXPECT_THAT(message([&](auto& b) { b.fix({0, 1}, nowhere); }), HasSubstr("pose 1 has a value that is not finite"));
+  EXPECT_THAT(message([&](auto& b) {
+                b.add_observation({0, 1}, {7}, nowhere.translation, PointMatrix<kDim>::Identity());
+              }),
+              HasSubstr("the observation of feature 7 from pose 1 has a measurement that is not finite"));
+  W(0, 1) = 1e-3;
+  EXPECT_THAT(message([&](auto& b) {
+                b.add_pose_edge({0, 1}, {0, 2}, Pose<kDim>{}, W);
+              }),
+              HasSubstr("the edge from pose 1 to pose 2 has an information matrix that is not symmetric"));
+  W(0, 1) = kNan;
+  EXPECT_THAT(message([&](auto& b) { b.add_pose_edge({0, 1}, {0, 2}, Pose<kDim>{}, W); }), HasSubstr("is not finite"));
+  EXPECT_THAT(message([&](auto& b) { b.add_feature_prior({7}, Point<kDim>::Zero(), -PointMatrix<kDim>::Identity()); }),
+              HasSubstr("the prior of feature 7 has an information matrix that is indefinite"));
+}
+
+TYPED_TEST(LogBuilderTest, ASecondFixedPoseNeedsAValue) {
+  constexpr int kDim = TestFixture::kDim;
+  const auto message = [](const std::vector<std::pair<std::uint64_t, bool>>& fixed, bool has_vertex) {
+    LogBuilder<kDim> builder("some.log");
+    builder.add_pose_edge({0, 0}, {0, 1}, Pose<kDim>{}, PoseMatrix<kDim>::Identity());
+    if (has_vertex) builder.add_pose({0, 1}, Pose<kDim>{});
+    for (const auto& [key, has_value] : fixed) {
+      builder.fix({0, key}, has_value ? std::optional(Pose<kDim>{}) : std::nullopt);
+    }
+    const auto log = std::move(builder).finish();
+    return log ? "" : log.error().message;
+  };
+  EXPECT_EQ(message({{0, false}}, false), "");
+  EXPECT_EQ(message({{0, false}, {0, false}}, false), "") << "the same pose";
+  EXPECT_THAT(message({{0, false}, {1, false}}, false),
+              HasSubstr("some.log: pose 1 is fixed beside pose 0, but nothing says where: give it a value"));
+  EXPECT_EQ(message({{0, false}, {1, true}}, false), "");
+  EXPECT_EQ(message({{0, false}, {1, false}}, true), "");
+}
+
+TEST(FindIndex, FindsIdsByTheirPlaceAmongTheNames) {
+  const std::vector<PoseId> consecutive{{0, 5}, {0, 6}, {0, 7}};
+  const std::vector<PoseId> scattered{{0, 5}, {0, 9}, {1, 2}, {1, 9}};
+  EXPECT_EQ(find_index(consecutive, PoseId{0, 7}), 2);
+  EXPECT_EQ(find_index(scattered, PoseId{1, 9}), 3);
+  EXPECT_EQ(find_index(scattered, PoseId{0, 9}), 1);
+  for (const PoseId& absent : {PoseId{0, 4}, PoseId{0, 8}, PoseId{1, 5}, PoseId{2, 0}}) {
+    EXPECT_EQ(find_index(consecutive, absent), std::nullopt);
+    EXPECT_EQ(find_index(scattered, absent), std::nullopt);
+  }
+  EXPECT_EQ(find_index(std::vector<FeatureId>{}, FeatureId{0}), std::nullopt);
 }
 
 }  // namespace

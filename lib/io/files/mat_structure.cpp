@@ -1,0 +1,150 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <fmt/format.h>
+
+#include <cstdint>
+#include <cstring>
+#include <iterator>
+#include <mapjoin/io/files/file_bytes.hpp>
+#include <mapjoin/io/files/mat_file.hpp>
+#include <optional>
+#include <vector>
+
+namespace mapjoin {
+namespace {
+
+/// Of the version 5 format: the file's header; an element's tag, its type and size; types of elements; classes of matrices.
+constexpr std::size_t kHeaderSize = 128;
+constexpr std::size_t kTagSize = 8;
+constexpr std::uint32_t kInt32 = 5;
+constexpr std::uint32_t kUint32 = 6;
+constexpr std::uint32_t kMatrixElement = 14;
+constexpr std::uint32_t kCompressedElement = 15;
+constexpr std::uint32_t kSparseClass = 5;
+constexpr std::uint32_t kDoubleClass = 6;
+/// Matrices of characters or numbers; other classes, cells and structures among them, hold variables in their turn.
+constexpr std::uint32_t kFirstMatrixClass = 4;
+constexpr std::uint32_t kLastMatrixClass = 15;
+
+/// Version and byte order.
+constexpr std::string_view kVersion5("\0\1IM", 4);
+constexpr std::string_view kVersion73("\0\2IM", 4);  // HDF5 behind the header.
+constexpr std::string_view kBigEndian5("\1\0MI", 4);
+
+std::uint32_t word(std::string_view bytes, std::size_t at) {
+  std::uint32_t value = 0;
+  std::memcpy(&value, bytes.data() + at, sizeof value);
+  return value;
+}
+
+/// One part of a matrix element: its tag and its data, padded to eight bytes.
+struct Part {
+  std::uint32_t type = 0;
+  std::size_t begin = 0;  ///< Of the data, in the element.
+  std::size_t size = 0;   ///< Of the data, without padding.
+  std::size_t end = 0;
+};
+
+/// How many numbers a part has room for; nothing where its type is none of numbers.
+std::optional<std::size_t> numbers(const Part& part) {
+  // Bytes of a number of the types 1 to 13, int8 to uint64; 0 is no number.
+  constexpr std::size_t kWidths[] = {0, 1, 1, 2, 2, 4, 4, 4, 0, 8, 0, 0, 8, 8};
+  const std::size_t width = part.type < std::size(kWidths) ? kWidths[part.type] : 0;
+  return width == 0 ? std::nullopt : std::optional(part.size / width);
+}
+
+/// The parts of a matrix element: flags, dimensions, name, and data; empty where they do not fill it.
+std::optional<std::vector<Part>> parts(std::string_view element) {
+  std::vector<Part> all;
+  for (std::size_t at = kTagSize; at < element.size(); at = all.back().end) {
+    if (element.size() - at < kTagSize) return std::nullopt;
+    const std::uint32_t first = word(element, at);
+    // Up to four bytes of data are kept in the tag itself, with their size in its upper half.
+    const bool is_small = first >> 16 != 0;
+    const std::size_t size = is_small ? first >> 16 : word(element, at + 4);
+    const std::size_t begin = at + (is_small ? 4 : kTagSize);
+    const std::size_t end = is_small ? at + kTagSize : begin + (size + 7) / 8 * 8;
+    if (end > element.size() || begin + size > end) return std::nullopt;
+    all.push_back({is_small ? first & 0xffff : first, begin, size, end});
+  }
+  return all;
+}
+
+/// What a matrix element whose flags are in place holds.
+std::uint32_t class_of(std::string_view element) {
+  return word(element, 2 * kTagSize) & 0xff;
+}
+
+/// Whether the parts of a sparse matrix behind its name are the rows of its values, where its columns end, and the values.
+bool is_sparse(const std::vector<Part>& all, std::size_t cols) {
+  const auto are_indices = [](const Part& part) { return part.type == kInt32 || part.type == kUint32; };
+  if (all.size() < 6 || !are_indices(all[3]) || !are_indices(all[4])) return false;
+  const auto values = numbers(all[5]);
+  return numbers(all[4]) == cols + 1 && values && *values <= numbers(all[3]);
+}
+
+/// Whether a matrix element's parts fill it and a matrix of doubles has as many numbers as its dimensions say; matio reads on
+/// beyond them where they are too few.
+bool sizes_agree(std::string_view element) {
+  const auto all = parts(element);
+  if (!all || all->size() < 3) return false;
+  const Part& flags = (*all)[0];
+  const Part& dimensions = (*all)[1];
+  if (flags.type != kUint32 || flags.size != 8) return false;
+  // Behind dimensions of another kind matio looks for what follows in another place.
+  if (dimensions.type != kInt32 || dimensions.size < 8 || dimensions.size % 4 != 0) return false;
+  const std::uint32_t held = class_of(element);
+  const bool is_matrix = dimensions.size == 8;
+  if (!is_matrix || (held != kDoubleClass && held != kSparseClass)) return true;
+  const std::size_t rows = word(element, dimensions.begin);
+  const std::size_t cols = word(element, dimensions.begin + 4);
+  if (held == kSparseClass) return is_sparse(*all, cols);
+  const bool is_empty = rows * cols == 0 && all->size() == 3;
+  return is_empty || (all->size() > 3 && numbers((*all)[3]) == rows * cols);
+}
+
+/// What a MAT file's header says of its bytes, if anything.
+std::string_view version_of(std::string_view bytes) {
+  return bytes.size() < kHeaderSize ? std::string_view() : bytes.substr(124, 4);
+}
+
+}  // namespace
+
+bool is_mat_file(std::string_view bytes) {
+  const std::string_view version = version_of(bytes);
+  return version == kVersion5 || version == kVersion73 || version == kBigEndian5;
+}
+
+Expected<std::string> checked_and_inflated(std::string_view bytes, const std::string& file, std::size_t most) {
+  const auto damaged = [&] { return bad_input(fmt::format("{}: a MAT file that is damaged or cut short", file)); };
+  if (version_of(bytes) == kVersion73) return bad_input(fmt::format("{}: a MAT file of version 7.3: save it with -v7", file));
+  if (version_of(bytes) == kBigEndian5) return bad_input(fmt::format("{}: a MAT file of a big-endian machine", file));
+  if (version_of(bytes) != kVersion5) return bad_input(fmt::format("{}: not a MAT file of version 5, 6 or 7", file));
+  std::string plain(bytes.substr(0, kHeaderSize));
+  bytes.remove_prefix(kHeaderSize);
+  while (!bytes.empty()) {
+    if (bytes.size() < kTagSize || word(bytes, 4) > bytes.size() - kTagSize) return damaged();
+    const std::string_view element = bytes.substr(0, kTagSize + word(bytes, 4));
+    const std::size_t begin = plain.size();
+    if (word(element, 0) != kCompressedElement) {
+      plain += element;
+    } else {
+      std::string_view packed = element.substr(kTagSize);
+      const Inflated end = append_inflated(Wrapping::kZlib, packed, most, plain);
+      if (end != Inflated::kWhole && end != Inflated::kTooLarge) return damaged();
+    }
+    if (plain.size() > most) {
+      return tl::unexpected(Error{ErrorKind::kTooLarge, fmt::format("{}: unpacks to more than {} MB", file, most >> 20)});
+    }
+    const std::string_view inflated = std::string_view(plain).substr(begin);
+    if (inflated.size() < kTagSize || word(inflated, 0) != kMatrixElement || word(inflated, 4) != inflated.size() - kTagSize ||
+        !sizes_agree(inflated)) {
+      return damaged();
+    }
+    const std::uint32_t held = class_of(inflated);
+    if (held < kFirstMatrixClass || held > kLastMatrixClass) plain.resize(begin);
+    bytes.remove_prefix(element.size());
+  }
+  return plain;
+}
+
+}  // namespace mapjoin

@@ -1,0 +1,52 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <fcntl.h>
+#include <fmt/format.h>
+#include <sys/file.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include <cerrno>
+#include <mapjoin/io/files/system_call.hpp>
+#include <system_error>
+
+namespace mapjoin {
+
+tl::unexpected<Error> call_failed(const std::filesystem::path& path, int reason, ErrorKind kind) {
+  return tl::unexpected(Error{reason == EINTR ? ErrorKind::kInterrupted : kind,
+                              fmt::format("{}: {}", path.string(), std::generic_category().message(reason))});
+}
+
+int write_all(int descriptor, std::string_view bytes) {
+  while (!bytes.empty()) {
+    const ::ssize_t written = ::write(descriptor, bytes.data(), bytes.size());
+    if (written < 0) return errno;
+    bytes.remove_prefix(static_cast<std::size_t>(written));
+  }
+  return 0;
+}
+
+bool has_name(int descriptor, const std::filesystem::path& path) {
+  struct stat opened {};
+  struct stat named {};
+  return ::fstat(descriptor, &opened) == 0 && ::stat(path.c_str(), &named) == 0 && opened.st_dev == named.st_dev &&
+         opened.st_ino == named.st_ino;
+}
+
+Expected<int> open_alone(const std::filesystem::path& path, const std::filesystem::path& output) {
+  while (true) {
+    const int descriptor = ::open(path.c_str(), O_WRONLY | O_CLOEXEC | O_CREAT | O_NOFOLLOW, 0666);
+    if (descriptor < 0) return call_failed(output, errno, ErrorKind::kCannotWrite);
+    // Where a file system knows no locks, the last writer wins.
+    if (::flock(descriptor, LOCK_EX | LOCK_NB) != 0 && errno == EWOULDBLOCK) {
+      ::close(descriptor);
+      return tl::unexpected(Error{ErrorKind::kCannotWrite, fmt::format("{}: another process is writing it", output.string())});
+    }
+    const bool is_mine = has_name(descriptor, path);
+    if (is_mine && ::ftruncate(descriptor, 0) == 0) return descriptor;
+    const int reason = errno;
+    ::close(descriptor);
+    if (is_mine) return call_failed(output, reason, ErrorKind::kCannotWrite);
+  }
+}
+
+}  // namespace mapjoin

@@ -1,0 +1,26 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+// What the operating system says of a call that failed, and what it takes to write a file safely.
+
+#include <filesystem>
+#include <mapjoin/model/error.hpp>
+#include <string_view>
+
+namespace mapjoin {
+
+/// `path: ` and the errno `reason` in words; kInterrupted where it is EINTR, for a signal without SA_RESTART ends a call that
+/// waits, else `kind`.
+tl::unexpected<Error> call_failed(const std::filesystem::path& path, int reason, ErrorKind kind);
+
+/// Writes all bytes to a file descriptor. The errno of the first failure, or 0.
+int write_all(int descriptor, std::string_view bytes);
+
+/// A new descriptor for writing to `path`, which is made where it is not there, locked until the descriptor is closed, and
+/// emptied: it is what a process left that was killed. To be renamed or removed before it is closed. kCannotWrite, about
+/// `output`, where that cannot be, or where another process has the file.
+Expected<int> open_alone(const std::filesystem::path& path, const std::filesystem::path& output);
+
+/// Whether the descriptor's file still has the name: it may have been renamed, removed or replaced.
+bool has_name(int descriptor, const std::filesystem::path& path);
+
+}  // namespace mapjoin

@@ -1,0 +1,117 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+// A line of a text output: words apart by one separator, numbers with the fewest digits that read back as the same bits.
+
+#include <algorithm>
+#include <charconv>
+#include <concepts>
+#include <cstdint>
+#include <mapjoin/geometry/pose.hpp>
+#include <mapjoin/io/files/output_file.hpp>
+#include <mapjoin/parallel/parallel.hpp>
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace mapjoin {
+
+/// The first `count` coordinates of a step of a pose; those of a feature are the first Dim.
+template <int Dim>
+std::vector<std::string> step_names(std::size_t count = kPoseDof<Dim>) {
+  std::vector<std::string> names = {"x", "y", "phi"};
+  if constexpr (Dim == 3) names = {"x", "y", "z", "rx", "ry", "rz"};
+  names.resize(count);
+  return names;
+}
+
+class TextLine {
+ public:
+  explicit TextLine(char separator) : separator_(separator) {}
+
+  TextLine& add(std::string_view word) {
+    if (!line_.empty()) line_ += separator_;
+    line_ += word;
+    return *this;
+  }
+  /// An integer or a double, whatever the locale.
+  template <typename Number>
+  requires std::integral<Number> || std::floating_point<Number> TextLine& add(Number number) {
+    char digits[32];
+    const auto end = std::to_chars(digits, digits + sizeof digits, number).ptr;
+    return add(std::string_view(digits, static_cast<std::size_t>(end - digits)));
+  }
+  template <int Size>
+  TextLine& add(const Vector<Size>& v) {
+    for (int i = 0; i < Size; ++i) add(v[i]);
+    return *this;
+  }
+  /// `x y φ`, or `x y z qx qy qz qw`.
+  TextLine& add(const Pose<2>& pose) { return add<2>(pose.translation).add(pose.rotation.angle()); }
+  TextLine& add(const Pose<3>& pose) { return add<3>(pose.translation).add<4>(pose.rotation.quaternion().coeffs()); }
+  /// `cov_x_x`, `cov_x_y`, …: the columns of add_symmetric().
+  TextLine& add_covariance_names(const std::vector<std::string>& coordinates) {
+    for (std::size_t i = 0; i < coordinates.size(); ++i) {
+      for (std::size_t j = i; j < coordinates.size(); ++j) add("cov_" + coordinates[i] + '_' + coordinates[j]);
+    }
+    return *this;
+  }
+  /// The upper triangle, row by row.
+  template <int Size>
+  TextLine& add_symmetric(const Matrix<Size>& M) {
+    for (int i = 0; i < Size; ++i) {
+      for (int j = i; j < Size; ++j) add(M(i, j));
+    }
+    return *this;
+  }
+
+  /// Appends the line with its end to a text, and starts over with an empty one.
+  void append_to(std::string& text) {
+    text += line_;
+    text += '\n';
+    line_.clear();
+  }
+  /// Writes the line with its end and starts over with an empty one.
+  void write_to(OutputFile& file) {
+    line_ += '\n';
+    file.write(line_);
+    line_.clear();
+  }
+
+ private:
+  char separator_;
+  std::string line_;
+};
+
+/// The lines for k in [begin, end), `fill(line, k)` adding their words; filled on all threads, in pieces.
+template <typename Fill>
+std::vector<std::string> filled_lines(char separator, std::size_t begin, std::size_t end, Fill&& fill) {
+  constexpr std::size_t kLines = 500;  // a piece of work
+  std::vector<std::string> texts((end - begin + kLines - 1) / kLines);
+  parallel_chunks(end - begin, kLines, [&](std::size_t first, std::size_t last) {
+    TextLine line(separator);
+    for (std::size_t k = first; k < last; ++k) {
+      fill(line, begin + k);
+      line.append_to(texts[first / kLines]);
+    }
+  });
+  return texts;
+}
+
+/// Writes a line for every k in [0, count), in order: some are filled while those before them are written.
+template <typename Fill>
+void write_lines(OutputFile& file, char separator, std::size_t count, Fill&& fill) {
+  constexpr std::size_t kLinesAtOnce = 8000;
+  std::vector<std::string> filled;
+  for (std::size_t begin = 0; begin < count; begin += kLinesAtOnce) {
+    std::vector<std::string> next;
+    parallel_invoke(
+        [&] {
+          for (const std::string& text : filled) file.write(text);
+        },
+        [&] { next = filled_lines(separator, begin, std::min(count, begin + kLinesAtOnce), fill); });
+    filled = std::move(next);
+  }
+  for (const std::string& text : filled) file.write(text);
+}
+
+}  // namespace mapjoin

@@ -1,0 +1,284 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <mapjoin/io/files/mat_file.hpp>
+#include <mapjoin/io/formats/covariance_text.hpp>
+#include <mapjoin/io/formats/gtsam_text.hpp>
+#include <mapjoin/io/formats/isam.hpp>
+#include <mapjoin/io/formats/log_format.hpp>
+#include <mapjoin/io/formats/map_text.hpp>
+#include <mapjoin/io/formats/mat_log.hpp>
+#include <mapjoin/io/formats/toro.hpp>
+#include <mapjoin/io/formats/trajectory.hpp>
+#include <mapjoin/io/g2o/g2o.hpp>
+#include <mapjoin/io/g2o/numbering.hpp>
+#include <mapjoin/model/counted.hpp>
+
+namespace mapjoin {
+namespace {
+
+namespace fs = std::filesystem;
+
+enum class Weights : std::uint8_t { kExact, kAngles, kSquareRoot, kCovariance };
+
+/// What a format has a place for.
+struct Room {
+  bool edges = true;
+  bool observations = true;
+  bool pose_values = false;
+  bool feature_values = false;
+  bool fixed = false;
+  bool stamps = false;
+  bool names = true;
+  bool one_numbering = false;  ///< Of poses and features.
+  Weights weights = Weights::kExact;
+};
+
+/// All that the library knows of a format. A new one is a row of the table below.
+struct Format {
+  LogFormat format;
+  LogFormatName name;
+  bool (*is)(std::string_view bytes);  ///< Known by its content.
+  Expected<AnyLog> (*read)(std::string_view bytes, const std::string& file, const ReadOptions& options);
+  Expected<void> (*write_plane)(const Log<2>& log, const fs::path& path);
+  Expected<void> (*write_space)(const Log<3>& log, const fs::path& path);  ///< Null where the format is for the plane.
+  Room room;
+};
+
+/// Whether the first line of a text begins with a tag.
+template <bool (*is_tag)(std::string_view)>
+bool begins(std::string_view bytes) {
+  TextScanner text("", bytes);
+  return text.next_line() && is_tag(text.word());
+}
+/// Whether the first line of a text is a format's.
+template <bool (*is_line)(TextScanner)>
+bool begins(std::string_view bytes) {
+  return is_line(TextScanner("", bytes));
+}
+template <Expected<AnyLog> (*read)(TextScanner, const ReadOptions&)>
+Expected<AnyLog> read_text(std::string_view bytes, const std::string& file, const ReadOptions& options) {
+  return read(TextScanner(file, bytes), options);
+}
+
+/// iSAM's log, unless a later line has a tag that TORO's or GTSAM's files have beside its own.
+Expected<AnyLog> read_isam_like(TextScanner text, const ReadOptions& options) {
+  for (TextScanner ahead = text; ahead.next_line();) {
+    const std::string_view tag = ahead.word();
+    if (is_toro_vertex_tag(tag)) return read_toro(std::move(text), options);
+    if (is_gtsam_odometry_tag(tag)) return read_gtsam_text(std::move(text), options);
+  }
+  return read_isam(std::move(text), options);
+}
+
+/// g2o files with what they have no line for left out.
+template <int Dim>
+Expected<void> write_as_g2o(const Log<Dim>& log, const fs::path& path) {
+  if (log.pose_priors.empty() && log.feature_priors.empty()) return write_g2o(log, path);
+  Log<Dim> without = log;
+  without.pose_priors.clear();
+  without.feature_priors.clear();
+  return write_g2o(without, path);
+}
+
+template <int Dim>
+GlobalMap<Dim> values_of(const Log<Dim>& log) {
+  GlobalMap<Dim> map;
+  map.pose_ids = log.poses;
+  map.poses = log.initial_poses;
+  map.stamps_ns = log.stamps_ns;
+  return map;
+}
+template <int Dim>
+Expected<void> write_values_as_tum(const Log<Dim>& log, const fs::path& path) {
+  return write_tum(values_of(log), path);
+}
+template <int Dim>
+Expected<void> write_values_as_kitti(const Log<Dim>& log, const fs::path& path) {
+  return write_kitti(values_of(log), path);
+}
+
+/// In the order of LogFormat, in which they are recognised.
+constexpr std::array<Format, 8> kFormats{{
+    {LogFormat::kG2o,
+     {"g2o", ".g2o"},
+     begins<is_g2o_tag>,
+     read_text<read_g2o>,
+     write_as_g2o<2>,
+     write_as_g2o<3>,
+     {.pose_values = true, .feature_values = true, .fixed = true, .one_numbering = true}},
+    {LogFormat::kToro,
+     {"toro", ".graph"},
+     begins<is_toro_vertex_tag>,
+     read_text<read_toro>,
+     write_toro<2>,
+     write_toro<3>,
+     {.observations = false, .pose_values = true, .weights = Weights::kAngles}},
+    {LogFormat::kGtsam,
+     {"gtsam", ".gtsam"},
+     begins<is_gtsam_odometry_tag>,
+     read_text<read_gtsam_text>,
+     write_gtsam_text,
+     nullptr,
+     {.one_numbering = true, .weights = Weights::kCovariance}},
+    {LogFormat::kIsam,
+     {"isam", ".isam"},
+     begins<is_isam_tag>,
+     read_text<read_isam_like>,
+     write_isam<2>,
+     write_isam<3>,
+     {.weights = Weights::kSquareRoot}},
+    {LogFormat::kOdomObs,
+     {"odom-obs", ".txt"},
+     begins<is_covariance_text_tag>,
+     read_text<read_covariance_text>,
+     write_odom_obs,
+     nullptr,
+     {.weights = Weights::kCovariance}},
+    {LogFormat::kMat, {"mat", ".mat"}, is_mat_file, read_mat_log, write_mat_log, nullptr, {.weights = Weights::kCovariance}},
+    {LogFormat::kTum,
+     {"tum", ".tum"},
+     begins<is_tum_line>,
+     read_text<read_tum_log>,
+     write_values_as_tum<2>,
+     write_values_as_tum<3>,
+     {.edges = false, .observations = false, .pose_values = true, .stamps = true, .names = false}},
+    {LogFormat::kKitti,
+     {"kitti", ".kitti"},
+     begins<is_kitti_line>,
+     read_text<read_kitti_log>,
+     write_values_as_kitti<2>,
+     write_values_as_kitti<3>,
+     {.edges = false, .observations = false, .pose_values = true, .names = false}},
+}};
+static_assert(std::ranges::is_sorted(kFormats, {}, &Format::format));
+
+const Format& row_of(LogFormat format) {
+  return kFormats[static_cast<std::size_t>(format)];
+}
+
+/// How many poses and features no edge mentions.
+template <int Dim>
+std::size_t unmentioned(const Log<Dim>& log) {
+  std::vector<bool> pose(log.poses.size());
+  std::vector<bool> feature(log.features.size());
+  for (const auto* list : {&log.odometry, &log.closures}) {
+    for (const auto& edge : *list)
+      pose[static_cast<std::size_t>(edge.base)] = pose[static_cast<std::size_t>(edge.target)] = true;
+  }
+  for (const auto& o : log.observations) {
+    pose[static_cast<std::size_t>(o.base)] = feature[static_cast<std::size_t>(o.target)] = true;
+  }
+  return static_cast<std::size_t>(std::count(pose.begin(), pose.end(), false) +
+                                  std::count(feature.begin(), feature.end(), false));
+}
+
+template <int Dim>
+void tell_numbering(const Log<Dim>& log, const Room& room, std::vector<std::string>& lost) {
+  const auto numbering = number_for_g2o(log.poses, room.one_numbering ? log.features : std::vector<FeatureId>());
+  if (!numbering) return;  // The writer says why.
+  if (numbering->session_step > 0) {
+    lost.push_back(fmt::format("poses of session n are numbered from n times {} on", numbering->session_step));
+  }
+  if (numbering->feature_offset > 0) {
+    lost.push_back(fmt::format("features are numbered from {} on, apart from poses", numbering->feature_offset));
+  }
+}
+
+template <int Dim>
+void tell_rounding(const Room& room, std::vector<std::string>& lost) {
+  if (room.weights == Weights::kSquareRoot) lost.emplace_back("weights are square roots of information matrices, rounded");
+  if (room.weights == Weights::kCovariance) lost.emplace_back("weights are covariances, rounded");
+  const bool has_angles = room.weights == Weights::kAngles || room.weights == Weights::kSquareRoot;
+  if (Dim == 3 && has_angles) lost.emplace_back("rotations and their weights are those of roll, pitch and yaw, rounded");
+}
+
+}  // namespace
+
+bool are_counted(const std::vector<PoseId>& poses) {
+  for (std::size_t k = 0; k < poses.size(); ++k) {
+    if (poses[k] != PoseId{0, k}) return false;
+  }
+  return true;
+}
+
+LogFormatName name_of(LogFormat format) {
+  return row_of(format).name;
+}
+
+std::vector<LogFormat> log_formats() {
+  std::vector<LogFormat> all;
+  for (const Format& row : kFormats) all.push_back(row.format);
+  return all;
+}
+
+bool needs_values(LogFormat format) {
+  const Room room = row_of(format).room;
+  return room.pose_values && !room.feature_values;
+}
+
+template <int Dim>
+std::vector<std::string> losses(const Log<Dim>& log, LogFormat format) {
+  const Room room = row_of(format).room;
+  std::vector<std::string> lost;
+  const auto tell = [&](std::size_t count, const std::string& what) {
+    if (count > 0) lost.push_back(fmt::format("{} left out", what));
+  };
+  const std::size_t edges = log.odometry.size() + log.closures.size();
+  if (!room.edges) tell(edges, counted(edges, "pose-pose edge"));
+  if (!room.observations) {
+    tell(log.features.size(),
+         counted(log.features.size(), "feature") + " with " + counted(log.observations.size(), "observation"));
+  }
+  const std::size_t priors = log.pose_priors.size() + log.feature_priors.size();
+  tell(priors, counted(priors, "prior"));
+  if (!room.fixed) tell(log.fixed.size(), "which poses are fixed is");
+  const bool has_values = !log.initial_poses.empty() || !log.initial_features.empty();
+  const bool all_values = !log.initial_poses.empty() && log.initial_features.size() == log.features.size();
+  if (!room.pose_values || (room.feature_values && !all_values))
+    tell(has_values ? 1 : 0, "the values of poses and features are");
+  if (!room.stamps) tell(log.stamps_ns.size(), "time stamps are");
+  const bool names_all = needs_values(format) || (room.feature_values && all_values);
+  if (!names_all) tell(unmentioned(log), "poses and features that no edge mentions are");
+  if (room.names) {
+    tell_numbering(log, room, lost);
+  } else {
+    if (!are_counted(log.poses)) lost.emplace_back("poses are counted, not named");
+    if (Dim == 2) lost.emplace_back("headings are rotations in space, rounded");
+    if (Dim == 3 && format == LogFormat::kKitti) lost.emplace_back("rotations are matrices, rounded");
+  }
+  tell_rounding<Dim>(room, lost);
+  return lost;
+}
+
+Expected<AnyLog> read_log(std::string_view bytes, const std::string& file, const ReadOptions& options) {
+  for (const Format& row : kFormats) {
+    if (row.is(bytes)) return row.read(bytes, file, options);
+  }
+  TextScanner text(file, bytes);
+  if (!text.next_line()) return bad_input(fmt::format("{}: the file has nothing but blanks and comments", file));
+  return text.error(fmt::format("no log format has lines that begin with {}", in_quotes(text.word())));
+}
+
+template <int Dim>
+Expected<void> write_log(const Log<Dim>& log, LogFormat format, const fs::path& path) {
+  const Format& row = row_of(format);
+  const auto cannot = [&](const char* why) {
+    return tl::unexpected(Error{ErrorKind::kUsage, fmt::format("{}: the format {} {}", log.source, row.name.word, why)});
+  };
+  if (needs_values(format) && log.initial_poses.empty()) return cannot("needs the values of all poses");
+  if constexpr (Dim == 2) {
+    return row.write_plane(log, path);
+  } else {
+    return row.write_space ? row.write_space(log, path) : cannot("is for the plane");
+  }
+}
+
+template std::vector<std::string> losses(const Log<2>&, LogFormat);
+template std::vector<std::string> losses(const Log<3>&, LogFormat);
+template Expected<void> write_log(const Log<2>&, LogFormat, const fs::path&);
+template Expected<void> write_log(const Log<3>&, LogFormat, const fs::path&);
+
+}  // namespace mapjoin

@@ -1,0 +1,27 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+// The paper's two logs as their MAT files: Victoria Park's "clean data" and the corrected DLR data.
+
+#include <filesystem>
+#include <mapjoin/model/error.hpp>
+#include <mapjoin/model/log.hpp>
+#include <string>
+#include <string_view>
+
+namespace mapjoin {
+
+/// The planar log in the MAT file with the content `bytes`, which holds one of the variables
+/// - `VicPark_clean_data`, n × 12, with rows `1 i j dx dy dφ` and the upper triangle of a 3 × 3 covariance, row by row, or
+///   `0 i feature x y` and that of a 2 × 2 one;
+/// - `corrected_data_circles`, n × 10, with rows `-100 dx dy dφ Pxx Pxy Pyy Pxφ Pyφ Pφφ`, each of which begins the next pose,
+/// or
+///   `x y quality Pxx Pxy Pyy feature` of the features seen there; those of feature -1 are left out and counted as
+///   unassociated.
+/// Errors name `file`, variable and row.
+Expected<AnyLog> read_mat_log(std::string_view bytes, const std::string& file, const ReadOptions& options = {});
+
+/// The variable `VicPark_clean_data` with the log's edges, then its observations. kUsage where an information matrix is
+/// singular, or an id is 2^53 or more; kCannotWrite.
+Expected<void> write_mat_log(const Log<2>& log, const std::filesystem::path& path);
+
+}  // namespace mapjoin

@@ -1,0 +1,151 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <Eigen/SVD>
+#include <charconv>
+#include <cmath>
+#include <cstdint>
+#include <limits>
+#include <mapjoin/io/files/file_bytes.hpp>
+#include <mapjoin/io/formats/trajectory.hpp>
+#include <mapjoin/io/g2o/fields.hpp>
+#include <mapjoin/model/log_builder.hpp>
+#include <optional>
+#include <utility>
+
+namespace mapjoin {
+namespace {
+
+constexpr std::size_t kTumNumbers = 8;
+constexpr std::size_t kKittiNumbers = 12;
+constexpr std::int64_t kSecond = 1'000'000'000;
+
+bool has_numbers(TextScanner& line, std::size_t count) {
+  if (!line.next_line()) return false;
+  for (std::size_t i = 0; i < count; ++i) line.number();
+  return line.finish_line().has_value();
+}
+
+/// Seconds in nanoseconds, exactly where they are written without an exponent.
+std::optional<std::int64_t> nanoseconds(std::string_view word) {
+  constexpr std::int64_t kEnd = std::numeric_limits<std::int64_t>::max() / kSecond;
+  const std::size_t point = std::min(word.find('.'), word.size());
+  std::int64_t whole = 0;
+  const auto [end, failure] = std::from_chars(word.data(), word.data() + point, whole);
+  if (failure == std::errc() && end == word.data() + point && -kEnd < whole && whole < kEnd) {
+    std::int64_t fraction = 0;
+    std::size_t digits = 0;
+    std::size_t at = point + 1;
+    for (; at < word.size() && word[at] >= '0' && word[at] <= '9'; ++at) {
+      if (digits++ < 9) fraction = 10 * fraction + (word[at] - '0');
+    }
+    for (; digits < 9; ++digits) fraction *= 10;
+    if (at >= word.size()) return whole * kSecond + (word.front() == '-' ? -fraction : fraction);
+  }
+  double seconds = 0.0;
+  const auto [rest, failed] = std::from_chars(word.data(), word.data() + word.size(), seconds);
+  const bool fits = std::abs(seconds) < static_cast<double>(kEnd);
+  if (failed != std::errc() || rest != word.data() + word.size() || !fits) return std::nullopt;
+  return std::llround(seconds * static_cast<double>(kSecond));
+}
+
+/// The pose in the plane that a pose in space is, if it is one.
+std::optional<Pose<2>> in_plane(const Pose<3>& pose) {
+  const Eigen::Quaterniond& q = pose.rotation.quaternion();
+  if (pose.translation.z() != 0.0 || q.x() != 0.0 || q.y() != 0.0) return std::nullopt;
+  return Pose<2>{pose.translation.head<2>(), Rotation<2>(wrap_angle(2.0 * std::atan2(q.z(), q.w())))};
+}
+
+template <int Dim>
+Expected<AnyLog> log_of(const std::string& source, const std::vector<Pose<Dim>>& poses,
+                        const std::vector<std::int64_t>& stamps) {
+  LogBuilder<Dim> builder(source);
+  for (std::size_t k = 0; k < poses.size(); ++k) builder.add_pose({0, k}, poses[k]);
+  for (std::size_t k = 0; k < stamps.size(); ++k) builder.add_stamp({0, k}, stamps[k]);
+  return std::move(builder).finish().map([](Log<Dim>&& log) { return AnyLog(std::move(log)); });
+}
+
+/// In the plane where every pose is.
+Expected<AnyLog> any_log_of(const std::string& source, const std::vector<Pose<3>>& poses,
+                            const std::vector<std::int64_t>& stamps) {
+  std::vector<Pose<2>> planar;
+  for (const Pose<3>& pose : poses) {
+    const auto flat = in_plane(pose);
+    if (!flat) return log_of<3>(source, poses, stamps);
+    planar.push_back(*flat);
+  }
+  return log_of<2>(source, planar, stamps);
+}
+
+Pose<3> read_rows(TextScanner& text) {
+  constexpr double kFar = 1e-2;
+  Matrix<3> R;
+  Point<3> t;
+  for (int row = 0; row < 3; ++row) {
+    R.row(row) = text.vector<3>().transpose();
+    t[row] = text.number();
+  }
+  const bool is_rotation = (R.transpose() * R - Matrix<3>::Identity()).norm() < kFar && R.determinant() > 0.0;
+  if (!is_rotation) text.reject("the first three columns up to here are not a rotation");
+  const bool is_about_z = R(2, 2) == 1.0 && R(0, 2) == 0.0 && R(1, 2) == 0.0 && R(2, 0) == 0.0 && R(2, 1) == 0.0;
+  if (is_about_z) {
+    const double half = 0.5 * std::atan2(R(1, 0), R(0, 0));
+    return {t, Rotation<3>(Eigen::Quaterniond(std::cos(half), 0.0, 0.0, std::sin(half)))};
+  }
+  const Eigen::JacobiSVD<Matrix<3>> svd(R, Eigen::ComputeFullU | Eigen::ComputeFullV);
+  return {t, Rotation<3>(Matrix<3>(svd.matrixU() * svd.matrixV().transpose()))};
+}
+
+}  // namespace
+
+bool is_tum_line(TextScanner line) {
+  return has_numbers(line, kTumNumbers);
+}
+
+bool is_kitti_line(TextScanner line) {
+  return has_numbers(line, kKittiNumbers);
+}
+
+Expected<AnyLog> read_tum_log(TextScanner text, const ReadOptions&) {
+  std::vector<Pose<3>> poses;
+  std::vector<std::int64_t> stamps;
+  bool are_counts = true;
+  while (text.next_line()) {
+    const std::string_view word = text.word();
+    const auto stamp = nanoseconds(word);
+    if (!stamp) return text.error("a time in seconds is expected, not " + in_quotes(word));
+    are_counts = are_counts && word == std::to_string(stamps.size());
+    poses.push_back(read_g2o_pose<3>(text));
+    if (auto line = text.finish_line(); !line) return tl::unexpected(line.error());
+    stamps.push_back(*stamp);
+  }
+  if (are_counts) stamps.clear();
+  return any_log_of(text.source(), poses, stamps);
+}
+
+Expected<AnyLog> read_kitti_log(TextScanner text, const ReadOptions&) {
+  std::vector<Pose<3>> poses;
+  while (text.next_line()) {
+    poses.push_back(read_rows(text));
+    if (auto line = text.finish_line(); !line) return tl::unexpected(line.error());
+  }
+  return any_log_of(text.source(), poses, {});
+}
+
+Expected<std::vector<StampedPose>> read_tum(const std::filesystem::path& path) {
+  const auto bytes = FileBytes::read(path);
+  if (!bytes) return tl::unexpected(bytes.error());
+  TextScanner text(path.string(), bytes->view());
+  std::vector<StampedPose> poses;
+  while (text.next_line()) {
+    const double time = text.number();
+    const Point<3> translation = text.vector<3>();
+    Eigen::Quaterniond q(text.vector<4>());  // x, y, z, w
+    const double largest = q.coeffs().cwiseAbs().maxCoeff();
+    if (largest == 0.0) text.reject("this quaternion is zero");
+    q.coeffs() /= largest;  // Its square may be more than a double holds.
+    if (auto whole = text.finish_line(); !whole) return tl::unexpected(whole.error());
+    poses.push_back({time, {translation, Rotation<3>(q.normalized())}});
+  }
+  return poses;
+}
+
+}  // namespace mapjoin

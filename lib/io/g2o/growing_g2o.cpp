@@ -1,0 +1,157 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <fcntl.h>
+#include <fmt/format.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <array>
+#include <cerrno>
+#include <mapjoin/io/files/system_call.hpp>
+#include <mapjoin/io/files/text_scanner.hpp>
+#include <mapjoin/io/g2o/g2o.hpp>
+#include <mapjoin/io/g2o/growing_g2o.hpp>
+#include <mapjoin/io/g2o/tags.hpp>
+#include <utility>
+#include <vector>
+
+namespace mapjoin {
+namespace {
+
+std::size_t lines_in(std::string_view text) {
+  return static_cast<std::size_t>(std::count(text.begin(), text.end(), '\n'));
+}
+
+bool has_edges(std::string_view text) {
+  for (TextScanner ahead("", text); ahead.next_line();) {
+    if (ahead.word().substr(0, 5) == "EDGE_") return true;
+  }
+  return false;
+}
+
+/// The lines of parameters in `text`.
+std::string parameters_in(std::string_view text) {
+  std::string lines;
+  while (!text.empty()) {
+    const std::string_view line = text.substr(0, std::min(text.find('\n'), text.size() - 1) + 1);
+    TextScanner scanner("", line);
+    if (scanner.next_line() && is_g2o_parameter(scanner.word())) lines += line;
+    text.remove_prefix(line.size());
+  }
+  return lines;
+}
+
+}  // namespace
+
+Expected<GrowingG2o> GrowingG2o::open(const std::filesystem::path& path, const ReadOptions& options) {
+  const int descriptor = ::open(path.c_str(), O_RDONLY | O_CLOEXEC);
+  if (descriptor < 0) return call_failed(path, errno, ErrorKind::kBadInput);
+  GrowingG2o file(path, options, descriptor);
+  struct stat status {};
+  if (::fstat(descriptor, &status) != 0) return call_failed(path, errno, ErrorKind::kBadInput);
+  if (!S_ISREG(status.st_mode)) return bad_input(path.string() + ": only a plain file can be followed");
+  return file;
+}
+
+GrowingG2o::GrowingG2o(std::filesystem::path path, const ReadOptions& options, int descriptor)
+    : path_(std::move(path)), options_(options), descriptor_(descriptor) {}
+
+GrowingG2o::GrowingG2o(GrowingG2o&& other) noexcept
+    : path_(std::move(other.path_)),
+      options_(other.options_),
+      descriptor_(std::exchange(other.descriptor_, -1)),
+      text_(std::move(other.text_)),
+      taken_(other.taken_),
+      lines_taken_(other.lines_taken_),
+      parameters_(std::move(other.parameters_)),
+      fault_(std::move(other.fault_)) {}
+
+GrowingG2o::~GrowingG2o() {
+  if (descriptor_ >= 0) ::close(descriptor_);
+}
+
+Expected<void> GrowingG2o::read_on() {
+  struct stat status {};
+  if (::fstat(descriptor_, &status) != 0) return call_failed(path_, errno, ErrorKind::kBadInput);
+  if (static_cast<std::size_t>(status.st_size) < text_.size()) {
+    return bad_input(path_.string() + ": the file was cut while it was followed");
+  }
+  std::array<char, 1 << 16> bytes;
+  while (true) {
+    const ::ssize_t read = ::pread(descriptor_, bytes.data(), bytes.size(), static_cast<::off_t>(text_.size()));
+    if (read < 0) return call_failed(path_, errno, ErrorKind::kBadInput);
+    if (read == 0) break;
+    text_.append(bytes.data(), static_cast<std::size_t>(read));
+  }
+  if (std::string_view(text_).substr(0, 2) == "\x1f\x8b")
+    return bad_input(path_.string() + ": only plain text can be followed, not gzip");
+  return {};
+}
+
+Expected<std::optional<AnyLog>> GrowingG2o::appended() {
+  if (fault_) return tl::unexpected(*fault_);
+  if (auto read = read_on(); !read) return tl::unexpected(read.error());
+  auto news = take_until(text_.rfind('\n') + 1);
+  if (!fault_ && !has_name(descriptor_, path_)) {
+    fault_ = Error{ErrorKind::kBadInput,
+                   path_.string() + ": the file was replaced, renamed or removed while it was followed; follow it anew"};
+  }
+  return news;
+}
+
+Expected<std::optional<AnyLog>> GrowingG2o::rest() {
+  if (fault_) return tl::unexpected(*fault_);
+  auto news = take_until(text_.size());
+  if (!news || *news || taken_ == text_.size()) return news;
+  // Lines without an edge have waited for one: they are the whole's.
+  if (const auto all = read_g2o(TextScanner(path_.string(), text_), options_); !all) {
+    fault_ = all.error();
+    return tl::unexpected(*fault_);
+  }
+  taken_ = text_.size();
+  return news;
+}
+
+/// Lines without an edge wait for one.
+Expected<std::optional<AnyLog>> GrowingG2o::take_until(std::size_t end) {
+  if (end <= taken_ || !has_edges(std::string_view(text_).substr(taken_, end - taken_))) return std::nullopt;
+  auto log = log_until(end);
+  if (!log) {
+    const std::size_t good = good_until(end);
+    if (good == taken_) return tl::unexpected(log.error());
+    fault_ = log.error();
+    end = good;
+    log = log_until(end);
+  }
+  const std::string_view lines = std::string_view(text_).substr(taken_, end - taken_);
+  parameters_ += parameters_in(lines);
+  lines_taken_ += lines_in(lines);
+  taken_ = end;
+  return std::optional<AnyLog>(*std::move(log));
+}
+
+/// Parameters come first, then empty lines as many as make the numbers of the lines right.
+Expected<AnyLog> GrowingG2o::log_until(std::size_t end) const {
+  const std::string gone(lines_taken_ - lines_in(parameters_), '\n');
+  const std::string lines = parameters_ + gone + text_.substr(taken_, end - taken_);
+  return read_g2o_part(TextScanner(path_.string(), lines), options_);
+}
+
+/// The end of the last line up to which all are right and have an edge among them, or where the last call ended.
+std::size_t GrowingG2o::good_until(std::size_t end) const {
+  std::vector<std::size_t> ends;
+  for (std::size_t next = text_.find('\n', taken_); next < end; next = text_.find('\n', next + 1)) ends.push_back(next + 1);
+  const auto is_wrong = [&](std::size_t line_end) {
+    return has_edges(std::string_view(text_).substr(taken_, line_end - taken_)) && !log_until(line_end);
+  };
+  const auto first_wrong = std::partition_point(ends.begin(), ends.end(), [&](std::size_t e) { return !is_wrong(e); });
+  if (first_wrong == ends.begin()) return taken_;
+  const std::size_t good = *(first_wrong - 1);
+  return has_edges(std::string_view(text_).substr(taken_, good - taken_)) ? good : taken_;
+}
+
+Expected<AnyLog> GrowingG2o::whole() const {
+  return read_g2o(TextScanner(path_.string(), std::string_view(text_).substr(0, taken_)), options_);
+}
+
+}  // namespace mapjoin

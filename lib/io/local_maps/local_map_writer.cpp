@@ -1,0 +1,139 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <mapjoin/geometry/euler.hpp>
+#include <mapjoin/io/files/mat_file.hpp>
+#include <mapjoin/io/files/output_file.hpp>
+#include <mapjoin/io/formats/covariance_weights.hpp>
+#include <mapjoin/io/formats/edge_text.hpp>
+#include <mapjoin/io/formats/euler_angles.hpp>
+#include <mapjoin/io/local_maps/local_map_set.hpp>
+#include <utility>
+
+namespace mapjoin {
+namespace {
+
+/// A local map as its file has it.
+struct Rows {
+  std::int64_t number = 0;
+  Eigen::Index pose_rows = 0;  ///< Of the end pose, at the top; zeros where the map does not move.
+  Eigen::VectorXd ids;         ///< 0 for these.
+  Eigen::VectorXd values;
+  Eigen::MatrixXd information;  ///< Of all rows, or of the features' where the map does not move.
+};
+
+/// The numbers of the end pose, and the weights of its step turned to theirs.
+void put_end_pose(const Pose<2>& end, Rows& rows) {
+  rows.values.head<3>() << end.translation, end.rotation.angle();
+}
+/// The file has yaw, pitch, roll.
+void put_end_pose(const Pose<3>& end, Rows& rows) {
+  const Vector<3> angles = euler_from_rotation(end.rotation);
+  rows.values.head<6>() << end.translation, angles.reverse();
+  const Matrix<3> J = J_vector_euler(angles[0], angles[1], angles[2]).rowwise().reverse();
+  rows.information.middleRows<3>(3) = (J.transpose() * rows.information.middleRows<3>(3)).eval();
+  rows.information.middleCols<3>(3) = (rows.information.middleCols<3>(3) * J).eval();
+}
+
+template <int Dim>
+Rows rows_of(const LocalMap<Dim>& map, std::int64_t number, const std::vector<FeatureId>& features) {
+  constexpr Eigen::Index kPoseRows = kPoseDof<Dim>;
+  const Eigen::Index n = kPoseRows + Dim * static_cast<Eigen::Index>(map.features.size());
+  Rows rows{number, kPoseRows, Eigen::VectorXd::Zero(n), Eigen::VectorXd::Zero(n), map.information};
+  if (!map.poses.empty()) put_end_pose(map.pose_estimates.front(), rows);
+  for (std::size_t f = 0; f < map.features.size(); ++f) {
+    const Eigen::Index row = kPoseRows + Dim * static_cast<Eigen::Index>(f);
+    const auto id = static_cast<double>(features[static_cast<std::size_t>(map.features[f])].key);
+    rows.ids.segment<Dim>(row).setConstant(id);
+    rows.values.segment<Dim>(row) = map.feature_estimates[f];
+  }
+  return rows;
+}
+
+/// What is wrong with a map, to follow its number; `at` is the pose that it must start from.
+template <int Dim>
+Fault fault_of(const LocalMap<Dim>& map, Index at, const std::vector<FeatureId>& features, LocalMapFormat format) {
+  constexpr auto kEnd = static_cast<std::uint64_t>(kDoubleIdEnd);
+  if (map.base != at) return "does not start where the one before it ends";
+  if (map.poses.size() > 1) return "keeps inner poses, which closures or other maps mention";
+  const bool is_large = std::any_of(map.features.begin(), map.features.end(),
+                                    [&](Index f) { return features[static_cast<std::size_t>(f)].key >= kEnd; });
+  if (is_large) return "has a feature whose id is 2^53 or more";
+  if (map.poses.empty() && (Dim == 3 || format == LocalMapFormat::kText)) return "does not move";
+  if (!map.poses.empty() && !pose_angles(map.pose_estimates.front())) return kRightAnglePitch;
+  return std::nullopt;
+}
+
+Expected<void> write_text(const Rows& rows, const std::filesystem::path& path) {
+  auto file = OutputFile::create(path);
+  if (!file) return tl::unexpected(file.error());
+  TextLine line(' ');
+  line.add(rows.number - 1).write_to(*file);
+  line.add(rows.values.size()).write_to(*file);
+  for (Eigen::Index row = 0; row < rows.values.size(); ++row) {
+    line.add(row < rows.pose_rows ? -rows.number : static_cast<std::int64_t>(rows.ids[row]));
+    line.add(rows.values[row]).write_to(*file);
+  }
+  for (Eigen::Index row = 0; row < rows.information.rows(); ++row) {
+    for (Eigen::Index col = 0; col < rows.information.cols(); ++col) line.add(rows.information(row, col));
+    line.write_to(*file);
+  }
+  return file->commit_unsynced();
+}
+
+/// In the plane a covariance, zero for an end pose that is the start pose; in space information. Nothing where the covariance
+/// does not exist.
+template <int Dim>
+std::optional<std::string> mat_of(const Rows& rows) {
+  const Eigen::Index n = rows.values.size();
+  Eigen::MatrixXd state(n, 2);
+  state << rows.ids, rows.values;
+  if (Dim == 3) {
+    const Eigen::MatrixXd start = Eigen::MatrixXd::Constant(1, 1, static_cast<double>(rows.number - 1));
+    return mat_bytes({{"st", state}, {"I", rows.information}, {"Ref", start}});
+  }
+  Eigen::MatrixXd covariance;
+  if (covariance_of<Eigen::Dynamic>(rows.information, covariance)) return std::nullopt;
+  Eigen::MatrixXd P = Eigen::MatrixXd::Zero(n, n);
+  P.bottomRightCorner(covariance.rows(), covariance.cols()) = covariance;
+  return mat_bytes({{"localmap_st", state}, {"localmap_P", P}});
+}
+
+}  // namespace
+
+template <int Dim>
+Expected<std::vector<std::string>> write_local_maps(const std::vector<LocalMap<Dim>>& maps,
+                                                    const std::vector<FeatureId>& features, LocalMapFormat format,
+                                                    const std::filesystem::path& folder) {
+  const bool is_text = format == LocalMapFormat::kText;
+  std::vector<std::string> names;
+  Index at = maps.empty() ? 0 : maps.front().base;
+  for (const LocalMap<Dim>& map : maps) {
+    const auto number = static_cast<std::int64_t>(names.size()) + 1;
+    const auto refused = [&](const std::string& fault) {
+      return tl::unexpected(
+          Error{ErrorKind::kUsage, fmt::format("local map {} {}, which such files cannot say", number, fault)});
+    };
+    if (const Fault fault = fault_of(map, at, features, format)) return refused(*fault);
+    if (!map.poses.empty()) at = map.poses.front();
+    const Rows rows = rows_of(map, number, features);
+    names.push_back(fmt::format("localmap_{}.{}", number, is_text ? "txt" : "mat"));
+    const std::filesystem::path path = folder / names.back();
+    if (is_text) {
+      if (auto written = write_text(rows, path); !written) return tl::unexpected(written.error());
+    } else {
+      const auto bytes = mat_of<Dim>(rows);
+      if (!bytes) return refused("has a singular information matrix, and so no covariance");
+      if (auto written = write_file_unsynced(path, *bytes); !written) return tl::unexpected(written.error());
+    }
+  }
+  return names;
+}
+
+template Expected<std::vector<std::string>> write_local_maps(const std::vector<LocalMap<2>>&, const std::vector<FeatureId>&,
+                                                             LocalMapFormat, const std::filesystem::path&);
+template Expected<std::vector<std::string>> write_local_maps(const std::vector<LocalMap<3>>&, const std::vector<FeatureId>&,
+                                                             LocalMapFormat, const std::filesystem::path&);
+
+}  // namespace mapjoin

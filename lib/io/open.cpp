@@ -1,0 +1,41 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <mapjoin/io/files/archive.hpp>
+#include <mapjoin/io/files/file_bytes.hpp>
+#include <mapjoin/io/formats/log_format.hpp>
+#include <mapjoin/io/formats/mrclam.hpp>
+#include <mapjoin/io/open.hpp>
+#include <mapjoin/io/store/store.hpp>
+#include <system_error>
+#include <utility>
+
+namespace mapjoin {
+
+Expected<AnyLog> open_log(const std::filesystem::path& path, const ReadOptions& options) {
+  if (is_mrclam_folder(path)) return read_mrclam(path);
+  return FileBytes::read(path).and_then([&](const FileBytes& bytes) { return read_log(bytes.view(), path.string(), options); });
+}
+
+bool may_hold_maps(const std::filesystem::path& path) {
+  std::error_code ignored;
+  if (std::filesystem::is_directory(path, ignored)) return !is_mrclam_folder(path);
+  if (!std::filesystem::is_regular_file(path, ignored)) return false;  // A pipe can be read only once.
+  if (is_store(path)) return true;
+  const auto bytes = FileBytes::read(path);
+  return bytes && is_tar_archive(bytes->view());
+}
+
+Expected<AnyMaps> open_maps(const std::filesystem::path& path, const ReadOptions& options) {
+  if (!is_store(path)) {
+    return read_local_map_set(path, options).map([](AnyMapSet any) {
+      return std::visit([](auto&& set) { return AnyMaps(std::move(set)); }, std::move(any));
+    });
+  }
+  return read_store(path).map([&](AnyStoredMaps any) {
+    const auto as_they_are = [&](auto&& stored) {
+      return has_maps_alone(stored) ? AnyMaps(map_set_of(std::move(stored), path)) : AnyMaps(std::move(stored));
+    };
+    return std::visit(as_they_are, std::move(any));
+  });
+}
+
+}  // namespace mapjoin

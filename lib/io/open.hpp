@@ -1,0 +1,29 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+// The front door for logs of every format, and for local maps, whoever built them.
+
+#include <filesystem>
+#include <mapjoin/io/local_maps/local_map_set.hpp>
+#include <mapjoin/io/store/store.hpp>
+#include <variant>
+
+namespace mapjoin {
+
+/// The log in a file, which is known by its content, not by its name: g2o, TORO, iSAM, GTSAM's text, the text and MAT forms of
+/// Victoria Park and of the corrected DLR data, `map.circles`, or a TUM or KITTI trajectory; each also as gzip. Or the log in a
+/// folder of UTIAS MRCLAM data. Bad input are a file that is missing, another folder, a file that is empty or unreadable, and
+/// one of another format.
+Expected<AnyLog> open_log(const std::filesystem::path& path, const ReadOptions& options = {});
+
+/// Local maps of others, or those that were built from a log, which come with it.
+using AnyMaps = std::variant<MapSet<2>, MapSet<3>, StoredMaps<2>, StoredMaps<3>>;
+
+/// Whether the path is of a kind that open_maps() takes: a folder, a tar archive or a store. Logs are none of these, but for
+/// folders of MRCLAM data.
+bool may_hold_maps(const std::filesystem::path& path);
+
+/// The local maps in a folder or a .tar or .tar.gz archive of localmap_<k>.mat or .txt (see read_local_map_set()), or in a
+/// mapjoin store of either kind (see read_store() and write_store()), which are told apart by their content.
+Expected<AnyMaps> open_maps(const std::filesystem::path& path, const ReadOptions& options = {});
+
+}  // namespace mapjoin

@@ -1,0 +1,269 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <charconv>
+#include <map>
+#include <mapjoin/io/files/text_scanner.hpp>
+#include <mapjoin/io/store/contents.hpp>
+#include <mapjoin/io/store/records.hpp>
+#include <mapjoin/model/log_builder.hpp>
+
+namespace mapjoin::store {
+namespace {
+
+constexpr const char* kTables[] = {
+    R"(CREATE TABLE info (key TEXT PRIMARY KEY, value TEXT NOT NULL) WITHOUT ROWID)",
+    R"(CREATE TABLE records (chunk INTEGER PRIMARY KEY, name TEXT NOT NULL, data BLOB NOT NULL))",
+    R"(CREATE TABLE maps (
+  stretch INTEGER PRIMARY KEY, base INTEGER, chi2 REAL,
+  poses BLOB, features BLOB, pose_estimates BLOB, feature_estimates BLOB, information BLOB))",
+};
+constexpr std::size_t kChunkSize = std::size_t{1} << 20;
+
+/// Hands every array to `visit`, with its name in the file.
+template <typename Log, typename Stretches, typename Visit>
+void visit_arrays(Log& log, Stretches& stretches, const Visit& visit) {
+  visit("poses", log.poses);
+  visit("features", log.features);
+  visit("odometry", log.odometry);
+  visit("closures", log.closures);
+  visit("observations", log.observations);
+  visit("pose_priors", log.pose_priors);
+  visit("feature_priors", log.feature_priors);
+  visit("fixed", log.fixed);
+  visit("stamps_ns", log.stamps_ns);
+  visit("initial_poses", log.initial_poses);
+  visit("initial_features", log.initial_features);
+  visit("stretches", stretches);
+}
+
+/// Hands every number that stands alone to `visit`, with its name in the file.
+template <typename Log, typename Visit>
+void visit_numbers(Log& log, const Visit& visit) {
+  visit("unassociated", log.unassociated);
+  visit("pose_error", log.conventions.pose_error);
+  visit("rotation_information", log.conventions.rotation_information);
+  visit("covariance", log.conventions.covariance);
+  visit("repaired_informations", log.conventions.repairs.indefinite);
+  visit("symmetrised_matrices", log.conventions.repairs.symmetrised);
+  visit("largest_asymmetry", log.conventions.repairs.largest_asymmetry);
+}
+
+/// The arrays in chunks of whole records, in the order in which they stand in the file.
+template <int Dim, typename Take>
+void visit_chunks(const Contents<Dim>& contents, const Take& take) {
+  visit_arrays(contents.log, contents.stretches, [&](std::string_view name, const auto& records) {
+    const std::size_t size = record_size(records);
+    const std::size_t per_chunk = std::max<std::size_t>(1, kChunkSize / size);
+    for (std::size_t begin = 0; begin < records.size(); begin += per_chunk) {
+      take(name, encode_all(records, begin, std::min(begin + per_chunk, records.size())));
+    }
+  });
+}
+
+using Info = std::map<std::string, std::string>;
+
+template <int Dim>
+Info info_of(const Contents<Dim>& contents) {
+  Info info{{"dimension", std::to_string(Dim)}, {"source", contents.log.source}, {"options", contents.options}};
+  visit_numbers(contents.log, [&]<typename Number>(const char* key, Number number) {
+    if constexpr (std::is_enum_v<Number>) {
+      info[key] = fmt::format("{}", static_cast<int>(number));
+    } else {
+      info[key] = fmt::format("{}", number);
+    }
+  });
+  return info;
+}
+
+Expected<Info> read_info(Database& database) {
+  Info info;
+  return database
+      .rows("SELECT key, value FROM info",
+            [&](const Statement& row) {
+              info[std::string(row.bytes(0))] = row.bytes(1);
+              return true;
+            })
+      .map([&] { return info; });
+}
+
+/// The number that `info` has under `key`; an enumeration's is 0 or 1. False where there is none.
+template <typename Number>
+bool take_number(const Info& info, const char* key, Number& number) {
+  const auto found = info.find(key);
+  if (found == info.end()) return false;
+  const std::string& text = found->second;
+  std::conditional_t<std::is_floating_point_v<Number>, double, std::int64_t> value{};
+  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
+  if (error != std::errc() || end != text.data() + text.size() || !(value >= 0)) return false;
+  if (std::is_enum_v<Number> && value > 1) return false;
+  number = static_cast<Number>(value);
+  return true;
+}
+
+/// Every observation is from a pose, or from the World, to one of `targets`.
+template <typename Observation>
+bool are_within(const std::vector<Observation>& observations, bool from_world, std::size_t poses, std::size_t targets) {
+  const auto is_index = [](Index index, std::size_t size) { return index >= 0 && static_cast<std::size_t>(index) < size; };
+  return std::all_of(observations.begin(), observations.end(), [&](const Observation& o) {
+    return (from_world ? o.base == kWorld : is_index(o.base, poses)) && is_index(o.target, targets);
+  });
+}
+
+/// Whether the arrays are as long as they must be and name what is there.
+template <int Dim>
+bool hangs_together(const Log<Dim>& log) {
+  const std::size_t poses = log.poses.size();
+  const std::size_t features = log.features.size();
+  const auto fits = [](const auto& values, std::size_t names) { return values.empty() || values.size() == names; };
+  const auto is_pose = [&](const auto& fixed) { return fixed.pose >= 0 && static_cast<std::size_t>(fixed.pose) < poses; };
+  return fits(log.stamps_ns, poses) && fits(log.initial_poses, poses) && fits(log.initial_features, features) &&
+         are_within(log.odometry, false, poses, poses) && are_within(log.closures, false, poses, poses) &&
+         are_within(log.observations, false, poses, features) && are_within(log.pose_priors, true, poses, poses) &&
+         are_within(log.feature_priors, true, poses, features) && std::all_of(log.fixed.begin(), log.fixed.end(), is_pose);
+}
+
+/// The log that LogBuilder makes of one that hangs together.
+template <int Dim>
+Expected<Log<Dim>> built_anew(const Log<Dim>& log, const std::string& source) {
+  LogBuilder<Dim> builder(source, log.conventions);
+  const auto at = [](const auto& values, Index index) { return values[static_cast<std::size_t>(index)]; };
+  const auto value = [](const auto& values, std::size_t k) { return values.empty() ? std::nullopt : std::optional(values[k]); };
+  builder.reserve(log.odometry.size() + log.closures.size(), log.observations.size());
+  for (std::size_t k = 0; k < log.poses.size(); ++k) builder.add_pose(log.poses[k], value(log.initial_poses, k));
+  for (std::size_t k = 0; k < log.features.size(); ++k) builder.add_feature(log.features[k], value(log.initial_features, k));
+  for (std::size_t k = 0; k < log.stamps_ns.size(); ++k) builder.add_stamp(log.poses[k], log.stamps_ns[k]);
+  for (const auto* edges : {&log.odometry, &log.closures}) {
+    for (const auto& o : *edges)
+      builder.add_pose_edge(at(log.poses, o.base), at(log.poses, o.target), o.measured, o.information);
+  }
+  for (const auto& o : log.observations) {
+    builder.add_observation(at(log.poses, o.base), at(log.features, o.target), o.measured, o.information);
+  }
+  for (const auto& o : log.pose_priors) builder.add_pose_prior(at(log.poses, o.target), o.measured, o.information);
+  for (const auto& o : log.feature_priors) builder.add_feature_prior(at(log.features, o.target), o.measured, o.information);
+  for (const auto& fixed : log.fixed) builder.fix(at(log.poses, fixed.pose), fixed.value);
+  return std::move(builder).finish();
+}
+
+template <int Dim>
+bool are_in_order(const std::vector<Stretch>& stretches, const Log<Dim>& log) {
+  Index begin = 0;
+  for (const Stretch& stretch : stretches) {
+    if (stretch.begin < begin || stretch.end < stretch.begin || stretch.end >= static_cast<Index>(log.poses.size()))
+      return false;
+    begin = stretch.end;
+  }
+  return true;
+}
+
+Expected<void> check_integrity(Database& database) {
+  std::string found;
+  const auto checked = database.rows("PRAGMA quick_check(1)", [&](const Statement& row) {
+    found = row.bytes(0);
+    return true;
+  });
+  if (!checked || found == "ok") return checked;
+  // What is wrong stands below a line that names the database.
+  return database.damaged(printable(found.substr(found.rfind('\n') + 1)));
+}
+
+}  // namespace
+
+Expected<void> check_database(Database& database) {
+  const auto sound = check_integrity(database);
+  if (!sound) return sound;
+  std::vector<std::string> tables;
+  const auto read =
+      database.rows("SELECT sql FROM sqlite_master WHERE sql IS NOT NULL ORDER BY rowid", [&](const Statement& row) {
+        tables.emplace_back(row.bytes(0));
+        return true;
+      });
+  if (!read || std::equal(tables.begin(), tables.end(), std::begin(kTables), std::end(kTables))) return read;
+  return database.damaged("its tables are not a store's");
+}
+
+template <int Dim>
+Expected<void> write_contents(Database& database, const Contents<Dim>& contents) {
+  std::string sql = fmt::format("PRAGMA application_id = {}; PRAGMA user_version = {};", kApplicationId, kVersion);
+  for (const char* table : kTables) sql += std::string(table) + ";";
+  Expected<void> result = database.execute(sql);
+  const auto insert = [&](std::string_view into, std::string_view first, std::string_view second) {
+    if (!result) return;
+    result = database.prepare(into).and_then(
+        [&](Statement&& statement) { return statement.bind_text(first).bind_blob(second).step().map([](bool) {}); });
+  };
+  for (const auto& [key, value] : info_of(contents)) insert("INSERT INTO info VALUES (?, CAST(? AS TEXT))", key, value);
+  visit_chunks(contents, [&](std::string_view name, const std::string& bytes) {
+    insert("INSERT INTO records (name, data) VALUES (?, ?)", name, bytes);
+  });
+  return result;
+}
+
+template <int Dim>
+Expected<bool> holds_contents(Database& database, const Contents<Dim>& contents) {
+  const auto info = read_info(database);
+  if (!info) return tl::unexpected(info.error());
+  auto select = database.prepare("SELECT name, data FROM records ORDER BY chunk");
+  if (!select) return tl::unexpected(select.error());
+  Expected<bool> more = true;
+  bool same = *info == info_of(contents);
+  visit_chunks(contents, [&](std::string_view name, const std::string& bytes) {
+    if (!same || !more) return;
+    more = select->step();
+    same = more && *more && select->bytes(0) == name && select->bytes(1) == bytes;
+  });
+  if (!more || !same) return more.map([](bool) { return false; });
+  return select->step().map([](bool is_longer) { return !is_longer; });
+}
+
+Expected<int> stored_dimension(Database& database) {
+  const auto info = read_info(database);
+  if (!info) return tl::unexpected(info.error());
+  int dimension = 0;
+  if (take_number(*info, "dimension", dimension) && (dimension == 2 || dimension == 3)) return dimension;
+  return database.damaged("its dimension is neither 2 nor 3");
+}
+
+template <int Dim>
+Expected<StoredMaps<Dim>> read_contents(Database& database) {
+  auto info = read_info(database);
+  if (!info) return tl::unexpected(info.error());
+  StoredMaps<Dim> stored;
+  std::string fault;
+  visit_numbers(stored.log, [&](const char* key, auto& number) {
+    if (!take_number(*info, key, number)) fault = fmt::format("info {} is missing or makes no sense", key);
+  });
+  const auto read = database.rows("SELECT name, data FROM records ORDER BY chunk", [&](const Statement& row) {
+    bool is_taken = false;
+    visit_arrays(stored.log, stored.stretches, [&](std::string_view name, auto& records) {
+      if (name == row.bytes(0)) is_taken = decode_all(row.bytes(1), records);
+    });
+    if (!is_taken) fault = printable(row.bytes(0)) + " is no array, or has part of a record";
+    return is_taken;
+  });
+  if (!read) return tl::unexpected(read.error());
+  if (fault.empty() && !hangs_together(stored.log)) fault = "its arrays do not hang together";
+  if (!fault.empty()) return database.damaged(fault);
+
+  auto log = built_anew(stored.log, database.file() + ": damaged store");
+  if (!log) return tl::unexpected(log.error());
+  if (log->poses != stored.log.poses || log->features != stored.log.features) {
+    return database.damaged("its poses or features are not in order");
+  }
+  if (!are_in_order(stored.stretches, *log)) return database.damaged("its stretches are not in order");
+  log->source = (*info)["source"];
+  log->unassociated = stored.log.unassociated;
+  return StoredMaps<Dim>{*std::move(log), std::move(stored.stretches), {}, (*info)["options"]};
+}
+
+#define MAPJOIN_INSTANTIATE(Dim)                                                \
+  template Expected<void> write_contents<Dim>(Database&, const Contents<Dim>&); \
+  template Expected<bool> holds_contents<Dim>(Database&, const Contents<Dim>&); \
+  template Expected<StoredMaps<Dim>> read_contents<Dim>(Database&);
+MAPJOIN_INSTANTIATE(2)
+MAPJOIN_INSTANTIATE(3)
+#undef MAPJOIN_INSTANTIATE
+
+}  // namespace mapjoin::store

@@ -1,0 +1,59 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+// The tables of a store (docs/store.md), and a log with its stretches in them.
+
+#include <cstdint>
+#include <mapjoin/io/store/database.hpp>
+#include <mapjoin/model/local_map.hpp>
+#include <mapjoin/model/log.hpp>
+#include <string>
+#include <vector>
+
+namespace mapjoin {
+
+/// What a finished store holds.
+template <int Dim>
+struct StoredMaps {
+  Log<Dim> log;
+  std::vector<Stretch> stretches;   ///< Those whose map could not be determined are spans here.
+  std::vector<LocalMap<Dim>> maps;  ///< Of the stretches that are maps, in their order.
+  std::string options;              ///< Of the build, as given to StoreWriter.
+};
+
+}  // namespace mapjoin
+
+namespace mapjoin::store {
+
+/// "MJST": PRAGMA application_id.
+inline constexpr std::int64_t kApplicationId = 0x4d4a5354;
+/// Of the tables and of the records in them: PRAGMA user_version.
+inline constexpr std::int64_t kVersion = 2;
+
+/// What a build begins with.
+template <int Dim>
+struct Contents {
+  const Log<Dim>& log;
+  const std::vector<Stretch>& stretches;
+  const std::string& options;  ///< Of the build, in the words of whoever builds.
+};
+
+/// Makes the tables in an empty database, and fills `info` and `records`.
+template <int Dim>
+Expected<void> write_contents(Database& database, const Contents<Dim>& contents);
+
+/// Whether the tables hold these contents, to the bit.
+template <int Dim>
+Expected<bool> holds_contents(Database& database, const Contents<Dim>& contents);
+
+/// Bad input where the database is damaged, or has other tables than a store's: views, triggers, columns that compute.
+Expected<void> check_database(Database& database);
+
+/// 2 or 3.
+Expected<int> stored_dimension(Database& database);
+
+/// A stranger's contents: the log is built anew by LogBuilder, which checks its numbers and puts it in order; stretches are in
+/// order and made of poses of the log. The maps are yet to be read.
+template <int Dim>
+Expected<StoredMaps<Dim>> read_contents(Database& database);
+
+}  // namespace mapjoin::store

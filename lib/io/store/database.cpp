@@ -1,0 +1,166 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <fmt/format.h>
+#include <sqlite3.h>
+
+#include <algorithm>
+#include <limits>
+#include <mapjoin/io/files/text_scanner.hpp>
+#include <mapjoin/io/store/database.hpp>
+#include <system_error>
+
+namespace mapjoin::store {
+namespace {
+
+/// What is wrong with a store, where SQLite's words are about something else.
+std::string reason_of(sqlite3* database, ErrorKind kind) {
+  const int status = sqlite3_errcode(database);
+  if (status == SQLITE_BUSY) return "another process is writing it";
+  // Only what writes it can bring back what was there before.
+  if (status == SQLITE_READONLY && kind == ErrorKind::kBadInput) return "unfinished store: its writer was interrupted";
+  const int reason = status == SQLITE_IOERR ? sqlite3_system_errno(database) : 0;
+  return reason != 0 ? std::generic_category().message(reason) : sqlite3_errmsg(database);
+}
+
+tl::unexpected<Error> error_of(sqlite3* database, const std::string& file, ErrorKind kind) {
+  const int status = sqlite3_errcode(database);
+  const bool is_damaged = status == SQLITE_NOTADB || status == SQLITE_CORRUPT;
+  return tl::unexpected(
+      Error{is_damaged ? ErrorKind::kBadInput : kind, fmt::format("{}: {}", file, printable(reason_of(database, kind)))});
+}
+
+}  // namespace
+
+void Statement::Finalize::operator()(sqlite3_stmt* statement) const {
+  sqlite3_finalize(statement);
+}
+
+Statement& Statement::bind(std::int64_t value) {
+  sqlite3_bind_int64(statement_.get(), ++bound_, value);
+  return *this;
+}
+
+Statement& Statement::bind(double value) {
+  sqlite3_bind_double(statement_.get(), ++bound_, value);
+  return *this;
+}
+
+Statement& Statement::bind_text(std::string_view text) {
+  sqlite3_bind_text64(statement_.get(), ++bound_, text.data(), text.size(), SQLITE_STATIC, SQLITE_UTF8);
+  return *this;
+}
+
+Statement& Statement::bind_blob(std::string_view bytes) {
+  // A null pointer would bind NULL, not an empty blob.
+  sqlite3_bind_blob64(statement_.get(), ++bound_, bytes.empty() ? "" : bytes.data(), bytes.size(), SQLITE_STATIC);
+  return *this;
+}
+
+Expected<bool> Statement::step() {
+  const int status = sqlite3_step(statement_.get());
+  if (status == SQLITE_ROW) return true;
+  sqlite3* database = sqlite3_db_handle(statement_.get());
+  if (status != SQLITE_DONE) return error_of(database, file_, kind_);
+  sqlite3_reset(statement_.get());
+  sqlite3_clear_bindings(statement_.get());
+  bound_ = 0;
+  return false;
+}
+
+bool Statement::is_null(int column) const {
+  return sqlite3_column_type(statement_.get(), column) == SQLITE_NULL;
+}
+
+std::int64_t Statement::integer(int column) const {
+  return sqlite3_column_int64(statement_.get(), column);
+}
+
+double Statement::number(int column) const {
+  return sqlite3_column_double(statement_.get(), column);
+}
+
+std::string_view Statement::bytes(int column) const {
+  const auto* data = static_cast<const char*>(sqlite3_column_blob(statement_.get(), column));
+  return {data ? data : "", static_cast<std::size_t>(sqlite3_column_bytes(statement_.get(), column))};
+}
+
+void Database::Close::operator()(sqlite3* database) const {
+  sqlite3_close_v2(database);
+}
+
+tl::unexpected<Error> Database::error() const {
+  return error_of(database_.get(), file_, kind_);
+}
+
+Expected<Database> Database::open(const std::filesystem::path& path, int flags, ErrorKind kind) {
+  Database database;
+  database.file_ = path.string();
+  database.kind_ = kind;
+  sqlite3* handle = nullptr;
+  const int status = sqlite3_open_v2(path.c_str(), &handle, flags | SQLITE_OPEN_NOMUTEX, nullptr);
+  database.database_.reset(handle);
+  if (status != SQLITE_OK) return database.error();
+  sqlite3_db_config(handle, SQLITE_DBCONFIG_DEFENSIVE, 1, nullptr);
+  sqlite3_db_config(handle, SQLITE_DBCONFIG_TRUSTED_SCHEMA, 0, nullptr);
+  sqlite3_db_config(handle, SQLITE_DBCONFIG_ENABLE_TRIGGER, 0, nullptr);
+  sqlite3_db_config(handle, SQLITE_DBCONFIG_ENABLE_VIEW, 0, nullptr);
+  return database;
+}
+
+Expected<Database> Database::open(const std::filesystem::path& path) {
+  return open(path, SQLITE_OPEN_READWRITE | SQLITE_OPEN_CREATE, ErrorKind::kCannotWrite);
+}
+
+Expected<Database> Database::open_read_only(const std::filesystem::path& path) {
+  constexpr std::uintmax_t kLeast = 1 << 16;  // For the words of SQLite itself.
+  auto database = open(path, SQLITE_OPEN_READONLY, ErrorKind::kBadInput);
+  if (!database) return database;
+  std::error_code failure;
+  const std::uintmax_t size = std::filesystem::file_size(path, failure);
+  if (failure) return tl::unexpected(Error{ErrorKind::kBadInput, database->file_ + ": " + failure.message()});
+  const auto most = std::min<std::uintmax_t>(std::max(size, kLeast), std::numeric_limits<int>::max());
+  sqlite3_limit(database->database_.get(), SQLITE_LIMIT_LENGTH, static_cast<int>(most));
+  const auto set = database->execute("PRAGMA cell_size_check = ON; PRAGMA mmap_size = 0; BEGIN");
+  if (!set) return tl::unexpected(set.error());
+  return database;
+}
+
+Expected<void> Database::execute(const std::string& sql) {
+  if (sqlite3_exec(database_.get(), sql.c_str(), nullptr, nullptr, nullptr) != SQLITE_OK) return error();
+  return {};
+}
+
+Expected<Statement> Database::prepare(std::string_view sql) {
+  sqlite3_stmt* handle = nullptr;
+  if (sqlite3_prepare_v2(database_.get(), sql.data(), static_cast<int>(sql.size()), &handle, nullptr) != SQLITE_OK) {
+    return error();
+  }
+  Statement statement;
+  statement.statement_.reset(handle);
+  statement.file_ = file_;
+  statement.kind_ = kind_;
+  return statement;
+}
+
+Expected<void> Database::rows(std::string_view sql, const std::function<bool(const Statement& row)>& take) {
+  auto statement = prepare(sql);
+  if (!statement) return tl::unexpected(statement.error());
+  auto is_row = statement->step();
+  while (is_row && *is_row && take(*statement)) is_row = statement->step();
+  return is_row.map([](bool) {});
+}
+
+Expected<std::int64_t> Database::integer(std::string_view sql) {
+  std::int64_t value = 0;
+  return rows(sql,
+              [&](const Statement& row) {
+                value = row.integer(0);
+                return false;
+              })
+      .map([&] { return value; });
+}
+
+tl::unexpected<Error> Database::damaged(std::string_view what) const {
+  return bad_input(fmt::format("{}: damaged store: {}", file_, what));
+}
+
+}  // namespace mapjoin::store

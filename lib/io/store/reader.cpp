@@ -1,0 +1,171 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <fstream>
+#include <mapjoin/io/store/records.hpp>
+#include <mapjoin/io/store/store.hpp>
+#include <mapjoin/parallel/parallel_try.hpp>
+
+namespace mapjoin {
+namespace {
+
+namespace fs = std::filesystem;
+using store::Database;
+using store::Statement;
+
+/// What the header of an SQLite file says of it.
+struct Header {
+  std::int64_t application_id = 0;
+  std::int64_t version = 0;
+  bool is_alone = false;  ///< Reading needs no other files beside it.
+};
+
+/// Nothing where the file does not begin as an SQLite file does.
+std::optional<Header> read_header(const fs::path& path) {
+  constexpr std::string_view kMagic("SQLite format 3\0", 16);
+  std::array<char, 100> bytes{};
+  std::error_code error;
+  if (!fs::is_regular_file(path, error)) return std::nullopt;
+  std::ifstream file(path, std::ios::binary);
+  if (!file.read(bytes.data(), bytes.size()) || std::string_view(bytes.data(), kMagic.size()) != kMagic) return std::nullopt;
+  const auto big_endian = [&](std::size_t at) {
+    std::uint32_t value = 0;
+    for (std::size_t i = at; i < at + 4; ++i) value = value << 8 | static_cast<unsigned char>(bytes[i]);
+    return std::int64_t{value};
+  };
+  constexpr char kRollback = 1;  // Not a write-ahead log.
+  return Header{big_endian(68), big_endian(60), bytes[18] == kRollback && bytes[19] == kRollback};
+}
+
+/// The map of a row; nothing where the sizes of its parts do not agree.
+template <int Dim>
+std::optional<LocalMap<Dim>> map_of(const Statement& row) {
+  LocalMap<Dim> map;
+  map.base = static_cast<Index>(row.integer(1));
+  map.chi2 = row.number(2);
+  if (!store::decode_all(row.bytes(3), map.poses) || !store::decode_all(row.bytes(4), map.features) ||
+      !store::decode_all(row.bytes(5), map.pose_estimates) || !store::decode_all(row.bytes(6), map.feature_estimates)) {
+    return std::nullopt;
+  }
+  auto information = store::decode_upper(row.bytes(7), map.row(map.poses.size() + map.features.size()));
+  if (!information) return std::nullopt;
+  map.information = std::move(*information);
+  return map;
+}
+
+/// Whether a map is one of `stretch`, over poses and features of the log, in sound numbers.
+template <int Dim>
+bool is_map_of(const LocalMap<Dim>& map, const Stretch& stretch, const Log<Dim>& log) {
+  Index last = stretch.begin;
+  for (const Index pose : map.poses) {
+    if (pose <= last || pose > stretch.end) return false;
+    last = pose;
+  }
+  std::vector<Index> features = map.features;
+  std::sort(features.begin(), features.end());
+  const bool is_once = std::adjacent_find(features.begin(), features.end()) == features.end();
+  const bool is_known =
+      features.empty() || (features.front() >= 0 && static_cast<std::size_t>(features.back()) < log.features.size());
+  return map.base == stretch.begin && last == stretch.end && is_once && is_known && std::isfinite(map.chi2) && !fault(map);
+}
+
+/// Takes the row of every stretch that is a map; where the map was not determined, the stretch becomes a span.
+template <int Dim>
+Expected<void> read_maps(Database& database, StoredMaps<Dim>& stored) {
+  std::vector<std::size_t> of_stretch;  ///< By map.
+  std::string fault;
+  std::size_t next = 0;
+  const auto skip_spans = [&] {
+    while (next < stored.stretches.size() && !stored.stretches[next].is_map) ++next;
+  };
+  skip_spans();
+  const auto read = database.rows("SELECT * FROM maps ORDER BY stretch", [&](const Statement& row) {
+    if (next >= stored.stretches.size() || row.integer(0) != static_cast<std::int64_t>(next)) {
+      fault = "its maps are not those of its stretches";
+    } else if (row.is_null(1)) {
+      stored.stretches[next].is_map = false;
+    } else if (auto map = map_of<Dim>(row)) {
+      stored.maps.push_back(std::move(*map));
+      of_stretch.push_back(next);
+    } else {
+      fault = fmt::format("the sizes of map {} do not agree", next);
+    }
+    ++next;
+    skip_spans();
+    return fault.empty();
+  });
+  if (!read) return read;
+  if (!fault.empty()) return database.damaged(fault);
+  if (next < stored.stretches.size()) {
+    return bad_input(fmt::format("{}: unfinished store: the local map of stretch {} is missing", database.file(), next));
+  }
+  return parallel_try(stored.maps.size(), [&](std::size_t m) -> Expected<void> {
+    const Stretch& stretch = stored.stretches[of_stretch[m]];
+    if (is_map_of(stored.maps[m], stretch, stored.log)) return {};
+    const auto name = [&](Index pose) { return to_string(stored.log.poses[static_cast<std::size_t>(pose)]); };
+    return database.damaged(fmt::format("the local map of {} to {} makes no sense", name(stretch.begin), name(stretch.end)));
+  });
+}
+
+template <int Dim>
+Expected<AnyStoredMaps> read(Database& database) {
+  return store::read_contents<Dim>(database).and_then([&](StoredMaps<Dim>&& stored) -> Expected<AnyStoredMaps> {
+    if (auto maps = read_maps(database, stored); !maps) return tl::unexpected(maps.error());
+    return std::move(stored);
+  });
+}
+
+}  // namespace
+
+bool is_store(const fs::path& path) {
+  const auto header = read_header(path);
+  return header && header->application_id == store::kApplicationId;
+}
+
+Expected<AnyStoredMaps> read_store(const fs::path& path) {
+  const std::string file = path.string();
+  const auto header = read_header(path);
+  if (!header || header->application_id != store::kApplicationId) {
+    return bad_input(fmt::format("{}: not a mapjoin store", file));
+  }
+  if (header->version != store::kVersion) {
+    return bad_input(fmt::format("{}: a mapjoin store of version {}; this mapjoin reads version {}: build it again", file,
+                                 header->version, store::kVersion));
+  }
+  if (!header->is_alone) return bad_input(fmt::format("{}: damaged store: it asks for a write-ahead log", file));
+  auto database = Database::open_read_only(path);
+  if (!database) return tl::unexpected(database.error());
+  const auto dimension = store::check_database(*database).and_then([&] { return store::stored_dimension(*database); });
+  if (!dimension) return tl::unexpected(dimension.error());
+  return *dimension == 2 ? read<2>(*database) : read<3>(*database);
+}
+
+template <int Dim>
+bool has_maps_alone(const StoredMaps<Dim>& stored) {
+  const Log<Dim>& log = stored.log;
+  return !stored.maps.empty() && log.odometry.empty() && log.closures.empty() && log.observations.empty() &&
+         log.pose_priors.empty() && log.feature_priors.empty();
+}
+
+template <int Dim>
+MapSet<Dim> map_set_of(StoredMaps<Dim> stored, const fs::path& path) {
+  MapSet<Dim> set;
+  set.source = path.string();
+  set.poses = std::move(stored.log.poses);
+  set.features = std::move(stored.log.features);
+  set.maps = std::move(stored.maps);
+  set.fixed = std::move(stored.log.fixed);
+  set.stretches = std::move(stored.stretches);
+  set.conventions = stored.log.conventions;
+  return set;
+}
+
+template bool has_maps_alone(const StoredMaps<2>&);
+template bool has_maps_alone(const StoredMaps<3>&);
+template MapSet<2> map_set_of(StoredMaps<2>, const fs::path&);
+template MapSet<3> map_set_of(StoredMaps<3>, const fs::path&);
+
+}  // namespace mapjoin

@@ -1,0 +1,177 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <fcntl.h>
+#include <fmt/format.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <mapjoin/io/store/records.hpp>
+#include <mapjoin/io/store/store.hpp>
+#include <stdexcept>
+
+namespace mapjoin {
+namespace {
+
+namespace fs = std::filesystem;
+using store::Contents;
+using store::Database;
+using store::Statement;
+
+/// A batch is one transaction. Its bounds depend on the maps alone: so does then every byte of the file, where a build that was
+/// interrupted goes on after the last whole batch.
+constexpr std::size_t kBatchMaps = 256;
+constexpr std::size_t kBatchBytes = std::size_t{8} << 20;
+
+fs::path partial_path(const fs::path& path) {
+  return path.string() + ".partial";
+}
+
+tl::unexpected<Error> cannot_write(const fs::path& path, const std::string& reason) {
+  return tl::unexpected(Error{ErrorKind::kCannotWrite, fmt::format("{}: {}", path.string(), reason)});
+}
+
+/// Whether an earlier build left just these contents in the file. Bad input where it is damaged; kCannotWrite where it is
+/// another program's database.
+template <int Dim>
+Expected<bool> is_this_build(Database& database, const fs::path& path, const Contents<Dim>& contents) {
+  const auto tables = database.integer("SELECT count(*) FROM sqlite_master");
+  if (!tables) return tl::unexpected(tables.error());
+  const auto application = database.integer("PRAGMA application_id");
+  const auto version = database.integer("PRAGMA user_version");
+  if (*tables == 0 && application == 0) return false;
+  if (application != store::kApplicationId) return cannot_write(path, "is in the way, and not a mapjoin store");
+  if (version != store::kVersion) return false;
+  return store::check_database(database).and_then([&] { return store::holds_contents(database, contents); });
+}
+
+/// Whatever an interrupted build had not finished is rolled back here; another running build is kept out until the end.
+Expected<Database> open_locked(const fs::path& path) {
+  return Database::open(path).and_then([](Database&& database) {
+    return database.execute("PRAGMA locking_mode = EXCLUSIVE; BEGIN EXCLUSIVE").map([&] { return std::move(database); });
+  });
+}
+
+/// The database at `path` with the contents in it, inside an open transaction. What is there and is damaged is told.
+template <int Dim>
+Expected<Database> open_with(const fs::path& path, const Contents<Dim>& contents, bool& found_damaged) {
+  auto database = open_locked(path);
+  const auto found = database.and_then([&](Database& left) { return is_this_build(left, path, contents); });
+  if (found && *found) return database;
+  found_damaged = !found && found.error().kind == ErrorKind::kBadInput;
+  if (!found && !found_damaged) return tl::unexpected(found.error());
+  std::error_code ignored;
+  fs::remove(path, ignored);  // While it is locked.
+  if (database) *database = Database();
+  fs::remove(path.string() + "-journal", ignored);
+  database = open_locked(path);
+  if (!database) return database;
+  return store::write_contents(*database, contents).and_then([&] { return database->execute("COMMIT; BEGIN"); }).map([&] {
+    return std::move(*database);
+  });
+}
+
+/// The new name on the disk, where the folder can be asked for that.
+void sync_folder(const fs::path& path) {
+  const int descriptor = ::open(path.c_str(), O_RDONLY | O_CLOEXEC);
+  if (descriptor < 0) return;
+  ::fsync(descriptor);
+  ::close(descriptor);
+}
+
+}  // namespace
+
+template <int Dim>
+StoreWriter<Dim>::StoreWriter(fs::path path, Database database, Statement insert)
+    : path_(std::move(path)), database_(std::move(database)), insert_(std::move(insert)) {}
+
+template <int Dim>
+Expected<StoreWriter<Dim>> StoreWriter<Dim>::open(const fs::path& path, const Log<Dim>& log,
+                                                  const std::vector<Stretch>& stretches, const std::string& options) {
+  bool found_damaged = false;
+  auto database = open_with(partial_path(path), Contents<Dim>{log, stretches, options}, found_damaged);
+  if (!database) return tl::unexpected(database.error());
+  auto insert = database->prepare("INSERT INTO maps VALUES (?, ?, ?, ?, ?, ?, ?, ?)");
+  if (!insert) return tl::unexpected(insert.error());
+  StoreWriter writer(path, std::move(*database), std::move(*insert));
+  writer.found_damaged_ = found_damaged;
+  for (std::size_t i = 0; i < stretches.size(); ++i) {
+    if (stretches[i].is_map) writer.maps_.push_back(i);
+  }
+  const auto done = writer.database_->integer("SELECT count(*) FROM maps");
+  const auto undetermined = writer.database_->integer("SELECT count(*) FROM maps WHERE base IS NULL");
+  if (!done || !undetermined) return tl::unexpected(done ? undetermined.error() : done.error());
+  writer.done_ = std::min(static_cast<std::size_t>(*done), writer.maps_.size());  // They are added in order.
+  writer.undetermined_ = static_cast<std::size_t>(*undetermined);
+  return writer;
+}
+
+template <int Dim>
+Expected<void> StoreWriter<Dim>::add(std::size_t stretch, const std::optional<LocalMap<Dim>>& map) {
+  if (to_do().empty() || stretch != to_do().front()) throw std::invalid_argument("not the next stretch of a store");
+  const auto inserted = map ? insert_map(stretch, *map) : insert_span(stretch);
+  if (!inserted) return inserted;
+  ++done_;
+  if (!map) ++undetermined_;
+  if (++batch_maps_ < kBatchMaps && batch_bytes_ < kBatchBytes) return {};
+  batch_maps_ = batch_bytes_ = 0;
+  return database_->execute("COMMIT; BEGIN");
+}
+
+template <int Dim>
+Expected<void> StoreWriter<Dim>::insert_span(std::size_t stretch) {
+  return insert_->bind(static_cast<std::int64_t>(stretch)).step().map([](bool) {});
+}
+
+template <int Dim>
+Expected<void> StoreWriter<Dim>::insert_map(std::size_t stretch, const LocalMap<Dim>& map) {
+  const std::string poses = store::encode_all(map.poses);
+  const std::string features = store::encode_all(map.features);
+  const std::string pose_estimates = store::encode_all(map.pose_estimates);
+  const std::string feature_estimates = store::encode_all(map.feature_estimates);
+  const std::string information = store::encode_upper(map.information);
+  batch_bytes_ += information.size();
+  insert_->bind(static_cast<std::int64_t>(stretch)).bind(std::int64_t{map.base}).bind(map.chi2);
+  insert_->bind_blob(poses).bind_blob(features).bind_blob(pose_estimates).bind_blob(feature_estimates).bind_blob(information);
+  return insert_->step().map([](bool) {});
+}
+
+template <int Dim>
+Expected<void> StoreWriter<Dim>::finish() {
+  if (!to_do().empty()) throw std::logic_error("a store is finished before its maps are");
+  const fs::path partial = partial_path(path_);
+  if (auto committed = database_->execute("COMMIT; PRAGMA journal_mode = OFF"); !committed) return committed;
+  insert_.reset();
+  // The lock lasts until the file has its name: no other build takes it for one that was interrupted.
+  std::error_code error;
+  fs::remove(partial.string() + "-journal", error);
+  fs::rename(partial, path_, error);
+  database_.reset();
+  if (error) return cannot_write(path_, error.message());
+  sync_folder(fs::absolute(path_).parent_path());
+  return {};
+}
+
+template <int Dim>
+Expected<void> write_store(const MapSet<Dim>& set, const fs::path& path) {
+  if (!set.pose_observations.empty() || !set.feature_observations.empty()) {
+    throw std::invalid_argument("a store holds a set of local maps alone");
+  }
+  Log<Dim> log;  // What a store says of the maps beside themselves.
+  log.source = set.source;
+  log.poses = set.poses;
+  log.features = set.features;
+  log.fixed = set.fixed;
+  log.conventions = set.conventions;
+  auto store = StoreWriter<Dim>::open(path, log, set.stretches, "");
+  if (!store) return tl::unexpected(store.error());
+  for (std::size_t k = store->done().size(); k < set.maps.size(); ++k) {
+    if (auto added = store->add(k, set.maps[k]); !added) return added;
+  }
+  return store->finish();
+}
+
+template class StoreWriter<2>;
+template class StoreWriter<3>;
+template Expected<void> write_store<2>(const MapSet<2>&, const fs::path&);
+template Expected<void> write_store<3>(const MapSet<3>&, const fs::path&);
+
+}  // namespace mapjoin

@@ -1,0 +1,129 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <fmt/format.h>
+
+#include <Eigen/Cholesky>
+#include <Eigen/Eigenvalues>
+#include <algorithm>
+#include <mapjoin/model/information.hpp>
+
+namespace mapjoin {
+namespace {
+
+/// Relative to the largest entry or eigenvalue: above the round-off of a factorisation, below any deliberate figure.
+constexpr double kRoundOff = 1e-9;
+/// The asymmetry, relative to the largest entry, that a filter's covariance update leaves after thousands of steps.
+constexpr double kMostAsymmetry = 1e-6;
+
+/// Halved first: the sum of two finite numbers may not be one.
+template <int Size>
+Matrix<Size> symmetric_part(const Matrix<Size>& M) {
+  return 0.5 * M + 0.5 * M.transpose();
+}
+
+/// Of dynamic size, and so are its uses: an eigensolver unrolled for each size takes the compiler long, and few matrices need
+/// it.
+using EigenSolver = Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd>;
+
+/// The symmetric matrix with no eigenvalue below `least` of the largest that is nearest in Frobenius norm.
+Eigen::MatrixXd lifted(const Eigen::MatrixXd& M, double least) {
+  const EigenSolver eigen(M);
+  const Eigen::MatrixXd& V = eigen.eigenvectors();
+  const double floor = std::max(0.0, least * eigen.eigenvalues()[M.rows() - 1]);
+  return symmetric_part<Eigen::Dynamic>(V * eigen.eigenvalues().cwiseMax(floor).asDiagonal() * V.transpose());
+}
+
+/// A covariance whose correlations are positive definite: metres and radians are lifted alike.
+Eigen::MatrixXd definite(const Eigen::MatrixXd& P) {
+  const Eigen::VectorXd deviation = P.diagonal().cwiseSqrt();
+  const Eigen::VectorXd scale = deviation.cwiseInverse();
+  const Eigen::MatrixXd correlation = scale.asDiagonal() * P * scale.asDiagonal();
+  return deviation.asDiagonal() * lifted(correlation, kRoundOff) * deviation.asDiagonal();
+}
+
+}  // namespace
+
+template <int Size>
+std::optional<Matrix<Size>> information_of_covariance(const Matrix<Size>& covariance) {
+  if (!covariance.allFinite()) return std::nullopt;
+  const Eigen::LLT<Matrix<Size>> llt(covariance);
+  if (llt.info() != Eigen::Success) return std::nullopt;
+  const Matrix<Size> inverse = llt.solve(Matrix<Size>::Identity(covariance.rows(), covariance.cols()));
+  if (!inverse.allFinite()) return std::nullopt;
+  return symmetric_part<Size>(inverse);
+}
+
+std::string InformationCheck::refusal(std::string fault, const char* remedy) const {
+  return offer_ ? fmt::format("{}; --repair-information takes {}", fault, remedy) : fault;
+}
+
+template <int Size>
+std::optional<std::string> InformationCheck::make_symmetric(Matrix<Size>& M) {
+  if (!M.allFinite()) return "is not finite";
+  const double asymmetry = (M - M.transpose()).cwiseAbs().maxCoeff();
+  if (asymmetry == 0.0) return std::nullopt;
+  const double relative = asymmetry / M.cwiseAbs().maxCoeff();
+  if (relative > kMostAsymmetry && !repair_) {
+    return refusal(
+        fmt::format("is not symmetric (entries across the diagonal differ by up to {:.2g} of the largest)", relative),
+        "its symmetric part");
+  }
+  M = symmetric_part<Size>(M);
+  if (relative > kRoundOff) repairs_ += {.symmetrised = 1, .largest_asymmetry = relative};
+  return std::nullopt;
+}
+
+template <int Size>
+std::optional<std::string> InformationCheck::fault(Matrix<Size>& W) {
+  if (W.size() == 0) return std::nullopt;
+  if (const auto fault = make_symmetric<Size>(W)) return fault;
+  if (Eigen::LLT<Matrix<Size>>(W).info() == Eigen::Success) return std::nullopt;
+
+  const EigenSolver eigen(W, Eigen::EigenvaluesOnly);
+  const double smallest = eigen.eigenvalues()[0];
+  const double largest = eigen.eigenvalues()[W.rows() - 1];
+  if (smallest >= -kRoundOff * largest) return std::nullopt;
+  if (!repair_) {
+    return refusal(fmt::format("is indefinite (eigenvalues from {:.6g} to {:.6g})", smallest, largest),
+                   "the nearest semidefinite one");
+  }
+  W = lifted(W, 0.0);
+  if (!W.allFinite()) return "is indefinite and too large to be repaired";
+  repairs_ += {.indefinite = 1};
+  return std::nullopt;
+}
+
+template <int Size>
+std::optional<std::string> InformationCheck::invert(Matrix<Size>& covariance) {
+  if (covariance.size() == 0) return std::nullopt;
+  if (const auto fault = make_symmetric<Size>(covariance)) return fault;
+  auto W = information_of_covariance<Size>(covariance);
+  if (!W && repair_ && (covariance.diagonal().array() > 0.0).all()) {
+    W = information_of_covariance<Size>(Matrix<Size>(definite(covariance)));
+    repairs_ += {.indefinite = 1};
+  }
+  if (!W) return refusal("is not positive definite", "the nearest one that is, where variances are positive");
+  covariance = *W;
+  return std::nullopt;
+}
+
+template <int Rows>
+std::int64_t information_rank(const Matrix<Rows>& W) {
+  constexpr double kZero = 1e-9;
+  const Vector<Rows> diagonal = W.diagonal();
+  const Vector<Rows> scale = (diagonal.array() > 0.0).select(diagonal.array().rsqrt(), 0.0);
+  const Eigen::LDLT<Matrix<Rows>> ldlt(scale.asDiagonal() * W * scale.asDiagonal());
+  return (ldlt.vectorD().array() > kZero).count();
+}
+
+#define MAPJOIN_INSTANTIATE(Size)                                                            \
+  template std::optional<Matrix<Size>> information_of_covariance<Size>(const Matrix<Size>&); \
+  template std::int64_t information_rank<Size>(const Matrix<Size>&);                         \
+  template std::optional<std::string> InformationCheck::fault<Size>(Matrix<Size>&);          \
+  template std::optional<std::string> InformationCheck::invert<Size>(Matrix<Size>&);
+MAPJOIN_INSTANTIATE(2)
+MAPJOIN_INSTANTIATE(3)
+MAPJOIN_INSTANTIATE(6)
+MAPJOIN_INSTANTIATE(Eigen::Dynamic)
+#undef MAPJOIN_INSTANTIATE
+
+}  // namespace mapjoin

@@ -1,0 +1,57 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <mapjoin/io/formats/gtsam_text.hpp>
+#include <mapjoin/io/open.hpp>
+#include <string>
+#include <tests/support/temporary_folder.hpp>
+
+namespace mapjoin {
+namespace {
+
+using ::testing::ElementsAre;
+using ::testing::HasSubstr;
+
+std::string message(const std::string& text) {
+  const auto log = read_gtsam_text(TextScanner("some.txt", text), {});
+  return log ? "" : log.error().message;
+}
+
+const std::string kOdometry = "ODOMETRY 0 1 1 2 0.5 4 0 0 4 0 0.25\n";
+
+TEST(GtsamText, HasCovariances) {
+  const auto log =
+      std::get<Log<2>>(read_gtsam_text(TextScanner("some.txt", kOdometry + "LANDMARK 1 2 3 4 0.5 0 2\n"), {}).value());
+  EXPECT_TRUE(log.odometry.at(0).information.isApprox(Matrix<3>(Vector<3>(0.25, 0.25, 4.0).asDiagonal()), 1e-15));
+  EXPECT_THAT(log.features, ElementsAre(FeatureId{2}));
+  EXPECT_EQ(log.observations.at(0).base, 1);
+  EXPECT_TRUE(log.observations[0].information.isApprox(Matrix<2>(Vector<2>(2.0, 0.5).asDiagonal()), 1e-15));
+}
+
+TEST(GtsamText, IsToldFromIsamByItsOdometryWhereverItStands) {
+  const testing::TemporaryFolder folder;
+  const auto log = open_log(folder.file("log", "LANDMARK 1 2 3 4 0.5 0 2\n" + kOdometry));
+  EXPECT_NEAR(std::get<Log<2>>(log.value()).observations.at(0).information(0, 0), 2.0, 1e-15);
+}
+
+TEST(GtsamText, NumbersFeaturesApartFromPoses) {
+  const testing::TemporaryFolder folder;
+  const auto log =
+      std::get<Log<2>>(read_gtsam_text(TextScanner("some.txt", kOdometry + "LANDMARK 1 1 3 4 0.25 0 4\n"), {}).value());
+  ASSERT_TRUE(write_gtsam_text(log, folder.path() / "out"));
+  EXPECT_THAT(testing::content_of(folder.path() / "out"), HasSubstr("\nLANDMARK 1 11 3 4 0.25 0 4\n"));
+}
+
+TEST(GtsamText, NamesThePlaceOfWhatIsWrong) {
+  EXPECT_EQ(message("ODOMETRY 0 1 1 2 0.5 4 0 0 4 0 0\n"),
+            "some.txt:1:32: the covariance that ends here is not positive definite; --repair-information takes the nearest one "
+            "that is, "
+            "where variances are positive");
+  EXPECT_EQ(message(kOdometry + "LANDMARK 1 2 3 4 0.5 0\n"), "some.txt:2:23: the line ends where a number is expected");
+  EXPECT_EQ(message(kOdometry + "BR 1 2 3 4 0.5 1\n"), "some.txt:2:1: unknown tag 'BR'");
+  EXPECT_EQ(message(kOdometry + "LANDMARK 1 2 3 inf 0.5 0 1\n"), "some.txt:2:16: 'inf' stands where a number is expected");
+}
+
+}  // namespace
+}  // namespace mapjoin

@@ -1,0 +1,197 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <mapjoin/io/formats/log_format.hpp>
+#include <mapjoin/io/open.hpp>
+#include <mapjoin/model/log_builder.hpp>
+#include <tests/support/data.hpp>
+#include <tests/support/dimensions.hpp>
+#include <tests/support/random.hpp>
+#include <tests/support/same_log.hpp>
+#include <tests/support/small_world.hpp>
+#include <tests/support/temporary_folder.hpp>
+
+namespace mapjoin::testing {
+namespace {
+
+using ::testing::Contains;
+using ::testing::ElementsAre;
+using ::testing::HasSubstr;
+using ::testing::IsEmpty;
+
+template <typename Dimension>
+class LogFormatTest : public ::testing::Test {
+ protected:
+  static constexpr int kDim = Dimension::value;
+
+  Log<kDim> world(const WorldOptions& options = {.reversed_odometry = true}) const {
+    auto [log, truth] = small_world<kDim>(options);
+    log.initial_poses = truth.poses;
+    log.initial_features = truth.features;
+    return log;
+  }
+  Log<kDim> again(const Log<kDim>& log, LogFormat format) const {
+    const auto path = folder.path() / name_of(format).word;
+    const auto written = write_log(log, format, path);
+    if (!written) throw std::runtime_error(written.error().message);
+    return std::get<Log<kDim>>(open_log(path).value());
+  }
+  std::string refusal(const Log<kDim>& log, LogFormat format) const {
+    const auto written = write_log(log, format, folder.path() / "refused");
+    EXPECT_FALSE(std::filesystem::exists(folder.path() / "refused"));
+    return written ? "" : written.error().message;
+  }
+
+  TemporaryFolder folder;
+};
+TYPED_TEST_SUITE(LogFormatTest, Dimensions);
+
+TYPED_TEST(LogFormatTest, G2oBringsBackEveryBit) {
+  const auto log = this->world();
+  EXPECT_THAT(losses(log, LogFormat::kG2o), ElementsAre("features are numbered from 100 on, apart from poses"));
+  auto again = this->again(log, LogFormat::kG2o);
+  for (FeatureId& feature : again.features) feature.key -= 100;
+  expect_same_log(log, again);
+}
+
+TYPED_TEST(LogFormatTest, ToroBringsBackAPoseGraphAndItsValues) {
+  constexpr int Dim = TypeParam::value;
+  const auto log = this->world({.features = 0, .reversed_odometry = true});
+  const double rounding = Dim == 2 ? 0.0 : 1e-12;
+  const auto again = this->again(log, LogFormat::kToro);
+  expect_same_log(log, again, {rounding, rounding});
+  for (std::size_t p = 0; p < log.poses.size(); ++p) {
+    expect_same_value(log.initial_poses[p], again.initial_poses.at(p), rounding);
+  }
+  EXPECT_EQ(losses(log, LogFormat::kToro).size(), Dim == 2 ? 0u : 1u);
+}
+
+TYPED_TEST(LogFormatTest, ToroLeavesFeaturesOutAndSaysSo) {
+  const auto log = this->world({.features = 10});
+  EXPECT_THAT(losses(log, LogFormat::kToro), Contains(HasSubstr("10 features with")));
+  EXPECT_TRUE(this->again(log, LogFormat::kToro).features.empty());
+}
+
+TYPED_TEST(LogFormatTest, IsamBringsBackEdgesAndObservationsToRounding) {
+  const auto log = this->world();
+  expect_same_log(log, this->again(log, LogFormat::kIsam), {TypeParam::value == 2 ? 0.0 : 1e-12, 1e-12});
+  EXPECT_THAT(losses(log, LogFormat::kIsam), Contains("the values of poses and features are left out"));
+}
+
+TYPED_TEST(LogFormatTest, IsamKeepsWhatWasNotMeasured) {
+  constexpr int Dim = TypeParam::value;
+  auto log = this->world();
+  for (auto& o : log.observations) o.information.setZero();
+  for (auto& o : log.observations) o.information(Dim - 1, Dim - 1) = 7.0;
+  const auto again = this->again(log, LogFormat::kIsam);
+  for (const auto& o : again.observations) {
+    EXPECT_NEAR(o.information(Dim - 1, Dim - 1), 7.0, 1e-14);
+    EXPECT_TRUE(o.information.row(0).isZero(0.0));
+  }
+}
+
+TYPED_TEST(LogFormatTest, FurtherSessionsAreNumberedFromAPowerOfTen) {
+  const auto log = this->world({.poses = 30, .sessions = 2});
+  const auto again = this->again(log, LogFormat::kIsam);
+  EXPECT_EQ(again.poses.back(), (PoseId{0, 129}));
+  EXPECT_THAT(losses(log, LogFormat::kIsam), Contains("poses of session n are numbered from n times 100 on"));
+  EXPECT_EQ(again.sessions.size(), 2u);
+}
+
+TYPED_TEST(LogFormatTest, TumBringsBackValuesAndStamps) {
+  constexpr int Dim = TypeParam::value;
+  auto log = this->world();
+  for (std::size_t p = 0; p < log.poses.size(); ++p) {
+    log.stamps_ns.push_back(1'600'000'000'123'456'789 + 333'333'333 * static_cast<std::int64_t>(p));
+  }
+  const auto again = this->again(log, LogFormat::kTum);
+  EXPECT_EQ(again.stamps_ns, log.stamps_ns);
+  EXPECT_TRUE(again.odometry.empty());
+  for (std::size_t p = 0; p < log.poses.size(); ++p) {
+    expect_same_value(log.initial_poses[p], again.initial_poses.at(p), Dim == 2 ? 1e-14 : 0.0);
+  }
+  log.stamps_ns.clear();
+  EXPECT_TRUE(this->again(log, LogFormat::kTum).stamps_ns.empty());
+}
+
+TYPED_TEST(LogFormatTest, KittiBringsBackValues) {
+  const auto log = this->world();
+  const auto again = this->again(log, LogFormat::kKitti);
+  ASSERT_EQ(again.initial_poses.size(), log.poses.size());
+  for (std::size_t p = 0; p < log.poses.size(); ++p) {
+    expect_same_value(log.initial_poses[p], again.initial_poses[p], 1e-14);
+  }
+}
+
+TYPED_TEST(LogFormatTest, TellsWhatHasNoPlace) {
+  constexpr int Dim = TypeParam::value;
+  auto log = this->world({.features = 0});
+  log.pose_priors.push_back({kWorld, 0, {}, PoseMatrix<Dim>::Identity()});
+  log.fixed.push_back({0, log.initial_poses[0]});
+  log.stamps_ns.resize(log.poses.size());
+  EXPECT_THAT(losses(log, LogFormat::kG2o), ElementsAre("1 prior left out", "time stamps are left out"));
+  EXPECT_THAT(losses(log, LogFormat::kToro), Contains("which poses are fixed is left out"));
+  EXPECT_EQ(this->again(log, LogFormat::kG2o).fixed.size(), 1u);
+}
+
+TYPED_TEST(LogFormatTest, RefusesInASentenceWhatAFormatCannotSay) {
+  constexpr int Dim = TypeParam::value;
+  auto log = this->world({.features = 0});
+  if (Dim == 3) {
+    EXPECT_EQ(this->refusal(log, LogFormat::kGtsam), "small world: the format gtsam is for the plane");
+    EXPECT_EQ(this->refusal(log, LogFormat::kMat), "small world: the format mat is for the plane");
+    auto upright = log;
+    upright.odometry[4].measured.rotation =
+        Rotation<Dim>::exp(RotationVector<Dim>::Unit(Dim == 3 ? 1 : 0) * 0.5 * std::numbers::pi);
+    EXPECT_THAT(this->refusal(upright, LogFormat::kIsam),
+                HasSubstr("has a pitch of a right angle, which iSAM's files cannot say"));
+  } else {
+    auto singular = log;
+    singular.odometry[4].information.setZero();
+    for (const LogFormat format : {LogFormat::kGtsam, LogFormat::kOdomObs, LogFormat::kMat}) {
+      EXPECT_THAT(this->refusal(singular, format), HasSubstr("has an information matrix that is singular"));
+    }
+  }
+  log.initial_poses.clear();
+  for (const LogFormat format : {LogFormat::kToro, LogFormat::kTum, LogFormat::kKitti}) {
+    EXPECT_THAT(this->refusal(log, format), HasSubstr("needs the values of all poses"));
+  }
+}
+
+class PlanarFormatTest : public LogFormatTest<std::integral_constant<int, 2>> {};
+
+TEST_F(PlanarFormatTest, CovariancesBringBackInformationToRounding) {
+  const Log<2> log = world();
+  for (const LogFormat format : {LogFormat::kGtsam, LogFormat::kOdomObs, LogFormat::kMat}) {
+    Log<2> again = this->again(log, format);
+    if (format == LogFormat::kGtsam) {
+      for (FeatureId& feature : again.features) feature.key -= 100;  // In the numbering of the poses.
+    }
+    expect_same_log(log, again, {0.0, 1e-12});
+  }
+}
+
+TEST_F(PlanarFormatTest, MatFilesHaveIdsThatDoublesTellApart) {
+  LogBuilder<2> builder("some.g2o");
+  builder.add_pose_edge({0, 0}, {0, std::uint64_t{1} << 53}, {}, Matrix<3>::Identity());
+  EXPECT_THAT(refusal(std::move(builder).finish().value(), LogFormat::kMat), HasSubstr("has an id of 2^53 or more"));
+}
+
+TEST(LogFormatData, PublicLogsComeBackFromEveryFormatThatHoldsThem) {
+  const TemporaryFolder folder;
+  const auto open = [](const std::filesystem::path& path) { return std::get<Log<2>>(open_log(path).value()); };
+  const Log<2> vicpark = open(data_file("vicpark-6898/VicPark_clean_data.mat"));
+  for (const LogFormat format : {LogFormat::kG2o, LogFormat::kIsam, LogFormat::kGtsam, LogFormat::kOdomObs, LogFormat::kMat}) {
+    ASSERT_TRUE(write_log(vicpark, format, folder.path() / "log"));
+    Log<2> again = open(folder.path() / "log");
+    if (format == LogFormat::kG2o || format == LogFormat::kGtsam) again.features = vicpark.features;  // Numbered apart.
+    expect_same_log(vicpark, again, {0.0, format == LogFormat::kG2o ? 0.0 : 1e-12});
+  }
+  // The authors' table itself: covariances to the last digits.
+  ASSERT_TRUE(write_log(vicpark, LogFormat::kOdomObs, folder.path() / "log"));
+  expect_same_log(open(data_file("vicpark-6898/vicpark_clean_data.txt.gz")), open(folder.path() / "log"), {0.0, 1e-12});
+}
+
+}  // namespace
+}  // namespace mapjoin::testing

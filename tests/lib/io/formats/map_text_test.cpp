@@ -1,0 +1,131 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <gtest/gtest.h>
+
+#include <mapjoin/io/formats/map_text.hpp>
+#include <sstream>
+#include <string>
+#include <tests/support/temporary_folder.hpp>
+
+namespace mapjoin {
+namespace {
+
+class MapText : public ::testing::Test {
+ protected:
+  template <int Dim>
+  using Write = Expected<void> (*)(const GlobalMap<Dim>&, const std::filesystem::path&);
+
+  template <int Dim>
+  std::string written(Write<Dim> write, const GlobalMap<Dim>& map) {
+    const auto done = write(map, path);
+    return done ? testing::content_of(path) : done.error().message;
+  }
+  /// The tables of poses and of features.
+  template <int Dim>
+  std::pair<std::string, std::string> tables(const GlobalMap<Dim>& map) {
+    const auto done = write_csv(map, path, beside);
+    EXPECT_TRUE(done) << done.error().message;
+    return {testing::content_of(path), testing::content_of(beside)};
+  }
+
+  /// Two poses, one after a whole turn, and a feature.
+  static GlobalMap<2> plane() {
+    GlobalMap<2> map;
+    map.pose_ids = {{0, 4}, {0, 7}};
+    map.poses = {{{0.1, -2.0}, Rotation<2>(0.0)}, {{1e-7, 3.0}, Rotation<2>(2.0 * std::numbers::pi)}};
+    map.feature_ids = {{9}};
+    map.features = {{5.0, 1.0 / 3.0}};
+    return map;
+  }
+  static GlobalMap<3> space() {
+    GlobalMap<3> map;
+    map.pose_ids = {{0, 4}, {2, 4}};
+    map.poses = {{{1, 2, 3}, Rotation<3>()}, {{4, 5, 6}, Rotation<3>(Eigen::Quaterniond(0.8, 0.6, 0.0, 0.0))}};
+    map.feature_ids = {{9}};
+    map.features = {{7, 8, 9}};
+    map.stamps_ns = {1'500'000'001, -20};
+    return map;
+  }
+
+  testing::TemporaryFolder folder;
+  std::filesystem::path path = folder.path() / "out";
+  std::filesystem::path beside = folder.path() / "beside";
+};
+
+TEST_F(MapText, TumHasIndicesWhereThereAreNoStampsAndSaysSo) {
+  EXPECT_EQ(written<2>(write_tum, plane()),
+            "# index x y z qx qy qz qw (the poses have no time stamps)\n"
+            "0 0.1 -2 0 0 0 0 1\n"
+            "1 1e-07 3 0 0 0 0 1\n");
+}
+
+TEST_F(MapText, TablesHaveTheUpperTrianglesOfCovariances) {
+  auto map = plane();
+  const Matrix<3> of_pose = (Matrix<3>() << 1, 2, 3, 2, 4, 5, 3, 5, 6).finished();
+  map.pose_covariances = {Matrix<3>::Zero(), of_pose};
+  map.feature_covariances = {(Matrix<2>() << 7, 8, 8, 9).finished()};
+  const auto [poses, features] = tables<2>(map);
+  EXPECT_EQ(poses,
+            "pose,x,y,phi,cov_x_x,cov_x_y,cov_x_phi,cov_y_y,cov_y_phi,cov_phi_phi\n"
+            "4,0.1,-2,0,0,0,0,0,0,0\n"
+            "7,1e-07,3,6.283185307179586,1,2,3,4,5,6\n");
+  EXPECT_EQ(features,
+            "feature,x,y,cov_x_x,cov_x_y,cov_y_y\n"
+            "9,5,0.3333333333333333,7,8,9\n");
+}
+
+TEST_F(MapText, TumTurnsAHeadingAboutZ) {
+  auto map = plane();
+  map.poses[0].rotation = Rotation<2>(-2.5);
+  std::istringstream words(written<2>(write_tum, map));
+  words.ignore(1000, '\n');
+  Vector<8> line;
+  for (double& number : line) words >> number;
+  const Eigen::Quaterniond q(Vector<4>(line.tail<4>()));
+  EXPECT_TRUE((q * Vector<3>::UnitX()).isApprox(Vector<3>(std::cos(-2.5), std::sin(-2.5), 0.0), 1e-14));
+}
+
+TEST_F(MapText, TumHasSecondsToTheNanosecond) {
+  EXPECT_EQ(written<3>(write_tum, space()),
+            "# time[s] x y z qx qy qz qw\n"
+            "1.500000001 1 2 3 0 0 0 1\n"
+            "-0.000000020 4 5 6 0.6 0 0 0.8\n");
+}
+
+TEST_F(MapText, CsvOfPosesKeepsTheirNamesAndHeadings) {
+  EXPECT_EQ(tables(plane()).first, "pose,x,y,phi\n4,0.1,-2,0\n7,1e-07,3,6.283185307179586\n");
+}
+
+TEST_F(MapText, CsvOfPosesHasSessionsAndStampsWhereTheMapHas) {
+  EXPECT_EQ(tables(space()).first,
+            "session,pose,x,y,z,qx,qy,qz,qw,stamp_ns\n"
+            "0,4,1,2,3,0,0,0,1,1500000001\n"
+            "2,4,4,5,6,0.6,0,0,0.8,-20\n");
+}
+
+TEST_F(MapText, CsvOfFeatures) {
+  EXPECT_EQ(tables(plane()).second, "feature,x,y\n9,5,0.3333333333333333\n");
+  EXPECT_EQ(tables(space()).second, "feature,x,y,z\n9,7,8,9\n");
+}
+
+TEST_F(MapText, CsvOfFeaturesIsWrittenAlsoWhereThereAreNone) {
+  auto map = plane();
+  map.features.clear();
+  map.feature_ids.clear();
+  EXPECT_EQ(tables(map).second, "feature,x,y\n");
+}
+
+TEST_F(MapText, SaysWhenItCannotWrite) {
+  path = folder.path() / "no" / "out";
+  EXPECT_EQ(written<2>(write_tum, plane()), path.string() + ": No such file or directory");
+}
+
+TEST_F(MapText, NeitherTableAppearsWhereOneCannot) {
+  for (const std::filesystem::path& missing : {folder.path() / "no" / "out", std::filesystem::path("/dev/full")}) {
+    EXPECT_FALSE(write_csv(plane(), path, missing));
+    EXPECT_FALSE(write_csv(plane(), missing, path));
+    EXPECT_TRUE(std::filesystem::is_empty(folder.path()));
+  }
+}
+
+}  // namespace
+}  // namespace mapjoin

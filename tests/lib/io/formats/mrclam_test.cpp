@@ -1,0 +1,154 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <map>
+#include <mapjoin/io/files/file_bytes.hpp>
+#include <mapjoin/io/files/text_scanner.hpp>
+#include <mapjoin/io/formats/mrclam.hpp>
+#include <mapjoin/io/open.hpp>
+#include <numbers>
+#include <tests/support/data.hpp>
+#include <tests/support/temporary_folder.hpp>
+#include <vector>
+
+namespace mapjoin {
+namespace {
+
+using ::testing::ElementsAre;
+using ::testing::EndsWith;
+
+constexpr double kPi = std::numbers::pi;
+
+/// A robot that drives a quarter circle of radius 2 in a second, stands for a second, and goes straight for a second.
+class MrclamTest : public ::testing::Test {
+ protected:
+  void SetUp() override {
+    folder.file("Barcodes.dat", "# Subject  Barcode\n1 5\n2 14\n6 72\n7 27\n");
+    folder.file("Robot1_Odometry.dat", "# Time v w\n100.0 3.141592653589793 1.5707963267948966\n101.0 0 0\n102 1 0\n");
+    folder.file("Robot1_Measurement.dat",
+                "# Time Subject range bearing\n99 72 1 0\n101.0 72 2 0\n101.0 27 3 1.5707963267948966\n103 14 1 0\n"
+                "103 72 4 0\n103.5 99 1 0\n");
+  }
+  Log<2> read() const { return std::get<Log<2>>(open_log(folder.path()).value()); }
+  std::string message() const {
+    const auto log = open_log(folder.path());
+    return log ? "" : log.error().message;
+  }
+
+  testing::TemporaryFolder folder;
+};
+
+TEST_F(MrclamTest, IntegratesVelocitiesAlongArcs) {
+  const Log<2> log = read();
+  ASSERT_EQ(log.odometry.size(), 2u);
+  EXPECT_LE((log.odometry[0].measured.translation - Point<2>(2, 2)).norm(), 1e-12);
+  EXPECT_NEAR(log.odometry[0].measured.rotation.angle(), 0.5 * kPi, 1e-12);
+  EXPECT_LE((log.odometry[1].measured.translation - Point<2>(1, 0)).norm(), 1e-12);
+  EXPECT_THAT(log.stamps_ns, ElementsAre(100'000'000'000, 101'000'000'000, 103'000'000'000));
+}
+
+TEST_F(MrclamTest, TurnsRangesAndBearingsToPositions) {
+  const Log<2> log = read();
+  EXPECT_THAT(log.features, ElementsAre(FeatureId{6}, FeatureId{7}));
+  ASSERT_EQ(log.observations.size(), 3u);
+  EXPECT_EQ(log.observations[0].measured, Point<2>(2, 0));
+  EXPECT_LE((log.observations[1].measured - Point<2>(0, 3)).norm(), 1e-12);
+  const MrclamNoise noise;
+  const double across = 2.0 * noise.bearing;
+  const Matrix<2> P = Vector<2>(noise.range * noise.range, across * across).asDiagonal();
+  EXPECT_TRUE(log.observations[0].information.isApprox(Matrix<2>(P.inverse()), 1e-12));
+}
+
+TEST_F(MrclamTest, GivesMotionTheNoiseOfItsTime) {
+  const Log<2> log = read();
+  const MrclamNoise noise;
+  // Two seconds, in which the heading's error moves the robot only while it goes straight: to first order P is known.
+  const Matrix<3> P = log.odometry[1].information.inverse();
+  EXPECT_NEAR(P(0, 0), 2.0 * noise.forward * noise.forward, 1e-12);
+  EXPECT_NEAR(P(2, 2), 2.0 * noise.turn * noise.turn, 1e-12);
+  EXPECT_NEAR(P(1, 2), noise.turn * noise.turn, 1e-12);  // One second of turning error before one metre.
+}
+
+TEST_F(MrclamTest, LeavesOutRobotsUnknownBarcodesAndWhatCameTooEarly) {
+  EXPECT_EQ(read().unassociated, 3);
+}
+
+TEST_F(MrclamTest, IsASessionPerRobot) {
+  folder.file("Robot3_Odometry.dat", "1 0 0\n");
+  folder.file("Robot3_Measurement.dat", "2 72 4 0\n");
+  const Log<2> log = read();
+  EXPECT_EQ(log.sessions.size(), 2u);
+  EXPECT_EQ(log.poses.back(), (PoseId{2, 1}));
+}
+
+TEST_F(MrclamTest, IsALogThoughItIsAFolder) {
+  EXPECT_FALSE(may_hold_maps(folder.path()));
+  EXPECT_TRUE(may_hold_maps(folder.path().parent_path()));
+}
+
+TEST_F(MrclamTest, NamesThePlaceOfWhatIsWrong) {
+  folder.file("Robot1_Measurement.dat", "101 72 2\n");
+  EXPECT_THAT(message(), EndsWith("Robot1_Measurement.dat:1:9: the line ends where a number is expected"));
+  folder.file("Robot1_Measurement.dat", "101 72 -2 0\n");
+  EXPECT_THAT(message(), EndsWith("Robot1_Measurement.dat:1:8: a range must be from 1e-6 to 1e6 m"));
+  folder.file("Robot1_Odometry.dat", "101 nan 0\n");
+  EXPECT_THAT(message(), EndsWith("Robot1_Odometry.dat:1:5: 'nan' stands where a number is expected"));
+  folder.file("Barcodes.dat", "1 5\n2 5\n");
+  EXPECT_THAT(message(), EndsWith("Barcodes.dat:2:3: this barcode is there a second time"));
+  std::filesystem::remove(folder.path() / "Robot1_Odometry.dat");
+  folder.file("Barcodes.dat", "1 5\n");
+  EXPECT_THAT(message(), EndsWith(": the log has no poses"));
+}
+
+/// The first numbers of every line, by the first of all.
+template <int Size>
+std::map<double, Vector<Size>> table_in(const std::filesystem::path& path) {
+  const auto bytes = FileBytes::read(path).value();
+  std::map<double, Vector<Size>> table;
+  for (TextScanner text(path.string(), bytes.view()); text.next_line();) {
+    const double key = text.number();
+    table[key] = text.vector<Size>();
+  }
+  return table;
+}
+
+double median(std::vector<double> values) {
+  std::nth_element(values.begin(), values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2), values.end());
+  return values.at(values.size() / 2);
+}
+
+TEST(MrclamData, AgreesWithTheMotionCapture) {
+  const auto folder = testing::data_file("mrclam6");
+  const Log<2> log = std::get<Log<2>>(read_mrclam(folder).value());
+  EXPECT_EQ(log.sessions.size(), 5u);
+  EXPECT_EQ(log.observations.size(), 1534u + 3239u + 4348u + 2023u + 4239u);
+  EXPECT_EQ(log.unassociated, 407 + 792 + 1277 + 373 + 1139 + 1 + 0 + 2 + 3 + 0);
+
+  const auto landmarks = table_in<2>(folder / "Landmark_Groundtruth.dat");
+  const auto truth = table_in<3>(folder / "Robot1_Groundtruth.dat.gz");
+  const auto true_pose = [&](Index p) {
+    const auto at = truth.lower_bound(1e-9 * static_cast<double>(log.stamps_ns[static_cast<std::size_t>(p)]));
+    const Vector<3> v = at == truth.end() ? truth.rbegin()->second : at->second;
+    return Pose<2>{v.head<2>(), Rotation<2>(v[2])};
+  };
+  const auto is_first_robot = [&](Index p) { return log.poses[static_cast<std::size_t>(p)].session == 0; };
+  std::vector<double> misses;
+  for (const auto& o : log.observations) {
+    if (!is_first_robot(o.base)) continue;
+    const auto subject = static_cast<double>(log.features[static_cast<std::size_t>(o.target)].key);
+    misses.push_back((transform(true_pose(o.base), o.measured) - landmarks.at(subject)).norm());
+  }
+  EXPECT_EQ(misses.size(), 1534u);
+  EXPECT_LT(median(misses), 0.2);
+  std::vector<double> drifts;
+  for (const auto& edge : log.odometry) {
+    if (!is_first_robot(edge.base)) continue;
+    drifts.push_back(local(between(true_pose(edge.base), true_pose(edge.target)), edge.measured).norm());
+  }
+  EXPECT_LT(median(drifts), 0.02);
+}
+
+}  // namespace
+}  // namespace mapjoin

@@ -1,0 +1,73 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <mapjoin/io/formats/isam.hpp>
+#include <mapjoin/io/formats/toro.hpp>
+#include <mapjoin/io/open.hpp>
+#include <string>
+#include <tests/support/same_log.hpp>
+#include <tests/support/temporary_folder.hpp>
+
+namespace mapjoin {
+namespace {
+
+using ::testing::StartsWith;
+
+Expected<AnyLog> read(const std::string& text) {
+  return read_toro(TextScanner("some.graph", text), {});
+}
+
+std::string message(const std::string& text) {
+  const auto log = read(text);
+  return log ? "" : log.error().message;
+}
+
+const std::string kVertices = "VERTEX2 0 0 0 0\nVERTEX2 1 1 2 0.5\n";
+
+TEST(Toro, ReadsThePlaneWithItsOwnOrderOfWeights) {
+  const auto log = std::get<Log<2>>(read(kVertices + "EDGE2 0 1 1 2 0.5 10 1 20 30 2 3\n").value());
+  ASSERT_EQ(log.odometry.size(), 1u);
+  EXPECT_EQ(log.odometry[0].measured.translation, Point<2>(1, 2));
+  EXPECT_EQ(log.odometry[0].measured.rotation.angle(), 0.5);
+  EXPECT_EQ(log.odometry[0].information, (Matrix<3>() << 10, 1, 2, 1, 20, 3, 2, 3, 30).finished());
+  ASSERT_EQ(log.initial_poses.size(), 2u);
+  EXPECT_EQ(log.initial_poses[1].rotation.angle(), 0.5);
+}
+
+TEST(Toro, TakesAnglesInSpaceAsIsamDoes) {
+  const std::string edge = "EDGE3 0 1 1 2 3 0.3 -0.8 2.5 ";
+  // A diagonal square root, and its square.
+  const auto isam =
+      std::get<Log<3>>(read_isam(TextScanner("a", edge + "1 0 0 0 0 0 2 0 0 0 0 3 0 0 0 4 0 0 5 0 6\n"), {}).value());
+  const auto toro = std::get<Log<3>>(
+      read("VERTEX3 0 0 0 0 0 0 0\nVERTEX3 1 1 2 3 0.3 -0.8 2.5\n" + edge + "1 0 0 0 0 0 4 0 0 0 0 9 0 0 0 16 0 0 25 0 36\n")
+          .value());
+  testing::expect_same_log(isam, toro, {0.0, 1e-14});
+  EXPECT_LE(local(toro.initial_poses[1], toro.odometry[0].measured).norm(), 1e-15);
+}
+
+TEST(Toro, IsToldFromIsamByItsVerticesWhereverTheyStand) {
+  const testing::TemporaryFolder folder;
+  const std::string edge = "EDGE2 0 1 1 2 0.5 10 0 20 30 0 0\n";
+  const auto toro = open_log(folder.file("toro", edge + kVertices));
+  EXPECT_EQ(std::get<Log<2>>(toro.value()).odometry[0].information(2, 2), 30.0);
+  const auto isam = open_log(folder.file("isam", edge));
+  EXPECT_EQ(std::get<Log<2>>(isam.value()).odometry[0].information(1, 1), 900.0);
+}
+
+TEST(Toro, NamesThePlaceOfWhatIsWrong) {
+  EXPECT_EQ(message(kVertices + "EDGE2 0 1 1 2\n"), "some.graph:3:14: the line ends where a number is expected");
+  EXPECT_EQ(message(kVertices + "EDGE2 0 1 1 nan 0 1 0 1 1 0 0\n"), "some.graph:3:13: 'nan' stands where a number is expected");
+  EXPECT_THAT(message(kVertices + "EDGE2 0 1 1 2 0 1 0 -1 1 0 0\n"),
+              StartsWith("some.graph:3:1: the information matrix of edge 0-1 is indefinite"));
+  EXPECT_EQ(message(kVertices + "EDGE2 0 9 1 2 0 1 0 1 1 0 0\n"), "some.graph:3:1: the file declares vertices, but not pose 9");
+  EXPECT_EQ(message(kVertices + "VERTEX2 1 0 0 0\n"), "some.graph:3:1: pose 1 is declared a second time");
+  EXPECT_EQ(message(kVertices + "EQUIV 0 1\n"), "some.graph:3:1: unknown tag 'EQUIV'");
+  EXPECT_EQ(message(kVertices + "EDGE2 1 1 1 2 0 1 0 1 1 0 0\n"), "some.graph:3:1: an edge leads from pose 1 to itself");
+  EXPECT_EQ(message("VERTEX3 0 0 0 0 0 1.5707963267948966 0\n"),
+            "some.graph:1:19: at a pitch of a right angle roll and yaw are not told apart");
+}
+
+}  // namespace
+}  // namespace mapjoin

@@ -1,0 +1,73 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <gtest/gtest.h>
+#include <mapjoin/io/g2o/fields.hpp>
+#include <tests/support/dimensions.hpp>
+#include <tests/support/random.hpp>
+
+namespace mapjoin {
+namespace {
+
+/// The paper's residual X̂ - H(X) where the true relative pose is `relative`.
+template <int Dim>
+PoseVector<Dim> paper_residual(const Pose<Dim>& measured, const Pose<Dim>& relative) {
+  PoseVector<Dim> r;
+  r << measured.translation - relative.translation, (relative.rotation.inverse() * measured.rotation).log();
+  return r;
+}
+
+/// g2o's error Z⁻¹ X_b⁻¹ X_t, in space with the vector part of the quaternion.
+template <int Dim>
+PoseVector<Dim> g2o_error(const Pose<Dim>& measured, const Pose<Dim>& relative, RotationInformation rotation) {
+  const Pose<Dim> E = compose(inverse(measured), relative);
+  PoseVector<Dim> e;
+  e << E.translation, E.rotation.log();
+  if constexpr (Dim == 3) {
+    if (rotation == RotationInformation::kQuaternion) {
+      const auto q = E.rotation.quaternion();
+      e.template tail<3>() = q.w() < 0.0 ? Vector<3>(-q.vec()) : Vector<3>(q.vec());
+    }
+  }
+  return e;
+}
+
+template <typename D>
+class G2oInformationTest : public ::testing::Test {
+ protected:
+  testing::Random random;
+};
+TYPED_TEST_SUITE(G2oInformationTest, testing::Dimensions);
+
+TYPED_TEST(G2oInformationTest, TakenInG2osErrorTheChi2IsG2os) {
+  constexpr int kDim = TypeParam::value;
+  const ReadOptions options{.pose_error = PoseError::kG2o};
+  for (int i = 0; i < 20; ++i) {
+    const auto measured = this->random.template pose<kDim>();
+    const auto relative = this->random.template pose<kDim>(5.0, 0.5);
+    const auto W = this->random.template information<kPoseDof<kDim>>();
+    const auto turned = from_g2o<kDim>(W, measured, options);
+    const auto r = paper_residual(measured, relative);
+    const auto e = g2o_error(measured, relative, RotationInformation::kVector);
+    EXPECT_NEAR(r.dot(turned * r), e.dot(W * e), 1e-10 * e.dot(W * e));
+    EXPECT_EQ(turned, turned.transpose());
+  }
+}
+
+TYPED_TEST(G2oInformationTest, TakenAsThePapersTheInformationStaysAsItIs) {
+  constexpr int kDim = TypeParam::value;
+  const auto W = this->random.template information<kPoseDof<kDim>>();
+  EXPECT_EQ(from_g2o<kDim>(W, this->random.template pose<kDim>(), {}), W);
+}
+
+TYPED_TEST(G2oInformationTest, OfAQuaternionTheChi2IsG2osToFirstOrder) {
+  constexpr int kDim = TypeParam::value;
+  const ReadOptions options{.pose_error = PoseError::kG2o, .rotation_information = RotationInformation::kQuaternion};
+  const auto measured = this->random.template pose<kDim>();
+  const auto W = this->random.template information<kPoseDof<kDim>>();
+  const auto relative = retract(measured, 1e-4 * this->random.template vector<kPoseDof<kDim>>());
+  const auto r = paper_residual(measured, relative);
+  const auto e = g2o_error(measured, relative, RotationInformation::kQuaternion);
+  EXPECT_NEAR(r.dot(from_g2o<kDim>(W, measured, options) * r), e.dot(W * e), 1e-8 * e.dot(W * e));
+}
+
+}  // namespace
+}  // namespace mapjoin

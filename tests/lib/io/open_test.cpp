@@ -1,0 +1,62 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <sys/stat.h>
+
+#include <fstream>
+#include <mapjoin/io/open.hpp>
+#include <string>
+#include <tests/support/gzip.hpp>
+#include <tests/support/temporary_folder.hpp>
+#include <thread>
+
+namespace mapjoin {
+namespace {
+
+using ::testing::EndsWith;
+using ::testing::HasSubstr;
+
+class OpenLogTest : public ::testing::Test {
+ protected:
+  testing::TemporaryFolder folder;
+};
+
+TEST_F(OpenLogTest, KnowsEveryTextFormatByItsContentPlainAndPacked) {
+  for (const std::string content :
+       {"# a comment\n\nEDGE_SE2 0 1 1 0 0 1 0 0 1 0 1\n", "FIX 0\nEDGE_SE2 0 1 1 0 0 1 0 0 1 0 1\n",
+        "EDGE2 0 1 1 0 0 1 0 0 1 0 1\n", "ODOM 0 1 1 0 0 1 0 0 1 0 1\n", "STEP image 1 0 0 1 0 1 0 0 1\n"}) {
+    for (const auto& path : {folder.file("some.mat", content), testing::write_gzip(folder.path() / "packed", content)}) {
+      const auto log = open_log(path);
+      ASSERT_TRUE(log) << log.error().message;
+      EXPECT_EQ(std::get<Log<2>>(*log).odometry.size(), 1u) << content;
+      EXPECT_EQ(std::get<Log<2>>(*log).source, path.string());
+    }
+  }
+}
+
+TEST_F(OpenLogTest, SaysWhatIsWrongWithAFileInOneSentence) {
+  const auto message = [&](const std::filesystem::path& path) {
+    const auto log = open_log(path);
+    return log ? "" : log.error().message;
+  };
+  EXPECT_THAT(message(folder.path() / "missing"), EndsWith("missing: No such file or directory"));
+  EXPECT_THAT(message(folder.path()), EndsWith(": Is a directory"));
+  EXPECT_THAT(message(folder.file("empty", "")), EndsWith("empty: the file is empty"));
+  EXPECT_THAT(message(folder.file("blank", "# nothing\n\n")), EndsWith("blank: the file has nothing but blanks and comments"));
+  EXPECT_THAT(message(folder.file("prose", "\nDear reader")),
+              EndsWith("prose:2:1: no log format has lines that begin with 'Dear'"));
+}
+
+TEST_F(OpenLogTest, ReadsAMatFileFromAPipe) {
+  // An empty MAT file, which has neither log: that much can be said only of what was read.
+  const std::string header = std::string("MATLAB 5.0 MAT-file").append(105, ' ') + std::string("\0\1IM", 4);
+  const auto pipe = folder.path() / "pipe";
+  ASSERT_EQ(::mkfifo(pipe.c_str(), 0600), 0);
+  std::thread writer([&] { std::ofstream(pipe) << header; });
+  const auto log = open_log(pipe);
+  writer.join();
+  EXPECT_THAT(log.error().message, HasSubstr("pipe: holds neither the variable"));
+}
+
+}  // namespace
+}  // namespace mapjoin

@@ -1,0 +1,88 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <gtest/gtest.h>
+
+#include <mapjoin/io/open.hpp>
+#include <mapjoin/io/store/store.hpp>
+#include <stdexcept>
+#include <tests/support/dimensions.hpp>
+#include <tests/support/stored_maps.hpp>
+#include <tests/support/temporary_folder.hpp>
+
+namespace mapjoin {
+namespace {
+
+using testing::Random;
+using testing::TemporaryFolder;
+
+/// Maps of successive poses, the last of which does not move: it starts and ends at one pose.
+template <int Dim>
+MapSet<Dim> random_map_set(Random& random) {
+  MapSet<Dim> set;
+  set.source = "maps.tar";
+  set.conventions.repairs.indefinite = 3;
+  for (Index k = 0; k < 4; ++k) set.poses.push_back({0, static_cast<std::uint64_t>(k)});
+  for (std::uint64_t key = 10; key < 15; ++key) set.features.push_back({key});
+  for (Index k = 0; k < 3; ++k) {
+    set.stretches.push_back({k, k + 1, true});
+    set.maps.push_back(testing::random_map<Dim>(random, set.stretches.back(), 5));
+  }
+  set.stretches.push_back({3, 3, true});
+  LocalMap<Dim> still = testing::random_map<Dim>(random, set.stretches.back(), 5);
+  still.poses.clear();
+  still.pose_estimates.clear();
+  still.information = still.information.bottomRightCorner(5 * Dim, 5 * Dim).eval();
+  set.maps.push_back(still);
+  return set;
+}
+
+template <typename Dimension>
+class StoreMapSet : public ::testing::Test {};
+TYPED_TEST_SUITE(StoreMapSet, testing::Dimensions);
+
+TYPED_TEST(StoreMapSet, GivesBackTheMapsOfOthersAsTheyWere) {
+  constexpr int kDim = TypeParam::value;
+  const TemporaryFolder folder;
+  const auto path = folder.path() / "store";
+  Random random;
+  const MapSet<kDim> set = random_map_set<kDim>(random);
+  ASSERT_TRUE(write_store(set, path));
+
+  const auto opened = open_maps(path);
+  ASSERT_TRUE(opened) << opened.error().message;
+  const auto& back = std::get<MapSet<kDim>>(*opened);
+  EXPECT_EQ(back.source, path.string());
+  EXPECT_EQ(back.poses, set.poses);
+  EXPECT_EQ(back.features, set.features);
+  EXPECT_EQ(back.stretches, set.stretches);
+  EXPECT_TRUE(testing::same(back.maps, set.maps));
+  EXPECT_EQ(back.conventions.repairs.indefinite, 3);
+}
+
+TYPED_TEST(StoreMapSet, IsOneWithoutAnyObservation) {
+  constexpr int kDim = TypeParam::value;
+  Random random;
+  StoredMaps<kDim> stored = testing::random_stored_maps<kDim>(random, 2);
+  EXPECT_FALSE(has_maps_alone(stored));
+  Log<kDim> bare;
+  bare.poses = stored.log.poses;
+  bare.observations = {stored.log.observations.front()};
+  stored.log = bare;
+  EXPECT_FALSE(has_maps_alone(stored));
+  stored.log.observations.clear();
+  EXPECT_TRUE(has_maps_alone(stored));
+  stored.maps.clear();
+  EXPECT_FALSE(has_maps_alone(stored));
+}
+
+TYPED_TEST(StoreMapSet, HoldsMapsAlone) {
+  constexpr int kDim = TypeParam::value;
+  const TemporaryFolder folder;
+  Random random;
+  MapSet<kDim> set = random_map_set<kDim>(random);
+  set.pose_observations.push_back(testing::random_pose_observation<kDim>(random, 0, 2));
+  EXPECT_THROW(static_cast<void>(write_store(set, folder.path() / "store")), std::invalid_argument);
+  EXPECT_FALSE(std::filesystem::exists(folder.path() / "store"));
+}
+
+}  // namespace
+}  // namespace mapjoin

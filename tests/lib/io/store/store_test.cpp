@@ -1,0 +1,168 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <fmt/format.h>
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <sys/wait.h>
+#include <tbb/global_control.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <csignal>
+#include <filesystem>
+#include <mapjoin/io/store/database.hpp>
+#include <tests/lib/io/store/store_fixture.hpp>
+#include <tests/support/dimensions.hpp>
+#include <tests/support/file_bytes.hpp>
+#include <tests/support/sqlite.hpp>
+#include <tests/support/stored_maps.hpp>
+
+namespace mapjoin {
+namespace {
+
+namespace fs = std::filesystem;
+using testing::build_store;
+using ::testing::ElementsAre;
+using testing::execute_sql;
+using testing::expect_same;
+using ::testing::HasSubstr;
+using testing::maps_done;
+using testing::random_stored_maps;
+using testing::StoreTest;
+
+TYPED_TEST_SUITE(StoreTest, testing::Dimensions);
+
+TYPED_TEST(StoreTest, GivesBackEveryBitOfLogStretchesAndMaps) {
+  const auto maps = random_stored_maps<TestFixture::kDim>(this->random, 20);
+  build_store(this->path, maps);
+  EXPECT_FALSE(fs::exists(this->partial));
+  EXPECT_TRUE(is_store(this->path));
+  const auto read = this->read();
+  ASSERT_TRUE(read) << read.error().message;
+  expect_same(*read, maps);
+}
+
+TYPED_TEST(StoreTest, GivesBackALogThatTakesManyChunks) {
+  auto maps = random_stored_maps<TestFixture::kDim>(this->random, 3);
+  for (int i = 0; i < 40000; ++i) {
+    maps.log.observations.push_back(testing::random_feature_observation<TestFixture::kDim>(this->random, i % 8, i % 5));
+  }
+  std::stable_sort(maps.log.observations.begin(), maps.log.observations.end(),
+                   [](const auto& a, const auto& b) { return a.base < b.base; });
+  build_store(this->path, maps);
+  const auto read = this->read();
+  ASSERT_TRUE(read) << read.error().message;
+  expect_same(*read, maps);
+}
+
+TYPED_TEST(StoreTest, AStretchThatDidNotDetermineItsMapIsReadAsASpan) {
+  constexpr int kDim = TestFixture::kDim;
+  auto maps = random_stored_maps<kDim>(this->random, 3);
+  auto writer = StoreWriter<kDim>::open(this->path, maps.log, maps.stretches, maps.options);
+  ASSERT_TRUE(writer);
+  ASSERT_TRUE(writer->add(0, maps.maps[0]) && writer->add(1, std::nullopt) && writer->add(2, maps.maps[2]));
+  EXPECT_THAT(writer->done(), ElementsAre(0, 1, 2));
+  ASSERT_TRUE(writer->finish());
+  maps.maps.erase(maps.maps.begin() + 1);
+  maps.stretches[1].is_map = false;
+  const auto read = this->read();
+  ASSERT_TRUE(read) << read.error().message;
+  expect_same(*read, maps);
+}
+
+TYPED_TEST(StoreTest, TheFirstOfManyMapsThatIsDamagedIsNamed) {
+  const auto maps = random_stored_maps<TestFixture::kDim>(this->random, 40, 50);  // large ones
+  build_store(this->path, maps);
+  for (const int stretch : {39, 3}) {
+    execute_sql(this->path, fmt::format("UPDATE maps SET information = x'00' WHERE stretch = {}", stretch));
+    for (const std::size_t threads : {1u, 4u}) {
+      const tbb::global_control control(tbb::global_control::max_allowed_parallelism, threads);
+      const auto read = this->read();
+      ASSERT_FALSE(read);
+      EXPECT_THAT(read.error().message, HasSubstr(fmt::format("the sizes of map {} do not agree", stretch)));
+    }
+  }
+}
+
+TYPED_TEST(StoreTest, StaysAsItIsWhileItIsRead) {
+  build_store(this->path, random_stored_maps<TestFixture::kDim>(this->random, 3));
+  auto database = store::Database::open_read_only(this->path);
+  ASSERT_TRUE(database && database->integer("SELECT count(*) FROM maps"));
+  EXPECT_FALSE(store::Database::open(this->path).and_then([](auto other) { return other.execute("DELETE FROM maps"); }));
+  database = store::Database::open(this->path);
+  EXPECT_TRUE(database->execute("DELETE FROM maps"));
+}
+
+TYPED_TEST(StoreTest, ABuildThatWasKilledGoesOnAndEndsWithTheSameBytes) {
+  constexpr int kDim = TestFixture::kDim;
+  const auto maps = random_stored_maps<kDim>(this->random, 1000);
+  build_store(this->path, maps);
+  const std::string uninterrupted = testing::bytes_of(this->path);
+  fs::remove(this->path);
+
+  std::size_t done_before = 0;
+  for (const std::size_t kill_after : {100u, 300u, 301u, 700u, 999u}) {
+    const pid_t child = fork();
+    if (child == 0) {
+      build_store(this->path, maps, [&](std::size_t done) {
+        if (done == kill_after) kill(getpid(), SIGKILL);
+      });
+      _exit(1);
+    }
+    int status = 0;
+    ASSERT_EQ(waitpid(child, &status, 0), child);
+    ASSERT_TRUE(WIFSIGNALED(status)) << kill_after;
+    EXPECT_FALSE(fs::exists(this->path));
+    const std::size_t done = maps_done(this->path, maps);
+    EXPECT_LE(done, kill_after);
+    EXPECT_GT(done + 257, kill_after);
+    EXPECT_GE(done, done_before);
+    done_before = done;
+  }
+  EXPECT_EQ(done_before, 768u);
+  build_store(this->path, maps);
+  EXPECT_TRUE(testing::bytes_of(this->path) == uninterrupted);
+  expect_same(*this->read(), maps);
+}
+
+TYPED_TEST(StoreTest, ABuildOfAnotherLogSplitOrOptionsBeginsAfresh) {
+  constexpr int kDim = TestFixture::kDim;
+  const auto maps = random_stored_maps<kDim>(this->random, 300);
+  const auto begin = [&] {
+    auto writer = StoreWriter<kDim>::open(this->path, maps.log, maps.stretches, maps.options);
+    for (std::size_t k = writer->done().size(); k < 260; ++k) ASSERT_TRUE(writer->add(k, maps.maps[k]));
+  };
+  begin();
+  ASSERT_EQ(maps_done(this->path, maps), 256u);
+  auto other = maps;
+  other.options = "--poses-per-map 3";
+  EXPECT_EQ(maps_done(this->path, other), 0u);
+
+  begin();
+  other = maps;
+  other.log.observations.back().measured[0] += 1e-12;
+  EXPECT_EQ(maps_done(this->path, other), 0u);
+
+  begin();
+  other = maps;
+  other.log.observations.pop_back();
+  EXPECT_EQ(maps_done(this->path, other), 0u);
+
+  begin();
+  other = maps;
+  other.stretches.pop_back();
+  EXPECT_EQ(maps_done(this->path, other), 0u);
+  build_store(this->path, other);
+  expect_same(*this->read(), other);
+}
+
+TYPED_TEST(StoreTest, MapsAreAddedInOrderAndAllOfThem) {
+  constexpr int kDim = TestFixture::kDim;
+  const auto maps = random_stored_maps<kDim>(this->random, 3);
+  auto writer = StoreWriter<kDim>::open(this->path, maps.log, maps.stretches, maps.options);
+  ASSERT_TRUE(writer);
+  EXPECT_THROW((void)writer->add(1, maps.maps[1]), std::invalid_argument);
+  EXPECT_THROW((void)writer->finish(), std::logic_error);
+}
+
+}  // namespace
+}  // namespace mapjoin

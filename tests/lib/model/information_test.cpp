@@ -1,0 +1,134 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <limits>
+#include <mapjoin/model/information.hpp>
+#include <tests/support/random.hpp>
+
+namespace mapjoin {
+namespace {
+
+using ::testing::HasSubstr;
+
+template <typename S>
+class InformationTest : public ::testing::Test {
+ protected:
+  static constexpr int kSize = S::value;
+
+  /// A symmetric matrix with the eigenvalues `smallest`, 1, 2, ... in random directions.
+  Matrix<kSize> with_smallest_eigenvalue(double smallest) {
+    const Matrix<kSize> Q = random.template information<kSize>().householderQr().householderQ();
+    Vector<kSize> eigenvalues;
+    for (int i = 0; i < kSize; ++i) eigenvalues[i] = i == 0 ? smallest : i;
+    const Matrix<kSize> W = Q * eigenvalues.asDiagonal() * Q.transpose();
+    return 0.5 * (W + W.transpose());
+  }
+  testing::Random random;
+};
+using Sizes = ::testing::Types<std::integral_constant<int, 2>, std::integral_constant<int, 3>, std::integral_constant<int, 6>>;
+TYPED_TEST_SUITE(InformationTest, Sizes);
+
+TYPED_TEST(InformationTest, PassesDefiniteAndSemidefiniteMatricesUnchanged) {
+  InformationCheck check(false);
+  for (const double smallest : {0.5, 0.0, -1e-10}) {
+    auto W = this->with_smallest_eigenvalue(smallest);
+    const auto before = W;
+    EXPECT_EQ(check.fault(W), std::nullopt) << smallest;
+    EXPECT_EQ(W, before);
+  }
+  Matrix<TestFixture::kSize> zero = Matrix<TestFixture::kSize>::Zero();
+  EXPECT_EQ(check.fault(zero), std::nullopt);
+}
+
+TYPED_TEST(InformationTest, RefusesAnIndefiniteMatrixOrRepairsAndCountsIt) {
+  const auto indefinite = this->with_smallest_eigenvalue(-1e-3);
+  auto W = indefinite;
+  EXPECT_THAT(InformationCheck(false).fault(W).value_or(""), HasSubstr("is indefinite (eigenvalues from -0.001 to"));
+  InformationCheck check(true);
+  EXPECT_EQ(check.fault(W), std::nullopt);
+  EXPECT_EQ(check.repairs().indefinite, 1);
+  EXPECT_EQ(check.fault(W), std::nullopt);
+  EXPECT_EQ(check.repairs().indefinite, 1) << "a repaired matrix passes";
+  // The nearest semidefinite matrix is away by the clipped eigenvalue.
+  EXPECT_NEAR((W - indefinite).norm(), 1e-3, 1e-12);
+}
+
+TYPED_TEST(InformationTest, RefusesANegativeMatrix) {
+  Matrix<TestFixture::kSize> W = -Matrix<TestFixture::kSize>::Identity();
+  EXPECT_TRUE(InformationCheck(false).fault(W));
+}
+
+TYPED_TEST(InformationTest, RefusesWhatIsNotFinite) {
+  for (const double bad : {std::numeric_limits<double>::quiet_NaN(), std::numeric_limits<double>::infinity()}) {
+    auto W = this->with_smallest_eigenvalue(1.0);
+    W(1, 1) = bad;
+    EXPECT_EQ(InformationCheck(true).fault(W), "is not finite");
+  }
+}
+
+TYPED_TEST(InformationTest, AveragesAFiltersAsymmetryAndCountsItAboveRoundOff) {
+  const auto symmetric = this->with_smallest_eigenvalue(1.0);
+  const double largest = symmetric.cwiseAbs().maxCoeff();
+  for (const auto& [asymmetry, counted] : {std::pair(1e-12, 0), std::pair(1.3e-9, 1), std::pair(0.9e-6, 1)}) {
+    auto W = symmetric;
+    W(0, 1) += asymmetry * largest;
+    InformationCheck check;
+    EXPECT_EQ(check.fault(W), std::nullopt) << asymmetry;
+    EXPECT_EQ(W, W.transpose());
+    EXPECT_NEAR(W(0, 1), symmetric(0, 1) + 0.5 * asymmetry * largest, 1e-14);
+    EXPECT_EQ(check.repairs().symmetrised, counted) << asymmetry;
+    EXPECT_NEAR(check.repairs().largest_asymmetry, counted * asymmetry, 1e-3 * asymmetry);
+  }
+}
+
+TYPED_TEST(InformationTest, RefusesMoreAsymmetryOrRepairsIt) {
+  auto W = this->with_smallest_eigenvalue(1.0);
+  W(0, 1) += 1.1e-6 * W.cwiseAbs().maxCoeff();
+  auto P = W;
+  EXPECT_THAT(InformationCheck().fault(W).value_or(""), ::testing::EndsWith("differ by up to 1.1e-06 of the largest)"));
+  EXPECT_THAT(InformationCheck(false).fault(W).value_or(""), HasSubstr("; --repair-information takes its symmetric part"));
+  EXPECT_THAT(InformationCheck(false).invert(P).value_or(""), HasSubstr("; --repair-information takes its symmetric part"));
+  InformationCheck check(true);
+  EXPECT_EQ(check.fault(W), std::nullopt);
+  EXPECT_EQ(W, W.transpose());
+  EXPECT_EQ(check.repairs().symmetrised, 1);
+  EXPECT_EQ(check.repairs().indefinite, 0);
+}
+
+TYPED_TEST(InformationTest, LiftsACovarianceThatIsNotDefiniteWhereItsVariancesArePositive) {
+  // Metres and radians: the units of a row do not matter.
+  const Vector<TestFixture::kSize> units = Vector<TestFixture::kSize>::LinSpaced(1e-3, 1e3);
+  const Matrix<TestFixture::kSize> singular = units.asDiagonal() * Matrix<TestFixture::kSize>::Ones() * units.asDiagonal();
+  auto P = singular;
+  EXPECT_THAT(InformationCheck(false).invert(P).value_or(""),
+              HasSubstr("is not positive definite; --repair-information takes"));
+  InformationCheck check(true);
+  EXPECT_EQ(check.invert(P), std::nullopt);
+  EXPECT_EQ(check.repairs().indefinite, 1);
+  // In the direction that the singular covariance knows nothing of, the certainty is finite; along it, what it was.
+  const Vector<TestFixture::kSize> along = units;
+  EXPECT_NEAR(along.dot(P * along), 1.0, 1e-6);
+  Matrix<TestFixture::kSize> negative = -Matrix<TestFixture::kSize>::Identity();
+  EXPECT_THAT(check.invert(negative).value_or(""), HasSubstr("is not positive definite"));
+}
+
+TYPED_TEST(InformationTest, IsFiniteHoweverLarge) {
+  const Matrix<TestFixture::kSize> P = 6e-309 * Matrix<TestFixture::kSize>::Identity();
+  const auto W = information_of_covariance<TestFixture::kSize>(P);
+  ASSERT_TRUE(W);
+  EXPECT_NEAR((*W)(0, 0) / 1e308, 1.0 / 0.6, 1e-9);
+}
+
+TYPED_TEST(InformationTest, InvertsADefiniteCovarianceOnly) {
+  const auto P = this->with_smallest_eigenvalue(0.5);
+  const auto W = information_of_covariance<TestFixture::kSize>(P);
+  ASSERT_TRUE(W);
+  EXPECT_TRUE((*W * P).isIdentity(1e-12));
+  EXPECT_EQ(*W, W->transpose());
+  EXPECT_FALSE(information_of_covariance<TestFixture::kSize>(this->with_smallest_eigenvalue(-0.5)));
+  EXPECT_FALSE(information_of_covariance<TestFixture::kSize>(Matrix<TestFixture::kSize>::Zero()));
+}
+
+}  // namespace
+}  // namespace mapjoin
