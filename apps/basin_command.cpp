@@ -18,7 +18,7 @@ constexpr const char* kExamples =
     "  mapjoin basin data/manhattan2d.g2o\n"
     "  mapjoin basin data/manhattan2d.g2o --poses-per-map 10,20,35,60 --seeds 5 -o basin";
 
-const std::vector<std::string> kFiles = {"basin.csv", "basin.json", "basin.svg"};
+const std::vector<std::string> kFiles = {"basin.csv", "basin.json"};
 
 struct BasinCall {
   Options shared;
@@ -49,8 +49,7 @@ Expected<Basin> basin_of(const Data& data, const BasinOptions& options, const st
 
 StudyOutput output_of(const Basin& basin, const Account& account) {
   const std::string json = basin_json(basin, account);
-  return {
-      basin_table(basin, account), json, {{kFiles[0], basin_csv(basin)}, {kFiles[1], json}, {kFiles[2], basin_picture(basin)}}};
+  return {basin_table(basin, account), json, {{kFiles[0], basin_csv(basin)}, {kFiles[1], json}}};
 }
 
 Expected<ExitCode> run_basin(const BasinCall& asked, const std::stop_token& stop) {
@@ -75,7 +74,7 @@ void declare(Subcommand& command) {
   Options& options = asked->shared;
   BasinOptions& basin = asked->basin;
   command.argument("LOG|MAPS", options.input, "A log; or a store, or a folder or archive of local maps");
-  command.path("-o,--output", options.output, "DIR", "Write basin.csv, basin.json and basin.svg into this folder");
+  command.path("-o,--output", options.output, "DIR", "Write basin.csv and basin.json into this folder");
   command.group("Experiment");
   command.option("--poses-per-map", "N|auto,...", "Lengths of the local maps to join, of a log [auto]",
                  [&basin](const std::string& words) { return take_splits(words, basin.splits); });

@@ -50,6 +50,23 @@ std::string cell_in_words(const BasinCell& cell) {
   return fmt::format("{} ({}){}", rate, typical_iterations(cell), misses.empty() ? "" : ": " + misses);
 }
 
+/// The local maps of a cell, as --poses-per-map and its like name them: "20", "auto", "10 m", "15 features"; empty for full
+/// SLAM and for maps that were cut before.
+std::string split_in_words(const BasinCell& cell) {
+  if (!cell.split) return "";
+  switch (cell.split->rule) {
+    case SplitRule::kAuto:
+      return "auto";
+    case SplitRule::kPoses:
+      return fmt::format("{:g}", cell.split->amount);
+    case SplitRule::kDistance:
+      return fmt::format("{:g} m", cell.split->amount);
+    case SplitRule::kFeatures:
+      return fmt::format("{:g} features", cell.split->amount);
+  }
+  return "";
+}
+
 const char* problem(const BasinCell& cell) {
   return cell.formulation.is_joining ? "joining" : "full_slam";
 }
@@ -78,21 +95,6 @@ Json json_of(const BasinCell& cell) {
 }
 
 }  // namespace
-
-std::string split_in_words(const BasinCell& cell) {
-  if (!cell.split) return "";
-  switch (cell.split->rule) {
-    case SplitRule::kAuto:
-      return "auto";
-    case SplitRule::kPoses:
-      return fmt::format("{:g}", cell.split->amount);
-    case SplitRule::kDistance:
-      return fmt::format("{:g} m", cell.split->amount);
-    case SplitRule::kFeatures:
-      return fmt::format("{:g} features", cell.split->amount);
-  }
-  return "";
-}
 
 std::string basin_table(const Basin& basin, const Account& account) {
   Lines lines;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
-// What `mapjoin basin` found: as a table for people, as CSV and JSON for programs, and as a picture.
+// What `mapjoin basin` found: as a table for people, as CSV and JSON for programs.
 
 #include <apps/account.hpp>
 #include <mapjoin/join/study/basin.hpp>
@@ -17,12 +17,5 @@ std::string basin_csv(const Basin& basin);
 
 /// The input and its convention, the best chi2 known, and all cells with their solves.
 std::string basin_json(const Basin& basin, const Account& account);
-
-/// The rate at which each cell reaches the optimum, as SVG.
-std::string basin_picture(const Basin& basin);
-
-/// The local maps of a cell, as --poses-per-map and its like name them: "20", "auto", "10 m", "15 features"; empty for full
-/// SLAM and for maps that were cut before.
-std::string split_in_words(const BasinCell& cell);
 
 }  // namespace mapjoin::apps

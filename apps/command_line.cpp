@@ -6,6 +6,7 @@
 #include <CLI/Formatter.hpp>
 #include <apps/command_line.hpp>
 #include <apps/commands.hpp>
+#include <boost/algorithm/string/replace.hpp>
 #include <mapjoin/version.hpp>
 #include <sstream>
 #include <utility>
@@ -20,29 +21,7 @@ constexpr const char* kDescription =
 constexpr std::size_t kWidth = 120;      ///< Of the help, in characters.
 constexpr std::size_t kNameColumn = 36;  ///< Of it, for the names of options.
 
-/// CLI11's, with lines that end between words, and one blank line where it leaves two.
-class HelpFormatter : public CLI::Formatter {
- public:
-  std::string make_help(const CLI::App* app, std::string name, CLI::AppFormatMode mode) const override {
-    std::string help = CLI::Formatter::make_help(app, std::move(name), mode);
-    for (std::size_t at = 0; (at = help.find("\n\n\n", at)) != std::string::npos;) help.erase(at, 1);
-    return help;
-  }
-  std::string make_description(const CLI::App* app) const override { return wrapped(app->get_description(), kWidth) + "\n"; }
-  std::string make_option_desc(const CLI::Option* option) const override {
-    return wrapped(option->get_description(), kWidth - kNameColumn);
-  }
-};
-
-std::string footer() {
-  std::string exit_codes = "Exit codes:";
-  for (const auto& [code, meaning] : kExitCodes) exit_codes += fmt::format(" {} {},", static_cast<int>(code), meaning);
-  exit_codes.back() = '.';
-  return "`mapjoin COMMAND --help` lists a command's options, with examples.\n" + wrapped(exit_codes, kWidth);
-}
-
-}  // namespace
-
+/// Broken between words into lines of at most `width` characters, where no word is longer.
 std::string wrapped(const std::string& text, std::size_t width) {
   std::istringstream words(text);
   std::string lines;
@@ -59,6 +38,39 @@ std::string wrapped(const std::string& text, std::size_t width) {
   }
   return lines;
 }
+
+/// CLI11's, with lines that end between words, one blank line where it leaves two, and names as help2man knows them: "-o,
+/// --output", two spaces before the description.
+class HelpFormatter : public CLI::Formatter {
+ public:
+  std::string make_help(const CLI::App* app, std::string name, CLI::AppFormatMode mode) const override {
+    std::string help = CLI::Formatter::make_help(app, std::move(name), mode);
+    boost::replace_all(help, " \n", "\n");
+    boost::replace_all(help, "\n\n\n", "\n\n");
+    return help;
+  }
+  std::string make_description(const CLI::App* app) const override { return wrapped(app->get_description(), kWidth) + "\n"; }
+  std::string make_option_name(const CLI::Option* option, bool is_positional) const override {
+    std::string name = CLI::Formatter::make_option_name(option, is_positional);
+    if (const std::size_t comma = name.find(','); comma != std::string::npos) name.insert(comma + 1, " ");
+    return name;
+  }
+  std::string make_option_opts(const CLI::Option* option) const override {
+    return CLI::Formatter::make_option_opts(option) + " ";
+  }
+  std::string make_option_desc(const CLI::Option* option) const override {
+    return wrapped(option->get_description(), kWidth - kNameColumn);
+  }
+};
+
+std::string footer() {
+  std::string exit_codes = "Exit codes:";
+  for (const auto& [code, meaning] : kExitCodes) exit_codes += fmt::format(" {} {},", static_cast<int>(code), meaning);
+  exit_codes.back() = '.';
+  return "`mapjoin COMMAND --help` lists a command's options, with examples.\n" + wrapped(exit_codes, kWidth);
+}
+
+}  // namespace
 
 CommandLine command_line() {
   CommandLine line{std::make_shared<CLI::App>(kDescription, "mapjoin"), {}};

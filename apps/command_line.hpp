@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
-// The command line as it is declared: what main() parses, and what the manual is made from.
+// The command line as it is declared: what main() parses.
 
 #include <apps/subcommand.hpp>
 #include <memory>
@@ -15,8 +15,5 @@ struct CommandLine {
 };
 
 CommandLine command_line();
-
-/// Broken between words into lines of at most `width` characters, where no word is longer.
-std::string wrapped(const std::string& text, std::size_t width);
 
 }  // namespace mapjoin::apps

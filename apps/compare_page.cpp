@@ -2,7 +2,6 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <apps/chart.hpp>
 #include <apps/compare_page.hpp>
 #include <apps/compare_table.hpp>
 #include <apps/page.hpp>
@@ -11,16 +10,13 @@
 #include <apps/words.hpp>
 #include <array>
 #include <filesystem>
-#include <numeric>
 
 namespace mapjoin::apps {
 namespace {
 
 constexpr const char* kBlue = "#1d4ed8";
 constexpr const char* kOrange = "#d55e00";
-constexpr std::array kOtherColours{"#cc79a7", "#e69f00", "#56b4e9", "#000000"};  // of minima beside the best,
-constexpr std::size_t kFirstOther = 3;                                           // which a chart has from this colour on
-constexpr std::size_t kBlack = 6;
+constexpr std::array kOtherColours{"#cc79a7", "#e69f00", "#56b4e9", "#000000"};  // of minima beside the best
 
 constexpr double kPixels = 560.0;  // of the pictures: small enough for the words in them to be read on a phone
 
@@ -56,64 +52,6 @@ std::string name_of(const Solution& solution, const ComparisonFigures& compariso
 /// The best solution and as many others as there are colours for.
 std::size_t shown_count(const std::vector<Solution>& solutions) {
   return std::min(solutions.size(), 1 + kOtherColours.size());
-}
-
-/// Of each number of steps, the first case that is joined and reaches the best map.
-std::vector<const CaseFigures*> joined_cases(const ComparisonFigures& comparison) {
-  std::vector<const CaseFigures*> chosen;
-  for (const CaseFigures& figures : comparison.cases) {
-    const bool is_known = std::any_of(chosen.begin(), chosen.end(), [&](const CaseFigures* other) {
-      return other->way.poses_per_map == figures.way.poses_per_map;
-    });
-    if (!figures.way.is_full_slam() && figures.reaches_best && !is_known) chosen.push_back(&figures);
-  }
-  return chosen;
-}
-
-Chart chart_of_joined_chi2(const ComparisonFigures& comparison) {
-  const double least = comparison.cases[comparison.best].polished.chi2;
-  Chart chart{"chi2 before polishing, above the optimum", {"steps per local map", true}, {"chi2 / optimum - 1", true}, {}};
-  Curve good{"ways that reach the best map", {}, Line::kNone, true, 0};
-  Curve bad{"ways that end elsewhere", {}, Line::kNone, true, 1};
-  for (const CaseFigures& figures : comparison.cases) {
-    if (figures.way.is_full_slam() || !figures.has_map()) continue;
-    (figures.reaches_best ? good : bad)
-        .points.push_back({static_cast<double>(figures.way.poses_per_map), figures.joined.chi2 / least - 1.0});
-  }
-  for (Curve* curve : {&good, &bad}) {
-    if (!curve->points.empty()) chart.curves.push_back(std::move(*curve));
-  }
-  return chart;
-}
-
-Curve curve_of(const std::string& name, const std::vector<std::size_t>& spans, const std::vector<PoseErrorSummary>& errors) {
-  Curve curve{name, {}, Line::kSolid, true};
-  for (std::size_t k = 0; k < errors.size(); ++k) {
-    if (errors[k].translation.count > 0) curve.points.push_back({static_cast<double>(spans[k]), errors[k].translation.rms});
-  }
-  return curve;
-}
-
-/// Of the joined maps before polishing, and of the minima beside the best; `errors` takes them from an estimate.
-template <typename Errors>
-Chart chart_of_spans(const ComparisonFigures& comparison, const std::vector<Solution>& solutions, const std::string& title,
-                     bool with_best, Errors&& errors) {
-  Chart chart{title, {"steps from pose to pose", true}, {"RMS of position (m)", true}, {}};
-  const auto add = [&](const std::string& name, const EstimateFigures& estimate, Line line, std::size_t colour) {
-    chart.curves.push_back(curve_of(name, comparison.spans, errors(estimate)));
-    chart.curves.back().line = line;
-    chart.curves.back().colour = colour;
-  };
-  if (with_best) add("the best map", comparison.cases[comparison.best].polished, Line::kSolid, kBlack);
-  std::size_t place = 0;
-  for (const CaseFigures* figures : joined_cases(comparison)) {
-    const std::string name = fmt::format("joined, {} steps per map", figures->way.poses_per_map);
-    add(name, figures->joined, Line::kSolid, place++ % kFirstOther);
-  }
-  for (std::size_t s = 1; s < shown_count(solutions); ++s) {
-    add(name_of(solutions[s], comparison), comparison.cases[solutions[s].front()].polished, Line::kDashed, kFirstOther + s - 1);
-  }
-  return chart;
 }
 
 std::string weights_in_words(Covariance covariance) {
@@ -171,21 +109,6 @@ void add_solutions(const Comparison<Dim>& comparison, const std::vector<Solution
   page.figure(picture(layers, kPixels), caption);
 }
 
-void add_charts(const ComparisonFigures& comparison, const std::vector<Solution>& solutions, Page& page) {
-  page.heading("What joining alone leaves to polishing");
-  page.figure(svg(chart_of_joined_chi2(comparison)),
-              "By what share of itself chi2 is above the optimum when the local maps are joined and not yet polished.");
-  page.heading("Relative poses");
-  const auto from_best = [](const EstimateFigures& estimate) { return estimate.best_spans; };
-  page.figure(svg(chart_of_spans(comparison, solutions, "difference from the best map", false, from_best)),
-              "The motion from every pose to the one so many steps later, beside that of the best map: what is wrong nearby "
-              "shows at the left, what is wrong as a whole at the right.");
-  if (!comparison.cases[comparison.best].polished.from_truth) return;
-  const auto from_truth = [](const EstimateFigures& estimate) { return estimate.from_truth->spans; };
-  page.figure(svg(chart_of_spans(comparison, solutions, "error against the truth", true, from_truth)),
-              "The same beside the true motion (relative pose error).");
-}
-
 std::string introduction(const ComparisonFigures& comparison) {
   const auto reached = std::count_if(comparison.cases.begin(), comparison.cases.end(),
                                      [](const CaseFigures& figures) { return figures.reaches_best; });
@@ -215,7 +138,6 @@ std::string compare_page(const Account& account, const Comparison<Dim>& comparis
   }
   add_solutions(comparison, solutions, sessions, page);
   add_weights(comparison, account, other, other_map, sessions, page);
-  add_charts(comparison, solutions, page);
   return page.html();
 }
 

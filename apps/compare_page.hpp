@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
-// A comparison as one page, with tables, pictures and charts.
+// A comparison as one page, with tables and pictures of the maps.
 
 #include <apps/account.hpp>
 #include <apps/compare_report.hpp>

@@ -18,7 +18,7 @@ constexpr const char* kExamples =
     "  mapjoin convexity data/manhattan2d.g2o -o convexity\n"
     "  mapjoin convexity data/manhattan2d.g2o --states drift --spread 0.5 --to-best --pairs 20";
 
-const std::vector<std::string> kFiles = {"curves.csv", "convexity.svg", "region.svg", "convexity.json"};
+const std::vector<std::string> kFiles = {"curves.csv", "convexity.json"};
 
 struct ConvexityCall {
   Options shared;
@@ -36,12 +36,7 @@ Expected<Convexity> convexity_of(const Data& data, const ConvexityOptions& optio
 
 StudyOutput output_of(const Convexity& found, const ConvexityOptions& options, const Account& account) {
   const std::string json = convexity_json(found, options, account);
-  return {convexity_table(found, options, account),
-          json,
-          {{kFiles[0], convexity_csv(found)},
-           {kFiles[1], convexity_picture(found)},
-           {kFiles[2], region_picture()},
-           {kFiles[3], json}}};
+  return {convexity_table(found, options, account), json, {{kFiles[0], convexity_csv(found)}, {kFiles[1], json}}};
 }
 
 Expected<ExitCode> run_convexity(const ConvexityCall& asked, const std::stop_token& stop) {
@@ -82,8 +77,7 @@ void declare(Subcommand& command) {
   const auto asked = std::make_shared<ConvexityCall>();
   Options& options = asked->shared;
   command.argument("LOG|MAPS", options.input, "A log; or a store, or a folder or archive of local maps");
-  command.path("-o,--output", options.output, "DIR",
-               "Write curves.csv, convexity.svg, region.svg and convexity.json into this folder");
+  command.path("-o,--output", options.output, "DIR", "Write curves.csv and convexity.json into this folder");
   add_lines(command, asked->convexity);
   add_splitting(command, options);
   add_reading(command, options);

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
-// What `mapjoin convexity` found: as a table for people, as CSV and JSON for programs, and as pictures.
+// What `mapjoin convexity` found: as a table for people, as CSV and JSON for programs.
 
 #include <apps/account.hpp>
 #include <mapjoin/join/study/convexity.hpp>
@@ -15,11 +15,5 @@ std::string convexity_table(const Convexity& found, const ConvexityOptions& opti
 std::string convexity_csv(const Convexity& found);
 
 std::string convexity_json(const Convexity& found, const ConvexityOptions& options, const Account& account);
-
-/// F along every line, of the larger of its ends, in a panel per formulation, as the paper's Fig. 4.
-std::string convexity_picture(const Convexity& found);
-
-/// Where the term of one observation is convex (paper's (13)-(21)), for headings known more or less well.
-std::string region_picture();
 
 }  // namespace mapjoin::apps

@@ -39,17 +39,17 @@ std::string check_path(const std::string& word) {
   return word.empty() ? "is empty" : "";
 }
 
-/// Of every option that names a file or a folder; has_path() finds it by its name.
-const CLI::Validator kPath(check_path, "", "path");
+/// For every option that names a file or a folder.
+const CLI::Validator kPath(check_path, "");
 
 }  // namespace
 
 Subcommand::Subcommand(CLI::App& parent, const std::string& name, const std::string& description, const std::string& examples,
                        Declare declare)
-    : app_(parent.add_subcommand(name, description)->group("Commands")), declare_(declare) {
-  app_->preparse_callback([this](std::size_t) { this->declare(); });
+    : app_(parent.add_subcommand(name, description)->group("Commands")) {
   app_->footer("Examples:\n" + examples);
   app_->set_help_flag("-h,--help", "This text");
+  declare(*this);
 }
 
 CLI::Option& Subcommand::grouped(CLI::Option& option) const {

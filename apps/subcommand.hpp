@@ -35,15 +35,12 @@ class Subcommand {
   /// Takes the word given for an option; a violation, as the end of a sentence that begins with the option, where it is wrong.
   using Take = std::function<std::optional<std::string>(const std::string& word)>;
 
-  /// Options, checks and action are declared by `declare`, once the command is chosen: a small log need not wait for the
-  /// options of all commands.
+  /// Options, checks and action are declared by `declare`.
   using Declare = void (*)(Subcommand&);
   Subcommand(CLI::App& parent, const std::string& name, const std::string& description, const std::string& examples,
              Declare declare);
   Subcommand(const Subcommand&) = delete;
   Subcommand& operator=(const Subcommand&) = delete;
-  /// As if it were chosen; once, and not before parsing.
-  void declare() { declare_(*this); }
 
   /// The heading of the options that follow in the help.
   void group(const std::string& heading) { group_ = heading; }
@@ -98,7 +95,6 @@ class Subcommand {
   CLI::Option& grouped(CLI::Option& option) const;
 
   CLI::App* app_;
-  Declare declare_;
   std::string group_;
   std::vector<std::string> violations_;
   std::vector<std::function<std::vector<std::string>()>> checks_;
