@@ -206,4 +206,12 @@ function stopGroup(viewer) {
   return group;
 }
 
-const viewer = new Viewer();
+/// Where there is nothing to draw with, the page says so.
+function hasWebGL() {
+  const has = Boolean(document.createElement("canvas").getContext("webgl"));
+  for (const id of ["panel", "scale"]) document.getElementById(id).hidden = !has;
+  document.getElementById("no-webgl").hidden = has;
+  return has;
+}
+
+const viewer = hasWebGL() ? new Viewer() : null;

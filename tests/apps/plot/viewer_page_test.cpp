@@ -36,16 +36,16 @@ class ViewerPage : public ::testing::Test {
   }
 
   /// What the expression `probe`, a JavaScript object, is on the page.
-  Json found_on(std::string page, const std::string& probe) const {
+  Json found_on(std::string page, const std::string& probe, const std::string& graphics = "--use-angle=swiftshader") const {
     const std::string watch =
         "<script>window.problems = []; addEventListener('error', (e) => problems.push(e.message));"
         "console.error = console.warn = (...words) => problems.push(words.join(' '));</script>";
     page.insert(page.find("<body>"), watch);
     page.insert(page.find("</body>"), "<script>" + kProbe + "report(() => (" + probe + "));</script>");
     folder.file("probed.html", page);
-    Process process({"chromium", "--headless", "--no-sandbox", "--use-angle=swiftshader", "--enable-unsafe-swiftshader",
-                     "--window-size=700,500", "--user-data-dir=" + path("profile"), "--host-resolver-rules=MAP * ~NOTFOUND",
-                     "--dump-dom", "file://" + path("probed.html")},
+    Process process({"chromium", "--headless", "--no-sandbox", graphics, "--enable-unsafe-swiftshader", "--window-size=700,500",
+                     "--user-data-dir=" + path("profile"), "--host-resolver-rules=MAP * ~NOTFOUND", "--dump-dom",
+                     "file://" + path("probed.html")},
                     {});
     EXPECT_EQ(process.wait(), 0) << process.standard_error();
     const std::string dom = process.standard_output();
@@ -192,6 +192,15 @@ TEST_F(ViewerPage, JoinsMapAfterMap) {
     EXPECT_NE(found["first"]["picture"], found["third"]["picture"]);
     EXPECT_EQ(found["last"]["picture"], found["whole"]);
   }
+}
+
+TEST_F(ViewerPage, SaysSoWhereTheBrowserHasNoWebGL) {
+  const std::string page = page_of({folder.file("map.g2o", kNamedMap).string()});
+  const std::string shown = "{text: document.body.innerText}";
+  const Json without = found_on(page, shown, "--disable-3d-apis");
+  EXPECT_EQ(without["errors"], Json::array());
+  EXPECT_THAT(without["text"].get<std::string>(), AllOf(HasSubstr("this browser has no WebGL"), Not(HasSubstr("Layers"))));
+  EXPECT_THAT(found_on(page, shown)["text"].get<std::string>(), AllOf(HasSubstr("Layers"), Not(HasSubstr("WebGL"))));
 }
 
 TEST_F(ViewerPage, FetchesNothingAndTakesNamesAsText) {
