@@ -54,19 +54,11 @@ StudyOutput output_of(const Basin& basin, const Account& account) {
 
 Expected<ExitCode> run_basin(const BasinCall& asked, const std::stop_token& stop) {
   Call call("basin", asked.shared, stop);
-  auto folder = output_folder(asked.shared.output);
-  if (!folder) return tl::unexpected(folder.error());
-  if (auto ready = call.check_report(); !ready) return tl::unexpected(ready.error());
   BasinOptions options = asked.basin;
   options.progress = call.progress("solves");
-  const auto experiment = [&](const auto& any) {
-    return std::visit([&](const auto& data) { return basin_of(data, options, stop); }, any);
-  };
-  const auto found =
-      may_hold_maps(asked.shared.input) ? call.read_maps().and_then(experiment) : call.read_log().and_then(experiment);
-  call.close_progress();
-  if (!found) return tl::unexpected(found.error());
-  return hand_over(output_of(*found, call.account), asked.shared, *folder).map([] { return ExitCode::kDone; });
+  return run_study(
+      call, [&](const auto& data) { return basin_of(data, options, stop); },
+      [&](const Basin& found) { return output_of(found, call.account); });
 }
 
 void declare(Subcommand& command) {

@@ -7,7 +7,6 @@
 #include <apps/report.hpp>
 #include <apps/summary.hpp>
 #include <apps/table.hpp>
-#include <apps/words.hpp>
 #include <cmath>
 #include <mapjoin/measure/median.hpp>
 #include <nlohmann/json.hpp>
@@ -84,7 +83,7 @@ Json json_of(const BasinCell& cell, std::size_t k) {
 Json json_of(const BasinCell& cell) {
   Json runs = Json::array();
   for (std::size_t k = 0; k < cell.runs.size(); ++k) runs.push_back(json_of(cell, k));
-  return {{"covariance", word(cell.covariance)},
+  return {{"covariance", to_string(cell.covariance)},
           {"problem", problem(cell)},
           {"state", to_string(cell.formulation.state)},
           {"local_maps", cell.split ? Json(split_in_words(cell)) : Json()},
@@ -100,8 +99,8 @@ std::string basin_table(const Basin& basin, const Account& account) {
   Lines lines;
   lines.add("input", fmt::format("{}: {}", account.input, counts_in_words(account)));
   for (std::size_t c = 0; c < basin.covariances.size(); ++c) {
-    lines.add(c == 0 ? "optimum" : "",
-              fmt::format("chi2 {:.6f} with {} covariances, the best known", basin.best_chi2[c], word(basin.covariances[c])));
+    lines.add(c == 0 ? "optimum" : "", fmt::format("chi2 {:.6f} with {} covariances, the best known", basin.best_chi2[c],
+                                                   to_string(basin.covariances[c])));
   }
   lines.add("convention", conventions_in_words(account.conventions, account.dimension));
   lines.add("cells", "whether, or how often, the optimum is reached (iterations): chi2 of what the others fell into");
@@ -116,7 +115,7 @@ std::string basin_table(const Basin& basin, const Account& account) {
   for (const BasinCell& cell : basin.cells) {
     if (cell.start == kBasinStarts.front()) {
       table.rows.push_back(
-          {{word(cell.covariance), to_string(cell.formulation), split_in_words(cell), to_string(cell.method)}});
+          {{to_string(cell.covariance), to_string(cell.formulation), split_in_words(cell), to_string(cell.method)}});
     }
     table.rows.back().cells.emplace_back(cell_in_words(cell));
   }
@@ -132,7 +131,7 @@ std::string basin_csv(const Basin& basin) {
   for (const BasinCell& cell : basin.cells) {
     for (std::size_t k = 0; k < cell.runs.size(); ++k) {
       const BasinRun& run = cell.runs[k];
-      table.rows.push_back({{word(cell.covariance), problem(cell), to_string(cell.formulation.state), split_in_words(cell),
+      table.rows.push_back({{to_string(cell.covariance), problem(cell), to_string(cell.formulation.state), split_in_words(cell),
                              to_string(cell.method), to_string(cell.start),
                              cell.start == Start::kRandom ? Cell(static_cast<std::int64_t>(BasinCell::seed_of(k))) : Cell(),
                              ending(run), std::isfinite(run.chi2) ? Cell(run.chi2) : Cell(), std::int64_t{run.iterations},
@@ -144,14 +143,14 @@ std::string basin_csv(const Basin& basin) {
 
 std::string basin_json(const Basin& basin, const Account& account) {
   Json best;
-  for (std::size_t c = 0; c < basin.covariances.size(); ++c) best[word(basin.covariances[c])] = basin.best_chi2[c];
+  for (std::size_t c = 0; c < basin.covariances.size(); ++c) best[to_string(basin.covariances[c])] = basin.best_chi2[c];
   Json cells = Json::array();
   for (const BasinCell& cell : basin.cells) cells.push_back(json_of(cell));
   Json json = report_head(account);
   json["best_chi2"] = best;
   json["cells"] = cells;
   json["seconds"] = account.total_seconds();
-  return json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
+  return text_of(json);
 }
 
 }  // namespace mapjoin::apps

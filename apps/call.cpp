@@ -10,6 +10,7 @@
 #include <apps/report.hpp>
 #include <apps/summary.hpp>
 #include <mapjoin/io/open_log.hpp>
+#include <mapjoin/io/output_file.hpp>
 #include <mapjoin/parallel/parallel.hpp>
 #include <utility>
 
@@ -173,18 +174,18 @@ Expected<void> Call::write_map(RunResult<Dim>& result, const Log<Dim>* log) {
   });
 }
 
-Expected<ExitCode> Call::conclude() {
+Expected<void> Call::tell(const std::function<std::string()>& json, const std::function<std::string()>& text) {
   progress_.close();
-  if (options_.report_on_stdout()) {
-    if (auto written = write_stdout(report(account)); !written) return tl::unexpected(written.error());
-  } else {
-    if (!options_.report.empty()) {
-      if (auto written = write_report(account, options_.report); !written) return tl::unexpected(written.error());
-    }
-    if (!options_.quiet) {
-      if (auto written = write_stdout(summary(account)); !written) return tl::unexpected(written.error());
-    }
+  if (options_.report_on_stdout()) return write_stdout(json());
+  if (!options_.report.empty()) {
+    if (auto written = write_file(options_.report, json()); !written) return written;
   }
+  return options_.quiet ? Expected<void>() : write_stdout(text());
+}
+
+Expected<ExitCode> Call::conclude() {
+  const auto told = tell([&] { return report(account); }, [&] { return summary(account); });
+  if (!told) return tl::unexpected(told.error());
   if (!account.is_joined) return ExitCode::kDone;
   const bool is_certified = !account.figures.no_covariances;
   if (!is_certified) say(why_not_certified(account));

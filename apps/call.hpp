@@ -33,6 +33,12 @@ class Call {
   /// The input as local maps; those of a store have the weights that they were built with (kUsage where others are asked
   /// for), others those asked for.
   Expected<AnyMaps> read_maps();
+  /// What `work` makes of the input, be it a log or local maps.
+  template <typename Work>
+  auto with_log_or_maps(Work&& work) {
+    const auto visit = [&](const auto& any) { return std::visit(work, any); };
+    return may_hold_maps(options_.input) ? read_maps().and_then(visit) : read_log().and_then(visit);
+  }
   /// kInterrupted where a stop was requested.
   Expected<void> check_interrupted() const;
 
@@ -52,7 +58,10 @@ class Call {
   template <int Dim>
   Expected<void> write_map(RunResult<Dim>& result, const Log<Dim>* log);
 
-  /// Report and summary; the exit code by how the work ended.
+  /// What came of it: `json` for programs where a report is asked for, `text` for people on standard output unless that is
+  /// taken or nothing is wanted there.
+  Expected<void> tell(const std::function<std::string()>& json, const std::function<std::string()>& text);
+  /// tell() of report and summary; the exit code by how the work ended.
   Expected<ExitCode> conclude();
 
   Account account;

@@ -105,10 +105,9 @@ Expected<ExitCode> check_content(Call& call, const CheckOptions& options, const 
   if (options.estimate == CheckedEstimate::kFile) fitted = fit_values(content, checked);
   if (options.estimate == CheckedEstimate::kJoined && !falls_apart) fitted = fit_joined(call, content, checked);
   if (!fitted) return tl::unexpected(fitted.error());
-  call.close_progress();
-  return write_check(call.account, options, checked).map([&] {
-    return has_warnings(checked.findings) ? ExitCode::kFindings : ExitCode::kDone;
-  });
+  const auto told =
+      call.tell([&] { return check_report(call.account, checked); }, [&] { return check_summary(call.account, checked); });
+  return told.map([&] { return has_warnings(checked.findings) ? ExitCode::kFindings : ExitCode::kDone; });
 }
 /// A store has its log, of which its maps are made.
 template <int Dim>
@@ -119,20 +118,15 @@ Expected<ExitCode> check_content(Call& call, const CheckOptions& options, const 
 Expected<ExitCode> check_input(const CheckOptions& options, const std::stop_token& stop) {
   Call call("check", options, stop);
   if (auto ready = call.check_report(); !ready) return tl::unexpected(ready.error());
-  const auto check_any = [&](const auto& any) {
-    return std::visit([&](const auto& content) { return check_content(call, options, content); }, any);
-  };
-  return may_hold_maps(options.input) ? call.read_maps().and_then(check_any) : call.read_log().and_then(check_any);
+  return call.with_log_or_maps([&](const auto& content) { return check_content(call, options, content); });
 }
 
 void declare(Subcommand& command) {
   const auto options = std::make_shared<CheckOptions>();
   command.argument("FILE", options->input, "A log, a store, or a folder or archive of local maps");
-  command.choice<CheckedEstimate>(
-      "--estimate", options->estimate,
-      {{"joined", CheckedEstimate::kJoined}, {"file", CheckedEstimate::kFile}, {"none", CheckedEstimate::kNone}},
-      "Where residuals are weighed: at the joined map, as `mapjoin run` would find it; at the "
-      "file's own values; or nowhere, which is fastest");
+  command.choice("--estimate", options->estimate,
+                 "Where residuals are weighed: at the joined map, as `mapjoin run` would find it; at the "
+                 "file's own values; or nowhere, which is fastest");
   add_reading(command, *options);
   add_reporting(command, *options);
   command.check([options] { return check_distinct(files_of(*options, "FILE")); });

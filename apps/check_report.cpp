@@ -8,37 +8,12 @@
 #include <apps/report.hpp>
 #include <apps/summary.hpp>
 #include <cmath>
-#include <mapjoin/io/output_file.hpp>
 #include <nlohmann/json.hpp>
 
 namespace mapjoin::apps {
 namespace {
 
 using Json = nlohmann::ordered_json;
-
-std::string word(FindingLevel level) {
-  switch (level) {
-    case FindingLevel::kNote:
-      return "note";
-    case FindingLevel::kWarning:
-      return "warning";
-    case FindingLevel::kError:
-      return "error";
-  }
-  return "unknown";
-}
-
-std::string word(CheckedEstimate estimate) {
-  switch (estimate) {
-    case CheckedEstimate::kJoined:
-      return "joined";
-    case CheckedEstimate::kFile:
-      return "file";
-    case CheckedEstimate::kNone:
-      return "none";
-  }
-  return "unknown";
-}
 
 /// The first few places of a finding.
 std::string places_in_words(const Places& where) {
@@ -62,13 +37,15 @@ std::string estimate_in_words(const Checked& checked) {
                      checked.estimate == CheckedEstimate::kFile ? "the file's values" : "the joined map");
 }
 
-std::string summary_of(const Account& account, const Checked& checked) {
+}  // namespace
+
+std::string check_summary(const Account& account, const Checked& checked) {
   Lines lines;
   lines.add("file", fmt::format("{}: {}", account.input, counts_in_words(account)));
   lines.add("chi2", estimate_in_words(checked));
   for (const KindFit& fit : checked.fits) lines.add("", fit_in_words(fit));
   for (const Finding& finding : checked.findings) {
-    lines.add(word(finding.level), finding.text);
+    lines.add(to_string(finding.level), finding.text);
     if (!finding.where.names.empty()) lines.add("", places_in_words(finding.where));
   }
   const auto warnings = std::count_if(checked.findings.begin(), checked.findings.end(),
@@ -77,9 +54,9 @@ std::string summary_of(const Account& account, const Checked& checked) {
   return lines.text();
 }
 
-std::string report_of(const Account& account, const Checked& checked) {
+std::string check_report(const Account& account, const Checked& checked) {
   Json json = report_head(account);
-  json["estimate"] = word(checked.estimate);
+  json["estimate"] = to_string(checked.estimate);
   json["dof"] = checked.fits.empty() ? Json() : Json(checked.dof);
   json["fits"] = Json::array();
   for (const KindFit& fit : checked.fits) {
@@ -93,16 +70,14 @@ std::string report_of(const Account& account, const Checked& checked) {
   }
   json["findings"] = Json::array();
   for (const Finding& finding : checked.findings) {
-    json["findings"].push_back({{"level", word(finding.level)},
+    json["findings"].push_back({{"level", to_string(finding.level)},
                                 {"check", finding.check},
                                 {"count", finding.where.count},
                                 {"text", finding.text},
                                 {"where", finding.where.names}});
   }
-  return json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
+  return text_of(json);
 }
-
-}  // namespace
 
 bool has_errors(const Findings& findings) {
   return std::any_of(findings.begin(), findings.end(), [](const auto& f) { return f.level == FindingLevel::kError; });
@@ -110,14 +85,6 @@ bool has_errors(const Findings& findings) {
 
 bool has_warnings(const Findings& findings) {
   return std::any_of(findings.begin(), findings.end(), [](const auto& f) { return f.level != FindingLevel::kNote; });
-}
-
-Expected<void> write_check(const Account& account, const Options& options, const Checked& checked) {
-  if (options.report_on_stdout()) return write_stdout(report_of(account, checked));
-  if (!options.report.empty()) {
-    if (auto written = write_file(options.report, report_of(account, checked)); !written) return written;
-  }
-  return options.quiet ? Expected<void>() : write_stdout(summary_of(account, checked));
 }
 
 }  // namespace mapjoin::apps

@@ -12,6 +12,10 @@ namespace mapjoin::apps {
 
 /// At which map residuals are weighed.
 enum class CheckedEstimate : std::uint8_t { kJoined, kFile, kNone };
+constexpr auto enum_names(CheckedEstimate) {
+  return std::to_array<EnumName<CheckedEstimate>>(
+      {{CheckedEstimate::kJoined, "joined"}, {CheckedEstimate::kFile, "file"}, {CheckedEstimate::kNone, "none"}});
+}
 
 struct Checked {
   CheckedEstimate estimate = CheckedEstimate::kJoined;
@@ -24,7 +28,7 @@ bool has_errors(const Findings& findings);
 /// Errors among them.
 bool has_warnings(const Findings& findings);
 
-/// The summary on standard output, and the report where the options want one, or there instead.
-Expected<void> write_check(const Account& account, const Options& options, const Checked& checked);
+std::string check_summary(const Account& account, const Checked& checked);
+std::string check_report(const Account& account, const Checked& checked);
 
 }  // namespace mapjoin::apps

@@ -13,7 +13,6 @@
 #include <apps/distinct.hpp>
 #include <apps/study_output.hpp>
 #include <apps/summary.hpp>
-#include <apps/words.hpp>
 #include <mapjoin/io/output_file.hpp>
 #include <memory>
 #include <optional>
@@ -110,7 +109,7 @@ std::string compare_summary(const Account& account, const ComparisonFigures& com
   lines.add("input", fmt::format("{}: {}", account.input, counts_in_words(account)));
   lines.add("convention", conventions_in_words(account.conventions, account.dimension));
   lines.add("best", fmt::format("chi2 {:.10g}, dof {}", best.polished.chi2, best.run.dof));
-  lines.add(word(other.covariance), in_words(other));
+  lines.add(to_string(other.covariance), in_words(other));
   for (const std::string& file : account.files) lines.add("written", file);
   std::string text = lines.text();
   for (const NamedTable& named : tables_of(comparison)) text += fmt::format("\n{}\n{}", named.name, aligned(named.table));
@@ -166,7 +165,7 @@ Expected<ExitCode> compare_on(Call& call, const CompareOptions& options, const L
     for (const std::string& name : kNames) call.account.files.push_back(folder->file(name).string());
   }
   const StudyOutput output = output_of(call.account, *comparison, *other, other_map, log, folder.has_value());
-  if (auto told = hand_over(output, call.options(), folder); !told) return tl::unexpected(told.error());
+  if (auto told = hand_over(output, call, folder); !told) return tl::unexpected(told.error());
   if (comparison->cases[comparison->best].run.converged()) return ExitCode::kDone;
   say("the best map did not converge");
   return ExitCode::kDidNotConverge;

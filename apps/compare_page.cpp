@@ -7,7 +7,6 @@
 #include <apps/page.hpp>
 #include <apps/picture.hpp>
 #include <apps/summary.hpp>
-#include <apps/words.hpp>
 #include <array>
 #include <filesystem>
 
@@ -55,7 +54,7 @@ std::size_t shown_count(const std::vector<Solution>& solutions) {
 }
 
 std::string weights_in_words(Covariance covariance) {
-  return fmt::format("{} covariance", word(covariance));
+  return fmt::format("{} covariance", to_string(covariance));
 }
 
 template <int Dim>

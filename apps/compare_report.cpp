@@ -2,7 +2,6 @@
 #include <apps/compare_report.hpp>
 #include <apps/compare_table.hpp>
 #include <apps/report.hpp>
-#include <apps/words.hpp>
 #include <nlohmann/json.hpp>
 
 namespace mapjoin::apps {
@@ -73,7 +72,7 @@ Json json_of(const std::vector<std::size_t>& spans, const CaseFigures& figures) 
 
 Json json_of(const OtherWeights& other) {
   const bool known = other.failure.empty();
-  return {{"covariance", word(other.covariance)},
+  return {{"covariance", to_string(other.covariance)},
           {"failure", known ? Json() : Json(other.failure)},
           {"chi2", known ? Json(other.chi2) : Json()},
           {"from_best", known ? json_of(other.from_best) : Json()}};
@@ -89,7 +88,7 @@ std::string compare_report(const Account& account, const ComparisonFigures& comp
   json["cases"] = Json::array();
   for (const CaseFigures& figures : comparison.cases) json["cases"].push_back(json_of(comparison.spans, figures));
   json["other_weights"] = json_of(other);
-  return json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
+  return text_of(json);
 }
 
 }  // namespace mapjoin::apps

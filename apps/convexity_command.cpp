@@ -41,29 +41,19 @@ StudyOutput output_of(const Convexity& found, const ConvexityOptions& options, c
 
 Expected<ExitCode> run_convexity(const ConvexityCall& asked, const std::stop_token& stop) {
   Call call("convexity", asked.shared, stop);
-  auto folder = output_folder(asked.shared.output);
-  if (!folder) return tl::unexpected(folder.error());
-  if (auto ready = call.check_report(); !ready) return tl::unexpected(ready.error());
   ConvexityOptions options = asked.convexity;
   options.split = asked.shared.run.split;
   options.progress = call.progress("lines");
-  const auto study = [&](const auto& any) {
-    return std::visit([&](const auto& data) { return convexity_of(data, options, stop); }, any);
-  };
-  const auto found = may_hold_maps(asked.shared.input) ? call.read_maps().and_then(study) : call.read_log().and_then(study);
-  call.close_progress();
-  if (!found) return tl::unexpected(found.error());
-  return call.check_interrupted()
-      .and_then([&] { return hand_over(output_of(*found, options, call.account), asked.shared, *folder); })
-      .map([] { return ExitCode::kDone; });
+  return run_study(
+      call, [&](const auto& data) { return convexity_of(data, options, stop); },
+      [&](const Convexity& found) { return output_of(found, options, call.account); });
 }
 
 void add_lines(Subcommand& command, ConvexityOptions& convexity) {
   command.group("Lines of states");
-  command.choice<StateSource>(
-      "--states", convexity.source, {{"box", StateSource::kBox}, {"drift", StateSource::kDrift}},
-      "Random states: positions uniform over the bounding box of the composed start and rotations uniform; or "
-      "composed, odometry and first observations, from measurements with errors of their own covariance");
+  command.choice("--states", convexity.source,
+                 "Random states: positions uniform over the bounding box of the composed start and rotations uniform; or "
+                 "composed, odometry and first observations, from measurements with errors of their own covariance");
   command.number<double>("--spread", convexity.spread, 1e-9, "X", "With drift: so many times those errors [1]", 1e9);
   command.flag("--to-best", convexity.to_best, "From random states to the best estimate, not to other random states");
   command.number<std::size_t>("--pairs", convexity.pairs, 1, "N", fmt::format("Pairs of states [{}]", convexity.pairs), 10'000);

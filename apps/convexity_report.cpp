@@ -100,18 +100,19 @@ std::string convexity_table(const Convexity& found, const ConvexityOptions& opti
 }
 
 std::string convexity_csv(const Convexity& found) {
-  std::string csv = "formulation,state,pair,lambda,F\n";
+  Table table;
+  for (const char* key : {"formulation", "state", "pair", "lambda", "F"}) table.columns.push_back({key, key});
   for (const FormulationFigures& figures : found) {
     for (std::size_t pair = 0; pair < figures.segments.size(); ++pair) {
       const std::vector<double>& values = figures.segments[pair].values;
       for (std::size_t k = 0; k < values.size(); ++k) {
         const double lambda = static_cast<double>(k) / static_cast<double>(values.size() - 1);
-        csv += fmt::format("{},{},{},{:.9g},{:.17g}\n", problem_in_words(figures.formulation),
-                           to_string(figures.formulation.state), pair + 1, lambda, values[k]);
+        table.rows.push_back({{problem_in_words(figures.formulation), to_string(figures.formulation.state),
+                               static_cast<std::int64_t>(pair + 1), lambda, values[k]}});
       }
     }
   }
-  return csv;
+  return csv(table);
 }
 
 std::string convexity_json(const Convexity& found, const ConvexityOptions& options, const Account& account) {
@@ -125,7 +126,7 @@ std::string convexity_json(const Convexity& found, const ConvexityOptions& optio
   json["seed"] = options.seed;
   json["tolerance"] = kCurvatureTolerance;
   json["formulations"] = std::move(formulations);
-  return json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
+  return text_of(json);
 }
 
 }  // namespace mapjoin::apps

@@ -54,21 +54,17 @@ std::size_t thread_count(const Options& options) {
 
 void add_weights(Subcommand& command, Options& options) {
   command.group("Reading");
-  command.choice<Covariance>("--covariance", options.covariance,
-                             {{"original", Covariance::kOriginal}, {"identity", Covariance::kIdentity}},
-                             "Weights as given, or every information matrix replaced by the identity");
+  command.choice("--covariance", options.covariance, "Weights as given, or every information matrix replaced by the identity");
   command.flag("--repair-information", options.read.repair_information,
                "Take the nearest semidefinite matrix for an indefinite information matrix, and count them");
 }
 
 void add_reading(Subcommand& command, Options& options) {
   add_weights(command, options);
-  command.choice<PoseError>("--g2o-error", options.read.pose_error, {{"paper", PoseError::kPaper}, {"g2o", PoseError::kG2o}},
-                            "What a g2o file's pose-pose information weighs: the residual in the frame of the base, or g2o's");
-  command.choice<RotationInformation>(
-      "--rotation-information", options.read.rotation_information,
-      {{"vector", RotationInformation::kVector}, {"quaternion", RotationInformation::kQuaternion}},
-      "What its rotational part weighs in 3D: the rotation vector (GTSAM, SE-Sync) or the quaternion's (g2o)");
+  command.choice("--g2o-error", options.read.pose_error,
+                 "What a g2o file's pose-pose information weighs: the residual in the frame of the base, or g2o's");
+  command.choice("--rotation-information", options.read.rotation_information,
+                 "What its rotational part weighs in 3D: the rotation vector (GTSAM, SE-Sync) or the quaternion's (g2o)");
 }
 
 void add_splitting(Subcommand& command, Options& options) {
@@ -93,28 +89,19 @@ void add_splitting(Subcommand& command, Options& options) {
 
 void add_schedule(Subcommand& command, Options& options) {
   command.group("Joining");
-  command.choice<Schedule>(
+  command.choice(
       "--schedule", options.run.schedule,
-      {{"auto", Schedule::kAuto},
-       {"aligned", Schedule::kAligned},
-       {"tree", Schedule::kTree},
-       {"leaning", Schedule::kLeaning},
-       {"sequential", Schedule::kSequential},
-       {"batch", Schedule::kBatch}},
       "In which order: neighbours in pairs, then pairs of pairs, each pair solved (tree) or only placed (aligned); in unequal "
       "pairs, nearly map by map (leaning); map by map; or all at once. auto: aligned, and where that was far from linear, "
       "tree; "
       "where the maps then do not fit together, leaning");
-  command.choice<JoinedState>("--state", options.run.state,
-                              {{"absolute", JoinedState::kAbsolute}, {"relative", JoinedState::kRelative}},
-                              "Coordinates of the steps: positions in the map, or each relative to where it hangs");
-  command.choice<Start>(
-      "--start", options.run.start,
-      {{"composed", Start::kComposed}, {"zero", Start::kZero}, {"random", Start::kRandom}, {"file", Start::kFile}},
-      "What to join all at once from: odometry or maps composed, zeros, random values, or those in the file");
-  command.choice<bool>("--batch", options.run.gradual, {{"direct", false}, {"gradual", true}},
-                       "All observations whole from the start, or what is not quadratic in the relative state brought in "
-                       "gradually; the latter with --state relative, unless there is a --method");
+  command.choice("--state", options.run.state,
+                 "Coordinates of the steps: positions in the map, or each relative to where it hangs");
+  command.choice("--start", options.run.start,
+                 "What to join all at once from: odometry or maps composed, zeros, random values, or those in the file");
+  command.choice("--batch", options.run.gradual, std::to_array<EnumName<bool>>({{false, "direct"}, {true, "gradual"}}),
+                 "All observations whole from the start, or what is not quadratic in the relative state brought in "
+                 "gradually; the latter with --state relative, unless there is a --method");
   command.number<std::uint64_t>("--seed", options.run.seed, 0, "N",
                                 "Of the random start [" + std::to_string(options.run.seed) + "]");
   command.check([&command, &run = options.run] { return settle_batch(command, run); });
@@ -136,9 +123,8 @@ void add_polish(Subcommand& command, Options& options) {
 void add_solver(Subcommand& command, Options& options) {
   MinimiseOptions& solver = options.run.solver;
   command.group("Joining");
-  command.choice<Method>("--method", solver.method,
-                         {{"dogleg", Method::kDogleg}, {"lm", Method::kLevenbergMarquardt}, {"gn", Method::kGaussNewton}},
-                         "Steps: Powell's dogleg, Levenberg-Marquardt, or plain Gauss-Newton, which may diverge");
+  command.choice("--method", solver.method,
+                 "Steps: Powell's dogleg, Levenberg-Marquardt, or plain Gauss-Newton, which may diverge");
   command.number<int>("--max-iterations", solver.max_iterations, 1, "N",
                       "At most so many steps of every solve [" + std::to_string(solver.max_iterations) + "]");
 }

@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <apps/report.hpp>
-#include <apps/words.hpp>
 #include <mapjoin/io/output_file.hpp>
 #include <mapjoin/solve/blas.hpp>
 #include <mapjoin/version.hpp>
@@ -20,9 +19,9 @@ Json input_of(const Account& account) {
   const Counts& counts = account.counts;
   return {{"dimension", account.dimension},
           {"convention",
-           {{"pose_error", word(account.conventions.pose_error)},
-            {"rotation_information", word(account.conventions.rotation_information)},
-            {"covariance", word(account.conventions.covariance)}}},
+           {{"pose_error", to_string(account.conventions.pose_error)},
+            {"rotation_information", to_string(account.conventions.rotation_information)},
+            {"covariance", to_string(account.conventions.covariance)}}},
           {"units", {{"length", "m"}, {"angle", "rad"}}},
           {"sessions", counts.sessions},
           {"poses", counts.poses},
@@ -150,6 +149,10 @@ Json report_head(const Account& account) {
   return json;
 }
 
+std::string text_of(const Json& json) {
+  return json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
+}
+
 std::string report(const Account& account) {
   const RunFigures& figures = account.figures;
   const auto& recovered = figures.recovered_chi2;
@@ -168,7 +171,7 @@ std::string report(const Account& account) {
   json["seconds"] = seconds_of(account);
   json["peak_memory_mb"] = peak_memory_mb();
   json["blas"] = account.is_joined ? Json(blas().name) : Json();
-  return json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
+  return text_of(json);
 }
 
 Expected<void> write_report(const Account& account, const std::filesystem::path& path) {

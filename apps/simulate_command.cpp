@@ -20,6 +20,9 @@ constexpr const char* kExamples =
     "  mapjoin simulate --poses 500 --noise-multiplier 0 -o without-errors.g2o";
 
 enum class World { kManhattan };
+constexpr auto enum_names(World) {
+  return std::to_array<EnumName<World>>({{World::kManhattan, "manhattan"}});
+}
 
 struct SimulateOptions {
   World world = World::kManhattan;
@@ -90,10 +93,9 @@ void add_noise(Subcommand& command, ManhattanOptions& world) {
 void declare(Subcommand& command) {
   const auto options = std::make_shared<SimulateOptions>();
   ManhattanOptions& world = options->manhattan;
-  command.choice<World>("--world", options->world, {{"manhattan", World::kManhattan}},
-                        "Streets; in space corridors and shafts");
+  command.choice("--world", options->world, "Streets; in space corridors and shafts");
   command.number<std::int64_t>("--poses", world.poses, 1, "N", fmt::format("From a hundred to millions [{}]", world.poses));
-  command.choice<int>("--dim", options->dimension, {{"2", 2}, {"3", 3}}, "Dimension");
+  command.choice("--dim", options->dimension, std::to_array<EnumName<int>>({{2, "2"}, {3, "3"}}), "Dimension");
   command.number<std::uint64_t>("--seed", world.seed, 0, "S", fmt::format("The same seed gives the same log [{}]", world.seed));
   command.output("-o,--output", options->log, "LOG", "Write the log, as g2o");
   command.path("--truth", options->truth, "FILE", "Write the true map: .tum (poses only), .csv (features beside it), else g2o");

@@ -7,6 +7,7 @@
 #include <filesystem>
 #include <functional>
 #include <limits>
+#include <mapjoin/model/enum_names.hpp>
 #include <mapjoin/model/error.hpp>
 #include <optional>
 #include <stop_token>
@@ -56,17 +57,21 @@ class Subcommand {
   void output(const std::string& names, std::filesystem::path& value, const std::string& kind, const std::string& help);
   void option(const std::string& name, const std::string& kind, const std::string& help, Take take);
 
-  /// One of several words; the value as it stands is the default, which the help names.
-  template <typename T>
-  void choice(const std::string& name, T& value, const std::vector<std::pair<std::string, T>>& words, const std::string& help) {
+  /// One of the words of an enum; the value as it stands is the default, which the help names.
+  template <NamedEnum Enum>
+  void choice(const std::string& name, Enum& value, const std::string& help) {
+    choice(name, value, enum_names(value), help);
+  }
+  template <typename T, std::size_t Count>
+  void choice(const std::string& name, T& value, const std::array<EnumName<T>, Count>& words, const std::string& help) {
     std::vector<std::string> all;
     std::string given_by_default;
-    for (const auto& [word, meaning] : words) {
-      all.push_back(word);
+    for (const auto& [meaning, word] : words) {
+      all.emplace_back(word);
       if (meaning == value) given_by_default = word;
     }
     option(name, joined(all, "|"), help + " [" + given_by_default + "]", [&value, words, all](const std::string& word) {
-      for (const auto& [name_of_choice, meaning] : words) {
+      for (const auto& [meaning, name_of_choice] : words) {
         if (name_of_choice != word) continue;
         value = meaning;
         return std::optional<std::string>();

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <apps/console.hpp>
 #include <apps/summary.hpp>
+#include <mapjoin/model/counted.hpp>
 #include <string_view>
 #include <utility>
 #include <vector>
@@ -12,27 +13,21 @@
 namespace mapjoin::apps {
 namespace {
 
-/// "1 pose", "2 poses".
-template <typename Count>
-std::string count_of(Count count, std::string_view one, std::string_view many) {
-  return fmt::format("{} {}", count, count == 1 ? one : many);
-}
-
 std::string local_maps_in_words(const Account& account) {
   const RunFigures& figures = account.figures;
-  std::string text = count_of(figures.local_maps, "map", "maps");
+  std::string text = counted(figures.local_maps, "map");
   if (figures.local_maps > 0 && figures.poses_per_map > 0) {
-    text += fmt::format(" of up to {}", count_of(figures.poses_per_map, "step", "steps"));
+    text += fmt::format(" of up to {}", counted(figures.poses_per_map, "step"));
   }
   if (figures.build_iterations > 0 && !account.is_resumed) text += fmt::format(", {} iterations", figures.build_iterations);
-  if (figures.spans > 0) text += fmt::format("; {} joined as observations", count_of(figures.spans, "stretch", "stretches"));
+  if (figures.spans > 0) text += fmt::format("; {} joined as observations", counted(figures.spans, "stretch", "stretches"));
   return text;
 }
 
 std::string solve_in_words(const MinimiseResult& result) {
   const std::string_view how = result.status == MinimiseStatus::kConverged ? "" : "DID NOT CONVERGE: ";
-  return fmt::format("{}{} after {}, chi2 {:.10g}", how, to_string(result.status),
-                     count_of(result.iterations, "iteration", "iterations"), result.chi2);
+  return fmt::format("{}{} after {}, chi2 {:.10g}", how, to_string(result.status), counted(result.iterations, "iteration"),
+                     result.chi2);
 }
 
 std::string join_in_words(const Account& account) {
@@ -46,15 +41,14 @@ std::string join_in_words(const Account& account) {
 
 std::string recovered_in_words(const RunFigures& figures) {
   std::string text = fmt::format("chi2 {:.10g} of the whole log", *figures.recovered_chi2);
-  if (figures.unrecovered > 0) text += fmt::format("; {} not to convergence", count_of(figures.unrecovered, "map", "maps"));
+  if (figures.unrecovered > 0) text += fmt::format("; {} not to convergence", counted(figures.unrecovered, "map"));
   return text;
 }
 
 std::string gauge_in_words(const Account& account) {
   if (account.held.empty()) return "held by the priors of the World";
   if (account.held.size() == 1) return to_string(account.held.front()) + " held";
-  return fmt::format("{} and {} more held", to_string(account.held.front()),
-                     count_of(account.held.size() - 1, "pose", "poses"));
+  return fmt::format("{} and {} more held", to_string(account.held.front()), counted(account.held.size() - 1, "pose"));
 }
 
 std::string nees_in_words(std::string_view what, const Nees& nees) {
@@ -111,17 +105,17 @@ void add_result(const Account& account, Lines& lines) {
 
 std::string counts_in_words(const Account& account) {
   const Counts& counts = account.counts;
-  std::string text = fmt::format("{}D, {}, {}", account.dimension, count_of(counts.poses, "pose", "poses"),
-                                 count_of(counts.features, "feature", "features"));
-  const auto add = [&](std::size_t count, std::string_view one, std::string_view many) {
-    if (count > 0) text += ", " + count_of(count, one, many);
+  std::string text =
+      fmt::format("{}D, {}, {}", account.dimension, counted(counts.poses, "pose"), counted(counts.features, "feature"));
+  const auto add = [&](std::size_t count, const std::string& thing) {
+    if (count > 0) text += ", " + counted(count, thing);
   };
-  add(counts.odometry, "odometry edge", "odometry edges");
-  add(counts.closures, "closure", "closures");
-  add(counts.observations, "observation", "observations");
-  add(counts.priors, "prior", "priors");
-  add(counts.fixed_poses, "fixed pose", "fixed poses");
-  if (counts.sessions > 1) add(counts.sessions, "session", "sessions");
+  add(counts.odometry, "odometry edge");
+  add(counts.closures, "closure");
+  add(counts.observations, "observation");
+  add(counts.priors, "prior");
+  add(counts.fixed_poses, "fixed pose");
+  if (counts.sessions > 1) add(counts.sessions, "session");
   return text;
 }
 
@@ -139,16 +133,16 @@ std::vector<std::string> remarks(const Account& account) {
   std::vector<std::string> all;
   if (account.conventions.repaired_informations > 0) {
     all.push_back(fmt::format("{} replaced by the nearest semidefinite one",
-                              count_of(account.conventions.repaired_informations, "indefinite information matrix was",
-                                       "indefinite information matrices were")));
+                              counted(account.conventions.repaired_informations, "indefinite information matrix was",
+                                      "indefinite information matrices were")));
   }
   if (account.counts.repeated_edges > 0) {
     all.push_back(fmt::format("{} between the same two poses; all of them count",
-                              count_of(account.counts.repeated_edges, "edge repeats another", "edges repeat others")));
+                              counted(account.counts.repeated_edges, "edge repeats another", "edges repeat others")));
   }
   if (account.counts.unassociated > 0) {
     all.push_back(fmt::format("{} left out: the file does not say of which feature",
-                              count_of(account.counts.unassociated, "observation was", "observations were")));
+                              counted(account.counts.unassociated, "observation was", "observations were")));
   }
   const auto is_trajectory = [](const std::string& file) { return file.ends_with(".tum"); };
   if (!account.has_stamps && std::any_of(account.files.begin(), account.files.end(), is_trajectory)) {

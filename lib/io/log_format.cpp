@@ -129,28 +129,6 @@ bool are_counted(const std::vector<PoseId>& poses) {
   return true;
 }
 
-std::string to_string(LogFormat format) {
-  switch (format) {
-    case LogFormat::kG2o:
-      return "g2o";
-    case LogFormat::kToro:
-      return "toro";
-    case LogFormat::kIsam:
-      return "isam";
-    case LogFormat::kGtsam:
-      return "gtsam";
-    case LogFormat::kOdomObs:
-      return "odom-obs";
-    case LogFormat::kMat:
-      return "mat";
-    case LogFormat::kTum:
-      return "tum";
-    case LogFormat::kKitti:
-      return "kitti";
-  }
-  return "unknown";
-}
-
 bool needs_values(LogFormat format) {
   const Room room = room_in(format);
   return room.pose_values && !room.feature_values;

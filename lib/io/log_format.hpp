@@ -4,6 +4,7 @@
 
 #include <cstdint>
 #include <filesystem>
+#include <mapjoin/model/enum_names.hpp>
 #include <mapjoin/model/error.hpp>
 #include <mapjoin/model/log.hpp>
 #include <string>
@@ -22,8 +23,16 @@ enum class LogFormat : std::uint8_t {
   kKitti,
 };
 
-/// "g2o", "toro", "isam", "gtsam", "odom-obs", "mat", "tum" or "kitti".
-std::string to_string(LogFormat format);
+constexpr auto enum_names(LogFormat) {
+  return std::to_array<EnumName<LogFormat>>({{LogFormat::kG2o, "g2o"},
+                                             {LogFormat::kToro, "toro"},
+                                             {LogFormat::kIsam, "isam"},
+                                             {LogFormat::kGtsam, "gtsam"},
+                                             {LogFormat::kOdomObs, "odom-obs"},
+                                             {LogFormat::kMat, "mat"},
+                                             {LogFormat::kTum, "tum"},
+                                             {LogFormat::kKitti, "kitti"}});
+}
 
 /// Whether the format has nothing without the values of all poses: TORO's and trajectories.
 bool needs_values(LogFormat format);
