@@ -6,10 +6,10 @@
 #include <CLI/App.hpp>
 #include <CLI/Config.hpp>
 #include <algorithm>
-#include <apps/command_line.hpp>
+#include <apps/commands/command_line.hpp>
 #include <apps/console.hpp>
 #include <apps/interruption.hpp>
-#include <apps/shrunk_input.hpp>
+#include <apps/truncated_input.hpp>
 #include <exception>
 #include <mapjoin/solve/blas.hpp>
 #include <mapjoin/solve/heap.hpp>

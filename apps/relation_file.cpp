@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include <apps/deviations.hpp>
 #include <apps/relation_file.hpp>
+#include <apps/report/deviations.hpp>
 #include <mapjoin/io/output_file.hpp>
 #include <mapjoin/io/text_line.hpp>
 

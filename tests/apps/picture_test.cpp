@@ -2,7 +2,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include <apps/picture.hpp>
+#include <apps/picture/picture.hpp>
 #include <cmath>
 #include <string_view>
 

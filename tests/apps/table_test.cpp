@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <gtest/gtest.h>
 
-#include <apps/table.hpp>
+#include <apps/report/table.hpp>
 
 namespace mapjoin::apps {
 namespace {

@@ -2,7 +2,7 @@
 #include <gtest/gtest.h>
 
 #include <Eigen/LU>
-#include <apps/plot/alignment.hpp>
+#include <apps/picture/alignment.hpp>
 #include <tests/support/dimensions.hpp>
 #include <tests/support/random.hpp>
 

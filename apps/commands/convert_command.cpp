@@ -1,0 +1,193 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// `mapjoin convert`: logs and local maps from one format into another.
+
+#include <fmt/format.h>
+
+#include <apps/commands/command_run.hpp>
+#include <apps/commands/commands.hpp>
+#include <apps/console.hpp>
+#include <apps/map_file.hpp>
+#include <apps/output_conflicts.hpp>
+#include <apps/output_folder.hpp>
+#include <apps/picture/plotted_map.hpp>
+#include <apps/report/summary.hpp>
+#include <array>
+#include <mapjoin/io/local_map_writer.hpp>
+#include <mapjoin/io/log_format.hpp>
+#include <mapjoin/io/store_map_set.hpp>
+#include <memory>
+#include <optional>
+#include <variant>
+
+namespace mapjoin::apps {
+namespace {
+
+constexpr const char* kExamples =
+    "  mapjoin convert data/manhattan2d.g2o manhattan.isam\n"
+    "  mapjoin convert VicPark_clean_data.mat vicpark.g2o\n"
+    "  mapjoin convert MRCLAM_Dataset6 robots.g2o\n"
+    "  mapjoin convert localmaps_mat.tar.gz FOLDER --to maps-text";
+
+enum class MapsFormat : std::uint8_t { kMat, kText, kStore };
+using AnyFormat = std::variant<LogFormat, MapsFormat>;
+
+struct Format {
+  const char* word;
+  const char* extension;  ///< That asks for it; empty: none does.
+  AnyFormat format;
+};
+
+constexpr std::array<Format, 11> kFormats{{{"g2o", ".g2o", LogFormat::kG2o},
+                                           {"toro", ".graph", LogFormat::kToro},
+                                           {"isam", ".isam", LogFormat::kIsam},
+                                           {"gtsam", ".gtsam", LogFormat::kGtsam},
+                                           {"odom-obs", ".txt", LogFormat::kOdomObs},
+                                           {"mat", ".mat", LogFormat::kMat},
+                                           {"tum", ".tum", LogFormat::kTum},
+                                           {"kitti", ".kitti", LogFormat::kKitti},
+                                           {"maps-mat", "", MapsFormat::kMat},
+                                           {"maps-text", "", MapsFormat::kText},
+                                           {"store", ".maps", MapsFormat::kStore}}};
+
+struct ConvertOptions : Options {
+  std::optional<AnyFormat> format;  ///< As asked for, else by the output's extension.
+};
+
+tl::unexpected<Error> misused(std::string message) {
+  return tl::unexpected(Error{ErrorKind::kUsage, std::move(message)});
+}
+
+std::string words() {
+  std::string all;
+  for (const Format& format : kFormats) {
+    if (!all.empty()) all += '|';
+    all += format.word;
+  }
+  return all;
+}
+
+Expected<AnyFormat> format_of(const ConvertOptions& options) {
+  if (options.format) return *options.format;
+  const std::string extension = options.output.extension().string();
+  for (const Format& format : kFormats) {
+    if (!extension.empty() && extension == format.extension) return format.format;
+  }
+  return misused(fmt::format("{}: its name does not say which format it is to have; --to does", options.output.string()));
+}
+
+Expected<ExitCode> tell(Call& call, const std::vector<std::string>& lost) {
+  call.close_progress();
+  if (call.options().quiet) return ExitCode::kDone;
+  Lines lines;
+  lines.add("input", fmt::format("{}: {}", call.account.input, counts_in_words(call.account)));
+  for (const std::string& remark : remarks(call.account)) lines.add("note", remark);
+  lines.add("written", call.options().output.string());
+  for (const std::string& loss : lost) lines.add("lost", loss);
+  return write_stdout(lines.text()).map([] { return ExitCode::kDone; });
+}
+
+template <int Dim>
+Expected<ExitCode> convert_log(Call& call, AnyFormat asked, Log<Dim> log) {
+  const auto* format = std::get_if<LogFormat>(&asked);
+  if (!format) return misused(fmt::format("{}: local maps of a log are made by `mapjoin build`", call.account.input));
+  std::vector<std::string> lost;
+  if (needs_values(*format) && log.initial_poses.empty() && !log.odometry.empty()) {
+    log.initial_poses = dead_reckoning(log, std::vector<Pose<Dim>>(log.poses.size()));
+    lost.emplace_back("there are no values: poses are where odometry alone has them");
+  }
+  for (std::string& loss : losses(log, *format)) lost.push_back(std::move(loss));
+  if (auto written = write_log(log, *format, call.options().output); !written) return tl::unexpected(written.error());
+  return tell(call, lost);
+}
+
+template <int Dim>
+Expected<void> write_folder(const std::vector<LocalMap<Dim>>& maps, const std::vector<FeatureId>& features, MapsFormat format,
+                            const std::filesystem::path& path) {
+  auto folder = OutputFolder::create_whole(path);
+  if (!folder) return tl::unexpected(folder.error());
+  const auto file_format = format == MapsFormat::kText ? LocalMapFormat::kText : LocalMapFormat::kMat;
+  const auto names = write_local_maps(maps, features, file_format, folder->aside(""));
+  if (!names) return tl::unexpected(names.error());
+  return folder->commit(*names);
+}
+
+template <int Dim>
+std::vector<std::string> losses_of_maps(MapsFormat format, bool poses_are_counted) {
+  std::vector<std::string> lost;
+  if (format == MapsFormat::kStore) return lost;
+  if (!poses_are_counted) lost.emplace_back("poses are counted, not named");
+  if (Dim == 3) lost.emplace_back("rotations and their weights are those of roll, pitch and yaw, rounded");
+  if (Dim == 2 && format == MapsFormat::kMat) lost.emplace_back("weights are covariances, rounded");
+  return lost;
+}
+
+template <int Dim>
+Expected<ExitCode> convert_maps(Call& call, AnyFormat asked, const MapSet<Dim>& set) {
+  const auto* format = std::get_if<MapsFormat>(&asked);
+  if (!format) return misused(fmt::format("{}: local maps without their log cannot become a log", call.account.input));
+  const auto written = *format == MapsFormat::kStore ? write_store(set, call.options().output)
+                                                     : write_folder(set.maps, set.features, *format, call.options().output);
+  if (!written) return tl::unexpected(written.error());
+  return tell(call, losses_of_maps<Dim>(*format, are_counted(set.poses)));
+}
+
+/// A store's log, or its maps.
+template <int Dim>
+Expected<ExitCode> convert_maps(Call& call, AnyFormat asked, const StoredMaps<Dim>& stored) {
+  const auto* format = std::get_if<MapsFormat>(&asked);
+  if (!format) return convert_log(call, asked, stored.log);
+  if (*format == MapsFormat::kStore) return misused(fmt::format("{}: it is a store", call.account.input));
+  if (stored.maps.size() < stored.stretches.size()) {
+    return misused(fmt::format("{}: {} of its {} stretches are not local maps, but observations", call.account.input,
+                               stored.stretches.size() - stored.maps.size(), stored.stretches.size()));
+  }
+  auto written = write_folder(stored.maps, stored.log.features, *format, call.options().output);
+  if (!written) return tl::unexpected(written.error());
+  auto lost = losses_of_maps<Dim>(*format, are_counted(stored.log.poses) && stored.maps.size() + 1 == stored.log.poses.size());
+  lost.emplace_back("the log that the maps were built from is left out");
+  return tell(call, lost);
+}
+
+Expected<ExitCode> convert_input(const ConvertOptions& options, const std::stop_token& stop) {
+  Call call("convert", options, stop);
+  const auto format = format_of(options);
+  if (!format) return tl::unexpected(format.error());
+  const bool is_folder = std::holds_alternative<MapsFormat>(*format) && std::get<MapsFormat>(*format) != MapsFormat::kStore;
+  if (!is_folder) {
+    if (auto writable = check_writable(options.output); !writable) return tl::unexpected(writable.error());
+  }
+  if (may_hold_maps(options.input)) {
+    return call.read_maps().and_then([&](AnyMaps maps) {
+      return std::visit([&](const auto& of_kind) { return convert_maps(call, *format, of_kind); }, maps);
+    });
+  }
+  return call.read_log().and_then(
+      [&](AnyLog log) { return std::visit([&](auto& of_dim) { return convert_log(call, *format, std::move(of_dim)); }, log); });
+}
+
+void declare(Subcommand& command) {
+  const auto options = std::make_shared<ConvertOptions>();
+  command.argument("IN", options->input, "A log, a store, or a folder or archive of local maps, known by its content");
+  command.argument("OUT", options->output, "The file, or for maps-mat and maps-text the folder, to write");
+  command.option("--to", words(),
+                 "Its format [by its extension: .g2o, .graph (TORO), .isam, .gtsam, .txt (ODOM and OBS), .mat, .tum, .kitti, "
+                 ".maps (a store)]",
+                 [options](const std::string& word) -> std::optional<std::string> {
+                   for (const Format& format : kFormats) {
+                     if (word == format.word) options->format = format.format;
+                   }
+                   return options->format ? std::nullopt : std::optional(fmt::format("not one of {}", words()));
+                 });
+  command.flag("--quiet", options->quiet, "No summary");
+  add_reading(command, *options);
+  command.check([options] { return check_distinct({{"IN", options->input}, {"OUT", options->output}}); });
+  command.act([options](const std::stop_token& stop) { return convert_input(*options, stop); });
+}
+
+}  // namespace
+
+std::unique_ptr<Subcommand> convert_command(CLI::App& app) {
+  return std::make_unique<Subcommand>(app, "convert", "A log or local maps in another format", kExamples, declare);
+}
+
+}  // namespace mapjoin::apps
