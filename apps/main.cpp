@@ -6,7 +6,7 @@
 #include <CLI/App.hpp>
 #include <CLI/Config.hpp>
 #include <algorithm>
-#include <apps/commands/command_line.hpp>
+#include <apps/commands/commands.hpp>
 #include <apps/console.hpp>
 #include <apps/interruption.hpp>
 #include <apps/truncated_input.hpp>
@@ -55,7 +55,7 @@ Expected<ExitCode> parse_and_run(int argc, char** argv) {
 
 ExitCode main(int argc, char** argv) {
   prepare_heap();
-  end_on_shrunk_input();
+  end_on_truncated_input();
   try {
     const auto done = parse_and_run(argc, argv);
     if (done) return *done;

@@ -1,10 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <fmt/format.h>
 
-#include <apps/covariance_file.hpp>
 #include <apps/map_file.hpp>
 #include <apps/output_conflicts.hpp>
-#include <apps/relation_file.hpp>
 #include <system_error>
 
 namespace mapjoin::apps {
@@ -23,7 +21,7 @@ bool is_same(const fs::path& a, const fs::path& b) {
 
 }  // namespace
 
-std::vector<std::string> check_distinct(const NamedFiles& files) {
+std::vector<std::string> output_conflicts(const NamedFiles& files) {
   std::vector<std::string> violations;
   for (auto later = files.begin(); later != files.end(); ++later) {
     for (auto earlier = files.begin(); earlier != later; ++earlier) {

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
-// That no file of a call is written over another one of it.
+// That no file of a command is written over another one of it.
 
 #include <apps/commands/options.hpp>
 #include <filesystem>
@@ -10,12 +10,12 @@
 
 namespace mapjoin::apps {
 
-/// Files by what the call takes them for, such as "--output".
+/// Files by what the command takes them for, such as "--output".
 using NamedFiles = std::vector<std::pair<std::string, std::filesystem::path>>;
 
 /// In words, any two that are the same file, or would be: by links and by names, where one is yet to come. Empty paths and
 /// what is there but not a regular file, such as /dev/null, are like no other.
-std::vector<std::string> check_distinct(const NamedFiles& files);
+std::vector<std::string> output_conflicts(const NamedFiles& files);
 
 /// The input, under the name of its argument, the output, the truth, unless it is the input, and the report.
 NamedFiles files_of(const Options& options, const std::string& argument);

@@ -17,7 +17,7 @@ extern "C" void on_missing_page(int) {
 
 }  // namespace
 
-void end_on_shrunk_input() {
+void end_on_truncated_input() {
   std::signal(SIGBUS, on_missing_page);
 }
 

@@ -20,7 +20,7 @@ constexpr const char* kExamples =
 
 const std::vector<std::string> kFiles = {"basin.csv", "basin.json"};
 
-struct BasinCall {
+struct BasinRequest {
   Options shared;
   BasinOptions basin;
 };
@@ -47,22 +47,22 @@ Expected<Basin> basin_of(const Data& data, const BasinOptions& options, const st
   return basin(data, options, stop);
 }
 
-StudyOutput output_of(const Basin& basin, const Account& account) {
-  const std::string json = basin_json(basin, account);
-  return {basin_table(basin, account), json, {{kFiles[0], basin_csv(basin)}, {kFiles[1], json}}};
+StudyOutput output_of(const Basin& basin, const RunReport& run_report) {
+  const std::string json = basin_json(basin, run_report);
+  return {basin_table(basin, run_report), json, {{kFiles[0], basin_csv(basin)}, {kFiles[1], json}}};
 }
 
-Expected<ExitCode> run_basin(const BasinCall& asked, const std::stop_token& stop) {
-  Call call("basin", asked.shared, stop);
+Expected<ExitCode> run_basin(const BasinRequest& asked, const std::stop_token& stop) {
+  CommandRun command_run("basin", asked.shared, stop);
   BasinOptions options = asked.basin;
-  options.progress = call.progress("solves");
+  options.progress = command_run.progress("solves");
   return run_study(
-      call, [&](const auto& data) { return basin_of(data, options, stop); },
-      [&](const Basin& found) { return output_of(found, call.account); });
+      command_run, [&](const auto& data) { return basin_of(data, options, stop); },
+      [&](const Basin& found) { return output_of(found, command_run.run_report); });
 }
 
 void declare(Subcommand& command) {
-  const auto asked = std::make_shared<BasinCall>();
+  const auto asked = std::make_shared<BasinRequest>();
   Options& options = asked->shared;
   BasinOptions& basin = asked->basin;
   command.argument("LOG|MAPS", options.input, "A log; or a store, or a folder or archive of local maps");
@@ -77,7 +77,7 @@ void declare(Subcommand& command) {
   add_reading(command, options);
   add_reporting(command, options);
   command.check([asked, &command] { return check_uncut(command, asked->shared); });
-  command.check([asked] { return check_distinct(files_of_folder(asked->shared, "LOG|MAPS", kFiles)); });
+  command.check([asked] { return output_conflicts(files_of_folder(asked->shared, "LOG|MAPS", kFiles)); });
   command.act([asked](const std::stop_token& stop) { return run_basin(*asked, stop); });
 }
 

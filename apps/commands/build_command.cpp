@@ -40,82 +40,84 @@ std::vector<std::size_t> maps_to_do(const Split& parts, const std::vector<std::s
 
 /// Builds the maps of some stretches, in parallel, and stores them.
 template <int Dim>
-Expected<void> build_some(Call& call, const Log<Dim>& log, const Split& parts, std::span<const std::size_t> stretches,
-                          StoreWriter<Dim>& store) {
+Expected<void> build_some(CommandRun& command_run, const Log<Dim>& log, const Split& parts,
+                          std::span<const std::size_t> stretches, StoreWriter<Dim>& store) {
   std::vector<BuiltMap<Dim>> built(stretches.size());
   parallel_for(built.size(), [&](std::size_t i) {
-    if (call.stop().stop_requested()) return;
-    built[i] = build_local_map(segment_of(log, parts, parts.stretches[stretches[i]]), call.run_options().solver);
+    if (command_run.stop().stop_requested()) return;
+    built[i] = build_local_map(segment_of(log, parts, parts.stretches[stretches[i]]), command_run.run_options().solver);
   });
-  if (auto going_on = call.check_interrupted(); !going_on) return going_on;
+  if (auto going_on = command_run.check_interrupted(); !going_on) return going_on;
   for (std::size_t i = 0; i < built.size(); ++i) {
-    call.account.figures.build_iterations += built[i].iterations;
+    command_run.run_report.figures.build_iterations += built[i].iterations;
     if (auto added = store.add(stretches[i], built[i].map); !added) return added;
   }
   return {};
 }
 
 template <int Dim>
-Expected<void> build_all(Call& call, const Log<Dim>& log, const Split& parts, StoreWriter<Dim>& store) {
+Expected<void> build_all(CommandRun& command_run, const Log<Dim>& log, const Split& parts, StoreWriter<Dim>& store) {
   const std::vector<std::size_t> to_do = maps_to_do(parts, store.done());
   const std::size_t before = store.done().size();
   for (std::size_t begin = 0; begin < to_do.size(); begin += kMapsAtOnce) {
     const auto some = std::span(to_do).subspan(begin, std::min(kMapsAtOnce, to_do.size() - begin));
-    if (auto built = build_some(call, log, parts, some, store); !built) return built;
-    if (const auto& progress = call.run_options().progress) {
+    if (auto built = build_some(command_run, log, parts, some, store); !built) return built;
+    if (const auto& progress = command_run.run_options().progress) {
       progress(Stage::kBuild, store.done().size(), before + to_do.size());
     }
   }
-  RunFigures& figures = call.account.figures;
+  RunFigures& figures = command_run.run_report.figures;
   figures.local_maps = store.done().size() - store.undetermined();
   figures.spans = parts.stretches.size() - figures.local_maps;
   figures.poses_per_map = parts.poses_per_map;
-  call.account.has_local_maps = true;
-  call.account.is_resumed = before > 0;
+  command_run.run_report.has_local_maps = true;
+  command_run.run_report.is_resumed = before > 0;
   return store.finish();
 }
 
 template <int Dim>
-Expected<ExitCode> build_log(Call& call, const Log<Dim>& log) {
+Expected<ExitCode> build_log(CommandRun& command_run, const Log<Dim>& log) {
   if (auto connected = check_connected(log); !connected) return tl::unexpected(connected.error());
-  SplitOptions cut = call.run_options().split;
+  SplitOptions cut = command_run.run_options().split;
   if (cut.rule == SplitRule::kAuto) cut.amount = 2.0;  // maps of one step would be the log itself
   const Split parts = split(log, cut);
-  auto store = StoreWriter<Dim>::open(call.options().output, log, parts.stretches, settings(call.run_options().solver));
+  auto store =
+      StoreWriter<Dim>::open(command_run.options().output, log, parts.stretches, settings(command_run.run_options().solver));
   if (!store) return tl::unexpected(store.error());
-  const auto built = timed(call.account.figures.seconds.build, [&] { return build_all(call, log, parts, *store); });
+  const auto built =
+      timed(command_run.run_report.figures.seconds.build, [&] { return build_all(command_run, log, parts, *store); });
   if (!built) return tl::unexpected(built.error());
-  call.account.files.push_back(call.options().output.string());
-  return call.conclude();
+  command_run.run_report.files.push_back(command_run.options().output.string());
+  return command_run.conclude();
 }
 
 template <int Dim>
-Expected<ExitCode> store_any(Call& call, const MapSet<Dim>& set) {
-  const auto& path = call.options().output;
-  const auto written = timed(call.account.write_seconds, [&] { return write_store(set, path); });
+Expected<ExitCode> store_any(CommandRun& command_run, const MapSet<Dim>& set) {
+  const auto& path = command_run.options().output;
+  const auto written = timed(command_run.run_report.write_seconds, [&] { return write_store(set, path); });
   if (!written) return tl::unexpected(written.error());
-  call.account.files.push_back(path.string());
-  return call.conclude();
+  command_run.run_report.files.push_back(path.string());
+  return command_run.conclude();
 }
 template <int Dim>
-Expected<ExitCode> store_any(Call& call, const StoredMaps<Dim>&) {
-  return tl::unexpected(Error{ErrorKind::kUsage, call.account.input + ": is a store already"});
+Expected<ExitCode> store_any(CommandRun& command_run, const StoredMaps<Dim>&) {
+  return tl::unexpected(Error{ErrorKind::kUsage, command_run.run_report.input + ": is a store already"});
 }
 
 /// What others built is kept as it is.
-Expected<ExitCode> store_maps(Call& call) {
-  const auto maps = call.read_maps();
+Expected<ExitCode> store_maps(CommandRun& command_run) {
+  const auto maps = command_run.read_maps();
   if (!maps) return tl::unexpected(maps.error());
-  return std::visit([&](const auto& any) { return store_any(call, any); }, *maps);
+  return std::visit([&](const auto& any) { return store_any(command_run, any); }, *maps);
 }
 
 Expected<ExitCode> build_input(const Options& options, const std::stop_token& stop) {
-  Call call("build", options, stop);
-  if (auto writable = call.check_outputs(); !writable) return tl::unexpected(writable.error());
-  if (may_hold_maps(options.input)) return store_maps(call);
-  const auto log = call.read_log();
+  CommandRun command_run("build", options, stop);
+  if (auto writable = command_run.check_outputs(); !writable) return tl::unexpected(writable.error());
+  if (may_hold_maps(options.input)) return store_maps(command_run);
+  const auto log = command_run.read_log();
   if (!log) return tl::unexpected(log.error());
-  return std::visit([&](const auto& any) { return build_log(call, any); }, *log);
+  return std::visit([&](const auto& any) { return build_log(command_run, any); }, *log);
 }
 
 void declare(Subcommand& command) {
@@ -130,7 +132,7 @@ void declare(Subcommand& command) {
   add_solver(command, *options);
   add_reading(command, *options);
   add_reporting(command, *options);
-  command.check([options] { return check_distinct(files_of(*options, "LOG|MAPS")); });
+  command.check([options] { return output_conflicts(files_of(*options, "LOG|MAPS")); });
   command.check([options, &command] { return check_uncut(command, *options); });
   command.act([options](const std::stop_token& stop) { return build_input(*options, stop); });
 }

@@ -34,7 +34,7 @@ void append(Findings more, Checked& checked) {
   for (Finding& finding : more) checked.findings.push_back(std::move(finding));
 }
 
-/// Takes the fits at an estimate into the account.
+/// Takes the fits at an estimate into the report.
 void take_fits(std::vector<KindFit> fits, std::int64_t dof, Checked& checked) {
   append(check_fit(fits, dof), checked);
   checked.fits = std::move(fits);
@@ -58,8 +58,8 @@ std::vector<KindFit> fits_in(const RunResult<Dim>& result, const MapSet<Dim>& se
 }
 
 template <typename Content>
-Expected<void> fit_joined(const Call& call, const Content& content, Checked& checked) {
-  const auto result = run(content, call.run_options(), call.stop());
+Expected<void> fit_joined(const CommandRun& command_run, const Content& content, Checked& checked) {
+  const auto result = run(content, command_run.run_options(), command_run.stop());
   if (!result && result.error().kind != ErrorKind::kBadInput) return tl::unexpected(result.error());
   if (!result) {
     checked.findings.push_back({FindingLevel::kError, "undetermined", result.error().message, {}});
@@ -97,28 +97,28 @@ template <int Dim>
 void check_numbers(const MapSet<Dim>&, Checked&) {}
 
 template <typename Content>
-Expected<ExitCode> check_content(Call& call, const CheckOptions& options, const Content& content) {
+Expected<ExitCode> check_content(CommandRun& command_run, const CheckOptions& options, const Content& content) {
   Checked checked{options.estimate, check_structure(content), {}, 0};
   check_numbers(content, checked);
   const bool falls_apart = has_errors(checked.findings);
   Expected<void> fitted;
   if (options.estimate == CheckedEstimate::kFile) fitted = fit_values(content, checked);
-  if (options.estimate == CheckedEstimate::kJoined && !falls_apart) fitted = fit_joined(call, content, checked);
+  if (options.estimate == CheckedEstimate::kJoined && !falls_apart) fitted = fit_joined(command_run, content, checked);
   if (!fitted) return tl::unexpected(fitted.error());
-  const auto told =
-      call.tell([&] { return check_report(call.account, checked); }, [&] { return check_summary(call.account, checked); });
+  const auto told = command_run.tell([&] { return check_report(command_run.run_report, checked); },
+                                     [&] { return check_summary(command_run.run_report, checked); });
   return told.map([&] { return has_warnings(checked.findings) ? ExitCode::kFindings : ExitCode::kDone; });
 }
 /// A store has its log, of which its maps are made.
 template <int Dim>
-Expected<ExitCode> check_content(Call& call, const CheckOptions& options, const StoredMaps<Dim>& stored) {
-  return check_content(call, options, stored.log);
+Expected<ExitCode> check_content(CommandRun& command_run, const CheckOptions& options, const StoredMaps<Dim>& stored) {
+  return check_content(command_run, options, stored.log);
 }
 
 Expected<ExitCode> check_input(const CheckOptions& options, const std::stop_token& stop) {
-  Call call("check", options, stop);
-  if (auto ready = call.check_report(); !ready) return tl::unexpected(ready.error());
-  return call.with_log_or_maps([&](const auto& content) { return check_content(call, options, content); });
+  CommandRun command_run("check", options, stop);
+  if (auto ready = command_run.check_report(); !ready) return tl::unexpected(ready.error());
+  return command_run.with_log_or_maps([&](const auto& content) { return check_content(command_run, options, content); });
 }
 
 void declare(Subcommand& command) {
@@ -129,7 +129,7 @@ void declare(Subcommand& command) {
                  "file's own values; or nowhere, which is fastest");
   add_reading(command, *options);
   add_reporting(command, *options);
-  command.check([options] { return check_distinct(files_of(*options, "FILE")); });
+  command.check([options] { return output_conflicts(files_of(*options, "FILE")); });
   command.act([options](const std::stop_token& stop) { return check_input(*options, stop); });
 }
 

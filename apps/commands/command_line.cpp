@@ -4,7 +4,6 @@
 #include <CLI/App.hpp>
 #include <CLI/Config.hpp>
 #include <CLI/Formatter.hpp>
-#include <apps/commands/command_line.hpp>
 #include <apps/commands/commands.hpp>
 #include <boost/algorithm/string/replace.hpp>
 #include <mapjoin/version.hpp>

@@ -4,11 +4,8 @@
 #include <algorithm>
 #include <apps/commands/command_run.hpp>
 #include <apps/console.hpp>
-#include <apps/covariance_file.hpp>
 #include <apps/map_file.hpp>
-#include <apps/relation_file.hpp>
 #include <apps/report/report.hpp>
-#include <apps/report/summary.hpp>
 #include <mapjoin/io/open_log.hpp>
 #include <mapjoin/io/output_file.hpp>
 #include <mapjoin/parallel/parallel.hpp>
@@ -40,26 +37,26 @@ bool is_finite(const GlobalMap<Dim>& map) {
          std::all_of(map.features.begin(), map.features.end(), feature_is);
 }
 
-std::string why_not_converged(const Account& account) {
-  const RunFigures& figures = account.figures;
+std::string why_not_converged(const RunReport& run_report) {
+  const RunFigures& figures = run_report.figures;
   const MinimiseResult& last = figures.polish ? *figures.polish : figures.join;
   std::string why = fmt::format("the poses inside {} local maps were not recovered to convergence", figures.unrecovered);
   if (last.status != MinimiseStatus::kConverged) {
     why = fmt::format("the {} did not converge ({} at iteration {})", figures.polish ? "polish" : "join",
                       to_string(last.status), last.iterations);
   }
-  return account.files.empty() ? why : why + "; the result is written all the same";
+  return run_report.files.empty() ? why : why + "; the result is written all the same";
 }
 
-std::string why_not_certified(const Account& account) {
-  const std::string why = account.input + ": " + account.figures.no_covariances->message;
-  return account.files.empty() ? why : why + "; the map is written without them";
+std::string why_not_certified(const RunReport& run_report) {
+  const std::string why = run_report.input + ": " + run_report.figures.no_covariances->message;
+  return run_report.files.empty() ? why : why + "; the map is written without them";
 }
 
 }  // namespace
 
-Call::Call(const std::string& command, const Options& options, std::stop_token stop)
-    : account(command, options),
+CommandRun::CommandRun(const std::string& command, const Options& options, std::stop_token stop)
+    : run_report(command, options),
       options_(options),
       stop_(std::move(stop)),
       threads_(tbb::global_control::max_allowed_parallelism, thread_count(options)),
@@ -72,17 +69,17 @@ Call::Call(const std::string& command, const Options& options, std::stop_token s
   run_options_.most_memory = static_cast<std::int64_t>(1e6 * std::min(options.most_memory_mb, 1e12));
 }
 
-std::function<void(std::size_t, std::size_t)> Call::progress(const std::string& things) {
+std::function<void(std::size_t, std::size_t)> CommandRun::progress(const std::string& things) {
   const auto show = progress_.callback_in_words();
   if (!show) return nullptr;
   return [show, things](std::size_t done, std::size_t to_do) { show(things, done, to_do); };
 }
 
-Expected<void> Call::check_report() const {
+Expected<void> CommandRun::check_report() const {
   return options_.report_on_stdout() ? Expected<void>() : check_writable(options_.report);
 }
 
-Expected<void> Call::check_outputs() const {
+Expected<void> CommandRun::check_outputs() const {
   if (options_.output.empty()) return check_report();
   return check_map_writable(options_.output)
       .and_then([&] { return options_.covariances ? check_writable(covariance_file(options_.output)) : Expected<void>(); })
@@ -90,91 +87,91 @@ Expected<void> Call::check_outputs() const {
       .and_then([&] { return check_report(); });
 }
 
-Expected<void> Call::read_truth() {
+Expected<void> CommandRun::read_truth() {
   if (options_.truth.empty()) return {};
-  return timed(account.read_seconds, [&] { return TruthFile::open(options_.truth); }).map([&](TruthFile&& truth) {
+  return timed(run_report.read_seconds, [&] { return TruthFile::open(options_.truth); }).map([&](TruthFile&& truth) {
     truth_ = std::move(truth);
   });
 }
 
-Expected<AnyLog> Call::read_log() {
-  auto log = timed(account.read_seconds, [&] { return open_log(options_.input, options_.read); });
+Expected<AnyLog> CommandRun::read_log() {
+  auto log = timed(run_report.read_seconds, [&] { return open_log(options_.input, options_.read); });
   if (!log && may_hold_maps(options_.input)) {
-    return bad_input(fmt::format("{}: not a log, but perhaps local maps, which `mapjoin join` takes", account.input));
+    return bad_input(fmt::format("{}: not a log, but perhaps local maps, which `mapjoin join` takes", run_report.input));
   }
   if (!log) return log;
   return take_log(*std::move(log));
 }
 
-Expected<AnyLog> Call::take_log(AnyLog log) {
+Expected<AnyLog> CommandRun::take_log(AnyLog log) {
   std::visit(
       [&](auto& any) {
         if (options_.covariance == Covariance::kIdentity) use_identity_covariance(any);
-        account.describe(any);
+        run_report.describe(any);
       },
       log);
   return check_interrupted().map([&] { return std::move(log); });
 }
 
-Expected<AnyMaps> Call::read_maps() {
-  auto maps = timed(account.read_seconds, [&] { return open_maps(options_.input, options_.read); });
+Expected<AnyMaps> CommandRun::read_maps() {
+  auto maps = timed(run_report.read_seconds, [&] { return open_maps(options_.input, options_.read); });
   if (!maps) return maps;
   const auto taken =
-      std::visit([&](auto& any) { return take_weights(options_, any).map([&] { account.describe(any); }); }, *maps);
+      std::visit([&](auto& any) { return take_weights(options_, any).map([&] { run_report.describe(any); }); }, *maps);
   return taken.and_then([&] { return check_interrupted(); }).and_then([&] { return std::move(maps); });
 }
 
-Expected<void> Call::check_interrupted() const {
+Expected<void> CommandRun::check_interrupted() const {
   if (stop_.stop_requested()) return tl::unexpected(Error{ErrorKind::kInterrupted, "interrupted"});
   return {};
 }
 
 template <int Dim>
-Expected<void> Call::certify(RunResult<Dim>& result) {
+Expected<void> CommandRun::certify(RunResult<Dim>& result) {
   if (!result.covariances) return {};
-  account.covariances = result.covariances->estimate();
-  if (result.marginals) account.deviations = deviations_of(*result.marginals);
+  run_report.covariances = result.covariances->estimate();
+  if (result.marginals) run_report.deviations = deviations_of(*result.marginals);
   if (options_.covariances) {
     result.map.pose_covariances = result.marginals->poses;
     result.map.feature_covariances = result.marginals->features;
   }
   if (!truth_) return {};
-  const auto found = timed(account.figures.seconds.covariances, [&] {
+  const auto found = timed(run_report.figures.seconds.covariances, [&] {
     return truth_->of(result.map).and_then([&](const Truth<Dim>& truth) {
       return consistency(*result.covariances, truth, stop_);
     });
   });
-  return found.map([&](const Consistency& of_truth) { account.consistency = of_truth; });
+  return found.map([&](const Consistency& of_truth) { run_report.consistency = of_truth; });
 }
 
 template <int Dim>
-Expected<void> Call::take(RunResult<Dim>& result) {
-  account.describe(result);
-  if (!is_finite(result.map)) return bad_input(account.input + ": its numbers are too large: the map is not finite");
+Expected<void> CommandRun::take(RunResult<Dim>& result) {
+  run_report.describe(result);
+  if (!is_finite(result.map)) return bad_input(run_report.input + ": its numbers are too large: the map is not finite");
   return certify(result).and_then([&] { return check_interrupted(); });
 }
 
 template <int Dim>
-Expected<void> Call::write_map(RunResult<Dim>& result, const Log<Dim>* log) {
+Expected<void> CommandRun::write_map(RunResult<Dim>& result, const Log<Dim>* log) {
   if (auto taken = take(result); !taken || options_.output.empty()) return taken;
-  auto files = timed(account.write_seconds, [&] { return write_map_file(result.map, log, options_.output); });
+  auto files = timed(run_report.write_seconds, [&] { return write_map_file(result.map, log, options_.output); });
   if (!files) return tl::unexpected(files.error());
-  account.files = std::move(*files);
+  run_report.files = std::move(*files);
   if (!result.marginals) return {};
-  return timed(account.write_seconds, [&]() -> Expected<void> {
+  return timed(run_report.write_seconds, [&]() -> Expected<void> {
     if (options_.covariances) {
       const auto beside = covariance_file(options_.output);
-      account.files.push_back(beside.string());
-      if (auto written = write_covariances(result.map, *account.covariances, beside); !written) return written;
+      run_report.files.push_back(beside.string());
+      if (auto written = write_covariances(result.map, *run_report.covariances, beside); !written) return written;
     }
     if (!options_.relations) return {};
     const auto beside = relation_file(options_.output);
-    account.files.push_back(beside.string());
+    run_report.files.push_back(beside.string());
     return write_relations(result.map, *result.marginals, beside);
   });
 }
 
-Expected<void> Call::tell(const std::function<std::string()>& json, const std::function<std::string()>& text) {
+Expected<void> CommandRun::tell(const std::function<std::string()>& json, const std::function<std::string()>& text) {
   progress_.close();
   if (options_.report_on_stdout()) return write_stdout(json());
   if (!options_.report.empty()) {
@@ -183,19 +180,19 @@ Expected<void> Call::tell(const std::function<std::string()>& json, const std::f
   return options_.quiet ? Expected<void>() : write_stdout(text());
 }
 
-Expected<ExitCode> Call::conclude() {
-  const auto told = tell([&] { return report(account); }, [&] { return summary(account); });
+Expected<ExitCode> CommandRun::conclude() {
+  const auto told = tell([&] { return report(run_report); }, [&] { return summary(run_report); });
   if (!told) return tl::unexpected(told.error());
-  if (!account.is_joined) return ExitCode::kDone;
-  const bool is_certified = !account.figures.no_covariances;
-  if (!is_certified) say(why_not_certified(account));
-  if (!account.figures.converged()) say(why_not_converged(account));
-  return !account.figures.converged() ? ExitCode::kDidNotConverge : is_certified ? ExitCode::kDone : ExitCode::kBadInput;
+  if (!run_report.is_joined) return ExitCode::kDone;
+  const bool is_certified = !run_report.figures.no_covariances;
+  if (!is_certified) say(why_not_certified(run_report));
+  if (!run_report.figures.converged()) say(why_not_converged(run_report));
+  return !run_report.figures.converged() ? ExitCode::kDidNotConverge : is_certified ? ExitCode::kDone : ExitCode::kBadInput;
 }
 
-template Expected<void> Call::take(RunResult<2>&);
-template Expected<void> Call::take(RunResult<3>&);
-template Expected<void> Call::write_map(RunResult<2>&, const Log<2>*);
-template Expected<void> Call::write_map(RunResult<3>&, const Log<3>*);
+template Expected<void> CommandRun::take(RunResult<2>&);
+template Expected<void> CommandRun::take(RunResult<3>&);
+template Expected<void> CommandRun::write_map(RunResult<2>&, const Log<2>*);
+template Expected<void> CommandRun::write_map(RunResult<3>&, const Log<3>*);
 
 }  // namespace mapjoin::apps

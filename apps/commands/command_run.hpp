@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
-// One call of a subcommand from reading to the last word: what run, build, join and solve have in common.
+// One run of a subcommand from reading to the last word: what run, build, join and solve have in common.
 
 #include <tbb/global_control.h>
 
@@ -16,10 +16,10 @@
 
 namespace mapjoin::apps {
 
-class Call {
+class CommandRun {
  public:
-  /// The call works on as many threads as its options say. `options` must outlive it.
-  Call(const std::string& command, const Options& options, std::stop_token stop);
+  /// The run works on as many threads as its options say. `options` must outlive it.
+  CommandRun(const std::string& command, const Options& options, std::stop_token stop);
 
   /// kCannotWrite where the report, or the output as files of a map, cannot be made: better now than after the work.
   Expected<void> check_report() const;
@@ -42,7 +42,7 @@ class Call {
   /// kInterrupted where a stop was requested.
   Expected<void> check_interrupted() const;
 
-  /// Of the options, with this call's progress.
+  /// Of the options, with this run's progress.
   const RunOptions& run_options() const { return run_options_; }
   /// Of work whose `things` are counted, done and to do; must not outlive this. Empty where nobody looks.
   std::function<void(std::size_t, std::size_t)> progress(const std::string& things);
@@ -64,11 +64,11 @@ class Call {
   /// tell() of report and summary; the exit code by how the work ended.
   Expected<ExitCode> conclude();
 
-  Account account;
+  RunReport run_report;
 
  private:
   /// What was asked of a result's certainty: its covariances into its map; how large they are, and its errors against the
-  /// truth, into the account.
+  /// truth, into the report.
   template <int Dim>
   Expected<void> certify(RunResult<Dim>& result);
 

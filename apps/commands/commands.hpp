@@ -1,9 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
-// The subcommands, each in a file of its own.
+// The command line: all subcommands, each declared in a file of its own, as main() parses them.
 
 #include <apps/commands/subcommand.hpp>
 #include <memory>
+#include <string>
 #include <vector>
 
 namespace mapjoin::apps {
@@ -29,5 +30,12 @@ inline std::vector<std::unique_ptr<Subcommand>> all_commands(CLI::App& app) {
     commands.push_back(make(app));
   return commands;
 }
+
+struct CommandLine {
+  std::shared_ptr<CLI::App> app;
+  std::vector<std::unique_ptr<Subcommand>> commands;  ///< In the order of the help.
+};
+
+CommandLine command_line();
 
 }  // namespace mapjoin::apps

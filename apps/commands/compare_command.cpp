@@ -9,10 +9,8 @@
 #include <apps/commands/study.hpp>
 #include <apps/console.hpp>
 #include <apps/output_conflicts.hpp>
-#include <apps/report/compare_page.hpp>
 #include <apps/report/compare_report.hpp>
-#include <apps/report/compare_table.hpp>
-#include <apps/report/summary.hpp>
+#include <apps/report/report.hpp>
 #include <mapjoin/io/output_file.hpp>
 #include <memory>
 #include <optional>
@@ -103,14 +101,14 @@ std::string in_words(const OtherWeights& other) {
                      features);
 }
 
-std::string compare_summary(const Account& account, const ComparisonFigures& comparison, const OtherWeights& other) {
+std::string compare_summary(const RunReport& run_report, const ComparisonFigures& comparison, const OtherWeights& other) {
   const CaseFigures& best = comparison.cases[comparison.best];
   Lines lines;
-  lines.add("input", fmt::format("{}: {}", account.input, counts_in_words(account)));
-  lines.add("convention", conventions_in_words(account.conventions, account.dimension));
+  lines.add("input", fmt::format("{}: {}", run_report.input, counts_in_words(run_report)));
+  lines.add("convention", conventions_in_words(run_report.conventions, run_report.dimension));
   lines.add("best", fmt::format("chi2 {:.10g}, dof {}", best.polished.chi2, best.run.dof));
   lines.add(to_string(other.covariance), in_words(other));
-  for (const std::string& file : account.files) lines.add("written", file);
+  for (const std::string& file : run_report.files) lines.add("written", file);
   std::string text = lines.text();
   for (const NamedTable& named : tables_of(comparison)) text += fmt::format("\n{}\n{}", named.name, aligned(named.table));
   return text;
@@ -118,18 +116,18 @@ std::string compare_summary(const Account& account, const ComparisonFigures& com
 
 /// What is read of it by people and programs; the page is made for the folder only.
 template <int Dim>
-StudyOutput output_of(const Account& account, const Comparison<Dim>& comparison, const OtherWeights& other,
+StudyOutput output_of(const RunReport& run_report, const Comparison<Dim>& comparison, const OtherWeights& other,
                       const GlobalMap<Dim>& other_map, const Log<Dim>& log, bool has_folder) {
-  StudyOutput output{compare_summary(account, comparison, other), compare_report(account, comparison, other), {}};
+  StudyOutput output{compare_summary(run_report, comparison, other), compare_report(run_report, comparison, other), {}};
   if (!has_folder) return output;
   output.files = {{kNames[0], output.json},
                   {kNames[1], csv(whole_table(comparison))},
-                  {kNames[2], compare_page(account, comparison, other, other_map, log.sessions)}};
+                  {kNames[2], compare_page(run_report, comparison, other, other_map, log.sessions)}};
   return output;
 }
 
 template <int Dim>
-Expected<Comparison<Dim>> compared(const Call& call, const CompareOptions& options, const Log<Dim>& log,
+Expected<Comparison<Dim>> compared(const CommandRun& command_run, const CompareOptions& options, const Log<Dim>& log,
                                    const Truth<Dim>* truth) {
   Progress progress(!options.common.quiet);
   const auto say_case = progress.callback_in_words();
@@ -141,31 +139,31 @@ Expected<Comparison<Dim>> compared(const Call& call, const CompareOptions& optio
       say_case(to_string(comparing.cases[k]) + ": case", k + 1, comparing.cases.size());
     };
   }
-  return compare(log, comparing, call.stop());
+  return compare(log, comparing, command_run.stop());
 }
 
 /// `log` has the weights that the file gives.
 template <int Dim>
-Expected<ExitCode> compare_on(Call& call, const CompareOptions& options, const Log<Dim>& log,
+Expected<ExitCode> compare_on(CommandRun& command_run, const CompareOptions& options, const Log<Dim>& log,
                               std::optional<OutputFolder>& folder) {
   Log<Dim> identity = log;
   use_identity_covariance(identity);
   const bool by_identity = options.common.covariance == Covariance::kIdentity;
   const Log<Dim>& here = by_identity ? identity : log;
-  call.account.describe(here);
+  command_run.run_report.describe(here);
   const auto truth = truth_of(log, options.common.truth);
   if (!truth) return tl::unexpected(truth.error());
-  const auto comparison = compared(call, options, here, *truth ? &**truth : nullptr);
+  const auto comparison = compared(command_run, options, here, *truth ? &**truth : nullptr);
   if (!comparison) return tl::unexpected(comparison.error());
   GlobalMap<Dim> other_map;
   const auto other =
-      other_weights(by_identity ? log : identity, comparison->maps[comparison->best].polished, call.stop(), other_map);
+      other_weights(by_identity ? log : identity, comparison->maps[comparison->best].polished, command_run.stop(), other_map);
   if (!other) return tl::unexpected(other.error());
   if (folder) {
-    for (const std::string& name : kNames) call.account.files.push_back(folder->file(name).string());
+    for (const std::string& name : kNames) command_run.run_report.files.push_back(folder->file(name).string());
   }
-  const StudyOutput output = output_of(call.account, *comparison, *other, other_map, log, folder.has_value());
-  if (auto told = hand_over(output, call, folder); !told) return tl::unexpected(told.error());
+  const StudyOutput output = output_of(command_run.run_report, *comparison, *other, other_map, log, folder.has_value());
+  if (auto told = hand_over(output, command_run, folder); !told) return tl::unexpected(told.error());
   if (comparison->cases[comparison->best].run.converged()) return ExitCode::kDone;
   say("the best map did not converge");
   return ExitCode::kDidNotConverge;
@@ -174,13 +172,13 @@ Expected<ExitCode> compare_on(Call& call, const CompareOptions& options, const L
 Expected<ExitCode> compare_log(const CompareOptions& options, const std::stop_token& stop) {
   Options as_given = options.common;
   as_given.covariance = Covariance::kOriginal;
-  Call call("compare", as_given, stop);
+  CommandRun command_run("compare", as_given, stop);
   auto folder = output_folder(as_given.output);
   if (!folder) return tl::unexpected(folder.error());
-  if (auto ready = call.check_report(); !ready) return tl::unexpected(ready.error());
-  const auto log = call.read_log();
+  if (auto ready = command_run.check_report(); !ready) return tl::unexpected(ready.error());
+  const auto log = command_run.read_log();
   if (!log) return tl::unexpected(log.error());
-  return std::visit([&](const auto& any) { return compare_on(call, options, any, *folder); }, *log);
+  return std::visit([&](const auto& any) { return compare_on(command_run, options, any, *folder); }, *log);
 }
 
 void declare(Subcommand& command) {
@@ -193,7 +191,7 @@ void declare(Subcommand& command) {
   command.path("--truth", common.truth, "FILE", "Measure the errors against this map, too: .tum, else g2o with vertices");
   add_reading(command, common);
   add_reporting(command, common);
-  command.check([options] { return check_distinct(files_of_folder(options->common, "LOG", kNames)); });
+  command.check([options] { return output_conflicts(files_of_folder(options->common, "LOG", kNames)); });
   command.act([options](const std::stop_token& stop) { return compare_log(*options, stop); });
 }
 

@@ -10,7 +10,7 @@
 #include <apps/output_conflicts.hpp>
 #include <apps/output_folder.hpp>
 #include <apps/picture/plotted_map.hpp>
-#include <apps/report/summary.hpp>
+#include <apps/report/report.hpp>
 #include <array>
 #include <mapjoin/io/local_map_writer.hpp>
 #include <mapjoin/io/log_format.hpp>
@@ -75,29 +75,29 @@ Expected<AnyFormat> format_of(const ConvertOptions& options) {
   return misused(fmt::format("{}: its name does not say which format it is to have; --to does", options.output.string()));
 }
 
-Expected<ExitCode> tell(Call& call, const std::vector<std::string>& lost) {
-  call.close_progress();
-  if (call.options().quiet) return ExitCode::kDone;
+Expected<ExitCode> tell(CommandRun& command_run, const std::vector<std::string>& lost) {
+  command_run.close_progress();
+  if (command_run.options().quiet) return ExitCode::kDone;
   Lines lines;
-  lines.add("input", fmt::format("{}: {}", call.account.input, counts_in_words(call.account)));
-  for (const std::string& remark : remarks(call.account)) lines.add("note", remark);
-  lines.add("written", call.options().output.string());
+  lines.add("input", fmt::format("{}: {}", command_run.run_report.input, counts_in_words(command_run.run_report)));
+  for (const std::string& remark : remarks(command_run.run_report)) lines.add("note", remark);
+  lines.add("written", command_run.options().output.string());
   for (const std::string& loss : lost) lines.add("lost", loss);
   return write_stdout(lines.text()).map([] { return ExitCode::kDone; });
 }
 
 template <int Dim>
-Expected<ExitCode> convert_log(Call& call, AnyFormat asked, Log<Dim> log) {
+Expected<ExitCode> convert_log(CommandRun& command_run, AnyFormat asked, Log<Dim> log) {
   const auto* format = std::get_if<LogFormat>(&asked);
-  if (!format) return misused(fmt::format("{}: local maps of a log are made by `mapjoin build`", call.account.input));
+  if (!format) return misused(fmt::format("{}: local maps of a log are made by `mapjoin build`", command_run.run_report.input));
   std::vector<std::string> lost;
   if (needs_values(*format) && log.initial_poses.empty() && !log.odometry.empty()) {
     log.initial_poses = dead_reckoning(log, std::vector<Pose<Dim>>(log.poses.size()));
     lost.emplace_back("there are no values: poses are where odometry alone has them");
   }
   for (std::string& loss : losses(log, *format)) lost.push_back(std::move(loss));
-  if (auto written = write_log(log, *format, call.options().output); !written) return tl::unexpected(written.error());
-  return tell(call, lost);
+  if (auto written = write_log(log, *format, command_run.options().output); !written) return tl::unexpected(written.error());
+  return tell(command_run, lost);
 }
 
 template <int Dim>
@@ -122,34 +122,36 @@ std::vector<std::string> losses_of_maps(MapsFormat format, bool poses_are_counte
 }
 
 template <int Dim>
-Expected<ExitCode> convert_maps(Call& call, AnyFormat asked, const MapSet<Dim>& set) {
+Expected<ExitCode> convert_maps(CommandRun& command_run, AnyFormat asked, const MapSet<Dim>& set) {
   const auto* format = std::get_if<MapsFormat>(&asked);
-  if (!format) return misused(fmt::format("{}: local maps without their log cannot become a log", call.account.input));
-  const auto written = *format == MapsFormat::kStore ? write_store(set, call.options().output)
-                                                     : write_folder(set.maps, set.features, *format, call.options().output);
+  if (!format)
+    return misused(fmt::format("{}: local maps without their log cannot become a log", command_run.run_report.input));
+  const auto written = *format == MapsFormat::kStore
+                           ? write_store(set, command_run.options().output)
+                           : write_folder(set.maps, set.features, *format, command_run.options().output);
   if (!written) return tl::unexpected(written.error());
-  return tell(call, losses_of_maps<Dim>(*format, are_counted(set.poses)));
+  return tell(command_run, losses_of_maps<Dim>(*format, are_counted(set.poses)));
 }
 
 /// A store's log, or its maps.
 template <int Dim>
-Expected<ExitCode> convert_maps(Call& call, AnyFormat asked, const StoredMaps<Dim>& stored) {
+Expected<ExitCode> convert_maps(CommandRun& command_run, AnyFormat asked, const StoredMaps<Dim>& stored) {
   const auto* format = std::get_if<MapsFormat>(&asked);
-  if (!format) return convert_log(call, asked, stored.log);
-  if (*format == MapsFormat::kStore) return misused(fmt::format("{}: it is a store", call.account.input));
+  if (!format) return convert_log(command_run, asked, stored.log);
+  if (*format == MapsFormat::kStore) return misused(fmt::format("{}: it is a store", command_run.run_report.input));
   if (stored.maps.size() < stored.stretches.size()) {
-    return misused(fmt::format("{}: {} of its {} stretches are not local maps, but observations", call.account.input,
+    return misused(fmt::format("{}: {} of its {} stretches are not local maps, but observations", command_run.run_report.input,
                                stored.stretches.size() - stored.maps.size(), stored.stretches.size()));
   }
-  auto written = write_folder(stored.maps, stored.log.features, *format, call.options().output);
+  auto written = write_folder(stored.maps, stored.log.features, *format, command_run.options().output);
   if (!written) return tl::unexpected(written.error());
   auto lost = losses_of_maps<Dim>(*format, are_counted(stored.log.poses) && stored.maps.size() + 1 == stored.log.poses.size());
   lost.emplace_back("the log that the maps were built from is left out");
-  return tell(call, lost);
+  return tell(command_run, lost);
 }
 
 Expected<ExitCode> convert_input(const ConvertOptions& options, const std::stop_token& stop) {
-  Call call("convert", options, stop);
+  CommandRun command_run("convert", options, stop);
   const auto format = format_of(options);
   if (!format) return tl::unexpected(format.error());
   const bool is_folder = std::holds_alternative<MapsFormat>(*format) && std::get<MapsFormat>(*format) != MapsFormat::kStore;
@@ -157,12 +159,13 @@ Expected<ExitCode> convert_input(const ConvertOptions& options, const std::stop_
     if (auto writable = check_writable(options.output); !writable) return tl::unexpected(writable.error());
   }
   if (may_hold_maps(options.input)) {
-    return call.read_maps().and_then([&](AnyMaps maps) {
-      return std::visit([&](const auto& of_kind) { return convert_maps(call, *format, of_kind); }, maps);
+    return command_run.read_maps().and_then([&](AnyMaps maps) {
+      return std::visit([&](const auto& of_kind) { return convert_maps(command_run, *format, of_kind); }, maps);
     });
   }
-  return call.read_log().and_then(
-      [&](AnyLog log) { return std::visit([&](auto& of_dim) { return convert_log(call, *format, std::move(of_dim)); }, log); });
+  return command_run.read_log().and_then([&](AnyLog log) {
+    return std::visit([&](auto& of_dim) { return convert_log(command_run, *format, std::move(of_dim)); }, log);
+  });
 }
 
 void declare(Subcommand& command) {
@@ -180,7 +183,7 @@ void declare(Subcommand& command) {
                  });
   command.flag("--quiet", options->quiet, "No summary");
   add_reading(command, *options);
-  command.check([options] { return check_distinct({{"IN", options->input}, {"OUT", options->output}}); });
+  command.check([options] { return output_conflicts({{"IN", options->input}, {"OUT", options->output}}); });
   command.act([options](const std::stop_token& stop) { return convert_input(*options, stop); });
 }
 

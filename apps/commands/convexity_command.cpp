@@ -20,7 +20,7 @@ constexpr const char* kExamples =
 
 const std::vector<std::string> kFiles = {"curves.csv", "convexity.json"};
 
-struct ConvexityCall {
+struct ConvexityRequest {
   Options shared;
   ConvexityOptions convexity;
 };
@@ -34,19 +34,19 @@ Expected<Convexity> convexity_of(const Data& data, const ConvexityOptions& optio
   return convexity(data, options, stop);
 }
 
-StudyOutput output_of(const Convexity& found, const ConvexityOptions& options, const Account& account) {
-  const std::string json = convexity_json(found, options, account);
-  return {convexity_table(found, options, account), json, {{kFiles[0], convexity_csv(found)}, {kFiles[1], json}}};
+StudyOutput output_of(const Convexity& found, const ConvexityOptions& options, const RunReport& run_report) {
+  const std::string json = convexity_json(found, options, run_report);
+  return {convexity_table(found, options, run_report), json, {{kFiles[0], convexity_csv(found)}, {kFiles[1], json}}};
 }
 
-Expected<ExitCode> run_convexity(const ConvexityCall& asked, const std::stop_token& stop) {
-  Call call("convexity", asked.shared, stop);
+Expected<ExitCode> run_convexity(const ConvexityRequest& asked, const std::stop_token& stop) {
+  CommandRun command_run("convexity", asked.shared, stop);
   ConvexityOptions options = asked.convexity;
   options.split = asked.shared.run.split;
-  options.progress = call.progress("lines");
+  options.progress = command_run.progress("lines");
   return run_study(
-      call, [&](const auto& data) { return convexity_of(data, options, stop); },
-      [&](const Convexity& found) { return output_of(found, options, call.account); });
+      command_run, [&](const auto& data) { return convexity_of(data, options, stop); },
+      [&](const Convexity& found) { return output_of(found, options, command_run.run_report); });
 }
 
 void add_lines(Subcommand& command, ConvexityOptions& convexity) {
@@ -64,7 +64,7 @@ void add_lines(Subcommand& command, ConvexityOptions& convexity) {
 }
 
 void declare(Subcommand& command) {
-  const auto asked = std::make_shared<ConvexityCall>();
+  const auto asked = std::make_shared<ConvexityRequest>();
   Options& options = asked->shared;
   command.argument("LOG|MAPS", options.input, "A log; or a store, or a folder or archive of local maps");
   command.path("-o,--output", options.output, "DIR", "Write curves.csv and convexity.json into this folder");
@@ -73,7 +73,7 @@ void declare(Subcommand& command) {
   add_reading(command, options);
   add_reporting(command, options);
   command.check([asked, &command] { return check_uncut(command, asked->shared); });
-  command.check([asked] { return check_distinct(files_of_folder(asked->shared, "LOG|MAPS", kFiles)); });
+  command.check([asked] { return output_conflicts(files_of_folder(asked->shared, "LOG|MAPS", kFiles)); });
   command.act([asked](const std::stop_token& stop) { return run_convexity(*asked, stop); });
 }
 

@@ -6,7 +6,7 @@
 #include <apps/commands/command_run.hpp>
 #include <apps/commands/commands.hpp>
 #include <apps/console.hpp>
-#include <apps/report/summary.hpp>
+#include <apps/report/report.hpp>
 #include <mapjoin/io/map_text.hpp>
 #include <mapjoin/measure/chi2.hpp>
 #include <memory>
@@ -80,23 +80,23 @@ std::string kind_of(const StoredMaps<Dim>&) {
 }
 
 template <typename Content>
-Expected<ExitCode> tell(Call& call, const Content& content) {
+Expected<ExitCode> tell(CommandRun& command_run, const Content& content) {
   Lines lines;
-  lines.add("file", call.account.input);
+  lines.add("file", command_run.run_report.input);
   lines.add("kind", kind_of(content));
-  lines.add("dimension", fmt::format("{}", call.account.dimension));
+  lines.add("dimension", fmt::format("{}", command_run.run_report.dimension));
   add_content(content, lines);
-  lines.add("convention", conventions_in_words(call.account.conventions, call.account.dimension));
-  for (const std::string& remark : remarks(call.account)) lines.add("note", remark);
+  lines.add("convention", conventions_in_words(command_run.run_report.conventions, command_run.run_report.dimension));
+  for (const std::string& remark : remarks(command_run.run_report)) lines.add("note", remark);
   return write_stdout(lines.text()).map([] { return ExitCode::kDone; });
 }
 
 Expected<ExitCode> tell_of(const Options& options, const std::stop_token& stop) {
-  Call call("info", options, stop);
+  CommandRun command_run("info", options, stop);
   const auto tell_any = [&](const auto& any) {
-    return std::visit([&](const auto& content) { return tell(call, content); }, any);
+    return std::visit([&](const auto& content) { return tell(command_run, content); }, any);
   };
-  return may_hold_maps(options.input) ? call.read_maps().and_then(tell_any) : call.read_log().and_then(tell_any);
+  return may_hold_maps(options.input) ? command_run.read_maps().and_then(tell_any) : command_run.read_log().and_then(tell_any);
 }
 
 void declare(Subcommand& command) {

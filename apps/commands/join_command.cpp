@@ -16,34 +16,37 @@ constexpr const char* kExamples =
     "  mapjoin join manhattan2d.maps -o map.g2o";
 
 template <int Dim>
-Expected<ExitCode> join_any(Call& call, MapSet<Dim> set) {
-  auto result = run(std::move(set), call.run_options(), call.stop());
+Expected<ExitCode> join_any(CommandRun& command_run, MapSet<Dim> set) {
+  auto result = run(std::move(set), command_run.run_options(), command_run.stop());
   if (!result) return tl::unexpected(result.error());
-  if (auto written = call.write_map(*result, static_cast<const Log<Dim>*>(nullptr)); !written) {
+  if (auto written = command_run.write_map(*result, static_cast<const Log<Dim>*>(nullptr)); !written) {
     return tl::unexpected(written.error());
   }
-  return call.conclude();
+  return command_run.conclude();
 }
 
 template <int Dim>
-Expected<ExitCode> join_any(Call& call, StoredMaps<Dim> stored) {
+Expected<ExitCode> join_any(CommandRun& command_run, StoredMaps<Dim> stored) {
   const Split parts = split_along(stored.log, stored.stretches);
   // What is wrong with the log in a store is said of the store.
-  const auto of_store = [&](const Error& error) { return Error{error.kind, call.account.input + ": " + error.message}; };
-  auto result = run_from_maps(stored.log, parts, std::move(stored.maps), call.run_options(), call.stop()).map_error(of_store);
+  const auto of_store = [&](const Error& error) {
+    return Error{error.kind, command_run.run_report.input + ": " + error.message};
+  };
+  auto result = run_from_maps(stored.log, parts, std::move(stored.maps), command_run.run_options(), command_run.stop())
+                    .map_error(of_store);
   if (!result) return tl::unexpected(result.error());
-  if (auto written = call.write_map(*result, &stored.log); !written) return tl::unexpected(written.error());
-  return call.conclude();
+  if (auto written = command_run.write_map(*result, &stored.log); !written) return tl::unexpected(written.error());
+  return command_run.conclude();
 }
 
 Expected<ExitCode> join_maps(const Options& options, const std::stop_token& stop) {
-  Call call("join", options, stop);
-  if (auto ready = call.check_outputs().and_then([&] { return call.read_truth(); }); !ready) {
+  CommandRun command_run("join", options, stop);
+  if (auto ready = command_run.check_outputs().and_then([&] { return command_run.read_truth(); }); !ready) {
     return tl::unexpected(ready.error());
   }
-  auto maps = call.read_maps();
+  auto maps = command_run.read_maps();
   if (!maps) return tl::unexpected(maps.error());
-  return std::visit([&](auto& any) { return join_any(call, std::move(any)); }, *maps);
+  return std::visit([&](auto& any) { return join_any(command_run, std::move(any)); }, *maps);
 }
 
 void declare(Subcommand& command) {
@@ -56,7 +59,7 @@ void declare(Subcommand& command) {
   add_weights(command, *options);
   add_certainty(command, *options);
   add_reporting(command, *options);
-  command.check([options] { return check_distinct(files_of_map(*options, "MAPS")); });
+  command.check([options] { return output_conflicts(files_of_map(*options, "MAPS")); });
   command.act([options](const std::stop_token& stop) { return join_maps(*options, stop); });
 }
 

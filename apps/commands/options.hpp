@@ -34,7 +34,7 @@ inline const std::string kLogFormats =
 /// What a command that writes one MAP says of it (see write_map_file()).
 inline const std::string kMapFile = "Write the map: .tum (poses only), .csv (features beside it), else g2o";
 
-/// How many threads the call works on.
+/// How many threads the run works on.
 std::size_t thread_count(const Options& options);
 
 /// How the numbers of a log are taken: --g2o-error, --rotation-information, --repair-information, --covariance.

@@ -9,11 +9,9 @@
 #include <apps/console.hpp>
 #include <apps/map_file.hpp>
 #include <apps/output_conflicts.hpp>
-#include <apps/picture/alignment.hpp>
 #include <apps/picture/load.hpp>
-#include <apps/picture/map_layers.hpp>
 #include <apps/picture/picture.hpp>
-#include <apps/picture/scene.hpp>
+#include <apps/picture/plotted_map.hpp>
 #include <apps/picture/viewer_page.hpp>
 #include <apps/progress.hpp>
 #include <apps/truth_file.hpp>
@@ -163,11 +161,11 @@ std::vector<std::string> check_files(const PlotOptions& options) {
   for (const auto& input : options.inputs) {
     files.resize(1);
     files.emplace_back("MAP", input);
-    for (auto& violation : check_distinct(files)) violations.push_back(std::move(violation));
+    for (auto& violation : output_conflicts(files)) violations.push_back(std::move(violation));
   }
   files.resize(1);
   files.emplace_back("--truth", options.common.truth);
-  for (auto& violation : check_distinct(files)) violations.push_back(std::move(violation));
+  for (auto& violation : output_conflicts(files)) violations.push_back(std::move(violation));
   return violations;
 }
 

@@ -4,12 +4,10 @@
 #include <apps/commands/command_run.hpp>
 #include <apps/commands/commands.hpp>
 #include <apps/commands/follow.hpp>
-#include <apps/covariance_file.hpp>
 #include <apps/map_file.hpp>
 #include <apps/output_conflicts.hpp>
 #include <apps/output_folder.hpp>
-#include <apps/picture/map_layers.hpp>
-#include <apps/relation_file.hpp>
+#include <apps/picture/plotted_map.hpp>
 #include <apps/report/report.hpp>
 #include <functional>
 #include <mapjoin/io/g2o.hpp>
@@ -41,10 +39,10 @@ std::vector<std::string> names_of(const Options& options, bool has_covariances) 
 }
 
 template <int Dim>
-Expected<void> write_map_files(const Call& call, const RunResult<Dim>& result, const Log<Dim>& log,
+Expected<void> write_map_files(const CommandRun& command_run, const RunResult<Dim>& result, const Log<Dim>& log,
                                const OutputFolder& folder) {
   const GlobalMap<Dim>& map = result.map;
-  const Options& options = call.options();
+  const Options& options = command_run.options();
   std::vector<std::function<Expected<void>()>> files = {
       [&] { return write_g2o(map, &log, folder.aside("map.g2o")); },
       [&] { return write_tum(map, folder.aside("trajectory.tum")); },
@@ -52,7 +50,8 @@ Expected<void> write_map_files(const Call& call, const RunResult<Dim>& result, c
       [&] { return write_file(folder.aside("map.svg"), picture(map_layers<Dim>({plotted(result, log)}, nullptr))); },
   };
   if (options.covariances && result.marginals) {
-    files.emplace_back([&] { return write_covariances(map, *call.account.covariances, folder.aside("covariances.json")); });
+    files.emplace_back(
+        [&] { return write_covariances(map, *command_run.run_report.covariances, folder.aside("covariances.json")); });
   }
   if (options.relations && result.marginals) {
     files.emplace_back([&] { return write_relations(map, *result.marginals, folder.aside("relations.csv")); });
@@ -61,49 +60,49 @@ Expected<void> write_map_files(const Call& call, const RunResult<Dim>& result, c
 }
 
 template <int Dim>
-Expected<void> write_folder(Call& call, const RunResult<Dim>& result, const Log<Dim>& log, OutputFolder& folder) {
-  const std::vector<std::string> names = names_of(call.options(), result.marginals.has_value());
-  for (const std::string& name : names) call.account.files.push_back(folder.file(name).string());
-  return timed(call.account.write_seconds, [&] { return write_map_files(call, result, log, folder); })
-      .and_then([&] { return write_report(call.account, folder.aside("report.json")); })
-      .and_then([&] { return call.check_interrupted(); })
+Expected<void> write_folder(CommandRun& command_run, const RunResult<Dim>& result, const Log<Dim>& log, OutputFolder& folder) {
+  const std::vector<std::string> names = names_of(command_run.options(), result.marginals.has_value());
+  for (const std::string& name : names) command_run.run_report.files.push_back(folder.file(name).string());
+  return timed(command_run.run_report.write_seconds, [&] { return write_map_files(command_run, result, log, folder); })
+      .and_then([&] { return write_report(command_run.run_report, folder.aside("report.json")); })
+      .and_then([&] { return command_run.check_interrupted(); })
       .and_then([&] { return folder.commit(names); });
 }
 
 template <int Dim>
-Expected<ExitCode> run_on(Call& call, const Log<Dim>& log, std::optional<OutputFolder>& folder) {
-  auto result = run(log, call.run_options(), call.stop());
+Expected<ExitCode> run_on(CommandRun& command_run, const Log<Dim>& log, std::optional<OutputFolder>& folder) {
+  auto result = run(log, command_run.run_options(), command_run.stop());
   if (!result) return tl::unexpected(result.error());
-  const auto write = [&] { return write_folder(call, *result, log, *folder); };
-  const auto written = folder ? call.take(*result).and_then(write) : call.write_map(*result, &log);
+  const auto write = [&] { return write_folder(command_run, *result, log, *folder); };
+  const auto written = folder ? command_run.take(*result).and_then(write) : command_run.write_map(*result, &log);
   if (!written) return tl::unexpected(written.error());
-  return call.conclude();
+  return command_run.conclude();
 }
 
 /// The log that is followed until it is complete; a stop ends the following, not the work on what is there.
-Expected<ExitCode> run_followed(Call& call, const FollowOptions& following, const std::stop_token& stop,
+Expected<ExitCode> run_followed(CommandRun& command_run, const FollowOptions& following, const std::stop_token& stop,
                                 std::optional<OutputFolder>& folder) {
-  auto followed = follow(call.options(), following, stop);
+  auto followed = follow(command_run.options(), following, stop);
   if (!followed) return tl::unexpected(followed.error());
-  const auto log = call.take_log(std::move(followed->log));
+  const auto log = command_run.take_log(std::move(followed->log));
   if (!log) return tl::unexpected(log.error());
-  auto done = std::visit([&](const auto& any) { return run_on(call, any, folder); }, *log);
+  auto done = std::visit([&](const auto& any) { return run_on(command_run, any, folder); }, *log);
   if (!done || !followed->fault) return done;
-  if (!call.options().output.empty()) followed->fault->message += "; the map of what stands before it is written";
+  if (!command_run.options().output.empty()) followed->fault->message += "; the map of what stands before it is written";
   return tl::unexpected(*followed->fault);
 }
 
 Expected<ExitCode> run_log(const Options& options, const FollowOptions& following, const std::stop_token& stop) {
-  Call call("run", options, following.wanted ? std::stop_token() : stop);
+  CommandRun command_run("run", options, following.wanted ? std::stop_token() : stop);
   const bool is_file = names_map_file(options.output);
   auto folder = output_folder(is_file ? std::filesystem::path() : options.output);
   if (!folder) return tl::unexpected(folder.error());
-  const auto writable = is_file ? call.check_outputs() : call.check_report();
-  if (auto ready = writable.and_then([&] { return call.read_truth(); }); !ready) return tl::unexpected(ready.error());
-  if (following.wanted) return run_followed(call, following, stop, *folder);
-  const auto log = call.read_log();
+  const auto writable = is_file ? command_run.check_outputs() : command_run.check_report();
+  if (auto ready = writable.and_then([&] { return command_run.read_truth(); }); !ready) return tl::unexpected(ready.error());
+  if (following.wanted) return run_followed(command_run, following, stop, *folder);
+  const auto log = command_run.read_log();
   if (!log) return tl::unexpected(log.error());
-  return std::visit([&](const auto& any) { return run_on(call, any, *folder); }, *log);
+  return std::visit([&](const auto& any) { return run_on(command_run, any, *folder); }, *log);
 }
 
 void declare(Subcommand& command) {
@@ -125,7 +124,7 @@ void declare(Subcommand& command) {
     NamedFiles files = names_map_file(options->output) ? files_of_map(*options, "LOG")
                                                        : files_of_folder(*options, "LOG", names_of(*options, true));
     if (following->steps != "-") files.emplace_back("--steps", following->steps);
-    return check_distinct(files);
+    return output_conflicts(files);
   });
   command.check([&command, options, following] { return check_following(command, *options, *following); });
   command.act([options, following](const std::stop_token& stop) {

@@ -104,7 +104,7 @@ void declare(Subcommand& command) {
   add_sensor(command, world);
   add_noise(command, world);
   command.check([options] { return options->manhattan.validate(); });
-  command.check([options] { return check_distinct({{"--output", options->log}, {"--truth", options->truth}}); });
+  command.check([options] { return output_conflicts({{"--output", options->log}, {"--truth", options->truth}}); });
   command.act([options](const std::stop_token& stop) {
     return options->dimension == 2 ? simulate_in<2>(*options, stop) : simulate_in<3>(*options, stop);
   });

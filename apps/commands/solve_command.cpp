@@ -15,21 +15,21 @@ constexpr const char* kExamples =
     "  mapjoin solve map.g2o -o again.csv --start file --method lm";
 
 template <int Dim>
-Expected<ExitCode> solve_log(Call& call, const Log<Dim>& log) {
-  auto result = solve(log, call.run_options(), call.stop());
+Expected<ExitCode> solve_log(CommandRun& command_run, const Log<Dim>& log) {
+  auto result = solve(log, command_run.run_options(), command_run.stop());
   if (!result) return tl::unexpected(result.error());
-  if (auto written = call.write_map(*result, &log); !written) return tl::unexpected(written.error());
-  return call.conclude();
+  if (auto written = command_run.write_map(*result, &log); !written) return tl::unexpected(written.error());
+  return command_run.conclude();
 }
 
 Expected<ExitCode> solve_input(const Options& options, const std::stop_token& stop) {
-  Call call("solve", options, stop);
-  if (auto ready = call.check_outputs().and_then([&] { return call.read_truth(); }); !ready) {
+  CommandRun command_run("solve", options, stop);
+  if (auto ready = command_run.check_outputs().and_then([&] { return command_run.read_truth(); }); !ready) {
     return tl::unexpected(ready.error());
   }
-  const auto log = call.read_log();
+  const auto log = command_run.read_log();
   if (!log) return tl::unexpected(log.error());
-  return std::visit([&](const auto& any) { return solve_log(call, any); }, *log);
+  return std::visit([&](const auto& any) { return solve_log(command_run, any); }, *log);
 }
 
 void declare(Subcommand& command) {
@@ -41,7 +41,7 @@ void declare(Subcommand& command) {
   add_reading(command, *options);
   add_certainty(command, *options);
   add_reporting(command, *options);
-  command.check([options] { return check_distinct(files_of_map(*options, "LOG")); });
+  command.check([options] { return output_conflicts(files_of_map(*options, "LOG")); });
   command.act([options](const std::stop_token& stop) { return solve_input(*options, stop); });
 }
 

@@ -4,7 +4,7 @@
 
 namespace mapjoin::apps {
 
-Expected<void> hand_over(const StudyOutput& output, Call& call, std::optional<OutputFolder>& folder) {
+Expected<void> hand_over(const StudyOutput& output, CommandRun& command_run, std::optional<OutputFolder>& folder) {
   std::vector<std::string> names;
   for (const auto& [name, text] : output.files) {
     if (!folder) break;
@@ -14,7 +14,7 @@ Expected<void> hand_over(const StudyOutput& output, Call& call, std::optional<Ou
   if (folder) {
     if (auto done = folder->commit(names); !done) return done;
   }
-  return call.tell([&] { return output.json; }, [&] { return output.table; });
+  return command_run.tell([&] { return output.json; }, [&] { return output.table; });
 }
 
 }  // namespace mapjoin::apps

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include <apps/picture/alignment.hpp>
+#include <apps/picture/plotted_map.hpp>
 #include <mapjoin/join/placement.hpp>
 #include <unordered_map>
 

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <fmt/format.h>
 
-#include <apps/covariance_file.hpp>
-#include <apps/picture/beside_map.hpp>
+#include <apps/map_file.hpp>
+#include <apps/picture/load.hpp>
 #include <map>
 #include <mapjoin/io/file_bytes.hpp>
 #include <nlohmann/json.hpp>

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <algorithm>
-#include <apps/picture/join_stops.hpp>
+#include <apps/picture/load.hpp>
 #include <mapjoin/join/join_problem.hpp>
 #include <mapjoin/join/schedule.hpp>
 

@@ -1,6 +1,4 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include <apps/picture/beside_map.hpp>
-#include <apps/picture/join_stops.hpp>
 #include <apps/picture/load.hpp>
 #include <mapjoin/io/open_log.hpp>
 #include <mapjoin/io/open_maps.hpp>

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include <apps/picture/colours.hpp>
-#include <apps/picture/map_layers.hpp>
+#include <apps/picture/markup.hpp>
+#include <apps/picture/plotted_map.hpp>
 
 namespace mapjoin::apps {
 namespace {

@@ -1,11 +1,14 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
-// A map with all that a picture or a page of it shows.
+// Maps with all that a picture or a page of them shows, in one frame, and the layers of a picture of them.
 
+#include <apps/picture/picture.hpp>
+#include <mapjoin/join/consistency.hpp>
 #include <mapjoin/join/run.hpp>
 #include <mapjoin/model/global_map.hpp>
 #include <mapjoin/model/local_map.hpp>
 #include <mapjoin/model/log.hpp>
+#include <optional>
 #include <string>
 #include <utility>
 #include <variant>
@@ -58,5 +61,32 @@ PlottedMap<Dim> plotted(const RunResult<Dim>& result, const MapSet<Dim>& set);
 /// Local maps of a log with the features that were seen from their poses.
 template <int Dim>
 std::vector<PlottedLocalMap> plotted_local_maps(const std::vector<MapFit>& fits, const Log<Dim>& log);
+
+template <int Dim>
+struct Scene {
+  std::vector<PlottedMap<Dim>> maps;  ///< At least one.
+  std::optional<Truth<Dim>> truth;    ///< Over the poses and features of the first map.
+};
+
+using AnyScene = std::variant<Scene<2>, Scene<3>>;
+
+/// The rigid motion that best takes `map`, and the truth of a map, onto `first`, by the places of what both know; nothing where
+/// that does not determine one.
+template <int Dim>
+std::optional<Pose<Dim>> alignment(const GlobalMap<Dim>& map, const GlobalMap<Dim>& first);
+template <int Dim>
+std::optional<Pose<Dim>> alignment(const Truth<Dim>& truth, const GlobalMap<Dim>& first);
+
+/// The same map seen from another frame: moved by `frame`.
+template <int Dim>
+void move(const Pose<Dim>& frame, PlottedMap<Dim>& plotted);
+template <int Dim>
+void move(const Pose<Dim>& frame, Truth<Dim>& truth);
+
+/// A single map with all that is known of it: local maps in colours of their own, where they end, closures, features, ellipses
+/// of three standard deviations. Several maps each in one colour. `truth`, over the first map's poses and features, may be
+/// null. At least one map, all in one frame.
+template <int Dim>
+std::vector<Layer> map_layers(const std::vector<PlottedMap<Dim>>& maps, const Truth<Dim>* truth);
 
 }  // namespace mapjoin::apps

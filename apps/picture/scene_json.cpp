@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <algorithm>
-#include <apps/picture/base64.hpp>
-#include <apps/picture/scene_json.hpp>
+#include <apps/picture/markup.hpp>
+#include <apps/picture/viewer_page.hpp>
 #include <cstdint>
 #include <limits>
 #include <nlohmann/json.hpp>

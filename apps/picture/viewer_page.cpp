@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <apps/picture/markup.hpp>
-#include <apps/picture/scene_json.hpp>
 #include <apps/picture/viewer_page.hpp>
 #include <string_view>
 

@@ -5,7 +5,6 @@
 #include <apps/console.hpp>
 #include <apps/report/basin_report.hpp>
 #include <apps/report/report.hpp>
-#include <apps/report/summary.hpp>
 #include <apps/report/table.hpp>
 #include <cmath>
 #include <mapjoin/measure/median.hpp>
@@ -95,14 +94,14 @@ Json json_of(const BasinCell& cell) {
 
 }  // namespace
 
-std::string basin_table(const Basin& basin, const Account& account) {
+std::string basin_table(const Basin& basin, const RunReport& run_report) {
   Lines lines;
-  lines.add("input", fmt::format("{}: {}", account.input, counts_in_words(account)));
+  lines.add("input", fmt::format("{}: {}", run_report.input, counts_in_words(run_report)));
   for (std::size_t c = 0; c < basin.covariances.size(); ++c) {
     lines.add(c == 0 ? "optimum" : "", fmt::format("chi2 {:.6f} with {} covariances, the best known", basin.best_chi2[c],
                                                    to_string(basin.covariances[c])));
   }
-  lines.add("convention", conventions_in_words(account.conventions, account.dimension));
+  lines.add("convention", conventions_in_words(run_report.conventions, run_report.dimension));
   lines.add("cells", "whether, or how often, the optimum is reached (iterations): chi2 of what the others fell into");
   Table table{{{"covariance", "covariance"},
                {"formulation", "formulation"},
@@ -141,15 +140,15 @@ std::string basin_csv(const Basin& basin) {
   return csv(table);
 }
 
-std::string basin_json(const Basin& basin, const Account& account) {
+std::string basin_json(const Basin& basin, const RunReport& run_report) {
   Json best;
   for (std::size_t c = 0; c < basin.covariances.size(); ++c) best[to_string(basin.covariances[c])] = basin.best_chi2[c];
   Json cells = Json::array();
   for (const BasinCell& cell : basin.cells) cells.push_back(json_of(cell));
-  Json json = report_head(account);
+  Json json = report_head(run_report);
   json["best_chi2"] = best;
   json["cells"] = cells;
-  json["seconds"] = account.total_seconds();
+  json["seconds"] = run_report.total_seconds();
   return text_of(json);
 }
 

@@ -10,12 +10,12 @@ namespace mapjoin::apps {
 
 /// The input and the best chi2 known; then a row per covariance, formulation, split and method and a column per start, as in
 /// the paper's Table I.
-std::string basin_table(const Basin& basin, const Account& account);
+std::string basin_table(const Basin& basin, const RunReport& run_report);
 
 /// A row per solve.
 std::string basin_csv(const Basin& basin);
 
 /// The input and its convention, the best chi2 known, and all cells with their solves.
-std::string basin_json(const Basin& basin, const Account& account);
+std::string basin_json(const Basin& basin, const RunReport& run_report);
 
 }  // namespace mapjoin::apps

@@ -6,7 +6,6 @@
 #include <apps/console.hpp>
 #include <apps/report/check_report.hpp>
 #include <apps/report/report.hpp>
-#include <apps/report/summary.hpp>
 #include <cmath>
 #include <nlohmann/json.hpp>
 
@@ -39,9 +38,9 @@ std::string estimate_in_words(const Checked& checked) {
 
 }  // namespace
 
-std::string check_summary(const Account& account, const Checked& checked) {
+std::string check_summary(const RunReport& run_report, const Checked& checked) {
   Lines lines;
-  lines.add("file", fmt::format("{}: {}", account.input, counts_in_words(account)));
+  lines.add("file", fmt::format("{}: {}", run_report.input, counts_in_words(run_report)));
   lines.add("chi2", estimate_in_words(checked));
   for (const KindFit& fit : checked.fits) lines.add("", fit_in_words(fit));
   for (const Finding& finding : checked.findings) {
@@ -54,8 +53,8 @@ std::string check_summary(const Account& account, const Checked& checked) {
   return lines.text();
 }
 
-std::string check_report(const Account& account, const Checked& checked) {
-  Json json = report_head(account);
+std::string check_report(const RunReport& run_report, const Checked& checked) {
+  Json json = report_head(run_report);
   json["estimate"] = to_string(checked.estimate);
   json["dof"] = checked.fits.empty() ? Json() : Json(checked.dof);
   json["fits"] = Json::array();

@@ -28,7 +28,7 @@ bool has_errors(const Findings& findings);
 /// Errors among them.
 bool has_warnings(const Findings& findings);
 
-std::string check_summary(const Account& account, const Checked& checked);
-std::string check_report(const Account& account, const Checked& checked);
+std::string check_summary(const RunReport& run_report, const Checked& checked);
+std::string check_report(const RunReport& run_report, const Checked& checked);
 
 }  // namespace mapjoin::apps

@@ -4,9 +4,8 @@
 #include <algorithm>
 #include <apps/picture/page.hpp>
 #include <apps/picture/picture.hpp>
-#include <apps/report/compare_page.hpp>
-#include <apps/report/compare_table.hpp>
-#include <apps/report/summary.hpp>
+#include <apps/report/compare_report.hpp>
+#include <apps/report/report.hpp>
 #include <array>
 #include <filesystem>
 
@@ -58,7 +57,7 @@ std::string weights_in_words(Covariance covariance) {
 }
 
 template <int Dim>
-void add_weights(const Comparison<Dim>& comparison, const Account& account, const OtherWeights& other,
+void add_weights(const Comparison<Dim>& comparison, const RunReport& run_report, const OtherWeights& other,
                  const GlobalMap<Dim>& other_map, const std::vector<Session>& sessions, Page& page) {
   page.heading("Original and identity covariance");
   if (!other.failure.empty()) {
@@ -72,17 +71,17 @@ void add_weights(const Comparison<Dim>& comparison, const Account& account, cons
   };
   const std::string features = apart.features.count > 0 ? ", the features by " + size_of(apart.features) : "";
   page.paragraph(fmt::format("The same log with the {} instead of the {}: the poses move by {}{}.",
-                             weights_in_words(other.covariance), weights_in_words(account.conventions.covariance),
+                             weights_in_words(other.covariance), weights_in_words(run_report.conventions.covariance),
                              size_of(apart.poses.translation), features));
   const auto layer_of = [&](const GlobalMap<Dim>& map, Covariance covariance, const char* colour, Mark mark) {
     return Layer{
         weights_in_words(covariance), {colour}, trajectory_lines(map.poses, sessions), from_above(map.features), {}, 1.2, mark};
   };
   const std::vector<Layer> layers = {layer_of(other_map, other.covariance, kOrange, Mark::kRing),
-                                     layer_of(best, account.conventions.covariance, kBlue, Mark::kDot)};
+                                     layer_of(best, run_report.conventions.covariance, kBlue, Mark::kDot)};
   page.figure(picture(layers, kPixels),
               fmt::format("Trajectories, and features: rings with the {}, dots with the {}.",
-                          weights_in_words(other.covariance), weights_in_words(account.conventions.covariance)));
+                          weights_in_words(other.covariance), weights_in_words(run_report.conventions.covariance)));
 }
 
 template <int Dim>
@@ -123,25 +122,25 @@ std::string introduction(const ComparisonFigures& comparison) {
 }  // namespace
 
 template <int Dim>
-std::string compare_page(const Account& account, const Comparison<Dim>& comparison, const OtherWeights& other,
+std::string compare_page(const RunReport& run_report, const Comparison<Dim>& comparison, const OtherWeights& other,
                          const GlobalMap<Dim>& other_map, const std::vector<Session>& sessions) {
-  Page page("Joining beside full SLAM: " + std::filesystem::path(account.input).filename().string());
+  Page page("Joining beside full SLAM: " + std::filesystem::path(run_report.input).filename().string());
   page.paragraph(introduction(comparison));
-  page.facts({{"Log", counts_in_words(account)},
-              {"chi2", conventions_in_words(account.conventions, account.dimension)},
-              {"Method", to_string(account.method)}});
+  page.facts({{"Log", counts_in_words(run_report)},
+              {"chi2", conventions_in_words(run_report.conventions, run_report.dimension)},
+              {"Method", to_string(run_report.method)}});
   const std::vector<Solution> solutions = solutions_of(comparison);
   for (const NamedTable& named : tables_of(comparison)) {
     page.heading(named.name);
     page.table(named.table, named.note);
   }
   add_solutions(comparison, solutions, sessions, page);
-  add_weights(comparison, account, other, other_map, sessions, page);
+  add_weights(comparison, run_report, other, other_map, sessions, page);
   return page.html();
 }
 
-#define MAPJOIN_INSTANTIATE(Dim)                                                                                        \
-  template std::string compare_page(const Account&, const Comparison<Dim>&, const OtherWeights&, const GlobalMap<Dim>&, \
+#define MAPJOIN_INSTANTIATE(Dim)                                                                                          \
+  template std::string compare_page(const RunReport&, const Comparison<Dim>&, const OtherWeights&, const GlobalMap<Dim>&, \
                                     const std::vector<Session>&);
 MAPJOIN_INSTANTIATE(2)
 MAPJOIN_INSTANTIATE(3)

@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <apps/report/compare_report.hpp>
-#include <apps/report/compare_table.hpp>
 #include <apps/report/report.hpp>
 #include <nlohmann/json.hpp>
 
@@ -80,8 +79,8 @@ Json json_of(const OtherWeights& other) {
 
 }  // namespace
 
-std::string compare_report(const Account& account, const ComparisonFigures& comparison, const OtherWeights& other) {
-  Json json = report_head(account);
+std::string compare_report(const RunReport& run_report, const ComparisonFigures& comparison, const OtherWeights& other) {
+  Json json = report_head(run_report);
   json["dof"] = comparison.cases[comparison.best].run.dof;
   json["best"] = comparison.best;
   json["spans"] = comparison.spans;

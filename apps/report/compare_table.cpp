@@ -3,7 +3,7 @@
 #include <fmt/ranges.h>
 
 #include <algorithm>
-#include <apps/report/compare_table.hpp>
+#include <apps/report/compare_report.hpp>
 #include <cmath>
 #include <functional>
 #include <utility>

@@ -4,7 +4,6 @@
 #include <apps/console.hpp>
 #include <apps/report/convexity_report.hpp>
 #include <apps/report/report.hpp>
-#include <apps/report/summary.hpp>
 #include <apps/report/table.hpp>
 #include <cmath>
 #include <nlohmann/json.hpp>
@@ -76,10 +75,10 @@ Json json_of(const FormulationFigures& figures) {
 
 }  // namespace
 
-std::string convexity_table(const Convexity& found, const ConvexityOptions& options, const Account& account) {
+std::string convexity_table(const Convexity& found, const ConvexityOptions& options, const RunReport& run_report) {
   Lines lines;
-  lines.add("input", fmt::format("{}: {}", account.input, counts_in_words(account)));
-  lines.add("convention", conventions_in_words(account.conventions, account.dimension));
+  lines.add("input", fmt::format("{}: {}", run_report.input, counts_in_words(run_report)));
+  lines.add("convention", conventions_in_words(run_report.conventions, run_report.dimension));
   lines.add("pairs", pairs_in_words(options));
   lines.add("best", best_in_words(found));
   lines.add("not convex",
@@ -115,10 +114,10 @@ std::string convexity_csv(const Convexity& found) {
   return csv(table);
 }
 
-std::string convexity_json(const Convexity& found, const ConvexityOptions& options, const Account& account) {
+std::string convexity_json(const Convexity& found, const ConvexityOptions& options, const RunReport& run_report) {
   Json formulations = Json::array();
   for (const FormulationFigures& figures : found) formulations.push_back(json_of(figures));
-  Json json = report_head(account);
+  Json json = report_head(run_report);
   json["states"] = to_string(options.source);
   json["spread"] = options.source == StateSource::kDrift ? Json(options.spread) : Json();
   json["to_best"] = options.to_best;

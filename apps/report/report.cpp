@@ -15,13 +15,13 @@ Json value_if(bool known, const T& value) {
   return known ? Json(value) : Json();
 }
 
-Json input_of(const Account& account) {
-  const Counts& counts = account.counts;
-  return {{"dimension", account.dimension},
+Json input_of(const RunReport& run_report) {
+  const Counts& counts = run_report.counts;
+  return {{"dimension", run_report.dimension},
           {"convention",
-           {{"pose_error", to_string(account.conventions.pose_error)},
-            {"rotation_information", to_string(account.conventions.rotation_information)},
-            {"covariance", to_string(account.conventions.covariance)}}},
+           {{"pose_error", to_string(run_report.conventions.pose_error)},
+            {"rotation_information", to_string(run_report.conventions.rotation_information)},
+            {"covariance", to_string(run_report.conventions.covariance)}}},
           {"units", {{"length", "m"}, {"angle", "rad"}}},
           {"sessions", counts.sessions},
           {"poses", counts.poses},
@@ -31,36 +31,36 @@ Json input_of(const Account& account) {
           {"observations", counts.observations},
           {"priors", counts.priors},
           {"fixed_poses", counts.fixed_poses},
-          {"stamps", account.has_stamps},
+          {"stamps", run_report.has_stamps},
           {"repeated_edges", counts.repeated_edges},
-          {"repaired_informations", account.conventions.repaired_informations},
+          {"repaired_informations", run_report.conventions.repaired_informations},
           {"unassociated", counts.unassociated}};
 }
 
-Json gauge_of(const Account& account) {
+Json gauge_of(const RunReport& run_report) {
   Json held = Json::array();
-  for (const PoseId& id : account.held) held.push_back({{"session", id.session}, {"pose", id.key}});
-  return {{"held_poses", value_if(account.is_joined, held)}};
+  for (const PoseId& id : run_report.held) held.push_back({{"session", id.session}, {"pose", id.key}});
+  return {{"held_poses", value_if(run_report.is_joined, held)}};
 }
 
-Json local_maps_of(const Account& account) {
-  const RunFigures& figures = account.figures;
-  const bool known = account.has_local_maps;
+Json local_maps_of(const RunReport& run_report) {
+  const RunFigures& figures = run_report.figures;
+  const bool known = run_report.has_local_maps;
   return {{"count", value_if(known, figures.local_maps)},
           {"spans", value_if(known, figures.spans)},
           {"poses_per_map", value_if(known && figures.poses_per_map > 0, figures.poses_per_map)},
-          {"iterations", value_if(known && !account.is_resumed, figures.build_iterations)},
+          {"iterations", value_if(known && !run_report.is_resumed, figures.build_iterations)},
           {"seconds", figures.seconds.build}};
 }
 
 /// How each local map fits into the join.
-Json map_fits_of(const Account& account) {
+Json map_fits_of(const RunReport& run_report) {
   Json fits = Json::array();
-  for (std::size_t m = 0; m < account.map_bases.size(); ++m) {
-    const MapFit& fit = account.figures.maps[m];
-    fits.push_back({{"session", account.map_bases[m].session},
-                    {"pose", account.map_bases[m].key},
-                    {"end", account.map_ends[m].key},
+  for (std::size_t m = 0; m < run_report.map_bases.size(); ++m) {
+    const MapFit& fit = run_report.figures.maps[m];
+    fits.push_back({{"session", run_report.map_bases[m].session},
+                    {"pose", run_report.map_bases[m].key},
+                    {"end", run_report.map_ends[m].key},
                     {"chi2", fit.chi2},
                     {"rows", fit.rows},
                     {"probability", fit.probability()}});
@@ -84,28 +84,28 @@ Json course_of(const MinimiseResult& result) {
   return course;
 }
 
-Json join_of(const Account& account) {
-  const RunFigures& figures = account.figures;
-  const bool done = account.is_joined;
+Json join_of(const RunReport& run_report) {
+  const RunFigures& figures = run_report.figures;
+  const bool done = run_report.is_joined;
   return {{"status", done ? to_string(figures.join.status) : "not_run"},
-          {"state", to_string(account.state)},
-          {"start", value_if(account.schedule == Schedule::kBatch, to_string(account.start_values))},
-          {"schedule", to_string(account.schedule)},
+          {"state", to_string(run_report.state)},
+          {"start", value_if(run_report.schedule == Schedule::kBatch, to_string(run_report.start_values))},
+          {"schedule", to_string(run_report.schedule)},
           {"path", path_of(figures)},
-          {"method", to_string(account.method)},
+          {"method", to_string(run_report.method)},
           {"iterations", value_if(done, figures.join.iterations)},
           {"factorisations", value_if(done, figures.join.factorisations)},
           {"turned", value_if(done, figures.turned)},
           {"chi2", value_if(done, figures.join.chi2)},
           {"course", value_if(done, course_of(figures.join))},
           {"dof", value_if(done, figures.join_dof)},
-          {"maps", value_if(done, map_fits_of(account))},
+          {"maps", value_if(done, map_fits_of(run_report))},
           {"seconds", figures.seconds.join}};
 }
 
-Json polish_of(const Account& account) {
-  if (!account.figures.polish) return {{"status", "not_run"}, {"iterations", nullptr}, {"chi2", nullptr}};
-  const MinimiseResult& polish = *account.figures.polish;
+Json polish_of(const RunReport& run_report) {
+  if (!run_report.figures.polish) return {{"status", "not_run"}, {"iterations", nullptr}, {"chi2", nullptr}};
+  const MinimiseResult& polish = *run_report.figures.polish;
   return {{"status", to_string(polish.status)}, {"iterations", polish.iterations}, {"chi2", polish.chi2}};
 }
 
@@ -119,33 +119,40 @@ Json nees_of(const std::optional<Consistency>& consistency, Nees Consistency::*p
           {"probability", value_if(known, nees.probability())}};
 }
 
-Json certainty_of(const Account& account) {
-  const auto deviations = account.deviations.value_or(Deviations{});
+Json certainty_of(const RunReport& run_report) {
+  const auto deviations = run_report.deviations.value_or(Deviations{});
   const auto medians = [&](const Deviations::Median& of) {
-    const bool known = account.deviations.has_value();
+    const bool known = run_report.deviations.has_value();
     return Json{{"in_map", value_if(known, of.in_map)}, {"relative", value_if(known, of.relative)}};
   };
-  return {{"estimate", account.covariances ? Json(to_string(*account.covariances)) : Json()},
+  return {{"estimate", run_report.covariances ? Json(to_string(*run_report.covariances)) : Json()},
           {"median_deviation", {{"poses", medians(deviations.poses)}, {"features", medians(deviations.features)}}},
           {"nees",
-           {{"poses", nees_of(account.consistency, &Consistency::poses)},
-            {"features", nees_of(account.consistency, &Consistency::features)},
-            {"joint", nees_of(account.consistency, &Consistency::joint)}}}};
+           {{"poses", nees_of(run_report.consistency, &Consistency::poses)},
+            {"features", nees_of(run_report.consistency, &Consistency::features)},
+            {"joint", nees_of(run_report.consistency, &Consistency::joint)}}}};
 }
 
-Json seconds_of(const Account& account) {
-  const RunSeconds& seconds = account.figures.seconds;
-  return {{"read", account.read_seconds},   {"build", seconds.build},          {"join", seconds.join},
-          {"recover", seconds.recover},     {"polish", seconds.polish},        {"covariances", seconds.covariances},
-          {"write", account.write_seconds}, {"total", account.total_seconds()}};
+Json seconds_of(const RunReport& run_report) {
+  const RunSeconds& seconds = run_report.figures.seconds;
+  return {{"read", run_report.read_seconds},
+          {"build", seconds.build},
+          {"join", seconds.join},
+          {"recover", seconds.recover},
+          {"polish", seconds.polish},
+          {"covariances", seconds.covariances},
+          {"write", run_report.write_seconds},
+          {"total", run_report.total_seconds()}};
 }
 
 }  // namespace
 
-Json report_head(const Account& account) {
-  Json json = {
-      {"schema_version", kReportSchemaVersion}, {"version", kVersion}, {"command", account.command}, {"input", account.input}};
-  json.update(input_of(account));
+Json report_head(const RunReport& run_report) {
+  Json json = {{"schema_version", kReportSchemaVersion},
+               {"version", kVersion},
+               {"command", run_report.command},
+               {"input", run_report.input}};
+  json.update(input_of(run_report));
   return json;
 }
 
@@ -153,29 +160,29 @@ std::string text_of(const Json& json) {
   return json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
 }
 
-std::string report(const Account& account) {
-  const RunFigures& figures = account.figures;
+std::string report(const RunReport& run_report) {
+  const RunFigures& figures = run_report.figures;
   const auto& recovered = figures.recovered_chi2;
-  Json json = report_head(account);
-  json["local_maps"] = local_maps_of(account);
-  json["join"] = join_of(account);
+  Json json = report_head(run_report);
+  json["local_maps"] = local_maps_of(run_report);
+  json["join"] = join_of(run_report);
   json["recover"] = {{"chi2", value_if(recovered.has_value(), recovered.value_or(0.0))},
                      {"unrecovered", value_if(recovered.has_value(), figures.unrecovered)}};
-  json["polish"] = polish_of(account);
-  json["converged"] = value_if(account.is_joined, figures.converged());
-  json["chi2"] = value_if(account.is_joined, figures.chi2);
-  json["dof"] = value_if(account.is_joined, figures.dof);
-  json["gauge"] = gauge_of(account);
-  json["certainty"] = certainty_of(account);
-  json["files"] = account.files;
-  json["seconds"] = seconds_of(account);
+  json["polish"] = polish_of(run_report);
+  json["converged"] = value_if(run_report.is_joined, figures.converged());
+  json["chi2"] = value_if(run_report.is_joined, figures.chi2);
+  json["dof"] = value_if(run_report.is_joined, figures.dof);
+  json["gauge"] = gauge_of(run_report);
+  json["certainty"] = certainty_of(run_report);
+  json["files"] = run_report.files;
+  json["seconds"] = seconds_of(run_report);
   json["peak_memory_mb"] = peak_memory_mb();
-  json["blas"] = account.is_joined ? Json(blas().name) : Json();
+  json["blas"] = run_report.is_joined ? Json(blas().name) : Json();
   return text_of(json);
 }
 
-Expected<void> write_report(const Account& account, const std::filesystem::path& path) {
-  return write_file(path, report(account));
+Expected<void> write_report(const RunReport& run_report, const std::filesystem::path& path) {
+  return write_file(path, report(run_report));
 }
 
 }  // namespace mapjoin::apps

@@ -7,7 +7,7 @@
 
 namespace mapjoin::apps {
 
-Account::Account(std::string command_name, const Options& options)
+RunReport::RunReport(std::string command_name, const Options& options)
     : command(std::move(command_name)),
       input(options.input.string()),
       schedule(options.run.schedule),
@@ -16,7 +16,7 @@ Account::Account(std::string command_name, const Options& options)
       method(options.run.solver.method) {}
 
 template <int Dim>
-void Account::describe(const Log<Dim>& log) {
+void RunReport::describe(const Log<Dim>& log) {
   dimension = Dim;
   conventions = log.conventions;
   has_stamps = !log.stamps_ns.empty();
@@ -33,7 +33,7 @@ void Account::describe(const Log<Dim>& log) {
 }
 
 template <int Dim>
-void Account::describe(const MapSet<Dim>& set) {
+void RunReport::describe(const MapSet<Dim>& set) {
   dimension = Dim;
   conventions = set.conventions;
   counts.sessions = 1;
@@ -45,7 +45,7 @@ void Account::describe(const MapSet<Dim>& set) {
 }
 
 template <int Dim>
-void Account::describe(const StoredMaps<Dim>& stored) {
+void RunReport::describe(const StoredMaps<Dim>& stored) {
   describe(stored.log);
   has_local_maps = true;
   figures.local_maps = stored.maps.size();
@@ -53,7 +53,7 @@ void Account::describe(const StoredMaps<Dim>& stored) {
 }
 
 template <int Dim>
-void Account::describe(const RunResult<Dim>& result) {
+void RunReport::describe(const RunResult<Dim>& result) {
   figures = static_cast<const RunFigures&>(result);
   schedule = result.schedule;
   has_local_maps = is_joined = true;
@@ -73,11 +73,11 @@ double peak_memory_mb() {
   return static_cast<double>(usage.ru_maxrss) * 1024e-6;
 }
 
-#define MAPJOIN_INSTANTIATE(Dim)                           \
-  template void Account::describe(const Log<Dim>&);        \
-  template void Account::describe(const MapSet<Dim>&);     \
-  template void Account::describe(const StoredMaps<Dim>&); \
-  template void Account::describe(const RunResult<Dim>&);
+#define MAPJOIN_INSTANTIATE(Dim)                             \
+  template void RunReport::describe(const Log<Dim>&);        \
+  template void RunReport::describe(const MapSet<Dim>&);     \
+  template void RunReport::describe(const StoredMaps<Dim>&); \
+  template void RunReport::describe(const RunResult<Dim>&);
 MAPJOIN_INSTANTIATE(2)
 MAPJOIN_INSTANTIATE(3)
 #undef MAPJOIN_INSTANTIATE

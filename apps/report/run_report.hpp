@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
-// What one call of the command did: what report and summary are made of.
+// What one run of the command did: what report and summary are made of.
 
 #include <apps/commands/options.hpp>
 #include <apps/report/deviations.hpp>
@@ -33,10 +33,10 @@ struct Counts {
   std::int64_t unassociated = 0;
 };
 
-struct Account {
+struct RunReport {
   using Clock = std::chrono::steady_clock;
 
-  Account(std::string command_name, const Options& options);
+  RunReport(std::string command_name, const Options& options);
 
   /// The input.
   template <int Dim>

@@ -4,7 +4,7 @@
 
 #include <algorithm>
 #include <apps/console.hpp>
-#include <apps/report/summary.hpp>
+#include <apps/report/report.hpp>
 #include <mapjoin/model/counted.hpp>
 #include <string_view>
 #include <utility>
@@ -13,13 +13,13 @@
 namespace mapjoin::apps {
 namespace {
 
-std::string local_maps_in_words(const Account& account) {
-  const RunFigures& figures = account.figures;
+std::string local_maps_in_words(const RunReport& run_report) {
+  const RunFigures& figures = run_report.figures;
   std::string text = counted(figures.local_maps, "map");
   if (figures.local_maps > 0 && figures.poses_per_map > 0) {
     text += fmt::format(" of up to {}", counted(figures.poses_per_map, "step"));
   }
-  if (figures.build_iterations > 0 && !account.is_resumed) text += fmt::format(", {} iterations", figures.build_iterations);
+  if (figures.build_iterations > 0 && !run_report.is_resumed) text += fmt::format(", {} iterations", figures.build_iterations);
   if (figures.spans > 0) text += fmt::format("; {} joined as observations", counted(figures.spans, "stretch", "stretches"));
   return text;
 }
@@ -30,13 +30,14 @@ std::string solve_in_words(const MinimiseResult& result) {
                      result.chi2);
 }
 
-std::string join_in_words(const Account& account) {
-  const bool is_batch = account.schedule == Schedule::kBatch;
-  const std::string start = is_batch ? fmt::format("{} from the {} start", account.figures.path.empty() ? "" : ", gradually,",
-                                                   to_string(account.start_values))
-                                     : "";
-  return fmt::format("{}, dof {} ({}{}, {}, {} state)", solve_in_words(account.figures.join), account.figures.join_dof,
-                     to_string(account.schedule), start, to_string(account.method), to_string(account.state));
+std::string join_in_words(const RunReport& run_report) {
+  const bool is_batch = run_report.schedule == Schedule::kBatch;
+  const std::string start = is_batch
+                                ? fmt::format("{} from the {} start", run_report.figures.path.empty() ? "" : ", gradually,",
+                                              to_string(run_report.start_values))
+                                : "";
+  return fmt::format("{}, dof {} ({}{}, {}, {} state)", solve_in_words(run_report.figures.join), run_report.figures.join_dof,
+                     to_string(run_report.schedule), start, to_string(run_report.method), to_string(run_report.state));
 }
 
 std::string recovered_in_words(const RunFigures& figures) {
@@ -45,10 +46,10 @@ std::string recovered_in_words(const RunFigures& figures) {
   return text;
 }
 
-std::string gauge_in_words(const Account& account) {
-  if (account.held.empty()) return "held by the priors of the World";
-  if (account.held.size() == 1) return to_string(account.held.front()) + " held";
-  return fmt::format("{} and {} more held", to_string(account.held.front()), counted(account.held.size() - 1, "pose"));
+std::string gauge_in_words(const RunReport& run_report) {
+  if (run_report.held.empty()) return "held by the priors of the World";
+  if (run_report.held.size() == 1) return to_string(run_report.held.front()) + " held";
+  return fmt::format("{} and {} more held", to_string(run_report.held.front()), counted(run_report.held.size() - 1, "pose"));
 }
 
 std::string nees_in_words(std::string_view what, const Nees& nees) {
@@ -59,54 +60,54 @@ std::string nees_in_words(std::string_view what, const Nees& nees) {
                      verdict, nees.least(), nees.most());
 }
 
-std::string deviations_in_words(const Account& account) {
-  const Deviations& all = *account.deviations;
+std::string deviations_in_words(const RunReport& run_report) {
+  const Deviations& all = *run_report.deviations;
   const auto words = [](std::string_view what, const Deviations::Median& of) {
     return fmt::format("{} {:.2g} m in the map, {:.2g} m relative to where they hang", what, of.in_map, of.relative);
   };
   std::string text = words("poses", all.poses);
-  if (account.counts.features > 0) text += "; " + words("features", all.features);
+  if (run_report.counts.features > 0) text += "; " + words("features", all.features);
   return text + " (median standard deviations)";
 }
 
-void add_consistency(const Account& account, Lines& lines) {
-  if (!account.consistency) return;
-  const auto& [poses, features, joint] = *account.consistency;
+void add_consistency(const RunReport& run_report, Lines& lines) {
+  if (!run_report.consistency) return;
+  const auto& [poses, features, joint] = *run_report.consistency;
   for (const auto& [what, nees] : {std::pair{"poses", &poses}, {"features", &features}, {"joint", &joint}}) {
     const bool repeats = nees == &joint && (poses.dimensions == 0 || features.dimensions == 0);
     if (nees->dimensions > 0 && !repeats) lines.add("NEES", nees_in_words(what, *nees));
   }
 }
 
-std::string seconds_in_words(const Account& account) {
-  const RunSeconds& seconds = account.figures.seconds;
-  const std::pair<const char*, double> stages[] = {{"read", account.read_seconds},  {"build", seconds.build},
-                                                   {"join", seconds.join},          {"recover", seconds.recover},
-                                                   {"polish", seconds.polish},      {"covariances", seconds.covariances},
-                                                   {"write", account.write_seconds}};
+std::string seconds_in_words(const RunReport& run_report) {
+  const RunSeconds& seconds = run_report.figures.seconds;
+  const std::pair<const char*, double> stages[] = {
+      {"read", run_report.read_seconds},  {"build", seconds.build},   {"join", seconds.join},
+      {"recover", seconds.recover},       {"polish", seconds.polish}, {"covariances", seconds.covariances},
+      {"write", run_report.write_seconds}};
   std::vector<std::string> words;
   for (const auto& [stage, taken] : stages) {
     if (taken > 0.0) words.push_back(fmt::format("{} {:.2f}", stage, taken));
   }
-  return fmt::format("{:.2f}: {}; {:.0f} MB at most", account.total_seconds(), fmt::join(words, ", "), peak_memory_mb());
+  return fmt::format("{:.2f}: {}; {:.0f} MB at most", run_report.total_seconds(), fmt::join(words, ", "), peak_memory_mb());
 }
 
-void add_result(const Account& account, Lines& lines) {
-  const RunFigures& figures = account.figures;
-  lines.add("join", join_in_words(account));
+void add_result(const RunReport& run_report, Lines& lines) {
+  const RunFigures& figures = run_report.figures;
+  lines.add("join", join_in_words(run_report));
   if (figures.recovered_chi2) lines.add("recovered", recovered_in_words(figures));
   if (figures.polish) lines.add("polished", solve_in_words(*figures.polish));
-  lines.add("chi2", fmt::format("{:.10g}, dof {}, {}", figures.chi2, figures.dof, gauge_in_words(account)));
-  if (account.deviations) lines.add("certainty", deviations_in_words(account));
-  add_consistency(account, lines);
+  lines.add("chi2", fmt::format("{:.10g}, dof {}, {}", figures.chi2, figures.dof, gauge_in_words(run_report)));
+  if (run_report.deviations) lines.add("certainty", deviations_in_words(run_report));
+  add_consistency(run_report, lines);
 }
 
 }  // namespace
 
-std::string counts_in_words(const Account& account) {
-  const Counts& counts = account.counts;
+std::string counts_in_words(const RunReport& run_report) {
+  const Counts& counts = run_report.counts;
   std::string text =
-      fmt::format("{}D, {}, {}", account.dimension, counted(counts.poses, "pose"), counted(counts.features, "feature"));
+      fmt::format("{}D, {}, {}", run_report.dimension, counted(counts.poses, "pose"), counted(counts.features, "feature"));
   const auto add = [&](std::size_t count, const std::string& thing) {
     if (count > 0) text += ", " + counted(count, thing);
   };
@@ -129,37 +130,37 @@ std::string conventions_in_words(const Conventions& conventions, int dimension) 
   return text + (conventions.covariance == Covariance::kOriginal ? ", original covariance" : ", identity covariance");
 }
 
-std::vector<std::string> remarks(const Account& account) {
+std::vector<std::string> remarks(const RunReport& run_report) {
   std::vector<std::string> all;
-  if (account.conventions.repaired_informations > 0) {
+  if (run_report.conventions.repaired_informations > 0) {
     all.push_back(fmt::format("{} replaced by the nearest semidefinite one",
-                              counted(account.conventions.repaired_informations, "indefinite information matrix was",
+                              counted(run_report.conventions.repaired_informations, "indefinite information matrix was",
                                       "indefinite information matrices were")));
   }
-  if (account.counts.repeated_edges > 0) {
+  if (run_report.counts.repeated_edges > 0) {
     all.push_back(fmt::format("{} between the same two poses; all of them count",
-                              counted(account.counts.repeated_edges, "edge repeats another", "edges repeat others")));
+                              counted(run_report.counts.repeated_edges, "edge repeats another", "edges repeat others")));
   }
-  if (account.counts.unassociated > 0) {
+  if (run_report.counts.unassociated > 0) {
     all.push_back(fmt::format("{} left out: the file does not say of which feature",
-                              counted(account.counts.unassociated, "observation was", "observations were")));
+                              counted(run_report.counts.unassociated, "observation was", "observations were")));
   }
   const auto is_trajectory = [](const std::string& file) { return file.ends_with(".tum"); };
-  if (!account.has_stamps && std::any_of(account.files.begin(), account.files.end(), is_trajectory)) {
+  if (!run_report.has_stamps && std::any_of(run_report.files.begin(), run_report.files.end(), is_trajectory)) {
     all.push_back("the poses have no time stamps: the trajectory counts them instead");
   }
   return all;
 }
 
-std::string summary(const Account& account) {
+std::string summary(const RunReport& run_report) {
   Lines lines;
-  lines.add("input", fmt::format("{}: {}", account.input, counts_in_words(account)));
-  if (account.has_local_maps) lines.add("local maps", local_maps_in_words(account));
-  if (account.is_joined) add_result(account, lines);
-  lines.add("convention", conventions_in_words(account.conventions, account.dimension));
-  lines.add("seconds", seconds_in_words(account));
-  if (!account.files.empty()) lines.add("written", fmt::format("{}", fmt::join(account.files, ", ")));
-  for (const std::string& remark : remarks(account)) lines.add("note", remark);
+  lines.add("input", fmt::format("{}: {}", run_report.input, counts_in_words(run_report)));
+  if (run_report.has_local_maps) lines.add("local maps", local_maps_in_words(run_report));
+  if (run_report.is_joined) add_result(run_report, lines);
+  lines.add("convention", conventions_in_words(run_report.conventions, run_report.dimension));
+  lines.add("seconds", seconds_in_words(run_report));
+  if (!run_report.files.empty()) lines.add("written", fmt::format("{}", fmt::join(run_report.files, ", ")));
+  for (const std::string& remark : remarks(run_report)) lines.add("note", remark);
   return lines.text();
 }
 

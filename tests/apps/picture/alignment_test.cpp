@@ -2,7 +2,7 @@
 #include <gtest/gtest.h>
 
 #include <Eigen/LU>
-#include <apps/picture/alignment.hpp>
+#include <apps/picture/plotted_map.hpp>
 #include <tests/support/dimensions.hpp>
 #include <tests/support/random.hpp>
 

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <gtest/gtest.h>
 
-#include <apps/picture/join_stops.hpp>
+#include <apps/picture/load.hpp>
 #include <tests/support/dimensions.hpp>
 #include <tests/support/small_map_set.hpp>
 #include <tests/support/small_world.hpp>

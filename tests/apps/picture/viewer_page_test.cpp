@@ -16,7 +16,7 @@ using ::testing::HasSubstr;
 using ::testing::Not;
 using Json = nlohmann::json;
 
-const std::string kProbe = content_of(kTestSources / "apps/plot/probe.js");
+const std::string kProbe = content_of(kTestSources / "apps/picture/probe.js");
 
 /// Pages in headless Chromium, where it is installed.
 class ViewerPage : public ::testing::Test {

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <gtest/gtest.h>
 
-#include <apps/picture/base64.hpp>
+#include <apps/picture/markup.hpp>
 #include <cstdint>
 
 namespace mapjoin::apps {
