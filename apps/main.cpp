@@ -7,10 +7,10 @@
 #include <CLI/Config.hpp>
 #include <algorithm>
 #include <apps/blas.hpp>
-#include <apps/command_line.hpp>
+#include <apps/commands/commands.hpp>
 #include <apps/console.hpp>
 #include <apps/interruption.hpp>
-#include <apps/shrunk_input.hpp>
+#include <apps/truncated_input.hpp>
 #include <cstdlib>
 #include <exception>
 #include <new>
@@ -59,7 +59,7 @@ ExitCode main(int argc, char** argv) {
     std::_Exit(static_cast<int>(ExitCode::kTooLarge));  // OpenBLAS would wait for its threads, which ask for memory for ever
   }
   keep_blas_on_one_thread();
-  end_on_shrunk_input();
+  end_on_truncated_input();
   try {
     const auto done = parse_and_run(argc, argv);
     if (done) return *done;

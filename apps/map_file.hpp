@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
-// A global map as one file, in the format that its name asks for.
+// A global map as one file, in the format that its name asks for; its covariances and relations beside it.
 
 #include <filesystem>
+#include <mapjoin/join/map_covariances.hpp>
 #include <mapjoin/model/error.hpp>
 #include <mapjoin/model/global_map.hpp>
 #include <mapjoin/model/log.hpp>
@@ -34,5 +35,20 @@ Expected<void> check_map_writable(const std::filesystem::path& path);
 template <int Dim>
 Expected<std::vector<std::string>> write_map_file(const GlobalMap<Dim>& map, const Log<Dim>* log,
                                                   const std::filesystem::path& path);
+
+/// Where the covariances of a map go that is one file: `map.covariances.json` beside `map.g2o`.
+std::filesystem::path covariance_file(const std::filesystem::path& map);
+
+/// The marginal covariances that `map` holds, of the estimate named; kCannotWrite.
+template <int Dim>
+Expected<void> write_covariances(const GlobalMap<Dim>& map, Estimate estimate, const std::filesystem::path& path);
+
+/// Where the relations of a map go that is one file: `map.relations.csv` beside `map.g2o`.
+std::filesystem::path relation_file(const std::filesystem::path& map);
+
+/// One line per pose, after that of its parent, then one per feature; kCannotWrite.
+template <int Dim>
+Expected<void> write_relations(const GlobalMap<Dim>& map, const MarginalCovariances<Dim>& marginals,
+                               const std::filesystem::path& path);
 
 }  // namespace mapjoin::apps

@@ -43,7 +43,7 @@ class OutputFolder {
   int lock_ = -1;
 };
 
-/// The folder that a call asks for, before its work; none where the path is empty. As OutputFolder::create().
+/// The folder that a command asks for, before its work; none where the path is empty. As OutputFolder::create().
 Expected<std::optional<OutputFolder>> output_folder(const std::filesystem::path& path);
 
 }  // namespace mapjoin::apps

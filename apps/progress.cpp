@@ -10,29 +10,13 @@ namespace {
 
 constexpr std::chrono::milliseconds kPause(100);  // Between two updates of a line.
 
-const char* word(Stage stage) {
-  switch (stage) {
-    case Stage::kBuild:
-      return "local maps";
-    case Stage::kJoin:
-      return "joins";
-    case Stage::kRecover:
-      return "recovering";
-    case Stage::kPolish:
-      return "polishing";
-    case Stage::kCovariances:
-      return "covariances";
-  }
-  return "";
-}
-
 }  // namespace
 
 Progress::Progress(bool wanted) : shown_(wanted && ::isatty(STDERR_FILENO) == 1) {}
 
 std::function<void(Stage, std::size_t, std::size_t)> Progress::callback() {
   if (!shown_) return nullptr;
-  return [this](Stage stage, std::size_t done, std::size_t to_do) { show(word(stage), done, to_do); };
+  return [this](Stage stage, std::size_t done, std::size_t to_do) { show(to_string(stage), done, to_do); };
 }
 
 std::function<void(const std::string&, std::size_t, std::size_t)> Progress::callback_in_words() {

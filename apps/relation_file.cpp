@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include <apps/deviations.hpp>
-#include <apps/relation_file.hpp>
+#include <apps/map_file.hpp>
+#include <apps/report/deviations.hpp>
 #include <mapjoin/io/files/output_file.hpp>
 #include <mapjoin/io/files/text_line.hpp>
 

@@ -4,7 +4,6 @@
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
-#include <apps/chart.hpp>
 #include <array>
 #include <cmath>
 #include <cstdio>
@@ -97,7 +96,6 @@ constexpr std::array kContenders = {
     Contender{"Ceres Levenberg-Marquardt", by_ceres<testing::ReferenceMethod::kLevenbergMarquardt>},
     Contender{"Ceres dogleg", by_ceres<testing::ReferenceMethod::kDogleg>},
     Contender{"from the truth", by_truth}};
-constexpr std::size_t kMethods = kContenders.size() - 1;  // the last one only says where the optimum is
 using Chi2s = std::array<double, kContenders.size()>;
 
 Simulation<2> world_of(const Surroundings& surroundings, double level, std::size_t world, std::int64_t poses) {
@@ -124,47 +122,21 @@ bool is_best(const Chi2s& chi2, std::size_t contender) {
   return std::isfinite(chi2[contender]) && chi2[contender] <= *std::min_element(chi2.begin(), chi2.end()) * (1.0 + 1e-6);
 }
 
-/// A rate of hits with the 95 % interval of Wilson's score (JASA 1927).
-apps::CurvePoint rate(double level, double hits, double tries) {
-  constexpr double kZ = 1.959964;  // 97.5 % of a normal distribution
-  const double share = hits / tries;
-  const double spread = kZ * kZ / tries;
-  const double middle = (share + 0.5 * spread) / (1.0 + spread);
-  const double half = kZ * std::sqrt(share * (1.0 - share) / tries + 0.25 * spread / tries) / (1.0 + spread);
-  return {level, 100.0 * share, 100.0 * std::max(middle - half, 0.0), 100.0 * std::min(middle + half, 1.0)};
-}
-
-/// The rates in one kind of surroundings, as a row per level and as curves, and all chi2 as CSV.
-struct Findings {
-  std::string csv = "features,noise,world,method,chi2\n";
-  std::vector<apps::Chart> charts;
-};
-
-void contest_in(const Surroundings& surroundings, const Arguments& arguments, Findings& findings) {
-  apps::Chart chart{fmt::format("Worlds {} in features", surroundings.name),
-                    {"odometry noise (times 0.03 m and 0.4\u00b0 a step)", true},
-                    {"worlds at the optimum (%)", false, 0.0, 100.0},
-                    {}};
-  for (std::size_t c = 0; c < kMethods; ++c) chart.curves.push_back({kContenders[c].name, {}, apps::Line::kSolid, true});
+/// Prints the rates in one kind of surroundings, a row per level, and adds all chi2 to the CSV.
+void contest_in(const Surroundings& surroundings, const Arguments& arguments, std::string& csv) {
   for (const double level : arguments.levels) {
     const auto reached = contest(surroundings, level, arguments);
     fmt::print("| {} | \u00d7{} |", surroundings.name, level);
     for (std::size_t c = 0; c < kContenders.size(); ++c) {
       const auto hits = std::count_if(reached.begin(), reached.end(), [&](const Chi2s& chi2) { return is_best(chi2, c); });
       fmt::print(" {} |", hits);
-      if (c < kMethods) {
-        const double aside = std::pow(1.03, static_cast<double>(c) - 0.5 * (kMethods - 1));  // so that bars stand side by side
-        chart.curves[c].points.push_back(rate(aside * level, static_cast<double>(hits), static_cast<double>(reached.size())));
-      }
       for (std::size_t w = 0; w < reached.size(); ++w) {
-        findings.csv +=
-            fmt::format("{},{},{},\"{}\",{:.9g}\n", surroundings.name, level, w + 1, kContenders[c].name, reached[w][c]);
+        csv += fmt::format("{},{},{},\"{}\",{:.9g}\n", surroundings.name, level, w + 1, kContenders[c].name, reached[w][c]);
       }
     }
     fmt::print("\n");
     std::fflush(stdout);
   }
-  findings.charts.push_back(std::move(chart));
 }
 
 Expected<void> noise(const Arguments& arguments) {
@@ -178,11 +150,9 @@ Expected<void> noise(const Arguments& arguments) {
   std::string rule = "\n|---|---|";
   for (std::size_t c = 0; c < kContenders.size(); ++c) rule += "---|";
   fmt::print("{}\n", rule);
-  Findings findings;
-  for (const Surroundings& surroundings : kSurroundings) contest_in(surroundings, arguments, findings);
-  return write_file(arguments.folder / "noise.csv", findings.csv).and_then([&] {
-    return write_file(arguments.folder / "noise.svg", apps::svg(findings.charts, kSurroundings.size()));
-  });
+  std::string csv = "features,noise,world,method,chi2\n";
+  for (const Surroundings& surroundings : kSurroundings) contest_in(surroundings, arguments, csv);
+  return write_file(arguments.folder / "noise.csv", csv);
 }
 
 }  // namespace
@@ -191,7 +161,8 @@ Expected<void> noise(const Arguments& arguments) {
 int main(int argc, char** argv) {
   mapjoin::Arguments arguments;
   CLI::App app("How often each method reaches the optimum of simulated worlds, as odometry gets worse.", "mapjoin_noise");
-  app.add_option("-o,--output", arguments.folder, "Folder for the table and the picture")->capture_default_str();
+  app.add_option("-o,--output", arguments.folder, "Folder for noise.csv, chi2 of every world and method")
+      ->capture_default_str();
   app.add_option("--levels", arguments.levels, "Of the odometry noise, in 0.03 m and 0.4 degrees a step")
       ->delimiter(',')
       ->check(CLI::PositiveNumber);

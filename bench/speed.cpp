@@ -27,7 +27,7 @@ struct Arguments {
   std::vector<std::string> without;
   std::size_t limit = 150;
   std::filesystem::path folder = "build/speed";
-  std::filesystem::path json, picture;  ///< Empty: none.
+  std::filesystem::path json;  ///< Empty: none.
 };
 
 /// Anew at every call, so that it is the world that the hash is of.
@@ -37,17 +37,17 @@ Expected<Data> simulated(std::int64_t poses, const Arguments& arguments, const S
   const auto said = said_by({surroundings.programs / "mapjoin", "simulate", "--poses", std::to_string(poses), "--dim",
                              std::to_string(arguments.dimension), "--seed", "1", "-o", file});
   if (!said) return bad_input("cannot simulate " + name);
-  return Data{name, file, file, false, true};
+  return Data{name, file, file, false};
 }
 
 /// Local maps in a store of ours.
 Expected<Data> stored(const std::filesystem::path& maps, const Arguments& arguments, const Surroundings& surroundings) {
-  if (is_store(maps)) return Data{maps.filename(), maps, maps, true, false};
+  if (is_store(maps)) return Data{maps.filename(), maps, maps, true};
   const std::string name = std::filesystem::absolute(maps).parent_path().filename();
   const std::filesystem::path store = arguments.folder / (name + ".maps");
   const auto said = said_by({surroundings.programs / "mapjoin", "build", maps, "-o", store});
   if (!said) return bad_input("cannot store " + maps.string());
-  return Data{name, maps, store, true, false};
+  return Data{name, maps, store, true};
 }
 
 Data log_in(const std::filesystem::path& file) {
@@ -124,7 +124,7 @@ Expected<void> compare(const Arguments& arguments) {
   }
   for (const Result& result : results) fmt::print("{}: sha256 {}\n", result.data.name, result.sha256);
   fmt::print("\n{}", table_of(results));
-  return arguments.picture.empty() ? Expected<void>() : write_file(arguments.picture, picture_of(results));
+  return {};
 }
 
 }  // namespace
@@ -148,7 +148,6 @@ int main(int argc, char** argv) {
       ->capture_default_str();
   app.add_option("--folder", arguments.folder, "For worlds and maps")->capture_default_str();
   app.add_option("--json", arguments.json, "Write all figures into this file");
-  app.add_option("--picture", arguments.picture, "Draw time and memory over the number of poses into this SVG file");
   CLI11_PARSE(app, argc, argv);
   const auto done = mapjoin::bench::compare(arguments);
   if (!done) fmt::print(stderr, "mapjoin_speed: {}\n", done.error().message);

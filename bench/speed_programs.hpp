@@ -21,7 +21,6 @@ struct Data {
   std::filesystem::path source;  ///< As it was given or simulated.
   std::filesystem::path file;    ///< What the programs read: of local maps, a store.
   bool is_maps = false;
-  bool is_simulated = false;
 };
 
 /// What the programs are told.

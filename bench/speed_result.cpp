@@ -4,7 +4,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <apps/table.hpp>
+#include <apps/report/table.hpp>
 
 namespace mapjoin::bench {
 namespace {

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
-// What mapjoin_speed found: medians and ratios, as a table, as JSON and as a picture.
+// What mapjoin_speed found: medians and ratios, as a table and as JSON.
 
 #include <cstdint>
 #include <nlohmann/json.hpp>
@@ -32,7 +32,5 @@ std::int64_t pose_count(const Result& result);
 /// A line per file and program, in Markdown.
 std::string table_of(const std::vector<Result>& results);
 nlohmann::json json_of(const std::vector<Result>& results);
-/// CPU seconds and memory over the number of poses, of logs: lines through the simulated ones.
-std::string picture_of(const std::vector<Result>& results);
 
 }  // namespace mapjoin::bench

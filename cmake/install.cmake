@@ -11,8 +11,9 @@ install(DIRECTORY docs data DESTINATION ${CMAKE_INSTALL_DOCDIR} COMPONENT comman
   PATTERN CMakeLists.txt EXCLUDE)
 
 install(DIRECTORY ${MAPJOIN_MANUAL}/man1 DESTINATION ${CMAKE_INSTALL_MANDIR} COMPONENT command FILES_MATCHING PATTERN *.gz)
-install(FILES ${MAPJOIN_MANUAL}/bash/mapjoin DESTINATION ${CMAKE_INSTALL_DATAROOTDIR}/bash-completion/completions COMPONENT command)
-install(FILES ${MAPJOIN_MANUAL}/zsh/_mapjoin DESTINATION ${CMAKE_INSTALL_DATAROOTDIR}/zsh/site-functions COMPONENT site)
+install(FILES apps/manual/completion.bash RENAME mapjoin DESTINATION ${CMAKE_INSTALL_DATAROOTDIR}/bash-completion/completions
+  COMPONENT command)
+install(FILES apps/manual/_mapjoin DESTINATION ${CMAKE_INSTALL_DATAROOTDIR}/zsh/site-functions COMPONENT site)
 
 install(TARGETS mapjoin_core mapjoin_localmap mapjoin_join EXPORT mapjoin-targets COMPONENT development)
 install(EXPORT mapjoin-targets NAMESPACE mapjoin:: DESTINATION ${package_folder} COMPONENT development)

@@ -3,7 +3,7 @@
 // In which coordinates the steps of a join are taken.
 
 #include <cstdint>
-#include <string>
+#include <mapjoin/model/enum_names.hpp>
 
 namespace mapjoin {
 
@@ -12,7 +12,8 @@ enum class JoinedState : std::uint8_t {
   kRelative,  ///< Each relative to the pose it hangs from (paper's (33)).
 };
 
-/// "absolute" or "relative".
-std::string to_string(JoinedState state);
+constexpr auto enum_names(JoinedState) {
+  return std::to_array<EnumName<JoinedState>>({{JoinedState::kAbsolute, "absolute"}, {JoinedState::kRelative, "relative"}});
+}
 
 }  // namespace mapjoin

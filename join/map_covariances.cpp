@@ -14,10 +14,6 @@
 
 namespace mapjoin {
 
-std::string to_string(Estimate estimate) {
-  return estimate == Estimate::kJoined ? "joined" : "polished";
-}
-
 template <int Dim>
 MapCovariances<Dim>::MapCovariances(Network<Dim> network, Join<Dim> join, std::vector<Segment<Dim>> segments, State<Dim> state,
                                     Estimate estimate, std::int64_t most_memory)

@@ -13,6 +13,7 @@
 #include <mapjoin/join/own_given_shared.hpp>
 #include <mapjoin/join/relations.hpp>
 #include <mapjoin/localmap/segment.hpp>
+#include <mapjoin/model/enum_names.hpp>
 #include <mapjoin/model/error.hpp>
 #include <mapjoin/solve/marginals.hpp>
 #include <memory>
@@ -30,8 +31,9 @@ enum class Estimate : std::uint8_t {
   kPolished,  ///< By every observation of the log: the inverse of the information of full SLAM.
 };
 
-/// "joined" or "polished".
-std::string to_string(Estimate estimate);
+constexpr auto enum_names(Estimate) {
+  return std::to_array<EnumName<Estimate>>({{Estimate::kJoined, "joined"}, {Estimate::kPolished, "polished"}});
+}
 
 /// A pose or a feature of a network, by its index.
 struct PoseOrFeature {

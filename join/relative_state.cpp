@@ -61,10 +61,6 @@ std::optional<Matrix<Dof>> inverse_of(const Matrix<Dof>& M) {
 
 }  // namespace
 
-std::string to_string(JoinedState state) {
-  return state == JoinedState::kAbsolute ? "absolute" : "relative";
-}
-
 template <int Dim>
 RelativeState<Dim>::RelativeState(const JointSystem<Dim>& system) {
   const SpanningTree tree = spanning_tree(system);

@@ -22,6 +22,13 @@ namespace mapjoin {
 
 /// What a run is busy with.
 enum class Stage : std::uint8_t { kBuild, kJoin, kRecover, kPolish, kCovariances };
+constexpr auto enum_names(Stage) {
+  return std::to_array<EnumName<Stage>>({{Stage::kBuild, "local maps"},
+                                         {Stage::kJoin, "joins"},
+                                         {Stage::kRecover, "recovering"},
+                                         {Stage::kPolish, "polishing"},
+                                         {Stage::kCovariances, "covariances"}});
+}
 
 struct RunOptions {
   SplitOptions split;

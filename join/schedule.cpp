@@ -164,24 +164,6 @@ class Joiner {
 
 }  // namespace
 
-std::string to_string(Schedule schedule) {
-  switch (schedule) {
-    case Schedule::kBatch:
-      return "batch";
-    case Schedule::kSequential:
-      return "sequential";
-    case Schedule::kAligned:
-      return "aligned";
-    case Schedule::kTree:
-      return "tree";
-    case Schedule::kLeaning:
-      return "leaning";
-    case Schedule::kAuto:
-      return "auto";
-  }
-  return "unknown";
-}
-
 MinimiseOptions ScheduleOptions::leading(Schedule schedule) {
   const bool map_by_map = schedule == Schedule::kSequential;
   MinimiseOptions options;

@@ -6,6 +6,7 @@
 #include <functional>
 #include <mapjoin/join/joined_state.hpp>
 #include <mapjoin/join/piece.hpp>
+#include <mapjoin/model/enum_names.hpp>
 #include <mapjoin/solve/minimise_options.hpp>
 #include <stop_token>
 #include <string>
@@ -22,8 +23,14 @@ enum class Schedule : std::uint8_t {
   kAuto,        ///< Aligned; where that turns out to be far from linear, along a tree; where that does not fit, a leaning one.
 };
 
-/// "batch", "sequential", "tree", "leaning" or "auto".
-std::string to_string(Schedule schedule);
+constexpr auto enum_names(Schedule) {
+  return std::to_array<EnumName<Schedule>>({{Schedule::kAuto, "auto"},
+                                            {Schedule::kAligned, "aligned"},
+                                            {Schedule::kTree, "tree"},
+                                            {Schedule::kLeaning, "leaning"},
+                                            {Schedule::kSequential, "sequential"},
+                                            {Schedule::kBatch, "batch"}});
+}
 
 struct ScheduleOptions {
   Schedule schedule = Schedule::kTree;         ///< Not kAuto, which is two of the others.

@@ -35,20 +35,6 @@ Rotation<Dim> random_rotation(RandomStream& random) {
 
 }  // namespace
 
-std::string to_string(Start start) {
-  switch (start) {
-    case Start::kComposed:
-      return "composed";
-    case Start::kZero:
-      return "zero";
-    case Start::kRandom:
-      return "random";
-    case Start::kFile:
-      return "file";
-  }
-  return "unknown";
-}
-
 template <int Dim>
 void set_to_zero(Piece<Dim>& piece) {
   std::fill(piece.state.poses.begin() + 1, piece.state.poses.end(), Pose<Dim>{});

@@ -4,7 +4,7 @@
 
 #include <cstdint>
 #include <mapjoin/join/piece.hpp>
-#include <string>
+#include <mapjoin/model/enum_names.hpp>
 
 namespace mapjoin {
 
@@ -15,8 +15,10 @@ enum class Start : std::uint8_t {
   kFile,      ///< The values the log brings along.
 };
 
-/// "composed", "zero", "random" or "file".
-std::string to_string(Start start);
+constexpr auto enum_names(Start) {
+  return std::to_array<EnumName<Start>>(
+      {{Start::kComposed, "composed"}, {Start::kZero, "zero"}, {Start::kRandom, "random"}, {Start::kFile, "file"}});
+}
 
 /// Every feature of the piece at zero, and every pose but the first, which holds the map.
 template <int Dim>

@@ -53,7 +53,7 @@ foreach(component command development)
 endforeach()
 
 # Where Debian's zsh looks.
-install(FILES ${MAPJOIN_MANUAL}/zsh/_mapjoin DESTINATION ${CMAKE_INSTALL_DATAROOTDIR}/zsh/vendor-completions
+install(FILES apps/manual/_mapjoin DESTINATION ${CMAKE_INSTALL_DATAROOTDIR}/zsh/vendor-completions
   COMPONENT command EXCLUDE_FROM_ALL)
 
 include(CPack)

@@ -222,10 +222,6 @@ Expected<Basin> basin_along(const Log<Dim>& log, const std::vector<std::pair<Spl
 
 }  // namespace
 
-std::string to_string(BasinMethod method) {
-  return method == BasinMethod::kGaussNewton ? "gn" : "default";
-}
-
 std::vector<std::string> BasinOptions::validate() const {
   std::vector<std::string> violations;
   for (const SplitOptions& split : splits) {

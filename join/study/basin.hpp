@@ -8,6 +8,7 @@
 #include <mapjoin/join/run.hpp>
 #include <mapjoin/join/study/formulation.hpp>
 #include <mapjoin/model/conventions.hpp>
+#include <mapjoin/model/enum_names.hpp>
 #include <optional>
 #include <stop_token>
 #include <string>
@@ -21,8 +22,9 @@ enum class BasinMethod : std::uint8_t {
   kDefault,      ///< Dogleg; in the relative state what is not quadratic is brought in gradually.
 };
 
-/// "gn" or "default".
-std::string to_string(BasinMethod method);
+constexpr auto enum_names(BasinMethod) {
+  return std::to_array<EnumName<BasinMethod>>({{BasinMethod::kGaussNewton, "gn"}, {BasinMethod::kDefault, "default"}});
+}
 
 inline constexpr std::array kBasinStarts = {Start::kComposed, Start::kZero, Start::kRandom};
 

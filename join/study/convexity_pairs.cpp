@@ -28,10 +28,6 @@ Vector<Rows> normal_vector(Eigen::Index rows, RandomStream& random) {
 
 }  // namespace
 
-std::string to_string(StateSource source) {
-  return source == StateSource::kBox ? "box" : "drift";
-}
-
 template <int Dim>
 StateSampler<Dim>::StateSampler(StateSource source, double spread, const Piece<Dim>& composed, const JointSystem<Dim>& system,
                                 const State<Dim>& reference)

@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <mapjoin/join/piece.hpp>
 #include <mapjoin/join/study/convexity_states.hpp>
+#include <mapjoin/model/enum_names.hpp>
 #include <string>
 #include <vector>
 
@@ -15,8 +16,9 @@ enum class StateSource : std::uint8_t {
   kDrift,  ///< Composed along the spanning tree from measurements with errors of their own stated covariance, times a factor².
 };
 
-/// "box" or "drift".
-std::string to_string(StateSource source);
+constexpr auto enum_names(StateSource) {
+  return std::to_array<EnumName<StateSource>>({{StateSource::kBox, "box"}, {StateSource::kDrift, "drift"}});
+}
 
 /// Draws states of one joining system. Headings are within half a turn of those of `reference` (box), or have turned with the
 /// errors (drift).

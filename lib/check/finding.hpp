@@ -4,6 +4,7 @@
 
 #include <cstddef>
 #include <mapjoin/model/counted.hpp>
+#include <mapjoin/model/enum_names.hpp>
 #include <string>
 #include <utility>
 #include <vector>
@@ -15,6 +16,11 @@ enum class FindingLevel {
   kWarning,  ///< Probably not what was meant, or resting on one thing that nothing confirms.
   kError,    ///< There is no map of this.
 };
+
+constexpr auto enum_names(FindingLevel) {
+  return std::to_array<EnumName<FindingLevel>>(
+      {{FindingLevel::kNote, "note"}, {FindingLevel::kWarning, "warning"}, {FindingLevel::kError, "error"}});
+}
 
 /// How often something was found, and the names of the first places.
 struct Places {

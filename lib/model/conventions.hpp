@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cstdint>
+#include <mapjoin/model/enum_names.hpp>
 
 namespace mapjoin {
 
@@ -13,17 +14,30 @@ enum class PoseError : std::uint8_t {
   kG2o,    ///< Z⁻¹ X_b⁻¹ X_t: translation turned by R_Zᵀ against the paper's; W is turned with R_Z on reading.
 };
 
+constexpr auto enum_names(PoseError) {
+  return std::to_array<EnumName<PoseError>>({{PoseError::kPaper, "paper"}, {PoseError::kG2o, "g2o"}});
+}
+
 /// What the rotational part of a file's 3D information matrix weighs.
 enum class RotationInformation : std::uint8_t {
   kVector,      ///< The rotation vector (GTSAM, SE-Sync); what is used inside.
   kQuaternion,  ///< The vector part of the unit quaternion, half the rotation vector (g2o).
 };
 
+constexpr auto enum_names(RotationInformation) {
+  return std::to_array<EnumName<RotationInformation>>(
+      {{RotationInformation::kVector, "vector"}, {RotationInformation::kQuaternion, "quaternion"}});
+}
+
 /// Which weights are in force.
 enum class Covariance : std::uint8_t {
   kOriginal,  ///< As the file gives them.
   kIdentity,  ///< Every information matrix replaced by the identity (paper's Table I).
 };
+
+constexpr auto enum_names(Covariance) {
+  return std::to_array<EnumName<Covariance>>({{Covariance::kOriginal, "original"}, {Covariance::kIdentity, "identity"}});
+}
 
 /// Information matrices and covariances that were not taken as the input gives them.
 struct MatrixRepairs {

@@ -2,14 +2,15 @@
 #pragma once
 // Numbers of things in sentences.
 
-#include <cstddef>
+#include <concepts>
 #include <string>
 
 namespace mapjoin {
 
-/// "1 edge", "2 edges".
-inline std::string counted(std::size_t count, const std::string& thing) {
-  return std::to_string(count) + " " + thing + (count == 1 ? "" : "s");
+/// "1 edge", "2 edges"; "2 stretches" where `things` are not `thing` and an s.
+template <std::integral Count>
+std::string counted(Count count, const std::string& thing, const std::string& things = "") {
+  return std::to_string(count) + " " + (count == 1 ? thing : things.empty() ? thing + "s" : things);
 }
 
 }  // namespace mapjoin

@@ -12,32 +12,4 @@ std::vector<std::string> MinimiseOptions::validate() const {
   return violations;
 }
 
-std::string to_string(MinimiseStatus status) {
-  switch (status) {
-    case MinimiseStatus::kConverged:
-      return "converged";
-    case MinimiseStatus::kMaxIterations:
-      return "max_iterations";
-    case MinimiseStatus::kNoProgress:
-      return "no_progress";
-    case MinimiseStatus::kSingular:
-      return "singular";
-    case MinimiseStatus::kInterrupted:
-      return "interrupted";
-  }
-  return "unknown";
-}
-
-std::string to_string(Method method) {
-  switch (method) {
-    case Method::kGaussNewton:
-      return "gn";
-    case Method::kDogleg:
-      return "dogleg";
-    case Method::kLevenbergMarquardt:
-      return "lm";
-  }
-  return "unknown";
-}
-
 }  // namespace mapjoin

@@ -3,6 +3,7 @@
 // What can be asked of the nonlinear loop, and what it answers.
 
 #include <cstdint>
+#include <mapjoin/model/enum_names.hpp>
 #include <mapjoin/model/ids.hpp>
 #include <optional>
 #include <string>
@@ -15,6 +16,11 @@ enum class Method : std::uint8_t {
   kDogleg,       ///< Powell's dogleg: one factorisation per linearisation.
   kLevenbergMarquardt,
 };
+
+constexpr auto enum_names(Method) {
+  return std::to_array<EnumName<Method>>(
+      {{Method::kDogleg, "dogleg"}, {Method::kLevenbergMarquardt, "lm"}, {Method::kGaussNewton, "gn"}});
+}
 
 struct MinimiseOptions {
   Method method = Method::kDogleg;
@@ -36,9 +42,13 @@ enum class MinimiseStatus : std::uint8_t {
   kInterrupted,    ///< The stop token was set; the estimate is the best found so far.
 };
 
-/// "converged", "max_iterations", …, as in the report.
-std::string to_string(MinimiseStatus status);
-std::string to_string(Method method);
+constexpr auto enum_names(MinimiseStatus) {
+  return std::to_array<EnumName<MinimiseStatus>>({{MinimiseStatus::kConverged, "converged"},
+                                                  {MinimiseStatus::kMaxIterations, "max_iterations"},
+                                                  {MinimiseStatus::kNoProgress, "no_progress"},
+                                                  {MinimiseStatus::kSingular, "singular"},
+                                                  {MinimiseStatus::kInterrupted, "interrupted"}});
+}
 
 struct MinimiseResult {
   MinimiseStatus status = MinimiseStatus::kConverged;

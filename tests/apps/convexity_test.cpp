@@ -46,17 +46,13 @@ TEST_F(ConvexityCommand, WritesATableForPeopleAndFilesForPrograms) {
   EXPECT_EQ(report["formulations"][1]["quadratic"]["quadratic_rows"], 8);
   // The first edge and the first observation are from the held pose; of the other edge the heading is linear.
   EXPECT_EQ(report["formulations"][0]["quadratic"]["quadratic_rows"], 6);
-  EXPECT_THAT(bytes_of(path("out/convexity.svg")), HasSubstr("Joining, relative state"));
-  EXPECT_THAT(bytes_of(path("out/region.svg")), HasSubstr("heading error"));
 }
 
 TEST_F(ConvexityCommand, GivesTheSameBytesForAnyNumberOfThreads) {
   for (const std::string states : {"box", "drift"}) {
     ASSERT_EQ(convexity({"-o", path("one"), "--jobs", "1", "--states", states}).exit_code, 0);
     ASSERT_EQ(convexity({"-o", path("two"), "--jobs", "2", "--states", states}).exit_code, 0);
-    for (const std::string file : {"curves.csv", "convexity.svg", "region.svg"}) {
-      EXPECT_EQ(bytes_of(path("one/" + file)), bytes_of(path("two/" + file))) << states;
-    }
+    EXPECT_EQ(bytes_of(path("one/curves.csv")), bytes_of(path("two/curves.csv"))) << states;
   }
 }
 

@@ -15,6 +15,8 @@ namespace fs = std::filesystem;
 using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 
+const fs::path kCompletion = kDocuments.parent_path() / "apps" / "manual";
+
 bool is_installed(const std::string& program) {
   return Process({"sh", "-c", "command -v " + program}).wait() == 0;
 }
@@ -78,7 +80,7 @@ std::vector<std::string> offered_by_bash(const std::vector<std::string>& words) 
   std::vector<std::string> line = {"bash", "-c",
                                    "source $0; compopt() { echo compopt $2; }; COMP_WORDS=(\"$@\"); COMP_CWORD=$(($# - 1))\n"
                                    "_mapjoin; for word in \"${COMPREPLY[@]}\"; do echo $word; done",
-                                   (kManual / "bash" / "mapjoin").string(), "mapjoin"};
+                                   (kCompletion / "completion.bash").string(), kCommand};
   line.insert(line.end(), words.begin(), words.end());
   std::istringstream out(output_of(line));
   std::vector<std::string> offered;
@@ -110,16 +112,16 @@ TEST(BashCompletion, KnowsEveryOption) {
 
 /// What a terminal shows after the line and a tab, up to all of `expected`.
 std::string shown_by_zsh(const std::string& line, const std::string& expected) {
-  const std::string script =
-      "zmodload zsh/zpty; zpty shell zsh -f -i\n"
-      "zpty -w shell \"fpath=($0 \\$fpath); autoload -U compinit; compinit -u -D; echo rea''dy\"\n"
-      "zpty -r -m shell seen '*ready*'\n"
-      "zpty -w -n shell $'" +
-      line +
-      "\\t'\n"
-      "zpty -r -m shell seen '" +
-      expected + "'; print -r -- $seen; zpty -d shell\n";
-  return output_of({"timeout", "60", "zsh", "-f", "-c", script, (kManual / "zsh").string()});
+  const std::string script = "path=(" + fs::path(kCommand).parent_path().string() +
+                             " $path); zmodload zsh/zpty; zpty shell zsh -f -i\n"
+                             "zpty -w shell \"fpath=($0 \\$fpath); autoload -U compinit; compinit -u -D; echo rea''dy\"\n"
+                             "zpty -r -m shell seen '*ready*'\n"
+                             "zpty -w -n shell $'" +
+                             line +
+                             "\\t'\n"
+                             "zpty -r -m shell seen '" +
+                             expected + "'; print -r -- $seen; zpty -d shell\n";
+  return output_of({"timeout", "60", "zsh", "-f", "-c", script, kCompletion.string()});
 }
 
 TEST(ZshCompletion, OffersCommandsOptionsAndTheirValues) {

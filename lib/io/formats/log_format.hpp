@@ -4,6 +4,7 @@
 
 #include <cstdint>
 #include <filesystem>
+#include <mapjoin/model/enum_names.hpp>
 #include <mapjoin/model/error.hpp>
 #include <mapjoin/model/log.hpp>
 #include <string>

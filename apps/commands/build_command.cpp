@@ -1,0 +1,139 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// `mapjoin build`: from a log to a store of local maps, which a build that was interrupted goes on with; or from the files of
+// local maps to a store.
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <apps/commands/command_run.hpp>
+#include <apps/commands/commands.hpp>
+#include <apps/output_conflicts.hpp>
+#include <mapjoin/graph/connectivity.hpp>
+#include <mapjoin/io/store/store.hpp>
+#include <mapjoin/parallel/parallel.hpp>
+#include <mapjoin/version.hpp>
+#include <memory>
+#include <span>
+#include <variant>
+
+namespace mapjoin::apps {
+namespace {
+
+constexpr const char* kExamples =
+    "  mapjoin build data/manhattan2d.g2o -o manhattan2d.maps\n"
+    "  mapjoin join manhattan2d.maps -o map.g2o";
+
+constexpr std::size_t kMapsAtOnce = 256;  // Built before they are stored: few enough to lose little, enough for all threads.
+
+/// What the maps depend on beside the log and its stretches: a build goes on only where it is the same.
+std::string settings(const MinimiseOptions& solver) {
+  return fmt::format("mapjoin {} --method {} --max-iterations {}", kVersion, to_string(solver.method), solver.max_iterations);
+}
+
+/// Builds the maps of some stretches, in parallel, and stores them.
+template <int Dim>
+Expected<void> build_some(CommandRun& command_run, const Log<Dim>& log, const Split& parts,
+                          std::span<const std::size_t> stretches, StoreWriter<Dim>& store) {
+  std::vector<BuiltMap<Dim>> built(stretches.size());
+  parallel_for(built.size(), [&](std::size_t i) {
+    if (command_run.stop().stop_requested()) return;
+    built[i] = build_local_map(segment_of(log, parts, parts.stretches[stretches[i]]), command_run.run_options().solver);
+  });
+  if (auto going_on = command_run.check_interrupted(); !going_on) return going_on;
+  for (std::size_t i = 0; i < built.size(); ++i) {
+    command_run.run_report.figures.build_iterations += built[i].iterations;
+    if (auto added = store.add(stretches[i], built[i].map); !added) return added;
+  }
+  return {};
+}
+
+template <int Dim>
+Expected<void> build_all(CommandRun& command_run, const Log<Dim>& log, const Split& parts, StoreWriter<Dim>& store) {
+  const std::vector<std::size_t> to_do(store.to_do().begin(), store.to_do().end());
+  const std::size_t before = store.done().size();
+  for (std::size_t begin = 0; begin < to_do.size(); begin += kMapsAtOnce) {
+    const auto some = std::span(to_do).subspan(begin, std::min(kMapsAtOnce, to_do.size() - begin));
+    if (auto built = build_some(command_run, log, parts, some, store); !built) return built;
+    if (const auto& progress = command_run.run_options().progress) {
+      progress(Stage::kBuild, store.done().size(), before + to_do.size());
+    }
+  }
+  RunFigures& figures = command_run.run_report.figures;
+  figures.local_maps = store.done().size() - store.undetermined();
+  figures.spans = parts.stretches.size() - figures.local_maps;
+  figures.poses_per_map = parts.poses_per_map;
+  command_run.run_report.has_local_maps = true;
+  command_run.run_report.is_resumed = before > 0;
+  return store.finish();
+}
+
+template <int Dim>
+Expected<ExitCode> build_log(CommandRun& command_run, const Log<Dim>& log) {
+  if (auto connected = check_connected(log); !connected) return tl::unexpected(connected.error());
+  SplitOptions cut = command_run.run_options().split;
+  if (cut.rule == SplitRule::kAuto) cut.amount = 2.0;  // maps of one step would be the log itself
+  const Split parts = split(log, cut);
+  auto store =
+      StoreWriter<Dim>::open(command_run.options().output, log, parts.stretches, settings(command_run.run_options().solver));
+  if (!store) return tl::unexpected(store.error());
+  command_run.run_report.was_damaged = store->found_damaged();
+  const auto built =
+      timed(command_run.run_report.figures.seconds.build, [&] { return build_all(command_run, log, parts, *store); });
+  if (!built) return tl::unexpected(built.error());
+  command_run.run_report.files.push_back(command_run.options().output.string());
+  return command_run.conclude();
+}
+
+template <int Dim>
+Expected<ExitCode> store_any(CommandRun& command_run, const MapSet<Dim>& set) {
+  const auto& path = command_run.options().output;
+  const auto written = timed(command_run.run_report.write_seconds, [&] { return write_store(set, path); });
+  if (!written) return tl::unexpected(written.error());
+  command_run.run_report.files.push_back(path.string());
+  return command_run.conclude();
+}
+template <int Dim>
+Expected<ExitCode> store_any(CommandRun& command_run, const StoredMaps<Dim>&) {
+  return tl::unexpected(Error{ErrorKind::kUsage, command_run.run_report.input + ": is a store already"});
+}
+
+/// What others built is kept as it is.
+Expected<ExitCode> store_maps(CommandRun& command_run) {
+  const auto maps = command_run.read_maps();
+  if (!maps) return tl::unexpected(maps.error());
+  return std::visit([&](const auto& any) { return store_any(command_run, any); }, *maps);
+}
+
+Expected<ExitCode> build_input(const Options& options, const std::stop_token& stop) {
+  CommandRun command_run("build", options, stop);
+  if (auto writable = command_run.check_outputs(); !writable) return tl::unexpected(writable.error());
+  if (may_hold_maps(options.input)) return store_maps(command_run);
+  const auto log = command_run.read_log();
+  if (!log) return tl::unexpected(log.error());
+  return std::visit([&](const auto& any) { return build_log(command_run, any); }, *log);
+}
+
+void declare(Subcommand& command) {
+  const auto options = std::make_shared<Options>();
+  command.argument("LOG|MAPS", options->input,
+                   kLogFormats +
+                       ". Or local maps of others, which are stored as they are: a folder or archive of localmap_1, "
+                       "localmap_2, ... as .mat or .txt");
+  command.output("-o,--output", options->output, "MAPS",
+                 "Write the store; until it is done it is MAPS.partial, from which the same command goes on");
+  add_splitting(command, *options);
+  add_solver(command, *options);
+  add_reading(command, *options);
+  add_reporting(command, *options);
+  command.check([options] { return output_conflicts(files_of(*options, "LOG|MAPS")); });
+  command.check([options, &command] { return check_uncut(command, *options); });
+  command.act([options](const std::stop_token& stop) { return build_input(*options, stop); });
+}
+
+}  // namespace
+
+std::unique_ptr<Subcommand> build_command(CLI::App& app) {
+  return std::make_unique<Subcommand>(app, "build", "From a log, or the files of local maps, to a store", kExamples, declare);
+}
+
+}  // namespace mapjoin::apps

@@ -1,0 +1,115 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// `mapjoin info`: what is in a file.
+
+#include <fmt/format.h>
+
+#include <apps/commands/command_run.hpp>
+#include <apps/commands/commands.hpp>
+#include <apps/console.hpp>
+#include <apps/report/report.hpp>
+#include <mapjoin/io/formats/map_text.hpp>
+#include <mapjoin/measure/chi2.hpp>
+#include <memory>
+#include <variant>
+
+namespace mapjoin::apps {
+namespace {
+
+constexpr const char* kExamples = "  mapjoin info data/manhattan2d.g2o";
+
+template <typename Id>
+std::string range_of(const std::vector<Id>& ids) {
+  if (ids.empty()) return "none";
+  return fmt::format("{}, {} to {}", ids.size(), to_string(ids.front()), to_string(ids.back()));
+}
+
+template <int Dim>
+std::string values_in_words(const Log<Dim>& log) {
+  if (log.initial_poses.empty() || log.initial_features.size() != log.features.size()) return "not of every pose and feature";
+  const double chi2 = log_chi2(log, log.initial_poses, log.initial_features).total();
+  return fmt::format("of every pose and feature, chi2 {:.10g}", chi2);
+}
+
+std::string stamps_in_words(const std::vector<std::int64_t>& stamps_ns) {
+  if (stamps_ns.empty()) return "none";
+  return fmt::format("{} s to {} s", seconds(stamps_ns.front()), seconds(stamps_ns.back()));
+}
+
+template <int Dim>
+void add_content(const Log<Dim>& log, Lines& lines) {
+  lines.add("poses", range_of(log.poses));
+  lines.add("features", range_of(log.features));
+  lines.add("sessions", fmt::format("{}", log.sessions.size()));
+  lines.add("odometry", fmt::format("{}", log.odometry.size()));
+  lines.add("closures", fmt::format("{}", log.closures.size()));
+  lines.add("observations", fmt::format("{}", log.observations.size()));
+  lines.add("priors", fmt::format("{} of poses, {} of features", log.pose_priors.size(), log.feature_priors.size()));
+  lines.add("fixed poses", fmt::format("{}", log.fixed.size()));
+  lines.add("values", values_in_words(log));
+  lines.add("stamps", stamps_in_words(log.stamps_ns));
+}
+
+template <int Dim>
+void add_content(const MapSet<Dim>& set, Lines& lines) {
+  std::size_t seen = 0;
+  for (const LocalMap<Dim>& map : set.maps) seen += map.features.size();
+  lines.add("local maps", fmt::format("{}", set.maps.size()));
+  lines.add("poses", range_of(set.poses));
+  lines.add("features", fmt::format("{}; {} in all maps together", range_of(set.features), seen));
+}
+
+template <int Dim>
+void add_content(const StoredMaps<Dim>& stored, Lines& lines) {
+  lines.add("local maps", fmt::format("{} of {} stretches", stored.maps.size(), stored.stretches.size()));
+  lines.add("built by", stored.options);
+  lines.add("log", stored.log.source);
+  add_content(stored.log, lines);
+}
+
+template <int Dim>
+std::string kind_of(const Log<Dim>&) {
+  return "log";
+}
+template <int Dim>
+std::string kind_of(const MapSet<Dim>&) {
+  return "set of local maps";
+}
+template <int Dim>
+std::string kind_of(const StoredMaps<Dim>&) {
+  return "store of local maps and their log";
+}
+
+template <typename Content>
+Expected<ExitCode> tell(CommandRun& command_run, const Content& content) {
+  Lines lines;
+  lines.add("file", command_run.run_report.input);
+  lines.add("kind", kind_of(content));
+  lines.add("dimension", fmt::format("{}", command_run.run_report.dimension));
+  add_content(content, lines);
+  lines.add("convention", conventions_in_words(command_run.run_report.conventions, command_run.run_report.dimension));
+  for (const std::string& remark : remarks(command_run.run_report)) lines.add("note", remark);
+  return write_stdout(lines.text()).map([] { return ExitCode::kDone; });
+}
+
+Expected<ExitCode> tell_of(const Options& options, const std::stop_token& stop) {
+  CommandRun command_run("info", options, stop);
+  const auto tell_any = [&](const auto& any) {
+    return std::visit([&](const auto& content) { return tell(command_run, content); }, any);
+  };
+  return may_hold_maps(options.input) ? command_run.read_maps().and_then(tell_any) : command_run.read_log().and_then(tell_any);
+}
+
+void declare(Subcommand& command) {
+  const auto options = std::make_shared<Options>();
+  command.argument("FILE", options->input, "A log, a store, or a folder or archive of local maps");
+  add_reading(command, *options);
+  command.act([options](const std::stop_token& stop) { return tell_of(*options, stop); });
+}
+
+}  // namespace
+
+std::unique_ptr<Subcommand> info_command(CLI::App& app) {
+  return std::make_unique<Subcommand>(app, "info", "What is in a file", kExamples, declare);
+}
+
+}  // namespace mapjoin::apps

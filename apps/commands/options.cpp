@@ -1,0 +1,157 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <tbb/info.h>
+
+#include <algorithm>
+#include <apps/commands/options.hpp>
+#include <mapjoin/io/open.hpp>
+#include <optional>
+#include <vector>
+
+namespace mapjoin::apps {
+namespace {
+
+constexpr int kMostJobs = 1024;
+
+/// "auto" or a number of poses.
+std::optional<std::string> take_poses_per_map(const std::string& word, SplitOptions& split) {
+  if (word == "auto") {
+    split = {};
+    return std::nullopt;
+  }
+  const std::optional<int> poses = number_in<int>(word);
+  if (!poses || *poses < 1) return "not auto or a whole number from 1 on";
+  split = {SplitRule::kPoses, static_cast<double>(*poses)};
+  return std::nullopt;
+}
+
+const std::vector<std::string> kRules = {"--poses-per-map", "--metres-per-map", "--features-per-map"};
+
+/// The rules exclude each other.
+std::vector<std::string> check_one_rule(const Subcommand& command) {
+  const auto given = std::count_if(kRules.begin(), kRules.end(), [&](const auto& rule) { return command.is_given(rule); });
+  if (given < 2) return {};
+  return {"only one of --poses-per-map, --metres-per-map and --features-per-map can say where to cut"};
+}
+
+/// The other schedules need no start: who asks for one, or how to go on from it, means batch. In the relative state, batch is
+/// gradual if nothing else is asked for.
+std::vector<std::string> settle_batch(const Subcommand& command, RunOptions& run) {
+  const std::vector<std::string> options = {"--start", "--batch"};
+  const auto asked = std::find_if(options.begin(), options.end(), [&](const auto& option) { return command.is_given(option); });
+  if (asked != options.end() && !command.is_given("--schedule")) run.schedule = Schedule::kBatch;
+  const bool is_batch = run.schedule == Schedule::kBatch;
+  const bool is_plain = command.is_given("--method") || run.state == JoinedState::kAbsolute;
+  if (!command.is_given("--batch")) run.gradual = is_batch && !is_plain;
+  if (is_batch || asked == options.end()) return {};
+  return {*asked + " is for --schedule batch: " + to_string(run.schedule) + " needs no initial value"};
+}
+
+}  // namespace
+
+std::size_t thread_count(const Options& options) {
+  return static_cast<std::size_t>(options.jobs > 0 ? options.jobs : tbb::info::default_concurrency());
+}
+
+void add_weights(Subcommand& command, Options& options) {
+  command.group("Reading");
+  command.choice("--covariance", options.covariance, "Weights as given, or every information matrix replaced by the identity");
+  command.flag(
+      "--repair-information", options.read.repair_information,
+      "Take the symmetric part of an asymmetric information matrix or covariance and the nearest semidefinite one of an "
+      "indefinite one, and count them");
+}
+
+void add_reading(Subcommand& command, Options& options) {
+  add_weights(command, options);
+  command.choice("--g2o-error", options.read.pose_error,
+                 "What a g2o file's pose-pose information weighs: the residual in the frame of the base, or g2o's");
+  command.choice("--rotation-information", options.read.rotation_information,
+                 "What its rotational part weighs in 3D: the rotation vector (GTSAM, SE-Sync) or the quaternion's (g2o)");
+}
+
+void add_splitting(Subcommand& command, Options& options) {
+  SplitOptions& split = options.run.split;
+  command.group("Local maps");
+  command.option("--poses-per-map", "N|auto", "Cut after so many poses; auto: where a cost model finds it cheapest [auto]",
+                 [&split](const std::string& word) { return take_poses_per_map(word, split); });
+  const auto rule = [&](const std::string& name, SplitRule by, const std::string& kind, const std::string& help) {
+    command.option(name, kind, help, [&split, by](const std::string& word) -> std::optional<std::string> {
+      const std::optional<double> amount = number_in<double>(word);
+      if (!amount) return "not a number";
+      const SplitOptions asked{by, *amount};
+      if (const auto violations = asked.validate(); !violations.empty()) return "but " + violations.front();
+      split = asked;
+      return std::nullopt;
+    });
+  };
+  rule("--metres-per-map", SplitRule::kDistance, "METRES", "Cut after so many metres travelled");
+  rule("--features-per-map", SplitRule::kFeatures, "N", "Cut after so many different features seen");
+  command.check([&command] { return check_one_rule(command); });
+}
+
+void add_schedule(Subcommand& command, Options& options) {
+  command.group("Joining");
+  command.choice(
+      "--schedule", options.run.schedule,
+      "In which order: neighbours in pairs, then pairs of pairs, each pair solved (tree) or only placed (aligned); in unequal "
+      "pairs, nearly map by map (leaning); map by map; or all at once. auto: aligned, and where that was far from linear, "
+      "tree; "
+      "where the maps then do not fit together, leaning");
+  command.choice("--state", options.run.state,
+                 "Coordinates of the steps: positions in the map, or each relative to where it hangs");
+  command.choice("--start", options.run.start,
+                 "What to join all at once from: odometry or maps composed, zeros, random values, or those in the file");
+  command.choice("--batch", options.run.gradual, std::to_array<EnumName<bool>>({{false, "direct"}, {true, "gradual"}}),
+                 "All observations whole from the start, or what is not quadratic in the relative state brought in "
+                 "gradually; the latter with --state relative, unless there is a --method");
+  command.number<std::uint64_t>("--seed", options.run.seed, 0, "N",
+                                "Of the random start [" + std::to_string(options.run.seed) + "]");
+  command.check([&command, &run = options.run] { return settle_batch(command, run); });
+}
+
+std::vector<std::string> check_uncut(const Subcommand& command, const Options& options) {
+  if (!may_hold_maps(options.input)) return {};
+  for (const std::string& rule : kRules) {
+    if (command.is_given(rule)) return {rule + " is for a log: local maps are cut already"};
+  }
+  return {};
+}
+
+void add_polish(Subcommand& command, Options& options) {
+  command.group("Joining");
+  command.refusal("--no-polish", options.run.polish, "Stop at the joined and recovered map");
+}
+
+void add_solver(Subcommand& command, Options& options) {
+  MinimiseOptions& solver = options.run.solver;
+  command.group("Joining");
+  command.choice("--method", solver.method,
+                 "Steps: Powell's dogleg, Levenberg-Marquardt, or plain Gauss-Newton, which may diverge");
+  command.number<int>("--max-iterations", solver.max_iterations, 1, "N",
+                      "At most so many steps of every solve [" + std::to_string(solver.max_iterations) + "]");
+}
+
+void add_certainty(Subcommand& command, Options& options) {
+  command.group("Certainty");
+  command.flag("--covariances", options.covariances, "Write the covariance of every pose and feature: CSV columns, and JSON");
+  command.flag("--relations", options.relations,
+               "Write each pose and feature relative to the pose it hangs from, with how certain that is: relations.csv");
+  command.path("--truth", options.truth, "FILE",
+               "Weigh the errors against this map by their covariances (NEES): .tum (poses only), else g2o with vertices");
+  command.number<double>("--max-memory", options.most_memory_mb, 0.0, "MB",
+                         "For covariances, which are refused where they take more [as much as there is]");
+}
+
+void add_running(Subcommand& command, Options& options) {
+  command.group("Running and reporting");
+  command.number<int>("--jobs", options.jobs, 1, "N", "Threads; the result is the same for any number [all processors]",
+                      kMostJobs);
+  command.flag("--quiet", options.quiet, "No summary and no progress");
+}
+
+void add_reporting(Subcommand& command, Options& options) {
+  add_running(command, options);
+  command.path("--report", options.report, "FILE|-", "Write a report in JSON; with - nothing else goes to standard output");
+}
+
+}  // namespace mapjoin::apps

@@ -1,0 +1,61 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+// The options that several subcommands share.
+
+#include <apps/commands/subcommand.hpp>
+#include <filesystem>
+#include <mapjoin/join/run.hpp>
+#include <mapjoin/model/log.hpp>
+#include <string>
+
+namespace mapjoin::apps {
+
+struct Options {
+  std::filesystem::path input;
+  std::filesystem::path output;  ///< Empty: none.
+  ReadOptions read;
+  Covariance covariance = Covariance::kOriginal;
+  RunOptions run;
+  bool covariances = false;      ///< Write them.
+  bool relations = false;        ///< Write them.
+  std::filesystem::path truth;   ///< Empty: none.
+  double most_memory_mb = 0.0;   ///< For covariances; 0: as much as the machine has.
+  int jobs = 0;                  ///< Threads; 0: as many as there are processors.
+  std::filesystem::path report;  ///< Empty: none; "-": standard output.
+  bool quiet = false;
+
+  bool report_on_stdout() const { return report == "-"; }
+};
+
+/// What a command that takes a LOG says of it (see open_log()).
+inline const std::string kLogFormats =
+    "The log, known by its content: g2o, TORO, iSAM, GTSAM, MAT or text, also as gzip; or a folder of UTIAS MRCLAM data";
+
+/// What a command that writes one MAP says of it (see write_map_file()).
+inline const std::string kMapFile = "Write the map: .g2o, .tum (poses only), .csv (features beside it)";
+
+/// How many threads the run works on.
+std::size_t thread_count(const Options& options);
+
+/// How the numbers of a log are taken: --g2o-error, --rotation-information, --repair-information, --covariance.
+void add_reading(Subcommand& command, Options& options);
+/// As add_reading() where there is no g2o file: --repair-information, --covariance.
+void add_weights(Subcommand& command, Options& options);
+/// Where a log is cut: --poses-per-map, --metres-per-map, --features-per-map.
+void add_splitting(Subcommand& command, Options& options);
+/// Says where rules of add_splitting() are given for local maps, which are cut already.
+std::vector<std::string> check_uncut(const Subcommand& command, const Options& options);
+/// --schedule, --state, --start, --batch, --seed
+void add_schedule(Subcommand& command, Options& options);
+/// --no-polish
+void add_polish(Subcommand& command, Options& options);
+/// --method, --max-iterations
+void add_solver(Subcommand& command, Options& options);
+/// --covariances, --relations, --truth, --max-memory
+void add_certainty(Subcommand& command, Options& options);
+/// --jobs, --quiet
+void add_running(Subcommand& command, Options& options);
+/// --jobs, --report, --quiet
+void add_reporting(Subcommand& command, Options& options);
+
+}  // namespace mapjoin::apps

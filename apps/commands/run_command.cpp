@@ -1,0 +1,144 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// `mapjoin run`: from a log to a global map.
+
+#include <apps/commands/command_run.hpp>
+#include <apps/commands/commands.hpp>
+#include <apps/commands/follow.hpp>
+#include <apps/map_file.hpp>
+#include <apps/output_conflicts.hpp>
+#include <apps/output_folder.hpp>
+#include <apps/picture/plotted_map.hpp>
+#include <apps/report/report.hpp>
+#include <functional>
+#include <mapjoin/io/files/output_file.hpp>
+#include <mapjoin/io/formats/map_text.hpp>
+#include <mapjoin/io/g2o/g2o.hpp>
+#include <mapjoin/parallel/parallel_try.hpp>
+#include <memory>
+#include <optional>
+#include <variant>
+
+namespace mapjoin::apps {
+namespace {
+
+constexpr const char* kExamples =
+    "  mapjoin run data/manhattan2d.g2o\n"
+    "  mapjoin run data/manhattan2d.g2o -o result\n"
+    "  mapjoin run data/manhattan2d.g2o -o map.g2o\n"
+    "  mapjoin run data/manhattan2d.g2o -o certain --covariances --truth data/manhattan2d.truth.tum\n"
+    "  mapjoin run data/manhattan3d.g2o --poses-per-map 20 --report -\n"
+    "  mapjoin run data/manhattan2d.g2o --follow --idle 0.5 --steps steps.jsonl";
+
+/// The files of the folder; a map may have no covariances though they are asked for.
+std::vector<std::string> names_of(const Options& options, bool has_covariances) {
+  std::vector<std::string> names = {"map.g2o", "trajectory.tum", "poses.csv", "features.csv", "map.svg"};
+  if (options.covariances && has_covariances) names.emplace_back("covariances.json");
+  if (options.relations && has_covariances) names.emplace_back("relations.csv");
+  names.emplace_back("report.json");
+  return names;
+}
+
+template <int Dim>
+Expected<void> write_map_files(const CommandRun& command_run, const RunResult<Dim>& result, const Log<Dim>& log,
+                               const OutputFolder& folder) {
+  const GlobalMap<Dim>& map = result.map;
+  const Options& options = command_run.options();
+  std::vector<std::function<Expected<void>()>> files = {
+      [&] { return write_g2o(map, &log, folder.aside("map.g2o")); },
+      [&] { return write_tum(map, folder.aside("trajectory.tum")); },
+      [&] { return write_csv(map, folder.aside("poses.csv"), folder.aside("features.csv")); },
+      [&] { return write_file(folder.aside("map.svg"), picture(map_layers<Dim>({plotted(result, log)}, nullptr))); },
+  };
+  if (options.covariances && result.marginals) {
+    files.emplace_back(
+        [&] { return write_covariances(map, *command_run.run_report.covariances, folder.aside("covariances.json")); });
+  }
+  if (options.relations && result.marginals) {
+    files.emplace_back([&] { return write_relations(map, *result.marginals, folder.aside("relations.csv")); });
+  }
+  return parallel_try(files.size(), [&](std::size_t k) { return files[k](); });
+}
+
+template <int Dim>
+Expected<void> write_folder(CommandRun& command_run, const RunResult<Dim>& result, const Log<Dim>& log, OutputFolder& folder) {
+  const std::vector<std::string> names = names_of(command_run.options(), result.marginals.has_value());
+  for (const std::string& name : names) command_run.run_report.files.push_back(folder.file(name).string());
+  return timed(command_run.run_report.write_seconds, [&] { return write_map_files(command_run, result, log, folder); })
+      .and_then([&] { return write_report(command_run.run_report, folder.aside("report.json")); })
+      .and_then([&] { return command_run.check_interrupted(); })
+      .and_then([&] { return folder.commit(names); });
+}
+
+template <int Dim>
+Expected<ExitCode> run_on(CommandRun& command_run, const Log<Dim>& log, std::optional<OutputFolder>& folder) {
+  auto result = run(log, command_run.run_options(), command_run.stop());
+  if (!result) return tl::unexpected(result.error());
+  const auto write = [&] { return write_folder(command_run, *result, log, *folder); };
+  const auto written = folder ? command_run.take(*result).and_then(write) : command_run.write_map(*result, &log);
+  if (!written) return tl::unexpected(written.error());
+  return command_run.conclude();
+}
+
+/// The log that is followed until it is complete; a stop ends the following, not the work on what is there.
+Expected<ExitCode> run_followed(CommandRun& command_run, const FollowOptions& following, const std::stop_token& stop,
+                                std::optional<OutputFolder>& folder) {
+  auto followed = follow(command_run.options(), following, stop);
+  if (!followed) return tl::unexpected(followed.error());
+  const auto log = command_run.take_log(std::move(followed->log));
+  if (!log) return tl::unexpected(log.error());
+  auto done = std::visit([&](const auto& any) { return run_on(command_run, any, folder); }, *log);
+  if (!done || !followed->fault) return done;
+  if (!command_run.options().output.empty()) followed->fault->message += "; the map of what stands before it is written";
+  return tl::unexpected(*followed->fault);
+}
+
+Expected<ExitCode> run_log(const Options& options, const FollowOptions& following, const std::stop_token& stop) {
+  CommandRun command_run("run", options, following.wanted ? std::stop_token() : stop);
+  const bool is_file = names_map_file(options.output);
+  auto folder = output_folder(is_file ? std::filesystem::path() : options.output);
+  if (!folder) return tl::unexpected(folder.error());
+  const auto writable = is_file ? command_run.check_outputs() : command_run.check_report();
+  if (auto ready = writable.and_then([&] { return command_run.read_truth(); }); !ready) return tl::unexpected(ready.error());
+  if (following.wanted) return run_followed(command_run, following, stop, *folder);
+  const auto log = command_run.read_log();
+  if (!log) return tl::unexpected(log.error());
+  return std::visit([&](const auto& any) { return run_on(command_run, any, *folder); }, *log);
+}
+
+void declare(Subcommand& command) {
+  const auto options = std::make_shared<Options>();
+  const auto following = std::make_shared<FollowOptions>();
+  command.argument("LOG", options->input, kLogFormats);
+  command.path("-o,--output", options->output, "DIR|MAP",
+               "Write map.g2o, trajectory.tum, poses.csv, features.csv, map.svg and report.json into this folder; or the map "
+               "alone: .g2o, .tum (poses only), .csv (features beside it)");
+  add_splitting(command, *options);
+  add_schedule(command, *options);
+  add_solver(command, *options);
+  add_polish(command, *options);
+  add_reading(command, *options);
+  add_certainty(command, *options);
+  add_following(command, *following);
+  add_reporting(command, *options);
+  command.check([options] { return check_extension(options->output); });
+  command.check([options, following] {
+    NamedFiles files = names_map_file(options->output) ? files_of_map(*options, "LOG")
+                                                       : files_of_folder(*options, "LOG", names_of(*options, true));
+    if (following->steps != "-") files.emplace_back("--steps", following->steps);
+    return output_conflicts(files);
+  });
+  command.check([&command, options, following] { return check_following(command, *options, *following); });
+  command.act([options, following](const std::stop_token& stop) {
+    if (following->steps == "-") options->quiet = true;
+    return run_log(*options, *following, stop);
+  });
+}
+
+}  // namespace
+
+std::unique_ptr<Subcommand> run_command(CLI::App& app) {
+  return std::make_unique<Subcommand>(
+      app, "run", "From a log to a global map: splits, builds local maps, joins, recovers, polishes", kExamples, declare);
+}
+
+}  // namespace mapjoin::apps

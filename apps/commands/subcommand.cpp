@@ -1,0 +1,140 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <CLI/App.hpp>
+#include <CLI/Config.hpp>
+#include <CLI/Formatter.hpp>
+#include <apps/commands/subcommand.hpp>
+#include <charconv>
+#include <cmath>
+#include <sstream>
+#include <type_traits>
+
+namespace mapjoin::apps {
+
+template <typename T>
+std::optional<T> number_in(const std::string& word) {
+  T value{};
+  const char* const end = word.data() + word.size();
+  const auto [rest, failure] = std::from_chars(word.data(), end, value);
+  if (failure != std::errc() || rest != end) return std::nullopt;
+  if constexpr (std::is_floating_point_v<T>) {
+    if (!std::isfinite(value)) return std::nullopt;
+  }
+  return value;
+}
+
+std::vector<std::string> words_between_commas(const std::string& list) {
+  std::vector<std::string> words;
+  std::istringstream rest(list + ",");
+  for (std::string word; std::getline(rest, word, ',');) words.push_back(word);
+  return words;
+}
+
+namespace {
+
+/// What is wrong with a path, to follow its option; nothing where it will do.
+std::string check_path(const std::string& word) {
+  return word.empty() ? "is empty" : "";
+}
+
+/// For every option that names a file or a folder.
+const CLI::Validator kPath(check_path, "");
+
+}  // namespace
+
+Subcommand::Subcommand(CLI::App& parent, const std::string& name, const std::string& description, const std::string& examples,
+                       Declare declare)
+    : app_(parent.add_subcommand(name, description)->group("Commands")) {
+  app_->footer("Examples:\n" + examples);
+  app_->set_help_flag("-h,--help", "This text");
+  declare(*this);
+}
+
+CLI::Option& Subcommand::grouped(CLI::Option& option) const {
+  if (!group_.empty()) option.group(group_);
+  return option;
+}
+
+void Subcommand::argument(const std::string& name, std::filesystem::path& value, const std::string& help) {
+  app_->add_option(name, value, help)->required()->check(kPath)->type_name("");
+}
+
+void Subcommand::arguments(const std::string& name, std::vector<std::filesystem::path>& values, const std::string& help) {
+  app_->add_option(name, values, help)->required()->check(kPath)->type_name("");
+}
+
+void Subcommand::flag(const std::string& name, bool& value, const std::string& help) {
+  grouped(*app_->add_flag(name, value, help));
+}
+
+void Subcommand::refusal(const std::string& name, bool& value, const std::string& help) {
+  grouped(*app_->add_flag_callback(
+      name, [&value] { value = false; }, help));
+}
+
+void Subcommand::path(const std::string& names, std::filesystem::path& value, const std::string& kind,
+                      const std::string& help) {
+  grouped(*app_->add_option(names, value, help)->check(kPath)->type_name(kind));
+}
+
+void Subcommand::output(const std::string& names, std::filesystem::path& value, const std::string& kind,
+                        const std::string& help) {
+  grouped(*app_->add_option(names, value, help)->required()->check(kPath)->type_name(kind));
+}
+
+void Subcommand::option(const std::string& name, const std::string& kind, const std::string& help, Take take) {
+  const auto heed = [this, name, take = std::move(take)](const std::string& word) {
+    if (const auto violation = take(word)) violations_.push_back(fmt::format("{} is \"{}\", {}", name, word, *violation));
+  };
+  grouped(*app_->add_option_function<std::string>(name, heed, help)->type_name(kind));
+}
+
+template <typename T>
+void Subcommand::number(const std::string& name, T& value, T least, const std::string& kind, const std::string& help, T most) {
+  option(name, kind, help, [&value, least, most](const std::string& word) -> std::optional<std::string> {
+    const std::optional<T> given = number_in<T>(word);
+    if (!given || *given < least || *given > most) {
+      const std::string end = most < std::numeric_limits<T>::max() ? fmt::format("to {}", most) : "on";
+      return fmt::format("not a {} from {} {}", std::is_integral_v<T> ? "whole number" : "number", least, end);
+    }
+    value = *given;
+    return std::nullopt;
+  });
+}
+
+bool Subcommand::is_given(const std::string& name) const {
+  const CLI::Option* option = app_->get_option_no_throw(name);
+  return option != nullptr && option->count() > 0;
+}
+
+bool Subcommand::is_chosen() const {
+  return app_->parsed();
+}
+
+Expected<ExitCode> Subcommand::run(const std::stop_token& stop) const {
+  std::vector<std::string> violations = violations_;
+  for (const auto& check : checks_) {
+    for (auto& violation : check()) violations.push_back(std::move(violation));
+  }
+  if (!violations.empty()) return tl::unexpected(Error{ErrorKind::kUsage, joined(violations, "; ")});
+  return action_(stop);
+}
+
+std::string Subcommand::joined(const std::vector<std::string>& words, const std::string& separator) {
+  return fmt::format("{}", fmt::join(words, separator));
+}
+
+template std::optional<int> number_in(const std::string&);
+template std::optional<std::int64_t> number_in(const std::string&);
+template std::optional<std::uint64_t> number_in(const std::string&);
+template std::optional<double> number_in(const std::string&);
+template void Subcommand::number(const std::string&, int&, int, const std::string&, const std::string&, int);
+template void Subcommand::number(const std::string&, std::int64_t&, std::int64_t, const std::string&, const std::string&,
+                                 std::int64_t);
+template void Subcommand::number(const std::string&, std::uint64_t&, std::uint64_t, const std::string&, const std::string&,
+                                 std::uint64_t);
+template void Subcommand::number(const std::string&, double&, double, const std::string&, const std::string&, double);
+
+}  // namespace mapjoin::apps

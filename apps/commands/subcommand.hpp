@@ -1,0 +1,109 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+// One subcommand: its options as they are declared, everything that is wrong with those given, and what it does.
+
+#include <apps/exit_code.hpp>
+#include <cstdint>
+#include <filesystem>
+#include <functional>
+#include <limits>
+#include <mapjoin/model/enum_names.hpp>
+#include <mapjoin/model/error.hpp>
+#include <optional>
+#include <stop_token>
+#include <string>
+#include <utility>
+#include <vector>
+
+namespace CLI {
+class App;
+class Option;
+}  // namespace CLI
+
+namespace mapjoin::apps {
+
+/// The whole of `word` as a number, finite where it is not whole: int, std::int64_t, std::uint64_t or double.
+template <typename T>
+std::optional<T> number_in(const std::string& word);
+
+/// What stands between the commas of a list; a comma at its end has an empty word behind it.
+std::vector<std::string> words_between_commas(const std::string& list);
+
+/// Values that options are bound to must outlive the subcommand; its action can own them.
+class Subcommand {
+ public:
+  using Action = std::function<Expected<ExitCode>(const std::stop_token&)>;
+  /// Takes the word given for an option; a violation, as the end of a sentence that begins with the option, where it is wrong.
+  using Take = std::function<std::optional<std::string>(const std::string& word)>;
+
+  /// Options, checks and action are declared by `declare`.
+  using Declare = void (*)(Subcommand&);
+  Subcommand(CLI::App& parent, const std::string& name, const std::string& description, const std::string& examples,
+             Declare declare);
+  Subcommand(const Subcommand&) = delete;
+  Subcommand& operator=(const Subcommand&) = delete;
+
+  /// The heading of the options that follow in the help.
+  void group(const std::string& heading) { group_ = heading; }
+  /// An argument that must be given.
+  void argument(const std::string& name, std::filesystem::path& value, const std::string& help);
+  /// One or several.
+  void arguments(const std::string& name, std::vector<std::filesystem::path>& values, const std::string& help);
+  void flag(const std::string& name, bool& value, const std::string& help);
+  /// A flag that makes `value` false.
+  void refusal(const std::string& name, bool& value, const std::string& help);
+  void path(const std::string& names, std::filesystem::path& value, const std::string& kind, const std::string& help);
+  /// As path(), but it must be given.
+  void output(const std::string& names, std::filesystem::path& value, const std::string& kind, const std::string& help);
+  void option(const std::string& name, const std::string& kind, const std::string& help, Take take);
+
+  /// One of the words of an enum; the value as it stands is the default, which the help names.
+  template <NamedEnum Enum>
+  void choice(const std::string& name, Enum& value, const std::string& help) {
+    choice(name, value, enum_names(value), help);
+  }
+  template <typename T, std::size_t Count>
+  void choice(const std::string& name, T& value, const std::array<EnumName<T>, Count>& words, const std::string& help) {
+    std::vector<std::string> all;
+    std::string given_by_default;
+    for (const auto& [meaning, word] : words) {
+      all.emplace_back(word);
+      if (meaning == value) given_by_default = word;
+    }
+    option(name, joined(all, "|"), help + " [" + given_by_default + "]", [&value, words, all](const std::string& word) {
+      for (const auto& [meaning, name_of_choice] : words) {
+        if (name_of_choice != word) continue;
+        value = meaning;
+        return std::optional<std::string>();
+      }
+      return std::optional<std::string>("not " + joined(all, " or "));
+    });
+  }
+
+  /// A number from `least` to `most` (and finite); whole where T is.
+  template <typename T>
+  void number(const std::string& name, T& value, T least, const std::string& kind, const std::string& help,
+              T most = std::numeric_limits<T>::max());
+
+  /// Called after parsing: what is wrong with options that are right one by one.
+  void check(std::function<std::vector<std::string>()> violations) { checks_.push_back(std::move(violations)); }
+  void act(Action action) { action_ = std::move(action); }
+
+  /// Not where there is no such option either.
+  bool is_given(const std::string& name) const;
+  bool is_chosen() const;
+  /// kUsage with every violation where there is one.
+  Expected<ExitCode> run(const std::stop_token& stop) const;
+
+ private:
+  static std::string joined(const std::vector<std::string>& words, const std::string& separator);
+  CLI::Option& grouped(CLI::Option& option) const;
+
+  CLI::App* app_;
+  std::string group_;
+  std::vector<std::string> violations_;
+  std::vector<std::function<std::vector<std::string>()>> checks_;
+  Action action_;
+};
+
+}  // namespace mapjoin::apps

@@ -1,0 +1,78 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <apps/picture/load.hpp>
+#include <mapjoin/io/open.hpp>
+#include <mapjoin/localmap/split.hpp>
+
+namespace mapjoin::apps {
+namespace {
+
+namespace fs = std::filesystem;
+
+/// The map in the folder of a run, else the path as it is.
+fs::path file_of(const fs::path& path) {
+  std::error_code ignored;
+  const fs::path map = path / "map.g2o";
+  return fs::is_directory(path, ignored) && fs::is_regular_file(map, ignored) ? map : path;
+}
+
+template <int Dim>
+Expected<LoadedMap> of_log(const Log<Dim>& log, const fs::path& path) {
+  PlottedMap<Dim> out = plotted(log);
+  if (out.is_odometry) return LoadedMap{std::move(out)};
+  if (auto read = read_covariances_beside(path, out.map); !read) return tl::unexpected(read.error());
+  return read_fits_beside(path, out.map).map([&](const std::vector<MapFit>& fits) {
+    out.local_maps = plotted_local_maps(fits, log);
+    return LoadedMap{std::move(out)};
+  });
+}
+
+template <int Dim>
+LoadedMap of_result(RunResult<Dim>& result, const Network<Dim>& network, PlottedMap<Dim> out, const LoadOptions& options,
+                    const std::stop_token& stop) {
+  if (result.marginals) {
+    out.map.pose_covariances = std::move(result.marginals->poses);
+    out.map.feature_covariances = std::move(result.marginals->features);
+  }
+  if (options.has_stops) out.stops = join_stops(network, out.map, options.progress, stop);
+  LoadedMap loaded{std::move(out)};
+  if (result.no_covariances) {
+    loaded.exit_code = ExitCode::kBadInput;
+    loaded.remarks.push_back(result.no_covariances->message + "; it is drawn without covariances");
+  }
+  if (!result.converged()) {
+    loaded.exit_code = ExitCode::kDidNotConverge;
+    loaded.remarks.emplace_back("the join did not converge; it is drawn all the same");
+  }
+  return loaded;
+}
+
+template <int Dim>
+Expected<LoadedMap> joined(const MapSet<Dim>& set, const LoadOptions& options, const std::stop_token& stop) {
+  return run(set, options.run, stop).map([&](RunResult<Dim>&& result) {
+    return of_result(result, network_of(set), plotted(result, set), options, stop);
+  });
+}
+
+template <int Dim>
+Expected<LoadedMap> joined(const StoredMaps<Dim>& stored, const LoadOptions& options, const std::stop_token& stop) {
+  const Split parts = split_along(stored.log, stored.stretches);
+  return run_from_maps(stored.log, parts, stored.maps, options.run, stop).map([&](RunResult<Dim>&& result) {
+    return of_result(result, network_of(stored.log, parts, stored.maps), plotted(result, stored.log), options, stop);
+  });
+}
+
+}  // namespace
+
+Expected<LoadedMap> load(const fs::path& path, const LoadOptions& options, const std::stop_token& stop) {
+  const fs::path file = file_of(path);
+  if (may_hold_maps(file)) {
+    const auto maps = open_maps(file, options.read);
+    if (!maps) return tl::unexpected(maps.error());
+    return std::visit([&](const auto& of_dim) { return joined(of_dim, options, stop); }, *maps);
+  }
+  const auto log = open_log(file, options.read);
+  if (!log) return tl::unexpected(log.error());
+  return std::visit([&](const auto& of_dim) { return of_log(of_dim, file); }, *log);
+}
+
+}  // namespace mapjoin::apps

@@ -1,0 +1,154 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <apps/picture/markup.hpp>
+#include <apps/picture/plotted_map.hpp>
+
+namespace mapjoin::apps {
+namespace {
+
+constexpr const char* kGrey = "#b0b0b0";
+constexpr const char* kSlate = "#8a94a6";
+constexpr const char* kInk = "#1c2024";
+constexpr const char* kBlue = kDistinctColours[0];
+constexpr const char* kOrange = kDistinctColours[1];
+
+constexpr double kSigmas = 3.0;
+constexpr std::size_t kPoseEllipses = 50;  // about so many along a trajectory without local maps
+
+/// In their order, without the features' colour.
+std::vector<std::string> local_map_colours() {
+  return {kDistinctColours[0], kDistinctColours[2], kDistinctColours[3], kDistinctColours[5], kDistinctColours[4]};
+}
+
+template <int Dim>
+Point<2> place(const PlottedMap<Dim>& plotted, Index pose) {
+  return plotted.map.poses[static_cast<std::size_t>(pose)].translation.template head<2>();
+}
+
+template <int Dim>
+std::vector<FlatLine> closure_lines(const PlottedMap<Dim>& plotted) {
+  std::vector<FlatLine> lines;
+  for (const auto& [base, target] : plotted.closures) lines.push_back({place(plotted, base), place(plotted, target)});
+  return lines;
+}
+
+template <int Dim>
+std::vector<FlatLine> local_map_lines(const PlottedMap<Dim>& plotted) {
+  std::vector<Session> parts;
+  for (const PlottedLocalMap& map : plotted.local_maps) parts.push_back({map.fit.base, map.fit.end + 1});
+  return trajectory_lines(plotted.map.poses, parts);
+}
+
+/// The last poses of the local maps.
+template <int Dim>
+std::vector<Index> end_poses(const PlottedMap<Dim>& plotted) {
+  std::vector<Index> poses;
+  for (const PlottedLocalMap& map : plotted.local_maps) poses.push_back(map.fit.end);
+  return poses;
+}
+
+/// Those whose ellipses are drawn: where local maps end, else some evenly among all.
+template <int Dim>
+std::vector<Index> marked_poses(const PlottedMap<Dim>& plotted) {
+  if (!plotted.local_maps.empty()) return end_poses(plotted);
+  const std::size_t every = 1 + plotted.map.poses.size() / kPoseEllipses;
+  std::vector<Index> poses;
+  for (std::size_t p = every - 1; p < plotted.map.poses.size(); p += every) poses.push_back(static_cast<Index>(p));
+  return poses;
+}
+
+template <int Dim>
+std::vector<Ellipse> pose_ellipses(const PlottedMap<Dim>& plotted) {
+  std::vector<Ellipse> ellipses;
+  if (plotted.map.pose_covariances.empty()) return ellipses;
+  for (const Index pose : marked_poses(plotted)) {
+    const PoseMatrix<Dim>& P = plotted.map.pose_covariances[static_cast<std::size_t>(pose)];
+    ellipses.push_back(ellipse(place(plotted, pose), P.template topLeftCorner<2, 2>(), kSigmas));
+  }
+  return ellipses;
+}
+
+template <int Dim>
+std::vector<Ellipse> feature_ellipses(const GlobalMap<Dim>& map) {
+  std::vector<Ellipse> ellipses;
+  for (std::size_t f = 0; f < map.feature_covariances.size(); ++f) {
+    const PointMatrix<Dim>& P = map.feature_covariances[f];
+    ellipses.push_back(ellipse(map.features[f].template head<2>(), P.template topLeftCorner<2, 2>(), kSigmas));
+  }
+  return ellipses;
+}
+
+template <int Dim>
+void add_single(const PlottedMap<Dim>& plotted, std::vector<Layer>& layers) {
+  const GlobalMap<Dim>& map = plotted.map;
+  const auto add = [&](Layer layer) {
+    if (!layer.lines.empty() || !layer.marks.empty() || !layer.ellipses.empty()) layers.push_back(std::move(layer));
+  };
+  if (!plotted.odometry.empty()) {
+    add({"odometry alone", {kGrey}, trajectory_lines(plotted.odometry, plotted.sessions), {}, {}, 1.0, {}, false, false});
+  }
+  add({"loop closures", {kSlate}, closure_lines(plotted), {}, {}, 0.5});
+  add({"3σ of features", {kOrange}, {}, {}, feature_ellipses(map), 0.6});
+  add({"features", {kOrange}, {}, from_above(map.features), {}});
+  add({"3σ of poses", {kInk}, {}, {}, pose_ellipses(plotted), 0.6});
+  const std::string name = plotted.is_odometry ? "odometry alone" : "trajectory";
+  add({plotted.local_maps.empty() ? name : "", {kBlue}, trajectory_lines(map.poses, plotted.sessions), {}, {}});
+  add({"local maps", local_map_colours(), local_map_lines(plotted), {}, {}, 2.0});
+  std::vector<Point<2>> ends;
+  for (const Index pose : end_poses(plotted)) ends.push_back(place(plotted, pose));
+  add({"end poses", {kInk}, {}, std::move(ends), {}, 1.0, Mark::kSpeck});
+}
+
+template <int Dim>
+Layer in_one_colour(const PlottedMap<Dim>& plotted, const std::string& colour) {
+  Layer layer{plotted.name,
+              {colour},
+              trajectory_lines(plotted.map.poses, plotted.sessions),
+              from_above(plotted.map.features),
+              feature_ellipses(plotted.map)};
+  layer.width = 1.2;
+  return layer;
+}
+
+/// Broken where a pose is not known.
+template <int Dim>
+std::vector<FlatLine> known_lines(const Truth<Dim>& truth, const std::vector<Session>& sessions) {
+  std::vector<FlatLine> lines;
+  for (const Session& session : sessions) {
+    FlatLine line;
+    for (Index k = session.begin; k < session.end; ++k) {
+      const auto& pose = truth.poses[static_cast<std::size_t>(k)];
+      if (pose) line.push_back(pose->translation.template head<2>());
+      if (!pose && !line.empty()) lines.push_back(std::exchange(line, {}));
+    }
+    if (!line.empty()) lines.push_back(std::move(line));
+  }
+  return lines;
+}
+
+template <int Dim>
+Layer truth_layer(const Truth<Dim>& truth, const std::vector<Session>& sessions) {
+  Layer layer{"truth", {kInk}, known_lines(truth, sessions), {}, {}, 0.9, Mark::kRing, true};
+  for (const auto& feature : truth.features) {
+    if (feature) layer.marks.push_back(feature->template head<2>());
+  }
+  return layer;
+}
+
+}  // namespace
+
+template <int Dim>
+std::vector<Layer> map_layers(const std::vector<PlottedMap<Dim>>& maps, const Truth<Dim>* truth) {
+  std::vector<Layer> layers;
+  if (maps.size() == 1) add_single(maps.front(), layers);
+  // The first one on top.
+  for (std::size_t m = maps.size(); m-- > 0 && maps.size() > 1;) {
+    layers.push_back(in_one_colour(maps[m], kDistinctColours[m % kDistinctColours.size()]));
+  }
+  if (truth) layers.push_back(truth_layer(*truth, maps.front().sessions));
+  return layers;
+}
+
+template std::vector<Layer> map_layers(const std::vector<PlottedMap<2>>&, const Truth<2>*);
+template std::vector<Layer> map_layers(const std::vector<PlottedMap<3>>&, const Truth<3>*);
+
+}  // namespace mapjoin::apps

@@ -1,0 +1,267 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <fmt/format.h>
+
+#include <Eigen/Eigenvalues>
+#include <algorithm>
+#include <apps/picture/markup.hpp>
+#include <apps/picture/picture.hpp>
+#include <cmath>
+#include <limits>
+#include <string_view>
+
+namespace mapjoin::apps {
+namespace {
+
+constexpr double kFont = 13.0;
+constexpr double kMargin = 40.0;             // in pixels, as all here
+constexpr double kLine = 22.0;               // of scale and legend, below the drawing
+constexpr double kFinest = 0.4;              // a line leaves out points nearer than this to the last one drawn
+constexpr std::size_t kMostPoints = 10'000;  // of all lines of a layer, its marks, its ellipses: beyond, more is left out
+constexpr double kLetter = 7.2;              // the mean width of one
+constexpr double kSample = 24.0;             // the width of one in the legend
+constexpr std::size_t kSampleColours = 4;    // the most that a sample shows
+
+/// The rectangle that holds all points, and its place on the sheet: metres to pixels, y up.
+class Sheet {
+ public:
+  void hold(const Layer& layer) {
+    for (const FlatLine& line : layer.lines) {
+      for (const Point<2>& p : line) hold(p);
+    }
+    for (const Point<2>& p : layer.marks) hold(p);
+  }
+  void hold(const Point<2>& p) {
+    low_ = low_.cwiseMin(p);
+    high_ = high_.cwiseMax(p);
+  }
+  /// Where nothing was held, or all at one place, the sheet shows one metre around it.
+  void settle(double pixels) {
+    if (!(low_.x() <= high_.x())) low_ = high_ = Point<2>::Zero();
+    if ((high_ - low_).maxCoeff() < 1e-6) {
+      low_.array() -= 0.5;
+      high_.array() += 0.5;
+    }
+    scale_ = (pixels - 2.0 * kMargin) / (high_ - low_).maxCoeff();
+  }
+  Point<2> at(const Point<2>& p) const {
+    return {kMargin + (p.x() - low_.x()) * scale_, kMargin + (high_.y() - p.y()) * scale_};
+  }
+  double width() const { return std::max(2.0 * kMargin + (high_.x() - low_.x()) * scale_, 420.0); }
+  double height() const { return 2.0 * kMargin + (high_.y() - low_.y()) * scale_; }
+  double pixels_per_metre() const { return scale_; }
+  double metres_across() const { return (width() - 2.0 * kMargin) / scale_; }
+
+ private:
+  Point<2> low_ = Point<2>::Constant(std::numeric_limits<double>::infinity());
+  Point<2> high_ = -low_;
+  double scale_ = 1.0;
+};
+
+/// Without the points that are too near to the last one left; the last one stays.
+FlatLine thinned(const FlatLine& points, double finest) {
+  FlatLine kept;
+  for (std::size_t k = 0; k < points.size(); ++k) {
+    if (kept.empty() || k + 1 == points.size() || (points[k] - kept.back()).norm() >= finest) kept.push_back(points[k]);
+  }
+  return kept;
+}
+
+/// In pixels, thinned until few enough points are left of all together; of very many lines some are left out, too.
+std::vector<FlatLine> lines_on(const Sheet& sheet, const std::vector<FlatLine>& lines) {
+  std::vector<FlatLine> drawn;
+  const std::size_t every = 1 + 2 * lines.size() / (kMostPoints + 1);
+  for (std::size_t k = 0; k < lines.size(); k += every) {
+    FlatLine line;
+    for (const Point<2>& p : lines[k]) line.push_back(sheet.at(p));
+    drawn.push_back(std::move(line));
+  }
+  const auto points = [&] {
+    std::size_t count = 0;
+    for (const FlatLine& line : drawn) count += line.size() > 2 ? line.size() : 0;
+    return count;
+  };
+  double finest = kFinest;
+  do {
+    for (FlatLine& line : drawn) line = thinned(line, finest);
+    finest *= 1.5;
+  } while (points() > kMostPoints);
+  return drawn;
+}
+
+std::string lines_of(const Sheet& sheet, const Layer& layer) {
+  const std::vector<FlatLine> lines = lines_on(sheet, layer.lines);
+  const auto colours = std::min(layer.colours.size(), lines.size());
+  std::string svg;
+  for (std::size_t c = 0; c < colours; ++c) {
+    svg += "<path d=\"";
+    for (std::size_t k = c; k < lines.size(); k += layer.colours.size()) {
+      for (std::size_t p = 0; p < lines[k].size(); ++p) {
+        svg += fmt::format("{}{:.1f},{:.1f}", p == 0 ? "M" : " ", lines[k][p].x(), lines[k][p].y());
+      }
+    }
+    svg += fmt::format("\" fill=\"none\" stroke=\"{}\" stroke-width=\"{:g}\" stroke-linejoin=\"round\"{}/>\n", layer.colours[c],
+                       layer.width, layer.is_dashed ? " stroke-dasharray=\"6 3\"" : "");
+  }
+  return svg;
+}
+
+double radius(Mark mark) {
+  switch (mark) {
+    case Mark::kDot:
+      return 2.2;
+    case Mark::kRing:
+      return 4.5;
+    case Mark::kSpeck:
+      return 1.5;
+  }
+  return 0.0;
+}
+
+std::string paint(const Layer& layer, bool is_outline) {
+  const std::string& colour = layer.colours.front();
+  return fmt::format("fill=\"{}\" stroke=\"{}\"", is_outline ? "none" : colour, is_outline ? colour : "none");
+}
+
+std::string marks_of(const Sheet& sheet, const Layer& layer) {
+  if (layer.marks.empty()) return "";
+  std::string svg = "<g " + paint(layer, layer.mark == Mark::kRing) + ">\n";
+  const std::size_t every = 1 + layer.marks.size() / (kMostPoints + 1);
+  for (std::size_t k = 0; k < layer.marks.size(); k += every) {
+    const Point<2> p = sheet.at(layer.marks[k]);
+    svg += fmt::format("<circle cx=\"{:.1f}\" cy=\"{:.1f}\" r=\"{}\"/>\n", p.x(), p.y(), radius(layer.mark));
+  }
+  return svg + "</g>\n";
+}
+
+std::string ellipses_of(const Sheet& sheet, const Layer& layer) {
+  if (layer.ellipses.empty()) return "";
+  std::string svg = fmt::format("<g {} stroke-width=\"{:g}\">\n", paint(layer, true), layer.width);
+  const std::size_t every = 1 + layer.ellipses.size() / (kMostPoints + 1);
+  for (std::size_t k = 0; k < layer.ellipses.size(); k += every) {
+    const Ellipse& e = layer.ellipses[k];
+    const Point<2> centre = sheet.at(e.centre);
+    const Point<2> half = e.half_axes * sheet.pixels_per_metre();
+    svg += fmt::format("<ellipse rx=\"{:.2f}\" ry=\"{:.2f}\" transform=\"translate({:.1f} {:.1f}) rotate({:.1f})\"/>\n",
+                       half.x(), half.y(), centre.x(), centre.y(), -e.angle * 180.0 / std::numbers::pi);
+  }
+  return svg + "</g>\n";
+}
+
+/// The largest of 1, 2, 5 times a power of ten that fits into a fifth of the sheet.
+double scale_bar_metres(const Sheet& sheet) {
+  const double most = sheet.metres_across() / 5.0;
+  const double power = std::pow(10.0, std::floor(std::log10(most)));
+  for (const double factor : {5.0, 2.0}) {
+    if (factor * power <= most) return factor * power;
+  }
+  return power;
+}
+
+/// What the layer draws, in small, its middle at the height y.
+std::string sample(const Layer& layer, double x, double y) {
+  std::string svg;
+  const std::size_t colours = std::min(layer.colours.size(), kSampleColours);
+  const double part = kSample / static_cast<double>(colours);
+  for (std::size_t c = 0; c < colours && !layer.lines.empty(); ++c) {
+    svg += fmt::format("<path d=\"M{:.1f} {:.1f}h{:.1f}\" stroke=\"{}\" stroke-width=\"{:g}\"{}/>",
+                       x + part * static_cast<double>(c), y, part, layer.colours[c], std::max(layer.width, 2.0),
+                       layer.is_dashed ? " stroke-dasharray=\"6 3\"" : "");
+  }
+  const double middle = x + 0.5 * kSample;
+  if (!layer.ellipses.empty()) {
+    svg += fmt::format("<ellipse cx=\"{:.1f}\" cy=\"{:.1f}\" rx=\"9\" ry=\"5\" {}/>", middle, y, paint(layer, true));
+  }
+  if (!layer.marks.empty()) {
+    svg += fmt::format("<circle cx=\"{:.1f}\" cy=\"{:.1f}\" r=\"{}\" {}/>", middle, y, std::max(radius(layer.mark), 3.0),
+                       paint(layer, layer.mark == Mark::kRing));
+  }
+  return svg;
+}
+
+/// Characters, where the bytes of UTF-8 that go on with one do not count.
+double letters(std::string_view text) {
+  return static_cast<double>(
+      std::count_if(text.begin(), text.end(), [](char c) { return (static_cast<unsigned char>(c) & 0xC0U) != 0x80U; }));
+}
+
+/// Scale and legend, and the height of the whole picture.
+struct Footer {
+  std::string svg;
+  double height;
+};
+
+Footer footer(const Sheet& sheet, const std::vector<Layer>& layers) {
+  const double metres = scale_bar_metres(sheet);
+  const double x_end = kMargin + metres * sheet.pixels_per_metre();
+  double y = sheet.height() + 12.0;
+  Footer footer;
+  footer.svg = fmt::format(
+      "<path d=\"M{0} {1:.1f}v6H{2:.1f}v-6\" fill=\"none\" stroke=\"#222\"/>\n<text x=\"{0}\" y=\"{3:.1f}\">{4:g} m</text>\n",
+      kMargin, y, x_end, y + 24.0, metres);
+  const double first = std::max(x_end + 30.0, kMargin + 90.0);
+  double x = first;
+  for (auto layer = layers.rbegin(); layer != layers.rend(); ++layer) {
+    if (layer->name.empty()) continue;
+    const double width = kSample + 28.0 + kLetter * letters(layer->name);
+    if (x > first && x + width > sheet.width()) {
+      x = first;
+      y += kLine;
+    }
+    footer.svg += sample(*layer, x, y + 3.0) +
+                  fmt::format("<text x=\"{:.1f}\" y=\"{:.1f}\">{}</text>\n", x + kSample + 7.0, y + 8.0, escaped(layer->name));
+    x += width;
+  }
+  footer.height = y + 38.0;
+  return footer;
+}
+
+}  // namespace
+
+template <int Dim>
+std::vector<FlatLine> trajectory_lines(const std::vector<Pose<Dim>>& poses, const std::vector<Session>& sessions) {
+  std::vector<FlatLine> lines;
+  for (const Session& session : sessions) {
+    FlatLine line;
+    for (Index k = session.begin; k < session.end; ++k) {
+      line.push_back(poses[static_cast<std::size_t>(k)].translation.template head<2>());
+    }
+    lines.push_back(std::move(line));
+  }
+  return lines;
+}
+
+template <int Dim>
+std::vector<Point<2>> from_above(const std::vector<Point<Dim>>& points) {
+  std::vector<Point<2>> flat;
+  for (const Point<Dim>& p : points) flat.push_back(p.template head<2>());
+  return flat;
+}
+
+Ellipse ellipse(const Point<2>& centre, const Matrix<2>& P, double sigmas) {
+  const Eigen::SelfAdjointEigenSolver<Matrix<2>> eigen(P);
+  const Point<2> axis = eigen.eigenvectors().col(1);
+  const Point<2> variances = eigen.eigenvalues().cwiseMax(0.0).reverse();
+  return {centre, sigmas * variances.cwiseSqrt(), std::atan2(axis.y(), axis.x())};
+}
+
+std::string picture(const std::vector<Layer>& layers, double pixels) {
+  Sheet sheet;
+  for (const Layer& layer : layers) {
+    if (layer.is_framed) sheet.hold(layer);
+  }
+  sheet.settle(pixels);
+  const Footer below = footer(sheet, layers);
+  std::string svg = svg_head(sheet.width(), below.height, kFont) +
+                    fmt::format("<svg width=\"{:.0f}\" height=\"{:.1f}\">\n", sheet.width(), sheet.height());
+  for (const Layer& layer : layers) svg += ellipses_of(sheet, layer) + marks_of(sheet, layer) + lines_of(sheet, layer);
+  return svg + "</svg>\n" + below.svg + "</svg>\n";
+}
+
+#define MAPJOIN_INSTANTIATE(Dim)                                                                                        \
+  template std::vector<FlatLine> trajectory_lines(const std::vector<Pose<Dim>>&, const std::vector<Session>& sessions); \
+  template std::vector<Point<2>> from_above(const std::vector<Point<Dim>>&);
+MAPJOIN_INSTANTIATE(2)
+MAPJOIN_INSTANTIATE(3)
+#undef MAPJOIN_INSTANTIATE
+
+}  // namespace mapjoin::apps

@@ -1,0 +1,152 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <algorithm>
+#include <apps/picture/plotted_map.hpp>
+
+namespace mapjoin::apps {
+namespace {
+
+/// Where nothing ties poses together, those of one robot are taken for its path.
+std::vector<Session> sessions_by_name(const std::vector<PoseId>& poses) {
+  std::vector<Session> sessions;
+  for (std::size_t p = 0; p < poses.size(); ++p) {
+    const auto index = static_cast<Index>(p);
+    if (p == 0 || poses[p].session != poses[p - 1].session) sessions.push_back({index, index});
+    sessions.back().end = index + 1;
+  }
+  return sessions;
+}
+
+template <int Dim>
+std::vector<Session> sessions_of(const Log<Dim>& log) {
+  return log.odometry.empty() ? sessions_by_name(log.poses) : log.sessions;
+}
+
+template <int Dim>
+std::vector<std::pair<Index, Index>> closures_among(const std::vector<PoseObservation<Dim>>& observations) {
+  std::vector<std::pair<Index, Index>> closures;
+  for (const auto& o : observations) {
+    if (o.base != kWorld) closures.emplace_back(o.base, o.target);
+  }
+  return closures;
+}
+
+template <int Dim>
+GlobalMap<Dim> named_as(const Log<Dim>& log) {
+  GlobalMap<Dim> map;
+  map.pose_ids = log.poses;
+  map.feature_ids = log.features;
+  map.stamps_ns = log.stamps_ns;
+  map.conventions = log.conventions;
+  return map;
+}
+
+template <int Dim>
+std::vector<Pose<Dim>> starts_of(const Log<Dim>& log) {
+  std::vector<Pose<Dim>> poses(log.poses.size());
+  for (const auto& fixed : log.fixed) poses[static_cast<std::size_t>(fixed.pose)] = fixed.value;
+  return poses;
+}
+
+/// Each feature where it was seen first.
+template <int Dim>
+std::vector<Point<Dim>> first_seen(const Log<Dim>& log, const std::vector<Pose<Dim>>& poses) {
+  std::vector<Point<Dim>> features(log.features.size(), Point<Dim>::Zero());
+  std::vector<bool> is_seen(features.size());
+  for (const auto& o : log.observations) {
+    const auto f = static_cast<std::size_t>(o.target);
+    if (!is_seen[f]) features[f] = transform(poses[static_cast<std::size_t>(o.base)], o.measured);
+    is_seen[f] = true;
+  }
+  return features;
+}
+
+/// Per pose the local map that starts at or contains it, or -1; the last one of a session has its end pose, too.
+std::vector<std::ptrdiff_t> map_of_pose(const std::vector<MapFit>& fits, std::size_t poses) {
+  std::vector<std::ptrdiff_t> map(poses, -1);
+  for (std::size_t m = fits.size(); m-- > 0;) {
+    const auto first = static_cast<std::size_t>(fits[m].base);
+    const auto end = static_cast<std::size_t>(fits[m].end);
+    for (std::size_t p = first; p < end; ++p) map[p] = static_cast<std::ptrdiff_t>(m);
+    if (map[end] < 0) map[end] = static_cast<std::ptrdiff_t>(m);
+  }
+  return map;
+}
+
+}  // namespace
+
+template <int Dim>
+std::vector<Pose<Dim>> dead_reckoning(const Log<Dim>& log, std::vector<Pose<Dim>> poses) {
+  for (const auto& o : log.odometry) {
+    const auto base = static_cast<std::size_t>(o.base);
+    const auto target = static_cast<std::size_t>(o.target);
+    if (target > base) {
+      poses[target] = compose(poses[base], o.measured);
+    } else {
+      poses[base] = compose(poses[target], inverse(o.measured));
+    }
+  }
+  return poses;
+}
+
+template <int Dim>
+std::vector<PlottedLocalMap> plotted_local_maps(const std::vector<MapFit>& fits, const Log<Dim>& log) {
+  std::vector<PlottedLocalMap> maps;
+  for (const MapFit& fit : fits) maps.push_back({fit, {}});
+  const auto map_of = map_of_pose(fits, log.poses.size());
+  for (const auto& o : log.observations) {
+    const std::ptrdiff_t m = map_of[static_cast<std::size_t>(o.base)];
+    if (m >= 0) maps[static_cast<std::size_t>(m)].features.push_back(o.target);
+  }
+  for (PlottedLocalMap& map : maps) {
+    std::sort(map.features.begin(), map.features.end());
+    map.features.erase(std::unique(map.features.begin(), map.features.end()), map.features.end());
+  }
+  return maps;
+}
+
+template <int Dim>
+PlottedMap<Dim> plotted(const Log<Dim>& log) {
+  PlottedMap<Dim> out;
+  out.map = named_as(log);
+  out.sessions = sessions_of(log);
+  out.closures = closures_among(log.closures);
+  out.is_odometry = log.initial_poses.empty();
+  out.map.poses = out.is_odometry ? dead_reckoning(log, starts_of(log)) : log.initial_poses;
+  const bool has_features = log.initial_features.size() == log.features.size();
+  out.map.features = has_features ? log.initial_features : first_seen(log, out.map.poses);
+  if (!out.is_odometry && !log.odometry.empty()) out.odometry = dead_reckoning(log, out.map.poses);
+  return out;
+}
+
+template <int Dim>
+PlottedMap<Dim> plotted(const RunResult<Dim>& result, const Log<Dim>& log) {
+  PlottedMap<Dim> out;
+  out.map = result.map;
+  out.sessions = sessions_of(log);
+  out.closures = closures_among(log.closures);
+  out.odometry = dead_reckoning(log, out.map.poses);
+  out.local_maps = plotted_local_maps(result.maps, log);
+  return out;
+}
+
+template <int Dim>
+PlottedMap<Dim> plotted(const RunResult<Dim>& result, const MapSet<Dim>& set) {
+  PlottedMap<Dim> out;
+  out.map = result.map;
+  out.sessions = sessions_by_name(set.poses);
+  out.closures = closures_among(set.pose_observations);
+  for (std::size_t m = 0; m < result.maps.size(); ++m) out.local_maps.push_back({result.maps[m], set.maps[m].features});
+  return out;
+}
+
+#define MAPJOIN_INSTANTIATE(Dim)                                                                         \
+  template std::vector<Pose<Dim>> dead_reckoning(const Log<Dim>&, std::vector<Pose<Dim>>);               \
+  template std::vector<PlottedLocalMap> plotted_local_maps(const std::vector<MapFit>&, const Log<Dim>&); \
+  template PlottedMap<Dim> plotted(const Log<Dim>&);                                                     \
+  template PlottedMap<Dim> plotted(const RunResult<Dim>&, const Log<Dim>&);                              \
+  template PlottedMap<Dim> plotted(const RunResult<Dim>&, const MapSet<Dim>&);
+MAPJOIN_INSTANTIATE(2)
+MAPJOIN_INSTANTIATE(3)
+#undef MAPJOIN_INSTANTIATE
+
+}  // namespace mapjoin::apps

@@ -1,0 +1,92 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+// Maps with all that a picture or a page of them shows, in one frame, and the layers of a picture of them.
+
+#include <apps/picture/picture.hpp>
+#include <mapjoin/join/consistency.hpp>
+#include <mapjoin/join/run.hpp>
+#include <mapjoin/model/global_map.hpp>
+#include <mapjoin/model/local_map.hpp>
+#include <mapjoin/model/log.hpp>
+#include <optional>
+#include <string>
+#include <utility>
+#include <variant>
+#include <vector>
+
+namespace mapjoin::apps {
+
+/// A local map within a map: how it fits, with the poses from its base to its end, and the features that it saw.
+struct PlottedLocalMap {
+  MapFit fit;
+  std::vector<Index> features;
+};
+
+/// The join of the first maps of several: the poses that it held, and where they and its features were.
+template <int Dim>
+struct JoinStop {
+  std::size_t maps = 0;
+  double chi2 = 0.0;
+  std::vector<Index> poses;
+  State<Dim> state;  ///< Poses by place in `poses`; the features in no order.
+};
+
+template <int Dim>
+struct PlottedMap {
+  std::string name;  ///< In a legend.
+  GlobalMap<Dim> map;
+  std::vector<Session> sessions;                  ///< Poses that a line goes through.
+  std::vector<Pose<Dim>> odometry;                ///< Composed from odometry alone; empty where that is not known.
+  std::vector<std::pair<Index, Index>> closures;  ///< Poses.
+  std::vector<PlottedLocalMap> local_maps;        ///< In their order; empty where they are not known.
+  std::vector<JoinStop<Dim>> stops;               ///< On the way of joining map after map; empty where it was not watched.
+  bool is_odometry = false;                       ///< `map` is composed from odometry and first observations, for want of more.
+};
+
+using AnyPlottedMap = std::variant<PlottedMap<2>, PlottedMap<3>>;
+
+/// The poses composed from odometry alone, each session from where `poses` has its first one.
+template <int Dim>
+std::vector<Pose<Dim>> dead_reckoning(const Log<Dim>& log, std::vector<Pose<Dim>> poses);
+
+/// A log by the values that its file gives to poses and features, else by odometry and first observations.
+template <int Dim>
+PlottedMap<Dim> plotted(const Log<Dim>& log);
+/// What came of a log, or of a set of local maps.
+template <int Dim>
+PlottedMap<Dim> plotted(const RunResult<Dim>& result, const Log<Dim>& log);
+template <int Dim>
+PlottedMap<Dim> plotted(const RunResult<Dim>& result, const MapSet<Dim>& set);
+
+/// Local maps of a log with the features that were seen from their poses.
+template <int Dim>
+std::vector<PlottedLocalMap> plotted_local_maps(const std::vector<MapFit>& fits, const Log<Dim>& log);
+
+template <int Dim>
+struct Scene {
+  std::vector<PlottedMap<Dim>> maps;  ///< At least one.
+  std::optional<Truth<Dim>> truth;    ///< Over the poses and features of the first map.
+};
+
+using AnyScene = std::variant<Scene<2>, Scene<3>>;
+
+/// The rigid motion that best takes `map`, and the truth of a map, onto `first`, by the places of what both know; nothing where
+/// that does not determine one.
+template <int Dim>
+std::optional<Pose<Dim>> alignment(const GlobalMap<Dim>& map, const GlobalMap<Dim>& first);
+template <int Dim>
+std::optional<Pose<Dim>> alignment(const Truth<Dim>& truth, const GlobalMap<Dim>& first);
+
+/// The same map seen from another frame: moved by `frame`.
+template <int Dim>
+void move(const Pose<Dim>& frame, PlottedMap<Dim>& plotted);
+template <int Dim>
+void move(const Pose<Dim>& frame, Truth<Dim>& truth);
+
+/// A single map with all that is known of it: local maps in colours of their own, where they end, closures, features, ellipses
+/// of three standard deviations. Several maps each in one colour. `truth`, over the first map's poses and features, may be
+/// null. At least one map, all in one frame.
+template <int Dim>
+std::vector<Layer> map_layers(const std::vector<PlottedMap<Dim>>& maps, const Truth<Dim>* truth);
+
+}  // namespace mapjoin::apps

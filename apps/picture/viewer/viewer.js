@@ -1,0 +1,217 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// The page as a whole: what is shown, picked and hovered over.
+"use strict";
+
+const kDetailPixels = 16; // poses are drawn as dots where they are so far apart, in pixels
+
+class Viewer {
+  constructor() {
+    this.scene = readScene();
+    document.querySelector("#panel details").open = window.innerWidth > 640;
+    isDeep = this.scene.dimension === 3;
+    this.view = new View(document.getElementById("canvas"), this.scene);
+    this.localMapOf = new Map(this.scene.maps.map((map) => [map, localMapOfPoses(map)]));
+    this.sessionOf = new Map(this.scene.maps.map((map) => [map, sessionOfPoses(map)]));
+    this.mapWithLocalMaps = this.scene.maps.find((map) => map.localMaps.count > 0);
+    this.growing = this.scene.maps.find((map) => map.stops.length > 1);
+    this.stop = this.growing ? this.growing.stops.length - 1 : 0;
+    this.picked = -1;
+    this.layers = [];
+    this.medianStep = medianStep(this.scene.maps[0]);
+    document.getElementById("title").textContent = this.scene.title;
+    this.paint();
+    this.view.onDraw.push(() => this.beforeDraw());
+    wireLocalMaps(this);
+    wireStops(this);
+    this.wire();
+  }
+
+  get isWhole() {
+    return !this.growing || this.stop === this.growing.stops.length - 1;
+  }
+
+  /// Makes all layers anew, in the colours of the theme.
+  paint() {
+    const isDark = window.matchMedia("(prefers-color-scheme: dark)").matches;
+    this.theme = document.documentElement.dataset.theme || (isDark ? "dark" : "light");
+    const before = this.layers;
+    this.layers = [
+      ...truthLayers(this.scene, this.theme),
+      ...this.scene.maps.flatMap((_, m) => layersOfMap(this.scene, m, this.theme)),
+    ];
+    before.forEach((layer, k) => {
+      this.layers[k].isOn = layer.isOn;
+      if (layer.object) discard(this.view.world, layer.object);
+    });
+    fillLayers(this);
+    this.show();
+    this.showExtra();
+  }
+
+  /// Objects come into being when they are first shown.
+  show() {
+    for (const layer of this.layers) {
+      const isShown = layer.isOn && (this.isWhole || layer.map !== this.growing);
+      if (isShown && !layer.object) {
+        layer.object = layer.make(layer.order);
+        this.view.world.add(layer.object);
+      }
+      if (layer.object) layer.object.visible = isShown;
+    }
+    this.dim();
+    this.view.draw();
+  }
+
+  /// All but the picked local map steps back.
+  dim() {
+    for (const layer of this.layers) if (layer.object) fade(layer.object, this.picked >= 0 ? 0.25 : 1);
+  }
+
+  beforeDraw() {
+    updateScaleBar(this.view);
+    fitDots(this.view.world, this.view.camera.zoom);
+    for (const layer of this.layers) {
+      if (layer.isDetail && layer.object)
+        layer.object.visible = layer.isOn && this.isWhole && this.view.camera.zoom * this.medianStep > kDetailPixels;
+    }
+  }
+
+  pick(m) {
+    this.picked = m;
+    if (m >= 0 && !this.isWhole) this.goTo(this.growing.stops.length - 1);
+    fillLocalMap(this.mapWithLocalMaps, m);
+    this.dim();
+    this.showExtra();
+  }
+
+  goTo(stop) {
+    this.stop = Math.min(stop, this.growing.stops.length - 1);
+    document.getElementById("stop").value = this.stop;
+    if (!this.isWhole && this.picked >= 0) this.pick(-1);
+    tellStop(this);
+    this.show();
+    this.showExtra();
+  }
+
+  /// The picked local map, or the stop of joining, over the layers.
+  showExtra() {
+    if (this.extra) discard(this.view.world, this.extra);
+    this.extra = this.picked >= 0 ? pickedGroup(this) : this.isWhole ? null : stopGroup(this);
+    if (this.extra) this.view.world.add(this.extra);
+    this.view.draw();
+  }
+
+  wire() {
+    const { canvas } = this.view;
+    const tip = document.getElementById("tip");
+    canvas.addEventListener("pointermove", (event) => this.hover(event, tip));
+    canvas.addEventListener("pointerleave", () => (tip.hidden = true));
+    canvas.addEventListener("pointerdown", (event) => (this.pressed = { x: event.clientX, y: event.clientY }));
+    canvas.addEventListener("pointerup", (event) => this.click(event));
+    document.getElementById("fit").addEventListener("click", () => this.view.fit());
+    document.getElementById("theme").addEventListener("click", () => {
+      document.documentElement.dataset.theme = this.theme === "dark" ? "light" : "dark";
+      this.paint();
+    });
+    window.matchMedia("(prefers-color-scheme: dark)").addEventListener("change", () => this.paint());
+    const moving = this.scene.dimension === 2 ? "Drag to move" : "Drag to rotate, right-drag to move";
+    const picking = this.mapWithLocalMaps ? ", click to pick a local map" : "";
+    document.getElementById("help").textContent = `${moving}, wheel to zoom${picking}.`;
+  }
+
+  hover(event, tip) {
+    const found = event.buttons === 0 && this.isWhole ? nearest(this.view, this.layers, event.clientX, event.clientY) : null;
+    tip.hidden = !found;
+    this.view.canvas.style.cursor = found ? "pointer" : "";
+    if (!found) return;
+    tell(this.scene, this.localMapOf, found, tip);
+    placeTip(tip, event.clientX, event.clientY);
+  }
+
+  /// A press and release at one place picks the local map of the pose there, or lets go of the one picked.
+  click(event) {
+    const { pressed } = this;
+    if (!pressed || !this.mapWithLocalMaps || !this.isWhole) return;
+    if (Math.hypot(event.clientX - pressed.x, event.clientY - pressed.y) > 4) return;
+    const found = nearest(
+      this.view,
+      this.layers.filter((layer) => layer.tells === "poses"),
+      event.clientX,
+      event.clientY,
+    );
+    this.pick(found && found.map === this.mapWithLocalMaps ? this.localMapOf.get(found.map)[found.index] : -1);
+  }
+}
+
+/// From pose to pose (m).
+function medianStep(map) {
+  const steps = [];
+  for (let p = 1; p < map.poses.length / 3; p += 1 + (map.poses.length >> 12)) {
+    steps.push(Math.hypot(...[0, 1, 2].map((i) => map.poses[3 * p + i] - map.poses[3 * p - 3 + i])));
+  }
+  return steps.sort((a, b) => a - b)[steps.length >> 1] || 1;
+}
+
+/// The poses of the picked local map as a thick line, its ends, and rings around its features.
+function pickedGroup(viewer) {
+  const map = viewer.mapWithLocalMaps;
+  const { base, end, offsets, features } = map.localMaps;
+  const m = viewer.picked;
+  const colour = localMapColour(m);
+  const group = new THREE.Group();
+  const path = map.poses.slice(3 * base[m], 3 * end[m] + 3);
+  group.add(wideLines(sessionEnds(path, [0, path.length / 3]), null, { colour, width: 5, order: 2000 }));
+  group.add(dots(placesOf(map.poses, [base[m], end[m]]), { colour: kInk[viewer.theme], size: 9, order: 2001 }));
+  const seen = features.subarray(offsets[m], offsets[m + 1]);
+  group.add(dots(placesOf(map.features, Array.from(seen)), { colour: kDistinct[1], size: 7, order: 2002 }));
+  group.add(dots(placesOf(map.features, Array.from(seen)), { colour: kInk[viewer.theme], size: 15, order: 2003, hole: 0.75 }));
+  return onTop(group);
+}
+
+/// The join of the first maps: the poses that it holds, tied as in the sessions, with those new since the stop before in orange.
+function stopGroup(viewer) {
+  const map = viewer.growing;
+  const stop = map.stops[viewer.stop];
+  const before = viewer.stop > 0 ? map.stops[viewer.stop - 1].poses.length : 0;
+  const count = stop.poses.length;
+  const sessionOf = viewer.sessionOf.get(map);
+  const order = Array.from({ length: count }, (_, k) => k);
+  const isTied = (k) => sessionOf[stop.poses[k - 1]] === sessionOf[stop.poses[k]];
+  const group = new THREE.Group();
+  group.add(
+    dots(stop.featurePlaces, {
+      colour: kDistinct[1],
+      size: 6.5,
+      order: 2000,
+      spacing: spacingOf(stop.featurePlaces, viewer.scene.dimension),
+    }),
+  );
+  group.add(wideLines(segmentEnds(stop.posePlaces, order, isTied), null, { colour: kDistinct[0], width: 2.2, order: 2001 }));
+  group.add(
+    dots(stop.posePlaces, {
+      colour: kInk[viewer.theme],
+      size: 4,
+      order: 2002,
+      spacing: spacingOf(stop.posePlaces, viewer.scene.dimension),
+    }),
+  );
+  const fresh = order.slice(Math.max(0, before - 1));
+  group.add(
+    wideLines(
+      segmentEnds(stop.posePlaces, fresh, (k) => isTied(fresh[k])),
+      null,
+      { colour: kDistinct[4], width: 4, order: 2003 },
+    ),
+  );
+  return group;
+}
+
+/// Where there is nothing to draw with, the page says so.
+function hasWebGL() {
+  const has = Boolean(document.createElement("canvas").getContext("webgl"));
+  for (const id of ["panel", "scale"]) document.getElementById(id).hidden = !has;
+  document.getElementById("no-webgl").hidden = has;
+  return has;
+}
+
+const viewer = hasWebGL() ? new Viewer() : null;

@@ -1,0 +1,85 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <sys/resource.h>
+
+#include <apps/report/run_report.hpp>
+#include <mapjoin/measure/effort.hpp>
+#include <utility>
+
+namespace mapjoin::apps {
+
+RunReport::RunReport(std::string command_name, const Options& options)
+    : command(std::move(command_name)),
+      input(options.input.string()),
+      schedule(options.run.schedule),
+      state(options.run.state),
+      start_values(options.run.start),
+      method(options.run.solver.method) {}
+
+template <int Dim>
+void RunReport::describe(const Log<Dim>& log) {
+  dimension = Dim;
+  conventions = log.conventions;
+  has_stamps = !log.stamps_ns.empty();
+  counts.sessions = log.sessions.size();
+  counts.poses = log.poses.size();
+  counts.features = log.features.size();
+  counts.odometry = log.odometry.size();
+  counts.closures = log.closures.size();
+  counts.observations = log.observations.size();
+  counts.priors = log.pose_priors.size() + log.feature_priors.size();
+  counts.fixed_poses = log.fixed.size();
+  counts.repeated_edges = log.repeated_edges;
+  counts.unassociated = log.unassociated;
+}
+
+template <int Dim>
+void RunReport::describe(const MapSet<Dim>& set) {
+  dimension = Dim;
+  conventions = set.conventions;
+  counts.sessions = 1;
+  counts.poses = set.poses.size();
+  counts.features = set.features.size();
+  counts.fixed_poses = set.fixed.size();
+  has_local_maps = true;
+  figures.local_maps = set.maps.size();
+}
+
+template <int Dim>
+void RunReport::describe(const StoredMaps<Dim>& stored) {
+  describe(stored.log);
+  has_local_maps = true;
+  figures.local_maps = stored.maps.size();
+  figures.spans = stored.stretches.size() - stored.maps.size();
+}
+
+template <int Dim>
+void RunReport::describe(const RunResult<Dim>& result) {
+  figures = static_cast<const RunFigures&>(result);
+  schedule = result.schedule;
+  has_local_maps = is_joined = true;
+  const auto& ids = result.map.pose_ids;
+  for (const Index pose : result.map.gauge) held.push_back(ids[static_cast<std::size_t>(pose)]);
+  for (const MapFit& fit : result.maps) {
+    map_bases.push_back(ids[static_cast<std::size_t>(fit.base)]);
+    map_ends.push_back(ids[static_cast<std::size_t>(fit.end)]);
+  }
+}
+
+double peak_memory_mb() {
+  // getrusage() inherits the peak of the process that started this one: what Linux keeps per program is asked first.
+  if (const auto bytes = largest_resident_memory()) return 1e-6 * static_cast<double>(*bytes);
+  ::rusage usage{};
+  ::getrusage(RUSAGE_SELF, &usage);
+  return static_cast<double>(usage.ru_maxrss) * 1024e-6;
+}
+
+#define MAPJOIN_INSTANTIATE(Dim)                             \
+  template void RunReport::describe(const Log<Dim>&);        \
+  template void RunReport::describe(const MapSet<Dim>&);     \
+  template void RunReport::describe(const StoredMaps<Dim>&); \
+  template void RunReport::describe(const RunResult<Dim>&);
+MAPJOIN_INSTANTIATE(2)
+MAPJOIN_INSTANTIATE(3)
+#undef MAPJOIN_INSTANTIATE
+
+}  // namespace mapjoin::apps

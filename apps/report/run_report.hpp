@@ -1,0 +1,91 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+// What one run of the command did: what report and summary are made of.
+
+#include <apps/commands/options.hpp>
+#include <apps/report/deviations.hpp>
+#include <chrono>
+#include <cstdint>
+#include <mapjoin/io/store/store.hpp>
+#include <mapjoin/join/consistency.hpp>
+#include <mapjoin/join/run.hpp>
+#include <mapjoin/measure/stopwatch.hpp>
+#include <mapjoin/model/conventions.hpp>
+#include <mapjoin/model/ids.hpp>
+#include <mapjoin/model/log.hpp>
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace mapjoin::apps {
+
+/// How much of everything the input has.
+struct Counts {
+  std::size_t sessions = 0;
+  std::size_t poses = 0;
+  std::size_t features = 0;
+  std::size_t odometry = 0;
+  std::size_t closures = 0;
+  std::size_t observations = 0;  ///< Single ones; those inside the local maps of a set are not known.
+  std::size_t priors = 0;        ///< Of poses and of features.
+  std::size_t fixed_poses = 0;
+  std::int64_t repeated_edges = 0;
+  std::int64_t unassociated = 0;
+};
+
+struct RunReport {
+  using Clock = std::chrono::steady_clock;
+
+  RunReport(std::string command_name, const Options& options);
+
+  /// The input.
+  template <int Dim>
+  void describe(const Log<Dim>& log);
+  template <int Dim>
+  void describe(const MapSet<Dim>& set);
+  template <int Dim>
+  void describe(const StoredMaps<Dim>& stored);
+  /// The result.
+  template <int Dim>
+  void describe(const RunResult<Dim>& result);
+
+  double total_seconds() const { return std::chrono::duration<double>(Clock::now() - start).count(); }
+
+  Clock::time_point start = Clock::now();
+  std::string command;
+  std::string input;
+  int dimension = 0;
+  Conventions conventions;
+  Counts counts;
+  bool has_stamps = false;
+  Schedule schedule = Schedule::kAuto;  ///< As asked for; once joined, the one that found the map.
+  JoinedState state = JoinedState::kAbsolute;
+  Start start_values = Start::kComposed;  ///< For the batch schedule.
+  Method method = Method::kDogleg;
+  bool has_local_maps = false;  ///< `figures` hold how they were built, or that they were given,
+  bool was_damaged = false;     ///< What an interrupted build had left, which is begun afresh.
+  bool is_resumed = false;      ///< The iterations in `figures` are only those since a build went on.
+  bool is_joined = false;       ///< and what came of joining them.
+  RunFigures figures;
+  std::vector<PoseId> held;                ///< The gauge: poses held still.
+  std::vector<PoseId> map_bases;           ///< Of `figures.maps`: the poses that they start from,
+  std::vector<PoseId> map_ends;            ///< and those that they end at.
+  std::optional<Estimate> covariances;     ///< Which estimate's were asked for, if any.
+  std::optional<Deviations> deviations;    ///< Of its marginals, if any.
+  std::optional<Consistency> consistency;  ///< With the truth, where that was given.
+  double read_seconds = 0.0;
+  double write_seconds = 0.0;
+  std::vector<std::string> files;  ///< Written, in their order.
+};
+
+/// What `work` returns; its wall-clock time is added to `seconds`.
+template <typename Work>
+auto timed(double& seconds, Work&& work) {
+  const Stopwatch watch(seconds);
+  return work();
+}
+
+/// The largest memory the process has had so far (MB, 10⁶ bytes).
+double peak_memory_mb();
+
+}  // namespace mapjoin::apps

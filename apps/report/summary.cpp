@@ -1,0 +1,175 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <algorithm>
+#include <apps/console.hpp>
+#include <apps/report/report.hpp>
+#include <mapjoin/model/counted.hpp>
+#include <string_view>
+#include <utility>
+#include <vector>
+
+namespace mapjoin::apps {
+namespace {
+
+std::string local_maps_in_words(const RunReport& run_report) {
+  const RunFigures& figures = run_report.figures;
+  std::string text = counted(figures.local_maps, "map");
+  if (figures.local_maps > 0 && figures.poses_per_map > 0) {
+    text += fmt::format(" of up to {}", counted(figures.poses_per_map, "step"));
+  }
+  if (figures.build_iterations > 0 && !run_report.is_resumed) text += fmt::format(", {} iterations", figures.build_iterations);
+  if (figures.spans > 0) text += fmt::format("; {} joined as observations", counted(figures.spans, "stretch", "stretches"));
+  return text;
+}
+
+std::string solve_in_words(const MinimiseResult& result) {
+  const std::string_view how = result.status == MinimiseStatus::kConverged ? "" : "DID NOT CONVERGE: ";
+  return fmt::format("{}{} after {}, chi2 {:.10g}", how, to_string(result.status), counted(result.iterations, "iteration"),
+                     result.chi2);
+}
+
+std::string join_in_words(const RunReport& run_report) {
+  const bool is_batch = run_report.schedule == Schedule::kBatch;
+  const std::string start = is_batch
+                                ? fmt::format("{} from the {} start", run_report.figures.path.empty() ? "" : ", gradually,",
+                                              to_string(run_report.start_values))
+                                : "";
+  return fmt::format("{}, dof {} ({}{}, {}, {} state)", solve_in_words(run_report.figures.join), run_report.figures.join_dof,
+                     to_string(run_report.schedule), start, to_string(run_report.method), to_string(run_report.state));
+}
+
+std::string recovered_in_words(const RunFigures& figures) {
+  std::string text = fmt::format("chi2 {:.10g} of the whole log", *figures.recovered_chi2);
+  if (figures.unrecovered > 0) text += fmt::format("; {} not to convergence", counted(figures.unrecovered, "map"));
+  return text;
+}
+
+std::string gauge_in_words(const RunReport& run_report) {
+  if (run_report.held.empty()) return "held by the priors of the World";
+  if (run_report.held.size() == 1) return to_string(run_report.held.front()) + " held";
+  return fmt::format("{} and {} more held", to_string(run_report.held.front()), counted(run_report.held.size() - 1, "pose"));
+}
+
+std::string nees_in_words(std::string_view what, const Nees& nees) {
+  const std::string_view verdict = nees.value > nees.most()    ? "OVERCONFIDENT"
+                                   : nees.value < nees.least() ? "cautious"
+                                                               : "consistent";
+  return fmt::format("{} {:.1f} over {} dimensions, {} ({:.0f} to {:.0f} in 98 of 100)", what, nees.value, nees.dimensions,
+                     verdict, nees.least(), nees.most());
+}
+
+std::string deviations_in_words(const RunReport& run_report) {
+  const Deviations& all = *run_report.deviations;
+  const auto words = [](std::string_view what, const Deviations::Median& of) {
+    return fmt::format("{} {:.2g} m in the map, {:.2g} m relative to where they hang", what, of.in_map, of.relative);
+  };
+  std::string text = words("poses", all.poses);
+  if (run_report.counts.features > 0) text += "; " + words("features", all.features);
+  return text + " (median standard deviations)";
+}
+
+void add_consistency(const RunReport& run_report, Lines& lines) {
+  if (!run_report.consistency) return;
+  const auto& [poses, features, joint] = *run_report.consistency;
+  for (const auto& [what, nees] : {std::pair{"poses", &poses}, {"features", &features}, {"joint", &joint}}) {
+    const bool repeats = nees == &joint && (poses.dimensions == 0 || features.dimensions == 0);
+    if (nees->dimensions > 0 && !repeats) lines.add("NEES", nees_in_words(what, *nees));
+  }
+}
+
+std::string seconds_in_words(const RunReport& run_report) {
+  const RunSeconds& seconds = run_report.figures.seconds;
+  const std::pair<const char*, double> stages[] = {
+      {"read", run_report.read_seconds},  {"build", seconds.build},   {"join", seconds.join},
+      {"recover", seconds.recover},       {"polish", seconds.polish}, {"covariances", seconds.covariances},
+      {"write", run_report.write_seconds}};
+  std::vector<std::string> words;
+  for (const auto& [stage, taken] : stages) {
+    if (taken > 0.0) words.push_back(fmt::format("{} {:.2f}", stage, taken));
+  }
+  return fmt::format("{:.2f}: {}; {:.0f} MB at most", run_report.total_seconds(), fmt::join(words, ", "), peak_memory_mb());
+}
+
+void add_result(const RunReport& run_report, Lines& lines) {
+  const RunFigures& figures = run_report.figures;
+  lines.add("join", join_in_words(run_report));
+  if (figures.recovered_chi2) lines.add("recovered", recovered_in_words(figures));
+  if (figures.polish) lines.add("polished", solve_in_words(*figures.polish));
+  lines.add("chi2", fmt::format("{:.10g}, dof {}, {}", figures.chi2, figures.dof, gauge_in_words(run_report)));
+  if (run_report.deviations) lines.add("certainty", deviations_in_words(run_report));
+  add_consistency(run_report, lines);
+}
+
+}  // namespace
+
+std::string counts_in_words(const RunReport& run_report) {
+  const Counts& counts = run_report.counts;
+  std::string text =
+      fmt::format("{}D, {}, {}", run_report.dimension, counted(counts.poses, "pose"), counted(counts.features, "feature"));
+  const auto add = [&](std::size_t count, const std::string& thing) {
+    if (count > 0) text += ", " + counted(count, thing);
+  };
+  add(counts.odometry, "odometry edge");
+  add(counts.closures, "closure");
+  add(counts.observations, "observation");
+  add(counts.priors, "prior");
+  add(counts.fixed_poses, "fixed pose");
+  if (counts.sessions > 1) add(counts.sessions, "session");
+  return text;
+}
+
+std::string conventions_in_words(const Conventions& conventions, int dimension) {
+  std::string text = conventions.pose_error == PoseError::kPaper ? "residual in the frame of the base (the paper's)"
+                                                                 : "pose residual by g2o, turned into the frame of the base";
+  if (dimension == 3) {
+    text += conventions.rotation_information == RotationInformation::kVector ? ", rotation vector"
+                                                                             : ", vector part of the quaternion";
+  }
+  return text + (conventions.covariance == Covariance::kOriginal ? ", original covariance" : ", identity covariance");
+}
+
+std::vector<std::string> remarks(const RunReport& run_report) {
+  std::vector<std::string> all;
+  const MatrixRepairs& repairs = run_report.conventions.repairs;
+  if (repairs.symmetrised > 0) {
+    all.push_back(fmt::format(
+        "{} replaced by the symmetric part: entries across the diagonal differ by up to {:.2g} of the largest",
+        counted(repairs.symmetrised, "information matrix or covariance was", "information matrices or covariances were"),
+        repairs.largest_asymmetry));
+  }
+  if (repairs.indefinite > 0) {
+    all.push_back(
+        fmt::format("{} replaced by the nearest semidefinite one",
+                    counted(repairs.indefinite, "indefinite information matrix was", "indefinite information matrices were")));
+  }
+  if (run_report.counts.repeated_edges > 0) {
+    all.push_back(fmt::format("{} between the same two poses; all of them count",
+                              counted(run_report.counts.repeated_edges, "edge repeats another", "edges repeat others")));
+  }
+  if (run_report.counts.unassociated > 0) {
+    all.push_back(fmt::format("{} left out: the file does not say of which feature",
+                              counted(run_report.counts.unassociated, "observation was", "observations were")));
+  }
+  if (run_report.was_damaged) all.emplace_back("what an interrupted build had left was damaged: the build began afresh");
+  const auto is_trajectory = [](const std::string& file) { return file.ends_with(".tum"); };
+  if (!run_report.has_stamps && std::any_of(run_report.files.begin(), run_report.files.end(), is_trajectory)) {
+    all.push_back("the poses have no time stamps: the trajectory counts them instead");
+  }
+  return all;
+}
+
+std::string summary(const RunReport& run_report) {
+  Lines lines;
+  lines.add("input", fmt::format("{}: {}", run_report.input, counts_in_words(run_report)));
+  if (run_report.has_local_maps) lines.add("local maps", local_maps_in_words(run_report));
+  if (run_report.is_joined) add_result(run_report, lines);
+  lines.add("convention", conventions_in_words(run_report.conventions, run_report.dimension));
+  lines.add("seconds", seconds_in_words(run_report));
+  if (!run_report.files.empty()) lines.add("written", fmt::format("{}", fmt::join(run_report.files, ", ")));
+  for (const std::string& remark : remarks(run_report)) lines.add("note", remark);
+  return lines.text();
+}
+
+}  // namespace mapjoin::apps

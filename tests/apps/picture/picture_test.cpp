@@ -1,0 +1,95 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <apps/picture/picture.hpp>
+#include <cmath>
+#include <string_view>
+
+namespace mapjoin::apps {
+namespace {
+
+using ::testing::HasSubstr;
+using ::testing::Not;
+
+std::size_t count(std::string_view text, std::string_view part) {
+  std::size_t found = 0;
+  for (std::size_t at = text.find(part); at != std::string_view::npos; at = text.find(part, at + 1)) ++found;
+  return found;
+}
+
+/// Round and round, ever wider.
+FlatLine spiral(std::size_t points) {
+  FlatLine path;
+  for (std::size_t k = 0; k < points; ++k) {
+    const double t = static_cast<double>(k);
+    path.emplace_back(t * std::cos(t), t * std::sin(t));
+  }
+  return path;
+}
+
+Layer line(const std::string& name, const std::string& colour, FlatLine points) {
+  return {name, {colour}, {std::move(points)}, {}, {}};
+}
+
+TEST(Picture, DrawsEveryLayerOverTheOneBefore) {
+  Layer first = line("first & last", "red", spiral(20));
+  first.marks = {{1.0, 2.0}, {3.0, 4.0}};
+  first.mark = Mark::kRing;
+  const std::string svg = picture({first, line("second", "blue", spiral(20)), line("", "green", spiral(20))});
+  EXPECT_LT(svg.find("stroke=\"red\" stroke-width"), svg.find("stroke=\"blue\" stroke-width"));
+  EXPECT_THAT(svg, HasSubstr("first &amp; last</text>"));
+  EXPECT_LT(svg.find("second</text>"), svg.find("first &amp; last</text>"));
+  EXPECT_EQ(count(svg, "</text>"), 3U);  // scale and two names: what has none is not in the legend
+  EXPECT_EQ(count(svg, "r=\"4.5\""), 3U);
+}
+
+TEST(Picture, LinesOfALayerTakeItsColoursInTurn) {
+  const Layer layer{"", {"red", "blue"}, {{{0, 0}, {1, 0}}, {{1, 0}, {2, 0}}, {{2, 0}, {4, 0}}}, {}, {}};
+  const std::string svg = picture({layer}, 480.0);
+  EXPECT_THAT(svg, HasSubstr("M40.0,40.0 140.0,40.0M240.0,40.0 440.0,40.0\" fill=\"none\" stroke=\"red\""));
+  EXPECT_THAT(svg, HasSubstr("M140.0,40.0 240.0,40.0\" fill=\"none\" stroke=\"blue\""));
+}
+
+TEST(Picture, IsBoundedHoweverLargeTheMap) {
+  const FlatLine path = spiral(200'000);
+  EXPECT_LT(picture({line("long", "red", path)}).size(), 200'000U);
+  Layer many{"many", {"red"}, {}, path, {}};
+  EXPECT_LT(picture({many}).size(), 500'000U);
+  for (const Point<2>& p : path) many.lines.push_back({p, p + Point<2>(1.0, 0.0)});
+  many.marks.clear();
+  EXPECT_LT(picture({many}).size(), 500'000U);
+}
+
+TEST(Picture, HoldsWhatIsFramedAndCutsTheRest) {
+  const auto scale_of = [](const std::string& svg) { return svg.substr(svg.find(" m</text>") - 4, 4); };
+  const Layer near = line("near", "red", spiral(10));
+  Layer far = line("far", "red", spiral(1000));
+  const std::string alone = scale_of(picture({near}));
+  EXPECT_NE(scale_of(picture({far, near})), alone);
+  far.is_framed = false;
+  EXPECT_EQ(scale_of(picture({far, near})), alone);
+}
+
+TEST(Picture, OfNothingIsOneMetre) {
+  const std::string svg = picture({line("still", "red", FlatLine(3, Point<2>::Zero()))});
+  EXPECT_THAT(svg, Not(HasSubstr("nan")));
+  EXPECT_THAT(svg, HasSubstr("0.2 m</text>"));
+}
+
+TEST(Picture, AnEllipseIsWhereTheMahalanobisDistanceIsSoMany) {
+  const Matrix<2> P = (Matrix<2>() << 4.0, -1.5, -1.5, 1.0).finished();
+  const Ellipse e = ellipse({1.0, 2.0}, P, 3.0);
+  const Rotation<2> turn(e.angle);
+  for (double t = 0.0; t < 6.3; t += 0.1) {
+    const Point<2> d = turn.matrix() * Point<2>(e.half_axes.x() * std::cos(t), e.half_axes.y() * std::sin(t));
+    EXPECT_NEAR(d.dot(P.inverse() * d), 9.0, 1e-9);
+  }
+}
+
+TEST(Picture, AnEllipseOfACertainPlaceIsAPoint) {
+  EXPECT_EQ(ellipse({1.0, 2.0}, Matrix<2>::Zero(), 3.0).half_axes.norm(), 0.0);
+}
+
+}  // namespace
+}  // namespace mapjoin::apps
