@@ -17,5 +17,6 @@ else()
   find_library_by_header(mapjoin::matio HEADER matio.h LIBRARIES matio)
 endif()
 find_library_by_header(mapjoin::metis HEADER metis.h LIBRARIES metis)
+find_library_by_header(mapjoin::suitesparse HEADER suitesparse/cholmod.h LIBRARIES cholmod camd amd)
 # Not linked but loaded when the program runs (lib/solve/blas.hpp). Nothing else here uses it: one that is missing is better found now.
 find_library(MAPJOIN_LAPACK NAMES libopenblas.so.0 liblapack.so.3 REQUIRED)
