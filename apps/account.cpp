@@ -13,7 +13,8 @@ Account::Account(std::string command_name, const Options& options)
       schedule(options.run.schedule),
       state(options.run.state),
       start_values(options.run.start),
-      method(options.run.solver.method) {}
+      method(options.run.solver.method),
+      engine(options.run.solver.engine) {}
 
 template <int Dim>
 void Account::describe(const Log<Dim>& log) {

@@ -143,6 +143,14 @@ void add_solver(Subcommand& command, Options& options) {
                       "At most so many steps of every solve [" + std::to_string(solver.max_iterations) + "]");
 }
 
+void add_engine(Subcommand& command, Options& options) {
+  command.group("Joining");
+  std::vector<std::pair<std::string, Engine>> words;
+  for (const Engine engine : kEngines) words.emplace_back(to_string(engine), engine);
+  command.choice<Engine>("--engine", options.run.solver.engine, words,
+                         "What factorises: mapjoin's tree of fronts, or SuiteSparse's CHOLMOD (on one thread) to compare with");
+}
+
 void add_certainty(Subcommand& command, Options& options) {
   command.group("Certainty");
   command.flag("--covariances", options.covariances, "Write the covariance of every pose and feature: CSV columns, and JSON");

@@ -94,6 +94,7 @@ Json join_of(const Account& account) {
           {"schedule", to_string(account.schedule)},
           {"path", path_of(figures)},
           {"method", to_string(account.method)},
+          {"engine", to_string(account.engine)},
           {"iterations", value_if(done, figures.join.iterations)},
           {"factorisations", value_if(done, figures.join.factorisations)},
           {"turned", value_if(done, figures.turned)},

@@ -40,8 +40,9 @@ std::string join_in_words(const Account& account) {
   const std::string start = is_batch ? fmt::format("{} from the {} start", account.figures.path.empty() ? "" : ", gradually,",
                                                    to_string(account.start_values))
                                      : "";
-  return fmt::format("{}, dof {} ({}{}, {}, {} state)", solve_in_words(account.figures.join), account.figures.join_dof,
-                     to_string(account.schedule), start, to_string(account.method), to_string(account.state));
+  const std::string engine = account.engine == Engine::kFronts ? "" : fmt::format(", by {}", to_string(account.engine));
+  return fmt::format("{}, dof {} ({}{}, {}, {} state{})", solve_in_words(account.figures.join), account.figures.join_dof,
+                     to_string(account.schedule), start, to_string(account.method), to_string(account.state), engine);
 }
 
 std::string recovered_in_words(const RunFigures& figures) {
