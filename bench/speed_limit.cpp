@@ -72,7 +72,7 @@ class FullSlam {
     for (const auto* list : feature_observations()) {
       for (const auto& o : *list) cliques.push_back(std::array{pose(o.base), first_feature_ + o.target});
     }
-    return {std::move(dofs), std::move(cliques)};
+    return {std::move(dofs), std::move(cliques), Engine::kCholmod};
   }
 
   void linearise(const State<Dim>& state, NormalEquations& equations) const {
@@ -118,7 +118,7 @@ Expected<void> measure(const Network<Dim>& network, const State<Dim>& state, Lim
   set_to_values(state, piece);
   place_fixed_poses(network, piece);
   const Gauge<Dim> gauge = gauge_of(network, piece);
-  JoinProblem<Dim> problem = timed(limit.order, [&] { return JoinProblem<Dim>(piece, gauge); });
+  JoinProblem<Dim> problem = timed(limit.order, [&] { return JoinProblem<Dim>(piece, gauge, Engine::kCholmod); });
   limit.chi2 = problem.linearise();
   return factorise_and_solve(problem.system().equations(), limit);
 }

@@ -9,6 +9,7 @@
 #include <mapjoin/measure/chi_squared.hpp>
 #include <mapjoin/model/information.hpp>
 #include <mapjoin/parallel/parallel.hpp>
+#include <mapjoin/solve/free_directions.hpp>
 #include <optional>
 #include <utility>
 
@@ -105,19 +106,45 @@ bool is_trusted(const Join<Dim>& join) {
   return was_nearly_linear && (join.schedule == Schedule::kAligned || fits(join));
 }
 
+/// Directions that are looked at where a system is singular.
+constexpr std::size_t kMostDirections = 60;
+
+/// What the observations leave free to move, by name; `singular` is a variable of it.
+template <int Dim>
+std::string free_to_move(const JointSystem<Dim>& system, Index singular, const Piece<Dim>& whole,
+                         const std::vector<PoseId>& pose_ids, const std::vector<FeatureId>& feature_ids) {
+  const NormalEquations& equations = system.equations();
+  std::vector<PlacedVariable<Dim>> variables;
+  for (std::size_t p = 0; p < whole.poses.size(); ++p) {
+    const Index v = system.pose_variable(static_cast<Index>(p));
+    variables.push_back({to_string(pose_ids[static_cast<std::size_t>(whole.poses[p])]), system.estimate().poses[p],
+                         v == kConstant ? -1 : equations.offset(v), true});
+  }
+  for (std::size_t f = 0; f < whole.features.size(); ++f) {
+    variables.push_back({to_string(feature_ids[static_cast<std::size_t>(whole.features[f])]),
+                         {system.estimate().features[f], {}},
+                         equations.offset(system.feature_variable(static_cast<Index>(f))),
+                         false});
+  }
+  const std::string found = free_directions(variables, equations.null_space(kMostDirections));
+  const std::string& name = variables[static_cast<std::size_t>(system.place_of_variable(singular))].name;
+  return found.empty() ? name + " cannot be determined" : found;
+}
+
 /// Joins by one schedule, not kAuto.
 template <int Dim>
 Expected<Join<Dim>> join_by(const Network<Dim>& network, const std::vector<PoseId>& pose_ids,
                             const std::vector<FeatureId>& feature_ids, const JoinOptions<Dim>& options,
                             const std::stop_token& stop) {
-  const ScheduleOptions schedule{options.schedule, options.state, ScheduleOptions::leading(options.schedule), options.progress};
+  ScheduleOptions schedule{options.schedule, options.state, ScheduleOptions::leading(options.schedule), options.progress};
+  schedule.inner.engine = options.solver.engine;
   Piece<Dim> whole = whole_of(network);
   const Gauge<Dim> gauge = gauge_of(network, whole);
   JoinedPieces<Dim> pieces;
   std::optional<JoinProblem<Dim>> posed;  // its pattern, ordering and symbolic factor need no state
   parallel_invoke([&] { pieces = join_stretches(network, schedule, stop); },
                   [&] {
-                    if (!stop.stop_requested()) posed.emplace(whole, gauge);
+                    if (!stop.stop_requested()) posed.emplace(whole, gauge, options.solver.engine);
                   });
   if (stop.stop_requested()) return interrupted();
 
@@ -139,12 +166,7 @@ Expected<Join<Dim>> join_by(const Network<Dim>& network, const std::vector<PoseI
   result.turned = most_turned(start, problem.estimate());
   if (result.result.status == MinimiseStatus::kInterrupted) return interrupted();
   if (result.result.status == MinimiseStatus::kSingular) {
-    const auto place = static_cast<std::size_t>(problem.system().place_of_variable(*result.result.singular));
-    const bool is_pose = place < whole.poses.size();
-    const std::string name = is_pose
-                                 ? to_string(pose_ids[static_cast<std::size_t>(whole.poses[place])])
-                                 : to_string(feature_ids[static_cast<std::size_t>(whole.features[place - whole.poses.size()])]);
-    return bad_input(fmt::format("{} cannot be determined: the observations leave it free to move", name));
+    return bad_input(free_to_move(problem.system(), *result.result.singular, whole, pose_ids, feature_ids));
   }
   result.state = state_of(network, whole, problem.estimate());
   for (const Index place : gauge.held) result.held.push_back(whole.poses[static_cast<std::size_t>(place)]);

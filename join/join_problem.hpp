@@ -17,7 +17,8 @@ namespace mapjoin {
 template <int Dim>
 class JoinProblem {
  public:
-  JoinProblem(const Piece<Dim>& piece, const Gauge<Dim>& gauge) : system_(piece, gauge) {}
+  JoinProblem(const Piece<Dim>& piece, const Gauge<Dim>& gauge, Engine engine = Engine::kFronts)
+      : system_(piece, gauge, engine) {}
   explicit JoinProblem(JointSystem<Dim> system) : system_(std::move(system)) {}
 
   double linearise();

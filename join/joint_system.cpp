@@ -9,10 +9,11 @@
 namespace mapjoin {
 
 template <int Dim>
-JointSystem<Dim>::JointSystem(const Piece<Dim>& piece, const Gauge<Dim>& gauge) : estimate_(piece.state), equations_({}, {}) {
+JointSystem<Dim>::JointSystem(const Piece<Dim>& piece, const Gauge<Dim>& gauge, Engine engine)
+    : estimate_(piece.state), equations_({}, {}) {
   number_variables(gauge);
   place_observations(piece, gauge);
-  equations_ = make_equations();
+  equations_ = make_equations(engine);
 }
 
 template <int Dim>
@@ -60,7 +61,7 @@ typename JointSystem<Dim>::Source JointSystem<Dim>::source_of(std::size_t clique
 }
 
 template <int Dim>
-NormalEquations JointSystem<Dim>::make_equations() const {
+NormalEquations JointSystem<Dim>::make_equations(Engine engine) const {
   std::vector<int> dofs(static_cast<std::size_t>(first_feature_variable_), kPoseDof<Dim>);
   dofs.resize(places_.size(), Dim);
   Cliques cliques;
@@ -72,7 +73,7 @@ NormalEquations JointSystem<Dim>::make_equations() const {
     for (const Index place : map.features) slots.push_back(feature_variable(place));
     cliques.push_back(slots);
   }
-  return {std::move(dofs), std::move(cliques)};
+  return {std::move(dofs), std::move(cliques), engine};
 }
 
 template <int Dim>

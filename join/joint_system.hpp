@@ -17,7 +17,7 @@ template <int Dim>
 class JointSystem {
  public:
   /// `piece` gives observations and start; it may go afterwards, the observations and maps must stay.
-  JointSystem(const Piece<Dim>& piece, const Gauge<Dim>& gauge);
+  JointSystem(const Piece<Dim>& piece, const Gauge<Dim>& gauge, Engine engine = Engine::kFronts);
 
   /// Normal equations of the single observations, from zero; returns their chi2.
   double linearise_observations() {
@@ -90,7 +90,7 @@ class JointSystem {
  private:
   void number_variables(const Gauge<Dim>& gauge);
   void place_observations(const Piece<Dim>& piece, const Gauge<Dim>& gauge);
-  NormalEquations make_equations() const;
+  NormalEquations make_equations(Engine engine) const;
   double add_observation(std::size_t clique, NormalEquations::Sink sink) const;
 
   State<Dim> estimate_;

@@ -55,6 +55,7 @@ void declare(Subcommand& command) {
   command.path("-o,--output", options->output, "MAP", kMapFile);
   add_schedule(command, *options);
   add_solver(command, *options);
+  add_engine(command, *options);
   add_polish(command, *options);
   add_weights(command, *options);
   add_certainty(command, *options);

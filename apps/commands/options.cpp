@@ -131,6 +131,12 @@ void add_solver(Subcommand& command, Options& options) {
                       "At most so many steps of every solve [" + std::to_string(solver.max_iterations) + "]");
 }
 
+void add_engine(Subcommand& command, Options& options) {
+  command.group("Joining");
+  command.choice("--engine", options.run.solver.engine,
+                 "What factorises: mapjoin's tree of fronts, or SuiteSparse's CHOLMOD (on one thread) to compare with");
+}
+
 void add_certainty(Subcommand& command, Options& options) {
   command.group("Certainty");
   command.flag("--covariances", options.covariances, "Write the covariance of every pose and feature: CSV columns, and JSON");

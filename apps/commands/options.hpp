@@ -51,6 +51,8 @@ void add_schedule(Subcommand& command, Options& options);
 void add_polish(Subcommand& command, Options& options);
 /// --method, --max-iterations
 void add_solver(Subcommand& command, Options& options);
+/// --engine
+void add_engine(Subcommand& command, Options& options);
 /// --covariances, --relations, --truth, --max-memory
 void add_certainty(Subcommand& command, Options& options);
 /// --jobs, --quiet

@@ -115,6 +115,7 @@ void declare(Subcommand& command) {
   add_splitting(command, *options);
   add_schedule(command, *options);
   add_solver(command, *options);
+  add_engine(command, *options);
   add_polish(command, *options);
   add_reading(command, *options);
   add_certainty(command, *options);

@@ -38,6 +38,7 @@ void declare(Subcommand& command) {
   command.path("-o,--output", options->output, "MAP", kMapFile);
   add_schedule(command, *options);
   add_solver(command, *options);
+  add_engine(command, *options);
   add_reading(command, *options);
   add_certainty(command, *options);
   add_reporting(command, *options);

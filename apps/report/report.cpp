@@ -95,6 +95,7 @@ Json join_of(const RunReport& run_report) {
           {"schedule", to_string(run_report.schedule)},
           {"path", path_of(figures)},
           {"method", to_string(run_report.method)},
+          {"engine", to_string(run_report.engine)},
           {"iterations", value_if(done, figures.join.iterations)},
           {"factorisations", value_if(done, figures.join.factorisations)},
           {"turned", value_if(done, figures.turned)},

@@ -13,7 +13,8 @@ RunReport::RunReport(std::string command_name, const Options& options)
       schedule(options.run.schedule),
       state(options.run.state),
       start_values(options.run.start),
-      method(options.run.solver.method) {}
+      method(options.run.solver.method),
+      engine(options.run.solver.engine) {}
 
 template <int Dim>
 void RunReport::describe(const Log<Dim>& log) {

@@ -62,6 +62,7 @@ struct RunReport {
   JoinedState state = JoinedState::kAbsolute;
   Start start_values = Start::kComposed;  ///< For the batch schedule.
   Method method = Method::kDogleg;
+  Engine engine = Engine::kFronts;
   bool has_local_maps = false;  ///< `figures` hold how they were built, or that they were given,
   bool was_damaged = false;     ///< What an interrupted build had left, which is begun afresh.
   bool is_resumed = false;      ///< The iterations in `figures` are only those since a build went on.

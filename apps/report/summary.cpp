@@ -36,8 +36,9 @@ std::string join_in_words(const RunReport& run_report) {
                                 ? fmt::format("{} from the {} start", run_report.figures.path.empty() ? "" : ", gradually,",
                                               to_string(run_report.start_values))
                                 : "";
-  return fmt::format("{}, dof {} ({}{}, {}, {} state)", solve_in_words(run_report.figures.join), run_report.figures.join_dof,
-                     to_string(run_report.schedule), start, to_string(run_report.method), to_string(run_report.state));
+  const std::string engine = run_report.engine == Engine::kFronts ? "" : fmt::format(", by {}", to_string(run_report.engine));
+  return fmt::format("{}, dof {} ({}{}, {}, {} state{})", solve_in_words(run_report.figures.join), run_report.figures.join_dof,
+                     to_string(run_report.schedule), start, to_string(run_report.method), to_string(run_report.state), engine);
 }
 
 std::string recovered_in_words(const RunFigures& figures) {

@@ -25,13 +25,15 @@ set(CPACK_DEBIAN_COMMAND_PACKAGE_SHLIBDEPS ON)
 set(CPACK_DEBIAN_COMMAND_DESCRIPTION "mapjoin takes a robot's log (odometry, loop closures, observations of point
 features, in the plane or in space), splits it into short local maps, solves
 each by least squares, joins them along a tree, and polishes the result to the
-optimum of the whole log: full SLAM, without an initial guess.")
+optimum of the whole log: full SLAM, without an initial guess.
+
+Debian's CHOLMOD, which it is linked with, holds parts under the GPL.")
 
 # The headers need Eigen and tl::expected; the other packages are what the static libraries are linked with.
 set(CPACK_DEBIAN_DEVELOPMENT_PACKAGE_NAME libmapjoin-dev)
 set(CPACK_DEBIAN_DEVELOPMENT_PACKAGE_SECTION libdevel)
 set(CPACK_DEBIAN_DEVELOPMENT_PACKAGE_DEPENDS
-  "libeigen3-dev (>= 3.4), libexpected-dev, libboost-dev (>= 1.74), libfmt-dev, libmatio-dev, libmetis-dev, libopenblas-dev | liblapack-dev, libsqlite3-dev, libtbb-dev, zlib1g-dev")
+  "libeigen3-dev (>= 3.4), libexpected-dev, libboost-dev (>= 1.74), libfmt-dev, libmatio-dev, libmetis-dev, libopenblas-dev | liblapack-dev, libsqlite3-dev, libsuitesparse-dev, libtbb-dev, zlib1g-dev")
 set(CPACK_DEBIAN_DEVELOPMENT_PACKAGE_SUGGESTS mapjoin)
 set(CPACK_DEBIAN_DEVELOPMENT_DESCRIPTION "mapjoin splits a robot's log into short local maps, solves each by least
 squares, joins them along a tree, and polishes the result to the optimum of the

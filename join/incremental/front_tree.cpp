@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <algorithm>
 #include <mapjoin/join/incremental/front_tree.hpp>
+#include <mapjoin/solve/sparse_cholesky.hpp>
 #include <utility>
 
 namespace mapjoin {
@@ -9,15 +10,43 @@ namespace {
 /// In squared standard deviations per entry: what moves less stays where it is, and what hangs below is not looked at.
 constexpr double kNoMove = 1e-6;
 
+/// Adds a quadratic to normal equations; slots that are constant there count for nothing.
+void add_to(NormalEquations::Sink sink, const Quadratic& quadratic, const std::vector<int>& dofs) {
+  Eigen::Index column = 0;
+  for (std::size_t i = 0; i < dofs.size(); column += dofs[i++]) {
+    const auto slot = static_cast<int>(i);
+    sink.rhs(slot, quadratic.b.segment(column, dofs[i]));
+    Eigen::Index row = column;
+    for (std::size_t j = i; j < dofs.size(); row += dofs[j++]) {
+      sink.hessian(slot, static_cast<int>(j), quadratic.H.block(row, column, dofs[j], dofs[i]).transpose());
+    }
+  }
+}
+
+/// Adds what a front leaves of the right-hand side over `rows` to that of its parent: to the parent's own rows in b, to those
+/// below it in `below`.
+void hand_up(const Eigen::VectorXd& sent, std::span<const std::int64_t> rows, const Supernode& parent, Eigen::VectorXd& b,
+             Eigen::VectorXd& below) {
+  auto row = parent.rows.begin() + (parent.end - parent.begin);
+  const auto first_below = row;
+  for (std::size_t k = 0; k < rows.size(); ++k) {
+    const double entry = sent[static_cast<Eigen::Index>(k)];
+    if (rows[k] < parent.end) {
+      b[rows[k]] += entry;
+      continue;
+    }
+    row = std::lower_bound(row, parent.rows.end(), rows[k]);
+    below[row - first_below] += entry;
+  }
+}
+
 }  // namespace
 
-/// What is eliminated again.
-struct FrontTree::Opened {
-  std::vector<Index> nodes;
-  std::vector<Index> variables;   // those to be eliminated last at the end
-  std::vector<Index> quadratics;  // of the open nodes, and the new ones
-  std::vector<Index> orphans;     // nodes below the open ones
-  Index last_count = 0;
+/// Fronts that stay, as the factorisation of what stands above them is given them.
+struct FrontTree::Orphans {
+  std::vector<std::vector<Index>> places;  ///< Ascending.
+  std::vector<Eigen::MatrixXd> updates;
+  std::vector<Eigen::VectorXd> b;
 };
 
 Index FrontTree::add_variable(int dof) {
@@ -27,10 +56,11 @@ Index FrontTree::add_variable(int dof) {
 }
 
 Index FrontTree::add_quadratic(Quadratic quadratic) {
+  const auto q = static_cast<Index>(quadratics_.size());
+  for (const Index v : quadratic.variables) variable(v).quadratics.push_back(q);
   quadratics_.push_back(std::move(quadratic));
-  node_of_.push_back(-1);
-  touched_.push_back(static_cast<Index>(quadratics_.size()) - 1);
-  return touched_.back();
+  touched_.push_back(q);
+  return q;
 }
 
 void FrontTree::change_quadratic(Index q, Eigen::MatrixXd H, Eigen::VectorXd b) {
@@ -52,10 +82,15 @@ std::size_t FrontTree::update(std::span<const Index> last) {
   ++updates_;
   Opened opened = open_touched();
   order(last, opened);
-  const FrontPlan planned = plan(opened);
-  const std::vector<Index> nodes = rebuild(opened, planned);
-  for (std::size_t k = nodes.size(); k-- > 0;) eliminate(opened, planned.fronts[k], nodes[k]);
-  for (const Index v : opened.variables) variable(v).place = -1;
+  const NormalEquations equations = equations_of(opened);
+  const Orphans orphans = sent_by(opened.orphans, equations);
+  SparseCholesky cholesky(Updates::kKept);
+  if (equations.size() > 0) {
+    cholesky.analyse(equations.matrix(), orphans.places);
+    cholesky.factorise(equations.matrix(), orphans.updates);
+  }
+  rebuild(opened, equations, orphans, cholesky.supernodes());
+  for (const Index v : opened.variables) variable(v).place = kConstant;
   solve();
   return opened.variables.size();
 }
@@ -70,16 +105,10 @@ void FrontTree::open_upwards(Index n, Opened& opened) {
 FrontTree::Opened FrontTree::open_touched() {
   Opened opened;
   for (const Index q : touched_) {
-    const Index n = node_of_[static_cast<std::size_t>(q)];
-    if (n >= 0) {
-      open_upwards(n, opened);
-      continue;
-    }
-    opened.quadratics.push_back(q);
     for (const Index v : quadratic(q).variables) {
       if (variable(v).node >= 0) {
         open_upwards(variable(v).node, opened);
-      } else if (variable(v).place < 0) {
+      } else if (variable(v).place == kConstant) {
         variable(v).place = 0;
         opened.variables.push_back(v);
       }
@@ -88,12 +117,16 @@ FrontTree::Opened FrontTree::open_touched() {
   touched_.clear();
   for (const Index n : opened.nodes) {
     const Node& open = node(n);
-    opened.variables.insert(opened.variables.end(), open.front.frontals().begin(), open.front.frontals().end());
-    opened.quadratics.insert(opened.quadratics.end(), open.quadratics.begin(), open.quadratics.end());
+    opened.variables.insert(opened.variables.end(), open.frontals.begin(), open.frontals.end());
     for (const Index child : open.children) {
       if (!node(child).is_open) opened.orphans.push_back(child);
     }
   }
+  for (const Index v : opened.variables) {
+    opened.quadratics.insert(opened.quadratics.end(), variable(v).quadratics.begin(), variable(v).quadratics.end());
+  }
+  std::sort(opened.quadratics.begin(), opened.quadratics.end());
+  opened.quadratics.erase(std::unique(opened.quadratics.begin(), opened.quadratics.end()), opened.quadratics.end());
   return opened;
 }
 
@@ -109,59 +142,115 @@ void FrontTree::order(std::span<const Index> last, Opened& opened) {
   for (std::size_t k = 0; k < variables.size(); ++k) variable(variables[k]).place = static_cast<Index>(k);
 }
 
-FrontPlan FrontTree::plan(const Opened& opened) const {
-  std::vector<int> dofs;
-  for (const Index v : opened.variables) dofs.push_back(variable(v).dof);
-  Cliques cliques;
-  std::vector<Index> places;
-  const auto add_clique = [&](const std::vector<Index>& variables) {
-    places.clear();
-    for (const Index v : variables) places.push_back(variable(v).place);
-    cliques.push_back(places);
+NormalEquations FrontTree::equations_of(const Opened& opened) const {
+  const auto dofs_of = [&](const std::vector<Index>& variables) {
+    std::vector<int> dofs;
+    for (const Index v : variables) dofs.push_back(variable(v).dof);
+    return dofs;
   };
-  for (const Index q : opened.quadratics) add_clique(quadratic(q).variables);
-  for (const Index orphan : opened.orphans) add_clique(node(orphan).front.message().variables);
-  return plan_fronts(dofs, cliques, opened.last_count);
+  const auto places_of = [&](const std::vector<Index>& variables) {
+    std::vector<Index> places;
+    for (const Index v : variables) places.push_back(variable(v).place);
+    return places;
+  };
+  Cliques cliques;
+  for (const Index q : opened.quadratics) cliques.push_back(places_of(quadratic(q).variables));
+  for (const Index orphan : opened.orphans) cliques.push_back(places_of(node(orphan).update.variables));
+  NormalEquations equations(dofs_of(opened.variables), std::move(cliques), nullptr, opened.last_count);
+  for (std::size_t c = 0; c < opened.quadratics.size(); ++c) {
+    const Quadratic& summand = quadratic(opened.quadratics[c]);
+    add_to(equations.sink(c), summand, dofs_of(summand.variables));
+  }
+  return equations;
 }
 
-std::vector<Index> FrontTree::rebuild(const Opened& opened, const FrontPlan& plan) {
+FrontTree::Orphans FrontTree::sent_by(const std::vector<Index>& nodes, const NormalEquations& equations) const {
+  Orphans orphans;
+  for (const Index n : nodes) {
+    const Quadratic& update = node(n).update;
+    std::vector<std::pair<Index, Eigen::Index>> places;  // each with its first row
+    Eigen::Index row = 0;
+    for (const Index v : update.variables) {
+      places.emplace_back(equations.place(variable(v).place), row);
+      row += variable(v).dof;
+    }
+    std::sort(places.begin(), places.end());
+    std::vector<Eigen::Index> rows;
+    std::vector<Index>& ascending = orphans.places.emplace_back();
+    for (const auto& [place, first] : places) {
+      ascending.push_back(place);
+      for (Eigen::Index i = 0; i < equations.matrix().dof(static_cast<std::size_t>(place)); ++i) rows.push_back(first + i);
+    }
+    const Eigen::MatrixXd H = update.H.selfadjointView<Eigen::Lower>();
+    orphans.updates.emplace_back(H(rows, rows));
+    orphans.b.emplace_back(update.b(rows));
+  }
+  return orphans;
+}
+
+void FrontTree::rebuild(const Opened& opened, const NormalEquations& equations, const Orphans& orphans,
+                        const Supernodes& supernodes) {
   std::erase_if(roots_, [&](Index n) { return node(n).is_open; });
   for (const Index n : opened.nodes) {
     node(n) = Node();
     unused_.push_back(n);
   }
+  std::vector<Index> variable_at(static_cast<std::size_t>(equations.size()));  // per column
+  std::vector<std::size_t> supernode_at(variable_at.size());
+  for (std::size_t k = 0; k < opened.variables.size(); ++k) {
+    const auto v = static_cast<Index>(k);
+    std::fill_n(variable_at.begin() + equations.column_of(v), equations.dof(v), opened.variables[k]);
+  }
   std::vector<Index> nodes;
-  for (const PlannedFront& planned : plan.fronts) {
-    const Index n = new_node();
-    nodes.push_back(n);
-    node(n).parent = planned.parent < 0 ? -1 : nodes[static_cast<std::size_t>(planned.parent)];
-    (planned.parent < 0 ? roots_ : node(node(n).parent).children).push_back(n);
+  for (std::size_t s = 0; s < supernodes.size(); ++s) {
+    const Supernode& supernode = supernodes[s];
+    std::fill(supernode_at.begin() + supernode.begin, supernode_at.begin() + supernode.end, s);
+    const bool is_given = supernode.begin == supernode.end;
+    nodes.push_back(is_given ? opened.orphans[supernode.given] : new_node());
+    if (!is_given) take(nodes.back(), supernode, variable_at);
   }
-  auto front = plan.front_of_clique.begin();
-  for (const Index q : opened.quadratics) {
-    const Index n = nodes[static_cast<std::size_t>(*front++)];
-    node(n).quadratics.push_back(q);
-    node_of_[static_cast<std::size_t>(q)] = n;
-  }
-  for (const Index orphan : opened.orphans) {
-    const Index n = nodes[static_cast<std::size_t>(*front++)];
-    node(n).children.push_back(orphan);
-    node(orphan).parent = n;
-  }
-  return nodes;
+  link(nodes, supernodes, supernode_at, orphans.b, equations.permuted(equations.gradient()));
 }
 
-void FrontTree::eliminate(const Opened& opened, const PlannedFront& planned, Index n) {
-  std::vector<Index> variables;
-  Eigen::Index frontal_size = 0;
-  for (const Index place : planned.frontals) {
-    variables.push_back(opened.variables[static_cast<std::size_t>(place)]);
-    variable(variables.back()).node = n;
-    frontal_size += variable(variables.back()).dof;
+/// Makes nodes each other's parents and children, and takes the right-hand side b up the tree.
+void FrontTree::link(const std::vector<Index>& nodes, const Supernodes& supernodes,
+                     const std::vector<std::size_t>& supernode_at, const std::vector<Eigen::VectorXd>& given,
+                     Eigen::VectorXd b) {
+  for (std::size_t s = 0; s < supernodes.size(); ++s) {
+    const Supernode& supernode = supernodes[s];
+    Node& of = node(nodes[s]);
+    const Eigen::Index width = supernode.end - supernode.begin;
+    if (width > 0) {
+      of.y = of.L.topRows(width).triangularView<Eigen::Lower>().solve(b.segment(supernode.begin, width));
+      of.update.b.noalias() -= of.L.bottomRows(of.update.b.size()) * of.y;
+    }
+    const auto first_below = supernode.rows.begin() + width;
+    if (first_below == supernode.rows.end()) {
+      of.parent = -1;
+      roots_.push_back(nodes[s]);
+      continue;
+    }
+    const std::size_t p = supernode_at[static_cast<std::size_t>(*first_below)];
+    of.parent = nodes[p];
+    node(of.parent).children.push_back(nodes[s]);
+    const Eigen::VectorXd& sent = width > 0 ? of.update.b : given[supernode.given];
+    hand_up(sent, {first_below, supernode.rows.end()}, supernodes[p], b, node(of.parent).update.b);
   }
-  for (const Index place : planned.separator) variables.push_back(opened.variables[static_cast<std::size_t>(place)]);
+}
+
+void FrontTree::take(Index n, const Supernode& supernode, const std::vector<Index>& variable_at) {
   Node& fresh = node(n);
-  fresh.front = Front(assembled(fresh, std::move(variables)), planned.frontals.size(), frontal_size);
+  const Eigen::Index width = supernode.end - supernode.begin;
+  const auto height = static_cast<Eigen::Index>(supernode.rows.size());
+  for (Eigen::Index row = 0; row < height;) {
+    const Index v = variable_at[static_cast<std::size_t>(supernode.rows[static_cast<std::size_t>(row)])];
+    (row < width ? fresh.frontals : fresh.update.variables).push_back(v);
+    if (row < width) variable(v).node = n;
+    row += variable(v).dof;
+  }
+  fresh.L = Eigen::Map<const Eigen::MatrixXd>(supernode.values, height, width);
+  fresh.update.H = Eigen::Map<const Eigen::MatrixXd>(supernode.update, height - width, height - width);
+  fresh.update.b.setZero(height - width);
   fresh.is_fresh = true;
 }
 
@@ -175,34 +264,6 @@ Index FrontTree::new_node() {
   return n;
 }
 
-Quadratic FrontTree::assembled(const Node& of, std::vector<Index> variables) {
-  Eigen::Index rows = 0;
-  for (const Index v : variables) {
-    variable(v).row = rows;
-    rows += variable(v).dof;
-  }
-  Quadratic sum{std::move(variables), Eigen::MatrixXd::Zero(rows, rows), Eigen::VectorXd::Zero(rows)};
-  for (const Index q : of.quadratics) add_to(sum, quadratic(q));
-  for (const Index child : of.children) add_to(sum, node(child).front.message());
-  return sum;
-}
-
-void FrontTree::add_to(Quadratic& sum, const Quadratic& part) {
-  std::vector<Eigen::Index> rows;
-  for (const Index v : part.variables) {
-    for (int i = 0; i < variable(v).dof; ++i) rows.push_back(variable(v).row + i);
-  }
-  const auto size = static_cast<Eigen::Index>(rows.size());
-  for (Eigen::Index c = 0; c < size; ++c) {
-    const Eigen::Index column = rows[static_cast<std::size_t>(c)];
-    sum.b[column] += part.b[c];
-    for (Eigen::Index r = c; r < size; ++r) {
-      const Eigen::Index row = rows[static_cast<std::size_t>(r)];
-      sum.H(std::max(row, column), std::min(row, column)) += part.H(r, c);
-    }
-  }
-}
-
 void FrontTree::solve() {
   moved_.clear();
   std::vector<Index> to_visit = roots_;
@@ -211,34 +272,39 @@ void FrontTree::solve() {
     to_visit.pop_back();
     if (!is_displaced_ && !next.is_fresh && !is_above_moved(next)) continue;
     next.is_fresh = false;
-    solve_front(next.front);
+    solve_node(next);
     to_visit.insert(to_visit.end(), next.children.begin(), next.children.end());
   }
   is_displaced_ = false;
 }
 
 bool FrontTree::is_above_moved(const Node& below) const {
-  const auto& separator = below.front.message().variables;
+  const auto& separator = below.update.variables;
   return std::any_of(separator.begin(), separator.end(), [&](Index v) { return variable(v).moved_in == updates_; });
 }
 
-void FrontTree::solve_front(const Front& front) {
-  const auto gathered = [&](const std::vector<Index>& variables) {
-    Eigen::Index size = 0;
-    for (const Index v : variables) size += variable(v).dof;
-    Eigen::VectorXd entries(size);
-    Eigen::Index entry = 0;
-    for (const Index v : variables) {
-      entries.segment(entry, variable(v).dof) = solution(v);
-      entry += variable(v).dof;
-    }
-    return entries;
-  };
-  const Eigen::VectorXd before = gathered(front.frontals());
-  const Eigen::VectorXd now = front.solve(gathered(front.message().variables));
-  if (front.squared_deviations(now - before) <= kNoMove * static_cast<double>(now.size())) return;
+Eigen::VectorXd FrontTree::gathered(const std::vector<Index>& variables, Eigen::Index size) const {
+  Eigen::VectorXd entries(size);
   Eigen::Index entry = 0;
-  for (const Index v : front.frontals()) {
+  for (const Index v : variables) {
+    entries.segment(entry, variable(v).dof) = solution(v);
+    entry += variable(v).dof;
+  }
+  return entries;
+}
+
+void FrontTree::solve_node(const Node& next) {
+  const Eigen::Index width = next.L.cols();
+  const auto L_JJ = next.L.topRows(width).triangularView<Eigen::Lower>();
+  const Eigen::VectorXd above = gathered(next.update.variables, next.L.rows() - width);
+  Eigen::VectorXd now = next.y;
+  now.noalias() -= next.L.bottomRows(above.size()).transpose() * above;
+  L_JJ.transpose().solveInPlace(now);
+  // The change in squared standard deviations, what lies above being held.
+  const double change = (L_JJ.transpose() * (now - gathered(next.frontals, width))).squaredNorm();
+  if (change <= kNoMove * static_cast<double>(width)) return;
+  Eigen::Index entry = 0;
+  for (const Index v : next.frontals) {
     std::copy_n(now.data() + entry, variable(v).dof, solution_.begin() + variable(v).offset);
     entry += variable(v).dof;
     variable(v).moved_in = updates_;

@@ -3,15 +3,23 @@
 // A growing sum of quadratics and its minimum, by a tree of fronts of which a change touches few: those that eliminate the
 // variables of what changed, and all above them (the Bayes tree of iSAM2: Kaess et al., IJRR 2012).
 //
-// The fronts below send up what they sent before. Their variables are solved for again only where what lies above has moved.
+// These are planned and eliminated again as normal equations of their own (NormalEquations), to which the fronts below send
+// what they sent before. The variables of fronts below are solved for again only where what lies above has moved.
 
 #include <Eigen/Core>
-#include <mapjoin/join/incremental/front.hpp>
-#include <mapjoin/join/incremental/front_plan.hpp>
+#include <mapjoin/model/ids.hpp>
+#include <mapjoin/solve/normal_equations.hpp>
 #include <span>
 #include <vector>
 
 namespace mapjoin {
+
+/// A quadratic δᵀHδ - 2 bᵀδ over some variables' entries, one after the other. Only the lower triangle of H counts.
+struct Quadratic {
+  std::vector<Index> variables;
+  Eigen::MatrixXd H;
+  Eigen::VectorXd b;
+};
 
 class FrontTree {
  public:
@@ -22,7 +30,7 @@ class FrontTree {
   void change_quadratic(Index quadratic, Eigen::MatrixXd H, Eigen::VectorXd b);
 
   /// Eliminates again what is touched by all that was added and changed since the last time, the variables `last` after all
-  /// others, and solves. Returns how many variables were eliminated.
+  /// others, and solves. Variables that nothing determines stay where they are. Returns how many variables were eliminated.
   std::size_t update(std::span<const Index> last);
   /// Where the sum is least: the entries of a variable.
   Eigen::Map<const Eigen::VectorXd> solution(Index variable) const;
@@ -33,23 +41,34 @@ class FrontTree {
   void set_solution(Index variable, const Eigen::Ref<const Eigen::VectorXd>& entries);
 
  private:
+  /// Variables that are eliminated together; y = L_JJ⁻¹ b_J. What is left over the separator goes to the parent.
   struct Node {
-    Front front;
+    std::vector<Index> frontals;
+    Quadratic update;   // over the separator
+    Eigen::MatrixXd L;  // L_JJ over L_RJ
+    Eigen::VectorXd y;
     Index parent = -1;
     std::vector<Index> children;
-    std::vector<Index> quadratics;
     bool is_open = false;   // about to be eliminated again
     bool is_fresh = false;  // not yet solved
   };
   struct Variable {
     int dof;
-    Eigen::Index offset;       // in solution_
+    Eigen::Index offset;  // in solution_
+    std::vector<Index> quadratics{};
     Index node = -1;           // that eliminates it
-    Index place = -1;          // among the variables that are being eliminated
-    Eigen::Index row = -1;     // in the front that is being assembled
+    Index place = kConstant;   // among the variables that are being eliminated
     std::size_t moved_in = 0;  // the update that moved it last
   };
-  struct Opened;
+  /// What is eliminated again.
+  struct Opened {
+    std::vector<Index> nodes;
+    std::vector<Index> variables;   // those to be eliminated last at the end
+    std::vector<Index> quadratics;  // that concern them
+    std::vector<Index> orphans;     // nodes below the open ones
+    Index last_count = 0;
+  };
+  struct Orphans;
 
   Variable& variable(Index v) { return variables_[static_cast<std::size_t>(v)]; }
   const Variable& variable(Index v) const { return variables_[static_cast<std::size_t>(v)]; }
@@ -61,21 +80,23 @@ class FrontTree {
   void open_upwards(Index node, Opened& opened);
   Opened open_touched();
   void order(std::span<const Index> last, Opened& opened);
-  FrontPlan plan(const Opened& opened) const;
-  /// New nodes in the place of the open ones, in the plan's order, with their quadratics and orphans.
-  std::vector<Index> rebuild(const Opened& opened, const FrontPlan& plan);
-  void eliminate(const Opened& opened, const PlannedFront& planned, Index node);
+  NormalEquations equations_of(const Opened& opened) const;
+  /// What nodes send up, over the places of the opened variables.
+  Orphans sent_by(const std::vector<Index>& orphans, const NormalEquations& equations) const;
+  /// New nodes in the place of the open ones, of a factorisation of what is opened.
+  void rebuild(const Opened& opened, const NormalEquations& equations, const Orphans& orphans, const Supernodes& supernodes);
+  void take(Index node, const Supernode& supernode, const std::vector<Index>& variable_at);
+  void link(const std::vector<Index>& nodes, const Supernodes& supernodes, const std::vector<std::size_t>& supernode_at,
+            const std::vector<Eigen::VectorXd>& given, Eigen::VectorXd b);
   Index new_node();
-  /// The sum of a node's quadratics and its children's messages, over the given variables.
-  Quadratic assembled(const Node& node, std::vector<Index> variables);
-  void add_to(Quadratic& sum, const Quadratic& part);
   void solve();
   bool is_above_moved(const Node& node) const;
-  void solve_front(const Front& front);
+  void solve_node(const Node& node);
+  /// The solution over variables, of so many entries.
+  Eigen::VectorXd gathered(const std::vector<Index>& variables, Eigen::Index size) const;
 
   std::vector<Variable> variables_;
   std::vector<Quadratic> quadratics_;
-  std::vector<Index> node_of_;  // per quadratic, or -1
   std::vector<Index> touched_;  // quadratics since the last update
   std::vector<Node> nodes_;
   std::vector<Index> unused_;  // nodes

@@ -6,7 +6,7 @@
 // a rotation's columns are those of the step at x̂ times the right Jacobian at δ̂.
 
 #include <Eigen/Core>
-#include <mapjoin/join/incremental/front.hpp>
+#include <mapjoin/join/incremental/front_tree.hpp>
 #include <mapjoin/model/accumulate.hpp>
 #include <mapjoin/model/local_map.hpp>
 #include <mapjoin/solve/normal_equations.hpp>

@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <algorithm>
+#include <cmath>
 #include <mapjoin/parallel/parallel.hpp>
 #include <mapjoin/solve/frontal_matrix.hpp>
+#include <mapjoin/solve/pivot.hpp>
 
 namespace mapjoin {
 namespace {
@@ -39,6 +41,37 @@ void subtract_square_by_tiles(DenseBlock B, DenseBlock C, Into into) {
   });
 }
 
+/// L of a small matrix, column by column; singular columns become those of the identity and are noted.
+void factorise_leaving_out(DenseBlock A, const Eigen::Ref<const Eigen::VectorXd>& diagonal,
+                           std::vector<Eigen::Index>& singular) {
+  for (Eigen::Index j = 0; j < A.cols(); ++j) {
+    const Eigen::Index below = A.rows() - j - 1;
+    auto column = A.col(j).tail(below);
+    const double pivot = std::sqrt(std::max(A(j, j), 0.0));
+    if (has_lost_digits(pivot, diagonal[j])) {
+      singular.push_back(j);
+      A(j, j) = 1.0;
+      column.setZero();
+      continue;
+    }
+    A(j, j) = pivot;
+    column /= pivot;
+    A.bottomRightCorner(below, below).selfadjointView<Eigen::Lower>().rankUpdate(column, -1.0);
+  }
+}
+
+/// The same by LAPACK where no column is singular.
+std::vector<Eigen::Index> factorise_tile(DenseBlock A, const Eigen::Ref<const Eigen::VectorXd>& diagonal) {
+  const Eigen::MatrixXd before = A;
+  std::vector<Eigen::Index> singular;
+  bool is_regular = !cholesky_in_place(A);
+  for (Eigen::Index j = 0; is_regular && j < A.cols(); ++j) is_regular = !has_lost_digits(A(j, j), diagonal[j]);
+  if (is_regular) return singular;
+  A = before;
+  factorise_leaving_out(A, diagonal, singular);
+  return singular;
+}
+
 }  // namespace
 
 void add_update(ConstDenseBlock update, std::span<const RowRun> runs, Eigen::Index begin, DenseBlock block) {
@@ -57,17 +90,22 @@ void add_update(ConstDenseBlock update, std::span<const RowRun> runs, Eigen::Ind
   }
 }
 
-std::optional<Eigen::Index> eliminate(FrontalMatrix front) {
+std::vector<Eigen::Index> eliminate(FrontalMatrix front, const Eigen::VectorXd& diagonal) {
   const Eigen::Index height = front.panel.rows();
   const Eigen::Index width = front.panel.cols();
+  std::vector<Eigen::Index> singular;
   for (Eigen::Index begin = 0; begin < width; begin += kTile) {
     const Eigen::Index columns = std::min(kTile, width - begin);
-    const DenseBlock diagonal = part(front.panel, begin, begin, columns, columns);
-    if (const auto column = cholesky_in_place(diagonal)) return begin + *column;
+    const DenseBlock tile = part(front.panel, begin, begin, columns, columns);
+    const auto of_tile = factorise_tile(tile, diagonal.segment(begin, columns));
     const Eigen::Index end = begin + columns;
     for_each_tile(height - end, [&](Eigen::Index row, Eigen::Index rows) {
-      divide_by_transpose(constant(diagonal), part(front.panel, end + row, begin, rows, columns));
+      divide_by_transpose(constant(tile), part(front.panel, end + row, begin, rows, columns));
     });
+    for (const Eigen::Index column : of_tile) {
+      front.panel.col(begin + column).tail(height - end).setZero();
+      singular.push_back(begin + column);
+    }
     if (end == width) break;
     subtract_square_by_tiles(part(front.panel, end, begin, height - end, columns),
                              part(front.panel, end, end, height - end, width - end), Into::kSum);
@@ -75,7 +113,7 @@ std::optional<Eigen::Index> eliminate(FrontalMatrix front) {
   if (height > width) {
     subtract_square_by_tiles(part(front.panel, width, 0, height - width, width), front.update, Into::kNew);
   }
-  return std::nullopt;
+  return singular;
 }
 
 }  // namespace mapjoin

@@ -4,8 +4,8 @@
 
 #include <mapjoin/solve/dense_kernels.hpp>
 #include <mapjoin/solve/supernodal_tree.hpp>
-#include <optional>
 #include <span>
+#include <vector>
 
 namespace mapjoin {
 
@@ -25,8 +25,9 @@ struct FrontalMatrix {
 /// sends; `runs` name the child's rows.
 void add_update(ConstDenseBlock update, std::span<const RowRun> runs, Eigen::Index begin, DenseBlock block);
 
-/// Eliminates J: its panel becomes [L_JJ; L_RJ], the update, whatever it was, -L_RJ L_RJᵀ. Returns the first column of J whose
-/// pivot is not positive, or nothing. Large fronts are worked on by all threads.
-std::optional<Eigen::Index> eliminate(FrontalMatrix front);
+/// Eliminates J: its panel becomes [L_JJ; L_RJ], the update, whatever it was, -L_RJ L_RJᵀ. Returns the columns of J that are
+/// singular, `diagonal` being the matrix's there: they are left out, their columns of L being those of the identity. Large
+/// fronts are worked on by all threads.
+std::vector<Eigen::Index> eliminate(FrontalMatrix front, const Eigen::VectorXd& diagonal);
 
 }  // namespace mapjoin

@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <mapjoin/model/enum_names.hpp>
 #include <mapjoin/model/ids.hpp>
+#include <mapjoin/solve/engine.hpp>
 #include <optional>
 #include <string>
 #include <vector>
@@ -25,10 +26,11 @@ constexpr auto enum_names(Method) {
 struct MinimiseOptions {
   Method method = Method::kDogleg;
   int max_iterations = 200;
-  double relative_chi2 = 1e-9;  ///< Converged when a step promises to lower chi2 by less than this share of it,
-  double step_metres = 1e-9;    ///< or moves no position by more than this (m)
-  double step_radians = 1e-9;   ///< and turns no pose by more than this (rad).
-  bool damp_singular = false;   ///< Damp where the system is singular instead of stopping there.
+  double relative_chi2 = 1e-9;      ///< Converged when a step promises to lower chi2 by less than this share of it,
+  double step_metres = 1e-9;        ///< or moves no position by more than this (m)
+  double step_radians = 1e-9;       ///< and turns no pose by more than this (rad).
+  bool damp_singular = false;       ///< Damp where the system is singular instead of stopping there.
+  Engine engine = Engine::kFronts;  ///< What factorises sparse systems.
 
   /// Every violation in words; empty if there is none.
   std::vector<std::string> validate() const;

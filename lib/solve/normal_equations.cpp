@@ -3,6 +3,7 @@
 #include <mapjoin/parallel/parallel.hpp>
 #include <mapjoin/solve/normal_equations.hpp>
 #include <mapjoin/solve/ordering.hpp>
+#include <mapjoin/solve/sparse_cholesky.hpp>
 #include <numeric>
 #include <tuple>
 #include <utility>
@@ -67,12 +68,12 @@ class CliquesOf {
 
 }  // namespace
 
-NormalEquations::NormalEquations(std::vector<int> dofs, Cliques cliques)
-    : dofs_(std::move(dofs)), cliques_(std::move(cliques)) {
+NormalEquations::NormalEquations(std::vector<int> dofs, Cliques cliques, std::unique_ptr<SparseSolver> solver, Index last_count)
+    : dofs_(std::move(dofs)), cliques_(std::move(cliques)), solver_(std::move(solver)) {
   offsets_.assign(dofs_.size() + 1, 0);
   for (std::size_t v = 0; v < dofs_.size(); ++v) offsets_[v + 1] = offsets_[v] + dofs_[v];
   gradient_.setZero(size());
-  order_and_lay_out();
+  order_and_lay_out(last_count);
   parallel_invoke(
       [&] {
         find_destinations();
@@ -80,7 +81,7 @@ NormalEquations::NormalEquations(std::vector<int> dofs, Cliques cliques)
         colour_large_cliques();
       },
       [&] {
-        if (size() > 0) cholesky_.analyse(matrix_);
+        if (solver_ && size() > 0) solver_->analyse(matrix_);
       });
 }
 
@@ -93,13 +94,13 @@ void NormalEquations::for_each_neighbour(Index v, std::span<const std::uint32_t>
   }
 }
 
-void NormalEquations::order_and_lay_out() {
+void NormalEquations::order_and_lay_out(Index last_count) {
   const CliquesOf cliques_of(dofs_.size(), cliques_);
   auto [begin, neighbours] = sorted_lists(dofs_.size(), [&](std::size_t k, std::vector<Index>& found) {
     const auto v = static_cast<Index>(k);
     for_each_neighbour(v, cliques_of[v], [&](Index other) { found.push_back(other); });
   });
-  order_ = elimination_order({std::move(begin), std::move(neighbours)});
+  order_ = elimination_order({std::move(begin), std::move(neighbours)}, last_count);
   place_ = inverse_order(order_);
   matrix_.offsets.assign(order_.size() + 1, 0);
   for (std::size_t k = 0; k < order_.size(); ++k) {
@@ -169,6 +170,15 @@ Eigen::MatrixXd NormalEquations::permuted(const Eigen::MatrixXd& columns) const 
   for (std::size_t k = 0; k < order_.size(); ++k) {
     const auto variable = static_cast<std::size_t>(order_[k]);
     out.middleRows(matrix_.offsets[k], dofs_[variable]) = columns.middleRows(offsets_[variable], dofs_[variable]);
+  }
+  return out;
+}
+
+Eigen::MatrixXd NormalEquations::unpermuted(const Eigen::MatrixXd& columns) const {
+  Eigen::MatrixXd out(columns.rows(), columns.cols());
+  for (std::size_t k = 0; k < order_.size(); ++k) {
+    const auto variable = static_cast<std::size_t>(order_[k]);
+    out.middleRows(offsets_[variable], dofs_[variable]) = columns.middleRows(matrix_.offsets[k], dofs_[variable]);
   }
   return out;
 }
@@ -244,7 +254,7 @@ std::optional<double> NormalEquations::least_curvature(const Eigen::VectorXd& v,
   const BlockLower H_free = principal_submatrix(is_free);
   SparseCholesky cholesky;
   cholesky.analyse(H_free);
-  if (cholesky.factorise(H_free)) return std::nullopt;
+  if (!cholesky.factorise(H_free).empty()) return std::nullopt;
   w(free) = -cholesky.solve(product(w)(free));
   return w.dot(product(w));
 }
@@ -260,22 +270,25 @@ std::optional<Index> NormalEquations::factorise(double damping) {
   if (size() == 0) return std::nullopt;
   const Eigen::VectorXd undamped = damping > 0.0 ? diagonal() : Eigen::VectorXd();
   if (damping > 0.0) damp(damping);
-  const auto column = cholesky_.factorise(matrix_);
+  const auto singular = solver_->factorise(matrix_);
   if (damping > 0.0) set_diagonal(undamped);
-  if (!column) return std::nullopt;
-  const auto place = std::upper_bound(matrix_.offsets.begin(), matrix_.offsets.end(), *column) - matrix_.offsets.begin() - 1;
+  if (singular.empty()) return std::nullopt;
+  const auto place =
+      std::upper_bound(matrix_.offsets.begin(), matrix_.offsets.end(), singular.front()) - matrix_.offsets.begin() - 1;
   return order_[static_cast<std::size_t>(place)];
 }
 
+Eigen::MatrixXd NormalEquations::null_space(std::size_t most_count) const {
+  if (size() == 0) return {};
+  SparseCholesky cholesky;
+  cholesky.analyse(matrix_);
+  auto singular = cholesky.factorise(matrix_);
+  singular.resize(std::min(singular.size(), most_count));
+  return unpermuted(cholesky.null_space(singular));
+}
+
 Eigen::MatrixXd NormalEquations::solve_columns(const Eigen::MatrixXd& B) const {
-  if (size() == 0) return B;
-  const Eigen::MatrixXd X = cholesky_.solve_columns(permuted(B));
-  Eigen::MatrixXd out(X.rows(), X.cols());
-  for (std::size_t k = 0; k < order_.size(); ++k) {
-    const auto variable = static_cast<std::size_t>(order_[k]);
-    out.middleRows(offsets_[variable], dofs_[variable]) = X.middleRows(matrix_.offsets[k], dofs_[variable]);
-  }
-  return out;
+  return size() == 0 ? B : unpermuted(solver_->solve_columns(permuted(B)));
 }
 
 }  // namespace mapjoin

@@ -6,7 +6,8 @@
 #include <algorithm>
 #include <functional>
 #include <mapjoin/model/ids.hpp>
-#include <mapjoin/solve/sparse_cholesky.hpp>
+#include <mapjoin/solve/sparse_solver.hpp>
+#include <memory>
 #include <optional>
 #include <span>
 #include <type_traits>
@@ -37,7 +38,11 @@ struct Cliques {
 /// Vectors are over the variables in their own order, `dofs[v]` entries each.
 class NormalEquations {
  public:
-  NormalEquations(std::vector<int> dofs, Cliques cliques);
+  NormalEquations(std::vector<int> dofs, Cliques cliques, Engine engine = Engine::kFronts)
+      : NormalEquations(std::move(dofs), std::move(cliques), make_solver(engine)) {}
+  /// No solver where the caller factorises matrix() himself. The `last_count` last variables are eliminated after those that
+  /// they are coupled to.
+  NormalEquations(std::vector<int> dofs, Cliques cliques, std::unique_ptr<SparseSolver> solver, Index last_count = 0);
 
   /// Takes the blocks of one observation to their destinations.
   class Sink {
@@ -92,6 +97,13 @@ class NormalEquations {
   /// any number of threads.
   double accumulate_cliques(const std::function<double(std::size_t, Sink)>& f);
 
+  /// H in the order of its elimination: variable v is block place(v).
+  const BlockLower& matrix() const { return matrix_; }
+  Index place(Index v) const { return place_[static_cast<std::size_t>(v)]; }
+  Index variable_at(Index place) const { return order_[static_cast<std::size_t>(place)]; }
+  /// Vectors over the variables, side by side, in that order.
+  Eigen::MatrixXd permuted(const Eigen::MatrixXd& columns) const;
+
   /// Adds to the block of one variable with itself.
   template <typename Block>
   void add_diagonal(Index v, const Block& block) {
@@ -116,24 +128,27 @@ class NormalEquations {
   void damp(double damping) { set_diagonal((1.0 + damping) * diagonal()); }
   /// Factorises H + damping·diag(H), H staying what it is. Returns a variable at which it is singular, or nothing.
   std::optional<Index> factorise(double damping);
+  /// The directions in which H leaves the variables free where it is singular, as columns: at most `most_count` of a basis of
+  /// its null space. By a factorisation of its own.
+  Eigen::MatrixXd null_space(std::size_t most_count) const;
   /// (H + damping·diag(H))⁻¹ b of the last factorisation.
   Eigen::VectorXd solve(const Eigen::VectorXd& b) const { return solve_columns(b); }
   /// The same for every column of B.
   Eigen::MatrixXd solve_columns(const Eigen::MatrixXd& B) const;
 
   /// The factor L of the last factorisation, whose columns are those of column_of(); it holds until the next one.
-  Supernodes supernodes() const { return cholesky_.supernodes(); }
+  Supernodes supernodes() const { return solver_->supernodes(); }
   /// How many there are, of any factorisation.
-  std::size_t supernode_count() const { return cholesky_.supernode_count(); }
+  std::size_t supernode_count() const { return solver_->supernode_count(); }
   /// Memory of its values.
-  std::int64_t factor_bytes() const { return cholesky_.bytes(); }
+  std::int64_t factor_bytes() const { return solver_->bytes(); }
   /// The column of the factorised matrix at which variable v begins.
   std::int64_t column_of(Index v) const { return matrix_.offsets[static_cast<std::size_t>(place(v))]; }
   int dof(Index v) const { return dofs_[static_cast<std::size_t>(v)]; }
 
  private:
   void set_diagonal(const Eigen::VectorXd& diagonal);
-  void order_and_lay_out();
+  void order_and_lay_out(Index last_count);
   template <typename F>
   void for_each_neighbour(Index v, std::span<const std::uint32_t> cliques, F&& f) const;
   void find_destinations();
@@ -141,8 +156,8 @@ class NormalEquations {
   BlockLower principal_submatrix(const std::vector<bool>& is_kept) const;
   /// H v; both in the order of the elimination.
   Eigen::VectorXd product(const Eigen::VectorXd& v) const;
-  /// Vectors, side by side, in the order of the elimination.
-  Eigen::MatrixXd permuted(const Eigen::MatrixXd& columns) const;
+  /// And back.
+  Eigen::MatrixXd unpermuted(const Eigen::MatrixXd& columns) const;
 
   /// The cliques of two slots whose first place is in one run of places, and their variables at other places. What adds to
   /// these waits in sums until nobody else writes: per variable its diagonal block, then its right-hand side.
@@ -158,7 +173,6 @@ class NormalEquations {
   /// The part of each place.
   std::vector<std::uint32_t> cut_places(const std::vector<Index>& first_places);
 
-  Index place(Index v) const { return place_[static_cast<std::size_t>(v)]; }
   template <typename Block>
   void add_rhs(Index v, const Block& block) {
     gradient_.segment(offset(v), block.size()) += block;
@@ -197,7 +211,7 @@ class NormalEquations {
   std::vector<std::int32_t> sums_;  ///< Per slot of all cliques, where the sums of its part begin, or kOwn.
   BlockLower matrix_;               ///< H, by places.
   Eigen::VectorXd gradient_;
-  SparseCholesky cholesky_;
+  std::unique_ptr<SparseSolver> solver_;
 };
 
 }  // namespace mapjoin

@@ -1,15 +1,17 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <metis.h>
+#include <suitesparse/amd.h>
+#include <suitesparse/camd.h>
 
-#include <Eigen/OrderingMethods>
-#include <Eigen/SparseCore>
+#include <algorithm>
 #include <limits>
+#include <mapjoin/solve/elimination_tree.hpp>
 #include <mapjoin/solve/ordering.hpp>
 #include <mutex>
 #include <new>
 #include <numeric>
 #include <stdexcept>
-#include <utility>
+#include <string>
 
 namespace mapjoin {
 namespace {
@@ -17,21 +19,22 @@ namespace {
 /// Below this many variables minimum degree is as good as dissection and faster.
 constexpr Index kSmall = 200;
 
-std::vector<Index> minimum_degree(const BlockGraph& graph) {
-  Eigen::SparseMatrix<double, Eigen::ColMajor, Index> A(graph.size(), graph.size());
-  std::vector<Eigen::Triplet<double, Index>> entries;
-  entries.reserve(graph.neighbours.size() + graph.begin.size());
-  for (Index v = 0; v < graph.size(); ++v) {
-    entries.emplace_back(v, v, 1.0);
-    for (auto k = graph.begin[static_cast<std::size_t>(v)]; k < graph.begin[static_cast<std::size_t>(v) + 1]; ++k) {
-      entries.emplace_back(graph.neighbours[static_cast<std::size_t>(k)], v, 1.0);
-    }
+/// AMD or, where variables come last, CAMD (Amestoy, Davis & Duff, 2004).
+std::vector<Index> minimum_degree(const BlockGraph& graph, Index last_count) {
+  std::vector<SuiteSparse_long> begin(graph.begin.begin(), graph.begin.end());
+  std::vector<SuiteSparse_long> neighbours(graph.neighbours.begin(), graph.neighbours.end());
+  std::vector<SuiteSparse_long> order(static_cast<std::size_t>(graph.size()));
+  SuiteSparse_long status = AMD_OK;
+  if (last_count == 0) {
+    status = amd_l_order(graph.size(), begin.data(), neighbours.data(), order.data(), nullptr, nullptr);
+  } else {
+    std::vector<SuiteSparse_long> is_last(order.size(), 0);
+    std::fill(is_last.end() - last_count, is_last.end(), 1);
+    status = camd_l_order(graph.size(), begin.data(), neighbours.data(), order.data(), nullptr, nullptr, is_last.data());
   }
-  A.setFromTriplets(entries.begin(), entries.end());
-  Eigen::PermutationMatrix<Eigen::Dynamic, Eigen::Dynamic, Index> permutation;
-  Eigen::AMDOrdering<Index>()(A, permutation);
-  const auto& indices = permutation.indices();
-  return {indices.data(), indices.data() + indices.size()};
+  if (status == AMD_OUT_OF_MEMORY) throw std::bad_alloc();
+  if (status < 0) throw std::runtime_error("AMD failed with status " + std::to_string(status));
+  return {order.begin(), order.end()};
 }
 
 std::vector<Index> nested_dissection(const BlockGraph& graph) {
@@ -51,45 +54,6 @@ std::vector<Index> nested_dissection(const BlockGraph& graph) {
   return {order.begin(), order.end()};
 }
 
-/// Per place of the elimination, the place that it is first coupled to once it is eliminated; the size for a root (Liu, 1986).
-std::vector<Index> elimination_tree(const BlockGraph& graph, const std::vector<Index>& order) {
-  const std::vector<Index> place = inverse_order(order);
-  std::vector<Index> parent(order.size(), graph.size());
-  std::vector<Index> ancestor(order.size(), graph.size());  // a shortcut towards the root
-  for (Index k = 0; k < graph.size(); ++k) {
-    const auto v = static_cast<std::size_t>(order[static_cast<std::size_t>(k)]);
-    for (auto n = graph.begin[v]; n < graph.begin[v + 1]; ++n) {
-      Index i = place[static_cast<std::size_t>(graph.neighbours[static_cast<std::size_t>(n)])];
-      while (i < k) {
-        const auto at = static_cast<std::size_t>(i);
-        i = std::exchange(ancestor[at], k);
-        if (i == graph.size()) parent[at] = k;
-      }
-    }
-  }
-  return parent;
-}
-
-/// The same elimination with the places of every subtree in one run: equal fill, and its supernodes are runs of columns.
-std::vector<Index> postordered(const BlockGraph& graph, const std::vector<Index>& order) {
-  const std::vector<Index> parent = elimination_tree(graph, order);
-  // How many places the subtrees of each place take, then where they begin: children of one parent by their places.
-  std::vector<Index> taken(order.size(), 1);
-  for (std::size_t k = 0; k < order.size(); ++k) {
-    if (parent[k] < graph.size()) taken[static_cast<std::size_t>(parent[k])] += taken[k];
-  }
-  std::vector<Index> next(order.size() + 1, 0);  // the first free place below each parent, the last one for roots
-  std::vector<Index> result(order.size());
-  for (std::size_t k = order.size(); k-- > 0;) {
-    Index& free = next[static_cast<std::size_t>(parent[k])];
-    const Index first = free;
-    free += taken[k];
-    next[k] = first;
-    result[static_cast<std::size_t>(first + taken[k] - 1)] = order[k];
-  }
-  return result;
-}
-
 }  // namespace
 
 std::vector<Index> inverse_order(const std::vector<Index>& order) {
@@ -98,14 +62,15 @@ std::vector<Index> inverse_order(const std::vector<Index>& order) {
   return place;
 }
 
-std::vector<Index> elimination_order(const BlockGraph& graph) {
+std::vector<Index> elimination_order(const BlockGraph& graph, Index last_count) {
   if (graph.neighbours.empty()) {
     std::vector<Index> order(static_cast<std::size_t>(graph.size()));
     std::iota(order.begin(), order.end(), 0);
     return order;
   }
   const bool fits_metis = graph.neighbours.size() <= static_cast<std::size_t>(std::numeric_limits<idx_t>::max());
-  return postordered(graph, graph.size() < kSmall || !fits_metis ? minimum_degree(graph) : nested_dissection(graph));
+  const bool is_dissected = graph.size() >= kSmall && last_count == 0 && fits_metis;
+  return postordered(graph, is_dissected ? nested_dissection(graph) : minimum_degree(graph, last_count));
 }
 
 }  // namespace mapjoin

@@ -17,8 +17,9 @@ struct BlockGraph {
 };
 
 /// Variables by their place in the elimination: nested dissection (METIS), which decides everything at scale; approximate
-/// minimum degree for graphs too small to dissect; either postordered. The same graph gives the same order, from any thread.
-std::vector<Index> elimination_order(const BlockGraph& graph);
+/// minimum degree (AMD) for graphs too small to dissect; the constrained one (CAMD) where the `last_count` last variables are
+/// to be eliminated after what they are coupled to. All are postordered. The same graph gives the same order, from any thread.
+std::vector<Index> elimination_order(const BlockGraph& graph, Index last_count = 0);
 
 /// The place of each variable in an order.
 std::vector<Index> inverse_order(const std::vector<Index>& order);

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <algorithm>
-#include <atomic>
 #include <mapjoin/solve/factor_tasks.hpp>
 #include <mapjoin/solve/frontal_matrix.hpp>
-#include <mapjoin/solve/pivot.hpp>
 #include <mapjoin/solve/sparse_cholesky.hpp>
+#include <mutex>
+#include <utility>
 
 namespace mapjoin {
 namespace {
@@ -15,31 +15,40 @@ using Stride = Eigen::OuterStride<>;
 /// One factorisation: the updates on their way from supernode to parent.
 class Factorisation {
  public:
-  Factorisation(const SupernodalTree& tree, const BlockLower& matrix, double* values)
-      : tree_(tree), matrix_(matrix), values_(values), updates_(tree.nodes.size()), first_singular_(matrix.size()) {}
+  Factorisation(const SupernodalTree& tree, const BlockLower& matrix, std::span<const Eigen::MatrixXd> given, double* values,
+                bool keeps_updates)
+      : tree_(tree),
+        matrix_(matrix),
+        given_(given),
+        values_(values),
+        keeps_updates_(keeps_updates),
+        updates_(tree.nodes.size()) {}
 
-  std::optional<std::int64_t> run() {
-    for_each_upwards(tree_.tasks, [this](std::size_t s) {
-      // Columns behind a singular one may not be worked out; those before it always are.
-      if (matrix_.offsets[tree_.nodes[s].columns.begin] < first_singular_) eliminate_node(s);
-    });
-    const std::int64_t column = first_singular_;
-    return column < matrix_.size() ? std::optional(column) : std::nullopt;
+  /// The singular columns.
+  std::vector<std::int64_t> run() {
+    for_each_upwards(tree_.tasks, [this](std::size_t s) { eliminate_node(s); });
+    std::sort(singular_.begin(), singular_.end());
+    return std::move(singular_);
   }
+  std::vector<std::unique_ptr<double[]>> take_updates() { return std::move(updates_); }
 
  private:
   void eliminate_node(std::size_t s) {
     const FactorNode& node = tree_.nodes[s];
     const Eigen::Index below = node.below();
     updates_[s] = std::make_unique_for_overwrite<double[]>(static_cast<std::size_t>(below * below));
+    if (node.width == 0) {
+      std::copy_n(given_[node.given].data(), below * below, updates_[s].get());
+      return;
+    }
     const FrontalMatrix front{{values_ + node.first_value, node.height, node.width, Stride(node.height)},
                               {updates_[s].get(), below, below, Stride(below)}};
     take_entries(node, front.panel);
+    const Eigen::VectorXd diagonal = front.panel.diagonal();
     add_children(node, 0, front.panel);
-    const auto singular = eliminate(front);
-    note_singular(node, front.panel, singular.value_or(node.width), singular.has_value());
-    if (singular) return;
+    note_singular(matrix_.offsets[node.columns.begin], eliminate(front, diagonal));
     add_children(node, node.width, front.update);  // which the elimination has overwritten
+    if (keeps_updates_) return;
     for (const std::size_t c : tree_.children_of(node)) updates_[c].reset();
   }
 
@@ -68,48 +77,44 @@ class Factorisation {
     }
   }
 
-  /// Of the columns before `regular`, the first whose pivot has lost its digits is singular; then that one, if it is.
-  void note_singular(const FactorNode& node, DenseBlock panel, Eigen::Index regular, bool is_singular) {
-    Eigen::Index column = 0;
-    for (std::size_t k = node.columns.begin; k < node.columns.end; ++k) {
-      for (Eigen::Index i = 0; i < matrix_.dof(k) && column < regular; ++i, ++column) {
-        if (!has_lost_digits(panel(column, column), matrix_.diagonal(k, i))) continue;
-        regular = column;
-        is_singular = true;
-      }
-    }
-    if (!is_singular) return;
-    const std::int64_t found = matrix_.offsets[node.columns.begin] + regular;
-    std::int64_t first = first_singular_;
-    while (found < first && !first_singular_.compare_exchange_weak(first, found)) {
-    }
+  void note_singular(Eigen::Index begin, const std::vector<Eigen::Index>& columns) {
+    if (columns.empty()) return;
+    const std::lock_guard lock(mutex_);
+    for (const Eigen::Index column : columns) singular_.push_back(begin + column);
   }
 
   const SupernodalTree& tree_;
   const BlockLower& matrix_;
+  std::span<const Eigen::MatrixXd> given_;
   double* values_;
+  bool keeps_updates_;
   std::vector<std::unique_ptr<double[]>> updates_;  ///< Per supernode, until its parent has taken it.
-  std::atomic<std::int64_t> first_singular_;
+  std::mutex mutex_;
+  std::vector<std::int64_t> singular_;
 };
 
 }  // namespace
 
-void SparseCholesky::analyse(const BlockLower& matrix) {
-  tree_ = supernodal_tree(matrix);
+void SparseCholesky::analyse(const BlockLower& matrix, std::span<const std::vector<Index>> given) {
+  tree_ = supernodal_tree(matrix, given);
   offsets_ = matrix.offsets;
   values_.reset();
 }
 
-std::optional<std::int64_t> SparseCholesky::factorise(const BlockLower& matrix) {
+std::vector<std::int64_t> SparseCholesky::factorise(const BlockLower& matrix, std::span<const Eigen::MatrixXd> given) {
   if (!values_) values_ = std::make_unique_for_overwrite<double[]>(static_cast<std::size_t>(tree_.value_count));
-  return Factorisation(tree_, matrix, values_.get()).run();
+  Factorisation factorisation(tree_, matrix, given, values_.get(), keeps_updates_);
+  auto singular = factorisation.run();
+  if (keeps_updates_) updates_ = factorisation.take_updates();
+  return singular;
 }
 
-Eigen::MatrixXd SparseCholesky::solve_columns(Eigen::MatrixXd B) const {
+ConstDenseBlock SparseCholesky::panel(const FactorNode& node) const {
+  return {values_.get() + node.first_value, node.height, node.width, Stride(node.height)};
+}
+
+void SparseCholesky::solve_upwards(Eigen::MatrixXd& B) const {
   std::vector<Eigen::MatrixXd> updates(tree_.nodes.size());  // what each supernode takes off the rows below it
-  const auto panel = [&](const FactorNode& node) {
-    return ConstDenseBlock(values_.get() + node.first_value, node.height, node.width, Stride(node.height));
-  };
   for_each_upwards(tree_.tasks, [&](std::size_t s) {
     const FactorNode& node = tree_.nodes[s];
     auto own = B.middleRows(offsets_[node.columns.begin], node.width);
@@ -128,6 +133,9 @@ Eigen::MatrixXd SparseCholesky::solve_columns(Eigen::MatrixXd B) const {
     L.topRows(node.width).triangularView<Lower>().solveInPlace(own);
     updates[s].noalias() -= L.bottomRows(node.below()) * own;
   });
+}
+
+void SparseCholesky::solve_downwards(Eigen::MatrixXd& B) const {
   for_each_downwards(tree_.tasks, [&](std::size_t s) {
     const FactorNode& node = tree_.nodes[s];
     auto own = B.middleRows(offsets_[node.columns.begin], node.width);
@@ -143,7 +151,20 @@ Eigen::MatrixXd SparseCholesky::solve_columns(Eigen::MatrixXd B) const {
     own.noalias() -= L.bottomRows(node.below()).transpose() * below;
     L.topRows(node.width).triangularView<Lower>().transpose().solveInPlace(own);
   });
+}
+
+Eigen::MatrixXd SparseCholesky::solve_columns(Eigen::MatrixXd B) const {
+  solve_upwards(B);
+  solve_downwards(B);
   return B;
+}
+
+Eigen::MatrixXd SparseCholesky::null_space(const std::vector<std::int64_t>& singular) const {
+  // L without its columns of the identity is A's: where Lᵀ z, with them, is such a unit vector, A z is zero.
+  Eigen::MatrixXd Z = Eigen::MatrixXd::Zero(offsets_.back(), static_cast<Eigen::Index>(singular.size()));
+  for (std::size_t k = 0; k < singular.size(); ++k) Z(singular[k], static_cast<Eigen::Index>(k)) = 1.0;
+  solve_downwards(Z);
+  return Z;
 }
 
 Supernodes SparseCholesky::supernodes() const {
@@ -151,9 +172,11 @@ Supernodes SparseCholesky::supernodes() const {
   factor.reserve(tree_.nodes.size());
   for (const FactorNode& node : tree_.nodes) {
     Supernode& L = factor.emplace_back();
+    L.given = node.given;
     L.begin = offsets_[node.columns.begin];
     L.end = L.begin + node.width;
     L.values = values_.get() + node.first_value;
+    if (!updates_.empty()) L.update = updates_[factor.size() - 1].get();
     for (auto row = L.begin; row < L.end; ++row) L.rows.push_back(row);
     for (const Index below : tree_.rows_of(node)) {
       const auto block = static_cast<std::size_t>(below);

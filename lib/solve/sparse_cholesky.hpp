@@ -1,45 +1,56 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
-// Cholesky factorisation of a sparse symmetric matrix of blocks whose pattern stays while its values change.
+// The engine `fronts`: a multifrontal factorisation along the elimination tree of blocks.
 
 #include <Eigen/Core>
 #include <cstdint>
-#include <mapjoin/solve/block_lower.hpp>
+#include <mapjoin/solve/dense_kernels.hpp>
+#include <mapjoin/solve/sparse_solver.hpp>
 #include <mapjoin/solve/supernodal_tree.hpp>
-#include <mapjoin/solve/supernodes.hpp>
 #include <memory>
-#include <optional>
+#include <span>
 #include <vector>
 
 namespace mapjoin {
 
+/// A front's update, once its parent has taken it, is freed, or kept for Supernode::update.
+enum class Updates : std::uint8_t { kFreed, kKept };
+
 /// L Lᵀ of a matrix that is already in its elimination order, as it stays: multifrontal (Duff & Reid, 1983), subtrees side by
 /// side. The same to the last bit for any number of threads.
-class SparseCholesky {
+class SparseCholesky final : public SparseSolver {
  public:
-  /// Symbolic analysis of the pattern, which stays until the next call.
-  void analyse(const BlockLower& matrix);
+  explicit SparseCholesky(Updates updates = Updates::kFreed) : keeps_updates_(updates == Updates::kKept) {}
 
-  /// Numeric factorisation. Returns the first scalar column whose pivot is not positive or has lost all its digits to
-  /// cancellation (pivot² below 1e-14 of the diagonal), where the matrix is singular to working precision; nothing if it is
-  /// regular.
-  std::optional<std::int64_t> factorise(const BlockLower& matrix);
+  void analyse(const BlockLower& matrix) override { analyse(matrix, {}); }
+  /// The same with fronts that were eliminated before, each by its block rows, ascending, any two of which are coupled in the
+  /// matrix.
+  void analyse(const BlockLower& matrix, std::span<const std::vector<Index>> given);
+  /// Names all singular columns, and leaves them out: L has the columns of the identity there, so that what nothing determines
+  /// stays where it is when a consistent system is solved.
+  std::vector<std::int64_t> factorise(const BlockLower& matrix) override { return factorise(matrix, {}); }
+  /// The same with the updates of the given fronts, over the scalars of their rows.
+  std::vector<std::int64_t> factorise(const BlockLower& matrix, std::span<const Eigen::MatrixXd> given);
+  Eigen::MatrixXd solve_columns(Eigen::MatrixXd B) const override;
+  /// The null space of A, where it is positive semidefinite: a column for each of the given ones, which are singular.
+  Eigen::MatrixXd null_space(const std::vector<std::int64_t>& singular) const;
 
-  /// A⁻¹ b by the last factorisation, which must have succeeded.
-  Eigen::VectorXd solve(const Eigen::VectorXd& b) const { return solve_columns(b); }
-  /// A⁻¹ B, likewise.
-  Eigen::MatrixXd solve_columns(Eigen::MatrixXd B) const;
-
-  /// L of that factorisation; it holds until the next one.
-  Supernodes supernodes() const;
-  std::size_t supernode_count() const { return tree_.nodes.size(); }
-  /// Memory of its values, known after analyse().
-  std::int64_t bytes() const { return static_cast<std::int64_t>(sizeof(double)) * tree_.value_count; }
+  /// Given fronts are among them, without columns.
+  Supernodes supernodes() const override;
+  std::size_t supernode_count() const override { return tree_.nodes.size(); }
+  std::int64_t bytes() const override { return static_cast<std::int64_t>(sizeof(double)) * tree_.value_count; }
 
  private:
+  ConstDenseBlock panel(const FactorNode& node) const;
+  /// L⁻¹ B and L⁻ᵀ B in the place of B.
+  void solve_upwards(Eigen::MatrixXd& B) const;
+  void solve_downwards(Eigen::MatrixXd& B) const;
+
+  bool keeps_updates_;
   SupernodalTree tree_;
-  std::vector<Eigen::Index> offsets_;  ///< The first scalar row of each block, and the total.
-  std::unique_ptr<double[]> values_;   ///< The panels of L.
+  std::vector<Eigen::Index> offsets_;               ///< The first scalar row of each block, and the total.
+  std::unique_ptr<double[]> values_;                ///< The panels of L.
+  std::vector<std::unique_ptr<double[]>> updates_;  ///< Per supernode, where they are kept.
 };
 
 }  // namespace mapjoin

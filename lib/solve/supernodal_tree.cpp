@@ -2,8 +2,10 @@
 #include <algorithm>
 #include <array>
 #include <limits>
+#include <mapjoin/solve/elimination_tree.hpp>
 #include <mapjoin/solve/factor_tasks.hpp>
 #include <mapjoin/solve/supernodal_tree.hpp>
+#include <numeric>
 #include <utility>
 
 namespace mapjoin {
@@ -12,67 +14,55 @@ namespace {
 /// Columns of L with the same rows below them, without any zeros.
 struct Columns {
   Slice columns;
-  Slice rows;  ///< Below them, in FundamentalSupernodes::rows.
+  std::size_t parent;  ///< The column of the first row below; the number of columns for a root.
+  Slice rows;          ///< Below them, in FundamentalSupernodes::rows.
 };
 
-/// The columns of L, from left to right: those of one supernode go on as long as they bring no new rows.
-class FundamentalSupernodes {
- public:
-  explicit FundamentalSupernodes(const BlockLower& A) : A_(A), first_child_(A.blocks(), kNone), seen_(A.blocks(), kNone) {
-    for (std::size_t k = 0; k < A.blocks(); ++k) add_column(k);
-  }
-
+/// The columns of L, from left to right, in runs of the same rows.
+struct FundamentalSupernodes {
   std::vector<Columns> supernodes;
   std::vector<Index> rows;
-
-  /// The first row below a supernode, whose column depends on it; the number of columns for a root.
-  std::size_t first_row(const Columns& node) const {
-    return node.rows.size() == 0 ? A_.blocks() : static_cast<std::size_t>(rows[node.rows.begin]);
-  }
-
- private:
-  static constexpr std::int32_t kNone = -1;
-
-  void add_column(std::size_t k) {
-    const bool is_next = !supernodes.empty() && first_row(supernodes.back()) == k;
-    if (!supernodes.empty() && !is_next) attach(supernodes.size() - 1);
-    const auto last = static_cast<std::int32_t>(supernodes.size()) - 1;
-    bool goes_on = is_next;
-    for_each_row(k, [&](Index row) { goes_on = goes_on && seen_[static_cast<std::size_t>(row)] == last; });
-    if (goes_on) {
-      ++supernodes.back().columns.end;
-      ++supernodes.back().rows.begin;
-      return;
-    }
-    if (is_next) attach(supernodes.size() - 1);
-    const std::size_t begin = rows.size();
-    for_each_row(k, [&](Index row) {
-      if (std::exchange(seen_[static_cast<std::size_t>(row)], last + 1) != last + 1) rows.push_back(row);
-    });
-    std::sort(rows.begin() + static_cast<std::ptrdiff_t>(begin), rows.end());
-    supernodes.push_back({{k, k + 1}, {begin, rows.size()}});
-    next_child_.push_back(kNone);
-  }
-
-  void attach(std::size_t node) {
-    const std::size_t parent = first_row(supernodes[node]);
-    if (parent < A_.blocks()) next_child_[node] = std::exchange(first_child_[parent], static_cast<std::int32_t>(node));
-  }
-  /// Calls f for the rows below the diagonal of column k of the matrix, and of the supernodes attached to it.
-  template <typename F>
-  void for_each_row(std::size_t k, F&& f) const {
-    for (const Index row : A_.rows_of(k).subspan(1)) f(row);
-    for (std::int32_t child = first_child_[k]; child != kNone; child = next_child_[static_cast<std::size_t>(child)]) {
-      const Slice below = supernodes[static_cast<std::size_t>(child)].rows;
-      for (std::size_t r = below.begin + 1; r < below.end; ++r) f(rows[r]);
-    }
-  }
-
-  const BlockLower& A_;
-  std::vector<std::int32_t> first_child_;  // per column
-  std::vector<std::int32_t> next_child_;   // per supernode
-  std::vector<std::int32_t> seen_;         // per row, the last supernode that has it
 };
+
+/// A column goes on with the one before it where that is its child and has no other rows.
+std::vector<Columns> runs_of_columns(const EliminationTree& tree) {
+  std::vector<Columns> runs;
+  for (std::size_t k = 0; k < tree.parent.size(); ++k) {
+    const bool goes_on = k > 0 && static_cast<std::size_t>(tree.parent[k - 1]) == k && tree.counts[k - 1] == tree.counts[k] + 1;
+    if (!goes_on) runs.push_back({{k, k}, 0, {}});
+    runs.back().columns.end = k + 1;
+    runs.back().parent = static_cast<std::size_t>(tree.parent[k]);
+  }
+  return runs;
+}
+
+/// The rows below each run: those of the matrix in its columns, and those of its children.
+FundamentalSupernodes fundamental_supernodes(const BlockLower& A) {
+  FundamentalSupernodes result{runs_of_columns(elimination_tree(A)), {}};
+  constexpr std::int32_t kNone = -1;
+  std::vector<std::int32_t> first_child(A.blocks() + 1, kNone);  // per column; the last one for roots
+  std::vector<std::int32_t> next_child;
+  std::vector<std::int32_t> seen(A.blocks(), kNone);  // per row, the last supernode that has it
+  for (Columns& node : result.supernodes) {
+    const auto s = static_cast<std::int32_t>(next_child.size());
+    node.rows.begin = result.rows.size();
+    const auto take = [&](Index row) {
+      if (static_cast<std::size_t>(row) < node.columns.end) return;
+      if (std::exchange(seen[static_cast<std::size_t>(row)], s) != s) result.rows.push_back(row);
+    };
+    for (std::size_t k = node.columns.begin; k < node.columns.end; ++k) {
+      for (const Index row : A.rows_of(k)) take(row);
+      for (std::int32_t c = first_child[k]; c != kNone; c = next_child[static_cast<std::size_t>(c)]) {
+        const Slice below = result.supernodes[static_cast<std::size_t>(c)].rows;
+        for (std::size_t r = below.begin; r < below.end; ++r) take(result.rows[r]);
+      }
+    }
+    node.rows.end = result.rows.size();
+    std::sort(result.rows.begin() + static_cast<std::ptrdiff_t>(node.rows.begin), result.rows.end());
+    next_child.push_back(std::exchange(first_child[node.parent], s));
+  }
+  return result;
+}
 
 /// Up to `width` scalar columns, a supernode may have this share of zeros.
 struct Relaxation {
@@ -115,7 +105,7 @@ std::vector<Group> relaxed(const FundamentalSupernodes& fundamental, const Block
   std::vector<Group> groups;  // from the last to the first
   for (auto supernode = fundamental.supernodes.rbegin(); supernode != fundamental.supernodes.rend(); ++supernode) {
     const Group group = group_of(*supernode, fundamental, A);
-    const bool depends = !groups.empty() && fundamental.first_row(*supernode) < groups.back().columns.columns.end;
+    const bool depends = !groups.empty() && supernode->parent < groups.back().columns.columns.end;
     if (depends && should_merge(group, groups.back())) {
       groups.back().columns.columns.begin = group.columns.columns.begin;
       groups.back().width += group.width;
@@ -128,20 +118,37 @@ std::vector<Group> relaxed(const FundamentalSupernodes& fundamental, const Block
   return groups;
 }
 
-/// Nodes with their rows and panels.
-void lay_out_nodes(SupernodalTree& tree, const std::vector<Group>& groups, const std::vector<Index>& rows) {
+/// The next node, of some columns and the rows below them.
+FactorNode& append_node(SupernodalTree& tree, Slice columns, std::span<const Index> rows, const BlockLower& A) {
+  FactorNode& node = tree.nodes.emplace_back();
+  node.columns = columns;
+  node.width = A.offsets[columns.end] - A.offsets[columns.begin];
+  node.height = node.width;
+  for (const Index row : rows) node.height += A.dof(static_cast<std::size_t>(row));
+  node.first_value = tree.value_count;
+  tree.value_count += node.width * node.height;
+  node.rows.begin = tree.rows.size();
+  tree.rows.insert(tree.rows.end(), rows.begin(), rows.end());
+  node.rows.end = tree.rows.size();
+  return node;
+}
+
+/// Nodes with their rows and panels; given fronts stand before the node that has the first of their rows.
+void lay_out_nodes(SupernodalTree& tree, const std::vector<Group>& groups, const std::vector<Index>& rows,
+                   std::span<const std::vector<Index>> given, const BlockLower& A) {
+  std::vector<std::size_t> by_first_row(given.size());
+  std::iota(by_first_row.begin(), by_first_row.end(), std::size_t{0});
+  std::stable_sort(by_first_row.begin(), by_first_row.end(),
+                   [&](std::size_t a, std::size_t b) { return given[a].front() < given[b].front(); });
+  auto next = by_first_row.begin();
   for (const Group& group : groups) {
-    FactorNode node;
-    node.columns = group.columns.columns;
-    node.width = group.width;
-    node.height = group.width + group.below;
-    node.first_value = tree.value_count;
-    tree.value_count += node.width * node.height;
-    node.rows.begin = tree.rows.size();
-    const auto below = group.columns.rows.of(rows);
-    tree.rows.insert(tree.rows.end(), below.begin(), below.end());
-    node.rows.end = tree.rows.size();
-    tree.nodes.push_back(node);
+    const Slice columns = group.columns.columns;
+    for (; next != by_first_row.end(); ++next) {
+      const auto first = static_cast<std::size_t>(given[*next].front());
+      if (first >= columns.end) break;
+      append_node(tree, {first, first}, given[*next], A).given = *next;
+    }
+    append_node(tree, columns, group.columns.rows.of(rows), A);
   }
 }
 
@@ -210,10 +217,10 @@ void lay_out_fronts(SupernodalTree& tree, const BlockLower& A) {
 
 }  // namespace
 
-SupernodalTree supernodal_tree(const BlockLower& matrix) {
+SupernodalTree supernodal_tree(const BlockLower& matrix, std::span<const std::vector<Index>> given) {
   SupernodalTree tree;
-  const FundamentalSupernodes fundamental(matrix);
-  lay_out_nodes(tree, relaxed(fundamental, matrix), fundamental.rows);
+  const FundamentalSupernodes fundamental = fundamental_supernodes(matrix);
+  lay_out_nodes(tree, relaxed(fundamental, matrix), fundamental.rows, given, matrix);
   find_parents(tree, matrix.blocks());
   find_children(tree);
   lay_out_fronts(tree, matrix);

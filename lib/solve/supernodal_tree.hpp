@@ -33,8 +33,9 @@ struct FactorNode {
   Slice rows;                    ///< Its block rows below, in SupernodalTree::rows, ascending.
   Slice runs;                    ///< Where these lie in its parent's front, in SupernodalTree::runs.
   std::int64_t first_value = 0;  ///< Its panel in the values of L.
-  Eigen::Index width = 0;        ///< Scalar columns.
+  Eigen::Index width = 0;        ///< Scalar columns; none of a front that is given.
   Eigen::Index height = 0;       ///< Scalar rows of the front.
+  std::size_t given = 0;         ///< Of a front that is given, its number.
 
   Eigen::Index below() const { return height - width; }
 };
@@ -66,7 +67,8 @@ struct SupernodalTree {
   std::span<const RowRun> runs_of(const FactorNode& node) const { return node.runs.of(runs); }
 };
 
-/// By the pattern of a matrix that is in the order of its elimination (Liu, Ng & Peyton, 1993).
-SupernodalTree supernodal_tree(const BlockLower& matrix);
+/// By the pattern of a matrix that is in the order of its elimination (Liu, Ng & Peyton, 1993). `given` are the block rows,
+/// ascending, of fronts that were eliminated before: any two of them are coupled in the matrix.
+SupernodalTree supernodal_tree(const BlockLower& matrix, std::span<const std::vector<Index>> given = {});
 
 }  // namespace mapjoin

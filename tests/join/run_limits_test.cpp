@@ -60,7 +60,8 @@ TYPED_TEST(RunLimitsTest, SessionsTiedByTooFewFeaturesAreNotDetermined) {
   auto world = small_world<TestFixture::kDim>({.features = 1, .closures = 0, .sessions = 2, .range = 30.0});
   const auto result = run(world.log, this->short_maps());
   ASSERT_FALSE(result);
-  EXPECT_THAT(result.error().message, HasSubstr("cannot be determined"));
+  EXPECT_THAT(result.error().message,
+              HasSubstr("cannot be determined: the observations leave them free to turn as a whole about feature"));
 }
 
 TYPED_TEST(RunLimitsTest, StopsInEveryStage) {

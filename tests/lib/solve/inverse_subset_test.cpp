@@ -39,7 +39,7 @@ TEST_P(InverseSubsetTest, HoldsTheEntriesOfTheDenseInverseWhereTheMatrixHasSome)
   SparseCholesky cholesky;
   const BlockLower matrix = sparse(A);
   cholesky.analyse(matrix);
-  ASSERT_FALSE(cholesky.factorise(matrix));
+  ASSERT_TRUE(cholesky.factorise(matrix).empty());
   const InverseSubset subset(cholesky.supernodes());
   const Eigen::MatrixXd inverse = A.inverse();
   double largest = 0.0;
@@ -66,7 +66,7 @@ TEST(InverseSubset, KeepsTheOrderOfTheColumnsAskedFor) {
   const BlockLower matrix = sparse(A);
   SparseCholesky cholesky;
   cholesky.analyse(matrix);
-  ASSERT_FALSE(cholesky.factorise(matrix));
+  ASSERT_TRUE(cholesky.factorise(matrix).empty());
   const std::vector<std::int64_t> columns = {17, 3, 29, 0};
   const Eigen::MatrixXd expected = A.inverse()(columns, columns);
   EXPECT_LT((InverseSubset(cholesky.supernodes()).block(columns) - expected).norm(), 1e-12 * expected.norm());
@@ -76,7 +76,7 @@ TEST(InverseSubset, RefusesWhatIsNotCoupled) {
   SparseCholesky cholesky;
   const BlockLower matrix = sparse(Eigen::MatrixXd::Identity(4, 4));
   cholesky.analyse(matrix);
-  ASSERT_FALSE(cholesky.factorise(matrix));
+  ASSERT_TRUE(cholesky.factorise(matrix).empty());
   const InverseSubset subset(cholesky.supernodes());
   const std::vector<std::int64_t> columns = {1, 2};
   EXPECT_THROW(subset.block(columns), std::out_of_range);
@@ -87,7 +87,7 @@ TEST(InverseSubset, CountsItsMemoryBeforehand) {
   const BlockLower matrix = sparse(random_matrix(200, 9000, 190, random));
   SparseCholesky cholesky;
   cholesky.analyse(matrix);
-  ASSERT_FALSE(cholesky.factorise(matrix));
+  ASSERT_TRUE(cholesky.factorise(matrix).empty());
   // Nearly dense: the lower triangle at least, and not many times the square.
   EXPECT_GT(InverseSubset::bytes(cholesky.supernodes()), 8 * 200 * 200 / 2);
   EXPECT_LT(InverseSubset::bytes(cholesky.supernodes()), 8 * 200 * 200 * 4);

@@ -60,6 +60,23 @@ TEST(Ordering, TakesVariablesWithoutNeighbours) {
   EXPECT_EQ(order, natural(405));
 }
 
+TEST(Ordering, EliminatesTheLastVariablesAfterAllThatTheyAreCoupledTo) {
+  for (const Index side : {6, 20}) {
+    const BlockGraph graph = grid(side);
+    const Index first_late = graph.size() - 9;
+    const std::vector<Index> order = elimination_order(graph, 9);
+    const std::vector<Index> place = inverse_order(order);
+    for (Index v = first_late; v < graph.size(); ++v) {
+      for (auto n = graph.begin[static_cast<std::size_t>(v)]; n < graph.begin[static_cast<std::size_t>(v) + 1]; ++n) {
+        const Index neighbour = graph.neighbours[static_cast<std::size_t>(n)];
+        if (neighbour >= first_late) continue;
+        EXPECT_LT(place[static_cast<std::size_t>(neighbour)], place[static_cast<std::size_t>(v)]);
+      }
+    }
+    EXPECT_LT(fill(graph, order), fill(graph, natural(graph.size())));
+  }
+}
+
 TEST(Ordering, IsTheSameFromSeveralThreadsAtOnce) {
   const BlockGraph first = grid(25);
   const BlockGraph second = grid(18);

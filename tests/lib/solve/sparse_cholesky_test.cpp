@@ -39,7 +39,7 @@ TEST(SparseCholesky, SolvesLikeTheDenseSystem) {
     const BlockLower matrix = sparse(A);
     SparseCholesky cholesky;
     cholesky.analyse(matrix);
-    ASSERT_FALSE(cholesky.factorise(matrix)) << n;
+    ASSERT_TRUE(cholesky.factorise(matrix).empty()) << n;
     const Eigen::VectorXd b = Eigen::VectorXd::LinSpaced(n, -1.0, 2.0);
     EXPECT_LT((A * cholesky.solve(b) - b).norm(), 1e-10 * b.norm()) << n;
   }
@@ -52,7 +52,7 @@ TEST(SparseCholesky, SolvesSystemsOfBlocksLikeTheDenseOne) {
     const Eigen::MatrixXd A = dense(matrix);
     SparseCholesky cholesky;
     cholesky.analyse(matrix);
-    ASSERT_FALSE(cholesky.factorise(matrix)) << side;
+    ASSERT_TRUE(cholesky.factorise(matrix).empty()) << side;
     Eigen::MatrixXd B(A.rows(), 3);
     for (auto& entry : B.reshaped()) entry = random.uniform(-1.0, 1.0);
     EXPECT_LT((cholesky.solve_columns(B) - A.llt().solve(B)).norm(), 1e-12 * B.norm()) << side;
@@ -69,7 +69,7 @@ TEST(SparseCholesky, FactorisesWideFrontsByTiles) {
   const BlockLower matrix = sparse(A, std::vector<Eigen::Index>(150, 3));
   SparseCholesky cholesky;
   cholesky.analyse(matrix);
-  ASSERT_FALSE(cholesky.factorise(matrix));
+  ASSERT_TRUE(cholesky.factorise(matrix).empty());
   const Eigen::VectorXd b = Eigen::VectorXd::LinSpaced(450, -1.0, 2.0);
   EXPECT_LT((cholesky.solve(b) - A.llt().solve(b)).norm(), 1e-12 * b.norm());
 }
@@ -82,14 +82,14 @@ TEST(SparseCholesky, IsTheSameToTheLastBitForAnyNumberOfThreads) {
     const tbb::global_control control(tbb::global_control::max_allowed_parallelism, threads);
     SparseCholesky cholesky;
     cholesky.analyse(matrix);
-    EXPECT_FALSE(cholesky.factorise(matrix));
+    EXPECT_TRUE(cholesky.factorise(matrix).empty());
     return cholesky.solve(b);
   };
   const Eigen::VectorXd x = solved_by(1);
   for (const std::size_t threads : {2u, 3u, 4u}) EXPECT_TRUE(solved_by(threads) == x) << threads;
 }
 
-TEST(SparseCholesky, NamesTheFirstOfSeveralSingularColumns) {
+TEST(SparseCholesky, NamesAllSingularColumns) {
   Random random;
   BlockLower matrix = grid_system(60, random);
   for (const std::size_t block : {3100u, 900u, 2000u}) {
@@ -98,7 +98,8 @@ TEST(SparseCholesky, NamesTheFirstOfSeveralSingularColumns) {
   }
   SparseCholesky cholesky;
   cholesky.analyse(matrix);
-  for (int k = 0; k < 20; ++k) EXPECT_EQ(cholesky.factorise(matrix), matrix.offsets[900] + 1);
+  const std::vector<std::int64_t> columns{matrix.offsets[900] + 1, matrix.offsets[2000] + 1, matrix.offsets[3100] + 1};
+  for (int k = 0; k < 20; ++k) EXPECT_EQ(cholesky.factorise(matrix), columns);
 }
 
 TEST(SparseCholesky, TakesNewValuesInTheSamePattern) {
@@ -109,7 +110,7 @@ TEST(SparseCholesky, TakesNewValuesInTheSamePattern) {
   const Eigen::VectorXd b = Eigen::VectorXd::Ones(30);
   for (int k = 0; k < 3; ++k) {
     A.diagonal() *= 1.5;
-    ASSERT_FALSE(cholesky.factorise(sparse(A)));
+    ASSERT_TRUE(cholesky.factorise(sparse(A)).empty());
     EXPECT_LT((A * cholesky.solve(b) - b).norm(), 1e-10);
   }
 }
@@ -119,7 +120,7 @@ TEST(SparseCholesky, NamesTheColumnWhosePivotIsZero) {
   A(3, 3) = 0.0;
   SparseCholesky cholesky;
   cholesky.analyse(sparse(A));
-  EXPECT_EQ(cholesky.factorise(sparse(A)), 3);
+  EXPECT_EQ(cholesky.factorise(sparse(A)), std::vector<std::int64_t>{3});
 }
 
 TEST(SparseCholesky, NamesAColumnThatHasLostItsDigitsToCancellation) {
@@ -130,7 +131,7 @@ TEST(SparseCholesky, NamesAColumnThatHasLostItsDigitsToCancellation) {
   A(4, 4) = 0.3 * 0.3 * 1e6 * (1.0 + 1e-15);
   SparseCholesky cholesky;
   cholesky.analyse(sparse(A));
-  EXPECT_EQ(cholesky.factorise(sparse(A)), 4);
+  EXPECT_EQ(cholesky.factorise(sparse(A)), std::vector<std::int64_t>{4});
 }
 
 TEST(SparseCholesky, IsFitForUseAgainAfterASingularMatrix) {
@@ -140,8 +141,8 @@ TEST(SparseCholesky, IsFitForUseAgainAfterASingularMatrix) {
   singular(20, 20) = 0.0;
   SparseCholesky cholesky;
   cholesky.analyse(sparse(A));
-  EXPECT_TRUE(cholesky.factorise(sparse(singular)));
-  ASSERT_FALSE(cholesky.factorise(sparse(A)));
+  EXPECT_FALSE(cholesky.factorise(sparse(singular)).empty());
+  ASSERT_TRUE(cholesky.factorise(sparse(A)).empty());
   const Eigen::VectorXd b = Eigen::VectorXd::Ones(40);
   EXPECT_LT((A * cholesky.solve(b) - b).norm(), 1e-10);
 }
@@ -155,7 +156,7 @@ TEST(SparseCholesky, StartsNoThreadsButThoseItIsAllowed) {
     SparseCholesky cholesky;
     const std::ptrdiff_t before = testing::threads_of("self");
     cholesky.analyse(matrix);
-    ASSERT_FALSE(cholesky.factorise(matrix));
+    ASSERT_TRUE(cholesky.factorise(matrix).empty());
     cholesky.solve(Eigen::VectorXd::Ones(400));
     EXPECT_LE(testing::threads_of("self"), before);
   };

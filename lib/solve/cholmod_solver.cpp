@@ -1,0 +1,175 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <algorithm>
+#include <mapjoin/solve/cholmod.hpp>
+#include <mapjoin/solve/cholmod_solver.hpp>
+#include <mapjoin/solve/pivot.hpp>
+
+// Not declared where CHOLMOD was built without OpenMP.
+extern "C" {
+[[gnu::weak]] int omp_get_max_active_levels();
+[[gnu::weak]] void omp_set_max_active_levels(int levels);
+}
+
+namespace mapjoin {
+namespace {
+
+/// CHOLMOD's loops stay on the calling thread. (Debian's opens four threads whatever OMP_NUM_THREADS says.)
+class OneThread {
+ public:
+  OneThread() : levels_(omp_get_max_active_levels ? omp_get_max_active_levels() : 0) { set(0); }
+  ~OneThread() { set(levels_); }
+  OneThread(const OneThread&) = delete;
+  OneThread& operator=(const OneThread&) = delete;
+
+ private:
+  static void set(int levels) {
+    if (omp_set_max_active_levels) omp_set_max_active_levels(levels);
+  }
+  int levels_;
+};
+
+}  // namespace
+
+struct CholmodSolver::State {
+  Cholmod cholmod;
+  // The lower triangle of A, entry by entry.
+  std::vector<SuiteSparse_long> begin;
+  std::vector<SuiteSparse_long> rows;
+  std::vector<double> values;
+  std::vector<std::int64_t> source;  ///< In the values of the blocks, per entry.
+  cholmod_factor* L = nullptr;
+
+  ~State() { forget_factor(); }
+  void forget_factor() {
+    if (L) cholmod_l_free_factor(&L, cholmod.get());
+  }
+  cholmod_sparse view() {
+    cholmod_sparse A{};
+    A.nrow = A.ncol = begin.size() - 1;
+    A.nzmax = rows.size();
+    A.p = begin.data();
+    A.i = rows.data();
+    A.x = values.data();
+    A.stype = -1;
+    A.itype = CHOLMOD_LONG;
+    A.xtype = CHOLMOD_REAL;
+    A.dtype = CHOLMOD_DOUBLE;
+    A.sorted = A.packed = 1;
+    return A;
+  }
+  void take_pattern(const BlockLower& matrix);
+};
+
+void CholmodSolver::State::take_pattern(const BlockLower& matrix) {
+  begin.assign(1, 0);
+  rows.clear();
+  source.clear();
+  for (std::size_t k = 0; k < matrix.blocks(); ++k) {
+    for (Eigen::Index j = 0; j < matrix.dof(k); ++j) {
+      std::int64_t from = matrix.first_value[k] + j * matrix.heights[k];
+      for (const Index block : matrix.rows_of(k)) {
+        const auto i = static_cast<std::size_t>(block);
+        for (auto row = matrix.offsets[i]; row < matrix.offsets[i + 1]; ++row, ++from) {
+          if (row < matrix.offsets[k] + j) continue;
+          rows.push_back(row);
+          source.push_back(from);
+        }
+      }
+      begin.push_back(static_cast<SuiteSparse_long>(rows.size()));
+    }
+  }
+  values.resize(rows.size());
+}
+
+CholmodSolver::CholmodSolver(bool is_supernodal) : state_(std::make_unique<State>()) {
+  Cholmod& cholmod = state_->cholmod;
+  cholmod->nmethods = 1;
+  cholmod->method[0].ordering = CHOLMOD_NATURAL;
+  cholmod->postorder = 0;
+  cholmod->supernodal = is_supernodal ? CHOLMOD_SUPERNODAL : CHOLMOD_SIMPLICIAL;
+  cholmod->final_ll = 1;
+}
+
+CholmodSolver::~CholmodSolver() = default;
+
+void CholmodSolver::analyse(const BlockLower& matrix) {
+  State& state = *state_;
+  const OneThread one_thread;
+  state.forget_factor();
+  state.take_pattern(matrix);
+  cholmod_sparse A = state.view();
+  state.L = cholmod_l_analyze(&A, state.cholmod.get());
+  if (state.cholmod->status == CHOLMOD_NOT_INSTALLED) {
+    state.cholmod->supernodal = CHOLMOD_SIMPLICIAL;
+    state.L = cholmod_l_analyze(&A, state.cholmod.get());
+  }
+  state.cholmod.check();
+}
+
+std::vector<std::int64_t> CholmodSolver::factorise(const BlockLower& matrix) {
+  State& state = *state_;
+  const OneThread one_thread;
+  for (std::size_t e = 0; e < state.values.size(); ++e) {
+    state.values[e] = matrix.values[static_cast<std::size_t>(state.source[e])];
+  }
+  cholmod_sparse A = state.view();
+  cholmod_l_factorize(&A, state.L, state.cholmod.get());
+  state.cholmod.check();
+  const auto diagonal = [&](std::int64_t column) {
+    return state.values[static_cast<std::size_t>(state.begin[static_cast<std::size_t>(column)])];
+  };
+  // Behind the minor that is not positive definite L is not worked out.
+  const auto regular = static_cast<std::int64_t>(state.L->minor);
+  for (const Supernode& node : supernodes()) {
+    const auto height = static_cast<std::int64_t>(node.rows.size());
+    for (std::int64_t j = node.begin; j < std::min(node.end, regular); ++j) {
+      if (has_lost_digits(node.values[(j - node.begin) * (height + 1)], diagonal(j))) return {j};
+    }
+  }
+  return regular < static_cast<std::int64_t>(state.L->n) ? std::vector{regular} : std::vector<std::int64_t>();
+}
+
+Eigen::MatrixXd CholmodSolver::solve_columns(Eigen::MatrixXd B) const {
+  const OneThread one_thread;
+  cholmod_dense b{};
+  b.nrow = b.d = static_cast<std::size_t>(B.rows());
+  b.ncol = static_cast<std::size_t>(B.cols());
+  b.nzmax = static_cast<std::size_t>(B.size());
+  b.x = B.data();
+  b.xtype = CHOLMOD_REAL;
+  b.dtype = CHOLMOD_DOUBLE;
+  cholmod_dense* x = cholmod_l_solve(CHOLMOD_A, state_->L, &b, state_->cholmod.get());
+  state_->cholmod.check();
+  std::copy_n(static_cast<const double*>(x->x), B.size(), B.data());
+  cholmod_l_free_dense(&x, state_->cholmod.get());
+  return B;
+}
+
+Supernodes CholmodSolver::supernodes() const {
+  const cholmod_factor& L = *state_->L;
+  const auto list = [](const void* values) { return static_cast<const SuiteSparse_long*>(values); };
+  const auto* x = static_cast<const double*>(L.x);
+  Supernodes factor;
+  for (std::size_t s = 0; s < supernode_count(); ++s) {
+    Supernode& node = factor.emplace_back();
+    const auto k = static_cast<std::int64_t>(s);
+    node.begin = L.is_super ? list(L.super)[s] : k;
+    node.end = L.is_super ? list(L.super)[s + 1] : k + 1;
+    const SuiteSparse_long* rows = L.is_super ? list(L.s) + list(L.pi)[s] : list(L.i) + list(L.p)[s];
+    const SuiteSparse_long height = L.is_super ? list(L.pi)[s + 1] - list(L.pi)[s] : list(L.nz)[s];
+    node.rows.assign(rows, rows + height);
+    node.values = x + (L.is_super ? list(L.px)[s] : list(L.p)[s]);
+  }
+  return factor;
+}
+
+std::size_t CholmodSolver::supernode_count() const {
+  return state_->L->is_super ? state_->L->nsuper : state_->L->n;
+}
+
+std::int64_t CholmodSolver::bytes() const {
+  const double entries = state_->L->is_super ? static_cast<double>(state_->L->xsize) : state_->cholmod->lnz;
+  return static_cast<std::int64_t>(entries * sizeof(double));
+}
+
+}  // namespace mapjoin

@@ -1,0 +1,31 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+// The engine `cholmod`: SuiteSparse's factorisation (Chen, Davis, Hager & Rajamanickam, 2008).
+
+#include <mapjoin/solve/sparse_solver.hpp>
+
+namespace mapjoin {
+
+/// On the calling thread, in the order of the matrix.
+class CholmodSolver final : public SparseSolver {
+ public:
+  /// Supernodal where the library has that, else simplicial, as when that is asked for.
+  explicit CholmodSolver(bool is_supernodal = true);
+  ~CholmodSolver() override;
+  CholmodSolver(const CholmodSolver&) = delete;
+  CholmodSolver& operator=(const CholmodSolver&) = delete;
+
+  void analyse(const BlockLower& matrix) override;
+  /// Names the first singular column alone.
+  std::vector<std::int64_t> factorise(const BlockLower& matrix) override;
+  Eigen::MatrixXd solve_columns(Eigen::MatrixXd B) const override;
+  Supernodes supernodes() const override;
+  std::size_t supernode_count() const override;
+  std::int64_t bytes() const override;
+
+ private:
+  struct State;
+  std::unique_ptr<State> state_;
+};
+
+}  // namespace mapjoin

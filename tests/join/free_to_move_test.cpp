@@ -1,0 +1,50 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Small logs that leave something free, each with its message.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <mapjoin/io/open_log.hpp>
+#include <mapjoin/join/run.hpp>
+#include <tests/support/temporary_folder.hpp>
+#include <variant>
+
+namespace mapjoin {
+namespace {
+
+using ::testing::HasSubstr;
+
+/// What a run says of a log in the plane; "" where it ends well.
+std::string said_of(const std::string& g2o) {
+  const testing::TemporaryFolder folder;
+  const auto log = open_log(folder.file("log.g2o", g2o));
+  const auto result = run(std::get<Log<2>>(*log), RunOptions());
+  return result ? "" : result.error().message;
+}
+
+TEST(FreeToMove, TwoSessionsWithOneFeatureTurnAboutIt) {
+  EXPECT_THAT(
+      said_of("EDGE_SE2 0 1 1 0 0 100 0 0 100 0 400\n"
+              "EDGE_SE2 5 6 1 0 0 100 0 0 100 0 400\n"
+              "EDGE_SE2_XY 1 7 0 1 25 0 25\n"
+              "EDGE_SE2_XY 5 7 0 1 25 0 25\n"),
+      HasSubstr("pose 5 and pose 6 cannot be determined: the observations leave them free to turn as a whole about feature 7"));
+}
+
+TEST(FreeToMove, APoseWithoutHeadingTurns) {
+  EXPECT_THAT(said_of("EDGE_SE2 0 1 1 0 0 1 0 0 1 0 0\n"),
+              HasSubstr("pose 1 cannot be determined: the observations leave it free to turn"));
+}
+
+TEST(FreeToMove, AFeatureSeenAlongOneAxisMoves) {
+  EXPECT_THAT(said_of("EDGE_SE2 0 1 1 0 0 100 0 0 100 0 400\n"
+                      "EDGE_SE2_XY 0 7 1 1 25 0 0\n"
+                      "EDGE_SE2_XY 1 7 0 1 25 0 0\n"),
+              HasSubstr("feature 7 cannot be determined: the observations leave it free to move"));
+}
+
+TEST(FreeToMove, OneEdgeIsEnough) {
+  EXPECT_EQ(said_of("EDGE_SE2 0 1 1 0 0 100 0 0 100 0 400\n"), "");
+}
+
+}  // namespace
+}  // namespace mapjoin
