@@ -67,12 +67,12 @@ class CliquesOf {
 
 }  // namespace
 
-NormalEquations::NormalEquations(std::vector<int> dofs, Cliques cliques)
+NormalEquations::NormalEquations(std::vector<int> dofs, Cliques cliques, const std::vector<Index>& order)
     : dofs_(std::move(dofs)), cliques_(std::move(cliques)) {
   offsets_.assign(dofs_.size() + 1, 0);
   for (std::size_t v = 0; v < dofs_.size(); ++v) offsets_[v + 1] = offsets_[v] + dofs_[v];
   gradient_.setZero(size());
-  order_and_lay_out();
+  order_and_lay_out(order);
   parallel_invoke(
       [&] {
         find_destinations();
@@ -93,13 +93,14 @@ void NormalEquations::for_each_neighbour(Index v, std::span<const std::uint32_t>
   }
 }
 
-void NormalEquations::order_and_lay_out() {
+void NormalEquations::order_and_lay_out(const std::vector<Index>& given) {
   const CliquesOf cliques_of(dofs_.size(), cliques_);
   auto [begin, neighbours] = sorted_lists(dofs_.size(), [&](std::size_t k, std::vector<Index>& found) {
     const auto v = static_cast<Index>(k);
     for_each_neighbour(v, cliques_of[v], [&](Index other) { found.push_back(other); });
   });
-  order_ = elimination_order({std::move(begin), std::move(neighbours)});
+  const BlockGraph graph{std::move(begin), std::move(neighbours)};
+  order_ = given.empty() ? elimination_order(graph) : postordered(graph, given);
   place_ = inverse_order(order_);
   matrix_.offsets.assign(order_.size() + 1, 0);
   for (std::size_t k = 0; k < order_.size(); ++k) {

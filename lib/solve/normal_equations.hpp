@@ -37,7 +37,8 @@ struct Cliques {
 /// Vectors are over the variables in their own order, `dofs[v]` entries each.
 class NormalEquations {
  public:
-  NormalEquations(std::vector<int> dofs, Cliques cliques);
+  /// Eliminates the variables in `order` or, where it is empty, in the order of elimination_order().
+  NormalEquations(std::vector<int> dofs, Cliques cliques, const std::vector<Index>& order = {});
 
   /// Takes the blocks of one observation to their destinations.
   class Sink {
@@ -99,6 +100,8 @@ class NormalEquations {
   }
 
   std::span<const Index> clique(std::size_t clique) const { return cliques_[clique]; }
+  /// The variable at each place of the elimination.
+  const std::vector<Index>& order() const { return order_; }
   Eigen::Index size() const { return offsets_.back(); }
   Index variable_count() const { return static_cast<Index>(dofs_.size()); }
   /// Where the entries of variable v begin.
@@ -133,7 +136,7 @@ class NormalEquations {
 
  private:
   void set_diagonal(const Eigen::VectorXd& diagonal);
-  void order_and_lay_out();
+  void order_and_lay_out(const std::vector<Index>& given);
   template <typename F>
   void for_each_neighbour(Index v, std::span<const std::uint32_t> cliques, F&& f) const;
   void find_destinations();

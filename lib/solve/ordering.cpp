@@ -70,7 +70,8 @@ std::vector<Index> elimination_tree(const BlockGraph& graph, const std::vector<I
   return parent;
 }
 
-/// The same elimination with the places of every subtree in one run: equal fill, and its supernodes are runs of columns.
+}  // namespace
+
 std::vector<Index> postordered(const BlockGraph& graph, const std::vector<Index>& order) {
   const std::vector<Index> parent = elimination_tree(graph, order);
   // How many places the subtrees of each place take, then where they begin: children of one parent by their places.
@@ -89,8 +90,6 @@ std::vector<Index> postordered(const BlockGraph& graph, const std::vector<Index>
   }
   return result;
 }
-
-}  // namespace
 
 std::vector<Index> inverse_order(const std::vector<Index>& order) {
   std::vector<Index> place(order.size());

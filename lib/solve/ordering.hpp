@@ -20,6 +20,9 @@ struct BlockGraph {
 /// minimum degree for graphs too small to dissect; either postordered. The same graph gives the same order, from any thread.
 std::vector<Index> elimination_order(const BlockGraph& graph);
 
+/// An order that is given, postordered: the same elimination with every subtree in one run.
+std::vector<Index> postordered(const BlockGraph& graph, const std::vector<Index>& order);
+
 /// The place of each variable in an order.
 std::vector<Index> inverse_order(const std::vector<Index>& order);
 
