@@ -9,7 +9,7 @@
 #include <mapjoin/io/local_maps/local_map_set.hpp>
 #include <mapjoin/io/open.hpp>
 #include <mapjoin/join/join_problem.hpp>
-#include <mapjoin/join/polish_problem.hpp>
+#include <mapjoin/join/restored.hpp>
 #include <mapjoin/join/run.hpp>
 #include <mapjoin/localmap/recover.hpp>
 #include <mapjoin/measure/chi2.hpp>
@@ -124,8 +124,8 @@ void PolishStep(benchmark::State& state) {
   for (const Stretch& stretch : world.parts.stretches) {
     if (stretch.is_map) segments.push_back(segment_of(world.log, world.parts, stretch));
   }
-  PolishProblem<Dim> problem(*world.join->system, segments, world.network.is_private, world.join->state);
-  step(state, problem);
+  auto whole = restored(world.network, segments, *world.join, world.join->state);
+  step(state, whole.problem);
 }
 
 /// Of all poses and features, in the map and relative, from a factor that is there.

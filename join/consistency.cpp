@@ -1,32 +1,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <algorithm>
 #include <mapjoin/join/consistency.hpp>
-#include <mapjoin/join/join_problem.hpp>
-#include <mapjoin/join/start.hpp>
-#include <mapjoin/join/whole.hpp>
-#include <mapjoin/join/world.hpp>
 #include <mapjoin/measure/chi_squared.hpp>
 #include <utility>
 
 namespace mapjoin {
 namespace {
-
-/// The network of the estimate with nothing eliminated: every observation of a polished map, or whole local maps.
-template <int Dim>
-Network<Dim> uneliminated(const MapCovariances<Dim>& covariances) {
-  Network<Dim> network = covariances.network();
-  if (covariances.estimate() == Estimate::kJoined) {
-    for (auto& map : network.maps) map = {uncondensed(map), {}, {}, {}, {}};
-    return network;
-  }
-  network.maps.clear();
-  for (const Segment<Dim>& segment : covariances.segments()) {
-    for (const auto& o : segment.odometry) network.pose_observations.push_back(&o);
-    for (const auto& o : segment.observations) network.feature_observations.push_back(&o);
-  }
-  network.is_joined.assign(network.pose_count, true);
-  return network;
-}
 
 /// What takes the frame of the truth into that of the map.
 template <int Dim>
@@ -47,26 +26,27 @@ struct Errors {
 };
 
 template <int Dim>
-Errors errors_of(const JointSystem<Dim>& system, const Piece<Dim>& piece, const Truth<Dim>& truth, const Pose<Dim>& frame) {
-  const NormalEquations& equations = system.equations();
+Errors errors_of(const MapCovariances<Dim>& covariances, const Truth<Dim>& truth, const Pose<Dim>& frame) {
+  const NormalEquations& equations = covariances.equations();
+  const State<Dim>& state = covariances.state();
   const auto count = static_cast<std::size_t>(equations.variable_count());
-  Errors errors{Eigen::VectorXd::Zero(equations.size()), std::vector<bool>(count), std::vector<bool>(count), {}};
-  for (std::size_t v = 0; v < count; ++v) {
-    const auto variable = static_cast<Index>(v);
-    const auto place = static_cast<std::size_t>(system.place_of_variable(variable));
-    auto step = errors.steps.segment(equations.offset(variable), equations.dof(variable));
-    if (place < piece.poses.size()) {
-      const auto& pose = truth.poses[static_cast<std::size_t>(piece.poses[place])];
-      errors.poses[v] = pose.has_value();
-      if (pose) step = local(piece.state.poses[place], compose(frame, *pose));
-    } else {
-      const std::size_t f = place - piece.poses.size();
-      const auto& feature = truth.features[static_cast<std::size_t>(piece.features[f])];
-      errors.features[v] = feature.has_value();
-      if (feature) step = transform(frame, *feature) - piece.state.features[f];
-    }
+  Errors errors{Eigen::VectorXd::Zero(equations.size()), std::vector<bool>(count), std::vector<bool>(count),
+                std::vector<bool>(count)};
+  const auto add = [&](const PoseOrFeature& of, const auto& step, std::vector<bool>& known) {
+    const Index variable = covariances.variable(of);
+    if (variable == kConstant) return;
+    errors.steps.segment(equations.offset(variable), equations.dof(variable)) = step;
+    known[static_cast<std::size_t>(variable)] = errors.all[static_cast<std::size_t>(variable)] = true;
+  };
+  for (std::size_t p = 0; p < state.poses.size(); ++p) {
+    if (!truth.poses[p]) continue;
+    add(PoseOrFeature::pose(static_cast<Index>(p)), local(state.poses[p], compose(frame, *truth.poses[p])), errors.poses);
   }
-  for (std::size_t v = 0; v < count; ++v) errors.all.push_back(errors.poses[v] || errors.features[v]);
+  for (std::size_t f = 0; f < state.features.size(); ++f) {
+    if (!truth.features[f]) continue;
+    add(PoseOrFeature::feature(static_cast<Index>(f)), transform(frame, *truth.features[f]) - state.features[f],
+        errors.features);
+  }
   return errors;
 }
 
@@ -99,14 +79,7 @@ Expected<Consistency> consistency(const MapCovariances<Dim>& covariances, const 
                                   const std::stop_token& stop) {
   const auto frame = frame_of(covariances, truth);
   if (!frame) return tl::unexpected(frame.error());
-  const Network<Dim> network = uneliminated(covariances);
-  Piece<Dim> piece = whole_of(network);
-  set_to_values(covariances.state(), piece);
-  place_fixed_poses(network, piece);
-  JoinProblem<Dim> problem(piece, gauge_of(network, piece));
-  problem.linearise();
-  const NormalEquations& equations = problem.system().equations();
-  const Errors errors = errors_of(problem.system(), piece, truth, *frame);
+  const Errors errors = errors_of(covariances, truth, *frame);
   if (std::none_of(errors.all.begin(), errors.all.end(), [](bool known) { return known; })) {
     return tl::unexpected(Error{ErrorKind::kUsage, "the truth has no pose or feature of the map"});
   }
@@ -114,7 +87,7 @@ Expected<Consistency> consistency(const MapCovariances<Dim>& covariances, const 
   for (const auto& [nees, is_known] :
        {std::pair{&result.poses, &errors.poses}, {&result.features, &errors.features}, {&result.joint, &errors.all}}) {
     if (stop.stop_requested()) return tl::unexpected(Error{ErrorKind::kInterrupted, "interrupted while weighing the errors"});
-    auto value = nees_of(equations, errors.steps, *is_known);
+    auto value = nees_of(covariances.equations(), errors.steps, *is_known);
     if (!value) return tl::unexpected(value.error());
     *nees = *value;
   }

@@ -36,6 +36,7 @@ class JoinProblem {
   const State<Dim>& estimate() const { return system_.estimate(); }
   /// The system with its pattern, ordering and symbolic factor.
   JointSystem<Dim>& system() { return system_; }
+  const JointSystem<Dim>& system() const { return system_; }
 
  private:
   JointSystem<Dim> system_;

@@ -9,11 +9,11 @@
 namespace mapjoin {
 
 template <int Dim>
-JointSystem<Dim>::JointSystem(const Piece<Dim>& piece, const Gauge<Dim>& gauge, Engine engine)
+JointSystem<Dim>::JointSystem(const Piece<Dim>& piece, const Gauge<Dim>& gauge, Engine engine, const std::vector<Index>& order)
     : estimate_(piece.state), equations_({}, {}) {
   number_variables(gauge);
   place_observations(piece, gauge);
-  equations_ = make_equations(engine);
+  equations_ = make_equations(engine, order);
 }
 
 template <int Dim>
@@ -61,7 +61,7 @@ typename JointSystem<Dim>::Source JointSystem<Dim>::source_of(std::size_t clique
 }
 
 template <int Dim>
-NormalEquations JointSystem<Dim>::make_equations(Engine engine) const {
+NormalEquations JointSystem<Dim>::make_equations(Engine engine, const std::vector<Index>& order) const {
   std::vector<int> dofs(static_cast<std::size_t>(first_feature_variable_), kPoseDof<Dim>);
   dofs.resize(places_.size(), Dim);
   Cliques cliques;
@@ -73,7 +73,13 @@ NormalEquations JointSystem<Dim>::make_equations(Engine engine) const {
     for (const Index place : map.features) slots.push_back(feature_variable(place));
     cliques.push_back(slots);
   }
-  return {std::move(dofs), std::move(cliques), engine};
+  Ordering ordering;
+  for (const Index place : order) {
+    const auto poses = static_cast<Index>(pose_variables_.size());
+    const Index variable = place < poses ? pose_variable(place) : feature_variable(place - poses);
+    if (variable != kConstant) ordering.given.push_back(variable);
+  }
+  return {std::move(dofs), std::move(cliques), make_solver(engine), ordering};
 }
 
 template <int Dim>

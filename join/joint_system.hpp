@@ -16,8 +16,10 @@ namespace mapjoin {
 template <int Dim>
 class JointSystem {
  public:
-  /// `piece` gives observations and start; it may go afterwards, the observations and maps must stay.
-  JointSystem(const Piece<Dim>& piece, const Gauge<Dim>& gauge, Engine engine = Engine::kFronts);
+  /// `piece` gives observations and start; it may go afterwards, the observations and maps must stay. `order` is that of the
+  /// elimination, by places (see place_of_variable); where it is empty, one is found.
+  JointSystem(const Piece<Dim>& piece, const Gauge<Dim>& gauge, Engine engine = Engine::kFronts,
+              const std::vector<Index>& order = {});
 
   /// Normal equations of the single observations, from zero; returns their chi2.
   double linearise_observations() {
@@ -90,7 +92,7 @@ class JointSystem {
  private:
   void number_variables(const Gauge<Dim>& gauge);
   void place_observations(const Piece<Dim>& piece, const Gauge<Dim>& gauge);
-  NormalEquations make_equations(Engine engine) const;
+  NormalEquations make_equations(Engine engine, const std::vector<Index>& order) const;
   double add_observation(std::size_t clique, NormalEquations::Sink sink) const;
 
   State<Dim> estimate_;

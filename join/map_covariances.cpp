@@ -1,148 +1,122 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <fmt/format.h>
 
-#include <algorithm>
 #include <array>
-#include <map>
-#include <mapjoin/join/join_problem.hpp>
 #include <mapjoin/join/map_covariances.hpp>
-#include <mapjoin/join/polish_problem.hpp>
-#include <mapjoin/localmap/recover.hpp>
 #include <mapjoin/solve/memory.hpp>
-#include <optional>
 #include <utility>
 
 namespace mapjoin {
+namespace {
+
+template <typename Expression>
+auto symmetric(const Expression& expression) {
+  const auto M = expression.eval();
+  return (0.5 * (M + M.transpose())).eval();
+}
+
+}  // namespace
 
 template <int Dim>
-MapCovariances<Dim>::MapCovariances(Network<Dim> network, Join<Dim> join, std::vector<Segment<Dim>> segments, State<Dim> state,
-                                    Estimate estimate, std::int64_t most_memory)
-    : network_(std::move(network)),
-      join_(std::move(join)),
-      segments_(std::move(segments)),
-      state_(std::move(state)),
+MapCovariances<Dim>::MapCovariances(Restored<Dim> restored, Estimate estimate, std::int64_t most_memory)
+    : equations_(std::move(restored.problem.system().equations())),
       estimate_(estimate),
-      most_memory_(most_memory) {}
-
-template <int Dim>
-Expected<MapCovariances<Dim>> MapCovariances<Dim>::make(Network<Dim> network, Join<Dim> join,
-                                                        std::vector<Segment<Dim>> segments, State<Dim> state, Estimate estimate,
-                                                        std::int64_t most_memory) {
-  MapCovariances covariances(std::move(network), std::move(join), std::move(segments), std::move(state), estimate, most_memory);
-  if (!covariances.factorise()) return bad_input("the covariances are not finite: something is free to move");
-  covariances.find_homes();
-  return covariances;
-}
-
-template <int Dim>
-bool MapCovariances<Dim>::factorise() {
-  JointSystem<Dim>& system = *join_.system;
-  if (estimate_ == Estimate::kPolished) {
-    PolishProblem<Dim> problem(system, segments_, network_.is_private, state_);
-    problem.linearise();
-    return !problem.factorise(0.0);
+      most_memory_(most_memory),
+      pose_variables_(restored.network.pose_count, kConstant),
+      feature_variables_(restored.network.feature_count, kConstant),
+      relations_(relations_of(restored)) {
+  const Piece<Dim>& whole = restored.whole;
+  const JointSystem<Dim>& system = restored.problem.system();
+  state_.poses.resize(pose_variables_.size());
+  state_.features.resize(feature_variables_.size(), Point<Dim>::Zero());
+  write_values(system.estimate(), whole.poses, whole.features, state_);
+  for (std::size_t p = 0; p < whole.poses.size(); ++p) {
+    const Index variable = system.pose_variable(static_cast<Index>(p));
+    pose_variables_[static_cast<std::size_t>(whole.poses[p])] = variable;
+    if (variable == kConstant) held_.push_back(whole.poses[p]);
   }
-  JoinProblem<Dim> problem(std::move(system));
-  problem.linearise();
-  const bool is_regular = !problem.factorise(0.0);
-  system = std::move(problem.system());
-  return is_regular;
-}
-
-template <int Dim>
-void MapCovariances<Dim>::find_homes() {
-  pose_homes_.resize(network_.pose_count);
-  feature_homes_.resize(network_.feature_count);
-  for (Index v = 0; v < equations().variable_count(); ++v) {
-    const auto place = static_cast<std::size_t>(join_.system->place_of_variable(v));
-    const std::size_t poses = join_.poses.size();
-    Home& home = place < poses ? pose_homes_[static_cast<std::size_t>(join_.poses[place])]
-                               : feature_homes_[static_cast<std::size_t>(join_.features[place - poses])];
-    home.variable = v;
-  }
-  for (std::size_t m = 0; m < network_.maps.size(); ++m) {
-    Home home{kConstant, static_cast<Index>(m), 0};
-    for (std::size_t p = 0; p < own_poses(m); ++p, ++home.own) {
-      pose_homes_[static_cast<std::size_t>(segments_[m].interior[p])] = home;
-    }
-    for (const Index feature : network_.maps[m].private_features) {
-      feature_homes_[static_cast<std::size_t>(feature)] = home;
-      ++home.own;
-    }
+  for (std::size_t f = 0; f < whole.features.size(); ++f) {
+    feature_variables_[static_cast<std::size_t>(whole.features[f])] = system.feature_variable(static_cast<Index>(f));
   }
 }
 
 template <int Dim>
-Expected<OwnGivenShared<Dim>> MapCovariances<Dim>::own_of(std::size_t map) const {
-  if (segments_.empty()) return own_given_shared(network_.maps[map], state_);
-  const Segment<Dim>& segment = segments_[map];
-  LiveSegment<Dim> live(segment, network_.is_private, equations(), join_.system->map_variables(map), 0,
-                        values_of(segment, state_));
-  live.linearise();
-  if (!live.eliminate(0.0)) return bad_input("the covariances inside a local map are not finite: something is free to move");
-  return live.own_given_shared();
+Expected<MapCovariances<Dim>> MapCovariances<Dim>::make(Restored<Dim> restored, Estimate estimate, std::int64_t most_memory) {
+  restored.problem.linearise();
+  if (restored.problem.factorise(0.0)) return bad_input("the covariances are not finite: something is free to move");
+  return MapCovariances(std::move(restored), estimate, most_memory);
 }
 
 template <int Dim>
-std::vector<Eigen::Index> MapCovariances<Dim>::shared_entries(std::size_t map) const {
-  std::vector<Eigen::Index> entries;
-  for (const Index v : join_.system->map_variables(map)) {
-    const int dof = v == kConstant ? kPoseDof<Dim> : equations().dof(v);  // only poses are held
-    for (int i = 0; i < dof; ++i) entries.push_back(v == kConstant ? -1 : equations().offset(v) + i);
+template <int ChildDof>
+Matrix<kPoseDof<Dim> + ChildDof> MapCovariances<Dim>::with_parent(Index parent, const PoseOrFeature& child,
+                                                                  const Marginals& marginals) const {
+  const Index of_child = variable(child);
+  const Index of_parent = parent == kWorld ? kConstant : variable(PoseOrFeature::pose(parent));
+  Matrix<kPoseDof<Dim> + ChildDof> covariance;
+  if (of_parent != kConstant) {
+    covariance = marginals.joint(std::array{of_parent, of_child});
+  } else {
+    covariance.setZero();
+    covariance.template bottomRightCorner<ChildDof, ChildDof>() = marginals[of_child];
   }
-  return entries;
+  return covariance;
 }
 
 template <int Dim>
-Expected<void> MapCovariances<Dim>::carry_own(std::size_t map, OwnRows asked, Triplets& J_transposed,
-                                              Eigen::MatrixXd& noise) const {
-  const auto own = own_of(map);
-  if (!own) return tl::unexpected(own.error());
-  std::sort(asked.begin(), asked.end());
-  const std::vector<Eigen::Index> entries = shared_entries(map);
-  std::vector<Eigen::Index> indices;
-  std::vector<Eigen::Index> rows;
-  for (const auto& [k, row] : asked) {
-    indices.push_back(k);
-    for (int i = 0; i < own->dof(k); ++i) {
-      rows.push_back(row + i);
-      for (std::size_t s = 0; s < entries.size(); ++s) {
-        if (entries[s] < 0) continue;
-        J_transposed.emplace_back(entries[s], row + i, own->gain(own->row(k) + i, static_cast<Eigen::Index>(s)));
-      }
-    }
+Expected<MarginalCovariances<Dim>> MapCovariances<Dim>::marginals(const std::function<void(std::size_t, std::size_t)>& progress,
+                                                                  const std::stop_token& stop) const {
+  constexpr int kDof = kPoseDof<Dim>;
+  const std::int64_t bytes =
+      Marginals::bytes(equations_) +
+      static_cast<std::int64_t>(pose_variables_.size() * (sizeof(PoseMatrix<Dim>) + sizeof(PoseRelation<Dim>)) +
+                                feature_variables_.size() * (sizeof(PointMatrix<Dim>) + sizeof(FeatureRelation<Dim>)));
+  if (auto fits = check_memory("the covariances of all poses and features", bytes, most_memory_); !fits) {
+    return tl::unexpected(fits.error());
   }
-  noise(rows, rows) = own->covariance(indices);
-  return {};
+  const std::size_t to_do = equations_.supernode_count();
+  const Marginals marginals(equations_, [&](std::size_t done) {
+    if (progress) progress(done, to_do);
+    return !stop.stop_requested();
+  });
+  if (stop.stop_requested()) return tl::unexpected(Error{ErrorKind::kInterrupted, "interrupted while computing covariances"});
+  MarginalCovariances<Dim> out{std::vector<PoseMatrix<Dim>>(pose_variables_.size(), PoseMatrix<Dim>::Zero()),
+                               std::vector<PointMatrix<Dim>>(feature_variables_.size(), PointMatrix<Dim>::Zero()), relations_};
+  for (std::size_t p = 0; p < out.poses.size(); ++p) {
+    if (pose_variables_[p] == kConstant) continue;
+    PoseRelation<Dim>& relation = out.relations.poses[p];
+    const auto joint = with_parent<kDof>(relation.parent, PoseOrFeature::pose(static_cast<Index>(p)), marginals);
+    const auto J = J_relation(state_.pose(relation.parent), state_.poses[p]);
+    out.poses[p] = joint.template bottomRightCorner<kDof, kDof>();
+    relation.covariance = symmetric(J * joint * J.transpose());
+  }
+  for (std::size_t f = 0; f < out.features.size(); ++f) {
+    if (feature_variables_[f] == kConstant) continue;
+    FeatureRelation<Dim>& relation = out.relations.features[f];
+    const auto joint = with_parent<Dim>(relation.parent, PoseOrFeature::feature(static_cast<Index>(f)), marginals);
+    const auto J = J_relation<Dim>(state_.pose(relation.parent), state_.features[f]);
+    out.features[f] = joint.template bottomRightCorner<Dim, Dim>();
+    relation.covariance = symmetric(J * joint * J.transpose());
+  }
+  return out;
 }
 
 template <int Dim>
 Expected<Eigen::MatrixXd> MapCovariances<Dim>::joint(std::span<const PoseOrFeature> variables) const {
-  Triplets J_transposed;
-  std::map<Index, OwnRows> own_rows;  // per map
+  std::vector<Eigen::Triplet<double>> entries;  // of unit columns
   Eigen::Index size = 0;
-  for (const PoseOrFeature& variable : variables) {
-    const Home& at = home(variable);
-    const int dof = variable.is_pose ? kPoseDof<Dim> : Dim;
-    for (int i = 0; at.variable != kConstant && i < dof; ++i) {
-      J_transposed.emplace_back(equations().offset(at.variable) + i, size + i, 1.0);
-    }
-    if (at.map >= 0) own_rows[at.map].emplace_back(at.own, size);
+  for (const PoseOrFeature& asked : variables) {
+    const Index v = variable(asked);
+    const int dof = asked.is_pose ? kPoseDof<Dim> : Dim;
+    for (int i = 0; v != kConstant && i < dof; ++i) entries.emplace_back(equations_.offset(v) + i, size + i, 1.0);
     size += dof;
   }
   const std::string what = fmt::format("the joint covariance of {} poses and features", variables.size());
-  if (auto fits = check_memory(what, covariance_bytes(equations(), size), most_memory_); !fits) {
-    return tl::unexpected(fits.error());
-  }
-  Eigen::MatrixXd noise = Eigen::MatrixXd::Zero(size, size);
-  for (const auto& [map, rows] : own_rows) {
-    if (auto done = carry_own(static_cast<std::size_t>(map), rows, J_transposed, noise); !done) {
-      return tl::unexpected(done.error());
-    }
-  }
-  Eigen::SparseMatrix<double> columns(equations().size(), size);
-  columns.setFromTriplets(J_transposed.begin(), J_transposed.end());
-  return Eigen::MatrixXd(covariance_of(equations(), columns) + noise);
+  return check_memory(what, covariance_bytes(equations_, size), most_memory_).map([&] {
+    Eigen::SparseMatrix<double> columns(equations_.size(), size);
+    columns.setFromTriplets(entries.begin(), entries.end());
+    return covariance_of(equations_, columns);
+  });
 }
 
 template <int Dim>

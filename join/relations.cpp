@@ -3,51 +3,28 @@
 #include <mapjoin/join/spanning_tree.hpp>
 
 namespace mapjoin {
-namespace {
-
-/// Parents and the order of the poses.
 template <int Dim>
-void hang(const Network<Dim>& network, const Join<Dim>& join, const std::vector<Segment<Dim>>& segments,
-          Relations<Dim>& relations) {
-  const auto pose_at = [&](Index place) { return place == kWorld ? kWorld : join.poses[static_cast<std::size_t>(place)]; };
-  const auto hang_pose = [&](Index pose, Index parent) {
-    relations.poses[static_cast<std::size_t>(pose)].parent = parent;
+Relations<Dim> relations_of(const Restored<Dim>& restored) {
+  const JointSystem<Dim>& system = restored.problem.system();
+  const State<Dim>& state = system.estimate();
+  const Piece<Dim>& whole = restored.whole;
+  const auto pose_at = [&](Index place) { return place == kWorld ? kWorld : whole.poses[static_cast<std::size_t>(place)]; };
+  Relations<Dim> relations;
+  relations.poses.resize(restored.network.pose_count);
+  relations.features.resize(restored.network.feature_count);
+  const auto relate_pose = [&](Index place, Index parent) {
+    const Index pose = pose_at(place);
+    relations.poses[static_cast<std::size_t>(pose)] = {pose_at(parent), between(state.pose(parent), state.pose(place))};
     relations.order.push_back(pose);
   };
-  for (const Index pose : join.held) hang_pose(pose, kWorld);
-  const SpanningTree tree = spanning_tree(*join.system);
-  for (const TreeEdge& edge : tree.poses) hang_pose(pose_at(edge.child), pose_at(edge.parent));
+  for (Index place = 0; place < static_cast<Index>(whole.poses.size()); ++place) {
+    if (system.is_held(place)) relate_pose(place, kWorld);
+  }
+  const SpanningTree tree = spanning_tree(system);
+  for (const TreeEdge& edge : tree.poses) relate_pose(edge.child, edge.parent);
   for (const TreeEdge& edge : tree.features) {
-    const Index feature = join.features[static_cast<std::size_t>(edge.child)];
-    relations.features[static_cast<std::size_t>(feature)].parent = pose_at(edge.parent);
-  }
-  for (const auto& segment : segments) {
-    for (const Index pose : segment.interior) hang_pose(pose, pose - 1);
-  }
-  for (const auto& map : network.maps) {
-    for (const Index feature : map.private_features) {
-      relations.features[static_cast<std::size_t>(feature)].parent = map.map.base;
-    }
-  }
-}
-
-}  // namespace
-
-template <int Dim>
-Relations<Dim> relations_of(const Network<Dim>& network, const Join<Dim>& join, const std::vector<Segment<Dim>>& segments,
-                            const State<Dim>& state) {
-  Relations<Dim> relations;
-  relations.poses.resize(network.pose_count);
-  relations.features.resize(network.feature_count);
-  relations.order.reserve(network.pose_count);
-  hang(network, join, segments, relations);
-  for (std::size_t p = 0; p < network.pose_count; ++p) {
-    PoseRelation<Dim>& relation = relations.poses[p];
-    relation.placement = between(state.pose(relation.parent), state.poses[p]);
-  }
-  for (std::size_t f = 0; f < network.feature_count; ++f) {
-    FeatureRelation<Dim>& relation = relations.features[f];
-    relation.placement = transform_into(state.pose(relation.parent), state.features[f]);
+    const auto feature = static_cast<std::size_t>(whole.features[static_cast<std::size_t>(edge.child)]);
+    relations.features[feature] = {pose_at(edge.parent), transform_into(state.pose(edge.parent), state.feature(edge.child))};
   }
   return relations;
 }
@@ -66,9 +43,8 @@ State<Dim> composed(const Relations<Dim>& relations) {
   return state;
 }
 
-#define MAPJOIN_INSTANTIATE(Dim)                                                                                \
-  template Relations<Dim> relations_of(const Network<Dim>&, const Join<Dim>&, const std::vector<Segment<Dim>>&, \
-                                       const State<Dim>&);                                                      \
+#define MAPJOIN_INSTANTIATE(Dim)                              \
+  template Relations<Dim> relations_of(const Restored<Dim>&); \
   template State<Dim> composed(const Relations<Dim>&);
 MAPJOIN_INSTANTIATE(2)
 MAPJOIN_INSTANTIATE(3)

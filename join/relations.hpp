@@ -2,13 +2,11 @@
 #pragma once
 // A map in relative form (paper's (22), (33)): every pose and feature in the frame of the pose that it hangs from.
 //
-// Poses of the joined state hang along its spanning tree, features from the start of their first map; of what a local map
-// eliminated, poses hang from the pose before them, private features from the start of their map. Relations can be far more
-// certain than positions: errors add up along the tree.
+// The parents are those of the spanning tree of the whole map: of a log, a pose's parent is the pose before it, a feature's the
+// pose that observed it first; of local maps, the start of the map that holds them. Relations can be far more certain than
+// positions: errors add up along the tree.
 
-#include <mapjoin/join/join.hpp>
-#include <mapjoin/join/network.hpp>
-#include <mapjoin/localmap/segment.hpp>
+#include <mapjoin/join/restored.hpp>
 #include <mapjoin/model/state.hpp>
 #include <vector>
 
@@ -38,11 +36,9 @@ struct Relations {
   std::vector<Index> order;  ///< All poses, each after its parent.
 };
 
-/// The estimate `state` of a joined network in relative form, without covariances. `segments` are those of the network's maps,
-/// or none where nothing has an interior.
+/// The estimate of a whole map in relative form, without covariances.
 template <int Dim>
-Relations<Dim> relations_of(const Network<Dim>& network, const Join<Dim>& join, const std::vector<Segment<Dim>>& segments,
-                            const State<Dim>& state);
+Relations<Dim> relations_of(const Restored<Dim>& restored);
 
 /// The map that the relations compose to.
 template <int Dim>

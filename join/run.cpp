@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <cmath>
 #include <mapjoin/graph/connectivity.hpp>
-#include <mapjoin/join/polish_problem.hpp>
 #include <mapjoin/join/run.hpp>
 #include <mapjoin/localmap/check.hpp>
 #include <mapjoin/localmap/recover.hpp>
@@ -69,19 +68,6 @@ std::vector<Segment<Dim>> segments_of(const Log<Dim>& log, const Split& split) {
   return segments;
 }
 
-/// Exact Gauss-Newton on the whole log from `state`, which takes the result.
-template <int Dim>
-MinimiseResult polish(const std::vector<Segment<Dim>>& segments, const Network<Dim>& network, Join<Dim>& join,
-                      const RunOptions& options, const std::stop_token& stop, State<Dim>& state) {
-  PolishProblem<Dim> problem(*join.system, segments, network.is_private, state);
-  MinimiseOptions solver = options.solver;
-  solver.relative_chi2 *= kPolishShare;
-  const MinimiseResult result = minimise(problem, solver, stop);
-  write_values(join.system->estimate(), join.poses, join.features, state);
-  problem.write_interiors(state);
-  return result;
-}
-
 template <int Dim>
 std::int64_t information_bytes(const LocalMap<Dim>& map) {
   return static_cast<std::int64_t>(sizeof(double)) * map.information.size();
@@ -99,11 +85,18 @@ void take_figures(const Join<Dim>& join, RunFigures& figures) {
   figures.joint_bytes += join.system->equations().factor_bytes();
 }
 
-/// Of the final estimate `state` of the whole network. A map that has none is a result all the same.
+/// Minimises the chi2 of every observation of the log from the recovered estimate.
 template <int Dim>
-Expected<void> add_covariances(Network<Dim> network, Join<Dim> join, std::vector<Segment<Dim>> segments, State<Dim> state,
-                               const RunOptions& options, const std::stop_token& stop, RunResult<Dim>& result) {
-  if (!options.covariances && !options.marginals) return {};
+MinimiseResult refine(JoinProblem<Dim>& problem, const RunOptions& options, const std::stop_token& stop) {
+  MinimiseOptions solver = options.solver;
+  solver.relative_chi2 *= kPolishShare;
+  return minimise(problem, solver, stop);
+}
+
+/// A map that has no covariances is a result all the same.
+template <int Dim>
+Expected<void> add_covariances(Restored<Dim> restored, const RunOptions& options, const std::stop_token& stop,
+                               RunResult<Dim>& result) {
   const Stopwatch watch(result.seconds.covariances);
   if (options.progress) options.progress(Stage::kCovariances, 0, 1);
   const auto without = [&](const Error& error) -> Expected<void> {
@@ -112,8 +105,8 @@ Expected<void> add_covariances(Network<Dim> network, Join<Dim> join, std::vector
     return {};
   };
   const bool is_polished = result.polish || (options.polish && result.local_maps == 0);
-  auto covariances = MapCovariances<Dim>::make(std::move(network), std::move(join), std::move(segments), std::move(state),
-                                               is_polished ? Estimate::kPolished : Estimate::kJoined, options.most_memory);
+  auto covariances = MapCovariances<Dim>::make(std::move(restored), is_polished ? Estimate::kPolished : Estimate::kJoined,
+                                               options.most_memory);
   if (!covariances) return without(covariances.error());
   if (options.marginals) {
     auto marginals = covariances->marginals(progress_of(options, Stage::kCovariances), stop);
@@ -156,10 +149,13 @@ Expected<RunResult<Dim>> join_and_polish(const Log<Dim>& log, const Split& split
     result.recovered_chi2 = result.chi2 = log_chi2(log, state.poses, state.features).total();
   }
   if (options.keep_recovered) result.recovered = state;
+  std::optional<Restored<Dim>> refined;
   if (options.polish && result.local_maps > 0) {  // else the join was of the whole log
     const Stopwatch watch(result.seconds.polish);
     if (options.progress) options.progress(Stage::kPolish, 0, 1);
-    result.polish = polish(segments, network, *joined, options, stop, state);
+    refined.emplace(restored(network, segments, *joined, state, options.solver.engine));
+    result.polish = refine(refined->problem, options, stop);
+    write_values(refined->problem.estimate(), refined->whole.poses, refined->whole.features, state);
     result.chi2 = log_chi2(log, state.poses, state.features).total();
   }
   if (stop.stop_requested()) return tl::unexpected(Error{ErrorKind::kInterrupted, "interrupted while polishing"});
@@ -167,8 +163,9 @@ Expected<RunResult<Dim>> join_and_polish(const Log<Dim>& log, const Split& split
   result.dof = result.local_maps > 0 ? degrees_of_freedom(log, joined->held.size()) : joined->dof();
   write_map(log, state, joined->held, result);
   result.map.stamps_ns = log.stamps_ns;
-  return add_covariances(std::move(network), *std::move(joined), std::move(segments), std::move(state), options, stop, result)
-      .map([&] { return std::move(result); });
+  if (!options.covariances && !options.marginals) return result;
+  if (!refined) refined.emplace(restored(network, segments, *joined, state, options.solver.engine));
+  return add_covariances(*std::move(refined), options, stop, result).map([&] { return std::move(result); });
 }
 
 template <int Dim>
@@ -213,7 +210,8 @@ Expected<RunResult<Dim>> join_set(const MapSet<Dim>& set, std::vector<LocalMap<D
   result.chi2 = joined->result.chi2;
   State<Dim> state = std::move(joined->state);
   write_map(set, state, joined->held, result);
-  return add_covariances(std::move(network), *std::move(joined), {}, std::move(state), options, stop, result).map([&] {
+  if (!options.covariances && !options.marginals) return result;
+  return add_covariances(restored(network, {}, *joined, state, options.solver.engine), options, stop, result).map([&] {
     return std::move(result);
   });
 }

@@ -88,7 +88,7 @@ template <int Dim>
 struct RunResult : RunFigures {
   GlobalMap<Dim> map;
   std::optional<State<Dim>> recovered;                     ///< Of the whole log before polishing, where it was asked for.
-  std::shared_ptr<const MapCovariances<Dim>> covariances;  ///< Where they were asked for; the input must outlive them.
+  std::shared_ptr<const MapCovariances<Dim>> covariances;  ///< Where they were asked for; they own all they need.
   std::optional<MarginalCovariances<Dim>> marginals;
 };
 
@@ -108,8 +108,7 @@ Expected<RunResult<Dim>> run_from_maps(const Log<Dim>& log, const Split& split, 
 /// Joins local maps of which nothing else is known: no recovery, no polish.
 template <int Dim>
 Expected<RunResult<Dim>> run(const MapSet<Dim>& set, const RunOptions& options, const std::stop_token& stop = {});
-/// Without a copy of the maps, which are taken out of the set unless its check fails. Its observations must outlive the
-/// covariances all the same.
+/// Without a copy of the maps, which are taken out of the set unless its check fails.
 template <int Dim>
 Expected<RunResult<Dim>> run(MapSet<Dim>&& set, const RunOptions& options, const std::stop_token& stop = {});
 

@@ -16,7 +16,7 @@ int main(int, char** argv) {
   options.covariances = true;
   const auto result = run(log, options);
   if (!result || !result->covariances) return 1;
-  const MapCovariances<2>& covariances = *result->covariances;  // Looks into `log`, which must outlive it.
+  const MapCovariances<2>& covariances = *result->covariances;
 
   const Index last = static_cast<Index>(log.poses.size()) - 1;
   const std::array ends = {PoseOrFeature::pose(last), PoseOrFeature::pose(last - 1)};

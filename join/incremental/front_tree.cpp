@@ -156,7 +156,8 @@ NormalEquations FrontTree::equations_of(const Opened& opened) const {
   Cliques cliques;
   for (const Index q : opened.quadratics) cliques.push_back(places_of(quadratic(q).variables));
   for (const Index orphan : opened.orphans) cliques.push_back(places_of(node(orphan).update.variables));
-  NormalEquations equations(dofs_of(opened.variables), std::move(cliques), nullptr, opened.last_count);
+  NormalEquations equations(dofs_of(opened.variables), std::move(cliques), nullptr,
+                            {.given = {}, .last_count = opened.last_count});
   for (std::size_t c = 0; c < opened.quadratics.size(); ++c) {
     const Quadratic& summand = quadratic(opened.quadratics[c]);
     add_to(equations.sink(c), summand, dofs_of(summand.variables));

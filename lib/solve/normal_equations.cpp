@@ -68,12 +68,13 @@ class CliquesOf {
 
 }  // namespace
 
-NormalEquations::NormalEquations(std::vector<int> dofs, Cliques cliques, std::unique_ptr<SparseSolver> solver, Index last_count)
+NormalEquations::NormalEquations(std::vector<int> dofs, Cliques cliques, std::unique_ptr<SparseSolver> solver,
+                                 const Ordering& ordering)
     : dofs_(std::move(dofs)), cliques_(std::move(cliques)), solver_(std::move(solver)) {
   offsets_.assign(dofs_.size() + 1, 0);
   for (std::size_t v = 0; v < dofs_.size(); ++v) offsets_[v + 1] = offsets_[v] + dofs_[v];
   gradient_.setZero(size());
-  order_and_lay_out(last_count);
+  order_and_lay_out(ordering);
   parallel_invoke(
       [&] {
         find_destinations();
@@ -94,13 +95,13 @@ void NormalEquations::for_each_neighbour(Index v, std::span<const std::uint32_t>
   }
 }
 
-void NormalEquations::order_and_lay_out(Index last_count) {
+void NormalEquations::order_and_lay_out(const Ordering& ordering) {
   const CliquesOf cliques_of(dofs_.size(), cliques_);
   auto [begin, neighbours] = sorted_lists(dofs_.size(), [&](std::size_t k, std::vector<Index>& found) {
     const auto v = static_cast<Index>(k);
     for_each_neighbour(v, cliques_of[v], [&](Index other) { found.push_back(other); });
   });
-  order_ = elimination_order({std::move(begin), std::move(neighbours)}, last_count);
+  order_ = elimination_order({std::move(begin), std::move(neighbours)}, ordering);
   place_ = inverse_order(order_);
   matrix_.offsets.assign(order_.size() + 1, 0);
   for (std::size_t k = 0; k < order_.size(); ++k) {

@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <functional>
 #include <mapjoin/model/ids.hpp>
+#include <mapjoin/solve/ordering.hpp>
 #include <mapjoin/solve/sparse_solver.hpp>
 #include <memory>
 #include <optional>
@@ -40,9 +41,8 @@ class NormalEquations {
  public:
   NormalEquations(std::vector<int> dofs, Cliques cliques, Engine engine = Engine::kFronts)
       : NormalEquations(std::move(dofs), std::move(cliques), make_solver(engine)) {}
-  /// No solver where the caller factorises matrix() himself. The `last_count` last variables are eliminated after those that
-  /// they are coupled to.
-  NormalEquations(std::vector<int> dofs, Cliques cliques, std::unique_ptr<SparseSolver> solver, Index last_count = 0);
+  /// No solver where the caller factorises matrix() himself.
+  NormalEquations(std::vector<int> dofs, Cliques cliques, std::unique_ptr<SparseSolver> solver, const Ordering& ordering = {});
 
   /// Takes the blocks of one observation to their destinations.
   class Sink {
@@ -111,6 +111,8 @@ class NormalEquations {
   }
 
   std::span<const Index> clique(std::size_t clique) const { return cliques_[clique]; }
+  /// The variable at each place of the elimination.
+  const std::vector<Index>& order() const { return order_; }
   Eigen::Index size() const { return offsets_.back(); }
   Index variable_count() const { return static_cast<Index>(dofs_.size()); }
   /// Where the entries of variable v begin.
@@ -148,7 +150,7 @@ class NormalEquations {
 
  private:
   void set_diagonal(const Eigen::VectorXd& diagonal);
-  void order_and_lay_out(Index last_count);
+  void order_and_lay_out(const Ordering& ordering);
   template <typename F>
   void for_each_neighbour(Index v, std::span<const std::uint32_t> cliques, F&& f) const;
   void find_destinations();

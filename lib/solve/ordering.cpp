@@ -62,15 +62,16 @@ std::vector<Index> inverse_order(const std::vector<Index>& order) {
   return place;
 }
 
-std::vector<Index> elimination_order(const BlockGraph& graph, Index last_count) {
+std::vector<Index> elimination_order(const BlockGraph& graph, const Ordering& ordering) {
+  if (!ordering.given.empty()) return postordered(graph, ordering.given);
   if (graph.neighbours.empty()) {
     std::vector<Index> order(static_cast<std::size_t>(graph.size()));
     std::iota(order.begin(), order.end(), 0);
     return order;
   }
   const bool fits_metis = graph.neighbours.size() <= static_cast<std::size_t>(std::numeric_limits<idx_t>::max());
-  const bool is_dissected = graph.size() >= kSmall && last_count == 0 && fits_metis;
-  return postordered(graph, is_dissected ? nested_dissection(graph) : minimum_degree(graph, last_count));
+  const bool is_dissected = graph.size() >= kSmall && ordering.last_count == 0 && fits_metis;
+  return postordered(graph, is_dissected ? nested_dissection(graph) : minimum_degree(graph, ordering.last_count));
 }
 
 }  // namespace mapjoin

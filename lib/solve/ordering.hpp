@@ -16,10 +16,16 @@ struct BlockGraph {
   Index size() const { return static_cast<Index>(begin.size()) - 1; }
 };
 
+/// What is known of the order beforehand.
+struct Ordering {
+  std::vector<Index> given;  ///< All variables in the order to take, or none.
+  Index last_count = 0;      ///< So many last variables are eliminated after those that they are coupled to.
+};
+
 /// Variables by their place in the elimination: nested dissection (METIS), which decides everything at scale; approximate
-/// minimum degree (AMD) for graphs too small to dissect; the constrained one (CAMD) where the `last_count` last variables are
-/// to be eliminated after what they are coupled to. All are postordered. The same graph gives the same order, from any thread.
-std::vector<Index> elimination_order(const BlockGraph& graph, Index last_count = 0);
+/// minimum degree (AMD) for graphs too small to dissect; the constrained one (CAMD) where some variables are to be the last.
+/// All are postordered, a given order, too: every subtree is one run. The same graph gives the same order, from any thread.
+std::vector<Index> elimination_order(const BlockGraph& graph, const Ordering& ordering = {});
 
 /// The place of each variable in an order.
 std::vector<Index> inverse_order(const std::vector<Index>& order);

@@ -61,23 +61,18 @@ TYPED_TEST(ConsistencyTest, WeighsErrorsByTheJointCovarianceOfTheSameThings) {
     const auto consistent = consistency(*result->covariances, this->all_of(world.truth));
     ASSERT_TRUE(consistent) << consistent.error().message;
     std::vector<PoseOrFeature> poses, features;
-    const auto& is_joined = result->covariances->network().is_joined;
-    for (Index p = 1; p < 36; ++p) {
-      if (polish || is_joined[static_cast<std::size_t>(p)]) poses.push_back(PoseOrFeature::pose(p));
-    }
+    for (Index p = 1; p < 36; ++p) poses.push_back(PoseOrFeature::pose(p));
     for (Index f = 0; f < static_cast<Index>(world.log.features.size()); ++f) features.push_back(PoseOrFeature::feature(f));
-    const auto expect = [&](const Nees& nees, const std::vector<PoseOrFeature>& of, double tolerance) {
+    const auto expect = [&](const Nees& nees, const std::vector<PoseOrFeature>& of) {
       const double expected = this->dense_nees(*result, world.truth, of);
-      EXPECT_NEAR(nees.value, expected, tolerance * expected) << polish;
+      EXPECT_NEAR(nees.value, expected, 1e-7 * expected) << polish;
     };
-    // A joined map's private features are, by joint(), as their own observations place them after recovery.
-    const double tolerance = polish ? 1e-7 : 0.05;
     EXPECT_EQ(consistent->poses.dimensions, static_cast<Eigen::Index>(poses.size()) * kPoseDof<kDim>);
-    expect(consistent->poses, poses, 1e-7);
-    expect(consistent->features, features, tolerance);
+    expect(consistent->poses, poses);
+    expect(consistent->features, features);
     std::vector<PoseOrFeature> all = poses;
     all.insert(all.end(), features.begin(), features.end());
-    expect(consistent->joint, all, tolerance);
+    expect(consistent->joint, all);
     EXPECT_EQ(consistent->joint.dimensions, consistent->poses.dimensions + consistent->features.dimensions);
   }
 }

@@ -3,7 +3,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include <mapjoin/io/open_log.hpp>
+#include <mapjoin/io/open.hpp>
 #include <mapjoin/join/run.hpp>
 #include <tests/support/temporary_folder.hpp>
 #include <variant>

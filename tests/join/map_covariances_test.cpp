@@ -4,7 +4,7 @@
 #include <Eigen/LU>
 #include <array>
 #include <mapjoin/join/run.hpp>
-#include <mapjoin/localmap/build.hpp>
+#include <memory>
 #include <numeric>
 #include <tests/support/dense_information.hpp>
 #include <tests/support/dense_relations.hpp>
@@ -147,51 +147,26 @@ TYPED_TEST(MapCovariancesTest, OfJoinedMapsAreBlocksOfTheDenseInverseWithPrivate
   }
 }
 
-TYPED_TEST(MapCovariancesTest, OfTheJoinedMapCarryWhatItsMapsEliminated) {
-  // The information of a map's own variables, at the recovered estimate, is that of its segment with what is shared put in.
-  constexpr int kDim = TestFixture::kDim;
-  constexpr int kDof = kPoseDof<kDim>;
+TYPED_TEST(MapCovariancesTest, OfARecoveredMapAreThoseOfItsWholeLog) {
   const auto log = this->world();
   RunOptions options = this->options(9.0);
   options.polish = false;
   const auto result = run(log, options);
   ASSERT_TRUE(result) << result.error().message;
   EXPECT_EQ(result->covariances->estimate(), Estimate::kJoined);
-  const State<kDim> state = this->state_of(*result);
+  this->expect_those_of_the_log(log, *result);
+}
 
-  Split parts = split(log, options.split);
-  const auto network = network_of<kDim>(log, parts, build_local_maps<kDim>(log, parts, {}).value().maps);
-  DenseInformation<kDim> dense(state);
-  this->add_single_observations(log, dense);
-  std::size_t m = 0;
-  for (const Stretch& stretch : parts.stretches) {
-    const auto segment = segment_of(log, parts, stretch);
-    ASSERT_TRUE(stretch.is_map);
-    const auto& condensed = network.maps[m++];
-    dense.add(condensed.map);
-    DenseInformation<kDim> inside(state);
-    for (const auto& o : segment.odometry) inside.add(o);
-    for (const auto& o : segment.observations) inside.add(o);
-    std::vector<Eigen::Index> own, shared;
-    const auto append = [](std::vector<Eigen::Index>& rows, Eigen::Index first, int dof) {
-      for (int i = 0; i < dof; ++i) rows.push_back(first + i);
-    };
-    for (const Index pose : segment.interior) append(own, inside.pose_row(pose), kDof);
-    for (const Index feature : condensed.private_features) append(own, inside.feature_row(feature), kDim);
-    append(shared, inside.pose_row(segment.begin), kDof);
-    for (const Index pose : condensed.map.poses) append(shared, inside.pose_row(pose), kDof);
-    for (const Index feature : condensed.map.features) append(shared, inside.feature_row(feature), kDim);
-    const Eigen::MatrixXd S_oo = inside.information()(own, own);
-    const Eigen::MatrixXd S_os = inside.information()(own, shared);
-    const Eigen::MatrixXd S_ss = S_os.transpose() * S_oo.ldlt().solve(S_os);
-    std::vector<Eigen::Index> all = own;
-    all.insert(all.end(), shared.begin(), shared.end());
-    Eigen::MatrixXd S(all.size(), all.size());
-    S << S_oo, S_os, S_os.transpose(), S_ss;
-    dense.add(all, S);
-  }
-  this->expect_blocks_of(dense, *result);
-  testing::expect_relations_of(dense, result->map.gauge, result->covariances->marginals().value().relations);
+TYPED_TEST(MapCovariancesTest, OutliveTheirInput) {
+  auto log = std::make_unique<Log<TestFixture::kDim>>(this->world());
+  auto result = run(*log, this->options(9.0));
+  ASSERT_TRUE(result) << result.error().message;
+  const auto before = result->covariances->marginals();
+  log.reset();
+  const auto after = result->covariances->marginals();
+  ASSERT_TRUE(before && after);
+  EXPECT_EQ(before->poses, after->poses);
+  EXPECT_EQ(before->features, after->features);
 }
 
 TYPED_TEST(MapCovariancesTest, RelativeOnesAreThoseOfTheDifferenceInTheFrameOfTheFirst) {

@@ -64,7 +64,7 @@ TEST(Ordering, EliminatesTheLastVariablesAfterAllThatTheyAreCoupledTo) {
   for (const Index side : {6, 20}) {
     const BlockGraph graph = grid(side);
     const Index first_late = graph.size() - 9;
-    const std::vector<Index> order = elimination_order(graph, 9);
+    const std::vector<Index> order = elimination_order(graph, {.given = {}, .last_count = 9});
     const std::vector<Index> place = inverse_order(order);
     for (Index v = first_late; v < graph.size(); ++v) {
       for (auto n = graph.begin[static_cast<std::size_t>(v)]; n < graph.begin[static_cast<std::size_t>(v) + 1]; ++n) {
