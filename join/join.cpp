@@ -2,8 +2,10 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <mapjoin/join/join.hpp>
 #include <mapjoin/join/join_problem.hpp>
+#include <mapjoin/join/tolerances.hpp>
 #include <mapjoin/join/whole.hpp>
 #include <mapjoin/join/world.hpp>
 #include <mapjoin/measure/chi_squared.hpp>
@@ -83,45 +85,31 @@ double most_turned(const State<Dim>& from, const State<Dim>& to) {
   return most;
 }
 
-/// A solve that turns a pose further (rad) has left the part of space where the rotations, all that is not linear in a map,
-/// are nearly so; it may have ended in a local minimum.
-constexpr double kFarFromLinear = 1.0;
-/// Maps that fit together less than this may be in a local minimum.
-constexpr double kLeastProbability = 0.05;
-/// Two joins whose chi2 differs by less than this share of it are the same.
-constexpr double kSameChi2 = 1e-9;
-
-/// Whether the chi2 of a join is such as its degrees of freedom make it.
+/// A network, what names its poses and features, and how it is to be joined.
 template <int Dim>
-bool fits(const Join<Dim>& join) {
-  if (!std::isfinite(join.result.chi2)) return false;
-  return join.dof() <= 0 || chi_squared_upper_tail(join.result.chi2, static_cast<double>(join.dof())) > kLeastProbability;
-}
-
-/// Whether a join need not be tried another way: its last solve converged from near by and, unless it is the first and
-/// cheapest way, the maps fit. (Maps that are surer than right fit nowhere.)
-template <int Dim>
-bool is_trusted(const Join<Dim>& join) {
-  const bool was_nearly_linear = join.result.status == MinimiseStatus::kConverged && join.turned < kFarFromLinear;
-  return was_nearly_linear && (join.schedule == Schedule::kAligned || fits(join));
-}
+struct Task {
+  const Network<Dim>& network;
+  const std::vector<PoseId>& pose_ids;
+  const std::vector<FeatureId>& feature_ids;
+  const JoinOptions<Dim>& options;
+  const std::stop_token& stop;
+};
 
 /// Directions that are looked at where a system is singular.
 constexpr std::size_t kMostDirections = 60;
 
 /// What the observations leave free to move, by name; `singular` is a variable of it.
 template <int Dim>
-std::string free_to_move(const JointSystem<Dim>& system, Index singular, const Piece<Dim>& whole,
-                         const std::vector<PoseId>& pose_ids, const std::vector<FeatureId>& feature_ids) {
+std::string free_to_move(const Task<Dim>& task, const JointSystem<Dim>& system, Index singular, const Piece<Dim>& whole) {
   const NormalEquations& equations = system.equations();
   std::vector<PlacedVariable<Dim>> variables;
   for (std::size_t p = 0; p < whole.poses.size(); ++p) {
     const Index v = system.pose_variable(static_cast<Index>(p));
-    variables.push_back({to_string(pose_ids[static_cast<std::size_t>(whole.poses[p])]), system.estimate().poses[p],
+    variables.push_back({to_string(task.pose_ids[static_cast<std::size_t>(whole.poses[p])]), system.estimate().poses[p],
                          v == kConstant ? -1 : equations.offset(v), true});
   }
   for (std::size_t f = 0; f < whole.features.size(); ++f) {
-    variables.push_back({to_string(feature_ids[static_cast<std::size_t>(whole.features[f])]),
+    variables.push_back({to_string(task.feature_ids[static_cast<std::size_t>(whole.features[f])]),
                          {system.estimate().features[f], {}},
                          equations.offset(system.feature_variable(static_cast<Index>(f))),
                          false});
@@ -131,51 +119,117 @@ std::string free_to_move(const JointSystem<Dim>& system, Index singular, const P
   return found.empty() ? name + " cannot be determined" : found;
 }
 
+/// The last solve, from the estimate of the problem of `whole` on.
+template <int Dim>
+Expected<Join<Dim>> solved(const Task<Dim>& task, Piece<Dim> whole, const Gauge<Dim>& gauge, JoinProblem<Dim> problem,
+                           const MinimiseOptions& solver) {
+  Join<Dim> join;
+  const State<Dim> start = problem.estimate();
+  join.result = minimise_join(problem, task.options.state, solver, task.stop);
+  join.turned = most_turned(start, problem.estimate());
+  if (join.result.status == MinimiseStatus::kInterrupted) return interrupted();
+  if (join.result.status == MinimiseStatus::kSingular) {
+    return bad_input(free_to_move(task, problem.system(), *join.result.singular, whole));
+  }
+  join.state = state_of(task.network, whole, problem.estimate());
+  for (const Index place : gauge.held) join.held.push_back(whole.poses[static_cast<std::size_t>(place)]);
+  join.maps = map_fits(problem.system());
+  join.rows = measured_rows(whole, gauge, join.maps);
+  join.poses = std::move(whole.poses);
+  join.features = std::move(whole.features);
+  join.system = std::make_unique<JointSystem<Dim>>(std::move(problem.system()));
+  return join;
+}
+
 /// Joins by one schedule, not kAuto.
 template <int Dim>
-Expected<Join<Dim>> join_by(const Network<Dim>& network, const std::vector<PoseId>& pose_ids,
-                            const std::vector<FeatureId>& feature_ids, const JoinOptions<Dim>& options,
-                            const std::stop_token& stop) {
-  ScheduleOptions schedule{options.schedule, options.state, ScheduleOptions::leading(options.schedule), options.progress};
-  schedule.inner.engine = options.solver.engine;
+Expected<Join<Dim>> join_by(Schedule schedule, const Task<Dim>& task, const MinimiseOptions& solver) {
+  const auto& [network, pose_ids, feature_ids, options, stop] = task;
+  ScheduleOptions on_the_way{schedule, options.state, ScheduleOptions::leading(schedule), options.progress};
+  on_the_way.inner.engine = solver.engine;
   Piece<Dim> whole = whole_of(network);
   const Gauge<Dim> gauge = gauge_of(network, whole);
   JoinedPieces<Dim> pieces;
-  std::optional<JoinProblem<Dim>> posed;  // its pattern, ordering and symbolic factor need no state
-  parallel_invoke([&] { pieces = join_stretches(network, schedule, stop); },
+  std::optional<JoinProblem<Dim>> problem;  // its pattern, ordering and symbolic factor need no state
+  parallel_invoke([&] { pieces = join_stretches(task.network, on_the_way, task.stop); },
                   [&] {
-                    if (!stop.stop_requested()) posed.emplace(whole, gauge, options.solver.engine);
+                    if (!task.stop.stop_requested()) problem.emplace(whole, gauge, solver.engine);
                   });
   if (stop.stop_requested()) return interrupted();
 
   whole.state = composed_state(network, whole, options.origin, std::move(pieces));
   set_start(options, whole);
   place_fixed_poses(network, whole);
-  JoinProblem<Dim>& problem = *posed;
-  problem.system().estimate() = whole.state;
-
-  Join<Dim> result;
-  result.schedule = options.schedule;
+  problem->system().estimate() = whole.state;
+  std::vector<PathPoint> path;
   if (options.gradual) {
-    MinimiseOptions leading = ScheduleOptions::leading(options.schedule);
+    MinimiseOptions leading = on_the_way.inner;
     leading.method = options.solver.method;
-    result.path = lead_gradually(problem, whole, gauge, options.state, leading, stop);
+    path = lead_gradually(*problem, whole, gauge, options.state, leading, stop);
   }
-  const State<Dim> start = problem.estimate();
-  result.result = minimise_join(problem, options.state, options.solver, stop);
-  result.turned = most_turned(start, problem.estimate());
-  if (result.result.status == MinimiseStatus::kInterrupted) return interrupted();
-  if (result.result.status == MinimiseStatus::kSingular) {
-    return bad_input(free_to_move(problem.system(), *result.result.singular, whole, pose_ids, feature_ids));
+  auto join = solved(task, std::move(whole), gauge, *std::move(problem), solver);
+  if (join) join->schedule = schedule;
+  if (join) join->path = std::move(path);
+  return join;
+}
+
+/// Goes on where a join stopped at its limit of iterations.
+template <int Dim>
+Expected<Join<Dim>> continued(const Task<Dim>& task, Join<Dim> join, const MinimiseOptions& solver) {
+  Piece<Dim> whole = whole_of(task.network);
+  const Gauge<Dim> gauge = gauge_of(task.network, whole);
+  auto further = solved(task, std::move(whole), gauge, JoinProblem<Dim>(std::move(*join.system)), solver);
+  if (!further) return further;
+  further->schedule = join.schedule;
+  further->turned = std::max(join.turned, further->turned);
+  MinimiseResult result = std::move(join.result);
+  result.append(further->result);
+  further->result = std::move(result);
+  return further;
+}
+
+/// What kAuto tries, in the order of cost, until a map is settled: by a solve that was as good as linear, or (the first and
+/// cheapest) began near its optimum; else two have to end at the same one, one of them from near by.
+constexpr std::array kWays = {Schedule::kAligned, Schedule::kTree, Schedule::kLeaning};
+/// A way that has not converged by then is set aside, and goes on only if no other did better.
+constexpr int kTrialIterations = 75;
+
+/// Whether every step of the last solve gained what the model promised: there was no second minimum on the way.
+template <int Dim>
+bool was_as_good_as_linear(const Join<Dim>& join) {
+  return join.result.status == MinimiseStatus::kConverged && join.result.short_steps == 0;
+}
+
+/// Whether the last solve began near to where it converged.
+template <int Dim>
+bool came_from_near_by(const Join<Dim>& join) {
+  return join.result.status == MinimiseStatus::kConverged && (join.turned < kFarFromLinear || was_as_good_as_linear(join));
+}
+
+template <int Dim>
+Expected<Join<Dim>> join_by_best(const Task<Dim>& task) {
+  MinimiseOptions trial = task.options.solver;
+  trial.max_iterations = std::min(trial.max_iterations, kTrialIterations);
+  std::optional<Join<Dim>> best;
+  for (const Schedule way : kWays) {
+    auto found = join_by(way, task, trial);
+    if (task.stop.stop_requested()) return interrupted();
+    if (!found && (best || way == kWays.front())) continue;  // what is singular far from the optimum need not be so elsewhere
+    if (!found) return found;
+    found->is_settled = was_as_good_as_linear(*found) || (way == kWays.front() && came_from_near_by(*found));
+    if (best && is_same_chi2(best->result.chi2, found->result.chi2)) {
+      const bool is_confirmed = found->is_settled || came_from_near_by(*best) || came_from_near_by(*found);
+      if (best->result.status != MinimiseStatus::kConverged) best = *std::move(found);
+      best->is_settled = is_confirmed;
+    } else if (!best || is_less_chi2(found->result.chi2, best->result.chi2)) {
+      best = *std::move(found);
+    }
+    if (best->is_settled) return *std::move(best);
   }
-  result.state = state_of(network, whole, problem.estimate());
-  for (const Index place : gauge.held) result.held.push_back(whole.poses[static_cast<std::size_t>(place)]);
-  result.maps = map_fits(problem.system());
-  result.rows = measured_rows(whole, gauge, result.maps);
-  result.poses = std::move(whole.poses);
-  result.features = std::move(whole.features);
-  result.system = std::make_unique<JointSystem<Dim>>(std::move(problem.system()));
-  return result;
+  if (best->result.status != MinimiseStatus::kMaxIterations) return *std::move(best);
+  MinimiseOptions rest = task.options.solver;
+  rest.max_iterations -= trial.max_iterations;
+  return rest.max_iterations > 0 ? continued(task, *std::move(best), rest) : *std::move(best);
 }
 
 }  // namespace
@@ -188,19 +242,8 @@ template <int Dim>
 Expected<Join<Dim>> join(const Network<Dim>& network, const std::vector<PoseId>& pose_ids,
                          const std::vector<FeatureId>& feature_ids, const JoinOptions<Dim>& options,
                          const std::stop_token& stop) {
-  if (options.schedule != Schedule::kAuto) return join_by(network, pose_ids, feature_ids, options, stop);
-  std::optional<Join<Dim>> best;
-  for (const Schedule schedule : {Schedule::kAligned, Schedule::kTree, Schedule::kLeaning}) {
-    JoinOptions<Dim> by = options;
-    by.schedule = schedule;
-    auto found = join_by(network, pose_ids, feature_ids, by, stop);
-    if (stop.stop_requested()) return interrupted();
-    if (!found && schedule == Schedule::kTree && !best) return found;
-    if (!found || (best && best->result.chi2 < found->result.chi2 * (1.0 - kSameChi2))) continue;
-    best = *std::move(found);
-    if (is_trusted(*best)) break;
-  }
-  return *std::move(best);
+  const Task<Dim> task{network, pose_ids, feature_ids, options, stop};
+  return options.schedule == Schedule::kAuto ? join_by_best(task) : join_by(options.schedule, task, options.solver);
 }
 
 #define MAPJOIN_INSTANTIATE(Dim)                                                                                    \

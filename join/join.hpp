@@ -45,7 +45,8 @@ struct MapFit {
 template <int Dim>
 struct Join {
   MinimiseResult result;
-  Schedule schedule = Schedule::kTree;       ///< That it was found by; of kAuto, the one of less chi2.
+  Schedule schedule = Schedule::kTree;       ///< That it was found by; of kAuto, the one of least chi2.
+  bool is_settled = false;                   ///< Of kAuto: the solve was nearly linear, or two schedules found this optimum.
   std::vector<PathPoint> path;               ///< Where it was brought in gradually.
   State<Dim> state;                          ///< Of the whole network; poses that are not joined are left at the origin.
   std::vector<Index> poses;                  ///< The poses of the joined state, ascending.

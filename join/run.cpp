@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include <cmath>
+#include <array>
 #include <mapjoin/graph/connectivity.hpp>
 #include <mapjoin/join/run.hpp>
+#include <mapjoin/join/tolerances.hpp>
 #include <mapjoin/localmap/check.hpp>
 #include <mapjoin/localmap/recover.hpp>
 #include <mapjoin/measure/chi2.hpp>
@@ -14,10 +15,6 @@
 
 namespace mapjoin {
 namespace {
-
-/// The polish goes on until a step promises this share of what ends a join: near the optimum that is one step more, and the map
-/// is the same to the micrometre however the log was split.
-constexpr double kPolishShare = 1e-3;
 
 std::function<void(std::size_t, std::size_t)> progress_of(const RunOptions& options, Stage stage) {
   if (!options.progress) return nullptr;
@@ -78,6 +75,7 @@ template <int Dim>
 void take_figures(const Join<Dim>& join, RunFigures& figures) {
   figures.join = join.result;
   figures.schedule = join.schedule;
+  figures.is_settled = join.is_settled;
   figures.path = join.path;
   figures.turned = join.turned;
   figures.join_dof = join.dof();
@@ -89,7 +87,7 @@ void take_figures(const Join<Dim>& join, RunFigures& figures) {
 template <int Dim>
 MinimiseResult refine(JoinProblem<Dim>& problem, const RunOptions& options, const std::stop_token& stop) {
   MinimiseOptions solver = options.solver;
-  solver.relative_chi2 *= kPolishShare;
+  solver.relative_chi2 *= kRefiningShare;
   return minimise(problem, solver, stop);
 }
 
@@ -216,10 +214,13 @@ Expected<RunResult<Dim>> join_set(const MapSet<Dim>& set, std::vector<LocalMap<D
   });
 }
 
-/// Whether a map was found only on a long way where all was left to the defaults. The Gaussians of local maps are then crude.
-bool was_led_far(const RunFigures& figures, const RunOptions& options) {
+/// What is tried where the log was left to be cut as is cheapest, and no two ways of joining its local maps found the same
+/// optimum: without maps, whose Gaussians are crude where they were made far from it.
+constexpr std::array kWithoutMaps = {Schedule::kTree, Schedule::kLeaning};
+
+bool may_do_without_maps(const RunFigures& figures, const RunOptions& options) {
   return options.split.rule == SplitRule::kAuto && options.schedule == Schedule::kAuto && figures.local_maps > 0 &&
-         figures.schedule != Schedule::kAligned;
+         !figures.is_settled;
 }
 
 }  // namespace
@@ -243,13 +244,19 @@ template <int Dim>
 Expected<RunResult<Dim>> run(const Log<Dim>& log, const RunOptions& options, const std::stop_token& stop) {
   demand_valid(options);
   if (auto connected = check_connected(log); !connected) return tl::unexpected(connected.error());
-  auto result = run_once(log, options, stop);
-  if (!result || !was_led_far(*result, options)) return result;
+  auto best = run_once(log, options, stop);
+  if (!best || !may_do_without_maps(*best, options)) return best;
   RunOptions without_maps = options;
   without_maps.split = {SplitRule::kPoses, 1.0};
-  auto other = run_once(log, without_maps, stop);
-  if (stop.stop_requested()) return other;
-  return other && other->chi2 < result->chi2 ? other : result;
+  for (const Schedule schedule : kWithoutMaps) {
+    without_maps.schedule = schedule;
+    auto other = run_once(log, without_maps, stop);
+    if (stop.stop_requested()) return other;
+    if (!other) continue;
+    if (is_same_chi2(best->chi2, other->chi2)) break;
+    if (is_less_chi2(other->chi2, best->chi2)) best = std::move(other);
+  }
+  return best;
 }
 
 template <int Dim>

@@ -66,7 +66,8 @@ struct RunFigures {
   Index poses_per_map = 0;     ///< As chosen; 0 where another rule than poses cut the log.
   std::int64_t build_iterations = 0;
   MinimiseResult join;
-  Schedule schedule = Schedule::kTree;  ///< That the join was found by; of kAuto, the one of less chi2.
+  Schedule schedule = Schedule::kTree;  ///< That the join was found by; of kAuto, the one of least chi2.
+  bool is_settled = false;              ///< As of Join.
   double turned = 0.0;                  ///< The most that the last solve of the join turned a pose (rad).
   std::vector<PathPoint> path;          ///< To the join, where it was gradual.
   std::int64_t join_dof = 0;
@@ -93,9 +94,9 @@ struct RunResult : RunFigures {
 };
 
 /// Splits the log, builds local maps, joins them, recovers what was eliminated, and polishes to the optimum of the whole log.
-/// Where split and schedule are kAuto and aligning was far from linear, it does so once more without local maps, and gives the
-/// better map. Bad input: a log that falls apart or leaves something undetermined. kInterrupted on `stop`. Options that do not
-/// validate are std::invalid_argument, here and below.
+/// Where split and schedule are kAuto and no two ways of joining the maps agreed, it goes on without local maps until two do,
+/// and gives the best map. Bad input: a log that falls apart or leaves something undetermined. kInterrupted on `stop`. Options
+/// that do not validate are std::invalid_argument, here and below.
 template <int Dim>
 Expected<RunResult<Dim>> run(const Log<Dim>& log, const RunOptions& options, const std::stop_token& stop = {});
 

@@ -20,7 +20,7 @@ enum class Schedule : std::uint8_t {
   kAligned,     ///< As kTree, but nothing is solved on the way: halves are only placed, rigidly, by all that they share.
   kTree,        ///< Pairs of neighbours, then pairs of pairs: needs no initial value.
   kLeaning,     ///< A tree with nine tenths of the maps on its left branches: nearly map by map, at twice the cost of kTree.
-  kAuto,        ///< Aligned; where that turns out to be far from linear, along a tree; where that does not fit, a leaning one.
+  kAuto,        ///< Aligned; where that was not nearly linear, along a tree, too, and a leaning one, until two agree.
 };
 
 constexpr auto enum_names(Schedule) {
@@ -33,7 +33,7 @@ constexpr auto enum_names(Schedule) {
 }
 
 struct ScheduleOptions {
-  Schedule schedule = Schedule::kTree;         ///< Not kAuto, which is two of the others.
+  Schedule schedule = Schedule::kTree;         ///< Not kAuto, which is several of the others.
   JoinedState state = JoinedState::kAbsolute;  ///< Coordinates of the steps.
   MinimiseOptions inner;                       ///< Of the joins below the last one, which only have to lead to its basin.
   /// Called after every join with the number done and to do; from one thread at a time.

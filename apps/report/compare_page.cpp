@@ -8,6 +8,7 @@
 #include <apps/report/report.hpp>
 #include <array>
 #include <filesystem>
+#include <mapjoin/join/tolerances.hpp>
 
 namespace mapjoin::apps {
 namespace {
@@ -32,7 +33,7 @@ std::vector<Solution> solutions_of(const ComparisonFigures& comparison) {
   std::stable_sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) { return chi2_of(a) < chi2_of(b); });
   std::vector<Solution> solutions;
   for (const std::size_t k : order) {
-    if (!solutions.empty() && chi2_of(k) - chi2_of(solutions.back().front()) <= 1e-6 * std::max(1.0, chi2_of(k))) {
+    if (!solutions.empty() && is_same_chi2(chi2_of(k), chi2_of(solutions.back().front()))) {
       solutions.back().push_back(k);
     } else {
       solutions.push_back({k});

@@ -3,18 +3,11 @@
 #include <iterator>
 #include <mapjoin/join/incremental/incremental_join.hpp>
 #include <mapjoin/join/placement.hpp>
+#include <mapjoin/join/tolerances.hpp>
 #include <mapjoin/measure/chi_squared.hpp>
 #include <utility>
 
 namespace mapjoin {
-namespace {
-
-/// A growth of chi2 that is less probable than this asks for another look.
-constexpr double kLeastProbability = 1e-3;
-/// Two joins whose chi2 differs by less than this share of it are the same.
-constexpr double kSameChi2 = 1e-6;
-
-}  // namespace
 
 template <int Dim>
 const Pose<Dim>* IncrementalJoin<Dim>::pose(Index pose) const {
@@ -184,7 +177,7 @@ bool IncrementalJoin<Dim>::has_outgrown(double chi2_before, std::int64_t dof_bef
   const double scale = dof_before > 0 ? std::max(1.0, chi2_before / static_cast<double>(dof_before)) : 1.0;
   const double growth = (estimate_.chi2() - chi2_before) / scale;
   const auto dof = static_cast<double>(std::max<std::int64_t>(1, estimate_.dof() - dof_before));
-  return !(chi_squared_upper_tail(growth, dof) > kLeastProbability);
+  return !(chi_squared_upper_tail(growth, dof) > kLeastGrowthProbability);
 }
 
 template <int Dim>
@@ -230,7 +223,7 @@ void IncrementalJoin<Dim>::join_anew(bool with_waiting, const std::stop_token& s
   options.origin = origin_;
   added.looked_anew = true;
   const auto joined = join(network, set.poses, set.features, options, stop);
-  if (!joined || !(with_waiting || joined->result.chi2 < estimate_.chi2() * (1.0 - kSameChi2))) return;
+  if (!joined || !(with_waiting || is_less_chi2(joined->result.chi2, estimate_.chi2()))) return;
   take(parts, *joined, added);
   added.is_joined = added.joined_anew = true;
   if (!with_waiting) return;

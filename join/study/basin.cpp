@@ -3,6 +3,7 @@
 #include <cmath>
 #include <mapjoin/graph/connectivity.hpp>
 #include <mapjoin/join/study/basin.hpp>
+#include <mapjoin/join/tolerances.hpp>
 #include <mapjoin/model/demand_valid.hpp>
 #include <mapjoin/parallel/parallel.hpp>
 #include <memory>
@@ -166,7 +167,7 @@ class Experiment {
   void judge(Covariance covariance, double best) {
     for (BasinCell& cell : cells_) {
       if (cell.covariance != covariance) continue;
-      for (BasinRun& run : cell.runs) run.is_at_optimum = run.chi2 - best <= 1e-6 * best + 1e-9;
+      for (BasinRun& run : cell.runs) run.is_at_optimum = is_same_chi2(run.chi2, best);
     }
   }
 

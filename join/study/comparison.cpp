@@ -5,13 +5,12 @@
 #include <cmath>
 #include <mapjoin/graph/connectivity.hpp>
 #include <mapjoin/join/study/comparison.hpp>
+#include <mapjoin/join/tolerances.hpp>
 #include <stdexcept>
 #include <utility>
 
 namespace mapjoin {
 namespace {
-
-constexpr double kSameChi2 = 1e-6;  // relative, and absolute where chi2 is below one
 
 std::vector<std::size_t> spans_within(std::size_t poses) {
   std::vector<std::size_t> spans;
@@ -169,7 +168,7 @@ Expected<Comparison<Dim>> compare(const Log<Dim>& log, const ComparisonOptions<D
   for (std::size_t k = 0; k < comparison.cases.size(); ++k) {
     CaseFigures& figures = comparison.cases[k];
     if (!figures.has_map()) continue;
-    figures.reaches_best = figures.run.converged() && figures.polished.chi2 - least <= kSameChi2 * std::max(1.0, least);
+    figures.reaches_best = figures.run.converged() && is_same_chi2(figures.polished.chi2, least);
     measure(comparison.maps[k].joined, best_map, comparison.spans, options.truth, figures.joined);
     measure(comparison.maps[k].polished, best_map, comparison.spans, options.truth, figures.polished);
   }

@@ -12,6 +12,7 @@
 #include <mapjoin/solve/trust_region.hpp>
 #include <optional>
 #include <stop_token>
+#include <utility>
 
 namespace mapjoin {
 
@@ -70,12 +71,40 @@ std::optional<Index> factorise_damped(P& problem, double& damping, bool damp_sin
   return singular;
 }
 
+/// chi2 of the estimate moved by `step`, whose candidate is kept. Where steps lead on in one direction and gain far more than
+/// the model promised, chi2 curves less along them than the model says: the step is then made as long as the curvature that it
+/// met asks for. Without this, an estimate creeps along a valley whose curvature Gauss-Newton overrates.
+template <LeastSquaresProblem P>
+double try_stretched(P& problem, Eigen::VectorXd& step, const Eigen::VectorXd& previous, double promised, double chi2_before) {
+  constexpr double kMuchMore = 1.5;  // of what was promised
+  constexpr double kMostStretch = 100.0;
+  constexpr double kOneDirection = 0.99;  // cosine
+  const double chi2 = problem.try_step(step);
+  const double gained = chi2_before - chi2;
+  if (!(gained > kMuchMore * promised) || !(gained > kRounding * chi2_before)) return chi2;
+  const bool leads_on = previous.size() > 0 && step.dot(previous) > kOneDirection * step.norm() * previous.norm();
+  if (!leads_on) return chi2;
+  const double slope = problem.gradient().dot(step);  // chi2(a) = chi2_before - 2 a slope + a² curvature
+  const double curvature = 2.0 * slope - gained;
+  const double stretch = curvature * kMostStretch > slope ? slope / curvature : kMostStretch;
+  const Eigen::VectorXd stretched = stretch * step;
+  const double chi2_stretched = problem.try_step(stretched);
+  if (!(chi2_stretched < chi2)) return problem.try_step(step);
+  step = stretched;
+  return chi2_stretched;
+}
+
+inline bool is_tiny(const StepSize& size, const MinimiseOptions& options) {
+  return size.metres <= options.step_metres && size.radians <= options.step_radians;
+}
+
 /// minimise() with steps measured in metric_of(), which is asked for once after each linearisation.
 template <LeastSquaresProblem P, typename MetricOf>
 MinimiseResult minimise_in(MetricOf&& metric_of, P& problem, const MinimiseOptions& options, const std::stop_token& stop) {
   MinimiseResult result;
   result.chi2 = result.start_chi2 = problem.linearise();
   TrustRegion region(options.method);
+  Eigen::VectorXd previous;  // the last step that was taken
   while (true) {
     if (!std::isfinite(result.chi2)) return result.ended(MinimiseStatus::kNoProgress);
     const auto& metric = metric_of();
@@ -93,27 +122,54 @@ MinimiseResult minimise_in(MetricOf&& metric_of, P& problem, const MinimiseOptio
       if (region.needs_cauchy_point()) region.set_cauchy_point(cauchy_point(problem, metric), metric);
       step = region.step();
       if (!region.is_finite()) return result.ended(MinimiseStatus::kNoProgress);
-      const StepSize size = problem.step_size(step);
-      const bool last = region.predicted_decrease() <= options.relative_chi2 * result.chi2 ||
-                        (size.metres <= options.step_metres && size.radians <= options.step_radians);
-      const double chi2 = problem.try_step(step);
+      const double promised = region.predicted_decrease();
+      const bool tiny = is_tiny(problem.step_size(step), options);
+      const bool last = tiny || region.promise() <= options.relative_chi2 * result.chi2 || promised <= kRounding * result.chi2;
+      const double chi2 = options.method == Method::kGaussNewton
+                              ? problem.try_step(step)
+                              : try_stretched(problem, step, previous, promised, result.chi2);
       if (last) {
+        const bool converged = (tiny && !region.is_truncated()) || options.is_converged(region.promise(), result.chi2);
         // The last step may gain less than chi2 is rounded to, and still be the one to the optimum.
         if (chi2 <= result.chi2 * (1.0 + kRounding)) {
           problem.accept();
           result.moved_to(chi2);
         }
-        return result.ended(region.speaks_for_whole_step(result.chi2) ? MinimiseStatus::kConverged
-                                                                      : MinimiseStatus::kNoProgress);
+        return result.ended(converged ? MinimiseStatus::kConverged : MinimiseStatus::kNoProgress);
       }
       if (options.method == Method::kGaussNewton && !std::isfinite(chi2)) return result.ended(MinimiseStatus::kNoProgress);
       region.judge(result.chi2 - chi2);
+      if (region.fell_short()) ++result.short_steps;
       if (region.accepted()) result.moved_to(chi2);
     } while (!region.accepted());
     problem.accept();
-    if (result.iterations >= options.max_iterations) return result.ended(MinimiseStatus::kMaxIterations);
+    previous = std::move(step);
+    if (result.iterations >= options.max_iterations) {
+      const bool converged = options.is_converged(region.promise(), result.chi2);
+      return result.ended(converged ? MinimiseStatus::kConverged : MinimiseStatus::kMaxIterations);
+    }
     problem.linearise();
   }
+}
+
+/// What damping hides: an undamped factorisation where damped steps ended, whose step is the last one. Whether the estimate
+/// converged is said of that step, as of every other method's; and what is free is found.
+template <LeastSquaresProblem P>
+MinimiseResult without_damping(P& problem, const MinimiseOptions& options, MinimiseResult result) {
+  if (result.status == MinimiseStatus::kSingular || result.status == MinimiseStatus::kInterrupted) return result;
+  if (!std::isfinite(problem.linearise())) return result;
+  result.singular = problem.factorise(0.0);
+  ++result.factorisations;
+  if (result.singular) return result.ended(MinimiseStatus::kSingular);
+  const ModelStep step = newton_step(problem, 0.0, Unmeasured{});
+  const bool converged = options.is_converged(step.decrease, result.chi2) || is_tiny(problem.step_size(step.v), options);
+  if (!converged) return result.status == MinimiseStatus::kConverged ? result.ended(MinimiseStatus::kNoProgress) : result;
+  const double chi2 = problem.try_step(step.v);
+  if (chi2 <= result.chi2 && result.iterations < options.max_iterations) {
+    problem.accept();
+    result.moved_to(chi2);
+  }
+  return result.ended(MinimiseStatus::kConverged);
 }
 
 }  // namespace detail
@@ -124,7 +180,9 @@ template <LeastSquaresProblem P>
 MinimiseResult minimise(P& problem, const MinimiseOptions& options, const std::stop_token& stop = {}) {
   const bool is_plain = options.method == Method::kGaussNewton && !options.damp_singular;
   if (is_plain) return detail::minimise_in([] { return Unmeasured{}; }, problem, options, stop);
-  return detail::minimise_in([&]() -> decltype(auto) { return problem.metric(); }, problem, options, stop);
+  auto result = detail::minimise_in([&]() -> decltype(auto) { return problem.metric(); }, problem, options, stop);
+  if (options.method != Method::kLevenbergMarquardt || options.damp_singular) return result;
+  return detail::without_damping(problem, options, std::move(result));
 }
 
 }  // namespace mapjoin

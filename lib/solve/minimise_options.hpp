@@ -2,6 +2,7 @@
 #pragma once
 // What can be asked of the nonlinear loop, and what it answers.
 
+#include <algorithm>
 #include <cstdint>
 #include <mapjoin/model/enum_names.hpp>
 #include <mapjoin/model/ids.hpp>
@@ -23,23 +24,30 @@ constexpr auto enum_names(Method) {
       {{Method::kDogleg, "dogleg"}, {Method::kLevenbergMarquardt, "lm"}, {Method::kGaussNewton, "gn"}});
 }
 
+/// An estimate has converged when the whole Gauss-Newton step from it, undamped, promises to lower chi2 by less than this
+/// share of it. Steps that are asked to go on beyond may do so as far as rounding lets chi2 tell.
+constexpr double kConvergedShare = 1e-9;
+
 struct MinimiseOptions {
   Method method = Method::kDogleg;
   int max_iterations = 200;
-  double relative_chi2 = 1e-9;      ///< Converged when a step promises to lower chi2 by less than this share of it,
-  double step_metres = 1e-9;        ///< or moves no position by more than this (m)
-  double step_radians = 1e-9;       ///< and turns no pose by more than this (rad).
-  bool damp_singular = false;       ///< Damp where the system is singular instead of stopping there.
-  Engine engine = Engine::kFronts;  ///< What factorises sparse systems.
+  double relative_chi2 = kConvergedShare;  ///< Steps end when the whole one promises less than this share of chi2,
+  double step_metres = 1e-9;               ///< or moves no position by more than this (m)
+  double step_radians = 1e-9;              ///< and turns no pose by more than this (rad).
+  bool damp_singular = false;              ///< Damp where the system is singular instead of stopping there.
+  Engine engine = Engine::kFronts;         ///< What factorises sparse systems.
 
+  /// What "converged" means, of every solve by every method: what the whole Gauss-Newton step from an estimate of this chi2
+  /// promises is less than relative_chi2, or else kConvergedShare, of it.
+  bool is_converged(double promise, double chi2) const { return promise <= std::max(relative_chi2, kConvergedShare) * chi2; }
   /// Every violation in words; empty if there is none.
   std::vector<std::string> validate() const;
 };
 
 enum class MinimiseStatus : std::uint8_t {
-  kConverged,      ///< A stop test held.
+  kConverged,      ///< The whole Gauss-Newton step promises next to nothing (MinimiseOptions::is_converged), or is tiny.
   kMaxIterations,  ///< The estimate is the best found so far.
-  kNoProgress,     ///< No step lowers chi2 though the model promises it, or chi2 is not finite.
+  kNoProgress,     ///< No step lowers chi2 though the whole one promises it, or chi2 is not finite.
   kSingular,       ///< `singular` cannot be determined from the observations; the estimate is the last good one.
   kInterrupted,    ///< The stop token was set; the estimate is the best found so far.
 };
@@ -56,6 +64,7 @@ struct MinimiseResult {
   MinimiseStatus status = MinimiseStatus::kConverged;
   int iterations = 0;
   int factorisations = 0;  ///< Fewer than iterations where one factor served several steps.
+  int short_steps = 0;     ///< Tried, and gained less than half of what the model promised.
   double start_chi2 = 0.0;
   double chi2 = 0.0;
   std::vector<double> course;     ///< chi2 after each iteration.
@@ -66,6 +75,16 @@ struct MinimiseResult {
     chi2 = new_chi2;
     ++iterations;
     course.push_back(new_chi2);
+  }
+  /// What came of going on from here.
+  void append(const MinimiseResult& further) {
+    iterations += further.iterations;
+    factorisations += further.factorisations;
+    short_steps += further.short_steps;
+    course.insert(course.end(), further.course.begin(), further.course.end());
+    status = further.status;
+    chi2 = further.chi2;
+    singular = further.singular;
   }
   MinimiseResult& ended(MinimiseStatus with) {
     status = with;

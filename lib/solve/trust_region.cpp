@@ -18,28 +18,14 @@ double dogleg_fraction(double cc, double cn, double nn, double radius) {
   return std::clamp(beta, 0.0, 1.0);
 }
 
-/// What rounding may leave of chi2 that no step can gain, as a share of it.
-constexpr double kLittle = 1e-6;
 /// The last factor serves once more where its step lowered chi2 by at most this share of it: the estimate has moved little,
 constexpr double kLittleMoved = 0.01;
 /// and promises at most this share of that now.
 constexpr double kRepeatedShare = 0.05;
-/// Beyond this a damped step no longer speaks for the whole one.
-constexpr double kMuchDamping = 1.0;
+/// A step that gains less than this share of what was promised fell short: chi2 is not nearly quadratic that far.
+constexpr double kShort = 0.5;
 
 }  // namespace
-
-bool TrustRegion::speaks_for_whole_step(double chi2) const {
-  switch (method_) {
-    case Method::kGaussNewton:
-      return true;
-    case Method::kDogleg:
-      return newton_.length <= radius_ || newton_.decrease <= kLittle * chi2;
-    case Method::kLevenbergMarquardt:
-      return damping_ <= kMuchDamping;
-  }
-  return false;
-}
 
 bool TrustRegion::may_repeat(double chi2) const {
   return method_ == Method::kDogleg && accepted_ && took_newton_step_ && predicted_ <= kLittleMoved * chi2;
@@ -77,6 +63,7 @@ Eigen::VectorXd TrustRegion::step() {
 
 void TrustRegion::judge(double actual_decrease) {
   const double ratio = actual_decrease / predicted_;
+  fell_short_ = !(ratio > kShort);
   switch (method_) {
     case Method::kGaussNewton:
       accepted_ = true;

@@ -53,16 +53,19 @@ class TrustRegion {
   /// By how much the model says the step lowers chi2.
   double predicted_decrease() const { return predicted_; }
   bool is_finite() const { return std::isfinite(predicted_) && std::isfinite(step_length_); }
-  /// Whether a step that promises little means that the whole Gauss-Newton step does: it is that step, or that one promises
-  /// little, too. Else the region has only shrunk.
-  bool speaks_for_whole_step(double chi2) const;
+  /// By how much the model says the whole Gauss-Newton step lowers chi2, however far the region lets a step go; of
+  /// Levenberg-Marquardt, the damped one.
+  double promise() const { return newton_.decrease; }
+  /// Whether the Gauss-Newton step is too long for the dogleg.
+  bool is_truncated() const { return method_ == Method::kDogleg && newton_.length > radius_; }
 
   /// Updates radius or damping by what the step achieved.
   void judge(double actual_decrease);
   bool accepted() const { return accepted_; }
+  /// Whether the last step judged gained less than half of what the model said.
+  bool fell_short() const { return fell_short_; }
 
  private:
-  bool is_truncated() const { return method_ == Method::kDogleg && newton_.length > radius_; }
   void judge_radius(double ratio);
   void judge_damping(double ratio);
 
@@ -80,6 +83,7 @@ class TrustRegion {
   bool took_newton_step_ = false;
   bool is_repeated_ = false;
   bool accepted_ = false;
+  bool fell_short_ = false;
 };
 
 }  // namespace mapjoin

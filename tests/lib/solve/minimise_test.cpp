@@ -5,6 +5,7 @@
 #include <functional>
 #include <mapjoin/solve/minimise.hpp>
 #include <tests/support/numerical_jacobian.hpp>
+#include <tuple>
 
 namespace mapjoin {
 namespace {
@@ -154,6 +155,12 @@ TEST_P(MinimiseTest, NamesASingularVariableAndLeavesTheEstimate) {
   EXPECT_EQ(problem.estimate(), Eigen::Vector2d(1.0, 2.0));
 }
 
+TEST_P(MinimiseTest, FindsWhatOnlyDampingDetermines) {
+  const auto sum = [](const Eigen::VectorXd& x) { return Eigen::VectorXd(Eigen::Vector2d(x[0] + x[1] - 1.0, 0.1)); };
+  DenseProblem problem(sum, Eigen::Vector2d(3.0, 4.0));
+  EXPECT_EQ(minimise(problem, with(GetParam())).status, MinimiseStatus::kSingular);
+}
+
 TEST_P(MinimiseTest, MayDampAVariableThatNothingDeterminesYet) {
   const auto sum = [](const Eigen::VectorXd& x) { return Eigen::VectorXd::Constant(1, x[0] + x[1] - 3.0); };
   MinimiseOptions options = with(GetParam());
@@ -199,6 +206,42 @@ TEST(Minimise, TheLastStepIsTakenThoughChi2CannotShowItsGain) {
   const MinimiseResult result = minimise(problem, with(Method::kDogleg));
   EXPECT_EQ(result.status, MinimiseStatus::kConverged);
   EXPECT_NEAR(problem.estimate()[0], 1.0, 1e-9);
+}
+
+/// At the minimum, 0, chi2 curves a twentieth of what Gauss-Newton takes it to.
+Eigen::VectorXd overrated_valley(const Eigen::VectorXd& x) {
+  return Eigen::Vector2d(x[0], 1.0 - 0.475 * x[0] * x[0]);
+}
+
+TEST(Minimise, DoesNotCreepAlongAValleyWhoseCurvatureGaussNewtonOverrates) {
+  for (const auto& [method, most, least] : {std::tuple{Method::kDogleg, 30, 1}, {Method::kGaussNewton, 200, 100}}) {
+    DenseProblem problem(overrated_valley, Eigen::VectorXd::Constant(1, 0.5));
+    const MinimiseResult result = minimise(problem, with(method));
+    EXPECT_EQ(result.status, MinimiseStatus::kConverged);
+    EXPECT_LE(result.iterations, most);
+    EXPECT_GE(result.iterations, least);
+    EXPECT_NEAR(problem.estimate()[0], 0.0, 1e-4);
+  }
+}
+
+/// Of which no step but a tiny one gains what it promises: |x| with a kink where the start is.
+struct KinkedProblem : DenseProblem {
+  using DenseProblem::DenseProblem;
+  double try_step(const Eigen::VectorXd& v) { return std::max(DenseProblem::try_step(v), 1.0); }
+};
+
+TEST(Minimise, HasNotConvergedWhereOnlyTheRegionShrankToNothing) {
+  const auto h = [](const Eigen::VectorXd& x) { return x; };
+  KinkedProblem problem(h, Eigen::VectorXd::Constant(1, 1.0));
+  EXPECT_EQ(minimise(problem, with(Method::kDogleg)).status, MinimiseStatus::kNoProgress);
+}
+
+TEST(Minimise, HasConvergedAtItsLimitOfIterationsWhereNothingIsLeftToGain) {
+  DenseProblem problem(overrated_valley, Eigen::VectorXd::Constant(1, 1e-4));
+  MinimiseOptions options = with(Method::kGaussNewton);
+  options.step_metres = options.step_radians = 0.0;
+  options.max_iterations = 3;
+  EXPECT_EQ(minimise(problem, options).status, MinimiseStatus::kConverged);
 }
 
 TEST(Minimise, OptionsNameEveryViolation) {

@@ -1,0 +1,79 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Logs that were joined wrongly once (data/cases).
+#include <gtest/gtest.h>
+
+#include <mapjoin/io/open.hpp>
+#include <mapjoin/join/run.hpp>
+#include <tests/support/data.hpp>
+#include <tests/support/places.hpp>
+#include <variant>
+
+namespace mapjoin {
+namespace {
+
+using ::testing::TestWithParam;
+
+struct Figures {
+  RunFigures run;
+  std::string error;  // where there is no map
+};
+
+Figures figures_of(const std::filesystem::path& file, const RunOptions& options) {
+  const auto figures = [&](const auto& log) -> Figures {
+    const auto result = run(log, options);
+    if (!result) return {{}, result.error().message};
+    return {*result, {}};
+  };
+  return std::visit(figures, open_log(file).value());
+}
+
+Figures figures_of_case(const std::string& name, const RunOptions& options) {
+  return figures_of(testing::kBundledData / "cases" / name, options);
+}
+
+class FreeToMove : public TestWithParam<const char*> {};
+
+TEST_P(FreeToMove, IsSaidInTheSameWordsByEveryMethod) {
+  RunOptions options;
+  const std::string error = figures_of_case(GetParam(), options).error;
+  EXPECT_NE(error.find("cannot be determined: the observations leave it free to move"), std::string::npos) << error;
+  for (const auto method : {Method::kGaussNewton, Method::kLevenbergMarquardt}) {
+    options.solver.method = method;
+    EXPECT_EQ(figures_of_case(GetParam(), options).error, error) << to_string(method);
+  }
+}
+INSTANTIATE_TEST_SUITE_P(Cases, FreeToMove,
+                         ::testing::Values("onefeature.g2o", "free.g2o", "freefeature.g2o", "lm_accepts_free_feature.g2o",
+                                           "lm_covariances_of_singular.g2o"));
+
+TEST(Cases, DampingGivesNoCovariancesToWhatIsFree) {
+  RunOptions options;
+  options.solver.method = Method::kLevenbergMarquardt;
+  options.schedule = Schedule::kAligned;
+  options.split = {SplitRule::kPoses, 20.0};
+  options.covariances = options.marginals = true;
+  EXPECT_FALSE(figures_of_case("lm_covariances_of_singular.g2o", options).error.empty());
+}
+
+TEST(Cases, AMapHasConvergedWhereNothingIsLeftToGainHoweverItWasFound) {
+  RunOptions options;
+  options.schedule = Schedule::kBatch;
+  options.split = {SplitRule::kPoses, 3.0};
+  const auto refined = figures_of_case("polish_false_alarm_1266.g2o", options);
+  EXPECT_TRUE(refined.run.converged());
+  EXPECT_NEAR(refined.run.chi2, 265.2843, 1e-4);
+  EXPECT_TRUE(figures_of_case("tight_1433.g2o", RunOptions{}).run.converged());
+}
+
+TEST(Cases, AWrongClosureDoesNotHideTheBetterMinimum) {
+  EXPECT_NEAR(figures_of_case("A_2442.g2o", RunOptions{}).run.chi2, 3023960.1, 1.0);
+}
+
+TEST(CasesData, AFlatValleyIsFollowedToItsEnd) {
+  const auto found = figures_of(testing::data_file("robots/robot_b.g2o"), RunOptions{});
+  EXPECT_TRUE(found.run.converged());
+  EXPECT_NEAR(found.run.chi2, 20.36719, 1e-4);
+}
+
+}  // namespace
+}  // namespace mapjoin
