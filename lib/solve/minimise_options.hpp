@@ -64,7 +64,7 @@ struct MinimiseResult {
   MinimiseStatus status = MinimiseStatus::kConverged;
   int iterations = 0;
   int factorisations = 0;  ///< Fewer than iterations where one factor served several steps.
-  int short_steps = 0;     ///< Tried, and gained less than half of what the model promised.
+  int short_steps = 0;     ///< Tried, and gained less than 0.4 of what the model promised.
   double start_chi2 = 0.0;
   double chi2 = 0.0;
   std::vector<double> course;     ///< chi2 after each iteration.

@@ -23,7 +23,7 @@ constexpr double kLittleMoved = 0.01;
 /// and promises at most this share of that now.
 constexpr double kRepeatedShare = 0.05;
 /// A step that gains less than this share of what was promised fell short: chi2 is not nearly quadratic that far.
-constexpr double kShort = 0.5;
+constexpr double kShort = 0.4;
 
 }  // namespace
 

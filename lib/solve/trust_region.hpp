@@ -62,7 +62,7 @@ class TrustRegion {
   /// Updates radius or damping by what the step achieved.
   void judge(double actual_decrease);
   bool accepted() const { return accepted_; }
-  /// Whether the last step judged gained less than half of what the model said.
+  /// Whether the last step judged gained less than 0.4 of what the model said.
   bool fell_short() const { return fell_short_; }
 
  private:
