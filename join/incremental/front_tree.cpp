@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <algorithm>
+#include <mapjoin/geometry/pose.hpp>
 #include <mapjoin/join/incremental/front_tree.hpp>
 #include <mapjoin/solve/sparse_cholesky.hpp>
 #include <utility>
@@ -10,15 +11,23 @@ namespace {
 /// In squared standard deviations per entry: what moves less stays where it is, and what hangs below is not looked at.
 constexpr double kNoMove = 1e-6;
 
-/// Adds a quadratic to normal equations; slots that are constant there count for nothing.
-void add_to(NormalEquations::Sink sink, const Quadratic& quadratic, const std::vector<int>& dofs) {
-  Eigen::Index column = 0;
-  for (std::size_t i = 0; i < dofs.size(); column += dofs[i++]) {
-    const auto slot = static_cast<int>(i);
-    sink.rhs(slot, quadratic.b.segment(column, dofs[i]));
-    Eigen::Index row = column;
-    for (std::size_t j = i; j < dofs.size(); row += dofs[j++]) {
-      sink.hessian(slot, static_cast<int>(j), quadratic.H.block(row, column, dofs[j], dofs[i]).transpose());
+/// Some variables of a quadratic: their places in normal equations, and their entries in the quadratic.
+struct Slots {
+  std::vector<Index> places;
+  std::vector<Slice> entries;
+};
+
+/// Adds the part of a quadratic that these slots have.
+void add_to(NormalEquations::Sink sink, const Quadratic& quadratic, const std::vector<Slice>& entries) {
+  using Block = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, 0, kPoseDof<3>, kPoseDof<3>>;
+  const auto begin = [](Slice of) { return static_cast<Eigen::Index>(of.begin); };
+  const auto size = [](Slice of) { return static_cast<Eigen::Index>(of.size()); };
+  for (std::size_t i = 0; i < entries.size(); ++i) {
+    const Slice columns = entries[i];
+    sink.rhs(static_cast<int>(i), Block(quadratic.b.segment(begin(columns), size(columns))).col(0));
+    for (std::size_t j = i; j < entries.size(); ++j) {
+      const Block block = quadratic.H.block(begin(entries[j]), begin(columns), size(entries[j]), size(columns)).transpose();
+      sink.hessian(static_cast<int>(i), static_cast<int>(j), block);
     }
   }
 }
@@ -143,25 +152,31 @@ void FrontTree::order(std::span<const Index> last, Opened& opened) {
 }
 
 NormalEquations FrontTree::equations_of(const Opened& opened) const {
-  const auto dofs_of = [&](const std::vector<Index>& variables) {
-    std::vector<int> dofs;
-    for (const Index v : variables) dofs.push_back(variable(v).dof);
-    return dofs;
+  const auto slots_of = [&](const std::vector<Index>& variables) {
+    Slots slots;
+    std::size_t begin = 0;
+    for (const Index v : variables) {
+      const std::size_t end = begin + static_cast<std::size_t>(variable(v).dof);
+      if (variable(v).place != kConstant) {
+        slots.places.push_back(variable(v).place);
+        slots.entries.push_back({begin, end});
+      }
+      begin = end;
+    }
+    return slots;
   };
-  const auto places_of = [&](const std::vector<Index>& variables) {
-    std::vector<Index> places;
-    for (const Index v : variables) places.push_back(variable(v).place);
-    return places;
-  };
+  std::vector<int> dofs;
+  for (const Index v : opened.variables) dofs.push_back(variable(v).dof);
   Cliques cliques;
-  for (const Index q : opened.quadratics) cliques.push_back(places_of(quadratic(q).variables));
-  for (const Index orphan : opened.orphans) cliques.push_back(places_of(node(orphan).update.variables));
-  NormalEquations equations(dofs_of(opened.variables), std::move(cliques), nullptr,
-                            {.given = {}, .last_count = opened.last_count});
-  for (std::size_t c = 0; c < opened.quadratics.size(); ++c) {
-    const Quadratic& summand = quadratic(opened.quadratics[c]);
-    add_to(equations.sink(c), summand, dofs_of(summand.variables));
+  std::vector<std::vector<Slice>> entries;  // of the quadratics
+  for (const Index q : opened.quadratics) {
+    Slots slots = slots_of(quadratic(q).variables);
+    cliques.push_back(slots.places);
+    entries.push_back(std::move(slots.entries));
   }
+  for (const Index orphan : opened.orphans) cliques.push_back(slots_of(node(orphan).update.variables).places);
+  NormalEquations equations(std::move(dofs), std::move(cliques), nullptr, {.given = {}, .last_count = opened.last_count});
+  for (std::size_t c = 0; c < entries.size(); ++c) add_to(equations.sink(c), quadratic(opened.quadratics[c]), entries[c]);
   return equations;
 }
 
