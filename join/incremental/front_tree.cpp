@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <algorithm>
-#include <mapjoin/geometry/pose.hpp>
 #include <mapjoin/join/incremental/front_tree.hpp>
 #include <mapjoin/solve/sparse_cholesky.hpp>
 #include <utility>
@@ -10,27 +9,6 @@ namespace {
 
 /// In squared standard deviations per entry: what moves less stays where it is, and what hangs below is not looked at.
 constexpr double kNoMove = 1e-6;
-
-/// Some variables of a quadratic: their places in normal equations, and their entries in the quadratic.
-struct Slots {
-  std::vector<Index> places;
-  std::vector<Slice> entries;
-};
-
-/// Adds the part of a quadratic that these slots have.
-void add_to(NormalEquations::Sink sink, const Quadratic& quadratic, const std::vector<Slice>& entries) {
-  using Block = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, 0, kPoseDof<3>, kPoseDof<3>>;
-  const auto begin = [](Slice of) { return static_cast<Eigen::Index>(of.begin); };
-  const auto size = [](Slice of) { return static_cast<Eigen::Index>(of.size()); };
-  for (std::size_t i = 0; i < entries.size(); ++i) {
-    const Slice columns = entries[i];
-    sink.rhs(static_cast<int>(i), Block(quadratic.b.segment(begin(columns), size(columns))).col(0));
-    for (std::size_t j = i; j < entries.size(); ++j) {
-      const Block block = quadratic.H.block(begin(entries[j]), begin(columns), size(entries[j]), size(columns)).transpose();
-      sink.hessian(static_cast<int>(i), static_cast<int>(j), block);
-    }
-  }
-}
 
 /// Adds what a front leaves of the right-hand side over `rows` to that of its parent: to the parent's own rows in b, to those
 /// below it in `below`.
@@ -51,8 +29,8 @@ void hand_up(const Eigen::VectorXd& sent, std::span<const std::int64_t> rows, co
 
 }  // namespace
 
-/// Fronts that stay, as the factorisation of what stands above them is given them.
-struct FrontTree::Orphans {
+/// Quadratics, and what fronts that stay send up, as the factorisation of what stands above them is given them.
+struct FrontTree::Given {
   std::vector<std::vector<Index>> places;  ///< Ascending.
   std::vector<Eigen::MatrixXd> updates;
   std::vector<Eigen::VectorXd> b;
@@ -91,14 +69,15 @@ std::size_t FrontTree::update(std::span<const Index> last) {
   ++updates_;
   Opened opened = open_touched();
   order(last, opened);
-  const NormalEquations equations = equations_of(opened);
-  const Orphans orphans = sent_by(opened.orphans, equations);
+  find_summands(opened);
+  const NormalEquations equations = pattern_of(opened);
+  const Given given = given_by(opened, equations);
   SparseCholesky cholesky(Updates::kKept);
   if (equations.size() > 0) {
-    cholesky.analyse(equations.matrix(), orphans.places);
-    cholesky.factorise(equations.matrix(), orphans.updates);
+    cholesky.analyse(equations.matrix(), given.places);
+    cholesky.factorise(equations.matrix(), given.updates);
   }
-  rebuild(opened, equations, orphans, cholesky.supernodes());
+  rebuild(opened, equations, given, cholesky.supernodes());
   for (const Index v : opened.variables) variable(v).place = kConstant;
   solve();
   return opened.variables.size();
@@ -131,11 +110,6 @@ FrontTree::Opened FrontTree::open_touched() {
       if (!node(child).is_open) opened.orphans.push_back(child);
     }
   }
-  for (const Index v : opened.variables) {
-    opened.quadratics.insert(opened.quadratics.end(), variable(v).quadratics.begin(), variable(v).quadratics.end());
-  }
-  std::sort(opened.quadratics.begin(), opened.quadratics.end());
-  opened.quadratics.erase(std::unique(opened.quadratics.begin(), opened.quadratics.end()), opened.quadratics.end());
   return opened;
 }
 
@@ -151,39 +125,39 @@ void FrontTree::order(std::span<const Index> last, Opened& opened) {
   for (std::size_t k = 0; k < variables.size(); ++k) variable(variables[k]).place = static_cast<Index>(k);
 }
 
-NormalEquations FrontTree::equations_of(const Opened& opened) const {
-  const auto slots_of = [&](const std::vector<Index>& variables) {
-    Slots slots;
-    std::size_t begin = 0;
-    for (const Index v : variables) {
-      const std::size_t end = begin + static_cast<std::size_t>(variable(v).dof);
-      if (variable(v).place != kConstant) {
-        slots.places.push_back(variable(v).place);
-        slots.entries.push_back({begin, end});
-      }
-      begin = end;
+/// The quadratics of which all variables are eliminated again, and what the orphans send.
+void FrontTree::find_summands(Opened& opened) const {
+  std::vector<Index> quadratics;
+  for (const Index v : opened.variables) {
+    for (const Index q : variable(v).quadratics) {
+      if (quadratic(q).variables.front() == v) quadratics.push_back(q);
     }
-    return slots;
-  };
+  }
+  const auto is_below = [&](Index v) { return variable(v).place == kConstant; };
+  for (const Index q : quadratics) {
+    const auto& variables = quadratic(q).variables;
+    if (std::none_of(variables.begin(), variables.end(), is_below)) opened.summands.push_back(&quadratic(q));
+  }
+  opened.quadratic_count = opened.summands.size();
+  for (const Index orphan : opened.orphans) opened.summands.push_back(&node(orphan).update);
+}
+
+NormalEquations FrontTree::pattern_of(const Opened& opened) const {
   std::vector<int> dofs;
   for (const Index v : opened.variables) dofs.push_back(variable(v).dof);
   Cliques cliques;
-  std::vector<std::vector<Slice>> entries;  // of the quadratics
-  for (const Index q : opened.quadratics) {
-    Slots slots = slots_of(quadratic(q).variables);
-    cliques.push_back(slots.places);
-    entries.push_back(std::move(slots.entries));
+  for (const Quadratic* summand : opened.summands) {
+    std::vector<Index> places;
+    for (const Index v : summand->variables) places.push_back(variable(v).place);
+    cliques.push_back(places);
   }
-  for (const Index orphan : opened.orphans) cliques.push_back(slots_of(node(orphan).update.variables).places);
-  NormalEquations equations(std::move(dofs), std::move(cliques), nullptr, {.given = {}, .last_count = opened.last_count});
-  for (std::size_t c = 0; c < entries.size(); ++c) add_to(equations.sink(c), quadratic(opened.quadratics[c]), entries[c]);
-  return equations;
+  return {std::move(dofs), std::move(cliques), nullptr, {.given = {}, .last_count = opened.last_count}};
 }
 
-FrontTree::Orphans FrontTree::sent_by(const std::vector<Index>& nodes, const NormalEquations& equations) const {
-  Orphans orphans;
-  for (const Index n : nodes) {
-    const Quadratic& update = node(n).update;
+FrontTree::Given FrontTree::given_by(const Opened& opened, const NormalEquations& equations) const {
+  Given given;
+  for (const Quadratic* summand : opened.summands) {
+    const Quadratic& update = *summand;
     std::vector<std::pair<Index, Eigen::Index>> places;  // each with its first row
     Eigen::Index row = 0;
     for (const Index v : update.variables) {
@@ -192,19 +166,19 @@ FrontTree::Orphans FrontTree::sent_by(const std::vector<Index>& nodes, const Nor
     }
     std::sort(places.begin(), places.end());
     std::vector<Eigen::Index> rows;
-    std::vector<Index>& ascending = orphans.places.emplace_back();
+    std::vector<Index>& ascending = given.places.emplace_back();
     for (const auto& [place, first] : places) {
       ascending.push_back(place);
       for (Eigen::Index i = 0; i < equations.matrix().dof(static_cast<std::size_t>(place)); ++i) rows.push_back(first + i);
     }
     const Eigen::MatrixXd H = update.H.selfadjointView<Eigen::Lower>();
-    orphans.updates.emplace_back(H(rows, rows));
-    orphans.b.emplace_back(update.b(rows));
+    given.updates.emplace_back(H(rows, rows));
+    given.b.emplace_back(update.b(rows));
   }
-  return orphans;
+  return given;
 }
 
-void FrontTree::rebuild(const Opened& opened, const NormalEquations& equations, const Orphans& orphans,
+void FrontTree::rebuild(const Opened& opened, const NormalEquations& equations, const Given& given,
                         const Supernodes& supernodes) {
   std::erase_if(roots_, [&](Index n) { return node(n).is_open; });
   for (const Index n : opened.nodes) {
@@ -222,35 +196,35 @@ void FrontTree::rebuild(const Opened& opened, const NormalEquations& equations, 
     const Supernode& supernode = supernodes[s];
     std::fill(supernode_at.begin() + supernode.begin, supernode_at.begin() + supernode.end, s);
     const bool is_given = supernode.begin == supernode.end;
-    nodes.push_back(is_given ? opened.orphans[supernode.given] : new_node());
+    const bool is_quadratic = is_given && supernode.given < opened.quadratic_count;
+    nodes.push_back(is_quadratic ? -1 : is_given ? opened.orphans[supernode.given - opened.quadratic_count] : new_node());
     if (!is_given) take(nodes.back(), supernode, variable_at);
   }
-  link(nodes, supernodes, supernode_at, orphans.b, equations.permuted(equations.gradient()));
+  link(nodes, supernodes, supernode_at, given.b);
 }
 
-/// Makes nodes each other's parents and children, and takes the right-hand side b up the tree.
+/// Makes nodes each other's parents and children, and takes the right-hand sides up the tree.
 void FrontTree::link(const std::vector<Index>& nodes, const Supernodes& supernodes,
-                     const std::vector<std::size_t>& supernode_at, const std::vector<Eigen::VectorXd>& given,
-                     Eigen::VectorXd b) {
+                     const std::vector<std::size_t>& supernode_at, const std::vector<Eigen::VectorXd>& given) {
+  Eigen::VectorXd b = Eigen::VectorXd::Zero(static_cast<Eigen::Index>(supernode_at.size()));
   for (std::size_t s = 0; s < supernodes.size(); ++s) {
     const Supernode& supernode = supernodes[s];
-    Node& of = node(nodes[s]);
     const Eigen::Index width = supernode.end - supernode.begin;
     if (width > 0) {
+      Node& of = node(nodes[s]);
       of.y = of.L.topRows(width).triangularView<Eigen::Lower>().solve(b.segment(supernode.begin, width));
       of.update.b.noalias() -= of.L.bottomRows(of.update.b.size()) * of.y;
     }
     const auto first_below = supernode.rows.begin() + width;
-    if (first_below == supernode.rows.end()) {
-      of.parent = -1;
-      roots_.push_back(nodes[s]);
-      continue;
+    const bool is_root = first_below == supernode.rows.end();
+    const std::size_t p = is_root ? 0 : supernode_at[static_cast<std::size_t>(*first_below)];
+    if (nodes[s] >= 0) {
+      node(nodes[s]).parent = is_root ? -1 : nodes[p];
+      (is_root ? roots_ : node(nodes[p]).children).push_back(nodes[s]);
     }
-    const std::size_t p = supernode_at[static_cast<std::size_t>(*first_below)];
-    of.parent = nodes[p];
-    node(of.parent).children.push_back(nodes[s]);
-    const Eigen::VectorXd& sent = width > 0 ? of.update.b : given[supernode.given];
-    hand_up(sent, {first_below, supernode.rows.end()}, supernodes[p], b, node(of.parent).update.b);
+    if (is_root) continue;
+    const Eigen::VectorXd& sent = width > 0 ? node(nodes[s]).update.b : given[supernode.given];
+    hand_up(sent, {first_below, supernode.rows.end()}, supernodes[p], b, node(nodes[p]).update.b);
   }
 }
 

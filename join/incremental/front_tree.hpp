@@ -63,12 +63,13 @@ class FrontTree {
   /// What is eliminated again.
   struct Opened {
     std::vector<Index> nodes;
-    std::vector<Index> variables;   // those to be eliminated last at the end
-    std::vector<Index> quadratics;  // that concern them
-    std::vector<Index> orphans;     // nodes below the open ones
+    std::vector<Index> variables;            // those to be eliminated last at the end
+    std::vector<const Quadratic*> summands;  // that concern them alone, then what the orphans send
+    std::size_t quadratic_count = 0;         // of the summands
+    std::vector<Index> orphans;              // nodes below the open ones
     Index last_count = 0;
   };
-  struct Orphans;
+  struct Given;
 
   Variable& variable(Index v) { return variables_[static_cast<std::size_t>(v)]; }
   const Variable& variable(Index v) const { return variables_[static_cast<std::size_t>(v)]; }
@@ -80,14 +81,15 @@ class FrontTree {
   void open_upwards(Index node, Opened& opened);
   Opened open_touched();
   void order(std::span<const Index> last, Opened& opened);
-  NormalEquations equations_of(const Opened& opened) const;
-  /// What nodes send up, over the places of the opened variables.
-  Orphans sent_by(const std::vector<Index>& orphans, const NormalEquations& equations) const;
+  void find_summands(Opened& opened) const;
+  NormalEquations pattern_of(const Opened& opened) const;
+  /// The summands over the places of the opened variables.
+  Given given_by(const Opened& opened, const NormalEquations& equations) const;
   /// New nodes in the place of the open ones, of a factorisation of what is opened.
-  void rebuild(const Opened& opened, const NormalEquations& equations, const Orphans& orphans, const Supernodes& supernodes);
+  void rebuild(const Opened& opened, const NormalEquations& equations, const Given& given, const Supernodes& supernodes);
   void take(Index node, const Supernode& supernode, const std::vector<Index>& variable_at);
   void link(const std::vector<Index>& nodes, const Supernodes& supernodes, const std::vector<std::size_t>& supernode_at,
-            const std::vector<Eigen::VectorXd>& given, Eigen::VectorXd b);
+            const std::vector<Eigen::VectorXd>& given);
   Index new_node();
   void solve();
   bool is_above_moved(const Node& node) const;

@@ -44,8 +44,9 @@ class Factorisation {
     const FrontalMatrix front{{values_ + node.first_value, node.height, node.width, Stride(node.height)},
                               {updates_[s].get(), below, below, Stride(below)}};
     take_entries(node, front.panel);
-    const Eigen::VectorXd diagonal = front.panel.diagonal();
+    Eigen::VectorXd diagonal = front.panel.diagonal();
     add_children(node, 0, front.panel);
+    if (!given_.empty()) diagonal = front.panel.diagonal();  // of which the matrix alone holds a part
     note_singular(matrix_.offsets[node.columns.begin], eliminate(front, diagonal));
     add_children(node, node.width, front.update);  // which the elimination has overwritten
     if (keeps_updates_) return;
