@@ -75,6 +75,7 @@ NormalEquations::NormalEquations(std::vector<int> dofs, Cliques cliques, std::un
   for (std::size_t v = 0; v < dofs_.size(); ++v) offsets_[v + 1] = offsets_[v] + dofs_[v];
   gradient_.setZero(size());
   order_and_lay_out(ordering);
+  if (!solver_) return;
   parallel_invoke(
       [&] {
         find_destinations();
@@ -82,7 +83,7 @@ NormalEquations::NormalEquations(std::vector<int> dofs, Cliques cliques, std::un
         colour_large_cliques();
       },
       [&] {
-        if (solver_ && size() > 0) solver_->analyse(matrix_);
+        if (size() > 0) solver_->analyse(matrix_);
       });
 }
 

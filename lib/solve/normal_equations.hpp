@@ -41,7 +41,7 @@ class NormalEquations {
  public:
   NormalEquations(std::vector<int> dofs, Cliques cliques, Engine engine = Engine::kFronts)
       : NormalEquations(std::move(dofs), std::move(cliques), make_solver(engine)) {}
-  /// No solver where the caller factorises matrix() himself.
+  /// Without a solver there are but the pattern and its order, matrix(), which the caller factorises.
   NormalEquations(std::vector<int> dofs, Cliques cliques, std::unique_ptr<SparseSolver> solver, const Ordering& ordering = {});
 
   /// Takes the blocks of one observation to their destinations.
