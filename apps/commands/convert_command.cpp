@@ -12,8 +12,8 @@
 #include <apps/picture/plotted_map.hpp>
 #include <apps/report/report.hpp>
 #include <array>
-#include <mapjoin/io/local_maps/local_map_set.hpp>
 #include <mapjoin/io/formats/log_format.hpp>
+#include <mapjoin/io/local_maps/local_map_set.hpp>
 #include <mapjoin/io/store/store.hpp>
 #include <memory>
 #include <optional>
@@ -42,7 +42,9 @@ struct Format {
 /// Those of logs, then those of local maps.
 std::vector<Format> formats() {
   std::vector<Format> all;
-  for (const LogFormat format : log_formats()) all.push_back({name_of(format).word, name_of(format).extension, format});
+  for (const auto& [format, name] : enum_names(LogFormat())) {
+    all.push_back({std::string(name), std::string(file_extension(format)), format});
+  }
   all.push_back({"maps-mat", "", MapsFormat::kMat});
   all.push_back({"maps-text", "", MapsFormat::kText});
   all.push_back({"store", ".maps", MapsFormat::kStore});

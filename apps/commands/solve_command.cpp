@@ -3,6 +3,7 @@
 
 #include <apps/commands/command_run.hpp>
 #include <apps/commands/commands.hpp>
+#include <apps/map_file.hpp>
 #include <apps/output_conflicts.hpp>
 #include <memory>
 #include <variant>

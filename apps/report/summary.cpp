@@ -156,7 +156,7 @@ std::vector<std::string> remarks(const RunReport& run_report) {
   if (run_report.was_damaged) all.emplace_back("what an interrupted build had left was damaged: the build began afresh");
   const auto is_trajectory = [](const std::string& file) { return file.ends_with(".tum"); };
   if (!run_report.has_stamps && std::any_of(run_report.files.begin(), run_report.files.end(), is_trajectory)) {
-    all.push_back("the poses have no time stamps: the trajectory counts them instead");
+    all.emplace_back("the poses have no time stamps: the trajectory counts them instead");
   }
   return all;
 }

@@ -39,7 +39,7 @@ struct Room {
 /// All that the library knows of a format. A new one is a row of the table below.
 struct Format {
   LogFormat format;
-  LogFormatName name;
+  std::string_view extension;
   bool (*is)(std::string_view bytes);  ///< Known by its content.
   Expected<AnyLog> (*read)(std::string_view bytes, const std::string& file, const ReadOptions& options);
   Expected<void> (*write_plane)(const Log<2>& log, const fs::path& path);
@@ -103,50 +103,50 @@ Expected<void> write_values_as_kitti(const Log<Dim>& log, const fs::path& path) 
 /// In the order of LogFormat, in which they are recognised.
 constexpr std::array<Format, 8> kFormats{{
     {LogFormat::kG2o,
-     {"g2o", ".g2o"},
+     ".g2o",
      begins<is_g2o_tag>,
      read_text<read_g2o>,
      write_as_g2o<2>,
      write_as_g2o<3>,
      {.pose_values = true, .feature_values = true, .fixed = true, .one_numbering = true}},
     {LogFormat::kToro,
-     {"toro", ".graph"},
+     ".graph",
      begins<is_toro_vertex_tag>,
      read_text<read_toro>,
      write_toro<2>,
      write_toro<3>,
      {.observations = false, .pose_values = true, .weights = Weights::kAngles}},
     {LogFormat::kGtsam,
-     {"gtsam", ".gtsam"},
+     ".gtsam",
      begins<is_gtsam_odometry_tag>,
      read_text<read_gtsam_text>,
      write_gtsam_text,
      nullptr,
      {.one_numbering = true, .weights = Weights::kCovariance}},
     {LogFormat::kIsam,
-     {"isam", ".isam"},
+     ".isam",
      begins<is_isam_tag>,
      read_text<read_isam_like>,
      write_isam<2>,
      write_isam<3>,
      {.weights = Weights::kSquareRoot}},
     {LogFormat::kOdomObs,
-     {"odom-obs", ".txt"},
+     ".txt",
      begins<is_covariance_text_tag>,
      read_text<read_covariance_text>,
      write_odom_obs,
      nullptr,
      {.weights = Weights::kCovariance}},
-    {LogFormat::kMat, {"mat", ".mat"}, is_mat_file, read_mat_log, write_mat_log, nullptr, {.weights = Weights::kCovariance}},
+    {LogFormat::kMat, ".mat", is_mat_file, read_mat_log, write_mat_log, nullptr, {.weights = Weights::kCovariance}},
     {LogFormat::kTum,
-     {"tum", ".tum"},
+     ".tum",
      begins<is_tum_line>,
      read_text<read_tum_log>,
      write_values_as_tum<2>,
      write_values_as_tum<3>,
      {.edges = false, .observations = false, .pose_values = true, .stamps = true, .names = false}},
     {LogFormat::kKitti,
-     {"kitti", ".kitti"},
+     ".kitti",
      begins<is_kitti_line>,
      read_text<read_kitti_log>,
      write_values_as_kitti<2>,
@@ -204,14 +204,8 @@ bool are_counted(const std::vector<PoseId>& poses) {
   return true;
 }
 
-LogFormatName name_of(LogFormat format) {
-  return row_of(format).name;
-}
-
-std::vector<LogFormat> log_formats() {
-  std::vector<LogFormat> all;
-  for (const Format& row : kFormats) all.push_back(row.format);
-  return all;
+std::string_view file_extension(LogFormat format) {
+  return row_of(format).extension;
 }
 
 bool needs_values(LogFormat format) {
@@ -266,7 +260,7 @@ template <int Dim>
 Expected<void> write_log(const Log<Dim>& log, LogFormat format, const fs::path& path) {
   const Format& row = row_of(format);
   const auto cannot = [&](const char* why) {
-    return tl::unexpected(Error{ErrorKind::kUsage, fmt::format("{}: the format {} {}", log.source, row.name.word, why)});
+    return tl::unexpected(Error{ErrorKind::kUsage, fmt::format("{}: the format {} {}", log.source, to_string(row.format), why)});
   };
   if (needs_values(format) && log.initial_poses.empty()) return cannot("needs the values of all poses");
   if constexpr (Dim == 2) {

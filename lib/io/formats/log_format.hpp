@@ -25,14 +25,19 @@ enum class LogFormat : std::uint8_t {
   kKitti,
 };
 
-struct LogFormatName {
-  const char* word;       ///< "g2o", "odom-obs", …
-  const char* extension;  ///< Of its files: ".g2o", ".txt", …
-};
-LogFormatName name_of(LogFormat format);
+constexpr auto enum_names(LogFormat) {
+  return std::to_array<EnumName<LogFormat>>({{LogFormat::kG2o, "g2o"},
+                                             {LogFormat::kToro, "toro"},
+                                             {LogFormat::kGtsam, "gtsam"},
+                                             {LogFormat::kIsam, "isam"},
+                                             {LogFormat::kOdomObs, "odom-obs"},
+                                             {LogFormat::kMat, "mat"},
+                                             {LogFormat::kTum, "tum"},
+                                             {LogFormat::kKitti, "kitti"}});
+}
 
-/// Every format there is.
-std::vector<LogFormat> log_formats();
+/// Of its files: ".g2o", ".txt", …
+std::string_view file_extension(LogFormat format);
 
 /// The log in a file's bytes, whose format is known by its content. Bad input, in a sentence that begins with `file`.
 Expected<AnyLog> read_log(std::string_view bytes, const std::string& file, const ReadOptions& options);

@@ -32,7 +32,7 @@ class LogFormatTest : public ::testing::Test {
     return log;
   }
   Log<kDim> again(const Log<kDim>& log, LogFormat format) const {
-    const auto path = folder.path() / name_of(format).word;
+    const auto path = folder.path() / to_string(format);
     const auto written = write_log(log, format, path);
     if (!written) throw std::runtime_error(written.error().message);
     return std::get<Log<kDim>>(open_log(path).value());
