@@ -145,8 +145,7 @@ Expected<Join<Dim>> solved(const Task<Dim>& task, Piece<Dim> whole, const Gauge<
 template <int Dim>
 Expected<Join<Dim>> join_by(Schedule schedule, const Task<Dim>& task, const MinimiseOptions& solver) {
   const auto& [network, pose_ids, feature_ids, options, stop] = task;
-  ScheduleOptions on_the_way{schedule, options.state, ScheduleOptions::leading(schedule), options.progress};
-  on_the_way.inner.engine = solver.engine;
+  const ScheduleOptions on_the_way{schedule, options.state, ScheduleOptions::leading(schedule), options.progress};
   Piece<Dim> whole = whole_of(network);
   const Gauge<Dim> gauge = gauge_of(network, whole);
   JoinedPieces<Dim> pieces;

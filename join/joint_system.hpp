@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
-// The joined state (30), its normal equations, and the observations that stand on their own. What the local maps add is the
-// caller's: their Gaussians when joining, their segments when polishing; both into the same pattern.
+// The joined state (30), its normal equations, and the observations that stand on their own; those of the local maps are added
+// by the caller.
 
 #include <Eigen/Core>
 #include <mapjoin/join/piece.hpp>
@@ -21,11 +21,8 @@ class JointSystem {
   JointSystem(const Piece<Dim>& piece, const Gauge<Dim>& gauge, Engine engine = Engine::kFronts,
               const std::vector<Index>& order = {});
 
-  /// Normal equations of the single observations, from zero; returns their chi2.
-  double linearise_observations() {
-    return linearise([](std::size_t, NormalEquations::Sink) { return 0.0; });
-  }
-  /// And of the maps: `add_map(m, sink)` adds those of map m, whose slots are base, poses and features, and returns its chi2.
+  /// Normal equations at the estimate; returns chi2. `add_map(m, sink)` adds those of map m, whose slots are base, poses and
+  /// features, and returns its chi2.
   template <typename AddMap>
   double linearise(AddMap&& add_map) {
     equations_.set_zero();
@@ -33,19 +30,10 @@ class JointSystem {
       return clique < first_map_clique_ ? add_observation(clique, sink) : add_map(clique - first_map_clique_, sink);
     });
   }
-  /// Adds the maps to the normal equations as they are.
-  template <typename AddMap>
-  void add_maps(AddMap&& add_map) {
-    equations_.accumulate_cliques([&](std::size_t clique, NormalEquations::Sink sink) {
-      if (clique >= first_map_clique_) add_map(clique - first_map_clique_, sink);
-      return 0.0;
-    });
-  }
   double observations_chi2(const State<Dim>& state) const;
 
   NormalEquations& equations() { return equations_; }
   const NormalEquations& equations() const { return equations_; }
-  std::span<const Index> map_variables(std::size_t m) const { return equations_.clique(first_map_clique_ + m); }
   std::size_t map_count() const { return maps_.size(); }
 
   /// An observation whose base and target are places of the joined state, or the World.

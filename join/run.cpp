@@ -83,28 +83,32 @@ void take_figures(const Join<Dim>& join, RunFigures& figures) {
   figures.joint_bytes += join.system->equations().factor_bytes();
 }
 
-/// Minimises the chi2 of every observation of the log from the recovered estimate.
+/// A map, and what its covariances are made from, where they are asked for.
 template <int Dim>
-MinimiseResult refine(JoinProblem<Dim>& problem, const RunOptions& options, const std::stop_token& stop) {
-  MinimiseOptions solver = options.solver;
-  solver.relative_chi2 *= kRefiningShare;
-  return minimise(problem, solver, stop);
+struct Found {
+  RunResult<Dim> result;
+  std::optional<Restored<Dim>> restored;
+};
+
+bool wants_covariances(const RunOptions& options) {
+  return options.covariances || options.marginals;
 }
 
-/// A map that has no covariances is a result all the same.
+/// The result, with the covariances that were asked for. A map that has none is a result all the same.
 template <int Dim>
-Expected<void> add_covariances(Restored<Dim> restored, const RunOptions& options, const std::stop_token& stop,
-                               RunResult<Dim>& result) {
+Expected<RunResult<Dim>> with_covariances(Found<Dim> found, const RunOptions& options, const std::stop_token& stop) {
+  RunResult<Dim>& result = found.result;
+  if (!wants_covariances(options)) return std::move(result);
   const Stopwatch watch(result.seconds.covariances);
   if (options.progress) options.progress(Stage::kCovariances, 0, 1);
-  const auto without = [&](const Error& error) -> Expected<void> {
+  const auto without = [&](const Error& error) -> Expected<RunResult<Dim>> {
     if (error.kind != ErrorKind::kBadInput) return tl::unexpected(error);
     result.no_covariances = error;
-    return {};
+    return std::move(result);
   };
   const bool is_polished = result.polish || (options.polish && result.local_maps == 0);
-  auto covariances = MapCovariances<Dim>::make(std::move(restored), is_polished ? Estimate::kPolished : Estimate::kJoined,
-                                               options.most_memory);
+  auto covariances = MapCovariances<Dim>::make(*std::move(found.restored),
+                                               is_polished ? Estimate::kPolished : Estimate::kJoined, options.most_memory);
   if (!covariances) return without(covariances.error());
   if (options.marginals) {
     auto marginals = covariances->marginals(progress_of(options, Stage::kCovariances), stop);
@@ -112,13 +116,49 @@ Expected<void> add_covariances(Restored<Dim> restored, const RunOptions& options
     result.marginals = *std::move(marginals);
   }
   result.covariances = std::make_shared<const MapCovariances<Dim>>(*std::move(covariances));
-  return {};
+  return std::move(result);
 }
 
-/// Joins, recovers and polishes from local maps.
 template <int Dim>
-Expected<RunResult<Dim>> join_and_polish(const Log<Dim>& log, const Split& split, std::vector<LocalMap<Dim>> maps,
-                                         const RunOptions& options, const std::stop_token& stop, RunResult<Dim> result = {}) {
+Expected<Join<Dim>> join_maps(const Log<Dim>& log, const Network<Dim>& network, const RunOptions& options,
+                              const std::stop_token& stop, RunResult<Dim>& result) {
+  const Stopwatch watch(result.seconds.join);
+  JoinOptions<Dim> joining = join_options(options, origin_of(log));
+  const State<Dim> values{log.initial_poses, log.initial_features};
+  joining.values = &values;
+  auto joined = join(network, log.poses, log.features, joining, stop);
+  if (!joined) return tl::unexpected(of_source(log.source, joined.error()));
+  take_figures(*joined, result);
+  return joined;
+}
+
+/// Puts what the local maps had eliminated into `state`.
+template <int Dim>
+void recover(const Log<Dim>& log, const Split& split, const Network<Dim>& network, const RunOptions& options,
+             const std::stop_token& stop, State<Dim>& state, RunResult<Dim>& result) {
+  const Stopwatch watch(result.seconds.recover);
+  if (options.progress) options.progress(Stage::kRecover, 0, 1);
+  result.unrecovered = recover_interiors(log, split, network.is_private, options.solver, state, stop);
+  result.recovered_chi2 = result.chi2 = log_chi2(log, state.poses, state.features).total();
+  if (options.keep_recovered) result.recovered = state;
+}
+
+/// Minimises the chi2 of every observation of the log from the recovered estimate, `state`, which takes the result.
+template <int Dim>
+void refine(const Log<Dim>& log, Restored<Dim>& restored, const RunOptions& options, const std::stop_token& stop,
+            State<Dim>& state, RunResult<Dim>& result) {
+  if (options.progress) options.progress(Stage::kPolish, 0, 1);
+  MinimiseOptions solver = options.solver;
+  solver.relative_chi2 *= kRefiningShare;
+  result.polish = minimise(restored.problem, solver, stop);
+  write_values(restored.problem.estimate(), restored.whole.poses, restored.whole.features, state);
+  result.chi2 = log_chi2(log, state.poses, state.features).total();
+}
+
+/// Joins local maps, recovers what they eliminated, and refines the whole.
+template <int Dim>
+Expected<Found<Dim>> join_and_refine(const Log<Dim>& log, const Split& split, std::vector<LocalMap<Dim>> maps,
+                                     const RunOptions& options, const std::stop_token& stop, RunResult<Dim> result = {}) {
   const bool has_values = !log.initial_poses.empty() && log.initial_features.size() == log.features.size();
   if (options.start == Start::kFile && !has_values) {
     return bad_input(log.source + ": not every pose and feature has a value to start from");
@@ -127,47 +167,30 @@ Expected<RunResult<Dim>> join_and_polish(const Log<Dim>& log, const Split& split
   result.spans = split.stretches.size() - maps.size();
   result.poses_per_map = split.poses_per_map;
   for (const LocalMap<Dim>& map : maps) result.joint_bytes += information_bytes(map);
-  Network<Dim> network = network_of(log, split, std::move(maps));
-  JoinOptions<Dim> joining = join_options(options, origin_of(log));
-  const State<Dim> values{log.initial_poses, log.initial_features};
-  joining.values = &values;
-  Expected<Join<Dim>> joined = [&] {
-    const Stopwatch watch(result.seconds.join);
-    return join(network, log.poses, log.features, joining, stop);
-  }();
-  if (!joined) return tl::unexpected(of_source(log.source, joined.error()));
-  take_figures(*joined, result);
-  State<Dim> state = std::move(joined->state);
-  std::vector<Segment<Dim>> segments;
-  {
-    const Stopwatch watch(result.seconds.recover);
-    segments = segments_of(log, split);
-    if (options.progress) options.progress(Stage::kRecover, 0, 1);
-    result.unrecovered = recover_interiors(log, split, network.is_private, options.solver, state, stop);
-    result.recovered_chi2 = result.chi2 = log_chi2(log, state.poses, state.features).total();
-  }
-  if (options.keep_recovered) result.recovered = state;
-  std::optional<Restored<Dim>> refined;
-  if (options.polish && result.local_maps > 0) {  // else the join was of the whole log
-    const Stopwatch watch(result.seconds.polish);
-    if (options.progress) options.progress(Stage::kPolish, 0, 1);
-    refined.emplace(restored(network, segments, *joined, state, options.solver.engine));
-    result.polish = refine(refined->problem, options, stop);
-    write_values(refined->problem.estimate(), refined->whole.poses, refined->whole.features, state);
-    result.chi2 = log_chi2(log, state.poses, state.features).total();
-  }
-  if (stop.stop_requested()) return tl::unexpected(Error{ErrorKind::kInterrupted, "interrupted while polishing"});
+  const Network<Dim> network = network_of(log, split, std::move(maps));
+  auto joined = join_maps(log, network, options, stop, result);
+  if (!joined) return tl::unexpected(joined.error());
   // A join of the whole log has counted its rows already.
   result.dof = result.local_maps > 0 ? degrees_of_freedom(log, joined->held.size()) : joined->dof();
-  write_map(log, state, joined->held, result);
+  State<Dim> state = std::move(joined->state);
+  recover(log, split, network, options, stop, state, result);
+
+  std::optional<Restored<Dim>> whole;
+  const bool is_refined = options.polish && result.local_maps > 0;  // else the join was of the whole log
+  if (is_refined || wants_covariances(options)) {
+    const Stopwatch watch(result.seconds.polish);
+    whole.emplace(restored(network, segments_of(log, split), *joined, state, options.solver.engine));
+    joined->system.reset();
+    if (is_refined) refine(log, *whole, options, stop, state, result);
+  }
+  if (stop.stop_requested()) return tl::unexpected(Error{ErrorKind::kInterrupted, "interrupted while polishing"});
+  write_map(log, std::move(state), joined->held, result);
   result.map.stamps_ns = log.stamps_ns;
-  if (!options.covariances && !options.marginals) return result;
-  if (!refined) refined.emplace(restored(network, segments, *joined, state, options.solver.engine));
-  return add_covariances(*std::move(refined), options, stop, result).map([&] { return std::move(result); });
+  return Found<Dim>{std::move(result), std::move(whole)};
 }
 
 template <int Dim>
-Expected<RunResult<Dim>> run_once(const Log<Dim>& log, const RunOptions& options, const std::stop_token& stop) {
+Expected<Found<Dim>> run_once(const Log<Dim>& log, const RunOptions& options, const std::stop_token& stop) {
   RunResult<Dim> result;
   Split parts;
   LocalMaps<Dim> built;
@@ -179,7 +202,7 @@ Expected<RunResult<Dim>> run_once(const Log<Dim>& log, const RunOptions& options
     built = std::move(*maps);
   }
   result.build_iterations = built.iterations;
-  return join_and_polish(log, parts, std::move(built.maps), options, stop, std::move(result));
+  return join_and_refine(log, parts, std::move(built.maps), options, stop, std::move(result));
 }
 
 template <int Dim>
@@ -196,8 +219,11 @@ Expected<RunResult<Dim>> join_set(const MapSet<Dim>& set, std::vector<LocalMap<D
                                   const std::stop_token& stop) {
   RunResult<Dim> result;
   result.local_maps = maps.size();
-  for (const LocalMap<Dim>& map : maps) result.joint_bytes += information_bytes(map);
-  Network<Dim> network = network_of(set, std::move(maps));
+  for (LocalMap<Dim>& map : maps) {
+    result.joint_bytes += information_bytes(map);
+    map.information = (0.5 * (map.information + map.information.transpose())).eval();  // a filter leaves it asymmetric
+  }
+  const Network<Dim> network = network_of(set, std::move(maps));
   auto joined = [&] {
     const Stopwatch watch(result.seconds.join);
     return join(network, set.poses, set.features, join_options(options, Pose<Dim>{}), stop);
@@ -206,12 +232,10 @@ Expected<RunResult<Dim>> join_set(const MapSet<Dim>& set, std::vector<LocalMap<D
   take_figures(*joined, result);
   result.dof = joined->dof();
   result.chi2 = joined->result.chi2;
-  State<Dim> state = std::move(joined->state);
-  write_map(set, state, joined->held, result);
-  if (!options.covariances && !options.marginals) return result;
-  return add_covariances(restored(network, {}, *joined, state, options.solver.engine), options, stop, result).map([&] {
-    return std::move(result);
-  });
+  std::optional<Restored<Dim>> whole;
+  if (wants_covariances(options)) whole.emplace(restored(network, {}, *joined, joined->state, options.solver.engine));
+  write_map(set, std::move(joined->state), joined->held, result);
+  return with_covariances(Found<Dim>{std::move(result), std::move(whole)}, options, stop);
 }
 
 /// What is tried where the log was left to be cut as is cheapest, and no two ways of joining its local maps found the same
@@ -245,18 +269,19 @@ Expected<RunResult<Dim>> run(const Log<Dim>& log, const RunOptions& options, con
   demand_valid(options);
   if (auto connected = check_connected(log); !connected) return tl::unexpected(connected.error());
   auto best = run_once(log, options, stop);
-  if (!best || !may_do_without_maps(*best, options)) return best;
+  if (!best) return tl::unexpected(best.error());
+  if (!may_do_without_maps(best->result, options)) return with_covariances(*std::move(best), options, stop);
   RunOptions without_maps = options;
   without_maps.split = {SplitRule::kPoses, 1.0};
   for (const Schedule schedule : kWithoutMaps) {
     without_maps.schedule = schedule;
     auto other = run_once(log, without_maps, stop);
-    if (stop.stop_requested()) return other;
+    if (!other && other.error().kind == ErrorKind::kInterrupted) return tl::unexpected(other.error());
     if (!other) continue;
-    if (is_same_chi2(best->chi2, other->chi2)) break;
-    if (is_less_chi2(other->chi2, best->chi2)) best = std::move(other);
+    if (is_same_chi2(best->result.chi2, other->result.chi2)) break;
+    if (is_less_chi2(other->result.chi2, best->result.chi2)) best = std::move(other);
   }
-  return best;
+  return with_covariances(*std::move(best), options, stop);
 }
 
 template <int Dim>
@@ -265,7 +290,9 @@ Expected<RunResult<Dim>> run_from_maps(const Log<Dim>& log, const Split& split, 
   demand_valid(options);
   if (auto connected = check_connected(log); !connected) return tl::unexpected(connected.error());
   if (auto of_log = check_local_maps(log, split, maps); !of_log) return tl::unexpected(of_log.error());
-  return join_and_polish(log, split, std::move(maps), options, stop);
+  return join_and_refine(log, split, std::move(maps), options, stop).and_then([&](Found<Dim> found) {
+    return with_covariances(std::move(found), options, stop);
+  });
 }
 
 template <int Dim>
@@ -284,7 +311,9 @@ Expected<RunResult<Dim>> solve(const Log<Dim>& log, RunOptions options, const st
   if (auto connected = check_connected(log); !connected) return tl::unexpected(connected.error());
   options.split = {SplitRule::kPoses, 1.0};
   options.polish = false;  // the join is full SLAM already
-  return join_and_polish<Dim>(log, split(log, options.split), {}, options, stop);
+  return join_and_refine<Dim>(log, split(log, options.split), {}, options, stop).and_then([&](Found<Dim> found) {
+    return with_covariances(std::move(found), options, stop);
+  });
 }
 
 #define MAPJOIN_INSTANTIATE(Dim)                                                                             \

@@ -140,7 +140,7 @@ class Joiner {
 
   void lead(Piece<Dim>& piece) {
     if (piece.maps.size() == 1 && piece.pose_observations.empty() && piece.feature_observations.empty()) return;
-    JoinProblem<Dim> problem(piece, {{0}, {}, {}}, options_.inner.engine);
+    JoinProblem<Dim> problem(piece, {{0}, {}, {}});
     minimise_join(problem, options_.state, options_.inner, stop_);
     piece.state = problem.estimate();
   }

@@ -13,10 +13,10 @@ namespace mapjoin {
 constexpr double kSameChi2 = 1e-6;
 
 inline bool is_same_chi2(double a, double b) {
-  return std::max(a, b) - std::min(a, b) <= kSameChi2 * std::max(1.0, std::min(a, b));
+  return std::abs(a - b) <= kSameChi2 * std::max(1.0, std::min(a, b));
 }
 
-/// Of another optimum, a better one; one that is not finite is never.
+/// Whether `a` is of another optimum than `b`, and a better one; one that is not finite is never.
 inline bool is_less_chi2(double a, double b) {
   return std::isfinite(a) && !(b <= a) && !is_same_chi2(a, b);
 }

@@ -6,8 +6,8 @@
 #include <apps/console.hpp>
 #include <apps/map_file.hpp>
 #include <apps/report/report.hpp>
-#include <mapjoin/io/open.hpp>
 #include <mapjoin/io/files/output_file.hpp>
+#include <mapjoin/io/open.hpp>
 #include <mapjoin/parallel/parallel.hpp>
 #include <utility>
 

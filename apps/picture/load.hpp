@@ -6,12 +6,12 @@
 #include <apps/picture/plotted_map.hpp>
 #include <filesystem>
 #include <functional>
-#include <mapjoin/model/log.hpp>
 #include <mapjoin/join/join.hpp>
 #include <mapjoin/join/network.hpp>
 #include <mapjoin/join/run.hpp>
 #include <mapjoin/model/error.hpp>
 #include <mapjoin/model/global_map.hpp>
+#include <mapjoin/model/log.hpp>
 #include <stop_token>
 #include <string>
 #include <vector>

@@ -14,7 +14,7 @@ namespace {
 constexpr int kChi2Digits = 10;
 constexpr int kTimeDigits = 3;
 constexpr int kErrorDigits = 2;
-constexpr double kSameChi2 = 1e-4;     // for people, as a share of it
+constexpr double kShownAlike = 1e-4;     // for people, as a share of it
 constexpr std::size_t kForPeople = 3;  // of 1, 2, 5, 10, …: the powers of ten
 
 /// A column, and what stands in it of a case that gives a map.
@@ -121,7 +121,7 @@ Table table_of(const Figures& figures, const ComparisonFigures& comparison) {
 using Alike = std::vector<const CaseFigures*>;
 
 bool are_alike(const CaseFigures& a, const CaseFigures& b) {
-  const auto is_same = [](double x, double y) { return std::abs(x - y) <= kSameChi2 * std::max({1.0, x, y}); };
+  const auto is_same = [](double x, double y) { return std::abs(x - y) <= kShownAlike * std::max({1.0, x, y}); };
   return a.way.poses_per_map == b.way.poses_per_map && a.failure == b.failure && a.reaches_best == b.reaches_best &&
          is_same(a.joined.chi2, b.joined.chi2) && is_same(a.polished.chi2, b.polished.chi2);
 }

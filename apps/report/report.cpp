@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include <apps/blas.hpp>
 #include <apps/report/report.hpp>
 #include <mapjoin/io/files/output_file.hpp>
-#include <apps/blas.hpp>
 #include <mapjoin/version.hpp>
 #include <nlohmann/json.hpp>
 

@@ -11,7 +11,7 @@ constexpr int kMostHalvings = 10;
 /// Of a linearisation, in chi2 per measured row: 0.3 % of a standard deviation.
 constexpr double kLinearisationError = 1e-5;
 /// By so much chi2 may rise where linearisations err by as much as they may.
-constexpr double kSameChi2 = 1e-3;
+constexpr double kLittleChi2 = 1e-3;
 /// Beyond this turn (rad) since its reference a pose gets a new one: rotation vectors are good up to π.
 constexpr double kMostTurn = 1.0;
 
@@ -106,7 +106,7 @@ double IncrementalEstimate<Dim>::take(const std::vector<Move>& moves) {
   double share = 1.0;
   for (int halvings = 0; halvings <= kMostHalvings; ++halvings, share *= 0.5) {
     const std::vector<Index> concerned = apply(moves, share);
-    if (!(chi2_ <= before + kSameChi2)) continue;
+    if (!(chi2_ <= before + kLittleChi2)) continue;
     for (const Index f : concerned) {
       const bool is_stale =
           share < 1.0 || factor(f).fit.error > kLinearisationError * static_cast<double>(factor(f).map.rows());

@@ -3,6 +3,7 @@
 #include <mapjoin/solve/cholmod.hpp>
 #include <mapjoin/solve/cholmod_solver.hpp>
 #include <mapjoin/solve/pivot.hpp>
+#include <mutex>
 
 // Not declared where CHOLMOD was built without OpenMP.
 extern "C" {
@@ -37,7 +38,8 @@ struct CholmodSolver::State {
   std::vector<SuiteSparse_long> rows;
   std::vector<double> values;
   std::vector<std::int64_t> source;  ///< In the values of the blocks, per entry.
-  cholmod_factor* L = nullptr;
+  cholmod_factor* L = nullptr;       ///< None before analyse().
+  std::mutex solving;                ///< Solves write to CHOLMOD's workspace.
 
   ~State() { forget_factor(); }
   void forget_factor() {
@@ -130,6 +132,7 @@ std::vector<std::int64_t> CholmodSolver::factorise(const BlockLower& matrix) {
 }
 
 Eigen::MatrixXd CholmodSolver::solve_columns(Eigen::MatrixXd B) const {
+  const std::lock_guard lock(state_->solving);
   const OneThread one_thread;
   cholmod_dense b{};
   b.nrow = b.d = static_cast<std::size_t>(B.rows());
@@ -146,6 +149,7 @@ Eigen::MatrixXd CholmodSolver::solve_columns(Eigen::MatrixXd B) const {
 }
 
 Supernodes CholmodSolver::supernodes() const {
+  if (!state_->L) return {};
   const cholmod_factor& L = *state_->L;
   const auto list = [](const void* values) { return static_cast<const SuiteSparse_long*>(values); };
   const auto* x = static_cast<const double*>(L.x);
@@ -164,10 +168,12 @@ Supernodes CholmodSolver::supernodes() const {
 }
 
 std::size_t CholmodSolver::supernode_count() const {
+  if (!state_->L) return 0;
   return state_->L->is_super ? state_->L->nsuper : state_->L->n;
 }
 
 std::int64_t CholmodSolver::bytes() const {
+  if (!state_->L) return 0;
   const double entries = state_->L->is_super ? static_cast<double>(state_->L->xsize) : state_->cholmod->lnz;
   return static_cast<std::int64_t>(entries * sizeof(double));
 }

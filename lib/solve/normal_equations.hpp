@@ -100,7 +100,6 @@ class NormalEquations {
   /// H in the order of its elimination: variable v is block place(v).
   const BlockLower& matrix() const { return matrix_; }
   Index place(Index v) const { return place_[static_cast<std::size_t>(v)]; }
-  Index variable_at(Index place) const { return order_[static_cast<std::size_t>(place)]; }
   /// Vectors over the variables, side by side, in that order.
   Eigen::MatrixXd permuted(const Eigen::MatrixXd& columns) const;
 

@@ -260,7 +260,8 @@ template <int Dim>
 Expected<void> write_log(const Log<Dim>& log, LogFormat format, const fs::path& path) {
   const Format& row = row_of(format);
   const auto cannot = [&](const char* why) {
-    return tl::unexpected(Error{ErrorKind::kUsage, fmt::format("{}: the format {} {}", log.source, to_string(row.format), why)});
+    return tl::unexpected(
+        Error{ErrorKind::kUsage, fmt::format("{}: the format {} {}", log.source, to_string(row.format), why)});
   };
   if (needs_values(format) && log.initial_poses.empty()) return cannot("needs the values of all poses");
   if constexpr (Dim == 2) {

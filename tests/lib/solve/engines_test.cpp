@@ -5,6 +5,7 @@
 #include <Eigen/LU>
 #include <mapjoin/solve/cholmod_solver.hpp>
 #include <mapjoin/solve/inverse_subset.hpp>
+#include <mapjoin/solve/normal_equations.hpp>
 #include <mapjoin/solve/sparse_cholesky.hpp>
 #include <mapjoin/solve/sparse_solver.hpp>
 #include <tests/support/grid_system.hpp>
@@ -140,7 +141,20 @@ TEST_P(EnginesTest, GiveTheSameSolutionAsTheOther) {
   EXPECT_LT((x - solution_of(*other)).norm(), 1e-13 * x.norm());
 }
 
-INSTANTIATE_TEST_SUITE_P(Every, EnginesTest, ::testing::Values(Engine::kFronts, Engine::kCholmod),
+TEST_P(EnginesTest, HasNothingToFactoriseWhereNothingIsFree) {
+  NormalEquations equations({}, {}, GetParam());
+  EXPECT_EQ(equations.factorise(0.0), std::nullopt);
+  EXPECT_EQ(equations.factor_bytes(), 0);
+  EXPECT_TRUE(equations.supernodes().empty());
+}
+
+std::vector<Engine> every_engine() {
+  std::vector<Engine> all;
+  for (const auto& [engine, name] : enum_names(Engine())) all.push_back(engine);
+  return all;
+}
+
+INSTANTIATE_TEST_SUITE_P(Every, EnginesTest, ::testing::ValuesIn(every_engine()),
                          [](const auto& info) { return to_string(info.param); });
 
 TEST(Cholmod, StartsNoThreads) {
