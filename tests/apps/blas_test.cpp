@@ -62,7 +62,7 @@ TEST_P(UnderALimit, ThatIsTooLowForTheWorkTheCommandSaysSoAndLeavesNothing) {
   const std::string log = (folder.path() / "log.g2o").string();
   const std::string map = (folder.path() / "map").string();
   const std::size_t enough = needed();
-  ASSERT_EQ(testing::call({"simulate", "--poses", "40000", "-o", log, "--quiet"}).exit_code, 0);
+  ASSERT_EQ(testing::call({"simulate", "--poses", "200000", "-o", log, "--quiet"}).exit_code, 0);
   expect_refusal(call({"run", log, "-o", map, "--quiet"}, enough), "there is not enough memory for this");
   expect_refusal(call({"simulate", "--poses", "10000000", "-o", map}, enough), "there is not enough memory for this");
   EXPECT_FALSE(fs::exists(map));
