@@ -178,7 +178,7 @@ Expected<Found<Dim>> join_and_refine(const Log<Dim>& log, const Split& split, st
   std::optional<Restored<Dim>> whole;
   const bool is_refined = options.polish && result.local_maps > 0;  // else the join was of the whole log
   if (is_refined || wants_covariances(options)) {
-    const Stopwatch watch(result.seconds.polish);
+    const Stopwatch watch(is_refined ? result.seconds.polish : result.seconds.covariances);
     whole.emplace(restored(network, segments_of(log, split), *joined, state, options.solver.engine));
     joined->system.reset();
     if (is_refined) refine(log, *whole, options, stop, state, result);
