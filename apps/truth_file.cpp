@@ -36,8 +36,8 @@ template <int Dim>
 Truth<Dim> by_name(const Log<Dim>& log, const GlobalMap<Dim>& map) {
   std::map<PoseId, Pose<Dim>> poses;
   std::map<FeatureId, Point<Dim>> features;
-  for (std::size_t p = 0; p < log.initial_poses.size(); ++p) poses.emplace(log.poses[p], log.initial_poses[p]);
-  for (std::size_t f = 0; f < log.initial_features.size(); ++f) features.emplace(log.features[f], log.initial_features[f]);
+  for (std::size_t p = 0; p < log.initial.poses.size(); ++p) poses.emplace(log.poses[p], log.initial.poses[p]);
+  for (std::size_t f = 0; f < log.initial.features.size(); ++f) features.emplace(log.features[f], log.initial.features[f]);
   Truth<Dim> truth = nothing_of(map);
   for (std::size_t p = 0; p < map.poses.size(); ++p) {
     if (const auto found = poses.find(map.pose_ids[p]); found != poses.end()) truth.poses[p] = found->second;
@@ -83,7 +83,7 @@ Expected<TruthFile> TruthFile::open(const std::filesystem::path& path) {
   }
   auto log = open_log(path);
   if (!log) return tl::unexpected(log.error());
-  const bool has_values = std::visit([](const auto& any) { return !any.initial_poses.empty(); }, *log);
+  const bool has_values = std::visit([](const auto& any) { return !any.initial.poses.empty(); }, *log);
   if (!has_values) return bad_input(path.string() + ": as a truth it would have to give the values of its poses");
   return TruthFile(path.string(), Content(*std::move(log)));
 }

@@ -80,8 +80,8 @@ double by_ceres(const Simulation<2>& world) {
 
 double by_truth(const Simulation<2>& world) {
   Log<2> log = world.log;
-  log.initial_poses = world.truth.poses;
-  log.initial_features = world.truth.features;
+  log.initial.poses = world.truth.poses;
+  log.initial.features = world.truth.features;
   return by_full_slam(log, Method::kDogleg, Start::kFile);
 }
 

@@ -34,7 +34,7 @@ void Simulate(benchmark::State& state) {
 template <int Dim>
 void EvaluateChi2(benchmark::State& state) {
   const auto [log, truth] = world<Dim>(state);
-  for (auto _ : state) benchmark::DoNotOptimize(log_chi2(log, truth.poses, truth.features));
+  for (auto _ : state) benchmark::DoNotOptimize(log_chi2(log, {truth.poses, truth.features}));
   state.SetItemsProcessed(state.iterations() * state.range(0));
 }
 

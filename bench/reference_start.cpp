@@ -45,10 +45,10 @@ Expected<State<Dim>> read_g2o_vertices(const std::string& path, std::size_t pose
   const auto opened = open_log(path);
   if (!opened) return tl::unexpected(opened.error());
   const auto* log = std::get_if<Log<Dim>>(&*opened);
-  if (!log || log->initial_poses.size() != poses || log->initial_features.size() != features) {
+  if (!log || log->initial.poses.size() != poses || log->initial.features.size() != features) {
     return bad_input(fmt::format("{}: needs vertices for {} poses and {} features in {}D", path, poses, features, Dim));
   }
-  return State<Dim>{log->initial_poses, log->initial_features};
+  return State<Dim>{log->initial.poses, log->initial.features};
 }
 
 /// `tum:FILE` or `g2o:FILE`.

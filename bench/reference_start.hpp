@@ -3,8 +3,8 @@
 // From where mapjoin_reference starts: `odometry`, `tree`, `values`, `tum:FILE` or `g2o:FILE`.
 
 #include <mapjoin/model/error.hpp>
-#include <mapjoin/model/local_map.hpp>
 #include <mapjoin/model/log.hpp>
+#include <mapjoin/model/map_set.hpp>
 #include <mapjoin/model/state.hpp>
 #include <string>
 

@@ -187,21 +187,21 @@ FullSlam<Dim>::FullSlam(const Log<Dim>& log, const State<Dim>& start)
     Point<Dim>::Map(features_[f].data()) = start.features[f];
     problem_.AddParameterBlock(features_[f].data(), Dim);
   }
-  add_all(log.odometry);
-  add_all(log.closures);
-  add_all(log.observations);
-  const bool has_priors = !log.pose_priors.empty() || !log.feature_priors.empty();
+  add_all(log.odometry());
+  add_all(log.closures());
+  add_all(log.observations());
+  const bool has_priors = !log.pose_priors().empty() || !log.feature_priors().empty();
   if (has_priors) {
     add_pose(world_.data());
     hold(kWorld);
   }
-  add_all(log.pose_priors);
-  add_all(log.feature_priors);
-  for (const auto& fixed : log.fixed) {
+  add_all(log.pose_priors());
+  add_all(log.feature_priors());
+  for (const auto& fixed : log.graph.fixed) {
     write(fixed.value, pose(fixed.pose));
     hold(fixed.pose);
   }
-  if (log.fixed.empty() && !has_priors) hold(0);
+  if (log.graph.fixed.empty() && !has_priors) hold(0);
 }
 
 /// Ends the solve at the first chi2 that is as good as the optimum.
@@ -248,7 +248,7 @@ void solve(const Log<Dim>& log, const Arguments& arguments) {
   FullSlam<Dim> problem(log, testing::odometry_start(log));
   const int iterations = problem.solve(arguments);
   const State<Dim> state = problem.state();
-  const nlohmann::json json = {{"chi2", log_chi2(log, state.poses, state.features).total()}, {"iterations", iterations}};
+  const nlohmann::json json = {{"chi2", log_chi2(log, state).total()}, {"iterations", iterations}};
   fmt::print("{}\n", json.dump());
 }
 

@@ -55,8 +55,8 @@ template <int Dim>
 class FullSlam {
  public:
   explicit FullSlam(const Log<Dim>& log) : log_(log), variables_(log.poses.size(), 0) {
-    for (const auto& fixed : log.fixed) variables_[static_cast<std::size_t>(fixed.pose)] = kConstant;
-    if (log.fixed.empty() && log.pose_priors.empty() && log.feature_priors.empty()) variables_.front() = kConstant;
+    for (const auto& fixed : log.graph.fixed) variables_[static_cast<std::size_t>(fixed.pose)] = kConstant;
+    if (log.graph.fixed.empty() && log.pose_priors().empty() && log.feature_priors().empty()) variables_.front() = kConstant;
     for (Index& variable : variables_) {
       if (variable != kConstant) variable = first_feature_++;
     }
@@ -66,37 +66,22 @@ class FullSlam {
     std::vector<int> dofs(static_cast<std::size_t>(first_feature_), kPoseDof<Dim>);
     dofs.resize(dofs.size() + log_.features.size(), Dim);
     Cliques cliques;
-    for (const auto* list : pose_observations()) {
-      for (const auto& o : *list) cliques.push_back(std::array{pose(o.base), pose(o.target)});
-    }
-    for (const auto* list : feature_observations()) {
-      for (const auto& o : *list) cliques.push_back(std::array{pose(o.base), first_feature_ + o.target});
-    }
+    for (const auto& o : log_.graph.pose_factors) cliques.push_back(std::array{pose(o.base), pose(o.target)});
+    for (const auto& o : log_.graph.feature_factors) cliques.push_back(std::array{pose(o.base), first_feature_ + o.target});
     return {std::move(dofs), std::move(cliques), Engine::kCholmod};
   }
 
   void linearise(const State<Dim>& state, NormalEquations& equations) const {
     std::size_t clique = 0;
     const auto take = [&](const auto& o, const auto& target) {
-      accumulate(weighted(mapjoin::linearise<Dim>(o.measured, state.pose(o.base), target), o.information, o.loss),
-                 equations.sink(clique++));
+      accumulate(mapjoin::linearise(o, state.pose(o.base), target), equations.sink(clique++));
     };
-    for (const auto* list : pose_observations()) {
-      for (const auto& o : *list) take(o, state.pose(o.target));
-    }
-    for (const auto* list : feature_observations()) {
-      for (const auto& o : *list) take(o, state.feature(o.target));
-    }
+    for (const auto& o : log_.graph.pose_factors) take(o, state.pose(o.target));
+    for (const auto& o : log_.graph.feature_factors) take(o, state.feature(o.target));
   }
 
  private:
   Index pose(Index index) const { return index == kWorld ? kConstant : variables_[static_cast<std::size_t>(index)]; }
-  std::array<const std::vector<PoseObservation<Dim>>*, 3> pose_observations() const {
-    return {&log_.odometry, &log_.closures, &log_.pose_priors};
-  }
-  std::array<const std::vector<FeatureObservation<Dim>>*, 2> feature_observations() const {
-    return {&log_.observations, &log_.feature_priors};
-  }
 
   const Log<Dim>& log_;
   std::vector<Index> variables_;  // per pose; kConstant where held
@@ -108,7 +93,7 @@ Expected<void> measure(const Log<Dim>& log, const State<Dim>& state, Limit& limi
   const FullSlam<Dim> problem(log);
   NormalEquations equations = timed(limit.order, [&] { return problem.equations(); });
   problem.linearise(state, equations);
-  limit.chi2 = log_chi2(log, state.poses, state.features).total();
+  limit.chi2 = log_chi2(log, state).total();
   return factorise_and_solve(equations, limit);
 }
 
@@ -155,7 +140,7 @@ Expected<void> measure_at(const Data<Dim>& data, const AnyState& any, Limit& lim
 
 template <int Dim>
 AnyState state_of(const Log<Dim>& log) {
-  return State<Dim>{log.initial_poses, log.initial_features};
+  return State<Dim>{log.initial.poses, log.initial.features};
 }
 
 /// The values of all poses and features that a map holds.

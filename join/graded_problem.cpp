@@ -23,10 +23,10 @@ void copy(std::vector<const Observation*>& own, std::vector<const Observation*>&
 template <int Dim>
 GradedProblem<Dim>::GradedProblem(JoinProblem<Dim>& join, const Piece<Dim>& piece, const Gauge<Dim>& gauge)
     : join_(join), piece_(piece), gauge_(gauge), weighted_piece_(piece), weighted_gauge_(gauge) {
-  copy(weighted_piece_.pose_observations, weighted_gauge_.pose_priors, poses_);
-  copy(weighted_piece_.feature_observations, weighted_gauge_.feature_priors, features_);
-  maps_.reserve(piece.maps.size());  // addresses stay
-  for (const LocalMap<Dim>*& map : weighted_piece_.maps) {
+  copy(weighted_piece_.factors.pose_factors, weighted_gauge_.priors.pose_factors, poses_);
+  copy(weighted_piece_.factors.feature_factors, weighted_gauge_.priors.feature_factors, features_);
+  maps_.reserve(piece.factors.submaps.size());  // addresses stay
+  for (const LocalMap<Dim>*& map : weighted_piece_.factors.submaps) {
     maps_.push_back({map, *map});
     map = &maps_.back().weighted;
   }

@@ -38,10 +38,10 @@ std::int64_t measured_rows(const Piece<Dim>& piece, const Gauge<Dim>& gauge, con
     rows += parallel_sum(observations.size(), kObservationsPerPiece,
                          [&](std::size_t k) { return static_cast<double>(information_rank(observations[k]->information)); });
   };
-  add(piece.pose_observations);
-  add(gauge.pose_priors);
-  add(piece.feature_observations);
-  add(gauge.feature_priors);
+  for (const auto* selection : {&piece.factors, &gauge.priors}) {
+    add(selection->pose_factors);
+    add(selection->feature_factors);
+  }
   return static_cast<std::int64_t>(rows);
 }
 

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <mapjoin/join/join_problem.hpp>
 #include <mapjoin/model/accumulate.hpp>
-#include <mapjoin/model/map_residual.hpp>
+#include <mapjoin/model/cost.hpp>
 #include <mapjoin/parallel/parallel.hpp>
 #include <utility>
 
@@ -27,28 +27,20 @@ LinearMap<Dim> linearise_map(const typename JointSystem<Dim>::PlacedMap& placed,
 
 template <int Dim>
 double map_chi2(const typename JointSystem<Dim>::PlacedMap& placed, const State<Dim>& state) {
-  const Eigen::VectorXd r = map_residual(
+  return cost(
       *placed.map, state.pose(placed.base), [&](std::size_t p) { return state.pose(placed.poses[p]); },
       [&](std::size_t f) { return state.feature(placed.features[f]); });
-  return r.dot(placed.map->information * r);
 }
 
 template <int Dim>
 double piece_chi2(const Piece<Dim>& piece) {
   double chi2 = 0.0;
-  for (const auto* o : piece.pose_observations) {
-    const PoseVector<Dim> r = residual<Dim>(o->measured, pose_in(piece, o->base), pose_in(piece, o->target));
-    chi2 += r.dot(o->information * r);
-  }
-  for (const auto* o : piece.feature_observations) {
-    const Point<Dim> r = residual<Dim>(o->measured, pose_in(piece, o->base), feature_in(piece, o->target));
-    chi2 += r.dot(o->information * r);
-  }
-  for (const auto* map : piece.maps) {
-    const Eigen::VectorXd r = map_residual(
+  for (const auto* o : piece.factors.pose_factors) chi2 += cost(*o, pose_in(piece, o->base), pose_in(piece, o->target));
+  for (const auto* o : piece.factors.feature_factors) chi2 += cost(*o, pose_in(piece, o->base), feature_in(piece, o->target));
+  for (const auto* map : piece.factors.submaps) {
+    chi2 += cost(
         *map, pose_in(piece, map->base), [&](std::size_t p) { return pose_in(piece, map->poses[p]); },
         [&](std::size_t f) { return feature_in(piece, map->features[f]); });
-    chi2 += r.dot(map->information * r);
   }
   return chi2;
 }

@@ -3,6 +3,7 @@
 #include <array>
 #include <mapjoin/join/joint_system.hpp>
 #include <mapjoin/model/accumulate.hpp>
+#include <mapjoin/model/cost.hpp>
 #include <mapjoin/parallel/parallel.hpp>
 #include <utility>
 
@@ -38,13 +39,15 @@ void JointSystem<Dim>::place_observations(const Piece<Dim>& piece, const Gauge<D
   maps_.clear();
   const auto pose_place = [&](Index pose) { return pose == kWorld ? kWorld : place_of(piece.poses, pose); };
   const auto feature_place = [&](Index feature) { return place_of(piece.features, feature); };
-  for (const auto* list : {&piece.pose_observations, &gauge.pose_priors}) {
-    for (const auto* o : *list) pose_observations_.push_back({o, pose_place(o->base), pose_place(o->target)});
+  for (const auto* selection : {&piece.factors, &gauge.priors}) {
+    for (const auto* o : selection->pose_factors) {
+      pose_observations_.push_back({o, pose_place(o->base), pose_place(o->target)});
+    }
+    for (const auto* o : selection->feature_factors) {
+      feature_observations_.push_back({o, pose_place(o->base), feature_place(o->target)});
+    }
   }
-  for (const auto* list : {&piece.feature_observations, &gauge.feature_priors}) {
-    for (const auto* o : *list) feature_observations_.push_back({o, pose_place(o->base), feature_place(o->target)});
-  }
-  for (const auto* map : piece.maps) {
+  for (const auto* map : piece.factors.submaps) {
     PlacedMap placed{map, pose_place(map->base), {}, {}};
     for (const Index pose : map->poses) placed.poses.push_back(pose_place(pose));
     for (const Index feature : map->features) placed.features.push_back(feature_place(feature));
@@ -87,25 +90,21 @@ double JointSystem<Dim>::add_observation(std::size_t clique, NormalEquations::Si
   const auto [kind, place] = source_of(clique);
   if (kind == Source::kPoseObservation) {
     const auto& [o, base, target] = pose_observations_[place];
-    const auto linear = mapjoin::linearise<Dim>(o->measured, estimate_.pose(base), estimate_.pose(target));
-    return accumulate(weighted(linear, o->information, o->loss), sink);
+    return accumulate(mapjoin::linearise(*o, estimate_.pose(base), estimate_.pose(target)), sink);
   }
   const auto& [o, base, target] = feature_observations_[place];
-  const auto linear = mapjoin::linearise<Dim>(o->measured, estimate_.pose(base), estimate_.feature(target));
-  return accumulate(weighted(linear, o->information, o->loss), sink);
+  return accumulate(mapjoin::linearise(*o, estimate_.pose(base), estimate_.feature(target)), sink);
 }
 
 template <int Dim>
 double JointSystem<Dim>::observations_chi2(const State<Dim>& state) const {
   const double of_poses = parallel_sum(pose_observations_.size(), kObservationsPerPiece, [&](std::size_t k) {
     const auto& [o, base, target] = pose_observations_[k];
-    const PoseVector<Dim> r = residual<Dim>(o->measured, state.pose(base), state.pose(target));
-    return r.dot(o->information * r);
+    return cost(*o, state.pose(base), state.pose(target));
   });
   const double of_features = parallel_sum(feature_observations_.size(), kObservationsPerPiece, [&](std::size_t k) {
     const auto& [o, base, target] = feature_observations_[k];
-    const Point<Dim> r = residual<Dim>(o->measured, state.pose(base), state.feature(target));
-    return r.dot(o->information * r);
+    return cost(*o, state.pose(base), state.feature(target));
   });
   return of_poses + of_features;
 }

@@ -20,7 +20,7 @@ Leaves<Dim>::Leaves(const Network<Dim>& network)
     stretch_of_.resize(static_cast<std::size_t>(stretch.begin - network.stretches.front().begin), static_cast<Index>(k) - 1);
     stretch_of_.resize(static_cast<std::size_t>(stretch.end - network.stretches.front().begin) + 1, static_cast<Index>(k));
   }
-  for (const auto* o : network.pose_observations) {
+  for (const auto* o : network.factors.pose_factors) {
     const auto [first, last] = stretches_of(*o);
     if (first == last && !network.stretches[first].is_map) {
       odometry_[first].push_back(o);
@@ -28,7 +28,7 @@ Leaves<Dim>::Leaves(const Network<Dim>& network)
       closures_.push_back(o);
     }
   }
-  for (const auto* o : network.feature_observations) observations_[stretch_of(o->base)].push_back(o);
+  for (const auto* o : network.factors.feature_factors) observations_[stretch_of(o->base)].push_back(o);
 }
 
 template <int Dim>
@@ -56,7 +56,7 @@ Piece<Dim> Leaves<Dim>::piece(std::size_t stretch) const {
 template <int Dim>
 Piece<Dim> Leaves<Dim>::map_piece(const LocalMap<Dim>& map) const {
   Piece<Dim> piece;
-  piece.maps.push_back(&map);
+  piece.factors.submaps.push_back(&map);
   piece.poses.push_back(map.base);
   piece.poses.insert(piece.poses.end(), map.poses.begin(), map.poses.end());
   piece.state.poses.emplace_back();
@@ -77,12 +77,11 @@ Piece<Dim> Leaves<Dim>::span_piece(std::size_t stretch) const {
   piece.poses.resize(static_cast<std::size_t>(span.end - span.begin) + 1);
   std::iota(piece.poses.begin(), piece.poses.end(), span.begin);
   piece.state.poses.resize(piece.poses.size());
-  piece.pose_observations = odometry_[stretch];
-  piece.feature_observations = observations_[stretch];
+  piece.factors = {odometry_[stretch], observations_[stretch], {}};
 
   std::vector<bool> known(piece.poses.size(), false);
   known[0] = true;
-  for (const auto* o : piece.pose_observations) {
+  for (const auto* o : piece.factors.pose_factors) {
     const auto base = static_cast<std::size_t>(o->base - span.begin);
     const auto target = static_cast<std::size_t>(o->target - span.begin);
     if (known[base] && !known[target]) piece.state.poses[target] = compose(piece.state.poses[base], o->measured);
@@ -90,13 +89,13 @@ Piece<Dim> Leaves<Dim>::span_piece(std::size_t stretch) const {
     known[base] = known[target] = known[base] || known[target];
   }
 
-  piece.features.reserve(piece.feature_observations.size());
-  for (const auto* o : piece.feature_observations) piece.features.push_back(o->target);
+  piece.features.reserve(piece.factors.feature_factors.size());
+  for (const auto* o : piece.factors.feature_factors) piece.features.push_back(o->target);
   std::sort(piece.features.begin(), piece.features.end());
   piece.features.erase(std::unique(piece.features.begin(), piece.features.end()), piece.features.end());
   piece.state.features.resize(piece.features.size());
   std::vector<bool> seen(piece.features.size(), false);
-  for (const auto* o : piece.feature_observations) {
+  for (const auto* o : piece.factors.feature_factors) {
     const auto f = static_cast<std::size_t>(place_of(piece.features, o->target));
     if (!seen[f]) piece.state.features[f] = transform(pose_in(piece, o->base), o->measured);
     seen[f] = true;

@@ -11,8 +11,9 @@ namespace {
 template <int Dim>
 void add_maps(Network<Dim>& network, std::vector<LocalMap<Dim>> maps) {
   std::vector<bool> mentioned(network.feature_count, false);
-  for (const auto* observation : network.feature_observations) mentioned[static_cast<std::size_t>(observation->target)] = true;
-  for (const auto* prior : network.feature_priors) mentioned[static_cast<std::size_t>(prior->target)] = true;
+  for (const auto* selection : {&network.factors, &network.priors}) {
+    for (const auto* factor : selection->feature_factors) mentioned[static_cast<std::size_t>(factor->target)] = true;
+  }
   network.is_private = private_features(maps, std::move(mentioned));
   network.maps.resize(maps.size());
   parallel_for(maps.size(), [&](std::size_t k) { network.maps[k] = condense(std::move(maps[k]), network.is_private); });
@@ -21,45 +22,50 @@ void add_maps(Network<Dim>& network, std::vector<LocalMap<Dim>> maps) {
   }
 }
 
-template <int Dim>
-void add_span(Network<Dim>& network, const Log<Dim>& log, const Stretch& stretch) {
-  for (const auto& o : odometry_of(log, stretch)) network.pose_observations.push_back(&o);
-  for (const auto& o : observations_of(log, stretch)) network.feature_observations.push_back(&o);
+template <typename Factors, typename Selected>
+void select(const Factors& factors, Selected& selected) {
+  for (const auto& factor : factors) selected.push_back(&factor);
+}
+
+/// The network of a log or a set, without its maps and what stands on its own.
+template <template <int> typename Data, int Dim>
+Network<Dim> bare_network(const Data<Dim>& data, const std::vector<Stretch>& stretches) {
+  Network<Dim> network;
+  network.pose_count = data.poses.size();
+  network.feature_count = data.features.size();
+  network.fixed = data.graph.fixed;
+  network.stretches = stretches;
+  return network;
 }
 
 }  // namespace
 
 template <int Dim>
 Network<Dim> network_of(const Log<Dim>& log, const Split& split, std::vector<LocalMap<Dim>> maps) {
-  Network<Dim> network;
-  network.pose_count = log.poses.size();
-  network.feature_count = log.features.size();
-  network.stretches = split.stretches;
+  Network<Dim> network = bare_network(log, split.stretches);
   network.is_joined = split.kept;
   for (const Stretch& stretch : split.stretches) {
-    if (!stretch.is_map) add_span(network, log, stretch);
+    if (stretch.is_map) continue;
+    select(odometry_of(log, stretch), network.factors.pose_factors);
+    select(observations_of(log, stretch), network.factors.feature_factors);
   }
-  for (const auto& closure : log.closures) network.pose_observations.push_back(&closure);
-  for (const auto& prior : log.pose_priors) network.pose_priors.push_back(&prior);
-  for (const auto& prior : log.feature_priors) network.feature_priors.push_back(&prior);
-  network.fixed = log.fixed;
+  select(log.closures(), network.factors.pose_factors);
+  select(log.pose_priors(), network.priors.pose_factors);
+  select(log.feature_priors(), network.priors.feature_factors);
   add_maps(network, std::move(maps));
   return network;
 }
 
 template <int Dim>
 Network<Dim> network_of(const MapSet<Dim>& set, std::vector<LocalMap<Dim>> maps) {
-  Network<Dim> network;
-  network.pose_count = set.poses.size();
-  network.feature_count = set.features.size();
-  network.stretches = set.stretches;
+  Network<Dim> network = bare_network(set, set.stretches);
   network.is_joined.assign(set.poses.size(), true);
-  for (const auto& o : set.pose_observations)
-    (o.base == kWorld ? network.pose_priors : network.pose_observations).push_back(&o);
-  for (const auto& o : set.feature_observations) {
-    (o.base == kWorld ? network.feature_priors : network.feature_observations).push_back(&o);
+  for (const auto& o : set.graph.pose_factors) {
+    (o.base == kWorld ? network.priors : network.factors).pose_factors.push_back(&o);
   }
-  network.fixed = set.fixed;
+  for (const auto& o : set.graph.feature_factors) {
+    (o.base == kWorld ? network.priors : network.factors).feature_factors.push_back(&o);
+  }
   add_maps(network, std::move(maps));
   return network;
 }

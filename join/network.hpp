@@ -6,6 +6,7 @@
 #include <mapjoin/localmap/split.hpp>
 #include <mapjoin/model/local_map.hpp>
 #include <mapjoin/model/log.hpp>
+#include <mapjoin/model/map_set.hpp>
 #include <vector>
 
 namespace mapjoin {
@@ -15,11 +16,9 @@ template <int Dim>
 struct Network {
   std::size_t pose_count = 0;
   std::size_t feature_count = 0;
-  std::vector<CondensedMap<Dim>> maps;                         ///< Of the stretches that are maps, in their order.
-  std::vector<const PoseObservation<Dim>*> pose_observations;  ///< Odometry of spans, and closures.
-  std::vector<const FeatureObservation<Dim>*> feature_observations;
-  std::vector<const PoseObservation<Dim>*> pose_priors;  ///< From the World.
-  std::vector<const FeatureObservation<Dim>*> feature_priors;
+  std::vector<CondensedMap<Dim>> maps;  ///< Of the stretches that are maps, in their order.
+  FactorSelection<Dim> factors;         ///< What stands on its own: of spans, and closures.
+  FactorSelection<Dim> priors;
   std::vector<FixedPose<Dim>> fixed;
   std::vector<Stretch> stretches;
   std::vector<bool> is_private;  ///< Per feature: eliminated within its map.
@@ -35,7 +34,7 @@ template <int Dim>
 Network<Dim> network_of(const MapSet<Dim>& set, std::vector<LocalMap<Dim>> maps);
 template <int Dim>
 Network<Dim> network_of(const MapSet<Dim>& set) {
-  return network_of(set, set.maps);
+  return network_of(set, set.graph.submaps);
 }
 
 }  // namespace mapjoin

@@ -14,9 +14,7 @@ struct Piece {
   std::vector<Index> poses;     ///< Of the network, ascending.
   std::vector<Index> features;  ///< Of the network, ascending.
   State<Dim> state;             ///< By place in `poses` and `features`.
-  std::vector<const LocalMap<Dim>*> maps;
-  std::vector<const PoseObservation<Dim>*> pose_observations;
-  std::vector<const FeatureObservation<Dim>*> feature_observations;
+  FactorSelection<Dim> factors;
 };
 
 /// The place of an index in a strictly ascending list, or where it would stand. Constant time where what stands before it is

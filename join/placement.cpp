@@ -139,9 +139,9 @@ Piece<Dim> merged(const Piece<Dim>& a, const Piece<Dim>& b, const Pose<Dim>& pla
   unite(
       a.features, a.state.features, b.features, b.state.features,
       [&](const Point<Dim>& point) { return transform(placement, point); }, both.features, both.state.features);
-  both.maps = one_after_the_other(a.maps, b.maps);
-  both.pose_observations = one_after_the_other(a.pose_observations, b.pose_observations);
-  both.feature_observations = one_after_the_other(a.feature_observations, b.feature_observations);
+  both.factors = {one_after_the_other(a.factors.pose_factors, b.factors.pose_factors),
+                  one_after_the_other(a.factors.feature_factors, b.factors.feature_factors),
+                  one_after_the_other(a.factors.submaps, b.factors.submaps)};
   return both;
 }
 

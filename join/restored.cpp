@@ -13,17 +13,15 @@ Network<Dim> restored_network(const Network<Dim>& network, const std::vector<Seg
   Network<Dim> all{.pose_count = network.pose_count,
                    .feature_count = network.feature_count,
                    .maps = {},
-                   .pose_observations = network.pose_observations,
-                   .feature_observations = network.feature_observations,
-                   .pose_priors = network.pose_priors,
-                   .feature_priors = network.feature_priors,
+                   .factors = network.factors,
+                   .priors = network.priors,
                    .fixed = network.fixed,
                    .stretches = network.stretches,
                    .is_private = std::vector<bool>(network.feature_count, false),
                    .is_joined = network.is_joined};
   for (const Segment<Dim>& segment : segments) {
-    for (const auto& o : segment.odometry) all.pose_observations.push_back(&o);
-    for (const auto& o : segment.observations) all.feature_observations.push_back(&o);
+    for (const auto& o : segment.odometry) all.factors.pose_factors.push_back(&o);
+    for (const auto& o : segment.observations) all.factors.feature_factors.push_back(&o);
     for (const Index pose : segment.interior) all.is_joined[static_cast<std::size_t>(pose)] = true;
   }
   if (!segments.empty()) return all;

@@ -8,7 +8,7 @@
 #include <mapjoin/measure/chi2.hpp>
 #include <mapjoin/measure/stopwatch.hpp>
 #include <mapjoin/model/demand_valid.hpp>
-#include <mapjoin/model/map_stretches.hpp>
+#include <mapjoin/model/stretch.hpp>
 #include <mapjoin/parallel/parallel.hpp>
 #include <mapjoin/solve/memory.hpp>
 #include <utility>
@@ -44,7 +44,7 @@ JoinOptions<Dim> join_options(const RunOptions& options, const Pose<Dim>& origin
 /// Where the first pose is held when the World says nothing: at the file's value, if it has one.
 template <int Dim>
 Pose<Dim> origin_of(const Log<Dim>& log) {
-  return log.initial_poses.empty() ? Pose<Dim>{} : log.initial_poses.front();
+  return log.initial.poses.empty() ? Pose<Dim>{} : log.initial.poses.front();
 }
 
 template <int Dim, template <int> typename Source>
@@ -124,8 +124,7 @@ Expected<Join<Dim>> join_maps(const Log<Dim>& log, const Network<Dim>& network, 
                               const std::stop_token& stop, RunResult<Dim>& result) {
   const Stopwatch watch(result.seconds.join);
   JoinOptions<Dim> joining = join_options(options, origin_of(log));
-  const State<Dim> values{log.initial_poses, log.initial_features};
-  joining.values = &values;
+  joining.values = &log.initial;
   auto joined = join(network, log.poses, log.features, joining, stop);
   if (!joined) return tl::unexpected(of_source(log.source, joined.error()));
   take_figures(*joined, result);
@@ -139,7 +138,7 @@ void recover(const Log<Dim>& log, const Split& split, const Network<Dim>& networ
   const Stopwatch watch(result.seconds.recover);
   if (options.progress) options.progress(Stage::kRecover, 0, 1);
   result.unrecovered = recover_interiors(log, split, network.is_private, options.solver, state, stop);
-  result.recovered_chi2 = result.chi2 = log_chi2(log, state.poses, state.features).total();
+  result.recovered_chi2 = result.chi2 = log_chi2(log, state).total();
   if (options.keep_recovered) result.recovered = state;
 }
 
@@ -152,14 +151,14 @@ void refine(const Log<Dim>& log, Restored<Dim>& restored, const RunOptions& opti
   solver.relative_chi2 *= kRefiningShare;
   result.polish = minimise(restored.problem, solver, stop);
   write_values(restored.problem.estimate(), restored.whole.poses, restored.whole.features, state);
-  result.chi2 = log_chi2(log, state.poses, state.features).total();
+  result.chi2 = log_chi2(log, state).total();
 }
 
 /// Joins local maps, recovers what they eliminated, and refines the whole.
 template <int Dim>
 Expected<Found<Dim>> join_and_refine(const Log<Dim>& log, const Split& split, std::vector<LocalMap<Dim>> maps,
                                      const RunOptions& options, const std::stop_token& stop, RunResult<Dim> result = {}) {
-  const bool has_values = !log.initial_poses.empty() && log.initial_features.size() == log.features.size();
+  const bool has_values = !log.initial.poses.empty() && log.initial.features.size() == log.features.size();
   if (options.start == Start::kFile && !has_values) {
     return bad_input(log.source + ": not every pose and feature has a value to start from");
   }
@@ -297,12 +296,12 @@ Expected<RunResult<Dim>> run_from_maps(const Log<Dim>& log, const Split& split, 
 
 template <int Dim>
 Expected<RunResult<Dim>> run(const MapSet<Dim>& set, const RunOptions& options, const std::stop_token& stop) {
-  return check_set(set, options).and_then([&] { return join_set(set, set.maps, options, stop); });
+  return check_set(set, options).and_then([&] { return join_set(set, set.graph.submaps, options, stop); });
 }
 
 template <int Dim>
 Expected<RunResult<Dim>> run(MapSet<Dim>&& set, const RunOptions& options, const std::stop_token& stop) {
-  return check_set(set, options).and_then([&] { return join_set(set, std::move(set.maps), options, stop); });
+  return check_set(set, options).and_then([&] { return join_set(set, std::move(set.graph.submaps), options, stop); });
 }
 
 template <int Dim>

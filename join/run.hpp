@@ -11,6 +11,7 @@
 #include <mapjoin/model/global_map.hpp>
 #include <mapjoin/model/local_map.hpp>
 #include <mapjoin/model/log.hpp>
+#include <mapjoin/model/map_set.hpp>
 #include <mapjoin/model/state.hpp>
 #include <memory>
 #include <optional>

@@ -126,7 +126,7 @@ class Joiner {
       if (owner == pieces.end()) {
         result.pending.push_back(closure);
       } else {
-        owner->pose_observations.push_back(closure);
+        owner->factors.pose_factors.push_back(closure);
       }
     }
     const bool is_last = !pieces.empty() && pieces.front().poses.size() == leaves_.joined_pose_count();
@@ -139,8 +139,9 @@ class Joiner {
   }
 
   void lead(Piece<Dim>& piece) {
-    if (piece.maps.size() == 1 && piece.pose_observations.empty() && piece.feature_observations.empty()) return;
-    JoinProblem<Dim> problem(piece, {{0}, {}, {}});
+    const auto& [pose_factors, feature_factors, submaps] = piece.factors;
+    if (submaps.size() == 1 && pose_factors.empty() && feature_factors.empty()) return;
+    JoinProblem<Dim> problem(piece, {{0}, {}});
     minimise_join(problem, options_.state, options_.inner, stop_);
     piece.state = problem.estimate();
   }

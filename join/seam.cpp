@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <algorithm>
 #include <mapjoin/join/seam.hpp>
-#include <mapjoin/model/map_residual.hpp>
+#include <mapjoin/model/cost.hpp>
 #include <utility>
 
 namespace mapjoin {
@@ -67,14 +67,14 @@ Seam<Dim>::Seam(const Piece<Dim>& a, const Piece<Dim>& b, const std::vector<cons
   for (const auto* o : tying(closures, kMost, is_between)) {
     pose_ties_.push_back({o, end_of_pose(o->base), end_of_pose(o->target)});
   }
-  for (const auto* o : tying(b.pose_observations, kMost, is_cut_edge)) {
+  for (const auto* o : tying(b.factors.pose_factors, kMost, is_cut_edge)) {
     pose_ties_.push_back({o, end_of_pose(o->base), end_of_pose(o->target)});
   }
   const auto is_cut_sight = [&](const auto* o) { return pose(o->base) != feature(o->target); };
-  const auto cut_sights = tying(b.feature_observations, kMost, is_cut_sight);
+  const auto cut_sights = tying(b.factors.feature_factors, kMost, is_cut_sight);
   feature_ties_.reserve(cut_sights.size());
   for (const auto* o : cut_sights) feature_ties_.push_back({o, end_of_pose(o->base), end_of_feature(o->target)});
-  for (const auto* map : tying(b.maps, kMost, [&](const auto* m) { return is_cut(*m, pose, feature); })) {
+  for (const auto* map : tying(b.factors.submaps, kMost, [&](const auto* m) { return is_cut(*m, pose, feature); })) {
     MapTie tie{map, end_of_pose(map->base), {}, {}};
     for (const Index p : map->poses) tie.poses.push_back(end_of_pose(p));
     for (const Index f : map->features) tie.features.push_back(end_of_feature(f));
@@ -100,20 +100,17 @@ double Seam<Dim>::chi2(const Pose<Dim>& placement) const {
   const auto point = [&](const End<Point<Dim>>& end) { return end.is_placed ? transform(placement, end.value) : end.value; };
   double chi2 = 0.0;
   for (const auto& [o, base, target] : pose_ties_) {
-    const PoseVector<Dim> r = residual<Dim>(o->measured, pose(base), pose(target));
-    chi2 += r.dot(o->information * r);
+    chi2 += cost(*o, pose(base), pose(target));
   }
   for (const auto& [o, base, target] : feature_ties_) {
     // In the frame that the base is given in: a point is moved with less effort than a pose.
     const Point<Dim> beside_base = base.is_placed ? transform_into(placement, point(target)) : point(target);
-    const Point<Dim> r = residual<Dim>(o->measured, base.value, beside_base);
-    chi2 += r.dot(o->information * r);
+    chi2 += cost(*o, base.value, beside_base);
   }
   for (const auto& tie : map_ties_) {
-    const Eigen::VectorXd r = map_residual(
+    chi2 += cost(
         *tie.map, pose(tie.base), [&](std::size_t p) { return pose(tie.poses[p]); },
         [&](std::size_t f) { return point(tie.features[f]); });
-    chi2 += r.dot(tie.map->information * r);
   }
   return chi2;
 }

@@ -12,16 +12,15 @@ Piece<Dim> whole_of(const Network<Dim>& network) {
   for (std::size_t p = 0; p < network.pose_count; ++p) {
     if (network.is_joined[p]) whole.poses.push_back(static_cast<Index>(p));
   }
-  for (const auto& condensed : network.maps) whole.maps.push_back(&condensed.map);
-  whole.pose_observations = network.pose_observations;
-  whole.feature_observations = network.feature_observations;
+  whole.factors = network.factors;
+  for (const auto& condensed : network.maps) whole.factors.submaps.push_back(&condensed.map);
 
   std::vector<bool> is_seen(network.feature_count, false);
-  for (const auto* map : whole.maps) {
+  for (const auto* map : whole.factors.submaps) {
     for (const Index feature : map->features) is_seen[static_cast<std::size_t>(feature)] = true;
   }
-  for (const auto* list : {&network.feature_observations, &network.feature_priors}) {
-    for (const auto* o : *list) is_seen[static_cast<std::size_t>(o->target)] = true;
+  for (const auto* selection : {&network.factors, &network.priors}) {
+    for (const auto* o : selection->feature_factors) is_seen[static_cast<std::size_t>(o->target)] = true;
   }
   for (std::size_t f = 0; f < network.feature_count; ++f) {
     if (is_seen[f]) whole.features.push_back(static_cast<Index>(f));

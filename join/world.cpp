@@ -23,7 +23,7 @@ Ties<Dim> world_ties(const Network<Dim>& network, const Piece<Dim>& piece) {
   for (const auto& fixed : network.fixed) {
     if (const auto* pose = find_pose(piece, fixed.pose)) ties.add_pose(fixed.value, *pose);
   }
-  for (const auto* prior : network.pose_priors) {
+  for (const auto* prior : network.priors.pose_factors) {
     const auto* pose = find_pose(piece, prior->target);
     if (!pose || !measures_position(*prior)) continue;
     if (measures_rotation(*prior)) {
@@ -32,7 +32,7 @@ Ties<Dim> world_ties(const Network<Dim>& network, const Piece<Dim>& piece) {
       ties.add_point(prior->measured.translation, pose->translation);
     }
   }
-  for (const auto* prior : network.feature_priors) {
+  for (const auto* prior : network.priors.feature_factors) {
     if (const auto* feature = find_feature(piece, prior->target)) ties.add_point(prior->measured, *feature);
   }
   return ties;
@@ -72,13 +72,13 @@ Gauge<Dim> gauge_of(const Network<Dim>& network, const Piece<Dim>& piece) {
   for (const auto& fixed : network.fixed) {
     if (holds(piece.poses, fixed.pose)) gauge.held.push_back(place_of(piece.poses, fixed.pose));
   }
-  for (const auto* prior : network.pose_priors) {
-    if (holds(piece.poses, prior->target)) gauge.pose_priors.push_back(prior);
+  for (const auto* prior : network.priors.pose_factors) {
+    if (holds(piece.poses, prior->target)) gauge.priors.pose_factors.push_back(prior);
   }
-  for (const auto* prior : network.feature_priors) {
-    if (holds(piece.features, prior->target)) gauge.feature_priors.push_back(prior);
+  for (const auto* prior : network.priors.feature_factors) {
+    if (holds(piece.features, prior->target)) gauge.priors.feature_factors.push_back(prior);
   }
-  if (gauge.held.empty() && gauge.pose_priors.empty() && gauge.feature_priors.empty()) gauge.held = {0};
+  if (gauge.held.empty() && gauge.priors.empty()) gauge.held = {0};
   return gauge;
 }
 

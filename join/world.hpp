@@ -11,8 +11,7 @@ namespace mapjoin {
 template <int Dim>
 struct Gauge {
   std::vector<Index> held;  ///< Places of poses that have no columns.
-  std::vector<const PoseObservation<Dim>*> pose_priors;
-  std::vector<const FeatureObservation<Dim>*> feature_priors;
+  FactorSelection<Dim> priors;
 };
 
 /// Moves the piece as a whole into the World's frame: by its fixed poses and priors or, without any position among them, its

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <Eigen/Cholesky>
 #include <mapjoin/localmap/condense.hpp>
-#include <mapjoin/model/map_residual.hpp>
+#include <mapjoin/model/cost.hpp>
 #include <utility>
 
 namespace mapjoin {
@@ -76,7 +76,7 @@ void recover_private_features(const CondensedMap<Dim>& condensed, State<Dim>& st
   if (condensed.private_features.empty()) return;
   const LocalMap<Dim>& map = condensed.map;
   const Pose<Dim> base = state.pose(map.base);
-  const Eigen::VectorXd r_others = map_residual(
+  const Eigen::VectorXd r_others = residual(
       map, base, [&](std::size_t p) { return state.pose(map.poses[p]); },
       [&](std::size_t f) { return state.feature(map.features[f]); });
   const Eigen::VectorXd r = -condensed.gain * r_others;

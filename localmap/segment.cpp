@@ -13,8 +13,8 @@ std::size_t Segment<Dim>::feature_slot(Index feature) const {
 template <int Dim>
 std::span<const PoseObservation<Dim>> odometry_of(const Log<Dim>& log, const Stretch& stretch) {
   const auto by_later_pose = [](Index pose, const PoseObservation<Dim>& o) { return pose < std::max(o.base, o.target); };
-  const auto first = std::upper_bound(log.odometry.begin(), log.odometry.end(), stretch.begin, by_later_pose);
-  const auto last = std::upper_bound(first, log.odometry.end(), stretch.end, by_later_pose);
+  const auto first = std::upper_bound(log.odometry().begin(), log.odometry().end(), stretch.begin, by_later_pose);
+  const auto last = std::upper_bound(first, log.odometry().end(), stretch.end, by_later_pose);
   return {first, last};
 }
 
@@ -25,8 +25,8 @@ std::span<const FeatureObservation<Dim>> observations_of(const Log<Dim>& log, co
   const auto session = std::upper_bound(log.sessions.begin(), log.sessions.end(), stretch.begin,
                                         [](Index pose, const Session& s) { return pose < s.end; });
   const Index stop = stretch.end + 1 == session->end ? stretch.end + 1 : stretch.end;
-  const auto first = std::lower_bound(log.observations.begin(), log.observations.end(), stretch.begin, before);
-  const auto last = std::lower_bound(first, log.observations.end(), stop, before);
+  const auto first = std::lower_bound(log.observations().begin(), log.observations().end(), stretch.begin, before);
+  const auto last = std::lower_bound(first, log.observations().end(), stop, before);
   return {first, last};
 }
 

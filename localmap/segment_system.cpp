@@ -3,6 +3,7 @@
 #include <array>
 #include <mapjoin/localmap/segment_system.hpp>
 #include <mapjoin/model/accumulate.hpp>
+#include <mapjoin/model/cost.hpp>
 
 namespace mapjoin {
 namespace {
@@ -97,15 +98,14 @@ double SegmentSystem<Dim>::linearise(const State<Dim>& values) {
   for (const auto& o : segment_->odometry) {
     const auto base = static_cast<std::size_t>(o.base - segment_->begin);
     const auto target = static_cast<std::size_t>(o.target - segment_->begin);
-    const auto linear = mapjoin::linearise<Dim>(o.measured, values.poses[base], values.poses[target]);
-    chi2 += accumulate(weighted(linear, o.information, o.loss), Sink(equations_, pose_slots_[base], pose_slots_[target]));
+    chi2 += accumulate(mapjoin::linearise(o, values.poses[base], values.poses[target]),
+                       Sink(equations_, pose_slots_[base], pose_slots_[target]));
   }
   for (std::size_t k = 0; k < segment_->observations.size(); ++k) {
     const auto& o = segment_->observations[k];
     const auto base = static_cast<std::size_t>(o.base - segment_->begin);
-    const auto linear = mapjoin::linearise<Dim>(o.measured, values.poses[base], values.features[observed_[k]]);
-    chi2 +=
-        accumulate(weighted(linear, o.information, o.loss), Sink(equations_, pose_slots_[base], feature_slots_[observed_[k]]));
+    chi2 += accumulate(mapjoin::linearise(o, values.poses[base], values.features[observed_[k]]),
+                       Sink(equations_, pose_slots_[base], feature_slots_[observed_[k]]));
   }
   return chi2;
 }
@@ -114,15 +114,12 @@ template <int Dim>
 double SegmentSystem<Dim>::chi2(const State<Dim>& values) const {
   double chi2 = 0.0;
   for (const auto& o : segment_->odometry) {
-    const PoseVector<Dim> r = residual<Dim>(o.measured, values.poses[static_cast<std::size_t>(o.base - segment_->begin)],
-                                            values.poses[static_cast<std::size_t>(o.target - segment_->begin)]);
-    chi2 += r.dot(o.information * r);
+    chi2 += cost(o, values.poses[static_cast<std::size_t>(o.base - segment_->begin)],
+                 values.poses[static_cast<std::size_t>(o.target - segment_->begin)]);
   }
   for (std::size_t k = 0; k < segment_->observations.size(); ++k) {
     const auto& o = segment_->observations[k];
-    const Point<Dim> r = residual<Dim>(o.measured, values.poses[static_cast<std::size_t>(o.base - segment_->begin)],
-                                       values.features[observed_[k]]);
-    chi2 += r.dot(o.information * r);
+    chi2 += cost(o, values.poses[static_cast<std::size_t>(o.base - segment_->begin)], values.features[observed_[k]]);
   }
   return chi2;
 }

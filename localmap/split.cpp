@@ -61,12 +61,12 @@ class Growth {
 template <int Dim>
 std::vector<bool> mentioned_poses(const Log<Dim>& log) {
   std::vector<bool> kept(log.poses.size(), false);
-  for (const auto& closure : log.closures) {
+  for (const auto& closure : log.closures()) {
     kept[static_cast<std::size_t>(closure.base)] = true;
     kept[static_cast<std::size_t>(closure.target)] = true;
   }
-  for (const auto& prior : log.pose_priors) kept[static_cast<std::size_t>(prior.target)] = true;
-  for (const auto& fixed : log.fixed) kept[static_cast<std::size_t>(fixed.pose)] = true;
+  for (const auto& prior : log.pose_priors()) kept[static_cast<std::size_t>(prior.target)] = true;
+  for (const auto& fixed : log.graph.fixed) kept[static_cast<std::size_t>(fixed.pose)] = true;
   return kept;
 }
 

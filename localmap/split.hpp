@@ -3,8 +3,8 @@
 // Where a log is cut into stretches, and which poses the rest of the log mentions.
 
 #include <cstdint>
-#include <mapjoin/model/local_map.hpp>
 #include <mapjoin/model/log.hpp>
+#include <mapjoin/model/stretch.hpp>
 #include <string>
 #include <vector>
 

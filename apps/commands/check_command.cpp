@@ -73,12 +73,12 @@ Expected<void> fit_joined(const CommandRun& command_run, const Content& content,
 
 template <int Dim>
 Expected<void> fit_values(const Log<Dim>& log, Checked& checked) {
-  if (log.initial_poses.empty() || log.initial_features.size() < log.features.size()) {
+  if (log.initial.poses.empty() || log.initial.features.size() < log.features.size()) {
     return tl::unexpected(
         Error{ErrorKind::kUsage, log.source + ": has no values of every pose and feature for --estimate file"});
   }
-  const std::size_t held = std::max<std::size_t>(1, log.fixed.size());
-  take_fits(fits_of(log, State<Dim>{log.initial_poses, log.initial_features}), degrees_of_freedom(log, held), checked);
+  const std::size_t held = std::max<std::size_t>(1, log.graph.fixed.size());
+  take_fits(fits_of(log, State<Dim>{log.initial.poses, log.initial.features}), degrees_of_freedom(log, held), checked);
   return {};
 }
 template <int Dim>

@@ -99,8 +99,8 @@ Expected<ExitCode> convert_log(CommandRun& command_run, AnyFormat asked, Log<Dim
   const auto* format = std::get_if<LogFormat>(&asked);
   if (!format) return misused(fmt::format("{}: local maps of a log are made by `mapjoin build`", command_run.run_report.input));
   std::vector<std::string> lost;
-  if (needs_values(*format) && log.initial_poses.empty() && !log.odometry.empty()) {
-    log.initial_poses = dead_reckoning(log, std::vector<Pose<Dim>>(log.poses.size()));
+  if (needs_values(*format) && log.initial.poses.empty() && !log.odometry().empty()) {
+    log.initial.poses = dead_reckoning(log, std::vector<Pose<Dim>>(log.poses.size()));
     lost.emplace_back("there are no values: poses are where odometry alone has them");
   }
   for (std::string& loss : losses(log, *format)) lost.push_back(std::move(loss));
@@ -136,7 +136,7 @@ Expected<ExitCode> convert_maps(CommandRun& command_run, AnyFormat asked, const 
     return misused(fmt::format("{}: local maps without their log cannot become a log", command_run.run_report.input));
   const auto written = *format == MapsFormat::kStore
                            ? write_store(set, command_run.options().output)
-                           : write_folder(set.maps, set.features, *format, command_run.options().output);
+                           : write_folder(set.graph.submaps, set.features, *format, command_run.options().output);
   if (!written) return tl::unexpected(written.error());
   return tell(command_run, losses_of_maps<Dim>(*format, are_counted(set.poses)));
 }

@@ -25,8 +25,8 @@ std::string range_of(const std::vector<Id>& ids) {
 
 template <int Dim>
 std::string values_in_words(const Log<Dim>& log) {
-  if (log.initial_poses.empty() || log.initial_features.size() != log.features.size()) return "not of every pose and feature";
-  const double chi2 = log_chi2(log, log.initial_poses, log.initial_features).total();
+  if (log.initial.poses.empty() || log.initial.features.size() != log.features.size()) return "not of every pose and feature";
+  const double chi2 = log_chi2(log, log.initial).total();
   return fmt::format("of every pose and feature, chi2 {:.10g}", chi2);
 }
 
@@ -40,11 +40,11 @@ void add_content(const Log<Dim>& log, Lines& lines) {
   lines.add("poses", range_of(log.poses));
   lines.add("features", range_of(log.features));
   lines.add("sessions", fmt::format("{}", log.sessions.size()));
-  lines.add("odometry", fmt::format("{}", log.odometry.size()));
-  lines.add("closures", fmt::format("{}", log.closures.size()));
-  lines.add("observations", fmt::format("{}", log.observations.size()));
-  lines.add("priors", fmt::format("{} of poses, {} of features", log.pose_priors.size(), log.feature_priors.size()));
-  lines.add("fixed poses", fmt::format("{}", log.fixed.size()));
+  lines.add("odometry", fmt::format("{}", log.odometry().size()));
+  lines.add("closures", fmt::format("{}", log.closures().size()));
+  lines.add("observations", fmt::format("{}", log.observations().size()));
+  lines.add("priors", fmt::format("{} of poses, {} of features", log.pose_priors().size(), log.feature_priors().size()));
+  lines.add("fixed poses", fmt::format("{}", log.graph.fixed.size()));
   lines.add("values", values_in_words(log));
   lines.add("stamps", stamps_in_words(log.stamps_ns));
 }
@@ -52,8 +52,8 @@ void add_content(const Log<Dim>& log, Lines& lines) {
 template <int Dim>
 void add_content(const MapSet<Dim>& set, Lines& lines) {
   std::size_t seen = 0;
-  for (const LocalMap<Dim>& map : set.maps) seen += map.features.size();
-  lines.add("local maps", fmt::format("{}", set.maps.size()));
+  for (const LocalMap<Dim>& map : set.graph.submaps) seen += map.features.size();
+  lines.add("local maps", fmt::format("{}", set.graph.submaps.size()));
   lines.add("poses", range_of(set.poses));
   lines.add("features", fmt::format("{}; {} in all maps together", range_of(set.features), seen));
 }

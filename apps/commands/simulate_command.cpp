@@ -43,7 +43,7 @@ Expected<ExitCode> simulate_in(const SimulateOptions& options, const std::stop_t
   if (auto written = write_g2o(log, options.log); !written) return tl::unexpected(written.error());
   Lines lines;
   lines.add("log", fmt::format("{}: {}D, {} poses, {} features, {} observations", options.log.string(), Dim, log.poses.size(),
-                               log.features.size(), log.observations.size()));
+                               log.features.size(), log.observations().size()));
   if (!options.truth.empty()) {
     const auto written = write_map_file(simulation.truth, static_cast<const Log<Dim>*>(nullptr), options.truth);
     if (!written) return tl::unexpected(written.error());

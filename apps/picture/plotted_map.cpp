@@ -18,13 +18,13 @@ std::vector<Session> sessions_by_name(const std::vector<PoseId>& poses) {
 
 template <int Dim>
 std::vector<Session> sessions_of(const Log<Dim>& log) {
-  return log.odometry.empty() ? sessions_by_name(log.poses) : log.sessions;
+  return log.odometry().empty() ? sessions_by_name(log.poses) : log.sessions;
 }
 
 template <int Dim>
-std::vector<std::pair<Index, Index>> closures_among(const std::vector<PoseObservation<Dim>>& observations) {
+std::vector<std::pair<Index, Index>> closures_among(std::span<const PoseObservation<Dim>> edges) {
   std::vector<std::pair<Index, Index>> closures;
-  for (const auto& o : observations) {
+  for (const auto& o : edges) {
     if (o.base != kWorld) closures.emplace_back(o.base, o.target);
   }
   return closures;
@@ -43,7 +43,7 @@ GlobalMap<Dim> named_as(const Log<Dim>& log) {
 template <int Dim>
 std::vector<Pose<Dim>> starts_of(const Log<Dim>& log) {
   std::vector<Pose<Dim>> poses(log.poses.size());
-  for (const auto& fixed : log.fixed) poses[static_cast<std::size_t>(fixed.pose)] = fixed.value;
+  for (const auto& fixed : log.graph.fixed) poses[static_cast<std::size_t>(fixed.pose)] = fixed.value;
   return poses;
 }
 
@@ -52,7 +52,7 @@ template <int Dim>
 std::vector<Point<Dim>> first_seen(const Log<Dim>& log, const std::vector<Pose<Dim>>& poses) {
   std::vector<Point<Dim>> features(log.features.size(), Point<Dim>::Zero());
   std::vector<bool> is_seen(features.size());
-  for (const auto& o : log.observations) {
+  for (const auto& o : log.observations()) {
     const auto f = static_cast<std::size_t>(o.target);
     if (!is_seen[f]) features[f] = transform(poses[static_cast<std::size_t>(o.base)], o.measured);
     is_seen[f] = true;
@@ -76,7 +76,7 @@ std::vector<std::ptrdiff_t> map_of_pose(const std::vector<MapFit>& fits, std::si
 
 template <int Dim>
 std::vector<Pose<Dim>> dead_reckoning(const Log<Dim>& log, std::vector<Pose<Dim>> poses) {
-  for (const auto& o : log.odometry) {
+  for (const auto& o : log.odometry()) {
     const auto base = static_cast<std::size_t>(o.base);
     const auto target = static_cast<std::size_t>(o.target);
     if (target > base) {
@@ -93,7 +93,7 @@ std::vector<PlottedLocalMap> plotted_local_maps(const std::vector<MapFit>& fits,
   std::vector<PlottedLocalMap> maps;
   for (const MapFit& fit : fits) maps.push_back({fit, {}});
   const auto map_of = map_of_pose(fits, log.poses.size());
-  for (const auto& o : log.observations) {
+  for (const auto& o : log.observations()) {
     const std::ptrdiff_t m = map_of[static_cast<std::size_t>(o.base)];
     if (m >= 0) maps[static_cast<std::size_t>(m)].features.push_back(o.target);
   }
@@ -109,12 +109,12 @@ PlottedMap<Dim> plotted(const Log<Dim>& log) {
   PlottedMap<Dim> out;
   out.map = named_as(log);
   out.sessions = sessions_of(log);
-  out.closures = closures_among(log.closures);
-  out.is_odometry = log.initial_poses.empty();
-  out.map.poses = out.is_odometry ? dead_reckoning(log, starts_of(log)) : log.initial_poses;
-  const bool has_features = log.initial_features.size() == log.features.size();
-  out.map.features = has_features ? log.initial_features : first_seen(log, out.map.poses);
-  if (!out.is_odometry && !log.odometry.empty()) out.odometry = dead_reckoning(log, out.map.poses);
+  out.closures = closures_among<Dim>(log.closures());
+  out.is_odometry = log.initial.poses.empty();
+  out.map.poses = out.is_odometry ? dead_reckoning(log, starts_of(log)) : log.initial.poses;
+  const bool has_features = log.initial.features.size() == log.features.size();
+  out.map.features = has_features ? log.initial.features : first_seen(log, out.map.poses);
+  if (!out.is_odometry && !log.odometry().empty()) out.odometry = dead_reckoning(log, out.map.poses);
   return out;
 }
 
@@ -123,7 +123,7 @@ PlottedMap<Dim> plotted(const RunResult<Dim>& result, const Log<Dim>& log) {
   PlottedMap<Dim> out;
   out.map = result.map;
   out.sessions = sessions_of(log);
-  out.closures = closures_among(log.closures);
+  out.closures = closures_among<Dim>(log.closures());
   out.odometry = dead_reckoning(log, out.map.poses);
   out.local_maps = plotted_local_maps(result.maps, log);
   return out;
@@ -134,8 +134,9 @@ PlottedMap<Dim> plotted(const RunResult<Dim>& result, const MapSet<Dim>& set) {
   PlottedMap<Dim> out;
   out.map = result.map;
   out.sessions = sessions_by_name(set.poses);
-  out.closures = closures_among(set.pose_observations);
-  for (std::size_t m = 0; m < result.maps.size(); ++m) out.local_maps.push_back({result.maps[m], set.maps[m].features});
+  out.closures = closures_among<Dim>(set.graph.pose_factors);
+  for (std::size_t m = 0; m < result.maps.size(); ++m)
+    out.local_maps.push_back({result.maps[m], set.graph.submaps[m].features});
   return out;
 }
 

@@ -6,8 +6,8 @@
 #include <mapjoin/join/consistency.hpp>
 #include <mapjoin/join/run.hpp>
 #include <mapjoin/model/global_map.hpp>
-#include <mapjoin/model/local_map.hpp>
 #include <mapjoin/model/log.hpp>
+#include <mapjoin/model/map_set.hpp>
 #include <optional>
 #include <string>
 #include <utility>

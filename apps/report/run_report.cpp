@@ -24,11 +24,11 @@ void RunReport::describe(const Log<Dim>& log) {
   counts.sessions = log.sessions.size();
   counts.poses = log.poses.size();
   counts.features = log.features.size();
-  counts.odometry = log.odometry.size();
-  counts.closures = log.closures.size();
-  counts.observations = log.observations.size();
-  counts.priors = log.pose_priors.size() + log.feature_priors.size();
-  counts.fixed_poses = log.fixed.size();
+  counts.odometry = log.odometry().size();
+  counts.closures = log.closures().size();
+  counts.observations = log.observations().size();
+  counts.priors = log.pose_priors().size() + log.feature_priors().size();
+  counts.fixed_poses = log.graph.fixed.size();
   counts.repeated_edges = log.repeated_edges;
   counts.unassociated = log.unassociated;
 }
@@ -40,9 +40,9 @@ void RunReport::describe(const MapSet<Dim>& set) {
   counts.sessions = 1;
   counts.poses = set.poses.size();
   counts.features = set.features.size();
-  counts.fixed_poses = set.fixed.size();
+  counts.fixed_poses = set.graph.fixed.size();
   has_local_maps = true;
-  figures.local_maps = set.maps.size();
+  figures.local_maps = set.graph.submaps.size();
 }
 
 template <int Dim>

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <Eigen/LU>
 #include <mapjoin/join/incremental/map_factor.hpp>
+#include <mapjoin/model/cost.hpp>
 #include <mapjoin/model/information.hpp>
-#include <mapjoin/model/map_residual.hpp>
 #include <utility>
 
 namespace mapjoin {
@@ -122,15 +122,14 @@ Eigen::VectorXd MapFactor<Dim>::residual_at(const JoinedVariables<Dim>& variable
   const auto value = [&](std::size_t slot) -> const Pose<Dim>& {
     return variables[static_cast<std::size_t>(slots_[slot])].value;
   };
-  return map_residual(
+  return residual(
       *map_, base_of(variables), [&](std::size_t p) { return value(1 + p); },
       [&](std::size_t f) { return value(1 + map_->poses.size() + f).translation; });
 }
 
 template <int Dim>
 double MapFactor<Dim>::chi2(const JoinedVariables<Dim>& variables) const {
-  const Eigen::VectorXd r = residual_at(variables);
-  return r.dot(map_->information * r);
+  return cost(*map_, residual_at(variables));
 }
 
 template <int Dim>
@@ -155,8 +154,8 @@ typename MapFactor<Dim>::Fit MapFactor<Dim>::fit(const JoinedVariables<Dim>& var
     error.template segment<Dim>(row) -= linear.residual - linear.J_target * target_moved - linear.J_base * base_moved;
   }
   Fit fit;
-  fit.chi2 = r.dot(map_->information * r);
-  fit.error = error.dot(map_->information * error) + base_moved.template tail<kRotationDof<Dim>>().squaredNorm() * fit.chi2;
+  fit.chi2 = cost(*map_, r);
+  fit.error = cost(*map_, error) + base_moved.template tail<kRotationDof<Dim>>().squaredNorm() * fit.chi2;
   return fit;
 }
 

@@ -45,11 +45,11 @@ std::vector<Part<Dim>> parts_of(const Log<Dim>& log, const Split& split, const s
     part.feature_observations.assign(observations.begin(), observations.end());
   }
   const auto part_of = [&](Index pose) -> Part<Dim>& { return parts[stretch_of(split.stretches, pose)]; };
-  for (const auto& o : log.closures) part_of(std::max(o.base, o.target)).pose_observations.push_back(o);
-  for (const auto& o : log.pose_priors) part_of(o.target).pose_observations.push_back(o);
-  for (const auto& fixed : log.fixed) part_of(fixed.pose).fixed.push_back(fixed);
+  for (const auto& o : log.closures()) part_of(std::max(o.base, o.target)).pose_observations.push_back(o);
+  for (const auto& o : log.pose_priors()) part_of(o.target).pose_observations.push_back(o);
+  for (const auto& fixed : log.graph.fixed) part_of(fixed.pose).fixed.push_back(fixed);
   const auto seen = first_seen(parts, log.features.size());
-  for (const auto& o : log.feature_priors) parts[seen[static_cast<std::size_t>(o.target)]].feature_observations.push_back(o);
+  for (const auto& o : log.feature_priors()) parts[seen[static_cast<std::size_t>(o.target)]].feature_observations.push_back(o);
   return parts;
 }
 
@@ -61,15 +61,13 @@ Piece<Dim> composed(const Part<Dim>& part) {
   alone.stretches = {*part.stretch};
   if (part.map) alone.maps.push_back({*part.map, {}, {}, {}, {}});
   for (const auto& o : part.pose_observations) {
-    if (is_inside(o.base) && is_inside(o.target)) alone.pose_observations.push_back(&o);
+    if (is_inside(o.base) && is_inside(o.target)) alone.factors.pose_factors.push_back(&o);
   }
   for (const auto& o : part.feature_observations) {
-    if (is_inside(o.base)) alone.feature_observations.push_back(&o);
+    if (is_inside(o.base)) alone.factors.feature_factors.push_back(&o);
   }
   Piece<Dim> piece = Leaves<Dim>(alone).piece(0);
-  piece.maps.clear();
-  piece.pose_observations.clear();
-  piece.feature_observations.clear();
+  piece.factors = {};
   return piece;
 }
 
@@ -96,16 +94,16 @@ MapSet<Dim> set_of(const std::vector<const Part<Dim>*>& parts) {
   for (const Part<Dim>* part : parts) {
     if (part->stretch) set.stretches.push_back(*part->stretch);
     if (part->stretch) poses = std::max(poses, part->stretch->end + 1);
-    if (part->map) set.maps.push_back(*part->map);
+    if (part->map) set.graph.submaps.push_back(*part->map);
     if (part->map) {
       for (const Index f : part->map->features) features = std::max(features, f + 1);
     }
-    for (const auto& o : part->pose_observations) set.pose_observations.push_back(o);
+    for (const auto& o : part->pose_observations) set.graph.pose_factors.push_back(o);
     for (const auto& o : part->feature_observations) {
-      set.feature_observations.push_back(o);
+      set.graph.feature_factors.push_back(o);
       features = std::max(features, o.target + 1);
     }
-    for (const auto& fixed : part->fixed) set.fixed.push_back(fixed);
+    for (const auto& fixed : part->fixed) set.graph.fixed.push_back(fixed);
   }
   for (Index p = 0; p < poses; ++p) set.poses.push_back({0, static_cast<std::uint64_t>(p)});
   for (Index f = 0; f < features; ++f) set.features.push_back({static_cast<std::uint64_t>(f)});

@@ -38,15 +38,13 @@ bool PartMaker<Dim>::is_kept(const PoseId& pose) const {
 template <int Dim>
 bool PartMaker<Dim>::add(const Log<Dim>& news) {
   const auto name = [&](Index pose) { return news.poses[static_cast<std::size_t>(pose)]; };
-  for (const auto* list : {&news.odometry, &news.closures}) {
-    for (const auto& o : *list) {
-      const PoseId base = name(o.base);
-      const PoseId target = name(o.target);
-      if (!is_kept(base) || !is_kept(target)) return false;
-      (is_past(base) || is_past(target) ? closures_ : edges_).push_back({base, target, o});
-    }
+  for (const auto& o : news.edges()) {
+    const PoseId base = name(o.base);
+    const PoseId target = name(o.target);
+    if (!is_kept(base) || !is_kept(target)) return false;
+    (is_past(base) || is_past(target) ? closures_ : edges_).push_back({base, target, o});
   }
-  for (const auto& o : news.observations) {
+  for (const auto& o : news.observations()) {
     const PoseId pose = name(o.base);
     if (is_past(pose)) return false;
     sights_.push_back({pose, news.features[static_cast<std::size_t>(o.target)], o});
@@ -67,18 +65,18 @@ Expected<typename PartMaker<Dim>::Window> PartMaker<Dim>::window(bool is_end) co
     for (const PoseId& end : {closure.base, closure.target}) {
       const auto& poses = window.log.poses;
       const auto pose = std::lower_bound(poses.begin(), poses.end(), end);
-      if (pose != poses.end() && *pose == end) window.log.fixed.push_back({static_cast<Index>(pose - poses.begin()), {}});
+      if (pose != poses.end() && *pose == end) window.log.graph.fixed.push_back({static_cast<Index>(pose - poses.begin()), {}});
     }
   }
   window.split = split(window.log, split_);
-  window.log.fixed.clear();
+  window.log.graph.fixed.clear();
   auto& stretches = window.split.stretches;
   window.open_begin = is_end ? static_cast<Index>(window.log.poses.size()) : stretches.back().begin;
   if (!is_end) stretches.pop_back();
   for (Stretch& stretch : stretches) {
     if (observations_of(window.log, stretch).empty()) keep_as_span(stretch, window.split.kept);
   }
-  std::erase_if(window.log.closures,
+  std::erase_if(window.log.graph.pose_factors,
                 [&](const auto& o) { return stretches.empty() || std::max(o.base, o.target) > stretches.back().end; });
   return window;
 }

@@ -3,8 +3,8 @@
 // Checks of a log or a set of maps that need no estimate: what ties it together, its units, and what it says more than once.
 
 #include <mapjoin/check/finding.hpp>
-#include <mapjoin/model/local_map.hpp>
 #include <mapjoin/model/log.hpp>
+#include <mapjoin/model/map_set.hpp>
 
 namespace mapjoin {
 

@@ -7,9 +7,9 @@
 #include <map>
 #include <mapjoin/check/fit.hpp>
 #include <mapjoin/graph/ties.hpp>
-#include <mapjoin/measure/chi2.hpp>
 #include <mapjoin/measure/chi_squared.hpp>
 #include <mapjoin/measure/median.hpp>
+#include <mapjoin/model/cost.hpp>
 #include <mapjoin/model/information.hpp>
 #include <utility>
 
@@ -48,11 +48,11 @@ double scale_of(const std::vector<WeighedResidual>& residuals) {
 
 template <int Dim>
 WeighedResidual weighed(const PoseObservation<Dim>& o, const State<Dim>& state) {
-  return {chi2(o, state.pose(o.base), state.pose(o.target)), information_rank<kPoseDof<Dim>>(o.information)};
+  return {cost(o, state.pose(o.base), state.pose(o.target)), information_rank<kPoseDof<Dim>>(o.information)};
 }
 template <int Dim>
 WeighedResidual weighed(const FeatureObservation<Dim>& o, const State<Dim>& state) {
-  return {chi2(o, state.pose(o.base), state.feature(o.target)), information_rank<Dim>(o.information)};
+  return {cost(o, state.pose(o.base), state.feature(o.target)), information_rank<Dim>(o.information)};
 }
 
 template <int Dim>
@@ -67,7 +67,7 @@ std::string name_of(const FeatureObservation<Dim>& o, const Log<Dim>& log) {
 }
 
 template <int Dim, typename Observation>
-void add_kind(std::string kind, const std::vector<Observation>& all, const Log<Dim>& log, const State<Dim>& state,
+void add_kind(std::string kind, std::span<const Observation> all, const Log<Dim>& log, const State<Dim>& state,
               std::vector<KindFit>& fits) {
   if (all.empty()) return;
   std::vector<WeighedResidual> residuals;
@@ -104,11 +104,11 @@ KindFit kind_fit(std::string kind, const std::vector<WeighedResidual>& residuals
 template <int Dim>
 std::vector<KindFit> fits_of(const Log<Dim>& log, const State<Dim>& state) {
   std::vector<KindFit> fits;
-  add_kind("odometry", log.odometry, log, state, fits);
-  add_kind("closures", log.closures, log, state, fits);
-  add_kind("observations", log.observations, log, state, fits);
-  add_kind("priors of poses", log.pose_priors, log, state, fits);
-  add_kind("priors of features", log.feature_priors, log, state, fits);
+  add_kind("odometry", log.odometry(), log, state, fits);
+  add_kind("closures", log.closures(), log, state, fits);
+  add_kind("observations", log.observations(), log, state, fits);
+  add_kind("priors of poses", log.pose_priors(), log, state, fits);
+  add_kind("priors of features", log.feature_priors(), log, state, fits);
   return fits;
 }
 

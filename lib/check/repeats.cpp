@@ -59,7 +59,7 @@ Point<Dim> difference(const FeatureObservation<Dim>& a, const FeatureObservation
 
 /// Compares each observation with the one before it that has the same ends. `name(base, target)` names them.
 template <typename Observation, typename Name>
-Repeats repeats_among(const std::vector<Observation>& all, bool has_direction, const Name& name) {
+Repeats repeats_among(std::span<const Observation> all, bool has_direction, const Name& name) {
   struct Ends {
     Index first, second;
     std::size_t at;
@@ -109,12 +109,10 @@ void tell(const Repeats& repeats, const std::string& what, std::string_view of_w
 template <int Dim>
 Findings check_repeats(const Log<Dim>& log) {
   const auto pose = [&](Index p) { return log.poses[static_cast<std::size_t>(p)]; };
-  std::vector<PoseObservation<Dim>> edges = log.odometry;
-  edges.insert(edges.end(), log.closures.begin(), log.closures.end());
-  const Repeats of_poses = repeats_among(edges, false, [&](Index base, Index target) {
+  const Repeats of_poses = repeats_among(log.edges(), false, [&](Index base, Index target) {
     return fmt::format("{} to {}", to_string(pose(base)), to_string(pose(target)));
   });
-  const Repeats of_features = repeats_among(log.observations, true, [&](Index base, Index target) {
+  const Repeats of_features = repeats_among(log.observations(), true, [&](Index base, Index target) {
     return fmt::format("{} from {}", to_string(log.features[static_cast<std::size_t>(target)]), to_string(pose(base)));
   });
   Findings findings;

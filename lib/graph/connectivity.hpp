@@ -3,8 +3,8 @@
 // Whether a log or a set of maps hangs together: connected components over poses, features and the World.
 
 #include <mapjoin/model/error.hpp>
-#include <mapjoin/model/local_map.hpp>
 #include <mapjoin/model/log.hpp>
+#include <mapjoin/model/map_set.hpp>
 
 namespace mapjoin {
 

@@ -3,8 +3,8 @@
 // Logs and sets of maps as graphs: what ties poses, features and the World together.
 
 #include <cstddef>
-#include <mapjoin/model/local_map.hpp>
 #include <mapjoin/model/log.hpp>
+#include <mapjoin/model/map_set.hpp>
 #include <string>
 
 namespace mapjoin {
@@ -42,30 +42,18 @@ std::string name_of(std::size_t vertex, const Names& names) {
   return index < names.poses.size() ? to_string(names.poses[index]) : to_string(names.features[index - names.poses.size()]);
 }
 
-/// Calls `tie(a, b)` with the two vertices of every observation, a fixed pose as observed from the World.
-template <int Dim, typename Tie>
-void for_each_tie(const Log<Dim>& log, Tie&& tie) {
-  const TieVertices of = vertices_of(log);
-  for (const auto* list : {&log.odometry, &log.closures, &log.pose_priors}) {
-    for (const auto& o : *list) tie(of.pose(o.base), of.pose(o.target));
-  }
-  for (const auto* list : {&log.observations, &log.feature_priors}) {
-    for (const auto& o : *list) tie(of.pose(o.base), of.feature(o.target));
-  }
-  for (const auto& fixed : log.fixed) tie(of.pose(kWorld), of.pose(fixed.pose));
-}
-
-/// The same; a map ties its base to each of its targets.
-template <int Dim, typename Tie>
-void for_each_tie(const MapSet<Dim>& set, Tie&& tie) {
-  const TieVertices of = vertices_of(set);
-  for (const auto& map : set.maps) {
+/// Calls `tie(a, b)` with the two vertices of every factor of a log or a set of maps; a submap ties its base to each of its
+/// targets, the World those that it fixes.
+template <typename Data, typename Tie>
+void for_each_tie(const Data& data, Tie&& tie) {
+  const TieVertices of = vertices_of(data);
+  for (const auto& map : data.graph.submaps) {
     for (const Index pose : map.poses) tie(of.pose(map.base), of.pose(pose));
     for (const Index feature : map.features) tie(of.pose(map.base), of.feature(feature));
   }
-  for (const auto& o : set.pose_observations) tie(of.pose(o.base), of.pose(o.target));
-  for (const auto& o : set.feature_observations) tie(of.pose(o.base), of.feature(o.target));
-  for (const auto& fixed : set.fixed) tie(of.pose(kWorld), of.pose(fixed.pose));
+  for (const auto& o : data.graph.pose_factors) tie(of.pose(o.base), of.pose(o.target));
+  for (const auto& o : data.graph.feature_factors) tie(of.pose(o.base), of.feature(o.target));
+  for (const auto& fixed : data.graph.fixed) tie(of.pose(kWorld), of.pose(fixed.pose));
 }
 
 }  // namespace mapjoin

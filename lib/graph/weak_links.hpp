@@ -3,8 +3,8 @@
 // Where a log or a set of maps is one edge or one feature away from falling apart.
 
 #include <cstddef>
-#include <mapjoin/model/local_map.hpp>
 #include <mapjoin/model/log.hpp>
+#include <mapjoin/model/map_set.hpp>
 #include <vector>
 
 namespace mapjoin {

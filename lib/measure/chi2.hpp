@@ -19,16 +19,10 @@ struct Chi2 {
   double total() const { return odometry + closures + observations + priors; }
 };
 
-/// rᵀWr of one observation; `base` is the identity where it is the World.
+/// chi2 of a log at values of all its poses and features, in the World frame. Fixed poses count as they stand in `values`.
+/// Throws std::invalid_argument where there are more or fewer values than poses or features.
 template <int Dim>
-double chi2(const PoseObservation<Dim>& observation, const Pose<Dim>& base, const Pose<Dim>& target);
-template <int Dim>
-double chi2(const FeatureObservation<Dim>& observation, const Pose<Dim>& base, const Point<Dim>& target);
-
-/// chi2 of the whole log with the residual of model/observation.hpp, at one pose per pose and one point per feature of the log,
-/// in the World frame. Fixed poses count as they stand in `poses`. Throws std::invalid_argument where the numbers differ.
-template <int Dim>
-Chi2 log_chi2(const Log<Dim>& log, const std::vector<Pose<Dim>>& poses, const std::vector<Point<Dim>>& features);
+Chi2 log_chi2(const Log<Dim>& log, const State<Dim>& values);
 
 /// What chi2 has as its expected value at the optimum of a consistent log: measured rows (the rank of every W) less unknowns,
 /// where `held_poses` poses are held still (see GlobalMap::gauge; fixed ones count among them).

@@ -15,11 +15,12 @@
 
 namespace mapjoin {
 
-/// A linearised observation of one target.
+/// A linearised observation of one target, its information scaled as its loss says.
 template <int Dim, int Dof>
 struct LinearObservation {
   LinearTarget<Dim, Dof> target;
   Matrix<Dof> W;
+  double loss = 0.0;  ///< ρ(rᵀWr), with the information as it was.
 
   static constexpr int kDim = Dim;
   template <typename F>
@@ -30,12 +31,20 @@ struct LinearObservation {
   const Matrix<Dof>& information(int, int) const {
     return W;
   }
+  double cost(double) const { return loss; }
 };
 
+/// W scaled by the slope of the loss at the residual (iteratively reweighted least squares).
 template <int Dim, int Dof>
 LinearObservation<Dim, Dof> weighted(const LinearTarget<Dim, Dof>& target, const Matrix<Dof>& information, Loss loss) {
-  const double chi2 = target.residual.dot(information * target.residual);
-  return {target, loss_weight(loss, chi2) * information};
+  const LossValue value = evaluate(loss, target.residual.dot(information * target.residual));
+  return {target, value.weight * information, value.cost};
+}
+
+/// An observation at the values of its base and its target, a pose or a feature; `base` is the identity where it is the World.
+template <template <int> typename Observation, int Dim, typename Target>
+auto linearise(const Observation<Dim>& observation, const Pose<Dim>& base, const Target& target) {
+  return weighted(linearise<Dim>(observation.measured, base, target), observation.information, observation.loss);
 }
 
 /// A linearised local map: its poses, then its features.
@@ -57,9 +66,10 @@ struct LinearMap {
     return map->information.template block<RowDof, ColDof>(map->row(static_cast<std::size_t>(s)),
                                                            map->row(static_cast<std::size_t>(t)));
   }
+  double cost(double chi2) const { return evaluate(Loss::kQuadratic, chi2).cost; }
 };
 
-/// Gives `sink` the normal equations of `observation` and returns its chi2 = rᵀ W r.
+/// Gives `sink` the normal equations of `observation` and returns its cost ρ(rᵀWr).
 template <typename Observation, typename Sink>
 double accumulate(const Observation& observation, Sink&& sink) {
   constexpr int kDof = kPoseDof<Observation::kDim>;
@@ -83,7 +93,7 @@ double accumulate(const Observation& observation, Sink&& sink) {
   });
   sink.hessian(0, 0, H_bb);
   sink.rhs(0, g_b);
-  return chi2;
+  return observation.cost(chi2);
 }
 
 }  // namespace mapjoin

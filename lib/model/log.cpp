@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <algorithm>
-#include <iterator>
 #include <mapjoin/model/log.hpp>
 #include <numeric>
 #include <utility>
@@ -21,12 +20,16 @@ std::vector<T> sorted_by(Key key, std::size_t keys, std::vector<T> items) {
   return sorted;
 }
 
+template <typename Observation>
+bool is_prior(const Observation& observation) {
+  return observation.base == kWorld;
+}
+
 /// An edge between successive poses of one of the user's sessions.
 template <int Dim>
 bool is_odometry(const PoseObservation<Dim>& edge, const std::vector<PoseId>& poses) {
-  const Index first = std::min(edge.base, edge.target);
-  const Index second = std::max(edge.base, edge.target);
-  return second == first + 1 &&
+  const auto [first, second] = std::minmax(edge.base, edge.target);
+  return !is_prior(edge) && second == first + 1 &&
          poses[static_cast<std::size_t>(first)].session == poses[static_cast<std::size_t>(second)].session;
 }
 
@@ -37,7 +40,7 @@ Index later_pose(const PoseObservation<Dim>& edge) {
 
 /// The number of edges beyond the first between the same two poses, whatever their direction.
 template <int Dim>
-std::int64_t count_repeated(const std::vector<PoseObservation<Dim>>& edges) {
+std::int64_t count_repeated(std::span<const PoseObservation<Dim>> edges) {
   std::vector<std::pair<Index, Index>> ends;
   ends.reserve(edges.size());
   for (const auto& edge : edges) ends.emplace_back(std::minmax(edge.base, edge.target));
@@ -45,26 +48,40 @@ std::int64_t count_repeated(const std::vector<PoseObservation<Dim>>& edges) {
   return ends.end() - std::unique(ends.begin(), ends.end());
 }
 
-/// Parts log.odometry, which holds all edges, into odometry and closures.
+/// Odometry by its later pose, then closures, then priors.
 template <int Dim>
-void part_edges(Log<Dim>& log) {
-  auto& edges = log.odometry;
-  log.repeated_edges = count_repeated(edges);
-  const auto is_closure = [&](const auto& edge) { return !is_odometry(edge, log.poses); };
-  log.closures.reserve(static_cast<std::size_t>(std::count_if(edges.begin(), edges.end(), is_closure)));
-  std::copy_if(edges.begin(), edges.end(), std::back_inserter(log.closures), is_closure);
-  std::erase_if(edges, is_closure);
-  edges = sorted_by(later_pose<Dim>, log.poses.size(), std::move(edges));
+void sort_pose_factors(Log<Dim>& log) {
+  const auto poses = static_cast<Index>(log.poses.size());
+  const auto key = [&](const PoseObservation<Dim>& edge) {
+    return is_prior(edge) ? poses + 1 : is_odometry(edge, log.poses) ? later_pose(edge) : poses;
+  };
+  log.graph.pose_factors = sorted_by(key, log.poses.size() + 2, std::move(log.graph.pose_factors));
+}
+
+/// Observations by their pose, then priors.
+template <int Dim>
+void sort_feature_factors(Log<Dim>& log) {
+  const auto poses = static_cast<Index>(log.poses.size());
+  const auto key = [&](const FeatureObservation<Dim>& o) { return is_prior(o) ? poses : o.base; };
+  log.graph.feature_factors = sorted_by(key, log.poses.size() + 1, std::move(log.graph.feature_factors));
+}
+
+/// The factors whose base is the World, which stand last.
+template <typename Observation>
+std::span<const Observation> priors_of(const std::vector<Observation>& factors) {
+  const auto begin = std::partition_point(factors.begin(), factors.end(), [](const auto& factor) { return !is_prior(factor); });
+  return {begin, factors.end()};
 }
 
 /// Poses that odometry ties to their predecessor belong to its session, every other one starts a session.
 template <int Dim>
 std::vector<Session> sessions_of(const Log<Dim>& log) {
   std::vector<Session> sessions{{0, 1}};
-  auto edge = log.odometry.begin();
+  const auto odometry = log.odometry();
+  auto edge = odometry.begin();
   for (Index pose = 1; pose < static_cast<Index>(log.poses.size()); ++pose) {
-    while (edge != log.odometry.end() && later_pose(*edge) < pose) ++edge;
-    const bool tied = edge != log.odometry.end() && later_pose(*edge) == pose;
+    while (edge != odometry.end() && later_pose(*edge) < pose) ++edge;
+    const bool tied = edge != odometry.end() && later_pose(*edge) == pose;
     if (!tied) sessions.push_back({pose, pose});
     sessions.back().end = pose + 1;
   }
@@ -74,26 +91,48 @@ std::vector<Session> sessions_of(const Log<Dim>& log) {
 }  // namespace
 
 template <int Dim>
-void put_in_order(Log<Dim>& log) {
-  part_edges(log);
-  log.observations = sorted_by([](const auto& o) { return o.base; }, log.poses.size(), std::move(log.observations));
-  log.sessions = sessions_of(log);
+std::span<const PoseObservation<Dim>> Log<Dim>::edges() const {
+  return std::span(graph.pose_factors).first(graph.pose_factors.size() - pose_priors().size());
 }
 
 template <int Dim>
-void use_identity_covariance(Log<Dim>& log) {
-  for (auto* edges : {&log.odometry, &log.closures, &log.pose_priors}) {
-    for (auto& edge : *edges) edge.information.setIdentity();
-  }
-  for (auto* observations : {&log.observations, &log.feature_priors}) {
-    for (auto& observation : *observations) observation.information.setIdentity();
-  }
-  log.conventions.covariance = Covariance::kIdentity;
+std::span<const PoseObservation<Dim>> Log<Dim>::odometry() const {
+  const auto end = std::partition_point(graph.pose_factors.begin(), graph.pose_factors.end(),
+                                        [&](const auto& edge) { return is_odometry(edge, poses); });
+  return {graph.pose_factors.begin(), end};
 }
 
+template <int Dim>
+std::span<const PoseObservation<Dim>> Log<Dim>::closures() const {
+  return edges().subspan(odometry().size());
+}
+
+template <int Dim>
+std::span<const PoseObservation<Dim>> Log<Dim>::pose_priors() const {
+  return priors_of(graph.pose_factors);
+}
+
+template <int Dim>
+std::span<const FeatureObservation<Dim>> Log<Dim>::observations() const {
+  return std::span(graph.feature_factors).first(graph.feature_factors.size() - feature_priors().size());
+}
+
+template <int Dim>
+std::span<const FeatureObservation<Dim>> Log<Dim>::feature_priors() const {
+  return priors_of(graph.feature_factors);
+}
+
+template <int Dim>
+void put_in_order(Log<Dim>& log) {
+  sort_pose_factors(log);
+  sort_feature_factors(log);
+  log.repeated_edges = count_repeated(log.edges());
+  log.sessions = sessions_of(log);
+}
+
+template struct Log<2>;
+template struct Log<3>;
 template void put_in_order(Log<2>&);
 template void put_in_order(Log<3>&);
-template void use_identity_covariance(Log<2>&);
-template void use_identity_covariance(Log<3>&);
 
 }  // namespace mapjoin

@@ -1,11 +1,13 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
-// A robot's log: poses in the order they were driven, odometry, closures, feature observations, and what the World says.
+// A robot's log: poses in the order they were driven, and the factor graph of its odometry, closures and observations.
 
 #include <cstdint>
 #include <mapjoin/model/conventions.hpp>
+#include <mapjoin/model/factor_graph.hpp>
 #include <mapjoin/model/ids.hpp>
-#include <mapjoin/model/observation.hpp>
+#include <mapjoin/model/state.hpp>
+#include <span>
 #include <string>
 #include <variant>
 #include <vector>
@@ -18,13 +20,6 @@ struct Session {
   Index end = 0;
 };
 
-/// A pose that the World holds still.
-template <int Dim>
-struct FixedPose {
-  Index pose = 0;
-  Pose<Dim> value;  ///< In the World frame.
-};
-
 /// A log over `poses.size()` poses and `features.size()` features, made by LogBuilder, which keeps what is said here.
 template <int Dim>
 struct Log {
@@ -34,34 +29,35 @@ struct Log {
   std::vector<FeatureId> features;  ///< Names by index, in ascending order.
   std::vector<Session> sessions;    ///< In order; together they hold every pose once.
 
-  /// Edges between successive poses of a session, either direction, in the order of their later pose. Repeated edges stand
-  /// side by side and all count.
-  std::vector<PoseObservation<Dim>> odometry;
-  std::vector<PoseObservation<Dim>> closures;           ///< Every other pose-pose edge, in the order of the file.
-  std::vector<FeatureObservation<Dim>> observations;    ///< In the order of their pose, then of the file.
-  std::vector<PoseObservation<Dim>> pose_priors;        ///< From the World.
-  std::vector<FeatureObservation<Dim>> feature_priors;  ///< From the World.
-  std::vector<FixedPose<Dim>> fixed;                    ///< In the order of their pose; each pose once.
+  /// Pose factors: odometry, closures, priors. Feature factors: observations, priors. Fixed poses: in the order of their pose.
+  FactorGraph<Dim> graph;
 
-  std::vector<std::int64_t> stamps_ns;       ///< Per pose, or empty.
-  std::vector<Pose<Dim>> initial_poses;      ///< The file's values per pose, or empty unless every pose has one.
-  std::vector<Point<Dim>> initial_features;  ///< The file's values per feature, or empty unless every one has one.
+  std::vector<std::int64_t> stamps_ns;  ///< Per pose, or empty.
+  State<Dim> initial;                   ///< The file's values; of poses, of features, or of both none unless all have one.
 
   std::int64_t repeated_edges = 0;  ///< Pose-pose edges beyond the first between the same two poses.
   std::int64_t unassociated = 0;    ///< Observations left out since the file does not say of which feature they are.
   Conventions conventions;
+
+  /// Odometry, then closures.
+  std::span<const PoseObservation<Dim>> edges() const;
+  /// Edges between successive poses of a session, either direction, in the order of their later pose. Repeated edges stand
+  /// side by side and all count.
+  std::span<const PoseObservation<Dim>> odometry() const;
+  /// Every other edge, in the order of the file.
+  std::span<const PoseObservation<Dim>> closures() const;
+  std::span<const PoseObservation<Dim>> pose_priors() const;
+  /// In the order of their pose, then of the file.
+  std::span<const FeatureObservation<Dim>> observations() const;
+  std::span<const FeatureObservation<Dim>> feature_priors() const;
 };
 
 /// The log of a file, which decides on the dimension.
 using AnyLog = std::variant<Log<2>, Log<3>>;
 
-/// Makes what is said of Log's members true of a log whose poses are in order, whose odometry holds all pose-pose edges and
-/// whose observations come in any order: parts and sorts them stably, counts repeated edges, finds the sessions. O(n log n).
+/// Makes what is said of Log's members true of a log whose poses are in order and whose factors come in any order: sorts them
+/// stably, counts repeated edges, finds the sessions. O(n log n).
 template <int Dim>
 void put_in_order(Log<Dim>& log);
-
-/// Every information matrix replaced by the identity, in place; the conventions say so (paper's Table I).
-template <int Dim>
-void use_identity_covariance(Log<Dim>& log);
 
 }  // namespace mapjoin

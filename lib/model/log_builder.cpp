@@ -93,9 +93,9 @@ LogBuilder<Dim>::LogBuilder(std::string source, Conventions conventions, Numbers
 template <int Dim>
 void LogBuilder<Dim>::reserve(std::size_t pose_edges, std::size_t observations) {
   edge_ends_.reserve(pose_edges);
-  log_.odometry.reserve(pose_edges);
+  log_.graph.pose_factors.reserve(pose_edges);
   observation_ends_.reserve(observations);
-  log_.observations.reserve(observations);
+  log_.graph.feature_factors.reserve(observations);
 }
 
 template <int Dim>
@@ -121,7 +121,7 @@ void LogBuilder<Dim>::add_pose_edge(PoseId base, PoseId target, const Pose<Dim>&
   poses_.mention(base);
   poses_.mention(target);
   edge_ends_.emplace_back(base, target);
-  log_.odometry.push_back({0, 0, measured, information});
+  log_.graph.pose_factors.push_back({0, 0, measured, information});
 }
 
 template <int Dim>
@@ -130,21 +130,21 @@ void LogBuilder<Dim>::add_observation(PoseId pose, FeatureId feature, const Poin
   poses_.mention(pose);
   features_.mention(feature);
   observation_ends_.emplace_back(pose, feature);
-  log_.observations.push_back({0, 0, measured, information});
+  log_.graph.feature_factors.push_back({0, 0, measured, information});
 }
 
 template <int Dim>
 void LogBuilder<Dim>::add_pose_prior(PoseId pose, const Pose<Dim>& measured, const PoseMatrix<Dim>& information) {
   poses_.mention(pose);
   pose_prior_ends_.push_back(pose);
-  log_.pose_priors.push_back({kWorld, 0, measured, information});
+  pose_priors_.push_back({kWorld, 0, measured, information});
 }
 
 template <int Dim>
 void LogBuilder<Dim>::add_feature_prior(FeatureId feature, const Point<Dim>& measured, const PointMatrix<Dim>& information) {
   features_.mention(feature);
   feature_prior_ends_.push_back(feature);
-  log_.feature_priors.push_back({kWorld, 0, measured, information});
+  feature_priors_.push_back({kWorld, 0, measured, information});
 }
 
 template <int Dim>
@@ -187,10 +187,10 @@ template <int Dim>
 Expected<void> LogBuilder<Dim>::check_numbers() {
   if (numbers_ == Numbers::kChecked) return {};
   InformationCheck check;
-  return check_all(log_.odometry, edge_ends_, check)
-      .and_then([&] { return check_all(log_.observations, observation_ends_, check); })
-      .and_then([&] { return check_all(log_.pose_priors, pose_prior_ends_, check); })
-      .and_then([&] { return check_all(log_.feature_priors, feature_prior_ends_, check); })
+  return check_all(log_.graph.pose_factors, edge_ends_, check)
+      .and_then([&] { return check_all(log_.graph.feature_factors, observation_ends_, check); })
+      .and_then([&] { return check_all(pose_priors_, pose_prior_ends_, check); })
+      .and_then([&] { return check_all(feature_priors_, feature_prior_ends_, check); })
       .and_then([&] { return check_values(); })
       .map([&] { log_.conventions.repairs += check.repairs(); });
 }
@@ -222,14 +222,16 @@ void LogBuilder<Dim>::resolve_ends() {
       }
     });
   };
-  resolve(edge_ends_, log_.poses, log_.poses, log_.odometry);
-  resolve(observation_ends_, log_.poses, log_.features, log_.observations);
-  for (std::size_t i = 0; i < pose_prior_ends_.size(); ++i) {
-    log_.pose_priors[i].target = index_of(log_.poses, pose_prior_ends_[i]);
-  }
-  for (std::size_t i = 0; i < feature_prior_ends_.size(); ++i) {
-    log_.feature_priors[i].target = index_of(log_.features, feature_prior_ends_[i]);
-  }
+  resolve(edge_ends_, log_.poses, log_.poses, log_.graph.pose_factors);
+  resolve(observation_ends_, log_.poses, log_.features, log_.graph.feature_factors);
+  const auto append_priors = [](const auto& ends, const auto& targets, auto& priors, auto& factors) {
+    for (std::size_t i = 0; i < ends.size(); ++i) {
+      priors[i].target = index_of(targets, ends[i]);
+      factors.push_back(priors[i]);
+    }
+  };
+  append_priors(pose_prior_ends_, log_.poses, pose_priors_, log_.graph.pose_factors);
+  append_priors(feature_prior_ends_, log_.features, feature_priors_, log_.graph.feature_factors);
   put_in_order(log_);
 }
 
@@ -248,10 +250,10 @@ Expected<void> LogBuilder<Dim>::resolve_values() {
   auto fixed = resolve_fixed(*poses);
   if (!fixed) return tl::unexpected(fixed.error());
 
-  log_.fixed = *std::move(fixed);
+  log_.graph.fixed = *std::move(fixed);
   log_.stamps_ns = std::move(stamps->values);
-  if (poses->count == log_.poses.size()) log_.initial_poses = std::move(poses->values);
-  if (features->count == log_.features.size()) log_.initial_features = std::move(features->values);
+  if (poses->count == log_.poses.size()) log_.initial.poses = std::move(poses->values);
+  if (features->count == log_.features.size()) log_.initial.features = std::move(features->values);
   return {};
 }
 

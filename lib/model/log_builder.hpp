@@ -75,7 +75,9 @@ class LogBuilder {
   Expected<std::vector<FixedPose<Dim>>> resolve_fixed(const Column<Pose<Dim>>& initial_poses) const;
 
   Numbers numbers_;
-  Log<Dim> log_;  ///< Observations wait here in the order of the file; their ends are not yet indices.
+  Log<Dim> log_;  ///< Factors wait here in the order of the file; their ends are not yet indices.
+  std::vector<PoseObservation<Dim>> pose_priors_;
+  std::vector<FeatureObservation<Dim>> feature_priors_;
   NameTable<PoseId> poses_;
   NameTable<FeatureId> features_;
   std::vector<std::pair<PoseId, PoseId>> edge_ends_;

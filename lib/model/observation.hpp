@@ -8,17 +8,9 @@
 
 #include <mapjoin/geometry/pose.hpp>
 #include <mapjoin/model/ids.hpp>
+#include <mapjoin/model/loss.hpp>
 
 namespace mapjoin {
-
-/// The loss ρ(s) of an observation, s = rᵀWr. All are quadratic today: ρ(s) = s. Another would enter in `loss_weight` and
-/// wherever chi2 is summed.
-enum class Loss : std::uint8_t { kQuadratic };
-
-/// dρ/ds at s = rᵀWr, by which W is scaled in the normal equations.
-inline double loss_weight(Loss, double) {
-  return 1.0;
-}
 
 /// A relative pose: odometry, closure, or, from the World, a prior of a pose. Rows that were not measured
 /// (the rotation of a GPS position, say) have zero rows and columns in `information`.

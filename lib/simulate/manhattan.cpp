@@ -80,7 +80,7 @@ Simulation<Dim> Simulator<Dim>::run(const std::stop_token& stop) && {
   log.source = fmt::format("simulated Manhattan world, seed {}", options_.seed);
   log.poses.reserve(static_cast<std::size_t>(poses));
   truth.poses.reserve(static_cast<std::size_t>(poses));
-  log.odometry.reserve(static_cast<std::size_t>(poses) - 1);
+  log.graph.pose_factors.reserve(static_cast<std::size_t>(poses) - 1);
   for (Index i = 0; i < poses && (i == 0 || !stop.stop_requested()); ++i) {
     if (i > 0) {
       const LatticeRotation<Dim> before = walk_.rotation();
@@ -91,7 +91,7 @@ Simulation<Dim> Simulator<Dim>::run(const std::stop_token& stop) && {
     observe_around(i);
   }
   log.sessions = {{0, static_cast<Index>(log.poses.size())}};
-  log.fixed = {{0, Pose<Dim>{}}};
+  log.graph.fixed = {{0, Pose<Dim>{}}};
   truth.pose_ids = log.poses;
   truth.feature_ids = log.features;
   truth.gauge = {0};
@@ -107,7 +107,7 @@ void Simulator<Dim>::add_pose(Index i) {
 template <int Dim>
 void Simulator<Dim>::add_odometry(Index i, const LatticeRotation<Dim>& turn) {
   const Pose<Dim> step{options_.step * Point<Dim>::UnitX(), to_rotation(turn)};
-  result_.log.odometry.push_back(
+  result_.log.graph.pose_factors.push_back(
       {i - 1, i, retract(step, noise(odometry_random_, step_sigma_)), step_sigma_.cwiseAbs2().cwiseInverse().asDiagonal()});
 }
 
@@ -145,7 +145,7 @@ void Simulator<Dim>::observe(Index i, const LatticePoint<Dim>& cell, const Point
   }
   const Point<Dim> seen =
       walk_.rotation().transpose().template cast<double>() * (feature - result_.truth.poses.back().translation);
-  log.observations.push_back(
+  log.graph.feature_factors.push_back(
       {i, entry->second, seen + noise(sight_random_, sight_sigma_), sight_sigma_.cwiseAbs2().cwiseInverse().asDiagonal()});
 }
 

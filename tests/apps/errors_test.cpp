@@ -105,7 +105,7 @@ TEST_F(BadInput, AStoreThatIsCutShortIsRefused) {
 
 TEST_F(BadInput, WhatIsWrongInAStoreIsSaidOfTheStore) {
   Log<2> log = std::get<Log<2>>(*open_log(folder.file("log.g2o", kSmallLog)));
-  log.observations.clear();
+  log.graph.feature_factors.clear();
   const auto store = folder.path() / "maps";
   auto writer = StoreWriter<2>::open(store, log, {{0, 2, false}}, "");
   ASSERT_TRUE(writer && writer->finish());

@@ -13,7 +13,7 @@ namespace {
 
 /// How many edges and observations there are.
 std::size_t size_of(const AnyLog& any) {
-  return std::visit([](const auto& log) { return log.odometry.size() + log.closures.size() + log.observations.size(); }, any);
+  return std::visit([](const auto& log) { return log.edges().size() + log.observations().size(); }, any);
 }
 
 using Part = Expected<std::optional<AnyLog>>;

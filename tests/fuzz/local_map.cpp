@@ -21,7 +21,7 @@ void check_round_trip(const AnyMapSet& any, LocalMapFormat format) {
   static Folder folder;
   folder.hold({});
   const auto write_and_read = [&]<int Dim>(const MapSet<Dim>& set) {
-    if (!write_local_maps(set.maps, set.features, format, folder.path())) return;  // The format has no words for them.
+    if (!write_local_maps(set.graph.submaps, set.features, format, folder.path())) return;  // The format has no words for them.
     const auto read = read_local_map_set(folder.path());
     promise(read.has_value(), "what was written reads back: " + (read ? "" : read.error().message));
     check_maps(*read);

@@ -22,15 +22,12 @@ std::string bits(const Log<Dim>& log) {
   put(log.poses, bits);
   put(log.features, bits);
   for (const Session& session : log.sessions) bits += std::to_string(session.end) + ' ';
-  put(log.odometry, bits);
-  put(log.closures, bits);
-  put(log.observations, bits);
-  put(log.pose_priors, bits);
-  put(log.feature_priors, bits);
-  put(log.fixed, bits);
+  put(log.graph.pose_factors, bits);
+  put(log.graph.feature_factors, bits);
+  put(log.graph.fixed, bits);
   put(log.stamps_ns, bits);
-  put(log.initial_poses, bits);
-  put(log.initial_features, bits);
+  put(log.initial.poses, bits);
+  put(log.initial.features, bits);
   return bits;
 }
 
@@ -40,7 +37,7 @@ std::string bits(const MapSet<Dim>& set) {
   put(set.poses, bits);
   put(set.features, bits);
   put(set.stretches, bits);
-  for (const LocalMap<Dim>& map : set.maps) {
+  for (const LocalMap<Dim>& map : set.graph.submaps) {
     put(map.poses, bits);
     put(map.features, bits);
     put(map.pose_estimates, bits);
@@ -60,13 +57,7 @@ void check_one(const Log<Dim>& log) {
   MapSet<Dim> set;
   set.poses = log.poses;
   set.features = log.features;
-  set.fixed = log.fixed;
-  for (const auto* list : {&log.odometry, &log.closures, &log.pose_priors}) {
-    set.pose_observations.insert(set.pose_observations.end(), list->begin(), list->end());
-  }
-  for (const auto* list : {&log.observations, &log.feature_priors}) {
-    set.feature_observations.insert(set.feature_observations.end(), list->begin(), list->end());
-  }
+  set.graph = log.graph;
   expect(check_numbers(set));
   const auto ascend = [](const auto& names) { return std::ranges::adjacent_find(names, std::greater_equal()) == names.end(); };
   promise(!log.poses.empty() && ascend(log.poses) && ascend(log.features), "names ascend");
@@ -76,12 +67,12 @@ void check_one(const Log<Dim>& log) {
     next = session.end;
   }
   promise(static_cast<std::size_t>(next) == log.poses.size(), "sessions hold every pose");
-  promise(std::ranges::is_sorted(log.observations, {}, &FeatureObservation<Dim>::base), "observations are in order");
+  promise(std::ranges::is_sorted(log.observations(), {}, &FeatureObservation<Dim>::base), "observations are in order");
   const auto are_valid = [](const auto& values, std::size_t names) {
     const bool is_each = std::all_of(values.begin(), values.end(), [](const auto& value) { return is_valid(value); });
     return is_each && (values.empty() || values.size() == names);
   };
-  promise(are_valid(log.initial_poses, log.poses.size()) && are_valid(log.initial_features, log.features.size()),
+  promise(are_valid(log.initial.poses, log.poses.size()) && are_valid(log.initial.features, log.features.size()),
           "initial values are finite, and all or none");
   promise(log.stamps_ns.empty() || log.stamps_ns.size() == log.poses.size(), "every pose has a stamp, or none");
 }
@@ -111,10 +102,10 @@ void check_log(const AnyLog& log) {
 
 void check_maps(const AnyMapSet& any) {
   const auto check = []<int Dim>(const MapSet<Dim>& set) {
-    promise(set.stretches.size() == set.maps.size(), "every map has its stretch");
+    promise(set.stretches.size() == set.graph.submaps.size(), "every map has its stretch");
     expect(check_numbers(set));
-    for (std::size_t k = 0; k < set.maps.size(); ++k) {
-      const LocalMap<Dim>& map = set.maps[k];
+    for (std::size_t k = 0; k < set.graph.submaps.size(); ++k) {
+      const LocalMap<Dim>& map = set.graph.submaps[k];
       const Stretch& stretch = set.stretches[k];
       promise(map.base == stretch.begin && (map.poses.empty() ? map.base : map.poses.back()) == stretch.end,
               "a map goes from end to end of its stretch");
@@ -134,10 +125,10 @@ void check_round_trip(const AnyLog& any, LogFormat format) {
   static const testing::TemporaryFolder folder;
   const auto path = folder.path() / "written";
   const auto write_and_read = [&](const auto& log) {
-    const bool has_edges = !log.odometry.empty() || !log.closures.empty();
-    if (!has_edges && log.observations.empty() && log.initial_poses.empty()) return;  // There is nothing to write.
-    if (!has_edges && format == LogFormat::kGtsam) return;                            // Taken for iSAM's without an edge.
-    if (!write_log(log, format, path)) return;                                        // The format has no words for it.
+    const bool has_edges = !log.odometry().empty() || !log.closures().empty();
+    if (!has_edges && log.observations().empty() && log.initial.poses.empty()) return;  // There is nothing to write.
+    if (!has_edges && format == LogFormat::kGtsam) return;                              // Taken for iSAM's without an edge.
+    if (!write_log(log, format, path)) return;                                          // The format has no words for it.
     const auto read = open_log(path);
     promise(read.has_value(), "what was written reads back: " + (read ? "" : read.error().message));
     check_log(*read);

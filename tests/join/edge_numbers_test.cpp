@@ -46,10 +46,8 @@ class EdgeNumbers : public ::testing::Test {
   /// Edges and observations that `change` has seen.
   template <typename Change>
   static SmallWorld<kDim> changed(SmallWorld<kDim> world, const Change& change) {
-    for (auto* edges : {&world.log.odometry, &world.log.closures}) {
-      for (auto& o : *edges) change(o);
-    }
-    for (auto& o : world.log.observations) change(o);
+    for (auto& o : world.log.graph.pose_factors) change(o);
+    for (auto& o : world.log.graph.feature_factors) change(o);
     return world;
   }
   /// A world whose robot takes the path given; odometry and observations are within `noise` of the truth.
@@ -95,12 +93,10 @@ TYPED_TEST(EdgeNumbers, WholeTurnsMoreInAHeadingChangeNothing) {
   const auto world = small_world<kDim>({.reversed_odometry = true});
   auto turned = world;
   int turns = -50;
-  for (auto* edges : {&turned.log.odometry, &turned.log.closures}) {
-    for (auto& o : *edges) {
-      RotationVector<kDim> rotation = o.measured.rotation.log();
-      rotation += 2.0 * std::numbers::pi * turns++ * (kDim == 2 ? rotation / std::abs(rotation[0]) : rotation.normalized());
-      o.measured.rotation = Rotation<kDim>::exp(rotation);
-    }
+  for (auto& o : turned.log.graph.pose_factors) {
+    RotationVector<kDim> rotation = o.measured.rotation.log();
+    rotation += 2.0 * std::numbers::pi * turns++ * (kDim == 2 ? rotation / std::abs(rotation[0]) : rotation.normalized());
+    o.measured.rotation = Rotation<kDim>::exp(rotation);
   }
   this->expect_optimum(turned);
   const auto plain = run(world.log, this->maps_of(5.0));
@@ -113,10 +109,10 @@ TEST(EdgeNumbersInThePlane, InitialHeadingsMayHaveTurnedOften) {
   auto world = small_world<2>();
   int turns = -50;
   for (const Pose<2>& pose : world.truth.poses) {
-    world.log.initial_poses.push_back(
+    world.log.initial.poses.push_back(
         {pose.translation, Rotation<2>(pose.rotation.angle() + 2.0 * std::numbers::pi * turns++)});
   }
-  world.log.initial_features = world.truth.features;
+  world.log.initial.features = world.truth.features;
   RunOptions options;
   options.schedule = Schedule::kBatch;
   options.start = Start::kFile;
@@ -133,7 +129,7 @@ TYPED_TEST(EdgeNumbers, TenThousandKilometresFromTheOrigin) {
   auto far = world;
   Pose<kDim> frame = testing::Random(5).pose<kDim>();
   frame.translation.setConstant(1e7);
-  far.log.fixed = {{0, frame}};
+  far.log.graph.fixed = {{0, frame}};
   for (const double poses : {1.0, 5.0}) {
     const auto here = run(world.log, this->maps_of(poses));
     const auto there = run(far.log, this->maps_of(poses));

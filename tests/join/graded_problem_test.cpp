@@ -28,7 +28,7 @@ class GradedProblemTest : public ::testing::Test {
   testing::SmallWorld<kDim> world_ = testing::small_world<kDim>({.poses = 30, .features = 12});
   Split split_ = split(world_.log, {SplitRule::kPoses, 6.0});
   Network<kDim> network_ = network_of(world_.log, split_, build_local_maps<kDim>(world_.log, split_, {}).value().maps);
-  const Gauge<kDim> gauge_{{0}, {}, {}};
+  const Gauge<kDim> gauge_{{0}, {}};
 };
 TYPED_TEST_SUITE(GradedProblemTest, testing::Dimensions);
 

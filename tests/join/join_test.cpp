@@ -28,7 +28,7 @@ class JoinTest : public ::testing::Test {
   static Network<kDim> uncondensed(const MapSet<kDim>& set) {
     Network<kDim> network = network_of(set);
     network.maps.clear();
-    for (const auto& map : set.maps) network.maps.push_back({map, {}, {}, {}, {}});
+    for (const auto& map : set.graph.submaps) network.maps.push_back({map, {}, {}, {}, {}});
     network.is_private.assign(network.is_private.size(), false);
     return network;
   }
@@ -70,11 +70,11 @@ TYPED_TEST(JoinTest, SaysHowEveryMapFits) {
   auto set = testing::small_map_set(small_world<kDim>({.poses = 60, .features = 40, .closures = 0, .noise = 0.01}).log, 10.0);
   const auto right = run(set, RunOptions{});
   ASSERT_TRUE(right);
-  ASSERT_EQ(right->maps.size(), set.maps.size());
+  ASSERT_EQ(right->maps.size(), set.graph.submaps.size());
   double chi2 = 0.0;
   std::int64_t rows = 0;
-  for (std::size_t m = 0; m < set.maps.size(); ++m) {
-    EXPECT_EQ(right->maps[m].base, set.maps[m].base);
+  for (std::size_t m = 0; m < set.graph.submaps.size(); ++m) {
+    EXPECT_EQ(right->maps[m].base, set.graph.submaps[m].base);
     EXPECT_GT(right->maps[m].probability(), 0.01) << m;
     chi2 += right->maps[m].chi2;
     rows += right->maps[m].rows;
@@ -82,7 +82,7 @@ TYPED_TEST(JoinTest, SaysHowEveryMapFits) {
   EXPECT_NEAR(chi2, right->chi2, 1e-9 * chi2);
   EXPECT_EQ(rows - right->join_dof, join(network_of(set), set.poses, set.features, {})->system->equations().size());
 
-  for (auto& feature : set.maps[3].feature_estimates) feature[0] += 0.3;  // against the maps on both sides
+  for (auto& feature : set.graph.submaps[3].feature_estimates) feature[0] += 0.3;  // against the maps on both sides
   const auto wrong = run(set, RunOptions{});
   ASSERT_TRUE(wrong);
   EXPECT_LT(wrong->maps[3].probability(), 1e-6);
@@ -96,7 +96,7 @@ TYPED_TEST(JoinTest, AClosureMayLeadEitherWay) {
     const auto joined = run(set, RunOptions{});
     ASSERT_TRUE(joined);
     EXPECT_LT(joined->chi2, 1e-12);
-    auto& closure = set.pose_observations[0];
+    auto& closure = set.graph.pose_factors[0];
     std::swap(closure.base, closure.target);
     closure.measured = inverse(closure.measured);
   }
@@ -118,31 +118,31 @@ TYPED_TEST(JoinTest, MapsThatObserveFromOnePoseAreAllJoined) {
     map.information = Eigen::MatrixXd::Identity(rows, rows);
     return map;
   };
-  set.maps = {map_of({}, {0, 1, 2}), map_of({1}, {0, 1, 2, 3})};
+  set.graph.submaps = {map_of({}, {0, 1, 2}), map_of({1}, {0, 1, 2, 3})};
   set.stretches = {{0, 0, true}, {0, 1, true}};
   const auto joined = run(set, RunOptions{});
   ASSERT_TRUE(joined) << joined.error().message;
   double chi2 = 0.0;  // of the means: half the squared differences
   for (std::size_t f = 0; f < 3; ++f) {
-    const Point<kDim> difference = set.maps[0].feature_estimates[f] - set.maps[1].feature_estimates[f];
+    const Point<kDim> difference = set.graph.submaps[0].feature_estimates[f] - set.graph.submaps[1].feature_estimates[f];
     chi2 += 0.5 * difference.squaredNorm();
   }
   EXPECT_NEAR(joined->chi2, chi2, 1e-9 * chi2);
-  EXPECT_LT(local(joined->map.poses[1], set.maps[1].pose_estimates[0]).norm(), 1e-8);
+  EXPECT_LT(local(joined->map.poses[1], set.graph.submaps[1].pose_estimates[0]).norm(), 1e-8);
 }
 
 TYPED_TEST(JoinTest, TakesTheMapsOfASetThatIsGivenAway) {
   constexpr int kDim = TestFixture::kDim;
   const auto world = small_world<kDim>();
   auto set = testing::small_map_set(world.log, 5.0);
-  ASSERT_FALSE(set.pose_observations.empty());
-  set.pose_observations.push_back({kWorld, 0, Pose<kDim>{}, PoseMatrix<kDim>::Identity()});
+  ASSERT_FALSE(set.graph.pose_factors.empty());
+  set.graph.pose_factors.push_back({kWorld, 0, Pose<kDim>{}, PoseMatrix<kDim>::Identity()});
   RunOptions options;
   options.covariances = true;
   const auto kept = run(set, options);
   const auto given = run(std::move(set), options);
   ASSERT_TRUE(kept && given);
-  EXPECT_TRUE(set.maps.empty());
+  EXPECT_TRUE(set.graph.submaps.empty());
   EXPECT_EQ(given->chi2, kept->chi2);
   EXPECT_EQ(given->joint_bytes, kept->joint_bytes);
   for (std::size_t p = 0; p < set.poses.size(); ++p) {

@@ -32,11 +32,11 @@ class MapCovariancesTest : public ::testing::Test {
     auto small = small_world<kDim>({.poses = 36, .features = 40, .closures = 2, .range = 2.5});
     Log<kDim> log = std::move(small.log);
     testing::Random random(5);
-    if (held == Held::kTwoPoses) log.fixed = {{4, small.truth.poses[4]}, {20, small.truth.poses[20]}};
+    if (held == Held::kTwoPoses) log.graph.fixed = {{4, small.truth.poses[4]}, {20, small.truth.poses[20]}};
     if (held == Held::kPriors) {
       const Pose<kDim> pose = small.truth.poses[7];
-      log.pose_priors.push_back({kWorld, 7, pose, 1e2 * random.information<kDof>()});
-      log.feature_priors.push_back({kWorld, 3, small.truth.features[3], 1e2 * random.information<kDim>()});
+      log.graph.pose_factors.push_back({kWorld, 7, pose, 1e2 * random.information<kDof>()});
+      log.graph.feature_factors.push_back({kWorld, 3, small.truth.features[3], 1e2 * random.information<kDim>()});
     }
     return log;
   }
@@ -49,17 +49,16 @@ class MapCovariancesTest : public ::testing::Test {
   static State<kDim> state_of(const RunResult<kDim>& result) { return {result.map.poses, result.map.features}; }
 
   static void add_single_observations(const Log<kDim>& log, DenseInformation<kDim>& dense) {
-    for (const auto* list : {&log.closures, &log.pose_priors}) {
-      for (const auto& o : *list) dense.add(o);
-    }
-    for (const auto& o : log.feature_priors) dense.add(o);
+    for (const auto& o : log.closures()) dense.add(o);
+    for (const auto& o : log.pose_priors()) dense.add(o);
+    for (const auto& o : log.feature_priors()) dense.add(o);
   }
   static void expect_those_of_the_log(const Log<kDim>& log, const RunResult<kDim>& result) {
     const State<kDim> state = state_of(result);
     DenseInformation<kDim> dense(state);
     add_single_observations(log, dense);
-    for (const auto& o : log.odometry) dense.add(o);
-    for (const auto& o : log.observations) dense.add(o);
+    for (const auto& o : log.odometry()) dense.add(o);
+    for (const auto& o : log.observations()) dense.add(o);
     expect_blocks_of(dense, result);
   }
 
@@ -131,7 +130,7 @@ TYPED_TEST(MapCovariancesTest, OfJoinedMapsAreBlocksOfTheDenseInverseWithPrivate
   for (const bool has_prior : {false, true}) {
     auto set = testing::small_map_set(this->world(), 7.0);
     if (has_prior) {
-      set.pose_observations.push_back({kWorld, 2, Pose<kDim>{}, 1e2 * testing::Random(3).information<kPoseDof<kDim>>()});
+      set.graph.pose_factors.push_back({kWorld, 2, Pose<kDim>{}, 1e2 * testing::Random(3).information<kPoseDof<kDim>>()});
     }
     const auto network = network_of(set);
     ASSERT_GT(std::count(network.is_private.begin(), network.is_private.end(), true), 2);
@@ -140,8 +139,8 @@ TYPED_TEST(MapCovariancesTest, OfJoinedMapsAreBlocksOfTheDenseInverseWithPrivate
     EXPECT_EQ(result->covariances->held().empty(), has_prior);
     const State<kDim> state = this->state_of(*result);
     DenseInformation<kDim> dense(state);
-    for (const auto& map : set.maps) dense.add(map);
-    for (const auto& closure : set.pose_observations) dense.add(closure);
+    for (const auto& map : set.graph.submaps) dense.add(map);
+    for (const auto& closure : set.graph.pose_factors) dense.add(closure);
     this->expect_blocks_of(dense, *result);
     testing::expect_relations_of(dense, result->map.gauge, result->covariances->marginals().value().relations);
   }
@@ -210,7 +209,7 @@ TYPED_TEST(MapCovariancesTest, RelativeOnesDoNotDependOnTheGauge) {
   const auto options = this->options(6.0);
   const auto first = run(log, options);
   ASSERT_TRUE(first);
-  log.fixed = {{25, first->map.poses[25]}};
+  log.graph.fixed = {{25, first->map.poses[25]}};
   const auto later = run(log, options);
   ASSERT_TRUE(later);
   ASSERT_EQ(later->map.gauge, std::vector<Index>{25});

@@ -113,7 +113,7 @@ TYPED_TEST(PlacementTest, ASeamWeighsWhatPlacementsChange) {
       piece->state.features.push_back(this->random_.template vector<kDim>(4.0));
     }
   }
-  for (std::size_t k = 0; k < sights.size(); ++k) (k < 4 ? a : b).feature_observations.push_back(&sights[k]);
+  for (std::size_t k = 0; k < sights.size(); ++k) (k < 4 ? a : b).factors.feature_factors.push_back(&sights[k]);
 
   const Seam<kDim> seam(a, b, {});
   const Pose<kDim> first = this->random_.template pose<kDim>(4.0, 2.0);

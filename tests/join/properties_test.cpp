@@ -68,14 +68,13 @@ Log<Dim> said_otherwise(const Log<Dim>& log, const Names& names, std::size_t hel
   const auto pose = [&](Index k) { return names.poses[static_cast<std::size_t>(k)]; };
   const auto feature = [&](Index k) { return names.features[static_cast<std::size_t>(k)]; };
   builder.fix(names.poses[held], frame);
-  std::vector<PoseObservation<Dim>> edges = log.odometry;
-  edges.insert(edges.end(), log.closures.begin(), log.closures.end());
+  const std::vector<PoseObservation<Dim>> edges(log.edges().begin(), log.edges().end());
   for (const std::size_t k : any_order(edges.size())) {
     const auto& o = edges[k];
     builder.add_pose_edge(pose(o.base), pose(o.target), o.measured, o.information);
   }
-  for (const std::size_t k : any_order(log.observations.size())) {
-    const auto& o = log.observations[k];
+  for (const std::size_t k : any_order(log.observations().size())) {
+    const auto& o = log.observations()[k];
     builder.add_observation(pose(o.base), feature(o.target), o.measured, o.information);
   }
   return std::move(builder).finish().value();

@@ -27,10 +27,10 @@ class RelationsTest : public ::testing::Test {
   static Log<kDim> world(Held held) {
     auto small = testing::small_world<kDim>(
         {.poses = 18, .features = 24, .closures = 2, .sessions = 2, .range = 3.0, .reversed_odometry = true});
-    if (held == Held::kLaterPoses) small.log.fixed = {{9, small.truth.poses[9]}, {14, small.truth.poses[14]}};
+    if (held == Held::kLaterPoses) small.log.graph.fixed = {{9, small.truth.poses[9]}, {14, small.truth.poses[14]}};
     if (held == Held::kPriors) {
       testing::Random random(5);
-      small.log.pose_priors = {{kWorld, 7, small.truth.poses[7], 1e2 * random.information<kDof>()}};
+      small.log.graph.pose_factors.push_back({kWorld, 7, small.truth.poses[7], 1e2 * random.information<kDof>()});
     }
     return small.log;
   }
@@ -81,10 +81,8 @@ TYPED_TEST(RelationsTest, HaveTheCovariancesOfTheInformationInRelativeCoordinate
       const auto result = this->map_of(log, poses_per_map);
       const State<kDim> state{result.map.poses, result.map.features};
       DenseInformation<kDim> dense(state);
-      for (const auto* list : {&log.odometry, &log.closures, &log.pose_priors}) {
-        for (const auto& o : *list) dense.add(o);
-      }
-      for (const auto& o : log.observations) dense.add(o);
+      for (const auto& o : log.graph.pose_factors) dense.add(o);
+      for (const auto& o : log.observations()) dense.add(o);
       testing::expect_relations_of(dense, result.map.gauge, result.marginals.value().relations);
     }
   }

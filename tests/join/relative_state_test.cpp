@@ -181,8 +181,8 @@ class RelativeStateInTheWorldTest : public RelativeStateTest<J> {
   static testing::SmallWorld<kDim> world_with_priors() {
     auto world = testing::small_world<kDim>({.poses = 15, .features = 12, .sessions = 2, .reversed_odometry = true});
     testing::Random random(5);
-    world.log.pose_priors = {{kWorld, 7, world.truth.poses[7], 1e2 * random.information<kPoseDof<kDim>>()}};
-    world.log.feature_priors = {{kWorld, 3, world.truth.features[3], 1e2 * random.information<kDim>()}};
+    world.log.graph.pose_factors.push_back({kWorld, 7, world.truth.poses[7], 1e2 * random.information<kPoseDof<kDim>>()});
+    world.log.graph.feature_factors.push_back({kWorld, 3, world.truth.features[3], 1e2 * random.information<kDim>()});
     return world;
   }
 };

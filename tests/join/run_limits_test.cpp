@@ -40,7 +40,7 @@ TYPED_TEST(RunLimitsTest, ALogThatFallsApartIsBadInput) {
 TYPED_TEST(RunLimitsTest, AFeatureThatIsNotDeterminedIsNamed) {
   auto world = small_world<TestFixture::kDim>();
   world.log.features[3].key = 4711;
-  for (auto& o : world.log.observations) {
+  for (auto& o : world.log.graph.feature_factors) {
     if (o.target != 3) continue;
     o.information.setZero();
     o.information(0, 0) = 1.0;
@@ -48,7 +48,7 @@ TYPED_TEST(RunLimitsTest, AFeatureThatIsNotDeterminedIsNamed) {
     o.base = 0;  // all from one pose and along one axis: nothing fixes the other coordinates
   }
   const auto in_order = [](const auto& a, const auto& b) { return a.base < b.base; };
-  std::stable_sort(world.log.observations.begin(), world.log.observations.end(), in_order);
+  std::stable_sort(world.log.graph.feature_factors.begin(), world.log.graph.feature_factors.end(), in_order);
   for (const auto& result : {run(world.log, this->short_maps()), solve(world.log, this->short_maps())}) {
     ASSERT_FALSE(result);
     EXPECT_EQ(result.error().kind, ErrorKind::kBadInput);

@@ -42,7 +42,7 @@ class RunTest : public ::testing::Test {
     EXPECT_LT(largest_difference(state, optimum), 1e-6);
     const double chi2 = slam.linearise(optimum).chi2;
     EXPECT_NEAR(result->chi2, chi2, 1e-9 * chi2);
-    EXPECT_EQ(result->chi2, log_chi2(world.log, state.poses, state.features).total());
+    EXPECT_EQ(result->chi2, log_chi2(world.log, state).total());
     EXPECT_LT(slam.linearise(state).g.norm(), 1e-6 * slam.linearise(world.truth).g.norm());
   }
 };
@@ -107,7 +107,7 @@ TYPED_TEST(RunTest, ASessionThatIsTiedOnlyToALaterOneIsJoined) {
   // Sessions 0 and 2 share features, session 1 shares some with session 2 only: it meets the others last.
   constexpr int kDim = TestFixture::kDim;
   auto world = small_world<kDim>({.poses = 20, .features = 36, .sessions = 3, .seed = 4});
-  std::erase_if(world.log.observations, [&](const auto& o) {
+  std::erase_if(world.log.graph.feature_factors, [&](const auto& o) {
     const auto session = world.log.poses[static_cast<std::size_t>(o.base)].session;
     return (session == 0 && o.target % 2 == 0) || (session == 1 && o.target % 2 == 1);
   });
@@ -138,11 +138,11 @@ TYPED_TEST(RunTest, SolveMayStartFromTheValuesOfTheFile) {
   const auto refused = solve(world.log, options);
   ASSERT_FALSE(refused);
   EXPECT_NE(refused.error().message.find("small world: not every pose and feature has a value"), std::string::npos);
-  world.log.initial_poses = world.truth.poses;
-  world.log.initial_features = world.truth.features;
+  world.log.initial.poses = world.truth.poses;
+  world.log.initial.features = world.truth.features;
   const auto result = solve(world.log, options);
   this->expect_full_slam(world, result);
-  const double start = log_chi2(world.log, world.truth.poses, world.truth.features).total();
+  const double start = log_chi2(world.log, {world.truth.poses, world.truth.features}).total();
   EXPECT_NEAR(result->join.start_chi2, start, 1e-9 * start);
 }
 
@@ -151,7 +151,7 @@ TYPED_TEST(RunTest, TheFirstPoseIsHeldWhereTheFileHasIt) {
   auto world = small_world<kDim>();
   testing::Random random(8);
   const Pose<kDim> elsewhere = random.pose<kDim>();
-  world.log.initial_poses = moved(elsewhere, world.truth).poses;
+  world.log.initial.poses = moved(elsewhere, world.truth).poses;
   const auto result = run(world.log, this->with(7.0));
   ASSERT_TRUE(result);
   EXPECT_EQ(result->map.gauge, std::vector<Index>{0});
@@ -166,8 +166,8 @@ TYPED_TEST(RunTest, DegreesOfFreedomAreTheRowsLessTheUnknowns) {
   const auto& log = world.log;
   const auto result = run(log, this->with(5.0));
   ASSERT_TRUE(result);
-  const auto edges = static_cast<std::int64_t>(log.odometry.size() + log.closures.size());
-  const auto rows = edges * kPoseDof<kDim> + static_cast<std::int64_t>(log.observations.size()) * kDim;
+  const auto edges = static_cast<std::int64_t>(log.edges().size());
+  const auto rows = edges * kPoseDof<kDim> + static_cast<std::int64_t>(log.observations().size()) * kDim;
   const auto unknowns = static_cast<std::int64_t>((log.poses.size() - 1) * kPoseDof<kDim> + log.features.size() * kDim);
   EXPECT_EQ(result->dof, rows - unknowns);
 }
@@ -176,10 +176,10 @@ TYPED_TEST(RunTest, DegreesOfFreedomDoNotDependOnTheSplit) {
   constexpr int kDim = TestFixture::kDim;
   const auto world = small_world<kDim>();
   Log<kDim> held = world.log;
-  held.fixed = {{0, world.truth.pose(0)}};
-  held.pose_priors = {{kWorld, 0, world.truth.pose(0), PoseMatrix<kDim>::Identity()}};
+  held.graph.fixed = {{0, world.truth.pose(0)}};
+  held.graph.pose_factors.push_back({kWorld, 0, world.truth.pose(0), PoseMatrix<kDim>::Identity()});
   Log<kDim> placed = held;
-  placed.feature_priors = {{kWorld, 2, world.truth.features[2], PointMatrix<kDim>::Identity()}};
+  placed.graph.feature_factors.push_back({kWorld, 2, world.truth.features[2], PointMatrix<kDim>::Identity()});
   for (const Log<kDim>& log : {world.log, held, placed}) {
     const auto whole = run(log, this->with(1.0));
     const auto split = run(log, this->with(5.0));
@@ -195,13 +195,13 @@ TYPED_TEST(RunTest, AFeatureThatOnlyTheWorldMentionsIsWhereItSays) {
   constexpr int kDim = TestFixture::kDim;
   const auto world = small_world<kDim>();
   Log<kDim> log = world.log;
-  log.fixed = {{0, world.truth.pose(0)}};
+  log.graph.fixed = {{0, world.truth.pose(0)}};
   const auto feature = static_cast<Index>(log.features.size());
   log.features.push_back({log.features.back().key + 1});
   const Point<kDim> at = Point<kDim>::Constant(7.0);
-  log.feature_priors.push_back({kWorld, feature, at, PointMatrix<kDim>::Identity()});
+  log.graph.feature_factors.push_back({kWorld, feature, at, PointMatrix<kDim>::Identity()});
   Log<kDim> without = world.log;
-  without.fixed = log.fixed;
+  without.graph.fixed = log.graph.fixed;
   for (const double poses : {1.0, 5.0}) {
     SCOPED_TRACE(poses);
     RunOptions options = this->with(poses);
@@ -295,8 +295,8 @@ TEST(AutoSchedule, DoesWithoutMapsWhereNoTwoWaysOfJoiningThemAgree) {
 
 TEST(AutoSchedule, KeepsTheBestMapWhereNoneFits) {
   auto world = poor_world(1);
-  for (auto& o : world.log.odometry) o.information *= 100.0;
-  for (auto& o : world.log.observations) o.information *= 100.0;
+  for (auto& o : world.log.graph.pose_factors) o.information *= 100.0;
+  for (auto& o : world.log.graph.feature_factors) o.information *= 100.0;
   const auto found = run(world.log, RunOptions{}).value();
   EXPECT_GT(found.join.chi2, 2.0 * static_cast<double>(found.join_dof));
   for (const auto schedule : {Schedule::kAligned, Schedule::kTree, Schedule::kLeaning}) {

@@ -21,14 +21,14 @@ class WatchJoinTest : public ::testing::Test {
   }
   /// The first `count` maps, with the closures among their poses.
   static MapSet<kDim> first(MapSet<kDim> set, std::size_t count) {
-    set.maps.resize(count);
+    set.graph.submaps.resize(count);
     set.stretches.resize(count);
     const Index end = set.stretches.back().end;
     set.poses.resize(static_cast<std::size_t>(end) + 1);
-    std::erase_if(set.pose_observations, [&](const auto& o) { return std::max(o.base, o.target) > end; });
+    std::erase_if(set.graph.pose_factors, [&](const auto& o) { return std::max(o.base, o.target) > end; });
     std::vector<Index> place(set.features.size(), -1);
     std::vector<FeatureId> seen;
-    for (auto& map : set.maps) {
+    for (auto& map : set.graph.submaps) {
       for (Index& feature : map.features) {
         Index& at = place[static_cast<std::size_t>(feature)];
         if (at < 0) {
@@ -52,7 +52,7 @@ TYPED_TEST(WatchJoinTest, IsNearTheOptimumOfTheFirstMapsAtEveryStop) {
     std::vector<std::size_t> stops;
     watch_join<kDim>(network, at_once, [&](std::size_t stretches, const JoinedPieces<kDim>& joined) {
       stops.push_back(stretches);
-      if (stretches == set.maps.size()) return;  // not yet solved
+      if (stretches == set.graph.submaps.size()) return;  // not yet solved
       ASSERT_EQ(joined.pieces.size(), 1U);
       const MapSet<kDim> part = this->first(set, stretches);
       const auto whole = join(network_of(part), part.poses, part.features, JoinOptions<kDim>{}).value();
@@ -61,7 +61,8 @@ TYPED_TEST(WatchJoinTest, IsNearTheOptimumOfTheFirstMapsAtEveryStop) {
       EXPECT_GT(chi2, 0.98 * whole.result.chi2 - 0.5) << stretches;
     });
     std::vector<std::size_t> expected;
-    for (std::size_t k = at_once; k < set.maps.size() + at_once; k += at_once) expected.push_back(std::min(k, set.maps.size()));
+    for (std::size_t k = at_once; k < set.graph.submaps.size() + at_once; k += at_once)
+      expected.push_back(std::min(k, set.graph.submaps.size()));
     EXPECT_EQ(stops, expected);
   }
 }

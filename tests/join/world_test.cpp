@@ -44,7 +44,7 @@ class WorldTest : public ::testing::Test {
   }
   void expect_optimum(const std::vector<Index>& gauge) {
     State<kDim> start = world.truth;
-    for (const auto& fixed : world.log.fixed) start.poses[static_cast<std::size_t>(fixed.pose)] = fixed.value;
+    for (const auto& fixed : world.log.graph.fixed) start.poses[static_cast<std::size_t>(fixed.pose)] = fixed.value;
     const State<kDim> optimum = full_slam(world.log).optimum(std::move(start));
     for (const auto schedule : {Schedule::kBatch, Schedule::kSequential, Schedule::kTree}) {
       RunOptions options;
@@ -64,51 +64,54 @@ class WorldTest : public ::testing::Test {
 TYPED_TEST_SUITE(WorldTest, testing::Dimensions);
 
 TYPED_TEST(WorldTest, AFixedPoseHoldsTheMap) {
-  this->world.log.fixed = {{17, this->world.truth.pose(17)}};
+  this->world.log.graph.fixed = {{17, this->world.truth.pose(17)}};
   this->expect_optimum({17});
 }
 
 TYPED_TEST(WorldTest, SeveralFixedPosesBendTheMap) {
   constexpr int kDim = TestFixture::kDim;
   const Pose<kDim> off = retract(this->world.truth.pose(30), PoseVector<kDim>(PoseVector<kDim>::Constant(0.05)));
-  this->world.log.fixed = {{0, this->world.truth.pose(0)}, {9, this->world.truth.pose(9)}, {30, off}};
+  this->world.log.graph.fixed = {{0, this->world.truth.pose(0)}, {9, this->world.truth.pose(9)}, {30, off}};
   this->expect_optimum({0, 9, 30});
 }
 
 TYPED_TEST(WorldTest, PriorsOfPosesHoldTheMap) {
-  this->world.log.pose_priors = {this->prior(3), this->prior(20)};
+  this->world.log.graph.pose_factors.push_back(this->prior(3));
+  this->world.log.graph.pose_factors.push_back(this->prior(20));
   this->expect_optimum({});
 }
 
 TYPED_TEST(WorldTest, PositionsHoldTheMap) {
-  for (Index pose = 0; pose < 40; pose += 4) this->world.log.pose_priors.push_back(this->gps(pose));
+  for (Index pose = 0; pose < 40; pose += 4) this->world.log.graph.pose_factors.push_back(this->gps(pose));
   this->expect_optimum({});
 }
 
 TYPED_TEST(WorldTest, PriorsOfFeaturesHoldTheMap) {
   for (Index feature = 0; feature < 20; feature += 3) {
-    this->world.log.feature_priors.push_back(this->feature_prior(feature));
+    this->world.log.graph.feature_factors.push_back(this->feature_prior(feature));
   }
   this->expect_optimum({});
 }
 
 TYPED_TEST(WorldTest, ADriftingSessionIsHeldByAFixedPoseAndAPosition) {
-  this->world.log.fixed = {{5, this->world.truth.pose(5)}};
-  this->world.log.pose_priors = {this->gps(33)};
-  this->world.log.feature_priors = {this->feature_prior(2)};
+  this->world.log.graph.fixed = {{5, this->world.truth.pose(5)}};
+  this->world.log.graph.pose_factors.push_back(this->gps(33));
+  this->world.log.graph.feature_factors.push_back(this->feature_prior(2));
   this->expect_optimum({5});
 }
 
 TYPED_TEST(WorldTest, SessionsThatShareNothingMeetInTheWorld) {
   constexpr int kDim = TestFixture::kDim;
   this->place(small_world<kDim>({.poses = 20, .features = 0, .closures = 2, .sessions = 2}));
-  this->world.log.pose_priors = {this->prior(2), this->prior(15), this->prior(24)};
-  this->world.log.fixed = {{35, this->world.truth.pose(35)}};
+  this->world.log.graph.pose_factors.push_back(this->prior(2));
+  this->world.log.graph.pose_factors.push_back(this->prior(15));
+  this->world.log.graph.pose_factors.push_back(this->prior(24));
+  this->world.log.graph.fixed = {{35, this->world.truth.pose(35)}};
   this->expect_optimum({35});
 }
 
 TYPED_TEST(WorldTest, TooFewPositionsLeaveTheMapFreeToTurn) {
-  this->world.log.pose_priors = {this->gps(12)};
+  this->world.log.graph.pose_factors.push_back(this->gps(12));
   const auto result = run(this->world.log, RunOptions{});
   ASSERT_FALSE(result);
   EXPECT_EQ(result.error().kind, ErrorKind::kBadInput);

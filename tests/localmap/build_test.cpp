@@ -75,7 +75,7 @@ TYPED_TEST(BuildTest, AMapOfOdometryAloneIsTheComposedMeasurement) {
   Split parts = split(corridor.log, {SplitRule::kPoses, 2.0});
   const auto maps = build_local_maps<kDim>(corridor.log, parts, {});
   ASSERT_EQ(maps->maps.size(), 1u);
-  const Pose<kDim> composed = compose(corridor.log.odometry[0].measured, corridor.log.odometry[1].measured);
+  const Pose<kDim> composed = compose(corridor.log.odometry()[0].measured, corridor.log.odometry()[1].measured);
   EXPECT_LT(local(maps->maps[0].pose_estimates[0], composed).norm(), 1e-12);
   EXPECT_LT(maps->maps[0].chi2, 1e-20);
 }
@@ -100,10 +100,10 @@ TYPED_TEST(BuildTest, MapsComeInTheOrderOfTheirStretches) {
 TYPED_TEST(BuildTest, AStretchThatItsOwnObservationsDoNotDetermineStaysASpan) {
   constexpr int kDim = TestFixture::kDim;
   // A step without any information of its length: only what other maps say of it can tell.
-  auto& step = this->world.log.odometry[10];
+  auto& step = this->world.log.graph.pose_factors[10];
   step.information.row(0).setZero();
   step.information.col(0).setZero();
-  std::erase_if(this->world.log.observations, [](const auto& o) { return o.base >= 9 && o.base <= 18; });
+  std::erase_if(this->world.log.graph.feature_factors, [](const auto& o) { return o.base >= 9 && o.base <= 18; });
   Split parts = split(this->world.log, {SplitRule::kPoses, 9.0});
   ASSERT_TRUE(parts.stretches[1].is_map);
   const auto maps = build_local_maps<kDim>(this->world.log, parts, {});

@@ -22,7 +22,7 @@ class SplitCostTest : public ::testing::Test {
     for (std::uint64_t f = 0; f < 5; ++f) log.features.push_back({f});
     for (Index pose = 0; pose < 10; pose += 2) {
       for (Index f = 0; f <= pose / 2; ++f) {
-        log.observations.push_back({pose, f, Point<kDim>::Zero(), PointMatrix<kDim>::Identity()});
+        log.graph.feature_factors.push_back({pose, f, Point<kDim>::Zero(), PointMatrix<kDim>::Identity()});
       }
     }
     return log;

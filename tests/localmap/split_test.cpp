@@ -44,8 +44,8 @@ TYPED_TEST(SplitTest, EveryObservationBelongsToOneStretchWhateverTheRule) {
       for (const auto& o : observations_of(log, stretch)) used.insert(&o);
     }
     std::multiset<const void*> all;
-    for (const auto& o : log.odometry) all.insert(&o);
-    for (const auto& o : log.observations) all.insert(&o);
+    for (const auto& o : log.odometry()) all.insert(&o);
+    for (const auto& o : log.observations()) all.insert(&o);
     EXPECT_EQ(used, all) << static_cast<int>(rule.rule) << " " << rule.amount;
   }
 }
@@ -82,7 +82,7 @@ TYPED_TEST(SplitTest, CountsSteps) {
 
 TYPED_TEST(SplitTest, MeasuresDistanceAlongOdometry) {
   auto log = this->corridor(13);
-  for (auto& step : log.odometry) step.measured.translation *= 2.0 / step.measured.translation.norm();
+  for (auto& step : log.graph.pose_factors) step.measured.translation *= 2.0 / step.measured.translation.norm();
   const auto parts = split(log, {SplitRule::kDistance, 5.9});
   ASSERT_EQ(parts.stretches.size(), 4u);
   for (const Stretch& stretch : parts.stretches) EXPECT_EQ(this->steps(stretch), 3);
@@ -94,8 +94,8 @@ TYPED_TEST(SplitTest, CountsDifferentFeatures) {
   for (std::uint64_t k = 0; k < 8; ++k) log.features.push_back({k});
   // Pose k sees features k/2 (again) and 7.
   for (Index pose = 0; pose < 9; ++pose) {
-    log.observations.push_back(this->sight(pose, pose / 2));
-    log.observations.push_back(this->sight(pose, 7));
+    log.graph.feature_factors.push_back(this->sight(pose, pose / 2));
+    log.graph.feature_factors.push_back(this->sight(pose, 7));
   }
   const auto parts = split(log, {SplitRule::kFeatures, 3.0});
   ASSERT_EQ(parts.stretches.size(), 4u);
@@ -109,9 +109,9 @@ TYPED_TEST(SplitTest, OneStepStaysASpan) {
 
 TYPED_TEST(SplitTest, KeepsWhatClosuresAndTheWorldMention) {
   auto log = this->corridor(31);
-  log.closures = {this->edge(3, 25)};
-  log.pose_priors = {this->edge(kWorld, 7)};
-  log.fixed = {{13, {}}};
+  log.graph.pose_factors.push_back(this->edge(3, 25));
+  log.graph.pose_factors.push_back(this->edge(kWorld, 7));
+  log.graph.fixed = {{13, {}}};
   const auto parts = split(log, {SplitRule::kPoses, 10.0});
   std::vector<Index> kept;
   for (std::size_t p = 0; p < parts.kept.size(); ++p) {
@@ -122,8 +122,8 @@ TYPED_TEST(SplitTest, KeepsWhatClosuresAndTheWorldMention) {
 
 TYPED_TEST(SplitTest, AStretchThatWouldKeepMostOfItsPosesStaysASpan) {
   auto log = this->corridor(21);
-  for (Index pose = 1; pose <= 5; ++pose) log.closures.push_back(this->edge(pose, 15));
-  log.closures.push_back(this->edge(6, 15));
+  for (Index pose = 1; pose <= 5; ++pose) log.graph.pose_factors.push_back(this->edge(pose, 15));
+  log.graph.pose_factors.push_back(this->edge(6, 15));
   const auto parts = split(log, {SplitRule::kPoses, 10.0});
   EXPECT_FALSE(parts.stretches[0].is_map);  // 6 of 9 inner poses
   EXPECT_TRUE(parts.stretches[1].is_map);   // 1 of 9
@@ -137,7 +137,7 @@ TYPED_TEST(SplitTest, AMapWhoseBorderWouldBeTooLargeStaysASpan) {
     auto log = this->corridor(11);
     for (Index f = 0; f < features; ++f) log.features.push_back({static_cast<std::uint64_t>(f)});
     for (const Index pose : {2, 5}) {
-      for (Index f = 0; f < features; ++f) log.observations.push_back(this->sight(pose, f));
+      for (Index f = 0; f < features; ++f) log.graph.feature_factors.push_back(this->sight(pose, f));
     }
     EXPECT_EQ(split(log, {SplitRule::kPoses, 10.0}).stretches[0].is_map, features == kMost) << features;
   }
@@ -155,8 +155,8 @@ TYPED_TEST(SplitTest, ASegmentKnowsItsInteriorItsKeptPosesAndItsFeatures) {
   constexpr int kDim = TestFixture::kDim;
   auto log = this->corridor(11);
   for (std::uint64_t k = 0; k < 4; ++k) log.features.push_back({k});
-  log.observations = {this->sight(0, 3), this->sight(2, 1), this->sight(4, 3), this->sight(5, 2), this->sight(10, 0)};
-  log.closures = {this->edge(8, 2)};
+  log.graph.feature_factors = {this->sight(0, 3), this->sight(2, 1), this->sight(4, 3), this->sight(5, 2), this->sight(10, 0)};
+  log.graph.pose_factors.push_back(this->edge(8, 2));
   const Split parts = split(log, {SplitRule::kPoses, 5.0});
   const Segment<kDim> first = segment_of(log, parts, parts.stretches[0]);
   EXPECT_EQ(first.interior, (std::vector<Index>{1, 3, 4}));

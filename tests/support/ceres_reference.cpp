@@ -237,27 +237,24 @@ ReferenceResult<Dim> Problem<Dim>::solve(const ReferenceOptions& options) {
 template <int Dim>
 ReferenceResult<Dim> ceres_optimum(const Log<Dim>& log, const State<Dim>& start, const ReferenceOptions& options) {
   Problem<Dim> problem(start);
-  problem.add(log.odometry);
-  problem.add(log.closures);
-  problem.add(log.observations);
-  problem.add(log.pose_priors);
-  problem.add(log.feature_priors);
-  for (const auto& fixed : log.fixed) problem.hold(fixed);
-  if (log.fixed.empty() && log.pose_priors.empty() && log.feature_priors.empty()) problem.hold(0);
+  problem.add(log.graph.pose_factors);
+  problem.add(log.graph.feature_factors);
+  for (const auto& fixed : log.graph.fixed) problem.hold(fixed);
+  if (log.graph.fixed.empty() && log.pose_priors().empty() && log.feature_priors().empty()) problem.hold(0);
   return problem.solve(options);
 }
 
 template <int Dim>
 ReferenceResult<Dim> ceres_optimum(const MapSet<Dim>& set, const State<Dim>& start, const ReferenceOptions& options) {
   Problem<Dim> problem(start);
-  problem.add(set.maps);
-  problem.add(set.pose_observations);
-  problem.add(set.feature_observations);
-  for (const auto& fixed : set.fixed) problem.hold(fixed);
+  problem.add(set.graph.submaps);
+  problem.add(set.graph.pose_factors);
+  problem.add(set.graph.feature_factors);
+  for (const auto& fixed : set.graph.fixed) problem.hold(fixed);
   const auto from_world = [](const auto& item) { return item.base == kWorld; };
-  if (set.fixed.empty() && std::none_of(set.maps.begin(), set.maps.end(), from_world) &&
-      std::none_of(set.pose_observations.begin(), set.pose_observations.end(), from_world) &&
-      std::none_of(set.feature_observations.begin(), set.feature_observations.end(), from_world)) {
+  if (set.graph.fixed.empty() && std::none_of(set.graph.submaps.begin(), set.graph.submaps.end(), from_world) &&
+      std::none_of(set.graph.pose_factors.begin(), set.graph.pose_factors.end(), from_world) &&
+      std::none_of(set.graph.feature_factors.begin(), set.graph.feature_factors.end(), from_world)) {
     problem.hold(0);
   }
   return problem.solve(options);

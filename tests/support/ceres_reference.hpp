@@ -3,8 +3,8 @@
 // The independent optimiser: Ceres with automatic derivatives on the residual of model/observation.hpp, sharing neither
 // Jacobians, rotations nor normal equations with the library.
 
-#include <mapjoin/model/local_map.hpp>
 #include <mapjoin/model/log.hpp>
+#include <mapjoin/model/map_set.hpp>
 #include <string>
 #include <tests/support/starts.hpp>
 

@@ -18,7 +18,7 @@ TEST(CeresReferenceData, FindsTheOptimumOfTheCorrectedDlrLog) {
   EXPECT_EQ(degrees_of_freedom(log, 1), 27270);
   const auto result = ceres_optimum(log, odometry_start(log));
   EXPECT_NEAR(result.chi2, 27688.555566, 1e-4);
-  const Chi2 chi2 = log_chi2(log, result.values.poses, result.values.features);
+  const Chi2 chi2 = log_chi2(log, result.values);
   EXPECT_NEAR(chi2.total(), result.chi2, 1e-8 * result.chi2);
   EXPECT_NEAR(chi2.odometry, 8129.42, 0.01);
   EXPECT_NEAR(chi2.observations, 19559.13, 0.01);

@@ -20,9 +20,9 @@ class CeresReferenceTest : public ::testing::Test {
     log.poses = {{0, 0}, {0, 1}, {0, 2}, {0, 3}};
     log.features = {{0}, {1}};
     log.sessions = {{0, 4}};
-    log.odometry = {edge(0, 1), edge(2, 1), edge(2, 3)};
-    log.closures = {edge(3, 0)};
-    log.observations = {sight(0, 0), sight(2, 0), sight(3, 1)};
+    log.graph.pose_factors = {edge(0, 1), edge(2, 1), edge(2, 3)};
+    log.graph.pose_factors.push_back(edge(3, 0));
+    log.graph.feature_factors = {sight(0, 0), sight(2, 0), sight(3, 1)};
   }
   PoseObservation<kDim> edge(std::size_t base, std::size_t target) {
     return {static_cast<Index>(base), static_cast<Index>(target), between(truth.poses[base], truth.poses[target]),
@@ -53,13 +53,13 @@ TYPED_TEST(CeresReferenceTest, EveryStartIsTheTruthWhereNothingIsNoisy) {
   EXPECT_LT(this->distance_from_truth(odometry_start(this->log)), 1e-12);
   EXPECT_LT(this->distance_from_truth(spanning_tree_start(this->log)), 1e-12);
   EXPECT_FALSE(file_start(this->log));
-  this->log.initial_poses = this->truth.poses;
+  this->log.initial.poses = this->truth.poses;
   EXPECT_LT(this->distance_from_truth(*file_start(this->log)), 1e-12);
 }
 
 TYPED_TEST(CeresReferenceTest, StartsHangFromAFixedPose) {
   constexpr int kDim = TestFixture::kDim;
-  this->log.fixed = {{2, this->truth.poses[2]}};
+  this->log.graph.fixed = {{2, this->truth.poses[2]}};
   EXPECT_LT(this->distance_from_truth(odometry_start(this->log)), 1e-12);
   EXPECT_LT(this->distance_from_truth(spanning_tree_start<kDim>(this->log)), 1e-12);
 }
@@ -86,7 +86,7 @@ TYPED_TEST(CeresReferenceTest, TwoMeasurementsOfOneStepMeetAtTheirWeightedMean) 
   thrice.information *= 3.0;
   Log<kDim> log;
   log.poses = {{0, 0}, {0, 1}};
-  log.odometry = {once, thrice};
+  log.graph.pose_factors = {once, thrice};
   const auto result = ceres_optimum(log, odometry_start(log));
   EXPECT_TRUE(result.converged) << result.summary;
   EXPECT_NEAR(result.values.poses[1].translation[0], 0.75, 1e-7);
@@ -97,15 +97,14 @@ TYPED_TEST(CeresReferenceTest, AMapOfSeveralTargetsIsOneObservation) {
   constexpr int kDim = TestFixture::kDim;
   // The rows of separate observations as one map with a block-diagonal information: the same chi2.
   Log<kDim>& log = this->log;
-  log.odometry.resize(1);
-  log.closures.clear();
-  log.observations.resize(1);
+  log.graph.pose_factors.resize(1);
+  log.graph.feature_factors.resize(1);
   MapSet<kDim> set;
-  LocalMap<kDim> map{0, {1}, {0}, {log.odometry[0].measured}, {log.observations[0].measured}, {}};
+  LocalMap<kDim> map{0, {1}, {0}, {log.odometry()[0].measured}, {log.observations()[0].measured}, {}};
   map.information = Eigen::MatrixXd::Zero(kPoseDof<kDim> + kDim, kPoseDof<kDim> + kDim);
-  map.information.topLeftCorner(kPoseDof<kDim>, kPoseDof<kDim>) = log.odometry[0].information;
-  map.information.bottomRightCorner(kDim, kDim) = log.observations[0].information;
-  set.maps = {map};
+  map.information.topLeftCorner(kPoseDof<kDim>, kPoseDof<kDim>) = log.odometry()[0].information;
+  map.information.bottomRightCorner(kDim, kDim) = log.observations()[0].information;
+  set.graph.submaps = {map};
   State<kDim> start = this->truth;
   start.poses[1] = this->random.template pose<kDim>();
   start.features[0].setOnes();

@@ -22,11 +22,10 @@ class DenseInformation {
   }
 
   void add(const PoseObservation<Dim>& o) {
-    accumulate(weighted(linearise<Dim>(o.measured, state_.pose(o.base), state_.pose(o.target)), o.information, o.loss),
-               Sink{H_, {pose_row(o.base), pose_row(o.target)}});
+    accumulate(linearise(o, state_.pose(o.base), state_.pose(o.target)), Sink{H_, {pose_row(o.base), pose_row(o.target)}});
   }
   void add(const FeatureObservation<Dim>& o) {
-    accumulate(weighted(linearise<Dim>(o.measured, state_.pose(o.base), state_.feature(o.target)), o.information, o.loss),
+    accumulate(linearise(o, state_.pose(o.base), state_.feature(o.target)),
                Sink{H_, {pose_row(o.base), feature_row(o.target)}});
   }
   void add(const LocalMap<Dim>& map) {

@@ -139,16 +139,12 @@ struct DenseSlam {
 template <int Dim>
 DenseSlam<Dim> full_slam(const Log<Dim>& log) {
   DenseSlam<Dim> slam;
-  for (const auto* list : {&log.odometry, &log.closures, &log.pose_priors}) {
-    slam.pose_observations.insert(slam.pose_observations.end(), list->begin(), list->end());
-  }
-  for (const auto* list : {&log.observations, &log.feature_priors}) {
-    slam.feature_observations.insert(slam.feature_observations.end(), list->begin(), list->end());
-  }
-  const bool world_holds = !log.fixed.empty() || !log.pose_priors.empty() || !log.feature_priors.empty();
+  slam.pose_observations = log.graph.pose_factors;
+  slam.feature_observations = log.graph.feature_factors;
+  const bool world_holds = !log.graph.fixed.empty() || !log.pose_priors().empty() || !log.feature_priors().empty();
   for (Index pose = 0; pose < static_cast<Index>(log.poses.size()); ++pose) {
-    const bool is_fixed =
-        std::any_of(log.fixed.begin(), log.fixed.end(), [&](const FixedPose<Dim>& fixed) { return fixed.pose == pose; });
+    const bool is_fixed = std::any_of(log.graph.fixed.begin(), log.graph.fixed.end(),
+                                      [&](const FixedPose<Dim>& fixed) { return fixed.pose == pose; });
     if (!is_fixed && (world_holds || pose > 0)) slam.free_poses.push_back(pose);
   }
   slam.free_features.resize(log.features.size());

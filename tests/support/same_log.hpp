@@ -49,7 +49,7 @@ void expect_same_value(const Eigen::Matrix<double, Size, 1>& a, const Eigen::Mat
 }
 
 template <typename Observation>
-void expect_same_observations(const std::vector<Observation>& a, const std::vector<Observation>& b,
+void expect_same_observations(std::span<const Observation> a, std::span<const Observation> b,
                               const SameLogTolerance& tolerance) {
   ASSERT_EQ(a.size(), b.size());
   for (std::size_t i = 0; i < a.size(); ++i) {
@@ -65,9 +65,9 @@ template <int Dim>
 void expect_same_log(const Log<Dim>& a, const Log<Dim>& b, const SameLogTolerance& tolerance = {}) {
   EXPECT_EQ(a.poses, b.poses);
   EXPECT_EQ(a.features, b.features);
-  expect_same_observations(a.odometry, b.odometry, tolerance);
-  expect_same_observations(a.closures, b.closures, tolerance);
-  expect_same_observations(a.observations, b.observations, tolerance);
+  expect_same_observations(a.odometry(), b.odometry(), tolerance);
+  expect_same_observations(a.closures(), b.closures(), tolerance);
+  expect_same_observations(a.observations(), b.observations(), tolerance);
 }
 
 }  // namespace mapjoin::testing

@@ -4,7 +4,7 @@
 
 #include <mapjoin/localmap/build.hpp>
 #include <mapjoin/localmap/split.hpp>
-#include <mapjoin/model/local_map.hpp>
+#include <mapjoin/model/map_set.hpp>
 
 namespace mapjoin::testing {
 
@@ -14,7 +14,7 @@ MapSet<Dim> small_map_set(const Log<Dim>& log, double poses_per_map) {
   Split parts = split(log, {SplitRule::kPoses, poses_per_map});
   MapSet<Dim> set;
   set.source = "maps";
-  set.maps = build_local_maps<Dim>(log, parts, {}).value().maps;
+  set.graph.submaps = build_local_maps<Dim>(log, parts, {}).value().maps;
   // Only what is kept has a place in the set.
   std::vector<Index> place(log.poses.size(), -1);
   for (std::size_t p = 0; p < place.size(); ++p) {
@@ -23,15 +23,15 @@ MapSet<Dim> small_map_set(const Log<Dim>& log, double poses_per_map) {
     set.poses.push_back(log.poses[p]);
   }
   const auto placed = [&](Index pose) { return place[static_cast<std::size_t>(pose)]; };
-  for (auto& map : set.maps) {
+  for (auto& map : set.graph.submaps) {
     map.base = placed(map.base);
     for (Index& pose : map.poses) pose = placed(pose);
     set.stretches.push_back({map.base, map.poses.back(), true});
   }
-  for (auto closure : log.closures) {
+  for (auto closure : log.closures()) {
     closure.base = placed(closure.base);
     closure.target = placed(closure.target);
-    set.pose_observations.push_back(closure);
+    set.graph.pose_factors.push_back(closure);
   }
   set.features = log.features;
   return set;

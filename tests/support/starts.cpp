@@ -24,13 +24,13 @@ struct Sight {
 };
 
 template <int Dim>
-void append(std::vector<Edge<Dim>>& edges, const std::vector<PoseObservation<Dim>>& observations) {
+void append(std::vector<Edge<Dim>>& edges, std::type_identity_t<std::span<const PoseObservation<Dim>>> observations) {
   for (const auto& o : observations) {
     if (o.base != kWorld) edges.push_back({o.base, o.target, o.measured});
   }
 }
 template <int Dim>
-void append(std::vector<Sight<Dim>>& sights, const std::vector<FeatureObservation<Dim>>& observations) {
+void append(std::vector<Sight<Dim>>& sights, std::type_identity_t<std::span<const FeatureObservation<Dim>>> observations) {
   for (const auto& o : observations) sights.push_back({o.base, o.target, o.measured});
 }
 
@@ -89,54 +89,52 @@ State<Dim> with_first_sights(std::vector<Pose<Dim>> poses, std::size_t count, co
 template <int Dim>
 State<Dim> with_first_observations(const Log<Dim>& log, std::vector<Pose<Dim>> poses) {
   std::vector<Sight<Dim>> sights;
-  append(sights, log.observations);
-  append(sights, log.feature_priors);
+  append(sights, log.graph.feature_factors);
   return with_first_sights(std::move(poses), log.features.size(), sights);
 }
 
 template <int Dim>
 State<Dim> with_first_observations(const MapSet<Dim>& set, std::vector<Pose<Dim>> poses) {
   std::vector<Sight<Dim>> sights;
-  for (const LocalMap<Dim>& map : set.maps) {
+  for (const LocalMap<Dim>& map : set.graph.submaps) {
     for (std::size_t i = 0; i < map.features.size(); ++i) {
       sights.push_back({map.base, map.features[i], map.feature_estimates[i]});
     }
   }
-  append(sights, set.feature_observations);
+  append(sights, set.graph.feature_factors);
   return with_first_sights(std::move(poses), set.features.size(), sights);
 }
 
 template <int Dim>
 State<Dim> composed_start(const MapSet<Dim>& set) {
   std::vector<Edge<Dim>> edges;
-  for (const LocalMap<Dim>& map : set.maps) {
+  for (const LocalMap<Dim>& map : set.graph.submaps) {
     if (map.base == kWorld) continue;
     for (std::size_t i = 0; i < map.poses.size(); ++i) edges.push_back({map.base, map.poses[i], map.pose_estimates[i]});
   }
-  append(edges, set.pose_observations);
-  return with_first_observations(set, spread(set.poses.size(), set.fixed, edges));
+  append(edges, set.graph.pose_factors);
+  return with_first_observations(set, spread(set.poses.size(), set.graph.fixed, edges));
 }
 
 template <int Dim>
 State<Dim> odometry_start(const Log<Dim>& log) {
   std::vector<Edge<Dim>> edges;
-  append(edges, log.odometry);
-  return with_first_observations(log, spread(log.poses.size(), log.fixed, edges));
+  append(edges, log.odometry());
+  return with_first_observations(log, spread(log.poses.size(), log.graph.fixed, edges));
 }
 
 template <int Dim>
 State<Dim> spanning_tree_start(const Log<Dim>& log) {
   std::vector<Edge<Dim>> edges;
-  append(edges, log.odometry);
-  append(edges, log.closures);
-  return with_first_observations(log, spread(log.poses.size(), log.fixed, edges));
+  append(edges, log.edges());
+  return with_first_observations(log, spread(log.poses.size(), log.graph.fixed, edges));
 }
 
 template <int Dim>
 std::optional<State<Dim>> file_start(const Log<Dim>& log) {
-  if (log.initial_poses.empty()) return std::nullopt;
-  if (log.initial_features.empty()) return with_first_observations(log, log.initial_poses);
-  return State<Dim>{log.initial_poses, log.initial_features};
+  if (log.initial.poses.empty()) return std::nullopt;
+  if (log.initial.features.empty()) return with_first_observations(log, log.initial.poses);
+  return State<Dim>{log.initial.poses, log.initial.features};
 }
 
 template State<2> with_first_observations(const Log<2>&, std::vector<Pose<2>>);

@@ -2,8 +2,8 @@
 #pragma once
 // Initial values for a whole log, made without the library's own solvers, from which a reference optimiser can start.
 
-#include <mapjoin/model/local_map.hpp>
 #include <mapjoin/model/log.hpp>
+#include <mapjoin/model/map_set.hpp>
 #include <mapjoin/model/state.hpp>
 #include <optional>
 #include <vector>

@@ -48,19 +48,19 @@ StoredMaps<Dim> random_stored_maps(Random& random, Index maps, Index features = 
   for (Index i = 0; i < poses; ++i) {
     log.poses.push_back({7, std::uint64_t{0x6100000000000000} + static_cast<std::uint64_t>(i)});
     log.stamps_ns.push_back(-5 + 1'000'000'000'000'000'007 * (i % 9));
-    log.initial_poses.push_back(random.pose<Dim>());
-    if (i > 0) log.odometry.push_back(random_pose_observation<Dim>(random, i - 1, i));
-    log.observations.push_back(random_feature_observation<Dim>(random, i, i % features));
+    log.initial.poses.push_back(random.pose<Dim>());
+    if (i > 0) log.graph.pose_factors.push_back(random_pose_observation<Dim>(random, i - 1, i));
+    log.graph.feature_factors.push_back(random_feature_observation<Dim>(random, i, i % features));
   }
   for (Index i = 0; i < features; ++i) {
     log.features.push_back({~std::uint64_t{0} - static_cast<std::uint64_t>(features - i)});
-    log.initial_features.push_back(random.vector<Dim>());
+    log.initial.features.push_back(random.vector<Dim>());
   }
   log.sessions = {{0, poses}};
-  log.closures = {random_pose_observation<Dim>(random, poses - 1, 0)};
-  log.pose_priors = {random_pose_observation<Dim>(random, kWorld, 1)};
-  log.feature_priors = {random_feature_observation<Dim>(random, kWorld, 2)};
-  log.fixed = {{0, random.pose<Dim>()}};
+  log.graph.pose_factors.push_back(random_pose_observation<Dim>(random, poses - 1, 0));
+  log.graph.pose_factors.push_back(random_pose_observation<Dim>(random, kWorld, 1));
+  log.graph.feature_factors.push_back(random_feature_observation<Dim>(random, kWorld, 2));
+  log.graph.fixed = {{0, random.pose<Dim>()}};
   log.unassociated = 4;
   log.conventions = {PoseError::kG2o, RotationInformation::kQuaternion, Covariance::kIdentity, {3, 1.25e-7, 5}};
   for (Index k = 0; k < maps; ++k) {
@@ -119,15 +119,12 @@ void expect_same(const StoredMaps<Dim>& a, const StoredMaps<Dim>& b) {
   EXPECT_EQ(a.log.poses, b.log.poses);
   EXPECT_EQ(a.log.features, b.log.features);
   EXPECT_TRUE(same(a.log.sessions, b.log.sessions));
-  EXPECT_TRUE(same(a.log.odometry, b.log.odometry));
-  EXPECT_TRUE(same(a.log.closures, b.log.closures));
-  EXPECT_TRUE(same(a.log.observations, b.log.observations));
-  EXPECT_TRUE(same(a.log.pose_priors, b.log.pose_priors));
-  EXPECT_TRUE(same(a.log.feature_priors, b.log.feature_priors));
-  EXPECT_TRUE(same(a.log.fixed, b.log.fixed));
+  EXPECT_TRUE(same(a.log.graph.pose_factors, b.log.graph.pose_factors));
+  EXPECT_TRUE(same(a.log.graph.feature_factors, b.log.graph.feature_factors));
+  EXPECT_TRUE(same(a.log.graph.fixed, b.log.graph.fixed));
   EXPECT_EQ(a.log.stamps_ns, b.log.stamps_ns);
-  EXPECT_TRUE(same(a.log.initial_poses, b.log.initial_poses));
-  EXPECT_TRUE(same(a.log.initial_features, b.log.initial_features));
+  EXPECT_TRUE(same(a.log.initial.poses, b.log.initial.poses));
+  EXPECT_TRUE(same(a.log.initial.features, b.log.initial.features));
   EXPECT_EQ(a.log.repeated_edges, b.log.repeated_edges);
   EXPECT_EQ(a.log.unassociated, b.log.unassociated);
   EXPECT_EQ(a.log.conventions.pose_error, b.log.conventions.pose_error);

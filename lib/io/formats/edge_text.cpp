@@ -109,8 +109,7 @@ class EdgeTextWriter {
   Expected<void> write() {
     line_.add("#").add(format_.comment).write_to(file_);
     return write_poses()
-        .and_then([&] { return write_edges(log_.odometry); })
-        .and_then([&] { return write_edges(log_.closures); })
+        .and_then([&] { return write_edges(log_.edges()); })
         .and_then([&] { return write_observations(); })
         .and_then([&] { return file_.commit(); });
   }
@@ -124,17 +123,17 @@ class EdgeTextWriter {
 
   Expected<void> write_poses() {
     if (format_.pose_tag.empty()) return {};
-    if (log_.initial_poses.empty()) return not_in_format("the log", "has no values of its poses");
+    if (log_.initial.poses.empty()) return not_in_format("the log", "has no values of its poses");
     for (std::size_t i = 0; i < log_.poses.size(); ++i) {
       line_.add(format_.pose_tag).add(numbering_(log_.poses[i]));
-      if (const Fault fault = format_.put_pose(log_.initial_poses[i], line_))
+      if (const Fault fault = format_.put_pose(log_.initial.poses[i], line_))
         return not_in_format(to_string(log_.poses[i]), *fault);
       line_.write_to(file_);
     }
     return {};
   }
 
-  Expected<void> write_edges(const std::vector<PoseObservation<Dim>>& edges) {
+  Expected<void> write_edges(std::span<const PoseObservation<Dim>> edges) {
     for (const PoseObservation<Dim>& edge : edges) {
       line_.add(format_.edge_tag).add(numbering_(pose(edge.base))).add(numbering_(pose(edge.target)));
       if (const Fault fault = format_.put_edge({edge.measured, edge.information}, line_)) {
@@ -148,7 +147,7 @@ class EdgeTextWriter {
 
   Expected<void> write_observations() {
     if (format_.observation_tag.empty()) return {};
-    for (const FeatureObservation<Dim>& o : log_.observations) {
+    for (const FeatureObservation<Dim>& o : log_.observations()) {
       const FeatureId feature = log_.features[static_cast<std::size_t>(o.target)];
       line_.add(format_.observation_tag).add(numbering_(pose(o.base))).add(numbering_(feature));
       if (const Fault fault = format_.put_point({o.measured, o.information}, line_)) {

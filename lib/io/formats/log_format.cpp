@@ -76,10 +76,11 @@ Expected<AnyLog> read_isam_like(TextScanner text, const ReadOptions& options) {
 /// g2o files with what they have no line for left out.
 template <int Dim>
 Expected<void> write_as_g2o(const Log<Dim>& log, const fs::path& path) {
-  if (log.pose_priors.empty() && log.feature_priors.empty()) return write_g2o(log, path);
+  if (log.pose_priors().empty() && log.feature_priors().empty()) return write_g2o(log, path);
   Log<Dim> without = log;
-  without.pose_priors.clear();
-  without.feature_priors.clear();
+  const auto is_prior = [](const auto& factor) { return factor.base == kWorld; };
+  std::erase_if(without.graph.pose_factors, is_prior);
+  std::erase_if(without.graph.feature_factors, is_prior);
   return write_g2o(without, path);
 }
 
@@ -87,7 +88,7 @@ template <int Dim>
 GlobalMap<Dim> values_of(const Log<Dim>& log) {
   GlobalMap<Dim> map;
   map.pose_ids = log.poses;
-  map.poses = log.initial_poses;
+  map.poses = log.initial.poses;
   map.stamps_ns = log.stamps_ns;
   return map;
 }
@@ -164,11 +165,10 @@ template <int Dim>
 std::size_t unmentioned(const Log<Dim>& log) {
   std::vector<bool> pose(log.poses.size());
   std::vector<bool> feature(log.features.size());
-  for (const auto* list : {&log.odometry, &log.closures}) {
-    for (const auto& edge : *list)
-      pose[static_cast<std::size_t>(edge.base)] = pose[static_cast<std::size_t>(edge.target)] = true;
+  for (const auto& edge : log.edges()) {
+    pose[static_cast<std::size_t>(edge.base)] = pose[static_cast<std::size_t>(edge.target)] = true;
   }
-  for (const auto& o : log.observations) {
+  for (const auto& o : log.observations()) {
     pose[static_cast<std::size_t>(o.base)] = feature[static_cast<std::size_t>(o.target)] = true;
   }
   return static_cast<std::size_t>(std::count(pose.begin(), pose.end(), false) +
@@ -220,17 +220,17 @@ std::vector<std::string> losses(const Log<Dim>& log, LogFormat format) {
   const auto tell = [&](std::size_t count, const std::string& what) {
     if (count > 0) lost.push_back(fmt::format("{} left out", what));
   };
-  const std::size_t edges = log.odometry.size() + log.closures.size();
+  const std::size_t edges = log.edges().size();
   if (!room.edges) tell(edges, counted(edges, "pose-pose edge"));
   if (!room.observations) {
     tell(log.features.size(),
-         counted(log.features.size(), "feature") + " with " + counted(log.observations.size(), "observation"));
+         counted(log.features.size(), "feature") + " with " + counted(log.observations().size(), "observation"));
   }
-  const std::size_t priors = log.pose_priors.size() + log.feature_priors.size();
+  const std::size_t priors = log.pose_priors().size() + log.feature_priors().size();
   tell(priors, counted(priors, "prior"));
-  if (!room.fixed) tell(log.fixed.size(), "which poses are fixed is");
-  const bool has_values = !log.initial_poses.empty() || !log.initial_features.empty();
-  const bool all_values = !log.initial_poses.empty() && log.initial_features.size() == log.features.size();
+  if (!room.fixed) tell(log.graph.fixed.size(), "which poses are fixed is");
+  const bool has_values = !log.initial.poses.empty() || !log.initial.features.empty();
+  const bool all_values = !log.initial.poses.empty() && log.initial.features.size() == log.features.size();
   if (!room.pose_values || (room.feature_values && !all_values))
     tell(has_values ? 1 : 0, "the values of poses and features are");
   if (!room.stamps) tell(log.stamps_ns.size(), "time stamps are");
@@ -263,7 +263,7 @@ Expected<void> write_log(const Log<Dim>& log, LogFormat format, const fs::path& 
     return tl::unexpected(
         Error{ErrorKind::kUsage, fmt::format("{}: the format {} {}", log.source, to_string(row.format), why)});
   };
-  if (needs_values(format) && log.initial_poses.empty()) return cannot("needs the values of all poses");
+  if (needs_values(format) && log.initial.poses.empty()) return cannot("needs the values of all poses");
   if constexpr (Dim == 2) {
     return row.write_plane(log, path);
   } else {

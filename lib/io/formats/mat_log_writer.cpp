@@ -18,7 +18,7 @@ constexpr double kObservationRow = 0.0;
 class Table {
  public:
   Table(const Log<2>& log, const G2oNumbering& numbering) : log_(log), numbering_(numbering) {
-    rows_.setZero(static_cast<Eigen::Index>(log.odometry.size() + log.closures.size() + log.observations.size()), 12);
+    rows_.setZero(static_cast<Eigen::Index>(log.edges().size() + log.observations().size()), 12);
   }
 
   void add(const PoseObservation<2>& edge) {
@@ -71,9 +71,8 @@ Expected<void> write_mat_log(const Log<2>& log, const std::filesystem::path& pat
   const auto numbering = number_for_g2o(log.poses, {});
   if (!numbering) return tl::unexpected(numbering.error());
   Table table(log, *numbering);
-  for (const auto& edge : log.odometry) table.add(edge);
-  for (const auto& edge : log.closures) table.add(edge);
-  for (const auto& observation : log.observations) table.add(observation);
+  for (const auto& edge : log.edges()) table.add(edge);
+  for (const auto& observation : log.observations()) table.add(observation);
   if (table.fault()) return tl::unexpected(Error{ErrorKind::kUsage, *table.fault()});
   return write_file(path, mat_bytes({{"VicPark_clean_data", table.rows()}}));
 }

@@ -48,11 +48,10 @@ class G2oWriter {
   void write_fix(Index pose) { line_.add(kG2oFix).add(pose_number(pose)).write_to(file_); }
 
   void write_edges(const Log<Dim>& log) {
-    write_pose_edges(log.odometry);
-    write_pose_edges(log.closures);
-    if (Dim == 3 && !log.observations.empty()) line_.add(kG2oOffset).add(kOffset).add(Pose<Dim>{}).write_to(file_);
-    write_each(log.observations.size(), [&](TextLine& line, std::size_t k) {
-      const FeatureObservation<Dim>& o = log.observations[k];
+    write_pose_edges(log.edges());
+    if (Dim == 3 && !log.observations().empty()) line_.add(kG2oOffset).add(kOffset).add(Pose<Dim>{}).write_to(file_);
+    write_each(log.observations().size(), [&](TextLine& line, std::size_t k) {
+      const FeatureObservation<Dim>& o = log.observations()[k];
       const FeatureId feature = feature_ids_[static_cast<std::size_t>(o.target)];
       line.add(Tags::kObservation).add(pose_number(o.base)).add(numbering_(feature));
       if (Dim == 3) line.add(kOffset);
@@ -79,7 +78,7 @@ class G2oWriter {
 
   std::uint64_t pose_number(Index pose) const { return numbering_(pose_ids_[static_cast<std::size_t>(pose)]); }
 
-  void write_pose_edges(const std::vector<PoseObservation<Dim>>& edges) {
+  void write_pose_edges(std::span<const PoseObservation<Dim>> edges) {
     write_each(edges.size(), [&](TextLine& line, std::size_t k) {
       const PoseObservation<Dim>& edge = edges[k];
       line.add(Tags::kPoseEdge).add(pose_number(edge.base)).add(pose_number(edge.target));
@@ -97,18 +96,18 @@ class G2oWriter {
 /// The vertices of a log, fixed poses at the value they are fixed at; none unless every pose and feature has an initial value.
 template <int Dim>
 std::vector<Pose<Dim>> pose_vertices(const Log<Dim>& log) {
-  if (log.initial_features.size() < log.features.size()) return {};
-  std::vector<Pose<Dim>> poses = log.initial_poses;
+  if (log.initial.features.size() < log.features.size()) return {};
+  std::vector<Pose<Dim>> poses = log.initial.poses;
   if (poses.empty()) return poses;
-  for (const FixedPose<Dim>& fixed : log.fixed) poses[static_cast<std::size_t>(fixed.pose)] = fixed.value;
+  for (const FixedPose<Dim>& fixed : log.graph.fixed) poses[static_cast<std::size_t>(fixed.pose)] = fixed.value;
   return poses;
 }
 
 template <int Dim>
 Expected<void> check_expressible(const Log<Dim>& log, bool has_vertices) {
-  const std::size_t priors = log.pose_priors.size() + log.feature_priors.size();
+  const std::size_t priors = log.pose_priors().size() + log.feature_priors().size();
   if (priors > 0) return not_in_g2o(fmt::format("g2o files cannot hold the {} priors of this log", priors));
-  for (const FixedPose<Dim>& fixed : log.fixed) {
+  for (const FixedPose<Dim>& fixed : log.graph.fixed) {
     if (has_vertices || local(fixed.value, Pose<Dim>{}).isZero(0.0)) continue;
     return not_in_g2o(
         fmt::format("g2o files cannot fix {} away from the origin without initial values of every pose and feature",
@@ -126,8 +125,8 @@ Expected<void> write_g2o(const Log<Dim>& log, const std::filesystem::path& path)
   auto writer = G2oWriter<Dim>::create(path, log.poses, log.features);
   if (!writer) return tl::unexpected(writer.error());
   writer->write_comments();
-  if (!poses.empty()) writer->write_vertices(poses, log.initial_features);
-  for (const FixedPose<Dim>& fixed : log.fixed) writer->write_fix(fixed.pose);
+  if (!poses.empty()) writer->write_vertices(poses, log.initial.features);
+  for (const FixedPose<Dim>& fixed : log.graph.fixed) writer->write_fix(fixed.pose);
   writer->write_edges(log);
   return writer->commit();
 }

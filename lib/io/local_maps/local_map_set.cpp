@@ -45,7 +45,7 @@ Expected<AnyMapSet> assemble(NamedMaps<Dim>&& maps, const std::string& source, c
   set.features = all_features(maps);
   set.poses.push_back(PoseId{0, 0});
   for (NamedLocalMap<Dim>& named : maps) {
-    LocalMap<Dim>& map = set.maps.emplace_back(std::move(named.map));
+    LocalMap<Dim>& map = set.graph.submaps.emplace_back(std::move(named.map));
     map.base = static_cast<Index>(set.poses.size()) - 1;
     if (named.moves) {
       set.poses.push_back(PoseId{0, static_cast<std::uint64_t>(named.number)});

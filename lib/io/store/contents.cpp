@@ -26,15 +26,12 @@ template <typename Log, typename Stretches, typename Visit>
 void visit_arrays(Log& log, Stretches& stretches, const Visit& visit) {
   visit("poses", log.poses);
   visit("features", log.features);
-  visit("odometry", log.odometry);
-  visit("closures", log.closures);
-  visit("observations", log.observations);
-  visit("pose_priors", log.pose_priors);
-  visit("feature_priors", log.feature_priors);
-  visit("fixed", log.fixed);
+  visit("pose_factors", log.graph.pose_factors);
+  visit("feature_factors", log.graph.feature_factors);
+  visit("fixed", log.graph.fixed);
   visit("stamps_ns", log.stamps_ns);
-  visit("initial_poses", log.initial_poses);
-  visit("initial_features", log.initial_features);
+  visit("initial_poses", log.initial.poses);
+  visit("initial_features", log.initial.features);
   visit("stretches", stretches);
 }
 
@@ -102,12 +99,12 @@ bool take_number(const Info& info, const char* key, Number& number) {
   return true;
 }
 
-/// Every observation is from a pose, or from the World, to one of `targets`.
+/// Every factor is from a pose, or from the World, to one of `targets`.
 template <typename Observation>
-bool are_within(const std::vector<Observation>& observations, bool from_world, std::size_t poses, std::size_t targets) {
+bool are_within(const std::vector<Observation>& factors, std::size_t poses, std::size_t targets) {
   const auto is_index = [](Index index, std::size_t size) { return index >= 0 && static_cast<std::size_t>(index) < size; };
-  return std::all_of(observations.begin(), observations.end(), [&](const Observation& o) {
-    return (from_world ? o.base == kWorld : is_index(o.base, poses)) && is_index(o.target, targets);
+  return std::all_of(factors.begin(), factors.end(), [&](const Observation& o) {
+    return (o.base == kWorld || is_index(o.base, poses)) && is_index(o.target, targets);
   });
 }
 
@@ -118,10 +115,9 @@ bool hangs_together(const Log<Dim>& log) {
   const std::size_t features = log.features.size();
   const auto fits = [](const auto& values, std::size_t names) { return values.empty() || values.size() == names; };
   const auto is_pose = [&](const auto& fixed) { return fixed.pose >= 0 && static_cast<std::size_t>(fixed.pose) < poses; };
-  return fits(log.stamps_ns, poses) && fits(log.initial_poses, poses) && fits(log.initial_features, features) &&
-         are_within(log.odometry, false, poses, poses) && are_within(log.closures, false, poses, poses) &&
-         are_within(log.observations, false, poses, features) && are_within(log.pose_priors, true, poses, poses) &&
-         are_within(log.feature_priors, true, poses, features) && std::all_of(log.fixed.begin(), log.fixed.end(), is_pose);
+  return fits(log.stamps_ns, poses) && fits(log.initial.poses, poses) && fits(log.initial.features, features) &&
+         are_within(log.graph.pose_factors, poses, poses) && are_within(log.graph.feature_factors, poses, features) &&
+         std::all_of(log.graph.fixed.begin(), log.graph.fixed.end(), is_pose);
 }
 
 /// The log that LogBuilder makes of one that hangs together.
@@ -130,20 +126,25 @@ Expected<Log<Dim>> built_anew(const Log<Dim>& log, const std::string& source) {
   LogBuilder<Dim> builder(source, log.conventions);
   const auto at = [](const auto& values, Index index) { return values[static_cast<std::size_t>(index)]; };
   const auto value = [](const auto& values, std::size_t k) { return values.empty() ? std::nullopt : std::optional(values[k]); };
-  builder.reserve(log.odometry.size() + log.closures.size(), log.observations.size());
-  for (std::size_t k = 0; k < log.poses.size(); ++k) builder.add_pose(log.poses[k], value(log.initial_poses, k));
-  for (std::size_t k = 0; k < log.features.size(); ++k) builder.add_feature(log.features[k], value(log.initial_features, k));
+  builder.reserve(log.graph.pose_factors.size(), log.graph.feature_factors.size());
+  for (std::size_t k = 0; k < log.poses.size(); ++k) builder.add_pose(log.poses[k], value(log.initial.poses, k));
+  for (std::size_t k = 0; k < log.features.size(); ++k) builder.add_feature(log.features[k], value(log.initial.features, k));
   for (std::size_t k = 0; k < log.stamps_ns.size(); ++k) builder.add_stamp(log.poses[k], log.stamps_ns[k]);
-  for (const auto* edges : {&log.odometry, &log.closures}) {
-    for (const auto& o : *edges)
-      builder.add_pose_edge(at(log.poses, o.base), at(log.poses, o.target), o.measured, o.information);
+  for (const auto& [base, target, measured, information, loss] : log.graph.pose_factors) {
+    if (base == kWorld) {
+      builder.add_pose_prior(at(log.poses, target), measured, information);
+    } else {
+      builder.add_pose_edge(at(log.poses, base), at(log.poses, target), measured, information);
+    }
   }
-  for (const auto& o : log.observations) {
-    builder.add_observation(at(log.poses, o.base), at(log.features, o.target), o.measured, o.information);
+  for (const auto& [base, target, measured, information, loss] : log.graph.feature_factors) {
+    if (base == kWorld) {
+      builder.add_feature_prior(at(log.features, target), measured, information);
+    } else {
+      builder.add_observation(at(log.poses, base), at(log.features, target), measured, information);
+    }
   }
-  for (const auto& o : log.pose_priors) builder.add_pose_prior(at(log.poses, o.target), o.measured, o.information);
-  for (const auto& o : log.feature_priors) builder.add_feature_prior(at(log.features, o.target), o.measured, o.information);
-  for (const auto& fixed : log.fixed) builder.fix(at(log.poses, fixed.pose), fixed.value);
+  for (const auto& fixed : log.graph.fixed) builder.fix(at(log.poses, fixed.pose), fixed.value);
   return std::move(builder).finish();
 }
 

@@ -6,6 +6,7 @@
 #include <mapjoin/io/store/database.hpp>
 #include <mapjoin/model/local_map.hpp>
 #include <mapjoin/model/log.hpp>
+#include <mapjoin/model/stretch.hpp>
 #include <string>
 #include <vector>
 
@@ -27,7 +28,7 @@ namespace mapjoin::store {
 /// "MJST": PRAGMA application_id.
 inline constexpr std::int64_t kApplicationId = 0x4d4a5354;
 /// Of the tables and of the records in them: PRAGMA user_version.
-inline constexpr std::int64_t kVersion = 2;
+inline constexpr std::int64_t kVersion = 3;
 
 /// What a build begins with.
 template <int Dim>

@@ -146,8 +146,7 @@ Expected<AnyStoredMaps> read_store(const fs::path& path) {
 template <int Dim>
 bool has_maps_alone(const StoredMaps<Dim>& stored) {
   const Log<Dim>& log = stored.log;
-  return !stored.maps.empty() && log.odometry.empty() && log.closures.empty() && log.observations.empty() &&
-         log.pose_priors.empty() && log.feature_priors.empty();
+  return !stored.maps.empty() && log.graph.pose_factors.empty() && log.graph.feature_factors.empty();
 }
 
 template <int Dim>
@@ -156,8 +155,8 @@ MapSet<Dim> map_set_of(StoredMaps<Dim> stored, const fs::path& path) {
   set.source = path.string();
   set.poses = std::move(stored.log.poses);
   set.features = std::move(stored.log.features);
-  set.maps = std::move(stored.maps);
-  set.fixed = std::move(stored.log.fixed);
+  set.graph.submaps = std::move(stored.maps);
+  set.graph.fixed = std::move(stored.log.graph.fixed);
   set.stretches = std::move(stored.stretches);
   set.conventions = stored.log.conventions;
   return set;

@@ -4,7 +4,8 @@
 
 #include <bit>
 #include <cstring>
-#include <mapjoin/model/local_map.hpp>
+#include <mapjoin/model/factor_graph.hpp>
+#include <mapjoin/model/stretch.hpp>
 #include <optional>
 #include <string>
 #include <string_view>

@@ -8,6 +8,7 @@
 #include <mapjoin/model/error.hpp>
 #include <mapjoin/model/local_map.hpp>
 #include <mapjoin/model/log.hpp>
+#include <mapjoin/model/map_set.hpp>
 #include <optional>
 #include <span>
 #include <string>

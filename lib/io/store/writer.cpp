@@ -152,19 +152,19 @@ Expected<void> StoreWriter<Dim>::finish() {
 
 template <int Dim>
 Expected<void> write_store(const MapSet<Dim>& set, const fs::path& path) {
-  if (!set.pose_observations.empty() || !set.feature_observations.empty()) {
+  if (!set.graph.pose_factors.empty() || !set.graph.feature_factors.empty()) {
     throw std::invalid_argument("a store holds a set of local maps alone");
   }
   Log<Dim> log;  // What a store says of the maps beside themselves.
   log.source = set.source;
   log.poses = set.poses;
   log.features = set.features;
-  log.fixed = set.fixed;
+  log.graph.fixed = set.graph.fixed;
   log.conventions = set.conventions;
   auto store = StoreWriter<Dim>::open(path, log, set.stretches, "");
   if (!store) return tl::unexpected(store.error());
-  for (std::size_t k = store->done().size(); k < set.maps.size(); ++k) {
-    if (auto added = store->add(k, set.maps[k]); !added) return added;
+  for (std::size_t k = store->done().size(); k < set.graph.submaps.size(); ++k) {
+    if (auto added = store->add(k, set.graph.submaps[k]); !added) return added;
   }
   return store->finish();
 }

@@ -17,10 +17,10 @@ TYPED_TEST(JoinStopsTest, GrowMapByMapInTheFrameOfTheWholeMap) {
   constexpr int kDim = TypeParam::value;
   auto set = testing::small_map_set(testing::small_world<kDim>({.poses = 60, .features = 40}).log, 6.0);
   const Pose<kDim> away{10.0 * Point<kDim>::Ones(), Rotation<kDim>::exp(RotationVector<kDim>::Constant(0.7))};
-  set.fixed.push_back({0, away});
+  set.graph.fixed.push_back({0, away});
   const GlobalMap<kDim> map = run(set, RunOptions{}).value().map;
   const auto stops = join_stops(network_of(set), map, nullptr, {});
-  ASSERT_EQ(stops.size(), set.maps.size());
+  ASSERT_EQ(stops.size(), set.graph.submaps.size());
   for (std::size_t k = 0; k < stops.size(); ++k) {
     EXPECT_EQ(stops[k].maps, k + 1);
     ASSERT_EQ(stops[k].poses.size(), stops[k].state.poses.size());

@@ -19,12 +19,10 @@ std::vector<Log<Dim>> driven(const Log<Dim>& log, Index poses_at_once) {
   for (Index begin = 0; begin < static_cast<Index>(log.poses.size()); begin += poses_at_once) {
     LogBuilder<Dim> builder("slice");
     const auto is_here = [&](Index pose) { return pose >= begin && pose < begin + poses_at_once; };
-    for (const auto* list : {&log.odometry, &log.closures}) {
-      for (const auto& o : *list) {
-        if (is_here(std::max(o.base, o.target))) builder.add_pose_edge(id(o.base), id(o.target), o.measured, o.information);
-      }
+    for (const auto& o : log.edges()) {
+      if (is_here(std::max(o.base, o.target))) builder.add_pose_edge(id(o.base), id(o.target), o.measured, o.information);
     }
-    for (const auto& o : log.observations) {
+    for (const auto& o : log.observations()) {
       if (is_here(o.base)) {
         builder.add_observation(id(o.base), log.features[static_cast<std::size_t>(o.target)], o.measured, o.information);
       }
@@ -104,7 +102,7 @@ TYPED_TEST(PartMakerTest, APoseGraphKeepsAllPosesForClosuresToCome) {
     EXPECT_FALSE(part.map);
     edges += part.pose_observations.size();
   }
-  EXPECT_EQ(edges, log.odometry.size() + log.closures.size());
+  EXPECT_EQ(edges, log.edges().size());
 }
 
 TYPED_TEST(PartMakerTest, WhatConcernsAMapThatIsMadeIsRefused) {

@@ -16,8 +16,8 @@ class PartTest : public ::testing::Test {
   static constexpr int kDim = D::value;
 
   PartTest() {
-    world_.log.fixed.push_back({3, world_.truth.poses[3]});
-    world_.log.feature_priors.push_back(
+    world_.log.graph.fixed.push_back({3, world_.truth.poses[3]});
+    world_.log.graph.feature_factors.push_back(
         {kWorld, 7, world_.truth.features[7], PointMatrix<kDim>(100.0 * PointMatrix<kDim>::Identity())});
     split_ = split(world_.log, {SplitRule::kPoses, 6.0});
     maps_ = build_local_maps<kDim>(world_.log, split_, {}).value().maps;

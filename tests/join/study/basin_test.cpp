@@ -98,9 +98,9 @@ TYPED_TEST(BasinTest, JoinsASetOfLocalMaps) {
 
 TYPED_TEST(BasinTest, SaysWhyThereIsNoMapAtAll) {
   auto log = this->world_.log;
-  for (auto& edge : log.odometry) edge.information.setZero();
-  log.closures.clear();
-  log.observations.clear();
+  for (auto& edge : log.graph.pose_factors) edge.information.setZero();
+  log.graph.pose_factors.resize(log.odometry().size());
+  log.graph.feature_factors.clear();
   const auto found = basin(log, this->options_);
   ASSERT_FALSE(found);
   EXPECT_EQ(found.error().kind, ErrorKind::kBadInput);

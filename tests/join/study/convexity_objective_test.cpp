@@ -28,7 +28,7 @@ TYPED_TEST(UnwrappedObjectiveTest, IsChi2OfTheLogNearTheReference) {
   const UnwrappedObjective<TestFixture::kDim> objective(world.system(), world.state());
   for (const double radius : {0.0, 0.1, 0.5}) {
     const auto state = world.moved_by(radius);
-    const double chi2 = log_chi2(this->log_, state.poses, state.features).total();
+    const double chi2 = log_chi2(this->log_, state).total();
     EXPECT_NEAR(objective(state), chi2, 1e-12 * chi2);
   }
 }

@@ -82,14 +82,14 @@ template <int Dim>
 MapSet<Dim> map_set(const Log<Dim>& log, const SplitOptions& options) {
   Split parts = split(log, options);
   MapSet<Dim> set;
-  set.maps = build_local_maps<Dim>(log, parts, {}).value().maps;
+  set.graph.submaps = build_local_maps<Dim>(log, parts, {}).value().maps;
   std::vector<Index> place(log.poses.size());
   for (std::size_t pose = 0; pose < place.size(); ++pose) {
     place[pose] = static_cast<Index>(set.poses.size());
     if (parts.kept[pose]) set.poses.push_back(log.poses[pose]);
   }
   set.features = log.features;
-  for (auto& map : set.maps) {
+  for (auto& map : set.graph.submaps) {
     map.base = place[static_cast<std::size_t>(map.base)];
     for (Index& pose : map.poses) pose = place[static_cast<std::size_t>(pose)];
     set.stretches.push_back({map.base, map.poses.back(), true});

@@ -76,13 +76,13 @@ TYPED_TEST(FitOf, ALogHasItsKindsWithTheChi2OfAll) {
   constexpr int Dim = TypeParam::value;
   const auto world = small_world<Dim>();
   const auto fits = fits_of(world.log, world.truth);
-  const Chi2 all = log_chi2(world.log, world.truth.poses, world.truth.features);
+  const Chi2 all = log_chi2(world.log, {world.truth.poses, world.truth.features});
   ASSERT_EQ(fits.size(), 3u);
   EXPECT_NEAR(fits[0].chi2, all.odometry, 1e-9 * all.odometry);
   EXPECT_NEAR(fits[1].chi2, all.closures, 1e-9 * all.closures);
   EXPECT_NEAR(fits[2].chi2, all.observations, 1e-9 * all.observations);
   EXPECT_EQ(fits[0].kind, "odometry");
-  EXPECT_EQ(fits[2].count, world.log.observations.size());
+  EXPECT_EQ(fits[2].count, world.log.observations().size());
 }
 
 }  // namespace

@@ -92,7 +92,7 @@ TYPED_TEST(Structure, OfLocalMapsOnlyNotesFeaturesOfOneMap) {
     map.base = k;
     map.poses = {k + 1};
     for (Index f = k == 0 ? 0 : 20; f < (k == 0 ? 22 : 30); ++f) map.features.push_back(f);
-    set.maps.push_back(map);
+    set.graph.submaps.push_back(map);
   }
   const Findings findings = check_structure(set);
   ASSERT_EQ(findings.size(), 1u);

@@ -30,9 +30,7 @@ Log<2> world(const WorldOptions& options = {}) {
 
 template <typename Change>
 Log<2> with_headings(Log<2> log, Change&& change) {
-  for (auto* list : {&log.odometry, &log.closures}) {
-    for (auto& edge : *list) edge.measured.rotation = Rotation<2>(change(edge.measured.rotation.angle()));
-  }
+  for (auto& edge : log.graph.pose_factors) edge.measured.rotation = Rotation<2>(change(edge.measured.rotation.angle()));
   return log;
 }
 
@@ -60,15 +58,15 @@ TEST(Units, AreKnownByTurnsBeyondAFullOne) {
 
 TEST(Units, OfValuesAreComparedWithThoseOfEdges) {
   auto [log, truth] = small_world<2>({.features = 0, .closures = 0});
-  log.initial_poses = truth.poses;
+  log.initial.poses = truth.poses;
   EXPECT_THAT(warnings_of(log), IsEmpty());
-  for (Pose<2>& pose : log.initial_poses) pose.rotation = Rotation<2>(kDegrees * pose.rotation.angle());
+  for (Pose<2>& pose : log.initial.poses) pose.rotation = Rotation<2>(kDegrees * pose.rotation.angle());
   EXPECT_THAT(warnings_of(log), ::testing::ElementsAre("degrees"));
 }
 
 TEST(Units, OfAnUncertaintyOfQuarterTurnsAreDoubted) {
   Log<2> log = world();
-  for (auto& edge : log.odometry) edge.information *= 1e-5;
+  for (auto& edge : log.graph.pose_factors) edge.information *= 1e-5;
   EXPECT_THAT(warnings_of(log), ::testing::ElementsAre("degrees"));
 }
 

@@ -32,11 +32,8 @@ TYPED_TEST_SUITE(ConnectivityTest, testing::Dimensions);
 
 TYPED_TEST(ConnectivityTest, ALogHangsTogetherByAnythingThatMentionsTwo) {
   auto log = this->bare(5, 2);
-  log.odometry = {{0, 1, {}, {}}};
-  log.closures = {{2, 1, {}, {}}};
-  log.observations = {{2, 0, {}, {}}, {3, 0, {}, {}}, {3, 1, {}, {}}};
-  log.pose_priors = {{kWorld, 4, {}, {}}};
-  log.feature_priors = {{kWorld, 1, {}, {}}};
+  log.graph.pose_factors = {{0, 1, {}, {}}, {2, 1, {}, {}}, {kWorld, 4, {}, {}}};
+  log.graph.feature_factors = {{2, 0, {}, {}}, {3, 0, {}, {}}, {3, 1, {}, {}}, {kWorld, 1, {}, {}}};
   EXPECT_EQ(this->complaint(log), "");
 }
 
@@ -46,7 +43,7 @@ TYPED_TEST(ConnectivityTest, OnePoseAloneHangsTogether) {
 
 TYPED_TEST(ConnectivityTest, NamesOnePoseOfEachPart) {
   auto log = this->bare(4, 0);
-  log.odometry = {{0, 1, {}, {}}, {2, 3, {}, {}}};
+  log.graph.pose_factors = {{0, 1, {}, {}}, {2, 3, {}, {}}};
   EXPECT_THAT(this->complaint(log), AllOf(HasSubstr("robot.g2o: "), HasSubstr("2 parts"), HasSubstr("pose 10"),
                                           HasSubstr("pose 12"), Not(HasSubstr("…"))));
 }
@@ -57,15 +54,15 @@ TYPED_TEST(ConnectivityTest, NamesTheFirstFewOfManyParts) {
 
 TYPED_TEST(ConnectivityTest, TheWorldTiesWhatItFixes) {
   auto log = this->bare(2, 0);
-  log.fixed = {{0, {}}};
+  log.graph.fixed = {{0, {}}};
   EXPECT_THAT(this->complaint(log), AllOf(HasSubstr("the World"), HasSubstr("pose 11")));
-  log.fixed = {{0, {}}, {1, {}}};
+  log.graph.fixed = {{0, {}}, {1, {}}};
   EXPECT_EQ(this->complaint(log), "");
 }
 
 TYPED_TEST(ConnectivityTest, NamesAFeatureThatNothingObserves) {
   auto log = this->bare(1, 2);
-  log.observations = {{0, 0, {}, {}}};
+  log.graph.feature_factors = {{0, 0, {}, {}}};
   EXPECT_THAT(this->complaint(log), HasSubstr("feature 21 is never observed"));
 }
 
@@ -74,17 +71,17 @@ TYPED_TEST(ConnectivityTest, MapsHangTogetherByWhatTheyShare) {
   set.source = "maps";
   for (std::uint64_t k = 0; k < 4; ++k) set.poses.push_back({0, k});
   set.features = {{7}};
-  set.maps.resize(2);
-  set.maps[0].base = 0;
-  set.maps[0].poses = {1};
-  set.maps[1].base = 2;
-  set.maps[1].poses = {3};
-  set.maps[1].features = {0};
+  set.graph.submaps.resize(2);
+  set.graph.submaps[0].base = 0;
+  set.graph.submaps[0].poses = {1};
+  set.graph.submaps[1].base = 2;
+  set.graph.submaps[1].poses = {3};
+  set.graph.submaps[1].features = {0};
   EXPECT_THAT(check_connected(set).error().message, AllOf(HasSubstr("pose 0"), HasSubstr("pose 2")));
-  set.maps[0].features = {0};
+  set.graph.submaps[0].features = {0};
   EXPECT_TRUE(check_connected(set));
-  set.maps[0].features.clear();
-  set.pose_observations = {{3, 0, {}, {}}};
+  set.graph.submaps[0].features.clear();
+  set.graph.pose_factors = {{3, 0, {}, {}}};
   EXPECT_TRUE(check_connected(set));
 }
 

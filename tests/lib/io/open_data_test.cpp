@@ -22,9 +22,9 @@ void expect_counts(const Log<Dim>& log, std::size_t poses, std::size_t features,
                    std::size_t observations) {
   EXPECT_EQ(log.poses.size(), poses);
   EXPECT_EQ(log.features.size(), features);
-  EXPECT_EQ(log.odometry.size(), odometry);
-  EXPECT_EQ(log.closures.size(), closures);
-  EXPECT_EQ(log.observations.size(), observations);
+  EXPECT_EQ(log.odometry().size(), odometry);
+  EXPECT_EQ(log.closures().size(), closures);
+  EXPECT_EQ(log.observations().size(), observations);
 }
 
 /// The same poses, features (up to `first_feature` in their keys), measurements and informations up to relative `precision`.
@@ -32,19 +32,19 @@ void expect_same(const Log<2>& a, const Log<2>& b, double precision, std::uint64
   ASSERT_EQ(a.poses, b.poses);
   ASSERT_EQ(a.features.size(), b.features.size());
   for (std::size_t i = 0; i < a.features.size(); ++i) EXPECT_EQ(a.features[i].key + first_feature, b.features[i].key);
-  ASSERT_EQ(a.odometry.size(), b.odometry.size());
-  for (std::size_t i = 0; i < a.odometry.size(); ++i) {
-    EXPECT_EQ(a.odometry[i].base, b.odometry[i].base);
-    EXPECT_EQ(a.odometry[i].target, b.odometry[i].target);
-    EXPECT_LE(local(a.odometry[i].measured, b.odometry[i].measured).norm(), precision);
-    EXPECT_TRUE(a.odometry[i].information.isApprox(b.odometry[i].information, precision)) << i;
+  ASSERT_EQ(a.odometry().size(), b.odometry().size());
+  for (std::size_t i = 0; i < a.odometry().size(); ++i) {
+    EXPECT_EQ(a.odometry()[i].base, b.odometry()[i].base);
+    EXPECT_EQ(a.odometry()[i].target, b.odometry()[i].target);
+    EXPECT_LE(local(a.odometry()[i].measured, b.odometry()[i].measured).norm(), precision);
+    EXPECT_TRUE(a.odometry()[i].information.isApprox(b.odometry()[i].information, precision)) << i;
   }
-  ASSERT_EQ(a.observations.size(), b.observations.size());
-  for (std::size_t i = 0; i < a.observations.size(); ++i) {
-    EXPECT_EQ(a.observations[i].base, b.observations[i].base);
-    EXPECT_EQ(a.observations[i].target, b.observations[i].target);
-    EXPECT_TRUE(a.observations[i].measured.isApprox(b.observations[i].measured, precision));
-    EXPECT_TRUE(a.observations[i].information.isApprox(b.observations[i].information, precision)) << i;
+  ASSERT_EQ(a.observations().size(), b.observations().size());
+  for (std::size_t i = 0; i < a.observations().size(); ++i) {
+    EXPECT_EQ(a.observations()[i].base, b.observations()[i].base);
+    EXPECT_EQ(a.observations()[i].target, b.observations()[i].target);
+    EXPECT_TRUE(a.observations()[i].measured.isApprox(b.observations()[i].measured, precision));
+    EXPECT_TRUE(a.observations()[i].information.isApprox(b.observations()[i].information, precision)) << i;
   }
 }
 
@@ -71,9 +71,9 @@ TEST(OpenLogData, OriginalDlrIsMapCirclesWithoutItsFirstStep) {
   EXPECT_EQ(circles.unassociated, 436);
   const auto g2o = open<2>("dlr/dlr.g2o.gz");
   expect_counts(g2o, 3297, 576, 3296, 0, 14309);
-  for (std::size_t i = 0; i < g2o.odometry.size(); ++i) {
-    EXPECT_LT(local(circles.odometry[i + 1].measured, g2o.odometry[i].measured).norm(), 2e-6);
-    EXPECT_TRUE(circles.odometry[i + 1].information.isApprox(g2o.odometry[i].information, 1e-5)) << i;
+  for (std::size_t i = 0; i < g2o.odometry().size(); ++i) {
+    EXPECT_LT(local(circles.odometry()[i + 1].measured, g2o.odometry()[i].measured).norm(), 2e-6);
+    EXPECT_TRUE(circles.odometry()[i + 1].information.isApprox(g2o.odometry()[i].information, 1e-5)) << i;
   }
 }
 
@@ -86,18 +86,18 @@ TEST(OpenLogData, ToriAreReadFromIsam) {
   expect_counts(open<3>("torus2000points/torus2000Points.txt"), 1073, 20, 1072, 962, 1039);
   const auto torus = open<3>("pose-graphs-3d/torus10000_isam.txt.gz");
   EXPECT_EQ(torus.poses.size(), 10000u);
-  EXPECT_EQ(torus.odometry.size() + torus.closures.size(), 22280u);
+  EXPECT_EQ(torus.odometry().size() + torus.closures().size(), 22280u);
 }
 
 TEST(OpenLogData, SphereInIsamsEulerAnglesClosesOnItself) {
   // The ground truth has edges without noise: composing odometry must bring every closure to its measured value.
   const auto log = open<3>("pose-graphs-3d/sphere2500_groundtruth.txt.gz");
   std::vector<Pose<3>> poses(log.poses.size());
-  for (const auto& edge : log.odometry) {
+  for (const auto& edge : log.odometry()) {
     poses[static_cast<std::size_t>(edge.target)] = compose(poses[static_cast<std::size_t>(edge.base)], edge.measured);
   }
-  ASSERT_GT(log.closures.size(), 2000u);
-  for (const auto& edge : log.closures) {
+  ASSERT_GT(log.closures().size(), 2000u);
+  for (const auto& edge : log.closures()) {
     const auto found = between(poses[static_cast<std::size_t>(edge.base)], poses[static_cast<std::size_t>(edge.target)]);
     EXPECT_LT(local(edge.measured, found).norm(), 1e-2);
   }

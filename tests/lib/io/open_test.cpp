@@ -28,7 +28,7 @@ TEST_F(OpenLogTest, KnowsEveryTextFormatByItsContentPlainAndPacked) {
     for (const auto& path : {folder.file("some.mat", content), testing::write_gzip(folder.path() / "packed", content)}) {
       const auto log = open_log(path);
       ASSERT_TRUE(log) << log.error().message;
-      EXPECT_EQ(std::get<Log<2>>(*log).odometry.size(), 1u) << content;
+      EXPECT_EQ(std::get<Log<2>>(*log).odometry().size(), 1u) << content;
       EXPECT_EQ(std::get<Log<2>>(*log).source, path.string());
     }
   }

@@ -55,10 +55,10 @@ TYPED_TEST(LogBuilderTest, SortsPosesAndTellsOdometryFromClosuresWhateverTheOrde
   const auto log = this->finish();
   ASSERT_TRUE(log);
   EXPECT_THAT(log->poses, ElementsAre(PoseId{0, 10}, PoseId{0, 20}, PoseId{0, 30}, PoseId{0, 40}));
-  EXPECT_THAT(marks(log->odometry), ElementsAre(3, 5, 4, 2));
-  EXPECT_EQ(log->odometry[0].base, 1);
-  EXPECT_EQ(log->odometry[0].target, 0);
-  EXPECT_THAT(marks(log->closures), ElementsAre(1));
+  EXPECT_THAT(marks(log->odometry()), ElementsAre(3, 5, 4, 2));
+  EXPECT_EQ(log->odometry()[0].base, 1);
+  EXPECT_EQ(log->odometry()[0].target, 0);
+  EXPECT_THAT(marks(log->closures()), ElementsAre(1));
   EXPECT_EQ(log->repeated_edges, 1);
   ASSERT_EQ(log->sessions.size(), 1u);
   EXPECT_EQ(log->sessions[0].end, 4);
@@ -74,8 +74,8 @@ TYPED_TEST(LogBuilderTest, StartsASessionWhereOdometryIsMissingAndWhereTheUserSt
   std::vector<std::pair<Index, Index>> sessions;
   for (const auto& s : log->sessions) sessions.emplace_back(s.begin, s.end);
   EXPECT_THAT(sessions, ElementsAre(std::pair(0, 2), std::pair(2, 4), std::pair(4, 6)));
-  EXPECT_EQ(log->odometry.size(), 3u);
-  EXPECT_THAT(marks(log->closures), ElementsAre(7));
+  EXPECT_EQ(log->odometry().size(), 3u);
+  EXPECT_THAT(marks(log->closures()), ElementsAre(7));
 }
 
 TYPED_TEST(LogBuilderTest, SortsObservationsByPoseAndKeepsTheFilesOrderWithin) {
@@ -86,9 +86,9 @@ TYPED_TEST(LogBuilderTest, SortsObservationsByPoseAndKeepsTheFilesOrderWithin) {
   this->observe(5, 6, 4);  // Feature 6 is not pose 6.
   const auto log = this->finish();
   ASSERT_TRUE(log);
-  EXPECT_THAT(marks(log->observations), ElementsAre(2, 4, 1, 3));
+  EXPECT_THAT(marks(log->observations()), ElementsAre(2, 4, 1, 3));
   EXPECT_THAT(log->features, ElementsAre(FeatureId{3}, FeatureId{6}, FeatureId{9}));
-  EXPECT_EQ(log->observations[0].target, 2);
+  EXPECT_EQ(log->observations()[0].target, 2);
   EXPECT_EQ(log->poses.size(), 2u);
 }
 
@@ -103,9 +103,9 @@ TYPED_TEST(LogBuilderTest, KeepsInitialValuesOnlyWhereEveryoneHasOne) {
   this->builder.add_feature({5});
   const auto log = this->finish();
   ASSERT_TRUE(log);
-  ASSERT_EQ(log->initial_poses.size(), 2u);
-  EXPECT_EQ(local(log->initial_poses[1], b).norm(), 0.0);
-  EXPECT_TRUE(log->initial_features.empty());
+  ASSERT_EQ(log->initial.poses.size(), 2u);
+  EXPECT_EQ(local(log->initial.poses[1], b).norm(), 0.0);
+  EXPECT_TRUE(log->initial.features.empty());
 }
 
 TYPED_TEST(LogBuilderTest, FixesAPoseAtTheValueGivenElseAtItsInitialValueElseAtTheOrigin) {
@@ -122,10 +122,10 @@ TYPED_TEST(LogBuilderTest, FixesAPoseAtTheValueGivenElseAtItsInitialValueElseAtT
   this->builder.add_pose({0, 3});
   const auto log = this->finish();
   ASSERT_TRUE(log);
-  ASSERT_EQ(log->fixed.size(), 3u);
-  EXPECT_EQ(local(log->fixed[0].value, initial).norm(), 0.0);
-  EXPECT_EQ(local(log->fixed[1].value, given).norm(), 0.0);
-  EXPECT_EQ(local(log->fixed[2].value, Pose<kDim>{}).norm(), 0.0);
+  ASSERT_EQ(log->graph.fixed.size(), 3u);
+  EXPECT_EQ(local(log->graph.fixed[0].value, initial).norm(), 0.0);
+  EXPECT_EQ(local(log->graph.fixed[1].value, given).norm(), 0.0);
+  EXPECT_EQ(local(log->graph.fixed[2].value, Pose<kDim>{}).norm(), 0.0);
 }
 
 TYPED_TEST(LogBuilderTest, PriorsComeFromTheWorld) {
@@ -135,9 +135,9 @@ TYPED_TEST(LogBuilderTest, PriorsComeFromTheWorld) {
   this->builder.add_feature_prior({8}, Point<kDim>::Ones(), PointMatrix<kDim>::Identity());
   const auto log = this->finish();
   ASSERT_TRUE(log);
-  EXPECT_EQ(log->pose_priors.at(0).base, kWorld);
-  EXPECT_EQ(log->pose_priors.at(0).target, 1);
-  EXPECT_EQ(log->feature_priors.at(0).target, 0);
+  EXPECT_EQ(log->pose_priors()[0].base, kWorld);
+  EXPECT_EQ(log->pose_priors()[0].target, 1);
+  EXPECT_EQ(log->feature_priors()[0].target, 0);
 }
 
 TYPED_TEST(LogBuilderTest, RefusesALogWithoutPoses) {
@@ -181,8 +181,8 @@ TYPED_TEST(LogBuilderTest, FindsKeysFarApart) {
   this->edge({0, far - 1}, {0, far});
   const auto log = this->finish();
   ASSERT_TRUE(log);
-  EXPECT_EQ(log->odometry.size(), 2u);
-  EXPECT_EQ(log->odometry[1].target, 2);
+  EXPECT_EQ(log->odometry().size(), 2u);
+  EXPECT_EQ(log->odometry()[1].target, 2);
 }
 
 TYPED_TEST(LogBuilderTest, IdentityCovarianceReplacesEveryInformationMatrix) {
@@ -197,11 +197,11 @@ TYPED_TEST(LogBuilderTest, IdentityCovarianceReplacesEveryInformationMatrix) {
   auto log = this->finish();
   ASSERT_TRUE(log);
   use_identity_covariance(*log);
-  EXPECT_TRUE(log->odometry.at(0).information.isIdentity(0.0));
-  EXPECT_TRUE(log->closures.at(0).information.isIdentity(0.0));
-  EXPECT_TRUE(log->observations.at(0).information.isIdentity(0.0));
-  EXPECT_TRUE(log->pose_priors.at(0).information.isIdentity(0.0));
-  EXPECT_TRUE(log->feature_priors.at(0).information.isIdentity(0.0));
+  EXPECT_TRUE(log->odometry()[0].information.isIdentity(0.0));
+  EXPECT_TRUE(log->closures()[0].information.isIdentity(0.0));
+  EXPECT_TRUE(log->observations()[0].information.isIdentity(0.0));
+  EXPECT_TRUE(log->pose_priors()[0].information.isIdentity(0.0));
+  EXPECT_TRUE(log->feature_priors()[0].information.isIdentity(0.0));
   EXPECT_EQ(log->conventions.covariance, Covariance::kIdentity);
 }
 

@@ -30,13 +30,13 @@ TEST(OdomObs, ReadsBothFormsOfObservationsAndCountsTheUnassociated) {
       "OBS 0 17 1 2 2 1 3\n"
       "OBS 1 17 3 4 0.9 2 1 3\n"
       "OBS 1 -1 3 4 0.9 0 0 0\n");
-  EXPECT_TRUE((log.odometry.at(0).information * kCovariance).isIdentity(1e-14));
-  EXPECT_EQ(log.odometry[0].measured.translation, Point<2>(0.1, 0.2));
-  EXPECT_EQ(log.odometry[0].measured.rotation.angle(), 0.3);
-  ASSERT_EQ(log.observations.size(), 2u);
-  EXPECT_EQ(log.observations[1].measured, Point<2>(3, 4));
+  EXPECT_TRUE((log.odometry()[0].information * kCovariance).isIdentity(1e-14));
+  EXPECT_EQ(log.odometry()[0].measured.translation, Point<2>(0.1, 0.2));
+  EXPECT_EQ(log.odometry()[0].measured.rotation.angle(), 0.3);
+  ASSERT_EQ(log.observations().size(), 2u);
+  EXPECT_EQ(log.observations()[1].measured, Point<2>(3, 4));
   const Matrix<2> P = (Matrix<2>() << 2, 1, 1, 3).finished();
-  for (const auto& o : log.observations) EXPECT_TRUE((o.information * P).isIdentity(1e-14));
+  for (const auto& o : log.observations()) EXPECT_TRUE((o.information * P).isIdentity(1e-14));
   EXPECT_THAT(log.features, ElementsAre(FeatureId{17}));
   EXPECT_EQ(log.unassociated, 1);
 }
@@ -49,9 +49,9 @@ TEST(MapCircles, CountsPosesByStepsAndOrdersTheCovariance) {
       "LANDMARK_C 1 2 0.9 0 0 0 -1\n"
       "LANDMARK_C 3 4 0.9 2 1 3 7\n");
   EXPECT_THAT(log.poses, ElementsAre(PoseId{0, 0}, PoseId{0, 1}, PoseId{0, 2}));
-  EXPECT_TRUE((log.odometry.at(1).information * kCovariance).isIdentity(1e-14));
-  EXPECT_EQ(log.observations.at(0).base, 1);
-  EXPECT_EQ(log.observations.at(1).base, 2);
+  EXPECT_TRUE((log.odometry()[1].information * kCovariance).isIdentity(1e-14));
+  EXPECT_EQ(log.observations()[0].base, 1);
+  EXPECT_EQ(log.observations()[1].base, 2);
   EXPECT_THAT(log.features, ElementsAre(FeatureId{7}, FeatureId{23}));
   EXPECT_EQ(log.unassociated, 1);
 }

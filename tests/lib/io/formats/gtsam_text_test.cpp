@@ -23,16 +23,16 @@ const std::string kOdometry = "ODOMETRY 0 1 1 2 0.5 4 0 0 4 0 0.25\n";
 TEST(GtsamText, HasCovariances) {
   const auto log =
       std::get<Log<2>>(read_gtsam_text(TextScanner("some.txt", kOdometry + "LANDMARK 1 2 3 4 0.5 0 2\n"), {}).value());
-  EXPECT_TRUE(log.odometry.at(0).information.isApprox(Matrix<3>(Vector<3>(0.25, 0.25, 4.0).asDiagonal()), 1e-15));
+  EXPECT_TRUE(log.odometry()[0].information.isApprox(Matrix<3>(Vector<3>(0.25, 0.25, 4.0).asDiagonal()), 1e-15));
   EXPECT_THAT(log.features, ElementsAre(FeatureId{2}));
-  EXPECT_EQ(log.observations.at(0).base, 1);
-  EXPECT_TRUE(log.observations[0].information.isApprox(Matrix<2>(Vector<2>(2.0, 0.5).asDiagonal()), 1e-15));
+  EXPECT_EQ(log.observations()[0].base, 1);
+  EXPECT_TRUE(log.observations()[0].information.isApprox(Matrix<2>(Vector<2>(2.0, 0.5).asDiagonal()), 1e-15));
 }
 
 TEST(GtsamText, IsToldFromIsamByItsOdometryWhereverItStands) {
   const testing::TemporaryFolder folder;
   const auto log = open_log(folder.file("log", "LANDMARK 1 2 3 4 0.5 0 2\n" + kOdometry));
-  EXPECT_NEAR(std::get<Log<2>>(log.value()).observations.at(0).information(0, 0), 2.0, 1e-15);
+  EXPECT_NEAR(std::get<Log<2>>(log.value()).observations()[0].information(0, 0), 2.0, 1e-15);
 }
 
 TEST(GtsamText, NumbersFeaturesApartFromPoses) {

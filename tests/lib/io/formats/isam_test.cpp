@@ -25,13 +25,13 @@ TEST(Isam, ReadsThePlaneAndSquaresItsInformation) {
       std::get<Log<2>>(read("EDGE2 0 1 1 2 0.5 1 2 3 4 5 6\nLANDMARK 1 0 7 8 1 2 3\nEDGE2 1 2 1 2 -0.5 1 0 0 1 0 1\n").value());
   EXPECT_EQ(log.poses.size(), 3u);
   EXPECT_THAT(log.features, ElementsAre(FeatureId{0}));
-  EXPECT_EQ(log.odometry.at(0).measured.translation, Point<2>(1, 2));
-  EXPECT_EQ(log.odometry[0].measured.rotation.angle(), 0.5);
+  EXPECT_EQ(log.odometry()[0].measured.translation, Point<2>(1, 2));
+  EXPECT_EQ(log.odometry()[0].measured.rotation.angle(), 0.5);
   const Matrix<3> S = (Matrix<3>() << 1, 2, 3, 0, 4, 5, 0, 0, 6).finished();
-  EXPECT_EQ(log.odometry[0].information, S.transpose() * S);
-  EXPECT_EQ(log.observations.at(0).base, 1);
-  EXPECT_EQ(log.observations[0].measured, Point<2>(7, 8));
-  EXPECT_EQ(log.observations[0].information, (Matrix<2>() << 1, 2, 2, 13).finished());
+  EXPECT_EQ(log.odometry()[0].information, S.transpose() * S);
+  EXPECT_EQ(log.observations()[0].base, 1);
+  EXPECT_EQ(log.observations()[0].measured, Point<2>(7, 8));
+  EXPECT_EQ(log.observations()[0].information, (Matrix<2>() << 1, 2, 2, 13).finished());
 }
 
 /// R = Rz(yaw) Ry(pitch) Rx(roll), written out.
@@ -49,7 +49,7 @@ TEST(Isam, TurnsTheInformationOfEulerAnglesToTheRotationVectorAtTheMeasurement) 
       std::get<Log<3>>(read("EDGE3 0 1 1 2 3 0.3 -0.8 2.5 1 2 3 4 5 6 7 8 9 10 11 12 13 14 15 16 17 18 19 20 21\n").value());
   const Vector<3> angles(0.3, -0.8, 2.5);
   const Rotation<3> R = from_angles(angles);
-  const auto& edge = log.odometry.at(0);
+  const auto& edge = log.odometry()[0];
   EXPECT_EQ(edge.measured.translation, Point<3>(1, 2, 3));
   EXPECT_TRUE(edge.measured.rotation.matrix().isApprox(R.matrix(), 1e-14));
 
@@ -68,8 +68,8 @@ TEST(Isam, TurnsTheInformationOfEulerAnglesToTheRotationVectorAtTheMeasurement) 
 
 TEST(Isam, ReadsPointsInSpace) {
   const auto log = std::get<Log<3>>(read("POINT3 4 4 1 2 3 1 0 0 2 0 3\n").value());
-  EXPECT_EQ(log.observations.at(0).measured, Point<3>(1, 2, 3));
-  EXPECT_EQ(log.observations[0].information.diagonal(), Vector<3>(1, 4, 9));
+  EXPECT_EQ(log.observations()[0].measured, Point<3>(1, 2, 3));
+  EXPECT_EQ(log.observations()[0].information.diagonal(), Vector<3>(1, 4, 9));
 }
 
 TEST(Isam, NamesLineAndColumnOfWhatIsWrong) {

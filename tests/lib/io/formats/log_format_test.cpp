@@ -27,8 +27,8 @@ class LogFormatTest : public ::testing::Test {
 
   Log<kDim> world(const WorldOptions& options = {.reversed_odometry = true}) const {
     auto [log, truth] = small_world<kDim>(options);
-    log.initial_poses = truth.poses;
-    log.initial_features = truth.features;
+    log.initial.poses = truth.poses;
+    log.initial.features = truth.features;
     return log;
   }
   Log<kDim> again(const Log<kDim>& log, LogFormat format) const {
@@ -62,7 +62,7 @@ TYPED_TEST(LogFormatTest, ToroBringsBackAPoseGraphAndItsValues) {
   const auto again = this->again(log, LogFormat::kToro);
   expect_same_log(log, again, {rounding, rounding});
   for (std::size_t p = 0; p < log.poses.size(); ++p) {
-    expect_same_value(log.initial_poses[p], again.initial_poses.at(p), rounding);
+    expect_same_value(log.initial.poses[p], again.initial.poses.at(p), rounding);
   }
   EXPECT_EQ(losses(log, LogFormat::kToro).size(), Dim == 2 ? 0u : 1u);
 }
@@ -82,10 +82,10 @@ TYPED_TEST(LogFormatTest, IsamBringsBackEdgesAndObservationsToRounding) {
 TYPED_TEST(LogFormatTest, IsamKeepsWhatWasNotMeasured) {
   constexpr int Dim = TypeParam::value;
   auto log = this->world();
-  for (auto& o : log.observations) o.information.setZero();
-  for (auto& o : log.observations) o.information(Dim - 1, Dim - 1) = 7.0;
+  for (auto& o : log.graph.feature_factors) o.information.setZero();
+  for (auto& o : log.graph.feature_factors) o.information(Dim - 1, Dim - 1) = 7.0;
   const auto again = this->again(log, LogFormat::kIsam);
-  for (const auto& o : again.observations) {
+  for (const auto& o : again.observations()) {
     EXPECT_NEAR(o.information(Dim - 1, Dim - 1), 7.0, 1e-14);
     EXPECT_TRUE(o.information.row(0).isZero(0.0));
   }
@@ -107,9 +107,9 @@ TYPED_TEST(LogFormatTest, TumBringsBackValuesAndStamps) {
   }
   const auto again = this->again(log, LogFormat::kTum);
   EXPECT_EQ(again.stamps_ns, log.stamps_ns);
-  EXPECT_TRUE(again.odometry.empty());
+  EXPECT_TRUE(again.odometry().empty());
   for (std::size_t p = 0; p < log.poses.size(); ++p) {
-    expect_same_value(log.initial_poses[p], again.initial_poses.at(p), Dim == 2 ? 1e-14 : 0.0);
+    expect_same_value(log.initial.poses[p], again.initial.poses.at(p), Dim == 2 ? 1e-14 : 0.0);
   }
   log.stamps_ns.clear();
   EXPECT_TRUE(this->again(log, LogFormat::kTum).stamps_ns.empty());
@@ -118,21 +118,21 @@ TYPED_TEST(LogFormatTest, TumBringsBackValuesAndStamps) {
 TYPED_TEST(LogFormatTest, KittiBringsBackValues) {
   const auto log = this->world();
   const auto again = this->again(log, LogFormat::kKitti);
-  ASSERT_EQ(again.initial_poses.size(), log.poses.size());
+  ASSERT_EQ(again.initial.poses.size(), log.poses.size());
   for (std::size_t p = 0; p < log.poses.size(); ++p) {
-    expect_same_value(log.initial_poses[p], again.initial_poses[p], 1e-14);
+    expect_same_value(log.initial.poses[p], again.initial.poses[p], 1e-14);
   }
 }
 
 TYPED_TEST(LogFormatTest, TellsWhatHasNoPlace) {
   constexpr int Dim = TypeParam::value;
   auto log = this->world({.features = 0});
-  log.pose_priors.push_back({kWorld, 0, {}, PoseMatrix<Dim>::Identity()});
-  log.fixed.push_back({0, log.initial_poses[0]});
+  log.graph.pose_factors.push_back({kWorld, 0, {}, PoseMatrix<Dim>::Identity()});
+  log.graph.fixed.push_back({0, log.initial.poses[0]});
   log.stamps_ns.resize(log.poses.size());
   EXPECT_THAT(losses(log, LogFormat::kG2o), ElementsAre("1 prior left out", "time stamps are left out"));
   EXPECT_THAT(losses(log, LogFormat::kToro), Contains("which poses are fixed is left out"));
-  EXPECT_EQ(this->again(log, LogFormat::kG2o).fixed.size(), 1u);
+  EXPECT_EQ(this->again(log, LogFormat::kG2o).graph.fixed.size(), 1u);
 }
 
 TYPED_TEST(LogFormatTest, RefusesInASentenceWhatAFormatCannotSay) {
@@ -142,18 +142,18 @@ TYPED_TEST(LogFormatTest, RefusesInASentenceWhatAFormatCannotSay) {
     EXPECT_EQ(this->refusal(log, LogFormat::kGtsam), "small world: the format gtsam is for the plane");
     EXPECT_EQ(this->refusal(log, LogFormat::kMat), "small world: the format mat is for the plane");
     auto upright = log;
-    upright.odometry[4].measured.rotation =
+    upright.graph.pose_factors[4].measured.rotation =
         Rotation<Dim>::exp(RotationVector<Dim>::Unit(Dim == 3 ? 1 : 0) * 0.5 * std::numbers::pi);
     EXPECT_THAT(this->refusal(upright, LogFormat::kIsam),
                 HasSubstr("has a pitch of a right angle, which iSAM's files cannot say"));
   } else {
     auto singular = log;
-    singular.odometry[4].information.setZero();
+    singular.graph.pose_factors[4].information.setZero();
     for (const LogFormat format : {LogFormat::kGtsam, LogFormat::kOdomObs, LogFormat::kMat}) {
       EXPECT_THAT(this->refusal(singular, format), HasSubstr("has an information matrix that is singular"));
     }
   }
-  log.initial_poses.clear();
+  log.initial.poses.clear();
   for (const LogFormat format : {LogFormat::kToro, LogFormat::kTum, LogFormat::kKitti}) {
     EXPECT_THAT(this->refusal(log, format), HasSubstr("needs the values of all poses"));
   }

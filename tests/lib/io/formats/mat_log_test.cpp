@@ -48,15 +48,15 @@ TEST_F(MatLogTest, ReadsARowOfVictoriaParkInTheOrderOfItsColumns) {
   const Log<2> log = read(write("VicPark_clean_data", table));
   EXPECT_THAT(log.poses, ElementsAre(PoseId{0, 4}, PoseId{0, 5}));
   EXPECT_THAT(log.features, ElementsAre(FeatureId{77}));
-  ASSERT_EQ(log.odometry.size(), 1u);
-  EXPECT_EQ(local(Pose<2>{}, log.odometry[0].measured), Vector<3>(1, 2, 3));
+  ASSERT_EQ(log.odometry().size(), 1u);
+  EXPECT_EQ(local(Pose<2>{}, log.odometry()[0].measured), Vector<3>(1, 2, 3));
   const Matrix<3> P = (Matrix<3>() << 4, 1, 2, 1, 5, 3, 2, 3, 6).finished();
-  EXPECT_LT((log.odometry[0].information * P - Matrix<3>::Identity()).norm(), 1e-14);
-  ASSERT_EQ(log.observations.size(), 1u);
-  EXPECT_EQ(log.observations[0].base, 0);
-  EXPECT_EQ(log.observations[0].measured, Point<2>(10, 20));
+  EXPECT_LT((log.odometry()[0].information * P - Matrix<3>::Identity()).norm(), 1e-14);
+  ASSERT_EQ(log.observations().size(), 1u);
+  EXPECT_EQ(log.observations()[0].base, 0);
+  EXPECT_EQ(log.observations()[0].measured, Point<2>(10, 20));
   const Matrix<2> Q = (Matrix<2>() << 2, 1, 1, 3).finished();
-  EXPECT_LT((log.observations[0].information * Q - Matrix<2>::Identity()).norm(), 1e-14);
+  EXPECT_LT((log.observations()[0].information * Q - Matrix<2>::Identity()).norm(), 1e-14);
 }
 
 TEST_F(MatLogTest, ReadsDlrRowsAtThePoseThatTheStepLedTo) {
@@ -66,9 +66,9 @@ TEST_F(MatLogTest, ReadsDlrRowsAtThePoseThatTheStepLedTo) {
       11.0, 21.0, 0.5, 2, 1, 3, -1, 0, 0, 0;
   const Log<2> log = read(write("corrected_data_circles", table));
   const Matrix<3> P = (Matrix<3>() << 4, 1, 2, 1, 5, 3, 2, 3, 6).finished();
-  EXPECT_LT((log.odometry.at(0).information * P - Matrix<3>::Identity()).norm(), 1e-14);
-  ASSERT_EQ(log.observations.size(), 1u);
-  EXPECT_EQ(log.observations[0].base, 1);
+  EXPECT_LT((log.odometry()[0].information * P - Matrix<3>::Identity()).norm(), 1e-14);
+  ASSERT_EQ(log.observations().size(), 1u);
+  EXPECT_EQ(log.observations()[0].base, 1);
   EXPECT_EQ(log.unassociated, 1);
 }
 
@@ -96,18 +96,18 @@ TEST(MatLogData, VictoriaPark) {
   const Log<2> log = read(data_file("vicpark-6898/VicPark_clean_data.mat"));
   EXPECT_EQ(log.poses.size(), 6899u);
   EXPECT_EQ(log.features.size(), 299u);
-  EXPECT_EQ(log.odometry.size(), 6898u);
-  EXPECT_EQ(log.observations.size(), 45390u);
+  EXPECT_EQ(log.odometry().size(), 6898u);
+  EXPECT_EQ(log.observations().size(), 45390u);
   EXPECT_EQ(log.sessions.size(), 1u);
-  EXPECT_TRUE(log.closures.empty());
+  EXPECT_TRUE(log.closures().empty());
 }
 
 TEST(MatLogData, DlrCorrected) {
   const Log<2> log = read(data_file("dlr/corrected_data_circles.mat"));
   EXPECT_EQ(log.poses.size(), 3298u);
   EXPECT_EQ(log.features.size(), 549u);
-  EXPECT_EQ(log.odometry.size(), 3297u);
-  EXPECT_EQ(log.observations.size(), 14184u);
+  EXPECT_EQ(log.odometry().size(), 3297u);
+  EXPECT_EQ(log.observations().size(), 14184u);
   EXPECT_EQ(log.unassociated, 436);
 }
 

@@ -42,30 +42,30 @@ class MrclamTest : public ::testing::Test {
 
 TEST_F(MrclamTest, IntegratesVelocitiesAlongArcs) {
   const Log<2> log = read();
-  ASSERT_EQ(log.odometry.size(), 2u);
-  EXPECT_LE((log.odometry[0].measured.translation - Point<2>(2, 2)).norm(), 1e-12);
-  EXPECT_NEAR(log.odometry[0].measured.rotation.angle(), 0.5 * kPi, 1e-12);
-  EXPECT_LE((log.odometry[1].measured.translation - Point<2>(1, 0)).norm(), 1e-12);
+  ASSERT_EQ(log.odometry().size(), 2u);
+  EXPECT_LE((log.odometry()[0].measured.translation - Point<2>(2, 2)).norm(), 1e-12);
+  EXPECT_NEAR(log.odometry()[0].measured.rotation.angle(), 0.5 * kPi, 1e-12);
+  EXPECT_LE((log.odometry()[1].measured.translation - Point<2>(1, 0)).norm(), 1e-12);
   EXPECT_THAT(log.stamps_ns, ElementsAre(100'000'000'000, 101'000'000'000, 103'000'000'000));
 }
 
 TEST_F(MrclamTest, TurnsRangesAndBearingsToPositions) {
   const Log<2> log = read();
   EXPECT_THAT(log.features, ElementsAre(FeatureId{6}, FeatureId{7}));
-  ASSERT_EQ(log.observations.size(), 3u);
-  EXPECT_EQ(log.observations[0].measured, Point<2>(2, 0));
-  EXPECT_LE((log.observations[1].measured - Point<2>(0, 3)).norm(), 1e-12);
+  ASSERT_EQ(log.observations().size(), 3u);
+  EXPECT_EQ(log.observations()[0].measured, Point<2>(2, 0));
+  EXPECT_LE((log.observations()[1].measured - Point<2>(0, 3)).norm(), 1e-12);
   const MrclamNoise noise;
   const double across = 2.0 * noise.bearing;
   const Matrix<2> P = Vector<2>(noise.range * noise.range, across * across).asDiagonal();
-  EXPECT_TRUE(log.observations[0].information.isApprox(Matrix<2>(P.inverse()), 1e-12));
+  EXPECT_TRUE(log.observations()[0].information.isApprox(Matrix<2>(P.inverse()), 1e-12));
 }
 
 TEST_F(MrclamTest, GivesMotionTheNoiseOfItsTime) {
   const Log<2> log = read();
   const MrclamNoise noise;
   // Two seconds, in which the heading's error moves the robot only while it goes straight: to first order P is known.
-  const Matrix<3> P = log.odometry[1].information.inverse();
+  const Matrix<3> P = log.odometry()[1].information.inverse();
   EXPECT_NEAR(P(0, 0), 2.0 * noise.forward * noise.forward, 1e-12);
   EXPECT_NEAR(P(2, 2), 2.0 * noise.turn * noise.turn, 1e-12);
   EXPECT_NEAR(P(1, 2), noise.turn * noise.turn, 1e-12);  // One second of turning error before one metre.
@@ -123,7 +123,7 @@ TEST(MrclamData, AgreesWithTheMotionCapture) {
   const auto folder = testing::data_file("mrclam6");
   const Log<2> log = std::get<Log<2>>(read_mrclam(folder).value());
   EXPECT_EQ(log.sessions.size(), 5u);
-  EXPECT_EQ(log.observations.size(), 1534u + 3239u + 4348u + 2023u + 4239u);
+  EXPECT_EQ(log.observations().size(), 1534u + 3239u + 4348u + 2023u + 4239u);
   EXPECT_EQ(log.unassociated, 407 + 792 + 1277 + 373 + 1139 + 1 + 0 + 2 + 3 + 0);
 
   const auto landmarks = table_in<2>(folder / "Landmark_Groundtruth.dat");
@@ -135,7 +135,7 @@ TEST(MrclamData, AgreesWithTheMotionCapture) {
   };
   const auto is_first_robot = [&](Index p) { return log.poses[static_cast<std::size_t>(p)].session == 0; };
   std::vector<double> misses;
-  for (const auto& o : log.observations) {
+  for (const auto& o : log.observations()) {
     if (!is_first_robot(o.base)) continue;
     const auto subject = static_cast<double>(log.features[static_cast<std::size_t>(o.target)].key);
     misses.push_back((transform(true_pose(o.base), o.measured) - landmarks.at(subject)).norm());
@@ -143,7 +143,7 @@ TEST(MrclamData, AgreesWithTheMotionCapture) {
   EXPECT_EQ(misses.size(), 1534u);
   EXPECT_LT(median(misses), 0.2);
   std::vector<double> drifts;
-  for (const auto& edge : log.odometry) {
+  for (const auto& edge : log.odometry()) {
     if (!is_first_robot(edge.base)) continue;
     drifts.push_back(local(between(true_pose(edge.base), true_pose(edge.target)), edge.measured).norm());
   }

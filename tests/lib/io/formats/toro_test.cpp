@@ -27,12 +27,12 @@ const std::string kVertices = "VERTEX2 0 0 0 0\nVERTEX2 1 1 2 0.5\n";
 
 TEST(Toro, ReadsThePlaneWithItsOwnOrderOfWeights) {
   const auto log = std::get<Log<2>>(read(kVertices + "EDGE2 0 1 1 2 0.5 10 1 20 30 2 3\n").value());
-  ASSERT_EQ(log.odometry.size(), 1u);
-  EXPECT_EQ(log.odometry[0].measured.translation, Point<2>(1, 2));
-  EXPECT_EQ(log.odometry[0].measured.rotation.angle(), 0.5);
-  EXPECT_EQ(log.odometry[0].information, (Matrix<3>() << 10, 1, 2, 1, 20, 3, 2, 3, 30).finished());
-  ASSERT_EQ(log.initial_poses.size(), 2u);
-  EXPECT_EQ(log.initial_poses[1].rotation.angle(), 0.5);
+  ASSERT_EQ(log.odometry().size(), 1u);
+  EXPECT_EQ(log.odometry()[0].measured.translation, Point<2>(1, 2));
+  EXPECT_EQ(log.odometry()[0].measured.rotation.angle(), 0.5);
+  EXPECT_EQ(log.odometry()[0].information, (Matrix<3>() << 10, 1, 2, 1, 20, 3, 2, 3, 30).finished());
+  ASSERT_EQ(log.initial.poses.size(), 2u);
+  EXPECT_EQ(log.initial.poses[1].rotation.angle(), 0.5);
 }
 
 TEST(Toro, TakesAnglesInSpaceAsIsamDoes) {
@@ -44,16 +44,16 @@ TEST(Toro, TakesAnglesInSpaceAsIsamDoes) {
       read("VERTEX3 0 0 0 0 0 0 0\nVERTEX3 1 1 2 3 0.3 -0.8 2.5\n" + edge + "1 0 0 0 0 0 4 0 0 0 0 9 0 0 0 16 0 0 25 0 36\n")
           .value());
   testing::expect_same_log(isam, toro, {0.0, 1e-14});
-  EXPECT_LE(local(toro.initial_poses[1], toro.odometry[0].measured).norm(), 1e-15);
+  EXPECT_LE(local(toro.initial.poses[1], toro.odometry()[0].measured).norm(), 1e-15);
 }
 
 TEST(Toro, IsToldFromIsamByItsVerticesWhereverTheyStand) {
   const testing::TemporaryFolder folder;
   const std::string edge = "EDGE2 0 1 1 2 0.5 10 0 20 30 0 0\n";
   const auto toro = open_log(folder.file("toro", edge + kVertices));
-  EXPECT_EQ(std::get<Log<2>>(toro.value()).odometry[0].information(2, 2), 30.0);
+  EXPECT_EQ(std::get<Log<2>>(toro.value()).odometry()[0].information(2, 2), 30.0);
   const auto isam = open_log(folder.file("isam", edge));
-  EXPECT_EQ(std::get<Log<2>>(isam.value()).odometry[0].information(1, 1), 900.0);
+  EXPECT_EQ(std::get<Log<2>>(isam.value()).odometry()[0].information(1, 1), 900.0);
 }
 
 TEST(Toro, NamesThePlaceOfWhatIsWrong) {

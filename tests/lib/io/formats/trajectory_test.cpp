@@ -33,8 +33,8 @@ TEST_F(TrajectoryTest, TumGivesTimesToTheNanosecond) {
       "# time x y z qx qy qz qw\n1305031102.175304123 1 2 3 0 0 0 1\n1305031103.5 4 5 6 1 0 0 0\n-0.25 0 0 1 0 0 0 1\n");
   EXPECT_THAT(log.poses, ElementsAre(PoseId{0, 0}, PoseId{0, 1}, PoseId{0, 2}));
   EXPECT_THAT(log.stamps_ns, ElementsAre(1305031102175304123, 1305031103500000000, -250000000));
-  EXPECT_EQ(log.initial_poses[1].translation, Point<3>(4, 5, 6));
-  EXPECT_EQ(log.initial_poses[1].rotation.quaternion().x(), 1.0);
+  EXPECT_EQ(log.initial.poses[1].translation, Point<3>(4, 5, 6));
+  EXPECT_EQ(log.initial.poses[1].rotation.quaternion().x(), 1.0);
 }
 
 TEST_F(TrajectoryTest, TumTakesTimesWithExponents) {
@@ -50,19 +50,19 @@ TEST_F(TrajectoryTest, TumThatCountsHasNoTimes) {
 
 TEST_F(TrajectoryTest, IsInThePlaneWhereEveryPoseIs) {
   const auto flat = read<2>("0 1 2 0 0 0 0.6 0.8\n1 3 4 0 0 0 0 1\n");
-  EXPECT_EQ(flat.initial_poses[0].translation, Point<2>(1, 2));
-  EXPECT_NEAR(flat.initial_poses[0].rotation.angle(), 2.0 * std::atan2(0.6, 0.8), 1e-15);
+  EXPECT_EQ(flat.initial.poses[0].translation, Point<2>(1, 2));
+  EXPECT_NEAR(flat.initial.poses[0].rotation.angle(), 2.0 * std::atan2(0.6, 0.8), 1e-15);
   EXPECT_EQ(read<3>("0 1 2 0 0 0 0.6 0.8\n1 3 4 0 0.6 0 0 0.8\n").poses.size(), 2u);
 }
 
 TEST_F(TrajectoryTest, KittiGivesTheRowsOfRotationAndTranslation) {
   const auto log = read<3>("1 0 0 7 0 0 -1 8 0 1 0 9\n");  // A quarter turn about x.
-  EXPECT_EQ(log.initial_poses[0].translation, Point<3>(7, 8, 9));
+  EXPECT_EQ(log.initial.poses[0].translation, Point<3>(7, 8, 9));
   const RotationVector<3> quarter(0.5 * std::numbers::pi, 0.0, 0.0);
-  EXPECT_LE((log.initial_poses[0].rotation.log() - quarter).norm(), 1e-15);
+  EXPECT_LE((log.initial.poses[0].rotation.log() - quarter).norm(), 1e-15);
   EXPECT_THAT(log.stamps_ns, IsEmpty());
   const auto flat = read<2>("0 -1 0 7 1 0 0 8 0 0 1 0\n");
-  EXPECT_NEAR(flat.initial_poses[0].rotation.angle(), 0.5 * std::numbers::pi, 1e-15);
+  EXPECT_NEAR(flat.initial.poses[0].rotation.angle(), 0.5 * std::numbers::pi, 1e-15);
 }
 
 TEST_F(TrajectoryTest, NamesThePlaceOfWhatIsWrong) {

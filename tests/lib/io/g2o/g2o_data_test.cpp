@@ -40,16 +40,14 @@ PoseVector<3> g2o_error(const Pose<3>& Z, const Pose<3>& b, const Pose<3>& t) {
 /// chi2 at the file's values, of information matrices that were read as they are.
 template <int Dim>
 double g2o_chi2(const Log<Dim>& log) {
-  const auto pose = [&](Index i) -> const Pose<Dim>& { return log.initial_poses.at(static_cast<std::size_t>(i)); };
+  const auto pose = [&](Index i) -> const Pose<Dim>& { return log.initial.poses.at(static_cast<std::size_t>(i)); };
   double chi2 = 0.0;
-  for (const auto* edges : {&log.odometry, &log.closures}) {
-    for (const auto& edge : *edges) {
-      const auto e = g2o_error(edge.measured, pose(edge.base), pose(edge.target));
-      chi2 += e.dot(edge.information * e);
-    }
+  for (const auto& edge : log.edges()) {
+    const auto e = g2o_error(edge.measured, pose(edge.base), pose(edge.target));
+    chi2 += e.dot(edge.information * e);
   }
-  for (const auto& o : log.observations) {
-    const Point<Dim> feature = log.initial_features.at(static_cast<std::size_t>(o.target));
+  for (const auto& o : log.observations()) {
+    const Point<Dim> feature = log.initial.features.at(static_cast<std::size_t>(o.target));
     const Point<Dim> e = pose(o.base).rotation.matrix().transpose() * (feature - pose(o.base).translation) - o.measured;
     chi2 += e.dot(o.information * e);
   }
@@ -78,8 +76,8 @@ TEST_P(G2oData, HasTheCountsAndTheChi2OfItsReadme) {
         EXPECT_EQ(Dim, GetParam().dimension);
         EXPECT_EQ(log.poses.size(), GetParam().poses);
         EXPECT_EQ(log.features.size(), GetParam().features);
-        EXPECT_EQ(log.odometry.size() + log.closures.size(), GetParam().edges);
-        EXPECT_EQ(log.observations.size(), GetParam().observations);
+        EXPECT_EQ(log.edges().size(), GetParam().edges);
+        EXPECT_EQ(log.observations().size(), GetParam().observations);
         if (const auto chi2 = GetParam().chi2) {
           EXPECT_NEAR(g2o_chi2(log), *chi2, GetParam().relative_precision * *chi2);
         }
@@ -134,11 +132,9 @@ TEST(G2oDataQuirks, CubicleHas5021IndefiniteInformationMatrices) {
 
   std::set<std::pair<Index, Index>> directed;
   std::set<std::pair<Index, Index>> undirected;
-  for (const auto* edges : {&log.odometry, &log.closures}) {
-    for (const auto& edge : *edges) {
-      directed.emplace(edge.base, edge.target);
-      undirected.insert(std::minmax(edge.base, edge.target));
-    }
+  for (const auto& edge : log.edges()) {
+    directed.emplace(edge.base, edge.target);
+    undirected.insert(std::minmax(edge.base, edge.target));
   }
   EXPECT_EQ(16869u - directed.size(), 4296u);
   EXPECT_EQ(log.repeated_edges, static_cast<std::int64_t>(16869 - undirected.size()));

@@ -43,25 +43,25 @@ TEST(G2o, ReadsEveryTagOfThePlane) {
       "EDGE_SE2 9 4 0.25 -0.5 7 1 0.1 0.2 2 0.3 3\n");
   EXPECT_THAT(log.poses, ElementsAre(PoseId{0, 4}, PoseId{0, 9}));
   EXPECT_THAT(log.features, ElementsAre(FeatureId{4}));
-  EXPECT_EQ(log.initial_poses.at(1).translation, Point<2>(3, 4));
-  EXPECT_EQ(log.initial_poses[1].rotation.angle(), 7.5) << "headings are not wrapped";
-  EXPECT_EQ(log.initial_features.at(0), Point<2>(7, 8));
-  EXPECT_EQ(log.fixed.at(0).pose, 0);
-  EXPECT_EQ(log.fixed[0].value.translation, Point<2>(1, 2));
-  EXPECT_EQ(log.odometry.at(0).base, 1);
-  EXPECT_EQ(log.odometry[0].target, 0);
-  EXPECT_EQ(log.odometry[0].measured.translation, Point<2>(0.25, -0.5));
-  EXPECT_EQ(log.odometry[0].measured.rotation.angle(), 7.0);
+  EXPECT_EQ(log.initial.poses.at(1).translation, Point<2>(3, 4));
+  EXPECT_EQ(log.initial.poses[1].rotation.angle(), 7.5) << "headings are not wrapped";
+  EXPECT_EQ(log.initial.features.at(0), Point<2>(7, 8));
+  EXPECT_EQ(log.graph.fixed.at(0).pose, 0);
+  EXPECT_EQ(log.graph.fixed[0].value.translation, Point<2>(1, 2));
+  EXPECT_EQ(log.odometry()[0].base, 1);
+  EXPECT_EQ(log.odometry()[0].target, 0);
+  EXPECT_EQ(log.odometry()[0].measured.translation, Point<2>(0.25, -0.5));
+  EXPECT_EQ(log.odometry()[0].measured.rotation.angle(), 7.0);
   const Matrix<3> W = (Matrix<3>() << 1, 0.1, 0.2, 0.1, 2, 0.3, 0.2, 0.3, 3).finished();
-  EXPECT_EQ(log.odometry[0].information, W);
-  EXPECT_EQ(log.observations.at(0).base, 1);
-  EXPECT_EQ(log.observations[0].measured, Point<2>(-1, -2));
-  EXPECT_EQ(log.observations[0].information, (Matrix<2>() << 2, 0.5, 0.5, 3).finished());
+  EXPECT_EQ(log.odometry()[0].information, W);
+  EXPECT_EQ(log.observations()[0].base, 1);
+  EXPECT_EQ(log.observations()[0].measured, Point<2>(-1, -2));
+  EXPECT_EQ(log.observations()[0].information, (Matrix<2>() << 2, 0.5, 0.5, 3).finished());
 }
 
 TEST(G2o, FixesSeveralPosesOnOneLineAndNamesAWordThatIsNone) {
   const auto log = read_as<2>("VERTEX_SE2 0 0 0 0\nVERTEX_SE2 1 1 0 0\nFIX 0 1\n" + kEdge2);
-  EXPECT_EQ(log.fixed.size(), 2u);
+  EXPECT_EQ(log.graph.fixed.size(), 2u);
   EXPECT_THAT(message("FIX 0 1\n" + kEdge2), HasSubstr("pose 1 is fixed beside pose 0, but nothing says where"));
   EXPECT_EQ(message("FIX a b\n" + kEdge2), "some.g2o:1:5: 'a' stands where an id is expected");
   EXPECT_EQ(message("FIX 0 -1 1\n" + kEdge2), "some.g2o:1:7: '-1' stands where an id is expected");
@@ -84,20 +84,20 @@ TEST(G2o, ReadsEveryTagOfSpaceAndAppliesSensorOffsetsGivenLater) {
       kIdentity6 +
       "PARAMS_CAMERACALIB 5 nobody names this\n"
       "PARAMS_SE3OFFSET 3 10 20 30 0 0 0.7071067811865476 0.7071067811865476\n");
-  const auto& observation = log.observations.at(0);
+  const auto& observation = log.observations()[0];
   // A quarter turn about z: the sensor's x is the robot's y, its y the robot's -x.
   EXPECT_TRUE(observation.measured.isApprox(Point<3>(10 - 1, 20 + 2, 30 + 3), 1e-15));
   EXPECT_TRUE(observation.information.isApprox(Vector<3>(2, 1, 3).asDiagonal().toDenseMatrix(), 1e-15));
-  EXPECT_TRUE(log.odometry.at(0).measured.rotation.quaternion().coeffs().isApprox(Vector<4>(0, 0, 0.6, 0.8), 1e-15));
-  EXPECT_EQ(log.odometry[0].measured.translation, Point<3>(1, 2, 3));
-  EXPECT_EQ(log.initial_features.at(0), Point<3>(0, 0, 3.5));
+  EXPECT_TRUE(log.odometry()[0].measured.rotation.quaternion().coeffs().isApprox(Vector<4>(0, 0, 0.6, 0.8), 1e-15));
+  EXPECT_EQ(log.odometry()[0].measured.translation, Point<3>(1, 2, 3));
+  EXPECT_EQ(log.initial.features.at(0), Point<3>(0, 0, 3.5));
 }
 
 TEST(G2o, NamesPosesAndFeaturesByEdgesWhereThereAreNoVertices) {
   const auto log = read_as<2>(kEdge2 + "EDGE_SE2_XY 1 0 2 3 1 0 1\n");
   EXPECT_EQ(log.poses.size(), 2u);
   EXPECT_THAT(log.features, ElementsAre(FeatureId{0}));
-  EXPECT_TRUE(log.initial_poses.empty());
+  EXPECT_TRUE(log.initial.poses.empty());
 }
 
 TEST(G2o, RecordsTheConventionsAndTurnsTheInformationWithThem) {
@@ -105,7 +105,7 @@ TEST(G2o, RecordsTheConventionsAndTurnsTheInformationWithThem) {
   const auto log = read_as<3>("EDGE_SE3:QUAT 0 1 1 2 3 0 0 0 1" + kIdentity6, options);
   EXPECT_EQ(log.conventions.pose_error, PoseError::kG2o);
   EXPECT_EQ(log.conventions.rotation_information, RotationInformation::kQuaternion);
-  EXPECT_EQ(log.odometry.at(0).information.diagonal(), (Vector<6>() << 1, 1, 1, 0.25, 0.25, 0.25).finished());
+  EXPECT_EQ(log.odometry()[0].information.diagonal(), (Vector<6>() << 1, 1, 1, 0.25, 0.25, 0.25).finished());
   // In the plane there is no quaternion to weigh.
   EXPECT_EQ(read_as<2>(kEdge2, options).conventions.rotation_information, RotationInformation::kVector);
 }
@@ -129,9 +129,9 @@ TEST(G2o, ReadsALongFileInPiecesAndNamesTheFirstFaultOfSeveral) {
     return text;
   };
   const auto log = read_as<2>(joined());
-  ASSERT_EQ(log.odometry.size(), 100000u);
-  for (std::size_t k = 0; k < log.odometry.size(); ++k) {
-    EXPECT_EQ(log.odometry[k].target, static_cast<Index>(k) + 1);
+  ASSERT_EQ(log.odometry().size(), 100000u);
+  for (std::size_t k = 0; k < log.odometry().size(); ++k) {
+    EXPECT_EQ(log.odometry()[k].target, static_cast<Index>(k) + 1);
   }
   lines[99990] = "EDGE_SE2 5\n";
   lines[77777] = "EDGE_SE2 5 6 1 0 0.1 1 0 0 1 0 one\n";
@@ -146,8 +146,8 @@ TEST(G2o, InPiecesOfAnySizeTheLogIsTheSame) {
   for (std::size_t bytes = 1; bytes <= text.size(); ++bytes) {
     const auto log = std::get<Log<2>>(read_g2o_in_pieces(TextScanner("some.g2o", text), {}, bytes).value());
     testing::expect_same_log(log, whole);
-    EXPECT_EQ(log.fixed.size(), 1u);
-    EXPECT_EQ(log.initial_poses.size(), 2u);
+    EXPECT_EQ(log.graph.fixed.size(), 1u);
+    EXPECT_EQ(log.initial.poses.size(), 2u);
   }
 }
 
@@ -188,7 +188,7 @@ TEST(G2o, NamesTheEdgeOfAnIndefiniteInformationOrRepairsIt) {
             "--repair-information takes the nearest semidefinite one");
   const auto log = read_as<2>(text, {.repair_information = true});
   EXPECT_EQ(log.conventions.repairs.indefinite, 1);
-  EXPECT_TRUE(log.observations.at(0).information.isApprox(Matrix<2>::Constant(1.5), 1e-14));
+  EXPECT_TRUE(log.observations()[0].information.isApprox(Matrix<2>::Constant(1.5), 1e-14));
 }
 
 TEST(G2o, RefusesToFixAFeature) {

@@ -21,7 +21,7 @@ class GrowingG2oTest : public ::testing::Test {
   /// How many edges and observations have come.
   static std::size_t count(const Expected<std::optional<AnyLog>>& news) {
     if (!news.value()) return 0;
-    const auto count_in = [](const auto& log) { return log.odometry.size() + log.closures.size() + log.observations.size(); };
+    const auto count_in = [](const auto& log) { return log.edges().size() + log.observations().size(); };
     return std::visit(count_in, **news);
   }
 
@@ -42,7 +42,7 @@ TEST_F(GrowingG2oTest, GivesWhatHasComeInWholeLines) {
   append("EDGE_SE2_XY 2 7 1 1 1 0 1");
   EXPECT_EQ(count(file.appended()), 0u);
   EXPECT_EQ(count(file.rest()), 1u);
-  EXPECT_EQ(std::get<Log<2>>(file.whole().value()).observations.size(), 2u);
+  EXPECT_EQ(std::get<Log<2>>(file.whole().value()).observations().size(), 2u);
 }
 
 TEST_F(GrowingG2oTest, VerticesAndFixedPosesMayComeBeforeOrAfterTheirEdges) {
@@ -54,8 +54,8 @@ TEST_F(GrowingG2oTest, VerticesAndFixedPosesMayComeBeforeOrAfterTheirEdges) {
   append("VERTEX_SE2 2 2 0 0\n" + kEdge12);
   EXPECT_EQ(count(file.appended()), 1u);
   const auto whole = std::get<Log<2>>(file.whole().value());
-  EXPECT_EQ(whole.fixed.size(), 1u);
-  EXPECT_EQ(whole.initial_poses.size(), 3u);
+  EXPECT_EQ(whole.graph.fixed.size(), 1u);
+  EXPECT_EQ(whole.initial.poses.size(), 3u);
 }
 
 TEST_F(GrowingG2oTest, WhatStandsBehindTheLastEdgeIsOfTheWhole) {
@@ -65,7 +65,7 @@ TEST_F(GrowingG2oTest, WhatStandsBehindTheLastEdgeIsOfTheWhole) {
   append("FIX 1\n");
   EXPECT_EQ(count(file.appended()), 0u);
   EXPECT_EQ(count(file.rest()), 0u);
-  EXPECT_EQ(std::get<Log<2>>(file.whole().value()).fixed.size(), 1u);
+  EXPECT_EQ(std::get<Log<2>>(file.whole().value()).graph.fixed.size(), 1u);
 }
 
 TEST_F(GrowingG2oTest, NamesTheLineThatIsWrongBehindTheLastEdge) {
@@ -75,7 +75,7 @@ TEST_F(GrowingG2oTest, NamesTheLineThatIsWrongBehindTheLastEdge) {
   append("FIX one\n");
   EXPECT_EQ(count(file.appended()), 0u);
   EXPECT_THAT(file.rest().error().message, HasSubstr("log.g2o:2:5: 'one' stands where an id is expected"));
-  EXPECT_EQ(std::get<Log<2>>(file.whole().value()).odometry.size(), 1u);
+  EXPECT_EQ(std::get<Log<2>>(file.whole().value()).odometry().size(), 1u);
 }
 
 TEST_F(GrowingG2oTest, ASensorOffsetIsHeededByLaterObservations) {
@@ -84,7 +84,7 @@ TEST_F(GrowingG2oTest, ASensorOffsetIsHeededByLaterObservations) {
   EXPECT_EQ(count(file.appended()), 1u);
   append("EDGE_SE3_TRACKXYZ 0 8 4 1 2 3 1 0 0 1 0 1\n");
   const auto news = file.appended().value();
-  EXPECT_EQ(std::get<Log<3>>(*news).observations[0].measured.z(), 8.0);
+  EXPECT_EQ(std::get<Log<3>>(*news).observations()[0].measured.z(), 8.0);
 }
 
 TEST_F(GrowingG2oTest, NamesTheLineThatIsWrongAndGivesWhatStandsBefore) {
@@ -98,7 +98,7 @@ TEST_F(GrowingG2oTest, NamesTheLineThatIsWrongAndGivesWhatStandsBefore) {
     ASSERT_FALSE(fault);
     EXPECT_THAT(fault.error().message, HasSubstr("log.g2o:4:18: "));
   }
-  EXPECT_EQ(std::get<Log<2>>(file.whole().value()).odometry.size(), 2u);
+  EXPECT_EQ(std::get<Log<2>>(file.whole().value()).odometry().size(), 2u);
 }
 
 TEST_F(GrowingG2oTest, WhatIsWrongFromTheStartGivesNothing) {

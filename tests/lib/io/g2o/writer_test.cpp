@@ -55,16 +55,16 @@ TYPED_TEST(G2oWriterTest, BringsBackEveryBitOfALog) {
     const auto again = this->read(this->written(log));
     EXPECT_EQ(again.poses, log.poses);
     EXPECT_EQ(again.features, log.features);
-    ASSERT_EQ(again.odometry.size(), 2u);
-    ASSERT_EQ(again.closures.size(), 1u);
-    EXPECT_EQ(again.odometry[1].information, log.odometry[1].information);
-    EXPECT_EQ(again.odometry[1].measured.rotation.matrix(), log.odometry[1].measured.rotation.matrix());
-    EXPECT_EQ(again.closures[0].measured.translation, log.closures[0].measured.translation);
-    ASSERT_EQ(again.observations.size(), 3u);
-    EXPECT_EQ(again.observations[2].measured, log.observations[2].measured);
-    EXPECT_EQ(again.observations[2].information, log.observations[2].information);
-    ASSERT_EQ(again.initial_poses.size(), log.initial_poses.size());
-    EXPECT_EQ(again.initial_features, log.initial_features);
+    ASSERT_EQ(again.odometry().size(), 2u);
+    ASSERT_EQ(again.closures().size(), 1u);
+    EXPECT_EQ(again.odometry()[1].information, log.odometry()[1].information);
+    EXPECT_EQ(again.odometry()[1].measured.rotation.matrix(), log.odometry()[1].measured.rotation.matrix());
+    EXPECT_EQ(again.closures()[0].measured.translation, log.closures()[0].measured.translation);
+    ASSERT_EQ(again.observations().size(), 3u);
+    EXPECT_EQ(again.observations()[2].measured, log.observations()[2].measured);
+    EXPECT_EQ(again.observations()[2].information, log.observations()[2].information);
+    ASSERT_EQ(again.initial.poses.size(), log.initial.poses.size());
+    EXPECT_EQ(again.initial.features, log.initial.features);
   }
 }
 
@@ -74,8 +74,8 @@ TYPED_TEST(G2oWriterTest, WritesFixedPosesWhereTheyAreFixed) {
   const auto place = this->random.template pose<kDim>();
   builder.fix({0, 1}, place);
   const auto again = this->read(this->written(this->finish(builder)));
-  ASSERT_EQ(again.fixed.size(), 1u);
-  EXPECT_EQ(again.fixed[0].value.translation, place.translation);
+  ASSERT_EQ(again.graph.fixed.size(), 1u);
+  EXPECT_EQ(again.graph.fixed[0].value.translation, place.translation);
 }
 
 TYPED_TEST(G2oWriterTest, SaysWhatG2oFilesCannotHold) {
@@ -100,7 +100,7 @@ TYPED_TEST(G2oWriterTest, NumbersSessionsAndFeaturesApartByPowersOfTen) {
   const auto log = this->read(text);
   EXPECT_THAT(log.poses, ::testing::ElementsAre(PoseId{0, 1}, PoseId{0, 12}, PoseId{0, 201}, PoseId{0, 212}));
   EXPECT_EQ(log.features.at(0).key, 1001u);
-  EXPECT_EQ(log.observations.at(0).base, 3);
+  EXPECT_EQ(log.observations()[0].base, 3);
 }
 
 TYPED_TEST(G2oWriterTest, RefusesKeysThatLeaveNoRoom) {
@@ -123,10 +123,10 @@ TYPED_TEST(G2oWriterTest, WritesAGlobalMapWithItsGaugeAndTheEdgesOfItsLog) {
   const auto without_edges = this->written(map, nullptr);
   EXPECT_THAT(without_edges, Not(HasSubstr("EDGE")));
   const auto again = this->read(this->written(map, &log));
-  EXPECT_EQ(again.initial_features, map.features);
-  EXPECT_EQ(again.initial_poses.at(2).translation, map.poses[2].translation);
-  EXPECT_EQ(again.fixed.at(0).value.translation, map.poses[0].translation);
-  EXPECT_EQ(again.odometry.size() + again.closures.size() + again.observations.size(), 6u);
+  EXPECT_EQ(again.initial.features, map.features);
+  EXPECT_EQ(again.initial.poses.at(2).translation, map.poses[2].translation);
+  EXPECT_EQ(again.graph.fixed.at(0).value.translation, map.poses[0].translation);
+  EXPECT_EQ(again.odometry().size() + again.closures().size() + again.observations().size(), 6u);
 
   map.feature_ids.pop_back();
   EXPECT_THROW((void)write_g2o<kDim>(map, &log, this->path), std::invalid_argument);

@@ -37,8 +37,8 @@ template <int Dim>
 void expect_equal(const MapSet<Dim>& a, const MapSet<Dim>& b) {
   ASSERT_EQ(a.poses, b.poses);
   ASSERT_EQ(a.features, b.features);
-  ASSERT_EQ(a.maps.size(), b.maps.size());
-  for (std::size_t k = 0; k < a.maps.size(); ++k) expect_equal(a.maps[k], b.maps[k]);
+  ASSERT_EQ(a.graph.submaps.size(), b.graph.submaps.size());
+  for (std::size_t k = 0; k < a.graph.submaps.size(); ++k) expect_equal(a.graph.submaps[k], b.graph.submaps[k]);
 }
 
 /// Of the maps laid end to end, each feature where the first map that knows it has it.
@@ -46,7 +46,7 @@ double composed_chi2(const MapSet<2>& set) {
   std::vector<Pose<2>> poses(set.poses.size());
   std::map<Index, Point<2>> features;
   double chi2 = 0.0;
-  for (const LocalMap<2>& map : set.maps) {
+  for (const LocalMap<2>& map : set.graph.submaps) {
     const Pose<2>& base = poses[static_cast<std::size_t>(map.base)];
     Eigen::VectorXd residual = Eigen::VectorXd::Zero(map.information.rows());
     for (std::size_t i = 0; i < map.poses.size(); ++i) {
@@ -64,7 +64,7 @@ double composed_chi2(const MapSet<2>& set) {
 
 TEST(LocalMapSetData, VictoriaParkIn200Maps) {
   const auto mat = read<2>(data_file("vicpark-200-local-maps"));
-  EXPECT_EQ(mat.maps.size(), 200u);
+  EXPECT_EQ(mat.graph.submaps.size(), 200u);
   EXPECT_EQ(mat.features.size(), 299u);
   expect_equal(mat, read<2>(data_file("vicpark-200-local-maps/localmaps_txt.tar.gz")));
   EXPECT_NEAR(composed_chi2(mat), 13859095.8, 0.1);
@@ -78,17 +78,17 @@ TEST(LocalMapSetData, DlrIn200Maps) {
 
 TEST(LocalMapSetData, SimulationsAndSmallSets) {
   const auto sim = read<2>(data_file("sim-35188/localmaps_mat.tar.gz"));
-  EXPECT_EQ(sim.maps.size(), 700u);
+  EXPECT_EQ(sim.graph.submaps.size(), 700u);
   EXPECT_EQ(sim.features.size(), 4202u);
   expect_equal(sim, read<2>(data_file("sim-35188/localmaps_txt.tar.gz")));
   EXPECT_EQ(read<2>(data_file("sim-535/local_maps")).features.size(), 28u);
   EXPECT_EQ(read<2>(data_file("small-local-maps-5-truth")).features.size(), 37u);
-  EXPECT_EQ(read<2>(data_file("small-local-maps-64")).maps.size(), 64u);
+  EXPECT_EQ(read<2>(data_file("small-local-maps-64")).graph.submaps.size(), 64u);
 }
 
 TEST(LocalMapSetData, SimulationInSpace) {
   const auto mat = read<3>(data_file("sim3d-870-local-maps/localmaps_mat.tar.gz"));
-  EXPECT_EQ(mat.maps.size(), 870u);
+  EXPECT_EQ(mat.graph.submaps.size(), 870u);
   EXPECT_EQ(mat.features.size(), 933u);
   expect_equal(mat, read<3>(data_file("sim3d-870-local-maps/localmaps_txt.tar.gz")));
 }
@@ -96,29 +96,29 @@ TEST(LocalMapSetData, SimulationInSpace) {
 TEST(LocalMapSetData, TheLastMapOfDlrIn3298MapsStandsStill) {
   const auto mat = read<2>(data_file("dlr/localmaps_3298_mat.tar.gz"));
   const auto text = read<2>(data_file("dlr/localmaps_3298_txt.tar.gz"));
-  ASSERT_EQ(mat.maps.size(), 3298u);
+  ASSERT_EQ(mat.graph.submaps.size(), 3298u);
   ASSERT_EQ(mat.poses.size(), 3298u);
   ASSERT_EQ(text.poses.size(), 3299u);
-  for (std::size_t k = 0; k < 3297; ++k) expect_equal(mat.maps[k], text.maps[k]);
-  const LocalMap<2>& last = mat.maps.back();
+  for (std::size_t k = 0; k < 3297; ++k) expect_equal(mat.graph.submaps[k], text.graph.submaps[k]);
+  const LocalMap<2>& last = mat.graph.submaps.back();
   EXPECT_EQ(last.base, 3297);
   EXPECT_TRUE(last.poses.empty());
-  EXPECT_EQ(last.features, text.maps.back().features);
-  const Eigen::MatrixXd W = text.maps.back().information.bottomRightCorner(16, 16);
+  EXPECT_EQ(last.features, text.graph.submaps.back().features);
+  const Eigen::MatrixXd W = text.graph.submaps.back().information.bottomRightCorner(16, 16);
   EXPECT_LT((last.information - W).norm(), 1e-9 * W.norm());
 }
 
 TEST(LocalMapSetData, VictoriaParkIn6898MapsIsTheCleanData) {
   const auto set = read<2>(data_file("vicpark-6898/localmaps_mat.tar.gz"));
-  ASSERT_EQ(set.maps.size(), 6898u);
+  ASSERT_EQ(set.graph.submaps.size(), 6898u);
   const auto bytes = FileBytes::read(data_file("vicpark-6898/VicPark_clean_data.mat"));
   const Eigen::MatrixXd rows = read_mat(bytes->view(), "clean data", {"VicPark_clean_data"})->at("VicPark_clean_data");
   ASSERT_EQ(rows.rows(), 52288);
 
-  std::vector<std::size_t> features_seen(set.maps.size(), 0);
+  std::vector<std::size_t> features_seen(set.graph.submaps.size(), 0);
   for (const auto& row : rows.rowwise()) {
     const auto k = static_cast<std::size_t>(row[1]);
-    const LocalMap<2>& map = set.maps[k];
+    const LocalMap<2>& map = set.graph.submaps[k];
     Eigen::Index at = 0;
     Eigen::MatrixXd P;
     if (row[0] == 1.0) {
@@ -137,7 +137,7 @@ TEST(LocalMapSetData, VictoriaParkIn6898MapsIsTheCleanData) {
     if (row[0] == 1.0 && (k == 3717 || k == 6778)) P.diagonal().array() -= 1e-6;
     ASSERT_LT((map.information.block(at, at, n, n) * P - Eigen::MatrixXd::Identity(n, n)).norm(), 1e-9) << row;
   }
-  for (std::size_t k = 0; k < set.maps.size(); ++k) EXPECT_EQ(features_seen[k], set.maps[k].features.size());
+  for (std::size_t k = 0; k < set.graph.submaps.size(); ++k) EXPECT_EQ(features_seen[k], set.graph.submaps[k].features.size());
 }
 
 }  // namespace

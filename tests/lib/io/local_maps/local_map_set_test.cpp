@@ -82,20 +82,20 @@ TEST_F(LocalMapSetTest, PutsMapsInTheOrderOfTheirNumbersAndGzippedOnesAmongThem)
   folder.file("notes.txt", "not a map");
 
   const auto set = read<2>();
-  ASSERT_EQ(set.maps.size(), 10u);
+  ASSERT_EQ(set.graph.submaps.size(), 10u);
   ASSERT_EQ(set.poses.size(), 11u);
   for (int k = 0; k <= 10; ++k) EXPECT_EQ(set.poses[static_cast<std::size_t>(k)], (PoseId{0, static_cast<std::uint64_t>(k)}));
   for (int k = 1; k <= 10; ++k) {
-    const auto& map = set.maps[static_cast<std::size_t>(k - 1)];
+    const auto& map = set.graph.submaps[static_cast<std::size_t>(k - 1)];
     EXPECT_EQ(map.base, k - 1);
     EXPECT_THAT(map.poses, ElementsAre(k));
     EXPECT_EQ(set.stretches[static_cast<std::size_t>(k - 1)], (Stretch{k - 1, k, true}));
     EXPECT_DOUBLE_EQ(map.pose_estimates[0].translation.x(), k == 1 ? 1.0 : 0.1 * k);
   }
   EXPECT_THAT(set.features, ElementsAre(FeatureId{9}, FeatureId{40}));
-  EXPECT_THAT(set.maps[0].features, ElementsAre(1, 0));
-  EXPECT_EQ(set.maps[0].feature_estimates[1], Point<2>(5.0, 6.0));
-  EXPECT_EQ(set.maps[0].pose_estimates[0].rotation.angle(), 7.5);
+  EXPECT_THAT(set.graph.submaps[0].features, ElementsAre(1, 0));
+  EXPECT_EQ(set.graph.submaps[0].feature_estimates[1], Point<2>(5.0, 6.0));
+  EXPECT_EQ(set.graph.submaps[0].pose_estimates[0].rotation.angle(), 7.5);
 }
 
 TEST_F(LocalMapSetTest, CountsMapsFromOne) {
@@ -123,8 +123,8 @@ TEST_F(LocalMapSetTest, TheInformationOfAMatMapIsTheInverseOfItsCovariance) {
   const Matrix<7> P = random.information<7>();
   write_mat_map(path("localmap_1.mat"), plane, P);
   const auto set = read<2>();
-  EXPECT_LT((set.maps[0].information * P - Matrix<7>::Identity()).norm(), 1e-12);
-  EXPECT_EQ(set.maps[0].information, set.maps[0].information.transpose());
+  EXPECT_LT((set.graph.submaps[0].information * P - Matrix<7>::Identity()).norm(), 1e-12);
+  EXPECT_EQ(set.graph.submaps[0].information, set.graph.submaps[0].information.transpose());
 }
 
 TEST_F(LocalMapSetTest, AnExactCoincidenceIsOnePose) {
@@ -138,11 +138,11 @@ TEST_F(LocalMapSetTest, AnExactCoincidenceIsOnePose) {
 
   const auto set = read<2>();
   EXPECT_THAT(set.poses, ElementsAre(PoseId{0, 0}, PoseId{0, 1}, PoseId{0, 3}));
-  EXPECT_EQ(set.maps[1].base, 1);
-  EXPECT_THAT(set.maps[1].poses, IsEmpty());
-  EXPECT_EQ(set.maps[1].information.rows(), 4);
-  EXPECT_EQ(set.maps[2].base, 1);
-  EXPECT_THAT(set.maps[2].poses, ElementsAre(2));
+  EXPECT_EQ(set.graph.submaps[1].base, 1);
+  EXPECT_THAT(set.graph.submaps[1].poses, IsEmpty());
+  EXPECT_EQ(set.graph.submaps[1].information.rows(), 4);
+  EXPECT_EQ(set.graph.submaps[2].base, 1);
+  EXPECT_THAT(set.graph.submaps[2].poses, ElementsAre(2));
   EXPECT_THAT(set.stretches, ElementsAre(Stretch{0, 1}, Stretch{1, 1}, Stretch{1, 2}));
 }
 
@@ -165,18 +165,18 @@ TEST_F(LocalMapSetTest, TheGaussianOverEulerAnglesIsTurnedToTheRotationVector) {
   write_mat_map(path("localmap_2.mat"), space(0, x), W.inverse());
 
   const auto set = read<3>();
-  const Pose<3>& end = set.maps[0].pose_estimates[0];
+  const Pose<3>& end = set.graph.submaps[0].pose_estimates[0];
   const Matrix<3> R = (Eigen::AngleAxisd(x[3], Vector<3>::UnitZ()) * Eigen::AngleAxisd(x[4], Vector<3>::UnitY()) *
                        Eigen::AngleAxisd(x[5], Vector<3>::UnitX()))
                           .toRotationMatrix();
   EXPECT_LT((end.rotation.matrix() - R).norm(), 1e-14);
-  EXPECT_LT((set.maps[0].information - set.maps[1].information).norm(), 1e-12 * W.norm());
+  EXPECT_LT((set.graph.submaps[0].information - set.graph.submaps[1].information).norm(), 1e-12 * W.norm());
   // A small step of the file's state costs the same in both coordinates.
   for (int i = 0; i < 20; ++i) {
     const Vector<9> d = random.vector<9>(1e-6);
     Vector<9> step = d;
     step.segment<3>(3) = (end.rotation.inverse() * rotation_from_euler(x[5] + d[5], x[4] + d[4], x[3] + d[3])).log();
-    EXPECT_NEAR(step.dot(set.maps[0].information * step) / d.dot(W * d), 1.0, 1e-5);
+    EXPECT_NEAR(step.dot(set.graph.submaps[0].information * step) / d.dot(W * d), 1.0, 1e-5);
   }
 }
 
@@ -249,7 +249,7 @@ TEST_F(LocalMapSetTest, TakesTheAsymmetryThatAFilterLeavesAndCountsIt) {
   const auto& set = std::get<MapSet<2>>(*read);
   EXPECT_EQ(set.conventions.repairs.symmetrised, 1);
   EXPECT_NEAR(set.conventions.repairs.largest_asymmetry, 1.3e-8, 1e-10);
-  EXPECT_EQ(set.maps[0].information, set.maps[0].information.transpose());
+  EXPECT_EQ(set.graph.submaps[0].information, set.graph.submaps[0].information.transpose());
 }
 
 TEST_F(LocalMapSetTest, NamesLineAndColumnOfAMalformedText) {

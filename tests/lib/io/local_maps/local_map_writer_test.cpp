@@ -67,13 +67,13 @@ TYPED_TEST(LocalMapWriterTest, WritesTextThatReadsBackAsTheSameMaps) {
   const auto again = this->again(maps, LocalMapFormat::kText);
   EXPECT_THAT(this->names, ElementsAre("localmap_1.txt", "localmap_2.txt"));
   EXPECT_EQ(again.features, this->features);
-  this->expect_same(maps, again.maps, Dim == 2 ? 0.0 : 1e-12);
+  this->expect_same(maps, again.graph.submaps, Dim == 2 ? 0.0 : 1e-12);
 }
 
 TYPED_TEST(LocalMapWriterTest, WritesMatFilesThatReadBackAsTheSameMapsToRounding) {
   constexpr int Dim = TypeParam::value;
   const std::vector<LocalMap<Dim>> maps{this->map(0), this->map(1)};
-  this->expect_same(maps, this->again(maps, LocalMapFormat::kMat).maps, 1e-11);
+  this->expect_same(maps, this->again(maps, LocalMapFormat::kMat).graph.submaps, 1e-11);
   EXPECT_THAT(this->names, ElementsAre("localmap_1.mat", "localmap_2.mat"));
 }
 
@@ -101,15 +101,16 @@ TEST(LocalMapWriterData, PublicSetsComeBackMapsThatDoNotMoveAmongThem) {
                                                 {"dlr/localmaps_3298_mat.tar.gz", LocalMapFormat::kMat, 1e-11}}) {
     const TemporaryFolder folder;
     const auto set = std::get<MapSet<2>>(read_local_map_set(data_file(name)).value());
-    ASSERT_TRUE(write_local_maps(set.maps, set.features, format, folder.path()));
+    ASSERT_TRUE(write_local_maps(set.graph.submaps, set.features, format, folder.path()));
     const auto again = std::get<MapSet<2>>(read_local_map_set(folder.path()).value());
     EXPECT_EQ(again.poses, set.poses);
     EXPECT_EQ(again.features, set.features);
-    ASSERT_EQ(again.maps.size(), set.maps.size());
-    for (std::size_t m = 0; m < set.maps.size(); ++m) {
-      EXPECT_EQ(again.maps[m].base, set.maps[m].base);
-      EXPECT_EQ(again.maps[m].poses, set.maps[m].poses);
-      expect_same_matrix(set.maps[m].information, again.maps[m].information, tolerance * set.maps[m].information.norm());
+    ASSERT_EQ(again.graph.submaps.size(), set.graph.submaps.size());
+    for (std::size_t m = 0; m < set.graph.submaps.size(); ++m) {
+      EXPECT_EQ(again.graph.submaps[m].base, set.graph.submaps[m].base);
+      EXPECT_EQ(again.graph.submaps[m].poses, set.graph.submaps[m].poses);
+      expect_same_matrix(set.graph.submaps[m].information, again.graph.submaps[m].information,
+                         tolerance * set.graph.submaps[m].information.norm());
     }
   }
 }

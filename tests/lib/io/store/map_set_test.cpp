@@ -24,14 +24,14 @@ MapSet<Dim> random_map_set(Random& random) {
   for (std::uint64_t key = 10; key < 15; ++key) set.features.push_back({key});
   for (Index k = 0; k < 3; ++k) {
     set.stretches.push_back({k, k + 1, true});
-    set.maps.push_back(testing::random_map<Dim>(random, set.stretches.back(), 5));
+    set.graph.submaps.push_back(testing::random_map<Dim>(random, set.stretches.back(), 5));
   }
   set.stretches.push_back({3, 3, true});
   LocalMap<Dim> still = testing::random_map<Dim>(random, set.stretches.back(), 5);
   still.poses.clear();
   still.pose_estimates.clear();
   still.information = still.information.bottomRightCorner(5 * Dim, 5 * Dim).eval();
-  set.maps.push_back(still);
+  set.graph.submaps.push_back(still);
   return set;
 }
 
@@ -54,7 +54,7 @@ TYPED_TEST(StoreMapSet, GivesBackTheMapsOfOthersAsTheyWere) {
   EXPECT_EQ(back.poses, set.poses);
   EXPECT_EQ(back.features, set.features);
   EXPECT_EQ(back.stretches, set.stretches);
-  EXPECT_TRUE(testing::same(back.maps, set.maps));
+  EXPECT_TRUE(testing::same(back.graph.submaps, set.graph.submaps));
   EXPECT_EQ(back.conventions.repairs.indefinite, 3);
 }
 
@@ -65,10 +65,10 @@ TYPED_TEST(StoreMapSet, IsOneWithoutAnyObservation) {
   EXPECT_FALSE(has_maps_alone(stored));
   Log<kDim> bare;
   bare.poses = stored.log.poses;
-  bare.observations = {stored.log.observations.front()};
+  bare.graph.feature_factors = {stored.log.observations().front()};
   stored.log = bare;
   EXPECT_FALSE(has_maps_alone(stored));
-  stored.log.observations.clear();
+  stored.log.graph.feature_factors.clear();
   EXPECT_TRUE(has_maps_alone(stored));
   stored.maps.clear();
   EXPECT_FALSE(has_maps_alone(stored));
@@ -79,7 +79,7 @@ TYPED_TEST(StoreMapSet, HoldsMapsAlone) {
   const TemporaryFolder folder;
   Random random;
   MapSet<kDim> set = random_map_set<kDim>(random);
-  set.pose_observations.push_back(testing::random_pose_observation<kDim>(random, 0, 2));
+  set.graph.pose_factors.push_back(testing::random_pose_observation<kDim>(random, 0, 2));
   EXPECT_THROW(static_cast<void>(write_store(set, folder.path() / "store")), std::invalid_argument);
   EXPECT_FALSE(std::filesystem::exists(folder.path() / "store"));
 }

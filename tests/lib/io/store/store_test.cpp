@@ -44,10 +44,10 @@ TYPED_TEST(StoreTest, GivesBackEveryBitOfLogStretchesAndMaps) {
 TYPED_TEST(StoreTest, GivesBackALogThatTakesManyChunks) {
   auto maps = random_stored_maps<TestFixture::kDim>(this->random, 3);
   for (int i = 0; i < 40000; ++i) {
-    maps.log.observations.push_back(testing::random_feature_observation<TestFixture::kDim>(this->random, i % 8, i % 5));
+    maps.log.graph.feature_factors.push_back(
+        testing::random_feature_observation<TestFixture::kDim>(this->random, i % 8, i % 5));
   }
-  std::stable_sort(maps.log.observations.begin(), maps.log.observations.end(),
-                   [](const auto& a, const auto& b) { return a.base < b.base; });
+  put_in_order(maps.log);
   build_store(this->path, maps);
   const auto read = this->read();
   ASSERT_TRUE(read) << read.error().message;
@@ -139,12 +139,12 @@ TYPED_TEST(StoreTest, ABuildOfAnotherLogSplitOrOptionsBeginsAfresh) {
 
   begin();
   other = maps;
-  other.log.observations.back().measured[0] += 1e-12;
+  other.log.graph.feature_factors.back().measured[0] += 1e-12;
   EXPECT_EQ(maps_done(this->path, other), 0u);
 
   begin();
   other = maps;
-  other.log.observations.pop_back();
+  other.log.graph.feature_factors.pop_back();
   EXPECT_EQ(maps_done(this->path, other), 0u);
 
   begin();

@@ -1,0 +1,47 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+// Everything that was measured: the factors of a least-squares problem over poses and features, and selections of them.
+
+#include <mapjoin/model/conventions.hpp>
+#include <mapjoin/model/local_map.hpp>
+#include <mapjoin/model/observation.hpp>
+#include <vector>
+
+namespace mapjoin {
+
+/// A pose that the World holds still.
+template <int Dim>
+struct FixedPose {
+  Index pose = 0;
+  Pose<Dim> value;  ///< In the World frame.
+};
+
+/// Factors over poses and features that count from 0, apart. A factor whose base is kWorld is a prior.
+template <int Dim>
+struct FactorGraph {
+  std::vector<PoseObservation<Dim>> pose_factors;        ///< Odometry, closures, and priors of poses.
+  std::vector<FeatureObservation<Dim>> feature_factors;  ///< Observations and priors of features.
+  std::vector<LocalMap<Dim>> submaps;                    ///< Integrated observations, in the order of their base.
+  std::vector<FixedPose<Dim>> fixed;                     ///< Each pose once.
+};
+
+/// Some of the factors of graphs, which must outlive it. Pointers: a log has millions of factors.
+template <int Dim>
+struct FactorSelection {
+  std::vector<const PoseObservation<Dim>*> pose_factors;
+  std::vector<const FeatureObservation<Dim>*> feature_factors;
+  std::vector<const LocalMap<Dim>*> submaps;
+
+  bool empty() const { return pose_factors.empty() && feature_factors.empty() && submaps.empty(); }
+};
+
+/// Every information matrix of a log or a set of maps replaced by the identity; the conventions say so (paper's Table I).
+template <typename Data>
+void use_identity_covariance(Data& data) {
+  for (auto& factor : data.graph.pose_factors) factor.information.setIdentity();
+  for (auto& factor : data.graph.feature_factors) factor.information.setIdentity();
+  for (auto& submap : data.graph.submaps) submap.information.setIdentity();
+  data.conventions.covariance = Covariance::kIdentity;
+}
+
+}  // namespace mapjoin
