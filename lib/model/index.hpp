@@ -8,6 +8,7 @@
 #include <cstdint>
 #include <functional>
 #include <iterator>
+#include <span>
 #include <utility>
 #include <vector>
 
@@ -37,6 +38,13 @@ struct StrongIndex {
   /// The steps from `first` to `last`.
   friend constexpr std::int32_t operator-(StrongIndex last, StrongIndex first) { return last.value - first.value; }
 };
+
+/// The position in a plain list, of numbers that have no kind.
+constexpr std::size_t position_of(std::size_t number) { return number; }
+template <typename Tag>
+constexpr std::size_t position_of(StrongIndex<Tag> index) {
+  return index.position();
+}
 
 /// The indices [first, last), ascending.
 template <typename Index>
@@ -88,6 +96,36 @@ template <typename Index, typename T>
 IndexRange<Index> indices(const Table<Index, T>& table) {
   return {Index(0), Index(table.size())};
 }
+
+/// A list of T for each index of one kind, one after the other in the same memory.
+template <typename Index, typename T>
+class Lists {
+ public:
+  std::size_t size() const { return begin_.size() - 1; }
+  std::span<const T> operator[](Index index) const {
+    const std::size_t k = position_of(index);
+    return {entries_.data() + begin_[k], entries_.data() + begin_[k + 1]};
+  }
+  /// All lists' entries, in order, and the position among them of the first one of a list.
+  const std::vector<T>& entries() const { return entries_; }
+  std::size_t first(Index index) const { return begin_[position_of(index)]; }
+  /// The first() of each list, and the number of all entries.
+  const std::vector<std::size_t>& begins() const { return begin_; }
+
+  template <typename List>
+  void push_back(const List& list) {
+    entries_.insert(entries_.end(), std::begin(list), std::end(list));
+    begin_.push_back(entries_.size());
+  }
+  void append(const Lists& others) {
+    for (std::size_t k = 1; k < others.begin_.size(); ++k) begin_.push_back(entries_.size() + others.begin_[k]);
+    entries_.insert(entries_.end(), others.entries_.begin(), others.entries_.end());
+  }
+
+ private:
+  std::vector<std::size_t> begin_ = {0};
+  std::vector<T> entries_;
+};
 
 }  // namespace mapjoin
 

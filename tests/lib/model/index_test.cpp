@@ -96,5 +96,21 @@ TEST(Table, OfBoolsCanBeWritten) {
   EXPECT_TRUE(is_ripe[1]);
 }
 
+TEST(Lists, HaveOneListForEachIndex) {
+  Lists<Apple, int> seeds;
+  seeds.push_back(std::vector{3, 4});
+  seeds.push_back(std::vector<int>());
+  Lists<Apple, int> more;
+  more.push_back(std::vector{5});
+  seeds.append(more);
+  ASSERT_EQ(seeds.size(), 3U);
+  EXPECT_TRUE(std::ranges::equal(seeds[0], std::vector{3, 4}));
+  EXPECT_TRUE(seeds[1].empty());
+  EXPECT_TRUE(std::ranges::equal(seeds[2], std::vector{5}));
+  EXPECT_EQ(seeds.entries(), (std::vector{3, 4, 5}));
+  EXPECT_EQ(seeds.first(2), 2U);
+  EXPECT_FALSE((IsOpenedBy<decltype(seeds), Pear>));
+}
+
 }  // namespace
 }  // namespace mapjoin
