@@ -160,7 +160,7 @@ void MarginalsOfTheLargeSimulation(benchmark::State& state) {
     if (equations.factorise(0.0)) return state.SkipWithError("singular");
     const auto middle = Clock::now();
     const Marginals marginals(equations);
-    for (Index v = 0; v < equations.variable_count(); ++v) benchmark::DoNotOptimize(marginals[v]);
+    for (const Variable v : equations.variables()) benchmark::DoNotOptimize(marginals[v]);
     const auto end = Clock::now();
     factorising += middle - start;
     marginalising += end - middle;

@@ -54,38 +54,40 @@ Expected<void> factorise_and_solve(NormalEquations& equations, Limit& limit) {
 template <int Dim>
 class FullSlam {
  public:
-  explicit FullSlam(const Log<Dim>& log) : log_(log), variables_(log.poses.size(), 0) {
+  explicit FullSlam(const Log<Dim>& log) : log_(log), variables_(log.poses.size()) {
     for (const auto& fixed : log.graph.fixed) variables_[static_cast<std::size_t>(fixed.pose)] = kConstant;
     if (log.graph.fixed.empty() && log.pose_priors().empty() && log.feature_priors().empty()) variables_.front() = kConstant;
-    for (Index& variable : variables_) {
-      if (variable != kConstant) variable = first_feature_++;
+    for (Variable& variable : variables_) {
+      if (variable != kConstant) variable = std::exchange(first_feature_, first_feature_ + 1);
     }
   }
 
   NormalEquations equations() const {
-    std::vector<int> dofs(static_cast<std::size_t>(first_feature_), kPoseDof<Dim>);
-    dofs.resize(dofs.size() + log_.features.size(), Dim);
-    Cliques cliques;
-    for (const auto& o : log_.graph.pose_factors) cliques.push_back(std::array{pose(o.base), pose(o.target)});
-    for (const auto& o : log_.graph.feature_factors) cliques.push_back(std::array{pose(o.base), first_feature_ + o.target});
-    return {std::move(dofs), std::move(cliques), Engine::kCholmod};
+    BlockPattern pattern;
+    pattern.dofs.assign(first_feature_.position(), kPoseDof<Dim>);
+    pattern.dofs.resize(pattern.dofs.size() + log_.features.size(), Dim);
+    for (const auto& o : log_.graph.pose_factors) pattern.factors.push_back(std::array{pose(o.base), pose(o.target)});
+    for (const auto& o : log_.graph.feature_factors) {
+      pattern.factors.push_back(std::array{pose(o.base), first_feature_ + o.target});
+    }
+    return NormalEquations(std::move(pattern), Engine::kCholmod);
   }
 
   void linearise(const State<Dim>& state, NormalEquations& equations) const {
-    std::size_t clique = 0;
+    std::size_t factor = 0;
     const auto take = [&](const auto& o, const auto& target) {
-      accumulate(mapjoin::linearise(o, state.pose(o.base), target), equations.sink(clique++));
+      accumulate(mapjoin::linearise(o, state.pose(o.base), target), equations.sink(factor++));
     };
     for (const auto& o : log_.graph.pose_factors) take(o, state.pose(o.target));
     for (const auto& o : log_.graph.feature_factors) take(o, state.feature(o.target));
   }
 
  private:
-  Index pose(Index index) const { return index == kWorld ? kConstant : variables_[static_cast<std::size_t>(index)]; }
+  Variable pose(Index index) const { return index == kWorld ? kConstant : variables_[static_cast<std::size_t>(index)]; }
 
   const Log<Dim>& log_;
-  std::vector<Index> variables_;  // per pose; kConstant where held
-  Index first_feature_ = 0;
+  std::vector<Variable> variables_;  // per pose; kConstant where held
+  Variable first_feature_ = 0;
 };
 
 template <int Dim>

@@ -20,23 +20,22 @@ Expected<Pose<Dim>> frame_of(const MapCovariances<Dim>& covariances, const Truth
 /// Steps from the estimate to the truth, by variable, and which of them are known.
 struct Errors {
   Eigen::VectorXd steps;
-  std::vector<bool> poses;
-  std::vector<bool> features;
-  std::vector<bool> all;
+  Table<Variable, bool> poses;
+  Table<Variable, bool> features;
+  Table<Variable, bool> all;
 };
 
 template <int Dim>
 Errors errors_of(const MapCovariances<Dim>& covariances, const Truth<Dim>& truth, const Pose<Dim>& frame) {
   const NormalEquations& equations = covariances.equations();
   const State<Dim>& state = covariances.state();
-  const auto count = static_cast<std::size_t>(equations.variable_count());
-  Errors errors{Eigen::VectorXd::Zero(equations.size()), std::vector<bool>(count), std::vector<bool>(count),
-                std::vector<bool>(count)};
-  const auto add = [&](const PoseOrFeature& of, const auto& step, std::vector<bool>& known) {
-    const Index variable = covariances.variable(of);
+  const Table<Variable, bool> none(equations.variables().size());
+  Errors errors{Eigen::VectorXd::Zero(equations.size()), none, none, none};
+  const auto add = [&](const PoseOrFeature& of, const auto& step, Table<Variable, bool>& known) {
+    const Variable variable = covariances.variable(of);
     if (variable == kConstant) return;
     errors.steps.segment(equations.offset(variable), equations.dof(variable)) = step;
-    known[static_cast<std::size_t>(variable)] = errors.all[static_cast<std::size_t>(variable)] = true;
+    known[variable] = errors.all[variable] = true;
   };
   for (std::size_t p = 0; p < state.poses.size(); ++p) {
     if (!truth.poses[p]) continue;
@@ -50,10 +49,10 @@ Errors errors_of(const MapCovariances<Dim>& covariances, const Truth<Dim>& truth
   return errors;
 }
 
-Expected<Nees> nees_of(const NormalEquations& equations, const Eigen::VectorXd& steps, const std::vector<bool>& is_known) {
+Expected<Nees> nees_of(const NormalEquations& equations, const Eigen::VectorXd& steps, const Table<Variable, bool>& is_known) {
   Nees nees;
-  for (Index v = 0; v < equations.variable_count(); ++v) {
-    if (is_known[static_cast<std::size_t>(v)]) nees.dimensions += equations.dof(v);
+  for (const Variable v : equations.variables()) {
+    if (is_known[v]) nees.dimensions += equations.dof(v);
   }
   if (nees.dimensions == 0) return nees;
   const auto value = equations.least_curvature(steps, is_known);

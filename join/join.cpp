@@ -100,11 +100,11 @@ constexpr std::size_t kMostDirections = 60;
 
 /// What the observations leave free to move, by name; `singular` is a variable of it.
 template <int Dim>
-std::string free_to_move(const Task<Dim>& task, const JointSystem<Dim>& system, Index singular, const Piece<Dim>& whole) {
+std::string free_to_move(const Task<Dim>& task, const JointSystem<Dim>& system, Variable singular, const Piece<Dim>& whole) {
   const NormalEquations& equations = system.equations();
   std::vector<PlacedVariable<Dim>> variables;
   for (std::size_t p = 0; p < whole.poses.size(); ++p) {
-    const Index v = system.pose_variable(static_cast<Index>(p));
+    const Variable v = system.pose_variable(static_cast<Index>(p));
     variables.push_back({to_string(task.pose_ids[static_cast<std::size_t>(whole.poses[p])]), system.estimate().poses[p],
                          v == kConstant ? -1 : equations.offset(v), true});
   }

@@ -6,25 +6,6 @@
 #include <utility>
 
 namespace mapjoin {
-namespace {
-
-template <int Dim>
-LinearMap<Dim> linearise_map(const typename JointSystem<Dim>::PlacedMap& placed, const State<Dim>& state) {
-  const LocalMap<Dim>& map = *placed.map;
-  const Pose<Dim> base = state.pose(placed.base);
-  LinearMap<Dim> linear;
-  linear.map = &map;
-  for (std::size_t p = 0; p < map.poses.size(); ++p) {
-    linear.poses.push_back(linearise<Dim>(map.pose_estimates[p], base, state.pose(placed.poses[p])));
-  }
-  for (std::size_t f = 0; f < map.features.size(); ++f) {
-    linear.features.push_back(linearise<Dim>(map.feature_estimates[f], base, state.feature(placed.features[f])));
-  }
-  return linear;
-}
-
-}  // namespace
-
 template <int Dim>
 double map_chi2(const typename JointSystem<Dim>::PlacedMap& placed, const State<Dim>& state) {
   return cost(
@@ -48,7 +29,12 @@ double piece_chi2(const Piece<Dim>& piece) {
 template <int Dim>
 double JoinProblem<Dim>::linearise() {
   return system_.linearise([&](std::size_t m, NormalEquations::Sink sink) {
-    return accumulate(linearise_map<Dim>(system_.maps()[m], system_.estimate()), sink);
+    const auto& placed = system_.maps()[m];
+    const State<Dim>& state = system_.estimate();
+    const auto linear = mapjoin::linearise(
+        *placed.map, state.pose(placed.base), [&](std::size_t p) { return state.pose(placed.poses[p]); },
+        [&](std::size_t f) { return state.feature(placed.features[f]); });
+    return accumulate(linear, sink);
   });
 }
 
@@ -88,7 +74,7 @@ double RelativeJoinProblem<Dim>::curvature(const Eigen::VectorXd& v) {
 }
 
 template <int Dim>
-std::optional<Index> RelativeJoinProblem<Dim>::factorise(double damping) {
+std::optional<Variable> RelativeJoinProblem<Dim>::factorise(double damping) {
   undamp();
   is_damped_ = damping > 0.0;
   if (is_damped_) metric().damp(join_.system(), damping);

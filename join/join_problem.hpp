@@ -25,7 +25,7 @@ class JoinProblem {
   const Eigen::VectorXd& gradient() const { return system_.equations().gradient(); }
   DiagonalMetric metric() const { return DiagonalMetric(system_.equations().diagonal()); }
   double curvature(const Eigen::VectorXd& v) const { return system_.equations().curvature(v); }
-  std::optional<Index> factorise(double damping) { return system_.equations().factorise(damping); }
+  std::optional<Variable> factorise(double damping) { return system_.equations().factorise(damping); }
   Eigen::VectorXd solve() const { return system_.equations().solve(gradient()); }
   StepSize step_size(const Eigen::VectorXd& step) const { return system_.step_size(step); }
   double try_step(const Eigen::VectorXd& step) { return try_state(system_.retracted(step)); }
@@ -53,7 +53,7 @@ class RelativeJoinProblem {
   const Eigen::VectorXd& gradient() const { return join_.gradient(); }
   const RelativeState<Dim>& metric();
   double curvature(const Eigen::VectorXd& v);
-  std::optional<Index> factorise(double damping);
+  std::optional<Variable> factorise(double damping);
   Eigen::VectorXd solve() const { return join_.solve(); }
   StepSize step_size(const Eigen::VectorXd& step) const { return join_.step_size(step); }
   double try_step(const Eigen::VectorXd& step) { return join_.try_state(relative_.retracted(join_.system(), step)); }

@@ -11,7 +11,7 @@ namespace mapjoin {
 
 template <int Dim>
 JointSystem<Dim>::JointSystem(const Piece<Dim>& piece, const Gauge<Dim>& gauge, Engine engine, const std::vector<Index>& order)
-    : estimate_(piece.state), equations_({}, {}) {
+    : estimate_(piece.state), equations_({}) {
   number_variables(gauge);
   place_observations(piece, gauge);
   equations_ = make_equations(engine, order);
@@ -19,14 +19,14 @@ JointSystem<Dim>::JointSystem(const Piece<Dim>& piece, const Gauge<Dim>& gauge, 
 
 template <int Dim>
 void JointSystem<Dim>::number_variables(const Gauge<Dim>& gauge) {
-  pose_variables_.assign(estimate_.poses.size(), 0);
+  pose_variables_.assign(estimate_.poses.size(), Variable());
   for (const Index place : gauge.held) pose_variables_[static_cast<std::size_t>(place)] = kConstant;
   for (std::size_t place = 0; place < pose_variables_.size(); ++place) {
     if (pose_variables_[place] == kConstant) continue;
-    pose_variables_[place] = static_cast<Index>(places_.size());
+    pose_variables_[place] = Variable(places_.size());
     places_.push_back(static_cast<Index>(place));
   }
-  first_feature_variable_ = static_cast<Index>(places_.size());
+  first_feature_variable_ = Variable(places_.size());
   for (std::size_t f = 0; f < estimate_.features.size(); ++f) {
     places_.push_back(static_cast<Index>(estimate_.poses.size() + f));
   }
@@ -53,41 +53,43 @@ void JointSystem<Dim>::place_observations(const Piece<Dim>& piece, const Gauge<D
     for (const Index feature : map->features) placed.features.push_back(feature_place(feature));
     maps_.push_back(std::move(placed));
   }
-  first_map_clique_ = pose_observations_.size() + feature_observations_.size();
+  first_map_factor_ = pose_observations_.size() + feature_observations_.size();
 }
 
 template <int Dim>
-typename JointSystem<Dim>::Source JointSystem<Dim>::source_of(std::size_t clique) const {
-  if (clique < pose_observations_.size()) return {Source::kPoseObservation, clique};
-  if (clique < first_map_clique_) return {Source::kFeatureObservation, clique - pose_observations_.size()};
-  return {Source::kMap, clique - first_map_clique_};
+typename JointSystem<Dim>::Source JointSystem<Dim>::source_of(std::size_t factor) const {
+  if (factor < pose_observations_.size()) return {Source::kPoseObservation, factor};
+  if (factor < first_map_factor_) return {Source::kFeatureObservation, factor - pose_observations_.size()};
+  return {Source::kMap, factor - first_map_factor_};
 }
 
 template <int Dim>
 NormalEquations JointSystem<Dim>::make_equations(Engine engine, const std::vector<Index>& order) const {
-  std::vector<int> dofs(static_cast<std::size_t>(first_feature_variable_), kPoseDof<Dim>);
-  dofs.resize(places_.size(), Dim);
-  Cliques cliques;
-  for (const auto& o : pose_observations_) cliques.push_back(std::array{pose_variable(o.base), pose_variable(o.target)});
-  for (const auto& o : feature_observations_) cliques.push_back(std::array{pose_variable(o.base), feature_variable(o.target)});
+  BlockPattern pattern;
+  pattern.dofs.assign(first_feature_variable_.position(), kPoseDof<Dim>);
+  pattern.dofs.resize(places_.size(), Dim);
+  for (const auto& o : pose_observations_)
+    pattern.factors.push_back(std::array{pose_variable(o.base), pose_variable(o.target)});
+  for (const auto& o : feature_observations_)
+    pattern.factors.push_back(std::array{pose_variable(o.base), feature_variable(o.target)});
   for (const auto& map : maps_) {
-    std::vector<Index> slots{pose_variable(map.base)};
-    for (const Index place : map.poses) slots.push_back(pose_variable(place));
-    for (const Index place : map.features) slots.push_back(feature_variable(place));
-    cliques.push_back(slots);
+    std::vector<Variable> variables{pose_variable(map.base)};
+    for (const Index place : map.poses) variables.push_back(pose_variable(place));
+    for (const Index place : map.features) variables.push_back(feature_variable(place));
+    pattern.factors.push_back(variables);
   }
   Ordering ordering;
   for (const Index place : order) {
     const auto poses = static_cast<Index>(pose_variables_.size());
-    const Index variable = place < poses ? pose_variable(place) : feature_variable(place - poses);
+    const Variable variable = place < poses ? pose_variable(place) : feature_variable(place - poses);
     if (variable != kConstant) ordering.given.push_back(variable);
   }
-  return {std::move(dofs), std::move(cliques), make_solver(engine), ordering};
+  return NormalEquations(std::move(pattern), engine, ordering);
 }
 
 template <int Dim>
-double JointSystem<Dim>::add_observation(std::size_t clique, NormalEquations::Sink sink) const {
-  const auto [kind, place] = source_of(clique);
+double JointSystem<Dim>::add_observation(std::size_t factor, NormalEquations::Sink sink) const {
+  const auto [kind, place] = source_of(factor);
   if (kind == Source::kPoseObservation) {
     const auto& [o, base, target] = pose_observations_[place];
     return accumulate(mapjoin::linearise(*o, estimate_.pose(base), estimate_.pose(target)), sink);
@@ -114,7 +116,7 @@ State<Dim> JointSystem<Dim>::retracted(const Eigen::VectorXd& step) const {
   State<Dim> moved = estimate_;
   parallel_chunks(moved.poses.size(), kObservationsPerPiece, [&](std::size_t begin, std::size_t end) {
     for (std::size_t place = begin; place < end; ++place) {
-      const Index variable = pose_variables_[place];
+      const Variable variable = pose_variables_[place];
       if (variable == kConstant) continue;
       moved.poses[place] = retract<Dim>(moved.poses[place], step.segment<kPoseDof<Dim>>(equations_.offset(variable)));
     }
@@ -129,8 +131,7 @@ State<Dim> JointSystem<Dim>::retracted(const Eigen::VectorXd& step) const {
 template <int Dim>
 StepSize JointSystem<Dim>::step_size(const Eigen::VectorXd& step) const {
   StepSize size;
-  const auto count = static_cast<Index>(places_.size());
-  for (Index v = 0; v < count; ++v) {
+  for (const Variable v : equations_.variables()) {
     const Eigen::Index entry = equations_.offset(v);
     size.metres = std::max(size.metres, step.segment<Dim>(entry).norm());
     if (v >= first_feature_variable_) continue;

@@ -21,13 +21,13 @@ class JointSystem {
   JointSystem(const Piece<Dim>& piece, const Gauge<Dim>& gauge, Engine engine = Engine::kFronts,
               const std::vector<Index>& order = {});
 
-  /// Normal equations at the estimate; returns chi2. `add_map(m, sink)` adds those of map m, whose slots are base, poses and
-  /// features, and returns its chi2.
+  /// Normal equations at the estimate; returns chi2. `add_map(m, sink)` adds those of map m, whose variables are base, poses
+  /// and features, and returns its chi2.
   template <typename AddMap>
   double linearise(AddMap&& add_map) {
     equations_.set_zero();
-    return equations_.accumulate_cliques([&](std::size_t clique, NormalEquations::Sink sink) {
-      return clique < first_map_clique_ ? add_observation(clique, sink) : add_map(clique - first_map_clique_, sink);
+    return equations_.accumulate_factors([&](std::size_t factor, NormalEquations::Sink sink) {
+      return factor < first_map_factor_ ? add_observation(factor, sink) : add_map(factor - first_map_factor_, sink);
     });
   }
   double observations_chi2(const State<Dim>& state) const;
@@ -56,12 +56,12 @@ class JointSystem {
   /// Puts the observations and maps of another piece and gauge, which differ in their numbers only, in place of these.
   void observe(const Piece<Dim>& piece, const Gauge<Dim>& gauge) { place_observations(piece, gauge); }
 
-  /// What a clique of the normal equations is: its list among the three, and its place there.
+  /// What a factor of the normal equations is: its list among the three, and its place there.
   struct Source {
     enum Kind { kPoseObservation, kFeatureObservation, kMap } kind;
     std::size_t place;
   };
-  Source source_of(std::size_t clique) const;
+  Source source_of(std::size_t factor) const;
 
   State<Dim>& estimate() { return estimate_; }
   const State<Dim>& estimate() const { return estimate_; }
@@ -69,28 +69,28 @@ class JointSystem {
   State<Dim> retracted(const Eigen::VectorXd& step) const;
   StepSize step_size(const Eigen::VectorXd& step) const;
   /// kConstant for the World and for poses that are held still.
-  Index pose_variable(Index place) const {
+  Variable pose_variable(Index place) const {
     return place == kWorld ? kConstant : pose_variables_[static_cast<std::size_t>(place)];
   }
   bool is_held(Index pose_place) const { return pose_variable(pose_place) == kConstant; }
-  Index feature_variable(Index place) const { return first_feature_variable_ + place; }
+  Variable feature_variable(Index place) const { return first_feature_variable_ + place; }
   /// The place of a variable: a pose, or a feature after all poses.
-  Index place_of_variable(Index variable) const { return places_[static_cast<std::size_t>(variable)]; }
+  Index place_of_variable(Variable variable) const { return places_[variable]; }
 
  private:
   void number_variables(const Gauge<Dim>& gauge);
   void place_observations(const Piece<Dim>& piece, const Gauge<Dim>& gauge);
   NormalEquations make_equations(Engine engine, const std::vector<Index>& order) const;
-  double add_observation(std::size_t clique, NormalEquations::Sink sink) const;
+  double add_observation(std::size_t factor, NormalEquations::Sink sink) const;
 
   State<Dim> estimate_;
   std::vector<Placed<PoseObservation<Dim>>> pose_observations_;
   std::vector<Placed<FeatureObservation<Dim>>> feature_observations_;
   std::vector<PlacedMap> maps_;
-  std::vector<Index> pose_variables_;  // per place; kConstant where held
-  Index first_feature_variable_ = 0;
-  std::vector<Index> places_;  // per variable
-  std::size_t first_map_clique_ = 0;
+  std::vector<Variable> pose_variables_;  // per place; kConstant where held
+  Variable first_feature_variable_ = 0;
+  Table<Variable, Index> places_;
+  std::size_t first_map_factor_ = 0;
   NormalEquations equations_;
 };
 

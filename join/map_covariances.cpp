@@ -3,7 +3,6 @@
 
 #include <array>
 #include <mapjoin/join/map_covariances.hpp>
-#include <mapjoin/solve/memory.hpp>
 #include <utility>
 
 namespace mapjoin {
@@ -31,7 +30,7 @@ MapCovariances<Dim>::MapCovariances(Restored<Dim> restored, Estimate estimate, s
   state_.features.resize(feature_variables_.size(), Point<Dim>::Zero());
   write_values(system.estimate(), whole.poses, whole.features, state_);
   for (std::size_t p = 0; p < whole.poses.size(); ++p) {
-    const Index variable = system.pose_variable(static_cast<Index>(p));
+    const Variable variable = system.pose_variable(static_cast<Index>(p));
     pose_variables_[static_cast<std::size_t>(whole.poses[p])] = variable;
     if (variable == kConstant) held_.push_back(whole.poses[p]);
   }
@@ -51,8 +50,8 @@ template <int Dim>
 template <int ChildDof>
 Matrix<kPoseDof<Dim> + ChildDof> MapCovariances<Dim>::with_parent(Index parent, const PoseOrFeature& child,
                                                                   const Marginals& marginals) const {
-  const Index of_child = variable(child);
-  const Index of_parent = parent == kWorld ? kConstant : variable(PoseOrFeature::pose(parent));
+  const Variable of_child = variable(child);
+  const Variable of_parent = parent == kWorld ? kConstant : variable(PoseOrFeature::pose(parent));
   Matrix<kPoseDof<Dim> + ChildDof> covariance;
   if (of_parent != kConstant) {
     covariance = marginals.joint(std::array{of_parent, of_child});
@@ -106,7 +105,7 @@ Expected<Eigen::MatrixXd> MapCovariances<Dim>::joint(std::span<const PoseOrFeatu
   std::vector<Eigen::Triplet<double>> entries;  // of unit columns
   Eigen::Index size = 0;
   for (const PoseOrFeature& asked : variables) {
-    const Index v = variable(asked);
+    const Variable v = variable(asked);
     const int dof = asked.is_pose ? kPoseDof<Dim> : Dim;
     for (int i = 0; v != kConstant && i < dof; ++i) entries.emplace_back(equations_.offset(v) + i, size + i, 1.0);
     size += dof;

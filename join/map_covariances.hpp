@@ -62,7 +62,7 @@ class MapCovariances {
   /// The gauge: constant poses, ascending; empty where priors hold the map.
   const std::vector<Index>& held() const { return held_; }
   /// The variable of a pose or feature, kConstant where it is constant or nothing observes it.
-  Index variable(const PoseOrFeature& of) const {
+  Variable variable(const PoseOrFeature& of) const {
     return (of.is_pose ? pose_variables_ : feature_variables_)[static_cast<std::size_t>(of.index)];
   }
 
@@ -89,8 +89,8 @@ class MapCovariances {
   std::int64_t most_memory_;
   State<Dim> state_;
   std::vector<Index> held_;
-  std::vector<Index> pose_variables_;
-  std::vector<Index> feature_variables_;
+  std::vector<Variable> pose_variables_;
+  std::vector<Variable> feature_variables_;
   Relations<Dim> relations_;  // without covariances
 };
 

@@ -3,7 +3,7 @@
 #include <mapjoin/join/joined_state.hpp>
 #include <mapjoin/join/relative_state.hpp>
 #include <mapjoin/model/linearise.hpp>
-#include <mapjoin/solve/pivot.hpp>
+#include <mapjoin/solve/sparse_solver.hpp>
 #include <optional>
 #include <utility>
 
@@ -75,8 +75,8 @@ RelativeState<Dim>::RelativeState(const JointSystem<Dim>& system) {
 
 template <int Dim>
 template <int Dof>
-auto RelativeState<Dim>::make_link(const JointSystem<Dim>& system, const TreeEdge& edge, Index variable) const -> Link<Dof> {
-  const Index parent = system.pose_variable(edge.parent);
+auto RelativeState<Dim>::make_link(const JointSystem<Dim>& system, const TreeEdge& edge, Variable variable) const -> Link<Dof> {
+  const Variable parent = system.pose_variable(edge.parent);
   const Eigen::Index parent_begin = parent == kConstant ? kStill : system.equations().offset(parent);
   return {edge, system.equations().offset(variable), parent_begin, {}, {}, {}};
 }

@@ -62,7 +62,7 @@ class RelativeState {
   static constexpr Eigen::Index kStill = -1;
 
   template <int Dof>
-  Link<Dof> make_link(const JointSystem<Dim>& system, const TreeEdge& edge, Index variable) const;
+  Link<Dof> make_link(const JointSystem<Dim>& system, const TreeEdge& edge, Variable variable) const;
   /// M where the edge does not determine its child: all that is known of it.
   template <int Dof>
   static void weigh_by(const Eigen::VectorXd& diagonal, Link<Dof>& link);

@@ -42,7 +42,7 @@ std::vector<Index> restored_order(const Network<Dim>& network, const std::vector
     if (!segments.empty()) std::for_each(segments[m].interior.begin(), segments[m].interior.end(), add_pose);
     for (const Index feature : network.maps[m].private_features) add_feature(feature);
   }
-  for (const Index variable : join.system->equations().order()) {
+  for (const Variable variable : join.system->equations().order()) {
     const auto place = static_cast<std::size_t>(join.system->place_of_variable(variable));
     if (place < join.poses.size()) {
       add_pose(join.poses[place]);

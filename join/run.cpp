@@ -10,7 +10,6 @@
 #include <mapjoin/model/demand_valid.hpp>
 #include <mapjoin/model/stretch.hpp>
 #include <mapjoin/parallel/parallel.hpp>
-#include <mapjoin/solve/memory.hpp>
 #include <utility>
 
 namespace mapjoin {

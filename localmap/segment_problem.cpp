@@ -2,7 +2,7 @@
 #include <Eigen/Cholesky>
 #include <algorithm>
 #include <mapjoin/localmap/segment_problem.hpp>
-#include <mapjoin/solve/pivot.hpp>
+#include <mapjoin/solve/sparse_solver.hpp>
 #include <utility>
 
 namespace mapjoin {
@@ -17,7 +17,7 @@ double SegmentProblem<Dim>::linearise() {
 }
 
 template <int Dim>
-std::optional<Index> SegmentProblem<Dim>::factorise(double damping) {
+std::optional<Variable> SegmentProblem<Dim>::factorise(double damping) {
   is_eliminated_ = true;
   const Eigen::VectorXd scale = system_.equations().diagonal().tail(system_.equations().border_size());
   factored_ = system_.equations();

@@ -19,7 +19,7 @@ class SegmentProblem {
   const Eigen::VectorXd& gradient() const { return system_.equations().gradient(); }
   DiagonalMetric metric() const { return DiagonalMetric(system_.equations().diagonal()); }
   double curvature(const Eigen::VectorXd& v) const { return system_.equations().curvature(v); }
-  std::optional<Index> factorise(double damping);
+  std::optional<Variable> factorise(double damping);
   Eigen::VectorXd solve();
   StepSize step_size(const Eigen::VectorXd& step) const { return system_.step_size(step); }
   double try_step(const Eigen::VectorXd& step);

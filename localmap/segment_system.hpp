@@ -4,9 +4,9 @@
 
 #include <Eigen/Core>
 #include <cstdint>
+#include <mapjoin/localmap/chain_system.hpp>
 #include <mapjoin/localmap/segment.hpp>
 #include <mapjoin/model/state.hpp>
-#include <mapjoin/solve/chain_system.hpp>
 #include <mapjoin/solve/minimise_options.hpp>
 #include <vector>
 

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <algorithm>
+#include <deque>
 #include <mapjoin/join/incremental/front_tree.hpp>
-#include <mapjoin/solve/sparse_cholesky.hpp>
 #include <utility>
 
 namespace mapjoin {
@@ -10,255 +10,222 @@ namespace {
 /// In squared standard deviations per entry: what moves less stays where it is, and what hangs below is not looked at.
 constexpr double kNoMove = 1e-6;
 
-/// Adds what a front leaves of the right-hand side over `rows` to that of its parent: to the parent's own rows in b, to those
-/// below it in `below`.
-void hand_up(const Eigen::VectorXd& sent, std::span<const std::int64_t> rows, const Supernode& parent, Eigen::VectorXd& b,
-             Eigen::VectorXd& below) {
-  auto row = parent.rows.begin() + (parent.end - parent.begin);
-  const auto first_below = row;
-  for (std::size_t k = 0; k < rows.size(); ++k) {
-    const double entry = sent[static_cast<Eigen::Index>(k)];
-    if (rows[k] < parent.end) {
-      b[rows[k]] += entry;
-      continue;
+/// The lower triangle of a symmetric matrix whose rows come in another order.
+Eigen::MatrixXd permuted(const Eigen::MatrixXd& lower, const std::vector<Eigen::Index>& rows) {
+  const auto size = static_cast<Eigen::Index>(rows.size());
+  Eigen::MatrixXd result(size, size);
+  for (Eigen::Index j = 0; j < size; ++j) {
+    const Eigen::Index from = rows[static_cast<std::size_t>(j)];
+    for (Eigen::Index i = j; i < size; ++i) {
+      const auto [low, high] = std::minmax(from, rows[static_cast<std::size_t>(i)]);
+      result(i, j) = lower(high, low);
     }
-    row = std::lower_bound(row, parent.rows.end(), rows[k]);
-    below[row - first_below] += entry;
   }
+  return result;
+}
+
+/// A quadratic over these columns, one for each of its variables; `storage` keeps what had to be put in another order.
+GivenFront given_front(const Eigen::MatrixXd& H, const std::vector<Column>& columns, const BlockLower& matrix,
+                       std::deque<Eigen::MatrixXd>& storage) {
+  GivenFront front{columns, {H.data(), H.rows(), H.cols(), Eigen::OuterStride<>(H.rows())}};
+  if (std::is_sorted(columns.begin(), columns.end())) return front;
+  std::vector<std::pair<Column, Eigen::Index>> blocks;  // each with its first row
+  Eigen::Index row = 0;
+  for (const Column column : columns) blocks.emplace_back(column, std::exchange(row, row + matrix.dof(column)));
+  std::sort(blocks.begin(), blocks.end());
+  std::sort(front.rows.begin(), front.rows.end());
+  std::vector<Eigen::Index> rows;
+  for (const auto& [column, first] : blocks) {
+    for (Eigen::Index i = 0; i < matrix.dof(column); ++i) rows.push_back(first + i);
+  }
+  const Eigen::MatrixXd& sorted = storage.emplace_back(permuted(H, rows));
+  return {std::move(front.rows), {sorted.data(), row, row, Eigen::OuterStride<>(row)}};
 }
 
 }  // namespace
 
-/// Quadratics, and what fronts that stay send up, as the factorisation of what stands above them is given them.
-struct FrontTree::Given {
-  std::vector<std::vector<Index>> places;  ///< Ascending.
-  std::vector<Eigen::MatrixXd> updates;
-  std::vector<Eigen::VectorXd> b;
-};
+FrontTree::FrontTree() {
+  add_variable(1);
+  solution_.front() = 1.0;
+  add_quadratic({{kOne}, Eigen::MatrixXd::Ones(1, 1)});  // whatever others there are, its pivot is at least 1
+}
 
-Index FrontTree::add_variable(int dof) {
+Variable FrontTree::add_variable(int dof) {
+  const Variable added(variables_.size());
   variables_.push_back({.dof = dof, .offset = static_cast<Eigen::Index>(solution_.size())});
   solution_.resize(solution_.size() + static_cast<std::size_t>(dof), 0.0);
-  return static_cast<Index>(variables_.size()) - 1;
+  return added;
 }
 
-Index FrontTree::add_quadratic(Quadratic quadratic) {
-  const auto q = static_cast<Index>(quadratics_.size());
-  for (const Index v : quadratic.variables) variable(v).quadratics.push_back(q);
-  quadratics_.push_back(std::move(quadratic));
-  touched_.push_back(q);
-  return q;
+FrontTree::QuadraticIndex FrontTree::add_quadratic(Quadratic quadratic) {
+  quadratics_.push_back({std::move(quadratic)});
+  touched_.emplace_back(quadratics_.size() - 1);
+  return touched_.back();
 }
 
-void FrontTree::change_quadratic(Index q, Eigen::MatrixXd H, Eigen::VectorXd b) {
-  quadratic(q).H = std::move(H);
-  quadratic(q).b = std::move(b);
+void FrontTree::change_quadratic(QuadraticIndex q, Eigen::MatrixXd H) {
+  quadratics_[q].quadratic.H = std::move(H);
   touched_.push_back(q);
 }
 
-Eigen::Map<const Eigen::VectorXd> FrontTree::solution(Index v) const {
-  return {solution_.data() + variable(v).offset, variable(v).dof};
+Eigen::Map<const Eigen::VectorXd> FrontTree::solution(Variable v) const {
+  return {solution_.data() + variables_[v].offset, variables_[v].dof};
 }
 
-void FrontTree::set_solution(Index v, const Eigen::Ref<const Eigen::VectorXd>& entries) {
-  std::copy(entries.begin(), entries.end(), solution_.begin() + variable(v).offset);
+void FrontTree::set_solution(Variable v, const Eigen::Ref<const Eigen::VectorXd>& entries) {
+  std::copy(entries.begin(), entries.end(), solution_.begin() + variables_[v].offset);
   is_displaced_ = true;
 }
 
-std::size_t FrontTree::update(std::span<const Index> last) {
+std::size_t FrontTree::update(std::span<const Variable> last) {
   ++updates_;
-  Opened opened = open_touched();
-  order(last, opened);
-  find_summands(opened);
-  const NormalEquations equations = pattern_of(opened);
-  const Given given = given_by(opened, equations);
-  SparseCholesky cholesky(Updates::kKept);
-  if (equations.size() > 0) {
-    cholesky.analyse(equations.matrix(), given.places);
-    cholesky.factorise(equations.matrix(), given.updates);
-  }
-  rebuild(opened, equations, given, cholesky.supernodes());
-  for (const Index v : opened.variables) variable(v).place = kConstant;
+  const std::size_t eliminated = touched_.empty() ? 0 : eliminate_touched(last);
   solve();
-  return opened.variables.size();
+  return eliminated;
 }
 
-void FrontTree::open_upwards(Index n, Opened& opened) {
-  for (; n >= 0 && !node(n).is_open; n = node(n).parent) {
-    node(n).is_open = true;
+std::size_t FrontTree::eliminate_touched(std::span<const Variable> last) {
+  const Opened opened = open_touched();
+  const std::vector<const Quadratic*> summands = this->summands(opened);
+  const Elimination elimination = planned(opened, summands, last);
+  std::deque<Eigen::MatrixXd> storage;
+  std::vector<GivenFront> given;
+  for (const Quadratic* summand : summands) {
+    std::vector<Column> columns;
+    for (const Variable v : summand->variables) columns.push_back(elimination.column[variables_[v].place]);
+    given.push_back(given_front(summand->H, columns, elimination.matrix, storage));
+  }
+  SparseCholesky cholesky(Updates::kKept);
+  cholesky.analyse(elimination.matrix, given);
+  cholesky.factorise(elimination.matrix, given);
+  replace(opened, elimination, cholesky);
+  for (const Variable v : opened.variables) variables_[v].place = kConstant;
+  return opened.variables.size() - 1;  // kOne is none of the caller's
+}
+
+void FrontTree::open_upwards(NodeIndex n, Opened& opened) {
+  for (; n != kNone && !nodes_[n].is_open; n = nodes_[n].parent) {
+    nodes_[n].is_open = true;
     opened.nodes.push_back(n);
   }
 }
 
 FrontTree::Opened FrontTree::open_touched() {
   Opened opened;
-  for (const Index q : touched_) {
-    for (const Index v : quadratic(q).variables) {
-      if (variable(v).node >= 0) {
-        open_upwards(variable(v).node, opened);
-      } else if (variable(v).place == kConstant) {
-        variable(v).place = 0;
-        opened.variables.push_back(v);
-      }
+  auto& variables = opened.variables;
+  std::sort(touched_.begin(), touched_.end());
+  touched_.erase(std::unique(touched_.begin(), touched_.end()), touched_.end());
+  for (const QuadraticIndex q : std::exchange(touched_, {})) {
+    open_upwards(quadratics_[q].node, opened);
+    if (quadratics_[q].node != kNone) continue;
+    opened.quadratics.push_back(q);
+    for (const Variable v : quadratics_[q].quadratic.variables) {
+      open_upwards(variables_[v].node, opened);
+      if (variables_[v].node == kNone) variables.push_back(v);
     }
   }
-  touched_.clear();
-  for (const Index n : opened.nodes) {
-    const Node& open = node(n);
-    opened.variables.insert(opened.variables.end(), open.frontals.begin(), open.frontals.end());
-    for (const Index child : open.children) {
-      if (!node(child).is_open) opened.orphans.push_back(child);
+  for (const NodeIndex n : opened.nodes) {
+    const Node& open = nodes_[n];
+    variables.insert(variables.end(), open.frontals.begin(), open.frontals.end());
+    opened.quadratics.insert(opened.quadratics.end(), open.quadratics.begin(), open.quadratics.end());
+    for (const NodeIndex child : open.children) {
+      if (!nodes_[child].is_open) opened.orphans.push_back(child);
     }
   }
+  variables.push_back(kOne);
+  std::sort(variables.begin(), variables.end());
+  variables.erase(std::unique(variables.begin(), variables.end()), variables.end());
+  for (const Variable place : indices(variables)) variables_[variables[place]].place = place;
   return opened;
 }
 
-/// Those in `last` behind the others, ascending both; sets their places.
-void FrontTree::order(std::span<const Index> last, Opened& opened) {
-  auto& variables = opened.variables;
-  std::sort(variables.begin(), variables.end());
-  std::vector<Index> late(last.begin(), last.end());
-  std::sort(late.begin(), late.end());
-  const auto is_early = [&](Index v) { return !std::binary_search(late.begin(), late.end(), v); };
-  const auto first_late = std::stable_partition(variables.begin(), variables.end(), is_early);
-  opened.last_count = static_cast<Index>(variables.end() - first_late);
-  for (std::size_t k = 0; k < variables.size(); ++k) variable(variables[k]).place = static_cast<Index>(k);
+std::vector<const Quadratic*> FrontTree::summands(const Opened& opened) const {
+  std::vector<const Quadratic*> summands;
+  for (const QuadraticIndex q : opened.quadratics) summands.push_back(&quadratics_[q].quadratic);
+  for (const NodeIndex orphan : opened.orphans) summands.push_back(&nodes_[orphan].update);
+  return summands;
 }
 
-/// The quadratics of which all variables are eliminated again, and what the orphans send.
-void FrontTree::find_summands(Opened& opened) const {
-  std::vector<Index> quadratics;
-  for (const Index v : opened.variables) {
-    for (const Index q : variable(v).quadratics) {
-      if (quadratic(q).variables.front() == v) quadratics.push_back(q);
-    }
+Elimination FrontTree::planned(const Opened& opened, const std::vector<const Quadratic*>& summands,
+                               std::span<const Variable> last) const {
+  BlockPattern pattern;
+  for (const Variable v : opened.variables) pattern.dofs.push_back(variables_[v].dof);
+  for (const Quadratic* summand : summands) {
+    std::vector<Variable> places;
+    for (const Variable v : summand->variables) places.push_back(variables_[v].place);
+    pattern.factors.push_back(places);
   }
-  const auto is_below = [&](Index v) { return variable(v).place == kConstant; };
-  for (const Index q : quadratics) {
-    const auto& variables = quadratic(q).variables;
-    if (std::none_of(variables.begin(), variables.end(), is_below)) opened.summands.push_back(&quadratic(q));
+  Ordering ordering;
+  ordering.ranks.assign(opened.variables.size(), 0);
+  for (const Variable v : last) {
+    if (variables_[v].place != kConstant) ordering.ranks[variables_[v].place] = 1;
   }
-  opened.quadratic_count = opened.summands.size();
-  for (const Index orphan : opened.orphans) opened.summands.push_back(&node(orphan).update);
+  ordering.ranks[variables_[kOne].place] = 2;
+  return Elimination(pattern, ordering);
 }
 
-NormalEquations FrontTree::pattern_of(const Opened& opened) const {
-  std::vector<int> dofs;
-  for (const Index v : opened.variables) dofs.push_back(variable(v).dof);
-  Cliques cliques;
-  for (const Quadratic* summand : opened.summands) {
-    std::vector<Index> places;
-    for (const Index v : summand->variables) places.push_back(variable(v).place);
-    cliques.push_back(places);
-  }
-  return {std::move(dofs), std::move(cliques), nullptr, {.given = {}, .last_count = opened.last_count}};
-}
-
-FrontTree::Given FrontTree::given_by(const Opened& opened, const NormalEquations& equations) const {
-  Given given;
-  for (const Quadratic* summand : opened.summands) {
-    const Quadratic& update = *summand;
-    std::vector<std::pair<Index, Eigen::Index>> places;  // each with its first row
-    Eigen::Index row = 0;
-    for (const Index v : update.variables) {
-      places.emplace_back(equations.place(variable(v).place), row);
-      row += variable(v).dof;
-    }
-    std::sort(places.begin(), places.end());
-    std::vector<Eigen::Index> rows;
-    std::vector<Index>& ascending = given.places.emplace_back();
-    for (const auto& [place, first] : places) {
-      ascending.push_back(place);
-      for (Eigen::Index i = 0; i < equations.matrix().dof(static_cast<std::size_t>(place)); ++i) rows.push_back(first + i);
-    }
-    const Eigen::MatrixXd H = update.H.selfadjointView<Eigen::Lower>();
-    given.updates.emplace_back(H(rows, rows));
-    given.b.emplace_back(update.b(rows));
-  }
-  return given;
-}
-
-void FrontTree::rebuild(const Opened& opened, const NormalEquations& equations, const Given& given,
-                        const Supernodes& supernodes) {
-  std::erase_if(roots_, [&](Index n) { return node(n).is_open; });
-  for (const Index n : opened.nodes) {
-    node(n) = Node();
+void FrontTree::replace(const Opened& opened, const Elimination& elimination, const SparseCholesky& cholesky) {
+  for (const NodeIndex n : opened.nodes) {
+    nodes_[n] = Node();
     unused_.push_back(n);
   }
-  std::vector<Index> variable_at(static_cast<std::size_t>(equations.size()));  // per column
-  std::vector<std::size_t> supernode_at(variable_at.size());
-  for (std::size_t k = 0; k < opened.variables.size(); ++k) {
-    const auto v = static_cast<Index>(k);
-    std::fill_n(variable_at.begin() + equations.column_of(v), equations.dof(v), opened.variables[k]);
+  const std::size_t quadratic_count = opened.quadratics.size();
+  const auto& fronts = cholesky.tree().nodes;
+  std::vector<NodeIndex> nodes;
+  for (const FactorNode& front : fronts) {
+    const bool is_quadratic = front.width == 0 && front.given < quadratic_count;
+    nodes.push_back(front.width > 0 ? new_node() : is_quadratic ? kNone : opened.orphans[front.given - quadratic_count]);
   }
-  std::vector<Index> nodes;
-  for (std::size_t s = 0; s < supernodes.size(); ++s) {
-    const Supernode& supernode = supernodes[s];
-    std::fill(supernode_at.begin() + supernode.begin, supernode_at.begin() + supernode.end, s);
-    const bool is_given = supernode.begin == supernode.end;
-    const bool is_quadratic = is_given && supernode.given < opened.quadratic_count;
-    nodes.push_back(is_quadratic ? -1 : is_given ? opened.orphans[supernode.given - opened.quadratic_count] : new_node());
-    if (!is_given) take(nodes.back(), supernode, variable_at);
+  for (std::size_t f = 0; f < fronts.size(); ++f) {
+    const NodeIndex parent = fronts[f].parent == fronts.size() ? kNone : nodes[fronts[f].parent];
+    if (nodes[f] == kNone) {
+      const QuadraticIndex q = opened.quadratics[fronts[f].given];
+      quadratics_[q].node = parent;
+      nodes_[parent].quadratics.push_back(q);
+      continue;
+    }
+    if (fronts[f].width > 0) take(nodes[f], opened, elimination, cholesky, f);
+    nodes_[nodes[f]].parent = parent;
+    if (parent != kNone) nodes_[parent].children.push_back(nodes[f]);
   }
-  link(nodes, supernodes, supernode_at, given.b);
+  root_ = nodes.back();
 }
 
-/// Makes nodes each other's parents and children, and takes the right-hand sides up the tree.
-void FrontTree::link(const std::vector<Index>& nodes, const Supernodes& supernodes,
-                     const std::vector<std::size_t>& supernode_at, const std::vector<Eigen::VectorXd>& given) {
-  Eigen::VectorXd b = Eigen::VectorXd::Zero(static_cast<Eigen::Index>(supernode_at.size()));
-  for (std::size_t s = 0; s < supernodes.size(); ++s) {
-    const Supernode& supernode = supernodes[s];
-    const Eigen::Index width = supernode.end - supernode.begin;
-    if (width > 0) {
-      Node& of = node(nodes[s]);
-      of.y = of.L.topRows(width).triangularView<Eigen::Lower>().solve(b.segment(supernode.begin, width));
-      of.update.b.noalias() -= of.L.bottomRows(of.update.b.size()) * of.y;
-    }
-    const auto first_below = supernode.rows.begin() + width;
-    const bool is_root = first_below == supernode.rows.end();
-    const std::size_t p = is_root ? 0 : supernode_at[static_cast<std::size_t>(*first_below)];
-    if (nodes[s] >= 0) {
-      node(nodes[s]).parent = is_root ? -1 : nodes[p];
-      (is_root ? roots_ : node(nodes[p]).children).push_back(nodes[s]);
-    }
-    if (is_root) continue;
-    const Eigen::VectorXd& sent = width > 0 ? node(nodes[s]).update.b : given[supernode.given];
-    hand_up(sent, {first_below, supernode.rows.end()}, supernodes[p], b, node(nodes[p]).update.b);
+void FrontTree::take(NodeIndex n, const Opened& opened, const Elimination& elimination, const SparseCholesky& cholesky,
+                     std::size_t f) {
+  Node& fresh = nodes_[n];
+  const FactorNode& front = cholesky.tree().nodes[f];
+  const auto variable_at = [&](Column column) { return opened.variables[elimination.order[column]]; };
+  for (const Column column : front.columns) {
+    fresh.frontals.push_back(variable_at(column));
+    variables_[fresh.frontals.back()].node = n;
   }
-}
-
-void FrontTree::take(Index n, const Supernode& supernode, const std::vector<Index>& variable_at) {
-  Node& fresh = node(n);
-  const Eigen::Index width = supernode.end - supernode.begin;
-  const auto height = static_cast<Eigen::Index>(supernode.rows.size());
-  for (Eigen::Index row = 0; row < height;) {
-    const Index v = variable_at[static_cast<std::size_t>(supernode.rows[static_cast<std::size_t>(row)])];
-    (row < width ? fresh.frontals : fresh.update.variables).push_back(v);
-    if (row < width) variable(v).node = n;
-    row += variable(v).dof;
-  }
-  fresh.L = Eigen::Map<const Eigen::MatrixXd>(supernode.values, height, width);
-  fresh.update.H = Eigen::Map<const Eigen::MatrixXd>(supernode.update, height - width, height - width);
-  fresh.update.b.setZero(height - width);
+  for (const Column row : cholesky.tree().rows_of(front)) fresh.update.variables.push_back(variable_at(row));
   fresh.is_fresh = true;
+  fresh.L = cholesky.panel(front);
+  fresh.update.H = cholesky.update(f);
+  if (fresh.frontals.back() != kOne) return;
+  // The root: kOne is never solved for.
+  fresh.frontals.pop_back();
+  fresh.update.variables.push_back(kOne);
+  fresh.L = Eigen::MatrixXd(fresh.L.leftCols(front.width - 1));
 }
 
-Index FrontTree::new_node() {
+FrontTree::NodeIndex FrontTree::new_node() {
   if (unused_.empty()) {
     nodes_.emplace_back();
-    return static_cast<Index>(nodes_.size()) - 1;
+    return NodeIndex(nodes_.size() - 1);
   }
-  const Index n = unused_.back();
+  const NodeIndex n = unused_.back();
   unused_.pop_back();
   return n;
 }
 
 void FrontTree::solve() {
   moved_.clear();
-  std::vector<Index> to_visit = roots_;
+  std::vector<NodeIndex> to_visit{root_};
   while (!to_visit.empty()) {
-    Node& next = node(to_visit.back());
+    Node& next = nodes_[to_visit.back()];
     to_visit.pop_back();
     if (!is_displaced_ && !next.is_fresh && !is_above_moved(next)) continue;
     next.is_fresh = false;
@@ -270,15 +237,15 @@ void FrontTree::solve() {
 
 bool FrontTree::is_above_moved(const Node& below) const {
   const auto& separator = below.update.variables;
-  return std::any_of(separator.begin(), separator.end(), [&](Index v) { return variable(v).moved_in == updates_; });
+  return std::any_of(separator.begin(), separator.end(), [&](Variable v) { return variables_[v].moved_in == updates_; });
 }
 
-Eigen::VectorXd FrontTree::gathered(const std::vector<Index>& variables, Eigen::Index size) const {
+Eigen::VectorXd FrontTree::gathered(const std::vector<Variable>& variables, Eigen::Index size) const {
   Eigen::VectorXd entries(size);
   Eigen::Index entry = 0;
-  for (const Index v : variables) {
-    entries.segment(entry, variable(v).dof) = solution(v);
-    entry += variable(v).dof;
+  for (const Variable v : variables) {
+    entries.segment(entry, variables_[v].dof) = solution(v);
+    entry += variables_[v].dof;
   }
   return entries;
 }
@@ -287,17 +254,16 @@ void FrontTree::solve_node(const Node& next) {
   const Eigen::Index width = next.L.cols();
   const auto L_JJ = next.L.topRows(width).triangularView<Eigen::Lower>();
   const Eigen::VectorXd above = gathered(next.update.variables, next.L.rows() - width);
-  Eigen::VectorXd now = next.y;
-  now.noalias() -= next.L.bottomRows(above.size()).transpose() * above;
+  Eigen::VectorXd now = -(next.L.bottomRows(above.size()).transpose() * above);
   L_JJ.transpose().solveInPlace(now);
   // The change in squared standard deviations, what lies above being held.
   const double change = (L_JJ.transpose() * (now - gathered(next.frontals, width))).squaredNorm();
   if (change <= kNoMove * static_cast<double>(width)) return;
   Eigen::Index entry = 0;
-  for (const Index v : next.frontals) {
-    std::copy_n(now.data() + entry, variable(v).dof, solution_.begin() + variable(v).offset);
-    entry += variable(v).dof;
-    variable(v).moved_in = updates_;
+  for (const Variable v : next.frontals) {
+    std::copy_n(now.data() + entry, variables_[v].dof, solution_.begin() + variables_[v].offset);
+    entry += variables_[v].dof;
+    variables_[v].moved_in = updates_;
     moved_.push_back(v);
   }
 }

@@ -3,108 +3,106 @@
 // A growing sum of quadratics and its minimum, by a tree of fronts of which a change touches few: those that eliminate the
 // variables of what changed, and all above them (the Bayes tree of iSAM2: Kaess et al., IJRR 2012).
 //
-// These are planned and eliminated again as normal equations of their own (NormalEquations), to which the fronts below send
-// what they sent before. The variables of fronts below are solved for again only where what lies above has moved.
+// These are planned and eliminated again by SparseCholesky, to which the fronts below send what they sent before. The variables
+// of fronts below are solved for again only where what lies above has moved.
 
 #include <Eigen/Core>
-#include <mapjoin/model/ids.hpp>
-#include <mapjoin/solve/normal_equations.hpp>
+#include <mapjoin/solve/block_pattern.hpp>
+#include <mapjoin/solve/sparse_cholesky.hpp>
 #include <span>
 #include <vector>
 
 namespace mapjoin {
 
-/// A quadratic δᵀHδ - 2 bᵀδ over some variables' entries, one after the other. Only the lower triangle of H counts.
+/// A quadratic xᵀHx over the entries of some variables, one after the other. Only the lower triangle of H counts. One of the
+/// variables is FrontTree::kOne, whose value is 1: with δᵀHδ - 2bᵀδ + c, its row is -bᵀ, c.
 struct Quadratic {
-  std::vector<Index> variables;
+  std::vector<Variable> variables;
   Eigen::MatrixXd H;
-  Eigen::VectorXd b;
 };
 
 class FrontTree {
  public:
-  /// Variables and quadratics are numbered from 0 in the order they were added.
-  Index add_variable(int dof);
-  Index add_quadratic(Quadratic quadratic);
-  /// H and b in the place of the former ones, over the same variables.
-  void change_quadratic(Index quadratic, Eigen::MatrixXd H, Eigen::VectorXd b);
+  static constexpr Variable kOne = 0;
+  using QuadraticIndex = StrongIndex<struct QuadraticTag>;
+
+  FrontTree();
+  Variable add_variable(int dof);
+  QuadraticIndex add_quadratic(Quadratic quadratic);
+  /// H in the place of the former one, over the same variables.
+  void change_quadratic(QuadraticIndex quadratic, Eigen::MatrixXd H);
 
   /// Eliminates again what is touched by all that was added and changed since the last time, the variables `last` after all
   /// others, and solves. Variables that nothing determines stay where they are. Returns how many variables were eliminated.
-  std::size_t update(std::span<const Index> last);
+  std::size_t update(std::span<const Variable> last);
   /// Where the sum is least: the entries of a variable.
-  Eigen::Map<const Eigen::VectorXd> solution(Index variable) const;
+  Eigen::Map<const Eigen::VectorXd> solution(Variable v) const;
   /// The variables that the last update moved by more than a thousandth of a standard deviation; the others stand where they
   /// stood.
-  const std::vector<Index>& moved() const { return moved_; }
+  const std::vector<Variable>& moved() const { return moved_; }
   /// Puts a variable elsewhere: the next update then looks at all of them.
-  void set_solution(Index variable, const Eigen::Ref<const Eigen::VectorXd>& entries);
+  void set_solution(Variable v, const Eigen::Ref<const Eigen::VectorXd>& entries);
 
  private:
-  /// Variables that are eliminated together; y = L_JJ⁻¹ b_J. What is left over the separator goes to the parent.
+  using NodeIndex = StrongIndex<struct NodeTag>;
+  static constexpr NodeIndex kNone = -1;
+
+  /// Variables that are eliminated together.
   struct Node {
-    std::vector<Index> frontals;
-    Quadratic update;   // over the separator
-    Eigen::MatrixXd L;  // L_JJ over L_RJ
-    Eigen::VectorXd y;
-    Index parent = -1;
-    std::vector<Index> children;
-    bool is_open = false;   // about to be eliminated again
-    bool is_fresh = false;  // not yet solved
+    std::vector<Variable> frontals;
+    Quadratic update;   // what is left over the separator, for the parent
+    Eigen::MatrixXd L;  // over frontals, then the separator
+    NodeIndex parent = kNone;
+    std::vector<NodeIndex> children;
+    std::vector<QuadraticIndex> quadratics;  // whose first variable it eliminates
+    bool is_open = false;                    // about to be eliminated again
+    bool is_fresh = false;                   // not yet solved
   };
-  struct Variable {
+  struct State {
     int dof;
-    Eigen::Index offset;  // in solution_
-    std::vector<Index> quadratics{};
-    Index node = -1;           // that eliminates it
-    Index place = kConstant;   // among the variables that are being eliminated
-    std::size_t moved_in = 0;  // the update that moved it last
+    Eigen::Index offset;         // in solution_
+    NodeIndex node = kNone;      // that eliminates it
+    Variable place = kConstant;  // among the variables that are being eliminated
+    std::size_t moved_in = 0;    // the update that moved it last
+  };
+  struct Summand {
+    Quadratic quadratic;
+    NodeIndex node = kNone;  // that has it
   };
   /// What is eliminated again.
   struct Opened {
-    std::vector<Index> nodes;
-    std::vector<Index> variables;            // those to be eliminated last at the end
-    std::vector<const Quadratic*> summands;  // that concern them alone, then what the orphans send
-    std::size_t quadratic_count = 0;         // of the summands
-    std::vector<Index> orphans;              // nodes below the open ones
-    Index last_count = 0;
+    std::vector<NodeIndex> nodes;
+    Table<Variable, Variable> variables;  // by their place, ascending
+    std::vector<QuadraticIndex> quadratics;
+    std::vector<NodeIndex> orphans;  // nodes below the open ones
   };
-  struct Given;
 
-  Variable& variable(Index v) { return variables_[static_cast<std::size_t>(v)]; }
-  const Variable& variable(Index v) const { return variables_[static_cast<std::size_t>(v)]; }
-  Node& node(Index n) { return nodes_[static_cast<std::size_t>(n)]; }
-  const Node& node(Index n) const { return nodes_[static_cast<std::size_t>(n)]; }
-  Quadratic& quadratic(Index q) { return quadratics_[static_cast<std::size_t>(q)]; }
-  const Quadratic& quadratic(Index q) const { return quadratics_[static_cast<std::size_t>(q)]; }
-
-  void open_upwards(Index node, Opened& opened);
+  void open_upwards(NodeIndex node, Opened& opened);
   Opened open_touched();
-  void order(std::span<const Index> last, Opened& opened);
-  void find_summands(Opened& opened) const;
-  NormalEquations pattern_of(const Opened& opened) const;
-  /// The summands over the places of the opened variables.
-  Given given_by(const Opened& opened, const NormalEquations& equations) const;
-  /// New nodes in the place of the open ones, of a factorisation of what is opened.
-  void rebuild(const Opened& opened, const NormalEquations& equations, const Given& given, const Supernodes& supernodes);
-  void take(Index node, const Supernode& supernode, const std::vector<Index>& variable_at);
-  void link(const std::vector<Index>& nodes, const Supernodes& supernodes, const std::vector<std::size_t>& supernode_at,
-            const std::vector<Eigen::VectorXd>& given);
-  Index new_node();
+  /// The quadratics, then what the orphans send.
+  std::vector<const Quadratic*> summands(const Opened& opened) const;
+  Elimination planned(const Opened& opened, const std::vector<const Quadratic*>& summands,
+                      std::span<const Variable> last) const;
+  std::size_t eliminate_touched(std::span<const Variable> last);
+  /// New nodes in the place of the open ones.
+  void replace(const Opened& opened, const Elimination& elimination, const SparseCholesky& cholesky);
+  void take(NodeIndex node, const Opened& opened, const Elimination& elimination, const SparseCholesky& cholesky,
+            std::size_t front);
+  NodeIndex new_node();
   void solve();
   bool is_above_moved(const Node& node) const;
   void solve_node(const Node& node);
   /// The solution over variables, of so many entries.
-  Eigen::VectorXd gathered(const std::vector<Index>& variables, Eigen::Index size) const;
+  Eigen::VectorXd gathered(const std::vector<Variable>& variables, Eigen::Index size) const;
 
-  std::vector<Variable> variables_;
-  std::vector<Quadratic> quadratics_;
-  std::vector<Index> touched_;  // quadratics since the last update
-  std::vector<Node> nodes_;
-  std::vector<Index> unused_;  // nodes
-  std::vector<Index> roots_;
+  Table<Variable, State> variables_;
+  Table<QuadraticIndex, Summand> quadratics_;
+  std::vector<QuadraticIndex> touched_;  // since the last update, each once
+  Table<NodeIndex, Node> nodes_;
+  std::vector<NodeIndex> unused_;
+  NodeIndex root_ = kNone;
   std::vector<double> solution_;
-  std::vector<Index> moved_;
+  std::vector<Variable> moved_;
   std::size_t updates_ = 0;
   bool is_displaced_ = false;
 };

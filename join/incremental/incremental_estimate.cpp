@@ -7,11 +7,8 @@ namespace mapjoin {
 namespace {
 
 constexpr int kMostIterations = 50;
-constexpr int kMostHalvings = 10;
 /// Of a linearisation, in chi2 per measured row: 0.3 % of a standard deviation.
 constexpr double kLinearisationError = 1e-5;
-/// By so much chi2 may rise where linearisations err by as much as they may.
-constexpr double kLittleChi2 = 1e-3;
 /// Beyond this turn (rad) since its reference a pose gets a new one: rotation vectors are good up to π.
 constexpr double kMostTurn = 1.0;
 
@@ -27,7 +24,8 @@ Index IncrementalEstimate<Dim>::add_variable(bool is_pose, Index index, const Po
   const auto v = static_cast<Index>(variables_.size()) - 1;
   if (is_held) return v;
   added.column = tree_.add_variable(added.dof());
-  variable_of_column_.push_back(v);
+  variable_of_column_.resize(added.column.position() + 1);
+  variable_of_column_[added.column] = v;
   free_ += added.dof();
   return v;
 }
@@ -40,11 +38,11 @@ void IncrementalEstimate<Dim>::place(Index v, const Pose<Dim>& value) {
 template <int Dim>
 void IncrementalEstimate<Dim>::add_factor(MapFactor<Dim> map) {
   const auto f = static_cast<Index>(factors_.size());
-  for (const Index v : map.slots()) {
+  for (const Index v : map.variables()) {
     if (v != kWorld) variable(v).factors.push_back(f);
   }
   rows_ += map.rows();
-  Factor& added = factors_.emplace_back(Factor{std::move(map), -1, {}, 0});
+  Factor& added = factors_.emplace_back(Factor{std::move(map), {}, {}, 0});
   added.fit.chi2 = added.map.chi2(variables_);
   chi2_ += added.fit.chi2;
   stale_.push_back(f);
@@ -52,7 +50,7 @@ void IncrementalEstimate<Dim>::add_factor(MapFactor<Dim> map) {
 
 template <int Dim>
 Settling IncrementalEstimate<Dim>::settle(std::span<const Index> last) {
-  std::vector<Index> last_columns;
+  std::vector<Variable> last_columns;
   for (const Index v : last) {
     if (variable(v).column != kConstant) last_columns.push_back(variable(v).column);
   }
@@ -61,12 +59,10 @@ Settling IncrementalEstimate<Dim>::settle(std::span<const Index> last) {
     linearise_stale();
     settling.eliminated += tree_.update(last_columns);
     ++settling.iterations;
-    const std::vector<Move> step = moves();
-    remember(step);
-    const double share = take(step);
-    if (share == 0.0) break;
-    refer_turned(step);
-    settling.converged = share == 1.0 && stale_.empty();
+    const double before = chi2_;
+    if (!take_step()) break;
+    refer_turned();
+    settling.converged = stale_.empty() || before - chi2_ <= rounding();
   }
   settling.moved = take_moved();
   known_ = variables_.size();
@@ -78,102 +74,89 @@ void IncrementalEstimate<Dim>::linearise_stale() {
   for (const Index f : stale_) {
     Factor& stale = factor(f);
     Quadratic system = stale.map.linearise(variables_);
-    if (stale.quadratic < 0) {
-      stale.quadratic = tree_.add_quadratic(std::move(system));
+    if (stale.quadratic) {
+      tree_.change_quadratic(*stale.quadratic, std::move(system.H));
     } else {
-      tree_.change_quadratic(stale.quadratic, std::move(system.H), std::move(system.b));
+      stale.quadratic = tree_.add_quadratic(std::move(system));
     }
   }
   stale_.clear();
 }
 
 template <int Dim>
-std::vector<typename IncrementalEstimate<Dim>::Move> IncrementalEstimate<Dim>::moves() const {
-  std::vector<Move> moves;
-  for (const Index column : tree_.moved()) {
-    const Index v = variable_of_column_[static_cast<std::size_t>(column)];
-    const JoinedVariable<Dim>& moving = variables_[static_cast<std::size_t>(v)];
-    Move move{v, moving.step, PoseVector<Dim>::Zero()};
-    move.to.head(moving.dof()) = tree_.solution(column);
-    moves.push_back(move);
-  }
-  return moves;
+double IncrementalEstimate<Dim>::rounding() const {
+  return kLinearisationError * static_cast<double>(rows_);
 }
 
 template <int Dim>
-double IncrementalEstimate<Dim>::take(const std::vector<Move>& moves) {
-  const double before = chi2_;
-  double share = 1.0;
-  for (int halvings = 0; halvings <= kMostHalvings; ++halvings, share *= 0.5) {
-    const std::vector<Index> concerned = apply(moves, share);
-    if (!(chi2_ <= before + kLittleChi2)) continue;
-    for (const Index f : concerned) {
-      const bool is_stale =
-          share < 1.0 || factor(f).fit.error > kLinearisationError * static_cast<double>(factor(f).map.rows());
-      if (is_stale) stale_.push_back(f);
-    }
-    if (share == 1.0) return share;
-    for (const Move& move : moves) {
-      const JoinedVariable<Dim>& moved = variable(move.variable);
-      tree_.set_solution(moved.column, moved.step.head(moved.dof()));
-    }
-    return share;
-  }
-  apply(moves, 0.0);
-  for (const Move& move : moves) {
-    const JoinedVariable<Dim>& moved = variable(move.variable);
-    tree_.set_solution(moved.column, moved.step.head(moved.dof()));
-  }
-  return 0.0;
-}
-
-template <int Dim>
-std::vector<Index> IncrementalEstimate<Dim>::apply(const std::vector<Move>& moves, double share) {
+bool IncrementalEstimate<Dim>::take_step() {
   ++steps_;
+  const double before = chi2_;
+  std::vector<PoseVector<Dim>> from;
   std::vector<Index> concerned;
-  for (const Move& move : moves) {
-    variable(move.variable).move_to(move.from + share * (move.to - move.from));
-    for (const Index f : variable(move.variable).factors) {
-      if (factor(f).met_in == steps_) continue;
-      factor(f).met_in = steps_;
-      concerned.push_back(f);
-    }
+  for (const Variable column : tree_.moved()) {
+    const Index v = variable_of_column_[column];
+    remember(v);
+    from.push_back(variable(v).step);
+    PoseVector<Dim> to = PoseVector<Dim>::Zero();
+    to.head(variable(v).dof()) = tree_.solution(column);
+    move_to(v, to, concerned);
   }
-  for (const Index f : concerned) {
+  look_at(concerned);
+  if (chi2_ <= before + rounding()) {
+    for (const Index f : concerned) {
+      if (factor(f).fit.error > kLinearisationError * static_cast<double>(factor(f).map.rows())) stale_.push_back(f);
+    }
+    return true;
+  }
+  auto was = from.begin();
+  for (const Variable column : tree_.moved()) {
+    tree_.set_solution(column, was->head(variable(variable_of_column_[column]).dof()));
+    move_to(variable_of_column_[column], *was++, concerned);
+  }
+  look_at(concerned);
+  return false;
+}
+
+template <int Dim>
+void IncrementalEstimate<Dim>::move_to(Index v, const PoseVector<Dim>& step, std::vector<Index>& concerned) {
+  variable(v).move_to(step);
+  for (const Index f : variable(v).factors) {
+    if (std::exchange(factor(f).met_in, steps_) != steps_) concerned.push_back(f);
+  }
+}
+
+template <int Dim>
+void IncrementalEstimate<Dim>::look_at(const std::vector<Index>& factors) {
+  for (const Index f : factors) {
     const auto fit = factor(f).map.fit(variables_);
     chi2_ += fit.chi2 - factor(f).fit.chi2;
     factor(f).fit = fit;
   }
-  return concerned;
 }
 
 /// A pose that has turned far gets a new reference; what it concerns is linearised again.
 template <int Dim>
-void IncrementalEstimate<Dim>::refer_turned(const std::vector<Move>& moves) {
+void IncrementalEstimate<Dim>::refer_turned() {
   if constexpr (Dim == 3) {
-    bool any = false;
-    for (const Move& move : moves) {
-      JoinedVariable<Dim>& turned = variable(move.variable);
+    for (const Variable column : tree_.moved()) {
+      JoinedVariable<Dim>& turned = variable(variable_of_column_[column]);
       if (!turned.is_pose || turned.step.template tail<3>().norm() < kMostTurn) continue;
-      any = true;
       turned.refer_to_value();
-      tree_.set_solution(turned.column, turned.step);
+      tree_.set_solution(column, turned.step);
       stale_.insert(stale_.end(), turned.factors.begin(), turned.factors.end());
     }
-    if (!any) return;
     std::sort(stale_.begin(), stale_.end());
     stale_.erase(std::unique(stale_.begin(), stale_.end()), stale_.end());
   }
 }
 
 template <int Dim>
-void IncrementalEstimate<Dim>::remember(const std::vector<Move>& moves) {
-  for (const Move& move : moves) {
-    const auto v = static_cast<std::size_t>(move.variable);
-    if (v >= known_ || is_remembered_[v]) continue;
-    is_remembered_[v] = true;
-    before_.emplace_back(move.variable, variables_[v].value);
-  }
+void IncrementalEstimate<Dim>::remember(Index v) {
+  const auto k = static_cast<std::size_t>(v);
+  if (k >= known_ || is_remembered_[k]) return;
+  is_remembered_[k] = true;
+  before_.emplace_back(v, variables_[k].value);
 }
 
 /// How far those have gone that are remembered, which are then forgotten.

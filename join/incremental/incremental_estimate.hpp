@@ -5,6 +5,7 @@
 #include <mapjoin/join/incremental/front_tree.hpp>
 #include <mapjoin/join/incremental/map_factor.hpp>
 #include <mapjoin/solve/minimise_options.hpp>
+#include <optional>
 #include <span>
 #include <utility>
 #include <vector>
@@ -20,7 +21,7 @@ struct Settling {
 };
 
 /// Gauss-Newton, with a map linearised again only where its linearisation errs by more than 0.3 % of a standard deviation
-/// (rms); steps that do not lower chi2 are halved.
+/// (rms). A step that would raise chi2 is not taken: the estimate then has not converged, and wants a join of all maps.
 template <int Dim>
 class IncrementalEstimate {
  public:
@@ -41,31 +42,26 @@ class IncrementalEstimate {
  private:
   struct Factor {
     MapFactor<Dim> map;
-    Index quadratic = -1;  // of the tree; -1: not linearised yet
+    std::optional<FrontTree::QuadraticIndex> quadratic;  // of the tree, once it is linearised
     typename MapFactor<Dim>::Fit fit;
     std::size_t met_in = 0;  // the step that looked at it last
   };
-  /// A variable on its way.
-  struct Move {
-    Index variable;
-    PoseVector<Dim> from;
-    PoseVector<Dim> to;
-  };
-
   JoinedVariable<Dim>& variable(Index v) { return variables_[static_cast<std::size_t>(v)]; }
   Factor& factor(Index f) { return factors_[static_cast<std::size_t>(f)]; }
   void linearise_stale();
-  std::vector<Move> moves() const;
-  /// As much of the moves as lowers chi2: 1, ½, …; 0 where nothing does.
-  double take(const std::vector<Move>& moves);
-  /// Puts the variables at a share of their moves, and returns the factors that this concerns.
-  std::vector<Index> apply(const std::vector<Move>& moves, double share);
-  void remember(const std::vector<Move>& moves);
+  /// Moves the variables to where the tree has them; false where chi2 would rise, all then staying where they are.
+  bool take_step();
+  /// What chi2 may be off by where every linearisation errs by as much as it may.
+  double rounding() const;
+  void move_to(Index v, const PoseVector<Dim>& step, std::vector<Index>& concerned);
+  /// Brings chi2 up to date with what these factors say now.
+  void look_at(const std::vector<Index>& factors);
+  void remember(Index v);
   StepSize take_moved();
-  void refer_turned(const std::vector<Move>& moves);
+  void refer_turned();
 
   JoinedVariables<Dim> variables_;
-  std::vector<Index> variable_of_column_;
+  Table<Variable, Index> variable_of_column_;
   std::vector<Factor> factors_;
   std::vector<Index> stale_;  // factors to be linearised
   FrontTree tree_;

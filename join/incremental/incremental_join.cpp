@@ -129,10 +129,10 @@ template <int Dim>
 std::vector<MapFactor<Dim>> IncrementalJoin<Dim>::factors_of(const Part<Dim>& part) {
   std::vector<MapFactor<Dim>> factors;
   const auto add = [&](const LocalMap<Dim>& map) {
-    std::vector<Index> slots{map.base == kWorld ? kWorld : poses_[map.base]};
-    for (const Index p : map.poses) slots.push_back(poses_[p]);
-    for (const Index f : map.features) slots.push_back(features_[f]);
-    factors.emplace_back(map, std::move(slots));
+    std::vector<Index> variables{map.base == kWorld ? kWorld : poses_[map.base]};
+    for (const Index p : map.poses) variables.push_back(poses_[p]);
+    for (const Index f : map.features) variables.push_back(features_[f]);
+    factors.emplace_back(map, std::move(variables));
   };
   if (part.map) add(*part.map);
   for (LocalMap<Dim>& single : observations_as_maps(part)) add(singles_.emplace_back(std::move(single)));
@@ -223,7 +223,9 @@ void IncrementalJoin<Dim>::join_anew(bool with_waiting, const std::stop_token& s
   options.origin = origin_;
   added.looked_anew = true;
   const auto joined = join(network, set.poses, set.features, options, stop);
-  if (!joined || !(with_waiting || is_less_chi2(joined->result.chi2, estimate_.chi2()))) return;
+  if (!joined) return;
+  added.converged = joined->result.status == MinimiseStatus::kConverged;  // here, or at an estimate that is no better
+  if (!with_waiting && !is_less_chi2(joined->result.chi2, estimate_.chi2())) return;
   take(parts, *joined, added);
   added.is_joined = added.joined_anew = true;
   if (!with_waiting) return;

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <Eigen/LU>
+#include <algorithm>
 #include <mapjoin/join/incremental/map_factor.hpp>
 #include <mapjoin/model/cost.hpp>
 #include <mapjoin/model/information.hpp>
@@ -17,29 +18,23 @@ void turn_into_delta(const JoinedVariable<Dim>& variable, Matrix<Rows, kPoseDof<
   }
 }
 
-/// Takes the blocks of one map to their rows in a dense system.
-class DenseSink {
- public:
-  DenseSink(const std::vector<Eigen::Index>& rows, Quadratic& system) : rows_(rows), system_(system) {}
+/// Takes the blocks of one map to their rows in a quadratic, whose last row is that of FrontTree::kOne.
+struct QuadraticSink {
+  const std::vector<Eigen::Index>& rows;  // of each variable; -1 where it is held
+  Eigen::MatrixXd& H;
 
   template <typename Block>
   void hessian(int i, int j, const Block& block) {
-    const Eigen::Index row = rows_[static_cast<std::size_t>(j)];
-    const Eigen::Index column = rows_[static_cast<std::size_t>(i)];
+    const Eigen::Index row = rows[static_cast<std::size_t>(j)];
+    const Eigen::Index column = rows[static_cast<std::size_t>(i)];
     if (row < 0 || column < 0) return;
-    constexpr int kRows = Block::ColsAtCompileTime;
-    constexpr int kColumns = Block::RowsAtCompileTime;
-    system_.H.template block<kRows, kColumns>(row, column) += block.transpose();
+    H.block<Block::ColsAtCompileTime, Block::RowsAtCompileTime>(row, column) += block.transpose();
   }
   template <typename Block>
   void rhs(int i, const Block& block) {
-    const Eigen::Index row = rows_[static_cast<std::size_t>(i)];
-    if (row >= 0) system_.b.template segment<Block::RowsAtCompileTime>(row) += block;
+    const Eigen::Index row = rows[static_cast<std::size_t>(i)];
+    if (row >= 0) H.bottomRows<1>().template segment<Block::RowsAtCompileTime>(row) -= block.transpose();
   }
-
- private:
-  const std::vector<Eigen::Index>& rows_;  // per slot; -1 where it is held
-  Quadratic& system_;
 };
 
 }  // namespace
@@ -61,70 +56,59 @@ void JoinedVariable<Dim>::refer_to_value() {
 }
 
 template <int Dim>
-MapFactor<Dim>::MapFactor(const LocalMap<Dim>& map, std::vector<Index> slots)
-    : map_(&map), slots_(std::move(slots)), rows_(information_rank(map.information)), steps_(slots_.size()) {
-  linear_.map = map_;
-  linear_.poses.resize(map.poses.size());
-  linear_.features.resize(map.features.size());
+MapFactor<Dim>::MapFactor(const LocalMap<Dim>& map, std::vector<Index> variables)
+    : map_(&map), variables_(std::move(variables)), rows_(information_rank(map.information)) {}
+
+template <int Dim>
+const JoinedVariable<Dim>& MapFactor<Dim>::base_of(const JoinedVariables<Dim>& variables) const {
+  static const JoinedVariable<Dim> world;
+  return variables_[0] == kWorld ? world : variables[static_cast<std::size_t>(variables_[0])];
 }
 
 template <int Dim>
-Pose<Dim> MapFactor<Dim>::base_of(const JoinedVariables<Dim>& variables) const {
-  return slots_[0] == kWorld ? Pose<Dim>{} : variables[static_cast<std::size_t>(slots_[0])].value;
+const JoinedVariable<Dim>& MapFactor<Dim>::target(const JoinedVariables<Dim>& variables, std::size_t t) const {
+  return variables[static_cast<std::size_t>(variables_[1 + t])];
 }
 
 template <int Dim>
 Quadratic MapFactor<Dim>::linearise(const JoinedVariables<Dim>& variables) {
-  const auto variable = [&](std::size_t slot) -> const JoinedVariable<Dim>& {
-    return variables[static_cast<std::size_t>(slots_[slot])];
+  const JoinedVariable<Dim>& base = base_of(variables);
+  base_turn_ = base.step.template tail<kRotationDof<Dim>>();
+  linear_ = mapjoin::linearise(
+      *map_, base.value, [&](std::size_t p) -> const Pose<Dim>& { return target(variables, p).value; },
+      [&](std::size_t f) -> const Point<Dim>& { return target(variables, map_->poses.size() + f).value.translation; });
+  std::size_t t = 0;
+  const auto refer_to_delta = [&]<int Dof>(LinearTarget<Dim, Dof>& linear) {
+    const JoinedVariable<Dim>& seen = target(variables, t++);
+    turn_into_delta(base, linear.J_base);
+    if constexpr (Dof == kPoseDof<Dim>) turn_into_delta(seen, linear.J_target);
+    linear.residual += linear.J_target * seen.step.template head<Dof>() + linear.J_base * base.step;
   };
+  std::for_each(linear_.poses.begin(), linear_.poses.end(), refer_to_delta);
+  std::for_each(linear_.features.begin(), linear_.features.end(), refer_to_delta);
+
   Quadratic system;
   std::vector<Eigen::Index> rows;
   Eigen::Index size = 0;
-  for (std::size_t s = 0; s < slots_.size(); ++s) {
-    const bool is_free = slots_[s] != kWorld && variable(s).column != kConstant;
+  const auto add_variable = [&](const JoinedVariable<Dim>& variable) {
+    const bool is_free = variable.column != kConstant;
     rows.push_back(is_free ? size : -1);
-    if (slots_[s] != kWorld) steps_[s] = variable(s).step;
-    if (!is_free) continue;
-    system.variables.push_back(variable(s).column);
-    size += variable(s).dof();
-  }
-
-  const Pose<Dim> base = base_of(variables);
-  const auto in_delta = [&](auto& linear) {
-    if (slots_[0] != kWorld) turn_into_delta(variable(0), linear.J_base);
+    if (is_free) system.variables.push_back(variable.column);
+    if (is_free) size += variable.dof();
   };
-  for (std::size_t p = 0; p < map_->poses.size(); ++p) {
-    const JoinedVariable<Dim>& target = variable(1 + p);
-    linear_.poses[p] = mapjoin::linearise<Dim>(map_->pose_estimates[p], base, target.value);
-    in_delta(linear_.poses[p]);
-    turn_into_delta(target, linear_.poses[p].J_target);
-  }
-  for (std::size_t f = 0; f < map_->features.size(); ++f) {
-    const Point<Dim>& target = variable(1 + map_->poses.size() + f).value.translation;
-    linear_.features[f] = mapjoin::linearise<Dim>(map_->feature_estimates[f], base, target);
-    in_delta(linear_.features[f]);
-  }
-
-  system.H.setZero(size, size);
-  system.b.setZero(size);
-  accumulate(linear_, DenseSink(rows, system));
-  Eigen::VectorXd steps(size);
-  for (std::size_t s = 0; s < slots_.size(); ++s) {
-    if (rows[s] >= 0) steps.segment(rows[s], variable(s).dof()) = steps_[s].head(variable(s).dof());
-  }
-  system.b += system.H.template selfadjointView<Eigen::Lower>() * steps;
+  add_variable(base);
+  for (t = 0; t + 1 < variables_.size(); ++t) add_variable(target(variables, t));
+  system.variables.push_back(FrontTree::kOne);
+  system.H.setZero(size + 1, size + 1);
+  system.H(size, size) = accumulate(linear_, QuadraticSink{rows, system.H});
   return system;
 }
 
 template <int Dim>
 Eigen::VectorXd MapFactor<Dim>::residual_at(const JoinedVariables<Dim>& variables) const {
-  const auto value = [&](std::size_t slot) -> const Pose<Dim>& {
-    return variables[static_cast<std::size_t>(slots_[slot])].value;
-  };
   return residual(
-      *map_, base_of(variables), [&](std::size_t p) { return value(1 + p); },
-      [&](std::size_t f) { return value(1 + map_->poses.size() + f).translation; });
+      *map_, base_of(variables).value, [&](std::size_t p) { return target(variables, p).value; },
+      [&](std::size_t f) { return target(variables, map_->poses.size() + f).value.translation; });
 }
 
 template <int Dim>
@@ -133,29 +117,19 @@ double MapFactor<Dim>::chi2(const JoinedVariables<Dim>& variables) const {
 }
 
 template <int Dim>
-PoseVector<Dim> MapFactor<Dim>::moved(const JoinedVariables<Dim>& variables, std::size_t slot) const {
-  return variables[static_cast<std::size_t>(slots_[slot])].step - steps_[slot];
-}
-
-template <int Dim>
 typename MapFactor<Dim>::Fit MapFactor<Dim>::fit(const JoinedVariables<Dim>& variables) const {
   const Eigen::VectorXd r = residual_at(variables);
-  const PoseVector<Dim> base_moved = slots_[0] == kWorld ? PoseVector<Dim>(PoseVector<Dim>::Zero()) : moved(variables, 0);
+  const JoinedVariable<Dim>& base = base_of(variables);
   Eigen::VectorXd error = r;
-  Eigen::Index row = 0;
-  for (std::size_t p = 0; p < linear_.poses.size(); ++p, row += kPoseDof<Dim>) {
-    const auto& linear = linear_.poses[p];
-    error.template segment<kPoseDof<Dim>>(row) -=
-        linear.residual - linear.J_target * moved(variables, 1 + p) - linear.J_base * base_moved;
-  }
-  for (std::size_t f = 0; f < linear_.features.size(); ++f, row += Dim) {
-    const auto& linear = linear_.features[f];
-    const Point<Dim> target_moved = moved(variables, 1 + linear_.poses.size() + f).template head<Dim>();
-    error.template segment<Dim>(row) -= linear.residual - linear.J_target * target_moved - linear.J_base * base_moved;
-  }
+  linear_.for_each_target([&]<int Dof>(int t, const LinearTarget<Dim, Dof>& linear) {
+    const auto k = static_cast<std::size_t>(t);
+    error.template segment<Dof>(map_->row(k)) -=
+        linear.residual - linear.J_target * target(variables, k).step.template head<Dof>() - linear.J_base * base.step;
+  });
   Fit fit;
   fit.chi2 = cost(*map_, r);
-  fit.error = cost(*map_, error) + base_moved.template tail<kRotationDof<Dim>>().squaredNorm() * fit.chi2;
+  const double turned = (base.step.template tail<kRotationDof<Dim>>() - base_turn_).squaredNorm();
+  fit.error = cost(*map_, error) + turned * fit.chi2;
   return fit;
 }
 

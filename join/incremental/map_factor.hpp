@@ -2,14 +2,13 @@
 #pragma once
 // A local map as a quadratic in the steps of its variables, and whether it still is one where these have gone meanwhile.
 //
-// A variable stands at x = retract(reference, δ). Linearised at δ̂, the map's residual is r̂ - J (δ - δ̂), with J over δ: in space
-// a rotation's columns are those of the step at x̂ times the right Jacobian at δ̂.
+// A variable stands at x = retract(reference, δ). Linearised at δ̂, the map's residual is r₀ - J δ with r₀ = r̂ + J δ̂, J being
+// over δ: in space a rotation's columns are those of the step at x̂ times the right Jacobian at δ̂.
 
 #include <Eigen/Core>
 #include <mapjoin/join/incremental/front_tree.hpp>
 #include <mapjoin/model/accumulate.hpp>
 #include <mapjoin/model/local_map.hpp>
-#include <mapjoin/solve/normal_equations.hpp>
 #include <vector>
 
 namespace mapjoin {
@@ -22,7 +21,7 @@ struct JoinedVariable {
   Pose<Dim> reference;                             ///< Of a feature the translation.
   PoseVector<Dim> step = PoseVector<Dim>::Zero();  ///< δ; of a feature its first entries.
   Pose<Dim> value;                                 ///< The estimate.
-  Index column = kConstant;                        ///< The variable of the linear system; kConstant where it is held.
+  Variable column = kConstant;                     ///< The variable of the linear system; kConstant where it is held.
   std::vector<Index> factors;
 
   int dof() const { return is_pose ? kPoseDof<Dim> : Dim; }
@@ -37,13 +36,13 @@ using JoinedVariables = std::vector<JoinedVariable<Dim>>;
 template <int Dim>
 class MapFactor {
  public:
-  /// `slots`: the variables of the map's base, poses and features; kWorld where the base is the World. `map` must stay.
-  MapFactor(const LocalMap<Dim>& map, std::vector<Index> slots);
+  /// `variables`: those of the map's base, poses and features; kWorld where the base is the World. `map` must stay.
+  MapFactor(const LocalMap<Dim>& map, std::vector<Index> variables);
 
-  const std::vector<Index>& slots() const { return slots_; }
+  const std::vector<Index>& variables() const { return variables_; }
   /// Measured rows.
   std::int64_t rows() const { return rows_; }
-  /// Over the columns of the variables.
+  /// |r₀ - J δ|² in the map's information, over the columns of the variables that are not held.
   Quadratic linearise(const JoinedVariables<Dim>& variables);
 
   struct Fit {
@@ -56,16 +55,16 @@ class MapFactor {
   double chi2(const JoinedVariables<Dim>& variables) const;
 
  private:
-  Pose<Dim> base_of(const JoinedVariables<Dim>& variables) const;
+  /// The base as a variable, which for the World is one that is held at the origin.
+  const JoinedVariable<Dim>& base_of(const JoinedVariables<Dim>& variables) const;
+  const JoinedVariable<Dim>& target(const JoinedVariables<Dim>& variables, std::size_t t) const;
   Eigen::VectorXd residual_at(const JoinedVariables<Dim>& variables) const;
-  /// The step of a slot since the linearisation.
-  PoseVector<Dim> moved(const JoinedVariables<Dim>& variables, std::size_t slot) const;
 
   const LocalMap<Dim>* map_;
-  std::vector<Index> slots_;
+  std::vector<Index> variables_;
   std::int64_t rows_;
-  LinearMap<Dim> linear_;
-  std::vector<PoseVector<Dim>> steps_;  // δ̂ per slot
+  LinearMap<Dim> linear_;                                        // with r₀ and J
+  RotationVector<Dim> base_turn_ = RotationVector<Dim>::Zero();  // of δ̂
 };
 
 }  // namespace mapjoin

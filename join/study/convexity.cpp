@@ -11,7 +11,6 @@
 #include <mapjoin/parallel/parallel.hpp>
 #include <mapjoin/simulate/random_stream.hpp>
 #include <mapjoin/solve/marginals.hpp>
-#include <mapjoin/solve/memory.hpp>
 #include <utility>
 
 namespace mapjoin {

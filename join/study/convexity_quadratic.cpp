@@ -70,20 +70,20 @@ class Counter {
       : system_(system), linearity_(system, state), marginals_(system.equations()) {}
 
   QuadraticShare counted() {
-    std::size_t clique = 0;
+    std::size_t factor = 0;
     for (const auto& [o, base, target] : system_.pose_observations()) {
-      Slots slots(*this, clique++);
+      Slots slots(*this, factor++);
       Rows rows(kDof, slots.columns);
       add_pose(o->measured, base, target, 0, slots, 1, rows);
       add(rows, o->information, slots);
     }
     for (const auto& [o, base, target] : system_.feature_observations()) {
-      Slots slots(*this, clique++);
+      Slots slots(*this, factor++);
       Rows rows(Dim, slots.columns);
       add_feature(o->measured, base, target, 0, slots, 1, rows);
       add(rows, o->information, slots);
     }
-    for (const auto& placed : system_.maps()) add_map(placed, clique++);
+    for (const auto& placed : system_.maps()) add_map(placed, factor++);
     share_.information /= static_cast<double>(system_.equations().size());
     return share_;
   }
@@ -91,17 +91,17 @@ class Counter {
  private:
   static constexpr int kDof = kPoseDof<Dim>;
 
-  /// The variables of a clique that are free, and where each slot's columns begin.
+  /// The variables of a factor that are free, and where each slot's columns begin.
   struct Slots {
-    Slots(const Counter& counter, std::size_t clique) {
-      for (const Index v : counter.system_.equations().clique(clique)) {
+    Slots(const Counter& counter, std::size_t factor) {
+      for (const Variable v : counter.system_.equations().pattern().factors[factor]) {
         begin.push_back(v == kConstant ? -1 : columns);
         if (v == kConstant) continue;
         free.push_back(v);
         columns += counter.system_.equations().dof(v);
       }
     }
-    std::vector<Index> free;
+    std::vector<Variable> free;
     std::vector<Eigen::Index> begin;
     Eigen::Index columns = 0;
   };

@@ -69,6 +69,20 @@ struct LinearMap {
   double cost(double chi2) const { return evaluate(Loss::kQuadratic, chi2).cost; }
 };
 
+/// The map linearised at a base and at the values of its p-th pose and f-th feature, pose_at(p) and feature_at(f).
+template <int Dim, typename PoseAt, typename FeatureAt>
+LinearMap<Dim> linearise(const LocalMap<Dim>& map, const Pose<Dim>& base, PoseAt&& pose_at, FeatureAt&& feature_at) {
+  LinearMap<Dim> linear;
+  linear.map = &map;
+  for (std::size_t p = 0; p < map.poses.size(); ++p) {
+    linear.poses.push_back(linearise<Dim>(map.pose_estimates[p], base, pose_at(p)));
+  }
+  for (std::size_t f = 0; f < map.features.size(); ++f) {
+    linear.features.push_back(linearise<Dim>(map.feature_estimates[f], base, feature_at(f)));
+  }
+  return linear;
+}
+
 /// Gives `sink` the normal equations of `observation` and returns its cost ρ(rᵀWr).
 template <typename Observation, typename Sink>
 double accumulate(const Observation& observation, Sink&& sink) {

@@ -1,12 +1,13 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
-// CHOLMOD's state as a value: silent, and without side effects on the process.
+// CHOLMOD's state as a value, silent and without side effects on the process, and its view of a symmetric matrix.
 
 #include <suitesparse/cholmod.h>
 
 #include <new>
 #include <stdexcept>
 #include <string>
+#include <vector>
 
 namespace mapjoin {
 
@@ -34,5 +35,24 @@ class Cholmod {
  private:
   cholmod_common common_{};
 };
+
+enum class Triangle { kUpper = 1, kLower = -1 };
+
+/// One triangle of a symmetric matrix by columns, ascending or not; a pattern alone where `values` is null.
+inline cholmod_sparse sparse_view(std::vector<SuiteSparse_long>& begin, std::vector<SuiteSparse_long>& rows, double* values,
+                                  Triangle triangle) {
+  cholmod_sparse view{};
+  view.nrow = view.ncol = begin.size() - 1;
+  view.nzmax = rows.size();
+  view.p = begin.data();
+  view.i = rows.data();
+  view.x = values;
+  view.stype = static_cast<int>(triangle);
+  view.itype = CHOLMOD_LONG;
+  view.xtype = values ? CHOLMOD_REAL : CHOLMOD_PATTERN;
+  view.dtype = CHOLMOD_DOUBLE;
+  view.packed = 1;
+  return view;
+}
 
 }  // namespace mapjoin

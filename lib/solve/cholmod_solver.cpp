@@ -2,7 +2,7 @@
 #include <algorithm>
 #include <mapjoin/solve/cholmod.hpp>
 #include <mapjoin/solve/cholmod_solver.hpp>
-#include <mapjoin/solve/pivot.hpp>
+#include <mapjoin/solve/sparse_cholesky.hpp>
 #include <mutex>
 
 // Not declared where CHOLMOD was built without OpenMP.
@@ -46,17 +46,8 @@ struct CholmodSolver::State {
     if (L) cholmod_l_free_factor(&L, cholmod.get());
   }
   cholmod_sparse view() {
-    cholmod_sparse A{};
-    A.nrow = A.ncol = begin.size() - 1;
-    A.nzmax = rows.size();
-    A.p = begin.data();
-    A.i = rows.data();
-    A.x = values.data();
-    A.stype = -1;
-    A.itype = CHOLMOD_LONG;
-    A.xtype = CHOLMOD_REAL;
-    A.dtype = CHOLMOD_DOUBLE;
-    A.sorted = A.packed = 1;
+    cholmod_sparse A = sparse_view(begin, rows, values.data(), Triangle::kLower);
+    A.sorted = 1;
     return A;
   }
   void take_pattern(const BlockLower& matrix);
@@ -66,12 +57,11 @@ void CholmodSolver::State::take_pattern(const BlockLower& matrix) {
   begin.assign(1, 0);
   rows.clear();
   source.clear();
-  for (std::size_t k = 0; k < matrix.blocks(); ++k) {
+  for (const Column k : matrix.columns()) {
     for (Eigen::Index j = 0; j < matrix.dof(k); ++j) {
       std::int64_t from = matrix.first_value[k] + j * matrix.heights[k];
-      for (const Index block : matrix.rows_of(k)) {
-        const auto i = static_cast<std::size_t>(block);
-        for (auto row = matrix.offsets[i]; row < matrix.offsets[i + 1]; ++row, ++from) {
+      for (const Column block : matrix.rows[k]) {
+        for (auto row = matrix.offsets[block]; row < matrix.offsets[block + 1]; ++row, ++from) {
           if (row < matrix.offsets[k] + j) continue;
           rows.push_back(row);
           source.push_back(from);
@@ -176,6 +166,11 @@ std::int64_t CholmodSolver::bytes() const {
   if (!state_->L) return 0;
   const double entries = state_->L->is_super ? static_cast<double>(state_->L->xsize) : state_->cholmod->lnz;
   return static_cast<std::int64_t>(entries * sizeof(double));
+}
+
+std::unique_ptr<SparseSolver> make_solver(Engine engine) {
+  if (engine == Engine::kCholmod) return std::make_unique<CholmodSolver>();
+  return std::make_unique<SparseCholesky>();
 }
 
 }  // namespace mapjoin

@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
+// Sharing out a factorisation, and the solves with it, among threads.
+
 #include <algorithm>
 #include <mapjoin/parallel/parallel.hpp>
-#include <mapjoin/solve/factor_tasks.hpp>
+#include <mapjoin/solve/supernodal_tree.hpp>
 #include <span>
 #include <utility>
 

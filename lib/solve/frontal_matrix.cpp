@@ -3,9 +3,103 @@
 #include <cmath>
 #include <mapjoin/parallel/parallel.hpp>
 #include <mapjoin/solve/frontal_matrix.hpp>
-#include <mapjoin/solve/pivot.hpp>
+#include <mapjoin/solve/sparse_solver.hpp>
+#include <mutex>
+#include <utility>
+
+extern "C" {
+// The Fortran interface, which every BLAS and LAPACK has.
+void dpotrf_(const char* uplo, const int* n, double* a, const int* lda, int* info);
+void dtrsm_(const char* side, const char* uplo, const char* trans, const char* diag, const int* m, const int* n,
+            const double* alpha, const double* a, const int* lda, double* b, const int* ldb);
+void dsyrk_(const char* uplo, const char* trans, const int* n, const int* k, const double* alpha, const double* a,
+            const int* lda, const double* beta, double* c, const int* ldc);
+void dgemm_(const char* transa, const char* transb, const int* m, const int* n, const int* k, const double* alpha,
+            const double* a, const int* lda, const double* b, const int* ldb, const double* beta, double* c, const int* ldc);
+// Null where the BLAS is not OpenBLAS, or where nothing in the process uses OpenMP.
+[[gnu::weak]] int openblas_get_parallel();
+[[gnu::weak]] int omp_get_max_threads();
+[[gnu::weak]] void omp_set_num_threads(int);
+}
 
 namespace mapjoin {
+namespace {
+
+constexpr double kOne = 1.0;
+constexpr double kMinusOne = -1.0;
+
+/// The duration of a BLAS call. A BLAS on OpenMP works on the calling thread alone: OpenMP's number of threads belongs to the
+/// thread that sets it. OpenBLAS built without threads is called by one thread at a time.
+class BlasCall {
+ public:
+  BlasCall() : openmp_threads_(omp_get_max_threads ? omp_get_max_threads() : 1), alone_(mutex_, std::defer_lock) {
+    if (openmp_threads_ > 1) omp_set_num_threads(1);
+    if (openblas_get_parallel && openblas_get_parallel() == 0) alone_.lock();
+  }
+  ~BlasCall() {
+    if (openmp_threads_ > 1) omp_set_num_threads(openmp_threads_);
+  }
+  BlasCall(const BlasCall&) = delete;
+  BlasCall& operator=(const BlasCall&) = delete;
+
+ private:
+  static inline std::mutex mutex_;
+  int openmp_threads_;  ///< Before the call.
+  std::unique_lock<std::mutex> alone_;
+};
+
+/// A block as Fortran takes it: all arguments are addresses.
+template <typename Block>
+struct Argument {
+  explicit Argument(Block& block)
+      : data(block.data()),
+        rows(static_cast<int>(block.rows())),
+        columns(static_cast<int>(block.cols())),
+        stride(static_cast<int>(block.outerStride())) {}
+  decltype(std::declval<Block&>().data()) data;
+  int rows;
+  int columns;
+  int stride;
+};
+
+double beta_of(Into into) {
+  return into == Into::kSum ? 1.0 : 0.0;
+}
+
+}  // namespace
+
+std::optional<Eigen::Index> cholesky_in_place(DenseBlock A) {
+  const BlasCall call;
+  const Argument a(A);
+  int info = 0;
+  dpotrf_("L", &a.rows, a.data, &a.stride, &info);
+  return info > 0 ? std::optional<Eigen::Index>(info - 1) : std::nullopt;
+}
+
+void divide_by_transpose(ConstDenseBlock L, DenseBlock B) {
+  const BlasCall call;
+  const Argument l(L);
+  const Argument b(B);
+  dtrsm_("R", "L", "T", "N", &b.rows, &b.columns, &kOne, l.data, &l.stride, b.data, &b.stride);
+}
+
+void subtract_square(ConstDenseBlock B, DenseBlock C, Into into) {
+  const BlasCall call;
+  const Argument b(B);
+  const Argument c(C);
+  const double beta = beta_of(into);
+  dsyrk_("L", "N", &b.rows, &b.columns, &kMinusOne, b.data, &b.stride, &beta, c.data, &c.stride);
+}
+
+void subtract_product(ConstDenseBlock A, ConstDenseBlock B, DenseBlock C, Into into) {
+  const BlasCall call;
+  const Argument a(A);
+  const Argument b(B);
+  const Argument c(C);
+  const double beta = beta_of(into);
+  dgemm_("N", "T", &a.rows, &b.rows, &a.columns, &kMinusOne, a.data, &a.stride, b.data, &b.stride, &beta, c.data, &c.stride);
+}
+
 namespace {
 
 /// Columns that are eliminated at once, and columns or rows that are a piece of work: large enough for the BLAS, small enough

@@ -1,13 +1,28 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
-// One step of a multifrontal factorisation: the dense matrix in which a supernode is eliminated.
+// One step of a multifrontal factorisation: the dense matrix in which a supernode is eliminated, by the BLAS and LAPACK.
 
-#include <mapjoin/solve/dense_kernels.hpp>
+#include <Eigen/Core>
 #include <mapjoin/solve/supernodal_tree.hpp>
+#include <optional>
 #include <span>
 #include <vector>
 
 namespace mapjoin {
+
+using DenseBlock = Eigen::Map<Eigen::MatrixXd, 0, Eigen::OuterStride<>>;
+using ConstDenseBlock = Eigen::Map<const Eigen::MatrixXd, 0, Eigen::OuterStride<>>;
+
+/// A = L Lᵀ, by lower triangles, L in the place of A. Returns the first column whose pivot is not positive, or nothing.
+std::optional<Eigen::Index> cholesky_in_place(DenseBlock A);
+/// B ← B L⁻ᵀ.
+void divide_by_transpose(ConstDenseBlock L, DenseBlock B);
+/// Whether a product is added to what is in a block already, or that is not even read.
+enum class Into { kSum, kNew };
+/// The lower triangle of C ← C - B Bᵀ, or of C ← -B Bᵀ.
+void subtract_square(ConstDenseBlock B, DenseBlock C, Into into);
+/// C ← C - A Bᵀ, or C ← -A Bᵀ.
+void subtract_product(ConstDenseBlock A, ConstDenseBlock B, DenseBlock C, Into into);
 
 /// The lower triangle of
 ///

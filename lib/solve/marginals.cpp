@@ -1,20 +1,129 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include <fmt/format.h>
+#include <unistd.h>
+
 #include <algorithm>
+#include <mapjoin/solve/frontal_matrix.hpp>
 #include <mapjoin/solve/marginals.hpp>
-#include <vector>
+#include <numeric>
+#include <stdexcept>
 
 namespace mapjoin {
 namespace {
 
+using Eigen::Lower;
+
 /// Right-hand sides solved at once: dense products pay, and their memory stays small beside the factor's.
 constexpr Eigen::Index kColumnsAtOnce = 64;
 
+/// How much there is to keep, and the most rows below any supernode.
+struct Size {
+  std::int64_t rows = 0;
+  std::int64_t values = 0;
+  std::int64_t most_below = 0;
+  std::int64_t widest = 0;
+
+  explicit Size(const Supernodes& factor) {
+    for (const Supernode& L : factor) {
+      const auto height = static_cast<std::int64_t>(L.rows.size());
+      const std::int64_t width = L.end - L.begin;
+      rows += height;
+      values += height * width;
+      most_below = std::max(most_below, height - width);
+      widest = std::max(widest, width);
+    }
+  }
+};
+
 }  // namespace
 
-Eigen::MatrixXd Marginals::joint(std::span<const Index> variables) const {
+std::int64_t InverseSubset::bytes(const Supernodes& factor) {
+  const Size size(factor);
+  const std::int64_t columns = factor.empty() ? 0 : factor.back().end;
+  const auto nodes = static_cast<std::int64_t>(factor.size());
+  const auto doubles = size.values + size.most_below * (size.most_below + size.widest);
+  return 8 * (doubles + size.rows) + 4 * columns + nodes * static_cast<std::int64_t>(sizeof(Node));
+}
+
+InverseSubset::InverseSubset(const Supernodes& factor, const GoOn& go_on) {
+  const Size size(factor);
+  rows_.reserve(static_cast<std::size_t>(size.rows));
+  values_.resize(static_cast<std::size_t>(size.values));
+  nodes_.reserve(factor.size());
+  node_of_.reserve(factor.empty() ? 0 : static_cast<std::size_t>(factor.back().end));
+  double* values = values_.data();
+  for (const Supernode& L : factor) {
+    rows_.insert(rows_.end(), L.rows.begin(), L.rows.end());
+    node_of_.insert(node_of_.end(), static_cast<std::size_t>(L.end - L.begin), static_cast<std::int32_t>(nodes_.size()));
+    nodes_.push_back({L.begin, L.end, {rows_.data() + rows_.size() - L.rows.size(), L.rows.size()}, values});
+    values += static_cast<std::int64_t>(L.rows.size()) * (L.end - L.begin);
+  }
+  Workspace workspace;
+  workspace.Z_RR.resize(static_cast<std::size_t>(size.most_below * size.most_below));
+  for (std::size_t k = nodes_.size(); k-- > 0;) {
+    if (go_on && !go_on(nodes_.size() - 1 - k)) return;
+    invert(factor[k], nodes_[k], workspace);
+  }
+}
+
+void InverseSubset::invert(const Supernode& L, const Node& node, Workspace& workspace) const {
+  const auto height = static_cast<Eigen::Index>(L.rows.size());
+  const Eigen::Index width = L.end - L.begin;
+  const Eigen::Index below = height - width;
+  const auto L_JJ = ConstDenseBlock(L.values, width, width, Eigen::OuterStride<>(height)).triangularView<Lower>();
+  DenseBlock Z_JJ(node.values, width, width, Eigen::OuterStride<>(height));
+  const Eigen::MatrixXd L_inverse = L_JJ.solve(Eigen::MatrixXd::Identity(width, width));
+  Z_JJ.noalias() = L_inverse.transpose() * L_inverse;
+  if (below == 0) return;
+
+  workspace.G = ConstDenseBlock(L.values + width, below, width, Eigen::OuterStride<>(height));
+  L_JJ.solveInPlace<Eigen::OnTheRight>(workspace.G);
+  gather(std::span(L.rows).subspan(static_cast<std::size_t>(width)), workspace.positions, workspace.Z_RR.data());
+  const Eigen::Map<const Eigen::MatrixXd> Z_RR(workspace.Z_RR.data(), below, below);
+  DenseBlock Z_RJ(node.values + width, below, width, Eigen::OuterStride<>(height));
+  Z_RJ.noalias() = -(Z_RR.selfadjointView<Lower>() * workspace.G);
+  Z_JJ.noalias() -= workspace.G.transpose() * Z_RJ;
+}
+
+void InverseSubset::gather(std::span<const std::int64_t> places, std::vector<std::int64_t>& positions, double* out) const {
+  const std::size_t size = places.size();
+  positions.resize(size);
+  for (std::size_t first = 0; first < size;) {
+    const Node& node = nodes_[static_cast<std::size_t>(node_of_[static_cast<std::size_t>(places[first])])];
+    auto row = node.rows.begin();
+    for (std::size_t k = first; k < size; ++k) {
+      row = std::lower_bound(row, node.rows.end(), places[k]);
+      if (row == node.rows.end() || *row != places[k]) throw std::out_of_range("two columns are not coupled in the factor");
+      positions[k] = row - node.rows.begin();
+    }
+    for (; first < size && places[first] < node.end; ++first) {
+      const double* column = node.values + (places[first] - node.begin) * static_cast<std::int64_t>(node.rows.size());
+      for (std::size_t k = first; k < size; ++k) out[first * size + k] = column[positions[k]];
+    }
+  }
+}
+
+Eigen::MatrixXd InverseSubset::block(std::span<const std::int64_t> columns) const {
+  const auto size = static_cast<Eigen::Index>(columns.size());
+  std::vector<Eigen::Index> order(columns.size());
+  std::iota(order.begin(), order.end(), Eigen::Index{0});
+  const auto place = [&](Eigen::Index k) { return columns[static_cast<std::size_t>(k)]; };
+  std::sort(order.begin(), order.end(), [&](Eigen::Index a, Eigen::Index b) { return place(a) < place(b); });
+  std::vector<std::int64_t> places;
+  places.reserve(columns.size());
+  for (const Eigen::Index k : order) places.push_back(place(k));
+  std::vector<std::int64_t> positions;
+  Eigen::MatrixXd sorted(size, size);
+  gather(places, positions, sorted.data());
+  Eigen::MatrixXd block(size, size);
+  block(order, order) = Eigen::MatrixXd(sorted.selfadjointView<Lower>());
+  return block;
+}
+
+Eigen::MatrixXd Marginals::joint(std::span<const Variable> variables) const {
   std::vector<std::int64_t> columns;
-  for (const Index v : variables) {
-    for (int i = 0; i < equations_->dof(v); ++i) columns.push_back(equations_->column_of(v) + i);
+  for (const Variable v : variables) {
+    for (int i = 0; i < equations_->dof(v); ++i) columns.push_back(equations_->factor_column(v) + i);
   }
   return subset_.block(columns);
 }
@@ -33,6 +142,19 @@ Eigen::MatrixXd covariance_of(const NormalEquations& equations, const Eigen::Spa
 std::int64_t covariance_bytes(const NormalEquations& equations, Eigen::Index rows) {
   // The result and its transpose; a batch of right-hand sides, permuted, solved, copied and permuted back.
   return 8 * (2 * rows * rows + 6 * kColumnsAtOnce * equations.size());
+}
+
+std::int64_t machine_memory() {
+  return std::int64_t{::sysconf(_SC_PHYS_PAGES)} * ::sysconf(_SC_PAGESIZE);
+}
+
+Expected<void> check_memory(const std::string& what, std::int64_t bytes, std::int64_t limit) {
+  const std::int64_t most = limit > 0 ? limit : machine_memory();
+  if (bytes <= most) return {};
+  return tl::unexpected(Error{
+      ErrorKind::kTooLarge,
+      fmt::format("{} would take {:.1f} MB of memory, more than the {:.1f} MB {}", what, 1e-6 * static_cast<double>(bytes),
+                  1e-6 * static_cast<double>(most), limit > 0 ? "allowed" : "of this machine")});
 }
 
 }  // namespace mapjoin

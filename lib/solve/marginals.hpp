@@ -1,14 +1,66 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
-// Covariances of block variables by the factor of their normal equations: blocks of H⁻¹.
+// Covariances of block variables: blocks of H⁻¹ by its Cholesky factor, and the memory that they take.
 
 #include <Eigen/Core>
 #include <Eigen/SparseCore>
-#include <mapjoin/solve/inverse_subset.hpp>
+#include <cstdint>
+#include <functional>
+#include <mapjoin/model/error.hpp>
 #include <mapjoin/solve/normal_equations.hpp>
 #include <span>
+#include <string>
+#include <vector>
 
 namespace mapjoin {
+
+/// The entries of A⁻¹ on the pattern of its Cholesky factor, without the others.
+///
+/// From A⁻¹ = L⁻ᵀ L⁻¹ follows, for a supernode J with the rows R below it and G = L_RJ L_JJ⁻¹ (Takahashi, Fagan and Chin, 1973;
+/// Erisman and Tinney, 1975),
+///
+///   Z_RJ = -Z_RR G,    Z_JJ = L_JJ⁻ᵀ L_JJ⁻¹ + Gᵀ Z_RR G.
+///
+/// Any two rows of R are in the pattern, too, in columns after J: one sweep from the last supernode to the first, of about
+/// the cost of the factorisation.
+class InverseSubset {
+ public:
+  /// Told how many supernodes are done; false ends the work there, and the rest of the subset is zero.
+  using GoOn = std::function<bool(std::size_t)>;
+  /// `factor` may go afterwards. Throws std::bad_alloc when memory runs out.
+  explicit InverseSubset(const Supernodes& factor, const GoOn& go_on = nullptr);
+  InverseSubset(InverseSubset&&) = default;
+  InverseSubset& operator=(InverseSubset&&) = default;
+
+  /// What the constructor asks for (bytes).
+  static std::int64_t bytes(const Supernodes& factor);
+
+  /// The block of A⁻¹ over some of its columns, in the order given. Any two of them must be coupled in L, as those are that one
+  /// observation ties together; else std::out_of_range.
+  Eigen::MatrixXd block(std::span<const std::int64_t> columns) const;
+
+ private:
+  struct Node {
+    std::int64_t begin;
+    std::int64_t end;
+    std::span<const std::int64_t> rows;  // in rows_
+    double* values;                      // in values_, laid out as in Supernode; the lower triangle of Z
+  };
+  /// Room for what is done at one supernode.
+  struct Workspace {
+    std::vector<std::int64_t> positions;
+    std::vector<double> Z_RR;
+    Eigen::MatrixXd G;
+  };
+  void invert(const Supernode& L, const Node& node, Workspace& workspace) const;
+  /// The lower triangle of Z over ascending places of L, any two of which are coupled.
+  void gather(std::span<const std::int64_t> places, std::vector<std::int64_t>& positions, double* out) const;
+
+  std::vector<std::int64_t> rows_;
+  std::vector<double> values_;
+  std::vector<Node> nodes_;
+  std::vector<std::int32_t> node_of_;  // per column
+};
 
 /// The blocks of H⁻¹ on the pattern of the factor: every variable, and every pair that one observation ties together.
 class Marginals {
@@ -21,8 +73,8 @@ class Marginals {
   static std::int64_t bytes(const NormalEquations& equations) { return InverseSubset::bytes(equations.supernodes()); }
 
   /// The joint covariance of variables of which every two are in the pattern (else std::out_of_range), in the order given.
-  Eigen::MatrixXd joint(std::span<const Index> variables) const;
-  Eigen::MatrixXd operator[](Index variable) const { return joint({&variable, 1}); }
+  Eigen::MatrixXd joint(std::span<const Variable> variables) const;
+  Eigen::MatrixXd operator[](Variable variable) const { return joint({&variable, 1}); }
 
  private:
   const NormalEquations* equations_;
@@ -35,5 +87,11 @@ Eigen::MatrixXd covariance_of(const NormalEquations& equations, const Eigen::Spa
 
 /// What covariance_of() asks for with `rows` rows of J (bytes).
 std::int64_t covariance_bytes(const NormalEquations& equations, Eigen::Index rows);
+
+/// The physical memory of the machine (bytes).
+std::int64_t machine_memory();
+
+/// kTooLarge where `what` ("the covariances", say) takes more than `limit` bytes; with a limit of 0, more than the machine has.
+Expected<void> check_memory(const std::string& what, std::int64_t bytes, std::int64_t limit);
 
 }  // namespace mapjoin

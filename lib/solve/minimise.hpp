@@ -6,8 +6,6 @@
 #include <algorithm>
 #include <cmath>
 #include <concepts>
-#include <mapjoin/model/ids.hpp>
-#include <mapjoin/solve/metric.hpp>
 #include <mapjoin/solve/minimise_options.hpp>
 #include <mapjoin/solve/trust_region.hpp>
 #include <optional>
@@ -19,11 +17,11 @@ namespace mapjoin {
 /// chi2(x ⊕ δ) ≈ chi2 - 2 gᵀδ + δᵀHδ.
 template <typename P>
 concept LeastSquaresProblem = requires(P p, const Eigen::VectorXd& v, double damping) {
-  { p.linearise() } -> std::convertible_to<double>;                // makes H and g at the estimate; returns chi2 there
-  { p.gradient() } -> std::convertible_to<Eigen::VectorXd>;        // g
-  { p.metric() } -> StepMetric;                                    // D, at the estimate
-  { p.curvature(v) } -> std::convertible_to<double>;               // vᵀHv
-  { p.factorise(damping) } -> std::same_as<std::optional<Index>>;  // H + damping·D; a singular variable or nothing
+  { p.linearise() } -> std::convertible_to<double>;                   // makes H and g at the estimate; returns chi2 there
+  { p.gradient() } -> std::convertible_to<Eigen::VectorXd>;           // g
+  { p.metric() } -> StepMetric;                                       // D, at the estimate
+  { p.curvature(v) } -> std::convertible_to<double>;                  // vᵀHv
+  { p.factorise(damping) } -> std::same_as<std::optional<Variable>>;  // H + damping·D; a singular variable or nothing
   { p.solve() } -> std::convertible_to<Eigen::VectorXd>;  // (H + damping·D)⁻¹ g by the last factor, whatever g now is
   { p.step_size(v) } -> std::same_as<StepSize>;
   { p.try_step(v) } -> std::convertible_to<double>;  // chi2 of the estimate moved by v, kept as the candidate
@@ -60,7 +58,7 @@ ModelStep newton_step(P& problem, double damping, const M& metric) {
 /// Factorises with `damping` or, if that may grow, the least that makes the system regular, which `damping` then is. Returns
 /// the first singular variable met where none does.
 template <LeastSquaresProblem P>
-std::optional<Index> factorise_damped(P& problem, double& damping, bool damp_singular) {
+std::optional<Variable> factorise_damped(P& problem, double& damping, bool damp_singular) {
   const auto singular = problem.factorise(damping);
   if (!singular || !damp_singular) return singular;
   for (double more = std::max(1e-8, 10.0 * damping); more <= 1.0; more *= 10.0) {

@@ -5,8 +5,7 @@
 #include <algorithm>
 #include <cstdint>
 #include <mapjoin/model/enum_names.hpp>
-#include <mapjoin/model/ids.hpp>
-#include <mapjoin/solve/engine.hpp>
+#include <mapjoin/solve/ordering.hpp>
 #include <optional>
 #include <string>
 #include <vector>
@@ -24,6 +23,16 @@ constexpr auto enum_names(Method) {
       {{Method::kDogleg, "dogleg"}, {Method::kLevenbergMarquardt, "lm"}, {Method::kGaussNewton, "gn"}});
 }
 
+/// What factorises sparse normal equations.
+enum class Engine : std::uint8_t {
+  kFronts,   ///< mapjoin's tree of fronts, on all threads.
+  kCholmod,  ///< SuiteSparse's CHOLMOD on one thread: an independent factorisation to compare with.
+};
+
+constexpr auto enum_names(Engine) {
+  return std::to_array<EnumName<Engine>>({{Engine::kFronts, "fronts"}, {Engine::kCholmod, "cholmod"}});
+}
+
 /// An estimate has converged when the whole Gauss-Newton step from it, undamped, promises to lower chi2 by less than this
 /// share of it. Steps that are asked to go on beyond may do so as far as rounding lets chi2 tell.
 constexpr double kConvergedShare = 1e-9;
@@ -31,9 +40,9 @@ constexpr double kConvergedShare = 1e-9;
 struct MinimiseOptions {
   Method method = Method::kDogleg;
   int max_iterations = 200;
-  double relative_chi2 = kConvergedShare;  ///< Steps end when the whole one promises less than this share of chi2,
-  double step_metres = 1e-9;               ///< or moves no position by more than this (m)
-  double step_radians = 1e-9;              ///< and turns no pose by more than this (rad).
+  double relative_chi2 = kConvergedShare;  ///< Share of chi2: steps end when the whole one promises less.
+  double step_metres = 1e-9;               ///< Length (m): steps end when no position moves by more and no pose turns by more
+  double step_radians = 1e-9;              ///< than this angle (rad).
   bool damp_singular = false;              ///< Damp where the system is singular instead of stopping there.
   Engine engine = Engine::kFronts;         ///< What factorises sparse systems.
 
@@ -41,7 +50,14 @@ struct MinimiseOptions {
   /// promises is less than relative_chi2, or else kConvergedShare, of it.
   bool is_converged(double promise, double chi2) const { return promise <= std::max(relative_chi2, kConvergedShare) * chi2; }
   /// Every violation in words; empty if there is none.
-  std::vector<std::string> validate() const;
+  std::vector<std::string> validate() const {
+    std::vector<std::string> violations;
+    if (max_iterations < 1) violations.emplace_back("the number of iterations must be at least 1");
+    if (!(relative_chi2 >= 0.0)) violations.emplace_back("the relative decrease of chi2 to stop at must not be negative");
+    if (!(step_metres >= 0.0)) violations.emplace_back("the step in metres to stop at must not be negative");
+    if (!(step_radians >= 0.0)) violations.emplace_back("the step in radians to stop at must not be negative");
+    return violations;
+  }
 };
 
 enum class MinimiseStatus : std::uint8_t {
@@ -67,8 +83,8 @@ struct MinimiseResult {
   int short_steps = 0;     ///< Tried, and gained less than 0.4 of what the model promised.
   double start_chi2 = 0.0;
   double chi2 = 0.0;
-  std::vector<double> course;     ///< chi2 after each iteration.
-  std::optional<Index> singular;  ///< A variable of the problem.
+  std::vector<double> course;        ///< chi2 after each iteration.
+  std::optional<Variable> singular;  ///< A variable that cannot be determined.
 
   /// One iteration more, to an estimate of this chi2.
   void moved_to(double new_chi2) {

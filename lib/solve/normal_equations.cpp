@@ -2,295 +2,186 @@
 #include <algorithm>
 #include <mapjoin/parallel/parallel.hpp>
 #include <mapjoin/solve/normal_equations.hpp>
-#include <mapjoin/solve/ordering.hpp>
 #include <mapjoin/solve/sparse_cholesky.hpp>
 #include <numeric>
-#include <tuple>
 #include <utility>
 
 namespace mapjoin {
 namespace {
 
-/// Lists, or cliques, that are worth a piece of work.
-constexpr std::size_t kListsPerPiece = 100;
-
-/// Compressed lists, each ascending and without repetitions, of what gather(list, values) appends; on all threads.
-template <typename Gather>
-std::pair<std::vector<std::int64_t>, std::vector<Index>> sorted_lists(std::size_t count, Gather&& gather) {
-  std::vector<std::int64_t> begin(count + 1, 0);
-  std::vector<std::vector<Index>> values((count + kListsPerPiece - 1) / kListsPerPiece);  // list after list
-  parallel_chunks(count, kListsPerPiece, [&](std::size_t first, std::size_t last) {
-    std::vector<Index>& of_piece = values[first / kListsPerPiece];
-    for (std::size_t k = first; k < last; ++k) {
-      const auto size = static_cast<std::ptrdiff_t>(of_piece.size());
-      gather(k, of_piece);
-      std::sort(of_piece.begin() + size, of_piece.end());
-      of_piece.erase(std::unique(of_piece.begin() + size, of_piece.end()), of_piece.end());
-      begin[k + 1] = static_cast<std::int64_t>(of_piece.size()) - size;
-    }
-  });
-  std::partial_sum(begin.begin(), begin.end(), begin.begin());
-  std::vector<Index> lists;
-  lists.reserve(static_cast<std::size_t>(begin.back()));
-  for (const auto& of_piece : values) lists.insert(lists.end(), of_piece.begin(), of_piece.end());
-  return {std::move(begin), std::move(lists)};
-}
-
-/// The cliques that each variable is in.
-class CliquesOf {
- public:
-  CliquesOf(std::size_t variables, const Cliques& cliques) : begin_(variables + 1, 0) {
-    for_each_slot(cliques, [&](std::size_t v, std::uint32_t) { ++begin_[v + 1]; });
-    std::partial_sum(begin_.begin(), begin_.end(), begin_.begin());
-    cliques_.resize(static_cast<std::size_t>(begin_.back()));
-    std::vector<std::int64_t> next(begin_.begin(), begin_.end() - 1);
-    for_each_slot(cliques,
-                  [&](std::size_t v, std::uint32_t clique) { cliques_[static_cast<std::size_t>(next[v]++)] = clique; });
-  }
-  std::span<const std::uint32_t> operator[](Index variable) const {
-    const auto v = static_cast<std::size_t>(variable);
-    return {cliques_.data() + begin_[v], cliques_.data() + begin_[v + 1]};
-  }
-
- private:
-  template <typename F>
-  static void for_each_slot(const Cliques& cliques, F&& f) {
-    for (std::uint32_t c = 0; c < cliques.size(); ++c) {
-      for (const Index v : cliques[c]) {
-        if (v != kConstant) f(static_cast<std::size_t>(v), c);
-      }
-    }
-  }
-
-  std::vector<std::int64_t> begin_;
-  std::vector<std::uint32_t> cliques_;
-};
+/// Factors whose places are a piece of work to look up.
+constexpr std::size_t kFactorsPerPiece = 100;
+/// A part has so many blocks at least, of variables with each other; there are so many parts at most.
+constexpr std::size_t kBlocksPerPart = 1500;
+constexpr std::size_t kMostParts = 16;
 
 }  // namespace
 
-NormalEquations::NormalEquations(std::vector<int> dofs, Cliques cliques, std::unique_ptr<SparseSolver> solver,
-                                 const Ordering& ordering)
-    : dofs_(std::move(dofs)), cliques_(std::move(cliques)), solver_(std::move(solver)) {
-  offsets_.assign(dofs_.size() + 1, 0);
-  for (std::size_t v = 0; v < dofs_.size(); ++v) offsets_[v + 1] = offsets_[v] + dofs_[v];
+NormalEquations::NormalEquations(BlockPattern pattern, Engine engine, const Ordering& ordering)
+    : pattern_(std::move(pattern)), elimination_(pattern_, ordering), offsets_{0}, solver_(make_solver(engine)) {
+  for (const int dof : pattern_.dofs) offsets_.push_back(offsets_.back() + dof);
   gradient_.setZero(size());
-  order_and_lay_out(ordering);
-  if (!solver_) return;
+  elimination_.matrix.lay_out();
   parallel_invoke(
       [&] {
-        find_destinations();
-        share_out_cliques();
-        colour_large_cliques();
+        find_value_offsets();
+        share_out_factors();
       },
       [&] {
-        if (size() > 0) solver_->analyse(matrix_);
+        if (size() > 0) solver_->analyse(matrix());
       });
 }
 
-template <typename F>
-void NormalEquations::for_each_neighbour(Index v, std::span<const std::uint32_t> cliques, F&& f) const {
-  for (const std::uint32_t clique : cliques) {
-    for (const Index other : cliques_[clique]) {
-      if (other != kConstant && other != v) f(other);
-    }
-  }
-}
-
-void NormalEquations::order_and_lay_out(const Ordering& ordering) {
-  const CliquesOf cliques_of(dofs_.size(), cliques_);
-  auto [begin, neighbours] = sorted_lists(dofs_.size(), [&](std::size_t k, std::vector<Index>& found) {
-    const auto v = static_cast<Index>(k);
-    for_each_neighbour(v, cliques_of[v], [&](Index other) { found.push_back(other); });
-  });
-  order_ = elimination_order({std::move(begin), std::move(neighbours)}, ordering);
-  place_ = inverse_order(order_);
-  matrix_.offsets.assign(order_.size() + 1, 0);
-  for (std::size_t k = 0; k < order_.size(); ++k) {
-    matrix_.offsets[k + 1] = matrix_.offsets[k] + dofs_[static_cast<std::size_t>(order_[k])];
-  }
-  std::tie(matrix_.begin, matrix_.rows) = sorted_lists(order_.size(), [&](std::size_t k, std::vector<Index>& found) {
-    const auto column = static_cast<Index>(k);
-    found.push_back(column);
-    for_each_neighbour(order_[k], cliques_of[order_[k]], [&](Index other) {
-      if (place(other) > column) found.push_back(place(other));
-    });
-  });
-  matrix_.lay_out();
-}
-
-void NormalEquations::find_destinations() {
-  std::vector<Eigen::Index> row_in_panel;
-  row_in_panel.reserve(matrix_.rows.size());
-  for (std::size_t k = 0; k < order_.size(); ++k) {
+void NormalEquations::find_value_offsets() {
+  const BlockLower& H = matrix();
+  std::vector<Eigen::Index> row_in_panel;  // of each of H's blocks
+  row_in_panel.reserve(H.rows.entries().size());
+  for (const Column k : H.columns()) {
     Eigen::Index height = 0;
-    for (const Index row : matrix_.rows_of(k)) {
-      row_in_panel.push_back(height);
-      height += matrix_.dof(static_cast<std::size_t>(row));
-    }
+    for (const Column row : H.rows[k]) row_in_panel.push_back(std::exchange(height, height + H.dof(row)));
   }
-  const auto destination = [&](Index a, Index b) -> std::int64_t {
+  const auto value_offset = [&](Variable a, Variable b) -> std::int64_t {
     if (a == kConstant || b == kConstant) return 0;
-    const auto [low, high] = std::minmax({place(a), place(b)});
-    const auto column = static_cast<std::size_t>(low);
-    const auto rows = matrix_.rows_of(column);
+    const auto [low, high] = std::minmax({elimination_.column[a], elimination_.column[b]});
+    const auto rows = H.rows[low];
     const auto found = std::lower_bound(rows.begin(), rows.end(), high) - rows.begin();
-    return matrix_.first_value[column] + row_in_panel[static_cast<std::size_t>(matrix_.begin[column] + found)];
+    return H.first_value[low] + row_in_panel[H.rows.first(low) + static_cast<std::size_t>(found)];
   };
-  destination_begin_.assign(1, 0);
-  for (std::size_t c = 0; c < cliques_.size(); ++c) {
-    const auto slots = static_cast<std::int64_t>(cliques_[c].size());
-    destination_begin_.push_back(destination_begin_.back() + slots * (slots - 1) / 2);
-  }
-  destinations_.resize(static_cast<std::size_t>(destination_begin_.back()));
-  parallel_chunks(cliques_.size(), kListsPerPiece, [&](std::size_t c, std::size_t end) {
-    for (; c < end; ++c) {
-      const auto slots = cliques_[c];
-      std::int64_t* next = destinations_.data() + destination_begin_[c];
-      for (std::size_t j = 0; j < slots.size(); ++j) {
-        for (std::size_t i = 0; i < j; ++i) *next++ = destination(slots[i], slots[j]);
+  const std::size_t count = pattern_.factors.size();
+  std::vector<Lists<std::size_t, std::int64_t>> pieces((count + kFactorsPerPiece - 1) / kFactorsPerPiece);
+  parallel_chunks(count, kFactorsPerPiece, [&](std::size_t first, std::size_t last) {
+    std::vector<std::int64_t> offsets;
+    for (std::size_t f = first; f < last; ++f) {
+      offsets.clear();
+      const auto variables = pattern_.factors[f];
+      for (std::size_t j = 0; j < variables.size(); ++j) {
+        for (std::size_t i = 0; i < j; ++i) offsets.push_back(value_offset(variables[i], variables[j]));
       }
+      pieces[first / kFactorsPerPiece].push_back(offsets);
     }
   });
+  for (const auto& piece : pieces) value_offsets_.append(piece);
+}
+
+void NormalEquations::share_out_factors() {
+  const IndexRange<Column> columns = matrix().columns();
+  std::vector<Column> first_column(pattern_.factors.size(), columns.last);
+  Table<Column, std::size_t> blocks(columns.size() + 1);  // of the factors that begin at each column
+  for (std::size_t f = 0; f < first_column.size(); ++f) {
+    const auto variables = pattern_.factors[f];
+    for (const Variable v : variables) {
+      if (v != kConstant) first_column[f] = std::min(first_column[f], elimination_.column[v]);
+    }
+    blocks[first_column[f]] += variables.size() * (variables.size() + 1) / 2;
+  }
+  const std::size_t all_blocks = std::accumulate(blocks.begin(), blocks.end(), std::size_t{0});
+  const std::size_t per_part = std::max(kBlocksPerPart, all_blocks / kMostParts + 1);
+  Table<Column, std::size_t> part_of(columns.size() + 1);
+  parts_.assign(1, {{columns.first, columns.first}, {}});
+  for (std::size_t so_far = 0; const Column k : columns) {
+    if (so_far >= per_part) {
+      parts_.push_back({{k, k}, {}});
+      so_far = 0;
+    }
+    part_of[k] = parts_.size() - 1;
+    parts_.back().own.last = k + 1;
+    so_far += blocks[k];
+  }
+  for (std::uint32_t f = 0; f < first_column.size(); ++f) parts_[part_of[first_column[f]]].factors.push_back(f);
 }
 
 void NormalEquations::set_zero() {
-  std::fill(matrix_.values.begin(), matrix_.values.end(), 0.0);
+  std::fill(elimination_.matrix.values.begin(), elimination_.matrix.values.end(), 0.0);
   gradient_.setZero();
 }
 
-Eigen::VectorXd NormalEquations::diagonal() const {
-  Eigen::VectorXd diagonal(size());
-  for (std::size_t k = 0; k < order_.size(); ++k) {
-    const auto v = static_cast<std::size_t>(order_[k]);
-    for (int i = 0; i < dofs_[v]; ++i) diagonal[offsets_[v] + i] = matrix_.diagonal(k, i);
-  }
-  return diagonal;
-}
-
-Eigen::MatrixXd NormalEquations::permuted(const Eigen::MatrixXd& columns) const {
-  Eigen::MatrixXd out(columns.rows(), columns.cols());
-  for (std::size_t k = 0; k < order_.size(); ++k) {
-    const auto variable = static_cast<std::size_t>(order_[k]);
-    out.middleRows(matrix_.offsets[k], dofs_[variable]) = columns.middleRows(offsets_[variable], dofs_[variable]);
-  }
-  return out;
-}
-
-Eigen::MatrixXd NormalEquations::unpermuted(const Eigen::MatrixXd& columns) const {
-  Eigen::MatrixXd out(columns.rows(), columns.cols());
-  for (std::size_t k = 0; k < order_.size(); ++k) {
-    const auto variable = static_cast<std::size_t>(order_[k]);
-    out.middleRows(offsets_[variable], dofs_[variable]) = columns.middleRows(matrix_.offsets[k], dofs_[variable]);
-  }
-  return out;
-}
-
-Eigen::VectorXd NormalEquations::product(const Eigen::VectorXd& v) const {
-  Eigen::VectorXd Hv = Eigen::VectorXd::Zero(v.size());
-  for (std::size_t k = 0; k < matrix_.blocks(); ++k) {
-    const Eigen::Index dof = matrix_.dof(k);
-    const Eigen::Map<const Eigen::MatrixXd> panel(matrix_.values.data() + matrix_.first_value[k], matrix_.heights[k], dof);
-    const auto v_k = v.segment(matrix_.offsets[k], dof);
-    Hv.segment(matrix_.offsets[k], dof) += panel.topRows(dof).selfadjointView<Eigen::Lower>() * v_k;
-    Eigen::Index row = dof;
-    for (const Index below : matrix_.rows_of(k).subspan(1)) {
-      const auto i = static_cast<std::size_t>(below);
-      const auto block = panel.middleRows(row, matrix_.dof(i));
-      Hv.segment(matrix_.offsets[i], matrix_.dof(i)) += block.lazyProduct(v_k);
-      Hv.segment(matrix_.offsets[k], dof) += block.transpose().lazyProduct(v.segment(matrix_.offsets[i], matrix_.dof(i)));
-      row += matrix_.dof(i);
+double NormalEquations::accumulate_factors(const std::function<double(std::size_t, Sink)>& f) {
+  std::vector<Sink::Waiting> waiting(parts_.size());
+  const double sum = parallel_sum(parts_.size(), 1, [&](std::size_t p) {
+    double of_part = 0.0;
+    for (const std::uint32_t factor : parts_[p].factors) of_part += f(factor, {*this, factor, parts_[p].own, &waiting[p]});
+    return of_part;
+  });
+  for (const Sink::Waiting& of_part : waiting) {
+    const double* values = of_part.values.data();
+    for (const auto& [to, rows, columns, stride] : of_part.blocks) {
+      Eigen::Map<Eigen::MatrixXd, 0, Eigen::OuterStride<>>(to, rows, columns, Eigen::OuterStride<>(stride)) +=
+          Eigen::Map<const Eigen::MatrixXd>(values, rows, columns);
+      values += rows * columns;
     }
   }
-  return Hv;
+  return sum;
+}
+
+void NormalEquations::add_diagonal(Variable v, const Eigen::MatrixXd& block) {
+  elimination_.matrix.panel(elimination_.column[v]).topRows(dof(v)) += block;
+}
+
+Eigen::MatrixXd NormalEquations::to_columns(const Eigen::MatrixXd& rows) const {
+  Eigen::MatrixXd out(rows.rows(), rows.cols());
+  for (const Variable v : variables()) out.middleRows(factor_column(v), dof(v)) = rows.middleRows(offset(v), dof(v));
+  return out;
+}
+
+Eigen::MatrixXd NormalEquations::to_variables(const Eigen::MatrixXd& rows) const {
+  Eigen::MatrixXd out(rows.rows(), rows.cols());
+  for (const Variable v : variables()) out.middleRows(offset(v), dof(v)) = rows.middleRows(factor_column(v), dof(v));
+  return out;
 }
 
 double NormalEquations::curvature(const Eigen::VectorXd& v) const {
-  const Eigen::VectorXd p = permuted(v);
-  return p.dot(product(p));
+  const Eigen::VectorXd p = to_columns(v);
+  return p.dot(matrix() * p);
 }
 
-BlockLower NormalEquations::principal_submatrix(const std::vector<bool>& is_kept) const {
-  std::vector<Index> kept(is_kept.size());  // the place among those that are kept
-  BlockLower part;
-  for (std::size_t k = 0; k < is_kept.size(); ++k) {
-    kept[k] = static_cast<Index>(part.blocks());
-    if (is_kept[k]) part.offsets.push_back(part.offsets.back() + matrix_.dof(k));
-  }
-  for (std::size_t k = 0; k < is_kept.size(); ++k) {
-    if (!is_kept[k]) continue;
-    std::vector<Index> rows;
-    for (const Index row : matrix_.rows_of(k)) {
-      if (is_kept[static_cast<std::size_t>(row)]) rows.push_back(kept[static_cast<std::size_t>(row)]);
-    }
-    part.append_column(rows);
-  }
-  part.lay_out();
-  double* to = part.values.data();
-  for (std::size_t k = 0; k < is_kept.size(); ++k) {
-    if (!is_kept[k]) continue;
-    const double* from = matrix_.values.data() + matrix_.first_value[k];
-    for (Eigen::Index j = 0; j < matrix_.dof(k); ++j) {
-      for (const Index row : matrix_.rows_of(k)) {
-        const Eigen::Index dof = matrix_.dof(static_cast<std::size_t>(row));
-        if (is_kept[static_cast<std::size_t>(row)]) to = std::copy_n(from, dof, to);
-        from += dof;
-      }
-    }
-  }
-  return part;
-}
-
-std::optional<double> NormalEquations::least_curvature(const Eigen::VectorXd& v, const std::vector<bool>& is_given) const {
-  Eigen::VectorXd w = permuted(v);
-  std::vector<bool> is_free(order_.size());
+std::optional<double> NormalEquations::least_curvature(const Eigen::VectorXd& v, const Table<Variable, bool>& is_given) const {
+  const BlockLower& H = matrix();
+  Eigen::VectorXd w = to_columns(v);
+  Table<Column, bool> is_free(H.rows.size());
   std::vector<Eigen::Index> free;
-  for (std::size_t k = 0; k < order_.size(); ++k) {
-    is_free[k] = !is_given[static_cast<std::size_t>(order_[k])];
+  for (const Column k : H.columns()) {
+    is_free[k] = !is_given[elimination_.order[k]];
     if (!is_free[k]) continue;
-    for (auto row = matrix_.offsets[k]; row < matrix_.offsets[k + 1]; ++row) {
+    for (auto row = H.offsets[k]; row < H.offsets[k + 1]; ++row) {
       free.push_back(row);
       w[row] = 0.0;
     }
   }
-  if (free.empty()) return w.dot(product(w));
-  const BlockLower H_free = principal_submatrix(is_free);
+  if (free.empty()) return w.dot(H * w);
+  const BlockLower H_free = H.principal_submatrix(is_free);
   SparseCholesky cholesky;
   cholesky.analyse(H_free);
   if (!cholesky.factorise(H_free).empty()) return std::nullopt;
-  w(free) = -cholesky.solve(product(w)(free));
-  return w.dot(product(w));
+  w(free) = -cholesky.solve((H * w)(free));
+  return w.dot(H * w);
 }
 
-void NormalEquations::set_diagonal(const Eigen::VectorXd& diagonal) {
-  for (std::size_t k = 0; k < order_.size(); ++k) {
-    const auto v = static_cast<std::size_t>(order_[k]);
-    for (int i = 0; i < dofs_[v]; ++i) matrix_.diagonal(k, i) = diagonal[offsets_[v] + i];
-  }
+void NormalEquations::damp(double damping) {
+  elimination_.matrix.set_diagonal((1.0 + damping) * matrix().diagonal());
 }
 
-std::optional<Index> NormalEquations::factorise(double damping) {
+std::optional<Variable> NormalEquations::factorise(double damping) {
   if (size() == 0) return std::nullopt;
-  const Eigen::VectorXd undamped = damping > 0.0 ? diagonal() : Eigen::VectorXd();
+  const Eigen::VectorXd undamped = damping > 0.0 ? matrix().diagonal() : Eigen::VectorXd();
   if (damping > 0.0) damp(damping);
-  const auto singular = solver_->factorise(matrix_);
-  if (damping > 0.0) set_diagonal(undamped);
+  const auto singular = solver_->factorise(matrix());
+  if (damping > 0.0) elimination_.matrix.set_diagonal(undamped);
   if (singular.empty()) return std::nullopt;
-  const auto place =
-      std::upper_bound(matrix_.offsets.begin(), matrix_.offsets.end(), singular.front()) - matrix_.offsets.begin() - 1;
-  return order_[static_cast<std::size_t>(place)];
+  const auto& offsets = matrix().offsets;
+  return elimination_.order[Column(std::upper_bound(offsets.begin(), offsets.end(), singular.front()) - offsets.begin() - 1)];
 }
 
 Eigen::MatrixXd NormalEquations::null_space(std::size_t most_count) const {
   if (size() == 0) return {};
   SparseCholesky cholesky;
-  cholesky.analyse(matrix_);
-  auto singular = cholesky.factorise(matrix_);
+  cholesky.analyse(matrix());
+  auto singular = cholesky.factorise(matrix());
   singular.resize(std::min(singular.size(), most_count));
-  return unpermuted(cholesky.null_space(singular));
+  return to_variables(cholesky.null_space(singular));
 }
 
 Eigen::MatrixXd NormalEquations::solve_columns(const Eigen::MatrixXd& B) const {
-  return size() == 0 ? B : unpermuted(solver_->solve_columns(permuted(B)));
+  return size() == 0 ? B : to_variables(solver_->solve_columns(to_columns(B)));
 }
 
 }  // namespace mapjoin

@@ -5,73 +5,149 @@
 
 #include <algorithm>
 #include <limits>
-#include <mapjoin/solve/elimination_tree.hpp>
+#include <mapjoin/solve/block_lower.hpp>
+#include <mapjoin/solve/cholmod.hpp>
 #include <mapjoin/solve/ordering.hpp>
 #include <mutex>
-#include <new>
-#include <numeric>
-#include <stdexcept>
-#include <string>
+#include <utility>
 
 namespace mapjoin {
 namespace {
 
 /// Below this many variables minimum degree is as good as dissection and faster.
-constexpr Index kSmall = 200;
+constexpr std::size_t kSmall = 200;
 
-/// AMD or, where variables come last, CAMD (Amestoy, Davis & Duff, 2004).
-std::vector<Index> minimum_degree(const BlockGraph& graph, Index last_count) {
-  std::vector<SuiteSparse_long> begin(graph.begin.begin(), graph.begin.end());
-  std::vector<SuiteSparse_long> neighbours(graph.neighbours.begin(), graph.neighbours.end());
-  std::vector<SuiteSparse_long> order(static_cast<std::size_t>(graph.size()));
-  SuiteSparse_long status = AMD_OK;
-  if (last_count == 0) {
-    status = amd_l_order(graph.size(), begin.data(), neighbours.data(), order.data(), nullptr, nullptr);
-  } else {
-    std::vector<SuiteSparse_long> is_last(order.size(), 0);
-    std::fill(is_last.end() - last_count, is_last.end(), 1);
-    status = camd_l_order(graph.size(), begin.data(), neighbours.data(), order.data(), nullptr, nullptr, is_last.data());
-  }
-  if (status == AMD_OUT_OF_MEMORY) throw std::bad_alloc();
-  if (status < 0) throw std::runtime_error("AMD failed with status " + std::to_string(status));
-  return {order.begin(), order.end()};
+using Longs = std::vector<SuiteSparse_long>;
+
+/// The numbers of typed indices.
+template <typename Number, typename Index>
+std::vector<Number> numbers(const std::vector<Index>& indices) {
+  std::vector<Number> result;
+  result.reserve(indices.size());
+  for (const Index index : indices) result.push_back(index.value);
+  return result;
 }
 
-std::vector<Index> nested_dissection(const BlockGraph& graph) {
+template <typename Numbers>
+Table<Column, Variable> variables(const Numbers& numbers) {
+  Table<Column, Variable> result;
+  result.reserve(numbers.size());
+  for (const auto number : numbers) result.emplace_back(number);
+  return result;
+}
+
+void check(int status, int out_of_memory, bool has_failed, const char* library) {
+  if (status == out_of_memory) throw std::bad_alloc();
+  if (has_failed) throw std::runtime_error(library + (" failed with status " + std::to_string(status)));
+}
+
+/// Ranks as CAMD takes them: from 0 on, none between them missing (it writes where it should not, else).
+Longs without_gaps(Longs ranks) {
+  Longs distinct = ranks;
+  std::sort(distinct.begin(), distinct.end());
+  distinct.erase(std::unique(distinct.begin(), distinct.end()), distinct.end());
+  for (auto& rank : ranks) rank = std::lower_bound(distinct.begin(), distinct.end(), rank) - distinct.begin();
+  return ranks;
+}
+
+/// AMD or, where there are ranks, CAMD (Amestoy, Davis & Duff, 2004).
+Table<Column, Variable> minimum_degree(const BlockGraph& graph, const Table<Variable, int>& ranks) {
+  const auto n = static_cast<SuiteSparse_long>(graph.size());
+  const Longs begin(graph.begins().begin(), graph.begins().end());
+  const auto neighbours = numbers<SuiteSparse_long>(graph.entries());
+  Longs order(graph.size());
+  auto constraints = without_gaps({ranks.begin(), ranks.end()});
+  const auto status =
+      ranks.empty() ? amd_l_order(n, begin.data(), neighbours.data(), order.data(), nullptr, nullptr)
+                    : camd_l_order(n, begin.data(), neighbours.data(), order.data(), nullptr, nullptr, constraints.data());
+  check(static_cast<int>(status), AMD_OUT_OF_MEMORY, status < 0, "AMD");
+  return variables(order);
+}
+
+Table<Column, Variable> nested_dissection(const BlockGraph& graph) {
   static std::mutex metis_has_one_random_state;
-  idx_t n = graph.size();
-  std::vector<idx_t> begin(graph.begin.begin(), graph.begin.end());
-  std::vector<idx_t> neighbours(graph.neighbours.begin(), graph.neighbours.end());
-  std::vector<idx_t> order(static_cast<std::size_t>(n));
-  std::vector<idx_t> place(static_cast<std::size_t>(n));
+  auto n = static_cast<idx_t>(graph.size());
+  std::vector<idx_t> begin(graph.begins().begin(), graph.begins().end());
+  auto neighbours = numbers<idx_t>(graph.entries());
+  std::vector<idx_t> order(graph.size());
+  std::vector<idx_t> place(graph.size());
   idx_t options[METIS_NOPTIONS];
   METIS_SetDefaultOptions(options);
   options[METIS_OPTION_SEED] = 1;
   const std::lock_guard lock(metis_has_one_random_state);
   const int status = METIS_NodeND(&n, begin.data(), neighbours.data(), nullptr, options, order.data(), place.data());
-  if (status == METIS_ERROR_MEMORY) throw std::bad_alloc();
-  if (status != METIS_OK) throw std::runtime_error("METIS failed with status " + std::to_string(status));
-  return {order.begin(), order.end()};
+  check(status, METIS_ERROR_MEMORY, status != METIS_OK, "METIS");
+  return variables(order);
+}
+
+struct Analysis {
+  Longs parent;
+  Longs postorder;
+  Longs counts;
+};
+
+/// CHOLMOD's analysis of one triangle of a pattern, eliminated in `order`, or in the natural one where that is empty.
+Analysis analysed(Longs begin, Longs rows, Triangle triangle, Longs order) {
+  const std::size_t n = begin.size() - 1;
+  Analysis analysis{Longs(n), Longs(n), Longs(n)};
+  Longs first(n);
+  Longs level(n);
+  cholmod_sparse matrix = sparse_view(begin, rows, nullptr, triangle);
+  Cholmod cholmod;
+  cholmod_l_analyze_ordering(&matrix, order.empty() ? CHOLMOD_NATURAL : CHOLMOD_GIVEN, order.data(), nullptr, 0,
+                             analysis.parent.data(), analysis.postorder.data(), analysis.counts.data(), first.data(),
+                             level.data(), cholmod.get());
+  cholmod.check();
+  return analysis;
+}
+
+/// The same elimination with every subtree in one run of columns: equal fill, and its supernodes are runs.
+Table<Column, Variable> postordered(const BlockGraph& graph, const Table<Column, Variable>& order) {
+  Longs begin{0};
+  Longs rows;  // of each edge, the end at the column of the larger number
+  rows.reserve(graph.entries().size() / 2);
+  for (Variable v = 0; v.position() < graph.size(); ++v) {
+    for (const Variable neighbour : graph[v]) {
+      if (neighbour < v) rows.push_back(neighbour.value);
+    }
+    begin.push_back(static_cast<SuiteSparse_long>(rows.size()));
+  }
+  const Analysis analysis = analysed(std::move(begin), std::move(rows), Triangle::kUpper, numbers<SuiteSparse_long>(order));
+  Table<Column, Variable> result;
+  result.reserve(order.size());
+  for (const SuiteSparse_long column : analysis.postorder) result.push_back(order[Column(column)]);
+  return result;
 }
 
 }  // namespace
 
-std::vector<Index> inverse_order(const std::vector<Index>& order) {
-  std::vector<Index> place(order.size());
-  for (std::size_t k = 0; k < order.size(); ++k) place[static_cast<std::size_t>(order[k])] = static_cast<Index>(k);
-  return place;
+Table<Variable, Column> inverse_order(const Table<Column, Variable>& order) {
+  Table<Variable, Column> columns(order.size());
+  for (const Column column : indices(order)) columns[order[column]] = column;
+  return columns;
 }
 
-std::vector<Index> elimination_order(const BlockGraph& graph, const Ordering& ordering) {
+Table<Column, Variable> elimination_order(const BlockGraph& graph, const Ordering& ordering) {
   if (!ordering.given.empty()) return postordered(graph, ordering.given);
-  if (graph.neighbours.empty()) {
-    std::vector<Index> order(static_cast<std::size_t>(graph.size()));
-    std::iota(order.begin(), order.end(), 0);
-    return order;
+  if (graph.entries().empty()) {
+    const IndexRange<Variable> all{0, Variable(graph.size())};
+    return {all.begin(), all.end()};
   }
-  const bool fits_metis = graph.neighbours.size() <= static_cast<std::size_t>(std::numeric_limits<idx_t>::max());
-  const bool is_dissected = graph.size() >= kSmall && ordering.last_count == 0 && fits_metis;
-  return postordered(graph, is_dissected ? nested_dissection(graph) : minimum_degree(graph, ordering.last_count));
+  const bool fits_metis = graph.entries().size() <= static_cast<std::size_t>(std::numeric_limits<idx_t>::max());
+  const bool is_dissected = graph.size() >= kSmall && ordering.ranks.empty() && fits_metis;
+  return postordered(graph, is_dissected ? nested_dissection(graph) : minimum_degree(graph, ordering.ranks));
+}
+
+EliminationTree elimination_tree(const BlockLower& matrix) {
+  if (matrix.rows.size() == 0) return {};
+  const auto& begins = matrix.rows.begins();
+  const Analysis analysis =
+      analysed({begins.begin(), begins.end()}, numbers<SuiteSparse_long>(matrix.rows.entries()), Triangle::kLower, {});
+  EliminationTree tree;
+  const Column end(matrix.rows.size());
+  for (const SuiteSparse_long parent : analysis.parent) tree.parent.push_back(parent < 0 ? end : Column(parent));
+  tree.counts.assign(analysis.counts.begin(), analysis.counts.end());
+  return tree;
 }
 
 }  // namespace mapjoin

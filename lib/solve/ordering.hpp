@@ -1,33 +1,46 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
-// Fill-reducing elimination orders of block variables.
+// Variables, the order in which they are eliminated, and what SuiteSparse and METIS say of that order.
 
-#include <cstdint>
-#include <mapjoin/model/ids.hpp>
+#include <mapjoin/model/index.hpp>
 #include <vector>
 
 namespace mapjoin {
 
-/// An undirected graph in compressed rows: the neighbours of v are neighbours[begin[v] .. begin[v+1]), without v itself.
-struct BlockGraph {
-  std::vector<std::int64_t> begin;
-  std::vector<Index> neighbours;
+struct BlockLower;
 
-  Index size() const { return static_cast<Index>(begin.size()) - 1; }
-};
+/// A block of unknowns (a pose, a feature) by the number that the problem gives it.
+using Variable = StrongIndex<struct VariableTag>;
+/// A block column of a matrix in elimination order: the variable that is eliminated so many others have been.
+using Column = StrongIndex<struct ColumnTag>;
 
-/// What is known of the order beforehand.
+/// A variable with a constant value: it has no columns.
+inline constexpr Variable kConstant = -1;
+
+/// The neighbours of each variable, without itself, in an undirected graph.
+using BlockGraph = Lists<Variable, Variable>;
+
+/// What is known of an elimination order beforehand.
 struct Ordering {
-  std::vector<Index> given;  ///< All variables in the order to take, or none.
-  Index last_count = 0;      ///< So many last variables are eliminated after those that they are coupled to.
+  Table<Column, Variable> given;  ///< All variables in the order to take, or none.
+  Table<Variable, int> ranks;  ///< A variable comes after all of lower rank that it is coupled to; empty: all are of one rank.
 };
 
-/// Variables by their place in the elimination: nested dissection (METIS), which decides everything at scale; approximate
-/// minimum degree (AMD) for graphs too small to dissect; the constrained one (CAMD) where some variables are to be the last.
-/// All are postordered, a given order, too: every subtree is one run. The same graph gives the same order, from any thread.
-std::vector<Index> elimination_order(const BlockGraph& graph, const Ordering& ordering = {});
+/// A fill-reducing order of elimination: nested dissection (METIS), which decides everything at scale; approximate minimum
+/// degree (AMD) for graphs too small to dissect; the constrained one (CAMD) where there are ranks. Every order, a given one
+/// too, is postordered: each subtree is one run. The same graph gives the same order, from any thread.
+Table<Column, Variable> elimination_order(const BlockGraph& graph, const Ordering& ordering = {});
 
-/// The place of each variable in an order.
-std::vector<Index> inverse_order(const std::vector<Index>& order);
+/// The column of each variable in an order.
+Table<Variable, Column> inverse_order(const Table<Column, Variable>& order);
+
+/// The block columns of the Cholesky factor L of a matrix, eliminated in its own order (CHOLMOD's analysis).
+struct EliminationTree {
+  Table<Column, Column> parent;  ///< Row of the first block below the diagonal; the number of columns for a root.
+  Table<Column, int> counts;     ///< Blocks of the column, the diagonal included.
+};
+
+/// The elimination tree of a matrix by its pattern; the matrix needs no values.
+EliminationTree elimination_tree(const BlockLower& matrix);
 
 }  // namespace mapjoin

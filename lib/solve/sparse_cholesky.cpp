@@ -1,7 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <algorithm>
-#include <mapjoin/solve/factor_tasks.hpp>
-#include <mapjoin/solve/frontal_matrix.hpp>
 #include <mapjoin/solve/sparse_cholesky.hpp>
 #include <mutex>
 #include <utility>
@@ -15,7 +13,7 @@ using Stride = Eigen::OuterStride<>;
 /// One factorisation: the updates on their way from supernode to parent.
 class Factorisation {
  public:
-  Factorisation(const SupernodalTree& tree, const BlockLower& matrix, std::span<const Eigen::MatrixXd> given, double* values,
+  Factorisation(const SupernodalTree& tree, const BlockLower& matrix, std::span<const GivenFront> given, double* values,
                 bool keeps_updates)
       : tree_(tree),
         matrix_(matrix),
@@ -35,19 +33,16 @@ class Factorisation {
  private:
   void eliminate_node(std::size_t s) {
     const FactorNode& node = tree_.nodes[s];
+    if (node.width == 0) return;
     const Eigen::Index below = node.below();
     updates_[s] = std::make_unique_for_overwrite<double[]>(static_cast<std::size_t>(below * below));
-    if (node.width == 0) {
-      std::copy_n(given_[node.given].data(), below * below, updates_[s].get());
-      return;
-    }
     const FrontalMatrix front{{values_ + node.first_value, node.height, node.width, Stride(node.height)},
                               {updates_[s].get(), below, below, Stride(below)}};
     take_entries(node, front.panel);
     Eigen::VectorXd diagonal = front.panel.diagonal();
     add_children(node, 0, front.panel);
     if (!given_.empty()) diagonal = front.panel.diagonal();  // of which the matrix alone holds a part
-    note_singular(matrix_.offsets[node.columns.begin], eliminate(front, diagonal));
+    note_singular(matrix_.offsets[node.columns.first], eliminate(front, diagonal));
     add_children(node, node.width, front.update);  // which the elimination has overwritten
     if (keeps_updates_) return;
     for (const std::size_t c : tree_.children_of(node)) updates_[c].reset();
@@ -56,22 +51,25 @@ class Factorisation {
   /// What the children send, as far as it belongs to a block that begins at row and column `begin` of the front.
   void add_children(const FactorNode& node, Eigen::Index begin, DenseBlock block) const {
     for (const std::size_t c : tree_.children_of(node)) {
-      const Eigen::Index size = tree_.nodes[c].below();
-      add_update({updates_[c].get(), size, size, Stride(size)}, tree_.runs_of(tree_.nodes[c]), begin, block);
+      const FactorNode& child = tree_.nodes[c];
+      const Eigen::Index size = child.below();
+      const ConstDenseBlock own(updates_[c].get(), size, size, Stride(size));
+      add_update(child.width == 0 ? given_[child.given].update : own, tree_.runs_of(child), begin, block);
     }
   }
 
   /// The panel is what the matrix has there.
   void take_entries(const FactorNode& node, DenseBlock panel) const {
     panel.setZero();
+    if (matrix_.values.empty()) return;
     Eigen::Index column = 0;
-    for (std::size_t k = node.columns.begin; k < node.columns.end; ++k) {
+    for (const Column k : node.columns) {
       const double* from = matrix_.values.data() + matrix_.first_value[k];
       for (Eigen::Index j = 0; j < matrix_.dof(k); ++j, ++column) {
-        for (auto entry = matrix_.begin[k]; entry < matrix_.begin[k + 1]; ++entry) {
-          const auto e = static_cast<std::size_t>(entry);
-          const Eigen::Index rows = matrix_.dof(static_cast<std::size_t>(matrix_.rows[e]));
-          std::copy_n(from, rows, panel.data() + tree_.front_rows[e] + column * panel.outerStride());
+        const std::int32_t* front_row = tree_.front_rows.data() + matrix_.rows.first(k);
+        for (const Column row : matrix_.rows[k]) {
+          const Eigen::Index rows = matrix_.dof(row);
+          std::copy_n(from, rows, panel.data() + *front_row++ + column * panel.outerStride());
           from += rows;
         }
       }
@@ -86,7 +84,7 @@ class Factorisation {
 
   const SupernodalTree& tree_;
   const BlockLower& matrix_;
-  std::span<const Eigen::MatrixXd> given_;
+  std::span<const GivenFront> given_;
   double* values_;
   bool keeps_updates_;
   std::vector<std::unique_ptr<double[]>> updates_;  ///< Per supernode, until its parent has taken it.
@@ -96,13 +94,15 @@ class Factorisation {
 
 }  // namespace
 
-void SparseCholesky::analyse(const BlockLower& matrix, std::span<const std::vector<Index>> given) {
-  tree_ = supernodal_tree(matrix, given);
+void SparseCholesky::analyse(const BlockLower& matrix, std::span<const GivenFront> given) {
+  std::vector<std::span<const Column>> rows;
+  for (const GivenFront& front : given) rows.emplace_back(front.rows);
+  tree_ = supernodal_tree(matrix, rows);
   offsets_ = matrix.offsets;
   values_.reset();
 }
 
-std::vector<std::int64_t> SparseCholesky::factorise(const BlockLower& matrix, std::span<const Eigen::MatrixXd> given) {
+std::vector<std::int64_t> SparseCholesky::factorise(const BlockLower& matrix, std::span<const GivenFront> given) {
   if (!values_) values_ = std::make_unique_for_overwrite<double[]>(static_cast<std::size_t>(tree_.value_count));
   Factorisation factorisation(tree_, matrix, given, values_.get(), keeps_updates_);
   auto singular = factorisation.run();
@@ -118,7 +118,7 @@ void SparseCholesky::solve_upwards(Eigen::MatrixXd& B) const {
   std::vector<Eigen::MatrixXd> updates(tree_.nodes.size());  // what each supernode takes off the rows below it
   for_each_upwards(tree_.tasks, [&](std::size_t s) {
     const FactorNode& node = tree_.nodes[s];
-    auto own = B.middleRows(offsets_[node.columns.begin], node.width);
+    auto own = B.middleRows(offsets_[node.columns.first], node.width);
     updates[s].setZero(node.below(), B.cols());
     for (const std::size_t c : tree_.children_of(node)) {
       for (const RowRun& run : tree_.runs_of(tree_.nodes[c])) {
@@ -139,12 +139,11 @@ void SparseCholesky::solve_upwards(Eigen::MatrixXd& B) const {
 void SparseCholesky::solve_downwards(Eigen::MatrixXd& B) const {
   for_each_downwards(tree_.tasks, [&](std::size_t s) {
     const FactorNode& node = tree_.nodes[s];
-    auto own = B.middleRows(offsets_[node.columns.begin], node.width);
+    auto own = B.middleRows(offsets_[node.columns.first], node.width);
     const auto L = panel(node);
     Eigen::MatrixXd below(node.below(), B.cols());
     Eigen::Index taken = 0;
-    for (const Index block : tree_.rows_of(node)) {
-      const auto row = static_cast<std::size_t>(block);
+    for (const Column row : tree_.rows_of(node)) {
       const Eigen::Index rows = offsets_[row + 1] - offsets_[row];
       below.middleRows(taken, rows) = B.middleRows(offsets_[row], rows);
       taken += rows;
@@ -168,19 +167,27 @@ Eigen::MatrixXd SparseCholesky::null_space(const std::vector<std::int64_t>& sing
   return Z;
 }
 
+ConstDenseBlock SparseCholesky::update(std::size_t node) const {
+  const Eigen::Index below = tree_.nodes[node].below();
+  return {updates_[node].get(), below, below, Stride(below)};
+}
+
+std::size_t SparseCholesky::supernode_count() const {
+  return static_cast<std::size_t>(
+      std::count_if(tree_.nodes.begin(), tree_.nodes.end(), [](const FactorNode& node) { return node.width > 0; }));
+}
+
 Supernodes SparseCholesky::supernodes() const {
   Supernodes factor;
   factor.reserve(tree_.nodes.size());
   for (const FactorNode& node : tree_.nodes) {
+    if (node.width == 0) continue;
     Supernode& L = factor.emplace_back();
-    L.given = node.given;
-    L.begin = offsets_[node.columns.begin];
+    L.begin = offsets_[node.columns.first];
     L.end = L.begin + node.width;
     L.values = values_.get() + node.first_value;
-    if (!updates_.empty()) L.update = updates_[factor.size() - 1].get();
     for (auto row = L.begin; row < L.end; ++row) L.rows.push_back(row);
-    for (const Index below : tree_.rows_of(node)) {
-      const auto block = static_cast<std::size_t>(below);
+    for (const Column block : tree_.rows_of(node)) {
       for (auto row = offsets_[block]; row < offsets_[block + 1]; ++row) L.rows.push_back(row);
     }
   }

@@ -4,7 +4,7 @@
 
 #include <Eigen/Core>
 #include <cstdint>
-#include <mapjoin/solve/dense_kernels.hpp>
+#include <mapjoin/solve/frontal_matrix.hpp>
 #include <mapjoin/solve/sparse_solver.hpp>
 #include <mapjoin/solve/supernodal_tree.hpp>
 #include <memory>
@@ -13,8 +13,14 @@
 
 namespace mapjoin {
 
-/// A front's update, once its parent has taken it, is freed, or kept for Supernode::update.
+/// What becomes of a front's update once its parent has taken it.
 enum class Updates : std::uint8_t { kFreed, kKept };
+
+/// A front that was eliminated before: what it sends over its rows enters the factorisation as the matrix does.
+struct GivenFront {
+  std::vector<Column> rows;  ///< Block rows, ascending; the matrix has a block for any two of them.
+  ConstDenseBlock update;    ///< Over their scalars; the lower triangle.
+};
 
 /// L Lᵀ of a matrix that is already in its elimination order, as it stays: multifrontal (Duff & Reid, 1983), subtrees side by
 /// side. The same to the last bit for any number of threads.
@@ -23,32 +29,34 @@ class SparseCholesky final : public SparseSolver {
   explicit SparseCholesky(Updates updates = Updates::kFreed) : keeps_updates_(updates == Updates::kKept) {}
 
   void analyse(const BlockLower& matrix) override { analyse(matrix, {}); }
-  /// The same with fronts that were eliminated before, each by its block rows, ascending, any two of which are coupled in the
-  /// matrix.
-  void analyse(const BlockLower& matrix, std::span<const std::vector<Index>> given);
+  void analyse(const BlockLower& matrix, std::span<const GivenFront> given);
   /// Names all singular columns, and leaves them out: L has the columns of the identity there, so that what nothing determines
   /// stays where it is when a consistent system is solved.
   std::vector<std::int64_t> factorise(const BlockLower& matrix) override { return factorise(matrix, {}); }
-  /// The same with the updates of the given fronts, over the scalars of their rows.
-  std::vector<std::int64_t> factorise(const BlockLower& matrix, std::span<const Eigen::MatrixXd> given);
+  /// The same with given fronts, those of analyse(). A matrix without values is zero.
+  std::vector<std::int64_t> factorise(const BlockLower& matrix, std::span<const GivenFront> given);
   Eigen::MatrixXd solve_columns(Eigen::MatrixXd B) const override;
   /// The null space of A, where it is positive semidefinite: a column for each of the given ones, which are singular.
   Eigen::MatrixXd null_space(const std::vector<std::int64_t>& singular) const;
 
-  /// Given fronts are among them, without columns.
   Supernodes supernodes() const override;
-  std::size_t supernode_count() const override { return tree_.nodes.size(); }
+  std::size_t supernode_count() const override;
   std::int64_t bytes() const override { return static_cast<std::int64_t>(sizeof(double)) * tree_.value_count; }
 
- private:
+  /// The tree of fronts, given ones among them, which have no columns.
+  const SupernodalTree& tree() const { return tree_; }
+  /// The columns of L of a front, and the update that it sends, where updates are kept.
   ConstDenseBlock panel(const FactorNode& node) const;
+  ConstDenseBlock update(std::size_t node) const;
+
+ private:
   /// L⁻¹ B and L⁻ᵀ B in the place of B.
   void solve_upwards(Eigen::MatrixXd& B) const;
   void solve_downwards(Eigen::MatrixXd& B) const;
 
   bool keeps_updates_;
   SupernodalTree tree_;
-  std::vector<Eigen::Index> offsets_;               ///< The first scalar row of each block, and the total.
+  Table<Column, Eigen::Index> offsets_;             ///< The first scalar row of each block, and the total.
   std::unique_ptr<double[]> values_;                ///< The panels of L.
   std::vector<std::unique_ptr<double[]>> updates_;  ///< Per supernode, where they are kept.
 };

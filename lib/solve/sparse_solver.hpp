@@ -3,14 +3,31 @@
 // The interface of the engines: a sparse Cholesky factorisation of blocks whose pattern stays while its values change.
 
 #include <Eigen/Core>
+#include <cmath>
 #include <cstdint>
 #include <mapjoin/solve/block_lower.hpp>
-#include <mapjoin/solve/engine.hpp>
-#include <mapjoin/solve/supernodes.hpp>
+#include <mapjoin/solve/minimise_options.hpp>
 #include <memory>
 #include <vector>
 
 namespace mapjoin {
+
+/// The pivot L_jj has lost all its digits to cancellation, or never had any: L_jj² is below 1e-14 of the diagonal entry A_jj of
+/// the matrix, which is then singular to working precision.
+inline bool has_lost_digits(double pivot, double diagonal) {
+  return !(pivot * pivot > 1e-14 * std::abs(diagonal));
+}
+
+/// Columns [begin, end) of a Cholesky factor L as one dense block.
+struct Supernode {
+  std::int64_t begin = 0;
+  std::int64_t end = 0;
+  std::vector<std::int64_t> rows;  ///< Ascending: its own columns, then the rows below them.
+  const double* values = nullptr;  ///< rows.size() × (end - begin), column by column. What is above the diagonal is ignored.
+};
+
+/// A view of L, A = L Lᵀ, in the order of its columns; it holds until A is factorised again.
+using Supernodes = std::vector<Supernode>;
 
 /// A = L Lᵀ of a matrix that is already in its elimination order, as it stays.
 class SparseSolver {
@@ -20,9 +37,8 @@ class SparseSolver {
   /// Symbolic analysis of the pattern, which stays until the next call.
   virtual void analyse(const BlockLower& matrix) = 0;
 
-  /// Numeric factorisation. Returns scalar columns whose pivot is not positive or has lost all its digits to cancellation (see
-  /// has_lost_digits()), where the matrix is singular to working precision: ascending, the first one always among them; empty
-  /// if the matrix is regular.
+  /// Numeric factorisation. Returns scalar columns whose pivot is not positive or has_lost_digits(), where the matrix is
+  /// singular to working precision: ascending, the first one always among them; empty if the matrix is regular.
   virtual std::vector<std::int64_t> factorise(const BlockLower& matrix) = 0;
 
   /// A⁻¹ B by the last factorisation, which must have succeeded.

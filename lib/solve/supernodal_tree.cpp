@@ -2,8 +2,6 @@
 #include <algorithm>
 #include <array>
 #include <limits>
-#include <mapjoin/solve/elimination_tree.hpp>
-#include <mapjoin/solve/factor_tasks.hpp>
 #include <mapjoin/solve/supernodal_tree.hpp>
 #include <numeric>
 #include <utility>
@@ -13,25 +11,25 @@ namespace {
 
 /// Columns of L with the same rows below them, without any zeros.
 struct Columns {
-  Slice columns;
-  std::size_t parent;  ///< The column of the first row below; the number of columns for a root.
-  Slice rows;          ///< Below them, in FundamentalSupernodes::rows.
+  IndexRange<Column> columns;
+  Column parent;  ///< The first row below; the number of columns for a root.
+  Slice rows;     ///< Below them, in FundamentalSupernodes::rows.
 };
 
 /// The columns of L, from left to right, in runs of the same rows.
 struct FundamentalSupernodes {
   std::vector<Columns> supernodes;
-  std::vector<Index> rows;
+  std::vector<Column> rows;
 };
 
 /// A column goes on with the one before it where that is its child and has no other rows.
 std::vector<Columns> runs_of_columns(const EliminationTree& tree) {
   std::vector<Columns> runs;
-  for (std::size_t k = 0; k < tree.parent.size(); ++k) {
-    const bool goes_on = k > 0 && static_cast<std::size_t>(tree.parent[k - 1]) == k && tree.counts[k - 1] == tree.counts[k] + 1;
+  for (const Column k : indices(tree.parent)) {
+    const bool goes_on = k > 0 && tree.parent[k - 1] == k && tree.counts[k - 1] == tree.counts[k] + 1;
     if (!goes_on) runs.push_back({{k, k}, 0, {}});
-    runs.back().columns.end = k + 1;
-    runs.back().parent = static_cast<std::size_t>(tree.parent[k]);
+    runs.back().columns.last = k + 1;
+    runs.back().parent = tree.parent[k];
   }
   return runs;
 }
@@ -40,18 +38,17 @@ std::vector<Columns> runs_of_columns(const EliminationTree& tree) {
 FundamentalSupernodes fundamental_supernodes(const BlockLower& A) {
   FundamentalSupernodes result{runs_of_columns(elimination_tree(A)), {}};
   constexpr std::int32_t kNone = -1;
-  std::vector<std::int32_t> first_child(A.blocks() + 1, kNone);  // per column; the last one for roots
+  Table<Column, std::int32_t> first_child(A.rows.size() + 1, kNone);  // the last one for roots
   std::vector<std::int32_t> next_child;
-  std::vector<std::int32_t> seen(A.blocks(), kNone);  // per row, the last supernode that has it
+  Table<Column, std::int32_t> seen(A.rows.size(), kNone);  // per row, the last supernode that has it
   for (Columns& node : result.supernodes) {
     const auto s = static_cast<std::int32_t>(next_child.size());
     node.rows.begin = result.rows.size();
-    const auto take = [&](Index row) {
-      if (static_cast<std::size_t>(row) < node.columns.end) return;
-      if (std::exchange(seen[static_cast<std::size_t>(row)], s) != s) result.rows.push_back(row);
+    const auto take = [&](Column row) {
+      if (row >= node.columns.last && std::exchange(seen[row], s) != s) result.rows.push_back(row);
     };
-    for (std::size_t k = node.columns.begin; k < node.columns.end; ++k) {
-      for (const Index row : A.rows_of(k)) take(row);
+    for (const Column k : node.columns) {
+      for (const Column row : A.rows[k]) take(row);
       for (std::int32_t c = first_child[k]; c != kNone; c = next_child[static_cast<std::size_t>(c)]) {
         const Slice below = result.supernodes[static_cast<std::size_t>(c)].rows;
         for (std::size_t r = below.begin; r < below.end; ++r) take(result.rows[r]);
@@ -94,8 +91,8 @@ bool should_merge(const Group& child, const Group& parent) {
 
 Group group_of(const Columns& supernode, const FundamentalSupernodes& of, const BlockLower& A) {
   Group group{supernode};
-  group.width = A.offsets[supernode.columns.end] - A.offsets[supernode.columns.begin];
-  for (const Index row : supernode.rows.of(of.rows)) group.below += A.dof(static_cast<std::size_t>(row));
+  group.width = A.offsets[supernode.columns.last] - A.offsets[supernode.columns.first];
+  for (const Column row : supernode.rows.of(of.rows)) group.below += A.dof(row);
   group.entries = Group::entries_of(group.width, group.below);
   return group;
 }
@@ -105,9 +102,9 @@ std::vector<Group> relaxed(const FundamentalSupernodes& fundamental, const Block
   std::vector<Group> groups;  // from the last to the first
   for (auto supernode = fundamental.supernodes.rbegin(); supernode != fundamental.supernodes.rend(); ++supernode) {
     const Group group = group_of(*supernode, fundamental, A);
-    const bool depends = !groups.empty() && supernode->parent < groups.back().columns.columns.end;
+    const bool depends = !groups.empty() && supernode->parent < groups.back().columns.columns.last;
     if (depends && should_merge(group, groups.back())) {
-      groups.back().columns.columns.begin = group.columns.columns.begin;
+      groups.back().columns.columns.first = group.columns.columns.first;
       groups.back().width += group.width;
       groups.back().entries += group.entries;
     } else {
@@ -119,12 +116,12 @@ std::vector<Group> relaxed(const FundamentalSupernodes& fundamental, const Block
 }
 
 /// The next node, of some columns and the rows below them.
-FactorNode& append_node(SupernodalTree& tree, Slice columns, std::span<const Index> rows, const BlockLower& A) {
+FactorNode& append_node(SupernodalTree& tree, IndexRange<Column> columns, std::span<const Column> rows, const BlockLower& A) {
   FactorNode& node = tree.nodes.emplace_back();
   node.columns = columns;
-  node.width = A.offsets[columns.end] - A.offsets[columns.begin];
+  node.width = A.offsets[columns.last] - A.offsets[columns.first];
   node.height = node.width;
-  for (const Index row : rows) node.height += A.dof(static_cast<std::size_t>(row));
+  for (const Column row : rows) node.height += A.dof(row);
   node.first_value = tree.value_count;
   tree.value_count += node.width * node.height;
   node.rows.begin = tree.rows.size();
@@ -134,18 +131,18 @@ FactorNode& append_node(SupernodalTree& tree, Slice columns, std::span<const Ind
 }
 
 /// Nodes with their rows and panels; given fronts stand before the node that has the first of their rows.
-void lay_out_nodes(SupernodalTree& tree, const std::vector<Group>& groups, const std::vector<Index>& rows,
-                   std::span<const std::vector<Index>> given, const BlockLower& A) {
+void lay_out_nodes(SupernodalTree& tree, const std::vector<Group>& groups, const std::vector<Column>& rows,
+                   std::span<const std::span<const Column>> given, const BlockLower& A) {
   std::vector<std::size_t> by_first_row(given.size());
   std::iota(by_first_row.begin(), by_first_row.end(), std::size_t{0});
   std::stable_sort(by_first_row.begin(), by_first_row.end(),
                    [&](std::size_t a, std::size_t b) { return given[a].front() < given[b].front(); });
   auto next = by_first_row.begin();
   for (const Group& group : groups) {
-    const Slice columns = group.columns.columns;
+    const IndexRange<Column> columns = group.columns.columns;
     for (; next != by_first_row.end(); ++next) {
-      const auto first = static_cast<std::size_t>(given[*next].front());
-      if (first >= columns.end) break;
+      const Column first = given[*next].front();
+      if (first >= columns.last) break;
       append_node(tree, {first, first}, given[*next], A).given = *next;
     }
     append_node(tree, columns, group.columns.rows.of(rows), A);
@@ -153,13 +150,13 @@ void lay_out_nodes(SupernodalTree& tree, const std::vector<Group>& groups, const
 }
 
 void find_parents(SupernodalTree& tree, std::size_t columns) {
-  std::vector<std::size_t> node_of(columns);
+  Table<Column, std::size_t> node_of(columns);
   for (std::size_t s = 0; s < tree.nodes.size(); ++s) {
-    for (std::size_t k = tree.nodes[s].columns.begin; k < tree.nodes[s].columns.end; ++k) node_of[k] = s;
+    for (const Column k : tree.nodes[s].columns) node_of[k] = s;
   }
   for (FactorNode& node : tree.nodes) {
     const auto rows = tree.rows_of(node);
-    node.parent = rows.empty() ? tree.nodes.size() : node_of[static_cast<std::size_t>(rows.front())];
+    node.parent = rows.empty() ? tree.nodes.size() : node_of[rows.front()];
   }
 }
 
@@ -178,11 +175,10 @@ void find_children(SupernodalTree& tree) {
 }
 
 /// Rows below a supernode, in one run as far as they are next to each other in the parent's front.
-void append_runs(SupernodalTree& tree, FactorNode& node, const BlockLower& A, const std::vector<std::int32_t>& front_row) {
+void append_runs(SupernodalTree& tree, FactorNode& node, const BlockLower& A, const Table<Column, std::int32_t>& front_row) {
   node.runs.begin = tree.runs.size();
   RowRun run;
-  for (const Index block : tree.rows_of(node)) {
-    const auto row = static_cast<std::size_t>(block);
+  for (const Column row : tree.rows_of(node)) {
     if (run.length > 0 && front_row[row] != run.to + run.length) {
       tree.runs.push_back(run);
       run = {run.from + run.length, 0, 0};
@@ -196,20 +192,20 @@ void append_runs(SupernodalTree& tree, FactorNode& node, const BlockLower& A, co
 
 /// Where the entries of the matrix and the rows of the children lie in each front.
 void lay_out_fronts(SupernodalTree& tree, const BlockLower& A) {
-  tree.front_rows.resize(A.rows.size());
-  std::vector<std::int32_t> front_row(A.blocks());
+  tree.front_rows.resize(A.rows.entries().size());
+  Table<Column, std::int32_t> front_row(A.rows.size());
   for (const FactorNode& node : tree.nodes) {
     Eigen::Index height = 0;
-    const auto place = [&](std::size_t row) {
+    const auto place = [&](Column row) {
       front_row[row] = static_cast<std::int32_t>(height);
       height += A.dof(row);
     };
-    for (std::size_t k = node.columns.begin; k < node.columns.end; ++k) place(k);
-    for (const Index row : tree.rows_of(node)) place(static_cast<std::size_t>(row));
+    for (const Column k : node.columns) place(k);
+    for (const Column row : tree.rows_of(node)) place(row);
 
-    for (auto entry = A.begin[node.columns.begin]; entry < A.begin[node.columns.end]; ++entry) {
-      const auto e = static_cast<std::size_t>(entry);
-      tree.front_rows[e] = front_row[static_cast<std::size_t>(A.rows[e])];
+    for (const Column k : node.columns) {
+      auto entry = A.rows.first(k);
+      for (const Column row : A.rows[k]) tree.front_rows[entry++] = front_row[row];
     }
     for (const std::size_t child : tree.children_of(node)) append_runs(tree, tree.nodes[child], A, front_row);
   }
@@ -217,11 +213,11 @@ void lay_out_fronts(SupernodalTree& tree, const BlockLower& A) {
 
 }  // namespace
 
-SupernodalTree supernodal_tree(const BlockLower& matrix, std::span<const std::vector<Index>> given) {
+SupernodalTree supernodal_tree(const BlockLower& matrix, std::span<const std::span<const Column>> given) {
   SupernodalTree tree;
   const FundamentalSupernodes fundamental = fundamental_supernodes(matrix);
   lay_out_nodes(tree, relaxed(fundamental, matrix), fundamental.rows, given, matrix);
-  find_parents(tree, matrix.blocks());
+  find_parents(tree, matrix.rows.size());
   find_children(tree);
   lay_out_fronts(tree, matrix);
   tree.tasks = factor_tasks(tree);

@@ -5,7 +5,7 @@
 
 #include <Eigen/Core>
 #include <cstdint>
-#include <mapjoin/model/ids.hpp>
+#include <functional>
 #include <mapjoin/solve/block_lower.hpp>
 #include <span>
 #include <vector>
@@ -27,7 +27,7 @@ struct Slice {
 /// Block columns of L with the same rows below them, kept as one dense panel of height × width. Its front is its own rows,
 /// then those below.
 struct FactorNode {
-  Slice columns;
+  IndexRange<Column> columns;
   std::size_t parent = 0;        ///< The supernode of the first row below; the number of supernodes for a root.
   Slice children;                ///< In SupernodalTree::children, ascending.
   Slice rows;                    ///< Its block rows below, in SupernodalTree::rows, ascending.
@@ -56,19 +56,27 @@ struct FactorTask {
 struct SupernodalTree {
   std::vector<FactorNode> nodes;  ///< By their columns.
   std::vector<std::size_t> children;
-  std::vector<Index> rows;
+  std::vector<Column> rows;
   std::vector<RowRun> runs;
-  std::vector<std::int32_t> front_rows;  ///< Of each entry of BlockLower::rows, its first scalar row in the front.
+  std::vector<std::int32_t> front_rows;  ///< Of each of the entries of BlockLower::rows, its first scalar row in the front.
   std::int64_t value_count = 0;          ///< Of L.
   FactorTask tasks;                      ///< The same for any number of threads.
 
   std::span<const std::size_t> children_of(const FactorNode& node) const { return node.children.of(children); }
-  std::span<const Index> rows_of(const FactorNode& node) const { return node.rows.of(rows); }
+  std::span<const Column> rows_of(const FactorNode& node) const { return node.rows.of(rows); }
   std::span<const RowRun> runs_of(const FactorNode& node) const { return node.runs.of(runs); }
 };
 
 /// By the pattern of a matrix that is in the order of its elimination (Liu, Ng & Peyton, 1993). `given` are the block rows,
 /// ascending, of fronts that were eliminated before: any two of them are coupled in the matrix.
-SupernodalTree supernodal_tree(const BlockLower& matrix, std::span<const std::vector<Index>> given = {});
+SupernodalTree supernodal_tree(const BlockLower& matrix, std::span<const std::span<const Column>> given = {});
+
+/// Cuts the tree where independent subtrees are worth a task. Depends on the tree alone.
+FactorTask factor_tasks(const SupernodalTree& tree);
+
+/// Calls f(supernode) for each after all its children; side by side where tasks are independent.
+void for_each_upwards(const FactorTask& tasks, const std::function<void(std::size_t)>& f);
+/// Calls f(supernode) for each after its parent.
+void for_each_downwards(const FactorTask& tasks, const std::function<void(std::size_t)>& f);
 
 }  // namespace mapjoin

@@ -66,7 +66,7 @@ class DenseRelative {
 
  private:
   Eigen::Index pose_entry(Index place) const {
-    const Index variable = system_.pose_variable(place);
+    const Variable variable = system_.pose_variable(place);
     return variable == kConstant ? -1 : system_.equations().offset(variable);
   }
   Eigen::Index feature_entry(Index place) const { return system_.equations().offset(system_.feature_variable(place)); }

@@ -10,25 +10,26 @@ namespace mapjoin::testing {
 inline BlockLower sparse(const Eigen::MatrixXd& dense, const std::vector<Eigen::Index>& dofs) {
   BlockLower matrix;
   for (const Eigen::Index dof : dofs) matrix.offsets.push_back(matrix.offsets.back() + dof);
-  const auto block = [&](std::size_t i, std::size_t j) {
-    return dense.block(matrix.offsets[i], matrix.offsets[j], dofs[i], dofs[j]);
+  const IndexRange<Column> columns{0, Column(dofs.size())};
+  const auto block = [&](Column i, Column j) {
+    return dense.block(matrix.offsets[i], matrix.offsets[j], matrix.dof(i), matrix.dof(j));
   };
-  for (std::size_t j = 0; j < dofs.size(); ++j) {
-    std::vector<Index> rows{static_cast<Index>(j)};
-    for (std::size_t i = j + 1; i < dofs.size(); ++i) {
-      if (!block(i, j).isZero(0.0)) rows.push_back(static_cast<Index>(i));
+  for (const Column j : columns) {
+    std::vector<Column> rows;
+    for (const Column i : IndexRange<Column>{j, columns.last}) {
+      if (i == j || !block(i, j).isZero(0.0)) rows.push_back(i);
     }
-    matrix.append_column(rows);
+    matrix.rows.push_back(rows);
   }
   matrix.lay_out();
-  for (std::size_t j = 0; j < dofs.size(); ++j) {
-    Eigen::Map<Eigen::MatrixXd> panel(matrix.values.data() + matrix.first_value[j], matrix.heights[j], dofs[j]);
+  for (const Column j : columns) {
+    auto panel = matrix.panel(j);
     Eigen::Index row = 0;
-    for (const Index i : matrix.rows_of(j)) {
-      panel.middleRows(row, dofs[static_cast<std::size_t>(i)]) = block(static_cast<std::size_t>(i), j);
-      row += dofs[static_cast<std::size_t>(i)];
+    for (const Column i : matrix.rows[j]) {
+      panel.middleRows(row, matrix.dof(i)) = block(i, j);
+      row += matrix.dof(i);
     }
-    panel.topRows(dofs[j]).triangularView<Eigen::StrictlyUpper>().fill(1e9);
+    panel.topRows(matrix.dof(j)).triangularView<Eigen::StrictlyUpper>().fill(1e9);
   }
   return matrix;
 }

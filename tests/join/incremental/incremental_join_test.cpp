@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <mapjoin/join/incremental/incremental_join.hpp>
+#include <mapjoin/measure/chi_squared.hpp>
 #include <tests/support/batch_join.hpp>
 #include <tests/support/dimensions.hpp>
 #include <tests/support/small_world.hpp>
@@ -143,6 +144,30 @@ TYPED_TEST(IncrementalJoinTest, PriorsAndSingleObservationsMayComeByThemselves) 
   EXPECT_TRUE(last.is_joined);
   EXPECT_GT(last.metres, 0.1);
   EXPECT_NEAR(last.chi2, this->batch(parts).result.chi2, 0.01 * last.chi2);
+}
+
+TYPED_TEST(IncrementalJoinTest, LooksAnewWhereOneMapInAThousandWouldFitAsBadly) {
+  constexpr int kDim = TestFixture::kDim;
+  const auto parts = this->parts_of({.poses = 60, .features = 60, .closures = 0}, 6.0);
+  for (const auto& [probability, looks] : {std::pair{5e-4, true}, {2e-3, false}}) {
+    IncrementalJoin<kDim> joined;
+    AddedPart last;
+    for (const auto& part : parts) last = joined.add(part);
+    // A closure too weak to move anything, and off by as much as makes chi2 grow so improbably.
+    const double scale = std::max(1.0, last.chi2 / static_cast<double>(last.dof));
+    const double growth = scale * chi_squared_quantile(1.0 - probability, kPoseDof<kDim>);
+    constexpr double kWeight = 1e-6;
+    const Index base = parts[2].stretch->begin;
+    const Index target = parts[5].stretch->begin;
+    Pose<kDim> measured = between(*joined.pose(base), *joined.pose(target));
+    measured.translation.x() += std::sqrt(growth / kWeight);
+    Part<kDim> closure;
+    closure.pose_observations.push_back({base, target, measured, PoseMatrix<kDim>(kWeight * PoseMatrix<kDim>::Identity())});
+    const AddedPart added = joined.add(closure);
+    EXPECT_NEAR(added.chi2 - last.chi2, growth, 0.02 * growth);
+    EXPECT_EQ(added.looked_anew, looks);
+    EXPECT_TRUE(added.converged);
+  }
 }
 
 TYPED_TEST(IncrementalJoinTest, IsTheSameEveryTime) {

@@ -18,7 +18,7 @@ class MapFactorTest : public ::testing::Test {
     for (Index v = 0; v < 4; ++v) {
       JoinedVariable<kDim>& variable = variables_.emplace_back();
       variable.is_pose = v < 2;
-      variable.column = v;
+      variable.column = Variable(1 + v);
       variable.reference = variable.value = random_.pose<kDim>(2.0, 0.8);
     }
     map_.base = 0;
@@ -67,13 +67,18 @@ class MapFactorTest : public ::testing::Test {
 };
 TYPED_TEST_SUITE(MapFactorTest, testing::Dimensions);
 
-TYPED_TEST(MapFactorTest, TheGradientIsThatOfChi2HoweverFarTheVariablesHaveGone) {
+TYPED_TEST(MapFactorTest, TheQuadraticHasChi2AndItsGradientHoweverFarTheVariablesHaveGone) {
   for (const double metres : {0.0, 0.1, 1.0}) {
     this->move_all(metres);
     MapFactor<TestFixture::kDim> factor(this->map_, {0, 1, 2, 3});
     const Quadratic system = factor.linearise(this->variables_);
     const Eigen::VectorXd at = this->steps();
-    const Eigen::VectorXd gradient = 2.0 * (Eigen::MatrixXd(system.H.template selfadjointView<Eigen::Lower>()) * at - system.b);
+    Eigen::VectorXd x(at.size() + 1);
+    x << at, 1.0;
+    const Eigen::VectorXd Hx = system.H.template selfadjointView<Eigen::Lower>() * x;
+    const double chi2 = this->chi2_with(factor, at);
+    EXPECT_NEAR(x.dot(Hx), chi2, 1e-9 * chi2);
+    const Eigen::VectorXd gradient = 2.0 * Hx.head(at.size());
     for (Eigen::Index i = 0; i < at.size(); ++i) {
       constexpr double kStep = 1e-6;
       Eigen::VectorXd ahead = at, behind = at;
@@ -114,8 +119,8 @@ TYPED_TEST(MapFactorTest, WhatIsHeldHasNoColumns) {
   this->variables_[0].column = kConstant;
   MapFactor<TestFixture::kDim> factor(this->map_, {0, 1, 2, 3});
   const Quadratic system = factor.linearise(this->variables_);
-  EXPECT_EQ(system.variables, (std::vector<Index>{1, 2, 3}));
-  EXPECT_EQ(system.H.rows(), TestFixture::kDof + 2 * TestFixture::kDim);
+  EXPECT_EQ(system.variables, (std::vector<Variable>{2, 3, 4, FrontTree::kOne}));
+  EXPECT_EQ(system.H.rows(), TestFixture::kDof + 2 * TestFixture::kDim + 1);
 }
 
 }  // namespace

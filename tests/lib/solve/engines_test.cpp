@@ -4,7 +4,7 @@
 #include <Eigen/Cholesky>
 #include <Eigen/LU>
 #include <mapjoin/solve/cholmod_solver.hpp>
-#include <mapjoin/solve/inverse_subset.hpp>
+#include <mapjoin/solve/marginals.hpp>
 #include <mapjoin/solve/normal_equations.hpp>
 #include <mapjoin/solve/sparse_cholesky.hpp>
 #include <mapjoin/solve/sparse_solver.hpp>
@@ -44,18 +44,15 @@ BlockLower random_system(Eigen::Index pose, Eigen::Index feature, std::size_t bl
 
 /// Takes all that measures one entry out of a matrix.
 void free_entry(BlockLower& matrix, Eigen::Index entry) {
-  Eigen::Index column = 0;
-  for (std::size_t k = 0; k < matrix.blocks(); ++k) {
-    Eigen::Map<Eigen::MatrixXd> panel(matrix.values.data() + matrix.first_value[k], matrix.heights[k], matrix.dof(k));
+  for (const Column k : matrix.columns()) {
     Eigen::Index at = 0;
-    for (const Index block : matrix.rows_of(k)) {
-      const auto i = static_cast<std::size_t>(block);
+    for (const Column i : matrix.rows[k]) {
       const Eigen::Index row = entry - matrix.offsets[i];
-      if (row >= 0 && row < matrix.dof(i)) panel.row(at + row).setZero();
+      if (row >= 0 && row < matrix.dof(i)) matrix.panel(k).row(at + row).setZero();
       at += matrix.dof(i);
     }
-    if (entry >= column && entry < column + matrix.dof(k)) panel.col(entry - column).setZero();
-    column += matrix.dof(k);
+    const Eigen::Index column = entry - matrix.offsets[k];
+    if (column >= 0 && column < matrix.dof(k)) matrix.panel(k).col(column).setZero();
   }
 }
 
@@ -142,7 +139,7 @@ TEST_P(EnginesTest, GiveTheSameSolutionAsTheOther) {
 }
 
 TEST_P(EnginesTest, HasNothingToFactoriseWhereNothingIsFree) {
-  NormalEquations equations({}, {}, GetParam());
+  NormalEquations equations({}, GetParam());
   EXPECT_EQ(equations.factorise(0.0), std::nullopt);
   EXPECT_EQ(equations.factor_bytes(), 0);
   EXPECT_TRUE(equations.supernodes().empty());

@@ -5,8 +5,9 @@
 #include <Eigen/LU>
 #include <array>
 #include <mapjoin/solve/marginals.hpp>
-#include <mapjoin/solve/memory.hpp>
+#include <mapjoin/solve/sparse_cholesky.hpp>
 #include <tests/support/random.hpp>
+#include <tests/support/sparse.hpp>
 
 namespace mapjoin {
 namespace {
@@ -15,27 +16,29 @@ using testing::Random;
 
 /// Variables of 3 and of 2 entries by turns in a ring of observations of three, with some across; the same blocks also go into
 /// a dense matrix.
-class MarginalsTest : public ::testing::TestWithParam<Index> {
+class MarginalsTest : public ::testing::TestWithParam<int> {
  protected:
   MarginalsTest() {
-    const Index count = GetParam();
-    std::vector<int> dofs;
-    for (Index v = 0; v < count; ++v) dofs.push_back(v % 2 == 0 ? 3 : 2);
-    for (Index v = 0; v < count; ++v) cliques.push_back(std::array{v, (v + 1) % count, (7 * v + 3) % count});
-    equations = NormalEquations(dofs, cliques);
+    const int count = GetParam();
+    BlockPattern pattern;
+    for (int v = 0; v < count; ++v) pattern.dofs.push_back(v % 2 == 0 ? 3 : 2);
+    for (int v = 0; v < count; ++v) {
+      pattern.factors.push_back(std::array{Variable(v), Variable((v + 1) % count), Variable((7 * v + 3) % count)});
+    }
+    equations = NormalEquations(pattern);
     H = Eigen::MatrixXd::Zero(equations.size(), equations.size());
     equations.set_zero();
-    for (std::size_t c = 0; c < cliques.size(); ++c) add_observation(c);
+    for (std::size_t f = 0; f < pattern.factors.size(); ++f) add_factor(f);
     inverse = H.inverse();
   }
 
-  void add_observation(std::size_t clique) {
-    const auto slots = cliques[clique];
-    auto sink = equations.sink(clique);
+  void add_factor(std::size_t factor) {
+    const auto variables = equations.pattern().factors[factor];
+    auto sink = equations.sink(factor);
     for (int j = 0; j < 3; ++j) {
       for (int i = 0; i <= j; ++i) {
-        const Index a = slots[static_cast<std::size_t>(i)];
-        const Index b = slots[static_cast<std::size_t>(j)];
+        const Variable a = variables[static_cast<std::size_t>(i)];
+        const Variable b = variables[static_cast<std::size_t>(j)];
         if (a == b && i != j) continue;
         const Eigen::MatrixXd block = information(equations.dof(a), equations.dof(b), i == j);
         sink.hessian(i, j, block);
@@ -51,20 +54,19 @@ class MarginalsTest : public ::testing::TestWithParam<Index> {
     for (auto& entry : block.reshaped()) entry = random.uniform(-1.0, 1.0);
     return block;
   }
-  std::vector<Eigen::Index> entries(const std::vector<Index>& variables) const {
+  std::vector<Eigen::Index> entries(const std::vector<Variable>& variables) const {
     std::vector<Eigen::Index> list;
-    for (const Index v : variables) {
+    for (const Variable v : variables) {
       for (int i = 0; i < equations.dof(v); ++i) list.push_back(equations.offset(v) + i);
     }
     return list;
   }
-  Eigen::MatrixXd inverse_over(const std::vector<Index>& variables) const {
+  Eigen::MatrixXd inverse_over(const std::vector<Variable>& variables) const {
     return inverse(entries(variables), entries(variables));
   }
 
   Random random;
-  Cliques cliques;
-  NormalEquations equations{{}, {}};
+  NormalEquations equations{{}};
   Eigen::MatrixXd H;
   Eigen::MatrixXd inverse;
 };
@@ -72,16 +74,16 @@ class MarginalsTest : public ::testing::TestWithParam<Index> {
 TEST_P(MarginalsTest, AreTheBlocksOfTheDenseInverse) {
   ASSERT_FALSE(equations.factorise(0.0));
   const Marginals marginals(equations);
-  for (Index v = 0; v < GetParam(); ++v) {
-    EXPECT_LT((marginals[v] - inverse_over({v})).norm(), 1e-12 * inverse_over({v}).norm()) << v;
-    const std::vector<Index> pair = {(v + 1) % GetParam(), v};
-    EXPECT_LT((marginals.joint(pair) - inverse_over(pair)).norm(), 1e-12 * inverse_over(pair).norm()) << v;
+  for (const Variable v : equations.variables()) {
+    EXPECT_LT((marginals[v] - inverse_over({v})).norm(), 1e-12 * inverse_over({v}).norm()) << v.value;
+    const std::vector<Variable> pair = {Variable((v.value + 1) % GetParam()), v};
+    EXPECT_LT((marginals.joint(pair) - inverse_over(pair)).norm(), 1e-12 * inverse_over(pair).norm()) << v.value;
   }
 }
 
 TEST_P(MarginalsTest, UnitColumnsGiveTheJointCovarianceOfVariablesFarApart) {
   ASSERT_FALSE(equations.factorise(0.0));
-  const std::vector<Index> variables = {GetParam() - 1, 0, GetParam() / 2};
+  const std::vector<Variable> variables = {Variable(GetParam() - 1), 0, Variable(GetParam() / 2)};
   const auto list = entries(variables);
   Eigen::SparseMatrix<double> units(equations.size(), static_cast<Eigen::Index>(list.size()));
   for (std::size_t k = 0; k < list.size(); ++k) units.insert(list[k], static_cast<Eigen::Index>(k)) = 1.0;
@@ -92,17 +94,97 @@ TEST_P(MarginalsTest, UnitColumnsGiveTheJointCovarianceOfVariablesFarApart) {
 TEST_P(MarginalsTest, TheLeastCurvatureIsTheMahalanobisLengthUnderTheJointCovarianceOfWhatIsGiven) {
   Eigen::VectorXd v(equations.size());
   for (auto& entry : v) entry = random.uniform(-1.0, 1.0);
-  for (const Index every : {1, 2, 5}) {
-    std::vector<Index> given;
-    std::vector<bool> is_given(static_cast<std::size_t>(GetParam()));
-    for (Index k = 0; k < GetParam(); k += every) given.push_back(k);
-    for (const Index k : given) is_given[static_cast<std::size_t>(k)] = true;
+  for (const int every : {1, 2, 5}) {
+    std::vector<Variable> given;
+    Table<Variable, bool> is_given(equations.variables().size());
+    for (int k = 0; k < GetParam(); k += every) given.emplace_back(k);
+    for (const Variable k : given) is_given[k] = true;
     const Eigen::VectorXd part = v(entries(given));
     const double expected = part.dot(inverse_over(given).ldlt().solve(part));
     EXPECT_NEAR(equations.least_curvature(v, is_given).value(), expected, 1e-10 * expected) << every;
   }
 }
 INSTANTIATE_TEST_SUITE_P(Variables, MarginalsTest, ::testing::Values(7, 40, 300));
+
+/// Of `count` random observations, each of three columns at most `reach` apart.
+Eigen::MatrixXd random_matrix(Eigen::Index n, Eigen::Index count, Eigen::Index reach, Random& random) {
+  Eigen::MatrixXd A = Eigen::MatrixXd::Identity(n, n);
+  for (Eigen::Index k = 0; k < count; ++k) {
+    Eigen::VectorXd row = Eigen::VectorXd::Zero(n);
+    const Eigen::Index i = k % n;
+    for (const Eigen::Index j : {i, i + 1, i + 1 + k % reach}) row[j % n] = random.uniform(-1.0, 1.0);
+    A += row * row.transpose();
+  }
+  return A;
+}
+
+struct Case {
+  Eigen::Index size;
+  Eigen::Index observations;
+  Eigen::Index reach;
+};
+
+class InverseSubsetTest : public ::testing::TestWithParam<Case> {};
+
+TEST_P(InverseSubsetTest, HoldsTheEntriesOfTheDenseInverseWhereTheMatrixHasSome) {
+  Random random;
+  const Eigen::MatrixXd A = random_matrix(GetParam().size, GetParam().observations, GetParam().reach, random);
+  SparseCholesky cholesky;
+  const BlockLower matrix = testing::sparse(A);
+  cholesky.analyse(matrix);
+  ASSERT_TRUE(cholesky.factorise(matrix).empty());
+  const InverseSubset subset(cholesky.supernodes());
+  const Eigen::MatrixXd inverse = A.inverse();
+  double largest = 0.0;
+  for (std::int64_t j = 0; j < A.cols(); ++j) {
+    for (std::int64_t i = 0; i <= j; ++i) {
+      if (A(i, j) == 0.0) continue;
+      const std::vector<std::int64_t> columns = i == j ? std::vector{j} : std::vector{j, i};
+      const Eigen::MatrixXd block = subset.block(columns);
+      const Eigen::MatrixXd expected = inverse(columns, columns);
+      largest = std::max(largest, (block - expected).cwiseAbs().maxCoeff());
+    }
+  }
+  EXPECT_LT(largest, 1e-11 * inverse.cwiseAbs().maxCoeff());
+}
+// From factors kept column by column to those of wide supernodes.
+INSTANTIATE_TEST_SUITE_P(Sizes, InverseSubsetTest,
+                         ::testing::Values(Case{1, 0, 1}, Case{2, 4, 1}, Case{50, 60, 3}, Case{200, 600, 9},
+                                           Case{300, 1500, 290}, Case{250, 9000, 240}),
+                         [](const auto& info) { return std::to_string(info.index); });
+
+TEST(InverseSubset, KeepsTheOrderOfTheColumnsAskedFor) {
+  Random random;
+  const Eigen::MatrixXd A = random_matrix(30, 3000, 29, random);
+  const BlockLower matrix = testing::sparse(A);
+  SparseCholesky cholesky;
+  cholesky.analyse(matrix);
+  ASSERT_TRUE(cholesky.factorise(matrix).empty());
+  const std::vector<std::int64_t> columns = {17, 3, 29, 0};
+  const Eigen::MatrixXd expected = A.inverse()(columns, columns);
+  EXPECT_LT((InverseSubset(cholesky.supernodes()).block(columns) - expected).norm(), 1e-12 * expected.norm());
+}
+
+TEST(InverseSubset, RefusesWhatIsNotCoupled) {
+  SparseCholesky cholesky;
+  const BlockLower matrix = testing::sparse(Eigen::MatrixXd::Identity(4, 4));
+  cholesky.analyse(matrix);
+  ASSERT_TRUE(cholesky.factorise(matrix).empty());
+  const InverseSubset subset(cholesky.supernodes());
+  const std::vector<std::int64_t> columns = {1, 2};
+  EXPECT_THROW(subset.block(columns), std::out_of_range);
+}
+
+TEST(InverseSubset, CountsItsMemoryBeforehand) {
+  Random random;
+  const BlockLower matrix = testing::sparse(random_matrix(200, 9000, 190, random));
+  SparseCholesky cholesky;
+  cholesky.analyse(matrix);
+  ASSERT_TRUE(cholesky.factorise(matrix).empty());
+  // Nearly dense: the lower triangle at least, and not many times the square.
+  EXPECT_GT(InverseSubset::bytes(cholesky.supernodes()), 8 * 200 * 200 / 2);
+  EXPECT_LT(InverseSubset::bytes(cholesky.supernodes()), 8 * 200 * 200 * 4);
+}
 
 TEST(Memory, IsRefusedBeyondTheLimitInASentence) {
   EXPECT_TRUE(check_memory("the covariances", 1000, 1000));

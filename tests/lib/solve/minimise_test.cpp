@@ -28,16 +28,16 @@ class DenseProblem {
   Eigen::VectorXd gradient() const { return g_; }
   DiagonalMetric metric() const { return DiagonalMetric(H_.diagonal()); }
   double curvature(const Eigen::VectorXd& v) const { return v.dot(H_ * v); }
-  std::optional<Index> factorise(double damping) {
+  std::optional<Variable> factorise(double damping) {
     ++factorisations;
     Eigen::MatrixXd damped = H_;
     damped.diagonal() *= 1.0 + damping;
     llt_.compute(damped);
     const Eigen::VectorXd pivots = llt_.matrixLLT().diagonal().cwiseAbs2();
-    for (Index i = 0; i < pivots.size(); ++i) {
-      if (!(pivots[i] > 1e-14 * damped(i, i))) return i;
+    for (Eigen::Index i = 0; i < pivots.size(); ++i) {
+      if (!(pivots[i] > 1e-14 * damped(i, i))) return Variable(i);
     }
-    if (llt_.info() != Eigen::Success) return 1;  // of two variables, the second one's pivot
+    if (llt_.info() != Eigen::Success) return Variable(1);  // of two variables, the second one's pivot
     return std::nullopt;
   }
   Eigen::VectorXd solve() const { return llt_.solve(g_); }
@@ -151,7 +151,7 @@ TEST_P(MinimiseTest, NamesASingularVariableAndLeavesTheEstimate) {
   DenseProblem problem(blind, Eigen::Vector2d(1.0, 2.0));
   const MinimiseResult result = minimise(problem, with(GetParam()));
   EXPECT_EQ(result.status, MinimiseStatus::kSingular);
-  EXPECT_EQ(result.singular, 1);
+  EXPECT_EQ(result.singular, Variable(1));
   EXPECT_EQ(problem.estimate(), Eigen::Vector2d(1.0, 2.0));
 }
 

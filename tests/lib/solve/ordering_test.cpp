@@ -2,10 +2,11 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <array>
 #include <mapjoin/solve/ordering.hpp>
-#include <numeric>
 #include <set>
 #include <tests/support/grid_system.hpp>
+#include <tests/support/sparse.hpp>
 #include <thread>
 
 namespace mapjoin {
@@ -14,18 +15,15 @@ namespace {
 using testing::grid;
 
 /// Blocks of the Cholesky factor below the diagonal, by eliminating one variable after the other.
-std::size_t fill(const BlockGraph& graph, const std::vector<Index>& order) {
-  std::vector<std::set<Index>> adjacent(static_cast<std::size_t>(graph.size()));
-  for (Index v = 0; v < graph.size(); ++v) {
-    const auto i = static_cast<std::size_t>(v);
-    adjacent[i].insert(graph.neighbours.begin() + graph.begin[i], graph.neighbours.begin() + graph.begin[i + 1]);
-  }
+std::size_t fill(const BlockGraph& graph, const Table<Column, Variable>& order) {
+  Table<Variable, std::set<Variable>> adjacent(graph.size());
+  for (const Variable v : indices(adjacent)) adjacent[v].insert(graph[v].begin(), graph[v].end());
   std::size_t blocks = 0;
-  for (const Index v : order) {
-    const std::set<Index> clique = std::move(adjacent[static_cast<std::size_t>(v)]);
+  for (const Variable v : order) {
+    const std::set<Variable> clique = std::move(adjacent[v]);
     blocks += clique.size();
-    for (const Index a : clique) {
-      auto& of_a = adjacent[static_cast<std::size_t>(a)];
+    for (const Variable a : clique) {
+      auto& of_a = adjacent[a];
       of_a.insert(clique.begin(), clique.end());
       of_a.erase(a);
       of_a.erase(v);
@@ -34,16 +32,15 @@ std::size_t fill(const BlockGraph& graph, const std::vector<Index>& order) {
   return blocks;
 }
 
-std::vector<Index> natural(Index count) {
-  std::vector<Index> order(static_cast<std::size_t>(count));
-  std::iota(order.begin(), order.end(), 0);
-  return order;
+Table<Column, Variable> natural(std::size_t count) {
+  const IndexRange<Variable> all{0, Variable(count)};
+  return {all.begin(), all.end()};
 }
 
 TEST(Ordering, IsAPermutationThatFillsLessThanTheNaturalOrder) {
-  for (const Index side : {8, 30}) {
+  for (const int side : {8, 30}) {
     const BlockGraph graph = grid(side);
-    std::vector<Index> order = elimination_order(graph);
+    Table<Column, Variable> order = elimination_order(graph);
     EXPECT_LT(static_cast<double>(fill(graph, order)), 0.8 * static_cast<double>(fill(graph, natural(graph.size())))) << side;
     std::sort(order.begin(), order.end());
     EXPECT_EQ(order, natural(graph.size()));
@@ -51,44 +48,98 @@ TEST(Ordering, IsAPermutationThatFillsLessThanTheNaturalOrder) {
 }
 
 TEST(Ordering, TakesVariablesWithoutNeighbours) {
-  EXPECT_TRUE(elimination_order({{0}, {}}).empty());
-  EXPECT_EQ(elimination_order({{0, 0, 0}, {}}), natural(2));
+  const std::vector<Variable> none;
+  EXPECT_TRUE(elimination_order({}).empty());
+  BlockGraph two;
+  for (int k = 0; k < 2; ++k) two.push_back(none);
+  EXPECT_EQ(elimination_order(two), natural(2));
   BlockGraph graph = grid(20);
-  for (int k = 0; k < 5; ++k) graph.begin.push_back(graph.begin.back());
-  std::vector<Index> order = elimination_order(graph);
+  for (int k = 0; k < 5; ++k) graph.push_back(none);
+  Table<Column, Variable> order = elimination_order(graph);
   std::sort(order.begin(), order.end());
   EXPECT_EQ(order, natural(405));
 }
 
-TEST(Ordering, EliminatesTheLastVariablesAfterAllThatTheyAreCoupledTo) {
-  for (const Index side : {6, 20}) {
+TEST(Ordering, EliminatesAVariableAfterAllOfLowerRankThatItIsCoupledTo) {
+  for (const int side : {6, 20}) {
     const BlockGraph graph = grid(side);
-    const Index first_late = graph.size() - 9;
-    const std::vector<Index> order = elimination_order(graph, {.given = {}, .last_count = 9});
-    const std::vector<Index> place = inverse_order(order);
-    for (Index v = first_late; v < graph.size(); ++v) {
-      for (auto n = graph.begin[static_cast<std::size_t>(v)]; n < graph.begin[static_cast<std::size_t>(v) + 1]; ++n) {
-        const Index neighbour = graph.neighbours[static_cast<std::size_t>(n)];
-        if (neighbour >= first_late) continue;
-        EXPECT_LT(place[static_cast<std::size_t>(neighbour)], place[static_cast<std::size_t>(v)]);
+    Table<Variable, int> ranks(graph.size(), 0);
+    std::fill(ranks.end() - 9, ranks.end(), 1);
+    ranks[3] = 2;
+    const Table<Column, Variable> order = elimination_order(graph, {.given = {}, .ranks = ranks});
+    const Table<Variable, Column> column = inverse_order(order);
+    for (const Variable v : order) {
+      for (const Variable neighbour : graph[v]) {
+        EXPECT_TRUE(ranks[neighbour] >= ranks[v] || column[neighbour] < column[v]);
       }
     }
     EXPECT_LT(fill(graph, order), fill(graph, natural(graph.size())));
   }
 }
 
+TEST(Ordering, TakesRanksBeyondTheNumberOfVariables) {
+  BlockGraph pair;
+  pair.push_back(std::array<Variable, 1>{1});
+  pair.push_back(std::array<Variable, 1>{0});
+  EXPECT_EQ(elimination_order(pair, {.given = {}, .ranks = {7, 2}}), (Table<Column, Variable>{1, 0}));
+}
+
 TEST(Ordering, IsTheSameFromSeveralThreadsAtOnce) {
   const BlockGraph first = grid(25);
   const BlockGraph second = grid(18);
-  const std::vector<Index> of_first = elimination_order(first);
-  const std::vector<Index> of_second = elimination_order(second);
-  std::vector<std::vector<Index>> orders(16);
+  const auto of_first = elimination_order(first);
+  const auto of_second = elimination_order(second);
+  std::vector<Table<Column, Variable>> orders(16);
   std::vector<std::thread> threads;
   for (std::size_t k = 0; k < orders.size(); ++k) {
     threads.emplace_back([&, k] { orders[k] = elimination_order(k % 2 == 0 ? first : second); });
   }
   for (auto& thread : threads) thread.join();
   for (std::size_t k = 0; k < orders.size(); ++k) EXPECT_EQ(orders[k], k % 2 == 0 ? of_first : of_second);
+}
+
+TEST(Ordering, HasEverySubtreeInOneRun) {
+  testing::Random random;
+  const EliminationTree tree = elimination_tree(testing::grid_system(12, random));
+  Table<Column, int> sizes(tree.parent.size() + 1, 1);  // of the subtrees
+  for (const Column k : indices(tree.parent)) sizes[tree.parent[k]] += sizes[k];
+  for (const Column root : indices(tree.parent)) {
+    for (const Column below : IndexRange<Column>{root - sizes[root] + 1, root}) EXPECT_LE(tree.parent[below], root);
+  }
+}
+
+/// By eliminating one column after the other.
+EliminationTree eliminated(const BlockLower& A) {
+  Table<Column, std::set<Column>> columns(A.rows.size());
+  for (const Column k : A.columns()) columns[k].insert(A.rows[k].begin(), A.rows[k].end());
+  EliminationTree tree;
+  for (auto& column : columns) {
+    tree.counts.push_back(static_cast<int>(column.size()));
+    column.erase(column.begin());
+    tree.parent.push_back(column.empty() ? A.columns().last : *column.begin());
+    if (!column.empty()) columns[*column.begin()].insert(column.begin(), column.end());
+  }
+  return tree;
+}
+
+TEST(EliminationTree, HasTheParentsAndCountsOfAnElimination) {
+  testing::Random random;
+  for (const int side : {1, 2, 9, 30}) {
+    const BlockLower A = testing::grid_system(side, random);
+    const EliminationTree expected = eliminated(A);
+    const EliminationTree tree = elimination_tree(A);
+    EXPECT_EQ(tree.parent, expected.parent);
+    EXPECT_EQ(tree.counts, expected.counts);
+  }
+  EXPECT_TRUE(elimination_tree(BlockLower()).parent.empty());
+}
+
+TEST(EliminationTree, TakesAnEliminationThatIsNotPostordered) {
+  Eigen::MatrixXd dense = 4.0 * Eigen::MatrixXd::Identity(8, 8);
+  for (Eigen::Index i = 0; i < 6; ++i) dense(i, i + 2) = dense(i + 2, i) = 1.0;
+  const EliminationTree tree = elimination_tree(testing::sparse(dense));
+  EXPECT_EQ(tree.parent, (Table<Column, Column>{2, 3, 4, 5, 6, 7, 8, 8}));
+  EXPECT_EQ(tree.counts, (Table<Column, int>{2, 2, 2, 2, 2, 2, 1, 1}));
 }
 
 }  // namespace

@@ -47,7 +47,7 @@ TEST(SparseCholesky, SolvesLikeTheDenseSystem) {
 
 TEST(SparseCholesky, SolvesSystemsOfBlocksLikeTheDenseOne) {
   Random random;
-  for (const Index side : {1, 2, 7, 25}) {
+  for (const int side : {1, 2, 7, 25}) {
     const BlockLower matrix = grid_system(side, random);
     const Eigen::MatrixXd A = dense(matrix);
     SparseCholesky cholesky;
@@ -92,10 +92,7 @@ TEST(SparseCholesky, IsTheSameToTheLastBitForAnyNumberOfThreads) {
 TEST(SparseCholesky, NamesAllSingularColumns) {
   Random random;
   BlockLower matrix = grid_system(60, random);
-  for (const std::size_t block : {3100u, 900u, 2000u}) {
-    Eigen::Map<Eigen::MatrixXd>(matrix.values.data() + matrix.first_value[block], matrix.heights[block], matrix.dof(block))(
-        1, 1) = -1.0;
-  }
+  for (const int block : {3100, 900, 2000}) matrix.panel(Column(block))(1, 1) = -1.0;
   SparseCholesky cholesky;
   cholesky.analyse(matrix);
   const std::vector<std::int64_t> columns{matrix.offsets[900] + 1, matrix.offsets[2000] + 1, matrix.offsets[3100] + 1};

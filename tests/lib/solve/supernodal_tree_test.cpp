@@ -2,7 +2,6 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
-#include <mapjoin/solve/factor_tasks.hpp>
 #include <mapjoin/solve/supernodal_tree.hpp>
 #include <set>
 #include <tests/support/grid_system.hpp>
@@ -16,21 +15,18 @@ using testing::grid_system;
 using testing::Random;
 
 /// Block rows below the diagonal of every column of L, by eliminating one column after the other.
-std::vector<std::set<Index>> eliminated(const BlockLower& A) {
-  std::vector<std::set<Index>> below(A.blocks());
-  for (std::size_t k = 0; k < A.blocks(); ++k) {
-    const auto rows = A.rows_of(k).subspan(1);
-    below[k].insert(rows.begin(), rows.end());
-  }
+Table<Column, std::set<Column>> eliminated(const BlockLower& A) {
+  Table<Column, std::set<Column>> below(A.rows.size());
+  for (const Column k : A.columns()) below[k].insert(A.rows[k].begin() + 1, A.rows[k].end());
   for (auto& column : below) {
     if (column.empty()) continue;
-    auto& parent = below[static_cast<std::size_t>(*column.begin())];
+    auto& parent = below[*column.begin()];
     parent.insert(std::next(column.begin()), column.end());
   }
   return below;
 }
 
-class SupernodalTreeTest : public ::testing::TestWithParam<Index> {
+class SupernodalTreeTest : public ::testing::TestWithParam<int> {
  protected:
   BlockLower A = grid_system(GetParam(), random_);
   SupernodalTree tree = supernodal_tree(A);
@@ -41,27 +37,27 @@ class SupernodalTreeTest : public ::testing::TestWithParam<Index> {
 
 TEST_P(SupernodalTreeTest, HoldsEveryEntryThatEliminationFills) {
   const auto below = eliminated(A);
-  std::size_t next = 0;
+  Column next = 0;
   for (const FactorNode& node : tree.nodes) {
-    ASSERT_EQ(node.columns.begin, next);
+    ASSERT_EQ(node.columns.first, next);
     const auto rows = tree.rows_of(node);
-    next = node.columns.end;
-    for (std::size_t k = node.columns.begin; k < node.columns.end; ++k) {
-      for (const Index row : below[k]) {
-        const bool is_own = static_cast<std::size_t>(row) < node.columns.end;
+    next = node.columns.last;
+    for (const Column k : node.columns) {
+      for (const Column row : below[k]) {
+        const bool is_own = row < node.columns.last;
         EXPECT_TRUE(is_own || std::binary_search(rows.begin(), rows.end(), row));
       }
     }
   }
-  EXPECT_EQ(next, A.blocks());
+  EXPECT_EQ(next, A.columns().last);
 }
 
 TEST_P(SupernodalTreeTest, TakesFewZerosAlong) {
   std::int64_t entries = 0;
   const auto below = eliminated(A);
-  for (std::size_t k = 0; k < A.blocks(); ++k) {
+  for (const Column k : A.columns()) {
     Eigen::Index rows = A.dof(k);
-    for (const Index row : below[k]) rows += A.dof(static_cast<std::size_t>(row));
+    for (const Column row : below[k]) rows += A.dof(row);
     entries += rows * A.dof(k);
   }
   // Panels are rectangles: what is above their diagonal is nothing, too.
@@ -75,11 +71,11 @@ TEST_P(SupernodalTreeTest, NamesTheSameRowsInTheParentsFront) {
     // Scalar rows of both fronts, by their blocks.
     const auto rows_of = [&](const FactorNode& of, bool with_own) {
       std::vector<Eigen::Index> rows;
-      const auto append = [&](std::size_t block) {
+      const auto append = [&](Column block) {
         for (auto row = A.offsets[block]; row < A.offsets[block + 1]; ++row) rows.push_back(row);
       };
-      for (std::size_t k = of.columns.begin; with_own && k < of.columns.end; ++k) append(k);
-      for (const Index row : tree.rows_of(of)) append(static_cast<std::size_t>(row));
+      if (with_own) std::for_each(of.columns.begin(), of.columns.end(), append);
+      for (const Column row : tree.rows_of(of)) append(row);
       return rows;
     };
     const auto from = rows_of(node, false);

@@ -2,7 +2,7 @@
 #include <gtest/gtest.h>
 
 #include <limits>
-#include <mapjoin/solve/dense_kernels.hpp>
+#include <mapjoin/solve/frontal_matrix.hpp>
 
 extern "C" {  // Null where the BLAS is not OpenBLAS.
 [[gnu::weak]] int openblas_get_num_threads();
@@ -12,7 +12,7 @@ extern "C" {  // Null where the BLAS is not OpenBLAS.
 namespace mapjoin {
 namespace {
 
-TEST(DenseKernels, WriteANewProductWithoutReadingWhatWasThere) {
+TEST(FrontalMatrix, WriteANewProductWithoutReadingWhatWasThere) {
   const Eigen::MatrixXd B = Eigen::MatrixXd::Constant(60, 7, 0.5);
   const ConstDenseBlock block(B.data(), 60, 7, Eigen::OuterStride<>(60));
   Eigen::MatrixXd C = Eigen::MatrixXd::Constant(60, 60, std::numeric_limits<double>::quiet_NaN());
@@ -25,7 +25,7 @@ TEST(DenseKernels, WriteANewProductWithoutReadingWhatWasThere) {
   EXPECT_TRUE(C.isApprox(Eigen::MatrixXd::Constant(60, 60, -1.75)));
 }
 
-TEST(DenseKernels, LeaveTheNumberOfBlasThreadsToTheProgram) {
+TEST(FrontalMatrix, LeaveTheNumberOfBlasThreadsToTheProgram) {
   if (!openblas_get_num_threads || !openblas_set_num_threads) GTEST_SKIP() << "another BLAS";
   const int before = openblas_get_num_threads();
   openblas_set_num_threads(2);

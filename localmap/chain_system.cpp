@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <Eigen/Cholesky>
-#include <mapjoin/solve/chain_system.hpp>
-#include <mapjoin/solve/pivot.hpp>
+#include <mapjoin/localmap/chain_system.hpp>
+#include <mapjoin/solve/sparse_solver.hpp>
 
 namespace mapjoin {
 

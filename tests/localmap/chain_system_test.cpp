@@ -2,7 +2,7 @@
 #include <gtest/gtest.h>
 
 #include <Eigen/Cholesky>
-#include <mapjoin/solve/chain_system.hpp>
+#include <mapjoin/localmap/chain_system.hpp>
 #include <tests/support/dimensions.hpp>
 #include <tests/support/random.hpp>
 

@@ -1,0 +1,25 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+// What a sparse least-squares problem is made of, and the pattern of its H in the order of elimination.
+
+#include <mapjoin/solve/block_lower.hpp>
+#include <mapjoin/solve/ordering.hpp>
+
+namespace mapjoin {
+
+/// The variables that there are, and those that each factor ties together.
+struct BlockPattern {
+  Table<Variable, int> dofs;             ///< Entries of each variable.
+  Lists<std::size_t, Variable> factors;  ///< A factor's variables, kConstant where one is held.
+};
+
+/// An order in which the variables of a pattern are eliminated.
+struct Elimination {
+  explicit Elimination(const BlockPattern& pattern, const Ordering& ordering = {});
+
+  Table<Column, Variable> order;
+  Table<Variable, Column> column;  ///< The inverse of `order`.
+  BlockLower matrix;               ///< The pattern of H in this order, without values.
+};
+
+}  // namespace mapjoin
