@@ -47,7 +47,7 @@ State<Dim> restricted(const State<Dim>& whole, const Piece<Dim>& piece) {
 template <int Dim>
 Piece<Dim> composed(const Network<Dim>& network, const Pose<Dim>& origin) {
   Piece<Dim> whole = whole_of(network);
-  whole.state = composed_state(network, whole, origin, join_stretches(network, {Schedule::kBatch, {}, {}, {}}));
+  whole.state = composed_state(network, whole, origin, join_stretches(network, {Schedule::kBatch, {}, {}}));
   place_fixed_poses(network, whole);
   return whole;
 }
