@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <algorithm>
 #include <iterator>
+#include <mapjoin/graph/paths.hpp>
 #include <mapjoin/model/log.hpp>
 #include <numeric>
 #include <utility>
@@ -57,6 +58,58 @@ void part_edges(Log<Dim>& log) {
   edges = sorted_by(later_pose<Dim>, log.poses.size(), std::move(edges));
 }
 
+/// How many poses an edge ties to the one before.
+template <int Dim>
+std::size_t tied_steps(const Log<Dim>& log) {
+  std::vector<bool> is_tied(log.poses.size(), false);
+  for (const auto& edge : log.odometry) {
+    if (is_odometry(edge, log.poses)) is_tied[static_cast<std::size_t>(later_pose(edge))] = true;
+  }
+  return static_cast<std::size_t>(std::count(is_tied.begin(), is_tied.end(), true));
+}
+
+/// The edges between poses of one of the user's sessions.
+template <int Dim>
+std::vector<Edge> edges_within_sessions(const Log<Dim>& log) {
+  std::vector<Edge> edges;
+  for (const auto& edge : log.odometry) {
+    const auto base = static_cast<Vertex>(edge.base);
+    const auto target = static_cast<Vertex>(edge.target);
+    if (log.poses[base].session == log.poses[target].session) edges.emplace_back(base, target);
+  }
+  return edges;
+}
+
+template <typename T>
+void permute(const std::vector<Vertex>& order, std::vector<T>& values) {
+  if (values.empty()) return;
+  std::vector<T> permuted;
+  for (const Vertex v : order) permuted.push_back(values[v]);
+  values = std::move(permuted);
+}
+
+/// Gives the poses new indices: order[i] becomes i.
+template <int Dim>
+void renumber_poses(const std::vector<Vertex>& order, Log<Dim>& log) {
+  std::vector<Index> index(order.size());
+  for (std::size_t i = 0; i < order.size(); ++i) index[order[i]] = static_cast<Index>(i);
+  const auto renumber = [&](Index& pose) {
+    if (pose != kWorld) pose = index[static_cast<std::size_t>(pose)];
+  };
+  for (auto* edges : {&log.odometry, &log.pose_priors}) {
+    for (auto& edge : *edges) {
+      renumber(edge.base);
+      renumber(edge.target);
+    }
+  }
+  for (auto& observation : log.observations) renumber(observation.base);
+  for (auto& fixed : log.fixed) renumber(fixed.pose);
+  std::ranges::sort(log.fixed, {}, &FixedPose<Dim>::pose);
+  permute(order, log.poses);
+  permute(order, log.initial_poses);
+  permute(order, log.stamps_ns);
+}
+
 /// Poses that odometry ties to their predecessor belong to its session, every other one starts a session.
 template <int Dim>
 std::vector<Session> sessions_of(const Log<Dim>& log) {
@@ -72,6 +125,16 @@ std::vector<Session> sessions_of(const Log<Dim>& log) {
 }
 
 }  // namespace
+
+template <int Dim>
+void take_order_of_edges(Log<Dim>& log) {
+  const std::size_t half = log.poses.size() / 2;
+  if (tied_steps(log) >= half) return;
+  PathCover cover = cover_by_paths(log.poses.size(), edges_within_sessions(log));
+  if (cover.edges < half) return;
+  std::ranges::stable_sort(cover.order, {}, [&](Vertex v) { return log.poses[v].session; });
+  renumber_poses(cover.order, log);
+}
 
 template <int Dim>
 void put_in_order(Log<Dim>& log) {
@@ -91,6 +154,8 @@ void use_identity_covariance(Log<Dim>& log) {
   log.conventions.covariance = Covariance::kIdentity;
 }
 
+template void take_order_of_edges(Log<2>&);
+template void take_order_of_edges(Log<3>&);
 template void put_in_order(Log<2>&);
 template void put_in_order(Log<3>&);
 template void use_identity_covariance(Log<2>&);

@@ -30,7 +30,9 @@ template <int Dim>
 struct Log {
   std::string source;  ///< The file it was read from, for messages.
 
-  std::vector<PoseId> poses;        ///< Names by index, in ascending order within each session.
+  /// Names by index, in the order in which poses were driven: that of their ids or, where these say nothing of it, of the
+  /// edges.
+  std::vector<PoseId> poses;
   std::vector<FeatureId> features;  ///< Names by index, in ascending order.
   std::vector<Session> sessions;    ///< In order; together they hold every pose once.
 
@@ -54,6 +56,12 @@ struct Log {
 
 /// The log of a file, which decides on the dimension.
 using AnyLog = std::variant<Log<2>, Log<3>>;
+
+/// Where fewer than half of the steps from id to id, which are in ascending order, have an edge, and paths along the edges tie
+/// half of the poses or more (PathCover, within each of the user's sessions): puts the poses in their order. `log.odometry`
+/// holds all pose-pose edges, in the order of the file. O(n log n).
+template <int Dim>
+void take_order_of_edges(Log<Dim>& log);
 
 /// Makes what is said of Log's members true of a log whose poses are in order, whose odometry holds all pose-pose edges and
 /// whose observations come in any order: parts and sorts them stably, counts repeated edges, finds the sessions. O(n log n).
