@@ -2,9 +2,8 @@
 #include <algorithm>
 #include <mapjoin/join/join_problem.hpp>
 #include <mapjoin/join/leaf.hpp>
-#include <mapjoin/join/placement.hpp>
+#include <mapjoin/join/merge.hpp>
 #include <mapjoin/join/schedule.hpp>
-#include <mapjoin/join/seam.hpp>
 #include <mapjoin/parallel/parallel.hpp>
 #include <mutex>
 #include <utility>
@@ -14,15 +13,6 @@ namespace {
 
 template <int Dim>
 using Closures = std::vector<const PoseObservation<Dim>*>;
-
-/// The placement of `b` in the frame of `a` that gives what ties them the least chi2; the first of equals.
-template <int Dim>
-Pose<Dim> best_placement(const Piece<Dim>& a, const Piece<Dim>& b, const std::vector<Pose<Dim>>& candidates,
-                         const Closures<Dim>& closures) {
-  if (candidates.size() == 1) return candidates.front();
-  const Seam<Dim> seam(a, b, closures);
-  return cheapest_placement<Dim>(candidates, [&](const Pose<Dim>& placement) { return seam.chi2(placement); });
-}
 
 /// How many pieces are settled on the way, the leaves among them but where they come one by one.
 std::size_t joins(std::size_t stretches, const JoinRule& rule, std::size_t at_once) {
@@ -97,26 +87,8 @@ class Joiner {
     std::vector<Piece<Dim>> pieces = std::move(a.pieces);
     std::move(b.pieces.begin(), b.pieces.end(), std::back_inserter(pieces));
     if (stop_.stop_requested()) return {std::move(pieces), std::move(here)};
-    pieces = merge_tied(std::move(pieces), here);
+    pieces = merge_tied(std::move(pieces), here, rule_.tries_hypotheses);
     return settled(std::move(pieces), std::move(here));
-  }
-
-  /// Merges pieces that are tied until none are.
-  std::vector<Piece<Dim>> merge_tied(std::vector<Piece<Dim>> pieces, const Closures<Dim>& closures) {
-    for (std::size_t i = 0; i < pieces.size(); ++i) {
-      for (std::size_t j = i + 1; j < pieces.size();) {
-        auto candidates = ties_between(pieces[i], pieces[j], closures).candidates();
-        if (candidates.empty()) {
-          ++j;
-          continue;
-        }
-        if (!rule_.tries_hypotheses) candidates.resize(1);
-        pieces[i] = merged(pieces[i], pieces[j], best_placement(pieces[i], pieces[j], candidates, closures));
-        pieces.erase(pieces.begin() + static_cast<std::ptrdiff_t>(j));
-        j = i + 1;  // what was not tied to the smaller piece may be tied to this one
-      }
-    }
-    return pieces;
   }
 
   /// Gives each closure to the piece that holds both its poses, and leads every piece towards its optimum.
