@@ -145,7 +145,7 @@ Expected<Join<Dim>> solved(const Task<Dim>& task, Piece<Dim> whole, const Gauge<
 template <int Dim>
 Expected<Join<Dim>> join_by(Schedule schedule, const Task<Dim>& task, const MinimiseOptions& solver) {
   const auto& [network, pose_ids, feature_ids, options, stop] = task;
-  const ScheduleOptions on_the_way{schedule, options.state, ScheduleOptions::leading(schedule), options.progress};
+  const ScheduleOptions on_the_way{schedule, options.state, options.progress};
   Piece<Dim> whole = whole_of(network);
   const Gauge<Dim> gauge = gauge_of(network, whole);
   JoinedPieces<Dim> pieces;
@@ -162,7 +162,7 @@ Expected<Join<Dim>> join_by(Schedule schedule, const Task<Dim>& task, const Mini
   problem->system().estimate() = whole.state;
   std::vector<PathPoint> path;
   if (options.gradual) {
-    MinimiseOptions leading = on_the_way.inner;
+    MinimiseOptions leading = solver_of(SolveOnTheWay::kLoosely);
     leading.method = options.solver.method;
     path = lead_gradually(*problem, whole, gauge, options.state, leading, stop);
   }

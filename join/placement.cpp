@@ -33,10 +33,14 @@ bool fixes_rotation(const std::vector<Point<Dim>>& points) {
   return spread[Dim - 1] > kLeastSpread * scale && spread[1] > kLeastSpread * spread[Dim - 1];
 }
 
-/// Calls f(place in a, place in b) for every index that two ascending lists share.
+/// Calls f(place in a, place in b) for every index that two ascending lists share. Linear in the range that they have in
+/// common.
 template <typename F>
 void for_each_common(const std::vector<Index>& a, const std::vector<Index>& b, F&& f) {
-  for (std::size_t i = 0, j = 0; i < a.size() && j < b.size();) {
+  if (a.empty() || b.empty()) return;
+  auto i = static_cast<std::size_t>(place_of(a, b.front()));
+  auto j = static_cast<std::size_t>(place_of(b, a.front()));
+  while (i < a.size() && j < b.size()) {
     if (a[i] == b[j])
       f(i++, j++);
     else if (a[i] < b[j])

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <array>
-#include <mapjoin/graph/connectivity.hpp>
+#include <mapjoin/check/connectivity.hpp>
 #include <mapjoin/join/run.hpp>
 #include <mapjoin/join/tolerances.hpp>
 #include <mapjoin/localmap/check.hpp>
@@ -250,10 +250,11 @@ bool may_do_without_maps(const RunFigures& figures, const RunOptions& options) {
 std::vector<std::string> RunOptions::validate() const {
   std::vector<std::string> violations = split.validate();
   for (auto& violation : solver.validate()) violations.push_back(std::move(violation));
-  if (start != Start::kComposed && schedule != Schedule::kBatch) {
+  const bool takes_start = rule_of(schedule).takes_start();
+  if (start != Start::kComposed && !takes_start) {
     violations.push_back("a " + to_string(start) + " start is for the batch schedule: the others need none");
   }
-  if (gradual && schedule != Schedule::kBatch) violations.emplace_back("only the batch schedule is gradual");
+  if (gradual && !takes_start) violations.emplace_back("only the batch schedule is gradual");
   return violations;
 }
 

@@ -2,9 +2,8 @@
 #include <algorithm>
 #include <mapjoin/join/join_problem.hpp>
 #include <mapjoin/join/leaf.hpp>
-#include <mapjoin/join/placement.hpp>
+#include <mapjoin/join/merge.hpp>
 #include <mapjoin/join/schedule.hpp>
-#include <mapjoin/join/seam.hpp>
 #include <mapjoin/parallel/parallel.hpp>
 #include <mutex>
 #include <utility>
@@ -15,24 +14,17 @@ namespace {
 template <int Dim>
 using Closures = std::vector<const PoseObservation<Dim>*>;
 
-/// The placement of `b` in the frame of `a` that gives what ties them the least chi2; the first of equals.
-template <int Dim>
-Pose<Dim> best_placement(const Piece<Dim>& a, const Piece<Dim>& b, const std::vector<Pose<Dim>>& candidates,
-                         const Closures<Dim>& closures) {
-  if (candidates.size() == 1) return candidates.front();
-  const Seam<Dim> seam(a, b, closures);
-  return cheapest_placement<Dim>(candidates, [&](const Pose<Dim>& placement) { return seam.chi2(placement); });
-}
-
 /// How many pieces are settled on the way, the leaves among them but where they come one by one.
-std::size_t joins(std::size_t stretches, Schedule schedule, std::size_t at_once) {
-  if (schedule != Schedule::kSequential) return 2 * stretches - 1;
+std::size_t joins(std::size_t stretches, const JoinRule& rule, std::size_t at_once) {
+  if (!rule.is_map_by_map()) return 2 * stretches - 1;
   return at_once == 1 ? stretches : 2 * stretches;
 }
 
-/// How many of at least two stretches are in the first of the two parts that a tree joins.
-std::size_t first_part(std::size_t stretches, Schedule schedule) {
-  return schedule == Schedule::kLeaning ? std::max<std::size_t>(1, stretches * 9 / 10) : stretches / 2;
+/// How many of at least two stretches are on the left branch of a tree; those of a lot that is joined at once are in a balanced
+/// one.
+std::size_t left_branch(std::size_t stretches, const JoinRule& rule) {
+  const double share = rule.is_map_by_map() ? 0.5 : rule.left_share;
+  return std::max<std::size_t>(1, static_cast<std::size_t>(share * static_cast<double>(stretches)));
 }
 
 template <int Dim>
@@ -44,11 +36,12 @@ class Joiner {
         stop_(stop),
         at_once_(at_once),
         leaves_(network),
-        leads_(options.schedule != Schedule::kBatch && options.schedule != Schedule::kAligned),
-        to_do_(joins(network.stretches.size(), options.schedule, at_once)) {}
+        rule_(rule_of(options.schedule)),
+        solver_(solver_of(rule_.solve)),
+        to_do_(joins(network.stretches.size(), rule_, at_once)) {}
 
   JoinedPieces<Dim> all() {
-    if (options_.schedule == Schedule::kSequential) return one_after_another(nullptr);
+    if (rule_.is_map_by_map()) return one_after_another(nullptr);
     return range(0, network_.stretches.size(), leaves_.closures());
   }
 
@@ -78,7 +71,7 @@ class Joiner {
   /// The join of stretches [low, high) and of the closures among them.
   JoinedPieces<Dim> range(std::size_t low, std::size_t high, Closures<Dim> closures) {
     if (high - low == 1) return settled({leaves_.piece(low)}, std::move(closures));
-    const std::size_t middle = low + first_part(high - low, options_.schedule);
+    const std::size_t middle = low + left_branch(high - low, rule_);
     Closures<Dim> left, right, here;
     for (const auto* closure : closures) {
       const auto [first, last] = leaves_.stretches_of(*closure);
@@ -94,26 +87,8 @@ class Joiner {
     std::vector<Piece<Dim>> pieces = std::move(a.pieces);
     std::move(b.pieces.begin(), b.pieces.end(), std::back_inserter(pieces));
     if (stop_.stop_requested()) return {std::move(pieces), std::move(here)};
-    pieces = merge_tied(std::move(pieces), here);
+    pieces = merge_tied(std::move(pieces), here, rule_.tries_hypotheses);
     return settled(std::move(pieces), std::move(here));
-  }
-
-  /// Merges pieces that are tied until none are.
-  std::vector<Piece<Dim>> merge_tied(std::vector<Piece<Dim>> pieces, const Closures<Dim>& closures) {
-    for (std::size_t i = 0; i < pieces.size(); ++i) {
-      for (std::size_t j = i + 1; j < pieces.size();) {
-        auto candidates = ties_between(pieces[i], pieces[j], closures).candidates();
-        if (candidates.empty()) {
-          ++j;
-          continue;
-        }
-        if (options_.schedule == Schedule::kBatch) candidates.resize(1);
-        pieces[i] = merged(pieces[i], pieces[j], best_placement(pieces[i], pieces[j], candidates, closures));
-        pieces.erase(pieces.begin() + static_cast<std::ptrdiff_t>(j));
-        j = i + 1;  // what was not tied to the smaller piece may be tied to this one
-      }
-    }
-    return pieces;
   }
 
   /// Gives each closure to the piece that holds both its poses, and leads every piece towards its optimum.
@@ -130,8 +105,9 @@ class Joiner {
       }
     }
     const bool is_last = !pieces.empty() && pieces.front().poses.size() == leaves_.joined_pose_count();
+    const bool is_solved = rule_.solve != SolveOnTheWay::kNone && !is_last;
     for (auto& piece : pieces) {
-      if (leads_ && !is_last && !stop_.stop_requested()) lead(piece);
+      if (is_solved && !stop_.stop_requested()) lead(piece);
     }
     result.pieces = std::move(pieces);
     report_progress();
@@ -142,7 +118,7 @@ class Joiner {
     const auto& [pose_factors, feature_factors, submaps] = piece.factors;
     if (submaps.size() == 1 && pose_factors.empty() && feature_factors.empty()) return;
     JoinProblem<Dim> problem(piece, {{0}, {}});
-    minimise_join(problem, options_.state, options_.inner, stop_);
+    minimise_join(problem, options_.state, solver_, stop_);
     piece.state = problem.estimate();
   }
 
@@ -157,7 +133,8 @@ class Joiner {
   const std::stop_token& stop_;
   std::size_t at_once_;
   Leaves<Dim> leaves_;
-  bool leads_;  // whether every join on the way is solved
+  const JoinRule& rule_;
+  MinimiseOptions solver_;  // of the joins on the way
   std::mutex progress_mutex_;
   std::size_t done_ = 0;
   std::size_t to_do_;
@@ -165,13 +142,13 @@ class Joiner {
 
 }  // namespace
 
-MinimiseOptions ScheduleOptions::leading(Schedule schedule) {
-  const bool map_by_map = schedule == Schedule::kSequential;
+MinimiseOptions solver_of(SolveOnTheWay solve) {
+  const bool by_threshold = solve == SolveOnTheWay::kByThreshold;
   MinimiseOptions options;
   options.max_iterations = 50;
   options.relative_chi2 = 1e-4;
-  options.step_metres = map_by_map ? 0.1 : 1e-3;
-  options.step_radians = map_by_map ? 1e-2 : 1e-4;
+  options.step_metres = by_threshold ? 0.1 : 1e-3;
+  options.step_radians = by_threshold ? 1e-2 : 1e-4;
   options.damp_singular = true;
   return options;
 }
@@ -184,8 +161,7 @@ JoinedPieces<Dim> join_stretches(const Network<Dim>& network, const ScheduleOpti
 template <int Dim>
 void watch_join(const Network<Dim>& network, std::size_t at_once, const JoinWatch<Dim>& watch,
                 const std::function<void(std::size_t, std::size_t)>& progress, const std::stop_token& stop) {
-  const ScheduleOptions options{Schedule::kSequential, JoinedState::kAbsolute, ScheduleOptions::leading(Schedule::kSequential),
-                                progress};
+  const ScheduleOptions options{Schedule::kSequential, JoinedState::kAbsolute, progress};
   Joiner<Dim>(network, options, stop, at_once).one_after_another(watch);
 }
 

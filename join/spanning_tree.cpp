@@ -1,9 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <algorithm>
-#include <boost/pending/disjoint_sets.hpp>
 #include <cstdlib>
+#include <mapjoin/graph/graph.hpp>
 #include <mapjoin/join/spanning_tree.hpp>
-#include <utility>
 
 namespace mapjoin {
 namespace {
@@ -35,78 +34,36 @@ std::vector<Relation> pose_relations(const JointSystem<Dim>& system) {
     }
     ++clique;
   }
-  std::stable_sort(relations.begin(), relations.end(), [](const Relation& a, const Relation& b) { return a.rank < b.rank; });
+  std::ranges::stable_sort(relations, {}, &Relation::rank);
   return relations;
 }
 
-/// Grows the tree from its roots outward.
+/// The edge by which a pose was reached: no relation where it is the root of a tree beside that of the World.
+TreeEdge edge_of(Index pose, const Relation* relation) {
+  if (!relation) return {pose, kWorld, std::nullopt};
+  const bool child_is_base = relation->base == pose;
+  return {pose, child_is_base ? relation->target : relation->base,
+          TreeObservation{relation->clique, relation->number, child_is_base}};
+}
+
+/// The spanning forest of the relations, breadth first from the World; what is held is one with it.
 template <int Dim>
-class PoseTree {
- public:
-  explicit PoseTree(const JointSystem<Dim>& system)
-      : system_(system), edges_(system.estimate().poses.size() + 1), is_reached_(system.estimate().poses.size()) {
-    choose(pose_relations(system));
+std::vector<TreeEdge> pose_edges(const JointSystem<Dim>& system) {
+  constexpr Vertex kWorldVertex = 0;
+  const auto vertex = [&](Index place) { return system.is_held(place) ? kWorldVertex : static_cast<Vertex>(place + 1); };
+  const std::vector<Relation> relations = pose_relations(system);
+  std::vector<Edge> edges;
+  for (const Relation& relation : relations) edges.emplace_back(vertex(relation.base), vertex(relation.target));
+  std::vector<Vertex> roots{kWorldVertex};
+  const auto poses = static_cast<Index>(system.estimate().poses.size());
+  for (Index place = 0; place < poses; ++place) roots.push_back(vertex(place));
+
+  std::vector<TreeEdge> tree;
+  for (const auto& [v, edge] : spanning_forest(1 + system.estimate().poses.size(), edges, roots)) {
+    if (v != kWorldVertex) tree.push_back(edge_of(static_cast<Index>(v) - 1, edge ? &relations[*edge] : nullptr));
   }
-
-  std::vector<TreeEdge> grown() {
-    for (std::size_t place = 0; place < is_reached_.size(); ++place) {
-      if (system_.is_held(static_cast<Index>(place))) reach(static_cast<Index>(place));
-    }
-    grow();
-    follow(kWorld);
-    grow();
-    for (std::size_t place = 0; place < is_reached_.size(); ++place) {
-      if (is_reached_[place]) continue;
-      tree_.push_back({static_cast<Index>(place), kWorld, std::nullopt});
-      reach(static_cast<Index>(place));
-      grow();
-    }
-    return std::move(tree_);
-  }
-
- private:
-  std::size_t node(Index place) const { return static_cast<std::size_t>(place + 1); }  // the World is the first
-
-  /// Kruskal: every relation that ties together what was not yet. What is held is one with the World.
-  void choose(const std::vector<Relation>& relations) {
-    boost::disjoint_sets_with_storage<> parts(edges_.size());
-    for (std::size_t place = 0; place < is_reached_.size(); ++place) {
-      if (system_.is_held(static_cast<Index>(place))) parts.union_set(node(kWorld), node(static_cast<Index>(place)));
-    }
-    for (const Relation& relation : relations) {
-      if (parts.find_set(node(relation.base)) == parts.find_set(node(relation.target))) continue;
-      parts.union_set(node(relation.base), node(relation.target));
-      for (const Index end : {relation.base, relation.target}) edges_[node(end)].push_back(relation);
-    }
-  }
-
-  void reach(Index place) {
-    is_reached_[static_cast<std::size_t>(place)] = true;
-    front_.push_back(place);
-  }
-
-  /// Reaches what hangs from a pose or the World.
-  void follow(Index parent) {
-    for (const Relation& relation : edges_[node(parent)]) {
-      const bool child_is_base = relation.target == parent;
-      const Index child = child_is_base ? relation.base : relation.target;
-      if (child == kWorld || is_reached_[static_cast<std::size_t>(child)]) continue;
-      tree_.push_back({child, parent, TreeObservation{relation.clique, relation.number, child_is_base}});
-      reach(child);
-    }
-  }
-
-  void grow() {
-    for (; grown_ < front_.size(); ++grown_) follow(front_[grown_]);
-  }
-
-  const JointSystem<Dim>& system_;
-  std::vector<std::vector<Relation>> edges_;  // per node
-  std::vector<bool> is_reached_;              // per pose
-  std::vector<Index> front_;
-  std::size_t grown_ = 0;
-  std::vector<TreeEdge> tree_;
-};
+  return tree;
+}
 
 /// Each feature's first observation: that from the earliest pose; the World's only where there is no other.
 template <int Dim>
@@ -133,7 +90,7 @@ std::vector<TreeEdge> feature_edges(const JointSystem<Dim>& system) {
 
 template <int Dim>
 SpanningTree spanning_tree(const JointSystem<Dim>& system) {
-  return {PoseTree<Dim>(system).grown(), feature_edges(system)};
+  return {pose_edges(system), feature_edges(system)};
 }
 
 template SpanningTree spanning_tree(const JointSystem<2>&);

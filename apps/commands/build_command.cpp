@@ -8,7 +8,7 @@
 #include <apps/commands/command_run.hpp>
 #include <apps/commands/commands.hpp>
 #include <apps/output_conflicts.hpp>
-#include <mapjoin/graph/connectivity.hpp>
+#include <mapjoin/check/connectivity.hpp>
 #include <mapjoin/io/store/store.hpp>
 #include <mapjoin/parallel/parallel.hpp>
 #include <mapjoin/version.hpp>

@@ -3,6 +3,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <apps/commands/command_run.hpp>
 #include <apps/commands/commands.hpp>
 #include <apps/console.hpp>
@@ -20,7 +21,8 @@ constexpr const char* kExamples = "  mapjoin info data/manhattan2d.g2o";
 template <typename Id>
 std::string range_of(const std::vector<Id>& ids) {
   if (ids.empty()) return "none";
-  return fmt::format("{}, {} to {}", ids.size(), to_string(ids.front()), to_string(ids.back()));
+  const auto [first, last] = std::minmax_element(ids.begin(), ids.end());
+  return fmt::format("{}, {} to {}", ids.size(), to_string(*first), to_string(*last));
 }
 
 template <int Dim>
@@ -38,6 +40,7 @@ std::string stamps_in_words(const std::vector<std::int64_t>& stamps_ns) {
 template <int Dim>
 void add_content(const Log<Dim>& log, Lines& lines) {
   lines.add("poses", range_of(log.poses));
+  if (!std::ranges::is_sorted(log.poses)) lines.add("order", "that of the edges, for the ids of poses say nothing of it");
   lines.add("features", range_of(log.features));
   lines.add("sessions", fmt::format("{}", log.sessions.size()));
   lines.add("odometry", fmt::format("{}", log.odometry().size()));

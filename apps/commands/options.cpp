@@ -39,10 +39,10 @@ std::vector<std::string> settle_batch(const Subcommand& command, RunOptions& run
   const std::vector<std::string> options = {"--start", "--batch"};
   const auto asked = std::find_if(options.begin(), options.end(), [&](const auto& option) { return command.is_given(option); });
   if (asked != options.end() && !command.is_given("--schedule")) run.schedule = Schedule::kBatch;
-  const bool is_batch = run.schedule == Schedule::kBatch;
+  const bool takes_start = rule_of(run.schedule).takes_start();
   const bool is_plain = command.is_given("--method") || run.state == JoinedState::kAbsolute;
-  if (!command.is_given("--batch")) run.gradual = is_batch && !is_plain;
-  if (is_batch || asked == options.end()) return {};
+  if (!command.is_given("--batch")) run.gradual = takes_start && !is_plain;
+  if (takes_start || asked == options.end()) return {};
   return {*asked + " is for --schedule batch: " + to_string(run.schedule) + " needs no initial value"};
 }
 

@@ -91,7 +91,7 @@ Json join_of(const RunReport& run_report) {
   const bool done = run_report.is_joined;
   return {{"status", done ? to_string(figures.join.status) : "not_run"},
           {"state", to_string(run_report.state)},
-          {"start", value_if(run_report.schedule == Schedule::kBatch, to_string(run_report.start_values))},
+          {"start", value_if(rule_of(run_report.schedule).takes_start(), to_string(run_report.start_values))},
           {"schedule", to_string(run_report.schedule)},
           {"path", path_of(figures)},
           {"method", to_string(run_report.method)},

@@ -31,8 +31,8 @@ std::string solve_in_words(const MinimiseResult& result) {
 }
 
 std::string join_in_words(const RunReport& run_report) {
-  const bool is_batch = run_report.schedule == Schedule::kBatch;
-  const std::string start = is_batch
+  const bool takes_start = rule_of(run_report.schedule).takes_start();
+  const std::string start = takes_start
                                 ? fmt::format("{} from the {} start", run_report.figures.path.empty() ? "" : ", gradually,",
                                               to_string(run_report.start_values))
                                 : "";

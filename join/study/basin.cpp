@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <algorithm>
 #include <cmath>
-#include <mapjoin/graph/connectivity.hpp>
+#include <mapjoin/check/connectivity.hpp>
 #include <mapjoin/join/study/basin.hpp>
 #include <mapjoin/join/tolerances.hpp>
 #include <mapjoin/model/demand_valid.hpp>

@@ -3,7 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
-#include <mapjoin/graph/connectivity.hpp>
+#include <mapjoin/check/connectivity.hpp>
 #include <mapjoin/join/study/comparison.hpp>
 #include <mapjoin/join/tolerances.hpp>
 #include <stdexcept>
@@ -60,7 +60,7 @@ template <int Dim>
 Expected<RunResult<Dim>> map_by(const Log<Dim>& log, const ComparedCase& way, const ComparisonOptions<Dim>& options,
                                 const std::stop_token& stop) {
   const std::size_t maps = log.poses.size() / static_cast<std::size_t>(way.poses_per_map);
-  if (way.schedule == Schedule::kSequential && maps > options.most_sequential) {
+  if (rule_of(way.schedule).is_map_by_map() && maps > options.most_sequential) {
     return bad_input(fmt::format("not tried: about {} maps one by one take too long", maps));
   }
   const RunOptions run_as = run_options(way, options);

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <algorithm>
 #include <cmath>
-#include <mapjoin/graph/connectivity.hpp>
+#include <mapjoin/check/connectivity.hpp>
 #include <mapjoin/join/join_problem.hpp>
 #include <mapjoin/join/study/convexity.hpp>
 #include <mapjoin/join/study/convexity_objective.hpp>
@@ -46,7 +46,7 @@ State<Dim> restricted(const State<Dim>& whole, const Piece<Dim>& piece) {
 template <int Dim>
 Piece<Dim> composed(const Network<Dim>& network, const Pose<Dim>& origin) {
   Piece<Dim> whole = whole_of(network);
-  whole.state = composed_state(network, whole, origin, join_stretches(network, {Schedule::kBatch, {}, {}, {}}));
+  whole.state = composed_state(network, whole, origin, join_stretches(network, {Schedule::kBatch, {}, {}}));
   place_fixed_poses(network, whole);
   return whole;
 }

@@ -6,7 +6,7 @@
 #include <limits>
 #include <map>
 #include <mapjoin/check/fit.hpp>
-#include <mapjoin/graph/ties.hpp>
+#include <mapjoin/check/ties.hpp>
 #include <mapjoin/measure/chi_squared.hpp>
 #include <mapjoin/measure/median.hpp>
 #include <mapjoin/model/cost.hpp>

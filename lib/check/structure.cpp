@@ -4,8 +4,8 @@
 #include <algorithm>
 #include <map>
 #include <mapjoin/check/checks.hpp>
-#include <mapjoin/graph/components.hpp>
-#include <mapjoin/graph/weak_links.hpp>
+#include <mapjoin/check/ties.hpp>
+#include <mapjoin/check/weak_links.hpp>
 #include <utility>
 
 namespace mapjoin {
@@ -63,10 +63,8 @@ void check_features(const MapSet<Dim>& set, Findings& findings) {
 
 template <typename Tied>
 void check_parts(const Tied& tied, Findings& findings) {
-  Components components(vertices_of(tied).size());
-  for_each_tie(tied, [&](std::size_t a, std::size_t b) { components.tie(a, b); });
   Places parts;
-  for (const std::size_t v : components.roots()) {
+  for (const std::size_t v : component_roots(make_graph(vertices_of(tied).size(), ties_of(tied)))) {
     const bool is_unobserved = vertices_of(tied).is_feature(v);
     if (!is_unobserved) parts.add([&] { return name_of(v, tied); });
   }
@@ -96,17 +94,17 @@ void check_links(const Tied& tied, Findings& findings) {
                         features});
 }
 
-/// Per body, poses that edges tie together (by its root in `bodies`), the features that it shares with others.
+/// Per body, poses that edges tie together (its number in `body_of`), the features that it shares with others.
 template <typename Tied>
-std::map<std::size_t, std::size_t> shared_features(const Tied& tied, Components& bodies) {
+std::map<std::uint32_t, std::size_t> shared_features(const Tied& tied, const std::vector<std::uint32_t>& body_of) {
   const TieVertices of = vertices_of(tied);
-  std::vector<std::pair<std::size_t, std::size_t>> seen;  // Feature, body.
+  std::vector<std::pair<std::size_t, std::uint32_t>> seen;  // Feature, body.
   for_each_tie(tied, [&](std::size_t a, std::size_t b) {
-    if (of.is_feature(b)) seen.emplace_back(b, bodies.root(a));
+    if (of.is_feature(b)) seen.emplace_back(b, body_of[a]);
   });
   std::sort(seen.begin(), seen.end());
   seen.erase(std::unique(seen.begin(), seen.end()), seen.end());
-  std::map<std::size_t, std::size_t> shared;
+  std::map<std::uint32_t, std::size_t> shared;
   for (std::size_t i = 0; i < seen.size(); ++i) {
     const bool is_shared =
         (i > 0 && seen[i - 1].first == seen[i].first) || (i + 1 < seen.size() && seen[i + 1].first == seen[i].first);
@@ -119,16 +117,16 @@ std::map<std::size_t, std::size_t> shared_features(const Tied& tied, Components&
 template <int Dim, typename Tied>
 void check_bodies(const Tied& tied, Findings& findings) {
   const TieVertices of = vertices_of(tied);
-  Components bodies(of.size());
-  for_each_tie(tied, [&](std::size_t a, std::size_t b) {
-    if (!of.is_feature(b)) bodies.tie(a, b);
-  });
+  std::vector<Edge> between_poses = ties_of(tied);
+  std::erase_if(between_poses, [&](const Edge& tie) { return of.is_feature(tie.second); });
+  const std::vector<std::uint32_t> body_of = components_of(make_graph(of.size(), between_poses));
   Places loose;
   Places weak;
-  for (const auto& [root, count] : shared_features(tied, bodies)) {
+  for (const auto& [body, count] : shared_features(tied, body_of)) {
     if (count > Dim) continue;
-    (count < Dim ? loose : weak).add([&, body = root, shared = count] {
-      return fmt::format("the poses with {}: {} shared", name_of(body, tied), counted(shared, "feature"));
+    (count < Dim ? loose : weak).add([&, number = body, shared = count] {
+      const auto first = static_cast<std::size_t>(std::find(body_of.begin(), body_of.end(), number) - body_of.begin());
+      return fmt::format("the poses with {}: {} shared", name_of(first, tied), counted(shared, "feature"));
     });
   }
   add_if_any(findings, {FindingLevel::kError, "loose_body",

@@ -30,14 +30,23 @@ struct FeatureId {
   auto operator<=>(const FeatureId&) const = default;
 };
 
-/// The index of `id` among the ascending names of a Log, MapSet or GlobalMap; nothing where it is not there. Constant time
-/// where keys are consecutive, else logarithmic.
+/// The index of `id` among ascending names; nothing where it is not there. Constant time where keys are consecutive, else
+/// logarithmic.
 template <typename Id>
-std::optional<Index> find_index(const std::vector<Id>& names, const Id& id) {
+std::optional<Index> find_ascending(const std::vector<Id>& names, const Id& id) {
   const std::uint64_t guess = names.empty() ? 0 : id.key - names.front().key;
   if (guess < names.size() && names[guess] == id) return static_cast<Index>(guess);
   const auto found = std::lower_bound(names.begin(), names.end(), id);
   if (found == names.end() || *found != id) return std::nullopt;
+  return static_cast<Index>(found - names.begin());
+}
+
+/// The same among the names of a Log, MapSet or GlobalMap, linear where they are not ascending.
+template <typename Id>
+std::optional<Index> find_index(const std::vector<Id>& names, const Id& id) {
+  if (const auto index = find_ascending(names, id)) return index;
+  const auto found = std::is_sorted(names.begin(), names.end()) ? names.end() : std::find(names.begin(), names.end(), id);
+  if (found == names.end()) return std::nullopt;
   return static_cast<Index>(found - names.begin());
 }
 

@@ -25,7 +25,9 @@ template <int Dim>
 struct Log {
   std::string source;  ///< The file it was read from, for messages.
 
-  std::vector<PoseId> poses;        ///< Names by index, in ascending order within each session.
+  /// Names by index, in the order in which poses were driven: that of their ids or, where these say nothing of it, of the
+  /// edges.
+  std::vector<PoseId> poses;
   std::vector<FeatureId> features;  ///< Names by index, in ascending order.
   std::vector<Session> sessions;    ///< In order; together they hold every pose once.
 

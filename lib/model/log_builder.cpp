@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <limits>
+#include <mapjoin/model/driving_order.hpp>
 #include <mapjoin/model/information.hpp>
 #include <mapjoin/model/log_builder.hpp>
 #include <mapjoin/parallel/parallel.hpp>
@@ -41,7 +42,7 @@ Expected<void> check_all(std::vector<Observation>& observations, const std::vect
 /// The index of an id that is there.
 template <typename Id>
 Index index_of(const std::vector<Id>& names, const Id& id) {
-  return *find_index(names, id);
+  return *find_ascending(names, id);
 }
 
 template <int Dim>
@@ -161,7 +162,11 @@ Expected<Log<Dim>> LogBuilder<Dim>::finish() && {
       .and_then([&] { return check_numbers(); })
       .map([&] { resolve_ends(); })
       .and_then([&] { return resolve_values(); })
-      .map([&] { return std::move(log_); })
+      .map([&] {
+        take_order_of_edges(log_);
+        put_in_order(log_);
+        return std::move(log_);
+      })
       .map_error([&](const Error& error) {
         return Error{error.kind, log_.source + ": " + error.message};
       });
@@ -232,7 +237,6 @@ void LogBuilder<Dim>::resolve_ends() {
   };
   append_priors(pose_prior_ends_, log_.poses, pose_priors_, log_.graph.pose_factors);
   append_priors(feature_prior_ends_, log_.features, feature_priors_, log_.graph.feature_factors);
-  put_in_order(log_);
 }
 
 template <int Dim>
@@ -262,7 +266,7 @@ Expected<std::vector<FixedPose<Dim>>> LogBuilder<Dim>::resolve_fixed(const Colum
   std::vector<FixedPose<Dim>> fixed;
   std::optional<Index> at_origin;  // For want of a value.
   for (const auto& [id, value] : fixed_) {
-    const auto pose = find_index(log_.poses, id);
+    const auto pose = find_ascending(log_.poses, id);
     if (!pose) {
       return bad_input(fmt::format("{} is fixed, but the log has no such pose (features cannot be fixed)", to_string(id)));
     }

@@ -14,7 +14,7 @@ template <typename Id>
 class NameTable {
  public:
   void mention(const Id& id) {
-    if (ascending_ && find_index(mentions_, id)) return;
+    if (ascending_ && find_ascending(mentions_, id)) return;
     ascending_ = ascending_ && (mentions_.empty() || mentions_.back() < id);
     mentions_.push_back(id);
   }

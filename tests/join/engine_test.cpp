@@ -4,6 +4,7 @@
 
 #include <mapjoin/join/run.hpp>
 #include <tests/support/dimensions.hpp>
+#include <tests/support/every.hpp>
 #include <tests/support/small_world.hpp>
 
 namespace mapjoin {
@@ -38,7 +39,7 @@ TYPED_TEST_SUITE(EngineTest, testing::Dimensions);
 TYPED_TEST(EngineTest, EndsAtTheOptimumOfTheFronts) {
   constexpr int kDim = TestFixture::kDim;
   const auto world = testing::small_world<kDim>({.poses = 120, .features = 60, .sessions = 2});
-  for (const Schedule schedule : {Schedule::kAuto, Schedule::kTree, Schedule::kBatch}) {
+  for (const Schedule schedule : testing::every<Schedule>()) {
     const auto expected = this->run_by(world.log, Engine::kFronts, schedule);
     const auto found = this->run_by(world.log, Engine::kCholmod, schedule);
     EXPECT_NEAR(found.chi2, expected.chi2, 1e-9 * expected.chi2);

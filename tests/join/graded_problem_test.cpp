@@ -21,7 +21,7 @@ class GradedProblemTest : public ::testing::Test {
   static constexpr int kDim = D::value;
 
   Piece<kDim> composed() const {
-    auto joined = join_stretches(network_, {Schedule::kBatch, JoinedState::kAbsolute, {}, {}});
+    auto joined = join_stretches(network_, {Schedule::kBatch, JoinedState::kAbsolute, {}});
     return std::move(joined.pieces.front());
   }
 

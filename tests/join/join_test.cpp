@@ -8,6 +8,7 @@
 #include <mapjoin/localmap/build.hpp>
 #include <tests/support/ceres_reference.hpp>
 #include <tests/support/dimensions.hpp>
+#include <tests/support/every.hpp>
 #include <tests/support/small_map_set.hpp>
 #include <tests/support/small_world.hpp>
 #include <utility>
@@ -38,7 +39,7 @@ TYPED_TEST_SUITE(JoinTest, testing::Dimensions);
 TYPED_TEST(JoinTest, FindsTheOptimumThatCeresFindsByEverySchedule) {
   constexpr int kDim = TestFixture::kDim;
   const auto set = testing::small_map_set(small_world<kDim>({.poses = 60, .features = 40}).log, 8.0);
-  for (const auto schedule : {Schedule::kBatch, Schedule::kSequential, Schedule::kLeaning, Schedule::kTree}) {
+  for (const auto schedule : testing::every<Schedule>()) {
     RunOptions options;
     options.schedule = schedule;
     const auto joined = run(set, options);
@@ -160,7 +161,7 @@ TYPED_TEST(JoinTest, TakesTheMapsOfASetThatIsGivenAway) {
 TYPED_TEST(JoinTest, ReportsEveryJoinOnTheWay) {
   constexpr int kDim = TestFixture::kDim;
   const auto set = testing::small_map_set(small_world<kDim>().log, 5.0);
-  for (const auto schedule : {Schedule::kBatch, Schedule::kSequential, Schedule::kLeaning, Schedule::kTree}) {
+  for (const auto schedule : testing::every<Schedule>()) {
     std::size_t last = 0;
     std::size_t total = 0;
     RunOptions options;

@@ -9,6 +9,7 @@
 #include <mapjoin/join/run.hpp>
 #include <numeric>
 #include <tests/support/dimensions.hpp>
+#include <tests/support/every.hpp>
 #include <tests/support/small_world.hpp>
 
 namespace mapjoin {
@@ -36,9 +37,8 @@ RunOptions any_run() {
   RunOptions options;
   options.split = {SplitRule::kPoses, static_cast<double>(*rc::gen::inRange(1, 12))};
   options.state = *rc::gen::element(JoinedState::kAbsolute, JoinedState::kRelative);
-  options.schedule = *rc::gen::element(Schedule::kAuto, Schedule::kAligned, Schedule::kTree, Schedule::kLeaning,
-                                       Schedule::kSequential, Schedule::kBatch);
-  options.gradual = options.schedule == Schedule::kBatch && options.state == JoinedState::kRelative;
+  options.schedule = *rc::gen::elementOf(testing::every<Schedule>());
+  options.gradual = rule_of(options.schedule).takes_start() && options.state == JoinedState::kRelative;
   options.solver.relative_chi2 = 1e-11;  // Less is lost in the rounding of chi2.
   options.solver.step_metres = options.solver.step_radians = 1e-11;
   return options;

@@ -10,6 +10,7 @@
 #include <mapjoin/join/world.hpp>
 #include <mapjoin/localmap/build.hpp>
 #include <tests/support/dense_relative.hpp>
+#include <tests/support/every.hpp>
 #include <tests/support/numerical_jacobian.hpp>
 #include <tests/support/small_world.hpp>
 
@@ -62,7 +63,7 @@ class RelativeStateTest : public ::testing::Test {
 
  private:
   Piece<kDim> whole() const {
-    auto joined = join_stretches(network_, {Schedule::kBatch, JoinedState::kAbsolute, {}, {}});
+    auto joined = join_stretches(network_, {Schedule::kBatch, JoinedState::kAbsolute, {}});
     EXPECT_EQ(joined.pieces.size(), 1u);
     place_fixed_poses(network_, joined.pieces.front());
     return std::move(joined.pieces.front());
@@ -150,14 +151,14 @@ TYPED_TEST(RelativeStateTest, BothStatesHaveOneOptimum) {
   const auto world = testing::small_world<kDim>({.poses = 60, .features = 30, .closures = 6, .sessions = 2});
   RunOptions options;
   options.split = {SplitRule::kPoses, TypeParam::kPosesPerMap};
-  for (const auto method : {Method::kGaussNewton, Method::kDogleg, Method::kLevenbergMarquardt}) {
+  for (const auto method : testing::every<Method>()) {
     // By the same method, which builds the same local maps, each to its own last step.
     options.solver.method = method;
     options.state = JoinedState::kAbsolute;
     options.schedule = Schedule::kAuto;
     const auto absolute = run(world.log, options);
     ASSERT_TRUE(absolute) << absolute.error().message;
-    for (const auto schedule : {Schedule::kBatch, Schedule::kSequential, Schedule::kLeaning, Schedule::kTree}) {
+    for (const auto schedule : testing::every<Schedule>()) {
       options.state = JoinedState::kRelative;
       options.schedule = schedule;
       const auto relative = run(world.log, options);

@@ -7,6 +7,7 @@
 #include <tests/support/ceres_reference.hpp>
 #include <tests/support/dense_slam.hpp>
 #include <tests/support/dimensions.hpp>
+#include <tests/support/every.hpp>
 #include <tests/support/small_world.hpp>
 
 namespace mapjoin {
@@ -61,8 +62,8 @@ TYPED_TEST(RunTest, EndsAtTheFullSlamOptimumForMapsOfAnyLength) {
 
 TYPED_TEST(RunTest, EndsAtTheFullSlamOptimumByEveryScheduleAndMethod) {
   const auto world = small_world<TestFixture::kDim>({.features = 40, .closures = 5, .range = 2.5, .noise = 0.03, .seed = 3});
-  for (const auto schedule : {Schedule::kBatch, Schedule::kSequential, Schedule::kTree}) {
-    for (const auto method : {Method::kGaussNewton, Method::kDogleg, Method::kLevenbergMarquardt}) {
+  for (const auto schedule : testing::every<Schedule>()) {
+    for (const auto method : testing::every<Method>()) {
       SCOPED_TRACE(to_string(schedule) + " " + to_string(method));
       this->expect_full_slam(world, run(world.log, this->with(6.0, schedule, method)));
     }
@@ -71,7 +72,7 @@ TYPED_TEST(RunTest, EndsAtTheFullSlamOptimumByEveryScheduleAndMethod) {
 
 TYPED_TEST(RunTest, TheJoinOfOneStepMapsIsFullSlam) {
   const auto world = small_world<TestFixture::kDim>({.seed = 5});
-  for (const auto schedule : {Schedule::kBatch, Schedule::kSequential, Schedule::kTree}) {
+  for (const auto schedule : testing::every<Schedule>()) {
     RunOptions options = this->with(1.0, schedule);
     this->expect_full_slam(world, solve(world.log, options));
     options.polish = false;
@@ -96,7 +97,7 @@ TYPED_TEST(RunTest, SessionsTiedByFeaturesAloneAreJoined) {
   for (const unsigned seed : {1u, 2u, 3u}) {
     const auto world = small_world<TestFixture::kDim>({.poses = 25, .features = 30, .sessions = 3, .seed = seed});
     ASSERT_EQ(world.log.sessions.size(), 3u);
-    for (const auto schedule : {Schedule::kBatch, Schedule::kSequential, Schedule::kTree}) {
+    for (const auto schedule : testing::every<Schedule>()) {
       SCOPED_TRACE(to_string(schedule));
       this->expect_full_slam(world, run(world.log, this->with(6.0, schedule)));
     }
@@ -111,7 +112,7 @@ TYPED_TEST(RunTest, ASessionThatIsTiedOnlyToALaterOneIsJoined) {
     const auto session = world.log.poses[static_cast<std::size_t>(o.base)].session;
     return (session == 0 && o.target % 2 == 0) || (session == 1 && o.target % 2 == 1);
   });
-  for (const auto schedule : {Schedule::kBatch, Schedule::kSequential, Schedule::kTree}) {
+  for (const auto schedule : testing::every<Schedule>()) {
     SCOPED_TRACE(to_string(schedule));
     this->expect_full_slam(world, run(world.log, this->with(5.0, schedule)));
   }

@@ -71,8 +71,7 @@ TYPED_TEST(WatchJoinTest, OneByOneIsTheSequentialSchedule) {
   constexpr int kDim = TestFixture::kDim;
   const MapSet<kDim> set = this->maps();
   const Network<kDim> network = network_of(set);
-  const ScheduleOptions sequential{Schedule::kSequential, JoinedState::kAbsolute,
-                                   ScheduleOptions::leading(Schedule::kSequential), nullptr};
+  const ScheduleOptions sequential{Schedule::kSequential, JoinedState::kAbsolute, nullptr};
   const auto joined = join_stretches(network, sequential);
   State<kDim> last;
   watch_join<kDim>(network, 1, [&](std::size_t, const JoinedPieces<kDim>& so_far) { last = so_far.pieces.front().state; });

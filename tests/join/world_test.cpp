@@ -4,6 +4,7 @@
 #include <mapjoin/join/run.hpp>
 #include <tests/support/dense_slam.hpp>
 #include <tests/support/dimensions.hpp>
+#include <tests/support/every.hpp>
 #include <tests/support/small_world.hpp>
 
 namespace mapjoin {
@@ -46,7 +47,7 @@ class WorldTest : public ::testing::Test {
     State<kDim> start = world.truth;
     for (const auto& fixed : world.log.graph.fixed) start.poses[static_cast<std::size_t>(fixed.pose)] = fixed.value;
     const State<kDim> optimum = full_slam(world.log).optimum(std::move(start));
-    for (const auto schedule : {Schedule::kBatch, Schedule::kSequential, Schedule::kTree}) {
+    for (const auto schedule : testing::every<Schedule>()) {
       RunOptions options;
       options.split = {SplitRule::kPoses, 6.0};
       options.schedule = schedule;

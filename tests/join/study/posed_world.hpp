@@ -16,7 +16,7 @@ struct PosedWorld {
       : log(std::move(the_log)),
         parts(split(log, {SplitRule::kPoses, poses_per_map})),
         network(network_of(log, parts, build_local_maps<Dim>(log, parts, {}).value().maps)),
-        composed(std::move(join_stretches(network, {Schedule::kBatch, JoinedState::kAbsolute, {}, {}}).pieces.front())),
+        composed(std::move(join_stretches(network, {Schedule::kBatch, JoinedState::kAbsolute, {}}).pieces.front())),
         problem(composed, {{0}, {}}) {}
   PosedWorld(const PosedWorld&) = delete;
   PosedWorld& operator=(const PosedWorld&) = delete;

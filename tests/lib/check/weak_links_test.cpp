@@ -3,8 +3,8 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
-#include <mapjoin/graph/components.hpp>
-#include <mapjoin/graph/weak_links.hpp>
+#include <mapjoin/check/ties.hpp>
+#include <mapjoin/check/weak_links.hpp>
 #include <mapjoin/model/log_builder.hpp>
 #include <random>
 #include <set>
@@ -71,19 +71,17 @@ TEST(WeakLinks, AreFeaturesWithoutWhichPosesFallApart) {
 bool parts_cycles(const std::set<std::pair<std::uint64_t, std::uint64_t>>& edges,
                   const std::pair<std::uint64_t, std::uint64_t>& lone) {
   constexpr std::size_t kPoses = 30;
-  Components components(kPoses);
-  for (const auto& [a, b] : edges) {
-    if (std::pair(a, b) != lone) components.tie(a, b);
+  std::vector<Edge> others;
+  for (const auto& edge : edges) {
+    if (edge != lone) others.emplace_back(edge.first, edge.second);
   }
-  const auto has_cycle = [&](std::size_t root) {
-    std::size_t vertices = 0;
-    std::size_t inside = 0;
-    for (std::size_t v = 0; v < kPoses; ++v) vertices += components.root(v) == root ? 1 : 0;
-    for (const auto& edge : edges) inside += edge != lone && components.root(edge.first) == root ? 1 : 0;
-    return inside >= vertices;
+  const std::vector<std::uint32_t> component = components_of(make_graph(kPoses, others));
+  const auto has_cycle = [&](std::uint32_t part) {
+    const auto is_inside = [&](const Edge& edge) { return component[edge.first] == part; };
+    return std::count_if(others.begin(), others.end(), is_inside) >= std::count(component.begin(), component.end(), part);
   };
-  const std::size_t one = components.root(lone.first);
-  const std::size_t other = components.root(lone.second);
+  const std::uint32_t one = component[lone.first];
+  const std::uint32_t other = component[lone.second];
   return one != other && has_cycle(one) && has_cycle(other);
 }
 

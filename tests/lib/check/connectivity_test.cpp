@@ -2,7 +2,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include <mapjoin/graph/connectivity.hpp>
+#include <mapjoin/check/connectivity.hpp>
 #include <tests/support/dimensions.hpp>
 
 namespace mapjoin {

@@ -2,9 +2,8 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <mapjoin/graph/components.hpp>
-#include <mapjoin/graph/connectivity.hpp>
-#include <mapjoin/graph/ties.hpp>
+#include <mapjoin/check/connectivity.hpp>
+#include <mapjoin/check/ties.hpp>
 #include <string>
 
 namespace mapjoin {
@@ -16,13 +15,12 @@ constexpr std::size_t kNamed = 3;
 template <typename Tied>
 Expected<void> check(const Tied& tied) {
   const TieVertices of = vertices_of(tied);
-  Components components(of.size());
-  for_each_tie(tied, [&](std::size_t a, std::size_t b) { components.tie(a, b); });
+  const Graph graph = make_graph(of.size(), ties_of(tied));
   for (std::size_t f = 0; f < of.features; ++f) {
-    if (components.is_tied(of.feature(static_cast<Index>(f)))) continue;
+    if (out_degree(static_cast<Vertex>(of.feature(static_cast<Index>(f))), graph) > 0) continue;
     return bad_input(fmt::format("{}: {} is never observed", tied.source, to_string(tied.features[f])));
   }
-  const auto roots = components.roots();
+  const std::vector<std::size_t> roots = component_roots(graph);
   if (roots.size() <= 1) return {};
   std::string names;
   for (std::size_t k = 0; k < std::min(roots.size(), kNamed); ++k) {

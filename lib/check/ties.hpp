@@ -3,9 +3,11 @@
 // Logs and sets of maps as graphs: what ties poses, features and the World together.
 
 #include <cstddef>
+#include <mapjoin/graph/graph.hpp>
 #include <mapjoin/model/log.hpp>
 #include <mapjoin/model/map_set.hpp>
 #include <string>
+#include <vector>
 
 namespace mapjoin {
 
@@ -54,6 +56,27 @@ void for_each_tie(const Data& data, Tie&& tie) {
   for (const auto& o : data.graph.pose_factors) tie(of.pose(o.base), of.pose(o.target));
   for (const auto& o : data.graph.feature_factors) tie(of.pose(o.base), of.feature(o.target));
   for (const auto& fixed : data.graph.fixed) tie(of.pose(kWorld), of.pose(fixed.pose));
+}
+
+/// The two vertices of every observation.
+template <typename Tied>
+std::vector<Edge> ties_of(const Tied& tied) {
+  std::vector<Edge> ties;
+  for_each_tie(tied, [&](std::size_t a, std::size_t b) { ties.emplace_back(static_cast<Vertex>(a), static_cast<Vertex>(b)); });
+  return ties;
+}
+
+/// The first vertex of each connected component. The World counts only where something is tied to it.
+inline std::vector<std::size_t> component_roots(const Graph& graph) {
+  const std::vector<std::uint32_t> component = components_of(graph);
+  std::vector<std::size_t> roots;
+  std::uint32_t known = 0;
+  for (std::size_t v = 0; v < component.size(); ++v) {
+    if (component[v] < known) continue;
+    known = component[v] + 1;
+    if (v != TieVertices::kWorldVertex || out_degree(Vertex{TieVertices::kWorldVertex}, graph) > 0) roots.push_back(v);
+  }
+  return roots;
 }
 
 }  // namespace mapjoin

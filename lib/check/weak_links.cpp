@@ -1,21 +1,15 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <algorithm>
-#include <boost/graph/adjacency_list.hpp>
 #include <boost/graph/biconnected_components.hpp>
-#include <cstdint>
+#include <boost/graph/core_numbers.hpp>
 #include <limits>
 #include <map>
-#include <mapjoin/graph/components.hpp>
-#include <mapjoin/graph/ties.hpp>
-#include <mapjoin/graph/weak_links.hpp>
+#include <mapjoin/check/ties.hpp>
+#include <mapjoin/check/weak_links.hpp>
 #include <utility>
 
 namespace mapjoin {
 namespace {
-
-using Edge = std::pair<std::uint32_t, std::uint32_t>;
-using Graph = boost::adjacency_list<boost::vecS, boost::vecS, boost::undirectedS, boost::no_property,
-                                    boost::property<boost::edge_index_t, std::size_t>>;
 
 /// The edges of a graph without loops, each once, the smaller end first, and whether there are several of it.
 struct Edges {
@@ -25,10 +19,10 @@ struct Edges {
 
 template <typename Tied>
 Edges edges_of(const Tied& tied) {
-  std::vector<Edge> all;
-  for_each_tie(tied, [&](std::size_t a, std::size_t b) {
-    all.emplace_back(static_cast<std::uint32_t>(std::min(a, b)), static_cast<std::uint32_t>(std::max(a, b)));
-  });
+  std::vector<Edge> all = ties_of(tied);
+  for (auto& [first, second] : all) {
+    if (first > second) std::swap(first, second);
+  }
   std::sort(all.begin(), all.end());
   Edges edges;
   for (const Edge& edge : all) {
@@ -44,45 +38,38 @@ Edges edges_of(const Tied& tied) {
 
 /// Per vertex its degree in what is left when vertices with one edge are taken away, again and again: 0, or 2 and more.
 std::vector<std::size_t> core_degrees(const Graph& graph) {
-  std::vector<std::size_t> degree(num_vertices(graph));
-  std::vector<std::size_t> leaves;
-  for (std::size_t v = 0; v < degree.size(); ++v) {
-    degree[v] = out_degree(v, graph);
-    if (degree[v] == 1) leaves.push_back(v);
-  }
-  while (!leaves.empty()) {
-    const std::size_t leaf = leaves.back();
-    leaves.pop_back();
-    if (degree[leaf] == 0) continue;
-    degree[leaf] = 0;
-    for (auto [v, end] = adjacent_vertices(leaf, graph); v != end; ++v) {
-      if (degree[*v] > 0 && --degree[*v] == 1) leaves.push_back(*v);
-    }
+  std::vector<std::size_t> core(num_vertices(graph));
+  core_numbers(graph, boost::make_iterator_property_map(core.begin(), get(boost::vertex_index, graph)));
+  std::vector<std::size_t> degree(core.size(), 0);
+  for (Vertex v = 0; v < core.size(); ++v) {
+    const auto [first, end] = adjacent_vertices(v, graph);
+    if (core[v] >= 2) degree[v] = static_cast<std::size_t>(std::count_if(first, end, [&](Vertex u) { return core[u] >= 2; }));
   }
   return degree;
 }
 
 /// The biconnected component of every edge.
-std::vector<std::size_t> edge_components(const Graph& graph) {
-  std::vector<std::size_t> component(num_edges(graph));
-  biconnected_components(graph, boost::make_iterator_property_map(component.begin(), get(boost::edge_index, graph)));
+std::vector<std::size_t> edge_components(const Graph& graph, std::size_t edges) {
+  std::vector<std::size_t> component(edges);
+  biconnected_components(graph, boost::make_iterator_property_map(component.begin(), get(&EdgeNumber::number, graph)));
   return component;
 }
 
 /// Bridges are in one chain where they meet at a vertex that has no other edge.
 std::vector<LoneChain> chains_of(const std::vector<Edge>& bridges, const std::vector<std::size_t>& degree) {
-  std::map<std::size_t, std::size_t> bridge_at;  // Of the vertices of two edges, the bridge that was there first.
-  Components together(bridges.size());
-  for (std::size_t b = 0; b < bridges.size(); ++b) {
+  std::map<std::size_t, Vertex> bridge_at;  // Of the vertices of two edges, the bridge that was there first.
+  std::vector<Edge> meetings;
+  for (Vertex b = 0; b < bridges.size(); ++b) {
     for (const std::size_t v : {bridges[b].first, bridges[b].second}) {
       if (degree[v] != 2) continue;
       const auto [first, is_new] = bridge_at.emplace(v, b);
-      if (!is_new) together.tie(first->second, b);
+      if (!is_new) meetings.emplace_back(first->second, b);
     }
   }
+  const std::vector<std::uint32_t> chain_of = components_of(make_graph(bridges.size(), meetings));
   std::map<std::size_t, LoneChain> chains;
   for (std::size_t b = 0; b < bridges.size(); ++b) {
-    LoneChain& chain = chains.emplace(together.root(b), LoneChain{bridges[b].first, 0, 0}).first->second;
+    LoneChain& chain = chains.emplace(chain_of[b], LoneChain{bridges[b].first, 0, 0}).first->second;
     chain.first = std::min<std::size_t>(chain.first, bridges[b].first);
     chain.last = std::max<std::size_t>(chain.last, bridges[b].second);
     ++chain.edges;
@@ -115,10 +102,9 @@ template <typename Tied>
 WeakLinks links_of(const Tied& tied) {
   const TieVertices vertices = vertices_of(tied);
   const Edges edges = edges_of(tied);
-  Graph graph(vertices.size());
-  for (std::size_t e = 0; e < edges.ends.size(); ++e) add_edge(edges.ends[e].first, edges.ends[e].second, e, graph);
+  const Graph graph = make_graph(vertices.size(), edges.ends);
   const std::vector<std::size_t> degree = core_degrees(graph);
-  const std::vector<std::size_t> component = edge_components(graph);
+  const std::vector<std::size_t> component = edge_components(graph, edges.ends.size());
   std::vector<std::size_t> size(edges.ends.size());
   for (const std::size_t c : component) ++size[c];
 

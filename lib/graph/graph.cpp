@@ -1,0 +1,76 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <algorithm>
+#include <boost/graph/breadth_first_search.hpp>
+#include <boost/graph/connected_components.hpp>
+#include <boost/graph/kruskal_min_spanning_tree.hpp>
+#include <iterator>
+#include <mapjoin/graph/graph.hpp>
+
+namespace mapjoin {
+namespace {
+
+/// Lists what a walk over a forest reaches. `numbers` are those of the forest's edges among all.
+class Recorder : public boost::default_bfs_visitor {
+ public:
+  Recorder(const std::vector<std::uint32_t>& numbers, std::vector<Reached>& reached) : numbers_(&numbers), reached_(&reached) {}
+  void tree_edge(Graph::edge_descriptor edge, const Graph& forest) const {
+    reached_->push_back({target(edge, forest), (*numbers_)[forest[edge].number]});
+  }
+
+ private:
+  const std::vector<std::uint32_t>* numbers_;
+  std::vector<Reached>* reached_;
+};
+
+/// The numbers of the edges of a spanning forest, ascending.
+std::vector<std::uint32_t> forest_edges(const Graph& graph) {
+  std::vector<Graph::edge_descriptor> edges;
+  kruskal_minimum_spanning_tree(
+      graph, std::back_inserter(edges),
+      boost::weight_map(get(&EdgeNumber::number, graph)).vertex_index_map(get(boost::vertex_index, graph)));
+  std::vector<std::uint32_t> numbers;
+  for (const auto& edge : edges) numbers.push_back(graph[edge].number);
+  return numbers;
+}
+
+}  // namespace
+
+Graph make_graph(std::size_t vertices, const std::vector<Edge>& edges) {
+  std::vector<Edge> both_ways;
+  std::vector<EdgeNumber> numbers;
+  both_ways.reserve(2 * edges.size());
+  numbers.reserve(2 * edges.size());
+  for (std::uint32_t e = 0; e < edges.size(); ++e) {
+    both_ways.push_back(edges[e]);
+    both_ways.emplace_back(edges[e].second, edges[e].first);
+    numbers.insert(numbers.end(), 2, {e});
+  }
+  return {boost::edges_are_unsorted_multi_pass, both_ways.begin(), both_ways.end(), numbers.begin(),
+          static_cast<Vertex>(vertices)};
+}
+
+std::vector<std::uint32_t> components_of(const Graph& graph) {
+  std::vector<std::uint32_t> component(num_vertices(graph));
+  connected_components(graph, boost::make_iterator_property_map(component.begin(), get(boost::vertex_index, graph)));
+  return component;
+}
+
+std::vector<Reached> spanning_forest(std::size_t vertices, const std::vector<Edge>& edges, const std::vector<Vertex>& roots) {
+  const std::vector<std::uint32_t> numbers = forest_edges(make_graph(vertices, edges));
+  std::vector<Edge> kept;
+  for (const std::uint32_t e : numbers) kept.push_back(edges[e]);
+  const Graph forest = make_graph(vertices, kept);
+
+  std::vector<Reached> reached;
+  std::vector<boost::default_color_type> colors(vertices, boost::white_color);
+  const auto color = boost::make_iterator_property_map(colors.begin(), get(boost::vertex_index, forest));
+  boost::queue<Vertex> front;
+  for (const Vertex root : roots) {
+    if (colors[root] != boost::white_color) continue;
+    reached.push_back({root, std::nullopt});
+    breadth_first_visit(forest, root, front, Recorder(numbers, reached), color);
+  }
+  return reached;
+}
+
+}  // namespace mapjoin

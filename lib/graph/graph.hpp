@@ -1,0 +1,42 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+// Undirected graphs for Boost.Graph, and what is asked of them.
+
+#include <boost/graph/compressed_sparse_row_graph.hpp>
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+#include <utility>
+#include <vector>
+
+namespace mapjoin {
+
+/// A property of an edge: its number, the same in both directions.
+struct EdgeNumber {
+  std::uint32_t number = 0;
+};
+
+/// A compressed graph that holds every edge in both directions.
+using Graph = boost::compressed_sparse_row_graph<boost::directedS, boost::no_property, EdgeNumber, boost::no_property,
+                                                 std::uint32_t, std::uint32_t>;
+using Vertex = std::uint32_t;
+/// The two vertices of an edge.
+using Edge = std::pair<Vertex, Vertex>;
+
+/// The graph of `edges`, numbered in their order. O(vertices + edges).
+Graph make_graph(std::size_t vertices, const std::vector<Edge>& edges);
+
+/// The connected component of each vertex. Components are numbered in the order of their first vertices.
+std::vector<std::uint32_t> components_of(const Graph& graph);
+
+/// A vertex of a forest, and the edge by which it was reached.
+struct Reached {
+  Vertex vertex = 0;
+  std::optional<std::uint32_t> edge;  ///< None for the root of a tree.
+};
+
+/// The vertices of a spanning forest (Kruskal), breadth first. An edge is in the forest where edges of lower number do not
+/// connect its vertices. Each of `roots` that is not yet reached from those before it is a root.
+std::vector<Reached> spanning_forest(std::size_t vertices, const std::vector<Edge>& edges, const std::vector<Vertex>& roots);
+
+}  // namespace mapjoin

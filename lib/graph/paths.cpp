@@ -1,0 +1,76 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <algorithm>
+#include <array>
+#include <boost/pending/disjoint_sets.hpp>
+#include <mapjoin/graph/paths.hpp>
+#include <numeric>
+
+namespace mapjoin {
+namespace {
+
+/// Those of the edges that make paths, each taken if it can be.
+std::vector<Edge> path_edges(std::size_t vertices, const std::vector<Edge>& edges) {
+  boost::disjoint_sets_with_storage<> paths(vertices);
+  std::vector<int> degree(vertices, 0);
+  std::vector<Edge> taken;
+  for (const auto& [a, b] : edges) {
+    if (degree[a] == 2 || degree[b] == 2 || paths.find_set(a) == paths.find_set(b)) continue;
+    paths.union_set(a, b);
+    ++degree[a];
+    ++degree[b];
+    taken.emplace_back(a, b);
+  }
+  return taken;
+}
+
+/// The edges with the fewest others at their vertices first.
+std::vector<Edge> loneliest_first(std::size_t vertices, std::vector<Edge> edges) {
+  std::vector<std::size_t> degree(vertices, 0);
+  for (const auto& [a, b] : edges) {
+    ++degree[a];
+    ++degree[b];
+  }
+  std::ranges::stable_sort(edges, {}, [&](const Edge& edge) { return degree[edge.first] + degree[edge.second]; });
+  return edges;
+}
+
+/// Where walks along the paths start: the ends that an edge leads away from, then every vertex, in the order in which edges
+/// mention them.
+std::vector<Vertex> starts(std::size_t vertices, const std::vector<Edge>& edges, const std::vector<Edge>& taken) {
+  std::vector<int> degree(vertices, 0);
+  std::vector<bool> is_base(vertices, false);
+  for (const auto& [a, b] : taken) {
+    ++degree[a];
+    ++degree[b];
+    is_base[a] = true;
+  }
+  std::vector<Vertex> mentioned;
+  for (const auto& [a, b] : edges) mentioned.insert(mentioned.end(), {a, b});
+  std::vector<Vertex> all(vertices);
+  std::iota(all.begin(), all.end(), Vertex{0});
+  std::vector<Vertex> starts;
+  const auto add = [&](const std::vector<Vertex>& list, auto&& is_start) {
+    std::copy_if(list.begin(), list.end(), std::back_inserter(starts), is_start);
+  };
+  add(mentioned, [&](Vertex v) { return degree[v] == 1 && is_base[v]; });
+  add(mentioned, [&](Vertex v) { return degree[v] < 2; });
+  add(all, [&](Vertex v) { return degree[v] < 2; });
+  return starts;
+}
+
+}  // namespace
+
+PathCover cover_by_paths(std::size_t vertices, const std::vector<Edge>& edges) {
+  std::vector<Edge> taken = path_edges(vertices, edges);
+  std::vector<Edge> others = path_edges(vertices, loneliest_first(vertices, edges));
+  if (others.size() > taken.size()) taken = std::move(others);
+  PathCover cover;
+  cover.edges = taken.size();
+  // Breadth first from its end, a path is walked along.
+  for (const Reached& reached : spanning_forest(vertices, taken, starts(vertices, edges, taken))) {
+    cover.order.push_back(reached.vertex);
+  }
+  return cover;
+}
+
+}  // namespace mapjoin

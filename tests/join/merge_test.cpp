@@ -1,0 +1,97 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <mapjoin/join/merge.hpp>
+#include <tests/support/dimensions.hpp>
+#include <tests/support/random.hpp>
+
+namespace mapjoin {
+namespace {
+
+using ::testing::ElementsAre;
+
+/// Poses and features of a true world, cut into pieces that are each in a frame of its own.
+template <typename D>
+class MergeTest : public ::testing::Test {
+ protected:
+  static constexpr int kDim = D::value;
+
+  MergeTest() {
+    for (int k = 0; k < 12; ++k) {
+      world.poses.push_back(random.pose<kDim>());
+      world.features.push_back(random.vector<kDim>(5.0));
+    }
+  }
+
+  /// In the frame of its first pose.
+  Piece<kDim> piece(std::vector<Index> poses, std::vector<Index> features = {}) const {
+    Piece<kDim> piece;
+    const Pose<kDim> frame = world.pose(poses.front());
+    for (const Index p : poses) piece.state.poses.push_back(between(frame, world.pose(p)));
+    for (const Index f : features) piece.state.features.push_back(transform_into(frame, world.feature(f)));
+    piece.poses = std::move(poses);
+    piece.features = std::move(features);
+    return piece;
+  }
+  PoseObservation<kDim> closure(Index base, Index target) const {
+    return {base, target, between(world.pose(base), world.pose(target)), PoseMatrix<kDim>::Identity()};
+  }
+  std::vector<Piece<kDim>> merge(std::vector<Piece<kDim>> pieces,
+                                 const std::vector<PoseObservation<kDim>>& closures = {}) const {
+    std::vector<const PoseObservation<kDim>*> pointers;
+    for (const auto& closure : closures) pointers.push_back(&closure);
+    return merge_tied(std::move(pieces), pointers, true);
+  }
+  void expect_true(const Piece<kDim>& found) const {
+    const Piece<kDim> expected = piece(found.poses, found.features);
+    const Pose<kDim> frame = found.state.poses.front();
+    for (std::size_t p = 0; p < found.poses.size(); ++p) {
+      EXPECT_LT(local(compose(frame, expected.state.poses[p]), found.state.poses[p]).norm(), 1e-9) << found.poses[p];
+    }
+    for (std::size_t f = 0; f < found.features.size(); ++f) {
+      EXPECT_LT((transform(frame, expected.state.features[f]) - found.state.features[f]).norm(), 1e-9) << found.features[f];
+    }
+  }
+
+  testing::Random random{5};
+  State<kDim> world;
+};
+TYPED_TEST_SUITE(MergeTest, testing::Dimensions);
+
+TYPED_TEST(MergeTest, TwoPiecesAreTiedByAPose) {
+  const auto merged = this->merge({this->piece({0, 1}), this->piece({1, 2})});
+  ASSERT_EQ(merged.size(), 1u);
+  EXPECT_THAT(merged[0].poses, ElementsAre(0, 1, 2));
+  this->expect_true(merged[0]);
+}
+
+TYPED_TEST(MergeTest, TheLeavesOfAStarAreAllMerged) {
+  const auto merged =
+      this->merge({this->piece({1}), this->piece({3, 4}), this->piece({5}), this->piece({6}), this->piece({7, 9}, {2})},
+                  {this->closure(1, 3), this->closure(5, 4), this->closure(3, 6), this->closure(3, 9)});
+  ASSERT_EQ(merged.size(), 1u);
+  EXPECT_THAT(merged[0].poses, ElementsAre(1, 3, 4, 5, 6, 7, 9));
+  EXPECT_THAT(merged[0].features, ElementsAre(2));
+  this->expect_true(merged[0]);
+}
+
+TYPED_TEST(MergeTest, WhatNothingTiesStaysApart) {
+  const auto merged =
+      this->merge({this->piece({0}), this->piece({2}, {1}), this->piece({4}), this->piece({6}, {1})}, {this->closure(4, 0)});
+  ASSERT_EQ(merged.size(), 3u);
+  EXPECT_THAT(merged[0].poses, ElementsAre(0, 4));
+  EXPECT_THAT(merged[1].poses, ElementsAre(2));
+  EXPECT_THAT(merged[2].poses, ElementsAre(6));
+}
+
+TYPED_TEST(MergeTest, WhatTooFewFeaturesTieIsTiedByMoreThatOthersBring) {
+  // The second piece shares feature 0 with the first, the others with the third.
+  const auto merged = this->merge({this->piece({0, 1}, {0}), this->piece({2}, {0, 1, 2, 3}), this->piece({1, 3}, {1, 2, 3})});
+  ASSERT_EQ(merged.size(), 1u);
+  EXPECT_THAT(merged[0].poses, ElementsAre(0, 1, 2, 3));
+  this->expect_true(merged[0]);
+}
+
+}  // namespace
+}  // namespace mapjoin

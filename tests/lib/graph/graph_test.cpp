@@ -1,0 +1,55 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <mapjoin/graph/graph.hpp>
+#include <ranges>
+
+namespace mapjoin::testing {
+namespace {
+
+using ::testing::ElementsAre;
+using ::testing::IsEmpty;
+
+std::vector<Vertex> vertices_of(const std::vector<Reached>& reached) {
+  std::vector<Vertex> vertices;
+  for (const Reached& r : reached) vertices.push_back(r.vertex);
+  return vertices;
+}
+
+std::vector<std::optional<std::uint32_t>> edges_of(const std::vector<Reached>& reached) {
+  std::vector<std::optional<std::uint32_t>> edges;
+  for (const Reached& r : reached) edges.push_back(r.edge);
+  return edges;
+}
+
+TEST(Graph, ComponentsAreNumberedByTheirFirstVertices) {
+  EXPECT_THAT(components_of(make_graph(6, {{5, 1}, {4, 0}, {2, 5}})), ElementsAre(0, 1, 1, 2, 0, 1));
+  EXPECT_THAT(components_of(make_graph(0, {})), IsEmpty());
+}
+
+TEST(Graph, ALoopAndARepeatedEdgeTieNothingNew) {
+  EXPECT_THAT(components_of(make_graph(3, {{1, 1}, {0, 2}, {2, 0}})), ElementsAre(0, 1, 0));
+}
+
+TEST(SpanningForest, TakesTheEdgesOfLowestNumber) {
+  // A square with a diagonal: the last edge of the square and the diagonal are left out.
+  const auto reached = spanning_forest(4, {{0, 1}, {1, 2}, {2, 3}, {3, 0}, {0, 2}}, {0});
+  EXPECT_THAT(vertices_of(reached), ElementsAre(0, 1, 2, 3));
+  EXPECT_THAT(edges_of(reached), ElementsAre(std::nullopt, 0, 1, 2));
+}
+
+TEST(SpanningForest, IsWalkedBreadthFirst) {
+  const auto reached = spanning_forest(6, {{3, 0}, {0, 1}, {1, 2}, {3, 4}, {4, 5}}, {0});
+  EXPECT_THAT(vertices_of(reached), ElementsAre(0, 3, 1, 4, 2, 5));
+  EXPECT_THAT(edges_of(reached), ElementsAre(std::nullopt, 0, 1, 3, 2, 4));
+}
+
+TEST(SpanningForest, HasARootWhereNothingLedBefore) {
+  const auto reached = spanning_forest(5, {{4, 3}, {1, 0}}, {1, 0, 2, 3, 4});
+  EXPECT_THAT(vertices_of(reached), ElementsAre(1, 0, 2, 3, 4));
+  EXPECT_THAT(edges_of(reached), ElementsAre(std::nullopt, 1, std::nullopt, std::nullopt, 0));
+}
+
+}  // namespace
+}  // namespace mapjoin::testing

@@ -1,0 +1,68 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <mapjoin/graph/paths.hpp>
+#include <random>
+
+namespace mapjoin::testing {
+namespace {
+
+using ::testing::ElementsAre;
+
+TEST(Paths, RunAsTheirEdgesPoint) {
+  EXPECT_THAT(cover_by_paths(4, {{3, 1}, {1, 0}, {0, 2}}).order, ElementsAre(3, 1, 0, 2));
+  EXPECT_THAT(cover_by_paths(4, {{2, 0}, {0, 1}, {1, 3}}).order, ElementsAre(2, 0, 1, 3));
+}
+
+TEST(Paths, WhoseEdgesDisagreeRunFromTheEndThatComesFirst) {
+  EXPECT_THAT(cover_by_paths(3, {{2, 1}, {0, 1}}).order, ElementsAre(2, 1, 0));
+  EXPECT_THAT(cover_by_paths(3, {{1, 2}, {1, 0}}).order, ElementsAre(2, 1, 0));
+}
+
+TEST(Paths, FollowEachOtherAsTheEdgesMentionThem) {
+  const PathCover cover = cover_by_paths(6, {{5, 4}, {1, 3}, {3, 0}});
+  EXPECT_THAT(cover.order, ElementsAre(5, 4, 1, 3, 0, 2));
+  EXPECT_EQ(cover.edges, 3u);
+}
+
+TEST(Paths, AreMadeOfTheFirstEdges) {
+  // As a robot drives: closures 2 to 0 and 4 to 1 come behind what leads to them.
+  const PathCover cover = cover_by_paths(5, {{0, 1}, {1, 2}, {2, 0}, {2, 3}, {3, 4}, {4, 1}});
+  EXPECT_THAT(cover.order, ElementsAre(0, 1, 2, 3, 4));
+  EXPECT_EQ(cover.edges, 4u);
+}
+
+TEST(Paths, AreMadeOfEdgesWithFewOthersWhereThatLeavesFewer) {
+  // In the order of the file 1 to 3 comes first, and leaves 2, 4 and 5 behind.
+  const std::vector<Edge> edges = {{1, 3}, {1, 4}, {0, 1}, {1, 2}, {2, 3}, {3, 4}, {4, 5}};
+  const PathCover cover = cover_by_paths(6, edges);
+  EXPECT_EQ(cover.edges, 5u);
+  EXPECT_THAT(cover.order, ElementsAre(0, 1, 2, 3, 4, 5));
+}
+
+TEST(Paths, HoldEveryVertexOnceInRandomGraphs) {
+  std::mt19937 engine(1);
+  for (int trial = 0; trial < 100; ++trial) {
+    std::vector<Edge> edges;
+    for (int e = 0; e < 40; ++e) {
+      const auto a = static_cast<Vertex>(engine() % 30);
+      const auto b = static_cast<Vertex>(engine() % 30);
+      if (a != b) edges.emplace_back(a, b);
+    }
+    const PathCover cover = cover_by_paths(30, edges);
+    std::vector<Vertex> sorted = cover.order;
+    std::ranges::sort(sorted);
+    for (Vertex v = 0; v < 30; ++v) ASSERT_EQ(sorted.at(v), v);
+    std::size_t tied = 0;
+    for (std::size_t k = 1; k < 30; ++k) {
+      const Edge step{cover.order[k - 1], cover.order[k]};
+      tied += std::ranges::count_if(edges, [&](const Edge& e) { return e == step || Edge{e.second, e.first} == step; }) > 0;
+    }
+    EXPECT_GE(tied, cover.edges);
+  }
+}
+
+}  // namespace
+}  // namespace mapjoin::testing
