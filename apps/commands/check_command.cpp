@@ -6,9 +6,6 @@
 #include <algorithm>
 #include <apps/commands/command_run.hpp>
 #include <apps/commands/commands.hpp>
-#include <apps/console.hpp>
-#include <apps/map_file.hpp>
-#include <apps/output_conflicts.hpp>
 #include <apps/report/check_report.hpp>
 #include <mapjoin/check/checks.hpp>
 #include <mapjoin/measure/chi2.hpp>
@@ -56,34 +53,30 @@ std::vector<KindFit> fits_in(const RunResult<Dim>& result, const MapSet<Dim>& se
 }
 
 template <typename Content>
-Expected<void> fit_joined(const CommandRun& command_run, const Content& content, Checked& checked) {
+void fit_joined(const CommandRun& command_run, const Content& content, Checked& checked) {
   const auto result = run(content, command_run.run_options(), command_run.stop());
-  if (!result && result.error().kind != ErrorKind::kBadInput) return tl::unexpected(result.error());
-  if (!result) {
+  if (!result && result.error().kind == ErrorKind::kBadInput) {
     checked.findings.push_back({FindingLevel::kError, "undetermined", result.error().message, {}});
-    return {};
+    return;
   }
-  if (!result->converged()) {
+  if (!result.value().converged()) {
     checked.findings.push_back(
         {FindingLevel::kWarning, "not_converged", "the map that residuals are weighed at did not converge", {}});
   }
   take_fits(fits_in(*result, content), result->dof, checked);
-  return {};
 }
 
 template <int Dim>
-Expected<void> fit_values(const Log<Dim>& log, Checked& checked) {
+void fit_values(const Log<Dim>& log, Checked& checked) {
   if (log.initial_poses.empty() || log.initial_features.size() < log.features.size()) {
-    return tl::unexpected(
-        Error{ErrorKind::kUsage, log.source + ": has no values of every pose and feature for --estimate file"});
+    fail(ErrorKind::kUsage, log.source + ": has no values of every pose and feature for --estimate file");
   }
   const std::size_t held = std::max<std::size_t>(1, log.fixed.size());
   take_fits(fits_of(log, State<Dim>{log.initial_poses, log.initial_features}), degrees_of_freedom(log, held), checked);
-  return {};
 }
 template <int Dim>
-Expected<void> fit_values(const MapSet<Dim>& set, Checked&) {
-  return tl::unexpected(Error{ErrorKind::kUsage, set.source + ": local maps have no values for --estimate file"});
+void fit_values(const MapSet<Dim>& set, Checked&) {
+  fail(ErrorKind::kUsage, set.source + ": local maps have no values for --estimate file");
 }
 
 template <int Dim>
@@ -95,31 +88,33 @@ template <int Dim>
 void check_numbers(const MapSet<Dim>&, Checked&) {}
 
 template <typename Content>
-Expected<ExitCode> check_content(CommandRun& command_run, const CheckOptions& options, const Content& content) {
-  Checked checked{options.estimate, check_structure(content), {}, 0};
+Checked checked_content(const CommandRun& command_run, CheckedEstimate estimate, const Content& content) {
+  Checked checked{estimate, check_structure(content), {}, 0};
   check_numbers(content, checked);
-  const bool falls_apart = has_errors(checked.findings);
-  Expected<void> fitted;
-  if (options.estimate == CheckedEstimate::kFile) fitted = fit_values(content, checked);
-  if (options.estimate == CheckedEstimate::kJoined && !falls_apart) fitted = fit_joined(command_run, content, checked);
-  if (!fitted) return tl::unexpected(fitted.error());
-  const auto told = command_run.tell([&] { return check_report(command_run.run_report, checked); },
-                                     [&] { return check_summary(command_run.run_report, checked); });
-  return told.map([&] { return has_warnings(checked.findings) ? ExitCode::kFindings : ExitCode::kDone; });
+  const bool falls_apart = checked.count(FindingLevel::kError) > 0;
+  if (estimate == CheckedEstimate::kFile) fit_values(content, checked);
+  if (estimate == CheckedEstimate::kJoined && !falls_apart) fit_joined(command_run, content, checked);
+  return checked;
 }
 /// A store has its log, of which its maps are made.
 template <int Dim>
-Expected<ExitCode> check_content(CommandRun& command_run, const CheckOptions& options, const StoredMaps<Dim>& stored) {
-  return check_content(command_run, options, stored.log);
+Checked checked_content(const CommandRun& command_run, CheckedEstimate estimate, const StoredMaps<Dim>& stored) {
+  return checked_content(command_run, estimate, stored.log);
 }
 
-Expected<ExitCode> check_input(const CheckOptions& options, const std::stop_token& stop) {
+ExitCode check_input(const CheckOptions& options, const std::stop_token& stop) {
   CommandRun command_run("check", options, stop);
-  if (auto ready = command_run.check_report(); !ready) return tl::unexpected(ready.error());
-  return command_run.with_log_or_maps([&](const auto& content) { return check_content(command_run, options, content); });
+  command_run.prepare(report_of(options));
+  const Checked checked = command_run.with_log_or_maps(
+      [&](const auto& content) { return checked_content(command_run, options.estimate, content); });
+  command_run.tell(check_report(command_run.run_report, checked), check_summary(command_run.run_report, checked));
+  return checked.count(FindingLevel::kWarning) > 0 ? ExitCode::kFindings : ExitCode::kDone;
 }
 
-void declare(Subcommand& command) {
+}  // namespace
+
+void declare_check(Subcommand& command) {
+  command.examples(kExamples);
   const auto options = std::make_shared<CheckOptions>();
   command.argument("FILE", options->input, "A log, a store, or a folder or archive of local maps");
   command.choice("--estimate", options->estimate,
@@ -127,14 +122,8 @@ void declare(Subcommand& command) {
                  "file's own values; or nowhere, which is fastest");
   add_reading(command, *options);
   add_reporting(command, *options);
-  command.check([options] { return output_conflicts(files_of(*options, "FILE")); });
+  command.check([options] { return output_conflicts(inputs_of(*options, "FILE"), report_of(*options)); });
   command.act([options](const std::stop_token& stop) { return check_input(*options, stop); });
-}
-
-}  // namespace
-
-std::unique_ptr<Subcommand> check_command(CLI::App& app) {
-  return std::make_unique<Subcommand>(app, "check", "What could be wrong with a log, before it is joined", kExamples, declare);
 }
 
 }  // namespace mapjoin::apps

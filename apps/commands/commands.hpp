@@ -4,32 +4,22 @@
 
 #include <apps/commands/subcommand.hpp>
 #include <memory>
-#include <string>
 #include <vector>
 
 namespace mapjoin::apps {
 
-std::unique_ptr<Subcommand> run_command(CLI::App& app);
-std::unique_ptr<Subcommand> build_command(CLI::App& app);
-std::unique_ptr<Subcommand> join_command(CLI::App& app);
-std::unique_ptr<Subcommand> solve_command(CLI::App& app);
-std::unique_ptr<Subcommand> compare_command(CLI::App& app);
-std::unique_ptr<Subcommand> basin_command(CLI::App& app);
-std::unique_ptr<Subcommand> convexity_command(CLI::App& app);
-std::unique_ptr<Subcommand> plot_command(CLI::App& app);
-std::unique_ptr<Subcommand> simulate_command(CLI::App& app);
-std::unique_ptr<Subcommand> info_command(CLI::App& app);
-std::unique_ptr<Subcommand> check_command(CLI::App& app);
-std::unique_ptr<Subcommand> convert_command(CLI::App& app);
-
-/// In the order of the help.
-inline std::vector<std::unique_ptr<Subcommand>> all_commands(CLI::App& app) {
-  std::vector<std::unique_ptr<Subcommand>> commands;
-  for (const auto make : {run_command, build_command, join_command, solve_command, compare_command, basin_command,
-                          convexity_command, plot_command, simulate_command, info_command, check_command, convert_command})
-    commands.push_back(make(app));
-  return commands;
-}
+void declare_run(Subcommand& command);
+void declare_build(Subcommand& command);
+void declare_join(Subcommand& command);
+void declare_solve(Subcommand& command);
+void declare_compare(Subcommand& command);
+void declare_basin(Subcommand& command);
+void declare_convexity(Subcommand& command);
+void declare_plot(Subcommand& command);
+void declare_simulate(Subcommand& command);
+void declare_info(Subcommand& command);
+void declare_check(Subcommand& command);
+void declare_convert(Subcommand& command);
 
 struct CommandLine {
   std::shared_ptr<CLI::App> app;

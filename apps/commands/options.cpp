@@ -103,8 +103,7 @@ void add_schedule(Subcommand& command, Options& options) {
   command.choice("--batch", options.run.gradual, std::to_array<EnumName<bool>>({{false, "direct"}, {true, "gradual"}}),
                  "All observations whole from the start, or what is not quadratic in the relative state brought in "
                  "gradually; the latter with --state relative, unless there is a --method");
-  command.number<std::uint64_t>("--seed", options.run.seed, 0, "N",
-                                "Of the random start [" + std::to_string(options.run.seed) + "]");
+  command.number<std::uint64_t>("--seed", options.run.seed, 0, "N", "Of the random start");
   command.check([&command, &run = options.run] { return settle_batch(command, run); });
 }
 
@@ -126,8 +125,7 @@ void add_solver(Subcommand& command, Options& options) {
   command.group("Joining");
   command.choice("--method", solver.method,
                  "Steps: Powell's dogleg, Levenberg-Marquardt, or plain Gauss-Newton, which may diverge");
-  command.number<int>("--max-iterations", solver.max_iterations, 1, "N",
-                      "At most so many steps of every solve [" + std::to_string(solver.max_iterations) + "]");
+  command.number("--max-iterations", solver.max_iterations, 1, "N", "At most so many steps of every solve");
 }
 
 void add_engine(Subcommand& command, Options& options) {

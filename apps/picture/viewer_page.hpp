@@ -10,9 +10,4 @@ namespace mapjoin::apps {
 template <int Dim>
 std::string viewer_page(const Scene<Dim>& scene, const std::string& title);
 
-/// JSON without a `<`, so that it can stand in a script element. Numbers are base64 of little-endian arrays; places are 32-bit
-/// floats about the middle of the first map, which is given in full.
-template <int Dim>
-std::string scene_json(const Scene<Dim>& scene, const std::string& title);
-
 }  // namespace mapjoin::apps

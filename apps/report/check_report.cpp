@@ -3,16 +3,13 @@
 #include <fmt/ranges.h>
 
 #include <algorithm>
-#include <apps/console.hpp>
 #include <apps/report/check_report.hpp>
+#include <apps/report/json.hpp>
 #include <apps/report/report.hpp>
 #include <cmath>
-#include <nlohmann/json.hpp>
 
 namespace mapjoin::apps {
 namespace {
-
-using Json = nlohmann::ordered_json;
 
 /// The first few places of a finding.
 std::string places_in_words(const Places& where) {
@@ -38,52 +35,47 @@ std::string estimate_in_words(const Checked& checked) {
 
 }  // namespace
 
+std::int64_t Checked::count(FindingLevel least) const {
+  return std::count_if(findings.begin(), findings.end(), [&](const Finding& finding) { return finding.level >= least; });
+}
+
 std::string check_summary(const RunReport& run_report, const Checked& checked) {
   Lines lines;
-  lines.add("file", fmt::format("{}: {}", run_report.input, counts_in_words(run_report)));
+  add_input(run_report, lines, "file");
   lines.add("chi2", estimate_in_words(checked));
   for (const KindFit& fit : checked.fits) lines.add("", fit_in_words(fit));
   for (const Finding& finding : checked.findings) {
     lines.add(to_string(finding.level), finding.text);
     if (!finding.where.names.empty()) lines.add("", places_in_words(finding.where));
   }
-  const auto warnings = std::count_if(checked.findings.begin(), checked.findings.end(),
-                                      [](const Finding& finding) { return finding.level != FindingLevel::kNote; });
+  const auto warnings = checked.count(FindingLevel::kWarning);
   lines.add("found", warnings == 0 ? "nothing to warn of" : fmt::format("{} to look at", warnings));
   return lines.text();
 }
 
 std::string check_report(const RunReport& run_report, const Checked& checked) {
   Json json = report_head(run_report);
-  json["estimate"] = to_string(checked.estimate);
-  json["dof"] = checked.fits.empty() ? Json() : Json(checked.dof);
+  json["estimate"] = checked.estimate;
+  json["dof"] = checked.fits.empty() ? std::nullopt : std::optional(checked.dof);
   json["fits"] = Json::array();
   for (const KindFit& fit : checked.fits) {
     json["fits"].push_back({{"kind", fit.kind},
                             {"count", fit.count},
                             {"rows", fit.rows},
                             {"chi2", fit.chi2},
-                            {"scale", std::isfinite(fit.scale) ? Json(fit.scale) : Json()},
+                            {"scale", fit.scale},
                             {"worst", fit.worst},
                             {"outliers", fit.outliers.count}});
   }
   json["findings"] = Json::array();
   for (const Finding& finding : checked.findings) {
-    json["findings"].push_back({{"level", to_string(finding.level)},
+    json["findings"].push_back({{"level", finding.level},
                                 {"check", finding.check},
                                 {"count", finding.where.count},
                                 {"text", finding.text},
                                 {"where", finding.where.names}});
   }
   return text_of(json);
-}
-
-bool has_errors(const Findings& findings) {
-  return std::any_of(findings.begin(), findings.end(), [](const auto& f) { return f.level == FindingLevel::kError; });
-}
-
-bool has_warnings(const Findings& findings) {
-  return std::any_of(findings.begin(), findings.end(), [](const auto& f) { return f.level != FindingLevel::kNote; });
 }
 
 }  // namespace mapjoin::apps

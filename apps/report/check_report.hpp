@@ -22,11 +22,10 @@ struct Checked {
   Findings findings;
   std::vector<KindFit> fits;  ///< Empty where residuals were not weighed.
   std::int64_t dof = 0;       ///< Of all of them together.
-};
 
-bool has_errors(const Findings& findings);
-/// Errors among them.
-bool has_warnings(const Findings& findings);
+  /// How many findings are of this level or a graver one.
+  std::int64_t count(FindingLevel least) const;
+};
 
 std::string check_summary(const RunReport& run_report, const Checked& checked);
 std::string check_report(const RunReport& run_report, const Checked& checked);

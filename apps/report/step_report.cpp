@@ -5,8 +5,8 @@
 
 #include <apps/report/step_report.hpp>
 #include <cerrno>
-#include <cstdio>
 #include <mapjoin/io/files/system_call.hpp>
+#include <mapjoin/model/counted.hpp>
 #include <nlohmann/json.hpp>
 #include <utility>
 
@@ -19,9 +19,9 @@ std::string for_people(const Step& step) {
                                            : fmt::format("maps {} to {}", step.first, step.first + step.count - 1);
   const std::string poses = fmt::format("{} to {}", to_string(step.begin), step.end.key);
   if (!added.is_joined) return fmt::format("{}, {}: waits, nothing ties it to the others yet\n", maps, poses);
-  return fmt::format("{}, {}: moved {:.3f} m, {:.4f} rad; chi2 {:.2f}, dof {}; {} variables in {} iteration{}{}\n", maps, poses,
-                     added.metres, added.radians, added.chi2, added.dof, added.eliminated, added.iterations,
-                     added.iterations == 1 ? "" : "s", added.joined_anew ? "; all joined anew" : "");
+  return fmt::format("{}, {}: moved {:.3f} m, {:.4f} rad; chi2 {:.2f}, dof {}; {} variables in {}{}\n", maps, poses,
+                     added.metres, added.radians, added.chi2, added.dof, added.eliminated,
+                     counted(added.iterations, "iteration"), added.joined_anew ? "; all joined anew" : "");
 }
 
 std::string for_programs(const Step& step) {
@@ -47,30 +47,23 @@ std::string for_programs(const Step& step) {
 
 Expected<StepReport> StepReport::open(const std::filesystem::path& path, bool quiet) {
   const bool is_shown = !quiet && ::isatty(STDERR_FILENO) == 1;
-  if (path.empty()) return StepReport(path, -1, is_shown);
-  const int descriptor =
-      path == "-" ? ::dup(STDOUT_FILENO) : ::open(path.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0666);
-  if (descriptor < 0) return call_failed(path, errno, ErrorKind::kCannotWrite);
-  return StepReport(path, descriptor, is_shown);
+  const auto left_open = [](std::FILE*) { return 0; };
+  if (path == "-") return StepReport("standard output", File(stdout, left_open), is_shown);
+  if (path.empty()) return StepReport(path, File(nullptr, left_open), is_shown);
+  File file(std::fopen(path.c_str(), "we"), std::fclose);
+  if (!file) return call_failed(path, errno, ErrorKind::kCannotWrite);
+  return StepReport(path, std::move(file), is_shown);
 }
 
-StepReport::StepReport(std::filesystem::path path, int descriptor, bool is_shown)
-    : path_(std::move(path)), descriptor_(descriptor), is_shown_(is_shown) {}
-
-StepReport::StepReport(StepReport&& other) noexcept
-    : path_(std::move(other.path_)), descriptor_(std::exchange(other.descriptor_, -1)), is_shown_(other.is_shown_) {}
-
-StepReport::~StepReport() {
-  if (descriptor_ >= 0) ::close(descriptor_);
-}
+StepReport::StepReport(std::filesystem::path path, File file, bool is_shown)
+    : path_(std::move(path)), file_(std::move(file)), is_shown_(is_shown) {}
 
 Expected<void> StepReport::add(const Step& step) {
   if (is_shown_) std::fputs(for_people(step).c_str(), stderr);
-  if (descriptor_ < 0) return {};
-  const int failure = write_all(descriptor_, for_programs(step));
+  const bool is_written = !file_ || (std::fputs(for_programs(step).c_str(), file_.get()) >= 0 && std::fflush(file_.get()) == 0);
   // A reader that has gone away has had all it wanted.
-  if (failure == 0 || failure == EPIPE) return {};
-  return call_failed(path_ == "-" ? "standard output" : path_, failure, ErrorKind::kCannotWrite);
+  if (is_written || errno == EPIPE) return {};
+  return call_failed(path_, errno, ErrorKind::kCannotWrite);
 }
 
 }  // namespace mapjoin::apps

@@ -3,10 +3,12 @@
 // What each added map did: a line for people on a terminal, a line of JSON for programs.
 
 #include <cstddef>
+#include <cstdio>
 #include <filesystem>
 #include <mapjoin/join/incremental/incremental_join.hpp>
 #include <mapjoin/model/error.hpp>
 #include <mapjoin/model/ids.hpp>
+#include <memory>
 #include <string>
 
 namespace mapjoin::apps {
@@ -25,17 +27,15 @@ class StepReport {
   /// `path`: as FollowOptions::steps. Lines for people go to standard error where that is a terminal, unless `quiet`.
   /// kCannotWrite where the file cannot be made; it grows line by line, for others to follow.
   static Expected<StepReport> open(const std::filesystem::path& path, bool quiet);
-  StepReport(StepReport&& other) noexcept;
-  StepReport& operator=(StepReport&&) = delete;
-  ~StepReport();
 
   Expected<void> add(const Step& step);
 
  private:
-  StepReport(std::filesystem::path path, int descriptor, bool is_shown);
+  using File = std::unique_ptr<std::FILE, int (*)(std::FILE*)>;
+  StepReport(std::filesystem::path path, File file, bool is_shown);
 
   std::filesystem::path path_;
-  int descriptor_;  // -1: none
+  File file_;  // null: none
   bool is_shown_;
 };
 
