@@ -5,7 +5,7 @@
 #include <cmath>
 #include <mapjoin/io/files/output_file.hpp>
 #include <mapjoin/io/files/text_line.hpp>
-#include <mapjoin/measure/median.hpp>
+#include <mapjoin/measure/statistics.hpp>
 #include <string>
 #include <vector>
 

@@ -6,7 +6,7 @@
 #include <CLI/App.hpp>
 #include <CLI/Config.hpp>
 #include <algorithm>
-#include <apps/commands/commands.hpp>
+#include <apps/commands/subcommand.hpp>
 #include <apps/console.hpp>
 #include <apps/process.hpp>
 #include <cstdlib>

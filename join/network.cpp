@@ -60,6 +60,9 @@ Network<Dim> network_of(const MapSet<Dim>& set, std::vector<LocalMap<Dim>> maps)
     (o.base == kWorld ? network.feature_priors : network.feature_observations).push_back(&o);
   }
   network.fixed = set.fixed;
+  for (LocalMap<Dim>& map : maps) {
+    map.information = (0.5 * (map.information + map.information.transpose())).eval();  // a filter leaves it asymmetric
+  }
   add_maps(network, std::move(maps));
   return network;
 }

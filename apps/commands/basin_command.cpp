@@ -3,7 +3,7 @@
 
 #include <algorithm>
 #include <apps/commands/command_run.hpp>
-#include <apps/commands/commands.hpp>
+#include <apps/commands/subcommand.hpp>
 #include <memory>
 #include <optional>
 #include <variant>
@@ -12,8 +12,8 @@ namespace mapjoin::apps {
 namespace {
 
 constexpr const char* kExamples =
-    "  mapjoin basin data/manhattan2d.g2o\n"
-    "  mapjoin basin data/manhattan2d.g2o --poses-per-map 10,20,35,60 --seeds 5 -o basin";
+    "  mapjoin basin data/manhattan2d.g2o --seeds 3\n"
+    "  mapjoin basin data/manhattan2d.g2o --poses-per-map 20,60 --seeds 2 -o basin";
 
 struct BasinRequest {
   Options shared;

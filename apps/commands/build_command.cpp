@@ -6,7 +6,7 @@
 
 #include <algorithm>
 #include <apps/commands/command_run.hpp>
-#include <apps/commands/commands.hpp>
+#include <apps/commands/subcommand.hpp>
 #include <mapjoin/graph/connectivity.hpp>
 #include <mapjoin/io/store/store.hpp>
 #include <mapjoin/parallel/parallel.hpp>

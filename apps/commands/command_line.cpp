@@ -4,7 +4,7 @@
 #include <CLI/App.hpp>
 #include <CLI/Config.hpp>
 #include <CLI/Formatter.hpp>
-#include <apps/commands/commands.hpp>
+#include <apps/commands/subcommand.hpp>
 #include <apps/console.hpp>
 #include <boost/algorithm/string/replace.hpp>
 #include <mapjoin/version.hpp>

@@ -5,7 +5,7 @@
 
 #include <algorithm>
 #include <apps/commands/command_run.hpp>
-#include <apps/commands/commands.hpp>
+#include <apps/commands/subcommand.hpp>
 #include <memory>
 #include <optional>
 #include <utility>

@@ -4,7 +4,7 @@
 #include <fmt/format.h>
 
 #include <apps/commands/command_run.hpp>
-#include <apps/commands/commands.hpp>
+#include <apps/commands/subcommand.hpp>
 #include <apps/picture/plotted_map.hpp>
 #include <apps/report/report.hpp>
 #include <array>
@@ -22,9 +22,8 @@ namespace {
 
 constexpr const char* kExamples =
     "  mapjoin convert data/manhattan2d.g2o manhattan.isam\n"
-    "  mapjoin convert VicPark_clean_data.mat vicpark.g2o\n"
-    "  mapjoin convert MRCLAM_Dataset6 robots.g2o\n"
-    "  mapjoin convert localmaps_mat.tar.gz FOLDER --to maps-text";
+    "  mapjoin build data/manhattan2d.g2o -o manhattan.maps\n"
+    "  mapjoin convert manhattan.maps FOLDER --to maps-text";
 
 enum class MapsFormat : std::uint8_t { kMat, kText, kStore };
 using AnyFormat = std::variant<LogFormat, MapsFormat>;

@@ -2,7 +2,7 @@
 // `mapjoin convexity`: how far from convex and from linear full SLAM and joining are (paper's Fig. 4, V and VI).
 
 #include <apps/commands/command_run.hpp>
-#include <apps/commands/commands.hpp>
+#include <apps/commands/subcommand.hpp>
 #include <memory>
 #include <variant>
 

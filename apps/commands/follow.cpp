@@ -1,13 +1,20 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include <fmt/format.h>
+#include <unistd.h>
+
 #include <apps/commands/follow.hpp>
-#include <apps/report/step_report.hpp>
+#include <apps/report/json.hpp>
+#include <cerrno>
 #include <chrono>
+#include <cstdio>
 #include <ctime>
+#include <mapjoin/io/files/system_call.hpp>
 #include <mapjoin/io/g2o/growing_g2o.hpp>
 #include <mapjoin/join/incremental/incremental_join.hpp>
 #include <mapjoin/join/incremental/part_maker.hpp>
+#include <mapjoin/model/counted.hpp>
+#include <memory>
 #include <thread>
-#include <type_traits>
 #include <utility>
 #include <variant>
 
@@ -15,6 +22,71 @@ namespace mapjoin::apps {
 namespace {
 
 constexpr std::chrono::milliseconds kBetweenLooks(50);
+
+/// The parts that were added at once.
+struct Step {
+  std::size_t first = 0;  ///< The number of its first part, from 1, and how many there are.
+  std::size_t count = 1;
+  PoseId begin, end;
+  AddedPart added;
+  double seconds = 0.0;  ///< CPU time.
+};
+
+std::string for_people(const Step& step) {
+  const AddedPart& added = step.added;
+  const std::string maps = step.count == 1 ? fmt::format("map {}", step.first)
+                                           : fmt::format("maps {} to {}", step.first, step.first + step.count - 1);
+  const std::string poses = fmt::format("{} to {}", to_string(step.begin), step.end.key);
+  if (!added.is_joined) return fmt::format("{}, {}: waits, nothing ties it to the others yet\n", maps, poses);
+  return fmt::format("{}, {}: moved {:.3f} m, {:.4f} rad; chi2 {:.2f}, dof {}; {} variables in {}{}\n", maps, poses,
+                     added.metres, added.radians, added.chi2, added.dof, added.eliminated,
+                     counted(added.iterations, "iteration"), added.joined_anew ? "; all joined anew" : "");
+}
+
+std::string for_programs(const Step& step) {
+  const AddedPart& added = step.added;
+  const Json line = {{"map", step.first},
+                     {"maps", step.count},
+                     {"first_pose", step.begin.key},
+                     {"last_pose", step.end.key},
+                     {"joined", added.is_joined},
+                     {"moved_m", added.metres},
+                     {"moved_rad", added.radians},
+                     {"chi2", added.chi2},
+                     {"dof", added.dof},
+                     {"eliminated", added.eliminated},
+                     {"iterations", added.iterations},
+                     {"converged", added.converged},
+                     {"joined_anew", added.joined_anew},
+                     {"cpu_seconds", step.seconds}};
+  return line.dump() + '\n';
+}
+
+/// What each added map did: a line for people on standard error, where that is a terminal, and a line of JSON for programs.
+class StepReport {
+ public:
+  /// `path`: as FollowOptions::steps. kCannotWrite where the file cannot be made; it grows line by line, for others to follow.
+  StepReport(const std::filesystem::path& path, bool quiet)
+      : path_(path == "-" ? "standard output" : path), is_shown_(!quiet && ::isatty(STDERR_FILENO) == 1) {
+    if (path == "-") file_ = File(stdout, [](std::FILE*) { return 0; });
+    if (path == "-" || path.empty()) return;
+    file_ = File(std::fopen(path.c_str(), "we"), std::fclose);
+    if (!file_) demand(call_failed(path_, errno, ErrorKind::kCannotWrite));
+  }
+
+  void add(const Step& step) {
+    if (is_shown_) std::fputs(for_people(step).c_str(), stderr);
+    if (!file_ || (std::fputs(for_programs(step).c_str(), file_.get()) >= 0 && std::fflush(file_.get()) == 0)) return;
+    // A reader that has gone away has had all it wanted.
+    if (errno != EPIPE) demand(call_failed(path_, errno, ErrorKind::kCannotWrite));
+  }
+
+ private:
+  using File = std::unique_ptr<std::FILE, int (*)(std::FILE*)>;
+  std::filesystem::path path_;
+  File file_{nullptr, std::fclose};
+  bool is_shown_;
+};
 
 /// The estimate of a log that grows.
 template <int Dim>
@@ -59,7 +131,7 @@ class GrowingMap {
     const std::clock_t start = std::clock();
     step.added = add();
     step.seconds = static_cast<double>(std::clock() - start) / CLOCKS_PER_SEC;
-    demand(report_.add(step));
+    report_.add(step);
   }
 
   const Options& options_;
@@ -71,8 +143,8 @@ class GrowingMap {
 
 class Follower {
  public:
-  Follower(const Options& options, GrowingG2o file, StepReport report)
-      : options_(options), file_(std::move(file)), report_(std::move(report)) {}
+  Follower(const Options& options, const std::filesystem::path& steps)
+      : options_(options), file_(GrowingG2o::open(options.input, options.read).value()), report_(steps, options.quiet) {}
 
   /// Until the file has not grown for a while, a stop is requested, or something in it is wrong, which is then the fault.
   FollowedLog follow(double idle_seconds, const std::stop_token& stop) {
@@ -161,9 +233,7 @@ std::vector<std::string> check_following(const Subcommand& command, const Option
 }
 
 FollowedLog follow(const Options& options, const FollowOptions& following, const std::stop_token& stop) {
-  GrowingG2o file = GrowingG2o::open(options.input, options.read).value();
-  StepReport report = StepReport::open(following.steps, options.quiet).value();
-  return Follower(options, std::move(file), std::move(report)).follow(following.idle_seconds, stop);
+  return Follower(options, following.steps).follow(following.idle_seconds, stop);
 }
 
 }  // namespace mapjoin::apps

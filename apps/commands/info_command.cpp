@@ -4,7 +4,7 @@
 #include <fmt/format.h>
 
 #include <apps/commands/command_run.hpp>
-#include <apps/commands/commands.hpp>
+#include <apps/commands/subcommand.hpp>
 #include <apps/report/report.hpp>
 #include <mapjoin/io/formats/map_text.hpp>
 #include <mapjoin/measure/chi2.hpp>

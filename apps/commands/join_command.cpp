@@ -2,7 +2,7 @@
 // `mapjoin join`: from local maps to a global map.
 
 #include <apps/commands/command_run.hpp>
-#include <apps/commands/commands.hpp>
+#include <apps/commands/subcommand.hpp>
 #include <memory>
 #include <utility>
 #include <variant>
@@ -16,17 +16,27 @@ constexpr const char* kExamples =
 
 template <int Dim>
 void join_any(CommandRun& command_run, MapSet<Dim> set) {
-  auto result = run(std::move(set), command_run.run_options(), command_run.stop()).value();
+  const RunOptions& options = command_run.run_options();
+  auto result = command_run.options().gradual ? command_run.along_path(run_continued(set, options, command_run.stop()))
+                                              : run(std::move(set), options, command_run.stop()).value();
   command_run.write_map(result, static_cast<const Log<Dim>*>(nullptr));
 }
 
 /// What is wrong with the log in a store is said of the store.
 template <int Dim>
 void join_any(CommandRun& command_run, StoredMaps<Dim> stored) {
-  const Split parts = split_along(stored.log, stored.stretches);
-  auto result = run_from_maps(stored.log, parts, std::move(stored.maps), command_run.run_options(), command_run.stop());
-  if (!result) fail(result.error().kind, command_run.run_report.input + ": " + result.error().message);
-  command_run.write_map(*result, &stored.log);
+  const auto& log = stored.log;
+  const Split parts = split_along(log, stored.stretches);
+  const RunOptions& options = command_run.run_options();
+  const auto of_store = [&](const Error& error) {
+    return Error{error.kind, command_run.run_report.input + ": " + error.message};
+  };
+  auto result =
+      command_run.options().gradual
+          ? command_run.along_path(
+                run_continued(log, parts, std::move(stored.maps), options, command_run.stop()).map_error(of_store))
+          : run_from_maps(log, parts, std::move(stored.maps), options, command_run.stop()).map_error(of_store).value();
+  command_run.write_map(result, &log);
 }
 
 ExitCode join_maps(const Options& options, const std::stop_token& stop) {

@@ -5,11 +5,10 @@
 
 #include <algorithm>
 #include <apps/commands/command_run.hpp>
-#include <apps/commands/commands.hpp>
+#include <apps/commands/subcommand.hpp>
 #include <apps/picture/load.hpp>
 #include <apps/picture/picture.hpp>
 #include <apps/picture/plotted_map.hpp>
-#include <apps/picture/viewer_page.hpp>
 #include <mapjoin/io/files/output_file.hpp>
 #include <memory>
 #include <optional>

@@ -3,8 +3,8 @@
 
 #include <apps/certainty.hpp>
 #include <apps/commands/command_run.hpp>
-#include <apps/commands/commands.hpp>
 #include <apps/commands/follow.hpp>
+#include <apps/commands/subcommand.hpp>
 #include <apps/picture/plotted_map.hpp>
 #include <apps/report/report.hpp>
 #include <functional>
@@ -69,7 +69,10 @@ void write_folder(CommandRun& command_run, const RunResult<Dim>& result, const L
 
 template <int Dim>
 ExitCode run_on(CommandRun& command_run, const Log<Dim>& log, std::optional<OutputFolder>& folder) {
-  auto result = run(log, command_run.run_options(), command_run.stop()).value();
+  const RunOptions& options = command_run.run_options();
+  RunResult<Dim> result = command_run.options().gradual
+                              ? command_run.along_path(run_continued(log, options, command_run.stop()))
+                              : run(log, options, command_run.stop()).value();
   if (folder) {
     command_run.take(result);
     write_folder(command_run, result, log, *folder);

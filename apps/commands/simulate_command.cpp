@@ -3,7 +3,7 @@
 
 #include <fmt/format.h>
 
-#include <apps/commands/commands.hpp>
+#include <apps/commands/subcommand.hpp>
 #include <apps/console.hpp>
 #include <apps/outputs.hpp>
 #include <mapjoin/io/g2o/g2o.hpp>

@@ -44,6 +44,10 @@ Subcommand::Subcommand(CLI::App& parent, const std::string& name, const std::str
   app_->set_help_flag("-h,--help", "This text");
 }
 
+std::string Subcommand::name() const {
+  return app_->get_name();
+}
+
 void Subcommand::examples(const std::string& lines) {
   app_->footer("Examples:\n" + lines);
 }
@@ -84,7 +88,8 @@ void Subcommand::option(const std::string& name, const std::string& kind, const 
 
 template <typename T>
 void Subcommand::number(const std::string& name, T& value, T least, const std::string& kind, std::string help, T most) {
-  if (!help.ends_with(']')) help += fmt::format(std::is_integral_v<T> ? fmt::runtime(" [{}]") : fmt::runtime(" [{:.6g}]"), value);
+  if (!help.ends_with(']'))
+    help += fmt::format(std::is_integral_v<T> ? fmt::runtime(" [{}]") : fmt::runtime(" [{:.6g}]"), value);
   option(name, kind, help, [&value, least, most](const std::string& word) -> std::optional<std::string> {
     const std::optional<T> given = number_in<T>(word);
     if (!given || *given < least || *given > most) {

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
-// One subcommand: its options as they are declared, everything that is wrong with those given, and what it does.
+// The command line: subcommands, with their options as they are declared, everything that is wrong with those given, and what
+// they do.
 
 #include <apps/exit_code.hpp>
 #include <cstdint>
@@ -9,6 +10,7 @@
 #include <limits>
 #include <mapjoin/model/enum_names.hpp>
 #include <mapjoin/model/error.hpp>
+#include <memory>
 #include <optional>
 #include <stop_token>
 #include <string>
@@ -41,6 +43,7 @@ class Subcommand {
   Subcommand(const Subcommand&) = delete;
   Subcommand& operator=(const Subcommand&) = delete;
 
+  std::string name() const;
   /// Below the options in the help.
   void examples(const std::string& lines);
   /// The heading of the options that follow in the help.
@@ -105,5 +108,26 @@ class Subcommand {
   std::vector<std::function<std::vector<std::string>()>> checks_;
   Action action_;
 };
+
+/// Each in a file of its own.
+void declare_run(Subcommand& command);
+void declare_build(Subcommand& command);
+void declare_join(Subcommand& command);
+void declare_solve(Subcommand& command);
+void declare_compare(Subcommand& command);
+void declare_basin(Subcommand& command);
+void declare_convexity(Subcommand& command);
+void declare_plot(Subcommand& command);
+void declare_simulate(Subcommand& command);
+void declare_info(Subcommand& command);
+void declare_check(Subcommand& command);
+void declare_convert(Subcommand& command);
+
+struct CommandLine {
+  std::shared_ptr<CLI::App> app;
+  std::vector<std::unique_ptr<Subcommand>> commands;  ///< In the order of the help.
+};
+
+CommandLine command_line();
 
 }  // namespace mapjoin::apps

@@ -5,7 +5,7 @@
 
 #include <algorithm>
 #include <apps/picture/markup.hpp>
-#include <apps/picture/viewer_page.hpp>
+#include <apps/picture/plotted_map.hpp>
 #include <apps/report/json.hpp>
 #include <boost/algorithm/string/replace.hpp>
 #include <cstdint>

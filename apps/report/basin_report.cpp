@@ -6,7 +6,7 @@
 #include <apps/report/study_reports.hpp>
 #include <apps/report/table.hpp>
 #include <cmath>
-#include <mapjoin/measure/median.hpp>
+#include <mapjoin/measure/statistics.hpp>
 
 namespace mapjoin::apps {
 namespace {

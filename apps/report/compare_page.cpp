@@ -6,8 +6,8 @@
 #include <algorithm>
 #include <apps/picture/markup.hpp>
 #include <apps/picture/picture.hpp>
-#include <apps/report/compare_report.hpp>
 #include <apps/report/report.hpp>
+#include <apps/report/study_reports.hpp>
 #include <filesystem>
 #include <mapjoin/join/tolerances.hpp>
 #include <string_view>

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <fmt/format.h>
 
-#include <apps/report/compare_report.hpp>
 #include <apps/report/report.hpp>
+#include <apps/report/study_reports.hpp>
 
 namespace mapjoin {
 

@@ -2,7 +2,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <apps/report/compare_report.hpp>
+#include <apps/report/study_reports.hpp>
 #include <cmath>
 #include <set>
 

@@ -55,11 +55,11 @@ Json map_fits_of(const RunReport& run_report) {
   return fits;
 }
 
-/// The optimum at each share of what is not quadratic; null where the join was not gradual.
-Json path_of(const RunFigures& figures) {
+/// The optimum at each weight of what is not quadratic; null where the join was not by continuation.
+Json path_of(const std::vector<PathPoint>& points) {
   Json path;
-  for (const PathPoint& point : figures.path) {
-    path.push_back({{"share", point.share}, {"chi2", point.result.chi2}, {"iterations", point.result.iterations}});
+  for (const PathPoint& point : points) {
+    path.push_back({{"share", point.weight}, {"chi2", point.result.chi2}, {"iterations", point.result.iterations}});
   }
   return path;
 }
@@ -79,7 +79,7 @@ Json join_of(const RunReport& run_report) {
                {"state", options.state},
                {"start", is_batch ? std::optional(options.start) : std::nullopt},
                {"schedule", options.schedule},
-               {"path", path_of(figures)},
+               {"path", path_of(run_report.path)},
                {"method", options.solver.method},
                {"engine", options.solver.engine}};
   json.update(if_known(run_report.is_joined, {{"iterations", figures.join.iterations},

@@ -9,7 +9,8 @@
 #include <mapjoin/io/store/store.hpp>
 #include <mapjoin/join/consistency.hpp>
 #include <mapjoin/join/run.hpp>
-#include <mapjoin/measure/stopwatch.hpp>
+#include <mapjoin/join/study/continuation.hpp>
+#include <mapjoin/measure/effort.hpp>
 #include <mapjoin/model/conventions.hpp>
 #include <mapjoin/model/ids.hpp>
 #include <mapjoin/model/log.hpp>
@@ -66,6 +67,7 @@ struct RunReport {
   bool is_resumed = false;      ///< The iterations in `figures` are only those since a build went on.
   bool is_joined = false;       ///< and what came of joining them.
   RunFigures figures;
+  std::vector<PathPoint> path;             ///< To the join, where it was by continuation.
   std::vector<PoseId> held;                ///< The gauge: poses held still.
   std::vector<PoseId> map_bases;           ///< Of `figures.maps`: the poses that they start from,
   std::vector<PoseId> map_ends;            ///< and those that they end at.

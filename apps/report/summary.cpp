@@ -32,7 +32,7 @@ std::string solve_in_words(const MinimiseResult& result) {
 std::string join_in_words(const RunReport& run_report) {
   const RunOptions& options = run_report.options;
   const bool is_batch = options.schedule == Schedule::kBatch;
-  const std::string_view gradually = run_report.figures.path.empty() ? "" : ", gradually,";
+  const std::string_view gradually = run_report.path.empty() ? "" : ", gradually,";
   const std::string start = is_batch ? fmt::format("{} from the {} start", gradually, to_string(options.start)) : "";
   const bool is_ours = options.solver.engine == Engine::kFronts;
   const std::string engine = is_ours ? "" : fmt::format(", by {}", to_string(options.solver.engine));

@@ -8,8 +8,7 @@
 #include <mapjoin/check/fit.hpp>
 #include <mapjoin/graph/ties.hpp>
 #include <mapjoin/measure/chi2.hpp>
-#include <mapjoin/measure/chi_squared.hpp>
-#include <mapjoin/measure/median.hpp>
+#include <mapjoin/measure/statistics.hpp>
 #include <mapjoin/model/information.hpp>
 #include <utility>
 
