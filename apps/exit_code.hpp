@@ -1,9 +1,13 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
-// What the command tells the shell.
+// What the command tells the shell. A command ends with an exit code, or where it cannot go on with an Error that is thrown: by
+// fail(), by demand(), or by `.value()` of an Expected that is none.
 
+#include <algorithm>
 #include <array>
 #include <mapjoin/model/error.hpp>
+#include <optional>
+#include <string>
 #include <string_view>
 #include <utility>
 
@@ -21,32 +25,31 @@ enum class ExitCode : int {
   kInterrupted = 130,
 };
 
-/// What the help and the manual say of them.
-inline constexpr std::array<std::pair<ExitCode, std::string_view>, 8> kExitCodes = {{
-    {ExitCode::kDone, "done"},
-    {ExitCode::kInternalError, "internal error (of check: there are findings)"},
-    {ExitCode::kUsage, "usage"},
-    {ExitCode::kBadInput, "bad input"},
-    {ExitCode::kDidNotConverge, "did not converge (the result is written)"},
-    {ExitCode::kCannotWrite, "cannot write"},
-    {ExitCode::kTooLarge, "too large"},
-    {ExitCode::kInterrupted, "interrupted"},
-}};
+struct ExitCodeMeaning {
+  ExitCode code;
+  std::string_view text;  ///< In the help and the manual.
+  std::optional<ErrorKind> kind = std::nullopt;
+};
+inline constexpr std::array kExitCodes = {
+    ExitCodeMeaning{ExitCode::kDone, "done"},
+    ExitCodeMeaning{ExitCode::kInternalError, "internal error (of check: there are findings)"},
+    ExitCodeMeaning{ExitCode::kUsage, "usage", ErrorKind::kUsage},
+    ExitCodeMeaning{ExitCode::kBadInput, "bad input", ErrorKind::kBadInput},
+    ExitCodeMeaning{ExitCode::kDidNotConverge, "did not converge (the result is written)"},
+    ExitCodeMeaning{ExitCode::kCannotWrite, "cannot write", ErrorKind::kCannotWrite},
+    ExitCodeMeaning{ExitCode::kTooLarge, "too large", ErrorKind::kTooLarge},
+    ExitCodeMeaning{ExitCode::kInterrupted, "interrupted", ErrorKind::kInterrupted},
+};
 
 inline ExitCode exit_code_of(ErrorKind kind) {
-  switch (kind) {
-    case ErrorKind::kBadInput:
-      return ExitCode::kBadInput;
-    case ErrorKind::kUsage:
-      return ExitCode::kUsage;
-    case ErrorKind::kCannotWrite:
-      return ExitCode::kCannotWrite;
-    case ErrorKind::kTooLarge:
-      return ExitCode::kTooLarge;
-    case ErrorKind::kInterrupted:
-      return ExitCode::kInterrupted;
-  }
-  return ExitCode::kInternalError;
+  return std::find_if(kExitCodes.begin(), kExitCodes.end(), [&](const auto& meaning) { return meaning.kind == kind; })->code;
+}
+
+[[noreturn]] inline void fail(ErrorKind kind, std::string sentence) {
+  throw tl::bad_expected_access<Error>(Error{kind, std::move(sentence)});
+}
+inline void demand(const Expected<void>& done) {
+  if (!done) fail(done.error().kind, done.error().message);
 }
 
 }  // namespace mapjoin::apps

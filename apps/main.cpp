@@ -6,11 +6,9 @@
 #include <CLI/App.hpp>
 #include <CLI/Config.hpp>
 #include <algorithm>
-#include <apps/blas.hpp>
-#include <apps/commands/commands.hpp>
+#include <apps/commands/subcommand.hpp>
 #include <apps/console.hpp>
-#include <apps/interruption.hpp>
-#include <apps/truncated_input.hpp>
+#include <apps/process.hpp>
 #include <cstdlib>
 #include <exception>
 #include <new>
@@ -18,39 +16,38 @@
 namespace mapjoin::apps {
 namespace {
 
-/// Of --help and --version.
-Expected<ExitCode> told(const std::string& text) {
-  return write_stdout(text).map([] { return ExitCode::kDone; });
-}
-
 /// A command line that is wrong, in one sentence.
-tl::unexpected<Error> misused(const CLI::App& app, const std::string& what) {
-  std::string sentence = what;
+[[noreturn]] void fail_to_parse(const CLI::App& app, std::string what) {
   if (app.get_subcommands().empty()) {
     const auto words = app.remaining();
-    sentence = words.empty() ? "a command is required" : fmt::format("there is no command \"{}\"", words.front());
+    what = words.empty() ? "a command is required" : fmt::format("there is no command \"{}\"", words.front());
   }
-  return tl::unexpected(Error{ErrorKind::kUsage, sentence + " (see mapjoin --help)"});
+  fail(ErrorKind::kUsage, what + " (see mapjoin --help)");
 }
 
-Expected<ExitCode> parse_and_run(int argc, char** argv) {
+ExitCode parse_and_run(int argc, char** argv) {
   const Interruption interruption;
   const CommandLine line = command_line();
   CLI::App& app = *line.app;
   try {
     app.parse(argc, argv);
   } catch (const CLI::CallForHelp&) {
-    return told(app.help());
+    demand(write_stdout(app.help()));
+    return ExitCode::kDone;
   } catch (const CLI::CallForVersion& version) {
-    return told(fmt::format("{}\n", version.what()));
+    demand(write_stdout(fmt::format("{}\n", version.what())));
+    return ExitCode::kDone;
   } catch (const CLI::ParseError& error) {
-    return misused(app, error.what());
+    fail_to_parse(app, error.what());
   }
-  const auto chosen =
-      std::find_if(line.commands.begin(), line.commands.end(), [](const auto& command) { return command->is_chosen(); });
-  auto done = (*chosen)->run(interruption.token());
-  if (!done && interruption.token().stop_requested()) return tl::unexpected(Error{ErrorKind::kInterrupted, "interrupted"});
-  return done;
+  const auto is_chosen = [](const auto& command) { return command->is_chosen(); };
+  const auto chosen = std::find_if(line.commands.begin(), line.commands.end(), is_chosen);
+  try {
+    return (*chosen)->run(interruption.token());
+  } catch (const tl::bad_expected_access<Error>&) {
+    if (interruption.token().stop_requested()) fail(ErrorKind::kInterrupted, "interrupted");
+    throw;
+  }
 }
 
 ExitCode main(int argc, char** argv) {
@@ -61,10 +58,10 @@ ExitCode main(int argc, char** argv) {
   keep_blas_on_one_thread();
   end_on_truncated_input();
   try {
-    const auto done = parse_and_run(argc, argv);
-    if (done) return *done;
-    say(done.error().message);
-    return exit_code_of(done.error().kind);
+    return parse_and_run(argc, argv);
+  } catch (const tl::bad_expected_access<Error>& failure) {
+    say(failure.error().message);
+    return exit_code_of(failure.error().kind);
   } catch (const std::bad_alloc&) {
     say("there is not enough memory for this");
     return ExitCode::kTooLarge;

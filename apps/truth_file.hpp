@@ -7,12 +7,25 @@
 #include <mapjoin/join/consistency.hpp>
 #include <mapjoin/model/error.hpp>
 #include <mapjoin/model/global_map.hpp>
+#include <mapjoin/model/ids.hpp>
 #include <mapjoin/model/log.hpp>
+#include <optional>
 #include <string>
 #include <variant>
 #include <vector>
 
 namespace mapjoin::apps {
+
+/// Of each name its value, where the two lists have it.
+template <typename Id, typename Value>
+std::vector<std::optional<Value>> by_name(const std::vector<Id>& ids, const std::vector<Value>& values,
+                                          const std::vector<Id>& names) {
+  std::vector<std::optional<Value>> found(names.size());
+  for (std::size_t k = 0; k < values.size(); ++k) {
+    if (const auto at = find_index(names, ids[k])) found[static_cast<std::size_t>(*at)] = values[k];
+  }
+  return found;
+}
 
 class TruthFile {
  public:

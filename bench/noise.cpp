@@ -11,6 +11,7 @@
 #include <limits>
 #include <mapjoin/io/files/output_file.hpp>
 #include <mapjoin/join/run.hpp>
+#include <mapjoin/join/study/continuation.hpp>
 #include <mapjoin/parallel/parallel.hpp>
 #include <mapjoin/simulate/manhattan.hpp>
 #include <string>
@@ -53,8 +54,7 @@ double by_gradual(const Simulation<2>& world) {
   RunOptions options;
   options.schedule = Schedule::kBatch;
   options.state = JoinedState::kRelative;
-  options.gradual = true;
-  return chi2_of(run(world.log, options));
+  return chi2_of(run_continued(world.log, options));
 }
 
 double by_full_slam(const Log<2>& log, Method method, Start start) {

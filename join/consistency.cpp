@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <algorithm>
 #include <mapjoin/join/consistency.hpp>
-#include <mapjoin/measure/chi_squared.hpp>
+#include <mapjoin/measure/statistics.hpp>
 #include <utility>
 
 namespace mapjoin {

@@ -8,7 +8,7 @@
 #include <mapjoin/join/tolerances.hpp>
 #include <mapjoin/join/whole.hpp>
 #include <mapjoin/join/world.hpp>
-#include <mapjoin/measure/chi_squared.hpp>
+#include <mapjoin/measure/statistics.hpp>
 #include <mapjoin/model/information.hpp>
 #include <mapjoin/parallel/parallel.hpp>
 #include <mapjoin/solve/free_directions.hpp>
@@ -43,21 +43,6 @@ std::int64_t measured_rows(const Piece<Dim>& piece, const Gauge<Dim>& gauge, con
     add(selection->feature_factors);
   }
   return static_cast<std::int64_t>(rows);
-}
-
-/// From the composed start to the one asked for.
-template <int Dim>
-void set_start(const JoinOptions<Dim>& options, Piece<Dim>& whole) {
-  switch (options.start) {
-    case Start::kComposed:
-      return;
-    case Start::kZero:
-      return set_to_zero(whole);
-    case Start::kRandom:
-      return set_to_random(options.seed, whole);
-    case Start::kFile:
-      return set_to_values(*options.values, whole);
-  }
 }
 
 /// The state of the whole network from the estimate of its joined part.
@@ -157,18 +142,11 @@ Expected<Join<Dim>> join_by(Schedule schedule, const Task<Dim>& task, const Mini
   if (stop.stop_requested()) return interrupted();
 
   whole.state = composed_state(network, whole, options.origin, std::move(pieces));
-  set_start(options, whole);
+  set_start(options.start, options.seed, options.values, whole);
   place_fixed_poses(network, whole);
   problem->system().estimate() = whole.state;
-  std::vector<PathPoint> path;
-  if (options.gradual) {
-    MinimiseOptions leading = solver_of(SolveOnTheWay::kLoosely);
-    leading.method = options.solver.method;
-    path = lead_gradually(*problem, whole, gauge, options.state, leading, stop);
-  }
   auto join = solved(task, std::move(whole), gauge, *std::move(problem), solver);
   if (join) join->schedule = schedule;
-  if (join) join->path = std::move(path);
   return join;
 }
 

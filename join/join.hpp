@@ -4,7 +4,6 @@
 
 #include <cstdint>
 #include <functional>
-#include <mapjoin/join/graded_problem.hpp>
 #include <mapjoin/join/joint_system.hpp>
 #include <mapjoin/join/network.hpp>
 #include <mapjoin/join/schedule.hpp>
@@ -20,13 +19,12 @@ namespace mapjoin {
 template <int Dim>
 struct JoinOptions {
   Schedule schedule = Schedule::kAuto;
-  JoinedState state = JoinedState::kAbsolute;  ///< Coordinates of the steps.
-  MinimiseOptions solver;                      ///< Of the last join, over all original maps.
-  Pose<Dim> origin;                            ///< Where the first pose is held when the World says nothing.
-  Start start = Start::kComposed;              ///< Another one is for the batch schedule only.
-  bool gradual = false;                        ///< Bring what is not quadratic in gradually; for the batch schedule.
-  std::uint64_t seed = 1;                      ///< Of the random start.
-  const State<Dim>* values = nullptr;          ///< For Start::kFile: of the whole network.
+  JoinedState state = JoinedState::kAbsolute;              ///< Coordinates of the steps.
+  MinimiseOptions solver;                                  ///< Of the last join, over all original maps.
+  Pose<Dim> origin;                                        ///< Where the first pose is held when the World says nothing.
+  Start start = Start::kComposed;                          ///< Another one is for the batch schedule only.
+  std::uint64_t seed = 1;                                  ///< Of the random start.
+  const State<Dim>* values = nullptr;                      ///< For Start::kFile: of the whole network.
   std::function<void(std::size_t, std::size_t)> progress;  ///< As in ScheduleOptions.
 };
 
@@ -47,7 +45,6 @@ struct Join {
   MinimiseResult result;
   Schedule schedule = Schedule::kTree;       ///< That it was found by; of kAuto, the one of least chi2.
   bool is_settled = false;                   ///< Of kAuto: the solve was nearly linear, or two schedules found this optimum.
-  std::vector<PathPoint> path;               ///< Where it was brought in gradually.
   State<Dim> state;                          ///< Of the whole network; poses that are not joined are left at the origin.
   std::vector<Index> poses;                  ///< The poses of the joined state, ascending.
   std::vector<Index> features;               ///< Its features: all but the private ones.

@@ -66,6 +66,9 @@ Network<Dim> network_of(const MapSet<Dim>& set, std::vector<LocalMap<Dim>> maps)
   for (const auto& o : set.graph.feature_factors) {
     (o.base == kWorld ? network.priors : network.factors).feature_factors.push_back(&o);
   }
+  for (LocalMap<Dim>& map : maps) {
+    map.information = (0.5 * (map.information + map.information.transpose())).eval();  // a filter leaves it asymmetric
+  }
   add_maps(network, std::move(maps));
   return network;
 }

@@ -6,7 +6,7 @@
 #include <mapjoin/localmap/check.hpp>
 #include <mapjoin/localmap/recover.hpp>
 #include <mapjoin/measure/chi2.hpp>
-#include <mapjoin/measure/stopwatch.hpp>
+#include <mapjoin/measure/effort.hpp>
 #include <mapjoin/model/demand_valid.hpp>
 #include <mapjoin/model/stretch.hpp>
 #include <mapjoin/parallel/parallel.hpp>
@@ -35,15 +35,8 @@ JoinOptions<Dim> join_options(const RunOptions& options, const Pose<Dim>& origin
   joining.origin = origin;
   joining.start = options.start;
   joining.seed = options.seed;
-  joining.gradual = options.gradual;
   joining.progress = progress_of(options, Stage::kJoin);
   return joining;
-}
-
-/// Where the first pose is held when the World says nothing: at the file's value, if it has one.
-template <int Dim>
-Pose<Dim> origin_of(const Log<Dim>& log) {
-  return log.initial.poses.empty() ? Pose<Dim>{} : log.initial.poses.front();
 }
 
 template <int Dim, template <int> typename Source>
@@ -75,7 +68,6 @@ void take_figures(const Join<Dim>& join, RunFigures& figures) {
   figures.join = join.result;
   figures.schedule = join.schedule;
   figures.is_settled = join.is_settled;
-  figures.path = join.path;
   figures.turned = join.turned;
   figures.join_dof = join.dof();
   figures.maps = join.maps;
@@ -120,10 +112,10 @@ Expected<RunResult<Dim>> with_covariances(Found<Dim> found, const RunOptions& op
 
 template <int Dim>
 Expected<Join<Dim>> join_maps(const Log<Dim>& log, const Network<Dim>& network, const RunOptions& options,
-                              const std::stop_token& stop, RunResult<Dim>& result) {
+                              const std::stop_token& stop, const State<Dim>* values, RunResult<Dim>& result) {
   const Stopwatch watch(result.seconds.join);
   JoinOptions<Dim> joining = join_options(options, origin_of(log));
-  joining.values = &log.initial;
+  joining.values = values ? values : &log.initial;
   auto joined = join(network, log.poses, log.features, joining, stop);
   if (!joined) return tl::unexpected(of_source(log.source, joined.error()));
   take_figures(*joined, result);
@@ -156,17 +148,15 @@ void refine(const Log<Dim>& log, Restored<Dim>& restored, const RunOptions& opti
 /// Joins local maps, recovers what they eliminated, and refines the whole.
 template <int Dim>
 Expected<Found<Dim>> join_and_refine(const Log<Dim>& log, const Split& split, std::vector<LocalMap<Dim>> maps,
-                                     const RunOptions& options, const std::stop_token& stop, RunResult<Dim> result = {}) {
-  const bool has_values = !log.initial.poses.empty() && log.initial.features.size() == log.features.size();
-  if (options.start == Start::kFile && !has_values) {
-    return bad_input(log.source + ": not every pose and feature has a value to start from");
-  }
+                                     const RunOptions& options, const std::stop_token& stop, RunResult<Dim> result = {},
+                                     const State<Dim>* values = nullptr) {
+  if (auto given = check_start(log, options.start); !values && !given) return tl::unexpected(given.error());
   result.local_maps = maps.size();
   result.spans = split.stretches.size() - maps.size();
   result.poses_per_map = split.poses_per_map;
   for (const LocalMap<Dim>& map : maps) result.joint_bytes += information_bytes(map);
   const Network<Dim> network = network_of(log, split, std::move(maps));
-  auto joined = join_maps(log, network, options, stop, result);
+  auto joined = join_maps(log, network, options, stop, values, result);
   if (!joined) return tl::unexpected(joined.error());
   // A join of the whole log has counted its rows already.
   result.dof = result.local_maps > 0 ? degrees_of_freedom(log, joined->held.size()) : joined->dof();
@@ -204,27 +194,25 @@ Expected<Found<Dim>> run_once(const Log<Dim>& log, const RunOptions& options, co
 }
 
 template <int Dim>
-Expected<void> check_set(const MapSet<Dim>& set, const RunOptions& options) {
+Expected<void> check_set(const MapSet<Dim>& set, const RunOptions& options, const State<Dim>* values) {
   demand_valid(options);
-  if (options.start == Start::kFile)
-    return bad_input(set.source + ": local maps hold no values of the whole map to start from");
+  if (auto given = check_start(set, options.start); !values && !given) return given;
   return check_numbers(set).and_then([&] { return check_connected(set); });
 }
 
 /// Joins the maps of a set, which need not hold them any more.
 template <int Dim>
 Expected<RunResult<Dim>> join_set(const MapSet<Dim>& set, std::vector<LocalMap<Dim>> maps, const RunOptions& options,
-                                  const std::stop_token& stop) {
+                                  const std::stop_token& stop, const State<Dim>* values = nullptr) {
   RunResult<Dim> result;
   result.local_maps = maps.size();
-  for (LocalMap<Dim>& map : maps) {
-    result.joint_bytes += information_bytes(map);
-    map.information = (0.5 * (map.information + map.information.transpose())).eval();  // a filter leaves it asymmetric
-  }
+  for (const LocalMap<Dim>& map : maps) result.joint_bytes += information_bytes(map);
   const Network<Dim> network = network_of(set, std::move(maps));
   auto joined = [&] {
     const Stopwatch watch(result.seconds.join);
-    return join(network, set.poses, set.features, join_options(options, Pose<Dim>{}), stop);
+    JoinOptions<Dim> joining = join_options(options, Pose<Dim>{});
+    joining.values = values;
+    return join(network, set.poses, set.features, joining, stop);
   }();
   if (!joined) return tl::unexpected(of_source(set.source, joined.error()));
   take_figures(*joined, result);
@@ -254,8 +242,20 @@ std::vector<std::string> RunOptions::validate() const {
   if (start != Start::kComposed && !takes_start) {
     violations.push_back("a " + to_string(start) + " start is for the batch schedule: the others need none");
   }
-  if (gradual && !takes_start) violations.emplace_back("only the batch schedule is gradual");
   return violations;
+}
+
+template <int Dim>
+Expected<void> check_start(const Log<Dim>& log, Start start) {
+  const bool has_values = !log.initial.poses.empty() && log.initial.features.size() == log.features.size();
+  if (start != Start::kFile || has_values) return {};
+  return bad_input(log.source + ": not every pose and feature has a value to start from");
+}
+
+template <int Dim>
+Expected<void> check_start(const MapSet<Dim>& set, Start start) {
+  if (start != Start::kFile) return {};
+  return bad_input(set.source + ": local maps hold no values of the whole map to start from");
 }
 
 bool RunFigures::converged() const {
@@ -285,23 +285,26 @@ Expected<RunResult<Dim>> run(const Log<Dim>& log, const RunOptions& options, con
 
 template <int Dim>
 Expected<RunResult<Dim>> run_from_maps(const Log<Dim>& log, const Split& split, std::vector<LocalMap<Dim>> maps,
-                                       const RunOptions& options, const std::stop_token& stop) {
+                                       const RunOptions& options, const std::stop_token& stop, const State<Dim>* values) {
   demand_valid(options);
   if (auto connected = check_connected(log); !connected) return tl::unexpected(connected.error());
   if (auto of_log = check_local_maps(log, split, maps); !of_log) return tl::unexpected(of_log.error());
-  return join_and_refine(log, split, std::move(maps), options, stop).and_then([&](Found<Dim> found) {
+  return join_and_refine(log, split, std::move(maps), options, stop, {}, values).and_then([&](Found<Dim> found) {
     return with_covariances(std::move(found), options, stop);
   });
 }
 
 template <int Dim>
-Expected<RunResult<Dim>> run(const MapSet<Dim>& set, const RunOptions& options, const std::stop_token& stop) {
-  return check_set(set, options).and_then([&] { return join_set(set, set.graph.submaps, options, stop); });
+Expected<RunResult<Dim>> run(const MapSet<Dim>& set, const RunOptions& options, const std::stop_token& stop,
+                             const State<Dim>* values) {
+  return check_set(set, options, values).and_then([&] { return join_set(set, set.graph.submaps, options, stop, values); });
 }
 
 template <int Dim>
 Expected<RunResult<Dim>> run(MapSet<Dim>&& set, const RunOptions& options, const std::stop_token& stop) {
-  return check_set(set, options).and_then([&] { return join_set(set, std::move(set.graph.submaps), options, stop); });
+  return check_set<Dim>(set, options, nullptr).and_then([&] {
+    return join_set(set, std::move(set.graph.submaps), options, stop);
+  });
 }
 
 template <int Dim>
@@ -315,12 +318,14 @@ Expected<RunResult<Dim>> solve(const Log<Dim>& log, RunOptions options, const st
   });
 }
 
-#define MAPJOIN_INSTANTIATE(Dim)                                                                             \
-  template Expected<RunResult<Dim>> run(const Log<Dim>&, const RunOptions&, const std::stop_token&);         \
-  template Expected<RunResult<Dim>> run(const MapSet<Dim>&, const RunOptions&, const std::stop_token&);      \
-  template Expected<RunResult<Dim>> run(MapSet<Dim>&&, const RunOptions&, const std::stop_token&);           \
-  template Expected<RunResult<Dim>> run_from_maps(const Log<Dim>&, const Split&, std::vector<LocalMap<Dim>>, \
-                                                  const RunOptions&, const std::stop_token&);                \
+#define MAPJOIN_INSTANTIATE(Dim)                                                                                           \
+  template Expected<RunResult<Dim>> run(const Log<Dim>&, const RunOptions&, const std::stop_token&);                       \
+  template Expected<RunResult<Dim>> run(const MapSet<Dim>&, const RunOptions&, const std::stop_token&, const State<Dim>*); \
+  template Expected<RunResult<Dim>> run(MapSet<Dim>&&, const RunOptions&, const std::stop_token&);                         \
+  template Expected<RunResult<Dim>> run_from_maps(const Log<Dim>&, const Split&, std::vector<LocalMap<Dim>>,               \
+                                                  const RunOptions&, const std::stop_token&, const State<Dim>*);           \
+  template Expected<void> check_start(const Log<Dim>&, Start);                                                             \
+  template Expected<void> check_start(const MapSet<Dim>&, Start);                                                          \
   template Expected<RunResult<Dim>> solve(const Log<Dim>&, RunOptions, const std::stop_token&);
 MAPJOIN_INSTANTIATE(2)
 MAPJOIN_INSTANTIATE(3)

@@ -41,9 +41,8 @@ struct RunOptions {
   bool marginals = false;          ///< All of them, and the relations: RunResult::marginals, which take covariances.
   std::int64_t most_memory = 0;    ///< For covariances (bytes); 0: as much as the machine has.
   Start start = Start::kComposed;  ///< Of a join; another one is for the batch schedule only.
-  bool gradual = false;    ///< Of the batch schedule: the rest beside the quadratic part comes in gradually (GradedProblem).
-  std::uint64_t seed = 1;  ///< Of the random start.
-  bool keep_recovered = false;  ///< RunResult::recovered.
+  std::uint64_t seed = 1;          ///< Of the random start.
+  bool keep_recovered = false;     ///< RunResult::recovered.
   /// Called with a stage, what is done of it and what there is to do; from one thread at a time.
   std::function<void(Stage, std::size_t, std::size_t)> progress;
 
@@ -70,7 +69,6 @@ struct RunFigures {
   Schedule schedule = Schedule::kTree;  ///< That the join was found by; of kAuto, the one of least chi2.
   bool is_settled = false;              ///< As of Join.
   double turned = 0.0;                  ///< The most that the last solve of the join turned a pose (rad).
-  std::vector<PathPoint> path;          ///< To the join, where it was gradual.
   std::int64_t join_dof = 0;
   std::vector<MapFit> maps;              ///< How each local map fits into the join.
   std::optional<double> recovered_chi2;  ///< Of the whole log before polishing.
@@ -102,17 +100,31 @@ template <int Dim>
 Expected<RunResult<Dim>> run(const Log<Dim>& log, const RunOptions& options, const std::stop_token& stop = {});
 
 /// As run(), from local maps already built: `split` and `maps` as build_local_maps left them; bad input if they are not this
-/// log's.
+/// log's. `values`, of all poses and features, are those of Start::kFile in place of the log's, here and below.
 template <int Dim>
 Expected<RunResult<Dim>> run_from_maps(const Log<Dim>& log, const Split& split, std::vector<LocalMap<Dim>> maps,
-                                       const RunOptions& options, const std::stop_token& stop = {});
+                                       const RunOptions& options, const std::stop_token& stop = {},
+                                       const State<Dim>* values = nullptr);
 
 /// Joins local maps of which nothing else is known: no recovery, no polish.
 template <int Dim>
-Expected<RunResult<Dim>> run(const MapSet<Dim>& set, const RunOptions& options, const std::stop_token& stop = {});
+Expected<RunResult<Dim>> run(const MapSet<Dim>& set, const RunOptions& options, const std::stop_token& stop = {},
+                             const State<Dim>* values = nullptr);
 /// Without a copy of the maps, which are taken out of the set unless its check fails.
 template <int Dim>
 Expected<RunResult<Dim>> run(MapSet<Dim>&& set, const RunOptions& options, const std::stop_token& stop = {});
+
+/// Bad input where a start from values is asked for, and there is none of some pose or feature.
+template <int Dim>
+Expected<void> check_start(const Log<Dim>& log, Start start);
+template <int Dim>
+Expected<void> check_start(const MapSet<Dim>& set, Start start);
+
+/// Where the first pose is held when the World says nothing: at the log's value, if it has one.
+template <int Dim>
+Pose<Dim> origin_of(const Log<Dim>& log) {
+  return log.initial.poses.empty() ? Pose<Dim>{} : log.initial.poses.front();
+}
 
 /// Full SLAM: the join of one-step maps.
 template <int Dim>

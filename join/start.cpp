@@ -58,10 +58,18 @@ void set_to_values(const State<Dim>& state, Piece<Dim>& piece) {
   for (std::size_t f = 0; f < piece.features.size(); ++f) piece.state.features[f] = state.feature(piece.features[f]);
 }
 
-#define MAPJOIN_INSTANTIATE(Dim)                           \
-  template void set_to_zero(Piece<Dim>&);                  \
-  template void set_to_random(std::uint64_t, Piece<Dim>&); \
-  template void set_to_values(const State<Dim>&, Piece<Dim>&);
+template <int Dim>
+void set_start(Start start, std::uint64_t seed, const State<Dim>* values, Piece<Dim>& piece) {
+  if (start == Start::kZero) set_to_zero(piece);
+  if (start == Start::kRandom) set_to_random(seed, piece);
+  if (start == Start::kFile) set_to_values(*values, piece);
+}
+
+#define MAPJOIN_INSTANTIATE(Dim)                               \
+  template void set_to_zero(Piece<Dim>&);                      \
+  template void set_to_random(std::uint64_t, Piece<Dim>&);     \
+  template void set_to_values(const State<Dim>&, Piece<Dim>&); \
+  template void set_start(Start, std::uint64_t, const State<Dim>*, Piece<Dim>&);
 MAPJOIN_INSTANTIATE(2)
 MAPJOIN_INSTANTIATE(3)
 #undef MAPJOIN_INSTANTIATE

@@ -33,4 +33,8 @@ void set_to_random(std::uint64_t seed, Piece<Dim>& piece);
 template <int Dim>
 void set_to_values(const State<Dim>& state, Piece<Dim>& piece);
 
+/// From the composed start to the one asked for; `values` are for Start::kFile, of the whole network.
+template <int Dim>
+void set_start(Start start, std::uint64_t seed, const State<Dim>* values, Piece<Dim>& piece);
+
 }  // namespace mapjoin

@@ -3,10 +3,7 @@
 
 #include <algorithm>
 #include <apps/commands/command_run.hpp>
-#include <apps/commands/commands.hpp>
-#include <apps/commands/study.hpp>
-#include <apps/output_conflicts.hpp>
-#include <apps/report/basin_report.hpp>
+#include <apps/commands/subcommand.hpp>
 #include <memory>
 #include <optional>
 #include <variant>
@@ -15,10 +12,8 @@ namespace mapjoin::apps {
 namespace {
 
 constexpr const char* kExamples =
-    "  mapjoin basin data/manhattan2d.g2o\n"
-    "  mapjoin basin data/manhattan2d.g2o --poses-per-map 10,20,35,60 --seeds 5 -o basin";
-
-const std::vector<std::string> kFiles = {"basin.csv", "basin.json"};
+    "  mapjoin basin data/manhattan2d.g2o --seeds 3\n"
+    "  mapjoin basin data/manhattan2d.g2o --poses-per-map 20,60 --seeds 2 -o basin";
 
 struct BasinRequest {
   Options shared;
@@ -47,21 +42,22 @@ Expected<Basin> basin_of(const Data& data, const BasinOptions& options, const st
   return basin(data, options, stop);
 }
 
-StudyOutput output_of(const Basin& basin, const RunReport& run_report) {
-  const std::string json = basin_json(basin, run_report);
-  return {basin_table(basin, run_report), json, {{kFiles[0], basin_csv(basin)}, {kFiles[1], json}}};
-}
-
-Expected<ExitCode> run_basin(const BasinRequest& asked, const std::stop_token& stop) {
+ExitCode run_basin(const BasinRequest& asked, const std::stop_token& stop) {
   CommandRun command_run("basin", asked.shared, stop);
+  auto folder = output_folder(asked.shared.output).value();
+  command_run.prepare(report_of(asked.shared));
   BasinOptions options = asked.basin;
-  options.progress = command_run.progress("solves");
-  return run_study(
-      command_run, [&](const auto& data) { return basin_of(data, options, stop); },
-      [&](const Basin& found) { return output_of(found, command_run.run_report); });
+  options.progress = command_run.progress().count("solves");
+  const Basin found = command_run.with_log_or_maps([&](const auto& data) { return basin_of(data, options, stop).value(); });
+  command_run.check_interrupted();
+  command_run.hand_over(basin_output(found, command_run.run_report), folder);
+  return ExitCode::kDone;
 }
 
-void declare(Subcommand& command) {
+}  // namespace
+
+void declare_basin(Subcommand& command) {
+  command.examples(kExamples);
   const auto asked = std::make_shared<BasinRequest>();
   Options& options = asked->shared;
   BasinOptions& basin = asked->basin;
@@ -70,23 +66,17 @@ void declare(Subcommand& command) {
   command.group("Experiment");
   command.option("--poses-per-map", "N|auto,...", "Lengths of the local maps to join, of a log [auto]",
                  [&basin](const std::string& words) { return take_splits(words, basin.splits); });
-  command.number<int>("--seeds", basin.seeds, 1, "N", "Random starts per cell [" + std::to_string(basin.seeds) + "]");
-  command.number<int>(
-      "--max-iterations", basin.max_iterations, 1, "N",
-      "At most so many steps of every solve, where gradual of its last one [" + std::to_string(basin.max_iterations) + "]");
+  command.number("--seeds", basin.seeds, 1, "N", "Random starts per cell");
+  command.number("--max-iterations", basin.max_iterations, 1, "N",
+                 "At most so many steps of every solve, where gradual of its last one");
   add_reading(command, options);
   add_reporting(command, options);
   command.check([asked, &command] { return check_uncut(command, asked->shared); });
-  command.check([asked] { return output_conflicts(files_of_folder(asked->shared, "LOG|MAPS", kFiles)); });
+  command.check([asked] {
+    return output_conflicts(inputs_of(asked->shared, "LOG|MAPS"),
+                            outputs_of_folder(asked->shared, {"basin.csv", "basin.json"}));
+  });
   command.act([asked](const std::stop_token& stop) { return run_basin(*asked, stop); });
-}
-
-}  // namespace
-
-std::unique_ptr<Subcommand> basin_command(CLI::App& app) {
-  return std::make_unique<Subcommand>(app, "basin",
-                                      "From which starts the optimum is reached: full SLAM and joining, absolute and relative",
-                                      kExamples, declare);
 }
 
 }  // namespace mapjoin::apps

@@ -6,8 +6,7 @@
 
 #include <algorithm>
 #include <apps/commands/command_run.hpp>
-#include <apps/commands/commands.hpp>
-#include <apps/output_conflicts.hpp>
+#include <apps/commands/subcommand.hpp>
 #include <mapjoin/check/connectivity.hpp>
 #include <mapjoin/io/store/store.hpp>
 #include <mapjoin/parallel/parallel.hpp>
@@ -32,28 +31,28 @@ std::string settings(const MinimiseOptions& solver) {
 
 /// Builds the maps of some stretches, in parallel, and stores them.
 template <int Dim>
-Expected<void> build_some(CommandRun& command_run, const Log<Dim>& log, const Split& parts,
-                          std::span<const std::size_t> stretches, StoreWriter<Dim>& store) {
+void build_some(CommandRun& command_run, const Log<Dim>& log, const Split& parts, std::span<const std::size_t> stretches,
+                StoreWriter<Dim>& store) {
   std::vector<BuiltMap<Dim>> built(stretches.size());
   parallel_for(built.size(), [&](std::size_t i) {
     if (command_run.stop().stop_requested()) return;
     built[i] = build_local_map(segment_of(log, parts, parts.stretches[stretches[i]]), command_run.run_options().solver);
   });
-  if (auto going_on = command_run.check_interrupted(); !going_on) return going_on;
+  command_run.check_interrupted();
   for (std::size_t i = 0; i < built.size(); ++i) {
     command_run.run_report.figures.build_iterations += built[i].iterations;
-    if (auto added = store.add(stretches[i], built[i].map); !added) return added;
+    demand(store.add(stretches[i], built[i].map));
   }
-  return {};
 }
 
 template <int Dim>
-Expected<void> build_all(CommandRun& command_run, const Log<Dim>& log, const Split& parts, StoreWriter<Dim>& store) {
+void build_all(CommandRun& command_run, const Log<Dim>& log, const Split& parts, StoreWriter<Dim>& store) {
+  const Stopwatch watch(command_run.run_report.figures.seconds.build);
   const std::vector<std::size_t> to_do(store.to_do().begin(), store.to_do().end());
   const std::size_t before = store.done().size();
   for (std::size_t begin = 0; begin < to_do.size(); begin += kMapsAtOnce) {
     const auto some = std::span(to_do).subspan(begin, std::min(kMapsAtOnce, to_do.size() - begin));
-    if (auto built = build_some(command_run, log, parts, some, store); !built) return built;
+    build_some(command_run, log, parts, some, store);
     if (const auto& progress = command_run.run_options().progress) {
       progress(Stage::kBuild, store.done().size(), before + to_do.size());
     }
@@ -64,76 +63,57 @@ Expected<void> build_all(CommandRun& command_run, const Log<Dim>& log, const Spl
   figures.poses_per_map = parts.poses_per_map;
   command_run.run_report.has_local_maps = true;
   command_run.run_report.is_resumed = before > 0;
-  return store.finish();
+  demand(store.finish());
 }
 
 template <int Dim>
-Expected<ExitCode> build_log(CommandRun& command_run, const Log<Dim>& log) {
-  if (auto connected = check_connected(log); !connected) return tl::unexpected(connected.error());
+void store_any(CommandRun& command_run, const Log<Dim>& log) {
+  demand(check_connected(log));
   SplitOptions cut = command_run.run_options().split;
   if (cut.rule == SplitRule::kAuto) cut.amount = 2.0;  // maps of one step would be the log itself
   const Split parts = split(log, cut);
   auto store =
-      StoreWriter<Dim>::open(command_run.options().output, log, parts.stretches, settings(command_run.run_options().solver));
-  if (!store) return tl::unexpected(store.error());
-  command_run.run_report.was_damaged = store->found_damaged();
-  const auto built =
-      timed(command_run.run_report.figures.seconds.build, [&] { return build_all(command_run, log, parts, *store); });
-  if (!built) return tl::unexpected(built.error());
-  command_run.run_report.files.push_back(command_run.options().output.string());
-  return command_run.conclude();
+      StoreWriter<Dim>::open(command_run.options().output, log, parts.stretches, settings(command_run.run_options().solver))
+          .value();
+  command_run.run_report.was_damaged = store.found_damaged();
+  build_all(command_run, log, parts, store);
 }
-
-template <int Dim>
-Expected<ExitCode> store_any(CommandRun& command_run, const MapSet<Dim>& set) {
-  const auto& path = command_run.options().output;
-  const auto written = timed(command_run.run_report.write_seconds, [&] { return write_store(set, path); });
-  if (!written) return tl::unexpected(written.error());
-  command_run.run_report.files.push_back(path.string());
-  return command_run.conclude();
-}
-template <int Dim>
-Expected<ExitCode> store_any(CommandRun& command_run, const StoredMaps<Dim>&) {
-  return tl::unexpected(Error{ErrorKind::kUsage, command_run.run_report.input + ": is a store already"});
-}
-
 /// What others built is kept as it is.
-Expected<ExitCode> store_maps(CommandRun& command_run) {
-  const auto maps = command_run.read_maps();
-  if (!maps) return tl::unexpected(maps.error());
-  return std::visit([&](const auto& any) { return store_any(command_run, any); }, *maps);
+template <int Dim>
+void store_any(CommandRun& command_run, const MapSet<Dim>& set) {
+  demand(timed(command_run.run_report.write_seconds, [&] { return write_store(set, command_run.options().output); }));
+}
+template <int Dim>
+void store_any(CommandRun& command_run, const StoredMaps<Dim>&) {
+  fail(ErrorKind::kUsage, command_run.run_report.input + ": is a store already");
 }
 
-Expected<ExitCode> build_input(const Options& options, const std::stop_token& stop) {
+ExitCode build_input(const Options& options, const std::stop_token& stop) {
   CommandRun command_run("build", options, stop);
-  if (auto writable = command_run.check_outputs(); !writable) return tl::unexpected(writable.error());
-  if (may_hold_maps(options.input)) return store_maps(command_run);
-  const auto log = command_run.read_log();
-  if (!log) return tl::unexpected(log.error());
-  return std::visit([&](const auto& any) { return build_log(command_run, any); }, *log);
+  command_run.prepare(outputs_of(options));
+  command_run.with_log_or_maps([&](const auto& input) { store_any(command_run, input); });
+  command_run.run_report.files.push_back(options.output.string());
+  return command_run.conclude();
 }
 
-void declare(Subcommand& command) {
+}  // namespace
+
+void declare_build(Subcommand& command) {
+  command.examples(kExamples);
   const auto options = std::make_shared<Options>();
   command.argument("LOG|MAPS", options->input,
                    kLogFormats +
                        ". Or local maps of others, which are stored as they are: a folder or archive of localmap_1, "
                        "localmap_2, ... as .mat or .txt");
-  command.output("-o,--output", options->output, "MAPS",
-                 "Write the store; until it is done it is MAPS.partial, from which the same command goes on");
+  command.path("-o,--output", options->output, "MAPS",
+               "Write the store; until it is done it is MAPS.partial, from which the same command goes on", true);
   add_splitting(command, *options);
   add_solver(command, *options);
   add_reading(command, *options);
   add_reporting(command, *options);
-  command.check([options] { return output_conflicts(files_of(*options, "LOG|MAPS")); });
+  command.check([options] { return output_conflicts(inputs_of(*options, "LOG|MAPS"), outputs_of(*options)); });
   command.check([options, &command] { return check_uncut(command, *options); });
   command.act([options](const std::stop_token& stop) { return build_input(*options, stop); });
-}
-
-}  // namespace
-
-std::unique_ptr<Subcommand> build_command(CLI::App& app) {
-  return std::make_unique<Subcommand>(app, "build", "From a log, or the files of local maps, to a store", kExamples, declare);
 }
 
 }  // namespace mapjoin::apps

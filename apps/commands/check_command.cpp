@@ -2,15 +2,16 @@
 // `mapjoin check`: what could be wrong with a log or with local maps, before they are joined.
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <apps/commands/command_run.hpp>
-#include <apps/commands/commands.hpp>
-#include <apps/console.hpp>
-#include <apps/map_file.hpp>
-#include <apps/output_conflicts.hpp>
-#include <apps/report/check_report.hpp>
+#include <apps/commands/subcommand.hpp>
+#include <apps/report/json.hpp>
+#include <apps/report/report.hpp>
+#include <cmath>
 #include <mapjoin/check/checks.hpp>
+#include <mapjoin/check/fit.hpp>
 #include <mapjoin/measure/chi2.hpp>
 #include <memory>
 #include <variant>
@@ -20,9 +21,27 @@ namespace {
 
 constexpr const char* kExamples =
     "  mapjoin check data/manhattan2d.g2o\n"
-    "  mapjoin check log.g2o --estimate none --report check.json\n"
-    "  mapjoin check MAPS --report - | jq '.findings[].text'\n"
+    "  mapjoin check data/manhattan2d.g2o --estimate none --report check.json\n"
     "Exit codes: 0 nothing to warn of, 1 there are warnings or errors; else as always.";
+
+/// At which map residuals are weighed.
+enum class CheckedEstimate : std::uint8_t { kJoined, kFile, kNone };
+constexpr auto enum_names(CheckedEstimate) {
+  return std::to_array<EnumName<CheckedEstimate>>(
+      {{CheckedEstimate::kJoined, "joined"}, {CheckedEstimate::kFile, "file"}, {CheckedEstimate::kNone, "none"}});
+}
+
+struct Checked {
+  CheckedEstimate estimate = CheckedEstimate::kJoined;
+  Findings findings;
+  std::vector<KindFit> fits;  ///< Empty where residuals were not weighed.
+  std::int64_t dof = 0;       ///< Of all of them together.
+
+  /// How many findings are of this level or a graver one.
+  std::int64_t count(FindingLevel least) const {
+    return std::count_if(findings.begin(), findings.end(), [&](const Finding& finding) { return finding.level >= least; });
+  }
+};
 
 struct CheckOptions : Options {
   CheckedEstimate estimate = CheckedEstimate::kJoined;
@@ -56,34 +75,30 @@ std::vector<KindFit> fits_in(const RunResult<Dim>& result, const MapSet<Dim>& se
 }
 
 template <typename Content>
-Expected<void> fit_joined(const CommandRun& command_run, const Content& content, Checked& checked) {
+void fit_joined(const CommandRun& command_run, const Content& content, Checked& checked) {
   const auto result = run(content, command_run.run_options(), command_run.stop());
-  if (!result && result.error().kind != ErrorKind::kBadInput) return tl::unexpected(result.error());
-  if (!result) {
+  if (!result && result.error().kind == ErrorKind::kBadInput) {
     checked.findings.push_back({FindingLevel::kError, "undetermined", result.error().message, {}});
-    return {};
+    return;
   }
-  if (!result->converged()) {
+  if (!result.value().converged()) {
     checked.findings.push_back(
         {FindingLevel::kWarning, "not_converged", "the map that residuals are weighed at did not converge", {}});
   }
   take_fits(fits_in(*result, content), result->dof, checked);
-  return {};
 }
 
 template <int Dim>
-Expected<void> fit_values(const Log<Dim>& log, Checked& checked) {
+void fit_values(const Log<Dim>& log, Checked& checked) {
   if (log.initial.poses.empty() || log.initial.features.size() < log.features.size()) {
-    return tl::unexpected(
-        Error{ErrorKind::kUsage, log.source + ": has no values of every pose and feature for --estimate file"});
+    fail(ErrorKind::kUsage, log.source + ": has no values of every pose and feature for --estimate file");
   }
   const std::size_t held = std::max<std::size_t>(1, log.graph.fixed.size());
-  take_fits(fits_of(log, State<Dim>{log.initial.poses, log.initial.features}), degrees_of_freedom(log, held), checked);
-  return {};
+  take_fits(fits_of(log, log.initial), degrees_of_freedom(log, held), checked);
 }
 template <int Dim>
-Expected<void> fit_values(const MapSet<Dim>& set, Checked&) {
-  return tl::unexpected(Error{ErrorKind::kUsage, set.source + ": local maps have no values for --estimate file"});
+void fit_values(const MapSet<Dim>& set, Checked&) {
+  fail(ErrorKind::kUsage, set.source + ": local maps have no values for --estimate file");
 }
 
 template <int Dim>
@@ -95,31 +110,94 @@ template <int Dim>
 void check_numbers(const MapSet<Dim>&, Checked&) {}
 
 template <typename Content>
-Expected<ExitCode> check_content(CommandRun& command_run, const CheckOptions& options, const Content& content) {
-  Checked checked{options.estimate, check_structure(content), {}, 0};
+Checked checked_content(const CommandRun& command_run, CheckedEstimate estimate, const Content& content) {
+  Checked checked{estimate, check_structure(content), {}, 0};
   check_numbers(content, checked);
-  const bool falls_apart = has_errors(checked.findings);
-  Expected<void> fitted;
-  if (options.estimate == CheckedEstimate::kFile) fitted = fit_values(content, checked);
-  if (options.estimate == CheckedEstimate::kJoined && !falls_apart) fitted = fit_joined(command_run, content, checked);
-  if (!fitted) return tl::unexpected(fitted.error());
-  const auto told = command_run.tell([&] { return check_report(command_run.run_report, checked); },
-                                     [&] { return check_summary(command_run.run_report, checked); });
-  return told.map([&] { return has_warnings(checked.findings) ? ExitCode::kFindings : ExitCode::kDone; });
+  const bool falls_apart = checked.count(FindingLevel::kError) > 0;
+  if (estimate == CheckedEstimate::kFile) fit_values(content, checked);
+  if (estimate == CheckedEstimate::kJoined && !falls_apart) fit_joined(command_run, content, checked);
+  return checked;
 }
 /// A store has its log, of which its maps are made.
 template <int Dim>
-Expected<ExitCode> check_content(CommandRun& command_run, const CheckOptions& options, const StoredMaps<Dim>& stored) {
-  return check_content(command_run, options, stored.log);
+Checked checked_content(const CommandRun& command_run, CheckedEstimate estimate, const StoredMaps<Dim>& stored) {
+  return checked_content(command_run, estimate, stored.log);
 }
 
-Expected<ExitCode> check_input(const CheckOptions& options, const std::stop_token& stop) {
+/// The first few places of a finding.
+std::string places_in_words(const Places& where) {
+  constexpr std::size_t kShown = 3;
+  const auto shown = static_cast<std::ptrdiff_t>(std::min(kShown, where.names.size()));
+  const std::string more = where.count > kShown ? fmt::format(" and {} more", where.count - kShown) : "";
+  return fmt::format("{}{}", fmt::join(where.names.begin(), where.names.begin() + shown, ", "), more);
+}
+
+std::string fit_in_words(const KindFit& fit) {
+  std::string text = fmt::format("{}: {:.10g} over {} rows", fit.kind, fit.chi2, fit.rows);
+  if (std::isfinite(fit.scale)) text += fmt::format(", typical residuals {:.2g} of what covariances say", std::sqrt(fit.scale));
+  return text;
+}
+
+std::string estimate_in_words(const Checked& checked) {
+  if (checked.fits.empty()) return "residuals were not weighed";
+  double chi2 = 0.0;
+  for (const KindFit& fit : checked.fits) chi2 += fit.chi2;
+  return fmt::format("{:.10g}, dof {}, at {}", chi2, checked.dof,
+                     checked.estimate == CheckedEstimate::kFile ? "the file's values" : "the joined map");
+}
+
+std::string summary_of(const RunReport& run_report, const Checked& checked) {
+  Lines lines;
+  add_input(run_report, lines, "file");
+  lines.add("chi2", estimate_in_words(checked));
+  for (const KindFit& fit : checked.fits) lines.add("", fit_in_words(fit));
+  for (const Finding& finding : checked.findings) {
+    lines.add(to_string(finding.level), finding.text);
+    if (!finding.where.names.empty()) lines.add("", places_in_words(finding.where));
+  }
+  const auto warnings = checked.count(FindingLevel::kWarning);
+  lines.add("found", warnings == 0 ? "nothing to warn of" : fmt::format("{} to look at", warnings));
+  return lines.text();
+}
+
+std::string report_of(const RunReport& run_report, const Checked& checked) {
+  Json json = report_head(run_report);
+  json["estimate"] = checked.estimate;
+  json["dof"] = checked.fits.empty() ? std::nullopt : std::optional(checked.dof);
+  json["fits"] = Json::array();
+  for (const KindFit& fit : checked.fits) {
+    json["fits"].push_back({{"kind", fit.kind},
+                            {"count", fit.count},
+                            {"rows", fit.rows},
+                            {"chi2", fit.chi2},
+                            {"scale", fit.scale},
+                            {"worst", fit.worst},
+                            {"outliers", fit.outliers.count}});
+  }
+  json["findings"] = Json::array();
+  for (const Finding& finding : checked.findings) {
+    json["findings"].push_back({{"level", finding.level},
+                                {"check", finding.check},
+                                {"count", finding.where.count},
+                                {"text", finding.text},
+                                {"where", finding.where.names}});
+  }
+  return text_of(json);
+}
+
+ExitCode check_input(const CheckOptions& options, const std::stop_token& stop) {
   CommandRun command_run("check", options, stop);
-  if (auto ready = command_run.check_report(); !ready) return tl::unexpected(ready.error());
-  return command_run.with_log_or_maps([&](const auto& content) { return check_content(command_run, options, content); });
+  command_run.prepare(report_of(options));
+  const Checked checked = command_run.with_log_or_maps(
+      [&](const auto& content) { return checked_content(command_run, options.estimate, content); });
+  command_run.tell(report_of(command_run.run_report, checked), summary_of(command_run.run_report, checked));
+  return checked.count(FindingLevel::kWarning) > 0 ? ExitCode::kFindings : ExitCode::kDone;
 }
 
-void declare(Subcommand& command) {
+}  // namespace
+
+void declare_check(Subcommand& command) {
+  command.examples(kExamples);
   const auto options = std::make_shared<CheckOptions>();
   command.argument("FILE", options->input, "A log, a store, or a folder or archive of local maps");
   command.choice("--estimate", options->estimate,
@@ -127,14 +205,8 @@ void declare(Subcommand& command) {
                  "file's own values; or nowhere, which is fastest");
   add_reading(command, *options);
   add_reporting(command, *options);
-  command.check([options] { return output_conflicts(files_of(*options, "FILE")); });
+  command.check([options] { return output_conflicts(inputs_of(*options, "FILE"), report_of(*options)); });
   command.act([options](const std::stop_token& stop) { return check_input(*options, stop); });
-}
-
-}  // namespace
-
-std::unique_ptr<Subcommand> check_command(CLI::App& app) {
-  return std::make_unique<Subcommand>(app, "check", "What could be wrong with a log, before it is joined", kExamples, declare);
 }
 
 }  // namespace mapjoin::apps

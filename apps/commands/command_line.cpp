@@ -4,10 +4,10 @@
 #include <CLI/App.hpp>
 #include <CLI/Config.hpp>
 #include <CLI/Formatter.hpp>
-#include <apps/commands/commands.hpp>
+#include <apps/commands/subcommand.hpp>
+#include <apps/console.hpp>
 #include <boost/algorithm/string/replace.hpp>
 #include <mapjoin/version.hpp>
-#include <sstream>
 #include <utility>
 
 namespace mapjoin::apps {
@@ -20,22 +20,8 @@ constexpr const char* kDescription =
 constexpr std::size_t kWidth = 120;      ///< Of the help, in characters.
 constexpr std::size_t kNameColumn = 36;  ///< Of it, for the names of options.
 
-/// Broken between words into lines of at most `width` characters, where no word is longer.
-std::string wrapped(const std::string& text, std::size_t width) {
-  std::istringstream words(text);
-  std::string lines;
-  std::size_t length = 0;
-  for (std::string word; words >> word; length += word.size()) {
-    if (length > 0 && length + 1 + word.size() > width) {
-      lines += '\n';
-      length = 0;
-    } else if (length > 0) {
-      lines += ' ';
-      ++length;
-    }
-    lines += word;
-  }
-  return lines;
+std::string wrapped_lines(const std::string& text, std::size_t width) {
+  return fmt::format("{}", fmt::join(wrapped(text, width), "\n"));
 }
 
 /// CLI11's, with lines that end between words, one blank line where it leaves two, and names as help2man knows them: "-o,
@@ -48,7 +34,9 @@ class HelpFormatter : public CLI::Formatter {
     boost::replace_all(help, "\n\n\n", "\n\n");
     return help;
   }
-  std::string make_description(const CLI::App* app) const override { return wrapped(app->get_description(), kWidth) + "\n"; }
+  std::string make_description(const CLI::App* app) const override {
+    return wrapped_lines(app->get_description(), kWidth) + "\n";
+  }
   std::string make_option_name(const CLI::Option* option, bool is_positional) const override {
     std::string name = CLI::Formatter::make_option_name(option, is_positional);
     if (const std::size_t comma = name.find(','); comma != std::string::npos) name.insert(comma + 1, " ");
@@ -58,15 +46,37 @@ class HelpFormatter : public CLI::Formatter {
     return CLI::Formatter::make_option_opts(option) + " ";
   }
   std::string make_option_desc(const CLI::Option* option) const override {
-    return wrapped(option->get_description(), kWidth - kNameColumn);
+    return wrapped_lines(option->get_description(), kWidth - kNameColumn);
   }
+};
+
+struct Command {
+  const char* name;
+  const char* description;
+  void (*declare)(Subcommand&);
+};
+
+/// In the order of the help.
+constexpr Command kCommands[] = {
+    {"run", "From a log to a global map: splits, builds local maps, joins, recovers, polishes", declare_run},
+    {"build", "From a log, or the files of local maps, to a store", declare_build},
+    {"join", "From local maps to a global map", declare_join},
+    {"solve", "Full SLAM of a log, as the join of one-step maps", declare_solve},
+    {"compare", "Joining beside full SLAM on one log: what each takes, and how far its map is from the best", declare_compare},
+    {"basin", "From which starts the optimum is reached: full SLAM and joining, absolute and relative", declare_basin},
+    {"convexity", "How far from convex and from linear: full SLAM and joining, absolute and relative", declare_convexity},
+    {"plot", "Pictures of maps, logs and local maps, and pages to look around in", declare_plot},
+    {"simulate", "A log with its truth", declare_simulate},
+    {"info", "What is in a file", declare_info},
+    {"check", "What could be wrong with a log, before it is joined", declare_check},
+    {"convert", "A log or local maps in another format", declare_convert},
 };
 
 std::string footer() {
   std::string exit_codes = "Exit codes:";
-  for (const auto& [code, meaning] : kExitCodes) exit_codes += fmt::format(" {} {},", static_cast<int>(code), meaning);
+  for (const auto& [code, text, kind] : kExitCodes) exit_codes += fmt::format(" {} {},", static_cast<int>(code), text);
   exit_codes.back() = '.';
-  return "`mapjoin COMMAND --help` lists a command's options, with examples.\n" + wrapped(exit_codes, kWidth);
+  return "`mapjoin COMMAND --help` lists a command's options, with examples.\n" + wrapped_lines(exit_codes, kWidth);
 }
 
 }  // namespace
@@ -82,7 +92,9 @@ CommandLine command_line() {
   app.set_version_flag("--version", fmt::format("mapjoin {}", kVersion), "The version");
   app.require_subcommand(1);
   app.footer(footer());
-  line.commands = all_commands(app);
+  for (const auto& [name, description, declare] : kCommands) {
+    declare(*line.commands.emplace_back(std::make_unique<Subcommand>(app, name, description)));
+  }
   return line;
 }
 

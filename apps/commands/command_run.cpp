@@ -2,31 +2,26 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <apps/certainty.hpp>
 #include <apps/commands/command_run.hpp>
-#include <apps/console.hpp>
-#include <apps/map_file.hpp>
 #include <apps/report/report.hpp>
 #include <mapjoin/io/files/output_file.hpp>
-#include <mapjoin/io/open.hpp>
-#include <mapjoin/parallel/parallel.hpp>
 #include <utility>
 
 namespace mapjoin::apps {
 namespace {
 
 template <int Dim>
-Expected<void> take_weights(const Options& options, MapSet<Dim>& set) {
+void take_weights(const Options& options, MapSet<Dim>& set) {
   if (options.covariance == Covariance::kIdentity) use_identity_covariance(set);
-  return {};
 }
 /// A store's maps are built already: with the weights that it names.
 template <int Dim>
-Expected<void> take_weights(const Options& options, const StoredMaps<Dim>& stored) {
+void take_weights(const Options& options, const StoredMaps<Dim>& stored) {
   const bool are_those = options.covariance == Covariance::kOriginal || options.covariance == stored.log.conventions.covariance;
-  if (are_those && !options.read.repair_information) return {};
-  return tl::unexpected(Error{ErrorKind::kUsage,
-                              "the weights of a store are chosen when it is built: --covariance and --repair-information go "
-                              "with `mapjoin build`"});
+  if (are_those && !options.read.repair_information) return;
+  fail(ErrorKind::kUsage,
+       "the weights of a store are chosen when it is built: --covariance and --repair-information go with `mapjoin build`");
 }
 
 template <int Dim>
@@ -61,126 +56,109 @@ CommandRun::CommandRun(const std::string& command, const Options& options, std::
       threads_(tbb::global_control::max_allowed_parallelism, thread_count(options)),
       progress_(!options.quiet),
       run_options_(options.run) {
-  run_options_.progress = progress_.callback();
+  if (progress_.is_shown()) {
+    run_options_.progress = [this](Stage stage, std::size_t done, std::size_t to_do) {
+      progress_.show(to_string(stage), done, to_do);
+    };
+  }
   run_options_.covariances = !options.truth.empty();
   run_options_.marginals = options.covariances || options.relations;
   run_options_.most_memory = static_cast<std::int64_t>(1e6 * std::min(options.most_memory_mb, 1e12));
 }
 
-std::function<void(std::size_t, std::size_t)> CommandRun::progress(const std::string& things) {
-  const auto show = progress_.callback_in_words();
-  if (!show) return nullptr;
-  return [show, things](std::size_t done, std::size_t to_do) { show(things, done, to_do); };
+void CommandRun::prepare(const NamedFiles& outputs) {
+  demand(check_writable(outputs));
+  if (options_.truth.empty()) return;
+  truth_ = timed(run_report.read_seconds, [&] { return TruthFile::open(options_.truth); }).value();
 }
 
-Expected<void> CommandRun::check_report() const {
-  return options_.report_on_stdout() ? Expected<void>() : check_writable(options_.report);
-}
-
-Expected<void> CommandRun::check_outputs() const {
-  if (options_.output.empty()) return check_report();
-  return check_map_writable(options_.output)
-      .and_then([&] { return options_.covariances ? check_writable(covariance_file(options_.output)) : Expected<void>(); })
-      .and_then([&] { return options_.relations ? check_writable(relation_file(options_.output)) : Expected<void>(); })
-      .and_then([&] { return check_report(); });
-}
-
-Expected<void> CommandRun::read_truth() {
-  if (options_.truth.empty()) return {};
-  return timed(run_report.read_seconds, [&] { return TruthFile::open(options_.truth); }).map([&](TruthFile&& truth) {
-    truth_ = std::move(truth);
-  });
-}
-
-Expected<AnyLog> CommandRun::read_log() {
+AnyLog CommandRun::read_log() {
   auto log = timed(run_report.read_seconds, [&] { return open_log(options_.input, options_.read); });
   if (!log && may_hold_maps(options_.input)) {
-    return bad_input(fmt::format("{}: not a log, but perhaps local maps, which `mapjoin join` takes", run_report.input));
+    fail(ErrorKind::kBadInput,
+         fmt::format("{}: not a log, but perhaps local maps, which `mapjoin join` takes", run_report.input));
   }
-  if (!log) return log;
-  return take_log(*std::move(log));
+  return take_log(std::move(log).value());
 }
 
-Expected<AnyLog> CommandRun::take_log(AnyLog log) {
+AnyLog CommandRun::take_log(AnyLog log) {
   std::visit(
       [&](auto& any) {
         if (options_.covariance == Covariance::kIdentity) use_identity_covariance(any);
         run_report.describe(any);
       },
       log);
-  return check_interrupted().map([&] { return std::move(log); });
+  check_interrupted();
+  return log;
 }
 
-Expected<AnyMaps> CommandRun::read_maps() {
-  auto maps = timed(run_report.read_seconds, [&] { return open_maps(options_.input, options_.read); });
-  if (!maps) return maps;
-  const auto taken =
-      std::visit([&](auto& any) { return take_weights(options_, any).map([&] { run_report.describe(any); }); }, *maps);
-  return taken.and_then([&] { return check_interrupted(); }).and_then([&] { return std::move(maps); });
+AnyMaps CommandRun::read_maps() {
+  AnyMaps maps = timed(run_report.read_seconds, [&] { return open_maps(options_.input, options_.read); }).value();
+  std::visit(
+      [&](auto& any) {
+        take_weights(options_, any);
+        run_report.describe(any);
+      },
+      maps);
+  check_interrupted();
+  return maps;
 }
 
-Expected<void> CommandRun::check_interrupted() const {
-  if (stop_.stop_requested()) return tl::unexpected(Error{ErrorKind::kInterrupted, "interrupted"});
-  return {};
+void CommandRun::check_interrupted() const {
+  if (stop_.stop_requested()) fail(ErrorKind::kInterrupted, "interrupted");
 }
 
 template <int Dim>
-Expected<void> CommandRun::certify(RunResult<Dim>& result) {
-  if (!result.covariances) return {};
+void CommandRun::certify(RunResult<Dim>& result) {
+  if (!result.covariances) return;
   run_report.covariances = result.covariances->estimate();
   if (result.marginals) run_report.deviations = deviations_of(*result.marginals);
   if (options_.covariances) {
     result.map.pose_covariances = result.marginals->poses;
     result.map.feature_covariances = result.marginals->features;
   }
-  if (!truth_) return {};
-  const auto found = timed(run_report.figures.seconds.covariances, [&] {
-    return truth_->of(result.map).and_then([&](const Truth<Dim>& truth) {
-      return consistency(*result.covariances, truth, stop_);
-    });
+  if (!truth_) return;
+  run_report.consistency = timed(run_report.figures.seconds.covariances, [&] {
+    return consistency(*result.covariances, truth_->of(result.map).value(), stop_).value();
   });
-  return found.map([&](const Consistency& of_truth) { run_report.consistency = of_truth; });
 }
 
 template <int Dim>
-Expected<void> CommandRun::take(RunResult<Dim>& result) {
+void CommandRun::take(RunResult<Dim>& result) {
   run_report.describe(result);
-  if (!is_finite(result.map)) return bad_input(run_report.input + ": its numbers are too large: the map is not finite");
-  return certify(result).and_then([&] { return check_interrupted(); });
+  if (!is_finite(result.map)) {
+    fail(ErrorKind::kBadInput, run_report.input + ": its numbers are too large: the map is not finite");
+  }
+  certify(result);
+  check_interrupted();
 }
 
 template <int Dim>
-Expected<void> CommandRun::write_map(RunResult<Dim>& result, const Log<Dim>* log) {
-  if (auto taken = take(result); !taken || options_.output.empty()) return taken;
-  auto files = timed(run_report.write_seconds, [&] { return write_map_file(result.map, log, options_.output); });
-  if (!files) return tl::unexpected(files.error());
-  run_report.files = std::move(*files);
-  if (!result.marginals) return {};
-  return timed(run_report.write_seconds, [&]() -> Expected<void> {
-    if (options_.covariances) {
-      const auto beside = covariance_file(options_.output);
-      run_report.files.push_back(beside.string());
-      if (auto written = write_covariances(result.map, *run_report.covariances, beside); !written) return written;
-    }
-    if (!options_.relations) return {};
-    const auto beside = relation_file(options_.output);
-    run_report.files.push_back(beside.string());
-    return write_relations(result.map, *result.marginals, beside);
-  });
-}
-
-Expected<void> CommandRun::tell(const std::function<std::string()>& json, const std::function<std::string()>& text) {
-  progress_.close();
-  if (options_.report_on_stdout()) return write_stdout(json());
-  if (!options_.report.empty()) {
-    if (auto written = write_file(options_.report, json()); !written) return written;
+void CommandRun::write_map(RunResult<Dim>& result, const Log<Dim>* log) {
+  take(result);
+  if (options_.output.empty()) return;
+  const Stopwatch watch(run_report.write_seconds);
+  demand(write_map_file(result.map, log, options_.output));
+  for (const auto& file : map_files(options_.output)) run_report.files.push_back(file.string());
+  if (result.marginals && options_.covariances) {
+    run_report.files.push_back(covariance_file(options_.output).string());
+    demand(write_covariances(result.map, *run_report.covariances, run_report.files.back()));
   }
-  return options_.quiet ? Expected<void>() : write_stdout(text());
+  if (result.marginals && options_.relations) {
+    run_report.files.push_back(relation_file(options_.output).string());
+    demand(write_relations(result.map, *result.marginals, run_report.files.back()));
+  }
 }
 
-Expected<ExitCode> CommandRun::conclude() {
-  const auto told = tell([&] { return report(run_report); }, [&] { return summary(run_report); });
-  if (!told) return tl::unexpected(told.error());
+void CommandRun::tell(const std::string& json, const std::string& text) {
+  progress_.close();
+  if (options_.report_on_stdout()) return demand(write_stdout(json));
+  if (!options_.report.empty()) demand(write_file(options_.report, json));
+  if (!options_.quiet) demand(write_stdout(text));
+}
+
+ExitCode CommandRun::conclude() {
+  tell(report(run_report), summary(run_report));
   if (!run_report.is_joined) return ExitCode::kDone;
   const bool is_certified = !run_report.figures.no_covariances;
   if (!is_certified) say(why_not_certified(run_report));
@@ -188,9 +166,20 @@ Expected<ExitCode> CommandRun::conclude() {
   return !run_report.figures.converged() ? ExitCode::kDidNotConverge : is_certified ? ExitCode::kDone : ExitCode::kBadInput;
 }
 
-template Expected<void> CommandRun::take(RunResult<2>&);
-template Expected<void> CommandRun::take(RunResult<3>&);
-template Expected<void> CommandRun::write_map(RunResult<2>&, const Log<2>*);
-template Expected<void> CommandRun::write_map(RunResult<3>&, const Log<3>*);
+void CommandRun::hand_over(const StudyOutput& output, std::optional<OutputFolder>& folder) {
+  std::vector<std::string> names;
+  for (const auto& [name, text] : output.files) {
+    if (!folder) break;
+    demand(write_file(folder->aside(name), text));
+    names.push_back(name);
+  }
+  if (folder) demand(folder->commit(names));
+  tell(output.json, output.text);
+}
+
+template void CommandRun::take(RunResult<2>&);
+template void CommandRun::take(RunResult<3>&);
+template void CommandRun::write_map(RunResult<2>&, const Log<2>*);
+template void CommandRun::write_map(RunResult<3>&, const Log<3>*);
 
 }  // namespace mapjoin::apps

@@ -1,14 +1,17 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
-// One run of a subcommand from reading to the last word: what run, build, join and solve have in common.
+// One run of a subcommand from reading to the last word: what the subcommands have in common. All of it may fail() (see
+// exit_code.hpp).
 
 #include <tbb/global_control.h>
 
+#include <apps/console.hpp>
 #include <apps/exit_code.hpp>
-#include <apps/progress.hpp>
+#include <apps/output_folder.hpp>
+#include <apps/outputs.hpp>
 #include <apps/report/run_report.hpp>
+#include <apps/report/study_reports.hpp>
 #include <apps/truth_file.hpp>
-#include <functional>
 #include <mapjoin/io/open.hpp>
 #include <optional>
 #include <stop_token>
@@ -21,48 +24,50 @@ class CommandRun {
   /// The run works on as many threads as its options say. `options` must outlive it.
   CommandRun(const std::string& command, const Options& options, std::stop_token stop);
 
-  /// kCannotWrite where the report, or the output as files of a map, cannot be made: better now than after the work.
-  Expected<void> check_report() const;
-  Expected<void> check_outputs() const;
-  /// The truth, where there is one, likewise before the work.
-  Expected<void> read_truth();
+  /// Before the work: that the outputs can be written, and what the truth is, where there is one.
+  void prepare(const NamedFiles& outputs);
   /// The input as a log, with the weights asked for.
-  Expected<AnyLog> read_log();
+  AnyLog read_log();
   /// The same of a log that was read already.
-  Expected<AnyLog> take_log(AnyLog log);
+  AnyLog take_log(AnyLog log);
   /// The input as local maps; those of a store have the weights that they were built with (kUsage where others are asked
   /// for), others those asked for.
-  Expected<AnyMaps> read_maps();
+  AnyMaps read_maps();
   /// What `work` makes of the input, be it a log or local maps.
   template <typename Work>
   auto with_log_or_maps(Work&& work) {
-    const auto visit = [&](const auto& any) { return std::visit(work, any); };
-    return may_hold_maps(options_.input) ? read_maps().and_then(visit) : read_log().and_then(visit);
+    return may_hold_maps(options_.input) ? std::visit(work, read_maps()) : std::visit(work, read_log());
   }
   /// kInterrupted where a stop was requested.
-  Expected<void> check_interrupted() const;
+  void check_interrupted() const;
 
   /// Of the options, with this run's progress.
   const RunOptions& run_options() const { return run_options_; }
-  /// Of work whose `things` are counted, done and to do; must not outlive this. Empty where nobody looks.
-  std::function<void(std::size_t, std::size_t)> progress(const std::string& things);
-  void close_progress() { progress_.close(); }
+  Progress& progress() { return progress_; }
   const Options& options() const { return options_; }
   const std::stop_token& stop() const { return stop_; }
 
-  /// Accounts for a result, and certifies it. Bad input where the map is not finite; kInterrupted where a stop was requested.
+  /// The result of a path, which goes into the report.
   template <int Dim>
-  Expected<void> take(RunResult<Dim>& result);
+  RunResult<Dim> along_path(Expected<ContinuedResult<Dim>> continued) {
+    run_report.path = std::move(continued.value().path);
+    return std::move(continued).value();
+  }
+  /// Describes a result, and certifies it. Bad input where the map is not finite; kInterrupted where a stop was requested.
+  template <int Dim>
+  void take(RunResult<Dim>& result);
   /// Takes a result and, where there is an output, writes it as one file, in the format that the extension of the path names,
   /// with its covariances and relations beside it. `log`, where it is known, gives edges.
   template <int Dim>
-  Expected<void> write_map(RunResult<Dim>& result, const Log<Dim>* log);
+  void write_map(RunResult<Dim>& result, const Log<Dim>* log);
 
   /// What came of it: `json` for programs where a report is asked for, `text` for people on standard output unless that is
   /// taken or nothing is wanted there.
-  Expected<void> tell(const std::function<std::string()>& json, const std::function<std::string()>& text);
+  void tell(const std::string& json, const std::string& text);
   /// tell() of report and summary; the exit code by how the work ended.
-  Expected<ExitCode> conclude();
+  ExitCode conclude();
+  /// What a study found: its files into the folder, where there is one, then tell().
+  void hand_over(const StudyOutput& output, std::optional<OutputFolder>& folder);
 
   RunReport run_report;
 
@@ -70,7 +75,7 @@ class CommandRun {
   /// What was asked of a result's certainty: its covariances into its map; how large they are, and its errors against the
   /// truth, into the report.
   template <int Dim>
-  Expected<void> certify(RunResult<Dim>& result);
+  void certify(RunResult<Dim>& result);
 
   const Options& options_;
   std::stop_token stop_;

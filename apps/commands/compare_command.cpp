@@ -5,13 +5,7 @@
 
 #include <algorithm>
 #include <apps/commands/command_run.hpp>
-#include <apps/commands/commands.hpp>
-#include <apps/commands/study.hpp>
-#include <apps/console.hpp>
-#include <apps/output_conflicts.hpp>
-#include <apps/report/compare_report.hpp>
-#include <apps/report/report.hpp>
-#include <mapjoin/io/files/output_file.hpp>
+#include <apps/commands/subcommand.hpp>
 #include <memory>
 #include <optional>
 #include <utility>
@@ -24,6 +18,8 @@ constexpr const char* kExamples =
     "  mapjoin compare data/manhattan2d.g2o\n"
     "  mapjoin compare data/manhattan2d.g2o -o comparison --truth data/manhattan2d.truth.tum\n"
     "  mapjoin compare data/manhattan3d.g2o --poses-per-map 10,40 --report -";
+
+const std::vector<std::string> kFiles = {"compare.json", "compare.csv", "compare.html"};
 
 constexpr Index kLongestMap = 1'000'000;
 
@@ -45,8 +41,6 @@ std::optional<std::string> take_list(const std::string& word, std::vector<Index>
   return std::nullopt;
 }
 
-const std::vector<std::string> kNames = {"compare.json", "compare.csv", "compare.html"};
-
 /// What the maps of a log will have, but for their values.
 template <int Dim>
 GlobalMap<Dim> outline_of(const Log<Dim>& log) {
@@ -61,127 +55,80 @@ GlobalMap<Dim> outline_of(const Log<Dim>& log) {
 
 /// The truth of a log, where a file of it is given: at least two poses.
 template <int Dim>
-Expected<std::optional<Truth<Dim>>> truth_of(const Log<Dim>& log, const std::filesystem::path& path) {
-  if (path.empty()) return std::optional<Truth<Dim>>();
-  const auto file = TruthFile::open(path);
-  if (!file) return tl::unexpected(file.error());
-  auto truth = file->of(outline_of(log));
-  if (!truth) return tl::unexpected(truth.error());
-  const auto known = std::count_if(truth->poses.begin(), truth->poses.end(), [](const auto& pose) { return pose.has_value(); });
-  if (known < 2) {
-    return tl::unexpected(
-        Error{ErrorKind::kUsage, fmt::format("{}: the truth has fewer than two poses of the log", path.string())});
+std::optional<Truth<Dim>> truth_of(const Log<Dim>& log, const std::filesystem::path& path) {
+  if (path.empty()) return std::nullopt;
+  Truth<Dim> truth = TruthFile::open(path).value().of(outline_of(log)).value();
+  if (std::count_if(truth.poses.begin(), truth.poses.end(), [](const auto& pose) { return pose.has_value(); }) < 2) {
+    fail(ErrorKind::kUsage, fmt::format("{}: the truth has fewer than two poses of the log", path.string()));
   }
-  return std::optional<Truth<Dim>>(*std::move(truth));
+  return truth;
 }
 
-/// The optimum with the weights that are not compared, by mapjoin's default; `map` has no poses where there is none.
+/// The optimum with the weights that are not compared, by mapjoin's default.
 template <int Dim>
-Expected<OtherWeights> other_weights(const Log<Dim>& log, const GlobalMap<Dim>& best, const std::stop_token& stop,
-                                     GlobalMap<Dim>& map) {
-  OtherWeights other;
+OtherWeights<Dim> other_weights(const Log<Dim>& log, const GlobalMap<Dim>& best, const CommandRun& command_run) {
+  OtherWeights<Dim> other;
   other.covariance = log.conventions.covariance;
-  auto result = run(log, RunOptions{}, stop);
-  if (stop.stop_requested()) return tl::unexpected(Error{ErrorKind::kInterrupted, "interrupted"});
+  auto result = run(log, RunOptions{}, command_run.stop());
+  command_run.check_interrupted();
   if (!result) {
     other.failure = result.error().message;
     return other;
   }
   other.chi2 = result->chi2;
-  map = std::move(result->map);
-  other.from_best = map_difference(map, best);
+  other.map = std::move(result->map);
+  other.from_best = map_difference(other.map, best);
   return other;
 }
 
-std::string in_words(const OtherWeights& other) {
-  if (!other.failure.empty()) return other.failure;
-  const MapDifference& apart = other.from_best;
-  const std::string features = apart.features.count > 0 ? fmt::format(", features {:.2g} m", apart.features.rms) : "";
-  return fmt::format("chi2 {:.10g}; from the best map: poses {:.2g} m{} (RMS)", other.chi2, apart.poses.translation.rms,
-                     features);
-}
-
-std::string compare_summary(const RunReport& run_report, const ComparisonFigures& comparison, const OtherWeights& other) {
-  const CaseFigures& best = comparison.cases[comparison.best];
-  Lines lines;
-  lines.add("input", fmt::format("{}: {}", run_report.input, counts_in_words(run_report)));
-  lines.add("convention", conventions_in_words(run_report.conventions, run_report.dimension));
-  lines.add("best", fmt::format("chi2 {:.10g}, dof {}", best.polished.chi2, best.run.dof));
-  lines.add(to_string(other.covariance), in_words(other));
-  for (const std::string& file : run_report.files) lines.add("written", file);
-  std::string text = lines.text();
-  for (const NamedTable& named : tables_of(comparison)) text += fmt::format("\n{}\n{}", named.name, aligned(named.table));
-  return text;
-}
-
-/// What is read of it by people and programs; the page is made for the folder only.
 template <int Dim>
-StudyOutput output_of(const RunReport& run_report, const Comparison<Dim>& comparison, const OtherWeights& other,
-                      const GlobalMap<Dim>& other_map, const Log<Dim>& log, bool has_folder) {
-  StudyOutput output{compare_summary(run_report, comparison, other), compare_report(run_report, comparison, other), {}};
-  if (!has_folder) return output;
-  output.files = {{kNames[0], output.json},
-                  {kNames[1], csv(whole_table(comparison))},
-                  {kNames[2], compare_page(run_report, comparison, other, other_map, log.sessions)}};
-  return output;
-}
-
-template <int Dim>
-Expected<Comparison<Dim>> compared(const CommandRun& command_run, const CompareOptions& options, const Log<Dim>& log,
-                                   const Truth<Dim>* truth) {
-  Progress progress(!options.common.quiet);
-  const auto say_case = progress.callback_in_words();
+Comparison<Dim> compared(CommandRun& command_run, const CompareOptions& options, const Log<Dim>& log,
+                         const std::optional<Truth<Dim>>& truth) {
   ComparisonOptions<Dim> comparing;
   comparing.cases = compared_cases(options.poses_per_map);
-  comparing.truth = truth;
-  if (say_case) {
+  comparing.truth = truth ? &*truth : nullptr;
+  if (command_run.progress().is_shown()) {
     comparing.progress = [&](std::size_t k) {
-      say_case(to_string(comparing.cases[k]) + ": case", k + 1, comparing.cases.size());
+      command_run.progress().show(to_string(comparing.cases[k]) + ": case", k + 1, comparing.cases.size());
     };
   }
-  return compare(log, comparing, command_run.stop());
+  return compare(log, comparing, command_run.stop()).value();
 }
 
 /// `log` has the weights that the file gives.
 template <int Dim>
-Expected<ExitCode> compare_on(CommandRun& command_run, const CompareOptions& options, const Log<Dim>& log,
-                              std::optional<OutputFolder>& folder) {
+ExitCode compare_on(CommandRun& command_run, const CompareOptions& options, const Log<Dim>& log,
+                    std::optional<OutputFolder>& folder) {
   Log<Dim> identity = log;
   use_identity_covariance(identity);
   const bool by_identity = options.common.covariance == Covariance::kIdentity;
   const Log<Dim>& here = by_identity ? identity : log;
   command_run.run_report.describe(here);
-  const auto truth = truth_of(log, options.common.truth);
-  if (!truth) return tl::unexpected(truth.error());
-  const auto comparison = compared(command_run, options, here, *truth ? &**truth : nullptr);
-  if (!comparison) return tl::unexpected(comparison.error());
-  GlobalMap<Dim> other_map;
-  const auto other =
-      other_weights(by_identity ? log : identity, comparison->maps[comparison->best].polished, command_run.stop(), other_map);
-  if (!other) return tl::unexpected(other.error());
-  if (folder) {
-    for (const std::string& name : kNames) command_run.run_report.files.push_back(folder->file(name).string());
+  const Comparison<Dim> comparison = compared(command_run, options, here, truth_of(log, options.common.truth));
+  const auto other = other_weights(by_identity ? log : identity, comparison.maps[comparison.best].polished, command_run);
+  for (const std::string& name : kFiles) {
+    if (folder) command_run.run_report.files.push_back(folder->file(name).string());
   }
-  const StudyOutput output = output_of(command_run.run_report, *comparison, *other, other_map, log, folder.has_value());
-  if (auto told = hand_over(output, command_run, folder); !told) return tl::unexpected(told.error());
-  if (comparison->cases[comparison->best].run.converged()) return ExitCode::kDone;
+  command_run.hand_over(compare_output(comparison, other, log, command_run.run_report), folder);
+  if (comparison.cases[comparison.best].run.converged()) return ExitCode::kDone;
   say("the best map did not converge");
   return ExitCode::kDidNotConverge;
 }
 
-Expected<ExitCode> compare_log(const CompareOptions& options, const std::stop_token& stop) {
+ExitCode compare_log(const CompareOptions& options, const std::stop_token& stop) {
   Options as_given = options.common;
   as_given.covariance = Covariance::kOriginal;
+  as_given.truth.clear();
   CommandRun command_run("compare", as_given, stop);
-  auto folder = output_folder(as_given.output);
-  if (!folder) return tl::unexpected(folder.error());
-  if (auto ready = command_run.check_report(); !ready) return tl::unexpected(ready.error());
-  const auto log = command_run.read_log();
-  if (!log) return tl::unexpected(log.error());
-  return std::visit([&](const auto& any) { return compare_on(command_run, options, any, *folder); }, *log);
+  auto folder = output_folder(as_given.output).value();
+  command_run.prepare(report_of(as_given));
+  return std::visit([&](const auto& log) { return compare_on(command_run, options, log, folder); }, command_run.read_log());
 }
 
-void declare(Subcommand& command) {
+}  // namespace
+
+void declare_compare(Subcommand& command) {
+  command.examples(kExamples);
   const auto options = std::make_shared<CompareOptions>();
   Options& common = options->common;
   command.argument("LOG", common.input, kLogFormats);
@@ -191,16 +138,9 @@ void declare(Subcommand& command) {
   command.path("--truth", common.truth, "FILE", "Measure the errors against this map, too: .tum, else g2o with vertices");
   add_reading(command, common);
   add_reporting(command, common);
-  command.check([options] { return output_conflicts(files_of_folder(options->common, "LOG", kNames)); });
+  command.check(
+      [options] { return output_conflicts(inputs_of(options->common, "LOG"), outputs_of_folder(options->common, kFiles)); });
   command.act([options](const std::stop_token& stop) { return compare_log(*options, stop); });
-}
-
-}  // namespace
-
-std::unique_ptr<Subcommand> compare_command(CLI::App& app) {
-  return std::make_unique<Subcommand>(
-      app, "compare", "Joining beside full SLAM on one log: what each takes, and how far its map is from the best", kExamples,
-      declare);
 }
 
 }  // namespace mapjoin::apps

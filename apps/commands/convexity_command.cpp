@@ -1,13 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // `mapjoin convexity`: how far from convex and from linear full SLAM and joining are (paper's Fig. 4, V and VI).
 
-#include <fmt/format.h>
-
 #include <apps/commands/command_run.hpp>
-#include <apps/commands/commands.hpp>
-#include <apps/commands/study.hpp>
-#include <apps/output_conflicts.hpp>
-#include <apps/report/convexity_report.hpp>
+#include <apps/commands/subcommand.hpp>
 #include <memory>
 #include <variant>
 
@@ -17,8 +12,6 @@ namespace {
 constexpr const char* kExamples =
     "  mapjoin convexity data/manhattan2d.g2o -o convexity\n"
     "  mapjoin convexity data/manhattan2d.g2o --states drift --spread 0.5 --to-best --pairs 20";
-
-const std::vector<std::string> kFiles = {"curves.csv", "convexity.json"};
 
 struct ConvexityRequest {
   Options shared;
@@ -34,19 +27,18 @@ Expected<Convexity> convexity_of(const Data& data, const ConvexityOptions& optio
   return convexity(data, options, stop);
 }
 
-StudyOutput output_of(const Convexity& found, const ConvexityOptions& options, const RunReport& run_report) {
-  const std::string json = convexity_json(found, options, run_report);
-  return {convexity_table(found, options, run_report), json, {{kFiles[0], convexity_csv(found)}, {kFiles[1], json}}};
-}
-
-Expected<ExitCode> run_convexity(const ConvexityRequest& asked, const std::stop_token& stop) {
+ExitCode run_convexity(const ConvexityRequest& asked, const std::stop_token& stop) {
   CommandRun command_run("convexity", asked.shared, stop);
+  auto folder = output_folder(asked.shared.output).value();
+  command_run.prepare(report_of(asked.shared));
   ConvexityOptions options = asked.convexity;
   options.split = asked.shared.run.split;
-  options.progress = command_run.progress("lines");
-  return run_study(
-      command_run, [&](const auto& data) { return convexity_of(data, options, stop); },
-      [&](const Convexity& found) { return output_of(found, options, command_run.run_report); });
+  options.progress = command_run.progress().count("lines");
+  const Convexity found =
+      command_run.with_log_or_maps([&](const auto& data) { return convexity_of(data, options, stop).value(); });
+  command_run.check_interrupted();
+  command_run.hand_over(convexity_output(found, options, command_run.run_report), folder);
+  return ExitCode::kDone;
 }
 
 void add_lines(Subcommand& command, ConvexityOptions& convexity) {
@@ -54,16 +46,17 @@ void add_lines(Subcommand& command, ConvexityOptions& convexity) {
   command.choice("--states", convexity.source,
                  "Random states: positions uniform over the bounding box of the composed start and rotations uniform; or "
                  "composed, odometry and first observations, from measurements with errors of their own covariance");
-  command.number<double>("--spread", convexity.spread, 1e-9, "X", "With drift: so many times those errors [1]", 1e9);
+  command.number<double>("--spread", convexity.spread, 1e-9, "X", "With drift: so many times those errors", 1e9);
   command.flag("--to-best", convexity.to_best, "From random states to the best estimate, not to other random states");
-  command.number<std::size_t>("--pairs", convexity.pairs, 1, "N", fmt::format("Pairs of states [{}]", convexity.pairs), 10'000);
-  command.number<std::size_t>("--points", convexity.points, 3, "N",
-                              fmt::format("Values of lambda from 0 to 1 [{}]", convexity.points), 100'001);
-  command.number<std::uint64_t>("--seed", convexity.seed, 0, "N",
-                                fmt::format("The same seed gives the same states [{}]", convexity.seed));
+  command.number<std::size_t>("--pairs", convexity.pairs, 1, "N", "Pairs of states", 10'000);
+  command.number<std::size_t>("--points", convexity.points, 3, "N", "Values of lambda from 0 to 1", 100'001);
+  command.number<std::uint64_t>("--seed", convexity.seed, 0, "N", "The same seed gives the same states");
 }
 
-void declare(Subcommand& command) {
+}  // namespace
+
+void declare_convexity(Subcommand& command) {
+  command.examples(kExamples);
   const auto asked = std::make_shared<ConvexityRequest>();
   Options& options = asked->shared;
   command.argument("LOG|MAPS", options.input, "A log; or a store, or a folder or archive of local maps");
@@ -73,16 +66,11 @@ void declare(Subcommand& command) {
   add_reading(command, options);
   add_reporting(command, options);
   command.check([asked, &command] { return check_uncut(command, asked->shared); });
-  command.check([asked] { return output_conflicts(files_of_folder(asked->shared, "LOG|MAPS", kFiles)); });
+  command.check([asked] {
+    return output_conflicts(inputs_of(asked->shared, "LOG|MAPS"),
+                            outputs_of_folder(asked->shared, {"curves.csv", "convexity.json"}));
+  });
   command.act([asked](const std::stop_token& stop) { return run_convexity(*asked, stop); });
-}
-
-}  // namespace
-
-std::unique_ptr<Subcommand> convexity_command(CLI::App& app) {
-  return std::make_unique<Subcommand>(app, "convexity",
-                                      "How far from convex and from linear: full SLAM and joining, absolute and relative",
-                                      kExamples, declare);
 }
 
 }  // namespace mapjoin::apps

@@ -1,13 +1,20 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include <fmt/format.h>
+#include <unistd.h>
+
 #include <apps/commands/follow.hpp>
-#include <apps/report/step_report.hpp>
+#include <apps/report/json.hpp>
+#include <cerrno>
 #include <chrono>
+#include <cstdio>
 #include <ctime>
+#include <mapjoin/io/files/system_call.hpp>
 #include <mapjoin/io/g2o/growing_g2o.hpp>
 #include <mapjoin/join/incremental/incremental_join.hpp>
 #include <mapjoin/join/incremental/part_maker.hpp>
+#include <mapjoin/model/counted.hpp>
+#include <memory>
 #include <thread>
-#include <type_traits>
 #include <utility>
 #include <variant>
 
@@ -16,9 +23,70 @@ namespace {
 
 constexpr std::chrono::milliseconds kBetweenLooks(50);
 
-double cpu_seconds() {
-  return static_cast<double>(std::clock()) / CLOCKS_PER_SEC;
+/// The parts that were added at once.
+struct Step {
+  std::size_t first = 0;  ///< The number of its first part, from 1, and how many there are.
+  std::size_t count = 1;
+  PoseId begin, end;
+  AddedPart added;
+  double seconds = 0.0;  ///< CPU time.
+};
+
+std::string for_people(const Step& step) {
+  const AddedPart& added = step.added;
+  const std::string maps = step.count == 1 ? fmt::format("map {}", step.first)
+                                           : fmt::format("maps {} to {}", step.first, step.first + step.count - 1);
+  const std::string poses = fmt::format("{} to {}", to_string(step.begin), step.end.key);
+  if (!added.is_joined) return fmt::format("{}, {}: waits, nothing ties it to the others yet\n", maps, poses);
+  return fmt::format("{}, {}: moved {:.3f} m, {:.4f} rad; chi2 {:.2f}, dof {}; {} variables in {}{}\n", maps, poses,
+                     added.metres, added.radians, added.chi2, added.dof, added.eliminated,
+                     counted(added.iterations, "iteration"), added.joined_anew ? "; all joined anew" : "");
 }
+
+std::string for_programs(const Step& step) {
+  const AddedPart& added = step.added;
+  const Json line = {{"map", step.first},
+                     {"maps", step.count},
+                     {"first_pose", step.begin.key},
+                     {"last_pose", step.end.key},
+                     {"joined", added.is_joined},
+                     {"moved_m", added.metres},
+                     {"moved_rad", added.radians},
+                     {"chi2", added.chi2},
+                     {"dof", added.dof},
+                     {"eliminated", added.eliminated},
+                     {"iterations", added.iterations},
+                     {"converged", added.converged},
+                     {"joined_anew", added.joined_anew},
+                     {"cpu_seconds", step.seconds}};
+  return line.dump() + '\n';
+}
+
+/// What each added map did: a line for people on standard error, where that is a terminal, and a line of JSON for programs.
+class StepReport {
+ public:
+  /// `path`: as FollowOptions::steps. kCannotWrite where the file cannot be made; it grows line by line, for others to follow.
+  StepReport(const std::filesystem::path& path, bool quiet)
+      : path_(path == "-" ? "standard output" : path), is_shown_(!quiet && ::isatty(STDERR_FILENO) == 1) {
+    if (path == "-") file_ = File(stdout, [](std::FILE*) { return 0; });
+    if (path == "-" || path.empty()) return;
+    file_ = File(std::fopen(path.c_str(), "we"), std::fclose);
+    if (!file_) demand(call_failed(path_, errno, ErrorKind::kCannotWrite));
+  }
+
+  void add(const Step& step) {
+    if (is_shown_) std::fputs(for_people(step).c_str(), stderr);
+    if (!file_ || (std::fputs(for_programs(step).c_str(), file_.get()) >= 0 && std::fflush(file_.get()) == 0)) return;
+    // A reader that has gone away has had all it wanted.
+    if (errno != EPIPE) demand(call_failed(path_, errno, ErrorKind::kCannotWrite));
+  }
+
+ private:
+  using File = std::unique_ptr<std::FILE, int (*)(std::FILE*)>;
+  std::filesystem::path path_;
+  File file_{nullptr, std::fclose};
+  bool is_shown_;
+};
 
 /// The estimate of a log that grows.
 template <int Dim>
@@ -28,46 +96,42 @@ class GrowingMap {
 
   /// `whole` reads the log up to and with the news, for where these concern what is in a map already.
   template <typename Whole>
-  Expected<void> add(const Log<Dim>& news, Whole&& whole) {
-    if (maker_.add(news)) return join_complete(false);
-    Expected<AnyLog> log = whole();
-    if (!log) return tl::unexpected(log.error());
-    maker_ = new_maker();
-    map_ = IncrementalJoin<Dim>();
-    count_ = 0;
-    maker_.add(std::get<Log<Dim>>(*log));
-    return join_complete(false);
+  void add(const Log<Dim>& news, Whole&& whole) {
+    if (!maker_.add(news)) {
+      maker_ = new_maker();
+      map_ = IncrementalJoin<Dim>();
+      count_ = 0;
+      maker_.add(std::get<Log<Dim>>(whole()));
+    }
+    join_complete(false);
   }
 
-  /// Makes parts of what is complete, at the end of all, and joins them.
-  Expected<void> join_complete(bool is_end) {
-    auto parts = maker_.take(is_end);
-    if (!parts) return tl::unexpected(parts.error());
-    if (count_ == 0 && parts->size() > 1) return add_at_once(*std::move(parts));
-    for (Part<Dim>& part : *parts) {
-      Step step{++count_, 1, {}, {}, {}, 0.0};
-      if (part.stretch) {
-        step.begin = maker_.name(part.stretch->begin);
-        step.end = maker_.name(part.stretch->end);
-      }
-      const double start = cpu_seconds();
-      step.added = map_.add(std::move(part));
-      step.seconds = cpu_seconds() - start;
-      if (auto said = report_.add(step); !said) return said;
+  /// Makes parts of what is complete, at the end of all, and joins them: the first ones at once, the others one by one.
+  void join_complete(bool is_end) {
+    std::vector<Part<Dim>> parts = maker_.take(is_end).value();
+    if (count_ == 0 && parts.size() > 1) {
+      const Step step{1, parts.size(), name(parts.front(), &Stretch::begin), name(parts.back(), &Stretch::end), {}, 0.0};
+      return report(step, [&] { return map_.add_all(std::move(parts)); });
     }
-    return {};
+    for (Part<Dim>& part : parts) {
+      const Step step{count_ + 1, 1, name(part, &Stretch::begin), name(part, &Stretch::end), {}, 0.0};
+      report(step, [&] { return map_.add(std::move(part)); });
+    }
   }
 
  private:
   PartMaker<Dim> new_maker() const { return PartMaker<Dim>(options_.run.split, options_.run.solver); }
+  PoseId name(const Part<Dim>& part, Index Stretch::*pose) const {
+    return part.stretch ? maker_.name((*part.stretch).*pose) : PoseId{};
+  }
 
-  Expected<void> add_at_once(std::vector<Part<Dim>> parts) {
-    Step step{1, parts.size(), maker_.name(parts.front().stretch->begin), maker_.name(parts.back().stretch->end), {}, 0.0};
-    count_ = parts.size();
-    const double start = cpu_seconds();
-    step.added = map_.add_all(std::move(parts));
-    step.seconds = cpu_seconds() - start;
-    return report_.add(step);
+  template <typename Add>
+  void report(Step step, Add&& add) {
+    count_ += step.count;
+    const std::clock_t start = std::clock();
+    step.added = add();
+    step.seconds = static_cast<double>(std::clock() - start) / CLOCKS_PER_SEC;
+    report_.add(step);
   }
 
   const Options& options_;
@@ -79,76 +143,70 @@ class GrowingMap {
 
 class Follower {
  public:
-  Follower(const Options& options, GrowingG2o file, StepReport report)
-      : options_(options), file_(std::move(file)), report_(std::move(report)) {}
+  Follower(const Options& options, const std::filesystem::path& steps)
+      : options_(options), file_(GrowingG2o::open(options.input, options.read).value()), report_(steps, options.quiet) {}
 
   /// Until the file has not grown for a while, a stop is requested, or something in it is wrong, which is then the fault.
-  Expected<FollowedLog> follow(double idle_seconds, const std::stop_token& stop) {
+  FollowedLog follow(double idle_seconds, const std::stop_token& stop) {
     using Clock = std::chrono::steady_clock;
-    std::optional<Error> fault;
     auto last_growth = Clock::now();
     const auto is_idle = [&] { return std::chrono::duration<double>(Clock::now() - last_growth).count() > idle_seconds; };
     do {
       const std::size_t size = file_.size();
-      if (auto added = add(file_.appended(), fault); !added) return tl::unexpected(added.error());
+      add(file_.appended());
       if (file_.size() > size) {
         last_growth = Clock::now();
       } else {
         std::this_thread::sleep_for(kBetweenLooks);
       }
-    } while (!fault && !stop.stop_requested() && !is_idle());
-    if (!fault && !stop.stop_requested()) {
-      if (auto added = add(file_.rest(), fault); !added) return tl::unexpected(added.error());
-    }
-    return finished(std::move(fault));
+    } while (!fault_ && !stop.stop_requested() && !is_idle());
+    if (!fault_ && !stop.stop_requested()) add(file_.rest());
+    return finished();
   }
 
  private:
-  Expected<void> add(Expected<std::optional<AnyLog>> news, std::optional<Error>& fault) {
-    if (!news) fault = news.error();
-    if (!news || !*news) return {};
-    return std::visit([&](auto& any) { return add(any); }, **news);
+  void add(Expected<std::optional<AnyLog>> news) {
+    if (!news) fault_ = news.error();
+    if (news && *news) std::visit([&](auto& any) { add(any); }, **news);
   }
 
   template <int Dim>
-  Expected<void> add(Log<Dim>& news) {
+  void add(Log<Dim>& news) {
+    if (!dimension_) map<Dim>().emplace(options_, report_);
+    dimension_ = dimension_.value_or(Dim);
+    if (*dimension_ != Dim) {
+      fail(ErrorKind::kBadInput, options_.input.string() + ": edges in the plane and in space are in one file");
+    }
     if (options_.covariance == Covariance::kIdentity) use_identity_covariance(news);
-    if (std::holds_alternative<std::monostate>(map_)) map_.emplace<GrowingMap<Dim>>(options_, report_);
-    auto* map = std::get_if<GrowingMap<Dim>>(&map_);
-    if (!map) return bad_input(options_.input.string() + ": edges in the plane and in space are in one file");
-    return map->add(news, [&] { return weighted_whole(); });
+    map<Dim>()->add(news, [&] { return weighted_whole(); });
   }
 
-  Expected<AnyLog> weighted_whole() const {
-    auto log = file_.whole();
-    if (log && options_.covariance == Covariance::kIdentity) {
-      std::visit([](auto& any) { use_identity_covariance(any); }, *log);
-    }
+  AnyLog weighted_whole() const {
+    AnyLog log = file_.whole().value();
+    if (options_.covariance == Covariance::kIdentity) std::visit([](auto& any) { use_identity_covariance(any); }, log);
     return log;
   }
 
-  Expected<FollowedLog> finished(std::optional<Error> fault) {
-    if (std::holds_alternative<std::monostate>(map_)) {
-      return tl::unexpected(
-          fault.value_or(Error{ErrorKind::kBadInput, options_.input.string() + ": the log has no edges yet"}));
-    }
-    auto completed = std::visit(
-        [](auto& map) -> Expected<void> {
-          if constexpr (std::is_same_v<std::decay_t<decltype(map)>, std::monostate>) {
-            return {};
-          } else {
-            return map.join_complete(true);
-          }
-        },
-        map_);
-    if (!completed) return tl::unexpected(completed.error());
-    return file_.whole().map([&](AnyLog&& log) { return FollowedLog{std::move(log), std::move(fault)}; });
+  FollowedLog finished() {
+    if (!dimension_ && fault_) fail(fault_->kind, fault_->message);
+    if (!dimension_) fail(ErrorKind::kBadInput, options_.input.string() + ": the log has no edges yet");
+    *dimension_ == 2 ? map_2d_->join_complete(true) : map_3d_->join_complete(true);
+    return {file_.whole().value(), fault_};
+  }
+
+  template <int Dim>
+  std::optional<GrowingMap<Dim>>& map() {
+    if constexpr (Dim == 2) return map_2d_;
+    if constexpr (Dim == 3) return map_3d_;
   }
 
   const Options& options_;
   GrowingG2o file_;
   StepReport report_;
-  std::variant<std::monostate, GrowingMap<2>, GrowingMap<3>> map_;
+  std::optional<int> dimension_;  ///< Of the log, once it is known,
+  std::optional<GrowingMap<2>> map_2d_;
+  std::optional<GrowingMap<3>> map_3d_;
+  std::optional<Error> fault_;
 };
 
 }  // namespace
@@ -158,8 +216,7 @@ void add_following(Subcommand& command, FollowOptions& options) {
   command.flag("--follow", options.wanted,
                "LOG is a g2o file that is still being written: join it map by map (of 10 poses, unless something else is asked "
                "for), say what each map did, and run on the whole when it is complete or at Ctrl-C");
-  command.number<double>("--idle", options.idle_seconds, 0.0, "SECONDS",
-                         "It is complete when it has not grown for so long [5]");
+  command.number("--idle", options.idle_seconds, 0.0, "SECONDS", "It is complete when it has not grown for so long");
   command.path("--steps", options.steps, "FILE|-",
                "Write a line of JSON for every map that is added; with - nothing else goes to standard output");
 }
@@ -175,12 +232,8 @@ std::vector<std::string> check_following(const Subcommand& command, const Option
   return violations;
 }
 
-Expected<FollowedLog> follow(const Options& options, const FollowOptions& following, const std::stop_token& stop) {
-  auto file = GrowingG2o::open(options.input, options.read);
-  if (!file) return tl::unexpected(file.error());
-  auto report = StepReport::open(following.steps, options.quiet);
-  if (!report) return tl::unexpected(report.error());
-  return Follower(options, *std::move(file), *std::move(report)).follow(following.idle_seconds, stop);
+FollowedLog follow(const Options& options, const FollowOptions& following, const std::stop_token& stop) {
+  return Follower(options, following.steps).follow(following.idle_seconds, stop);
 }
 
 }  // namespace mapjoin::apps

@@ -29,8 +29,8 @@ struct FollowedLog {
   std::optional<Error> fault;  ///< What was wrong behind it.
 };
 
-/// Follows the input until it has not grown for a while or a stop is requested, and says what each added map did. Bad input
-/// where nothing of it can be used; kCannotWrite where the steps cannot be written.
-Expected<FollowedLog> follow(const Options& options, const FollowOptions& following, const std::stop_token& stop);
+/// Follows the input until it has not grown for a while or a stop is requested, and says what each added map did. Fails
+/// (see exit_code.hpp) with bad input where nothing of it can be used; kCannotWrite where the steps cannot be written.
+FollowedLog follow(const Options& options, const FollowOptions& following, const std::stop_token& stop);
 
 }  // namespace mapjoin::apps

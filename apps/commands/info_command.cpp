@@ -5,8 +5,7 @@
 
 #include <algorithm>
 #include <apps/commands/command_run.hpp>
-#include <apps/commands/commands.hpp>
-#include <apps/console.hpp>
+#include <apps/commands/subcommand.hpp>
 #include <apps/report/report.hpp>
 #include <mapjoin/io/formats/map_text.hpp>
 #include <mapjoin/measure/chi2.hpp>
@@ -83,36 +82,31 @@ std::string kind_of(const StoredMaps<Dim>&) {
 }
 
 template <typename Content>
-Expected<ExitCode> tell(CommandRun& command_run, const Content& content) {
+std::string described(const RunReport& run_report, const Content& content) {
   Lines lines;
-  lines.add("file", command_run.run_report.input);
+  lines.add("file", run_report.input);
   lines.add("kind", kind_of(content));
-  lines.add("dimension", fmt::format("{}", command_run.run_report.dimension));
+  lines.add("dimension", fmt::format("{}", run_report.dimension));
   add_content(content, lines);
-  lines.add("convention", conventions_in_words(command_run.run_report.conventions, command_run.run_report.dimension));
-  for (const std::string& remark : remarks(command_run.run_report)) lines.add("note", remark);
-  return write_stdout(lines.text()).map([] { return ExitCode::kDone; });
-}
-
-Expected<ExitCode> tell_of(const Options& options, const std::stop_token& stop) {
-  CommandRun command_run("info", options, stop);
-  const auto tell_any = [&](const auto& any) {
-    return std::visit([&](const auto& content) { return tell(command_run, content); }, any);
-  };
-  return may_hold_maps(options.input) ? command_run.read_maps().and_then(tell_any) : command_run.read_log().and_then(tell_any);
-}
-
-void declare(Subcommand& command) {
-  const auto options = std::make_shared<Options>();
-  command.argument("FILE", options->input, "A log, a store, or a folder or archive of local maps");
-  add_reading(command, *options);
-  command.act([options](const std::stop_token& stop) { return tell_of(*options, stop); });
+  add_convention(run_report, lines);
+  add_notes(run_report, lines);
+  return lines.text();
 }
 
 }  // namespace
 
-std::unique_ptr<Subcommand> info_command(CLI::App& app) {
-  return std::make_unique<Subcommand>(app, "info", "What is in a file", kExamples, declare);
+void declare_info(Subcommand& command) {
+  command.examples(kExamples);
+  const auto options = std::make_shared<Options>();
+  command.argument("FILE", options->input, "A log, a store, or a folder or archive of local maps");
+  add_reading(command, *options);
+  command.act([options](const std::stop_token& stop) {
+    CommandRun command_run("info", *options, stop);
+    const auto text =
+        command_run.with_log_or_maps([&](const auto& content) { return described(command_run.run_report, content); });
+    command_run.tell("", text);
+    return ExitCode::kDone;
+  });
 }
 
 }  // namespace mapjoin::apps

@@ -2,9 +2,7 @@
 // `mapjoin join`: from local maps to a global map.
 
 #include <apps/commands/command_run.hpp>
-#include <apps/commands/commands.hpp>
-#include <apps/map_file.hpp>
-#include <apps/output_conflicts.hpp>
+#include <apps/commands/subcommand.hpp>
 #include <memory>
 #include <utility>
 #include <variant>
@@ -17,40 +15,41 @@ constexpr const char* kExamples =
     "  mapjoin join manhattan2d.maps -o map.g2o";
 
 template <int Dim>
-Expected<ExitCode> join_any(CommandRun& command_run, MapSet<Dim> set) {
-  auto result = run(std::move(set), command_run.run_options(), command_run.stop());
-  if (!result) return tl::unexpected(result.error());
-  if (auto written = command_run.write_map(*result, static_cast<const Log<Dim>*>(nullptr)); !written) {
-    return tl::unexpected(written.error());
-  }
-  return command_run.conclude();
+void join_any(CommandRun& command_run, MapSet<Dim> set) {
+  const RunOptions& options = command_run.run_options();
+  auto result = command_run.options().gradual ? command_run.along_path(run_continued(set, options, command_run.stop()))
+                                              : run(std::move(set), options, command_run.stop()).value();
+  command_run.write_map(result, static_cast<const Log<Dim>*>(nullptr));
 }
 
+/// What is wrong with the log in a store is said of the store.
 template <int Dim>
-Expected<ExitCode> join_any(CommandRun& command_run, StoredMaps<Dim> stored) {
-  const Split parts = split_along(stored.log, stored.stretches);
-  // What is wrong with the log in a store is said of the store.
+void join_any(CommandRun& command_run, StoredMaps<Dim> stored) {
+  const auto& log = stored.log;
+  const Split parts = split_along(log, stored.stretches);
+  const RunOptions& options = command_run.run_options();
   const auto of_store = [&](const Error& error) {
     return Error{error.kind, command_run.run_report.input + ": " + error.message};
   };
-  auto result = run_from_maps(stored.log, parts, std::move(stored.maps), command_run.run_options(), command_run.stop())
-                    .map_error(of_store);
-  if (!result) return tl::unexpected(result.error());
-  if (auto written = command_run.write_map(*result, &stored.log); !written) return tl::unexpected(written.error());
+  auto result =
+      command_run.options().gradual
+          ? command_run.along_path(
+                run_continued(log, parts, std::move(stored.maps), options, command_run.stop()).map_error(of_store))
+          : run_from_maps(log, parts, std::move(stored.maps), options, command_run.stop()).map_error(of_store).value();
+  command_run.write_map(result, &log);
+}
+
+ExitCode join_maps(const Options& options, const std::stop_token& stop) {
+  CommandRun command_run("join", options, stop);
+  command_run.prepare(outputs_of_map(options));
+  std::visit([&](auto&& any) { join_any(command_run, std::move(any)); }, command_run.read_maps());
   return command_run.conclude();
 }
 
-Expected<ExitCode> join_maps(const Options& options, const std::stop_token& stop) {
-  CommandRun command_run("join", options, stop);
-  if (auto ready = command_run.check_outputs().and_then([&] { return command_run.read_truth(); }); !ready) {
-    return tl::unexpected(ready.error());
-  }
-  auto maps = command_run.read_maps();
-  if (!maps) return tl::unexpected(maps.error());
-  return std::visit([&](auto& any) { return join_any(command_run, std::move(any)); }, *maps);
-}
+}  // namespace
 
-void declare(Subcommand& command) {
+void declare_join(Subcommand& command) {
+  command.examples(kExamples);
   const auto options = std::make_shared<Options>();
   command.argument("MAPS", options->input, "A store, or a folder or archive of localmap_1, localmap_2, ... as .mat or .txt");
   command.path("-o,--output", options->output, "MAP", kMapFile);
@@ -62,14 +61,8 @@ void declare(Subcommand& command) {
   add_certainty(command, *options);
   add_reporting(command, *options);
   command.check([options] { return check_extension(options->output); });
-  command.check([options] { return output_conflicts(files_of_map(*options, "MAPS")); });
+  command.check([options] { return output_conflicts(inputs_of(*options, "MAPS"), outputs_of_map(*options)); });
   command.act([options](const std::stop_token& stop) { return join_maps(*options, stop); });
-}
-
-}  // namespace
-
-std::unique_ptr<Subcommand> join_command(CLI::App& app) {
-  return std::make_unique<Subcommand>(app, "join", "From local maps to a global map", kExamples, declare);
 }
 
 }  // namespace mapjoin::apps

@@ -35,13 +35,14 @@ std::vector<std::string> check_one_rule(const Subcommand& command) {
 
 /// The other schedules need no start: who asks for one, or how to go on from it, means batch. In the relative state, batch is
 /// gradual if nothing else is asked for.
-std::vector<std::string> settle_batch(const Subcommand& command, RunOptions& run) {
+std::vector<std::string> settle_batch(const Subcommand& command, Options& settled) {
+  RunOptions& run = settled.run;
   const std::vector<std::string> options = {"--start", "--batch"};
   const auto asked = std::find_if(options.begin(), options.end(), [&](const auto& option) { return command.is_given(option); });
   if (asked != options.end() && !command.is_given("--schedule")) run.schedule = Schedule::kBatch;
   const bool takes_start = rule_of(run.schedule).takes_start();
   const bool is_plain = command.is_given("--method") || run.state == JoinedState::kAbsolute;
-  if (!command.is_given("--batch")) run.gradual = takes_start && !is_plain;
+  if (!command.is_given("--batch")) settled.gradual = takes_start && !is_plain;
   if (takes_start || asked == options.end()) return {};
   return {*asked + " is for --schedule batch: " + to_string(run.schedule) + " needs no initial value"};
 }
@@ -100,12 +101,11 @@ void add_schedule(Subcommand& command, Options& options) {
                  "Coordinates of the steps: positions in the map, or each relative to where it hangs");
   command.choice("--start", options.run.start,
                  "What to join all at once from: odometry or maps composed, zeros, random values, or those in the file");
-  command.choice("--batch", options.run.gradual, std::to_array<EnumName<bool>>({{false, "direct"}, {true, "gradual"}}),
+  command.choice("--batch", options.gradual, std::to_array<EnumName<bool>>({{false, "direct"}, {true, "gradual"}}),
                  "All observations whole from the start, or what is not quadratic in the relative state brought in "
                  "gradually; the latter with --state relative, unless there is a --method");
-  command.number<std::uint64_t>("--seed", options.run.seed, 0, "N",
-                                "Of the random start [" + std::to_string(options.run.seed) + "]");
-  command.check([&command, &run = options.run] { return settle_batch(command, run); });
+  command.number<std::uint64_t>("--seed", options.run.seed, 0, "N", "Of the random start");
+  command.check([&command, &options] { return settle_batch(command, options); });
 }
 
 std::vector<std::string> check_uncut(const Subcommand& command, const Options& options) {
@@ -126,8 +126,7 @@ void add_solver(Subcommand& command, Options& options) {
   command.group("Joining");
   command.choice("--method", solver.method,
                  "Steps: Powell's dogleg, Levenberg-Marquardt, or plain Gauss-Newton, which may diverge");
-  command.number<int>("--max-iterations", solver.max_iterations, 1, "N",
-                      "At most so many steps of every solve [" + std::to_string(solver.max_iterations) + "]");
+  command.number("--max-iterations", solver.max_iterations, 1, "N", "At most so many steps of every solve");
 }
 
 void add_engine(Subcommand& command, Options& options) {

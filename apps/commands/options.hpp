@@ -16,6 +16,7 @@ struct Options {
   ReadOptions read;
   Covariance covariance = Covariance::kOriginal;
   RunOptions run;
+  bool gradual = false;          ///< The batch schedule by continuation (see ContinuedResult).
   bool covariances = false;      ///< Write them.
   bool relations = false;        ///< Write them.
   std::filesystem::path truth;   ///< Empty: none.

@@ -1,12 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // `mapjoin run`: from a log to a global map.
 
+#include <apps/certainty.hpp>
 #include <apps/commands/command_run.hpp>
-#include <apps/commands/commands.hpp>
 #include <apps/commands/follow.hpp>
-#include <apps/map_file.hpp>
-#include <apps/output_conflicts.hpp>
-#include <apps/output_folder.hpp>
+#include <apps/commands/subcommand.hpp>
 #include <apps/picture/plotted_map.hpp>
 #include <apps/report/report.hpp>
 #include <functional>
@@ -60,52 +58,54 @@ Expected<void> write_map_files(const CommandRun& command_run, const RunResult<Di
 }
 
 template <int Dim>
-Expected<void> write_folder(CommandRun& command_run, const RunResult<Dim>& result, const Log<Dim>& log, OutputFolder& folder) {
+void write_folder(CommandRun& command_run, const RunResult<Dim>& result, const Log<Dim>& log, OutputFolder& folder) {
   const std::vector<std::string> names = names_of(command_run.options(), result.marginals.has_value());
   for (const std::string& name : names) command_run.run_report.files.push_back(folder.file(name).string());
-  return timed(command_run.run_report.write_seconds, [&] { return write_map_files(command_run, result, log, folder); })
-      .and_then([&] { return write_report(command_run.run_report, folder.aside("report.json")); })
-      .and_then([&] { return command_run.check_interrupted(); })
-      .and_then([&] { return folder.commit(names); });
+  demand(timed(command_run.run_report.write_seconds, [&] { return write_map_files(command_run, result, log, folder); }));
+  demand(write_file(folder.aside("report.json"), report(command_run.run_report)));
+  command_run.check_interrupted();
+  demand(folder.commit(names));
 }
 
 template <int Dim>
-Expected<ExitCode> run_on(CommandRun& command_run, const Log<Dim>& log, std::optional<OutputFolder>& folder) {
-  auto result = run(log, command_run.run_options(), command_run.stop());
-  if (!result) return tl::unexpected(result.error());
-  const auto write = [&] { return write_folder(command_run, *result, log, *folder); };
-  const auto written = folder ? command_run.take(*result).and_then(write) : command_run.write_map(*result, &log);
-  if (!written) return tl::unexpected(written.error());
+ExitCode run_on(CommandRun& command_run, const Log<Dim>& log, std::optional<OutputFolder>& folder) {
+  const RunOptions& options = command_run.run_options();
+  RunResult<Dim> result = command_run.options().gradual
+                              ? command_run.along_path(run_continued(log, options, command_run.stop()))
+                              : run(log, options, command_run.stop()).value();
+  if (folder) {
+    command_run.take(result);
+    write_folder(command_run, result, log, *folder);
+  } else {
+    command_run.write_map(result, &log);
+  }
   return command_run.conclude();
 }
 
 /// The log that is followed until it is complete; a stop ends the following, not the work on what is there.
-Expected<ExitCode> run_followed(CommandRun& command_run, const FollowOptions& following, const std::stop_token& stop,
-                                std::optional<OutputFolder>& folder) {
-  auto followed = follow(command_run.options(), following, stop);
-  if (!followed) return tl::unexpected(followed.error());
-  const auto log = command_run.take_log(std::move(followed->log));
-  if (!log) return tl::unexpected(log.error());
-  auto done = std::visit([&](const auto& any) { return run_on(command_run, any, folder); }, *log);
-  if (!done || !followed->fault) return done;
-  if (!command_run.options().output.empty()) followed->fault->message += "; the map of what stands before it is written";
-  return tl::unexpected(*followed->fault);
+ExitCode run_followed(CommandRun& command_run, const FollowOptions& following, const std::stop_token& stop,
+                      std::optional<OutputFolder>& folder) {
+  FollowedLog followed = follow(command_run.options(), following, stop);
+  const AnyLog log = command_run.take_log(std::move(followed.log));
+  const ExitCode done = std::visit([&](const auto& any) { return run_on(command_run, any, folder); }, log);
+  if (!followed.fault) return done;
+  const bool is_written = !command_run.options().output.empty();
+  fail(followed.fault->kind, followed.fault->message + (is_written ? "; the map of what stands before it is written" : ""));
 }
 
-Expected<ExitCode> run_log(const Options& options, const FollowOptions& following, const std::stop_token& stop) {
+ExitCode run_log(const Options& options, const FollowOptions& following, const std::stop_token& stop) {
   CommandRun command_run("run", options, following.wanted ? std::stop_token() : stop);
   const bool is_file = names_map_file(options.output);
-  auto folder = output_folder(is_file ? std::filesystem::path() : options.output);
-  if (!folder) return tl::unexpected(folder.error());
-  const auto writable = is_file ? command_run.check_outputs() : command_run.check_report();
-  if (auto ready = writable.and_then([&] { return command_run.read_truth(); }); !ready) return tl::unexpected(ready.error());
-  if (following.wanted) return run_followed(command_run, following, stop, *folder);
-  const auto log = command_run.read_log();
-  if (!log) return tl::unexpected(log.error());
-  return std::visit([&](const auto& any) { return run_on(command_run, any, *folder); }, *log);
+  auto folder = output_folder(is_file ? std::filesystem::path() : options.output).value();
+  command_run.prepare(is_file ? outputs_of_map(options) : report_of(options));
+  if (following.wanted) return run_followed(command_run, following, stop, folder);
+  return std::visit([&](const auto& log) { return run_on(command_run, log, folder); }, command_run.read_log());
 }
 
-void declare(Subcommand& command) {
+}  // namespace
+
+void declare_run(Subcommand& command) {
+  command.examples(kExamples);
   const auto options = std::make_shared<Options>();
   const auto following = std::make_shared<FollowOptions>();
   command.argument("LOG", options->input, kLogFormats);
@@ -123,23 +123,16 @@ void declare(Subcommand& command) {
   add_reporting(command, *options);
   command.check([options] { return check_extension(options->output); });
   command.check([options, following] {
-    NamedFiles files = names_map_file(options->output) ? files_of_map(*options, "LOG")
-                                                       : files_of_folder(*options, "LOG", names_of(*options, true));
+    NamedFiles files =
+        names_map_file(options->output) ? outputs_of_map(*options) : outputs_of_folder(*options, names_of(*options, true));
     if (following->steps != "-") files.emplace_back("--steps", following->steps);
-    return output_conflicts(files);
+    return output_conflicts(inputs_of(*options, "LOG"), files);
   });
   command.check([&command, options, following] { return check_following(command, *options, *following); });
   command.act([options, following](const std::stop_token& stop) {
     if (following->steps == "-") options->quiet = true;
     return run_log(*options, *following, stop);
   });
-}
-
-}  // namespace
-
-std::unique_ptr<Subcommand> run_command(CLI::App& app) {
-  return std::make_unique<Subcommand>(
-      app, "run", "From a log to a global map: splits, builds local maps, joins, recovers, polishes", kExamples, declare);
 }
 
 }  // namespace mapjoin::apps

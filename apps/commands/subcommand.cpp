@@ -34,22 +34,22 @@ std::vector<std::string> words_between_commas(const std::string& list) {
 
 namespace {
 
-/// What is wrong with a path, to follow its option; nothing where it will do.
-std::string check_path(const std::string& word) {
-  return word.empty() ? "is empty" : "";
-}
-
 /// For every option that names a file or a folder.
-const CLI::Validator kPath(check_path, "");
+const CLI::Validator kPath([](const std::string& word) { return std::string(word.empty() ? "is empty" : ""); }, "");
 
 }  // namespace
 
-Subcommand::Subcommand(CLI::App& parent, const std::string& name, const std::string& description, const std::string& examples,
-                       Declare declare)
+Subcommand::Subcommand(CLI::App& parent, const std::string& name, const std::string& description)
     : app_(parent.add_subcommand(name, description)->group("Commands")) {
-  app_->footer("Examples:\n" + examples);
   app_->set_help_flag("-h,--help", "This text");
-  declare(*this);
+}
+
+std::string Subcommand::name() const {
+  return app_->get_name();
+}
+
+void Subcommand::examples(const std::string& lines) {
+  app_->footer("Examples:\n" + lines);
 }
 
 CLI::Option& Subcommand::grouped(CLI::Option& option) const {
@@ -74,14 +74,9 @@ void Subcommand::refusal(const std::string& name, bool& value, const std::string
       name, [&value] { value = false; }, help));
 }
 
-void Subcommand::path(const std::string& names, std::filesystem::path& value, const std::string& kind,
-                      const std::string& help) {
-  grouped(*app_->add_option(names, value, help)->check(kPath)->type_name(kind));
-}
-
-void Subcommand::output(const std::string& names, std::filesystem::path& value, const std::string& kind,
-                        const std::string& help) {
-  grouped(*app_->add_option(names, value, help)->required()->check(kPath)->type_name(kind));
+void Subcommand::path(const std::string& names, std::filesystem::path& value, const std::string& kind, const std::string& help,
+                      bool is_required) {
+  grouped(*app_->add_option(names, value, help)->required(is_required)->check(kPath)->type_name(kind));
 }
 
 void Subcommand::option(const std::string& name, const std::string& kind, const std::string& help, Take take) {
@@ -92,7 +87,9 @@ void Subcommand::option(const std::string& name, const std::string& kind, const 
 }
 
 template <typename T>
-void Subcommand::number(const std::string& name, T& value, T least, const std::string& kind, const std::string& help, T most) {
+void Subcommand::number(const std::string& name, T& value, T least, const std::string& kind, std::string help, T most) {
+  if (!help.ends_with(']'))
+    help += fmt::format(std::is_integral_v<T> ? fmt::runtime(" [{}]") : fmt::runtime(" [{:.6g}]"), value);
   option(name, kind, help, [&value, least, most](const std::string& word) -> std::optional<std::string> {
     const std::optional<T> given = number_in<T>(word);
     if (!given || *given < least || *given > most) {
@@ -113,12 +110,12 @@ bool Subcommand::is_chosen() const {
   return app_->parsed();
 }
 
-Expected<ExitCode> Subcommand::run(const std::stop_token& stop) const {
+ExitCode Subcommand::run(const std::stop_token& stop) const {
   std::vector<std::string> violations = violations_;
   for (const auto& check : checks_) {
     for (auto& violation : check()) violations.push_back(std::move(violation));
   }
-  if (!violations.empty()) return tl::unexpected(Error{ErrorKind::kUsage, joined(violations, "; ")});
+  if (!violations.empty()) fail(ErrorKind::kUsage, joined(violations, "; "));
   return action_(stop);
 }
 
@@ -126,15 +123,13 @@ std::string Subcommand::joined(const std::vector<std::string>& words, const std:
   return fmt::format("{}", fmt::join(words, separator));
 }
 
-template std::optional<int> number_in(const std::string&);
-template std::optional<std::int64_t> number_in(const std::string&);
-template std::optional<std::uint64_t> number_in(const std::string&);
-template std::optional<double> number_in(const std::string&);
-template void Subcommand::number(const std::string&, int&, int, const std::string&, const std::string&, int);
-template void Subcommand::number(const std::string&, std::int64_t&, std::int64_t, const std::string&, const std::string&,
-                                 std::int64_t);
-template void Subcommand::number(const std::string&, std::uint64_t&, std::uint64_t, const std::string&, const std::string&,
-                                 std::uint64_t);
-template void Subcommand::number(const std::string&, double&, double, const std::string&, const std::string&, double);
+#define MAPJOIN_INSTANTIATE(T)                             \
+  template std::optional<T> number_in(const std::string&); \
+  template void Subcommand::number(const std::string&, T&, T, const std::string&, std::string, T);
+MAPJOIN_INSTANTIATE(int)
+MAPJOIN_INSTANTIATE(std::int64_t)
+MAPJOIN_INSTANTIATE(std::uint64_t)
+MAPJOIN_INSTANTIATE(double)
+#undef MAPJOIN_INSTANTIATE
 
 }  // namespace mapjoin::apps

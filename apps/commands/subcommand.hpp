@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
-// One subcommand: its options as they are declared, everything that is wrong with those given, and what it does.
+// The command line: subcommands, with their options as they are declared, everything that is wrong with those given, and what
+// they do.
 
 #include <apps/exit_code.hpp>
 #include <cstdint>
@@ -9,6 +10,7 @@
 #include <limits>
 #include <mapjoin/model/enum_names.hpp>
 #include <mapjoin/model/error.hpp>
+#include <memory>
 #include <optional>
 #include <stop_token>
 #include <string>
@@ -32,17 +34,18 @@ std::vector<std::string> words_between_commas(const std::string& list);
 /// Values that options are bound to must outlive the subcommand; its action can own them.
 class Subcommand {
  public:
-  using Action = std::function<Expected<ExitCode>(const std::stop_token&)>;
+  /// What it does once its options are right; may fail() (see exit_code.hpp).
+  using Action = std::function<ExitCode(const std::stop_token&)>;
   /// Takes the word given for an option; a violation, as the end of a sentence that begins with the option, where it is wrong.
   using Take = std::function<std::optional<std::string>(const std::string& word)>;
 
-  /// Options, checks and action are declared by `declare`.
-  using Declare = void (*)(Subcommand&);
-  Subcommand(CLI::App& parent, const std::string& name, const std::string& description, const std::string& examples,
-             Declare declare);
+  Subcommand(CLI::App& parent, const std::string& name, const std::string& description);
   Subcommand(const Subcommand&) = delete;
   Subcommand& operator=(const Subcommand&) = delete;
 
+  std::string name() const;
+  /// Below the options in the help.
+  void examples(const std::string& lines);
   /// The heading of the options that follow in the help.
   void group(const std::string& heading) { group_ = heading; }
   /// An argument that must be given.
@@ -52,9 +55,8 @@ class Subcommand {
   void flag(const std::string& name, bool& value, const std::string& help);
   /// A flag that makes `value` false.
   void refusal(const std::string& name, bool& value, const std::string& help);
-  void path(const std::string& names, std::filesystem::path& value, const std::string& kind, const std::string& help);
-  /// As path(), but it must be given.
-  void output(const std::string& names, std::filesystem::path& value, const std::string& kind, const std::string& help);
+  void path(const std::string& names, std::filesystem::path& value, const std::string& kind, const std::string& help,
+            bool is_required = false);
   void option(const std::string& name, const std::string& kind, const std::string& help, Take take);
 
   /// One of the words of an enum; the value as it stands is the default, which the help names.
@@ -80,20 +82,21 @@ class Subcommand {
     });
   }
 
-  /// A number from `least` to `most` (and finite); whole where T is.
+  /// A number from `least` to `most` (and finite); whole where T is. The value as it stands is the default, which the help
+  /// names unless it ends with one, as in "[all processors]".
   template <typename T>
-  void number(const std::string& name, T& value, T least, const std::string& kind, const std::string& help,
+  void number(const std::string& name, T& value, T least, const std::string& kind, std::string help,
               T most = std::numeric_limits<T>::max());
 
-  /// Called after parsing: what is wrong with options that are right one by one.
+  /// Called after parsing: what is wrong, in words, with options that are right one by one.
   void check(std::function<std::vector<std::string>()> violations) { checks_.push_back(std::move(violations)); }
   void act(Action action) { action_ = std::move(action); }
 
-  /// Not where there is no such option either.
+  /// False, too, where there is no such option.
   bool is_given(const std::string& name) const;
   bool is_chosen() const;
   /// kUsage with every violation where there is one.
-  Expected<ExitCode> run(const std::stop_token& stop) const;
+  ExitCode run(const std::stop_token& stop) const;
 
  private:
   static std::string joined(const std::vector<std::string>& words, const std::string& separator);
@@ -105,5 +108,26 @@ class Subcommand {
   std::vector<std::function<std::vector<std::string>()>> checks_;
   Action action_;
 };
+
+/// Each in a file of its own.
+void declare_run(Subcommand& command);
+void declare_build(Subcommand& command);
+void declare_join(Subcommand& command);
+void declare_solve(Subcommand& command);
+void declare_compare(Subcommand& command);
+void declare_basin(Subcommand& command);
+void declare_convexity(Subcommand& command);
+void declare_plot(Subcommand& command);
+void declare_simulate(Subcommand& command);
+void declare_info(Subcommand& command);
+void declare_check(Subcommand& command);
+void declare_convert(Subcommand& command);
+
+struct CommandLine {
+  std::shared_ptr<CLI::App> app;
+  std::vector<std::unique_ptr<Subcommand>> commands;  ///< In the order of the help.
+};
+
+CommandLine command_line();
 
 }  // namespace mapjoin::apps

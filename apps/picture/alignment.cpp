@@ -1,48 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <apps/picture/plotted_map.hpp>
+#include <apps/truth_file.hpp>
 #include <mapjoin/join/placement.hpp>
-#include <unordered_map>
 
 namespace mapjoin::apps {
 namespace {
-
-template <int Dim>
-const Point<Dim>& position(const Pose<Dim>& pose) {
-  return pose.translation;
-}
-template <int Dim>
-const Point<Dim>& position(const Point<Dim>& feature) {
-  return feature;
-}
-
-/// The same points in both frames.
-template <int Dim>
-struct Pairs {
-  std::vector<Point<Dim>> from;
-  std::vector<Point<Dim>> to;
-
-  template <typename Id, typename Place>
-  void add_common(const std::vector<Id>& from_ids, const std::vector<Place>& from_places, const std::vector<Id>& to_ids,
-                  const std::vector<Place>& to_places) {
-    const auto hash = [](const Id& id) { return std::hash<std::uint64_t>()(id.key); };
-    std::unordered_map<Id, std::size_t, decltype(hash)> at(to_ids.size(), hash);
-    for (std::size_t k = 0; k < to_ids.size(); ++k) at.emplace(to_ids[k], k);
-    for (std::size_t k = 0; k < from_ids.size(); ++k) {
-      const auto found = at.find(from_ids[k]);
-      if (found == at.end()) continue;
-      from.push_back(position<Dim>(from_places[k]));
-      to.push_back(position<Dim>(to_places[found->second]));
-    }
-  }
-  template <typename Place>
-  void add_known(const std::vector<std::optional<Place>>& from_places, const std::vector<Place>& to_places) {
-    for (std::size_t k = 0; k < from_places.size(); ++k) {
-      if (!from_places[k]) continue;
-      from.push_back(position<Dim>(*from_places[k]));
-      to.push_back(position<Dim>(to_places[k]));
-    }
-  }
-};
 
 /// The covariance of a step of a pose, whose translation is in the frame of the map.
 template <int Dim>
@@ -54,19 +16,26 @@ void turn(const Matrix<Dim>& R, PoseMatrix<Dim>& P) {
 }  // namespace
 
 template <int Dim>
-std::optional<Pose<Dim>> alignment(const GlobalMap<Dim>& map, const GlobalMap<Dim>& first) {
-  Pairs<Dim> common;
-  common.add_common(map.pose_ids, map.poses, first.pose_ids, first.poses);
-  common.add_common(map.feature_ids, map.features, first.feature_ids, first.features);
-  return rigid_alignment(common.from, common.to);
+std::optional<Pose<Dim>> alignment(const Truth<Dim>& truth, const GlobalMap<Dim>& first) {
+  std::vector<Point<Dim>> from, to;
+  for (std::size_t p = 0; p < first.poses.size(); ++p) {
+    if (!truth.poses[p]) continue;
+    from.push_back(truth.poses[p]->translation);
+    to.push_back(first.poses[p].translation);
+  }
+  for (std::size_t f = 0; f < first.features.size(); ++f) {
+    if (!truth.features[f]) continue;
+    from.push_back(*truth.features[f]);
+    to.push_back(first.features[f]);
+  }
+  return rigid_alignment(from, to);
 }
 
 template <int Dim>
-std::optional<Pose<Dim>> alignment(const Truth<Dim>& truth, const GlobalMap<Dim>& first) {
-  Pairs<Dim> common;
-  common.add_known(truth.poses, first.poses);
-  common.add_known(truth.features, first.features);
-  return rigid_alignment(common.from, common.to);
+std::optional<Pose<Dim>> alignment(const GlobalMap<Dim>& map, const GlobalMap<Dim>& first) {
+  return alignment(
+      Truth<Dim>{by_name(map.pose_ids, map.poses, first.pose_ids), by_name(map.feature_ids, map.features, first.feature_ids)},
+      first);
 }
 
 template <int Dim>

@@ -1,9 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <fmt/format.h>
 
-#include <apps/map_file.hpp>
+#include <apps/outputs.hpp>
 #include <apps/picture/load.hpp>
-#include <map>
 #include <mapjoin/io/files/file_bytes.hpp>
 #include <nlohmann/json.hpp>
 #include <string>
@@ -79,16 +78,14 @@ Expected<void> take_covariances(const fs::path& file, const Json& json, GlobalMa
 
 template <int Dim>
 Expected<std::vector<MapFit>> take_fits(const fs::path& file, const Json& json, const GlobalMap<Dim>& map) {
-  std::map<PoseId, Index> index;
-  for (std::size_t p = 0; p < map.pose_ids.size(); ++p) index.emplace(map.pose_ids[p], static_cast<Index>(p));
   std::vector<MapFit> fits;
   for (const Json& line : json.at("join").at("maps")) {
     const PoseId id = pose_id(line);
     if (!line.contains("end") || id.session != 0) return std::vector<MapFit>();
-    const auto base = index.find(id);
-    const auto end = index.find(pose_id(line, "end"));
-    if (base == index.end() || end == index.end() || end->second < base->second) return not_of_map(file);
-    fits.push_back({base->second, end->second, line.at("chi2").get<double>(), line.at("rows").get<std::int64_t>()});
+    const auto base = find_index(map.pose_ids, id);
+    const auto end = find_index(map.pose_ids, pose_id(line, "end"));
+    if (!base || !end || *end < *base) return not_of_map(file);
+    fits.push_back({*base, *end, line.at("chi2").get<double>(), line.at("rows").get<std::int64_t>()});
   }
   return fits;
 }

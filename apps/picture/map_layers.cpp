@@ -46,23 +46,23 @@ std::vector<Index> end_poses(const PlottedMap<Dim>& plotted) {
   return poses;
 }
 
-/// Those whose ellipses are drawn: where local maps end, else some evenly among all.
-template <int Dim>
-std::vector<Index> marked_poses(const PlottedMap<Dim>& plotted) {
-  if (!plotted.local_maps.empty()) return end_poses(plotted);
-  const std::size_t every = 1 + plotted.map.poses.size() / kPoseEllipses;
-  std::vector<Index> poses;
-  for (std::size_t p = every - 1; p < plotted.map.poses.size(); p += every) poses.push_back(static_cast<Index>(p));
-  return poses;
+template <int Dim, typename Covariance>
+Ellipse ellipse_at(const Point<2>& place, const Covariance& P) {
+  return ellipse(place, P.template topLeftCorner<2, 2>(), kSigmas);
 }
 
+/// Where local maps end, or else of some poses evenly among all.
 template <int Dim>
 std::vector<Ellipse> pose_ellipses(const PlottedMap<Dim>& plotted) {
+  std::vector<Index> marked = end_poses(plotted);
+  const std::size_t every = 1 + plotted.map.poses.size() / kPoseEllipses;
+  for (std::size_t p = every; plotted.local_maps.empty() && p <= plotted.map.poses.size(); p += every) {
+    marked.push_back(static_cast<Index>(p - 1));
+  }
   std::vector<Ellipse> ellipses;
-  if (plotted.map.pose_covariances.empty()) return ellipses;
-  for (const Index pose : marked_poses(plotted)) {
-    const PoseMatrix<Dim>& P = plotted.map.pose_covariances[static_cast<std::size_t>(pose)];
-    ellipses.push_back(ellipse(place(plotted, pose), P.template topLeftCorner<2, 2>(), kSigmas));
+  for (const Index pose : marked) {
+    if (plotted.map.pose_covariances.empty()) break;
+    ellipses.push_back(ellipse_at<Dim>(place(plotted, pose), plotted.map.pose_covariances[static_cast<std::size_t>(pose)]));
   }
   return ellipses;
 }
@@ -71,8 +71,7 @@ template <int Dim>
 std::vector<Ellipse> feature_ellipses(const GlobalMap<Dim>& map) {
   std::vector<Ellipse> ellipses;
   for (std::size_t f = 0; f < map.feature_covariances.size(); ++f) {
-    const PointMatrix<Dim>& P = map.feature_covariances[f];
-    ellipses.push_back(ellipse(map.features[f].template head<2>(), P.template topLeftCorner<2, 2>(), kSigmas));
+    ellipses.push_back(ellipse_at<Dim>(map.features[f].template head<2>(), map.feature_covariances[f]));
   }
   return ellipses;
 }
@@ -100,13 +99,12 @@ void add_single(const PlottedMap<Dim>& plotted, std::vector<Layer>& layers) {
 
 template <int Dim>
 Layer in_one_colour(const PlottedMap<Dim>& plotted, const std::string& colour) {
-  Layer layer{plotted.name,
-              {colour},
-              trajectory_lines(plotted.map.poses, plotted.sessions),
-              from_above(plotted.map.features),
-              feature_ellipses(plotted.map)};
-  layer.width = 1.2;
-  return layer;
+  return {plotted.name,
+          {colour},
+          trajectory_lines(plotted.map.poses, plotted.sessions),
+          from_above(plotted.map.features),
+          feature_ellipses(plotted.map),
+          1.2};
 }
 
 /// Broken where a pose is not known.

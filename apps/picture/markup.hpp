@@ -10,10 +10,10 @@
 namespace mapjoin::apps {
 
 /// With the characters that markup is made of, &, <, > and ", as entities.
-std::string escaped(std::string_view text);
+std::string escaped(std::string text);
 
-/// The begin of an SVG on white, of so many pixels; `</svg>` ends it.
-std::string svg_head(double width, double height, double font_size);
+/// A whole page; well-formed XML where its body is.
+std::string html_page(const std::string& title, std::string_view style, std::string_view body);
 
 /// Okabe and Ito's, for all kinds of colour vision; without their yellow, which is too light for a line.
 inline constexpr std::array kDistinctColours{"#0072b2", "#d55e00", "#009e73", "#cc79a7", "#e69f00", "#56b4e9", "#000000"};

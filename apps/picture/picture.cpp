@@ -12,7 +12,6 @@
 namespace mapjoin::apps {
 namespace {
 
-constexpr double kFont = 13.0;
 constexpr double kMargin = 40.0;             // in pixels, as all here
 constexpr double kLine = 22.0;               // of scale and legend, below the drawing
 constexpr double kFinest = 0.4;              // a line leaves out points nearer than this to the last one drawn
@@ -66,10 +65,15 @@ FlatLine thinned(const FlatLine& points, double finest) {
   return kept;
 }
 
+/// So many of a list are stepped over at a time that no more than `most` are left.
+std::size_t step_over(std::size_t count, std::size_t most) {
+  return 1 + count / (most + 1);
+}
+
 /// In pixels, thinned until few enough points are left of all together; of very many lines some are left out, too.
 std::vector<FlatLine> lines_on(const Sheet& sheet, const std::vector<FlatLine>& lines) {
   std::vector<FlatLine> drawn;
-  const std::size_t every = 1 + 2 * lines.size() / (kMostPoints + 1);
+  const std::size_t every = step_over(2 * lines.size(), kMostPoints);
   for (std::size_t k = 0; k < lines.size(); k += every) {
     FlatLine line;
     for (const Point<2>& p : lines[k]) line.push_back(sheet.at(p));
@@ -88,6 +92,10 @@ std::vector<FlatLine> lines_on(const Sheet& sheet, const std::vector<FlatLine>& 
   return drawn;
 }
 
+const char* dashes(const Layer& layer) {
+  return layer.is_dashed ? " stroke-dasharray=\"6 3\"" : "";
+}
+
 std::string lines_of(const Sheet& sheet, const Layer& layer) {
   const std::vector<FlatLine> lines = lines_on(sheet, layer.lines);
   const auto colours = std::min(layer.colours.size(), lines.size());
@@ -100,21 +108,13 @@ std::string lines_of(const Sheet& sheet, const Layer& layer) {
       }
     }
     svg += fmt::format("\" fill=\"none\" stroke=\"{}\" stroke-width=\"{:g}\" stroke-linejoin=\"round\"{}/>\n", layer.colours[c],
-                       layer.width, layer.is_dashed ? " stroke-dasharray=\"6 3\"" : "");
+                       layer.width, dashes(layer));
   }
   return svg;
 }
 
 double radius(Mark mark) {
-  switch (mark) {
-    case Mark::kDot:
-      return 2.2;
-    case Mark::kRing:
-      return 4.5;
-    case Mark::kSpeck:
-      return 1.5;
-  }
-  return 0.0;
+  return mark == Mark::kDot ? 2.2 : mark == Mark::kRing ? 4.5 : 1.5;
 }
 
 std::string paint(const Layer& layer, bool is_outline) {
@@ -125,7 +125,7 @@ std::string paint(const Layer& layer, bool is_outline) {
 std::string marks_of(const Sheet& sheet, const Layer& layer) {
   if (layer.marks.empty()) return "";
   std::string svg = "<g " + paint(layer, layer.mark == Mark::kRing) + ">\n";
-  const std::size_t every = 1 + layer.marks.size() / (kMostPoints + 1);
+  const std::size_t every = step_over(layer.marks.size(), kMostPoints);
   for (std::size_t k = 0; k < layer.marks.size(); k += every) {
     const Point<2> p = sheet.at(layer.marks[k]);
     svg += fmt::format("<circle cx=\"{:.1f}\" cy=\"{:.1f}\" r=\"{}\"/>\n", p.x(), p.y(), radius(layer.mark));
@@ -136,7 +136,7 @@ std::string marks_of(const Sheet& sheet, const Layer& layer) {
 std::string ellipses_of(const Sheet& sheet, const Layer& layer) {
   if (layer.ellipses.empty()) return "";
   std::string svg = fmt::format("<g {} stroke-width=\"{:g}\">\n", paint(layer, true), layer.width);
-  const std::size_t every = 1 + layer.ellipses.size() / (kMostPoints + 1);
+  const std::size_t every = step_over(layer.ellipses.size(), kMostPoints);
   for (std::size_t k = 0; k < layer.ellipses.size(); k += every) {
     const Ellipse& e = layer.ellipses[k];
     const Point<2> centre = sheet.at(e.centre);
@@ -164,8 +164,7 @@ std::string sample(const Layer& layer, double x, double y) {
   const double part = kSample / static_cast<double>(colours);
   for (std::size_t c = 0; c < colours && !layer.lines.empty(); ++c) {
     svg += fmt::format("<path d=\"M{:.1f} {:.1f}h{:.1f}\" stroke=\"{}\" stroke-width=\"{:g}\"{}/>",
-                       x + part * static_cast<double>(c), y, part, layer.colours[c], std::max(layer.width, 2.0),
-                       layer.is_dashed ? " stroke-dasharray=\"6 3\"" : "");
+                       x + part * static_cast<double>(c), y, part, layer.colours[c], std::max(layer.width, 2.0), dashes(layer));
   }
   const double middle = x + 0.5 * kSample;
   if (!layer.ellipses.empty()) {
@@ -251,8 +250,11 @@ std::string picture(const std::vector<Layer>& layers, double pixels) {
   }
   sheet.settle(pixels);
   const Footer below = footer(sheet, layers);
-  std::string svg = svg_head(sheet.width(), below.height, kFont) +
-                    fmt::format("<svg width=\"{:.0f}\" height=\"{:.1f}\">\n", sheet.width(), sheet.height());
+  std::string svg = fmt::format(
+      "<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 {0:.0f} {1:.0f}\" width=\"{0:.0f}\" height=\"{1:.0f}\" "
+      "font-family=\"sans-serif\" font-size=\"13\">\n<rect width=\"100%\" height=\"100%\" fill=\"white\"/>\n"
+      "<svg width=\"{0:.0f}\" height=\"{2:.1f}\">\n",
+      sheet.width(), below.height, sheet.height());
   for (const Layer& layer : layers) svg += ellipses_of(sheet, layer) + marks_of(sheet, layer) + lines_of(sheet, layer);
   return svg + "</svg>\n" + below.svg + "</svg>\n";
 }

@@ -31,16 +31,6 @@ std::vector<std::pair<Index, Index>> closures_among(std::span<const PoseObservat
 }
 
 template <int Dim>
-GlobalMap<Dim> named_as(const Log<Dim>& log) {
-  GlobalMap<Dim> map;
-  map.pose_ids = log.poses;
-  map.feature_ids = log.features;
-  map.stamps_ns = log.stamps_ns;
-  map.conventions = log.conventions;
-  return map;
-}
-
-template <int Dim>
 std::vector<Pose<Dim>> starts_of(const Log<Dim>& log) {
   std::vector<Pose<Dim>> poses(log.poses.size());
   for (const auto& fixed : log.graph.fixed) poses[static_cast<std::size_t>(fixed.pose)] = fixed.value;
@@ -107,7 +97,10 @@ std::vector<PlottedLocalMap> plotted_local_maps(const std::vector<MapFit>& fits,
 template <int Dim>
 PlottedMap<Dim> plotted(const Log<Dim>& log) {
   PlottedMap<Dim> out;
-  out.map = named_as(log);
+  out.map.pose_ids = log.poses;
+  out.map.feature_ids = log.features;
+  out.map.stamps_ns = log.stamps_ns;
+  out.map.conventions = log.conventions;
   out.sessions = sessions_of(log);
   out.closures = closures_among<Dim>(log.closures());
   out.is_odometry = log.initial.poses.empty();

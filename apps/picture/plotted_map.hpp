@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
-// Maps with all that a picture or a page of them shows, in one frame, and the layers of a picture of them.
+// Maps with all that a picture or a page of them shows, in one frame; the layers of a picture of them, and a page.
 
 #include <apps/picture/picture.hpp>
 #include <mapjoin/join/consistency.hpp>
@@ -88,5 +88,9 @@ void move(const Pose<Dim>& frame, Truth<Dim>& truth);
 /// null. At least one map, all in one frame.
 template <int Dim>
 std::vector<Layer> map_layers(const std::vector<PlottedMap<Dim>>& maps, const Truth<Dim>* truth);
+
+/// One self-contained page to look around in a scene: three.js and the scripts of viewer/, and the scene as data.
+template <int Dim>
+std::string viewer_page(const Scene<Dim>& scene, const std::string& title);
 
 }  // namespace mapjoin::apps

@@ -1,7 +1,16 @@
 // SPDX-License-Identifier: BSD-3-Clause
+// The scene is JSON whose numbers are base64 of little-endian arrays; places are 32-bit floats about the middle of the first
+// map, which is given in full: they then tell a micrometre at ten metres.
+#include <fmt/format.h>
+
+#include <algorithm>
 #include <apps/picture/markup.hpp>
-#include <apps/picture/viewer_page.hpp>
-#include <string_view>
+#include <apps/picture/plotted_map.hpp>
+#include <apps/report/json.hpp>
+#include <boost/algorithm/string/replace.hpp>
+#include <cstdint>
+#include <functional>
+#include <limits>
 
 namespace mapjoin::apps {
 
@@ -14,36 +23,164 @@ extern const std::string_view viewer_scripts;
 
 namespace {
 
-constexpr std::string_view kNotice = R"(<!--
-This page was made by mapjoin (BSD-3-Clause). It holds three.js r111 (https://threejs.org), under the MIT License:
+/// A number, or a member that is one, of everything in a list.
+template <typename Number, typename List, typename Member = std::identity>
+std::string packed(const List& list, Member member = {}) {
+  std::vector<Number> numbers;
+  for (const auto& one : list) numbers.push_back(static_cast<Number>(std::invoke(member, one)));
+  return base64(numbers);
+}
 
-Copyright (c) 2010-2019 three.js authors
+template <int Dim>
+std::optional<Point<Dim>> known(const Point<Dim>& place) {
+  return place;
+}
+template <int Dim>
+std::optional<Point<Dim>> known(const std::optional<Point<Dim>>& place) {
+  return place;
+}
+template <int Dim>
+std::optional<Point<Dim>> known(const Pose<Dim>& pose) {
+  return pose.translation;
+}
+template <int Dim>
+std::optional<Point<Dim>> known(const std::optional<Pose<Dim>>& pose) {
+  return pose ? std::optional(pose->translation) : std::nullopt;
+}
 
-Permission is hereby granted, free of charge, to any person obtaining a copy of this software and associated documentation files (the
-"Software"), to deal in the Software without restriction, including without limitation the rights to use, copy, modify, merge, publish,
-distribute, sublicense, and/or sell copies of the Software, and to permit persons to whom the Software is furnished to do so, subject to the
-following conditions: The above copyright notice and this permission notice shall be included in all copies or substantial portions of the
-Software.
+/// Three numbers per pose or point, in the plane with z = 0; NaN where it is not known.
+template <int Dim, typename List>
+std::string places_of(const List& list, const Point<Dim>& centre) {
+  std::vector<float> numbers;
+  for (const auto& one : list) {
+    const std::optional<Point<Dim>> p = known<Dim>(one);
+    for (int i = 0; i < 3; ++i) {
+      const double coordinate = i < Dim && p ? (*p)[i] - centre[i] : 0.0;
+      numbers.push_back(p ? static_cast<float>(coordinate) : std::numeric_limits<float>::quiet_NaN());
+    }
+  }
+  return base64(numbers);
+}
 
-THE SOFTWARE IS PROVIDED "AS IS", WITHOUT WARRANTY OF ANY KIND, EXPRESS OR IMPLIED, INCLUDING BUT NOT LIMITED TO THE WARRANTIES OF
-MERCHANTABILITY, FITNESS FOR A PARTICULAR PURPOSE AND NONINFRINGEMENT. IN NO EVENT SHALL THE AUTHORS OR COPYRIGHT HOLDERS BE LIABLE FOR ANY
-CLAIM, DAMAGES OR OTHER LIABILITY, WHETHER IN AN ACTION OF CONTRACT, TORT OR OTHERWISE, ARISING FROM, OUT OF OR IN CONNECTION WITH THE SOFTWARE
-OR THE USE OR OTHER DEALINGS IN THE SOFTWARE.
--->
-)";
+/// Per pose, or nothing where all are of session 0.
+std::string robots_of(const std::vector<PoseId>& ids) {
+  const bool is_one = std::all_of(ids.begin(), ids.end(), [](const PoseId& id) { return id.session == 0; });
+  return is_one ? "" : packed<std::uint32_t>(ids, &PoseId::session);
+}
+
+/// Headings in the plane; in space none are shown.
+std::string headings_of(const std::vector<Pose<2>>& poses) {
+  return packed<float>(poses, [](const Pose<2>& pose) { return wrap_angle(pose.rotation.angle()); });
+}
+std::string headings_of(const std::vector<Pose<3>>&) {
+  return "";
+}
+
+/// Upper triangles, row by row.
+template <typename Covariance>
+std::string triangles_of(const std::vector<Covariance>& covariances) {
+  std::vector<double> entries;
+  for (const Covariance& P : covariances) {
+    for (int i = 0; i < P.rows(); ++i) {
+      for (int j = i; j < P.cols(); ++j) entries.push_back(P(i, j));
+    }
+  }
+  return packed<float>(entries);
+}
+
+/// The features of all maps stand in one list; offsets say where each map's begin.
+Json local_maps_of(const std::vector<PlottedLocalMap>& maps) {
+  std::vector<Index> features;
+  std::vector<std::size_t> offsets = {0};
+  for (const PlottedLocalMap& map : maps) {
+    features.insert(features.end(), map.features.begin(), map.features.end());
+    offsets.push_back(features.size());
+  }
+  const auto of_fits = [&]<typename Number>(Number, auto member) {
+    return packed<Number>(maps, [member](const PlottedLocalMap& map) { return std::invoke(member, map.fit); });
+  };
+  return {{"count", maps.size()},
+          {"base", of_fits(std::uint32_t{}, &MapFit::base)},
+          {"end", of_fits(std::uint32_t{}, &MapFit::end)},
+          {"chi2", of_fits(double{}, &MapFit::chi2)},
+          {"rows", of_fits(std::uint32_t{}, &MapFit::rows)},
+          {"probability", of_fits(double{}, &MapFit::probability)},
+          {"offsets", packed<std::uint32_t>(offsets)},
+          {"features", packed<std::uint32_t>(features)}};
+}
+
+template <int Dim>
+Json stops_of(const std::vector<JoinStop<Dim>>& stops, const Point<Dim>& centre) {
+  Json list = Json::array();
+  for (const JoinStop<Dim>& stop : stops) {
+    list.push_back({{"maps", stop.maps},
+                    {"chi2", stop.chi2},
+                    {"poses", packed<std::uint32_t>(stop.poses)},
+                    {"posePlaces", places_of(stop.state.poses, centre)},
+                    {"featurePlaces", places_of(stop.state.features, centre)}});
+  }
+  return list;
+}
+
+template <int Dim>
+Json map_of(const PlottedMap<Dim>& plotted, const Point<Dim>& centre) {
+  const GlobalMap<Dim>& map = plotted.map;
+  std::vector<Index> sessions, closures;
+  for (const auto& [begin, end] : plotted.sessions) sessions.insert(sessions.end(), {begin, end});
+  for (const auto& [base, target] : plotted.closures) closures.insert(closures.end(), {base, target});
+  return {{"name", plotted.name},
+          {"isOdometry", plotted.is_odometry},
+          {"poses", places_of(map.poses, centre)},
+          {"headings", headings_of(map.poses)},
+          {"poseKeys", packed<std::uint64_t>(map.pose_ids, &PoseId::key)},
+          {"robots", robots_of(map.pose_ids)},
+          {"sessions", packed<std::uint32_t>(sessions)},
+          {"poseCovariances", triangles_of(map.pose_covariances)},
+          {"features", places_of(map.features, centre)},
+          {"featureKeys", packed<std::uint64_t>(map.feature_ids, &FeatureId::key)},
+          {"featureCovariances", triangles_of(map.feature_covariances)},
+          {"odometry", places_of(plotted.odometry, centre)},
+          {"closures", packed<std::uint32_t>(closures)},
+          {"localMaps", local_maps_of(plotted.local_maps)},
+          {"stops", stops_of(plotted.stops, centre)}};
+}
+
+/// Of the box around all poses.
+template <int Dim>
+Point<Dim> middle_of(const std::vector<Pose<Dim>>& poses) {
+  if (poses.empty()) return Point<Dim>::Zero();
+  Point<Dim> low = poses.front().translation;
+  Point<Dim> high = low;
+  for (const Pose<Dim>& pose : poses) {
+    low = low.cwiseMin(pose.translation);
+    high = high.cwiseMax(pose.translation);
+  }
+  return 0.5 * (low + high);
+}
+
+/// Without a `<`, so that it can stand in a script element.
+template <int Dim>
+std::string scene_json(const Scene<Dim>& scene, const std::string& title) {
+  const Point<Dim> centre = middle_of(scene.maps.front().map.poses);
+  Json json = {{"title", title},
+               {"dimension", Dim},
+               {"centre", std::vector<double>(centre.begin(), centre.end())},
+               {"maps", Json::array()},
+               {"truth", nullptr}};
+  for (const auto& plotted : scene.maps) json["maps"].push_back(map_of(plotted, centre));
+  if (scene.truth) {
+    json["truth"] = {{"poses", places_of(scene.truth->poses, centre)}, {"features", places_of(scene.truth->features, centre)}};
+  }
+  return boost::replace_all_copy(json.dump(-1, ' ', false, Json::error_handler_t::replace), "<", "\\u003c");
+}
 
 }  // namespace
 
 template <int Dim>
 std::string viewer_page(const Scene<Dim>& scene, const std::string& title) {
-  std::string page =
-      "<!DOCTYPE html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\"/>\n"
-      "<meta name=\"viewport\" content=\"width=device-width, initial-scale=1\"/>\n<title>" +
-      escaped(title) + "</title>\n<style>\n";
-  page.append(embedded::viewer_style).append("</style>\n").append(kNotice).append("</head>\n<body>\n");
-  page.append(embedded::viewer_body);
-  page += "<script type=\"application/json\" id=\"scene\">" + scene_json(scene, title) + "</script>\n";
-  return page.append(embedded::viewer_scripts).append("</body>\n</html>\n");
+  return html_page(title, embedded::viewer_style,
+                   fmt::format("{}<script type=\"application/json\" id=\"scene\">{}</script>\n{}", embedded::viewer_body,
+                               scene_json(scene, title), embedded::viewer_scripts));
 }
 
 template std::string viewer_page(const Scene<2>&, const std::string&);

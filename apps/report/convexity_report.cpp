@@ -1,18 +1,12 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <fmt/format.h>
 
-#include <apps/console.hpp>
-#include <apps/report/convexity_report.hpp>
 #include <apps/report/report.hpp>
+#include <apps/report/study_reports.hpp>
 #include <apps/report/table.hpp>
-#include <cmath>
-#include <nlohmann/json.hpp>
-#include <utility>
 
 namespace mapjoin::apps {
 namespace {
-
-using Json = nlohmann::ordered_json;
 
 std::string pairs_in_words(const ConvexityOptions& options) {
   const std::string states =
@@ -34,14 +28,6 @@ std::string best_in_words(const Convexity& found) {
   return words;
 }
 
-Row row_of(const FormulationFigures& figures) {
-  const CurvatureFigures& curvature = figures.curvature;
-  const auto step = figures.first_step.share();
-  return {{to_string(figures.formulation), 100.0 * curvature.share_violated(),
-           curvature.violations == 0 ? Cell() : Cell(curvature.largest_violation), 100.0 * curvature.share_negative(),
-           100.0 * figures.quadratic.of_rows(), 100.0 * figures.quadratic.information, step ? Cell(100.0 * *step) : Cell()}};
-}
-
 Json json_of(const CurvatureFigures& curvature) {
   return {{"share_violated", curvature.share_violated()},
           {"largest_violation", curvature.largest_violation},
@@ -56,9 +42,8 @@ Json json_of(const FormulationFigures& figures) {
     pair["F_X"] = line.values.back();
     pairs.push_back(std::move(pair));
   }
-  const auto share = figures.first_step.share();
   return {{"formulation", problem_in_words(figures.formulation)},
-          {"state", to_string(figures.formulation.state)},
+          {"state", figures.formulation.state},
           {"convexity", json_of(figures.curvature)},
           {"quadratic",
            {{"rows", figures.quadratic.rows},
@@ -69,16 +54,16 @@ Json json_of(const FormulationFigures& figures) {
            {{"start_chi2", figures.first_step.start_chi2},
             {"chi2", figures.first_step.chi2},
             {"best_chi2", figures.first_step.best_chi2},
-            {"share", share ? Json(*share) : Json()}}},
+            {"share", figures.first_step.share()}}},
           {"pairs", pairs}};
 }
 
-}  // namespace
-
-std::string convexity_table(const Convexity& found, const ConvexityOptions& options, const RunReport& run_report) {
+/// The input, how the pairs of states were drawn, and a row per formulation.
+std::string table_of(const Convexity& found, const Json& formulations, const ConvexityOptions& options,
+                     const RunReport& run_report) {
   Lines lines;
-  lines.add("input", fmt::format("{}: {}", run_report.input, counts_in_words(run_report)));
-  lines.add("convention", conventions_in_words(run_report.conventions, run_report.dimension));
+  add_input(run_report, lines);
+  add_convention(run_report, lines);
   lines.add("pairs", pairs_in_words(options));
   lines.add("best", best_in_words(found));
   lines.add("not convex",
@@ -87,45 +72,50 @@ std::string convexity_table(const Convexity& found, const ConvexityOptions& opti
   lines.add("linear", "share of the rows that are linear in the state, and of the information that the estimate has from them");
   lines.add("one step", "of Gauss-Newton from the composed start: its share of the whole decrease");
   Table table{{{"", ""},
-               {"", "not convex (%)", 3},
-               {"", "by", 3},
-               {"", "bent down (%)", 3},
-               {"", "linear rows (%)", 3},
-               {"", "information (%)", 3},
-               {"", "one step (%)", 3}},
+               {"", "not convex (%)", 3, "/convexity/share_violated", 100.0},
+               {"", "by", 3, "/convexity/largest_violation"},
+               {"", "bent down (%)", 3, "/convexity/share_negative_curvature", 100.0},
+               {"", "linear rows (%)", 3, "/quadratic/share_of_rows", 100.0},
+               {"", "information (%)", 3, "/quadratic/share_of_information", 100.0},
+               {"", "one step (%)", 3, "/first_step/share", 100.0}},
               {}};
-  for (const FormulationFigures& figures : found) table.rows.push_back(row_of(figures));
+  for (std::size_t f = 0; f < found.size(); ++f) {
+    table.add(formulations[f]).cells.front() = to_string(found[f].formulation);
+  }
   return lines.text() + "\n" + aligned(table);
 }
 
-std::string convexity_csv(const Convexity& found) {
-  Table table;
-  for (const char* key : {"formulation", "state", "pair", "lambda", "F"}) table.columns.push_back({key, key});
+/// F at every λ: formulation, pair, lambda, F.
+std::string csv_of(const Convexity& found) {
+  std::string text = "formulation,state,pair,lambda,F\n";
   for (const FormulationFigures& figures : found) {
     for (std::size_t pair = 0; pair < figures.segments.size(); ++pair) {
       const std::vector<double>& values = figures.segments[pair].values;
       for (std::size_t k = 0; k < values.size(); ++k) {
-        const double lambda = static_cast<double>(k) / static_cast<double>(values.size() - 1);
-        table.rows.push_back({{problem_in_words(figures.formulation), to_string(figures.formulation.state),
-                               static_cast<std::int64_t>(pair + 1), lambda, values[k]}});
+        text += fmt::format("{},{},{},{},{}\n", problem_in_words(figures.formulation), to_string(figures.formulation.state),
+                            pair + 1, static_cast<double>(k) / static_cast<double>(values.size() - 1), values[k]);
       }
     }
   }
-  return csv(table);
+  return text;
 }
 
-std::string convexity_json(const Convexity& found, const ConvexityOptions& options, const RunReport& run_report) {
-  Json formulations = Json::array();
-  for (const FormulationFigures& figures : found) formulations.push_back(json_of(figures));
-  Json json = report_head(run_report);
-  json["states"] = to_string(options.source);
-  json["spread"] = options.source == StateSource::kDrift ? Json(options.spread) : Json();
-  json["to_best"] = options.to_best;
-  json["points"] = options.points;
-  json["seed"] = options.seed;
-  json["tolerance"] = kCurvatureTolerance;
-  json["formulations"] = std::move(formulations);
-  return text_of(json);
+}  // namespace
+
+StudyOutput convexity_output(const Convexity& found, const ConvexityOptions& options, const RunReport& run_report) {
+  Json report = report_head(run_report);
+  report["states"] = options.source;
+  report["spread"] = options.source == StateSource::kDrift ? std::optional(options.spread) : std::nullopt;
+  report["to_best"] = options.to_best;
+  report["points"] = options.points;
+  report["seed"] = options.seed;
+  report["tolerance"] = kCurvatureTolerance;
+  report["formulations"] = Json::array();
+  for (const FormulationFigures& figures : found) report["formulations"].push_back(json_of(figures));
+  const std::string json = text_of(report);
+  return {table_of(found, report["formulations"], options, run_report),
+          json,
+          {{"curves.csv", csv_of(found)}, {"convexity.json", json}}};
 }
 
 }  // namespace mapjoin::apps

@@ -7,40 +7,31 @@
 
 namespace mapjoin::apps {
 
-RunReport::RunReport(std::string command_name, const Options& options)
-    : command(std::move(command_name)),
-      input(options.input.string()),
-      schedule(options.run.schedule),
-      state(options.run.state),
-      start_values(options.run.start),
-      method(options.run.solver.method),
-      engine(options.run.solver.engine) {}
+RunReport::RunReport(std::string command_name, const Options& given)
+    : command(std::move(command_name)), input(given.input.string()), options(given.run) {}
 
 template <int Dim>
 void RunReport::describe(const Log<Dim>& log) {
   dimension = Dim;
   conventions = log.conventions;
   has_stamps = !log.stamps_ns.empty();
-  counts.sessions = log.sessions.size();
-  counts.poses = log.poses.size();
-  counts.features = log.features.size();
-  counts.odometry = log.odometry().size();
-  counts.closures = log.closures().size();
-  counts.observations = log.observations().size();
-  counts.priors = log.pose_priors().size() + log.feature_priors().size();
-  counts.fixed_poses = log.graph.fixed.size();
-  counts.repeated_edges = log.repeated_edges;
-  counts.unassociated = log.unassociated;
+  counts = {.sessions = log.sessions.size(),
+            .poses = log.poses.size(),
+            .features = log.features.size(),
+            .odometry = log.odometry().size(),
+            .closures = log.closures().size(),
+            .observations = log.observations().size(),
+            .priors = log.pose_priors().size() + log.feature_priors().size(),
+            .fixed_poses = log.graph.fixed.size(),
+            .repeated_edges = log.repeated_edges,
+            .unassociated = log.unassociated};
 }
 
 template <int Dim>
 void RunReport::describe(const MapSet<Dim>& set) {
   dimension = Dim;
   conventions = set.conventions;
-  counts.sessions = 1;
-  counts.poses = set.poses.size();
-  counts.features = set.features.size();
-  counts.fixed_poses = set.graph.fixed.size();
+  counts = {.sessions = 1, .poses = set.poses.size(), .features = set.features.size(), .fixed_poses = set.graph.fixed.size()};
   has_local_maps = true;
   figures.local_maps = set.graph.submaps.size();
 }
@@ -56,7 +47,7 @@ void RunReport::describe(const StoredMaps<Dim>& stored) {
 template <int Dim>
 void RunReport::describe(const RunResult<Dim>& result) {
   figures = static_cast<const RunFigures&>(result);
-  schedule = result.schedule;
+  options.schedule = result.schedule;
   has_local_maps = is_joined = true;
   const auto& ids = result.map.pose_ids;
   for (const Index pose : result.map.gauge) held.push_back(ids[static_cast<std::size_t>(pose)]);
@@ -64,6 +55,13 @@ void RunReport::describe(const RunResult<Dim>& result) {
     map_bases.push_back(ids[static_cast<std::size_t>(fit.base)]);
     map_ends.push_back(ids[static_cast<std::size_t>(fit.end)]);
   }
+}
+
+std::vector<std::pair<std::string, double>> RunReport::stages() const {
+  const RunSeconds& seconds = figures.seconds;
+  return {{"read", read_seconds},       {"build", seconds.build},   {"join", seconds.join},
+          {"recover", seconds.recover}, {"polish", seconds.polish}, {"covariances", seconds.covariances},
+          {"write", write_seconds}};
 }
 
 double peak_memory_mb() {

@@ -2,14 +2,15 @@
 #pragma once
 // What one run of the command did: what report and summary are made of.
 
+#include <apps/certainty.hpp>
 #include <apps/commands/options.hpp>
-#include <apps/report/deviations.hpp>
 #include <chrono>
 #include <cstdint>
 #include <mapjoin/io/store/store.hpp>
 #include <mapjoin/join/consistency.hpp>
 #include <mapjoin/join/run.hpp>
-#include <mapjoin/measure/stopwatch.hpp>
+#include <mapjoin/join/study/continuation.hpp>
+#include <mapjoin/measure/effort.hpp>
 #include <mapjoin/model/conventions.hpp>
 #include <mapjoin/model/ids.hpp>
 #include <mapjoin/model/log.hpp>
@@ -36,7 +37,7 @@ struct Counts {
 struct RunReport {
   using Clock = std::chrono::steady_clock;
 
-  RunReport(std::string command_name, const Options& options);
+  RunReport(std::string command_name, const Options& given);
 
   /// The input.
   template <int Dim>
@@ -49,6 +50,8 @@ struct RunReport {
   template <int Dim>
   void describe(const RunResult<Dim>& result);
 
+  /// Wall-clock seconds of each stage of the command, by its name, in their order.
+  std::vector<std::pair<std::string, double>> stages() const;
   double total_seconds() const { return std::chrono::duration<double>(Clock::now() - start).count(); }
 
   Clock::time_point start = Clock::now();
@@ -58,16 +61,13 @@ struct RunReport {
   Conventions conventions;
   Counts counts;
   bool has_stamps = false;
-  Schedule schedule = Schedule::kAuto;  ///< As asked for; once joined, the one that found the map.
-  JoinedState state = JoinedState::kAbsolute;
-  Start start_values = Start::kComposed;  ///< For the batch schedule.
-  Method method = Method::kDogleg;
-  Engine engine = Engine::kFronts;
+  RunOptions options;           ///< As asked for; once joined, with the schedule that found the map.
   bool has_local_maps = false;  ///< `figures` hold how they were built, or that they were given,
   bool was_damaged = false;     ///< What an interrupted build had left, which is begun afresh.
   bool is_resumed = false;      ///< The iterations in `figures` are only those since a build went on.
   bool is_joined = false;       ///< and what came of joining them.
   RunFigures figures;
+  std::vector<PathPoint> path;             ///< To the join, where it was by continuation.
   std::vector<PoseId> held;                ///< The gauge: poses held still.
   std::vector<PoseId> map_bases;           ///< Of `figures.maps`: the poses that they start from,
   std::vector<PoseId> map_ends;            ///< and those that they end at.

@@ -3,7 +3,6 @@
 #include <fmt/ranges.h>
 
 #include <algorithm>
-#include <apps/console.hpp>
 #include <apps/report/report.hpp>
 #include <mapjoin/model/counted.hpp>
 #include <string_view>
@@ -31,14 +30,14 @@ std::string solve_in_words(const MinimiseResult& result) {
 }
 
 std::string join_in_words(const RunReport& run_report) {
-  const bool takes_start = rule_of(run_report.schedule).takes_start();
-  const std::string start = takes_start
-                                ? fmt::format("{} from the {} start", run_report.figures.path.empty() ? "" : ", gradually,",
-                                              to_string(run_report.start_values))
-                                : "";
-  const std::string engine = run_report.engine == Engine::kFronts ? "" : fmt::format(", by {}", to_string(run_report.engine));
+  const RunOptions& options = run_report.options;
+  const bool takes_start = rule_of(options.schedule).takes_start();
+  const std::string_view gradually = run_report.path.empty() ? "" : ", gradually,";
+  const std::string start = takes_start ? fmt::format("{} from the {} start", gradually, to_string(options.start)) : "";
+  const bool is_ours = options.solver.engine == Engine::kFronts;
+  const std::string engine = is_ours ? "" : fmt::format(", by {}", to_string(options.solver.engine));
   return fmt::format("{}, dof {} ({}{}, {}, {} state{})", solve_in_words(run_report.figures.join), run_report.figures.join_dof,
-                     to_string(run_report.schedule), start, to_string(run_report.method), to_string(run_report.state), engine);
+                     to_string(options.schedule), start, to_string(options.solver.method), to_string(options.state), engine);
 }
 
 std::string recovered_in_words(const RunFigures& figures) {
@@ -81,13 +80,8 @@ void add_consistency(const RunReport& run_report, Lines& lines) {
 }
 
 std::string seconds_in_words(const RunReport& run_report) {
-  const RunSeconds& seconds = run_report.figures.seconds;
-  const std::pair<const char*, double> stages[] = {
-      {"read", run_report.read_seconds},  {"build", seconds.build},   {"join", seconds.join},
-      {"recover", seconds.recover},       {"polish", seconds.polish}, {"covariances", seconds.covariances},
-      {"write", run_report.write_seconds}};
   std::vector<std::string> words;
-  for (const auto& [stage, taken] : stages) {
+  for (const auto& [stage, taken] : run_report.stages()) {
     if (taken > 0.0) words.push_back(fmt::format("{} {:.2f}", stage, taken));
   }
   return fmt::format("{:.2f}: {}; {:.0f} MB at most", run_report.total_seconds(), fmt::join(words, ", "), peak_memory_mb());
@@ -131,45 +125,48 @@ std::string conventions_in_words(const Conventions& conventions, int dimension) 
   return text + (conventions.covariance == Covariance::kOriginal ? ", original covariance" : ", identity covariance");
 }
 
-std::vector<std::string> remarks(const RunReport& run_report) {
-  std::vector<std::string> all;
+void add_input(const RunReport& run_report, Lines& lines, std::string_view name) {
+  lines.add(name, fmt::format("{}: {}", run_report.input, counts_in_words(run_report)));
+}
+
+void add_convention(const RunReport& run_report, Lines& lines) {
+  lines.add("convention", conventions_in_words(run_report.conventions, run_report.dimension));
+}
+
+void add_notes(const RunReport& run_report, Lines& lines) {
+  const auto note = [&](bool holds, std::string_view text) {
+    if (holds) lines.add("note", text);
+  };
   const MatrixRepairs& repairs = run_report.conventions.repairs;
-  if (repairs.symmetrised > 0) {
-    all.push_back(fmt::format(
-        "{} replaced by the symmetric part: entries across the diagonal differ by up to {:.2g} of the largest",
-        counted(repairs.symmetrised, "information matrix or covariance was", "information matrices or covariances were"),
-        repairs.largest_asymmetry));
-  }
-  if (repairs.indefinite > 0) {
-    all.push_back(
-        fmt::format("{} replaced by the nearest semidefinite one",
-                    counted(repairs.indefinite, "indefinite information matrix was", "indefinite information matrices were")));
-  }
-  if (run_report.counts.repeated_edges > 0) {
-    all.push_back(fmt::format("{} between the same two poses; all of them count",
-                              counted(run_report.counts.repeated_edges, "edge repeats another", "edges repeat others")));
-  }
-  if (run_report.counts.unassociated > 0) {
-    all.push_back(fmt::format("{} left out: the file does not say of which feature",
-                              counted(run_report.counts.unassociated, "observation was", "observations were")));
-  }
-  if (run_report.was_damaged) all.emplace_back("what an interrupted build had left was damaged: the build began afresh");
+  note(repairs.symmetrised > 0,
+       fmt::format(
+           "{} replaced by the symmetric part: entries across the diagonal differ by up to {:.2g} of the largest",
+           counted(repairs.symmetrised, "information matrix or covariance was", "information matrices or covariances were"),
+           repairs.largest_asymmetry));
+  note(repairs.indefinite > 0,
+       fmt::format("{} replaced by the nearest semidefinite one",
+                   counted(repairs.indefinite, "indefinite information matrix was", "indefinite information matrices were")));
+  note(run_report.counts.repeated_edges > 0,
+       fmt::format("{} between the same two poses; all of them count",
+                   counted(run_report.counts.repeated_edges, "edge repeats another", "edges repeat others")));
+  note(run_report.counts.unassociated > 0,
+       fmt::format("{} left out: the file does not say of which feature",
+                   counted(run_report.counts.unassociated, "observation was", "observations were")));
+  note(run_report.was_damaged, "what an interrupted build had left was damaged: the build began afresh");
   const auto is_trajectory = [](const std::string& file) { return file.ends_with(".tum"); };
-  if (!run_report.has_stamps && std::any_of(run_report.files.begin(), run_report.files.end(), is_trajectory)) {
-    all.emplace_back("the poses have no time stamps: the trajectory counts them instead");
-  }
-  return all;
+  note(!run_report.has_stamps && std::any_of(run_report.files.begin(), run_report.files.end(), is_trajectory),
+       "the poses have no time stamps: the trajectory counts them instead");
 }
 
 std::string summary(const RunReport& run_report) {
   Lines lines;
-  lines.add("input", fmt::format("{}: {}", run_report.input, counts_in_words(run_report)));
+  add_input(run_report, lines);
   if (run_report.has_local_maps) lines.add("local maps", local_maps_in_words(run_report));
   if (run_report.is_joined) add_result(run_report, lines);
-  lines.add("convention", conventions_in_words(run_report.conventions, run_report.dimension));
+  add_convention(run_report, lines);
   lines.add("seconds", seconds_in_words(run_report));
   if (!run_report.files.empty()) lines.add("written", fmt::format("{}", fmt::join(run_report.files, ", ")));
-  for (const std::string& remark : remarks(run_report)) lines.add("note", remark);
+  add_notes(run_report, lines);
   return lines.text();
 }
 

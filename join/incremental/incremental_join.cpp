@@ -4,7 +4,7 @@
 #include <mapjoin/join/incremental/incremental_join.hpp>
 #include <mapjoin/join/placement.hpp>
 #include <mapjoin/join/tolerances.hpp>
-#include <mapjoin/measure/chi_squared.hpp>
+#include <mapjoin/measure/statistics.hpp>
 #include <utility>
 
 namespace mapjoin {

@@ -3,6 +3,7 @@
 #include <cmath>
 #include <mapjoin/check/connectivity.hpp>
 #include <mapjoin/join/study/basin.hpp>
+#include <mapjoin/join/study/continuation.hpp>
 #include <mapjoin/join/tolerances.hpp>
 #include <mapjoin/model/demand_valid.hpp>
 #include <mapjoin/parallel/parallel.hpp>
@@ -18,19 +19,34 @@ struct Subject {
   Covariance covariance = Covariance::kOriginal;
   bool is_joining = false;
   std::optional<SplitOptions> split;
-  std::function<Expected<RunFigures>(const RunOptions&)> solve;
+  std::function<BasinRun(const RunOptions&, bool is_continued)> solve;
 };
 using Subjects = std::vector<Subject>;
 
-Expected<RunFigures> figures_of(auto result) {
-  if (!result) return tl::unexpected(result.error());
-  return RunFigures(*std::move(result));
+template <typename Result>
+BasinRun outcome(const Expected<Result>& result) {
+  BasinRun run;
+  if (!result) {
+    run.failure = result.error().message;
+    return run;
+  }
+  run.status = result->join.status;
+  run.iterations = result->join.iterations;
+  if constexpr (requires { result->path; }) run.iterations += result->path_iterations();
+  if (std::isfinite(result->chi2)) {
+    run.chi2 = result->chi2;
+  } else {
+    run.failure = "the map is not finite";
+  }
+  return run;
 }
 
 template <int Dim>
 Subject full_slam(const std::shared_ptr<const Log<Dim>>& log, const std::stop_token& stop) {
-  return {log->conventions.covariance, false, std::nullopt,
-          [log, stop](const RunOptions& options) { return figures_of(solve(*log, options, stop)); }};
+  return {log->conventions.covariance, false, std::nullopt, [log, stop](RunOptions options, bool is_continued) {
+            options.split = {SplitRule::kPoses, 1.0};
+            return is_continued ? outcome(run_continued(*log, options, stop)) : outcome(solve(*log, options, stop));
+          }};
 }
 
 /// Local maps are built once for all cells.
@@ -39,10 +55,12 @@ Expected<Subject> joining(const std::shared_ptr<const Log<Dim>>& log, Split part
                           const std::stop_token& stop) {
   auto built = build_local_maps(*log, parts, {}, stop);
   if (!built) return tl::unexpected(built.error());
-  return Subject{log->conventions.covariance, true, given,
-                 [log, parts = std::move(parts), maps = std::move(built->maps), stop](const RunOptions& options) {
-                   return figures_of(run_from_maps(*log, parts, maps, options, stop));
-                 }};
+  return Subject{
+      log->conventions.covariance, true, given,
+      [log, parts = std::move(parts), maps = std::move(built->maps), stop](const RunOptions& options, bool is_continued) {
+        return is_continued ? outcome(run_continued(*log, parts, maps, options, stop))
+                            : outcome(run_from_maps(*log, parts, maps, options, stop));
+      }};
 }
 
 /// The input, and the input with identity covariances unless it has them already.
@@ -56,36 +74,16 @@ std::vector<std::shared_ptr<const Data>> weighings(const Data& data) {
   return all;
 }
 
-RunOptions options_of(const BasinCell& cell, std::size_t run, const BasinOptions& options) {
+BasinRun solved(const Subject& subject, const BasinCell& cell, std::size_t run, const BasinOptions& options) {
   RunOptions solving;
   solving.schedule = Schedule::kBatch;
   solving.state = cell.formulation.state;
   solving.start = cell.start;
   solving.seed = BasinCell::seed_of(run);
   solving.solver.max_iterations = options.max_iterations;
-  if (cell.method == BasinMethod::kGaussNewton) {
-    solving.solver.method = Method::kGaussNewton;
-  } else {
-    solving.gradual = cell.formulation.state == JoinedState::kRelative;
-  }
-  return solving;
-}
-
-BasinRun outcome(const Expected<RunFigures>& figures) {
-  BasinRun run;
-  if (!figures) {
-    run.failure = figures.error().message;
-    return run;
-  }
-  if (std::isfinite(figures->chi2)) {
-    run.chi2 = figures->chi2;
-  } else {
-    run.failure = "the map is not finite";
-  }
-  run.status = figures->join.status;
-  run.iterations = figures->join.iterations;
-  for (const PathPoint& point : figures->path) run.iterations += point.result.iterations;
-  return run;
+  const bool is_default = cell.method == BasinMethod::kDefault;
+  if (!is_default) solving.solver.method = Method::kGaussNewton;
+  return subject.solve(solving, is_default && cell.formulation.state == JoinedState::kRelative);
 }
 
 /// The cells of one subject, their runs yet to be made.
@@ -94,103 +92,62 @@ std::vector<BasinCell> cells_of(const Subject& subject, int seeds) {
   for (const JoinedState state : {JoinedState::kAbsolute, JoinedState::kRelative}) {
     for (const BasinMethod method : {BasinMethod::kGaussNewton, BasinMethod::kDefault}) {
       for (const Start start : kBasinStarts) {
-        BasinCell cell{subject.covariance, {subject.is_joining, state}, subject.split, method, start, {}};
-        cell.runs.resize(start == Start::kRandom ? static_cast<std::size_t>(seeds) : 1);
-        cells.push_back(std::move(cell));
+        const std::size_t runs = start == Start::kRandom ? static_cast<std::size_t>(seeds) : 1;
+        cells.push_back(
+            {subject.covariance, {subject.is_joining, state}, subject.split, method, start, std::vector<BasinRun>(runs)});
       }
     }
   }
   return cells;
 }
 
-/// All solves of an experiment: every run of every cell, and one per subject along the tree, for what is the optimum.
-class Experiment {
- public:
-  Experiment(const Subjects& subjects, const BasinOptions& options) : subjects_(subjects), options_(options) {
-    for (const Subject& subject : subjects_) {
-      tasks_.push_back({&subject, 0, 0, true});
-      for (BasinCell& cell : cells_of(subject, options.seeds)) {
-        for (std::size_t run = 0; run < cell.runs.size(); ++run) tasks_.push_back({&subject, cells_.size(), run, false});
-        cells_.push_back(std::move(cell));
-      }
+/// The best chi2 per covariance, of `others` by subject and of all cells; marks the runs that end there.
+void judge(const Subjects& subjects, const std::vector<BasinRun>& others, Basin& basin) {
+  for (std::size_t s = 0; s < subjects.size(); ++s) {
+    const Covariance covariance = subjects[s].covariance;
+    if (basin.covariances.empty() || basin.covariances.back() != covariance) {
+      basin.covariances.push_back(covariance);
+      basin.best_chi2.push_back(others[s].chi2);
     }
-    tree_chi2_.resize(tasks_.size(), std::numeric_limits<double>::infinity());
+    basin.best_chi2.back() = std::min(basin.best_chi2.back(), others[s].chi2);
   }
-
-  void run(const std::stop_token& stop) {
-    parallel_for(tasks_.size(), [&](std::size_t t) {
-      if (stop.stop_requested()) return;
-      const Task& task = tasks_[t];
-      if (task.is_along_tree) {
-        tree_chi2_[t] = outcome(task.subject->solve(RunOptions{})).chi2;
-      } else {
-        BasinCell& cell = cells_[task.cell];
-        cell.runs[task.run] = outcome(task.subject->solve(options_of(cell, task.run, options_)));
-      }
-      report();
-    });
-  }
-
-  Basin judged() && {
-    Basin basin;
-    for (const Subject& subject : subjects_) {
-      if (!basin.covariances.empty() && basin.covariances.back() == subject.covariance) continue;
-      basin.covariances.push_back(subject.covariance);
-      basin.best_chi2.push_back(best_chi2(subject.covariance));
-      judge(basin.covariances.back(), basin.best_chi2.back());
-    }
-    basin.cells = std::move(cells_);
-    return basin;
-  }
-
- private:
-  struct Task {
-    const Subject* subject;
-    std::size_t cell;
-    std::size_t run;
-    bool is_along_tree;
+  const auto best_of = [&](const BasinCell& cell) -> double& {
+    return basin.best_chi2[cell.covariance == basin.covariances.front() ? 0 : 1];
   };
-
-  double best_chi2(Covariance covariance) const {
-    double best = std::numeric_limits<double>::infinity();
-    for (std::size_t t = 0; t < tasks_.size(); ++t) {
-      if (tasks_[t].subject->covariance == covariance) best = std::min(best, tree_chi2_[t]);
-    }
-    for (const BasinCell& cell : cells_) {
-      for (const BasinRun& run : cell.runs) {
-        if (cell.covariance == covariance) best = std::min(best, run.chi2);
-      }
-    }
-    return best;
+  for (const BasinCell& cell : basin.cells) {
+    for (const BasinRun& run : cell.runs) best_of(cell) = std::min(best_of(cell), run.chi2);
   }
-
-  void judge(Covariance covariance, double best) {
-    for (BasinCell& cell : cells_) {
-      if (cell.covariance != covariance) continue;
-      for (BasinRun& run : cell.runs) run.is_at_optimum = is_same_chi2(run.chi2, best);
-    }
+  for (BasinCell& cell : basin.cells) {
+    for (BasinRun& run : cell.runs) run.is_at_optimum = is_same_chi2(run.chi2, best_of(cell));
   }
+}
 
-  void report() {
-    const std::lock_guard lock(mutex_);
-    ++done_;
-    if (options_.progress) options_.progress(done_, tasks_.size());
-  }
-
-  const Subjects& subjects_;
-  const BasinOptions& options_;
-  std::vector<BasinCell> cells_;
-  std::vector<Task> tasks_;
-  std::vector<double> tree_chi2_;  // per task that is along the tree
-  std::mutex mutex_;
-  std::size_t done_ = 0;
-};
-
+/// Every run of every cell, and one per subject along the tree, for what is the optimum.
 Expected<Basin> basin_of(const Subjects& subjects, const BasinOptions& options, const std::stop_token& stop) {
-  Experiment experiment(subjects, options);
-  experiment.run(stop);
+  Basin basin;
+  std::vector<BasinRun> along_tree(subjects.size());
+  std::vector<std::function<void()>> solves;
+  for (std::size_t s = 0; s < subjects.size(); ++s) {
+    solves.emplace_back([&, s] { along_tree[s] = subjects[s].solve(RunOptions{}, false); });
+    for (BasinCell& cell : cells_of(subjects[s], options.seeds)) {
+      for (std::size_t run = 0; run < cell.runs.size(); ++run) {
+        solves.emplace_back([&, s, c = basin.cells.size(), run] {
+          basin.cells[c].runs[run] = solved(subjects[s], basin.cells[c], run, options);
+        });
+      }
+      basin.cells.push_back(std::move(cell));
+    }
+  }
+  std::mutex mutex;
+  std::size_t done = 0;
+  parallel_for(solves.size(), [&](std::size_t k) {
+    if (stop.stop_requested()) return;
+    solves[k]();
+    const std::lock_guard lock(mutex);
+    if (options.progress) options.progress(++done, solves.size());
+  });
   if (stop.stop_requested()) return tl::unexpected(Error{ErrorKind::kInterrupted, "interrupted"});
-  Basin basin = std::move(experiment).judged();
+  judge(subjects, along_tree, basin);
   for (const double best : basin.best_chi2) {
     if (!std::isfinite(best)) return bad_input(basin.cells.front().runs.front().failure.value_or("no solve gives a map"));
   }
@@ -258,9 +215,10 @@ Expected<Basin> basin(const MapSet<Dim>& set, const BasinOptions& options, const
   if (auto connected = check_connected(set); !connected) return tl::unexpected(connected.error());
   Subjects subjects;
   for (const auto& weighed : weighings(set)) {
-    subjects.push_back({weighed->conventions.covariance, true, {}, [weighed, stop](const RunOptions& solving) {
-                          return figures_of(run(*weighed, solving, stop));
-                        }});
+    subjects.push_back(
+        {weighed->conventions.covariance, true, {}, [weighed, stop](const RunOptions& solving, bool is_continued) {
+           return is_continued ? outcome(run_continued(*weighed, solving, stop)) : outcome(run(*weighed, solving, stop));
+         }});
   }
   return basin_of(subjects, options, stop);
 }

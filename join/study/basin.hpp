@@ -19,7 +19,7 @@ namespace mapjoin {
 /// How a cell of the experiment is solved, all observations or maps at once.
 enum class BasinMethod : std::uint8_t {
   kGaussNewton,  ///< Every step taken, whatever comes of it.
-  kDefault,      ///< Dogleg; in the relative state what is not quadratic is brought in gradually.
+  kDefault,      ///< Dogleg; in the relative state by continuation.
 };
 
 constexpr auto enum_names(BasinMethod) {
@@ -31,7 +31,7 @@ inline constexpr std::array kBasinStarts = {Start::kComposed, Start::kZero, Star
 struct BasinOptions {
   std::vector<SplitOptions> splits = {SplitOptions{}};  ///< Of a log into the local maps that are joined.
   int seeds = 20;                                       ///< Random starts per cell: seeds 1, 2, …
-  int max_iterations = 200;                             ///< Of each solve; where gradual, of the last one.
+  int max_iterations = 200;                             ///< Of each solve; by continuation, of the last one.
   /// Called with the solves done and to do; from one thread at a time.
   std::function<void(std::size_t, std::size_t)> progress;
 
@@ -42,7 +42,7 @@ struct BasinOptions {
 /// One solve.
 struct BasinRun {
   double chi2 = std::numeric_limits<double>::infinity();  ///< Of the whole log, polished, or of the maps of a set.
-  int iterations = 0;                                     ///< Of the joint solve, along the whole path where it is gradual.
+  int iterations = 0;                                     ///< Of the joint solve, along the whole path to it by continuation.
   MinimiseStatus status = MinimiseStatus::kNoProgress;    ///< Of the joint solve.
   std::optional<std::string> failure;                     ///< Why there is no chi2, in words.
   bool is_at_optimum = false;                             ///< chi2 is the best known one to 1e-6 of it.

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <mapjoin/check/connectivity.hpp>
 #include <mapjoin/join/study/comparison.hpp>
+#include <mapjoin/join/study/continuation.hpp>
 #include <mapjoin/join/tolerances.hpp>
 #include <stdexcept>
 #include <utility>
@@ -50,21 +51,23 @@ RunOptions run_options(const ComparedCase& way, const ComparisonOptions<Dim>& op
   run.split = {SplitRule::kPoses, static_cast<double>(way.poses_per_map)};
   run.schedule = way.schedule;
   run.state = way.state;
-  run.gradual = way.gradual;
   run.solver = options.solver;
   run.keep_recovered = true;
   return run;
 }
 
 template <int Dim>
-Expected<RunResult<Dim>> map_by(const Log<Dim>& log, const ComparedCase& way, const ComparisonOptions<Dim>& options,
-                                const std::stop_token& stop) {
+Expected<ContinuedResult<Dim>> map_by(const Log<Dim>& log, const ComparedCase& way, const ComparisonOptions<Dim>& options,
+                                      const std::stop_token& stop) {
   const std::size_t maps = log.poses.size() / static_cast<std::size_t>(way.poses_per_map);
   if (rule_of(way.schedule).is_map_by_map() && maps > options.most_sequential) {
     return bad_input(fmt::format("not tried: about {} maps one by one take too long", maps));
   }
   const RunOptions run_as = run_options(way, options);
-  auto result = way.is_full_slam() ? solve(log, run_as, stop) : run(log, run_as, stop);
+  const auto without_path = [](RunResult<Dim> plain) { return ContinuedResult<Dim>{std::move(plain), {}}; };
+  auto result = way.gradual          ? run_continued(log, run_as, stop)
+                : way.is_full_slam() ? solve(log, run_as, stop).map(without_path)
+                                     : run(log, run_as, stop).map(without_path);
   if (result && !std::isfinite(result->chi2)) return bad_input("the map is not finite");
   return result;
 }
@@ -84,6 +87,7 @@ Expected<CaseFigures> take(const Log<Dim>& log, const ComparedCase& way, const C
     return figures;
   }
   figures.run = static_cast<const RunFigures&>(*result);
+  figures.path_iterations = result->path_iterations();
   figures.joined.chi2 = result->recovered_chi2.value_or(result->chi2);
   figures.polished.chi2 = result->chi2;
   maps.joined = maps.polished = std::move(result->map);
@@ -137,12 +141,6 @@ std::vector<ComparedCase> compared_cases(const std::vector<Index>& poses_per_map
   for (const Index steps : poses_per_map)
     add(steps, {Schedule::kAligned, Schedule::kTree, Schedule::kSequential, Schedule::kBatch});
   return cases;
-}
-
-int CaseFigures::join_iterations() const {
-  int iterations = run.join.iterations;
-  for (const PathPoint& point : run.path) iterations += point.result.iterations;
-  return iterations;
 }
 
 template <int Dim>

@@ -24,7 +24,7 @@ struct ComparedCase {
   Index poses_per_map = 1;  ///< Steps of a local map. 1 is full SLAM: the join of one-step maps, with nothing to polish.
   JoinedState state = JoinedState::kAbsolute;
   Schedule schedule = Schedule::kTree;
-  bool gradual = false;  ///< Of the batch schedule: the rest beside the quadratic part comes in gradually.
+  bool gradual = false;  ///< The batch schedule by continuation.
 
   bool is_full_slam() const { return poses_per_map == 1; }
   Formulation formulation() const { return {!is_full_slam(), state}; }
@@ -60,14 +60,15 @@ struct CaseFigures {
   ComparedCase way;
   std::string failure;  ///< Why there is no map, in a sentence; empty where there is one, and else all that is known.
   RunFigures run;
+  int path_iterations = 0;  ///< Of the path to the join, by continuation.
   Effort effort;
   EstimateFigures joined;     ///< Joined and recovered; of full SLAM, as the next.
   EstimateFigures polished;   ///< The final one.
   bool reaches_best = false;  ///< It converged, to the least chi2 of all cases (to 1e-6 of it).
 
   bool has_map() const { return failure.empty(); }
-  /// Of the last join, with those of the path to it where it was gradual. Joins below the last one are not counted.
-  int join_iterations() const;
+  /// Of the last join, with those of the path to it. Joins below the last one are not counted.
+  int join_iterations() const { return run.join.iterations + path_iterations; }
   int polish_iterations() const { return run.polish ? run.polish->iterations : 0; }
 };
 

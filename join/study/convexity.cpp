@@ -3,10 +3,9 @@
 #include <cmath>
 #include <mapjoin/check/connectivity.hpp>
 #include <mapjoin/join/join_problem.hpp>
+#include <mapjoin/join/study/continuation.hpp>
 #include <mapjoin/join/study/convexity.hpp>
 #include <mapjoin/join/study/convexity_objective.hpp>
-#include <mapjoin/join/whole.hpp>
-#include <mapjoin/join/world.hpp>
 #include <mapjoin/model/demand_valid.hpp>
 #include <mapjoin/parallel/parallel.hpp>
 #include <mapjoin/simulate/random_stream.hpp>
@@ -42,22 +41,13 @@ State<Dim> restricted(const State<Dim>& whole, const Piece<Dim>& piece) {
   return part;
 }
 
-/// A network as one piece, led along its spanning tree.
-template <int Dim>
-Piece<Dim> composed(const Network<Dim>& network, const Pose<Dim>& origin) {
-  Piece<Dim> whole = whole_of(network);
-  whole.state = composed_state(network, whole, origin, join_stretches(network, {Schedule::kBatch, {}, {}}));
-  place_fixed_poses(network, whole);
-  return whole;
-}
-
 /// One of the two least-squares problems, full SLAM or joining, ready to be looked at.
 template <int Dim>
 class PosedProblem {
  public:
   PosedProblem(Network<Dim> network, const Best<Dim>& best, bool is_joining)
       : network_(std::move(network)),
-        composed_(composed(network_, best.state.poses.front())),
+        composed_(composed_start(network_, best.state.poses.front())),
         problem_(composed_, gauge_of(network_, composed_)),
         best_(best),
         best_part_(restricted(best.state, composed_)),

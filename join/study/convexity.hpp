@@ -7,8 +7,8 @@
 #include <functional>
 #include <limits>
 #include <mapjoin/join/run.hpp>
+#include <mapjoin/join/study/convexity_objective.hpp>
 #include <mapjoin/join/study/convexity_pairs.hpp>
-#include <mapjoin/join/study/convexity_quadratic.hpp>
 #include <mapjoin/join/study/formulation.hpp>
 #include <mapjoin/measure/curvature.hpp>
 #include <optional>

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <mapjoin/join/spanning_tree.hpp>
-#include <mapjoin/join/study/convexity_quadratic.hpp>
+#include <mapjoin/join/study/convexity_objective.hpp>
 #include <mapjoin/model/information.hpp>
 #include <mapjoin/model/linearise.hpp>
 #include <mapjoin/model/marginal_information.hpp>
@@ -70,20 +70,7 @@ class Counter {
       : system_(system), linearity_(system, state), marginals_(system.equations()) {}
 
   QuadraticShare counted() {
-    std::size_t factor = 0;
-    for (const auto& [o, base, target] : system_.pose_observations()) {
-      Slots slots(*this, factor++);
-      Rows rows(kDof, slots.columns);
-      add_pose(o->measured, base, target, 0, slots, 1, rows);
-      add(rows, o->information, slots);
-    }
-    for (const auto& [o, base, target] : system_.feature_observations()) {
-      Slots slots(*this, factor++);
-      Rows rows(Dim, slots.columns);
-      add_feature(o->measured, base, target, 0, slots, 1, rows);
-      add(rows, o->information, slots);
-    }
-    for (const auto& placed : system_.maps()) add_map(placed, factor++);
+    for_each_integrated(system_, [&](const IntegratedObservation<Dim>& o) { add(o); });
     share_.information /= static_cast<double>(system_.equations().size());
     return share_;
   }
@@ -112,40 +99,31 @@ class Counter {
     if (slots.begin[slot] >= 0) rows.J.block<Dof, Dof>(row, slots.begin[slot]) = linear.J_target;
   }
 
-  void add_pose(const Pose<Dim>& measured, Index base, Index target, Eigen::Index row, const Slots& slots, std::size_t slot,
-                Rows& rows) const {
-    set<kDof>(linearise<Dim>(measured, system_.estimate().pose(base), system_.estimate().pose(target)), row, slots, slot, rows);
-    const bool is_linear = linearity_.of_pose(base, target);
-    for (int i = 0; i < kDof; ++i) (is_linear || (Dim == 2 && i == Dim) ? rows.linear : rows.other).push_back(row + i);
-  }
-
-  void add_feature(const Point<Dim>& measured, Index base, Index feature, Eigen::Index row, const Slots& slots,
-                   std::size_t slot, Rows& rows) const {
-    set<Dim>(linearise<Dim>(measured, system_.estimate().pose(base), system_.estimate().feature(feature)), row, slots, slot,
-             rows);
-    const bool is_linear = linearity_.of_feature(base, feature);
-    for (int i = 0; i < Dim; ++i) (is_linear ? rows.linear : rows.other).push_back(row + i);
-  }
-
-  void add_map(const typename JointSystem<Dim>::PlacedMap& placed, std::size_t clique) {
-    const LocalMap<Dim>& map = *placed.map;
-    const Slots slots(*this, clique);
-    Rows rows(map.information.rows(), slots.columns);
+  /// The rows of an observation; the base is its first slot.
+  Rows rows_of(const IntegratedObservation<Dim>& o, const Slots& slots) const {
+    const State<Dim>& at = system_.estimate();
+    Rows rows(o.W.rows(), slots.columns);
     Eigen::Index row = 0;
     std::size_t slot = 1;
-    for (std::size_t p = 0; p < map.poses.size(); ++p, row += kDof) {
-      add_pose(map.pose_estimates[p], placed.base, placed.poses[p], row, slots, slot++, rows);
+    for (std::size_t p = 0; p < o.poses.size(); ++p, ++slot) {
+      set<kDof>(linearise<Dim>(o.measured_poses[p], at.pose(o.base), at.pose(o.poses[p])), row, slots, slot, rows);
+      const bool is_linear = linearity_.of_pose(o.base, o.poses[p]);
+      for (int i = 0; i < kDof; ++i) (is_linear || (Dim == 2 && i == Dim) ? rows.linear : rows.other).push_back(row++);
     }
-    for (std::size_t f = 0; f < map.features.size(); ++f, row += Dim) {
-      add_feature(map.feature_estimates[f], placed.base, placed.features[f], row, slots, slot++, rows);
+    for (std::size_t f = 0; f < o.features.size(); ++f, ++slot) {
+      set<Dim>(linearise<Dim>(o.measured_features[f], at.pose(o.base), at.feature(o.features[f])), row, slots, slot, rows);
+      const bool is_linear = linearity_.of_feature(o.base, o.features[f]);
+      for (int i = 0; i < Dim; ++i) (is_linear ? rows.linear : rows.other).push_back(row++);
     }
-    add(rows, map.information, slots);
+    return rows;
   }
 
-  void add(const Rows& rows, const Eigen::MatrixXd& W, const Slots& slots) {
-    share_.rows += information_rank(W);
+  void add(const IntegratedObservation<Dim>& o) {
+    const Slots slots(*this, o.clique);
+    const Rows rows = rows_of(o, slots);
+    share_.rows += information_rank(Eigen::MatrixXd(o.W));
     if (rows.linear.empty()) return;
-    const Eigen::MatrixXd M = marginal_information(W, rows.linear, rows.other);
+    const Eigen::MatrixXd M = marginal_information(o.W, rows.linear, rows.other);
     share_.quadratic_rows += information_rank(M);
     if (slots.free.empty()) return;
     const Eigen::MatrixXd J = rows.J(rows.linear, Eigen::all);

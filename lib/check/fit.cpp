@@ -7,8 +7,7 @@
 #include <map>
 #include <mapjoin/check/fit.hpp>
 #include <mapjoin/check/ties.hpp>
-#include <mapjoin/measure/chi_squared.hpp>
-#include <mapjoin/measure/median.hpp>
+#include <mapjoin/measure/statistics.hpp>
 #include <mapjoin/model/cost.hpp>
 #include <mapjoin/model/information.hpp>
 #include <utility>

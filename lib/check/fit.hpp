@@ -4,7 +4,7 @@
 
 #include <cstdint>
 #include <functional>
-#include <mapjoin/check/finding.hpp>
+#include <mapjoin/check/checks.hpp>
 #include <mapjoin/model/log.hpp>
 #include <mapjoin/model/state.hpp>
 #include <string>

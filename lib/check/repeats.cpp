@@ -4,7 +4,7 @@
 #include <Eigen/QR>
 #include <algorithm>
 #include <mapjoin/check/checks.hpp>
-#include <mapjoin/measure/chi_squared.hpp>
+#include <mapjoin/measure/statistics.hpp>
 #include <mapjoin/model/information.hpp>
 #include <tuple>
 #include <type_traits>

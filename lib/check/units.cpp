@@ -5,7 +5,7 @@
 #include <cmath>
 #include <limits>
 #include <mapjoin/check/checks.hpp>
-#include <mapjoin/measure/median.hpp>
+#include <mapjoin/measure/statistics.hpp>
 #include <numbers>
 
 namespace mapjoin {

@@ -9,6 +9,19 @@
 
 namespace mapjoin {
 
+/// Adds the wall-clock seconds of its scope to `seconds`, which must outlive it.
+class Stopwatch {
+ public:
+  explicit Stopwatch(double& seconds) : seconds_(seconds) {}
+  ~Stopwatch() { seconds_ += std::chrono::duration<double>(std::chrono::steady_clock::now() - start_).count(); }
+  Stopwatch(const Stopwatch&) = delete;
+  Stopwatch& operator=(const Stopwatch&) = delete;
+
+ private:
+  double& seconds_;
+  std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now();
+};
+
 struct Effort {
   double seconds = 0.0;      ///< Of the clock on the wall.
   double cpu_seconds = 0.0;  ///< Of all threads of the process together.

@@ -4,7 +4,7 @@
 
 #include <algorithm>
 #include <tests/apps/command.hpp>
-#include <tests/support/threads.hpp>
+#include <tests/support/process.hpp>
 #include <thread>
 
 namespace mapjoin::testing {

@@ -171,8 +171,8 @@ TEST(Documents, SayWhichCommandsAreNotRun) {
 
 TEST(Documents, TheGuideListsEveryExitCode) {
   const std::string guide = content_of(kDocs / "guide.md");
-  for (const auto& [code, meaning] : apps::kExitCodes) {
-    EXPECT_THAT(guide, ::testing::HasSubstr("\n| " + std::to_string(static_cast<int>(code)) + " | ")) << meaning;
+  for (const auto& [code, text, kind] : apps::kExitCodes) {
+    EXPECT_THAT(guide, ::testing::HasSubstr("\n| " + std::to_string(static_cast<int>(code)) + " | ")) << text;
   }
 }
 

@@ -2,8 +2,7 @@
 #include <gtest/gtest.h>
 #include <unistd.h>
 
-#include <apps/blas.hpp>
-#include <apps/interruption.hpp>
+#include <apps/process.hpp>
 #include <csignal>
 #include <thread>
 

@@ -6,7 +6,6 @@
 #include <array>
 #include <iostream>
 #include <tests/apps/writing_calls.hpp>
-#include <tests/support/how_often.hpp>
 
 namespace mapjoin::testing {
 namespace {

@@ -2,6 +2,7 @@
 #pragma once
 // Calls of the command that write something, and what they leave in a folder.
 
+#include <cstdlib>
 #include <functional>
 #include <map>
 #include <tests/apps/command.hpp>
@@ -49,6 +50,12 @@ inline std::vector<WritingCall> writing_calls(const std::string& log, const std:
           writing_call({"convert", log}, "log.mat"),
           writing_call({"convert", store, "--to", "maps-text"}, "maps", false),
           writing_call({"simulate", "--poses", "1000", "-o"}, "log.g2o")};
+}
+
+/// How often a test that repeats does so: the number in the environment variable `name`, or `usually` where there is none.
+inline int how_often(const char* name, int usually) {
+  const char* asked = std::getenv(name);
+  return asked ? std::atoi(asked) : usually;
 }
 
 }  // namespace mapjoin::testing

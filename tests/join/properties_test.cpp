@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <cstdlib>
 #include <mapjoin/join/run.hpp>
+#include <mapjoin/join/study/continuation.hpp>
 #include <numeric>
 #include <tests/support/dimensions.hpp>
 #include <tests/support/every.hpp>
@@ -38,7 +39,6 @@ RunOptions any_run() {
   options.split = {SplitRule::kPoses, static_cast<double>(*rc::gen::inRange(1, 12))};
   options.state = *rc::gen::element(JoinedState::kAbsolute, JoinedState::kRelative);
   options.schedule = *rc::gen::elementOf(testing::every<Schedule>());
-  options.gradual = rule_of(options.schedule).takes_start() && options.state == JoinedState::kRelative;
   options.solver.relative_chi2 = 1e-11;  // Less is lost in the rounding of chi2.
   options.solver.step_metres = options.solver.step_radians = 1e-11;
   return options;
@@ -111,13 +111,20 @@ Log<Dim> any_log(Names& names) {
   return log;
 }
 
+/// A batch of relative steps by continuation: it finds the optimum from everywhere.
+template <int Dim>
+Expected<RunResult<Dim>> map_of(const Log<Dim>& log, const RunOptions& options) {
+  if (options.schedule != Schedule::kBatch || options.state != JoinedState::kRelative) return run(log, options);
+  return run_continued(log, options);
+}
+
 /// Both logs have the same map, that of `other` seen from `frame`; or neither can be solved.
 template <int Dim>
 void expect_same_map(const Log<Dim>& log, const Names& names, const Log<Dim>& other, const Names& other_names,
                      const Pose<Dim>& frame) {
   const RunOptions options = any_run();
-  const auto a = run(log, options);
-  const auto b = run(other, options);
+  const auto a = map_of(log, options);
+  const auto b = map_of(other, options);
   RC_ASSERT(a.has_value() == b.has_value());
   RC_PRE(a.has_value());
   RC_ASSERT(a->converged());

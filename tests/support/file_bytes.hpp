@@ -9,7 +9,9 @@
 #include <fstream>
 #include <iterator>
 #include <map>
+#include <stdexcept>
 #include <string>
+#include <string_view>
 
 namespace mapjoin::testing {
 
@@ -18,10 +20,13 @@ inline std::string bytes_of(const std::filesystem::path& path) {
   return {std::istreambuf_iterator<char>(in), {}};
 }
 
-inline void write_gzipped(const std::filesystem::path& path, const std::string& bytes) {
-  const gzFile file = gzopen(path.c_str(), "wb");
-  gzwrite(file, bytes.data(), static_cast<unsigned>(bytes.size()));
-  gzclose(file);
+/// Writes one gzip member holding `content` to `path`, or appends one.
+inline std::filesystem::path write_gzip(const std::filesystem::path& path, std::string_view content, bool append = false) {
+  const gzFile file = gzopen(path.c_str(), append ? "ab" : "wb");
+  const auto size = static_cast<unsigned>(content.size());
+  const bool written = file && (size == 0 || gzwrite(file, content.data(), size) == static_cast<int>(size));
+  if (gzclose(file) != Z_OK || !written) throw std::runtime_error("cannot write " + path.string());
+  return path;
 }
 
 /// The bytes of one member of a ustar archive: its header and its content, filled up.

@@ -7,6 +7,7 @@
 
 #include <cstddef>
 #include <filesystem>
+#include <iterator>
 #include <string>
 #include <tests/support/temporary_folder.hpp>
 #include <vector>
@@ -49,5 +50,10 @@ class Process {
   int exit_code_ = -1;
   ::rusage usage_{};
 };
+
+/// How many threads the process with that number has, whoever started them; "self": this one.
+inline std::ptrdiff_t threads_of(const std::string& process) {
+  return std::distance(std::filesystem::directory_iterator("/proc/" + process + "/task"), {});
+}
 
 }  // namespace mapjoin::testing

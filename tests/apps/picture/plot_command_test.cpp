@@ -131,7 +131,7 @@ TEST_F(Plot, RefusesWhatDoesNotGoTogether) {
   expect_refused({kLog, path("nowhere"), "-o", path("plot.svg")}, 3, "nowhere");
   expect_refused({kLog, "-o", path("no/such/folder.svg")}, 5, "no/such");
   const std::string map = folder.file("a.g2o", "VERTEX_SE2 0 0 0 0\nVERTEX_SE2 1 10 0 0\n").string();
-  expect_refused({map, "-o", map}, 2, "--output and MAP are one file");
+  expect_refused({map, "-o", map}, 2, "MAP and --output are one file");
   EXPECT_FALSE(std::filesystem::exists(path("plot.svg")));
 }
 

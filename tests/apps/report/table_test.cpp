@@ -2,13 +2,15 @@
 #include <gtest/gtest.h>
 
 #include <apps/report/table.hpp>
+#include <cmath>
+#include <limits>
 
 namespace mapjoin::apps {
 namespace {
 
 Table fruit() {
   return {{{"fruit", "fruit"}, {"price_eur", "price per piece", 3}, {"count", "count"}},
-          {{{std::string("an apple"), 0.123456, std::int64_t{7}}}, {{std::string("fig, \"ripe\""), 12.0, {}}}}};
+          {{{"an apple", 0.123456, 7}}, {{"fig, \"ripe\"", 12.0, nullptr}}}};
 }
 
 TEST(Table, IsAlignedWithNumbersToTheRight) {
@@ -35,6 +37,17 @@ TEST(Table, OfNoRowsHasItsHeadings) {
 TEST(Table, ShowsWhatIsEmptyAsNothing) {
   EXPECT_EQ(shown(Cell(), {"a", "a"}), "");
   EXPECT_EQ(shown(1234.5678, {"a", "a", 6}), "1234.57");
+}
+
+TEST(Table, TakesItsCellsFromAnObject) {
+  Table table{{{"name", "name"}, {"mb", "memory (MB)", 3, "/effort/bytes", 1e-6}, {"none", "none"}}, {}};
+  table.add({{"name", "tree"}, {"effort", {{"bytes", 2'500'000}}}});
+  table.add({{"name", "batch"}, {"effort", {{"bytes", nullptr}}}});
+  EXPECT_EQ(csv(table), "name,mb,none\ntree,2.5,\nbatch,,\n");
+}
+
+TEST(Table, HasNothingForWhatIsNotFinite) {
+  EXPECT_EQ(csv({{{"a", "a"}, {"b", "b"}}, {{{std::numeric_limits<double>::infinity(), std::nan("")}}}}), "a,b\n,\n");
 }
 
 }  // namespace

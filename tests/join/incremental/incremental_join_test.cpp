@@ -3,7 +3,7 @@
 
 #include <algorithm>
 #include <mapjoin/join/incremental/incremental_join.hpp>
-#include <mapjoin/measure/chi_squared.hpp>
+#include <mapjoin/measure/statistics.hpp>
 #include <tests/support/batch_join.hpp>
 #include <tests/support/dimensions.hpp>
 #include <tests/support/small_world.hpp>

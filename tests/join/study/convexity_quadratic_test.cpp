@@ -2,7 +2,7 @@
 #include <gtest/gtest.h>
 
 #include <Eigen/Cholesky>
-#include <mapjoin/join/study/convexity_quadratic.hpp>
+#include <mapjoin/join/study/convexity_objective.hpp>
 #include <tests/join/study/posed_world.hpp>
 #include <tests/support/dense_relative.hpp>
 #include <tests/support/dimensions.hpp>

@@ -9,9 +9,9 @@
 #include <mapjoin/solve/sparse_cholesky.hpp>
 #include <mapjoin/solve/sparse_solver.hpp>
 #include <tests/support/grid_system.hpp>
+#include <tests/support/process.hpp>
 #include <tests/support/random.hpp>
 #include <tests/support/sparse.hpp>
-#include <tests/support/threads.hpp>
 #include <tuple>
 
 namespace mapjoin {

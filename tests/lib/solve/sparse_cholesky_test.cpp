@@ -5,9 +5,9 @@
 #include <Eigen/Cholesky>
 #include <mapjoin/solve/sparse_cholesky.hpp>
 #include <tests/support/grid_system.hpp>
+#include <tests/support/process.hpp>
 #include <tests/support/random.hpp>
 #include <tests/support/sparse.hpp>
-#include <tests/support/threads.hpp>
 #include <thread>
 
 namespace mapjoin {

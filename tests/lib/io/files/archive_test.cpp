@@ -40,7 +40,7 @@ class ArchiveTest : public ::testing::Test {
 TEST_F(ArchiveTest, GivesTheWantedMembersPlainOrGzipped) {
   const std::string tar = tar_of({{"maps/b", "short"}, {"maps/other", "unwanted"}, {"maps/c", long_text}, {"empty", ""}});
   folder.file("plain.tar", tar);
-  write_gzipped(folder.path() / "maps.tar.gz", tar);
+  write_gzip(folder.path() / "maps.tar.gz", tar);
   for (const char* name : {"plain.tar", "maps.tar.gz"}) {
     EXPECT_TRUE(is_tar_archive(FileBytes::read(folder.path() / name)->view()));
     const auto seen = visit(folder.path() / name);
@@ -52,7 +52,7 @@ TEST_F(ArchiveTest, GivesTheWantedMembersPlainOrGzipped) {
 TEST_F(ArchiveTest, GivesTheWantedFilesOfAFolderInOrderAndInflated) {
   folder.file("b", "plain");
   folder.file("other", "unwanted");
-  write_gzipped(folder.path() / "a.gz", long_text);
+  write_gzip(folder.path() / "a.gz", long_text);
   const auto seen = visit(folder.path());
   ASSERT_TRUE(seen) << seen.error().message;
   EXPECT_THAT(*seen, ElementsAre(Pair("a.gz", long_text), Pair("b", "plain")));
@@ -67,7 +67,7 @@ TEST_F(ArchiveTest, RefusesAnArchiveThatIsCutShort) {
   folder.file("maps.tar", tar_of({{"\x1b[2J\n", long_text}}).substr(0, 2000));
   EXPECT_THAT(visit(path).error().message, HasSubstr("it ends inside '?[2J?'"));
 
-  write_gzipped(path, tar);
+  write_gzip(path, tar);
   folder.file("maps.tar", testing::bytes_of(path).substr(0, 60));
   EXPECT_THAT(visit(path).error().message, HasSubstr("maps.tar: the gzip stream is cut off"));
 }

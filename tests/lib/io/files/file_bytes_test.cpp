@@ -6,7 +6,7 @@
 #include <fstream>
 #include <mapjoin/io/files/file_bytes.hpp>
 #include <string>
-#include <tests/support/gzip.hpp>
+#include <tests/support/file_bytes.hpp>
 #include <tests/support/temporary_folder.hpp>
 #include <thread>
 

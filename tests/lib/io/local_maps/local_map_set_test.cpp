@@ -78,7 +78,7 @@ TEST_F(LocalMapSetTest, PutsMapsInTheOrderOfTheirNumbersAndGzippedOnesAmongThem)
     folder.file(fmt::format("localmap_{}.txt", number),
                 text_map(number, {{-number, 0.1 * number}, {-number, 0}, {-number, 0}}, Matrix<3>::Identity()));
   }
-  testing::write_gzipped(path("localmap_1.txt.gz"), text_map(1, plane, random.information<7>()));
+  testing::write_gzip(path("localmap_1.txt.gz"), text_map(1, plane, random.information<7>()));
   folder.file("notes.txt", "not a map");
 
   const auto set = read<2>();
@@ -187,7 +187,7 @@ TEST_F(LocalMapSetTest, NamesTheMissingAndTheRepeatedNumber) {
   EXPECT_THAT(error(), HasSubstr("map 2 is missing"));
   fs::remove(path("localmap_1.txt"));
   EXPECT_THAT(error(), HasSubstr("map 1 is missing"));
-  testing::write_gzipped(path("localmap_3.txt.gz"), text);
+  testing::write_gzip(path("localmap_3.txt.gz"), text);
   fs::rename(path("localmap_3.txt"), path("localmap_3.mat"));
   EXPECT_THAT(error(), HasSubstr("map 1 is missing"));
   folder.file("localmap_1.txt", text_map(1, {{-1, 0}, {-1, 0}, {-1, 0}}, Matrix<3>::Identity()));

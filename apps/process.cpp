@@ -5,10 +5,16 @@
 #include <unistd.h>
 
 #include <algorithm>
-#include <apps/blas.hpp>
+#include <apps/exit_code.hpp>
+#include <apps/process.hpp>
+#include <csignal>
 #include <cstdint>
+#include <cstdlib>
+#include <ctime>
 #include <fstream>
 #include <optional>
+#include <string_view>
+#include <thread>
 
 extern "C" {  // Null where the BLAS is not OpenBLAS.
 [[gnu::weak]] char* openblas_get_config();
@@ -54,6 +60,16 @@ Expected<void> check_limit(std::int64_t needed, std::optional<std::int64_t> limi
                         what, *limit / 1024, needed / 1024, thread_count(), option, needed / 1024)});
 }
 
+/// Ends the main thread's reads and writes that wait.
+constexpr int kWakes = SIGUSR1;
+constexpr ::timespec kAgainAfter{0, 50'000'000};
+
+extern "C" void on_missing_page(int) {
+  constexpr std::string_view kSentence = "mapjoin: an input file was cut short while it was read\n";
+  [[maybe_unused]] const auto written = ::write(STDERR_FILENO, kSentence.data(), kSentence.size());
+  ::_exit(static_cast<int>(ExitCode::kBadInput));
+}
+
 }  // namespace
 
 Expected<void> check_process_limits() {
@@ -73,6 +89,33 @@ void keep_blas_on_one_thread() {
 
 std::string blas_name() {
   return openblas_get_config ? openblas_get_config() : "BLAS";
+}
+
+void end_on_truncated_input() {
+  std::signal(SIGBUS, on_missing_page);
+}
+
+Interruption::Interruption() {
+  for (const int signal : {SIGPIPE, SIGXFSZ}) std::signal(signal, SIG_IGN);
+  struct sigaction waking {};
+  waking.sa_handler = [](int) {};  // Without SA_RESTART.
+  ::sigaction(kWakes, &waking, nullptr);
+
+  // Blocked in this thread and in all that it starts, and waited for in one: handlers would not do, for METIS puts its own in
+  // their place while it works, and takes SIGTERM for an error.
+  sigset_t signals;
+  ::sigemptyset(&signals);
+  for (const int signal : {SIGINT, SIGTERM}) ::sigaddset(&signals, signal);
+  ::pthread_sigmask(SIG_BLOCK, &signals, nullptr);
+  std::thread([signals, source = source_, main = ::pthread_self()]() mutable {
+    while (::sigwaitinfo(&signals, nullptr) < 0) {
+    }
+    source.request_stop();
+    do {  // It may come just before a call that waits for ever.
+      ::pthread_kill(main, kWakes);
+    } while (::sigtimedwait(&signals, nullptr, &kAgainAfter) < 0);
+    std::_Exit(static_cast<int>(ExitCode::kInterrupted));
+  }).detach();
 }
 
 }  // namespace mapjoin::apps

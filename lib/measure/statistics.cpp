@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <algorithm>
 #include <boost/math/distributions/chi_squared.hpp>
-#include <mapjoin/measure/chi_squared.hpp>
+#include <mapjoin/measure/statistics.hpp>
 
 namespace mapjoin {
 

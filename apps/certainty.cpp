@@ -1,0 +1,148 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <Eigen/Core>
+#include <apps/certainty.hpp>
+#include <apps/report/json.hpp>
+#include <cmath>
+#include <mapjoin/io/files/output_file.hpp>
+#include <mapjoin/io/files/text_line.hpp>
+#include <mapjoin/measure/statistics.hpp>
+#include <string>
+#include <vector>
+
+namespace mapjoin::apps {
+namespace {
+
+/// Of a position (m).
+template <int Dim, typename Covariance>
+double position_deviation(const Covariance& covariance) {
+  return std::sqrt(covariance.template topLeftCorner<Dim, Dim>().trace());
+}
+/// Of a rotation (rad).
+template <int Dim>
+double rotation_deviation(const PoseMatrix<Dim>& covariance) {
+  return std::sqrt(covariance.template bottomRightCorner<kRotationDof<Dim>, kRotationDof<Dim>>().trace());
+}
+
+template <int Dim, typename Covariances, typename RelationsOfOne>
+Deviations::Median medians(const Covariances& covariances, const RelationsOfOne& relations) {
+  std::vector<double> in_map, relative;
+  for (std::size_t k = 0; k < covariances.size(); ++k) {
+    if (covariances[k].isZero(0.0)) continue;  // held
+    in_map.push_back(position_deviation<Dim>(covariances[k]));
+    relative.push_back(position_deviation<Dim>(relations[k].covariance));
+  }
+  if (in_map.empty()) return {};
+  return {median(std::move(in_map)), median(std::move(relative))};
+}
+
+template <int Dim>
+Json head(const GlobalMap<Dim>& map, Estimate estimate) {
+  Json held = Json::array();
+  for (const Index pose : map.gauge) held.push_back(map.pose_ids[static_cast<std::size_t>(pose)]);
+  return {{"schema_version", 1},
+          {"dimension", Dim},
+          {"estimate", estimate},
+          {"gauge", {{"held_poses", held}}},
+          {"pose_coordinates", step_names<Dim>()},
+          {"feature_coordinates", step_names<Dim>(Dim)}};
+}
+
+/// One line per pose or feature, written as it comes: maps can be large. Of its covariance the upper triangle, row by row.
+template <typename Id, typename Covariance>
+void write_list(const char* key, const std::vector<Id>& ids, const std::vector<Covariance>& covariances, OutputFile& file) {
+  file.write(std::string(",\n\"") + key + "\": [");
+  for (std::size_t k = 0; k < covariances.size(); ++k) {
+    Json line = ids[k];
+    for (int i = 0; i < covariances[k].rows(); ++i) {
+      for (int j = i; j < covariances[k].cols(); ++j) line["covariance"].push_back(covariances[k](i, j));
+    }
+    file.write((k == 0 ? "\n" : ",\n") + line.dump());
+  }
+  file.write("\n]");
+}
+
+/// Of the World, nothing.
+template <int Dim>
+void put_parent(const GlobalMap<Dim>& map, Index parent, TextLine& line) {
+  if (parent == kWorld) {
+    line.add("").add("");
+  } else {
+    const PoseId& id = map.pose_ids[static_cast<std::size_t>(parent)];
+    line.add(id.session).add(id.key);
+  }
+}
+
+template <int Dim>
+void put_pose(const GlobalMap<Dim>& map, const MarginalCovariances<Dim>& marginals, std::size_t pose, TextLine& line) {
+  const PoseRelation<Dim>& relation = marginals.relations.poses[pose];
+  line.add("pose").add(map.pose_ids[pose].session).add(map.pose_ids[pose].key);
+  put_parent(map, relation.parent, line);
+  line.add(relation.placement).template add_symmetric<kPoseDof<Dim>>(relation.covariance);
+  line.add(position_deviation<Dim>(relation.covariance)).add(position_deviation<Dim>(marginals.poses[pose]));
+  line.add(rotation_deviation<Dim>(relation.covariance)).add(rotation_deviation<Dim>(marginals.poses[pose]));
+}
+
+/// What features have not, session and rotation, is left empty.
+template <int Dim>
+void put_feature(const GlobalMap<Dim>& map, const MarginalCovariances<Dim>& marginals, std::size_t feature, TextLine& line) {
+  const FeatureRelation<Dim>& relation = marginals.relations.features[feature];
+  line.add("feature").add("").add(map.feature_ids[feature].key);
+  put_parent(map, relation.parent, line);
+  line.template add<Dim>(relation.placement).add(Dim == 2 ? "" : ",,,");
+  for (int i = 0; i < kPoseDof<Dim>; ++i) {
+    for (int j = i; j < kPoseDof<Dim>; ++j) j < Dim ? line.add(relation.covariance(i, j)) : line.add("");
+  }
+  line.add(position_deviation<Dim>(relation.covariance)).add(position_deviation<Dim>(marginals.features[feature]));
+  line.add("").add("");
+}
+
+}  // namespace
+
+template <int Dim>
+Deviations deviations_of(const MarginalCovariances<Dim>& marginals) {
+  const Relations<Dim>& relations = marginals.relations;
+  return {medians<Dim>(marginals.poses, relations.poses), medians<Dim>(marginals.features, relations.features)};
+}
+
+template <int Dim>
+Expected<void> write_covariances(const GlobalMap<Dim>& map, Estimate estimate, const std::filesystem::path& path) {
+  auto file = OutputFile::create(path);
+  if (!file) return tl::unexpected(file.error());
+  std::string text = head(map, estimate).dump();
+  text.pop_back();  // The object goes on.
+  file->write(text);
+  write_list("poses", map.pose_ids, map.pose_covariances, *file);
+  write_list("features", map.feature_ids, map.feature_covariances, *file);
+  file->write("}\n");
+  return file->commit();
+}
+
+template <int Dim>
+Expected<void> write_relations(const GlobalMap<Dim>& map, const MarginalCovariances<Dim>& marginals,
+                               const std::filesystem::path& path) {
+  auto file = OutputFile::create(path);
+  if (!file) return tl::unexpected(file.error());
+  TextLine line(',');
+  line.add("kind,session,id,parent_session,parent").add(Dim == 2 ? "x,y,phi" : "x,y,z,qx,qy,qz,qw");
+  line.add_covariance_names(step_names<Dim>()).add("position_sd,position_sd_in_map,rotation_sd,rotation_sd_in_map");
+  line.write_to(*file);
+  for (const Index pose : marginals.relations.order) {
+    put_pose(map, marginals, static_cast<std::size_t>(pose), line);
+    line.write_to(*file);
+  }
+  for (std::size_t f = 0; f < map.features.size(); ++f) {
+    put_feature(map, marginals, f, line);
+    line.write_to(*file);
+  }
+  return file->commit();
+}
+
+#define MAPJOIN_INSTANTIATE(Dim)                                                                            \
+  template Deviations deviations_of(const MarginalCovariances<Dim>&);                                       \
+  template Expected<void> write_covariances(const GlobalMap<Dim>&, Estimate, const std::filesystem::path&); \
+  template Expected<void> write_relations(const GlobalMap<Dim>&, const MarginalCovariances<Dim>&, const std::filesystem::path&);
+MAPJOIN_INSTANTIATE(2)
+MAPJOIN_INSTANTIATE(3)
+#undef MAPJOIN_INSTANTIATE
+
+}  // namespace mapjoin::apps

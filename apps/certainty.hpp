@@ -1,0 +1,34 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+// How certain a map is: in four numbers, and in the files beside it.
+
+#include <filesystem>
+#include <mapjoin/join/map_covariances.hpp>
+#include <mapjoin/model/error.hpp>
+#include <mapjoin/model/global_map.hpp>
+
+namespace mapjoin::apps {
+
+/// Medians of the standard deviations of positions, the square roots of the traces of their covariances (m).
+struct Deviations {
+  struct Median {
+    double in_map = 0.0;
+    double relative = 0.0;  ///< To the pose that it hangs from.
+  };
+  Median poses;  ///< But for those that are held.
+  Median features;
+};
+
+template <int Dim>
+Deviations deviations_of(const MarginalCovariances<Dim>& marginals);
+
+/// The marginal covariances that `map` holds, of the estimate named; kCannotWrite.
+template <int Dim>
+Expected<void> write_covariances(const GlobalMap<Dim>& map, Estimate estimate, const std::filesystem::path& path);
+
+/// One line per pose, after that of its parent, then one per feature; kCannotWrite.
+template <int Dim>
+Expected<void> write_relations(const GlobalMap<Dim>& map, const MarginalCovariances<Dim>& marginals,
+                               const std::filesystem::path& path);
+
+}  // namespace mapjoin::apps

@@ -1,0 +1,131 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <apps/outputs.hpp>
+#include <boost/algorithm/string/case_conv.hpp>
+#include <cerrno>
+#include <mapjoin/io/files/output_file.hpp>
+#include <mapjoin/io/files/system_call.hpp>
+#include <mapjoin/io/formats/map_text.hpp>
+#include <mapjoin/io/g2o/g2o.hpp>
+#include <system_error>
+
+namespace mapjoin::apps {
+namespace fs = std::filesystem;
+namespace {
+
+bool is_same(const fs::path& a, const fs::path& b) {
+  if (a.empty() || b.empty()) return false;
+  std::error_code ignored;
+  if (fs::exists(a, ignored) || fs::exists(b, ignored)) {
+    return fs::is_regular_file(a, ignored) && fs::equivalent(a, b, ignored);
+  }
+  return fs::weakly_canonical(a, ignored) == fs::weakly_canonical(b, ignored);
+}
+
+/// There, and neither a file nor a folder.
+bool is_special(const fs::path& path) {
+  std::error_code ignored;
+  return fs::exists(path, ignored) && !fs::is_regular_file(path, ignored) && !fs::is_directory(path, ignored);
+}
+
+}  // namespace
+
+NamedFiles inputs_of(const Options& options, const std::string& argument) {
+  return {{argument, options.input}, {"--truth", options.truth}};
+}
+
+NamedFiles report_of(const Options& options) {
+  return {{"--report", options.report_on_stdout() ? fs::path() : options.report}};
+}
+
+NamedFiles outputs_of(const Options& options) {
+  return {{"--output", options.output}, report_of(options).front()};
+}
+
+NamedFiles outputs_of_map(const Options& options) {
+  NamedFiles files = outputs_of(options);
+  if (options.output.empty()) return files;
+  const std::vector<fs::path> written = map_files(options.output);
+  for (auto beside = written.begin() + 1; beside != written.end(); ++beside) files.emplace_back("--output", *beside);
+  if (options.covariances) files.emplace_back("--covariances", covariance_file(options.output));
+  if (options.relations) files.emplace_back("--relations", relation_file(options.output));
+  return files;
+}
+
+NamedFiles outputs_of_folder(const Options& options, const std::vector<std::string>& names) {
+  NamedFiles files = outputs_of(options);
+  for (const std::string& name : names) {
+    if (!options.output.empty()) files.emplace_back("--output", options.output / name);
+  }
+  return files;
+}
+
+std::vector<std::string> output_conflicts(const NamedFiles& inputs, const NamedFiles& outputs) {
+  std::vector<std::string> violations;
+  for (auto output = outputs.begin(); output != outputs.end(); ++output) {
+    NamedFiles others = inputs;
+    others.insert(others.end(), outputs.begin(), output);
+    for (const auto& [name, path] : others) {
+      if (!is_same(path, output->second)) continue;
+      violations.push_back(fmt::format("{} and {} are one file, {}", name, output->first, output->second.string()));
+    }
+  }
+  return violations;
+}
+
+Expected<void> check_writable(const fs::path& path) {
+  std::error_code ignored;
+  if (path.empty() || is_special(path)) return {};
+  if (fs::is_directory(path, ignored)) return call_failed(path, EISDIR, ErrorKind::kCannotWrite);
+  return OutputFile::create(path).map([](const OutputFile&) {});
+}
+
+Expected<void> check_writable(const NamedFiles& files) {
+  Expected<void> writable;
+  for (const auto& file : files) writable = writable.and_then([&] { return check_writable(file.second); });
+  return writable;
+}
+
+std::string extension_of(const fs::path& path) {
+  return boost::to_lower_copy(path.extension().string());
+}
+
+bool names_map_file(const fs::path& path) {
+  const std::string extension = extension_of(path);
+  std::error_code ignored;
+  return (extension == ".g2o" || extension == ".tum" || extension == ".csv") && !fs::is_directory(path, ignored);
+}
+
+std::vector<std::string> check_extension(const fs::path& path) {
+  std::error_code ignored;
+  if (is_special(path) || fs::is_directory(path, ignored) || !path.has_extension() || names_map_file(path)) return {};
+  return {
+      fmt::format("--output: {} has none of the extensions of a map, .g2o, .tum and .csv (a new folder has none, or ends in /)",
+                  path.string())};
+}
+
+fs::path covariance_file(const fs::path& map) {
+  return fs::path(map).replace_extension(".covariances.json");
+}
+fs::path relation_file(const fs::path& map) {
+  return fs::path(map).replace_extension(".relations.csv");
+}
+
+std::vector<fs::path> map_files(const fs::path& path) {
+  if (extension_of(path) != ".csv") return {path};
+  return {path, fs::path(path).replace_extension(".features.csv")};
+}
+
+template <int Dim>
+Expected<void> write_map_file(const GlobalMap<Dim>& map, const Log<Dim>* log, const fs::path& path) {
+  const std::vector<fs::path> files = map_files(path);
+  if (files.size() > 1) return write_csv(map, files[0], files[1]);
+  return extension_of(path) == ".tum" ? write_tum(map, path) : write_g2o(map, log, path);
+}
+
+template Expected<void> write_map_file(const GlobalMap<2>&, const Log<2>*, const fs::path&);
+template Expected<void> write_map_file(const GlobalMap<3>&, const Log<3>*, const fs::path&);
+
+}  // namespace mapjoin::apps

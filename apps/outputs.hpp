@@ -1,0 +1,62 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+// The files that a command writes: how a map's are called, that they can be written, and that none is written over another.
+
+#include <apps/commands/options.hpp>
+#include <filesystem>
+#include <mapjoin/model/error.hpp>
+#include <mapjoin/model/global_map.hpp>
+#include <mapjoin/model/log.hpp>
+#include <string>
+#include <utility>
+#include <vector>
+
+namespace mapjoin::apps {
+
+/// Files by what the command takes them for, such as "--output".
+using NamedFiles = std::vector<std::pair<std::string, std::filesystem::path>>;
+
+/// The input, under the name of its argument, and the truth.
+NamedFiles inputs_of(const Options& options, const std::string& argument);
+/// The report, unless it goes to standard output.
+NamedFiles report_of(const Options& options);
+/// The output and the report.
+NamedFiles outputs_of(const Options& options);
+/// As outputs_of(), with what is written beside a map that is one file: features of a CSV map, covariances, relations.
+NamedFiles outputs_of_map(const Options& options);
+/// As outputs_of(), with the files of these names in the folder that the output is, where there is one.
+NamedFiles outputs_of_folder(const Options& options, const std::vector<std::string>& names);
+
+/// In words, any output that is one file with an input or with another output, or would be: by links and by names, where one is
+/// yet to come. Empty paths and what is there but not a regular file, such as /dev/null, are like no other.
+std::vector<std::string> output_conflicts(const NamedFiles& inputs, const NamedFiles& outputs);
+
+/// kCannotWrite where a file cannot be made: better known before the work than after it. Devices and pipes are left alone, and
+/// so are empty paths.
+Expected<void> check_writable(const std::filesystem::path& path);
+Expected<void> check_writable(const NamedFiles& files);
+
+/// The extension of a path in lower case: .G2O is .g2o.
+std::string extension_of(const std::filesystem::path& path);
+
+/// Whether a path names the file of a map, by its extension: .g2o, .tum or .csv, and there is no folder of that name.
+bool names_map_file(const std::filesystem::path& path);
+
+/// In words, an extension that is none of these three, and no folder's: a folder has none, ends in / or is there already. Paths
+/// that are there and neither file nor folder, such as /dev/stdout, are left alone.
+std::vector<std::string> check_extension(const std::filesystem::path& path);
+
+/// Where the covariances and the relations of a map go that is one file: `map.covariances.json` and `map.relations.csv` beside
+/// `map.g2o`.
+std::filesystem::path covariance_file(const std::filesystem::path& map);
+std::filesystem::path relation_file(const std::filesystem::path& map);
+
+/// The files of a map: of a `.csv` its features beside it, in `.features.csv`.
+std::vector<std::filesystem::path> map_files(const std::filesystem::path& path);
+
+/// `.tum`: the trajectory, without features. `.csv`: the poses, and the features beside them. Else g2o, with the edges of `log`
+/// where it is given. kCannotWrite.
+template <int Dim>
+Expected<void> write_map_file(const GlobalMap<Dim>& map, const Log<Dim>* log, const std::filesystem::path& path);
+
+}  // namespace mapjoin::apps

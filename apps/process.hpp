@@ -1,0 +1,40 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+// The command's own process: what its limits leave, the threads of its BLAS, its signals. A library leaves these to its host
+// program.
+
+#include <mapjoin/model/error.hpp>
+#include <stop_token>
+#include <string>
+
+namespace mapjoin::apps {
+
+/// kTooLarge where a limit of the process (`ulimit -v`, `ulimit -d`) leaves less than the threads and their BLAS buffers take.
+/// OpenBLAS asks again for ever for a buffer that it cannot have.
+Expected<void> check_process_limits();
+
+/// Ends OpenBLAS's own threads, which are as many as processors and spin for some 30 ms from the start: all threads are
+/// TBB's. Under a limit, their buffers are taken first, so that no later call can lack one. Before the first BLAS call,
+/// and before there is an Interruption: a signal that only one thread does not block goes to that thread.
+void keep_blas_on_one_thread();
+
+/// Version and build of OpenBLAS, or "BLAS" where it is another.
+std::string blas_name();
+
+/// Files are mapped into memory, and where another process cuts one short while it is read, SIGBUS comes for the pages that are
+/// gone: from here on it ends the process with a sentence and the exit code of bad input.
+void end_on_truncated_input();
+
+/// From its construction to the end of the process, the first SIGINT or SIGTERM requests a stop, and ends reads and writes
+/// that wait; the second one ends the process at once. To be made once, before other threads are.
+/// SIGPIPE and SIGXFSZ are ignored: a reader that has gone away, or a file that grows too large, shows when writing.
+class Interruption {
+ public:
+  Interruption();
+  std::stop_token token() const { return source_.get_token(); }
+
+ private:
+  std::stop_source source_;
+};
+
+}  // namespace mapjoin::apps

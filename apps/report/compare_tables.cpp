@@ -1,0 +1,179 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <apps/report/study_reports.hpp>
+#include <cmath>
+#include <set>
+
+namespace mapjoin::apps {
+namespace {
+
+constexpr double kShownAlike = 1e-4;   // for people, as a share of it
+constexpr std::size_t kForPeople = 3;  // of 1, 2, 5, 10, …: the powers of ten
+
+using Columns = std::vector<Column>;
+
+const Columns kProblem = {{"formulation", "problem"}, {"steps_per_map", "steps per map"}};
+const Column kResult = {"result", "result"};
+
+const Columns kCost = {{"join_chi2", "chi2 of the join", 10, "/join/chi2"},
+                       {"joined_chi2", "chi2 before polishing", 10, "/joined/chi2"},
+                       {"polished_chi2", "chi2 polished", 10, "/polished/chi2"},
+                       {"join_iterations", "join iter.", 4, "/join/iterations"},
+                       {"polish_iterations", "polish iter."},
+                       {"seconds", "time (s)", 3, "/effort/seconds"},
+                       {"cpu_seconds", "CPU (s)", 3, "/effort/cpu_seconds"},
+                       {"system_mb", "system (MB)", 3, "/system_bytes", 1e-6},
+                       {"memory_mb", "memory (MB)", 3, "/effort/memory_bytes", 1e-6}};
+
+/// Of the joined estimate or the polished one (`side`), as they stand beside the best map; the parts named.
+void add_distances(const std::string& side, const std::set<std::string>& parts, Columns& columns) {
+  struct Part {
+    std::string name, unit, path;
+  };
+  for (const auto& [name, unit, path] :
+       {Part{"poses", "m", "poses/translation"}, {"turns", "rad", "poses/rotation"}, {"features", "m", "features"}}) {
+    for (const std::string word : {"max", "rms"}) {
+      if (!parts.contains(name)) continue;
+      columns.push_back({fmt::format("{}_{}_{}_{}", side, name, word, unit),
+                         fmt::format("{} {} {} ({})", side, name, word, unit), 2,
+                         fmt::format("/{}/from_best/{}/{}", side, path, word)});
+    }
+  }
+}
+
+/// Of every span, or of every third.
+void add_spans(const std::string& side, const std::vector<std::size_t>& spans, std::size_t every, Columns& columns) {
+  for (std::size_t k = 0; k < spans.size(); k += every) {
+    columns.push_back({fmt::format("{}_relative_{}_m", side, spans[k]), fmt::format("{} over {} (m)", side, spans[k]), 2,
+                       fmt::format("/{}/from_best/relative_poses/{}/translation/rms", side, k)});
+  }
+}
+
+void add_truth(const std::string& side, const std::vector<std::size_t>& spans, std::size_t every, Columns& columns) {
+  columns.push_back({side + "_ate_m", side + " ATE (m)", 4, fmt::format("/{}/from_truth/ate/translation/rms", side)});
+  for (std::size_t k = 0; k < spans.size(); k += every) {
+    columns.push_back({fmt::format("{}_rpe_{}_m", side, spans[k]), fmt::format("{} RPE over {} (m)", side, spans[k]), 4,
+                       fmt::format("/{}/from_truth/rpe/{}/translation/rms", side, k)});
+  }
+}
+
+Columns joined(std::initializer_list<Columns> parts) {
+  Columns all;
+  for (const Columns& part : parts) all.insert(all.end(), part.begin(), part.end());
+  return all;
+}
+
+RowKind kind_of(const CaseFigures& figures) {
+  return figures.reaches_best ? RowKind::kGood : RowKind::kBad;
+}
+
+/// One row per case.
+Table table_of(const Columns& columns, const ComparisonFigures& comparison, const Json& cases) {
+  Table table{joined({kProblem, {{"state", "state"}, {"schedule", "schedule"}}, columns, {kResult}}), {}};
+  for (std::size_t k = 0; k < cases.size(); ++k) table.add(cases[k], kind_of(comparison.cases[k]));
+  return table;
+}
+
+/// Cases of the same maps, joined and polished.
+using Alike = std::vector<std::size_t>;
+
+bool are_alike(const CaseFigures& a, const CaseFigures& b) {
+  const auto is_same = [](double x, double y) { return std::abs(x - y) <= kShownAlike * std::max({1.0, x, y}); };
+  return a.way.poses_per_map == b.way.poses_per_map && a.failure == b.failure && a.reaches_best == b.reaches_best &&
+         is_same(a.joined.chi2, b.joined.chi2) && is_same(a.polished.chi2, b.polished.chi2);
+}
+
+std::vector<Alike> alike_in(const std::vector<CaseFigures>& cases) {
+  std::vector<Alike> groups;
+  for (std::size_t k = 0; k < cases.size(); ++k) {
+    const auto group = std::find_if(groups.begin(), groups.end(),
+                                    [&](const Alike& alike) { return are_alike(cases[alike.front()], cases[k]); });
+    (group == groups.end() ? groups.emplace_back() : *group).push_back(k);
+  }
+  return groups;
+}
+
+/// "all", "all but …", or the names of those that are alike.
+std::string ways_in_words(const Alike& alike, const std::vector<CaseFigures>& cases) {
+  std::vector<std::string> ours, others;
+  for (std::size_t k = 0; k < cases.size(); ++k) {
+    const ComparedCase& way = cases[k].way;
+    if (way.poses_per_map != cases[alike.front()].way.poses_per_map) continue;
+    const bool is_ours = std::find(alike.begin(), alike.end(), k) != alike.end();
+    (is_ours ? ours : others).push_back(to_string(way.state) + " " + schedule_in_words(way));
+  }
+  if (others.empty()) return "all";
+  return others.size() < ours.size() ? fmt::format("all but {}", fmt::join(others, ", "))
+                                     : fmt::format("{}", fmt::join(ours, ", "));
+}
+
+/// One row for all cases that are alike, with the figures of the one farthest from the best map.
+Table short_table_of(const Columns& columns, const ComparisonFigures& comparison, const Json& cases) {
+  Table table{joined({kProblem, {{"ways", "ways"}}, columns, {kResult}}), {}};
+  const auto distance = [&](std::size_t k) { return comparison.cases[k].polished.from_best.poses.translation.max; };
+  for (const Alike& alike : alike_in(comparison.cases)) {
+    const std::size_t farthest =
+        *std::max_element(alike.begin(), alike.end(), [&](std::size_t a, std::size_t b) { return distance(a) < distance(b); });
+    Json row = cases[farthest];
+    row["ways"] = ways_in_words(alike, comparison.cases);
+    table.add(row, kind_of(comparison.cases[farthest]));
+  }
+  return table;
+}
+
+bool has_truth(const ComparisonFigures& comparison) {
+  return comparison.cases[comparison.best].polished.from_truth.has_value();
+}
+
+}  // namespace
+
+std::string result_in_words(const CaseFigures& figures) {
+  if (!figures.has_map()) return figures.failure;
+  const RunFigures& run = figures.run;
+  const MinimiseStatus last = (run.polish ? *run.polish : run.join).status;
+  if (!run.converged()) return "did not converge: " + to_string(last);
+  const std::string where = figures.reaches_best ? "best" : "another minimum";
+  return run.join.status == MinimiseStatus::kConverged ? where : where + ", though the join did not converge";
+}
+
+std::vector<NamedTable> tables_of(const ComparisonFigures& comparison, const Json& cases) {
+  std::vector<NamedTable> tables = {
+      {"What each way takes",
+       "chi2 of the join is over the local maps; before polishing and polished, of the whole log. Iterations are those of the "
+       "last join and of the polish. System: the local maps' information matrices and the factor of the joint system. Memory: "
+       "by how much the process grew at most.",
+       table_of(kCost, comparison, cases)}};
+  std::set<std::string> parts = {"poses"};
+  if (comparison.cases[comparison.best].polished.from_best.features.count > 0) parts.insert("features");
+  Columns distances;
+  add_distances("joined", parts, distances);
+  add_spans("joined", comparison.spans, kForPeople, distances);
+  add_distances("polished", parts, distances);
+  tables.push_back(
+      {"How far its map is from the best one",
+       "Joined: before polishing. Poses and features as they stand, in the frame of the first pose. Over so many steps: the "
+       "motion from every pose to the one so much later, root mean square of the differences of position. Ways of the same "
+       "maps share a row.",
+       short_table_of(distances, comparison, cases)});
+  if (!has_truth(comparison)) return tables;
+  Columns truth;
+  for (const char* side : {"joined", "polished"}) add_truth(side, comparison.spans, kForPeople, truth);
+  tables.push_back({"How far it is from the truth",
+                    "ATE: positions after alignment. RPE: the motion over so many steps. Root mean squares.",
+                    short_table_of(truth, comparison, cases)});
+  return tables;
+}
+
+Table whole_table(const ComparisonFigures& comparison, const Json& cases) {
+  Columns columns = kCost;
+  for (const char* side : {"joined", "polished"}) {
+    add_distances(side, {"poses", "turns", "features"}, columns);
+    add_spans(side, comparison.spans, 1, columns);
+    if (has_truth(comparison)) add_truth(side, comparison.spans, 1, columns);
+  }
+  return table_of(columns, comparison, cases);
+}
+
+}  // namespace mapjoin::apps

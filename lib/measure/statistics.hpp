@@ -1,0 +1,25 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+// Medians, and what a sum of squares of so many standard normal variables may be.
+
+#include <algorithm>
+#include <cstddef>
+#include <vector>
+
+namespace mapjoin {
+
+/// The median of at least one value; of an even number the upper one of the two in the middle.
+template <typename T>
+T median(std::vector<T> values) {
+  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
+  std::nth_element(values.begin(), middle, values.end());
+  return *middle;
+}
+
+/// The probability of a value larger than `value` with `dof` degrees of freedom; 1 without any.
+double chi_squared_upper_tail(double value, double dof);
+
+/// The value that is exceeded with the probability 1 - `p`, 0 < p < 1; 0 without degrees of freedom.
+double chi_squared_quantile(double p, double dof);
+
+}  // namespace mapjoin
