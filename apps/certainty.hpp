@@ -3,7 +3,7 @@
 // How certain a map is: in four numbers, and in the files beside it.
 
 #include <filesystem>
-#include <mapjoin/join/map_covariances.hpp>
+#include <mapjoin/join/covariances/map_covariances.hpp>
 #include <mapjoin/model/error.hpp>
 #include <mapjoin/model/global_map.hpp>
 

@@ -4,7 +4,7 @@
 
 #include <filesystem>
 #include <mapjoin/io/formats/trajectory.hpp>
-#include <mapjoin/join/consistency.hpp>
+#include <mapjoin/join/covariances/consistency.hpp>
 #include <mapjoin/model/error.hpp>
 #include <mapjoin/model/global_map.hpp>
 #include <mapjoin/model/ids.hpp>

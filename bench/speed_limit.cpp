@@ -8,11 +8,11 @@
 #include <array>
 #include <filesystem>
 #include <mapjoin/io/open.hpp>
+#include <mapjoin/join/align/start.hpp>
+#include <mapjoin/join/align/whole.hpp>
+#include <mapjoin/join/align/world.hpp>
 #include <mapjoin/join/join_problem.hpp>
 #include <mapjoin/join/network.hpp>
-#include <mapjoin/join/start.hpp>
-#include <mapjoin/join/whole.hpp>
-#include <mapjoin/join/world.hpp>
 #include <mapjoin/measure/chi2.hpp>
 #include <mapjoin/measure/effort.hpp>
 #include <mapjoin/model/accumulate.hpp>

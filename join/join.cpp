@@ -3,11 +3,11 @@
 
 #include <algorithm>
 #include <array>
+#include <mapjoin/join/align/whole.hpp>
+#include <mapjoin/join/align/world.hpp>
 #include <mapjoin/join/join.hpp>
 #include <mapjoin/join/join_problem.hpp>
 #include <mapjoin/join/tolerances.hpp>
-#include <mapjoin/join/whole.hpp>
-#include <mapjoin/join/world.hpp>
 #include <mapjoin/measure/statistics.hpp>
 #include <mapjoin/model/information.hpp>
 #include <mapjoin/parallel/parallel.hpp>

@@ -4,10 +4,10 @@
 
 #include <cstdint>
 #include <functional>
+#include <mapjoin/join/align/start.hpp>
 #include <mapjoin/join/joint_system.hpp>
 #include <mapjoin/join/network.hpp>
 #include <mapjoin/join/schedule.hpp>
-#include <mapjoin/join/start.hpp>
 #include <mapjoin/model/error.hpp>
 #include <mapjoin/solve/minimise_options.hpp>
 #include <memory>

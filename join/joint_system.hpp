@@ -4,8 +4,8 @@
 // by the caller.
 
 #include <Eigen/Core>
-#include <mapjoin/join/piece.hpp>
-#include <mapjoin/join/world.hpp>
+#include <mapjoin/join/align/piece.hpp>
+#include <mapjoin/join/align/world.hpp>
 #include <mapjoin/solve/minimise_options.hpp>
 #include <mapjoin/solve/normal_equations.hpp>
 #include <span>

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <algorithm>
+#include <mapjoin/join/align/start.hpp>
+#include <mapjoin/join/align/whole.hpp>
 #include <mapjoin/join/restored.hpp>
-#include <mapjoin/join/start.hpp>
-#include <mapjoin/join/whole.hpp>
 #include <utility>
 
 namespace mapjoin {

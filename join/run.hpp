@@ -3,8 +3,8 @@
 // The front door: from a log to a global map, or from local maps to one.
 
 #include <functional>
+#include <mapjoin/join/covariances/map_covariances.hpp>
 #include <mapjoin/join/join.hpp>
-#include <mapjoin/join/map_covariances.hpp>
 #include <mapjoin/localmap/build.hpp>
 #include <mapjoin/localmap/split.hpp>
 #include <mapjoin/model/error.hpp>

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <algorithm>
+#include <mapjoin/join/align/leaf.hpp>
+#include <mapjoin/join/align/merge.hpp>
 #include <mapjoin/join/join_problem.hpp>
-#include <mapjoin/join/leaf.hpp>
-#include <mapjoin/join/merge.hpp>
 #include <mapjoin/join/schedule.hpp>
 #include <mapjoin/parallel/parallel.hpp>
 #include <mutex>

@@ -6,8 +6,8 @@
 #include <array>
 #include <cstdint>
 #include <functional>
+#include <mapjoin/join/align/piece.hpp>
 #include <mapjoin/join/joined_state.hpp>
-#include <mapjoin/join/piece.hpp>
 #include <mapjoin/model/enum_names.hpp>
 #include <mapjoin/solve/minimise_options.hpp>
 #include <stop_token>

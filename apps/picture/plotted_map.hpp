@@ -3,7 +3,7 @@
 // Maps with all that a picture or a page of them shows, in one frame; the layers of a picture of them, and a page.
 
 #include <apps/picture/picture.hpp>
-#include <mapjoin/join/consistency.hpp>
+#include <mapjoin/join/covariances/consistency.hpp>
 #include <mapjoin/join/run.hpp>
 #include <mapjoin/model/global_map.hpp>
 #include <mapjoin/model/log.hpp>

@@ -7,7 +7,7 @@
 #include <chrono>
 #include <cstdint>
 #include <mapjoin/io/store/store.hpp>
-#include <mapjoin/join/consistency.hpp>
+#include <mapjoin/join/covariances/consistency.hpp>
 #include <mapjoin/join/run.hpp>
 #include <mapjoin/join/study/continuation.hpp>
 #include <mapjoin/measure/effort.hpp>

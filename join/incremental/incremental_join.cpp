@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <algorithm>
 #include <iterator>
+#include <mapjoin/join/align/placement.hpp>
 #include <mapjoin/join/incremental/incremental_join.hpp>
-#include <mapjoin/join/placement.hpp>
 #include <mapjoin/join/tolerances.hpp>
 #include <mapjoin/measure/statistics.hpp>
 #include <utility>

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <algorithm>
+#include <mapjoin/join/align/leaf.hpp>
 #include <mapjoin/join/incremental/part.hpp>
-#include <mapjoin/join/leaf.hpp>
 #include <mapjoin/localmap/segment.hpp>
 
 namespace mapjoin {

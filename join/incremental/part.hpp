@@ -2,8 +2,8 @@
 #pragma once
 // What becomes known at once while a robot drives: one stretch of its way, and what else was observed meanwhile.
 
+#include <mapjoin/join/align/piece.hpp>
 #include <mapjoin/join/network.hpp>
-#include <mapjoin/join/piece.hpp>
 #include <mapjoin/localmap/split.hpp>
 #include <mapjoin/model/local_map.hpp>
 #include <mapjoin/model/log.hpp>

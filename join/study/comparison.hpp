@@ -4,7 +4,7 @@
 
 #include <cstdint>
 #include <functional>
-#include <mapjoin/join/consistency.hpp>
+#include <mapjoin/join/covariances/consistency.hpp>
 #include <mapjoin/join/run.hpp>
 #include <mapjoin/join/study/formulation.hpp>
 #include <mapjoin/measure/effort.hpp>

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <mapjoin/check/connectivity.hpp>
+#include <mapjoin/join/align/whole.hpp>
 #include <mapjoin/join/spanning_tree.hpp>
 #include <mapjoin/join/study/continuation.hpp>
-#include <mapjoin/join/whole.hpp>
 #include <mapjoin/localmap/check.hpp>
 #include <mapjoin/measure/effort.hpp>
 #include <mapjoin/model/demand_valid.hpp>

@@ -8,10 +8,10 @@
 // weight s = 0, with one minimum, the composed start, whatever it was begun from; the join itself at s = 1.
 
 #include <Eigen/Core>
+#include <mapjoin/join/align/world.hpp>
 #include <mapjoin/join/join_problem.hpp>
 #include <mapjoin/join/network.hpp>
 #include <mapjoin/join/run.hpp>
-#include <mapjoin/join/world.hpp>
 #include <stop_token>
 #include <vector>
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <Eigen/Eigenvalues>
-#include <mapjoin/join/start.hpp>
+#include <mapjoin/join/align/start.hpp>
 #include <mapjoin/join/study/convexity_pairs.hpp>
 #include <mapjoin/simulate/random_stream.hpp>
 #include <type_traits>

@@ -3,7 +3,7 @@
 // The random states between which the objective is looked at.
 
 #include <cstdint>
-#include <mapjoin/join/piece.hpp>
+#include <mapjoin/join/align/piece.hpp>
 #include <mapjoin/join/study/convexity_states.hpp>
 #include <mapjoin/model/enum_names.hpp>
 #include <string>

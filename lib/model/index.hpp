@@ -6,7 +6,6 @@
 #include <concepts>
 #include <cstddef>
 #include <cstdint>
-#include <functional>
 #include <iterator>
 #include <span>
 #include <utility>
@@ -40,7 +39,9 @@ struct StrongIndex {
 };
 
 /// The position in a plain list, of numbers that have no kind.
-constexpr std::size_t position_of(std::size_t number) { return number; }
+constexpr std::size_t position_of(std::size_t number) {
+  return number;
+}
 template <typename Tag>
 constexpr std::size_t position_of(StrongIndex<Tag> index) {
   return index.position();
@@ -128,8 +129,3 @@ class Lists {
 };
 
 }  // namespace mapjoin
-
-template <typename Tag>
-struct std::hash<mapjoin::StrongIndex<Tag>> {
-  std::size_t operator()(mapjoin::StrongIndex<Tag> index) const noexcept { return index.position(); }
-};

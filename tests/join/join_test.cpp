@@ -2,7 +2,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
-#include <mapjoin/join/consistency.hpp>
+#include <mapjoin/join/covariances/consistency.hpp>
 #include <mapjoin/join/join.hpp>
 #include <mapjoin/join/run.hpp>
 #include <mapjoin/localmap/build.hpp>

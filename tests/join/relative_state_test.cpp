@@ -4,10 +4,10 @@
 #include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
+#include <mapjoin/join/align/world.hpp>
 #include <mapjoin/join/join_problem.hpp>
 #include <mapjoin/join/run.hpp>
 #include <mapjoin/join/schedule.hpp>
-#include <mapjoin/join/world.hpp>
 #include <mapjoin/localmap/build.hpp>
 #include <tests/support/dense_relative.hpp>
 #include <tests/support/every.hpp>

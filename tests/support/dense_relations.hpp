@@ -5,7 +5,7 @@
 #include <gtest/gtest.h>
 
 #include <Eigen/Core>
-#include <mapjoin/join/relations.hpp>
+#include <mapjoin/join/covariances/relations.hpp>
 #include <tests/support/dense_information.hpp>
 
 namespace mapjoin::testing {

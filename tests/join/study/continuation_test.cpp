@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <gtest/gtest.h>
 
+#include <mapjoin/join/align/start.hpp>
 #include <mapjoin/join/run.hpp>
 #include <mapjoin/join/schedule.hpp>
-#include <mapjoin/join/start.hpp>
 #include <mapjoin/join/study/continuation.hpp>
 #include <mapjoin/localmap/build.hpp>
 #include <tests/support/dimensions.hpp>

@@ -5,7 +5,6 @@
 #include <mapjoin/model/index.hpp>
 #include <string>
 #include <type_traits>
-#include <unordered_set>
 
 namespace mapjoin {
 namespace {
@@ -56,11 +55,6 @@ TEST(StrongIndex, StepsAndComparesAsItsInteger) {
   EXPECT_EQ(Apple(9) - apple, 5);
   EXPECT_EQ(++apple, Apple(5));
   EXPECT_EQ(--apple, Apple(4));
-}
-
-TEST(StrongIndex, IsOneForEachValueInAnUnorderedSet) {
-  const std::unordered_set<Apple> apples = {1, 2, 1};
-  EXPECT_EQ(apples.size(), 2U);
 }
 
 TEST(IndexRange, HasEveryIndexButTheLastInOrder) {

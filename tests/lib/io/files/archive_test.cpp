@@ -17,7 +17,7 @@ using ::testing::HasSubstr;
 using ::testing::Pair;
 using testing::tar_member;
 using testing::tar_of;
-using testing::write_gzipped;
+using testing::write_gzip;
 
 class ArchiveTest : public ::testing::Test {
  protected:

@@ -4,9 +4,9 @@
 
 #include <Eigen/Geometry>
 #include <limits>
+#include <mapjoin/join/align/placement.hpp>
+#include <mapjoin/join/align/seam.hpp>
 #include <mapjoin/join/join_problem.hpp>
-#include <mapjoin/join/placement.hpp>
-#include <mapjoin/join/seam.hpp>
 #include <tests/support/dimensions.hpp>
 #include <tests/support/random.hpp>
 #include <vector>

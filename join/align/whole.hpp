@@ -2,7 +2,7 @@
 #pragma once
 // A whole network as one piece in the World: what the last join starts from.
 
-#include <mapjoin/join/piece.hpp>
+#include <mapjoin/join/align/piece.hpp>
 #include <mapjoin/join/schedule.hpp>
 
 namespace mapjoin {

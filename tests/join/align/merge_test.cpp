@@ -2,7 +2,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include <mapjoin/join/merge.hpp>
+#include <mapjoin/join/align/merge.hpp>
 #include <tests/support/dimensions.hpp>
 #include <tests/support/random.hpp>
 

@@ -2,7 +2,7 @@
 #pragma once
 // What the World says of a piece: where it stands, and what holds it still.
 
-#include <mapjoin/join/piece.hpp>
+#include <mapjoin/join/align/piece.hpp>
 #include <vector>
 
 namespace mapjoin {

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <algorithm>
-#include <mapjoin/join/seam.hpp>
+#include <mapjoin/join/align/seam.hpp>
 #include <mapjoin/model/cost.hpp>
 #include <utility>
 

@@ -4,7 +4,7 @@
 #include <Eigen/Cholesky>
 #include <mapjoin/io/files/mat_file.hpp>
 #include <mapjoin/io/local_maps/local_map_set.hpp>
-#include <mapjoin/join/consistency.hpp>
+#include <mapjoin/join/covariances/consistency.hpp>
 #include <mapjoin/join/run.hpp>
 #include <mapjoin/model/ids.hpp>
 #include <tests/support/data.hpp>

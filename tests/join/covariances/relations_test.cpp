@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <gtest/gtest.h>
 
-#include <mapjoin/join/relations.hpp>
+#include <mapjoin/join/covariances/relations.hpp>
 #include <mapjoin/join/run.hpp>
 #include <tests/support/dense_information.hpp>
 #include <tests/support/dense_relations.hpp>

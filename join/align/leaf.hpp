@@ -4,7 +4,7 @@
 // observations.
 
 #include <cstddef>
-#include <mapjoin/join/piece.hpp>
+#include <mapjoin/join/align/piece.hpp>
 #include <utility>
 #include <vector>
 

@@ -4,9 +4,9 @@
 #include <iterator>
 #include <limits>
 #include <mapjoin/graph/graph.hpp>
-#include <mapjoin/join/merge.hpp>
-#include <mapjoin/join/placement.hpp>
-#include <mapjoin/join/seam.hpp>
+#include <mapjoin/join/align/merge.hpp>
+#include <mapjoin/join/align/placement.hpp>
+#include <mapjoin/join/align/seam.hpp>
 #include <optional>
 #include <set>
 #include <span>

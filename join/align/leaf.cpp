@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <algorithm>
-#include <mapjoin/join/leaf.hpp>
+#include <mapjoin/join/align/leaf.hpp>
 #include <numeric>
 
 namespace mapjoin {

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <algorithm>
-#include <mapjoin/join/whole.hpp>
-#include <mapjoin/join/world.hpp>
+#include <mapjoin/join/align/whole.hpp>
+#include <mapjoin/join/align/world.hpp>
 #include <utility>
 
 namespace mapjoin {

@@ -3,7 +3,7 @@
 // Whether a map is as certain as it is right: its errors against the truth, in units of its covariance.
 
 #include <Eigen/Core>
-#include <mapjoin/join/map_covariances.hpp>
+#include <mapjoin/join/covariances/map_covariances.hpp>
 #include <mapjoin/model/error.hpp>
 #include <optional>
 #include <stop_token>

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <gtest/gtest.h>
 
+#include <mapjoin/join/align/start.hpp>
 #include <mapjoin/join/run.hpp>
-#include <mapjoin/join/start.hpp>
 #include <tests/support/dimensions.hpp>
 #include <tests/support/small_world.hpp>
 

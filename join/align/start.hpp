@@ -3,7 +3,7 @@
 // What a join of all maps at once may start from (the initial values of the paper's Table I).
 
 #include <cstdint>
-#include <mapjoin/join/piece.hpp>
+#include <mapjoin/join/align/piece.hpp>
 #include <mapjoin/model/enum_names.hpp>
 
 namespace mapjoin {

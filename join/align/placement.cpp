@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <Eigen/Eigenvalues>
 #include <algorithm>
-#include <mapjoin/join/placement.hpp>
+#include <mapjoin/join/align/placement.hpp>
 #include <mapjoin/measure/trajectory_error.hpp>
 
 namespace mapjoin {

@@ -2,7 +2,7 @@
 #include <fmt/format.h>
 
 #include <array>
-#include <mapjoin/join/map_covariances.hpp>
+#include <mapjoin/join/covariances/map_covariances.hpp>
 #include <utility>
 
 namespace mapjoin {

@@ -8,7 +8,7 @@
 #include <Eigen/Core>
 #include <cstdint>
 #include <functional>
-#include <mapjoin/join/relations.hpp>
+#include <mapjoin/join/covariances/relations.hpp>
 #include <mapjoin/join/restored.hpp>
 #include <mapjoin/model/enum_names.hpp>
 #include <mapjoin/model/error.hpp>

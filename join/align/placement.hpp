@@ -3,7 +3,7 @@
 // Where a piece stands in the frame of another: from the poses and features they share and the closures between them.
 
 #include <limits>
-#include <mapjoin/join/piece.hpp>
+#include <mapjoin/join/align/piece.hpp>
 #include <optional>
 #include <utility>
 #include <vector>

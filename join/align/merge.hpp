@@ -2,7 +2,7 @@
 #pragma once
 // Merging pieces that share something, along the graph of submaps.
 
-#include <mapjoin/join/piece.hpp>
+#include <mapjoin/join/align/piece.hpp>
 #include <vector>
 
 namespace mapjoin {

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <algorithm>
-#include <mapjoin/join/start.hpp>
+#include <mapjoin/join/align/start.hpp>
 #include <mapjoin/simulate/random_stream.hpp>
 #include <numbers>
 

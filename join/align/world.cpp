@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include <mapjoin/join/placement.hpp>
-#include <mapjoin/join/world.hpp>
+#include <mapjoin/join/align/placement.hpp>
+#include <mapjoin/join/align/world.hpp>
 #include <utility>
 
 namespace mapjoin {

@@ -2,7 +2,7 @@
 #pragma once
 // Where two pieces meet: the observations that tell one placement of the second in the frame of the first from another.
 
-#include <mapjoin/join/piece.hpp>
+#include <mapjoin/join/align/piece.hpp>
 #include <vector>
 
 namespace mapjoin {

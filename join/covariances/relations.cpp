@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include <mapjoin/join/relations.hpp>
+#include <mapjoin/join/covariances/relations.hpp>
 #include <mapjoin/join/spanning_tree.hpp>
 
 namespace mapjoin {
