@@ -77,7 +77,7 @@ void put_pose(const GlobalMap<Dim>& map, const MarginalCovariances<Dim>& margina
   const PoseRelation<Dim>& relation = marginals.relations.poses[pose];
   line.add("pose").add(map.pose_ids[pose].session).add(map.pose_ids[pose].key);
   put_parent(map, relation.parent, line);
-  line.add(relation.placement).template add_symmetric<kPoseDof<Dim>>(relation.covariance);
+  line.add(relation.value).template add_symmetric<kPoseDof<Dim>>(relation.covariance);
   line.add(position_deviation<Dim>(relation.covariance)).add(position_deviation<Dim>(marginals.poses[pose]));
   line.add(rotation_deviation<Dim>(relation.covariance)).add(rotation_deviation<Dim>(marginals.poses[pose]));
 }
@@ -88,7 +88,7 @@ void put_feature(const GlobalMap<Dim>& map, const MarginalCovariances<Dim>& marg
   const FeatureRelation<Dim>& relation = marginals.relations.features[feature];
   line.add("feature").add("").add(map.feature_ids[feature].key);
   put_parent(map, relation.parent, line);
-  line.template add<Dim>(relation.placement).add(Dim == 2 ? "" : ",,,");
+  line.template add<Dim>(relation.value).add(Dim == 2 ? "" : ",,,");
   for (int i = 0; i < kPoseDof<Dim>; ++i) {
     for (int j = i; j < kPoseDof<Dim>; ++j) j < Dim ? line.add(relation.covariance(i, j)) : line.add("");
   }

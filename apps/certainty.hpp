@@ -15,7 +15,7 @@ struct Deviations {
     double in_map = 0.0;
     double relative = 0.0;  ///< To the pose that it hangs from.
   };
-  Median poses;  ///< But for those that are held.
+  Median poses;  ///< But for those that are anchored.
   Median features;
 };
 

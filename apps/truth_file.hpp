@@ -21,8 +21,9 @@ template <typename Id, typename Value>
 std::vector<std::optional<Value>> by_name(const std::vector<Id>& ids, const std::vector<Value>& values,
                                           const std::vector<Id>& names) {
   std::vector<std::optional<Value>> found(names.size());
+  const IndexOf index_of(names);
   for (std::size_t k = 0; k < values.size(); ++k) {
-    if (const auto at = find_index(names, ids[k])) found[static_cast<std::size_t>(*at)] = values[k];
+    if (const auto at = index_of(ids[k])) found[static_cast<std::size_t>(*at)] = values[k];
   }
   return found;
 }

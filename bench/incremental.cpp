@@ -33,45 +33,45 @@ double cpu_seconds() {
   return static_cast<double>(std::clock()) / CLOCKS_PER_SEC;
 }
 
-/// The join of all these parts at once.
+/// The join of all these updates at once.
 struct Batch {
   double chi2 = 0.0;
   double seconds = 0.0;
 };
 
 template <int Dim>
-Expected<Batch> batch_of(const std::vector<const Part<Dim>*>& parts) {
-  const MapSet<Dim> set = set_of(parts);
-  const Network<Dim> network = network_of_parts(set);
+Expected<Batch> batch_of(const std::vector<const SubmapUpdate<Dim>*>& updates) {
+  const SubmapSet<Dim> set = set_of(updates);
+  const SubmapGraph<Dim> graph = submap_graph_of_updates(set);
   const double start = cpu_seconds();
-  const auto joined = join(network, set.poses, set.features, JoinOptions<Dim>{});
+  const auto joined = join(graph, set.poses, set.features, JoinOptions<Dim>{});
   if (!joined) return tl::unexpected(joined.error());
   return Batch{joined->result.chi2, cpu_seconds() - start};
 }
 
 struct Course {
-  std::vector<double> seconds;                                     ///< Per part.
-  std::size_t eliminated = 0;                                      ///< Variables, over all parts.
-  std::size_t joined_anew = 0;                                     ///< Parts after which the estimate is that of a join of all.
+  std::vector<double> seconds;    ///< Per update.
+  std::size_t eliminated = 0;     ///< Variables, over all updates.
+  std::size_t batch_adopted = 0;  ///< Updates after which the estimate is that of a join of all.
   double worst_excess = -std::numeric_limits<double>::infinity();  ///< Of chi2 over the batch's, as a share of it,
   double least_room = std::numeric_limits<double>::infinity();     ///< and of 1.01 times the batch's + 0.5 over chi2.
   Batch last;
 };
 
 template <int Dim>
-Expected<Course> course_of(const std::vector<Part<Dim>>& parts, const Arguments& arguments) {
+Expected<Course> course_of(const std::vector<SubmapUpdate<Dim>>& updates, const Arguments& arguments) {
   Course course;
   IncrementalJoin<Dim> joined;
-  std::vector<const Part<Dim>*> so_far;
-  for (const Part<Dim>& part : parts) {
-    so_far.push_back(&part);
-    Part<Dim> copy = part;
+  std::vector<const SubmapUpdate<Dim>*> so_far;
+  for (const SubmapUpdate<Dim>& update : updates) {
+    so_far.push_back(&update);
+    SubmapUpdate<Dim> copy = update;
     const double start = cpu_seconds();
-    const AddedPart added = joined.add(std::move(copy));
+    const AddedUpdate added = joined.add(std::move(copy));
     course.seconds.push_back(cpu_seconds() - start);
     course.eliminated += added.eliminated;
-    course.joined_anew += added.joined_anew ? 1 : 0;
-    const bool is_last = so_far.size() == parts.size();
+    course.batch_adopted += added.batch_adopted ? 1 : 0;
+    const bool is_last = so_far.size() == updates.size();
     if (!is_last && (arguments.check == 0 || so_far.size() % arguments.check != 0)) continue;
     const auto batch = batch_of(so_far);
     if (!batch) return tl::unexpected(batch.error());
@@ -84,19 +84,19 @@ Expected<Course> course_of(const std::vector<Part<Dim>>& parts, const Arguments&
 
 template <int Dim>
 Expected<std::string> row(const std::string& name, const Log<Dim>& log, const Arguments& arguments) {
-  Split stretches = split(log, {SplitRule::kPoses, arguments.poses_per_map});
-  const auto maps = build_local_maps<Dim>(log, stretches, {});
+  Split segments = split(log, {SplitRule::kPoses, arguments.poses_per_map});
+  const auto maps = build_local_maps<Dim>(log, segments, {});
   if (!maps) return tl::unexpected(maps.error());
-  std::vector<Part<Dim>> parts = parts_of(log, stretches, maps->maps);
-  parts.resize(std::min(parts.size(), arguments.most));
-  return course_of(parts, arguments).map([&](const Course& course) {
+  std::vector<SubmapUpdate<Dim>> updates = submap_updates_of(log, segments, maps->maps);
+  updates.resize(std::min(updates.size(), arguments.most));
+  return course_of(updates, arguments).map([&](const Course& course) {
     std::vector<double> seconds = course.seconds;
     std::sort(seconds.begin(), seconds.end());
     const double median = seconds[seconds.size() / 2];
     const double mean = std::accumulate(seconds.begin(), seconds.end(), 0.0) / static_cast<double>(seconds.size());
     const auto eliminated = static_cast<double>(course.eliminated) / static_cast<double>(seconds.size());
     return fmt::format("| {} | {} | {:.2f} | {:.2f} | {:.0f} | {:.0f} | {} | {:.0f} | {:.0f} | {:.1e} | {:.2f} |\n", name,
-                       seconds.size(), 1e3 * median, 1e3 * mean, 1e3 * seconds.back(), eliminated, course.joined_anew,
+                       seconds.size(), 1e3 * median, 1e3 * mean, 1e3 * seconds.back(), eliminated, course.batch_adopted,
                        1e3 * course.last.seconds, course.last.seconds / median, course.worst_excess, course.least_room);
   });
 }

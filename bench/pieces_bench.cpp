@@ -21,25 +21,25 @@ namespace mapjoin {
 namespace {
 
 template <int Dim>
-Simulation<Dim> world(const benchmark::State& state) {
+Simulation<Dim> world(const benchmark::Values& state) {
   return simulate_manhattan<Dim>({.poses = state.range(0)});
 }
 
 template <int Dim>
-void Simulate(benchmark::State& state) {
+void Simulate(benchmark::Values& state) {
   for (auto _ : state) benchmark::DoNotOptimize(world<Dim>(state));
   state.SetItemsProcessed(state.iterations() * state.range(0));
 }
 
 template <int Dim>
-void EvaluateChi2(benchmark::State& state) {
+void EvaluateChi2(benchmark::Values& state) {
   const auto [log, truth] = world<Dim>(state);
   for (auto _ : state) benchmark::DoNotOptimize(log_chi2(log, {truth.poses, truth.features}));
   state.SetItemsProcessed(state.iterations() * state.range(0));
 }
 
 template <int Dim>
-void ReadG2o(benchmark::State& state) {
+void ReadG2o(benchmark::Values& state) {
   const testing::TemporaryFolder folder;
   const auto path = folder.path() / "log.g2o";
   if (!write_g2o(world<Dim>(state).log, path)) return state.SkipWithError("cannot write the log");
@@ -49,7 +49,7 @@ void ReadG2o(benchmark::State& state) {
 
 /// A whole run; the counters are the seconds of its stages, one run's mean.
 template <int Dim>
-void Run(benchmark::State& state) {
+void Run(benchmark::Values& state) {
   const Log<Dim> log = world<Dim>(state).log;
   RunSeconds sum;
   for (auto _ : state) {
@@ -68,7 +68,7 @@ void Run(benchmark::State& state) {
 }
 
 template <int Dim>
-void Build(benchmark::State& state) {
+void Build(benchmark::Values& state) {
   const Log<Dim> log = world<Dim>(state).log;
   for (auto _ : state) {
     Split parts = split(log, SplitOptions{});
@@ -80,11 +80,11 @@ void Build(benchmark::State& state) {
 /// A world that is joined already; members point into it.
 template <int Dim>
 struct JoinedWorld {
-  explicit JoinedWorld(const benchmark::State& state) : log(world<Dim>(state).log), parts(split(log, SplitOptions{})) {
+  explicit JoinedWorld(const benchmark::Values& state) : log(world<Dim>(state).log), parts(split(log, SplitOptions{})) {
     auto built = build_local_maps(log, parts, BuildOptions{});
     if (!built) return;
-    network = network_of(log, parts, std::move(built->maps));
-    auto result = mapjoin::join(network, log.poses, log.features, JoinOptions<Dim>{});
+    graph = submap_graph_of(log, parts, std::move(built->maps));
+    auto result = mapjoin::join(graph, log.poses, log.features, JoinOptions<Dim>{});
     if (result) join = *std::move(result);
   }
   JoinedWorld(const JoinedWorld&) = delete;
@@ -92,13 +92,13 @@ struct JoinedWorld {
 
   Log<Dim> log;
   Split parts;
-  Network<Dim> network;
+  SubmapGraph<Dim> graph;
   std::optional<Join<Dim>> join;
 };
 
 /// Gauss-Newton steps, each tried and then dropped.
 template <typename Problem>
-void step(benchmark::State& state, Problem& problem) {
+void step(benchmark::Values& state, Problem& problem) {
   for (auto _ : state) {
     problem.linearise();
     if (problem.factorise(0.0)) return state.SkipWithError("singular");
@@ -108,7 +108,7 @@ void step(benchmark::State& state, Problem& problem) {
 }
 
 template <int Dim>
-void JoinStep(benchmark::State& state) {
+void JoinStep(benchmark::Values& state) {
   JoinedWorld<Dim> world(state);
   if (!world.join) return state.SkipWithError("cannot join");
   JoinProblem<Dim> problem(std::move(*world.join->system));
@@ -116,21 +116,21 @@ void JoinStep(benchmark::State& state) {
 }
 
 template <int Dim>
-void PolishStep(benchmark::State& state) {
+void PolishStep(benchmark::Values& state) {
   JoinedWorld<Dim> world(state);
   if (!world.join) return state.SkipWithError("cannot join");
-  recover_interiors(world.log, world.parts, world.network.is_private, MinimiseOptions{}, world.join->state);
-  std::vector<Segment<Dim>> segments;
-  for (const Stretch& stretch : world.parts.stretches) {
-    if (stretch.is_map) segments.push_back(segment_of(world.log, world.parts, stretch));
+  recover_interiors(world.log, world.parts, world.graph.is_local, MinimiseOptions{}, world.join->state);
+  std::vector<SegmentView<Dim>> views;
+  for (const Segment& segment : world.parts.segments) {
+    if (segment.is_map) views.push_back(segment_view(world.log, world.parts, segment));
   }
-  auto whole = restored(world.network, segments, *world.join, world.join->state);
+  auto whole = restored(world.graph, views, *world.join, world.join->state);
   step(state, whole.problem);
 }
 
 /// Of all poses and features, in the map and relative, from a factor that is there.
 template <int Dim>
-void Covariances(benchmark::State& state) {
+void Covariances(benchmark::Values& state) {
   const Log<Dim> log = world<Dim>(state).log;
   RunOptions options;
   options.covariances = true;
@@ -142,15 +142,15 @@ void Covariances(benchmark::State& state) {
 
 /// The covariances of all poses and features of a joined map, sim-35188 below the folder that MAPJOIN_DATA_DIR names; the
 /// counter is their time in factorisations of the same system, made by turns.
-void MarginalsOfTheLargeSimulation(benchmark::State& state) {
+void MarginalsOfTheLargeSimulation(benchmark::Values& state) {
   using Clock = std::chrono::steady_clock;
   const char* folder = std::getenv("MAPJOIN_DATA_DIR");
   if (!folder) return state.SkipWithError("MAPJOIN_DATA_DIR is not set");
   const auto any = read_local_map_set(std::filesystem::path(folder) / "sim-35188/localmaps_mat.tar.gz");
   if (!any) return state.SkipWithError("cannot read sim-35188");
-  const auto& set = std::get<MapSet<2>>(*any);
-  const auto network = network_of(set);
-  const auto joined = join(network, set.poses, set.features, JoinOptions<2>{});
+  const auto& set = std::get<SubmapSet<2>>(*any);
+  const auto graph = submap_graph_of(set);
+  const auto joined = join(graph, set.poses, set.features, JoinOptions<2>{});
   if (!joined) return state.SkipWithError("cannot join sim-35188");
   NormalEquations& equations = joined->system->equations();
   Clock::duration factorising{};

@@ -41,13 +41,13 @@ void add_options(CLI::App& app, Arguments& arguments) {
 }
 
 template <int Dim>
-void print_parts(const Log<Dim>& log, const State<Dim>& state) {
+void print_parts(const Log<Dim>& log, const Values<Dim>& state) {
   const Chi2 chi2 = log_chi2(log, state);
   fmt::print("  odometry {:.6f}, closures {:.6f}, observations {:.6f}, priors {:.6f}\n", chi2.odometry, chi2.closures,
              chi2.observations, chi2.priors);
 }
 template <int Dim>
-void print_parts(const MapSet<Dim>&, const State<Dim>&) {}
+void print_parts(const SubmapSet<Dim>&, const Values<Dim>&) {}
 
 template <typename Data>
 Expected<void> optimise(const Data& data, const Arguments& arguments) {

@@ -41,19 +41,19 @@ Expected<std::vector<Pose<Dim>>> read_tum(const std::string& path, std::size_t c
 }
 
 template <int Dim>
-Expected<State<Dim>> read_g2o_vertices(const std::string& path, std::size_t poses, std::size_t features) {
+Expected<Values<Dim>> read_g2o_vertices(const std::string& path, std::size_t poses, std::size_t features) {
   const auto opened = open_log(path);
   if (!opened) return tl::unexpected(opened.error());
   const auto* log = std::get_if<Log<Dim>>(&*opened);
   if (!log || log->initial.poses.size() != poses || log->initial.features.size() != features) {
     return bad_input(fmt::format("{}: needs vertices for {} poses and {} features in {}D", path, poses, features, Dim));
   }
-  return State<Dim>{log->initial.poses, log->initial.features};
+  return Values<Dim>{log->initial.poses, log->initial.features};
 }
 
 /// `tum:FILE` or `g2o:FILE`.
 template <int Dim, typename Data>
-Expected<State<Dim>> start_from_file(const Data& data, const std::string& name) {
+Expected<Values<Dim>> start_from_file(const Data& data, const std::string& name) {
   const std::string_view kind = std::string_view(name).substr(0, 4);
   const std::string path = name.substr(std::min<std::size_t>(4, name.size()));
   if (kind == "g2o:") return read_g2o_vertices<Dim>(path, data.poses.size(), data.features.size());
@@ -66,7 +66,7 @@ Expected<State<Dim>> start_from_file(const Data& data, const std::string& name) 
 }  // namespace
 
 template <int Dim>
-Expected<State<Dim>> start_of(const Log<Dim>& log, const std::string& name) {
+Expected<Values<Dim>> start_of(const Log<Dim>& log, const std::string& name) {
   if (name == "odometry") return testing::odometry_start(log);
   if (name == "tree") return testing::spanning_tree_start(log);
   if (name == "values") {
@@ -77,14 +77,14 @@ Expected<State<Dim>> start_of(const Log<Dim>& log, const std::string& name) {
 }
 
 template <int Dim>
-Expected<State<Dim>> start_of(const MapSet<Dim>& set, const std::string& name) {
+Expected<Values<Dim>> start_of(const SubmapSet<Dim>& set, const std::string& name) {
   if (name == "odometry" || name == "tree") return testing::composed_start(set);
   return start_from_file<Dim>(set, name);
 }
 
-template Expected<State<2>> start_of(const Log<2>&, const std::string&);
-template Expected<State<3>> start_of(const Log<3>&, const std::string&);
-template Expected<State<2>> start_of(const MapSet<2>&, const std::string&);
-template Expected<State<3>> start_of(const MapSet<3>&, const std::string&);
+template Expected<Values<2>> start_of(const Log<2>&, const std::string&);
+template Expected<Values<3>> start_of(const Log<3>&, const std::string&);
+template Expected<Values<2>> start_of(const SubmapSet<2>&, const std::string&);
+template Expected<Values<3>> start_of(const SubmapSet<3>&, const std::string&);
 
 }  // namespace mapjoin::bench

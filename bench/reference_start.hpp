@@ -4,8 +4,8 @@
 
 #include <mapjoin/model/error.hpp>
 #include <mapjoin/model/log.hpp>
-#include <mapjoin/model/map_set.hpp>
-#include <mapjoin/model/state.hpp>
+#include <mapjoin/model/submap_set.hpp>
+#include <mapjoin/model/values.hpp>
 #include <string>
 
 namespace mapjoin::bench {
@@ -13,10 +13,10 @@ namespace mapjoin::bench {
 /// `tum:FILE` gives a pose for every pose of the log, in its order, features then by their first observations; `g2o:FILE` the
 /// vertices of a g2o file, as many and in the same order.
 template <int Dim>
-Expected<State<Dim>> start_of(const Log<Dim>& log, const std::string& name);
+Expected<Values<Dim>> start_of(const Log<Dim>& log, const std::string& name);
 
 /// For local maps both `odometry` and `tree` mean the maps composed end to end; there are no `values`.
 template <int Dim>
-Expected<State<Dim>> start_of(const MapSet<Dim>& set, const std::string& name);
+Expected<Values<Dim>> start_of(const SubmapSet<Dim>& set, const std::string& name);
 
 }  // namespace mapjoin::bench

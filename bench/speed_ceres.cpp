@@ -138,15 +138,15 @@ using FeatureCost = Cost<Dim, Point<Dim>, Dim, Dim>;
 template <int Dim>
 class FullSlam {
  public:
-  FullSlam(const Log<Dim>& log, const State<Dim>& start);
+  FullSlam(const Log<Dim>& log, const Values<Dim>& start);
   int solve(const Arguments& arguments);
-  State<Dim> state() const;
+  Values<Dim> state() const;
 
  private:
-  void add(const PoseObservation<Dim>& o) {
+  void add(const PoseFactor<Dim>& o) {
     problem_.AddResidualBlock(new PoseCost<Dim>(o.measured, o.information), nullptr, pose(o.base), pose(o.target));
   }
-  void add(const FeatureObservation<Dim>& o) {
+  void add(const FeatureFactor<Dim>& o) {
     problem_.AddResidualBlock(new FeatureCost<Dim>(o.measured, o.information), nullptr, pose(o.base),
                               features_[static_cast<std::size_t>(o.target)].data());
   }
@@ -176,7 +176,7 @@ class FullSlam {
 };
 
 template <int Dim>
-FullSlam<Dim>::FullSlam(const Log<Dim>& log, const State<Dim>& start)
+FullSlam<Dim>::FullSlam(const Log<Dim>& log, const Values<Dim>& start)
     : poses_(start.poses.size()), features_(start.features.size()) {
   write(Pose<Dim>{}, world_.data());
   for (std::size_t p = 0; p < poses_.size(); ++p) {
@@ -236,8 +236,8 @@ int FullSlam<Dim>::solve(const Arguments& arguments) {
 }
 
 template <int Dim>
-State<Dim> FullSlam<Dim>::state() const {
-  State<Dim> state;
+Values<Dim> FullSlam<Dim>::state() const {
+  Values<Dim> state;
   for (const auto& values : poses_) state.poses.push_back(pose_at<Dim>(values.data()));
   for (const auto& values : features_) state.features.push_back(Point<Dim>::Map(values.data()));
   return state;
@@ -247,7 +247,7 @@ template <int Dim>
 void solve(const Log<Dim>& log, const Arguments& arguments) {
   FullSlam<Dim> problem(log, testing::odometry_start(log));
   const int iterations = problem.solve(arguments);
-  const State<Dim> state = problem.state();
+  const Values<Dim> state = problem.state();
   const nlohmann::json json = {{"chi2", log_chi2(log, state).total()}, {"iterations", iterations}};
   fmt::print("{}\n", json.dump());
 }

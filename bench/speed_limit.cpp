@@ -8,11 +8,11 @@
 #include <array>
 #include <filesystem>
 #include <mapjoin/io/open.hpp>
+#include <mapjoin/join/align/gauge.hpp>
+#include <mapjoin/join/align/joined_map.hpp>
 #include <mapjoin/join/align/start.hpp>
-#include <mapjoin/join/align/whole.hpp>
-#include <mapjoin/join/align/world.hpp>
 #include <mapjoin/join/join_problem.hpp>
-#include <mapjoin/join/network.hpp>
+#include <mapjoin/join/submap_graph.hpp>
 #include <mapjoin/measure/chi2.hpp>
 #include <mapjoin/measure/effort.hpp>
 #include <mapjoin/model/accumulate.hpp>
@@ -23,7 +23,7 @@
 namespace mapjoin {
 namespace {
 
-using AnyState = std::variant<State<2>, State<3>>;
+using AnyValues = std::variant<Values<2>, Values<3>>;
 
 /// CPU seconds of each part; what is not timed is not part of the limit.
 struct Limit {
@@ -50,7 +50,7 @@ Expected<void> factorise_and_solve(NormalEquations& equations, Limit& limit) {
   return {};
 }
 
-/// Full SLAM: poses, but for those that are held, then features.
+/// Full SLAM: poses, but for those that are anchored, then features.
 template <int Dim>
 class FullSlam {
  public:
@@ -73,7 +73,7 @@ class FullSlam {
     return NormalEquations(std::move(pattern), Engine::kCholmod);
   }
 
-  void linearise(const State<Dim>& state, NormalEquations& equations) const {
+  void linearise(const Values<Dim>& state, NormalEquations& equations) const {
     std::size_t factor = 0;
     const auto take = [&](const auto& o, const auto& target) {
       accumulate(mapjoin::linearise(o, state.pose(o.base), target), equations.sink(factor++));
@@ -91,7 +91,7 @@ class FullSlam {
 };
 
 template <int Dim>
-Expected<void> measure(const Log<Dim>& log, const State<Dim>& state, Limit& limit) {
+Expected<void> measure(const Log<Dim>& log, const Values<Dim>& state, Limit& limit) {
   const FullSlam<Dim> problem(log);
   NormalEquations equations = timed(limit.order, [&] { return problem.equations(); });
   problem.linearise(state, equations);
@@ -100,24 +100,24 @@ Expected<void> measure(const Log<Dim>& log, const State<Dim>& state, Limit& limi
 }
 
 template <int Dim>
-Expected<void> measure(const Network<Dim>& network, const State<Dim>& state, Limit& limit) {
-  Piece<Dim> piece = whole_of(network);
-  set_to_values(state, piece);
-  place_fixed_poses(network, piece);
-  const Gauge<Dim> gauge = gauge_of(network, piece);
-  JoinProblem<Dim> problem = timed(limit.order, [&] { return JoinProblem<Dim>(piece, gauge, Engine::kCholmod); });
+Expected<void> measure(const SubmapGraph<Dim>& graph, const Values<Dim>& state, Limit& limit) {
+  PartialMap<Dim> partial = joined_map_of(graph);
+  set_to_values(state, partial);
+  place_fixed_poses(graph, partial);
+  const Gauge<Dim> gauge = gauge_of(graph, partial);
+  JoinProblem<Dim> problem = timed(limit.order, [&] { return JoinProblem<Dim>(partial, gauge, Engine::kCholmod); });
   limit.chi2 = problem.linearise();
   return factorise_and_solve(problem.system().equations(), limit);
 }
 
 template <int Dim>
-Expected<void> measure(const MapSet<Dim>& set, const State<Dim>& state, Limit& limit) {
-  return measure(network_of(set), state, limit);
+Expected<void> measure(const SubmapSet<Dim>& set, const Values<Dim>& state, Limit& limit) {
+  return measure(submap_graph_of(set), state, limit);
 }
 
 template <int Dim>
-Expected<void> measure(const StoredMaps<Dim>& stored, const State<Dim>& state, Limit& limit) {
-  return measure(network_of(stored.log, split_along(stored.log, stored.stretches), stored.maps), state, limit);
+Expected<void> measure(const StoredMaps<Dim>& stored, const Values<Dim>& state, Limit& limit) {
+  return measure(submap_graph_of(stored.log, split_along(stored.log, stored.segments), stored.maps), state, limit);
 }
 
 /// What names the poses and features of the data.
@@ -130,8 +130,8 @@ const Log<Dim>& names_of(const StoredMaps<Dim>& stored) {
 }
 
 template <int Dim, template <int> typename Data>
-Expected<void> measure_at(const Data<Dim>& data, const AnyState& any, Limit& limit) {
-  const auto* state = std::get_if<State<Dim>>(&any);
+Expected<void> measure_at(const Data<Dim>& data, const AnyValues& any, Limit& limit) {
+  const auto* state = std::get_if<Values<Dim>>(&any);
   limit.poses = names_of(data).poses.size();
   limit.features = names_of(data).features.size();
   if (!state || state->poses.size() != limit.poses || state->features.size() != limit.features) {
@@ -141,16 +141,16 @@ Expected<void> measure_at(const Data<Dim>& data, const AnyState& any, Limit& lim
 }
 
 template <int Dim>
-AnyState state_of(const Log<Dim>& log) {
-  return State<Dim>{log.initial.poses, log.initial.features};
+AnyValues state_of(const Log<Dim>& log) {
+  return Values<Dim>{log.initial.poses, log.initial.features};
 }
 
 /// The values of all poses and features that a map holds.
-Expected<AnyState> read_state(const std::filesystem::path& path) {
+Expected<AnyValues> read_state(const std::filesystem::path& path) {
   return open_log(path).map([](const AnyLog& any) { return std::visit([](const auto& log) { return state_of(log); }, any); });
 }
 
-Expected<Limit> limit_of(const std::filesystem::path& data, const AnyState& state) {
+Expected<Limit> limit_of(const std::filesystem::path& data, const AnyValues& state) {
   Limit limit;
   const auto take = [&](const auto& any) {
     return std::visit([&](const auto& known) { return measure_at(known, state, limit); }, any);

@@ -24,7 +24,7 @@ struct Arguments {
   int iterations = 20;
 };
 
-using AnyData = std::variant<Log<2>, Log<3>, MapSet<2>, MapSet<3>>;
+using AnyData = std::variant<Log<2>, Log<3>, SubmapSet<2>, SubmapSet<3>>;
 
 Expected<AnyData> read(const std::filesystem::path& path, bool identity) {
   ReadOptions options;
@@ -133,7 +133,7 @@ Expected<MinimiseResult> all_at_once(const Log<Dim>& log, const RunOptions& opti
   return solve(log, options).map([](const auto& result) { return result.join; });
 }
 template <int Dim>
-Expected<MinimiseResult> all_at_once(const MapSet<Dim>& set, const RunOptions& options) {
+Expected<MinimiseResult> all_at_once(const SubmapSet<Dim>& set, const RunOptions& options) {
   return run(set, options).map([](const auto& result) { return result.join; });
 }
 

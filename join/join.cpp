@@ -3,8 +3,8 @@
 
 #include <algorithm>
 #include <array>
-#include <mapjoin/join/align/whole.hpp>
-#include <mapjoin/join/align/world.hpp>
+#include <mapjoin/join/align/gauge.hpp>
+#include <mapjoin/join/align/joined_map.hpp>
 #include <mapjoin/join/join.hpp>
 #include <mapjoin/join/join_problem.hpp>
 #include <mapjoin/join/tolerances.hpp>
@@ -19,7 +19,7 @@ namespace mapjoin {
 namespace {
 
 template <int Dim>
-std::vector<MapFit> map_fits(const JointSystem<Dim>& system) {
+std::vector<MapFit> map_fits(const JoiningSystem<Dim>& system) {
   std::vector<MapFit> fits(system.maps().size());
   parallel_for(fits.size(), [&](std::size_t m) {
     const auto& placed = system.maps()[m];
@@ -31,28 +31,28 @@ std::vector<MapFit> map_fits(const JointSystem<Dim>& system) {
 }
 
 template <int Dim>
-std::int64_t measured_rows(const Piece<Dim>& piece, const Gauge<Dim>& gauge, const std::vector<MapFit>& maps) {
+std::int64_t measured_rows(const PartialMap<Dim>& partial, const Gauge<Dim>& gauge, const std::vector<MapFit>& maps) {
   double rows = 0.0;
   for (const MapFit& map : maps) rows += static_cast<double>(map.rows);
   const auto add = [&](const auto& observations) {
     rows += parallel_sum(observations.size(), kObservationsPerPiece,
                          [&](std::size_t k) { return static_cast<double>(information_rank(observations[k]->information)); });
   };
-  for (const auto* selection : {&piece.factors, &gauge.priors}) {
+  for (const auto* selection : {&partial.factors, &gauge.priors}) {
     add(selection->pose_factors);
     add(selection->feature_factors);
   }
   return static_cast<std::int64_t>(rows);
 }
 
-/// The state of the whole network from the estimate of its joined part.
+/// The state of the whole submap graph from the estimate of its joined part.
 template <int Dim>
-State<Dim> state_of(const Network<Dim>& network, const Piece<Dim>& whole, const State<Dim>& estimate) {
-  State<Dim> state;
-  state.poses.resize(network.pose_count);
-  state.features.resize(network.feature_count, Point<Dim>::Zero());
-  write_values(estimate, whole.poses, whole.features, state);
-  for (const auto& condensed : network.maps) recover_private_features(condensed, state);
+Values<Dim> state_of(const SubmapGraph<Dim>& graph, const PartialMap<Dim>& joined_map, const Values<Dim>& estimate) {
+  Values<Dim> state;
+  state.poses.resize(graph.pose_count);
+  state.features.resize(graph.feature_count, Point<Dim>::Zero());
+  write_values(estimate, joined_map.poses, joined_map.features, state);
+  for (const auto& marginalised : graph.maps) recover_local_features(marginalised, state);
   return state;
 }
 
@@ -62,7 +62,7 @@ tl::unexpected<Error> interrupted() {
 
 /// The most that a pose is turned from one state to another (rad).
 template <int Dim>
-double most_turned(const State<Dim>& from, const State<Dim>& to) {
+double largest_rotation_update(const Values<Dim>& from, const Values<Dim>& to) {
   double most = 0.0;
   for (std::size_t p = 0; p < to.poses.size(); ++p) {
     most = std::max(most, (from.poses[p].rotation.inverse() * to.poses[p].rotation).log().norm());
@@ -70,10 +70,10 @@ double most_turned(const State<Dim>& from, const State<Dim>& to) {
   return most;
 }
 
-/// A network, what names its poses and features, and how it is to be joined.
+/// A submap graph, what names its poses and features, and how it is to be joined.
 template <int Dim>
 struct Task {
-  const Network<Dim>& network;
+  const SubmapGraph<Dim>& graph;
   const std::vector<PoseId>& pose_ids;
   const std::vector<FeatureId>& feature_ids;
   const JoinOptions<Dim>& options;
@@ -85,16 +85,17 @@ constexpr std::size_t kMostDirections = 60;
 
 /// What the observations leave free to move, by name; `singular` is a variable of it.
 template <int Dim>
-std::string free_to_move(const Task<Dim>& task, const JointSystem<Dim>& system, Variable singular, const Piece<Dim>& whole) {
+std::string free_to_move(const Task<Dim>& task, const JoiningSystem<Dim>& system, Variable singular,
+                         const PartialMap<Dim>& joined_map) {
   const NormalEquations& equations = system.equations();
   std::vector<PlacedVariable<Dim>> variables;
-  for (std::size_t p = 0; p < whole.poses.size(); ++p) {
+  for (std::size_t p = 0; p < joined_map.poses.size(); ++p) {
     const Variable v = system.pose_variable(static_cast<Index>(p));
-    variables.push_back({to_string(task.pose_ids[static_cast<std::size_t>(whole.poses[p])]), system.estimate().poses[p],
+    variables.push_back({to_string(task.pose_ids[static_cast<std::size_t>(joined_map.poses[p])]), system.estimate().poses[p],
                          v == kConstant ? -1 : equations.offset(v), true});
   }
-  for (std::size_t f = 0; f < whole.features.size(); ++f) {
-    variables.push_back({to_string(task.feature_ids[static_cast<std::size_t>(whole.features[f])]),
+  for (std::size_t f = 0; f < joined_map.features.size(); ++f) {
+    variables.push_back({to_string(task.feature_ids[static_cast<std::size_t>(joined_map.features[f])]),
                          {system.estimate().features[f], {}},
                          equations.offset(system.feature_variable(static_cast<Index>(f))),
                          false});
@@ -106,46 +107,46 @@ std::string free_to_move(const Task<Dim>& task, const JointSystem<Dim>& system, 
 
 /// The last solve, from the estimate of the problem of `whole` on.
 template <int Dim>
-Expected<Join<Dim>> solved(const Task<Dim>& task, Piece<Dim> whole, const Gauge<Dim>& gauge, JoinProblem<Dim> problem,
+Expected<Join<Dim>> solved(const Task<Dim>& task, PartialMap<Dim> joined_map, const Gauge<Dim>& gauge, JoinProblem<Dim> problem,
                            const MinimiseOptions& solver) {
   Join<Dim> join;
-  const State<Dim> start = problem.estimate();
+  const Values<Dim> start = problem.estimate();
   join.result = minimise_join(problem, task.options.state, solver, task.stop);
-  join.turned = most_turned(start, problem.estimate());
+  join.largest_rotation = largest_rotation_update(start, problem.estimate());
   if (join.result.status == MinimiseStatus::kInterrupted) return interrupted();
   if (join.result.status == MinimiseStatus::kSingular) {
-    return bad_input(free_to_move(task, problem.system(), *join.result.singular, whole));
+    return bad_input(free_to_move(task, problem.system(), *join.result.singular, joined_map));
   }
-  join.state = state_of(task.network, whole, problem.estimate());
-  for (const Index place : gauge.held) join.held.push_back(whole.poses[static_cast<std::size_t>(place)]);
+  join.state = state_of(task.graph, joined_map, problem.estimate());
+  for (const Index place : gauge.anchored) join.anchored.push_back(joined_map.poses[static_cast<std::size_t>(place)]);
   join.maps = map_fits(problem.system());
-  join.rows = measured_rows(whole, gauge, join.maps);
-  join.poses = std::move(whole.poses);
-  join.features = std::move(whole.features);
-  join.system = std::make_unique<JointSystem<Dim>>(std::move(problem.system()));
+  join.rows = measured_rows(joined_map, gauge, join.maps);
+  join.poses = std::move(joined_map.poses);
+  join.features = std::move(joined_map.features);
+  join.system = std::make_unique<JoiningSystem<Dim>>(std::move(problem.system()));
   return join;
 }
 
 /// Joins by one schedule, not kAuto.
 template <int Dim>
 Expected<Join<Dim>> join_by(Schedule schedule, const Task<Dim>& task, const MinimiseOptions& solver) {
-  const auto& [network, pose_ids, feature_ids, options, stop] = task;
+  const auto& [graph, pose_ids, feature_ids, options, stop] = task;
   const ScheduleOptions on_the_way{schedule, options.state, options.progress};
-  Piece<Dim> whole = whole_of(network);
-  const Gauge<Dim> gauge = gauge_of(network, whole);
-  JoinedPieces<Dim> pieces;
+  PartialMap<Dim> joined_map = joined_map_of(graph);
+  const Gauge<Dim> gauge = gauge_of(graph, joined_map);
+  JoinedPartialMaps<Dim> partials;
   std::optional<JoinProblem<Dim>> problem;  // its pattern, ordering and symbolic factor need no state
-  parallel_invoke([&] { pieces = join_stretches(task.network, on_the_way, task.stop); },
+  parallel_invoke([&] { partials = join_segments(task.graph, on_the_way, task.stop); },
                   [&] {
-                    if (!task.stop.stop_requested()) problem.emplace(whole, gauge, solver.engine);
+                    if (!task.stop.stop_requested()) problem.emplace(joined_map, gauge, solver.engine);
                   });
   if (stop.stop_requested()) return interrupted();
 
-  whole.state = composed_state(network, whole, options.origin, std::move(pieces));
-  set_start(options.start, options.seed, options.values, whole);
-  place_fixed_poses(network, whole);
-  problem->system().estimate() = whole.state;
-  auto join = solved(task, std::move(whole), gauge, *std::move(problem), solver);
+  joined_map.state = composed_state(graph, joined_map, options.origin, std::move(partials));
+  set_start(options.start, options.seed, options.values, joined_map);
+  place_fixed_poses(graph, joined_map);
+  problem->system().estimate() = joined_map.state;
+  auto join = solved(task, std::move(joined_map), gauge, *std::move(problem), solver);
   if (join) join->schedule = schedule;
   return join;
 }
@@ -153,12 +154,12 @@ Expected<Join<Dim>> join_by(Schedule schedule, const Task<Dim>& task, const Mini
 /// Goes on where a join stopped at its limit of iterations.
 template <int Dim>
 Expected<Join<Dim>> continued(const Task<Dim>& task, Join<Dim> join, const MinimiseOptions& solver) {
-  Piece<Dim> whole = whole_of(task.network);
-  const Gauge<Dim> gauge = gauge_of(task.network, whole);
-  auto further = solved(task, std::move(whole), gauge, JoinProblem<Dim>(std::move(*join.system)), solver);
+  PartialMap<Dim> joined_map = joined_map_of(task.graph);
+  const Gauge<Dim> gauge = gauge_of(task.graph, joined_map);
+  auto further = solved(task, std::move(joined_map), gauge, JoinProblem<Dim>(std::move(*join.system)), solver);
   if (!further) return further;
   further->schedule = join.schedule;
-  further->turned = std::max(join.turned, further->turned);
+  further->largest_rotation = std::max(join.largest_rotation, further->largest_rotation);
   MinimiseResult result = std::move(join.result);
   result.append(further->result);
   further->result = std::move(result);
@@ -167,7 +168,7 @@ Expected<Join<Dim>> continued(const Task<Dim>& task, Join<Dim> join, const Minim
 
 /// What kAuto tries, in the order of cost, until a map is settled: by a solve that was as good as linear, or (the first and
 /// cheapest) began near its optimum; else two have to end at the same one, one of them from near by.
-constexpr std::array kWays = {Schedule::kAligned, Schedule::kTree, Schedule::kLeaning};
+constexpr std::array kWays = {Schedule::kAligned, Schedule::kTree, Schedule::kUnbalanced};
 /// A way that has not converged by then is set aside, and goes on only if no other did better.
 constexpr int kTrialIterations = 75;
 
@@ -180,7 +181,8 @@ bool was_as_good_as_linear(const Join<Dim>& join) {
 /// Whether the last solve began near to where it converged.
 template <int Dim>
 bool came_from_near_by(const Join<Dim>& join) {
-  return join.result.status == MinimiseStatus::kConverged && (join.turned < kFarFromLinear || was_as_good_as_linear(join));
+  return join.result.status == MinimiseStatus::kConverged &&
+         (join.largest_rotation < kFarFromLinear || was_as_good_as_linear(join));
 }
 
 template <int Dim>
@@ -216,15 +218,15 @@ double MapFit::probability() const {
 }
 
 template <int Dim>
-Expected<Join<Dim>> join(const Network<Dim>& network, const std::vector<PoseId>& pose_ids,
+Expected<Join<Dim>> join(const SubmapGraph<Dim>& graph, const std::vector<PoseId>& pose_ids,
                          const std::vector<FeatureId>& feature_ids, const JoinOptions<Dim>& options,
                          const std::stop_token& stop) {
-  const Task<Dim> task{network, pose_ids, feature_ids, options, stop};
+  const Task<Dim> task{graph, pose_ids, feature_ids, options, stop};
   return options.schedule == Schedule::kAuto ? join_by_best(task) : join_by(options.schedule, task, options.solver);
 }
 
-#define MAPJOIN_INSTANTIATE(Dim)                                                                                    \
-  template Expected<Join<Dim>> join(const Network<Dim>&, const std::vector<PoseId>&, const std::vector<FeatureId>&, \
+#define MAPJOIN_INSTANTIATE(Dim)                                                                                        \
+  template Expected<Join<Dim>> join(const SubmapGraph<Dim>&, const std::vector<PoseId>&, const std::vector<FeatureId>&, \
                                     const JoinOptions<Dim>&, const std::stop_token&);
 MAPJOIN_INSTANTIATE(2)
 MAPJOIN_INSTANTIATE(3)

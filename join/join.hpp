@@ -5,9 +5,9 @@
 #include <cstdint>
 #include <functional>
 #include <mapjoin/join/align/start.hpp>
-#include <mapjoin/join/joint_system.hpp>
-#include <mapjoin/join/network.hpp>
+#include <mapjoin/join/joining_system.hpp>
 #include <mapjoin/join/schedule.hpp>
+#include <mapjoin/join/submap_graph.hpp>
 #include <mapjoin/model/error.hpp>
 #include <mapjoin/solve/minimise_options.hpp>
 #include <memory>
@@ -21,10 +21,10 @@ struct JoinOptions {
   Schedule schedule = Schedule::kAuto;
   JoinedState state = JoinedState::kAbsolute;              ///< Coordinates of the steps.
   MinimiseOptions solver;                                  ///< Of the last join, over all original maps.
-  Pose<Dim> origin;                                        ///< Where the first pose is held when the World says nothing.
+  Pose<Dim> origin;                                        ///< Where the first pose is anchored when the World says nothing.
   Start start = Start::kComposed;                          ///< Another one is for the batch schedule only.
   std::uint64_t seed = 1;                                  ///< Of the random start.
-  const State<Dim>* values = nullptr;                      ///< For Start::kFile: of the whole network.
+  const Values<Dim>* values = nullptr;                     ///< For Start::kFile: of the whole submap graph.
   std::function<void(std::size_t, std::size_t)> progress;  ///< As in ScheduleOptions.
 };
 
@@ -33,7 +33,7 @@ struct MapFit {
   Index base = 0;  ///< The pose that it starts from,
   Index end = 0;   ///< and the one that it ends at.
   double chi2 = 0.0;
-  std::int64_t rows = 0;  ///< Measured ones, private features left out: their residuals follow the others'.
+  std::int64_t rows = 0;  ///< Measured ones, submap-local features left out: their residuals follow the others'.
 
   /// Of a larger chi2, if the map is as certain as it says. The join adapts itself to the map, so that the probability is
   /// rather too large than too small.
@@ -43,24 +43,24 @@ struct MapFit {
 template <int Dim>
 struct Join {
   MinimiseResult result;
-  Schedule schedule = Schedule::kTree;       ///< That it was found by; of kAuto, the one of least chi2.
-  bool is_settled = false;                   ///< Of kAuto: the solve was nearly linear, or two schedules found this optimum.
-  State<Dim> state;                          ///< Of the whole network; poses that are not joined are left at the origin.
-  std::vector<Index> poses;                  ///< The poses of the joined state, ascending.
-  std::vector<Index> features;               ///< Its features: all but the private ones.
-  std::vector<Index> held;                   ///< The poses that hold the map still; empty where priors do.
-  std::unique_ptr<JointSystem<Dim>> system;  ///< Of the last join, for polishing.
-  std::vector<MapFit> maps;                  ///< Of the network's maps, in their order.
-  double turned = 0.0;                       ///< The most that the last solve turned a pose (rad): how far from linear it was.
-  std::int64_t rows = 0;                     ///< Measured rows of the maps and observations, private features left out.
+  Schedule schedule = Schedule::kTree;         ///< That it was found by; of kAuto, the one of least chi2.
+  bool is_settled = false;                     ///< Of kAuto: the solve was nearly linear, or two schedules found this optimum.
+  Values<Dim> state;                           ///< Of the whole submap graph; poses that are not joined are left at the origin.
+  std::vector<Index> poses;                    ///< The poses of the joined state, ascending.
+  std::vector<Index> features;                 ///< Its features: all but the private ones.
+  std::vector<Index> anchored;                 ///< The poses that hold the map still; empty where priors do.
+  std::unique_ptr<JoiningSystem<Dim>> system;  ///< Of the last join, for polishing.
+  std::vector<MapFit> maps;                    ///< Of the submap graph's maps, in their order.
+  double largest_rotation = 0.0;  ///< The most that the last solve turned a pose (rad): how far from linear it was.
+  std::int64_t rows = 0;          ///< Measured rows of the maps and observations, submap-local features left out.
   std::int64_t dof() const { return rows - static_cast<std::int64_t>(system->equations().size()); }
 };
 
-/// Joins a network, whose parts must hang together (see check_connected). Bad input where the observations leave a pose or
+/// Joins a submap graph, whose parts must hang together (see check_connected). Bad input where the observations leave a pose or
 /// feature undetermined, which is named by its id; kInterrupted on `stop`. When the last solve does not converge, result.status
 /// says so and the state is the best found.
 template <int Dim>
-Expected<Join<Dim>> join(const Network<Dim>& network, const std::vector<PoseId>& pose_ids,
+Expected<Join<Dim>> join(const SubmapGraph<Dim>& graph, const std::vector<PoseId>& pose_ids,
                          const std::vector<FeatureId>& feature_ids, const JoinOptions<Dim>& options,
                          const std::stop_token& stop = {});
 

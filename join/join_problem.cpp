@@ -7,21 +7,22 @@
 
 namespace mapjoin {
 template <int Dim>
-double map_chi2(const typename JointSystem<Dim>::PlacedMap& placed, const State<Dim>& state) {
+double map_chi2(const typename JoiningSystem<Dim>::PlacedMap& placed, const Values<Dim>& state) {
   return cost(
       *placed.map, state.pose(placed.base), [&](std::size_t p) { return state.pose(placed.poses[p]); },
       [&](std::size_t f) { return state.feature(placed.features[f]); });
 }
 
 template <int Dim>
-double piece_chi2(const Piece<Dim>& piece) {
+double partial_map_chi2(const PartialMap<Dim>& partial) {
   double chi2 = 0.0;
-  for (const auto* o : piece.factors.pose_factors) chi2 += cost(*o, pose_in(piece, o->base), pose_in(piece, o->target));
-  for (const auto* o : piece.factors.feature_factors) chi2 += cost(*o, pose_in(piece, o->base), feature_in(piece, o->target));
-  for (const auto* map : piece.factors.submaps) {
+  for (const auto* o : partial.factors.pose_factors) chi2 += cost(*o, pose_in(partial, o->base), pose_in(partial, o->target));
+  for (const auto* o : partial.factors.feature_factors)
+    chi2 += cost(*o, pose_in(partial, o->base), feature_in(partial, o->target));
+  for (const auto* map : partial.factors.submaps) {
     chi2 += cost(
-        *map, pose_in(piece, map->base), [&](std::size_t p) { return pose_in(piece, map->poses[p]); },
-        [&](std::size_t f) { return feature_in(piece, map->features[f]); });
+        *map, pose_in(partial, map->base), [&](std::size_t p) { return pose_in(partial, map->poses[p]); },
+        [&](std::size_t f) { return feature_in(partial, map->features[f]); });
   }
   return chi2;
 }
@@ -30,7 +31,7 @@ template <int Dim>
 double JoinProblem<Dim>::linearise() {
   return system_.linearise([&](std::size_t m, NormalEquations::Sink sink) {
     const auto& placed = system_.maps()[m];
-    const State<Dim>& state = system_.estimate();
+    const Values<Dim>& state = system_.estimate();
     const auto linear = mapjoin::linearise(
         *placed.map, state.pose(placed.base), [&](std::size_t p) { return state.pose(placed.poses[p]); },
         [&](std::size_t f) { return state.feature(placed.features[f]); });
@@ -39,7 +40,7 @@ double JoinProblem<Dim>::linearise() {
 }
 
 template <int Dim>
-double JoinProblem<Dim>::try_state(State<Dim> candidate) {
+double JoinProblem<Dim>::try_state(Values<Dim> candidate) {
   candidate_ = std::move(candidate);
   const auto& maps = system_.maps();
   return system_.observations_chi2(candidate_) +
@@ -96,9 +97,9 @@ MinimiseResult minimise_join(JoinProblem<Dim>& problem, JoinedState state, const
 MAPJOIN_INSTANTIATE(2)
 MAPJOIN_INSTANTIATE(3)
 #undef MAPJOIN_INSTANTIATE
-template double map_chi2<2>(const JointSystem<2>::PlacedMap&, const State<2>&);
-template double map_chi2<3>(const JointSystem<3>::PlacedMap&, const State<3>&);
-template double piece_chi2(const Piece<2>&);
-template double piece_chi2(const Piece<3>&);
+template double map_chi2<2>(const JoiningSystem<2>::PlacedMap&, const Values<2>&);
+template double map_chi2<3>(const JoiningSystem<3>::PlacedMap&, const Values<3>&);
+template double partial_map_chi2(const PartialMap<2>&);
+template double partial_map_chi2(const PartialMap<3>&);
 
 }  // namespace mapjoin

@@ -4,7 +4,7 @@
 
 #include <Eigen/Core>
 #include <mapjoin/join/joined_state.hpp>
-#include <mapjoin/join/joint_system.hpp>
+#include <mapjoin/join/joining_system.hpp>
 #include <mapjoin/join/relative_state.hpp>
 #include <mapjoin/solve/minimise.hpp>
 #include <optional>
@@ -13,13 +13,13 @@
 
 namespace mapjoin {
 
-/// A LeastSquaresProblem over the joined state of a piece.
+/// A LeastSquaresProblem over the joined state of a partial map.
 template <int Dim>
 class JoinProblem {
  public:
-  JoinProblem(const Piece<Dim>& piece, const Gauge<Dim>& gauge, Engine engine = Engine::kFronts)
-      : system_(piece, gauge, engine) {}
-  explicit JoinProblem(JointSystem<Dim> system) : system_(std::move(system)) {}
+  JoinProblem(const PartialMap<Dim>& partial, const Gauge<Dim>& gauge, Engine engine = Engine::kFronts)
+      : system_(partial, gauge, engine) {}
+  explicit JoinProblem(JoiningSystem<Dim> system) : system_(std::move(system)) {}
 
   double linearise();
   const Eigen::VectorXd& gradient() const { return system_.equations().gradient(); }
@@ -30,17 +30,17 @@ class JoinProblem {
   StepSize step_size(const Eigen::VectorXd& step) const { return system_.step_size(step); }
   double try_step(const Eigen::VectorXd& step) { return try_state(system_.retracted(step)); }
   /// chi2 of a state, kept as the candidate.
-  double try_state(State<Dim> candidate);
+  double try_state(Values<Dim> candidate);
   void accept() { std::swap(system_.estimate(), candidate_); }
 
-  const State<Dim>& estimate() const { return system_.estimate(); }
+  const Values<Dim>& estimate() const { return system_.estimate(); }
   /// The system with its pattern, ordering and symbolic factor.
-  JointSystem<Dim>& system() { return system_; }
-  const JointSystem<Dim>& system() const { return system_; }
+  JoiningSystem<Dim>& system() { return system_; }
+  const JoiningSystem<Dim>& system() const { return system_; }
 
  private:
-  JointSystem<Dim> system_;
-  State<Dim> candidate_;
+  JoiningSystem<Dim> system_;
+  Values<Dim> candidate_;
 };
 
 /// A join problem with its steps in relative coordinates: the same linear system, another way of applying what solves it.
@@ -75,10 +75,10 @@ MinimiseResult minimise_join(JoinProblem<Dim>& problem, JoinedState state, const
 
 /// chi2 of a local map as an observation of `state`, whose poses and features stand at the given places.
 template <int Dim>
-double map_chi2(const typename JointSystem<Dim>::PlacedMap& placed, const State<Dim>& state);
+double map_chi2(const typename JoiningSystem<Dim>::PlacedMap& placed, const Values<Dim>& state);
 
-/// chi2 of all observations and maps of a piece at its state.
+/// chi2 of all observations and maps of a partial map at its state.
 template <int Dim>
-double piece_chi2(const Piece<Dim>& piece);
+double partial_map_chi2(const PartialMap<Dim>& partial);
 
 }  // namespace mapjoin

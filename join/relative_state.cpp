@@ -12,11 +12,11 @@ namespace {
 
 /// What the observation of an edge measured, and its information.
 template <int Dim>
-std::pair<Pose<Dim>, PoseMatrix<Dim>> measured_pose(const JointSystem<Dim>& system, const TreeObservation& edge) {
+std::pair<Pose<Dim>, PoseMatrix<Dim>> measured_pose(const JoiningSystem<Dim>& system, const TreeObservation& edge) {
   constexpr int kDof = kPoseDof<Dim>;
-  const auto source = system.source_of(edge.clique);
-  if (source.kind != JointSystem<Dim>::Source::kMap) {
-    const auto& o = *system.pose_observations()[source.place].observation;
+  const auto source = system.source_of(edge.factor);
+  if (source.kind != JoiningSystem<Dim>::Source::kMap) {
+    const auto& o = *system.pose_factors()[source.place].observation;
     return {o.measured, o.information};
   }
   const LocalMap<Dim>& map = *system.maps()[source.place].map;
@@ -25,22 +25,22 @@ std::pair<Pose<Dim>, PoseMatrix<Dim>> measured_pose(const JointSystem<Dim>& syst
 }
 
 template <int Dim>
-PointMatrix<Dim> point_information(const JointSystem<Dim>& system, const TreeObservation& edge) {
-  const auto source = system.source_of(edge.clique);
-  if (source.kind != JointSystem<Dim>::Source::kMap) {
-    return system.feature_observations()[source.place].observation->information;
+PointMatrix<Dim> point_information(const JoiningSystem<Dim>& system, const TreeObservation& edge) {
+  const auto source = system.source_of(edge.factor);
+  if (source.kind != JoiningSystem<Dim>::Source::kMap) {
+    return system.feature_factors()[source.place].observation->information;
   }
   const LocalMap<Dim>& map = *system.maps()[source.place].map;
   const Eigen::Index row = map.row(edge.target);
   return map.information.template block<Dim, Dim>(row, row);
 }
 
-/// The information that the observation of an edge has of its child, the parent held still.
+/// The information that the observation of an edge has of its child, the parent anchored.
 template <int Dim>
-PoseMatrix<Dim> information_of_child(const JointSystem<Dim>& system, const TreeEdge& edge) {
+PoseMatrix<Dim> information_of_child(const JoiningSystem<Dim>& system, const TreeEdge& edge) {
   const auto [measured, W] = measured_pose(system, *edge.observation);
   const bool child_is_base = edge.observation->child_is_base;
-  const State<Dim>& state = system.estimate();
+  const Values<Dim>& state = system.estimate();
   const Pose<Dim> child = state.pose(edge.child);
   const Pose<Dim> parent = state.pose(edge.parent);
   const auto linear = child_is_base ? linearise<Dim>(measured, child, parent) : linearise<Dim>(measured, parent, child);
@@ -62,7 +62,7 @@ std::optional<Matrix<Dof>> inverse_of(const Matrix<Dof>& M) {
 }  // namespace
 
 template <int Dim>
-RelativeState<Dim>::RelativeState(const JointSystem<Dim>& system) {
+RelativeState<Dim>::RelativeState(const JoiningSystem<Dim>& system) {
   const SpanningTree tree = spanning_tree(system);
   for (const TreeEdge& edge : tree.poses) {
     poses_.push_back(make_link<kPoseDof<Dim>>(system, edge, system.pose_variable(edge.child)));
@@ -75,15 +75,16 @@ RelativeState<Dim>::RelativeState(const JointSystem<Dim>& system) {
 
 template <int Dim>
 template <int Dof>
-auto RelativeState<Dim>::make_link(const JointSystem<Dim>& system, const TreeEdge& edge, Variable variable) const -> Link<Dof> {
+auto RelativeState<Dim>::make_link(const JoiningSystem<Dim>& system, const TreeEdge& edge, Variable variable) const
+    -> Link<Dof> {
   const Variable parent = system.pose_variable(edge.parent);
   const Eigen::Index parent_begin = parent == kConstant ? kStill : system.equations().offset(parent);
   return {edge, system.equations().offset(variable), parent_begin, {}, {}, {}};
 }
 
 template <int Dim>
-void RelativeState<Dim>::linearise(const JointSystem<Dim>& system) {
-  const State<Dim>& state = system.estimate();
+void RelativeState<Dim>::linearise(const JoiningSystem<Dim>& system) {
+  const Values<Dim>& state = system.estimate();
   for (auto& link : poses_) {
     const Pose<Dim> parent = state.pose(link.edge.parent);
     compose(parent, between(parent, state.pose(link.edge.child)), &link.K);
@@ -102,7 +103,7 @@ void RelativeState<Dim>::weigh_by(const Eigen::VectorXd& diagonal, Link<Dof>& li
 }
 
 template <int Dim>
-void RelativeState<Dim>::weigh(const JointSystem<Dim>& system) {
+void RelativeState<Dim>::weigh(const JoiningSystem<Dim>& system) {
   const Eigen::VectorXd diagonal = system.equations().diagonal();
   for (auto& link : poses_) {
     std::optional<PoseMatrix<Dim>> inverse;
@@ -173,7 +174,7 @@ Eigen::VectorXd RelativeState<Dim>::descent(Eigen::VectorXd gradient) const {
 
 template <int Dim>
 template <int Dof>
-void RelativeState<Dim>::damp(JointSystem<Dim>& system, double damping, const Link<Dof>& link) const {
+void RelativeState<Dim>::damp(JoiningSystem<Dim>& system, double damping, const Link<Dof>& link) const {
   const Matrix<Dof> M = damping * link.M;
   NormalEquations& equations = system.equations();
   if (!link.edge.observation) {
@@ -181,7 +182,7 @@ void RelativeState<Dim>::damp(JointSystem<Dim>& system, double damping, const Li
     return;
   }
   const TreeObservation& observation = *link.edge.observation;
-  auto sink = equations.sink(observation.clique);
+  auto sink = equations.sink(observation.factor);
   const int target = 1 + static_cast<int>(observation.target);
   const int child = observation.child_is_base ? 0 : target;
   const int parent = observation.child_is_base ? target : 0;
@@ -195,14 +196,14 @@ void RelativeState<Dim>::damp(JointSystem<Dim>& system, double damping, const Li
 }
 
 template <int Dim>
-void RelativeState<Dim>::damp(JointSystem<Dim>& system, double damping) const {
+void RelativeState<Dim>::damp(JoiningSystem<Dim>& system, double damping) const {
   for_each_link([&](const auto& link) { damp(system, damping, link); });
 }
 
 template <int Dim>
-State<Dim> RelativeState<Dim>::retracted(const JointSystem<Dim>& system, const Eigen::VectorXd& step) const {
-  const State<Dim>& before = system.estimate();
-  State<Dim> after = before;
+Values<Dim> RelativeState<Dim>::retracted(const JoiningSystem<Dim>& system, const Eigen::VectorXd& step) const {
+  const Values<Dim>& before = system.estimate();
+  Values<Dim> after = before;
   for (const auto& link : poses_) {
     const Pose<Dim> parent = before.pose(link.edge.parent);
     PoseVector<Dim> own = link.own(step);

@@ -13,7 +13,7 @@
 // are observations.
 
 #include <Eigen/Core>
-#include <mapjoin/join/joint_system.hpp>
+#include <mapjoin/join/joining_system.hpp>
 #include <mapjoin/join/spanning_tree.hpp>
 #include <optional>
 #include <vector>
@@ -25,21 +25,21 @@ template <int Dim>
 class RelativeState {
  public:
   /// The observations of the system stay what they are as long as this is used.
-  explicit RelativeState(const JointSystem<Dim>& system);
+  explicit RelativeState(const JoiningSystem<Dim>& system);
 
   /// K at the estimate of the system.
-  void linearise(const JointSystem<Dim>& system);
+  void linearise(const JoiningSystem<Dim>& system);
   /// M there, after linearise(), the normal equations being those of the observations, undamped.
-  void weigh(const JointSystem<Dim>& system);
+  void weigh(const JoiningSystem<Dim>& system);
 
   double inner(const Eigen::VectorXd& a, const Eigen::VectorXd& b) const;
   /// T D⁻¹ Tᵀ g: steepest descent in relative coordinates. O(n).
   Eigen::VectorXd descent(Eigen::VectorXd gradient) const;
   /// Adds damping · T⁻ᵀ D T⁻¹ to the normal equations: the rows of the tree, weighted more.
-  void damp(JointSystem<Dim>& system, double damping) const;
+  void damp(JoiningSystem<Dim>& system, double damping) const;
 
   /// The estimate of the system with the step converted to relations, these moved, and all composed again from the roots.
-  State<Dim> retracted(const JointSystem<Dim>& system, const Eigen::VectorXd& step) const;
+  Values<Dim> retracted(const JoiningSystem<Dim>& system, const Eigen::VectorXd& step) const;
 
  private:
   /// An edge of the tree whose child has `Dof` degrees of freedom.
@@ -47,7 +47,7 @@ class RelativeState {
   struct Link {
     TreeEdge edge;
     Eigen::Index child;   // where the step of the child begins
-    Eigen::Index parent;  // and that of its parent; kStill where that is held
+    Eigen::Index parent;  // and that of its parent; kStill where that is anchored
     Matrix<Dof, kPoseDof<Dim>> K;
     Matrix<Dof> M;
     Matrix<Dof> M_inverse;
@@ -62,12 +62,12 @@ class RelativeState {
   static constexpr Eigen::Index kStill = -1;
 
   template <int Dof>
-  Link<Dof> make_link(const JointSystem<Dim>& system, const TreeEdge& edge, Variable variable) const;
+  Link<Dof> make_link(const JoiningSystem<Dim>& system, const TreeEdge& edge, Variable variable) const;
   /// M where the edge does not determine its child: all that is known of it.
   template <int Dof>
   static void weigh_by(const Eigen::VectorXd& diagonal, Link<Dof>& link);
   template <int Dof>
-  void damp(JointSystem<Dim>& system, double damping, const Link<Dof>& link) const;
+  void damp(JoiningSystem<Dim>& system, double damping, const Link<Dof>& link) const;
   template <typename F>
   void for_each_link(F&& f) const;
 

@@ -5,26 +5,26 @@
 
 #include <mapjoin/join/join.hpp>
 #include <mapjoin/join/join_problem.hpp>
-#include <mapjoin/join/network.hpp>
-#include <mapjoin/localmap/segment.hpp>
+#include <mapjoin/join/submap_graph.hpp>
+#include <mapjoin/localmap/segment_view.hpp>
 #include <vector>
 
 namespace mapjoin {
 
-/// The observations of a network as they were before local maps marginalised anything. `problem` points into the others.
+/// The observations of a submap graph as they were before local maps marginalised anything. `problem` points into the others.
 template <int Dim>
 struct Restored {
-  Network<Dim> network;
-  Piece<Dim> whole;
+  SubmapGraph<Dim> graph;
+  PartialMap<Dim> joined_map;
   JoinProblem<Dim> problem;
 };
 
-/// Full SLAM over a log (paper's (8), (9)), where `segments` are those of the network's maps, in their order; over local maps
-/// of which nothing else is known, where there are none, the maps with their submap-local features. The estimate is `state`,
-/// over all poses and features of the network. What a map alone holds comes first in the elimination, then the order of the
-/// join: marginalising again, now at the estimate.
+/// Full SLAM over a log (paper's (8), (9)), where `segments` are those of the submap graph's maps, in their order; over local
+/// maps of which nothing else is known, where there are none, the maps with their submap-local features. The estimate is
+/// `state`, over all poses and features of the submap graph. What a map alone holds comes first in the elimination, then the
+/// order of the join: marginalising again, now at the estimate.
 template <int Dim>
-Restored<Dim> restored(const Network<Dim>& network, const std::vector<Segment<Dim>>& segments, const Join<Dim>& join,
-                       const State<Dim>& state, Engine engine = Engine::kFronts);
+Restored<Dim> restored(const SubmapGraph<Dim>& graph, const std::vector<SegmentView<Dim>>& segments, const Join<Dim>& join,
+                       const Values<Dim>& state, Engine engine = Engine::kFronts);
 
 }  // namespace mapjoin

@@ -8,7 +8,7 @@
 #include <mapjoin/measure/chi2.hpp>
 #include <mapjoin/measure/effort.hpp>
 #include <mapjoin/model/demand_valid.hpp>
-#include <mapjoin/model/stretch.hpp>
+#include <mapjoin/model/segment.hpp>
 #include <mapjoin/parallel/parallel.hpp>
 #include <utility>
 
@@ -40,20 +40,20 @@ JoinOptions<Dim> join_options(const RunOptions& options, const Pose<Dim>& origin
 }
 
 template <int Dim, template <int> typename Source>
-void write_map(const Source<Dim>& source, State<Dim> state, const std::vector<Index>& held, RunResult<Dim>& result) {
+void write_map(const Source<Dim>& source, Values<Dim> state, const std::vector<Index>& anchored, RunResult<Dim>& result) {
   result.map.pose_ids = source.poses;
   result.map.feature_ids = source.features;
   result.map.poses = std::move(state.poses);
   result.map.features = std::move(state.features);
-  result.map.gauge = held;
+  result.map.gauge = anchored;
   result.map.conventions = source.conventions;
 }
 
 template <int Dim>
-std::vector<Segment<Dim>> segments_of(const Log<Dim>& log, const Split& split) {
-  const auto maps = map_stretches(split.stretches);
-  std::vector<Segment<Dim>> segments(maps.size());
-  parallel_for(maps.size(), [&](std::size_t k) { segments[k] = segment_of(log, split, *maps[k]); });
+std::vector<SegmentView<Dim>> segments_of(const Log<Dim>& log, const Split& split) {
+  const auto maps = map_segments(split.segments);
+  std::vector<SegmentView<Dim>> segments(maps.size());
+  parallel_for(maps.size(), [&](std::size_t k) { segments[k] = segment_view(log, split, *maps[k]); });
   return segments;
 }
 
@@ -68,7 +68,7 @@ void take_figures(const Join<Dim>& join, RunFigures& figures) {
   figures.join = join.result;
   figures.schedule = join.schedule;
   figures.is_settled = join.is_settled;
-  figures.turned = join.turned;
+  figures.largest_rotation = join.largest_rotation;
   figures.join_dof = join.dof();
   figures.maps = join.maps;
   figures.joint_bytes += join.system->equations().factor_bytes();
@@ -111,12 +111,12 @@ Expected<RunResult<Dim>> with_covariances(Found<Dim> found, const RunOptions& op
 }
 
 template <int Dim>
-Expected<Join<Dim>> join_maps(const Log<Dim>& log, const Network<Dim>& network, const RunOptions& options,
-                              const std::stop_token& stop, const State<Dim>* values, RunResult<Dim>& result) {
+Expected<Join<Dim>> join_maps(const Log<Dim>& log, const SubmapGraph<Dim>& graph, const RunOptions& options,
+                              const std::stop_token& stop, const Values<Dim>* values, RunResult<Dim>& result) {
   const Stopwatch watch(result.seconds.join);
   JoinOptions<Dim> joining = join_options(options, origin_of(log));
   joining.values = values ? values : &log.initial;
-  auto joined = join(network, log.poses, log.features, joining, stop);
+  auto joined = join(graph, log.poses, log.features, joining, stop);
   if (!joined) return tl::unexpected(of_source(log.source, joined.error()));
   take_figures(*joined, result);
   return joined;
@@ -124,11 +124,11 @@ Expected<Join<Dim>> join_maps(const Log<Dim>& log, const Network<Dim>& network, 
 
 /// Puts what the local maps had eliminated into `state`.
 template <int Dim>
-void recover(const Log<Dim>& log, const Split& split, const Network<Dim>& network, const RunOptions& options,
-             const std::stop_token& stop, State<Dim>& state, RunResult<Dim>& result) {
+void recover(const Log<Dim>& log, const Split& split, const SubmapGraph<Dim>& graph, const RunOptions& options,
+             const std::stop_token& stop, Values<Dim>& state, RunResult<Dim>& result) {
   const Stopwatch watch(result.seconds.recover);
   if (options.progress) options.progress(Stage::kRecover, 0, 1);
-  result.unrecovered = recover_interiors(log, split, network.is_private, options.solver, state, stop);
+  result.unrecovered = recover_interiors(log, split, graph.is_local, options.solver, state, stop);
   result.recovered_chi2 = result.chi2 = log_chi2(log, state).total();
   if (options.keep_recovered) result.recovered = state;
 }
@@ -136,12 +136,12 @@ void recover(const Log<Dim>& log, const Split& split, const Network<Dim>& networ
 /// Minimises the chi2 of every observation of the log from the recovered estimate, `state`, which takes the result.
 template <int Dim>
 void refine(const Log<Dim>& log, Restored<Dim>& restored, const RunOptions& options, const std::stop_token& stop,
-            State<Dim>& state, RunResult<Dim>& result) {
+            Values<Dim>& state, RunResult<Dim>& result) {
   if (options.progress) options.progress(Stage::kPolish, 0, 1);
   MinimiseOptions solver = options.solver;
   solver.relative_chi2 *= kRefiningShare;
   result.polish = minimise(restored.problem, solver, stop);
-  write_values(restored.problem.estimate(), restored.whole.poses, restored.whole.features, state);
+  write_values(restored.problem.estimate(), restored.joined_map.poses, restored.joined_map.features, state);
   result.chi2 = log_chi2(log, state).total();
 }
 
@@ -149,32 +149,32 @@ void refine(const Log<Dim>& log, Restored<Dim>& restored, const RunOptions& opti
 template <int Dim>
 Expected<Found<Dim>> join_and_refine(const Log<Dim>& log, const Split& split, std::vector<LocalMap<Dim>> maps,
                                      const RunOptions& options, const std::stop_token& stop, RunResult<Dim> result = {},
-                                     const State<Dim>* values = nullptr) {
+                                     const Values<Dim>* values = nullptr) {
   if (auto given = check_start(log, options.start); !values && !given) return tl::unexpected(given.error());
   result.local_maps = maps.size();
-  result.spans = split.stretches.size() - maps.size();
+  result.raw_segments = split.segments.size() - maps.size();
   result.poses_per_map = split.poses_per_map;
   for (const LocalMap<Dim>& map : maps) result.joint_bytes += information_bytes(map);
-  const Network<Dim> network = network_of(log, split, std::move(maps));
-  auto joined = join_maps(log, network, options, stop, values, result);
+  const SubmapGraph<Dim> graph = submap_graph_of(log, split, std::move(maps));
+  auto joined = join_maps(log, graph, options, stop, values, result);
   if (!joined) return tl::unexpected(joined.error());
   // A join of the whole log has counted its rows already.
-  result.dof = result.local_maps > 0 ? degrees_of_freedom(log, joined->held.size()) : joined->dof();
-  State<Dim> state = std::move(joined->state);
-  recover(log, split, network, options, stop, state, result);
+  result.dof = result.local_maps > 0 ? degrees_of_freedom(log, joined->anchored.size()) : joined->dof();
+  Values<Dim> state = std::move(joined->state);
+  recover(log, split, graph, options, stop, state, result);
 
-  std::optional<Restored<Dim>> whole;
+  std::optional<Restored<Dim>> joined_map;
   const bool is_refined = options.polish && result.local_maps > 0;  // else the join was of the whole log
   if (is_refined || wants_covariances(options)) {
     const Stopwatch watch(is_refined ? result.seconds.polish : result.seconds.covariances);
-    whole.emplace(restored(network, segments_of(log, split), *joined, state, options.solver.engine));
+    joined_map.emplace(restored(graph, segments_of(log, split), *joined, state, options.solver.engine));
     joined->system.reset();
-    if (is_refined) refine(log, *whole, options, stop, state, result);
+    if (is_refined) refine(log, *joined_map, options, stop, state, result);
   }
   if (stop.stop_requested()) return tl::unexpected(Error{ErrorKind::kInterrupted, "interrupted while polishing"});
-  write_map(log, std::move(state), joined->held, result);
+  write_map(log, std::move(state), joined->anchored, result);
   result.map.stamps_ns = log.stamps_ns;
-  return Found<Dim>{std::move(result), std::move(whole)};
+  return Found<Dim>{std::move(result), std::move(joined_map)};
 }
 
 template <int Dim>
@@ -194,7 +194,7 @@ Expected<Found<Dim>> run_once(const Log<Dim>& log, const RunOptions& options, co
 }
 
 template <int Dim>
-Expected<void> check_set(const MapSet<Dim>& set, const RunOptions& options, const State<Dim>* values) {
+Expected<void> check_set(const SubmapSet<Dim>& set, const RunOptions& options, const Values<Dim>* values) {
   demand_valid(options);
   if (auto given = check_start(set, options.start); !values && !given) return given;
   return check_numbers(set).and_then([&] { return check_connected(set); });
@@ -202,31 +202,31 @@ Expected<void> check_set(const MapSet<Dim>& set, const RunOptions& options, cons
 
 /// Joins the maps of a set, which need not hold them any more.
 template <int Dim>
-Expected<RunResult<Dim>> join_set(const MapSet<Dim>& set, std::vector<LocalMap<Dim>> maps, const RunOptions& options,
-                                  const std::stop_token& stop, const State<Dim>* values = nullptr) {
+Expected<RunResult<Dim>> join_set(const SubmapSet<Dim>& set, std::vector<LocalMap<Dim>> maps, const RunOptions& options,
+                                  const std::stop_token& stop, const Values<Dim>* values = nullptr) {
   RunResult<Dim> result;
   result.local_maps = maps.size();
   for (const LocalMap<Dim>& map : maps) result.joint_bytes += information_bytes(map);
-  const Network<Dim> network = network_of(set, std::move(maps));
+  const SubmapGraph<Dim> graph = submap_graph_of(set, std::move(maps));
   auto joined = [&] {
     const Stopwatch watch(result.seconds.join);
     JoinOptions<Dim> joining = join_options(options, Pose<Dim>{});
     joining.values = values;
-    return join(network, set.poses, set.features, joining, stop);
+    return join(graph, set.poses, set.features, joining, stop);
   }();
   if (!joined) return tl::unexpected(of_source(set.source, joined.error()));
   take_figures(*joined, result);
   result.dof = joined->dof();
   result.chi2 = joined->result.chi2;
-  std::optional<Restored<Dim>> whole;
-  if (wants_covariances(options)) whole.emplace(restored(network, {}, *joined, joined->state, options.solver.engine));
-  write_map(set, std::move(joined->state), joined->held, result);
-  return with_covariances(Found<Dim>{std::move(result), std::move(whole)}, options, stop);
+  std::optional<Restored<Dim>> joined_map;
+  if (wants_covariances(options)) joined_map.emplace(restored(graph, {}, *joined, joined->state, options.solver.engine));
+  write_map(set, std::move(joined->state), joined->anchored, result);
+  return with_covariances(Found<Dim>{std::move(result), std::move(joined_map)}, options, stop);
 }
 
 /// What is tried where the log was left to be cut as is cheapest, and no two ways of joining its local maps found the same
 /// optimum: without maps, whose Gaussians are crude where they were made far from it.
-constexpr std::array kWithoutMaps = {Schedule::kTree, Schedule::kLeaning};
+constexpr std::array kWithoutMaps = {Schedule::kTree, Schedule::kUnbalanced};
 
 bool may_do_without_maps(const RunFigures& figures, const RunOptions& options) {
   return options.split.rule == SplitRule::kAuto && options.schedule == Schedule::kAuto && figures.local_maps > 0 &&
@@ -253,7 +253,7 @@ Expected<void> check_start(const Log<Dim>& log, Start start) {
 }
 
 template <int Dim>
-Expected<void> check_start(const MapSet<Dim>& set, Start start) {
+Expected<void> check_start(const SubmapSet<Dim>& set, Start start) {
   if (start != Start::kFile) return {};
   return bad_input(set.source + ": local maps hold no values of the whole map to start from");
 }
@@ -285,7 +285,7 @@ Expected<RunResult<Dim>> run(const Log<Dim>& log, const RunOptions& options, con
 
 template <int Dim>
 Expected<RunResult<Dim>> run_from_maps(const Log<Dim>& log, const Split& split, std::vector<LocalMap<Dim>> maps,
-                                       const RunOptions& options, const std::stop_token& stop, const State<Dim>* values) {
+                                       const RunOptions& options, const std::stop_token& stop, const Values<Dim>* values) {
   demand_valid(options);
   if (auto connected = check_connected(log); !connected) return tl::unexpected(connected.error());
   if (auto of_log = check_local_maps(log, split, maps); !of_log) return tl::unexpected(of_log.error());
@@ -295,13 +295,13 @@ Expected<RunResult<Dim>> run_from_maps(const Log<Dim>& log, const Split& split, 
 }
 
 template <int Dim>
-Expected<RunResult<Dim>> run(const MapSet<Dim>& set, const RunOptions& options, const std::stop_token& stop,
-                             const State<Dim>* values) {
+Expected<RunResult<Dim>> run(const SubmapSet<Dim>& set, const RunOptions& options, const std::stop_token& stop,
+                             const Values<Dim>* values) {
   return check_set(set, options, values).and_then([&] { return join_set(set, set.graph.submaps, options, stop, values); });
 }
 
 template <int Dim>
-Expected<RunResult<Dim>> run(MapSet<Dim>&& set, const RunOptions& options, const std::stop_token& stop) {
+Expected<RunResult<Dim>> run(SubmapSet<Dim>&& set, const RunOptions& options, const std::stop_token& stop) {
   return check_set<Dim>(set, options, nullptr).and_then([&] {
     return join_set(set, std::move(set.graph.submaps), options, stop);
   });
@@ -318,14 +318,14 @@ Expected<RunResult<Dim>> solve(const Log<Dim>& log, RunOptions options, const st
   });
 }
 
-#define MAPJOIN_INSTANTIATE(Dim)                                                                                           \
-  template Expected<RunResult<Dim>> run(const Log<Dim>&, const RunOptions&, const std::stop_token&);                       \
-  template Expected<RunResult<Dim>> run(const MapSet<Dim>&, const RunOptions&, const std::stop_token&, const State<Dim>*); \
-  template Expected<RunResult<Dim>> run(MapSet<Dim>&&, const RunOptions&, const std::stop_token&);                         \
-  template Expected<RunResult<Dim>> run_from_maps(const Log<Dim>&, const Split&, std::vector<LocalMap<Dim>>,               \
-                                                  const RunOptions&, const std::stop_token&, const State<Dim>*);           \
-  template Expected<void> check_start(const Log<Dim>&, Start);                                                             \
-  template Expected<void> check_start(const MapSet<Dim>&, Start);                                                          \
+#define MAPJOIN_INSTANTIATE(Dim)                                                                                               \
+  template Expected<RunResult<Dim>> run(const Log<Dim>&, const RunOptions&, const std::stop_token&);                           \
+  template Expected<RunResult<Dim>> run(const SubmapSet<Dim>&, const RunOptions&, const std::stop_token&, const Values<Dim>*); \
+  template Expected<RunResult<Dim>> run(SubmapSet<Dim>&&, const RunOptions&, const std::stop_token&);                          \
+  template Expected<RunResult<Dim>> run_from_maps(const Log<Dim>&, const Split&, std::vector<LocalMap<Dim>>,                   \
+                                                  const RunOptions&, const std::stop_token&, const Values<Dim>*);              \
+  template Expected<void> check_start(const Log<Dim>&, Start);                                                                 \
+  template Expected<void> check_start(const SubmapSet<Dim>&, Start);                                                           \
   template Expected<RunResult<Dim>> solve(const Log<Dim>&, RunOptions, const std::stop_token&);
 MAPJOIN_INSTANTIATE(2)
 MAPJOIN_INSTANTIATE(3)

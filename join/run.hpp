@@ -11,8 +11,8 @@
 #include <mapjoin/model/global_map.hpp>
 #include <mapjoin/model/local_map.hpp>
 #include <mapjoin/model/log.hpp>
-#include <mapjoin/model/map_set.hpp>
-#include <mapjoin/model/state.hpp>
+#include <mapjoin/model/submap_set.hpp>
+#include <mapjoin/model/values.hpp>
 #include <memory>
 #include <optional>
 #include <stop_token>
@@ -61,14 +61,14 @@ struct RunSeconds {
 
 /// What a run says of itself, whatever the dimension.
 struct RunFigures {
-  std::size_t local_maps = 0;  ///< Stretches that became maps.
-  std::size_t spans = 0;       ///< Stretches that stayed observations.
-  Index poses_per_map = 0;     ///< As chosen; 0 where another rule than poses cut the log.
+  std::size_t local_maps = 0;    ///< Segments that became maps.
+  std::size_t raw_segments = 0;  ///< Segments that stayed observations.
+  Index poses_per_map = 0;       ///< As chosen; 0 where another rule than poses cut the log.
   std::int64_t build_iterations = 0;
   MinimiseResult join;
   Schedule schedule = Schedule::kTree;  ///< That the join was found by; of kAuto, the one of least chi2.
   bool is_settled = false;              ///< As of Join.
-  double turned = 0.0;                  ///< The most that the last solve of the join turned a pose (rad).
+  double largest_rotation = 0.0;        ///< The most that the last solve of the join turned a pose (rad).
   std::int64_t join_dof = 0;
   std::vector<MapFit> maps;              ///< How each local map fits into the join.
   std::optional<double> recovered_chi2;  ///< Of the whole log before polishing.
@@ -87,7 +87,7 @@ struct RunFigures {
 template <int Dim>
 struct RunResult : RunFigures {
   GlobalMap<Dim> map;
-  std::optional<State<Dim>> recovered;                     ///< Of the whole log before polishing, where it was asked for.
+  std::optional<Values<Dim>> recovered;                    ///< Of the whole log before polishing, where it was asked for.
   std::shared_ptr<const MapCovariances<Dim>> covariances;  ///< Where they were asked for; they own all they need.
   std::optional<MarginalCovariances<Dim>> marginals;
 };
@@ -104,23 +104,23 @@ Expected<RunResult<Dim>> run(const Log<Dim>& log, const RunOptions& options, con
 template <int Dim>
 Expected<RunResult<Dim>> run_from_maps(const Log<Dim>& log, const Split& split, std::vector<LocalMap<Dim>> maps,
                                        const RunOptions& options, const std::stop_token& stop = {},
-                                       const State<Dim>* values = nullptr);
+                                       const Values<Dim>* values = nullptr);
 
 /// Joins local maps of which nothing else is known: no recovery, no polish.
 template <int Dim>
-Expected<RunResult<Dim>> run(const MapSet<Dim>& set, const RunOptions& options, const std::stop_token& stop = {},
-                             const State<Dim>* values = nullptr);
+Expected<RunResult<Dim>> run(const SubmapSet<Dim>& set, const RunOptions& options, const std::stop_token& stop = {},
+                             const Values<Dim>* values = nullptr);
 /// Without a copy of the maps, which are taken out of the set unless its check fails.
 template <int Dim>
-Expected<RunResult<Dim>> run(MapSet<Dim>&& set, const RunOptions& options, const std::stop_token& stop = {});
+Expected<RunResult<Dim>> run(SubmapSet<Dim>&& set, const RunOptions& options, const std::stop_token& stop = {});
 
 /// Bad input where a start from values is asked for, and there is none of some pose or feature.
 template <int Dim>
 Expected<void> check_start(const Log<Dim>& log, Start start);
 template <int Dim>
-Expected<void> check_start(const MapSet<Dim>& set, Start start);
+Expected<void> check_start(const SubmapSet<Dim>& set, Start start);
 
-/// Where the first pose is held when the World says nothing: at the log's value, if it has one.
+/// Where the first pose is anchored when the World says nothing: at the log's value, if it has one.
 template <int Dim>
 Pose<Dim> origin_of(const Log<Dim>& log) {
   return log.initial.poses.empty() ? Pose<Dim>{} : log.initial.poses.front();

@@ -12,55 +12,55 @@ namespace mapjoin {
 namespace {
 
 template <int Dim>
-using Closures = std::vector<const PoseObservation<Dim>*>;
+using Closures = std::vector<const PoseFactor<Dim>*>;
 
-/// How many pieces are settled on the way, the leaves among them but where they come one by one.
-std::size_t joins(std::size_t stretches, const JoinRule& rule, std::size_t at_once) {
-  if (!rule.is_map_by_map()) return 2 * stretches - 1;
-  return at_once == 1 ? stretches : 2 * stretches;
+/// How many partial maps are settled on the way, the leaves among them but where they come one by one.
+std::size_t joins(std::size_t segments, const JoinRule& rule, std::size_t at_once) {
+  if (!rule.is_map_by_map()) return 2 * segments - 1;
+  return at_once == 1 ? segments : 2 * segments;
 }
 
-/// How many of at least two stretches are on the left branch of a tree; those of a lot that is joined at once are in a balanced
+/// How many of at least two segments are on the left branch of a tree; those of a lot that is joined at once are in a balanced
 /// one.
-std::size_t left_branch(std::size_t stretches, const JoinRule& rule) {
+std::size_t left_branch(std::size_t segments, const JoinRule& rule) {
   const double share = rule.is_map_by_map() ? 0.5 : rule.left_share;
-  return std::max<std::size_t>(1, static_cast<std::size_t>(share * static_cast<double>(stretches)));
+  return std::max<std::size_t>(1, static_cast<std::size_t>(share * static_cast<double>(segments)));
 }
 
 template <int Dim>
 class Joiner {
  public:
-  Joiner(const Network<Dim>& network, const ScheduleOptions& options, const std::stop_token& stop, std::size_t at_once = 1)
-      : network_(network),
+  Joiner(const SubmapGraph<Dim>& graph, const ScheduleOptions& options, const std::stop_token& stop, std::size_t at_once = 1)
+      : graph_(graph),
         options_(options),
         stop_(stop),
         at_once_(at_once),
-        leaves_(network),
+        leaves_(graph),
         rule_(rule_of(options.schedule)),
         solver_(solver_of(rule_.solve)),
-        to_do_(joins(network.stretches.size(), rule_, at_once)) {}
+        to_do_(joins(graph.segments.size(), rule_, at_once)) {}
 
-  JoinedPieces<Dim> all() {
+  JoinedPartialMaps<Dim> all() {
     if (rule_.is_map_by_map()) return one_after_another(nullptr);
-    return range(0, network_.stretches.size(), leaves_.closures());
+    return range(0, graph_.segments.size(), leaves_.closures());
   }
 
-  /// Stretches one by one, or so many at once, each lot of them joined before.
-  JoinedPieces<Dim> one_after_another(const JoinWatch<Dim>& watch) {
-    const std::size_t count = network_.stretches.size();
+  /// Segments one by one, or so many at once, each lot of them joined before.
+  JoinedPartialMaps<Dim> one_after_another(const JoinWatch<Dim>& watch) {
+    const std::size_t count = graph_.segments.size();
     std::vector<Closures<Dim>> within((count + at_once_ - 1) / at_once_);
     std::vector<Closures<Dim>> closed_by(within.size());
     for (const auto* closure : leaves_.closures()) {
-      const auto [first, last] = leaves_.stretches_of(*closure);
+      const auto [first, last] = leaves_.segments_of(*closure);
       const bool is_within = at_once_ > 1 && first / at_once_ == last / at_once_;
       (is_within ? within : closed_by)[last / at_once_].push_back(closure);
     }
-    JoinedPieces<Dim> so_far;
+    JoinedPartialMaps<Dim> so_far;
     for (std::size_t lot = 0; lot < within.size(); ++lot) {
       const std::size_t low = lot * at_once_;
       const std::size_t high = std::min(low + at_once_, count);
-      JoinedPieces<Dim> next =
-          at_once_ == 1 ? JoinedPieces<Dim>{{leaves_.piece(low)}, {}} : range(low, high, std::move(within[lot]));
+      JoinedPartialMaps<Dim> next =
+          at_once_ == 1 ? JoinedPartialMaps<Dim>{{leaves_.partial(low)}, {}} : range(low, high, std::move(within[lot]));
       so_far = joined(std::move(so_far), std::move(next), std::move(closed_by[lot]));
       if (watch && !stop_.stop_requested()) watch(high, so_far);
     }
@@ -68,58 +68,58 @@ class Joiner {
   }
 
  private:
-  /// The join of stretches [low, high) and of the closures among them.
-  JoinedPieces<Dim> range(std::size_t low, std::size_t high, Closures<Dim> closures) {
-    if (high - low == 1) return settled({leaves_.piece(low)}, std::move(closures));
+  /// The join of segments [low, high) and of the closures among them.
+  JoinedPartialMaps<Dim> range(std::size_t low, std::size_t high, Closures<Dim> closures) {
+    if (high - low == 1) return settled({leaves_.partial(low)}, std::move(closures));
     const std::size_t middle = low + left_branch(high - low, rule_);
     Closures<Dim> left, right, here;
     for (const auto* closure : closures) {
-      const auto [first, last] = leaves_.stretches_of(*closure);
+      const auto [first, last] = leaves_.segments_of(*closure);
       (last < middle ? left : first >= middle ? right : here).push_back(closure);
     }
-    JoinedPieces<Dim> a, b;
+    JoinedPartialMaps<Dim> a, b;
     parallel_invoke([&] { a = range(low, middle, std::move(left)); }, [&] { b = range(middle, high, std::move(right)); });
     return joined(std::move(a), std::move(b), std::move(here));
   }
 
-  JoinedPieces<Dim> joined(JoinedPieces<Dim> a, JoinedPieces<Dim> b, Closures<Dim> here) {
+  JoinedPartialMaps<Dim> joined(JoinedPartialMaps<Dim> a, JoinedPartialMaps<Dim> b, Closures<Dim> here) {
     for (auto* pending : {&a.pending, &b.pending}) here.insert(here.end(), pending->begin(), pending->end());
-    std::vector<Piece<Dim>> pieces = std::move(a.pieces);
-    std::move(b.pieces.begin(), b.pieces.end(), std::back_inserter(pieces));
-    if (stop_.stop_requested()) return {std::move(pieces), std::move(here)};
-    pieces = merge_tied(std::move(pieces), here, rule_.tries_hypotheses);
-    return settled(std::move(pieces), std::move(here));
+    std::vector<PartialMap<Dim>> partials = std::move(a.partials);
+    std::move(b.partials.begin(), b.partials.end(), std::back_inserter(partials));
+    if (stop_.stop_requested()) return {std::move(partials), std::move(here)};
+    partials = merge_tied(std::move(partials), here, rule_.tries_hypotheses);
+    return settled(std::move(partials), std::move(here));
   }
 
-  /// Gives each closure to the piece that holds both its poses, and leads every piece towards its optimum.
-  JoinedPieces<Dim> settled(std::vector<Piece<Dim>> pieces, Closures<Dim> closures) {
-    JoinedPieces<Dim> result;
+  /// Gives each closure to the partial map that holds both its poses, and leads every partial map towards its optimum.
+  JoinedPartialMaps<Dim> settled(std::vector<PartialMap<Dim>> partials, Closures<Dim> closures) {
+    JoinedPartialMaps<Dim> result;
     for (const auto* closure : closures) {
-      const auto owner = std::find_if(pieces.begin(), pieces.end(), [&](const Piece<Dim>& piece) {
-        return holds(piece.poses, closure->base) && holds(piece.poses, closure->target);
+      const auto owner = std::find_if(partials.begin(), partials.end(), [&](const PartialMap<Dim>& partial) {
+        return holds(partial.poses, closure->base) && holds(partial.poses, closure->target);
       });
-      if (owner == pieces.end()) {
+      if (owner == partials.end()) {
         result.pending.push_back(closure);
       } else {
         owner->factors.pose_factors.push_back(closure);
       }
     }
-    const bool is_last = !pieces.empty() && pieces.front().poses.size() == leaves_.joined_pose_count();
+    const bool is_last = !partials.empty() && partials.front().poses.size() == leaves_.joined_pose_count();
     const bool is_solved = rule_.solve != SolveOnTheWay::kNone && !is_last;
-    for (auto& piece : pieces) {
-      if (is_solved && !stop_.stop_requested()) lead(piece);
+    for (auto& partial : partials) {
+      if (is_solved && !stop_.stop_requested()) lead(partial);
     }
-    result.pieces = std::move(pieces);
+    result.partials = std::move(partials);
     report_progress();
     return result;
   }
 
-  void lead(Piece<Dim>& piece) {
-    const auto& [pose_factors, feature_factors, submaps] = piece.factors;
+  void lead(PartialMap<Dim>& partial) {
+    const auto& [pose_factors, feature_factors, submaps] = partial.factors;
     if (submaps.size() == 1 && pose_factors.empty() && feature_factors.empty()) return;
-    JoinProblem<Dim> problem(piece, {{0}, {}});
+    JoinProblem<Dim> problem(partial, {{0}, {}});
     minimise_join(problem, options_.state, solver_, stop_);
-    piece.state = problem.estimate();
+    partial.state = problem.estimate();
   }
 
   void report_progress() {
@@ -128,7 +128,7 @@ class Joiner {
     options_.progress(++done_, to_do_);
   }
 
-  const Network<Dim>& network_;
+  const SubmapGraph<Dim>& graph_;
   const ScheduleOptions& options_;
   const std::stop_token& stop_;
   std::size_t at_once_;
@@ -154,20 +154,21 @@ MinimiseOptions solver_of(SolveOnTheWay solve) {
 }
 
 template <int Dim>
-JoinedPieces<Dim> join_stretches(const Network<Dim>& network, const ScheduleOptions& options, const std::stop_token& stop) {
-  return Joiner<Dim>(network, options, stop).all();
+JoinedPartialMaps<Dim> join_segments(const SubmapGraph<Dim>& graph, const ScheduleOptions& options,
+                                     const std::stop_token& stop) {
+  return Joiner<Dim>(graph, options, stop).all();
 }
 
 template <int Dim>
-void watch_join(const Network<Dim>& network, std::size_t at_once, const JoinWatch<Dim>& watch,
+void watch_join(const SubmapGraph<Dim>& graph, std::size_t at_once, const JoinWatch<Dim>& watch,
                 const std::function<void(std::size_t, std::size_t)>& progress, const std::stop_token& stop) {
   const ScheduleOptions options{Schedule::kSequential, JoinedState::kAbsolute, progress};
-  Joiner<Dim>(network, options, stop, at_once).one_after_another(watch);
+  Joiner<Dim>(graph, options, stop, at_once).one_after_another(watch);
 }
 
-#define MAPJOIN_INSTANTIATE(Dim)                                                                                  \
-  template JoinedPieces<Dim> join_stretches(const Network<Dim>&, const ScheduleOptions&, const std::stop_token&); \
-  template void watch_join(const Network<Dim>&, std::size_t, const JoinWatch<Dim>&,                               \
+#define MAPJOIN_INSTANTIATE(Dim)                                                                                          \
+  template JoinedPartialMaps<Dim> join_segments(const SubmapGraph<Dim>&, const ScheduleOptions&, const std::stop_token&); \
+  template void watch_join(const SubmapGraph<Dim>&, std::size_t, const JoinWatch<Dim>&,                                   \
                            const std::function<void(std::size_t, std::size_t)>&, const std::stop_token&);
 MAPJOIN_INSTANTIATE(2)
 MAPJOIN_INSTANTIATE(3)

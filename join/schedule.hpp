@@ -6,7 +6,7 @@
 #include <array>
 #include <cstdint>
 #include <functional>
-#include <mapjoin/join/align/piece.hpp>
+#include <mapjoin/join/align/partial_map.hpp>
 #include <mapjoin/join/joined_state.hpp>
 #include <mapjoin/model/enum_names.hpp>
 #include <mapjoin/solve/minimise_options.hpp>
@@ -21,7 +21,7 @@ enum class Schedule : std::uint8_t {
   kSequential,  ///< Map by map (I-SLSJF), re-solved while the estimate moves more than a threshold.
   kAligned,     ///< As kTree, but nothing is solved on the way: halves are only placed, rigidly, by all that they share.
   kTree,        ///< Pairs of neighbours, then pairs of pairs: needs no initial value.
-  kLeaning,     ///< An unbalanced tree, nearly map by map, at twice the cost of kTree.
+  kUnbalanced,  ///< An unbalanced tree, nearly map by map, at twice the cost of kTree.
   kAuto,        ///< Aligned; where that was not nearly linear, along a tree, too, and an unbalanced one, until two agree.
 };
 
@@ -36,7 +36,7 @@ enum class SolveOnTheWay : std::uint8_t {
 struct JoinRule {
   double left_share = 0.5;  ///< Share of the maps on the left branch of the tree; 1 for one map after another.
   SolveOnTheWay solve = SolveOnTheWay::kNone;
-  bool tries_hypotheses = true;  ///< The best of several placements where two parts meet, else the first.
+  bool tries_hypotheses = true;  ///< The best of several alignments where two parts meet, else the first.
 
   constexpr bool is_map_by_map() const { return left_share == 1.0; }
   /// Maps that are placed without a choice are an initial value like others.
@@ -54,7 +54,7 @@ inline constexpr auto kSchedules = std::to_array<ScheduleRow>({
     {Schedule::kAuto, "auto", {0.5, SolveOnTheWay::kNone, true}},
     {Schedule::kAligned, "aligned", {0.5, SolveOnTheWay::kNone, true}},
     {Schedule::kTree, "tree", {0.5, SolveOnTheWay::kLoosely, true}},
-    {Schedule::kLeaning, "leaning", {0.9, SolveOnTheWay::kLoosely, true}},
+    {Schedule::kUnbalanced, "unbalanced", {0.9, SolveOnTheWay::kLoosely, true}},
     {Schedule::kSequential, "sequential", {1.0, SolveOnTheWay::kByThreshold, true}},
     {Schedule::kBatch, "batch", {0.5, SolveOnTheWay::kNone, false}},
 });
@@ -81,26 +81,28 @@ struct ScheduleOptions {
   std::function<void(std::size_t, std::size_t)> progress;
 };
 
-/// Pieces that could not be tied together, and the closures between them.
+/// Partial maps that could not be tied together, and the closures between them.
 template <int Dim>
-struct JoinedPieces {
-  std::vector<Piece<Dim>> pieces;
-  std::vector<const PoseObservation<Dim>*> pending;
+struct JoinedPartialMaps {
+  std::vector<PartialMap<Dim>> partials;
+  std::vector<const PoseFactor<Dim>*> pending;
 };
 
-/// Joins all stretches of a network but for the last solve: the pieces, one where the network hangs together, hold a start for
-/// it. Each is in the frame of its first pose. In parallel along the tree, with the same result for any number of threads.
+/// Joins all segments of a submap graph but for the last solve: the partial maps, one where the submap graph hangs together,
+/// hold a start for it. Each is in the frame of its first pose. In parallel along the tree, with the same result for any number
+/// of threads.
 template <int Dim>
-JoinedPieces<Dim> join_stretches(const Network<Dim>& network, const ScheduleOptions& options, const std::stop_token& stop = {});
+JoinedPartialMaps<Dim> join_segments(const SubmapGraph<Dim>& graph, const ScheduleOptions& options,
+                                     const std::stop_token& stop = {});
 
-/// Told how many stretches are joined, and what came of them; the last join is not yet solved.
+/// Told how many segments are joined, and what came of them; the last join is not yet solved.
 template <int Dim>
-using JoinWatch = std::function<void(std::size_t stretches, const JoinedPieces<Dim>& joined)>;
+using JoinWatch = std::function<void(std::size_t segments, const JoinedPartialMaps<Dim>& joined)>;
 
-/// Joins as Schedule::kSequential does, for it to be watched: stretch after stretch, or `at_once` of them each time, which are
+/// Joins as Schedule::kSequential does, for it to be watched: segment after segment, or `at_once` of them each time, which are
 /// joined along a tree before. From 1 on.
 template <int Dim>
-void watch_join(const Network<Dim>& network, std::size_t at_once, const JoinWatch<Dim>& watch,
+void watch_join(const SubmapGraph<Dim>& graph, std::size_t at_once, const JoinWatch<Dim>& watch,
                 const std::function<void(std::size_t, std::size_t)>& progress = nullptr, const std::stop_token& stop = {});
 
 }  // namespace mapjoin

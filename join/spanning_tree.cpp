@@ -12,27 +12,27 @@ struct Relation {
   enum Rank { kChain, kClosure, kPrior } rank;
   Index base;
   Index target;
-  std::size_t clique;
+  std::size_t factor;
   std::size_t number;  // among the targets of its observation
 };
 
 /// In the order in which they are wanted.
 template <int Dim>
-std::vector<Relation> pose_relations(const JointSystem<Dim>& system) {
+std::vector<Relation> pose_relations(const JoiningSystem<Dim>& system) {
   std::vector<Relation> relations;
-  std::size_t clique = 0;
-  for (const auto& o : system.pose_observations()) {
+  std::size_t factor = 0;
+  for (const auto& o : system.pose_factors()) {
     const bool is_chain = std::abs(o.target - o.base) == 1;
     const auto rank = o.base == kWorld ? Relation::kPrior : is_chain ? Relation::kChain : Relation::kClosure;
-    relations.push_back({rank, o.base, o.target, clique++, 0});
+    relations.push_back({rank, o.base, o.target, factor++, 0});
   }
-  clique += system.feature_observations().size();
+  factor += system.feature_factors().size();
   for (const auto& map : system.maps()) {
     const auto rank = map.base == kWorld ? Relation::kPrior : Relation::kChain;
     for (std::size_t p = 0; p < map.poses.size(); ++p) {
-      relations.push_back({rank, map.base, map.poses[p], clique, p});
+      relations.push_back({rank, map.base, map.poses[p], factor, p});
     }
-    ++clique;
+    ++factor;
   }
   std::ranges::stable_sort(relations, {}, &Relation::rank);
   return relations;
@@ -43,14 +43,14 @@ TreeEdge edge_of(Index pose, const Relation* relation) {
   if (!relation) return {pose, kWorld, std::nullopt};
   const bool child_is_base = relation->base == pose;
   return {pose, child_is_base ? relation->target : relation->base,
-          TreeObservation{relation->clique, relation->number, child_is_base}};
+          TreeObservation{relation->factor, relation->number, child_is_base}};
 }
 
-/// The spanning forest of the relations, breadth first from the World; what is held is one with it.
+/// The spanning forest of the relations, breadth first from the World; what is anchored is one with it.
 template <int Dim>
-std::vector<TreeEdge> pose_edges(const JointSystem<Dim>& system) {
+std::vector<TreeEdge> pose_edges(const JoiningSystem<Dim>& system) {
   constexpr Vertex kWorldVertex = 0;
-  const auto vertex = [&](Index place) { return system.is_held(place) ? kWorldVertex : static_cast<Vertex>(place + 1); };
+  const auto vertex = [&](Index place) { return system.is_anchored(place) ? kWorldVertex : static_cast<Vertex>(place + 1); };
   const std::vector<Relation> relations = pose_relations(system);
   std::vector<Edge> edges;
   for (const Relation& relation : relations) edges.emplace_back(vertex(relation.base), vertex(relation.target));
@@ -67,21 +67,21 @@ std::vector<TreeEdge> pose_edges(const JointSystem<Dim>& system) {
 
 /// Each feature's first observation: that from the earliest pose; the World's only where there is no other.
 template <int Dim>
-std::vector<TreeEdge> feature_edges(const JointSystem<Dim>& system) {
+std::vector<TreeEdge> feature_edges(const JoiningSystem<Dim>& system) {
   std::vector<TreeEdge> edges(system.estimate().features.size());
   for (std::size_t f = 0; f < edges.size(); ++f) edges[f].child = static_cast<Index>(f);
-  const auto offer = [&](Index feature, Index base, std::size_t clique, std::size_t number) {
+  const auto offer = [&](Index feature, Index base, std::size_t factor, std::size_t number) {
     TreeEdge& edge = edges[static_cast<std::size_t>(feature)];
     const bool is_earlier = !edge.observation || (base != kWorld && (edge.parent == kWorld || base < edge.parent));
-    if (is_earlier) edge = {feature, base, TreeObservation{clique, number, false}};
+    if (is_earlier) edge = {feature, base, TreeObservation{factor, number, false}};
   };
-  std::size_t clique = system.pose_observations().size();
-  for (const auto& o : system.feature_observations()) offer(o.target, o.base, clique++, 0);
+  std::size_t factor = system.pose_factors().size();
+  for (const auto& o : system.feature_factors()) offer(o.target, o.base, factor++, 0);
   for (const auto& map : system.maps()) {
     for (std::size_t f = 0; f < map.features.size(); ++f) {
-      offer(map.features[f], map.base, clique, map.poses.size() + f);
+      offer(map.features[f], map.base, factor, map.poses.size() + f);
     }
-    ++clique;
+    ++factor;
   }
   return edges;
 }
@@ -89,11 +89,11 @@ std::vector<TreeEdge> feature_edges(const JointSystem<Dim>& system) {
 }  // namespace
 
 template <int Dim>
-SpanningTree spanning_tree(const JointSystem<Dim>& system) {
+SpanningTree spanning_tree(const JoiningSystem<Dim>& system) {
   return {pose_edges(system), feature_edges(system)};
 }
 
-template SpanningTree spanning_tree(const JointSystem<2>&);
-template SpanningTree spanning_tree(const JointSystem<3>&);
+template SpanningTree spanning_tree(const JoiningSystem<2>&);
+template SpanningTree spanning_tree(const JoiningSystem<3>&);
 
 }  // namespace mapjoin

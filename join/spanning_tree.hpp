@@ -2,7 +2,7 @@
 #pragma once
 // The tree along which "relative" is meant: which pose every pose and feature of the joined state hangs from.
 
-#include <mapjoin/join/joint_system.hpp>
+#include <mapjoin/join/joining_system.hpp>
 #include <optional>
 #include <vector>
 
@@ -10,7 +10,7 @@ namespace mapjoin {
 
 /// Which observation relates a child to its parent: one is its base, the other its target number `target`.
 struct TreeObservation {
-  std::size_t clique = 0;  ///< Of the joining system.
+  std::size_t factor = 0;  ///< Of the joining system.
   std::size_t target = 0;
   bool child_is_base = false;
 };
@@ -22,7 +22,7 @@ struct TreeEdge {
   std::optional<TreeObservation> observation;  ///< None where only the World is there to hang from.
 };
 
-/// A forest whose roots are the poses that are held still, and the World.
+/// A forest whose roots are the poses that are anchored, and the World.
 struct SpanningTree {
   std::vector<TreeEdge> poses;  ///< All but the held ones, parents before their children.
   std::vector<TreeEdge> features;
@@ -31,6 +31,6 @@ struct SpanningTree {
 /// Poses hang along local maps and odometry where they can: for one robot a chain. Closures and priors come after these. Where
 /// only features tie two sessions, the second hangs from the World. A feature hangs from the first pose it was observed from.
 template <int Dim>
-SpanningTree spanning_tree(const JointSystem<Dim>& system);
+SpanningTree spanning_tree(const JoiningSystem<Dim>& system);
 
 }  // namespace mapjoin

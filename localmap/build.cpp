@@ -9,10 +9,10 @@
 namespace mapjoin {
 
 template <int Dim>
-BuiltMap<Dim> build_local_map(const Segment<Dim>& segment, const MinimiseOptions& solver) {
+BuiltMap<Dim> build_local_map(const SegmentView<Dim>& view, const MinimiseOptions& solver) {
   SegmentFreedom freedom;
-  freedom.features.assign(segment.features.size(), true);
-  SegmentProblem<Dim> problem(segment, freedom, composed_start(segment));
+  freedom.features.assign(view.features.size(), true);
+  SegmentProblem<Dim> problem(view, freedom, composed_start(view));
   const MinimiseResult result = minimise(problem, solver);
   BuiltMap<Dim> built;
   built.iterations = result.iterations;
@@ -22,11 +22,11 @@ BuiltMap<Dim> build_local_map(const Segment<Dim>& segment, const MinimiseOptions
   if (!information) return built;
 
   LocalMap<Dim>& map = built.map.emplace();
-  map.base = segment.begin;
-  map.poses = segment.kept;
-  map.features = segment.features;
-  for (const Index pose : segment.kept) {
-    map.pose_estimates.push_back(problem.estimate().poses[static_cast<std::size_t>(pose - segment.begin)]);
+  map.base = view.begin;
+  map.poses = view.kept;
+  map.features = view.features;
+  for (const Index pose : view.kept) {
+    map.pose_estimates.push_back(problem.estimate().poses[static_cast<std::size_t>(pose - view.begin)]);
   }
   map.feature_estimates = problem.estimate().features;
   map.information = std::move(*information);
@@ -36,10 +36,10 @@ BuiltMap<Dim> build_local_map(const Segment<Dim>& segment, const MinimiseOptions
 
 namespace {
 
-/// What a stretch without a map keeps: all its poses.
-void turn_into_span(Stretch& stretch, std::vector<bool>& kept) {
-  stretch.is_map = false;
-  std::fill(kept.begin() + stretch.begin, kept.begin() + stretch.end + 1, true);
+/// What a segment without a map keeps: all its poses.
+void turn_into_span(Segment& segment, std::vector<bool>& kept) {
+  segment.is_map = false;
+  std::fill(kept.begin() + segment.begin, kept.begin() + segment.end + 1, true);
 }
 
 }  // namespace
@@ -48,13 +48,13 @@ template <int Dim>
 Expected<LocalMaps<Dim>> build_local_maps(const Log<Dim>& log, Split& split, const BuildOptions& options,
                                           const std::stop_token& stop) {
   const auto to_do = static_cast<std::size_t>(
-      std::count_if(split.stretches.begin(), split.stretches.end(), [](const Stretch& s) { return s.is_map; }));
-  std::vector<BuiltMap<Dim>> built(split.stretches.size());
+      std::count_if(split.segments.begin(), split.segments.end(), [](const Segment& s) { return s.is_map; }));
+  std::vector<BuiltMap<Dim>> built(split.segments.size());
   std::mutex progress_mutex;
   std::size_t done = 0;
   parallel_for(built.size(), [&](std::size_t k) {
-    if (!split.stretches[k].is_map || stop.stop_requested()) return;
-    built[k] = build_local_map(segment_of(log, split, split.stretches[k]), options.solver);
+    if (!split.segments[k].is_map || stop.stop_requested()) return;
+    built[k] = build_local_map(segment_view(log, split, split.segments[k]), options.solver);
     if (!options.progress) return;
     const std::lock_guard lock(progress_mutex);
     options.progress(++done, to_do);
@@ -63,19 +63,19 @@ Expected<LocalMaps<Dim>> build_local_maps(const Log<Dim>& log, Split& split, con
 
   LocalMaps<Dim> result;
   for (std::size_t k = 0; k < built.size(); ++k) {
-    if (!split.stretches[k].is_map) continue;
+    if (!split.segments[k].is_map) continue;
     result.iterations += built[k].iterations;
     if (built[k].map) {
       result.maps.push_back(std::move(*built[k].map));
     } else {
-      turn_into_span(split.stretches[k], split.kept);
+      turn_into_span(split.segments[k], split.kept);
     }
   }
   return result;
 }
 
-#define MAPJOIN_INSTANTIATE(Dim)                                                       \
-  template BuiltMap<Dim> build_local_map(const Segment<Dim>&, const MinimiseOptions&); \
+#define MAPJOIN_INSTANTIATE(Dim)                                                           \
+  template BuiltMap<Dim> build_local_map(const SegmentView<Dim>&, const MinimiseOptions&); \
   template Expected<LocalMaps<Dim>> build_local_maps(const Log<Dim>&, Split&, const BuildOptions&, const std::stop_token&);
 MAPJOIN_INSTANTIATE(2)
 MAPJOIN_INSTANTIATE(3)

@@ -3,7 +3,7 @@
 // Building local maps: least squares over each segment in the frame of its start pose, then its interior eliminated.
 
 #include <functional>
-#include <mapjoin/localmap/segment.hpp>
+#include <mapjoin/localmap/segment_view.hpp>
 #include <mapjoin/model/error.hpp>
 #include <mapjoin/model/local_map.hpp>
 #include <mapjoin/solve/minimise_options.hpp>
@@ -23,17 +23,17 @@ struct BuildOptions {
 template <int Dim>
 struct BuiltMap {
   /// Nothing where the segment's own observations do not determine all its poses and features, or its chi2 is not finite: it
-  /// then stays a span.
+  /// then stays raw.
   std::optional<LocalMap<Dim>> map;
   int iterations = 0;
 };
 
 /// The local map of one segment (paper's VI.A), from odometry and first observations.
 template <int Dim>
-BuiltMap<Dim> build_local_map(const Segment<Dim>& segment, const MinimiseOptions& solver);
+BuiltMap<Dim> build_local_map(const SegmentView<Dim>& view, const MinimiseOptions& solver);
 
-/// Local maps of all stretches of a log that are maps, in their order; stretches without a map
-/// are turned into spans in `split`.
+/// Local maps of all segments of a log that are maps, in their order; segments without a map
+/// are turned into raw segments in `split`.
 template <int Dim>
 struct LocalMaps {
   std::vector<LocalMap<Dim>> maps;

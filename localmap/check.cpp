@@ -3,51 +3,51 @@
 
 #include <algorithm>
 #include <mapjoin/localmap/check.hpp>
-#include <mapjoin/localmap/segment.hpp>
+#include <mapjoin/localmap/segment_view.hpp>
 
 namespace mapjoin {
 namespace {
 
 template <int Dim>
-bool cover_sessions(const Log<Dim>& log, const std::vector<Stretch>& stretches) {
-  auto stretch = stretches.begin();
+bool cover_sessions(const Log<Dim>& log, const std::vector<Segment>& segments) {
+  auto segment = segments.begin();
   for (const Session& session : log.sessions) {
     Index reached = session.begin;
     do {
-      if (stretch == stretches.end() || stretch->begin != reached) return false;
-      if (stretch->end >= session.end || (stretch->end <= reached && session.end - session.begin > 1)) return false;
-      reached = stretch->end;
-      ++stretch;
+      if (segment == segments.end() || segment->begin != reached) return false;
+      if (segment->end >= session.end || (segment->end <= reached && session.end - session.begin > 1)) return false;
+      reached = segment->end;
+      ++segment;
     } while (reached + 1 < session.end);
   }
-  return stretch == stretches.end();
+  return segment == segments.end();
 }
 
 template <int Dim>
-bool is_map_of(const LocalMap<Dim>& map, const Segment<Dim>& segment) {
-  return map.base == segment.begin && map.poses == segment.kept && map.features == segment.features;
+bool is_map_of(const LocalMap<Dim>& map, const SegmentView<Dim>& view) {
+  return map.base == view.begin && map.poses == view.kept && map.features == view.features;
 }
 
 }  // namespace
 
 template <int Dim>
 Expected<void> check_local_maps(const Log<Dim>& log, const Split& split, const std::vector<LocalMap<Dim>>& maps) {
-  if (!cover_sessions(log, split.stretches))
-    return bad_input(log.source + ": the stretches of the local maps do not cover the log");
+  if (!cover_sessions(log, split.segments))
+    return bad_input(log.source + ": the segments of the local maps do not cover the log");
   auto map = maps.begin();
-  for (const Stretch& stretch : split.stretches) {
-    if (!stretch.is_map) continue;
-    if (map == maps.end() || !is_map_of(*map, segment_of(log, split, stretch))) {
+  for (const Segment& segment : split.segments) {
+    if (!segment.is_map) continue;
+    if (map == maps.end() || !is_map_of(*map, segment_view(log, split, segment))) {
       return bad_input(fmt::format("{}: the local map from {} is not of this log", log.source,
-                                   to_string(log.poses[static_cast<std::size_t>(stretch.begin)])));
+                                   to_string(log.poses[static_cast<std::size_t>(segment.begin)])));
     }
     if (const auto wrong = fault(*map)) {
       return bad_input(fmt::format("{}: the local map from {} {}", log.source,
-                                   to_string(log.poses[static_cast<std::size_t>(stretch.begin)]), *wrong));
+                                   to_string(log.poses[static_cast<std::size_t>(segment.begin)]), *wrong));
     }
     ++map;
   }
-  if (map != maps.end()) return bad_input(log.source + ": there are more local maps than stretches for them");
+  if (map != maps.end()) return bad_input(log.source + ": there are more local maps than segments for them");
   return {};
 }
 

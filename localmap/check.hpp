@@ -10,8 +10,8 @@
 
 namespace mapjoin {
 
-/// Bad input unless the stretches cover every session from its first pose to its last, each beginning where the one before
-/// ends, and the maps are one per stretch that is a map, in order, over the poses and features of its segment. `split` as
+/// Bad input unless the segments cover every session from its first pose to its last, each beginning where the one before
+/// ends, and the maps are one per segment that is a map, in order, over the poses and features of its segment. `split` as
 /// split_along made it.
 template <int Dim>
 Expected<void> check_local_maps(const Log<Dim>& log, const Split& split, const std::vector<LocalMap<Dim>>& maps);

@@ -2,8 +2,8 @@
 #pragma once
 // Interior poses, eliminated when their local map was built, recovered after joining.
 
-#include <mapjoin/localmap/segment.hpp>
-#include <mapjoin/model/state.hpp>
+#include <mapjoin/localmap/segment_view.hpp>
+#include <mapjoin/model/values.hpp>
 #include <mapjoin/solve/minimise_options.hpp>
 #include <stop_token>
 #include <vector>
@@ -12,13 +12,13 @@ namespace mapjoin {
 
 /// The values of a segment's poses and features, taken from the state of the whole log.
 template <int Dim>
-State<Dim> values_of(const Segment<Dim>& segment, const State<Dim>& state);
+Values<Dim> values_of(const SegmentView<Dim>& view, const Values<Dim>& state);
 
-/// Re-solves every segment for its interior poses and private features, what is kept and shared being held at its joined value:
-/// `state` is over the poses and features of the log. In parallel, with the same result for any number of threads. Returns the
-/// number of segments whose solve did not converge; their interior is the best found.
+/// Re-solves every segment for its interior poses and submap-local features, what is kept and shared being held at its joined
+/// value: `state` is over the poses and features of the log. In parallel, with the same result for any number of threads.
+/// Returns the number of segments whose solve did not converge; their interior is the best found.
 template <int Dim>
-std::size_t recover_interiors(const Log<Dim>& log, const Split& split, const std::vector<bool>& is_private,
-                              const MinimiseOptions& solver, State<Dim>& state, const std::stop_token& stop = {});
+std::size_t recover_interiors(const Log<Dim>& log, const Split& split, const std::vector<bool>& is_local,
+                              const MinimiseOptions& solver, Values<Dim>& state, const std::stop_token& stop = {});
 
 }  // namespace mapjoin

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
-// The features that stretches see, one stretch after the other, each with a begin of its own.
+// The features that segments see, one segment after the other, each with a begin of its own.
 
 #include <algorithm>
 #include <cstdint>
@@ -14,7 +14,7 @@ class SeenFeatures {
  public:
   explicit SeenFeatures(std::size_t features) : seen_in_(features, -1) {}
 
-  /// The stretch that begins at `begin` sees a feature; true for the first time.
+  /// The segment that begins at `begin` sees a feature; true for the first time.
   bool see(Index feature, Index begin) { return std::exchange(seen_in_[static_cast<std::size_t>(feature)], begin) != begin; }
   /// How many features it sees for the first time by these observations.
   template <typename Observations>
@@ -23,7 +23,7 @@ class SeenFeatures {
   }
 
  private:
-  std::vector<Index> seen_in_;  // per feature: the stretch, by its begin, that saw it last
+  std::vector<Index> seen_in_;  // per feature: the segment, by its begin, that saw it last
 };
 
 }  // namespace mapjoin

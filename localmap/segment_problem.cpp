@@ -7,8 +7,8 @@
 
 namespace mapjoin {
 template <int Dim>
-SegmentProblem<Dim>::SegmentProblem(const Segment<Dim>& segment, const SegmentFreedom& freedom, State<Dim> start)
-    : system_(segment, freedom), factored_(0, 0), estimate_(std::move(start)), candidate_(estimate_) {}
+SegmentProblem<Dim>::SegmentProblem(const SegmentView<Dim>& view, const SegmentFreedom& freedom, Values<Dim> start)
+    : system_(view, freedom), factored_(0, 0), estimate_(std::move(start)), candidate_(estimate_) {}
 
 template <int Dim>
 double SegmentProblem<Dim>::linearise() {
@@ -63,32 +63,32 @@ std::optional<Eigen::MatrixXd> SegmentProblem<Dim>::marginal_information() {
 }
 
 template <int Dim>
-State<Dim> composed_start(const Segment<Dim>& segment) {
-  State<Dim> start;
-  start.poses.resize(static_cast<std::size_t>(segment.poses()));
-  start.features.resize(segment.features.size());
-  for (const auto& o : segment.odometry) {
-    const auto base = static_cast<std::size_t>(o.base - segment.begin);
-    const auto target = static_cast<std::size_t>(o.target - segment.begin);
+Values<Dim> composed_start(const SegmentView<Dim>& view) {
+  Values<Dim> start;
+  start.poses.resize(static_cast<std::size_t>(view.poses()));
+  start.features.resize(view.features.size());
+  for (const auto& o : view.odometry) {
+    const auto base = static_cast<std::size_t>(o.base - view.begin);
+    const auto target = static_cast<std::size_t>(o.target - view.begin);
     if (target > base) {
       start.poses[target] = compose(start.poses[base], o.measured);
     } else {
       start.poses[base] = compose(start.poses[target], inverse(o.measured));
     }
   }
-  std::vector<bool> seen(segment.features.size(), false);
-  for (const auto& o : segment.observations) {
-    const std::size_t f = segment.feature_slot(o.target);
+  std::vector<bool> seen(view.features.size(), false);
+  for (const auto& o : view.observations) {
+    const std::size_t f = view.feature_slot(o.target);
     if (seen[f]) continue;
     seen[f] = true;
-    start.features[f] = transform(start.poses[static_cast<std::size_t>(o.base - segment.begin)], o.measured);
+    start.features[f] = transform(start.poses[static_cast<std::size_t>(o.base - view.begin)], o.measured);
   }
   return start;
 }
 
 template class SegmentProblem<2>;
 template class SegmentProblem<3>;
-template State<2> composed_start(const Segment<2>&);
-template State<3> composed_start(const Segment<3>&);
+template Values<2> composed_start(const SegmentView<2>&);
+template Values<3> composed_start(const SegmentView<3>&);
 
 }  // namespace mapjoin

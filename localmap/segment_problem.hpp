@@ -13,7 +13,7 @@ namespace mapjoin {
 template <int Dim>
 class SegmentProblem {
  public:
-  SegmentProblem(const Segment<Dim>& segment, const SegmentFreedom& freedom, State<Dim> start);
+  SegmentProblem(const SegmentView<Dim>& view, const SegmentFreedom& freedom, Values<Dim> start);
 
   double linearise();
   const Eigen::VectorXd& gradient() const { return system_.equations().gradient(); }
@@ -25,7 +25,7 @@ class SegmentProblem {
   double try_step(const Eigen::VectorXd& step);
   void accept() { estimate_ = candidate_; }
 
-  const State<Dim>& estimate() const { return estimate_; }
+  const Values<Dim>& estimate() const { return estimate_; }
   /// The information of the border with the chain eliminated, at the estimate: W of the local map. Nothing where it is
   /// singular.
   std::optional<Eigen::MatrixXd> marginal_information();
@@ -35,12 +35,12 @@ class SegmentProblem {
   ChainSystem<Dim> factored_;
   Eigen::MatrixXd border_factor_;  // lower triangle
   bool is_eliminated_ = false;     // whether the gradient of `factored_` is that of the estimate
-  State<Dim> estimate_;
-  State<Dim> candidate_;
+  Values<Dim> estimate_;
+  Values<Dim> candidate_;
 };
 
 /// Poses and features of a segment in the frame of its first pose, from odometry and first observations.
 template <int Dim>
-State<Dim> composed_start(const Segment<Dim>& segment);
+Values<Dim> composed_start(const SegmentView<Dim>& view);
 
 }  // namespace mapjoin

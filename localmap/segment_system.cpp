@@ -9,9 +9,9 @@ namespace mapjoin {
 namespace {
 
 template <int Dim>
-Eigen::Index border_size(const Segment<Dim>& segment, const SegmentFreedom& freedom) {
+Eigen::Index border_size(const SegmentView<Dim>& view, const SegmentFreedom& freedom) {
   Eigen::Index size = freedom.base ? kPoseDof<Dim> : 0;
-  if (freedom.kept) size += static_cast<Eigen::Index>(segment.kept.size()) * kPoseDof<Dim>;
+  if (freedom.kept) size += static_cast<Eigen::Index>(view.kept.size()) * kPoseDof<Dim>;
   return size + Dim * std::count(freedom.features.begin(), freedom.features.end(), true);
 }
 
@@ -65,45 +65,45 @@ class SegmentSystem<Dim>::Sink {
 };
 
 template <int Dim>
-SegmentSystem<Dim>::SegmentSystem(const Segment<Dim>& segment, const SegmentFreedom& freedom)
-    : segment_(&segment),
-      pose_slots_(static_cast<std::size_t>(segment.poses())),
-      feature_slots_(segment.features.size()),
-      equations_(static_cast<Eigen::Index>(segment.interior.size()), border_size(segment, freedom)) {
+SegmentSystem<Dim>::SegmentSystem(const SegmentView<Dim>& view, const SegmentFreedom& freedom)
+    : view_(&view),
+      pose_slots_(static_cast<std::size_t>(view.poses())),
+      feature_slots_(view.features.size()),
+      equations_(static_cast<Eigen::Index>(view.interior.size()), border_size(view, freedom)) {
   Eigen::Index entry = 0;
   const auto place_pose = [&](Index pose) {
-    pose_slots_[static_cast<std::size_t>(pose - segment.begin)].entry = entry;
+    pose_slots_[static_cast<std::size_t>(pose - view.begin)].entry = entry;
     entry += kDof;
   };
-  for (const Index pose : segment.interior) place_pose(pose);
-  if (freedom.base) place_pose(segment.begin);
+  for (const Index pose : view.interior) place_pose(pose);
+  if (freedom.base) place_pose(view.begin);
   if (freedom.kept) {
-    for (const Index pose : segment.kept) place_pose(pose);
+    for (const Index pose : view.kept) place_pose(pose);
   }
-  for (std::size_t f = 0; f < segment.features.size(); ++f) {
+  for (std::size_t f = 0; f < view.features.size(); ++f) {
     if (!freedom.features[f]) continue;
     feature_slots_[f].entry = entry;
     entry += Dim;
   }
-  observed_.reserve(segment.observations.size());
-  for (const auto& observation : segment.observations) {
-    observed_.push_back(static_cast<std::uint32_t>(segment.feature_slot(observation.target)));
+  observed_.reserve(view.observations.size());
+  for (const auto& observation : view.observations) {
+    observed_.push_back(static_cast<std::uint32_t>(view.feature_slot(observation.target)));
   }
 }
 
 template <int Dim>
-double SegmentSystem<Dim>::linearise(const State<Dim>& values) {
+double SegmentSystem<Dim>::linearise(const Values<Dim>& values) {
   equations_.set_zero();
   double chi2 = 0.0;
-  for (const auto& o : segment_->odometry) {
-    const auto base = static_cast<std::size_t>(o.base - segment_->begin);
-    const auto target = static_cast<std::size_t>(o.target - segment_->begin);
+  for (const auto& o : view_->odometry) {
+    const auto base = static_cast<std::size_t>(o.base - view_->begin);
+    const auto target = static_cast<std::size_t>(o.target - view_->begin);
     chi2 += accumulate(mapjoin::linearise(o, values.poses[base], values.poses[target]),
                        Sink(equations_, pose_slots_[base], pose_slots_[target]));
   }
-  for (std::size_t k = 0; k < segment_->observations.size(); ++k) {
-    const auto& o = segment_->observations[k];
-    const auto base = static_cast<std::size_t>(o.base - segment_->begin);
+  for (std::size_t k = 0; k < view_->observations.size(); ++k) {
+    const auto& o = view_->observations[k];
+    const auto base = static_cast<std::size_t>(o.base - view_->begin);
     chi2 += accumulate(mapjoin::linearise(o, values.poses[base], values.features[observed_[k]]),
                        Sink(equations_, pose_slots_[base], feature_slots_[observed_[k]]));
   }
@@ -111,21 +111,21 @@ double SegmentSystem<Dim>::linearise(const State<Dim>& values) {
 }
 
 template <int Dim>
-double SegmentSystem<Dim>::chi2(const State<Dim>& values) const {
+double SegmentSystem<Dim>::chi2(const Values<Dim>& values) const {
   double chi2 = 0.0;
-  for (const auto& o : segment_->odometry) {
-    chi2 += cost(o, values.poses[static_cast<std::size_t>(o.base - segment_->begin)],
-                 values.poses[static_cast<std::size_t>(o.target - segment_->begin)]);
+  for (const auto& o : view_->odometry) {
+    chi2 += cost(o, values.poses[static_cast<std::size_t>(o.base - view_->begin)],
+                 values.poses[static_cast<std::size_t>(o.target - view_->begin)]);
   }
-  for (std::size_t k = 0; k < segment_->observations.size(); ++k) {
-    const auto& o = segment_->observations[k];
-    chi2 += cost(o, values.poses[static_cast<std::size_t>(o.base - segment_->begin)], values.features[observed_[k]]);
+  for (std::size_t k = 0; k < view_->observations.size(); ++k) {
+    const auto& o = view_->observations[k];
+    chi2 += cost(o, values.poses[static_cast<std::size_t>(o.base - view_->begin)], values.features[observed_[k]]);
   }
   return chi2;
 }
 
 template <int Dim>
-void SegmentSystem<Dim>::retract(const Eigen::VectorXd& step, State<Dim>& values) const {
+void SegmentSystem<Dim>::retract(const Eigen::VectorXd& step, Values<Dim>& values) const {
   for (std::size_t p = 0; p < pose_slots_.size(); ++p) {
     if (!pose_slots_[p].is_free()) continue;
     values.poses[p] = mapjoin::retract<Dim>(values.poses[p], step.segment<kDof>(pose_slots_[p].entry));

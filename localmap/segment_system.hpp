@@ -5,8 +5,8 @@
 #include <Eigen/Core>
 #include <cstdint>
 #include <mapjoin/localmap/chain_system.hpp>
-#include <mapjoin/localmap/segment.hpp>
-#include <mapjoin/model/state.hpp>
+#include <mapjoin/localmap/segment_view.hpp>
+#include <mapjoin/model/values.hpp>
 #include <mapjoin/solve/minimise_options.hpp>
 #include <vector>
 
@@ -26,18 +26,18 @@ class SegmentSystem {
   static constexpr int kDof = kPoseDof<Dim>;
 
   /// `segment` must outlive the system.
-  SegmentSystem(const Segment<Dim>& segment, const SegmentFreedom& freedom);
+  SegmentSystem(const SegmentView<Dim>& view, const SegmentFreedom& freedom);
 
   /// Makes the normal equations at `values`; returns chi2 there.
-  double linearise(const State<Dim>& values);
-  double chi2(const State<Dim>& values) const;
+  double linearise(const Values<Dim>& values);
+  double chi2(const Values<Dim>& values) const;
 
   ChainSystem<Dim>& equations() { return equations_; }
   const ChainSystem<Dim>& equations() const { return equations_; }
 
   StepSize step_size(const Eigen::VectorXd& step) const;
   /// `values` moved by a step of chain and border.
-  void retract(const Eigen::VectorXd& step, State<Dim>& values) const;
+  void retract(const Eigen::VectorXd& step, Values<Dim>& values) const;
 
  private:
   /// Where a variable stands: its entry in the step (chain first), or nowhere.
@@ -47,7 +47,7 @@ class SegmentSystem {
   };
   class Sink;
 
-  const Segment<Dim>* segment_;
+  const SegmentView<Dim>* view_;
   std::vector<Slot> pose_slots_;
   std::vector<Slot> feature_slots_;
   std::vector<std::uint32_t> observed_;  ///< Per observation, the place of its feature.

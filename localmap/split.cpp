@@ -2,7 +2,7 @@
 #include <algorithm>
 #include <cmath>
 #include <mapjoin/localmap/seen_features.hpp>
-#include <mapjoin/localmap/segment.hpp>
+#include <mapjoin/localmap/segment_view.hpp>
 #include <mapjoin/localmap/split.hpp>
 #include <mapjoin/localmap/split_cost.hpp>
 #include <utility>
@@ -10,13 +10,13 @@
 namespace mapjoin {
 namespace {
 
-/// Grows stretches along the poses of a log, by what each further pose adds.
+/// Grows segments along the poses of a log, by what each further pose adds.
 template <int Dim>
 class Growth {
  public:
   Growth(const Log<Dim>& log, const SplitOptions& options) : log_(log), options_(options), seen_(log.features.size()) {}
 
-  /// The end of the stretch that begins at `begin` in `session`.
+  /// The end of the segment that begins at `begin` in `session`.
   Index end_from(Index begin, const Session& session) {
     double amount = 0.0;
     for (Index end = begin + 1; end < session.end; ++end) {
@@ -27,7 +27,7 @@ class Growth {
   }
 
  private:
-  /// What the step from `pose` adds to the stretch that begins at `begin`, as the rule counts.
+  /// What the step from `pose` adds to the segment that begins at `begin`, as the rule counts.
   double added_by_step(Index pose, Index begin) {
     switch (options_.rule) {
       case SplitRule::kDistance:
@@ -59,7 +59,7 @@ class Growth {
 };
 
 template <int Dim>
-std::vector<bool> mentioned_poses(const Log<Dim>& log) {
+std::vector<bool> referenced_poses(const Log<Dim>& log) {
   std::vector<bool> kept(log.poses.size(), false);
   for (const auto& closure : log.closures()) {
     kept[static_cast<std::size_t>(closure.base)] = true;
@@ -70,11 +70,11 @@ std::vector<bool> mentioned_poses(const Log<Dim>& log) {
   return kept;
 }
 
-/// The ends of a map stay, and every pose of a span.
-void keep(const Stretch& stretch, std::vector<bool>& kept) {
-  const auto first = kept.begin() + stretch.begin;
-  const auto last = kept.begin() + stretch.end;
-  if (stretch.is_map) {
+/// The ends of a map stay, and every pose of a raw segment.
+void keep(const Segment& segment, std::vector<bool>& kept) {
+  const auto first = kept.begin() + segment.begin;
+  const auto last = kept.begin() + segment.end;
+  if (segment.is_map) {
     *first = *last = true;
   } else {
     std::fill(first, last + 1, true);
@@ -86,13 +86,13 @@ constexpr std::int64_t kMostBorder = 5000;
 
 /// A map pays when it eliminates at least half of its inner poses, unless its border is too large.
 template <int Dim>
-bool map_pays(const Log<Dim>& log, const Stretch& stretch, const std::vector<bool>& kept, SeenFeatures& seen) {
-  const Index inner = stretch.end - stretch.begin - 1;
+bool map_pays(const Log<Dim>& log, const Segment& segment, const std::vector<bool>& kept, SeenFeatures& seen) {
+  const Index inner = segment.end - segment.begin - 1;
   if (inner <= 0) return false;
-  const auto first = kept.begin() + stretch.begin + 1;
-  const std::int64_t mentioned = std::count(first, first + inner, true);
-  const std::int64_t features = seen.count_new(observations_of(log, stretch), stretch.begin);
-  return 2 * mentioned <= inner && (2 + mentioned) * kPoseDof<Dim> + features * Dim <= kMostBorder;
+  const auto first = kept.begin() + segment.begin + 1;
+  const std::int64_t referenced = std::count(first, first + inner, true);
+  const std::int64_t features = seen.count_new(observations_of(log, segment), segment.begin);
+  return 2 * referenced <= inner && (2 + referenced) * kPoseDof<Dim> + features * Dim <= kMostBorder;
 }
 
 }  // namespace
@@ -108,7 +108,7 @@ std::vector<std::string> SplitOptions::validate() const {
 template <int Dim>
 Split split(const Log<Dim>& log, const SplitOptions& options) {
   Split result;
-  result.kept = mentioned_poses(log);
+  result.kept = referenced_poses(log);
   SplitOptions chosen = options;
   if (options.rule == SplitRule::kAuto)
     chosen = {SplitRule::kPoses, static_cast<double>(cheapest_poses_per_map(log, result.kept, options.amount))};
@@ -118,28 +118,28 @@ Split split(const Log<Dim>& log, const SplitOptions& options) {
     Index begin = session.begin;
     do {
       const Index end = growth.end_from(begin, session);
-      result.stretches.push_back({begin, end, true});
+      result.segments.push_back({begin, end, true});
       begin = end;
     } while (begin + 1 < session.end);
   }
   SeenFeatures seen(log.features.size());
-  for (Stretch& stretch : result.stretches) {
-    stretch.is_map = map_pays(log, stretch, result.kept, seen);
-    keep(stretch, result.kept);
+  for (Segment& segment : result.segments) {
+    segment.is_map = map_pays(log, segment, result.kept, seen);
+    keep(segment, result.kept);
   }
   return result;
 }
 
 template <int Dim>
-Split split_along(const Log<Dim>& log, std::vector<Stretch> stretches) {
-  Split result{std::move(stretches), mentioned_poses(log), 0};
-  for (const Stretch& stretch : result.stretches) keep(stretch, result.kept);
+Split split_along(const Log<Dim>& log, std::vector<Segment> segments) {
+  Split result{std::move(segments), referenced_poses(log), 0};
+  for (const Segment& segment : result.segments) keep(segment, result.kept);
   return result;
 }
 
 template Split split(const Log<2>&, const SplitOptions&);
 template Split split(const Log<3>&, const SplitOptions&);
-template Split split_along(const Log<2>&, std::vector<Stretch>);
-template Split split_along(const Log<3>&, std::vector<Stretch>);
+template Split split_along(const Log<2>&, std::vector<Segment>);
+template Split split_along(const Log<3>&, std::vector<Segment>);
 
 }  // namespace mapjoin

@@ -1,16 +1,16 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
-// Where a log is cut into stretches, and which poses the rest of the log mentions.
+// Where a log is cut into segments, and which poses the rest of the log mentions.
 
 #include <cstdint>
 #include <mapjoin/model/log.hpp>
-#include <mapjoin/model/stretch.hpp>
+#include <mapjoin/model/segment.hpp>
 #include <string>
 #include <vector>
 
 namespace mapjoin {
 
-/// How long a stretch may grow.
+/// How long a segment may grow.
 enum class SplitRule : std::uint8_t {
   kAuto,      ///< By a number of steps, at least `amount`, that a cost model chooses (docs/decisions.md).
   kPoses,     ///< At most `amount` steps.
@@ -26,22 +26,23 @@ struct SplitOptions {
   std::vector<std::string> validate() const;
 };
 
-/// Consecutive stretches of a session share their end/start pose, so that every step of odometry belongs to one stretch; an
-/// observation belongs to the stretch that starts at or contains its pose, those of a session's last pose to its last stretch.
+/// Consecutive segments of a session share their end/start pose, so that every step of odometry belongs to one segment; an
+/// observation belongs to the segment that starts at or contains its pose, those of a session's last pose to its last segment.
 struct Split {
-  std::vector<Stretch> stretches;
-  /// Per pose: it stays in the joined state. Ends of stretches, what closures and the World mention, and every pose of a span.
+  std::vector<Segment> segments;
+  /// Per pose: it stays in the joined state. Ends of segments, what closures and the World mention, and every pose of a raw
+  /// segment.
   std::vector<bool> kept;
   /// The steps per map that were chosen; 0 where the rule does not count poses.
   Index poses_per_map = 0;
 };
 
-/// Cuts the log. A stretch that would keep most of its inner poses stays a span of its observations. O(size of the log).
+/// Cuts the log. A segment that would keep most of its inner poses stays raw of its observations. O(size of the log).
 template <int Dim>
 Split split(const Log<Dim>& log, const SplitOptions& options);
 
-/// The split that was made into these stretches before, as a store keeps them.
+/// The split that was made into these segments before, as a store keeps them.
 template <int Dim>
-Split split_along(const Log<Dim>& log, std::vector<Stretch> stretches);
+Split split_along(const Log<Dim>& log, std::vector<Segment> segments);
 
 }  // namespace mapjoin

@@ -4,14 +4,14 @@
 #include <cmath>
 #include <limits>
 #include <mapjoin/localmap/seen_features.hpp>
-#include <mapjoin/localmap/segment.hpp>
+#include <mapjoin/localmap/segment_view.hpp>
 #include <mapjoin/localmap/split_cost.hpp>
 #include <mapjoin/parallel/parallel.hpp>
 
 namespace mapjoin {
 namespace {
 
-/// Stretches looked at per candidate, spread over the log.
+/// Segments looked at per candidate, spread over the log.
 constexpr Index kSamples = 64;
 
 /// Assembling and factorising a dense block of `m` variables once.
@@ -23,17 +23,17 @@ double block_cost(double m) {
 constexpr double kJoining = 4.0;
 constexpr double kPolishing = 5.0;
 
-/// What one stretch costs, as a map or, where it would keep most of its poses, as a span of one-step maps.
+/// What one segment costs, as a map or, where it would keep most of its poses, as a raw segment of one-step maps.
 template <int Dim>
-double stretch_cost(const Log<Dim>& log, const std::vector<bool>& kept, const Stretch& stretch, SeenFeatures& seen) {
+double stretch_cost(const Log<Dim>& log, const std::vector<bool>& kept, const Segment& segment, SeenFeatures& seen) {
   constexpr double kDof = kPoseDof<Dim>;
-  const double steps = stretch.end - stretch.begin;
-  const auto observations = observations_of(log, stretch);
-  const auto mentioned = static_cast<double>(std::count(kept.begin() + stretch.begin + 1, kept.begin() + stretch.end, true));
-  if (steps < 2.0 || 2.0 * mentioned > steps - 1.0) {
+  const double steps = segment.end - segment.begin;
+  const auto observations = observations_of(log, segment);
+  const auto referenced = static_cast<double>(std::count(kept.begin() + segment.begin + 1, kept.begin() + segment.end, true));
+  if (steps < 2.0 || 2.0 * referenced > steps - 1.0) {
     return steps * kJoining * block_cost(2.0 * kDof + Dim * static_cast<double>(observations.size()) / steps);
   }
-  const double m = (2.0 + mentioned) * kDof + Dim * static_cast<double>(seen.count_new(observations, stretch.begin));
+  const double m = (2.0 + referenced) * kDof + Dim * static_cast<double>(seen.count_new(observations, segment.begin));
   return kJoining * block_cost(m) + kPolishing * (2.0 * steps * kDof * m * m + 0.5 * m * m * m);
 }
 

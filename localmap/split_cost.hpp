@@ -11,8 +11,8 @@ namespace mapjoin {
 ///   ( 4 (30 m² + 0.4 m³) + 5 (2 N dof m² + 0.5 m³) ) / N,
 /// where m is the size of a map's border (kept poses and features). The first term is assembling and factorising the map in the
 /// join, four times; the others are eliminating its interior and factorising its border, five times while it is built,
-/// recovered and polished. `kept` says which poses the rest of the log mentions; they are in the border, too. A stretch that
-/// would stay a span costs what its one-step maps do, in the join only.
+/// recovered and polished. `kept` says which poses the rest of the log mentions; they are in the border, too. A segment that
+/// would stay a raw segment costs what its one-step maps do, in the join only.
 template <int Dim>
 double cost_per_step(const Log<Dim>& log, const std::vector<bool>& kept, Index poses_per_map);
 

@@ -35,7 +35,7 @@ std::optional<std::string> take_splits(const std::string& words, std::vector<Spl
 
 template <int Dim>
 Expected<Basin> basin_of(const StoredMaps<Dim>& stored, const BasinOptions& options, const std::stop_token& stop) {
-  return basin(stored.log, split_along(stored.log, stored.stretches), options, stop);
+  return basin(stored.log, split_along(stored.log, stored.segments), options, stop);
 }
 template <typename Data>
 Expected<Basin> basin_of(const Data& data, const BasinOptions& options, const std::stop_token& stop) {

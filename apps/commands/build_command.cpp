@@ -24,24 +24,24 @@ constexpr const char* kExamples =
 
 constexpr std::size_t kMapsAtOnce = 256;  // Built before they are stored: few enough to lose little, enough for all threads.
 
-/// What the maps depend on beside the log and its stretches: a build goes on only where it is the same.
+/// What the maps depend on beside the log and its segments: a build goes on only where it is the same.
 std::string settings(const MinimiseOptions& solver) {
   return fmt::format("mapjoin {} --method {} --max-iterations {}", kVersion, to_string(solver.method), solver.max_iterations);
 }
 
-/// Builds the maps of some stretches, in parallel, and stores them.
+/// Builds the maps of some segments, in parallel, and stores them.
 template <int Dim>
-void build_some(CommandRun& command_run, const Log<Dim>& log, const Split& parts, std::span<const std::size_t> stretches,
+void build_some(CommandRun& command_run, const Log<Dim>& log, const Split& parts, std::span<const std::size_t> segments,
                 StoreWriter<Dim>& store) {
-  std::vector<BuiltMap<Dim>> built(stretches.size());
+  std::vector<BuiltMap<Dim>> built(segments.size());
   parallel_for(built.size(), [&](std::size_t i) {
     if (command_run.stop().stop_requested()) return;
-    built[i] = build_local_map(segment_of(log, parts, parts.stretches[stretches[i]]), command_run.run_options().solver);
+    built[i] = build_local_map(segment_view(log, parts, parts.segments[segments[i]]), command_run.run_options().solver);
   });
   command_run.check_interrupted();
   for (std::size_t i = 0; i < built.size(); ++i) {
     command_run.run_report.figures.build_iterations += built[i].iterations;
-    demand(store.add(stretches[i], built[i].map));
+    demand(store.add(segments[i], built[i].map));
   }
 }
 
@@ -59,7 +59,7 @@ void build_all(CommandRun& command_run, const Log<Dim>& log, const Split& parts,
   }
   RunFigures& figures = command_run.run_report.figures;
   figures.local_maps = store.done().size() - store.undetermined();
-  figures.spans = parts.stretches.size() - figures.local_maps;
+  figures.raw_segments = parts.segments.size() - figures.local_maps;
   figures.poses_per_map = parts.poses_per_map;
   command_run.run_report.has_local_maps = true;
   command_run.run_report.is_resumed = before > 0;
@@ -73,14 +73,14 @@ void store_any(CommandRun& command_run, const Log<Dim>& log) {
   if (cut.rule == SplitRule::kAuto) cut.amount = 2.0;  // maps of one step would be the log itself
   const Split parts = split(log, cut);
   auto store =
-      StoreWriter<Dim>::open(command_run.options().output, log, parts.stretches, settings(command_run.run_options().solver))
+      StoreWriter<Dim>::open(command_run.options().output, log, parts.segments, settings(command_run.run_options().solver))
           .value();
   command_run.run_report.was_damaged = store.found_damaged();
   build_all(command_run, log, parts, store);
 }
 /// What others built is kept as it is.
 template <int Dim>
-void store_any(CommandRun& command_run, const MapSet<Dim>& set) {
+void store_any(CommandRun& command_run, const SubmapSet<Dim>& set) {
   demand(timed(command_run.run_report.write_seconds, [&] { return write_store(set, command_run.options().output); }));
 }
 template <int Dim>

@@ -60,12 +60,12 @@ void take_fits(std::vector<KindFit> fits, std::int64_t dof, Checked& checked) {
 
 template <int Dim>
 std::vector<KindFit> fits_in(const RunResult<Dim>& result, const Log<Dim>& log) {
-  return fits_of(log, State<Dim>{result.map.poses, result.map.features});
+  return fits_of(log, Values<Dim>{result.map.poses, result.map.features});
 }
 
 /// Of each map as one observation.
 template <int Dim>
-std::vector<KindFit> fits_in(const RunResult<Dim>& result, const MapSet<Dim>& set) {
+std::vector<KindFit> fits_in(const RunResult<Dim>& result, const SubmapSet<Dim>& set) {
   std::vector<WeighedResidual> residuals;
   for (const MapFit& fit : result.maps) residuals.push_back({fit.chi2, fit.rows});
   return {kind_fit("local maps", residuals, [&](std::size_t m) {
@@ -97,7 +97,7 @@ void fit_values(const Log<Dim>& log, Checked& checked) {
   take_fits(fits_of(log, log.initial), degrees_of_freedom(log, held), checked);
 }
 template <int Dim>
-void fit_values(const MapSet<Dim>& set, Checked&) {
+void fit_values(const SubmapSet<Dim>& set, Checked&) {
   fail(ErrorKind::kUsage, set.source + ": local maps have no values for --estimate file");
 }
 
@@ -107,7 +107,7 @@ void check_numbers(const Log<Dim>& log, Checked& checked) {
   append(check_units(log), checked);
 }
 template <int Dim>
-void check_numbers(const MapSet<Dim>&, Checked&) {}
+void check_numbers(const SubmapSet<Dim>&, Checked&) {}
 
 template <typename Content>
 Checked checked_content(const CommandRun& command_run, CheckedEstimate estimate, const Content& content) {

@@ -12,7 +12,7 @@ namespace mapjoin::apps {
 namespace {
 
 template <int Dim>
-void take_weights(const Options& options, MapSet<Dim>& set) {
+void take_weights(const Options& options, SubmapSet<Dim>& set) {
   if (options.covariance == Covariance::kIdentity) use_identity_covariance(set);
 }
 /// A store's maps are built already: with the weights that it names.

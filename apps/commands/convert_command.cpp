@@ -104,7 +104,7 @@ Losses losses_of_maps(MapsFormat format, bool poses_are_counted) {
 }
 
 template <int Dim>
-Losses convert_any(const ConvertOptions& options, AnyFormat asked, const MapSet<Dim>& set) {
+Losses convert_any(const ConvertOptions& options, AnyFormat asked, const SubmapSet<Dim>& set) {
   const auto* format = std::get_if<MapsFormat>(&asked);
   if (!format) fail(ErrorKind::kUsage, options.input.string() + ": local maps without their log cannot become a log");
   if (*format == MapsFormat::kStore) {
@@ -121,10 +121,10 @@ Losses convert_any(const ConvertOptions& options, AnyFormat asked, const StoredM
   const auto* format = std::get_if<MapsFormat>(&asked);
   if (!format) return convert_any(options, asked, stored.log);
   if (*format == MapsFormat::kStore) fail(ErrorKind::kUsage, options.input.string() + ": it is a store");
-  if (stored.maps.size() < stored.stretches.size()) {
+  if (stored.maps.size() < stored.segments.size()) {
     fail(ErrorKind::kUsage,
-         fmt::format("{}: {} of its {} stretches are not local maps, but observations", options.input.string(),
-                     stored.stretches.size() - stored.maps.size(), stored.stretches.size()));
+         fmt::format("{}: {} of its {} segments are not local maps, but observations", options.input.string(),
+                     stored.segments.size() - stored.maps.size(), stored.segments.size()));
   }
   write_folder(stored.maps, stored.log.features, *format, options.output);
   Losses lost =

@@ -20,7 +20,7 @@ struct ConvexityRequest {
 
 template <int Dim>
 Expected<Convexity> convexity_of(const StoredMaps<Dim>& stored, const ConvexityOptions& options, const std::stop_token& stop) {
-  return convexity(stored.log, split_along(stored.log, stored.stretches), stored.maps, options, stop);
+  return convexity(stored.log, split_along(stored.log, stored.segments), stored.maps, options, stop);
 }
 template <typename Data>
 Expected<Convexity> convexity_of(const Data& data, const ConvexityOptions& options, const std::stop_token& stop) {

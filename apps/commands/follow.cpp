@@ -11,8 +11,8 @@
 #include <mapjoin/io/files/system_call.hpp>
 #include <mapjoin/io/g2o/growing_g2o.hpp>
 #include <mapjoin/join/incremental/incremental_join.hpp>
-#include <mapjoin/join/incremental/part_maker.hpp>
-#include <mapjoin/model/counted.hpp>
+#include <mapjoin/join/incremental/submap_update_maker.hpp>
+#include <mapjoin/model/plural.hpp>
 #include <memory>
 #include <thread>
 #include <utility>
@@ -23,28 +23,28 @@ namespace {
 
 constexpr std::chrono::milliseconds kBetweenLooks(50);
 
-/// The parts that were added at once.
+/// The updates that were added at once.
 struct Step {
-  std::size_t first = 0;  ///< The number of its first part, from 1, and how many there are.
+  std::size_t first = 0;  ///< The number of its first update, from 1, and how many there are.
   std::size_t count = 1;
   PoseId begin, end;
-  AddedPart added;
+  AddedUpdate added;
   double seconds = 0.0;  ///< CPU time.
 };
 
 std::string for_people(const Step& step) {
-  const AddedPart& added = step.added;
+  const AddedUpdate& added = step.added;
   const std::string maps = step.count == 1 ? fmt::format("map {}", step.first)
                                            : fmt::format("maps {} to {}", step.first, step.first + step.count - 1);
   const std::string poses = fmt::format("{} to {}", to_string(step.begin), step.end.key);
   if (!added.is_joined) return fmt::format("{}, {}: waits, nothing ties it to the others yet\n", maps, poses);
   return fmt::format("{}, {}: moved {:.3f} m, {:.4f} rad; chi2 {:.2f}, dof {}; {} variables in {}{}\n", maps, poses,
                      added.metres, added.radians, added.chi2, added.dof, added.eliminated,
-                     counted(added.iterations, "iteration"), added.joined_anew ? "; all joined anew" : "");
+                     plural(added.iterations, "iteration"), added.batch_adopted ? "; all joined anew" : "");
 }
 
 std::string for_programs(const Step& step) {
-  const AddedPart& added = step.added;
+  const AddedUpdate& added = step.added;
   const Json line = {{"map", step.first},
                      {"maps", step.count},
                      {"first_pose", step.begin.key},
@@ -57,7 +57,7 @@ std::string for_programs(const Step& step) {
                      {"eliminated", added.eliminated},
                      {"iterations", added.iterations},
                      {"converged", added.converged},
-                     {"joined_anew", added.joined_anew},
+                     {"joined_anew", added.batch_adopted},
                      {"cpu_seconds", step.seconds}};
   return line.dump() + '\n';
 }
@@ -106,23 +106,23 @@ class GrowingMap {
     join_complete(false);
   }
 
-  /// Makes parts of what is complete, at the end of all, and joins them: the first ones at once, the others one by one.
+  /// Makes updates of what is complete, at the end of all, and joins them: the first ones at once, the others one by one.
   void join_complete(bool is_end) {
-    std::vector<Part<Dim>> parts = maker_.take(is_end).value();
-    if (count_ == 0 && parts.size() > 1) {
-      const Step step{1, parts.size(), name(parts.front(), &Stretch::begin), name(parts.back(), &Stretch::end), {}, 0.0};
-      return report(step, [&] { return map_.add_all(std::move(parts)); });
+    std::vector<SubmapUpdate<Dim>> updates = maker_.take(is_end).value();
+    if (count_ == 0 && updates.size() > 1) {
+      const Step step{1, updates.size(), name(updates.front(), &Segment::begin), name(updates.back(), &Segment::end), {}, 0.0};
+      return report(step, [&] { return map_.add_all(std::move(updates)); });
     }
-    for (Part<Dim>& part : parts) {
-      const Step step{count_ + 1, 1, name(part, &Stretch::begin), name(part, &Stretch::end), {}, 0.0};
-      report(step, [&] { return map_.add(std::move(part)); });
+    for (SubmapUpdate<Dim>& update : updates) {
+      const Step step{count_ + 1, 1, name(update, &Segment::begin), name(update, &Segment::end), {}, 0.0};
+      report(step, [&] { return map_.add(std::move(update)); });
     }
   }
 
  private:
-  PartMaker<Dim> new_maker() const { return PartMaker<Dim>(options_.run.split, options_.run.solver); }
-  PoseId name(const Part<Dim>& part, Index Stretch::*pose) const {
-    return part.stretch ? maker_.name((*part.stretch).*pose) : PoseId{};
+  SubmapUpdateMaker<Dim> new_maker() const { return SubmapUpdateMaker<Dim>(options_.run.split, options_.run.solver); }
+  PoseId name(const SubmapUpdate<Dim>& update, Index Segment::*pose) const {
+    return update.segment ? maker_.name((*update.segment).*pose) : PoseId{};
   }
 
   template <typename Add>
@@ -136,7 +136,7 @@ class GrowingMap {
 
   const Options& options_;
   StepReport& report_;
-  PartMaker<Dim> maker_;
+  SubmapUpdateMaker<Dim> maker_;
   IncrementalJoin<Dim> map_;
   std::size_t count_ = 0;
 };

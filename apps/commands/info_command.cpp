@@ -52,7 +52,7 @@ void add_content(const Log<Dim>& log, Lines& lines) {
 }
 
 template <int Dim>
-void add_content(const MapSet<Dim>& set, Lines& lines) {
+void add_content(const SubmapSet<Dim>& set, Lines& lines) {
   std::size_t seen = 0;
   for (const LocalMap<Dim>& map : set.graph.submaps) seen += map.features.size();
   lines.add("local maps", fmt::format("{}", set.graph.submaps.size()));
@@ -62,7 +62,7 @@ void add_content(const MapSet<Dim>& set, Lines& lines) {
 
 template <int Dim>
 void add_content(const StoredMaps<Dim>& stored, Lines& lines) {
-  lines.add("local maps", fmt::format("{} of {} stretches", stored.maps.size(), stored.stretches.size()));
+  lines.add("local maps", fmt::format("{} of {} segments", stored.maps.size(), stored.segments.size()));
   lines.add("built by", stored.options);
   lines.add("log", stored.log.source);
   add_content(stored.log, lines);
@@ -73,7 +73,7 @@ std::string kind_of(const Log<Dim>&) {
   return "log";
 }
 template <int Dim>
-std::string kind_of(const MapSet<Dim>&) {
+std::string kind_of(const SubmapSet<Dim>&) {
   return "set of local maps";
 }
 template <int Dim>

@@ -15,7 +15,7 @@ constexpr const char* kExamples =
     "  mapjoin join manhattan2d.maps -o map.g2o";
 
 template <int Dim>
-void join_any(CommandRun& command_run, MapSet<Dim> set) {
+void join_any(CommandRun& command_run, SubmapSet<Dim> set) {
   const RunOptions& options = command_run.run_options();
   auto result = command_run.options().gradual ? command_run.along_path(run_continued(set, options, command_run.stop()))
                                               : run(std::move(set), options, command_run.stop()).value();
@@ -26,7 +26,7 @@ void join_any(CommandRun& command_run, MapSet<Dim> set) {
 template <int Dim>
 void join_any(CommandRun& command_run, StoredMaps<Dim> stored) {
   const auto& log = stored.log;
-  const Split parts = split_along(log, stored.stretches);
+  const Split parts = split_along(log, stored.segments);
   const RunOptions& options = command_run.run_options();
   const auto of_store = [&](const Error& error) {
     return Error{error.kind, command_run.run_report.input + ": " + error.message};

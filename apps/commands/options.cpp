@@ -95,8 +95,9 @@ void add_schedule(Subcommand& command, Options& options) {
   command.choice(
       "--schedule", options.run.schedule,
       "In which order: neighbours in pairs, then pairs of pairs, each pair solved (tree) or only placed (aligned); in unequal "
-      "pairs, nearly map by map (leaning); map by map; or all at once. auto: aligned, and where that was far from linear, "
-      "tree and leaning, too, until two agree");
+      "pairs, nearly map by map (unbalanced); map by map; or all at once. auto: aligned, and where that was far from linear, "
+      "tree and unbalanced, too, until two agree",
+      {{"leaning", "unbalanced"}});
   command.choice("--state", options.run.state,
                  "Coordinates of the steps: positions in the map, or each relative to where it hangs");
   command.choice("--start", options.run.start,

@@ -8,6 +8,7 @@
 #include <filesystem>
 #include <functional>
 #include <limits>
+#include <map>
 #include <mapjoin/model/enum_names.hpp>
 #include <mapjoin/model/error.hpp>
 #include <memory>
@@ -59,20 +60,26 @@ class Subcommand {
             bool is_required = false);
   void option(const std::string& name, const std::string& kind, const std::string& help, Take take);
 
+  /// Former words of an option, which it still takes, and those that stand for them now.
+  using Aliases = std::map<std::string, std::string>;
+
   /// One of the words of an enum; the value as it stands is the default, which the help names.
   template <NamedEnum Enum>
-  void choice(const std::string& name, Enum& value, const std::string& help) {
-    choice(name, value, enum_names(value), help);
+  void choice(const std::string& name, Enum& value, const std::string& help, const Aliases& aliases = {}) {
+    choice(name, value, enum_names(value), help, aliases);
   }
   template <typename T, std::size_t Count>
-  void choice(const std::string& name, T& value, const std::array<EnumName<T>, Count>& words, const std::string& help) {
+  void choice(const std::string& name, T& value, const std::array<EnumName<T>, Count>& words, const std::string& help,
+              const Aliases& aliases = {}) {
     std::vector<std::string> all;
     std::string given_by_default;
     for (const auto& [meaning, word] : words) {
       all.emplace_back(word);
       if (meaning == value) given_by_default = word;
     }
-    option(name, joined(all, "|"), help + " [" + given_by_default + "]", [&value, words, all](const std::string& word) {
+    option(name, joined(all, "|"), help + " [" + given_by_default + "]", [&value, words, all, aliases](const std::string& given) {
+      const auto former = aliases.find(given);
+      const std::string& word = former == aliases.end() ? given : former->second;
       for (const auto& [meaning, name_of_choice] : words) {
         if (name_of_choice != word) continue;
         value = meaning;

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <apps/picture/plotted_map.hpp>
 #include <apps/truth_file.hpp>
-#include <mapjoin/join/align/placement.hpp>
+#include <mapjoin/join/align/alignment.hpp>
 
 namespace mapjoin::apps {
 namespace {

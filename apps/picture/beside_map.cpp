@@ -79,11 +79,12 @@ Expected<void> take_covariances(const fs::path& file, const Json& json, GlobalMa
 template <int Dim>
 Expected<std::vector<MapFit>> take_fits(const fs::path& file, const Json& json, const GlobalMap<Dim>& map) {
   std::vector<MapFit> fits;
+  const IndexOf index_of(map.pose_ids);
   for (const Json& line : json.at("join").at("maps")) {
     const PoseId id = pose_id(line);
     if (!line.contains("end") || id.session != 0) return std::vector<MapFit>();
-    const auto base = find_index(map.pose_ids, id);
-    const auto end = find_index(map.pose_ids, pose_id(line, "end"));
+    const auto base = index_of(id);
+    const auto end = index_of(pose_id(line, "end"));
     if (!base || !end || *end < *base) return not_of_map(file);
     fits.push_back({*base, *end, line.at("chi2").get<double>(), line.at("rows").get<std::int64_t>()});
   }

@@ -15,15 +15,15 @@ constexpr std::size_t kLeastStops = 12;
 constexpr std::size_t kMostStops = 100;
 constexpr std::size_t kMostPlaces = 500'000;  // of all stops together: 6 MB
 
-/// How many stretches to join between two stops.
+/// How many segments to join between two stops.
 template <int Dim>
-std::size_t between_stops(const Network<Dim>& network) {
+std::size_t between_stops(const SubmapGraph<Dim>& graph) {
   const auto count_of = [](const std::vector<bool>& flags, bool value) {
     return static_cast<std::size_t>(std::count(flags.begin(), flags.end(), value));
   };
-  const std::size_t places = count_of(network.is_joined, true) + count_of(network.is_private, false);
+  const std::size_t places = count_of(graph.is_joined, true) + count_of(graph.is_local, false);
   const std::size_t stops = std::clamp(2 * kMostPlaces / std::max<std::size_t>(places, 1), kLeastStops, kMostStops);
-  return (network.stretches.size() + stops - 1) / stops;
+  return (graph.segments.size() + stops - 1) / stops;
 }
 
 /// The map in the folder of a run, else the path as it is.
@@ -45,13 +45,13 @@ Expected<LoadedMap> of_log(const Log<Dim>& log, const fs::path& path) {
 }
 
 template <int Dim>
-LoadedMap of_result(RunResult<Dim>& result, const Network<Dim>& network, PlottedMap<Dim> out, const LoadOptions& options,
+LoadedMap of_result(RunResult<Dim>& result, const SubmapGraph<Dim>& graph, PlottedMap<Dim> out, const LoadOptions& options,
                     const std::stop_token& stop) {
   if (result.marginals) {
     out.map.pose_covariances = std::move(result.marginals->poses);
     out.map.feature_covariances = std::move(result.marginals->features);
   }
-  if (options.has_stops) out.stops = join_stops(network, out.map, options.progress, stop);
+  if (options.has_stops) out.stops = join_stops(graph, out.map, options.progress, stop);
   LoadedMap loaded{std::move(out)};
   if (result.no_covariances) {
     loaded.exit_code = ExitCode::kBadInput;
@@ -65,34 +65,34 @@ LoadedMap of_result(RunResult<Dim>& result, const Network<Dim>& network, Plotted
 }
 
 template <int Dim>
-Expected<LoadedMap> joined(const MapSet<Dim>& set, const LoadOptions& options, const std::stop_token& stop) {
+Expected<LoadedMap> joined(const SubmapSet<Dim>& set, const LoadOptions& options, const std::stop_token& stop) {
   return run(set, options.run, stop).map([&](RunResult<Dim>&& result) {
-    return of_result(result, network_of(set), plotted(result, set), options, stop);
+    return of_result(result, submap_graph_of(set), plotted(result, set), options, stop);
   });
 }
 
 template <int Dim>
 Expected<LoadedMap> joined(const StoredMaps<Dim>& stored, const LoadOptions& options, const std::stop_token& stop) {
-  const Split parts = split_along(stored.log, stored.stretches);
+  const Split parts = split_along(stored.log, stored.segments);
   return run_from_maps(stored.log, parts, stored.maps, options.run, stop).map([&](RunResult<Dim>&& result) {
-    return of_result(result, network_of(stored.log, parts, stored.maps), plotted(result, stored.log), options, stop);
+    return of_result(result, submap_graph_of(stored.log, parts, stored.maps), plotted(result, stored.log), options, stop);
   });
 }
 
 }  // namespace
 
 template <int Dim>
-std::vector<JoinStop<Dim>> join_stops(const Network<Dim>& network, const GlobalMap<Dim>& map,
+std::vector<JoinStop<Dim>> join_stops(const SubmapGraph<Dim>& graph, const GlobalMap<Dim>& map,
                                       const std::function<void(std::size_t, std::size_t)>& progress,
                                       const std::stop_token& stop) {
   std::vector<JoinStop<Dim>> stops;
-  const JoinWatch<Dim> watch = [&](std::size_t stretches, const JoinedPieces<Dim>& joined) {
-    const Piece<Dim>& piece = joined.pieces.front();
-    const Pose<Dim>& first = map.poses[static_cast<std::size_t>(piece.poses.front())];
-    const Pose<Dim> frame = compose(first, inverse(piece.state.poses.front()));
-    stops.push_back({stretches, piece_chi2(piece), piece.poses, moved(frame, piece.state)});
+  const JoinWatch<Dim> watch = [&](std::size_t segments, const JoinedPartialMaps<Dim>& joined) {
+    const PartialMap<Dim>& partial = joined.partials.front();
+    const Pose<Dim>& first = map.poses[static_cast<std::size_t>(partial.poses.front())];
+    const Pose<Dim> frame = compose(first, inverse(partial.state.poses.front()));
+    stops.push_back({segments, partial_map_chi2(partial), partial.poses, moved(frame, partial.state)});
   };
-  watch_join(network, between_stops(network), watch, progress, stop);
+  watch_join(graph, between_stops(graph), watch, progress, stop);
   return stops;
 }
 
@@ -109,7 +109,7 @@ Expected<LoadedMap> load(const fs::path& path, const LoadOptions& options, const
 }
 
 #define MAPJOIN_INSTANTIATE(Dim)                                                                       \
-  template std::vector<JoinStop<Dim>> join_stops(const Network<Dim>&, const GlobalMap<Dim>&,           \
+  template std::vector<JoinStop<Dim>> join_stops(const SubmapGraph<Dim>&, const GlobalMap<Dim>&,       \
                                                  const std::function<void(std::size_t, std::size_t)>&, \
                                                  const std::stop_token&);
 MAPJOIN_INSTANTIATE(2)

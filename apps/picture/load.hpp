@@ -7,8 +7,8 @@
 #include <filesystem>
 #include <functional>
 #include <mapjoin/join/join.hpp>
-#include <mapjoin/join/network.hpp>
 #include <mapjoin/join/run.hpp>
+#include <mapjoin/join/submap_graph.hpp>
 #include <mapjoin/model/error.hpp>
 #include <mapjoin/model/global_map.hpp>
 #include <mapjoin/model/log.hpp>
@@ -46,11 +46,11 @@ Expected<void> read_covariances_beside(const std::filesystem::path& path, Global
 template <int Dim>
 Expected<std::vector<MapFit>> read_fits_beside(const std::filesystem::path& path, const GlobalMap<Dim>& map);
 
-/// The network joined map after map, as Schedule::kSequential does, each stop in the frame of `map`, the whole one: after every
-/// map, or of many after so many that a page can hold all stops. What is not yet tied to the first pose is left out. The last
-/// stop holds all maps, not yet solved for the last time.
+/// The submap graph joined map after map, as Schedule::kSequential does, each stop in the frame of `map`, the whole one: after
+/// every map, or of many after so many that a page can hold all stops. What is not yet tied to the first pose is left out. The
+/// last stop holds all maps, not yet solved for the last time.
 template <int Dim>
-std::vector<JoinStop<Dim>> join_stops(const Network<Dim>& network, const GlobalMap<Dim>& map,
+std::vector<JoinStop<Dim>> join_stops(const SubmapGraph<Dim>& graph, const GlobalMap<Dim>& map,
                                       const std::function<void(std::size_t, std::size_t)>& progress,
                                       const std::stop_token& stop);
 

@@ -22,7 +22,7 @@ std::vector<Session> sessions_of(const Log<Dim>& log) {
 }
 
 template <int Dim>
-std::vector<std::pair<Index, Index>> closures_among(std::span<const PoseObservation<Dim>> edges) {
+std::vector<std::pair<Index, Index>> closures_among(std::span<const PoseFactor<Dim>> edges) {
   std::vector<std::pair<Index, Index>> closures;
   for (const auto& o : edges) {
     if (o.base != kWorld) closures.emplace_back(o.base, o.target);
@@ -123,7 +123,7 @@ PlottedMap<Dim> plotted(const RunResult<Dim>& result, const Log<Dim>& log) {
 }
 
 template <int Dim>
-PlottedMap<Dim> plotted(const RunResult<Dim>& result, const MapSet<Dim>& set) {
+PlottedMap<Dim> plotted(const RunResult<Dim>& result, const SubmapSet<Dim>& set) {
   PlottedMap<Dim> out;
   out.map = result.map;
   out.sessions = sessions_by_name(set.poses);
@@ -138,7 +138,7 @@ PlottedMap<Dim> plotted(const RunResult<Dim>& result, const MapSet<Dim>& set) {
   template std::vector<PlottedLocalMap> plotted_local_maps(const std::vector<MapFit>&, const Log<Dim>&); \
   template PlottedMap<Dim> plotted(const Log<Dim>&);                                                     \
   template PlottedMap<Dim> plotted(const RunResult<Dim>&, const Log<Dim>&);                              \
-  template PlottedMap<Dim> plotted(const RunResult<Dim>&, const MapSet<Dim>&);
+  template PlottedMap<Dim> plotted(const RunResult<Dim>&, const SubmapSet<Dim>&);
 MAPJOIN_INSTANTIATE(2)
 MAPJOIN_INSTANTIATE(3)
 #undef MAPJOIN_INSTANTIATE

@@ -7,7 +7,7 @@
 #include <mapjoin/join/run.hpp>
 #include <mapjoin/model/global_map.hpp>
 #include <mapjoin/model/log.hpp>
-#include <mapjoin/model/map_set.hpp>
+#include <mapjoin/model/submap_set.hpp>
 #include <optional>
 #include <string>
 #include <utility>
@@ -28,7 +28,7 @@ struct JoinStop {
   std::size_t maps = 0;
   double chi2 = 0.0;
   std::vector<Index> poses;
-  State<Dim> state;  ///< Poses by place in `poses`; the features in no order.
+  Values<Dim> state;  ///< Poses by place in `poses`; the features in no order.
 };
 
 template <int Dim>
@@ -56,7 +56,7 @@ PlottedMap<Dim> plotted(const Log<Dim>& log);
 template <int Dim>
 PlottedMap<Dim> plotted(const RunResult<Dim>& result, const Log<Dim>& log);
 template <int Dim>
-PlottedMap<Dim> plotted(const RunResult<Dim>& result, const MapSet<Dim>& set);
+PlottedMap<Dim> plotted(const RunResult<Dim>& result, const SubmapSet<Dim>& set);
 
 /// Local maps of a log with the features that were seen from their poses.
 template <int Dim>

@@ -34,7 +34,7 @@ Json input_of(const RunReport& run_report) {
 Json local_maps_of(const RunReport& run_report) {
   const RunFigures& figures = run_report.figures;
   Json json = if_known(run_report.has_local_maps, {{"count", figures.local_maps},
-                                                   {"spans", figures.spans},
+                                                   {"spans", figures.raw_segments},
                                                    {"poses_per_map", figures.poses_per_map},
                                                    {"iterations", figures.build_iterations}});
   if (figures.poses_per_map == 0) json["poses_per_map"] = nullptr;
@@ -84,7 +84,7 @@ Json join_of(const RunReport& run_report) {
                {"engine", options.solver.engine}};
   json.update(if_known(run_report.is_joined, {{"iterations", figures.join.iterations},
                                               {"factorisations", figures.join.factorisations},
-                                              {"turned", figures.turned},
+                                              {"turned", figures.largest_rotation},
                                               {"chi2", figures.join.chi2},
                                               {"course", course_of(figures.join)},
                                               {"dof", figures.join_dof},
@@ -154,7 +154,7 @@ std::string report(const RunReport& run_report) {
   json["polish"] = polish_of(figures.polish);
   json.update(
       if_known(run_report.is_joined, {{"converged", figures.converged()}, {"chi2", figures.chi2}, {"dof", figures.dof}}));
-  json["gauge"] = if_known(run_report.is_joined, {{"held_poses", run_report.held}});
+  json["gauge"] = if_known(run_report.is_joined, {{"held_poses", run_report.anchored}});
   json["certainty"] = certainty_of(run_report);
   json["files"] = run_report.files;
   json["seconds"] = seconds_of(run_report);

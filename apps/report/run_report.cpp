@@ -28,7 +28,7 @@ void RunReport::describe(const Log<Dim>& log) {
 }
 
 template <int Dim>
-void RunReport::describe(const MapSet<Dim>& set) {
+void RunReport::describe(const SubmapSet<Dim>& set) {
   dimension = Dim;
   conventions = set.conventions;
   counts = {.sessions = 1, .poses = set.poses.size(), .features = set.features.size(), .fixed_poses = set.graph.fixed.size()};
@@ -41,7 +41,7 @@ void RunReport::describe(const StoredMaps<Dim>& stored) {
   describe(stored.log);
   has_local_maps = true;
   figures.local_maps = stored.maps.size();
-  figures.spans = stored.stretches.size() - stored.maps.size();
+  figures.raw_segments = stored.segments.size() - stored.maps.size();
 }
 
 template <int Dim>
@@ -50,7 +50,7 @@ void RunReport::describe(const RunResult<Dim>& result) {
   options.schedule = result.schedule;
   has_local_maps = is_joined = true;
   const auto& ids = result.map.pose_ids;
-  for (const Index pose : result.map.gauge) held.push_back(ids[static_cast<std::size_t>(pose)]);
+  for (const Index pose : result.map.gauge) anchored.push_back(ids[static_cast<std::size_t>(pose)]);
   for (const MapFit& fit : result.maps) {
     map_bases.push_back(ids[static_cast<std::size_t>(fit.base)]);
     map_ends.push_back(ids[static_cast<std::size_t>(fit.end)]);
@@ -74,7 +74,7 @@ double peak_memory_mb() {
 
 #define MAPJOIN_INSTANTIATE(Dim)                             \
   template void RunReport::describe(const Log<Dim>&);        \
-  template void RunReport::describe(const MapSet<Dim>&);     \
+  template void RunReport::describe(const SubmapSet<Dim>&);  \
   template void RunReport::describe(const StoredMaps<Dim>&); \
   template void RunReport::describe(const RunResult<Dim>&);
 MAPJOIN_INSTANTIATE(2)

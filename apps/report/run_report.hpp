@@ -43,7 +43,7 @@ struct RunReport {
   template <int Dim>
   void describe(const Log<Dim>& log);
   template <int Dim>
-  void describe(const MapSet<Dim>& set);
+  void describe(const SubmapSet<Dim>& set);
   template <int Dim>
   void describe(const StoredMaps<Dim>& stored);
   /// The result.
@@ -68,7 +68,7 @@ struct RunReport {
   bool is_joined = false;       ///< and what came of joining them.
   RunFigures figures;
   std::vector<PathPoint> path;             ///< To the join, where it was by continuation.
-  std::vector<PoseId> held;                ///< The gauge: poses held still.
+  std::vector<PoseId> anchored;                ///< The gauge: anchored poses.
   std::vector<PoseId> map_bases;           ///< Of `figures.maps`: the poses that they start from,
   std::vector<PoseId> map_ends;            ///< and those that they end at.
   std::optional<Estimate> covariances;     ///< Which estimate's were asked for, if any.

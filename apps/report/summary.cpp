@@ -4,7 +4,7 @@
 
 #include <algorithm>
 #include <apps/report/report.hpp>
-#include <mapjoin/model/counted.hpp>
+#include <mapjoin/model/plural.hpp>
 #include <string_view>
 #include <utility>
 #include <vector>
@@ -14,18 +14,18 @@ namespace {
 
 std::string local_maps_in_words(const RunReport& run_report) {
   const RunFigures& figures = run_report.figures;
-  std::string text = counted(figures.local_maps, "map");
+  std::string text = plural(figures.local_maps, "map");
   if (figures.local_maps > 0 && figures.poses_per_map > 0) {
-    text += fmt::format(" of up to {}", counted(figures.poses_per_map, "step"));
+    text += fmt::format(" of up to {}", plural(figures.poses_per_map, "step"));
   }
   if (figures.build_iterations > 0 && !run_report.is_resumed) text += fmt::format(", {} iterations", figures.build_iterations);
-  if (figures.spans > 0) text += fmt::format("; {} joined as observations", counted(figures.spans, "stretch", "stretches"));
+  if (figures.raw_segments > 0) text += fmt::format("; {} joined as observations", plural(figures.raw_segments, "segment"));
   return text;
 }
 
 std::string solve_in_words(const MinimiseResult& result) {
   const std::string_view how = result.status == MinimiseStatus::kConverged ? "" : "DID NOT CONVERGE: ";
-  return fmt::format("{}{} after {}, chi2 {:.10g}", how, to_string(result.status), counted(result.iterations, "iteration"),
+  return fmt::format("{}{} after {}, chi2 {:.10g}", how, to_string(result.status), plural(result.iterations, "iteration"),
                      result.chi2);
 }
 
@@ -42,14 +42,15 @@ std::string join_in_words(const RunReport& run_report) {
 
 std::string recovered_in_words(const RunFigures& figures) {
   std::string text = fmt::format("chi2 {:.10g} of the whole log", *figures.recovered_chi2);
-  if (figures.unrecovered > 0) text += fmt::format("; {} not to convergence", counted(figures.unrecovered, "map"));
+  if (figures.unrecovered > 0) text += fmt::format("; {} not to convergence", plural(figures.unrecovered, "map"));
   return text;
 }
 
 std::string gauge_in_words(const RunReport& run_report) {
-  if (run_report.held.empty()) return "held by the priors of the World";
-  if (run_report.held.size() == 1) return to_string(run_report.held.front()) + " held";
-  return fmt::format("{} and {} more held", to_string(run_report.held.front()), counted(run_report.held.size() - 1, "pose"));
+  if (run_report.anchored.empty()) return "anchored by the priors of the World";
+  if (run_report.anchored.size() == 1) return to_string(run_report.anchored.front()) + " anchored";
+  return fmt::format("{} and {} more anchored", to_string(run_report.anchored.front()),
+                     plural(run_report.anchored.size() - 1, "pose"));
 }
 
 std::string nees_in_words(std::string_view what, const Nees& nees) {
@@ -102,9 +103,9 @@ void add_result(const RunReport& run_report, Lines& lines) {
 std::string counts_in_words(const RunReport& run_report) {
   const Counts& counts = run_report.counts;
   std::string text =
-      fmt::format("{}D, {}, {}", run_report.dimension, counted(counts.poses, "pose"), counted(counts.features, "feature"));
+      fmt::format("{}D, {}, {}", run_report.dimension, plural(counts.poses, "pose"), plural(counts.features, "feature"));
   const auto add = [&](std::size_t count, const std::string& thing) {
-    if (count > 0) text += ", " + counted(count, thing);
+    if (count > 0) text += ", " + plural(count, thing);
   };
   add(counts.odometry, "odometry edge");
   add(counts.closures, "closure");
@@ -141,17 +142,17 @@ void add_notes(const RunReport& run_report, Lines& lines) {
   note(repairs.symmetrised > 0,
        fmt::format(
            "{} replaced by the symmetric part: entries across the diagonal differ by up to {:.2g} of the largest",
-           counted(repairs.symmetrised, "information matrix or covariance was", "information matrices or covariances were"),
+           plural(repairs.symmetrised, "information matrix or covariance was", "information matrices or covariances were"),
            repairs.largest_asymmetry));
   note(repairs.indefinite > 0,
        fmt::format("{} replaced by the nearest semidefinite one",
-                   counted(repairs.indefinite, "indefinite information matrix was", "indefinite information matrices were")));
+                   plural(repairs.indefinite, "indefinite information matrix was", "indefinite information matrices were")));
   note(run_report.counts.repeated_edges > 0,
        fmt::format("{} between the same two poses; all of them count",
-                   counted(run_report.counts.repeated_edges, "edge repeats another", "edges repeat others")));
+                   plural(run_report.counts.repeated_edges, "edge repeats another", "edges repeat others")));
   note(run_report.counts.unassociated > 0,
        fmt::format("{} left out: the file does not say of which feature",
-                   counted(run_report.counts.unassociated, "observation was", "observations were")));
+                   plural(run_report.counts.unassociated, "observation was", "observations were")));
   note(run_report.was_damaged, "what an interrupted build had left was damaged: the build began afresh");
   const auto is_trajectory = [](const std::string& file) { return file.ends_with(".tum"); };
   note(!run_report.has_stamps && std::any_of(run_report.files.begin(), run_report.files.end(), is_trajectory),

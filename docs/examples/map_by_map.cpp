@@ -12,14 +12,14 @@ int main(int, char** argv) {
   if (!read || !std::holds_alternative<Log<2>>(*read)) return 1;
   const auto& log = std::get<Log<2>>(*read);
 
-  Split stretches = split(log, {SplitRule::kPoses, 10.0});
-  const auto built = build_local_maps(log, stretches, BuildOptions{});
+  Split segments = split(log, {SplitRule::kPoses, 10.0});
+  const auto built = build_local_maps(log, segments, BuildOptions{});
   if (!built) return 1;
 
   IncrementalJoin<2> joined;
   std::size_t added = 0;
-  for (const Part<2>& part : parts_of(log, stretches, built->maps)) {
-    const AddedPart step = joined.add(part);
+  for (const SubmapUpdate<2>& update : submap_updates_of(log, segments, built->maps)) {
+    const AddedUpdate step = joined.add(update);
     if (++added % 25 == 0) std::cout << added << " maps: chi2 " << step.chi2 << " over " << step.dof << '\n';
   }
 }

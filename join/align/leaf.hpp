@@ -1,41 +1,41 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
-// The leaves of a join: each stretch of the network as a piece in the frame of its first pose, from nothing but its own
-// observations.
+// The leaves of a join: each segment of the submap graph as a partial map in the frame of its first pose, from nothing but its
+// own observations.
 
 #include <cstddef>
-#include <mapjoin/join/align/piece.hpp>
+#include <mapjoin/join/align/partial_map.hpp>
 #include <utility>
 #include <vector>
 
 namespace mapjoin {
 
-/// Finds maps, observations and closures by stretch. `network` must outlive it.
+/// Finds maps, observations and closures by segment. `submap graph` must outlive it.
 template <int Dim>
 class Leaves {
  public:
-  explicit Leaves(const Network<Dim>& network);
+  explicit Leaves(const SubmapGraph<Dim>& graph);
 
-  /// A local map as it is, or a span composed from its odometry and first observations.
-  Piece<Dim> piece(std::size_t stretch) const;
-  /// The pose observations that are of no one span.
-  const std::vector<const PoseObservation<Dim>*>& closures() const { return closures_; }
-  /// The first and last stretch that an observation between two poses concerns.
-  std::pair<std::size_t, std::size_t> stretches_of(const PoseObservation<Dim>& observation) const;
+  /// A local map as it is, or a raw segment composed from its odometry and first observations.
+  PartialMap<Dim> partial(std::size_t segment) const;
+  /// The pose observations that are of no one raw segment.
+  const std::vector<const PoseFactor<Dim>*>& closures() const { return closures_; }
+  /// The first and last segment that an observation between two poses concerns.
+  std::pair<std::size_t, std::size_t> segments_of(const PoseFactor<Dim>& observation) const;
   std::size_t joined_pose_count() const { return joined_pose_count_; }
 
  private:
-  /// The stretch that starts at or contains a pose; of a session's last pose, its last stretch.
-  std::size_t stretch_of(Index pose) const;
-  Piece<Dim> map_piece(const LocalMap<Dim>& map) const;
-  Piece<Dim> span_piece(std::size_t stretch) const;
+  /// The segment that starts at or contains a pose; of a session's last pose, its last segment.
+  std::size_t segment_of(Index pose) const;
+  PartialMap<Dim> partial_of_map(const LocalMap<Dim>& map) const;
+  PartialMap<Dim> partial_of_raw(std::size_t segment) const;
 
-  const Network<Dim>& network_;
-  std::vector<const LocalMap<Dim>*> maps_;  // per stretch, or null
-  std::vector<Index> stretch_of_;           // per pose from the first stretch's first one to the last one's last
-  std::vector<std::vector<const PoseObservation<Dim>*>> odometry_;
-  std::vector<std::vector<const FeatureObservation<Dim>*>> observations_;
-  std::vector<const PoseObservation<Dim>*> closures_;
+  const SubmapGraph<Dim>& graph_;
+  std::vector<const LocalMap<Dim>*> maps_;  // per segment, or null
+  std::vector<Index> segment_of_;           // per pose from the first segment's first one to the last one's last
+  std::vector<std::vector<const PoseFactor<Dim>*>> odometry_;
+  std::vector<std::vector<const FeatureFactor<Dim>*>> observations_;
+  std::vector<const PoseFactor<Dim>*> closures_;
   std::size_t joined_pose_count_ = 0;
 };
 

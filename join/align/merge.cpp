@@ -4,9 +4,9 @@
 #include <iterator>
 #include <limits>
 #include <mapjoin/graph/graph.hpp>
+#include <mapjoin/join/align/alignment.hpp>
 #include <mapjoin/join/align/merge.hpp>
-#include <mapjoin/join/align/placement.hpp>
-#include <mapjoin/join/align/seam.hpp>
+#include <mapjoin/join/align/shared_factors.hpp>
 #include <optional>
 #include <set>
 #include <span>
@@ -16,39 +16,39 @@ namespace mapjoin {
 namespace {
 
 template <int Dim>
-using Closures = std::vector<const PoseObservation<Dim>*>;
+using Closures = std::vector<const PoseFactor<Dim>*>;
 
-/// A pose or feature, and a piece that holds it.
+/// A pose or feature, and a partial map that holds it.
 using Holding = std::pair<Index, Vertex>;
 
-/// What pieces hold, in order. `list` is their poses or their features.
+/// What partial maps hold, in order. `list` is their poses or their features.
 template <int Dim>
-std::vector<Holding> all_held(const std::vector<Piece<Dim>>& pieces, std::vector<Index> Piece<Dim>::*list) {
+std::vector<Holding> all_held(const std::vector<PartialMap<Dim>>& partials, std::vector<Index> PartialMap<Dim>::*list) {
   std::vector<Holding> held;
-  for (Vertex k = 0; k < pieces.size(); ++k) {
-    for (const Index index : pieces[k].*list) held.emplace_back(index, k);
+  for (Vertex k = 0; k < partials.size(); ++k) {
+    for (const Index index : partials[k].*list) held.emplace_back(index, k);
   }
   std::ranges::sort(held);
   return held;
 }
 
-/// The graph of submaps: an edge between every piece and each pose, feature and closure that several pieces share. The
-/// vertices are the pieces, then what they share.
+/// The graph of submaps: an edge between every partial map and each pose, feature and closure that several partial maps share.
+/// The vertices are the partial maps, then what they share.
 template <int Dim>
-class SubmapGraph {
+class SharingGraph {
  public:
-  SubmapGraph(const std::vector<Piece<Dim>>& pieces, const Closures<Dim>& closures)
-      : vertices_(static_cast<Vertex>(pieces.size())), closures_(pieces.size()) {
-    const std::vector<Holding> poses = all_held(pieces, &Piece<Dim>::poses);
+  SharingGraph(const std::vector<PartialMap<Dim>>& partials, const Closures<Dim>& closures)
+      : vertices_(static_cast<Vertex>(partials.size())), closures_(partials.size()) {
+    const std::vector<Holding> poses = all_held(partials, &PartialMap<Dim>::poses);
     add_shared(poses);
-    add_shared(all_held(pieces, &Piece<Dim>::features));
+    add_shared(all_held(partials, &PartialMap<Dim>::features));
     for (const auto* closure : closures) add_closure(*closure, poses);
     graph_ = make_graph(vertices_, edges_);
     edges_.clear();
   }
 
-  /// The closures at a piece.
-  const Closures<Dim>& closures(Vertex piece) const { return closures_[piece]; }
+  /// The closures at a partial map.
+  const Closures<Dim>& closures(Vertex partial) const { return closures_[partial]; }
   const Graph& graph() const { return graph_; }
 
  private:
@@ -61,59 +61,59 @@ class SubmapGraph {
     }
   }
 
-  void add_closure(const PoseObservation<Dim>& closure, const std::vector<Holding>& poses) {
+  void add_closure(const PoseFactor<Dim>& closure, const std::vector<Holding>& poses) {
     std::set<Vertex> ends;
     for (const Index pose : {closure.base, closure.target}) {
       auto held = std::lower_bound(poses.begin(), poses.end(), Holding{pose, 0});
       for (; held != poses.end() && held->first == pose; ++held) ends.insert(held->second);
     }
-    for (const Vertex piece : ends) {
-      edges_.emplace_back(vertices_, piece);
-      closures_[piece].push_back(&closure);
+    for (const Vertex partial : ends) {
+      edges_.emplace_back(vertices_, partial);
+      closures_[partial].push_back(&closure);
     }
     ++vertices_;
   }
 
   Vertex vertices_;
   std::vector<Edge> edges_;
-  std::vector<Closures<Dim>> closures_;  // per piece
+  std::vector<Closures<Dim>> closures_;  // per partial map
   Graph graph_;
 };
 
-/// The placement of `b` in the frame of `a` that gives what ties them the least chi2, the first of equals; none where nothing
+/// The alignment of `b` in the frame of `a` that gives what ties them the least chi2, the first of equals; none where nothing
 /// ties them.
 template <int Dim>
-std::optional<Pose<Dim>> placement_of(const Piece<Dim>& b, const Piece<Dim>& a, const Closures<Dim>& closures,
+std::optional<Pose<Dim>> alignment_of(const PartialMap<Dim>& b, const PartialMap<Dim>& a, const Closures<Dim>& closures,
                                       bool tries_hypotheses) {
-  const auto candidates = ties_between(a, b, closures).candidates();
+  const auto candidates = correspondences_between(a, b, closures).candidates();
   if (candidates.empty()) return std::nullopt;
   if (candidates.size() == 1 || !tries_hypotheses) return candidates.front();
-  const Seam<Dim> seam(a, b, closures);
-  return cheapest_placement<Dim>(candidates, [&](const Pose<Dim>& placement) { return seam.chi2(placement); });
+  const SharedFactors<Dim> shared(a, b, closures);
+  return cheapest_alignment<Dim>(candidates, [&](const Pose<Dim>& alignment) { return shared.chi2(alignment); });
 }
 
-/// Pieces of one frame that share nothing, merged.
+/// Partial maps of one frame that share nothing, merged.
 template <int Dim>
-Piece<Dim> united(std::span<Piece<Dim>> pieces) {
-  if (pieces.size() == 1) return std::move(pieces.front());
-  const std::size_t half = pieces.size() / 2;
-  return merged(united(pieces.first(half)), united(pieces.subspan(half)), Pose<Dim>{});
+PartialMap<Dim> united(std::span<PartialMap<Dim>> partials) {
+  if (partials.size() == 1) return std::move(partials.front());
+  const std::size_t half = partials.size() / 2;
+  return merged(united(partials.first(half)), united(partials.subspan(half)), Pose<Dim>{});
 }
 
-/// Walks along the graph of submaps from one piece to what shares something with it.
+/// Walks along the graph of submaps from one partial map to what shares something with it.
 template <int Dim>
 class Merging {
  public:
-  Merging(std::vector<Piece<Dim>> pieces, const Closures<Dim>& closures, bool tries_hypotheses)
-      : pieces_(std::move(pieces)),
-        submaps_(pieces_, closures),
-        is_merged_(pieces_.size(), false),
+  Merging(std::vector<PartialMap<Dim>> partials, const Closures<Dim>& closures, bool tries_hypotheses)
+      : partials_(std::move(partials)),
+        submaps_(partials_, closures),
+        is_merged_(partials_.size(), false),
         reached_from_(num_vertices(submaps_.graph()), kNone),
         tries_hypotheses_(tries_hypotheses) {}
 
-  std::vector<Piece<Dim>> all() {
-    std::vector<Piece<Dim>> all;
-    for (Vertex first = 0; first < pieces_.size(); ++first) {
+  std::vector<PartialMap<Dim>> all() {
+    std::vector<PartialMap<Dim>> all;
+    for (Vertex first = 0; first < partials_.size(); ++first) {
       if (!is_merged_[first]) all.push_back(grown_from(first));
     }
     return all;
@@ -122,86 +122,86 @@ class Merging {
  private:
   static constexpr Vertex kNone = std::numeric_limits<Vertex>::max();
 
-  Piece<Dim> grown_from(Vertex first) {
-    Piece<Dim> grown = std::move(pieces_[first]);
+  PartialMap<Dim> grown_from(Vertex first) {
+    PartialMap<Dim> grown = std::move(partials_[first]);
     std::set<Vertex> neighbours;
     take(first, first, neighbours);
     add_leaves(grown, neighbours);
     while (!neighbours.empty()) {
       const Vertex next = neighbours.extract(neighbours.begin()).value();
-      const auto placement = placement_in(grown, next);
-      if (!placement) continue;
-      grown = merged(grown, pieces_[next], *placement);
+      const auto alignment = alignment_in(grown, next);
+      if (!alignment) continue;
+      grown = merged(grown, partials_[next], *alignment);
       take(next, first, neighbours);
       add_leaves(grown, neighbours);
     }
     return grown;
   }
 
-  /// What a piece of the one that grows from `first` shares leads to its neighbours, unless it did before.
-  void take(Vertex piece, Vertex first, std::set<Vertex>& neighbours) {
-    is_merged_[piece] = true;
-    for (const Vertex shared : in(piece)) {
+  /// What a partial map of the one that grows from `first` shares leads to its neighbours, unless it did before.
+  void take(Vertex partial, Vertex first, std::set<Vertex>& neighbours) {
+    is_merged_[partial] = true;
+    for (const Vertex shared : in(partial)) {
       if (std::exchange(reached_from_[shared], first) == first) continue;
       for (const Vertex other : in(shared)) {
-        if (other > first && !is_merged_[other]) neighbours.insert(other);
+        if (!is_merged_[other]) neighbours.insert(other);
       }
     }
   }
 
   /// Neighbours that share nothing with any other: each has its place, whatever else is merged, and all are merged at once.
-  void add_leaves(Piece<Dim>& grown, std::set<Vertex>& neighbours) {
+  void add_leaves(PartialMap<Dim>& grown, std::set<Vertex>& neighbours) {
     std::vector<Vertex> leaves;
     std::copy_if(neighbours.begin(), neighbours.end(), std::back_inserter(leaves), [&](Vertex v) { return is_leaf(v); });
     if (leaves.size() < 2) return;
-    std::vector<Piece<Dim>> placed;
+    std::vector<PartialMap<Dim>> placed;
     for (const Vertex leaf : leaves) {
       neighbours.erase(leaf);
-      const auto placement = placement_in(grown, leaf);
-      if (!placement) continue;
+      const auto alignment = alignment_in(grown, leaf);
+      if (!alignment) continue;
       is_merged_[leaf] = true;
-      placed.push_back(std::move(pieces_[leaf]));
-      placed.back().state = moved(*placement, std::move(placed.back().state));
+      placed.push_back(std::move(partials_[leaf]));
+      placed.back().state = moved(*alignment, std::move(placed.back().state));
     }
     if (!placed.empty()) grown = merged(grown, united<Dim>(placed), Pose<Dim>{});
   }
 
-  bool is_leaf(Vertex piece) const {
-    for (const Vertex shared : in(piece)) {
+  bool is_leaf(Vertex partial) const {
+    for (const Vertex shared : in(partial)) {
       for (const Vertex other : in(shared)) {
-        if (other != piece && !is_merged_[other]) return false;
+        if (other != partial && !is_merged_[other]) return false;
       }
     }
     return true;
   }
 
-  std::optional<Pose<Dim>> placement_in(const Piece<Dim>& grown, Vertex piece) const {
-    return placement_of(pieces_[piece], grown, submaps_.closures(piece), tries_hypotheses_);
+  std::optional<Pose<Dim>> alignment_in(const PartialMap<Dim>& grown, Vertex partial) const {
+    return alignment_of(partials_[partial], grown, submaps_.closures(partial), tries_hypotheses_);
   }
 
-  /// What a piece shares, or the pieces that share something.
+  /// What a partial map shares, or the partial maps that share something.
   auto in(Vertex v) const { return boost::make_iterator_range(adjacent_vertices(v, submaps_.graph())); }
 
-  std::vector<Piece<Dim>> pieces_;
-  SubmapGraph<Dim> submaps_;
-  std::vector<bool> is_merged_;       // per piece
-  std::vector<Vertex> reached_from_;  // per vertex: the first piece of what reached it last
+  std::vector<PartialMap<Dim>> partials_;
+  SharingGraph<Dim> submaps_;
+  std::vector<bool> is_merged_;       // per partial map
+  std::vector<Vertex> reached_from_;  // per vertex: the first partial map of what reached it last
   bool tries_hypotheses_;
 };
 
 }  // namespace
 
 template <int Dim>
-std::vector<Piece<Dim>> merge_tied(std::vector<Piece<Dim>> pieces, const std::vector<const PoseObservation<Dim>*>& closures,
-                                   bool tries_hypotheses) {
-  if (pieces.size() != 2) return Merging<Dim>(std::move(pieces), closures, tries_hypotheses).all();
-  const auto placement = placement_of(pieces[1], pieces[0], closures, tries_hypotheses);
-  if (!placement) return pieces;
-  return {merged(pieces[0], pieces[1], *placement)};
+std::vector<PartialMap<Dim>> merge_tied(std::vector<PartialMap<Dim>> partials,
+                                        const std::vector<const PoseFactor<Dim>*>& closures, bool tries_hypotheses) {
+  if (partials.size() != 2) return Merging<Dim>(std::move(partials), closures, tries_hypotheses).all();
+  const auto alignment = alignment_of(partials[1], partials[0], closures, tries_hypotheses);
+  if (!alignment) return partials;
+  return {merged(partials[0], partials[1], *alignment)};
 }
 
 #define MAPJOIN_INSTANTIATE(Dim) \
-  template std::vector<Piece<Dim>> merge_tied(std::vector<Piece<Dim>>, const Closures<Dim>&, bool);
+  template std::vector<PartialMap<Dim>> merge_tied(std::vector<PartialMap<Dim>>, const Closures<Dim>&, bool);
 MAPJOIN_INSTANTIATE(2)
 MAPJOIN_INSTANTIATE(3)
 #undef MAPJOIN_INSTANTIATE

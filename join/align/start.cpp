@@ -8,7 +8,7 @@ namespace mapjoin {
 namespace {
 
 template <int Dim>
-Eigen::AlignedBox<double, Dim> bounding_box(const State<Dim>& state) {
+Eigen::AlignedBox<double, Dim> bounding_box(const Values<Dim>& state) {
   Eigen::AlignedBox<double, Dim> box;
   for (const auto& pose : state.poses) box.extend(pose.translation);
   for (const auto& feature : state.features) box.extend(feature);
@@ -36,40 +36,40 @@ Rotation<Dim> random_rotation(RandomStream& random) {
 }  // namespace
 
 template <int Dim>
-void set_to_zero(Piece<Dim>& piece) {
-  std::fill(piece.state.poses.begin() + 1, piece.state.poses.end(), Pose<Dim>{});
-  std::fill(piece.state.features.begin(), piece.state.features.end(), Point<Dim>::Zero());
+void set_to_zero(PartialMap<Dim>& partial) {
+  std::fill(partial.state.poses.begin() + 1, partial.state.poses.end(), Pose<Dim>{});
+  std::fill(partial.state.features.begin(), partial.state.features.end(), Point<Dim>::Zero());
 }
 
 template <int Dim>
-void set_to_random(std::uint64_t seed, Piece<Dim>& piece) {
-  const auto box = bounding_box(piece.state);
+void set_to_random(std::uint64_t seed, PartialMap<Dim>& partial) {
+  const auto box = bounding_box(partial.state);
   RandomStream random(seed, 0);
-  for (auto pose = piece.state.poses.begin() + 1; pose != piece.state.poses.end(); ++pose) {
+  for (auto pose = partial.state.poses.begin() + 1; pose != partial.state.poses.end(); ++pose) {
     pose->translation = random_point<Dim>(box, random);
     pose->rotation = random_rotation<Dim>(random);
   }
-  for (auto& feature : piece.state.features) feature = random_point<Dim>(box, random);
+  for (auto& feature : partial.state.features) feature = random_point<Dim>(box, random);
 }
 
 template <int Dim>
-void set_to_values(const State<Dim>& state, Piece<Dim>& piece) {
-  for (std::size_t p = 0; p < piece.poses.size(); ++p) piece.state.poses[p] = state.pose(piece.poses[p]);
-  for (std::size_t f = 0; f < piece.features.size(); ++f) piece.state.features[f] = state.feature(piece.features[f]);
+void set_to_values(const Values<Dim>& state, PartialMap<Dim>& partial) {
+  for (std::size_t p = 0; p < partial.poses.size(); ++p) partial.state.poses[p] = state.pose(partial.poses[p]);
+  for (std::size_t f = 0; f < partial.features.size(); ++f) partial.state.features[f] = state.feature(partial.features[f]);
 }
 
 template <int Dim>
-void set_start(Start start, std::uint64_t seed, const State<Dim>* values, Piece<Dim>& piece) {
-  if (start == Start::kZero) set_to_zero(piece);
-  if (start == Start::kRandom) set_to_random(seed, piece);
-  if (start == Start::kFile) set_to_values(*values, piece);
+void set_start(Start start, std::uint64_t seed, const Values<Dim>* values, PartialMap<Dim>& partial) {
+  if (start == Start::kZero) set_to_zero(partial);
+  if (start == Start::kRandom) set_to_random(seed, partial);
+  if (start == Start::kFile) set_to_values(*values, partial);
 }
 
-#define MAPJOIN_INSTANTIATE(Dim)                               \
-  template void set_to_zero(Piece<Dim>&);                      \
-  template void set_to_random(std::uint64_t, Piece<Dim>&);     \
-  template void set_to_values(const State<Dim>&, Piece<Dim>&); \
-  template void set_start(Start, std::uint64_t, const State<Dim>*, Piece<Dim>&);
+#define MAPJOIN_INSTANTIATE(Dim)                                     \
+  template void set_to_zero(PartialMap<Dim>&);                       \
+  template void set_to_random(std::uint64_t, PartialMap<Dim>&);      \
+  template void set_to_values(const Values<Dim>&, PartialMap<Dim>&); \
+  template void set_start(Start, std::uint64_t, const Values<Dim>*, PartialMap<Dim>&);
 MAPJOIN_INSTANTIATE(2)
 MAPJOIN_INSTANTIATE(3)
 #undef MAPJOIN_INSTANTIATE

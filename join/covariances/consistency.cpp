@@ -10,11 +10,11 @@ namespace {
 /// What takes the frame of the truth into that of the map.
 template <int Dim>
 Expected<Pose<Dim>> frame_of(const MapCovariances<Dim>& covariances, const Truth<Dim>& truth) {
-  if (covariances.held().size() != 1) return Pose<Dim>{};
-  const Index held = covariances.held().front();
-  const auto& true_pose = truth.poses[static_cast<std::size_t>(held)];
+  if (covariances.anchored().size() != 1) return Pose<Dim>{};
+  const Index anchored = covariances.anchored().front();
+  const auto& true_pose = truth.poses[static_cast<std::size_t>(anchored)];
   if (!true_pose) return tl::unexpected(Error{ErrorKind::kUsage, "the truth does not have the pose that holds the map still"});
-  return compose(covariances.state().pose(held), inverse(*true_pose));
+  return compose(covariances.state().pose(anchored), inverse(*true_pose));
 }
 
 /// Steps from the estimate to the truth, by variable, and which of them are known.
@@ -28,7 +28,7 @@ struct Errors {
 template <int Dim>
 Errors errors_of(const MapCovariances<Dim>& covariances, const Truth<Dim>& truth, const Pose<Dim>& frame) {
   const NormalEquations& equations = covariances.equations();
-  const State<Dim>& state = covariances.state();
+  const Values<Dim>& state = covariances.state();
   const Table<Variable, bool> none(equations.variables().size());
   Errors errors{Eigen::VectorXd::Zero(equations.size()), none, none, none};
   const auto add = [&](const PoseOrFeature& of, const auto& step, Table<Variable, bool>& known) {

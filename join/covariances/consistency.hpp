@@ -11,7 +11,7 @@
 
 namespace mapjoin {
 
-/// What is known of the true poses and features of a network, by their indices, in any one frame.
+/// What is known of the true poses and features of a submap graph, by their indices, in any one frame.
 template <int Dim>
 struct Truth {
   std::vector<std::optional<Pose<Dim>>> poses;

@@ -21,21 +21,21 @@ MapCovariances<Dim>::MapCovariances(Restored<Dim> restored, Estimate estimate, s
     : equations_(std::move(restored.problem.system().equations())),
       estimate_(estimate),
       most_memory_(most_memory),
-      pose_variables_(restored.network.pose_count, kConstant),
-      feature_variables_(restored.network.feature_count, kConstant),
+      pose_variables_(restored.graph.pose_count, kConstant),
+      feature_variables_(restored.graph.feature_count, kConstant),
       relations_(relations_of(restored)) {
-  const Piece<Dim>& whole = restored.whole;
-  const JointSystem<Dim>& system = restored.problem.system();
+  const PartialMap<Dim>& joined_map = restored.joined_map;
+  const JoiningSystem<Dim>& system = restored.problem.system();
   state_.poses.resize(pose_variables_.size());
   state_.features.resize(feature_variables_.size(), Point<Dim>::Zero());
-  write_values(system.estimate(), whole.poses, whole.features, state_);
-  for (std::size_t p = 0; p < whole.poses.size(); ++p) {
+  write_values(system.estimate(), joined_map.poses, joined_map.features, state_);
+  for (std::size_t p = 0; p < joined_map.poses.size(); ++p) {
     const Variable variable = system.pose_variable(static_cast<Index>(p));
-    pose_variables_[static_cast<std::size_t>(whole.poses[p])] = variable;
-    if (variable == kConstant) held_.push_back(whole.poses[p]);
+    pose_variables_[static_cast<std::size_t>(joined_map.poses[p])] = variable;
+    if (variable == kConstant) anchored_.push_back(joined_map.poses[p]);
   }
-  for (std::size_t f = 0; f < whole.features.size(); ++f) {
-    feature_variables_[static_cast<std::size_t>(whole.features[f])] = system.feature_variable(static_cast<Index>(f));
+  for (std::size_t f = 0; f < joined_map.features.size(); ++f) {
+    feature_variables_[static_cast<std::size_t>(joined_map.features[f])] = system.feature_variable(static_cast<Index>(f));
   }
 }
 

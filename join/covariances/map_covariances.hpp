@@ -58,9 +58,9 @@ class MapCovariances {
   /// The normal equations at the estimate, whose variables are those of variable().
   const NormalEquations& equations() const { return equations_; }
   /// Over all poses and features of the map.
-  const State<Dim>& state() const { return state_; }
+  const Values<Dim>& state() const { return state_; }
   /// The gauge: constant poses, ascending; empty where priors hold the map.
-  const std::vector<Index>& held() const { return held_; }
+  const std::vector<Index>& anchored() const { return anchored_; }
   /// The variable of a pose or feature, kConstant where it is constant or nothing observes it.
   Variable variable(const PoseOrFeature& of) const {
     return (of.is_pose ? pose_variables_ : feature_variables_)[static_cast<std::size_t>(of.index)];
@@ -87,8 +87,8 @@ class MapCovariances {
   NormalEquations equations_;
   Estimate estimate_;
   std::int64_t most_memory_;
-  State<Dim> state_;
-  std::vector<Index> held_;
+  Values<Dim> state_;
+  std::vector<Index> anchored_;
   std::vector<Variable> pose_variables_;
   std::vector<Variable> feature_variables_;
   Relations<Dim> relations_;  // without covariances

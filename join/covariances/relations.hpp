@@ -7,7 +7,7 @@
 // positions: errors add up along the tree.
 
 #include <mapjoin/join/restored.hpp>
-#include <mapjoin/model/state.hpp>
+#include <mapjoin/model/values.hpp>
 #include <vector>
 
 namespace mapjoin {
@@ -16,15 +16,15 @@ namespace mapjoin {
 template <int Dim>
 struct PoseRelation {
   Index parent = kWorld;  ///< A pose, or the World.
-  Pose<Dim> placement;
-  PoseMatrix<Dim> covariance = PoseMatrix<Dim>::Zero();  ///< Zero where the pose is held.
+  Pose<Dim> value;
+  PoseMatrix<Dim> covariance = PoseMatrix<Dim>::Zero();  ///< Zero where the pose is anchored.
 };
 
 /// A feature in the frame of its parent (m).
 template <int Dim>
 struct FeatureRelation {
   Index parent = kWorld;
-  Point<Dim> placement = Point<Dim>::Zero();
+  Point<Dim> value = Point<Dim>::Zero();
   PointMatrix<Dim> covariance = PointMatrix<Dim>::Zero();
 };
 
@@ -42,7 +42,7 @@ Relations<Dim> relations_of(const Restored<Dim>& restored);
 
 /// The map that the relations compose to.
 template <int Dim>
-State<Dim> composed(const Relations<Dim>& relations);
+Values<Dim> composed(const Relations<Dim>& relations);
 
 /// ∂(child in the frame of parent)/∂(parent, child).
 template <int Dim>

@@ -58,7 +58,7 @@ class FrontTree {
     bool is_open = false;                    // about to be eliminated again
     bool is_fresh = false;                   // not yet solved
   };
-  struct State {
+  struct Values {
     int dof;
     Eigen::Index offset;         // in solution_
     NodeIndex node = kNone;      // that eliminates it
@@ -95,7 +95,7 @@ class FrontTree {
   /// The solution over variables, of so many entries.
   Eigen::VectorXd gathered(const std::vector<Variable>& variables, Eigen::Index size) const;
 
-  Table<Variable, State> variables_;
+  Table<Variable, Values> variables_;
   Table<QuadraticIndex, Summand> quadratics_;
   std::vector<QuadraticIndex> touched_;  // since the last update, each once
   Table<NodeIndex, Node> nodes_;

@@ -15,14 +15,14 @@ constexpr double kMostTurn = 1.0;
 }  // namespace
 
 template <int Dim>
-Index IncrementalEstimate<Dim>::add_variable(bool is_pose, Index index, const Pose<Dim>& value, bool is_held) {
+Index IncrementalEstimate<Dim>::add_variable(bool is_pose, Index index, const Pose<Dim>& value, bool is_anchored) {
   JoinedVariable<Dim>& added = variables_.emplace_back();
   added.is_pose = is_pose;
   added.index = index;
   added.reference = added.value = value;
   is_remembered_.push_back(false);
   const auto v = static_cast<Index>(variables_.size()) - 1;
-  if (is_held) return v;
+  if (is_anchored) return v;
   added.column = tree_.add_variable(added.dof());
   variable_of_column_.resize(added.column.position() + 1);
   variable_of_column_[added.column] = v;
@@ -55,6 +55,7 @@ Settling IncrementalEstimate<Dim>::settle(std::span<const Index> last) {
     if (variable(v).column != kConstant) last_columns.push_back(variable(v).column);
   }
   Settling settling;
+  sum_chi2();
   while (!settling.converged && settling.iterations < kMostIterations) {
     linearise_stale();
     settling.eliminated += tree_.update(last_columns);
@@ -67,6 +68,13 @@ Settling IncrementalEstimate<Dim>::settle(std::span<const Index> last) {
   settling.moved = take_moved();
   known_ = variables_.size();
   return settling;
+}
+
+/// Anew, without the rounding of all that was added and taken away.
+template <int Dim>
+void IncrementalEstimate<Dim>::sum_chi2() {
+  chi2_ = 0.0;
+  for (const Factor& factor : factors_) chi2_ += factor.fit.chi2;
 }
 
 template <int Dim>

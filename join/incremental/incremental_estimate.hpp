@@ -25,8 +25,8 @@ struct Settling {
 template <int Dim>
 class IncrementalEstimate {
  public:
-  /// Variables are numbered from 0. One that is held stays where it is.
-  Index add_variable(bool is_pose, Index index, const Pose<Dim>& value, bool is_held);
+  /// Variables are numbered from 0. One that is anchored stays where it is.
+  Index add_variable(bool is_pose, Index index, const Pose<Dim>& value, bool is_anchored);
   /// Puts a variable of which no map is there yet elsewhere.
   void place(Index variable, const Pose<Dim>& value);
   void add_factor(MapFactor<Dim> factor);
@@ -48,6 +48,7 @@ class IncrementalEstimate {
   };
   JoinedVariable<Dim>& variable(Index v) { return variables_[static_cast<std::size_t>(v)]; }
   Factor& factor(Index f) { return factors_[static_cast<std::size_t>(f)]; }
+  void sum_chi2();
   void linearise_stale();
   /// Moves the variables to where the tree has them; false where chi2 would rise, all then staying where they are.
   bool take_step();

@@ -10,7 +10,7 @@
 #include <cstdint>
 #include <deque>
 #include <mapjoin/join/incremental/incremental_estimate.hpp>
-#include <mapjoin/join/incremental/part.hpp>
+#include <mapjoin/join/incremental/submap_update.hpp>
 #include <mapjoin/join/join.hpp>
 #include <optional>
 #include <span>
@@ -19,33 +19,33 @@
 
 namespace mapjoin {
 
-/// What adding a part did.
-struct AddedPart {
-  /// Whether it is in the estimate. A part that shares too little with it waits until something ties it.
+/// What adding an update did.
+struct AddedUpdate {
+  /// Whether it is in the estimate. An update that shares too little with it waits until something ties it.
   bool is_joined = false;
   double metres = 0.0;         ///< The most that a position has moved that was known before (m),
   double radians = 0.0;        ///< and a pose has turned (rad).
-  double chi2 = 0.0;           ///< Of all joined parts at the estimate,
+  double chi2 = 0.0;           ///< Of all joined updates at the estimate,
   std::int64_t dof = 0;        ///< and its degrees of freedom.
   std::size_t eliminated = 0;  ///< Variables eliminated again, over all iterations.
   int iterations = 0;
   bool converged = true;
-  bool looked_anew = false;  ///< Whether all parts were joined by join(), too,
-  bool joined_anew = false;  ///< and its estimate was taken, for it was better or the only one.
+  bool batch_checked = false;  ///< Whether all updates were joined by join(), too,
+  bool batch_adopted = false;  ///< and its estimate was taken, for it was better or the only one.
 };
 
 template <int Dim>
 class IncrementalJoin {
  public:
-  /// Where the first pose is held when the World says nothing.
+  /// Where the first pose is anchored when the World says nothing.
   explicit IncrementalJoin(const Pose<Dim>& origin = {}) : origin_(origin) {}
 
-  /// Adds the next part. Where a stop is requested while all parts are joined anew, the estimate stays as it is, and a part
-  /// that took that waits.
-  AddedPart add(Part<Dim> part, const std::stop_token& stop = {});
+  /// Adds the next update. Where a stop is requested while all updates are joined anew, the estimate stays as it is, and an
+  /// update that took that waits.
+  AddedUpdate add(SubmapUpdate<Dim> update, const std::stop_token& stop = {});
 
-  /// Adds many at once, as where the first part of a long log is there already.
-  AddedPart add_all(std::vector<Part<Dim>> parts, const std::stop_token& stop = {});
+  /// Adds many at once, as where the first part of a long log is there already. What is said of one holds for all of them.
+  AddedUpdate add_all(std::vector<SubmapUpdate<Dim>> updates, const std::stop_token& stop = {});
 
   /// The estimate of a pose or feature, or null while it is not in it.
   const Pose<Dim>* pose(Index pose) const;
@@ -67,33 +67,34 @@ class IncrementalJoin {
     }
   };
 
-  bool asks_for_join(const Part<Dim>& part) const;
-  std::vector<Pose<Dim>> placements(const Part<Dim>& part, const Piece<Dim>& piece) const;
-  bool knows_ends(const Part<Dim>& part, const Piece<Dim>& piece) const;
-  /// The variables of the part's piece, entered where they are new, and the part's factors; nothing where the part shares too
-  /// little with the estimate, which then stays as it is.
-  std::optional<std::vector<Index>> enter(const Part<Dim>& part);
-  Index enter_pose(Index index, const Pose<Dim>& value, bool is_held);
+  void add(SubmapUpdate<Dim> update, const std::stop_token& stop, AddedUpdate& added);
+  bool asks_for_join(const SubmapUpdate<Dim>& update) const;
+  std::vector<Pose<Dim>> alignments(const SubmapUpdate<Dim>& update, const PartialMap<Dim>& partial) const;
+  bool knows_ends(const SubmapUpdate<Dim>& update, const PartialMap<Dim>& partial) const;
+  /// The variables of the update's partial map, entered where they are new, and the update's factors; nothing where the update
+  /// shares too little with the estimate, which then stays as it is.
+  std::optional<std::vector<Index>> enter(const SubmapUpdate<Dim>& update);
+  Index enter_pose(Index index, const Pose<Dim>& value, bool is_anchored);
   Index enter_feature(Index index, const Point<Dim>& value);
-  std::vector<MapFactor<Dim>> factors_of(const Part<Dim>& part);
-  void settle(std::span<const Index> last, AddedPart& added);
+  std::vector<MapFactor<Dim>> factors_of(const SubmapUpdate<Dim>& update);
+  void settle(std::span<const Index> last, AddedUpdate& added);
   bool has_outgrown(double chi2_before, std::int64_t dof_before) const;
-  /// How many of their poses and features the waiting parts share with the estimate.
+  /// How many of their poses and features the waiting updates share with the estimate.
   std::size_t shared_by_waiting() const;
-  void admit_waiting(const std::stop_token& stop, AddedPart& added);
-  /// Joins all parts in the estimate and, where asked for, the waiting ones by join().
-  void join_anew(bool with_waiting, const std::stop_token& stop, AddedPart& added);
-  void take(const std::vector<const Part<Dim>*>& parts, const Join<Dim>& joined, AddedPart& added);
+  void admit_waiting(const std::stop_token& stop, AddedUpdate& added);
+  /// Joins all updates in the estimate and, where asked for, the waiting ones by join().
+  void adopt_batch(bool with_waiting, const std::stop_token& stop, AddedUpdate& added);
+  void take(const std::vector<const SubmapUpdate<Dim>*>& updates, const Join<Dim>& joined, AddedUpdate& added);
 
   Pose<Dim> origin_;
-  std::deque<Part<Dim>> parts_;
-  std::vector<std::size_t> waiting_;   // parts that are not in the estimate, ascending
+  std::deque<SubmapUpdate<Dim>> updates_;
+  std::vector<std::size_t> waiting_;   // updates that are not in the estimate, ascending
   std::size_t shared_when_tried_ = 0;  // by those that were waiting then
   std::deque<LocalMap<Dim>> singles_;  // single observations as maps of one target
   IncrementalEstimate<Dim> estimate_;
   Directory poses_;
   Directory features_;
-  bool is_held_by_world_ = false;
+  bool is_anchored_by_world_ = false;
 };
 
 }  // namespace mapjoin

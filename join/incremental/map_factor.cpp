@@ -20,7 +20,7 @@ void turn_into_delta(const JoinedVariable<Dim>& variable, Matrix<Rows, kPoseDof<
 
 /// Takes the blocks of one map to their rows in a quadratic, whose last row is that of FrontTree::kOne.
 struct QuadraticSink {
-  const std::vector<Eigen::Index>& rows;  // of each variable; -1 where it is held
+  const std::vector<Eigen::Index>& rows;  // of each variable; -1 where it is anchored
   Eigen::MatrixXd& H;
 
   template <typename Block>

@@ -21,7 +21,7 @@ struct JoinedVariable {
   Pose<Dim> reference;                             ///< Of a feature the translation.
   PoseVector<Dim> step = PoseVector<Dim>::Zero();  ///< δ; of a feature its first entries.
   Pose<Dim> value;                                 ///< The estimate.
-  Variable column = kConstant;                     ///< The variable of the linear system; kConstant where it is held.
+  Variable column = kConstant;                     ///< The variable of the linear system; kConstant where it is anchored.
   std::vector<Index> factors;
 
   int dof() const { return is_pose ? kPoseDof<Dim> : Dim; }
@@ -55,7 +55,7 @@ class MapFactor {
   double chi2(const JoinedVariables<Dim>& variables) const;
 
  private:
-  /// The base as a variable, which for the World is one that is held at the origin.
+  /// The base as a variable, which for the World is one that is anchored at the origin.
   const JoinedVariable<Dim>& base_of(const JoinedVariables<Dim>& variables) const;
   const JoinedVariable<Dim>& target(const JoinedVariables<Dim>& variables, std::size_t t) const;
   Eigen::VectorXd residual_at(const JoinedVariables<Dim>& variables) const;

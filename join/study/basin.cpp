@@ -210,7 +210,7 @@ Expected<Basin> basin(const Log<Dim>& log, const Split& split, const BasinOption
 }
 
 template <int Dim>
-Expected<Basin> basin(const MapSet<Dim>& set, const BasinOptions& options, const std::stop_token& stop) {
+Expected<Basin> basin(const SubmapSet<Dim>& set, const BasinOptions& options, const std::stop_token& stop) {
   demand_valid(options);
   if (auto connected = check_connected(set); !connected) return tl::unexpected(connected.error());
   Subjects subjects;
@@ -226,7 +226,7 @@ Expected<Basin> basin(const MapSet<Dim>& set, const BasinOptions& options, const
 #define MAPJOIN_INSTANTIATE(Dim)                                                                              \
   template Expected<Basin> basin(const Log<Dim>&, const BasinOptions&, const std::stop_token&);               \
   template Expected<Basin> basin(const Log<Dim>&, const Split&, const BasinOptions&, const std::stop_token&); \
-  template Expected<Basin> basin(const MapSet<Dim>&, const BasinOptions&, const std::stop_token&);
+  template Expected<Basin> basin(const SubmapSet<Dim>&, const BasinOptions&, const std::stop_token&);
 MAPJOIN_INSTANTIATE(2)
 MAPJOIN_INSTANTIATE(3)
 #undef MAPJOIN_INSTANTIATE

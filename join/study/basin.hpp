@@ -72,12 +72,12 @@ struct Basin {
 template <int Dim>
 Expected<Basin> basin(const Log<Dim>& log, const BasinOptions& options, const std::stop_token& stop = {});
 
-/// As before, of the log cut into these stretches.
+/// As before, of the log cut into these segments.
 template <int Dim>
 Expected<Basin> basin(const Log<Dim>& log, const Split& split, const BasinOptions& options, const std::stop_token& stop = {});
 
 /// The two joining formulations of local maps; identity covariances replace the maps' information.
 template <int Dim>
-Expected<Basin> basin(const MapSet<Dim>& set, const BasinOptions& options, const std::stop_token& stop = {});
+Expected<Basin> basin(const SubmapSet<Dim>& set, const BasinOptions& options, const std::stop_token& stop = {});
 
 }  // namespace mapjoin

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <mapjoin/check/connectivity.hpp>
-#include <mapjoin/join/align/whole.hpp>
+#include <mapjoin/join/align/joined_map.hpp>
 #include <mapjoin/join/spanning_tree.hpp>
 #include <mapjoin/join/study/continuation.hpp>
 #include <mapjoin/localmap/check.hpp>
@@ -28,12 +28,12 @@ void copy(std::vector<const Observation*>& own, std::vector<const Observation*>&
 }  // namespace
 
 template <int Dim>
-Continuation<Dim>::Continuation(JoinProblem<Dim>& join, const Piece<Dim>& piece, const Gauge<Dim>& gauge)
-    : join_(join), piece_(piece), gauge_(gauge), weighted_piece_(piece), weighted_gauge_(gauge) {
-  copy(weighted_piece_.factors.pose_factors, weighted_gauge_.priors.pose_factors, poses_);
-  copy(weighted_piece_.factors.feature_factors, weighted_gauge_.priors.feature_factors, features_);
-  maps_.reserve(piece.factors.submaps.size());  // addresses stay
-  for (const LocalMap<Dim>*& map : weighted_piece_.factors.submaps) {
+Continuation<Dim>::Continuation(JoinProblem<Dim>& join, const PartialMap<Dim>& partial, const Gauge<Dim>& gauge)
+    : join_(join), partial_(partial), gauge_(gauge), weighted_partial_(partial), weighted_gauge_(gauge) {
+  copy(weighted_partial_.factors.pose_factors, weighted_gauge_.priors.pose_factors, poses_);
+  copy(weighted_partial_.factors.feature_factors, weighted_gauge_.priors.feature_factors, features_);
+  maps_.reserve(partial.factors.submaps.size());  // addresses stay
+  for (const LocalMap<Dim>*& map : weighted_partial_.factors.submaps) {
     maps_.push_back({map, *map});
     map = &maps_.back().weighted;
   }
@@ -43,40 +43,40 @@ Continuation<Dim>::Continuation(JoinProblem<Dim>& join, const Piece<Dim>& piece,
 /// What the tree hangs by is quadratic.
 template <int Dim>
 void Continuation<Dim>::take_tree() {
-  using Source = typename JointSystem<Dim>::Source;
+  using Source = typename JoiningSystem<Dim>::Source;
   std::vector<std::vector<bool>> is_in_tree;  // per map and target
-  for (const WeightedMap& map : maps_) is_in_tree.emplace_back(map.whole->poses.size() + map.whole->features.size());
+  for (const WeightedMap& map : maps_) is_in_tree.emplace_back(map.joined_map->poses.size() + map.joined_map->features.size());
   const SpanningTree tree = spanning_tree(join_.system());
   for (const auto* edges : {&tree.poses, &tree.features}) {
     for (const TreeEdge& edge : *edges) {
       if (!edge.observation) continue;
-      const Source source = join_.system().source_of(edge.observation->clique);
-      if (source.kind == Source::kPoseObservation) poses_[source.place].is_quadratic = true;
-      if (source.kind == Source::kFeatureObservation) features_[source.place].is_quadratic = true;
+      const Source source = join_.system().source_of(edge.observation->factor);
+      if (source.kind == Source::kPoseFactor) poses_[source.place].is_quadratic = true;
+      if (source.kind == Source::kFeatureFactor) features_[source.place].is_quadratic = true;
       if (source.kind == Source::kMap) is_in_tree[source.place][edge.observation->target] = true;
     }
   }
   for (std::size_t m = 0; m < maps_.size(); ++m) {
-    const LocalMap<Dim>& whole = *maps_[m].whole;
+    const LocalMap<Dim>& joined_map = *maps_[m].joined_map;
     std::vector<Eigen::Index> rest;
     for (std::size_t t = 0; t < is_in_tree[m].size(); ++t) {
       auto& rows = is_in_tree[m][t] ? maps_[m].tree_rows : rest;
-      for (Eigen::Index row = whole.row(t); row < whole.row(t + 1); ++row) rows.push_back(row);
+      for (Eigen::Index row = joined_map.row(t); row < joined_map.row(t + 1); ++row) rows.push_back(row);
     }
-    maps_[m].quadratic = marginal_information(whole.information, maps_[m].tree_rows, rest);
+    maps_[m].quadratic = marginal_information(joined_map.information, maps_[m].tree_rows, rest);
   }
 }
 
 template <int Dim>
 void Continuation<Dim>::set_weight(double weight) {
-  for (auto& o : poses_) o.weighted.information = (o.is_quadratic ? 1.0 : weight) * o.whole->information;
-  for (auto& o : features_) o.weighted.information = (o.is_quadratic ? 1.0 : weight) * o.whole->information;
+  for (auto& o : poses_) o.weighted.information = (o.is_quadratic ? 1.0 : weight) * o.joined_map->information;
+  for (auto& o : features_) o.weighted.information = (o.is_quadratic ? 1.0 : weight) * o.joined_map->information;
   for (auto& m : maps_) {
-    m.weighted.information = weight * m.whole->information;
+    m.weighted.information = weight * m.joined_map->information;
     m.weighted.information(m.tree_rows, m.tree_rows) += (1.0 - weight) * m.quadratic;
   }
   const bool is_whole = weight == 1.0;
-  join_.system().observe(is_whole ? piece_ : weighted_piece_, is_whole ? gauge_ : weighted_gauge_);
+  join_.system().observe(is_whole ? partial_ : weighted_partial_, is_whole ? gauge_ : weighted_gauge_);
 }
 
 template <int Dim>
@@ -86,43 +86,43 @@ int ContinuedResult<Dim>::path_iterations() const {
 }
 
 template <int Dim>
-Piece<Dim> composed_start(const Network<Dim>& network, const Pose<Dim>& origin) {
-  Piece<Dim> whole = whole_of(network);
-  whole.state = composed_state(network, whole, origin, join_stretches(network, {Schedule::kBatch, {}, {}}));
-  place_fixed_poses(network, whole);
-  return whole;
+PartialMap<Dim> composed_start(const SubmapGraph<Dim>& graph, const Pose<Dim>& origin) {
+  PartialMap<Dim> joined_map = joined_map_of(graph);
+  joined_map.state = composed_state(graph, joined_map, origin, join_segments(graph, {Schedule::kBatch, {}, {}}));
+  place_fixed_poses(graph, joined_map);
+  return joined_map;
 }
 
 namespace {
 
-/// Where a path ends, over the whole network.
+/// Where a path ends, over the whole submap graph.
 template <int Dim>
 struct PathEnd {
-  State<Dim> state;
+  Values<Dim> state;
   std::vector<PathPoint> path;
   double seconds = 0.0;
 };
 
 template <int Dim>
-PathEnd<Dim> end_of_path(const Network<Dim>& network, const Pose<Dim>& origin, const State<Dim>* values,
+PathEnd<Dim> end_of_path(const SubmapGraph<Dim>& graph, const Pose<Dim>& origin, const Values<Dim>* values,
                          const RunOptions& options, const std::stop_token& stop) {
-  PathEnd<Dim> end{
-      {std::vector<Pose<Dim>>(network.pose_count), std::vector<Point<Dim>>(network.feature_count, Point<Dim>::Zero())}, {}};
+  PathEnd<Dim> end{{std::vector<Pose<Dim>>(graph.pose_count), std::vector<Point<Dim>>(graph.feature_count, Point<Dim>::Zero())},
+                   {}};
   const Stopwatch watch(end.seconds);
-  Piece<Dim> whole = composed_start(network, origin);
-  set_start(options.start, options.seed, values, whole);
-  place_fixed_poses(network, whole);
-  const Gauge<Dim> gauge = gauge_of(network, whole);
-  JoinProblem<Dim> join(whole, gauge, options.solver.engine);
+  PartialMap<Dim> joined_map = composed_start(graph, origin);
+  set_start(options.start, options.seed, values, joined_map);
+  place_fixed_poses(graph, joined_map);
+  const Gauge<Dim> gauge = gauge_of(graph, joined_map);
+  JoinProblem<Dim> join(joined_map, gauge, options.solver.engine);
   MinimiseOptions leading = solver_of(SolveOnTheWay::kLoosely);
   leading.method = options.solver.method;
-  Continuation<Dim> continuation(join, whole, gauge);
+  Continuation<Dim> continuation(join, joined_map, gauge);
   for (const double weight : {0.0, 1e-6, 1e-5, 1e-4, 1e-3, 1e-2, 1e-1}) {
     if (stop.stop_requested()) break;
     continuation.set_weight(weight);
     end.path.push_back({weight, minimise_join(join, options.state, leading, stop)});
   }
-  write_values(join.estimate(), whole.poses, whole.features, end.state);
+  write_values(join.estimate(), joined_map.poses, joined_map.features, end.state);
   return end;
 }
 
@@ -148,7 +148,7 @@ Expected<ContinuedResult<Dim>> run_continued(const Log<Dim>& log, const Split& s
   if (auto connected = check_connected(log); !connected) return tl::unexpected(connected.error());
   if (auto of_log = check_local_maps(log, split, maps); !of_log) return tl::unexpected(of_log.error());
   if (auto given = check_start(log, options.start); !given) return tl::unexpected(given.error());
-  PathEnd<Dim> end = end_of_path(network_of(log, split, maps), origin_of(log), &log.initial, options, stop);
+  PathEnd<Dim> end = end_of_path(submap_graph_of(log, split, maps), origin_of(log), &log.initial, options, stop);
   return run_from_maps(log, split, std::move(maps), from_values(options), stop, &end.state).map([&](RunResult<Dim>&& result) {
     return after(std::move(end), std::move(result));
   });
@@ -176,11 +176,12 @@ Expected<ContinuedResult<Dim>> run_continued(const Log<Dim>& log, const RunOptio
 }
 
 template <int Dim>
-Expected<ContinuedResult<Dim>> run_continued(const MapSet<Dim>& set, const RunOptions& options, const std::stop_token& stop) {
+Expected<ContinuedResult<Dim>> run_continued(const SubmapSet<Dim>& set, const RunOptions& options,
+                                             const std::stop_token& stop) {
   demand_valid(options);
   if (auto connected = check_connected(set); !connected) return tl::unexpected(connected.error());
   if (auto given = check_start(set, options.start); !given) return tl::unexpected(given.error());
-  PathEnd<Dim> end = end_of_path<Dim>(network_of(set), {}, nullptr, options, stop);
+  PathEnd<Dim> end = end_of_path<Dim>(submap_graph_of(set), {}, nullptr, options, stop);
   return run(set, from_values(options), stop, &end.state).map([&](RunResult<Dim>&& result) {
     return after(std::move(end), std::move(result));
   });
@@ -189,11 +190,11 @@ Expected<ContinuedResult<Dim>> run_continued(const MapSet<Dim>& set, const RunOp
 #define MAPJOIN_INSTANTIATE(Dim)                                                                                     \
   template class Continuation<Dim>;                                                                                  \
   template struct ContinuedResult<Dim>;                                                                              \
-  template Piece<Dim> composed_start(const Network<Dim>&, const Pose<Dim>&);                                         \
+  template PartialMap<Dim> composed_start(const SubmapGraph<Dim>&, const Pose<Dim>&);                                \
   template Expected<ContinuedResult<Dim>> run_continued(const Log<Dim>&, const RunOptions&, const std::stop_token&); \
   template Expected<ContinuedResult<Dim>> run_continued(const Log<Dim>&, const Split&, std::vector<LocalMap<Dim>>,   \
                                                         const RunOptions&, const std::stop_token&);                  \
-  template Expected<ContinuedResult<Dim>> run_continued(const MapSet<Dim>&, const RunOptions&, const std::stop_token&);
+  template Expected<ContinuedResult<Dim>> run_continued(const SubmapSet<Dim>&, const RunOptions&, const std::stop_token&);
 MAPJOIN_INSTANTIATE(2)
 MAPJOIN_INSTANTIATE(3)
 #undef MAPJOIN_INSTANTIATE

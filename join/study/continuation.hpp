@@ -8,10 +8,10 @@
 // weight s = 0, with one minimum, the composed start, whatever it was begun from; the join itself at s = 1.
 
 #include <Eigen/Core>
-#include <mapjoin/join/align/world.hpp>
+#include <mapjoin/join/align/gauge.hpp>
 #include <mapjoin/join/join_problem.hpp>
-#include <mapjoin/join/network.hpp>
 #include <mapjoin/join/run.hpp>
+#include <mapjoin/join/submap_graph.hpp>
 #include <stop_token>
 #include <vector>
 
@@ -21,8 +21,8 @@ namespace mapjoin {
 template <int Dim>
 class Continuation {
  public:
-  /// `join` is of `piece` and `gauge`; all three must outlive this. Its weight is 1.
-  Continuation(JoinProblem<Dim>& join, const Piece<Dim>& piece, const Gauge<Dim>& gauge);
+  /// `join` is of `partial map` and `gauge`; all three must outlive this. Its weight is 1.
+  Continuation(JoinProblem<Dim>& join, const PartialMap<Dim>& partial, const Gauge<Dim>& gauge);
   Continuation(const Continuation&) = delete;
   Continuation& operator=(const Continuation&) = delete;
 
@@ -32,26 +32,26 @@ class Continuation {
  private:
   /// A map or an observation, and its copy of weighted information: s W + (1 - s) of the marginal of the tree's rows.
   struct WeightedMap {
-    const LocalMap<Dim>* whole;
+    const LocalMap<Dim>* joined_map;
     LocalMap<Dim> weighted;
     std::vector<Eigen::Index> tree_rows{};
     Eigen::MatrixXd quadratic{};  // over the tree's rows
   };
   template <typename Observation>
   struct WeightedObservation {
-    const Observation* whole;
+    const Observation* joined_map;
     Observation weighted;
     bool is_quadratic = false;
   };
   void take_tree();
 
   JoinProblem<Dim>& join_;
-  const Piece<Dim>& piece_;
+  const PartialMap<Dim>& partial_;
   const Gauge<Dim>& gauge_;
-  Piece<Dim> weighted_piece_;
+  PartialMap<Dim> weighted_partial_;
   Gauge<Dim> weighted_gauge_;
-  std::vector<WeightedObservation<PoseObservation<Dim>>> poses_;        // those of the piece, then those of the gauge
-  std::vector<WeightedObservation<FeatureObservation<Dim>>> features_;  // likewise
+  std::vector<WeightedObservation<PoseFactor<Dim>>> poses_;        // those of the partial map, then those of the gauge
+  std::vector<WeightedObservation<FeatureFactor<Dim>>> features_;  // likewise
   std::vector<WeightedMap> maps_;
 };
 
@@ -69,9 +69,9 @@ struct ContinuedResult : RunResult<Dim> {
   int path_iterations() const;
 };
 
-/// The composed start of all that a network joins, with the first pose at `origin` where the World says nothing.
+/// The composed start of all that a submap graph joins, with the first pose at `origin` where the World says nothing.
 template <int Dim>
-Piece<Dim> composed_start(const Network<Dim>& network, const Pose<Dim>& origin);
+PartialMap<Dim> composed_start(const SubmapGraph<Dim>& graph, const Pose<Dim>& origin);
 
 /// As run() and run_from_maps(), by the batch schedule along a path to its start. With splits of one pose it is full SLAM.
 template <int Dim>
@@ -80,7 +80,7 @@ template <int Dim>
 Expected<ContinuedResult<Dim>> run_continued(const Log<Dim>& log, const Split& split, std::vector<LocalMap<Dim>> maps,
                                              const RunOptions& options, const std::stop_token& stop = {});
 template <int Dim>
-Expected<ContinuedResult<Dim>> run_continued(const MapSet<Dim>& set, const RunOptions& options,
+Expected<ContinuedResult<Dim>> run_continued(const SubmapSet<Dim>& set, const RunOptions& options,
                                              const std::stop_token& stop = {});
 
 }  // namespace mapjoin

@@ -15,17 +15,17 @@
 namespace mapjoin {
 namespace {
 
-/// Of the whole network.
+/// Of the whole submap graph.
 template <int Dim>
 struct Pair {
-  State<Dim> X;
-  State<Dim> Y;
+  Values<Dim> X;
+  Values<Dim> Y;
 };
 
 /// What the default method finds: the reference for headings, and F*.
 template <int Dim>
 struct Best {
-  State<Dim> state;  // of the whole network
+  Values<Dim> state;  // of the whole submap graph
   double chi2;
 };
 
@@ -34,10 +34,10 @@ tl::unexpected<Error> interrupted() {
 }
 
 template <int Dim>
-State<Dim> restricted(const State<Dim>& whole, const Piece<Dim>& piece) {
-  State<Dim> part;
-  for (const Index pose : piece.poses) part.poses.push_back(whole.pose(pose));
-  for (const Index feature : piece.features) part.features.push_back(whole.feature(feature));
+Values<Dim> restricted(const Values<Dim>& joined_map, const PartialMap<Dim>& partial) {
+  Values<Dim> part;
+  for (const Index pose : partial.poses) part.poses.push_back(joined_map.pose(pose));
+  for (const Index feature : partial.features) part.features.push_back(joined_map.feature(feature));
   return part;
 }
 
@@ -45,25 +45,25 @@ State<Dim> restricted(const State<Dim>& whole, const Piece<Dim>& piece) {
 template <int Dim>
 class PosedProblem {
  public:
-  PosedProblem(Network<Dim> network, const Best<Dim>& best, bool is_joining)
-      : network_(std::move(network)),
-        composed_(composed_start(network_, best.state.poses.front())),
-        problem_(composed_, gauge_of(network_, composed_)),
+  PosedProblem(SubmapGraph<Dim> graph, const Best<Dim>& best, bool is_joining)
+      : graph_(std::move(graph)),
+        composed_(composed_start(graph_, best.state.poses.front())),
+        problem_(composed_, gauge_of(graph_, composed_)),
         best_(best),
         best_part_(restricted(best.state, composed_)),
         is_joining_(is_joining) {}
   PosedProblem(const PosedProblem&) = delete;
   PosedProblem& operator=(const PosedProblem&) = delete;
 
-  /// The states that the options ask for, over the whole network.
+  /// The states that the options ask for, over the whole submap graph.
   std::vector<Pair<Dim>> drawn_pairs(const ConvexityOptions& options) {
     const StateSampler<Dim> sampler(options.source, options.spread, composed_, problem_.system(), best_part_);
     const auto state = [&](std::size_t number) {
-      State<Dim> whole{std::vector<Pose<Dim>>(network_.pose_count),
-                       std::vector<Point<Dim>>(network_.feature_count, Point<Dim>::Zero())};
-      const State<Dim> drawn = sampler.draw(RandomStream(options.seed, number).next());
-      write_values(drawn, composed_.poses, composed_.features, whole);
-      return whole;
+      Values<Dim> joined_map{std::vector<Pose<Dim>>(graph_.pose_count),
+                             std::vector<Point<Dim>>(graph_.feature_count, Point<Dim>::Zero())};
+      const Values<Dim> drawn = sampler.draw(RandomStream(options.seed, number).next());
+      write_values(drawn, composed_.poses, composed_.features, joined_map);
+      return joined_map;
     };
     std::vector<Pair<Dim>> pairs;
     for (std::size_t k = 0; k < options.pairs; ++k) {
@@ -87,8 +87,8 @@ class PosedProblem {
     const RelativeCoordinates<Dim> relative(problem_.system(), best_part_);
     for (const Pair<Dim>& pair : pairs) {
       if (stop.stop_requested()) return interrupted();
-      const State<Dim> X = restricted(pair.X, composed_);
-      const State<Dim> Y = restricted(pair.Y, composed_);
+      const Values<Dim> X = restricted(pair.X, composed_);
+      const Values<Dim> Y = restricted(pair.Y, composed_);
       LineOfStates line;
       if (state == JoinedState::kAbsolute) {
         line.values = sampled([&](double lambda) { return objective(on_line(X, Y, lambda)); }, points);
@@ -121,11 +121,11 @@ class PosedProblem {
     return step;
   }
 
-  Network<Dim> network_;
-  Piece<Dim> composed_;
+  SubmapGraph<Dim> graph_;
+  PartialMap<Dim> composed_;
   JoinProblem<Dim> problem_;
   Best<Dim> best_;
-  State<Dim> best_part_;  // of what is posed
+  Values<Dim> best_part_;  // of what is posed
   bool is_joining_;
 };
 
@@ -161,9 +161,9 @@ std::vector<std::string> ConvexityOptions::validate() const {
 }
 
 std::optional<double> FirstStep::share() const {
-  const double whole = start_chi2 - best_chi2;
-  if (!(whole > 1e-9 * start_chi2) || !std::isfinite(chi2)) return std::nullopt;
-  return (start_chi2 - chi2) / whole;
+  const double joined_map = start_chi2 - best_chi2;
+  if (!(joined_map > 1e-9 * start_chi2) || !std::isfinite(chi2)) return std::nullopt;
+  return (start_chi2 - chi2) / joined_map;
 }
 
 template <int Dim>
@@ -172,12 +172,13 @@ Expected<Convexity> convexity(const Log<Dim>& log, const Split& split, const std
   demand_valid(options);
   const auto best = run_from_maps(log, split, maps, {}, stop);
   if (!best) return tl::unexpected(best.error());
-  const State<Dim> state{best->map.poses, best->map.features};
+  const Values<Dim> state{best->map.poses, best->map.features};
   const Split one_step = mapjoin::split(log, {SplitRule::kPoses, 1.0});
   std::vector<std::unique_ptr<PosedProblem<Dim>>> problems;
-  problems.push_back(std::make_unique<PosedProblem<Dim>>(network_of(log, one_step, {}), Best<Dim>{state, best->chi2}, false));
   problems.push_back(
-      std::make_unique<PosedProblem<Dim>>(network_of(log, split, maps), Best<Dim>{state, best->join.chi2}, true));
+      std::make_unique<PosedProblem<Dim>>(submap_graph_of(log, one_step, {}), Best<Dim>{state, best->chi2}, false));
+  problems.push_back(
+      std::make_unique<PosedProblem<Dim>>(submap_graph_of(log, split, maps), Best<Dim>{state, best->join.chi2}, true));
   return figures_of(problems, options, stop);
 }
 
@@ -192,13 +193,13 @@ Expected<Convexity> convexity(const Log<Dim>& log, const ConvexityOptions& optio
 }
 
 template <int Dim>
-Expected<Convexity> convexity(const MapSet<Dim>& set, const ConvexityOptions& options, const std::stop_token& stop) {
+Expected<Convexity> convexity(const SubmapSet<Dim>& set, const ConvexityOptions& options, const std::stop_token& stop) {
   demand_valid(options);
   const auto best = run(set, {}, stop);
   if (!best) return tl::unexpected(best.error());
   std::vector<std::unique_ptr<PosedProblem<Dim>>> problems;
-  problems.push_back(
-      std::make_unique<PosedProblem<Dim>>(network_of(set), Best<Dim>{{best->map.poses, best->map.features}, best->chi2}, true));
+  problems.push_back(std::make_unique<PosedProblem<Dim>>(submap_graph_of(set),
+                                                         Best<Dim>{{best->map.poses, best->map.features}, best->chi2}, true));
   return figures_of(problems, options, stop);
 }
 
@@ -206,7 +207,7 @@ Expected<Convexity> convexity(const MapSet<Dim>& set, const ConvexityOptions& op
   template Expected<Convexity> convexity(const Log<Dim>&, const ConvexityOptions&, const std::stop_token&); \
   template Expected<Convexity> convexity(const Log<Dim>&, const Split&, const std::vector<LocalMap<Dim>>&,  \
                                          const ConvexityOptions&, const std::stop_token&);                  \
-  template Expected<Convexity> convexity(const MapSet<Dim>&, const ConvexityOptions&, const std::stop_token&);
+  template Expected<Convexity> convexity(const SubmapSet<Dim>&, const ConvexityOptions&, const std::stop_token&);
 MAPJOIN_INSTANTIATE(2)
 MAPJOIN_INSTANTIATE(3)
 #undef MAPJOIN_INSTANTIATE

@@ -74,6 +74,6 @@ Expected<Convexity> convexity(const Log<Dim>& log, const Split& split, const std
 
 /// The two formulations of joining, of local maps of which nothing else is known.
 template <int Dim>
-Expected<Convexity> convexity(const MapSet<Dim>& set, const ConvexityOptions& options, const std::stop_token& stop = {});
+Expected<Convexity> convexity(const SubmapSet<Dim>& set, const ConvexityOptions& options, const std::stop_token& stop = {});
 
 }  // namespace mapjoin

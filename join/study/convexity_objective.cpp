@@ -22,7 +22,7 @@ double turns(const Pose<3>&, const Pose<3>&, const Pose<3>&) {
 }  // namespace
 
 template <int Dim>
-UnwrappedObjective<Dim>::UnwrappedObjective(const JointSystem<Dim>& system, const State<Dim>& reference) : system_(system) {
+UnwrappedObjective<Dim>::UnwrappedObjective(const JoiningSystem<Dim>& system, const Values<Dim>& reference) : system_(system) {
   for_each_integrated(system, [&](const IntegratedObservation<Dim>& o) {
     for (std::size_t p = 0; p < o.poses.size(); ++p) {
       turns_.push_back(turns(o.measured_poses[p], reference.pose(o.base), reference.pose(o.poses[p])));
@@ -31,7 +31,7 @@ UnwrappedObjective<Dim>::UnwrappedObjective(const JointSystem<Dim>& system, cons
 }
 
 template <int Dim>
-double UnwrappedObjective<Dim>::operator()(const State<Dim>& state) const {
+double UnwrappedObjective<Dim>::operator()(const Values<Dim>& state) const {
   double chi2 = 0.0;
   auto turned = turns_.begin();
   Eigen::VectorXd r;

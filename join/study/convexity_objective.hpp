@@ -6,8 +6,8 @@
 #include <Eigen/Core>
 #include <cstdint>
 #include <mapjoin/join/joined_state.hpp>
-#include <mapjoin/join/joint_system.hpp>
-#include <mapjoin/model/state.hpp>
+#include <mapjoin/join/joining_system.hpp>
+#include <mapjoin/model/values.hpp>
 #include <span>
 #include <vector>
 
@@ -17,7 +17,7 @@ namespace mapjoin {
 /// information matrix over all of them, the poses first.
 template <int Dim>
 struct IntegratedObservation {
-  std::size_t clique;  ///< Its number in the system.
+  std::size_t factor;  ///< Its number in the system.
   Index base;
   std::span<const Pose<Dim>> measured_poses;
   std::span<const Index> poses;
@@ -28,18 +28,18 @@ struct IntegratedObservation {
 
 /// Every observation and every map of a system, in the order of its cliques.
 template <int Dim, typename Visit>
-void for_each_integrated(const JointSystem<Dim>& system, Visit&& visit) {
+void for_each_integrated(const JoiningSystem<Dim>& system, Visit&& visit) {
   using Observation = IntegratedObservation<Dim>;
-  std::size_t clique = 0;
-  for (const auto& [o, base, target] : system.pose_observations()) {
-    visit(Observation{clique++, base, {&o->measured, 1}, {&target, 1}, {}, {}, o->information});
+  std::size_t factor = 0;
+  for (const auto& [o, base, target] : system.pose_factors()) {
+    visit(Observation{factor++, base, {&o->measured, 1}, {&target, 1}, {}, {}, o->information});
   }
-  for (const auto& [o, base, target] : system.feature_observations()) {
-    visit(Observation{clique++, base, {}, {}, {&o->measured, 1}, {&target, 1}, o->information});
+  for (const auto& [o, base, target] : system.feature_factors()) {
+    visit(Observation{factor++, base, {}, {}, {&o->measured, 1}, {&target, 1}, o->information});
   }
   for (const auto& placed : system.maps()) {
     const LocalMap<Dim>& map = *placed.map;
-    visit(Observation{clique++, placed.base, map.pose_estimates, placed.poses, map.feature_estimates, placed.features,
+    visit(Observation{factor++, placed.base, map.pose_estimates, placed.poses, map.feature_estimates, placed.features,
                       map.information});
   }
 }
@@ -52,12 +52,12 @@ template <int Dim>
 class UnwrappedObjective {
  public:
   /// `system` must outlive the objective.
-  UnwrappedObjective(const JointSystem<Dim>& system, const State<Dim>& reference);
+  UnwrappedObjective(const JoiningSystem<Dim>& system, const Values<Dim>& reference);
 
-  double operator()(const State<Dim>& state) const;
+  double operator()(const Values<Dim>& state) const;
 
  private:
-  const JointSystem<Dim>& system_;
+  const JoiningSystem<Dim>& system_;
   std::vector<double> turns_;  // (rad) per observed pose, in the order of the system; 0 in space
 };
 
@@ -65,7 +65,8 @@ class UnwrappedObjective {
 ///
 /// A row of an observation is linear
 ///
-///   - in the absolute state where its base is held or the World, for then R(φ_b) is a constant; in the plane, where it is a
+///   - in the absolute state where its base is anchored or the World, for then R(φ_b) is a constant; in the plane, where it is
+///   a
 ///     heading difference;
 ///   - in the relative state where the relation that it measures is one of the state's, along the spanning tree: odometry,
 ///   first
@@ -87,6 +88,6 @@ struct QuadraticShare {
 
 /// At the estimate of `system`, which has just been linearised and factorised there.
 template <int Dim>
-QuadraticShare quadratic_share(const JointSystem<Dim>& system, JoinedState state);
+QuadraticShare quadratic_share(const JoiningSystem<Dim>& system, JoinedState state);
 
 }  // namespace mapjoin

@@ -29,8 +29,8 @@ Vector<Rows> normal_vector(Eigen::Index rows, RandomStream& random) {
 }  // namespace
 
 template <int Dim>
-StateSampler<Dim>::StateSampler(StateSource source, double spread, const Piece<Dim>& composed, const JointSystem<Dim>& system,
-                                const State<Dim>& reference)
+StateSampler<Dim>::StateSampler(StateSource source, double spread, const PartialMap<Dim>& composed,
+                                const JoiningSystem<Dim>& system, const Values<Dim>& reference)
     : source_(source),
       spread_(spread),
       composed_(composed),
@@ -42,35 +42,35 @@ StateSampler<Dim>::StateSampler(StateSource source, double spread, const Piece<D
 }
 
 template <int Dim>
-State<Dim> StateSampler<Dim>::draw(std::uint64_t seed) const {
+Values<Dim> StateSampler<Dim>::draw(std::uint64_t seed) const {
   return source_ == StateSource::kBox ? draw_from_box(seed) : draw_drifted(seed);
 }
 
 template <int Dim>
-State<Dim> StateSampler<Dim>::draw_from_box(std::uint64_t seed) const {
-  Piece<Dim> piece = composed_;
-  set_to_random(seed, piece);
-  for (std::size_t p = 0; p < piece.state.poses.size(); ++p) {
-    if (system_.is_held(static_cast<Index>(p))) piece.state.poses[p] = reference_.poses[p];
+Values<Dim> StateSampler<Dim>::draw_from_box(std::uint64_t seed) const {
+  PartialMap<Dim> partial = composed_;
+  set_to_random(seed, partial);
+  for (std::size_t p = 0; p < partial.state.poses.size(); ++p) {
+    if (system_.is_anchored(static_cast<Index>(p))) partial.state.poses[p] = reference_.poses[p];
   }
-  return unwrapped_near(std::move(piece.state), reference_);
+  return unwrapped_near(std::move(partial.state), reference_);
 }
 
 template <int Dim>
-State<Dim> StateSampler<Dim>::draw_drifted(std::uint64_t seed) const {
+Values<Dim> StateSampler<Dim>::draw_drifted(std::uint64_t seed) const {
   RandomStream random(seed, 1);
   std::vector<Eigen::VectorXd> map_errors;
   for (const auto& S : map_deviations_) map_errors.push_back(S * normal_vector<Eigen::Dynamic>(S.cols(), random));
 
   const auto error_of = [&]<int Dof>(const TreeObservation& edge, std::integral_constant<int, Dof>) -> Vector<Dof> {
-    const auto [kind, place] = system_.source_of(edge.clique);
-    if (kind == JointSystem<Dim>::Source::kMap) {
+    const auto [kind, place] = system_.source_of(edge.factor);
+    if (kind == JoiningSystem<Dim>::Source::kMap) {
       return map_errors[place].template segment<Dof>(system_.maps()[place].map->row(edge.target));
     }
     if constexpr (Dof == kPoseDof<Dim>) {
-      return deviation(system_.pose_observations()[place].observation->information) * normal_vector<Dof>(Dof, random);
+      return deviation(system_.pose_factors()[place].observation->information) * normal_vector<Dof>(Dof, random);
     } else {
-      return deviation(system_.feature_observations()[place].observation->information) * normal_vector<Dof>(Dof, random);
+      return deviation(system_.feature_factors()[place].observation->information) * normal_vector<Dof>(Dof, random);
     }
   };
   const SpanningTree& tree = coordinates_.tree();

@@ -3,7 +3,7 @@
 // The random states between which the objective is looked at.
 
 #include <cstdint>
-#include <mapjoin/join/align/piece.hpp>
+#include <mapjoin/join/align/partial_map.hpp>
 #include <mapjoin/join/study/convexity_states.hpp>
 #include <mapjoin/model/enum_names.hpp>
 #include <string>
@@ -26,21 +26,21 @@ template <int Dim>
 class StateSampler {
  public:
   /// `composed` is the composed start. All must outlive the sampler. `spread` multiplies the errors of kDrift.
-  StateSampler(StateSource source, double spread, const Piece<Dim>& composed, const JointSystem<Dim>& system,
-               const State<Dim>& reference);
+  StateSampler(StateSource source, double spread, const PartialMap<Dim>& composed, const JoiningSystem<Dim>& system,
+               const Values<Dim>& reference);
 
   /// The same seed gives the same state.
-  State<Dim> draw(std::uint64_t seed) const;
+  Values<Dim> draw(std::uint64_t seed) const;
 
  private:
-  State<Dim> draw_from_box(std::uint64_t seed) const;
-  State<Dim> draw_drifted(std::uint64_t seed) const;
+  Values<Dim> draw_from_box(std::uint64_t seed) const;
+  Values<Dim> draw_drifted(std::uint64_t seed) const;
 
   StateSource source_;
   double spread_;
-  const Piece<Dim>& composed_;
-  const JointSystem<Dim>& system_;
-  const State<Dim>& reference_;
+  const PartialMap<Dim>& composed_;
+  const JoiningSystem<Dim>& system_;
+  const Values<Dim>& reference_;
   RelativeCoordinates<Dim> coordinates_;
   std::vector<Eigen::MatrixXd> map_deviations_;  // S with S Sᵀ = W⁻¹, per map
 };

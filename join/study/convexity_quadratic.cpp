@@ -17,7 +17,7 @@ namespace {
 template <int Dim>
 class Linearity {
  public:
-  Linearity(const JointSystem<Dim>& system, JoinedState state) : system_(system), state_(state) {
+  Linearity(const JoiningSystem<Dim>& system, JoinedState state) : system_(system), state_(state) {
     if (state == JoinedState::kAbsolute) return;
     SpanningTree tree = spanning_tree(system);
     poses_.resize(system.estimate().poses.size());
@@ -48,7 +48,7 @@ class Linearity {
     return edge->parent == parent || (!from_child && is_still(edge->parent) && is_still(parent));
   }
 
-  const JointSystem<Dim>& system_;
+  const JoiningSystem<Dim>& system_;
   JoinedState state_;
   std::vector<std::optional<TreeEdge>> poses_;  // per place; none where held
   std::vector<TreeEdge> features_;
@@ -66,10 +66,10 @@ struct Rows {
 template <int Dim>
 class Counter {
  public:
-  Counter(const JointSystem<Dim>& system, JoinedState state)
+  Counter(const JoiningSystem<Dim>& system, JoinedState state)
       : system_(system), linearity_(system, state), marginals_(system.equations()) {}
 
-  QuadraticShare counted() {
+  QuadraticShare plural() {
     for_each_integrated(system_, [&](const IntegratedObservation<Dim>& o) { add(o); });
     share_.information /= static_cast<double>(system_.equations().size());
     return share_;
@@ -101,7 +101,7 @@ class Counter {
 
   /// The rows of an observation; the base is its first slot.
   Rows rows_of(const IntegratedObservation<Dim>& o, const Slots& slots) const {
-    const State<Dim>& at = system_.estimate();
+    const Values<Dim>& at = system_.estimate();
     Rows rows(o.W.rows(), slots.columns);
     Eigen::Index row = 0;
     std::size_t slot = 1;
@@ -119,7 +119,7 @@ class Counter {
   }
 
   void add(const IntegratedObservation<Dim>& o) {
-    const Slots slots(*this, o.clique);
+    const Slots slots(*this, o.factor);
     const Rows rows = rows_of(o, slots);
     share_.rows += information_rank(Eigen::MatrixXd(o.W));
     if (rows.linear.empty()) return;
@@ -130,7 +130,7 @@ class Counter {
     share_.information += (M * J * marginals_.joint(slots.free)).cwiseProduct(J).sum();
   }
 
-  const JointSystem<Dim>& system_;
+  const JoiningSystem<Dim>& system_;
   Linearity<Dim> linearity_;
   Marginals marginals_;
   QuadraticShare share_;
@@ -139,11 +139,11 @@ class Counter {
 }  // namespace
 
 template <int Dim>
-QuadraticShare quadratic_share(const JointSystem<Dim>& system, JoinedState state) {
-  return Counter<Dim>(system, state).counted();
+QuadraticShare quadratic_share(const JoiningSystem<Dim>& system, JoinedState state) {
+  return Counter<Dim>(system, state).plural();
 }
 
-template QuadraticShare quadratic_share(const JointSystem<2>&, JoinedState);
-template QuadraticShare quadratic_share(const JointSystem<3>&, JoinedState);
+template QuadraticShare quadratic_share(const JoiningSystem<2>&, JoinedState);
+template QuadraticShare quadratic_share(const JoiningSystem<3>&, JoinedState);
 
 }  // namespace mapjoin

@@ -27,21 +27,21 @@ bool is_from_child(const TreeEdge& edge) {
 
 /// What was measured of a relation between poses, or its value in `reference` where nothing was.
 template <int Dim>
-Pose<Dim> measured_pose(const JointSystem<Dim>& system, const TreeEdge& edge, const Pose<Dim>& in_reference) {
+Pose<Dim> measured_pose(const JoiningSystem<Dim>& system, const TreeEdge& edge, const Pose<Dim>& in_reference) {
   if (!edge.observation) return in_reference;
-  const auto [kind, place] = system.source_of(edge.observation->clique);
-  const Pose<Dim>& measured = kind == JointSystem<Dim>::Source::kMap
+  const auto [kind, place] = system.source_of(edge.observation->factor);
+  const Pose<Dim>& measured = kind == JoiningSystem<Dim>::Source::kMap
                                   ? system.maps()[place].map->pose_estimates[edge.observation->target]
-                                  : system.pose_observations()[place].observation->measured;
+                                  : system.pose_factors()[place].observation->measured;
   // The same rotation, its heading within half a turn of the reference's.
   return retract(in_reference, local(in_reference, measured));
 }
 
 template <int Dim>
-Point<Dim> measured_point(const JointSystem<Dim>& system, const TreeEdge& edge, const State<Dim>& reference) {
+Point<Dim> measured_point(const JoiningSystem<Dim>& system, const TreeEdge& edge, const Values<Dim>& reference) {
   if (!edge.observation) return transform_into(reference.pose(edge.parent), reference.feature(edge.child));
-  const auto [kind, place] = system.source_of(edge.observation->clique);
-  if (kind == JointSystem<Dim>::Source::kFeatureObservation) return system.feature_observations()[place].observation->measured;
+  const auto [kind, place] = system.source_of(edge.observation->factor);
+  if (kind == JoiningSystem<Dim>::Source::kFeatureFactor) return system.feature_factors()[place].observation->measured;
   const LocalMap<Dim>& map = *system.maps()[place].map;
   return map.feature_estimates[edge.observation->target - map.poses.size()];
 }
@@ -49,7 +49,7 @@ Point<Dim> measured_point(const JointSystem<Dim>& system, const TreeEdge& edge, 
 }  // namespace
 
 template <int Dim>
-State<Dim> unwrapped_near(State<Dim> state, const State<Dim>& reference) {
+Values<Dim> unwrapped_near(Values<Dim> state, const Values<Dim>& reference) {
   for (std::size_t p = 0; p < state.poses.size(); ++p) {
     const Rotation<Dim>& near = reference.poses[p].rotation;
     state.poses[p].rotation = near * Rotation<Dim>::exp((near.inverse() * state.poses[p].rotation).log());
@@ -58,8 +58,8 @@ State<Dim> unwrapped_near(State<Dim> state, const State<Dim>& reference) {
 }
 
 template <int Dim>
-State<Dim> on_line(const State<Dim>& X, const State<Dim>& Y, double lambda) {
-  State<Dim> state = Y;
+Values<Dim> on_line(const Values<Dim>& X, const Values<Dim>& Y, double lambda) {
+  Values<Dim> state = Y;
   for (std::size_t p = 0; p < state.poses.size(); ++p) {
     state.poses[p] = retract<Dim>(Y.poses[p], lambda * difference(Y.poses[p], X.poses[p]));
   }
@@ -68,21 +68,21 @@ State<Dim> on_line(const State<Dim>& X, const State<Dim>& Y, double lambda) {
 }
 
 template <int Dim>
-RelativeCoordinates<Dim>::RelativeCoordinates(const JointSystem<Dim>& system, const State<Dim>& reference)
-    : tree_(spanning_tree(system)), held_(reference) {
+RelativeCoordinates<Dim>::RelativeCoordinates(const JoiningSystem<Dim>& system, const Values<Dim>& reference)
+    : tree_(spanning_tree(system)), anchored_(reference) {
   for (const TreeEdge& edge : tree_.poses) poses_.push_back(measured_pose(system, edge, relation(edge, reference)));
   for (const TreeEdge& edge : tree_.features) features_.push_back(measured_point(system, edge, reference));
 }
 
 template <int Dim>
-Pose<Dim> RelativeCoordinates<Dim>::relation(const TreeEdge& edge, const State<Dim>& state) const {
+Pose<Dim> RelativeCoordinates<Dim>::relation(const TreeEdge& edge, const Values<Dim>& state) const {
   const Pose<Dim> parent = state.pose(edge.parent);
   const Pose<Dim> child = state.pose(edge.child);
   return is_from_child(edge) ? between(child, parent) : between(parent, child);
 }
 
 template <int Dim>
-Eigen::VectorXd RelativeCoordinates<Dim>::of(const State<Dim>& state) const {
+Eigen::VectorXd RelativeCoordinates<Dim>::of(const Values<Dim>& state) const {
   Eigen::VectorXd coordinates(size());
   for (std::size_t e = 0; e < tree_.poses.size(); ++e) {
     coordinates.segment<kPoseDof<Dim>>(pose_entry(e)) = difference(poses_[e], relation(tree_.poses[e], state));
@@ -96,8 +96,8 @@ Eigen::VectorXd RelativeCoordinates<Dim>::of(const State<Dim>& state) const {
 }
 
 template <int Dim>
-State<Dim> RelativeCoordinates<Dim>::composed(const Eigen::VectorXd& coordinates) const {
-  State<Dim> state = held_;
+Values<Dim> RelativeCoordinates<Dim>::composed(const Eigen::VectorXd& coordinates) const {
+  Values<Dim> state = anchored_;
   for (std::size_t e = 0; e < tree_.poses.size(); ++e) {
     const TreeEdge& edge = tree_.poses[e];
     const Pose<Dim> relation = retract<Dim>(poses_[e], coordinates.segment<kPoseDof<Dim>>(pose_entry(e)));
@@ -112,9 +112,9 @@ State<Dim> RelativeCoordinates<Dim>::composed(const Eigen::VectorXd& coordinates
   return state;
 }
 
-#define MAPJOIN_INSTANTIATE(Dim)                                             \
-  template State<Dim> unwrapped_near(State<Dim>, const State<Dim>&);         \
-  template State<Dim> on_line(const State<Dim>&, const State<Dim>&, double); \
+#define MAPJOIN_INSTANTIATE(Dim)                                                \
+  template Values<Dim> unwrapped_near(Values<Dim>, const Values<Dim>&);         \
+  template Values<Dim> on_line(const Values<Dim>&, const Values<Dim>&, double); \
   template class RelativeCoordinates<Dim>;
 MAPJOIN_INSTANTIATE(2)
 MAPJOIN_INSTANTIATE(3)

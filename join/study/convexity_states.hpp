@@ -6,19 +6,19 @@
 // numbers of a heading is meant is said by a reference state, the best estimate.
 
 #include <Eigen/Core>
-#include <mapjoin/join/joint_system.hpp>
+#include <mapjoin/join/joining_system.hpp>
 #include <mapjoin/join/spanning_tree.hpp>
-#include <mapjoin/model/state.hpp>
+#include <mapjoin/model/values.hpp>
 
 namespace mapjoin {
 
 /// The state with every heading within half a turn of the reference's; in space as it is.
 template <int Dim>
-State<Dim> unwrapped_near(State<Dim> state, const State<Dim>& reference);
+Values<Dim> unwrapped_near(Values<Dim> state, const Values<Dim>& reference);
 
 /// λX + (1-λ)Y in absolute coordinates: positions and headings straight, in space rotations along the geodesic.
 template <int Dim>
-State<Dim> on_line(const State<Dim>& X, const State<Dim>& Y, double lambda);
+Values<Dim> on_line(const Values<Dim>& X, const Values<Dim>& Y, double lambda);
 
 /// Of a state, how the relations along the spanning tree differ from what was measured of them (paper's (22), (33) less a
 /// constant): translation in the frame of the base (m), then rotation, in space as the rotation vector about the measured one.
@@ -27,7 +27,7 @@ template <int Dim>
 class RelativeCoordinates {
  public:
   /// Poses that the system holds stay where they are in `reference`.
-  RelativeCoordinates(const JointSystem<Dim>& system, const State<Dim>& reference);
+  RelativeCoordinates(const JoiningSystem<Dim>& system, const Values<Dim>& reference);
 
   const SpanningTree& tree() const { return tree_; }
   Eigen::Index size() const { return feature_entry(tree_.features.size()); }
@@ -37,15 +37,15 @@ class RelativeCoordinates {
     return pose_entry(tree_.poses.size()) + static_cast<Eigen::Index>(edge) * Dim;
   }
 
-  Eigen::VectorXd of(const State<Dim>& state) const;
+  Eigen::VectorXd of(const Values<Dim>& state) const;
   /// The state that has these coordinates.
-  State<Dim> composed(const Eigen::VectorXd& coordinates) const;
+  Values<Dim> composed(const Eigen::VectorXd& coordinates) const;
 
  private:
-  Pose<Dim> relation(const TreeEdge& edge, const State<Dim>& state) const;
+  Pose<Dim> relation(const TreeEdge& edge, const Values<Dim>& state) const;
 
   SpanningTree tree_;
-  State<Dim> held_;               // of which only what is held counts
+  Values<Dim> anchored_;          // of which only what is anchored counts
   std::vector<Pose<Dim>> poses_;  // the relations as measured, per edge
   std::vector<Point<Dim>> features_;
 };

@@ -4,10 +4,10 @@
 // together, its units, and what it says more than once.
 
 #include <cstddef>
-#include <mapjoin/model/counted.hpp>
 #include <mapjoin/model/enum_names.hpp>
 #include <mapjoin/model/log.hpp>
-#include <mapjoin/model/map_set.hpp>
+#include <mapjoin/model/plural.hpp>
+#include <mapjoin/model/submap_set.hpp>
 #include <string>
 #include <utility>
 #include <vector>
@@ -64,7 +64,7 @@ inline void add_if_any(Findings& findings, Finding finding) {
 template <int Dim>
 Findings check_structure(const Log<Dim>& log);
 template <int Dim>
-Findings check_structure(const MapSet<Dim>& set);
+Findings check_structure(const SubmapSet<Dim>& set);
 
 /// In the plane; in space nothing, for files give rotations there that degrees would not pass for.
 /// - `degrees` (warning): relative headings beyond a full turn, one in a hundred or more; or short loops, of odometry and what

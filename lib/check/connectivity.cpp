@@ -38,13 +38,13 @@ Expected<void> check_connected(const Log<Dim>& log) {
 }
 
 template <int Dim>
-Expected<void> check_connected(const MapSet<Dim>& set) {
+Expected<void> check_connected(const SubmapSet<Dim>& set) {
   return check(set);
 }
 
 template Expected<void> check_connected(const Log<2>&);
 template Expected<void> check_connected(const Log<3>&);
-template Expected<void> check_connected(const MapSet<2>&);
-template Expected<void> check_connected(const MapSet<3>&);
+template Expected<void> check_connected(const SubmapSet<2>&);
+template Expected<void> check_connected(const SubmapSet<3>&);
 
 }  // namespace mapjoin

@@ -4,7 +4,7 @@
 
 #include <mapjoin/model/error.hpp>
 #include <mapjoin/model/log.hpp>
-#include <mapjoin/model/map_set.hpp>
+#include <mapjoin/model/submap_set.hpp>
 
 namespace mapjoin {
 
@@ -13,6 +13,6 @@ namespace mapjoin {
 template <int Dim>
 Expected<void> check_connected(const Log<Dim>& log);
 template <int Dim>
-Expected<void> check_connected(const MapSet<Dim>& set);
+Expected<void> check_connected(const SubmapSet<Dim>& set);
 
 }  // namespace mapjoin

@@ -46,27 +46,27 @@ double scale_of(const std::vector<WeighedResidual>& residuals) {
 }
 
 template <int Dim>
-WeighedResidual weighed(const PoseObservation<Dim>& o, const State<Dim>& state) {
+WeighedResidual weighed(const PoseFactor<Dim>& o, const Values<Dim>& state) {
   return {cost(o, state.pose(o.base), state.pose(o.target)), information_rank<kPoseDof<Dim>>(o.information)};
 }
 template <int Dim>
-WeighedResidual weighed(const FeatureObservation<Dim>& o, const State<Dim>& state) {
+WeighedResidual weighed(const FeatureFactor<Dim>& o, const Values<Dim>& state) {
   return {cost(o, state.pose(o.base), state.feature(o.target)), information_rank<Dim>(o.information)};
 }
 
 template <int Dim>
-std::string name_of(const PoseObservation<Dim>& o, const Log<Dim>& log) {
+std::string name_of(const PoseFactor<Dim>& o, const Log<Dim>& log) {
   const TieVertices of = vertices_of(log);
   return fmt::format("{} to {}", name_of(of.pose(o.base), log), name_of(of.pose(o.target), log));
 }
 template <int Dim>
-std::string name_of(const FeatureObservation<Dim>& o, const Log<Dim>& log) {
+std::string name_of(const FeatureFactor<Dim>& o, const Log<Dim>& log) {
   const TieVertices of = vertices_of(log);
   return fmt::format("{} from {}", name_of(of.feature(o.target), log), name_of(of.pose(o.base), log));
 }
 
 template <int Dim, typename Observation>
-void add_kind(std::string kind, std::span<const Observation> all, const Log<Dim>& log, const State<Dim>& state,
+void add_kind(std::string kind, std::span<const Observation> all, const Log<Dim>& log, const Values<Dim>& state,
               std::vector<KindFit>& fits) {
   if (all.empty()) return;
   std::vector<WeighedResidual> residuals;
@@ -101,7 +101,7 @@ KindFit kind_fit(std::string kind, const std::vector<WeighedResidual>& residuals
 }
 
 template <int Dim>
-std::vector<KindFit> fits_of(const Log<Dim>& log, const State<Dim>& state) {
+std::vector<KindFit> fits_of(const Log<Dim>& log, const Values<Dim>& state) {
   std::vector<KindFit> fits;
   add_kind("odometry", log.odometry(), log, state, fits);
   add_kind("closures", log.closures(), log, state, fits);
@@ -137,7 +137,7 @@ Findings check_fit(const std::vector<KindFit>& fits, std::int64_t dof) {
   return findings;
 }
 
-template std::vector<KindFit> fits_of(const Log<2>&, const State<2>&);
-template std::vector<KindFit> fits_of(const Log<3>&, const State<3>&);
+template std::vector<KindFit> fits_of(const Log<2>&, const Values<2>&);
+template std::vector<KindFit> fits_of(const Log<3>&, const Values<3>&);
 
 }  // namespace mapjoin

@@ -6,7 +6,7 @@
 #include <functional>
 #include <mapjoin/check/checks.hpp>
 #include <mapjoin/model/log.hpp>
-#include <mapjoin/model/state.hpp>
+#include <mapjoin/model/values.hpp>
 #include <string>
 #include <vector>
 
@@ -39,7 +39,7 @@ KindFit kind_fit(std::string kind, const std::vector<WeighedResidual>& residuals
 
 /// The kinds that the log has, at poses and features of its own.
 template <int Dim>
-std::vector<KindFit> fits_of(const Log<Dim>& log, const State<Dim>& state);
+std::vector<KindFit> fits_of(const Log<Dim>& log, const Values<Dim>& state);
 
 /// - `too_certain` (warning): a kind whose typical residual is more than twice what its covariances say;
 /// - `outliers` (warning): those of a kind that do not fit;

@@ -35,25 +35,25 @@ bool contradict(const Vector<Size>& difference, const Matrix<Size>& A, const Mat
 
 /// The edge as it is from its earlier pose: the residual of the inverse is -J r, to first order.
 template <int Dim>
-PoseObservation<Dim> forward(const PoseObservation<Dim>& edge) {
+PoseFactor<Dim> forward(const PoseFactor<Dim>& edge) {
   if (edge.base < edge.target) return edge;
   PoseMatrix<Dim> J;
-  PoseObservation<Dim> turned{edge.target, edge.base, inverse(edge.measured, &J), {}, edge.loss};
+  PoseFactor<Dim> turned{edge.target, edge.base, inverse(edge.measured, &J), {}, edge.loss};
   const PoseMatrix<Dim> J_inverse = J.inverse();
   turned.information = J_inverse.transpose() * edge.information * J_inverse;
   return turned;
 }
 template <int Dim>
-const FeatureObservation<Dim>& forward(const FeatureObservation<Dim>& observation) {
+const FeatureFactor<Dim>& forward(const FeatureFactor<Dim>& observation) {
   return observation;
 }
 
 template <int Dim>
-PoseVector<Dim> difference(const PoseObservation<Dim>& a, const PoseObservation<Dim>& b) {
+PoseVector<Dim> difference(const PoseFactor<Dim>& a, const PoseFactor<Dim>& b) {
   return local(a.measured, b.measured);
 }
 template <int Dim>
-Point<Dim> difference(const FeatureObservation<Dim>& a, const FeatureObservation<Dim>& b) {
+Point<Dim> difference(const FeatureFactor<Dim>& a, const FeatureFactor<Dim>& b) {
   return b.measured - a.measured;
 }
 
@@ -96,7 +96,7 @@ Repeats repeats_among(std::span<const Observation> all, bool has_direction, cons
 void tell(const Repeats& repeats, const std::string& what, std::string_view of_what, Findings& findings) {
   const auto add = [&](FindingLevel level, const char* check, const Places& where, std::string_view how) {
     add_if_any(findings,
-               {level, check, fmt::format("{} repeating others {}{}", counted(where.count, what), of_what, how), where});
+               {level, check, fmt::format("{} repeating others {}{}", plural(where.count, what), of_what, how), where});
   };
   add(FindingLevel::kWarning, "copies", repeats.copies, " to the last digit: what was measured once counts twice");
   add(FindingLevel::kWarning, "contradiction", repeats.contradictions,

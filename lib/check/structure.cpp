@@ -52,7 +52,7 @@ void check_features(const Log<Dim>& log, Findings& findings) {
 }
 
 template <int Dim>
-void check_features(const MapSet<Dim>& set, Findings& findings) {
+void check_features(const SubmapSet<Dim>& set, Findings& findings) {
   const std::vector<std::size_t> times = times_seen(set);
   check_unobserved(set, times, findings);
   const Places once = features_seen(1, times, set);
@@ -84,13 +84,13 @@ void check_links(const Tied& tied, Findings& findings) {
   }
   add_if_any(findings, {FindingLevel::kWarning, "weak_link",
                         fmt::format("{} where a single edge holds two parts together: an error in it shows nowhere",
-                                    counted(chains.count, "place")),
+                                    plural(chains.count, "place")),
                         chains});
   Places features;
   for (const std::size_t v : links.features) features.add([&] { return name_of(v, tied); });
   add_if_any(findings, {FindingLevel::kWarning, "weak_feature",
                         fmt::format("{} without which poses fall apart: what hangs on one can turn about it",
-                                    counted(features.count, "feature")),
+                                    plural(features.count, "feature")),
                         features});
 }
 
@@ -126,16 +126,16 @@ void check_bodies(const Tied& tied, Findings& findings) {
     if (count > Dim) continue;
     (count < Dim ? loose : weak).add([&, number = body, shared = count] {
       const auto first = static_cast<std::size_t>(std::find(body_of.begin(), body_of.end(), number) - body_of.begin());
-      return fmt::format("the poses with {}: {} shared", name_of(first, tied), counted(shared, "feature"));
+      return fmt::format("the poses with {}: {} shared", name_of(first, tied), plural(shared, "feature"));
     });
   }
   add_if_any(findings, {FindingLevel::kError, "loose_body",
                         fmt::format("{} of poses held to the others by fewer than {} features: that leaves them free to turn",
-                                    counted(loose.count, "group"), Dim),
+                                    plural(loose.count, "group"), Dim),
                         loose});
   add_if_any(findings, {FindingLevel::kWarning, "weak_body",
                         fmt::format("{} of poses held to the others by {} features, with not one to spare",
-                                    counted(weak.count, "group"), Dim),
+                                    plural(weak.count, "group"), Dim),
                         weak});
 }
 
@@ -161,27 +161,25 @@ Findings check_structure(const Log<Dim>& log) {
     if (before.session == after.session)
       breaks.add([&] { return fmt::format("{} to {}", to_string(before), to_string(after)); });
   }
-  add_if_any(
-      findings,
-      {FindingLevel::kNote, "breaks",
-       fmt::format("{} without odometry: a session of its own begins behind it", counted(breaks.count, "step")), breaks});
-  const auto unassociated = static_cast<std::size_t>(log.unassociated);
   add_if_any(findings,
-             {FindingLevel::kNote,
-              "unassociated",
-              fmt::format("{} left out: the file does not say of which feature", counted(unassociated, "observation")),
-              {unassociated, {}}});
+             {FindingLevel::kNote, "breaks",
+              fmt::format("{} without odometry: a session of its own begins behind it", plural(breaks.count, "step")), breaks});
+  const auto unassociated = static_cast<std::size_t>(log.unassociated);
+  add_if_any(findings, {FindingLevel::kNote,
+                        "unassociated",
+                        fmt::format("{} left out: the file does not say of which feature", plural(unassociated, "observation")),
+                        {unassociated, {}}});
   return findings;
 }
 
 template <int Dim>
-Findings check_structure(const MapSet<Dim>& set) {
+Findings check_structure(const SubmapSet<Dim>& set) {
   return check_ties<Dim>(set);
 }
 
 template Findings check_structure(const Log<2>&);
 template Findings check_structure(const Log<3>&);
-template Findings check_structure(const MapSet<2>&);
-template Findings check_structure(const MapSet<3>&);
+template Findings check_structure(const SubmapSet<2>&);
+template Findings check_structure(const SubmapSet<3>&);
 
 }  // namespace mapjoin

@@ -5,7 +5,7 @@
 #include <cstddef>
 #include <mapjoin/graph/graph.hpp>
 #include <mapjoin/model/log.hpp>
-#include <mapjoin/model/map_set.hpp>
+#include <mapjoin/model/submap_set.hpp>
 #include <string>
 #include <vector>
 
@@ -32,7 +32,7 @@ TieVertices vertices_of(const Log<Dim>& log) {
   return {log.poses.size(), log.features.size()};
 }
 template <int Dim>
-TieVertices vertices_of(const MapSet<Dim>& set) {
+TieVertices vertices_of(const SubmapSet<Dim>& set) {
   return {set.poses.size(), set.features.size()};
 }
 

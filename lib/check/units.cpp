@@ -24,7 +24,7 @@ void check_range(const Log<2>& log, Findings& findings) {
   Places unwrapped;
   Places beyond;
   double largest = 0.0;
-  for (const PoseObservation<2>& edge : log.edges()) {
+  for (const PoseFactor<2>& edge : log.edges()) {
     const double turn = std::abs(edge.measured.rotation.angle());
     largest = std::max(largest, turn);
     if (turn <= kPi + 1e-6) continue;
@@ -36,12 +36,12 @@ void check_range(const Log<2>& log, Findings& findings) {
   // A few may be robots that spun round unseen.
   if (100 * beyond.count > log.edges().size()) {
     warn(findings,
-         fmt::format("{} beyond a full turn, up to {:.6g}: in degrees?", counted(beyond.count, "relative heading"), largest),
+         fmt::format("{} beyond a full turn, up to {:.6g}: in degrees?", plural(beyond.count, "relative heading"), largest),
          beyond);
   }
   add_if_any(findings, {FindingLevel::kNote, "unwrapped",
                         fmt::format("{} beyond a half turn, up to {:.6g} rad: not wrapped",
-                                    counted(unwrapped.count, "relative heading"), largest),
+                                    plural(unwrapped.count, "relative heading"), largest),
                         unwrapped});
 }
 
@@ -49,7 +49,7 @@ void check_range(const Log<2>& log, Findings& findings) {
 std::vector<Pose<2>> steps_of(const Log<2>& log) {
   constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
   std::vector<Pose<2>> steps(log.poses.size(), Pose<2>{Point<2>::Constant(kNone), Rotation<2>(kNone)});
-  for (const PoseObservation<2>& edge : log.odometry()) {
+  for (const PoseFactor<2>& edge : log.odometry()) {
     const bool is_forward = edge.base < edge.target;
     steps[static_cast<std::size_t>(std::min(edge.base, edge.target))] = is_forward ? edge.measured : inverse(edge.measured);
   }
@@ -86,8 +86,8 @@ Misses short_loops(const Log<2>& log) {
   constexpr std::size_t kMost = 20000;
   const std::vector<Pose<2>> steps = steps_of(log);
   Misses misses;
-  std::vector<const FeatureObservation<2>*> last_seen(log.features.size());
-  for (const FeatureObservation<2>& seen : log.observations()) {
+  std::vector<const FeatureFactor<2>*> last_seen(log.features.size());
+  for (const FeatureFactor<2>& seen : log.observations()) {
     auto& before = last_seen[static_cast<std::size_t>(seen.target)];
     if (before && seen.base > before->base && seen.base - before->base <= kMostSteps) {
       add_miss(steps, before->base, seen.base, before->measured, seen.measured, misses);
@@ -95,7 +95,7 @@ Misses short_loops(const Log<2>& log) {
     before = &seen;
     if (misses.as_given.size() == kMost) return misses;
   }
-  for (const PoseObservation<2>& closure : log.closures()) {
+  for (const PoseFactor<2>& closure : log.closures()) {
     if (std::abs(closure.target - closure.base) > kMostSteps) continue;
     const bool is_forward = closure.base < closure.target;
     const Point<2> end = is_forward ? closure.measured.translation : inverse(closure.measured).translation;
@@ -123,7 +123,7 @@ void check_values(const Log<2>& log, Findings& findings) {
   if (log.initial.poses.empty()) return;
   const auto heading = [&](Index p) { return log.initial.poses[static_cast<std::size_t>(p)].rotation.angle(); };
   std::vector<double> ratios;
-  for (const PoseObservation<2>& edge : log.odometry()) {
+  for (const PoseFactor<2>& edge : log.odometry()) {
     const double turned = heading(edge.target) - heading(edge.base);
     const double measured = edge.measured.rotation.angle();
     if (std::min(std::abs(turned), std::abs(measured)) * (180.0 / kPi) < kLeastTurn) continue;
@@ -141,7 +141,7 @@ void check_values(const Log<2>& log, Findings& findings) {
 
 void check_uncertainty(const Log<2>& log, Findings& findings) {
   std::vector<double> deviations;
-  for (const PoseObservation<2>& edge : log.odometry()) {
+  for (const PoseFactor<2>& edge : log.odometry()) {
     if (edge.information(2, 2) > 0.0) deviations.push_back(1.0 / std::sqrt(edge.information(2, 2)));
   }
   if (deviations.size() < kLeastSamples) return;

@@ -125,13 +125,13 @@ WeakLinks weak_links(const Log<Dim>& log) {
 }
 
 template <int Dim>
-WeakLinks weak_links(const MapSet<Dim>& set) {
+WeakLinks weak_links(const SubmapSet<Dim>& set) {
   return links_of(set);
 }
 
 template WeakLinks weak_links(const Log<2>&);
 template WeakLinks weak_links(const Log<3>&);
-template WeakLinks weak_links(const MapSet<2>&);
-template WeakLinks weak_links(const MapSet<3>&);
+template WeakLinks weak_links(const SubmapSet<2>&);
+template WeakLinks weak_links(const SubmapSet<3>&);
 
 }  // namespace mapjoin

@@ -4,7 +4,7 @@
 
 #include <cstddef>
 #include <mapjoin/model/log.hpp>
-#include <mapjoin/model/map_set.hpp>
+#include <mapjoin/model/submap_set.hpp>
 #include <vector>
 
 namespace mapjoin {
@@ -27,6 +27,6 @@ struct WeakLinks {
 template <int Dim>
 WeakLinks weak_links(const Log<Dim>& log);
 template <int Dim>
-WeakLinks weak_links(const MapSet<Dim>& set);
+WeakLinks weak_links(const SubmapSet<Dim>& set);
 
 }  // namespace mapjoin

@@ -4,6 +4,7 @@
 #include <boost/pending/disjoint_sets.hpp>
 #include <mapjoin/graph/paths.hpp>
 #include <numeric>
+#include <tuple>
 
 namespace mapjoin {
 namespace {
@@ -23,19 +24,22 @@ std::vector<Edge> path_edges(std::size_t vertices, const std::vector<Edge>& edge
   return taken;
 }
 
-/// The edges with the fewest others at their vertices first.
+/// The edges with the fewest others at their vertices first; of the order they come in only that of repeated edges counts.
 std::vector<Edge> loneliest_first(std::size_t vertices, std::vector<Edge> edges) {
   std::vector<std::size_t> degree(vertices, 0);
   for (const auto& [a, b] : edges) {
     ++degree[a];
     ++degree[b];
   }
-  std::ranges::stable_sort(edges, {}, [&](const Edge& edge) { return degree[edge.first] + degree[edge.second]; });
+  std::ranges::stable_sort(edges, {}, [&](const Edge& edge) {
+    return std::tuple(degree[edge.first] + degree[edge.second], std::min(edge.first, edge.second),
+                      std::max(edge.first, edge.second));
+  });
   return edges;
 }
 
-/// Where walks along the paths start: the ends that an edge leads away from, then every vertex, in the order in which edges
-/// mention them.
+/// Where walks along the paths start: the ends that an edge leads away from, then all ends, in the order in which edges mention
+/// them, then vertices on no path.
 std::vector<Vertex> starts(std::size_t vertices, const std::vector<Edge>& edges, const std::vector<Edge>& taken) {
   std::vector<int> degree(vertices, 0);
   std::vector<bool> is_base(vertices, false);
@@ -44,17 +48,17 @@ std::vector<Vertex> starts(std::size_t vertices, const std::vector<Edge>& edges,
     ++degree[b];
     is_base[a] = true;
   }
-  std::vector<Vertex> mentioned;
-  for (const auto& [a, b] : edges) mentioned.insert(mentioned.end(), {a, b});
+  std::vector<Vertex> referenced;
+  for (const auto& [a, b] : edges) referenced.insert(referenced.end(), {a, b});
   std::vector<Vertex> all(vertices);
   std::iota(all.begin(), all.end(), Vertex{0});
   std::vector<Vertex> starts;
   const auto add = [&](const std::vector<Vertex>& list, auto&& is_start) {
     std::copy_if(list.begin(), list.end(), std::back_inserter(starts), is_start);
   };
-  add(mentioned, [&](Vertex v) { return degree[v] == 1 && is_base[v]; });
-  add(mentioned, [&](Vertex v) { return degree[v] < 2; });
-  add(all, [&](Vertex v) { return degree[v] < 2; });
+  add(referenced, [&](Vertex v) { return degree[v] == 1 && is_base[v]; });
+  add(referenced, [&](Vertex v) { return degree[v] == 1; });
+  add(all, [&](Vertex v) { return degree[v] == 0; });
   return starts;
 }
 

@@ -16,7 +16,8 @@ struct PathCover {
 
 /// Paths made of directed edges, taken one after the other where neither vertex has two already and no path closes: in the
 /// order of `edges` or, where that leaves fewer paths, those with the fewest other edges at their vertices first. A path runs
-/// as its edges point, its first edge where they disagree; paths follow each other as their starts are mentioned. O(E log E).
+/// as its edges point, its first edge where they disagree; paths follow each other as their starts are mentioned, vertices
+/// without a path behind them. Edges along these paths, then the others, have the same cover. O(E log E).
 PathCover cover_by_paths(std::size_t vertices, const std::vector<Edge>& edges);
 
 }  // namespace mapjoin

@@ -26,13 +26,13 @@ bool may_hold_maps(const std::filesystem::path& path) {
 
 Expected<AnyMaps> open_maps(const std::filesystem::path& path, const ReadOptions& options) {
   if (!is_store(path)) {
-    return read_local_map_set(path, options).map([](AnyMapSet any) {
+    return read_local_map_set(path, options).map([](AnySubmapSet any) {
       return std::visit([](auto&& set) { return AnyMaps(std::move(set)); }, std::move(any));
     });
   }
   return read_store(path).map([&](AnyStoredMaps any) {
     const auto as_they_are = [&](auto&& stored) {
-      return has_maps_alone(stored) ? AnyMaps(map_set_of(std::move(stored), path)) : AnyMaps(std::move(stored));
+      return has_maps_alone(stored) ? AnyMaps(submap_set_of(std::move(stored), path)) : AnyMaps(std::move(stored));
     };
     return std::visit(as_they_are, std::move(any));
   });

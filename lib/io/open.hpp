@@ -16,7 +16,7 @@ namespace mapjoin {
 Expected<AnyLog> open_log(const std::filesystem::path& path, const ReadOptions& options = {});
 
 /// Local maps of others, or those that were built from a log, which come with it.
-using AnyMaps = std::variant<MapSet<2>, MapSet<3>, StoredMaps<2>, StoredMaps<3>>;
+using AnyMaps = std::variant<SubmapSet<2>, SubmapSet<3>, StoredMaps<2>, StoredMaps<3>>;
 
 /// Whether the path is of a kind that open_maps() takes: a folder, a tar archive or a store. Logs are none of these, but for
 /// folders of MRCLAM data.

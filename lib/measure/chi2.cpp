@@ -9,16 +9,16 @@ namespace mapjoin {
 namespace {
 
 template <int Dim>
-const Pose<Dim>& value_of(const PoseObservation<Dim>& o, const State<Dim>& values) {
+const Pose<Dim>& value_of(const PoseFactor<Dim>& o, const Values<Dim>& values) {
   return values.poses[static_cast<std::size_t>(o.target)];
 }
 template <int Dim>
-const Point<Dim>& value_of(const FeatureObservation<Dim>& o, const State<Dim>& values) {
+const Point<Dim>& value_of(const FeatureFactor<Dim>& o, const Values<Dim>& values) {
   return values.feature(o.target);
 }
 
 template <int Dim, template <int> typename Observation>
-double sum(std::span<const Observation<Dim>> observations, const State<Dim>& values) {
+double sum(std::span<const Observation<Dim>> observations, const Values<Dim>& values) {
   return parallel_sum(observations.size(), kObservationsPerPiece, [&](std::size_t k) {
     const Observation<Dim>& o = observations[k];
     return cost(o, values.pose(o.base), value_of(o, values));
@@ -35,7 +35,7 @@ std::int64_t measured_rows(const Observations& observations) {
 }  // namespace
 
 template <int Dim>
-Chi2 log_chi2(const Log<Dim>& log, const State<Dim>& values) {
+Chi2 log_chi2(const Log<Dim>& log, const Values<Dim>& values) {
   if (values.poses.size() != log.poses.size() || values.features.size() != log.features.size()) {
     throw std::invalid_argument("log_chi2: needs one pose per pose and one point per feature of the log");
   }
@@ -52,8 +52,8 @@ std::int64_t degrees_of_freedom(const Log<Dim>& log, std::size_t held_poses) {
   return rows - free_poses * kPoseDof<Dim> - static_cast<std::int64_t>(log.features.size()) * Dim;
 }
 
-template Chi2 log_chi2(const Log<2>&, const State<2>&);
-template Chi2 log_chi2(const Log<3>&, const State<3>&);
+template Chi2 log_chi2(const Log<2>&, const Values<2>&);
+template Chi2 log_chi2(const Log<3>&, const Values<3>&);
 template std::int64_t degrees_of_freedom(const Log<2>&, std::size_t);
 template std::int64_t degrees_of_freedom(const Log<3>&, std::size_t);
 

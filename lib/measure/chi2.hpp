@@ -22,10 +22,10 @@ struct Chi2 {
 /// chi2 of a log at values of all its poses and features, in the World frame. Fixed poses count as they stand in `values`.
 /// Throws std::invalid_argument where there are more or fewer values than poses or features.
 template <int Dim>
-Chi2 log_chi2(const Log<Dim>& log, const State<Dim>& values);
+Chi2 log_chi2(const Log<Dim>& log, const Values<Dim>& values);
 
 /// What chi2 has as its expected value at the optimum of a consistent log: measured rows (the rank of every W) less unknowns,
-/// where `held_poses` poses are held still (see GlobalMap::gauge; fixed ones count among them).
+/// where `held_poses` poses are anchored (see GlobalMap::gauge; fixed ones count among them).
 template <int Dim>
 std::int64_t degrees_of_freedom(const Log<Dim>& log, std::size_t held_poses);
 

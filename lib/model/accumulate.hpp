@@ -7,10 +7,10 @@
 // and the right-hand sides g_i = J_iᵀ W r, so that H δ = g is the Gauss-Newton step.
 
 #include <Eigen/Core>
+#include <mapjoin/model/factor.hpp>
 #include <mapjoin/model/linearise.hpp>
 #include <mapjoin/model/local_map.hpp>
-#include <mapjoin/model/observation.hpp>
-#include <mapjoin/model/state.hpp>
+#include <mapjoin/model/values.hpp>
 #include <vector>
 
 namespace mapjoin {

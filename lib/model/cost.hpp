@@ -4,9 +4,9 @@
 
 #include <Eigen/Core>
 #include <cstddef>
+#include <mapjoin/model/factor.hpp>
 #include <mapjoin/model/linearise.hpp>
 #include <mapjoin/model/local_map.hpp>
-#include <mapjoin/model/observation.hpp>
 
 namespace mapjoin {
 

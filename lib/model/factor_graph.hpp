@@ -3,8 +3,8 @@
 // Everything that was measured: the factors of a least-squares problem over poses and features, and selections of them.
 
 #include <mapjoin/model/conventions.hpp>
+#include <mapjoin/model/factor.hpp>
 #include <mapjoin/model/local_map.hpp>
-#include <mapjoin/model/observation.hpp>
 #include <vector>
 
 namespace mapjoin {
@@ -19,17 +19,17 @@ struct FixedPose {
 /// Factors over poses and features that count from 0, apart. A factor whose base is kWorld is a prior.
 template <int Dim>
 struct FactorGraph {
-  std::vector<PoseObservation<Dim>> pose_factors;        ///< Odometry, closures, and priors of poses.
-  std::vector<FeatureObservation<Dim>> feature_factors;  ///< Observations and priors of features.
-  std::vector<LocalMap<Dim>> submaps;                    ///< Integrated observations, in the order of their base.
-  std::vector<FixedPose<Dim>> fixed;                     ///< Each pose once.
+  std::vector<PoseFactor<Dim>> pose_factors;        ///< Odometry, closures, and priors of poses.
+  std::vector<FeatureFactor<Dim>> feature_factors;  ///< Observations and priors of features.
+  std::vector<LocalMap<Dim>> submaps;               ///< Integrated observations, in the order of their base.
+  std::vector<FixedPose<Dim>> fixed;                ///< Each pose once.
 };
 
 /// Some of the factors of graphs, which must outlive it. Pointers: a log has millions of factors.
 template <int Dim>
 struct FactorSelection {
-  std::vector<const PoseObservation<Dim>*> pose_factors;
-  std::vector<const FeatureObservation<Dim>*> feature_factors;
+  std::vector<const PoseFactor<Dim>*> pose_factors;
+  std::vector<const FeatureFactor<Dim>*> feature_factors;
   std::vector<const LocalMap<Dim>*> submaps;
 
   bool empty() const { return pose_factors.empty() && feature_factors.empty() && submaps.empty(); }

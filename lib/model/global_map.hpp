@@ -19,9 +19,9 @@ struct GlobalMap {
   std::vector<FeatureId> feature_ids;
   std::vector<Point<Dim>> features;
   std::vector<std::int64_t> stamps_ns;  ///< Per pose, or empty.
-  std::vector<Index> gauge;             ///< The poses held still; empty where priors of the World hold the map.
+  std::vector<Index> gauge;             ///< The poses anchored; empty where priors of the World hold the map.
 
-  /// Marginal covariances of the steps, relative to the gauge: per pose (zero where it is held) and per feature, or empty.
+  /// Marginal covariances of the steps, relative to the gauge: per pose (zero where it is anchored) and per feature, or empty.
   std::vector<PoseMatrix<Dim>> pose_covariances;
   std::vector<PointMatrix<Dim>> feature_covariances;
   Conventions conventions;

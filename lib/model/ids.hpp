@@ -41,14 +41,25 @@ std::optional<Index> find_ascending(const std::vector<Id>& names, const Id& id) 
   return static_cast<Index>(found - names.begin());
 }
 
-/// The same among the names of a Log, MapSet or GlobalMap, linear where they are not ascending.
+/// The indices of ids among the names of a Log, SubmapSet or GlobalMap, in whatever order these are. O(n log n) once, then
+/// O(log n) each.
 template <typename Id>
-std::optional<Index> find_index(const std::vector<Id>& names, const Id& id) {
-  if (const auto index = find_ascending(names, id)) return index;
-  const auto found = std::is_sorted(names.begin(), names.end()) ? names.end() : std::find(names.begin(), names.end(), id);
-  if (found == names.end()) return std::nullopt;
-  return static_cast<Index>(found - names.begin());
-}
+class IndexOf {
+ public:
+  explicit IndexOf(const std::vector<Id>& names) {
+    for (const Id& name : names) indices_.emplace_back(name, static_cast<Index>(indices_.size()));
+    std::ranges::sort(indices_);
+  }
+  /// Nothing where no name is `id`.
+  std::optional<Index> operator()(const Id& id) const {
+    const auto found = std::ranges::lower_bound(indices_, id, {}, &std::pair<Id, Index>::first);
+    if (found == indices_.end() || found->first != id) return std::nullopt;
+    return found->second;
+  }
+
+ private:
+  std::vector<std::pair<Id, Index>> indices_;
+};
 
 /// "pose 17", or "pose 17 of session 2" where the session is not 0.
 inline std::string to_string(const PoseId& id) {

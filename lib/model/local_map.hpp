@@ -5,7 +5,7 @@
 #include <Eigen/Core>
 #include <algorithm>
 #include <cstddef>
-#include <mapjoin/model/observation.hpp>
+#include <mapjoin/model/factor.hpp>
 #include <optional>
 #include <string>
 #include <vector>

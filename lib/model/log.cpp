@@ -27,20 +27,20 @@ bool is_prior(const Observation& observation) {
 
 /// An edge between successive poses of one of the user's sessions.
 template <int Dim>
-bool is_odometry(const PoseObservation<Dim>& edge, const std::vector<PoseId>& poses) {
+bool is_odometry(const PoseFactor<Dim>& edge, const std::vector<PoseId>& poses) {
   const auto [first, second] = std::minmax(edge.base, edge.target);
   return !is_prior(edge) && second == first + 1 &&
          poses[static_cast<std::size_t>(first)].session == poses[static_cast<std::size_t>(second)].session;
 }
 
 template <int Dim>
-Index later_pose(const PoseObservation<Dim>& edge) {
+Index later_pose(const PoseFactor<Dim>& edge) {
   return std::max(edge.base, edge.target);
 }
 
 /// The number of edges beyond the first between the same two poses, whatever their direction.
 template <int Dim>
-std::int64_t count_repeated(std::span<const PoseObservation<Dim>> edges) {
+std::int64_t count_repeated(std::span<const PoseFactor<Dim>> edges) {
   std::vector<std::pair<Index, Index>> ends;
   ends.reserve(edges.size());
   for (const auto& edge : edges) ends.emplace_back(std::minmax(edge.base, edge.target));
@@ -52,7 +52,7 @@ std::int64_t count_repeated(std::span<const PoseObservation<Dim>> edges) {
 template <int Dim>
 void sort_pose_factors(Log<Dim>& log) {
   const auto poses = static_cast<Index>(log.poses.size());
-  const auto key = [&](const PoseObservation<Dim>& edge) {
+  const auto key = [&](const PoseFactor<Dim>& edge) {
     return is_prior(edge) ? poses + 1 : is_odometry(edge, log.poses) ? later_pose(edge) : poses;
   };
   log.graph.pose_factors = sorted_by(key, log.poses.size() + 2, std::move(log.graph.pose_factors));
@@ -62,7 +62,7 @@ void sort_pose_factors(Log<Dim>& log) {
 template <int Dim>
 void sort_feature_factors(Log<Dim>& log) {
   const auto poses = static_cast<Index>(log.poses.size());
-  const auto key = [&](const FeatureObservation<Dim>& o) { return is_prior(o) ? poses : o.base; };
+  const auto key = [&](const FeatureFactor<Dim>& o) { return is_prior(o) ? poses : o.base; };
   log.graph.feature_factors = sorted_by(key, log.poses.size() + 1, std::move(log.graph.feature_factors));
 }
 
@@ -91,34 +91,34 @@ std::vector<Session> sessions_of(const Log<Dim>& log) {
 }  // namespace
 
 template <int Dim>
-std::span<const PoseObservation<Dim>> Log<Dim>::edges() const {
+std::span<const PoseFactor<Dim>> Log<Dim>::edges() const {
   return std::span(graph.pose_factors).first(graph.pose_factors.size() - pose_priors().size());
 }
 
 template <int Dim>
-std::span<const PoseObservation<Dim>> Log<Dim>::odometry() const {
+std::span<const PoseFactor<Dim>> Log<Dim>::odometry() const {
   const auto end = std::partition_point(graph.pose_factors.begin(), graph.pose_factors.end(),
                                         [&](const auto& edge) { return is_odometry(edge, poses); });
   return {graph.pose_factors.begin(), end};
 }
 
 template <int Dim>
-std::span<const PoseObservation<Dim>> Log<Dim>::closures() const {
+std::span<const PoseFactor<Dim>> Log<Dim>::closures() const {
   return edges().subspan(odometry().size());
 }
 
 template <int Dim>
-std::span<const PoseObservation<Dim>> Log<Dim>::pose_priors() const {
+std::span<const PoseFactor<Dim>> Log<Dim>::pose_priors() const {
   return priors_of(graph.pose_factors);
 }
 
 template <int Dim>
-std::span<const FeatureObservation<Dim>> Log<Dim>::observations() const {
+std::span<const FeatureFactor<Dim>> Log<Dim>::observations() const {
   return std::span(graph.feature_factors).first(graph.feature_factors.size() - feature_priors().size());
 }
 
 template <int Dim>
-std::span<const FeatureObservation<Dim>> Log<Dim>::feature_priors() const {
+std::span<const FeatureFactor<Dim>> Log<Dim>::feature_priors() const {
   return priors_of(graph.feature_factors);
 }
 

@@ -6,7 +6,7 @@
 #include <mapjoin/model/conventions.hpp>
 #include <mapjoin/model/factor_graph.hpp>
 #include <mapjoin/model/ids.hpp>
-#include <mapjoin/model/state.hpp>
+#include <mapjoin/model/values.hpp>
 #include <span>
 #include <string>
 #include <variant>
@@ -35,23 +35,23 @@ struct Log {
   FactorGraph<Dim> graph;
 
   std::vector<std::int64_t> stamps_ns;  ///< Per pose, or empty.
-  State<Dim> initial;                   ///< The file's values; of poses, of features, or of both none unless all have one.
+  Values<Dim> initial;                  ///< The file's values; of poses, of features, or of both none unless all have one.
 
   std::int64_t repeated_edges = 0;  ///< Pose-pose edges beyond the first between the same two poses.
   std::int64_t unassociated = 0;    ///< Observations left out since the file does not say of which feature they are.
   Conventions conventions;
 
   /// Odometry, then closures.
-  std::span<const PoseObservation<Dim>> edges() const;
+  std::span<const PoseFactor<Dim>> edges() const;
   /// Edges between successive poses of a session, either direction, in the order of their later pose. Repeated edges stand
   /// side by side and all count.
-  std::span<const PoseObservation<Dim>> odometry() const;
+  std::span<const PoseFactor<Dim>> odometry() const;
   /// Every other edge, in the order of the file.
-  std::span<const PoseObservation<Dim>> closures() const;
-  std::span<const PoseObservation<Dim>> pose_priors() const;
+  std::span<const PoseFactor<Dim>> closures() const;
+  std::span<const PoseFactor<Dim>> pose_priors() const;
   /// In the order of their pose, then of the file.
-  std::span<const FeatureObservation<Dim>> observations() const;
-  std::span<const FeatureObservation<Dim>> feature_priors() const;
+  std::span<const FeatureFactor<Dim>> observations() const;
+  std::span<const FeatureFactor<Dim>> feature_priors() const;
 };
 
 /// The log of a file, which decides on the dimension.

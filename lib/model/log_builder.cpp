@@ -154,7 +154,7 @@ void LogBuilder<Dim>::fix(PoseId id, const std::optional<Pose<Dim>>& value) {
 }
 
 template <int Dim>
-Expected<Log<Dim>> LogBuilder<Dim>::finish() && {
+Expected<Log<Dim>> LogBuilder<Dim>::finish(PoseOrder order) && {
   log_.poses = poses_.take();
   log_.features = features_.take();
   return check_names()
@@ -163,7 +163,7 @@ Expected<Log<Dim>> LogBuilder<Dim>::finish() && {
       .map([&] { resolve_ends(); })
       .and_then([&] { return resolve_values(); })
       .map([&] {
-        take_order_of_edges(log_);
+        if (order == PoseOrder::kDriven) take_order_of_edges(log_);
         put_in_order(log_);
         return std::move(log_);
       })

@@ -20,6 +20,12 @@ enum class Numbers : std::uint8_t {
   kChecked,    ///< A reader has, line by line.
 };
 
+/// In which order the poses of a log come.
+enum class PoseOrder : std::uint8_t {
+  kDriven,  ///< That of their ids or, where these say nothing of it, of the edges (see take_order_of_edges).
+  kOfIds,   ///< That of their ids, whatever the edges say: for a log that grows.
+};
+
 /// Poses and features are named by the user's ids and come into being when first mentioned.
 template <int Dim>
 class LogBuilder {
@@ -39,14 +45,14 @@ class LogBuilder {
   void add_pose_prior(PoseId pose, const Pose<Dim>& measured, const PoseMatrix<Dim>& information);
   void add_feature_prior(FeatureId feature, const Point<Dim>& measured, const PointMatrix<Dim>& information);
   /// The World holds the pose, which must be mentioned elsewhere, at `value` or, where none is given, at its initial value; one
-  /// pose without either is held at the origin.
+  /// pose without either is anchored at the origin.
   void fix(PoseId id, const std::optional<Pose<Dim>>& value = std::nullopt);
 
   /// The log, with the promises of Log kept. Bad input are: an edge from a pose to itself, a pose or feature with two initial
   /// values, a pose with two stamps, stamps on some poses only, a pose that is fixed at two places or that nothing but its
   /// fixing mentions, a second fixed pose without a value, a log without poses; a number that is not finite, a quaternion that
   /// is not of unit length, and an information matrix that InformationCheck refuses. O(n log n).
-  Expected<Log<Dim>> finish() &&;
+  Expected<Log<Dim>> finish(PoseOrder order = PoseOrder::kDriven) &&;
 
  private:
   /// Something said of the pose or feature `id`.
@@ -76,8 +82,8 @@ class LogBuilder {
 
   Numbers numbers_;
   Log<Dim> log_;  ///< Factors wait here in the order of the file; their ends are not yet indices.
-  std::vector<PoseObservation<Dim>> pose_priors_;
-  std::vector<FeatureObservation<Dim>> feature_priors_;
+  std::vector<PoseFactor<Dim>> pose_priors_;
+  std::vector<FeatureFactor<Dim>> feature_priors_;
   NameTable<PoseId> poses_;
   NameTable<FeatureId> features_;
   std::vector<std::pair<PoseId, PoseId>> edge_ends_;

@@ -99,6 +99,27 @@ TEST_F(Follow, AFileThatIsCompleteIsJoinedAtOnce) {
   EXPECT_NEAR(chi2, 884.68, 9.0);  // of a join of its maps of 10 poses (IncrementalData compares every step)
 }
 
+TEST_F(Follow, IdsMayBeInNoOrderAtAll) {
+  // As names, every tenth id first: nothing but the edges tells how the poses were driven.
+  std::ofstream shuffled(path("log.g2o"));
+  for (const std::string& line : log) {
+    std::istringstream words(line);
+    std::string tag, rest;
+    int base = 0;
+    int target = 0;
+    words >> tag >> base >> target;
+    std::getline(words, rest);
+    const auto name = [](int pose) { return pose * 377 % 1000; };
+    if (tag == "EDGE_SE2") shuffled << tag << ' ' << name(base) << ' ' << name(target) << rest << '\n';
+    if (tag == "EDGE_SE2_XY") shuffled << tag << ' ' << name(base) << ' ' << target << rest << '\n';
+  }
+  shuffled.close();
+  const Ended ended = call({"run", path("log.g2o"), "--follow", "--idle", "0", "-o", path("map")});
+  ASSERT_EQ(ended.exit_code, 0) << ended.err;
+  ASSERT_EQ(call({"run", path("log.g2o"), "-o", path("whole")}).exit_code, 0);
+  EXPECT_TRUE(content_of(path("map/poses.csv")) == content_of(path("whole/poses.csv")));
+}
+
 TEST_F(Follow, AtCtrlCWhatIsThereIsWritten) {
   std::ofstream(path("log.g2o")) << [&] {
     std::string half;

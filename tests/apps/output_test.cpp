@@ -146,7 +146,7 @@ TEST_F(Output, ABuildThatGoesOnDoesNotKnowOfTheIterationsBefore) {
   EXPECT_GT(report_of(build).at("local_maps").at("iterations"), 0);
   const auto stored = std::get<StoredMaps<2>>(*read_store(path("maps")));
   {
-    auto writer = StoreWriter<2>::open(path("maps"), stored.log, stored.stretches, stored.options);
+    auto writer = StoreWriter<2>::open(path("maps"), stored.log, stored.segments, stored.options);
     ASSERT_TRUE(writer);
     for (std::size_t k = 0; k < 300; ++k) ASSERT_TRUE(writer->add(k, stored.maps.at(k)));
   }

@@ -166,7 +166,7 @@ TEST(Summary, NamesGaugeAndConventionAndWhatIsSpecialInTheData) {
   const auto log = folder.file("log.g2o", kSmallLog + "EDGE_SE2 1 2 1 0 0 1 0 0 1 0 1\n");
   const Ended ended = call({"run", log.string(), "--covariance", "identity"});
   EXPECT_EQ(ended.err, "");
-  EXPECT_THAT(ended.out, ::testing::HasSubstr("pose 0 held"));
+  EXPECT_THAT(ended.out, ::testing::HasSubstr("pose 0 anchored"));
   EXPECT_THAT(ended.out, ::testing::HasSubstr("identity covariance"));
   EXPECT_THAT(ended.out, ::testing::HasSubstr("1 edge repeats another"));
 }

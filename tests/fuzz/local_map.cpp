@@ -17,10 +17,10 @@ void check_local_map(const char* name, std::string_view bytes, LocalMapFormat wr
   if (set) check_round_trip(*set, written);
 }
 
-void check_round_trip(const AnyMapSet& any, LocalMapFormat format) {
+void check_round_trip(const AnySubmapSet& any, LocalMapFormat format) {
   static Folder folder;
   folder.hold({});
-  const auto write_and_read = [&]<int Dim>(const MapSet<Dim>& set) {
+  const auto write_and_read = [&]<int Dim>(const SubmapSet<Dim>& set) {
     if (!write_local_maps(set.graph.submaps, set.features, format, folder.path())) return;  // The format has no words for them.
     const auto read = read_local_map_set(folder.path());
     promise(read.has_value(), "what was written reads back: " + (read ? "" : read.error().message));

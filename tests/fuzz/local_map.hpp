@@ -11,6 +11,6 @@ namespace mapjoin::fuzz {
 void check_local_map(const char* name, std::string_view bytes, LocalMapFormat written);
 
 /// Maps that can be written read back; in the plane, as text, with the same bits.
-void check_round_trip(const AnyMapSet& set, LocalMapFormat format);
+void check_round_trip(const AnySubmapSet& set, LocalMapFormat format);
 
 }  // namespace mapjoin::fuzz

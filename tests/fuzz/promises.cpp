@@ -32,11 +32,11 @@ std::string bits(const Log<Dim>& log) {
 }
 
 template <int Dim>
-std::string bits(const MapSet<Dim>& set) {
+std::string bits(const SubmapSet<Dim>& set) {
   std::string bits;
   put(set.poses, bits);
   put(set.features, bits);
-  put(set.stretches, bits);
+  put(set.segments, bits);
   for (const LocalMap<Dim>& map : set.graph.submaps) {
     put(map.poses, bits);
     put(map.features, bits);
@@ -54,7 +54,7 @@ void expect(const Expected<void>& checked) {
 /// Indices and numbers are right, names ascend, sessions hold every pose, observations are in the order of their pose.
 template <int Dim>
 void check_one(const Log<Dim>& log) {
-  MapSet<Dim> set;
+  SubmapSet<Dim> set;
   set.poses = log.poses;
   set.features = log.features;
   set.graph = log.graph;
@@ -67,7 +67,7 @@ void check_one(const Log<Dim>& log) {
     next = session.end;
   }
   promise(static_cast<std::size_t>(next) == log.poses.size(), "sessions hold every pose");
-  promise(std::ranges::is_sorted(log.observations(), {}, &FeatureObservation<Dim>::base), "observations are in order");
+  promise(std::ranges::is_sorted(log.observations(), {}, &FeatureFactor<Dim>::base), "observations are in order");
   const auto are_valid = [](const auto& values, std::size_t names) {
     const bool is_each = std::all_of(values.begin(), values.end(), [](const auto& value) { return is_valid(value); });
     return is_each && (values.empty() || values.size() == names);
@@ -92,7 +92,7 @@ void check_error(const Error& error, const std::string& file) {
 std::string bits_of(const AnyLog& log) {
   return std::visit([](const auto& any) { return bits(any); }, log);
 }
-std::string bits_of(const AnyMapSet& set) {
+std::string bits_of(const AnySubmapSet& set) {
   return std::visit([](const auto& any) { return bits(any); }, set);
 }
 
@@ -100,15 +100,15 @@ void check_log(const AnyLog& log) {
   std::visit([](const auto& any) { check_one(any); }, log);
 }
 
-void check_maps(const AnyMapSet& any) {
-  const auto check = []<int Dim>(const MapSet<Dim>& set) {
-    promise(set.stretches.size() == set.graph.submaps.size(), "every map has its stretch");
+void check_maps(const AnySubmapSet& any) {
+  const auto check = []<int Dim>(const SubmapSet<Dim>& set) {
+    promise(set.segments.size() == set.graph.submaps.size(), "every map has its segment");
     expect(check_numbers(set));
     for (std::size_t k = 0; k < set.graph.submaps.size(); ++k) {
       const LocalMap<Dim>& map = set.graph.submaps[k];
-      const Stretch& stretch = set.stretches[k];
-      promise(map.base == stretch.begin && (map.poses.empty() ? map.base : map.poses.back()) == stretch.end,
-              "a map goes from end to end of its stretch");
+      const Segment& segment = set.segments[k];
+      promise(map.base == segment.begin && (map.poses.empty() ? map.base : map.poses.back()) == segment.end,
+              "a map goes from end to end of its segment");
     }
   };
   std::visit(check, any);
@@ -117,7 +117,7 @@ void check_maps(const AnyMapSet& any) {
 void check(const Expected<AnyLog>& log, const std::string& file) {
   log ? check_log(*log) : check_error(log.error(), file);
 }
-void check(const Expected<AnyMapSet>& set, const std::string& file) {
+void check(const Expected<AnySubmapSet>& set, const std::string& file) {
   set ? check_maps(*set) : check_error(set.error(), file);
 }
 

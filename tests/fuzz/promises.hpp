@@ -19,16 +19,16 @@ void check_error(const Error& error, const std::string& file);
 
 /// The same log or the same maps have the same bits.
 std::string bits_of(const AnyLog& log);
-std::string bits_of(const AnyMapSet& set);
+std::string bits_of(const AnySubmapSet& set);
 
 /// Everything is finite, and as Log promises.
 void check_log(const AnyLog& log);
 /// Indices, sizes and information matrices of the maps are right.
-void check_maps(const AnyMapSet& set);
+void check_maps(const AnySubmapSet& set);
 
 /// What was read, or why not, is as it should be.
 void check(const Expected<AnyLog>& log, const std::string& file);
-void check(const Expected<AnyMapSet>& set, const std::string& file);
+void check(const Expected<AnySubmapSet>& set, const std::string& file);
 
 /// A log that the format can be written in reads back; with the same bits, where nothing is said to be lost.
 void check_round_trip(const AnyLog& log, LogFormat format);

@@ -15,8 +15,8 @@ void store(std::string_view bytes) {
   const auto check_all = [](const auto& stored) {
     check_log(stored.log);
     std::size_t maps = 0;
-    for (const Stretch& stretch : stored.stretches) maps += stretch.is_map ? 1 : 0;
-    promise(maps == stored.maps.size(), "every stretch that is a map has one");
+    for (const Segment& segment : stored.segments) maps += segment.is_map ? 1 : 0;
+    promise(maps == stored.maps.size(), "every segment that is a map has one");
   };
   std::visit(check_all, *any);
 }

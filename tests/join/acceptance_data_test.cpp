@@ -107,16 +107,16 @@ INSTANTIATE_TEST_SUITE_P(Data, MapLength,
                          ::testing::Values(Landmarks{"vicpark-6898/VicPark_clean_data.mat", 9012.7193},
                                            Landmarks{"dlr/corrected_data_circles.mat", 27688.5556}));
 
-class MapSetOptimum : public ::testing::TestWithParam<Optimum> {};
+class SubmapSetOptimum : public ::testing::TestWithParam<Optimum> {};
 
-TEST_P(MapSetOptimum, IsReached) {
+TEST_P(SubmapSetOptimum, IsReached) {
   const auto set = read_local_map_set(data_file(GetParam().file));
   ASSERT_TRUE(set) << set.error().message;
-  const auto result = converged(run(std::get<MapSet<2>>(*set), RunOptions{}));
+  const auto result = converged(run(std::get<SubmapSet<2>>(*set), RunOptions{}));
   EXPECT_NEAR(result.chi2, GetParam().chi2, GetParam().tolerance);
 }
 INSTANTIATE_TEST_SUITE_P(
-    Data, MapSetOptimum,
+    Data, SubmapSetOptimum,
     ::testing::Values(Optimum{"vicpark-200-local-maps", 3643.43494, 1e-4}, Optimum{"dlr-200-local-maps", 11163.6434, 1e-3},
                       Optimum{"sim-35188/localmaps_mat.tar.gz", 10315.6331, 1e-3},
                       Optimum{"sim-35188/localmaps_txt.tar.gz", 10315.6331, 1e-3}, Optimum{"sim-535/local_maps", 7.832, 1e-3},
@@ -125,7 +125,7 @@ INSTANTIATE_TEST_SUITE_P(
 /// Ceres, started from the result, finds less than a millionth of chi2 to gain.
 template <int Dim, typename Input>
 void expect_ceres_gains_nothing(const Input& input, const RunResult<Dim>& result) {
-  const State<Dim> state{result.map.poses, result.map.features};
+  const Values<Dim> state{result.map.poses, result.map.features};
   const auto ceres = testing::ceres_optimum(input, state, {.max_iterations = 20, .function_tolerance = 1e-8});
   EXPECT_NEAR(ceres.initial_chi2, result.chi2, 1e-9 * result.chi2);
   EXPECT_GT(ceres.chi2, (1.0 - 1e-6) * result.chi2) << ceres.summary;
@@ -148,7 +148,7 @@ TEST(JoinedDataTest, TheMapsOfTheSimulationInSpaceLeaveCeresNothingToGain) {
   for (const std::string kind : {"mat", "txt"}) {
     const auto set = read_local_map_set(data_file("sim3d-870-local-maps/localmaps_" + kind + ".tar.gz"));
     ASSERT_TRUE(set) << set.error().message;
-    const auto& maps = std::get<MapSet<3>>(*set);
+    const auto& maps = std::get<SubmapSet<3>>(*set);
     expect_ceres_gains_nothing(maps, converged(run(maps, RunOptions{})));
   }
 }

@@ -27,12 +27,12 @@ class EdgeNumbers : public ::testing::Test {
     options.split = {SplitRule::kPoses, poses};
     return options;
   }
-  static State<kDim> state_of(const RunResult<kDim>& result) { return {result.map.poses, result.map.features}; }
+  static Values<kDim> state_of(const RunResult<kDim>& result) { return {result.map.poses, result.map.features}; }
 
   /// In maps of any length, the optimum of a dense solver that begins at the truth.
   static void expect_optimum(const SmallWorld<kDim>& world) {
     const auto slam = full_slam(world.log);
-    const State<kDim> optimum = slam.optimum(world.truth);
+    const Values<kDim> optimum = slam.optimum(world.truth);
     const double chi2 = slam.linearise(optimum).chi2;
     for (const double poses : {1.0, 5.0, 1000.0}) {
       SCOPED_TRACE(poses);
@@ -136,7 +136,7 @@ TYPED_TEST(EdgeNumbers, TenThousandKilometresFromTheOrigin) {
     ASSERT_TRUE(here && there);
     EXPECT_TRUE(there->converged());
     EXPECT_NEAR(there->chi2, here->chi2, 1e-6 * here->chi2);
-    State<kDim> expected = this->state_of(*here);
+    Values<kDim> expected = this->state_of(*here);
     for (auto& pose : expected.poses) pose = compose(frame, pose);
     for (auto& feature : expected.features) feature = transform(frame, feature);
     EXPECT_LT(largest_difference(this->state_of(*there), expected), 1e-6);

@@ -27,7 +27,8 @@ TEST(FreeToMove, TwoSessionsWithOneFeatureTurnAboutIt) {
               "EDGE_SE2 5 6 1 0 0 100 0 0 100 0 400\n"
               "EDGE_SE2_XY 1 7 0 1 25 0 25\n"
               "EDGE_SE2_XY 5 7 0 1 25 0 25\n"),
-      HasSubstr("pose 5 and pose 6 cannot be determined: the observations leave them free to turn as a whole about feature 7"));
+      HasSubstr(
+          "pose 5 and pose 6 cannot be determined: the observations leave them free to turn as a whole about feature 7"));
 }
 
 TEST(FreeToMove, APoseWithoutHeadingTurns) {

@@ -9,7 +9,7 @@
 #include <tests/support/ceres_reference.hpp>
 #include <tests/support/dimensions.hpp>
 #include <tests/support/every.hpp>
-#include <tests/support/small_map_set.hpp>
+#include <tests/support/small_submap_set.hpp>
 #include <tests/support/small_world.hpp>
 #include <utility>
 
@@ -24,21 +24,21 @@ class JoinTest : public ::testing::Test {
  protected:
   static constexpr int kDim = D::value;
 
-  static State<kDim> state_of(const RunResult<kDim>& result) { return {result.map.poses, result.map.features}; }
-  /// Without the elimination of private features.
-  static Network<kDim> uncondensed(const MapSet<kDim>& set) {
-    Network<kDim> network = network_of(set);
-    network.maps.clear();
-    for (const auto& map : set.graph.submaps) network.maps.push_back({map, {}, {}, {}, {}});
-    network.is_private.assign(network.is_private.size(), false);
-    return network;
+  static Values<kDim> state_of(const RunResult<kDim>& result) { return {result.map.poses, result.map.features}; }
+  /// Without the elimination of submap-local features.
+  static SubmapGraph<kDim> restored(const SubmapSet<kDim>& set) {
+    SubmapGraph<kDim> graph = submap_graph_of(set);
+    graph.maps.clear();
+    for (const auto& map : set.graph.submaps) graph.maps.push_back({map, {}, {}, {}, {}});
+    graph.is_local.assign(graph.is_local.size(), false);
+    return graph;
   }
 };
 TYPED_TEST_SUITE(JoinTest, testing::Dimensions);
 
 TYPED_TEST(JoinTest, FindsTheOptimumThatCeresFindsByEverySchedule) {
   constexpr int kDim = TestFixture::kDim;
-  const auto set = testing::small_map_set(small_world<kDim>({.poses = 60, .features = 40}).log, 8.0);
+  const auto set = testing::small_submap_set(small_world<kDim>({.poses = 60, .features = 40}).log, 8.0);
   for (const auto schedule : testing::every<Schedule>()) {
     RunOptions options;
     options.schedule = schedule;
@@ -53,12 +53,12 @@ TYPED_TEST(JoinTest, FindsTheOptimumThatCeresFindsByEverySchedule) {
 
 TYPED_TEST(JoinTest, EliminatingPrivateFeaturesChangesNothing) {
   constexpr int kDim = TestFixture::kDim;
-  const auto set = testing::small_map_set(small_world<kDim>({.features = 40, .range = 2.5}).log, 10.0);
-  const Network<kDim> condensed = network_of(set);
-  const Network<kDim> whole = this->uncondensed(set);
-  ASSERT_GT(std::count(condensed.is_private.begin(), condensed.is_private.end(), true), 0);
-  const auto a = join(condensed, set.poses, set.features, JoinOptions<kDim>{});
-  const auto b = join(whole, set.poses, set.features, JoinOptions<kDim>{});
+  const auto set = testing::small_submap_set(small_world<kDim>({.features = 40, .range = 2.5}).log, 10.0);
+  const SubmapGraph<kDim> marginalised = submap_graph_of(set);
+  const SubmapGraph<kDim> joined_map = this->restored(set);
+  ASSERT_GT(std::count(marginalised.is_local.begin(), marginalised.is_local.end(), true), 0);
+  const auto a = join(marginalised, set.poses, set.features, JoinOptions<kDim>{});
+  const auto b = join(joined_map, set.poses, set.features, JoinOptions<kDim>{});
   ASSERT_TRUE(a && b);
   EXPECT_LT(a->features.size(), b->features.size());
   EXPECT_NEAR(a->result.chi2, b->result.chi2, 1e-9 * b->result.chi2);
@@ -68,7 +68,8 @@ TYPED_TEST(JoinTest, EliminatingPrivateFeaturesChangesNothing) {
 
 TYPED_TEST(JoinTest, SaysHowEveryMapFits) {
   constexpr int kDim = TestFixture::kDim;
-  auto set = testing::small_map_set(small_world<kDim>({.poses = 60, .features = 40, .closures = 0, .noise = 0.01}).log, 10.0);
+  auto set =
+      testing::small_submap_set(small_world<kDim>({.poses = 60, .features = 40, .closures = 0, .noise = 0.01}).log, 10.0);
   const auto right = run(set, RunOptions{});
   ASSERT_TRUE(right);
   ASSERT_EQ(right->maps.size(), set.graph.submaps.size());
@@ -81,7 +82,7 @@ TYPED_TEST(JoinTest, SaysHowEveryMapFits) {
     rows += right->maps[m].rows;
   }
   EXPECT_NEAR(chi2, right->chi2, 1e-9 * chi2);
-  EXPECT_EQ(rows - right->join_dof, join(network_of(set), set.poses, set.features, {})->system->equations().size());
+  EXPECT_EQ(rows - right->join_dof, join(submap_graph_of(set), set.poses, set.features, {})->system->equations().size());
 
   for (auto& feature : set.graph.submaps[3].feature_estimates) feature[0] += 0.3;  // against the maps on both sides
   const auto wrong = run(set, RunOptions{});
@@ -92,7 +93,7 @@ TYPED_TEST(JoinTest, SaysHowEveryMapFits) {
 
 TYPED_TEST(JoinTest, AClosureMayLeadEitherWay) {
   constexpr int kDim = TestFixture::kDim;
-  auto set = testing::small_map_set(small_world<kDim>({.features = 0, .closures = 1, .noise = 0.0}).log, 8.0);
+  auto set = testing::small_submap_set(small_world<kDim>({.features = 0, .closures = 1, .noise = 0.0}).log, 8.0);
   for (int way = 0; way < 2; ++way) {
     const auto joined = run(set, RunOptions{});
     ASSERT_TRUE(joined);
@@ -107,7 +108,7 @@ TYPED_TEST(JoinTest, MapsThatObserveFromOnePoseAreAllJoined) {
   // As where an author's map has no motion: its end is its start, and the next map has the same base.
   constexpr int kDim = TestFixture::kDim;
   testing::Random random(3);
-  MapSet<kDim> set;
+  SubmapSet<kDim> set;
   set.poses = {{0, 0}, {0, 1}};
   set.features = {{0}, {1}, {2}, {3}};
   const auto map_of = [&](std::vector<Index> poses, std::vector<Index> features) {
@@ -120,7 +121,7 @@ TYPED_TEST(JoinTest, MapsThatObserveFromOnePoseAreAllJoined) {
     return map;
   };
   set.graph.submaps = {map_of({}, {0, 1, 2}), map_of({1}, {0, 1, 2, 3})};
-  set.stretches = {{0, 0, true}, {0, 1, true}};
+  set.segments = {{0, 0, true}, {0, 1, true}};
   const auto joined = run(set, RunOptions{});
   ASSERT_TRUE(joined) << joined.error().message;
   double chi2 = 0.0;  // of the means: half the squared differences
@@ -135,7 +136,7 @@ TYPED_TEST(JoinTest, MapsThatObserveFromOnePoseAreAllJoined) {
 TYPED_TEST(JoinTest, TakesTheMapsOfASetThatIsGivenAway) {
   constexpr int kDim = TestFixture::kDim;
   const auto world = small_world<kDim>();
-  auto set = testing::small_map_set(world.log, 5.0);
+  auto set = testing::small_submap_set(world.log, 5.0);
   ASSERT_FALSE(set.graph.pose_factors.empty());
   set.graph.pose_factors.push_back({kWorld, 0, Pose<kDim>{}, PoseMatrix<kDim>::Identity()});
   RunOptions options;
@@ -160,7 +161,7 @@ TYPED_TEST(JoinTest, TakesTheMapsOfASetThatIsGivenAway) {
 
 TYPED_TEST(JoinTest, ReportsEveryJoinOnTheWay) {
   constexpr int kDim = TestFixture::kDim;
-  const auto set = testing::small_map_set(small_world<kDim>().log, 5.0);
+  const auto set = testing::small_submap_set(small_world<kDim>().log, 5.0);
   for (const auto schedule : testing::every<Schedule>()) {
     std::size_t last = 0;
     std::size_t total = 0;

@@ -68,7 +68,7 @@ Log<Dim> said_otherwise(const Log<Dim>& log, const Names& names, std::size_t hel
   const auto pose = [&](Index k) { return names.poses[static_cast<std::size_t>(k)]; };
   const auto feature = [&](Index k) { return names.features[static_cast<std::size_t>(k)]; };
   builder.fix(names.poses[held], frame);
-  const std::vector<PoseObservation<Dim>> edges(log.edges().begin(), log.edges().end());
+  const std::vector<PoseFactor<Dim>> edges(log.edges().begin(), log.edges().end());
   for (const std::size_t k : any_order(edges.size())) {
     const auto& o = edges[k];
     builder.add_pose_edge(pose(o.base), pose(o.target), o.measured, o.information);
@@ -82,8 +82,8 @@ Log<Dim> said_otherwise(const Log<Dim>& log, const Names& names, std::size_t hel
 
 /// A map with its poses and features in the order of `names`.
 template <int Dim>
-State<Dim> in_order(const GlobalMap<Dim>& map, const Names& names) {
-  State<Dim> state;
+Values<Dim> in_order(const GlobalMap<Dim>& map, const Names& names) {
+  Values<Dim> state;
   for (const PoseId& id : names.poses) {
     const auto found = std::find(map.pose_ids.begin(), map.pose_ids.end(), id);
     state.poses.push_back(map.poses[static_cast<std::size_t>(found - map.pose_ids.begin())]);
@@ -97,7 +97,7 @@ State<Dim> in_order(const GlobalMap<Dim>& map, const Names& names) {
 
 /// The largest difference relative to the size of the map.
 template <int Dim>
-double difference(const State<Dim>& a, const State<Dim>& b) {
+double difference(const Values<Dim>& a, const Values<Dim>& b) {
   double size = 1.0;
   for (const auto& pose : a.poses) size = std::max(size, pose.translation.norm());
   return testing::largest_difference(a, b) / size;
@@ -130,7 +130,7 @@ void expect_same_map(const Log<Dim>& log, const Names& names, const Log<Dim>& ot
   RC_ASSERT(a->converged());
   RC_ASSERT(b->converged());
   RC_ASSERT(std::abs(a->chi2 - b->chi2) <= kSame * std::max(a->chi2, 1.0));
-  State<Dim> expected = in_order(a->map, names);
+  Values<Dim> expected = in_order(a->map, names);
   for (auto& pose : expected.poses) pose = compose(frame, pose);
   for (auto& feature : expected.features) feature = transform(frame, feature);
   RC_ASSERT(difference(expected, in_order(b->map, other_names)) <= kSame);
@@ -171,7 +171,7 @@ TYPED_TEST(MapProperty, TheOrderOfTheMapsDoesNotMatter) {
   EXPECT_TRUE(rc::check([] {
     Names names;
     const Log<kDim> log = any_log<kDim>(names);
-    // Stretches of poses in another order, and with them the local maps; what was odometry between two of them is a closure.
+    // Segments of poses in another order, and with them the local maps; what was odometry between two of them is a closure.
     const std::size_t length = *rc::gen::inRange<std::size_t>(2, 12);
     const auto order = any_order(names.poses.size() / length + 1);
     Names others = names;

@@ -4,7 +4,7 @@
 #include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
-#include <mapjoin/join/align/world.hpp>
+#include <mapjoin/join/align/gauge.hpp>
 #include <mapjoin/join/join_problem.hpp>
 #include <mapjoin/join/run.hpp>
 #include <mapjoin/join/schedule.hpp>
@@ -38,9 +38,9 @@ class RelativeStateTest : public ::testing::Test {
   explicit RelativeStateTest(testing::SmallWorld<kDim> world)
       : world_(std::move(world)),
         split_(split(world_.log, {SplitRule::kPoses, J::kPosesPerMap})),
-        network_(network_of(world_.log, split_, build_local_maps<kDim>(world_.log, split_, {}).value().maps)),
-        piece_(whole()),
-        problem_(piece_, gauge_of(network_, piece_)) {
+        graph_(submap_graph_of(world_.log, split_, build_local_maps<kDim>(world_.log, split_, {}).value().maps)),
+        partial_(joined_map()),
+        problem_(partial_, gauge_of(graph_, partial_)) {
     problem_.linearise();
     problem_.factorise(0.0);
     const Eigen::VectorXd step = 0.7 * problem_.solve();
@@ -48,7 +48,7 @@ class RelativeStateTest : public ::testing::Test {
     problem_.accept();
   }
 
-  const JointSystem<kDim>& system() { return problem_.system(); }
+  const JoiningSystem<kDim>& system() { return problem_.system(); }
   static Eigen::VectorXd random_step(Eigen::Index size, double radius) {
     testing::Random random;
     return Eigen::VectorXd::NullaryExpr(size, [&] { return random.uniform(-radius, radius); });
@@ -57,16 +57,16 @@ class RelativeStateTest : public ::testing::Test {
 
   testing::SmallWorld<kDim> world_;
   Split split_;
-  Network<kDim> network_;
-  Piece<kDim> piece_;
+  SubmapGraph<kDim> graph_;
+  PartialMap<kDim> partial_;
   JoinProblem<kDim> problem_;
 
  private:
-  Piece<kDim> whole() const {
-    auto joined = join_stretches(network_, {Schedule::kBatch, JoinedState::kAbsolute, {}});
-    EXPECT_EQ(joined.pieces.size(), 1u);
-    place_fixed_poses(network_, joined.pieces.front());
-    return std::move(joined.pieces.front());
+  PartialMap<kDim> joined_map() const {
+    auto joined = join_segments(graph_, {Schedule::kBatch, JoinedState::kAbsolute, {}});
+    EXPECT_EQ(joined.partials.size(), 1u);
+    place_fixed_poses(graph_, joined.partials.front());
+    return std::move(joined.partials.front());
   }
 };
 using Joinings = ::testing::Types<Joining<2, 6>, Joining<3, 6>, Joining<2, 1>, Joining<3, 1>>;
@@ -89,9 +89,9 @@ TYPED_TEST(RelativeStateTest, EveryPoseAndFeatureHangsFromWhatCameBefore) {
 TYPED_TEST(RelativeStateTest, TheDenseReferenceAgreesWithCentralDifferences) {
   constexpr int kDim = TestFixture::kDim;
   const DenseRelative<kDim> dense(this->system());
-  const State<kDim>& estimate = this->system().estimate();
+  const Values<kDim>& estimate = this->system().estimate();
   const auto absolute = [&](const Eigen::VectorXd& step) {
-    const State<kDim> moved = dense.moved(step);
+    const Values<kDim> moved = dense.moved(step);
     Eigen::VectorXd x(dense.T.rows());
     for (std::size_t p = 1; p < moved.poses.size(); ++p) {
       const auto entry = static_cast<Eigen::Index>(p - 1) * kPoseDof<kDim>;

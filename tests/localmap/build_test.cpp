@@ -19,17 +19,17 @@ class BuildTest : public ::testing::Test {
   static constexpr Eigen::Index kDof = kPoseDof<kDim>;
 
   /// The segment as a dense problem over the whole log's state: interior poses, then kept ones, then features.
-  static DenseSlam<kDim> dense(const Segment<kDim>& segment) {
+  static DenseSlam<kDim> dense(const SegmentView<kDim>& view) {
     DenseSlam<kDim> slam;
-    slam.pose_observations.assign(segment.odometry.begin(), segment.odometry.end());
-    slam.feature_observations.assign(segment.observations.begin(), segment.observations.end());
-    slam.free_poses = segment.interior;
-    slam.free_poses.insert(slam.free_poses.end(), segment.kept.begin(), segment.kept.end());
-    slam.free_features = segment.features;
+    slam.pose_factors.assign(view.odometry.begin(), view.odometry.end());
+    slam.feature_factors.assign(view.observations.begin(), view.observations.end());
+    slam.free_poses = view.interior;
+    slam.free_poses.insert(slam.free_poses.end(), view.kept.begin(), view.kept.end());
+    slam.free_features = view.features;
     return slam;
   }
   /// The truth seen from the start of the segment.
-  static State<kDim> seen_from(Index base, const State<kDim>& truth) { return moved(inverse(truth.pose(base)), truth); }
+  static Values<kDim> seen_from(Index base, const Values<kDim>& truth) { return moved(inverse(truth.pose(base)), truth); }
 
   testing::SmallWorld<kDim> world = small_world<kDim>({.reversed_odometry = true});
   Split parts = split(world.log, {SplitRule::kPoses, 9.0});
@@ -38,25 +38,25 @@ TYPED_TEST_SUITE(BuildTest, testing::Dimensions);
 
 TYPED_TEST(BuildTest, ALocalMapIsTheMarginalOfTheDenseSolutionOfItsSegment) {
   constexpr int kDim = TestFixture::kDim;
-  for (const Stretch& stretch : this->parts.stretches) {
-    ASSERT_TRUE(stretch.is_map);
-    const Segment<kDim> segment = segment_of(this->world.log, this->parts, stretch);
-    const auto slam = this->dense(segment);
-    const State<kDim> optimum = slam.optimum(this->seen_from(segment.begin, this->world.truth));
+  for (const Segment& segment : this->parts.segments) {
+    ASSERT_TRUE(segment.is_map);
+    const SegmentView<kDim> view = segment_view(this->world.log, this->parts, segment);
+    const auto slam = this->dense(view);
+    const Values<kDim> optimum = slam.optimum(this->seen_from(view.begin, this->world.truth));
     const auto equations = slam.linearise(optimum);
-    const Eigen::Index chain = static_cast<Eigen::Index>(segment.interior.size()) * this->kDof;
+    const Eigen::Index chain = static_cast<Eigen::Index>(view.interior.size()) * this->kDof;
     std::vector<Eigen::Index> out(static_cast<std::size_t>(chain));
     std::iota(out.begin(), out.end(), 0);
     std::vector<Eigen::Index> stay(static_cast<std::size_t>(slam.size() - chain));
     std::iota(stay.begin(), stay.end(), chain);
     const Eigen::MatrixXd W = eliminated(equations, out, stay).H;
 
-    const auto built = build_local_map(segment, {});
+    const auto built = build_local_map(view, {});
     ASSERT_TRUE(built.map);
     const LocalMap<kDim>& map = *built.map;
-    EXPECT_EQ(map.base, stretch.begin);
-    EXPECT_EQ(map.poses, segment.kept);
-    EXPECT_EQ(map.features, segment.features);
+    EXPECT_EQ(map.base, segment.begin);
+    EXPECT_EQ(map.poses, view.kept);
+    EXPECT_EQ(map.features, view.features);
     EXPECT_NEAR(map.chi2, equations.chi2, 1e-6 * equations.chi2);
     EXPECT_LT((map.information - W).norm(), 1e-5 * W.norm());
     EXPECT_EQ((map.information - map.information.transpose()).norm(), 0.0);
@@ -80,24 +80,24 @@ TYPED_TEST(BuildTest, AMapOfOdometryAloneIsTheComposedMeasurement) {
   EXPECT_LT(maps->maps[0].chi2, 1e-20);
 }
 
-TYPED_TEST(BuildTest, MapsComeInTheOrderOfTheirStretches) {
+TYPED_TEST(BuildTest, MapsComeInTheOrderOfTheirSegments) {
   constexpr int kDim = TestFixture::kDim;
   std::size_t last_done = 0;
   BuildOptions options;
   options.progress = [&](std::size_t done, std::size_t to_do) {
     EXPECT_EQ(done, last_done + 1);
-    EXPECT_EQ(to_do, this->parts.stretches.size());
+    EXPECT_EQ(to_do, this->parts.segments.size());
     last_done = done;
   };
   const auto maps = build_local_maps<kDim>(this->world.log, this->parts, options);
   ASSERT_TRUE(maps);
-  ASSERT_EQ(maps->maps.size(), this->parts.stretches.size());
+  ASSERT_EQ(maps->maps.size(), this->parts.segments.size());
   EXPECT_EQ(last_done, maps->maps.size());
   EXPECT_GT(maps->iterations, 0);
-  for (std::size_t k = 0; k < maps->maps.size(); ++k) EXPECT_EQ(maps->maps[k].base, this->parts.stretches[k].begin);
+  for (std::size_t k = 0; k < maps->maps.size(); ++k) EXPECT_EQ(maps->maps[k].base, this->parts.segments[k].begin);
 }
 
-TYPED_TEST(BuildTest, AStretchThatItsOwnObservationsDoNotDetermineStaysASpan) {
+TYPED_TEST(BuildTest, ASegmentThatItsOwnObservationsDoNotDetermineStaysASpan) {
   constexpr int kDim = TestFixture::kDim;
   // A step without any information of its length: only what other maps say of it can tell.
   auto& step = this->world.log.graph.pose_factors[10];
@@ -105,11 +105,11 @@ TYPED_TEST(BuildTest, AStretchThatItsOwnObservationsDoNotDetermineStaysASpan) {
   step.information.col(0).setZero();
   std::erase_if(this->world.log.graph.feature_factors, [](const auto& o) { return o.base >= 9 && o.base <= 18; });
   Split parts = split(this->world.log, {SplitRule::kPoses, 9.0});
-  ASSERT_TRUE(parts.stretches[1].is_map);
+  ASSERT_TRUE(parts.segments[1].is_map);
   const auto maps = build_local_maps<kDim>(this->world.log, parts, {});
   ASSERT_TRUE(maps);
-  EXPECT_FALSE(parts.stretches[1].is_map);
-  EXPECT_EQ(maps->maps.size(), parts.stretches.size() - 1);
+  EXPECT_FALSE(parts.segments[1].is_map);
+  EXPECT_EQ(maps->maps.size(), parts.segments.size() - 1);
   EXPECT_EQ(std::count(parts.kept.begin() + 9, parts.kept.begin() + 19, true), 10);
 }
 

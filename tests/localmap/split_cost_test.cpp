@@ -52,7 +52,7 @@ TYPED_TEST(SplitCostTest, CountsKeptPosesInTheBorder) {
   EXPECT_NEAR(cost_per_step(log, kept, 9), T::of_a_map(9.0, m), 1e-9 * T::joining(m));
 }
 
-TYPED_TEST(SplitCostTest, IsSummedOverStretchesOfWhichEachCountsItsOwnFeatures) {
+TYPED_TEST(SplitCostTest, IsSummedOverSegmentsOfWhichEachCountsItsOwnFeatures) {
   using T = TestFixture;
   const auto log = T::widening_corridor();
   double expected = 0.0;
@@ -74,7 +74,7 @@ TYPED_TEST(SplitCostTest, IsThatOfAMapAsLongAsHalfOfItsPosesGo) {
   EXPECT_NEAR(cost_per_step(log, kept, 9), of_a_step, 1e-9 * of_a_step);
 }
 
-TYPED_TEST(SplitCostTest, OfAStretchThatStaysASpanIsThatOfItsSteps) {
+TYPED_TEST(SplitCostTest, OfASegmentThatStaysASpanIsThatOfItsSteps) {
   using T = TestFixture;
   const auto log = T::widening_corridor();
   const std::vector<bool> all_kept(log.poses.size(), true);

@@ -2,7 +2,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
-#include <mapjoin/localmap/segment.hpp>
+#include <mapjoin/localmap/segment_view.hpp>
 #include <mapjoin/localmap/split.hpp>
 #include <set>
 #include <tests/support/dimensions.hpp>
@@ -21,11 +21,11 @@ class SplitTest : public ::testing::Test {
   static Log<kDim> corridor(int poses) {
     return small_world<kDim>({.poses = poses, .features = 0, .closures = 0, .noise = 0.0}).log;
   }
-  static FeatureObservation<kDim> sight(Index pose, Index feature) {
+  static FeatureFactor<kDim> sight(Index pose, Index feature) {
     return {pose, feature, Point<kDim>::Zero(), PointMatrix<kDim>::Identity()};
   }
-  static PoseObservation<kDim> edge(Index base, Index target) { return {base, target, {}, PoseMatrix<kDim>::Identity()}; }
-  static Index steps(const Stretch& stretch) { return stretch.end - stretch.begin; }
+  static PoseFactor<kDim> edge(Index base, Index target) { return {base, target, {}, PoseMatrix<kDim>::Identity()}; }
+  static Index steps(const Segment& segment) { return segment.end - segment.begin; }
 };
 TYPED_TEST_SUITE(SplitTest, testing::Dimensions);
 
@@ -33,15 +33,15 @@ const std::vector<SplitOptions> kRules = {{SplitRule::kAuto, 0.0},     {SplitRul
                                           {SplitRule::kPoses, 1e6},    {SplitRule::kDistance, 4.5}, {SplitRule::kFeatures, 3.0},
                                           {SplitRule::kFeatures, 1e6}, {SplitRule::kDistance, 1e-3}};
 
-TYPED_TEST(SplitTest, EveryObservationBelongsToOneStretchWhateverTheRule) {
+TYPED_TEST(SplitTest, EveryObservationBelongsToOneSegmentWhateverTheRule) {
   constexpr int kDim = TestFixture::kDim;
   const auto world = small_world<kDim>({.sessions = 3, .reversed_odometry = true});
   const Log<kDim>& log = world.log;
   for (const SplitOptions& rule : kRules) {
     std::multiset<const void*> used;
-    for (const Stretch& stretch : split(log, rule).stretches) {
-      for (const auto& o : odometry_of(log, stretch)) used.insert(&o);
-      for (const auto& o : observations_of(log, stretch)) used.insert(&o);
+    for (const Segment& segment : split(log, rule).segments) {
+      for (const auto& o : odometry_of(log, segment)) used.insert(&o);
+      for (const auto& o : observations_of(log, segment)) used.insert(&o);
     }
     std::multiset<const void*> all;
     for (const auto& o : log.odometry()) all.insert(&o);
@@ -50,19 +50,19 @@ TYPED_TEST(SplitTest, EveryObservationBelongsToOneStretchWhateverTheRule) {
   }
 }
 
-TYPED_TEST(SplitTest, StretchesOfASessionFollowEachOtherAndShareTheirEnds) {
+TYPED_TEST(SplitTest, SegmentsOfASessionFollowEachOtherAndShareTheirEnds) {
   constexpr int kDim = TestFixture::kDim;
   const Log<kDim> log = small_world<kDim>({.sessions = 3}).log;
   for (const SplitOptions& rule : kRules) {
     const Split parts = split(log, rule);
     std::size_t session = 0;
     Index next = log.sessions[0].begin;
-    for (const Stretch& stretch : parts.stretches) {
-      EXPECT_EQ(stretch.begin, next);
-      EXPECT_GT(stretch.end, stretch.begin);
-      EXPECT_TRUE(parts.kept[static_cast<std::size_t>(stretch.begin)]);
-      EXPECT_TRUE(parts.kept[static_cast<std::size_t>(stretch.end)]);
-      next = stretch.end;
+    for (const Segment& segment : parts.segments) {
+      EXPECT_EQ(segment.begin, next);
+      EXPECT_GT(segment.end, segment.begin);
+      EXPECT_TRUE(parts.kept[static_cast<std::size_t>(segment.begin)]);
+      EXPECT_TRUE(parts.kept[static_cast<std::size_t>(segment.end)]);
+      next = segment.end;
       if (next + 1 < log.sessions[session].end) continue;
       ASSERT_EQ(next + 1, log.sessions[session].end);
       if (++session < log.sessions.size()) next = log.sessions[session].begin;
@@ -73,9 +73,9 @@ TYPED_TEST(SplitTest, StretchesOfASessionFollowEachOtherAndShareTheirEnds) {
 
 TYPED_TEST(SplitTest, CountsSteps) {
   const auto parts = split(this->corridor(24), {SplitRule::kPoses, 10.0});
-  ASSERT_EQ(parts.stretches.size(), 3u);
-  EXPECT_EQ(parts.stretches[1], (Stretch{10, 20, true}));
-  EXPECT_EQ(parts.stretches[2], (Stretch{20, 23, true}));
+  ASSERT_EQ(parts.segments.size(), 3u);
+  EXPECT_EQ(parts.segments[1], (Segment{10, 20, true}));
+  EXPECT_EQ(parts.segments[2], (Segment{20, 23, true}));
   EXPECT_EQ(parts.poses_per_map, 10);
   EXPECT_EQ(std::count(parts.kept.begin(), parts.kept.end(), true), 4);
 }
@@ -84,8 +84,8 @@ TYPED_TEST(SplitTest, MeasuresDistanceAlongOdometry) {
   auto log = this->corridor(13);
   for (auto& step : log.graph.pose_factors) step.measured.translation *= 2.0 / step.measured.translation.norm();
   const auto parts = split(log, {SplitRule::kDistance, 5.9});
-  ASSERT_EQ(parts.stretches.size(), 4u);
-  for (const Stretch& stretch : parts.stretches) EXPECT_EQ(this->steps(stretch), 3);
+  ASSERT_EQ(parts.segments.size(), 4u);
+  for (const Segment& segment : parts.segments) EXPECT_EQ(this->steps(segment), 3);
   EXPECT_EQ(parts.poses_per_map, 0);
 }
 
@@ -98,13 +98,13 @@ TYPED_TEST(SplitTest, CountsDifferentFeatures) {
     log.graph.feature_factors.push_back(this->sight(pose, 7));
   }
   const auto parts = split(log, {SplitRule::kFeatures, 3.0});
-  ASSERT_EQ(parts.stretches.size(), 4u);
-  EXPECT_EQ(parts.stretches[0], (Stretch{0, 3, true}));  // 0, 7, 1 after pose 2
-  EXPECT_EQ(parts.stretches[1], (Stretch{3, 5, true}));  // 1, 7, 2 after pose 4
+  ASSERT_EQ(parts.segments.size(), 4u);
+  EXPECT_EQ(parts.segments[0], (Segment{0, 3, true}));  // 0, 7, 1 after pose 2
+  EXPECT_EQ(parts.segments[1], (Segment{3, 5, true}));  // 1, 7, 2 after pose 4
 }
 
 TYPED_TEST(SplitTest, OneStepStaysASpan) {
-  for (const Stretch& stretch : split(this->corridor(5), {SplitRule::kPoses, 1.0}).stretches) EXPECT_FALSE(stretch.is_map);
+  for (const Segment& segment : split(this->corridor(5), {SplitRule::kPoses, 1.0}).segments) EXPECT_FALSE(segment.is_map);
 }
 
 TYPED_TEST(SplitTest, KeepsWhatClosuresAndTheWorldMention) {
@@ -120,13 +120,13 @@ TYPED_TEST(SplitTest, KeepsWhatClosuresAndTheWorldMention) {
   EXPECT_EQ(kept, (std::vector<Index>{0, 3, 7, 10, 13, 20, 25, 30}));
 }
 
-TYPED_TEST(SplitTest, AStretchThatWouldKeepMostOfItsPosesStaysASpan) {
+TYPED_TEST(SplitTest, ASegmentThatWouldKeepMostOfItsPosesStaysASpan) {
   auto log = this->corridor(21);
   for (Index pose = 1; pose <= 5; ++pose) log.graph.pose_factors.push_back(this->edge(pose, 15));
   log.graph.pose_factors.push_back(this->edge(6, 15));
   const auto parts = split(log, {SplitRule::kPoses, 10.0});
-  EXPECT_FALSE(parts.stretches[0].is_map);  // 6 of 9 inner poses
-  EXPECT_TRUE(parts.stretches[1].is_map);   // 1 of 9
+  EXPECT_FALSE(parts.segments[0].is_map);  // 6 of 9 inner poses
+  EXPECT_TRUE(parts.segments[1].is_map);   // 1 of 9
   EXPECT_EQ(std::count(parts.kept.begin(), parts.kept.begin() + 11, true), 11);
 }
 
@@ -139,7 +139,7 @@ TYPED_TEST(SplitTest, AMapWhoseBorderWouldBeTooLargeStaysASpan) {
     for (const Index pose : {2, 5}) {
       for (Index f = 0; f < features; ++f) log.graph.feature_factors.push_back(this->sight(pose, f));
     }
-    EXPECT_EQ(split(log, {SplitRule::kPoses, 10.0}).stretches[0].is_map, features == kMost) << features;
+    EXPECT_EQ(split(log, {SplitRule::kPoses, 10.0}).segments[0].is_map, features == kMost) << features;
   }
 }
 
@@ -147,8 +147,8 @@ TYPED_TEST(SplitTest, ASessionMayBeASinglePose) {
   constexpr int kDim = TestFixture::kDim;
   const Log<kDim> log = this->corridor(1);
   const auto parts = split(log, {SplitRule::kPoses, 5.0});
-  ASSERT_EQ(parts.stretches.size(), 1u);
-  EXPECT_EQ(parts.stretches[0], (Stretch{0, 0, false}));
+  ASSERT_EQ(parts.segments.size(), 1u);
+  EXPECT_EQ(parts.segments[0], (Segment{0, 0, false}));
 }
 
 TYPED_TEST(SplitTest, ASegmentKnowsItsInteriorItsKeptPosesAndItsFeatures) {
@@ -158,12 +158,12 @@ TYPED_TEST(SplitTest, ASegmentKnowsItsInteriorItsKeptPosesAndItsFeatures) {
   log.graph.feature_factors = {this->sight(0, 3), this->sight(2, 1), this->sight(4, 3), this->sight(5, 2), this->sight(10, 0)};
   log.graph.pose_factors.push_back(this->edge(8, 2));
   const Split parts = split(log, {SplitRule::kPoses, 5.0});
-  const Segment<kDim> first = segment_of(log, parts, parts.stretches[0]);
+  const SegmentView<kDim> first = segment_view(log, parts, parts.segments[0]);
   EXPECT_EQ(first.interior, (std::vector<Index>{1, 3, 4}));
   EXPECT_EQ(first.kept, (std::vector<Index>{2, 5}));
-  EXPECT_EQ(first.features, (std::vector<Index>{1, 3}));  // pose 5 belongs to the next stretch
+  EXPECT_EQ(first.features, (std::vector<Index>{1, 3}));  // pose 5 belongs to the next segment
   EXPECT_EQ(first.feature_slot(3), 1u);
-  const Segment<kDim> last = segment_of(log, parts, parts.stretches[1]);
+  const SegmentView<kDim> last = segment_view(log, parts, parts.segments[1]);
   EXPECT_EQ(last.features, (std::vector<Index>{0, 2}));  // which takes those of the last pose, too
   EXPECT_EQ(last.poses(), 6);
 }

@@ -10,36 +10,36 @@
 namespace mapjoin::testing {
 
 template <int Dim>
-std::vector<Part<Dim>> parts_of_log(const Log<Dim>& log, double poses_per_map) {
+std::vector<SubmapUpdate<Dim>> parts_of_log(const Log<Dim>& log, double poses_per_map) {
   Split parts = split(log, {SplitRule::kPoses, poses_per_map});
   const auto maps = build_local_maps<Dim>(log, parts, {}).value();
-  return parts_of(log, parts, maps.maps);
+  return submap_updates_of(log, parts, maps.maps);
 }
 
 /// Its state is by the indices of the parts. Its system looks into a set that is gone: only its equations may be used.
 template <int Dim>
-Join<Dim> batch_join(const std::vector<const Part<Dim>*>& parts, const Pose<Dim>& origin = {}) {
-  const MapSet<Dim> set = set_of(parts);
-  const Network<Dim> network = network_of_parts(set);
+Join<Dim> batch_join(const std::vector<const SubmapUpdate<Dim>*>& parts, const Pose<Dim>& origin = {}) {
+  const SubmapSet<Dim> set = set_of(parts);
+  const SubmapGraph<Dim> graph = submap_graph_of_updates(set);
   JoinOptions<Dim> options;
   options.origin = origin;
-  return join(network, set.poses, set.features, options).value();
+  return join(graph, set.poses, set.features, options).value();
 }
 
 /// The optimum that a join of the first `count` parts reaches.
 template <int Dim>
-double batch_chi2(const std::vector<Part<Dim>>& parts, std::size_t count) {
-  std::vector<const Part<Dim>*> first;
+double batch_chi2(const std::vector<SubmapUpdate<Dim>>& parts, std::size_t count) {
+  std::vector<const SubmapUpdate<Dim>*> first;
   for (std::size_t k = 0; k < count; ++k) first.push_back(&parts[k]);
   return batch_join(first).result.chi2;
 }
 
 /// Adds part after part; at every k-th step chi2 must be within 1 % + 0.5 of the batch optimum, the project's promise.
 template <int Dim>
-void expect_optimal_at_every_kth_step(const std::vector<Part<Dim>>& parts, std::size_t k) {
+void expect_optimal_at_every_kth_step(const std::vector<SubmapUpdate<Dim>>& parts, std::size_t k) {
   IncrementalJoin<Dim> joined;
   for (std::size_t added = 1; added <= parts.size(); ++added) {
-    const AddedPart result = joined.add(parts[added - 1]);
+    const AddedUpdate result = joined.add(parts[added - 1]);
     ASSERT_TRUE(result.is_joined) << added;
     ASSERT_TRUE(result.converged) << added;
     if (added % k != 0 && added != parts.size()) continue;

@@ -140,7 +140,7 @@ class MapError {
 template <int Dim>
 class Problem {
  public:
-  explicit Problem(const State<Dim>& start) {
+  explicit Problem(const Values<Dim>& start) {
     for (const Pose<Dim>& pose : start.poses) {
       parameters_.translations.push_back(to_array<Dim>(pose.translation));
       parameters_.rotations.push_back(to_array(pose.rotation));
@@ -172,8 +172,8 @@ class Problem {
     problem_.AddResidualBlock(cost, nullptr, blocks);
   }
 
-  void add(const PoseObservation<Dim>& o) { add(LocalMap<Dim>{o.base, {o.target}, {}, {o.measured}, {}, o.information}); }
-  void add(const FeatureObservation<Dim>& o) { add(LocalMap<Dim>{o.base, {}, {o.target}, {}, {o.measured}, o.information}); }
+  void add(const PoseFactor<Dim>& o) { add(LocalMap<Dim>{o.base, {o.target}, {}, {o.measured}, {}, o.information}); }
+  void add(const FeatureFactor<Dim>& o) { add(LocalMap<Dim>{o.base, {}, {o.target}, {}, {o.measured}, o.information}); }
   template <typename Item>
   void add(const std::vector<Item>& items) {
     for (const Item& item : items) add(item);
@@ -201,8 +201,8 @@ class Problem {
 };
 
 template <int Dim>
-State<Dim> to_values(const Parameters<Dim>& parameters) {
-  State<Dim> values;
+Values<Dim> to_values(const Parameters<Dim>& parameters) {
+  Values<Dim> values;
   for (std::size_t i = 0; i < parameters.translations.size(); ++i) {
     values.poses.push_back({Point<Dim>::Map(parameters.translations[i].data()), to_rotation(parameters.rotations[i])});
   }
@@ -235,7 +235,7 @@ ReferenceResult<Dim> Problem<Dim>::solve(const ReferenceOptions& options) {
 }  // namespace
 
 template <int Dim>
-ReferenceResult<Dim> ceres_optimum(const Log<Dim>& log, const State<Dim>& start, const ReferenceOptions& options) {
+ReferenceResult<Dim> ceres_optimum(const Log<Dim>& log, const Values<Dim>& start, const ReferenceOptions& options) {
   Problem<Dim> problem(start);
   problem.add(log.graph.pose_factors);
   problem.add(log.graph.feature_factors);
@@ -245,7 +245,7 @@ ReferenceResult<Dim> ceres_optimum(const Log<Dim>& log, const State<Dim>& start,
 }
 
 template <int Dim>
-ReferenceResult<Dim> ceres_optimum(const MapSet<Dim>& set, const State<Dim>& start, const ReferenceOptions& options) {
+ReferenceResult<Dim> ceres_optimum(const SubmapSet<Dim>& set, const Values<Dim>& start, const ReferenceOptions& options) {
   Problem<Dim> problem(start);
   problem.add(set.graph.submaps);
   problem.add(set.graph.pose_factors);
@@ -260,9 +260,9 @@ ReferenceResult<Dim> ceres_optimum(const MapSet<Dim>& set, const State<Dim>& sta
   return problem.solve(options);
 }
 
-template ReferenceResult<2> ceres_optimum(const Log<2>&, const State<2>&, const ReferenceOptions&);
-template ReferenceResult<3> ceres_optimum(const Log<3>&, const State<3>&, const ReferenceOptions&);
-template ReferenceResult<2> ceres_optimum(const MapSet<2>&, const State<2>&, const ReferenceOptions&);
-template ReferenceResult<3> ceres_optimum(const MapSet<3>&, const State<3>&, const ReferenceOptions&);
+template ReferenceResult<2> ceres_optimum(const Log<2>&, const Values<2>&, const ReferenceOptions&);
+template ReferenceResult<3> ceres_optimum(const Log<3>&, const Values<3>&, const ReferenceOptions&);
+template ReferenceResult<2> ceres_optimum(const SubmapSet<2>&, const Values<2>&, const ReferenceOptions&);
+template ReferenceResult<3> ceres_optimum(const SubmapSet<3>&, const Values<3>&, const ReferenceOptions&);
 
 }  // namespace mapjoin::testing

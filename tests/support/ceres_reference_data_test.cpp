@@ -27,7 +27,7 @@ TEST(CeresReferenceData, FindsTheOptimumOfTheCorrectedDlrLog) {
 TEST(CeresReferenceData, FindsTheOptimumOfVictoriaParksLocalMaps) {
   const auto read = read_local_map_set(data_file("vicpark-200-local-maps"));
   ASSERT_TRUE(read) << read.error().message;
-  const auto& set = std::get<MapSet<2>>(*read);
+  const auto& set = std::get<SubmapSet<2>>(*read);
   const auto result = ceres_optimum(set, composed_start(set));
   EXPECT_NEAR(result.initial_chi2, 13859095.8, 0.1);
   EXPECT_NEAR(result.chi2, 3643.43494, 1e-4);

@@ -24,15 +24,15 @@ class CeresReferenceTest : public ::testing::Test {
     log.graph.pose_factors.push_back(edge(3, 0));
     log.graph.feature_factors = {sight(0, 0), sight(2, 0), sight(3, 1)};
   }
-  PoseObservation<kDim> edge(std::size_t base, std::size_t target) {
+  PoseFactor<kDim> edge(std::size_t base, std::size_t target) {
     return {static_cast<Index>(base), static_cast<Index>(target), between(truth.poses[base], truth.poses[target]),
             random.information<kPoseDof<kDim>>()};
   }
-  FeatureObservation<kDim> sight(std::size_t base, std::size_t target) {
+  FeatureFactor<kDim> sight(std::size_t base, std::size_t target) {
     return {static_cast<Index>(base), static_cast<Index>(target), transform_into(truth.poses[base], truth.features[target]),
             random.information<kDim>()};
   }
-  double distance_from_truth(const State<kDim>& values) const {
+  double distance_from_truth(const Values<kDim>& values) const {
     double largest = 0.0;
     for (std::size_t i = 0; i < truth.poses.size(); ++i) {
       largest = std::max(largest, local(truth.poses[i], values.poses[i]).norm());
@@ -44,7 +44,7 @@ class CeresReferenceTest : public ::testing::Test {
   }
 
   Random random;
-  State<kDim> truth;
+  Values<kDim> truth;
   Log<kDim> log;
 };
 TYPED_TEST_SUITE(CeresReferenceTest, Dimensions);
@@ -67,7 +67,7 @@ TYPED_TEST(CeresReferenceTest, StartsHangFromAFixedPose) {
 TYPED_TEST(CeresReferenceTest, ComesBackToTheTruthByEitherMethod) {
   constexpr int kDim = TestFixture::kDim;
   for (const auto method : {ReferenceMethod::kLevenbergMarquardt, ReferenceMethod::kDogleg}) {
-    State<kDim> start = this->truth;
+    Values<kDim> start = this->truth;
     for (std::size_t i = 1; i < 4; ++i) {
       start.poses[i] = retract(start.poses[i], this->random.template vector<kPoseDof<kDim>>(0.2));
     }
@@ -80,8 +80,8 @@ TYPED_TEST(CeresReferenceTest, ComesBackToTheTruthByEitherMethod) {
 
 TYPED_TEST(CeresReferenceTest, TwoMeasurementsOfOneStepMeetAtTheirWeightedMean) {
   constexpr int kDim = TestFixture::kDim;
-  PoseObservation<kDim> once{0, 1, {}, PoseMatrix<kDim>::Identity()};
-  PoseObservation<kDim> thrice = once;
+  PoseFactor<kDim> once{0, 1, {}, PoseMatrix<kDim>::Identity()};
+  PoseFactor<kDim> thrice = once;
   thrice.measured.translation[0] = 1.0;
   thrice.information *= 3.0;
   Log<kDim> log;
@@ -99,13 +99,13 @@ TYPED_TEST(CeresReferenceTest, AMapOfSeveralTargetsIsOneObservation) {
   Log<kDim>& log = this->log;
   log.graph.pose_factors.resize(1);
   log.graph.feature_factors.resize(1);
-  MapSet<kDim> set;
+  SubmapSet<kDim> set;
   LocalMap<kDim> map{0, {1}, {0}, {log.odometry()[0].measured}, {log.observations()[0].measured}, {}};
   map.information = Eigen::MatrixXd::Zero(kPoseDof<kDim> + kDim, kPoseDof<kDim> + kDim);
   map.information.topLeftCorner(kPoseDof<kDim>, kPoseDof<kDim>) = log.odometry()[0].information;
   map.information.bottomRightCorner(kDim, kDim) = log.observations()[0].information;
   set.graph.submaps = {map};
-  State<kDim> start = this->truth;
+  Values<kDim> start = this->truth;
   start.poses[1] = this->random.template pose<kDim>();
   start.features[0].setOnes();
   const ReferenceOptions look_only{.max_iterations = 0};

@@ -6,7 +6,7 @@
 #include <algorithm>
 #include <mapjoin/model/accumulate.hpp>
 #include <mapjoin/model/local_map.hpp>
-#include <mapjoin/model/state.hpp>
+#include <mapjoin/model/values.hpp>
 #include <vector>
 
 namespace mapjoin::testing {
@@ -15,16 +15,16 @@ namespace mapjoin::testing {
 template <int Dim>
 class DenseInformation {
  public:
-  explicit DenseInformation(const State<Dim>& state) : state_(state) {
+  explicit DenseInformation(const Values<Dim>& state) : state_(state) {
     poses_ = static_cast<Index>(state.poses.size());
     const Eigen::Index size = feature_row(static_cast<Index>(state.features.size()));
     H_ = Eigen::MatrixXd::Zero(size, size);
   }
 
-  void add(const PoseObservation<Dim>& o) {
+  void add(const PoseFactor<Dim>& o) {
     accumulate(linearise(o, state_.pose(o.base), state_.pose(o.target)), Sink{H_, {pose_row(o.base), pose_row(o.target)}});
   }
-  void add(const FeatureObservation<Dim>& o) {
+  void add(const FeatureFactor<Dim>& o) {
     accumulate(linearise(o, state_.pose(o.base), state_.feature(o.target)),
                Sink{H_, {pose_row(o.base), feature_row(o.target)}});
   }
@@ -69,9 +69,9 @@ class DenseInformation {
   std::vector<Eigen::Index> free_rows(const std::vector<Index>& held) const {
     std::vector<Eigen::Index> free;
     for (Eigen::Index row = 0; row < H_.rows(); ++row) {
-      const bool is_held =
+      const bool is_anchored =
           row < feature_row(0) && std::find(held.begin(), held.end(), static_cast<Index>(row / kPoseDof<Dim>)) != held.end();
-      if (!is_held) free.push_back(row);
+      if (!is_anchored) free.push_back(row);
     }
     return free;
   }
@@ -98,7 +98,7 @@ class DenseInformation {
     void rhs(int, const Block&) {}
   };
 
-  const State<Dim>& state_;
+  const Values<Dim>& state_;
   Index poses_ = 0;
   Eigen::MatrixXd H_;
 };

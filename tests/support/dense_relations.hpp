@@ -14,14 +14,14 @@ namespace mapjoin::testing {
 template <int Dim>
 Eigen::MatrixXd J_absolute_relative(const Relations<Dim>& relations, const DenseInformation<Dim>& layout) {
   constexpr int kDof = kPoseDof<Dim>;
-  const State<Dim> state = composed(relations);
+  const Values<Dim> state = composed(relations);
   const Eigen::Index size = layout.information().rows();
   Eigen::MatrixXd T = Eigen::MatrixXd::Zero(size, size);
   for (const Index pose : relations.order) {
     const auto& relation = relations.poses[static_cast<std::size_t>(pose)];
     const Eigen::Index row = layout.pose_row(pose);
     PoseMatrix<Dim> J_parent, J_child;
-    compose(state.pose(relation.parent), relation.placement, &J_parent, &J_child);
+    compose(state.pose(relation.parent), relation.value, &J_parent, &J_child);
     if (relation.parent != kWorld) {
       T.middleRows<kDof>(row) = J_parent * T.middleRows<kDof>(layout.pose_row(relation.parent)).eval();
     }
@@ -32,7 +32,7 @@ Eigen::MatrixXd J_absolute_relative(const Relations<Dim>& relations, const Dense
     const Eigen::Index row = layout.feature_row(static_cast<Index>(f));
     PointPoseMatrix<Dim> J_parent;
     PointMatrix<Dim> J_child;
-    transform(state.pose(relation.parent), relation.placement, &J_parent, &J_child);
+    transform(state.pose(relation.parent), relation.value, &J_parent, &J_child);
     if (relation.parent != kWorld) {
       T.middleRows<Dim>(row) = J_parent * T.middleRows<kDof>(layout.pose_row(relation.parent));
     }

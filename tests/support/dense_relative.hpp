@@ -3,7 +3,7 @@
 // The relative joined state densely: every Jacobian of (26)-(29) and (35) written out along the paths of the tree.
 
 #include <map>
-#include <mapjoin/join/joint_system.hpp>
+#include <mapjoin/join/joining_system.hpp>
 #include <mapjoin/join/spanning_tree.hpp>
 #include <mapjoin/model/linearise.hpp>
 #include <utility>
@@ -18,17 +18,17 @@ class DenseRelative {
  public:
   static constexpr int kDof = kPoseDof<Dim>;
 
-  explicit DenseRelative(const JointSystem<Dim>& system)
+  explicit DenseRelative(const JoiningSystem<Dim>& system)
       : system_(system), state_(system.estimate()), tree_(spanning_tree(system)) {
     const Eigen::Index n = system.equations().size();
     T = Eigen::MatrixXd::Zero(n, n);
     for (const TreeEdge& edge : tree_.poses) compose_pose(edge);
     for (const TreeEdge& edge : tree_.features) compose_feature(edge);
-    for (const auto& o : system.pose_observations()) {
+    for (const auto& o : system.pose_factors()) {
       add_rows(linearise<Dim>(o.observation->measured, state_.pose(o.base), state_.pose(o.target)), o.base,
                pose_entry(o.target), o.observation->information);
     }
-    for (const auto& o : system.feature_observations()) {
+    for (const auto& o : system.feature_factors()) {
       add_rows(linearise<Dim>(o.observation->measured, state_.pose(o.base), state_.feature(o.target)), o.base,
                feature_entry(o.target), o.observation->information);
     }
@@ -41,8 +41,8 @@ class DenseRelative {
   }
 
   /// The state whose relations are those of the estimate moved by `step`.
-  State<Dim> moved(const Eigen::VectorXd& step) const {
-    State<Dim> state = state_;
+  Values<Dim> moved(const Eigen::VectorXd& step) const {
+    Values<Dim> state = state_;
     for (const TreeEdge& edge : tree_.poses) {
       const Pose<Dim> relation = between(state_.pose(edge.parent), state_.pose(edge.child));
       const PoseVector<Dim> delta = step.segment<kDof>(pose_entry(edge.child));
@@ -113,7 +113,7 @@ class DenseRelative {
     W.bottomRightCorner<Dof, Dof>() = information;
     first_row_.push_back(row);
   }
-  void add_map(const typename JointSystem<Dim>::PlacedMap& placed) {
+  void add_map(const typename JoiningSystem<Dim>::PlacedMap& placed) {
     const LocalMap<Dim>& map = *placed.map;
     Eigen::Index row = r.size();
     first_row_.push_back(row);
@@ -136,8 +136,8 @@ class DenseRelative {
       return;
     }
     const TreeObservation& o = *edge.observation;
-    Eigen::Index row = first_row_[o.clique];
-    if (const auto map = first_feature_row_.find(o.clique); map != first_feature_row_.end()) {
+    Eigen::Index row = first_row_[o.factor];
+    if (const auto map = first_feature_row_.find(o.factor); map != first_feature_row_.end()) {
       const auto [feature_row, poses] = map->second;
       const auto target = static_cast<Eigen::Index>(o.target);
       row = dof == kDof ? row + target * kDof : feature_row + (target - static_cast<Eigen::Index>(poses)) * Dim;
@@ -146,10 +146,10 @@ class DenseRelative {
     D.block(child, child, dof, dof) = J_edge.transpose() * W.block(row, row, dof, dof) * J_edge;
   }
 
-  const JointSystem<Dim>& system_;
-  const State<Dim>& state_;
+  const JoiningSystem<Dim>& system_;
+  const Values<Dim>& state_;
   SpanningTree tree_;
-  std::vector<Eigen::Index> first_row_;                                            // per clique
+  std::vector<Eigen::Index> first_row_;                                            // per factor
   std::map<std::size_t, std::pair<Eigen::Index, std::size_t>> first_feature_row_;  // of maps, with the number of their poses
 };
 

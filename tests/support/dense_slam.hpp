@@ -7,7 +7,7 @@
 #include <algorithm>
 #include <cmath>
 #include <mapjoin/model/log.hpp>
-#include <mapjoin/model/state.hpp>
+#include <mapjoin/model/values.hpp>
 #include <numeric>
 #include <tests/support/numerical_jacobian.hpp>
 #include <vector>
@@ -48,8 +48,8 @@ struct DenseEquations {
 /// features.
 template <int Dim>
 struct DenseSlam {
-  std::vector<PoseObservation<Dim>> pose_observations;
-  std::vector<FeatureObservation<Dim>> feature_observations;
+  std::vector<PoseFactor<Dim>> pose_factors;
+  std::vector<FeatureFactor<Dim>> feature_factors;
   std::vector<Index> free_poses;
   std::vector<Index> free_features;
 
@@ -57,7 +57,7 @@ struct DenseSlam {
     return static_cast<Eigen::Index>(free_poses.size()) * kPoseDof<Dim> + static_cast<Eigen::Index>(free_features.size()) * Dim;
   }
 
-  State<Dim> moved(State<Dim> state, const Eigen::VectorXd& step) const {
+  Values<Dim> moved(Values<Dim> state, const Eigen::VectorXd& step) const {
     Eigen::Index entry = 0;
     for (const Index pose : free_poses) {
       auto& value = state.poses[static_cast<std::size_t>(pose)];
@@ -71,19 +71,19 @@ struct DenseSlam {
     return state;
   }
 
-  DenseEquations linearise(const State<Dim>& state) const {
+  DenseEquations linearise(const Values<Dim>& state) const {
     DenseEquations equations{Eigen::MatrixXd::Zero(size(), size()), Eigen::VectorXd::Zero(size()), 0.0};
-    for (const auto& o : pose_observations) {
+    for (const auto& o : pose_factors) {
       add(o, state.pose(o.base), state.pose(o.target), pose_columns(o.base), pose_columns(o.target), equations);
     }
-    for (const auto& o : feature_observations) {
+    for (const auto& o : feature_factors) {
       add(o, state.pose(o.base), state.feature(o.target), pose_columns(o.base), feature_columns(o.target), equations);
     }
     return equations;
   }
 
   /// Gauss-Newton to the last digit; the start must be good.
-  State<Dim> optimum(State<Dim> state) const {
+  Values<Dim> optimum(Values<Dim> state) const {
     for (int k = 0; k < 20; ++k) {
       const DenseEquations equations = linearise(state);
       const Eigen::VectorXd step = equations.H.ldlt().solve(equations.g);
@@ -139,8 +139,8 @@ struct DenseSlam {
 template <int Dim>
 DenseSlam<Dim> full_slam(const Log<Dim>& log) {
   DenseSlam<Dim> slam;
-  slam.pose_observations = log.graph.pose_factors;
-  slam.feature_observations = log.graph.feature_factors;
+  slam.pose_factors = log.graph.pose_factors;
+  slam.feature_factors = log.graph.feature_factors;
   const bool world_holds = !log.graph.fixed.empty() || !log.pose_priors().empty() || !log.feature_priors().empty();
   for (Index pose = 0; pose < static_cast<Index>(log.poses.size()); ++pose) {
     const bool is_fixed = std::any_of(log.graph.fixed.begin(), log.graph.fixed.end(),

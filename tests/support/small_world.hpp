@@ -4,7 +4,7 @@
 
 #include <cmath>
 #include <mapjoin/model/log_builder.hpp>
-#include <mapjoin/model/state.hpp>
+#include <mapjoin/model/values.hpp>
 #include <numbers>
 #include <tests/support/random.hpp>
 
@@ -24,7 +24,7 @@ struct WorldOptions {
 template <int Dim>
 struct SmallWorld {
   Log<Dim> log;
-  State<Dim> truth;  ///< By the indices of the log; pose 0 is the origin.
+  Values<Dim> truth;  ///< By the indices of the log; pose 0 is the origin.
 };
 
 namespace detail {
@@ -103,7 +103,7 @@ SmallWorld<Dim> small_world(const WorldOptions& options = {}) {
 
 /// The largest difference between two states (m, rad).
 template <int Dim>
-double largest_difference(const State<Dim>& a, const State<Dim>& b) {
+double largest_difference(const Values<Dim>& a, const Values<Dim>& b) {
   if (a.poses.size() != b.poses.size() || a.features.size() != b.features.size()) return std::nan("");
   double largest = 0.0;
   for (std::size_t p = 0; p < a.poses.size(); ++p) largest = std::max(largest, local(a.poses[p], b.poses[p]).norm());

@@ -24,13 +24,13 @@ struct Sight {
 };
 
 template <int Dim>
-void append(std::vector<Edge<Dim>>& edges, std::type_identity_t<std::span<const PoseObservation<Dim>>> observations) {
+void append(std::vector<Edge<Dim>>& edges, std::type_identity_t<std::span<const PoseFactor<Dim>>> observations) {
   for (const auto& o : observations) {
     if (o.base != kWorld) edges.push_back({o.base, o.target, o.measured});
   }
 }
 template <int Dim>
-void append(std::vector<Sight<Dim>>& sights, std::type_identity_t<std::span<const FeatureObservation<Dim>>> observations) {
+void append(std::vector<Sight<Dim>>& sights, std::type_identity_t<std::span<const FeatureFactor<Dim>>> observations) {
   for (const auto& o : observations) sights.push_back({o.base, o.target, o.measured});
 }
 
@@ -72,7 +72,7 @@ std::vector<Pose<Dim>> spread(std::size_t count, const std::vector<FixedPose<Dim
 }
 
 template <int Dim>
-State<Dim> with_first_sights(std::vector<Pose<Dim>> poses, std::size_t count, const std::vector<Sight<Dim>>& sights) {
+Values<Dim> with_first_sights(std::vector<Pose<Dim>> poses, std::size_t count, const std::vector<Sight<Dim>>& sights) {
   std::vector<Point<Dim>> features(count, Point<Dim>::Zero());
   std::vector<bool> placed(count);
   for (const Sight<Dim>& sight : sights) {
@@ -87,14 +87,14 @@ State<Dim> with_first_sights(std::vector<Pose<Dim>> poses, std::size_t count, co
 }  // namespace
 
 template <int Dim>
-State<Dim> with_first_observations(const Log<Dim>& log, std::vector<Pose<Dim>> poses) {
+Values<Dim> with_first_observations(const Log<Dim>& log, std::vector<Pose<Dim>> poses) {
   std::vector<Sight<Dim>> sights;
   append(sights, log.graph.feature_factors);
   return with_first_sights(std::move(poses), log.features.size(), sights);
 }
 
 template <int Dim>
-State<Dim> with_first_observations(const MapSet<Dim>& set, std::vector<Pose<Dim>> poses) {
+Values<Dim> with_first_observations(const SubmapSet<Dim>& set, std::vector<Pose<Dim>> poses) {
   std::vector<Sight<Dim>> sights;
   for (const LocalMap<Dim>& map : set.graph.submaps) {
     for (std::size_t i = 0; i < map.features.size(); ++i) {
@@ -106,7 +106,7 @@ State<Dim> with_first_observations(const MapSet<Dim>& set, std::vector<Pose<Dim>
 }
 
 template <int Dim>
-State<Dim> composed_start(const MapSet<Dim>& set) {
+Values<Dim> composed_start(const SubmapSet<Dim>& set) {
   std::vector<Edge<Dim>> edges;
   for (const LocalMap<Dim>& map : set.graph.submaps) {
     if (map.base == kWorld) continue;
@@ -117,37 +117,37 @@ State<Dim> composed_start(const MapSet<Dim>& set) {
 }
 
 template <int Dim>
-State<Dim> odometry_start(const Log<Dim>& log) {
+Values<Dim> odometry_start(const Log<Dim>& log) {
   std::vector<Edge<Dim>> edges;
   append(edges, log.odometry());
   return with_first_observations(log, spread(log.poses.size(), log.graph.fixed, edges));
 }
 
 template <int Dim>
-State<Dim> spanning_tree_start(const Log<Dim>& log) {
+Values<Dim> spanning_tree_start(const Log<Dim>& log) {
   std::vector<Edge<Dim>> edges;
   append(edges, log.edges());
   return with_first_observations(log, spread(log.poses.size(), log.graph.fixed, edges));
 }
 
 template <int Dim>
-std::optional<State<Dim>> file_start(const Log<Dim>& log) {
+std::optional<Values<Dim>> file_start(const Log<Dim>& log) {
   if (log.initial.poses.empty()) return std::nullopt;
   if (log.initial.features.empty()) return with_first_observations(log, log.initial.poses);
-  return State<Dim>{log.initial.poses, log.initial.features};
+  return Values<Dim>{log.initial.poses, log.initial.features};
 }
 
-template State<2> with_first_observations(const Log<2>&, std::vector<Pose<2>>);
-template State<3> with_first_observations(const Log<3>&, std::vector<Pose<3>>);
-template State<2> with_first_observations(const MapSet<2>&, std::vector<Pose<2>>);
-template State<3> with_first_observations(const MapSet<3>&, std::vector<Pose<3>>);
-template State<2> composed_start(const MapSet<2>&);
-template State<3> composed_start(const MapSet<3>&);
-template State<2> odometry_start(const Log<2>&);
-template State<3> odometry_start(const Log<3>&);
-template State<2> spanning_tree_start(const Log<2>&);
-template State<3> spanning_tree_start(const Log<3>&);
-template std::optional<State<2>> file_start(const Log<2>&);
-template std::optional<State<3>> file_start(const Log<3>&);
+template Values<2> with_first_observations(const Log<2>&, std::vector<Pose<2>>);
+template Values<3> with_first_observations(const Log<3>&, std::vector<Pose<3>>);
+template Values<2> with_first_observations(const SubmapSet<2>&, std::vector<Pose<2>>);
+template Values<3> with_first_observations(const SubmapSet<3>&, std::vector<Pose<3>>);
+template Values<2> composed_start(const SubmapSet<2>&);
+template Values<3> composed_start(const SubmapSet<3>&);
+template Values<2> odometry_start(const Log<2>&);
+template Values<3> odometry_start(const Log<3>&);
+template Values<2> spanning_tree_start(const Log<2>&);
+template Values<3> spanning_tree_start(const Log<3>&);
+template std::optional<Values<2>> file_start(const Log<2>&);
+template std::optional<Values<3>> file_start(const Log<3>&);
 
 }  // namespace mapjoin::testing

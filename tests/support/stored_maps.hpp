@@ -10,20 +10,20 @@
 namespace mapjoin::testing {
 
 template <int Dim>
-PoseObservation<Dim> random_pose_observation(Random& random, Index base, Index target) {
+PoseFactor<Dim> random_pose_observation(Random& random, Index base, Index target) {
   return {base, target, random.pose<Dim>(), random.information<kPoseDof<Dim>>()};
 }
 
 template <int Dim>
-FeatureObservation<Dim> random_feature_observation(Random& random, Index base, Index target) {
+FeatureFactor<Dim> random_feature_observation(Random& random, Index base, Index target) {
   return {base, target, random.vector<Dim>(), random.information<Dim>()};
 }
 
 template <int Dim>
-LocalMap<Dim> random_map(Random& random, const Stretch& stretch, Index features) {
+LocalMap<Dim> random_map(Random& random, const Segment& segment, Index features) {
   LocalMap<Dim> map;
-  map.base = stretch.begin;
-  map.poses = {stretch.end};
+  map.base = segment.begin;
+  map.poses = {segment.end};
   map.pose_estimates = {random.pose<Dim>()};
   for (Index i = 0; i < features; ++i) {
     map.features.push_back(features - 1 - i);
@@ -38,7 +38,7 @@ LocalMap<Dim> random_map(Random& random, const Stretch& stretch, Index features)
   return map;
 }
 
-/// `maps` stretches of two steps each, then a span of one; every array of the log has something in it.
+/// `maps` segments of two steps each, then a span of one; every array of the log has something in it.
 template <int Dim>
 StoredMaps<Dim> random_stored_maps(Random& random, Index maps, Index features = 5) {
   StoredMaps<Dim> stored;
@@ -64,10 +64,10 @@ StoredMaps<Dim> random_stored_maps(Random& random, Index maps, Index features = 
   log.unassociated = 4;
   log.conventions = {PoseError::kG2o, RotationInformation::kQuaternion, Covariance::kIdentity, {3, 1.25e-7, 5}};
   for (Index k = 0; k < maps; ++k) {
-    stored.stretches.push_back({2 * k, 2 * k + 2, true});
-    stored.maps.push_back(random_map<Dim>(random, stored.stretches.back(), features));
+    stored.segments.push_back({2 * k, 2 * k + 2, true});
+    stored.maps.push_back(random_map<Dim>(random, stored.segments.back(), features));
   }
-  stored.stretches.push_back({poses - 2, poses - 1, false});
+  stored.segments.push_back({poses - 2, poses - 1, false});
   stored.options = "--poses-per-map 2";
   return stored;
 }
@@ -133,7 +133,7 @@ void expect_same(const StoredMaps<Dim>& a, const StoredMaps<Dim>& b) {
   EXPECT_EQ(a.log.conventions.repairs.indefinite, b.log.conventions.repairs.indefinite);
   EXPECT_EQ(a.log.conventions.repairs.symmetrised, b.log.conventions.repairs.symmetrised);
   EXPECT_EQ(a.log.conventions.repairs.largest_asymmetry, b.log.conventions.repairs.largest_asymmetry);
-  EXPECT_EQ(a.stretches, b.stretches);
+  EXPECT_EQ(a.segments, b.segments);
   EXPECT_TRUE(same(a.maps, b.maps));
   EXPECT_EQ(a.options, b.options);
 }

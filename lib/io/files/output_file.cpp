@@ -23,8 +23,9 @@ bool is_open_file(const fs::path& path) {
   return !failure && folder.native().starts_with("/proc/");
 }
 
-/// Where links lead from `path`, also where nothing is yet; not through open files.
-fs::path followed(fs::path path) {
+}  // namespace
+
+fs::path link_target(fs::path path) {
   constexpr int kMostLinks = 40;
   std::error_code ignored;
   for (int links = 0; links < kMostLinks && !is_open_file(path) && fs::is_symlink(path, ignored); ++links) {
@@ -33,8 +34,6 @@ fs::path followed(fs::path path) {
   return path;
 }
 
-}  // namespace
-
 OutputFile::OutputFile(std::filesystem::path path, std::filesystem::path written_path, int descriptor)
     : path_(std::move(path)), written_path_(std::move(written_path)), descriptor_(descriptor) {
   buffer_.reserve(kBufferSize);
@@ -42,7 +41,7 @@ OutputFile::OutputFile(std::filesystem::path path, std::filesystem::path written
 
 Expected<OutputFile> OutputFile::create(const fs::path& path) {
   std::error_code ignored;
-  const fs::path target = followed(path);  // A link stays a link.
+  const fs::path target = link_target(path);  // A link stays a link.
   const bool beside = !is_open_file(target) && (!fs::exists(target, ignored) || fs::is_regular_file(target, ignored));
   if (beside) {
     const fs::path written = target.string() + kUnfinished;

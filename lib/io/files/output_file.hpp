@@ -9,6 +9,9 @@
 
 namespace mapjoin {
 
+/// Where links lead from `path`, also where nothing is yet; not through open files (/dev/stdout).
+std::filesystem::path link_target(std::filesystem::path path);
+
 /// Bytes go to `name.mapjoin-tmp` beside the file, which takes the name on commit() and is removed where that does not happen;
 /// the next to write the file clears what a process left there that was killed. What is there and is not a regular file (a
 /// device, a pipe) is written to directly, and so is what is open already (/dev/stdout), behind what is in it. A link stays a

@@ -133,8 +133,8 @@ class EdgeTextWriter {
     return {};
   }
 
-  Expected<void> write_edges(std::span<const PoseObservation<Dim>> edges) {
-    for (const PoseObservation<Dim>& edge : edges) {
+  Expected<void> write_edges(std::span<const PoseFactor<Dim>> edges) {
+    for (const PoseFactor<Dim>& edge : edges) {
       line_.add(format_.edge_tag).add(numbering_(pose(edge.base))).add(numbering_(pose(edge.target)));
       if (const Fault fault = format_.put_edge({edge.measured, edge.information}, line_)) {
         return not_in_format(fmt::format("the edge from {} to {}", to_string(pose(edge.base)), to_string(pose(edge.target))),
@@ -147,7 +147,7 @@ class EdgeTextWriter {
 
   Expected<void> write_observations() {
     if (format_.observation_tag.empty()) return {};
-    for (const FeatureObservation<Dim>& o : log_.observations()) {
+    for (const FeatureFactor<Dim>& o : log_.observations()) {
       const FeatureId feature = log_.features[static_cast<std::size_t>(o.target)];
       line_.add(format_.observation_tag).add(numbering_(pose(o.base))).add(numbering_(feature));
       if (const Fault fault = format_.put_point({o.measured, o.information}, line_)) {

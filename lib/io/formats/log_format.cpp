@@ -14,7 +14,7 @@
 #include <mapjoin/io/formats/trajectory.hpp>
 #include <mapjoin/io/g2o/g2o.hpp>
 #include <mapjoin/io/g2o/numbering.hpp>
-#include <mapjoin/model/counted.hpp>
+#include <mapjoin/model/plural.hpp>
 
 namespace mapjoin {
 namespace {
@@ -221,13 +221,13 @@ std::vector<std::string> losses(const Log<Dim>& log, LogFormat format) {
     if (count > 0) lost.push_back(fmt::format("{} left out", what));
   };
   const std::size_t edges = log.edges().size();
-  if (!room.edges) tell(edges, counted(edges, "pose-pose edge"));
+  if (!room.edges) tell(edges, plural(edges, "pose-pose edge"));
   if (!room.observations) {
     tell(log.features.size(),
-         counted(log.features.size(), "feature") + " with " + counted(log.observations().size(), "observation"));
+         plural(log.features.size(), "feature") + " with " + plural(log.observations().size(), "observation"));
   }
   const std::size_t priors = log.pose_priors().size() + log.feature_priors().size();
-  tell(priors, counted(priors, "prior"));
+  tell(priors, plural(priors, "prior"));
   if (!room.fixed) tell(log.graph.fixed.size(), "which poses are fixed is");
   const bool has_values = !log.initial.poses.empty() || !log.initial.features.empty();
   const bool all_values = !log.initial.poses.empty() && log.initial.features.size() == log.features.size();

@@ -21,14 +21,14 @@ class Table {
     rows_.setZero(static_cast<Eigen::Index>(log.edges().size() + log.observations().size()), 12);
   }
 
-  void add(const PoseObservation<2>& edge) {
+  void add(const PoseFactor<2>& edge) {
     auto row = begin_row(kOdometryRow, numbering_(pose(edge.base)), numbering_(pose(edge.target)));
     Matrix<3> P = Matrix<3>::Zero();
     note(covariance_of(edge.information, P));
     row.segment<3>(3) << edge.measured.translation.transpose(), edge.measured.rotation.angle();
     row.tail<6>() << P(0, 0), P(0, 1), P(0, 2), P(1, 1), P(1, 2), P(2, 2);
   }
-  void add(const FeatureObservation<2>& o) {
+  void add(const FeatureFactor<2>& o) {
     auto row = begin_row(kObservationRow, numbering_(pose(o.base)), log_.features[static_cast<std::size_t>(o.target)].key);
     Matrix<2> P = Matrix<2>::Zero();
     note(covariance_of(o.information, P));

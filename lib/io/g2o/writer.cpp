@@ -51,7 +51,7 @@ class G2oWriter {
     write_pose_edges(log.edges());
     if (Dim == 3 && !log.observations().empty()) line_.add(kG2oOffset).add(kOffset).add(Pose<Dim>{}).write_to(file_);
     write_each(log.observations().size(), [&](TextLine& line, std::size_t k) {
-      const FeatureObservation<Dim>& o = log.observations()[k];
+      const FeatureFactor<Dim>& o = log.observations()[k];
       const FeatureId feature = feature_ids_[static_cast<std::size_t>(o.target)];
       line.add(Tags::kObservation).add(pose_number(o.base)).add(numbering_(feature));
       if (Dim == 3) line.add(kOffset);
@@ -78,9 +78,9 @@ class G2oWriter {
 
   std::uint64_t pose_number(Index pose) const { return numbering_(pose_ids_[static_cast<std::size_t>(pose)]); }
 
-  void write_pose_edges(std::span<const PoseObservation<Dim>> edges) {
+  void write_pose_edges(std::span<const PoseFactor<Dim>> edges) {
     write_each(edges.size(), [&](TextLine& line, std::size_t k) {
-      const PoseObservation<Dim>& edge = edges[k];
+      const PoseFactor<Dim>& edge = edges[k];
       line.add(Tags::kPoseEdge).add(pose_number(edge.base)).add(pose_number(edge.target));
       line.add(edge.measured).template add_symmetric<kPoseDof<Dim>>(edge.information);
     });

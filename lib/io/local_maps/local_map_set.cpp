@@ -37,9 +37,9 @@ Expected<void> put_in_order(NamedMaps<Dim>& maps, const std::string& source) {
 }
 
 template <int Dim>
-Expected<AnyMapSet> assemble(NamedMaps<Dim>&& maps, const std::string& source, const MatrixRepairs& repairs) {
+Expected<AnySubmapSet> assemble(NamedMaps<Dim>&& maps, const std::string& source, const MatrixRepairs& repairs) {
   if (auto ok = put_in_order(maps, source); !ok) return tl::unexpected(ok.error());
-  MapSet<Dim> set;
+  SubmapSet<Dim> set;
   set.source = source;
   set.conventions.repairs = repairs;
   set.features = all_features(maps);
@@ -55,14 +55,14 @@ Expected<AnyMapSet> assemble(NamedMaps<Dim>&& maps, const std::string& source, c
       const auto found = std::lower_bound(set.features.begin(), set.features.end(), id);
       map.features.push_back(static_cast<Index>(found - set.features.begin()));
     }
-    set.stretches.push_back({map.base, static_cast<Index>(set.poses.size()) - 1, true});
+    set.segments.push_back({map.base, static_cast<Index>(set.poses.size()) - 1, true});
   }
   return set;
 }
 
 }  // namespace
 
-Expected<AnyMapSet> read_local_map_set(const std::filesystem::path& folder_or_archive, const ReadOptions& options) {
+Expected<AnySubmapSet> read_local_map_set(const std::filesystem::path& folder_or_archive, const ReadOptions& options) {
   const std::string source = folder_or_archive.string();
   InformationCheck check(options.repair_information);
   NamedMaps<2> plane;

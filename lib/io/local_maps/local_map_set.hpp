@@ -7,7 +7,7 @@
 #include <mapjoin/model/error.hpp>
 #include <mapjoin/model/local_map.hpp>
 #include <mapjoin/model/log.hpp>
-#include <mapjoin/model/map_set.hpp>
+#include <mapjoin/model/submap_set.hpp>
 #include <string>
 #include <variant>
 #include <vector>
@@ -15,14 +15,14 @@
 namespace mapjoin {
 
 /// The files decide which.
-using AnyMapSet = std::variant<MapSet<2>, MapSet<3>>;
+using AnySubmapSet = std::variant<SubmapSet<2>, SubmapSet<3>>;
 
 /// The maps localmap_<k>.mat or localmap_<k>.txt (either with .gz) of a folder or of a .tar or .tar.gz archive, k = 1, 2, ...
 /// in the order of their numbers. Map k goes from pose k-1 to pose k; those are the poses' keys. Where a map's end pose is its
 /// start pose, exactly (zero motion of zero covariance), they are one pose under the name of the start, and the map observes
 /// features only. In 3D the Gaussian over the file's three angles is turned to the rotation vector at the end pose of the map.
 /// A missing number, a number given twice, maps of both dimensions, and what named_local_map refuses are errors.
-Expected<AnyMapSet> read_local_map_set(const std::filesystem::path& folder_or_archive, const ReadOptions& options = {});
+Expected<AnySubmapSet> read_local_map_set(const std::filesystem::path& folder_or_archive, const ReadOptions& options = {});
 
 enum class LocalMapFormat {
   kMat,   ///< In the plane `localmap_st` and `localmap_P` (covariance), in space `st`, `I` (information) and `Ref`.

@@ -16,14 +16,14 @@ constexpr const char* kTables[] = {
     R"(CREATE TABLE info (key TEXT PRIMARY KEY, value TEXT NOT NULL) WITHOUT ROWID)",
     R"(CREATE TABLE records (chunk INTEGER PRIMARY KEY, name TEXT NOT NULL, data BLOB NOT NULL))",
     R"(CREATE TABLE maps (
-  stretch INTEGER PRIMARY KEY, base INTEGER, chi2 REAL,
+  segment INTEGER PRIMARY KEY, base INTEGER, chi2 REAL,
   poses BLOB, features BLOB, pose_estimates BLOB, feature_estimates BLOB, information BLOB))",
 };
 constexpr std::size_t kChunkSize = std::size_t{1} << 20;
 
 /// Hands every array to `visit`, with its name in the file.
-template <typename Log, typename Stretches, typename Visit>
-void visit_arrays(Log& log, Stretches& stretches, const Visit& visit) {
+template <typename Log, typename Segments, typename Visit>
+void visit_arrays(Log& log, Segments& segments, const Visit& visit) {
   visit("poses", log.poses);
   visit("features", log.features);
   visit("pose_factors", log.graph.pose_factors);
@@ -32,7 +32,7 @@ void visit_arrays(Log& log, Stretches& stretches, const Visit& visit) {
   visit("stamps_ns", log.stamps_ns);
   visit("initial_poses", log.initial.poses);
   visit("initial_features", log.initial.features);
-  visit("stretches", stretches);
+  visit("segments", segments);
 }
 
 /// Hands every number that stands alone to `visit`, with its name in the file.
@@ -50,7 +50,7 @@ void visit_numbers(Log& log, const Visit& visit) {
 /// The arrays in chunks of whole records, in the order in which they stand in the file.
 template <int Dim, typename Take>
 void visit_chunks(const Contents<Dim>& contents, const Take& take) {
-  visit_arrays(contents.log, contents.stretches, [&](std::string_view name, const auto& records) {
+  visit_arrays(contents.log, contents.segments, [&](std::string_view name, const auto& records) {
     const std::size_t size = record_size(records);
     const std::size_t per_chunk = std::max<std::size_t>(1, kChunkSize / size);
     for (std::size_t begin = 0; begin < records.size(); begin += per_chunk) {
@@ -149,12 +149,12 @@ Expected<Log<Dim>> built_anew(const Log<Dim>& log, const std::string& source) {
 }
 
 template <int Dim>
-bool are_in_order(const std::vector<Stretch>& stretches, const Log<Dim>& log) {
+bool are_in_order(const std::vector<Segment>& segments, const Log<Dim>& log) {
   Index begin = 0;
-  for (const Stretch& stretch : stretches) {
-    if (stretch.begin < begin || stretch.end < stretch.begin || stretch.end >= static_cast<Index>(log.poses.size()))
+  for (const Segment& segment : segments) {
+    if (segment.begin < begin || segment.end < segment.begin || segment.end >= static_cast<Index>(log.poses.size()))
       return false;
-    begin = stretch.end;
+    begin = segment.end;
   }
   return true;
 }
@@ -238,7 +238,7 @@ Expected<StoredMaps<Dim>> read_contents(Database& database) {
   });
   const auto read = database.rows("SELECT name, data FROM records ORDER BY chunk", [&](const Statement& row) {
     bool is_taken = false;
-    visit_arrays(stored.log, stored.stretches, [&](std::string_view name, auto& records) {
+    visit_arrays(stored.log, stored.segments, [&](std::string_view name, auto& records) {
       if (name == row.bytes(0)) is_taken = decode_all(row.bytes(1), records);
     });
     if (!is_taken) fault = printable(row.bytes(0)) + " is no array, or has part of a record";
@@ -253,10 +253,10 @@ Expected<StoredMaps<Dim>> read_contents(Database& database) {
   if (log->poses != stored.log.poses || log->features != stored.log.features) {
     return database.damaged("its poses or features are not in order");
   }
-  if (!are_in_order(stored.stretches, *log)) return database.damaged("its stretches are not in order");
+  if (!are_in_order(stored.segments, *log)) return database.damaged("its segments are not in order");
   log->source = (*info)["source"];
   log->unassociated = stored.log.unassociated;
-  return StoredMaps<Dim>{*std::move(log), std::move(stored.stretches), {}, (*info)["options"]};
+  return StoredMaps<Dim>{*std::move(log), std::move(stored.segments), {}, (*info)["options"]};
 }
 
 #define MAPJOIN_INSTANTIATE(Dim)                                                \

@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
-// The tables of a store (docs/store.md), and a log with its stretches in them.
+// The tables of a store (docs/store.md), and a log with its segments in them.
 
 #include <cstdint>
 #include <mapjoin/io/store/database.hpp>
 #include <mapjoin/model/local_map.hpp>
 #include <mapjoin/model/log.hpp>
-#include <mapjoin/model/stretch.hpp>
+#include <mapjoin/model/segment.hpp>
 #include <string>
 #include <vector>
 
@@ -16,8 +16,8 @@ namespace mapjoin {
 template <int Dim>
 struct StoredMaps {
   Log<Dim> log;
-  std::vector<Stretch> stretches;   ///< Those whose map could not be determined are spans here.
-  std::vector<LocalMap<Dim>> maps;  ///< Of the stretches that are maps, in their order.
+  std::vector<Segment> segments;    ///< Those whose map could not be determined are raw segments here.
+  std::vector<LocalMap<Dim>> maps;  ///< Of the segments that are maps, in their order.
   std::string options;              ///< Of the build, as given to StoreWriter.
 };
 
@@ -34,7 +34,7 @@ inline constexpr std::int64_t kVersion = 3;
 template <int Dim>
 struct Contents {
   const Log<Dim>& log;
-  const std::vector<Stretch>& stretches;
+  const std::vector<Segment>& segments;
   const std::string& options;  ///< Of the build, in the words of whoever builds.
 };
 
@@ -52,7 +52,7 @@ Expected<void> check_database(Database& database);
 /// 2 or 3.
 Expected<int> stored_dimension(Database& database);
 
-/// A stranger's contents: the log is built anew by LogBuilder, which checks its numbers and puts it in order; stretches are in
+/// A stranger's contents: the log is built anew by LogBuilder, which checks its numbers and puts it in order; segments are in
 /// order and made of poses of the log. The maps are yet to be read.
 template <int Dim>
 Expected<StoredMaps<Dim>> read_contents(Database& database);

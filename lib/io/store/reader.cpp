@@ -56,12 +56,12 @@ std::optional<LocalMap<Dim>> map_of(const Statement& row) {
   return map;
 }
 
-/// Whether a map is one of `stretch`, over poses and features of the log, in sound numbers.
+/// Whether a map is one of `segment`, over poses and features of the log, in sound numbers.
 template <int Dim>
-bool is_map_of(const LocalMap<Dim>& map, const Stretch& stretch, const Log<Dim>& log) {
-  Index last = stretch.begin;
+bool is_map_of(const LocalMap<Dim>& map, const Segment& segment, const Log<Dim>& log) {
+  Index last = segment.begin;
   for (const Index pose : map.poses) {
-    if (pose <= last || pose > stretch.end) return false;
+    if (pose <= last || pose > segment.end) return false;
     last = pose;
   }
   std::vector<Index> features = map.features;
@@ -69,27 +69,27 @@ bool is_map_of(const LocalMap<Dim>& map, const Stretch& stretch, const Log<Dim>&
   const bool is_once = std::adjacent_find(features.begin(), features.end()) == features.end();
   const bool is_known =
       features.empty() || (features.front() >= 0 && static_cast<std::size_t>(features.back()) < log.features.size());
-  return map.base == stretch.begin && last == stretch.end && is_once && is_known && std::isfinite(map.chi2) && !fault(map);
+  return map.base == segment.begin && last == segment.end && is_once && is_known && std::isfinite(map.chi2) && !fault(map);
 }
 
-/// Takes the row of every stretch that is a map; where the map was not determined, the stretch becomes a span.
+/// Takes the row of every segment that is a map; where the map was not determined, the segment becomes a raw segment.
 template <int Dim>
 Expected<void> read_maps(Database& database, StoredMaps<Dim>& stored) {
-  std::vector<std::size_t> of_stretch;  ///< By map.
+  std::vector<std::size_t> of_segment;  ///< By map.
   std::string fault;
   std::size_t next = 0;
   const auto skip_spans = [&] {
-    while (next < stored.stretches.size() && !stored.stretches[next].is_map) ++next;
+    while (next < stored.segments.size() && !stored.segments[next].is_map) ++next;
   };
   skip_spans();
-  const auto read = database.rows("SELECT * FROM maps ORDER BY stretch", [&](const Statement& row) {
-    if (next >= stored.stretches.size() || row.integer(0) != static_cast<std::int64_t>(next)) {
-      fault = "its maps are not those of its stretches";
+  const auto read = database.rows("SELECT * FROM maps ORDER BY segment", [&](const Statement& row) {
+    if (next >= stored.segments.size() || row.integer(0) != static_cast<std::int64_t>(next)) {
+      fault = "its maps are not those of its segments";
     } else if (row.is_null(1)) {
-      stored.stretches[next].is_map = false;
+      stored.segments[next].is_map = false;
     } else if (auto map = map_of<Dim>(row)) {
       stored.maps.push_back(std::move(*map));
-      of_stretch.push_back(next);
+      of_segment.push_back(next);
     } else {
       fault = fmt::format("the sizes of map {} do not agree", next);
     }
@@ -99,14 +99,14 @@ Expected<void> read_maps(Database& database, StoredMaps<Dim>& stored) {
   });
   if (!read) return read;
   if (!fault.empty()) return database.damaged(fault);
-  if (next < stored.stretches.size()) {
-    return bad_input(fmt::format("{}: unfinished store: the local map of stretch {} is missing", database.file(), next));
+  if (next < stored.segments.size()) {
+    return bad_input(fmt::format("{}: unfinished store: the local map of segment {} is missing", database.file(), next));
   }
   return parallel_try(stored.maps.size(), [&](std::size_t m) -> Expected<void> {
-    const Stretch& stretch = stored.stretches[of_stretch[m]];
-    if (is_map_of(stored.maps[m], stretch, stored.log)) return {};
+    const Segment& segment = stored.segments[of_segment[m]];
+    if (is_map_of(stored.maps[m], segment, stored.log)) return {};
     const auto name = [&](Index pose) { return to_string(stored.log.poses[static_cast<std::size_t>(pose)]); };
-    return database.damaged(fmt::format("the local map of {} to {} makes no sense", name(stretch.begin), name(stretch.end)));
+    return database.damaged(fmt::format("the local map of {} to {} makes no sense", name(segment.begin), name(segment.end)));
   });
 }
 
@@ -150,21 +150,21 @@ bool has_maps_alone(const StoredMaps<Dim>& stored) {
 }
 
 template <int Dim>
-MapSet<Dim> map_set_of(StoredMaps<Dim> stored, const fs::path& path) {
-  MapSet<Dim> set;
+SubmapSet<Dim> submap_set_of(StoredMaps<Dim> stored, const fs::path& path) {
+  SubmapSet<Dim> set;
   set.source = path.string();
   set.poses = std::move(stored.log.poses);
   set.features = std::move(stored.log.features);
   set.graph.submaps = std::move(stored.maps);
   set.graph.fixed = std::move(stored.log.graph.fixed);
-  set.stretches = std::move(stored.stretches);
+  set.segments = std::move(stored.segments);
   set.conventions = stored.log.conventions;
   return set;
 }
 
 template bool has_maps_alone(const StoredMaps<2>&);
 template bool has_maps_alone(const StoredMaps<3>&);
-template MapSet<2> map_set_of(StoredMaps<2>, const fs::path&);
-template MapSet<3> map_set_of(StoredMaps<3>, const fs::path&);
+template SubmapSet<2> submap_set_of(StoredMaps<2>, const fs::path&);
+template SubmapSet<3> submap_set_of(StoredMaps<3>, const fs::path&);
 
 }  // namespace mapjoin

@@ -5,7 +5,7 @@
 #include <bit>
 #include <cstring>
 #include <mapjoin/model/factor_graph.hpp>
-#include <mapjoin/model/stretch.hpp>
+#include <mapjoin/model/segment.hpp>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -28,12 +28,12 @@ void fields(FeatureId& id, const F& f) {
   f(id.key);
 }
 template <typename F>
-void fields(Stretch& stretch, const F& f) {
-  auto is_map = static_cast<std::uint8_t>(stretch.is_map);
-  f(stretch.begin);
-  f(stretch.end);
+void fields(Segment& segment, const F& f) {
+  auto is_map = static_cast<std::uint8_t>(segment.is_map);
+  f(segment.begin);
+  f(segment.end);
   f(is_map);
-  stretch.is_map = is_map != 0;
+  segment.is_map = is_map != 0;
 }
 template <typename Number, typename F>
 requires std::is_arithmetic_v<Number>

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
-// mapjoin's own store: one SQLite file with a whole log, its stretches and the local maps built from it (docs/store.md).
+// mapjoin's own store: one SQLite file with a whole log, its segments and the local maps built from it (docs/store.md).
 
 #include <cstddef>
 #include <filesystem>
@@ -8,7 +8,7 @@
 #include <mapjoin/model/error.hpp>
 #include <mapjoin/model/local_map.hpp>
 #include <mapjoin/model/log.hpp>
-#include <mapjoin/model/map_set.hpp>
+#include <mapjoin/model/submap_set.hpp>
 #include <optional>
 #include <span>
 #include <string>
@@ -23,12 +23,12 @@ template <int Dim>
 class StoreWriter {
  public:
   /// Begins the store beside `path`, as `path`.partial. One that an interrupted build left there goes on where it holds the
-  /// same log, stretches and options; else, or where it is damaged, it is begun afresh. kCannotWrite where that cannot be, or
+  /// same log, segments and options; else, or where it is damaged, it is begun afresh. kCannotWrite where that cannot be, or
   /// where `path`.partial is another program's database.
   static Expected<StoreWriter> open(const std::filesystem::path& path, const Log<Dim>& log,
-                                    const std::vector<Stretch>& stretches, const std::string& options);
+                                    const std::vector<Segment>& segments, const std::string& options);
 
-  /// Indices of the stretches that are maps, ascending: those that need no further work, and the others.
+  /// Indices of the segments that are maps, ascending: those that need no further work, and the others.
   std::span<const std::size_t> done() const { return std::span(maps_).first(done_); }
   std::span<const std::size_t> to_do() const { return std::span(maps_).subspan(done_); }
   /// How many of them did not determine a map.
@@ -36,22 +36,22 @@ class StoreWriter {
   /// Whether `path`.partial was there and damaged.
   bool found_damaged() const { return found_damaged_; }
 
-  /// The map of the first stretch of to_do(); nothing where the stretch turned out not to determine one, and is
-  /// to be read as a span. Safe on the disk within 256 maps or 8 MiB. Throws std::invalid_argument for another stretch.
-  Expected<void> add(std::size_t stretch, const std::optional<LocalMap<Dim>>& map);
+  /// The map of the first segment of to_do(); nothing where the segment turned out not to determine one, and is
+  /// to be read as a raw segment. Safe on the disk within 256 maps or 8 MiB. Throws std::invalid_argument for another segment.
+  Expected<void> add(std::size_t segment, const std::optional<LocalMap<Dim>>& map);
 
-  /// Every stretch that is a map must be done; throws std::logic_error otherwise. The file takes the name `path`.
+  /// Every segment that is a map must be done; throws std::logic_error otherwise. The file takes the name `path`.
   Expected<void> finish();
 
  private:
   StoreWriter(std::filesystem::path path, store::Database database, store::Statement insert);
-  Expected<void> insert_span(std::size_t stretch);
-  Expected<void> insert_map(std::size_t stretch, const LocalMap<Dim>& map);
+  Expected<void> insert_span(std::size_t segment);
+  Expected<void> insert_map(std::size_t segment, const LocalMap<Dim>& map);
 
   std::filesystem::path path_;
   std::optional<store::Database> database_;
   std::optional<store::Statement> insert_;
-  std::vector<std::size_t> maps_;  ///< The stretches that are maps.
+  std::vector<std::size_t> maps_;  ///< The segments that are maps.
   std::size_t done_ = 0;           ///< How many of them.
   std::size_t undetermined_ = 0;
   std::size_t batch_maps_ = 0;
@@ -73,7 +73,7 @@ Expected<AnyStoredMaps> read_store(const std::filesystem::path& path);
 /// log has the poses and features only. As StoreWriter: the file appears whole, kCannotWrite where it cannot. Throws
 /// std::invalid_argument where the set has observations beside its maps.
 template <int Dim>
-Expected<void> write_store(const MapSet<Dim>& set, const std::filesystem::path& path);
+Expected<void> write_store(const SubmapSet<Dim>& set, const std::filesystem::path& path);
 
 /// Whether a store holds maps of which nothing else is known.
 template <int Dim>
@@ -81,6 +81,6 @@ bool has_maps_alone(const StoredMaps<Dim>& stored);
 
 /// These maps as a set, read from `path`.
 template <int Dim>
-MapSet<Dim> map_set_of(StoredMaps<Dim> stored, const std::filesystem::path& path);
+SubmapSet<Dim> submap_set_of(StoredMaps<Dim> stored, const std::filesystem::path& path);
 
 }  // namespace mapjoin

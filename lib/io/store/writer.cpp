@@ -4,6 +4,7 @@
 #include <unistd.h>
 
 #include <algorithm>
+#include <mapjoin/io/files/output_file.hpp>
 #include <mapjoin/io/store/records.hpp>
 #include <mapjoin/io/store/store.hpp>
 #include <stdexcept>
@@ -85,16 +86,21 @@ StoreWriter<Dim>::StoreWriter(fs::path path, Database database, Statement insert
 
 template <int Dim>
 Expected<StoreWriter<Dim>> StoreWriter<Dim>::open(const fs::path& path, const Log<Dim>& log,
-                                                  const std::vector<Stretch>& stretches, const std::string& options) {
+                                                  const std::vector<Segment>& segments, const std::string& options) {
+  const fs::path target = link_target(path);  // A link stays a link.
+  std::error_code ignored;
+  if (fs::exists(target, ignored) && !fs::is_regular_file(target, ignored)) {
+    return cannot_write(path, "a store must be a plain file; give it another name");
+  }
   bool found_damaged = false;
-  auto database = open_with(partial_path(path), Contents<Dim>{log, stretches, options}, found_damaged);
+  auto database = open_with(partial_path(target), Contents<Dim>{log, segments, options}, found_damaged);
   if (!database) return tl::unexpected(database.error());
   auto insert = database->prepare("INSERT INTO maps VALUES (?, ?, ?, ?, ?, ?, ?, ?)");
   if (!insert) return tl::unexpected(insert.error());
-  StoreWriter writer(path, std::move(*database), std::move(*insert));
+  StoreWriter writer(target, std::move(*database), std::move(*insert));
   writer.found_damaged_ = found_damaged;
-  for (std::size_t i = 0; i < stretches.size(); ++i) {
-    if (stretches[i].is_map) writer.maps_.push_back(i);
+  for (std::size_t i = 0; i < segments.size(); ++i) {
+    if (segments[i].is_map) writer.maps_.push_back(i);
   }
   const auto done = writer.database_->integer("SELECT count(*) FROM maps");
   const auto undetermined = writer.database_->integer("SELECT count(*) FROM maps WHERE base IS NULL");
@@ -105,9 +111,9 @@ Expected<StoreWriter<Dim>> StoreWriter<Dim>::open(const fs::path& path, const Lo
 }
 
 template <int Dim>
-Expected<void> StoreWriter<Dim>::add(std::size_t stretch, const std::optional<LocalMap<Dim>>& map) {
-  if (to_do().empty() || stretch != to_do().front()) throw std::invalid_argument("not the next stretch of a store");
-  const auto inserted = map ? insert_map(stretch, *map) : insert_span(stretch);
+Expected<void> StoreWriter<Dim>::add(std::size_t segment, const std::optional<LocalMap<Dim>>& map) {
+  if (to_do().empty() || segment != to_do().front()) throw std::invalid_argument("not the next segment of a store");
+  const auto inserted = map ? insert_map(segment, *map) : insert_span(segment);
   if (!inserted) return inserted;
   ++done_;
   if (!map) ++undetermined_;
@@ -117,19 +123,19 @@ Expected<void> StoreWriter<Dim>::add(std::size_t stretch, const std::optional<Lo
 }
 
 template <int Dim>
-Expected<void> StoreWriter<Dim>::insert_span(std::size_t stretch) {
-  return insert_->bind(static_cast<std::int64_t>(stretch)).step().map([](bool) {});
+Expected<void> StoreWriter<Dim>::insert_span(std::size_t segment) {
+  return insert_->bind(static_cast<std::int64_t>(segment)).step().map([](bool) {});
 }
 
 template <int Dim>
-Expected<void> StoreWriter<Dim>::insert_map(std::size_t stretch, const LocalMap<Dim>& map) {
+Expected<void> StoreWriter<Dim>::insert_map(std::size_t segment, const LocalMap<Dim>& map) {
   const std::string poses = store::encode_all(map.poses);
   const std::string features = store::encode_all(map.features);
   const std::string pose_estimates = store::encode_all(map.pose_estimates);
   const std::string feature_estimates = store::encode_all(map.feature_estimates);
   const std::string information = store::encode_upper(map.information);
   batch_bytes_ += information.size();
-  insert_->bind(static_cast<std::int64_t>(stretch)).bind(std::int64_t{map.base}).bind(map.chi2);
+  insert_->bind(static_cast<std::int64_t>(segment)).bind(std::int64_t{map.base}).bind(map.chi2);
   insert_->bind_blob(poses).bind_blob(features).bind_blob(pose_estimates).bind_blob(feature_estimates).bind_blob(information);
   return insert_->step().map([](bool) {});
 }
@@ -151,7 +157,7 @@ Expected<void> StoreWriter<Dim>::finish() {
 }
 
 template <int Dim>
-Expected<void> write_store(const MapSet<Dim>& set, const fs::path& path) {
+Expected<void> write_store(const SubmapSet<Dim>& set, const fs::path& path) {
   if (!set.graph.pose_factors.empty() || !set.graph.feature_factors.empty()) {
     throw std::invalid_argument("a store holds a set of local maps alone");
   }
@@ -161,7 +167,7 @@ Expected<void> write_store(const MapSet<Dim>& set, const fs::path& path) {
   log.features = set.features;
   log.graph.fixed = set.graph.fixed;
   log.conventions = set.conventions;
-  auto store = StoreWriter<Dim>::open(path, log, set.stretches, "");
+  auto store = StoreWriter<Dim>::open(path, log, set.segments, "");
   if (!store) return tl::unexpected(store.error());
   for (std::size_t k = store->done().size(); k < set.graph.submaps.size(); ++k) {
     if (auto added = store->add(k, set.graph.submaps[k]); !added) return added;
@@ -171,7 +177,7 @@ Expected<void> write_store(const MapSet<Dim>& set, const fs::path& path) {
 
 template class StoreWriter<2>;
 template class StoreWriter<3>;
-template Expected<void> write_store<2>(const MapSet<2>&, const fs::path&);
-template Expected<void> write_store<3>(const MapSet<3>&, const fs::path&);
+template Expected<void> write_store<2>(const SubmapSet<2>&, const fs::path&);
+template Expected<void> write_store<3>(const SubmapSet<3>&, const fs::path&);
 
 }  // namespace mapjoin

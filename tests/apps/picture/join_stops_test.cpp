@@ -3,7 +3,7 @@
 
 #include <apps/picture/load.hpp>
 #include <tests/support/dimensions.hpp>
-#include <tests/support/small_map_set.hpp>
+#include <tests/support/small_submap_set.hpp>
 #include <tests/support/small_world.hpp>
 
 namespace mapjoin::apps {
@@ -15,16 +15,16 @@ TYPED_TEST_SUITE(JoinStopsTest, testing::Dimensions);
 
 TYPED_TEST(JoinStopsTest, GrowMapByMapInTheFrameOfTheWholeMap) {
   constexpr int kDim = TypeParam::value;
-  auto set = testing::small_map_set(testing::small_world<kDim>({.poses = 60, .features = 40}).log, 6.0);
+  auto set = testing::small_submap_set(testing::small_world<kDim>({.poses = 60, .features = 40}).log, 6.0);
   const Pose<kDim> away{10.0 * Point<kDim>::Ones(), Rotation<kDim>::exp(RotationVector<kDim>::Constant(0.7))};
   set.graph.fixed.push_back({0, away});
   const GlobalMap<kDim> map = run(set, RunOptions{}).value().map;
-  const auto stops = join_stops(network_of(set), map, nullptr, {});
+  const auto stops = join_stops(submap_graph_of(set), map, nullptr, {});
   ASSERT_EQ(stops.size(), set.graph.submaps.size());
   for (std::size_t k = 0; k < stops.size(); ++k) {
     EXPECT_EQ(stops[k].maps, k + 1);
     ASSERT_EQ(stops[k].poses.size(), stops[k].state.poses.size());
-    EXPECT_EQ(stops[k].poses.back(), set.stretches[k].end);
+    EXPECT_EQ(stops[k].poses.back(), set.segments[k].end);
     for (std::size_t p = 0; p < stops[k].poses.size(); ++p) {
       const Pose<kDim>& whole = map.poses[static_cast<std::size_t>(stops[k].poses[p])];
       EXPECT_LT((stops[k].state.poses[p].translation - whole.translation).norm(), 1.0) << "map " << k << ", pose " << p;

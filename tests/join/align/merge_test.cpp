@@ -11,7 +11,7 @@ namespace {
 
 using ::testing::ElementsAre;
 
-/// Poses and features of a true world, cut into pieces that are each in a frame of its own.
+/// Poses and features of a true world, cut into partial maps that are each in a frame of its own.
 template <typename D>
 class MergeTest : public ::testing::Test {
  protected:
@@ -25,26 +25,26 @@ class MergeTest : public ::testing::Test {
   }
 
   /// In the frame of its first pose.
-  Piece<kDim> piece(std::vector<Index> poses, std::vector<Index> features = {}) const {
-    Piece<kDim> piece;
+  PartialMap<kDim> partial(std::vector<Index> poses, std::vector<Index> features = {}) const {
+    PartialMap<kDim> partial;
     const Pose<kDim> frame = world.pose(poses.front());
-    for (const Index p : poses) piece.state.poses.push_back(between(frame, world.pose(p)));
-    for (const Index f : features) piece.state.features.push_back(transform_into(frame, world.feature(f)));
-    piece.poses = std::move(poses);
-    piece.features = std::move(features);
-    return piece;
+    for (const Index p : poses) partial.state.poses.push_back(between(frame, world.pose(p)));
+    for (const Index f : features) partial.state.features.push_back(transform_into(frame, world.feature(f)));
+    partial.poses = std::move(poses);
+    partial.features = std::move(features);
+    return partial;
   }
-  PoseObservation<kDim> closure(Index base, Index target) const {
+  PoseFactor<kDim> closure(Index base, Index target) const {
     return {base, target, between(world.pose(base), world.pose(target)), PoseMatrix<kDim>::Identity()};
   }
-  std::vector<Piece<kDim>> merge(std::vector<Piece<kDim>> pieces,
-                                 const std::vector<PoseObservation<kDim>>& closures = {}) const {
-    std::vector<const PoseObservation<kDim>*> pointers;
+  std::vector<PartialMap<kDim>> merge(std::vector<PartialMap<kDim>> partials,
+                                      const std::vector<PoseFactor<kDim>>& closures = {}) const {
+    std::vector<const PoseFactor<kDim>*> pointers;
     for (const auto& closure : closures) pointers.push_back(&closure);
-    return merge_tied(std::move(pieces), pointers, true);
+    return merge_tied(std::move(partials), pointers, true);
   }
-  void expect_true(const Piece<kDim>& found) const {
-    const Piece<kDim> expected = piece(found.poses, found.features);
+  void expect_true(const PartialMap<kDim>& found) const {
+    const PartialMap<kDim> expected = partial(found.poses, found.features);
     const Pose<kDim> frame = found.state.poses.front();
     for (std::size_t p = 0; p < found.poses.size(); ++p) {
       EXPECT_LT(local(compose(frame, expected.state.poses[p]), found.state.poses[p]).norm(), 1e-9) << found.poses[p];
@@ -55,21 +55,21 @@ class MergeTest : public ::testing::Test {
   }
 
   testing::Random random{5};
-  State<kDim> world;
+  Values<kDim> world;
 };
 TYPED_TEST_SUITE(MergeTest, testing::Dimensions);
 
 TYPED_TEST(MergeTest, TwoPiecesAreTiedByAPose) {
-  const auto merged = this->merge({this->piece({0, 1}), this->piece({1, 2})});
+  const auto merged = this->merge({this->partial({0, 1}), this->partial({1, 2})});
   ASSERT_EQ(merged.size(), 1u);
   EXPECT_THAT(merged[0].poses, ElementsAre(0, 1, 2));
   this->expect_true(merged[0]);
 }
 
 TYPED_TEST(MergeTest, TheLeavesOfAStarAreAllMerged) {
-  const auto merged =
-      this->merge({this->piece({1}), this->piece({3, 4}), this->piece({5}), this->piece({6}), this->piece({7, 9}, {2})},
-                  {this->closure(1, 3), this->closure(5, 4), this->closure(3, 6), this->closure(3, 9)});
+  const auto merged = this->merge(
+      {this->partial({1}), this->partial({3, 4}), this->partial({5}), this->partial({6}), this->partial({7, 9}, {2})},
+      {this->closure(1, 3), this->closure(5, 4), this->closure(3, 6), this->closure(3, 9)});
   ASSERT_EQ(merged.size(), 1u);
   EXPECT_THAT(merged[0].poses, ElementsAre(1, 3, 4, 5, 6, 7, 9));
   EXPECT_THAT(merged[0].features, ElementsAre(2));
@@ -77,8 +77,8 @@ TYPED_TEST(MergeTest, TheLeavesOfAStarAreAllMerged) {
 }
 
 TYPED_TEST(MergeTest, WhatNothingTiesStaysApart) {
-  const auto merged =
-      this->merge({this->piece({0}), this->piece({2}, {1}), this->piece({4}), this->piece({6}, {1})}, {this->closure(4, 0)});
+  const auto merged = this->merge({this->partial({0}), this->partial({2}, {1}), this->partial({4}), this->partial({6}, {1})},
+                                  {this->closure(4, 0)});
   ASSERT_EQ(merged.size(), 3u);
   EXPECT_THAT(merged[0].poses, ElementsAre(0, 4));
   EXPECT_THAT(merged[1].poses, ElementsAre(2));
@@ -86,8 +86,9 @@ TYPED_TEST(MergeTest, WhatNothingTiesStaysApart) {
 }
 
 TYPED_TEST(MergeTest, WhatTooFewFeaturesTieIsTiedByMoreThatOthersBring) {
-  // The second piece shares feature 0 with the first, the others with the third.
-  const auto merged = this->merge({this->piece({0, 1}, {0}), this->piece({2}, {0, 1, 2, 3}), this->piece({1, 3}, {1, 2, 3})});
+  // The second partial map shares feature 0 with the first, the others with the third.
+  const auto merged =
+      this->merge({this->partial({0, 1}, {0}), this->partial({2}, {0, 1, 2, 3}), this->partial({1, 3}, {1, 2, 3})});
   ASSERT_EQ(merged.size(), 1u);
   EXPECT_THAT(merged[0].poses, ElementsAre(0, 1, 2, 3));
   this->expect_true(merged[0]);

@@ -16,46 +16,46 @@ template <typename D>
 class StartTest : public ::testing::Test {
  protected:
   static constexpr int kDim = D::value;
-  Piece<kDim> piece() const {
-    Piece<kDim> piece;
-    piece.state = world.truth;
-    for (Index p = 0; p < static_cast<Index>(world.truth.poses.size()); ++p) piece.poses.push_back(p);
-    for (Index f = 0; f < static_cast<Index>(world.truth.features.size()); ++f) piece.features.push_back(f);
-    return piece;
+  PartialMap<kDim> partial() const {
+    PartialMap<kDim> partial;
+    partial.state = world.truth;
+    for (Index p = 0; p < static_cast<Index>(world.truth.poses.size()); ++p) partial.poses.push_back(p);
+    for (Index f = 0; f < static_cast<Index>(world.truth.features.size()); ++f) partial.features.push_back(f);
+    return partial;
   }
   testing::SmallWorld<kDim> world = small_world<kDim>();
 };
 TYPED_TEST_SUITE(StartTest, testing::Dimensions);
 
 TYPED_TEST(StartTest, ZeroIsZeroButForThePoseThatHoldsTheMap) {
-  auto piece = this->piece();
+  auto partial = this->partial();
   const auto first = retract<TestFixture::kDim>({}, PoseVector<TestFixture::kDim>::Ones());
-  piece.state.poses[0] = first;
-  set_to_zero(piece);
-  EXPECT_EQ(piece.state.poses[0].translation, first.translation);
-  for (std::size_t p = 1; p < piece.state.poses.size(); ++p) {
-    EXPECT_EQ(local(piece.state.poses[p], Pose<TestFixture::kDim>{}).norm(), 0.0);
+  partial.state.poses[0] = first;
+  set_to_zero(partial);
+  EXPECT_EQ(partial.state.poses[0].translation, first.translation);
+  for (std::size_t p = 1; p < partial.state.poses.size(); ++p) {
+    EXPECT_EQ(local(partial.state.poses[p], Pose<TestFixture::kDim>{}).norm(), 0.0);
   }
-  for (const auto& feature : piece.state.features) EXPECT_EQ(feature.norm(), 0.0);
+  for (const auto& feature : partial.state.features) EXPECT_EQ(feature.norm(), 0.0);
 }
 
 TYPED_TEST(StartTest, RandomValuesFillTheBoxOfTheComposedStart) {
   constexpr int kDim = TestFixture::kDim;
-  auto piece = this->piece();
+  auto partial = this->partial();
   Eigen::AlignedBox<double, kDim> box, drawn;
-  for (const auto& pose : piece.state.poses) box.extend(pose.translation);
-  for (const auto& feature : piece.state.features) box.extend(feature);
-  set_to_random(7, piece);
-  for (const auto& pose : piece.state.poses) drawn.extend(pose.translation);
-  for (const auto& feature : piece.state.features) drawn.extend(feature);
+  for (const auto& pose : partial.state.poses) box.extend(pose.translation);
+  for (const auto& feature : partial.state.features) box.extend(feature);
+  set_to_random(7, partial);
+  for (const auto& pose : partial.state.poses) drawn.extend(pose.translation);
+  for (const auto& feature : partial.state.features) drawn.extend(feature);
   EXPECT_TRUE(box.contains(drawn));
   EXPECT_GT(drawn.sizes().minCoeff(), 0.7 * box.sizes().minCoeff());
 }
 
 TYPED_TEST(StartTest, OneSeedGivesOneStart) {
-  auto once = this->piece();
-  auto again = this->piece();
-  auto another = this->piece();
+  auto once = this->partial();
+  auto again = this->partial();
+  auto another = this->partial();
   set_to_random(7, once);
   set_to_random(7, again);
   set_to_random(8, another);

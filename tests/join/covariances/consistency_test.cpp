@@ -31,14 +31,14 @@ class ConsistencyTest : public ::testing::Test {
     options.covariances = true;
     return options;
   }
-  static Truth<kDim> all_of(const State<kDim>& truth) {
+  static Truth<kDim> all_of(const Values<kDim>& truth) {
     Truth<kDim> known;
     known.poses.assign(truth.poses.begin(), truth.poses.end());
     known.features.assign(truth.features.begin(), truth.features.end());
     return known;
   }
   /// eᵀ P⁻¹ e by the joint covariance.
-  static double dense_nees(const RunResult<kDim>& result, const State<kDim>& truth, const std::vector<PoseOrFeature>& of) {
+  static double dense_nees(const RunResult<kDim>& result, const Values<kDim>& truth, const std::vector<PoseOrFeature>& of) {
     std::vector<double> errors;
     const auto append = [&](const Eigen::VectorXd& e) { errors.insert(errors.end(), e.begin(), e.end()); };
     for (const auto& v : of) {
@@ -82,7 +82,7 @@ TYPED_TEST(ConsistencyTest, TakesTheFrameOfTheTruthFromThePoseThatHoldsTheMap) {
   const auto world = small_world<kDim>();
   const auto result = run(world.log, this->options());
   ASSERT_TRUE(result);
-  const State<kDim> elsewhere = moved(testing::Random(4).pose<kDim>(), world.truth);
+  const Values<kDim> elsewhere = moved(testing::Random(4).pose<kDim>(), world.truth);
   const auto here = consistency(*result->covariances, this->all_of(world.truth));
   const auto there = consistency(*result->covariances, this->all_of(elsewhere));
   ASSERT_TRUE(here && there);
@@ -110,7 +110,7 @@ TYPED_TEST(ConsistencyTest, CountsWhatIsKnownOnly) {
 }
 
 /// The truth of sim-35188: local map k ends at step round(35187 k / 700); features are named as the beacons are.
-Truth<2> truth_of_simulation(const MapSet<2>& set) {
+Truth<2> truth_of_simulation(const SubmapSet<2>& set) {
   const auto read = [](const std::string& name) {
     const std::string bytes = testing::bytes_of(data_file("sim-35188/" + name + ".mat"));
     return read_mat(bytes, name, {name}).value().at(name);
@@ -125,7 +125,7 @@ Truth<2> truth_of_simulation(const MapSet<2>& set) {
   truth.features.resize(set.features.size());
   for (Eigen::Index b = 0; b < beacons.rows(); ++b) {
     const FeatureId id{static_cast<std::uint64_t>(beacons(b, 0))};
-    if (const auto f = find_index(set.features, id))
+    if (const auto f = IndexOf(set.features)(id))
       truth.features[static_cast<std::size_t>(*f)] = beacons.block<1, 2>(b, 1).transpose();
   }
   return truth;
@@ -134,7 +134,7 @@ Truth<2> truth_of_simulation(const MapSet<2>& set) {
 TEST(ConsistencyDataTest, OfTheLargeSimulationIsWithinItsGates) {
   const auto any = read_local_map_set(data_file("sim-35188/localmaps_mat.tar.gz"));
   ASSERT_TRUE(any) << any.error().message;
-  const auto& set = std::get<MapSet<2>>(*any);
+  const auto& set = std::get<SubmapSet<2>>(*any);
   RunOptions options;
   options.covariances = true;
   const auto result = run(set, options);

@@ -10,7 +10,7 @@
 #include <tests/support/dense_relations.hpp>
 #include <tests/support/dimensions.hpp>
 #include <tests/support/numerical_jacobian.hpp>
-#include <tests/support/small_map_set.hpp>
+#include <tests/support/small_submap_set.hpp>
 #include <tests/support/small_world.hpp>
 
 namespace mapjoin {
@@ -46,7 +46,7 @@ class MapCovariancesTest : public ::testing::Test {
     options.covariances = true;
     return options;
   }
-  static State<kDim> state_of(const RunResult<kDim>& result) { return {result.map.poses, result.map.features}; }
+  static Values<kDim> state_of(const RunResult<kDim>& result) { return {result.map.poses, result.map.features}; }
 
   static void add_single_observations(const Log<kDim>& log, DenseInformation<kDim>& dense) {
     for (const auto& o : log.closures()) dense.add(o);
@@ -54,7 +54,7 @@ class MapCovariancesTest : public ::testing::Test {
     for (const auto& o : log.feature_priors()) dense.add(o);
   }
   static void expect_those_of_the_log(const Log<kDim>& log, const RunResult<kDim>& result) {
-    const State<kDim> state = state_of(result);
+    const Values<kDim> state = state_of(result);
     DenseInformation<kDim> dense(state);
     add_single_observations(log, dense);
     for (const auto& o : log.odometry()) dense.add(o);
@@ -69,7 +69,7 @@ class MapCovariancesTest : public ::testing::Test {
   /// Marginals of everything, and joint covariances of a few, against the inverse of the whole information.
   static void expect_blocks_of(const DenseInformation<kDim>& information, const RunResult<kDim>& result) {
     const auto& map = result.map;
-    const Eigen::MatrixXd whole = information.inverse(map.gauge);
+    const Eigen::MatrixXd joined_map = information.inverse(map.gauge);
     const auto pose_count = static_cast<Index>(map.poses.size());
     const auto feature_count = static_cast<Index>(map.features.size());
     const auto row = [&](const PoseOrFeature& v) {
@@ -80,12 +80,12 @@ class MapCovariancesTest : public ::testing::Test {
     ASSERT_EQ(marginals->poses.size(), map.poses.size());
     ASSERT_EQ(marginals->features.size(), map.features.size());
     for (Index p = 0; p < pose_count; ++p) {
-      expect_near(marginals->poses[static_cast<std::size_t>(p)], whole.block(p * kDof, p * kDof, kDof, kDof),
+      expect_near(marginals->poses[static_cast<std::size_t>(p)], joined_map.block(p * kDof, p * kDof, kDof, kDof),
                   "pose " + std::to_string(p));
     }
     for (Index f = 0; f < feature_count; ++f) {
       const Eigen::Index at = row(PoseOrFeature::feature(f));
-      expect_near(marginals->features[static_cast<std::size_t>(f)], whole.block(at, at, kDim, kDim),
+      expect_near(marginals->features[static_cast<std::size_t>(f)], joined_map.block(at, at, kDim, kDim),
                   "feature " + std::to_string(f));
     }
     // Every third pose and every second feature, in no order: of one map and of several, kept and eliminated, held and free.
@@ -98,7 +98,7 @@ class MapCovariancesTest : public ::testing::Test {
     }
     const auto joint = result.covariances->joint(some);
     ASSERT_TRUE(joint) << joint.error().message;
-    expect_near(*joint, whole(rows, rows), "joint");
+    expect_near(*joint, joined_map(rows, rows), "joint");
   }
 };
 TYPED_TEST_SUITE(MapCovariancesTest, testing::Dimensions);
@@ -111,7 +111,7 @@ TYPED_TEST(MapCovariancesTest, OfThePolishedMapAreBlocksOfTheDenseInverseWhateve
       const auto result = run(log, this->options(poses));
       ASSERT_TRUE(result) << result.error().message;
       EXPECT_EQ(result->covariances->estimate(), Estimate::kPolished);
-      EXPECT_EQ(result->covariances->held(), result->map.gauge);
+      EXPECT_EQ(result->covariances->anchored(), result->map.gauge);
       this->expect_those_of_the_log(log, *result);
     }
   }
@@ -128,16 +128,16 @@ TYPED_TEST(MapCovariancesTest, OfFullSlamAreBlocksOfTheDenseInverse) {
 TYPED_TEST(MapCovariancesTest, OfJoinedMapsAreBlocksOfTheDenseInverseWithPrivateFeatures) {
   constexpr int kDim = TestFixture::kDim;
   for (const bool has_prior : {false, true}) {
-    auto set = testing::small_map_set(this->world(), 7.0);
+    auto set = testing::small_submap_set(this->world(), 7.0);
     if (has_prior) {
       set.graph.pose_factors.push_back({kWorld, 2, Pose<kDim>{}, 1e2 * testing::Random(3).information<kPoseDof<kDim>>()});
     }
-    const auto network = network_of(set);
-    ASSERT_GT(std::count(network.is_private.begin(), network.is_private.end(), true), 2);
+    const auto graph = submap_graph_of(set);
+    ASSERT_GT(std::count(graph.is_local.begin(), graph.is_local.end(), true), 2);
     const auto result = run(set, this->options(1.0));
     ASSERT_TRUE(result) << result.error().message;
-    EXPECT_EQ(result->covariances->held().empty(), has_prior);
-    const State<kDim> state = this->state_of(*result);
+    EXPECT_EQ(result->covariances->anchored().empty(), has_prior);
+    const Values<kDim> state = this->state_of(*result);
     DenseInformation<kDim> dense(state);
     for (const auto& map : set.graph.submaps) dense.add(map);
     for (const auto& closure : set.graph.pose_factors) dense.add(closure);
@@ -175,7 +175,7 @@ TYPED_TEST(MapCovariancesTest, RelativeOnesAreThoseOfTheDifferenceInTheFrameOfTh
   const auto result = run(log, this->options(6.0));
   ASSERT_TRUE(result);
   const auto& covariances = *result->covariances;
-  const State<kDim> state = this->state_of(*result);
+  const Values<kDim> state = this->state_of(*result);
   const auto carried = [&](const std::vector<PoseOrFeature>& pair, const auto& f) {
     const Eigen::MatrixXd joint = covariances.joint(pair).value();
     const Eigen::MatrixXd J = testing::numerical_jacobian(f, joint.rows(), 1e-5);

@@ -79,7 +79,7 @@ TYPED_TEST(RelationsTest, HaveTheCovariancesOfTheInformationInRelativeCoordinate
     const auto log = this->world(held);
     for (const double poses_per_map : {1.0, 6.0}) {
       const auto result = this->map_of(log, poses_per_map);
-      const State<kDim> state{result.map.poses, result.map.features};
+      const Values<kDim> state{result.map.poses, result.map.features};
       DenseInformation<kDim> dense(state);
       for (const auto& o : log.graph.pose_factors) dense.add(o);
       for (const auto& o : log.observations()) dense.add(o);

@@ -7,7 +7,7 @@
 #include <tests/support/ceres_reference.hpp>
 #include <tests/support/data.hpp>
 #include <tests/support/dimensions.hpp>
-#include <tests/support/small_map_set.hpp>
+#include <tests/support/small_submap_set.hpp>
 #include <tests/support/small_world.hpp>
 
 namespace mapjoin {
@@ -84,7 +84,7 @@ TYPED_TEST(BasinTest, TakesASplitThatWasMadeBefore) {
 }
 
 TYPED_TEST(BasinTest, JoinsASetOfLocalMaps) {
-  const auto set = testing::small_map_set(this->world_.log, 5.0);
+  const auto set = testing::small_submap_set(this->world_.log, 5.0);
   const auto done = basin(set, this->options_);
   ASSERT_TRUE(done) << done.error().message;
   const Basin& found = *done;

@@ -20,38 +20,38 @@ class ContinuationTest : public ::testing::Test {
  protected:
   static constexpr int kDim = D::value;
 
-  Piece<kDim> composed() const {
-    auto joined = join_stretches(network_, {Schedule::kBatch, JoinedState::kAbsolute, {}});
-    return std::move(joined.pieces.front());
+  PartialMap<kDim> composed() const {
+    auto joined = join_segments(graph_, {Schedule::kBatch, JoinedState::kAbsolute, {}});
+    return std::move(joined.partials.front());
   }
 
   testing::SmallWorld<kDim> world_ = testing::small_world<kDim>({.poses = 30, .features = 12});
   Split split_ = split(world_.log, {SplitRule::kPoses, 6.0});
-  Network<kDim> network_ = network_of(world_.log, split_, build_local_maps<kDim>(world_.log, split_, {}).value().maps);
+  SubmapGraph<kDim> graph_ = submap_graph_of(world_.log, split_, build_local_maps<kDim>(world_.log, split_, {}).value().maps);
   const Gauge<kDim> gauge_{{0}, {}};
 };
 TYPED_TEST_SUITE(ContinuationTest, testing::Dimensions);
 
 TYPED_TEST(ContinuationTest, AtOneItIsTheJoin) {
-  const auto piece = this->composed();
-  JoinProblem<TestFixture::kDim> join(piece, this->gauge_);
-  Continuation<TestFixture::kDim> continuation(join, piece, this->gauge_);
+  const auto partial = this->composed();
+  JoinProblem<TestFixture::kDim> join(partial, this->gauge_);
+  Continuation<TestFixture::kDim> continuation(join, partial, this->gauge_);
   for (const double weight : {1.0, 0.1, 1.0}) {
     continuation.set_weight(weight);
-    EXPECT_EQ(std::abs(join.linearise() - piece_chi2(piece)) < 1e-12 * piece_chi2(piece), weight == 1.0);
+    EXPECT_EQ(std::abs(join.linearise() - partial_map_chi2(partial)) < 1e-12 * partial_map_chi2(partial), weight == 1.0);
   }
 }
 
 TYPED_TEST(ContinuationTest, AtZeroItsMinimumIsTheComposedStartWithNothingLeft) {
-  const auto piece = this->composed();
-  auto random = piece;
+  const auto partial = this->composed();
+  auto random = partial;
   set_to_random(3, random);
   JoinProblem<TestFixture::kDim> join(random, this->gauge_);
   Continuation<TestFixture::kDim> continuation(join, random, this->gauge_);
   continuation.set_weight(0.0);
   const auto result = minimise_join(join, JoinedState::kRelative, {});
   EXPECT_LT(result.chi2, 1e-9);
-  EXPECT_LT(largest_difference(join.estimate(), piece.state), 1e-6);
+  EXPECT_LT(largest_difference(join.estimate(), partial.state), 1e-6);
 }
 
 TYPED_TEST(ContinuationTest, GrowsWithTheWeight) {

@@ -35,11 +35,11 @@ TYPED_TEST(UnwrappedObjectiveTest, IsChi2OfTheLogNearTheReference) {
 
 TYPED_TEST(UnwrappedObjectiveTest, IsChi2OfTheJoinNearTheReference) {
   PosedWorld<TestFixture::kDim> world(this->log_, 6.0);
-  ASSERT_GT(world.system().map_count(), 0u);
+  ASSERT_GT(world.system().maps().size(), 0u);
   const UnwrappedObjective<TestFixture::kDim> objective(world.system(), world.state());
-  Piece<TestFixture::kDim> piece = world.composed;
-  piece.state = world.moved_by(0.2);
-  EXPECT_NEAR(objective(piece.state), piece_chi2(piece), 1e-12 * piece_chi2(piece));
+  PartialMap<TestFixture::kDim> partial = world.composed;
+  partial.state = world.moved_by(0.2);
+  EXPECT_NEAR(objective(partial.state), partial_map_chi2(partial), 1e-12 * partial_map_chi2(partial));
 }
 
 TYPED_TEST(UnwrappedObjectiveTest, IsQuadraticWhereAllRelationsAreInTheState) {
@@ -65,22 +65,22 @@ TYPED_TEST(UnwrappedObjectiveTest, IsQuadraticWhereAllRelationsAreInTheState) {
 /// Headings as numbers: turns are added to what was measured, the same at every state.
 TEST(UnwrappedObjective, TakesHeadingDifferencesAsTheyAre) {
   PosedWorld<2> world(testing::small_world<2>({.poses = 60, .features = 10, .closures = 6}).log);
-  const State<2> reference = world.state();
+  const Values<2> reference = world.state();
   const UnwrappedObjective<2> objective(world.system(), reference);
-  const State<2> state = world.moved_by(6.0);
+  const Values<2> state = world.moved_by(6.0);
   double sum = 0.0;
   int beyond_a_half_turn = 0;
-  for (const auto& [o, base, target] : world.system().pose_observations()) {
+  for (const auto& [o, base, target] : world.system().pose_factors()) {
     Eigen::VectorXd r = testing::plain_residual<2>(o->measured, state.pose(base), state.pose(target));
     const double at_reference = testing::plain_residual<2>(o->measured, reference.pose(base), reference.pose(target))[2];
-    const auto heading = [](const State<2>& s, Index pose) { return s.pose(pose).rotation.angle(); };
+    const auto heading = [](const Values<2>& s, Index pose) { return s.pose(pose).rotation.angle(); };
     // From the residual at the reference, the difference has changed by so much.
     r[2] = at_reference - (heading(state, target) - heading(state, base)) +
            (heading(reference, target) - heading(reference, base));
     beyond_a_half_turn += std::abs(r[2]) > std::numbers::pi;
     sum += r.dot(o->information * r);
   }
-  for (const auto& [o, base, target] : world.system().feature_observations()) {
+  for (const auto& [o, base, target] : world.system().feature_factors()) {
     const Eigen::VectorXd r = testing::plain_residual<2>(o->measured, state.pose(base), state.feature(target));
     sum += r.dot(o->information * r);
   }

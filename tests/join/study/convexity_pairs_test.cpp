@@ -42,7 +42,7 @@ TYPED_TEST(StateSamplerTest, FillsTheBoxOfTheComposedStart) {
   for (const auto& feature : this->world_.state().features) box.extend(feature);
   const auto sampler = this->sampler(StateSource::kBox);
   for (std::uint64_t seed = 1; seed <= 20; ++seed) {
-    const State<kDim> state = sampler.draw(seed);
+    const Values<kDim> state = sampler.draw(seed);
     for (const auto& pose : state.poses) drawn.extend(pose.translation);
     for (std::size_t p = 0; p < state.poses.size(); ++p) {
       EXPECT_LE((this->world_.state().poses[p].rotation.inverse() * state.poses[p].rotation).log().norm(), 3.1416);
@@ -67,15 +67,15 @@ TYPED_TEST(StateSamplerTest, DriftsByTheStatedCovariances) {
     for (std::uint64_t seed = 0; seed < kDraws; ++seed) {
       const Eigen::VectorXd x = relative.of(sampler.draw(seed));
       for (Eigen::Index e = 0; e < poses; ++e) {
-        const auto [clique, target, child_is_base] = *relative.tree().poses[static_cast<std::size_t>(e)].observation;
-        const auto [kind, place] = world.system().source_of(clique);
+        const auto [factor, target, child_is_base] = *relative.tree().poses[static_cast<std::size_t>(e)].observation;
+        const auto [kind, place] = world.system().source_of(factor);
         Eigen::MatrixXd W;
-        if (kind == JointSystem<kDim>::Source::kMap) {
+        if (kind == JoiningSystem<kDim>::Source::kMap) {
           const auto& map = *world.system().maps()[place].map;
           const Eigen::MatrixXd P = map.information.inverse();
           W = P.block(map.row(target), map.row(target), kPoseDof<kDim>, kPoseDof<kDim>).inverse();
         } else {
-          W = world.system().pose_observations()[place].observation->information;
+          W = world.system().pose_factors()[place].observation->information;
         }
         const Eigen::VectorXd own = x.segment(e * kPoseDof<kDim>, kPoseDof<kDim>);
         sum += own.dot(W * own);

@@ -58,7 +58,7 @@ TYPED_TEST(ConvexityStatesTest, RelativeCoordinatesAreTheResidualsOfTheTree) {
   const auto X = this->world_.moved_by(0.3);
   const Eigen::VectorXd x = relative.of(X);
   for (std::size_t e = 0; e < relative.tree().poses.size(); ++e) {
-    const auto& o = this->world_.system().pose_observations()[relative.tree().poses[e].observation->clique];
+    const auto& o = this->world_.system().pose_factors()[relative.tree().poses[e].observation->factor];
     const PoseVector<kDim> r = residual<kDim>(o.observation->measured, X.pose(o.base), X.pose(o.target));
     const PoseVector<kDim> own = x.template segment<kPoseDof<kDim>>(relative.pose_entry(e));
     EXPECT_LT((own.template tail<kRotationDof<kDim>>() + r.template tail<kRotationDof<kDim>>()).norm(), 1e-10);
@@ -67,16 +67,16 @@ TYPED_TEST(ConvexityStatesTest, RelativeCoordinatesAreTheResidualsOfTheTree) {
 }
 
 TEST(UnwrappedNear, PutsHeadingsWithinHalfATurn) {
-  State<2> reference{{Pose<2>{{0.0, 0.0}, Rotation<2>(20.0)}}, {}};
-  State<2> state{{Pose<2>{{1.0, 2.0}, Rotation<2>(1.0)}}, {}};
-  const State<2> unwrapped = unwrapped_near(state, reference);
+  Values<2> reference{{Pose<2>{{0.0, 0.0}, Rotation<2>(20.0)}}, {}};
+  Values<2> state{{Pose<2>{{1.0, 2.0}, Rotation<2>(1.0)}}, {}};
+  const Values<2> unwrapped = unwrapped_near(state, reference);
   EXPECT_NEAR(unwrapped.poses[0].rotation.angle(), 1.0 + 6.0 * std::numbers::pi, 1e-12);
   EXPECT_EQ(unwrapped.poses[0].translation, state.poses[0].translation);
 }
 
 TEST(OnLine, TakesHeadingsForNumbers) {
-  const State<2> X{{Pose<2>{{0.0, 0.0}, Rotation<2>(-9.0)}}, {}};
-  const State<2> Y{{Pose<2>{{0.0, 0.0}, Rotation<2>(7.0)}}, {}};
+  const Values<2> X{{Pose<2>{{0.0, 0.0}, Rotation<2>(-9.0)}}, {}};
+  const Values<2> Y{{Pose<2>{{0.0, 0.0}, Rotation<2>(7.0)}}, {}};
   EXPECT_NEAR(on_line(X, Y, 0.25).poses[0].rotation.angle(), 3.0, 1e-12);
 }
 

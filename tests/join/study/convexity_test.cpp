@@ -79,9 +79,9 @@ TYPED_TEST(ConvexityTest, OneStepIsAllWhereEverythingIsQuadratic) {
 
 /// The maps of a log as if nothing else were known: over the poses they keep.
 template <int Dim>
-MapSet<Dim> map_set(const Log<Dim>& log, const SplitOptions& options) {
+SubmapSet<Dim> submap_set(const Log<Dim>& log, const SplitOptions& options) {
   Split parts = split(log, options);
-  MapSet<Dim> set;
+  SubmapSet<Dim> set;
   set.graph.submaps = build_local_maps<Dim>(log, parts, {}).value().maps;
   std::vector<Index> place(log.poses.size());
   for (std::size_t pose = 0; pose < place.size(); ++pose) {
@@ -92,7 +92,7 @@ MapSet<Dim> map_set(const Log<Dim>& log, const SplitOptions& options) {
   for (auto& map : set.graph.submaps) {
     map.base = place[static_cast<std::size_t>(map.base)];
     for (Index& pose : map.poses) pose = place[static_cast<std::size_t>(pose)];
-    set.stretches.push_back({map.base, map.poses.back(), true});
+    set.segments.push_back({map.base, map.poses.back(), true});
   }
   return set;
 }
@@ -102,7 +102,7 @@ TYPED_TEST(ConvexityTest, OfMapsAloneIsThatOfJoining) {
   const auto log = small_world<kDim>({.poses = 31, .features = 12, .closures = 0}).log;
   const auto options = this->options();
   const auto of_log = convexity(log, options);
-  const auto of_maps = convexity(map_set(log, options.split), options);
+  const auto of_maps = convexity(submap_set(log, options.split), options);
   ASSERT_TRUE(of_log && of_maps);
   ASSERT_EQ(of_maps->size(), 2u);
   for (std::size_t f = 0; f < 2; ++f) {

@@ -15,18 +15,18 @@ struct PosedWorld {
   explicit PosedWorld(Log<Dim> the_log, double poses_per_map = 1.0)
       : log(std::move(the_log)),
         parts(split(log, {SplitRule::kPoses, poses_per_map})),
-        network(network_of(log, parts, build_local_maps<Dim>(log, parts, {}).value().maps)),
-        composed(std::move(join_stretches(network, {Schedule::kBatch, JoinedState::kAbsolute, {}}).pieces.front())),
+        graph(submap_graph_of(log, parts, build_local_maps<Dim>(log, parts, {}).value().maps)),
+        composed(std::move(join_segments(graph, {Schedule::kBatch, JoinedState::kAbsolute, {}}).partials.front())),
         problem(composed, {{0}, {}}) {}
   PosedWorld(const PosedWorld&) = delete;
   PosedWorld& operator=(const PosedWorld&) = delete;
 
-  const JointSystem<Dim>& system() { return problem.system(); }
-  const State<Dim>& state() { return problem.estimate(); }
+  const JoiningSystem<Dim>& system() { return problem.system(); }
+  const Values<Dim>& state() { return problem.estimate(); }
   /// A state with every pose and feature moved by at most so much (m, rad), but for what is held.
-  State<Dim> moved_by(double radius, unsigned seed = 5) {
+  Values<Dim> moved_by(double radius, unsigned seed = 5) {
     Random random(seed);
-    State<Dim> moved = state();
+    Values<Dim> moved = state();
     for (std::size_t p = 1; p < moved.poses.size(); ++p) {
       moved.poses[p] = retract<Dim>(moved.poses[p], random.vector<kPoseDof<Dim>>(radius));
     }
@@ -36,8 +36,8 @@ struct PosedWorld {
 
   Log<Dim> log;
   Split parts;
-  Network<Dim> network;
-  Piece<Dim> composed;
+  SubmapGraph<Dim> graph;
+  PartialMap<Dim> composed;
   JoinProblem<Dim> problem;
 };
 

@@ -67,7 +67,7 @@ TYPED_TEST(ConnectivityTest, NamesAFeatureThatNothingObserves) {
 }
 
 TYPED_TEST(ConnectivityTest, MapsHangTogetherByWhatTheyShare) {
-  MapSet<TypeParam::value> set;
+  SubmapSet<TypeParam::value> set;
   set.source = "maps";
   for (std::uint64_t k = 0; k < 4; ++k) set.poses.push_back({0, k});
   set.features = {{7}};

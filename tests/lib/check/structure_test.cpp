@@ -84,7 +84,7 @@ TYPED_TEST(Structure, CountsTheFeaturesThatHoldSessionsTogether) {
 
 TYPED_TEST(Structure, OfLocalMapsOnlyNotesFeaturesOfOneMap) {
   constexpr int Dim = TypeParam::value;
-  MapSet<Dim> set;
+  SubmapSet<Dim> set;
   set.poses = {{0, 0}, {0, 1}, {0, 2}};
   for (std::uint64_t f = 0; f < 30; ++f) set.features.push_back({f});
   for (Index k = 0; k < 2; ++k) {

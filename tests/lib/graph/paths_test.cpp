@@ -64,5 +64,27 @@ TEST(Paths, HoldEveryVertexOnceInRandomGraphs) {
   }
 }
 
+TEST(Paths, AreTheSameOfEdgesThatStandAlongThem) {
+  std::mt19937 engine(2);
+  for (int trial = 0; trial < 1000; ++trial) {
+    const auto vertices = static_cast<Vertex>(4 + engine() % 20);
+    std::vector<Edge> edges;
+    for (std::size_t e = 0; e < vertices + engine() % 20; ++e) {
+      const auto a = static_cast<Vertex>(engine() % vertices);
+      const auto b = static_cast<Vertex>(engine() % vertices);
+      if (a != b) edges.emplace_back(a, b);
+    }
+    const PathCover cover = cover_by_paths(vertices, edges);
+    std::vector<std::size_t> place(vertices);
+    for (std::size_t k = 0; k < vertices; ++k) place[cover.order[k]] = k;
+    const auto rank = [&](const Edge& edge) {
+      const auto [first, second] = std::minmax(place[edge.first], place[edge.second]);
+      return second == first + 1 ? second : vertices;
+    };
+    std::ranges::stable_sort(edges, {}, rank);
+    ASSERT_EQ(cover_by_paths(vertices, edges).order, cover.order) << "trial " << trial;
+  }
+}
+
 }  // namespace
 }  // namespace mapjoin::testing

@@ -18,10 +18,10 @@ constexpr const char* kTextMap = "0\n3\n-1 1\n-1 2\n-1 3\n1 0 0\n0 1 0\n0 0 1\n"
 TEST(OpenMaps, KnowsFoldersArchivesAndStoresByTheirContent) {
   const testing::TemporaryFolder folder;
   folder.file("localmap_1.txt", kTextMap);
-  EXPECT_TRUE(std::holds_alternative<MapSet<2>>(open_maps(folder.path()).value()));
+  EXPECT_TRUE(std::holds_alternative<SubmapSet<2>>(open_maps(folder.path()).value()));
 
   const auto archive = folder.file("maps", testing::tar_of({{"localmap_1.txt", kTextMap}}));
-  EXPECT_TRUE(std::holds_alternative<MapSet<2>>(open_maps(archive).value()));
+  EXPECT_TRUE(std::holds_alternative<SubmapSet<2>>(open_maps(archive).value()));
 
   testing::Random random;
   const auto store = folder.path() / "store";

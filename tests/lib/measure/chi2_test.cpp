@@ -19,10 +19,10 @@ TYPED_TEST_SUITE(Chi2Test, testing::Dimensions);
 template <int Dim>
 Log<Dim> random_log(Random& random) {
   const auto edge = [&](Index base, Index target) {
-    return PoseObservation<Dim>{base, target, random.pose<Dim>(), random.information<kPoseDof<Dim>>()};
+    return PoseFactor<Dim>{base, target, random.pose<Dim>(), random.information<kPoseDof<Dim>>()};
   };
   const auto sight = [&](Index base, Index target) {
-    return FeatureObservation<Dim>{base, target, random.vector<Dim>(5.0), random.information<Dim>()};
+    return FeatureFactor<Dim>{base, target, random.vector<Dim>(5.0), random.information<Dim>()};
   };
   Log<Dim> log;
   log.poses = {{0, 0}, {0, 1}, {0, 2}, {0, 3}};
@@ -34,8 +34,8 @@ Log<Dim> random_log(Random& random) {
 }
 
 template <int Dim>
-State<Dim> random_values(const Log<Dim>& log, Random& random) {
-  State<Dim> values;
+Values<Dim> random_values(const Log<Dim>& log, Random& random) {
+  Values<Dim> values;
   for (std::size_t i = 0; i < log.poses.size(); ++i) values.poses.push_back(random.pose<Dim>());
   for (std::size_t i = 0; i < log.features.size(); ++i) values.features.push_back(random.vector<Dim>(5.0));
   return values;

@@ -77,14 +77,14 @@ class AccumulateTest : public ::testing::Test {
 };
 TYPED_TEST_SUITE(AccumulateTest, testing::Dimensions);
 
-TYPED_TEST(AccumulateTest, APoseObservationGivesItsDenseNormalEquations) {
+TYPED_TEST(AccumulateTest, APoseFactorGivesItsDenseNormalEquations) {
   constexpr int kDof = TestFixture::kDof;
   for (int k = 0; k < 5; ++k) {
     this->template expect_single<kDof>(this->template random_target<kDof>(), this->random.template information<kDof>());
   }
 }
 
-TYPED_TEST(AccumulateTest, AFeatureObservationGivesItsDenseNormalEquations) {
+TYPED_TEST(AccumulateTest, AFeatureFactorGivesItsDenseNormalEquations) {
   constexpr int kDim = TestFixture::kDim;
   for (int k = 0; k < 5; ++k) {
     this->template expect_single<kDim>(this->template random_target<kDim>(), this->random.template information<kDim>());
@@ -144,7 +144,7 @@ TYPED_TEST(AccumulateTest, APriorIsAnObservationFromTheOrigin) {
   constexpr int kDim = TestFixture::kDim;
   const Pose<kDim> measured = this->random.template pose<kDim>();
   const Pose<kDim> target = this->random.template pose<kDim>();
-  const State<kDim> state{{target}, {}};
+  const Values<kDim> state{{target}, {}};
   const auto prior = linearise<kDim>(measured, state.pose(kWorld), state.pose(0));
   EXPECT_LT((prior.residual.template head<kDim>() - (measured.translation - target.translation)).norm(), 1e-14);
   EXPECT_LT((prior.J_target.template topLeftCorner<kDim, kDim>() - Matrix<kDim>::Identity()).norm(), 1e-14);

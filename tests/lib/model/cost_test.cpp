@@ -11,7 +11,7 @@ namespace mapjoin {
 namespace {
 
 TEST(CostTest, WeighsTheHeadingDifferenceTheShortWayRound) {
-  PoseObservation<2> observation;
+  PoseFactor<2> observation;
   observation.measured.rotation = Rotation<2>(3.1);
   observation.information = Vector<3>(1.0, 1.0, 100.0).asDiagonal();
   const Pose<2> target{{0.0, 0.0}, Rotation<2>(-3.1)};
@@ -41,7 +41,7 @@ TYPED_TEST(CostOfDimensionTest, GaussNewtonHasTheCostAndHalfItsGradientByEveryLo
   constexpr int kDim = TypeParam::value;
   testing::Random random;
   for (const auto& [loss, name] : enum_names(Loss{})) {
-    FeatureObservation<kDim> observation{0, 0, random.vector<kDim>(), random.information<kDim>(), loss};
+    FeatureFactor<kDim> observation{0, 0, random.vector<kDim>(), random.information<kDim>(), loss};
     const Pose<kDim> base = random.pose<kDim>();
     const Point<kDim> feature = random.vector<kDim>();
     TargetGradient<kDim> sink;

@@ -269,14 +269,14 @@ TYPED_TEST(LogBuilderTest, ASecondFixedPoseNeedsAValue) {
 TEST(FindIndex, FindsIdsByTheirPlaceAmongTheNames) {
   const std::vector<PoseId> consecutive{{0, 5}, {0, 6}, {0, 7}};
   const std::vector<PoseId> scattered{{0, 5}, {0, 9}, {1, 2}, {1, 9}};
-  EXPECT_EQ(find_index(consecutive, PoseId{0, 7}), 2);
-  EXPECT_EQ(find_index(scattered, PoseId{1, 9}), 3);
-  EXPECT_EQ(find_index(scattered, PoseId{0, 9}), 1);
+  EXPECT_EQ(IndexOf(consecutive)(PoseId{0, 7}), 2);
+  EXPECT_EQ(IndexOf(scattered)(PoseId{1, 9}), 3);
+  EXPECT_EQ(IndexOf(scattered)(PoseId{0, 9}), 1);
   for (const PoseId& absent : {PoseId{0, 4}, PoseId{0, 8}, PoseId{1, 5}, PoseId{2, 0}}) {
-    EXPECT_EQ(find_index(consecutive, absent), std::nullopt);
-    EXPECT_EQ(find_index(scattered, absent), std::nullopt);
+    EXPECT_EQ(IndexOf(consecutive)(absent), std::nullopt);
+    EXPECT_EQ(IndexOf(scattered)(absent), std::nullopt);
   }
-  EXPECT_EQ(find_index(std::vector<FeatureId>{}, FeatureId{0}), std::nullopt);
+  EXPECT_EQ(IndexOf(std::vector<FeatureId>{})(FeatureId{0}), std::nullopt);
 }
 
 TYPED_TEST(LogBuilderTest, WhereIdsSayNothingOfTheOrderEdgesDo) {
@@ -303,8 +303,8 @@ TYPED_TEST(LogBuilderTest, WhereIdsSayNothingOfTheOrderEdgesDo) {
   EXPECT_THAT(log->stamps_ns, ElementsAre(7, 2, 9, 4, 0, 5));
   EXPECT_EQ(log->graph.fixed[0].pose, 0);
   EXPECT_EQ(log->graph.fixed[1].pose, 4);
-  EXPECT_EQ(find_index(log->poses, PoseId{0, 9}), 2);
-  EXPECT_EQ(find_index(log->poses, PoseId{0, 3}), std::nullopt);
+  EXPECT_EQ(IndexOf(log->poses)(PoseId{0, 9}), 2);
+  EXPECT_EQ(IndexOf(log->poses)(PoseId{0, 3}), std::nullopt);
 }
 
 TYPED_TEST(LogBuilderTest, IdsTellTheOrderWhereTheyTieHalfOfThePoses) {

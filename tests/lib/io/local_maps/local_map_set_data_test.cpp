@@ -14,10 +14,10 @@ namespace {
 using testing::data_file;
 
 template <int Dim>
-MapSet<Dim> read(const std::filesystem::path& path) {
+SubmapSet<Dim> read(const std::filesystem::path& path) {
   auto set = read_local_map_set(path);
   EXPECT_TRUE(set) << set.error().message;
-  return std::get<MapSet<Dim>>(*set);
+  return std::get<SubmapSet<Dim>>(*set);
 }
 
 /// Entries of W relative to its diagonal, states absolutely.
@@ -34,7 +34,7 @@ void expect_equal(const LocalMap<Dim>& a, const LocalMap<Dim>& b) {
 }
 
 template <int Dim>
-void expect_equal(const MapSet<Dim>& a, const MapSet<Dim>& b) {
+void expect_equal(const SubmapSet<Dim>& a, const SubmapSet<Dim>& b) {
   ASSERT_EQ(a.poses, b.poses);
   ASSERT_EQ(a.features, b.features);
   ASSERT_EQ(a.graph.submaps.size(), b.graph.submaps.size());
@@ -42,7 +42,7 @@ void expect_equal(const MapSet<Dim>& a, const MapSet<Dim>& b) {
 }
 
 /// Of the maps laid end to end, each feature where the first map that knows it has it.
-double composed_chi2(const MapSet<2>& set) {
+double composed_chi2(const SubmapSet<2>& set) {
   std::vector<Pose<2>> poses(set.poses.size());
   std::map<Index, Point<2>> features;
   double chi2 = 0.0;

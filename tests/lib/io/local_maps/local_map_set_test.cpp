@@ -63,10 +63,10 @@ class LocalMapSetTest : public ::testing::Test {
     return set ? "no error" : set.error().message;
   }
   template <int Dim>
-  MapSet<Dim> read() const {
+  SubmapSet<Dim> read() const {
     auto set = read_local_map_set(folder.path());
     EXPECT_TRUE(set) << set.error().message;
-    return std::get<MapSet<Dim>>(*set);
+    return std::get<SubmapSet<Dim>>(*set);
   }
   testing::TemporaryFolder folder;
   Random random;
@@ -89,7 +89,7 @@ TEST_F(LocalMapSetTest, PutsMapsInTheOrderOfTheirNumbersAndGzippedOnesAmongThem)
     const auto& map = set.graph.submaps[static_cast<std::size_t>(k - 1)];
     EXPECT_EQ(map.base, k - 1);
     EXPECT_THAT(map.poses, ElementsAre(k));
-    EXPECT_EQ(set.stretches[static_cast<std::size_t>(k - 1)], (Stretch{k - 1, k, true}));
+    EXPECT_EQ(set.segments[static_cast<std::size_t>(k - 1)], (Segment{k - 1, k, true}));
     EXPECT_DOUBLE_EQ(map.pose_estimates[0].translation.x(), k == 1 ? 1.0 : 0.1 * k);
   }
   EXPECT_THAT(set.features, ElementsAre(FeatureId{9}, FeatureId{40}));
@@ -143,7 +143,7 @@ TEST_F(LocalMapSetTest, AnExactCoincidenceIsOnePose) {
   EXPECT_EQ(set.graph.submaps[1].information.rows(), 4);
   EXPECT_EQ(set.graph.submaps[2].base, 1);
   EXPECT_THAT(set.graph.submaps[2].poses, ElementsAre(2));
-  EXPECT_THAT(set.stretches, ElementsAre(Stretch{0, 1}, Stretch{1, 1}, Stretch{1, 2}));
+  EXPECT_THAT(set.segments, ElementsAre(Segment{0, 1}, Segment{1, 1}, Segment{1, 2}));
 }
 
 TEST_F(LocalMapSetTest, AZeroCovarianceWithMotionIsNotPositiveDefinite) {
@@ -237,7 +237,7 @@ TEST_F(LocalMapSetTest, RefusesGaussiansThatAreNone) {
   EXPECT_THAT(error(), HasSubstr("the information matrix of map 1 is indefinite"));
   const auto repaired = read_local_map_set(folder.path(), {.repair_information = true});
   ASSERT_TRUE(repaired);
-  EXPECT_EQ(std::get<MapSet<2>>(*repaired).conventions.repairs.indefinite, 1);
+  EXPECT_EQ(std::get<SubmapSet<2>>(*repaired).conventions.repairs.indefinite, 1);
 }
 
 TEST_F(LocalMapSetTest, TakesTheAsymmetryThatAFilterLeavesAndCountsIt) {
@@ -246,7 +246,7 @@ TEST_F(LocalMapSetTest, TakesTheAsymmetryThatAFilterLeavesAndCountsIt) {
   write_mat_map(path("localmap_1.mat"), plane, P);
   const auto read = read_local_map_set(folder.path(), {});
   ASSERT_TRUE(read) << read.error().message;
-  const auto& set = std::get<MapSet<2>>(*read);
+  const auto& set = std::get<SubmapSet<2>>(*read);
   EXPECT_EQ(set.conventions.repairs.symmetrised, 1);
   EXPECT_NEAR(set.conventions.repairs.largest_asymmetry, 1.3e-8, 1e-10);
   EXPECT_EQ(set.graph.submaps[0].information, set.graph.submaps[0].information.transpose());

@@ -35,9 +35,9 @@ class LocalMapWriterTest : public ::testing::Test {
     return map;
   }
   /// The maps written and read back, which is over the same features.
-  MapSet<kDim> again(const std::vector<LocalMap<kDim>>& maps, LocalMapFormat format) {
+  SubmapSet<kDim> again(const std::vector<LocalMap<kDim>>& maps, LocalMapFormat format) {
     names = write_local_maps(maps, features, format, folder.path()).value();
-    return std::get<MapSet<kDim>>(read_local_map_set(folder.path()).value());
+    return std::get<SubmapSet<kDim>>(read_local_map_set(folder.path()).value());
   }
   std::string refusal(const std::vector<LocalMap<kDim>>& maps, LocalMapFormat format) {
     const auto written = write_local_maps(maps, features, format, folder.path());
@@ -100,9 +100,9 @@ TEST(LocalMapWriterData, PublicSetsComeBackMapsThatDoNotMoveAmongThem) {
                                                 {"vicpark-200-local-maps", LocalMapFormat::kMat, 1e-11},
                                                 {"dlr/localmaps_3298_mat.tar.gz", LocalMapFormat::kMat, 1e-11}}) {
     const TemporaryFolder folder;
-    const auto set = std::get<MapSet<2>>(read_local_map_set(data_file(name)).value());
+    const auto set = std::get<SubmapSet<2>>(read_local_map_set(data_file(name)).value());
     ASSERT_TRUE(write_local_maps(set.graph.submaps, set.features, format, folder.path()));
-    const auto again = std::get<MapSet<2>>(read_local_map_set(folder.path()).value());
+    const auto again = std::get<SubmapSet<2>>(read_local_map_set(folder.path()).value());
     EXPECT_EQ(again.poses, set.poses);
     EXPECT_EQ(again.features, set.features);
     ASSERT_EQ(again.graph.submaps.size(), set.graph.submaps.size());

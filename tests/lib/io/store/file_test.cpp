@@ -4,6 +4,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <sqlite3.h>
+#include <sys/stat.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
@@ -66,7 +67,7 @@ TEST_F(StoreFileTest, NamesTheVersionOfAnother) {
 }
 
 TEST_F(StoreFileTest, AnUnfinishedStoreIsNotRead) {
-  EXPECT_THAT(error_after("DELETE FROM maps WHERE stretch = 9"), HasSubstr("the local map of stretch 9 is missing"));
+  EXPECT_THAT(error_after("DELETE FROM maps WHERE segment = 9"), HasSubstr("the local map of segment 9 is missing"));
 }
 
 TEST_F(StoreFileTest, ACutLosesNothingUnnoticed) {
@@ -92,7 +93,7 @@ TEST_F(StoreFileTest, OverwrittenBytesDoNoHarm) {
 }
 
 TEST_F(StoreFileTest, SaysWhatCannotBeWritten) {
-  const auto open = [&](const fs::path& where) { return StoreWriter<2>::open(where, maps.log, maps.stretches, maps.options); };
+  const auto open = [&](const fs::path& where) { return StoreWriter<2>::open(where, maps.log, maps.segments, maps.options); };
   const auto missing = open(folder.path() / "absent" / "maps.mapjoin");
   ASSERT_FALSE(missing);
   EXPECT_EQ(missing.error().kind, ErrorKind::kCannotWrite);
@@ -103,6 +104,22 @@ TEST_F(StoreFileTest, SaysWhatCannotBeWritten) {
   execute_sql(path, "CREATE TABLE a (b)");
   fs::rename(path, partial);
   EXPECT_THAT(open(path).error().message, HasSubstr("is in the way, and not a mapjoin store"));
+}
+
+TEST_F(StoreFileTest, WhatIsNoPlainFileIsKeptAndALinkStaysALink) {
+  const fs::path pipe = folder.path() / "pipe";
+  ASSERT_EQ(::mkfifo(pipe.c_str(), 0600), 0);
+  const auto refused = StoreWriter<2>::open(pipe, maps.log, maps.segments, maps.options);
+  ASSERT_FALSE(refused);
+  EXPECT_EQ(refused.error().kind, ErrorKind::kCannotWrite);
+  EXPECT_THAT(refused.error().message, HasSubstr("pipe: a store must be a plain file; give it another name"));
+  EXPECT_TRUE(fs::is_fifo(pipe));
+
+  const fs::path link = folder.path() / "link";
+  fs::create_symlink("elsewhere", link);
+  build_store(link, maps);
+  EXPECT_TRUE(fs::is_symlink(link));
+  EXPECT_EQ(fs::file_size(folder.path() / "elsewhere"), fs::file_size(path));
 }
 
 TEST_F(StoreFileTest, ADamagedOrAlteredBuildIsBegunAfresh) {
@@ -131,14 +148,14 @@ TEST_F(StoreFileTest, WhatIsLeftOfADamagedBuildIsBegunAfreshAndTold) {
   std::generate(noise.begin(), noise.end(), [&] { return static_cast<char>(random.uniform(-128.0, 127.0)); });
   for (const std::string& left : {overwritten, whole.substr(0, whole.size() / 2), whole.substr(0, 50), noise}) {
     folder.file("maps.mapjoin.partial", left);
-    const auto writer = StoreWriter<2>::open(path, maps.log, maps.stretches, maps.options);
+    const auto writer = StoreWriter<2>::open(path, maps.log, maps.segments, maps.options);
     ASSERT_TRUE(writer) << writer.error().message;
     EXPECT_TRUE(writer->found_damaged()) << left.size();
     EXPECT_TRUE(writer->done().empty());
   }
   build_store(path, maps);
   EXPECT_TRUE(testing::bytes_of(path) == whole);
-  EXPECT_FALSE((StoreWriter<2>::open(path, maps.log, maps.stretches, maps.options)->found_damaged()));
+  EXPECT_FALSE((StoreWriter<2>::open(path, maps.log, maps.segments, maps.options)->found_damaged()));
 }
 
 TEST_F(StoreFileTest, ABuildThatWasKilledInTheMidstOfABatchIsNotRead) {
@@ -157,9 +174,9 @@ TEST_F(StoreFileTest, ABuildThatWasKilledInTheMidstOfABatchIsNotRead) {
 }
 
 TEST_F(StoreFileTest, OneBuildAtATime) {
-  const auto first = StoreWriter<2>::open(path, maps.log, maps.stretches, maps.options);
+  const auto first = StoreWriter<2>::open(path, maps.log, maps.segments, maps.options);
   ASSERT_TRUE(first);
-  const auto second = StoreWriter<2>::open(path, maps.log, maps.stretches, maps.options);
+  const auto second = StoreWriter<2>::open(path, maps.log, maps.segments, maps.options);
   ASSERT_FALSE(second);
   EXPECT_THAT(second.error().message, HasSubstr("maps.mapjoin.partial: another process is writing it"));
   path = partial;  // Nor is it read.

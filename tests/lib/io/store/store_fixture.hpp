@@ -22,7 +22,7 @@ inline constexpr std::size_t kStorePage = 4096;
 template <int Dim>
 void build_store(const std::filesystem::path& path, const StoredMaps<Dim>& maps,
                  const std::function<void(std::size_t)>& after = {}) {
-  auto writer = StoreWriter<Dim>::open(path, maps.log, maps.stretches, maps.options);
+  auto writer = StoreWriter<Dim>::open(path, maps.log, maps.segments, maps.options);
   ASSERT_TRUE(writer) << writer.error().message;
   for (std::size_t k = writer->done().size(); k < maps.maps.size(); ++k) {
     ASSERT_TRUE(writer->add(k, maps.maps[k]));
@@ -34,7 +34,7 @@ void build_store(const std::filesystem::path& path, const StoredMaps<Dim>& maps,
 
 template <int Dim>
 std::size_t maps_done(const std::filesystem::path& path, const StoredMaps<Dim>& maps) {
-  return StoreWriter<Dim>::open(path, maps.log, maps.stretches, maps.options)->done().size();
+  return StoreWriter<Dim>::open(path, maps.log, maps.segments, maps.options)->done().size();
 }
 
 /// Of dimension D::value.

@@ -31,7 +31,7 @@ using testing::StoreTest;
 
 TYPED_TEST_SUITE(StoreTest, testing::Dimensions);
 
-TYPED_TEST(StoreTest, GivesBackEveryBitOfLogStretchesAndMaps) {
+TYPED_TEST(StoreTest, GivesBackEveryBitOfLogSegmentsAndMaps) {
   const auto maps = random_stored_maps<TestFixture::kDim>(this->random, 20);
   build_store(this->path, maps);
   EXPECT_FALSE(fs::exists(this->partial));
@@ -54,16 +54,16 @@ TYPED_TEST(StoreTest, GivesBackALogThatTakesManyChunks) {
   expect_same(*read, maps);
 }
 
-TYPED_TEST(StoreTest, AStretchThatDidNotDetermineItsMapIsReadAsASpan) {
+TYPED_TEST(StoreTest, ASegmentThatDidNotDetermineItsMapIsReadAsASpan) {
   constexpr int kDim = TestFixture::kDim;
   auto maps = random_stored_maps<kDim>(this->random, 3);
-  auto writer = StoreWriter<kDim>::open(this->path, maps.log, maps.stretches, maps.options);
+  auto writer = StoreWriter<kDim>::open(this->path, maps.log, maps.segments, maps.options);
   ASSERT_TRUE(writer);
   ASSERT_TRUE(writer->add(0, maps.maps[0]) && writer->add(1, std::nullopt) && writer->add(2, maps.maps[2]));
   EXPECT_THAT(writer->done(), ElementsAre(0, 1, 2));
   ASSERT_TRUE(writer->finish());
   maps.maps.erase(maps.maps.begin() + 1);
-  maps.stretches[1].is_map = false;
+  maps.segments[1].is_map = false;
   const auto read = this->read();
   ASSERT_TRUE(read) << read.error().message;
   expect_same(*read, maps);
@@ -72,13 +72,13 @@ TYPED_TEST(StoreTest, AStretchThatDidNotDetermineItsMapIsReadAsASpan) {
 TYPED_TEST(StoreTest, TheFirstOfManyMapsThatIsDamagedIsNamed) {
   const auto maps = random_stored_maps<TestFixture::kDim>(this->random, 40, 50);  // large ones
   build_store(this->path, maps);
-  for (const int stretch : {39, 3}) {
-    execute_sql(this->path, fmt::format("UPDATE maps SET information = x'00' WHERE stretch = {}", stretch));
+  for (const int segment : {39, 3}) {
+    execute_sql(this->path, fmt::format("UPDATE maps SET information = x'00' WHERE segment = {}", segment));
     for (const std::size_t threads : {1u, 4u}) {
       const tbb::global_control control(tbb::global_control::max_allowed_parallelism, threads);
       const auto read = this->read();
       ASSERT_FALSE(read);
-      EXPECT_THAT(read.error().message, HasSubstr(fmt::format("the sizes of map {} do not agree", stretch)));
+      EXPECT_THAT(read.error().message, HasSubstr(fmt::format("the sizes of map {} do not agree", segment)));
     }
   }
 }
@@ -128,7 +128,7 @@ TYPED_TEST(StoreTest, ABuildOfAnotherLogSplitOrOptionsBeginsAfresh) {
   constexpr int kDim = TestFixture::kDim;
   const auto maps = random_stored_maps<kDim>(this->random, 300);
   const auto begin = [&] {
-    auto writer = StoreWriter<kDim>::open(this->path, maps.log, maps.stretches, maps.options);
+    auto writer = StoreWriter<kDim>::open(this->path, maps.log, maps.segments, maps.options);
     for (std::size_t k = writer->done().size(); k < 260; ++k) ASSERT_TRUE(writer->add(k, maps.maps[k]));
   };
   begin();
@@ -149,7 +149,7 @@ TYPED_TEST(StoreTest, ABuildOfAnotherLogSplitOrOptionsBeginsAfresh) {
 
   begin();
   other = maps;
-  other.stretches.pop_back();
+  other.segments.pop_back();
   EXPECT_EQ(maps_done(this->path, other), 0u);
   build_store(this->path, other);
   expect_same(*this->read(), other);
@@ -158,7 +158,7 @@ TYPED_TEST(StoreTest, ABuildOfAnotherLogSplitOrOptionsBeginsAfresh) {
 TYPED_TEST(StoreTest, MapsAreAddedInOrderAndAllOfThem) {
   constexpr int kDim = TestFixture::kDim;
   const auto maps = random_stored_maps<kDim>(this->random, 3);
-  auto writer = StoreWriter<kDim>::open(this->path, maps.log, maps.stretches, maps.options);
+  auto writer = StoreWriter<kDim>::open(this->path, maps.log, maps.segments, maps.options);
   ASSERT_TRUE(writer);
   EXPECT_THROW((void)writer->add(1, maps.maps[1]), std::invalid_argument);
   EXPECT_THROW((void)writer->finish(), std::logic_error);

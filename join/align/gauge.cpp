@@ -1,0 +1,101 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <mapjoin/join/align/alignment.hpp>
+#include <mapjoin/join/align/gauge.hpp>
+#include <utility>
+
+namespace mapjoin {
+namespace {
+
+template <int Dim>
+bool measures_position(const PoseFactor<Dim>& prior) {
+  return (prior.information.diagonal().template head<Dim>().array() > 0.0).all();
+}
+
+template <int Dim>
+bool measures_rotation(const PoseFactor<Dim>& prior) {
+  return (prior.information.diagonal().template tail<kRotationDof<Dim>>().array() > 0.0).all();
+}
+
+/// What ties the World (first frame) to a partial map (second frame).
+template <int Dim>
+Correspondences<Dim> world_correspondences(const SubmapGraph<Dim>& graph, const PartialMap<Dim>& partial) {
+  Correspondences<Dim> correspondences;
+  for (const auto& fixed : graph.fixed) {
+    if (const auto* pose = find_pose(partial, fixed.pose)) correspondences.add_pose(fixed.value, *pose);
+  }
+  for (const auto* prior : graph.priors.pose_factors) {
+    const auto* pose = find_pose(partial, prior->target);
+    if (!pose || !measures_position(*prior)) continue;
+    if (measures_rotation(*prior)) {
+      correspondences.add_pose(prior->measured, *pose);
+    } else {
+      correspondences.add_point(prior->measured.translation, pose->translation);
+    }
+  }
+  for (const auto* prior : graph.priors.feature_factors) {
+    if (const auto* feature = find_feature(partial, prior->target)) correspondences.add_point(prior->measured, *feature);
+  }
+  return correspondences;
+}
+
+/// Sum of squared distances of the tied points under a alignment.
+template <int Dim>
+double misfit(const Correspondences<Dim>& correspondences, const Pose<Dim>& alignment) {
+  double sum = 0.0;
+  for (std::size_t k = 0; k < correspondences.first_points.size(); ++k) {
+    sum += (correspondences.first_points[k] - transform(alignment, correspondences.second_points[k])).squaredNorm();
+  }
+  return sum;
+}
+
+template <int Dim>
+void place_by(const Correspondences<Dim>& correspondences, PartialMap<Dim>& partial) {
+  const auto candidates = correspondences.candidates();
+  if (candidates.empty()) return;
+  const auto best =
+      cheapest_alignment<Dim>(candidates, [&](const Pose<Dim>& alignment) { return misfit(correspondences, alignment); });
+  partial.state = moved(best, std::move(partial.state));
+}
+
+}  // namespace
+
+template <int Dim>
+void place_in_world(const SubmapGraph<Dim>& graph, const Pose<Dim>& origin, PartialMap<Dim>& partial) {
+  const Correspondences<Dim> correspondences = world_correspondences(graph, partial);
+  if (!correspondences.first_points.empty()) return place_by(correspondences, partial);
+  const Pose<Dim> frame = compose(origin, inverse(partial.state.poses.front()));
+  partial.state = moved(frame, std::move(partial.state));
+}
+
+template <int Dim>
+Gauge<Dim> gauge_of(const SubmapGraph<Dim>& graph, const PartialMap<Dim>& partial) {
+  Gauge<Dim> gauge;
+  for (const auto& fixed : graph.fixed) {
+    if (holds(partial.poses, fixed.pose)) gauge.anchored.push_back(place_of(partial.poses, fixed.pose));
+  }
+  for (const auto* prior : graph.priors.pose_factors) {
+    if (holds(partial.poses, prior->target)) gauge.priors.pose_factors.push_back(prior);
+  }
+  for (const auto* prior : graph.priors.feature_factors) {
+    if (holds(partial.features, prior->target)) gauge.priors.feature_factors.push_back(prior);
+  }
+  if (gauge.anchored.empty() && gauge.priors.empty()) gauge.anchored = {0};
+  return gauge;
+}
+
+template <int Dim>
+void place_fixed_poses(const SubmapGraph<Dim>& graph, PartialMap<Dim>& partial) {
+  for (const auto& fixed : graph.fixed) {
+    if (holds(partial.poses, fixed.pose))
+      partial.state.poses[static_cast<std::size_t>(place_of(partial.poses, fixed.pose))] = fixed.value;
+  }
+}
+
+template void place_in_world(const SubmapGraph<2>&, const Pose<2>&, PartialMap<2>&);
+template void place_in_world(const SubmapGraph<3>&, const Pose<3>&, PartialMap<3>&);
+template Gauge<2> gauge_of(const SubmapGraph<2>&, const PartialMap<2>&);
+template Gauge<3> gauge_of(const SubmapGraph<3>&, const PartialMap<3>&);
+template void place_fixed_poses(const SubmapGraph<2>&, PartialMap<2>&);
+template void place_fixed_poses(const SubmapGraph<3>&, PartialMap<3>&);
+
+}  // namespace mapjoin

@@ -1,0 +1,122 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <algorithm>
+#include <mapjoin/join/align/shared_factors.hpp>
+#include <mapjoin/model/cost.hpp>
+#include <utility>
+
+namespace mapjoin {
+namespace {
+
+/// Whether an index is common to two ascending lists, in constant time.
+class Common {
+ public:
+  Common(const std::vector<Index>& a, const std::vector<Index>& b) {
+    if (a.empty() || b.empty()) return;
+    first_ = std::max(a.front(), b.front());
+    const Index last = std::min(a.back(), b.back());
+    if (last < first_) return;
+    is_common_.resize(static_cast<std::size_t>(last - first_) + 1);
+    auto in_a = std::lower_bound(a.begin(), a.end(), first_);
+    for (auto in_b = std::lower_bound(b.begin(), b.end(), first_); in_b != b.end() && *in_b <= last; ++in_b) {
+      while (in_a != a.end() && *in_a < *in_b) ++in_a;
+      if (in_a != a.end() && *in_a == *in_b) is_common_[static_cast<std::size_t>(*in_b - first_)] = true;
+    }
+  }
+  bool operator()(Index index) const {
+    const auto k = static_cast<std::size_t>(index - first_);  // huge where the index is below
+    return k < is_common_.size() && is_common_[k];
+  }
+
+ private:
+  Index first_ = 0;
+  std::vector<bool> is_common_;
+};
+
+/// Those of `list` for which `ties`, thinned evenly to at most `most`.
+template <typename T, typename Predicate>
+std::vector<T> tying(const std::vector<T>& list, std::size_t most, Predicate&& ties) {
+  std::vector<T> found;
+  found.reserve(list.size());
+  std::copy_if(list.begin(), list.end(), std::back_inserter(found), ties);
+  if (found.size() <= most) return found;
+  for (std::size_t k = 0; k < most; ++k) found[k] = found[k * found.size() / most];
+  found.resize(most);
+  return found;
+}
+
+/// Whether some, but not all, of a map's poses and features are common.
+template <int Dim>
+bool is_cut(const LocalMap<Dim>& map, const Common& pose, const Common& feature) {
+  auto common = std::count_if(map.poses.begin(), map.poses.end(), pose);
+  common += std::count_if(map.features.begin(), map.features.end(), feature);
+  if (pose(map.base)) ++common;
+  return common > 0 && static_cast<std::size_t>(common) < 1 + map.poses.size() + map.features.size();
+}
+
+}  // namespace
+
+template <int Dim>
+SharedFactors<Dim>::SharedFactors(const PartialMap<Dim>& a, const PartialMap<Dim>& b,
+                                  const std::vector<const PoseFactor<Dim>*>& closures)
+    : a_(a), b_(b) {
+  const Common pose(a.poses, b.poses);
+  const Common feature(a.features, b.features);
+  const auto is_cut_edge = [&](const auto* o) { return pose(o->base) != pose(o->target); };
+  const auto is_between = [&](const auto* o) {
+    return (holds(a.poses, o->base) && holds(b.poses, o->target)) || (holds(b.poses, o->base) && holds(a.poses, o->target));
+  };
+  for (const auto* o : tying(closures, kMost, is_between)) {
+    pose_ties_.push_back({o, end_of_pose(o->base), end_of_pose(o->target)});
+  }
+  for (const auto* o : tying(b.factors.pose_factors, kMost, is_cut_edge)) {
+    pose_ties_.push_back({o, end_of_pose(o->base), end_of_pose(o->target)});
+  }
+  const auto is_cut_sight = [&](const auto* o) { return pose(o->base) != feature(o->target); };
+  const auto cut_sights = tying(b.factors.feature_factors, kMost, is_cut_sight);
+  feature_ties_.reserve(cut_sights.size());
+  for (const auto* o : cut_sights) feature_ties_.push_back({o, end_of_pose(o->base), end_of_feature(o->target)});
+  for (const auto* map : tying(b.factors.submaps, kMost, [&](const auto* m) { return is_cut(*m, pose, feature); })) {
+    MapTie tie{map, end_of_pose(map->base), {}, {}};
+    for (const Index p : map->poses) tie.poses.push_back(end_of_pose(p));
+    for (const Index f : map->features) tie.features.push_back(end_of_feature(f));
+    map_ties_.push_back(std::move(tie));
+  }
+}
+
+template <int Dim>
+typename SharedFactors<Dim>::template End<Pose<Dim>> SharedFactors<Dim>::end_of_pose(Index pose) const {
+  if (const auto* in_a = find_pose(a_, pose)) return {*in_a, false};
+  return {pose_in(b_, pose), true};
+}
+
+template <int Dim>
+typename SharedFactors<Dim>::template End<Point<Dim>> SharedFactors<Dim>::end_of_feature(Index feature) const {
+  if (const auto* in_a = find_feature(a_, feature)) return {*in_a, false};
+  return {feature_in(b_, feature), true};
+}
+
+template <int Dim>
+double SharedFactors<Dim>::chi2(const Pose<Dim>& alignment) const {
+  const auto pose = [&](const End<Pose<Dim>>& end) { return end.is_placed ? compose(alignment, end.value) : end.value; };
+  const auto point = [&](const End<Point<Dim>>& end) { return end.is_placed ? transform(alignment, end.value) : end.value; };
+  double chi2 = 0.0;
+  for (const auto& [o, base, target] : pose_ties_) {
+    chi2 += cost(*o, pose(base), pose(target));
+  }
+  for (const auto& [o, base, target] : feature_ties_) {
+    // In the frame that the base is given in: a point is moved with less effort than a pose.
+    const Point<Dim> beside_base = base.is_placed ? transform_into(alignment, point(target)) : point(target);
+    chi2 += cost(*o, base.value, beside_base);
+  }
+  for (const auto& tie : map_ties_) {
+    chi2 += cost(
+        *tie.map, pose(tie.base), [&](std::size_t p) { return pose(tie.poses[p]); },
+        [&](std::size_t f) { return point(tie.features[f]); });
+  }
+  return chi2;
+}
+
+template class SharedFactors<2>;
+template class SharedFactors<3>;
+
+}  // namespace mapjoin

@@ -1,0 +1,53 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+// Where two partial maps meet: the observations that tell one alignment of the second in the frame of the first from another.
+
+#include <mapjoin/join/align/partial_map.hpp>
+#include <vector>
+
+namespace mapjoin {
+
+/// Closures between the partial maps, and the second one's observations that tie what only it holds to what both hold: placing
+/// it moves one end of each. At most kMost of a kind, spread evenly: more would not change the choice.
+template <int Dim>
+class SharedFactors {
+ public:
+  static constexpr std::size_t kMost = 1000;
+
+  /// `closures` may hold others, too. Both partial maps must outlive it.
+  SharedFactors(const PartialMap<Dim>& a, const PartialMap<Dim>& b, const std::vector<const PoseFactor<Dim>*>& closures);
+
+  /// Their chi2 with `b` placed in the frame of `a`; what both hold keeps its value in `a`.
+  double chi2(const Pose<Dim>& alignment) const;
+
+ private:
+  /// A pose or a point, in the frame of `a`, or in that of `b` and placed with it.
+  template <typename T>
+  struct End {
+    T value;
+    bool is_placed;
+  };
+  template <typename Observation, typename Target>
+  struct Tie {
+    const Observation* observation;
+    End<Pose<Dim>> base;
+    End<Target> target;
+  };
+  struct MapTie {
+    const LocalMap<Dim>* map;
+    End<Pose<Dim>> base;
+    std::vector<End<Pose<Dim>>> poses;
+    std::vector<End<Point<Dim>>> features;
+  };
+
+  End<Pose<Dim>> end_of_pose(Index pose) const;
+  End<Point<Dim>> end_of_feature(Index feature) const;
+
+  const PartialMap<Dim>& a_;
+  const PartialMap<Dim>& b_;
+  std::vector<Tie<PoseFactor<Dim>, Pose<Dim>>> pose_ties_;
+  std::vector<Tie<FeatureFactor<Dim>, Point<Dim>>> feature_ties_;
+  std::vector<MapTie> map_ties_;
+};
+
+}  // namespace mapjoin

@@ -1,0 +1,178 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <algorithm>
+#include <mapjoin/join/incremental/submap_update_maker.hpp>
+#include <mapjoin/localmap/build.hpp>
+#include <mapjoin/localmap/segment_view.hpp>
+#include <mapjoin/model/log_builder.hpp>
+#include <utility>
+
+namespace mapjoin {
+namespace {
+
+/// Of a map, where nothing else is asked for.
+constexpr double kPosesPerMap = 10.0;
+
+void keep_as_span(Segment& segment, std::vector<bool>& kept) {
+  segment.is_map = false;
+  std::fill(kept.begin() + segment.begin, kept.begin() + segment.end + 1, true);
+}
+
+}  // namespace
+
+template <int Dim>
+SubmapUpdateMaker<Dim>::SubmapUpdateMaker(SplitOptions split, MinimiseOptions solver)
+    : split_(split), solver_(std::move(solver)) {
+  if (split_.rule == SplitRule::kAuto) split_ = {SplitRule::kPoses, kPosesPerMap};
+}
+
+template <int Dim>
+bool SubmapUpdateMaker<Dim>::is_past(const PoseId& pose) const {
+  return !names_.empty() && pose != names_.back() && (poses_.contains(pose) || pose < names_.back());
+}
+
+template <int Dim>
+bool SubmapUpdateMaker<Dim>::is_kept(const PoseId& pose) const {
+  const auto index = poses_.find(pose);
+  return index == poses_.end() ? !is_past(pose) : is_kept_[static_cast<std::size_t>(index->second)];
+}
+
+template <int Dim>
+bool SubmapUpdateMaker<Dim>::add(const Log<Dim>& news) {
+  const auto name = [&](Index pose) { return news.poses[static_cast<std::size_t>(pose)]; };
+  for (const auto& o : news.edges()) {
+    const PoseId base = name(o.base);
+    const PoseId target = name(o.target);
+    if (!is_kept(base) || !is_kept(target)) return false;
+    (is_past(base) || is_past(target) ? closures_ : edges_).push_back({base, target, o});
+  }
+  for (const auto& o : news.observations()) {
+    const PoseId pose = name(o.base);
+    if (is_past(pose)) return false;
+    sights_.push_back({pose, news.features[static_cast<std::size_t>(o.target)], o});
+  }
+  return true;
+}
+
+template <int Dim>
+Expected<typename SubmapUpdateMaker<Dim>::Window> SubmapUpdateMaker<Dim>::window(bool is_end) const {
+  LogBuilder<Dim> builder("", {}, Numbers::kChecked);
+  for (const Edge& e : edges_) builder.add_pose_edge(e.base, e.target, e.observation.measured, e.observation.information);
+  for (const Sight& s : sights_) builder.add_observation(s.pose, s.feature, s.observation.measured, s.observation.information);
+  auto log = std::move(builder).finish(PoseOrder::kOfIds);
+  if (!log) return tl::unexpected(log.error());
+  Window window{*std::move(log), {}, 0};
+  // What a closure from elsewhere mentions is kept, as what the World holds is.
+  for (const Edge& closure : closures_) {
+    for (const PoseId& end : {closure.base, closure.target}) {
+      const auto& poses = window.log.poses;
+      const auto pose = std::lower_bound(poses.begin(), poses.end(), end);
+      if (pose != poses.end() && *pose == end) window.log.graph.fixed.push_back({static_cast<Index>(pose - poses.begin()), {}});
+    }
+  }
+  window.split = split(window.log, split_);
+  window.log.graph.fixed.clear();
+  auto& segments = window.split.segments;
+  window.open_begin = is_end ? static_cast<Index>(window.log.poses.size()) : segments.back().begin;
+  if (!is_end) segments.pop_back();
+  for (Segment& segment : segments) {
+    if (observations_of(window.log, segment).empty()) keep_as_span(segment, window.split.kept);
+  }
+  std::erase_if(window.log.graph.pose_factors,
+                [&](const auto& o) { return segments.empty() || std::max(o.base, o.target) > segments.back().end; });
+  return window;
+}
+
+template <int Dim>
+Expected<std::vector<SubmapUpdate<Dim>>> SubmapUpdateMaker<Dim>::take(bool is_end) {
+  std::vector<SubmapUpdate<Dim>> updates;
+  if (edges_.empty() && sights_.empty()) {
+    if (is_end && !closures_.empty()) hand_over_closures(updates = {SubmapUpdate<Dim>{}});
+    return updates;
+  }
+  auto next = window(is_end);
+  if (!next) return tl::unexpected(next.error());
+  if (next->split.segments.empty()) return updates;
+  const auto built = build_local_maps<Dim>(next->log, next->split, {solver_, nullptr});
+  if (!built) return tl::unexpected(built.error());
+  name_poses(*next);
+  updates = submap_updates_of(next->log, next->split, built->maps);
+  for (auto& update : updates) translate(next->log, update);
+  hand_over_closures(updates);
+  forget(*next);
+  return updates;
+}
+
+template <int Dim>
+void SubmapUpdateMaker<Dim>::name_poses(const Window& window) {
+  for (Index pose = 0; pose <= window.split.segments.back().end; ++pose) {
+    const PoseId& id = window.log.poses[static_cast<std::size_t>(pose)];
+    const auto [place, is_new] = poses_.emplace(id, static_cast<Index>(names_.size()));
+    if (!is_new) continue;
+    names_.push_back(id);
+    is_kept_.push_back(window.split.kept[static_cast<std::size_t>(pose)]);
+  }
+}
+
+template <int Dim>
+Index SubmapUpdateMaker<Dim>::feature_index(const FeatureId& feature) {
+  return features_.emplace(feature, static_cast<Index>(features_.size())).first->second;
+}
+
+/// From the indices of a window to those of all updates.
+template <int Dim>
+void SubmapUpdateMaker<Dim>::translate(const Log<Dim>& log, SubmapUpdate<Dim>& update) {
+  const auto pose = [&](Index& index) { index = poses_.at(log.poses[static_cast<std::size_t>(index)]); };
+  const auto feature = [&](Index& index) { index = feature_index(log.features[static_cast<std::size_t>(index)]); };
+  pose(update.segment->begin);
+  pose(update.segment->end);
+  if (update.map) {
+    pose(update.map->base);
+    std::for_each(update.map->poses.begin(), update.map->poses.end(), pose);
+    std::for_each(update.map->features.begin(), update.map->features.end(), feature);
+  }
+  for (auto& o : update.pose_factors) {
+    pose(o.base);
+    pose(o.target);
+  }
+  for (auto& o : update.feature_factors) {
+    pose(o.base);
+    feature(o.target);
+  }
+}
+
+/// Closures go to the update that makes their later pose known, or to the first.
+template <int Dim>
+void SubmapUpdateMaker<Dim>::hand_over_closures(std::vector<SubmapUpdate<Dim>>& updates) {
+  std::erase_if(closures_, [&](const Edge& closure) {
+    const auto base = poses_.find(closure.base);
+    const auto target = poses_.find(closure.target);
+    if (base == poses_.end() || target == poses_.end()) return false;
+    const Index later = std::max(base->second, target->second);
+    const auto update =
+        std::find_if(updates.begin(), updates.end(), [&](const auto& p) { return !p.segment || later <= p.segment->end; });
+    PoseFactor<Dim>& o = update->pose_factors.emplace_back(closure.observation);
+    o.base = base->second;
+    o.target = target->second;
+    return true;
+  });
+}
+
+template <int Dim>
+void SubmapUpdateMaker<Dim>::forget(const Window& window) {
+  const auto& poses = window.log.poses;
+  const auto is_open = [&](const PoseId& pose) {
+    return window.open_begin < static_cast<Index>(poses.size()) && pose >= poses[static_cast<std::size_t>(window.open_begin)];
+  };
+  std::erase_if(sights_, [&](const Sight& sight) { return !is_open(sight.pose); });
+  std::erase_if(edges_, [&](const Edge& edge) {
+    if (is_open(edge.base) && is_open(edge.target)) return false;
+    const auto& last = poses[static_cast<std::size_t>(window.split.segments.back().end)];
+    if (edge.base > last || edge.target > last) closures_.push_back(edge);
+    return true;
+  });
+}
+
+template class SubmapUpdateMaker<2>;
+template class SubmapUpdateMaker<3>;
+
+}  // namespace mapjoin

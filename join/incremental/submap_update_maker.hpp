@@ -1,0 +1,71 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+// Updates of a log that grows: what has come is cut into segments, and every complete one becomes an update.
+
+#include <map>
+#include <mapjoin/join/incremental/submap_update.hpp>
+#include <mapjoin/localmap/split.hpp>
+#include <mapjoin/model/error.hpp>
+#include <mapjoin/solve/minimise_options.hpp>
+#include <vector>
+
+namespace mapjoin {
+
+/// A segment is complete when the step after it has come: then its observations have, too, in a log that is written as the
+/// robot drives. A segment that sees no feature stays raw, for only closures to its poses can tie it to others.
+template <int Dim>
+class SubmapUpdateMaker {
+ public:
+  /// `split` by a number of poses, features or metres; automatic is 10 poses, for a cost model needs the whole log.
+  explicit SubmapUpdateMaker(SplitOptions split, MinimiseOptions solver = {});
+
+  /// Takes odometry, closures and feature observations; priors and fixed poses are passed over. False where they concern what
+  /// is in a map already, other than its kept poses: the log must then be cut anew, from its begin, by another maker.
+  bool add(const Log<Dim>& news);
+  /// The updates that are complete; at the end of the log all that is left. Bad input where a pose cannot be named.
+  Expected<std::vector<SubmapUpdate<Dim>>> take(bool is_end);
+
+  /// The name of a pose of an update.
+  const PoseId& name(Index pose) const { return names_[static_cast<std::size_t>(pose)]; }
+
+ private:
+  struct Edge {
+    PoseId base;
+    PoseId target;
+    PoseFactor<Dim> observation;
+  };
+  struct Sight {
+    PoseId pose;
+    FeatureId feature;
+    FeatureFactor<Dim> observation;
+  };
+  /// What has come, and is not in an update yet, as a log of its own, cut.
+  struct Window {
+    Log<Dim> log;
+    Split split;
+    Index open_begin = 0;  // its poses from here on are not complete
+  };
+
+  /// Whether the pose is in an update, and no further one begins with it.
+  bool is_past(const PoseId& pose) const;
+  bool is_kept(const PoseId& pose) const;
+  Expected<Window> window(bool is_end) const;
+  /// Names the window's poses up to the open ones.
+  void name_poses(const Window& window);
+  Index feature_index(const FeatureId& feature);
+  void translate(const Log<Dim>& log, SubmapUpdate<Dim>& update);
+  void hand_over_closures(std::vector<SubmapUpdate<Dim>>& updates);
+  void forget(const Window& window);
+
+  SplitOptions split_;
+  MinimiseOptions solver_;
+  std::vector<Edge> edges_;     // between poses that are not past
+  std::vector<Edge> closures_;  // to poses that are
+  std::vector<Sight> sights_;
+  std::vector<PoseId> names_;
+  std::vector<bool> is_kept_;  // per named pose
+  std::map<PoseId, Index> poses_;
+  std::map<FeatureId, Index> features_;
+};
+
+}  // namespace mapjoin

@@ -1,0 +1,96 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+// The joined state (30), its normal equations, and the observations that stand on their own; those of the local maps are added
+// by the caller.
+
+#include <Eigen/Core>
+#include <mapjoin/join/align/gauge.hpp>
+#include <mapjoin/join/align/partial_map.hpp>
+#include <mapjoin/solve/minimise_options.hpp>
+#include <mapjoin/solve/normal_equations.hpp>
+#include <span>
+#include <vector>
+
+namespace mapjoin {
+
+template <int Dim>
+class JoiningSystem {
+ public:
+  /// `partial map` gives observations and start; it may go afterwards, the observations and maps must stay. `order` is that of
+  /// the elimination, by places (see place_of_variable); where it is empty, one is found.
+  JoiningSystem(const PartialMap<Dim>& partial, const Gauge<Dim>& gauge, Engine engine = Engine::kFronts,
+                const std::vector<Index>& order = {});
+
+  /// Normal equations at the estimate; returns chi2. `add_map(m, sink)` adds those of map m, whose variables are base, poses
+  /// and features, and returns its chi2.
+  template <typename AddMap>
+  double linearise(AddMap&& add_map) {
+    equations_.set_zero();
+    return equations_.accumulate_factors([&](std::size_t factor, NormalEquations::Sink sink) {
+      return factor < first_map_factor_ ? add_observation(factor, sink) : add_map(factor - first_map_factor_, sink);
+    });
+  }
+  double observations_chi2(const Values<Dim>& state) const;
+
+  NormalEquations& equations() { return equations_; }
+  const NormalEquations& equations() const { return equations_; }
+
+  /// An observation whose base and target are places of the joined state, or the World.
+  template <typename Observation>
+  struct Placed {
+    const Observation* observation;
+    Index base;
+    Index target;
+  };
+  const std::vector<Placed<PoseFactor<Dim>>>& pose_factors() const { return pose_factors_; }
+  const std::vector<Placed<FeatureFactor<Dim>>>& feature_factors() const { return feature_factors_; }
+  /// A map whose indices are places of the joined state.
+  struct PlacedMap {
+    const LocalMap<Dim>* map;
+    Index base;
+    std::vector<Index> poses;
+    std::vector<Index> features;
+  };
+  const std::vector<PlacedMap>& maps() const { return maps_; }
+  /// Puts the observations and maps of another partial map and gauge, which differ in their numbers only, in place of these.
+  void observe(const PartialMap<Dim>& partial, const Gauge<Dim>& gauge) { place_observations(partial, gauge); }
+
+  /// What a factor of the normal equations is: its list among the three, and its place there.
+  struct Source {
+    enum Kind { kPoseFactor, kFeatureFactor, kMap } kind;
+    std::size_t place;
+  };
+  Source source_of(std::size_t factor) const;
+
+  Values<Dim>& estimate() { return estimate_; }
+  const Values<Dim>& estimate() const { return estimate_; }
+  /// The estimate moved by a step.
+  Values<Dim> retracted(const Eigen::VectorXd& step) const;
+  StepSize step_size(const Eigen::VectorXd& step) const;
+  /// kConstant for the World and for poses that are anchored.
+  Variable pose_variable(Index place) const {
+    return place == kWorld ? kConstant : pose_variables_[static_cast<std::size_t>(place)];
+  }
+  bool is_anchored(Index pose_place) const { return pose_variable(pose_place) == kConstant; }
+  Variable feature_variable(Index place) const { return first_feature_variable_ + place; }
+  /// The place of a variable: a pose, or a feature after all poses.
+  Index place_of_variable(Variable variable) const { return places_[variable]; }
+
+ private:
+  void number_variables(const Gauge<Dim>& gauge);
+  void place_observations(const PartialMap<Dim>& partial, const Gauge<Dim>& gauge);
+  NormalEquations make_equations(Engine engine, const std::vector<Index>& order) const;
+  double add_observation(std::size_t factor, NormalEquations::Sink sink) const;
+
+  Values<Dim> estimate_;
+  std::vector<Placed<PoseFactor<Dim>>> pose_factors_;
+  std::vector<Placed<FeatureFactor<Dim>>> feature_factors_;
+  std::vector<PlacedMap> maps_;
+  std::vector<Variable> pose_variables_;  // per place; kConstant where held
+  Variable first_feature_variable_ = 0;
+  Table<Variable, Index> places_;
+  std::size_t first_map_factor_ = 0;
+  NormalEquations equations_;
+};
+
+}  // namespace mapjoin

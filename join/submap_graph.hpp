@@ -1,0 +1,40 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+// What is joined: local maps without their submap-local features, and the observations that stand on their own.
+
+#include <mapjoin/localmap/marginalise.hpp>
+#include <mapjoin/localmap/split.hpp>
+#include <mapjoin/model/local_map.hpp>
+#include <mapjoin/model/log.hpp>
+#include <mapjoin/model/submap_set.hpp>
+#include <vector>
+
+namespace mapjoin {
+
+/// Views into a log or a map set, which must outlive it. Observations are pointers: a log has millions.
+template <int Dim>
+struct SubmapGraph {
+  std::size_t pose_count = 0;
+  std::size_t feature_count = 0;
+  std::vector<MarginalisedMap<Dim>> maps;  ///< Of the segments that are maps, in their order.
+  FactorSelection<Dim> factors;            ///< What stands on its own: of raw segments, and closures.
+  FactorSelection<Dim> priors;
+  std::vector<FixedPose<Dim>> fixed;
+  std::vector<Segment> segments;
+  std::vector<bool> is_local;   ///< Per feature: eliminated within its map.
+  std::vector<bool> is_joined;  ///< Per pose: part of the joined state.
+};
+
+/// The submap graph of a log split into segments, with the local maps of those that are maps.
+template <int Dim>
+SubmapGraph<Dim> submap_graph_of(const Log<Dim>& log, const Split& split, std::vector<LocalMap<Dim>> maps);
+
+/// The submap graph of a set of local maps; `maps` are those of the set, which need not hold them any more.
+template <int Dim>
+SubmapGraph<Dim> submap_graph_of(const SubmapSet<Dim>& set, std::vector<LocalMap<Dim>> maps);
+template <int Dim>
+SubmapGraph<Dim> submap_graph_of(const SubmapSet<Dim>& set) {
+  return submap_graph_of(set, set.graph.submaps);
+}
+
+}  // namespace mapjoin

@@ -1,0 +1,32 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+// A set of local maps, and of observations that stand on their own, over shared poses and features.
+
+#include <mapjoin/model/conventions.hpp>
+#include <mapjoin/model/error.hpp>
+#include <mapjoin/model/factor_graph.hpp>
+#include <mapjoin/model/ids.hpp>
+#include <mapjoin/model/segment.hpp>
+#include <string>
+#include <vector>
+
+namespace mapjoin {
+
+/// What there is to join: local maps, and observations that stand on their own (one-step maps), over shared poses and features.
+template <int Dim>
+struct SubmapSet {
+  std::string source;  ///< The file or folder it was read from, for messages.
+  std::vector<PoseId> poses;
+  std::vector<FeatureId> features;
+
+  FactorGraph<Dim> graph;
+  std::vector<Segment> segments;
+  Conventions conventions;
+};
+
+/// Bad input, named by its poses, unless every map and observation of a set made in memory is over poses and features of the
+/// set and has sound numbers.
+template <int Dim>
+Expected<void> check_numbers(const SubmapSet<Dim>& set);
+
+}  // namespace mapjoin

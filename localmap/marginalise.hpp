@@ -1,0 +1,39 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+// Submap-local features, seen in one local map only: eliminated before joining and recovered after it, exactly.
+
+#include <Eigen/Core>
+#include <mapjoin/model/local_map.hpp>
+#include <mapjoin/model/values.hpp>
+#include <vector>
+
+namespace mapjoin {
+
+/// A local map without its submap-local features. These enter (31) linearly in the frame of the base, so the joined map of the
+/// others is the same.
+template <int Dim>
+struct MarginalisedMap {
+  LocalMap<Dim> map;  ///< W_oo - W_of W_ff⁻¹ W_fo over what stays.
+  std::vector<Index> local_features;
+  std::vector<Point<Dim>> local_estimates;  ///< In the frame of the base (m).
+  Eigen::MatrixXd gain;  ///< W_ff⁻¹ W_fo: the residuals of the submap-local features are -gain · those of the others.
+  Eigen::MatrixXd local_information;  ///< W_ff, of the submap-local features given the others.
+};
+
+/// `is_local` is per feature. Where they are not determined within the map, all stay.
+template <int Dim>
+MarginalisedMap<Dim> marginalise(LocalMap<Dim> map, const std::vector<bool>& is_local);
+
+/// The map as it was, its submap-local features behind the others.
+template <int Dim>
+LocalMap<Dim> restored(const MarginalisedMap<Dim>& marginalised);
+
+/// Puts the submap-local features where they lower chi2 most, given the joined poses and features in `state`.
+template <int Dim>
+void recover_local_features(const MarginalisedMap<Dim>& marginalised, Values<Dim>& state);
+
+/// Per feature: whether one map alone mentions it, and no observation or prior.
+template <int Dim>
+std::vector<bool> local_features(const std::vector<LocalMap<Dim>>& maps, std::vector<bool> referenced_elsewhere);
+
+}  // namespace mapjoin

@@ -1,0 +1,127 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Where partial maps are placed, against Eigen's Umeyama and against the chi2 of the observations between them.
+#include <gtest/gtest.h>
+
+#include <Eigen/Geometry>
+#include <limits>
+#include <mapjoin/join/align/alignment.hpp>
+#include <mapjoin/join/align/shared_factors.hpp>
+#include <mapjoin/join/join_problem.hpp>
+#include <tests/support/dimensions.hpp>
+#include <tests/support/random.hpp>
+#include <vector>
+
+namespace mapjoin::testing {
+namespace {
+
+template <typename D>
+class AlignmentTest : public ::testing::Test {
+ protected:
+  static constexpr int kDim = D::value;
+  using Points = std::vector<Point<kDim>>;
+
+  Points scattered(std::size_t count, double away = 0.0) {
+    Points points;
+    for (std::size_t k = 0; k < count; ++k) points.push_back(random_.vector<kDim>(10.0) + Point<kDim>::Constant(away));
+    return points;
+  }
+  Points moved(const Points& points, double noise) {
+    const Pose<kDim> motion = random_.pose<kDim>(5.0, 2.0);
+    Points result;
+    for (const auto& point : points) result.push_back(transform(motion, point) + random_.vector<kDim>(noise));
+    return result;
+  }
+  static void expect_umeyama(const Points& from, const Points& to, double tolerance) {
+    Eigen::MatrixXd source(kDim, from.size());
+    Eigen::MatrixXd destination(kDim, to.size());
+    for (std::size_t k = 0; k < from.size(); ++k) {
+      source.col(static_cast<Eigen::Index>(k)) = from[k];
+      destination.col(static_cast<Eigen::Index>(k)) = to[k];
+    }
+    const Eigen::MatrixXd T = Eigen::umeyama(source, destination, false);
+    const auto aligned = rigid_alignment<kDim>(from, to);
+    ASSERT_TRUE(aligned);
+    EXPECT_LT((aligned->rotation.matrix() - T.topLeftCorner<kDim, kDim>()).norm(), tolerance);
+    for (const auto& point : from) {
+      const Point<kDim> there = T.topLeftCorner<kDim, kDim>() * point + T.topRightCorner<kDim, 1>();
+      EXPECT_LT((transform(*aligned, point) - there).norm(), tolerance * (1.0 + point.norm()));
+    }
+  }
+
+  Random random_{5};
+};
+TYPED_TEST_SUITE(AlignmentTest, Dimensions);
+
+TYPED_TEST(AlignmentTest, AlignsNoisyPointsAsUmeyamaDoes) {
+  const auto points = this->scattered(12);
+  this->expect_umeyama(points, this->moved(points, 0.3), 1e-9);
+}
+
+TYPED_TEST(AlignmentTest, AlignsFarFromTheOrigin) {
+  const auto points = this->scattered(12, 1e6);
+  this->expect_umeyama(points, this->moved(points, 0.3), 1e-8);
+}
+
+TYPED_TEST(AlignmentTest, AlignsMirroredPointsByARotation) {
+  const auto points = this->scattered(12);
+  auto mirrored = points;
+  for (auto& point : mirrored) point[0] = -point[0];
+  this->expect_umeyama(points, this->moved(mirrored, 0.1), 1e-9);
+}
+
+TYPED_TEST(AlignmentTest, AlignsPointsOfOnePlane) {
+  constexpr int kDim = TestFixture::kDim;
+  auto points = this->scattered(12);
+  for (auto& point : points) point[kDim - 1] = 0.0;
+  if (kDim == 2) points.front()[1] = 1.0;
+  this->expect_umeyama(points, this->moved(points, 0.0), 1e-7);
+}
+
+TYPED_TEST(AlignmentTest, SaysNothingWhereNoRotationIsFixed) {
+  constexpr int kDim = TestFixture::kDim;
+  const auto points = this->scattered(12);
+  EXPECT_FALSE(rigid_alignment<kDim>({points.front()}, {points.back()}));
+  const typename TestFixture::Points coincident(12, points.front());
+  EXPECT_FALSE(rigid_alignment<kDim>(coincident, points));
+  EXPECT_FALSE(rigid_alignment<kDim>(points, coincident));
+  auto on_a_line = points;
+  for (std::size_t k = 0; k < on_a_line.size(); ++k) on_a_line[k] = static_cast<double>(k) * points.front();
+  EXPECT_EQ(rigid_alignment<kDim>(on_a_line, points).has_value(), kDim == 2);
+  auto undefined = points;
+  undefined[3][0] = std::numeric_limits<double>::quiet_NaN();
+  EXPECT_FALSE(rigid_alignment<kDim>(undefined, points));
+}
+
+/// Two partial maps that share a pose and a feature; each sees the shared feature and one of its own from both its poses.
+TYPED_TEST(AlignmentTest, SharedFactorsWeighWhatAlignmentsChange) {
+  constexpr int kDim = TestFixture::kDim;
+  std::vector<FeatureFactor<kDim>> sights;
+  for (const Index pose : {0, 1, 1, 2}) {
+    for (const Index feature : {0, sights.size() < 4 ? 1 : 2}) {
+      sights.push_back({pose, feature, this->random_.template vector<kDim>(3.0), this->random_.template information<kDim>()});
+    }
+  }
+  PartialMap<kDim> a;
+  PartialMap<kDim> b;
+  a.poses = {0, 1};
+  a.features = {0, 1};
+  b.poses = {1, 2};
+  b.features = {0, 2};
+  for (PartialMap<kDim>* partial : {&a, &b}) {
+    for (int k = 0; k < 2; ++k) {
+      partial->state.poses.push_back(this->random_.template pose<kDim>(4.0, 2.0));
+      partial->state.features.push_back(this->random_.template vector<kDim>(4.0));
+    }
+  }
+  for (std::size_t k = 0; k < sights.size(); ++k) (k < 4 ? a : b).factors.feature_factors.push_back(&sights[k]);
+
+  const SharedFactors<kDim> shared(a, b, {});
+  const Pose<kDim> first = this->random_.template pose<kDim>(4.0, 2.0);
+  const Pose<kDim> second = this->random_.template pose<kDim>(4.0, 2.0);
+  const double change = partial_map_chi2(merged(a, b, second)) - partial_map_chi2(merged(a, b, first));
+  EXPECT_NEAR(shared.chi2(second) - shared.chi2(first), change, 1e-9 * partial_map_chi2(merged(a, b, second)));
+  EXPECT_GT(std::abs(change), 1e-3);
+}
+
+}  // namespace
+}  // namespace mapjoin::testing

@@ -1,0 +1,124 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <gtest/gtest.h>
+
+#include <mapjoin/join/run.hpp>
+#include <tests/support/dense_slam.hpp>
+#include <tests/support/dimensions.hpp>
+#include <tests/support/every.hpp>
+#include <tests/support/small_world.hpp>
+
+namespace mapjoin {
+namespace {
+
+using testing::full_slam;
+using testing::largest_difference;
+using testing::small_world;
+using testing::SmallWorld;
+
+/// A log whose frame the World gives: its truth stands somewhere else than at the origin.
+template <typename D>
+class WorldTest : public ::testing::Test {
+ protected:
+  static constexpr int kDim = D::value;
+  static constexpr int kDof = kPoseDof<kDim>;
+  static constexpr int kRot = kRotationDof<kDim>;
+
+  void place(SmallWorld<kDim> small) {
+    world = std::move(small);
+    world.truth = moved(random.pose<kDim>(100.0, 3.0), world.truth);
+  }
+  void SetUp() override { place(small_world<kDim>()); }
+
+  PoseFactor<kDim> prior(Index pose) {
+    return {kWorld, pose, retract(world.truth.pose(pose), PoseVector<kDim>(random.vector<kDof>(0.02))),
+            1e3 * random.information<kDof>()};
+  }
+  /// A position that says nothing of the rotation.
+  PoseFactor<kDim> gps(Index pose) {
+    auto position = prior(pose);
+    position.information.template rightCols<kRot>().setZero();
+    position.information.template bottomRows<kRot>().setZero();
+    return position;
+  }
+  FeatureFactor<kDim> feature_prior(Index feature) {
+    return {kWorld, feature, world.truth.feature(feature) + random.vector<kDim>(0.02), 1e3 * random.information<kDim>()};
+  }
+  void expect_optimum(const std::vector<Index>& gauge) {
+    Values<kDim> start = world.truth;
+    for (const auto& fixed : world.log.graph.fixed) start.poses[static_cast<std::size_t>(fixed.pose)] = fixed.value;
+    const Values<kDim> optimum = full_slam(world.log).optimum(std::move(start));
+    for (const auto schedule : testing::every<Schedule>()) {
+      RunOptions options;
+      options.split = {SplitRule::kPoses, 6.0};
+      options.schedule = schedule;
+      const auto result = run(world.log, options);
+      ASSERT_TRUE(result) << result.error().message;
+      EXPECT_TRUE(result->converged());
+      EXPECT_EQ(result->map.gauge, gauge);
+      EXPECT_LT(largest_difference(Values<kDim>{result->map.poses, result->map.features}, optimum), 1e-5);
+    }
+  }
+
+  testing::Random random{11};
+  SmallWorld<kDim> world;
+};
+TYPED_TEST_SUITE(WorldTest, testing::Dimensions);
+
+TYPED_TEST(WorldTest, AFixedPoseHoldsTheMap) {
+  this->world.log.graph.fixed = {{17, this->world.truth.pose(17)}};
+  this->expect_optimum({17});
+}
+
+TYPED_TEST(WorldTest, SeveralFixedPosesBendTheMap) {
+  constexpr int kDim = TestFixture::kDim;
+  const Pose<kDim> off = retract(this->world.truth.pose(30), PoseVector<kDim>(PoseVector<kDim>::Constant(0.05)));
+  this->world.log.graph.fixed = {{0, this->world.truth.pose(0)}, {9, this->world.truth.pose(9)}, {30, off}};
+  this->expect_optimum({0, 9, 30});
+}
+
+TYPED_TEST(WorldTest, PriorsOfPosesHoldTheMap) {
+  this->world.log.graph.pose_factors.push_back(this->prior(3));
+  this->world.log.graph.pose_factors.push_back(this->prior(20));
+  this->expect_optimum({});
+}
+
+TYPED_TEST(WorldTest, PositionsHoldTheMap) {
+  for (Index pose = 0; pose < 40; pose += 4) this->world.log.graph.pose_factors.push_back(this->gps(pose));
+  this->expect_optimum({});
+}
+
+TYPED_TEST(WorldTest, PriorsOfFeaturesHoldTheMap) {
+  for (Index feature = 0; feature < 20; feature += 3) {
+    this->world.log.graph.feature_factors.push_back(this->feature_prior(feature));
+  }
+  this->expect_optimum({});
+}
+
+TYPED_TEST(WorldTest, ADriftingSessionIsHeldByAFixedPoseAndAPosition) {
+  this->world.log.graph.fixed = {{5, this->world.truth.pose(5)}};
+  this->world.log.graph.pose_factors.push_back(this->gps(33));
+  this->world.log.graph.feature_factors.push_back(this->feature_prior(2));
+  this->expect_optimum({5});
+}
+
+TYPED_TEST(WorldTest, SessionsThatShareNothingMeetInTheWorld) {
+  constexpr int kDim = TestFixture::kDim;
+  this->place(small_world<kDim>({.poses = 20, .features = 0, .closures = 2, .sessions = 2}));
+  this->world.log.graph.pose_factors.push_back(this->prior(2));
+  this->world.log.graph.pose_factors.push_back(this->prior(15));
+  this->world.log.graph.pose_factors.push_back(this->prior(24));
+  this->world.log.graph.fixed = {{35, this->world.truth.pose(35)}};
+  this->expect_optimum({35});
+}
+
+TYPED_TEST(WorldTest, TooFewPositionsLeaveTheMapFreeToTurn) {
+  this->world.log.graph.pose_factors.push_back(this->gps(12));
+  const auto result = run(this->world.log, RunOptions{});
+  ASSERT_FALSE(result);
+  EXPECT_EQ(result.error().kind, ErrorKind::kBadInput);
+  EXPECT_NE(result.error().message.find("free to turn as a whole about pose 12"), std::string::npos)
+      << result.error().message;
+}
+
+}  // namespace
+}  // namespace mapjoin

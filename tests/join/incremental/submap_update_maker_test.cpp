@@ -1,0 +1,131 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <gtest/gtest.h>
+
+#include <mapjoin/join/incremental/submap_update_maker.hpp>
+#include <mapjoin/join/join.hpp>
+#include <mapjoin/localmap/build.hpp>
+#include <mapjoin/model/log_builder.hpp>
+#include <tests/support/dimensions.hpp>
+#include <tests/support/small_world.hpp>
+
+namespace mapjoin {
+namespace {
+
+/// A log as it is written while the robot drives: with each pose its odometry, its closures to earlier poses and its sights.
+template <int Dim>
+std::vector<Log<Dim>> driven(const Log<Dim>& log, Index poses_at_once) {
+  std::vector<Log<Dim>> slices;
+  const auto id = [&](Index pose) { return log.poses[static_cast<std::size_t>(pose)]; };
+  for (Index begin = 0; begin < static_cast<Index>(log.poses.size()); begin += poses_at_once) {
+    LogBuilder<Dim> builder("slice");
+    const auto is_here = [&](Index pose) { return pose >= begin && pose < begin + poses_at_once; };
+    for (const auto& o : log.edges()) {
+      if (is_here(std::max(o.base, o.target))) builder.add_pose_edge(id(o.base), id(o.target), o.measured, o.information);
+    }
+    for (const auto& o : log.observations()) {
+      if (is_here(o.base)) {
+        builder.add_observation(id(o.base), log.features[static_cast<std::size_t>(o.target)], o.measured, o.information);
+      }
+    }
+    auto slice = std::move(builder).finish();
+    if (slice) slices.push_back(*std::move(slice));
+  }
+  return slices;
+}
+
+template <int Dim>
+double chi2_of(const std::vector<SubmapUpdate<Dim>>& updates) {
+  std::vector<const SubmapUpdate<Dim>*> all;
+  for (const auto& update : updates) all.push_back(&update);
+  const SubmapSet<Dim> set = set_of(all);
+  return join(submap_graph_of_updates(set), set.poses, set.features, JoinOptions<Dim>{}).value().result.chi2;
+}
+
+template <typename D>
+class PartMakerTest : public ::testing::Test {
+ protected:
+  static constexpr int kDim = D::value;
+
+  /// All updates of a log that comes in slices, or none where it must be cut anew.
+  static std::vector<SubmapUpdate<kDim>> parts_of_slices(const std::vector<Log<kDim>>& slices, SubmapUpdateMaker<kDim>& maker) {
+    std::vector<SubmapUpdate<kDim>> updates;
+    for (std::size_t k = 0; k <= slices.size(); ++k) {
+      if (k < slices.size() && !maker.add(slices[k])) return {};
+      auto more = maker.take(k == slices.size()).value();
+      std::move(more.begin(), more.end(), std::back_inserter(updates));
+    }
+    return updates;
+  }
+};
+TYPED_TEST_SUITE(PartMakerTest, testing::Dimensions);
+
+TYPED_TEST(PartMakerTest, ALogThatComesInSlicesHasThePartsOfTheWhole) {
+  constexpr int kDim = TestFixture::kDim;
+  const auto log = testing::small_world<kDim>({.poses = 50, .closures = 0, .sessions = 2}).log;
+  Split segments = split(log, {SplitRule::kPoses, 6.0});
+  const auto maps = build_local_maps<kDim>(log, segments, {}).value().maps;
+  const auto joined_map = submap_updates_of(log, segments, maps);
+  for (const Index at_once : {1, 4, 7, 200}) {
+    SubmapUpdateMaker<kDim> maker({SplitRule::kPoses, 6.0});
+    const auto updates = this->parts_of_slices(driven(log, at_once), maker);
+    ASSERT_EQ(updates.size(), joined_map.size()) << at_once;
+    for (std::size_t k = 0; k < updates.size(); ++k) EXPECT_EQ(updates[k].segment, joined_map[k].segment) << at_once;
+    EXPECT_EQ(maker.name(50), (PoseId{1, 0}));
+    EXPECT_NEAR(chi2_of(updates), chi2_of(joined_map), 1e-6 * chi2_of(joined_map));
+  }
+}
+
+TYPED_TEST(PartMakerTest, ASegmentIsTakenOnceTheNextStepIsThere) {
+  constexpr int kDim = TestFixture::kDim;
+  const auto slices = driven(testing::small_world<kDim>({.poses = 20, .closures = 0}).log, 1);
+  SubmapUpdateMaker<kDim> maker({SplitRule::kPoses, 6.0});
+  std::vector<Index> ends;  // the poses that are there when updates are taken
+  for (std::size_t k = 0; k < slices.size(); ++k) {
+    ASSERT_TRUE(maker.add(slices[k]));
+    const auto updates = maker.take(false).value();
+    for (const auto& update : updates) {
+      EXPECT_EQ(update.segment->end, static_cast<Index>(6 * (ends.size() + 1)));
+      ends.push_back(static_cast<Index>(slices[k].poses.back().key));
+    }
+  }
+  EXPECT_EQ(ends, (std::vector<Index>{7, 13, 19}));
+}
+
+TYPED_TEST(PartMakerTest, APoseGraphKeepsAllPosesForClosuresToCome) {
+  constexpr int kDim = TestFixture::kDim;
+  const auto log = testing::small_world<kDim>({.poses = 50, .features = 0, .closures = 30}).log;
+  SubmapUpdateMaker<kDim> maker({SplitRule::kPoses, 6.0});
+  const auto updates = this->parts_of_slices(driven(log, 1), maker);
+  ASSERT_EQ(updates.size(), 9u);
+  std::size_t edges = 0;
+  for (const auto& update : updates) {
+    EXPECT_FALSE(update.map);
+    edges += update.pose_factors.size();
+  }
+  EXPECT_EQ(edges, log.edges().size());
+}
+
+TYPED_TEST(PartMakerTest, WhatConcernsAMapThatIsMadeIsRefused) {
+  constexpr int kDim = TestFixture::kDim;
+  const auto slices = driven(testing::small_world<kDim>({.poses = 30, .closures = 0}).log, 30);
+  SubmapUpdateMaker<kDim> maker({SplitRule::kPoses, 6.0});
+  ASSERT_TRUE(maker.add(slices[0]));
+  ASSERT_EQ(maker.take(false).value().size(), 4u);
+  const auto edge = [](std::uint64_t base, std::uint64_t target) {
+    LogBuilder<kDim> builder("edge");
+    builder.add_pose_edge({0, base}, {0, target}, {}, PoseMatrix<kDim>::Identity());
+    return std::move(builder).finish().value();
+  };
+  EXPECT_TRUE(maker.add(edge(6, 29)));   // a kept pose and an open one
+  EXPECT_TRUE(maker.add(edge(12, 18)));  // kept ones
+  EXPECT_FALSE(maker.add(edge(29, 8)));  // one that was eliminated
+  LogBuilder<kDim> late("sight");
+  late.add_observation({0, 3}, {0}, Point<kDim>::Ones(), PointMatrix<kDim>::Identity());
+  EXPECT_FALSE(maker.add(std::move(late).finish().value()));
+  const auto rest = maker.take(true).value();
+  ASSERT_EQ(rest.size(), 1u);
+  EXPECT_EQ(rest[0].pose_factors.size(), 2u);
+}
+
+}  // namespace
+}  // namespace mapjoin

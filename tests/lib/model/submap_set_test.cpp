@@ -1,0 +1,69 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <limits>
+#include <mapjoin/model/submap_set.hpp>
+#include <tests/support/dimensions.hpp>
+#include <tests/support/stored_maps.hpp>
+
+namespace mapjoin {
+namespace {
+
+using ::testing::HasSubstr;
+
+constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
+
+template <typename D>
+class SubmapSetTest : public ::testing::Test {
+ protected:
+  static constexpr int kDim = D::value;
+  void SetUp() override {
+    set.source = "in memory";
+    for (std::uint64_t key = 0; key < 3; ++key) set.poses.push_back({0, key});
+    for (std::uint64_t key = 0; key < 5; ++key) set.features.push_back({key});
+    for (Index k = 0; k < 2; ++k) set.graph.submaps.push_back(testing::random_map<kDim>(random, {k, k + 1}, 5));
+    set.graph.pose_factors.push_back(testing::random_pose_observation<kDim>(random, kWorld, 2));
+    set.graph.feature_factors.push_back(testing::random_feature_observation<kDim>(random, 0, 4));
+    set.graph.fixed.push_back({0, random.template pose<kDim>()});
+  }
+  /// Of the set after `change`.
+  template <typename Change>
+  std::string error(const Change& change) const {
+    SubmapSet<kDim> changed = set;
+    change(changed);
+    const auto checked = check_numbers(changed);
+    return checked ? "no error" : checked.error().message;
+  }
+  testing::Random random;
+  SubmapSet<kDim> set;
+};
+TYPED_TEST_SUITE(SubmapSetTest, testing::Dimensions);
+
+TYPED_TEST(SubmapSetTest, NumbersThatAreNoneAreNamed) {
+  EXPECT_EQ(this->error([](auto&) {}), "no error");
+  EXPECT_THAT(this->error([](auto& s) { s.graph.submaps[1].information(0, 1) += 1.0; }),
+              HasSubstr("in memory: local map 2 has an information matrix that is not symmetric"));
+  EXPECT_THAT(this->error([](auto& s) { s.graph.submaps[0].information *= -1.0; }),
+              HasSubstr("local map 1 has an information matrix that"));
+  EXPECT_THAT(this->error([](auto& s) { s.graph.submaps[0].information(2, 2) = kNan; }), HasSubstr("is not finite"));
+  EXPECT_THAT(this->error([](auto& s) { s.graph.submaps[0].information.conservativeResize(4, 4); }),
+              HasSubstr("of another size"));
+  EXPECT_THAT(this->error([](auto& s) { s.graph.submaps[0].pose_estimates[0].translation[0] = kNan; }),
+              HasSubstr("is not finite"));
+  EXPECT_THAT(this->error([](auto& s) { s.graph.submaps[0].feature_estimates[3][1] = kNan; }), HasSubstr("is not finite"));
+  EXPECT_THAT(this->error([](auto& s) { s.graph.submaps[0].feature_estimates.pop_back(); }), HasSubstr("not as many as"));
+  EXPECT_THAT(this->error([](auto& s) { s.graph.submaps[0].poses[0] = 3; }), HasSubstr("local map 1 names no pose or feature"));
+  EXPECT_THAT(this->error([](auto& s) { s.graph.submaps[0].features[0] = -1; }),
+              HasSubstr("local map 1 names no pose or feature"));
+  EXPECT_THAT(this->error([](auto& s) { s.graph.pose_factors[0].measured.translation[0] = kNan; }),
+              HasSubstr("pose observation 0 has a measurement"));
+  EXPECT_THAT(this->error([](auto& s) { s.graph.feature_factors[0].information *= -1.0; }),
+              HasSubstr("feature observation 0 has an information matrix that is indefinite"));
+  EXPECT_THAT(this->error([](auto& s) { s.graph.feature_factors[0].target = 5; }), HasSubstr("names no pose or feature"));
+  EXPECT_THAT(this->error([](auto& s) { s.graph.fixed[0].value.translation[0] = kNan; }), HasSubstr("pose 0 is fixed nowhere"));
+  EXPECT_THAT(this->error([](auto& s) { s.graph.fixed[0].pose = 3; }), HasSubstr("a fixed pose is not there"));
+}
+
+}  // namespace
+}  // namespace mapjoin

@@ -1,0 +1,40 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+// Small sets of local maps, without their log.
+
+#include <mapjoin/localmap/build.hpp>
+#include <mapjoin/localmap/split.hpp>
+#include <mapjoin/model/submap_set.hpp>
+
+namespace mapjoin::testing {
+
+/// The local maps of a log as a set of which nothing else is known; closures go along.
+template <int Dim>
+SubmapSet<Dim> small_submap_set(const Log<Dim>& log, double poses_per_map) {
+  Split parts = split(log, {SplitRule::kPoses, poses_per_map});
+  SubmapSet<Dim> set;
+  set.source = "maps";
+  set.graph.submaps = build_local_maps<Dim>(log, parts, {}).value().maps;
+  // Only what is kept has a place in the set.
+  std::vector<Index> place(log.poses.size(), -1);
+  for (std::size_t p = 0; p < place.size(); ++p) {
+    if (!parts.kept[p]) continue;
+    place[p] = static_cast<Index>(set.poses.size());
+    set.poses.push_back(log.poses[p]);
+  }
+  const auto placed = [&](Index pose) { return place[static_cast<std::size_t>(pose)]; };
+  for (auto& map : set.graph.submaps) {
+    map.base = placed(map.base);
+    for (Index& pose : map.poses) pose = placed(pose);
+    set.segments.push_back({map.base, map.poses.back(), true});
+  }
+  for (auto closure : log.closures()) {
+    closure.base = placed(closure.base);
+    closure.target = placed(closure.target);
+    set.graph.pose_factors.push_back(closure);
+  }
+  set.features = log.features;
+  return set;
+}
+
+}  // namespace mapjoin::testing
