@@ -38,7 +38,7 @@ Correspondences<Dim> world_correspondences(const SubmapGraph<Dim>& graph, const 
   return correspondences;
 }
 
-/// Sum of squared distances of the tied points under a alignment.
+/// Sum of squared distances of the tied points under an alignment.
 template <int Dim>
 double misfit(const Correspondences<Dim>& correspondences, const Pose<Dim>& alignment) {
   double sum = 0.0;

@@ -72,18 +72,18 @@ PartialMap<Dim> Leaves<Dim>::partial_of_map(const LocalMap<Dim>& map) const {
 
 template <int Dim>
 PartialMap<Dim> Leaves<Dim>::partial_of_raw(std::size_t segment) const {
-  const Segment& span = graph_.segments[segment];
+  const Segment& raw = graph_.segments[segment];
   PartialMap<Dim> partial;
-  partial.poses.resize(static_cast<std::size_t>(span.end - span.begin) + 1);
-  std::iota(partial.poses.begin(), partial.poses.end(), span.begin);
+  partial.poses.resize(static_cast<std::size_t>(raw.end - raw.begin) + 1);
+  std::iota(partial.poses.begin(), partial.poses.end(), raw.begin);
   partial.state.poses.resize(partial.poses.size());
   partial.factors = {odometry_[segment], observations_[segment], {}};
 
   std::vector<bool> known(partial.poses.size(), false);
   known[0] = true;
   for (const auto* o : partial.factors.pose_factors) {
-    const auto base = static_cast<std::size_t>(o->base - span.begin);
-    const auto target = static_cast<std::size_t>(o->target - span.begin);
+    const auto base = static_cast<std::size_t>(o->base - raw.begin);
+    const auto target = static_cast<std::size_t>(o->target - raw.begin);
     if (known[base] && !known[target]) partial.state.poses[target] = compose(partial.state.poses[base], o->measured);
     if (known[target] && !known[base]) partial.state.poses[base] = compose(partial.state.poses[target], inverse(o->measured));
     known[base] = known[target] = known[base] || known[target];

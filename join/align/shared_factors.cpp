@@ -32,12 +32,12 @@ class Common {
   std::vector<bool> is_common_;
 };
 
-/// Those of `list` for which `ties`, thinned evenly to at most `most`.
+/// Those of `list` for which `is_wanted`, thinned evenly to at most `most`.
 template <typename T, typename Predicate>
-std::vector<T> tying(const std::vector<T>& list, std::size_t most, Predicate&& ties) {
+std::vector<T> evenly_chosen(const std::vector<T>& list, std::size_t most, Predicate&& is_wanted) {
   std::vector<T> found;
   found.reserve(list.size());
-  std::copy_if(list.begin(), list.end(), std::back_inserter(found), ties);
+  std::copy_if(list.begin(), list.end(), std::back_inserter(found), is_wanted);
   if (found.size() <= most) return found;
   for (std::size_t k = 0; k < most; ++k) found[k] = found[k * found.size() / most];
   found.resize(most);
@@ -65,21 +65,21 @@ SharedFactors<Dim>::SharedFactors(const PartialMap<Dim>& a, const PartialMap<Dim
   const auto is_between = [&](const auto* o) {
     return (holds(a.poses, o->base) && holds(b.poses, o->target)) || (holds(b.poses, o->base) && holds(a.poses, o->target));
   };
-  for (const auto* o : tying(closures, kMost, is_between)) {
-    pose_ties_.push_back({o, end_of_pose(o->base), end_of_pose(o->target)});
+  for (const auto* o : evenly_chosen(closures, kMost, is_between)) {
+    pose_factors_.push_back({o, end_of_pose(o->base), end_of_pose(o->target)});
   }
-  for (const auto* o : tying(b.factors.pose_factors, kMost, is_cut_edge)) {
-    pose_ties_.push_back({o, end_of_pose(o->base), end_of_pose(o->target)});
+  for (const auto* o : evenly_chosen(b.factors.pose_factors, kMost, is_cut_edge)) {
+    pose_factors_.push_back({o, end_of_pose(o->base), end_of_pose(o->target)});
   }
-  const auto is_cut_sight = [&](const auto* o) { return pose(o->base) != feature(o->target); };
-  const auto cut_sights = tying(b.factors.feature_factors, kMost, is_cut_sight);
-  feature_ties_.reserve(cut_sights.size());
-  for (const auto* o : cut_sights) feature_ties_.push_back({o, end_of_pose(o->base), end_of_feature(o->target)});
-  for (const auto* map : tying(b.factors.submaps, kMost, [&](const auto* m) { return is_cut(*m, pose, feature); })) {
-    MapTie tie{map, end_of_pose(map->base), {}, {}};
-    for (const Index p : map->poses) tie.poses.push_back(end_of_pose(p));
-    for (const Index f : map->features) tie.features.push_back(end_of_feature(f));
-    map_ties_.push_back(std::move(tie));
+  const auto is_cut_observation = [&](const auto* o) { return pose(o->base) != feature(o->target); };
+  const auto cut_observations = evenly_chosen(b.factors.feature_factors, kMost, is_cut_observation);
+  feature_factors_.reserve(cut_observations.size());
+  for (const auto* o : cut_observations) feature_factors_.push_back({o, end_of_pose(o->base), end_of_feature(o->target)});
+  for (const auto* map : evenly_chosen(b.factors.submaps, kMost, [&](const auto* m) { return is_cut(*m, pose, feature); })) {
+    PlacedMap placed{map, end_of_pose(map->base), {}, {}};
+    for (const Index p : map->poses) placed.poses.push_back(end_of_pose(p));
+    for (const Index f : map->features) placed.features.push_back(end_of_feature(f));
+    maps_.push_back(std::move(placed));
   }
 }
 
@@ -100,18 +100,18 @@ double SharedFactors<Dim>::chi2(const Pose<Dim>& alignment) const {
   const auto pose = [&](const End<Pose<Dim>>& end) { return end.is_placed ? compose(alignment, end.value) : end.value; };
   const auto point = [&](const End<Point<Dim>>& end) { return end.is_placed ? transform(alignment, end.value) : end.value; };
   double chi2 = 0.0;
-  for (const auto& [o, base, target] : pose_ties_) {
+  for (const auto& [o, base, target] : pose_factors_) {
     chi2 += cost(*o, pose(base), pose(target));
   }
-  for (const auto& [o, base, target] : feature_ties_) {
+  for (const auto& [o, base, target] : feature_factors_) {
     // In the frame that the base is given in: a point is moved with less effort than a pose.
     const Point<Dim> beside_base = base.is_placed ? transform_into(alignment, point(target)) : point(target);
     chi2 += cost(*o, base.value, beside_base);
   }
-  for (const auto& tie : map_ties_) {
+  for (const auto& placed : maps_) {
     chi2 += cost(
-        *tie.map, pose(tie.base), [&](std::size_t p) { return pose(tie.poses[p]); },
-        [&](std::size_t f) { return point(tie.features[f]); });
+        *placed.map, pose(placed.base), [&](std::size_t p) { return pose(placed.poses[p]); },
+        [&](std::size_t f) { return point(placed.features[f]); });
   }
   return chi2;
 }

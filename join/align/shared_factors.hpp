@@ -7,8 +7,8 @@
 
 namespace mapjoin {
 
-/// Closures between the partial maps, and the second one's observations that tie what only it holds to what both hold: placing
-/// it moves one end of each. At most kMost of a kind, spread evenly: more would not change the choice.
+/// Closures between the partial maps, and the second one's observations between what only it holds and what both hold:
+/// placing it moves one end of each. At most kMost of a kind, spread evenly: more would not change the choice.
 template <int Dim>
 class SharedFactors {
  public:
@@ -28,12 +28,12 @@ class SharedFactors {
     bool is_placed;
   };
   template <typename Observation, typename Target>
-  struct Tie {
+  struct PlacedFactor {
     const Observation* observation;
     End<Pose<Dim>> base;
     End<Target> target;
   };
-  struct MapTie {
+  struct PlacedMap {
     const LocalMap<Dim>* map;
     End<Pose<Dim>> base;
     std::vector<End<Pose<Dim>>> poses;
@@ -45,9 +45,9 @@ class SharedFactors {
 
   const PartialMap<Dim>& a_;
   const PartialMap<Dim>& b_;
-  std::vector<Tie<PoseFactor<Dim>, Pose<Dim>>> pose_ties_;
-  std::vector<Tie<FeatureFactor<Dim>, Point<Dim>>> feature_ties_;
-  std::vector<MapTie> map_ties_;
+  std::vector<PlacedFactor<PoseFactor<Dim>, Pose<Dim>>> pose_factors_;
+  std::vector<PlacedFactor<FeatureFactor<Dim>, Point<Dim>>> feature_factors_;
+  std::vector<PlacedMap> maps_;
 };
 
 }  // namespace mapjoin

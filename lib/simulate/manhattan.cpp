@@ -11,7 +11,7 @@ namespace mapjoin {
 namespace {
 
 /// What each random stream is for: a change of one leaves the others alone.
-enum Stream : std::uint64_t { kPath, kOdometry, kSight, kFeatures };
+enum Stream : std::uint64_t { kPath, kOdometry, kObservation, kFeatures };
 
 /// A cell of the feature grid, or a feature by it.
 template <int Dim>
@@ -53,10 +53,10 @@ class Simulator {
 
   const ManhattanOptions& options_;
   PoseVector<Dim> step_sigma_;
-  Point<Dim> sight_sigma_;
+  Point<Dim> observation_sigma_;
   LatticeWalk<Dim> walk_;
   RandomStream odometry_random_;
-  RandomStream sight_random_;
+  RandomStream observation_random_;
   std::unordered_map<LatticePoint<Dim>, Index, CellHash<Dim>> features_;
   Simulation<Dim> result_;
 };
@@ -64,10 +64,10 @@ class Simulator {
 template <int Dim>
 Simulator<Dim>::Simulator(const ManhattanOptions& options)
     : options_(options),
-      sight_sigma_(Point<Dim>::Constant(options.observation_noise)),
+      observation_sigma_(Point<Dim>::Constant(options.observation_noise)),
       walk_(std::llround(options.block / options.step), box_of<Dim>(options), RandomStream(options.seed, kPath)),
       odometry_random_(options.seed, kOdometry),
-      sight_random_(options.seed, kSight) {
+      observation_random_(options.seed, kObservation) {
   step_sigma_.template head<Dim>().setConstant(options.step_noise);
   step_sigma_.template tail<kRotationDof<Dim>>().setConstant(options.turn_noise);
 }
@@ -136,7 +136,7 @@ void Simulator<Dim>::observe_around(Index i) {
 
 template <int Dim>
 void Simulator<Dim>::observe(Index i, const LatticePoint<Dim>& cell, const Point<Dim>& feature) {
-  if (options_.chance < 1.0 && sight_random_.uniform(0.0, 1.0) >= options_.chance) return;
+  if (options_.chance < 1.0 && observation_random_.uniform(0.0, 1.0) >= options_.chance) return;
   Log<Dim>& log = result_.log;
   const auto [entry, is_new] = features_.try_emplace(cell, static_cast<Index>(log.features.size()));
   if (is_new) {
@@ -145,8 +145,8 @@ void Simulator<Dim>::observe(Index i, const LatticePoint<Dim>& cell, const Point
   }
   const Point<Dim> seen =
       walk_.rotation().transpose().template cast<double>() * (feature - result_.truth.poses.back().translation);
-  log.graph.feature_factors.push_back(
-      {i, entry->second, seen + noise(sight_random_, sight_sigma_), sight_sigma_.cwiseAbs2().cwiseInverse().asDiagonal()});
+  log.graph.feature_factors.push_back({i, entry->second, seen + noise(observation_random_, observation_sigma_),
+                                       observation_sigma_.cwiseAbs2().cwiseInverse().asDiagonal()});
 }
 
 template <int Dim>

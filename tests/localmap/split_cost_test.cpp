@@ -78,8 +78,8 @@ TYPED_TEST(SplitCostTest, OfASegmentThatStaysASpanIsThatOfItsSteps) {
   using T = TestFixture;
   const auto log = T::widening_corridor();
   const std::vector<bool> all_kept(log.poses.size(), true);
-  const double sights_of_a_step = 15.0 / 9.0;
-  const double expected = T::joining(2.0 * T::kDof + T::kDim * sights_of_a_step);
+  const double observations_of_a_step = 15.0 / 9.0;
+  const double expected = T::joining(2.0 * T::kDof + T::kDim * observations_of_a_step);
   EXPECT_NEAR(cost_per_step(log, all_kept, 9), expected, 1e-9 * expected);
 }
 

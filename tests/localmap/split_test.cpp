@@ -21,7 +21,7 @@ class SplitTest : public ::testing::Test {
   static Log<kDim> corridor(int poses) {
     return small_world<kDim>({.poses = poses, .features = 0, .closures = 0, .noise = 0.0}).log;
   }
-  static FeatureFactor<kDim> sight(Index pose, Index feature) {
+  static FeatureFactor<kDim> observation(Index pose, Index feature) {
     return {pose, feature, Point<kDim>::Zero(), PointMatrix<kDim>::Identity()};
   }
   static PoseFactor<kDim> edge(Index base, Index target) { return {base, target, {}, PoseMatrix<kDim>::Identity()}; }
@@ -94,8 +94,8 @@ TYPED_TEST(SplitTest, CountsDifferentFeatures) {
   for (std::uint64_t k = 0; k < 8; ++k) log.features.push_back({k});
   // Pose k sees features k/2 (again) and 7.
   for (Index pose = 0; pose < 9; ++pose) {
-    log.graph.feature_factors.push_back(this->sight(pose, pose / 2));
-    log.graph.feature_factors.push_back(this->sight(pose, 7));
+    log.graph.feature_factors.push_back(this->observation(pose, pose / 2));
+    log.graph.feature_factors.push_back(this->observation(pose, 7));
   }
   const auto parts = split(log, {SplitRule::kFeatures, 3.0});
   ASSERT_EQ(parts.segments.size(), 4u);
@@ -137,7 +137,7 @@ TYPED_TEST(SplitTest, AMapWhoseBorderWouldBeTooLargeStaysASpan) {
     auto log = this->corridor(11);
     for (Index f = 0; f < features; ++f) log.features.push_back({static_cast<std::uint64_t>(f)});
     for (const Index pose : {2, 5}) {
-      for (Index f = 0; f < features; ++f) log.graph.feature_factors.push_back(this->sight(pose, f));
+      for (Index f = 0; f < features; ++f) log.graph.feature_factors.push_back(this->observation(pose, f));
     }
     EXPECT_EQ(split(log, {SplitRule::kPoses, 10.0}).segments[0].is_map, features == kMost) << features;
   }
@@ -155,7 +155,8 @@ TYPED_TEST(SplitTest, ASegmentKnowsItsInteriorItsKeptPosesAndItsFeatures) {
   constexpr int kDim = TestFixture::kDim;
   auto log = this->corridor(11);
   for (std::uint64_t k = 0; k < 4; ++k) log.features.push_back({k});
-  log.graph.feature_factors = {this->sight(0, 3), this->sight(2, 1), this->sight(4, 3), this->sight(5, 2), this->sight(10, 0)};
+  log.graph.feature_factors = {this->observation(0, 3), this->observation(2, 1), this->observation(4, 3),
+                               this->observation(5, 2), this->observation(10, 0)};
   log.graph.pose_factors.push_back(this->edge(8, 2));
   const Split parts = split(log, {SplitRule::kPoses, 5.0});
   const SegmentView<kDim> first = segment_view(log, parts, parts.segments[0]);

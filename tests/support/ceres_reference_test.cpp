@@ -22,13 +22,13 @@ class CeresReferenceTest : public ::testing::Test {
     log.sessions = {{0, 4}};
     log.graph.pose_factors = {edge(0, 1), edge(2, 1), edge(2, 3)};
     log.graph.pose_factors.push_back(edge(3, 0));
-    log.graph.feature_factors = {sight(0, 0), sight(2, 0), sight(3, 1)};
+    log.graph.feature_factors = {observation(0, 0), observation(2, 0), observation(3, 1)};
   }
   PoseFactor<kDim> edge(std::size_t base, std::size_t target) {
     return {static_cast<Index>(base), static_cast<Index>(target), between(truth.poses[base], truth.poses[target]),
             random.information<kPoseDof<kDim>>()};
   }
-  FeatureFactor<kDim> sight(std::size_t base, std::size_t target) {
+  FeatureFactor<kDim> observation(std::size_t base, std::size_t target) {
     return {static_cast<Index>(base), static_cast<Index>(target), transform_into(truth.poses[base], truth.features[target]),
             random.information<kDim>()};
   }

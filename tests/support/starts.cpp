@@ -17,7 +17,7 @@ struct Edge {
   Pose<Dim> measured;
 };
 template <int Dim>
-struct Sight {
+struct Seen {
   Index base;
   Index feature;
   Point<Dim> measured;
@@ -30,8 +30,8 @@ void append(std::vector<Edge<Dim>>& edges, std::type_identity_t<std::span<const 
   }
 }
 template <int Dim>
-void append(std::vector<Sight<Dim>>& sights, std::type_identity_t<std::span<const FeatureFactor<Dim>>> observations) {
-  for (const auto& o : observations) sights.push_back({o.base, o.target, o.measured});
+void append(std::vector<Seen<Dim>>& observations_seen, std::type_identity_t<std::span<const FeatureFactor<Dim>>> observations) {
+  for (const auto& o : observations) observations_seen.push_back({o.base, o.target, o.measured});
 }
 
 /// Breadth-first over the edges in their order, from each fixed pose in turn, then from every pose not reached yet, which goes
@@ -72,14 +72,15 @@ std::vector<Pose<Dim>> spread(std::size_t count, const std::vector<FixedPose<Dim
 }
 
 template <int Dim>
-Values<Dim> with_first_sights(std::vector<Pose<Dim>> poses, std::size_t count, const std::vector<Sight<Dim>>& sights) {
+Values<Dim> with_first_observations(std::vector<Pose<Dim>> poses, std::size_t count,
+                                    const std::vector<Seen<Dim>>& observations_seen) {
   std::vector<Point<Dim>> features(count, Point<Dim>::Zero());
   std::vector<bool> placed(count);
-  for (const Sight<Dim>& sight : sights) {
-    if (at(placed, sight.feature)) continue;
-    at(placed, sight.feature) = true;
-    const Pose<Dim> base = sight.base == kWorld ? Pose<Dim>{} : at(poses, sight.base);
-    at(features, sight.feature) = transform(base, sight.measured);
+  for (const Seen<Dim>& seen : observations_seen) {
+    if (at(placed, seen.feature)) continue;
+    at(placed, seen.feature) = true;
+    const Pose<Dim> base = seen.base == kWorld ? Pose<Dim>{} : at(poses, seen.base);
+    at(features, seen.feature) = transform(base, seen.measured);
   }
   return {std::move(poses), std::move(features)};
 }
@@ -88,21 +89,21 @@ Values<Dim> with_first_sights(std::vector<Pose<Dim>> poses, std::size_t count, c
 
 template <int Dim>
 Values<Dim> with_first_observations(const Log<Dim>& log, std::vector<Pose<Dim>> poses) {
-  std::vector<Sight<Dim>> sights;
-  append(sights, log.graph.feature_factors);
-  return with_first_sights(std::move(poses), log.features.size(), sights);
+  std::vector<Seen<Dim>> observations_seen;
+  append(observations_seen, log.graph.feature_factors);
+  return with_first_observations(std::move(poses), log.features.size(), observations_seen);
 }
 
 template <int Dim>
 Values<Dim> with_first_observations(const SubmapSet<Dim>& set, std::vector<Pose<Dim>> poses) {
-  std::vector<Sight<Dim>> sights;
+  std::vector<Seen<Dim>> observations_seen;
   for (const LocalMap<Dim>& map : set.graph.submaps) {
     for (std::size_t i = 0; i < map.features.size(); ++i) {
-      sights.push_back({map.base, map.features[i], map.feature_estimates[i]});
+      observations_seen.push_back({map.base, map.features[i], map.feature_estimates[i]});
     }
   }
-  append(sights, set.graph.feature_factors);
-  return with_first_sights(std::move(poses), set.features.size(), sights);
+  append(observations_seen, set.graph.feature_factors);
+  return with_first_observations(std::move(poses), set.features.size(), observations_seen);
 }
 
 template <int Dim>

@@ -38,7 +38,7 @@ LocalMap<Dim> random_map(Random& random, const Segment& segment, Index features)
   return map;
 }
 
-/// `maps` segments of two steps each, then a span of one; every array of the log has something in it.
+/// `maps` segments of two steps each, then a raw segment of one; every array of the log has something in it.
 template <int Dim>
 StoredMaps<Dim> random_stored_maps(Random& random, Index maps, Index features = 5) {
   StoredMaps<Dim> stored;

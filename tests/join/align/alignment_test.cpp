@@ -95,10 +95,11 @@ TYPED_TEST(AlignmentTest, SaysNothingWhereNoRotationIsFixed) {
 /// Two partial maps that share a pose and a feature; each sees the shared feature and one of its own from both its poses.
 TYPED_TEST(AlignmentTest, SharedFactorsWeighWhatAlignmentsChange) {
   constexpr int kDim = TestFixture::kDim;
-  std::vector<FeatureFactor<kDim>> sights;
+  std::vector<FeatureFactor<kDim>> observations;
   for (const Index pose : {0, 1, 1, 2}) {
-    for (const Index feature : {0, sights.size() < 4 ? 1 : 2}) {
-      sights.push_back({pose, feature, this->random_.template vector<kDim>(3.0), this->random_.template information<kDim>()});
+    for (const Index feature : {0, observations.size() < 4 ? 1 : 2}) {
+      observations.push_back(
+          {pose, feature, this->random_.template vector<kDim>(3.0), this->random_.template information<kDim>()});
     }
   }
   PartialMap<kDim> a;
@@ -113,7 +114,7 @@ TYPED_TEST(AlignmentTest, SharedFactorsWeighWhatAlignmentsChange) {
       partial->state.features.push_back(this->random_.template vector<kDim>(4.0));
     }
   }
-  for (std::size_t k = 0; k < sights.size(); ++k) (k < 4 ? a : b).factors.feature_factors.push_back(&sights[k]);
+  for (std::size_t k = 0; k < observations.size(); ++k) (k < 4 ? a : b).factors.feature_factors.push_back(&observations[k]);
 
   const SharedFactors<kDim> shared(a, b, {});
   const Pose<kDim> first = this->random_.template pose<kDim>(4.0, 2.0);

@@ -21,7 +21,7 @@ Log<Dim> random_log(Random& random) {
   const auto edge = [&](Index base, Index target) {
     return PoseFactor<Dim>{base, target, random.pose<Dim>(), random.information<kPoseDof<Dim>>()};
   };
-  const auto sight = [&](Index base, Index target) {
+  const auto observation = [&](Index base, Index target) {
     return FeatureFactor<Dim>{base, target, random.vector<Dim>(5.0), random.information<Dim>()};
   };
   Log<Dim> log;
@@ -29,7 +29,7 @@ Log<Dim> random_log(Random& random) {
   log.features = {{0}, {1}};
   log.sessions = {{0, 4}};
   log.graph.pose_factors = {edge(0, 1), edge(2, 1), edge(2, 3), edge(3, 0), edge(kWorld, 2)};
-  log.graph.feature_factors = {sight(0, 0), sight(2, 0), sight(3, 1), sight(kWorld, 1)};
+  log.graph.feature_factors = {observation(0, 0), observation(2, 0), observation(3, 1), observation(kWorld, 1)};
   return log;
 }
 
