@@ -31,7 +31,7 @@ install(
 # mapjoin.pc finds its prefix from where it lies. A static library's user links what it was linked with.
 file(RELATIVE_PATH prefix_of_pc /${CMAKE_INSTALL_LIBDIR}/pkgconfig /)
 if(NOT BUILD_SHARED_LIBS)
-  set(pc_requires fmt tbb sqlite3 zlib matio lapack blas)
+  set(pc_requires fmt tbb sqlite3 zlib lapack blas)
   set(pc_libs -lmetis -lcholmod -lcamd -lamd)
 endif()
 list(JOIN pc_requires " " pc_requires)

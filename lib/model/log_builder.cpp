@@ -19,24 +19,29 @@ std::optional<std::string> fault(Observation& observation, InformationCheck& che
   return fault ? std::optional("has an information matrix that " + *fault) : std::nullopt;
 }
 
-std::string name_of(const std::pair<PoseId, PoseId>& edge) {
-  return fmt::format("the edge from {} to {}", to_string(edge.first), to_string(edge.second));
+std::string name_of(PoseId base, PoseId target) {
+  return fmt::format("the edge from {} to {}", to_string(base), to_string(target));
 }
-std::string name_of(const std::pair<PoseId, FeatureId>& observation) {
-  return fmt::format("the observation of {} from {}", to_string(observation.second), to_string(observation.first));
-}
-template <typename Id>
-std::string name_of(const Id& id) {
-  return "the prior of " + to_string(id);
+std::string name_of(PoseId base, FeatureId target) {
+  return fmt::format("the observation of {} from {}", to_string(target), to_string(base));
 }
 
-/// The observations are of what stands at their place in `ends`.
-template <typename Observation, typename Ends>
-Expected<void> check_all(std::vector<Observation>& observations, const std::vector<Ends>& ends, InformationCheck& check) {
-  for (std::size_t i = 0; i < observations.size(); ++i) {
-    if (const auto wrong = fault(observations[i], check)) return bad_input(fmt::format("{} {}", name_of(ends[i]), *wrong));
+/// The factors are between what stands at their place in `ends`.
+template <typename Factor, typename Ends>
+Expected<void> check_all(std::vector<Factor>& factors, const Ends& ends, InformationCheck& check) {
+  for (std::size_t i = 0; i < factors.size(); ++i) {
+    const auto wrong = fault(factors[i], check);
+    if (!wrong) continue;
+    const auto& [base, target] = ends[i];
+    const bool is_prior = factors[i].base == kWorld;
+    return bad_input(fmt::format("{} {}", is_prior ? "the prior of " + to_string(target) : name_of(base, target), *wrong));
   }
   return {};
+}
+
+template <typename Item>
+void append_to(std::vector<Item>& items, const std::vector<Item>& more) {
+  items.insert(items.end(), more.begin(), more.end());
 }
 
 /// The index of an id that is there.
@@ -93,9 +98,9 @@ LogBuilder<Dim>::LogBuilder(std::string source, Conventions conventions, Numbers
 
 template <int Dim>
 void LogBuilder<Dim>::reserve(std::size_t pose_edges, std::size_t observations) {
-  edge_ends_.reserve(pose_edges);
+  pose_ends_.reserve(pose_edges);
   log_.graph.pose_factors.reserve(pose_edges);
-  observation_ends_.reserve(observations);
+  feature_ends_.reserve(observations);
   log_.graph.feature_factors.reserve(observations);
 }
 
@@ -121,7 +126,7 @@ template <int Dim>
 void LogBuilder<Dim>::add_pose_edge(PoseId base, PoseId target, const Pose<Dim>& measured, const PoseMatrix<Dim>& information) {
   poses_.mention(base);
   poses_.mention(target);
-  edge_ends_.emplace_back(base, target);
+  pose_ends_.emplace_back(base, target);
   log_.graph.pose_factors.push_back({0, 0, measured, information});
 }
 
@@ -130,27 +135,43 @@ void LogBuilder<Dim>::add_observation(PoseId pose, FeatureId feature, const Poin
                                       const PointMatrix<Dim>& information) {
   poses_.mention(pose);
   features_.mention(feature);
-  observation_ends_.emplace_back(pose, feature);
+  feature_ends_.emplace_back(pose, feature);
   log_.graph.feature_factors.push_back({0, 0, measured, information});
 }
 
 template <int Dim>
 void LogBuilder<Dim>::add_pose_prior(PoseId pose, const Pose<Dim>& measured, const PoseMatrix<Dim>& information) {
   poses_.mention(pose);
-  pose_prior_ends_.push_back(pose);
-  pose_priors_.push_back({kWorld, 0, measured, information});
+  pose_ends_.emplace_back(PoseId{}, pose);
+  log_.graph.pose_factors.push_back({kWorld, 0, measured, information});
 }
 
 template <int Dim>
 void LogBuilder<Dim>::add_feature_prior(FeatureId feature, const Point<Dim>& measured, const PointMatrix<Dim>& information) {
   features_.mention(feature);
-  feature_prior_ends_.push_back(feature);
-  feature_priors_.push_back({kWorld, 0, measured, information});
+  feature_ends_.emplace_back(PoseId{}, feature);
+  log_.graph.feature_factors.push_back({kWorld, 0, measured, information});
 }
 
 template <int Dim>
 void LogBuilder<Dim>::fix(PoseId id, const std::optional<Pose<Dim>>& value) {
   fixed_.push_back({id, value});
+}
+
+template <int Dim>
+void LogBuilder<Dim>::append(const LogBuilder& other) {
+  poses_.mention_all(other.poses_);
+  features_.mention_all(other.features_);
+  append_to(pose_ends_, other.pose_ends_);
+  append_to(feature_ends_, other.feature_ends_);
+  append_to(log_.graph.pose_factors, other.log_.graph.pose_factors);
+  append_to(log_.graph.feature_factors, other.log_.graph.feature_factors);
+  append_to(initial_poses_, other.initial_poses_);
+  append_to(initial_features_, other.initial_features_);
+  append_to(stamps_, other.stamps_);
+  append_to(fixed_, other.fixed_);
+  add_unassociated(other.log_.unassociated);
+  add_repairs(other.log_.conventions.repairs);
 }
 
 template <int Dim>
@@ -182,20 +203,20 @@ Expected<void> LogBuilder<Dim>::check_names() const {
 
 template <int Dim>
 Expected<void> LogBuilder<Dim>::check_edges() const {
-  const auto is_loop = [](const auto& ends) { return ends.first == ends.second; };
-  const auto loop = std::find_if(edge_ends_.begin(), edge_ends_.end(), is_loop);
-  if (loop == edge_ends_.end()) return {};
-  return bad_input(fmt::format("an edge leads from {} to itself", to_string(loop->first)));
+  for (std::size_t i = 0; i < pose_ends_.size(); ++i) {
+    const auto& [base, target] = pose_ends_[i];
+    if (base != target || log_.graph.pose_factors[i].base == kWorld) continue;
+    return bad_input(fmt::format("an edge leads from {} to itself", to_string(base)));
+  }
+  return {};
 }
 
 template <int Dim>
 Expected<void> LogBuilder<Dim>::check_numbers() {
   if (numbers_ == Numbers::kChecked) return {};
   InformationCheck check;
-  return check_all(log_.graph.pose_factors, edge_ends_, check)
-      .and_then([&] { return check_all(log_.graph.feature_factors, observation_ends_, check); })
-      .and_then([&] { return check_all(pose_priors_, pose_prior_ends_, check); })
-      .and_then([&] { return check_all(feature_priors_, feature_prior_ends_, check); })
+  return check_all(log_.graph.pose_factors, pose_ends_, check)
+      .and_then([&] { return check_all(log_.graph.feature_factors, feature_ends_, check); })
       .and_then([&] { return check_values(); })
       .map([&] { log_.conventions.repairs += check.repairs(); });
 }
@@ -219,24 +240,16 @@ Expected<void> LogBuilder<Dim>::check_values() const {
 
 template <int Dim>
 void LogBuilder<Dim>::resolve_ends() {
-  const auto resolve = [](const auto& ends, const auto& bases, const auto& targets, auto& observations) {
+  const auto resolve = [&](const auto& ends, const auto& targets, auto& factors) {
     parallel_chunks(ends.size(), kObservationsPerPiece, [&](std::size_t begin, std::size_t end) {
       for (std::size_t i = begin; i < end; ++i) {
-        observations[i].base = index_of(bases, ends[i].first);
-        observations[i].target = index_of(targets, ends[i].second);
+        if (factors[i].base != kWorld) factors[i].base = index_of(log_.poses, ends[i].first);
+        factors[i].target = index_of(targets, ends[i].second);
       }
     });
   };
-  resolve(edge_ends_, log_.poses, log_.poses, log_.graph.pose_factors);
-  resolve(observation_ends_, log_.poses, log_.features, log_.graph.feature_factors);
-  const auto append_priors = [](const auto& ends, const auto& targets, auto& priors, auto& factors) {
-    for (std::size_t i = 0; i < ends.size(); ++i) {
-      priors[i].target = index_of(targets, ends[i]);
-      factors.push_back(priors[i]);
-    }
-  };
-  append_priors(pose_prior_ends_, log_.poses, pose_priors_, log_.graph.pose_factors);
-  append_priors(feature_prior_ends_, log_.features, feature_priors_, log_.graph.feature_factors);
+  resolve(pose_ends_, log_.poses, log_.graph.pose_factors);
+  resolve(feature_ends_, log_.features, log_.graph.feature_factors);
 }
 
 template <int Dim>

@@ -38,6 +38,12 @@ class LogBuilder {
   void add_pose(PoseId id, const std::optional<Pose<Dim>>& initial = std::nullopt);
   void add_feature(FeatureId id, const std::optional<Point<Dim>>& initial = std::nullopt);
   void add_stamp(PoseId id, std::int64_t nanoseconds);
+  /// Observations that are left out since the input does not say of which feature they are.
+  void add_unassociated(std::int64_t count = 1) { log_.unassociated += count; }
+  /// What a reader did to matrices before it added them.
+  void add_repairs(const MatrixRepairs& repairs) { log_.conventions.repairs += repairs; }
+  /// What another builder was told, as if this one was told it next.
+  void append(const LogBuilder& other);
 
   /// Odometry or closure: which, finish() decides.
   void add_pose_edge(PoseId base, PoseId target, const Pose<Dim>& measured, const PoseMatrix<Dim>& information);
@@ -55,6 +61,8 @@ class LogBuilder {
   Expected<Log<Dim>> finish(PoseOrder order = PoseOrder::kDriven) &&;
 
  private:
+  template <typename Id>
+  using Ends = std::vector<std::pair<PoseId, Id>>;
   /// Something said of the pose or feature `id`.
   template <typename Id, typename Value>
   struct Said {
@@ -81,15 +89,11 @@ class LogBuilder {
   Expected<std::vector<FixedPose<Dim>>> resolve_fixed(const Column<Pose<Dim>>& initial_poses) const;
 
   Numbers numbers_;
-  Log<Dim> log_;  ///< Factors wait here in the order of the file; their ends are not yet indices.
-  std::vector<PoseFactor<Dim>> pose_priors_;
-  std::vector<FeatureFactor<Dim>> feature_priors_;
+  Log<Dim> log_;  ///< Factors wait here in the order of the file; their ends but the World are not yet indices.
   NameTable<PoseId> poses_;
   NameTable<FeatureId> features_;
-  std::vector<std::pair<PoseId, PoseId>> edge_ends_;
-  std::vector<std::pair<PoseId, FeatureId>> observation_ends_;
-  std::vector<PoseId> pose_prior_ends_;
-  std::vector<FeatureId> feature_prior_ends_;
+  Ends<PoseId> pose_ends_;  ///< Of the factors; a prior has the World as its base already, and no name for it.
+  Ends<FeatureId> feature_ends_;
   std::vector<Said<PoseId, Pose<Dim>>> initial_poses_;
   std::vector<Said<FeatureId, Point<Dim>>> initial_features_;
   std::vector<Said<PoseId, std::int64_t>> stamps_;

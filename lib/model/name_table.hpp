@@ -19,6 +19,11 @@ class NameTable {
     mentions_.push_back(id);
   }
 
+  /// The mentions of another table, in their order.
+  void mention_all(const NameTable& other) {
+    for (const Id& id : other.mentions_) mention(id);
+  }
+
   /// Every id once, in ascending order; the table is spent.
   std::vector<Id> take() {
     if (!ascending_) {

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include <mapjoin/io/formats/gtsam_text.hpp>
-#include <mapjoin/io/formats/isam.hpp>
-#include <mapjoin/io/formats/toro.hpp>
+#include <mapjoin/io/formats/angle_text.hpp>
+#include <mapjoin/io/formats/covariance_text.hpp>
 #include <tests/fuzz/choices.hpp>
 #include <tests/fuzz/promises.hpp>
 #include <tests/fuzz/targets.hpp>

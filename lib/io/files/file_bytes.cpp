@@ -1,5 +1,4 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include <fcntl.h>
 #include <fmt/format.h>
 #include <sys/mman.h>
 #include <sys/stat.h>
@@ -25,21 +24,6 @@ tl::unexpected<Error> cannot_read(const std::filesystem::path& path, int reason)
 tl::unexpected<Error> too_large(const std::filesystem::path& path, std::size_t most) {
   return tl::unexpected(Error{ErrorKind::kTooLarge, fmt::format("{}: unpacks to more than {} MB", path.string(), most >> 20)});
 }
-
-/// A file descriptor that closes itself.
-class Descriptor {
- public:
-  explicit Descriptor(const std::filesystem::path& path) : value_(::open(path.c_str(), O_RDONLY | O_CLOEXEC)) {}
-  Descriptor(const Descriptor&) = delete;
-  Descriptor& operator=(const Descriptor&) = delete;
-  ~Descriptor() {
-    if (value_ >= 0) ::close(value_);
-  }
-  int value() const { return value_; }
-
- private:
-  int value_;
-};
 
 /// Room for more bytes behind the first `used`: doubled, up to one byte beyond `most`, by which too much is noticed.
 void grow(std::string& bytes, std::size_t used, std::size_t most) {
@@ -114,7 +98,7 @@ FileBytes FileBytes::of(std::string bytes) {
 }
 
 Expected<FileBytes> FileBytes::read(const std::filesystem::path& path, std::size_t most_unpacked) {
-  const Descriptor file(path);
+  const Descriptor file = Descriptor::to_read(path);
   struct stat status {};
   if (file.value() < 0 || ::fstat(file.value(), &status) != 0) return cannot_read(path, errno);
   if (S_ISDIR(status.st_mode)) return cannot_read(path, EISDIR);

@@ -1,15 +1,13 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <fmt/format.h>
-#include <matio.h>
-#include <unistd.h>
 
 #include <algorithm>
-#include <cerrno>
-#include <filesystem>
+#include <cstdint>
+#include <cstring>
+#include <iterator>
 #include <mapjoin/io/files/mat_file.hpp>
-#include <mapjoin/io/files/system_call.hpp>
-#include <memory>
 #include <optional>
+#include <vector>
 
 namespace mapjoin {
 namespace {
@@ -17,95 +15,231 @@ namespace {
 constexpr std::size_t kMaxSparseSide = 10000;
 constexpr std::size_t kLeastBytesARow = 8;  // A number at least.
 
-struct CloseMat {
-  void operator()(mat_t* mat) const { Mat_Close(mat); }
-};
-struct FreeVariable {
-  void operator()(matvar_t* variable) const { Mat_VarFree(variable); }
-};
-using Mat = std::unique_ptr<mat_t, CloseMat>;
-using Variable = std::unique_ptr<matvar_t, FreeVariable>;
+/// Of the version 5 format: the file's header; an element's tag, its type and size; types of elements; classes of matrices.
+constexpr std::size_t kHeaderSize = 128;
+constexpr std::size_t kTagSize = 8;
+constexpr std::uint32_t kInt32 = 5;
+constexpr std::uint32_t kUint32 = 6;
+constexpr std::uint32_t kMatrixElement = 14;
+constexpr std::uint32_t kCompressedElement = 15;
+constexpr std::uint32_t kSparseClass = 5;
+constexpr std::uint32_t kDoubleClass = 6;
+constexpr std::uint32_t kComplexFlag = 0x800;
+/// Matrices of characters or numbers; other classes, cells and structures among them, hold variables in their turn.
+constexpr std::uint32_t kFirstMatrixClass = 4;
+constexpr std::uint32_t kLastMatrixClass = 15;
 
-/// matio opens by name only: the bytes go through a temporary file, which loses its name as soon as it is open.
-Expected<Mat> open_mat(std::string_view bytes, const std::string& file) {
-  std::error_code failure;
-  const std::filesystem::path folder = std::filesystem::temp_directory_path(failure);
-  if (failure) return call_failed("the folder for temporary files", failure.value(), ErrorKind::kCannotWrite);
-  std::string name = folder / "mapjoin-XXXXXX";
-  const int descriptor = ::mkstemp(name.data());
-  if (descriptor < 0) return call_failed(name, errno, ErrorKind::kCannotWrite);
-  const int unwritten = write_all(descriptor, bytes);
-  ::close(descriptor);
-  Mat mat(unwritten == 0 ? Mat_Open(name.c_str(), MAT_ACC_RDONLY) : nullptr);
-  ::unlink(name.c_str());
-  if (unwritten != 0) return call_failed(name, unwritten, ErrorKind::kCannotWrite);
-  if (!mat) return bad_input(fmt::format("{}: a damaged MAT file", file));
-  return mat;
+/// Version and byte order.
+constexpr std::string_view kVersion5("\0\1IM", 4);
+constexpr std::string_view kVersion73("\0\2IM", 4);  // HDF5 behind the header.
+constexpr std::string_view kBigEndian5("\1\0MI", 4);
+
+std::uint32_t word(std::string_view bytes, std::size_t at) {
+  std::uint32_t value = 0;
+  std::memcpy(&value, bytes.data() + at, sizeof value);
+  return value;
 }
 
-/// What is wrong with the variable, in a file of so many bytes, before its data are read, or nothing.
-std::optional<Error> refusal(const matvar_t& variable, std::size_t bytes) {
-  const bool sparse = variable.class_type == MAT_C_SPARSE;
-  if (variable.rank != 2 || variable.isComplex != 0 || (variable.class_type != MAT_C_DOUBLE && !sparse)) {
-    return Error{ErrorKind::kBadInput, "not a real matrix of doubles"};
-  }
-  const std::size_t rows = variable.dims[0];
-  const std::size_t cols = variable.dims[1];
-  const std::size_t most = std::min(kMaxSparseSide, bytes / kLeastBytesARow);
-  if (!sparse || std::max(rows, cols) <= most) return std::nullopt;
-  return Error{ErrorKind::kTooLarge, fmt::format("sparse, {} x {}, is more than {} rows or columns", rows, cols, most)};
+/// One part of a matrix element: its tag and its data, padded to eight bytes.
+struct Part {
+  std::uint32_t type = 0;
+  std::size_t begin = 0;  ///< Of the data, in the element.
+  std::size_t size = 0;   ///< Of the data, without padding.
+  std::size_t end = 0;
+};
+
+template <typename Number>
+double number_at(const char* bytes) {
+  Number number{};
+  std::memcpy(&number, bytes, sizeof number);
+  return static_cast<double>(number);
 }
 
-/// Empty where the indices do not fit the matrix.
-std::optional<Eigen::MatrixXd> dense(const mat_sparse_t& sparse, std::size_t rows, std::size_t cols) {
-  if (sparse.njc != cols + 1 || sparse.nir < sparse.ndata || !sparse.jc || (sparse.ndata > 0 && !(sparse.ir && sparse.data))) {
-    return std::nullopt;
+/// How a number lies in the file.
+struct Type {
+  std::size_t width = 0;  ///< In bytes; 0 for what is no number.
+  double (*number_at)(const char* bytes) = nullptr;
+};
+template <typename Number>
+constexpr Type kType{sizeof(Number), number_at<Number>};
+
+/// The types 0 to 13.
+constexpr Type kTypes[] = {{},
+                           kType<std::int8_t>,
+                           kType<std::uint8_t>,
+                           kType<std::int16_t>,
+                           kType<std::uint16_t>,
+                           kType<std::int32_t>,
+                           kType<std::uint32_t>,
+                           kType<float>,
+                           {},
+                           kType<double>,
+                           {},
+                           {},
+                           kType<std::int64_t>,
+                           kType<std::uint64_t>};
+
+Type type_of(const Part& part) {
+  return part.type < std::size(kTypes) ? kTypes[part.type] : Type{};
+}
+
+/// How many numbers a part has room for; nothing where its type is none of numbers.
+std::optional<std::size_t> numbers(const Part& part) {
+  const std::size_t width = type_of(part).width;
+  return width == 0 ? std::nullopt : std::optional(part.size / width);
+}
+
+/// The parts of a matrix element: flags, dimensions, name, and data; empty where they do not fill it.
+std::optional<std::vector<Part>> parts(std::string_view element) {
+  std::vector<Part> all;
+  for (std::size_t at = kTagSize; at < element.size(); at = all.back().end) {
+    if (element.size() - at < kTagSize) return std::nullopt;
+    const std::uint32_t first = word(element, at);
+    // Up to four bytes of data are kept in the tag itself, with their size in its upper half.
+    const bool is_small = first >> 16 != 0;
+    const std::size_t size = is_small ? first >> 16 : word(element, at + 4);
+    const std::size_t begin = at + (is_small ? 4 : kTagSize);
+    const std::size_t end = is_small ? at + kTagSize : begin + (size + 7) / 8 * 8;
+    if (end > element.size() || begin + size > end) return std::nullopt;
+    all.push_back({is_small ? first & 0xffff : first, begin, size, end});
   }
-  const auto* values = static_cast<const double*>(sparse.data);
+  return all;
+}
+
+/// What a matrix element whose flags are in place holds.
+std::uint32_t class_of(std::string_view element) {
+  return word(element, 2 * kTagSize) & 0xff;
+}
+
+/// Whether the parts of a sparse matrix behind its name are the rows of its values, where its columns end, and the values.
+bool is_sparse(const std::vector<Part>& all, std::size_t cols) {
+  const auto are_indices = [](const Part& part) { return part.type == kInt32 || part.type == kUint32; };
+  if (all.size() < 6 || !are_indices(all[3]) || !are_indices(all[4])) return false;
+  const auto values = numbers(all[5]);
+  return numbers(all[4]) == cols + 1 && values && *values <= numbers(all[3]);
+}
+
+/// Whether a matrix element's parts fill it and a matrix of doubles has as many numbers as its dimensions say.
+bool sizes_agree(std::string_view element) {
+  const auto all = parts(element);
+  if (!all || all->size() < 3) return false;
+  const Part& flags = (*all)[0];
+  const Part& dimensions = (*all)[1];
+  if (flags.type != kUint32 || flags.size != 8) return false;
+  if (dimensions.type != kInt32 || dimensions.size < 8 || dimensions.size % 4 != 0) return false;
+  const std::uint32_t held = class_of(element);
+  const bool is_matrix = dimensions.size == 8;
+  if (!is_matrix || (held != kDoubleClass && held != kSparseClass)) return true;
+  const std::size_t rows = word(element, dimensions.begin);
+  const std::size_t cols = word(element, dimensions.begin + 4);
+  if (held == kSparseClass) return is_sparse(*all, cols);
+  const bool is_empty = rows * cols == 0 && all->size() == 3;
+  return is_empty || (all->size() > 3 && numbers((*all)[3]) == rows * cols);
+}
+
+/// The numbers of a part.
+std::vector<double> values_of(std::string_view element, const Part& part) {
+  const Type type = type_of(part);
+  std::vector<double> values(part.size / type.width);
+  for (std::size_t k = 0; k < values.size(); ++k) values[k] = type.number_at(element.data() + part.begin + k * type.width);
+  return values;
+}
+
+/// The zeros between the values filled in; bad input where an index is outside the matrix.
+Expected<Eigen::MatrixXd> dense(std::string_view element, const std::vector<Part>& parts, std::size_t rows, std::size_t cols) {
+  const auto row_of = [&](std::size_t k) { return std::size_t{word(element, parts[3].begin + 4 * k)}; };
+  const auto begin_of = [&](std::size_t col) { return std::size_t{word(element, parts[4].begin + 4 * col)}; };
+  const std::vector<double> values = values_of(element, parts[5]);
   Eigen::MatrixXd matrix = Eigen::MatrixXd::Zero(static_cast<Eigen::Index>(rows), static_cast<Eigen::Index>(cols));
   for (std::size_t col = 0; col < cols; ++col) {
-    if (sparse.jc[col] > sparse.jc[col + 1] || sparse.jc[col + 1] > sparse.ndata) return std::nullopt;
-    for (std::size_t k = sparse.jc[col]; k < sparse.jc[col + 1]; ++k) {
-      if (sparse.ir[k] >= rows) return std::nullopt;
-      matrix(static_cast<Eigen::Index>(sparse.ir[k]), static_cast<Eigen::Index>(col)) = values[k];
+    if (begin_of(col) > begin_of(col + 1) || begin_of(col + 1) > values.size()) return bad_input("its data are damaged");
+    for (std::size_t k = begin_of(col); k < begin_of(col + 1); ++k) {
+      if (row_of(k) >= rows) return bad_input("its data are damaged");
+      matrix(static_cast<Eigen::Index>(row_of(k)), static_cast<Eigen::Index>(col)) = values[k];
     }
   }
   return matrix;
 }
 
-/// The data of a variable that was not refused; empty where they are damaged.
-std::optional<Eigen::MatrixXd> read_data(mat_t* mat, matvar_t& variable) {
-  const std::size_t rows = variable.dims[0];
-  const std::size_t cols = variable.dims[1];
-  const bool empty = rows == 0 || cols == 0;
-  if (!empty && (Mat_VarReadDataAll(mat, &variable) != 0 || !variable.data)) return std::nullopt;
-  if (variable.class_type == MAT_C_SPARSE && !empty) {
-    if (variable.data_type != MAT_T_DOUBLE) return std::nullopt;
-    return dense(*static_cast<const mat_sparse_t*>(variable.data), rows, cols);
+/// The matrix that an element of agreeing sizes holds, in a file of so many bytes.
+Expected<Eigen::MatrixXd> matrix_of(std::string_view element, const std::vector<Part>& parts, std::size_t bytes) {
+  const bool is_complex = (word(element, 2 * kTagSize) & kComplexFlag) != 0;
+  const bool sparse = class_of(element) == kSparseClass;
+  if (parts[1].size != 8 || is_complex || (class_of(element) != kDoubleClass && !sparse)) {
+    return bad_input("not a real matrix of doubles");
   }
-  const auto* values = static_cast<const double*>(variable.data);
-  return Eigen::Map<const Eigen::MatrixXd>(values, static_cast<Eigen::Index>(rows), static_cast<Eigen::Index>(cols));
+  const std::size_t rows = word(element, parts[1].begin);
+  const std::size_t cols = word(element, parts[1].begin + 4);
+  if (sparse) {
+    const std::size_t most = std::min(kMaxSparseSide, bytes / kLeastBytesARow);
+    if (std::max(rows, cols) <= most) return dense(element, parts, rows, cols);
+    return tl::unexpected(
+        Error{ErrorKind::kTooLarge, fmt::format("sparse, {} x {}, is more than {} rows or columns", rows, cols, most)});
+  }
+  const std::vector<double> values = rows * cols == 0 ? std::vector<double>() : values_of(element, parts[3]);
+  return Eigen::Map<const Eigen::MatrixXd>(values.data(), static_cast<Eigen::Index>(rows), static_cast<Eigen::Index>(cols));
+}
+
+/// What a MAT file's header says of its bytes, if anything.
+std::string_view version_of(std::string_view bytes) {
+  return bytes.size() < kHeaderSize ? std::string_view() : bytes.substr(124, 4);
 }
 
 }  // namespace
+
+bool is_mat_file(std::string_view bytes) {
+  const std::string_view version = version_of(bytes);
+  return version == kVersion5 || version == kVersion73 || version == kBigEndian5;
+}
+
+Expected<std::string> checked_and_inflated(std::string_view bytes, const std::string& file, std::size_t most) {
+  const auto damaged = [&] { return bad_input(fmt::format("{}: a MAT file that is damaged or cut short", file)); };
+  if (version_of(bytes) == kVersion73) return bad_input(fmt::format("{}: a MAT file of version 7.3: save it with -v7", file));
+  if (version_of(bytes) == kBigEndian5) return bad_input(fmt::format("{}: a MAT file of a big-endian machine", file));
+  if (version_of(bytes) != kVersion5) return bad_input(fmt::format("{}: not a MAT file of version 5, 6 or 7", file));
+  std::string plain(bytes.substr(0, kHeaderSize));
+  bytes.remove_prefix(kHeaderSize);
+  while (!bytes.empty()) {
+    if (bytes.size() < kTagSize || word(bytes, 4) > bytes.size() - kTagSize) return damaged();
+    const std::string_view element = bytes.substr(0, kTagSize + word(bytes, 4));
+    const std::size_t begin = plain.size();
+    if (word(element, 0) != kCompressedElement) {
+      plain += element;
+    } else {
+      std::string_view packed = element.substr(kTagSize);
+      const Inflated end = append_inflated(Wrapping::kZlib, packed, most, plain);
+      if (end != Inflated::kWhole && end != Inflated::kTooLarge) return damaged();
+    }
+    if (plain.size() > most) {
+      return tl::unexpected(Error{ErrorKind::kTooLarge, fmt::format("{}: unpacks to more than {} MB", file, most >> 20)});
+    }
+    const std::string_view inflated = std::string_view(plain).substr(begin);
+    if (inflated.size() < kTagSize || word(inflated, 0) != kMatrixElement || word(inflated, 4) != inflated.size() - kTagSize ||
+        !sizes_agree(inflated)) {
+      return damaged();
+    }
+    const std::uint32_t held = class_of(inflated);
+    if (held < kFirstMatrixClass || held > kLastMatrixClass) plain.resize(begin);
+    bytes.remove_prefix(element.size());
+  }
+  return plain;
+}
 
 Expected<MatVariables> read_mat(std::string_view bytes, const std::string& file,
                                 std::initializer_list<std::string_view> names) {
   const auto plain = checked_and_inflated(bytes, file);
   if (!plain) return tl::unexpected(plain.error());
-  const auto mat = open_mat(*plain, file);
-  if (!mat) return tl::unexpected(mat.error());
   MatVariables found;
-  while (const Variable variable{Mat_VarReadNextInfo(mat->get())}) {
-    const std::string_view name = variable->name ? variable->name : "";
+  for (std::size_t at = kHeaderSize; at < plain->size(); at += kTagSize + word(*plain, at + 4)) {
+    const std::string_view element = std::string_view(*plain).substr(at, kTagSize + word(*plain, at + 4));
+    const std::vector<Part> all = *parts(element);
+    const std::string name(element.substr(all[2].begin, all[2].size));
     if (std::find(names.begin(), names.end(), name) == names.end()) continue;
-    if (auto error = refusal(*variable, plain->size())) {
-      error->message = fmt::format("{}: variable {}: {}", file, name, error->message);
-      return tl::unexpected(*error);
+    auto matrix = matrix_of(element, all, plain->size());
+    if (!matrix) {
+      return tl::unexpected(Error{matrix.error().kind, fmt::format("{}: variable {}: {}", file, name, matrix.error().message)});
     }
-    auto matrix = read_data(mat->get(), *variable);
-    if (!matrix) return bad_input(fmt::format("{}: variable {}: its data are damaged", file, name));
-    found.insert_or_assign(std::string(name), std::move(*matrix));
+    found.insert_or_assign(name, *std::move(matrix));
   }
   return found;
 }

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
-// MATLAB files: their structure, checked before matio reads it (it passes over a damaged or shortened stream in silence),
-// matrices out of them, and matrices into them.
+// MATLAB files of version 5: matrices out of them, with everything checked, and matrices into them.
 
 #include <Eigen/Core>
 #include <cmath>
@@ -23,10 +22,10 @@ namespace mapjoin {
 bool is_mat_file(std::string_view bytes);
 
 /// The MAT file of version 5 (which 6 and 7 share) with its compressed variables inflated, and without those that are no
-/// matrices: matio believes the counts in cells and structures. Errors, beginning with `file`: one
-/// of version 7.3 or of a big-endian machine, or none; a compressed stream that is damaged; variables that do not fill the
-/// file, or parts that do not fill them; flags or dimensions of another type, or of no whole numbers; a matrix of doubles that
-/// has not as many numbers as its dimensions say; kTooLarge beyond `most` bytes.
+/// matrices of numbers or characters. Errors, beginning with `file`: one of version 7.3 or of a big-endian machine, or none; a
+/// compressed stream that is damaged; variables that do not fill the file, or parts that do not fill them; flags or dimensions
+/// of another type, or of no whole numbers; a matrix of doubles that has not as many numbers as its dimensions say; kTooLarge
+/// beyond `most` bytes.
 Expected<std::string> checked_and_inflated(std::string_view bytes, const std::string& file,
                                            std::size_t most = kMostUnpackedBytes);
 

@@ -11,6 +11,14 @@
 
 namespace mapjoin {
 
+Descriptor Descriptor::to_read(const std::filesystem::path& path) {
+  return Descriptor(::open(path.c_str(), O_RDONLY | O_CLOEXEC));
+}
+
+Descriptor::~Descriptor() {
+  if (value_ >= 0) ::close(value_);
+}
+
 tl::unexpected<Error> call_failed(const std::filesystem::path& path, int reason, ErrorKind kind) {
   return tl::unexpected(Error{reason == EINTR ? ErrorKind::kInterrupted : kind,
                               fmt::format("{}: {}", path.string(), std::generic_category().message(reason))});
@@ -34,18 +42,15 @@ bool has_name(int descriptor, const std::filesystem::path& path) {
 
 Expected<int> open_alone(const std::filesystem::path& path, const std::filesystem::path& output) {
   while (true) {
-    const int descriptor = ::open(path.c_str(), O_WRONLY | O_CLOEXEC | O_CREAT | O_NOFOLLOW, 0666);
-    if (descriptor < 0) return call_failed(output, errno, ErrorKind::kCannotWrite);
+    Descriptor file(::open(path.c_str(), O_WRONLY | O_CLOEXEC | O_CREAT | O_NOFOLLOW, 0666));
+    if (file.value() < 0) return call_failed(output, errno, ErrorKind::kCannotWrite);
     // Where a file system knows no locks, the last writer wins.
-    if (::flock(descriptor, LOCK_EX | LOCK_NB) != 0 && errno == EWOULDBLOCK) {
-      ::close(descriptor);
+    if (::flock(file.value(), LOCK_EX | LOCK_NB) != 0 && errno == EWOULDBLOCK) {
       return tl::unexpected(Error{ErrorKind::kCannotWrite, fmt::format("{}: another process is writing it", output.string())});
     }
-    const bool is_mine = has_name(descriptor, path);
-    if (is_mine && ::ftruncate(descriptor, 0) == 0) return descriptor;
-    const int reason = errno;
-    ::close(descriptor);
-    if (is_mine) return call_failed(output, reason, ErrorKind::kCannotWrite);
+    if (!has_name(file.value(), path)) continue;
+    if (::ftruncate(file.value(), 0) == 0) return file.release();
+    return call_failed(output, errno, ErrorKind::kCannotWrite);
   }
 }
 

@@ -5,8 +5,26 @@
 #include <filesystem>
 #include <mapjoin/model/error.hpp>
 #include <string_view>
+#include <utility>
 
 namespace mapjoin {
+
+/// A file descriptor that closes itself; -1 for none.
+class Descriptor {
+ public:
+  explicit Descriptor(int value) : value_(value) {}
+  /// Opens a file for reading; none, with errno, where that cannot be.
+  static Descriptor to_read(const std::filesystem::path& path);
+  Descriptor(Descriptor&& other) noexcept : value_(std::exchange(other.value_, -1)) {}
+  Descriptor& operator=(Descriptor&& other) = delete;
+  ~Descriptor();
+  int value() const { return value_; }
+  /// The descriptor, to be closed by whoever takes it.
+  int release() { return std::exchange(value_, -1); }
+
+ private:
+  int value_;
+};
 
 /// `path: ` and the errno `reason` in words; kInterrupted where it is EINTR, for a signal without SA_RESTART ends a call that
 /// waits, else `kind`.

@@ -1,11 +1,12 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 // What the text formats of edges have in common: lines of a tag, two ids, a measurement and its weights, read and written by
-// one driver. Each format says how it writes these down.
+// one driver. A format is a table of its tags, and of functions where its numbers are its own.
 
 #include <filesystem>
 #include <mapjoin/io/files/text_line.hpp>
 #include <mapjoin/io/files/text_scanner.hpp>
+#include <mapjoin/io/g2o/fields.hpp>
 #include <mapjoin/model/error.hpp>
 #include <mapjoin/model/information.hpp>
 #include <mapjoin/model/log.hpp>
@@ -30,35 +31,115 @@ struct MeasuredPoint {
 /// A fault, to follow the name of an edge; nothing where there is none.
 using Fault = std::optional<std::string>;
 
+/// What the lines of a file mean beside what they say.
+struct TextContext {
+  const ReadOptions& options;
+  bool is_whole;       ///< Else these are some lines of a file: others may declare what they name, and `FIX` is passed over.
+  G2oOffsets offsets;  ///< Of sensors.
+};
+
+/// The numbers of an edge as they are: the measurement, then the upper triangle of its weights, row by row.
+template <int Dim>
+MeasuredPose<Dim> read_plain_edge(TextScanner& text, const TextContext&) {
+  const Pose<Dim> measured = read_g2o_pose<Dim>(text);
+  return {measured, text.symmetric<kPoseDof<Dim>>()};
+}
+template <int Dim>
+MeasuredPoint<Dim> read_plain_point(TextScanner& text, const TextContext&) {
+  const Point<Dim> measured = text.vector<Dim>();
+  return {measured, text.symmetric<Dim>()};
+}
+template <int Dim>
+Fault put_plain_edge(const MeasuredPose<Dim>& edge, TextLine& line) {
+  line.add(edge.measured).template add_symmetric<kPoseDof<Dim>>(edge.information);
+  return std::nullopt;
+}
+template <int Dim>
+Fault put_plain_point(const MeasuredPoint<Dim>& point, TextLine& line) {
+  line.template add<Dim>(point.measured).template add_symmetric<Dim>(point.information);
+  return std::nullopt;
+}
+template <int Dim>
+Fault put_plain_pose(const Pose<Dim>& pose, TextLine& line) {
+  line.add(pose);
+  return std::nullopt;
+}
+
 /// One format in one dimension. What goes wrong with words is rejected on the scanner, what the format has no words for is a
-/// fault. The check is for what is no information matrix yet: of these the driver takes care.
+/// fault. The driver checks information matrices, and inverts covariances. A tag that is empty stands for lines that the format
+/// does not have.
 template <int Dim>
 struct EdgeText {
   std::string_view name{};             ///< "TORO's files".
   std::string_view comment{};          ///< The first line of what is written, without `#`.
   std::string_view edge_tag{};         ///< `tag i j …`: pose j from pose i.
-  std::string_view observation_tag{};  ///< `tag i f …`: feature f from pose i. Empty: there are none.
-  std::string_view pose_tag{};         ///< `tag i …`: the value of a pose. Empty: there are none.
+  std::string_view offset_line{};      ///< Stands before the first observation that is written.
+  std::string_view observation_tag{};  ///< `tag i f …`: feature f from pose i.
+  std::string_view pose_tag{};         ///< `tag i …`: the value of a pose.
+  std::string_view feature_tag{};      ///< `tag f …`: the value of a feature.
   bool one_numbering = false;          ///< Of poses and features, where it is written.
+  bool has_covariances = false;        ///< In place of information matrices.
+  bool may_be_unassociated = false;    ///< An observation of feature -1 is left out, and counted.
+  bool has_g2o_lines = false;          ///< `FIX`, and `PARAMS_…` that say nothing by themselves.
+  /// Whether a tag is one of this format in the other dimension, for the message; null where nobody says.
+  bool (*is_of_other_dimension)(std::string_view tag) = nullptr;
 
-  MeasuredPose<Dim> (*read_edge)(TextScanner& text, InformationCheck& check) = nullptr;
-  MeasuredPoint<Dim> (*read_point)(TextScanner& text, InformationCheck& check) = nullptr;
-  Pose<Dim> (*read_pose)(TextScanner& text) = nullptr;
+  MeasuredPose<Dim> (*read_edge)(TextScanner& text, const TextContext& context) = read_plain_edge<Dim>;
+  MeasuredPoint<Dim> (*read_point)(TextScanner& text, const TextContext& context) = read_plain_point<Dim>;
+  Pose<Dim> (*read_pose)(TextScanner& text) = read_g2o_pose<Dim>;
 
-  Fault (*put_edge)(const MeasuredPose<Dim>& edge, TextLine& line) = nullptr;
-  Fault (*put_point)(const MeasuredPoint<Dim>& point, TextLine& line) = nullptr;
-  Fault (*put_pose)(const Pose<Dim>& pose, TextLine& line) = nullptr;
+  Fault (*put_edge)(const MeasuredPose<Dim>& edge, TextLine& line) = put_plain_edge<Dim>;
+  Fault (*put_point)(const MeasuredPoint<Dim>& point, TextLine& line) = put_plain_point<Dim>;
+  Fault (*put_pose)(const Pose<Dim>& pose, TextLine& line) = put_plain_pose<Dim>;
+
+  constexpr bool has_tag(std::string_view tag) const {
+    return tag == edge_tag || tag == observation_tag || tag == pose_tag || tag == feature_tag;
+  }
 };
 
-/// The log in `text`, which stands at the begin of a file. Poses and features are named apart. Bad input, with its place: an
-/// unknown tag, an edge from a pose to itself, information that InformationCheck refuses, a pose with two values; and an edge
-/// to a pose without a value in a file that gives any.
-template <int Dim>
-Expected<AnyLog> read_edge_text(TextScanner text, const EdgeText<Dim>& format, const ReadOptions& options);
+/// The next word as the id of a feature, or nothing where it is -1.
+std::optional<FeatureId> read_feature_or_none(TextScanner& text);
 
-/// Writes edges and observations, and the values of poses where the format has them, which then must be there; nothing else of
-/// the log. Further sessions are numbered from a power of ten. kUsage where the format has no words for something;
-/// kCannotWrite.
+/// The information of the covariance that the line gives up to here; one that the check refuses is rejected.
+template <int Size>
+Matrix<Size> inverse_of(Matrix<Size> covariance, InformationCheck& check, TextScanner& text);
+
+/// The covariance of an information matrix; a fault where that is singular.
+template <int Size>
+Fault covariance_of(const Matrix<Size>& information, Matrix<Size>& covariance);
+
+/// How a text is read.
+struct Extent {
+  bool is_whole = true;                            ///< See TextContext.
+  std::size_t piece_bytes = std::size_t{1} << 16;  ///< Of pieces that are read side by side; the log does not depend on it.
+};
+
+/// The log in `text`, which stands at the begin of a file, in the dimension of the first tag. Poses and features are named
+/// apart. Bad input, with its place: an unknown tag, an edge from a pose to itself, information that InformationCheck refuses,
+/// a pose or feature with two values; and, in a file that gives values, an edge to a pose or feature without one.
+Expected<AnyLog> read_edge_text(TextScanner text, const EdgeText<2>& plane, const EdgeText<3>* space,
+                                const ReadOptions& options, Extent extent = {});
+
+/// What is written, in this order. A pointer that is null, or a tag that the format does not have, leaves its lines out.
+template <int Dim>
+struct EdgeTextContents {
+  std::string_view source;  ///< For messages.
+  const std::vector<PoseId>& pose_ids;
+  const std::vector<FeatureId>& feature_ids;
+  std::vector<std::string> comments;  ///< Without `#`.
+  const std::vector<Pose<Dim>>* poses = nullptr;
+  const std::vector<Point<Dim>>* features = nullptr;
+  std::vector<Index> fixed{};
+  const Log<Dim>* log = nullptr;  ///< Its edges and observations, over these poses and features.
+};
+
+/// Further sessions are numbered from a power of ten. kUsage where the format has no words for something, or where the keys do
+/// not fit into one numbering; kCannotWrite.
+template <int Dim>
+Expected<void> write_edge_text(const EdgeTextContents<Dim>& contents, const EdgeText<Dim>& format,
+                               const std::filesystem::path& path);
+
+/// A log's edges and observations, and the values of poses where the format has them, which then must be there; nothing else.
 template <int Dim>
 Expected<void> write_edge_text(const Log<Dim>& log, const EdgeText<Dim>& format, const std::filesystem::path& path);
 

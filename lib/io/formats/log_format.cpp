@@ -4,13 +4,11 @@
 #include <algorithm>
 #include <array>
 #include <mapjoin/io/files/mat_file.hpp>
+#include <mapjoin/io/formats/angle_text.hpp>
 #include <mapjoin/io/formats/covariance_text.hpp>
-#include <mapjoin/io/formats/gtsam_text.hpp>
-#include <mapjoin/io/formats/isam.hpp>
 #include <mapjoin/io/formats/log_format.hpp>
 #include <mapjoin/io/formats/map_text.hpp>
 #include <mapjoin/io/formats/mat_log.hpp>
-#include <mapjoin/io/formats/toro.hpp>
 #include <mapjoin/io/formats/trajectory.hpp>
 #include <mapjoin/io/g2o/g2o.hpp>
 #include <mapjoin/io/g2o/numbering.hpp>
@@ -92,13 +90,9 @@ GlobalMap<Dim> values_of(const Log<Dim>& log) {
   map.stamps_ns = log.stamps_ns;
   return map;
 }
-template <int Dim>
-Expected<void> write_values_as_tum(const Log<Dim>& log, const fs::path& path) {
-  return write_tum(values_of(log), path);
-}
-template <int Dim>
-Expected<void> write_values_as_kitti(const Log<Dim>& log, const fs::path& path) {
-  return write_kitti(values_of(log), path);
+template <int Dim, Expected<void> (*write)(const GlobalMap<Dim>&, const fs::path&)>
+Expected<void> write_values(const Log<Dim>& log, const fs::path& path) {
+  return write(values_of(log), path);
 }
 
 /// In the order of LogFormat, in which they are recognised.
@@ -143,15 +137,15 @@ constexpr std::array<Format, 8> kFormats{{
      ".tum",
      begins<is_tum_line>,
      read_text<read_tum_log>,
-     write_values_as_tum<2>,
-     write_values_as_tum<3>,
+     write_values<2, write_tum>,
+     write_values<3, write_tum>,
      {.edges = false, .observations = false, .pose_values = true, .stamps = true, .names = false}},
     {LogFormat::kKitti,
      ".kitti",
      begins<is_kitti_line>,
      read_text<read_kitti_log>,
-     write_values_as_kitti<2>,
-     write_values_as_kitti<3>,
+     write_values<2, write_kitti>,
+     write_values<3, write_kitti>,
      {.edges = false, .observations = false, .pose_values = true, .names = false}},
 }};
 static_assert(std::ranges::is_sorted(kFormats, {}, &Format::format));

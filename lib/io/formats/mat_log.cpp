@@ -1,8 +1,12 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <mapjoin/io/files/mat_file.hpp>
+#include <mapjoin/io/files/output_file.hpp>
+#include <mapjoin/io/formats/edge_text.hpp>
 #include <mapjoin/io/formats/mat_log.hpp>
+#include <mapjoin/io/g2o/numbering.hpp>
 #include <mapjoin/model/information.hpp>
 #include <mapjoin/model/log_builder.hpp>
 
@@ -11,6 +15,8 @@ namespace {
 
 constexpr const char* kVictoriaPark = "VicPark_clean_data";
 constexpr const char* kDlr = "corrected_data_circles";
+constexpr double kOdometry = 1.0;
+constexpr double kObservation = 0.0;
 /// In the first column of the DLR data: the row is a step.
 constexpr double kDlrStep = -100.0;
 constexpr double kUnassociated = -1.0;
@@ -35,10 +41,23 @@ class Row {
   Point<2> point(Eigen::Index col) const { return {(*this)[col], (*this)[col + 1]}; }
   Pose<2> motion(Eigen::Index col) const { return {point(col), Rotation<2>((*this)[col + 2])}; }
 
+  /// Of the covariance whose upper triangle begins in this column and goes row by row.
   template <int Size>
-  Matrix<Size> information(Matrix<Size> covariance) {
-    if (const auto fault = check_.invert<Size>(covariance)) fail("the covariance " + *fault);
-    return covariance;
+  Matrix<Size> information(Eigen::Index col) {
+    Matrix<Size> P;
+    for (int i = 0; i < Size; ++i) {
+      for (int j = i; j < Size; ++j) P(i, j) = P(j, i) = (*this)[col++];
+    }
+    return information_of(P);
+  }
+  /// The same, column by column.
+  template <int Size>
+  Matrix<Size> information_by_columns(Eigen::Index col) {
+    Matrix<Size> P;
+    for (int j = 0; j < Size; ++j) {
+      for (int i = 0; i <= j; ++i) P(i, j) = P(j, i) = (*this)[col++];
+    }
+    return information_of(P);
   }
 
   void fail(std::string fault) {
@@ -47,79 +66,74 @@ class Row {
   const std::string& fault() const { return fault_; }
 
  private:
+  template <int Size>
+  Matrix<Size> information_of(Matrix<Size> covariance) {
+    if (const auto fault = check_.invert<Size>(covariance)) fail("the covariance " + *fault);
+    return covariance;
+  }
+
   const Eigen::MatrixXd& table_;
   Eigen::Index row_;
   InformationCheck& check_;
   std::string fault_;
 };
 
-Matrix<2> symmetric(double xx, double xy, double yy) {
-  return (Matrix<2>() << xx, xy, xy, yy).finished();
-}
-
-Matrix<3> symmetric(double xx, double xy, double xphi, double yy, double yphi, double phiphi) {
-  return (Matrix<3>() << xx, xy, xphi, xy, yy, yphi, xphi, yphi, phiphi).finished();
-}
-
 void add_victoria_park_row(Row& row, LogBuilder<2>& builder) {
-  if (row[0] == 1.0) {
-    const Matrix<3> P = symmetric(row[6], row[7], row[8], row[9], row[10], row[11]);
-    builder.add_pose_edge(row.pose(1), row.pose(2), row.motion(3), row.information<3>(P));
-  } else if (row[0] == 0.0) {
-    const Matrix<2> P = symmetric(row[5], row[6], row[7]);
-    builder.add_observation(row.pose(1), row.feature(2), row.point(3), row.information<2>(P));
+  if (row[0] == kOdometry) {
+    builder.add_pose_edge(row.pose(1), row.pose(2), row.motion(3), row.information<3>(6));
+  } else if (row[0] == kObservation) {
+    builder.add_observation(row.pose(1), row.feature(2), row.point(3), row.information<2>(5));
   } else {
     row.fail(fmt::format("begins with {}, which is neither 1 (odometry) nor 0 (observation)", row[0]));
   }
 }
 
-/// `step` is the pose that the rows speak of; `unassociated` counts observations.
-void add_dlr_row(Row& row, LogBuilder<2>& builder, std::uint64_t& step, std::int64_t& unassociated) {
+/// `step` is the pose that the rows speak of.
+void add_dlr_row(Row& row, LogBuilder<2>& builder, std::uint64_t& step) {
   if (row[0] == kDlrStep) {
-    const Matrix<3> P = symmetric(row[4], row[5], row[7], row[6], row[8], row[9]);
-    builder.add_pose_edge({0, step}, {0, step + 1}, row.motion(1), row.information<3>(P));
+    builder.add_pose_edge({0, step}, {0, step + 1}, row.motion(1), row.information_by_columns<3>(4));
     ++step;
   } else if (row[6] == kUnassociated) {
-    ++unassociated;
+    builder.add_unassociated();
   } else {
-    const Matrix<2> P = symmetric(row[3], row[4], row[5]);
-    builder.add_observation({0, step}, row.feature(6), row.point(0), row.information<2>(P));
+    builder.add_observation({0, step}, row.feature(6), row.point(0), row.information<2>(3));
   }
 }
 
-/// Hands every row of the table to `add`; the first fault ends it.
+/// The log whose builder `add` tells every row of the table; the first fault ends it.
 template <typename AddRow>
-Expected<void> add_rows(const std::string& file, const char* variable, const Eigen::MatrixXd& table, Eigen::Index cols,
-                        InformationCheck& check, const AddRow& add) {
+Expected<AnyLog> log_of(const std::string& file, const char* variable, const Eigen::MatrixXd& table, Eigen::Index cols,
+                        const ReadOptions& options, const AddRow& add) {
   if (table.cols() != cols) {
     return bad_input(fmt::format("{}: variable {} has {} columns, not {}", file, variable, table.cols(), cols));
   }
+  InformationCheck check(options.repair_information);
+  LogBuilder<2> builder(file);
   for (Eigen::Index i = 0; i < table.rows(); ++i) {
     Row row(table, i, check);
-    add(row);
+    add(row, builder);
     if (!row.fault().empty()) {
       return bad_input(fmt::format("{}: variable {}, row {}: {}", file, variable, i + 1, row.fault()));
     }
   }
-  return {};
+  builder.add_repairs(check.repairs());
+  return std::move(builder).finish();
 }
 
-Expected<Log<2>> victoria_park(const std::string& file, const Eigen::MatrixXd& table, InformationCheck& check) {
-  LogBuilder<2> builder(file);
-  return add_rows(file, kVictoriaPark, table, 12, check, [&](Row& row) { add_victoria_park_row(row, builder); }).and_then([&] {
-    return std::move(builder).finish();
-  });
-}
-
-Expected<Log<2>> dlr(const std::string& file, const Eigen::MatrixXd& table, InformationCheck& check) {
-  LogBuilder<2> builder(file);
-  std::uint64_t step = 0;
-  std::int64_t unassociated = 0;
-  const auto added = add_rows(file, kDlr, table, 10, check, [&](Row& row) { add_dlr_row(row, builder, step, unassociated); });
-  if (!added) return tl::unexpected(added.error());
-  auto log = std::move(builder).finish();
-  if (log) log->unassociated = unassociated;
-  return log;
+/// A row of Victoria Park's table.
+template <int Size>
+Fault put_row(double kind, std::uint64_t base, std::uint64_t target, const Vector<Size>& measured, const Matrix<Size>& W,
+              Eigen::MatrixXd::RowXpr row) {
+  if (std::max(base, target) >= static_cast<std::uint64_t>(kDoubleIdEnd)) return "has an id of 2^53 or more";
+  Matrix<Size> P;
+  if (auto fault = covariance_of(W, P)) return fault;
+  row.head<3>() << kind, static_cast<double>(base), static_cast<double>(target);
+  row.segment<Size>(3) = measured.transpose();
+  Eigen::Index col = 3 + Size;
+  for (int i = 0; i < Size; ++i) {
+    for (int j = i; j < Size; ++j) row[col++] = P(i, j);
+  }
+  return std::nullopt;
 }
 
 }  // namespace
@@ -127,16 +141,38 @@ Expected<Log<2>> dlr(const std::string& file, const Eigen::MatrixXd& table, Info
 Expected<AnyLog> read_mat_log(std::string_view bytes, const std::string& file, const ReadOptions& options) {
   const auto variables = read_mat(bytes, file, {kVictoriaPark, kDlr});
   if (!variables) return tl::unexpected(variables.error());
-  InformationCheck check(options.repair_information);
-  const auto to_any = [&](Log<2>&& log) {
-    log.conventions.repairs = check.repairs();
-    return AnyLog(std::move(log));
-  };
   if (const auto found = variables->find(kVictoriaPark); found != variables->end()) {
-    return victoria_park(file, found->second, check).map(to_any);
+    return log_of(file, kVictoriaPark, found->second, 12, options, add_victoria_park_row);
   }
-  if (const auto found = variables->find(kDlr); found != variables->end()) return dlr(file, found->second, check).map(to_any);
+  if (const auto found = variables->find(kDlr); found != variables->end()) {
+    std::uint64_t step = 0;
+    return log_of(file, kDlr, found->second, 10, options,
+                  [&](Row& row, LogBuilder<2>& builder) { add_dlr_row(row, builder, step); });
+  }
   return bad_input(fmt::format("{}: holds neither the variable {} nor {}", file, kVictoriaPark, kDlr));
+}
+
+Expected<void> write_mat_log(const Log<2>& log, const std::filesystem::path& path) {
+  const auto numbering = number_for_g2o(log.poses, {});
+  if (!numbering) return tl::unexpected(numbering.error());
+  const auto pose = [&](Index index) { return (*numbering)(log.poses[static_cast<std::size_t>(index)]); };
+  Eigen::MatrixXd table = Eigen::MatrixXd::Zero(static_cast<Eigen::Index>(log.edges().size() + log.observations().size()), 12);
+  Eigen::Index row = 0;
+  const auto cannot = [&](std::uint64_t base, std::uint64_t target, const std::string& fault) {
+    return tl::unexpected(Error{
+        ErrorKind::kUsage, fmt::format("{}: the edge {}-{} {}, which a MAT file cannot say", log.source, base, target, fault)});
+  };
+  for (const auto& [base, target, measured, W, loss] : log.edges()) {
+    const Vector<3> numbers(measured.translation.x(), measured.translation.y(), measured.rotation.angle());
+    const auto fault = put_row<3>(kOdometry, pose(base), pose(target), numbers, W, table.row(row++));
+    if (fault) return cannot(pose(base), pose(target), *fault);
+  }
+  for (const auto& [base, target, measured, W, loss] : log.observations()) {
+    const std::uint64_t feature = log.features[static_cast<std::size_t>(target)].key;
+    const auto fault = put_row<2>(kObservation, pose(base), feature, measured, W, table.row(row++));
+    if (fault) return cannot(pose(base), feature, *fault);
+  }
+  return write_file(path, mat_bytes({{kVictoriaPark, table}}));
 }
 
 }  // namespace mapjoin

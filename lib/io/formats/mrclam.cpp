@@ -155,20 +155,18 @@ void observe(PoseId pose, FeatureId landmark, const Sighting& seen, const Mrclam
   builder.add_observation(pose, landmark, seen.range * ahead, 0.5 * (W + W.transpose()));
 }
 
-/// One robot's poses and what it saw; how many sightings were left out.
-Expected<std::int64_t> add_robot(std::uint32_t session, const std::vector<Velocity>& odometry,
-                                 const std::vector<Sighting>& sightings, const Subjects& subjects, const MrclamNoise& noise,
-                                 LogBuilder<2>& builder) {
+/// One robot's poses and what it saw.
+Expected<void> add_robot(std::uint32_t session, const std::vector<Velocity>& odometry, const std::vector<Sighting>& sightings,
+                         const Subjects& subjects, const MrclamNoise& noise, LogBuilder<2>& builder) {
   constexpr double kLeastSeconds = 1e-4;  // Closer sightings are of one pose: their motion would have no covariance.
   Driver driver(odometry, noise);
   PoseId pose{session, 0};
   double pose_time = odometry.front().time;
   builder.add_stamp(pose, nanoseconds(pose_time));
-  std::int64_t left_out = 0;
   for (const Sighting& seen : sightings) {
     const auto subject = subjects.find(seen.barcode);
     if (subject == subjects.end() || subject->second < kFirstLandmark || seen.time < odometry.front().time) {
-      ++left_out;
+      builder.add_unassociated();
       continue;
     }
     if (seen.time - pose_time > kLeastSeconds) {
@@ -186,7 +184,7 @@ Expected<std::int64_t> add_robot(std::uint32_t session, const std::vector<Veloci
     }
     observe(pose, {subject->second}, seen, noise, builder);
   }
-  return left_out;
+  return {};
 }
 
 Expected<Subjects> read_subjects(const fs::path& path) {
@@ -210,7 +208,6 @@ Expected<AnyLog> read_mrclam(const fs::path& folder, const MrclamNoise& noise) {
   const auto subjects = read_subjects(folder / "Barcodes.dat");
   if (!subjects) return tl::unexpected(subjects.error());
   LogBuilder<2> builder(folder.string());
-  std::int64_t left_out = 0;
   std::error_code ignored;
   for (std::uint32_t robot = 1; robot < kFirstLandmark; ++robot) {
     const fs::path odometry_file = file_in(folder, fmt::format("Robot{}_Odometry.dat", robot));
@@ -222,12 +219,8 @@ Expected<AnyLog> read_mrclam(const fs::path& folder, const MrclamNoise& noise) {
     if (!sightings) return tl::unexpected(sightings.error());
     const auto added = add_robot(robot - 1, *odometry, *sightings, *subjects, noise, builder);
     if (!added) return bad_input(folder.string() + ": " + added.error().message);
-    left_out += *added;
   }
-  auto log = std::move(builder).finish();
-  if (!log) return tl::unexpected(log.error());
-  log->unassociated = left_out;
-  return AnyLog(*std::move(log));
+  return std::move(builder).finish();
 }
 
 }  // namespace mapjoin

@@ -24,26 +24,24 @@ bool has_numbers(TextScanner& line, std::size_t count) {
   return line.finish_line().has_value();
 }
 
+template <typename Number>
+bool parse(std::string_view text, Number& number) {
+  const auto [end, failure] = std::from_chars(text.data(), text.data() + text.size(), number);
+  return failure == std::errc() && end == text.data() + text.size();
+}
+
 /// Seconds in nanoseconds, exactly where they are written without an exponent.
 std::optional<std::int64_t> nanoseconds(std::string_view word) {
-  constexpr std::int64_t kEnd = std::numeric_limits<std::int64_t>::max() / kSecond;
   const std::size_t point = std::min(word.find('.'), word.size());
-  std::int64_t whole = 0;
-  const auto [end, failure] = std::from_chars(word.data(), word.data() + point, whole);
-  if (failure == std::errc() && end == word.data() + point && -kEnd < whole && whole < kEnd) {
-    std::int64_t fraction = 0;
-    std::size_t digits = 0;
-    std::size_t at = point + 1;
-    for (; at < word.size() && word[at] >= '0' && word[at] <= '9'; ++at) {
-      if (digits++ < 9) fraction = 10 * fraction + (word[at] - '0');
-    }
-    for (; digits < 9; ++digits) fraction *= 10;
-    if (at >= word.size()) return whole * kSecond + (word.front() == '-' ? -fraction : fraction);
-  }
+  const std::string_view fraction = word.substr(std::min(point + 1, word.size()));
+  std::string digits(word.substr(0, point));
+  digits += fraction.substr(0, 9);
+  digits.append(9 - std::min<std::size_t>(9, fraction.size()), '0');
+  std::int64_t exact = 0;
+  if (fraction.find_first_not_of("0123456789") == fraction.npos && parse(digits, exact)) return exact;
+  constexpr auto kEnd = static_cast<double>(std::numeric_limits<std::int64_t>::max() / kSecond);
   double seconds = 0.0;
-  const auto [rest, failed] = std::from_chars(word.data(), word.data() + word.size(), seconds);
-  const bool fits = std::abs(seconds) < static_cast<double>(kEnd);
-  if (failed != std::errc() || rest != word.data() + word.size() || !fits) return std::nullopt;
+  if (!parse(word, seconds) || !(std::abs(seconds) < kEnd)) return std::nullopt;
   return std::llround(seconds * static_cast<double>(kSecond));
 }
 
@@ -60,7 +58,7 @@ Expected<AnyLog> log_of(const std::string& source, const std::vector<Pose<Dim>>&
   LogBuilder<Dim> builder(source);
   for (std::size_t k = 0; k < poses.size(); ++k) builder.add_pose({0, k}, poses[k]);
   for (std::size_t k = 0; k < stamps.size(); ++k) builder.add_stamp({0, k}, stamps[k]);
-  return std::move(builder).finish().map([](Log<Dim>&& log) { return AnyLog(std::move(log)); });
+  return std::move(builder).finish();
 }
 
 /// In the plane where every pose is.

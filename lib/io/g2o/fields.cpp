@@ -3,7 +3,6 @@
 
 #include <cmath>
 #include <mapjoin/io/g2o/fields.hpp>
-#include <mapjoin/io/g2o/tags.hpp>
 
 namespace mapjoin {
 

@@ -15,6 +15,14 @@
 
 namespace mapjoin {
 
+inline constexpr std::string_view kG2oFix = "FIX";
+inline constexpr std::string_view kG2oOffset = "PARAMS_SE3OFFSET";
+
+/// PARAMS_SE3OFFSET and its like, which say nothing until an observation names them.
+constexpr bool is_g2o_parameter(std::string_view tag) {
+  return tag.starts_with("PARAMS_");
+}
+
 /// `x y φ`, or `x y z qx qy qz qw`. A quaternion is normalised, one far from unit length is rejected.
 template <int Dim>
 Pose<Dim> read_g2o_pose(TextScanner& text);

@@ -1,5 +1,4 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include <fcntl.h>
 #include <fmt/format.h>
 #include <sys/stat.h>
 #include <unistd.h>
@@ -7,11 +6,10 @@
 #include <algorithm>
 #include <array>
 #include <cerrno>
-#include <mapjoin/io/files/system_call.hpp>
 #include <mapjoin/io/files/text_scanner.hpp>
+#include <mapjoin/io/g2o/fields.hpp>
 #include <mapjoin/io/g2o/g2o.hpp>
 #include <mapjoin/io/g2o/growing_g2o.hpp>
-#include <mapjoin/io/g2o/tags.hpp>
 #include <utility>
 #include <vector>
 
@@ -44,41 +42,27 @@ std::string parameters_in(std::string_view text) {
 }  // namespace
 
 Expected<GrowingG2o> GrowingG2o::open(const std::filesystem::path& path, const ReadOptions& options) {
-  const int descriptor = ::open(path.c_str(), O_RDONLY | O_CLOEXEC);
-  if (descriptor < 0) return call_failed(path, errno, ErrorKind::kBadInput);
-  GrowingG2o file(path, options, descriptor);
+  GrowingG2o file(path, options);
   struct stat status {};
-  if (::fstat(descriptor, &status) != 0) return call_failed(path, errno, ErrorKind::kBadInput);
+  if (file.descriptor_.value() < 0 || ::fstat(file.descriptor_.value(), &status) != 0) {
+    return call_failed(path, errno, ErrorKind::kBadInput);
+  }
   if (!S_ISREG(status.st_mode)) return bad_input(path.string() + ": only a plain file can be followed");
   return file;
 }
 
-GrowingG2o::GrowingG2o(std::filesystem::path path, const ReadOptions& options, int descriptor)
-    : path_(std::move(path)), options_(options), descriptor_(descriptor) {}
-
-GrowingG2o::GrowingG2o(GrowingG2o&& other) noexcept
-    : path_(std::move(other.path_)),
-      options_(other.options_),
-      descriptor_(std::exchange(other.descriptor_, -1)),
-      text_(std::move(other.text_)),
-      taken_(other.taken_),
-      lines_taken_(other.lines_taken_),
-      parameters_(std::move(other.parameters_)),
-      fault_(std::move(other.fault_)) {}
-
-GrowingG2o::~GrowingG2o() {
-  if (descriptor_ >= 0) ::close(descriptor_);
-}
+GrowingG2o::GrowingG2o(std::filesystem::path path, const ReadOptions& options)
+    : path_(std::move(path)), options_(options), descriptor_(Descriptor::to_read(path_)) {}
 
 Expected<void> GrowingG2o::read_on() {
   struct stat status {};
-  if (::fstat(descriptor_, &status) != 0) return call_failed(path_, errno, ErrorKind::kBadInput);
+  if (::fstat(descriptor_.value(), &status) != 0) return call_failed(path_, errno, ErrorKind::kBadInput);
   if (static_cast<std::size_t>(status.st_size) < text_.size()) {
     return bad_input(path_.string() + ": the file was cut while it was followed");
   }
   std::array<char, 1 << 16> bytes;
   while (true) {
-    const ::ssize_t read = ::pread(descriptor_, bytes.data(), bytes.size(), static_cast<::off_t>(text_.size()));
+    const ::ssize_t read = ::pread(descriptor_.value(), bytes.data(), bytes.size(), static_cast<::off_t>(text_.size()));
     if (read < 0) return call_failed(path_, errno, ErrorKind::kBadInput);
     if (read == 0) break;
     text_.append(bytes.data(), static_cast<std::size_t>(read));
@@ -92,7 +76,7 @@ Expected<std::optional<AnyLog>> GrowingG2o::appended() {
   if (fault_) return tl::unexpected(*fault_);
   if (auto read = read_on(); !read) return tl::unexpected(read.error());
   auto news = take_until(text_.rfind('\n') + 1);
-  if (!fault_ && !has_name(descriptor_, path_)) {
+  if (!fault_ && !has_name(descriptor_.value(), path_)) {
     fault_ = Error{ErrorKind::kBadInput,
                    path_.string() + ": the file was replaced, renamed or removed while it was followed; follow it anew"};
   }

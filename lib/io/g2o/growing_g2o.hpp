@@ -3,6 +3,7 @@
 // A g2o file that another program is still writing: what has been appended, line by whole line.
 
 #include <filesystem>
+#include <mapjoin/io/files/system_call.hpp>
 #include <mapjoin/model/error.hpp>
 #include <mapjoin/model/log.hpp>
 #include <optional>
@@ -15,9 +16,6 @@ class GrowingG2o {
  public:
   /// Bad input where the file is not a plain file; gzip is refused, too.
   static Expected<GrowingG2o> open(const std::filesystem::path& path, const ReadOptions& options);
-  GrowingG2o(GrowingG2o&& other) noexcept;
-  GrowingG2o& operator=(GrowingG2o&&) = delete;
-  ~GrowingG2o();
 
   /// The edges and observations in the lines that have come since the last call, as a log of their own; nothing where none
   /// have. Bad input, with the line, where one is wrong: what stands before it was given by the call before, and nothing
@@ -33,7 +31,7 @@ class GrowingG2o {
   Expected<AnyLog> whole() const;
 
  private:
-  GrowingG2o(std::filesystem::path path, const ReadOptions& options, int descriptor);
+  GrowingG2o(std::filesystem::path path, const ReadOptions& options);
   Expected<void> read_on();
   Expected<std::optional<AnyLog>> take_until(std::size_t end);
   /// The log in bytes [taken_, end).
@@ -42,7 +40,7 @@ class GrowingG2o {
 
   std::filesystem::path path_;
   ReadOptions options_;
-  int descriptor_;
+  Descriptor descriptor_;
   std::string text_;             // of the file so far
   std::size_t taken_ = 0;        // bytes of it that were given
   std::size_t lines_taken_ = 0;  // lines of it

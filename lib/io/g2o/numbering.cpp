@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <algorithm>
+#include <iterator>
 #include <limits>
 #include <mapjoin/io/g2o/numbering.hpp>
 #include <optional>
@@ -23,11 +24,9 @@ std::optional<std::uint64_t> power_of_ten_above(std::uint64_t number) {
 bool meet(std::vector<std::uint64_t> poses, std::vector<std::uint64_t> features) {
   std::sort(poses.begin(), poses.end());
   std::sort(features.begin(), features.end());
-  auto pose = poses.begin();
-  return std::any_of(features.begin(), features.end(), [&](std::uint64_t key) {
-    pose = std::lower_bound(pose, poses.end(), key);
-    return pose != poses.end() && *pose == key;
-  });
+  std::vector<std::uint64_t> both;
+  std::ranges::set_intersection(poses, features, std::back_inserter(both));
+  return !both.empty();
 }
 
 }  // namespace

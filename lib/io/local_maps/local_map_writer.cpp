@@ -5,9 +5,8 @@
 #include <mapjoin/geometry/euler.hpp>
 #include <mapjoin/io/files/mat_file.hpp>
 #include <mapjoin/io/files/output_file.hpp>
-#include <mapjoin/io/formats/covariance_weights.hpp>
+#include <mapjoin/io/formats/angle_text.hpp>
 #include <mapjoin/io/formats/edge_text.hpp>
-#include <mapjoin/io/formats/euler_angles.hpp>
 #include <mapjoin/io/local_maps/local_map_set.hpp>
 #include <utility>
 

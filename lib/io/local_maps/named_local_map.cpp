@@ -10,8 +10,8 @@
 namespace mapjoin {
 namespace {
 
-Error row_error(const LocalMapFile& file, Eigen::Index row, const std::string& message) {
-  return {ErrorKind::kBadInput, fmt::format("{}: row {} of the state: {}", file.path.string(), row + 1, message)};
+tl::unexpected<Error> row_error(const LocalMapFile& file, Eigen::Index row, const std::string& message) {
+  return bad_input(fmt::format("{}: row {} of the state: {}", file.path.string(), row + 1, message));
 }
 
 tl::unexpected<Error> file_error(const LocalMapFile& file, const std::string& message) {
@@ -28,7 +28,7 @@ Eigen::Index rows_of_one_id(const Eigen::MatrixX2d& state, Eigen::Index row) {
 Expected<void> check_end_pose(const LocalMapFile& file) {
   const double id = file.state(0, 0);
   if (id == 0.0 || id == -static_cast<double>(file.number)) return {};
-  return tl::unexpected(row_error(file, 0, fmt::format("the end pose's id is {}, not 0 or {}", id, -file.number)));
+  return row_error(file, 0, fmt::format("the end pose's id is {}, not 0 or {}", id, -file.number));
 }
 
 template <int Dim>
@@ -37,13 +37,13 @@ Expected<std::vector<FeatureId>> feature_ids(const LocalMapFile& file) {
   std::set<FeatureId> seen;
   for (Eigen::Index row = kPoseDof<Dim>; row < file.state.rows(); row += Dim) {
     const auto id = id_of(file.state(row, 0));
-    if (!id) return tl::unexpected(row_error(file, row, fmt::format("{} is not a feature's id", file.state(row, 0))));
+    if (!id) return row_error(file, row, fmt::format("{} is not a feature's id", file.state(row, 0)));
     const FeatureId feature{*id};
     if (const Eigen::Index rows = rows_of_one_id(file.state, row); rows != Dim) {
-      return tl::unexpected(row_error(file, row, fmt::format("{} has {} rows, not {}", to_string(feature), rows, Dim)));
+      return row_error(file, row, fmt::format("{} has {} rows, not {}", to_string(feature), rows, Dim));
     }
     if (!seen.insert(feature).second) {
-      return tl::unexpected(row_error(file, row, fmt::format("{} is there for the second time", to_string(feature))));
+      return row_error(file, row, fmt::format("{} is there for the second time", to_string(feature)));
     }
     ids.push_back(feature);
   }
@@ -58,31 +58,29 @@ Expected<void> check_shape(const LocalMapFile& file) {
                                         file.gaussian.cols()));
   }
   for (Eigen::Index row = 0; row < n; ++row) {
-    if (!std::isfinite(file.state(row, 1))) return tl::unexpected(row_error(file, row, "the value is not finite"));
+    if (!std::isfinite(file.state(row, 1))) return row_error(file, row, "the value is not finite");
   }
   return {};
 }
 
-Pose<2> end_pose(const LocalMapFile& file, std::integral_constant<int, 2>) {
-  return {file.state.col(1).head<2>(), Rotation<2>(file.state(2, 1))};
+template <int Dim>
+Pose<Dim> end_pose(const LocalMapFile& file) {
+  const auto value = file.state.col(1);
+  if constexpr (Dim == 2) {
+    return {value.head<2>(), Rotation<2>(value[2])};
+  } else {
+    return {value.head<3>(), rotation_from_euler(value[5], value[4], value[3])};
+  }
 }
 
-Pose<3> end_pose(const LocalMapFile& file, std::integral_constant<int, 3>) {
-  return {file.state.col(1).head<3>(), rotation_from_euler(file.state(5, 1), file.state(4, 1), file.state(3, 1))};
-}
-
-/// In the plane the heading is the rotation's step already.
-Expected<void> turn_rotation(LocalMapFile&, std::integral_constant<int, 2>) {
-  return {};
-}
-
-/// The Gaussian over the angles (a, b, c) = (yaw, pitch, roll), turned to be over the step of the rotation: by J a covariance,
-/// by J⁻ᵀ an information matrix.
-Expected<void> turn_rotation(LocalMapFile& file, std::integral_constant<int, 3>) {
+/// In space, the Gaussian over the angles (a, b, c) = (yaw, pitch, roll) is turned to be over the step of the rotation: by J a
+/// covariance, by J⁻ᵀ an information matrix. In the plane the heading is the rotation's step already.
+template <int Dim>
+Expected<void> turn_rotation(LocalMapFile& file) {
+  if (Dim == 2) return {};
   const Matrix<3> J = J_vector_euler(file.state(5, 1), file.state(4, 1), file.state(3, 1)).rowwise().reverse();
   if (std::abs(J.determinant()) < 1e-9) {
-    return tl::unexpected(
-        row_error(file, 4, "at a pitch of a quarter turn the three angles do not determine each other's error"));
+    return row_error(file, 4, "at a pitch of a quarter turn the three angles do not determine each other's error");
   }
   const Matrix<3> T = file.is_information ? Matrix<3>(J.inverse().transpose()) : J;
   file.gaussian.middleRows<3>(3) = (T * file.gaussian.middleRows<3>(3)).eval();
@@ -124,8 +122,8 @@ Expected<NamedLocalMap<Dim>> named_local_map(LocalMapFile&& file, InformationChe
 
   NamedLocalMap<Dim> named{file.path, file.number, std::move(*features), !coincides<Dim>(file), {}};
   if (named.moves) {
-    if (auto ok = turn_rotation(file, std::integral_constant<int, Dim>{}); !ok) return tl::unexpected(ok.error());
-    named.map.pose_estimates.push_back(end_pose(file, std::integral_constant<int, Dim>{}));
+    if (auto ok = turn_rotation<Dim>(file); !ok) return tl::unexpected(ok.error());
+    named.map.pose_estimates.push_back(end_pose<Dim>(file));
   } else {
     const Eigen::Index rest = file.state.rows() - kDof;
     file.gaussian = file.gaussian.bottomRightCorner(rest, rest).eval();

@@ -8,6 +8,7 @@
 #include <mapjoin/io/store/contents.hpp>
 #include <mapjoin/io/store/records.hpp>
 #include <mapjoin/model/log_builder.hpp>
+#include <stdexcept>
 
 namespace mapjoin::store {
 namespace {
@@ -99,37 +100,18 @@ bool take_number(const Info& info, const char* key, Number& number) {
   return true;
 }
 
-/// Every factor is from a pose, or from the World, to one of `targets`.
-template <typename Observation>
-bool are_within(const std::vector<Observation>& factors, std::size_t poses, std::size_t targets) {
-  const auto is_index = [](Index index, std::size_t size) { return index >= 0 && static_cast<std::size_t>(index) < size; };
-  return std::all_of(factors.begin(), factors.end(), [&](const Observation& o) {
-    return (o.base == kWorld || is_index(o.base, poses)) && is_index(o.target, targets);
-  });
-}
-
-/// Whether the arrays are as long as they must be and name what is there.
-template <int Dim>
-bool hangs_together(const Log<Dim>& log) {
-  const std::size_t poses = log.poses.size();
-  const std::size_t features = log.features.size();
-  const auto fits = [](const auto& values, std::size_t names) { return values.empty() || values.size() == names; };
-  const auto is_pose = [&](const auto& fixed) { return fixed.pose >= 0 && static_cast<std::size_t>(fixed.pose) < poses; };
-  return fits(log.stamps_ns, poses) && fits(log.initial.poses, poses) && fits(log.initial.features, features) &&
-         are_within(log.graph.pose_factors, poses, poses) && are_within(log.graph.feature_factors, poses, features) &&
-         std::all_of(log.graph.fixed.begin(), log.graph.fixed.end(), is_pose);
-}
-
-/// The log that LogBuilder makes of one that hangs together.
+/// The log that LogBuilder makes of these arrays; std::out_of_range where one names what is not there.
 template <int Dim>
 Expected<Log<Dim>> built_anew(const Log<Dim>& log, const std::string& source) {
   LogBuilder<Dim> builder(source, log.conventions);
-  const auto at = [](const auto& values, Index index) { return values[static_cast<std::size_t>(index)]; };
-  const auto value = [](const auto& values, std::size_t k) { return values.empty() ? std::nullopt : std::optional(values[k]); };
+  const auto at = [](const auto& names, auto index) { return names.at(static_cast<std::size_t>(index)); };
+  const auto value = [](const auto& values, std::size_t k) {
+    return values.empty() ? std::nullopt : std::optional(values.at(k));
+  };
   builder.reserve(log.graph.pose_factors.size(), log.graph.feature_factors.size());
   for (std::size_t k = 0; k < log.poses.size(); ++k) builder.add_pose(log.poses[k], value(log.initial.poses, k));
   for (std::size_t k = 0; k < log.features.size(); ++k) builder.add_feature(log.features[k], value(log.initial.features, k));
-  for (std::size_t k = 0; k < log.stamps_ns.size(); ++k) builder.add_stamp(log.poses[k], log.stamps_ns[k]);
+  for (std::size_t k = 0; k < log.stamps_ns.size(); ++k) builder.add_stamp(at(log.poses, k), log.stamps_ns[k]);
   for (const auto& [base, target, measured, information, loss] : log.graph.pose_factors) {
     if (base == kWorld) {
       builder.add_pose_prior(at(log.poses, target), measured, information);
@@ -145,7 +127,20 @@ Expected<Log<Dim>> built_anew(const Log<Dim>& log, const std::string& source) {
     }
   }
   for (const auto& fixed : log.graph.fixed) builder.fix(at(log.poses, fixed.pose), fixed.value);
+  builder.add_unassociated(log.unassociated);
   return std::move(builder).finish();
+}
+
+/// Nothing where its arrays do not hang together.
+template <int Dim>
+std::optional<Expected<Log<Dim>>> built_if_whole(const Log<Dim>& log, const std::string& source) {
+  const auto fits = [](const auto& values, const auto& names) { return values.size() <= names.size(); };
+  if (!fits(log.initial.poses, log.poses) || !fits(log.initial.features, log.features)) return std::nullopt;
+  try {
+    return built_anew(log, source);
+  } catch (const std::out_of_range&) {
+    return std::nullopt;
+  }
 }
 
 template <int Dim>
@@ -193,11 +188,12 @@ Expected<void> write_contents(Database& database, const Contents<Dim>& contents)
   const auto insert = [&](std::string_view into, std::string_view first, std::string_view second) {
     if (!result) return;
     result = database.prepare(into).and_then(
-        [&](Statement&& statement) { return statement.bind_text(first).bind_blob(second).step().map([](bool) {}); });
+        [&](Statement&& statement) { return statement.bind(first).bind(second).step().map([](bool) {}); });
   };
-  for (const auto& [key, value] : info_of(contents)) insert("INSERT INTO info VALUES (?, CAST(? AS TEXT))", key, value);
+  for (const auto& [key, value] : info_of(contents))
+    insert("INSERT INTO info VALUES (CAST(? AS TEXT), CAST(? AS TEXT))", key, value);
   visit_chunks(contents, [&](std::string_view name, const std::string& bytes) {
-    insert("INSERT INTO records (name, data) VALUES (?, ?)", name, bytes);
+    insert("INSERT INTO records (name, data) VALUES (CAST(? AS TEXT), ?)", name, bytes);
   });
   return result;
 }
@@ -245,17 +241,16 @@ Expected<StoredMaps<Dim>> read_contents(Database& database) {
     return is_taken;
   });
   if (!read) return tl::unexpected(read.error());
-  if (fault.empty() && !hangs_together(stored.log)) fault = "its arrays do not hang together";
   if (!fault.empty()) return database.damaged(fault);
-
-  auto log = built_anew(stored.log, database.file() + ": damaged store");
+  auto built = built_if_whole(stored.log, database.file() + ": damaged store");
+  if (!built) return database.damaged("its arrays do not hang together");
+  Expected<Log<Dim>>& log = *built;
   if (!log) return tl::unexpected(log.error());
   if (log->poses != stored.log.poses || log->features != stored.log.features) {
     return database.damaged("its poses or features are not in order");
   }
   if (!are_in_order(stored.segments, *log)) return database.damaged("its segments are not in order");
   log->source = (*info)["source"];
-  log->unassociated = stored.log.unassociated;
   return StoredMaps<Dim>{*std::move(log), std::move(stored.segments), {}, (*info)["options"]};
 }
 

@@ -44,12 +44,7 @@ Statement& Statement::bind(double value) {
   return *this;
 }
 
-Statement& Statement::bind_text(std::string_view text) {
-  sqlite3_bind_text64(statement_.get(), ++bound_, text.data(), text.size(), SQLITE_STATIC, SQLITE_UTF8);
-  return *this;
-}
-
-Statement& Statement::bind_blob(std::string_view bytes) {
+Statement& Statement::bind(std::string_view bytes) {
   // A null pointer would bind NULL, not an empty blob.
   sqlite3_bind_blob64(statement_.get(), ++bound_, bytes.empty() ? "" : bytes.data(), bytes.size(), SQLITE_STATIC);
   return *this;

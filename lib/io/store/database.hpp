@@ -20,8 +20,7 @@ class Statement {
  public:
   Statement& bind(std::int64_t value);
   Statement& bind(double value);
-  Statement& bind_text(std::string_view text);
-  Statement& bind_blob(std::string_view bytes);
+  Statement& bind(std::string_view bytes);
   /// To the next row, or false at the end, where the statement begins anew with nothing bound.
   Expected<bool> step();
 

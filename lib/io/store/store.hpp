@@ -45,8 +45,8 @@ class StoreWriter {
 
  private:
   StoreWriter(std::filesystem::path path, store::Database database, store::Statement insert);
-  Expected<void> insert_span(std::size_t segment);
-  Expected<void> insert_map(std::size_t segment, const LocalMap<Dim>& map);
+  /// Inserts the map of the segment that is bound already.
+  Expected<bool> insert(const LocalMap<Dim>& map);
 
   std::filesystem::path path_;
   std::optional<store::Database> database_;

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include <fcntl.h>
 #include <fmt/format.h>
 #include <unistd.h>
 
 #include <algorithm>
 #include <mapjoin/io/files/output_file.hpp>
+#include <mapjoin/io/files/system_call.hpp>
 #include <mapjoin/io/store/records.hpp>
 #include <mapjoin/io/store/store.hpp>
 #include <stdexcept>
@@ -72,10 +72,8 @@ Expected<Database> open_with(const fs::path& path, const Contents<Dim>& contents
 
 /// The new name on the disk, where the folder can be asked for that.
 void sync_folder(const fs::path& path) {
-  const int descriptor = ::open(path.c_str(), O_RDONLY | O_CLOEXEC);
-  if (descriptor < 0) return;
-  ::fsync(descriptor);
-  ::close(descriptor);
+  const Descriptor folder = Descriptor::to_read(path);
+  if (folder.value() >= 0) ::fsync(folder.value());
 }
 
 }  // namespace
@@ -113,8 +111,9 @@ Expected<StoreWriter<Dim>> StoreWriter<Dim>::open(const fs::path& path, const Lo
 template <int Dim>
 Expected<void> StoreWriter<Dim>::add(std::size_t segment, const std::optional<LocalMap<Dim>>& map) {
   if (to_do().empty() || segment != to_do().front()) throw std::invalid_argument("not the next segment of a store");
-  const auto inserted = map ? insert_map(segment, *map) : insert_span(segment);
-  if (!inserted) return inserted;
+  insert_->bind(static_cast<std::int64_t>(segment));
+  const auto inserted = map ? insert(*map) : insert_->step();
+  if (!inserted) return tl::unexpected(inserted.error());
   ++done_;
   if (!map) ++undetermined_;
   if (++batch_maps_ < kBatchMaps && batch_bytes_ < kBatchBytes) return {};
@@ -123,21 +122,16 @@ Expected<void> StoreWriter<Dim>::add(std::size_t segment, const std::optional<Lo
 }
 
 template <int Dim>
-Expected<void> StoreWriter<Dim>::insert_span(std::size_t segment) {
-  return insert_->bind(static_cast<std::int64_t>(segment)).step().map([](bool) {});
-}
-
-template <int Dim>
-Expected<void> StoreWriter<Dim>::insert_map(std::size_t segment, const LocalMap<Dim>& map) {
+Expected<bool> StoreWriter<Dim>::insert(const LocalMap<Dim>& map) {
   const std::string poses = store::encode_all(map.poses);
   const std::string features = store::encode_all(map.features);
   const std::string pose_estimates = store::encode_all(map.pose_estimates);
   const std::string feature_estimates = store::encode_all(map.feature_estimates);
   const std::string information = store::encode_upper(map.information);
   batch_bytes_ += information.size();
-  insert_->bind(static_cast<std::int64_t>(segment)).bind(std::int64_t{map.base}).bind(map.chi2);
-  insert_->bind_blob(poses).bind_blob(features).bind_blob(pose_estimates).bind_blob(feature_estimates).bind_blob(information);
-  return insert_->step().map([](bool) {});
+  insert_->bind(std::int64_t{map.base}).bind(map.chi2);
+  insert_->bind(poses).bind(features).bind(pose_estimates).bind(feature_estimates).bind(information);
+  return insert_->step();
 }
 
 template <int Dim>

@@ -60,6 +60,7 @@ TEST(CovarianceText, NamesLineAndColumnOfWhatIsWrong) {
   EXPECT_EQ(message("OBS 0 17 1 2 1 2 1\n"),
             "some.txt:1:18: the covariance that ends here is not positive definite; --repair-information takes the nearest one "
             "that is, where variances are positive");
+  EXPECT_EQ(message("OBS 0 17 1 2 1 0 1\nOBS 0 -1 1 2 1 2 1\n"), "") << "what is left out needs no covariance";
   EXPECT_EQ(message("OBS 0 -2 1 2 1 0 1\n"), "some.txt:1:7: a feature has the id -2");
   EXPECT_EQ(message("OBS 0 2 1 2 1 0\n"), "some.txt:1:16: the line ends where a number is expected");
   EXPECT_EQ(message("OBS 0 2 1 2 0.9 1 0 1 5\n"), "some.txt:1:23: '5' stands where the line should end");

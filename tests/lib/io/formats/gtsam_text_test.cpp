@@ -1,8 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include <mapjoin/io/formats/gtsam_text.hpp>
+#include <filesystem>
+#include <mapjoin/io/formats/covariance_text.hpp>
 #include <mapjoin/io/open.hpp>
 #include <string>
 #include <tests/support/temporary_folder.hpp>
@@ -41,6 +43,20 @@ TEST(GtsamText, NumbersFeaturesApartFromPoses) {
       std::get<Log<2>>(read_gtsam_text(TextScanner("some.txt", kOdometry + "LANDMARK 1 1 3 4 0.25 0 4\n"), {}).value());
   ASSERT_TRUE(write_gtsam_text(log, folder.path() / "out"));
   EXPECT_THAT(testing::content_of(folder.path() / "out"), HasSubstr("\nLANDMARK 1 11 3 4 0.25 0 4\n"));
+}
+
+TEST(GtsamText, NamesTheFirstEdgeThatItCannotSayThoughManyLinesAreFilledSideBySide) {
+  const testing::TemporaryFolder folder;
+  std::string text;
+  for (int k = 0; k < 3000; ++k) text += fmt::format("ODOMETRY {} {} 1 2 0.5 4 0 0 4 0 0.25\n", k, k + 1);
+  auto log = std::get<Log<2>>(read_gtsam_text(TextScanner("some.txt", text), {}).value());
+  for (const std::size_t k : {2900u, 900u, 1700u}) log.graph.pose_factors[k].information.setZero();
+  const auto written = write_gtsam_text(log, folder.path() / "out");
+  ASSERT_FALSE(written);
+  EXPECT_EQ(written.error().message,
+            "some.txt: the edge from pose 900 to pose 901 has an information matrix that is singular, and so no covariance, "
+            "which GTSAM's text files cannot say");
+  EXPECT_FALSE(std::filesystem::exists(folder.path() / "out"));
 }
 
 TEST(GtsamText, NamesThePlaceOfWhatIsWrong) {

@@ -2,7 +2,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include <mapjoin/io/formats/isam.hpp>
+#include <mapjoin/io/formats/angle_text.hpp>
 #include <string>
 #include <tests/support/numerical_jacobian.hpp>
 

@@ -2,8 +2,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include <mapjoin/io/formats/isam.hpp>
-#include <mapjoin/io/formats/toro.hpp>
+#include <mapjoin/io/formats/angle_text.hpp>
 #include <mapjoin/io/open.hpp>
 #include <string>
 #include <tests/support/same_log.hpp>

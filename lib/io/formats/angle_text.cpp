@@ -1,0 +1,238 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <cmath>
+#include <mapjoin/geometry/euler.hpp>
+#include <mapjoin/io/formats/angle_text.hpp>
+
+namespace mapjoin {
+namespace {
+
+constexpr double kLeastCosine = 1e-6;
+
+/// ∂(x, y, z, roll, pitch, yaw)/∂step.
+Matrix<6> J_numbers_step(double roll, double pitch, double yaw) {
+  Matrix<6> J = Matrix<6>::Identity();
+  J.bottomRightCorner<3, 3>() = J_vector_euler(roll, pitch, yaw).inverse();
+  return J;
+}
+
+}  // namespace
+
+template <>
+std::pair<Pose<2>, PoseMatrix<2>> read_pose_angles(TextScanner& text) {
+  return {read_g2o_pose<2>(text), PoseMatrix<2>::Identity()};
+}
+
+template <>
+std::pair<Pose<3>, PoseMatrix<3>> read_pose_angles(TextScanner& text) {
+  const Vector<3> translation = text.vector<3>();
+  const double roll = text.number();
+  double pitch = text.number();
+  if (std::abs(std::cos(pitch)) < kLeastCosine) {
+    text.reject("at a pitch of a right angle roll and yaw are not told apart");
+    pitch = 0.0;
+  }
+  const double yaw = text.number();
+  const Rotation<3> rotation(rotation_from_euler(roll, pitch, yaw).quaternion().normalized());
+  return {{translation, rotation}, J_numbers_step(roll, pitch, yaw)};
+}
+
+template <>
+std::optional<PoseAngles<2>> pose_angles(const Pose<2>& pose) {
+  return PoseAngles<2>{{pose.translation.x(), pose.translation.y(), pose.rotation.angle()}, PoseMatrix<2>::Identity()};
+}
+
+template <>
+std::optional<PoseAngles<3>> pose_angles(const Pose<3>& pose) {
+  const Vector<3> angles = euler_from_rotation(pose.rotation);
+  if (std::abs(std::cos(angles[1])) < kLeastCosine) return std::nullopt;
+  PoseAngles<3> as_angles;
+  as_angles.numbers << pose.translation, angles;
+  as_angles.J_numbers_step = J_numbers_step(angles[0], angles[1], angles[2]);
+  return as_angles;
+}
+
+namespace {
+
+template <int Dim>
+constexpr std::string_view kEdge = Dim == 2 ? "EDGE2" : "EDGE3";
+template <int Dim>
+constexpr std::string_view kVertex = Dim == 2 ? "VERTEX2" : "VERTEX3";
+
+/// Rows and columns of the six weights of an edge in the plane.
+constexpr int kOrder[6][2] = {{0, 0}, {0, 1}, {1, 1}, {2, 2}, {0, 2}, {1, 2}};
+
+template <int Dim>
+PoseMatrix<Dim> read_weights(TextScanner& text) {
+  if constexpr (Dim == 3) {
+    return text.symmetric<6>();
+  } else {
+    PoseMatrix<2> W;
+    for (const auto& [row, col] : kOrder) W(row, col) = W(col, row) = text.number();
+    return W;
+  }
+}
+
+template <int Dim>
+void put_weights(const PoseMatrix<Dim>& W, TextLine& line) {
+  if constexpr (Dim == 3) {
+    line.add_symmetric<6>(W);
+  } else {
+    for (const auto& [row, col] : kOrder) line.add(W(row, col));
+  }
+}
+
+template <int Dim>
+PoseMatrix<Dim> turned(const PoseMatrix<Dim>& W, const PoseMatrix<Dim>& J) {
+  if constexpr (Dim == 2) {
+    return W;
+  } else {
+    const PoseMatrix<Dim> JWJ = J.transpose() * W * J;
+    return 0.5 * (JWJ + JWJ.transpose());
+  }
+}
+
+template <int Dim>
+MeasuredPose<Dim> read_toro_edge(TextScanner& text, const TextContext&) {
+  const auto [measured, J] = read_pose_angles<Dim>(text);
+  return {measured, turned<Dim>(read_weights<Dim>(text), J)};
+}
+
+template <int Dim>
+Pose<Dim> read_toro_vertex(TextScanner& text) {
+  return read_pose_angles<Dim>(text).first;
+}
+
+template <int Dim>
+Fault put_toro_edge(const MeasuredPose<Dim>& edge, TextLine& line) {
+  const auto angles = pose_angles(edge.measured);
+  if (!angles) return kRightAnglePitch;
+  line.template add<kPoseDof<Dim>>(angles->numbers);
+  put_weights<Dim>(turned<Dim>(edge.information, angles->J_numbers_step.inverse()), line);
+  return std::nullopt;
+}
+
+template <int Dim>
+Fault put_toro_vertex(const Pose<Dim>& pose, TextLine& line) {
+  const auto angles = pose_angles(pose);
+  if (!angles) return kRightAnglePitch;
+  line.template add<kPoseDof<Dim>>(angles->numbers);
+  return std::nullopt;
+}
+
+template <int Dim>
+constexpr EdgeText<Dim> kToro{
+    .name = "TORO's files",
+    .comment = Dim == 2 ? "TORO: VERTEX2 i x y phi; EDGE2 i j x y phi, information xx xy yy phiphi xphi yphi"
+                        : "TORO: VERTEX3 i x y z roll pitch yaw; EDGE3 i j x y z roll pitch yaw, information row by row",
+    .edge_tag = kEdge<Dim>,
+    .pose_tag = kVertex<Dim>,
+    .read_edge = read_toro_edge<Dim>,
+    .read_pose = read_toro_vertex<Dim>,
+    .put_edge = put_toro_edge<Dim>,
+    .put_pose = put_toro_vertex<Dim>,
+};
+
+template <int Dim>
+constexpr std::string_view kObservation = Dim == 2 ? "LANDMARK" : "POINT3";
+
+template <int Size>
+Matrix<Size> read_square_root(TextScanner& text) {
+  return text.symmetric<Size>().template triangularView<Eigen::Upper>();
+}
+
+template <int Size>
+Matrix<Size> squared(const Matrix<Size>& S) {
+  const Matrix<Size> W = S.transpose() * S;
+  return 0.5 * (W + W.transpose());
+}
+
+/// The upper triangle S with SᵀS = W; rows that W does not determine are zero.
+template <int Size>
+Matrix<Size> square_root(Matrix<Size> W) {
+  constexpr double kRoundOff = 1e-14;
+  Matrix<Size> S = Matrix<Size>::Zero();
+  const Vector<Size> diagonal = W.diagonal();
+  for (int i = 0; i < Size; ++i) {
+    if (!(W(i, i) > kRoundOff * diagonal[i])) continue;
+    S.row(i).tail(Size - i) = W.row(i).tail(Size - i) / std::sqrt(W(i, i));
+    W -= S.row(i).transpose() * S.row(i);
+  }
+  return S;
+}
+
+template <int Dim>
+MeasuredPose<Dim> read_isam_edge(TextScanner& text, const TextContext&) {
+  const auto [measured, J] = read_pose_angles<Dim>(text);
+  return {measured, squared<kPoseDof<Dim>>(read_square_root<kPoseDof<Dim>>(text) * J)};
+}
+
+template <int Dim>
+MeasuredPoint<Dim> read_isam_point(TextScanner& text, const TextContext&) {
+  const Point<Dim> measured = text.vector<Dim>();
+  return {measured, squared<Dim>(read_square_root<Dim>(text))};
+}
+
+template <int Dim>
+Fault put_isam_edge(const MeasuredPose<Dim>& edge, TextLine& line) {
+  const auto angles = pose_angles(edge.measured);
+  if (!angles) return kRightAnglePitch;
+  const PoseMatrix<Dim> J = angles->J_numbers_step.inverse();
+  line.template add<kPoseDof<Dim>>(angles->numbers);
+  line.template add_symmetric<kPoseDof<Dim>>(square_root<kPoseDof<Dim>>(J.transpose() * edge.information * J));
+  return std::nullopt;
+}
+
+template <int Dim>
+Fault put_isam_point(const MeasuredPoint<Dim>& point, TextLine& line) {
+  line.template add<Dim>(point.measured).template add_symmetric<Dim>(square_root<Dim>(point.information));
+  return std::nullopt;
+}
+
+template <int Dim>
+constexpr EdgeText<Dim> kIsam{
+    .name = "iSAM's files",
+    .comment = Dim == 2 ? "iSAM: EDGE2 i j x y phi, square root of the information; LANDMARK i feature x y, likewise"
+                        : "iSAM: EDGE3 i j x y z roll pitch yaw, square root of the information; POINT3 i feature x y z",
+    .edge_tag = kEdge<Dim>,
+    .observation_tag = kObservation<Dim>,
+    .read_edge = read_isam_edge<Dim>,
+    .read_point = read_isam_point<Dim>,
+    .put_edge = put_isam_edge<Dim>,
+    .put_point = put_isam_point<Dim>,
+};
+
+}  // namespace
+
+bool is_toro_vertex_tag(std::string_view tag) {
+  return tag == kVertex<2> || tag == kVertex<3>;
+}
+
+Expected<AnyLog> read_toro(TextScanner text, const ReadOptions& options) {
+  return read_edge_text(std::move(text), kToro<2>, &kToro<3>, options);
+}
+
+template <int Dim>
+Expected<void> write_toro(const Log<Dim>& log, const std::filesystem::path& path) {
+  return write_edge_text(log, kToro<Dim>, path);
+}
+
+template Expected<void> write_toro(const Log<2>&, const std::filesystem::path&);
+template Expected<void> write_toro(const Log<3>&, const std::filesystem::path&);
+
+bool is_isam_tag(std::string_view tag) {
+  return tag == kEdge<2> || tag == kObservation<2> || tag == kEdge<3> || tag == kObservation<3>;
+}
+
+Expected<AnyLog> read_isam(TextScanner text, const ReadOptions& options) {
+  return read_edge_text(std::move(text), kIsam<2>, &kIsam<3>, options);
+}
+
+template <int Dim>
+Expected<void> write_isam(const Log<Dim>& log, const std::filesystem::path& path) {
+  return write_edge_text(log, kIsam<Dim>, path);
+}
+
+template Expected<void> write_isam(const Log<2>&, const std::filesystem::path&);
+template Expected<void> write_isam(const Log<3>&, const std::filesystem::path&);
+
+}  // namespace mapjoin

@@ -1,0 +1,39 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+// The ids that a text file declares by vertices, and where it does, to name repeated and missing ones.
+
+#include <algorithm>
+#include <cstdint>
+#include <mapjoin/io/files/text_scanner.hpp>
+#include <optional>
+#include <vector>
+
+namespace mapjoin {
+
+class DeclaredIds {
+ public:
+  struct Item {
+    std::uint64_t key;
+    Place place;
+  };
+
+  void add(std::uint64_t key, const Place& place) { items_.push_back({key, place}); }
+  void append(const DeclaredIds& later) { items_.insert(items_.end(), later.items_.begin(), later.items_.end()); }
+  std::size_t size() const { return items_.size(); }
+
+  /// To be called before contains() and repetition().
+  void sort() {
+    if (!std::ranges::is_sorted(items_, {}, &Item::key)) std::ranges::stable_sort(items_, {}, &Item::key);
+  }
+  bool contains(std::uint64_t key) const { return std::ranges::binary_search(items_, key, {}, &Item::key); }
+  /// Where an id is declared for the second time.
+  std::optional<Item> repetition() const {
+    const auto first = std::ranges::adjacent_find(items_, {}, &Item::key);
+    return first == items_.end() ? std::nullopt : std::optional(*std::next(first));
+  }
+
+ private:
+  std::vector<Item> items_;
+};
+
+}  // namespace mapjoin

@@ -1,0 +1,23 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+// Some lines of a text of edges, each by itself: what they mean together is the reader's.
+
+#include <mapjoin/io/formats/declared_ids.hpp>
+#include <mapjoin/io/formats/edge_text.hpp>
+#include <mapjoin/model/log_builder.hpp>
+
+namespace mapjoin {
+
+template <int Dim>
+struct EdgeTextPiece {
+  LogBuilder<Dim> builder;
+  DeclaredIds poses;
+  DeclaredIds features;
+  std::optional<Error> fault;  ///< What is wrong with the line after these.
+};
+
+/// Reads `piece` as far as it is right.
+template <int Dim>
+EdgeTextPiece<Dim> read_edge_text_piece(TextScanner piece, const EdgeText<Dim>& format, const TextContext& context);
+
+}  // namespace mapjoin

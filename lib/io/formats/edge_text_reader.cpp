@@ -1,0 +1,140 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <mapjoin/io/formats/edge_text_piece.hpp>
+#include <mapjoin/io/g2o/fields.hpp>
+#include <mapjoin/parallel/parallel.hpp>
+#include <numeric>
+#include <utility>
+#include <vector>
+
+namespace mapjoin {
+namespace {
+
+/// Pieces of a file are read side by side, so many at once; what they say is taken in their order.
+constexpr std::size_t kPiecesAtOnce = 64;
+
+template <int Dim>
+class EdgeTextReader {
+ public:
+  EdgeTextReader(TextScanner text, const EdgeText<Dim>& format, const ReadOptions& options, Extent extent)
+      : begin_(std::move(text)),
+        format_(format),
+        context_{options, extent.is_whole, {}},
+        piece_bytes_(extent.piece_bytes),
+        builder_(begin_.source(), format.has_g2o_lines ? g2o_conventions(options) : Conventions(), Numbers::kChecked) {}
+
+  Expected<Log<Dim>> read() && {
+    const std::vector<TextScanner> pieces = begin_.pieces(piece_bytes_);
+    const bool has_observations = make_room(pieces);
+    if (Dim == 3 && format_.has_g2o_lines && has_observations) {
+      auto offsets = read_g2o_offsets(begin_);
+      if (!offsets) return tl::unexpected(offsets.error());
+      context_.offsets = *std::move(offsets);
+    }
+    if (auto taken = read_and_take(pieces); !taken) return tl::unexpected(taken.error());
+    if (auto once = check_once(poses_, "pose").and_then([&] { return check_once(features_, "feature"); }); !once) {
+      return tl::unexpected(once.error());
+    }
+    auto log = std::move(builder_).finish();
+    if (log && context_.is_whole && poses_.size() + features_.size() > 0 &&
+        (log->poses.size() > poses_.size() || log->features.size() > features_.size())) {
+      return tl::unexpected(undeclared());
+    }
+    return log;
+  }
+
+ private:
+  static Conventions g2o_conventions(const ReadOptions& options) {
+    return {.pose_error = options.pose_error,
+            .rotation_information = Dim == 3 ? options.rotation_information : RotationInformation::kVector};
+  }
+
+  /// Growing the vectors of a large log costs as much as reading it. A count is believed as far as so many lines that are
+  /// complete, of two bytes a number at least, fit into the file. Returns whether there are observations of features.
+  bool make_room(const std::vector<TextScanner>& pieces) {
+    std::vector<std::size_t> edges(pieces.size());
+    std::vector<std::size_t> observations(pieces.size());
+    parallel_for(pieces.size(), [&](std::size_t k) {
+      for (TextScanner ahead = pieces[k]; ahead.next_line();) {
+        const std::string_view tag = ahead.word();
+        if (tag == format_.edge_tag) ++edges[k];
+        if (tag == format_.observation_tag) ++observations[k];
+      }
+    });
+    const auto count = [&](const std::vector<std::size_t>& counts, int dof) {
+      const auto bytes = static_cast<std::size_t>(2 * (2 + dof + dof * (dof + 1) / 2));
+      return std::min(std::accumulate(counts.begin(), counts.end(), std::size_t{0}), begin_.size() / bytes);
+    };
+    const std::size_t observed = count(observations, Dim);
+    builder_.reserve(count(edges, kPoseDof<Dim>), observed);
+    return observed > 0;
+  }
+
+  /// What a piece says is taken while later ones are read.
+  Expected<void> read_and_take(const std::vector<TextScanner>& pieces) {
+    std::vector<std::optional<EdgeTextPiece<Dim>>> read(pieces.size());
+    std::optional<Error> fault;
+    parallel_in_order(
+        pieces.size(), kPiecesAtOnce, [&](std::size_t k) { read[k] = read_edge_text_piece<Dim>(pieces[k], format_, context_); },
+        [&](std::size_t k) {
+          const EdgeTextPiece<Dim> piece = *std::exchange(read[k], std::nullopt);
+          builder_.append(piece.builder);
+          poses_.append(piece.poses);
+          features_.append(piece.features);
+          fault = piece.fault;
+          return !fault;
+        });
+    return fault ? tl::unexpected(*fault) : Expected<void>();
+  }
+
+  Expected<void> check_once(DeclaredIds& declared, const char* what) const {
+    declared.sort();
+    const auto twice = declared.repetition();
+    if (!twice) return {};
+    return begin_.error(twice->place, fmt::format("{} {} is declared a second time", what, twice->key));
+  }
+
+  /// In a second look at the file, the first edge to an id that no vertex declares.
+  Error undeclared() const {
+    for (TextScanner text = begin_; text.next_line();) {
+      const std::string_view tag = text.word();
+      const Place place = text.place();
+      if (tag != format_.edge_tag && tag != format_.observation_tag) continue;
+      const std::uint64_t pose = text.key();
+      const std::uint64_t target = text.key();
+      const bool is_pose = tag == format_.edge_tag;
+      if (poses_.contains(pose) && (is_pose ? poses_ : features_).contains(target)) continue;
+      const std::string missing = !poses_.contains(pose) ? to_string(PoseId{0, pose})
+                                  : is_pose              ? to_string(PoseId{0, target})
+                                                         : to_string(FeatureId{target});
+      return text.error(place, fmt::format("the file declares vertices, but not {}", missing)).value();
+    }
+    return {};
+  }
+
+  TextScanner begin_;
+  const EdgeText<Dim>& format_;
+  TextContext context_;
+  std::size_t piece_bytes_;
+  LogBuilder<Dim> builder_;
+  DeclaredIds poses_;
+  DeclaredIds features_;
+};
+
+}  // namespace
+
+Expected<AnyLog> read_edge_text(TextScanner text, const EdgeText<2>& plane, const EdgeText<3>* space,
+                                const ReadOptions& options, Extent extent) {
+  for (TextScanner ahead = text; ahead.next_line();) {
+    const std::string_view tag = ahead.word();
+    if (plane.has_tag(tag)) return EdgeTextReader<2>(std::move(text), plane, options, extent).read();
+    if (space && space->has_tag(tag)) return EdgeTextReader<3>(std::move(text), *space, options, extent).read();
+    const bool is_passed_over = plane.has_g2o_lines && (tag == kG2oFix || is_g2o_parameter(tag));
+    if (!is_passed_over) return ahead.error(fmt::format("unknown tag {}", in_quotes(tag)));
+  }
+  return bad_input(fmt::format("{}: the log has no poses", text.source()));
+}
+
+}  // namespace mapjoin

@@ -1,0 +1,150 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <fmt/format.h>
+
+#include <mapjoin/io/formats/edge_text.hpp>
+#include <mapjoin/io/g2o/numbering.hpp>
+#include <mutex>
+#include <utility>
+
+namespace mapjoin {
+namespace {
+
+template <int Dim>
+class EdgeTextWriter {
+ public:
+  EdgeTextWriter(const EdgeTextContents<Dim>& contents, const EdgeText<Dim>& format, const G2oNumbering& numbering,
+                 OutputFile file)
+      : contents_(contents), format_(format), numbering_(numbering), file_(std::move(file)) {}
+
+  Expected<void> write() && {
+    for (const std::string& comment : contents_.comments) line_.add("#").add(comment).write_to(file_);
+    if (contents_.poses) write_poses(*contents_.poses);
+    if (contents_.features) write_features(*contents_.features);
+    for (const Index pose : contents_.fixed) line_.add(kG2oFix).add(numbering_(pose_id(pose))).write_to(file_);
+    if (contents_.log) write_edges(contents_.log->edges());
+    if (contents_.log) write_observations(contents_.log->observations());
+    if (!fault_) return file_.commit();
+    return tl::unexpected(
+        Error{ErrorKind::kUsage, fmt::format("{}: {}, which {} cannot say", contents_.source, *fault_, format_.name)});
+  }
+
+ private:
+  const PoseId& pose_id(Index pose) const { return contents_.pose_ids[static_cast<std::size_t>(pose)]; }
+
+  /// `put(line, k)` gives what the format has no words for, if anything; the first such k counts.
+  template <typename Put>
+  void write_each(std::size_t count, const Put& put) {
+    std::mutex mutex;
+    std::size_t first = count;
+    Fault first_fault;
+    write_lines(file_, ' ', count, [&](TextLine& line, std::size_t k) {
+      Fault fault = put(line, k);
+      if (!fault) return;
+      const std::scoped_lock lock(mutex);
+      if (k >= first) return;
+      first = k;
+      first_fault = std::move(fault);
+    });
+    if (!fault_) fault_ = std::move(first_fault);
+  }
+
+  template <typename Measured>
+  Fault put_measured(Measured measured, Fault (*put)(const Measured&, TextLine&), TextLine& line) const {
+    auto& W = measured.information;
+    const Fault fault = format_.has_covariances ? covariance_of(W, W) : std::nullopt;
+    return fault ? fault : put(measured, line);
+  }
+
+  void write_poses(const std::vector<Pose<Dim>>& poses) {
+    write_each(poses.size(), [&](TextLine& line, std::size_t k) -> Fault {
+      const PoseId& id = contents_.pose_ids[k];
+      const auto fault = format_.put_pose(poses[k], line.add(format_.pose_tag).add(numbering_(id)));
+      return fault ? to_string(id) + " " + *fault : fault;
+    });
+  }
+
+  void write_features(const std::vector<Point<Dim>>& features) {
+    write_each(features.size(), [&](TextLine& line, std::size_t k) -> Fault {
+      line.add(format_.feature_tag).add(numbering_(contents_.feature_ids[k])).template add<Dim>(features[k]);
+      return std::nullopt;
+    });
+  }
+
+  void write_edges(std::span<const PoseFactor<Dim>> edges) {
+    write_each(edges.size(), [&](TextLine& line, std::size_t k) -> Fault {
+      const PoseId& base = pose_id(edges[k].base);
+      const PoseId& target = pose_id(edges[k].target);
+      line.add(format_.edge_tag).add(numbering_(base)).add(numbering_(target));
+      const auto fault = put_measured(MeasuredPose<Dim>{edges[k].measured, edges[k].information}, format_.put_edge, line);
+      return fault ? fmt::format("the edge from {} to {} {}", to_string(base), to_string(target), *fault) : fault;
+    });
+  }
+
+  void write_observations(std::span<const FeatureFactor<Dim>> observations) {
+    if (format_.observation_tag.empty() || observations.empty()) return;
+    if (!format_.offset_line.empty()) line_.add(format_.offset_line).write_to(file_);
+    write_each(observations.size(), [&](TextLine& line, std::size_t k) -> Fault {
+      const FeatureFactor<Dim>& seen = observations[k];
+      const PoseId& pose = pose_id(seen.base);
+      const FeatureId feature = contents_.feature_ids[static_cast<std::size_t>(seen.target)];
+      line.add(format_.observation_tag).add(numbering_(pose)).add(numbering_(feature));
+      const auto fault = put_measured(MeasuredPoint<Dim>{seen.measured, seen.information}, format_.put_point, line);
+      return fault ? fmt::format("the observation of {} from {} {}", to_string(feature), to_string(pose), *fault) : fault;
+    });
+  }
+
+  const EdgeTextContents<Dim>& contents_;
+  const EdgeText<Dim>& format_;
+  G2oNumbering numbering_;
+  OutputFile file_;
+  TextLine line_{' '};
+  Fault fault_;
+};
+
+}  // namespace
+
+template <int Size>
+Fault covariance_of(const Matrix<Size>& information, Matrix<Size>& covariance) {
+  const auto inverse = information_of_covariance<Size>(information);
+  // Nor is it one that readers would not take.
+  if (!inverse || !information_of_covariance<Size>(*inverse)) {
+    return "has an information matrix that is singular, and so no covariance";
+  }
+  covariance = *inverse;
+  return std::nullopt;
+}
+
+template <int Dim>
+Expected<void> write_edge_text(const EdgeTextContents<Dim>& contents, const EdgeText<Dim>& format,
+                               const std::filesystem::path& path) {
+  const auto numbering =
+      number_for_g2o(contents.pose_ids, format.one_numbering ? contents.feature_ids : std::vector<FeatureId>());
+  if (!numbering) return tl::unexpected(numbering.error());
+  return OutputFile::create(path).and_then(
+      [&](OutputFile&& file) { return EdgeTextWriter<Dim>(contents, format, *numbering, std::move(file)).write(); });
+}
+
+template <int Dim>
+Expected<void> write_edge_text(const Log<Dim>& log, const EdgeText<Dim>& format, const std::filesystem::path& path) {
+  EdgeTextContents<Dim> contents{log.source, log.poses, log.features, {std::string(format.comment)}};
+  contents.log = &log;
+  if (!format.pose_tag.empty()) contents.poses = &log.initial.poses;
+  if (contents.poses && contents.poses->empty()) {
+    return tl::unexpected(Error{ErrorKind::kUsage, fmt::format("{}: the log has no values of its poses, which {} cannot say",
+                                                               log.source, format.name)});
+  }
+  return write_edge_text(contents, format, path);
+}
+
+#define MAPJOIN_INSTANTIATE(Dim)                                                                                             \
+  template Expected<void> write_edge_text(const EdgeTextContents<Dim>&, const EdgeText<Dim>&, const std::filesystem::path&); \
+  template Expected<void> write_edge_text(const Log<Dim>&, const EdgeText<Dim>&, const std::filesystem::path&);
+MAPJOIN_INSTANTIATE(2)
+MAPJOIN_INSTANTIATE(3)
+#undef MAPJOIN_INSTANTIATE
+template Fault covariance_of(const Matrix<2>&, Matrix<2>&);
+template Fault covariance_of(const Matrix<3>&, Matrix<3>&);
+template Fault covariance_of(const Matrix<6>&, Matrix<6>&);
+template Fault covariance_of(const Matrix<Eigen::Dynamic>&, Matrix<Eigen::Dynamic>&);
+
+}  // namespace mapjoin

@@ -1,0 +1,168 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <fmt/format.h>
+
+#include <mapjoin/io/formats/edge_text.hpp>
+#include <mapjoin/io/g2o/g2o.hpp>
+#include <stdexcept>
+#include <utility>
+
+namespace mapjoin {
+namespace {
+
+/// In the frame of the pose, wherever the sensor stands.
+template <int Dim>
+MeasuredPoint<Dim> seen_from(const Pose<Dim>& sensor, const MeasuredPoint<Dim>& seen) {
+  return {transform(sensor, seen.measured), turned_to_parent<Dim>(seen.information, sensor.rotation)};
+}
+
+template <int Dim>
+MeasuredPoint<Dim> read_point(TextScanner& text, const TextContext& context) {
+  if constexpr (Dim == 2) {
+    return seen_from<2>({}, read_plain_point<2>(text, context));
+  } else {
+    const std::uint64_t key = text.key();
+    const auto offset = context.offsets.find(key);
+    if (offset == context.offsets.end()) text.reject(fmt::format("no {} line gives the sensor offset {}", kG2oOffset, key));
+    const Pose<3> sensor = offset == context.offsets.end() ? Pose<3>{} : offset->second;
+    return seen_from<3>(sensor, read_plain_point<3>(text, context));
+  }
+}
+
+/// Turned before it is checked: what passes the check then passes again where it is written and read back.
+template <int Dim>
+MeasuredPose<Dim> read_edge(TextScanner& text, const TextContext& context) {
+  const auto [measured, W] = read_plain_edge<Dim>(text, context);
+  return {measured, from_g2o<Dim>(W, measured, context.options)};
+}
+
+/// The one sensor offset is the identity.
+Fault put_point_seen_from_0(const MeasuredPoint<3>& point, TextLine& line) {
+  return put_plain_point<3>(point, line.add(0));
+}
+
+template <int Dim>
+bool is_tag_of(std::string_view tag);
+
+constexpr EdgeText<2> kPlane{.name = "g2o files",
+                             .edge_tag = "EDGE_SE2",
+                             .observation_tag = "EDGE_SE2_XY",
+                             .pose_tag = "VERTEX_SE2",
+                             .feature_tag = "VERTEX_XY",
+                             .one_numbering = true,
+                             .has_g2o_lines = true,
+                             .is_of_other_dimension = is_tag_of<3>,
+                             .read_edge = read_edge<2>,
+                             .read_point = read_point<2>};
+constexpr EdgeText<3> kSpace{.name = "g2o files",
+                             .edge_tag = "EDGE_SE3:QUAT",
+                             .offset_line = "PARAMS_SE3OFFSET 0 0 0 0 0 0 0 1",
+                             .observation_tag = "EDGE_SE3_TRACKXYZ",
+                             .pose_tag = "VERTEX_SE3:QUAT",
+                             .feature_tag = "VERTEX_TRACKXYZ",
+                             .one_numbering = true,
+                             .has_g2o_lines = true,
+                             .is_of_other_dimension = is_tag_of<2>,
+                             .read_edge = read_edge<3>,
+                             .read_point = read_point<3>,
+                             .put_point = put_point_seen_from_0};
+
+template <int Dim>
+constexpr const EdgeText<Dim>& format() {
+  if constexpr (Dim == 2) {
+    return kPlane;
+  } else {
+    return kSpace;
+  }
+}
+
+template <int Dim>
+bool is_tag_of(std::string_view tag) {
+  return format<Dim>().has_tag(tag);
+}
+
+/// What a g2o file holds of these names, to be filled.
+template <int Dim>
+EdgeTextContents<Dim> contents_of(std::string_view source, const std::vector<PoseId>& poses,
+                                  const std::vector<FeatureId>& features) {
+  return {
+      source,
+      poses,
+      features,
+      {"Information matrices weigh the difference between measured and predicted relative pose:",
+       Dim == 2 ? "translation in the frame of the first pose, then heading."
+                : "translation in the frame of the first pose, then the rotation vector (not the quaternion).",
+       "One numbering: keys of features and of sessions beyond the first are moved by a power of ten where they met others."}};
+}
+
+/// The vertices of a log, fixed poses at the value they are fixed at; none unless every pose and feature has an initial value.
+template <int Dim>
+std::vector<Pose<Dim>> pose_vertices(const Log<Dim>& log) {
+  if (log.initial.features.size() < log.features.size()) return {};
+  std::vector<Pose<Dim>> poses = log.initial.poses;
+  if (poses.empty()) return poses;
+  for (const FixedPose<Dim>& fixed : log.graph.fixed) poses[static_cast<std::size_t>(fixed.pose)] = fixed.value;
+  return poses;
+}
+
+template <int Dim>
+Expected<void> check_expressible(const Log<Dim>& log, bool has_vertices) {
+  const auto cannot = [](std::string message) { return tl::unexpected(Error{ErrorKind::kUsage, std::move(message)}); };
+  const std::size_t priors = log.pose_priors().size() + log.feature_priors().size();
+  if (priors > 0) return cannot(fmt::format("g2o files cannot hold the {} priors of this log", priors));
+  for (const FixedPose<Dim>& fixed : log.graph.fixed) {
+    if (has_vertices || local(fixed.value, Pose<Dim>{}).isZero(0.0)) continue;
+    return cannot(fmt::format("g2o files cannot fix {} away from the origin without initial values of every pose and feature",
+                              to_string(log.poses[static_cast<std::size_t>(fixed.pose)])));
+  }
+  return {};
+}
+
+}  // namespace
+
+bool is_g2o_tag(std::string_view tag) {
+  return kPlane.has_tag(tag) || kSpace.has_tag(tag) || tag == kG2oFix || is_g2o_parameter(tag);
+}
+
+Expected<AnyLog> read_g2o(TextScanner text, const ReadOptions& options) {
+  return read_edge_text(std::move(text), kPlane, &kSpace, options);
+}
+
+Expected<AnyLog> read_g2o_in_pieces(TextScanner text, const ReadOptions& options, std::size_t piece_bytes) {
+  return read_edge_text(std::move(text), kPlane, &kSpace, options, {.piece_bytes = piece_bytes});
+}
+
+Expected<AnyLog> read_g2o_part(TextScanner text, const ReadOptions& options) {
+  return read_edge_text(std::move(text), kPlane, &kSpace, options, {.is_whole = false});
+}
+
+template <int Dim>
+Expected<void> write_g2o(const Log<Dim>& log, const std::filesystem::path& path) {
+  const std::vector<Pose<Dim>> poses = pose_vertices(log);
+  if (auto expressible = check_expressible(log, !poses.empty()); !expressible) return expressible;
+  auto contents = contents_of<Dim>(log.source, log.poses, log.features);
+  if (!poses.empty()) contents.poses = &poses;
+  if (!poses.empty()) contents.features = &log.initial.features;
+  for (const FixedPose<Dim>& fixed : log.graph.fixed) contents.fixed.push_back(fixed.pose);
+  contents.log = &log;
+  return write_edge_text(contents, format<Dim>(), path);
+}
+
+template <int Dim>
+Expected<void> write_g2o(const GlobalMap<Dim>& map, const Log<Dim>* log, const std::filesystem::path& path) {
+  if (log && (log->poses != map.pose_ids || log->features != map.feature_ids)) {
+    throw std::invalid_argument("write_g2o: the log is over other poses or features than the map");
+  }
+  auto contents = contents_of<Dim>("", map.pose_ids, map.feature_ids);
+  contents.poses = &map.poses;
+  contents.features = &map.features;
+  contents.fixed = map.gauge;
+  contents.log = log;
+  return write_edge_text(contents, format<Dim>(), path);
+}
+
+template Expected<void> write_g2o(const Log<2>&, const std::filesystem::path&);
+template Expected<void> write_g2o(const Log<3>&, const std::filesystem::path&);
+template Expected<void> write_g2o(const GlobalMap<2>&, const Log<2>*, const std::filesystem::path&);
+template Expected<void> write_g2o(const GlobalMap<3>&, const Log<3>*, const std::filesystem::path&);
+
+}  // namespace mapjoin
