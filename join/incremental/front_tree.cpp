@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <algorithm>
 #include <deque>
+#include <map>
 #include <mapjoin/join/incremental/front_tree.hpp>
 #include <utility>
 
@@ -70,6 +71,32 @@ void FrontTree::change_quadratic(QuadraticIndex q, Eigen::MatrixXd H) {
 
 Eigen::Map<const Eigen::VectorXd> FrontTree::solution(Variable v) const {
   return {solution_.data() + variables_[v].offset, variables_[v].dof};
+}
+
+/// YᵀY with L Y = E, the columns of the identity of v; rows of Y are zero but on the way from its front to the root.
+Eigen::MatrixXd FrontTree::covariance(Variable v) const {
+  const int dof = variables_[v].dof;
+  Eigen::MatrixXd covariance = Eigen::MatrixXd::Zero(dof, dof);
+  std::map<Variable, Eigen::MatrixXd> rhs{{v, Eigen::MatrixXd::Identity(dof, dof)}};
+  const auto rows_of = [&](Variable of) -> Eigen::MatrixXd& {
+    return rhs.try_emplace(of, Eigen::MatrixXd::Zero(variables_[of].dof, dof)).first->second;
+  };
+  for (NodeIndex n = variables_[v].node; n != kNone; n = nodes_[n].parent) {
+    const Node& node = nodes_[n];
+    Eigen::MatrixXd Y(node.L.cols(), dof);
+    Eigen::Index row = 0;
+    for (const Variable frontal : node.frontals) {
+      Y.middleRows(row, variables_[frontal].dof) = rows_of(frontal);
+      row += variables_[frontal].dof;
+    }
+    node.L.topRows(row).triangularView<Eigen::Lower>().solveInPlace(Y);
+    covariance += Y.transpose() * Y;
+    for (const Variable above : node.update.variables) {
+      rows_of(above) -= node.L.middleRows(row, variables_[above].dof) * Y;
+      row += variables_[above].dof;
+    }
+  }
+  return covariance;
 }
 
 void FrontTree::set_solution(Variable v, const Eigen::Ref<const Eigen::VectorXd>& entries) {

@@ -37,6 +37,8 @@ class FrontTree {
   std::size_t update(std::span<const Variable> last);
   /// Where the sum is least: the entries of a variable.
   Eigen::Map<const Eigen::VectorXd> solution(Variable v) const;
+  /// The marginal covariance of a variable, whose information matrix is the sum, as of the last update.
+  Eigen::MatrixXd covariance(Variable v) const;
   /// The variables that the last update moved by more than a thousandth of a standard deviation; the others stand where they
   /// stood.
   const std::vector<Variable>& moved() const { return moved_; }
