@@ -74,7 +74,7 @@ Eigen::Map<const Eigen::VectorXd> FrontTree::solution(Variable v) const {
 }
 
 /// YᵀY with L Y = E, the columns of the identity of v; rows of Y are zero but on the way from its front to the root.
-Eigen::MatrixXd FrontTree::covariance(Variable v) const {
+std::optional<Eigen::MatrixXd> FrontTree::covariance(Variable v) const {
   const int dof = variables_[v].dof;
   Eigen::MatrixXd covariance = Eigen::MatrixXd::Zero(dof, dof);
   std::map<Variable, Eigen::MatrixXd> rhs{{v, Eigen::MatrixXd::Identity(dof, dof)}};
@@ -83,6 +83,7 @@ Eigen::MatrixXd FrontTree::covariance(Variable v) const {
   };
   for (NodeIndex n = variables_[v].node; n != kNone; n = nodes_[n].parent) {
     const Node& node = nodes_[n];
+    if (node.is_singular) return std::nullopt;
     Eigen::MatrixXd Y(node.L.cols(), dof);
     Eigen::Index row = 0;
     for (const Variable frontal : node.frontals) {
@@ -124,8 +125,13 @@ std::size_t FrontTree::eliminate_touched(std::span<const Variable> last) {
   }
   SparseCholesky cholesky(Updates::kKept);
   cholesky.analyse(elimination.matrix, given);
-  cholesky.factorise(elimination.matrix, given);
+  const auto singular = cholesky.factorise(elimination.matrix, given);
   replace(opened, elimination, cholesky);
+  for (const std::int64_t row : singular) {
+    const auto& offsets = elimination.matrix.offsets;
+    const Column column(std::upper_bound(offsets.begin(), offsets.end(), row) - offsets.begin() - 1);
+    nodes_[variables_[opened.variables[elimination.order[column]]].node].is_singular = true;
+  }
   for (const Variable v : opened.variables) variables_[v].place = kConstant;
   return opened.variables.size() - 1;  // kOne is none of the caller's
 }

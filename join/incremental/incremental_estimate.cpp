@@ -70,15 +70,15 @@ Settling IncrementalEstimate<Dim>::settle(std::span<const Index> last) {
 }
 
 template <int Dim>
-Eigen::MatrixXd IncrementalEstimate<Dim>::covariance(Index v) const {
+std::optional<Eigen::MatrixXd> IncrementalEstimate<Dim>::covariance(Index v) const {
   const JoinedVariable<Dim>& of = variable(v);
-  if (of.column == kConstant) return Eigen::MatrixXd::Zero(of.dof(), of.dof());
-  Eigen::MatrixXd covariance = tree_.covariance(of.column);  // of δ
-  if (Dim == 2 || !of.is_pose) return covariance;
+  if (of.column == kConstant) return Eigen::MatrixXd(Eigen::MatrixXd::Zero(of.dof(), of.dof()));
+  const auto covariance = tree_.covariance(of.column);  // of δ
+  if (Dim == 2 || !of.is_pose || !covariance) return covariance;
   PoseMatrix<Dim> J_step_delta = PoseMatrix<Dim>::Identity();
   J_step_delta.template bottomRightCorner<kRotationDof<Dim>, kRotationDof<Dim>>() =
       right_jacobian<Dim>(of.step.template tail<kRotationDof<Dim>>());
-  return J_step_delta * covariance * J_step_delta.transpose();
+  return Eigen::MatrixXd(J_step_delta * *covariance * J_step_delta.transpose());
 }
 
 /// Anew, without the rounding of all that was added and taken away.

@@ -36,8 +36,9 @@ class IncrementalEstimate {
 
   const JoinedVariables<Dim>& variables() const { return variables_; }
   const JoinedVariable<Dim>& variable(Index v) const { return variables_[static_cast<std::size_t>(v)]; }
-  /// Of the step of a variable at its value, as of the last settling; dof() rows, zero where it is anchored.
-  Eigen::MatrixXd covariance(Index variable) const;
+  /// Of the step of a variable at its value, as of the last settling; dof() rows, zero where it is anchored, nothing where it
+  /// may not be determined (see FrontTree).
+  std::optional<Eigen::MatrixXd> covariance(Index variable) const;
   double chi2() const { return chi2_; }
   /// Measured rows less free entries.
   std::int64_t dof() const { return rows_ - free_; }

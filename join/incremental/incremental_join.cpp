@@ -45,13 +45,15 @@ const Point<Dim>* IncrementalJoin<Dim>::feature(const FeatureId& id) const {
 template <int Dim>
 std::optional<PoseMatrix<Dim>> IncrementalJoin<Dim>::covariance(const PoseId& id) const {
   const Index v = find_variable(poses_, id);
-  return v < 0 ? std::nullopt : std::optional<PoseMatrix<Dim>>(estimate_.covariance(v));
+  const auto covariance = v < 0 ? std::nullopt : estimate_.covariance(v);
+  return covariance ? std::optional<PoseMatrix<Dim>>(*covariance) : std::nullopt;
 }
 
 template <int Dim>
 std::optional<PointMatrix<Dim>> IncrementalJoin<Dim>::covariance(const FeatureId& id) const {
   const Index v = find_variable(features_, id);
-  return v < 0 ? std::nullopt : std::optional<PointMatrix<Dim>>(estimate_.covariance(v));
+  const auto covariance = v < 0 ? std::nullopt : estimate_.covariance(v);
+  return covariance ? std::optional<PointMatrix<Dim>>(*covariance) : std::nullopt;
 }
 
 /// Null also for the World, which is no pose.
