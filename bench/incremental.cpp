@@ -42,7 +42,7 @@ struct Batch {
 template <int Dim>
 Expected<Batch> batch_of(const std::vector<const SubmapUpdate<Dim>*>& updates) {
   const SubmapSet<Dim> set = set_of(updates);
-  const SubmapGraph<Dim> graph = submap_graph_of_updates(set);
+  const SubmapGraph<Dim> graph = submap_graph_of(set);
   const double start = cpu_seconds();
   const auto joined = join(graph, set.poses, set.features, JoinOptions<Dim>{});
   if (!joined) return tl::unexpected(joined.error());
@@ -67,7 +67,7 @@ Expected<Course> course_of(const std::vector<SubmapUpdate<Dim>>& updates, const 
     so_far.push_back(&update);
     SubmapUpdate<Dim> copy = update;
     const double start = cpu_seconds();
-    const AddedUpdate added = joined.add(std::move(copy));
+    const AddedUpdate added = joined.add(std::move(copy)).value();
     course.seconds.push_back(cpu_seconds() - start);
     course.eliminated += added.eliminated;
     course.batch_adopted += added.batch_adopted ? 1 : 0;

@@ -27,8 +27,8 @@ constexpr std::chrono::milliseconds kBetweenLooks(50);
 struct Step {
   std::size_t first = 0;  ///< The number of its first update, from 1, and how many there are.
   std::size_t count = 1;
-  PoseId begin, end;
-  AddedUpdate added;
+  PoseId begin = {}, end = {};
+  AddedUpdate added = {};
   double seconds = 0.0;  ///< CPU time.
 };
 
@@ -110,26 +110,23 @@ class GrowingMap {
   void join_complete(bool is_end) {
     std::vector<SubmapUpdate<Dim>> updates = maker_.take(is_end).value();
     if (count_ == 0 && updates.size() > 1) {
-      const Step step{1, updates.size(), name(updates.front(), &Segment::begin), name(updates.back(), &Segment::end), {}, 0.0};
+      const Step step{1, updates.size(), first_pose(updates.front()), last_pose(updates.back()), {}, 0.0};
       return report(step, [&] { return map_.add_all(std::move(updates)); });
     }
     for (SubmapUpdate<Dim>& update : updates) {
-      const Step step{count_ + 1, 1, name(update, &Segment::begin), name(update, &Segment::end), {}, 0.0};
+      const Step step = update.segments.empty() ? Step{count_ + 1} : Step{count_ + 1, 1, first_pose(update), last_pose(update)};
       report(step, [&] { return map_.add(std::move(update)); });
     }
   }
 
  private:
   SubmapUpdateMaker<Dim> new_maker() const { return SubmapUpdateMaker<Dim>(options_.run.split, options_.run.solver); }
-  PoseId name(const SubmapUpdate<Dim>& update, Index Segment::*pose) const {
-    return update.segment ? maker_.name((*update.segment).*pose) : PoseId{};
-  }
 
   template <typename Add>
   void report(Step step, Add&& add) {
     count_ += step.count;
     const std::clock_t start = std::clock();
-    step.added = add();
+    step.added = add().value();
     step.seconds = static_cast<double>(std::clock() - start) / CLOCKS_PER_SEC;
     report_.add(step);
   }

@@ -1,8 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // build_a_log: measurements that are in memory already, a square of one metre with a feature in its middle.
 #include <iostream>
-#include <mapjoin/join/run.hpp>
-#include <mapjoin/model/log_builder.hpp>
+#include <mapjoin/mapjoin.hpp>
 #include <numbers>
 
 int main() {

@@ -2,8 +2,7 @@
 // how_certain LOG: joint and relative covariances of a map in the plane.
 #include <array>
 #include <iostream>
-#include <mapjoin/io/open.hpp>
-#include <mapjoin/join/run.hpp>
+#include <mapjoin/mapjoin.hpp>
 #include <variant>
 
 int main(int, char** argv) {

@@ -1,9 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // map_a_log LOG: from a log in any format that is read to a map in two tables.
 #include <iostream>
-#include <mapjoin/io/formats/map_text.hpp>
-#include <mapjoin/io/open.hpp>
-#include <mapjoin/join/run.hpp>
+#include <mapjoin/mapjoin.hpp>
 #include <variant>
 
 template <int Dim>

@@ -1,9 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// map_by_map LOG: local maps joined one by one, the estimate at its optimum after each.
+// map_by_map LOG: local maps joined one by one, the estimate at its optimum after each; how certain the last pose then is.
 #include <iostream>
-#include <mapjoin/io/open.hpp>
-#include <mapjoin/join/incremental/incremental_join.hpp>
-#include <mapjoin/localmap/build.hpp>
+#include <mapjoin/mapjoin.hpp>
 #include <variant>
 
 int main(int, char** argv) {
@@ -19,7 +17,12 @@ int main(int, char** argv) {
   IncrementalJoin<2> joined;
   std::size_t added = 0;
   for (const SubmapUpdate<2>& update : submap_updates_of(log, segments, built->maps)) {
-    const AddedUpdate step = joined.add(update);
-    if (++added % 25 == 0) std::cout << added << " maps: chi2 " << step.chi2 << " over " << step.dof << '\n';
+    const auto step = joined.add(update);
+    if (!step) return 1;
+    if (++added % 25 == 0) std::cout << added << " maps: chi2 " << step->chi2 << " over " << step->dof << '\n';
+  }
+  const PoseId last = log.poses.back();
+  if (const auto covariance = joined.covariance(last)) {
+    std::cout << to_string(last) << ": " << std::sqrt(covariance->topLeftCorner<2, 2>().trace()) << " m\n";
   }
 }

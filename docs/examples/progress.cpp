@@ -1,8 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // progress LOG: a run that says how far it is, and is stopped by another thread.
 #include <iostream>
-#include <mapjoin/io/open.hpp>
-#include <mapjoin/join/run.hpp>
+#include <mapjoin/mapjoin.hpp>
 #include <variant>
 
 int main(int, char** argv) {

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <algorithm>
 #include <deque>
+#include <map>
 #include <mapjoin/join/incremental/front_tree.hpp>
 #include <utility>
 
@@ -72,6 +73,33 @@ Eigen::Map<const Eigen::VectorXd> FrontTree::solution(Variable v) const {
   return {solution_.data() + variables_[v].offset, variables_[v].dof};
 }
 
+/// YᵀY with L Y = E, the columns of the identity of v; rows of Y are zero but on the way from its front to the root.
+std::optional<Eigen::MatrixXd> FrontTree::covariance(Variable v) const {
+  const int dof = variables_[v].dof;
+  Eigen::MatrixXd covariance = Eigen::MatrixXd::Zero(dof, dof);
+  std::map<Variable, Eigen::MatrixXd> rhs{{v, Eigen::MatrixXd::Identity(dof, dof)}};
+  const auto rows_of = [&](Variable of) -> Eigen::MatrixXd& {
+    return rhs.try_emplace(of, Eigen::MatrixXd::Zero(variables_[of].dof, dof)).first->second;
+  };
+  for (NodeIndex n = variables_[v].node; n != kNone; n = nodes_[n].parent) {
+    const Node& node = nodes_[n];
+    if (node.is_singular) return std::nullopt;
+    Eigen::MatrixXd Y(node.L.cols(), dof);
+    Eigen::Index row = 0;
+    for (const Variable frontal : node.frontals) {
+      Y.middleRows(row, variables_[frontal].dof) = rows_of(frontal);
+      row += variables_[frontal].dof;
+    }
+    node.L.topRows(row).triangularView<Eigen::Lower>().solveInPlace(Y);
+    covariance += Y.transpose() * Y;
+    for (const Variable above : node.update.variables) {
+      rows_of(above) -= node.L.middleRows(row, variables_[above].dof) * Y;
+      row += variables_[above].dof;
+    }
+  }
+  return covariance;
+}
+
 void FrontTree::set_solution(Variable v, const Eigen::Ref<const Eigen::VectorXd>& entries) {
   std::copy(entries.begin(), entries.end(), solution_.begin() + variables_[v].offset);
   is_displaced_ = true;
@@ -97,8 +125,13 @@ std::size_t FrontTree::eliminate_touched(std::span<const Variable> last) {
   }
   SparseCholesky cholesky(Updates::kKept);
   cholesky.analyse(elimination.matrix, given);
-  cholesky.factorise(elimination.matrix, given);
+  const auto singular = cholesky.factorise(elimination.matrix, given);
   replace(opened, elimination, cholesky);
+  for (const std::int64_t row : singular) {
+    const auto& offsets = elimination.matrix.offsets;
+    const Column column(std::upper_bound(offsets.begin(), offsets.end(), row) - offsets.begin() - 1);
+    nodes_[variables_[opened.variables[elimination.order[column]]].node].is_singular = true;
+  }
   for (const Variable v : opened.variables) variables_[v].place = kConstant;
   return opened.variables.size() - 1;  // kOne is none of the caller's
 }

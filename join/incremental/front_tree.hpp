@@ -9,6 +9,7 @@
 #include <Eigen/Core>
 #include <mapjoin/solve/block_pattern.hpp>
 #include <mapjoin/solve/sparse_cholesky.hpp>
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -37,6 +38,9 @@ class FrontTree {
   std::size_t update(std::span<const Variable> last);
   /// Where the sum is least: the entries of a variable.
   Eigen::Map<const Eigen::VectorXd> solution(Variable v) const;
+  /// The marginal covariance of a variable, the sum's H being the information, as of the last update; nothing where a front
+  /// between it and the root eliminates what nothing determines.
+  std::optional<Eigen::MatrixXd> covariance(Variable v) const;
   /// The variables that the last update moved by more than a thousandth of a standard deviation; the others stand where they
   /// stood.
   const std::vector<Variable>& moved() const { return moved_; }
@@ -57,6 +61,7 @@ class FrontTree {
     std::vector<QuadraticIndex> quadratics;  // whose first variable it eliminates
     bool is_open = false;                    // about to be eliminated again
     bool is_fresh = false;                   // not yet solved
+    bool is_singular = false;                // eliminates what nothing determines
   };
   struct Values {
     int dof;

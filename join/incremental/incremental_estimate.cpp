@@ -15,10 +15,9 @@ constexpr double kMostTurn = 1.0;
 }  // namespace
 
 template <int Dim>
-Index IncrementalEstimate<Dim>::add_variable(bool is_pose, Index index, const Pose<Dim>& value, bool is_anchored) {
+Index IncrementalEstimate<Dim>::add_variable(bool is_pose, const Pose<Dim>& value, bool is_anchored) {
   JoinedVariable<Dim>& added = variables_.emplace_back();
   added.is_pose = is_pose;
-  added.index = index;
   added.reference = added.value = value;
   is_remembered_.push_back(false);
   const auto v = static_cast<Index>(variables_.size()) - 1;
@@ -68,6 +67,18 @@ Settling IncrementalEstimate<Dim>::settle(std::span<const Index> last) {
   settling.moved = take_moved();
   known_ = variables_.size();
   return settling;
+}
+
+template <int Dim>
+std::optional<Eigen::MatrixXd> IncrementalEstimate<Dim>::covariance(Index v) const {
+  const JoinedVariable<Dim>& of = variable(v);
+  if (of.column == kConstant) return Eigen::MatrixXd(Eigen::MatrixXd::Zero(of.dof(), of.dof()));
+  const auto covariance = tree_.covariance(of.column);  // of δ
+  if (Dim == 2 || !of.is_pose || !covariance) return covariance;
+  PoseMatrix<Dim> J_step_delta = PoseMatrix<Dim>::Identity();
+  J_step_delta.template bottomRightCorner<kRotationDof<Dim>, kRotationDof<Dim>>() =
+      right_jacobian<Dim>(of.step.template tail<kRotationDof<Dim>>());
+  return Eigen::MatrixXd(J_step_delta * *covariance * J_step_delta.transpose());
 }
 
 /// Anew, without the rounding of all that was added and taken away.

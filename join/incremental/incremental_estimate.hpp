@@ -26,7 +26,7 @@ template <int Dim>
 class IncrementalEstimate {
  public:
   /// Variables are numbered from 0. One that is anchored stays where it is.
-  Index add_variable(bool is_pose, Index index, const Pose<Dim>& value, bool is_anchored);
+  Index add_variable(bool is_pose, const Pose<Dim>& value, bool is_anchored);
   /// Puts a variable of which no map is there yet elsewhere.
   void place(Index variable, const Pose<Dim>& value);
   void add_factor(MapFactor<Dim> factor);
@@ -35,6 +35,10 @@ class IncrementalEstimate {
   Settling settle(std::span<const Index> last);
 
   const JoinedVariables<Dim>& variables() const { return variables_; }
+  const JoinedVariable<Dim>& variable(Index v) const { return variables_[static_cast<std::size_t>(v)]; }
+  /// Of the step of a variable at its value, as of the last settling; dof() rows, zero where it is anchored, nothing where it
+  /// may not be determined (see FrontTree).
+  std::optional<Eigen::MatrixXd> covariance(Index variable) const;
   double chi2() const { return chi2_; }
   /// Measured rows less free entries.
   std::int64_t dof() const { return rows_ - free_; }

@@ -5,32 +5,102 @@
 #include <mapjoin/join/incremental/incremental_join.hpp>
 #include <mapjoin/join/tolerances.hpp>
 #include <mapjoin/measure/statistics.hpp>
+#include <string>
 #include <utility>
 
 namespace mapjoin {
 
-template <int Dim>
-const Pose<Dim>* IncrementalJoin<Dim>::pose(Index pose) const {
-  const Index v = poses_[pose];
-  return v < 0 ? nullptr : &estimate_.variables()[static_cast<std::size_t>(v)].value;
+namespace {
+
+/// The variable of a pose or feature, -1 where it has none.
+template <typename Id>
+Index find_variable(const std::map<Id, Index>& directory, const Id& id) {
+  const auto found = directory.find(id);
+  return found == directory.end() ? -1 : found->second;
 }
 
 template <int Dim>
-const Point<Dim>* IncrementalJoin<Dim>::feature(Index feature) const {
-  const Index v = features_[feature];
-  return v < 0 ? nullptr : &estimate_.variables()[static_cast<std::size_t>(v)].value.translation;
+const PoseId& pose_id(const SubmapUpdate<Dim>& update, Index pose) {
+  return update.poses[static_cast<std::size_t>(pose)];
+}
+template <int Dim>
+const FeatureId& feature_id(const SubmapUpdate<Dim>& update, Index feature) {
+  return update.features[static_cast<std::size_t>(feature)];
+}
+
+}  // namespace
+
+template <int Dim>
+const Pose<Dim>* IncrementalJoin<Dim>::pose(const PoseId& id) const {
+  const Index v = find_variable(poses_, id);
+  return v < 0 ? nullptr : &estimate_.variable(v).value;
 }
 
 template <int Dim>
-AddedUpdate IncrementalJoin<Dim>::add(SubmapUpdate<Dim> update, const std::stop_token& stop) {
-  AddedUpdate added;
-  add(std::move(update), stop, added);
-  return added;
+const Point<Dim>* IncrementalJoin<Dim>::feature(const FeatureId& id) const {
+  const Index v = find_variable(features_, id);
+  return v < 0 ? nullptr : &estimate_.variable(v).value.translation;
 }
 
 template <int Dim>
-void IncrementalJoin<Dim>::add(SubmapUpdate<Dim> new_update, const std::stop_token& stop, AddedUpdate& added) {
-  updates_.push_back(std::move(new_update));
+std::optional<PoseMatrix<Dim>> IncrementalJoin<Dim>::covariance(const PoseId& id) const {
+  const Index v = find_variable(poses_, id);
+  const auto covariance = v < 0 ? std::nullopt : estimate_.covariance(v);
+  return covariance ? std::optional<PoseMatrix<Dim>>(*covariance) : std::nullopt;
+}
+
+template <int Dim>
+std::optional<PointMatrix<Dim>> IncrementalJoin<Dim>::covariance(const FeatureId& id) const {
+  const Index v = find_variable(features_, id);
+  const auto covariance = v < 0 ? std::nullopt : estimate_.covariance(v);
+  return covariance ? std::optional<PointMatrix<Dim>>(*covariance) : std::nullopt;
+}
+
+/// Null also for the World, which is no pose.
+template <int Dim>
+const Pose<Dim>* IncrementalJoin<Dim>::pose(const SubmapUpdate<Dim>& update, Index pose) const {
+  return pose == kWorld ? nullptr : this->pose(pose_id(update, pose));
+}
+
+template <int Dim>
+const Point<Dim>* IncrementalJoin<Dim>::feature(const SubmapUpdate<Dim>& update, Index feature) const {
+  return this->feature(feature_id(update, feature));
+}
+
+template <int Dim>
+Expected<void> IncrementalJoin<Dim>::accept(SubmapUpdate<Dim> update) {
+  if (update.source.empty()) update.source = "update " + std::to_string(updates_.size() + 1);
+  if (const auto checked = check(update); !checked) return checked;
+  const Segment segment = update.segments.empty() ? Segment{0, -1} : update.segments.front();
+  for (Index p = 0; p < static_cast<Index>(update.poses.size()); ++p) {
+    const PoseId& id = pose_id(update, p);
+    const auto known = driven_.find(id);
+    const bool is_known = known != driven_.end();
+    const auto wrong = [&](const char* what) { return bad_input(update.source + ": " + to_string(id) + what); };
+    if (p < segment.begin || p > segment.end) {
+      if (!is_known) return wrong(" is in no segment yet");
+    } else if (is_known && p > segment.begin) {
+      return wrong(" is in a segment already");
+    } else if (is_known && !known->second) {
+      return wrong(" is in a segment already, which does not end there or goes on in another one");
+    }
+  }
+  for (Index p = segment.begin; p <= segment.end; ++p) driven_[pose_id(update, p)] = p == segment.end;
+  updates_.push_back(std::move(update));
+  return {};
+}
+
+template <int Dim>
+Expected<AddedUpdate> IncrementalJoin<Dim>::add(SubmapUpdate<Dim> update, const std::stop_token& stop) {
+  return accept(std::move(update)).map([&] {
+    AddedUpdate added;
+    join_last(stop, added);
+    return added;
+  });
+}
+
+template <int Dim>
+void IncrementalJoin<Dim>::join_last(const std::stop_token& stop, AddedUpdate& added) {
   const SubmapUpdate<Dim>& update = updates_.back();
   const double chi2_before = estimate_.chi2();
   const std::int64_t dof_before = estimate_.dof();
@@ -46,12 +116,12 @@ void IncrementalJoin<Dim>::add(SubmapUpdate<Dim> new_update, const std::stop_tok
 }
 
 template <int Dim>
-AddedUpdate IncrementalJoin<Dim>::add_all(std::vector<SubmapUpdate<Dim>> updates, const std::stop_token& stop) {
+Expected<AddedUpdate> IncrementalJoin<Dim>::add_all(std::vector<SubmapUpdate<Dim>> updates, const std::stop_token& stop) {
   AddedUpdate added;
   const std::size_t before = updates_.size();
   for (SubmapUpdate<Dim>& update : updates) {
-    waiting_.push_back(updates_.size());
-    updates_.push_back(std::move(update));
+    if (const auto accepted = accept(std::move(update)); !accepted) return tl::unexpected(accepted.error());
+    waiting_.push_back(updates_.size() - 1);
   }
   if (updates_.size() > before) adopt_batch(true, stop, added);
   if (waiting_.empty() || stop.stop_requested()) return added;
@@ -60,7 +130,10 @@ AddedUpdate IncrementalJoin<Dim>::add_all(std::vector<SubmapUpdate<Dim>> updates
                                        std::make_move_iterator(updates_.end()));
   updates_.resize(before);
   std::erase_if(waiting_, [&](std::size_t k) { return k >= before; });
-  for (SubmapUpdate<Dim>& update : again) add(std::move(update), stop, added);
+  for (SubmapUpdate<Dim>& update : again) {
+    updates_.push_back(std::move(update));
+    join_last(stop, added);
+  }
   added.is_joined = waiting_.empty() || waiting_.back() < before;
   return added;
 }
@@ -81,7 +154,7 @@ void IncrementalJoin<Dim>::settle(std::span<const Index> last, AddedUpdate& adde
 template <int Dim>
 bool IncrementalJoin<Dim>::asks_for_join(const SubmapUpdate<Dim>& update) const {
   if (estimate_.variables().empty() || (speaks_of_world(update) && !is_anchored_by_world_)) return true;
-  return std::any_of(update.fixed.begin(), update.fixed.end(), [&](const FixedPose<Dim>& fixed) { return pose(fixed.pose); });
+  return std::ranges::any_of(update.graph.fixed, [&](const FixedPose<Dim>& fixed) { return pose(update, fixed.pose); });
 }
 
 /// Where the partial map may stand in the frame of the estimate.
@@ -90,18 +163,18 @@ std::vector<Pose<Dim>> IncrementalJoin<Dim>::alignments(const SubmapUpdate<Dim>&
   if (partial.poses.empty()) return {Pose<Dim>{}};
   Correspondences<Dim> correspondences;
   for (const Index p : partial.poses) {
-    if (const auto* known = pose(p)) correspondences.add_pose(*known, pose_in(partial, p));
+    if (const auto* known = pose(update, p)) correspondences.add_pose(*known, pose_in(partial, p));
   }
-  for (const auto& o : update.pose_factors) {
-    const Pose<Dim>* base = o.base == kWorld ? nullptr : pose(o.base);
-    const Pose<Dim>* target = pose(o.target);
+  for (const auto& o : update.graph.pose_factors) {
+    const Pose<Dim>* base = pose(update, o.base);
+    const Pose<Dim>* target = pose(update, o.target);
     const Pose<Dim>* own_base = find_pose(partial, o.base);  // never the World, which is no pose
     const Pose<Dim>* own_target = find_pose(partial, o.target);
     if (base && own_target) correspondences.add_pose(compose(*base, o.measured), *own_target);
     if (target && own_base) correspondences.add_pose(*target, compose(*own_base, o.measured));
   }
   for (const Index f : partial.features) {
-    if (const auto* known = feature(f)) correspondences.add_point(*known, feature_in(partial, f));
+    if (const auto* known = feature(update, f)) correspondences.add_point(*known, feature_in(partial, f));
   }
   return correspondences.candidates();
 }
@@ -109,38 +182,34 @@ std::vector<Pose<Dim>> IncrementalJoin<Dim>::alignments(const SubmapUpdate<Dim>&
 /// Whether what the update observes is in the estimate or in the update's own partial map.
 template <int Dim>
 bool IncrementalJoin<Dim>::knows_ends(const SubmapUpdate<Dim>& update, const PartialMap<Dim>& partial) const {
-  const auto knows_pose = [&](Index p) { return p == kWorld || pose(p) || holds(partial.poses, p); };
-  const auto knows_feature = [&](Index f) { return feature(f) || holds(partial.features, f); };
-  return std::all_of(update.pose_factors.begin(), update.pose_factors.end(),
-                     [&](const auto& o) { return knows_pose(o.base) && knows_pose(o.target); }) &&
-         std::all_of(update.feature_factors.begin(), update.feature_factors.end(),
-                     [&](const auto& o) { return knows_pose(o.base) && knows_feature(o.target); });
+  const auto knows_pose = [&](Index p) { return p == kWorld || pose(update, p) || holds(partial.poses, p); };
+  const auto knows_feature = [&](Index f) { return feature(update, f) || holds(partial.features, f); };
+  return std::ranges::all_of(update.graph.pose_factors,
+                             [&](const auto& o) { return knows_pose(o.base) && knows_pose(o.target); }) &&
+         std::ranges::all_of(update.graph.feature_factors,
+                             [&](const auto& o) { return knows_pose(o.base) && knows_feature(o.target); });
 }
 
 template <int Dim>
-Index IncrementalJoin<Dim>::enter_pose(Index index, const Pose<Dim>& value, bool is_anchored) {
-  const Index v = estimate_.add_variable(true, index, value, is_anchored);
-  poses_.enter(index, v);
-  return v;
+Index IncrementalJoin<Dim>::enter_pose(const PoseId& id, const Pose<Dim>& value, bool is_anchored) {
+  return poses_[id] = estimate_.add_variable(true, value, is_anchored);
 }
 
 template <int Dim>
-Index IncrementalJoin<Dim>::enter_feature(Index index, const Point<Dim>& value) {
-  const Index v = estimate_.add_variable(false, index, {value, {}}, false);
-  features_.enter(index, v);
-  return v;
+Index IncrementalJoin<Dim>::enter_feature(const FeatureId& id, const Point<Dim>& value) {
+  return features_[id] = estimate_.add_variable(false, {value, {}}, false);
 }
 
 template <int Dim>
 std::vector<MapFactor<Dim>> IncrementalJoin<Dim>::factors_of(const SubmapUpdate<Dim>& update) {
   std::vector<MapFactor<Dim>> factors;
   const auto add = [&](const LocalMap<Dim>& map) {
-    std::vector<Index> variables{map.base == kWorld ? kWorld : poses_[map.base]};
-    for (const Index p : map.poses) variables.push_back(poses_[p]);
-    for (const Index f : map.features) variables.push_back(features_[f]);
+    std::vector<Index> variables{map.base == kWorld ? kWorld : poses_.at(pose_id(update, map.base))};
+    for (const Index p : map.poses) variables.push_back(poses_.at(pose_id(update, p)));
+    for (const Index f : map.features) variables.push_back(features_.at(feature_id(update, f)));
     factors.emplace_back(map, std::move(variables));
   };
-  if (update.map) add(*update.map);
+  std::ranges::for_each(update.graph.submaps, add);
   for (LocalMap<Dim>& single : observations_as_maps(update)) add(singles_.emplace_back(std::move(single)));
   return factors;
 }
@@ -154,14 +223,18 @@ std::optional<std::vector<Index>> IncrementalJoin<Dim>::enter(const SubmapUpdate
   std::vector<Index> variables;
   std::vector<std::pair<Index, Pose<Dim>>> entered;  // with their place in the partial map
   for (const Index p : partial.poses) {
-    const auto fixed = std::find_if(update.fixed.begin(), update.fixed.end(), [&](const auto& f) { return f.pose == p; });
-    if (poses_[p] < 0 && fixed != update.fixed.end()) enter_pose(p, fixed->value, true);
-    if (poses_[p] < 0) entered.emplace_back(enter_pose(p, {}, false), pose_in(partial, p));
-    variables.push_back(poses_[p]);
+    const PoseId& id = pose_id(update, p);
+    const auto fixed = std::ranges::find(update.graph.fixed, p, &FixedPose<Dim>::pose);
+    if (!poses_.contains(id) && fixed != update.graph.fixed.end()) enter_pose(id, fixed->value, true);
+    if (!poses_.contains(id)) entered.emplace_back(enter_pose(id, {}, false), pose_in(partial, p));
+    variables.push_back(poses_.at(id));
   }
   for (const Index f : partial.features) {
-    if (features_[f] < 0) entered.emplace_back(enter_feature(f, Point<Dim>::Zero()), Pose<Dim>{feature_in(partial, f), {}});
-    variables.push_back(features_[f]);
+    const FeatureId& id = feature_id(update, f);
+    if (!features_.contains(id)) {
+      entered.emplace_back(enter_feature(id, Point<Dim>::Zero()), Pose<Dim>{feature_in(partial, f), {}});
+    }
+    variables.push_back(features_.at(id));
   }
   auto factors = factors_of(update);
   const auto place = [&](const Pose<Dim>& alignment) {
@@ -189,20 +262,11 @@ bool IncrementalJoin<Dim>::has_outgrown(double chi2_before, std::int64_t dof_bef
 template <int Dim>
 std::size_t IncrementalJoin<Dim>::shared_by_waiting() const {
   std::size_t shared = 0;
-  const auto count_pose = [&](Index p) { shared += p != kWorld && pose(p) ? 1 : 0; };
-  const auto count_feature = [&](Index f) { shared += feature(f) ? 1 : 0; };
   for (const std::size_t k : waiting_) {
     const SubmapUpdate<Dim>& update = updates_[k];
-    for (const auto& o : update.pose_factors) {
-      count_pose(o.base);
-      count_pose(o.target);
-    }
-    for (const auto& o : update.feature_factors) count_feature(o.target);
-    if (update.segment) {
-      count_pose(update.segment->begin);
-      count_pose(update.segment->end);
-    }
-    if (update.map) std::for_each(update.map->features.begin(), update.map->features.end(), count_feature);
+    shared += static_cast<std::size_t>(std::ranges::count_if(update.poses, [&](const PoseId& id) { return pose(id); }));
+    shared +=
+        static_cast<std::size_t>(std::ranges::count_if(update.features, [&](const FeatureId& id) { return feature(id); }));
   }
   return shared;
 }
@@ -224,7 +288,8 @@ void IncrementalJoin<Dim>::adopt_batch(bool with_waiting, const std::stop_token&
     if (with_waiting || !std::binary_search(waiting_.begin(), waiting_.end(), k)) updates.push_back(&updates_[k]);
   }
   const SubmapSet<Dim> set = set_of(updates);
-  const SubmapGraph<Dim> graph = submap_graph_of_updates(set);
+  if (set.segments.empty()) return;
+  const SubmapGraph<Dim> graph = submap_graph_of(set);
   JoinOptions<Dim> options;
   options.origin = origin_;
   added.batch_checked = true;
@@ -232,42 +297,44 @@ void IncrementalJoin<Dim>::adopt_batch(bool with_waiting, const std::stop_token&
   if (!joined) return;
   added.converged = joined->result.status == MinimiseStatus::kConverged;  // here, or at an estimate that is no better
   if (!with_waiting && !is_less_chi2(joined->result.chi2, estimate_.chi2())) return;
-  take(updates, *joined, added);
+  take(updates, set, *joined, added);
   added.is_joined = added.batch_adopted = true;
   if (!with_waiting) return;
   waiting_.clear();
   shared_when_tried_ = 0;
 }
 
-/// Starts over from a join of these updates.
+/// Starts over from a join of these updates, which are the set.
 template <int Dim>
-void IncrementalJoin<Dim>::take(const std::vector<const SubmapUpdate<Dim>*>& updates, const Join<Dim>& joined,
-                                AddedUpdate& added) {
+void IncrementalJoin<Dim>::take(const std::vector<const SubmapUpdate<Dim>*>& updates, const SubmapSet<Dim>& set,
+                                const Join<Dim>& joined, AddedUpdate& added) {
   const IncrementalEstimate<Dim> before = std::exchange(estimate_, {});
-  poses_ = {};
-  features_ = {};
+  const auto poses_before = std::exchange(poses_, {});
+  const auto features_before = std::exchange(features_, {});
   singles_.clear();
-  is_anchored_by_world_ = false;
-  std::vector<Index> anchored = joined.anchored;
-  std::sort(anchored.begin(), anchored.end());
+  std::vector<bool> is_anchored(set.poses.size(), false);
+  for (const Index p : joined.anchored) is_anchored[static_cast<std::size_t>(p)] = true;
+  const IndexOf pose_index(set.poses);
+  const IndexOf feature_index(set.features);
   for (const SubmapUpdate<Dim>* update : updates) {
-    is_anchored_by_world_ = is_anchored_by_world_ || speaks_of_world(*update);
-    const PartialMap<Dim> partial = composed(*update);
-    for (const Index p : partial.poses) {
-      const bool is_anchored = std::binary_search(anchored.begin(), anchored.end(), p);
-      if (poses_[p] < 0) enter_pose(p, joined.state.pose(p), is_anchored);
+    for (const PoseId& id : update->poses) {
+      const auto p = static_cast<std::size_t>(*pose_index(id));
+      if (!poses_.contains(id)) enter_pose(id, joined.state.poses[p], is_anchored[p]);
     }
-    for (const Index f : partial.features) {
-      if (features_[f] < 0) enter_feature(f, joined.state.feature(f));
+    for (const FeatureId& id : update->features) {
+      if (!features_.contains(id)) enter_feature(id, joined.state.feature(*feature_index(id)));
     }
     for (auto& factor : factors_of(*update)) estimate_.add_factor(std::move(factor));
   }
+  is_anchored_by_world_ = speaks_of_world(set);
   settle({}, added);
-  for (const JoinedVariable<Dim>& was : before.variables()) {
-    const Directory& directory = was.is_pose ? poses_ : features_;
-    const PoseVector<Dim> step = local(was.value, estimate_.variables()[static_cast<std::size_t>(directory[was.index])].value);
+  for (const auto& [id, v] : poses_before) {
+    const PoseVector<Dim> step = local(before.variable(v).value, *pose(id));
     added.metres = std::max(added.metres, step.template head<Dim>().norm());
-    if (was.is_pose) added.radians = std::max(added.radians, step.template tail<kRotationDof<Dim>>().norm());
+    added.radians = std::max(added.radians, step.template tail<kRotationDof<Dim>>().norm());
+  }
+  for (const auto& [id, v] : features_before) {
+    added.metres = std::max(added.metres, (before.variable(v).value.translation - *feature(id)).norm());
   }
 }
 

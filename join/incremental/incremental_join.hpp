@@ -9,6 +9,7 @@
 
 #include <cstdint>
 #include <deque>
+#include <map>
 #include <mapjoin/join/incremental/incremental_estimate.hpp>
 #include <mapjoin/join/incremental/submap_update.hpp>
 #include <mapjoin/join/join.hpp>
@@ -40,42 +41,46 @@ class IncrementalJoin {
   /// Where the first pose is anchored when the World says nothing.
   explicit IncrementalJoin(const Pose<Dim>& origin = {}) : origin_(origin) {}
 
-  /// Adds the next update. Where a stop is requested while all updates are joined anew, the estimate stays as it is, and an
-  /// update that took that waits.
-  AddedUpdate add(SubmapUpdate<Dim> update, const std::stop_token& stop = {});
+  /// Adds the next update. Its segment begins with a new pose or with the last one of an earlier segment that none goes on from
+  /// yet, and its other poses are new; all else that it concerns is of earlier segments. Bad input where that is not so or
+  /// check() finds a fault: nothing is added. Where a stop is requested while all updates are joined anew, the estimate stays
+  /// as it is, and an update that took that waits.
+  Expected<AddedUpdate> add(SubmapUpdate<Dim> update, const std::stop_token& stop = {});
 
-  /// Adds many at once, as where the first part of a long log is there already. What is said of one holds for all of them.
-  AddedUpdate add_all(std::vector<SubmapUpdate<Dim>> updates, const std::stop_token& stop = {});
+  /// Adds many at once, as where the first part of a long log is there already. What is said of one holds for all of them; of
+  /// bad input, those before it wait.
+  Expected<AddedUpdate> add_all(std::vector<SubmapUpdate<Dim>> updates, const std::stop_token& stop = {});
 
   /// The estimate of a pose or feature, or null while it is not in it.
-  const Pose<Dim>* pose(Index pose) const;
-  const Point<Dim>* feature(Index feature) const;
+  const Pose<Dim>* pose(const PoseId& id) const;
+  const Point<Dim>* feature(const FeatureId& id) const;
+  /// The marginal covariance of its step, relative to the gauge as in GlobalMap: zero where it is anchored, nothing while it is
+  /// not in the estimate or may be free to move. At the cost of the fronts between it and the root. Of the linearisation that
+  /// the estimate rests on, which errs by less than a hundredth of a standard deviation.
+  std::optional<PoseMatrix<Dim>> covariance(const PoseId& id) const;
+  std::optional<PointMatrix<Dim>> covariance(const FeatureId& id) const;
   double chi2() const { return estimate_.chi2(); }
   std::int64_t dof() const { return estimate_.dof(); }
   std::size_t waiting() const { return waiting_.size(); }
 
  private:
-  /// Variables by the index of their pose or feature.
-  struct Directory {
-    std::vector<Index> variables;
-    Index operator[](Index index) const {
-      return static_cast<std::size_t>(index) < variables.size() ? variables[static_cast<std::size_t>(index)] : -1;
-    }
-    void enter(Index index, Index variable) {
-      if (static_cast<std::size_t>(index) >= variables.size()) variables.resize(static_cast<std::size_t>(index) + 1, -1);
-      variables[static_cast<std::size_t>(index)] = variable;
-    }
-  };
+  /// The variables of poses, or of features, in the estimate.
+  template <typename Id>
+  using Directory = std::map<Id, Index>;
 
-  void add(SubmapUpdate<Dim> update, const std::stop_token& stop, AddedUpdate& added);
+  const Pose<Dim>* pose(const SubmapUpdate<Dim>& update, Index pose) const;
+  const Point<Dim>* feature(const SubmapUpdate<Dim>& update, Index feature) const;
+  /// Puts a sound update behind the others.
+  Expected<void> accept(SubmapUpdate<Dim> update);
+  void join_last(const std::stop_token& stop, AddedUpdate& added);
   bool asks_for_join(const SubmapUpdate<Dim>& update) const;
   std::vector<Pose<Dim>> alignments(const SubmapUpdate<Dim>& update, const PartialMap<Dim>& partial) const;
   bool knows_ends(const SubmapUpdate<Dim>& update, const PartialMap<Dim>& partial) const;
   /// The variables of the update's partial map, entered where they are new, and the update's factors; nothing where the update
   /// shares too little with the estimate, which then stays as it is.
   std::optional<std::vector<Index>> enter(const SubmapUpdate<Dim>& update);
-  Index enter_pose(Index index, const Pose<Dim>& value, bool is_anchored);
-  Index enter_feature(Index index, const Point<Dim>& value);
+  Index enter_pose(const PoseId& id, const Pose<Dim>& value, bool is_anchored);
+  Index enter_feature(const FeatureId& id, const Point<Dim>& value);
   std::vector<MapFactor<Dim>> factors_of(const SubmapUpdate<Dim>& update);
   void settle(std::span<const Index> last, AddedUpdate& added);
   bool has_outgrown(double chi2_before, std::int64_t dof_before) const;
@@ -84,16 +89,18 @@ class IncrementalJoin {
   void admit_waiting(const std::stop_token& stop, AddedUpdate& added);
   /// Joins all updates in the estimate and, where asked for, the waiting ones by join().
   void adopt_batch(bool with_waiting, const std::stop_token& stop, AddedUpdate& added);
-  void take(const std::vector<const SubmapUpdate<Dim>*>& updates, const Join<Dim>& joined, AddedUpdate& added);
+  void take(const std::vector<const SubmapUpdate<Dim>*>& updates, const SubmapSet<Dim>& set, const Join<Dim>& joined,
+            AddedUpdate& added);
 
   Pose<Dim> origin_;
   std::deque<SubmapUpdate<Dim>> updates_;
+  std::map<PoseId, bool> driven_;      // the poses of segments, and whether another segment may go on from there
   std::vector<std::size_t> waiting_;   // updates that are not in the estimate, ascending
   std::size_t shared_when_tried_ = 0;  // by those that were waiting then
   std::deque<LocalMap<Dim>> singles_;  // single observations as maps of one target
   IncrementalEstimate<Dim> estimate_;
-  Directory poses_;
-  Directory features_;
+  Directory<PoseId> poses_;
+  Directory<FeatureId> features_;
   bool is_anchored_by_world_ = false;
 };
 

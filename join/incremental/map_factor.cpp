@@ -1,5 +1,4 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include <Eigen/LU>
 #include <algorithm>
 #include <mapjoin/join/incremental/map_factor.hpp>
 #include <mapjoin/model/cost.hpp>
@@ -9,13 +8,10 @@
 namespace mapjoin {
 namespace {
 
-/// Turns the columns of a step at x̂ into those of δ: R Exp(δ̂ + dδ) = R Exp(δ̂) Exp(J dδ + …) with the right Jacobian J.
+/// Turns the columns of a step at x̂ into those of δ.
 template <int Dim, int Rows>
 void turn_into_delta(const JoinedVariable<Dim>& variable, Matrix<Rows, kPoseDof<Dim>>& J) {
-  if constexpr (Dim == 3) {
-    const RotationVector<3> rotation = variable.step.template tail<3>();
-    J.template rightCols<3>() *= right_jacobian_inverse(rotation).inverse();
-  }
+  if constexpr (Dim == 3) J.template rightCols<3>() *= right_jacobian<3>(variable.step.template tail<3>());
 }
 
 /// Takes the blocks of one map to their rows in a quadratic, whose last row is that of FrontTree::kOne.

@@ -6,6 +6,7 @@
 // over δ: in space a rotation's columns are those of the step at x̂ times the right Jacobian at δ̂.
 
 #include <Eigen/Core>
+#include <Eigen/LU>
 #include <mapjoin/join/incremental/front_tree.hpp>
 #include <mapjoin/model/accumulate.hpp>
 #include <mapjoin/model/local_map.hpp>
@@ -17,7 +18,6 @@ namespace mapjoin {
 template <int Dim>
 struct JoinedVariable {
   bool is_pose = true;
-  Index index = 0;                                 ///< Among poses, or among features.
   Pose<Dim> reference;                             ///< Of a feature the translation.
   PoseVector<Dim> step = PoseVector<Dim>::Zero();  ///< δ; of a feature its first entries.
   Pose<Dim> value;                                 ///< The estimate.
@@ -29,6 +29,12 @@ struct JoinedVariable {
   /// Makes the estimate the reference.
   void refer_to_value();
 };
+
+/// Of a step at x̂ in δ: R Exp(δ̂ + dδ) = R Exp(δ̂) Exp(J dδ + …).
+template <int Dim>
+RotationJacobian<Dim> right_jacobian(const RotationVector<Dim>& delta) {
+  return right_jacobian_inverse(delta).inverse();
+}
 
 template <int Dim>
 using JoinedVariables = std::vector<JoinedVariable<Dim>>;

@@ -1,8 +1,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include <algorithm>
+#include <map>
 #include <mapjoin/join/align/leaf.hpp>
 #include <mapjoin/join/incremental/submap_update.hpp>
 #include <mapjoin/localmap/segment_view.hpp>
+#include <numeric>
+#include <set>
+#include <utility>
 
 namespace mapjoin {
 namespace {
@@ -14,16 +17,127 @@ std::size_t segment_of(const std::vector<Segment>& segments, Index pose) {
                                   segments.begin());
 }
 
+/// The number of the update that sees each feature first; of one that none sees, the last.
 template <int Dim>
 std::vector<std::size_t> first_seen(const std::vector<SubmapUpdate<Dim>>& updates, std::size_t features) {
   std::vector<std::size_t> first(features, updates.size() - 1);
   for (std::size_t k = updates.size(); k-- > 0;) {
-    if (updates[k].map) {
-      for (const Index f : updates[k].map->features) first[static_cast<std::size_t>(f)] = k;
+    for (const auto& map : updates[k].graph.submaps) {
+      for (const Index f : map.features) first[static_cast<std::size_t>(f)] = k;
     }
-    for (const auto& o : updates[k].feature_factors) first[static_cast<std::size_t>(o.target)] = k;
+    for (const auto& o : updates[k].graph.feature_factors) first[static_cast<std::size_t>(o.target)] = k;
   }
   return first;
+}
+
+/// Numbers names in the order in which they come.
+template <typename Id>
+class Numbering {
+ public:
+  Index operator()(const Id& id) {
+    const auto [place, is_new] = numbers_.emplace(id, static_cast<Index>(names_.size()));
+    if (is_new) names_.push_back(id);
+    return place->second;
+  }
+  std::vector<Id> take_names() { return std::move(names_); }
+
+ private:
+  std::map<Id, Index> numbers_;
+  std::vector<Id> names_;
+};
+
+/// The numbering of the poses and features of one set.
+template <int Dim>
+struct NewNames {
+  Numbering<PoseId> poses;
+  Numbering<FeatureId> features;
+
+  /// From indices among `old_poses` and `old_features`.
+  void renumber(FactorGraph<Dim>& graph, const std::vector<PoseId>& old_poses, const std::vector<FeatureId>& old_features) {
+    const auto pose = [&](Index& p) {
+      if (p != kWorld) p = poses(old_poses[static_cast<std::size_t>(p)]);
+    };
+    const auto feature = [&](Index& f) { f = features(old_features[static_cast<std::size_t>(f)]); };
+    for (auto& map : graph.submaps) {
+      pose(map.base);
+      std::for_each(map.poses.begin(), map.poses.end(), pose);
+      std::for_each(map.features.begin(), map.features.end(), feature);
+    }
+    for (auto& o : graph.pose_factors) {
+      pose(o.base);
+      pose(o.target);
+    }
+    for (auto& o : graph.feature_factors) {
+      pose(o.base);
+      feature(o.target);
+    }
+    for (auto& fixed : graph.fixed) pose(fixed.pose);
+  }
+};
+
+/// From the indices of a log to the update's own.
+template <int Dim>
+void name(const Log<Dim>& log, SubmapUpdate<Dim>& update) {
+  NewNames<Dim> names;
+  Segment& segment = update.segments.front();  // a map's poses are the first that its graph concerns
+  for (Index p = segment.begin; !segment.is_map && p <= segment.end; ++p) names.poses(log.poses[static_cast<std::size_t>(p)]);
+  names.renumber(update.graph, log.poses, log.features);
+  const auto length =
+      segment.is_map ? static_cast<Index>(update.graph.submaps.front().poses.size()) : segment.end - segment.begin;
+  segment = {0, length, segment.is_map};
+  update.poses = names.poses.take_names();
+  update.features = names.features.take_names();
+}
+
+template <typename Id>
+std::optional<Id> repeated(std::vector<Id> names) {
+  std::sort(names.begin(), names.end());
+  const auto twice = std::adjacent_find(names.begin(), names.end());
+  return twice == names.end() ? std::nullopt : std::optional(*twice);
+}
+
+/// Whether the local map, where the segment is one, keeps exactly its poses.
+template <int Dim>
+bool is_of_its_segment(const SubmapUpdate<Dim>& update) {
+  if (update.segments.empty()) return update.graph.submaps.empty();
+  if (update.segments.size() > 1) return false;
+  const Segment& segment = update.segments.front();
+  if (segment.begin < 0 || segment.end <= segment.begin || static_cast<std::size_t>(segment.end) >= update.poses.size()) {
+    return false;
+  }
+  if (!segment.is_map) return update.graph.submaps.empty();
+  std::vector<Index> kept(static_cast<std::size_t>(segment.end - segment.begin));
+  std::iota(kept.begin(), kept.end(), segment.begin + 1);
+  const auto& maps = update.graph.submaps;
+  return maps.size() == 1 && maps.front().base == segment.begin && maps.front().poses == kept;
+}
+
+/// A segment after the one whose last pose it begins with; updates without one behind all others.
+template <int Dim>
+std::vector<const SubmapUpdate<Dim>*> as_driven(const std::vector<const SubmapUpdate<Dim>*>& updates) {
+  std::map<PoseId, const SubmapUpdate<Dim>*> by_first;
+  std::set<PoseId> lasts;
+  for (const auto* update : updates) {
+    if (update->segments.empty()) continue;
+    by_first.emplace(first_pose(*update), update);
+    lasts.insert(last_pose(*update));
+  }
+  std::vector<const SubmapUpdate<Dim>*> driven;
+  for (const auto* update : updates) {
+    if (update->segments.empty() || lasts.contains(first_pose(*update))) continue;
+    for (auto next = by_first.find(first_pose(*update)); next != by_first.end();) {
+      driven.push_back(next->second);
+      next = by_first.find(last_pose(*next->second));
+    }
+  }
+  std::copy_if(updates.begin(), updates.end(), std::back_inserter(driven),
+               [](auto* update) { return update->segments.empty(); });
+  return driven;
+}
+
+template <typename T>
+void append(const std::vector<T>& some, std::vector<T>& all) {
+  all.insert(all.end(), some.begin(), some.end());
 }
 
 }  // namespace
@@ -35,36 +149,53 @@ std::vector<SubmapUpdate<Dim>> submap_updates_of(const Log<Dim>& log, const Spli
   auto map = maps.begin();
   for (const Segment& segment : split.segments) {
     SubmapUpdate<Dim>& update = updates.emplace_back();
-    update.segment = segment;
+    update.segments = {segment};
     if (segment.is_map) {
-      update.map = *map++;
+      update.graph.submaps = {*map++};
       continue;
     }
     const auto odometry = odometry_of(log, segment);
     const auto observations = observations_of(log, segment);
-    update.pose_factors.assign(odometry.begin(), odometry.end());
-    update.feature_factors.assign(observations.begin(), observations.end());
+    update.graph.pose_factors.assign(odometry.begin(), odometry.end());
+    update.graph.feature_factors.assign(observations.begin(), observations.end());
   }
-  const auto part_of = [&](Index pose) -> SubmapUpdate<Dim>& { return updates[segment_of(split.segments, pose)]; };
-  for (const auto& o : log.closures()) part_of(std::max(o.base, o.target)).pose_factors.push_back(o);
-  for (const auto& o : log.pose_priors()) part_of(o.target).pose_factors.push_back(o);
-  for (const auto& fixed : log.graph.fixed) part_of(fixed.pose).fixed.push_back(fixed);
+  const auto graph_at = [&](Index pose) -> auto& {
+    return updates[segment_of(split.segments, pose)].graph;
+  };
+  for (const auto& o : log.closures()) graph_at(std::max(o.base, o.target)).pose_factors.push_back(o);
+  for (const auto& o : log.pose_priors()) graph_at(o.target).pose_factors.push_back(o);
+  for (const auto& fixed : log.graph.fixed) graph_at(fixed.pose).fixed.push_back(fixed);
   const auto seen = first_seen(updates, log.features.size());
-  for (const auto& o : log.feature_priors()) updates[seen[static_cast<std::size_t>(o.target)]].feature_factors.push_back(o);
+  for (const auto& o : log.feature_priors()) {
+    updates[seen[static_cast<std::size_t>(o.target)]].graph.feature_factors.push_back(o);
+  }
+  for (auto& update : updates) name(log, update);
   return updates;
 }
 
 template <int Dim>
+Expected<void> check(const SubmapUpdate<Dim>& update) {
+  if (const auto twice = repeated(update.poses)) return bad_input(update.source + ": it names " + to_string(*twice) + " twice");
+  if (const auto twice = repeated(update.features))
+    return bad_input(update.source + ": it names " + to_string(*twice) + " twice");
+  if (!is_of_its_segment(update)) {
+    return bad_input(update.source + ": its local map is not of the poses of its one segment, in their order");
+  }
+  return check_numbers(update);
+}
+
+template <int Dim>
 PartialMap<Dim> composed(const SubmapUpdate<Dim>& update) {
-  if (!update.segment) return {};
-  const auto is_inside = [&](Index pose) { return pose >= update.segment->begin && pose <= update.segment->end; };
+  if (update.segments.empty()) return {};
+  const Segment& segment = update.segments.front();
+  const auto is_inside = [&](Index pose) { return pose >= segment.begin && pose <= segment.end; };
   SubmapGraph<Dim> alone;
-  alone.segments = {*update.segment};
-  if (update.map) alone.maps.push_back({*update.map, {}, {}, {}, {}});
-  for (const auto& o : update.pose_factors) {
+  alone.segments = update.segments;
+  for (const auto& map : update.graph.submaps) alone.maps.push_back({map, {}, {}, {}, {}});
+  for (const auto& o : update.graph.pose_factors) {
     if (is_inside(o.base) && is_inside(o.target)) alone.factors.pose_factors.push_back(&o);
   }
-  for (const auto& o : update.feature_factors) {
+  for (const auto& o : update.graph.feature_factors) {
     if (is_inside(o.base)) alone.factors.feature_factors.push_back(&o);
   }
   PartialMap<Dim> partial = Leaves<Dim>(alone).partial(0);
@@ -75,64 +206,51 @@ PartialMap<Dim> composed(const SubmapUpdate<Dim>& update) {
 template <int Dim>
 std::vector<LocalMap<Dim>> observations_as_maps(const SubmapUpdate<Dim>& update) {
   std::vector<LocalMap<Dim>> maps;
-  for (const auto& o : update.pose_factors) maps.push_back({o.base, {o.target}, {}, {o.measured}, {}, o.information});
-  for (const auto& o : update.feature_factors) maps.push_back({o.base, {}, {o.target}, {}, {o.measured}, o.information});
+  for (const auto& o : update.graph.pose_factors) maps.push_back({o.base, {o.target}, {}, {o.measured}, {}, o.information});
+  for (const auto& o : update.graph.feature_factors) maps.push_back({o.base, {}, {o.target}, {}, {o.measured}, o.information});
   return maps;
 }
 
 template <int Dim>
 bool speaks_of_world(const SubmapUpdate<Dim>& update) {
   const auto is_of_world = [](const auto& o) { return o.base == kWorld; };
-  return !update.fixed.empty() || std::any_of(update.pose_factors.begin(), update.pose_factors.end(), is_of_world) ||
-         std::any_of(update.feature_factors.begin(), update.feature_factors.end(), is_of_world);
+  return !update.graph.fixed.empty() || std::ranges::any_of(update.graph.pose_factors, is_of_world) ||
+         std::ranges::any_of(update.graph.feature_factors, is_of_world);
 }
 
 template <int Dim>
 SubmapSet<Dim> set_of(const std::vector<const SubmapUpdate<Dim>*>& updates) {
   SubmapSet<Dim> set;
-  Index poses = 0;
-  Index features = 0;
-  for (const SubmapUpdate<Dim>* update : updates) {
-    if (update->segment) set.segments.push_back(*update->segment);
-    if (update->segment) poses = std::max(poses, update->segment->end + 1);
-    if (update->map) set.graph.submaps.push_back(*update->map);
-    if (update->map) {
-      for (const Index f : update->map->features) features = std::max(features, f + 1);
+  NewNames<Dim> names;
+  const auto driven = as_driven(updates);
+  for (const auto* update : driven) {
+    for (Segment segment : update->segments) {
+      const auto number = [&](Index p) { return names.poses(update->poses[static_cast<std::size_t>(p)]); };
+      const Index begin = number(segment.begin);
+      for (Index p = segment.begin + 1; p <= segment.end; ++p) number(p);
+      set.segments.push_back({begin, number(segment.end), segment.is_map});
     }
-    for (const auto& o : update->pose_factors) set.graph.pose_factors.push_back(o);
-    for (const auto& o : update->feature_factors) {
-      set.graph.feature_factors.push_back(o);
-      features = std::max(features, o.target + 1);
-    }
-    for (const auto& fixed : update->fixed) set.graph.fixed.push_back(fixed);
   }
-  for (Index p = 0; p < poses; ++p) set.poses.push_back({0, static_cast<std::uint64_t>(p)});
-  for (Index f = 0; f < features; ++f) set.features.push_back({static_cast<std::uint64_t>(f)});
+  for (const auto* update : driven) {
+    FactorGraph<Dim> graph = update->graph;
+    names.renumber(graph, update->poses, update->features);
+    append(graph.submaps, set.graph.submaps);
+    append(graph.pose_factors, set.graph.pose_factors);
+    append(graph.feature_factors, set.graph.feature_factors);
+    append(graph.fixed, set.graph.fixed);
+  }
+  set.poses = names.poses.take_names();
+  set.features = names.features.take_names();
   return set;
-}
-
-template <int Dim>
-SubmapGraph<Dim> submap_graph_of_updates(const SubmapSet<Dim>& set) {
-  SubmapGraph<Dim> graph = submap_graph_of(set);
-  graph.is_joined.assign(set.poses.size(), false);
-  const auto join = [&](Index pose) { graph.is_joined[static_cast<std::size_t>(pose)] = true; };
-  for (const auto& marginalised : graph.maps) {
-    join(marginalised.map.base);
-    std::for_each(marginalised.map.poses.begin(), marginalised.map.poses.end(), join);
-  }
-  for (const Segment& segment : set.segments) {
-    for (Index pose = segment.begin; !segment.is_map && pose <= segment.end; ++pose) join(pose);
-  }
-  return graph;
 }
 
 #define MAPJOIN_INSTANTIATE(Dim)                                                                                               \
   template std::vector<SubmapUpdate<Dim>> submap_updates_of(const Log<Dim>&, const Split&, const std::vector<LocalMap<Dim>>&); \
+  template Expected<void> check(const SubmapUpdate<Dim>&);                                                                     \
   template PartialMap<Dim> composed(const SubmapUpdate<Dim>&);                                                                 \
   template std::vector<LocalMap<Dim>> observations_as_maps(const SubmapUpdate<Dim>&);                                          \
   template bool speaks_of_world(const SubmapUpdate<Dim>&);                                                                     \
-  template SubmapSet<Dim> set_of(const std::vector<const SubmapUpdate<Dim>*>&);                                                \
-  template SubmapGraph<Dim> submap_graph_of_updates(const SubmapSet<Dim>&);
+  template SubmapSet<Dim> set_of(const std::vector<const SubmapUpdate<Dim>*>&);
 MAPJOIN_INSTANTIATE(2)
 MAPJOIN_INSTANTIATE(3)
 #undef MAPJOIN_INSTANTIATE

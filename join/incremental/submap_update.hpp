@@ -2,34 +2,54 @@
 #pragma once
 // What becomes known at once while a robot drives: one segment of its way, and what else was observed meanwhile.
 
+#include <algorithm>
 #include <mapjoin/join/align/partial_map.hpp>
-#include <mapjoin/join/submap_graph.hpp>
 #include <mapjoin/localmap/split.hpp>
 #include <mapjoin/model/local_map.hpp>
 #include <mapjoin/model/log.hpp>
 #include <mapjoin/model/submap_set.hpp>
-#include <optional>
 #include <vector>
 
 namespace mapjoin {
 
-/// Updates come in the order of their segments, of which successive ones of a session share their end/start pose. Poses and
-/// features are named by indices that grow as they become known; poses inside a map that are not kept have one, too.
+/// A submap set of one segment, or of none where only single factors came. Its indices are its own: they count the poses and
+/// features that it names, whatever other updates name.
+/// - `poses`: those of the segment in the order in which they were driven (of a local map its base and the poses it keeps), and
+///   others that factors concern, which other updates' segments have.
+/// - `graph.submaps`: the local map, where the segment is one.
+/// - `graph.pose_factors`, `graph.feature_factors`, `graph.fixed`: odometry and observations of a raw segment, closures to what
+///   is known, and what the World says.
 template <int Dim>
-struct SubmapUpdate {
-  std::optional<Segment> segment;    ///< None where only single observations came.
-  std::optional<LocalMap<Dim>> map;  ///< Of the segment, where that is a map.
-  /// Odometry of a raw segment, closures to what is known, and, from the World, priors.
-  std::vector<PoseFactor<Dim>> pose_factors;
-  std::vector<FeatureFactor<Dim>> feature_factors;  ///< Of a raw segment, and priors.
-  std::vector<FixedPose<Dim>> fixed;
-};
+using SubmapUpdate = SubmapSet<Dim>;
+
+/// The index of a pose or feature among the names of an update, which it joins where it is new. O(n).
+template <typename Id>
+Index enter_name(std::vector<Id>& names, const Id& id) {
+  const auto place = std::find(names.begin(), names.end(), id);
+  const auto index = static_cast<Index>(place - names.begin());
+  if (place == names.end()) names.push_back(id);
+  return index;
+}
+
+/// The first and the last pose of an update's segment, which must be there.
+template <int Dim>
+const PoseId& first_pose(const SubmapUpdate<Dim>& update) {
+  return update.poses[static_cast<std::size_t>(update.segments.front().begin)];
+}
+template <int Dim>
+const PoseId& last_pose(const SubmapUpdate<Dim>& update) {
+  return update.poses[static_cast<std::size_t>(update.segments.front().end)];
+}
 
 /// A whole log in updates, one per segment, as it would have become known: closures and what the World says with the segment of
 /// their later pose, priors of features with the first segment that sees the feature. `maps` as build_local_maps made them.
 template <int Dim>
 std::vector<SubmapUpdate<Dim>> submap_updates_of(const Log<Dim>& log, const Split& split,
                                                  const std::vector<LocalMap<Dim>>& maps);
+
+/// Bad input, named by its poses, unless the update is as SubmapUpdate says, with sound numbers.
+template <int Dim>
+Expected<void> check(const SubmapUpdate<Dim>& update);
 
 /// The poses and features of an update's segment in the frame of its first pose, from its own observations alone. Its lists of
 /// maps and observations stay empty.
@@ -44,12 +64,8 @@ std::vector<LocalMap<Dim>> observations_as_maps(const SubmapUpdate<Dim>& update)
 template <int Dim>
 bool speaks_of_world(const SubmapUpdate<Dim>& update);
 
-/// Updates as one set of maps; poses and features have their index as their key.
+/// Updates as one set, in which a segment that begins with the last pose of another follows it.
 template <int Dim>
 SubmapSet<Dim> set_of(const std::vector<const SubmapUpdate<Dim>*>& updates);
-
-/// As that of any set of maps, but for poses inside maps, which are not joined. `set` must outlive it.
-template <int Dim>
-SubmapGraph<Dim> submap_graph_of_updates(const SubmapSet<Dim>& set);
 
 }  // namespace mapjoin

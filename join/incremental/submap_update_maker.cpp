@@ -27,13 +27,13 @@ SubmapUpdateMaker<Dim>::SubmapUpdateMaker(SplitOptions split, MinimiseOptions so
 
 template <int Dim>
 bool SubmapUpdateMaker<Dim>::is_past(const PoseId& pose) const {
-  return !names_.empty() && pose != names_.back() && (poses_.contains(pose) || pose < names_.back());
+  return !is_kept_.empty() && pose != last_ && (is_kept_.contains(pose) || pose < last_);
 }
 
 template <int Dim>
 bool SubmapUpdateMaker<Dim>::is_kept(const PoseId& pose) const {
-  const auto index = poses_.find(pose);
-  return index == poses_.end() ? !is_past(pose) : is_kept_[static_cast<std::size_t>(index->second)];
+  const auto known = is_kept_.find(pose);
+  return known == is_kept_.end() ? !is_past(pose) : known->second;
 }
 
 template <int Dim>
@@ -94,49 +94,18 @@ Expected<std::vector<SubmapUpdate<Dim>>> SubmapUpdateMaker<Dim>::take(bool is_en
   if (next->split.segments.empty()) return updates;
   const auto built = build_local_maps<Dim>(next->log, next->split, {solver_, nullptr});
   if (!built) return tl::unexpected(built.error());
-  name_poses(*next);
+  note_poses(*next);
   updates = submap_updates_of(next->log, next->split, built->maps);
-  for (auto& update : updates) translate(next->log, update);
   hand_over_closures(updates);
   forget(*next);
   return updates;
 }
 
 template <int Dim>
-void SubmapUpdateMaker<Dim>::name_poses(const Window& window) {
+void SubmapUpdateMaker<Dim>::note_poses(const Window& window) {
   for (Index pose = 0; pose <= window.split.segments.back().end; ++pose) {
-    const PoseId& id = window.log.poses[static_cast<std::size_t>(pose)];
-    const auto [place, is_new] = poses_.emplace(id, static_cast<Index>(names_.size()));
-    if (!is_new) continue;
-    names_.push_back(id);
-    is_kept_.push_back(window.split.kept[static_cast<std::size_t>(pose)]);
-  }
-}
-
-template <int Dim>
-Index SubmapUpdateMaker<Dim>::feature_index(const FeatureId& feature) {
-  return features_.emplace(feature, static_cast<Index>(features_.size())).first->second;
-}
-
-/// From the indices of a window to those of all updates.
-template <int Dim>
-void SubmapUpdateMaker<Dim>::translate(const Log<Dim>& log, SubmapUpdate<Dim>& update) {
-  const auto pose = [&](Index& index) { index = poses_.at(log.poses[static_cast<std::size_t>(index)]); };
-  const auto feature = [&](Index& index) { index = feature_index(log.features[static_cast<std::size_t>(index)]); };
-  pose(update.segment->begin);
-  pose(update.segment->end);
-  if (update.map) {
-    pose(update.map->base);
-    std::for_each(update.map->poses.begin(), update.map->poses.end(), pose);
-    std::for_each(update.map->features.begin(), update.map->features.end(), feature);
-  }
-  for (auto& o : update.pose_factors) {
-    pose(o.base);
-    pose(o.target);
-  }
-  for (auto& o : update.feature_factors) {
-    pose(o.base);
-    feature(o.target);
+    const auto p = static_cast<std::size_t>(pose);
+    if (is_kept_.emplace(window.log.poses[p], window.split.kept[p]).second) last_ = window.log.poses[p];
   }
 }
 
@@ -144,15 +113,13 @@ void SubmapUpdateMaker<Dim>::translate(const Log<Dim>& log, SubmapUpdate<Dim>& u
 template <int Dim>
 void SubmapUpdateMaker<Dim>::hand_over_closures(std::vector<SubmapUpdate<Dim>>& updates) {
   std::erase_if(closures_, [&](const Edge& closure) {
-    const auto base = poses_.find(closure.base);
-    const auto target = poses_.find(closure.target);
-    if (base == poses_.end() || target == poses_.end()) return false;
-    const Index later = std::max(base->second, target->second);
+    if (!is_kept_.contains(closure.base) || !is_kept_.contains(closure.target)) return false;
+    const PoseId& later = std::max(closure.base, closure.target);
     const auto update =
-        std::find_if(updates.begin(), updates.end(), [&](const auto& p) { return !p.segment || later <= p.segment->end; });
-    PoseFactor<Dim>& o = update->pose_factors.emplace_back(closure.observation);
-    o.base = base->second;
-    o.target = target->second;
+        std::ranges::find_if(updates, [&](const auto& u) { return u.segments.empty() || later <= last_pose(u); });
+    PoseFactor<Dim>& o = update->graph.pose_factors.emplace_back(closure.observation);
+    o.base = enter_name(update->poses, closure.base);
+    o.target = enter_name(update->poses, closure.target);
     return true;
   });
 }

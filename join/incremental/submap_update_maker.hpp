@@ -25,9 +25,6 @@ class SubmapUpdateMaker {
   /// The updates that are complete; at the end of the log all that is left. Bad input where a pose cannot be named.
   Expected<std::vector<SubmapUpdate<Dim>>> take(bool is_end);
 
-  /// The name of a pose of an update.
-  const PoseId& name(Index pose) const { return names_[static_cast<std::size_t>(pose)]; }
-
  private:
   struct Edge {
     PoseId base;
@@ -50,10 +47,8 @@ class SubmapUpdateMaker {
   bool is_past(const PoseId& pose) const;
   bool is_kept(const PoseId& pose) const;
   Expected<Window> window(bool is_end) const;
-  /// Names the window's poses up to the open ones.
-  void name_poses(const Window& window);
-  Index feature_index(const FeatureId& feature);
-  void translate(const Log<Dim>& log, SubmapUpdate<Dim>& update);
+  /// Takes note of the window's poses up to the open ones.
+  void note_poses(const Window& window);
   void hand_over_closures(std::vector<SubmapUpdate<Dim>>& updates);
   void forget(const Window& window);
 
@@ -62,10 +57,8 @@ class SubmapUpdateMaker {
   std::vector<Edge> edges_;     // between poses that are not past
   std::vector<Edge> closures_;  // to poses that are
   std::vector<Sight> sights_;
-  std::vector<PoseId> names_;
-  std::vector<bool> is_kept_;  // per named pose
-  std::map<PoseId, Index> poses_;
-  std::map<FeatureId, Index> features_;
+  std::map<PoseId, bool> is_kept_;  // of the poses up to the last one of an update
+  PoseId last_;
 };
 
 }  // namespace mapjoin

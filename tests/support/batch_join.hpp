@@ -16,11 +16,18 @@ std::vector<SubmapUpdate<Dim>> parts_of_log(const Log<Dim>& log, double poses_pe
   return submap_updates_of(log, parts, maps.maps);
 }
 
-/// Its state is by the indices of the parts. Its system looks into a set that is gone: only its equations may be used.
+template <int Dim>
+SubmapSet<Dim> set_of_all(const std::vector<SubmapUpdate<Dim>>& parts) {
+  std::vector<const SubmapUpdate<Dim>*> all;
+  for (const auto& part : parts) all.push_back(&part);
+  return set_of(all);
+}
+
+/// Its state is by the indices of set_of(). Its system looks into a set that is gone: only its equations may be used.
 template <int Dim>
 Join<Dim> batch_join(const std::vector<const SubmapUpdate<Dim>*>& parts, const Pose<Dim>& origin = {}) {
   const SubmapSet<Dim> set = set_of(parts);
-  const SubmapGraph<Dim> graph = submap_graph_of_updates(set);
+  const SubmapGraph<Dim> graph = submap_graph_of(set);
   JoinOptions<Dim> options;
   options.origin = origin;
   return join(graph, set.poses, set.features, options).value();
@@ -39,7 +46,7 @@ template <int Dim>
 void expect_optimal_at_every_kth_step(const std::vector<SubmapUpdate<Dim>>& parts, std::size_t k) {
   IncrementalJoin<Dim> joined;
   for (std::size_t added = 1; added <= parts.size(); ++added) {
-    const AddedUpdate result = joined.add(parts[added - 1]);
+    const AddedUpdate result = joined.add(parts[added - 1]).value();
     ASSERT_TRUE(result.is_joined) << added;
     ASSERT_TRUE(result.converged) << added;
     if (added % k != 0 && added != parts.size()) continue;

@@ -32,8 +32,7 @@ class FrontTreeTest : public ::testing::Test {
     indices_.push_back(tree_.add_quadratic(quadratics_.back()));
   }
 
-  /// The largest difference between the tree's solution and that of the dense system, relative to the latter.
-  double error() const {
+  Eigen::MatrixXd sum() const {
     Eigen::MatrixXd sum = Eigen::MatrixXd::Zero(offsets_.back(), offsets_.back());
     for (const Quadratic& q : quadratics_) {
       std::vector<Eigen::Index> entries;
@@ -42,6 +41,12 @@ class FrontTreeTest : public ::testing::Test {
       }
       sum(entries, entries) += q.H;
     }
+    return sum;
+  }
+
+  /// The largest difference between the tree's solution and that of the dense system, relative to the latter.
+  double error() const {
+    const Eigen::MatrixXd sum = this->sum();
     const Eigen::Index size = sum.rows() - 1;
     const Eigen::VectorXd expected = sum.bottomRightCorner(size, size).llt().solve(-sum.col(0).tail(size));
     double worst = 0.0;
@@ -77,6 +82,25 @@ TEST_F(FrontTreeTest, SolvesAGrowingChainWithClosuresAfterEveryUpdate) {
   tree_.set_solution(1, Eigen::Vector3d::Constant(1.0));  // all are looked at again
   tree_.update({});
   EXPECT_LT(error(), 3e-3);
+}
+
+TEST_F(FrontTreeTest, CovariancesAreBlocksOfTheInverse) {
+  for (int k = 1; k < 61; ++k) {
+    const Variable v(k);
+    add_variable(k % 4 == 0 ? 2 : 3);
+    if (k == 1) add({v});
+    if (k > 1) add({v - 1, v});
+    if (k > 1 && k % 7 == 0) add({Variable(k / 3), v});
+    if (k % 20 == 0) tree_.update({});  // so that fronts of several eliminations are on the way
+  }
+  const Eigen::Index size = offsets_.back() - 1;
+  const Eigen::MatrixXd inverse = sum().bottomRightCorner(size, size).llt().solve(Eigen::MatrixXd::Identity(size, size));
+  for (Variable v = 1; v < 61; ++v) {
+    const Eigen::MatrixXd expected = inverse.block(offsets_[v] - 1, offsets_[v] - 1, dof(v), dof(v));
+    const Eigen::MatrixXd covariance = tree_.covariance(v).value();
+    ASSERT_EQ(covariance.rows(), dof(v));
+    EXPECT_LE((covariance - expected).norm(), 1e-10 * expected.norm()) << v.value;
+  }
 }
 
 TEST_F(FrontTreeTest, TouchesFewVariablesOfAChain) {
@@ -130,6 +154,7 @@ TEST_F(FrontTreeTest, WhatNothingDeterminesStaysWhereItIs) {
   tree_.update({});
   EXPECT_NEAR(tree_.solution(1)[0], 2.0, 1e-6);
   EXPECT_EQ(tree_.solution(1)[1], 0.0);
+  EXPECT_FALSE(tree_.covariance(1));
 }
 
 }  // namespace

@@ -3,8 +3,10 @@
 
 #include <algorithm>
 #include <mapjoin/join/incremental/incremental_join.hpp>
+#include <mapjoin/join/run.hpp>
 #include <mapjoin/measure/statistics.hpp>
 #include <tests/support/batch_join.hpp>
+#include <tests/support/dense_information.hpp>
 #include <tests/support/dimensions.hpp>
 #include <tests/support/small_world.hpp>
 
@@ -29,19 +31,23 @@ class IncrementalJoinTest : public ::testing::Test {
     return testing::batch_join(all);
   }
 
+  /// A closure between the first poses of two updates.
+  static SubmapUpdate<kDim> closure(const SubmapUpdate<kDim>& from, const SubmapUpdate<kDim>& to, const Pose<kDim>& measured,
+                                    const PoseMatrix<kDim>& information) {
+    SubmapUpdate<kDim> closure;
+    closure.poses = {first_pose(from), first_pose(to)};
+    closure.graph.pose_factors = {{0, 1, measured, information}};
+    return closure;
+  }
+
   /// The largest difference between the estimate and a join of all updates (m, rad).
-  static double difference(const IncrementalJoin<kDim>& joined, const Join<kDim>& batch) {
-    double largest = 0.0;
-    for (const Index p : batch.poses) {
-      if (!joined.pose(p)) return std::nan("");
-      largest = std::max(largest, local(*joined.pose(p), batch.state.pose(p)).norm());
-    }
-    for (std::size_t f = 0; f < batch.state.features.size(); ++f) {
-      const auto* feature = joined.feature(static_cast<Index>(f));
-      if (!feature) return std::nan("");
-      largest = std::max(largest, (*feature - batch.state.features[f]).norm());
-    }
-    return largest;
+  static double difference(const IncrementalJoin<kDim>& joined, const Parts& updates) {
+    const SubmapSet<kDim> set = testing::set_of_all(updates);
+    const Values<kDim> state = batch(updates).state;
+    Values<kDim> found;
+    for (const PoseId& id : set.poses) found.poses.push_back(*joined.pose(id));
+    for (const FeatureId& id : set.features) found.features.push_back(*joined.feature(id));
+    return testing::largest_difference(found, state);
   }
 };
 TYPED_TEST_SUITE(IncrementalJoinTest, testing::Dimensions);
@@ -56,17 +62,17 @@ TYPED_TEST(IncrementalJoinTest, EndsWhereAJoinOfAllMapsEnds) {
   const auto updates = this->submap_updates_of({.poses = 100, .features = 60, .closures = 6}, 6.0);
   IncrementalJoin<kDim> joined;
   AddedUpdate last;
-  for (const auto& update : updates) last = joined.add(update);
+  for (const auto& update : updates) last = joined.add(update).value();
   const auto batch = this->batch(updates);
   // The difference of chi2 is that of the states in squared standard deviations, all of them together.
   EXPECT_NEAR(last.chi2, batch.result.chi2, 0.02);
   EXPECT_EQ(last.dof, batch.dof());
-  EXPECT_LT(this->difference(joined, batch), 0.01);
+  EXPECT_LT(this->difference(joined, updates), 0.01);
 }
 
 TYPED_TEST(IncrementalJoinTest, JoinsSpansOfAPoseGraph) {
   const auto updates = this->submap_updates_of({.poses = 60, .features = 0, .closures = 40, .reversed_odometry = true}, 5.0);
-  ASSERT_TRUE(std::any_of(updates.begin(), updates.end(), [](const auto& update) { return !update.map; }));
+  ASSERT_TRUE(std::any_of(updates.begin(), updates.end(), [](const auto& update) { return update.graph.submaps.empty(); }));
   testing::expect_optimal_at_every_kth_step(updates, 1);
 }
 
@@ -75,11 +81,11 @@ TYPED_TEST(IncrementalJoinTest, SaysHowFarTheEstimateHasMoved) {
   const auto updates = this->submap_updates_of({.poses = 100, .features = 60, .closures = 6}, 6.0);
   IncrementalJoin<kDim> joined;
   for (const auto& update : updates) {
-    std::vector<std::pair<Index, Pose<kDim>>> before;
-    for (Index p = 0; p < 100; ++p) {
-      if (joined.pose(p)) before.emplace_back(p, *joined.pose(p));
+    std::vector<std::pair<PoseId, Pose<kDim>>> before;
+    for (std::uint64_t p = 0; p < 100; ++p) {
+      if (const auto* pose = joined.pose({0, p})) before.emplace_back(PoseId{0, p}, *pose);
     }
-    const AddedUpdate added = joined.add(update);
+    const AddedUpdate added = joined.add(update).value();
     double metres = 0.0;
     double radians = 0.0;
     for (const auto& [p, was] : before) {
@@ -95,22 +101,24 @@ TYPED_TEST(IncrementalJoinTest, SaysHowFarTheEstimateHasMoved) {
 TYPED_TEST(IncrementalJoinTest, ASessionThatSharesNothingYetWaits) {
   constexpr int kDim = TestFixture::kDim;
   const auto updates = this->submap_updates_of({.poses = 60, .features = 60, .sessions = 2}, 6.0);
-  const auto second = static_cast<std::size_t>(
-      std::find_if(updates.begin(), updates.end(), [](const auto& update) { return update.segment->begin == 60; }) -
-      updates.begin());
+  const auto second = static_cast<std::size_t>(std::find_if(updates.begin(), updates.end(),
+                                                            [](const auto& update) {
+                                                              return first_pose(update) == PoseId{1, 0};
+                                                            }) -
+                                               updates.begin());
   // Of the second session only its last update shares features with the first.
   auto cut = updates;
-  Index next = 1000;
+  std::uint64_t next = 1000;
   for (std::size_t k = second; k + 1 < cut.size(); ++k) {
-    for (Index& feature : cut[k].map->features) feature = next++;
+    for (FeatureId& feature : cut[k].features) feature = {next++};
   }
   IncrementalJoin<kDim> joined;
   for (std::size_t k = 0; k < cut.size(); ++k) {
     const bool ties = k + 1 == cut.size();
-    const AddedUpdate added = joined.add(cut[k]);
+    const AddedUpdate added = joined.add(cut[k]).value();
     EXPECT_EQ(added.is_joined, k < second || ties) << k;
     EXPECT_EQ(joined.waiting(), k < second || ties ? 0 : k - second + 1);
-    EXPECT_EQ(joined.pose(60) != nullptr, ties);
+    EXPECT_EQ(joined.pose({1, 0}) != nullptr, ties);
   }
   EXPECT_NEAR(joined.chi2(), this->batch(cut).result.chi2, 0.5);
 }
@@ -119,28 +127,28 @@ TYPED_TEST(IncrementalJoinTest, WhatTheWorldSaysLaterMovesAllIntoItsFrame) {
   constexpr int kDim = TestFixture::kDim;
   auto updates = this->submap_updates_of({.poses = 60, .features = 60, .noise = 0.005}, 6.0);
   const Pose<kDim> place{Point<kDim>::Constant(5.0), Rotation<kDim>::exp(RotationVector<kDim>::Constant(0.4))};
-  const Index pose = updates[4].segment->end;
-  updates[4].fixed = {{pose, place}};
+  const PoseId pose = last_pose(updates[4]);
+  updates[4].graph.fixed = {{updates[4].segments[0].end, place}};
   IncrementalJoin<kDim> joined;
-  for (const auto& update : updates) joined.add(update);
+  for (const auto& update : updates) joined.add(update).value();
   EXPECT_EQ(local(*joined.pose(pose), place).norm(), 0.0);
   const auto batch = this->batch(updates);
   EXPECT_NEAR(joined.chi2(), batch.result.chi2, 0.5);
-  EXPECT_LT(this->difference(joined, batch), 5e-3);
+  EXPECT_LT(this->difference(joined, updates), 5e-3);
 }
 
 TYPED_TEST(IncrementalJoinTest, PriorsAndSingleObservationsMayComeByThemselves) {
   constexpr int kDim = TestFixture::kDim;
   auto updates = this->submap_updates_of({.poses = 60, .features = 60, .closures = 0, .noise = 0.005}, 6.0);
-  SubmapUpdate<kDim> single;
-  single.pose_factors.push_back(
-      {updates[2].segment->begin, updates[5].segment->begin, Pose<kDim>{}, PoseMatrix<kDim>::Identity()});
-  single.feature_factors.push_back({kWorld, updates[1].map->features[0], Point<kDim>::Ones(), PointMatrix<kDim>::Identity()});
-  single.pose_factors.push_back({kWorld, 0, Pose<kDim>{}, PoseMatrix<kDim>::Identity()});
+  SubmapUpdate<kDim> single = this->closure(updates[2], updates[5], {}, PoseMatrix<kDim>::Identity());
+  single.features = {updates[1].features[0]};
+  single.graph.feature_factors.push_back({kWorld, 0, Point<kDim>::Ones(), PointMatrix<kDim>::Identity()});
+  const Index first = enter_name(single.poses, first_pose(updates[0]));
+  single.graph.pose_factors.push_back({kWorld, first, Pose<kDim>{}, PoseMatrix<kDim>::Identity()});
   updates.push_back(single);
   IncrementalJoin<kDim> joined;
   AddedUpdate last;
-  for (const auto& update : updates) last = joined.add(update);
+  for (const auto& update : updates) last = joined.add(update).value();
   EXPECT_TRUE(last.is_joined);
   EXPECT_GT(last.metres, 0.1);
   EXPECT_NEAR(last.chi2, this->batch(updates).result.chi2, 0.01 * last.chi2);
@@ -152,18 +160,15 @@ TYPED_TEST(IncrementalJoinTest, LooksAnewWhereOneMapInAThousandWouldFitAsBadly) 
   for (const auto& [probability, looks] : {std::pair{5e-4, true}, {2e-3, false}}) {
     IncrementalJoin<kDim> joined;
     AddedUpdate last;
-    for (const auto& update : updates) last = joined.add(update);
+    for (const auto& update : updates) last = joined.add(update).value();
     // A closure too weak to move anything, and off by as much as makes chi2 grow so improbably.
     const double scale = std::max(1.0, last.chi2 / static_cast<double>(last.dof));
     const double growth = scale * chi_squared_quantile(1.0 - probability, kPoseDof<kDim>);
     constexpr double kWeight = 1e-6;
-    const Index base = updates[2].segment->begin;
-    const Index target = updates[5].segment->begin;
-    Pose<kDim> measured = between(*joined.pose(base), *joined.pose(target));
+    Pose<kDim> measured = between(*joined.pose(first_pose(updates[2])), *joined.pose(first_pose(updates[5])));
     measured.translation.x() += std::sqrt(growth / kWeight);
-    SubmapUpdate<kDim> closure;
-    closure.pose_factors.push_back({base, target, measured, PoseMatrix<kDim>(kWeight * PoseMatrix<kDim>::Identity())});
-    const AddedUpdate added = joined.add(closure);
+    const auto weak = this->closure(updates[2], updates[5], measured, kWeight * PoseMatrix<kDim>::Identity());
+    const AddedUpdate added = joined.add(weak).value();
     EXPECT_NEAR(added.chi2 - last.chi2, growth, 0.02 * growth);
     EXPECT_EQ(added.batch_checked, looks);
     EXPECT_TRUE(added.converged);
@@ -175,12 +180,108 @@ TYPED_TEST(IncrementalJoinTest, IsTheSameEveryTime) {
   const auto updates = this->submap_updates_of({.poses = 100, .features = 60, .closures = 6}, 6.0);
   IncrementalJoin<kDim> a, b;
   for (const auto& update : updates) {
-    const AddedUpdate of_a = a.add(update);
-    const AddedUpdate of_b = b.add(update);
+    const AddedUpdate of_a = a.add(update).value();
+    const AddedUpdate of_b = b.add(update).value();
     EXPECT_EQ(of_a.chi2, of_b.chi2);
     EXPECT_EQ(of_a.eliminated, of_b.eliminated);
-    EXPECT_EQ(a.pose(update.segment->end)->translation, b.pose(update.segment->end)->translation);
+    EXPECT_EQ(a.pose(last_pose(update))->translation, b.pose(last_pose(update))->translation);
   }
+}
+
+TYPED_TEST(IncrementalJoinTest, CovariancesAreTheInverseOfTheInformationAtTheEstimate) {
+  constexpr int kDim = TestFixture::kDim;
+  // Nothing was measured wrongly: every linearisation is at the estimate.
+  const auto updates = this->submap_updates_of({.poses = 60, .features = 60, .closures = 6, .noise = 0.0}, 6.0);
+  IncrementalJoin<kDim> joined;
+  for (const auto& update : updates) joined.add(update).value();
+  const SubmapSet<kDim> set = testing::set_of_all(updates);
+  const Values<kDim> state = this->batch(updates).state;
+  testing::DenseInformation<kDim> dense(state);
+  for (const auto& map : set.graph.submaps) dense.add(map);
+  for (const auto& o : set.graph.pose_factors) dense.add(o);
+  const Eigen::MatrixXd inverse = dense.inverse({0});
+  constexpr int kDof = kPoseDof<kDim>;
+  for (Index p = 0; p < static_cast<Index>(set.poses.size()); ++p) {
+    const auto row = dense.pose_row(p);
+    const PoseMatrix<kDim> expected = inverse.block<kDof, kDof>(row, row);
+    const auto covariance = joined.covariance(set.poses[static_cast<std::size_t>(p)]);
+    ASSERT_TRUE(covariance);
+    EXPECT_LE((*covariance - expected).norm(), 1e-8 * expected.norm()) << p;
+  }
+  for (Index f = 0; f < static_cast<Index>(set.features.size()); ++f) {
+    const auto row = dense.feature_row(f);
+    const PointMatrix<kDim> expected = inverse.block<kDim, kDim>(row, row);
+    const auto covariance = joined.covariance(set.features[static_cast<std::size_t>(f)]);
+    ASSERT_TRUE(covariance);
+    EXPECT_LE((*covariance - expected).norm(), 1e-8 * expected.norm()) << f;
+  }
+  EXPECT_EQ(joined.covariance(PoseId{0, 0}), (PoseMatrix<kDim>::Zero()));
+  EXPECT_FALSE(joined.covariance(PoseId{0, 1000}) || joined.covariance(FeatureId{1000}));
+}
+
+TYPED_TEST(IncrementalJoinTest, CovariancesAreThoseOfARunInANoisyWorld) {
+  constexpr int kDim = TestFixture::kDim;
+  const auto log = small_world<kDim>({.poses = 60, .features = 60, .closures = 6}).log;
+  RunOptions options;
+  options.split = {SplitRule::kPoses, 6.0};
+  options.polish = false;
+  options.covariances = options.marginals = true;
+  const auto batch = run(log, options).value();
+  IncrementalJoin<kDim> joined;
+  for (const auto& update : testing::parts_of_log(log, 6.0)) joined.add(update).value();
+  for (std::size_t p = 0; p < log.poses.size(); ++p) {
+    const auto covariance = joined.covariance(log.poses[p]);
+    const auto& expected = batch.marginals->poses[p];
+    if (covariance) {
+      EXPECT_LE((*covariance - expected).norm(), 0.02 * expected.norm()) << p;
+    }
+  }
+}
+
+TYPED_TEST(IncrementalJoinTest, TwoRobotsMayTakeTurns) {
+  constexpr int kDim = TestFixture::kDim;
+  auto updates = this->submap_updates_of({.poses = 60, .features = 60, .sessions = 2}, 6.0);
+  const auto second = updates.begin() + static_cast<std::ptrdiff_t>(updates.size() / 2);
+  std::vector<SubmapUpdate<kDim>> in_turns;
+  for (std::ptrdiff_t k = 0; k < second - updates.begin(); ++k) {
+    in_turns.push_back(updates.begin()[k]);
+    in_turns.push_back(second[k]);
+  }
+  ASSERT_EQ(in_turns.size(), updates.size());
+  IncrementalJoin<kDim> joined;
+  for (const auto& update : in_turns) joined.add(update).value();
+  EXPECT_EQ(joined.waiting(), 0u);
+  EXPECT_NEAR(joined.chi2(), this->batch(updates).result.chi2, 0.5);
+  EXPECT_LT(this->difference(joined, updates), 0.01);
+}
+
+TYPED_TEST(IncrementalJoinTest, WhatDoesNotFollowIsRefusedByName) {
+  constexpr int kDim = TestFixture::kDim;
+  const auto updates = this->submap_updates_of({.poses = 30, .features = 40, .closures = 0}, 6.0);
+  IncrementalJoin<kDim> joined;
+  joined.add(updates[0]).value();
+  joined.add(updates[1]).value();
+  const auto message = [&](const SubmapUpdate<kDim>& update) {
+    const auto added = joined.add(update);
+    return added ? std::string() : added.error().message;
+  };
+  EXPECT_EQ(message(updates[1]),
+            "update 3: pose 6 is in a segment already, which does not end there or goes on in another one");
+  auto twice = updates[2];
+  twice.poses.back() = {0, 0};
+  EXPECT_EQ(message(twice), "update 3: pose 0 is in a segment already");
+  EXPECT_EQ(message(this->closure(updates[0], updates[3], {}, PoseMatrix<kDim>::Identity())),
+            "update 3: pose 18 is in no segment yet");
+  auto broken = updates[2];
+  broken.graph.submaps[0].feature_estimates[0].x() = std::nan("");
+  EXPECT_EQ(message(broken), "update 3: local map 1 has an estimate that is not finite, or no rotation");
+  broken = updates[2];
+  broken.features[1] = broken.features[0];
+  EXPECT_EQ(message(broken), "update 3: it names " + to_string(broken.features[0]) + " twice");
+  broken = updates[2];
+  broken.segments[0].is_map = false;
+  EXPECT_EQ(message(broken), "update 3: its local map is not of the poses of its one segment, in their order");
+  EXPECT_EQ(message(updates[2]), "");
 }
 
 }  // namespace

@@ -1,9 +1,12 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <mapjoin/join/incremental/submap_update.hpp>
 #include <mapjoin/join/join.hpp>
 #include <mapjoin/localmap/build.hpp>
+#include <set>
+#include <tests/support/batch_join.hpp>
 #include <tests/support/dimensions.hpp>
 #include <tests/support/small_world.hpp>
 
@@ -32,16 +35,16 @@ class PartTest : public ::testing::Test {
 TYPED_TEST_SUITE(PartTest, testing::Dimensions);
 
 TYPED_TEST(PartTest, NothingIsSaidOfWhatIsNotYetKnown) {
-  std::vector<bool> is_known(this->world_.log.features.size(), false);
+  std::set<FeatureId> known;
   for (const auto& update : this->parts_) {
-    if (update.map) {
-      for (const Index f : update.map->features) is_known[static_cast<std::size_t>(f)] = true;
+    const auto name = [&](Index feature) { return update.features[static_cast<std::size_t>(feature)]; };
+    for (const auto& map : update.graph.submaps) {
+      for (const Index f : map.features) known.insert(name(f));
     }
-    for (const auto& o : update.pose_factors) EXPECT_LE(std::max(o.base, o.target), update.segment->end);
-    for (const auto& fixed : update.fixed) EXPECT_LE(fixed.pose, update.segment->end);
-    for (const auto& o : update.feature_factors) {
-      EXPECT_TRUE(o.base != kWorld || is_known[static_cast<std::size_t>(o.target)]);
-      is_known[static_cast<std::size_t>(o.target)] = true;
+    for (const PoseId& id : update.poses) EXPECT_LE(id, last_pose(update));
+    for (const auto& o : update.graph.feature_factors) {
+      EXPECT_TRUE(o.base != kWorld || known.contains(name(o.target)));
+      known.insert(name(o.target));
     }
   }
 }
@@ -50,33 +53,40 @@ TYPED_TEST(PartTest, AllPartsJoinAsTheirLogDoes) {
   constexpr int kDim = TestFixture::kDim;
   const auto& log = this->world_.log;
   const SubmapGraph<kDim> of_log = submap_graph_of(log, this->split_, this->maps_);
-  std::vector<const SubmapUpdate<kDim>*> updates;
-  for (const auto& update : this->parts_) updates.push_back(&update);
-  const SubmapSet<kDim> set = set_of(updates);
-  const SubmapGraph<kDim> of_parts = submap_graph_of_updates(set);
-  EXPECT_EQ(of_parts.segments, of_log.segments);
-  EXPECT_EQ(of_parts.is_joined, of_log.is_joined);
-  EXPECT_EQ(of_parts.is_local, of_log.is_local);
+  const SubmapSet<kDim> set = testing::set_of_all(this->parts_);
+  const SubmapGraph<kDim> of_parts = submap_graph_of(set);
+  EXPECT_EQ(of_parts.segments.size(), of_log.segments.size());
+  EXPECT_EQ(std::ranges::count(of_parts.is_local, true), std::ranges::count(of_log.is_local, true));
   const auto a = join(of_log, log.poses, log.features, JoinOptions<kDim>{});
   const auto b = join(of_parts, set.poses, set.features, JoinOptions<kDim>{});
   ASSERT_TRUE(a && b);
   EXPECT_NEAR(a->result.chi2, b->result.chi2, 1e-9 * a->result.chi2);
   EXPECT_EQ(a->dof(), b->dof());
-  EXPECT_LT(testing::largest_difference(a->state, b->state), 1e-6);
+  const IndexOf pose(log.poses);
+  const IndexOf feature(log.features);
+  ASSERT_EQ(set.poses.size(), a->poses.size());
+  Values<kDim> same;
+  for (const PoseId& id : set.poses) same.poses.push_back(a->state.pose(*pose(id)));
+  for (const FeatureId& id : set.features) same.features.push_back(a->state.feature(*feature(id)));
+  EXPECT_LT(testing::largest_difference(same, b->state), 1e-6);
 }
 
 TYPED_TEST(PartTest, ASegmentIsComposedInTheFrameOfItsFirstPose) {
   constexpr int kDim = TestFixture::kDim;
+  const IndexOf pose(this->world_.log.poses);
+  const IndexOf feature(this->world_.log.features);
   for (const auto& update : this->parts_) {
     const PartialMap<kDim> partial = composed(update);
-    EXPECT_EQ(partial.poses.front(), update.segment->begin);
-    EXPECT_EQ(partial.poses.back(), update.segment->end);
-    const Pose<kDim>& base = this->world_.truth.pose(update.segment->begin);
+    EXPECT_EQ(partial.poses.front(), update.segments[0].begin);
+    EXPECT_EQ(partial.poses.back(), update.segments[0].end);
+    const auto true_pose = [&](Index p) { return this->world_.truth.pose(*pose(update.poses[static_cast<std::size_t>(p)])); };
+    const Pose<kDim> base = true_pose(update.segments[0].begin);
     for (std::size_t p = 0; p < partial.poses.size(); ++p) {
-      EXPECT_LT(local(partial.state.poses[p], between(base, this->world_.truth.pose(partial.poses[p]))).norm(), 0.5);
+      EXPECT_LT(local(partial.state.poses[p], between(base, true_pose(partial.poses[p]))).norm(), 0.5);
     }
     for (std::size_t f = 0; f < partial.features.size(); ++f) {
-      const Point<kDim> p_local = transform_into(base, this->world_.truth.feature(partial.features[f]));
+      const FeatureId& id = update.features[static_cast<std::size_t>(partial.features[f])];
+      const Point<kDim> p_local = transform_into(base, this->world_.truth.feature(*feature(id)));
       EXPECT_LT((partial.state.features[f] - p_local).norm(), 0.5);
     }
   }

@@ -2,9 +2,7 @@
 // A user's program against the installed package: a square of odometry with one closure, joined.
 #include <cmath>
 #include <cstdio>
-#include <mapjoin/join/run.hpp>
-#include <mapjoin/model/log_builder.hpp>
-#include <mapjoin/version.hpp>
+#include <mapjoin/mapjoin.hpp>
 #include <numbers>
 
 int main() {
