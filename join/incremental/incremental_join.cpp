@@ -70,7 +70,7 @@ const Point<Dim>* IncrementalJoin<Dim>::feature(const SubmapUpdate<Dim>& update,
 template <int Dim>
 Expected<void> IncrementalJoin<Dim>::accept(SubmapUpdate<Dim> update) {
   if (update.source.empty()) update.source = "update " + std::to_string(updates_.size() + 1);
-  if (const auto checked = check(update); !checked) return checked;
+  if (const auto checked = check_update(update); !checked) return checked;
   const Segment segment = update.segments.empty() ? Segment{0, -1} : update.segments.front();
   for (Index p = 0; p < static_cast<Index>(update.poses.size()); ++p) {
     const PoseId& id = pose_id(update, p);

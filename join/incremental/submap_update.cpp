@@ -174,7 +174,7 @@ std::vector<SubmapUpdate<Dim>> submap_updates_of(const Log<Dim>& log, const Spli
 }
 
 template <int Dim>
-Expected<void> check(const SubmapUpdate<Dim>& update) {
+Expected<void> check_update(const SubmapUpdate<Dim>& update) {
   if (const auto twice = repeated(update.poses)) return bad_input(update.source + ": it names " + to_string(*twice) + " twice");
   if (const auto twice = repeated(update.features))
     return bad_input(update.source + ": it names " + to_string(*twice) + " twice");
@@ -246,7 +246,7 @@ SubmapSet<Dim> set_of(const std::vector<const SubmapUpdate<Dim>*>& updates) {
 
 #define MAPJOIN_INSTANTIATE(Dim)                                                                                               \
   template std::vector<SubmapUpdate<Dim>> submap_updates_of(const Log<Dim>&, const Split&, const std::vector<LocalMap<Dim>>&); \
-  template Expected<void> check(const SubmapUpdate<Dim>&);                                                                     \
+  template Expected<void> check_update(const SubmapUpdate<Dim>&);                                                              \
   template PartialMap<Dim> composed(const SubmapUpdate<Dim>&);                                                                 \
   template std::vector<LocalMap<Dim>> observations_as_maps(const SubmapUpdate<Dim>&);                                          \
   template bool speaks_of_world(const SubmapUpdate<Dim>&);                                                                     \

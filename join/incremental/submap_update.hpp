@@ -49,7 +49,7 @@ std::vector<SubmapUpdate<Dim>> submap_updates_of(const Log<Dim>& log, const Spli
 
 /// Bad input, named by its poses, unless the update is as SubmapUpdate says, with sound numbers.
 template <int Dim>
-Expected<void> check(const SubmapUpdate<Dim>& update);
+Expected<void> check_update(const SubmapUpdate<Dim>& update);
 
 /// The poses and features of an update's segment in the frame of its first pose, from its own observations alone. Its lists of
 /// maps and observations stay empty.
