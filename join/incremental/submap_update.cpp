@@ -102,7 +102,7 @@ bool is_of_its_segment(const SubmapUpdate<Dim>& update) {
   if (update.segments.empty()) return update.graph.submaps.empty();
   if (update.segments.size() > 1) return false;
   const Segment& segment = update.segments.front();
-  if (segment.begin < 0 || segment.end <= segment.begin || static_cast<std::size_t>(segment.end) >= update.poses.size()) {
+  if (segment.begin < 0 || segment.end < segment.begin || static_cast<std::size_t>(segment.end) >= update.poses.size()) {
     return false;
   }
   if (!segment.is_map) return update.graph.submaps.empty();
@@ -120,14 +120,15 @@ std::vector<const SubmapUpdate<Dim>*> as_driven(const std::vector<const SubmapUp
   for (const auto* update : updates) {
     if (update->segments.empty()) continue;
     by_first.emplace(first_pose(*update), update);
-    lasts.insert(last_pose(*update));
+    if (last_pose(*update) != first_pose(*update)) lasts.insert(last_pose(*update));
   }
   std::vector<const SubmapUpdate<Dim>*> driven;
   for (const auto* update : updates) {
     if (update->segments.empty() || lasts.contains(first_pose(*update))) continue;
     for (auto next = by_first.find(first_pose(*update)); next != by_first.end();) {
       driven.push_back(next->second);
-      next = by_first.find(last_pose(*next->second));
+      const PoseId& last = last_pose(*next->second);
+      next = last == next->first ? by_first.end() : by_first.find(last);
     }
   }
   std::copy_if(updates.begin(), updates.end(), std::back_inserter(driven),

@@ -47,7 +47,7 @@ bool is_map_circles_tag(std::string_view tag) {
 class MapCirclesReader {
  public:
   MapCirclesReader(TextScanner text, const ReadOptions& options)
-      : text_(std::move(text)), check_(options.repair_information), builder_(text_.source(), {}, Numbers::kChecked) {}
+      : text_(std::move(text)), check_(options.repair_information), builder_(text_.source()) {}
 
   Expected<AnyLog> read() && {
     while (text_.next_line()) {

@@ -41,7 +41,7 @@ double chi2_of(const std::vector<SubmapUpdate<Dim>>& updates) {
 }
 
 template <typename D>
-class PartMakerTest : public ::testing::Test {
+class SubmapUpdateMakerTest : public ::testing::Test {
  protected:
   static constexpr int kDim = D::value;
 
@@ -56,9 +56,9 @@ class PartMakerTest : public ::testing::Test {
     return updates;
   }
 };
-TYPED_TEST_SUITE(PartMakerTest, testing::Dimensions);
+TYPED_TEST_SUITE(SubmapUpdateMakerTest, testing::Dimensions);
 
-TYPED_TEST(PartMakerTest, ALogThatComesInSlicesHasThePartsOfTheWhole) {
+TYPED_TEST(SubmapUpdateMakerTest, ALogThatComesInSlicesHasThePartsOfTheWhole) {
   constexpr int kDim = TestFixture::kDim;
   const auto log = testing::small_world<kDim>({.poses = 50, .closures = 0, .sessions = 2}).log;
   Split segments = split(log, {SplitRule::kPoses, 6.0});
@@ -73,7 +73,7 @@ TYPED_TEST(PartMakerTest, ALogThatComesInSlicesHasThePartsOfTheWhole) {
   }
 }
 
-TYPED_TEST(PartMakerTest, ASegmentIsTakenOnceTheNextStepIsThere) {
+TYPED_TEST(SubmapUpdateMakerTest, ASegmentIsTakenOnceTheNextStepIsThere) {
   constexpr int kDim = TestFixture::kDim;
   const auto slices = driven(testing::small_world<kDim>({.poses = 20, .closures = 0}).log, 1);
   SubmapUpdateMaker<kDim> maker({SplitRule::kPoses, 6.0});
@@ -89,7 +89,7 @@ TYPED_TEST(PartMakerTest, ASegmentIsTakenOnceTheNextStepIsThere) {
   EXPECT_EQ(ends, (std::vector<Index>{7, 13, 19}));
 }
 
-TYPED_TEST(PartMakerTest, APoseGraphKeepsAllPosesForClosuresToCome) {
+TYPED_TEST(SubmapUpdateMakerTest, APoseGraphKeepsAllPosesForClosuresToCome) {
   constexpr int kDim = TestFixture::kDim;
   const auto log = testing::small_world<kDim>({.poses = 50, .features = 0, .closures = 30}).log;
   SubmapUpdateMaker<kDim> maker({SplitRule::kPoses, 6.0});
@@ -103,7 +103,7 @@ TYPED_TEST(PartMakerTest, APoseGraphKeepsAllPosesForClosuresToCome) {
   EXPECT_EQ(edges, log.edges().size());
 }
 
-TYPED_TEST(PartMakerTest, WhatConcernsAMapThatIsMadeIsRefused) {
+TYPED_TEST(SubmapUpdateMakerTest, WhatConcernsAMapThatIsMadeIsRefused) {
   constexpr int kDim = TestFixture::kDim;
   const auto slices = driven(testing::small_world<kDim>({.poses = 30, .closures = 0}).log, 30);
   SubmapUpdateMaker<kDim> maker({SplitRule::kPoses, 6.0});

@@ -14,11 +14,11 @@ namespace mapjoin {
 namespace {
 
 template <typename D>
-class PartTest : public ::testing::Test {
+class SubmapUpdateTest : public ::testing::Test {
  protected:
   static constexpr int kDim = D::value;
 
-  PartTest() {
+  SubmapUpdateTest() {
     world_.log.graph.fixed.push_back({3, world_.truth.poses[3]});
     world_.log.graph.feature_factors.push_back(
         {kWorld, 7, world_.truth.features[7], PointMatrix<kDim>(100.0 * PointMatrix<kDim>::Identity())});
@@ -32,9 +32,9 @@ class PartTest : public ::testing::Test {
   std::vector<LocalMap<kDim>> maps_;
   std::vector<SubmapUpdate<kDim>> parts_;
 };
-TYPED_TEST_SUITE(PartTest, testing::Dimensions);
+TYPED_TEST_SUITE(SubmapUpdateTest, testing::Dimensions);
 
-TYPED_TEST(PartTest, NothingIsSaidOfWhatIsNotYetKnown) {
+TYPED_TEST(SubmapUpdateTest, NothingIsSaidOfWhatIsNotYetKnown) {
   std::set<FeatureId> known;
   for (const auto& update : this->parts_) {
     const auto name = [&](Index feature) { return update.features[static_cast<std::size_t>(feature)]; };
@@ -49,7 +49,7 @@ TYPED_TEST(PartTest, NothingIsSaidOfWhatIsNotYetKnown) {
   }
 }
 
-TYPED_TEST(PartTest, AllPartsJoinAsTheirLogDoes) {
+TYPED_TEST(SubmapUpdateTest, AllUpdatesJoinAsTheirLogDoes) {
   constexpr int kDim = TestFixture::kDim;
   const auto& log = this->world_.log;
   const SubmapGraph<kDim> of_log = submap_graph_of(log, this->split_, this->maps_);
@@ -71,7 +71,7 @@ TYPED_TEST(PartTest, AllPartsJoinAsTheirLogDoes) {
   EXPECT_LT(testing::largest_difference(same, b->state), 1e-6);
 }
 
-TYPED_TEST(PartTest, ASegmentIsComposedInTheFrameOfItsFirstPose) {
+TYPED_TEST(SubmapUpdateTest, ASegmentIsComposedInTheFrameOfItsFirstPose) {
   constexpr int kDim = TestFixture::kDim;
   const IndexOf pose(this->world_.log.poses);
   const IndexOf feature(this->world_.log.features);
