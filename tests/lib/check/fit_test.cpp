@@ -49,6 +49,16 @@ TEST(Fit, TellsErrorsThatAreLargerOrSmallerThanStated) {
   EXPECT_THAT(checks_of({kind_fit("closures", normal_residuals(1000, 0.4), name)}, 3000), ElementsAre("too_cautious"));
 }
 
+TEST(Fit, IsJudgedFromTwentyRowsOn) {
+  for (const auto& [chi2, check] : {std::pair(9.0, "too_certain"), std::pair(0.2, "too_cautious")}) {
+    const auto residuals_of = [&, of_each = chi2](std::size_t count) {
+      return std::vector<WeighedResidual>(count, {3.0 * of_each, 3});
+    };
+    EXPECT_THAT(checks_of({kind_fit("closures", residuals_of(6), name)}, 18), ElementsAre()) << check;
+    EXPECT_THAT(checks_of({kind_fit("closures", residuals_of(7), name)}, 21), ElementsAre(check));
+  }
+}
+
 TEST(Fit, FindsOutliersWhateverTheScale) {
   for (const double times : {0.3, 1.0, 5.0}) {
     auto residuals = normal_residuals(1000, times);

@@ -2,6 +2,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <mapjoin/check/checks.hpp>
 #include <mapjoin/model/log_builder.hpp>
 #include <tests/support/dimensions.hpp>
@@ -54,6 +55,18 @@ TYPED_TEST(Repeats, TellCopiesFromSecondMeasurementsAndFromContradictions) {
   EXPECT_THAT(found<Dim>(edge, edge), ElementsAre("copies"));
   EXPECT_THAT(found<Dim>(edge, moved_by(0.01)), ElementsAre("repeated"));
   EXPECT_THAT(found<Dim>(edge, moved_by(1.0)), ElementsAre("contradiction"));
+}
+
+TYPED_TEST(Repeats, ContradictOnlyWhereChanceHardlyAllowsIt) {
+  constexpr int Dim = TypeParam::value;
+  const PoseMatrix<Dim> W = 1e4 * PoseMatrix<Dim>::Identity();  // 1 cm each: the difference has 1.41 cm
+  const auto apart = [&](double sigmas) {
+    Pose<Dim> other;
+    other.translation[0] = sigmas * std::sqrt(2.0) * 0.01;
+    return found<Dim>({{}, W}, {other, W});
+  };
+  EXPECT_THAT(apart(4.0), ElementsAre("repeated"));
+  EXPECT_THAT(apart(9.0), ElementsAre("contradiction"));
 }
 
 TYPED_TEST(Repeats, AreComparedWhateverTheirDirection) {
