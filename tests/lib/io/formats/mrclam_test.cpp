@@ -18,6 +18,7 @@ namespace {
 
 using ::testing::ElementsAre;
 using ::testing::EndsWith;
+using ::testing::HasSubstr;
 
 constexpr double kPi = std::numbers::pi;
 
@@ -93,6 +94,10 @@ TEST_F(MrclamTest, NamesThePlaceOfWhatIsWrong) {
   EXPECT_THAT(message(), EndsWith("Robot1_Measurement.dat:1:9: the line ends where a number is expected"));
   folder.file("Robot1_Measurement.dat", "101 72 -2 0\n");
   EXPECT_THAT(message(), EndsWith("Robot1_Measurement.dat:1:8: a range must be from 1e-6 to 1e6 m"));
+  folder.file("Robot1_Measurement.dat", "101 72 1e7 0\n");
+  EXPECT_THAT(message(), EndsWith("Robot1_Measurement.dat:1:8: a range must be from 1e-6 to 1e6 m"));
+  folder.file("Robot1_Odometry.dat", "101 1e7 0\n");
+  EXPECT_THAT(message(), HasSubstr("a velocity must be below 1e6 m/s or rad/s"));
   folder.file("Robot1_Odometry.dat", "101 nan 0\n");
   EXPECT_THAT(message(), EndsWith("Robot1_Odometry.dat:1:5: 'nan' stands where a number is expected"));
   folder.file("Barcodes.dat", "1 5\n2 5\n");
