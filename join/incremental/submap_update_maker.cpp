@@ -48,7 +48,7 @@ bool SubmapUpdateMaker<Dim>::add(const Log<Dim>& news) {
   for (const auto& o : news.observations()) {
     const PoseId pose = name(o.base);
     if (is_past(pose)) return false;
-    sights_.push_back({pose, news.features[static_cast<std::size_t>(o.target)], o});
+    observations_.push_back({pose, news.features[static_cast<std::size_t>(o.target)], o});
   }
   return true;
 }
@@ -57,7 +57,8 @@ template <int Dim>
 Expected<typename SubmapUpdateMaker<Dim>::Window> SubmapUpdateMaker<Dim>::window(bool is_end) const {
   LogBuilder<Dim> builder("", {}, Numbers::kChecked);
   for (const Edge& e : edges_) builder.add_pose_edge(e.base, e.target, e.observation.measured, e.observation.information);
-  for (const Sight& s : sights_) builder.add_observation(s.pose, s.feature, s.observation.measured, s.observation.information);
+  for (const Observation& s : observations_)
+    builder.add_observation(s.pose, s.feature, s.observation.measured, s.observation.information);
   auto log = std::move(builder).finish(PoseOrder::kOfIds);
   if (!log) return tl::unexpected(log.error());
   Window window{*std::move(log), {}, 0};
@@ -85,7 +86,7 @@ Expected<typename SubmapUpdateMaker<Dim>::Window> SubmapUpdateMaker<Dim>::window
 template <int Dim>
 Expected<std::vector<SubmapUpdate<Dim>>> SubmapUpdateMaker<Dim>::take(bool is_end) {
   std::vector<SubmapUpdate<Dim>> updates;
-  if (edges_.empty() && sights_.empty()) {
+  if (edges_.empty() && observations_.empty()) {
     if (is_end && !closures_.empty()) hand_over_closures(updates = {SubmapUpdate<Dim>{}});
     return updates;
   }
@@ -130,7 +131,7 @@ void SubmapUpdateMaker<Dim>::forget(const Window& window) {
   const auto is_open = [&](const PoseId& pose) {
     return window.open_begin < static_cast<Index>(poses.size()) && pose >= poses[static_cast<std::size_t>(window.open_begin)];
   };
-  std::erase_if(sights_, [&](const Sight& sight) { return !is_open(sight.pose); });
+  std::erase_if(observations_, [&](const Observation& seen) { return !is_open(seen.pose); });
   std::erase_if(edges_, [&](const Edge& edge) {
     if (is_open(edge.base) && is_open(edge.target)) return false;
     const auto& last = poses[static_cast<std::size_t>(window.split.segments.back().end)];

@@ -31,7 +31,7 @@ class SubmapUpdateMaker {
     PoseId target;
     PoseFactor<Dim> observation;
   };
-  struct Sight {
+  struct Observation {
     PoseId pose;
     FeatureId feature;
     FeatureFactor<Dim> observation;
@@ -56,7 +56,7 @@ class SubmapUpdateMaker {
   MinimiseOptions solver_;
   std::vector<Edge> edges_;     // between poses that are not past
   std::vector<Edge> closures_;  // to poses that are
-  std::vector<Sight> sights_;
+  std::vector<Observation> observations_;
   std::map<PoseId, bool> is_kept_;  // of the poses up to the last one of an update
   PoseId last_;
 };

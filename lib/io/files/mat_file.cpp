@@ -6,28 +6,17 @@
 #include <cstring>
 #include <iterator>
 #include <mapjoin/io/files/mat_file.hpp>
+#include <mapjoin/io/files/mat_format.hpp>
 #include <optional>
 #include <vector>
 
 namespace mapjoin {
 namespace {
 
+using namespace mat;
+
 constexpr std::size_t kMaxSparseSide = 10000;
 constexpr std::size_t kLeastBytesARow = 8;  // A number at least.
-
-/// Of the version 5 format: the file's header; an element's tag, its type and size; types of elements; classes of matrices.
-constexpr std::size_t kHeaderSize = 128;
-constexpr std::size_t kTagSize = 8;
-constexpr std::uint32_t kInt32 = 5;
-constexpr std::uint32_t kUint32 = 6;
-constexpr std::uint32_t kMatrixElement = 14;
-constexpr std::uint32_t kCompressedElement = 15;
-constexpr std::uint32_t kSparseClass = 5;
-constexpr std::uint32_t kDoubleClass = 6;
-constexpr std::uint32_t kComplexFlag = 0x800;
-/// Matrices of characters or numbers; other classes, cells and structures among them, hold variables in their turn.
-constexpr std::uint32_t kFirstMatrixClass = 4;
-constexpr std::uint32_t kLastMatrixClass = 15;
 
 /// Version and byte order.
 constexpr std::string_view kVersion5("\0\1IM", 4);

@@ -4,20 +4,15 @@
 #include <cstdint>
 #include <cstring>
 #include <mapjoin/io/files/mat_file.hpp>
+#include <mapjoin/io/files/mat_format.hpp>
 #include <stdexcept>
 
 namespace mapjoin {
 namespace {
 
-static_assert(std::endian::native == std::endian::little, "the header says little-endian");
+using namespace mat;
 
-/// Types of data elements, and the class of a matrix of doubles.
-constexpr std::uint32_t kInt8 = 1;
-constexpr std::uint32_t kInt32 = 5;
-constexpr std::uint32_t kUInt32 = 6;
-constexpr std::uint32_t kDouble = 9;
-constexpr std::uint32_t kMatrix = 14;
-constexpr std::uint32_t kDoubleClass = 6;
+static_assert(std::endian::native == std::endian::little, "the header says little-endian");
 
 /// A data element: type, number of bytes, and these, filled up to a multiple of eight.
 std::string element(std::uint32_t type, const void* data, std::size_t size) {
@@ -33,10 +28,10 @@ std::string element(std::uint32_t type, const void* data, std::size_t size) {
 std::string matrix(const std::string& name, const Eigen::MatrixXd& M) {
   const std::array<std::uint32_t, 2> flags{kDoubleClass, 0};
   const std::array<std::int32_t, 2> dimensions{static_cast<std::int32_t>(M.rows()), static_cast<std::int32_t>(M.cols())};
-  const std::string parts = element(kUInt32, flags.data(), sizeof flags) +
+  const std::string parts = element(kUint32, flags.data(), sizeof flags) +
                             element(kInt32, dimensions.data(), sizeof dimensions) + element(kInt8, name.data(), name.size()) +
                             element(kDouble, M.data(), static_cast<std::size_t>(M.size()) * sizeof(double));
-  return element(kMatrix, parts.data(), parts.size());
+  return element(kMatrixElement, parts.data(), parts.size());
 }
 
 }  // namespace
