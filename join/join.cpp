@@ -197,9 +197,9 @@ Expected<Join<Dim>> join_by_best(const Task<Dim>& task) {
     if (!found) return found;
     found->is_settled = was_as_good_as_linear(*found) || (way == kWays.front() && came_from_near_by(*found));
     if (best && is_same_chi2(best->result.chi2, found->result.chi2)) {
-      const bool is_confirmed = found->is_settled || came_from_near_by(*best) || came_from_near_by(*found);
-      if (best->result.status != MinimiseStatus::kConverged) best = *std::move(found);
-      best->is_settled = is_confirmed;
+      const bool is_confirmed = came_from_near_by(*best) || came_from_near_by(*found);
+      if (found->is_settled || best->result.status != MinimiseStatus::kConverged) best = *std::move(found);
+      if (is_confirmed) return *std::move(best);
     } else if (!best || is_less_chi2(found->result.chi2, best->result.chi2)) {
       best = *std::move(found);
     }

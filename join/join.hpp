@@ -44,7 +44,7 @@ template <int Dim>
 struct Join {
   MinimiseResult result;
   Schedule schedule = Schedule::kTree;         ///< That it was found by; of kAuto, the one of least chi2.
-  bool is_settled = false;                     ///< Of kAuto: the solve was nearly linear, or two schedules found this optimum.
+  bool is_settled = false;                     ///< Of kAuto: the solve was nearly linear, and had no other optimum near.
   Values<Dim> state;                           ///< Of the whole submap graph; poses that are not joined are left at the origin.
   std::vector<Index> poses;                    ///< The poses of the joined state, ascending.
   std::vector<Index> features;                 ///< Its features: all but the private ones.

@@ -28,15 +28,22 @@ double partial_map_chi2(const PartialMap<Dim>& partial) {
 }
 
 template <int Dim>
+LinearMap<Dim> JoinProblem<Dim>::linear_map(std::size_t m) const {
+  const auto& placed = system_.maps()[m];
+  const Values<Dim>& state = system_.estimate();
+  return mapjoin::linearise(
+      *placed.map, state.pose(placed.base), [&](std::size_t p) { return state.pose(placed.poses[p]); },
+      [&](std::size_t f) { return state.feature(placed.features[f]); });
+}
+
+template <int Dim>
 double JoinProblem<Dim>::linearise() {
-  return system_.linearise([&](std::size_t m, NormalEquations::Sink sink) {
-    const auto& placed = system_.maps()[m];
-    const Values<Dim>& state = system_.estimate();
-    const auto linear = mapjoin::linearise(
-        *placed.map, state.pose(placed.base), [&](std::size_t p) { return state.pose(placed.poses[p]); },
-        [&](std::size_t f) { return state.feature(placed.features[f]); });
-    return accumulate(linear, sink);
-  });
+  return system_.linearise([&](std::size_t m, NormalEquations::Sink sink) { return accumulate(linear_map(m), sink); });
+}
+
+template <int Dim>
+void JoinProblem<Dim>::add_curvature() {
+  system_.add_curvature([&](std::size_t m, NormalEquations::Sink sink) { accumulate_curvature(linear_map(m), sink); });
 }
 
 template <int Dim>
@@ -49,10 +56,16 @@ double JoinProblem<Dim>::try_state(Values<Dim> candidate) {
 
 template <int Dim>
 double RelativeJoinProblem<Dim>::linearise() {
-  is_damped_ = is_weighed_ = false;
+  is_damped_ = is_curved_ = is_weighed_ = false;
   const double chi2 = join_.linearise();
   relative_.linearise(join_.system());
   return chi2;
+}
+
+template <int Dim>
+void RelativeJoinProblem<Dim>::add_curvature() {
+  join_.add_curvature();
+  is_curved_ = true;
 }
 
 template <int Dim>
@@ -64,8 +77,9 @@ const RelativeState<Dim>& RelativeJoinProblem<Dim>::metric() {
 
 template <int Dim>
 void RelativeJoinProblem<Dim>::undamp() {
-  if (is_damped_) join_.linearise();
-  is_damped_ = false;
+  if (!std::exchange(is_damped_, false)) return;
+  join_.linearise();
+  if (is_curved_) join_.add_curvature();
 }
 
 template <int Dim>

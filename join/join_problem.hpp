@@ -22,6 +22,7 @@ class JoinProblem {
   explicit JoinProblem(JoiningSystem<Dim> system) : system_(std::move(system)) {}
 
   double linearise();
+  void add_curvature();
   const Eigen::VectorXd& gradient() const { return system_.equations().gradient(); }
   DiagonalMetric metric() const { return DiagonalMetric(system_.equations().diagonal()); }
   double curvature(const Eigen::VectorXd& v) const { return system_.equations().curvature(v); }
@@ -39,6 +40,8 @@ class JoinProblem {
   const JoiningSystem<Dim>& system() const { return system_; }
 
  private:
+  LinearMap<Dim> linear_map(std::size_t m) const;
+
   JoiningSystem<Dim> system_;
   Values<Dim> candidate_;
 };
@@ -50,13 +53,17 @@ class RelativeJoinProblem {
   explicit RelativeJoinProblem(JoinProblem<Dim>& join) : join_(join), relative_(join.system()) {}
 
   double linearise();
+  void add_curvature();
   const Eigen::VectorXd& gradient() const { return join_.gradient(); }
   const RelativeState<Dim>& metric();
   double curvature(const Eigen::VectorXd& v);
   std::optional<Variable> factorise(double damping);
   Eigen::VectorXd solve() const { return join_.solve(); }
   StepSize step_size(const Eigen::VectorXd& step) const { return join_.step_size(step); }
-  double try_step(const Eigen::VectorXd& step) { return join_.try_state(relative_.retracted(join_.system(), step)); }
+  /// The step of full Newton is one in the absolute coordinates that its H is of.
+  double try_step(const Eigen::VectorXd& step) {
+    return is_curved_ ? join_.try_step(step) : join_.try_state(relative_.retracted(join_.system(), step));
+  }
   void accept() { join_.accept(); }
 
  private:
@@ -65,7 +72,8 @@ class RelativeJoinProblem {
   JoinProblem<Dim>& join_;
   RelativeState<Dim> relative_;
   bool is_weighed_ = false;  // whether the metric is that of the estimate
-  bool is_damped_ = false;   // whether the normal equations hold the damping, too
+  bool is_curved_ = false;   // whether the normal equations hold the curvature, too,
+  bool is_damped_ = false;   // and the damping
 };
 
 /// Minimises with steps in the coordinates of `state`.

@@ -2,7 +2,6 @@
 #include <algorithm>
 #include <array>
 #include <mapjoin/join/joining_system.hpp>
-#include <mapjoin/model/accumulate.hpp>
 #include <mapjoin/model/cost.hpp>
 #include <mapjoin/parallel/parallel.hpp>
 #include <utility>
@@ -85,17 +84,6 @@ NormalEquations JoiningSystem<Dim>::make_equations(Engine engine, const std::vec
     if (variable != kConstant) ordering.given.push_back(variable);
   }
   return NormalEquations(std::move(pattern), engine, ordering);
-}
-
-template <int Dim>
-double JoiningSystem<Dim>::add_observation(std::size_t factor, NormalEquations::Sink sink) const {
-  const auto [kind, place] = source_of(factor);
-  if (kind == Source::kPoseFactor) {
-    const auto& [o, base, target] = pose_factors_[place];
-    return accumulate(mapjoin::linearise(*o, estimate_.pose(base), estimate_.pose(target)), sink);
-  }
-  const auto& [o, base, target] = feature_factors_[place];
-  return accumulate(mapjoin::linearise(*o, estimate_.pose(base), estimate_.feature(target)), sink);
 }
 
 template <int Dim>

@@ -6,6 +6,7 @@
 #include <Eigen/Core>
 #include <mapjoin/join/align/gauge.hpp>
 #include <mapjoin/join/align/partial_map.hpp>
+#include <mapjoin/model/accumulate.hpp>
 #include <mapjoin/solve/minimise_options.hpp>
 #include <mapjoin/solve/normal_equations.hpp>
 #include <span>
@@ -27,7 +28,20 @@ class JoiningSystem {
   double linearise(AddMap&& add_map) {
     equations_.set_zero();
     return equations_.accumulate_factors([&](std::size_t factor, NormalEquations::Sink sink) {
-      return factor < first_map_factor_ ? add_observation(factor, sink) : add_map(factor - first_map_factor_, sink);
+      if (factor >= first_map_factor_) return add_map(factor - first_map_factor_, sink);
+      return with_linear_observation(factor, [&](const auto& linear) { return accumulate(linear, sink); });
+    });
+  }
+  /// Adds the curvature of the observations (see accumulate_curvature), and of the maps by `add_map(m, sink)`.
+  template <typename AddMap>
+  void add_curvature(AddMap&& add_map) {
+    equations_.accumulate_factors([&](std::size_t factor, NormalEquations::Sink sink) {
+      if (factor < first_map_factor_) {
+        with_linear_observation(factor, [&](const auto& linear) { accumulate_curvature(linear, sink); });
+      } else {
+        add_map(factor - first_map_factor_, sink);
+      }
+      return 0.0;
     });
   }
   double observations_chi2(const Values<Dim>& state) const;
@@ -80,7 +94,17 @@ class JoiningSystem {
   void number_variables(const Gauge<Dim>& gauge);
   void place_observations(const PartialMap<Dim>& partial, const Gauge<Dim>& gauge);
   NormalEquations make_equations(Engine engine, const std::vector<Index>& order) const;
-  double add_observation(std::size_t factor, NormalEquations::Sink sink) const;
+  /// f(the observation linearised at the estimate).
+  template <typename F>
+  auto with_linear_observation(std::size_t factor, F&& f) const {
+    const auto [kind, place] = source_of(factor);
+    if (kind == Source::kPoseFactor) {
+      const auto& [o, base, target] = pose_factors_[place];
+      return f(mapjoin::linearise(*o, estimate_.pose(base), estimate_.pose(target)));
+    }
+    const auto& [o, base, target] = feature_factors_[place];
+    return f(mapjoin::linearise(*o, estimate_.pose(base), estimate_.feature(target)));
+  }
 
   Values<Dim> estimate_;
   std::vector<Placed<PoseFactor<Dim>>> pose_factors_;

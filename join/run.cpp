@@ -1,5 +1,4 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include <array>
 #include <mapjoin/check/connectivity.hpp>
 #include <mapjoin/join/run.hpp>
 #include <mapjoin/join/tolerances.hpp>
@@ -224,13 +223,11 @@ Expected<RunResult<Dim>> join_set(const SubmapSet<Dim>& set, std::vector<LocalMa
   return with_covariances(Found<Dim>{std::move(result), std::move(joined_map)}, options, stop);
 }
 
-/// What is tried where the log was left to be cut as is cheapest, and no two ways of joining its local maps found the same
-/// optimum: without maps, whose Gaussians are crude where they were made far from it.
-constexpr std::array kWithoutMaps = {Schedule::kTree, Schedule::kUnbalanced};
-
+/// Whether a log that was left to be cut as is cheapest is joined without local maps, too: where their Gaussians proved crude,
+/// for they were made far from the optimum, and no solve was as good as linear.
 bool may_do_without_maps(const RunFigures& figures, const RunOptions& options) {
   return options.split.rule == SplitRule::kAuto && options.schedule == Schedule::kAuto && figures.local_maps > 0 &&
-         !figures.is_settled;
+         !figures.is_settled && figures.recovered_chi2 > (1.0 + kCrudeMaps) * figures.chi2;
 }
 
 }  // namespace
@@ -272,14 +269,10 @@ Expected<RunResult<Dim>> run(const Log<Dim>& log, const RunOptions& options, con
   if (!may_do_without_maps(best->result, options)) return with_covariances(*std::move(best), options, stop);
   RunOptions without_maps = options;
   without_maps.split = {SplitRule::kPoses, 1.0};
-  for (const Schedule schedule : kWithoutMaps) {
-    without_maps.schedule = schedule;
-    auto other = run_once(log, without_maps, stop);
-    if (!other && other.error().kind == ErrorKind::kInterrupted) return tl::unexpected(other.error());
-    if (!other) continue;
-    if (is_same_chi2(best->result.chi2, other->result.chi2)) break;
-    if (is_less_chi2(other->result.chi2, best->result.chi2)) best = std::move(other);
-  }
+  without_maps.schedule = Schedule::kUnbalanced;
+  auto other = run_once(log, without_maps, stop);
+  if (!other && other.error().kind == ErrorKind::kInterrupted) return tl::unexpected(other.error());
+  if (other && is_less_chi2(other->result.chi2, best->result.chi2)) best = std::move(other);
   return with_covariances(*std::move(best), options, stop);
 }
 

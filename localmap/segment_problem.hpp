@@ -16,6 +16,7 @@ class SegmentProblem {
   SegmentProblem(const SegmentView<Dim>& view, const SegmentFreedom& freedom, Values<Dim> start);
 
   double linearise();
+  void add_curvature() { system_.add_curvature(estimate_); }
   const Eigen::VectorXd& gradient() const { return system_.equations().gradient(); }
   DiagonalMetric metric() const { return DiagonalMetric(system_.equations().diagonal()); }
   double curvature(const Eigen::VectorXd& v) const { return system_.equations().curvature(v); }

@@ -92,22 +92,33 @@ SegmentSystem<Dim>::SegmentSystem(const SegmentView<Dim>& view, const SegmentFre
 }
 
 template <int Dim>
-double SegmentSystem<Dim>::linearise(const Values<Dim>& values) {
-  equations_.set_zero();
-  double chi2 = 0.0;
+template <typename F>
+void SegmentSystem<Dim>::for_each_linear(const Values<Dim>& values, F&& f) {
   for (const auto& o : view_->odometry) {
     const auto base = static_cast<std::size_t>(o.base - view_->begin);
     const auto target = static_cast<std::size_t>(o.target - view_->begin);
-    chi2 += accumulate(mapjoin::linearise(o, values.poses[base], values.poses[target]),
-                       Sink(equations_, pose_slots_[base], pose_slots_[target]));
+    f(mapjoin::linearise(o, values.poses[base], values.poses[target]),
+      Sink(equations_, pose_slots_[base], pose_slots_[target]));
   }
   for (std::size_t k = 0; k < view_->observations.size(); ++k) {
     const auto& o = view_->observations[k];
     const auto base = static_cast<std::size_t>(o.base - view_->begin);
-    chi2 += accumulate(mapjoin::linearise(o, values.poses[base], values.features[observed_[k]]),
-                       Sink(equations_, pose_slots_[base], feature_slots_[observed_[k]]));
+    f(mapjoin::linearise(o, values.poses[base], values.features[observed_[k]]),
+      Sink(equations_, pose_slots_[base], feature_slots_[observed_[k]]));
   }
+}
+
+template <int Dim>
+double SegmentSystem<Dim>::linearise(const Values<Dim>& values) {
+  equations_.set_zero();
+  double chi2 = 0.0;
+  for_each_linear(values, [&](const auto& linear, Sink sink) { chi2 += accumulate(linear, sink); });
   return chi2;
+}
+
+template <int Dim>
+void SegmentSystem<Dim>::add_curvature(const Values<Dim>& values) {
+  for_each_linear(values, [](const auto& linear, Sink sink) { accumulate_curvature(linear, sink); });
 }
 
 template <int Dim>

@@ -30,6 +30,8 @@ class SegmentSystem {
 
   /// Makes the normal equations at `values`; returns chi2 there.
   double linearise(const Values<Dim>& values);
+  /// Makes H, after linearise() there, that of full Newton.
+  void add_curvature(const Values<Dim>& values);
   double chi2(const Values<Dim>& values) const;
 
   ChainSystem<Dim>& equations() { return equations_; }
@@ -46,6 +48,9 @@ class SegmentSystem {
     bool is_free() const { return entry >= 0; }
   };
   class Sink;
+  /// f(observation linearised at `values`, sink) for every observation of the segment.
+  template <typename F>
+  void for_each_linear(const Values<Dim>& values, F&& f);
 
   const SegmentView<Dim>* view_;
   std::vector<Slot> pose_slots_;

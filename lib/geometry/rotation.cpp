@@ -21,13 +21,37 @@ RotationVector<3> Rotation<3>::log() const {
   return k * vec;
 }
 
+namespace {
+
+/// k(θ²) = (1/θ²)(1 - (θ/2) cot(θ/2)) of J⁻¹ = I ± ½ [v] + k [v]², θ = |v|; by its series near zero.
+double k_of(double theta2) {
+  const double half = 0.5 * std::sqrt(theta2);
+  return theta2 < 1e-6 ? 1.0 / 12.0 + theta2 / 720.0 : (1.0 - half / std::tan(half)) / theta2;
+}
+
+/// dk/d(θ²).
+double k_slope(double theta2) {
+  const double half = 0.5 * std::sqrt(theta2);
+  if (theta2 < 1e-3) return 1.0 / 720.0 + theta2 / 15120.0 + theta2 * theta2 / 403200.0;
+  const double sine = std::sin(half);
+  return (0.25 / (sine * sine) + 0.25 / (half * std::tan(half)) - 2.0 / theta2) / (2.0 * theta2);
+}
+
+}  // namespace
+
 RotationJacobian<3> right_jacobian_inverse(const RotationVector<3>& v) {
-  const double theta2 = v.squaredNorm();
-  const double theta = std::sqrt(theta2);
-  // (1/θ²)(1 - (θ/2) cot(θ/2)), by its series near zero.
-  const double k = theta < 1e-3 ? 1.0 / 12.0 + theta2 / 720.0 : (1.0 - 0.5 * theta / std::tan(0.5 * theta)) / theta2;
   const Matrix<3> hat = skew(v);
-  return Matrix<3>::Identity() + 0.5 * hat + k * hat * hat;
+  return Matrix<3>::Identity() + 0.5 * hat + k_of(v.squaredNorm()) * hat * hat;
+}
+
+Matrix<3> log_curvature(const RotationVector<3>& v, const RotationVector<3>& u) {
+  // The gradient is J⁻ᵀu = u + ½ v × u + k v × (v × u), J⁻¹ = I - ½ [v] + k [v]² for a step on the left; this is its change
+  // with v, which itself moves by J⁻¹ δ. What a change of the frame of δ adds is antisymmetric.
+  const double theta2 = v.squaredNorm();
+  const Matrix<3> along = v.dot(u) * Matrix<3>::Identity() + v * u.transpose() - 2.0 * u * v.transpose();
+  const Matrix<3> change = -0.5 * skew(u) + k_of(theta2) * along + 2.0 * k_slope(theta2) * v.cross(v.cross(u)) * v.transpose();
+  const Matrix<3> H = change * right_jacobian_inverse(RotationVector<3>(-v));
+  return 0.5 * (H + H.transpose());
 }
 
 }  // namespace mapjoin

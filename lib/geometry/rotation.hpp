@@ -35,7 +35,10 @@ inline double wrap_angle(double angle) {
   return std::abs(angle) <= std::numbers::pi ? angle : std::remainder(angle, 2.0 * std::numbers::pi);
 }
 
-/// The cross-product matrix: skew(a) b = a × b.
+/// The cross-product matrix: skew(a) b = a × b, in the plane the component out of it.
+inline Matrix<1, 2> skew(const Vector<2>& a) {
+  return {-a.y(), a.x()};
+}
 inline Matrix<3> skew(const Vector<3>& a) {
   return (Matrix<3>() << 0.0, -a.z(), a.y(), a.z(), 0.0, -a.x(), -a.y(), a.x(), 0.0).finished();
 }
@@ -104,6 +107,9 @@ inline RotationJacobian<2> right_jacobian_inverse(const RotationVector<2>&) {
   return RotationJacobian<2>::Ones();
 }
 RotationJacobian<3> right_jacobian_inverse(const RotationVector<3>& v);
+
+/// The second derivatives of uᵀ Log(Exp(δ) Exp(v)) with respect to δ, at δ = 0.
+Matrix<3> log_curvature(const RotationVector<3>& v, const RotationVector<3>& u);
 
 /// The matrix that turns a step of a rotation seen before `rotation` into one seen after it (the transpose of the adjoint):
 /// Exp(w) R = R Exp(Rᵀ w).

@@ -110,4 +110,40 @@ double accumulate(const Observation& observation, Sink&& sink) {
   return observation.cost(chi2);
 }
 
+/// Gives `sink` what full Newton's H has beyond Gauss-Newton's: -Σ (Wr)ᵀ ∂²H_t.
+template <typename Observation, typename Sink>
+void accumulate_curvature(const Observation& observation, Sink&& sink) {
+  constexpr int kDim = Observation::kDim;
+  constexpr int kDof = kPoseDof<kDim>;
+  constexpr int kRot = kRotationDof<kDim>;
+  Matrix<kDof> H_bb = Matrix<kDof>::Zero();
+  observation.for_each_target([&]<int DofT>(int t, const LinearTarget<kDim, DofT>& target_t) {
+    Vector<DofT> Wr = Vector<DofT>::Zero();
+    observation.for_each_target([&]<int DofS>(int s, const LinearTarget<kDim, DofS>& target_s) {
+      Wr.noalias() += observation.template information<DofS, DofT>(s, t).transpose() * target_s.residual;
+    });
+    // Positions: a turn w of the base turns the rows J of the Jacobians to J - w × J, whence the rows -(Wr) × J of w.
+    const Matrix<kRot, kDim> minus_Wr_cross = -skew(Vector<kDim>(Wr.template head<kDim>()));
+    Matrix<kDof, DofT> H_bt = Matrix<kDof, DofT>::Zero();
+    H_bt.template bottomRows<kRot>() = minus_Wr_cross * target_t.J_target.template topRows<kDim>();
+    Matrix<kRot, kDof> H_wb = minus_Wr_cross * target_t.J_base.template topRows<kDim>();
+    if constexpr (kDim == 3 && DofT == kDof) {
+      // Rotations: r = Log(Exp(-w_t) Exp(M w_b) Exp(r)), M = R_tᵀ R_b; two turns a, b make one of a + b + ½ a × b.
+      const Matrix<3> J = target_t.J_target.template bottomRightCorner<3, 3>();
+      const Matrix<3> M = -J.inverse() * target_t.J_base.template bottomRightCorner<3, 3>();
+      const Vector<3> u = Wr.template tail<3>();
+      const Matrix<3> Q = log_curvature(target_t.residual.template tail<3>(), u);
+      H_bt.template bottomRightCorner<3, 3>() -= M.transpose() * (Q + 0.5 * skew(Vector<3>(J.transpose() * u)));
+      H_wb.template rightCols<3>() += M.transpose() * Q * M;
+      Matrix<kDof> H_tt = Matrix<kDof>::Zero();
+      H_tt.template bottomRightCorner<3, 3>() = Q;
+      sink.hessian(1 + t, 1 + t, H_tt);
+    }
+    sink.hessian(0, 1 + t, H_bt);
+    H_bb.template bottomRows<kRot>() += H_wb;
+  });
+  H_bb.template bottomRightCorner<kRot, kRot>() *= 0.5;
+  sink.hessian(0, 0, H_bb + H_bb.transpose());
+}
+
 }  // namespace mapjoin

@@ -17,7 +17,8 @@ namespace mapjoin {
 /// chi2(x ⊕ δ) ≈ chi2 - 2 gᵀδ + δᵀHδ.
 template <typename P>
 concept LeastSquaresProblem = requires(P p, const Eigen::VectorXd& v, double damping) {
-  { p.linearise() } -> std::convertible_to<double>;                   // makes H and g at the estimate; returns chi2 there
+  { p.linearise() } -> std::convertible_to<double>;  // makes H and g at the estimate; returns chi2 there
+  {p.add_curvature()};  // makes H, after linearise(), that of full Newton, which need not be positive definite
   { p.gradient() } -> std::convertible_to<Eigen::VectorXd>;           // g
   { p.metric() } -> StepMetric;                                       // D, at the estimate
   { p.curvature(v) } -> std::convertible_to<double>;                  // vᵀHv
@@ -69,29 +70,6 @@ std::optional<Variable> factorise_damped(P& problem, double& damping, bool damp_
   return singular;
 }
 
-/// chi2 of the estimate moved by `step`, whose candidate is kept. Where steps lead on in one direction and gain far more than
-/// the model promised, chi2 curves less along them than the model says: the step is then made as long as the curvature that it
-/// met asks for. Without this, an estimate creeps along a valley whose curvature Gauss-Newton overrates.
-template <LeastSquaresProblem P>
-double try_stretched(P& problem, Eigen::VectorXd& step, const Eigen::VectorXd& previous, double promised, double chi2_before) {
-  constexpr double kMuchMore = 1.5;  // of what was promised
-  constexpr double kMostStretch = 100.0;
-  constexpr double kOneDirection = 0.99;  // cosine
-  const double chi2 = problem.try_step(step);
-  const double gained = chi2_before - chi2;
-  if (!(gained > kMuchMore * promised) || !(gained > kRounding * chi2_before)) return chi2;
-  const bool leads_on = previous.size() > 0 && step.dot(previous) > kOneDirection * step.norm() * previous.norm();
-  if (!leads_on) return chi2;
-  const double slope = problem.gradient().dot(step);  // chi2(a) = chi2_before - 2 a slope + a² curvature
-  const double curvature = 2.0 * slope - gained;
-  const double stretch = curvature * kMostStretch > slope ? slope / curvature : kMostStretch;
-  const Eigen::VectorXd stretched = stretch * step;
-  const double chi2_stretched = problem.try_step(stretched);
-  if (!(chi2_stretched < chi2)) return problem.try_step(step);
-  step = stretched;
-  return chi2_stretched;
-}
-
 inline bool is_tiny(const StepSize& size, const MinimiseOptions& options) {
   return size.metres <= options.step_metres && size.radians <= options.step_radians;
 }
@@ -102,17 +80,22 @@ MinimiseResult minimise_in(MetricOf&& metric_of, P& problem, const MinimiseOptio
   MinimiseResult result;
   result.chi2 = result.start_chi2 = problem.linearise();
   TrustRegion region(options.method);
-  Eigen::VectorXd previous;  // the last step that was taken
+  bool is_curved = false;  // whether H is that of full Newton
   while (true) {
     if (!std::isfinite(result.chi2)) return result.ended(MinimiseStatus::kNoProgress);
     const auto& metric = metric_of();
+    if (is_curved) problem.add_curvature();
     if (region.may_repeat(result.chi2)) region.propose_repeated(newton_step(problem, 0.0, metric));
     Eigen::VectorXd step;
     do {
       if (stop.stop_requested()) return result.ended(MinimiseStatus::kInterrupted);
       if (region.needs_factorisation()) {
         double damping = region.damping();
-        result.singular = factorise_damped(problem, damping, options.damp_singular);
+        if (is_curved && problem.factorise(damping)) {
+          problem.linearise();
+          is_curved = false;
+        }
+        if (!is_curved) result.singular = factorise_damped(problem, damping, options.damp_singular);
         ++result.factorisations;
         if (result.singular) return result.ended(MinimiseStatus::kSingular);
         region.set_newton_step(newton_step(problem, damping, metric));
@@ -123,9 +106,7 @@ MinimiseResult minimise_in(MetricOf&& metric_of, P& problem, const MinimiseOptio
       const double promised = region.predicted_decrease();
       const bool tiny = is_tiny(problem.step_size(step), options);
       const bool last = tiny || region.promise() <= options.relative_chi2 * result.chi2 || promised <= kRounding * result.chi2;
-      const double chi2 = options.method == Method::kGaussNewton
-                              ? problem.try_step(step)
-                              : try_stretched(problem, step, previous, promised, result.chi2);
+      const double chi2 = problem.try_step(step);
       if (last) {
         const bool converged = (tiny && !region.is_truncated()) || options.is_converged(region.promise(), result.chi2);
         // The last step may gain less than chi2 is rounded to, and still be the one to the optimum.
@@ -136,12 +117,12 @@ MinimiseResult minimise_in(MetricOf&& metric_of, P& problem, const MinimiseOptio
         return result.ended(converged ? MinimiseStatus::kConverged : MinimiseStatus::kNoProgress);
       }
       if (options.method == Method::kGaussNewton && !std::isfinite(chi2)) return result.ended(MinimiseStatus::kNoProgress);
-      region.judge(result.chi2 - chi2);
+      region.judge(result.chi2, chi2);
       if (region.fell_short()) ++result.short_steps;
       if (region.accepted()) result.moved_to(chi2);
     } while (!region.accepted());
     problem.accept();
-    previous = std::move(step);
+    is_curved = options.method != Method::kGaussNewton && (is_curved || region.creeps());
     if (result.iterations >= options.max_iterations) {
       const bool converged = options.is_converged(region.promise(), result.chi2);
       return result.ended(converged ? MinimiseStatus::kConverged : MinimiseStatus::kMaxIterations);

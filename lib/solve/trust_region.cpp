@@ -19,16 +19,17 @@ double dogleg_fraction(double cc, double cn, double nn, double radius) {
 }
 
 /// The last factor serves once more where its step lowered chi2 by at most this share of it: the estimate has moved little,
-constexpr double kLittleMoved = 0.01;
+constexpr double kLittle = 0.01;
 /// and promises at most this share of that now.
 constexpr double kRepeatedShare = 0.05;
 /// A step that gains less than this share of what was promised fell short: chi2 is not nearly quadratic that far.
 constexpr double kShort = 0.4;
+constexpr double kMuchMore = 1.5;
 
 }  // namespace
 
 bool TrustRegion::may_repeat(double chi2) const {
-  return method_ == Method::kDogleg && accepted_ && took_newton_step_ && predicted_ <= kLittleMoved * chi2;
+  return method_ == Method::kDogleg && accepted_ && took_newton_step_ && predicted_ <= kLittle * chi2;
 }
 
 void TrustRegion::propose_repeated(ModelStep newton) {
@@ -61,9 +62,10 @@ Eigen::VectorXd TrustRegion::step() {
   return (1.0 - beta) * cauchy_.v + beta * newton_.v;
 }
 
-void TrustRegion::judge(double actual_decrease) {
-  const double ratio = actual_decrease / predicted_;
+void TrustRegion::judge(double chi2_before, double chi2) {
+  const double ratio = (chi2_before - chi2) / predicted_;
   fell_short_ = !(ratio > kShort);
+  creeps_ = (fell_short_ || ratio > kMuchMore) && chi2_before - chi2 <= kLittle * chi2;
   switch (method_) {
     case Method::kGaussNewton:
       accepted_ = true;

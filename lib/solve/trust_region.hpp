@@ -94,10 +94,13 @@ class TrustRegion {
   bool is_truncated() const { return method_ == Method::kDogleg && newton_.length > radius_; }
 
   /// Updates radius or damping by what the step achieved.
-  void judge(double actual_decrease);
+  void judge(double chi2_before, double chi2);
   bool accepted() const { return accepted_; }
   /// Whether the last step judged gained less than 0.4 of what the model said.
   bool fell_short() const { return fell_short_; }
+  /// Whether it was accepted but lowered chi2 by a hundredth at most, and by far less or more than the model said: near where it
+  /// ends up, chi2 curves otherwise.
+  bool creeps() const { return creeps_; }
 
  private:
   void judge_radius(double ratio);
@@ -118,6 +121,7 @@ class TrustRegion {
   bool is_repeated_ = false;
   bool accepted_ = false;
   bool fell_short_ = false;
+  bool creeps_ = false;
 };
 
 }  // namespace mapjoin

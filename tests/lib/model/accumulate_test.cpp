@@ -2,8 +2,10 @@
 #include <gtest/gtest.h>
 
 #include <mapjoin/model/accumulate.hpp>
+#include <mapjoin/model/cost.hpp>
 #include <numeric>
 #include <tests/support/dimensions.hpp>
+#include <tests/support/numerical_jacobian.hpp>
 #include <tests/support/random.hpp>
 
 namespace mapjoin {
@@ -137,6 +139,49 @@ TYPED_TEST(AccumulateTest, ALocalMapGivesItsDenseNormalEquations) {
     DenseSink sink(widths);
     const double chi2 = accumulate(linear, sink);
     expect_dense(sink, chi2, J, map.information, r);
+  }
+}
+
+/// ½ ∂²f/∂δ² at δ = 0 by central differences.
+template <typename F>
+Eigen::MatrixXd half_of_second_derivatives(F&& f, Eigen::Index size) {
+  constexpr double kStep = 1e-4;
+  const auto gradient = [&](const Eigen::VectorXd& at) -> Eigen::VectorXd {
+    const auto value = [&](const Eigen::VectorXd& step) { return Eigen::VectorXd::Constant(1, f(at + step)).eval(); };
+    return testing::numerical_jacobian(value, size, kStep).transpose();
+  };
+  return 0.5 * testing::numerical_jacobian(gradient, size, kStep);
+}
+
+TYPED_TEST(AccumulateTest, CurvatureMakesTheHessianThatOfFullNewton) {
+  constexpr int kDim = TestFixture::kDim;
+  constexpr int kDof = TestFixture::kDof;
+  for (int k = 0; k < 5; ++k) {
+    LocalMap<kDim> map;
+    map.poses = {1};
+    map.features = {0};
+    map.pose_estimates = {this->random.template pose<kDim>()};
+    map.feature_estimates = {this->random.template vector<kDim>()};
+    map.information = this->random.template information<kDof + kDim>();
+    const Pose<kDim> base = this->random.template pose<kDim>();
+    const Pose<kDim> end = this->random.template pose<kDim>();
+    const Point<kDim> feature = this->random.template vector<kDim>();
+    const auto chi2 = [&](const Eigen::VectorXd& step) {
+      const Pose<kDim> moved_end = retract<kDim>(end, step.segment<kDof>(kDof));
+      const Point<kDim> moved_feature = feature + step.tail<kDim>();
+      return cost(
+          map, retract<kDim>(base, step.head<kDof>()), [&](std::size_t) { return moved_end; },
+          [&](std::size_t) { return moved_feature; });
+    };
+    DenseSink sink({kDof, kDof, kDim});
+    const auto linear = linearise(
+        map, base, [&](std::size_t) { return end; }, [&](std::size_t) { return feature; });
+    accumulate(linear, sink);
+    const Eigen::MatrixXd gauss_newton = sink.H;
+    accumulate_curvature(linear, sink);
+    const Eigen::MatrixXd H = half_of_second_derivatives(chi2, 2 * kDof + kDim);
+    EXPECT_LT((sink.H - H).norm(), 1e-5 * H.norm());
+    EXPECT_GT((gauss_newton - H).norm(), 1e-2 * H.norm());
   }
 }
 
