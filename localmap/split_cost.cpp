@@ -23,6 +23,9 @@ double block_cost(double m) {
 constexpr double kJoining = 4.0;
 constexpr double kPolishing = 5.0;
 
+/// The least costs within this share of each other are the same: of segments that are no maps, but for rounding.
+constexpr double kAlike = 0.01;
+
 /// What one segment costs, as a map or, where it would keep most of its poses, as a raw segment of one-step maps.
 template <int Dim>
 double stretch_cost(const Log<Dim>& log, const std::vector<bool>& kept, const Segment& segment, SeenFeatures& seen) {
@@ -62,7 +65,8 @@ Index cheapest_poses_per_map(const Log<Dim>& log, const std::vector<bool>& kept,
   parallel_for(costs.size(), [&](std::size_t k) {
     costs[k] = kCandidates[k] < fewest ? std::numeric_limits<double>::infinity() : cost_per_step(log, kept, kCandidates[k]);
   });
-  const auto least = std::min_element(costs.begin(), costs.end());
+  const double most = (1.0 + kAlike) * *std::min_element(costs.begin(), costs.end());
+  const auto least = std::find_if(costs.begin(), costs.end(), [&](double cost) { return cost <= most; });
   return std::isfinite(*least) ? kCandidates[static_cast<std::size_t>(least - costs.begin())] : kCandidates.back();
 }
 

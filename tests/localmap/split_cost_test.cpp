@@ -105,5 +105,13 @@ TYPED_TEST(SplitCostTest, ChoosesTheCheapestOfItsCandidates) {
   EXPECT_EQ(cheapest_poses_per_map(log, nothing_kept, 101.0), 100);
 }
 
+TYPED_TEST(SplitCostTest, OneStepIsTakenWhereLongerSegmentsWouldBeNoMaps) {
+  constexpr int kDim = TestFixture::kDim;
+  auto log = small_world<kDim>({.poses = 200, .features = 0, .closures = 0, .noise = 0.0}).log;
+  std::vector<bool> kept(log.poses.size(), true);
+  kept[20] = kept[50] = kept[51] = false;  // makes a map of one of many windows, cheaper by less than a hundredth
+  EXPECT_EQ(cheapest_poses_per_map(log, kept, 0.0), 1);
+}
+
 }  // namespace
 }  // namespace mapjoin
