@@ -27,13 +27,20 @@ TEST(FreeToMove, TwoSessionsWithOneFeatureTurnAboutIt) {
               "EDGE_SE2 5 6 1 0 0 100 0 0 100 0 400\n"
               "EDGE_SE2_XY 1 7 0 1 25 0 25\n"
               "EDGE_SE2_XY 5 7 0 1 25 0 25\n"),
-      HasSubstr(
-          "pose 5 and pose 6 cannot be determined: the observations leave them free to turn as a whole about feature 7"));
+      HasSubstr("pose 5 and pose 6 cannot be determined: the observations leave them free to turn as a whole about feature 7"));
 }
 
 TEST(FreeToMove, APoseWithoutHeadingTurns) {
   EXPECT_THAT(said_of("EDGE_SE2 0 1 1 0 0 1 0 0 1 0 0\n"),
               HasSubstr("pose 1 cannot be determined: the observations leave it free to turn"));
+}
+
+TEST(FreeToMove, AllPosesWithoutHeadingAreCounted) {
+  std::string chain;
+  for (int pose = 0; pose < 30; ++pose) {
+    chain += "EDGE_SE2 " + std::to_string(pose) + " " + std::to_string(pose + 1) + " 1 0 0 1 0 0 1 0 0\n";
+  }
+  EXPECT_THAT(said_of(chain), HasSubstr("pose 1, pose 2, pose 3 and 27 others cannot be determined"));
 }
 
 TEST(FreeToMove, AFeatureSeenAlongOneAxisMoves) {

@@ -3,7 +3,9 @@
 
 #include <mapjoin/join/run.hpp>
 #include <mapjoin/measure/chi2.hpp>
+#include <mapjoin/model/log_builder.hpp>
 #include <mapjoin/simulate/manhattan.hpp>
+#include <numbers>
 #include <tests/support/ceres_reference.hpp>
 #include <tests/support/dense_slam.hpp>
 #include <tests/support/dimensions.hpp>
@@ -305,6 +307,29 @@ TEST(AutoSchedule, DoesWithoutMapsOnlyWhereTheyProveCrude) {
     EXPECT_EQ(found.recovered_chi2.value() > 1.02 * found.chi2, is_crude);
     EXPECT_EQ(ways_of_default(world), is_crude ? 4 : 3);
   }
+}
+
+/// A feature that two poses see along the same axis of theirs is determined by them where their headings differ, which a
+/// closure says against odometry.
+TEST(AutoSchedule, GoesOnWhereTheSystemIsSingularAsAlignedOnly) {
+  LogBuilder<2> builder("two strips");
+  const auto step = [](double heading) { return Pose<2>{{1.0, 0.0}, Rotation<2>(heading)}; };
+  for (std::uint64_t pose = 0; pose < 4; ++pose) {
+    builder.add_pose_edge({0, pose}, {0, pose + 1}, step(0.0), PoseMatrix<2>::Identity());
+  }
+  builder.add_pose_edge({0, 0}, {0, 1}, step(0.5 * std::numbers::pi), 1e6 * PoseMatrix<2>::Identity());
+  builder.add_observation({0, 0}, {7}, {2.0, 2.0}, PointMatrix<2>::Ones());
+  builder.add_observation({0, 1}, {7}, {2.0, -1.0}, PointMatrix<2>::Ones());
+  const auto log = std::move(builder).finish().value();
+  RunOptions options;
+  options.split = {SplitRule::kPoses, 1.0};
+  options.schedule = Schedule::kAligned;
+  EXPECT_FALSE(run(log, options));
+  options.schedule = Schedule::kAuto;
+  const auto found = run(log, options);
+  ASSERT_TRUE(found) << found.error().message;
+  EXPECT_NE(found->schedule, Schedule::kAligned);
+  EXPECT_LT((found->map.features[0] - Point<2>(2.0, 2.0)).norm(), 0.01);
 }
 
 TEST(AutoSchedule, KeepsTheBestMapWhereNoneFits) {

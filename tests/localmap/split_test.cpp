@@ -130,6 +130,15 @@ TYPED_TEST(SplitTest, ASegmentThatWouldKeepMostOfItsPosesStaysASpan) {
   EXPECT_EQ(std::count(parts.kept.begin(), parts.kept.begin() + 11, true), 11);
 }
 
+TYPED_TEST(SplitTest, AMapEliminatesHalfOfItsInnerPosesAtLeast) {
+  for (const Index closures : {5, 6}) {
+    auto log = this->corridor(23);
+    for (Index pose = 1; pose <= closures; ++pose) log.graph.pose_factors.push_back(this->edge(pose, 22));
+    const auto parts = split(log, {SplitRule::kPoses, 11.0});  // of 10 inner poses
+    EXPECT_EQ(parts.segments[0].is_map, closures == 5);
+  }
+}
+
 TYPED_TEST(SplitTest, AMapWhoseBorderWouldBeTooLargeStaysASpan) {
   constexpr int kDim = TestFixture::kDim;
   constexpr Index kMost = (5000 - 2 * kPoseDof<kDim>) / kDim;  // features beside the two ends

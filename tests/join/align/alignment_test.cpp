@@ -92,6 +92,18 @@ TYPED_TEST(AlignmentTest, SaysNothingWhereNoRotationIsFixed) {
   EXPECT_FALSE(rigid_alignment<kDim>(undefined, points));
 }
 
+TYPED_TEST(AlignmentTest, TakesASpreadBeyondRoundingForARotation) {
+  constexpr int kDim = TestFixture::kDim;
+  for (const double spread : {1e-4, 1e-8}) {
+    auto close = this->scattered(12);
+    auto nearly_on_a_line = close;
+    for (auto& point : close) point = Point<kDim>::Constant(10.0) + spread * point;
+    for (auto& point : nearly_on_a_line) point.template tail<kDim - 1>() *= spread;
+    EXPECT_EQ(rigid_alignment<kDim>(close, close).has_value(), spread == 1e-4);
+    EXPECT_EQ(rigid_alignment<kDim>(nearly_on_a_line, nearly_on_a_line).has_value(), kDim == 2 || spread == 1e-4);
+  }
+}
+
 /// Two partial maps that share a pose and a feature; each sees the shared feature and one of its own from both its poses.
 TYPED_TEST(AlignmentTest, SharedFactorsWeighWhatAlignmentsChange) {
   constexpr int kDim = TestFixture::kDim;

@@ -77,6 +77,14 @@ TYPED_TEST(ConsistencyTest, WeighsErrorsByTheJointCovarianceOfTheSameThings) {
   }
 }
 
+/// From a table of the distribution.
+TEST(Nees, IsHeldAgainstQuantilesOfOnePercent) {
+  const Nees nees{18.307, 10};
+  EXPECT_NEAR(nees.least(), 2.558, 1e-3);
+  EXPECT_NEAR(nees.most(), 23.209, 1e-3);
+  EXPECT_NEAR(nees.probability(), 0.05, 1e-5);
+}
+
 TYPED_TEST(ConsistencyTest, TakesTheFrameOfTheTruthFromThePoseThatHoldsTheMap) {
   constexpr int kDim = TestFixture::kDim;
   const auto world = small_world<kDim>();

@@ -5,10 +5,12 @@
 #include <mapjoin/join/incremental/incremental_join.hpp>
 #include <mapjoin/join/run.hpp>
 #include <mapjoin/measure/statistics.hpp>
+#include <numbers>
 #include <tests/support/batch_join.hpp>
 #include <tests/support/dense_information.hpp>
 #include <tests/support/dimensions.hpp>
 #include <tests/support/small_world.hpp>
+#include <tuple>
 
 namespace mapjoin {
 namespace {
@@ -117,6 +119,9 @@ TYPED_TEST(IncrementalJoinTest, ASessionThatSharesNothingYetWaits) {
     const bool ties = k + 1 == cut.size();
     const AddedUpdate added = joined.add(cut[k]).value();
     EXPECT_EQ(added.is_joined, k < second || ties) << k;
+    if (k >= second) {
+      EXPECT_EQ(added.batch_checked, ties) << k;
+    }
     EXPECT_EQ(joined.waiting(), k < second || ties ? 0 : k - second + 1);
     EXPECT_EQ(joined.pose({1, 0}) != nullptr, ties);
   }
@@ -156,8 +161,13 @@ TYPED_TEST(IncrementalJoinTest, PriorsAndSingleObservationsMayComeByThemselves) 
 
 TYPED_TEST(IncrementalJoinTest, LooksAnewWhereOneMapInAThousandWouldFitAsBadly) {
   constexpr int kDim = TestFixture::kDim;
-  const auto updates = this->submap_updates_of({.poses = 60, .features = 60, .closures = 0}, 6.0);
-  for (const auto& [probability, looks] : {std::pair{5e-4, true}, {2e-3, false}}) {
+  const auto as_given = this->submap_updates_of({.poses = 60, .features = 60, .closures = 0}, 6.0);
+  auto too_certain = as_given;  // the fit so far, not the covariances, says what is probable
+  for (auto& update : too_certain) {
+    for (auto& map : update.graph.submaps) map.information *= 1e4;
+  }
+  for (const auto& [updates, probability, looks] :
+       {std::tuple{as_given, 5e-4, true}, {as_given, 2e-3, false}, {too_certain, 5e-4, true}, {too_certain, 2e-3, false}}) {
     IncrementalJoin<kDim> joined;
     AddedUpdate last;
     for (const auto& update : updates) last = joined.add(update).value();
@@ -173,6 +183,44 @@ TYPED_TEST(IncrementalJoinTest, LooksAnewWhereOneMapInAThousandWouldFitAsBadly) 
     EXPECT_EQ(added.batch_checked, looks);
     EXPECT_TRUE(added.converged);
   }
+}
+
+TYPED_TEST(IncrementalJoinTest, KeepsItsEstimateWhereAnotherIsNoBetter) {
+  constexpr int kDim = TestFixture::kDim;
+  const auto updates = this->submap_updates_of({.poses = 60, .features = 60, .closures = 0, .noise = 0.0}, 6.0);
+  IncrementalJoin<kDim> joined;
+  for (const auto& update : updates) joined.add(update).value();
+  Pose<kDim> measured = between(*joined.pose(first_pose(updates[2])), *joined.pose(first_pose(updates[5])));
+  measured.translation.x() += 1e4;
+  const auto wrong = this->closure(updates[2], updates[5], measured, 1e-6 * PoseMatrix<kDim>::Identity());
+  const AddedUpdate added = joined.add(wrong).value();
+  EXPECT_TRUE(added.batch_checked);
+  EXPECT_FALSE(added.batch_adopted);
+}
+
+/// By measurements of one pose from another, each of which outweighs all before. At a whole turn from what its step refers to,
+/// a rotation vector determines nothing any more.
+TEST(IncrementalJoinInSpace, APoseMayTurnAllTheWayRound) {
+  IncrementalJoin<3> joined;
+  SubmapUpdate<3> update;
+  update.poses = {{0, 0}, {0, 1}};
+  update.segments = {{0, 1, false}};
+  double heading = 0.0;
+  double weight = 0.0;
+  for (const double next : {1e-6, 1e-3, 0.1, 1e9}) {
+    weight = next;
+    const auto rotation = Rotation<3>::exp({0.0, 0.0, heading});
+    update.graph.pose_factors = {{0, 1, {Point<3>::UnitX(), rotation}, weight * PoseMatrix<3>::Identity()}};
+    const AddedUpdate added = joined.add(update).value();
+    EXPECT_TRUE(added.converged);
+    EXPECT_EQ(added.batch_checked, heading == 0.0);  // only the first asks for it
+    EXPECT_LT((joined.pose(PoseId{0, 1})->rotation.inverse() * rotation).log().norm(), 0.03);
+    update.segments.clear();
+    heading += 2.0 / 3.0 * std::numbers::pi;
+  }
+  const auto covariance = joined.covariance(PoseId{0, 1});
+  ASSERT_TRUE(covariance);
+  EXPECT_LT((weight * *covariance - PoseMatrix<3>::Identity()).norm(), 1e-6);
 }
 
 TYPED_TEST(IncrementalJoinTest, IsTheSameEveryTime) {
