@@ -332,6 +332,40 @@ TEST(AutoSchedule, GoesOnWhereTheSystemIsSingularAsAlignedOnly) {
   EXPECT_LT((found->map.features[0] - Point<2>(2.0, 2.0)).norm(), 0.01);
 }
 
+/// A drive whose pose 1 sees one feature where it cannot be, on both sides: along its heading chi2 curves only `share` of what
+/// Gauss-Newton takes it to, and steps go so far of the rest. Odometry is off by a radian.
+Log<2> creeping_log(std::uint64_t poses, double share) {
+  LogBuilder<2> builder("creeping");
+  for (std::uint64_t pose = 1; pose < poses; ++pose) {
+    const Eigen::Vector3d information(1e6, 1e6, pose == 1 ? 0.0 : 1e6);
+    builder.add_pose_edge({0, pose - 1}, {0, pose}, {{1.0, 0.0}, Rotation<2>(pose == 1 ? 1.0 : 0.0)}, information.asDiagonal());
+  }
+  builder.add_observation({0, 0}, {7}, {2.0, 0.0}, 1e6 * PointMatrix<2>::Identity());
+  for (const double side : {1.0, -1.0}) builder.add_observation({0, 1}, {7}, {share, side}, PointMatrix<2>::Identity());
+  return std::move(builder).finish().value();
+}
+
+RunResult<2> by_gauss_newton(const Log<2>& log, int max_iterations) {
+  RunOptions options;
+  options.split = {SplitRule::kPoses, 1.0};
+  options.solver.method = Method::kGaussNewton;
+  options.solver.max_iterations = max_iterations;
+  return run(log, options).value();
+}
+
+TEST(AutoSchedule, GoesOnToTheLimitOfIterationsWhereNoWayConverges) {
+  const auto found = by_gauss_newton(creeping_log(2, 0.05), 100);
+  EXPECT_EQ(found.join.status, MinimiseStatus::kMaxIterations);
+  EXPECT_EQ(found.join.iterations, 100);
+  EXPECT_GT(found.largest_rotation, 0.9);  // from the start, not from where it went on
+}
+
+TEST(AutoSchedule, TakesTheWayThatConvergedOfTwoThatAgree) {
+  const auto found = by_gauss_newton(creeping_log(5, 0.09), 200);
+  EXPECT_EQ(found.join.status, MinimiseStatus::kConverged);
+  EXPECT_NE(found.schedule, Schedule::kAligned);
+}
+
 TEST(AutoSchedule, KeepsTheBestMapWhereNoneFits) {
   auto world = poor_world(1);
   for (auto& o : world.log.graph.pose_factors) o.information *= 100.0;

@@ -186,6 +186,15 @@ TEST_P(MinimiseTest, TakesNoStepWhereChi2IsNotFinite) {
   EXPECT_EQ(problem.estimate()[0], 1.0);
 }
 
+TEST_P(MinimiseTest, TakesNoStepToWhereChi2IsNotFinite) {
+  const auto logarithm = [](const Eigen::VectorXd& x) { return Eigen::VectorXd(x.array().log()); };
+  DenseProblem problem(logarithm, Eigen::VectorXd::Constant(1, 3.0));  // from where the Gauss-Newton step leads below 0
+  const MinimiseResult result = minimise(problem, with(GetParam()));
+  const bool is_plain = GetParam() == Method::kGaussNewton;
+  EXPECT_EQ(result.status, is_plain ? MinimiseStatus::kNoProgress : MinimiseStatus::kConverged);
+  EXPECT_NEAR(problem.estimate()[0], is_plain ? 3.0 : 1.0, 1e-6);
+}
+
 TEST_P(MinimiseTest, StopsWhereAskedTo) {
   std::stop_source stop;
   stop.request_stop();
@@ -261,11 +270,52 @@ TEST(Minimise, HasNotConvergedWhereOnlyTheRegionShrankToNothing) {
   EXPECT_EQ(minimise(problem, with(Method::kDogleg)).status, MinimiseStatus::kNoProgress);
 }
 
+/// Of which every step raises chi2.
+struct RaisedProblem : DenseProblem {
+  using DenseProblem::DenseProblem;
+  double try_step(const Eigen::VectorXd& v) { return DenseProblem::try_step(v) + 1.0; }
+};
+
+TEST(Minimise, StaysWhereEveryStepRaisesChi2) {
+  for (const auto method : {Method::kDogleg, Method::kLevenbergMarquardt}) {
+    const auto h = [](const Eigen::VectorXd& x) { return x; };
+    RaisedProblem problem(h, Eigen::VectorXd::Constant(1, 1.0));
+    EXPECT_EQ(minimise(problem, with(method)).status, MinimiseStatus::kNoProgress);
+    EXPECT_EQ(problem.estimate()[0], 1.0);
+  }
+}
+
 TEST(Minimise, HasConvergedAtItsLimitOfIterationsWhereNothingIsLeftToGain) {
-  DenseProblem problem(valley(-0.475), Eigen::VectorXd::Constant(1, 1e-4));
-  MinimiseOptions options = with(Method::kGaussNewton);
-  options.step_metres = options.step_radians = 0.0;
-  options.max_iterations = 3;
+  for (const double start : {1e-4, 1e-2}) {
+    DenseProblem problem(valley(-0.475), Eigen::VectorXd::Constant(1, start));
+    MinimiseOptions options = with(Method::kGaussNewton);
+    options.step_metres = options.step_radians = 0.0;
+    options.max_iterations = 3;
+    EXPECT_EQ(minimise(problem, options).status, start == 1e-4 ? MinimiseStatus::kConverged : MinimiseStatus::kMaxIterations);
+  }
+}
+
+TEST(Minimise, LevenbergMarquardtEndsWithAnUndampedStep) {
+  const auto h = [](const Eigen::VectorXd& x) { return Eigen::VectorXd(Eigen::Vector2d(x[0] - 1.0, 10.0)); };
+  DenseProblem problem(h, Eigen::VectorXd::Constant(1, 1.1));
+  MinimiseOptions options = with(Method::kLevenbergMarquardt);
+  options.relative_chi2 = 1e-3;
+  EXPECT_EQ(minimise(problem, options).status, MinimiseStatus::kConverged);
+  EXPECT_NEAR(problem.estimate()[0], 1.0, 1e-9);
+}
+
+/// Singular unless it is damped by a thousandth.
+struct StubbornProblem : DenseProblem {
+  using DenseProblem::DenseProblem;
+  std::optional<Variable> factorise(double damping) {
+    return damping < 0.999e-3 ? std::optional(Variable(0)) : DenseProblem::factorise(damping);
+  }
+};
+
+TEST(Minimise, DampsASingularSystemByAsMuchAsItTakes) {
+  StubbornProblem problem(arctangent, Eigen::VectorXd::Constant(1, 0.5));
+  MinimiseOptions options = with(Method::kDogleg);
+  options.damp_singular = true;
   EXPECT_EQ(minimise(problem, options).status, MinimiseStatus::kConverged);
 }
 
