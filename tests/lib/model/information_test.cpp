@@ -113,6 +113,16 @@ TYPED_TEST(InformationTest, LiftsACovarianceThatIsNotDefiniteWhereItsVariancesAr
   EXPECT_THAT(check.invert(negative).value_or(""), HasSubstr("is not positive definite"));
 }
 
+TEST(InformationRank, IsThatOfTheCorrelations) {
+  const auto correlated = [](double share) {
+    const Eigen::Vector2d units(1e-3, 1e3);
+    return Matrix<2>(units.asDiagonal() * (Matrix<2>() << 1.0, share, share, 1.0).finished() * units.asDiagonal());
+  };
+  EXPECT_EQ(information_rank<2>(correlated(1.0 - 1e-6)), 2);
+  EXPECT_EQ(information_rank<2>(correlated(1.0 - 1e-12)), 1);
+  EXPECT_EQ(information_rank<2>(Eigen::Vector2d(1e-12, 0.0).asDiagonal()), 1);
+}
+
 TYPED_TEST(InformationTest, IsFiniteHoweverLarge) {
   const Matrix<TestFixture::kSize> P = 6e-309 * Matrix<TestFixture::kSize>::Identity();
   const auto W = information_of_covariance<TestFixture::kSize>(P);

@@ -46,6 +46,15 @@ TEST(Toro, TakesAnglesInSpaceAsIsamDoes) {
   EXPECT_LE(local(toro.initial.poses[1], toro.odometry()[0].measured).norm(), 1e-15);
 }
 
+TEST(Toro, TellsRollAndYawApartNearARightAngle) {
+  const auto log = std::get<Log<3>>(read("VERTEX3 0 0 0 0 0.5 1.5706 0.25\nVERTEX3 1 1 0 0 0.5 1.5706 0.25\n"
+                                         "EDGE3 0 1 1 0 0 0 0 0 1 0 0 0 0 0 1 0 0 0 0 1 0 0 0 1 0 0 1 0 1\n")
+                                        .value());
+  const auto angles = pose_angles<3>(log.initial.poses[0]);
+  ASSERT_TRUE(angles);
+  EXPECT_LE((angles->numbers.tail<3>() - Vector<3>(0.5, 1.5706, 0.25)).norm(), 1e-9);
+}
+
 TEST(Toro, IsToldFromIsamByItsVerticesWhereverTheyStand) {
   const testing::TemporaryFolder folder;
   const std::string edge = "EDGE2 0 1 1 2 0.5 10 0 20 30 0 0\n";

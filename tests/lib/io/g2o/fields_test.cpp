@@ -30,6 +30,18 @@ PoseVector<Dim> g2o_error(const Pose<Dim>& measured, const Pose<Dim>& relative, 
   return e;
 }
 
+TEST(G2oPose, IsOfUnitLengthAndKeepsItsBitsWhereItIsToRounding) {
+  const auto rotation = [](const std::string& quaternion) {
+    const std::string line = "1 2 3 " + quaternion + "\n";
+    TextScanner text("some.g2o", line);
+    text.next_line();
+    return read_g2o_pose<3>(text).rotation.quaternion();
+  };
+  EXPECT_NEAR(rotation("0 0 0.6 0.8003").norm(), 1.0, 1e-15);
+  const Eigen::Quaterniond nearly(0.8, 0.0, 0.0, 0.6 + 2e-16);
+  EXPECT_EQ(rotation("0 0 0.6000000000000002 0.8").coeffs(), nearly.coeffs());
+}
+
 template <typename D>
 class G2oInformationTest : public ::testing::Test {
  protected:
