@@ -33,19 +33,10 @@ class Growth {
       case SplitRule::kDistance:
         return step_length(pose);
       case SplitRule::kFeatures:
-        return static_cast<double>(new_features(pose, begin));
+        return static_cast<double>(seen_.count_new(observations_of(log_, {pose, pose + 1}), begin));
       default:
         return 1.0;
     }
-  }
-
-  Index new_features(Index pose, Index begin) {
-    Index count = 0;
-    for (const auto& observation : observations_of(log_, {pose, pose + 1})) {
-      const bool is_first = seen_.see(observation.target, begin);
-      if (is_first && observation.base == pose) ++count;
-    }
-    return count;
   }
 
   double step_length(Index pose) const {

@@ -91,6 +91,18 @@ TYPED_TEST(JoinTest, SaysHowEveryMapFits) {
   EXPECT_GT(wrong->maps[0].probability(), 0.01);
 }
 
+TYPED_TEST(JoinTest, SaysWhereEveryMapEnds) {
+  const auto set = testing::small_submap_set(small_world<TestFixture::kDim>({.poses = 60, .closures = 8}).log, 10.0);
+  const auto joined = run(set, RunOptions{});
+  ASSERT_TRUE(joined);
+  std::size_t most = 0;
+  for (std::size_t m = 0; m < set.graph.submaps.size(); ++m) {
+    EXPECT_EQ(joined->maps[m].end, set.graph.submaps[m].poses.back());
+    most = std::max(most, set.graph.submaps[m].poses.size());
+  }
+  EXPECT_GT(most, 1u);  // some keep others, too
+}
+
 TYPED_TEST(JoinTest, AClosureMayLeadEitherWay) {
   constexpr int kDim = TestFixture::kDim;
   auto set = testing::small_submap_set(small_world<kDim>({.features = 0, .closures = 1, .noise = 0.0}).log, 8.0);

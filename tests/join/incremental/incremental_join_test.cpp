@@ -128,6 +128,27 @@ TYPED_TEST(IncrementalJoinTest, ASessionThatSharesNothingYetWaits) {
   EXPECT_NEAR(joined.chi2(), this->batch(cut).result.chi2, 0.5);
 }
 
+TYPED_TEST(IncrementalJoinTest, AnEdgeTiesASessionEitherWay) {
+  constexpr int kDim = TestFixture::kDim;
+  const auto updates = this->submap_updates_of({.poses = 20, .features = 0, .closures = 0, .sessions = 2}, 5.0);
+  const std::size_t half = updates.size() / 2;
+  ASSERT_EQ(first_pose(updates[half]), (PoseId{1, 0}));
+  const Pose<kDim> measured{Point<kDim>::Ones(), Rotation<kDim>::exp(RotationVector<kDim>::Constant(0.3))};
+  for (const bool is_forward : {true, false}) {
+    IncrementalJoin<kDim> joined;
+    for (std::size_t k = 0; k < half; ++k) joined.add(updates[k]).value();
+    auto tied = updates[half];
+    const Index known = enter_name(tied.poses, last_pose(updates[0]));
+    PoseFactor<kDim> edge{known, tied.segments[0].begin, measured, PoseMatrix<kDim>::Identity()};
+    if (!is_forward) edge = {edge.target, edge.base, inverse(measured), edge.information};
+    tied.graph.pose_factors.push_back(edge);
+    const AddedUpdate added = joined.add(tied).value();
+    EXPECT_TRUE(added.is_joined);
+    EXPECT_FALSE(added.batch_checked);
+    EXPECT_LT(local(compose(*joined.pose(last_pose(updates[0])), measured), *joined.pose(PoseId{1, 0})).norm(), 1e-6);
+  }
+}
+
 TYPED_TEST(IncrementalJoinTest, WhatTheWorldSaysLaterMovesAllIntoItsFrame) {
   constexpr int kDim = TestFixture::kDim;
   auto updates = this->submap_updates_of({.poses = 60, .features = 60, .noise = 0.005}, 6.0);
