@@ -2,6 +2,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <map>
 #include <mapjoin/join/incremental/incremental_join.hpp>
 #include <mapjoin/join/run.hpp>
 #include <mapjoin/measure/statistics.hpp>
@@ -163,6 +164,56 @@ TYPED_TEST(IncrementalJoinTest, WhatTheWorldSaysLaterMovesAllIntoItsFrame) {
   EXPECT_LT(this->difference(joined, updates), 5e-3);
 }
 
+TYPED_TEST(IncrementalJoinTest, WhatTheWorldSaysCountsHoweverLittleChi2Tells) {
+  constexpr int kDim = TestFixture::kDim;
+  auto updates = this->submap_updates_of({.poses = 60, .features = 60, .noise = 0.005}, 6.0);
+  const Pose<kDim> place{Point<kDim>::Constant(50.0), Rotation<kDim>::exp(RotationVector<kDim>::Constant(0.4))};
+  const PoseFactor<kDim> prior{kWorld, updates[4].segments[0].end, place, 1e-6 * PoseMatrix<kDim>::Identity()};
+  updates[4].graph.pose_factors.push_back(prior);
+  IncrementalJoin<kDim> joined;
+  for (const auto& update : updates) joined.add(update).value();
+  EXPECT_LT(local(*joined.pose(last_pose(updates[4])), place).norm(), 1e-3);
+  SubmapUpdate<kDim> again;
+  again.poses = {last_pose(updates[4])};
+  again.graph.pose_factors = {{kWorld, 0, place, prior.information}};
+  EXPECT_FALSE(joined.add(again).value().batch_checked);  // the frame is the World's already
+}
+
+TYPED_TEST(IncrementalJoinTest, FixedPosesMayComeOneByOne) {
+  constexpr int kDim = TestFixture::kDim;
+  auto updates = this->submap_updates_of({.poses = 60, .features = 60, .noise = 0.005}, 6.0);
+  const auto estimate = this->batch(updates);
+  const SubmapSet<kDim> set = testing::set_of_all(updates);
+  std::map<PoseId, Pose<kDim>> fixed;
+  const auto fix = [&](const PoseId& id) {
+    const auto p = static_cast<std::size_t>(std::ranges::find(set.poses, id) - set.poses.begin());
+    Pose<kDim> value = estimate.state.poses[p];
+    value.translation.x() += 0.01;
+    return fixed[id] = value;
+  };
+  updates[0].graph.fixed = {{0, fix(first_pose(updates[0]))}};
+  updates[4].graph.fixed = {{updates[4].segments[0].end, fix(last_pose(updates[4]))}};  // with the pose
+  SubmapUpdate<kDim> later;                                                             // and of one that is known
+  later.poses = {last_pose(updates[2])};
+  later.graph.fixed = {{0, fix(last_pose(updates[2]))}};
+  IncrementalJoin<kDim> joined;
+  for (const auto& update : updates) joined.add(update).value();
+  joined.add(later).value();
+  for (const auto& [id, value] : fixed) EXPECT_EQ(local(*joined.pose(id), value).norm(), 0.0) << to_string(id);
+}
+
+TYPED_TEST(IncrementalJoinTest, AClosureToWhatStillWaitsTiesIt) {
+  constexpr int kDim = TestFixture::kDim;
+  const auto updates = this->submap_updates_of({.poses = 20, .features = 0, .closures = 0, .sessions = 2}, 5.0);
+  const std::size_t half = updates.size() / 2;
+  IncrementalJoin<kDim> joined;
+  for (std::size_t k = 0; k <= half; ++k) EXPECT_EQ(joined.add(updates[k]).value().is_joined, k < half);
+  const auto tie = this->closure(updates[0], updates[half], {}, PoseMatrix<kDim>::Identity());
+  EXPECT_TRUE(joined.add(tie).value().is_joined);
+  EXPECT_EQ(joined.waiting(), 0u);
+  EXPECT_TRUE(joined.pose(PoseId{1, 0}));
+}
+
 TYPED_TEST(IncrementalJoinTest, PriorsAndSingleObservationsMayComeByThemselves) {
   constexpr int kDim = TestFixture::kDim;
   auto updates = this->submap_updates_of({.poses = 60, .features = 60, .closures = 0, .noise = 0.005}, 6.0);
@@ -242,6 +293,24 @@ TEST(IncrementalJoinInSpace, APoseMayTurnAllTheWayRound) {
   const auto covariance = joined.covariance(PoseId{0, 1});
   ASSERT_TRUE(covariance);
   EXPECT_LT((weight * *covariance - PoseMatrix<3>::Identity()).norm(), 1e-6);
+}
+
+/// The second measurement turns the pose, the third is linearised there and outweighs both.
+TEST(IncrementalJoinInSpace, ACovarianceIsOfTheStepAtTheEstimate) {
+  IncrementalJoin<3> joined;
+  SubmapUpdate<3> update;
+  update.poses = {{0, 0}, {0, 1}};
+  update.segments = {{0, 1, false}};
+  const PoseMatrix<3> information = (PoseVector<3>() << 1.0, 2.0, 3.0, 4.0, 25.0, 36.0).finished().asDiagonal();
+  for (const auto& [weight, turn] : {std::pair{1e-12, 0.0}, {1e-6, 1.0}, {1.0, 1.0}}) {
+    const auto rotation = Rotation<3>::exp(turn * Vector<3>(0.3, 0.5, 0.6));
+    update.graph.pose_factors = {{0, 1, {Point<3>::UnitX(), rotation}, weight * information}};
+    joined.add(update).value();
+    update.segments.clear();
+  }
+  const auto covariance = joined.covariance(PoseId{0, 1});
+  ASSERT_TRUE(covariance);
+  EXPECT_LT((information * *covariance - PoseMatrix<3>::Identity()).norm(), 1e-4);
 }
 
 TYPED_TEST(IncrementalJoinTest, IsTheSameEveryTime) {
