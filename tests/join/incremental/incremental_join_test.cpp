@@ -198,6 +198,7 @@ TYPED_TEST(IncrementalJoinTest, FixedPosesMayComeOneByOne) {
   later.graph.fixed = {{0, fix(last_pose(updates[2]))}};
   IncrementalJoin<kDim> joined;
   for (const auto& update : updates) joined.add(update).value();
+  EXPECT_EQ(local(*joined.pose(last_pose(updates[4])), fixed.at(last_pose(updates[4]))).norm(), 0.0);
   joined.add(later).value();
   for (const auto& [id, value] : fixed) EXPECT_EQ(local(*joined.pose(id), value).norm(), 0.0) << to_string(id);
 }
