@@ -116,7 +116,7 @@ TEST_F(FrontTreeTest, TouchesFewVariablesOfAChain) {
     moved = std::max(moved, tree_.moved().size());
   }
   EXPECT_LT(eliminated, 20u);
-  EXPECT_LT(moved, 60u);
+  EXPECT_LT(moved, 30u);
 }
 
 TEST_F(FrontTreeTest, AChangedQuadraticCountsAsItIsNow) {
