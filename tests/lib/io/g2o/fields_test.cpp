@@ -42,6 +42,16 @@ TEST(G2oPose, IsOfUnitLengthAndKeepsItsBitsWhereItIsToRounding) {
   EXPECT_EQ(rotation("0 0 0.6000000000000002 0.8").coeffs(), nearly.coeffs());
 }
 
+TEST(G2oPose, IsRefusedWhereItsQuaternionIsFarFromUnitLength) {
+  for (const auto& [quaternion, is_taken] : {std::pair{"0 0 0 0.4", false}, {"0 0 0 0.6", true}, {"0 0 0 2.1", false}}) {
+    const std::string line = std::string("1 2 3 ") + quaternion + "\n";
+    TextScanner text("some.g2o", line);
+    text.next_line();
+    read_g2o_pose<3>(text);
+    EXPECT_EQ(text.finish_line().has_value(), is_taken) << quaternion;
+  }
+}
+
 template <typename D>
 class G2oInformationTest : public ::testing::Test {
  protected:
