@@ -23,10 +23,10 @@ double rotation_deviation(const PoseMatrix<Dim>& covariance) {
   return std::sqrt(covariance.template bottomRightCorner<kRotationDof<Dim>, kRotationDof<Dim>>().trace());
 }
 
-template <int Dim, typename Covariances, typename RelationsOfOne>
-Deviations::Median medians(const Covariances& covariances, const RelationsOfOne& relations) {
+template <int Dim, typename Index, typename Covariance, typename Relation>
+Deviations::Median medians(const Table<Index, Covariance>& covariances, const Table<Index, Relation>& relations) {
   std::vector<double> in_map, relative;
-  for (std::size_t k = 0; k < covariances.size(); ++k) {
+  for (const Index k : indices(covariances)) {
     if (covariances[k].isZero(0.0)) continue;  // held
     in_map.push_back(position_deviation<Dim>(covariances[k]));
     relative.push_back(position_deviation<Dim>(relations[k].covariance));
@@ -38,7 +38,7 @@ Deviations::Median medians(const Covariances& covariances, const RelationsOfOne&
 template <int Dim>
 Json head(const GlobalMap<Dim>& map, Estimate estimate) {
   Json held = Json::array();
-  for (const Index pose : map.gauge) held.push_back(map.pose_ids[static_cast<std::size_t>(pose)]);
+  for (const PoseIndex pose : map.gauge) held.push_back(map.pose_ids[pose]);
   return {{"schema_version", 1},
           {"dimension", Dim},
           {"estimate", estimate},
@@ -48,10 +48,10 @@ Json head(const GlobalMap<Dim>& map, Estimate estimate) {
 }
 
 /// One line per pose or feature, written as it comes: maps can be large. Of its covariance the upper triangle, row by row.
-template <typename Id, typename Covariance>
-void write_list(const char* key, const std::vector<Id>& ids, const std::vector<Covariance>& covariances, OutputFile& file) {
+template <typename Index, typename Id, typename Covariance>
+void write_list(const char* key, const Table<Index, Id>& ids, const Table<Index, Covariance>& covariances, OutputFile& file) {
   file.write(std::string(",\n\"") + key + "\": [");
-  for (std::size_t k = 0; k < covariances.size(); ++k) {
+  for (const Index k : indices(covariances)) {
     Json line = ids[k];
     for (int i = 0; i < covariances[k].rows(); ++i) {
       for (int j = i; j < covariances[k].cols(); ++j) line["covariance"].push_back(covariances[k](i, j));
@@ -63,17 +63,17 @@ void write_list(const char* key, const std::vector<Id>& ids, const std::vector<C
 
 /// Of the World, nothing.
 template <int Dim>
-void put_parent(const GlobalMap<Dim>& map, Index parent, TextLine& line) {
+void put_parent(const GlobalMap<Dim>& map, PoseIndex parent, TextLine& line) {
   if (parent == kWorld) {
     line.add("").add("");
   } else {
-    const PoseId& id = map.pose_ids[static_cast<std::size_t>(parent)];
+    const PoseId& id = map.pose_ids[parent];
     line.add(id.session).add(id.key);
   }
 }
 
 template <int Dim>
-void put_pose(const GlobalMap<Dim>& map, const MarginalCovariances<Dim>& marginals, std::size_t pose, TextLine& line) {
+void put_pose(const GlobalMap<Dim>& map, const MarginalCovariances<Dim>& marginals, PoseIndex pose, TextLine& line) {
   const PoseRelation<Dim>& relation = marginals.relations.poses[pose];
   line.add("pose").add(map.pose_ids[pose].session).add(map.pose_ids[pose].key);
   put_parent(map, relation.parent, line);
@@ -84,7 +84,7 @@ void put_pose(const GlobalMap<Dim>& map, const MarginalCovariances<Dim>& margina
 
 /// What features have not, session and rotation, is left empty.
 template <int Dim>
-void put_feature(const GlobalMap<Dim>& map, const MarginalCovariances<Dim>& marginals, std::size_t feature, TextLine& line) {
+void put_feature(const GlobalMap<Dim>& map, const MarginalCovariances<Dim>& marginals, FeatureIndex feature, TextLine& line) {
   const FeatureRelation<Dim>& relation = marginals.relations.features[feature];
   line.add("feature").add("").add(map.feature_ids[feature].key);
   put_parent(map, relation.parent, line);
@@ -126,11 +126,11 @@ Expected<void> write_relations(const GlobalMap<Dim>& map, const MarginalCovarian
   line.add("kind,session,id,parent_session,parent").add(Dim == 2 ? "x,y,phi" : "x,y,z,qx,qy,qz,qw");
   line.add_covariance_names(step_names<Dim>()).add("position_sd,position_sd_in_map,rotation_sd,rotation_sd_in_map");
   line.write_to(*file);
-  for (const Index pose : marginals.relations.order) {
-    put_pose(map, marginals, static_cast<std::size_t>(pose), line);
+  for (const PoseIndex pose : marginals.relations.order) {
+    put_pose(map, marginals, pose, line);
     line.write_to(*file);
   }
-  for (std::size_t f = 0; f < map.features.size(); ++f) {
+  for (const FeatureIndex f : indices(map.features)) {
     put_feature(map, marginals, f, line);
     line.write_to(*file);
   }

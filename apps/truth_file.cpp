@@ -20,13 +20,13 @@ Pose<2> in_dimension(const Pose<3>& pose, std::integral_constant<int, 2>) {
   return {pose.translation.head<2>(), Rotation<2>(2.0 * std::atan2(q.z(), q.w()))};
 }
 
-/// Where the poses of a map are in its list, by the names that a trajectory has for them: their time stamps to the microsecond,
+/// The poses of a map, by the names that a trajectory has for them: their time stamps to the microsecond,
 /// or, where the map has none, their count.
 template <int Dim>
-std::map<std::int64_t, std::size_t> places_of(const GlobalMap<Dim>& map) {
-  std::map<std::int64_t, std::size_t> at;
-  for (std::size_t p = 0; p < map.poses.size(); ++p) {
-    at.emplace(map.stamps_ns.empty() ? static_cast<std::int64_t>(p) : map.stamps_ns[p] / 1000, p);
+std::map<std::int64_t, PoseIndex> places_of(const GlobalMap<Dim>& map) {
+  std::map<std::int64_t, PoseIndex> at;
+  for (const PoseIndex p : indices(map.poses)) {
+    at.emplace(map.stamps_ns.empty() ? p.value : map.stamps_ns[p] / 1000, p);
   }
   return at;
 }

@@ -17,13 +17,13 @@
 namespace mapjoin::apps {
 
 /// Of each name its value, where the two lists have it.
-template <typename Id, typename Value>
-std::vector<std::optional<Value>> by_name(const std::vector<Id>& ids, const std::vector<Value>& values,
-                                          const std::vector<Id>& names) {
-  std::vector<std::optional<Value>> found(names.size());
+template <typename Index, typename Id, typename Value>
+Table<Index, std::optional<Value>> by_name(const Table<Index, Id>& ids, const Table<Index, Value>& values,
+                                           const Table<Index, Id>& names) {
+  Table<Index, std::optional<Value>> found(names.size());
   const IndexOf index_of(names);
-  for (std::size_t k = 0; k < values.size(); ++k) {
-    if (const auto at = index_of(ids[k])) found[static_cast<std::size_t>(*at)] = values[k];
+  for (const Index index : indices(values)) {
+    if (const auto at = index_of(ids[index])) found[*at] = values[index];
   }
   return found;
 }

@@ -22,9 +22,9 @@ Pose<Dim> from_tum(const Point<3>& t, const Eigen::Quaterniond& q) {
 }
 
 template <int Dim>
-Expected<std::vector<Pose<Dim>>> read_tum(const std::string& path, std::size_t count) {
+Expected<Table<PoseIndex, Pose<Dim>>> read_tum(const std::string& path, std::size_t count) {
   std::ifstream file(path);
-  std::vector<Pose<Dim>> poses;
+  Table<PoseIndex, Pose<Dim>> poses;
   for (std::string line; std::getline(file, line);) {
     if (line.empty() || line.front() == '#') continue;
     double stamp = 0.0;

@@ -148,7 +148,7 @@ class FullSlam {
   }
   void add(const FeatureFactor<Dim>& o) {
     problem_.AddResidualBlock(new FeatureCost<Dim>(o.measured, o.information), nullptr, pose(o.base),
-                              features_[static_cast<std::size_t>(o.target)].data());
+                              features_[o.target].data());
   }
   template <typename Observations>
   void add_all(const Observations& observations) {
@@ -158,8 +158,8 @@ class FullSlam {
     problem_.AddParameterBlock(values, kPoseSize<Dim>);
     if constexpr (Dim == 3) problem_.SetManifold(values, &manifold_);
   }
-  void hold(Index index) { problem_.SetParameterBlockConstant(pose(index)); }
-  double* pose(Index index) { return index == kWorld ? world_.data() : poses_[static_cast<std::size_t>(index)].data(); }
+  void hold(PoseIndex index) { problem_.SetParameterBlockConstant(pose(index)); }
+  double* pose(PoseIndex index) { return index == kWorld ? world_.data() : poses_[index].data(); }
 
   static ceres::Problem::Options problem_options() {
     ceres::Problem::Options options;
@@ -170,8 +170,8 @@ class FullSlam {
 
   PoseManifold manifold_;
   PoseArray<Dim> world_{};
-  std::vector<PoseArray<Dim>> poses_;
-  std::vector<std::array<double, Dim>> features_;
+  Table<PoseIndex, PoseArray<Dim>> poses_;
+  Table<FeatureIndex, std::array<double, Dim>> features_;
   ceres::Problem problem_{problem_options()};
 };
 
@@ -179,11 +179,11 @@ template <int Dim>
 FullSlam<Dim>::FullSlam(const Log<Dim>& log, const Values<Dim>& start)
     : poses_(start.poses.size()), features_(start.features.size()) {
   write(Pose<Dim>{}, world_.data());
-  for (std::size_t p = 0; p < poses_.size(); ++p) {
+  for (const PoseIndex p : indices(poses_)) {
     write(start.poses[p], poses_[p].data());
     add_pose(poses_[p].data());
   }
-  for (std::size_t f = 0; f < features_.size(); ++f) {
+  for (const FeatureIndex f : indices(features_)) {
     Point<Dim>::Map(features_[f].data()) = start.features[f];
     problem_.AddParameterBlock(features_[f].data(), Dim);
   }

@@ -55,7 +55,7 @@ template <int Dim>
 class FullSlam {
  public:
   explicit FullSlam(const Log<Dim>& log) : log_(log), variables_(log.poses.size()) {
-    for (const auto& fixed : log.graph.fixed) variables_[static_cast<std::size_t>(fixed.pose)] = kConstant;
+    for (const auto& fixed : log.graph.fixed) variables_[fixed.pose] = kConstant;
     if (log.graph.fixed.empty() && log.pose_priors().empty() && log.feature_priors().empty()) variables_.front() = kConstant;
     for (Variable& variable : variables_) {
       if (variable != kConstant) variable = std::exchange(first_feature_, first_feature_ + 1);
@@ -68,7 +68,7 @@ class FullSlam {
     pattern.dofs.resize(pattern.dofs.size() + log_.features.size(), Dim);
     for (const auto& o : log_.graph.pose_factors) pattern.factors.push_back(std::array{pose(o.base), pose(o.target)});
     for (const auto& o : log_.graph.feature_factors) {
-      pattern.factors.push_back(std::array{pose(o.base), first_feature_ + o.target});
+      pattern.factors.push_back(std::array{pose(o.base), first_feature_ + o.target.value});
     }
     return NormalEquations(std::move(pattern), Engine::kCholmod);
   }
@@ -79,14 +79,14 @@ class FullSlam {
       accumulate(mapjoin::linearise(o, state.pose(o.base), target), equations.sink(factor++));
     };
     for (const auto& o : log_.graph.pose_factors) take(o, state.pose(o.target));
-    for (const auto& o : log_.graph.feature_factors) take(o, state.feature(o.target));
+    for (const auto& o : log_.graph.feature_factors) take(o, state.features[o.target]);
   }
 
  private:
-  Variable pose(Index index) const { return index == kWorld ? kConstant : variables_[static_cast<std::size_t>(index)]; }
+  Variable pose(PoseIndex index) const { return index == kWorld ? kConstant : variables_[index]; }
 
   const Log<Dim>& log_;
-  std::vector<Variable> variables_;  // per pose; kConstant where held
+  Table<PoseIndex, Variable> variables_;  // kConstant where held
   Variable first_feature_ = 0;
 };
 

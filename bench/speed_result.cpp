@@ -39,7 +39,7 @@ std::string end_of(const Runs& runs, double optimum) {
 }
 
 /// In Markdown.
-std::string lines_of(const apps::Table& table) {
+std::string lines_of(const apps::ReportTable& table) {
   std::string head = "|";
   std::string rule = "|";
   for (const apps::Column& column : table.columns) {
@@ -100,16 +100,16 @@ double median_of(const Runs& runs, Figure figure) {
 }
 
 std::string table_of(const std::vector<Result>& results) {
-  apps::Table table{{{"data", "data"},
-                     {"poses", "poses"},
-                     {"program", "program"},
-                     {"cpu", "CPU (s)", 3},
-                     {"wall", "wall (s)", 3},
-                     {"memory", "memory (MB)", 4},
-                     {"mapjoin_by_own_cpu", "mapjoin's CPU / its own", 3},
-                     {"wall_by_mapjoin", "its wall / mapjoin's", 3},
-                     {"end", "ends at"}},
-                    {}};
+  apps::ReportTable table{{{"data", "data"},
+                           {"poses", "poses"},
+                           {"program", "program"},
+                           {"cpu", "CPU (s)", 3},
+                           {"wall", "wall (s)", 3},
+                           {"memory", "memory (MB)", 4},
+                           {"mapjoin_by_own_cpu", "mapjoin's CPU / its own", 3},
+                           {"wall_by_mapjoin", "its wall / mapjoin's", 3},
+                           {"end", "ends at"}},
+                          {}};
   for (const Result& result : results) {
     for (const Runs& runs : result.runs) table.rows.push_back(row_of(runs, result));
   }

@@ -87,10 +87,10 @@ template <int Dim>
 std::pair<double, double> differences(const GlobalMap<Dim>& a, const GlobalMap<Dim>& b) {
   double poses = 0.0;
   double features = 0.0;
-  for (std::size_t p = 0; p < a.poses.size(); ++p) {
+  for (const PoseIndex p : indices(a.poses)) {
     poses = std::max(poses, (a.poses[p].translation - b.poses[p].translation).norm());
   }
-  for (std::size_t f = 0; f < a.features.size(); ++f) features = std::max(features, (a.features[f] - b.features[f]).norm());
+  for (const FeatureIndex f : indices(a.features)) features = std::max(features, (a.features[f] - b.features[f]).norm());
   return {poses, features};
 }
 

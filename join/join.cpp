@@ -24,7 +24,7 @@ std::vector<MapFit> map_fits(const JoiningSystem<Dim>& system) {
   parallel_for(fits.size(), [&](std::size_t m) {
     const auto& placed = system.maps()[m];
     const LocalMap<Dim>& map = *placed.map;
-    const Index end = map.poses.empty() ? map.base : map.poses.back();
+    const PoseIndex end = map.poses.empty() ? map.base : map.poses.back();
     fits[m] = {map.base, end, map_chi2<Dim>(placed, system.estimate()), information_rank(map.information)};
   });
   return fits;
@@ -64,7 +64,7 @@ tl::unexpected<Error> interrupted() {
 template <int Dim>
 double largest_rotation_update(const Values<Dim>& from, const Values<Dim>& to) {
   double most = 0.0;
-  for (std::size_t p = 0; p < to.poses.size(); ++p) {
+  for (const PoseIndex p : indices(to.poses)) {
     most = std::max(most, (from.poses[p].rotation.inverse() * to.poses[p].rotation).log().norm());
   }
   return most;
@@ -74,8 +74,8 @@ double largest_rotation_update(const Values<Dim>& from, const Values<Dim>& to) {
 template <int Dim>
 struct Task {
   const SubmapGraph<Dim>& graph;
-  const std::vector<PoseId>& pose_ids;
-  const std::vector<FeatureId>& feature_ids;
+  const PoseIds& pose_ids;
+  const FeatureIds& feature_ids;
   const JoinOptions<Dim>& options;
   const std::stop_token& stop;
 };
@@ -89,19 +89,19 @@ std::string free_to_move(const Task<Dim>& task, const JoiningSystem<Dim>& system
                          const PartialMap<Dim>& joined_map) {
   const NormalEquations& equations = system.equations();
   std::vector<PlacedVariable<Dim>> variables;
-  for (std::size_t p = 0; p < joined_map.poses.size(); ++p) {
-    const Variable v = system.pose_variable(static_cast<Index>(p));
-    variables.push_back({to_string(task.pose_ids[static_cast<std::size_t>(joined_map.poses[p])]), system.estimate().poses[p],
+  for (const PoseIndex p : indices(joined_map.poses)) {
+    const Variable v = system.variable(p);
+    variables.push_back({to_string(task.pose_ids[joined_map.poses[p]]), system.estimate().poses[p],
                          v == kConstant ? -1 : equations.offset(v), true});
   }
-  for (std::size_t f = 0; f < joined_map.features.size(); ++f) {
-    variables.push_back({to_string(task.feature_ids[static_cast<std::size_t>(joined_map.features[f])]),
+  for (const FeatureIndex f : indices(joined_map.features)) {
+    variables.push_back({to_string(task.feature_ids[joined_map.features[f]]),
                          {system.estimate().features[f], {}},
-                         equations.offset(system.feature_variable(static_cast<Index>(f))),
+                         equations.offset(system.variable(f)),
                          false});
   }
   const std::string found = free_directions(variables, equations.null_space(kMostDirections));
-  const std::string& name = variables[static_cast<std::size_t>(system.place_of_variable(singular))].name;
+  const std::string& name = std::ranges::find(variables, equations.offset(singular), &PlacedVariable<Dim>::offset)->name;
   return found.empty() ? name + " cannot be determined" : found;
 }
 
@@ -118,7 +118,7 @@ Expected<Join<Dim>> solved(const Task<Dim>& task, PartialMap<Dim> joined_map, co
     return bad_input(free_to_move(task, problem.system(), *join.result.singular, joined_map));
   }
   join.state = state_of(task.graph, joined_map, problem.estimate());
-  for (const Index place : gauge.anchored) join.anchored.push_back(joined_map.poses[static_cast<std::size_t>(place)]);
+  for (const PoseIndex place : gauge.anchored) join.anchored.push_back(joined_map.poses[place]);
   join.maps = map_fits(problem.system());
   join.rows = measured_rows(joined_map, gauge, join.maps);
   join.poses = std::move(joined_map.poses);
@@ -218,16 +218,15 @@ double MapFit::probability() const {
 }
 
 template <int Dim>
-Expected<Join<Dim>> join(const SubmapGraph<Dim>& graph, const std::vector<PoseId>& pose_ids,
-                         const std::vector<FeatureId>& feature_ids, const JoinOptions<Dim>& options,
-                         const std::stop_token& stop) {
+Expected<Join<Dim>> join(const SubmapGraph<Dim>& graph, const PoseIds& pose_ids, const FeatureIds& feature_ids,
+                         const JoinOptions<Dim>& options, const std::stop_token& stop) {
   const Task<Dim> task{graph, pose_ids, feature_ids, options, stop};
   return options.schedule == Schedule::kAuto ? join_by_best(task) : join_by(options.schedule, task, options.solver);
 }
 
-#define MAPJOIN_INSTANTIATE(Dim)                                                                                        \
-  template Expected<Join<Dim>> join(const SubmapGraph<Dim>&, const std::vector<PoseId>&, const std::vector<FeatureId>&, \
-                                    const JoinOptions<Dim>&, const std::stop_token&);
+#define MAPJOIN_INSTANTIATE(Dim)                                                                                         \
+  template Expected<Join<Dim>> join(const SubmapGraph<Dim>&, const PoseIds&, const FeatureIds&, const JoinOptions<Dim>&, \
+                                    const std::stop_token&);
 MAPJOIN_INSTANTIATE(2)
 MAPJOIN_INSTANTIATE(3)
 #undef MAPJOIN_INSTANTIATE

@@ -30,8 +30,8 @@ struct JoinOptions {
 
 /// How a local map fits into the join: its residual there, as an observation.
 struct MapFit {
-  Index base = 0;  ///< The pose that it starts from,
-  Index end = 0;   ///< and the one that it ends at.
+  PoseIndex base = 0;  ///< The pose that it starts from,
+  PoseIndex end = 0;   ///< and the one that it ends at.
   double chi2 = 0.0;
   std::int64_t rows = 0;  ///< Measured ones, submap-local features left out: their residuals follow the others'.
 
@@ -46,9 +46,9 @@ struct Join {
   Schedule schedule = Schedule::kTree;         ///< That it was found by; of kAuto, the one of least chi2.
   bool is_settled = false;                     ///< Of kAuto: the solve was nearly linear, and had no other optimum near.
   Values<Dim> state;                           ///< Of the whole submap graph; poses that are not joined are left at the origin.
-  std::vector<Index> poses;                    ///< The poses of the joined state, ascending.
-  std::vector<Index> features;                 ///< Its features: all but the private ones.
-  std::vector<Index> anchored;                 ///< The poses that hold the map still; empty where priors do.
+  Table<PoseIndex, PoseIndex> poses;           ///< The poses of the joined state, ascending, by place.
+  Table<FeatureIndex, FeatureIndex> features;  ///< Its features: all but the submap-local ones.
+  std::vector<PoseIndex> anchored;             ///< The poses that hold the map still; empty where priors do.
   std::unique_ptr<JoiningSystem<Dim>> system;  ///< Of the last join, for polishing.
   std::vector<MapFit> maps;                    ///< Of the submap graph's maps, in their order.
   double largest_rotation = 0.0;  ///< The most that the last solve turned a pose (rad): how far from linear it was.
@@ -60,8 +60,7 @@ struct Join {
 /// feature undetermined, which is named by its id; kInterrupted on `stop`. When the last solve does not converge, result.status
 /// says so and the state is the best found.
 template <int Dim>
-Expected<Join<Dim>> join(const SubmapGraph<Dim>& graph, const std::vector<PoseId>& pose_ids,
-                         const std::vector<FeatureId>& feature_ids, const JoinOptions<Dim>& options,
-                         const std::stop_token& stop = {});
+Expected<Join<Dim>> join(const SubmapGraph<Dim>& graph, const PoseIds& pose_ids, const FeatureIds& feature_ids,
+                         const JoinOptions<Dim>& options, const std::stop_token& stop = {});
 
 }  // namespace mapjoin

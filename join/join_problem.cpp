@@ -10,7 +10,7 @@ template <int Dim>
 double map_chi2(const typename JoiningSystem<Dim>::PlacedMap& placed, const Values<Dim>& state) {
   return cost(
       *placed.map, state.pose(placed.base), [&](std::size_t p) { return state.pose(placed.poses[p]); },
-      [&](std::size_t f) { return state.feature(placed.features[f]); });
+      [&](std::size_t f) { return state.features[placed.features[f]]; });
 }
 
 template <int Dim>
@@ -33,7 +33,7 @@ LinearMap<Dim> JoinProblem<Dim>::linear_map(std::size_t m) const {
   const Values<Dim>& state = system_.estimate();
   return mapjoin::linearise(
       *placed.map, state.pose(placed.base), [&](std::size_t p) { return state.pose(placed.poses[p]); },
-      [&](std::size_t f) { return state.feature(placed.features[f]); });
+      [&](std::size_t f) { return state.features[placed.features[f]]; });
 }
 
 template <int Dim>

@@ -10,7 +10,7 @@ namespace mapjoin {
 
 template <int Dim>
 JoiningSystem<Dim>::JoiningSystem(const PartialMap<Dim>& partial, const Gauge<Dim>& gauge, Engine engine,
-                                  const std::vector<Index>& order)
+                                  const std::vector<PoseOrFeature>& order)
     : estimate_(partial.state), equations_({}) {
   number_variables(gauge);
   place_observations(partial, gauge);
@@ -20,16 +20,14 @@ JoiningSystem<Dim>::JoiningSystem(const PartialMap<Dim>& partial, const Gauge<Di
 template <int Dim>
 void JoiningSystem<Dim>::number_variables(const Gauge<Dim>& gauge) {
   pose_variables_.assign(estimate_.poses.size(), Variable());
-  for (const Index place : gauge.anchored) pose_variables_[static_cast<std::size_t>(place)] = kConstant;
-  for (std::size_t place = 0; place < pose_variables_.size(); ++place) {
+  for (const PoseIndex place : gauge.anchored) pose_variables_[place] = kConstant;
+  for (const PoseIndex place : indices(pose_variables_)) {
     if (pose_variables_[place] == kConstant) continue;
     pose_variables_[place] = Variable(places_.size());
-    places_.push_back(static_cast<Index>(place));
+    places_.emplace_back(place);
   }
   first_feature_variable_ = Variable(places_.size());
-  for (std::size_t f = 0; f < estimate_.features.size(); ++f) {
-    places_.push_back(static_cast<Index>(estimate_.poses.size() + f));
-  }
+  for (const FeatureIndex place : indices(estimate_.features)) places_.emplace_back(place);
 }
 
 template <int Dim>
@@ -37,8 +35,8 @@ void JoiningSystem<Dim>::place_observations(const PartialMap<Dim>& partial, cons
   pose_factors_.clear();
   feature_factors_.clear();
   maps_.clear();
-  const auto pose_place = [&](Index pose) { return pose == kWorld ? kWorld : place_of(partial.poses, pose); };
-  const auto feature_place = [&](Index feature) { return place_of(partial.features, feature); };
+  const auto pose_place = [&](PoseIndex pose) { return pose == kWorld ? kWorld : place_of(partial.poses, pose); };
+  const auto feature_place = [&](FeatureIndex feature) { return place_of(partial.features, feature); };
   for (const auto* selection : {&partial.factors, &gauge.priors}) {
     for (const auto* o : selection->pose_factors) {
       pose_factors_.push_back({o, pose_place(o->base), pose_place(o->target)});
@@ -49,8 +47,8 @@ void JoiningSystem<Dim>::place_observations(const PartialMap<Dim>& partial, cons
   }
   for (const auto* map : partial.factors.submaps) {
     PlacedMap placed{map, pose_place(map->base), {}, {}};
-    for (const Index pose : map->poses) placed.poses.push_back(pose_place(pose));
-    for (const Index feature : map->features) placed.features.push_back(feature_place(feature));
+    for (const PoseIndex pose : map->poses) placed.poses.push_back(pose_place(pose));
+    for (const FeatureIndex feature : map->features) placed.features.push_back(feature_place(feature));
     maps_.push_back(std::move(placed));
   }
   first_map_factor_ = pose_factors_.size() + feature_factors_.size();
@@ -64,24 +62,22 @@ typename JoiningSystem<Dim>::Source JoiningSystem<Dim>::source_of(std::size_t fa
 }
 
 template <int Dim>
-NormalEquations JoiningSystem<Dim>::make_equations(Engine engine, const std::vector<Index>& order) const {
+NormalEquations JoiningSystem<Dim>::make_equations(Engine engine, const std::vector<PoseOrFeature>& order) const {
   BlockPattern pattern;
   pattern.dofs.assign(first_feature_variable_.position(), kPoseDof<Dim>);
   pattern.dofs.resize(places_.size(), Dim);
-  for (const auto& o : pose_factors_) pattern.factors.push_back(std::array{pose_variable(o.base), pose_variable(o.target)});
-  for (const auto& o : feature_factors_)
-    pattern.factors.push_back(std::array{pose_variable(o.base), feature_variable(o.target)});
+  for (const auto& o : pose_factors_) pattern.factors.push_back(std::array{variable(o.base), variable(o.target)});
+  for (const auto& o : feature_factors_) pattern.factors.push_back(std::array{variable(o.base), variable(o.target)});
   for (const auto& map : maps_) {
-    std::vector<Variable> variables{pose_variable(map.base)};
-    for (const Index place : map.poses) variables.push_back(pose_variable(place));
-    for (const Index place : map.features) variables.push_back(feature_variable(place));
+    std::vector<Variable> variables{variable(map.base)};
+    for (const PoseIndex place : map.poses) variables.push_back(variable(place));
+    for (const FeatureIndex place : map.features) variables.push_back(variable(place));
     pattern.factors.push_back(variables);
   }
   Ordering ordering;
-  for (const Index place : order) {
-    const auto poses = static_cast<Index>(pose_variables_.size());
-    const Variable variable = place < poses ? pose_variable(place) : feature_variable(place - poses);
-    if (variable != kConstant) ordering.given.push_back(variable);
+  for (const PoseOrFeature& placed : order) {
+    const Variable given = std::visit([&](auto place) { return variable(place); }, placed);
+    if (given != kConstant) ordering.given.push_back(given);
   }
   return NormalEquations(std::move(pattern), engine, ordering);
 }
@@ -94,7 +90,7 @@ double JoiningSystem<Dim>::observations_chi2(const Values<Dim>& state) const {
   });
   const double of_features = parallel_sum(feature_factors_.size(), kObservationsPerPiece, [&](std::size_t k) {
     const auto& [o, base, target] = feature_factors_[k];
-    return cost(*o, state.pose(base), state.feature(target));
+    return cost(*o, state.pose(base), state.features[target]);
   });
   return of_poses + of_features;
 }
@@ -103,16 +99,14 @@ template <int Dim>
 Values<Dim> JoiningSystem<Dim>::retracted(const Eigen::VectorXd& step) const {
   Values<Dim> moved = estimate_;
   parallel_chunks(moved.poses.size(), kObservationsPerPiece, [&](std::size_t begin, std::size_t end) {
-    for (std::size_t place = begin; place < end; ++place) {
+    for (PoseIndex place(begin); place < PoseIndex(end); ++place) {
       const Variable variable = pose_variables_[place];
       if (variable == kConstant) continue;
       moved.poses[place] = retract<Dim>(moved.poses[place], step.segment<kPoseDof<Dim>>(equations_.offset(variable)));
     }
   });
   const Eigen::Index first = equations_.offset(first_feature_variable_);
-  for (std::size_t f = 0; f < moved.features.size(); ++f) {
-    moved.features[f] += step.segment<Dim>(first + static_cast<Eigen::Index>(f) * Dim);
-  }
+  for (const FeatureIndex f : indices(moved.features)) moved.features[f] += step.segment<Dim>(first + f.value * Dim);
   return moved;
 }
 

@@ -17,10 +17,10 @@ namespace mapjoin {
 template <int Dim>
 class JoiningSystem {
  public:
-  /// `partial map` gives observations and start; it may go afterwards, the observations and maps must stay. `order` is that of
+  /// `partial` gives observations and start; it may go afterwards, the observations and maps must stay. `order` is that of
   /// the elimination, by places (see place_of_variable); where it is empty, one is found.
   JoiningSystem(const PartialMap<Dim>& partial, const Gauge<Dim>& gauge, Engine engine = Engine::kFronts,
-                const std::vector<Index>& order = {});
+                const std::vector<PoseOrFeature>& order = {});
 
   /// Normal equations at the estimate; returns chi2. `add_map(m, sink)` adds those of map m, whose variables are base, poses
   /// and features, and returns its chi2.
@@ -53,17 +53,17 @@ class JoiningSystem {
   template <typename Observation>
   struct Placed {
     const Observation* observation;
-    Index base;
-    Index target;
+    PoseIndex base;
+    decltype(Observation::target) target;
   };
   const std::vector<Placed<PoseFactor<Dim>>>& pose_factors() const { return pose_factors_; }
   const std::vector<Placed<FeatureFactor<Dim>>>& feature_factors() const { return feature_factors_; }
   /// A map whose indices are places of the joined state.
   struct PlacedMap {
     const LocalMap<Dim>* map;
-    Index base;
-    std::vector<Index> poses;
-    std::vector<Index> features;
+    PoseIndex base;
+    std::vector<PoseIndex> poses;
+    std::vector<FeatureIndex> features;
   };
   const std::vector<PlacedMap>& maps() const { return maps_; }
   /// Puts the observations and maps of another partial map and gauge, which differ in their numbers only, in place of these.
@@ -82,18 +82,15 @@ class JoiningSystem {
   Values<Dim> retracted(const Eigen::VectorXd& step) const;
   StepSize step_size(const Eigen::VectorXd& step) const;
   /// kConstant for the World and for poses that are anchored.
-  Variable pose_variable(Index place) const {
-    return place == kWorld ? kConstant : pose_variables_[static_cast<std::size_t>(place)];
-  }
-  bool is_anchored(Index pose_place) const { return pose_variable(pose_place) == kConstant; }
-  Variable feature_variable(Index place) const { return first_feature_variable_ + place; }
-  /// The place of a variable: a pose, or a feature after all poses.
-  Index place_of_variable(Variable variable) const { return places_[variable]; }
+  Variable variable(PoseIndex place) const { return place == kWorld ? kConstant : pose_variables_[place]; }
+  Variable variable(FeatureIndex place) const { return first_feature_variable_ + place.value; }
+  bool is_anchored(PoseIndex place) const { return variable(place) == kConstant; }
+  PoseOrFeature place_of_variable(Variable variable) const { return places_[variable]; }
 
  private:
   void number_variables(const Gauge<Dim>& gauge);
   void place_observations(const PartialMap<Dim>& partial, const Gauge<Dim>& gauge);
-  NormalEquations make_equations(Engine engine, const std::vector<Index>& order) const;
+  NormalEquations make_equations(Engine engine, const std::vector<PoseOrFeature>& order) const;
   /// f(the observation linearised at the estimate).
   template <typename F>
   auto with_linear_observation(std::size_t factor, F&& f) const {
@@ -103,16 +100,16 @@ class JoiningSystem {
       return f(mapjoin::linearise(*o, estimate_.pose(base), estimate_.pose(target)));
     }
     const auto& [o, base, target] = feature_factors_[place];
-    return f(mapjoin::linearise(*o, estimate_.pose(base), estimate_.feature(target)));
+    return f(mapjoin::linearise(*o, estimate_.pose(base), estimate_.features[target]));
   }
 
   Values<Dim> estimate_;
   std::vector<Placed<PoseFactor<Dim>>> pose_factors_;
   std::vector<Placed<FeatureFactor<Dim>>> feature_factors_;
   std::vector<PlacedMap> maps_;
-  std::vector<Variable> pose_variables_;  // per place; kConstant where held
+  Table<PoseIndex, Variable> pose_variables_;  // kConstant where held
   Variable first_feature_variable_ = 0;
-  Table<Variable, Index> places_;
+  Table<Variable, PoseOrFeature> places_;
   std::size_t first_map_factor_ = 0;
   NormalEquations equations_;
 };

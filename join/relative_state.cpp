@@ -37,7 +37,7 @@ PointMatrix<Dim> point_information(const JoiningSystem<Dim>& system, const TreeO
 
 /// The information that the observation of an edge has of its child, the parent anchored.
 template <int Dim>
-PoseMatrix<Dim> information_of_child(const JoiningSystem<Dim>& system, const TreeEdge& edge) {
+PoseMatrix<Dim> information_of_child(const JoiningSystem<Dim>& system, const TreeEdge<PoseIndex>& edge) {
   const auto [measured, W] = measured_pose(system, *edge.observation);
   const bool child_is_base = edge.observation->child_is_base;
   const Values<Dim>& state = system.estimate();
@@ -64,22 +64,19 @@ std::optional<Matrix<Dof>> inverse_of(const Matrix<Dof>& M) {
 template <int Dim>
 RelativeState<Dim>::RelativeState(const JoiningSystem<Dim>& system) {
   const SpanningTree tree = spanning_tree(system);
-  for (const TreeEdge& edge : tree.poses) {
-    poses_.push_back(make_link<kPoseDof<Dim>>(system, edge, system.pose_variable(edge.child)));
-  }
-  for (const TreeEdge& edge : tree.features) {
+  for (const auto& edge : tree.poses) poses_.push_back(make_link<kPoseDof<Dim>>(system, edge));
+  for (const auto& edge : tree.features) {
     const PointMatrix<Dim> W = point_information(system, edge.observation.value());  // nothing else brings in a feature
-    features_.push_back({make_link<Dim>(system, edge, system.feature_variable(edge.child)), W, inverse_of<Dim>(W)});
+    features_.push_back({make_link<Dim>(system, edge), W, inverse_of<Dim>(W)});
   }
 }
 
 template <int Dim>
-template <int Dof>
-auto RelativeState<Dim>::make_link(const JoiningSystem<Dim>& system, const TreeEdge& edge, Variable variable) const
-    -> Link<Dof> {
-  const Variable parent = system.pose_variable(edge.parent);
+template <int Dof, typename Child>
+auto RelativeState<Dim>::make_link(const JoiningSystem<Dim>& system, const TreeEdge<Child>& edge) const -> Link<Dof> {
+  const Variable parent = system.variable(edge.parent);
   const Eigen::Index parent_begin = parent == kConstant ? kStill : system.equations().offset(parent);
-  return {edge, system.equations().offset(variable), parent_begin, {}, {}, {}};
+  return {edge, system.equations().offset(system.variable(edge.child)), parent_begin, {}, {}, {}};
 }
 
 template <int Dim>
@@ -91,7 +88,7 @@ void RelativeState<Dim>::linearise(const JoiningSystem<Dim>& system) {
   }
   for (auto& link : features_) {
     const Pose<Dim> parent = state.pose(link.edge.parent);
-    transform(parent, transform_into(parent, state.feature(link.edge.child)), &link.K);
+    transform(parent, transform_into(parent, state.features[link.edge.child]), &link.K);
   }
 }
 
@@ -178,7 +175,7 @@ void RelativeState<Dim>::damp(JoiningSystem<Dim>& system, double damping, const 
   const Matrix<Dof> M = damping * link.M;
   NormalEquations& equations = system.equations();
   if (!link.edge.observation) {
-    equations.add_diagonal(system.pose_variable(link.edge.child), M);
+    equations.add_diagonal(system.variable(link.edge.child), M);
     return;
   }
   const TreeObservation& observation = *link.edge.observation;
@@ -209,13 +206,12 @@ Values<Dim> RelativeState<Dim>::retracted(const JoiningSystem<Dim>& system, cons
     PoseVector<Dim> own = link.own(step);
     own.template head<Dim>() = parent.rotation.matrix().transpose() * own.template head<Dim>();
     const Pose<Dim> relation = retract<Dim>(between(parent, before.pose(link.edge.child)), own);
-    after.poses[static_cast<std::size_t>(link.edge.child)] = compose(after.pose(link.edge.parent), relation);
+    after.poses[link.edge.child] = compose(after.pose(link.edge.parent), relation);
   }
   for (const auto& link : features_) {
     const Pose<Dim> parent = before.pose(link.edge.parent);
-    const Point<Dim> moved = before.feature(link.edge.child) + link.own(step);
-    after.features[static_cast<std::size_t>(link.edge.child)] =
-        transform(after.pose(link.edge.parent), transform_into(parent, moved));
+    const Point<Dim> moved = before.features[link.edge.child] + link.own(step);
+    after.features[link.edge.child] = transform(after.pose(link.edge.parent), transform_into(parent, moved));
   }
   return after;
 }

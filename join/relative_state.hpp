@@ -45,7 +45,7 @@ class RelativeState {
   /// An edge of the tree whose child has `Dof` degrees of freedom.
   template <int Dof>
   struct Link {
-    TreeEdge edge;
+    TreeEdge<std::conditional_t<Dof == Dim, FeatureIndex, PoseIndex>> edge;
     Eigen::Index child;   // where the step of the child begins
     Eigen::Index parent;  // and that of its parent; kStill where that is anchored
     Matrix<Dof, kPoseDof<Dim>> K;
@@ -61,8 +61,8 @@ class RelativeState {
   };
   static constexpr Eigen::Index kStill = -1;
 
-  template <int Dof>
-  Link<Dof> make_link(const JoiningSystem<Dim>& system, const TreeEdge& edge, Variable variable) const;
+  template <int Dof, typename Child>
+  Link<Dof> make_link(const JoiningSystem<Dim>& system, const TreeEdge<Child>& edge) const;
   /// M where the edge does not determine its child: all that is known of it.
   template <int Dof>
   static void weigh_by(const Eigen::VectorXd& diagonal, Link<Dof>& link);

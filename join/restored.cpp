@@ -17,12 +17,12 @@ SubmapGraph<Dim> restored_submap_graph(const SubmapGraph<Dim>& graph, const std:
                        .priors = graph.priors,
                        .fixed = graph.fixed,
                        .segments = graph.segments,
-                       .is_local = std::vector<bool>(graph.feature_count, false),
+                       .is_local = Table<FeatureIndex, bool>(graph.feature_count, false),
                        .is_joined = graph.is_joined};
   for (const SegmentView<Dim>& segment : segments) {
     for (const auto& o : segment.odometry) all.factors.pose_factors.push_back(&o);
     for (const auto& o : segment.observations) all.factors.feature_factors.push_back(&o);
-    for (const Index pose : segment.interior) all.is_joined[static_cast<std::size_t>(pose)] = true;
+    for (const PoseIndex pose : segment.interior) all.is_joined[pose] = true;
   }
   if (!segments.empty()) return all;
   for (const auto& map : graph.maps) all.maps.push_back({restored(map), {}, {}, {}, {}});
@@ -31,23 +31,21 @@ SubmapGraph<Dim> restored_submap_graph(const SubmapGraph<Dim>& graph, const std:
 
 /// Places of the whole: interior poses along their segment, then submap-local features, map by map; then the order of the join.
 template <int Dim>
-std::vector<Index> restored_order(const SubmapGraph<Dim>& graph, const std::vector<SegmentView<Dim>>& segments,
-                                  const Join<Dim>& join, const PartialMap<Dim>& joined_map) {
-  std::vector<Index> order;
-  const auto add_pose = [&](Index pose) { order.push_back(place_of(joined_map.poses, pose)); };
-  const auto add_feature = [&](Index feature) {
-    order.push_back(static_cast<Index>(joined_map.poses.size()) + place_of(joined_map.features, feature));
-  };
+std::vector<PoseOrFeature> restored_order(const SubmapGraph<Dim>& graph, const std::vector<SegmentView<Dim>>& segments,
+                                          const Join<Dim>& join, const PartialMap<Dim>& joined_map) {
+  std::vector<PoseOrFeature> order;
+  const auto add_pose = [&](PoseIndex pose) { order.emplace_back(place_of(joined_map.poses, pose)); };
+  const auto add_feature = [&](FeatureIndex feature) { order.emplace_back(place_of(joined_map.features, feature)); };
   for (std::size_t m = 0; m < graph.maps.size(); ++m) {
     if (!segments.empty()) std::for_each(segments[m].interior.begin(), segments[m].interior.end(), add_pose);
-    for (const Index feature : graph.maps[m].local_features) add_feature(feature);
+    for (const FeatureIndex feature : graph.maps[m].local_features) add_feature(feature);
   }
   for (const Variable variable : join.system->equations().order()) {
-    const auto place = static_cast<std::size_t>(join.system->place_of_variable(variable));
-    if (place < join.poses.size()) {
-      add_pose(join.poses[place]);
+    const PoseOrFeature place = join.system->place_of_variable(variable);
+    if (const auto* pose = std::get_if<PoseIndex>(&place)) {
+      add_pose(join.poses[*pose]);
     } else {
-      add_feature(join.features[place - join.poses.size()]);
+      add_feature(join.features[std::get<FeatureIndex>(place)]);
     }
   }
   return order;
@@ -61,7 +59,7 @@ Restored<Dim> restored(const SubmapGraph<Dim>& graph, const std::vector<SegmentV
   SubmapGraph<Dim> all = restored_submap_graph(graph, segments);
   PartialMap<Dim> joined_map = joined_map_of(all);
   set_to_values(state, joined_map);
-  const std::vector<Index> order = restored_order(graph, segments, join, joined_map);
+  const std::vector<PoseOrFeature> order = restored_order(graph, segments, join, joined_map);
   JoinProblem<Dim> problem(JoiningSystem<Dim>(joined_map, gauge_of(all, joined_map), engine, order));
   return {std::move(all), std::move(joined_map), std::move(problem)};
 }

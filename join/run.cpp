@@ -39,7 +39,7 @@ JoinOptions<Dim> join_options(const RunOptions& options, const Pose<Dim>& origin
 }
 
 template <int Dim, template <int> typename Source>
-void write_map(const Source<Dim>& source, Values<Dim> state, const std::vector<Index>& anchored, RunResult<Dim>& result) {
+void write_map(const Source<Dim>& source, Values<Dim> state, const std::vector<PoseIndex>& anchored, RunResult<Dim>& result) {
   result.map.pose_ids = source.poses;
   result.map.feature_ids = source.features;
   result.map.poses = std::move(state.poses);

@@ -63,7 +63,7 @@ struct RunSeconds {
 struct RunFigures {
   std::size_t local_maps = 0;    ///< Segments that became maps.
   std::size_t raw_segments = 0;  ///< Segments that stayed observations.
-  Index poses_per_map = 0;       ///< As chosen; 0 where another rule than poses cut the log.
+  int poses_per_map = 0;         ///< As chosen; 0 where another rule than poses cut the log.
   std::int64_t build_iterations = 0;
   MinimiseResult join;
   Schedule schedule = Schedule::kTree;  ///< That the join was found by; of kAuto, the one of least chi2.

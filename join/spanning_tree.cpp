@@ -10,8 +10,8 @@ namespace {
 /// A pose observed from a pose or the World: what may become an edge.
 struct Relation {
   enum Rank { kChain, kClosure, kPrior } rank;
-  Index base;
-  Index target;
+  PoseIndex base;
+  PoseIndex target;
   std::size_t factor;
   std::size_t number;  // among the targets of its observation
 };
@@ -39,7 +39,7 @@ std::vector<Relation> pose_relations(const JoiningSystem<Dim>& system) {
 }
 
 /// The edge by which a pose was reached: no relation where it is the root of a tree beside that of the World.
-TreeEdge edge_of(Index pose, const Relation* relation) {
+TreeEdge<PoseIndex> edge_of(PoseIndex pose, const Relation* relation) {
   if (!relation) return {pose, kWorld, std::nullopt};
   const bool child_is_base = relation->base == pose;
   return {pose, child_is_base ? relation->target : relation->base,
@@ -48,30 +48,31 @@ TreeEdge edge_of(Index pose, const Relation* relation) {
 
 /// The spanning forest of the relations, breadth first from the World; what is anchored is one with it.
 template <int Dim>
-std::vector<TreeEdge> pose_edges(const JoiningSystem<Dim>& system) {
+std::vector<TreeEdge<PoseIndex>> pose_edges(const JoiningSystem<Dim>& system) {
   constexpr Vertex kWorldVertex = 0;
-  const auto vertex = [&](Index place) { return system.is_anchored(place) ? kWorldVertex : static_cast<Vertex>(place + 1); };
+  const auto vertex = [&](PoseIndex place) {
+    return system.is_anchored(place) ? kWorldVertex : static_cast<Vertex>(1 + place.value);
+  };
   const std::vector<Relation> relations = pose_relations(system);
   std::vector<Edge> edges;
   for (const Relation& relation : relations) edges.emplace_back(vertex(relation.base), vertex(relation.target));
   std::vector<Vertex> roots{kWorldVertex};
-  const auto poses = static_cast<Index>(system.estimate().poses.size());
-  for (Index place = 0; place < poses; ++place) roots.push_back(vertex(place));
+  for (const PoseIndex place : indices(system.estimate().poses)) roots.push_back(vertex(place));
 
-  std::vector<TreeEdge> tree;
+  std::vector<TreeEdge<PoseIndex>> tree;
   for (const auto& [v, edge] : spanning_forest(1 + system.estimate().poses.size(), edges, roots)) {
-    if (v != kWorldVertex) tree.push_back(edge_of(static_cast<Index>(v) - 1, edge ? &relations[*edge] : nullptr));
+    if (v != kWorldVertex) tree.push_back(edge_of(PoseIndex(v - 1), edge ? &relations[*edge] : nullptr));
   }
   return tree;
 }
 
 /// Each feature's first observation: that from the earliest pose; the World's only where there is no other.
 template <int Dim>
-std::vector<TreeEdge> feature_edges(const JoiningSystem<Dim>& system) {
-  std::vector<TreeEdge> edges(system.estimate().features.size());
-  for (std::size_t f = 0; f < edges.size(); ++f) edges[f].child = static_cast<Index>(f);
-  const auto offer = [&](Index feature, Index base, std::size_t factor, std::size_t number) {
-    TreeEdge& edge = edges[static_cast<std::size_t>(feature)];
+Table<FeatureIndex, TreeEdge<FeatureIndex>> feature_edges(const JoiningSystem<Dim>& system) {
+  Table<FeatureIndex, TreeEdge<FeatureIndex>> edges(system.estimate().features.size());
+  for (const FeatureIndex f : indices(edges)) edges[f].child = f;
+  const auto offer = [&](FeatureIndex feature, PoseIndex base, std::size_t factor, std::size_t number) {
+    auto& edge = edges[feature];
     const bool is_earlier = !edge.observation || (base != kWorld && (edge.parent == kWorld || base < edge.parent));
     if (is_earlier) edge = {feature, base, TreeObservation{factor, number, false}};
   };

@@ -15,17 +15,18 @@ struct TreeObservation {
   bool child_is_base = false;
 };
 
-/// Parent and child are places of the joined state; poses and features are told apart by the list the edge is in.
+/// Parent and child, a pose or a feature, are places of the joined state.
+template <typename Child>
 struct TreeEdge {
-  Index child = 0;
-  Index parent = kWorld;
+  Child child = 0;
+  PoseIndex parent = kWorld;
   std::optional<TreeObservation> observation;  ///< None where only the World is there to hang from.
 };
 
 /// A forest whose roots are the poses that are anchored, and the World.
 struct SpanningTree {
-  std::vector<TreeEdge> poses;  ///< All but the held ones, parents before their children.
-  std::vector<TreeEdge> features;
+  std::vector<TreeEdge<PoseIndex>> poses;  ///< All but the held ones, parents before their children.
+  Table<FeatureIndex, TreeEdge<FeatureIndex>> features;
 };
 
 /// Poses hang along local maps and odometry where they can: for one robot a chain. Closures and priors come after these. Where

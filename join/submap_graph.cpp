@@ -10,15 +10,15 @@ namespace {
 /// Marginalises the maps once it is known which features nothing else mentions.
 template <int Dim>
 void add_maps(SubmapGraph<Dim>& graph, std::vector<LocalMap<Dim>> maps) {
-  std::vector<bool> referenced(graph.feature_count, false);
+  Table<FeatureIndex, bool> referenced(graph.feature_count, false);
   for (const auto* selection : {&graph.factors, &graph.priors}) {
-    for (const auto* factor : selection->feature_factors) referenced[static_cast<std::size_t>(factor->target)] = true;
+    for (const auto* factor : selection->feature_factors) referenced[factor->target] = true;
   }
   graph.is_local = local_features(maps, std::move(referenced));
   graph.maps.resize(maps.size());
   parallel_for(maps.size(), [&](std::size_t k) { graph.maps[k] = marginalise(std::move(maps[k]), graph.is_local); });
   for (const auto& marginalised : graph.maps) {
-    for (const Index feature : marginalised.map.features) graph.is_local[static_cast<std::size_t>(feature)] = false;
+    for (const FeatureIndex feature : marginalised.map.features) graph.is_local[feature] = false;
   }
 }
 

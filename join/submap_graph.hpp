@@ -21,8 +21,8 @@ struct SubmapGraph {
   FactorSelection<Dim> priors;
   std::vector<FixedPose<Dim>> fixed;
   std::vector<Segment> segments;
-  std::vector<bool> is_local;   ///< Per feature: eliminated within its map.
-  std::vector<bool> is_joined;  ///< Per pose: part of the joined state.
+  Table<FeatureIndex, bool> is_local;  ///< Eliminated within its map.
+  Table<PoseIndex, bool> is_joined;    ///< Part of the joined state.
 };
 
 /// The submap graph of a log split into segments, with the local maps of those that are maps.

@@ -25,24 +25,14 @@ BuiltMap<Dim> build_local_map(const SegmentView<Dim>& view, const MinimiseOption
   map.base = view.begin;
   map.poses = view.kept;
   map.features = view.features;
-  for (const Index pose : view.kept) {
-    map.pose_estimates.push_back(problem.estimate().poses[static_cast<std::size_t>(pose - view.begin)]);
+  for (const PoseIndex pose : view.kept) {
+    map.pose_estimates.push_back(problem.estimate().poses[view.place(pose)]);
   }
   map.feature_estimates = problem.estimate().features;
   map.information = std::move(*information);
   map.chi2 = result.chi2;
   return built;
 }
-
-namespace {
-
-/// What a segment without a map keeps: all its poses.
-void turn_into_span(Segment& segment, std::vector<bool>& kept) {
-  segment.is_map = false;
-  std::fill(kept.begin() + segment.begin, kept.begin() + segment.end + 1, true);
-}
-
-}  // namespace
 
 template <int Dim>
 Expected<LocalMaps<Dim>> build_local_maps(const Log<Dim>& log, Split& split, const BuildOptions& options,
@@ -68,7 +58,7 @@ Expected<LocalMaps<Dim>> build_local_maps(const Log<Dim>& log, Split& split, con
     if (built[k].map) {
       result.maps.push_back(std::move(*built[k].map));
     } else {
-      turn_into_span(split.segments[k], split.kept);
+      make_raw(split.segments[k], split);
     }
   }
   return result;

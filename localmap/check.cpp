@@ -12,7 +12,7 @@ template <int Dim>
 bool cover_sessions(const Log<Dim>& log, const std::vector<Segment>& segments) {
   auto segment = segments.begin();
   for (const Session& session : log.sessions) {
-    Index reached = session.begin;
+    PoseIndex reached = session.begin;
     do {
       if (segment == segments.end() || segment->begin != reached) return false;
       if (segment->end >= session.end || (segment->end <= reached && session.end - session.begin > 1)) return false;
@@ -38,12 +38,11 @@ Expected<void> check_local_maps(const Log<Dim>& log, const Split& split, const s
   for (const Segment& segment : split.segments) {
     if (!segment.is_map) continue;
     if (map == maps.end() || !is_map_of(*map, segment_view(log, split, segment))) {
-      return bad_input(fmt::format("{}: the local map from {} is not of this log", log.source,
-                                   to_string(log.poses[static_cast<std::size_t>(segment.begin)])));
+      return bad_input(
+          fmt::format("{}: the local map from {} is not of this log", log.source, to_string(log.poses[segment.begin])));
     }
     if (const auto wrong = fault(*map)) {
-      return bad_input(fmt::format("{}: the local map from {} {}", log.source,
-                                   to_string(log.poses[static_cast<std::size_t>(segment.begin)]), *wrong));
+      return bad_input(fmt::format("{}: the local map from {} {}", log.source, to_string(log.poses[segment.begin]), *wrong));
     }
     ++map;
   }

@@ -22,11 +22,11 @@ std::vector<Eigen::Index> rows_of(const LocalMap<Dim>& map, const std::vector<st
 }  // namespace
 
 template <int Dim>
-MarginalisedMap<Dim> marginalise(LocalMap<Dim> map, const std::vector<bool>& is_local) {
+MarginalisedMap<Dim> marginalise(LocalMap<Dim> map, const Table<FeatureIndex, bool>& is_local) {
   std::vector<std::size_t> shared_places;
   std::vector<std::size_t> local_places;
   for (std::size_t f = 0; f < map.features.size(); ++f) {
-    (is_local[static_cast<std::size_t>(map.features[f])] ? local_places : shared_places).push_back(f);
+    (is_local[map.features[f]] ? local_places : shared_places).push_back(f);
   }
   MarginalisedMap<Dim> marginalised{std::move(map), {}, {}, {}, {}};
   if (local_places.empty()) return marginalised;
@@ -78,33 +78,33 @@ void recover_local_features(const MarginalisedMap<Dim>& marginalised, Values<Dim
   const Pose<Dim> base = state.pose(map.base);
   const Eigen::VectorXd r_others = residual(
       map, base, [&](std::size_t p) { return state.pose(map.poses[p]); },
-      [&](std::size_t f) { return state.feature(map.features[f]); });
+      [&](std::size_t f) { return state.features[map.features[f]]; });
   const Eigen::VectorXd r = -marginalised.gain * r_others;
   for (std::size_t f = 0; f < marginalised.local_features.size(); ++f) {
     const Point<Dim> p_local = marginalised.local_estimates[f] - r.segment<Dim>(static_cast<Eigen::Index>(f) * Dim);
-    state.features[static_cast<std::size_t>(marginalised.local_features[f])] = transform(base, p_local);
+    state.features[marginalised.local_features[f]] = transform(base, p_local);
   }
 }
 
 template <int Dim>
-std::vector<bool> local_features(const std::vector<LocalMap<Dim>>& maps, std::vector<bool> referenced_elsewhere) {
-  std::vector<bool> once(referenced_elsewhere.size(), false);
+Table<FeatureIndex, bool> local_features(const std::vector<LocalMap<Dim>>& maps,
+                                         Table<FeatureIndex, bool> referenced_elsewhere) {
+  Table<FeatureIndex, bool> once(referenced_elsewhere.size(), false);
   for (const auto& map : maps) {
-    for (const Index feature : map.features) {
-      const auto f = static_cast<std::size_t>(feature);
+    for (const FeatureIndex f : map.features) {
       if (once[f]) referenced_elsewhere[f] = true;
       once[f] = true;
     }
   }
-  for (std::size_t f = 0; f < once.size(); ++f) once[f] = once[f] && !referenced_elsewhere[f];
+  for (const FeatureIndex f : indices(once)) once[f] = once[f] && !referenced_elsewhere[f];
   return once;
 }
 
-#define MAPJOIN_INSTANTIATE(Dim)                                                      \
-  template MarginalisedMap<Dim> marginalise(LocalMap<Dim>, const std::vector<bool>&); \
-  template LocalMap<Dim> restored(const MarginalisedMap<Dim>&);                       \
-  template void recover_local_features(const MarginalisedMap<Dim>&, Values<Dim>&);    \
-  template std::vector<bool> local_features(const std::vector<LocalMap<Dim>>&, std::vector<bool>);
+#define MAPJOIN_INSTANTIATE(Dim)                                                              \
+  template MarginalisedMap<Dim> marginalise(LocalMap<Dim>, const Table<FeatureIndex, bool>&); \
+  template LocalMap<Dim> restored(const MarginalisedMap<Dim>&);                               \
+  template void recover_local_features(const MarginalisedMap<Dim>&, Values<Dim>&);            \
+  template Table<FeatureIndex, bool> local_features(const std::vector<LocalMap<Dim>>&, Table<FeatureIndex, bool>);
 MAPJOIN_INSTANTIATE(2)
 MAPJOIN_INSTANTIATE(3)
 #undef MAPJOIN_INSTANTIATE

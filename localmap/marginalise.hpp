@@ -14,15 +14,15 @@ namespace mapjoin {
 template <int Dim>
 struct MarginalisedMap {
   LocalMap<Dim> map;  ///< W_oo - W_of W_ff⁻¹ W_fo over what stays.
-  std::vector<Index> local_features;
+  std::vector<FeatureIndex> local_features;
   std::vector<Point<Dim>> local_estimates;  ///< In the frame of the base (m).
   Eigen::MatrixXd gain;  ///< W_ff⁻¹ W_fo: the residuals of the submap-local features are -gain · those of the others.
   Eigen::MatrixXd local_information;  ///< W_ff, of the submap-local features given the others.
 };
 
-/// `is_local` is per feature. Where they are not determined within the map, all stay.
+/// Where the local ones are not determined within the map, all stay.
 template <int Dim>
-MarginalisedMap<Dim> marginalise(LocalMap<Dim> map, const std::vector<bool>& is_local);
+MarginalisedMap<Dim> marginalise(LocalMap<Dim> map, const Table<FeatureIndex, bool>& is_local);
 
 /// The map as it was, its submap-local features behind the others.
 template <int Dim>
@@ -32,8 +32,9 @@ LocalMap<Dim> restored(const MarginalisedMap<Dim>& marginalised);
 template <int Dim>
 void recover_local_features(const MarginalisedMap<Dim>& marginalised, Values<Dim>& state);
 
-/// Per feature: whether one map alone mentions it, and no observation or prior.
+/// Whether one map alone mentions a feature, and no observation or prior.
 template <int Dim>
-std::vector<bool> local_features(const std::vector<LocalMap<Dim>>& maps, std::vector<bool> referenced_elsewhere);
+Table<FeatureIndex, bool> local_features(const std::vector<LocalMap<Dim>>& maps,
+                                         Table<FeatureIndex, bool> referenced_elsewhere);
 
 }  // namespace mapjoin

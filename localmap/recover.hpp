@@ -18,7 +18,7 @@ Values<Dim> values_of(const SegmentView<Dim>& view, const Values<Dim>& state);
 /// value: `state` is over the poses and features of the log. In parallel, with the same result for any number of threads.
 /// Returns the number of segments whose solve did not converge; their interior is the best found.
 template <int Dim>
-std::size_t recover_interiors(const Log<Dim>& log, const Split& split, const std::vector<bool>& is_local,
+std::size_t recover_interiors(const Log<Dim>& log, const Split& split, const Table<FeatureIndex, bool>& is_local,
                               const MinimiseOptions& solver, Values<Dim>& state, const std::stop_token& stop = {});
 
 }  // namespace mapjoin

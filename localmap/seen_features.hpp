@@ -12,18 +12,18 @@ namespace mapjoin {
 
 class SeenFeatures {
  public:
-  explicit SeenFeatures(std::size_t features) : seen_in_(features, -1) {}
+  explicit SeenFeatures(std::size_t features) : seen_in_(features, kWorld) {}
 
   /// The segment that begins at `begin` sees a feature; true for the first time.
-  bool see(Index feature, Index begin) { return std::exchange(seen_in_[static_cast<std::size_t>(feature)], begin) != begin; }
+  bool see(FeatureIndex feature, PoseIndex begin) { return std::exchange(seen_in_[feature], begin) != begin; }
   /// How many features it sees for the first time by these observations.
   template <typename Observations>
-  std::int64_t count_new(const Observations& observations, Index begin) {
+  std::int64_t count_new(const Observations& observations, PoseIndex begin) {
     return std::count_if(observations.begin(), observations.end(), [&](const auto& o) { return see(o.target, begin); });
   }
 
  private:
-  std::vector<Index> seen_in_;  // per feature: the segment, by its begin, that saw it last
+  Table<FeatureIndex, PoseIndex> seen_in_;  // the segment, by its begin, that saw it last
 };
 
 }  // namespace mapjoin

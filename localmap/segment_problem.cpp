@@ -65,23 +65,23 @@ std::optional<Eigen::MatrixXd> SegmentProblem<Dim>::marginal_information() {
 template <int Dim>
 Values<Dim> composed_start(const SegmentView<Dim>& view) {
   Values<Dim> start;
-  start.poses.resize(static_cast<std::size_t>(view.poses()));
+  start.poses.resize(view.poses());
   start.features.resize(view.features.size());
   for (const auto& o : view.odometry) {
-    const auto base = static_cast<std::size_t>(o.base - view.begin);
-    const auto target = static_cast<std::size_t>(o.target - view.begin);
+    const PoseIndex base = view.place(o.base);
+    const PoseIndex target = view.place(o.target);
     if (target > base) {
       start.poses[target] = compose(start.poses[base], o.measured);
     } else {
       start.poses[base] = compose(start.poses[target], inverse(o.measured));
     }
   }
-  std::vector<bool> seen(view.features.size(), false);
+  Table<FeatureIndex, bool> seen(view.features.size(), false);
   for (const auto& o : view.observations) {
-    const std::size_t f = view.feature_slot(o.target);
+    const FeatureIndex f = view.place(o.target);
     if (seen[f]) continue;
     seen[f] = true;
-    start.features[f] = transform(start.poses[static_cast<std::size_t>(o.base - view.begin)], o.measured);
+    start.features[f] = transform(start.poses[view.place(o.base)], o.measured);
   }
   return start;
 }

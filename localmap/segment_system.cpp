@@ -67,42 +67,40 @@ class SegmentSystem<Dim>::Sink {
 template <int Dim>
 SegmentSystem<Dim>::SegmentSystem(const SegmentView<Dim>& view, const SegmentFreedom& freedom)
     : view_(&view),
-      pose_slots_(static_cast<std::size_t>(view.poses())),
+      pose_slots_(view.poses()),
       feature_slots_(view.features.size()),
       equations_(static_cast<Eigen::Index>(view.interior.size()), border_size(view, freedom)) {
   Eigen::Index entry = 0;
-  const auto place_pose = [&](Index pose) {
-    pose_slots_[static_cast<std::size_t>(pose - view.begin)].entry = entry;
+  const auto place_pose = [&](PoseIndex pose) {
+    pose_slots_[view.place(pose)].entry = entry;
     entry += kDof;
   };
-  for (const Index pose : view.interior) place_pose(pose);
+  for (const PoseIndex pose : view.interior) place_pose(pose);
   if (freedom.base) place_pose(view.begin);
   if (freedom.kept) {
-    for (const Index pose : view.kept) place_pose(pose);
+    for (const PoseIndex pose : view.kept) place_pose(pose);
   }
-  for (std::size_t f = 0; f < view.features.size(); ++f) {
+  for (const FeatureIndex f : indices(view.features)) {
     if (!freedom.features[f]) continue;
     feature_slots_[f].entry = entry;
     entry += Dim;
   }
   observed_.reserve(view.observations.size());
-  for (const auto& observation : view.observations) {
-    observed_.push_back(static_cast<std::uint32_t>(view.feature_slot(observation.target)));
-  }
+  for (const auto& observation : view.observations) observed_.push_back(view.place(observation.target));
 }
 
 template <int Dim>
 template <typename F>
 void SegmentSystem<Dim>::for_each_linear(const Values<Dim>& values, F&& f) {
   for (const auto& o : view_->odometry) {
-    const auto base = static_cast<std::size_t>(o.base - view_->begin);
-    const auto target = static_cast<std::size_t>(o.target - view_->begin);
+    const PoseIndex base = view_->place(o.base);
+    const PoseIndex target = view_->place(o.target);
     f(mapjoin::linearise(o, values.poses[base], values.poses[target]),
       Sink(equations_, pose_slots_[base], pose_slots_[target]));
   }
   for (std::size_t k = 0; k < view_->observations.size(); ++k) {
     const auto& o = view_->observations[k];
-    const auto base = static_cast<std::size_t>(o.base - view_->begin);
+    const PoseIndex base = view_->place(o.base);
     f(mapjoin::linearise(o, values.poses[base], values.features[observed_[k]]),
       Sink(equations_, pose_slots_[base], feature_slots_[observed_[k]]));
   }
@@ -125,23 +123,22 @@ template <int Dim>
 double SegmentSystem<Dim>::chi2(const Values<Dim>& values) const {
   double chi2 = 0.0;
   for (const auto& o : view_->odometry) {
-    chi2 += cost(o, values.poses[static_cast<std::size_t>(o.base - view_->begin)],
-                 values.poses[static_cast<std::size_t>(o.target - view_->begin)]);
+    chi2 += cost(o, values.poses[view_->place(o.base)], values.poses[view_->place(o.target)]);
   }
   for (std::size_t k = 0; k < view_->observations.size(); ++k) {
     const auto& o = view_->observations[k];
-    chi2 += cost(o, values.poses[static_cast<std::size_t>(o.base - view_->begin)], values.features[observed_[k]]);
+    chi2 += cost(o, values.poses[view_->place(o.base)], values.features[observed_[k]]);
   }
   return chi2;
 }
 
 template <int Dim>
 void SegmentSystem<Dim>::retract(const Eigen::VectorXd& step, Values<Dim>& values) const {
-  for (std::size_t p = 0; p < pose_slots_.size(); ++p) {
+  for (const PoseIndex p : indices(pose_slots_)) {
     if (!pose_slots_[p].is_free()) continue;
     values.poses[p] = mapjoin::retract<Dim>(values.poses[p], step.segment<kDof>(pose_slots_[p].entry));
   }
-  for (std::size_t f = 0; f < feature_slots_.size(); ++f) {
+  for (const FeatureIndex f : indices(feature_slots_)) {
     if (feature_slots_[f].is_free()) values.features[f] += step.segment<Dim>(feature_slots_[f].entry);
   }
 }

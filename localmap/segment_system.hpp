@@ -3,7 +3,6 @@
 // The normal equations of one segment: its interior poses are the chain, everything else that is free the dense border.
 
 #include <Eigen/Core>
-#include <cstdint>
 #include <mapjoin/localmap/chain_system.hpp>
 #include <mapjoin/localmap/segment_view.hpp>
 #include <mapjoin/model/values.hpp>
@@ -16,7 +15,7 @@ namespace mapjoin {
 struct SegmentFreedom {
   bool base = false;
   bool kept = true;
-  std::vector<bool> features;  ///< Per feature of the segment.
+  Table<FeatureIndex, bool> features;  ///< By place in the segment.
 };
 
 /// Values of the segment are a State of its own: poses begin..end and its features, by their places in the segment.
@@ -53,9 +52,9 @@ class SegmentSystem {
   void for_each_linear(const Values<Dim>& values, F&& f);
 
   const SegmentView<Dim>* view_;
-  std::vector<Slot> pose_slots_;
-  std::vector<Slot> feature_slots_;
-  std::vector<std::uint32_t> observed_;  ///< Per observation, the place of its feature.
+  Table<PoseIndex, Slot> pose_slots_;
+  Table<FeatureIndex, Slot> feature_slots_;
+  std::vector<FeatureIndex> observed_;  ///< Per observation, the place of its feature.
   ChainSystem<Dim> equations_;
 };
 

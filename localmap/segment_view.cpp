@@ -5,14 +5,14 @@
 namespace mapjoin {
 
 template <int Dim>
-std::size_t SegmentView<Dim>::feature_slot(Index feature) const {
-  return static_cast<std::size_t>(std::lower_bound(features.begin(), features.end(), feature) - features.begin());
+FeatureIndex SegmentView<Dim>::place(FeatureIndex feature) const {
+  return FeatureIndex(std::lower_bound(features.begin(), features.end(), feature) - features.begin());
 }
 
 /// Odometry is in the order of its later pose: those after `begin`, up to `end`.
 template <int Dim>
 std::span<const PoseFactor<Dim>> odometry_of(const Log<Dim>& log, const Segment& segment) {
-  const auto by_later_pose = [](Index pose, const PoseFactor<Dim>& o) { return pose < std::max(o.base, o.target); };
+  const auto by_later_pose = [](PoseIndex pose, const PoseFactor<Dim>& o) { return pose < std::max(o.base, o.target); };
   const auto first = std::upper_bound(log.odometry().begin(), log.odometry().end(), segment.begin, by_later_pose);
   const auto last = std::upper_bound(first, log.odometry().end(), segment.end, by_later_pose);
   return {first, last};
@@ -21,10 +21,10 @@ std::span<const PoseFactor<Dim>> odometry_of(const Log<Dim>& log, const Segment&
 /// Observations are in the order of their pose: those from `begin` to before `end`, or to `end` where the session ends there.
 template <int Dim>
 std::span<const FeatureFactor<Dim>> observations_of(const Log<Dim>& log, const Segment& segment) {
-  const auto before = [](const FeatureFactor<Dim>& o, Index pose) { return o.base < pose; };
+  const auto before = [](const FeatureFactor<Dim>& o, PoseIndex pose) { return o.base < pose; };
   const auto session = std::upper_bound(log.sessions.begin(), log.sessions.end(), segment.begin,
-                                        [](Index pose, const Session& s) { return pose < s.end; });
-  const Index stop = segment.end + 1 == session->end ? segment.end + 1 : segment.end;
+                                        [](PoseIndex pose, const Session& s) { return pose < s.end; });
+  const PoseIndex stop = segment.end + 1 == session->end ? segment.end + 1 : segment.end;
   const auto first = std::lower_bound(log.observations().begin(), log.observations().end(), segment.begin, before);
   const auto last = std::lower_bound(first, log.observations().end(), stop, before);
   return {first, last};
@@ -34,8 +34,8 @@ namespace {
 
 /// The different features of observations, ascending.
 template <int Dim>
-std::vector<Index> features_in(std::span<const FeatureFactor<Dim>> observations) {
-  std::vector<Index> features;
+Table<FeatureIndex, FeatureIndex> features_in(std::span<const FeatureFactor<Dim>> observations) {
+  Table<FeatureIndex, FeatureIndex> features;
   for (const auto& observation : observations) features.push_back(observation.target);
   std::sort(features.begin(), features.end());
   features.erase(std::unique(features.begin(), features.end()), features.end());
@@ -49,8 +49,8 @@ SegmentView<Dim> segment_view(const Log<Dim>& log, const Split& split, const Seg
   SegmentView<Dim> view;
   view.begin = segment.begin;
   view.end = segment.end;
-  for (Index pose = segment.begin + 1; pose <= segment.end; ++pose) {
-    (split.kept[static_cast<std::size_t>(pose)] ? view.kept : view.interior).push_back(pose);
+  for (PoseIndex pose = segment.begin + 1; pose <= segment.end; ++pose) {
+    (split.kept[pose] ? view.kept : view.interior).push_back(pose);
   }
   view.odometry = odometry_of(log, segment);
   view.observations = observations_of(log, segment);

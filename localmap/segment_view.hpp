@@ -12,17 +12,18 @@ namespace mapjoin {
 /// Poses begin..end of a log with the odometry and observations that belong to them. Views into the log, which must outlive it.
 template <int Dim>
 struct SegmentView {
-  Index begin = 0;
-  Index end = 0;
-  std::vector<Index> interior;  ///< Poses that only this segment mentions, ascending.
-  std::vector<Index> kept;      ///< Poses after `begin` that stay, ascending; `end` is the last.
-  std::vector<Index> features;  ///< Ascending.
+  PoseIndex begin = 0;
+  PoseIndex end = 0;
+  std::vector<PoseIndex> interior;             ///< Poses that only this segment mentions, ascending.
+  std::vector<PoseIndex> kept;                 ///< Poses after `begin` that stay, ascending; `end` is the last.
+  Table<FeatureIndex, FeatureIndex> features;  ///< By place in the segment, ascending.
   std::span<const PoseFactor<Dim>> odometry;
   std::span<const FeatureFactor<Dim>> observations;
 
-  Index poses() const { return end - begin + 1; }
-  /// The place of a feature in `features`.
-  std::size_t feature_slot(Index feature) const;
+  std::size_t poses() const { return static_cast<std::size_t>(end - begin) + 1; }
+  /// The place in the segment of a pose or feature of the log.
+  PoseIndex place(PoseIndex pose) const { return PoseIndex(pose - begin); }
+  FeatureIndex place(FeatureIndex feature) const;
 };
 
 /// The odometry and observations of a segment of the log.

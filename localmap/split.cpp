@@ -17,9 +17,9 @@ class Growth {
   Growth(const Log<Dim>& log, const SplitOptions& options) : log_(log), options_(options), seen_(log.features.size()) {}
 
   /// The end of the segment that begins at `begin` in `session`.
-  Index end_from(Index begin, const Session& session) {
+  PoseIndex end_from(PoseIndex begin, const Session& session) {
     double amount = 0.0;
-    for (Index end = begin + 1; end < session.end; ++end) {
+    for (PoseIndex end = begin + 1; end < session.end; ++end) {
       amount += added_by_step(end - 1, begin);
       if (amount >= options_.amount) return end;
     }
@@ -28,7 +28,7 @@ class Growth {
 
  private:
   /// What the step from `pose` adds to the segment that begins at `begin`, as the rule counts.
-  double added_by_step(Index pose, Index begin) {
+  double added_by_step(PoseIndex pose, PoseIndex begin) {
     switch (options_.rule) {
       case SplitRule::kDistance:
         return step_length(pose);
@@ -39,7 +39,7 @@ class Growth {
     }
   }
 
-  double step_length(Index pose) const {
+  double step_length(PoseIndex pose) const {
     const auto step = odometry_of(log_, {pose, pose + 1});
     return step.empty() ? 0.0 : step.front().measured.translation.norm();
   }
@@ -50,26 +50,18 @@ class Growth {
 };
 
 template <int Dim>
-std::vector<bool> referenced_poses(const Log<Dim>& log) {
-  std::vector<bool> kept(log.poses.size(), false);
-  for (const auto& closure : log.closures()) {
-    kept[static_cast<std::size_t>(closure.base)] = true;
-    kept[static_cast<std::size_t>(closure.target)] = true;
-  }
-  for (const auto& prior : log.pose_priors()) kept[static_cast<std::size_t>(prior.target)] = true;
-  for (const auto& fixed : log.graph.fixed) kept[static_cast<std::size_t>(fixed.pose)] = true;
+Table<PoseIndex, bool> referenced_poses(const Log<Dim>& log) {
+  Table<PoseIndex, bool> kept(log.poses.size(), false);
+  for (const auto& closure : log.closures()) kept[closure.base] = kept[closure.target] = true;
+  for (const auto& prior : log.pose_priors()) kept[prior.target] = true;
+  for (const auto& fixed : log.graph.fixed) kept[fixed.pose] = true;
   return kept;
 }
 
 /// The ends of a map stay, and every pose of a raw segment.
-void keep(const Segment& segment, std::vector<bool>& kept) {
-  const auto first = kept.begin() + segment.begin;
-  const auto last = kept.begin() + segment.end;
-  if (segment.is_map) {
-    *first = *last = true;
-  } else {
-    std::fill(first, last + 1, true);
-  }
+void keep(const Segment& segment, Table<PoseIndex, bool>& kept) {
+  kept[segment.begin] = kept[segment.end] = true;
+  for (PoseIndex pose = segment.begin + 1; !segment.is_map && pose < segment.end; ++pose) kept[pose] = true;
 }
 
 /// More variables than this do not fit into one dense matrix with ease: 200 MB, several copies, and a map for every thread.
@@ -77,10 +69,10 @@ constexpr std::int64_t kMostBorder = 5000;
 
 /// A map pays when it eliminates at least half of its inner poses, unless its border is too large.
 template <int Dim>
-bool map_pays(const Log<Dim>& log, const Segment& segment, const std::vector<bool>& kept, SeenFeatures& seen) {
-  const Index inner = segment.end - segment.begin - 1;
+bool map_pays(const Log<Dim>& log, const Segment& segment, const Table<PoseIndex, bool>& kept, SeenFeatures& seen) {
+  const int inner = segment.end - segment.begin - 1;
   if (inner <= 0) return false;
-  const auto first = kept.begin() + segment.begin + 1;
+  const auto first = kept.begin() + segment.begin.value + 1;
   const std::int64_t referenced = std::count(first, first + inner, true);
   const std::int64_t features = seen.count_new(observations_of(log, segment), segment.begin);
   return 2 * referenced <= inner && (2 + referenced) * kPoseDof<Dim> + features * Dim <= kMostBorder;
@@ -96,6 +88,11 @@ std::vector<std::string> SplitOptions::validate() const {
   return violations;
 }
 
+void make_raw(Segment& segment, Split& split) {
+  segment.is_map = false;
+  keep(segment, split.kept);
+}
+
 template <int Dim>
 Split split(const Log<Dim>& log, const SplitOptions& options) {
   Split result;
@@ -103,12 +100,12 @@ Split split(const Log<Dim>& log, const SplitOptions& options) {
   SplitOptions chosen = options;
   if (options.rule == SplitRule::kAuto)
     chosen = {SplitRule::kPoses, static_cast<double>(cheapest_poses_per_map(log, result.kept, options.amount))};
-  if (chosen.rule == SplitRule::kPoses) result.poses_per_map = static_cast<Index>(std::min(chosen.amount, 1e9));
+  if (chosen.rule == SplitRule::kPoses) result.poses_per_map = static_cast<int>(std::min(chosen.amount, 1e9));
   Growth<Dim> growth(log, chosen);
   for (const Session& session : log.sessions) {
-    Index begin = session.begin;
+    PoseIndex begin = session.begin;
     do {
-      const Index end = growth.end_from(begin, session);
+      const PoseIndex end = growth.end_from(begin, session);
       result.segments.push_back({begin, end, true});
       begin = end;
     } while (begin + 1 < session.end);

@@ -30,12 +30,15 @@ struct SplitOptions {
 /// observation belongs to the segment that starts at or contains its pose, those of a session's last pose to its last segment.
 struct Split {
   std::vector<Segment> segments;
-  /// Per pose: it stays in the joined state. Ends of segments, what closures and the World mention, and every pose of a raw
+  /// The poses that stay in the joined state: ends of segments, what closures and the World mention, and every pose of a raw
   /// segment.
-  std::vector<bool> kept;
+  Table<PoseIndex, bool> kept;
   /// The steps per map that were chosen; 0 where the rule does not count poses.
-  Index poses_per_map = 0;
+  int poses_per_map = 0;
 };
+
+/// Makes one of the segments a raw one, whose poses all stay.
+void make_raw(Segment& segment, Split& split);
 
 /// Cuts the log. A segment that would keep most of its inner poses stays raw of its observations. O(size of the log).
 template <int Dim>

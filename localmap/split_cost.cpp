@@ -12,7 +12,7 @@ namespace mapjoin {
 namespace {
 
 /// Segments looked at per candidate, spread over the log.
-constexpr Index kSamples = 64;
+constexpr int kSamples = 64;
 
 /// Assembling and factorising a dense block of `m` variables once.
 double block_cost(double m) {
@@ -28,11 +28,12 @@ constexpr double kAlike = 0.01;
 
 /// What one segment costs, as a map or, where it would keep most of its poses, as a raw segment of one-step maps.
 template <int Dim>
-double stretch_cost(const Log<Dim>& log, const std::vector<bool>& kept, const Segment& segment, SeenFeatures& seen) {
+double stretch_cost(const Log<Dim>& log, const Table<PoseIndex, bool>& kept, const Segment& segment, SeenFeatures& seen) {
   constexpr double kDof = kPoseDof<Dim>;
   const double steps = segment.end - segment.begin;
   const auto observations = observations_of(log, segment);
-  const auto referenced = static_cast<double>(std::count(kept.begin() + segment.begin + 1, kept.begin() + segment.end, true));
+  const auto referenced =
+      static_cast<double>(std::count(kept.begin() + segment.begin.value + 1, kept.begin() + segment.end.value, true));
   if (steps < 2.0 || 2.0 * referenced > steps - 1.0) {
     return steps * kJoining * block_cost(2.0 * kDof + Dim * static_cast<double>(observations.size()) / steps);
   }
@@ -43,14 +44,14 @@ double stretch_cost(const Log<Dim>& log, const std::vector<bool>& kept, const Se
 }  // namespace
 
 template <int Dim>
-double cost_per_step(const Log<Dim>& log, const std::vector<bool>& kept, Index poses_per_map) {
+double cost_per_step(const Log<Dim>& log, const Table<PoseIndex, bool>& kept, int poses_per_map) {
   SeenFeatures seen(log.features.size());
   double cost = 0.0;
   double steps = 0.0;
   for (const Session& session : log.sessions) {
-    const Index available = (session.end - 1 - session.begin) / poses_per_map;
-    const Index stride = std::max<Index>(1, (available + kSamples - 1) / kSamples) * poses_per_map;
-    for (Index begin = session.begin; begin + poses_per_map < session.end; begin += stride) {
+    const int available = (session.end - 1 - session.begin) / poses_per_map;
+    const int stride = std::max(1, (available + kSamples - 1) / kSamples) * poses_per_map;
+    for (PoseIndex begin = session.begin; begin + poses_per_map < session.end; begin += stride) {
       cost += stretch_cost(log, kept, {begin, begin + poses_per_map}, seen);
       steps += poses_per_map;
     }
@@ -59,8 +60,8 @@ double cost_per_step(const Log<Dim>& log, const std::vector<bool>& kept, Index p
 }
 
 template <int Dim>
-Index cheapest_poses_per_map(const Log<Dim>& log, const std::vector<bool>& kept, double fewest) {
-  constexpr std::array<Index, 12> kCandidates{1, 2, 3, 5, 7, 10, 15, 20, 30, 45, 70, 100};
+int cheapest_poses_per_map(const Log<Dim>& log, const Table<PoseIndex, bool>& kept, double fewest) {
+  constexpr std::array<int, 12> kCandidates{1, 2, 3, 5, 7, 10, 15, 20, 30, 45, 70, 100};
   std::array<double, kCandidates.size()> costs{};
   parallel_for(costs.size(), [&](std::size_t k) {
     costs[k] = kCandidates[k] < fewest ? std::numeric_limits<double>::infinity() : cost_per_step(log, kept, kCandidates[k]);
@@ -70,9 +71,9 @@ Index cheapest_poses_per_map(const Log<Dim>& log, const std::vector<bool>& kept,
   return std::isfinite(*least) ? kCandidates[static_cast<std::size_t>(least - costs.begin())] : kCandidates.back();
 }
 
-#define MAPJOIN_INSTANTIATE(Dim)                                                   \
-  template double cost_per_step(const Log<Dim>&, const std::vector<bool>&, Index); \
-  template Index cheapest_poses_per_map(const Log<Dim>&, const std::vector<bool>&, double);
+#define MAPJOIN_INSTANTIATE(Dim)                                                      \
+  template double cost_per_step(const Log<Dim>&, const Table<PoseIndex, bool>&, int); \
+  template int cheapest_poses_per_map(const Log<Dim>&, const Table<PoseIndex, bool>&, double);
 MAPJOIN_INSTANTIATE(2)
 MAPJOIN_INSTANTIATE(3)
 #undef MAPJOIN_INSTANTIATE

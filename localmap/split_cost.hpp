@@ -14,11 +14,11 @@ namespace mapjoin {
 /// recovered and polished. `kept` says which poses the rest of the log mentions; they are in the border, too. A segment that
 /// would stay a raw segment costs what its one-step maps do, in the join only.
 template <int Dim>
-double cost_per_step(const Log<Dim>& log, const std::vector<bool>& kept, Index poses_per_map);
+double cost_per_step(const Log<Dim>& log, const Table<PoseIndex, bool>& kept, int poses_per_map);
 
 /// The cheapest number of steps among those of 1, 2, 3, 5, 7, 10, 15, 20, 30, 45, 70, 100 that are at least `fewest`; 100
 /// where there is none.
 template <int Dim>
-Index cheapest_poses_per_map(const Log<Dim>& log, const std::vector<bool>& kept, double fewest);
+int cheapest_poses_per_map(const Log<Dim>& log, const Table<PoseIndex, bool>& kept, double fewest);
 
 }  // namespace mapjoin

@@ -69,7 +69,7 @@ std::vector<KindFit> fits_in(const RunResult<Dim>& result, const SubmapSet<Dim>&
   std::vector<WeighedResidual> residuals;
   for (const MapFit& fit : result.maps) residuals.push_back({fit.chi2, fit.rows});
   return {kind_fit("local maps", residuals, [&](std::size_t m) {
-    const auto name = [&](Index pose) { return to_string(set.poses[static_cast<std::size_t>(pose)]); };
+    const auto name = [&](PoseIndex pose) { return to_string(set.poses[pose]); };
     return fmt::format("{} to {}", name(result.maps[m].base), name(result.maps[m].end));
   })};
 }

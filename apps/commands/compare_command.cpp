@@ -21,15 +21,15 @@ constexpr const char* kExamples =
 
 const std::vector<std::string> kFiles = {"compare.json", "compare.csv", "compare.html"};
 
-constexpr Index kLongestMap = 1'000'000;
+constexpr int kLongestMap = 1'000'000;
 
 struct CompareOptions {
   Options common;
-  std::vector<Index> poses_per_map = {5, 20, 60};
+  std::vector<int> poses_per_map = {5, 20, 60};
 };
 
 /// Whole numbers with commas between them. 1 would be full SLAM, which is there in any case.
-std::optional<std::string> take_list(const std::string& word, std::vector<Index>& list) {
+std::optional<std::string> take_list(const std::string& word, std::vector<int>& list) {
   list.clear();
   for (const std::string& one : words_between_commas(word)) {
     const std::optional<int> number = number_in<int>(one);

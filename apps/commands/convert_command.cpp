@@ -78,7 +78,7 @@ Losses convert_any(const ConvertOptions& options, AnyFormat asked, Log<Dim> log)
   if (!format) fail(ErrorKind::kUsage, options.input.string() + ": local maps of a log are made by `mapjoin build`");
   Losses lost;
   if (needs_values(*format) && log.initial.poses.empty() && !log.odometry().empty()) {
-    log.initial.poses = dead_reckoning(log, std::vector<Pose<Dim>>(log.poses.size()));
+    log.initial.poses = dead_reckoning(log, Table<PoseIndex, Pose<Dim>>(log.poses.size()));
     lost.emplace_back("there are no values: poses are where odometry alone has them");
   }
   for (std::string& loss : losses(log, *format)) lost.push_back(std::move(loss));
@@ -87,7 +87,7 @@ Losses convert_any(const ConvertOptions& options, AnyFormat asked, Log<Dim> log)
 }
 
 template <int Dim>
-void write_folder(const std::vector<LocalMap<Dim>>& maps, const std::vector<FeatureId>& features, MapsFormat format,
+void write_folder(const std::vector<LocalMap<Dim>>& maps, const FeatureIds& features, MapsFormat format,
                   const std::filesystem::path& path) {
   OutputFolder folder = OutputFolder::create_whole(path).value();
   const auto file_format = format == MapsFormat::kText ? LocalMapFormat::kText : LocalMapFormat::kMat;

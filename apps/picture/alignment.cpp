@@ -18,12 +18,12 @@ void turn(const Matrix<Dim>& R, PoseMatrix<Dim>& P) {
 template <int Dim>
 std::optional<Pose<Dim>> alignment(const Truth<Dim>& truth, const GlobalMap<Dim>& first) {
   std::vector<Point<Dim>> from, to;
-  for (std::size_t p = 0; p < first.poses.size(); ++p) {
+  for (const PoseIndex p : indices(first.poses)) {
     if (!truth.poses[p]) continue;
     from.push_back(truth.poses[p]->translation);
     to.push_back(first.poses[p].translation);
   }
-  for (std::size_t f = 0; f < first.features.size(); ++f) {
+  for (const FeatureIndex f : indices(first.features)) {
     if (!truth.features[f]) continue;
     from.push_back(*truth.features[f]);
     to.push_back(first.features[f]);

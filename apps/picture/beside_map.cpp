@@ -43,9 +43,9 @@ Matrix<Size> symmetric(const Json& upper) {
   return M;
 }
 
-template <typename Covariance>
-std::vector<Covariance> covariances_of(const Json& lines) {
-  std::vector<Covariance> covariances;
+template <typename Index, typename Covariance>
+Table<Index, Covariance> covariances_of(const Json& lines) {
+  Table<Index, Covariance> covariances;
   for (const Json& line : lines) covariances.push_back(symmetric<Covariance::RowsAtCompileTime>(line.at("covariance")));
   return covariances;
 }
@@ -55,10 +55,10 @@ PoseId pose_id(const Json& line, const char* key = "pose") {
 }
 
 /// Whether the lines are of these poses, in their order. Those of further sessions have other names in a g2o file.
-bool are_of(const Json& lines, const std::vector<PoseId>& poses) {
+bool are_of(const Json& lines, const PoseIds& poses) {
   if (lines.size() != poses.size()) return false;
-  for (std::size_t p = 0; p < poses.size(); ++p) {
-    const PoseId id = pose_id(lines[p]);
+  for (const PoseIndex p : indices(poses)) {
+    const PoseId id = pose_id(lines[p.position()]);
     if (id.session == 0 && id != poses[p]) return false;
   }
   return true;
@@ -71,8 +71,8 @@ Expected<void> take_covariances(const fs::path& file, const Json& json, GlobalMa
   if (json.at("dimension") != Dim || !are_of(poses, map.pose_ids) || features.size() != map.features.size()) {
     return not_of_map(file);
   }
-  map.pose_covariances = covariances_of<PoseMatrix<Dim>>(poses);
-  map.feature_covariances = covariances_of<PointMatrix<Dim>>(features);
+  map.pose_covariances = covariances_of<PoseIndex, PoseMatrix<Dim>>(poses);
+  map.feature_covariances = covariances_of<FeatureIndex, PointMatrix<Dim>>(features);
   return {};
 }
 

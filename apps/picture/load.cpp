@@ -88,7 +88,7 @@ std::vector<JoinStop<Dim>> join_stops(const SubmapGraph<Dim>& graph, const Globa
   std::vector<JoinStop<Dim>> stops;
   const JoinWatch<Dim> watch = [&](std::size_t segments, const JoinedPartialMaps<Dim>& joined) {
     const PartialMap<Dim>& partial = joined.partials.front();
-    const Pose<Dim>& first = map.poses[static_cast<std::size_t>(partial.poses.front())];
+    const Pose<Dim>& first = map.poses[partial.poses.front()];
     const Pose<Dim> frame = compose(first, inverse(partial.state.poses.front()));
     stops.push_back({segments, partial_map_chi2(partial), partial.poses, moved(frame, partial.state)});
   };

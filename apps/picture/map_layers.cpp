@@ -20,8 +20,8 @@ std::vector<std::string> local_map_colours() {
 }
 
 template <int Dim>
-Point<2> place(const PlottedMap<Dim>& plotted, Index pose) {
-  return plotted.map.poses[static_cast<std::size_t>(pose)].translation.template head<2>();
+Point<2> place(const PlottedMap<Dim>& plotted, PoseIndex pose) {
+  return plotted.map.poses[pose].translation.template head<2>();
 }
 
 template <int Dim>
@@ -40,8 +40,8 @@ std::vector<FlatLine> local_map_lines(const PlottedMap<Dim>& plotted) {
 
 /// The last poses of the local maps.
 template <int Dim>
-std::vector<Index> end_poses(const PlottedMap<Dim>& plotted) {
-  std::vector<Index> poses;
+std::vector<PoseIndex> end_poses(const PlottedMap<Dim>& plotted) {
+  std::vector<PoseIndex> poses;
   for (const PlottedLocalMap& map : plotted.local_maps) poses.push_back(map.fit.end);
   return poses;
 }
@@ -54,15 +54,15 @@ Ellipse ellipse_at(const Point<2>& place, const Covariance& P) {
 /// Where local maps end, or else of some poses evenly among all.
 template <int Dim>
 std::vector<Ellipse> pose_ellipses(const PlottedMap<Dim>& plotted) {
-  std::vector<Index> marked = end_poses(plotted);
+  std::vector<PoseIndex> marked = end_poses(plotted);
   const std::size_t every = 1 + plotted.map.poses.size() / kPoseEllipses;
   for (std::size_t p = every; plotted.local_maps.empty() && p <= plotted.map.poses.size(); p += every) {
-    marked.push_back(static_cast<Index>(p - 1));
+    marked.emplace_back(p - 1);
   }
   std::vector<Ellipse> ellipses;
-  for (const Index pose : marked) {
+  for (const PoseIndex pose : marked) {
     if (plotted.map.pose_covariances.empty()) break;
-    ellipses.push_back(ellipse_at<Dim>(place(plotted, pose), plotted.map.pose_covariances[static_cast<std::size_t>(pose)]));
+    ellipses.push_back(ellipse_at<Dim>(place(plotted, pose), plotted.map.pose_covariances[pose]));
   }
   return ellipses;
 }
@@ -70,7 +70,7 @@ std::vector<Ellipse> pose_ellipses(const PlottedMap<Dim>& plotted) {
 template <int Dim>
 std::vector<Ellipse> feature_ellipses(const GlobalMap<Dim>& map) {
   std::vector<Ellipse> ellipses;
-  for (std::size_t f = 0; f < map.feature_covariances.size(); ++f) {
+  for (const FeatureIndex f : indices(map.feature_covariances)) {
     ellipses.push_back(ellipse_at<Dim>(map.features[f].template head<2>(), map.feature_covariances[f]));
   }
   return ellipses;
@@ -93,7 +93,7 @@ void add_single(const PlottedMap<Dim>& plotted, std::vector<Layer>& layers) {
   add({plotted.local_maps.empty() ? name : "", {kBlue}, trajectory_lines(map.poses, plotted.sessions), {}, {}});
   add({"local maps", local_map_colours(), local_map_lines(plotted), {}, {}, 2.0});
   std::vector<Point<2>> ends;
-  for (const Index pose : end_poses(plotted)) ends.push_back(place(plotted, pose));
+  for (const PoseIndex pose : end_poses(plotted)) ends.push_back(place(plotted, pose));
   add({"end poses", {kInk}, {}, std::move(ends), {}, 1.0, Mark::kSpeck});
 }
 
@@ -113,8 +113,8 @@ std::vector<FlatLine> known_lines(const Truth<Dim>& truth, const std::vector<Ses
   std::vector<FlatLine> lines;
   for (const Session& session : sessions) {
     FlatLine line;
-    for (Index k = session.begin; k < session.end; ++k) {
-      const auto& pose = truth.poses[static_cast<std::size_t>(k)];
+    for (PoseIndex p = session.begin; p < session.end; ++p) {
+      const auto& pose = truth.poses[p];
       if (pose) line.push_back(pose->translation.template head<2>());
       if (!pose && !line.empty()) lines.push_back(std::exchange(line, {}));
     }

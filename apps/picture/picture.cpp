@@ -217,12 +217,12 @@ Footer footer(const Sheet& sheet, const std::vector<Layer>& layers) {
 }  // namespace
 
 template <int Dim>
-std::vector<FlatLine> trajectory_lines(const std::vector<Pose<Dim>>& poses, const std::vector<Session>& sessions) {
+std::vector<FlatLine> trajectory_lines(const Table<PoseIndex, Pose<Dim>>& poses, const std::vector<Session>& sessions) {
   std::vector<FlatLine> lines;
   for (const Session& session : sessions) {
     FlatLine line;
-    for (Index k = session.begin; k < session.end; ++k) {
-      line.push_back(poses[static_cast<std::size_t>(k)].translation.template head<2>());
+    for (PoseIndex pose = session.begin; pose < session.end; ++pose) {
+      line.push_back(poses[pose].translation.template head<2>());
     }
     lines.push_back(std::move(line));
   }
@@ -259,8 +259,8 @@ std::string picture(const std::vector<Layer>& layers, double pixels) {
   return svg + "</svg>\n" + below.svg + "</svg>\n";
 }
 
-#define MAPJOIN_INSTANTIATE(Dim)                                                                                        \
-  template std::vector<FlatLine> trajectory_lines(const std::vector<Pose<Dim>>&, const std::vector<Session>& sessions); \
+#define MAPJOIN_INSTANTIATE(Dim)                                                                                             \
+  template std::vector<FlatLine> trajectory_lines(const Table<PoseIndex, Pose<Dim>>&, const std::vector<Session>& sessions); \
   template std::vector<Point<2>> from_above(const std::vector<Point<Dim>>&);
 MAPJOIN_INSTANTIATE(2)
 MAPJOIN_INSTANTIATE(3)

@@ -37,7 +37,7 @@ struct Layer {
 
 /// One line per session.
 template <int Dim>
-std::vector<FlatLine> trajectory_lines(const std::vector<Pose<Dim>>& poses, const std::vector<Session>& sessions);
+std::vector<FlatLine> trajectory_lines(const Table<PoseIndex, Pose<Dim>>& poses, const std::vector<Session>& sessions);
 template <int Dim>
 std::vector<Point<2>> from_above(const std::vector<Point<Dim>>& points);
 /// `sigmas` standard deviations of a position along each axis of its covariance `P` (m²).

@@ -6,12 +6,11 @@ namespace mapjoin::apps {
 namespace {
 
 /// Where nothing ties poses together, those of one robot are taken for its path.
-std::vector<Session> sessions_by_name(const std::vector<PoseId>& poses) {
+std::vector<Session> sessions_by_name(const PoseIds& poses) {
   std::vector<Session> sessions;
-  for (std::size_t p = 0; p < poses.size(); ++p) {
-    const auto index = static_cast<Index>(p);
-    if (p == 0 || poses[p].session != poses[p - 1].session) sessions.push_back({index, index});
-    sessions.back().end = index + 1;
+  for (const PoseIndex p : indices(poses)) {
+    if (p == 0 || poses[p].session != poses[p - 1].session) sessions.push_back({p, p});
+    sessions.back().end = p + 1;
   }
   return sessions;
 }
@@ -22,8 +21,8 @@ std::vector<Session> sessions_of(const Log<Dim>& log) {
 }
 
 template <int Dim>
-std::vector<std::pair<Index, Index>> closures_among(std::span<const PoseFactor<Dim>> edges) {
-  std::vector<std::pair<Index, Index>> closures;
+std::vector<std::pair<PoseIndex, PoseIndex>> closures_among(std::span<const PoseFactor<Dim>> edges) {
+  std::vector<std::pair<PoseIndex, PoseIndex>> closures;
   for (const auto& o : edges) {
     if (o.base != kWorld) closures.emplace_back(o.base, o.target);
   }
@@ -31,33 +30,30 @@ std::vector<std::pair<Index, Index>> closures_among(std::span<const PoseFactor<D
 }
 
 template <int Dim>
-std::vector<Pose<Dim>> starts_of(const Log<Dim>& log) {
-  std::vector<Pose<Dim>> poses(log.poses.size());
-  for (const auto& fixed : log.graph.fixed) poses[static_cast<std::size_t>(fixed.pose)] = fixed.value;
+Table<PoseIndex, Pose<Dim>> starts_of(const Log<Dim>& log) {
+  Table<PoseIndex, Pose<Dim>> poses(log.poses.size());
+  for (const auto& fixed : log.graph.fixed) poses[fixed.pose] = fixed.value;
   return poses;
 }
 
 /// Each feature where it was seen first.
 template <int Dim>
-std::vector<Point<Dim>> first_seen(const Log<Dim>& log, const std::vector<Pose<Dim>>& poses) {
-  std::vector<Point<Dim>> features(log.features.size(), Point<Dim>::Zero());
-  std::vector<bool> is_seen(features.size());
+Table<FeatureIndex, Point<Dim>> first_seen(const Log<Dim>& log, const Table<PoseIndex, Pose<Dim>>& poses) {
+  Table<FeatureIndex, Point<Dim>> features(log.features.size(), Point<Dim>::Zero());
+  Table<FeatureIndex, bool> is_seen(features.size());
   for (const auto& o : log.observations()) {
-    const auto f = static_cast<std::size_t>(o.target);
-    if (!is_seen[f]) features[f] = transform(poses[static_cast<std::size_t>(o.base)], o.measured);
-    is_seen[f] = true;
+    if (!is_seen[o.target]) features[o.target] = transform(poses[o.base], o.measured);
+    is_seen[o.target] = true;
   }
   return features;
 }
 
-/// Per pose the local map that starts at or contains it, or -1; the last one of a session has its end pose, too.
-std::vector<std::ptrdiff_t> map_of_pose(const std::vector<MapFit>& fits, std::size_t poses) {
-  std::vector<std::ptrdiff_t> map(poses, -1);
+/// Per pose the local map that starts at or contains it, if any; the last one of a session has its end pose, too.
+Table<PoseIndex, std::optional<std::size_t>> map_of_pose(const std::vector<MapFit>& fits, std::size_t poses) {
+  Table<PoseIndex, std::optional<std::size_t>> map(poses);
   for (std::size_t m = fits.size(); m-- > 0;) {
-    const auto first = static_cast<std::size_t>(fits[m].base);
-    const auto end = static_cast<std::size_t>(fits[m].end);
-    for (std::size_t p = first; p < end; ++p) map[p] = static_cast<std::ptrdiff_t>(m);
-    if (map[end] < 0) map[end] = static_cast<std::ptrdiff_t>(m);
+    for (PoseIndex p = fits[m].base; p < fits[m].end; ++p) map[p] = m;
+    if (!map[fits[m].end]) map[fits[m].end] = m;
   }
   return map;
 }
@@ -65,14 +61,12 @@ std::vector<std::ptrdiff_t> map_of_pose(const std::vector<MapFit>& fits, std::si
 }  // namespace
 
 template <int Dim>
-std::vector<Pose<Dim>> dead_reckoning(const Log<Dim>& log, std::vector<Pose<Dim>> poses) {
+Table<PoseIndex, Pose<Dim>> dead_reckoning(const Log<Dim>& log, Table<PoseIndex, Pose<Dim>> poses) {
   for (const auto& o : log.odometry()) {
-    const auto base = static_cast<std::size_t>(o.base);
-    const auto target = static_cast<std::size_t>(o.target);
-    if (target > base) {
-      poses[target] = compose(poses[base], o.measured);
+    if (o.target > o.base) {
+      poses[o.target] = compose(poses[o.base], o.measured);
     } else {
-      poses[base] = compose(poses[target], inverse(o.measured));
+      poses[o.base] = compose(poses[o.target], inverse(o.measured));
     }
   }
   return poses;
@@ -84,8 +78,7 @@ std::vector<PlottedLocalMap> plotted_local_maps(const std::vector<MapFit>& fits,
   for (const MapFit& fit : fits) maps.push_back({fit, {}});
   const auto map_of = map_of_pose(fits, log.poses.size());
   for (const auto& o : log.observations()) {
-    const std::ptrdiff_t m = map_of[static_cast<std::size_t>(o.base)];
-    if (m >= 0) maps[static_cast<std::size_t>(m)].features.push_back(o.target);
+    if (const auto m = map_of[o.base]) maps[*m].features.push_back(o.target);
   }
   for (PlottedLocalMap& map : maps) {
     std::sort(map.features.begin(), map.features.end());
@@ -134,7 +127,7 @@ PlottedMap<Dim> plotted(const RunResult<Dim>& result, const SubmapSet<Dim>& set)
 }
 
 #define MAPJOIN_INSTANTIATE(Dim)                                                                         \
-  template std::vector<Pose<Dim>> dead_reckoning(const Log<Dim>&, std::vector<Pose<Dim>>);               \
+  template Table<PoseIndex, Pose<Dim>> dead_reckoning(const Log<Dim>&, Table<PoseIndex, Pose<Dim>>);     \
   template std::vector<PlottedLocalMap> plotted_local_maps(const std::vector<MapFit>&, const Log<Dim>&); \
   template PlottedMap<Dim> plotted(const Log<Dim>&);                                                     \
   template PlottedMap<Dim> plotted(const RunResult<Dim>&, const Log<Dim>&);                              \

@@ -19,7 +19,7 @@ namespace mapjoin::apps {
 /// A local map within a map: how it fits, with the poses from its base to its end, and the features that it saw.
 struct PlottedLocalMap {
   MapFit fit;
-  std::vector<Index> features;
+  std::vector<FeatureIndex> features;
 };
 
 /// The join of the first maps of several: the poses that it held, and where they and its features were.
@@ -27,7 +27,7 @@ template <int Dim>
 struct JoinStop {
   std::size_t maps = 0;
   double chi2 = 0.0;
-  std::vector<Index> poses;
+  Table<PoseIndex, PoseIndex> poses;
   Values<Dim> state;  ///< Poses by place in `poses`; the features in no order.
 };
 
@@ -35,19 +35,19 @@ template <int Dim>
 struct PlottedMap {
   std::string name;  ///< In a legend.
   GlobalMap<Dim> map;
-  std::vector<Session> sessions;                  ///< Poses that a line goes through.
-  std::vector<Pose<Dim>> odometry;                ///< Composed from odometry alone; empty where that is not known.
-  std::vector<std::pair<Index, Index>> closures;  ///< Poses.
-  std::vector<PlottedLocalMap> local_maps;        ///< In their order; empty where they are not known.
-  std::vector<JoinStop<Dim>> stops;               ///< On the way of joining map after map; empty where it was not watched.
-  bool is_odometry = false;                       ///< `map` is composed from odometry and first observations, for want of more.
+  std::vector<Session> sessions;         ///< Poses that a line goes through.
+  Table<PoseIndex, Pose<Dim>> odometry;  ///< Composed from odometry alone; empty where that is not known.
+  std::vector<std::pair<PoseIndex, PoseIndex>> closures;
+  std::vector<PlottedLocalMap> local_maps;  ///< In their order; empty where they are not known.
+  std::vector<JoinStop<Dim>> stops;         ///< On the way of joining map after map; empty where it was not watched.
+  bool is_odometry = false;                 ///< `map` is composed from odometry and first observations, for want of more.
 };
 
 using AnyPlottedMap = std::variant<PlottedMap<2>, PlottedMap<3>>;
 
 /// The poses composed from odometry alone, each session from where `poses` has its first one.
 template <int Dim>
-std::vector<Pose<Dim>> dead_reckoning(const Log<Dim>& log, std::vector<Pose<Dim>> poses);
+Table<PoseIndex, Pose<Dim>> dead_reckoning(const Log<Dim>& log, Table<PoseIndex, Pose<Dim>> poses);
 
 /// A log by the values that its file gives to poses and features, else by odometry and first observations.
 template <int Dim>

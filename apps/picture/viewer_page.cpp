@@ -90,7 +90,7 @@ std::string triangles_of(const std::vector<Covariance>& covariances) {
 
 /// The features of all maps stand in one list; offsets say where each map's begin.
 Json local_maps_of(const std::vector<PlottedLocalMap>& maps) {
-  std::vector<Index> features;
+  std::vector<FeatureIndex> features;
   std::vector<std::size_t> offsets = {0};
   for (const PlottedLocalMap& map : maps) {
     features.insert(features.end(), map.features.begin(), map.features.end());
@@ -100,13 +100,13 @@ Json local_maps_of(const std::vector<PlottedLocalMap>& maps) {
     return packed<Number>(maps, [member](const PlottedLocalMap& map) { return std::invoke(member, map.fit); });
   };
   return {{"count", maps.size()},
-          {"base", of_fits(std::uint32_t{}, &MapFit::base)},
-          {"end", of_fits(std::uint32_t{}, &MapFit::end)},
+          {"base", of_fits(std::uint32_t{}, [](const MapFit& fit) { return fit.base.value; })},
+          {"end", of_fits(std::uint32_t{}, [](const MapFit& fit) { return fit.end.value; })},
           {"chi2", of_fits(double{}, &MapFit::chi2)},
           {"rows", of_fits(std::uint32_t{}, &MapFit::rows)},
           {"probability", of_fits(double{}, &MapFit::probability)},
           {"offsets", packed<std::uint32_t>(offsets)},
-          {"features", packed<std::uint32_t>(features)}};
+          {"features", packed<std::uint32_t>(features, &FeatureIndex::value)}};
 }
 
 template <int Dim>
@@ -115,7 +115,7 @@ Json stops_of(const std::vector<JoinStop<Dim>>& stops, const Point<Dim>& centre)
   for (const JoinStop<Dim>& stop : stops) {
     list.push_back({{"maps", stop.maps},
                     {"chi2", stop.chi2},
-                    {"poses", packed<std::uint32_t>(stop.poses)},
+                    {"poses", packed<std::uint32_t>(stop.poses, &PoseIndex::value)},
                     {"posePlaces", places_of(stop.state.poses, centre)},
                     {"featurePlaces", places_of(stop.state.features, centre)}});
   }
@@ -125,7 +125,7 @@ Json stops_of(const std::vector<JoinStop<Dim>>& stops, const Point<Dim>& centre)
 template <int Dim>
 Json map_of(const PlottedMap<Dim>& plotted, const Point<Dim>& centre) {
   const GlobalMap<Dim>& map = plotted.map;
-  std::vector<Index> sessions, closures;
+  std::vector<PoseIndex> sessions, closures;
   for (const auto& [begin, end] : plotted.sessions) sessions.insert(sessions.end(), {begin, end});
   for (const auto& [base, target] : plotted.closures) closures.insert(closures.end(), {base, target});
   return {{"name", plotted.name},
@@ -134,13 +134,13 @@ Json map_of(const PlottedMap<Dim>& plotted, const Point<Dim>& centre) {
           {"headings", headings_of(map.poses)},
           {"poseKeys", packed<std::uint64_t>(map.pose_ids, &PoseId::key)},
           {"robots", robots_of(map.pose_ids)},
-          {"sessions", packed<std::uint32_t>(sessions)},
+          {"sessions", packed<std::uint32_t>(sessions, &PoseIndex::value)},
           {"poseCovariances", triangles_of(map.pose_covariances)},
           {"features", places_of(map.features, centre)},
           {"featureKeys", packed<std::uint64_t>(map.feature_ids, &FeatureId::key)},
           {"featureCovariances", triangles_of(map.feature_covariances)},
           {"odometry", places_of(plotted.odometry, centre)},
-          {"closures", packed<std::uint32_t>(closures)},
+          {"closures", packed<std::uint32_t>(closures, &PoseIndex::value)},
           {"localMaps", local_maps_of(plotted.local_maps)},
           {"stops", stops_of(plotted.stops, centre)}};
 }

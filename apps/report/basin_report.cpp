@@ -85,7 +85,7 @@ std::string table_of(const Basin& basin, const RunReport& run_report) {
   }
   add_convention(run_report, lines);
   lines.add("cells", "whether, or how often, the optimum is reached (iterations): chi2 of what the others fell into");
-  Table table;
+  ReportTable table;
   for (const char* heading : {"covariance", "formulation", "maps of", "method", "composed", "zero", "random"}) {
     table.columns.push_back({heading, heading});
   }
@@ -100,7 +100,7 @@ std::string table_of(const Basin& basin, const RunReport& run_report) {
 
 /// A row per solve, from the report's cells.
 std::string csv_of(const Json& cells) {
-  Table table;
+  ReportTable table;
   for (const char* key :
        {"covariance", "problem", "state", "local_maps", "method", "start", "seed", "ends", "chi2", "iterations", "status"}) {
     table.columns.push_back({key, key});

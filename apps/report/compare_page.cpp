@@ -39,7 +39,7 @@ std::string figure(const std::vector<Layer>& layers, const std::string& caption)
 }
 
 /// Numbers to the right, good and bad rows told apart.
-std::string table_of(const Table& table) {
+std::string table_of(const ReportTable& table) {
   std::vector<std::string> attributes;
   std::string html = "<div class=\"wide\"><table>\n<thead><tr>";
   for (std::size_t c = 0; c < table.columns.size(); ++c) {

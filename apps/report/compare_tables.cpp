@@ -70,8 +70,8 @@ RowKind kind_of(const CaseFigures& figures) {
 }
 
 /// One row per case.
-Table table_of(const Columns& columns, const ComparisonFigures& comparison, const Json& cases) {
-  Table table{joined({kProblem, {{"state", "state"}, {"schedule", "schedule"}}, columns, {kResult}}), {}};
+ReportTable table_of(const Columns& columns, const ComparisonFigures& comparison, const Json& cases) {
+  ReportTable table{joined({kProblem, {{"state", "state"}, {"schedule", "schedule"}}, columns, {kResult}}), {}};
   for (std::size_t k = 0; k < cases.size(); ++k) table.add(cases[k], kind_of(comparison.cases[k]));
   return table;
 }
@@ -110,8 +110,8 @@ std::string ways_in_words(const Alike& alike, const std::vector<CaseFigures>& ca
 }
 
 /// One row for all cases that are alike, with the figures of the one farthest from the best map.
-Table short_table_of(const Columns& columns, const ComparisonFigures& comparison, const Json& cases) {
-  Table table{joined({kProblem, {{"ways", "ways"}}, columns, {kResult}}), {}};
+ReportTable short_table_of(const Columns& columns, const ComparisonFigures& comparison, const Json& cases) {
+  ReportTable table{joined({kProblem, {{"ways", "ways"}}, columns, {kResult}}), {}};
   const auto distance = [&](std::size_t k) { return comparison.cases[k].polished.from_best.poses.translation.max; };
   for (const Alike& alike : alike_in(comparison.cases)) {
     const std::size_t farthest =
@@ -166,7 +166,7 @@ std::vector<NamedTable> tables_of(const ComparisonFigures& comparison, const Jso
   return tables;
 }
 
-Table whole_table(const ComparisonFigures& comparison, const Json& cases) {
+ReportTable whole_table(const ComparisonFigures& comparison, const Json& cases) {
   Columns columns = kCost;
   for (const char* side : {"joined", "polished"}) {
     add_distances(side, {"poses", "turns", "features"}, columns);

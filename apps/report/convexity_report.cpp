@@ -71,14 +71,14 @@ std::string table_of(const Convexity& found, const Json& formulations, const Con
   lines.add("bent down", "share of lambda at which the curvature of F is negative");
   lines.add("linear", "share of the rows that are linear in the state, and of the information that the estimate has from them");
   lines.add("one step", "of Gauss-Newton from the composed start: its share of the whole decrease");
-  Table table{{{"", ""},
-               {"", "not convex (%)", 3, "/convexity/share_violated", 100.0},
-               {"", "by", 3, "/convexity/largest_violation"},
-               {"", "bent down (%)", 3, "/convexity/share_negative_curvature", 100.0},
-               {"", "linear rows (%)", 3, "/quadratic/share_of_rows", 100.0},
-               {"", "information (%)", 3, "/quadratic/share_of_information", 100.0},
-               {"", "one step (%)", 3, "/first_step/share", 100.0}},
-              {}};
+  ReportTable table{{{"", ""},
+                     {"", "not convex (%)", 3, "/convexity/share_violated", 100.0},
+                     {"", "by", 3, "/convexity/largest_violation"},
+                     {"", "bent down (%)", 3, "/convexity/share_negative_curvature", 100.0},
+                     {"", "linear rows (%)", 3, "/quadratic/share_of_rows", 100.0},
+                     {"", "information (%)", 3, "/quadratic/share_of_information", 100.0},
+                     {"", "one step (%)", 3, "/first_step/share", 100.0}},
+                    {}};
   for (std::size_t f = 0; f < found.size(); ++f) {
     table.add(formulations[f]).cells.front() = to_string(found[f].formulation);
   }

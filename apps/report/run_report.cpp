@@ -50,10 +50,10 @@ void RunReport::describe(const RunResult<Dim>& result) {
   options.schedule = result.schedule;
   has_local_maps = is_joined = true;
   const auto& ids = result.map.pose_ids;
-  for (const Index pose : result.map.gauge) anchored.push_back(ids[static_cast<std::size_t>(pose)]);
+  for (const PoseIndex pose : result.map.gauge) anchored.push_back(ids[pose]);
   for (const MapFit& fit : result.maps) {
-    map_bases.push_back(ids[static_cast<std::size_t>(fit.base)]);
-    map_ends.push_back(ids[static_cast<std::size_t>(fit.end)]);
+    map_bases.push_back(ids[fit.base]);
+    map_ends.push_back(ids[fit.end]);
   }
 }
 

@@ -47,7 +47,7 @@ std::string result_in_words(const CaseFigures& figures);
 struct NamedTable {
   std::string name;
   std::string note;  ///< What its columns mean.
-  Table table;
+  ReportTable table;
 };
 
 /// For people: what each case takes, then how far its map is from the best one and from the truth, where that is known.
@@ -55,7 +55,7 @@ struct NamedTable {
 std::vector<NamedTable> tables_of(const ComparisonFigures& comparison, const Json& cases);
 
 /// All figures in one table.
-Table whole_table(const ComparisonFigures& comparison, const Json& cases);
+ReportTable whole_table(const ComparisonFigures& comparison, const Json& cases);
 
 template <int Dim>
 std::string compare_page(const RunReport& run_report, const Comparison<Dim>& comparison, const OtherWeights<Dim>& other,

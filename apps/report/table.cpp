@@ -34,7 +34,7 @@ struct Strip {
   bool to_the_right = false;
 };
 
-Strip strip_of(const Table& table, std::size_t column) {
+Strip strip_of(const ReportTable& table, std::size_t column) {
   const Column& of = table.columns[column];
   std::vector<std::string> cells;
   std::size_t width = 0;
@@ -51,7 +51,7 @@ Strip strip_of(const Table& table, std::size_t column) {
 
 }  // namespace
 
-Row& Table::add(const Json& object, RowKind kind) {
+Row& ReportTable::add(const Json& object, RowKind kind) {
   Row& row = rows.emplace_back();
   row.kind = kind;
   for (const Column& column : columns) {
@@ -67,11 +67,11 @@ std::string shown(const Cell& cell, const Column& column) {
   return cell.is_string() ? cell.get<std::string>() : exact(cell);
 }
 
-bool is_numeric(const Table& table, std::size_t column) {
+bool is_numeric(const ReportTable& table, std::size_t column) {
   return std::none_of(table.rows.begin(), table.rows.end(), [&](const Row& row) { return row.cells[column].is_string(); });
 }
 
-std::string aligned(const Table& table) {
+std::string aligned(const ReportTable& table) {
   std::vector<Strip> strips;
   std::size_t tallest = 0;
   for (std::size_t c = 0; c < table.columns.size(); ++c) {
@@ -91,7 +91,7 @@ std::string aligned(const Table& table) {
   return text;
 }
 
-std::string csv(const Table& table) {
+std::string csv(const ReportTable& table) {
   std::vector<std::string> texts;
   for (const Column& column : table.columns) texts.push_back(quoted(column.key));
   std::string text = csv_line(texts);

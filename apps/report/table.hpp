@@ -28,7 +28,7 @@ struct Row {
   RowKind kind = RowKind::kPlain;
 };
 
-struct Table {
+struct ReportTable {
   std::vector<Column> columns;
   std::vector<Row> rows;
 
@@ -39,12 +39,12 @@ struct Table {
 /// A cell for people; nothing where it is null.
 std::string shown(const Cell& cell, const Column& column);
 /// Whether all cells of a column are numbers or null.
-bool is_numeric(const Table& table, std::size_t column);
+bool is_numeric(const ReportTable& table, std::size_t column);
 
 /// Lines of equal columns, two blanks apart; numbers to the right. The heading's words stand below each other.
-std::string aligned(const Table& table);
+std::string aligned(const ReportTable& table);
 /// One line per row below a line of keys, by RFC 4180; numbers so that they are read back as they are, nothing where they are
 /// not finite.
-std::string csv(const Table& table);
+std::string csv(const ReportTable& table);
 
 }  // namespace mapjoin::apps

@@ -17,8 +17,8 @@ int main(int, char** argv) {
   if (!result || !result->covariances) return 1;
   const MapCovariances<2>& covariances = *result->covariances;
 
-  const Index last = static_cast<Index>(log.poses.size()) - 1;
-  const std::array ends = {PoseOrFeature::pose(last), PoseOrFeature::pose(last - 1)};
+  const PoseIndex last = indices(log.poses).last - 1;
+  const std::array<PoseOrFeature, 2> ends = {last, last - 1};
   const auto joint = covariances.joint(ends);                       // 6 x 6: x y φ of the one, then of the other
   const auto relative = covariances.relative_pose(last - 1, last);  // 3 x 3: of the last step, in its own frame
   if (!joint || !relative) return 1;

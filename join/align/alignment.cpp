@@ -35,12 +35,12 @@ bool fixes_rotation(const std::vector<Point<Dim>>& points) {
 
 /// Calls f(place in a, place in b) for every index that two ascending lists share. Linear in the range that they have in
 /// common.
-template <typename F>
-void for_each_common(const std::vector<Index>& a, const std::vector<Index>& b, F&& f) {
+template <typename Index, typename F>
+void for_each_common(const Table<Index, Index>& a, const Table<Index, Index>& b, F&& f) {
   if (a.empty() || b.empty()) return;
-  auto i = static_cast<std::size_t>(place_of(a, b.front()));
-  auto j = static_cast<std::size_t>(place_of(b, a.front()));
-  while (i < a.size() && j < b.size()) {
+  Index i = place_of(a, b.front());
+  Index j = place_of(b, a.front());
+  while (i < indices(a).last && j < indices(b).last) {
     if (a[i] == b[j])
       f(i++, j++);
     else if (a[i] < b[j])
@@ -51,14 +51,15 @@ void for_each_common(const std::vector<Index>& a, const std::vector<Index>& b, F
 }
 
 /// The union of two ascending lists with their values; those of `a` hold where both have one, those of `b` are moved.
-template <typename T, typename Moved>
-void unite(const std::vector<Index>& a, const std::vector<T>& a_values, const std::vector<Index>& b,
-           const std::vector<T>& b_values, const Moved& moved, std::vector<Index>& both, std::vector<T>& values) {
+template <typename Index, typename T, typename Moved>
+void unite(const Table<Index, Index>& a, const Table<Index, T>& a_values, const Table<Index, Index>& b,
+           const Table<Index, T>& b_values, const Moved& moved, Table<Index, Index>& both, Table<Index, T>& values) {
   both.reserve(a.size() + b.size());
   values.reserve(a.size() + b.size());
-  for (std::size_t i = 0, j = 0; i < a.size() || j < b.size();) {
-    if (j == b.size() || (i < a.size() && a[i] <= b[j])) {
-      if (j < b.size() && a[i] == b[j]) ++j;
+  const Index a_end = indices(a).last, b_end = indices(b).last;
+  for (Index i, j; i < a_end || j < b_end;) {
+    if (j == b_end || (i < a_end && a[i] <= b[j])) {
+      if (j < b_end && a[i] == b[j]) ++j;
       both.push_back(a[i]);
       values.push_back(a_values[i++]);
     } else {
@@ -119,7 +120,7 @@ Correspondences<Dim> correspondences_between(const PartialMap<Dim>& a, const Par
   correspondences.first_points.reserve(std::min(a.features.size(), b.features.size()) + 1);
   correspondences.second_points.reserve(correspondences.first_points.capacity());
   for_each_common(a.poses, b.poses,
-                  [&](std::size_t i, std::size_t j) { correspondences.add_pose(a.state.poses[i], b.state.poses[j]); });
+                  [&](PoseIndex i, PoseIndex j) { correspondences.add_pose(a.state.poses[i], b.state.poses[j]); });
   for (const auto* closure : closures) {
     const auto* base = find_pose(a, closure->base);
     const auto* target = find_pose(b, closure->target);
@@ -132,7 +133,7 @@ Correspondences<Dim> correspondences_between(const PartialMap<Dim>& a, const Par
     if (base && target) correspondences.add_pose(*target, compose(*base, closure->measured));
   }
   for_each_common(a.features, b.features,
-                  [&](std::size_t i, std::size_t j) { correspondences.add_point(a.state.features[i], b.state.features[j]); });
+                  [&](FeatureIndex i, FeatureIndex j) { correspondences.add_point(a.state.features[i], b.state.features[j]); });
   return correspondences;
 }
 

@@ -86,8 +86,7 @@ Gauge<Dim> gauge_of(const SubmapGraph<Dim>& graph, const PartialMap<Dim>& partia
 template <int Dim>
 void place_fixed_poses(const SubmapGraph<Dim>& graph, PartialMap<Dim>& partial) {
   for (const auto& fixed : graph.fixed) {
-    if (holds(partial.poses, fixed.pose))
-      partial.state.poses[static_cast<std::size_t>(place_of(partial.poses, fixed.pose))] = fixed.value;
+    if (holds(partial.poses, fixed.pose)) partial.state.poses[place_of(partial.poses, fixed.pose)] = fixed.value;
   }
 }
 

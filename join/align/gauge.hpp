@@ -10,7 +10,7 @@ namespace mapjoin {
 /// What holds a partial map still.
 template <int Dim>
 struct Gauge {
-  std::vector<Index> anchored;  ///< Places of poses that have no columns.
+  std::vector<PoseIndex> anchored;  ///< Places of poses that have no columns.
   FactorSelection<Dim> priors;
 };
 

@@ -9,21 +9,21 @@ namespace mapjoin {
 template <int Dim>
 PartialMap<Dim> joined_map_of(const SubmapGraph<Dim>& graph) {
   PartialMap<Dim> joined_map;
-  for (std::size_t p = 0; p < graph.pose_count; ++p) {
-    if (graph.is_joined[p]) joined_map.poses.push_back(static_cast<Index>(p));
+  for (const PoseIndex p : indices(graph.is_joined)) {
+    if (graph.is_joined[p]) joined_map.poses.push_back(p);
   }
   joined_map.factors = graph.factors;
   for (const auto& marginalised : graph.maps) joined_map.factors.submaps.push_back(&marginalised.map);
 
-  std::vector<bool> is_seen(graph.feature_count, false);
+  Table<FeatureIndex, bool> is_seen(graph.feature_count, false);
   for (const auto* map : joined_map.factors.submaps) {
-    for (const Index feature : map->features) is_seen[static_cast<std::size_t>(feature)] = true;
+    for (const FeatureIndex feature : map->features) is_seen[feature] = true;
   }
   for (const auto* selection : {&graph.factors, &graph.priors}) {
-    for (const auto* o : selection->feature_factors) is_seen[static_cast<std::size_t>(o->target)] = true;
+    for (const auto* o : selection->feature_factors) is_seen[o->target] = true;
   }
-  for (std::size_t f = 0; f < graph.feature_count; ++f) {
-    if (is_seen[f]) joined_map.features.push_back(static_cast<Index>(f));
+  for (const FeatureIndex f : indices(is_seen)) {
+    if (is_seen[f]) joined_map.features.push_back(f);
   }
   joined_map.state.poses.resize(joined_map.poses.size());
   joined_map.state.features.resize(joined_map.features.size(), Point<Dim>::Zero());
@@ -37,12 +37,11 @@ Values<Dim> composed_state(const SubmapGraph<Dim>& graph, const PartialMap<Dim>&
   // What partial maps have in common is where the first of them says.
   for (auto partial = joined.partials.rbegin(); partial != joined.partials.rend(); ++partial) {
     place_in_world(graph, origin, *partial);
-    for (std::size_t p = 0; p < partial->poses.size(); ++p) {
-      state.poses[static_cast<std::size_t>(place_of(joined_map.poses, partial->poses[p]))] = partial->state.poses[p];
+    for (const PoseIndex p : indices(partial->poses)) {
+      state.poses[place_of(joined_map.poses, partial->poses[p])] = partial->state.poses[p];
     }
-    for (std::size_t f = 0; f < partial->features.size(); ++f) {
-      state.features[static_cast<std::size_t>(place_of(joined_map.features, partial->features[f]))] =
-          partial->state.features[f];
+    for (const FeatureIndex f : indices(partial->features)) {
+      state.features[place_of(joined_map.features, partial->features[f])] = partial->state.features[f];
     }
   }
   return state;

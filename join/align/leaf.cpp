@@ -17,8 +17,8 @@ Leaves<Dim>::Leaves(const SubmapGraph<Dim>& graph)
     const Segment& segment = graph.segments[k];
     if (segment.is_map) maps_[k] = &(map++)->map;
     // What two segments share is of the later one.
-    segment_of_.resize(static_cast<std::size_t>(segment.begin - graph.segments.front().begin), static_cast<Index>(k) - 1);
-    segment_of_.resize(static_cast<std::size_t>(segment.end - graph.segments.front().begin) + 1, static_cast<Index>(k));
+    segment_of_.resize(static_cast<std::size_t>(segment.begin - graph.segments.front().begin), k - 1);
+    segment_of_.resize(static_cast<std::size_t>(segment.end - graph.segments.front().begin) + 1, k);
   }
   for (const auto* o : graph.factors.pose_factors) {
     const auto [first, last] = segments_of(*o);
@@ -32,10 +32,9 @@ Leaves<Dim>::Leaves(const SubmapGraph<Dim>& graph)
 }
 
 template <int Dim>
-std::size_t Leaves<Dim>::segment_of(Index pose) const {
-  const Index last = static_cast<Index>(segment_of_.size()) - 1;
-  const Index place = std::clamp<Index>(pose - graph_.segments.front().begin, 0, last);
-  return static_cast<std::size_t>(segment_of_[static_cast<std::size_t>(place)]);
+std::size_t Leaves<Dim>::segment_of(PoseIndex pose) const {
+  const PoseIndex last(segment_of_.size() - 1);
+  return segment_of_[std::clamp<PoseIndex>(PoseIndex(pose - graph_.segments.front().begin), 0, last)];
 }
 
 template <int Dim>
@@ -61,11 +60,11 @@ PartialMap<Dim> Leaves<Dim>::partial_of_map(const LocalMap<Dim>& map) const {
   partial.poses.insert(partial.poses.end(), map.poses.begin(), map.poses.end());
   partial.state.poses.emplace_back();
   partial.state.poses.insert(partial.state.poses.end(), map.pose_estimates.begin(), map.pose_estimates.end());
-  partial.features = map.features;
+  partial.features = Table<FeatureIndex, FeatureIndex>(map.features);
   std::sort(partial.features.begin(), partial.features.end());
   partial.state.features.resize(partial.features.size());
   for (std::size_t f = 0; f < map.features.size(); ++f) {
-    partial.state.features[static_cast<std::size_t>(place_of(partial.features, map.features[f]))] = map.feature_estimates[f];
+    partial.state.features[place_of(partial.features, map.features[f])] = map.feature_estimates[f];
   }
   return partial;
 }
@@ -79,11 +78,11 @@ PartialMap<Dim> Leaves<Dim>::partial_of_raw(std::size_t segment) const {
   partial.state.poses.resize(partial.poses.size());
   partial.factors = {odometry_[segment], observations_[segment], {}};
 
-  std::vector<bool> known(partial.poses.size(), false);
+  Table<PoseIndex, bool> known(partial.poses.size(), false);
   known[0] = true;
   for (const auto* o : partial.factors.pose_factors) {
-    const auto base = static_cast<std::size_t>(o->base - raw.begin);
-    const auto target = static_cast<std::size_t>(o->target - raw.begin);
+    const PoseIndex base = place_of(partial.poses, o->base);
+    const PoseIndex target = place_of(partial.poses, o->target);
     if (known[base] && !known[target]) partial.state.poses[target] = compose(partial.state.poses[base], o->measured);
     if (known[target] && !known[base]) partial.state.poses[base] = compose(partial.state.poses[target], inverse(o->measured));
     known[base] = known[target] = known[base] || known[target];
@@ -94,9 +93,9 @@ PartialMap<Dim> Leaves<Dim>::partial_of_raw(std::size_t segment) const {
   std::sort(partial.features.begin(), partial.features.end());
   partial.features.erase(std::unique(partial.features.begin(), partial.features.end()), partial.features.end());
   partial.state.features.resize(partial.features.size());
-  std::vector<bool> seen(partial.features.size(), false);
+  Table<FeatureIndex, bool> seen(partial.features.size(), false);
   for (const auto* o : partial.factors.feature_factors) {
-    const auto f = static_cast<std::size_t>(place_of(partial.features, o->target));
+    const FeatureIndex f = place_of(partial.features, o->target);
     if (!seen[f]) partial.state.features[f] = transform(pose_in(partial, o->base), o->measured);
     seen[f] = true;
   }

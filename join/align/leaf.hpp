@@ -26,13 +26,13 @@ class Leaves {
 
  private:
   /// The segment that starts at or contains a pose; of a session's last pose, its last segment.
-  std::size_t segment_of(Index pose) const;
+  std::size_t segment_of(PoseIndex pose) const;
   PartialMap<Dim> partial_of_map(const LocalMap<Dim>& map) const;
   PartialMap<Dim> partial_of_raw(std::size_t segment) const;
 
   const SubmapGraph<Dim>& graph_;
-  std::vector<const LocalMap<Dim>*> maps_;  // per segment, or null
-  std::vector<Index> segment_of_;           // per pose from the first segment's first one to the last one's last
+  std::vector<const LocalMap<Dim>*> maps_;    // per segment, or null
+  Table<PoseIndex, std::size_t> segment_of_;  // from the first segment's first pose to the last one's last
   std::vector<std::vector<const PoseFactor<Dim>*>> odometry_;
   std::vector<std::vector<const FeatureFactor<Dim>*>> observations_;
   std::vector<const PoseFactor<Dim>*> closures_;

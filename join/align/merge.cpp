@@ -19,12 +19,13 @@ template <int Dim>
 using Closures = std::vector<const PoseFactor<Dim>*>;
 
 /// A pose or feature, and a partial map that holds it.
+template <typename Index>
 using Holding = std::pair<Index, Vertex>;
 
 /// What partial maps hold, in order. `list` is their poses or their features.
-template <int Dim>
-std::vector<Holding> all_held(const std::vector<PartialMap<Dim>>& partials, std::vector<Index> PartialMap<Dim>::*list) {
-  std::vector<Holding> held;
+template <int Dim, typename Index>
+std::vector<Holding<Index>> all_held(const std::vector<PartialMap<Dim>>& partials, Table<Index, Index> PartialMap<Dim>::*list) {
+  std::vector<Holding<Index>> held;
   for (Vertex k = 0; k < partials.size(); ++k) {
     for (const Index index : partials[k].*list) held.emplace_back(index, k);
   }
@@ -39,7 +40,7 @@ class SharingGraph {
  public:
   SharingGraph(const std::vector<PartialMap<Dim>>& partials, const Closures<Dim>& closures)
       : vertices_(static_cast<Vertex>(partials.size())), closures_(partials.size()) {
-    const std::vector<Holding> poses = all_held(partials, &PartialMap<Dim>::poses);
+    const std::vector<Holding<PoseIndex>> poses = all_held(partials, &PartialMap<Dim>::poses);
     add_shared(poses);
     add_shared(all_held(partials, &PartialMap<Dim>::features));
     for (const auto* closure : closures) add_closure(*closure, poses);
@@ -52,7 +53,8 @@ class SharingGraph {
   const Graph& graph() const { return graph_; }
 
  private:
-  void add_shared(const std::vector<Holding>& held) {
+  template <typename Index>
+  void add_shared(const std::vector<Holding<Index>>& held) {
     for (std::size_t k = 1; k < held.size(); ++k) {
       if (held[k].first != held[k - 1].first) continue;
       const bool is_known = k > 1 && held[k - 2].first == held[k].first;
@@ -61,10 +63,10 @@ class SharingGraph {
     }
   }
 
-  void add_closure(const PoseFactor<Dim>& closure, const std::vector<Holding>& poses) {
+  void add_closure(const PoseFactor<Dim>& closure, const std::vector<Holding<PoseIndex>>& poses) {
     std::set<Vertex> ends;
-    for (const Index pose : {closure.base, closure.target}) {
-      auto held = std::lower_bound(poses.begin(), poses.end(), Holding{pose, 0});
+    for (const PoseIndex pose : {closure.base, closure.target}) {
+      auto held = std::lower_bound(poses.begin(), poses.end(), Holding<PoseIndex>{pose, 0});
       for (; held != poses.end() && held->first == pose; ++held) ends.insert(held->second);
     }
     for (const Vertex partial : ends) {

@@ -8,9 +8,10 @@ namespace mapjoin {
 namespace {
 
 /// Whether an index is common to two ascending lists, in constant time.
+template <typename Index>
 class Common {
  public:
-  Common(const std::vector<Index>& a, const std::vector<Index>& b) {
+  Common(const Table<Index, Index>& a, const Table<Index, Index>& b) {
     if (a.empty() || b.empty()) return;
     first_ = std::max(a.front(), b.front());
     const Index last = std::min(a.back(), b.back());
@@ -46,7 +47,7 @@ std::vector<T> evenly_chosen(const std::vector<T>& list, std::size_t most, Predi
 
 /// Whether some, but not all, of a map's poses and features are common.
 template <int Dim>
-bool is_cut(const LocalMap<Dim>& map, const Common& pose, const Common& feature) {
+bool is_cut(const LocalMap<Dim>& map, const Common<PoseIndex>& pose, const Common<FeatureIndex>& feature) {
   auto common = std::count_if(map.poses.begin(), map.poses.end(), pose);
   common += std::count_if(map.features.begin(), map.features.end(), feature);
   if (pose(map.base)) ++common;
@@ -77,20 +78,20 @@ SharedFactors<Dim>::SharedFactors(const PartialMap<Dim>& a, const PartialMap<Dim
   for (const auto* o : cut_observations) feature_factors_.push_back({o, end_of_pose(o->base), end_of_feature(o->target)});
   for (const auto* map : evenly_chosen(b.factors.submaps, kMost, [&](const auto* m) { return is_cut(*m, pose, feature); })) {
     PlacedMap placed{map, end_of_pose(map->base), {}, {}};
-    for (const Index p : map->poses) placed.poses.push_back(end_of_pose(p));
-    for (const Index f : map->features) placed.features.push_back(end_of_feature(f));
+    for (const PoseIndex p : map->poses) placed.poses.push_back(end_of_pose(p));
+    for (const FeatureIndex f : map->features) placed.features.push_back(end_of_feature(f));
     maps_.push_back(std::move(placed));
   }
 }
 
 template <int Dim>
-typename SharedFactors<Dim>::template End<Pose<Dim>> SharedFactors<Dim>::end_of_pose(Index pose) const {
+typename SharedFactors<Dim>::template End<Pose<Dim>> SharedFactors<Dim>::end_of_pose(PoseIndex pose) const {
   if (const auto* in_a = find_pose(a_, pose)) return {*in_a, false};
   return {pose_in(b_, pose), true};
 }
 
 template <int Dim>
-typename SharedFactors<Dim>::template End<Point<Dim>> SharedFactors<Dim>::end_of_feature(Index feature) const {
+typename SharedFactors<Dim>::template End<Point<Dim>> SharedFactors<Dim>::end_of_feature(FeatureIndex feature) const {
   if (const auto* in_a = find_feature(a_, feature)) return {*in_a, false};
   return {feature_in(b_, feature), true};
 }

@@ -40,8 +40,8 @@ class SharedFactors {
     std::vector<End<Point<Dim>>> features;
   };
 
-  End<Pose<Dim>> end_of_pose(Index pose) const;
-  End<Point<Dim>> end_of_feature(Index feature) const;
+  End<Pose<Dim>> end_of_pose(PoseIndex pose) const;
+  End<Point<Dim>> end_of_feature(FeatureIndex feature) const;
 
   const PartialMap<Dim>& a_;
   const PartialMap<Dim>& b_;

@@ -54,8 +54,8 @@ void set_to_random(std::uint64_t seed, PartialMap<Dim>& partial) {
 
 template <int Dim>
 void set_to_values(const Values<Dim>& state, PartialMap<Dim>& partial) {
-  for (std::size_t p = 0; p < partial.poses.size(); ++p) partial.state.poses[p] = state.pose(partial.poses[p]);
-  for (std::size_t f = 0; f < partial.features.size(); ++f) partial.state.features[f] = state.feature(partial.features[f]);
+  for (const PoseIndex p : indices(partial.poses)) partial.state.poses[p] = state.pose(partial.poses[p]);
+  for (const FeatureIndex f : indices(partial.features)) partial.state.features[f] = state.features[partial.features[f]];
 }
 
 template <int Dim>

@@ -11,8 +11,8 @@ namespace {
 template <int Dim>
 Expected<Pose<Dim>> frame_of(const MapCovariances<Dim>& covariances, const Truth<Dim>& truth) {
   if (covariances.anchored().size() != 1) return Pose<Dim>{};
-  const Index anchored = covariances.anchored().front();
-  const auto& true_pose = truth.poses[static_cast<std::size_t>(anchored)];
+  const PoseIndex anchored = covariances.anchored().front();
+  const auto& true_pose = truth.poses[anchored];
   if (!true_pose) return tl::unexpected(Error{ErrorKind::kUsage, "the truth does not have the pose that holds the map still"});
   return compose(covariances.state().pose(anchored), inverse(*true_pose));
 }
@@ -31,20 +31,17 @@ Errors errors_of(const MapCovariances<Dim>& covariances, const Truth<Dim>& truth
   const Values<Dim>& state = covariances.state();
   const Table<Variable, bool> none(equations.variables().size());
   Errors errors{Eigen::VectorXd::Zero(equations.size()), none, none, none};
-  const auto add = [&](const PoseOrFeature& of, const auto& step, Table<Variable, bool>& known) {
+  const auto add = [&](auto of, const auto& step, Table<Variable, bool>& known) {
     const Variable variable = covariances.variable(of);
     if (variable == kConstant) return;
     errors.steps.segment(equations.offset(variable), equations.dof(variable)) = step;
     known[variable] = errors.all[variable] = true;
   };
-  for (std::size_t p = 0; p < state.poses.size(); ++p) {
-    if (!truth.poses[p]) continue;
-    add(PoseOrFeature::pose(static_cast<Index>(p)), local(state.poses[p], compose(frame, *truth.poses[p])), errors.poses);
+  for (const PoseIndex p : indices(state.poses)) {
+    if (truth.poses[p]) add(p, local(state.poses[p], compose(frame, *truth.poses[p])), errors.poses);
   }
-  for (std::size_t f = 0; f < state.features.size(); ++f) {
-    if (!truth.features[f]) continue;
-    add(PoseOrFeature::feature(static_cast<Index>(f)), transform(frame, *truth.features[f]) - state.features[f],
-        errors.features);
+  for (const FeatureIndex f : indices(state.features)) {
+    if (truth.features[f]) add(f, transform(frame, *truth.features[f]) - state.features[f], errors.features);
   }
   return errors;
 }

@@ -14,8 +14,8 @@ namespace mapjoin {
 /// What is known of the true poses and features of a submap graph, by their indices, in any one frame.
 template <int Dim>
 struct Truth {
-  std::vector<std::optional<Pose<Dim>>> poses;
-  std::vector<std::optional<Point<Dim>>> features;
+  Table<PoseIndex, std::optional<Pose<Dim>>> poses;
+  Table<FeatureIndex, std::optional<Point<Dim>>> features;
 };
 
 /// The normalised estimation error squared, eᵀ P⁻¹ e with the joint covariance P of all of e: of a consistent map, a value of

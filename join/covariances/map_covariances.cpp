@@ -29,13 +29,13 @@ MapCovariances<Dim>::MapCovariances(Restored<Dim> restored, Estimate estimate, s
   state_.poses.resize(pose_variables_.size());
   state_.features.resize(feature_variables_.size(), Point<Dim>::Zero());
   write_values(system.estimate(), joined_map.poses, joined_map.features, state_);
-  for (std::size_t p = 0; p < joined_map.poses.size(); ++p) {
-    const Variable variable = system.pose_variable(static_cast<Index>(p));
-    pose_variables_[static_cast<std::size_t>(joined_map.poses[p])] = variable;
+  for (const PoseIndex p : indices(joined_map.poses)) {
+    const Variable variable = system.variable(p);
+    pose_variables_[joined_map.poses[p]] = variable;
     if (variable == kConstant) anchored_.push_back(joined_map.poses[p]);
   }
-  for (std::size_t f = 0; f < joined_map.features.size(); ++f) {
-    feature_variables_[static_cast<std::size_t>(joined_map.features[f])] = system.feature_variable(static_cast<Index>(f));
+  for (const FeatureIndex f : indices(joined_map.features)) {
+    feature_variables_[joined_map.features[f]] = system.variable(f);
   }
 }
 
@@ -47,11 +47,11 @@ Expected<MapCovariances<Dim>> MapCovariances<Dim>::make(Restored<Dim> restored, 
 }
 
 template <int Dim>
-template <int ChildDof>
-Matrix<kPoseDof<Dim> + ChildDof> MapCovariances<Dim>::with_parent(Index parent, const PoseOrFeature& child,
+template <int ChildDof, typename Child>
+Matrix<kPoseDof<Dim> + ChildDof> MapCovariances<Dim>::with_parent(PoseIndex parent, Child child,
                                                                   const Marginals& marginals) const {
   const Variable of_child = variable(child);
-  const Variable of_parent = parent == kWorld ? kConstant : variable(PoseOrFeature::pose(parent));
+  const Variable of_parent = parent == kWorld ? kConstant : variable(parent);
   Matrix<kPoseDof<Dim> + ChildDof> covariance;
   if (of_parent != kConstant) {
     covariance = marginals.joint(std::array{of_parent, of_child});
@@ -79,20 +79,21 @@ Expected<MarginalCovariances<Dim>> MapCovariances<Dim>::marginals(const std::fun
     return !stop.stop_requested();
   });
   if (stop.stop_requested()) return tl::unexpected(Error{ErrorKind::kInterrupted, "interrupted while computing covariances"});
-  MarginalCovariances<Dim> out{std::vector<PoseMatrix<Dim>>(pose_variables_.size(), PoseMatrix<Dim>::Zero()),
-                               std::vector<PointMatrix<Dim>>(feature_variables_.size(), PointMatrix<Dim>::Zero()), relations_};
-  for (std::size_t p = 0; p < out.poses.size(); ++p) {
+  MarginalCovariances<Dim> out{Table<PoseIndex, PoseMatrix<Dim>>(pose_variables_.size(), PoseMatrix<Dim>::Zero()),
+                               Table<FeatureIndex, PointMatrix<Dim>>(feature_variables_.size(), PointMatrix<Dim>::Zero()),
+                               relations_};
+  for (const PoseIndex p : indices(out.poses)) {
     if (pose_variables_[p] == kConstant) continue;
     PoseRelation<Dim>& relation = out.relations.poses[p];
-    const auto joint = with_parent<kDof>(relation.parent, PoseOrFeature::pose(static_cast<Index>(p)), marginals);
+    const auto joint = with_parent<kDof>(relation.parent, p, marginals);
     const auto J = J_relation(state_.pose(relation.parent), state_.poses[p]);
     out.poses[p] = joint.template bottomRightCorner<kDof, kDof>();
     relation.covariance = symmetric(J * joint * J.transpose());
   }
-  for (std::size_t f = 0; f < out.features.size(); ++f) {
+  for (const FeatureIndex f : indices(out.features)) {
     if (feature_variables_[f] == kConstant) continue;
     FeatureRelation<Dim>& relation = out.relations.features[f];
-    const auto joint = with_parent<Dim>(relation.parent, PoseOrFeature::feature(static_cast<Index>(f)), marginals);
+    const auto joint = with_parent<Dim>(relation.parent, f, marginals);
     const auto J = J_relation<Dim>(state_.pose(relation.parent), state_.features[f]);
     out.features[f] = joint.template bottomRightCorner<Dim, Dim>();
     relation.covariance = symmetric(J * joint * J.transpose());
@@ -105,8 +106,8 @@ Expected<Eigen::MatrixXd> MapCovariances<Dim>::joint(std::span<const PoseOrFeatu
   std::vector<Eigen::Triplet<double>> entries;  // of unit columns
   Eigen::Index size = 0;
   for (const PoseOrFeature& asked : variables) {
-    const Variable v = variable(asked);
-    const int dof = asked.is_pose ? kPoseDof<Dim> : Dim;
+    const Variable v = std::visit([&](auto of) { return variable(of); }, asked);
+    const int dof = std::holds_alternative<PoseIndex>(asked) ? kPoseDof<Dim> : Dim;
     for (int i = 0; v != kConstant && i < dof; ++i) entries.emplace_back(equations_.offset(v) + i, size + i, 1.0);
     size += dof;
   }
@@ -119,18 +120,18 @@ Expected<Eigen::MatrixXd> MapCovariances<Dim>::joint(std::span<const PoseOrFeatu
 }
 
 template <int Dim>
-Expected<PoseMatrix<Dim>> MapCovariances<Dim>::relative_pose(Index base, Index target) const {
-  const auto covariance = joint(std::array{PoseOrFeature::pose(base), PoseOrFeature::pose(target)});
+Expected<PoseMatrix<Dim>> MapCovariances<Dim>::relative_pose(PoseIndex base, PoseIndex target) const {
+  const auto covariance = joint(std::array<PoseOrFeature, 2>{base, target});
   if (!covariance) return tl::unexpected(covariance.error());
   const auto J = J_relation(state_.pose(base), state_.pose(target));
   return PoseMatrix<Dim>(J * *covariance * J.transpose());
 }
 
 template <int Dim>
-Expected<PointMatrix<Dim>> MapCovariances<Dim>::relative_feature(Index base, Index feature) const {
-  const auto covariance = joint(std::array{PoseOrFeature::pose(base), PoseOrFeature::feature(feature)});
+Expected<PointMatrix<Dim>> MapCovariances<Dim>::relative_feature(PoseIndex base, FeatureIndex feature) const {
+  const auto covariance = joint(std::array<PoseOrFeature, 2>{base, feature});
   if (!covariance) return tl::unexpected(covariance.error());
-  const auto J = J_relation<Dim>(state_.pose(base), state_.feature(feature));
+  const auto J = J_relation<Dim>(state_.pose(base), state_.features[feature]);
   return PointMatrix<Dim>(J * *covariance * J.transpose());
 }
 

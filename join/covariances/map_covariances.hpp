@@ -30,20 +30,11 @@ constexpr auto enum_names(Estimate) {
   return std::to_array<EnumName<Estimate>>({{Estimate::kJoined, "joined"}, {Estimate::kPolished, "polished"}});
 }
 
-/// A pose or a feature of a map, by its index.
-struct PoseOrFeature {
-  bool is_pose = true;
-  Index index = 0;
-
-  static PoseOrFeature pose(Index index) { return {true, index}; }
-  static PoseOrFeature feature(Index index) { return {false, index}; }
-};
-
 template <int Dim>
 struct MarginalCovariances {
-  std::vector<PoseMatrix<Dim>> poses;      ///< Zero where the pose is constant.
-  std::vector<PointMatrix<Dim>> features;  ///< (m²)
-  Relations<Dim> relations;                ///< The same map in relative form.
+  Table<PoseIndex, PoseMatrix<Dim>> poses;         ///< Zero where the pose is constant.
+  Table<FeatureIndex, PointMatrix<Dim>> features;  ///< (m²)
+  Relations<Dim> relations;                        ///< The same map in relative form.
 };
 
 /// The inverse of the information of a whole map, by its factor; owns all that it needs. Errors of all functions: kTooLarge
@@ -60,11 +51,10 @@ class MapCovariances {
   /// Over all poses and features of the map.
   const Values<Dim>& state() const { return state_; }
   /// The gauge: constant poses, ascending; empty where priors hold the map.
-  const std::vector<Index>& anchored() const { return anchored_; }
+  const std::vector<PoseIndex>& anchored() const { return anchored_; }
   /// The variable of a pose or feature, kConstant where it is constant or nothing observes it.
-  Variable variable(const PoseOrFeature& of) const {
-    return (of.is_pose ? pose_variables_ : feature_variables_)[static_cast<std::size_t>(of.index)];
-  }
+  Variable variable(PoseIndex pose) const { return pose_variables_[pose]; }
+  Variable variable(FeatureIndex feature) const { return feature_variables_[feature]; }
 
   /// Of every pose and feature in the map, and relative to their parents. At about twice the cost of the factorisation.
   /// `progress` is given what is done and what there is to do; kInterrupted on `stop`.
@@ -73,24 +63,24 @@ class MapCovariances {
   /// Of all of `variables` together, in their order (kPoseDof<Dim> rows a pose, Dim rows a feature).
   Expected<Eigen::MatrixXd> joint(std::span<const PoseOrFeature> variables) const;
   /// Of a pose in the frame of another: a step of between(base, target).
-  Expected<PoseMatrix<Dim>> relative_pose(Index base, Index target) const;
+  Expected<PoseMatrix<Dim>> relative_pose(PoseIndex base, PoseIndex target) const;
   /// Of a feature in the frame of a pose (m²).
-  Expected<PointMatrix<Dim>> relative_feature(Index base, Index feature) const;
+  Expected<PointMatrix<Dim>> relative_feature(PoseIndex base, FeatureIndex feature) const;
 
  private:
   MapCovariances(Restored<Dim> restored, Estimate estimate, std::int64_t most_memory);
   /// The joint covariance of a parent, a pose or the World, and its child, which one observation ties together; zero where one
   /// is constant.
-  template <int ChildDof>
-  Matrix<kPoseDof<Dim> + ChildDof> with_parent(Index parent, const PoseOrFeature& child, const Marginals& marginals) const;
+  template <int ChildDof, typename Child>
+  Matrix<kPoseDof<Dim> + ChildDof> with_parent(PoseIndex parent, Child child, const Marginals& marginals) const;
 
   NormalEquations equations_;
   Estimate estimate_;
   std::int64_t most_memory_;
   Values<Dim> state_;
-  std::vector<Index> anchored_;
-  std::vector<Variable> pose_variables_;
-  std::vector<Variable> feature_variables_;
+  std::vector<PoseIndex> anchored_;
+  Table<PoseIndex, Variable> pose_variables_;
+  Table<FeatureIndex, Variable> feature_variables_;
   Relations<Dim> relations_;  // without covariances
 };
 

@@ -15,7 +15,7 @@ namespace mapjoin {
 /// A pose in the frame of its parent, with the covariance of its step there: translation (m), then rotation on the right (rad).
 template <int Dim>
 struct PoseRelation {
-  Index parent = kWorld;  ///< A pose, or the World.
+  PoseIndex parent = kWorld;  ///< A pose, or the World.
   Pose<Dim> value;
   PoseMatrix<Dim> covariance = PoseMatrix<Dim>::Zero();  ///< Zero where the pose is anchored.
 };
@@ -23,7 +23,7 @@ struct PoseRelation {
 /// A feature in the frame of its parent (m).
 template <int Dim>
 struct FeatureRelation {
-  Index parent = kWorld;
+  PoseIndex parent = kWorld;
   Point<Dim> value = Point<Dim>::Zero();
   PointMatrix<Dim> covariance = PointMatrix<Dim>::Zero();
 };
@@ -31,9 +31,9 @@ struct FeatureRelation {
 /// By the indices of poses and features.
 template <int Dim>
 struct Relations {
-  std::vector<PoseRelation<Dim>> poses;
-  std::vector<FeatureRelation<Dim>> features;
-  std::vector<Index> order;  ///< All poses, each after its parent.
+  Table<PoseIndex, PoseRelation<Dim>> poses;
+  Table<FeatureIndex, FeatureRelation<Dim>> features;
+  std::vector<PoseIndex> order;  ///< All poses, each after its parent.
 };
 
 /// The estimate of a whole map in relative form, without covariances.

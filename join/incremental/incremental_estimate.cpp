@@ -15,12 +15,12 @@ constexpr double kMostTurn = 1.0;
 }  // namespace
 
 template <int Dim>
-Index IncrementalEstimate<Dim>::add_variable(bool is_pose, const Pose<Dim>& value, bool is_anchored) {
+JoinedIndex IncrementalEstimate<Dim>::add_variable(bool is_pose, const Pose<Dim>& value, bool is_anchored) {
   JoinedVariable<Dim>& added = variables_.emplace_back();
   added.is_pose = is_pose;
   added.reference = added.value = value;
   is_remembered_.push_back(false);
-  const auto v = static_cast<Index>(variables_.size()) - 1;
+  const JoinedIndex v(variables_.size() - 1);
   if (is_anchored) return v;
   added.column = tree_.add_variable(added.dof());
   variable_of_column_.resize(added.column.position() + 1);
@@ -30,15 +30,15 @@ Index IncrementalEstimate<Dim>::add_variable(bool is_pose, const Pose<Dim>& valu
 }
 
 template <int Dim>
-void IncrementalEstimate<Dim>::place(Index v, const Pose<Dim>& value) {
+void IncrementalEstimate<Dim>::place(JoinedIndex v, const Pose<Dim>& value) {
   variable(v).reference = variable(v).value = value;
 }
 
 template <int Dim>
 void IncrementalEstimate<Dim>::add_factor(MapFactor<Dim> map) {
-  const auto f = static_cast<Index>(factors_.size());
-  for (const Index v : map.variables()) {
-    if (v != kWorld) variable(v).factors.push_back(f);
+  const FactorIndex f(factors_.size());
+  for (const JoinedIndex v : map.variables()) {
+    if (v != kJoinedWorld) variable(v).factors.push_back(f);
   }
   rows_ += map.rows();
   Factor& added = factors_.emplace_back(Factor{std::move(map), {}, {}, 0});
@@ -48,9 +48,9 @@ void IncrementalEstimate<Dim>::add_factor(MapFactor<Dim> map) {
 }
 
 template <int Dim>
-Settling IncrementalEstimate<Dim>::settle(std::span<const Index> last) {
+Settling IncrementalEstimate<Dim>::settle(std::span<const JoinedIndex> last) {
   std::vector<Variable> last_columns;
-  for (const Index v : last) {
+  for (const JoinedIndex v : last) {
     if (variable(v).column != kConstant) last_columns.push_back(variable(v).column);
   }
   Settling settling;
@@ -70,7 +70,7 @@ Settling IncrementalEstimate<Dim>::settle(std::span<const Index> last) {
 }
 
 template <int Dim>
-std::optional<Eigen::MatrixXd> IncrementalEstimate<Dim>::covariance(Index v) const {
+std::optional<Eigen::MatrixXd> IncrementalEstimate<Dim>::covariance(JoinedIndex v) const {
   const JoinedVariable<Dim>& of = variable(v);
   if (of.column == kConstant) return Eigen::MatrixXd(Eigen::MatrixXd::Zero(of.dof(), of.dof()));
   const auto covariance = tree_.covariance(of.column);  // of δ
@@ -90,7 +90,7 @@ void IncrementalEstimate<Dim>::sum_chi2() {
 
 template <int Dim>
 void IncrementalEstimate<Dim>::linearise_stale() {
-  for (const Index f : stale_) {
+  for (const FactorIndex f : stale_) {
     Factor& stale = factor(f);
     Quadratic system = stale.map.linearise(variables_);
     if (stale.quadratic) {
@@ -112,9 +112,9 @@ bool IncrementalEstimate<Dim>::take_step() {
   ++steps_;
   const double before = chi2_;
   std::vector<PoseVector<Dim>> from;
-  std::vector<Index> concerned;
+  std::vector<FactorIndex> concerned;
   for (const Variable column : tree_.moved()) {
-    const Index v = variable_of_column_[column];
+    const JoinedIndex v = variable_of_column_[column];
     remember(v);
     from.push_back(variable(v).step);
     PoseVector<Dim> to = PoseVector<Dim>::Zero();
@@ -123,7 +123,7 @@ bool IncrementalEstimate<Dim>::take_step() {
   }
   look_at(concerned);
   if (chi2_ <= before + rounding()) {
-    for (const Index f : concerned) {
+    for (const FactorIndex f : concerned) {
       if (factor(f).fit.error > kLinearisationError * static_cast<double>(factor(f).map.rows())) stale_.push_back(f);
     }
     return true;
@@ -138,16 +138,16 @@ bool IncrementalEstimate<Dim>::take_step() {
 }
 
 template <int Dim>
-void IncrementalEstimate<Dim>::move_to(Index v, const PoseVector<Dim>& step, std::vector<Index>& concerned) {
+void IncrementalEstimate<Dim>::move_to(JoinedIndex v, const PoseVector<Dim>& step, std::vector<FactorIndex>& concerned) {
   variable(v).move_to(step);
-  for (const Index f : variable(v).factors) {
+  for (const FactorIndex f : variable(v).factors) {
     if (std::exchange(factor(f).met_in, steps_) != steps_) concerned.push_back(f);
   }
 }
 
 template <int Dim>
-void IncrementalEstimate<Dim>::look_at(const std::vector<Index>& factors) {
-  for (const Index f : factors) {
+void IncrementalEstimate<Dim>::look_at(const std::vector<FactorIndex>& factors) {
+  for (const FactorIndex f : factors) {
     const auto fit = factor(f).map.fit(variables_);
     chi2_ += fit.chi2 - factor(f).fit.chi2;
     factor(f).fit = fit;
@@ -171,11 +171,10 @@ void IncrementalEstimate<Dim>::refer_turned() {
 }
 
 template <int Dim>
-void IncrementalEstimate<Dim>::remember(Index v) {
-  const auto k = static_cast<std::size_t>(v);
-  if (k >= known_ || is_remembered_[k]) return;
-  is_remembered_[k] = true;
-  before_.emplace_back(v, variables_[k].value);
+void IncrementalEstimate<Dim>::remember(JoinedIndex v) {
+  if (v.position() >= known_ || is_remembered_[v]) return;
+  is_remembered_[v] = true;
+  before_.emplace_back(v, variables_[v].value);
 }
 
 /// How far those have gone that are remembered, which are then forgotten.
@@ -187,7 +186,7 @@ StepSize IncrementalEstimate<Dim>::take_moved() {
     const PoseVector<Dim> step = local(was, is.value);
     size.metres = std::max(size.metres, step.template head<Dim>().norm());
     if (is.is_pose) size.radians = std::max(size.radians, step.template tail<kRotationDof<Dim>>().norm());
-    is_remembered_[static_cast<std::size_t>(v)] = false;
+    is_remembered_[v] = false;
   }
   before_.clear();
   return size;

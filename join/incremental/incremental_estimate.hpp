@@ -26,19 +26,19 @@ template <int Dim>
 class IncrementalEstimate {
  public:
   /// Variables are numbered from 0. One that is anchored stays where it is.
-  Index add_variable(bool is_pose, const Pose<Dim>& value, bool is_anchored);
+  JoinedIndex add_variable(bool is_pose, const Pose<Dim>& value, bool is_anchored);
   /// Puts a variable of which no map is there yet elsewhere.
-  void place(Index variable, const Pose<Dim>& value);
+  void place(JoinedIndex variable, const Pose<Dim>& value);
   void add_factor(MapFactor<Dim> factor);
 
   /// To the optimum; `last` are the variables that the next maps will probably touch.
-  Settling settle(std::span<const Index> last);
+  Settling settle(std::span<const JoinedIndex> last);
 
   const JoinedVariables<Dim>& variables() const { return variables_; }
-  const JoinedVariable<Dim>& variable(Index v) const { return variables_[static_cast<std::size_t>(v)]; }
+  const JoinedVariable<Dim>& variable(JoinedIndex v) const { return variables_[v]; }
   /// Of the step of a variable at its value, as of the last settling; dof() rows, zero where it is anchored, nothing where it
   /// may not be determined (see FrontTree).
-  std::optional<Eigen::MatrixXd> covariance(Index variable) const;
+  std::optional<Eigen::MatrixXd> covariance(JoinedIndex variable) const;
   double chi2() const { return chi2_; }
   /// Measured rows less free entries.
   std::int64_t dof() const { return rows_ - free_; }
@@ -50,33 +50,33 @@ class IncrementalEstimate {
     typename MapFactor<Dim>::Fit fit;
     std::size_t met_in = 0;  // the step that looked at it last
   };
-  JoinedVariable<Dim>& variable(Index v) { return variables_[static_cast<std::size_t>(v)]; }
-  Factor& factor(Index f) { return factors_[static_cast<std::size_t>(f)]; }
+  JoinedVariable<Dim>& variable(JoinedIndex v) { return variables_[v]; }
+  Factor& factor(FactorIndex f) { return factors_[f]; }
   void sum_chi2();
   void linearise_stale();
   /// Moves the variables to where the tree has them; false where chi2 would rise, all then staying where they are.
   bool take_step();
   /// What chi2 may be off by where every linearisation errs by as much as it may.
   double rounding() const;
-  void move_to(Index v, const PoseVector<Dim>& step, std::vector<Index>& concerned);
+  void move_to(JoinedIndex v, const PoseVector<Dim>& step, std::vector<FactorIndex>& concerned);
   /// Brings chi2 up to date with what these factors say now.
-  void look_at(const std::vector<Index>& factors);
-  void remember(Index v);
+  void look_at(const std::vector<FactorIndex>& factors);
+  void remember(JoinedIndex v);
   StepSize take_moved();
   void refer_turned();
 
   JoinedVariables<Dim> variables_;
-  Table<Variable, Index> variable_of_column_;
-  std::vector<Factor> factors_;
-  std::vector<Index> stale_;  // factors to be linearised
+  Table<Variable, JoinedIndex> variable_of_column_;
+  Table<FactorIndex, Factor> factors_;
+  std::vector<FactorIndex> stale_;  // factors to be linearised
   FrontTree tree_;
   double chi2_ = 0.0;
   std::int64_t rows_ = 0;
   std::int64_t free_ = 0;
   std::size_t steps_ = 0;
-  std::size_t known_ = 0;                            // variables that were there before this settling
-  std::vector<std::pair<Index, Pose<Dim>>> before_;  // where those were that have moved
-  std::vector<bool> is_remembered_;
+  std::size_t known_ = 0;                                  // variables that were there before this settling
+  std::vector<std::pair<JoinedIndex, Pose<Dim>>> before_;  // where those were that have moved
+  Table<JoinedIndex, bool> is_remembered_;
 };
 
 }  // namespace mapjoin

@@ -12,59 +12,50 @@ namespace mapjoin {
 
 namespace {
 
-/// The variable of a pose or feature, -1 where it has none.
+/// The variable of a pose or feature, null where it has none.
 template <typename Id>
-Index find_variable(const std::map<Id, Index>& directory, const Id& id) {
+const JoinedIndex* find_variable(const std::map<Id, JoinedIndex>& directory, const Id& id) {
   const auto found = directory.find(id);
-  return found == directory.end() ? -1 : found->second;
-}
-
-template <int Dim>
-const PoseId& pose_id(const SubmapUpdate<Dim>& update, Index pose) {
-  return update.poses[static_cast<std::size_t>(pose)];
-}
-template <int Dim>
-const FeatureId& feature_id(const SubmapUpdate<Dim>& update, Index feature) {
-  return update.features[static_cast<std::size_t>(feature)];
+  return found == directory.end() ? nullptr : &found->second;
 }
 
 }  // namespace
 
 template <int Dim>
 const Pose<Dim>* IncrementalJoin<Dim>::pose(const PoseId& id) const {
-  const Index v = find_variable(poses_, id);
-  return v < 0 ? nullptr : &estimate_.variable(v).value;
+  const JoinedIndex* v = find_variable(poses_, id);
+  return v ? &estimate_.variable(*v).value : nullptr;
 }
 
 template <int Dim>
 const Point<Dim>* IncrementalJoin<Dim>::feature(const FeatureId& id) const {
-  const Index v = find_variable(features_, id);
-  return v < 0 ? nullptr : &estimate_.variable(v).value.translation;
+  const JoinedIndex* v = find_variable(features_, id);
+  return v ? &estimate_.variable(*v).value.translation : nullptr;
 }
 
 template <int Dim>
 std::optional<PoseMatrix<Dim>> IncrementalJoin<Dim>::covariance(const PoseId& id) const {
-  const Index v = find_variable(poses_, id);
-  const auto covariance = v < 0 ? std::nullopt : estimate_.covariance(v);
+  const JoinedIndex* v = find_variable(poses_, id);
+  const auto covariance = v ? estimate_.covariance(*v) : std::nullopt;
   return covariance ? std::optional<PoseMatrix<Dim>>(*covariance) : std::nullopt;
 }
 
 template <int Dim>
 std::optional<PointMatrix<Dim>> IncrementalJoin<Dim>::covariance(const FeatureId& id) const {
-  const Index v = find_variable(features_, id);
-  const auto covariance = v < 0 ? std::nullopt : estimate_.covariance(v);
+  const JoinedIndex* v = find_variable(features_, id);
+  const auto covariance = v ? estimate_.covariance(*v) : std::nullopt;
   return covariance ? std::optional<PointMatrix<Dim>>(*covariance) : std::nullopt;
 }
 
 /// Null also for the World, which is no pose.
 template <int Dim>
-const Pose<Dim>* IncrementalJoin<Dim>::pose(const SubmapUpdate<Dim>& update, Index pose) const {
-  return pose == kWorld ? nullptr : this->pose(pose_id(update, pose));
+const Pose<Dim>* IncrementalJoin<Dim>::pose(const SubmapUpdate<Dim>& update, PoseIndex pose) const {
+  return pose == kWorld ? nullptr : this->pose(update.poses[pose]);
 }
 
 template <int Dim>
-const Point<Dim>* IncrementalJoin<Dim>::feature(const SubmapUpdate<Dim>& update, Index feature) const {
-  return this->feature(feature_id(update, feature));
+const Point<Dim>* IncrementalJoin<Dim>::feature(const SubmapUpdate<Dim>& update, FeatureIndex feature) const {
+  return this->feature(update.features[feature]);
 }
 
 template <int Dim>
@@ -72,8 +63,8 @@ Expected<void> IncrementalJoin<Dim>::accept(SubmapUpdate<Dim> update) {
   if (update.source.empty()) update.source = "update " + std::to_string(updates_.size() + 1);
   if (const auto checked = check_update(update); !checked) return checked;
   const Segment segment = update.segments.empty() ? Segment{0, -1} : update.segments.front();
-  for (Index p = 0; p < static_cast<Index>(update.poses.size()); ++p) {
-    const PoseId& id = pose_id(update, p);
+  for (const PoseIndex p : indices(update.poses)) {
+    const PoseId& id = update.poses[p];
     const auto known = driven_.find(id);
     const bool is_known = known != driven_.end();
     const auto wrong = [&](const char* what) { return bad_input(update.source + ": " + to_string(id) + what); };
@@ -85,7 +76,7 @@ Expected<void> IncrementalJoin<Dim>::accept(SubmapUpdate<Dim> update) {
       return wrong(" is in a segment already, which does not end there or goes on in another one");
     }
   }
-  for (Index p = segment.begin; p <= segment.end; ++p) driven_[pose_id(update, p)] = p == segment.end;
+  for (PoseIndex p = segment.begin; p <= segment.end; ++p) driven_[update.poses[p]] = p == segment.end;
   updates_.push_back(std::move(update));
   return {};
 }
@@ -139,7 +130,7 @@ Expected<AddedUpdate> IncrementalJoin<Dim>::add_all(std::vector<SubmapUpdate<Dim
 }
 
 template <int Dim>
-void IncrementalJoin<Dim>::settle(std::span<const Index> last, AddedUpdate& added) {
+void IncrementalJoin<Dim>::settle(std::span<const JoinedIndex> last, AddedUpdate& added) {
   const Settling settling = estimate_.settle(last);
   added.metres = std::max(added.metres, settling.moved.metres);
   added.radians = std::max(added.radians, settling.moved.radians);
@@ -162,7 +153,7 @@ template <int Dim>
 std::vector<Pose<Dim>> IncrementalJoin<Dim>::alignments(const SubmapUpdate<Dim>& update, const PartialMap<Dim>& partial) const {
   if (partial.poses.empty()) return {Pose<Dim>{}};
   Correspondences<Dim> correspondences;
-  for (const Index p : partial.poses) {
+  for (const PoseIndex p : partial.poses) {
     if (const auto* known = pose(update, p)) correspondences.add_pose(*known, pose_in(partial, p));
   }
   for (const auto& o : update.graph.pose_factors) {
@@ -173,7 +164,7 @@ std::vector<Pose<Dim>> IncrementalJoin<Dim>::alignments(const SubmapUpdate<Dim>&
     if (base && own_target) correspondences.add_pose(compose(*base, o.measured), *own_target);
     if (target && own_base) correspondences.add_pose(*target, compose(*own_base, o.measured));
   }
-  for (const Index f : partial.features) {
+  for (const FeatureIndex f : partial.features) {
     if (const auto* known = feature(update, f)) correspondences.add_point(*known, feature_in(partial, f));
   }
   return correspondences.candidates();
@@ -182,8 +173,8 @@ std::vector<Pose<Dim>> IncrementalJoin<Dim>::alignments(const SubmapUpdate<Dim>&
 /// Whether what the update observes is in the estimate or in the update's own partial map.
 template <int Dim>
 bool IncrementalJoin<Dim>::knows_ends(const SubmapUpdate<Dim>& update, const PartialMap<Dim>& partial) const {
-  const auto knows_pose = [&](Index p) { return p == kWorld || pose(update, p) || holds(partial.poses, p); };
-  const auto knows_feature = [&](Index f) { return feature(update, f) || holds(partial.features, f); };
+  const auto knows_pose = [&](PoseIndex p) { return p == kWorld || pose(update, p) || holds(partial.poses, p); };
+  const auto knows_feature = [&](FeatureIndex f) { return feature(update, f) || holds(partial.features, f); };
   return std::ranges::all_of(update.graph.pose_factors,
                              [&](const auto& o) { return knows_pose(o.base) && knows_pose(o.target); }) &&
          std::ranges::all_of(update.graph.feature_factors,
@@ -191,12 +182,12 @@ bool IncrementalJoin<Dim>::knows_ends(const SubmapUpdate<Dim>& update, const Par
 }
 
 template <int Dim>
-Index IncrementalJoin<Dim>::enter_pose(const PoseId& id, const Pose<Dim>& value, bool is_anchored) {
+JoinedIndex IncrementalJoin<Dim>::enter_pose(const PoseId& id, const Pose<Dim>& value, bool is_anchored) {
   return poses_[id] = estimate_.add_variable(true, value, is_anchored);
 }
 
 template <int Dim>
-Index IncrementalJoin<Dim>::enter_feature(const FeatureId& id, const Point<Dim>& value) {
+JoinedIndex IncrementalJoin<Dim>::enter_feature(const FeatureId& id, const Point<Dim>& value) {
   return features_[id] = estimate_.add_variable(false, {value, {}}, false);
 }
 
@@ -204,9 +195,9 @@ template <int Dim>
 std::vector<MapFactor<Dim>> IncrementalJoin<Dim>::factors_of(const SubmapUpdate<Dim>& update) {
   std::vector<MapFactor<Dim>> factors;
   const auto add = [&](const LocalMap<Dim>& map) {
-    std::vector<Index> variables{map.base == kWorld ? kWorld : poses_.at(pose_id(update, map.base))};
-    for (const Index p : map.poses) variables.push_back(poses_.at(pose_id(update, p)));
-    for (const Index f : map.features) variables.push_back(features_.at(feature_id(update, f)));
+    std::vector<JoinedIndex> variables{map.base == kWorld ? kJoinedWorld : poses_.at(update.poses[map.base])};
+    for (const PoseIndex p : map.poses) variables.push_back(poses_.at(update.poses[p]));
+    for (const FeatureIndex f : map.features) variables.push_back(features_.at(update.features[f]));
     factors.emplace_back(map, std::move(variables));
   };
   std::ranges::for_each(update.graph.submaps, add);
@@ -215,22 +206,22 @@ std::vector<MapFactor<Dim>> IncrementalJoin<Dim>::factors_of(const SubmapUpdate<
 }
 
 template <int Dim>
-std::optional<std::vector<Index>> IncrementalJoin<Dim>::enter(const SubmapUpdate<Dim>& update) {
+std::optional<std::vector<JoinedIndex>> IncrementalJoin<Dim>::enter(const SubmapUpdate<Dim>& update) {
   const PartialMap<Dim> partial = composed(update);
   const auto candidates = alignments(update, partial);
   if (candidates.empty() || !knows_ends(update, partial)) return std::nullopt;
 
-  std::vector<Index> variables;
-  std::vector<std::pair<Index, Pose<Dim>>> entered;  // with their place in the partial map
-  for (const Index p : partial.poses) {
-    const PoseId& id = pose_id(update, p);
+  std::vector<JoinedIndex> variables;
+  std::vector<std::pair<JoinedIndex, Pose<Dim>>> entered;  // with their place in the partial map
+  for (const PoseIndex p : partial.poses) {
+    const PoseId& id = update.poses[p];
     const auto fixed = std::ranges::find(update.graph.fixed, p, &FixedPose<Dim>::pose);
     if (!poses_.contains(id) && fixed != update.graph.fixed.end()) enter_pose(id, fixed->value, true);
     if (!poses_.contains(id)) entered.emplace_back(enter_pose(id, {}, false), pose_in(partial, p));
     variables.push_back(poses_.at(id));
   }
-  for (const Index f : partial.features) {
-    const FeatureId& id = feature_id(update, f);
+  for (const FeatureIndex f : partial.features) {
+    const FeatureId& id = update.features[f];
     if (!features_.contains(id)) {
       entered.emplace_back(enter_feature(id, Point<Dim>::Zero()), Pose<Dim>{feature_in(partial, f), {}});
     }
@@ -312,17 +303,17 @@ void IncrementalJoin<Dim>::take(const std::vector<const SubmapUpdate<Dim>*>& upd
   const auto poses_before = std::exchange(poses_, {});
   const auto features_before = std::exchange(features_, {});
   singles_.clear();
-  std::vector<bool> is_anchored(set.poses.size(), false);
-  for (const Index p : joined.anchored) is_anchored[static_cast<std::size_t>(p)] = true;
+  Table<PoseIndex, bool> is_anchored(set.poses.size(), false);
+  for (const PoseIndex p : joined.anchored) is_anchored[p] = true;
   const IndexOf pose_index(set.poses);
   const IndexOf feature_index(set.features);
   for (const SubmapUpdate<Dim>* update : updates) {
     for (const PoseId& id : update->poses) {
-      const auto p = static_cast<std::size_t>(*pose_index(id));
+      const PoseIndex p = *pose_index(id);
       if (!poses_.contains(id)) enter_pose(id, joined.state.poses[p], is_anchored[p]);
     }
     for (const FeatureId& id : update->features) {
-      if (!features_.contains(id)) enter_feature(id, joined.state.feature(*feature_index(id)));
+      if (!features_.contains(id)) enter_feature(id, joined.state.features[*feature_index(id)]);
     }
     for (auto& factor : factors_of(*update)) estimate_.add_factor(std::move(factor));
   }

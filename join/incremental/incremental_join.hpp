@@ -66,10 +66,10 @@ class IncrementalJoin {
  private:
   /// The variables of poses, or of features, in the estimate.
   template <typename Id>
-  using Directory = std::map<Id, Index>;
+  using Directory = std::map<Id, JoinedIndex>;
 
-  const Pose<Dim>* pose(const SubmapUpdate<Dim>& update, Index pose) const;
-  const Point<Dim>* feature(const SubmapUpdate<Dim>& update, Index feature) const;
+  const Pose<Dim>* pose(const SubmapUpdate<Dim>& update, PoseIndex pose) const;
+  const Point<Dim>* feature(const SubmapUpdate<Dim>& update, FeatureIndex feature) const;
   /// Puts a sound update behind the others.
   Expected<void> accept(SubmapUpdate<Dim> update);
   void join_last(const std::stop_token& stop, AddedUpdate& added);
@@ -78,11 +78,11 @@ class IncrementalJoin {
   bool knows_ends(const SubmapUpdate<Dim>& update, const PartialMap<Dim>& partial) const;
   /// The variables of the update's partial map, entered where they are new, and the update's factors; nothing where the update
   /// shares too little with the estimate, which then stays as it is.
-  std::optional<std::vector<Index>> enter(const SubmapUpdate<Dim>& update);
-  Index enter_pose(const PoseId& id, const Pose<Dim>& value, bool is_anchored);
-  Index enter_feature(const FeatureId& id, const Point<Dim>& value);
+  std::optional<std::vector<JoinedIndex>> enter(const SubmapUpdate<Dim>& update);
+  JoinedIndex enter_pose(const PoseId& id, const Pose<Dim>& value, bool is_anchored);
+  JoinedIndex enter_feature(const FeatureId& id, const Point<Dim>& value);
   std::vector<MapFactor<Dim>> factors_of(const SubmapUpdate<Dim>& update);
-  void settle(std::span<const Index> last, AddedUpdate& added);
+  void settle(std::span<const JoinedIndex> last, AddedUpdate& added);
   bool has_outgrown(double chi2_before, std::int64_t dof_before) const;
   /// How many of their poses and features the waiting updates share with the estimate.
   std::size_t shared_by_waiting() const;

@@ -52,18 +52,18 @@ void JoinedVariable<Dim>::refer_to_value() {
 }
 
 template <int Dim>
-MapFactor<Dim>::MapFactor(const LocalMap<Dim>& map, std::vector<Index> variables)
+MapFactor<Dim>::MapFactor(const LocalMap<Dim>& map, std::vector<JoinedIndex> variables)
     : map_(&map), variables_(std::move(variables)), rows_(information_rank(map.information)) {}
 
 template <int Dim>
 const JoinedVariable<Dim>& MapFactor<Dim>::base_of(const JoinedVariables<Dim>& variables) const {
   static const JoinedVariable<Dim> world;
-  return variables_[0] == kWorld ? world : variables[static_cast<std::size_t>(variables_[0])];
+  return variables_[0] == kJoinedWorld ? world : variables[variables_[0]];
 }
 
 template <int Dim>
 const JoinedVariable<Dim>& MapFactor<Dim>::target(const JoinedVariables<Dim>& variables, std::size_t t) const {
-  return variables[static_cast<std::size_t>(variables_[1 + t])];
+  return variables[variables_[1 + t]];
 }
 
 template <int Dim>

@@ -14,6 +14,12 @@
 
 namespace mapjoin {
 
+/// Dense indices of the variables and of the factors of the joined state.
+using JoinedIndex = StrongIndex<struct JoinedTag>;
+using FactorIndex = StrongIndex<struct FactorTag>;
+/// As the base of a factor: the World.
+inline constexpr JoinedIndex kJoinedWorld = -1;
+
 /// A pose or feature of the joined state.
 template <int Dim>
 struct JoinedVariable {
@@ -22,7 +28,7 @@ struct JoinedVariable {
   PoseVector<Dim> step = PoseVector<Dim>::Zero();  ///< δ; of a feature its first entries.
   Pose<Dim> value;                                 ///< The estimate.
   Variable column = kConstant;                     ///< The variable of the linear system; kConstant where it is anchored.
-  std::vector<Index> factors;
+  std::vector<FactorIndex> factors;
 
   int dof() const { return is_pose ? kPoseDof<Dim> : Dim; }
   void move_to(const PoseVector<Dim>& new_step);
@@ -37,15 +43,15 @@ RotationJacobian<Dim> right_jacobian(const RotationVector<Dim>& delta) {
 }
 
 template <int Dim>
-using JoinedVariables = std::vector<JoinedVariable<Dim>>;
+using JoinedVariables = Table<JoinedIndex, JoinedVariable<Dim>>;
 
 template <int Dim>
 class MapFactor {
  public:
-  /// `variables`: those of the map's base, poses and features; kWorld where the base is the World. `map` must stay.
-  MapFactor(const LocalMap<Dim>& map, std::vector<Index> variables);
+  /// `variables`: those of the map's base, poses and features; kJoinedWorld where the base is the World. `map` must stay.
+  MapFactor(const LocalMap<Dim>& map, std::vector<JoinedIndex> variables);
 
-  const std::vector<Index>& variables() const { return variables_; }
+  const std::vector<JoinedIndex>& variables() const { return variables_; }
   /// Measured rows.
   std::int64_t rows() const { return rows_; }
   /// |r₀ - J δ|² in the map's information, over the columns of the variables that are not held.
@@ -67,7 +73,7 @@ class MapFactor {
   Eigen::VectorXd residual_at(const JoinedVariables<Dim>& variables) const;
 
   const LocalMap<Dim>* map_;
-  std::vector<Index> variables_;
+  std::vector<JoinedIndex> variables_;
   std::int64_t rows_;
   LinearMap<Dim> linear_;                                        // with r₀ and J
   RotationVector<Dim> base_turn_ = RotationVector<Dim>::Zero();  // of δ̂

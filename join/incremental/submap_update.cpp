@@ -11,53 +11,53 @@ namespace mapjoin {
 namespace {
 
 /// The segment at which a pose is known.
-std::size_t segment_of(const std::vector<Segment>& segments, Index pose) {
-  const auto ends_at_or_after = [](const Segment& segment, Index p) { return segment.end < p; };
+std::size_t segment_of(const std::vector<Segment>& segments, PoseIndex pose) {
+  const auto ends_at_or_after = [](const Segment& segment, PoseIndex p) { return segment.end < p; };
   return static_cast<std::size_t>(std::lower_bound(segments.begin(), segments.end(), pose, ends_at_or_after) -
                                   segments.begin());
 }
 
 /// The number of the update that sees each feature first; of one that none sees, the last.
 template <int Dim>
-std::vector<std::size_t> first_seen(const std::vector<SubmapUpdate<Dim>>& updates, std::size_t features) {
-  std::vector<std::size_t> first(features, updates.size() - 1);
+Table<FeatureIndex, std::size_t> first_seen(const std::vector<SubmapUpdate<Dim>>& updates, std::size_t features) {
+  Table<FeatureIndex, std::size_t> first(features, updates.size() - 1);
   for (std::size_t k = updates.size(); k-- > 0;) {
     for (const auto& map : updates[k].graph.submaps) {
-      for (const Index f : map.features) first[static_cast<std::size_t>(f)] = k;
+      for (const FeatureIndex f : map.features) first[f] = k;
     }
-    for (const auto& o : updates[k].graph.feature_factors) first[static_cast<std::size_t>(o.target)] = k;
+    for (const auto& o : updates[k].graph.feature_factors) first[o.target] = k;
   }
   return first;
 }
 
 /// Numbers names in the order in which they come.
-template <typename Id>
+template <typename Index, typename Id>
 class Numbering {
  public:
   Index operator()(const Id& id) {
-    const auto [place, is_new] = numbers_.emplace(id, static_cast<Index>(names_.size()));
+    const auto [place, is_new] = numbers_.emplace(id, names_.size());
     if (is_new) names_.push_back(id);
     return place->second;
   }
-  std::vector<Id> take_names() { return std::move(names_); }
+  Table<Index, Id> take_names() { return std::move(names_); }
 
  private:
   std::map<Id, Index> numbers_;
-  std::vector<Id> names_;
+  Table<Index, Id> names_;
 };
 
 /// The numbering of the poses and features of one set.
 template <int Dim>
 struct NewNames {
-  Numbering<PoseId> poses;
-  Numbering<FeatureId> features;
+  Numbering<PoseIndex, PoseId> poses;
+  Numbering<FeatureIndex, FeatureId> features;
 
   /// From indices among `old_poses` and `old_features`.
-  void renumber(FactorGraph<Dim>& graph, const std::vector<PoseId>& old_poses, const std::vector<FeatureId>& old_features) {
-    const auto pose = [&](Index& p) {
-      if (p != kWorld) p = poses(old_poses[static_cast<std::size_t>(p)]);
+  void renumber(FactorGraph<Dim>& graph, const PoseIds& old_poses, const FeatureIds& old_features) {
+    const auto pose = [&](PoseIndex& p) {
+      if (p != kWorld) p = poses(old_poses[p]);
     };
-    const auto feature = [&](Index& f) { f = features(old_features[static_cast<std::size_t>(f)]); };
+    const auto feature = [&](FeatureIndex& f) { f = features(old_features[f]); };
     for (auto& map : graph.submaps) {
       pose(map.base);
       std::for_each(map.poses.begin(), map.poses.end(), pose);
@@ -80,11 +80,10 @@ template <int Dim>
 void name(const Log<Dim>& log, SubmapUpdate<Dim>& update) {
   NewNames<Dim> names;
   Segment& segment = update.segments.front();  // a map's poses are the first that its graph concerns
-  for (Index p = segment.begin; !segment.is_map && p <= segment.end; ++p) names.poses(log.poses[static_cast<std::size_t>(p)]);
+  for (PoseIndex p = segment.begin; !segment.is_map && p <= segment.end; ++p) names.poses(log.poses[p]);
   names.renumber(update.graph, log.poses, log.features);
-  const auto length =
-      segment.is_map ? static_cast<Index>(update.graph.submaps.front().poses.size()) : segment.end - segment.begin;
-  segment = {0, length, segment.is_map};
+  const PoseIndex end(segment.is_map ? std::ssize(update.graph.submaps.front().poses) : segment.end - segment.begin);
+  segment = {0, end, segment.is_map};
   update.poses = names.poses.take_names();
   update.features = names.features.take_names();
 }
@@ -102,11 +101,9 @@ bool is_of_its_segment(const SubmapUpdate<Dim>& update) {
   if (update.segments.empty()) return update.graph.submaps.empty();
   if (update.segments.size() > 1) return false;
   const Segment& segment = update.segments.front();
-  if (segment.begin < 0 || segment.end < segment.begin || static_cast<std::size_t>(segment.end) >= update.poses.size()) {
-    return false;
-  }
+  if (segment.begin < 0 || segment.end < segment.begin || !indices(update.poses).contains(segment.end)) return false;
   if (!segment.is_map) return update.graph.submaps.empty();
-  std::vector<Index> kept(static_cast<std::size_t>(segment.end - segment.begin));
+  std::vector<PoseIndex> kept(static_cast<std::size_t>(segment.end - segment.begin));
   std::iota(kept.begin(), kept.end(), segment.begin + 1);
   const auto& maps = update.graph.submaps;
   return maps.size() == 1 && maps.front().base == segment.begin && maps.front().poses == kept;
@@ -160,16 +157,14 @@ std::vector<SubmapUpdate<Dim>> submap_updates_of(const Log<Dim>& log, const Spli
     update.graph.pose_factors.assign(odometry.begin(), odometry.end());
     update.graph.feature_factors.assign(observations.begin(), observations.end());
   }
-  const auto graph_at = [&](Index pose) -> auto& {
+  const auto graph_at = [&](PoseIndex pose) -> auto& {
     return updates[segment_of(split.segments, pose)].graph;
   };
   for (const auto& o : log.closures()) graph_at(std::max(o.base, o.target)).pose_factors.push_back(o);
   for (const auto& o : log.pose_priors()) graph_at(o.target).pose_factors.push_back(o);
   for (const auto& fixed : log.graph.fixed) graph_at(fixed.pose).fixed.push_back(fixed);
   const auto seen = first_seen(updates, log.features.size());
-  for (const auto& o : log.feature_priors()) {
-    updates[seen[static_cast<std::size_t>(o.target)]].graph.feature_factors.push_back(o);
-  }
+  for (const auto& o : log.feature_priors()) updates[seen[o.target]].graph.feature_factors.push_back(o);
   for (auto& update : updates) name(log, update);
   return updates;
 }
@@ -189,7 +184,7 @@ template <int Dim>
 PartialMap<Dim> composed(const SubmapUpdate<Dim>& update) {
   if (update.segments.empty()) return {};
   const Segment& segment = update.segments.front();
-  const auto is_inside = [&](Index pose) { return pose >= segment.begin && pose <= segment.end; };
+  const auto is_inside = [&](PoseIndex pose) { return pose >= segment.begin && pose <= segment.end; };
   SubmapGraph<Dim> alone;
   alone.segments = update.segments;
   for (const auto& map : update.graph.submaps) alone.maps.push_back({map, {}, {}, {}, {}});
@@ -226,9 +221,9 @@ SubmapSet<Dim> set_of(const std::vector<const SubmapUpdate<Dim>*>& updates) {
   const auto driven = as_driven(updates);
   for (const auto* update : driven) {
     for (Segment segment : update->segments) {
-      const auto number = [&](Index p) { return names.poses(update->poses[static_cast<std::size_t>(p)]); };
-      const Index begin = number(segment.begin);
-      for (Index p = segment.begin + 1; p <= segment.end; ++p) number(p);
+      const auto number = [&](PoseIndex p) { return names.poses(update->poses[p]); };
+      const PoseIndex begin = number(segment.begin);
+      for (PoseIndex p = segment.begin + 1; p <= segment.end; ++p) number(p);
       set.segments.push_back({begin, number(segment.end), segment.is_map});
     }
   }

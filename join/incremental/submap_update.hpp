@@ -23,10 +23,10 @@ template <int Dim>
 using SubmapUpdate = SubmapSet<Dim>;
 
 /// The index of a pose or feature among the names of an update, which it joins where it is new. O(n).
-template <typename Id>
-Index enter_name(std::vector<Id>& names, const Id& id) {
+template <typename Index, typename Id>
+Index enter_name(Table<Index, Id>& names, const Id& id) {
   const auto place = std::find(names.begin(), names.end(), id);
-  const auto index = static_cast<Index>(place - names.begin());
+  const Index index(place - names.begin());
   if (place == names.end()) names.push_back(id);
   return index;
 }
@@ -34,11 +34,11 @@ Index enter_name(std::vector<Id>& names, const Id& id) {
 /// The first and the last pose of an update's segment, which must be there.
 template <int Dim>
 const PoseId& first_pose(const SubmapUpdate<Dim>& update) {
-  return update.poses[static_cast<std::size_t>(update.segments.front().begin)];
+  return update.poses[update.segments.front().begin];
 }
 template <int Dim>
 const PoseId& last_pose(const SubmapUpdate<Dim>& update) {
-  return update.poses[static_cast<std::size_t>(update.segments.front().end)];
+  return update.poses[update.segments.front().end];
 }
 
 /// A whole log in updates, one per segment, as it would have become known: closures and what the World says with the segment of

@@ -12,11 +12,6 @@ namespace {
 /// Of a map, where nothing else is asked for.
 constexpr double kPosesPerMap = 10.0;
 
-void keep_as_span(Segment& segment, std::vector<bool>& kept) {
-  segment.is_map = false;
-  std::fill(kept.begin() + segment.begin, kept.begin() + segment.end + 1, true);
-}
-
 }  // namespace
 
 template <int Dim>
@@ -38,7 +33,7 @@ bool SubmapUpdateMaker<Dim>::is_kept(const PoseId& pose) const {
 
 template <int Dim>
 bool SubmapUpdateMaker<Dim>::add(const Log<Dim>& news) {
-  const auto name = [&](Index pose) { return news.poses[static_cast<std::size_t>(pose)]; };
+  const auto name = [&](PoseIndex pose) { return news.poses[pose]; };
   for (const auto& o : news.edges()) {
     const PoseId base = name(o.base);
     const PoseId target = name(o.target);
@@ -48,7 +43,7 @@ bool SubmapUpdateMaker<Dim>::add(const Log<Dim>& news) {
   for (const auto& o : news.observations()) {
     const PoseId pose = name(o.base);
     if (is_past(pose)) return false;
-    observations_.push_back({pose, news.features[static_cast<std::size_t>(o.target)], o});
+    observations_.push_back({pose, news.features[o.target], o});
   }
   return true;
 }
@@ -65,18 +60,16 @@ Expected<typename SubmapUpdateMaker<Dim>::Window> SubmapUpdateMaker<Dim>::window
   // What a closure from elsewhere mentions is kept, as what the World holds is.
   for (const Edge& closure : closures_) {
     for (const PoseId& end : {closure.base, closure.target}) {
-      const auto& poses = window.log.poses;
-      const auto pose = std::lower_bound(poses.begin(), poses.end(), end);
-      if (pose != poses.end() && *pose == end) window.log.graph.fixed.push_back({static_cast<Index>(pose - poses.begin()), {}});
+      if (const auto pose = find_ascending(window.log.poses, end)) window.log.graph.fixed.push_back({PoseIndex(*pose), {}});
     }
   }
   window.split = split(window.log, split_);
   window.log.graph.fixed.clear();
   auto& segments = window.split.segments;
-  window.open_begin = is_end ? static_cast<Index>(window.log.poses.size()) : segments.back().begin;
+  window.open_begin = is_end ? indices(window.log.poses).last : segments.back().begin;
   if (!is_end) segments.pop_back();
   for (Segment& segment : segments) {
-    if (observations_of(window.log, segment).empty()) keep_as_span(segment, window.split.kept);
+    if (observations_of(window.log, segment).empty()) make_raw(segment, window.split);
   }
   std::erase_if(window.log.graph.pose_factors,
                 [&](const auto& o) { return segments.empty() || std::max(o.base, o.target) > segments.back().end; });
@@ -104,8 +97,7 @@ Expected<std::vector<SubmapUpdate<Dim>>> SubmapUpdateMaker<Dim>::take(bool is_en
 
 template <int Dim>
 void SubmapUpdateMaker<Dim>::note_poses(const Window& window) {
-  for (Index pose = 0; pose <= window.split.segments.back().end; ++pose) {
-    const auto p = static_cast<std::size_t>(pose);
+  for (PoseIndex p = 0; p <= window.split.segments.back().end; ++p) {
     if (is_kept_.emplace(window.log.poses[p], window.split.kept[p]).second) last_ = window.log.poses[p];
   }
 }
@@ -129,12 +121,12 @@ template <int Dim>
 void SubmapUpdateMaker<Dim>::forget(const Window& window) {
   const auto& poses = window.log.poses;
   const auto is_open = [&](const PoseId& pose) {
-    return window.open_begin < static_cast<Index>(poses.size()) && pose >= poses[static_cast<std::size_t>(window.open_begin)];
+    return indices(poses).contains(window.open_begin) && pose >= poses[window.open_begin];
   };
   std::erase_if(observations_, [&](const Observation& seen) { return !is_open(seen.pose); });
   std::erase_if(edges_, [&](const Edge& edge) {
     if (is_open(edge.base) && is_open(edge.target)) return false;
-    const auto& last = poses[static_cast<std::size_t>(window.split.segments.back().end)];
+    const auto& last = poses[window.split.segments.back().end];
     if (edge.base > last || edge.target > last) closures_.push_back(edge);
     return true;
   });

@@ -40,7 +40,7 @@ class SubmapUpdateMaker {
   struct Window {
     Log<Dim> log;
     Split split;
-    Index open_begin = 0;  // its poses from here on are not complete
+    PoseIndex open_begin = 0;  // its poses from here on are not complete
   };
 
   /// Whether the pose is in an update, and no further one begins with it.

@@ -34,10 +34,10 @@ std::vector<PoseErrorSummary> span_errors(const std::vector<Pose<Dim>>& estimate
 
 /// The estimate and the truth at the poses that are known of it.
 template <int Dim>
-std::pair<std::vector<Pose<Dim>>, std::vector<Pose<Dim>>> known_poses(const std::vector<Pose<Dim>>& estimate,
+std::pair<std::vector<Pose<Dim>>, std::vector<Pose<Dim>>> known_poses(const Table<PoseIndex, Pose<Dim>>& estimate,
                                                                       const Truth<Dim>& truth) {
   std::pair<std::vector<Pose<Dim>>, std::vector<Pose<Dim>>> known;
-  for (std::size_t p = 0; p < truth.poses.size(); ++p) {
+  for (const PoseIndex p : indices(truth.poses)) {
     if (!truth.poses[p]) continue;
     known.first.push_back(estimate[p]);
     known.second.push_back(*truth.poses[p]);
@@ -129,16 +129,16 @@ std::string to_string(const ComparedCase& way) {
   return fmt::format("{}{}, {}", to_string(way.formulation()), maps, schedule_in_words(way));
 }
 
-std::vector<ComparedCase> compared_cases(const std::vector<Index>& poses_per_map) {
+std::vector<ComparedCase> compared_cases(const std::vector<int>& poses_per_map) {
   std::vector<ComparedCase> cases;
-  const auto add = [&](Index steps, std::initializer_list<Schedule> schedules) {
+  const auto add = [&](int steps, std::initializer_list<Schedule> schedules) {
     for (const JoinedState state : {JoinedState::kAbsolute, JoinedState::kRelative}) {
       for (const Schedule schedule : schedules) cases.push_back({steps, state, schedule, false});
     }
     cases.push_back({steps, JoinedState::kRelative, Schedule::kBatch, true});
   };
   add(1, {Schedule::kAligned, Schedule::kTree, Schedule::kBatch});
-  for (const Index steps : poses_per_map)
+  for (const int steps : poses_per_map)
     add(steps, {Schedule::kAligned, Schedule::kTree, Schedule::kSequential, Schedule::kBatch});
   return cases;
 }

@@ -21,7 +21,7 @@ namespace mapjoin {
 
 /// One way from a log to its map.
 struct ComparedCase {
-  Index poses_per_map = 1;  ///< Steps of a local map. 1 is full SLAM: the join of one-step maps, with nothing to polish.
+  int poses_per_map = 1;  ///< Steps of a local map. 1 is full SLAM: the join of one-step maps, with nothing to polish.
   JoinedState state = JoinedState::kAbsolute;
   Schedule schedule = Schedule::kTree;
   bool gradual = false;  ///< The batch schedule by continuation.
@@ -39,7 +39,7 @@ std::string to_string(const ComparedCase& way);
 /// Full SLAM, at once from the composed start and along the tree, only aligned or solved on the way, then joining with each
 /// number of steps per map, along the tree likewise, map by map and at once; each in the absolute and in the relative state, in
 /// the latter also gradually.
-std::vector<ComparedCase> compared_cases(const std::vector<Index>& poses_per_map);
+std::vector<ComparedCase> compared_cases(const std::vector<int>& poses_per_map);
 
 /// How far it is from the truth, over the poses that are known of it.
 struct TruthDistance {

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include <algorithm>
 #include <mapjoin/check/connectivity.hpp>
 #include <mapjoin/join/align/joined_map.hpp>
 #include <mapjoin/join/spanning_tree.hpp>
@@ -46,16 +47,16 @@ void Continuation<Dim>::take_tree() {
   using Source = typename JoiningSystem<Dim>::Source;
   std::vector<std::vector<bool>> is_in_tree;  // per map and target
   for (const WeightedMap& map : maps_) is_in_tree.emplace_back(map.joined_map->poses.size() + map.joined_map->features.size());
+  const auto take = [&](const auto& edge) {
+    if (!edge.observation) return;
+    const Source source = join_.system().source_of(edge.observation->factor);
+    if (source.kind == Source::kPoseFactor) poses_[source.place].is_quadratic = true;
+    if (source.kind == Source::kFeatureFactor) features_[source.place].is_quadratic = true;
+    if (source.kind == Source::kMap) is_in_tree[source.place][edge.observation->target] = true;
+  };
   const SpanningTree tree = spanning_tree(join_.system());
-  for (const auto* edges : {&tree.poses, &tree.features}) {
-    for (const TreeEdge& edge : *edges) {
-      if (!edge.observation) continue;
-      const Source source = join_.system().source_of(edge.observation->factor);
-      if (source.kind == Source::kPoseFactor) poses_[source.place].is_quadratic = true;
-      if (source.kind == Source::kFeatureFactor) features_[source.place].is_quadratic = true;
-      if (source.kind == Source::kMap) is_in_tree[source.place][edge.observation->target] = true;
-    }
-  }
+  std::ranges::for_each(tree.poses, take);
+  std::ranges::for_each(tree.features, take);
   for (std::size_t m = 0; m < maps_.size(); ++m) {
     const LocalMap<Dim>& joined_map = *maps_[m].joined_map;
     std::vector<Eigen::Index> rest;
@@ -106,8 +107,9 @@ struct PathEnd {
 template <int Dim>
 PathEnd<Dim> end_of_path(const SubmapGraph<Dim>& graph, const Pose<Dim>& origin, const Values<Dim>* values,
                          const RunOptions& options, const std::stop_token& stop) {
-  PathEnd<Dim> end{{std::vector<Pose<Dim>>(graph.pose_count), std::vector<Point<Dim>>(graph.feature_count, Point<Dim>::Zero())},
-                   {}};
+  PathEnd<Dim> end{
+      {Table<PoseIndex, Pose<Dim>>(graph.pose_count), Table<FeatureIndex, Point<Dim>>(graph.feature_count, Point<Dim>::Zero())},
+      {}};
   const Stopwatch watch(end.seconds);
   PartialMap<Dim> joined_map = composed_start(graph, origin);
   set_start(options.start, options.seed, values, joined_map);

@@ -36,8 +36,8 @@ tl::unexpected<Error> interrupted() {
 template <int Dim>
 Values<Dim> restricted(const Values<Dim>& joined_map, const PartialMap<Dim>& partial) {
   Values<Dim> part;
-  for (const Index pose : partial.poses) part.poses.push_back(joined_map.pose(pose));
-  for (const Index feature : partial.features) part.features.push_back(joined_map.feature(feature));
+  for (const PoseIndex pose : partial.poses) part.poses.push_back(joined_map.pose(pose));
+  for (const FeatureIndex feature : partial.features) part.features.push_back(joined_map.features[feature]);
   return part;
 }
 
@@ -59,8 +59,8 @@ class PosedProblem {
   std::vector<Pair<Dim>> drawn_pairs(const ConvexityOptions& options) {
     const StateSampler<Dim> sampler(options.source, options.spread, composed_, problem_.system(), best_part_);
     const auto state = [&](std::size_t number) {
-      Values<Dim> joined_map{std::vector<Pose<Dim>>(graph_.pose_count),
-                             std::vector<Point<Dim>>(graph_.feature_count, Point<Dim>::Zero())};
+      Values<Dim> joined_map{Table<PoseIndex, Pose<Dim>>(graph_.pose_count),
+                             Table<FeatureIndex, Point<Dim>>(graph_.feature_count, Point<Dim>::Zero())};
       const Values<Dim> drawn = sampler.draw(RandomStream(options.seed, number).next());
       write_values(drawn, composed_.poses, composed_.features, joined_map);
       return joined_map;

@@ -45,7 +45,7 @@ double UnwrappedObjective<Dim>::operator()(const Values<Dim>& state) const {
       if constexpr (Dim == 2) r[row + 2] = plain_residual(o.measured_poses[p], base, target) + *turned;
     }
     for (std::size_t f = 0; f < o.features.size(); ++f, row += Dim) {
-      r.segment<Dim>(row) = residual<Dim>(o.measured_features[f], base, state.feature(o.features[f]));
+      r.segment<Dim>(row) = residual<Dim>(o.measured_features[f], base, state.features[o.features[f]]);
     }
     chi2 += r.dot(o.W * r);
   });

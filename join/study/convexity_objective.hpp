@@ -18,11 +18,11 @@ namespace mapjoin {
 template <int Dim>
 struct IntegratedObservation {
   std::size_t factor;  ///< Its number in the system.
-  Index base;
+  PoseIndex base;
   std::span<const Pose<Dim>> measured_poses;
-  std::span<const Index> poses;
+  std::span<const PoseIndex> poses;
   std::span<const Point<Dim>> measured_features;
-  std::span<const Index> features;
+  std::span<const FeatureIndex> features;
   Eigen::Ref<const Eigen::MatrixXd> W;
 };
 

@@ -50,8 +50,8 @@ template <int Dim>
 Values<Dim> StateSampler<Dim>::draw_from_box(std::uint64_t seed) const {
   PartialMap<Dim> partial = composed_;
   set_to_random(seed, partial);
-  for (std::size_t p = 0; p < partial.state.poses.size(); ++p) {
-    if (system_.is_anchored(static_cast<Index>(p))) partial.state.poses[p] = reference_.poses[p];
+  for (const PoseIndex p : indices(partial.state.poses)) {
+    if (system_.is_anchored(p)) partial.state.poses[p] = reference_.poses[p];
   }
   return unwrapped_near(std::move(partial.state), reference_);
 }
@@ -80,10 +80,10 @@ Values<Dim> StateSampler<Dim>::draw_drifted(std::uint64_t seed) const {
     constexpr std::integral_constant<int, kPoseDof<Dim>> kPose;
     errors.segment<kPose>(coordinates_.pose_entry(e)) = error_of(*tree.poses[e].observation, kPose);
   }
-  for (std::size_t e = 0; e < tree.features.size(); ++e) {
-    if (!tree.features[e].observation) continue;
+  for (const FeatureIndex f : indices(tree.features)) {
+    if (!tree.features[f].observation) continue;
     constexpr std::integral_constant<int, Dim> kPoint;
-    errors.segment<kPoint>(coordinates_.feature_entry(e)) = error_of(*tree.features[e].observation, kPoint);
+    errors.segment<kPoint>(coordinates_.feature_entry(f)) = error_of(*tree.features[f].observation, kPoint);
   }
   return coordinates_.composed(spread_ * errors);
 }

@@ -21,37 +21,37 @@ class Linearity {
     if (state == JoinedState::kAbsolute) return;
     SpanningTree tree = spanning_tree(system);
     poses_.resize(system.estimate().poses.size());
-    for (TreeEdge& edge : tree.poses) poses_[static_cast<std::size_t>(edge.child)] = edge;
+    for (const auto& edge : tree.poses) poses_[edge.child] = edge;
     features_ = std::move(tree.features);
   }
 
   /// Whether all rows of a pose seen from `base` are linear.
-  bool of_pose(Index base, Index target) const {
+  bool of_pose(PoseIndex base, PoseIndex target) const {
     if (state_ == JoinedState::kAbsolute) return is_still(base);
     return hangs(target, base, false) || (base != kWorld && hangs(base, target, true));
   }
-  bool of_feature(Index base, Index feature) const {
+  bool of_feature(PoseIndex base, FeatureIndex feature) const {
     if (state_ == JoinedState::kAbsolute) return is_still(base);
-    const Index parent = features_[static_cast<std::size_t>(feature)].parent;
+    const PoseIndex parent = features_[feature].parent;
     return parent == base || (is_still(parent) && is_still(base));
   }
 
  private:
-  bool is_still(Index pose) const { return system_.pose_variable(pose) == kConstant; }
+  bool is_still(PoseIndex pose) const { return system_.variable(pose) == kConstant; }
 
   /// Whether the relation of `child` is with `parent`, measured from the child or from the parent. From one still pose it is as
   /// linear as from another.
-  bool hangs(Index child, Index parent, bool from_child) const {
+  bool hangs(PoseIndex child, PoseIndex parent, bool from_child) const {
     if (is_still(child)) return is_still(parent);
-    const auto& edge = poses_[static_cast<std::size_t>(child)];
+    const auto& edge = poses_[child];
     if ((edge->observation && edge->observation->child_is_base) != from_child) return false;
     return edge->parent == parent || (!from_child && is_still(edge->parent) && is_still(parent));
   }
 
   const JoiningSystem<Dim>& system_;
   JoinedState state_;
-  std::vector<std::optional<TreeEdge>> poses_;  // per place; none where held
-  std::vector<TreeEdge> features_;
+  Table<PoseIndex, std::optional<TreeEdge<PoseIndex>>> poses_;  // by place; none where held
+  Table<FeatureIndex, TreeEdge<FeatureIndex>> features_;
 };
 
 /// One observation or map: the Jacobian of its rows with respect to its slots that are free, and which rows are linear.
@@ -111,7 +111,7 @@ class Counter {
       for (int i = 0; i < kDof; ++i) (is_linear || (Dim == 2 && i == Dim) ? rows.linear : rows.other).push_back(row++);
     }
     for (std::size_t f = 0; f < o.features.size(); ++f, ++slot) {
-      set<Dim>(linearise<Dim>(o.measured_features[f], at.pose(o.base), at.feature(o.features[f])), row, slots, slot, rows);
+      set<Dim>(linearise<Dim>(o.measured_features[f], at.pose(o.base), at.features[o.features[f]]), row, slots, slot, rows);
       const bool is_linear = linearity_.of_feature(o.base, o.features[f]);
       for (int i = 0; i < Dim; ++i) (is_linear ? rows.linear : rows.other).push_back(row++);
     }

@@ -21,13 +21,13 @@ PoseVector<Dim> difference(const Pose<Dim>& from, const Pose<Dim>& to) {
 }
 
 /// A relation goes the way its observation does, for only so it is linear in it.
-bool is_from_child(const TreeEdge& edge) {
+bool is_from_child(const TreeEdge<PoseIndex>& edge) {
   return edge.observation && edge.observation->child_is_base;
 }
 
 /// What was measured of a relation between poses, or its value in `reference` where nothing was.
 template <int Dim>
-Pose<Dim> measured_pose(const JoiningSystem<Dim>& system, const TreeEdge& edge, const Pose<Dim>& in_reference) {
+Pose<Dim> measured_pose(const JoiningSystem<Dim>& system, const TreeEdge<PoseIndex>& edge, const Pose<Dim>& in_reference) {
   if (!edge.observation) return in_reference;
   const auto [kind, place] = system.source_of(edge.observation->factor);
   const Pose<Dim>& measured = kind == JoiningSystem<Dim>::Source::kMap
@@ -38,8 +38,8 @@ Pose<Dim> measured_pose(const JoiningSystem<Dim>& system, const TreeEdge& edge, 
 }
 
 template <int Dim>
-Point<Dim> measured_point(const JoiningSystem<Dim>& system, const TreeEdge& edge, const Values<Dim>& reference) {
-  if (!edge.observation) return transform_into(reference.pose(edge.parent), reference.feature(edge.child));
+Point<Dim> measured_point(const JoiningSystem<Dim>& system, const TreeEdge<FeatureIndex>& edge, const Values<Dim>& reference) {
+  if (!edge.observation) return transform_into(reference.pose(edge.parent), reference.features[edge.child]);
   const auto [kind, place] = system.source_of(edge.observation->factor);
   if (kind == JoiningSystem<Dim>::Source::kFeatureFactor) return system.feature_factors()[place].observation->measured;
   const LocalMap<Dim>& map = *system.maps()[place].map;
@@ -50,7 +50,7 @@ Point<Dim> measured_point(const JoiningSystem<Dim>& system, const TreeEdge& edge
 
 template <int Dim>
 Values<Dim> unwrapped_near(Values<Dim> state, const Values<Dim>& reference) {
-  for (std::size_t p = 0; p < state.poses.size(); ++p) {
+  for (const PoseIndex p : indices(state.poses)) {
     const Rotation<Dim>& near = reference.poses[p].rotation;
     state.poses[p].rotation = near * Rotation<Dim>::exp((near.inverse() * state.poses[p].rotation).log());
   }
@@ -60,22 +60,22 @@ Values<Dim> unwrapped_near(Values<Dim> state, const Values<Dim>& reference) {
 template <int Dim>
 Values<Dim> on_line(const Values<Dim>& X, const Values<Dim>& Y, double lambda) {
   Values<Dim> state = Y;
-  for (std::size_t p = 0; p < state.poses.size(); ++p) {
+  for (const PoseIndex p : indices(state.poses)) {
     state.poses[p] = retract<Dim>(Y.poses[p], lambda * difference(Y.poses[p], X.poses[p]));
   }
-  for (std::size_t f = 0; f < state.features.size(); ++f) state.features[f] += lambda * (X.features[f] - Y.features[f]);
+  for (const FeatureIndex f : indices(state.features)) state.features[f] += lambda * (X.features[f] - Y.features[f]);
   return state;
 }
 
 template <int Dim>
 RelativeCoordinates<Dim>::RelativeCoordinates(const JoiningSystem<Dim>& system, const Values<Dim>& reference)
     : tree_(spanning_tree(system)), anchored_(reference) {
-  for (const TreeEdge& edge : tree_.poses) poses_.push_back(measured_pose(system, edge, relation(edge, reference)));
-  for (const TreeEdge& edge : tree_.features) features_.push_back(measured_point(system, edge, reference));
+  for (const auto& edge : tree_.poses) poses_.push_back(measured_pose(system, edge, relation(edge, reference)));
+  for (const auto& edge : tree_.features) features_.push_back(measured_point(system, edge, reference));
 }
 
 template <int Dim>
-Pose<Dim> RelativeCoordinates<Dim>::relation(const TreeEdge& edge, const Values<Dim>& state) const {
+Pose<Dim> RelativeCoordinates<Dim>::relation(const TreeEdge<PoseIndex>& edge, const Values<Dim>& state) const {
   const Pose<Dim> parent = state.pose(edge.parent);
   const Pose<Dim> child = state.pose(edge.child);
   return is_from_child(edge) ? between(child, parent) : between(parent, child);
@@ -87,10 +87,9 @@ Eigen::VectorXd RelativeCoordinates<Dim>::of(const Values<Dim>& state) const {
   for (std::size_t e = 0; e < tree_.poses.size(); ++e) {
     coordinates.segment<kPoseDof<Dim>>(pose_entry(e)) = difference(poses_[e], relation(tree_.poses[e], state));
   }
-  for (std::size_t e = 0; e < tree_.features.size(); ++e) {
-    const TreeEdge& edge = tree_.features[e];
-    coordinates.segment<Dim>(feature_entry(e)) =
-        transform_into(state.pose(edge.parent), state.feature(edge.child)) - features_[e];
+  for (const auto& edge : tree_.features) {
+    coordinates.segment<Dim>(feature_entry(edge.child)) =
+        transform_into(state.pose(edge.parent), state.features[edge.child]) - features_[edge.child];
   }
   return coordinates;
 }
@@ -99,15 +98,13 @@ template <int Dim>
 Values<Dim> RelativeCoordinates<Dim>::composed(const Eigen::VectorXd& coordinates) const {
   Values<Dim> state = anchored_;
   for (std::size_t e = 0; e < tree_.poses.size(); ++e) {
-    const TreeEdge& edge = tree_.poses[e];
+    const auto& edge = tree_.poses[e];
     const Pose<Dim> relation = retract<Dim>(poses_[e], coordinates.segment<kPoseDof<Dim>>(pose_entry(e)));
-    state.poses[static_cast<std::size_t>(edge.child)] =
-        compose(state.pose(edge.parent), is_from_child(edge) ? inverse(relation) : relation);
+    state.poses[edge.child] = compose(state.pose(edge.parent), is_from_child(edge) ? inverse(relation) : relation);
   }
-  for (std::size_t e = 0; e < tree_.features.size(); ++e) {
-    const TreeEdge& edge = tree_.features[e];
-    const Point<Dim> relation = features_[e] + coordinates.segment<Dim>(feature_entry(e));
-    state.features[static_cast<std::size_t>(edge.child)] = transform(state.pose(edge.parent), relation);
+  for (const auto& edge : tree_.features) {
+    const Point<Dim> relation = features_[edge.child] + coordinates.segment<Dim>(feature_entry(edge.child));
+    state.features[edge.child] = transform(state.pose(edge.parent), relation);
   }
   return state;
 }

@@ -30,24 +30,22 @@ class RelativeCoordinates {
   RelativeCoordinates(const JoiningSystem<Dim>& system, const Values<Dim>& reference);
 
   const SpanningTree& tree() const { return tree_; }
-  Eigen::Index size() const { return feature_entry(tree_.features.size()); }
-  /// Where the entries of an edge begin, by its place in the tree's list.
+  Eigen::Index size() const { return feature_entry(indices(tree_.features).last); }
+  /// Where the entries of an edge begin: of a pose's by its place in the tree's list, of a feature's by the feature.
   Eigen::Index pose_entry(std::size_t edge) const { return static_cast<Eigen::Index>(edge) * kPoseDof<Dim>; }
-  Eigen::Index feature_entry(std::size_t edge) const {
-    return pose_entry(tree_.poses.size()) + static_cast<Eigen::Index>(edge) * Dim;
-  }
+  Eigen::Index feature_entry(FeatureIndex child) const { return pose_entry(tree_.poses.size()) + child.value * Dim; }
 
   Eigen::VectorXd of(const Values<Dim>& state) const;
   /// The state that has these coordinates.
   Values<Dim> composed(const Eigen::VectorXd& coordinates) const;
 
  private:
-  Pose<Dim> relation(const TreeEdge& edge, const Values<Dim>& state) const;
+  Pose<Dim> relation(const TreeEdge<PoseIndex>& edge, const Values<Dim>& state) const;
 
   SpanningTree tree_;
   Values<Dim> anchored_;          // of which only what is anchored counts
   std::vector<Pose<Dim>> poses_;  // the relations as measured, per edge
-  std::vector<Point<Dim>> features_;
+  Table<FeatureIndex, Point<Dim>> features_;
 };
 
 }  // namespace mapjoin

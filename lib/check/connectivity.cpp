@@ -16,8 +16,8 @@ template <typename Tied>
 Expected<void> check(const Tied& tied) {
   const TieVertices of = vertices_of(tied);
   const Graph graph = make_graph(of.size(), ties_of(tied));
-  for (std::size_t f = 0; f < of.features; ++f) {
-    if (out_degree(static_cast<Vertex>(of.feature(static_cast<Index>(f))), graph) > 0) continue;
+  for (const FeatureIndex f : indices(tied.features)) {
+    if (out_degree(static_cast<Vertex>(of.feature(f)), graph) > 0) continue;
     return bad_input(fmt::format("{}: {} is never observed", tied.source, to_string(tied.features[f])));
   }
   const std::vector<std::size_t> roots = component_roots(graph);

@@ -51,7 +51,7 @@ WeighedResidual weighed(const PoseFactor<Dim>& o, const Values<Dim>& state) {
 }
 template <int Dim>
 WeighedResidual weighed(const FeatureFactor<Dim>& o, const Values<Dim>& state) {
-  return {cost(o, state.pose(o.base), state.feature(o.target)), information_rank<Dim>(o.information)};
+  return {cost(o, state.pose(o.base), state.features[o.target]), information_rank<Dim>(o.information)};
 }
 
 template <int Dim>

@@ -6,7 +6,6 @@
 #include <mapjoin/check/checks.hpp>
 #include <mapjoin/measure/statistics.hpp>
 #include <mapjoin/model/information.hpp>
-#include <tuple>
 #include <type_traits>
 #include <utility>
 
@@ -57,30 +56,30 @@ Point<Dim> difference(const FeatureFactor<Dim>& a, const FeatureFactor<Dim>& b) 
   return b.measured - a.measured;
 }
 
-/// Compares each observation with the one before it that has the same ends. `name(base, target)` names them.
+/// What an observation is between, whatever its direction.
+template <int Dim>
+std::pair<PoseIndex, PoseIndex> ends_of(const PoseFactor<Dim>& edge) {
+  return std::minmax(edge.base, edge.target);
+}
+template <int Dim>
+std::pair<PoseIndex, FeatureIndex> ends_of(const FeatureFactor<Dim>& observation) {
+  return {observation.base, observation.target};
+}
+
+/// Compares each observation with the one before it that has the same ends. `name(ends)` names them.
 template <typename Observation, typename Name>
-Repeats repeats_among(std::span<const Observation> all, bool has_direction, const Name& name) {
-  struct Ends {
-    Index first, second;
-    std::size_t at;
-    bool operator<(const Ends& other) const {
-      return std::tie(first, second, at) < std::tie(other.first, other.second, other.at);
-    }
-  };
-  std::vector<Ends> ends;
+Repeats repeats_among(std::span<const Observation> all, const Name& name) {
+  std::vector<std::pair<decltype(ends_of(all.front())), std::size_t>> ends;  // and whose they are
   ends.reserve(all.size());
-  for (std::size_t i = 0; i < all.size(); ++i) {
-    const bool turn = !has_direction && all[i].target < all[i].base;
-    ends.push_back({turn ? all[i].target : all[i].base, turn ? all[i].base : all[i].target, i});
-  }
+  for (std::size_t i = 0; i < all.size(); ++i) ends.emplace_back(ends_of(all[i]), i);
   std::sort(ends.begin(), ends.end());
 
   Repeats repeats;
   for (std::size_t k = 1; k < ends.size(); ++k) {
-    if (ends[k].first != ends[k - 1].first || ends[k].second != ends[k - 1].second) continue;
-    const auto& a = forward(all[ends[k - 1].at]);
-    const auto& b = forward(all[ends[k].at]);
-    const auto named = [&] { return name(ends[k].first, ends[k].second); };
+    if (ends[k].first != ends[k - 1].first) continue;
+    const auto& a = forward(all[ends[k - 1].second]);
+    const auto& b = forward(all[ends[k].second]);
+    const auto named = [&] { return name(ends[k].first); };
     const auto d = difference(a, b).eval();
     if (d.isZero(0.0) && a.information == b.information) {
       repeats.copies.add(named);
@@ -108,12 +107,11 @@ void tell(const Repeats& repeats, const std::string& what, std::string_view of_w
 
 template <int Dim>
 Findings check_repeats(const Log<Dim>& log) {
-  const auto pose = [&](Index p) { return log.poses[static_cast<std::size_t>(p)]; };
-  const Repeats of_poses = repeats_among(log.edges(), false, [&](Index base, Index target) {
-    return fmt::format("{} to {}", to_string(pose(base)), to_string(pose(target)));
+  const Repeats of_poses = repeats_among(log.edges(), [&](const auto& ends) {
+    return fmt::format("{} to {}", to_string(log.poses[ends.first]), to_string(log.poses[ends.second]));
   });
-  const Repeats of_features = repeats_among(log.observations(), true, [&](Index base, Index target) {
-    return fmt::format("{} from {}", to_string(log.features[static_cast<std::size_t>(target)]), to_string(pose(base)));
+  const Repeats of_features = repeats_among(log.observations(), [&](const auto& ends) {
+    return fmt::format("{} from {}", to_string(log.features[ends.second]), to_string(log.poses[ends.first]));
   });
   Findings findings;
   tell(of_poses, "edge", "between the same two poses", findings);

@@ -13,9 +13,9 @@ namespace {
 
 /// Per feature, from how many poses (by how many maps) it was seen.
 template <typename Tied>
-std::vector<std::size_t> times_seen(const Tied& tied) {
+Table<FeatureIndex, std::size_t> times_seen(const Tied& tied) {
   const TieVertices of = vertices_of(tied);
-  std::vector<std::size_t> times(of.features);
+  Table<FeatureIndex, std::size_t> times(of.features);
   for_each_tie(tied, [&](std::size_t, std::size_t b) {
     if (of.is_feature(b)) ++times[of.feature_at(b)];
   });
@@ -23,16 +23,16 @@ std::vector<std::size_t> times_seen(const Tied& tied) {
 }
 
 template <typename Tied>
-Places features_seen(std::size_t wanted, const std::vector<std::size_t>& times, const Tied& tied) {
+Places features_seen(std::size_t wanted, const Table<FeatureIndex, std::size_t>& times, const Tied& tied) {
   Places places;
-  for (std::size_t f = 0; f < times.size(); ++f) {
+  for (const FeatureIndex f : indices(times)) {
     if (times[f] == wanted) places.add([&] { return to_string(tied.features[f]); });
   }
   return places;
 }
 
 template <typename Tied>
-void check_unobserved(const Tied& tied, const std::vector<std::size_t>& times, Findings& findings) {
+void check_unobserved(const Tied& tied, const Table<FeatureIndex, std::size_t>& times, Findings& findings) {
   const Places never = features_seen(0, times, tied);
   add_if_any(findings, {FindingLevel::kError, "unobserved",
                         fmt::format("declared, but never observed: {} of {} features", never.count, times.size()), never});
@@ -41,7 +41,7 @@ void check_unobserved(const Tied& tied, const std::vector<std::size_t>& times, F
 template <int Dim>
 void check_features(const Log<Dim>& log, Findings& findings) {
   constexpr std::size_t kEnoughToJudge = 20;
-  const std::vector<std::size_t> times = times_seen(log);
+  const Table<FeatureIndex, std::size_t> times = times_seen(log);
   check_unobserved(log, times, findings);
   const Places once = features_seen(1, times, log);
   const bool is_most = times.size() >= kEnoughToJudge && 2 * once.count > times.size();
@@ -53,7 +53,7 @@ void check_features(const Log<Dim>& log, Findings& findings) {
 
 template <int Dim>
 void check_features(const SubmapSet<Dim>& set, Findings& findings) {
-  const std::vector<std::size_t> times = times_seen(set);
+  const Table<FeatureIndex, std::size_t> times = times_seen(set);
   check_unobserved(set, times, findings);
   const Places once = features_seen(1, times, set);
   add_if_any(findings,
@@ -156,8 +156,8 @@ Findings check_structure(const Log<Dim>& log) {
   Findings findings = check_ties<Dim>(log);
   Places breaks;
   for (std::size_t s = 1; s < log.sessions.size(); ++s) {
-    const PoseId& before = log.poses[static_cast<std::size_t>(log.sessions[s].begin) - 1];
-    const PoseId& after = log.poses[static_cast<std::size_t>(log.sessions[s].begin)];
+    const PoseId& before = log.poses[log.sessions[s].begin - 1];
+    const PoseId& after = log.poses[log.sessions[s].begin];
     if (before.session == after.session)
       breaks.add([&] { return fmt::format("{} to {}", to_string(before), to_string(after)); });
   }

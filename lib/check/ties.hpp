@@ -19,11 +19,11 @@ struct TieVertices {
   std::size_t features = 0;
 
   std::size_t size() const { return 1 + poses + features; }
-  std::size_t pose(Index index) const { return static_cast<std::size_t>(index + 1); }
-  std::size_t feature(Index index) const { return 1 + poses + static_cast<std::size_t>(index); }
+  std::size_t pose(PoseIndex index) const { return (index + 1).position(); }
+  std::size_t feature(FeatureIndex index) const { return 1 + poses + index.position(); }
   bool is_feature(std::size_t vertex) const { return vertex > poses; }
   /// The index of a vertex that is a feature.
-  std::size_t feature_at(std::size_t vertex) const { return vertex - 1 - poses; }
+  FeatureIndex feature_at(std::size_t vertex) const { return FeatureIndex(vertex - 1 - poses); }
 };
 static_assert(kWorld == -1, "the World is the pose before the first");
 
@@ -40,8 +40,9 @@ TieVertices vertices_of(const SubmapSet<Dim>& set) {
 template <typename Names>
 std::string name_of(std::size_t vertex, const Names& names) {
   if (vertex == TieVertices::kWorldVertex) return "the World";
-  const std::size_t index = vertex - 1;
-  return index < names.poses.size() ? to_string(names.poses[index]) : to_string(names.features[index - names.poses.size()]);
+  const TieVertices of = vertices_of(names);
+  return of.is_feature(vertex) ? to_string(names.features[of.feature_at(vertex)])
+                               : to_string(names.poses[PoseIndex(vertex - 1)]);
 }
 
 /// Calls `tie(a, b)` with the two vertices of every factor of a log or a set of maps; a submap ties its base to each of its
@@ -50,8 +51,8 @@ template <typename Data, typename Tie>
 void for_each_tie(const Data& data, Tie&& tie) {
   const TieVertices of = vertices_of(data);
   for (const auto& map : data.graph.submaps) {
-    for (const Index pose : map.poses) tie(of.pose(map.base), of.pose(pose));
-    for (const Index feature : map.features) tie(of.pose(map.base), of.feature(feature));
+    for (const PoseIndex pose : map.poses) tie(of.pose(map.base), of.pose(pose));
+    for (const FeatureIndex feature : map.features) tie(of.pose(map.base), of.feature(feature));
   }
   for (const auto& o : data.graph.pose_factors) tie(of.pose(o.base), of.pose(o.target));
   for (const auto& o : data.graph.feature_factors) tie(of.pose(o.base), of.feature(o.target));

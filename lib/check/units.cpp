@@ -29,8 +29,7 @@ void check_range(const Log<2>& log, Findings& findings) {
     largest = std::max(largest, turn);
     if (turn <= kPi + 1e-6) continue;
     (turn > 2.0 * kPi + 1e-6 ? beyond : unwrapped).add([&] {
-      return fmt::format("{} to {}", to_string(log.poses[static_cast<std::size_t>(edge.base)]),
-                         to_string(log.poses[static_cast<std::size_t>(edge.target)]));
+      return fmt::format("{} to {}", to_string(log.poses[edge.base]), to_string(log.poses[edge.target]));
     });
   }
   // A few may be robots that spun round unseen.
@@ -46,12 +45,12 @@ void check_range(const Log<2>& log, Findings& findings) {
 }
 
 /// The steps of odometry by the pose that they start from, in the direction of the way; NaN where there is none.
-std::vector<Pose<2>> steps_of(const Log<2>& log) {
+Table<PoseIndex, Pose<2>> steps_of(const Log<2>& log) {
   constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
-  std::vector<Pose<2>> steps(log.poses.size(), Pose<2>{Point<2>::Constant(kNone), Rotation<2>(kNone)});
+  Table<PoseIndex, Pose<2>> steps(log.poses.size(), Pose<2>{Point<2>::Constant(kNone), Rotation<2>(kNone)});
   for (const PoseFactor<2>& edge : log.odometry()) {
     const bool is_forward = edge.base < edge.target;
-    steps[static_cast<std::size_t>(std::min(edge.base, edge.target))] = is_forward ? edge.measured : inverse(edge.measured);
+    steps[std::min(edge.base, edge.target)] = is_forward ? edge.measured : inverse(edge.measured);
   }
   return steps;
 }
@@ -64,12 +63,12 @@ struct Misses {
 };
 
 /// A point seen at pose `first` and once more at pose `last`, a few steps later.
-void add_miss(const std::vector<Pose<2>>& steps, Index first, Index last, const Point<2>& seen_first, Point<2> seen_last,
-              Misses& misses) {
+void add_miss(const Table<PoseIndex, Pose<2>>& steps, PoseIndex first, PoseIndex last, const Point<2>& seen_first,
+              Point<2> seen_last, Misses& misses) {
   Point<2> by_degrees = seen_last;
   double size = seen_first.norm() + seen_last.norm();
-  for (Index k = last; k-- > first;) {
-    const Pose<2>& step = steps[static_cast<std::size_t>(k)];
+  for (PoseIndex pose = last; pose > first; --pose) {
+    const Pose<2>& step = steps[pose - 1];
     seen_last = transform(step, seen_last);
     by_degrees = transform(Pose<2>{step.translation, Rotation<2>(kDegree * step.rotation.angle())}, by_degrees);
     size += step.translation.norm();
@@ -82,13 +81,13 @@ void add_miss(const std::vector<Pose<2>>& steps, Index first, Index last, const 
 
 /// Features seen again after a few steps, and closures over a few steps; a sample of those in a long log.
 Misses short_loops(const Log<2>& log) {
-  constexpr Index kMostSteps = 10;
+  constexpr int kMostSteps = 10;
   constexpr std::size_t kMost = 20000;
-  const std::vector<Pose<2>> steps = steps_of(log);
+  const Table<PoseIndex, Pose<2>> steps = steps_of(log);
   Misses misses;
-  std::vector<const FeatureFactor<2>*> last_seen(log.features.size());
+  Table<FeatureIndex, const FeatureFactor<2>*> last_seen(log.features.size());
   for (const FeatureFactor<2>& seen : log.observations()) {
-    auto& before = last_seen[static_cast<std::size_t>(seen.target)];
+    auto& before = last_seen[seen.target];
     if (before && seen.base > before->base && seen.base - before->base <= kMostSteps) {
       add_miss(steps, before->base, seen.base, before->measured, seen.measured, misses);
     }
@@ -121,7 +120,7 @@ void check_values(const Log<2>& log, Findings& findings) {
   constexpr double kLeastTurn = 0.05;
   constexpr double kTolerance = 0.1;
   if (log.initial.poses.empty()) return;
-  const auto heading = [&](Index p) { return log.initial.poses[static_cast<std::size_t>(p)].rotation.angle(); };
+  const auto heading = [&](PoseIndex p) { return log.initial.poses[p].rotation.angle(); };
   std::vector<double> ratios;
   for (const PoseFactor<2>& edge : log.odometry()) {
     const double turned = heading(edge.target) - heading(edge.base);

@@ -84,7 +84,7 @@ std::vector<LoneChain> chains_of(const std::vector<Edge>& bridges, const std::ve
 std::vector<std::size_t> cut_features(const std::vector<Edge>& edges, const std::vector<std::size_t>& component,
                                       const std::vector<std::size_t>& degree, const TieVertices& vertices) {
   constexpr std::size_t kNone = std::numeric_limits<std::size_t>::max();
-  std::vector<std::size_t> component_of(vertices.features, kNone);
+  Table<FeatureIndex, std::size_t> component_of(vertices.features, kNone);
   std::vector<std::size_t> features;
   for (std::size_t e = 0; e < edges.size(); ++e) {
     const std::size_t v = edges[e].second;  // Features come last.

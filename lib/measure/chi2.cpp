@@ -10,11 +10,11 @@ namespace {
 
 template <int Dim>
 const Pose<Dim>& value_of(const PoseFactor<Dim>& o, const Values<Dim>& values) {
-  return values.poses[static_cast<std::size_t>(o.target)];
+  return values.poses[o.target];
 }
 template <int Dim>
 const Point<Dim>& value_of(const FeatureFactor<Dim>& o, const Values<Dim>& values) {
-  return values.feature(o.target);
+  return values.features[o.target];
 }
 
 template <int Dim, template <int> typename Observation>

@@ -10,12 +10,11 @@ namespace {
 /// How many poses an edge ties to the one before.
 template <int Dim>
 std::size_t tied_steps(const Log<Dim>& log) {
-  std::vector<bool> is_tied(log.poses.size(), false);
+  Table<PoseIndex, bool> is_tied(log.poses.size(), false);
   for (const auto& edge : log.graph.pose_factors) {
     const auto [first, second] = std::minmax(edge.base, edge.target);
     if (edge.base == kWorld || second != first + 1) continue;
-    const auto later = static_cast<std::size_t>(second);
-    if (log.poses[later - 1].session == log.poses[later].session) is_tied[later] = true;
+    if (log.poses[first].session == log.poses[second].session) is_tied[second] = true;
   }
   return static_cast<std::size_t>(std::count(is_tied.begin(), is_tied.end(), true));
 }
@@ -26,28 +25,27 @@ std::vector<Edge> edges_within_sessions(const Log<Dim>& log) {
   std::vector<Edge> edges;
   for (const auto& edge : log.graph.pose_factors) {
     if (edge.base == kWorld) continue;
-    const auto base = static_cast<Vertex>(edge.base);
-    const auto target = static_cast<Vertex>(edge.target);
-    if (log.poses[base].session == log.poses[target].session) edges.emplace_back(base, target);
+    if (log.poses[edge.base].session != log.poses[edge.target].session) continue;
+    edges.emplace_back(edge.base.position(), edge.target.position());
   }
   return edges;
 }
 
 template <typename T>
-void permute(const std::vector<Vertex>& order, std::vector<T>& values) {
+void permute(const std::vector<PoseIndex>& order, Table<PoseIndex, T>& values) {
   if (values.empty()) return;
-  std::vector<T> permuted;
-  for (const Vertex v : order) permuted.push_back(values[v]);
+  Table<PoseIndex, T> permuted;
+  for (const PoseIndex pose : order) permuted.push_back(values[pose]);
   values = std::move(permuted);
 }
 
 /// Gives the poses new indices: order[i] becomes i.
 template <int Dim>
-void renumber_poses(const std::vector<Vertex>& order, Log<Dim>& log) {
-  std::vector<Index> index(order.size());
-  for (std::size_t i = 0; i < order.size(); ++i) index[order[i]] = static_cast<Index>(i);
-  const auto renumber = [&](Index& pose) {
-    if (pose != kWorld) pose = index[static_cast<std::size_t>(pose)];
+void renumber_poses(const std::vector<PoseIndex>& order, Log<Dim>& log) {
+  Table<PoseIndex, PoseIndex> index(order.size());
+  for (std::size_t i = 0; i < order.size(); ++i) index[order[i]] = PoseIndex(i);
+  const auto renumber = [&](PoseIndex& pose) {
+    if (pose != kWorld) pose = index[pose];
   };
   for (auto& factor : log.graph.pose_factors) {
     renumber(factor.base);
@@ -67,10 +65,11 @@ template <int Dim>
 void take_order_of_edges(Log<Dim>& log) {
   const std::size_t half = log.poses.size() / 2;
   if (tied_steps(log) >= half) return;
-  PathCover cover = cover_by_paths(log.poses.size(), edges_within_sessions(log));
+  const PathCover cover = cover_by_paths(log.poses.size(), edges_within_sessions(log));
   if (cover.edges < half) return;
-  std::ranges::stable_sort(cover.order, {}, [&](Vertex v) { return log.poses[v].session; });
-  renumber_poses(cover.order, log);
+  std::vector<PoseIndex> order(cover.order.begin(), cover.order.end());
+  std::ranges::stable_sort(order, {}, [&](PoseIndex pose) { return log.poses[pose].session; });
+  renumber_poses(order, log);
 }
 
 template void take_order_of_edges(Log<2>&);

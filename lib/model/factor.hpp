@@ -16,8 +16,8 @@ namespace mapjoin {
 /// (the rotation of a GPS position, say) have zero rows and columns in `information`.
 template <int Dim>
 struct PoseFactor {
-  Index base = kWorld;
-  Index target = 0;
+  PoseIndex base = kWorld;
+  PoseIndex target = 0;
   Pose<Dim> measured;           ///< Target in the frame of the base.
   PoseMatrix<Dim> information;  ///< W, symmetric positive semidefinite (1/m², 1/(m rad), 1/rad²).
   Loss loss = Loss::kQuadratic;
@@ -26,8 +26,8 @@ struct PoseFactor {
 /// The position of a feature in the frame of the pose that saw it or, from the World, a prior of a feature.
 template <int Dim>
 struct FeatureFactor {
-  Index base = kWorld;
-  Index target = 0;
+  PoseIndex base = kWorld;
+  FeatureIndex target = 0;
   Point<Dim> measured;           ///< Feature in the frame of the base (m).
   PointMatrix<Dim> information;  ///< W, symmetric positive semidefinite (1/m²).
   Loss loss = Loss::kQuadratic;

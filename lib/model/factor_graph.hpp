@@ -12,7 +12,7 @@ namespace mapjoin {
 /// A pose that the World holds still.
 template <int Dim>
 struct FixedPose {
-  Index pose = 0;
+  PoseIndex pose = 0;
   Pose<Dim> value;  ///< In the World frame.
 };
 

@@ -14,16 +14,16 @@ namespace mapjoin {
 /// Lengths are in metres, angles in radians.
 template <int Dim>
 struct GlobalMap {
-  std::vector<PoseId> pose_ids;
-  std::vector<Pose<Dim>> poses;
-  std::vector<FeatureId> feature_ids;
-  std::vector<Point<Dim>> features;
-  std::vector<std::int64_t> stamps_ns;  ///< Per pose, or empty.
-  std::vector<Index> gauge;             ///< The poses anchored; empty where priors of the World hold the map.
+  PoseIds pose_ids;
+  Table<PoseIndex, Pose<Dim>> poses;
+  FeatureIds feature_ids;
+  Table<FeatureIndex, Point<Dim>> features;
+  Table<PoseIndex, std::int64_t> stamps_ns;  ///< Or empty.
+  std::vector<PoseIndex> gauge;              ///< The poses anchored; empty where priors of the World hold the map.
 
   /// Marginal covariances of the steps, relative to the gauge: per pose (zero where it is anchored) and per feature, or empty.
-  std::vector<PoseMatrix<Dim>> pose_covariances;
-  std::vector<PointMatrix<Dim>> feature_covariances;
+  Table<PoseIndex, PoseMatrix<Dim>> pose_covariances;
+  Table<FeatureIndex, PointMatrix<Dim>> feature_covariances;
   Conventions conventions;
 };
 

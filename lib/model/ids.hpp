@@ -5,17 +5,22 @@
 #include <algorithm>
 #include <compare>
 #include <cstdint>
+#include <mapjoin/model/index.hpp>
 #include <optional>
 #include <string>
+#include <utility>
+#include <variant>
 #include <vector>
 
 namespace mapjoin {
 
-/// A dense index of a pose or of a feature; poses and features count from 0, apart.
-using Index = std::int32_t;
+/// Dense indices of poses and of features, which count from 0, apart.
+using PoseIndex = StrongIndex<struct PoseTag>;
+using FeatureIndex = StrongIndex<struct FeatureTag>;
+using PoseOrFeature = std::variant<PoseIndex, FeatureIndex>;
 
 /// As the base of an observation: the World, the frame that fixed poses, priors and GPS positions are given in.
-inline constexpr Index kWorld = -1;
+inline constexpr PoseIndex kWorld = -1;
 
 /// A pose as its log names it: keys may repeat between sessions (robots or runs), never within one.
 struct PoseId {
@@ -30,24 +35,28 @@ struct FeatureId {
   auto operator<=>(const FeatureId&) const = default;
 };
 
-/// The index of `id` among ascending names; nothing where it is not there. Constant time where keys are consecutive, else
+/// The names of poses and of features, by their indices.
+using PoseIds = Table<PoseIndex, PoseId>;
+using FeatureIds = Table<FeatureIndex, FeatureId>;
+
+/// The position of `id` among ascending names; nothing where it is not there. Constant time where keys are consecutive, else
 /// logarithmic.
 template <typename Id>
-std::optional<Index> find_ascending(const std::vector<Id>& names, const Id& id) {
+std::optional<std::size_t> find_ascending(const std::vector<Id>& names, const Id& id) {
   const std::uint64_t guess = names.empty() ? 0 : id.key - names.front().key;
-  if (guess < names.size() && names[guess] == id) return static_cast<Index>(guess);
+  if (guess < names.size() && names[guess] == id) return guess;
   const auto found = std::lower_bound(names.begin(), names.end(), id);
   if (found == names.end() || *found != id) return std::nullopt;
-  return static_cast<Index>(found - names.begin());
+  return static_cast<std::size_t>(found - names.begin());
 }
 
 /// The indices of ids among the names of a Log, SubmapSet or GlobalMap, in whatever order these are. O(n log n) once, then
 /// O(log n) each.
-template <typename Id>
+template <typename Index, typename Id>
 class IndexOf {
  public:
-  explicit IndexOf(const std::vector<Id>& names) {
-    for (const Id& name : names) indices_.emplace_back(name, static_cast<Index>(indices_.size()));
+  explicit IndexOf(const Table<Index, Id>& names) {
+    for (const Index index : indices(names)) indices_.emplace_back(names[index], index);
     std::ranges::sort(indices_);
   }
   /// Nothing where no name is `id`.

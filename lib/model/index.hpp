@@ -32,6 +32,8 @@ struct StrongIndex {
   constexpr auto operator<=>(const StrongIndex&) const = default;
   constexpr StrongIndex& operator++() { return *this = *this + 1; }
   constexpr StrongIndex& operator--() { return *this = *this - 1; }
+  constexpr StrongIndex operator++(int) { return std::exchange(*this, *this + 1); }
+  constexpr StrongIndex& operator+=(std::int32_t steps) { return *this = *this + steps; }
   friend constexpr StrongIndex operator+(StrongIndex index, std::int32_t steps) { return StrongIndex(index.value + steps); }
   friend constexpr StrongIndex operator-(StrongIndex index, std::int32_t steps) { return StrongIndex(index.value - steps); }
   /// The steps from `first` to `last`.

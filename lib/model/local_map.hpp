@@ -16,9 +16,9 @@ namespace mapjoin {
 /// `information` is over their steps in that order (kPoseDof<Dim> rows a pose, Dim rows a feature).
 template <int Dim>
 struct LocalMap {
-  Index base = 0;
-  std::vector<Index> poses;  ///< Kept poses in ascending order, the end pose last.
-  std::vector<Index> features;
+  PoseIndex base = 0;
+  std::vector<PoseIndex> poses;  ///< Kept poses in ascending order, the end pose last.
+  std::vector<FeatureIndex> features;
   std::vector<Pose<Dim>> pose_estimates;      ///< In the frame of the base.
   std::vector<Point<Dim>> feature_estimates;  ///< In the frame of the base (m).
   Eigen::MatrixXd information;                ///< W, symmetric positive semidefinite.

@@ -13,10 +13,10 @@ std::vector<T> sorted_by(Key key, std::size_t keys, std::vector<T> items) {
   const auto less = [&](const T& a, const T& b) { return key(a) < key(b); };
   if (std::is_sorted(items.begin(), items.end(), less)) return items;
   std::vector<std::size_t> next(keys + 1);  // Where the next item of each key goes.
-  for (const T& item : items) ++next[static_cast<std::size_t>(key(item)) + 1];
+  for (const T& item : items) ++next[key(item) + 1];
   std::partial_sum(next.begin(), next.end(), next.begin());
   std::vector<T> sorted(items.size());
-  for (const T& item : items) sorted[next[static_cast<std::size_t>(key(item))]++] = item;
+  for (const T& item : items) sorted[next[key(item)]++] = item;
   return sorted;
 }
 
@@ -27,21 +27,20 @@ bool is_prior(const Observation& observation) {
 
 /// An edge between successive poses of one of the user's sessions.
 template <int Dim>
-bool is_odometry(const PoseFactor<Dim>& edge, const std::vector<PoseId>& poses) {
+bool is_odometry(const PoseFactor<Dim>& edge, const PoseIds& poses) {
   const auto [first, second] = std::minmax(edge.base, edge.target);
-  return !is_prior(edge) && second == first + 1 &&
-         poses[static_cast<std::size_t>(first)].session == poses[static_cast<std::size_t>(second)].session;
+  return !is_prior(edge) && second == first + 1 && poses[first].session == poses[second].session;
 }
 
 template <int Dim>
-Index later_pose(const PoseFactor<Dim>& edge) {
+PoseIndex later_pose(const PoseFactor<Dim>& edge) {
   return std::max(edge.base, edge.target);
 }
 
 /// The number of edges beyond the first between the same two poses, whatever their direction.
 template <int Dim>
 std::int64_t count_repeated(std::span<const PoseFactor<Dim>> edges) {
-  std::vector<std::pair<Index, Index>> ends;
+  std::vector<std::pair<PoseIndex, PoseIndex>> ends;
   ends.reserve(edges.size());
   for (const auto& edge : edges) ends.emplace_back(std::minmax(edge.base, edge.target));
   std::sort(ends.begin(), ends.end());
@@ -51,19 +50,19 @@ std::int64_t count_repeated(std::span<const PoseFactor<Dim>> edges) {
 /// Odometry by its later pose, then closures, then priors.
 template <int Dim>
 void sort_pose_factors(Log<Dim>& log) {
-  const auto poses = static_cast<Index>(log.poses.size());
+  const std::size_t poses = log.poses.size();
   const auto key = [&](const PoseFactor<Dim>& edge) {
-    return is_prior(edge) ? poses + 1 : is_odometry(edge, log.poses) ? later_pose(edge) : poses;
+    return is_prior(edge) ? poses + 1 : is_odometry(edge, log.poses) ? later_pose(edge).position() : poses;
   };
-  log.graph.pose_factors = sorted_by(key, log.poses.size() + 2, std::move(log.graph.pose_factors));
+  log.graph.pose_factors = sorted_by(key, poses + 2, std::move(log.graph.pose_factors));
 }
 
 /// Observations by their pose, then priors.
 template <int Dim>
 void sort_feature_factors(Log<Dim>& log) {
-  const auto poses = static_cast<Index>(log.poses.size());
-  const auto key = [&](const FeatureFactor<Dim>& o) { return is_prior(o) ? poses : o.base; };
-  log.graph.feature_factors = sorted_by(key, log.poses.size() + 1, std::move(log.graph.feature_factors));
+  const std::size_t poses = log.poses.size();
+  const auto key = [&](const FeatureFactor<Dim>& o) { return is_prior(o) ? poses : o.base.position(); };
+  log.graph.feature_factors = sorted_by(key, poses + 1, std::move(log.graph.feature_factors));
 }
 
 /// The factors whose base is the World, which stand last.
@@ -79,7 +78,7 @@ std::vector<Session> sessions_of(const Log<Dim>& log) {
   std::vector<Session> sessions{{0, 1}};
   const auto odometry = log.odometry();
   auto edge = odometry.begin();
-  for (Index pose = 1; pose < static_cast<Index>(log.poses.size()); ++pose) {
+  for (PoseIndex pose = 1; pose < PoseIndex(log.poses.size()); ++pose) {
     while (edge != odometry.end() && later_pose(*edge) < pose) ++edge;
     const bool tied = edge != odometry.end() && later_pose(*edge) == pose;
     if (!tied) sessions.push_back({pose, pose});

@@ -16,8 +16,8 @@ namespace mapjoin {
 
 /// Successive poses [begin, end) that odometry ties together. A missing odometry edge starts the next session.
 struct Session {
-  Index begin = 0;
-  Index end = 0;
+  PoseIndex begin = 0;
+  PoseIndex end = 0;
 };
 
 /// A log over `poses.size()` poses and `features.size()` features, made by LogBuilder, which keeps what is said here.
@@ -27,15 +27,15 @@ struct Log {
 
   /// Names by index, in the order in which poses were driven: that of their ids or, where these say nothing of it, of the
   /// edges.
-  std::vector<PoseId> poses;
-  std::vector<FeatureId> features;  ///< Names by index, in ascending order.
-  std::vector<Session> sessions;    ///< In order; together they hold every pose once.
+  PoseIds poses;
+  FeatureIds features;            ///< Names by index, in ascending order.
+  std::vector<Session> sessions;  ///< In order; together they hold every pose once.
 
   /// Pose factors: odometry, closures, priors. Feature factors: observations, priors. Fixed poses: in the order of their pose.
   FactorGraph<Dim> graph;
 
-  std::vector<std::int64_t> stamps_ns;  ///< Per pose, or empty.
-  Values<Dim> initial;                  ///< The file's values; of poses, of features, or of both none unless all have one.
+  Table<PoseIndex, std::int64_t> stamps_ns;  ///< Or empty.
+  Values<Dim> initial;                       ///< The file's values; of poses, of features, or of both none unless all have one.
 
   std::int64_t repeated_edges = 0;  ///< Pose-pose edges beyond the first between the same two poses.
   std::int64_t unassociated = 0;    ///< Observations left out since the file does not say of which feature they are.

@@ -45,9 +45,9 @@ void append_to(std::vector<Item>& items, const std::vector<Item>& more) {
 }
 
 /// The index of an id that is there.
-template <typename Id>
-Index index_of(const std::vector<Id>& names, const Id& id) {
-  return *find_ascending(names, id);
+template <typename Index, typename Id>
+Index index_of(const Table<Index, Id>& names, const Id& id) {
+  return Index(*find_ascending(names, id));
 }
 
 template <int Dim>
@@ -57,12 +57,12 @@ bool same(const Pose<Dim>& a, const Pose<Dim>& b) {
 
 /// In the order of their pose, each once; a pose may be fixed twice only at the same place.
 template <int Dim>
-Expected<std::vector<FixedPose<Dim>>> sorted_once(std::vector<FixedPose<Dim>> fixed, const std::vector<PoseId>& poses) {
+Expected<std::vector<FixedPose<Dim>>> sorted_once(std::vector<FixedPose<Dim>> fixed, const PoseIds& poses) {
   std::stable_sort(fixed.begin(), fixed.end(), [](const auto& a, const auto& b) { return a.pose < b.pose; });
   const auto differing = std::adjacent_find(
       fixed.begin(), fixed.end(), [](const auto& a, const auto& b) { return a.pose == b.pose && !same(a.value, b.value); });
   if (differing != fixed.end()) {
-    return bad_input(to_string(poses[static_cast<std::size_t>(differing->pose)]) + " is fixed at two places");
+    return bad_input(to_string(poses[differing->pose]) + " is fixed at two places");
   }
   const auto same_pose = [](const auto& a, const auto& b) { return a.pose == b.pose; };
   fixed.erase(std::unique(fixed.begin(), fixed.end(), same_pose), fixed.end());
@@ -72,16 +72,15 @@ Expected<std::vector<FixedPose<Dim>>> sorted_once(std::vector<FixedPose<Dim>> fi
 }  // namespace
 
 template <int Dim>
-template <typename Value, typename Id>
-Expected<typename LogBuilder<Dim>::template Column<Value>> LogBuilder<Dim>::column_of(const std::vector<Said<Id, Value>>& said,
-                                                                                      const std::vector<Id>& names,
-                                                                                      const char* what) {
-  Column<Value> column;
+template <typename Index, typename Value, typename Id>
+auto LogBuilder<Dim>::column_of(const std::vector<Said<Id, Value>>& said, const Table<Index, Id>& names, const char* what)
+    -> Expected<Column<Index, Value>> {
+  Column<Index, Value> column;
   if (said.empty()) return column;
   column.values.resize(names.size());
   column.given.resize(names.size());
   for (const auto& item : said) {
-    const auto i = static_cast<std::size_t>(index_of(names, item.id));
+    const Index i = index_of(names, item.id);
     if (column.given[i]) return bad_input(fmt::format("{} has two {}", to_string(item.id), what));
     column.values[i] = item.value;
     column.given[i] = true;
@@ -176,8 +175,8 @@ void LogBuilder<Dim>::append(const LogBuilder& other) {
 
 template <int Dim>
 Expected<Log<Dim>> LogBuilder<Dim>::finish(PoseOrder order) && {
-  log_.poses = poses_.take();
-  log_.features = features_.take();
+  log_.poses = PoseIds(poses_.take());
+  log_.features = FeatureIds(features_.take());
   return check_names()
       .and_then([&] { return check_edges(); })
       .and_then([&] { return check_numbers(); })
@@ -196,7 +195,7 @@ Expected<Log<Dim>> LogBuilder<Dim>::finish(PoseOrder order) && {
 template <int Dim>
 Expected<void> LogBuilder<Dim>::check_names() const {
   if (log_.poses.empty()) return bad_input("the log has no poses");
-  constexpr std::size_t kMost = std::numeric_limits<Index>::max();
+  constexpr std::size_t kMost = std::numeric_limits<std::int32_t>::max();
   if (log_.poses.size() < kMost && log_.features.size() < kMost) return {};
   return tl::unexpected(Error{ErrorKind::kTooLarge, fmt::format("more than {} poses or features", kMost)});
 }
@@ -275,24 +274,24 @@ Expected<void> LogBuilder<Dim>::resolve_values() {
 }
 
 template <int Dim>
-Expected<std::vector<FixedPose<Dim>>> LogBuilder<Dim>::resolve_fixed(const Column<Pose<Dim>>& initial_poses) const {
+Expected<std::vector<FixedPose<Dim>>> LogBuilder<Dim>::resolve_fixed(const Column<PoseIndex, Pose<Dim>>& initial_poses) const {
   std::vector<FixedPose<Dim>> fixed;
-  std::optional<Index> at_origin;  // For want of a value.
+  std::optional<PoseIndex> at_origin;  // For want of a value.
   for (const auto& [id, value] : fixed_) {
-    const auto pose = find_ascending(log_.poses, id);
-    if (!pose) {
+    const auto found = find_ascending(log_.poses, id);
+    if (!found) {
       return bad_input(fmt::format("{} is fixed, but the log has no such pose (features cannot be fixed)", to_string(id)));
     }
-    const auto i = static_cast<std::size_t>(*pose);
-    const bool has_initial = initial_poses.count > 0 && initial_poses.given[i];
-    if (!value && !has_initial && at_origin.value_or(*pose) != *pose) {
+    const PoseIndex pose(*found);
+    const bool has_initial = initial_poses.count > 0 && initial_poses.given[pose];
+    if (!value && !has_initial && at_origin.value_or(pose) != pose) {
       return bad_input(
           fmt::format("{} is fixed beside {}, but nothing says where: give it a value (in a g2o file, its vertex) or "
                       "fix one of the two only",
-                      to_string(id), to_string(log_.poses[static_cast<std::size_t>(*at_origin)])));
+                      to_string(id), to_string(log_.poses[*at_origin])));
     }
-    if (!value && !has_initial) at_origin = *pose;
-    fixed.push_back({*pose, value.value_or(has_initial ? initial_poses.values[i] : Pose<Dim>{})});
+    if (!value && !has_initial) at_origin = pose;
+    fixed.push_back({pose, value.value_or(has_initial ? initial_poses.values[pose] : Pose<Dim>{})});
   }
   return sorted_once(std::move(fixed), log_.poses);
 }

@@ -69,16 +69,16 @@ class LogBuilder {
     Id id;
     Value value;
   };
-  /// What was said of each id, by its index.
-  template <typename Value>
+  /// What was said of each pose or feature.
+  template <typename Index, typename Value>
   struct Column {
-    std::vector<Value> values;
-    std::vector<bool> given;
+    Table<Index, Value> values;
+    Table<Index, bool> given;
     std::size_t count = 0;
   };
-  template <typename Value, typename Id>
-  static Expected<Column<Value>> column_of(const std::vector<Said<Id, Value>>& said, const std::vector<Id>& names,
-                                           const char* what);
+  template <typename Index, typename Value, typename Id>
+  static Expected<Column<Index, Value>> column_of(const std::vector<Said<Id, Value>>& said, const Table<Index, Id>& names,
+                                                  const char* what);
 
   Expected<void> check_names() const;
   Expected<void> check_edges() const;
@@ -86,7 +86,7 @@ class LogBuilder {
   Expected<void> check_values() const;
   void resolve_ends();
   Expected<void> resolve_values();
-  Expected<std::vector<FixedPose<Dim>>> resolve_fixed(const Column<Pose<Dim>>& initial_poses) const;
+  Expected<std::vector<FixedPose<Dim>>> resolve_fixed(const Column<PoseIndex, Pose<Dim>>& initial_poses) const;
 
   Numbers numbers_;
   Log<Dim> log_;  ///< Factors wait here in the order of the file; their ends but the World are not yet indices.

@@ -9,8 +9,8 @@ namespace mapjoin {
 
 /// Poses [begin, end] that are joined as one, both included: neighbours of one session share their end/start pose.
 struct Segment {
-  Index begin = 0;
-  Index end = 0;
+  PoseIndex begin = 0;
+  PoseIndex end = 0;
   bool is_map = true;  ///< A local map from its start to its end pose, else a span of its observations as they are.
   bool operator==(const Segment&) const = default;
 };

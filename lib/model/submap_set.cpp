@@ -8,25 +8,24 @@
 namespace mapjoin {
 namespace {
 
-bool is_index(Index index, std::size_t size) {
-  return index >= 0 && static_cast<std::size_t>(index) < size;
+template <typename Index, typename Id>
+bool is_among(const Table<Index, Id>& names, Index index) {
+  return indices(names).contains(index);
 }
 
 template <int Dim>
 bool is_within(const LocalMap<Dim>& map, const SubmapSet<Dim>& set) {
-  const auto among = [](const std::vector<Index>& indices, std::size_t size) {
-    return std::all_of(indices.begin(), indices.end(), [size](Index index) { return is_index(index, size); });
-  };
-  return is_index(map.base, set.poses.size()) && among(map.poses, set.poses.size()) && among(map.features, set.features.size());
+  return is_among(set.poses, map.base) && std::ranges::all_of(map.poses, [&](auto p) { return is_among(set.poses, p); }) &&
+         std::ranges::all_of(map.features, [&](auto f) { return is_among(set.features, f); });
 }
 
-template <typename Observation>
-Expected<void> check_observations(const std::vector<Observation>& observations, std::size_t poses, std::size_t targets,
+template <typename Observation, typename Targets>
+Expected<void> check_observations(const std::vector<Observation>& observations, const PoseIds& poses, const Targets& targets,
                                   const char* what) {
   for (std::size_t i = 0; i < observations.size(); ++i) {
     const Observation& o = observations[i];
     const auto wrong = [&](const std::string& fault) { return bad_input(fmt::format("{} {} {}", what, i, fault)); };
-    if ((o.base != kWorld && !is_index(o.base, poses)) || !is_index(o.target, targets))
+    if ((o.base != kWorld && !is_among(poses, o.base)) || !is_among(targets, o.target))
       return wrong("names no pose or feature");
     if (!is_valid(o.measured)) return wrong("has a measurement that is not finite, or no rotation");
     auto W = o.information;
@@ -48,9 +47,8 @@ Expected<void> check_maps(const SubmapSet<Dim>& set) {
 template <int Dim>
 Expected<void> check_fixed(const SubmapSet<Dim>& set) {
   for (const FixedPose<Dim>& fixed : set.graph.fixed) {
-    if (!is_index(fixed.pose, set.poses.size())) return bad_input("a fixed pose is not there");
-    if (!is_valid(fixed.value))
-      return bad_input(to_string(set.poses[static_cast<std::size_t>(fixed.pose)]) + " is fixed nowhere");
+    if (!is_among(set.poses, fixed.pose)) return bad_input("a fixed pose is not there");
+    if (!is_valid(fixed.value)) return bad_input(to_string(set.poses[fixed.pose]) + " is fixed nowhere");
   }
   return {};
 }
@@ -59,12 +57,11 @@ Expected<void> check_fixed(const SubmapSet<Dim>& set) {
 
 template <int Dim>
 Expected<void> check_numbers(const SubmapSet<Dim>& set) {
-  const std::size_t poses = set.poses.size();
   const auto checked =
       check_maps(set)
-          .and_then([&] { return check_observations(set.graph.pose_factors, poses, poses, "pose observation"); })
+          .and_then([&] { return check_observations(set.graph.pose_factors, set.poses, set.poses, "pose observation"); })
           .and_then(
-              [&] { return check_observations(set.graph.feature_factors, poses, set.features.size(), "feature observation"); })
+              [&] { return check_observations(set.graph.feature_factors, set.poses, set.features, "feature observation"); })
           .and_then([&] { return check_fixed(set); });
   return checked ? checked : bad_input(set.source + ": " + checked.error().message);
 }

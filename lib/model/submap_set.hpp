@@ -16,8 +16,8 @@ namespace mapjoin {
 template <int Dim>
 struct SubmapSet {
   std::string source;  ///< The file or folder it was read from, for messages.
-  std::vector<PoseId> poses;
-  std::vector<FeatureId> features;
+  PoseIds poses;
+  FeatureIds features;
 
   FactorGraph<Dim> graph;
   std::vector<Segment> segments;

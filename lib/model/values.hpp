@@ -4,26 +4,24 @@
 
 #include <mapjoin/geometry/pose.hpp>
 #include <mapjoin/model/ids.hpp>
-#include <vector>
 
 namespace mapjoin {
 
 template <int Dim>
 struct Values {
-  std::vector<Pose<Dim>> poses;
-  std::vector<Point<Dim>> features;  ///< (m)
+  Table<PoseIndex, Pose<Dim>> poses;
+  Table<FeatureIndex, Point<Dim>> features;  ///< (m)
 
   /// The pose by its index; the World is the origin.
-  Pose<Dim> pose(Index index) const { return index == kWorld ? Pose<Dim>{} : poses[static_cast<std::size_t>(index)]; }
-  const Point<Dim>& feature(Index index) const { return features[static_cast<std::size_t>(index)]; }
+  Pose<Dim> pose(PoseIndex index) const { return index == kWorld ? Pose<Dim>{} : poses[index]; }
 };
 
 /// Puts the values of a part into the state of the whole: `poses` and `features` are its indices there.
 template <int Dim>
-void write_values(const Values<Dim>& part, const std::vector<Index>& poses, const std::vector<Index>& features,
-                  Values<Dim>& whole) {
-  for (std::size_t p = 0; p < poses.size(); ++p) whole.poses[static_cast<std::size_t>(poses[p])] = part.poses[p];
-  for (std::size_t f = 0; f < features.size(); ++f) whole.features[static_cast<std::size_t>(features[f])] = part.features[f];
+void write_values(const Values<Dim>& part, const Table<PoseIndex, PoseIndex>& poses,
+                  const Table<FeatureIndex, FeatureIndex>& features, Values<Dim>& whole) {
+  for (const PoseIndex p : indices(poses)) whole.poses[poses[p]] = part.poses[p];
+  for (const FeatureIndex f : indices(features)) whole.features[features[f]] = part.features[f];
 }
 
 /// `state` seen from another frame: every pose and feature moved by `frame`.

@@ -43,10 +43,10 @@ class Simulator {
   Simulation<Dim> run(const std::stop_token& stop) &&;
 
  private:
-  void add_pose(Index i);
-  void add_odometry(Index i, const LatticeRotation<Dim>& turn);
-  void observe_around(Index i);
-  void observe(Index i, const LatticePoint<Dim>& cell, const Point<Dim>& feature);
+  void add_pose(PoseIndex i);
+  void add_odometry(PoseIndex i, const LatticeRotation<Dim>& turn);
+  void observe_around(PoseIndex i);
+  void observe(PoseIndex i, const LatticePoint<Dim>& cell, const Point<Dim>& feature);
   Point<Dim> feature_in(const LatticePoint<Dim>& cell) const;
   template <int Rows>
   Vector<Rows> noise(RandomStream& random, const Vector<Rows>& sigma) const;
@@ -57,7 +57,7 @@ class Simulator {
   LatticeWalk<Dim> walk_;
   RandomStream odometry_random_;
   RandomStream observation_random_;
-  std::unordered_map<LatticePoint<Dim>, Index, CellHash<Dim>> features_;
+  std::unordered_map<LatticePoint<Dim>, FeatureIndex, CellHash<Dim>> features_;
   Simulation<Dim> result_;
 };
 
@@ -76,12 +76,12 @@ template <int Dim>
 Simulation<Dim> Simulator<Dim>::run(const std::stop_token& stop) && {
   Log<Dim>& log = result_.log;
   GlobalMap<Dim>& truth = result_.truth;
-  const auto poses = static_cast<Index>(options_.poses);
+  const auto poses = static_cast<std::size_t>(options_.poses);
   log.source = fmt::format("simulated Manhattan world, seed {}", options_.seed);
-  log.poses.reserve(static_cast<std::size_t>(poses));
-  truth.poses.reserve(static_cast<std::size_t>(poses));
-  log.graph.pose_factors.reserve(static_cast<std::size_t>(poses) - 1);
-  for (Index i = 0; i < poses && (i == 0 || !stop.stop_requested()); ++i) {
+  log.poses.reserve(poses);
+  truth.poses.reserve(poses);
+  log.graph.pose_factors.reserve(poses - 1);
+  for (PoseIndex i = 0; i.position() < poses && (i == 0 || !stop.stop_requested()); ++i) {
     if (i > 0) {
       const LatticeRotation<Dim> before = walk_.rotation();
       walk_.advance();
@@ -90,7 +90,7 @@ Simulation<Dim> Simulator<Dim>::run(const std::stop_token& stop) && {
     add_pose(i);
     observe_around(i);
   }
-  log.sessions = {{0, static_cast<Index>(log.poses.size())}};
+  log.sessions = {{0, PoseIndex(log.poses.size())}};
   log.graph.fixed = {{0, Pose<Dim>{}}};
   truth.pose_ids = log.poses;
   truth.feature_ids = log.features;
@@ -99,20 +99,20 @@ Simulation<Dim> Simulator<Dim>::run(const std::stop_token& stop) && {
 }
 
 template <int Dim>
-void Simulator<Dim>::add_pose(Index i) {
-  result_.log.poses.push_back({0, static_cast<std::uint64_t>(i)});
+void Simulator<Dim>::add_pose(PoseIndex i) {
+  result_.log.poses.push_back({0, i.position()});
   result_.truth.poses.push_back({options_.step * walk_.position().template cast<double>(), to_rotation(walk_.rotation())});
 }
 
 template <int Dim>
-void Simulator<Dim>::add_odometry(Index i, const LatticeRotation<Dim>& turn) {
+void Simulator<Dim>::add_odometry(PoseIndex i, const LatticeRotation<Dim>& turn) {
   const Pose<Dim> step{options_.step * Point<Dim>::UnitX(), to_rotation(turn)};
   result_.log.graph.pose_factors.push_back(
       {i - 1, i, retract(step, noise(odometry_random_, step_sigma_)), step_sigma_.cwiseAbs2().cwiseInverse().asDiagonal()});
 }
 
 template <int Dim>
-void Simulator<Dim>::observe_around(Index i) {
+void Simulator<Dim>::observe_around(PoseIndex i) {
   const Point<Dim> position = result_.truth.poses.back().translation;
   const double reach = options_.range + options_.feature_jitter;
   // Cell k has its centre at (k + 1/2) times its side.
@@ -135,10 +135,10 @@ void Simulator<Dim>::observe_around(Index i) {
 }
 
 template <int Dim>
-void Simulator<Dim>::observe(Index i, const LatticePoint<Dim>& cell, const Point<Dim>& feature) {
+void Simulator<Dim>::observe(PoseIndex i, const LatticePoint<Dim>& cell, const Point<Dim>& feature) {
   if (options_.chance < 1.0 && observation_random_.uniform(0.0, 1.0) >= options_.chance) return;
   Log<Dim>& log = result_.log;
-  const auto [entry, is_new] = features_.try_emplace(cell, static_cast<Index>(log.features.size()));
+  const auto [entry, is_new] = features_.try_emplace(cell, log.features.size());
   if (is_new) {
     log.features.push_back({log.features.size()});
     result_.truth.features.push_back(feature);

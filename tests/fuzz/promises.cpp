@@ -21,7 +21,7 @@ std::string bits(const Log<Dim>& log) {
   std::string bits;
   put(log.poses, bits);
   put(log.features, bits);
-  for (const Session& session : log.sessions) bits += std::to_string(session.end) + ' ';
+  for (const Session& session : log.sessions) bits += std::to_string(session.end.value) + ' ';
   put(log.graph.pose_factors, bits);
   put(log.graph.feature_factors, bits);
   put(log.graph.fixed, bits);
@@ -61,12 +61,12 @@ void check_one(const Log<Dim>& log) {
   expect(check_numbers(set));
   const auto ascend = [](const auto& names) { return std::ranges::adjacent_find(names, std::greater_equal()) == names.end(); };
   promise(!log.poses.empty() && ascend(log.poses) && ascend(log.features), "names ascend");
-  Index next = 0;
+  PoseIndex next = 0;
   for (const Session& session : log.sessions) {
     promise(session.begin == next && session.end > next, "sessions follow each other");
     next = session.end;
   }
-  promise(static_cast<std::size_t>(next) == log.poses.size(), "sessions hold every pose");
+  promise(next == indices(log.poses).last, "sessions hold every pose");
   promise(std::ranges::is_sorted(log.observations(), {}, &FeatureFactor<Dim>::base), "observations are in order");
   const auto are_valid = [](const auto& values, std::size_t names) {
     const bool is_each = std::all_of(values.begin(), values.end(), [](const auto& value) { return is_valid(value); });

@@ -156,7 +156,7 @@ TEST(JoinedDataTest, TheMapsOfTheSimulationInSpaceLeaveCeresNothingToGain) {
 TEST(ComparisonData, JoiningAtOnceReachesTheOptimumOfVictoriaParkAndFullSlamDoesNot) {
   const auto log = log_in<2>("vicpark-6898/vicpark6898.g2o.gz");
   ComparisonOptions<2> options;
-  for (const Index steps : {1, 20, 60}) {
+  for (const int steps : {1, 20, 60}) {
     for (const JoinedState state : {JoinedState::kAbsolute, JoinedState::kRelative}) {
       options.cases.push_back({steps, state, Schedule::kBatch, false});
     }

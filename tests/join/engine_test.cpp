@@ -43,16 +43,16 @@ TYPED_TEST(EngineTest, EndsAtTheOptimumOfTheFronts) {
     const auto expected = this->run_by(world.log, Engine::kFronts, schedule);
     const auto found = this->run_by(world.log, Engine::kCholmod, schedule);
     EXPECT_NEAR(found.chi2, expected.chi2, 1e-9 * expected.chi2);
-    for (std::size_t p = 0; p < world.log.poses.size(); ++p) {
+    for (const PoseIndex p : indices(world.log.poses)) {
       const auto& covariance = expected.marginals->poses[p];
       const auto difference = local(expected.map.poses[p], found.map.poses[p]);
-      EXPECT_LT(this->in_deviations(difference, covariance), 1e-3) << p;
-      EXPECT_LE((found.marginals->poses[p] - covariance).norm(), 1e-6 * covariance.norm()) << p;
+      EXPECT_LT(this->in_deviations(difference, covariance), 1e-3) << p.value;
+      EXPECT_LE((found.marginals->poses[p] - covariance).norm(), 1e-6 * covariance.norm()) << p.value;
     }
-    for (std::size_t f = 0; f < world.log.features.size(); ++f) {
+    for (const FeatureIndex f : indices(world.log.features)) {
       const auto& covariance = expected.marginals->features[f];
-      EXPECT_LT(this->in_deviations(found.map.features[f] - expected.map.features[f], covariance), 1e-3) << f;
-      EXPECT_LE((found.marginals->features[f] - covariance).norm(), 1e-6 * covariance.norm()) << f;
+      EXPECT_LT(this->in_deviations(found.map.features[f] - expected.map.features[f], covariance), 1e-3) << f.value;
+      EXPECT_LE((found.marginals->features[f] - covariance).norm(), 1e-6 * covariance.norm()) << f.value;
     }
   }
 }

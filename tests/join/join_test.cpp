@@ -123,7 +123,7 @@ TYPED_TEST(JoinTest, MapsThatObserveFromOnePoseAreAllJoined) {
   SubmapSet<kDim> set;
   set.poses = {{0, 0}, {0, 1}};
   set.features = {{0}, {1}, {2}, {3}};
-  const auto map_of = [&](std::vector<Index> poses, std::vector<Index> features) {
+  const auto map_of = [&](std::vector<PoseIndex> poses, std::vector<FeatureIndex> features) {
     LocalMap<kDim> map{0, std::move(poses), std::move(features), {}, {}, {}};
     for (std::size_t p = 0; p < map.poses.size(); ++p) map.pose_estimates.push_back(random.pose<kDim>());
     for (std::size_t f = 0; f < map.features.size(); ++f) map.feature_estimates.push_back(random.vector<kDim>(3.0));
@@ -159,7 +159,7 @@ TYPED_TEST(JoinTest, TakesTheMapsOfASetThatIsGivenAway) {
   EXPECT_TRUE(set.graph.submaps.empty());
   EXPECT_EQ(given->chi2, kept->chi2);
   EXPECT_EQ(given->joint_bytes, kept->joint_bytes);
-  for (std::size_t p = 0; p < set.poses.size(); ++p) {
+  for (const PoseIndex p : indices(set.poses)) {
     EXPECT_EQ(given->map.poses[p].translation, kept->map.poses[p].translation);
   }
   // The covariances look into the observations of the set, which are still there.

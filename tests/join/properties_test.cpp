@@ -57,16 +57,16 @@ std::vector<std::size_t> any_order(std::size_t count) {
 
 /// What poses and features are called, by their index.
 struct Names {
-  std::vector<PoseId> poses;
-  std::vector<FeatureId> features;
+  PoseIds poses;
+  FeatureIds features;
 };
 
 /// The same said in other words, and in another order. The World holds pose `held` at `frame`.
 template <int Dim>
-Log<Dim> said_otherwise(const Log<Dim>& log, const Names& names, std::size_t held, const Pose<Dim>& frame) {
+Log<Dim> said_otherwise(const Log<Dim>& log, const Names& names, PoseIndex held, const Pose<Dim>& frame) {
   LogBuilder<Dim> builder("said otherwise");
-  const auto pose = [&](Index k) { return names.poses[static_cast<std::size_t>(k)]; };
-  const auto feature = [&](Index k) { return names.features[static_cast<std::size_t>(k)]; };
+  const auto pose = [&](PoseIndex k) { return names.poses[k]; };
+  const auto feature = [&](FeatureIndex k) { return names.features[k]; };
   builder.fix(names.poses[held], frame);
   const std::vector<PoseFactor<Dim>> edges(log.edges().begin(), log.edges().end());
   for (const std::size_t k : any_order(edges.size())) {
@@ -86,11 +86,11 @@ Values<Dim> in_order(const GlobalMap<Dim>& map, const Names& names) {
   Values<Dim> state;
   for (const PoseId& id : names.poses) {
     const auto found = std::find(map.pose_ids.begin(), map.pose_ids.end(), id);
-    state.poses.push_back(map.poses[static_cast<std::size_t>(found - map.pose_ids.begin())]);
+    state.poses.push_back(map.poses[PoseIndex(found - map.pose_ids.begin())]);
   }
   for (const FeatureId& id : names.features) {
     const auto found = std::find(map.feature_ids.begin(), map.feature_ids.end(), id);
-    state.features.push_back(map.features[static_cast<std::size_t>(found - map.feature_ids.begin())]);
+    state.features.push_back(map.features[FeatureIndex(found - map.feature_ids.begin())]);
   }
   return state;
 }
@@ -161,7 +161,7 @@ TYPED_TEST(MapProperty, NamesDoNotMatter) {
     Names others = names;
     for (auto& id : others.poses) id.key = 3 * id.key + 17;  // Odometry is known by the order of names.
     const auto order = any_order(names.features.size());
-    for (std::size_t k = 0; k < order.size(); ++k) others.features[k] = {~std::uint64_t{0} - order[k] * order[k]};
+    for (std::size_t k = 0; k < order.size(); ++k) others.features[FeatureIndex(k)] = {~std::uint64_t{0} - order[k] * order[k]};
     expect_same_map<kDim>(log, names, said_otherwise<kDim>(log, others, 0, {}), others, {});
   }));
 }
@@ -175,7 +175,8 @@ TYPED_TEST(MapProperty, TheOrderOfTheMapsDoesNotMatter) {
     const std::size_t length = *rc::gen::inRange<std::size_t>(2, 12);
     const auto order = any_order(names.poses.size() / length + 1);
     Names others = names;
-    for (std::size_t k = 0; k < others.poses.size(); ++k) others.poses[k] = {0, 100 * order[k / length] + k % length};
+    for (std::size_t k = 0; k < others.poses.size(); ++k)
+      others.poses[PoseIndex(k)] = {0, 100 * order[k / length] + k % length};
     expect_same_map<kDim>(log, names, said_otherwise<kDim>(log, others, 0, {}), others, {});
   }));
 }

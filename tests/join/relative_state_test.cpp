@@ -74,13 +74,13 @@ TYPED_TEST_SUITE(RelativeStateTest, Joinings);
 
 TYPED_TEST(RelativeStateTest, EveryPoseAndFeatureHangsFromWhatCameBefore) {
   const SpanningTree tree = spanning_tree(this->system());
-  std::vector<bool> stands(this->system().estimate().poses.size(), false);
+  Table<PoseIndex, bool> stands(this->system().estimate().poses.size(), false);
   stands[0] = true;
-  for (const TreeEdge& edge : tree.poses) {
-    EXPECT_FALSE(stands[static_cast<std::size_t>(edge.child)]);
+  for (const auto& edge : tree.poses) {
+    EXPECT_FALSE(stands[edge.child]);
     ASSERT_TRUE(edge.observation);
-    EXPECT_TRUE(stands[static_cast<std::size_t>(edge.parent)]);
-    stands[static_cast<std::size_t>(edge.child)] = true;
+    EXPECT_TRUE(stands[edge.parent]);
+    stands[edge.child] = true;
   }
   EXPECT_EQ(std::count(stands.begin(), stands.end(), false), 0);
   EXPECT_EQ(tree.features.size(), this->system().estimate().features.size());
@@ -93,13 +93,13 @@ TYPED_TEST(RelativeStateTest, TheDenseReferenceAgreesWithCentralDifferences) {
   const auto absolute = [&](const Eigen::VectorXd& step) {
     const Values<kDim> moved = dense.moved(step);
     Eigen::VectorXd x(dense.T.rows());
-    for (std::size_t p = 1; p < moved.poses.size(); ++p) {
-      const auto entry = static_cast<Eigen::Index>(p - 1) * kPoseDof<kDim>;
+    for (PoseIndex p = 1; p < indices(moved.poses).last; ++p) {
+      const auto entry = (p - 1).value * kPoseDof<kDim>;
       x.template segment<kPoseDof<kDim>>(entry) = local(estimate.poses[p], moved.poses[p]);
     }
     const auto first = static_cast<Eigen::Index>(moved.poses.size() - 1) * kPoseDof<kDim>;
-    for (std::size_t f = 0; f < moved.features.size(); ++f) {
-      x.template segment<kDim>(first + static_cast<Eigen::Index>(f) * kDim) = moved.features[f];
+    for (const FeatureIndex f : indices(moved.features)) {
+      x.template segment<kDim>(first + f.value * kDim) = moved.features[f];
     }
     return x;
   };

@@ -104,7 +104,7 @@ TYPED_TEST(RunLimitsTest, AnyNumberOfThreadsGivesTheSameBits) {
     for (const auto& result : results) {
       EXPECT_EQ(result.chi2, results[0].chi2);
       EXPECT_EQ(*result.recovered_chi2, *results[0].recovered_chi2);
-      for (std::size_t p = 0; p < result.map.poses.size(); ++p) {
+      for (const PoseIndex p : indices(result.map.poses)) {
         EXPECT_EQ(result.map.poses[p].translation, results[0].map.poses[p].translation);
         EXPECT_EQ(result.map.poses[p].rotation.matrix(), results[0].map.poses[p].rotation.matrix());
       }

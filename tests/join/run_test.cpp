@@ -111,8 +111,8 @@ TYPED_TEST(RunTest, ASessionThatIsTiedOnlyToALaterOneIsJoined) {
   constexpr int kDim = TestFixture::kDim;
   auto world = small_world<kDim>({.poses = 20, .features = 36, .sessions = 3, .seed = 4});
   std::erase_if(world.log.graph.feature_factors, [&](const auto& o) {
-    const auto session = world.log.poses[static_cast<std::size_t>(o.base)].session;
-    return (session == 0 && o.target % 2 == 0) || (session == 1 && o.target % 2 == 1);
+    const auto session = world.log.poses[o.base].session;
+    return (session == 0 && o.target.value % 2 == 0) || (session == 1 && o.target.value % 2 == 1);
   });
   for (const auto schedule : testing::every<Schedule>()) {
     SCOPED_TRACE(to_string(schedule));
@@ -157,7 +157,7 @@ TYPED_TEST(RunTest, TheFirstPoseIsHeldWhereTheFileHasIt) {
   world.log.initial.poses = moved(elsewhere, world.truth).poses;
   const auto result = run(world.log, this->with(7.0));
   ASSERT_TRUE(result);
-  EXPECT_EQ(result->map.gauge, std::vector<Index>{0});
+  EXPECT_EQ(result->map.gauge, std::vector<PoseIndex>{0});
   EXPECT_LT(local(result->map.poses[0], elsewhere).norm(), 1e-14);
   const Values<kDim> optimum = full_slam(world.log).optimum(world.truth);
   EXPECT_LT(largest_difference(this->state_of(*result), moved(elsewhere, optimum)), 1e-6);
@@ -199,7 +199,7 @@ TYPED_TEST(RunTest, AFeatureThatOnlyTheWorldMentionsIsWhereItSays) {
   const auto world = small_world<kDim>();
   Log<kDim> log = world.log;
   log.graph.fixed = {{0, world.truth.pose(0)}};
-  const auto feature = static_cast<Index>(log.features.size());
+  const FeatureIndex feature = indices(log.features).last;
   log.features.push_back({log.features.back().key + 1});
   const Point<kDim> at = Point<kDim>::Constant(7.0);
   log.graph.feature_factors.push_back({kWorld, feature, at, PointMatrix<kDim>::Identity()});

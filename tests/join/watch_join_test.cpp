@@ -23,17 +23,17 @@ class WatchJoinTest : public ::testing::Test {
   static SubmapSet<kDim> first(SubmapSet<kDim> set, std::size_t count) {
     set.graph.submaps.resize(count);
     set.segments.resize(count);
-    const Index end = set.segments.back().end;
-    set.poses.resize(static_cast<std::size_t>(end) + 1);
+    const PoseIndex end = set.segments.back().end;
+    set.poses.resize((end + 1).position());
     std::erase_if(set.graph.pose_factors, [&](const auto& o) { return std::max(o.base, o.target) > end; });
-    std::vector<Index> place(set.features.size(), -1);
-    std::vector<FeatureId> seen;
+    Table<FeatureIndex, FeatureIndex> place(set.features.size(), FeatureIndex(-1));
+    FeatureIds seen;
     for (auto& map : set.graph.submaps) {
-      for (Index& feature : map.features) {
-        Index& at = place[static_cast<std::size_t>(feature)];
+      for (FeatureIndex& feature : map.features) {
+        FeatureIndex& at = place[feature];
         if (at < 0) {
-          at = static_cast<Index>(seen.size());
-          seen.push_back(set.features[static_cast<std::size_t>(feature)]);
+          at = indices(seen).last;
+          seen.push_back(set.features[feature]);
         }
         feature = at;
       }
@@ -76,7 +76,7 @@ TYPED_TEST(WatchJoinTest, OneByOneIsTheSequentialSchedule) {
   Values<kDim> last;
   watch_join<kDim>(graph, 1, [&](std::size_t, const JoinedPartialMaps<kDim>& so_far) { last = so_far.partials.front().state; });
   ASSERT_EQ(last.poses.size(), joined.partials.front().state.poses.size());
-  for (std::size_t p = 0; p < last.poses.size(); ++p) {
+  for (const PoseIndex p : indices(last.poses)) {
     EXPECT_EQ(last.poses[p].translation, joined.partials.front().state.poses[p].translation);
   }
 }

@@ -29,7 +29,7 @@ class BuildTest : public ::testing::Test {
     return slam;
   }
   /// The truth seen from the start of the segment.
-  static Values<kDim> seen_from(Index base, const Values<kDim>& truth) { return moved(inverse(truth.pose(base)), truth); }
+  static Values<kDim> seen_from(PoseIndex base, const Values<kDim>& truth) { return moved(inverse(truth.pose(base)), truth); }
 
   testing::SmallWorld<kDim> world = small_world<kDim>({.reversed_odometry = true});
   Split parts = split(world.log, {SplitRule::kPoses, 9.0});
@@ -64,7 +64,7 @@ TYPED_TEST(BuildTest, ALocalMapIsTheMarginalOfTheDenseSolutionOfItsSegment) {
       EXPECT_LT(local(map.pose_estimates[p], optimum.pose(map.poses[p])).norm(), 1e-6);
     }
     for (std::size_t f = 0; f < map.features.size(); ++f) {
-      EXPECT_LT((map.feature_estimates[f] - optimum.feature(map.features[f])).norm(), 1e-6);
+      EXPECT_LT((map.feature_estimates[f] - optimum.features[map.features[f]]).norm(), 1e-6);
     }
   }
 }

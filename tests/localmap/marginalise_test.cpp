@@ -21,7 +21,7 @@ class MarginaliseTest : public ::testing::Test {
   void SetUp() override {
     map.poses = {1, 2};
     map.pose_estimates = {random.pose<kDim>(), random.pose<kDim>()};
-    for (Index f = 0; f < 5; ++f) {
+    for (FeatureIndex f = 0; f < 5; ++f) {
       map.features.push_back(f);
       map.feature_estimates.push_back(random.vector<kDim>(4.0));
     }
@@ -44,7 +44,7 @@ class MarginaliseTest : public ::testing::Test {
       add(testing::plain_residual<kDim>(map.pose_estimates[p], state.pose(map.base), state.pose(map.poses[p])));
     }
     for (std::size_t f = 0; f < map.features.size(); ++f) {
-      add(testing::plain_residual<kDim>(map.feature_estimates[f], state.pose(map.base), state.feature(map.features[f])));
+      add(testing::plain_residual<kDim>(map.feature_estimates[f], state.pose(map.base), state.features[map.features[f]]));
     }
     return r.dot(map.information * r);
   }
@@ -52,15 +52,15 @@ class MarginaliseTest : public ::testing::Test {
   Random random;
   LocalMap<kDim> map;
   Values<kDim> state;
-  std::vector<bool> is_local{false, true, false, true, true};
+  Table<FeatureIndex, bool> is_local{false, true, false, true, true};
 };
 TYPED_TEST_SUITE(MarginaliseTest, testing::Dimensions);
 
 TYPED_TEST(MarginaliseTest, LeavesTheMarginalOfWhatStays) {
   constexpr int kDim = TestFixture::kDim;
   const auto marginalised = marginalise(this->map, this->is_local);
-  EXPECT_EQ(marginalised.map.features, (std::vector<Index>{0, 2}));
-  EXPECT_EQ(marginalised.local_features, (std::vector<Index>{1, 3, 4}));
+  EXPECT_EQ(marginalised.map.features, (std::vector<FeatureIndex>{0, 2}));
+  EXPECT_EQ(marginalised.local_features, (std::vector<FeatureIndex>{1, 3, 4}));
   // The covariance of what stays is a block of the covariance of all.
   const Eigen::MatrixXd P = this->map.information.inverse();
   std::vector<Eigen::Index> stay;
@@ -78,8 +78,8 @@ TYPED_TEST(MarginaliseTest, TheRecoveredFeaturesGiveTheWholeMapTheChi2OfTheConde
   EXPECT_NEAR(whole, this->chi2(marginalised.map, state), 1e-9 * whole);
   for (int k = 0; k < 20; ++k) {
     auto elsewhere = state;
-    for (const Index f : marginalised.local_features) {
-      elsewhere.features[static_cast<std::size_t>(f)] += this->random.template vector<TestFixture::kDim>(0.01);
+    for (const FeatureIndex f : marginalised.local_features) {
+      elsewhere.features[f] += this->random.template vector<TestFixture::kDim>(0.01);
     }
     EXPECT_GT(this->chi2(this->map, elsewhere), whole);
   }
@@ -88,7 +88,7 @@ TYPED_TEST(MarginaliseTest, TheRecoveredFeaturesGiveTheWholeMapTheChi2OfTheConde
 }
 
 TYPED_TEST(MarginaliseTest, ChangesNothingWithoutPrivateFeatures) {
-  const auto marginalised = marginalise(this->map, std::vector<bool>(5, false));
+  const auto marginalised = marginalise(this->map, Table<FeatureIndex, bool>(5, false));
   EXPECT_EQ(marginalised.map.features, this->map.features);
   EXPECT_EQ(marginalised.map.information, this->map.information);
   EXPECT_TRUE(marginalised.local_features.empty());
@@ -100,20 +100,20 @@ TYPED_TEST(MarginaliseTest, AFeatureWhoseOwnInformationIsSingularStays) {
   this->map.information.row(row).setZero();
   this->map.information.col(row).setZero();
   const auto marginalised = marginalise(this->map, this->is_local);
-  EXPECT_EQ(std::count(marginalised.map.features.begin(), marginalised.map.features.end(), 1), 1);
+  EXPECT_EQ(std::count(marginalised.map.features.begin(), marginalised.map.features.end(), FeatureIndex(1)), 1);
 }
 
 TYPED_TEST(MarginaliseTest, PrivateIsWhatOneMapAloneMentions) {
   LocalMap<TestFixture::kDim> other;
   other.features = {2, 4};
-  const std::vector<bool> referenced{true, false, false, false, false};
+  const Table<FeatureIndex, bool> referenced{true, false, false, false, false};
   EXPECT_EQ(local_features<TestFixture::kDim>({this->map, other}, referenced),
             (std::vector<bool>{false, true, false, true, false}));
 }
 
 TYPED_TEST(MarginaliseTest, CanBeUndone) {
   const auto whole = restored(marginalise(this->map, this->is_local));
-  EXPECT_EQ(whole.features, (std::vector<Index>{0, 2, 1, 3, 4}));
+  EXPECT_EQ(whole.features, (std::vector<FeatureIndex>{0, 2, 1, 3, 4}));
   EXPECT_EQ(whole.information.rows(), this->map.information.rows());
   const double expected = this->chi2(this->map, this->state);
   EXPECT_NEAR(this->chi2(whole, this->state), expected, 1e-10 * expected);

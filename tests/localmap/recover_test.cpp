@@ -23,19 +23,19 @@ class RecoverTest : public ::testing::Test {
     const auto maps = build_local_maps<kDim>(world.log, parts, {});
     ASSERT_TRUE(maps);
     is_local.assign(world.log.features.size(), false);
-    std::vector<std::set<Index>> seen_in(is_local.size());
+    Table<FeatureIndex, std::set<PoseIndex>> seen_in(is_local.size());
     for (const auto& map : maps->maps) {
-      for (const Index feature : map.features) seen_in[static_cast<std::size_t>(feature)].insert(map.base);
+      for (const FeatureIndex feature : map.features) seen_in[feature].insert(map.base);
     }
-    for (std::size_t f = 0; f < seen_in.size(); ++f) is_local[f] = seen_in[f].size() == 1;
+    for (const FeatureIndex f : indices(seen_in)) is_local[f] = seen_in[f].size() == 1;
     ASSERT_GT(std::count(is_local.begin(), is_local.end(), true), 0);
   }
   /// Interior poses and submap-local features moved to nowhere.
   Values<kDim> forgotten(Values<kDim> state) const {
-    for (std::size_t p = 0; p < state.poses.size(); ++p) {
+    for (const PoseIndex p : indices(state.poses)) {
       if (!parts.kept[p]) state.poses[p].translation.setConstant(1e3);
     }
-    for (std::size_t f = 0; f < state.features.size(); ++f) {
+    for (const FeatureIndex f : indices(state.features)) {
       if (is_local[f]) state.features[f].setConstant(-1e3);
     }
     return state;
@@ -43,7 +43,7 @@ class RecoverTest : public ::testing::Test {
 
   testing::SmallWorld<kDim> world = small_world<kDim>({.features = 40, .range = 2.5});
   Split parts = split(world.log, {SplitRule::kPoses, 10.0});
-  std::vector<bool> is_local;
+  Table<FeatureIndex, bool> is_local;
 };
 TYPED_TEST_SUITE(RecoverTest, testing::Dimensions);
 
@@ -61,8 +61,8 @@ TYPED_TEST(RecoverTest, FindsTheLeastChi2GivenWhatIsHeld) {
   recover_interiors(this->world.log, this->parts, this->is_local, {}, state);
   // The dense problem with what is kept held where the truth has it.
   auto slam = testing::full_slam(this->world.log);
-  std::erase_if(slam.free_poses, [&](Index pose) { return this->parts.kept[static_cast<std::size_t>(pose)]; });
-  std::erase_if(slam.free_features, [&](Index feature) { return !this->is_local[static_cast<std::size_t>(feature)]; });
+  std::erase_if(slam.free_poses, [&](PoseIndex pose) { return this->parts.kept[pose]; });
+  std::erase_if(slam.free_features, [&](FeatureIndex feature) { return !this->is_local[feature]; });
   const Values<kDim> expected = slam.optimum(this->world.truth);
   EXPECT_LT(largest_difference(state, expected), 1e-6);
 }
@@ -70,7 +70,7 @@ TYPED_TEST(RecoverTest, FindsTheLeastChi2GivenWhatIsHeld) {
 TYPED_TEST(RecoverTest, LeavesWhatIsKeptUntouched) {
   auto state = this->world.truth;
   recover_interiors(this->world.log, this->parts, this->is_local, {}, state);
-  for (std::size_t p = 0; p < state.poses.size(); ++p) {
+  for (const PoseIndex p : indices(state.poses)) {
     if (!this->parts.kept[p]) continue;
     EXPECT_EQ(local(state.poses[p], this->world.truth.poses[p]).norm(), 0.0);
   }

@@ -20,8 +20,8 @@ class SplitCostTest : public ::testing::Test {
   static Log<kDim> widening_corridor() {
     auto log = small_world<kDim>({.poses = 10, .features = 0, .closures = 0, .noise = 0.0}).log;
     for (std::uint64_t f = 0; f < 5; ++f) log.features.push_back({f});
-    for (Index pose = 0; pose < 10; pose += 2) {
-      for (Index f = 0; f <= pose / 2; ++f) {
+    for (PoseIndex pose = 0; pose < 10; pose += 2) {
+      for (FeatureIndex f = 0; f.value <= pose.value / 2; ++f) {
         log.graph.feature_factors.push_back({pose, f, Point<kDim>::Zero(), PointMatrix<kDim>::Identity()});
       }
     }
@@ -37,7 +37,7 @@ TYPED_TEST_SUITE(SplitCostTest, testing::Dimensions);
 TYPED_TEST(SplitCostTest, IsThatOfTheBorderWhereEachFeatureCountsOnce) {
   using T = TestFixture;
   const auto log = T::widening_corridor();
-  const std::vector<bool> nothing_kept(log.poses.size(), false);
+  const Table<PoseIndex, bool> nothing_kept(log.poses.size(), false);
   // The one map of nine steps: its ends, and five features that its poses see fifteen times.
   const double m = 2.0 * T::kDof + T::kDim * 5.0;
   EXPECT_NEAR(cost_per_step(log, nothing_kept, 9), T::of_a_map(9.0, m), 1e-9 * T::joining(m));
@@ -46,7 +46,7 @@ TYPED_TEST(SplitCostTest, IsThatOfTheBorderWhereEachFeatureCountsOnce) {
 TYPED_TEST(SplitCostTest, CountsKeptPosesInTheBorder) {
   using T = TestFixture;
   const auto log = T::widening_corridor();
-  std::vector<bool> kept(log.poses.size(), false);
+  Table<PoseIndex, bool> kept(log.poses.size(), false);
   kept[3] = kept[4] = true;
   const double m = 4.0 * T::kDof + T::kDim * 5.0;
   EXPECT_NEAR(cost_per_step(log, kept, 9), T::of_a_map(9.0, m), 1e-9 * T::joining(m));
@@ -59,13 +59,13 @@ TYPED_TEST(SplitCostTest, IsSummedOverSegmentsOfWhichEachCountsItsOwnFeatures) {
   for (const double features : {2.0, 3.0, 5.0}) {  // of poses 0 to 2, 3 to 5 and 6 to 9
     expected += T::of_a_map(3.0, 2.0 * T::kDof + T::kDim * features) / 3.0;
   }
-  EXPECT_NEAR(cost_per_step(log, std::vector<bool>(log.poses.size(), false), 3), expected, 1e-9 * expected);
+  EXPECT_NEAR(cost_per_step(log, Table<PoseIndex, bool>(log.poses.size(), false), 3), expected, 1e-9 * expected);
 }
 
 TYPED_TEST(SplitCostTest, IsThatOfAMapAsLongAsHalfOfItsPosesGo) {
   using T = TestFixture;
   const auto log = T::widening_corridor();
-  std::vector<bool> kept(log.poses.size(), false);
+  Table<PoseIndex, bool> kept(log.poses.size(), false);
   kept[1] = kept[2] = kept[3] = kept[4] = true;
   const double m = 6.0 * T::kDof + T::kDim * 5.0;
   EXPECT_NEAR(cost_per_step(log, kept, 9), T::of_a_map(9.0, m), 1e-9 * T::joining(m));
@@ -77,7 +77,7 @@ TYPED_TEST(SplitCostTest, IsThatOfAMapAsLongAsHalfOfItsPosesGo) {
 TYPED_TEST(SplitCostTest, OfASegmentThatStaysASpanIsThatOfItsSteps) {
   using T = TestFixture;
   const auto log = T::widening_corridor();
-  const std::vector<bool> all_kept(log.poses.size(), true);
+  const Table<PoseIndex, bool> all_kept(log.poses.size(), true);
   const double observations_of_a_step = 15.0 / 9.0;
   const double expected = T::joining(2.0 * T::kDof + T::kDim * observations_of_a_step);
   EXPECT_NEAR(cost_per_step(log, all_kept, 9), expected, 1e-9 * expected);
@@ -85,16 +85,16 @@ TYPED_TEST(SplitCostTest, OfASegmentThatStaysASpanIsThatOfItsSteps) {
 
 TYPED_TEST(SplitCostTest, IsInfiniteWhereTheLogIsShorter) {
   const auto log = TestFixture::widening_corridor();
-  EXPECT_EQ(cost_per_step(log, std::vector<bool>(log.poses.size(), false), 10), std::numeric_limits<double>::infinity());
+  EXPECT_EQ(cost_per_step(log, Table<PoseIndex, bool>(log.poses.size(), false), 10), std::numeric_limits<double>::infinity());
 }
 
 TYPED_TEST(SplitCostTest, ChoosesTheCheapestOfItsCandidates) {
   const auto log = small_world<TestFixture::kDim>({.poses = 120}).log;
-  const std::vector<bool> nothing_kept(log.poses.size(), false);
+  const Table<PoseIndex, bool> nothing_kept(log.poses.size(), false);
   for (const double fewest : {0.0, 6.0, 31.0}) {
-    Index best = 0;
+    int best = 0;
     double least = std::numeric_limits<double>::infinity();
-    for (const Index n : {1, 2, 3, 5, 7, 10, 15, 20, 30, 45, 70, 100}) {
+    for (const int n : {1, 2, 3, 5, 7, 10, 15, 20, 30, 45, 70, 100}) {
       const double cost = cost_per_step(log, nothing_kept, n);
       if (n < fewest || cost >= least) continue;
       best = n;
@@ -108,7 +108,7 @@ TYPED_TEST(SplitCostTest, ChoosesTheCheapestOfItsCandidates) {
 TYPED_TEST(SplitCostTest, OneStepIsTakenWhereLongerSegmentsWouldBeNoMaps) {
   constexpr int kDim = TestFixture::kDim;
   auto log = small_world<kDim>({.poses = 200, .features = 0, .closures = 0, .noise = 0.0}).log;
-  std::vector<bool> kept(log.poses.size(), true);
+  Table<PoseIndex, bool> kept(log.poses.size(), true);
   kept[20] = kept[50] = kept[51] = false;  // makes a map of one of many windows, cheaper by less than a hundredth
   EXPECT_EQ(cheapest_poses_per_map(log, kept, 0.0), 1);
 }

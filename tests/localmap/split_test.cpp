@@ -21,11 +21,11 @@ class SplitTest : public ::testing::Test {
   static Log<kDim> corridor(int poses) {
     return small_world<kDim>({.poses = poses, .features = 0, .closures = 0, .noise = 0.0}).log;
   }
-  static FeatureFactor<kDim> observation(Index pose, Index feature) {
+  static FeatureFactor<kDim> observation(PoseIndex pose, FeatureIndex feature) {
     return {pose, feature, Point<kDim>::Zero(), PointMatrix<kDim>::Identity()};
   }
-  static PoseFactor<kDim> edge(Index base, Index target) { return {base, target, {}, PoseMatrix<kDim>::Identity()}; }
-  static Index steps(const Segment& segment) { return segment.end - segment.begin; }
+  static PoseFactor<kDim> edge(PoseIndex base, PoseIndex target) { return {base, target, {}, PoseMatrix<kDim>::Identity()}; }
+  static int steps(const Segment& segment) { return segment.end - segment.begin; }
 };
 TYPED_TEST_SUITE(SplitTest, testing::Dimensions);
 
@@ -56,12 +56,12 @@ TYPED_TEST(SplitTest, SegmentsOfASessionFollowEachOtherAndShareTheirEnds) {
   for (const SplitOptions& rule : kRules) {
     const Split parts = split(log, rule);
     std::size_t session = 0;
-    Index next = log.sessions[0].begin;
+    PoseIndex next = log.sessions[0].begin;
     for (const Segment& segment : parts.segments) {
       EXPECT_EQ(segment.begin, next);
       EXPECT_GT(segment.end, segment.begin);
-      EXPECT_TRUE(parts.kept[static_cast<std::size_t>(segment.begin)]);
-      EXPECT_TRUE(parts.kept[static_cast<std::size_t>(segment.end)]);
+      EXPECT_TRUE(parts.kept[segment.begin]);
+      EXPECT_TRUE(parts.kept[segment.end]);
       next = segment.end;
       if (next + 1 < log.sessions[session].end) continue;
       ASSERT_EQ(next + 1, log.sessions[session].end);
@@ -93,8 +93,8 @@ TYPED_TEST(SplitTest, CountsDifferentFeatures) {
   auto log = this->corridor(9);
   for (std::uint64_t k = 0; k < 8; ++k) log.features.push_back({k});
   // Pose k sees features k/2 (again) and 7.
-  for (Index pose = 0; pose < 9; ++pose) {
-    log.graph.feature_factors.push_back(this->observation(pose, pose / 2));
+  for (PoseIndex pose = 0; pose < 9; ++pose) {
+    log.graph.feature_factors.push_back(this->observation(pose, FeatureIndex(pose.value / 2)));
     log.graph.feature_factors.push_back(this->observation(pose, 7));
   }
   const auto parts = split(log, {SplitRule::kFeatures, 3.0});
@@ -113,16 +113,16 @@ TYPED_TEST(SplitTest, KeepsWhatClosuresAndTheWorldMention) {
   log.graph.pose_factors.push_back(this->edge(kWorld, 7));
   log.graph.fixed = {{13, {}}};
   const auto parts = split(log, {SplitRule::kPoses, 10.0});
-  std::vector<Index> kept;
-  for (std::size_t p = 0; p < parts.kept.size(); ++p) {
-    if (parts.kept[p]) kept.push_back(static_cast<Index>(p));
+  std::vector<PoseIndex> kept;
+  for (const PoseIndex p : indices(parts.kept)) {
+    if (parts.kept[p]) kept.push_back(p);
   }
-  EXPECT_EQ(kept, (std::vector<Index>{0, 3, 7, 10, 13, 20, 25, 30}));
+  EXPECT_EQ(kept, (std::vector<PoseIndex>{0, 3, 7, 10, 13, 20, 25, 30}));
 }
 
 TYPED_TEST(SplitTest, ASegmentThatWouldKeepMostOfItsPosesStaysASpan) {
   auto log = this->corridor(21);
-  for (Index pose = 1; pose <= 5; ++pose) log.graph.pose_factors.push_back(this->edge(pose, 15));
+  for (PoseIndex pose = 1; pose <= 5; ++pose) log.graph.pose_factors.push_back(this->edge(pose, 15));
   log.graph.pose_factors.push_back(this->edge(6, 15));
   const auto parts = split(log, {SplitRule::kPoses, 10.0});
   EXPECT_FALSE(parts.segments[0].is_map);  // 6 of 9 inner poses
@@ -131,9 +131,9 @@ TYPED_TEST(SplitTest, ASegmentThatWouldKeepMostOfItsPosesStaysASpan) {
 }
 
 TYPED_TEST(SplitTest, AMapEliminatesHalfOfItsInnerPosesAtLeast) {
-  for (const Index closures : {5, 6}) {
+  for (const int closures : {5, 6}) {
     auto log = this->corridor(23);
-    for (Index pose = 1; pose <= closures; ++pose) log.graph.pose_factors.push_back(this->edge(pose, 22));
+    for (PoseIndex pose = 1; pose.value <= closures; ++pose) log.graph.pose_factors.push_back(this->edge(pose, 22));
     const auto parts = split(log, {SplitRule::kPoses, 11.0});  // of 10 inner poses
     EXPECT_EQ(parts.segments[0].is_map, closures == 5);
   }
@@ -141,12 +141,12 @@ TYPED_TEST(SplitTest, AMapEliminatesHalfOfItsInnerPosesAtLeast) {
 
 TYPED_TEST(SplitTest, AMapWhoseBorderWouldBeTooLargeStaysASpan) {
   constexpr int kDim = TestFixture::kDim;
-  constexpr Index kMost = (5000 - 2 * kPoseDof<kDim>) / kDim;  // features beside the two ends
-  for (const Index features : {kMost, kMost + 1}) {
+  constexpr int kMost = (5000 - 2 * kPoseDof<kDim>) / kDim;  // features beside the two ends
+  for (const int features : {kMost, kMost + 1}) {
     auto log = this->corridor(11);
-    for (Index f = 0; f < features; ++f) log.features.push_back({static_cast<std::uint64_t>(f)});
-    for (const Index pose : {2, 5}) {
-      for (Index f = 0; f < features; ++f) log.graph.feature_factors.push_back(this->observation(pose, f));
+    for (std::size_t f = 0; f < static_cast<std::size_t>(features); ++f) log.features.push_back({f});
+    for (const PoseIndex pose : {PoseIndex(2), PoseIndex(5)}) {
+      for (const FeatureIndex f : indices(log.features)) log.graph.feature_factors.push_back(this->observation(pose, f));
     }
     EXPECT_EQ(split(log, {SplitRule::kPoses, 10.0}).segments[0].is_map, features == kMost) << features;
   }
@@ -169,13 +169,13 @@ TYPED_TEST(SplitTest, ASegmentKnowsItsInteriorItsKeptPosesAndItsFeatures) {
   log.graph.pose_factors.push_back(this->edge(8, 2));
   const Split parts = split(log, {SplitRule::kPoses, 5.0});
   const SegmentView<kDim> first = segment_view(log, parts, parts.segments[0]);
-  EXPECT_EQ(first.interior, (std::vector<Index>{1, 3, 4}));
-  EXPECT_EQ(first.kept, (std::vector<Index>{2, 5}));
-  EXPECT_EQ(first.features, (std::vector<Index>{1, 3}));  // pose 5 belongs to the next segment
-  EXPECT_EQ(first.feature_slot(3), 1u);
+  EXPECT_EQ(first.interior, (std::vector<PoseIndex>{1, 3, 4}));
+  EXPECT_EQ(first.kept, (std::vector<PoseIndex>{2, 5}));
+  EXPECT_EQ(first.features, (Table<FeatureIndex, FeatureIndex>{1, 3}));  // pose 5 belongs to the next segment
+  EXPECT_EQ(first.place(FeatureIndex(3)), FeatureIndex(1));
   const SegmentView<kDim> last = segment_view(log, parts, parts.segments[1]);
-  EXPECT_EQ(last.features, (std::vector<Index>{0, 2}));  // which takes those of the last pose, too
-  EXPECT_EQ(last.poses(), 6);
+  EXPECT_EQ(last.features, (Table<FeatureIndex, FeatureIndex>{0, 2}));  // which takes those of the last pose, too
+  EXPECT_EQ(last.poses(), 6u);
 }
 
 TEST(SplitOptions, NameEveryViolation) {

@@ -15,9 +15,9 @@ inline constexpr int kRotationSize = Dim == 2 ? 1 : 4;
 
 template <int Dim>
 struct Parameters {
-  std::vector<std::array<double, Dim>> translations;
-  std::vector<std::array<double, kRotationSize<Dim>>> rotations;
-  std::vector<std::array<double, Dim>> features;
+  Table<PoseIndex, std::array<double, Dim>> translations;
+  Table<PoseIndex, std::array<double, kRotationSize<Dim>>> rotations;
+  Table<FeatureIndex, std::array<double, Dim>> features;
 };
 
 std::array<double, 1> to_array(const Rotation<2>& rotation) {
@@ -161,13 +161,13 @@ class Problem {
       blocks.push_back(block);
       cost->AddParameterBlock(size);
     };
-    const auto depend_on_pose = [&](Index pose) {
+    const auto depend_on_pose = [&](PoseIndex pose) {
       depend_on(translation(pose), Dim);
       depend_on(rotation(pose), kRotationSize<Dim>);
     };
     if (map.base != kWorld) depend_on_pose(map.base);
-    for (const Index pose : map.poses) depend_on_pose(pose);
-    for (const Index feature : map.features) depend_on(parameters_.features[static_cast<std::size_t>(feature)].data(), Dim);
+    for (const PoseIndex pose : map.poses) depend_on_pose(pose);
+    for (const FeatureIndex feature : map.features) depend_on(parameters_.features[feature].data(), Dim);
     cost->SetNumResiduals(static_cast<int>(map.information.rows()));
     problem_.AddResidualBlock(cost, nullptr, blocks);
   }
@@ -179,22 +179,21 @@ class Problem {
     for (const Item& item : items) add(item);
   }
 
-  void hold(Index pose) {
+  void hold(PoseIndex pose) {
     problem_.SetParameterBlockConstant(translation(pose));
     problem_.SetParameterBlockConstant(rotation(pose));
   }
   void hold(const FixedPose<Dim>& fixed) {
-    const auto i = static_cast<std::size_t>(fixed.pose);
-    parameters_.translations[i] = to_array<Dim>(fixed.value.translation);
-    parameters_.rotations[i] = to_array(fixed.value.rotation);
+    parameters_.translations[fixed.pose] = to_array<Dim>(fixed.value.translation);
+    parameters_.rotations[fixed.pose] = to_array(fixed.value.rotation);
     hold(fixed.pose);
   }
 
   ReferenceResult<Dim> solve(const ReferenceOptions& options);
 
  private:
-  double* translation(Index pose) { return parameters_.translations[static_cast<std::size_t>(pose)].data(); }
-  double* rotation(Index pose) { return parameters_.rotations[static_cast<std::size_t>(pose)].data(); }
+  double* translation(PoseIndex pose) { return parameters_.translations[pose].data(); }
+  double* rotation(PoseIndex pose) { return parameters_.rotations[pose].data(); }
 
   Parameters<Dim> parameters_;
   ceres::Problem problem_;
@@ -203,7 +202,7 @@ class Problem {
 template <int Dim>
 Values<Dim> to_values(const Parameters<Dim>& parameters) {
   Values<Dim> values;
-  for (std::size_t i = 0; i < parameters.translations.size(); ++i) {
+  for (const PoseIndex i : indices(parameters.translations)) {
     values.poses.push_back({Point<Dim>::Map(parameters.translations[i].data()), to_rotation(parameters.rotations[i])});
   }
   for (const auto& p : parameters.features) values.features.push_back(Point<Dim>::Map(p.data()));
@@ -240,7 +239,7 @@ ReferenceResult<Dim> ceres_optimum(const Log<Dim>& log, const Values<Dim>& start
   problem.add(log.graph.pose_factors);
   problem.add(log.graph.feature_factors);
   for (const auto& fixed : log.graph.fixed) problem.hold(fixed);
-  if (log.graph.fixed.empty() && log.pose_priors().empty() && log.feature_priors().empty()) problem.hold(0);
+  if (log.graph.fixed.empty() && log.pose_priors().empty() && log.feature_priors().empty()) problem.hold(PoseIndex(0));
   return problem.solve(options);
 }
 
@@ -255,7 +254,7 @@ ReferenceResult<Dim> ceres_optimum(const SubmapSet<Dim>& set, const Values<Dim>&
   if (set.graph.fixed.empty() && std::none_of(set.graph.submaps.begin(), set.graph.submaps.end(), from_world) &&
       std::none_of(set.graph.pose_factors.begin(), set.graph.pose_factors.end(), from_world) &&
       std::none_of(set.graph.feature_factors.begin(), set.graph.feature_factors.end(), from_world)) {
-    problem.hold(0);
+    problem.hold(PoseIndex(0));
   }
   return problem.solve(options);
 }

@@ -15,7 +15,7 @@ class CeresReferenceTest : public ::testing::Test {
   /// A chain with a closure and two features, observed without noise, and its true values; pose 0 is the origin.
   void SetUp() override {
     truth.poses.resize(4);
-    for (std::size_t i = 1; i < 4; ++i) truth.poses[i] = random.pose<kDim>();
+    for (PoseIndex i = 1; i < 4; ++i) truth.poses[i] = random.pose<kDim>();
     for (int i = 0; i < 2; ++i) truth.features.push_back(random.vector<kDim>(5.0));
     log.poses = {{0, 0}, {0, 1}, {0, 2}, {0, 3}};
     log.features = {{0}, {1}};
@@ -24,20 +24,18 @@ class CeresReferenceTest : public ::testing::Test {
     log.graph.pose_factors.push_back(edge(3, 0));
     log.graph.feature_factors = {observation(0, 0), observation(2, 0), observation(3, 1)};
   }
-  PoseFactor<kDim> edge(std::size_t base, std::size_t target) {
-    return {static_cast<Index>(base), static_cast<Index>(target), between(truth.poses[base], truth.poses[target]),
-            random.information<kPoseDof<kDim>>()};
+  PoseFactor<kDim> edge(PoseIndex base, PoseIndex target) {
+    return {base, target, between(truth.poses[base], truth.poses[target]), random.information<kPoseDof<kDim>>()};
   }
-  FeatureFactor<kDim> observation(std::size_t base, std::size_t target) {
-    return {static_cast<Index>(base), static_cast<Index>(target), transform_into(truth.poses[base], truth.features[target]),
-            random.information<kDim>()};
+  FeatureFactor<kDim> observation(PoseIndex base, FeatureIndex target) {
+    return {base, target, transform_into(truth.poses[base], truth.features[target]), random.information<kDim>()};
   }
   double distance_from_truth(const Values<kDim>& values) const {
     double largest = 0.0;
-    for (std::size_t i = 0; i < truth.poses.size(); ++i) {
+    for (const PoseIndex i : indices(truth.poses)) {
       largest = std::max(largest, local(truth.poses[i], values.poses[i]).norm());
     }
-    for (std::size_t i = 0; i < truth.features.size(); ++i) {
+    for (const FeatureIndex i : indices(truth.features)) {
       largest = std::max(largest, (truth.features[i] - values.features[i]).norm());
     }
     return largest;
@@ -68,7 +66,7 @@ TYPED_TEST(CeresReferenceTest, ComesBackToTheTruthByEitherMethod) {
   constexpr int kDim = TestFixture::kDim;
   for (const auto method : {ReferenceMethod::kLevenbergMarquardt, ReferenceMethod::kDogleg}) {
     Values<kDim> start = this->truth;
-    for (std::size_t i = 1; i < 4; ++i) {
+    for (PoseIndex i = 1; i < 4; ++i) {
       start.poses[i] = retract(start.poses[i], this->random.template vector<kPoseDof<kDim>>(0.2));
     }
     const auto result = ceres_optimum(this->log, start, {.method = method});

@@ -16,8 +16,7 @@ template <int Dim>
 class DenseInformation {
  public:
   explicit DenseInformation(const Values<Dim>& state) : state_(state) {
-    poses_ = static_cast<Index>(state.poses.size());
-    const Eigen::Index size = feature_row(static_cast<Index>(state.features.size()));
+    const Eigen::Index size = feature_row(indices(state.features).last);
     H_ = Eigen::MatrixXd::Zero(size, size);
   }
 
@@ -25,7 +24,7 @@ class DenseInformation {
     accumulate(linearise(o, state_.pose(o.base), state_.pose(o.target)), Sink{H_, {pose_row(o.base), pose_row(o.target)}});
   }
   void add(const FeatureFactor<Dim>& o) {
-    accumulate(linearise(o, state_.pose(o.base), state_.feature(o.target)),
+    accumulate(linearise(o, state_.pose(o.base), state_.features[o.target]),
                Sink{H_, {pose_row(o.base), feature_row(o.target)}});
   }
   void add(const LocalMap<Dim>& map) {
@@ -38,7 +37,7 @@ class DenseInformation {
     }
     for (std::size_t f = 0; f < map.features.size(); ++f) {
       linear.features.push_back(
-          linearise<Dim>(map.feature_estimates[f], state_.pose(map.base), state_.feature(map.features[f])));
+          linearise<Dim>(map.feature_estimates[f], state_.pose(map.base), state_.features[map.features[f]]));
       rows.push_back(feature_row(map.features[f]));
     }
     accumulate(linear, Sink{H_, rows});
@@ -47,16 +46,16 @@ class DenseInformation {
   void add(const std::vector<Eigen::Index>& rows, const Eigen::MatrixXd& information) { H_(rows, rows) += information; }
 
   const Eigen::MatrixXd& information() const { return H_; }
-  Eigen::Index pose_row(Index pose) const { return pose == kWorld ? -1 : pose * kPoseDof<Dim>; }
-  Eigen::Index feature_row(Index feature) const { return poses_ * kPoseDof<Dim> + feature * Dim; }
+  Eigen::Index pose_row(PoseIndex pose) const { return pose == kWorld ? -1 : pose.value * kPoseDof<Dim>; }
+  Eigen::Index feature_row(FeatureIndex feature) const { return pose_row(indices(state_.poses).last) + feature.value * Dim; }
 
   /// Of everything but the held poses, whose rows are zero. In extended precision: what is compared with it is not.
-  Eigen::MatrixXd inverse(const std::vector<Index>& held) const {
+  Eigen::MatrixXd inverse(const std::vector<PoseIndex>& held) const {
     const auto free = free_rows(held);
     return inverse(free, Eigen::MatrixXd(H_(free, free)).template cast<long double>());
   }
   /// The same in coordinates y of as many entries, T = ∂x/∂y; held poses are held in both.
-  Eigen::MatrixXd inverse(const std::vector<Index>& held, const Eigen::MatrixXd& T) const {
+  Eigen::MatrixXd inverse(const std::vector<PoseIndex>& held, const Eigen::MatrixXd& T) const {
     const auto free = free_rows(held);
     const Extended T_free = Eigen::MatrixXd(T(free, free)).template cast<long double>();
     const Extended H_T = Eigen::MatrixXd(H_(free, free)).template cast<long double>() * T_free;
@@ -66,11 +65,11 @@ class DenseInformation {
  private:
   using Extended = Eigen::Matrix<long double, Eigen::Dynamic, Eigen::Dynamic>;
 
-  std::vector<Eigen::Index> free_rows(const std::vector<Index>& held) const {
+  std::vector<Eigen::Index> free_rows(const std::vector<PoseIndex>& held) const {
     std::vector<Eigen::Index> free;
     for (Eigen::Index row = 0; row < H_.rows(); ++row) {
       const bool is_anchored =
-          row < feature_row(0) && std::find(held.begin(), held.end(), static_cast<Index>(row / kPoseDof<Dim>)) != held.end();
+          row < feature_row(0) && std::find(held.begin(), held.end(), PoseIndex(row / kPoseDof<Dim>)) != held.end();
       if (!is_anchored) free.push_back(row);
     }
     return free;
@@ -99,7 +98,6 @@ class DenseInformation {
   };
 
   const Values<Dim>& state_;
-  Index poses_ = 0;
   Eigen::MatrixXd H_;
 };
 

@@ -17,8 +17,8 @@ Eigen::MatrixXd J_absolute_relative(const Relations<Dim>& relations, const Dense
   const Values<Dim> state = composed(relations);
   const Eigen::Index size = layout.information().rows();
   Eigen::MatrixXd T = Eigen::MatrixXd::Zero(size, size);
-  for (const Index pose : relations.order) {
-    const auto& relation = relations.poses[static_cast<std::size_t>(pose)];
+  for (const PoseIndex pose : relations.order) {
+    const auto& relation = relations.poses[pose];
     const Eigen::Index row = layout.pose_row(pose);
     PoseMatrix<Dim> J_parent, J_child;
     compose(state.pose(relation.parent), relation.value, &J_parent, &J_child);
@@ -27,9 +27,9 @@ Eigen::MatrixXd J_absolute_relative(const Relations<Dim>& relations, const Dense
     }
     T.block<kDof, kDof>(row, row) = J_child;
   }
-  for (std::size_t f = 0; f < relations.features.size(); ++f) {
+  for (const FeatureIndex f : indices(relations.features)) {
     const auto& relation = relations.features[f];
-    const Eigen::Index row = layout.feature_row(static_cast<Index>(f));
+    const Eigen::Index row = layout.feature_row(f);
     PointPoseMatrix<Dim> J_parent;
     PointMatrix<Dim> J_child;
     transform(state.pose(relation.parent), relation.value, &J_parent, &J_child);
@@ -42,18 +42,18 @@ Eigen::MatrixXd J_absolute_relative(const Relations<Dim>& relations, const Dense
 }
 
 template <int Dim>
-void expect_relations_of(const DenseInformation<Dim>& information, const std::vector<Index>& held,
+void expect_relations_of(const DenseInformation<Dim>& information, const std::vector<PoseIndex>& held,
                          const Relations<Dim>& relations) {
   const Eigen::MatrixXd whole = information.inverse(held, J_absolute_relative(relations, information));
-  const auto expect_block = [&](const auto& covariance, Eigen::Index row, const char* of, std::size_t index) {
+  const auto expect_block = [&](const auto& covariance, Eigen::Index row, const char* of, int index) {
     const Eigen::MatrixXd expected = whole.block(row, row, covariance.rows(), covariance.cols());
     EXPECT_LE((covariance - expected).norm(), 1e-9 * expected.norm()) << of << index;
   };
-  for (std::size_t p = 0; p < relations.poses.size(); ++p) {
-    expect_block(relations.poses[p].covariance, information.pose_row(static_cast<Index>(p)), "pose ", p);
+  for (const PoseIndex p : indices(relations.poses)) {
+    expect_block(relations.poses[p].covariance, information.pose_row(p), "pose ", p.value);
   }
-  for (std::size_t f = 0; f < relations.features.size(); ++f) {
-    expect_block(relations.features[f].covariance, information.feature_row(static_cast<Index>(f)), "feature ", f);
+  for (const FeatureIndex f : indices(relations.features)) {
+    expect_block(relations.features[f].covariance, information.feature_row(f), "feature ", f.value);
   }
 }
 

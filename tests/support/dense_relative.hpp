@@ -22,36 +22,36 @@ class DenseRelative {
       : system_(system), state_(system.estimate()), tree_(spanning_tree(system)) {
     const Eigen::Index n = system.equations().size();
     T = Eigen::MatrixXd::Zero(n, n);
-    for (const TreeEdge& edge : tree_.poses) compose_pose(edge);
-    for (const TreeEdge& edge : tree_.features) compose_feature(edge);
+    for (const auto& edge : tree_.poses) compose_pose(edge);
+    for (const auto& edge : tree_.features) compose_feature(edge);
     for (const auto& o : system.pose_factors()) {
-      add_rows(linearise<Dim>(o.observation->measured, state_.pose(o.base), state_.pose(o.target)), o.base,
-               pose_entry(o.target), o.observation->information);
+      add_rows(linearise<Dim>(o.observation->measured, state_.pose(o.base), state_.pose(o.target)), o.base, entry(o.target),
+               o.observation->information);
     }
     for (const auto& o : system.feature_factors()) {
-      add_rows(linearise<Dim>(o.observation->measured, state_.pose(o.base), state_.feature(o.target)), o.base,
-               feature_entry(o.target), o.observation->information);
+      add_rows(linearise<Dim>(o.observation->measured, state_.pose(o.base), state_.features[o.target]), o.base, entry(o.target),
+               o.observation->information);
     }
     for (const auto& map : system.maps()) add_map(map);
     H = J.transpose() * W * J;
     g = J.transpose() * W * r;
     D = Eigen::MatrixXd::Zero(n, n);
-    for (const TreeEdge& edge : tree_.poses) weigh(edge, pose_entry(edge.child), kDof);
-    for (const TreeEdge& edge : tree_.features) weigh(edge, feature_entry(edge.child), Dim);
+    for (const auto& edge : tree_.poses) weigh(edge, entry(edge.child), kDof);
+    for (const auto& edge : tree_.features) weigh(edge, entry(edge.child), Dim);
   }
 
   /// The state whose relations are those of the estimate moved by `step`.
   Values<Dim> moved(const Eigen::VectorXd& step) const {
     Values<Dim> state = state_;
-    for (const TreeEdge& edge : tree_.poses) {
+    for (const auto& edge : tree_.poses) {
       const Pose<Dim> relation = between(state_.pose(edge.parent), state_.pose(edge.child));
-      const PoseVector<Dim> delta = step.segment<kDof>(pose_entry(edge.child));
-      state.poses[static_cast<std::size_t>(edge.child)] = compose(state.pose(edge.parent), retract<Dim>(relation, delta));
+      const PoseVector<Dim> delta = step.segment<kDof>(entry(edge.child));
+      state.poses[edge.child] = compose(state.pose(edge.parent), retract<Dim>(relation, delta));
     }
-    for (const TreeEdge& edge : tree_.features) {
-      const Point<Dim> relation = transform_into(state_.pose(edge.parent), state_.feature(edge.child));
-      const Point<Dim> delta = step.segment<Dim>(feature_entry(edge.child));
-      state.features[static_cast<std::size_t>(edge.child)] = transform<Dim>(state.pose(edge.parent), relation + delta);
+    for (const auto& edge : tree_.features) {
+      const Point<Dim> relation = transform_into(state_.pose(edge.parent), state_.features[edge.child]);
+      const Point<Dim> delta = step.segment<Dim>(entry(edge.child));
+      state.features[edge.child] = transform<Dim>(state.pose(edge.parent), relation + delta);
     }
     return state;
   }
@@ -65,24 +65,24 @@ class DenseRelative {
   Eigen::MatrixXd D;  ///< The information that each edge's observation has of its relation.
 
  private:
-  Eigen::Index pose_entry(Index place) const {
-    const Variable variable = system_.pose_variable(place);
+  Eigen::Index entry(PoseIndex place) const {
+    const Variable variable = system_.variable(place);
     return variable == kConstant ? -1 : system_.equations().offset(variable);
   }
-  Eigen::Index feature_entry(Index place) const { return system_.equations().offset(system_.feature_variable(place)); }
+  Eigen::Index entry(FeatureIndex place) const { return system_.equations().offset(system_.variable(place)); }
 
-  void compose_pose(const TreeEdge& edge) {
+  void compose_pose(const TreeEdge<PoseIndex>& edge) {
     PoseMatrix<Dim> J_parent, J_relation;
     const Pose<Dim> parent = state_.pose(edge.parent);
     compose(parent, between(parent, state_.pose(edge.child)), &J_parent, &J_relation);
-    hang<kDof>(pose_entry(edge.child), pose_entry(edge.parent), J_parent, J_relation);
+    hang<kDof>(entry(edge.child), entry(edge.parent), J_parent, J_relation);
   }
-  void compose_feature(const TreeEdge& edge) {
+  void compose_feature(const TreeEdge<FeatureIndex>& edge) {
     PointPoseMatrix<Dim> J_parent;
     PointMatrix<Dim> J_relation;
     const Pose<Dim> parent = state_.pose(edge.parent);
-    transform(parent, transform_into(parent, state_.feature(edge.child)), &J_parent, &J_relation);
-    hang<Dim>(feature_entry(edge.child), pose_entry(edge.parent), J_parent, J_relation);
+    transform(parent, transform_into(parent, state_.features[edge.child]), &J_parent, &J_relation);
+    hang<Dim>(entry(edge.child), entry(edge.parent), J_parent, J_relation);
   }
   template <int Dof, typename JParent, typename JRelation>
   void hang(Eigen::Index child, Eigen::Index parent, const JParent& J_parent, const JRelation& J_relation) {
@@ -100,13 +100,13 @@ class DenseRelative {
     J.bottomRows(rows).setZero();
   }
   template <int Dof>
-  void set_rows(Eigen::Index row, const LinearTarget<Dim, Dof>& linear, Index base, Eigen::Index target) {
+  void set_rows(Eigen::Index row, const LinearTarget<Dim, Dof>& linear, PoseIndex base, Eigen::Index target) {
     r.segment<Dof>(row) = linear.residual;
     if (target >= 0) J.middleRows<Dof>(row) += linear.J_target * T.middleRows<Dof>(target);
-    if (pose_entry(base) >= 0) J.middleRows<Dof>(row) += linear.J_base * T.middleRows<kDof>(pose_entry(base));
+    if (entry(base) >= 0) J.middleRows<Dof>(row) += linear.J_base * T.middleRows<kDof>(entry(base));
   }
   template <int Dof>
-  void add_rows(const LinearTarget<Dim, Dof>& linear, Index base, Eigen::Index target, const Matrix<Dof>& information) {
+  void add_rows(const LinearTarget<Dim, Dof>& linear, PoseIndex base, Eigen::Index target, const Matrix<Dof>& information) {
     const Eigen::Index row = r.size();
     grow(Dof);
     set_rows(row, linear, base, target);
@@ -122,15 +122,16 @@ class DenseRelative {
     const Pose<Dim> base = state_.pose(placed.base);
     for (std::size_t p = 0; p < map.poses.size(); ++p, row += kDof) {
       const auto linear = linearise<Dim>(map.pose_estimates[p], base, state_.pose(placed.poses[p]));
-      set_rows(row, linear, placed.base, pose_entry(placed.poses[p]));
+      set_rows(row, linear, placed.base, entry(placed.poses[p]));
     }
     first_feature_row_[first_row_.size() - 1] = {row, map.poses.size()};
     for (std::size_t f = 0; f < map.features.size(); ++f, row += Dim) {
-      const auto linear = linearise<Dim>(map.feature_estimates[f], base, state_.feature(placed.features[f]));
-      set_rows(row, linear, placed.base, feature_entry(placed.features[f]));
+      const auto linear = linearise<Dim>(map.feature_estimates[f], base, state_.features[placed.features[f]]);
+      set_rows(row, linear, placed.base, entry(placed.features[f]));
     }
   }
-  void weigh(const TreeEdge& edge, Eigen::Index child, int dof) {
+  template <typename Child>
+  void weigh(const TreeEdge<Child>& edge, Eigen::Index child, int dof) {
     if (!edge.observation) {  // all that is known of the child
       D.block(child, child, dof, dof) = system_.equations().diagonal().segment(child, dof).asDiagonal();
       return;

@@ -50,8 +50,8 @@ template <int Dim>
 struct DenseSlam {
   std::vector<PoseFactor<Dim>> pose_factors;
   std::vector<FeatureFactor<Dim>> feature_factors;
-  std::vector<Index> free_poses;
-  std::vector<Index> free_features;
+  std::vector<PoseIndex> free_poses;
+  std::vector<FeatureIndex> free_features;
 
   Eigen::Index size() const {
     return static_cast<Eigen::Index>(free_poses.size()) * kPoseDof<Dim> + static_cast<Eigen::Index>(free_features.size()) * Dim;
@@ -59,13 +59,13 @@ struct DenseSlam {
 
   Values<Dim> moved(Values<Dim> state, const Eigen::VectorXd& step) const {
     Eigen::Index entry = 0;
-    for (const Index pose : free_poses) {
-      auto& value = state.poses[static_cast<std::size_t>(pose)];
+    for (const PoseIndex pose : free_poses) {
+      auto& value = state.poses[pose];
       value = retract(value, PoseVector<Dim>(step.segment<kPoseDof<Dim>>(entry)));
       entry += kPoseDof<Dim>;
     }
-    for (const Index feature : free_features) {
-      state.features[static_cast<std::size_t>(feature)] += step.segment<Dim>(entry);
+    for (const FeatureIndex feature : free_features) {
+      state.features[feature] += step.segment<Dim>(entry);
       entry += Dim;
     }
     return state;
@@ -77,7 +77,7 @@ struct DenseSlam {
       add(o, state.pose(o.base), state.pose(o.target), pose_columns(o.base), pose_columns(o.target), equations);
     }
     for (const auto& o : feature_factors) {
-      add(o, state.pose(o.base), state.feature(o.target), pose_columns(o.base), feature_columns(o.target), equations);
+      add(o, state.pose(o.base), state.features[o.target], pose_columns(o.base), feature_columns(o.target), equations);
     }
     return equations;
   }
@@ -101,11 +101,11 @@ struct DenseSlam {
     return step.size() == 0 ? point : Point<Dim>(point + step);
   }
 
-  std::vector<Eigen::Index> pose_columns(Index pose) const {
+  std::vector<Eigen::Index> pose_columns(PoseIndex pose) const {
     return columns(std::find(free_poses.begin(), free_poses.end(), pose) - free_poses.begin(), free_poses.size(), 0,
                    kPoseDof<Dim>);
   }
-  std::vector<Eigen::Index> feature_columns(Index feature) const {
+  std::vector<Eigen::Index> feature_columns(FeatureIndex feature) const {
     return columns(std::find(free_features.begin(), free_features.end(), feature) - free_features.begin(), free_features.size(),
                    static_cast<Eigen::Index>(free_poses.size()) * kPoseDof<Dim>, Dim);
   }
@@ -142,13 +142,13 @@ DenseSlam<Dim> full_slam(const Log<Dim>& log) {
   slam.pose_factors = log.graph.pose_factors;
   slam.feature_factors = log.graph.feature_factors;
   const bool world_holds = !log.graph.fixed.empty() || !log.pose_priors().empty() || !log.feature_priors().empty();
-  for (Index pose = 0; pose < static_cast<Index>(log.poses.size()); ++pose) {
+  for (const PoseIndex pose : indices(log.poses)) {
     const bool is_fixed = std::any_of(log.graph.fixed.begin(), log.graph.fixed.end(),
                                       [&](const FixedPose<Dim>& fixed) { return fixed.pose == pose; });
     if (!is_fixed && (world_holds || pose > 0)) slam.free_poses.push_back(pose);
   }
   slam.free_features.resize(log.features.size());
-  std::iota(slam.free_features.begin(), slam.free_features.end(), 0);
+  std::iota(slam.free_features.begin(), slam.free_features.end(), FeatureIndex());
   return slam;
 }
 

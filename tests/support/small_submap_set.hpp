@@ -16,16 +16,16 @@ SubmapSet<Dim> small_submap_set(const Log<Dim>& log, double poses_per_map) {
   set.source = "maps";
   set.graph.submaps = build_local_maps<Dim>(log, parts, {}).value().maps;
   // Only what is kept has a place in the set.
-  std::vector<Index> place(log.poses.size(), -1);
-  for (std::size_t p = 0; p < place.size(); ++p) {
+  Table<PoseIndex, PoseIndex> place(log.poses.size(), kWorld);
+  for (const PoseIndex p : indices(place)) {
     if (!parts.kept[p]) continue;
-    place[p] = static_cast<Index>(set.poses.size());
+    place[p] = PoseIndex(set.poses.size());
     set.poses.push_back(log.poses[p]);
   }
-  const auto placed = [&](Index pose) { return place[static_cast<std::size_t>(pose)]; };
+  const auto placed = [&](PoseIndex pose) { return place[pose]; };
   for (auto& map : set.graph.submaps) {
     map.base = placed(map.base);
-    for (Index& pose : map.poses) pose = placed(pose);
+    for (PoseIndex& pose : map.poses) pose = placed(pose);
     set.segments.push_back({map.base, map.poses.back(), true});
   }
   for (auto closure : log.closures()) {

@@ -106,8 +106,8 @@ template <int Dim>
 double largest_difference(const Values<Dim>& a, const Values<Dim>& b) {
   if (a.poses.size() != b.poses.size() || a.features.size() != b.features.size()) return std::nan("");
   double largest = 0.0;
-  for (std::size_t p = 0; p < a.poses.size(); ++p) largest = std::max(largest, local(a.poses[p], b.poses[p]).norm());
-  for (std::size_t f = 0; f < a.features.size(); ++f) {
+  for (const PoseIndex p : indices(a.poses)) largest = std::max(largest, local(a.poses[p], b.poses[p]).norm());
+  for (const FeatureIndex f : indices(a.features)) {
     largest = std::max(largest, (a.features[f] - b.features[f]).norm());
   }
   return largest;

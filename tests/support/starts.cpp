@@ -5,21 +5,16 @@
 namespace mapjoin::testing {
 namespace {
 
-template <typename T>
-decltype(auto) at(T& values, Index i) {
-  return values[static_cast<std::size_t>(i)];
-}
-
 template <int Dim>
 struct Edge {
-  Index base;
-  Index target;
+  PoseIndex base;
+  PoseIndex target;
   Pose<Dim> measured;
 };
 template <int Dim>
 struct Seen {
-  Index base;
-  Index feature;
+  PoseIndex base;
+  FeatureIndex feature;
   Point<Dim> measured;
 };
 
@@ -37,34 +32,34 @@ void append(std::vector<Seen<Dim>>& observations_seen, std::type_identity_t<std:
 /// Breadth-first over the edges in their order, from each fixed pose in turn, then from every pose not reached yet, which goes
 /// to the origin.
 template <int Dim>
-std::vector<Pose<Dim>> spread(std::size_t count, const std::vector<FixedPose<Dim>>& fixed,
-                              const std::vector<Edge<Dim>>& edges) {
-  std::vector<std::vector<const Edge<Dim>*>> incident(count);
+Table<PoseIndex, Pose<Dim>> spread(std::size_t count, const std::vector<FixedPose<Dim>>& fixed,
+                                   const std::vector<Edge<Dim>>& edges) {
+  Table<PoseIndex, std::vector<const Edge<Dim>*>> incident(count);
   for (const Edge<Dim>& edge : edges) {
-    at(incident, edge.base).push_back(&edge);
-    at(incident, edge.target).push_back(&edge);
+    incident[edge.base].push_back(&edge);
+    incident[edge.target].push_back(&edge);
   }
-  std::vector<Pose<Dim>> poses(count);
-  std::vector<bool> reached(count);
-  std::queue<Index> front;
-  const auto reach = [&](Index i, const Pose<Dim>& pose) {
-    if (at(reached, i)) return;
-    at(reached, i) = true;
-    at(poses, i) = pose;
+  Table<PoseIndex, Pose<Dim>> poses(count);
+  Table<PoseIndex, bool> reached(count);
+  std::queue<PoseIndex> front;
+  const auto reach = [&](PoseIndex i, const Pose<Dim>& pose) {
+    if (reached[i]) return;
+    reached[i] = true;
+    poses[i] = pose;
     front.push(i);
   };
   const auto drain = [&] {
     for (; !front.empty(); front.pop()) {
-      const Index i = front.front();
-      for (const Edge<Dim>* edge : at(incident, i)) {
-        if (edge->base == i) reach(edge->target, compose(at(poses, i), edge->measured));
-        if (edge->target == i) reach(edge->base, compose(at(poses, i), inverse(edge->measured)));
+      const PoseIndex i = front.front();
+      for (const Edge<Dim>* edge : incident[i]) {
+        if (edge->base == i) reach(edge->target, compose(poses[i], edge->measured));
+        if (edge->target == i) reach(edge->base, compose(poses[i], inverse(edge->measured)));
       }
     }
   };
   for (const FixedPose<Dim>& pose : fixed) reach(pose.pose, pose.value);
   drain();
-  for (Index i = 0; i < static_cast<Index>(count); ++i) {
+  for (const PoseIndex i : indices(poses)) {
     reach(i, Pose<Dim>{});
     drain();
   }
@@ -72,15 +67,15 @@ std::vector<Pose<Dim>> spread(std::size_t count, const std::vector<FixedPose<Dim
 }
 
 template <int Dim>
-Values<Dim> with_first_observations(std::vector<Pose<Dim>> poses, std::size_t count,
+Values<Dim> with_first_observations(Table<PoseIndex, Pose<Dim>> poses, std::size_t count,
                                     const std::vector<Seen<Dim>>& observations_seen) {
-  std::vector<Point<Dim>> features(count, Point<Dim>::Zero());
-  std::vector<bool> placed(count);
+  Table<FeatureIndex, Point<Dim>> features(count, Point<Dim>::Zero());
+  Table<FeatureIndex, bool> placed(count);
   for (const Seen<Dim>& seen : observations_seen) {
-    if (at(placed, seen.feature)) continue;
-    at(placed, seen.feature) = true;
-    const Pose<Dim> base = seen.base == kWorld ? Pose<Dim>{} : at(poses, seen.base);
-    at(features, seen.feature) = transform(base, seen.measured);
+    if (placed[seen.feature]) continue;
+    placed[seen.feature] = true;
+    const Pose<Dim> base = seen.base == kWorld ? Pose<Dim>{} : poses[seen.base];
+    features[seen.feature] = transform(base, seen.measured);
   }
   return {std::move(poses), std::move(features)};
 }
@@ -88,14 +83,14 @@ Values<Dim> with_first_observations(std::vector<Pose<Dim>> poses, std::size_t co
 }  // namespace
 
 template <int Dim>
-Values<Dim> with_first_observations(const Log<Dim>& log, std::vector<Pose<Dim>> poses) {
+Values<Dim> with_first_observations(const Log<Dim>& log, Table<PoseIndex, Pose<Dim>> poses) {
   std::vector<Seen<Dim>> observations_seen;
   append(observations_seen, log.graph.feature_factors);
   return with_first_observations(std::move(poses), log.features.size(), observations_seen);
 }
 
 template <int Dim>
-Values<Dim> with_first_observations(const SubmapSet<Dim>& set, std::vector<Pose<Dim>> poses) {
+Values<Dim> with_first_observations(const SubmapSet<Dim>& set, Table<PoseIndex, Pose<Dim>> poses) {
   std::vector<Seen<Dim>> observations_seen;
   for (const LocalMap<Dim>& map : set.graph.submaps) {
     for (std::size_t i = 0; i < map.features.size(); ++i) {
@@ -138,10 +133,10 @@ std::optional<Values<Dim>> file_start(const Log<Dim>& log) {
   return Values<Dim>{log.initial.poses, log.initial.features};
 }
 
-template Values<2> with_first_observations(const Log<2>&, std::vector<Pose<2>>);
-template Values<3> with_first_observations(const Log<3>&, std::vector<Pose<3>>);
-template Values<2> with_first_observations(const SubmapSet<2>&, std::vector<Pose<2>>);
-template Values<3> with_first_observations(const SubmapSet<3>&, std::vector<Pose<3>>);
+template Values<2> with_first_observations(const Log<2>&, Table<PoseIndex, Pose<2>>);
+template Values<3> with_first_observations(const Log<3>&, Table<PoseIndex, Pose<3>>);
+template Values<2> with_first_observations(const SubmapSet<2>&, Table<PoseIndex, Pose<2>>);
+template Values<3> with_first_observations(const SubmapSet<3>&, Table<PoseIndex, Pose<3>>);
 template Values<2> composed_start(const SubmapSet<2>&);
 template Values<3> composed_start(const SubmapSet<3>&);
 template Values<2> odometry_start(const Log<2>&);

@@ -12,10 +12,10 @@ namespace mapjoin::testing {
 
 /// Every feature where its first observation (or prior) puts it, seen from the given poses.
 template <int Dim>
-Values<Dim> with_first_observations(const Log<Dim>& log, std::vector<Pose<Dim>> poses);
+Values<Dim> with_first_observations(const Log<Dim>& log, Table<PoseIndex, Pose<Dim>> poses);
 
 template <int Dim>
-Values<Dim> with_first_observations(const SubmapSet<Dim>& set, std::vector<Pose<Dim>> poses);
+Values<Dim> with_first_observations(const SubmapSet<Dim>& set, Table<PoseIndex, Pose<Dim>> poses);
 
 /// Each session dead-reckoned from its first pose; features by their first observations.
 template <int Dim>

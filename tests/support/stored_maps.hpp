@@ -10,23 +10,23 @@
 namespace mapjoin::testing {
 
 template <int Dim>
-PoseFactor<Dim> random_pose_observation(Random& random, Index base, Index target) {
+PoseFactor<Dim> random_pose_observation(Random& random, PoseIndex base, PoseIndex target) {
   return {base, target, random.pose<Dim>(), random.information<kPoseDof<Dim>>()};
 }
 
 template <int Dim>
-FeatureFactor<Dim> random_feature_observation(Random& random, Index base, Index target) {
+FeatureFactor<Dim> random_feature_observation(Random& random, PoseIndex base, FeatureIndex target) {
   return {base, target, random.vector<Dim>(), random.information<Dim>()};
 }
 
 template <int Dim>
-LocalMap<Dim> random_map(Random& random, const Segment& segment, Index features) {
+LocalMap<Dim> random_map(Random& random, const Segment& segment, int features) {
   LocalMap<Dim> map;
   map.base = segment.begin;
   map.poses = {segment.end};
   map.pose_estimates = {random.pose<Dim>()};
-  for (Index i = 0; i < features; ++i) {
-    map.features.push_back(features - 1 - i);
+  for (int i = 0; i < features; ++i) {
+    map.features.emplace_back(features - 1 - i);
     map.feature_estimates.push_back(random.vector<Dim>(9.0));
   }
   const Eigen::Index n = kPoseDof<Dim> + Dim * features;
@@ -40,34 +40,34 @@ LocalMap<Dim> random_map(Random& random, const Segment& segment, Index features)
 
 /// `maps` segments of two steps each, then a raw segment of one; every array of the log has something in it.
 template <int Dim>
-StoredMaps<Dim> random_stored_maps(Random& random, Index maps, Index features = 5) {
+StoredMaps<Dim> random_stored_maps(Random& random, int maps, int features = 5) {
   StoredMaps<Dim> stored;
   Log<Dim>& log = stored.log;
-  const Index poses = 2 * maps + 2;
+  const int poses = 2 * maps + 2;
   log.source = "some folder/some log.g2o";
-  for (Index i = 0; i < poses; ++i) {
+  for (int i = 0; i < poses; ++i) {
     log.poses.push_back({7, std::uint64_t{0x6100000000000000} + static_cast<std::uint64_t>(i)});
     log.stamps_ns.push_back(-5 + 1'000'000'000'000'000'007 * (i % 9));
     log.initial.poses.push_back(random.pose<Dim>());
-    if (i > 0) log.graph.pose_factors.push_back(random_pose_observation<Dim>(random, i - 1, i));
-    log.graph.feature_factors.push_back(random_feature_observation<Dim>(random, i, i % features));
+    if (i > 0) log.graph.pose_factors.push_back(random_pose_observation<Dim>(random, PoseIndex(i - 1), PoseIndex(i)));
+    log.graph.feature_factors.push_back(random_feature_observation<Dim>(random, PoseIndex(i), FeatureIndex(i % features)));
   }
-  for (Index i = 0; i < features; ++i) {
+  for (int i = 0; i < features; ++i) {
     log.features.push_back({~std::uint64_t{0} - static_cast<std::uint64_t>(features - i)});
     log.initial.features.push_back(random.vector<Dim>());
   }
-  log.sessions = {{0, poses}};
-  log.graph.pose_factors.push_back(random_pose_observation<Dim>(random, poses - 1, 0));
+  log.sessions = {{0, PoseIndex(poses)}};
+  log.graph.pose_factors.push_back(random_pose_observation<Dim>(random, PoseIndex(poses - 1), 0));
   log.graph.pose_factors.push_back(random_pose_observation<Dim>(random, kWorld, 1));
   log.graph.feature_factors.push_back(random_feature_observation<Dim>(random, kWorld, 2));
   log.graph.fixed = {{0, random.pose<Dim>()}};
   log.unassociated = 4;
   log.conventions = {PoseError::kG2o, RotationInformation::kQuaternion, Covariance::kIdentity, {3, 1.25e-7, 5}};
-  for (Index k = 0; k < maps; ++k) {
-    stored.segments.push_back({2 * k, 2 * k + 2, true});
+  for (PoseIndex begin = 0; begin.value < 2 * maps; begin += 2) {
+    stored.segments.push_back({begin, begin + 2, true});
     stored.maps.push_back(random_map<Dim>(random, stored.segments.back(), features));
   }
-  stored.segments.push_back({poses - 2, poses - 1, false});
+  stored.segments.push_back({PoseIndex(poses - 2), PoseIndex(poses - 1), false});
   stored.options = "--poses-per-map 2";
   return stored;
 }

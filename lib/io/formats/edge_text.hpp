@@ -124,12 +124,12 @@ Expected<AnyLog> read_edge_text(TextScanner text, const EdgeText<2>& plane, cons
 template <int Dim>
 struct EdgeTextContents {
   std::string_view source;  ///< For messages.
-  const std::vector<PoseId>& pose_ids;
-  const std::vector<FeatureId>& feature_ids;
+  const PoseIds& pose_ids;
+  const FeatureIds& feature_ids;
   std::vector<std::string> comments;  ///< Without `#`.
-  const std::vector<Pose<Dim>>* poses = nullptr;
-  const std::vector<Point<Dim>>* features = nullptr;
-  std::vector<Index> fixed{};
+  const Table<PoseIndex, Pose<Dim>>* poses = nullptr;
+  const Table<FeatureIndex, Point<Dim>>* features = nullptr;
+  std::vector<PoseIndex> fixed{};
   const Log<Dim>* log = nullptr;  ///< Its edges and observations, over these poses and features.
 };
 

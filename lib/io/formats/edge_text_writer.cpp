@@ -20,7 +20,7 @@ class EdgeTextWriter {
     for (const std::string& comment : contents_.comments) line_.add("#").add(comment).write_to(file_);
     if (contents_.poses) write_poses(*contents_.poses);
     if (contents_.features) write_features(*contents_.features);
-    for (const Index pose : contents_.fixed) line_.add(kG2oFix).add(numbering_(pose_id(pose))).write_to(file_);
+    for (const PoseIndex pose : contents_.fixed) line_.add(kG2oFix).add(numbering_(pose_id(pose))).write_to(file_);
     if (contents_.log) write_edges(contents_.log->edges());
     if (contents_.log) write_observations(contents_.log->observations());
     if (!fault_) return file_.commit();
@@ -29,7 +29,7 @@ class EdgeTextWriter {
   }
 
  private:
-  const PoseId& pose_id(Index pose) const { return contents_.pose_ids[static_cast<std::size_t>(pose)]; }
+  const PoseId& pose_id(PoseIndex pose) const { return contents_.pose_ids[pose]; }
 
   /// `put(line, k)` gives what the format has no words for, if anything; the first such k counts.
   template <typename Put>
@@ -55,17 +55,19 @@ class EdgeTextWriter {
     return fault ? fault : put(measured, line);
   }
 
-  void write_poses(const std::vector<Pose<Dim>>& poses) {
+  void write_poses(const Table<PoseIndex, Pose<Dim>>& poses) {
     write_each(poses.size(), [&](TextLine& line, std::size_t k) -> Fault {
-      const PoseId& id = contents_.pose_ids[k];
-      const auto fault = format_.put_pose(poses[k], line.add(format_.pose_tag).add(numbering_(id)));
+      const PoseIndex pose(k);
+      const PoseId& id = pose_id(pose);
+      const auto fault = format_.put_pose(poses[pose], line.add(format_.pose_tag).add(numbering_(id)));
       return fault ? to_string(id) + " " + *fault : fault;
     });
   }
 
-  void write_features(const std::vector<Point<Dim>>& features) {
+  void write_features(const Table<FeatureIndex, Point<Dim>>& features) {
     write_each(features.size(), [&](TextLine& line, std::size_t k) -> Fault {
-      line.add(format_.feature_tag).add(numbering_(contents_.feature_ids[k])).template add<Dim>(features[k]);
+      const FeatureIndex feature(k);
+      line.add(format_.feature_tag).add(numbering_(contents_.feature_ids[feature])).template add<Dim>(features[feature]);
       return std::nullopt;
     });
   }
@@ -86,7 +88,7 @@ class EdgeTextWriter {
     write_each(observations.size(), [&](TextLine& line, std::size_t k) -> Fault {
       const FeatureFactor<Dim>& seen = observations[k];
       const PoseId& pose = pose_id(seen.base);
-      const FeatureId feature = contents_.feature_ids[static_cast<std::size_t>(seen.target)];
+      const FeatureId feature = contents_.feature_ids[seen.target];
       line.add(format_.observation_tag).add(numbering_(pose)).add(numbering_(feature));
       const auto fault = put_measured(MeasuredPoint<Dim>{seen.measured, seen.information}, format_.put_point, line);
       return fault ? fmt::format("the observation of {} from {} {}", to_string(feature), to_string(pose), *fault) : fault;
@@ -117,8 +119,7 @@ Fault covariance_of(const Matrix<Size>& information, Matrix<Size>& covariance) {
 template <int Dim>
 Expected<void> write_edge_text(const EdgeTextContents<Dim>& contents, const EdgeText<Dim>& format,
                                const std::filesystem::path& path) {
-  const auto numbering =
-      number_for_g2o(contents.pose_ids, format.one_numbering ? contents.feature_ids : std::vector<FeatureId>());
+  const auto numbering = number_for_g2o(contents.pose_ids, format.one_numbering ? contents.feature_ids : FeatureIds());
   if (!numbering) return tl::unexpected(numbering.error());
   return OutputFile::create(path).and_then(
       [&](OutputFile&& file) { return EdgeTextWriter<Dim>(contents, format, *numbering, std::move(file)).write(); });

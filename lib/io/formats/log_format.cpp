@@ -157,21 +157,17 @@ const Format& row_of(LogFormat format) {
 /// How many poses and features no edge mentions.
 template <int Dim>
 std::size_t unmentioned(const Log<Dim>& log) {
-  std::vector<bool> pose(log.poses.size());
-  std::vector<bool> feature(log.features.size());
-  for (const auto& edge : log.edges()) {
-    pose[static_cast<std::size_t>(edge.base)] = pose[static_cast<std::size_t>(edge.target)] = true;
-  }
-  for (const auto& o : log.observations()) {
-    pose[static_cast<std::size_t>(o.base)] = feature[static_cast<std::size_t>(o.target)] = true;
-  }
+  Table<PoseIndex, bool> pose(log.poses.size());
+  Table<FeatureIndex, bool> feature(log.features.size());
+  for (const auto& edge : log.edges()) pose[edge.base] = pose[edge.target] = true;
+  for (const auto& o : log.observations()) pose[o.base] = feature[o.target] = true;
   return static_cast<std::size_t>(std::count(pose.begin(), pose.end(), false) +
                                   std::count(feature.begin(), feature.end(), false));
 }
 
 template <int Dim>
 void tell_numbering(const Log<Dim>& log, const Room& room, std::vector<std::string>& lost) {
-  const auto numbering = number_for_g2o(log.poses, room.one_numbering ? log.features : std::vector<FeatureId>());
+  const auto numbering = number_for_g2o(log.poses, room.one_numbering ? log.features : FeatureIds());
   if (!numbering) return;  // The writer says why.
   if (numbering->session_step > 0) {
     lost.push_back(fmt::format("poses of session n are numbered from n times {} on", numbering->session_step));

@@ -32,7 +32,7 @@ void put_poses(const GlobalMap<Dim>& map, OutputFile& file) {
   const bool has_covariances = !map.pose_covariances.empty();
   if (has_covariances) line.add_covariance_names(step_names<Dim>());
   line.write_to(file);
-  for (std::size_t i = 0; i < map.poses.size(); ++i) {
+  for (const PoseIndex i : indices(map.poses)) {
     if (has_sessions) line.add(map.pose_ids[i].session);
     line.add(map.pose_ids[i].key).add(map.poses[i]);
     if (has_stamps) line.add(map.stamps_ns[i]);
@@ -48,7 +48,7 @@ void put_features(const GlobalMap<Dim>& map, OutputFile& file) {
   const bool has_covariances = !map.feature_covariances.empty();
   if (has_covariances) line.add_covariance_names(step_names<Dim>(Dim));
   line.write_to(file);
-  for (std::size_t i = 0; i < map.features.size(); ++i) {
+  for (const FeatureIndex i : indices(map.features)) {
     line.add(map.feature_ids[i].key).template add<Dim>(map.features[i]);
     if (has_covariances) line.template add_symmetric<Dim>(map.feature_covariances[i]);
     line.write_to(file);
@@ -72,11 +72,11 @@ Expected<void> write_tum(const GlobalMap<Dim>& map, const std::filesystem::path&
   TextLine line(' ');
   line.add(has_stamps ? "# time[s] x y z qx qy qz qw" : "# index x y z qx qy qz qw (the poses have no time stamps)");
   line.write_to(*file);
-  for (std::size_t i = 0; i < map.poses.size(); ++i) {
+  for (const PoseIndex i : indices(map.poses)) {
     if (has_stamps) {
       line.add(seconds(map.stamps_ns[i]));
     } else {
-      line.add(i);
+      line.add(i.value);
     }
     line.add(in_space(map.poses[i])).write_to(*file);
   }

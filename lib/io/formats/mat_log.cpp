@@ -155,7 +155,7 @@ Expected<AnyLog> read_mat_log(std::string_view bytes, const std::string& file, c
 Expected<void> write_mat_log(const Log<2>& log, const std::filesystem::path& path) {
   const auto numbering = number_for_g2o(log.poses, {});
   if (!numbering) return tl::unexpected(numbering.error());
-  const auto pose = [&](Index index) { return (*numbering)(log.poses[static_cast<std::size_t>(index)]); };
+  const auto pose = [&](PoseIndex index) { return (*numbering)(log.poses[index]); };
   Eigen::MatrixXd table = Eigen::MatrixXd::Zero(static_cast<Eigen::Index>(log.edges().size() + log.observations().size()), 12);
   Eigen::Index row = 0;
   const auto cannot = [&](std::uint64_t base, std::uint64_t target, const std::string& fault) {
@@ -168,7 +168,7 @@ Expected<void> write_mat_log(const Log<2>& log, const std::filesystem::path& pat
     if (fault) return cannot(pose(base), pose(target), *fault);
   }
   for (const auto& [base, target, measured, W, loss] : log.observations()) {
-    const std::uint64_t feature = log.features[static_cast<std::size_t>(target)].key;
+    const std::uint64_t feature = log.features[target].key;
     const auto fault = put_row<2>(kObservation, pose(base), feature, measured, W, table.row(row++));
     if (fault) return cannot(pose(base), feature, *fault);
   }

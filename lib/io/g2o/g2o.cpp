@@ -82,8 +82,7 @@ bool is_tag_of(std::string_view tag) {
 
 /// What a g2o file holds of these names, to be filled.
 template <int Dim>
-EdgeTextContents<Dim> contents_of(std::string_view source, const std::vector<PoseId>& poses,
-                                  const std::vector<FeatureId>& features) {
+EdgeTextContents<Dim> contents_of(std::string_view source, const PoseIds& poses, const FeatureIds& features) {
   return {
       source,
       poses,
@@ -96,11 +95,11 @@ EdgeTextContents<Dim> contents_of(std::string_view source, const std::vector<Pos
 
 /// The vertices of a log, fixed poses at the value they are fixed at; none unless every pose and feature has an initial value.
 template <int Dim>
-std::vector<Pose<Dim>> pose_vertices(const Log<Dim>& log) {
+Table<PoseIndex, Pose<Dim>> pose_vertices(const Log<Dim>& log) {
   if (log.initial.features.size() < log.features.size()) return {};
-  std::vector<Pose<Dim>> poses = log.initial.poses;
+  Table<PoseIndex, Pose<Dim>> poses = log.initial.poses;
   if (poses.empty()) return poses;
-  for (const FixedPose<Dim>& fixed : log.graph.fixed) poses[static_cast<std::size_t>(fixed.pose)] = fixed.value;
+  for (const FixedPose<Dim>& fixed : log.graph.fixed) poses[fixed.pose] = fixed.value;
   return poses;
 }
 
@@ -112,7 +111,7 @@ Expected<void> check_expressible(const Log<Dim>& log, bool has_vertices) {
   for (const FixedPose<Dim>& fixed : log.graph.fixed) {
     if (has_vertices || local(fixed.value, Pose<Dim>{}).isZero(0.0)) continue;
     return cannot(fmt::format("g2o files cannot fix {} away from the origin without initial values of every pose and feature",
-                              to_string(log.poses[static_cast<std::size_t>(fixed.pose)])));
+                              to_string(log.poses[fixed.pose])));
   }
   return {};
 }
@@ -137,7 +136,7 @@ Expected<AnyLog> read_g2o_part(TextScanner text, const ReadOptions& options) {
 
 template <int Dim>
 Expected<void> write_g2o(const Log<Dim>& log, const std::filesystem::path& path) {
-  const std::vector<Pose<Dim>> poses = pose_vertices(log);
+  const Table<PoseIndex, Pose<Dim>> poses = pose_vertices(log);
   if (auto expressible = check_expressible(log, !poses.empty()); !expressible) return expressible;
   auto contents = contents_of<Dim>(log.source, log.poses, log.features);
   if (!poses.empty()) contents.poses = &poses;

@@ -14,8 +14,8 @@ using NamedMaps = std::vector<NamedLocalMap<Dim>>;
 
 /// The features' names in ascending order.
 template <int Dim>
-std::vector<FeatureId> all_features(const NamedMaps<Dim>& maps) {
-  std::vector<FeatureId> all;
+FeatureIds all_features(const NamedMaps<Dim>& maps) {
+  FeatureIds all;
   for (const auto& map : maps) all.insert(all.end(), map.features.begin(), map.features.end());
   std::sort(all.begin(), all.end());
   all.erase(std::unique(all.begin(), all.end()), all.end());
@@ -46,16 +46,13 @@ Expected<AnySubmapSet> assemble(NamedMaps<Dim>&& maps, const std::string& source
   set.poses.push_back(PoseId{0, 0});
   for (NamedLocalMap<Dim>& named : maps) {
     LocalMap<Dim>& map = set.graph.submaps.emplace_back(std::move(named.map));
-    map.base = static_cast<Index>(set.poses.size()) - 1;
+    map.base = PoseIndex(set.poses.size() - 1);
     if (named.moves) {
       set.poses.push_back(PoseId{0, static_cast<std::uint64_t>(named.number)});
       map.poses.push_back(map.base + 1);
     }
-    for (const FeatureId id : named.features) {
-      const auto found = std::lower_bound(set.features.begin(), set.features.end(), id);
-      map.features.push_back(static_cast<Index>(found - set.features.begin()));
-    }
-    set.segments.push_back({map.base, static_cast<Index>(set.poses.size()) - 1, true});
+    for (const FeatureId id : named.features) map.features.emplace_back(*find_ascending(set.features, id));
+    set.segments.push_back({map.base, PoseIndex(set.poses.size() - 1), true});
   }
   return set;
 }

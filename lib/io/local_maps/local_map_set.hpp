@@ -36,8 +36,7 @@ enum class LocalMapFormat {
 /// not exist; where a map does not move, but for MAT files in the plane; at a pitch of a right angle. kCannotWrite, after which
 /// some of the files may be there.
 template <int Dim>
-Expected<std::vector<std::string>> write_local_maps(const std::vector<LocalMap<Dim>>& maps,
-                                                    const std::vector<FeatureId>& features, LocalMapFormat format,
-                                                    const std::filesystem::path& folder);
+Expected<std::vector<std::string>> write_local_maps(const std::vector<LocalMap<Dim>>& maps, const FeatureIds& features,
+                                                    LocalMapFormat format, const std::filesystem::path& folder);
 
 }  // namespace mapjoin

@@ -36,14 +36,14 @@ void put_end_pose(const Pose<3>& end, Rows& rows) {
 }
 
 template <int Dim>
-Rows rows_of(const LocalMap<Dim>& map, std::int64_t number, const std::vector<FeatureId>& features) {
+Rows rows_of(const LocalMap<Dim>& map, std::int64_t number, const FeatureIds& features) {
   constexpr Eigen::Index kPoseRows = kPoseDof<Dim>;
   const Eigen::Index n = kPoseRows + Dim * static_cast<Eigen::Index>(map.features.size());
   Rows rows{number, kPoseRows, Eigen::VectorXd::Zero(n), Eigen::VectorXd::Zero(n), map.information};
   if (!map.poses.empty()) put_end_pose(map.pose_estimates.front(), rows);
   for (std::size_t f = 0; f < map.features.size(); ++f) {
     const Eigen::Index row = kPoseRows + Dim * static_cast<Eigen::Index>(f);
-    const auto id = static_cast<double>(features[static_cast<std::size_t>(map.features[f])].key);
+    const auto id = static_cast<double>(features[map.features[f]].key);
     rows.ids.segment<Dim>(row).setConstant(id);
     rows.values.segment<Dim>(row) = map.feature_estimates[f];
   }
@@ -52,12 +52,12 @@ Rows rows_of(const LocalMap<Dim>& map, std::int64_t number, const std::vector<Fe
 
 /// What is wrong with a map, to follow its number; `at` is the pose that it must start from.
 template <int Dim>
-Fault fault_of(const LocalMap<Dim>& map, Index at, const std::vector<FeatureId>& features, LocalMapFormat format) {
+Fault fault_of(const LocalMap<Dim>& map, PoseIndex at, const FeatureIds& features, LocalMapFormat format) {
   constexpr auto kEnd = static_cast<std::uint64_t>(kDoubleIdEnd);
   if (map.base != at) return "does not start where the one before it ends";
   if (map.poses.size() > 1) return "keeps inner poses, which closures or other maps mention";
-  const bool is_large = std::any_of(map.features.begin(), map.features.end(),
-                                    [&](Index f) { return features[static_cast<std::size_t>(f)].key >= kEnd; });
+  const bool is_large =
+      std::any_of(map.features.begin(), map.features.end(), [&](FeatureIndex f) { return features[f].key >= kEnd; });
   if (is_large) return "has a feature whose id is 2^53 or more";
   if (map.poses.empty() && (Dim == 3 || format == LocalMapFormat::kText)) return "does not move";
   if (!map.poses.empty() && !pose_angles(map.pose_estimates.front())) return kRightAnglePitch;
@@ -102,12 +102,11 @@ std::optional<std::string> mat_of(const Rows& rows) {
 }  // namespace
 
 template <int Dim>
-Expected<std::vector<std::string>> write_local_maps(const std::vector<LocalMap<Dim>>& maps,
-                                                    const std::vector<FeatureId>& features, LocalMapFormat format,
-                                                    const std::filesystem::path& folder) {
+Expected<std::vector<std::string>> write_local_maps(const std::vector<LocalMap<Dim>>& maps, const FeatureIds& features,
+                                                    LocalMapFormat format, const std::filesystem::path& folder) {
   const bool is_text = format == LocalMapFormat::kText;
   std::vector<std::string> names;
-  Index at = maps.empty() ? 0 : maps.front().base;
+  PoseIndex at = maps.empty() ? PoseIndex() : maps.front().base;
   for (const LocalMap<Dim>& map : maps) {
     const auto number = static_cast<std::int64_t>(names.size()) + 1;
     const auto refused = [&](const std::string& fault) {
@@ -130,9 +129,9 @@ Expected<std::vector<std::string>> write_local_maps(const std::vector<LocalMap<D
   return names;
 }
 
-template Expected<std::vector<std::string>> write_local_maps(const std::vector<LocalMap<2>>&, const std::vector<FeatureId>&,
-                                                             LocalMapFormat, const std::filesystem::path&);
-template Expected<std::vector<std::string>> write_local_maps(const std::vector<LocalMap<3>>&, const std::vector<FeatureId>&,
-                                                             LocalMapFormat, const std::filesystem::path&);
+template Expected<std::vector<std::string>> write_local_maps(const std::vector<LocalMap<2>>&, const FeatureIds&, LocalMapFormat,
+                                                             const std::filesystem::path&);
+template Expected<std::vector<std::string>> write_local_maps(const std::vector<LocalMap<3>>&, const FeatureIds&, LocalMapFormat,
+                                                             const std::filesystem::path&);
 
 }  // namespace mapjoin

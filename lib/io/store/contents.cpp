@@ -104,14 +104,14 @@ bool take_number(const Info& info, const char* key, Number& number) {
 template <int Dim>
 Expected<Log<Dim>> built_anew(const Log<Dim>& log, const std::string& source) {
   LogBuilder<Dim> builder(source, log.conventions);
-  const auto at = [](const auto& names, auto index) { return names.at(static_cast<std::size_t>(index)); };
-  const auto value = [](const auto& values, std::size_t k) {
-    return values.empty() ? std::nullopt : std::optional(values.at(k));
+  const auto at = [](const auto& table, auto index) { return table.at(index.position()); };
+  const auto value = [&](const auto& values, auto index) {
+    return values.empty() ? std::nullopt : std::optional(at(values, index));
   };
   builder.reserve(log.graph.pose_factors.size(), log.graph.feature_factors.size());
-  for (std::size_t k = 0; k < log.poses.size(); ++k) builder.add_pose(log.poses[k], value(log.initial.poses, k));
-  for (std::size_t k = 0; k < log.features.size(); ++k) builder.add_feature(log.features[k], value(log.initial.features, k));
-  for (std::size_t k = 0; k < log.stamps_ns.size(); ++k) builder.add_stamp(at(log.poses, k), log.stamps_ns[k]);
+  for (const PoseIndex p : indices(log.poses)) builder.add_pose(log.poses[p], value(log.initial.poses, p));
+  for (const FeatureIndex f : indices(log.features)) builder.add_feature(log.features[f], value(log.initial.features, f));
+  for (const PoseIndex p : indices(log.stamps_ns)) builder.add_stamp(at(log.poses, p), log.stamps_ns[p]);
   for (const auto& [base, target, measured, information, loss] : log.graph.pose_factors) {
     if (base == kWorld) {
       builder.add_pose_prior(at(log.poses, target), measured, information);
@@ -145,10 +145,9 @@ std::optional<Expected<Log<Dim>>> built_if_whole(const Log<Dim>& log, const std:
 
 template <int Dim>
 bool are_in_order(const std::vector<Segment>& segments, const Log<Dim>& log) {
-  Index begin = 0;
+  PoseIndex begin = 0;
   for (const Segment& segment : segments) {
-    if (segment.begin < begin || segment.end < segment.begin || segment.end >= static_cast<Index>(log.poses.size()))
-      return false;
+    if (segment.begin < begin || segment.end < segment.begin || !indices(log.poses).contains(segment.end)) return false;
     begin = segment.end;
   }
   return true;

@@ -44,7 +44,7 @@ std::optional<Header> read_header(const fs::path& path) {
 template <int Dim>
 std::optional<LocalMap<Dim>> map_of(const Statement& row) {
   LocalMap<Dim> map;
-  map.base = static_cast<Index>(row.integer(1));
+  map.base = PoseIndex(row.integer(1));
   map.chi2 = row.number(2);
   if (!store::decode_all(row.bytes(3), map.poses) || !store::decode_all(row.bytes(4), map.features) ||
       !store::decode_all(row.bytes(5), map.pose_estimates) || !store::decode_all(row.bytes(6), map.feature_estimates)) {
@@ -59,16 +59,15 @@ std::optional<LocalMap<Dim>> map_of(const Statement& row) {
 /// Whether a map is one of `segment`, over poses and features of the log, in sound numbers.
 template <int Dim>
 bool is_map_of(const LocalMap<Dim>& map, const Segment& segment, const Log<Dim>& log) {
-  Index last = segment.begin;
-  for (const Index pose : map.poses) {
+  PoseIndex last = segment.begin;
+  for (const PoseIndex pose : map.poses) {
     if (pose <= last || pose > segment.end) return false;
     last = pose;
   }
-  std::vector<Index> features = map.features;
+  std::vector<FeatureIndex> features = map.features;
   std::sort(features.begin(), features.end());
   const bool is_once = std::adjacent_find(features.begin(), features.end()) == features.end();
-  const bool is_known =
-      features.empty() || (features.front() >= 0 && static_cast<std::size_t>(features.back()) < log.features.size());
+  const bool is_known = std::ranges::all_of(features, [&](FeatureIndex f) { return indices(log.features).contains(f); });
   return map.base == segment.begin && last == segment.end && is_once && is_known && std::isfinite(map.chi2) && !fault(map);
 }
 
@@ -105,7 +104,7 @@ Expected<void> read_maps(Database& database, StoredMaps<Dim>& stored) {
   return parallel_try(stored.maps.size(), [&](std::size_t m) -> Expected<void> {
     const Segment& segment = stored.segments[of_segment[m]];
     if (is_map_of(stored.maps[m], segment, stored.log)) return {};
-    const auto name = [&](Index pose) { return to_string(stored.log.poses[static_cast<std::size_t>(pose)]); };
+    const auto name = [&](PoseIndex pose) { return to_string(stored.log.poses[pose]); };
     return database.damaged(fmt::format("the local map of {} to {} makes no sense", name(segment.begin), name(segment.end)));
   });
 }

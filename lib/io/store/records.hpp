@@ -40,6 +40,10 @@ requires std::is_arithmetic_v<Number>
 void fields(Number& number, const F& f) {
   f(number);
 }
+template <typename Tag, typename F>
+void fields(StrongIndex<Tag>& index, const F& f) {
+  f(index.value);
+}
 template <int Rows, int Cols, typename F>
 void fields(Matrix<Rows, Cols>& matrix, const F& f) {
   for (int entry = 0; entry < Rows * Cols; ++entry) f(matrix.data()[entry]);

@@ -129,7 +129,7 @@ Expected<bool> StoreWriter<Dim>::insert(const LocalMap<Dim>& map) {
   const std::string feature_estimates = store::encode_all(map.feature_estimates);
   const std::string information = store::encode_upper(map.information);
   batch_bytes_ += information.size();
-  insert_->bind(std::int64_t{map.base}).bind(map.chi2);
+  insert_->bind(std::int64_t{map.base.value}).bind(map.chi2);
   insert_->bind(poses).bind(features).bind(pose_estimates).bind(feature_estimates).bind(information);
   return insert_->step();
 }

@@ -47,7 +47,7 @@ TYPED_TEST(AlignmentTest, TakesAMovedMapBackByWhatBothKnow) {
   const auto frame = alignment(other.map, first.map);
   ASSERT_TRUE(frame);
   move(*frame, other);
-  for (const std::size_t k : {0u, 1u, 3u, 7u}) {
+  for (const PoseIndex k : {PoseIndex(0), PoseIndex(1), PoseIndex(3), PoseIndex(7)}) {
     EXPECT_LT((other.map.poses[k].translation - first.map.poses[k].translation).norm(), 1e-12);
     EXPECT_TRUE(other.map.poses[k].rotation.matrix().isApprox(first.map.poses[k].rotation.matrix(), 1e-12));
   }
@@ -91,13 +91,13 @@ TYPED_TEST(AlignmentTest, AMovedMapIsAsCertainInEveryDirection) {
   PoseVector<kDim> step = PoseVector<kDim>::LinSpaced(0.3, 1.7);
   PoseVector<kDim> turned = step;
   turned.template head<kDim>() = motion.rotation.matrix() * step.template head<kDim>();
-  for (std::size_t k = 0; k < first.map.poses.size(); ++k) {
+  for (const PoseIndex k : indices(first.map.poses)) {
     const double norm = step.dot(first.map.pose_covariances[k].inverse() * step);
     EXPECT_NEAR(turned.dot(moved.map.pose_covariances[k].inverse() * turned), norm, 1e-9 * norm);
     const Point<kDim> p = step.template head<kDim>();
     const Point<kDim> q = turned.template head<kDim>();
-    const double of_feature = p.dot(first.map.feature_covariances[k].inverse() * p);
-    EXPECT_NEAR(q.dot(moved.map.feature_covariances[k].inverse() * q), of_feature, 1e-9 * of_feature);
+    const double of_feature = p.dot(first.map.feature_covariances[FeatureIndex(k.value)].inverse() * p);
+    EXPECT_NEAR(q.dot(moved.map.feature_covariances[FeatureIndex(k.value)].inverse() * q), of_feature, 1e-9 * of_feature);
   }
 }
 

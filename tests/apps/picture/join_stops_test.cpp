@@ -25,9 +25,9 @@ TYPED_TEST(JoinStopsTest, GrowMapByMapInTheFrameOfTheWholeMap) {
     EXPECT_EQ(stops[k].maps, k + 1);
     ASSERT_EQ(stops[k].poses.size(), stops[k].state.poses.size());
     EXPECT_EQ(stops[k].poses.back(), set.segments[k].end);
-    for (std::size_t p = 0; p < stops[k].poses.size(); ++p) {
-      const Pose<kDim>& whole = map.poses[static_cast<std::size_t>(stops[k].poses[p])];
-      EXPECT_LT((stops[k].state.poses[p].translation - whole.translation).norm(), 1.0) << "map " << k << ", pose " << p;
+    for (const PoseIndex p : indices(stops[k].poses)) {
+      const Pose<kDim>& whole = map.poses[stops[k].poses[p]];
+      EXPECT_LT((stops[k].state.poses[p].translation - whole.translation).norm(), 1.0) << "map " << k << ", pose " << p.value;
     }
     EXPECT_LT((stops[k].state.poses.front().translation - away.translation).norm(), 1e-9);
   }

@@ -108,10 +108,10 @@ TYPED_TEST(AlignmentTest, TakesASpreadBeyondRoundingForARotation) {
 TYPED_TEST(AlignmentTest, SharedFactorsWeighWhatAlignmentsChange) {
   constexpr int kDim = TestFixture::kDim;
   std::vector<FeatureFactor<kDim>> observations;
-  for (const Index pose : {0, 1, 1, 2}) {
-    for (const Index feature : {0, observations.size() < 4 ? 1 : 2}) {
-      observations.push_back(
-          {pose, feature, this->random_.template vector<kDim>(3.0), this->random_.template information<kDim>()});
+  for (const int pose : {0, 1, 1, 2}) {
+    for (const int feature : {0, observations.size() < 4 ? 1 : 2}) {
+      observations.push_back({PoseIndex(pose), FeatureIndex(feature), this->random_.template vector<kDim>(3.0),
+                              this->random_.template information<kDim>()});
     }
   }
   PartialMap<kDim> a;

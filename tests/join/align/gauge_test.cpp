@@ -29,23 +29,23 @@ class WorldTest : public ::testing::Test {
   }
   void SetUp() override { place(small_world<kDim>()); }
 
-  PoseFactor<kDim> prior(Index pose) {
+  PoseFactor<kDim> prior(PoseIndex pose) {
     return {kWorld, pose, retract(world.truth.pose(pose), PoseVector<kDim>(random.vector<kDof>(0.02))),
             1e3 * random.information<kDof>()};
   }
   /// A position that says nothing of the rotation.
-  PoseFactor<kDim> gps(Index pose) {
+  PoseFactor<kDim> gps(PoseIndex pose) {
     auto position = prior(pose);
     position.information.template rightCols<kRot>().setZero();
     position.information.template bottomRows<kRot>().setZero();
     return position;
   }
-  FeatureFactor<kDim> feature_prior(Index feature) {
-    return {kWorld, feature, world.truth.feature(feature) + random.vector<kDim>(0.02), 1e3 * random.information<kDim>()};
+  FeatureFactor<kDim> feature_prior(FeatureIndex feature) {
+    return {kWorld, feature, world.truth.features[feature] + random.vector<kDim>(0.02), 1e3 * random.information<kDim>()};
   }
-  void expect_optimum(const std::vector<Index>& gauge) {
+  void expect_optimum(const std::vector<PoseIndex>& gauge) {
     Values<kDim> start = world.truth;
-    for (const auto& fixed : world.log.graph.fixed) start.poses[static_cast<std::size_t>(fixed.pose)] = fixed.value;
+    for (const auto& fixed : world.log.graph.fixed) start.poses[fixed.pose] = fixed.value;
     const Values<kDim> optimum = full_slam(world.log).optimum(std::move(start));
     for (const auto schedule : testing::every<Schedule>()) {
       RunOptions options;
@@ -83,12 +83,12 @@ TYPED_TEST(WorldTest, PriorsOfPosesHoldTheMap) {
 }
 
 TYPED_TEST(WorldTest, PositionsHoldTheMap) {
-  for (Index pose = 0; pose < 40; pose += 4) this->world.log.graph.pose_factors.push_back(this->gps(pose));
+  for (PoseIndex pose = 0; pose < 40; pose += 4) this->world.log.graph.pose_factors.push_back(this->gps(pose));
   this->expect_optimum({});
 }
 
 TYPED_TEST(WorldTest, PriorsOfFeaturesHoldTheMap) {
-  for (Index feature = 0; feature < 20; feature += 3) {
+  for (FeatureIndex feature = 0; feature < 20; feature += 3) {
     this->world.log.graph.feature_factors.push_back(this->feature_prior(feature));
   }
   this->expect_optimum({});
@@ -116,8 +116,7 @@ TYPED_TEST(WorldTest, TooFewPositionsLeaveTheMapFreeToTurn) {
   const auto result = run(this->world.log, RunOptions{});
   ASSERT_FALSE(result);
   EXPECT_EQ(result.error().kind, ErrorKind::kBadInput);
-  EXPECT_NE(result.error().message.find("free to turn as a whole about pose 12"), std::string::npos)
-      << result.error().message;
+  EXPECT_NE(result.error().message.find("free to turn as a whole about pose 12"), std::string::npos) << result.error().message;
 }
 
 }  // namespace

@@ -19,8 +19,8 @@ class StartTest : public ::testing::Test {
   PartialMap<kDim> partial() const {
     PartialMap<kDim> partial;
     partial.state = world.truth;
-    for (Index p = 0; p < static_cast<Index>(world.truth.poses.size()); ++p) partial.poses.push_back(p);
-    for (Index f = 0; f < static_cast<Index>(world.truth.features.size()); ++f) partial.features.push_back(f);
+    for (const PoseIndex p : indices(world.truth.poses)) partial.poses.push_back(p);
+    for (const FeatureIndex f : indices(world.truth.features)) partial.features.push_back(f);
     return partial;
   }
   testing::SmallWorld<kDim> world = small_world<kDim>();
@@ -33,7 +33,7 @@ TYPED_TEST(StartTest, ZeroIsZeroButForThePoseThatHoldsTheMap) {
   partial.state.poses[0] = first;
   set_to_zero(partial);
   EXPECT_EQ(partial.state.poses[0].translation, first.translation);
-  for (std::size_t p = 1; p < partial.state.poses.size(); ++p) {
+  for (PoseIndex p = 1; p < indices(partial.state.poses).last; ++p) {
     EXPECT_EQ(local(partial.state.poses[p], Pose<TestFixture::kDim>{}).norm(), 0.0);
   }
   for (const auto& feature : partial.state.features) EXPECT_EQ(feature.norm(), 0.0);

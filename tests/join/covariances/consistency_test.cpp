@@ -42,9 +42,8 @@ class ConsistencyTest : public ::testing::Test {
     std::vector<double> errors;
     const auto append = [&](const Eigen::VectorXd& e) { errors.insert(errors.end(), e.begin(), e.end()); };
     for (const auto& v : of) {
-      const auto i = static_cast<std::size_t>(v.index);
-      if (v.is_pose) append(local(result.map.poses[i], truth.poses[i]));
-      if (!v.is_pose) append(truth.features[i] - result.map.features[i]);
+      if (const auto* p = std::get_if<PoseIndex>(&v)) append(local(result.map.poses[*p], truth.poses[*p]));
+      if (const auto* f = std::get_if<FeatureIndex>(&v)) append(truth.features[*f] - result.map.features[*f]);
     }
     const Eigen::Map<Eigen::VectorXd> e(errors.data(), static_cast<Eigen::Index>(errors.size()));
     return e.dot(result.covariances->joint(of).value().ldlt().solve(e));
@@ -61,8 +60,8 @@ TYPED_TEST(ConsistencyTest, WeighsErrorsByTheJointCovarianceOfTheSameThings) {
     const auto consistent = consistency(*result->covariances, this->all_of(world.truth));
     ASSERT_TRUE(consistent) << consistent.error().message;
     std::vector<PoseOrFeature> poses, features;
-    for (Index p = 1; p < 36; ++p) poses.push_back(PoseOrFeature::pose(p));
-    for (Index f = 0; f < static_cast<Index>(world.log.features.size()); ++f) features.push_back(PoseOrFeature::feature(f));
+    for (PoseIndex p = 1; p < 36; ++p) poses.emplace_back(p);
+    for (const FeatureIndex f : indices(world.log.features)) features.emplace_back(f);
     const auto expect = [&](const Nees& nees, const std::vector<PoseOrFeature>& of) {
       const double expected = this->dense_nees(*result, world.truth, of);
       EXPECT_NEAR(nees.value, expected, 1e-7 * expected) << polish;
@@ -126,15 +125,14 @@ Truth<2> truth_of_simulation(const SubmapSet<2>& set) {
   const Eigen::MatrixXd robot = read("store_robotTrue");
   const Eigen::MatrixXd beacons = read("store_beaconsTrue");
   Truth<2> truth;
-  for (std::size_t k = 0; k < set.poses.size(); ++k) {
-    const auto step = static_cast<Eigen::Index>(std::lround(35187.0 * static_cast<double>(k) / 700.0));
+  for (const PoseIndex k : indices(set.poses)) {
+    const auto step = static_cast<Eigen::Index>(std::lround(35187.0 * k.value / 700.0));
     truth.poses.push_back(Pose<2>{robot.block<2, 1>(0, step), Rotation<2>(robot(2, step))});
   }
   truth.features.resize(set.features.size());
   for (Eigen::Index b = 0; b < beacons.rows(); ++b) {
     const FeatureId id{static_cast<std::uint64_t>(beacons(b, 0))};
-    if (const auto f = IndexOf(set.features)(id))
-      truth.features[static_cast<std::size_t>(*f)] = beacons.block<1, 2>(b, 1).transpose();
+    if (const auto f = IndexOf(set.features)(id)) truth.features[*f] = beacons.block<1, 2>(b, 1).transpose();
   }
   return truth;
 }

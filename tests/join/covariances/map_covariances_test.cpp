@@ -70,31 +70,30 @@ class MapCovariancesTest : public ::testing::Test {
   static void expect_blocks_of(const DenseInformation<kDim>& information, const RunResult<kDim>& result) {
     const auto& map = result.map;
     const Eigen::MatrixXd joined_map = information.inverse(map.gauge);
-    const auto pose_count = static_cast<Index>(map.poses.size());
-    const auto feature_count = static_cast<Index>(map.features.size());
+    const PoseIndex poses_end = indices(map.poses).last;
+    const FeatureIndex features_end = indices(map.features).last;
+    const auto is_pose = [](const PoseOrFeature& v) { return std::holds_alternative<PoseIndex>(v); };
     const auto row = [&](const PoseOrFeature& v) {
-      return v.is_pose ? Eigen::Index{v.index} * kDof : Eigen::Index{pose_count} * kDof + v.index * kDim;
+      return is_pose(v) ? information.pose_row(std::get<PoseIndex>(v)) : information.feature_row(std::get<FeatureIndex>(v));
     };
     const auto marginals = result.covariances->marginals();
     ASSERT_TRUE(marginals) << marginals.error().message;
     ASSERT_EQ(marginals->poses.size(), map.poses.size());
     ASSERT_EQ(marginals->features.size(), map.features.size());
-    for (Index p = 0; p < pose_count; ++p) {
-      expect_near(marginals->poses[static_cast<std::size_t>(p)], joined_map.block(p * kDof, p * kDof, kDof, kDof),
-                  "pose " + std::to_string(p));
+    for (const PoseIndex p : indices(map.poses)) {
+      expect_near(marginals->poses[p], joined_map.block(row(p), row(p), kDof, kDof), "pose " + std::to_string(p.value));
     }
-    for (Index f = 0; f < feature_count; ++f) {
-      const Eigen::Index at = row(PoseOrFeature::feature(f));
-      expect_near(marginals->features[static_cast<std::size_t>(f)], joined_map.block(at, at, kDim, kDim),
-                  "feature " + std::to_string(f));
+    for (const FeatureIndex f : indices(map.features)) {
+      const Eigen::Index at = row(f);
+      expect_near(marginals->features[f], joined_map.block(at, at, kDim, kDim), "feature " + std::to_string(f.value));
     }
     // Every third pose and every second feature, in no order: of one map and of several, kept and eliminated, held and free.
     std::vector<PoseOrFeature> some;
-    for (Index k = 0; k < pose_count; k += 3) some.push_back(PoseOrFeature::pose((k * 7 + 5) % pose_count));
-    for (Index k = 0; k < feature_count; k += 2) some.push_back(PoseOrFeature::feature((k * 11 + 3) % feature_count));
+    for (int k = 0; k < poses_end.value; k += 3) some.emplace_back(PoseIndex((k * 7 + 5) % poses_end.value));
+    for (int k = 0; k < features_end.value; k += 2) some.emplace_back(FeatureIndex((k * 11 + 3) % features_end.value));
     std::vector<Eigen::Index> rows;
     for (const auto& v : some) {
-      for (int i = 0; i < (v.is_pose ? kDof : kDim); ++i) rows.push_back(row(v) + i);
+      for (int i = 0; i < (is_pose(v) ? kDof : kDim); ++i) rows.push_back(row(v) + i);
     }
     const auto joint = result.covariances->joint(some);
     ASSERT_TRUE(joint) << joint.error().message;
@@ -181,26 +180,26 @@ TYPED_TEST(MapCovariancesTest, RelativeOnesAreThoseOfTheDifferenceInTheFrameOfTh
     const Eigen::MatrixXd J = testing::numerical_jacobian(f, joint.rows(), 1e-5);
     return Eigen::MatrixXd(J * joint * J.transpose());
   };
-  for (const auto& [base, target] : {std::pair<Index, Index>{2, 3}, {3, 30}, {0, 17}, {29, 12}}) {
+  for (const auto& [base, target] : {std::pair<PoseIndex, PoseIndex>{2, 3}, {3, 30}, {0, 17}, {29, 12}}) {
     const Pose<kDim> measured = between(state.pose(base), state.pose(target));
     const auto moved = [&, base = base, target = target](const Eigen::VectorXd& step) {
       return Eigen::VectorXd(local(measured, between(retract(state.pose(base), PoseVector<kDim>(step.head(kDof))),
                                                      retract(state.pose(target), PoseVector<kDim>(step.tail(kDof))))));
     };
-    const Eigen::MatrixXd expected = carried({PoseOrFeature::pose(base), PoseOrFeature::pose(target)}, moved);
+    const Eigen::MatrixXd expected = carried({base, target}, moved);
     const auto relative = covariances.relative_pose(base, target);
     ASSERT_TRUE(relative);
-    EXPECT_LT((*relative - expected).norm(), 1e-7 * expected.norm()) << base << " " << target;
+    EXPECT_LT((*relative - expected).norm(), 1e-7 * expected.norm()) << base.value << " " << target.value;
   }
-  for (const auto& [base, feature] : {std::pair<Index, Index>{5, 8}, {31, 1}, {0, 20}}) {
+  for (const auto& [base, feature] : {std::pair<PoseIndex, FeatureIndex>{5, 8}, {31, 1}, {0, 20}}) {
     const auto moved = [&, base = base, feature = feature](const Eigen::VectorXd& step) {
       return Eigen::VectorXd(transform_into(retract(state.pose(base), PoseVector<kDim>(step.head(kDof))),
-                                            Point<kDim>(state.feature(feature) + step.template tail<kDim>())));
+                                            Point<kDim>(state.features[feature] + step.template tail<kDim>())));
     };
-    const Eigen::MatrixXd expected = carried({PoseOrFeature::pose(base), PoseOrFeature::feature(feature)}, moved);
+    const Eigen::MatrixXd expected = carried({base, feature}, moved);
     const auto relative = covariances.relative_feature(base, feature);
     ASSERT_TRUE(relative);
-    EXPECT_LT((*relative - expected).norm(), 1e-7 * expected.norm()) << base << " " << feature;
+    EXPECT_LT((*relative - expected).norm(), 1e-7 * expected.norm()) << base.value << " " << feature.value;
   }
 }
 
@@ -212,7 +211,7 @@ TYPED_TEST(MapCovariancesTest, RelativeOnesDoNotDependOnTheGauge) {
   log.graph.fixed = {{25, first->map.poses[25]}};
   const auto later = run(log, options);
   ASSERT_TRUE(later);
-  ASSERT_EQ(later->map.gauge, std::vector<Index>{25});
+  ASSERT_EQ(later->map.gauge, std::vector<PoseIndex>{25});
   const auto a = first->covariances->relative_pose(10, 14);
   const auto b = later->covariances->relative_pose(10, 14);
   ASSERT_TRUE(a && b);
@@ -230,7 +229,7 @@ TYPED_TEST(MapCovariancesTest, AreRefusedWhereMemoryDoesNotSuffice) {
   ASSERT_FALSE(marginals);
   EXPECT_EQ(marginals.error().kind, ErrorKind::kTooLarge);
   EXPECT_TRUE(marginals.error().message.starts_with("the covariances of all poses and features would take"));
-  const auto joint = result->covariances->joint(std::array{PoseOrFeature::pose(3), PoseOrFeature::feature(1)});
+  const auto joint = result->covariances->joint(std::array<PoseOrFeature, 2>{PoseIndex(3), FeatureIndex(1)});
   ASSERT_FALSE(joint);
   EXPECT_TRUE(joint.error().message.starts_with("the joint covariance of 2 poses and features would take"));
 }

@@ -49,12 +49,12 @@ TYPED_TEST(RelationsTest, ComposeToTheMapFromParentsToChildren) {
       const auto result = this->map_of(this->world(held), poses_per_map);
       const auto& relations = result.marginals.value().relations;
       EXPECT_LT(largest_difference(composed(relations), {result.map.poses, result.map.features}), 1e-9);
-      std::vector<bool> stands(result.map.poses.size(), false);
-      for (const Index pose : relations.order) {
-        const Index parent = relations.poses[static_cast<std::size_t>(pose)].parent;
-        EXPECT_TRUE(parent == kWorld || stands[static_cast<std::size_t>(parent)]);
-        EXPECT_FALSE(stands[static_cast<std::size_t>(pose)]);
-        stands[static_cast<std::size_t>(pose)] = true;
+      Table<PoseIndex, bool> stands(result.map.poses.size(), false);
+      for (const PoseIndex pose : relations.order) {
+        const PoseIndex parent = relations.poses[pose].parent;
+        EXPECT_TRUE(parent == kWorld || stands[parent]);
+        EXPECT_FALSE(stands[pose]);
+        stands[pose] = true;
       }
       EXPECT_EQ(std::count(stands.begin(), stands.end(), true), std::ssize(stands));
     }
@@ -64,11 +64,11 @@ TYPED_TEST(RelationsTest, ComposeToTheMapFromParentsToChildren) {
 TYPED_TEST(RelationsTest, LeadAlongTheRobotsWay) {
   const auto result = this->map_of(this->world(Held::kFirstPose), 6.0);
   const auto& relations = result.marginals.value().relations;
-  for (Index pose = 0; pose < 36; ++pose) {
-    const Index parent = relations.poses[static_cast<std::size_t>(pose)].parent;
-    const bool is_root = pose % 18 == 0;
-    EXPECT_EQ(parent == kWorld, is_root) << pose;
-    EXPECT_TRUE(is_root || (parent < pose && parent >= pose - 6)) << pose;
+  for (PoseIndex pose = 0; pose < 36; ++pose) {
+    const PoseIndex parent = relations.poses[pose].parent;
+    const bool is_root = pose.value % 18 == 0;
+    EXPECT_EQ(parent == kWorld, is_root) << pose.value;
+    EXPECT_TRUE(is_root || (parent < pose && parent >= pose - 6)) << pose.value;
   }
   for (const auto& relation : relations.features) EXPECT_NE(relation.parent, kWorld);
 }

@@ -139,7 +139,7 @@ TYPED_TEST(IncrementalJoinTest, AnEdgeTiesASessionEitherWay) {
     IncrementalJoin<kDim> joined;
     for (std::size_t k = 0; k < half; ++k) joined.add(updates[k]).value();
     auto tied = updates[half];
-    const Index known = enter_name(tied.poses, last_pose(updates[0]));
+    const PoseIndex known = enter_name(tied.poses, last_pose(updates[0]));
     PoseFactor<kDim> edge{known, tied.segments[0].begin, measured, PoseMatrix<kDim>::Identity()};
     if (!is_forward) edge = {edge.target, edge.base, inverse(measured), edge.information};
     tied.graph.pose_factors.push_back(edge);
@@ -186,7 +186,7 @@ TYPED_TEST(IncrementalJoinTest, FixedPosesMayComeOneByOne) {
   const SubmapSet<kDim> set = testing::set_of_all(updates);
   std::map<PoseId, Pose<kDim>> fixed;
   const auto fix = [&](const PoseId& id) {
-    const auto p = static_cast<std::size_t>(std::ranges::find(set.poses, id) - set.poses.begin());
+    const PoseIndex p(std::ranges::find(set.poses, id) - set.poses.begin());
     Pose<kDim> value = estimate.state.poses[p];
     value.translation.x() += 0.01;
     return fixed[id] = value;
@@ -221,7 +221,7 @@ TYPED_TEST(IncrementalJoinTest, PriorsAndSingleObservationsMayComeByThemselves) 
   SubmapUpdate<kDim> single = this->closure(updates[2], updates[5], {}, PoseMatrix<kDim>::Identity());
   single.features = {updates[1].features[0]};
   single.graph.feature_factors.push_back({kWorld, 0, Point<kDim>::Ones(), PointMatrix<kDim>::Identity()});
-  const Index first = enter_name(single.poses, first_pose(updates[0]));
+  const PoseIndex first = enter_name(single.poses, first_pose(updates[0]));
   single.graph.pose_factors.push_back({kWorld, first, Pose<kDim>{}, PoseMatrix<kDim>::Identity()});
   updates.push_back(single);
   IncrementalJoin<kDim> joined;
@@ -340,19 +340,19 @@ TYPED_TEST(IncrementalJoinTest, CovariancesAreTheInverseOfTheInformationAtTheEst
   for (const auto& o : set.graph.pose_factors) dense.add(o);
   const Eigen::MatrixXd inverse = dense.inverse({0});
   constexpr int kDof = kPoseDof<kDim>;
-  for (Index p = 0; p < static_cast<Index>(set.poses.size()); ++p) {
+  for (const PoseIndex p : indices(set.poses)) {
     const auto row = dense.pose_row(p);
     const PoseMatrix<kDim> expected = inverse.block<kDof, kDof>(row, row);
-    const auto covariance = joined.covariance(set.poses[static_cast<std::size_t>(p)]);
+    const auto covariance = joined.covariance(set.poses[p]);
     ASSERT_TRUE(covariance);
-    EXPECT_LE((*covariance - expected).norm(), 1e-8 * expected.norm()) << p;
+    EXPECT_LE((*covariance - expected).norm(), 1e-8 * expected.norm()) << p.value;
   }
-  for (Index f = 0; f < static_cast<Index>(set.features.size()); ++f) {
+  for (const FeatureIndex f : indices(set.features)) {
     const auto row = dense.feature_row(f);
     const PointMatrix<kDim> expected = inverse.block<kDim, kDim>(row, row);
-    const auto covariance = joined.covariance(set.features[static_cast<std::size_t>(f)]);
+    const auto covariance = joined.covariance(set.features[f]);
     ASSERT_TRUE(covariance);
-    EXPECT_LE((*covariance - expected).norm(), 1e-8 * expected.norm()) << f;
+    EXPECT_LE((*covariance - expected).norm(), 1e-8 * expected.norm()) << f.value;
   }
   EXPECT_EQ(joined.covariance(PoseId{0, 0}), (PoseMatrix<kDim>::Zero()));
   EXPECT_FALSE(joined.covariance(PoseId{0, 1000}) || joined.covariance(FeatureId{1000}));
@@ -368,11 +368,11 @@ TYPED_TEST(IncrementalJoinTest, CovariancesAreThoseOfARunInANoisyWorld) {
   const auto batch = run(log, options).value();
   IncrementalJoin<kDim> joined;
   for (const auto& update : testing::parts_of_log(log, 6.0)) joined.add(update).value();
-  for (std::size_t p = 0; p < log.poses.size(); ++p) {
+  for (const PoseIndex p : indices(log.poses)) {
     const auto covariance = joined.covariance(log.poses[p]);
     const auto& expected = batch.marginals->poses[p];
     if (covariance) {
-      EXPECT_LE((*covariance - expected).norm(), 0.02 * expected.norm()) << p;
+      EXPECT_LE((*covariance - expected).norm(), 0.02 * expected.norm()) << p.value;
     }
   }
 }

@@ -15,7 +15,7 @@ class MapFactorTest : public ::testing::Test {
   static constexpr int kDof = kPoseDof<kDim>;
 
   MapFactorTest() {
-    for (Index v = 0; v < 4; ++v) {
+    for (int v = 0; v < 4; ++v) {
       JoinedVariable<kDim>& variable = variables_.emplace_back();
       variable.is_pose = v < 2;
       variable.column = Variable(1 + v);
@@ -25,7 +25,7 @@ class MapFactorTest : public ::testing::Test {
     map_.poses = {1};
     map_.features = {0, 1};
     map_.pose_estimates = {retract(between(variables_[0].value, variables_[1].value), noise())};
-    for (const std::size_t v : {2u, 3u}) {
+    for (const JoinedIndex v : IndexRange<JoinedIndex>{2, 4}) {
       map_.feature_estimates.push_back(transform_into(variables_[0].value, variables_[v].value.translation) +
                                        random_.vector<kDim>(0.05));
     }

@@ -14,18 +14,18 @@ namespace {
 
 /// A log as it is written while the robot drives: with each pose its odometry, its closures to earlier poses and its sights.
 template <int Dim>
-std::vector<Log<Dim>> driven(const Log<Dim>& log, Index poses_at_once) {
+std::vector<Log<Dim>> driven(const Log<Dim>& log, int poses_at_once) {
   std::vector<Log<Dim>> slices;
-  const auto id = [&](Index pose) { return log.poses[static_cast<std::size_t>(pose)]; };
-  for (Index begin = 0; begin < static_cast<Index>(log.poses.size()); begin += poses_at_once) {
+  const auto id = [&](PoseIndex pose) { return log.poses[pose]; };
+  for (PoseIndex begin = 0; begin < indices(log.poses).last; begin += poses_at_once) {
     LogBuilder<Dim> builder("slice");
-    const auto is_here = [&](Index pose) { return pose >= begin && pose < begin + poses_at_once; };
+    const auto is_here = [&](PoseIndex pose) { return pose >= begin && pose < begin + poses_at_once; };
     for (const auto& o : log.edges()) {
       if (is_here(std::max(o.base, o.target))) builder.add_pose_edge(id(o.base), id(o.target), o.measured, o.information);
     }
     for (const auto& o : log.observations()) {
       if (is_here(o.base)) {
-        builder.add_observation(id(o.base), log.features[static_cast<std::size_t>(o.target)], o.measured, o.information);
+        builder.add_observation(id(o.base), log.features[o.target], o.measured, o.information);
       }
     }
     auto slice = std::move(builder).finish();
@@ -64,7 +64,7 @@ TYPED_TEST(SubmapUpdateMakerTest, ALogThatComesInSlicesHasThePartsOfTheWhole) {
   Split segments = split(log, {SplitRule::kPoses, 6.0});
   const auto maps = build_local_maps<kDim>(log, segments, {}).value().maps;
   const auto joined_map = submap_updates_of(log, segments, maps);
-  for (const Index at_once : {1, 4, 7, 200}) {
+  for (const int at_once : {1, 4, 7, 200}) {
     SubmapUpdateMaker<kDim> maker({SplitRule::kPoses, 6.0});
     const auto updates = this->parts_of_slices(driven(log, at_once), maker);
     ASSERT_EQ(updates.size(), joined_map.size()) << at_once;
@@ -77,16 +77,16 @@ TYPED_TEST(SubmapUpdateMakerTest, ASegmentIsTakenOnceTheNextStepIsThere) {
   constexpr int kDim = TestFixture::kDim;
   const auto slices = driven(testing::small_world<kDim>({.poses = 20, .closures = 0}).log, 1);
   SubmapUpdateMaker<kDim> maker({SplitRule::kPoses, 6.0});
-  std::vector<Index> ends;  // the poses that are there when updates are taken
+  std::vector<std::uint64_t> ends;  // the poses that are there when updates are taken
   for (std::size_t k = 0; k < slices.size(); ++k) {
     ASSERT_TRUE(maker.add(slices[k]));
     const auto updates = maker.take(false).value();
     for (const auto& update : updates) {
       EXPECT_EQ(last_pose(update).key, 6 * (ends.size() + 1));
-      ends.push_back(static_cast<Index>(slices[k].poses.back().key));
+      ends.push_back(slices[k].poses.back().key);
     }
   }
-  EXPECT_EQ(ends, (std::vector<Index>{7, 13, 19}));
+  EXPECT_EQ(ends, (std::vector<std::uint64_t>{7, 13, 19}));
 }
 
 TYPED_TEST(SubmapUpdateMakerTest, APoseGraphKeepsAllPosesForClosuresToCome) {

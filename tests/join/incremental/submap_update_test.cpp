@@ -37,9 +37,9 @@ TYPED_TEST_SUITE(SubmapUpdateTest, testing::Dimensions);
 TYPED_TEST(SubmapUpdateTest, NothingIsSaidOfWhatIsNotYetKnown) {
   std::set<FeatureId> known;
   for (const auto& update : this->parts_) {
-    const auto name = [&](Index feature) { return update.features[static_cast<std::size_t>(feature)]; };
+    const auto name = [&](FeatureIndex feature) { return update.features[feature]; };
     for (const auto& map : update.graph.submaps) {
-      for (const Index f : map.features) known.insert(name(f));
+      for (const FeatureIndex f : map.features) known.insert(name(f));
     }
     for (const PoseId& id : update.poses) EXPECT_LE(id, last_pose(update));
     for (const auto& o : update.graph.feature_factors) {
@@ -67,7 +67,7 @@ TYPED_TEST(SubmapUpdateTest, AllUpdatesJoinAsTheirLogDoes) {
   ASSERT_EQ(set.poses.size(), a->poses.size());
   Values<kDim> same;
   for (const PoseId& id : set.poses) same.poses.push_back(a->state.pose(*pose(id)));
-  for (const FeatureId& id : set.features) same.features.push_back(a->state.feature(*feature(id)));
+  for (const FeatureId& id : set.features) same.features.push_back(a->state.features[*feature(id)]);
   EXPECT_LT(testing::largest_difference(same, b->state), 1e-6);
 }
 
@@ -79,14 +79,14 @@ TYPED_TEST(SubmapUpdateTest, ASegmentIsComposedInTheFrameOfItsFirstPose) {
     const PartialMap<kDim> partial = composed(update);
     EXPECT_EQ(partial.poses.front(), update.segments[0].begin);
     EXPECT_EQ(partial.poses.back(), update.segments[0].end);
-    const auto true_pose = [&](Index p) { return this->world_.truth.pose(*pose(update.poses[static_cast<std::size_t>(p)])); };
+    const auto true_pose = [&](PoseIndex p) { return this->world_.truth.pose(*pose(update.poses[p])); };
     const Pose<kDim> base = true_pose(update.segments[0].begin);
-    for (std::size_t p = 0; p < partial.poses.size(); ++p) {
+    for (const PoseIndex p : indices(partial.poses)) {
       EXPECT_LT(local(partial.state.poses[p], between(base, true_pose(partial.poses[p]))).norm(), 0.5);
     }
-    for (std::size_t f = 0; f < partial.features.size(); ++f) {
-      const FeatureId& id = update.features[static_cast<std::size_t>(partial.features[f])];
-      const Point<kDim> p_local = transform_into(base, this->world_.truth.feature(*feature(id)));
+    for (const FeatureIndex f : indices(partial.features)) {
+      const FeatureId& id = update.features[partial.features[f]];
+      const Point<kDim> p_local = transform_into(base, this->world_.truth.features[*feature(id)]);
       EXPECT_LT((partial.state.features[f] - p_local).norm(), 0.5);
     }
   }

@@ -115,7 +115,7 @@ TYPED_TEST(ComparisonOfASmallWorld, ATruthOfSomePosesCountsThoseOnly) {
   Truth<Dim> truth;
   truth.poses.resize(this->world.log.poses.size());
   truth.features.resize(this->world.log.features.size());
-  for (std::size_t p = 0; p < 7; ++p) truth.poses[p] = this->world.truth.poses[p];
+  for (PoseIndex p = 0; p < 7; ++p) truth.poses[p] = this->world.truth.poses[p];
   const auto comparison = this->compared(&truth);
   const auto& known = *comparison->cases.front().polished.from_truth;
   EXPECT_EQ(known.absolute.translation.count, 7U);

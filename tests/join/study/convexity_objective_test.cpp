@@ -73,7 +73,7 @@ TEST(UnwrappedObjective, TakesHeadingDifferencesAsTheyAre) {
   for (const auto& [o, base, target] : world.system().pose_factors()) {
     Eigen::VectorXd r = testing::plain_residual<2>(o->measured, state.pose(base), state.pose(target));
     const double at_reference = testing::plain_residual<2>(o->measured, reference.pose(base), reference.pose(target))[2];
-    const auto heading = [](const Values<2>& s, Index pose) { return s.pose(pose).rotation.angle(); };
+    const auto heading = [](const Values<2>& s, PoseIndex pose) { return s.pose(pose).rotation.angle(); };
     // From the residual at the reference, the difference has changed by so much.
     r[2] = at_reference - (heading(state, target) - heading(state, base)) +
            (heading(reference, target) - heading(reference, base));
@@ -81,7 +81,7 @@ TEST(UnwrappedObjective, TakesHeadingDifferencesAsTheyAre) {
     sum += r.dot(o->information * r);
   }
   for (const auto& [o, base, target] : world.system().feature_factors()) {
-    const Eigen::VectorXd r = testing::plain_residual<2>(o->measured, state.pose(base), state.feature(target));
+    const Eigen::VectorXd r = testing::plain_residual<2>(o->measured, state.pose(base), state.features[target]);
     sum += r.dot(o->information * r);
   }
   EXPECT_GT(beyond_a_half_turn, 10);

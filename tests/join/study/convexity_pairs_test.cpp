@@ -44,7 +44,7 @@ TYPED_TEST(StateSamplerTest, FillsTheBoxOfTheComposedStart) {
   for (std::uint64_t seed = 1; seed <= 20; ++seed) {
     const Values<kDim> state = sampler.draw(seed);
     for (const auto& pose : state.poses) drawn.extend(pose.translation);
-    for (std::size_t p = 0; p < state.poses.size(); ++p) {
+    for (const PoseIndex p : indices(state.poses)) {
       EXPECT_LE((this->world_.state().poses[p].rotation.inverse() * state.poses[p].rotation).log().norm(), 3.1416);
     }
   }

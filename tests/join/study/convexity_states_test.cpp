@@ -32,7 +32,7 @@ TYPED_TEST(ConvexityStatesTest, ALineGoesOnAtOneSpeed) {
   const auto X = this->world_.moved_by(1.0, 1);
   const auto Y = this->world_.moved_by(1.0, 2);
   const auto middle = on_line(X, Y, 0.5);
-  for (std::size_t p = 0; p < X.poses.size(); ++p) {
+  for (const PoseIndex p : indices(X.poses)) {
     const auto half = local(Y.poses[p], middle.poses[p]);
     EXPECT_LT((local(Y.poses[p], X.poses[p]) - 2.0 * half).norm(), 1e-12);
   }

@@ -83,15 +83,15 @@ SubmapSet<Dim> submap_set(const Log<Dim>& log, const SplitOptions& options) {
   Split parts = split(log, options);
   SubmapSet<Dim> set;
   set.graph.submaps = build_local_maps<Dim>(log, parts, {}).value().maps;
-  std::vector<Index> place(log.poses.size());
-  for (std::size_t pose = 0; pose < place.size(); ++pose) {
-    place[pose] = static_cast<Index>(set.poses.size());
+  Table<PoseIndex, PoseIndex> place(log.poses.size());
+  for (const PoseIndex pose : indices(place)) {
+    place[pose] = indices(set.poses).last;
     if (parts.kept[pose]) set.poses.push_back(log.poses[pose]);
   }
   set.features = log.features;
   for (auto& map : set.graph.submaps) {
-    map.base = place[static_cast<std::size_t>(map.base)];
-    for (Index& pose : map.poses) pose = place[static_cast<std::size_t>(pose)];
+    map.base = place[map.base];
+    for (PoseIndex& pose : map.poses) pose = place[pose];
     set.segments.push_back({map.base, map.poses.back(), true});
   }
   return set;

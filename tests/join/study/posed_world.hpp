@@ -27,7 +27,7 @@ struct PosedWorld {
   Values<Dim> moved_by(double radius, unsigned seed = 5) {
     Random random(seed);
     Values<Dim> moved = state();
-    for (std::size_t p = 1; p < moved.poses.size(); ++p) {
+    for (PoseIndex p = 1; p < indices(moved.poses).last; ++p) {
       moved.poses[p] = retract<Dim>(moved.poses[p], random.vector<kPoseDof<Dim>>(radius));
     }
     for (auto& feature : moved.features) feature += random.vector<Dim>(radius);

@@ -87,11 +87,11 @@ TYPED_TEST(Structure, OfLocalMapsOnlyNotesFeaturesOfOneMap) {
   SubmapSet<Dim> set;
   set.poses = {{0, 0}, {0, 1}, {0, 2}};
   for (std::uint64_t f = 0; f < 30; ++f) set.features.push_back({f});
-  for (Index k = 0; k < 2; ++k) {
+  for (PoseIndex k = 0; k < 2; ++k) {
     LocalMap<Dim> map;
     map.base = k;
     map.poses = {k + 1};
-    for (Index f = k == 0 ? 0 : 20; f < (k == 0 ? 22 : 30); ++f) map.features.push_back(f);
+    for (int f = k == 0 ? 0 : 20; f < (k == 0 ? 22 : 30); ++f) map.features.emplace_back(f);
     set.graph.submaps.push_back(map);
   }
   const Findings findings = check_structure(set);

@@ -31,7 +31,7 @@ void expect_counts(const Log<Dim>& log, std::size_t poses, std::size_t features,
 void expect_same(const Log<2>& a, const Log<2>& b, double precision, std::uint64_t first_feature = 0) {
   ASSERT_EQ(a.poses, b.poses);
   ASSERT_EQ(a.features.size(), b.features.size());
-  for (std::size_t i = 0; i < a.features.size(); ++i) EXPECT_EQ(a.features[i].key + first_feature, b.features[i].key);
+  for (const FeatureIndex i : indices(a.features)) EXPECT_EQ(a.features[i].key + first_feature, b.features[i].key);
   ASSERT_EQ(a.odometry().size(), b.odometry().size());
   for (std::size_t i = 0; i < a.odometry().size(); ++i) {
     EXPECT_EQ(a.odometry()[i].base, b.odometry()[i].base);
@@ -92,13 +92,13 @@ TEST(OpenLogData, ToriAreReadFromIsam) {
 TEST(OpenLogData, SphereInIsamsEulerAnglesClosesOnItself) {
   // The ground truth has edges without noise: composing odometry must bring every closure to its measured value.
   const auto log = open<3>("pose-graphs-3d/sphere2500_groundtruth.txt.gz");
-  std::vector<Pose<3>> poses(log.poses.size());
+  Table<PoseIndex, Pose<3>> poses(log.poses.size());
   for (const auto& edge : log.odometry()) {
-    poses[static_cast<std::size_t>(edge.target)] = compose(poses[static_cast<std::size_t>(edge.base)], edge.measured);
+    poses[edge.target] = compose(poses[edge.base], edge.measured);
   }
   ASSERT_GT(log.closures().size(), 2000u);
   for (const auto& edge : log.closures()) {
-    const auto found = between(poses[static_cast<std::size_t>(edge.base)], poses[static_cast<std::size_t>(edge.target)]);
+    const auto found = between(poses[edge.base], poses[edge.target]);
     EXPECT_LT(local(edge.measured, found).norm(), 1e-2);
   }
 }

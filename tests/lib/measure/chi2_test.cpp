@@ -18,10 +18,10 @@ TYPED_TEST_SUITE(Chi2Test, testing::Dimensions);
 /// Four poses and two features with one observation or more of every kind, far from consistent.
 template <int Dim>
 Log<Dim> random_log(Random& random) {
-  const auto edge = [&](Index base, Index target) {
+  const auto edge = [&](PoseIndex base, PoseIndex target) {
     return PoseFactor<Dim>{base, target, random.pose<Dim>(), random.information<kPoseDof<Dim>>()};
   };
-  const auto observation = [&](Index base, Index target) {
+  const auto observation = [&](PoseIndex base, FeatureIndex target) {
     return FeatureFactor<Dim>{base, target, random.vector<Dim>(5.0), random.information<Dim>()};
   };
   Log<Dim> log;

@@ -104,7 +104,7 @@ TYPED_TEST(TrajectoryErrorTest, MapsAreComparedByIdAndWhatOnlyOneHoldsIsCounted)
   constexpr int kDim = TestFixture::kDim;
   GlobalMap<kDim> a, b;
   a.pose_ids = {{0, 1}, {0, 2}};
-  a.poses = this->random_trajectory(2);
+  a.poses = Table<PoseIndex, Pose<kDim>>(this->random_trajectory(2));
   a.feature_ids = {{5}, {6}};
   a.features = {Point<kDim>::Zero(), Point<kDim>::Ones()};
   b.pose_ids = {{0, 2}, {0, 7}, {1, 1}};

@@ -56,12 +56,12 @@ TYPED_TEST(LogBuilderTest, SortsPosesAndTellsOdometryFromClosuresWhateverTheOrde
   ASSERT_TRUE(log);
   EXPECT_THAT(log->poses, ElementsAre(PoseId{0, 10}, PoseId{0, 20}, PoseId{0, 30}, PoseId{0, 40}));
   EXPECT_THAT(marks(log->odometry()), ElementsAre(3, 5, 4, 2));
-  EXPECT_EQ(log->odometry()[0].base, 1);
-  EXPECT_EQ(log->odometry()[0].target, 0);
+  EXPECT_EQ(log->odometry()[0].base, PoseIndex(1));
+  EXPECT_EQ(log->odometry()[0].target, PoseIndex(0));
   EXPECT_THAT(marks(log->closures()), ElementsAre(1));
   EXPECT_EQ(log->repeated_edges, 1);
   ASSERT_EQ(log->sessions.size(), 1u);
-  EXPECT_EQ(log->sessions[0].end, 4);
+  EXPECT_EQ(log->sessions[0].end, PoseIndex(4));
 }
 
 TYPED_TEST(LogBuilderTest, StartsASessionWhereOdometryIsMissingAndWhereTheUserStartsOne) {
@@ -71,9 +71,9 @@ TYPED_TEST(LogBuilderTest, StartsASessionWhereOdometryIsMissingAndWhereTheUserSt
   this->edge({0, 4}, {1, 1}, 7);  // Neighbours in order, but of two sessions.
   const auto log = this->finish();
   ASSERT_TRUE(log);
-  std::vector<std::pair<Index, Index>> sessions;
+  std::vector<std::pair<PoseIndex, PoseIndex>> sessions;
   for (const auto& s : log->sessions) sessions.emplace_back(s.begin, s.end);
-  EXPECT_THAT(sessions, ElementsAre(std::pair(0, 2), std::pair(2, 4), std::pair(4, 6)));
+  EXPECT_EQ(sessions, (std::vector<std::pair<PoseIndex, PoseIndex>>{{0, 2}, {2, 4}, {4, 6}}));
   EXPECT_EQ(log->odometry().size(), 3u);
   EXPECT_THAT(marks(log->closures()), ElementsAre(7));
 }
@@ -88,7 +88,7 @@ TYPED_TEST(LogBuilderTest, SortsObservationsByPoseAndKeepsTheFilesOrderWithin) {
   ASSERT_TRUE(log);
   EXPECT_THAT(marks(log->observations()), ElementsAre(2, 4, 1, 3));
   EXPECT_THAT(log->features, ElementsAre(FeatureId{3}, FeatureId{6}, FeatureId{9}));
-  EXPECT_EQ(log->observations()[0].target, 2);
+  EXPECT_EQ(log->observations()[0].target, FeatureIndex(2));
   EXPECT_EQ(log->poses.size(), 2u);
 }
 
@@ -136,8 +136,8 @@ TYPED_TEST(LogBuilderTest, PriorsComeFromTheWorld) {
   const auto log = this->finish();
   ASSERT_TRUE(log);
   EXPECT_EQ(log->pose_priors()[0].base, kWorld);
-  EXPECT_EQ(log->pose_priors()[0].target, 1);
-  EXPECT_EQ(log->feature_priors()[0].target, 0);
+  EXPECT_EQ(log->pose_priors()[0].target, PoseIndex(1));
+  EXPECT_EQ(log->feature_priors()[0].target, FeatureIndex(0));
 }
 
 TYPED_TEST(LogBuilderTest, RefusesALogWithoutPoses) {
@@ -182,7 +182,7 @@ TYPED_TEST(LogBuilderTest, FindsKeysFarApart) {
   const auto log = this->finish();
   ASSERT_TRUE(log);
   EXPECT_EQ(log->odometry().size(), 2u);
-  EXPECT_EQ(log->odometry()[1].target, 2);
+  EXPECT_EQ(log->odometry()[1].target, PoseIndex(2));
 }
 
 TYPED_TEST(LogBuilderTest, IdentityCovarianceReplacesEveryInformationMatrix) {
@@ -267,16 +267,16 @@ TYPED_TEST(LogBuilderTest, ASecondFixedPoseNeedsAValue) {
 }
 
 TEST(FindIndex, FindsIdsByTheirPlaceAmongTheNames) {
-  const std::vector<PoseId> consecutive{{0, 5}, {0, 6}, {0, 7}};
-  const std::vector<PoseId> scattered{{0, 5}, {0, 9}, {1, 2}, {1, 9}};
-  EXPECT_EQ(IndexOf(consecutive)(PoseId{0, 7}), 2);
-  EXPECT_EQ(IndexOf(scattered)(PoseId{1, 9}), 3);
-  EXPECT_EQ(IndexOf(scattered)(PoseId{0, 9}), 1);
+  const PoseIds consecutive{{0, 5}, {0, 6}, {0, 7}};
+  const PoseIds scattered{{0, 5}, {0, 9}, {1, 2}, {1, 9}};
+  EXPECT_EQ(IndexOf(consecutive)(PoseId{0, 7}), PoseIndex(2));
+  EXPECT_EQ(IndexOf(scattered)(PoseId{1, 9}), PoseIndex(3));
+  EXPECT_EQ(IndexOf(scattered)(PoseId{0, 9}), PoseIndex(1));
   for (const PoseId& absent : {PoseId{0, 4}, PoseId{0, 8}, PoseId{1, 5}, PoseId{2, 0}}) {
     EXPECT_EQ(IndexOf(consecutive)(absent), std::nullopt);
     EXPECT_EQ(IndexOf(scattered)(absent), std::nullopt);
   }
-  EXPECT_EQ(IndexOf(std::vector<FeatureId>{})(FeatureId{0}), std::nullopt);
+  EXPECT_EQ(IndexOf(FeatureIds{})(FeatureId{0}), std::nullopt);
 }
 
 TYPED_TEST(LogBuilderTest, WhereIdsSayNothingOfTheOrderEdgesDo) {
@@ -297,13 +297,13 @@ TYPED_TEST(LogBuilderTest, WhereIdsSayNothingOfTheOrderEdgesDo) {
   ASSERT_EQ(log->sessions.size(), 1u);
   EXPECT_THAT(marks(log->odometry()), ElementsAre(0, 0, 0, 0, 3));
   EXPECT_THAT(marks(log->closures()), ElementsAre(1, 2));
-  EXPECT_EQ(log->closures()[0].base, 2);
-  EXPECT_EQ(log->closures()[0].target, 5);
+  EXPECT_EQ(log->closures()[0].base, PoseIndex(2));
+  EXPECT_EQ(log->closures()[0].target, PoseIndex(5));
   EXPECT_THAT(marks(log->observations()), ElementsAre(7, 4, 5));
   EXPECT_THAT(log->stamps_ns, ElementsAre(7, 2, 9, 4, 0, 5));
-  EXPECT_EQ(log->graph.fixed[0].pose, 0);
-  EXPECT_EQ(log->graph.fixed[1].pose, 4);
-  EXPECT_EQ(IndexOf(log->poses)(PoseId{0, 9}), 2);
+  EXPECT_EQ(log->graph.fixed[0].pose, PoseIndex(0));
+  EXPECT_EQ(log->graph.fixed[1].pose, PoseIndex(4));
+  EXPECT_EQ(IndexOf(log->poses)(PoseId{0, 9}), PoseIndex(2));
   EXPECT_EQ(IndexOf(log->poses)(PoseId{0, 3}), std::nullopt);
 }
 

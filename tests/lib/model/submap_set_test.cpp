@@ -22,7 +22,7 @@ class SubmapSetTest : public ::testing::Test {
     set.source = "in memory";
     for (std::uint64_t key = 0; key < 3; ++key) set.poses.push_back({0, key});
     for (std::uint64_t key = 0; key < 5; ++key) set.features.push_back({key});
-    for (Index k = 0; k < 2; ++k) set.graph.submaps.push_back(testing::random_map<kDim>(random, {k, k + 1}, 5));
+    for (PoseIndex k = 0; k < 2; ++k) set.graph.submaps.push_back(testing::random_map<kDim>(random, {k, k + 1}, 5));
     set.graph.pose_factors.push_back(testing::random_pose_observation<kDim>(random, kWorld, 2));
     set.graph.feature_factors.push_back(testing::random_feature_observation<kDim>(random, 0, 4));
     set.graph.fixed.push_back({0, random.template pose<kDim>()});

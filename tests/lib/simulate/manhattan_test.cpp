@@ -61,7 +61,7 @@ TYPED_TEST(ManhattanTest, TheWalkStaysInItsSquareOnStreetsAndTurnsAtCornersOnly)
   constexpr int kDim = TypeParam::value;
   const auto [log, truth] = simulate_manhattan<kDim>({.poses = 3000, .side = 20.0, .storeys = 2, .noise_multiplier = 0.0});
   std::set<int> turns_by_kind;
-  for (std::size_t i = 0; i < truth.poses.size(); ++i) {
+  for (const PoseIndex i : indices(truth.poses)) {
     const Point<kDim>& p = truth.poses[i].translation;
     const auto off_streets = (p.array() / 5.0 - (p.array() / 5.0).round() != 0.0).count();
     EXPECT_LE(off_streets, 1) << p.transpose();
@@ -87,7 +87,7 @@ TEST(ManhattanTest, GoesStraightOnAtHalfOfTheOpenCorners) {
   double corners = 0.0;
   double left = 0.0;
   double right = 0.0;
-  for (std::size_t i = 1; i < truth.poses.size(); ++i) {
+  for (PoseIndex i = 1; i < indices(truth.poses).last; ++i) {
     const Point<2>& p = truth.poses[i].translation;
     if (std::remainder(p.x(), 5.0) != 0.0 || std::remainder(p.y(), 5.0) != 0.0) continue;
     if (p.cwiseAbs().maxCoeff() >= 250.0) continue;
@@ -105,11 +105,11 @@ TEST(ManhattanTest, GoesStraightOnAtHalfOfTheOpenCorners) {
 TYPED_TEST(ManhattanTest, SeesEveryFeatureInRangeAndNoOther) {
   constexpr int kDim = TypeParam::value;
   const auto [log, truth] = simulate_manhattan<kDim>({.poses = 400, .noise_multiplier = 0.0});
-  std::set<std::pair<Index, Index>> seen;
+  std::set<std::pair<PoseIndex, FeatureIndex>> seen;
   for (const auto& o : log.observations()) seen.emplace(o.base, o.target);
   EXPECT_EQ(seen.size(), log.observations().size());
   std::size_t in_range = 0;
-  for (std::size_t i = 0; i < truth.poses.size(); ++i) {
+  for (const PoseIndex i : indices(truth.poses)) {
     for (const Point<kDim>& feature : truth.features) {
       in_range += (feature - truth.poses[i].translation).norm() <= 3.0 ? 1 : 0;
     }
@@ -189,7 +189,7 @@ TEST(Manhattan, EndsWithAWholeLogOnceAStopIsRequested) {
   source.request_stop();
   const auto [log, truth] = simulate_manhattan<2>({.poses = ManhattanOptions::kMostPoses}, source.get_token());
   EXPECT_EQ(log.poses.size(), 1u);
-  EXPECT_EQ(log.sessions.at(0).end, 1);
+  EXPECT_EQ(log.sessions.at(0).end, PoseIndex(1));
   EXPECT_EQ(truth.poses.size(), 1u);
 }
 

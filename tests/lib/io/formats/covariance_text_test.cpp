@@ -50,8 +50,8 @@ TEST(MapCircles, CountsPosesByStepsAndOrdersTheCovariance) {
       "LANDMARK_C 3 4 0.9 2 1 3 7\n");
   EXPECT_THAT(log.poses, ElementsAre(PoseId{0, 0}, PoseId{0, 1}, PoseId{0, 2}));
   EXPECT_TRUE((log.odometry()[1].information * kCovariance).isIdentity(1e-14));
-  EXPECT_EQ(log.observations()[0].base, 1);
-  EXPECT_EQ(log.observations()[1].base, 2);
+  EXPECT_EQ(log.observations()[0].base, PoseIndex(1));
+  EXPECT_EQ(log.observations()[1].base, PoseIndex(2));
   EXPECT_THAT(log.features, ElementsAre(FeatureId{7}, FeatureId{23}));
   EXPECT_EQ(log.unassociated, 1);
 }

@@ -27,7 +27,7 @@ TEST(GtsamText, HasCovariances) {
       std::get<Log<2>>(read_gtsam_text(TextScanner("some.txt", kOdometry + "LANDMARK 1 2 3 4 0.5 0 2\n"), {}).value());
   EXPECT_TRUE(log.odometry()[0].information.isApprox(Matrix<3>(Vector<3>(0.25, 0.25, 4.0).asDiagonal()), 1e-15));
   EXPECT_THAT(log.features, ElementsAre(FeatureId{2}));
-  EXPECT_EQ(log.observations()[0].base, 1);
+  EXPECT_EQ(log.observations()[0].base, PoseIndex(1));
   EXPECT_TRUE(log.observations()[0].information.isApprox(Matrix<2>(Vector<2>(2.0, 0.5).asDiagonal()), 1e-15));
 }
 

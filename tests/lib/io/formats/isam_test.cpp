@@ -29,7 +29,7 @@ TEST(Isam, ReadsThePlaneAndSquaresItsInformation) {
   EXPECT_EQ(log.odometry()[0].measured.rotation.angle(), 0.5);
   const Matrix<3> S = (Matrix<3>() << 1, 2, 3, 0, 4, 5, 0, 0, 6).finished();
   EXPECT_EQ(log.odometry()[0].information, S.transpose() * S);
-  EXPECT_EQ(log.observations()[0].base, 1);
+  EXPECT_EQ(log.observations()[0].base, PoseIndex(1));
   EXPECT_EQ(log.observations()[0].measured, Point<2>(7, 8));
   EXPECT_EQ(log.observations()[0].information, (Matrix<2>() << 1, 2, 2, 13).finished());
 }

@@ -61,8 +61,8 @@ TYPED_TEST(LogFormatTest, ToroBringsBackAPoseGraphAndItsValues) {
   const double rounding = Dim == 2 ? 0.0 : 1e-12;
   const auto again = this->again(log, LogFormat::kToro);
   expect_same_log(log, again, {rounding, rounding});
-  for (std::size_t p = 0; p < log.poses.size(); ++p) {
-    expect_same_value(log.initial.poses[p], again.initial.poses.at(p), rounding);
+  for (const PoseIndex p : indices(log.poses)) {
+    expect_same_value(log.initial.poses[p], again.initial.poses[p], rounding);
   }
   EXPECT_EQ(losses(log, LogFormat::kToro).size(), Dim == 2 ? 0u : 1u);
 }
@@ -102,14 +102,14 @@ TYPED_TEST(LogFormatTest, FurtherSessionsAreNumberedFromAPowerOfTen) {
 TYPED_TEST(LogFormatTest, TumBringsBackValuesAndStamps) {
   constexpr int Dim = TypeParam::value;
   auto log = this->world();
-  for (std::size_t p = 0; p < log.poses.size(); ++p) {
-    log.stamps_ns.push_back(1'600'000'000'123'456'789 + 333'333'333 * static_cast<std::int64_t>(p));
+  for (const PoseIndex p : indices(log.poses)) {
+    log.stamps_ns.push_back(1'600'000'000'123'456'789 + std::int64_t{333'333'333} * p.value);
   }
   const auto again = this->again(log, LogFormat::kTum);
   EXPECT_EQ(again.stamps_ns, log.stamps_ns);
   EXPECT_TRUE(again.odometry().empty());
-  for (std::size_t p = 0; p < log.poses.size(); ++p) {
-    expect_same_value(log.initial.poses[p], again.initial.poses.at(p), Dim == 2 ? 1e-14 : 0.0);
+  for (const PoseIndex p : indices(log.poses)) {
+    expect_same_value(log.initial.poses[p], again.initial.poses[p], Dim == 2 ? 1e-14 : 0.0);
   }
   log.stamps_ns.clear();
   EXPECT_TRUE(this->again(log, LogFormat::kTum).stamps_ns.empty());
@@ -119,7 +119,7 @@ TYPED_TEST(LogFormatTest, KittiBringsBackValues) {
   const auto log = this->world();
   const auto again = this->again(log, LogFormat::kKitti);
   ASSERT_EQ(again.initial.poses.size(), log.poses.size());
-  for (std::size_t p = 0; p < log.poses.size(); ++p) {
+  for (const PoseIndex p : indices(log.poses)) {
     expect_same_value(log.initial.poses[p], again.initial.poses[p], 1e-14);
   }
 }

@@ -53,7 +53,7 @@ TEST_F(MatLogTest, ReadsARowOfVictoriaParkInTheOrderOfItsColumns) {
   const Matrix<3> P = (Matrix<3>() << 4, 1, 2, 1, 5, 3, 2, 3, 6).finished();
   EXPECT_LT((log.odometry()[0].information * P - Matrix<3>::Identity()).norm(), 1e-14);
   ASSERT_EQ(log.observations().size(), 1u);
-  EXPECT_EQ(log.observations()[0].base, 0);
+  EXPECT_EQ(log.observations()[0].base, PoseIndex(0));
   EXPECT_EQ(log.observations()[0].measured, Point<2>(10, 20));
   const Matrix<2> Q = (Matrix<2>() << 2, 1, 1, 3).finished();
   EXPECT_LT((log.observations()[0].information * Q - Matrix<2>::Identity()).norm(), 1e-14);
@@ -68,7 +68,7 @@ TEST_F(MatLogTest, ReadsDlrRowsAtThePoseThatTheStepLedTo) {
   const Matrix<3> P = (Matrix<3>() << 4, 1, 2, 1, 5, 3, 2, 3, 6).finished();
   EXPECT_LT((log.odometry()[0].information * P - Matrix<3>::Identity()).norm(), 1e-14);
   ASSERT_EQ(log.observations().size(), 1u);
-  EXPECT_EQ(log.observations()[0].base, 1);
+  EXPECT_EQ(log.observations()[0].base, PoseIndex(1));
   EXPECT_EQ(log.unassociated, 1);
 }
 

@@ -133,16 +133,16 @@ TEST(MrclamData, AgreesWithTheMotionCapture) {
 
   const auto landmarks = table_in<2>(folder / "Landmark_Groundtruth.dat");
   const auto truth = table_in<3>(folder / "Robot1_Groundtruth.dat.gz");
-  const auto true_pose = [&](Index p) {
-    const auto at = truth.lower_bound(1e-9 * static_cast<double>(log.stamps_ns[static_cast<std::size_t>(p)]));
+  const auto true_pose = [&](PoseIndex p) {
+    const auto at = truth.lower_bound(1e-9 * static_cast<double>(log.stamps_ns[p]));
     const Vector<3> v = at == truth.end() ? truth.rbegin()->second : at->second;
     return Pose<2>{v.head<2>(), Rotation<2>(v[2])};
   };
-  const auto is_first_robot = [&](Index p) { return log.poses[static_cast<std::size_t>(p)].session == 0; };
+  const auto is_first_robot = [&](PoseIndex p) { return log.poses[p].session == 0; };
   std::vector<double> misses;
   for (const auto& o : log.observations()) {
     if (!is_first_robot(o.base)) continue;
-    const auto subject = static_cast<double>(log.features[static_cast<std::size_t>(o.target)].key);
+    const auto subject = static_cast<double>(log.features[o.target].key);
     misses.push_back((transform(true_pose(o.base), o.measured) - landmarks.at(subject)).norm());
   }
   EXPECT_EQ(misses.size(), 1534u);

@@ -34,7 +34,7 @@ TEST_F(TumReader, ReadsWhatIsWritten) {
   ASSERT_EQ(poses->size(), 5U);
   for (std::size_t k = 0; k < 5; ++k) {
     EXPECT_EQ((*poses)[k].time, 0.25 * static_cast<double>(k));
-    EXPECT_LT(local((*poses)[k].pose, map.poses[k]).norm(), 1e-15);
+    EXPECT_LT(local((*poses)[k].pose, map.poses[PoseIndex(k)]).norm(), 1e-15);
   }
 }
 

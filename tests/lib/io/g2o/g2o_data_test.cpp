@@ -40,14 +40,14 @@ PoseVector<3> g2o_error(const Pose<3>& Z, const Pose<3>& b, const Pose<3>& t) {
 /// chi2 at the file's values, of information matrices that were read as they are.
 template <int Dim>
 double g2o_chi2(const Log<Dim>& log) {
-  const auto pose = [&](Index i) -> const Pose<Dim>& { return log.initial.poses.at(static_cast<std::size_t>(i)); };
+  const auto pose = [&](PoseIndex i) -> const Pose<Dim>& { return log.initial.poses.at(i.position()); };
   double chi2 = 0.0;
   for (const auto& edge : log.edges()) {
     const auto e = g2o_error(edge.measured, pose(edge.base), pose(edge.target));
     chi2 += e.dot(edge.information * e);
   }
   for (const auto& o : log.observations()) {
-    const Point<Dim> feature = log.initial.features.at(static_cast<std::size_t>(o.target));
+    const Point<Dim> feature = log.initial.features.at(o.target.position());
     const Point<Dim> e = pose(o.base).rotation.matrix().transpose() * (feature - pose(o.base).translation) - o.measured;
     chi2 += e.dot(o.information * e);
   }
@@ -130,8 +130,8 @@ TEST(G2oDataQuirks, CubicleHas5021IndefiniteInformationMatrices) {
   const auto log = std::get<Log<3>>(read(path, {.repair_information = true}).value());
   EXPECT_EQ(log.conventions.repairs.indefinite, 5021);
 
-  std::set<std::pair<Index, Index>> directed;
-  std::set<std::pair<Index, Index>> undirected;
+  std::set<std::pair<PoseIndex, PoseIndex>> directed;
+  std::set<std::pair<PoseIndex, PoseIndex>> undirected;
   for (const auto& edge : log.edges()) {
     directed.emplace(edge.base, edge.target);
     undirected.insert(std::minmax(edge.base, edge.target));

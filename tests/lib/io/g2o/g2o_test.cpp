@@ -46,15 +46,15 @@ TEST(G2o, ReadsEveryTagOfThePlane) {
   EXPECT_EQ(log.initial.poses.at(1).translation, Point<2>(3, 4));
   EXPECT_EQ(log.initial.poses[1].rotation.angle(), 7.5) << "headings are not wrapped";
   EXPECT_EQ(log.initial.features.at(0), Point<2>(7, 8));
-  EXPECT_EQ(log.graph.fixed.at(0).pose, 0);
+  EXPECT_EQ(log.graph.fixed.at(0).pose, PoseIndex(0));
   EXPECT_EQ(log.graph.fixed[0].value.translation, Point<2>(1, 2));
-  EXPECT_EQ(log.odometry()[0].base, 1);
-  EXPECT_EQ(log.odometry()[0].target, 0);
+  EXPECT_EQ(log.odometry()[0].base, PoseIndex(1));
+  EXPECT_EQ(log.odometry()[0].target, PoseIndex(0));
   EXPECT_EQ(log.odometry()[0].measured.translation, Point<2>(0.25, -0.5));
   EXPECT_EQ(log.odometry()[0].measured.rotation.angle(), 7.0);
   const Matrix<3> W = (Matrix<3>() << 1, 0.1, 0.2, 0.1, 2, 0.3, 0.2, 0.3, 3).finished();
   EXPECT_EQ(log.odometry()[0].information, W);
-  EXPECT_EQ(log.observations()[0].base, 1);
+  EXPECT_EQ(log.observations()[0].base, PoseIndex(1));
   EXPECT_EQ(log.observations()[0].measured, Point<2>(-1, -2));
   EXPECT_EQ(log.observations()[0].information, (Matrix<2>() << 2, 0.5, 0.5, 3).finished());
 }
@@ -131,7 +131,7 @@ TEST(G2o, ReadsALongFileInPiecesAndNamesTheFirstFaultOfSeveral) {
   const auto log = read_as<2>(joined());
   ASSERT_EQ(log.odometry().size(), 100000u);
   for (std::size_t k = 0; k < log.odometry().size(); ++k) {
-    EXPECT_EQ(log.odometry()[k].target, static_cast<Index>(k) + 1);
+    EXPECT_EQ(log.odometry()[k].target, PoseIndex(k + 1));
   }
   lines[99990] = "EDGE_SE2 5\n";
   lines[77777] = "EDGE_SE2 5 6 1 0 0.1 1 0 0 1 0 one\n";

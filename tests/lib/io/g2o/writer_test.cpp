@@ -100,7 +100,7 @@ TYPED_TEST(G2oWriterTest, NumbersSessionsAndFeaturesApartByPowersOfTen) {
   const auto log = this->read(text);
   EXPECT_THAT(log.poses, ::testing::ElementsAre(PoseId{0, 1}, PoseId{0, 12}, PoseId{0, 201}, PoseId{0, 212}));
   EXPECT_EQ(log.features.at(0).key, 1001u);
-  EXPECT_EQ(log.observations()[0].base, 3);
+  EXPECT_EQ(log.observations()[0].base, PoseIndex(3));
 }
 
 TYPED_TEST(G2oWriterTest, RefusesKeysThatLeaveNoRoom) {

@@ -43,14 +43,14 @@ void expect_equal(const SubmapSet<Dim>& a, const SubmapSet<Dim>& b) {
 
 /// Of the maps laid end to end, each feature where the first map that knows it has it.
 double composed_chi2(const SubmapSet<2>& set) {
-  std::vector<Pose<2>> poses(set.poses.size());
-  std::map<Index, Point<2>> features;
+  Table<PoseIndex, Pose<2>> poses(set.poses.size());
+  std::map<FeatureIndex, Point<2>> features;
   double chi2 = 0.0;
   for (const LocalMap<2>& map : set.graph.submaps) {
-    const Pose<2>& base = poses[static_cast<std::size_t>(map.base)];
+    const Pose<2>& base = poses[map.base];
     Eigen::VectorXd residual = Eigen::VectorXd::Zero(map.information.rows());
     for (std::size_t i = 0; i < map.poses.size(); ++i) {
-      poses[static_cast<std::size_t>(map.poses[i])] = compose(base, map.pose_estimates[i]);
+      poses[map.poses[i]] = compose(base, map.pose_estimates[i]);
     }
     for (std::size_t i = 0; i < map.features.size(); ++i) {
       const auto known = features.emplace(map.features[i], transform(base, map.feature_estimates[i])).first;
@@ -101,7 +101,7 @@ TEST(LocalMapSetData, TheLastMapOfDlrIn3298MapsStandsStill) {
   ASSERT_EQ(text.poses.size(), 3299u);
   for (std::size_t k = 0; k < 3297; ++k) expect_equal(mat.graph.submaps[k], text.graph.submaps[k]);
   const LocalMap<2>& last = mat.graph.submaps.back();
-  EXPECT_EQ(last.base, 3297);
+  EXPECT_EQ(last.base, PoseIndex(3297));
   EXPECT_TRUE(last.poses.empty());
   EXPECT_EQ(last.features, text.graph.submaps.back().features);
   const Eigen::MatrixXd W = text.graph.submaps.back().information.bottomRightCorner(16, 16);
@@ -128,7 +128,7 @@ TEST(LocalMapSetData, VictoriaParkIn6898MapsIsTheCleanData) {
     } else {
       P = (Matrix<2>() << row[5], row[6], row[6], row[7]).finished();
       const std::size_t i = features_seen[k]++;
-      ASSERT_EQ(set.features[static_cast<std::size_t>(map.features[i])].key, static_cast<std::uint64_t>(row[2]));
+      ASSERT_EQ(set.features[map.features[i]].key, static_cast<std::uint64_t>(row[2]));
       ASSERT_EQ(map.feature_estimates[i], Point<2>(row[3], row[4]));
       at = static_cast<Eigen::Index>(3 + 2 * i);
     }

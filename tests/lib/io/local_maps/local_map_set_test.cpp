@@ -84,16 +84,16 @@ TEST_F(LocalMapSetTest, PutsMapsInTheOrderOfTheirNumbersAndGzippedOnesAmongThem)
   const auto set = read<2>();
   ASSERT_EQ(set.graph.submaps.size(), 10u);
   ASSERT_EQ(set.poses.size(), 11u);
-  for (int k = 0; k <= 10; ++k) EXPECT_EQ(set.poses[static_cast<std::size_t>(k)], (PoseId{0, static_cast<std::uint64_t>(k)}));
-  for (int k = 1; k <= 10; ++k) {
-    const auto& map = set.graph.submaps[static_cast<std::size_t>(k - 1)];
-    EXPECT_EQ(map.base, k - 1);
-    EXPECT_THAT(map.poses, ElementsAre(k));
-    EXPECT_EQ(set.segments[static_cast<std::size_t>(k - 1)], (Segment{k - 1, k, true}));
-    EXPECT_DOUBLE_EQ(map.pose_estimates[0].translation.x(), k == 1 ? 1.0 : 0.1 * k);
+  for (const PoseIndex p : indices(set.poses)) EXPECT_EQ(set.poses[p], (PoseId{0, p.position()}));
+  for (PoseIndex end = 1; end <= 10; ++end) {
+    const auto& map = set.graph.submaps[(end - 1).position()];
+    EXPECT_EQ(map.base, end - 1);
+    EXPECT_THAT(map.poses, ElementsAre(end));
+    EXPECT_EQ(set.segments[(end - 1).position()], (Segment{end - 1, end, true}));
+    EXPECT_DOUBLE_EQ(map.pose_estimates[0].translation.x(), end == 1 ? 1.0 : 0.1 * end.value);
   }
   EXPECT_THAT(set.features, ElementsAre(FeatureId{9}, FeatureId{40}));
-  EXPECT_THAT(set.graph.submaps[0].features, ElementsAre(1, 0));
+  EXPECT_EQ(set.graph.submaps[0].features, (std::vector<FeatureIndex>{1, 0}));
   EXPECT_EQ(set.graph.submaps[0].feature_estimates[1], Point<2>(5.0, 6.0));
   EXPECT_EQ(set.graph.submaps[0].pose_estimates[0].rotation.angle(), 7.5);
 }
@@ -138,11 +138,11 @@ TEST_F(LocalMapSetTest, AnExactCoincidenceIsOnePose) {
 
   const auto set = read<2>();
   EXPECT_THAT(set.poses, ElementsAre(PoseId{0, 0}, PoseId{0, 1}, PoseId{0, 3}));
-  EXPECT_EQ(set.graph.submaps[1].base, 1);
+  EXPECT_EQ(set.graph.submaps[1].base, PoseIndex(1));
   EXPECT_THAT(set.graph.submaps[1].poses, IsEmpty());
   EXPECT_EQ(set.graph.submaps[1].information.rows(), 4);
-  EXPECT_EQ(set.graph.submaps[2].base, 1);
-  EXPECT_THAT(set.graph.submaps[2].poses, ElementsAre(2));
+  EXPECT_EQ(set.graph.submaps[2].base, PoseIndex(1));
+  EXPECT_EQ(set.graph.submaps[2].poses, std::vector<PoseIndex>{2});
   EXPECT_THAT(set.segments, ElementsAre(Segment{0, 1}, Segment{1, 1}, Segment{1, 2}));
 }
 

@@ -21,11 +21,11 @@ class LocalMapWriterTest : public ::testing::Test {
   static constexpr int kDim = Dimension::value;
 
   /// From pose k to pose k + 1, with two features.
-  LocalMap<kDim> map(Index k) {
+  LocalMap<kDim> map(PoseIndex k) {
     LocalMap<kDim> map;
     map.base = k;
     map.poses = {k + 1};
-    map.features = {k, 2};
+    map.features = {FeatureIndex(k.value), 2};
     map.pose_estimates = {random.template pose<kDim>(5.0, 0.8)};
     for (int f = 0; f < 2; ++f) map.feature_estimates.push_back(random.template vector<kDim>(9.0));
     const Eigen::Index n = map.row(3);
@@ -55,7 +55,7 @@ class LocalMapWriterTest : public ::testing::Test {
   }
 
   Random random;
-  std::vector<FeatureId> features{{0}, {7}, {900}};
+  FeatureIds features{{0}, {7}, {900}};
   std::vector<std::string> names;
   TemporaryFolder folder;
 };

@@ -45,7 +45,7 @@ TYPED_TEST(StoreTest, GivesBackALogThatTakesManyChunks) {
   auto maps = random_stored_maps<TestFixture::kDim>(this->random, 3);
   for (int i = 0; i < 40000; ++i) {
     maps.log.graph.feature_factors.push_back(
-        testing::random_feature_observation<TestFixture::kDim>(this->random, i % 8, i % 5));
+        testing::random_feature_observation<TestFixture::kDim>(this->random, PoseIndex(i % 8), FeatureIndex(i % 5)));
   }
   put_in_order(maps.log);
   build_store(this->path, maps);

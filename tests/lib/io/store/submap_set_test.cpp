@@ -20,9 +20,9 @@ SubmapSet<Dim> random_submap_set(Random& random) {
   SubmapSet<Dim> set;
   set.source = "maps.tar";
   set.conventions.repairs.indefinite = 3;
-  for (Index k = 0; k < 4; ++k) set.poses.push_back({0, static_cast<std::uint64_t>(k)});
+  for (std::uint64_t k = 0; k < 4; ++k) set.poses.push_back({0, k});
   for (std::uint64_t key = 10; key < 15; ++key) set.features.push_back({key});
-  for (Index k = 0; k < 3; ++k) {
+  for (PoseIndex k = 0; k < 3; ++k) {
     set.segments.push_back({k, k + 1, true});
     set.graph.submaps.push_back(testing::random_map<Dim>(random, set.segments.back(), 5));
   }
