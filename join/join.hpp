@@ -44,7 +44,7 @@ template <int Dim>
 struct Join {
   MinimiseResult result;
   Schedule schedule = Schedule::kTree;         ///< That it was found by; of kAuto, the one of least chi2.
-  bool is_settled = false;                     ///< Of kAuto: the solve was nearly linear, and had no other optimum near.
+  bool is_settled = false;                     ///< Of kAuto: this solve was as good as linear, or aligned from near by.
   Values<Dim> state;                           ///< Of the whole submap graph; poses that are not joined are left at the origin.
   Table<PoseIndex, PoseIndex> poses;           ///< The poses of the joined state, ascending, by place.
   Table<FeatureIndex, FeatureIndex> features;  ///< Its features: all but the submap-local ones.

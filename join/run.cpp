@@ -224,7 +224,7 @@ Expected<RunResult<Dim>> join_set(const SubmapSet<Dim>& set, std::vector<LocalMa
 }
 
 /// Whether a log that was left to be cut as is cheapest is joined without local maps, too: where their Gaussians proved crude,
-/// for they were made far from the optimum, and no solve was as good as linear.
+/// for they were made far from the optimum, and the join was not settled. It takes polishing to tell.
 bool may_do_without_maps(const RunFigures& figures, const RunOptions& options) {
   return options.split.rule == SplitRule::kAuto && options.schedule == Schedule::kAuto && figures.local_maps > 0 &&
          !figures.is_settled && figures.recovered_chi2 > (1.0 + kCrudeMaps) * figures.chi2;

@@ -23,19 +23,23 @@ double block_cost(double m) {
 constexpr double kJoining = 4.0;
 constexpr double kPolishing = 5.0;
 
-/// The least costs within this share of each other are the same: of segments that are no maps, but for rounding.
+/// Longer segments have to pay by more than this share of the cost: where few of them would be maps, single steps are joined.
 constexpr double kAlike = 0.01;
 
 /// What one segment costs, as a map or, where it would keep most of its poses, as a raw segment of one-step maps.
 template <int Dim>
-double stretch_cost(const Log<Dim>& log, const Table<PoseIndex, bool>& kept, const Segment& segment, SeenFeatures& seen) {
+double segment_cost(const Log<Dim>& log, const Table<PoseIndex, bool>& kept, const Segment& segment, SeenFeatures& seen) {
   constexpr double kDof = kPoseDof<Dim>;
   const double steps = segment.end - segment.begin;
   const auto observations = observations_of(log, segment);
   const auto referenced =
       static_cast<double>(std::count(kept.begin() + segment.begin.value + 1, kept.begin() + segment.end.value, true));
   if (steps < 2.0 || 2.0 * referenced > steps - 1.0) {
-    return steps * kJoining * block_cost(2.0 * kDof + Dim * static_cast<double>(observations.size()) / steps);
+    double blocks = 0.0;
+    for (PoseIndex pose = segment.begin; pose < segment.end; ++pose) {
+      blocks += block_cost(2.0 * kDof + Dim * static_cast<double>(observations_of(log, {pose, pose + 1}).size()));
+    }
+    return kJoining * blocks;
   }
   const double m = (2.0 + referenced) * kDof + Dim * static_cast<double>(seen.count_new(observations, segment.begin));
   return kJoining * block_cost(m) + kPolishing * (2.0 * steps * kDof * m * m + 0.5 * m * m * m);
@@ -52,7 +56,7 @@ double cost_per_step(const Log<Dim>& log, const Table<PoseIndex, bool>& kept, in
     const int available = (session.end - 1 - session.begin) / poses_per_map;
     const int stride = std::max(1, (available + kSamples - 1) / kSamples) * poses_per_map;
     for (PoseIndex begin = session.begin; begin + poses_per_map < session.end; begin += stride) {
-      cost += stretch_cost(log, kept, {begin, begin + poses_per_map}, seen);
+      cost += segment_cost(log, kept, {begin, begin + poses_per_map}, seen);
       steps += poses_per_map;
     }
   }

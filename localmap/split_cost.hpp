@@ -16,8 +16,8 @@ namespace mapjoin {
 template <int Dim>
 double cost_per_step(const Log<Dim>& log, const Table<PoseIndex, bool>& kept, int poses_per_map);
 
-/// The cheapest number of steps among those of 1, 2, 3, 5, 7, 10, 15, 20, 30, 45, 70, 100 that are at least `fewest`; 100
-/// where there is none.
+/// The least number of steps among those of 1, 2, 3, 5, 7, 10, 15, 20, 30, 45, 70, 100 that are at least `fewest` whose cost is
+/// within a hundredth of the cheapest; 100 where there is none.
 template <int Dim>
 int cheapest_poses_per_map(const Log<Dim>& log, const Table<PoseIndex, bool>& kept, double fewest);
 

@@ -55,8 +55,9 @@ class IncrementalJoin {
   const Pose<Dim>* pose(const PoseId& id) const;
   const Point<Dim>* feature(const FeatureId& id) const;
   /// The marginal covariance of its step, relative to the gauge as in GlobalMap: zero where it is anchored, nothing while it is
-  /// not in the estimate or may be free to move. At the cost of the fronts between it and the root. Of the linearisation that
-  /// the estimate rests on, which errs by less than a hundredth of a standard deviation.
+  /// not in the estimate or may be free to move. At the cost of the fronts between it and the root. It is that of the
+  /// linearisation the estimate rests on: residuals err by less than a hundredth of a standard deviation, but Jacobians may be
+  /// older than a turn of less than 1 rad of a pose in space, until the next map that concerns it.
   std::optional<PoseMatrix<Dim>> covariance(const PoseId& id) const;
   std::optional<PointMatrix<Dim>> covariance(const FeatureId& id) const;
   double chi2() const { return estimate_.chi2(); }

@@ -18,7 +18,7 @@ namespace mapjoin {
 template <typename P>
 concept LeastSquaresProblem = requires(P p, const Eigen::VectorXd& v, double damping) {
   { p.linearise() } -> std::convertible_to<double>;  // makes H and g at the estimate; returns chi2 there
-  {p.add_curvature()};  // makes H, after linearise(), that of full Newton, which need not be positive definite
+  {p.add_curvature()};  // makes H that of full Newton, which need not be positive definite, until linearise(); g and D stay
   { p.gradient() } -> std::convertible_to<Eigen::VectorXd>;           // g
   { p.metric() } -> StepMetric;                                       // D, at the estimate
   { p.curvature(v) } -> std::convertible_to<double>;                  // vᵀHv
@@ -57,12 +57,14 @@ ModelStep newton_step(P& problem, double damping, const M& metric) {
 }
 
 /// Factorises with `damping` or, if that may grow, the least that makes the system regular, which `damping` then is. Returns
-/// the first singular variable met where none does.
+/// the first singular variable met where none does. Counts.
 template <LeastSquaresProblem P>
-std::optional<Variable> factorise_damped(P& problem, double& damping, bool damp_singular) {
+std::optional<Variable> factorise_damped(P& problem, double& damping, bool damp_singular, int& factorisations) {
   const auto singular = problem.factorise(damping);
+  ++factorisations;
   if (!singular || !damp_singular) return singular;
   for (double more = std::max(1e-8, 10.0 * damping); more <= 1.0; more *= 10.0) {
+    ++factorisations;
     if (problem.factorise(more)) continue;
     damping = more;
     return std::nullopt;
@@ -70,11 +72,20 @@ std::optional<Variable> factorise_damped(P& problem, double& damping, bool damp_
   return singular;
 }
 
+/// Factorises H of full Newton; where it is not positive definite, makes it Gauss-Newton's again and returns false.
+template <LeastSquaresProblem P>
+bool factorise_curved(P& problem, int& factorisations) {
+  ++factorisations;
+  if (!problem.factorise(0.0)) return true;
+  problem.linearise();
+  return false;
+}
+
 inline bool is_tiny(const StepSize& size, const MinimiseOptions& options) {
   return size.metres <= options.step_metres && size.radians <= options.step_radians;
 }
 
-/// minimise() with steps measured in metric_of(), which is asked for once after each linearisation.
+/// minimise() with steps measured in metric_of(), which is asked for once an estimate, before H is made full Newton's.
 template <LeastSquaresProblem P, typename MetricOf>
 MinimiseResult minimise_in(MetricOf&& metric_of, P& problem, const MinimiseOptions& options, const std::stop_token& stop) {
   MinimiseResult result;
@@ -91,12 +102,8 @@ MinimiseResult minimise_in(MetricOf&& metric_of, P& problem, const MinimiseOptio
       if (stop.stop_requested()) return result.ended(MinimiseStatus::kInterrupted);
       if (region.needs_factorisation()) {
         double damping = region.damping();
-        if (is_curved && problem.factorise(damping)) {
-          problem.linearise();
-          is_curved = false;
-        }
-        if (!is_curved) result.singular = factorise_damped(problem, damping, options.damp_singular);
-        ++result.factorisations;
+        is_curved = is_curved && factorise_curved(problem, result.factorisations);
+        if (!is_curved) result.singular = factorise_damped(problem, damping, options.damp_singular, result.factorisations);
         if (result.singular) return result.ended(MinimiseStatus::kSingular);
         region.set_newton_step(newton_step(problem, damping, metric));
       }
@@ -122,7 +129,7 @@ MinimiseResult minimise_in(MetricOf&& metric_of, P& problem, const MinimiseOptio
       if (region.accepted()) result.moved_to(chi2);
     } while (!region.accepted());
     problem.accept();
-    is_curved = options.method != Method::kGaussNewton && (is_curved || region.creeps());
+    is_curved = options.method == Method::kDogleg && (is_curved ? !region.fell_short() : region.creeps());
     if (result.iterations >= options.max_iterations) {
       const bool converged = options.is_converged(region.promise(), result.chi2);
       return result.ended(converged ? MinimiseStatus::kConverged : MinimiseStatus::kMaxIterations);

@@ -18,12 +18,13 @@ double dogleg_fraction(double cc, double cn, double nn, double radius) {
   return std::clamp(beta, 0.0, 1.0);
 }
 
-/// The last factor serves once more where its step lowered chi2 by at most this share of it: the estimate has moved little,
+/// A step that lowers chi2 by at most this share of it has moved the estimate little: the last factor may serve once more,
 constexpr double kLittle = 0.01;
-/// and promises at most this share of that now.
+/// if what it promises now is at most this share of what it did.
 constexpr double kRepeatedShare = 0.05;
 /// A step that gains less than this share of what was promised fell short: chi2 is not nearly quadratic that far.
 constexpr double kShort = 0.4;
+/// One that gains more than this share shows as well that chi2 curves otherwise than the model.
 constexpr double kMuchMore = 1.5;
 
 }  // namespace

@@ -63,6 +63,7 @@ class TrustRegion {
   /// The solution of (H + damping·D) n = g.
   void set_newton_step(ModelStep newton) {
     newton_ = std::move(newton);
+    has_cauchy_point_ = false;
     needs_factorisation_ = method_ == Method::kLevenbergMarquardt;
     is_repeated_ = false;
   }
@@ -98,8 +99,8 @@ class TrustRegion {
   bool accepted() const { return accepted_; }
   /// Whether the last step judged gained less than 0.4 of what the model said.
   bool fell_short() const { return fell_short_; }
-  /// Whether it was accepted but lowered chi2 by a hundredth at most, and by far less or more than the model said: near where it
-  /// ends up, chi2 curves otherwise.
+  /// Whether it lowered chi2 by a hundredth at most, and by far less or more than the model said: H is then far from that of
+  /// chi2.
   bool creeps() const { return creeps_; }
 
  private:

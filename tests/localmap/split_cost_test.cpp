@@ -29,6 +29,12 @@ class SplitCostTest : public ::testing::Test {
   }
   /// Per step, of a map of `steps` with `m` variables in its border; it is in the join once, and built.
   static double of_a_map(double steps, double m) { return (joining(m) + building(steps, m)) / steps; }
+  /// Per step of the widening corridor, joined step by step.
+  static double of_single_steps() {
+    double cost = 4.0 * joining(2.0 * kDof);  // of poses that see nothing
+    for (const double features : {1.0, 2.0, 3.0, 4.0, 5.0}) cost += joining(2.0 * kDof + kDim * features);
+    return cost / 9.0;
+  }
   static double joining(double m) { return 4.0 * (30.0 * m * m + 0.4 * m * m * m); }
   static double building(double steps, double m) { return 5.0 * (2.0 * steps * kDof * m * m + 0.5 * m * m * m); }
 };
@@ -70,17 +76,16 @@ TYPED_TEST(SplitCostTest, IsThatOfAMapAsLongAsHalfOfItsPosesGo) {
   const double m = 6.0 * T::kDof + T::kDim * 5.0;
   EXPECT_NEAR(cost_per_step(log, kept, 9), T::of_a_map(9.0, m), 1e-9 * T::joining(m));
   kept[5] = true;
-  const double of_a_step = T::joining(2.0 * T::kDof + T::kDim * 15.0 / 9.0);
-  EXPECT_NEAR(cost_per_step(log, kept, 9), of_a_step, 1e-9 * of_a_step);
+  EXPECT_NEAR(cost_per_step(log, kept, 9), T::of_single_steps(), 1e-9 * T::of_single_steps());
 }
 
 TYPED_TEST(SplitCostTest, OfASegmentThatStaysASpanIsThatOfItsSteps) {
   using T = TestFixture;
   const auto log = T::widening_corridor();
   const Table<PoseIndex, bool> all_kept(log.poses.size(), true);
-  const double observations_of_a_step = 15.0 / 9.0;
-  const double expected = T::joining(2.0 * T::kDof + T::kDim * observations_of_a_step);
-  EXPECT_NEAR(cost_per_step(log, all_kept, 9), expected, 1e-9 * expected);
+  for (const int poses_per_map : {1, 3, 9}) {
+    EXPECT_NEAR(cost_per_step(log, all_kept, poses_per_map), T::of_single_steps(), 1e-9 * T::of_single_steps());
+  }
 }
 
 TYPED_TEST(SplitCostTest, IsInfiniteWhereTheLogIsShorter) {

@@ -236,26 +236,21 @@ DenseProblem::Function valley(double c) {
 }
 
 TEST(Minimise, DoesNotCreepAlongAValleyWhoseCurvatureGaussNewtonOverrates) {
-  for (const auto method : {Method::kDogleg, Method::kLevenbergMarquardt}) {
-    DenseProblem problem(valley(-0.475), Eigen::VectorXd::Constant(1, 0.5));
-    const MinimiseResult result = minimise(problem, with(method));
-    EXPECT_EQ(result.status, MinimiseStatus::kConverged);
-    EXPECT_NEAR(problem.estimate()[0], 0.0, 1e-6);
-    FlatProblem plain(valley(-0.475), Eigen::VectorXd::Constant(1, 0.5));
-    EXPECT_LT(10 * result.iterations, minimise(plain, with(method)).iterations);
-  }
+  DenseProblem problem(valley(-0.475), Eigen::VectorXd::Constant(1, 0.5));
+  const MinimiseResult result = minimise(problem, with(Method::kDogleg));
+  EXPECT_EQ(result.status, MinimiseStatus::kConverged);
+  EXPECT_NEAR(problem.estimate()[0], 0.0, 1e-6);
+  FlatProblem plain(valley(-0.475), Eigen::VectorXd::Constant(1, 0.5));
+  EXPECT_LT(10 * result.iterations, minimise(plain, with(Method::kDogleg)).iterations);
 }
 
 TEST(Minimise, GoesOnByGaussNewtonWhereChi2IsNotConvex) {
-  for (const auto method : {Method::kDogleg, Method::kLevenbergMarquardt}) {
-    DenseProblem problem(rosenbrock, Eigen::Vector2d(-1.2, 1.0));
-    const MinimiseResult result = minimise(problem, with(method));
-    EXPECT_EQ(result.status, MinimiseStatus::kConverged);
-    EXPECT_LT(result.chi2, 1e-15);
-    DenseProblem hill(valley(-2.0), Eigen::VectorXd::Constant(1, 0.01));  // 0 is a maximum between two minima
-    minimise(hill, with(method));
-    EXPECT_NEAR(std::abs(hill.estimate()[0]), std::sqrt(3.0 / 8.0), 1e-6);
-  }
+  DenseProblem problem(rosenbrock, Eigen::Vector2d(-1.2, 1.0));
+  EXPECT_EQ(minimise(problem, with(Method::kDogleg)).status, MinimiseStatus::kConverged);
+  DenseProblem hill(valley(-2.0), Eigen::VectorXd::Constant(1, 0.01));  // 0 is a maximum between two minima
+  const MinimiseResult result = minimise(hill, with(Method::kDogleg));
+  EXPECT_NEAR(std::abs(hill.estimate()[0]), std::sqrt(3.0 / 8.0), 1e-6);
+  EXPECT_EQ(result.factorisations, hill.factorisations);
 }
 
 /// Of which no step but a tiny one gains what it promises: |x| with a kink where the start is.
