@@ -22,6 +22,7 @@ enum class ExitCode : int {
   kDidNotConverge = 4,  ///< The result was written, and says so.
   kCannotWrite = 5,
   kTooLarge = 6,
+  kDoesNotFit = 7,  ///< With --strict. The result was written.
   kInterrupted = 130,
 };
 
@@ -38,6 +39,7 @@ inline constexpr std::array kExitCodes = {
     ExitCodeMeaning{ExitCode::kDidNotConverge, "did not converge (the result is written)"},
     ExitCodeMeaning{ExitCode::kCannotWrite, "cannot write", ErrorKind::kCannotWrite},
     ExitCodeMeaning{ExitCode::kTooLarge, "too large", ErrorKind::kTooLarge},
+    ExitCodeMeaning{ExitCode::kDoesNotFit, "does not fit, or nothing tells (with --strict; the result is written)"},
     ExitCodeMeaning{ExitCode::kInterrupted, "interrupted", ErrorKind::kInterrupted},
 };
 

@@ -38,6 +38,13 @@ class JoinProblem {
   /// The system with its pattern, ordering and symbolic factor.
   JoiningSystem<Dim>& system() { return system_; }
   const JoiningSystem<Dim>& system() const { return system_; }
+  /// f(the factor linearised at the estimate): a LinearObservation or a LinearMap.
+  template <typename F>
+  auto with_linear_factor(std::size_t factor, F&& f) const {
+    const auto [kind, place] = system_.source_of(factor);
+    if (kind == JoiningSystem<Dim>::Source::kMap) return f(linear_map(place));
+    return system_.with_linear_observation(factor, std::forward<F>(f));
+  }
 
  private:
   LinearMap<Dim> linear_map(std::size_t m) const;

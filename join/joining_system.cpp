@@ -62,6 +62,13 @@ typename JoiningSystem<Dim>::Source JoiningSystem<Dim>::source_of(std::size_t fa
 }
 
 template <int Dim>
+Eigen::Index JoiningSystem<Dim>::rows(std::size_t factor) const {
+  const auto [kind, place] = source_of(factor);
+  if (kind == Source::kMap) return maps_[place].map->information.rows();
+  return kind == Source::kPoseFactor ? kPoseDof<Dim> : Dim;
+}
+
+template <int Dim>
 NormalEquations JoiningSystem<Dim>::make_equations(Engine engine, const std::vector<PoseOrFeature>& order) const {
   BlockPattern pattern;
   pattern.dofs.assign(first_feature_variable_.position(), kPoseDof<Dim>);

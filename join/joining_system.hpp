@@ -75,6 +75,19 @@ class JoiningSystem {
     std::size_t place;
   };
   Source source_of(std::size_t factor) const;
+  /// Rows of the measurement of a factor.
+  Eigen::Index rows(std::size_t factor) const;
+  /// f(the observation linearised at the estimate), of a factor that is no map.
+  template <typename F>
+  auto with_linear_observation(std::size_t factor, F&& f) const {
+    const auto [kind, place] = source_of(factor);
+    if (kind == Source::kPoseFactor) {
+      const auto& [o, base, target] = pose_factors_[place];
+      return f(mapjoin::linearise(*o, estimate_.pose(base), estimate_.pose(target)));
+    }
+    const auto& [o, base, target] = feature_factors_[place];
+    return f(mapjoin::linearise(*o, estimate_.pose(base), estimate_.features[target]));
+  }
 
   Values<Dim>& estimate() { return estimate_; }
   const Values<Dim>& estimate() const { return estimate_; }
@@ -91,17 +104,6 @@ class JoiningSystem {
   void number_variables(const Gauge<Dim>& gauge);
   void place_observations(const PartialMap<Dim>& partial, const Gauge<Dim>& gauge);
   NormalEquations make_equations(Engine engine, const std::vector<PoseOrFeature>& order) const;
-  /// f(the observation linearised at the estimate).
-  template <typename F>
-  auto with_linear_observation(std::size_t factor, F&& f) const {
-    const auto [kind, place] = source_of(factor);
-    if (kind == Source::kPoseFactor) {
-      const auto& [o, base, target] = pose_factors_[place];
-      return f(mapjoin::linearise(*o, estimate_.pose(base), estimate_.pose(target)));
-    }
-    const auto& [o, base, target] = feature_factors_[place];
-    return f(mapjoin::linearise(*o, estimate_.pose(base), estimate_.features[target]));
-  }
 
   Values<Dim> estimate_;
   std::vector<Placed<PoseFactor<Dim>>> pose_factors_;

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <mapjoin/check/connectivity.hpp>
+#include <mapjoin/join/assess.hpp>
 #include <mapjoin/join/run.hpp>
 #include <mapjoin/join/tolerances.hpp>
 #include <mapjoin/localmap/check.hpp>
@@ -13,11 +14,6 @@
 
 namespace mapjoin {
 namespace {
-
-std::function<void(std::size_t, std::size_t)> progress_of(const RunOptions& options, Stage stage) {
-  if (!options.progress) return nullptr;
-  return [&options, stage](std::size_t done, std::size_t to_do) { options.progress(stage, done, to_do); };
-}
 
 /// What is wrong with the data is said of the file they came from.
 Error of_source(const std::string& source, Error error) {
@@ -34,7 +30,7 @@ JoinOptions<Dim> join_options(const RunOptions& options, const Pose<Dim>& origin
   joining.origin = origin;
   joining.start = options.start;
   joining.seed = options.seed;
-  joining.progress = progress_of(options, Stage::kJoin);
+  joining.progress = options.progress_of(Stage::kJoin);
   return joining;
 }
 
@@ -71,42 +67,6 @@ void take_figures(const Join<Dim>& join, RunFigures& figures) {
   figures.join_dof = join.dof();
   figures.maps = join.maps;
   figures.joint_bytes += join.system->equations().factor_bytes();
-}
-
-/// A map, and what its covariances are made from, where they are asked for.
-template <int Dim>
-struct Found {
-  RunResult<Dim> result;
-  std::optional<Restored<Dim>> restored;
-};
-
-bool wants_covariances(const RunOptions& options) {
-  return options.covariances || options.marginals;
-}
-
-/// The result, with the covariances that were asked for. A map that has none is a result all the same.
-template <int Dim>
-Expected<RunResult<Dim>> with_covariances(Found<Dim> found, const RunOptions& options, const std::stop_token& stop) {
-  RunResult<Dim>& result = found.result;
-  if (!wants_covariances(options)) return std::move(result);
-  const Stopwatch watch(result.seconds.covariances);
-  if (options.progress) options.progress(Stage::kCovariances, 0, 1);
-  const auto without = [&](const Error& error) -> Expected<RunResult<Dim>> {
-    if (error.kind != ErrorKind::kBadInput) return tl::unexpected(error);
-    result.no_covariances = error;
-    return std::move(result);
-  };
-  const bool is_polished = result.polish || (options.polish && result.local_maps == 0);
-  auto covariances = MapCovariances<Dim>::make(*std::move(found.restored),
-                                               is_polished ? Estimate::kPolished : Estimate::kJoined, options.most_memory);
-  if (!covariances) return without(covariances.error());
-  if (options.marginals) {
-    auto marginals = covariances->marginals(progress_of(options, Stage::kCovariances), stop);
-    if (!marginals) return without(marginals.error());
-    result.marginals = *std::move(marginals);
-  }
-  result.covariances = std::make_shared<const MapCovariances<Dim>>(*std::move(covariances));
-  return std::move(result);
 }
 
 template <int Dim>
@@ -164,7 +124,7 @@ Expected<Found<Dim>> join_and_refine(const Log<Dim>& log, const Split& split, st
 
   std::optional<Restored<Dim>> joined_map;
   const bool is_refined = options.polish && result.local_maps > 0;  // else the join was of the whole log
-  if (is_refined || wants_covariances(options)) {
+  if (is_refined || wants_assessment(options)) {
     const Stopwatch watch(is_refined ? result.seconds.polish : result.seconds.covariances);
     joined_map.emplace(restored(graph, segments_of(log, split), *joined, state, options.solver.engine));
     joined->system.reset();
@@ -184,7 +144,7 @@ Expected<Found<Dim>> run_once(const Log<Dim>& log, const RunOptions& options, co
   {
     const Stopwatch watch(result.seconds.build);
     parts = split(log, options.split);
-    auto maps = build_local_maps(log, parts, {options.solver, progress_of(options, Stage::kBuild)}, stop);
+    auto maps = build_local_maps(log, parts, {options.solver, options.progress_of(Stage::kBuild)}, stop);
     if (!maps) return tl::unexpected(maps.error());
     built = std::move(*maps);
   }
@@ -218,9 +178,9 @@ Expected<RunResult<Dim>> join_set(const SubmapSet<Dim>& set, std::vector<LocalMa
   result.dof = joined->dof();
   result.chi2 = joined->result.chi2;
   std::optional<Restored<Dim>> joined_map;
-  if (wants_covariances(options)) joined_map.emplace(restored(graph, {}, *joined, joined->state, options.solver.engine));
+  if (wants_assessment(options)) joined_map.emplace(restored(graph, {}, *joined, joined->state, options.solver.engine));
   write_map(set, std::move(joined->state), joined->anchored, result);
-  return with_covariances(Found<Dim>{std::move(result), std::move(joined_map)}, options, stop);
+  return assessed<Dim>({std::move(result), std::move(joined_map)}, {}, options, stop);
 }
 
 /// Whether a log that was left to be cut as is cheapest is joined without local maps, too: where their Gaussians proved crude,
@@ -231,6 +191,11 @@ bool may_do_without_maps(const RunFigures& figures, const RunOptions& options) {
 }
 
 }  // namespace
+
+std::function<void(std::size_t, std::size_t)> RunOptions::progress_of(Stage stage) const {
+  if (!progress) return nullptr;
+  return [this, stage](std::size_t done, std::size_t to_do) { progress(stage, done, to_do); };
+}
 
 std::vector<std::string> RunOptions::validate() const {
   std::vector<std::string> violations = split.validate();
@@ -266,14 +231,14 @@ Expected<RunResult<Dim>> run(const Log<Dim>& log, const RunOptions& options, con
   if (auto connected = check_connected(log); !connected) return tl::unexpected(connected.error());
   auto best = run_once(log, options, stop);
   if (!best) return tl::unexpected(best.error());
-  if (!may_do_without_maps(best->result, options)) return with_covariances(*std::move(best), options, stop);
+  if (!may_do_without_maps(best->result, options)) return assessed(*std::move(best), log.odometry(), options, stop);
   RunOptions without_maps = options;
   without_maps.split = {SplitRule::kPoses, 1.0};
   without_maps.schedule = Schedule::kUnbalanced;
   auto other = run_once(log, without_maps, stop);
   if (!other && other.error().kind == ErrorKind::kInterrupted) return tl::unexpected(other.error());
   if (other && is_less_chi2(other->result.chi2, best->result.chi2)) best = std::move(other);
-  return with_covariances(*std::move(best), options, stop);
+  return assessed(*std::move(best), log.odometry(), options, stop);
 }
 
 template <int Dim>
@@ -283,7 +248,7 @@ Expected<RunResult<Dim>> run_from_maps(const Log<Dim>& log, const Split& split, 
   if (auto connected = check_connected(log); !connected) return tl::unexpected(connected.error());
   if (auto of_log = check_local_maps(log, split, maps); !of_log) return tl::unexpected(of_log.error());
   return join_and_refine(log, split, std::move(maps), options, stop, {}, values).and_then([&](Found<Dim> found) {
-    return with_covariances(std::move(found), options, stop);
+    return assessed(std::move(found), log.odometry(), options, stop);
   });
 }
 
@@ -307,7 +272,7 @@ Expected<RunResult<Dim>> solve(const Log<Dim>& log, RunOptions options, const st
   options.split = {SplitRule::kPoses, 1.0};
   options.polish = false;  // the join is full SLAM already
   return join_and_refine<Dim>(log, split(log, options.split), {}, options, stop).and_then([&](Found<Dim> found) {
-    return with_covariances(std::move(found), options, stop);
+    return assessed(std::move(found), log.odometry(), options, stop);
   });
 }
 

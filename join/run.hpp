@@ -4,6 +4,7 @@
 
 #include <functional>
 #include <mapjoin/join/covariances/map_covariances.hpp>
+#include <mapjoin/join/fit/goodness_of_fit.hpp>
 #include <mapjoin/join/join.hpp>
 #include <mapjoin/localmap/build.hpp>
 #include <mapjoin/localmap/split.hpp>
@@ -37,6 +38,7 @@ struct RunOptions {
   JoinedState state = JoinedState::kAbsolute;  ///< Coordinates of the steps of a join.
   MinimiseOptions solver;                      ///< Of every least-squares problem, local maps to polish.
   bool polish = true;                          ///< Where local maps eliminated anything.
+  bool verdict = true;                         ///< Test whether the map fits: RunFigures::fit.
   bool covariances = false;                    ///< Of the final estimate, too: RunResult::covariances.
   bool marginals = false;          ///< All of them, and the relations: RunResult::marginals, which take covariances.
   std::int64_t most_memory = 0;    ///< For covariances (bytes); 0: as much as the machine has.
@@ -46,9 +48,17 @@ struct RunOptions {
   /// Called with a stage, what is done of it and what there is to do; from one thread at a time.
   std::function<void(Stage, std::size_t, std::size_t)> progress;
 
+  /// Calls `progress` of a stage; nothing where there is none.
+  std::function<void(std::size_t, std::size_t)> progress_of(Stage stage) const;
   /// Every violation in words; empty if there is none.
   std::vector<std::string> validate() const;
 };
+
+/// The options for a map of which no verdict is wanted: one of many that are compared, say.
+inline RunOptions without_verdict(RunOptions options = {}) {
+  options.verdict = false;
+  return options;
+}
 
 /// Wall-clock seconds of each stage.
 struct RunSeconds {
@@ -56,6 +66,7 @@ struct RunSeconds {
   double join = 0.0;
   double recover = 0.0;
   double polish = 0.0;
+  double verdict = 0.0;
   double covariances = 0.0;
 };
 
@@ -76,6 +87,8 @@ struct RunFigures {
   std::optional<MinimiseResult> polish;
   double chi2 = 0.0;     ///< Of the final estimate: rᵀWr over the whole log, or over all maps where there is none.
   std::int64_t dof = 0;  ///< Measured rows less free variables.
+  GoodnessOfFit fit;
+  std::optional<Error> no_verdict;      ///< Why the fit is untested though a verdict was asked for: too little memory, say.
   std::optional<Error> no_covariances;  ///< Why there are none though they were asked for: something is free to move.
   RunSeconds seconds;
   std::int64_t joint_bytes = 0;  ///< What the last join keeps: the local maps' information matrices and its factor.

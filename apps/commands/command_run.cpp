@@ -5,6 +5,7 @@
 #include <apps/certainty.hpp>
 #include <apps/commands/command_run.hpp>
 #include <apps/report/report.hpp>
+#include <apps/report/verdict.hpp>
 #include <mapjoin/io/files/output_file.hpp>
 #include <utility>
 
@@ -45,6 +46,11 @@ std::string why_not_converged(const RunReport& run_report) {
 std::string why_not_certified(const RunReport& run_report) {
   const std::string why = run_report.input + ": " + run_report.figures.no_covariances->message;
   return run_report.files.empty() ? why : why + "; the map is written without them";
+}
+
+std::string why_not_trusted(const RunReport& run_report) {
+  const std::string why = run_report.input + ": " + verdict_in_words(run_report);
+  return run_report.files.empty() ? why : why + "; the map is written all the same";
 }
 
 }  // namespace
@@ -163,7 +169,11 @@ ExitCode CommandRun::conclude() {
   const bool is_certified = !run_report.figures.no_covariances;
   if (!is_certified) say(why_not_certified(run_report));
   if (!run_report.figures.converged()) say(why_not_converged(run_report));
-  return !run_report.figures.converged() ? ExitCode::kDidNotConverge : is_certified ? ExitCode::kDone : ExitCode::kBadInput;
+  if (!run_report.figures.converged()) return ExitCode::kDidNotConverge;
+  if (!is_certified) return ExitCode::kBadInput;
+  if (!options_.strict || run_report.figures.fit.verdict == Verdict::kFits) return ExitCode::kDone;
+  say(why_not_trusted(run_report));
+  return ExitCode::kDoesNotFit;
 }
 
 void CommandRun::hand_over(const StudyOutput& output, std::optional<OutputFolder>& folder) {

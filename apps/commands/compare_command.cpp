@@ -69,7 +69,7 @@ template <int Dim>
 OtherWeights<Dim> other_weights(const Log<Dim>& log, const GlobalMap<Dim>& best, const CommandRun& command_run) {
   OtherWeights<Dim> other;
   other.covariance = log.conventions.covariance;
-  auto result = run(log, RunOptions{}, command_run.stop());
+  auto result = run(log, without_verdict(), command_run.stop());
   command_run.check_interrupted();
   if (!result) {
     other.failure = result.error().message;

@@ -136,6 +136,17 @@ void add_engine(Subcommand& command, Options& options) {
                  "What factorises: mapjoin's tree of fronts, or SuiteSparse's CHOLMOD (on one thread) to compare with");
 }
 
+void add_verdict(Subcommand& command, Options& options) {
+  options.run.verdict = true;
+  command.group("Certainty");
+  command.refusal("--no-verdict", options.run.verdict, "Do not test whether the map fits what was measured");
+  command.flag("--strict", options.strict, "Exit with 7 where the map does not fit, or nothing tells whether it does");
+  command.check([&options]() -> std::vector<std::string> {
+    if (!options.strict || options.run.verdict) return {};
+    return {"--strict goes by the verdict, which --no-verdict leaves out"};
+  });
+}
+
 void add_certainty(Subcommand& command, Options& options) {
   command.group("Certainty");
   command.flag("--covariances", options.covariances, "Write the covariance of every pose and feature: CSV columns, and JSON");

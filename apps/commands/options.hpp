@@ -15,7 +15,8 @@ struct Options {
   std::filesystem::path output;  ///< Empty: none.
   ReadOptions read;
   Covariance covariance = Covariance::kOriginal;
-  RunOptions run;
+  RunOptions run = without_verdict();
+  bool strict = false;           ///< The exit code tells that a map does not fit.
   bool gradual = false;          ///< The batch schedule by continuation (see ContinuedResult).
   bool covariances = false;      ///< Write them.
   bool relations = false;        ///< Write them.
@@ -54,6 +55,8 @@ void add_polish(Subcommand& command, Options& options);
 void add_solver(Subcommand& command, Options& options);
 /// --engine
 void add_engine(Subcommand& command, Options& options);
+/// --no-verdict, --strict: the fit is tested unless it is refused.
+void add_verdict(Subcommand& command, Options& options);
 /// --covariances, --relations, --truth, --max-memory
 void add_certainty(Subcommand& command, Options& options);
 /// --jobs, --quiet

@@ -118,6 +118,7 @@ void declare_run(Subcommand& command) {
   add_engine(command, *options);
   add_polish(command, *options);
   add_reading(command, *options);
+  add_verdict(command, *options);
   add_certainty(command, *options);
   add_following(command, *following);
   add_reporting(command, *options);

@@ -38,6 +38,7 @@ void declare_solve(Subcommand& command) {
   add_solver(command, *options);
   add_engine(command, *options);
   add_reading(command, *options);
+  add_verdict(command, *options);
   add_certainty(command, *options);
   add_reporting(command, *options);
   command.check([options] { return check_extension(options->output); });

@@ -6,6 +6,21 @@
 #include <utility>
 
 namespace mapjoin::apps {
+namespace {
+
+template <int Dim>
+NamedMisfit named(const Misfit& misfit, const GlobalMap<Dim>& map) {
+  NamedMisfit name{misfit, std::nullopt, PoseId()};
+  if (misfit.from != kWorld) name.from = map.pose_ids[misfit.from];
+  if (const auto* pose = std::get_if<PoseIndex>(&misfit.to)) {
+    name.to = map.pose_ids[*pose];
+  } else {
+    name.to = map.feature_ids[std::get<FeatureIndex>(misfit.to)];
+  }
+  return name;
+}
+
+}  // namespace
 
 RunReport::RunReport(std::string command_name, const Options& given)
     : command(std::move(command_name)), input(given.input.string()), options(given.run) {}
@@ -51,6 +66,7 @@ void RunReport::describe(const RunResult<Dim>& result) {
   has_local_maps = is_joined = true;
   const auto& ids = result.map.pose_ids;
   for (const PoseIndex pose : result.map.gauge) anchored.push_back(ids[pose]);
+  for (const Misfit& misfit : result.fit.misfits) misfits.push_back(named(misfit, result.map));
   for (const MapFit& fit : result.maps) {
     map_bases.push_back(ids[fit.base]);
     map_ends.push_back(ids[fit.end]);
@@ -61,7 +77,7 @@ std::vector<std::pair<std::string, double>> RunReport::stages() const {
   const RunSeconds& seconds = figures.seconds;
   return {{"read", read_seconds},       {"build", seconds.build},   {"join", seconds.join},
           {"recover", seconds.recover}, {"polish", seconds.polish}, {"covariances", seconds.covariances},
-          {"write", write_seconds}};
+          {"verdict", seconds.verdict}, {"write", write_seconds}};
 }
 
 double peak_memory_mb() {

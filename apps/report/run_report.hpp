@@ -16,6 +16,7 @@
 #include <mapjoin/model/log.hpp>
 #include <optional>
 #include <string>
+#include <variant>
 #include <vector>
 
 namespace mapjoin::apps {
@@ -32,6 +33,13 @@ struct Counts {
   std::size_t fixed_poses = 0;
   std::int64_t repeated_edges = 0;
   std::int64_t unassociated = 0;
+};
+
+/// A misfit under the names of its log.
+struct NamedMisfit {
+  Misfit misfit;
+  std::optional<PoseId> from;  ///< Nothing where it is the World.
+  std::variant<PoseId, FeatureId> to;
 };
 
 struct RunReport {
@@ -68,7 +76,8 @@ struct RunReport {
   bool is_joined = false;       ///< and what came of joining them.
   RunFigures figures;
   std::vector<PathPoint> path;             ///< To the join, where it was by continuation.
-  std::vector<PoseId> anchored;                ///< The gauge: anchored poses.
+  std::vector<PoseId> anchored;            ///< The gauge: anchored poses.
+  std::vector<NamedMisfit> misfits;        ///< Of `figures.fit`.
   std::vector<PoseId> map_bases;           ///< Of `figures.maps`: the poses that they start from,
   std::vector<PoseId> map_ends;            ///< and those that they end at.
   std::optional<Estimate> covariances;     ///< Which estimate's were asked for, if any.

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <apps/report/report.hpp>
+#include <apps/report/verdict.hpp>
 #include <mapjoin/model/plural.hpp>
 #include <string_view>
 #include <utility>
@@ -94,6 +95,7 @@ void add_result(const RunReport& run_report, Lines& lines) {
   if (figures.recovered_chi2) lines.add("recovered", recovered_in_words(figures));
   if (figures.polish) lines.add("polished", solve_in_words(*figures.polish));
   lines.add("chi2", fmt::format("{:.10g}, dof {}, {}", figures.chi2, figures.dof, gauge_in_words(run_report)));
+  add_verdict(run_report, lines);
   if (run_report.deviations) lines.add("certainty", deviations_in_words(run_report));
   add_consistency(run_report, lines);
 }

@@ -17,7 +17,7 @@ auto symmetric(const Expression& expression) {
 }  // namespace
 
 template <int Dim>
-MapCovariances<Dim>::MapCovariances(Restored<Dim> restored, Estimate estimate, std::int64_t most_memory)
+MapCovariances<Dim>::MapCovariances(Restored<Dim>& restored, Estimate estimate, std::int64_t most_memory)
     : equations_(std::move(restored.problem.system().equations())),
       estimate_(estimate),
       most_memory_(most_memory),
@@ -40,10 +40,10 @@ MapCovariances<Dim>::MapCovariances(Restored<Dim> restored, Estimate estimate, s
 }
 
 template <int Dim>
-Expected<MapCovariances<Dim>> MapCovariances<Dim>::make(Restored<Dim> restored, Estimate estimate, std::int64_t most_memory) {
+Expected<MapCovariances<Dim>> MapCovariances<Dim>::make(Restored<Dim>& restored, Estimate estimate, std::int64_t most_memory) {
   restored.problem.linearise();
   if (restored.problem.factorise(0.0)) return bad_input("the covariances are not finite: something is free to move");
-  return MapCovariances(std::move(restored), estimate, most_memory);
+  return MapCovariances(restored, estimate, most_memory);
 }
 
 template <int Dim>
@@ -63,9 +63,8 @@ Matrix<kPoseDof<Dim> + ChildDof> MapCovariances<Dim>::with_parent(PoseIndex pare
 }
 
 template <int Dim>
-Expected<MarginalCovariances<Dim>> MapCovariances<Dim>::marginals(const std::function<void(std::size_t, std::size_t)>& progress,
-                                                                  const std::stop_token& stop) const {
-  constexpr int kDof = kPoseDof<Dim>;
+Expected<Marginals> MapCovariances<Dim>::on_pattern(const std::function<void(std::size_t, std::size_t)>& progress,
+                                                    const std::stop_token& stop) const {
   const std::int64_t bytes =
       Marginals::bytes(equations_) +
       static_cast<std::int64_t>(pose_variables_.size() * (sizeof(PoseMatrix<Dim>) + sizeof(PoseRelation<Dim>)) +
@@ -74,11 +73,17 @@ Expected<MarginalCovariances<Dim>> MapCovariances<Dim>::marginals(const std::fun
     return tl::unexpected(fits.error());
   }
   const std::size_t to_do = equations_.supernode_count();
-  const Marginals marginals(equations_, [&](std::size_t done) {
+  Marginals marginals(equations_, [&](std::size_t done) {
     if (progress) progress(done, to_do);
     return !stop.stop_requested();
   });
   if (stop.stop_requested()) return tl::unexpected(Error{ErrorKind::kInterrupted, "interrupted while computing covariances"});
+  return marginals;
+}
+
+template <int Dim>
+MarginalCovariances<Dim> MapCovariances<Dim>::marginals(const Marginals& marginals) const {
+  constexpr int kDof = kPoseDof<Dim>;
   MarginalCovariances<Dim> out{Table<PoseIndex, PoseMatrix<Dim>>(pose_variables_.size(), PoseMatrix<Dim>::Zero()),
                                Table<FeatureIndex, PointMatrix<Dim>>(feature_variables_.size(), PointMatrix<Dim>::Zero()),
                                relations_};

@@ -42,8 +42,9 @@ struct MarginalCovariances {
 template <int Dim>
 class MapCovariances {
  public:
-  /// Linearises `restored` at its estimate and factorises. `most_memory` is in bytes, 0 for that of the machine.
-  static Expected<MapCovariances> make(Restored<Dim> restored, Estimate estimate, std::int64_t most_memory = 0);
+  /// Linearises `restored` at its estimate, factorises, and takes its normal equations. `most_memory` is in bytes, 0 for that
+  /// of the machine.
+  static Expected<MapCovariances> make(Restored<Dim>& restored, Estimate estimate, std::int64_t most_memory = 0);
 
   Estimate estimate() const { return estimate_; }
   /// The normal equations at the estimate, whose variables are those of variable().
@@ -56,10 +57,17 @@ class MapCovariances {
   Variable variable(PoseIndex pose) const { return pose_variables_[pose]; }
   Variable variable(FeatureIndex feature) const { return feature_variables_[feature]; }
 
-  /// Of every pose and feature in the map, and relative to their parents. At about twice the cost of the factorisation.
-  /// `progress` is given what is done and what there is to do; kInterrupted on `stop`.
+  /// Of every variable, and of all that one observation ties together. At about twice the cost of the factorisation.
+  /// `progress` is given what is done and what there is to do; kInterrupted on `stop`. The covariances must stay.
+  Expected<Marginals> on_pattern(const std::function<void(std::size_t, std::size_t)>& progress = nullptr,
+                                 const std::stop_token& stop = {}) const;
+  /// Of every pose and feature in the map, and relative to their parents.
+  MarginalCovariances<Dim> marginals(const Marginals& on_pattern) const;
+  /// The same where nothing else needs on_pattern(), whose arguments these are.
   Expected<MarginalCovariances<Dim>> marginals(const std::function<void(std::size_t, std::size_t)>& progress = nullptr,
-                                               const std::stop_token& stop = {}) const;
+                                               const std::stop_token& stop = {}) const {
+    return on_pattern(progress, stop).map([&](const Marginals& all) { return marginals(all); });
+  }
   /// Of all of `variables` together, in their order (kPoseDof<Dim> rows a pose, Dim rows a feature).
   Expected<Eigen::MatrixXd> joint(std::span<const PoseOrFeature> variables) const;
   /// Of a pose in the frame of another: a step of between(base, target).
@@ -68,7 +76,7 @@ class MapCovariances {
   Expected<PointMatrix<Dim>> relative_feature(PoseIndex base, FeatureIndex feature) const;
 
  private:
-  MapCovariances(Restored<Dim> restored, Estimate estimate, std::int64_t most_memory);
+  MapCovariances(Restored<Dim>& restored, Estimate estimate, std::int64_t most_memory);
   /// The joint covariance of a parent, a pose or the World, and its child, which one observation ties together; zero where one
   /// is constant.
   template <int ChildDof, typename Child>

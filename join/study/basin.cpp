@@ -75,7 +75,7 @@ std::vector<std::shared_ptr<const Data>> weighings(const Data& data) {
 }
 
 BasinRun solved(const Subject& subject, const BasinCell& cell, std::size_t run, const BasinOptions& options) {
-  RunOptions solving;
+  RunOptions solving = without_verdict();
   solving.schedule = Schedule::kBatch;
   solving.state = cell.formulation.state;
   solving.start = cell.start;
@@ -128,7 +128,7 @@ Expected<Basin> basin_of(const Subjects& subjects, const BasinOptions& options, 
   std::vector<BasinRun> along_tree(subjects.size());
   std::vector<std::function<void()>> solves;
   for (std::size_t s = 0; s < subjects.size(); ++s) {
-    solves.emplace_back([&, s] { along_tree[s] = subjects[s].solve(RunOptions{}, false); });
+    solves.emplace_back([&, s] { along_tree[s] = subjects[s].solve(without_verdict(), false); });
     for (BasinCell& cell : cells_of(subjects[s], options.seeds)) {
       for (std::size_t run = 0; run < cell.runs.size(); ++run) {
         solves.emplace_back([&, s, c = basin.cells.size(), run] {

@@ -47,7 +47,7 @@ std::pair<std::vector<Pose<Dim>>, std::vector<Pose<Dim>>> known_poses(const Tabl
 
 template <int Dim>
 RunOptions run_options(const ComparedCase& way, const ComparisonOptions<Dim>& options) {
-  RunOptions run;
+  RunOptions run = without_verdict();
   run.split = {SplitRule::kPoses, static_cast<double>(way.poses_per_map)};
   run.schedule = way.schedule;
   run.state = way.state;

@@ -170,7 +170,7 @@ template <int Dim>
 Expected<Convexity> convexity(const Log<Dim>& log, const Split& split, const std::vector<LocalMap<Dim>>& maps,
                               const ConvexityOptions& options, const std::stop_token& stop) {
   demand_valid(options);
-  const auto best = run_from_maps(log, split, maps, {}, stop);
+  const auto best = run_from_maps(log, split, maps, without_verdict(), stop);
   if (!best) return tl::unexpected(best.error());
   const Values<Dim> state{best->map.poses, best->map.features};
   const Split one_step = mapjoin::split(log, {SplitRule::kPoses, 1.0});
@@ -195,7 +195,7 @@ Expected<Convexity> convexity(const Log<Dim>& log, const ConvexityOptions& optio
 template <int Dim>
 Expected<Convexity> convexity(const SubmapSet<Dim>& set, const ConvexityOptions& options, const std::stop_token& stop) {
   demand_valid(options);
-  const auto best = run(set, {}, stop);
+  const auto best = run(set, without_verdict(), stop);
   if (!best) return tl::unexpected(best.error());
   std::vector<std::unique_ptr<PosedProblem<Dim>>> problems;
   problems.push_back(std::make_unique<PosedProblem<Dim>>(submap_graph_of(set),

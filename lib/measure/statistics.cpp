@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <algorithm>
 #include <boost/math/distributions/chi_squared.hpp>
+#include <cmath>
+#include <limits>
 #include <mapjoin/measure/statistics.hpp>
 
 namespace mapjoin {
@@ -8,6 +10,15 @@ namespace mapjoin {
 double chi_squared_upper_tail(double value, double dof) {
   if (dof <= 0.0) return 1.0;
   return boost::math::cdf(boost::math::complement(boost::math::chi_squared(dof), std::max(0.0, value)));
+}
+
+double log_chi_squared_upper_tail(double value, double dof) {
+  const double tail = chi_squared_upper_tail(value, dof);
+  if (tail > std::numeric_limits<double>::min()) return std::log(tail);
+  // Q(a, x) = xᵃ⁻¹ e⁻ˣ / Γ(a) (1 + (a - 1)/x + …), a = dof/2, x = value/2.
+  const double a = 0.5 * dof;
+  const double x = 0.5 * value;
+  return (a - 1.0) * std::log(x) - x - std::lgamma(a) + std::log1p((a - 1.0) / x);
 }
 
 double chi_squared_quantile(double p, double dof) {

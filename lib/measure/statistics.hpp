@@ -18,6 +18,8 @@ T median(std::vector<T> values) {
 
 /// The probability of a value larger than `value` with `dof` degrees of freedom; 1 without any.
 double chi_squared_upper_tail(double value, double dof);
+/// Its logarithm, also where it is too small for a double.
+double log_chi_squared_upper_tail(double value, double dof);
 
 /// The value that is exceeded with the probability 1 - `p`, 0 < p < 1; 0 without degrees of freedom.
 double chi_squared_quantile(double p, double dof);

@@ -1,0 +1,106 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <algorithm>
+#include <apps/report/verdict.hpp>
+#include <cmath>
+#include <mapjoin/model/plural.hpp>
+
+namespace mapjoin::apps {
+namespace {
+
+/// In the summary; the report has more.
+constexpr std::size_t kMostShown = 5;
+
+std::string to_words(const NamedMisfit& misfit) {
+  return fmt::format("{} (chi2 {:.4g} over {})", name_of(misfit), misfit.misfit.chi2, plural(misfit.misfit.rows, "row"));
+}
+
+/// "typical residuals of observations are 2.1 times what the covariances say"
+std::string scales_in_words(const GoodnessOfFit& fit) {
+  std::vector<std::string> words;
+  for (const KindScale& kind : fit.kinds) {
+    if (!kind.is_too_certain) continue;
+    words.push_back(fmt::format("{} {:.2g} times", to_string(kind.kind), std::sqrt(kind.scale)));
+  }
+  return fmt::format("covariances are too small: typical residuals are what they say by {}", fmt::join(words, ", "));
+}
+
+std::string why_untested(const RunReport& run_report) {
+  if (run_report.figures.no_verdict) return run_report.figures.no_verdict->message;
+  return run_report.options.verdict ? "nothing here is measured twice" : "no verdict was asked for";
+}
+
+}  // namespace
+
+std::string name_of(const NamedMisfit& misfit) {
+  const std::string to = std::visit([](const auto& id) { return to_string(id); }, misfit.to);
+  const std::string from = misfit.from ? to_string(*misfit.from) : "the World";
+  switch (misfit.misfit.kind) {
+    case PartKind::kObservation:
+      return fmt::format("observation of {} from {}", to, from);
+    case PartKind::kPrior:
+      return "prior of " + to;
+    case PartKind::kMapFeature:
+      return fmt::format("{} of the local map from {}", to, from);
+    default:
+      return fmt::format("{} from {} to {}", to_string(misfit.misfit.kind), from, to);
+  }
+}
+
+std::string verdict_in_words(const RunReport& run_report) {
+  const GoodnessOfFit& fit = run_report.figures.fit;
+  switch (fit.verdict) {
+    case Verdict::kUntested:
+      return "untested: " + why_untested(run_report);
+    case Verdict::kUnconverged:
+      return "UNCONVERGED: the residuals tell nothing yet";
+    case Verdict::kFits:
+      return fmt::format("fits: nothing is out of line among {} tested", plural(fit.parts, "measurement"));
+    case Verdict::kMisfit:
+      break;
+  }
+  if (run_report.misfits.empty()) return "MISFIT: " + scales_in_words(fit);
+  const std::string more = fit.is_complete ? "" : " (and perhaps more, which show once these are gone)";
+  return fmt::format("MISFIT: {} out of line among {} tested{}, first {}",
+                     plural(run_report.misfits.size(), "measurement is", "measurements are"), fit.parts, more,
+                     to_words(run_report.misfits.front()));
+}
+
+void add_verdict(const RunReport& run_report, Lines& lines) {
+  lines.add("verdict", verdict_in_words(run_report));
+  const auto& misfits = run_report.misfits;
+  for (std::size_t k = 1; k < std::min(misfits.size(), kMostShown); ++k) lines.add("", to_words(misfits[k]));
+  const GoodnessOfFit& fit = run_report.figures.fit;
+  const bool is_too_certain = std::ranges::any_of(fit.kinds, &KindScale::is_too_certain);
+  if (!misfits.empty() && is_too_certain) lines.add("", scales_in_words(fit));
+}
+
+Json verdict_of(const RunReport& run_report) {
+  const GoodnessOfFit& fit = run_report.figures.fit;
+  Json kinds = Json::array();
+  for (const KindScale& kind : fit.kinds) {
+    kinds.push_back({{"kind", kind.kind}, {"parts", kind.parts}, {"scale", kind.scale}, {"too_certain", kind.is_too_certain}});
+  }
+  Json misfits = Json::array();
+  for (const NamedMisfit& misfit : run_report.misfits) {
+    misfits.push_back({{"kind", misfit.misfit.kind},
+                       {"from", misfit.from},
+                       {"to", std::visit([](const auto& id) { return Json(id); }, misfit.to)},
+                       {"chi2", misfit.misfit.chi2},
+                       {"rows", misfit.misfit.rows},
+                       {"probability", misfit.misfit.probability}});
+  }
+  const bool is_tested = fit.verdict == Verdict::kFits || fit.verdict == Verdict::kMisfit;
+  return {{"verdict", run_report.is_joined ? Json(fit.verdict) : Json()},
+          {"fit", if_known(is_tested, {{"parts", fit.parts},
+                                       {"chi2", fit.chi2},
+                                       {"dof", fit.dof},
+                                       {"probability", fit.probability},
+                                       {"complete", fit.is_complete},
+                                       {"kinds", kinds}})},
+          {"misfits", misfits}};
+}
+
+}  // namespace mapjoin::apps

@@ -1,0 +1,24 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+// Whether a map fits its measurements, for people and for other programs.
+
+#include <apps/console.hpp>
+#include <apps/report/json.hpp>
+#include <apps/report/run_report.hpp>
+#include <string>
+
+namespace mapjoin::apps {
+
+/// "closure pose 17 to pose 2034", "observation of feature 9 from pose 4", "feature 9 of the local map from pose 0", …
+std::string name_of(const NamedMisfit& misfit);
+
+/// The verdict and its reason, in one line.
+std::string verdict_in_words(const RunReport& run_report);
+
+/// The line of the verdict, then one for each of the first misfits.
+void add_verdict(const RunReport& run_report, Lines& lines);
+
+/// The keys of the report: `verdict`, `fit` and `misfits`.
+Json verdict_of(const RunReport& run_report);
+
+}  // namespace mapjoin::apps

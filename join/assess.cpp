@@ -1,0 +1,66 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <mapjoin/join/assess.hpp>
+#include <mapjoin/measure/effort.hpp>
+#include <utility>
+
+namespace mapjoin {
+namespace {
+
+bool wants_covariances(const RunOptions& options) {
+  return options.covariances || options.marginals;
+}
+
+/// The verdict, and what takes the covariances of everything: bad input where these are not finite.
+template <int Dim>
+Expected<void> assess(Restored<Dim>& restored, std::span<const PoseFactor<Dim>> odometry, const RunOptions& options,
+                      const std::stop_token& stop, RunResult<Dim>& result) {
+  const bool is_tested = options.verdict && result.converged();
+  const bool is_polished = result.polish || (options.polish && result.local_maps == 0);
+  auto covariances =
+      MapCovariances<Dim>::make(restored, is_polished ? Estimate::kPolished : Estimate::kJoined, options.most_memory);
+  if (!covariances) return tl::unexpected(covariances.error());
+  if (is_tested || options.marginals) {
+    const auto on_pattern = covariances->on_pattern(options.progress_of(Stage::kCovariances), stop);
+    if (!on_pattern) return tl::unexpected(on_pattern.error());
+    if (options.marginals) result.marginals = covariances->marginals(*on_pattern);
+    if (is_tested) {
+      const Stopwatch watch(result.seconds.verdict);
+      result.fit = goodness_of_fit(restored, covariances->equations(), *on_pattern, result.dof, odometry);
+    }
+  }
+  if (wants_covariances(options)) result.covariances = std::make_shared<const MapCovariances<Dim>>(*std::move(covariances));
+  return {};
+}
+
+}  // namespace
+
+bool wants_assessment(const RunOptions& options) {
+  return options.verdict || wants_covariances(options);
+}
+
+template <int Dim>
+Expected<RunResult<Dim>> assessed(Found<Dim> found, std::span<const PoseFactor<Dim>> odometry, const RunOptions& options,
+                                  const std::stop_token& stop) {
+  RunResult<Dim>& result = found.result;
+  if (!result.converged()) result.fit.verdict = Verdict::kUnconverged;
+  if (!wants_covariances(options) && !(options.verdict && result.converged())) return std::move(result);
+  if (options.progress) options.progress(Stage::kCovariances, 0, 1);
+  const auto done = [&] {
+    const Stopwatch watch(result.seconds.covariances);
+    return assess(*found.restored, odometry, options, stop, result);
+  }();
+  if (done) return std::move(result);
+  const bool is_needed = options.marginals || done.error().kind == ErrorKind::kInterrupted;
+  if (done.error().kind != ErrorKind::kBadInput && is_needed) return tl::unexpected(done.error());
+  (wants_covariances(options) ? result.no_covariances : result.no_verdict) = done.error();
+  return std::move(result);
+}
+
+#define MAPJOIN_INSTANTIATE(Dim)                                                                              \
+  template Expected<RunResult<Dim>> assessed(Found<Dim>, std::span<const PoseFactor<Dim>>, const RunOptions&, \
+                                             const std::stop_token&);
+MAPJOIN_INSTANTIATE(2)
+MAPJOIN_INSTANTIATE(3)
+#undef MAPJOIN_INSTANTIATE
+
+}  // namespace mapjoin

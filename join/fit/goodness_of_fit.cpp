@@ -1,0 +1,180 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <algorithm>
+#include <cmath>
+#include <functional>
+#include <map>
+#include <mapjoin/join/fit/goodness_of_fit.hpp>
+#include <mapjoin/measure/statistics.hpp>
+#include <mapjoin/parallel/parallel.hpp>
+#include <optional>
+
+namespace mapjoin {
+namespace {
+
+/// The probability that a map that fits is called a misfit: by chi2 as a whole, and by any of its parts.
+constexpr double kLevel = 0.01 / 2;
+/// The scale of fewer parts is not known well enough to judge by.
+constexpr std::size_t kLeastParts = 20;
+/// Residuals half as large again as the covariances say.
+constexpr double kNoticeable = 1.5 * 1.5;
+/// What turns a pose further (rad) when it is left out changes Jacobians by a tenth: the tests of the others wait for a map
+/// without it.
+constexpr double kFarFromOptimum = 0.1;
+
+/// A part that can be tested, and what came of it.
+struct TestedPart {
+  PartKind kind = PartKind::kClosure;
+  MeasuredPart part;
+  PartTest test;
+};
+
+template <int Dim>
+using System = JoiningSystem<Dim>;
+
+template <int Dim>
+PartKind kind_of(const PoseFactor<Dim>& factor, std::span<const PoseFactor<Dim>> odometry) {
+  if (factor.base == kWorld) return PartKind::kPrior;
+  const std::less<> before;
+  const bool is_odometry = !odometry.empty() && !before(&factor, odometry.data()) && !before(&odometry.back(), &factor);
+  return is_odometry ? PartKind::kOdometry : PartKind::kClosure;
+}
+
+/// Whole factors, and the features of local maps.
+template <int Dim>
+std::vector<TestedPart> parts_of(const System<Dim>& system, std::size_t factors, std::span<const PoseFactor<Dim>> odometry) {
+  std::vector<TestedPart> parts;
+  for (std::size_t k = 0; k < factors; ++k) {
+    const MeasuredPart whole{k, 0, system.rows(k)};
+    const auto [source, place] = system.source_of(k);
+    if (source == System<Dim>::Source::kPoseFactor) {
+      parts.push_back({kind_of(*system.pose_factors()[place].observation, odometry), whole, {}});
+    } else if (source == System<Dim>::Source::kFeatureFactor) {
+      const bool is_prior = system.feature_factors()[place].observation->base == kWorld;
+      parts.push_back({is_prior ? PartKind::kPrior : PartKind::kObservation, whole, {}});
+    } else {
+      const LocalMap<Dim>& map = *system.maps()[place].map;
+      parts.push_back({PartKind::kLocalMap, whole, {}});
+      for (std::size_t f = 0; f < map.features.size(); ++f) {
+        parts.push_back({PartKind::kMapFeature, {k, map.row(map.poses.size() + f), Dim}, {}});
+      }
+    }
+  }
+  return parts;
+}
+
+/// Tests all parts, and drops those that nothing else confirms.
+template <int Dim>
+void test(const LeaveOneOut<Dim>& leave_one_out, std::vector<TestedPart>& parts) {
+  parallel_chunks(parts.size(), kObservationsPerPiece, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t k = begin; k < end; ++k) parts[k].test = leave_one_out.test(parts[k].part);
+  });
+  std::erase_if(parts, [](const TestedPart& part) { return part.test.rows == 0; });
+}
+
+std::vector<KindScale> scales_of(const std::vector<TestedPart>& parts) {
+  std::map<int, double> medians;  // of chi-square, by degrees of freedom
+  std::map<PartKind, std::vector<double>> ratios;
+  for (const TestedPart& part : parts) {
+    const auto [median, is_new] = medians.emplace(part.test.rows, 0.0);
+    if (is_new) median->second = chi_squared_quantile(0.5, part.test.rows);
+    ratios[part.kind].push_back(part.test.chi2 / median->second);
+  }
+  std::vector<KindScale> scales;
+  for (auto& [kind, of_kind] : ratios) scales.push_back({kind, of_kind.size(), median(std::move(of_kind))});
+  return scales;
+}
+
+/// What residuals of a kind are judged against: never more strictly than by the covariances as they are given.
+double tolerated_scale(const std::vector<KindScale>& scales, PartKind kind) {
+  const auto found = std::ranges::find(scales, kind, &KindScale::kind);
+  return found->parts < kLeastParts ? 1.0 : std::max(1.0, found->scale);
+}
+
+template <int Dim>
+Misfit misfit_of(const TestedPart& part, double scale, double probability, const Restored<Dim>& restored) {
+  const System<Dim>& system = restored.problem.system();
+  const auto [source, place] = system.source_of(part.part.factor);
+  Misfit misfit{part.kind, kWorld, PoseIndex(), part.test.chi2 / scale, part.test.rows, probability};
+  const auto take = [&](const auto& factor) { misfit.from = factor.base, misfit.to = factor.target; };
+  if (source == System<Dim>::Source::kPoseFactor) {
+    take(*system.pose_factors()[place].observation);
+  } else if (source == System<Dim>::Source::kFeatureFactor) {
+    take(*system.feature_factors()[place].observation);
+  } else {
+    const LocalMap<Dim>& map = *system.maps()[place].map;
+    misfit.from = map.base;
+    misfit.to = map.poses.back();
+    if (part.kind == PartKind::kMapFeature) {
+      misfit.to = map.features[static_cast<std::size_t>((part.part.row - map.row(map.poses.size())) / Dim)];
+    }
+  }
+  return misfit;
+}
+
+/// How much of chi2 an odometry edge is blamed for. An edge of a loop that one closure closes fits as ill as that closure does,
+/// which is the likelier culprit; where two closures agree against the edge, each of them fits less than half as ill.
+constexpr double kOdometryBlame = 0.5;
+
+/// The part that chance explains least.
+std::vector<TestedPart>::const_iterator worst_of(const std::vector<TestedPart>& parts, const std::vector<KindScale>& scales) {
+  return std::ranges::min_element(parts, {}, [&](const TestedPart& part) {
+    const double blame = part.kind == PartKind::kOdometry ? kOdometryBlame : 1.0;
+    return log_chi_squared_upper_tail(blame * part.test.chi2 / tolerated_scale(scales, part.kind), part.test.rows);
+  });
+}
+
+/// Leaves out what does not fit, the worst first. Returns whether that is all of it.
+template <int Dim>
+bool find_misfits(const Restored<Dim>& restored, LeaveOneOut<Dim>& leave_one_out, std::vector<TestedPart>& parts,
+                  GoodnessOfFit& fit) {
+  while (!parts.empty() && fit.misfits.size() < GoodnessOfFit::kMostMisfits) {
+    const auto part = worst_of(parts, fit.kinds);
+    const double scale = tolerated_scale(fit.kinds, part->kind);
+    const double probability =
+        static_cast<double>(parts.size()) * chi_squared_upper_tail(part->test.chi2 / scale, part->test.rows);
+    if (probability >= kLevel) return true;
+    fit.misfits.push_back(misfit_of(*part, scale, probability, restored));
+    fit.chi2 -= part->test.chi2;
+    fit.dof -= part->test.rows;
+    if (leave_one_out.leave_out(part->part) > kFarFromOptimum) break;
+    parts.erase(part);
+    test(leave_one_out, parts);
+  }
+  return parts.empty();
+}
+
+/// Marks the kinds whose residuals are noticeably too large; where none is, those that are the largest.
+void mark_too_certain(std::vector<KindScale>& scales) {
+  const double largest = std::ranges::max_element(scales, {}, &KindScale::scale)->scale;
+  for (KindScale& kind : scales) kind.is_too_certain = kind.scale >= std::min(largest, kNoticeable);
+}
+
+}  // namespace
+
+template <int Dim>
+GoodnessOfFit goodness_of_fit(const Restored<Dim>& restored, const NormalEquations& equations, const Marginals& marginals,
+                              std::int64_t dof, std::span<const PoseFactor<Dim>> odometry) {
+  LeaveOneOut<Dim> leave_one_out(restored.problem, equations, marginals);
+  std::vector<TestedPart> parts = parts_of(restored.problem.system(), equations.pattern().factors.size(), odometry);
+  test(leave_one_out, parts);
+  GoodnessOfFit fit;
+  fit.chi2 = leave_one_out.chi2();
+  fit.dof = dof;
+  fit.parts = parts.size();
+  fit.kinds = scales_of(parts);
+  if (fit.parts == 0) return fit;
+  fit.is_complete = find_misfits(restored, leave_one_out, parts, fit);
+  fit.probability = chi_squared_upper_tail(fit.chi2, static_cast<double>(fit.dof));
+  if (fit.is_complete && fit.probability < kLevel) mark_too_certain(fit.kinds);
+  fit.verdict = fit.misfits.empty() && fit.probability >= kLevel ? Verdict::kFits : Verdict::kMisfit;
+  return fit;
+}
+
+#define MAPJOIN_INSTANTIATE(Dim)                                                                                       \
+  template GoodnessOfFit goodness_of_fit(const Restored<Dim>&, const NormalEquations&, const Marginals&, std::int64_t, \
+                                         std::span<const PoseFactor<Dim>>);
+MAPJOIN_INSTANTIATE(2)
+MAPJOIN_INSTANTIATE(3)
+#undef MAPJOIN_INSTANTIATE
+
+}  // namespace mapjoin

@@ -1,0 +1,195 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <Eigen/Cholesky>
+#include <Eigen/Eigenvalues>
+#include <mapjoin/join/fit/leave_one_out.hpp>
+#include <mapjoin/parallel/parallel.hpp>
+#include <utility>
+
+namespace mapjoin {
+namespace {
+
+/// Directions in which the others tell less than this share of what a part itself does are not tested: there g is the
+/// difference of nearly equal numbers.
+constexpr double kLeastRedundancy = 1e-6;
+/// Below this share of what a row measures, what is left of it is rounding.
+constexpr double kLeastPivot = 1e-12;
+
+/// A linearised factor in one piece; the columns of J are those of the base, then of the targets.
+template <int Rows, int Columns>
+struct DenseFactor {
+  Vector<Rows> r;
+  Matrix<Rows> W;
+  Matrix<Rows, Columns> J;
+};
+
+template <int Dim, int Dof>
+DenseFactor<Dof, kPoseDof<Dim> + Dof> dense(const LinearObservation<Dim, Dof>& linear) {
+  DenseFactor<Dof, kPoseDof<Dim> + Dof> factor{linear.target.residual, linear.W, {}};
+  factor.J << linear.target.J_base, linear.target.J_target;
+  return factor;
+}
+
+template <int Dim>
+DenseFactor<Eigen::Dynamic, Eigen::Dynamic> dense(const LinearMap<Dim>& linear) {
+  const Eigen::MatrixXd& W = linear.map->information;
+  DenseFactor<Eigen::Dynamic, Eigen::Dynamic> factor{Eigen::VectorXd(W.rows()), W, {}};
+  factor.J.setZero(W.rows(), kPoseDof<Dim> + W.rows());
+  Eigen::Index row = 0;
+  linear.for_each_target([&]<int Dof>(int, const LinearTarget<Dim, Dof>& target) {
+    factor.r.template segment<Dof>(row) = target.residual;
+    factor.J.template block<Dof, kPoseDof<Dim>>(row, 0) = target.J_base;
+    factor.J.template block<Dof, Dof>(row, kPoseDof<Dim> + row) = target.J_target;
+    row += Dof;
+  });
+  return factor;
+}
+
+/// Calls f(v, column) for the variables of a factor, with their first column in its J; constant ones, all poses, are left out.
+template <int Dim, typename F>
+void for_each_variable(const NormalEquations& equations, std::size_t factor, F&& f) {
+  Eigen::Index column = 0;
+  for (const Variable v : equations.pattern().factors[factor]) {
+    if (v != kConstant) f(v, column);
+    column += v == kConstant ? kPoseDof<Dim> : equations.dof(v);
+  }
+}
+
+/// J P Jᵀ.
+template <int Dim, int Rows, int Columns>
+Matrix<Rows> predicted_covariance(const Matrix<Rows, Columns>& J, std::size_t factor, const NormalEquations& equations,
+                                  const Marginals& marginals) {
+  std::vector<Variable> variables;
+  std::vector<Eigen::Index> columns;
+  for_each_variable<Dim>(equations, factor, [&](Variable v, Eigen::Index column) {
+    variables.push_back(v);
+    for (int i = 0; i < equations.dof(v); ++i) columns.push_back(column + i);
+  });
+  Matrix<Columns> P = Matrix<Columns>::Zero(J.cols(), J.cols());
+  P(columns, columns) = marginals.joint(variables);
+  return J * P * J.transpose();
+}
+
+/// J X, where X has the rows of all variables.
+template <int Dim, int Rows, int Columns, int Count>
+Matrix<Rows, Count> times(const Matrix<Rows, Columns>& J, const Matrix<Eigen::Dynamic, Count>& X, std::size_t factor,
+                          const NormalEquations& equations) {
+  Matrix<Rows, Count> product = Matrix<Rows, Count>::Zero(J.rows(), X.cols());
+  for_each_variable<Dim>(equations, factor, [&](Variable v, Eigen::Index column) {
+    product += J.middleCols(column, equations.dof(v)) * X.middleRows(equations.offset(v), equations.dof(v));
+  });
+  return product;
+}
+
+/// The most that a step turns a pose (rad).
+template <int Dim>
+double largest_rotation(const Eigen::VectorXd& step, const NormalEquations& equations) {
+  double largest = 0.0;
+  for (const Variable v : equations.variables()) {
+    if (equations.dof(v) != kPoseDof<Dim>) continue;
+    largest = std::max(largest, step.segment<kRotationDof<Dim>>(equations.offset(v) + Dim).norm());
+  }
+  return largest;
+}
+
+/// The information of a part of a factor; of an observation, which is one part, of fixed size.
+template <int Dim, int Dof>
+const Matrix<Dof>& information(const LinearObservation<Dim, Dof>& linear, const MeasuredPart&) {
+  return linear.W;
+}
+template <int Dim>
+Eigen::MatrixXd information(const LinearMap<Dim>& linear, const MeasuredPart& part) {
+  return linear.map->information.block(part.row, part.row, part.rows, part.rows);
+}
+
+/// Whether M is more than kLeastRedundancy of W in all directions, which most parts' are.
+template <int Rows>
+bool has_all_directions(const Matrix<Rows>& M, const Matrix<Rows>& W) {
+  const Eigen::LLT<Matrix<Rows>> llt(M - kLeastRedundancy * W);
+  if (llt.info() != Eigen::Success) return false;
+  return (llt.matrixLLT().diagonal().array().square() > kLeastPivot * W.diagonal().array()).all();
+}
+
+/// Eigenvectors whose eigenvalues are above `least`, over the roots of these: the columns B with Bᵀ A B = I.
+Eigen::MatrixXd scaled_eigenvectors(const Eigen::MatrixXd& A, double least) {
+  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(A);
+  const Eigen::Index count = (eigen.eigenvalues().array() > least).count();
+  return eigen.eigenvectors().rightCols(count) * eigen.eigenvalues().tail(count).cwiseSqrt().cwiseInverse().asDiagonal();
+}
+
+/// The columns B with Bᵀ M B = I over the directions in which M is at least kLeastRedundancy of W: M⁺ = B Bᵀ there.
+Eigen::MatrixXd testable_directions(const Eigen::MatrixXd& M, const Eigen::MatrixXd& W) {
+  const Eigen::VectorXd scale = W.diagonal().cwiseMax(std::numeric_limits<double>::min()).cwiseSqrt().cwiseInverse();
+  const Eigen::MatrixXd whitening =
+      scale.asDiagonal() * scaled_eigenvectors(scale.asDiagonal() * W * scale.asDiagonal(), kLeastPivot);
+  return whitening * scaled_eigenvectors(whitening.transpose() * M * whitening, kLeastRedundancy);
+}
+
+}  // namespace
+
+template <int Dim>
+LeaveOneOut<Dim>::LeaveOneOut(const JoinProblem<Dim>& problem, const NormalEquations& equations, const Marginals& marginals)
+    : problem_(problem), equations_(equations), offsets_{0} {
+  for (std::size_t k = 0; k < factor_count(); ++k) {
+    const auto rows = static_cast<std::size_t>(problem.system().rows(k));
+    offsets_.push_back(offsets_.back() + rows * (rows + 1));
+  }
+  values_.resize(offsets_.back());
+  const Eigen::VectorXd step = equations.solve(equations.gradient());
+  chi2_ = parallel_sum(factor_count(), kObservationsPerPiece, [&](std::size_t k) {
+    return problem.with_linear_factor(k, [&](const auto& linear) {
+      const auto factor = dense(linear);
+      const auto r = (factor.r - times<Dim>(factor.J, step, k, equations)).eval();
+      g(k) = factor.W * r;
+      M(k) = factor.W - factor.W * predicted_covariance<Dim>(factor.J, k, equations, marginals) * factor.W;
+      return r.dot(g(k));
+    });
+  });
+}
+
+template <int Dim>
+PartTest LeaveOneOut<Dim>::test(const MeasuredPart& part) const {
+  return problem_.with_linear_factor(part.factor, [&](const auto& linear) -> PartTest {
+    const auto W = information(linear, part);
+    const decltype(W.eval()) M_A = M(part.factor).block(part.row, part.row, part.rows, part.rows);
+    const auto g_A = g(part.factor).segment(part.row, part.rows);
+    if (has_all_directions(M_A, W)) return {g_A.dot(M_A.llt().solve(g_A)), static_cast<int>(part.rows)};
+    const Eigen::MatrixXd B = testable_directions(M_A, W);
+    return {(B.transpose() * g_A).squaredNorm(), static_cast<int>(B.cols())};
+  });
+}
+
+template <int Dim>
+double LeaveOneOut<Dim>::leave_out(const MeasuredPart& part) {
+  // The columns of W J P (W J)ᵀ that are the part's, times B, need P (W J)ᵀ B only.
+  Eigen::MatrixXd B;
+  Eigen::MatrixXd W_B;  // the rows of the part's own factor
+  Eigen::MatrixXd Jt_W_B;
+  problem_.with_linear_factor(part.factor, [&](const auto& linear) {
+    const auto factor = dense(linear);
+    B = testable_directions(M(part.factor).block(part.row, part.row, part.rows, part.rows),
+                            factor.W.block(part.row, part.row, part.rows, part.rows));
+    W_B = factor.W.middleCols(part.row, part.rows) * B;
+    Jt_W_B.setZero(equations_.size(), B.cols());
+    for_each_variable<Dim>(equations_, part.factor, [&](Variable v, Eigen::Index column) {
+      Jt_W_B.middleRows(equations_.offset(v), equations_.dof(v)) =
+          factor.J.middleCols(column, equations_.dof(v)).transpose() * W_B;
+    });
+  });
+  const Eigen::MatrixXd P_Jt_W_B = equations_.solve_columns(Jt_W_B);
+  const Eigen::VectorXd shift = B.transpose() * g(part.factor).segment(part.row, part.rows);
+  parallel_for(factor_count(), [&](std::size_t k) {
+    problem_.with_linear_factor(k, [&](const auto& linear) {
+      const auto factor = dense(linear);
+      Eigen::MatrixXd M_B = -(factor.W * times<Dim>(factor.J, P_Jt_W_B, k, equations_));
+      if (k == part.factor) M_B += W_B;
+      g(k) -= M_B * shift;
+      M(k) -= M_B * M_B.transpose();
+    });
+  });
+  return largest_rotation<Dim>(P_Jt_W_B * shift, equations_);
+}
+
+template class LeaveOneOut<2>;
+template class LeaveOneOut<3>;
+
+}  // namespace mapjoin
