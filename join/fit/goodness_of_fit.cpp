@@ -15,8 +15,6 @@ namespace {
 constexpr double kLevel = 0.01 / 2;
 /// The scale of fewer parts is not known well enough to judge by.
 constexpr std::size_t kLeastParts = 20;
-/// Residuals half as large again as the covariances say.
-constexpr double kNoticeable = 1.5 * 1.5;
 /// What turns a pose further (rad) when it is left out changes Jacobians by a tenth: the tests of the others wait for a map
 /// without it.
 constexpr double kFarFromOptimum = 0.1;
@@ -111,15 +109,17 @@ Misfit misfit_of(const TestedPart& part, double scale, double probability, const
   return misfit;
 }
 
-/// How much of chi2 an odometry edge is blamed for. An edge of a loop that one closure closes fits as ill as that closure does,
-/// which is the likelier culprit; where two closures agree against the edge, each of them fits less than half as ill.
-constexpr double kOdometryBlame = 0.5;
+/// How much of its chi2 a part is blamed for. An odometry edge of a loop that one closure closes fits as ill as that closure
+/// does, which is the likelier culprit; where two closures agree against the edge, each of them fits less than half as ill. A
+/// local map with one feature under a wrong name fits a little worse than that feature.
+double blame(PartKind kind) {
+  return kind == PartKind::kOdometry || kind == PartKind::kLocalMap ? 0.5 : 1.0;
+}
 
 /// The part that chance explains least.
 std::vector<TestedPart>::const_iterator worst_of(const std::vector<TestedPart>& parts, const std::vector<KindScale>& scales) {
   return std::ranges::min_element(parts, {}, [&](const TestedPart& part) {
-    const double blame = part.kind == PartKind::kOdometry ? kOdometryBlame : 1.0;
-    return log_chi_squared_upper_tail(blame * part.test.chi2 / tolerated_scale(scales, part.kind), part.test.rows);
+    return log_chi_squared_upper_tail(blame(part.kind) * part.test.chi2 / tolerated_scale(scales, part.kind), part.test.rows);
   });
 }
 
@@ -143,10 +143,10 @@ bool find_misfits(const Restored<Dim>& restored, LeaveOneOut<Dim>& leave_one_out
   return parts.empty();
 }
 
-/// Marks the kinds whose residuals are noticeably too large; where none is, those that are the largest.
+/// Marks the kinds whose residuals are the largest: those of others suffer from theirs.
 void mark_too_certain(std::vector<KindScale>& scales) {
   const double largest = std::ranges::max_element(scales, {}, &KindScale::scale)->scale;
-  for (KindScale& kind : scales) kind.is_too_certain = kind.scale >= std::min(largest, kNoticeable);
+  for (KindScale& kind : scales) kind.is_too_certain = 2.0 * kind.scale > largest;
 }
 
 }  // namespace

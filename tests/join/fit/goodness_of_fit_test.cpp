@@ -1,0 +1,213 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <Eigen/Cholesky>
+#include <mapjoin/join/run.hpp>
+#include <mapjoin/model/log_builder.hpp>
+#include <mapjoin/simulate/manhattan.hpp>
+#include <mapjoin/simulate/random_stream.hpp>
+#include <numbers>
+#include <tests/support/dimensions.hpp>
+#include <tests/support/small_submap_set.hpp>
+
+namespace mapjoin {
+namespace {
+
+template <int Dim>
+PoseVector<Dim> normal_step(RandomStream& random) {
+  return PoseVector<Dim>::NullaryExpr([&] { return random.normal(); });
+}
+
+/// A consistent world with closures: whatever it says is as certain as it says.
+template <int Dim>
+struct World {
+  World(std::int64_t poses, std::uint64_t seed, int closures = 8) : random(seed, 7) {
+    ManhattanOptions options;
+    options.poses = poses;
+    options.seed = seed;
+    auto simulation = simulate_manhattan<Dim>(options);
+    log = std::move(simulation.log);
+    truth = std::move(simulation.truth.poses);
+    for (int k = 0; k < closures; ++k) add_closure();
+  }
+  PoseIndex any_pose() { return PoseIndex(static_cast<std::size_t>(random.next() % log.poses.size())); }
+  void add_closure() {
+    PoseIndex base = 0, target = 0;
+    while (std::abs(target - base) < 2) base = any_pose(), target = any_pose();
+    const Pose<Dim> true_step = between(truth[base], truth[target]);
+    add(base, target, retract<Dim>(true_step, PoseVector<Dim>(0.05 * normal_step<Dim>(random))));
+  }
+  void add(PoseIndex base, PoseIndex target, const Pose<Dim>& measured) {
+    log.graph.pose_factors.push_back({base, target, measured, PoseMatrix<Dim>::Identity() / (0.05 * 0.05)});
+    put_in_order(log);
+  }
+
+  Log<Dim> log;
+  Table<PoseIndex, Pose<Dim>> truth;
+  RandomStream random;
+};
+
+template <int Dim>
+GoodnessOfFit fit_of(const Log<Dim>& log) {
+  return run(log, {}).value().fit;
+}
+
+template <typename D>
+class GoodnessOfFitTest : public ::testing::Test {};
+TYPED_TEST_SUITE(GoodnessOfFitTest, testing::Dimensions, );
+
+TYPED_TEST(GoodnessOfFitTest, OfAThousandConsistentWorldsHardlyMoreThanTenAreCalledMisfits) {
+  int misfits = 0;
+  for (std::uint64_t seed = 1; seed <= 1000; ++seed) {
+    const World<TypeParam::value> world(TypeParam::value == 2 ? 60 : 25, seed);
+    misfits += fit_of(world.log).verdict == Verdict::kMisfit;
+  }
+  RecordProperty("misfits", misfits);
+  EXPECT_LE(misfits, 18);  // ten, and two and a half standard deviations
+}
+
+TYPED_TEST(GoodnessOfFitTest, NoClosureThatIsWrongByTenIsMissed) {
+  constexpr int kDim = TypeParam::value;
+  int named_first = 0;
+  constexpr int kWorlds = kDim == 2 ? 1000 : 300;
+  for (std::uint64_t seed = 1; seed <= kWorlds; ++seed) {
+    World<kDim> world(kDim == 2 ? 60 : 25, seed);
+    PoseIndex base = 0, target = 0;
+    while (std::abs(target - base) < 2) base = world.any_pose(), target = world.any_pose();
+    RunOptions options = without_verdict();
+    options.covariances = true;
+    const auto right = run(world.log, options).value();
+    PoseMatrix<kDim> S = right.covariances->relative_pose(base, target).value();
+    S.diagonal().array() += 0.05 * 0.05;
+    const PoseVector<kDim> direction = normal_step<kDim>(world.random).normalized();
+    const PoseVector<kDim> shift = 10.0 * PoseVector<kDim>(S.llt().matrixL() * direction);
+    world.add(base, target, retract<kDim>(between(right.map.poses[base], right.map.poses[target]), shift));
+    const GoodnessOfFit fit = fit_of(world.log);
+    ASSERT_EQ(fit.verdict, Verdict::kMisfit) << "seed " << seed;
+    const Misfit& worst = fit.misfits.at(0);
+    named_first += worst.kind == PartKind::kClosure && worst.from == base && worst.to == PoseOrFeature(target);
+  }
+  RecordProperty("named_first", named_first);
+  EXPECT_GE(named_first, 0.97 * kWorlds);
+}
+
+TYPED_TEST(GoodnessOfFitTest, NamesAFeatureThatIsNotTheOneItIsSaidToBe) {
+  World<TypeParam::value> world(80, 3);
+  auto& observation = world.log.graph.feature_factors[world.log.observations().size() / 2];
+  const FeatureIndex right = observation.target;
+  observation.target = right == 0 ? FeatureIndex(world.log.features.size() - 1) : FeatureIndex(0);
+  const GoodnessOfFit fit = fit_of(world.log);
+  ASSERT_EQ(fit.verdict, Verdict::kMisfit);
+  EXPECT_EQ(fit.misfits.at(0).kind, PartKind::kObservation);
+  EXPECT_EQ(fit.misfits.at(0).from, observation.base);
+  EXPECT_EQ(fit.misfits.at(0).to, PoseOrFeature(observation.target));
+}
+
+TYPED_TEST(GoodnessOfFitTest, NamesALocalMapsFeatureThatIsNotTheOneItIsSaidToBe) {
+  const World<TypeParam::value> world(120, 4, 0);
+  auto set = testing::small_submap_set(world.log, 15.0);
+  auto& map = set.graph.submaps[set.graph.submaps.size() / 2];
+  const auto others = [&](FeatureIndex feature) { return std::ranges::find(map.features, feature) == map.features.end(); };
+  FeatureIndex wrong = 0;
+  while (!others(wrong)) ++wrong;
+  EXPECT_EQ(run(set, {}).value().fit.verdict, Verdict::kFits);
+  // One that other maps have, too.
+  std::size_t f = 0;
+  const auto maps_with = [&](FeatureIndex feature) {
+    return std::ranges::count_if(set.graph.submaps,
+                                 [&](const auto& of) { return std::ranges::count(of.features, feature) > 0; });
+  };
+  while (maps_with(map.features[f]) < 3) ++f;
+  map.features[f] = wrong;
+  const GoodnessOfFit fit = run(set, {}).value().fit;
+  ASSERT_EQ(fit.verdict, Verdict::kMisfit);
+  EXPECT_EQ(fit.misfits.at(0).kind, PartKind::kMapFeature);
+  EXPECT_EQ(fit.misfits.at(0).to, PoseOrFeature(wrong));
+}
+
+TEST(GoodnessOfFit, NamesLocalMapsThatChangedPlaces) {
+  const World<2> world(120, 4, 0);
+  auto set = testing::small_submap_set(world.log, 15.0);
+  auto& maps = set.graph.submaps;
+  std::swap(maps[2], maps[4]);
+  std::swap(maps[2].base, maps[4].base);
+  std::swap(maps[2].poses, maps[4].poses);
+  const GoodnessOfFit fit = run(set, {}).value().fit;
+  ASSERT_EQ(fit.verdict, Verdict::kMisfit);
+  EXPECT_EQ(fit.misfits.at(0).kind, PartKind::kLocalMap);
+  EXPECT_THAT((std::vector{maps[2].base, maps[4].base}), ::testing::Contains(fit.misfits.at(0).from));
+}
+
+TYPED_TEST(GoodnessOfFitTest, TellsCovariancesThatAreTooSmallFromOutliers) {
+  World<TypeParam::value> world(300, 5);
+  for (auto& observation : world.log.graph.feature_factors) observation.information *= 9.0;
+  const GoodnessOfFit fit = fit_of(world.log);
+  EXPECT_EQ(fit.verdict, Verdict::kMisfit);
+  EXPECT_TRUE(fit.misfits.empty());
+  for (const KindScale& kind : fit.kinds) EXPECT_EQ(kind.is_too_certain, kind.kind == PartKind::kObservation);
+  const auto observations = std::ranges::find(fit.kinds, PartKind::kObservation, &KindScale::kind);
+  EXPECT_NEAR(observations->scale, 9.0, 1.5);
+}
+
+TYPED_TEST(GoodnessOfFitTest, CallsNothingAMisfitThatCautiousCovariancesAllow) {
+  World<TypeParam::value> world(100, 6);
+  for (auto& observation : world.log.graph.feature_factors) observation.information /= 25.0;
+  const GoodnessOfFit fit = fit_of(world.log);
+  EXPECT_EQ(fit.verdict, Verdict::kFits);
+  const auto observations = std::ranges::find(fit.kinds, PartKind::kObservation, &KindScale::kind);
+  EXPECT_NEAR(observations->scale, 1.0 / 25.0, 0.01);
+}
+
+/// A square that is driven round once, its last pose at its first, and closures from the end to the beginning.
+Log<2> square(double error_of_step_7, int closures) {
+  LogBuilder<2> builder("square");
+  const PoseMatrix<2> W = 1e4 * PoseMatrix<2>::Identity();
+  for (std::uint64_t k = 1; k <= 40; ++k) {
+    const double error = k == 7 ? error_of_step_7 : 0.0;
+    builder.add_pose_edge({0, k - 1}, {0, k}, {{1.0 + error, 0.0}, Rotation<2>(k % 10 == 0 ? std::numbers::pi / 2 : 0.0)}, W);
+  }
+  for (std::uint64_t k = 0; k < static_cast<std::uint64_t>(closures); ++k) {
+    const Rotation<2> turn(k == 0 ? 0.0 : std::numbers::pi / 2);
+    builder.add_pose_edge({0, 40 - k}, {0, 0}, {{static_cast<double>(k), 0.0}, turn}, W);
+  }
+  return std::move(builder).finish().value();
+}
+
+TEST(GoodnessOfFit, BlamesTheClosureWhereOneClosesALoopAndOdometryWhereTwoAgree) {
+  const GoodnessOfFit one = fit_of(square(5.0, 1));
+  ASSERT_EQ(one.verdict, Verdict::kMisfit);
+  EXPECT_EQ(one.misfits.at(0).kind, PartKind::kClosure);
+  const GoodnessOfFit two = fit_of(square(5.0, 8));
+  ASSERT_EQ(two.verdict, Verdict::kMisfit);
+  EXPECT_EQ(two.misfits.at(0).kind, PartKind::kOdometry);
+}
+
+TEST(GoodnessOfFit, IsUntestedWhereNothingIsMeasuredTwice) {
+  const GoodnessOfFit fit = fit_of(square(0.0, 0));
+  EXPECT_EQ(fit.verdict, Verdict::kUntested);
+  EXPECT_EQ(fit.parts, 0U);
+  EXPECT_EQ(fit_of(square(0.0, 1)).verdict, Verdict::kFits);
+}
+
+TEST(GoodnessOfFit, IsNotAskedOfAMapThatIsNoOptimum) {
+  const World<2> world(100, 7);
+  RunOptions options;
+  options.solver.max_iterations = 1;
+  options.solver.method = Method::kGaussNewton;
+  EXPECT_EQ(run(world.log, options).value().fit.verdict, Verdict::kUnconverged);
+  EXPECT_EQ(run(world.log, without_verdict()).value().fit.verdict, Verdict::kUntested);
+}
+
+TEST(GoodnessOfFit, IsUntestedWithAReasonWhereMemoryDoesNotDo) {
+  const World<2> world(100, 8);
+  RunOptions options;
+  options.most_memory = 1000;
+  const auto result = run(world.log, options).value();
+  EXPECT_EQ(result.fit.verdict, Verdict::kUntested);
+  ASSERT_TRUE(result.no_verdict);
+  EXPECT_EQ(result.no_verdict->kind, ErrorKind::kTooLarge);
+}
+
+}  // namespace
+}  // namespace mapjoin
