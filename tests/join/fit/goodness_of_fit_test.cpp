@@ -63,7 +63,7 @@ TYPED_TEST(GoodnessOfFitTest, OfAThousandConsistentWorldsHardlyMoreThanTenAreCal
     const World<TypeParam::value> world(TypeParam::value == 2 ? 60 : 25, seed);
     misfits += fit_of(world.log).verdict == Verdict::kMisfit;
   }
-  RecordProperty("misfits", misfits);
+  this->RecordProperty("misfits", misfits);
   EXPECT_LE(misfits, 18);  // ten, and two and a half standard deviations
 }
 
@@ -88,7 +88,7 @@ TYPED_TEST(GoodnessOfFitTest, NoClosureThatIsWrongByTenIsMissed) {
     const Misfit& worst = fit.misfits.at(0);
     named_first += worst.kind == PartKind::kClosure && worst.from == base && worst.to == PoseOrFeature(target);
   }
-  RecordProperty("named_first", named_first);
+  this->RecordProperty("named_first", named_first);
   EXPECT_GE(named_first, 0.97 * kWorlds);
 }
 
