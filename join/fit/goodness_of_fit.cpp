@@ -13,8 +13,9 @@ namespace {
 
 /// The probability that a map that fits is called a misfit: by chi2 as a whole, and by any of its parts.
 constexpr double kLevel = 0.01 / 2;
-/// The scale of fewer parts is not known well enough to judge by.
-constexpr std::size_t kLeastParts = 20;
+/// The scale of a kind is not known well enough to judge by where all its parts are confirmed by less than so many whole ones
+/// would be: the odometry of one long loop, say, of which only the sum is.
+constexpr double kLeastParts = 20.0;
 /// What turns a pose further (rad) when it is left out changes Jacobians by a tenth: the tests of the others wait for a map
 /// without it.
 constexpr double kFarFromOptimum = 0.1;
@@ -72,20 +73,22 @@ void test(const LeaveOneOut<Dim>& leave_one_out, std::vector<TestedPart>& parts)
 std::vector<KindScale> scales_of(const std::vector<TestedPart>& parts) {
   std::map<int, double> medians;  // of chi-square, by degrees of freedom
   std::map<PartKind, std::vector<double>> ratios;
-  for (const TestedPart& part : parts) {
-    const auto [median, is_new] = medians.emplace(part.test.rows, 0.0);
-    if (is_new) median->second = chi_squared_quantile(0.5, part.test.rows);
-    ratios[part.kind].push_back(part.test.chi2 / median->second);
+  std::map<PartKind, double> confirmed;
+  for (const auto& [kind, part, test] : parts) {
+    const auto [median, is_new] = medians.emplace(test.rows, 0.0);
+    if (is_new) median->second = chi_squared_quantile(0.5, test.rows);
+    ratios[kind].push_back(test.chi2 / median->second);
+    confirmed[kind] += test.redundancy / test.rows;
   }
   std::vector<KindScale> scales;
-  for (auto& [kind, of_kind] : ratios) scales.push_back({kind, of_kind.size(), median(std::move(of_kind))});
+  for (auto& [kind, of_kind] : ratios) scales.push_back({kind, of_kind.size(), confirmed[kind], median(std::move(of_kind))});
   return scales;
 }
 
 /// What residuals of a kind are judged against: never more strictly than by the covariances as they are given.
 double tolerated_scale(const std::vector<KindScale>& scales, PartKind kind) {
   const auto found = std::ranges::find(scales, kind, &KindScale::kind);
-  return found->parts < kLeastParts ? 1.0 : std::max(1.0, found->scale);
+  return found->confirmed < kLeastParts ? 1.0 : std::max(1.0, found->scale);
 }
 
 template <int Dim>

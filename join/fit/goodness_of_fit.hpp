@@ -56,7 +56,8 @@ struct Misfit {
 /// How large the residuals of one kind of parts are.
 struct KindScale {
   PartKind kind = PartKind::kClosure;
-  std::size_t parts = 0;  ///< Those that can be tested.
+  std::size_t parts = 0;   ///< Those that can be tested.
+  double confirmed = 0.0;  ///< The sum of their redundancies, each as a share of its rows.
   /// The median of the parts' leave-one-out chi2, over what it would be were the covariances right. Outliers hardly move it.
   double scale = 1.0;
   bool is_too_certain = false;  ///< chi2 is too large, without the misfits, too, and this kind has a share in it.

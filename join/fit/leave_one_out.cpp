@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <Eigen/Cholesky>
 #include <Eigen/Eigenvalues>
+#include <Eigen/LU>
 #include <mapjoin/join/fit/leave_one_out.hpp>
 #include <mapjoin/parallel/parallel.hpp>
 #include <utility>
@@ -152,9 +153,12 @@ PartTest LeaveOneOut<Dim>::test(const MeasuredPart& part) const {
     const auto W = information(linear, part);
     const decltype(W.eval()) M_A = M(part.factor).block(part.row, part.row, part.rows, part.rows);
     const auto g_A = g(part.factor).segment(part.row, part.rows);
-    if (has_all_directions(M_A, W)) return {g_A.dot(M_A.llt().solve(g_A)), static_cast<int>(part.rows)};
+    if (has_all_directions(M_A, W)) {
+      return {g_A.dot(M_A.llt().solve(g_A)), static_cast<int>(part.rows), W.llt().solve(M_A).trace()};
+    }
     const Eigen::MatrixXd B = testable_directions(M_A, W);
-    return {(B.transpose() * g_A).squaredNorm(), static_cast<int>(B.cols())};
+    const double redundancy = (B.transpose() * W * B).inverse().trace();
+    return {(B.transpose() * g_A).squaredNorm(), static_cast<int>(B.cols()), redundancy};
   });
 }
 

@@ -20,7 +20,8 @@ struct MeasuredPart {
 /// The squared Mahalanobis distance of a part from its prediction by everything else.
 struct PartTest {
   double chi2 = 0.0;
-  int rows = 0;  ///< Directions that the others confirm; without any there is nothing to test.
+  int rows = 0;             ///< Directions that the others confirm; without any there is nothing to test.
+  double redundancy = 0.0;  ///< What the others tell of what the part and they tell together, trace(W_A⁻¹ M_A): at most `rows`.
 };
 
 /// Tests of parts A of the measurements x̂ = H(x) + w, w ~ N(0, W⁻¹), at the optimum, to first order.
