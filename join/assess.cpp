@@ -15,7 +15,7 @@ template <int Dim>
 Expected<void> assess(Restored<Dim>& restored, std::span<const PoseFactor<Dim>> odometry, const RunOptions& options,
                       const std::stop_token& stop, RunResult<Dim>& result) {
   const bool is_tested = options.verdict && result.converged();
-  const bool is_polished = result.polish || (options.polish && result.local_maps == 0);
+  const bool is_polished = result.polish || result.local_maps == 0;  // without local maps the join is of the whole log
   auto covariances =
       MapCovariances<Dim>::make(restored, is_polished ? Estimate::kPolished : Estimate::kJoined, options.most_memory);
   if (!covariances) return tl::unexpected(covariances.error());

@@ -220,6 +220,14 @@ Expected<void> check_start(const SubmapSet<Dim>& set, Start start) {
   return bad_input(set.source + ": local maps hold no values of the whole map to start from");
 }
 
+RunSeconds& RunSeconds::operator+=(const RunSeconds& others) {
+  for (const auto stage : {&RunSeconds::build, &RunSeconds::join, &RunSeconds::recover, &RunSeconds::polish,
+                           &RunSeconds::verdict, &RunSeconds::covariances}) {
+    this->*stage += others.*stage;
+  }
+  return *this;
+}
+
 bool RunFigures::converged() const {
   if (polish) return polish->status == MinimiseStatus::kConverged;
   return join.status == MinimiseStatus::kConverged && unrecovered == 0;
@@ -237,7 +245,8 @@ Expected<RunResult<Dim>> run(const Log<Dim>& log, const RunOptions& options, con
   without_maps.schedule = Schedule::kUnbalanced;
   auto other = run_once(log, without_maps, stop);
   if (!other && other.error().kind == ErrorKind::kInterrupted) return tl::unexpected(other.error());
-  if (other && is_less_chi2(other->result.chi2, best->result.chi2)) best = std::move(other);
+  if (other && is_less_chi2(other->result.chi2, best->result.chi2)) std::swap(best, other);
+  if (other) best->result.seconds += other->result.seconds;
   return assessed(*std::move(best), log.odometry(), options, stop);
 }
 

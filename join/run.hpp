@@ -68,6 +68,8 @@ struct RunSeconds {
   double polish = 0.0;
   double verdict = 0.0;
   double covariances = 0.0;
+
+  RunSeconds& operator+=(const RunSeconds& others);
 };
 
 /// What a run says of itself, whatever the dimension.

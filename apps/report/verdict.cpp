@@ -81,7 +81,7 @@ Json verdict_of(const RunReport& run_report) {
   const GoodnessOfFit& fit = run_report.figures.fit;
   Json kinds = Json::array();
   for (const KindScale& kind : fit.kinds) {
-    kinds.push_back({{"kind", kind.kind}, {"parts", kind.parts}, {"scale", kind.scale}, {"too_certain", kind.is_too_certain}});
+    kinds.push_back({{"kind", kind.kind}, {"parts", kind.parts}, {"confirmed", kind.confirmed}, {"scale", kind.scale}, {"too_certain", kind.is_too_certain}});
   }
   Json misfits = Json::array();
   for (const NamedMisfit& misfit : run_report.misfits) {
