@@ -21,9 +21,12 @@ Expected<void> assess(Restored<Dim>& restored, std::span<const PoseFactor<Dim>> 
   if (!covariances) return tl::unexpected(covariances.error());
   if (is_tested || options.marginals) {
     const auto on_pattern = covariances->on_pattern(options.progress_of(Stage::kCovariances), stop);
-    if (!on_pattern) return tl::unexpected(on_pattern.error());
-    if (options.marginals) result.marginals = covariances->marginals(*on_pattern);
-    if (is_tested) {
+    if (!on_pattern && (options.marginals || on_pattern.error().kind != ErrorKind::kTooLarge)) {
+      return tl::unexpected(on_pattern.error());
+    }
+    if (!on_pattern) result.no_verdict = on_pattern.error();
+    if (on_pattern && options.marginals) result.marginals = covariances->marginals(*on_pattern);
+    if (on_pattern && is_tested) {
       const Stopwatch watch(result.seconds.verdict);
       result.fit = goodness_of_fit(restored, covariances->equations(), *on_pattern, result.dof, odometry);
     }
@@ -50,8 +53,7 @@ Expected<RunResult<Dim>> assessed(Found<Dim> found, std::span<const PoseFactor<D
     return assess(*found.restored, odometry, options, stop, result);
   }();
   if (done) return std::move(result);
-  const bool is_needed = options.marginals || done.error().kind == ErrorKind::kInterrupted;
-  if (done.error().kind != ErrorKind::kBadInput && is_needed) return tl::unexpected(done.error());
+  if (done.error().kind != ErrorKind::kBadInput) return tl::unexpected(done.error());
   (wants_covariances(options) ? result.no_covariances : result.no_verdict) = done.error();
   return std::move(result);
 }

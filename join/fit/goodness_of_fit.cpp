@@ -104,7 +104,7 @@ Misfit misfit_of(const TestedPart& part, double scale, double probability, const
   } else {
     const LocalMap<Dim>& map = *system.maps()[place].map;
     misfit.from = map.base;
-    misfit.to = map.poses.back();
+    misfit.to = map.poses.empty() ? map.base : map.poses.back();
     if (part.kind == PartKind::kMapFeature) {
       misfit.to = map.features[static_cast<std::size_t>((part.part.row - map.row(map.poses.size())) / Dim)];
     }
@@ -119,31 +119,42 @@ double blame(PartKind kind) {
   return kind == PartKind::kOdometry || kind == PartKind::kLocalMap ? 0.5 : 1.0;
 }
 
-/// The part that chance explains least.
-std::vector<TestedPart>::const_iterator worst_of(const std::vector<TestedPart>& parts, const std::vector<KindScale>& scales) {
-  return std::ranges::min_element(parts, {}, [&](const TestedPart& part) {
-    return log_chi_squared_upper_tail(blame(part.kind) * part.test.chi2 / tolerated_scale(scales, part.kind), part.test.rows);
-  });
+/// The part to be left out next: of those that chance hardly explains, the one that is to blame the most. Null where it
+/// explains all.
+const TestedPart* worst_of(const std::vector<TestedPart>& parts, const std::vector<KindScale>& scales) {
+  std::map<int, double> most;  // that chance allows the largest of so many, by degrees of freedom
+  const TestedPart* worst = nullptr;
+  double least = 0.0;
+  for (const TestedPart& part : parts) {
+    const int rows = part.test.rows;
+    const double chi2 = part.test.chi2 / tolerated_scale(scales, part.kind);
+    const auto [allowed, is_new] = most.emplace(rows, 0.0);
+    if (is_new) allowed->second = chi_squared_quantile(1.0 - kLevel / static_cast<double>(parts.size()), rows);
+    if (chi2 <= allowed->second) continue;
+    const double log_probability = log_chi_squared_upper_tail(blame(part.kind) * chi2, rows);
+    if (log_probability < least) worst = &part, least = log_probability;
+  }
+  return worst;
 }
 
 /// Leaves out what does not fit, the worst first. Returns whether that is all of it.
 template <int Dim>
 bool find_misfits(const Restored<Dim>& restored, LeaveOneOut<Dim>& leave_one_out, std::vector<TestedPart>& parts,
                   GoodnessOfFit& fit) {
-  while (!parts.empty() && fit.misfits.size() < GoodnessOfFit::kMostMisfits) {
-    const auto part = worst_of(parts, fit.kinds);
-    const double scale = tolerated_scale(fit.kinds, part->kind);
+  while (const TestedPart* worst = worst_of(parts, fit.kinds)) {
+    if (fit.misfits.size() == GoodnessOfFit::kMostMisfits) return false;
+    const auto [kind, part, test_of_part] = *worst;
+    const double scale = tolerated_scale(fit.kinds, kind);
     const double probability =
-        static_cast<double>(parts.size()) * chi_squared_upper_tail(part->test.chi2 / scale, part->test.rows);
-    if (probability >= kLevel) return true;
-    fit.misfits.push_back(misfit_of(*part, scale, probability, restored));
-    fit.chi2 -= part->test.chi2;
-    fit.dof -= part->test.rows;
-    if (leave_one_out.leave_out(part->part) > kFarFromOptimum) break;
-    parts.erase(part);
+        static_cast<double>(parts.size()) * chi_squared_upper_tail(test_of_part.chi2 / scale, test_of_part.rows);
+    fit.misfits.push_back(misfit_of(*worst, scale, probability, restored));
+    fit.chi2 -= test_of_part.chi2;
+    fit.dof -= test_of_part.rows;
+    if (leave_one_out.leave_out(part) > kFarFromOptimum) return false;
+    parts.erase(parts.begin() + (worst - parts.data()));
     test(leave_one_out, parts);
   }
-  return parts.empty();
+  return true;
 }
 
 /// Marks the kinds whose residuals are the largest: those of others suffer from theirs.

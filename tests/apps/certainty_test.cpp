@@ -63,7 +63,7 @@ TEST_F(Certainty, CovariancesOfASingleFileStandBesideIt) {
   ASSERT_EQ(call({"solve", path("log.g2o"), "-o", path("map.csv"), "--covariances", "--quiet"}).exit_code, 0);
   EXPECT_THAT(content_of(path("map.csv")), HasSubstr("qw,cov_x_x,cov_x_y,cov_x_z,cov_x_rx,"));
   const json covariances = json::parse(content_of(path("map.covariances.json")));
-  EXPECT_EQ(covariances["estimate"], "joined");
+  EXPECT_EQ(covariances["estimate"], "polished");
   EXPECT_EQ(covariances["poses"][5]["covariance"].size(), 21U);
 }
 

@@ -91,6 +91,30 @@ TEST(Cases, ALongLineIsStraightenedInFewSteps) {
   }
 }
 
+class WrongClosures : public TestWithParam<const char*> {};
+
+TEST_P(WrongClosures, AreAMisfitThoughTheMapConverged) {
+  const RunFigures figures = figures_of_case(GetParam(), {}).run;
+  EXPECT_TRUE(figures.converged());
+  EXPECT_EQ(figures.fit.verdict, Verdict::kMisfit);
+}
+INSTANTIATE_TEST_SUITE_P(Cases, WrongClosures, ::testing::Values("A_1900.g2o", "A_2442.g2o", "B_100406.g2o", "tight_1433.g2o"));
+
+TEST(CasesData, AWrongClosureOfHugeInformationIsNamedFirst) {
+  auto log = std::get<Log<2>>(open_log(testing::data_file("dlr/dlr_corrected.g2o.gz")).value());
+  const IndexOf index_of(log.poses);
+  const PoseIndex base = index_of({0, 1291}).value();
+  const PoseIndex target = index_of({0, 1739}).value();
+  const Pose<2> measured{{0.00194, -0.1501}, Rotation<2>(0.04944)};
+  log.graph.pose_factors.push_back({base, target, measured, 5e4 * PoseMatrix<2>::Identity()});
+  put_in_order(log);
+  const GoodnessOfFit fit = run(log, {}).value().fit;
+  ASSERT_EQ(fit.verdict, Verdict::kMisfit);
+  EXPECT_EQ(fit.misfits.at(0).kind, PartKind::kClosure);
+  EXPECT_EQ(fit.misfits.at(0).from, base);
+  EXPECT_EQ(fit.misfits.at(0).to, PoseOrFeature(target));
+}
+
 TEST(CasesData, AFlatValleyIsFollowedToItsEnd) {
   const auto found = figures_of(testing::data_file("robots/robot_b.g2o"), RunOptions{});
   EXPECT_TRUE(found.run.converged());

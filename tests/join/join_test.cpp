@@ -180,6 +180,7 @@ TYPED_TEST(JoinTest, ReportsEveryJoinOnTheWay) {
     RunOptions options;
     options.schedule = schedule;
     options.progress = [&](Stage stage, std::size_t done, std::size_t to_do) {
+      if (stage == Stage::kCovariances) return;  // of the verdict
       EXPECT_EQ(stage, Stage::kJoin);
       EXPECT_EQ(done, ++last);
       total = to_do;

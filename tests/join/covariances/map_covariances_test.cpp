@@ -120,7 +120,7 @@ TYPED_TEST(MapCovariancesTest, OfFullSlamAreBlocksOfTheDenseInverse) {
   const auto log = this->world();
   const auto result = solve(log, this->options(1.0));
   ASSERT_TRUE(result) << result.error().message;
-  EXPECT_EQ(result->covariances->estimate(), Estimate::kJoined);
+  EXPECT_EQ(result->covariances->estimate(), Estimate::kPolished);
   this->expect_those_of_the_log(log, *result);
 }
 
