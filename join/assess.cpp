@@ -52,6 +52,7 @@ Expected<RunResult<Dim>> assessed(Found<Dim> found, std::span<const PoseFactor<D
     const Stopwatch watch(result.seconds.covariances);
     return assess(*found.restored, odometry, options, stop, result);
   }();
+  result.seconds.covariances -= result.seconds.verdict;  // counted apart
   if (done) return std::move(result);
   if (done.error().kind != ErrorKind::kBadInput) return tl::unexpected(done.error());
   (wants_covariances(options) ? result.no_covariances : result.no_verdict) = done.error();

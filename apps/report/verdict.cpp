@@ -17,14 +17,14 @@ std::string to_words(const NamedMisfit& misfit) {
   return fmt::format("{} (chi2 {:.4g} over {})", name_of(misfit), misfit.misfit.chi2, plural(misfit.misfit.rows, "row"));
 }
 
-/// "typical residuals of observations are 2.1 times what the covariances say"
+/// "typical residuals are larger than the covariances say: closure 8.3 times, odometry 8.1 times"
 std::string scales_in_words(const GoodnessOfFit& fit) {
   std::vector<std::string> words;
   for (const KindScale& kind : fit.kinds) {
     if (!kind.is_too_certain) continue;
     words.push_back(fmt::format("{} {:.2g} times", to_string(kind.kind), std::sqrt(kind.scale)));
   }
-  return fmt::format("covariances are too small: typical residuals are what they say by {}", fmt::join(words, ", "));
+  return fmt::format("typical residuals are larger than the covariances say: {}", fmt::join(words, ", "));
 }
 
 std::string why_untested(const RunReport& run_report) {
@@ -62,10 +62,10 @@ std::string verdict_in_words(const RunReport& run_report) {
       break;
   }
   if (run_report.misfits.empty()) return "MISFIT: " + scales_in_words(fit);
-  const std::string more = fit.is_complete ? "" : " (and perhaps more, which show once these are gone)";
-  return fmt::format("MISFIT: {} out of line among {} tested{}, first {}",
-                     plural(run_report.misfits.size(), "measurement is", "measurements are"), fit.parts, more,
-                     to_words(run_report.misfits.front()));
+  const std::size_t others = run_report.misfits.size() - 1;
+  return fmt::format("MISFIT: {}{} out of line with the rest{}", to_words(run_report.misfits.front()),
+                     others > 0 ? fmt::format(" and {} more are", others) : " is",
+                     fit.is_complete ? "" : fmt::format("; more may show without {}", others > 0 ? "them" : "it"));
 }
 
 void add_verdict(const RunReport& run_report, Lines& lines) {
@@ -81,7 +81,11 @@ Json verdict_of(const RunReport& run_report) {
   const GoodnessOfFit& fit = run_report.figures.fit;
   Json kinds = Json::array();
   for (const KindScale& kind : fit.kinds) {
-    kinds.push_back({{"kind", kind.kind}, {"parts", kind.parts}, {"confirmed", kind.confirmed}, {"scale", kind.scale}, {"too_certain", kind.is_too_certain}});
+    kinds.push_back({{"kind", kind.kind},
+                     {"parts", kind.parts},
+                     {"confirmed", kind.confirmed},
+                     {"scale", kind.scale},
+                     {"too_certain", kind.is_too_certain}});
   }
   Json misfits = Json::array();
   for (const NamedMisfit& misfit : run_report.misfits) {

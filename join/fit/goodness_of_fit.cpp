@@ -179,7 +179,7 @@ GoodnessOfFit goodness_of_fit(const Restored<Dim>& restored, const NormalEquatio
   if (fit.parts == 0) return fit;
   fit.is_complete = find_misfits(restored, leave_one_out, parts, fit);
   fit.probability = chi_squared_upper_tail(fit.chi2, static_cast<double>(fit.dof));
-  if (fit.is_complete && fit.probability < kLevel) mark_too_certain(fit.kinds);
+  if (fit.probability < kLevel) mark_too_certain(fit.kinds);
   fit.verdict = fit.misfits.empty() && fit.probability >= kLevel ? Verdict::kFits : Verdict::kMisfit;
   return fit;
 }

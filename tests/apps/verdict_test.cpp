@@ -1,0 +1,89 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// What the command says of whether a map fits.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <fstream>
+#include <tests/apps/command.hpp>
+#include <tests/support/file_bytes.hpp>
+#include <tests/support/temporary_folder.hpp>
+
+namespace mapjoin::testing {
+namespace {
+
+using ::testing::HasSubstr;
+using ::testing::StartsWith;
+
+class VerdictTest : public ::testing::Test {
+ protected:
+  /// The bundled log with one line more.
+  std::string log_with(const std::string& line) const {
+    const std::string path = (folder.path() / "log.g2o").string();
+    std::ofstream(path) << content_of(kBundledData / "manhattan2d.g2o") << line << '\n';
+    return path;
+  }
+  TemporaryFolder folder;
+  const std::string wrong_closure = "EDGE_SE2 10 700 1 0 0 400 0 0 400 0 400";
+};
+
+TEST_F(VerdictTest, IsALineOfTheSummaryAndAKeyOfTheReport) {
+  const std::string log = (kBundledData / "manhattan2d.g2o").string();
+  EXPECT_THAT(call({"run", log}).out,
+              HasSubstr("\nverdict      fits: nothing is out of line among 3522 measurements tested\n"));
+  const auto report = report_of({"run", log});
+  EXPECT_EQ(report["verdict"], "fits");
+  EXPECT_EQ(report["misfits"].size(), 0U);
+  EXPECT_EQ(report["fit"]["parts"], 3522);
+  EXPECT_EQ(report["fit"]["complete"], true);
+}
+
+TEST_F(VerdictTest, NamesAWrongClosureByItsIds) {
+  const std::string log = log_with(wrong_closure);
+  for (const std::string command : {"run", "solve"}) {
+    const auto report = report_of({command, log});
+    EXPECT_EQ(report["verdict"], "misfit");
+    const auto& worst = report["misfits"].at(0);
+    EXPECT_EQ(worst["kind"], "closure");
+    EXPECT_EQ(worst["from"]["pose"], 10);
+    EXPECT_EQ(worst["to"]["pose"], 700);
+    EXPECT_LT(worst["probability"], 1e-6);
+  }
+  const std::string maps = (folder.path() / "log.maps").string();
+  ASSERT_EQ(call({"build", log, "-o", maps, "--quiet"}).exit_code, 0);
+  EXPECT_EQ(report_of({"join", maps})["misfits"].at(0)["kind"], "closure");
+}
+
+TEST_F(VerdictTest, DecidesTheExitCodeOnlyWhereThatIsStrict) {
+  const std::string log = log_with(wrong_closure);
+  EXPECT_EQ(call({"run", log, "--quiet"}).exit_code, 0);
+  const std::string map = (folder.path() / "map.g2o").string();
+  const Ended strict = call({"run", log, "--quiet", "--strict", "-o", map});
+  EXPECT_EQ(strict.exit_code, 7);
+  EXPECT_THAT(strict.err, HasSubstr("MISFIT: closure from pose 10 to pose 700"));
+  EXPECT_THAT(strict.err, HasSubstr("; the map is written all the same"));
+  EXPECT_TRUE(std::filesystem::exists(map));
+  EXPECT_EQ(call({"run", (kBundledData / "manhattan2d.g2o").string(), "--quiet", "--strict"}).exit_code, 0);
+}
+
+TEST_F(VerdictTest, IsUntestedWhereNothingIsMeasuredTwiceOrNobodyAsks) {
+  const std::string path = (folder.path() / "line.g2o").string();
+  std::ofstream(path) << "EDGE_SE2 0 1 1 0 0 1 0 0 1 0 1\nEDGE_SE2 1 2 1 0 0 1 0 0 1 0 1\n";
+  const Ended line = call({"run", path, "--strict"});
+  EXPECT_EQ(line.exit_code, 7);
+  EXPECT_THAT(line.out, HasSubstr("\nverdict      untested: nothing here is measured twice\n"));
+  const auto report = report_of({"run", log_with(wrong_closure), "--no-verdict"});
+  EXPECT_EQ(report["verdict"], "untested");
+  EXPECT_TRUE(report["fit"]["parts"].is_null());
+  const Ended both = call({"run", path, "--strict", "--no-verdict"});
+  EXPECT_EQ(both.exit_code, 2);
+  EXPECT_THAT(both.err, HasSubstr("--strict goes by the verdict, which --no-verdict leaves out"));
+}
+
+TEST_F(VerdictTest, SaysByHowMuchCovariancesAreTooSmall) {
+  const std::string path = (folder.path() / "noisy.g2o").string();
+  ASSERT_EQ(call({"simulate", "--poses", "500", "--noise-multiplier", "3", "-o", path, "--quiet"}).exit_code, 0);
+  EXPECT_THAT(call({"run", path}).out, HasSubstr("typical residuals are larger than the covariances say: "));
+}
+
+}  // namespace
+}  // namespace mapjoin::testing
