@@ -47,18 +47,18 @@ double chi2_of(const Expected<RunResult<2>>& result) {
 }
 
 double by_run(const Simulation<2>& world) {
-  return chi2_of(run(world.log, RunOptions{}));
+  return chi2_of(run(world.log, without_verdict()));
 }
 
 double by_gradual(const Simulation<2>& world) {
-  RunOptions options;
+  RunOptions options = without_verdict();
   options.schedule = Schedule::kBatch;
   options.state = JoinedState::kRelative;
   return chi2_of(run_continued(world.log, options));
 }
 
 double by_full_slam(const Log<2>& log, Method method, Start start) {
-  RunOptions options;
+  RunOptions options = without_verdict();
   options.schedule = Schedule::kBatch;
   options.solver.method = method;
   options.start = start;

@@ -53,7 +53,7 @@ void Run(benchmark::Values& state) {
   const Log<Dim> log = world<Dim>(state).log;
   RunSeconds sum;
   for (auto _ : state) {
-    const auto result = run(log, RunOptions{});
+    const auto result = run(log, without_verdict());
     if (!result || !result->converged()) return state.SkipWithError("did not converge");
     sum.build += result->seconds.build;
     sum.join += result->seconds.join;
@@ -132,7 +132,7 @@ void PolishStep(benchmark::Values& state) {
 template <int Dim>
 void Covariances(benchmark::Values& state) {
   const Log<Dim> log = world<Dim>(state).log;
-  RunOptions options;
+  RunOptions options = without_verdict();
   options.covariances = true;
   const auto result = run(log, options);
   if (!result || !result->covariances) return state.SkipWithError("no covariances");

@@ -28,11 +28,11 @@ std::filesystem::path map_of(const Data& data, const Surroundings& surroundings)
 /// `mapjoin run` or `join`.
 template <int jobs>
 Words ours(const Data& data, const Surroundings& surroundings) {
-  return mapjoin(surroundings, {data.is_maps ? "join" : "run", data.file, "--jobs", std::to_string(jobs)});
+  return mapjoin(surroundings, {data.is_maps ? "join" : "run", data.file, "--no-verdict", "--jobs", std::to_string(jobs)});
 }
 
 Words run_to_folder(const Data& data, const Surroundings& surroundings) {
-  return mapjoin(surroundings, {"run", data.file, "--jobs", "1", "-o", surroundings.folder / "run"});
+  return mapjoin(surroundings, {"run", data.file, "--no-verdict", "--jobs", "1", "-o", surroundings.folder / "run"});
 }
 
 Words solve(const Data& data, const Surroundings& surroundings) {

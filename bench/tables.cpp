@@ -68,7 +68,7 @@ void schedules(const Arguments& arguments) {
       continue;
     }
     for (const Schedule schedule : {Schedule::kAligned, Schedule::kTree, Schedule::kSequential, Schedule::kBatch}) {
-      RunOptions options;
+      RunOptions options = without_verdict();
       options.schedule = schedule;
       const auto print = [&](const auto& result) {
         if (!result) return fmt::print("| {} | {} | {} |\n", name_of(path), to_string(schedule), result.error().message);
@@ -96,7 +96,7 @@ std::pair<double, double> differences(const GlobalMap<Dim>& a, const GlobalMap<D
 
 template <int Dim>
 void splits_of(const Log<Dim>& log, const Arguments& arguments, const std::string& name) {
-  RunOptions options;
+  RunOptions options = without_verdict();
   options.split = {SplitRule::kPoses, arguments.poses_per_map.front()};
   const auto first = run(log, options);
   if (!first) return fmt::print(stderr, "{}\n", first.error().message);
@@ -154,7 +154,7 @@ void courses(const Arguments& arguments) {
       continue;
     }
     for (const JoinedState state : {JoinedState::kAbsolute, JoinedState::kRelative}) {
-      RunOptions options;
+      RunOptions options = without_verdict();
       options.schedule = Schedule::kBatch;
       options.state = state;
       options.solver.method = Method::kGaussNewton;
