@@ -28,7 +28,7 @@ Expected<void> assess(Restored<Dim>& restored, std::span<const PoseFactor<Dim>> 
     if (on_pattern && options.marginals) result.marginals = covariances->marginals(*on_pattern);
     if (on_pattern && is_tested) {
       const Stopwatch watch(result.seconds.verdict);
-      result.fit = goodness_of_fit(restored, covariances->equations(), *on_pattern, result.dof, odometry);
+      result.fit = goodness_of_fit(restored, covariances->equations(), *on_pattern, result.dof, odometry, options.most_misfits);
     }
   }
   if (wants_covariances(options)) result.covariances = std::make_shared<const MapCovariances<Dim>>(*std::move(covariances));

@@ -39,6 +39,7 @@ struct RunOptions {
   MinimiseOptions solver;                      ///< Of every least-squares problem, local maps to polish.
   bool polish = true;                          ///< Where local maps eliminated anything.
   bool verdict = true;                         ///< Test whether the map fits: RunFigures::fit.
+  std::size_t most_misfits = 20;               ///< That the fit names.
   bool covariances = false;                    ///< Of the final estimate, too: RunResult::covariances.
   bool marginals = false;          ///< All of them, and the relations: RunResult::marginals, which take covariances.
   std::int64_t most_memory = 0;    ///< For covariances (bytes); 0: as much as the machine has.

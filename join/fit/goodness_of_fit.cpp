@@ -140,9 +140,9 @@ const TestedPart* worst_of(const std::vector<TestedPart>& parts, const std::vect
 /// Leaves out what does not fit, the worst first. Returns whether that is all of it.
 template <int Dim>
 bool find_misfits(const Restored<Dim>& restored, LeaveOneOut<Dim>& leave_one_out, std::vector<TestedPart>& parts,
-                  GoodnessOfFit& fit) {
+                  std::size_t most_misfits, GoodnessOfFit& fit) {
   while (const TestedPart* worst = worst_of(parts, fit.kinds)) {
-    if (fit.misfits.size() == GoodnessOfFit::kMostMisfits) return false;
+    if (fit.misfits.size() == most_misfits) return false;
     const auto [kind, part, test_of_part] = *worst;
     const double scale = tolerated_scale(fit.kinds, kind);
     const double probability =
@@ -167,7 +167,7 @@ void mark_too_certain(std::vector<KindScale>& scales) {
 
 template <int Dim>
 GoodnessOfFit goodness_of_fit(const Restored<Dim>& restored, const NormalEquations& equations, const Marginals& marginals,
-                              std::int64_t dof, std::span<const PoseFactor<Dim>> odometry) {
+                              std::int64_t dof, std::span<const PoseFactor<Dim>> odometry, std::size_t most_misfits) {
   LeaveOneOut<Dim> leave_one_out(restored.problem, equations, marginals);
   std::vector<TestedPart> parts = parts_of(restored.problem.system(), equations.pattern().factors.size(), odometry);
   test(leave_one_out, parts);
@@ -177,7 +177,7 @@ GoodnessOfFit goodness_of_fit(const Restored<Dim>& restored, const NormalEquatio
   fit.parts = parts.size();
   fit.kinds = scales_of(parts);
   if (fit.parts == 0) return fit;
-  fit.is_complete = find_misfits(restored, leave_one_out, parts, fit);
+  fit.is_complete = find_misfits(restored, leave_one_out, parts, most_misfits, fit);
   fit.probability = chi_squared_upper_tail(fit.chi2, static_cast<double>(fit.dof));
   if (fit.probability < kLevel) mark_too_certain(fit.kinds);
   fit.verdict = fit.misfits.empty() && fit.probability >= kLevel ? Verdict::kFits : Verdict::kMisfit;
@@ -186,7 +186,7 @@ GoodnessOfFit goodness_of_fit(const Restored<Dim>& restored, const NormalEquatio
 
 #define MAPJOIN_INSTANTIATE(Dim)                                                                                       \
   template GoodnessOfFit goodness_of_fit(const Restored<Dim>&, const NormalEquations&, const Marginals&, std::int64_t, \
-                                         std::span<const PoseFactor<Dim>>);
+                                         std::span<const PoseFactor<Dim>>, std::size_t);
 MAPJOIN_INSTANTIATE(2)
 MAPJOIN_INSTANTIATE(3)
 #undef MAPJOIN_INSTANTIATE

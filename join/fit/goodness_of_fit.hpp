@@ -70,18 +70,17 @@ struct GoodnessOfFit {
   double probability = 1.0;  ///< and the probability of a larger one.
   std::size_t parts = 0;     ///< That could be tested.
   std::vector<KindScale> kinds;
-  std::vector<Misfit> misfits;  ///< The worst first, each without those before it; at most kMostMisfits.
+  std::vector<Misfit> misfits;  ///< The worst first, each without those before it.
   bool is_complete = true;      ///< There are no other misfits: else more may show in a map without these.
-
-  static constexpr std::size_t kMostMisfits = 20;
 };
 
 /// Tests a map at the estimate of `restored`, whose normal equations, linearised and factorised there, are `equations`; `dof`
 /// are the degrees of freedom of its chi2, `odometry` the odometry of its log, if it has one. What fits is called a misfit in
 /// one of a hundred cases: half of that is spent on chi2 as a whole, the other half, by Holm's correction, on all parts
-/// together. Residuals of a kind whose typical ones are larger than its covariances say are judged against that scale.
+/// together. At most `most_misfits` are named. Residuals of a kind whose typical ones are larger than its covariances say are
+/// judged against that scale.
 template <int Dim>
 GoodnessOfFit goodness_of_fit(const Restored<Dim>& restored, const NormalEquations& equations, const Marginals& marginals,
-                              std::int64_t dof, std::span<const PoseFactor<Dim>> odometry);
+                              std::int64_t dof, std::span<const PoseFactor<Dim>> odometry, std::size_t most_misfits);
 
 }  // namespace mapjoin
