@@ -137,7 +137,7 @@ TYPED_TEST(LeaveOneOutTest, TestsOnlyTheMeasuredRowsOfAPosition) {
   auto log = this->world();
   PoseFactor<kDim> gps{kWorld, 9, Pose<kDim>{}, PoseMatrix<kDim>::Zero()};
   gps.information.template topLeftCorner<kDim, kDim>().setIdentity();
-  for (const std::size_t pose : {3, 9, 15, 20}) {
+  for (const std::size_t pose : {3U, 9U, 15U, 20U}) {
     gps.target = PoseIndex(pose);
     log.graph.pose_factors.push_back(gps);
   }
