@@ -60,7 +60,7 @@ AnyScene load_all(const PlotOptions& options, CommandRun& command_run, ExitCode&
   const std::vector<std::string> names = names_of(options.inputs);
   std::optional<AnyScene> scene;
   for (std::size_t k = 0; k < options.inputs.size(); ++k) {
-    LoadedMap loaded = load(options.inputs[k], loading, command_run.stop()).value();
+    LoadedMap loaded = load(options.inputs[k], loading, command_run.stop());
     command_run.check_interrupted();
     command_run.progress().close();
     for (const std::string& remark : loaded.remarks) say(options.inputs[k].string() + ": " + remark);

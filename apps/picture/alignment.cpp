@@ -18,16 +18,15 @@ void turn(const Matrix<Dim>& R, PoseMatrix<Dim>& P) {
 template <int Dim>
 std::optional<Pose<Dim>> alignment(const Truth<Dim>& truth, const GlobalMap<Dim>& first) {
   std::vector<Point<Dim>> from, to;
-  for (const PoseIndex p : indices(first.poses)) {
-    if (!truth.poses[p]) continue;
-    from.push_back(truth.poses[p]->translation);
-    to.push_back(first.poses[p].translation);
-  }
-  for (const FeatureIndex f : indices(first.features)) {
-    if (!truth.features[f]) continue;
-    from.push_back(*truth.features[f]);
-    to.push_back(first.features[f]);
-  }
+  const auto add_known = [&](const auto& of_truth, const auto& of_first) {
+    for (const auto k : indices(of_truth)) {
+      if (!of_truth[k]) continue;
+      from.push_back(*place_of(of_truth[k]));
+      to.push_back(*place_of(of_first[k]));
+    }
+  };
+  add_known(truth.poses, first.poses);
+  add_known(truth.features, first.features);
   return rigid_alignment(from, to);
 }
 

@@ -18,10 +18,8 @@ constexpr std::size_t kMostPlaces = 500'000;  // of all stops together: 6 MB
 /// How many segments to join between two stops.
 template <int Dim>
 std::size_t between_stops(const SubmapGraph<Dim>& graph) {
-  const auto count_of = [](const std::vector<bool>& flags, bool value) {
-    return static_cast<std::size_t>(std::count(flags.begin(), flags.end(), value));
-  };
-  const std::size_t places = count_of(graph.is_joined, true) + count_of(graph.is_local, false);
+  const auto places =
+      static_cast<std::size_t>(std::ranges::count(graph.is_joined, true) + std::ranges::count(graph.is_local, false));
   const std::size_t stops = std::clamp(2 * kMostPlaces / std::max<std::size_t>(places, 1), kLeastStops, kMostStops);
   return (graph.segments.size() + stops - 1) / stops;
 }
@@ -30,18 +28,17 @@ std::size_t between_stops(const SubmapGraph<Dim>& graph) {
 fs::path file_of(const fs::path& path) {
   std::error_code ignored;
   const fs::path map = path / "map.g2o";
-  return fs::is_directory(path, ignored) && fs::is_regular_file(map, ignored) ? map : path;
+  return fs::is_regular_file(map, ignored) ? map : path;
 }
 
 template <int Dim>
-Expected<LoadedMap> of_log(const Log<Dim>& log, const fs::path& path) {
+LoadedMap loaded(const Log<Dim>& log, const fs::path& path) {
   PlottedMap<Dim> out = plotted(log);
-  if (out.is_odometry) return LoadedMap{std::move(out)};
-  if (auto read = read_covariances_beside(path, out.map); !read) return tl::unexpected(read.error());
-  return read_fits_beside(path, out.map).map([&](const std::vector<MapFit>& fits) {
-    out.local_maps = plotted_local_maps(fits, log);
-    return LoadedMap{std::move(out)};
-  });
+  if (!out.is_odometry) {
+    read_covariances_beside(path, out.map);
+    out.local_maps = plotted_local_maps(read_fits_beside(path, log.poses), log);
+  }
+  return {std::move(out)};
 }
 
 template <int Dim>
@@ -52,31 +49,29 @@ LoadedMap of_result(RunResult<Dim>& result, const SubmapGraph<Dim>& graph, Plott
     out.map.feature_covariances = std::move(result.marginals->features);
   }
   if (options.has_stops) out.stops = join_stops(graph, out.map, options.progress, stop);
-  LoadedMap loaded{std::move(out)};
+  LoadedMap joined{std::move(out)};
   if (result.no_covariances) {
-    loaded.exit_code = ExitCode::kBadInput;
-    loaded.remarks.push_back(result.no_covariances->message + "; it is drawn without covariances");
+    joined.exit_code = ExitCode::kBadInput;
+    joined.remarks.push_back(result.no_covariances->message + "; it is drawn without covariances");
   }
   if (!result.converged()) {
-    loaded.exit_code = ExitCode::kDidNotConverge;
-    loaded.remarks.emplace_back("the join did not converge; it is drawn all the same");
+    joined.exit_code = ExitCode::kDidNotConverge;
+    joined.remarks.emplace_back("the join did not converge; it is drawn all the same");
   }
-  return loaded;
+  return joined;
 }
 
 template <int Dim>
-Expected<LoadedMap> joined(const SubmapSet<Dim>& set, const LoadOptions& options, const std::stop_token& stop) {
-  return run(set, options.run, stop).map([&](RunResult<Dim>&& result) {
-    return of_result(result, submap_graph_of(set), plotted(result, set), options, stop);
-  });
+LoadedMap loaded(const SubmapSet<Dim>& set, const LoadOptions& options, const std::stop_token& stop) {
+  RunResult<Dim> result = run(set, options.run, stop).value();
+  return of_result(result, submap_graph_of(set), plotted(result, set), options, stop);
 }
 
 template <int Dim>
-Expected<LoadedMap> joined(const StoredMaps<Dim>& stored, const LoadOptions& options, const std::stop_token& stop) {
+LoadedMap loaded(const StoredMaps<Dim>& stored, const LoadOptions& options, const std::stop_token& stop) {
   const Split parts = split_along(stored.log, stored.segments);
-  return run_from_maps(stored.log, parts, stored.maps, options.run, stop).map([&](RunResult<Dim>&& result) {
-    return of_result(result, submap_graph_of(stored.log, parts, stored.maps), plotted(result, stored.log), options, stop);
-  });
+  RunResult<Dim> result = run_from_maps(stored.log, parts, stored.maps, options.run, stop).value();
+  return of_result(result, submap_graph_of(stored.log, parts, stored.maps), plotted(result, stored.log), options, stop);
 }
 
 }  // namespace
@@ -96,16 +91,14 @@ std::vector<JoinStop<Dim>> join_stops(const SubmapGraph<Dim>& graph, const Globa
   return stops;
 }
 
-Expected<LoadedMap> load(const fs::path& path, const LoadOptions& options, const std::stop_token& stop) {
+LoadedMap load(const fs::path& path, const LoadOptions& options, const std::stop_token& stop) {
   const fs::path file = file_of(path);
   if (may_hold_maps(file)) {
-    const auto maps = open_maps(file, options.read);
-    if (!maps) return tl::unexpected(maps.error());
-    return std::visit([&](const auto& of_dim) { return joined(of_dim, options, stop); }, *maps);
+    const AnyMaps maps = open_maps(file, options.read).value();
+    return std::visit([&](const auto& of_dim) { return loaded(of_dim, options, stop); }, maps);
   }
-  const auto log = open_log(file, options.read);
-  if (!log) return tl::unexpected(log.error());
-  return std::visit([&](const auto& of_dim) { return of_log(of_dim, file); }, *log);
+  const AnyLog log = open_log(file, options.read).value();
+  return std::visit([&](const auto& of_dim) { return loaded(of_dim, file); }, log);
 }
 
 #define MAPJOIN_INSTANTIATE(Dim)                                                                       \

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
-// Whatever can be plotted, as maps, with what mapjoin left beside them, and how they grew while local maps were joined.
+// Whatever can be plotted, as maps, with what mapjoin left beside them, and how they grew while local maps were joined. All of
+// it may fail() (see exit_code.hpp).
 
 #include <apps/exit_code.hpp>
 #include <apps/picture/plotted_map.hpp>
@@ -9,7 +10,6 @@
 #include <mapjoin/join/join.hpp>
 #include <mapjoin/join/run.hpp>
 #include <mapjoin/join/submap_graph.hpp>
-#include <mapjoin/model/error.hpp>
 #include <mapjoin/model/global_map.hpp>
 #include <mapjoin/model/log.hpp>
 #include <stop_token>
@@ -33,18 +33,17 @@ struct LoadedMap {
 
 /// A log by its values or its odometry; a map that mapjoin wrote, or the folder of a run, with what is beside it; local maps
 /// joined. kInterrupted on `stop`.
-Expected<LoadedMap> load(const std::filesystem::path& path, const LoadOptions& options, const std::stop_token& stop);
+LoadedMap load(const std::filesystem::path& path, const LoadOptions& options, const std::stop_token& stop);
 
 /// Puts the covariances of `map.covariances.json` beside `map.g2o`, or of `covariances.json` in the folder of a run, into the
 /// map that was read from there. Nothing where there are none; bad input where they are not of this map.
 template <int Dim>
-Expected<void> read_covariances_beside(const std::filesystem::path& path, GlobalMap<Dim>& map);
+void read_covariances_beside(const std::filesystem::path& path, GlobalMap<Dim>& map);
 
-/// How the local maps of a run fit, by the `report.json` in its folder. Empty where there is none, where it does not say where
-/// they end, and where poses are of further sessions, which have other names in a g2o file. Bad input where it is not of this
-/// map.
-template <int Dim>
-Expected<std::vector<MapFit>> read_fits_beside(const std::filesystem::path& path, const GlobalMap<Dim>& map);
+/// How the local maps of a run fit, by the `report.json` in its folder, over the poses of its map. Empty where there is none,
+/// where it does not say where they end, and where poses are of further sessions, which have other names in a g2o file. Bad
+/// input where it is not of this map.
+std::vector<MapFit> read_fits_beside(const std::filesystem::path& path, const PoseIds& poses);
 
 /// The submap graph joined map after map, as Schedule::kSequential does, each stop in the frame of `map`, the whole one: after
 /// every map, or of many after so many that a page can hold all stops. What is not yet tied to the first pose is left out. The

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <fmt/format.h>
 
-#include <algorithm>
 #include <apps/picture/markup.hpp>
 #include <boost/algorithm/string/replace.hpp>
-#include <cstdint>
+#include <boost/archive/iterators/base64_from_binary.hpp>
+#include <boost/archive/iterators/transform_width.hpp>
 
 namespace mapjoin::apps {
 
@@ -25,16 +25,12 @@ std::string html_page(const std::string& title, std::string_view style, std::str
 }
 
 std::string base64(std::string_view bytes) {
-  constexpr std::string_view kDigits = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
-  std::string text;
-  text.reserve((bytes.size() + 2) / 3 * 4);
-  for (std::size_t k = 0; k < bytes.size(); k += 3) {
-    const std::size_t count = std::min<std::size_t>(3, bytes.size() - k);
-    std::uint32_t group = 0;
-    for (std::size_t i = 0; i < 3; ++i) group = group << 8U | (i < count ? static_cast<unsigned char>(bytes[k + i]) : 0U);
-    for (std::size_t i = 0; i < 4; ++i) text += i <= count ? kDigits[group >> (18U - 6U * i) & 63U] : '=';
-  }
-  return text;
+  namespace iterators = boost::archive::iterators;
+  using Digits = iterators::base64_from_binary<iterators::transform_width<std::string::const_iterator, 6, 8>>;
+  const std::size_t missing = (3 - bytes.size() % 3) % 3;  // to whole groups of three
+  const std::string whole = std::string(bytes) + std::string(missing, '\0');
+  std::string text(Digits(whole.begin()), Digits(whole.end()));
+  return text.replace(text.size() - missing, missing, missing, '=');
 }
 
 }  // namespace mapjoin::apps

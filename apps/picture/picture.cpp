@@ -2,11 +2,12 @@
 #include <fmt/format.h>
 
 #include <Eigen/Eigenvalues>
+#include <Eigen/Geometry>
 #include <algorithm>
 #include <apps/picture/markup.hpp>
 #include <apps/picture/picture.hpp>
 #include <cmath>
-#include <limits>
+#include <numbers>
 #include <string_view>
 
 namespace mapjoin::apps {
@@ -20,40 +21,38 @@ constexpr double kLetter = 7.2;              // the mean width of one
 constexpr double kSample = 24.0;             // the width of one in the legend
 constexpr std::size_t kSampleColours = 4;    // the most that a sample shows
 
-/// The rectangle that holds all points, and its place on the sheet: metres to pixels, y up.
+/// The rectangle that holds all that is framed, and its place on the sheet: metres to pixels, y up.
 class Sheet {
  public:
-  void hold(const Layer& layer) {
-    for (const FlatLine& line : layer.lines) {
-      for (const Point<2>& p : line) hold(p);
+  /// Where nothing is framed, or all is at one place, the sheet shows one metre around it.
+  Sheet(const std::vector<Layer>& layers, double pixels) {
+    for (const Layer& layer : layers) {
+      if (!layer.is_framed) continue;
+      for (const FlatLine& line : layer.lines) extend(line);
+      extend(layer.marks);
     }
-    for (const Point<2>& p : layer.marks) hold(p);
-  }
-  void hold(const Point<2>& p) {
-    low_ = low_.cwiseMin(p);
-    high_ = high_.cwiseMax(p);
-  }
-  /// Where nothing was held, or all at one place, the sheet shows one metre around it.
-  void settle(double pixels) {
-    if (!(low_.x() <= high_.x())) low_ = high_ = Point<2>::Zero();
-    if ((high_ - low_).maxCoeff() < 1e-6) {
-      low_.array() -= 0.5;
-      high_.array() += 0.5;
+    if (box_.isEmpty()) box_.extend(Point<2>::Zero().eval());
+    if (box_.sizes().maxCoeff() < 1e-6) {
+      box_.min().array() -= 0.5;
+      box_.max().array() += 0.5;
     }
-    scale_ = (pixels - 2.0 * kMargin) / (high_ - low_).maxCoeff();
+    scale_ = (pixels - 2.0 * kMargin) / box_.sizes().maxCoeff();
   }
   Point<2> at(const Point<2>& p) const {
-    return {kMargin + (p.x() - low_.x()) * scale_, kMargin + (high_.y() - p.y()) * scale_};
+    return {kMargin + (p.x() - box_.min().x()) * scale_, kMargin + (box_.max().y() - p.y()) * scale_};
   }
-  double width() const { return std::max(2.0 * kMargin + (high_.x() - low_.x()) * scale_, 420.0); }
-  double height() const { return 2.0 * kMargin + (high_.y() - low_.y()) * scale_; }
+  double width() const { return std::max(2.0 * kMargin + box_.sizes().x() * scale_, 420.0); }
+  double height() const { return 2.0 * kMargin + box_.sizes().y() * scale_; }
   double pixels_per_metre() const { return scale_; }
   double metres_across() const { return (width() - 2.0 * kMargin) / scale_; }
 
  private:
-  Point<2> low_ = Point<2>::Constant(std::numeric_limits<double>::infinity());
-  Point<2> high_ = -low_;
-  double scale_ = 1.0;
+  void extend(const std::vector<Point<2>>& points) {
+    for (const Point<2>& p : points) box_.extend(p);
+  }
+
+  Eigen::AlignedBox2d box_;
+  double scale_;
 };
 
 /// Without the points that are too near to the last one left; the last one stays.
@@ -65,30 +64,31 @@ FlatLine thinned(const FlatLine& points, double finest) {
   return kept;
 }
 
-/// So many of a list are stepped over at a time that no more than `most` are left.
-std::size_t step_over(std::size_t count, std::size_t most) {
-  return 1 + count / (most + 1);
+/// Those of a list that are drawn, of at least so many points each: of very many some are stepped over.
+template <typename T>
+std::vector<T> some_of(const std::vector<T>& all, std::size_t points = 1) {
+  std::vector<T> some;
+  const std::size_t every = 1 + points * all.size() / (kMostPoints + 1);
+  for (std::size_t k = 0; k < all.size(); k += every) some.push_back(all[k]);
+  return some;
 }
 
 /// In pixels, thinned until few enough points are left of all together; of very many lines some are left out, too.
 std::vector<FlatLine> lines_on(const Sheet& sheet, const std::vector<FlatLine>& lines) {
-  std::vector<FlatLine> drawn;
-  const std::size_t every = step_over(2 * lines.size(), kMostPoints);
-  for (std::size_t k = 0; k < lines.size(); k += every) {
-    FlatLine line;
-    for (const Point<2>& p : lines[k]) line.push_back(sheet.at(p));
-    drawn.push_back(std::move(line));
+  std::vector<FlatLine> drawn = some_of(lines, 2);
+  for (FlatLine& line : drawn) {
+    for (Point<2>& p : line) p = sheet.at(p);
   }
-  const auto points = [&] {
-    std::size_t count = 0;
-    for (const FlatLine& line : drawn) count += line.size() > 2 ? line.size() : 0;
-    return count;
-  };
   double finest = kFinest;
+  std::size_t points = 0;
   do {
-    for (FlatLine& line : drawn) line = thinned(line, finest);
+    points = 0;
+    for (FlatLine& line : drawn) {
+      line = thinned(line, finest);
+      points += line.size() > 2 ? line.size() : 0;
+    }
     finest *= 1.5;
-  } while (points() > kMostPoints);
+  } while (points > kMostPoints);
   return drawn;
 }
 
@@ -125,9 +125,8 @@ std::string paint(const Layer& layer, bool is_outline) {
 std::string marks_of(const Sheet& sheet, const Layer& layer) {
   if (layer.marks.empty()) return "";
   std::string svg = "<g " + paint(layer, layer.mark == Mark::kRing) + ">\n";
-  const std::size_t every = step_over(layer.marks.size(), kMostPoints);
-  for (std::size_t k = 0; k < layer.marks.size(); k += every) {
-    const Point<2> p = sheet.at(layer.marks[k]);
+  for (const Point<2>& mark : some_of(layer.marks)) {
+    const Point<2> p = sheet.at(mark);
     svg += fmt::format("<circle cx=\"{:.1f}\" cy=\"{:.1f}\" r=\"{}\"/>\n", p.x(), p.y(), radius(layer.mark));
   }
   return svg + "</g>\n";
@@ -136,9 +135,7 @@ std::string marks_of(const Sheet& sheet, const Layer& layer) {
 std::string ellipses_of(const Sheet& sheet, const Layer& layer) {
   if (layer.ellipses.empty()) return "";
   std::string svg = fmt::format("<g {} stroke-width=\"{:g}\">\n", paint(layer, true), layer.width);
-  const std::size_t every = step_over(layer.ellipses.size(), kMostPoints);
-  for (std::size_t k = 0; k < layer.ellipses.size(); k += every) {
-    const Ellipse& e = layer.ellipses[k];
+  for (const Ellipse& e : some_of(layer.ellipses)) {
     const Point<2> centre = sheet.at(e.centre);
     const Point<2> half = e.half_axes * sheet.pixels_per_metre();
     svg += fmt::format("<ellipse rx=\"{:.2f}\" ry=\"{:.2f}\" transform=\"translate({:.1f} {:.1f}) rotate({:.1f})\"/>\n",
@@ -216,26 +213,6 @@ Footer footer(const Sheet& sheet, const std::vector<Layer>& layers) {
 
 }  // namespace
 
-template <int Dim>
-std::vector<FlatLine> trajectory_lines(const Table<PoseIndex, Pose<Dim>>& poses, const std::vector<Session>& sessions) {
-  std::vector<FlatLine> lines;
-  for (const Session& session : sessions) {
-    FlatLine line;
-    for (PoseIndex pose = session.begin; pose < session.end; ++pose) {
-      line.push_back(poses[pose].translation.template head<2>());
-    }
-    lines.push_back(std::move(line));
-  }
-  return lines;
-}
-
-template <int Dim>
-std::vector<Point<2>> from_above(const std::vector<Point<Dim>>& points) {
-  std::vector<Point<2>> flat;
-  for (const Point<Dim>& p : points) flat.push_back(p.template head<2>());
-  return flat;
-}
-
 Ellipse ellipse(const Point<2>& centre, const Matrix<2>& P, double sigmas) {
   const Eigen::SelfAdjointEigenSolver<Matrix<2>> eigen(P);
   const Point<2> axis = eigen.eigenvectors().col(1);
@@ -244,11 +221,7 @@ Ellipse ellipse(const Point<2>& centre, const Matrix<2>& P, double sigmas) {
 }
 
 std::string picture(const std::vector<Layer>& layers, double pixels) {
-  Sheet sheet;
-  for (const Layer& layer : layers) {
-    if (layer.is_framed) sheet.hold(layer);
-  }
-  sheet.settle(pixels);
+  const Sheet sheet(layers, pixels);
   const Footer below = footer(sheet, layers);
   std::string svg = fmt::format(
       "<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 {0:.0f} {1:.0f}\" width=\"{0:.0f}\" height=\"{1:.0f}\" "
@@ -258,12 +231,5 @@ std::string picture(const std::vector<Layer>& layers, double pixels) {
   for (const Layer& layer : layers) svg += ellipses_of(sheet, layer) + marks_of(sheet, layer) + lines_of(sheet, layer);
   return svg + "</svg>\n" + below.svg + "</svg>\n";
 }
-
-#define MAPJOIN_INSTANTIATE(Dim)                                                                                             \
-  template std::vector<FlatLine> trajectory_lines(const Table<PoseIndex, Pose<Dim>>&, const std::vector<Session>& sessions); \
-  template std::vector<Point<2>> from_above(const std::vector<Point<Dim>>&);
-MAPJOIN_INSTANTIATE(2)
-MAPJOIN_INSTANTIATE(3)
-#undef MAPJOIN_INSTANTIATE
 
 }  // namespace mapjoin::apps

@@ -35,11 +35,44 @@ struct Layer {
   bool is_framed = true;  ///< The picture holds all of it; else what lies beyond the others is cut off.
 };
 
-/// One line per session.
-template <int Dim>
-std::vector<FlatLine> trajectory_lines(const Table<PoseIndex, Pose<Dim>>& poses, const std::vector<Session>& sessions);
-template <int Dim>
-std::vector<Point<2>> from_above(const std::vector<Point<Dim>>& points);
+/// Where a pose or a feature is; null where that is not known.
+template <typename T>
+auto place_of(const T& one) {
+  if constexpr (requires { one.has_value(); }) {
+    return one ? place_of(*one) : nullptr;
+  } else if constexpr (requires { one.translation; }) {
+    return &one.translation;
+  } else {
+    return &one;
+  }
+}
+
+/// The known ones of a list of poses or features.
+template <typename List>
+std::vector<Point<2>> from_above(const List& list) {
+  std::vector<Point<2>> flat;
+  for (const auto& one : list) {
+    if (const auto* place = place_of(one)) flat.push_back(place->template head<2>());
+  }
+  return flat;
+}
+
+/// One line per session, broken where a pose is not known.
+template <typename Poses>
+std::vector<FlatLine> trajectory_lines(const Poses& poses, const std::vector<Session>& sessions) {
+  std::vector<FlatLine> lines;
+  for (const Session& session : sessions) {
+    bool is_broken = true;
+    for (PoseIndex pose = session.begin; pose < session.end; ++pose) {
+      const auto* place = place_of(poses[pose]);
+      if (place && is_broken) lines.emplace_back();
+      if (place) lines.back().push_back(place->template head<2>());
+      is_broken = !place;
+    }
+  }
+  return lines;
+}
+
 /// `sigmas` standard deviations of a position along each axis of its covariance `P` (m²).
 Ellipse ellipse(const Point<2>& centre, const Matrix<2>& P, double sigmas);
 

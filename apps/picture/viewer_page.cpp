@@ -3,6 +3,7 @@
 // map, which is given in full: they then tell a micrometre at ten metres.
 #include <fmt/format.h>
 
+#include <Eigen/Geometry>
 #include <algorithm>
 #include <apps/picture/markup.hpp>
 #include <apps/picture/plotted_map.hpp>
@@ -11,6 +12,7 @@
 #include <cstdint>
 #include <functional>
 #include <limits>
+#include <ranges>
 
 namespace mapjoin::apps {
 
@@ -31,33 +33,17 @@ std::string packed(const List& list, Member member = {}) {
   return base64(numbers);
 }
 
-template <int Dim>
-std::optional<Point<Dim>> known(const Point<Dim>& place) {
-  return place;
-}
-template <int Dim>
-std::optional<Point<Dim>> known(const std::optional<Point<Dim>>& place) {
-  return place;
-}
-template <int Dim>
-std::optional<Point<Dim>> known(const Pose<Dim>& pose) {
-  return pose.translation;
-}
-template <int Dim>
-std::optional<Point<Dim>> known(const std::optional<Pose<Dim>>& pose) {
-  return pose ? std::optional(pose->translation) : std::nullopt;
-}
-
 /// Three numbers per pose or point, in the plane with z = 0; NaN where it is not known.
 template <int Dim, typename List>
 std::string places_of(const List& list, const Point<Dim>& centre) {
   std::vector<float> numbers;
   for (const auto& one : list) {
-    const std::optional<Point<Dim>> p = known<Dim>(one);
-    for (int i = 0; i < 3; ++i) {
-      const double coordinate = i < Dim && p ? (*p)[i] - centre[i] : 0.0;
-      numbers.push_back(p ? static_cast<float>(coordinate) : std::numeric_limits<float>::quiet_NaN());
+    Point<3> place = Point<3>::Constant(std::numeric_limits<double>::quiet_NaN());
+    if (const auto* known = place_of(one)) {
+      place.setZero();
+      place.template head<Dim>() = *known - centre;
     }
+    for (const double coordinate : place) numbers.push_back(static_cast<float>(coordinate));
   }
   return base64(numbers);
 }
@@ -69,11 +55,10 @@ std::string robots_of(const std::vector<PoseId>& ids) {
 }
 
 /// Headings in the plane; in space none are shown.
-std::string headings_of(const std::vector<Pose<2>>& poses) {
-  return packed<float>(poses, [](const Pose<2>& pose) { return wrap_angle(pose.rotation.angle()); });
-}
-std::string headings_of(const std::vector<Pose<3>>&) {
-  return "";
+template <int Dim>
+std::string headings_of(const std::vector<Pose<Dim>>& poses) {
+  if constexpr (Dim == 3) return "";
+  if constexpr (Dim == 2) return packed<float>(poses, [](const auto& pose) { return wrap_angle(pose.rotation.angle()); });
 }
 
 /// Upper triangles, row by row.
@@ -96,15 +81,13 @@ Json local_maps_of(const std::vector<PlottedLocalMap>& maps) {
     features.insert(features.end(), map.features.begin(), map.features.end());
     offsets.push_back(features.size());
   }
-  const auto of_fits = [&]<typename Number>(Number, auto member) {
-    return packed<Number>(maps, [member](const PlottedLocalMap& map) { return std::invoke(member, map.fit); });
-  };
+  const auto fits = maps | std::views::transform(&PlottedLocalMap::fit);
   return {{"count", maps.size()},
-          {"base", of_fits(std::uint32_t{}, [](const MapFit& fit) { return fit.base.value; })},
-          {"end", of_fits(std::uint32_t{}, [](const MapFit& fit) { return fit.end.value; })},
-          {"chi2", of_fits(double{}, &MapFit::chi2)},
-          {"rows", of_fits(std::uint32_t{}, &MapFit::rows)},
-          {"probability", of_fits(double{}, &MapFit::probability)},
+          {"base", packed<std::uint32_t>(fits, [](const MapFit& fit) { return fit.base.value; })},
+          {"end", packed<std::uint32_t>(fits, [](const MapFit& fit) { return fit.end.value; })},
+          {"chi2", packed<double>(fits, &MapFit::chi2)},
+          {"rows", packed<std::uint32_t>(fits, &MapFit::rows)},
+          {"probability", packed<double>(fits, &MapFit::probability)},
           {"offsets", packed<std::uint32_t>(offsets)},
           {"features", packed<std::uint32_t>(features, &FeatureIndex::value)}};
 }
@@ -145,23 +128,13 @@ Json map_of(const PlottedMap<Dim>& plotted, const Point<Dim>& centre) {
           {"stops", stops_of(plotted.stops, centre)}};
 }
 
-/// Of the box around all poses.
-template <int Dim>
-Point<Dim> middle_of(const std::vector<Pose<Dim>>& poses) {
-  if (poses.empty()) return Point<Dim>::Zero();
-  Point<Dim> low = poses.front().translation;
-  Point<Dim> high = low;
-  for (const Pose<Dim>& pose : poses) {
-    low = low.cwiseMin(pose.translation);
-    high = high.cwiseMax(pose.translation);
-  }
-  return 0.5 * (low + high);
-}
-
 /// Without a `<`, so that it can stand in a script element.
 template <int Dim>
 std::string scene_json(const Scene<Dim>& scene, const std::string& title) {
-  const Point<Dim> centre = middle_of(scene.maps.front().map.poses);
+  Eigen::AlignedBox<double, Dim> box;
+  for (const Pose<Dim>& pose : scene.maps.front().map.poses) box.extend(pose.translation);
+  if (box.isEmpty()) box.extend(Point<Dim>::Zero().eval());
+  const Point<Dim> centre = box.center();
   Json json = {{"title", title},
                {"dimension", Dim},
                {"centre", std::vector<double>(centre.begin(), centre.end())},
