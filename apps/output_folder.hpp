@@ -3,7 +3,6 @@
 // A folder of results that gets all of its files, or none.
 
 #include <filesystem>
-#include <mapjoin/model/error.hpp>
 #include <optional>
 #include <string>
 #include <vector>
@@ -11,15 +10,15 @@
 namespace mapjoin::apps {
 
 /// Files are written aside and take their places on commit(). Where that does not happen, they are removed, and so are the
-/// folders that were made; what a process left aside that was killed, the next one clears.
+/// folders that were made; what a process left aside that was killed, the next one clears. May fail() (see exit_code.hpp).
 class OutputFolder {
  public:
-  /// Makes the folder if it is not there; its files then replace those of their names, one after the other. kCannotWrite where
-  /// nothing can be written into it, or where another process is writing it.
-  static Expected<OutputFolder> create(const std::filesystem::path& path);
+  /// Makes the folder if it is not there; its files then replace those of their names, one after the other. Fails with
+  /// kCannotWrite where nothing can be written into it, or where another process is writing it.
+  explicit OutputFolder(const std::filesystem::path& path);
   /// For files that mean something only together: the folder appears with all of them at once. kCannotWrite, too, where there
   /// is something in it.
-  static Expected<OutputFolder> create_whole(const std::filesystem::path& path);
+  static OutputFolder whole(const std::filesystem::path& path);
   OutputFolder(OutputFolder&& other) noexcept;
   OutputFolder& operator=(OutputFolder&&) = delete;
   ~OutputFolder();
@@ -28,13 +27,13 @@ class OutputFolder {
   std::filesystem::path aside(const std::string& name) const { return aside_ / name; }
   /// Where it will be.
   std::filesystem::path file(const std::string& name) const { return path_ / name; }
-  Expected<void> commit(const std::vector<std::string>& names);
+  void commit(const std::vector<std::string>& names);
 
  private:
   OutputFolder(std::filesystem::path path, std::filesystem::path aside, bool is_whole);
-  Expected<void> begin();
-  Expected<void> replace(const std::vector<std::string>& names) const;
-  Expected<void> appear();
+  void begin();
+  void replace(const std::vector<std::string>& names) const;
+  void appear();
 
   std::filesystem::path path_;
   std::filesystem::path aside_;              ///< Within the folder, or beside it. Empty once it is gone or moved from.
@@ -43,7 +42,7 @@ class OutputFolder {
   int lock_ = -1;
 };
 
-/// The folder that a command asks for, before its work; none where the path is empty. As OutputFolder::create().
-Expected<std::optional<OutputFolder>> output_folder(const std::filesystem::path& path);
+/// The folder that a command asks for, before its work; none where the path is empty.
+std::optional<OutputFolder> output_folder(const std::filesystem::path& path);
 
 }  // namespace mapjoin::apps

@@ -2,6 +2,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <apps/exit_code.hpp>
 #include <apps/outputs.hpp>
 #include <boost/algorithm/string/case_conv.hpp>
 #include <cerrno>
@@ -75,17 +76,13 @@ std::vector<std::string> output_conflicts(const NamedFiles& inputs, const NamedF
   return violations;
 }
 
-Expected<void> check_writable(const fs::path& path) {
+void check_writable(const NamedFiles& files) {
   std::error_code ignored;
-  if (path.empty() || is_special(path)) return {};
-  if (fs::is_directory(path, ignored)) return call_failed(path, EISDIR, ErrorKind::kCannotWrite);
-  return OutputFile::create(path).map([](const OutputFile&) {});
-}
-
-Expected<void> check_writable(const NamedFiles& files) {
-  Expected<void> writable;
-  for (const auto& file : files) writable = writable.and_then([&] { return check_writable(file.second); });
-  return writable;
+  for (const auto& [name, path] : files) {
+    if (path.empty() || is_special(path)) continue;
+    if (fs::is_directory(path, ignored)) demand(call_failed(path, EISDIR, ErrorKind::kCannotWrite));
+    OutputFile::create(path).value();
+  }
 }
 
 std::string extension_of(const fs::path& path) {

@@ -31,10 +31,9 @@ NamedFiles outputs_of_folder(const Options& options, const std::vector<std::stri
 /// yet to come. Empty paths and what is there but not a regular file, such as /dev/null, are like no other.
 std::vector<std::string> output_conflicts(const NamedFiles& inputs, const NamedFiles& outputs);
 
-/// kCannotWrite where a file cannot be made: better known before the work than after it. Devices and pipes are left alone, and
-/// so are empty paths.
-Expected<void> check_writable(const std::filesystem::path& path);
-Expected<void> check_writable(const NamedFiles& files);
+/// Fails with kCannotWrite where a file cannot be made: better known before the work than after it. Devices and pipes are left
+/// alone, and so are empty paths.
+void check_writable(const NamedFiles& files);
 
 /// The extension of a path in lower case: .G2O is .g2o.
 std::string extension_of(const std::filesystem::path& path);

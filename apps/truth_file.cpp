@@ -1,80 +1,70 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <fmt/format.h>
 
+#include <apps/exit_code.hpp>
 #include <apps/outputs.hpp>
 #include <apps/truth_file.hpp>
 #include <cmath>
 #include <map>
 #include <mapjoin/io/open.hpp>
-#include <utility>
 
 namespace mapjoin::apps {
 namespace {
 
-const Pose<3>& in_dimension(const Pose<3>& pose, std::integral_constant<int, 3>) {
-  return pose;
-}
-/// The turn about z of a pose in the plane.
-Pose<2> in_dimension(const Pose<3>& pose, std::integral_constant<int, 2>) {
-  const Eigen::Quaterniond& q = pose.rotation.quaternion();
-  return {pose.translation.head<2>(), Rotation<2>(2.0 * std::atan2(q.z(), q.w()))};
-}
-
-/// The poses of a map, by the names that a trajectory has for them: their time stamps to the microsecond,
-/// or, where the map has none, their count.
+/// Of a pose in the plane, the turn about z.
 template <int Dim>
-std::map<std::int64_t, PoseIndex> places_of(const GlobalMap<Dim>& map) {
-  std::map<std::int64_t, PoseIndex> at;
-  for (const PoseIndex p : indices(map.poses)) {
-    at.emplace(map.stamps_ns.empty() ? p.value : map.stamps_ns[p] / 1000, p);
+Pose<Dim> in_dimension(const Pose<3>& pose) {
+  if constexpr (Dim == 3) {
+    return pose;
+  } else {
+    const Eigen::Quaterniond& q = pose.rotation.quaternion();
+    return {pose.translation.head<2>(), Rotation<2>(2.0 * std::atan2(q.z(), q.w()))};
   }
-  return at;
 }
 
-/// A time was read as a floating-point number: it may be off by a microsecond.
+/// The poses by the names that a trajectory has for them: their time stamps to the microsecond, or, where there are none, their
+/// count. A time was read as a floating-point number: it may be off by a microsecond.
 template <int Dim>
-Truth<Dim> by_time(const std::vector<StampedPose>& trajectory, const GlobalMap<Dim>& map) {
-  const auto at = places_of(map);
-  Truth<Dim> truth;
-  truth.poses.resize(map.poses.size());
-  truth.features.resize(map.features.size());
+Table<PoseIndex, std::optional<Pose<Dim>>> by_time(const std::vector<StampedPose>& trajectory, std::size_t poses,
+                                                   const Table<PoseIndex, std::int64_t>& stamps_ns) {
+  const bool is_count = stamps_ns.empty();
+  Table<PoseIndex, std::optional<Pose<Dim>>> found(poses);
+  std::map<std::int64_t, PoseIndex> at;
+  for (const PoseIndex p : indices(found)) at.emplace(is_count ? p.value : stamps_ns[p] / 1000, p);
   for (const StampedPose& line : trajectory) {
-    const bool is_count = map.stamps_ns.empty();
     const auto time = is_count ? static_cast<std::int64_t>(std::floor(line.time)) : std::llround(1e6 * line.time);
     for (const std::int64_t off : {-1, 1, 0}) {
-      const auto found = at.find(is_count ? time : time + off);
-      if (found != at.end()) truth.poses[found->second] = in_dimension(line.pose, std::integral_constant<int, Dim>());
+      const auto pose = at.find(is_count ? time : time + off);
+      if (pose != at.end()) found[pose->second] = in_dimension<Dim>(line.pose);
     }
   }
-  return truth;
+  return found;
 }
 
 }  // namespace
 
-Expected<TruthFile> TruthFile::open(const std::filesystem::path& path) {
+TruthFile::TruthFile(const std::filesystem::path& path) : path_(path.string()) {
   if (extension_of(path) == ".tum") {
-    return read_tum(path).map([&](auto&& trajectory) { return TruthFile(path.string(), Content(std::move(trajectory))); });
+    content_ = read_tum(path).value();
+    return;
   }
-  auto log = open_log(path);
-  if (!log) return tl::unexpected(log.error());
-  const bool has_values = std::visit([](const auto& any) { return !any.initial.poses.empty(); }, *log);
-  if (!has_values) return bad_input(path.string() + ": as a truth it would have to give the values of its poses");
-  return TruthFile(path.string(), Content(*std::move(log)));
+  const AnyLog& log = content_.emplace<AnyLog>(open_log(path).value());
+  const bool has_values = std::visit([](const auto& any) { return !any.initial.poses.empty(); }, log);
+  if (!has_values) fail(ErrorKind::kBadInput, path_ + ": as a truth it would have to give the values of its poses");
 }
 
 template <int Dim>
-Expected<Truth<Dim>> TruthFile::of(const GlobalMap<Dim>& map) const {
+Truth<Dim> TruthFile::of(const PoseIds& poses, const FeatureIds& features,
+                         const Table<PoseIndex, std::int64_t>& stamps_ns) const {
   if (const auto* trajectory = std::get_if<std::vector<StampedPose>>(&content_)) {
-    return by_time(*trajectory, map);
+    return {by_time<Dim>(*trajectory, poses.size(), stamps_ns), {features.size(), std::nullopt}};
   }
-  if (const auto* log = std::get_if<Log<Dim>>(&std::get<AnyLog>(content_))) {
-    return Truth<Dim>{by_name(log->poses, log->initial.poses, map.pose_ids),
-                      by_name(log->features, log->initial.features, map.feature_ids)};
-  }
-  return tl::unexpected(Error{ErrorKind::kUsage, fmt::format("{}: the truth is not in {}D, as the map is", path_, Dim)});
+  const auto* log = std::get_if<Log<Dim>>(&std::get<AnyLog>(content_));
+  if (!log) fail(ErrorKind::kUsage, fmt::format("{}: the truth is not in {}D, as the map is", path_, Dim));
+  return {by_name(log->poses, log->initial.poses, poses), by_name(log->features, log->initial.features, features)};
 }
 
-template Expected<Truth<2>> TruthFile::of(const GlobalMap<2>&) const;
-template Expected<Truth<3>> TruthFile::of(const GlobalMap<3>&) const;
+template Truth<2> TruthFile::of(const PoseIds&, const FeatureIds&, const Table<PoseIndex, std::int64_t>&) const;
+template Truth<3> TruthFile::of(const PoseIds&, const FeatureIds&, const Table<PoseIndex, std::int64_t>&) const;
 
 }  // namespace mapjoin::apps

@@ -5,7 +5,6 @@
 #include <filesystem>
 #include <mapjoin/io/formats/trajectory.hpp>
 #include <mapjoin/join/covariances/consistency.hpp>
-#include <mapjoin/model/error.hpp>
 #include <mapjoin/model/global_map.hpp>
 #include <mapjoin/model/ids.hpp>
 #include <mapjoin/model/log.hpp>
@@ -28,22 +27,24 @@ Table<Index, std::optional<Value>> by_name(const Table<Index, Id>& ids, const Ta
   return found;
 }
 
+/// What is read and asked of it may fail() (see exit_code.hpp).
 class TruthFile {
  public:
   /// `.tum`: a trajectory; else a log whose file gives values (a g2o file with vertices; edges do not count).
-  static Expected<TruthFile> open(const std::filesystem::path& path);
+  explicit TruthFile(const std::filesystem::path& path);
 
-  /// What it has of a map: by name; the poses of a trajectory by their time stamps, to the microsecond, or, where the map has
-  /// none, by their count. kUsage where the dimensions differ.
+  /// What it has of a map, or of a log, with these names: by name; the poses of a trajectory by their time stamps, to the
+  /// microsecond, or, where there are none, by their count. kUsage where the dimensions differ.
   template <int Dim>
-  Expected<Truth<Dim>> of(const GlobalMap<Dim>& map) const;
+  Truth<Dim> of(const PoseIds& poses, const FeatureIds& features, const Table<PoseIndex, std::int64_t>& stamps_ns) const;
+  template <int Dim>
+  Truth<Dim> of(const GlobalMap<Dim>& map) const {
+    return of<Dim>(map.pose_ids, map.feature_ids, map.stamps_ns);
+  }
 
  private:
-  using Content = std::variant<AnyLog, std::vector<StampedPose>>;
-  TruthFile(std::string path, Content content) : path_(std::move(path)), content_(std::move(content)) {}
-
   std::string path_;
-  Content content_;
+  std::variant<AnyLog, std::vector<StampedPose>> content_;
 };
 
 }  // namespace mapjoin::apps

@@ -1,12 +1,19 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// `mapjoin basin`: the experiment of the paper's Table I.
+// `mapjoin basin`: the experiment of the paper's Table I, and what it found: a table for people, JSON by docs/report.md and CSV
+// for programs.
+
+#include <fmt/format.h>
 
 #include <algorithm>
 #include <apps/commands/command_run.hpp>
 #include <apps/commands/subcommand.hpp>
+#include <apps/report/report.hpp>
+#include <apps/report/table.hpp>
+#include <cmath>
+#include <mapjoin/join/study/basin.hpp>
+#include <mapjoin/measure/statistics.hpp>
 #include <memory>
 #include <optional>
-#include <variant>
 
 namespace mapjoin::apps {
 namespace {
@@ -15,40 +22,138 @@ constexpr const char* kExamples =
     "  mapjoin basin data/manhattan2d.g2o --seeds 3\n"
     "  mapjoin basin data/manhattan2d.g2o --poses-per-map 20,60 --seeds 2 -o basin";
 
-struct BasinRequest {
-  Options shared;
+struct BasinRequest : Options {
   BasinOptions basin;
 };
 
-/// Numbers of poses, or "auto", between commas.
-std::optional<std::string> take_splits(const std::string& words, std::vector<SplitOptions>& splits) {
-  splits.clear();
-  for (const std::string& word : words_between_commas(words)) {
-    const std::optional<int> poses = number_in<int>(word);
-    if (word != "auto" && (!poses || *poses < 1)) return "not auto, nor whole numbers from 1 on with commas between them";
-    const SplitOptions split = word == "auto" ? SplitOptions{} : SplitOptions{SplitRule::kPoses, static_cast<double>(*poses)};
-    const auto is_same = [&](const SplitOptions& other) { return other.rule == split.rule && other.amount == split.amount; };
-    if (std::none_of(splits.begin(), splits.end(), is_same)) splits.push_back(split);
+/// The median of the iterations of the runs that end at the optimum, or else of all.
+int typical_iterations(const BasinCell& cell) {
+  std::vector<int> iterations;
+  for (const BasinRun& run : cell.runs) {
+    if (run.is_at_optimum || cell.hits() == 0) iterations.push_back(run.iterations);
   }
-  return std::nullopt;
+  return median(std::move(iterations));
 }
 
-template <int Dim>
-Expected<Basin> basin_of(const StoredMaps<Dim>& stored, const BasinOptions& options, const std::stop_token& stop) {
-  return basin(stored.log, split_along(stored.log, stored.segments), options, stop);
+/// What the runs that miss fell into: their chi2, from the least to the largest.
+std::string misses_in_words(const BasinCell& cell) {
+  std::vector<double> chi2;
+  for (const BasinRun& run : cell.runs) {
+    if (!run.is_at_optimum && std::isfinite(run.chi2)) chi2.push_back(run.chi2);
+  }
+  if (chi2.empty()) return cell.hits() == cell.runs.size() ? "" : ": no map";
+  const auto [least, most] = std::minmax_element(chi2.begin(), chi2.end());
+  return *least == *most ? fmt::format(": {:.4g}", *least) : fmt::format(": {:.4g} to {:.4g}", *least, *most);
 }
-template <typename Data>
-Expected<Basin> basin_of(const Data& data, const BasinOptions& options, const std::stop_token& stop) {
-  return basin(data, options, stop);
+
+/// "yes (12)", "no (200): 2.814e+05", "17 of 20 (9): 3.1e+04 to 1.2e+09"; iterations in parentheses.
+std::string cell_in_words(const BasinCell& cell) {
+  std::string rate = cell.hits() == 1 ? "yes" : "no";
+  if (cell.start == Start::kRandom) rate = fmt::format("{} of {}", cell.hits(), cell.runs.size());
+  return fmt::format("{} ({}){}", rate, typical_iterations(cell), misses_in_words(cell));
+}
+
+/// The local maps of a cell, as --poses-per-map and its like name them: "20", "auto", "10 m", "15 features"; nothing for full
+/// SLAM and for maps that were cut before.
+std::optional<std::string> split_in_words(const BasinCell& cell) {
+  if (!cell.split) return std::nullopt;
+  if (cell.split->rule == SplitRule::kAuto) return "auto";
+  const char* const unit = cell.split->rule == SplitRule::kDistance   ? " m"
+                           : cell.split->rule == SplitRule::kFeatures ? " features"
+                                                                      : "";
+  return fmt::format("{:g}{}", cell.split->amount, unit);
+}
+
+Json json_of(const BasinCell& cell, std::size_t k) {
+  const BasinRun& run = cell.runs[k];
+  return {{"seed", cell.start == Start::kRandom ? std::optional(BasinCell::seed_of(k)) : std::nullopt},
+          {"ends", run.is_at_optimum ? "optimum"
+                   : run.failure     ? "failed"
+                                     : "elsewhere"},
+          {"chi2", run.chi2},
+          {"iterations", run.iterations},
+          {"status", run.failure ? std::nullopt : std::optional(run.status)},
+          {"failure", run.failure}};
+}
+
+Json json_of(const BasinCell& cell) {
+  Json runs = Json::array();
+  for (std::size_t k = 0; k < cell.runs.size(); ++k) runs.push_back(json_of(cell, k));
+  return {{"covariance", cell.covariance},
+          {"problem", cell.formulation.is_joining ? "joining" : "full_slam"},
+          {"state", cell.formulation.state},
+          {"local_maps", split_in_words(cell)},
+          {"method", cell.method},
+          {"start", cell.start},
+          {"hits", cell.hits()},
+          {"runs", runs}};
+}
+
+/// The input and the best chi2 known; then a row per covariance, formulation, split and method and a column per start, as in
+/// the paper's Table I.
+std::string table_of(const Basin& basin, const RunReport& run_report) {
+  Lines lines;
+  add_input(run_report, lines);
+  for (std::size_t c = 0; c < basin.covariances.size(); ++c) {
+    lines.add(c == 0 ? "optimum" : "", fmt::format("chi2 {:.6f} with {} covariances, the best known", basin.best_chi2[c],
+                                                   to_string(basin.covariances[c])));
+  }
+  add_convention(run_report, lines);
+  lines.add("cells", "whether, or how often, the optimum is reached (iterations): chi2 of what the others fell into");
+  ReportTable table;
+  for (const char* heading : {"covariance", "formulation", "maps of", "method", "composed", "zero", "random"}) {
+    table.columns.push_back({heading, heading});
+  }
+  for (const BasinCell& cell : basin.cells) {
+    if (cell.start == kBasinStarts.front()) {
+      table.rows.push_back({{cell.covariance, to_string(cell.formulation), split_in_words(cell).value_or(""), cell.method}});
+    }
+    table.rows.back().cells.emplace_back(cell_in_words(cell));
+  }
+  return lines.text() + "\n" + aligned(table);
+}
+
+/// A row per solve, from the report's cells.
+std::string csv_of(const Json& cells) {
+  ReportTable table;
+  for (const char* key :
+       {"covariance", "problem", "state", "local_maps", "method", "start", "seed", "ends", "chi2", "iterations", "status"}) {
+    table.columns.push_back({key, key});
+  }
+  for (Json solve : cells) {
+    for (const Json& run : Json(solve["runs"])) {
+      solve.update(run);
+      table.add(solve);
+    }
+  }
+  return csv(table);
+}
+
+StudyOutput basin_output(const Basin& basin, const RunReport& run_report) {
+  Json report = report_head(run_report);
+  for (std::size_t c = 0; c < basin.covariances.size(); ++c) {
+    report["best_chi2"][to_string(basin.covariances[c])] = basin.best_chi2[c];
+  }
+  report["cells"] = Json::array();
+  for (const BasinCell& cell : basin.cells) report["cells"].push_back(json_of(cell));
+  report["seconds"] = run_report.total_seconds();
+  const std::string json = text_of(report);
+  return {table_of(basin, run_report), json, {{"basin.csv", csv_of(report["cells"])}, {"basin.json", json}}};
 }
 
 ExitCode run_basin(const BasinRequest& asked, const std::stop_token& stop) {
-  CommandRun command_run("basin", asked.shared, stop);
-  auto folder = output_folder(asked.shared.output).value();
-  command_run.prepare(report_of(asked.shared));
+  CommandRun command_run("basin", asked, stop);
+  auto folder = output_folder(asked.output);
+  command_run.prepare(report_of(asked));
   BasinOptions options = asked.basin;
   options.progress = command_run.progress().count("solves");
-  const Basin found = command_run.with_log_or_maps([&](const auto& data) { return basin_of(data, options, stop).value(); });
+  const Basin found = command_run.with_log_or_maps([&](const auto& data) {
+    if constexpr (requires { data.log; }) {
+      return basin(data.log, split_along(data.log, data.segments), options, stop).value();
+    } else {
+      return basin(data, options, stop).value();
+    }
+  });
   command_run.check_interrupted();
   command_run.hand_over(basin_output(found, command_run.run_report), folder);
   return ExitCode::kDone;
@@ -59,22 +164,20 @@ ExitCode run_basin(const BasinRequest& asked, const std::stop_token& stop) {
 void declare_basin(Subcommand& command) {
   command.examples(kExamples);
   const auto asked = std::make_shared<BasinRequest>();
-  Options& options = asked->shared;
   BasinOptions& basin = asked->basin;
-  command.argument("LOG|MAPS", options.input, "A log; or a store, or a folder or archive of local maps");
-  command.path("-o,--output", options.output, "DIR", "Write basin.csv and basin.json into this folder");
+  command.argument("LOG|MAPS", asked->input, "A log; or a store, or a folder or archive of local maps");
+  command.path("-o,--output", asked->output, "DIR", "Write basin.csv and basin.json into this folder");
   command.group("Experiment");
-  command.option("--poses-per-map", "N|auto,...", "Lengths of the local maps to join, of a log [auto]",
-                 [&basin](const std::string& words) { return take_splits(words, basin.splits); });
+  command.list("--poses-per-map", "N|auto,...", "Lengths of the local maps to join, of a log [auto]", basin.splits,
+               split_by_poses, "not auto, nor whole numbers from 1 on with commas between them");
   command.number("--seeds", basin.seeds, 1, "N", "Random starts per cell");
   command.number("--max-iterations", basin.max_iterations, 1, "N",
                  "At most so many steps of every solve, where gradual of its last one");
-  add_reading(command, options);
-  add_reporting(command, options);
-  command.check([asked, &command] { return check_uncut(command, asked->shared); });
+  add_reading(command, *asked);
+  add_reporting(command, *asked);
+  command.check([asked, &command] { return check_uncut(command, *asked); });
   command.check([asked] {
-    return output_conflicts(inputs_of(asked->shared, "LOG|MAPS"),
-                            outputs_of_folder(asked->shared, {"basin.csv", "basin.json"}));
+    return output_conflicts(inputs_of(*asked, "LOG|MAPS"), outputs_of_folder(*asked, {"basin.csv", "basin.json"}));
   });
   command.act([asked](const std::stop_token& stop) { return run_basin(*asked, stop); });
 }

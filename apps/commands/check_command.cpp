@@ -10,6 +10,7 @@
 #include <apps/report/json.hpp>
 #include <apps/report/report.hpp>
 #include <cmath>
+#include <iterator>
 #include <mapjoin/check/checks.hpp>
 #include <mapjoin/check/fit.hpp>
 #include <mapjoin/measure/chi2.hpp>
@@ -37,6 +38,7 @@ struct Checked {
   std::vector<KindFit> fits;  ///< Empty where residuals were not weighed.
   std::int64_t dof = 0;       ///< Of all of them together.
 
+  void add(Findings more) { std::ranges::move(more, std::back_inserter(findings)); }
   /// How many findings are of this level or a graver one.
   std::int64_t count(FindingLevel least) const {
     return std::count_if(findings.begin(), findings.end(), [&](const Finding& finding) { return finding.level >= least; });
@@ -47,13 +49,9 @@ struct CheckOptions : Options {
   CheckedEstimate estimate = CheckedEstimate::kJoined;
 };
 
-void append(Findings more, Checked& checked) {
-  for (Finding& finding : more) checked.findings.push_back(std::move(finding));
-}
-
 /// Takes the fits at an estimate into the report.
 void take_fits(std::vector<KindFit> fits, std::int64_t dof, Checked& checked) {
-  append(check_fit(fits, dof), checked);
+  checked.add(check_fit(fits, dof));
   checked.fits = std::move(fits);
   checked.dof = dof;
 }
@@ -101,18 +99,13 @@ void fit_values(const SubmapSet<Dim>& set, Checked&) {
   fail(ErrorKind::kUsage, set.source + ": local maps have no values for --estimate file");
 }
 
-template <int Dim>
-void check_numbers(const Log<Dim>& log, Checked& checked) {
-  append(check_repeats(log), checked);
-  append(check_units(log), checked);
-}
-template <int Dim>
-void check_numbers(const SubmapSet<Dim>&, Checked&) {}
-
 template <typename Content>
 Checked checked_content(const CommandRun& command_run, CheckedEstimate estimate, const Content& content) {
   Checked checked{estimate, check_structure(content), {}, 0};
-  check_numbers(content, checked);
+  if constexpr (requires { content.odometry(); }) {
+    checked.add(check_repeats(content));
+    checked.add(check_units(content));
+  }
   const bool falls_apart = checked.count(FindingLevel::kError) > 0;
   if (estimate == CheckedEstimate::kFile) fit_values(content, checked);
   if (estimate == CheckedEstimate::kJoined && !falls_apart) fit_joined(command_run, content, checked);

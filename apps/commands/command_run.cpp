@@ -12,13 +12,9 @@
 namespace mapjoin::apps {
 namespace {
 
-template <int Dim>
-void take_weights(const Options& options, SubmapSet<Dim>& set) {
-  if (options.covariance == Covariance::kIdentity) use_identity_covariance(set);
-}
 /// A store's maps are built already: with the weights that it names.
 template <int Dim>
-void take_weights(const Options& options, const StoredMaps<Dim>& stored) {
+void take_weights(const Options& options, StoredMaps<Dim>& stored) {
   const bool are_those = options.covariance == Covariance::kOriginal || options.covariance == stored.log.conventions.covariance;
   if (are_those && !options.read.repair_information) return;
   fail(ErrorKind::kUsage,
@@ -73,9 +69,9 @@ CommandRun::CommandRun(const std::string& command, const Options& options, std::
 }
 
 void CommandRun::prepare(const NamedFiles& outputs) {
-  demand(check_writable(outputs));
+  check_writable(outputs);
   if (options_.truth.empty()) return;
-  truth_ = timed(run_report.read_seconds, [&] { return TruthFile::open(options_.truth); }).value();
+  truth_ = timed(run_report.read_seconds, [&] { return TruthFile(options_.truth); });
 }
 
 AnyLog CommandRun::read_log() {
@@ -84,30 +80,23 @@ AnyLog CommandRun::read_log() {
     fail(ErrorKind::kBadInput,
          fmt::format("{}: not a log, but perhaps local maps, which `mapjoin join` takes", run_report.input));
   }
-  return take_log(std::move(log).value());
-}
-
-AnyLog CommandRun::take_log(AnyLog log) {
-  std::visit(
-      [&](auto& any) {
-        if (options_.covariance == Covariance::kIdentity) use_identity_covariance(any);
-        run_report.describe(any);
-      },
-      log);
-  check_interrupted();
-  return log;
+  return take_input(std::move(log).value());
 }
 
 AnyMaps CommandRun::read_maps() {
-  AnyMaps maps = timed(run_report.read_seconds, [&] { return open_maps(options_.input, options_.read); }).value();
+  return take_input(timed(run_report.read_seconds, [&] { return open_maps(options_.input, options_.read); }).value());
+}
+
+template <typename Input>
+Input CommandRun::take_input(Input input) {
   std::visit(
       [&](auto& any) {
         take_weights(options_, any);
         run_report.describe(any);
       },
-      maps);
+      input);
   check_interrupted();
-  return maps;
+  return input;
 }
 
 void CommandRun::check_interrupted() const {
@@ -124,9 +113,8 @@ void CommandRun::certify(RunResult<Dim>& result) {
     result.map.feature_covariances = result.marginals->features;
   }
   if (!truth_) return;
-  run_report.consistency = timed(run_report.figures.seconds.covariances, [&] {
-    return consistency(*result.covariances, truth_->of(result.map).value(), stop_).value();
-  });
+  run_report.consistency = timed(run_report.figures.seconds.covariances,
+                                 [&] { return consistency(*result.covariances, truth_->of(result.map), stop_).value(); });
 }
 
 template <int Dim>
@@ -183,10 +171,11 @@ void CommandRun::hand_over(const StudyOutput& output, std::optional<OutputFolder
     demand(write_file(folder->aside(name), text));
     names.push_back(name);
   }
-  if (folder) demand(folder->commit(names));
+  if (folder) folder->commit(names);
   tell(output.json, output.text);
 }
 
+template AnyLog CommandRun::take_input(AnyLog);
 template void CommandRun::take(RunResult<2>&);
 template void CommandRun::take(RunResult<3>&);
 template void CommandRun::write_map(RunResult<2>&, const Log<2>*);

@@ -10,14 +10,22 @@
 #include <apps/output_folder.hpp>
 #include <apps/outputs.hpp>
 #include <apps/report/run_report.hpp>
-#include <apps/report/study_reports.hpp>
 #include <apps/truth_file.hpp>
 #include <mapjoin/io/open.hpp>
 #include <optional>
 #include <stop_token>
 #include <string>
+#include <utility>
+#include <vector>
 
 namespace mapjoin::apps {
+
+/// What a study found.
+struct StudyOutput {
+  std::string text;                                        ///< For people.
+  std::string json;                                        ///< For programs, by docs/report.md.
+  std::vector<std::pair<std::string, std::string>> files;  ///< Of the folder: name and content.
+};
 
 class CommandRun {
  public:
@@ -28,11 +36,12 @@ class CommandRun {
   void prepare(const NamedFiles& outputs);
   /// The input as a log, with the weights asked for.
   AnyLog read_log();
-  /// The same of a log that was read already.
-  AnyLog take_log(AnyLog log);
   /// The input as local maps; those of a store have the weights that they were built with (kUsage where others are asked
   /// for), others those asked for.
   AnyMaps read_maps();
+  /// The same of what was read already.
+  template <typename Input>
+  Input take_input(Input input);
   /// What `work` makes of the input, be it a log or local maps.
   template <typename Work>
   auto with_log_or_maps(Work&& work) {

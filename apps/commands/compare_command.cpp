@@ -1,17 +1,32 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// `mapjoin compare`: joining beside full SLAM on one log.
+// `mapjoin compare`: joining beside full SLAM on one log, with a report in JSON and tables.
 
 #include <fmt/format.h>
 
 #include <algorithm>
 #include <apps/commands/command_run.hpp>
 #include <apps/commands/subcommand.hpp>
+#include <apps/report/compare_report.hpp>
+#include <apps/report/report.hpp>
 #include <memory>
 #include <optional>
 #include <utility>
 #include <variant>
 
-namespace mapjoin::apps {
+namespace mapjoin {
+
+static void to_json(apps::Json& json, const ErrorSummary& errors) {
+  json = {{"count", errors.count}};
+  json.update(apps::if_known(errors.count > 0, {{"rms", errors.rms}, {"max", errors.max}}));
+}
+static void to_json(apps::Json& json, const PoseErrorSummary& errors) {
+  json = {{"translation", errors.translation}, {"rotation", errors.rotation}};
+}
+static void to_json(apps::Json& json, const MapDifference& difference) {
+  json = {{"poses", difference.poses}, {"features", difference.features}};
+}
+
+namespace apps {
 namespace {
 
 constexpr const char* kExamples =
@@ -23,41 +38,21 @@ const std::vector<std::string> kFiles = {"compare.json", "compare.csv", "compare
 
 constexpr int kLongestMap = 1'000'000;
 
-struct CompareOptions {
-  Options common;
+struct CompareOptions : Options {
   std::vector<int> poses_per_map = {5, 20, 60};
 };
 
-/// Whole numbers with commas between them. 1 would be full SLAM, which is there in any case.
-std::optional<std::string> take_list(const std::string& word, std::vector<int>& list) {
-  list.clear();
-  for (const std::string& one : words_between_commas(word)) {
-    const std::optional<int> number = number_in<int>(one);
-    if (!number || *number < 2 || *number > kLongestMap) {
-      return fmt::format("not whole numbers from 2 to {} with commas between them", kLongestMap);
-    }
-    if (std::find(list.begin(), list.end(), *number) == list.end()) list.push_back(*number);
-  }
-  return std::nullopt;
-}
-
-/// What the maps of a log will have, but for their values.
-template <int Dim>
-GlobalMap<Dim> outline_of(const Log<Dim>& log) {
-  GlobalMap<Dim> map;
-  map.pose_ids = log.poses;
-  map.poses.resize(log.poses.size());
-  map.feature_ids = log.features;
-  map.features.resize(log.features.size(), Point<Dim>::Zero());
-  map.stamps_ns = log.stamps_ns;
-  return map;
+/// 1 would be full SLAM, which is there in any case.
+std::optional<int> poses_in(const std::string& word) {
+  const std::optional<int> number = number_in<int>(word);
+  return number && *number >= 2 && *number <= kLongestMap ? number : std::nullopt;
 }
 
 /// The truth of a log, where a file of it is given: at least two poses.
 template <int Dim>
 std::optional<Truth<Dim>> truth_of(const Log<Dim>& log, const std::filesystem::path& path) {
   if (path.empty()) return std::nullopt;
-  Truth<Dim> truth = TruthFile::open(path).value().of(outline_of(log)).value();
+  Truth<Dim> truth = TruthFile(path).of<Dim>(log.poses, log.features, log.stamps_ns);
   if (std::count_if(truth.poses.begin(), truth.poses.end(), [](const auto& pose) { return pose.has_value(); }) < 2) {
     fail(ErrorKind::kUsage, fmt::format("{}: the truth has fewer than two poses of the log", path.string()));
   }
@@ -95,16 +90,111 @@ Comparison<Dim> compared(CommandRun& command_run, const CompareOptions& options,
   return compare(log, comparing, command_run.stop()).value();
 }
 
+Json over_spans(const std::vector<std::size_t>& spans, const std::vector<PoseErrorSummary>& errors) {
+  Json all = Json::array();
+  for (std::size_t k = 0; k < errors.size(); ++k) {
+    all.push_back({{"span", spans[k]}});
+    all.back().update(Json(errors[k]));
+  }
+  return all;
+}
+
+Json json_of(const std::vector<std::size_t>& spans, const EstimateFigures& estimate) {
+  const TruthDistance truth = estimate.from_truth.value_or(TruthDistance{});
+  Json json = {{"chi2", estimate.chi2},
+               {"from_best", estimate.from_best},
+               {"from_truth", {{"ate", truth.absolute}, {"rpe", over_spans(spans, truth.spans)}}}};
+  json["from_best"]["relative_poses"] = over_spans(spans, estimate.best_spans);
+  if (!estimate.from_truth) json["from_truth"] = nullptr;
+  return json;
+}
+
+Json json_of(const std::vector<std::size_t>& spans, const CaseFigures& figures) {
+  const ComparedCase& way = figures.way;
+  const RunFigures& run = figures.run;
+  Json json = {{"formulation", problem_in_words(way.formulation())},
+               {"steps_per_map", way.poses_per_map},
+               {"state", way.state},
+               {"schedule", schedule_in_words(way)},
+               {"result", result_in_words(figures)},
+               {"reaches_best", figures.reaches_best}};
+  json.update(if_known(figures.has_map(), {{"local_maps", run.local_maps},
+                                           {"join",
+                                            {{"status", run.join.status},
+                                             {"iterations", figures.join_iterations()},
+                                             {"chi2", run.join.chi2},
+                                             {"dof", run.join_dof}}},
+                                           {"polish_iterations", figures.polish_iterations()},
+                                           {"system_bytes", run.joint_bytes},
+                                           {"joined", json_of(spans, figures.joined)},
+                                           {"polished", json_of(spans, figures.polished)}}));
+  json["effort"] = {{"seconds", figures.effort.seconds},
+                    {"cpu_seconds", figures.effort.cpu_seconds},
+                    {"memory_bytes", figures.effort.memory}};
+  return json;
+}
+
+template <int Dim>
+Json json_of(const RunReport& run_report, const ComparisonFigures& comparison, const OtherWeights<Dim>& other) {
+  Json json = report_head(run_report);
+  json["dof"] = comparison.cases[comparison.best].run.dof;
+  json["best"] = comparison.best;
+  json["spans"] = comparison.spans;
+  json["cases"] = Json::array();
+  for (const CaseFigures& figures : comparison.cases) json["cases"].push_back(json_of(comparison.spans, figures));
+  const bool is_known = other.failure.empty();
+  json["other_weights"] = {{"covariance", other.covariance}, {"failure", is_known ? Json() : Json(other.failure)}};
+  json["other_weights"].update(if_known(is_known, {{"chi2", other.chi2}, {"from_best", other.from_best}}));
+  return json;
+}
+
+template <int Dim>
+std::string in_words(const OtherWeights<Dim>& other) {
+  if (!other.failure.empty()) return other.failure;
+  const MapDifference& apart = other.from_best;
+  const std::string features = apart.features.count > 0 ? fmt::format(", features {:.2g} m", apart.features.rms) : "";
+  return fmt::format("chi2 {:.10g}; from the best map: poses {:.2g} m{} (RMS)", other.chi2, apart.poses.translation.rms,
+                     features);
+}
+
+template <int Dim>
+std::string summary_of(const RunReport& run_report, const ComparisonFigures& comparison, const OtherWeights<Dim>& other,
+                       const std::vector<NamedTable>& tables) {
+  const CaseFigures& best = comparison.cases[comparison.best];
+  Lines lines;
+  add_input(run_report, lines);
+  add_convention(run_report, lines);
+  lines.add("best", fmt::format("chi2 {:.10g}, dof {}", best.polished.chi2, best.run.dof));
+  lines.add(to_string(other.covariance), in_words(other));
+  for (const std::string& file : run_report.files) lines.add("written", file);
+  std::string text = lines.text();
+  for (const NamedTable& named : tables) text += fmt::format("\n{}\n{}", named.name, aligned(named.table));
+  return text;
+}
+
+template <int Dim>
+StudyOutput compare_output(const Comparison<Dim>& comparison, const OtherWeights<Dim>& other, const Log<Dim>& log,
+                           const RunReport& run_report) {
+  const Json report = json_of(run_report, comparison, other);
+  const std::vector<NamedTable> tables = tables_of(comparison, report["cases"]);
+  StudyOutput output{summary_of(run_report, comparison, other, tables), text_of(report), {}};
+  if (run_report.files.empty()) return output;
+  output.files = {{"compare.json", output.json},
+                  {"compare.csv", csv(whole_table(comparison, report["cases"]))},
+                  {"compare.html", compare_page(run_report, comparison, other, tables, log.sessions)}};
+  return output;
+}
+
 /// `log` has the weights that the file gives.
 template <int Dim>
 ExitCode compare_on(CommandRun& command_run, const CompareOptions& options, const Log<Dim>& log,
                     std::optional<OutputFolder>& folder) {
   Log<Dim> identity = log;
   use_identity_covariance(identity);
-  const bool by_identity = options.common.covariance == Covariance::kIdentity;
+  const bool by_identity = options.covariance == Covariance::kIdentity;
   const Log<Dim>& here = by_identity ? identity : log;
   command_run.run_report.describe(here);
-  const Comparison<Dim> comparison = compared(command_run, options, here, truth_of(log, options.common.truth));
+  const Comparison<Dim> comparison = compared(command_run, options, here, truth_of(log, options.truth));
   const auto other = other_weights(by_identity ? log : identity, comparison.maps[comparison.best].polished, command_run);
   for (const std::string& name : kFiles) {
     if (folder) command_run.run_report.files.push_back(folder->file(name).string());
@@ -116,11 +206,11 @@ ExitCode compare_on(CommandRun& command_run, const CompareOptions& options, cons
 }
 
 ExitCode compare_log(const CompareOptions& options, const std::stop_token& stop) {
-  Options as_given = options.common;
+  Options as_given = options;
   as_given.covariance = Covariance::kOriginal;
   as_given.truth.clear();
   CommandRun command_run("compare", as_given, stop);
-  auto folder = output_folder(as_given.output).value();
+  auto folder = output_folder(as_given.output);
   command_run.prepare(report_of(as_given));
   return std::visit([&](const auto& log) { return compare_on(command_run, options, log, folder); }, command_run.read_log());
 }
@@ -130,17 +220,17 @@ ExitCode compare_log(const CompareOptions& options, const std::stop_token& stop)
 void declare_compare(Subcommand& command) {
   command.examples(kExamples);
   const auto options = std::make_shared<CompareOptions>();
-  Options& common = options->common;
-  command.argument("LOG", common.input, kLogFormats);
-  command.path("-o,--output", common.output, "DIR", "Write compare.json, compare.csv and compare.html into this folder");
-  command.option("--poses-per-map", "N,N,...", "Cut the log into local maps after so many poses, each in its turn [5,20,60]",
-                 [options](const std::string& word) { return take_list(word, options->poses_per_map); });
-  command.path("--truth", common.truth, "FILE", "Measure the errors against this map, too: .tum, else g2o with vertices");
-  add_reading(command, common);
-  add_reporting(command, common);
-  command.check(
-      [options] { return output_conflicts(inputs_of(options->common, "LOG"), outputs_of_folder(options->common, kFiles)); });
+  command.argument("LOG", options->input, kLogFormats);
+  command.path("-o,--output", options->output, "DIR", "Write compare.json, compare.csv and compare.html into this folder");
+  command.list("--poses-per-map", "N,N,...", "Cut the log into local maps after so many poses, each in its turn [5,20,60]",
+               options->poses_per_map, poses_in,
+               fmt::format("not whole numbers from 2 to {} with commas between them", kLongestMap));
+  command.path("--truth", options->truth, "FILE", "Measure the errors against this map, too: .tum, else g2o with vertices");
+  add_reading(command, *options);
+  add_reporting(command, *options);
+  command.check([options] { return output_conflicts(inputs_of(*options, "LOG"), outputs_of_folder(*options, kFiles)); });
   command.act([options](const std::stop_token& stop) { return compare_log(*options, stop); });
 }
 
-}  // namespace mapjoin::apps
+}  // namespace apps
+}  // namespace mapjoin

@@ -25,8 +25,8 @@ constexpr const char* kExamples =
     "  mapjoin build data/manhattan2d.g2o -o manhattan.maps\n"
     "  mapjoin convert manhattan.maps FOLDER --to maps-text";
 
-enum class MapsFormat : std::uint8_t { kMat, kText, kStore };
-using AnyFormat = std::variant<LogFormat, MapsFormat>;
+struct StoreFormat {};
+using AnyFormat = std::variant<LogFormat, LocalMapFormat, StoreFormat>;
 
 struct Format {
   std::string word;
@@ -40,9 +40,9 @@ std::vector<Format> formats() {
   for (const auto& [format, name] : enum_names(LogFormat())) {
     all.push_back({std::string(name), std::string(file_extension(format)), format});
   }
-  all.push_back({"maps-mat", "", MapsFormat::kMat});
-  all.push_back({"maps-text", "", MapsFormat::kText});
-  all.push_back({"store", ".maps", MapsFormat::kStore});
+  all.push_back({"maps-mat", "", LocalMapFormat::kMat});
+  all.push_back({"maps-text", "", LocalMapFormat::kText});
+  all.push_back({"store", ".maps", StoreFormat()});
   return all;
 }
 
@@ -86,49 +86,45 @@ Losses convert_any(const ConvertOptions& options, AnyFormat asked, Log<Dim> log)
   return lost;
 }
 
+/// The files of local maps; `are_named` where numbers tell their poses as well as names.
 template <int Dim>
-void write_folder(const std::vector<LocalMap<Dim>>& maps, const FeatureIds& features, MapsFormat format,
+Losses write_maps(const std::vector<LocalMap<Dim>>& maps, const FeatureIds& features, LocalMapFormat format, bool are_named,
                   const std::filesystem::path& path) {
-  OutputFolder folder = OutputFolder::create_whole(path).value();
-  const auto file_format = format == MapsFormat::kText ? LocalMapFormat::kText : LocalMapFormat::kMat;
-  demand(folder.commit(write_local_maps(maps, features, file_format, folder.aside("")).value()));
-}
-
-template <int Dim>
-Losses losses_of_maps(MapsFormat format, bool poses_are_counted) {
+  OutputFolder folder = OutputFolder::whole(path);
+  folder.commit(write_local_maps(maps, features, format, folder.aside("")).value());
   Losses lost;
-  if (!poses_are_counted) lost.emplace_back("poses are counted, not named");
+  if (!are_named) lost.emplace_back("poses are counted, not named");
   if (Dim == 3) lost.emplace_back("rotations and their weights are those of roll, pitch and yaw, rounded");
-  if (Dim == 2 && format == MapsFormat::kMat) lost.emplace_back("weights are covariances, rounded");
+  if (Dim == 2 && format == LocalMapFormat::kMat) lost.emplace_back("weights are covariances, rounded");
   return lost;
 }
 
 template <int Dim>
 Losses convert_any(const ConvertOptions& options, AnyFormat asked, const SubmapSet<Dim>& set) {
-  const auto* format = std::get_if<MapsFormat>(&asked);
-  if (!format) fail(ErrorKind::kUsage, options.input.string() + ": local maps without their log cannot become a log");
-  if (*format == MapsFormat::kStore) {
-    demand(write_store(set, options.output));
-    return {};
+  if (std::holds_alternative<LogFormat>(asked)) {
+    fail(ErrorKind::kUsage, options.input.string() + ": local maps without their log cannot become a log");
   }
-  write_folder(set.graph.submaps, set.features, *format, options.output);
-  return losses_of_maps<Dim>(*format, are_counted(set.poses));
+  if (const auto* format = std::get_if<LocalMapFormat>(&asked)) {
+    return write_maps(set.graph.submaps, set.features, *format, are_counted(set.poses), options.output);
+  }
+  demand(write_store(set, options.output));
+  return {};
 }
 
 /// A store's log, or its maps.
 template <int Dim>
 Losses convert_any(const ConvertOptions& options, AnyFormat asked, const StoredMaps<Dim>& stored) {
-  const auto* format = std::get_if<MapsFormat>(&asked);
-  if (!format) return convert_any(options, asked, stored.log);
-  if (*format == MapsFormat::kStore) fail(ErrorKind::kUsage, options.input.string() + ": it is a store");
-  if (stored.maps.size() < stored.segments.size()) {
-    fail(ErrorKind::kUsage,
-         fmt::format("{}: {} of its {} segments are not local maps, but observations", options.input.string(),
-                     stored.segments.size() - stored.maps.size(), stored.segments.size()));
+  const Log<Dim>& log = stored.log;
+  const std::vector<LocalMap<Dim>>& maps = stored.maps;
+  if (std::holds_alternative<LogFormat>(asked)) return convert_any(options, asked, log);
+  const auto* format = std::get_if<LocalMapFormat>(&asked);
+  if (!format) fail(ErrorKind::kUsage, options.input.string() + ": it is a store");
+  if (maps.size() < stored.segments.size()) {
+    fail(ErrorKind::kUsage, fmt::format("{}: {} of its {} segments are not local maps, but observations",
+                                        options.input.string(), stored.segments.size() - maps.size(), stored.segments.size()));
   }
-  write_folder(stored.maps, stored.log.features, *format, options.output);
-  Losses lost =
-      losses_of_maps<Dim>(*format, are_counted(stored.log.poses) && stored.maps.size() + 1 == stored.log.poses.size());
+  const bool are_named = are_counted(log.poses) && maps.size() + 1 == log.poses.size();
+  Losses lost = write_maps(maps, log.features, *format, are_named, options.output);
   lost.emplace_back("the log that the maps were built from is left out");
   return lost;
 }
@@ -136,8 +132,7 @@ Losses convert_any(const ConvertOptions& options, AnyFormat asked, const StoredM
 ExitCode convert_input(const ConvertOptions& options, const std::stop_token& stop) {
   CommandRun command_run("convert", options, stop);
   const AnyFormat format = format_of(options);
-  const auto* maps_format = std::get_if<MapsFormat>(&format);
-  if (!maps_format || *maps_format == MapsFormat::kStore) command_run.prepare(outputs_of(options));
+  if (!std::holds_alternative<LocalMapFormat>(format)) command_run.prepare(outputs_of(options));
   const Losses lost =
       command_run.with_log_or_maps([&](auto&& input) { return convert_any(options, format, std::move(input)); });
   Lines lines;

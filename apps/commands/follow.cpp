@@ -101,7 +101,7 @@ class GrowingMap {
       maker_ = new_maker();
       map_ = IncrementalJoin<Dim>();
       count_ = 0;
-      maker_.add(std::get<Log<Dim>>(whole()));
+      maker_.add(whole());
     }
     join_complete(false);
   }
@@ -169,40 +169,31 @@ class Follower {
 
   template <int Dim>
   void add(Log<Dim>& news) {
-    if (!dimension_) map<Dim>().emplace(options_, report_);
-    dimension_ = dimension_.value_or(Dim);
-    if (*dimension_ != Dim) {
-      fail(ErrorKind::kBadInput, options_.input.string() + ": edges in the plane and in space are in one file");
-    }
-    if (options_.covariance == Covariance::kIdentity) use_identity_covariance(news);
-    map<Dim>()->add(news, [&] { return weighted_whole(); });
-  }
-
-  AnyLog weighted_whole() const {
-    AnyLog log = file_.whole().value();
-    if (options_.covariance == Covariance::kIdentity) std::visit([](auto& any) { use_identity_covariance(any); }, log);
-    return log;
+    if (!has_map()) map_.emplace<GrowingMap<Dim>>(options_, report_);
+    auto* const map = std::get_if<GrowingMap<Dim>>(&map_);
+    if (!map) fail(ErrorKind::kBadInput, options_.input.string() + ": edges in the plane and in space are in one file");
+    take_weights(options_, news);
+    map->add(news, [&] {
+      auto whole = std::get<Log<Dim>>(file_.whole().value());
+      take_weights(options_, whole);
+      return whole;
+    });
   }
 
   FollowedLog finished() {
-    if (!dimension_ && fault_) fail(fault_->kind, fault_->message);
-    if (!dimension_) fail(ErrorKind::kBadInput, options_.input.string() + ": the log has no edges yet");
-    *dimension_ == 2 ? map_2d_->join_complete(true) : map_3d_->join_complete(true);
+    if (!has_map() && fault_) fail(fault_->kind, fault_->message);
+    if (!has_map()) fail(ErrorKind::kBadInput, options_.input.string() + ": the log has no edges yet");
+    if (auto* map = std::get_if<GrowingMap<2>>(&map_)) map->join_complete(true);
+    if (auto* map = std::get_if<GrowingMap<3>>(&map_)) map->join_complete(true);
     return {file_.whole().value(), fault_};
   }
 
-  template <int Dim>
-  std::optional<GrowingMap<Dim>>& map() {
-    if constexpr (Dim == 2) return map_2d_;
-    if constexpr (Dim == 3) return map_3d_;
-  }
+  bool has_map() const { return map_.index() > 0; }
 
   const Options& options_;
   GrowingG2o file_;
   StepReport report_;
-  std::optional<int> dimension_;  ///< Of the log, once it is known,
-  std::optional<GrowingMap<2>> map_2d_;
-  std::optional<GrowingMap<3>> map_3d_;
+  std::variant<std::monostate, GrowingMap<2>, GrowingMap<3>> map_;  ///< Once the dimension of the log is known.
   std::optional<Error> fault_;
 };
 

@@ -68,24 +68,17 @@ void add_content(const StoredMaps<Dim>& stored, Lines& lines) {
   add_content(stored.log, lines);
 }
 
-template <int Dim>
-std::string kind_of(const Log<Dim>&) {
-  return "log";
-}
-template <int Dim>
-std::string kind_of(const SubmapSet<Dim>&) {
-  return "set of local maps";
-}
-template <int Dim>
-std::string kind_of(const StoredMaps<Dim>&) {
-  return "store of local maps and their log";
-}
-
 template <typename Content>
 std::string described(const RunReport& run_report, const Content& content) {
+  constexpr bool kIsLog = requires {
+    content.odometry();
+  };
+  constexpr bool kIsStore = requires {
+    content.log;
+  };
   Lines lines;
   lines.add("file", run_report.input);
-  lines.add("kind", kind_of(content));
+  lines.add("kind", kIsLog ? "log" : kIsStore ? "store of local maps and their log" : "set of local maps");
   lines.add("dimension", fmt::format("{}", run_report.dimension));
   add_content(content, lines);
   add_convention(run_report, lines);

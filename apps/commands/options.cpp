@@ -12,18 +12,6 @@ namespace {
 
 constexpr int kMostJobs = 1024;
 
-/// "auto" or a number of poses.
-std::optional<std::string> take_poses_per_map(const std::string& word, SplitOptions& split) {
-  if (word == "auto") {
-    split = {};
-    return std::nullopt;
-  }
-  const std::optional<int> poses = number_in<int>(word);
-  if (!poses || *poses < 1) return "not auto or a whole number from 1 on";
-  split = {SplitRule::kPoses, static_cast<double>(*poses)};
-  return std::nullopt;
-}
-
 const std::vector<std::string> kRules = {"--poses-per-map", "--metres-per-map", "--features-per-map"};
 
 /// The rules exclude each other.
@@ -48,6 +36,13 @@ std::vector<std::string> settle_batch(const Subcommand& command, Options& settle
 }
 
 }  // namespace
+
+std::optional<SplitOptions> split_by_poses(const std::string& word) {
+  if (word == "auto") return SplitOptions{};
+  const std::optional<int> poses = number_in<int>(word);
+  if (!poses || *poses < 1) return std::nullopt;
+  return SplitOptions{SplitRule::kPoses, static_cast<double>(*poses)};
+}
 
 std::size_t thread_count(const Options& options) {
   return static_cast<std::size_t>(options.jobs > 0 ? options.jobs : tbb::info::default_concurrency());
@@ -74,7 +69,12 @@ void add_splitting(Subcommand& command, Options& options) {
   SplitOptions& split = options.run.split;
   command.group("Local maps");
   command.option("--poses-per-map", "N|auto", "Cut after so many poses; auto: where a cost model finds it cheapest [auto]",
-                 [&split](const std::string& word) { return take_poses_per_map(word, split); });
+                 [&split](const std::string& word) -> std::optional<std::string> {
+                   const auto asked = split_by_poses(word);
+                   if (!asked) return "not auto or a whole number from 1 on";
+                   split = *asked;
+                   return std::nullopt;
+                 });
   const auto rule = [&](const std::string& name, SplitRule by, const std::string& kind, const std::string& help) {
     command.option(name, kind, help, [&split, by](const std::string& word) -> std::optional<std::string> {
       const std::optional<double> amount = number_in<double>(word);

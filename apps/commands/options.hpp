@@ -8,6 +8,11 @@
 #include <mapjoin/model/log.hpp>
 #include <string>
 
+namespace mapjoin {
+inline bool operator==(const SplitOptions& a, const SplitOptions& b) {
+  return a.rule == b.rule && a.amount == b.amount;
+}  // TEMPORARY
+}  // namespace mapjoin
 namespace mapjoin::apps {
 
 struct Options {
@@ -35,6 +40,15 @@ inline const std::string kLogFormats =
 
 /// What a command that writes one MAP says of it (see write_map_file()).
 inline const std::string kMapFile = "Write the map: .g2o, .tum (poses only), .csv (features beside it)";
+
+/// Local maps of so many poses, or "auto"; nothing of another word.
+std::optional<SplitOptions> split_by_poses(const std::string& word);
+
+/// Gives a log or a set of local maps the weights asked for.
+template <typename Data>
+void take_weights(const Options& options, Data& data) {
+  if (options.covariance == Covariance::kIdentity) use_identity_covariance(data);
+}
 
 /// How many threads the run works on.
 std::size_t thread_count(const Options& options);

@@ -46,56 +46,41 @@ std::vector<std::string> names_of(const std::vector<std::filesystem::path>& path
   return names;
 }
 
-template <int Dim>
-void take(PlottedMap<Dim> plotted, const std::filesystem::path& path, std::optional<AnyScene>& scene) {
-  if (!scene) scene = Scene<Dim>();
-  if (auto* same = std::get_if<Scene<Dim>>(&*scene)) return same->maps.push_back(std::move(plotted));
-  fail(ErrorKind::kUsage, path.string() + ": is not of the same dimension as the maps before it");
-}
-
 /// Says what is wrong with a joined map, and gives its exit code.
 AnyScene load_all(const PlotOptions& options, CommandRun& command_run, ExitCode& exit_code) {
   const LoadOptions loading{options.read, command_run.run_options(), is_page(options),
                             command_run.progress().count("map after map")};
   const std::vector<std::string> names = names_of(options.inputs);
-  std::optional<AnyScene> scene;
+  AnyScene scene;
   for (std::size_t k = 0; k < options.inputs.size(); ++k) {
     LoadedMap loaded = load(options.inputs[k], loading, command_run.stop());
     command_run.check_interrupted();
     command_run.progress().close();
     for (const std::string& remark : loaded.remarks) say(options.inputs[k].string() + ": " + remark);
     if (loaded.exit_code != ExitCode::kDone) exit_code = loaded.exit_code;
-    std::visit(
-        [&](auto& plotted) {
-          plotted.name = names[k];
-          take(std::move(plotted), options.inputs[k], scene);
-        },
-        loaded.plotted);
+    const auto add = [&]<int Dim>(PlottedMap<Dim>& plotted) {
+      if (k == 0) scene = Scene<Dim>();
+      auto* const same = std::get_if<Scene<Dim>>(&scene);
+      if (!same) {
+        fail(ErrorKind::kUsage, options.inputs[k].string() + ": is not of the same dimension as the maps before it");
+      }
+      plotted.name = names[k];
+      same->maps.push_back(std::move(plotted));
+    };
+    std::visit(add, loaded.plotted);
   }
-  return *std::move(scene);
+  return scene;
 }
 
 /// Puts everything into the frame of the first map, and says what could not be.
 template <int Dim>
 void align_all(const PlotOptions& options, Scene<Dim>& scene) {
-  if (!options.align) return;
-  const GlobalMap<Dim>& first = scene.maps.front().map;
-  const auto stays = [](const std::string& what) {
-    say(what + ": shares too little with the first map to be aligned with it, and is drawn as it stands");
+  const auto align = [&](auto& what, const auto& places, const std::filesystem::path& file) {
+    if (const auto frame = alignment(places, scene.maps.front().map)) return move(*frame, what);
+    say(file.string() + ": shares too little with the first map to be aligned with it, and is drawn as it stands");
   };
-  for (std::size_t k = 1; k < scene.maps.size(); ++k) {
-    if (const auto frame = alignment(scene.maps[k].map, first)) {
-      move(*frame, scene.maps[k]);
-    } else {
-      stays(options.inputs[k].string());
-    }
-  }
-  if (!scene.truth) return;
-  if (const auto frame = alignment(*scene.truth, first)) {
-    move(*frame, *scene.truth);
-  } else {
-    stays(options.truth_of_first.string());
-  }
+  for (std::size_t k = 1; k < scene.maps.size(); ++k) align(scene.maps[k], scene.maps[k].map, options.inputs[k]);
+  if (scene.truth) align(*scene.truth, *scene.truth, options.truth_of_first);
 }
 
 template <int Dim>
@@ -109,9 +94,9 @@ std::string drawn(const PlotOptions& options, const Scene<Dim>& scene) {
 template <int Dim>
 std::string plot_scene(const PlotOptions& options, Scene<Dim>& scene) {
   if (!options.truth_of_first.empty()) {
-    scene.truth = TruthFile::open(options.truth_of_first).value().of(scene.maps.front().map).value();
+    scene.truth = TruthFile(options.truth_of_first).of(scene.maps.front().map);
   }
-  align_all(options, scene);
+  if (options.align) align_all(options, scene);
   demand(write_file(options.output, drawn(options, scene)));
   Lines lines;
   for (const auto& plotted : scene.maps) {

@@ -64,7 +64,7 @@ void write_folder(CommandRun& command_run, const RunResult<Dim>& result, const L
   demand(timed(command_run.run_report.write_seconds, [&] { return write_map_files(command_run, result, log, folder); }));
   demand(write_file(folder.aside("report.json"), report(command_run.run_report)));
   command_run.check_interrupted();
-  demand(folder.commit(names));
+  folder.commit(names);
 }
 
 template <int Dim>
@@ -86,7 +86,7 @@ ExitCode run_on(CommandRun& command_run, const Log<Dim>& log, std::optional<Outp
 ExitCode run_followed(CommandRun& command_run, const FollowOptions& following, const std::stop_token& stop,
                       std::optional<OutputFolder>& folder) {
   FollowedLog followed = follow(command_run.options(), following, stop);
-  const AnyLog log = command_run.take_log(std::move(followed.log));
+  const AnyLog log = command_run.take_input(std::move(followed.log));
   const ExitCode done = std::visit([&](const auto& any) { return run_on(command_run, any, folder); }, log);
   if (!followed.fault) return done;
   const bool is_written = !command_run.options().output.empty();
@@ -96,7 +96,7 @@ ExitCode run_followed(CommandRun& command_run, const FollowOptions& following, c
 ExitCode run_log(const Options& options, const FollowOptions& following, const std::stop_token& stop) {
   CommandRun command_run("run", options, following.wanted ? std::stop_token() : stop);
   const bool is_file = names_map_file(options.output);
-  auto folder = output_folder(is_file ? std::filesystem::path() : options.output).value();
+  auto folder = output_folder(is_file ? std::filesystem::path() : options.output);
   command_run.prepare(is_file ? outputs_of_map(options) : report_of(options));
   if (following.wanted) return run_followed(command_run, following, stop, folder);
   return std::visit([&](const auto& log) { return run_on(command_run, log, folder); }, command_run.read_log());

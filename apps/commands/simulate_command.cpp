@@ -40,7 +40,7 @@ NamedFiles outputs_of(const SimulateOptions& options) {
 
 template <int Dim>
 ExitCode simulate_in(const SimulateOptions& options, const std::stop_token& stop) {
-  demand(check_writable(outputs_of(options)));
+  check_writable(outputs_of(options));
   const Simulation<Dim> simulation = simulate_manhattan<Dim>(options.manhattan, stop);
   const Log<Dim>& log = simulation.log;
   if (stop.stop_requested()) fail(ErrorKind::kInterrupted, "interrupted");

@@ -1,36 +1,12 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <fmt/format.h>
-#include <fmt/ranges.h>
 
 #include <CLI/App.hpp>
 #include <CLI/Config.hpp>
 #include <CLI/Formatter.hpp>
 #include <apps/commands/subcommand.hpp>
-#include <charconv>
-#include <cmath>
-#include <sstream>
-#include <type_traits>
 
 namespace mapjoin::apps {
-
-template <typename T>
-std::optional<T> number_in(const std::string& word) {
-  T value{};
-  const char* const end = word.data() + word.size();
-  const auto [rest, failure] = std::from_chars(word.data(), end, value);
-  if (failure != std::errc() || rest != end) return std::nullopt;
-  if constexpr (std::is_floating_point_v<T>) {
-    if (!std::isfinite(value)) return std::nullopt;
-  }
-  return value;
-}
-
-std::vector<std::string> words_between_commas(const std::string& list) {
-  std::vector<std::string> words;
-  std::istringstream rest(list + ",");
-  for (std::string word; std::getline(rest, word, ',');) words.push_back(word);
-  return words;
-}
 
 namespace {
 
@@ -86,21 +62,6 @@ void Subcommand::option(const std::string& name, const std::string& kind, const 
   grouped(*app_->add_option_function<std::string>(name, heed, help)->type_name(kind));
 }
 
-template <typename T>
-void Subcommand::number(const std::string& name, T& value, T least, const std::string& kind, std::string help, T most) {
-  if (!help.ends_with(']'))
-    help += fmt::format(std::is_integral_v<T> ? fmt::runtime(" [{}]") : fmt::runtime(" [{:.6g}]"), value);
-  option(name, kind, help, [&value, least, most](const std::string& word) -> std::optional<std::string> {
-    const std::optional<T> given = number_in<T>(word);
-    if (!given || *given < least || *given > most) {
-      const std::string end = most < std::numeric_limits<T>::max() ? fmt::format("to {}", most) : "on";
-      return fmt::format("not a {} from {} {}", std::is_integral_v<T> ? "whole number" : "number", least, end);
-    }
-    value = *given;
-    return std::nullopt;
-  });
-}
-
 bool Subcommand::is_given(const std::string& name) const {
   const CLI::Option* option = app_->get_option_no_throw(name);
   return option != nullptr && option->count() > 0;
@@ -115,21 +76,8 @@ ExitCode Subcommand::run(const std::stop_token& stop) const {
   for (const auto& check : checks_) {
     for (auto& violation : check()) violations.push_back(std::move(violation));
   }
-  if (!violations.empty()) fail(ErrorKind::kUsage, joined(violations, "; "));
+  if (!violations.empty()) fail(ErrorKind::kUsage, fmt::format("{}", fmt::join(violations, "; ")));
   return action_(stop);
 }
-
-std::string Subcommand::joined(const std::vector<std::string>& words, const std::string& separator) {
-  return fmt::format("{}", fmt::join(words, separator));
-}
-
-#define MAPJOIN_INSTANTIATE(T)                             \
-  template std::optional<T> number_in(const std::string&); \
-  template void Subcommand::number(const std::string&, T&, T, const std::string&, std::string, T);
-MAPJOIN_INSTANTIATE(int)
-MAPJOIN_INSTANTIATE(std::int64_t)
-MAPJOIN_INSTANTIATE(std::uint64_t)
-MAPJOIN_INSTANTIATE(double)
-#undef MAPJOIN_INSTANTIATE
 
 }  // namespace mapjoin::apps

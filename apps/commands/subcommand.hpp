@@ -3,8 +3,13 @@
 // The command line: subcommands, with their options as they are declared, everything that is wrong with those given, and what
 // they do.
 
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <algorithm>
 #include <apps/exit_code.hpp>
-#include <cstdint>
+#include <charconv>
+#include <cmath>
 #include <filesystem>
 #include <functional>
 #include <limits>
@@ -13,8 +18,12 @@
 #include <mapjoin/model/error.hpp>
 #include <memory>
 #include <optional>
+#include <ranges>
+#include <sstream>
 #include <stop_token>
 #include <string>
+#include <string_view>
+#include <type_traits>
 #include <utility>
 #include <vector>
 
@@ -25,12 +34,15 @@ class Option;
 
 namespace mapjoin::apps {
 
-/// The whole of `word` as a number, finite where it is not whole: int, std::int64_t, std::uint64_t or double.
+/// The whole of `word` as a number, finite where it is not whole.
 template <typename T>
-std::optional<T> number_in(const std::string& word);
-
-/// What stands between the commas of a list; a comma at its end has an empty word behind it.
-std::vector<std::string> words_between_commas(const std::string& list);
+std::optional<T> number_in(const std::string& word) {
+  T value{};
+  const char* const end = word.data() + word.size();
+  const auto [rest, failure] = std::from_chars(word.data(), end, value);
+  if (failure != std::errc() || rest != end || !std::isfinite(static_cast<double>(value))) return std::nullopt;
+  return value;
+}
 
 /// Values that options are bound to must outlive the subcommand; its action can own them.
 class Subcommand {
@@ -60,6 +72,23 @@ class Subcommand {
             bool is_required = false);
   void option(const std::string& name, const std::string& kind, const std::string& help, Take take);
 
+  /// Items with commas between them, each of which `item` makes of its word; a repeated one counts once. Where it makes nothing
+  /// of a word, not even of the empty one behind a comma at the end, `violation` ends the sentence.
+  template <typename T>
+  void list(const std::string& name, const std::string& kind, const std::string& help, std::vector<T>& values,
+            std::optional<T> (*item)(const std::string& word), const std::string& violation) {
+    option(name, kind, help, [&values, item, violation](const std::string& list) -> std::optional<std::string> {
+      values.clear();
+      std::istringstream words(list + ",");
+      for (std::string word; std::getline(words, word, ',');) {
+        const std::optional<T> value = item(word);
+        if (!value) return violation;
+        if (std::ranges::find(values, *value) == values.end()) values.push_back(*value);
+      }
+      return std::nullopt;
+    });
+  }
+
   /// Former words of an option, which it still takes, and those that stand for them now.
   using Aliases = std::map<std::string, std::string>;
 
@@ -71,29 +100,36 @@ class Subcommand {
   template <typename T, std::size_t Count>
   void choice(const std::string& name, T& value, const std::array<EnumName<T>, Count>& words, const std::string& help,
               const Aliases& aliases = {}) {
-    std::vector<std::string> all;
-    std::string given_by_default;
-    for (const auto& [meaning, word] : words) {
-      all.emplace_back(word);
-      if (meaning == value) given_by_default = word;
-    }
-    option(name, joined(all, "|"), help + " [" + given_by_default + "]", [&value, words, all, aliases](const std::string& given) {
-      const auto former = aliases.find(given);
-      const std::string& word = former == aliases.end() ? given : former->second;
-      for (const auto& [meaning, name_of_choice] : words) {
-        if (name_of_choice != word) continue;
-        value = meaning;
-        return std::optional<std::string>();
-      }
-      return std::optional<std::string>("not " + joined(all, " or "));
-    });
+    constexpr auto names_in = [](const auto& table) { return table | std::views::transform(&EnumName<T>::name); };
+    const std::string_view by_default = std::ranges::find(words, value, &EnumName<T>::value)->name;
+    option(name, fmt::format("{}", fmt::join(names_in(words), "|")), fmt::format("{} [{}]", help, by_default),
+           [=, &value](const std::string& given) -> std::optional<std::string> {
+             const auto former = aliases.find(given);
+             const std::string_view word = former == aliases.end() ? given : former->second;
+             const auto meant = std::ranges::find(words, word, &EnumName<T>::name);
+             if (meant == words.end()) return fmt::format("not {}", fmt::join(names_in(words), " or "));
+             value = meant->value;
+             return std::nullopt;
+           });
   }
 
   /// A number from `least` to `most` (and finite); whole where T is. The value as it stands is the default, which the help
   /// names unless it ends with one, as in "[all processors]".
   template <typename T>
   void number(const std::string& name, T& value, T least, const std::string& kind, std::string help,
-              T most = std::numeric_limits<T>::max());
+              T most = std::numeric_limits<T>::max()) {
+    if (!help.ends_with(']'))
+      help += std::is_integral_v<T> ? fmt::format(" [{}]", value) : fmt::format(" [{:.6g}]", static_cast<double>(value));
+    option(name, kind, help, [&value, least, most](const std::string& word) -> std::optional<std::string> {
+      const std::optional<T> given = number_in<T>(word);
+      if (!given || *given < least || *given > most) {
+        const std::string end = most < std::numeric_limits<T>::max() ? fmt::format("to {}", most) : "on";
+        return fmt::format("not a {} from {} {}", std::is_integral_v<T> ? "whole number" : "number", least, end);
+      }
+      value = *given;
+      return std::nullopt;
+    });
+  }
 
   /// Called after parsing: what is wrong, in words, with options that are right one by one.
   void check(std::function<std::vector<std::string>()> violations) { checks_.push_back(std::move(violations)); }
@@ -106,7 +142,6 @@ class Subcommand {
   ExitCode run(const std::stop_token& stop) const;
 
  private:
-  static std::string joined(const std::vector<std::string>& words, const std::string& separator);
   CLI::Option& grouped(CLI::Option& option) const;
 
   CLI::App* app_;

@@ -6,8 +6,8 @@
 #include <algorithm>
 #include <apps/picture/markup.hpp>
 #include <apps/picture/picture.hpp>
+#include <apps/report/compare_report.hpp>
 #include <apps/report/report.hpp>
-#include <apps/report/study_reports.hpp>
 #include <filesystem>
 #include <mapjoin/join/tolerances.hpp>
 #include <string_view>
@@ -27,9 +27,6 @@ std::string element(const std::string& name, const std::string& text, const std:
   return fmt::format("<{0}{1}>{2}</{0}>", name, attributes, escaped(text));
 }
 
-std::string heading(const std::string& text) {
-  return element("h2", text) + "\n";
-}
 std::string paragraph(const std::string& text) {
   return element("p", text) + "\n";
 }
@@ -69,44 +66,35 @@ std::string introduction(const ComparisonFigures& comparison) {
       comparison.cases.size(), best.polished.chi2, best.run.dof, reached, comparison.cases.size());
 }
 
-/// Cases that end in the same map, by its chi2.
-using Solution = std::vector<std::size_t>;
-
-/// The best first.
-std::vector<Solution> solutions_of(const std::vector<CaseFigures>& cases) {
-  const auto chi2_of = [&](std::size_t k) { return cases[k].polished.chi2; };
+/// Cases that end in the same map, by its chi2; the best first.
+std::vector<std::vector<std::size_t>> solutions_of(const std::vector<CaseFigures>& cases) {
   std::vector<std::size_t> order;
   for (std::size_t k = 0; k < cases.size(); ++k) {
     if (cases[k].has_map()) order.push_back(k);
   }
-  std::stable_sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) { return chi2_of(a) < chi2_of(b); });
-  std::vector<Solution> solutions;
-  for (const std::size_t k : order) {
-    if (solutions.empty() || !is_same_chi2(chi2_of(k), chi2_of(solutions.back().front()))) solutions.emplace_back();
-    solutions.back().push_back(k);
-  }
-  return solutions;
+  std::ranges::stable_sort(order, {}, [&](std::size_t k) { return cases[k].polished.chi2; });
+  return grouped(order, cases,
+                 [](const CaseFigures& a, const CaseFigures& b) { return is_same_chi2(a.polished.chi2, b.polished.chi2); });
 }
 
 /// The best map, and beside it the trajectories of as many others as there are colours for.
 template <int Dim>
 std::string picture_of_solutions(const Comparison<Dim>& comparison, const std::vector<Session>& sessions) {
-  const std::vector<Solution> solutions = solutions_of(comparison.cases);
+  const auto solutions = solutions_of(comparison.cases);
   const std::size_t drawn = std::min(solutions.size(), kDistinctColours.size());
   std::vector<Layer> layers;
   for (std::size_t s = drawn; s-- > 0;) {
     const CaseFigures& first = comparison.cases[solutions[s].front()];
     const GlobalMap<Dim>& map = comparison.maps[solutions[s].front()].polished;
     const std::size_t ways = solutions[s].size();
-    Layer layer{
-        fmt::format("chi2 {:.7g}: {}", first.polished.chi2, ways > 1 ? fmt::format("{} ways", ways) : to_string(first.way)),
-        {kDistinctColours[s]},
-        trajectory_lines(map.poses, sessions),
-        {},
-        {}};
+    const std::string what = ways > 1 ? fmt::format("{} ways", ways) : to_string(first.way);
+    Layer layer{fmt::format("chi2 {:.7g}: {}", first.polished.chi2, what),
+                {kDistinctColours[s]},
+                trajectory_lines(map.poses, sessions),
+                s == 0 ? from_above(map.features) : std::vector<Point<2>>(),
+                {},
+                s == 0 ? 1.4 : 1.0};
     layer.is_framed = s == 0;
-    layer.width = s == 0 ? 1.4 : 1.0;
-    if (s == 0) layer.marks = from_above(map.features);
     layers.push_back(std::move(layer));
   }
   std::string caption = "The best map: trajectory and features.";
@@ -152,10 +140,10 @@ std::string compare_page(const RunReport& run_report, const Comparison<Dim>& com
   }
   body += "</dl>\n";
   for (const auto& [name, note, table] : tables) {
-    body += heading(name) + table_of(table) + element("p", note, " class=\"note\"") + "\n";
+    body += element("h2", name) + "\n" + table_of(table) + element("p", note, " class=\"note\"") + "\n";
   }
-  body += heading("The maps") + picture_of_solutions(comparison, sessions);
-  body += heading("Original and identity covariance") +
+  body += element("h2", "The maps") + "\n" + picture_of_solutions(comparison, sessions) +
+          element("h2", "Original and identity covariance") + "\n" +
           about_weights(comparison, run_report.conventions.covariance, other, sessions);
   return html_page(title, embedded::compare_style, body);
 }

@@ -2,9 +2,9 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <apps/report/study_reports.hpp>
+#include <apps/report/compare_report.hpp>
 #include <cmath>
-#include <set>
+#include <numeric>
 
 namespace mapjoin::apps {
 namespace {
@@ -13,9 +13,6 @@ constexpr double kShownAlike = 1e-4;   // for people, as a share of it
 constexpr std::size_t kForPeople = 3;  // of 1, 2, 5, 10, …: the powers of ten
 
 using Columns = std::vector<Column>;
-
-const Columns kProblem = {{"formulation", "problem"}, {"steps_per_map", "steps per map"}};
-const Column kResult = {"result", "result"};
 
 const Columns kCost = {{"join_chi2", "chi2 of the join", 10, "/join/chi2"},
                        {"joined_chi2", "chi2 before polishing", 10, "/joined/chi2"},
@@ -27,15 +24,18 @@ const Columns kCost = {{"join_chi2", "chi2 of the join", 10, "/join/chi2"},
                        {"system_mb", "system (MB)", 3, "/system_bytes", 1e-6},
                        {"memory_mb", "memory (MB)", 3, "/effort/memory_bytes", 1e-6}};
 
-/// Of the joined estimate or the polished one (`side`), as they stand beside the best map; the parts named.
-void add_distances(const std::string& side, const std::set<std::string>& parts, Columns& columns) {
-  struct Part {
-    std::string name, unit, path;
-  };
-  for (const auto& [name, unit, path] :
-       {Part{"poses", "m", "poses/translation"}, {"turns", "rad", "poses/rotation"}, {"features", "m", "features"}}) {
+/// A kind of errors, as a report has it.
+struct Part {
+  std::string name, unit, path;
+};
+const Part kPoses{"poses", "m", "poses/translation"};
+const Part kTurns{"turns", "rad", "poses/rotation"};
+const Part kFeatures{"features", "m", "features"};
+
+/// Of the joined estimate or the polished one (`side`), as they stand beside the best map.
+void add_distances(const std::string& side, const std::vector<Part>& parts, Columns& columns) {
+  for (const auto& [name, unit, path] : parts) {
     for (const std::string word : {"max", "rms"}) {
-      if (!parts.contains(name)) continue;
       columns.push_back({fmt::format("{}_{}_{}_{}", side, name, word, unit),
                          fmt::format("{} {} {} ({})", side, name, word, unit), 2,
                          fmt::format("/{}/from_best/{}/{}", side, path, word)});
@@ -59,10 +59,13 @@ void add_truth(const std::string& side, const std::vector<std::size_t>& spans, s
   }
 }
 
-Columns joined(std::initializer_list<Columns> parts) {
-  Columns all;
-  for (const Columns& part : parts) all.insert(all.end(), part.begin(), part.end());
-  return all;
+/// The problem, what tells its ways apart, figures, and what came of it.
+ReportTable table_with(const Columns& ways, const Columns& figures) {
+  ReportTable table{{{"formulation", "problem"}, {"steps_per_map", "steps per map"}}, {}};
+  for (const Columns& part : {ways, figures, {{"result", "result"}}}) {
+    table.columns.insert(table.columns.end(), part.begin(), part.end());
+  }
+  return table;
 }
 
 RowKind kind_of(const CaseFigures& figures) {
@@ -71,32 +74,20 @@ RowKind kind_of(const CaseFigures& figures) {
 
 /// One row per case.
 ReportTable table_of(const Columns& columns, const ComparisonFigures& comparison, const Json& cases) {
-  ReportTable table{joined({kProblem, {{"state", "state"}, {"schedule", "schedule"}}, columns, {kResult}}), {}};
+  ReportTable table = table_with({{"state", "state"}, {"schedule", "schedule"}}, columns);
   for (std::size_t k = 0; k < cases.size(); ++k) table.add(cases[k], kind_of(comparison.cases[k]));
   return table;
 }
 
-/// Cases of the same maps, joined and polished.
-using Alike = std::vector<std::size_t>;
-
+/// Whether two cases give the same maps, joined and polished.
 bool are_alike(const CaseFigures& a, const CaseFigures& b) {
   const auto is_same = [](double x, double y) { return std::abs(x - y) <= kShownAlike * std::max({1.0, x, y}); };
   return a.way.poses_per_map == b.way.poses_per_map && a.failure == b.failure && a.reaches_best == b.reaches_best &&
          is_same(a.joined.chi2, b.joined.chi2) && is_same(a.polished.chi2, b.polished.chi2);
 }
 
-std::vector<Alike> alike_in(const std::vector<CaseFigures>& cases) {
-  std::vector<Alike> groups;
-  for (std::size_t k = 0; k < cases.size(); ++k) {
-    const auto group = std::find_if(groups.begin(), groups.end(),
-                                    [&](const Alike& alike) { return are_alike(cases[alike.front()], cases[k]); });
-    (group == groups.end() ? groups.emplace_back() : *group).push_back(k);
-  }
-  return groups;
-}
-
 /// "all", "all but …", or the names of those that are alike.
-std::string ways_in_words(const Alike& alike, const std::vector<CaseFigures>& cases) {
+std::string ways_in_words(const std::vector<std::size_t>& alike, const std::vector<CaseFigures>& cases) {
   std::vector<std::string> ours, others;
   for (std::size_t k = 0; k < cases.size(); ++k) {
     const ComparedCase& way = cases[k].way;
@@ -111,11 +102,12 @@ std::string ways_in_words(const Alike& alike, const std::vector<CaseFigures>& ca
 
 /// One row for all cases that are alike, with the figures of the one farthest from the best map.
 ReportTable short_table_of(const Columns& columns, const ComparisonFigures& comparison, const Json& cases) {
-  ReportTable table{joined({kProblem, {{"ways", "ways"}}, columns, {kResult}}), {}};
+  ReportTable table = table_with({{"ways", "ways"}}, columns);
   const auto distance = [&](std::size_t k) { return comparison.cases[k].polished.from_best.poses.translation.max; };
-  for (const Alike& alike : alike_in(comparison.cases)) {
-    const std::size_t farthest =
-        *std::max_element(alike.begin(), alike.end(), [&](std::size_t a, std::size_t b) { return distance(a) < distance(b); });
+  std::vector<std::size_t> all(cases.size());
+  std::iota(all.begin(), all.end(), 0U);
+  for (const auto& alike : grouped(all, comparison.cases, are_alike)) {
+    const std::size_t farthest = *std::ranges::max_element(alike, {}, distance);
     Json row = cases[farthest];
     row["ways"] = ways_in_words(alike, comparison.cases);
     table.add(row, kind_of(comparison.cases[farthest]));
@@ -145,8 +137,8 @@ std::vector<NamedTable> tables_of(const ComparisonFigures& comparison, const Jso
        "last join and of the polish. System: the local maps' information matrices and the factor of the joint system. Memory: "
        "by how much the process grew at most.",
        table_of(kCost, comparison, cases)}};
-  std::set<std::string> parts = {"poses"};
-  if (comparison.cases[comparison.best].polished.from_best.features.count > 0) parts.insert("features");
+  std::vector<Part> parts = {kPoses};
+  if (comparison.cases[comparison.best].polished.from_best.features.count > 0) parts.push_back(kFeatures);
   Columns distances;
   add_distances("joined", parts, distances);
   add_spans("joined", comparison.spans, kForPeople, distances);
@@ -169,7 +161,7 @@ std::vector<NamedTable> tables_of(const ComparisonFigures& comparison, const Jso
 ReportTable whole_table(const ComparisonFigures& comparison, const Json& cases) {
   Columns columns = kCost;
   for (const char* side : {"joined", "polished"}) {
-    add_distances(side, {"poses", "turns", "features"}, columns);
+    add_distances(side, {kPoses, kTurns, kFeatures}, columns);
     add_spans(side, comparison.spans, 1, columns);
     if (has_truth(comparison)) add_truth(side, comparison.spans, 1, columns);
   }

@@ -3,16 +3,12 @@
 // Whether a log or a set of maps hangs together: connected components over poses, features and the World.
 
 #include <mapjoin/model/error.hpp>
-#include <mapjoin/model/log.hpp>
-#include <mapjoin/model/submap_set.hpp>
 
 namespace mapjoin {
 
 /// Bad input where there is more than one component, naming a pose or feature of each of the first few; a feature that nothing
 /// observes is named as such. The World ties together all that it fixes or has priors for.
-template <int Dim>
-Expected<void> check_connected(const Log<Dim>& log);
-template <int Dim>
-Expected<void> check_connected(const SubmapSet<Dim>& set);
+template <typename LogOrSet>
+Expected<void> check_connected(const LogOrSet& tied);
 
 }  // namespace mapjoin

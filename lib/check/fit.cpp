@@ -65,16 +65,6 @@ std::string name_of(const FeatureFactor<Dim>& o, const Log<Dim>& log) {
   return fmt::format("{} from {}", name_of(of.feature(o.target), log), name_of(of.pose(o.base), log));
 }
 
-template <int Dim, typename Observation>
-void add_kind(std::string kind, std::span<const Observation> all, const Log<Dim>& log, const Values<Dim>& state,
-              std::vector<KindFit>& fits) {
-  if (all.empty()) return;
-  std::vector<WeighedResidual> residuals;
-  residuals.reserve(all.size());
-  for (const Observation& o : all) residuals.push_back(weighed(o, state));
-  fits.push_back(kind_fit(std::move(kind), residuals, [&](std::size_t i) { return name_of(all[i], log); }));
-}
-
 }  // namespace
 
 KindFit kind_fit(std::string kind, const std::vector<WeighedResidual>& residuals,
@@ -103,11 +93,17 @@ KindFit kind_fit(std::string kind, const std::vector<WeighedResidual>& residuals
 template <int Dim>
 std::vector<KindFit> fits_of(const Log<Dim>& log, const Values<Dim>& state) {
   std::vector<KindFit> fits;
-  add_kind("odometry", log.odometry(), log, state, fits);
-  add_kind("closures", log.closures(), log, state, fits);
-  add_kind("observations", log.observations(), log, state, fits);
-  add_kind("priors of poses", log.pose_priors(), log, state, fits);
-  add_kind("priors of features", log.feature_priors(), log, state, fits);
+  const auto add = [&](const char* kind, const auto& all) {
+    if (all.empty()) return;
+    std::vector<WeighedResidual> residuals;
+    for (const auto& o : all) residuals.push_back(weighed(o, state));
+    fits.push_back(kind_fit(kind, residuals, [&](std::size_t i) { return name_of(all[i], log); }));
+  };
+  add("odometry", log.odometry());
+  add("closures", log.closures());
+  add("observations", log.observations());
+  add("priors of poses", log.pose_priors());
+  add("priors of features", log.feature_priors());
   return fits;
 }
 

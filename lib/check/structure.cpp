@@ -32,33 +32,20 @@ Places features_seen(std::size_t wanted, const Table<FeatureIndex, std::size_t>&
 }
 
 template <typename Tied>
-void check_unobserved(const Tied& tied, const Table<FeatureIndex, std::size_t>& times, Findings& findings) {
+void check_features(const Tied& tied, Findings& findings) {
+  constexpr bool kIsLog = requires { tied.observations(); };
+  constexpr std::size_t kEnoughToJudge = 20;
+  const Table<FeatureIndex, std::size_t> times = times_seen(tied);
   const Places never = features_seen(0, times, tied);
   add_if_any(findings, {FindingLevel::kError, "unobserved",
                         fmt::format("declared, but never observed: {} of {} features", never.count, times.size()), never});
-}
-
-template <int Dim>
-void check_features(const Log<Dim>& log, Findings& findings) {
-  constexpr std::size_t kEnoughToJudge = 20;
-  const Table<FeatureIndex, std::size_t> times = times_seen(log);
-  check_unobserved(log, times, findings);
-  const Places once = features_seen(1, times, log);
-  const bool is_most = times.size() >= kEnoughToJudge && 2 * once.count > times.size();
+  const Places once = features_seen(1, times, tied);
+  const char* const what = kIsLog ? "seen once only, which adds nothing to the map" : "in one map only, which ties it to no other";
+  const bool is_most = kIsLog && times.size() >= kEnoughToJudge && 2 * once.count > times.size();
   add_if_any(findings, {is_most ? FindingLevel::kWarning : FindingLevel::kNote, "seen_once",
-                        fmt::format("seen once only, which adds nothing to the map: {} of {} features{}", once.count,
-                                    times.size(), is_most ? "; does each have one id whenever it is seen?" : ""),
+                        fmt::format("{}: {} of {} features{}", what, once.count, times.size(),
+                                    is_most ? "; does each have one id whenever it is seen?" : ""),
                         once});
-}
-
-template <int Dim>
-void check_features(const SubmapSet<Dim>& set, Findings& findings) {
-  const Table<FeatureIndex, std::size_t> times = times_seen(set);
-  check_unobserved(set, times, findings);
-  const Places once = features_seen(1, times, set);
-  add_if_any(findings,
-             {FindingLevel::kNote, "seen_once",
-              fmt::format("in one map only, which ties it to no other: {} of {} features", once.count, times.size()), once});
 }
 
 template <typename Tied>

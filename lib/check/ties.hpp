@@ -27,13 +27,10 @@ struct TieVertices {
 };
 static_assert(kWorld == -1, "the World is the pose before the first");
 
-template <int Dim>
-TieVertices vertices_of(const Log<Dim>& log) {
-  return {log.poses.size(), log.features.size()};
-}
-template <int Dim>
-TieVertices vertices_of(const SubmapSet<Dim>& set) {
-  return {set.poses.size(), set.features.size()};
+/// Of a log or a set of maps.
+template <typename Tied>
+TieVertices vertices_of(const Tied& tied) {
+  return {tied.poses.size(), tied.features.size()};
 }
 
 /// "the World", "pose 17" or "feature 3". `names` is the log or the set.

@@ -79,10 +79,9 @@ void add_miss(const Table<PoseIndex, Pose<2>>& steps, PoseIndex first, PoseIndex
   misses.as_degrees.push_back((by_degrees - seen_first).norm());
 }
 
-/// Features seen again after a few steps, and closures over a few steps; a sample of those in a long log.
+/// Features seen again after a few steps, and closures over a few steps.
 Misses short_loops(const Log<2>& log) {
   constexpr int kMostSteps = 10;
-  constexpr std::size_t kMost = 20000;
   const Table<PoseIndex, Pose<2>> steps = steps_of(log);
   Misses misses;
   Table<FeatureIndex, const FeatureFactor<2>*> last_seen(log.features.size());
@@ -92,7 +91,6 @@ Misses short_loops(const Log<2>& log) {
       add_miss(steps, before->base, seen.base, before->measured, seen.measured, misses);
     }
     before = &seen;
-    if (misses.as_given.size() == kMost) return misses;
   }
   for (const PoseFactor<2>& closure : log.closures()) {
     if (std::abs(closure.target - closure.base) > kMostSteps) continue;
@@ -106,7 +104,7 @@ Misses short_loops(const Log<2>& log) {
 
 void check_loops(const Log<2>& log, Findings& findings) {
   constexpr double kBetter = 3.0;
-  Misses misses = short_loops(log);
+  const Misses misses = short_loops(log);
   const std::size_t loops = misses.as_given.size();
   if (loops < kLeastSamples) return;
   const double as_given = median(misses.as_given);

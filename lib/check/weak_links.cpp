@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <boost/graph/biconnected_components.hpp>
 #include <boost/graph/core_numbers.hpp>
+#include <iterator>
 #include <limits>
 #include <map>
 #include <mapjoin/check/ties.hpp>
@@ -11,29 +12,15 @@
 namespace mapjoin {
 namespace {
 
-/// The edges of a graph without loops, each once, the smaller end first, and whether there are several of it.
-struct Edges {
-  std::vector<Edge> ends;
-  std::vector<bool> is_repeated;
-};
-
+/// The edges of a graph without loops, sorted, the smaller end first.
 template <typename Tied>
-Edges edges_of(const Tied& tied) {
-  std::vector<Edge> all = ties_of(tied);
-  for (auto& [first, second] : all) {
+std::vector<Edge> sorted_ties(const Tied& tied) {
+  std::vector<Edge> ties = ties_of(tied);
+  for (auto& [first, second] : ties) {
     if (first > second) std::swap(first, second);
   }
-  std::sort(all.begin(), all.end());
-  Edges edges;
-  for (const Edge& edge : all) {
-    if (!edges.ends.empty() && edges.ends.back() == edge) {
-      edges.is_repeated.back() = true;
-    } else {
-      edges.ends.push_back(edge);
-      edges.is_repeated.push_back(false);
-    }
-  }
-  return edges;
+  std::ranges::sort(ties);
+  return ties;
 }
 
 /// Per vertex its degree in what is left when vertices with one edge are taken away, again and again: 0, or 2 and more.
@@ -55,7 +42,7 @@ std::vector<std::size_t> edge_components(const Graph& graph, std::size_t edges) 
   return component;
 }
 
-/// Bridges are in one chain where they meet at a vertex that has no other edge.
+/// Bridges, in order, are in one chain where they meet at a vertex that has no other edge.
 std::vector<LoneChain> chains_of(const std::vector<Edge>& bridges, const std::vector<std::size_t>& degree) {
   std::map<std::size_t, Vertex> bridge_at;  // Of the vertices of two edges, the bridge that was there first.
   std::vector<Edge> meetings;
@@ -67,17 +54,14 @@ std::vector<LoneChain> chains_of(const std::vector<Edge>& bridges, const std::ve
     }
   }
   const std::vector<std::uint32_t> chain_of = components_of(make_graph(bridges.size(), meetings));
-  std::map<std::size_t, LoneChain> chains;
+  std::vector<LoneChain> chains;
   for (std::size_t b = 0; b < bridges.size(); ++b) {
-    LoneChain& chain = chains.emplace(chain_of[b], LoneChain{bridges[b].first, 0, 0}).first->second;
-    chain.first = std::min<std::size_t>(chain.first, bridges[b].first);
+    if (chain_of[b] == chains.size()) chains.push_back({bridges[b].first, 0, 0});
+    LoneChain& chain = chains[chain_of[b]];
     chain.last = std::max<std::size_t>(chain.last, bridges[b].second);
     ++chain.edges;
   }
-  std::vector<LoneChain> sorted;
-  for (const auto& [root, chain] : chains) sorted.push_back(chain);
-  std::sort(sorted.begin(), sorted.end(), [](const auto& a, const auto& b) { return a.first < b.first; });
-  return sorted;
+  return chains;
 }
 
 /// The features in several of the components, edges outside of the core left out.
@@ -98,35 +82,27 @@ std::vector<std::size_t> cut_features(const std::vector<Edge>& edges, const std:
   return features;
 }
 
-template <typename Tied>
-WeakLinks links_of(const Tied& tied) {
+}  // namespace
+
+template <typename LogOrSet>
+WeakLinks weak_links(const LogOrSet& tied) {
   const TieVertices vertices = vertices_of(tied);
-  const Edges edges = edges_of(tied);
-  const Graph graph = make_graph(vertices.size(), edges.ends);
+  const std::vector<Edge> ties = sorted_ties(tied);
+  std::vector<Edge> edges;  // each once
+  std::ranges::unique_copy(ties, std::back_inserter(edges));
+  const Graph graph = make_graph(vertices.size(), edges);
   const std::vector<std::size_t> degree = core_degrees(graph);
-  const std::vector<std::size_t> component = edge_components(graph, edges.ends.size());
-  std::vector<std::size_t> size(edges.ends.size());
+  const std::vector<std::size_t> component = edge_components(graph, edges.size());
+  std::vector<std::size_t> size(edges.size());
   for (const std::size_t c : component) ++size[c];
 
   std::vector<Edge> bridges;
-  for (std::size_t e = 0; e < edges.ends.size(); ++e) {
-    const auto [a, b] = edges.ends[e];
-    const bool is_bridge = size[component[e]] == 1 && !edges.is_repeated[e] && degree[a] > 0 && degree[b] > 0;
-    if (is_bridge && !vertices.is_feature(b)) bridges.push_back(edges.ends[e]);
+  for (std::size_t e = 0; e < edges.size(); ++e) {
+    const auto [a, b] = edges[e];
+    if (size[component[e]] > 1 || vertices.is_feature(b) || degree[a] == 0 || degree[b] == 0) continue;
+    if (std::ranges::equal_range(ties, edges[e]).size() == 1) bridges.push_back(edges[e]);
   }
-  return {chains_of(bridges, degree), cut_features(edges.ends, component, degree, vertices)};
-}
-
-}  // namespace
-
-template <int Dim>
-WeakLinks weak_links(const Log<Dim>& log) {
-  return links_of(log);
-}
-
-template <int Dim>
-WeakLinks weak_links(const SubmapSet<Dim>& set) {
-  return links_of(set);
+  return {chains_of(bridges, degree), cut_features(edges, component, degree, vertices)};
 }
 
 template WeakLinks weak_links(const Log<2>&);

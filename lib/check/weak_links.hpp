@@ -3,8 +3,6 @@
 // Where a log or a set of maps is one edge or one feature away from falling apart.
 
 #include <cstddef>
-#include <mapjoin/model/log.hpp>
-#include <mapjoin/model/submap_set.hpp>
 #include <vector>
 
 namespace mapjoin {
@@ -24,9 +22,7 @@ struct WeakLinks {
 };
 
 /// By the biconnected components of the graph. O(ties log ties).
-template <int Dim>
-WeakLinks weak_links(const Log<Dim>& log);
-template <int Dim>
-WeakLinks weak_links(const SubmapSet<Dim>& set);
+template <typename LogOrSet>
+WeakLinks weak_links(const LogOrSet& tied);
 
 }  // namespace mapjoin

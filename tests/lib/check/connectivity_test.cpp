@@ -3,6 +3,8 @@
 #include <gtest/gtest.h>
 
 #include <mapjoin/check/connectivity.hpp>
+#include <mapjoin/model/log.hpp>
+#include <mapjoin/model/submap_set.hpp>
 #include <tests/support/dimensions.hpp>
 
 namespace mapjoin {

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <mapjoin/check/fit.hpp>
 #include <mapjoin/measure/chi2.hpp>
+#include <mapjoin/measure/statistics.hpp>
 #include <mapjoin/simulate/random_stream.hpp>
 #include <tests/support/dimensions.hpp>
 #include <tests/support/small_world.hpp>
@@ -70,6 +71,16 @@ TEST(Fit, FindsOutliersWhateverTheScale) {
     EXPECT_EQ(fit.outliers.names[1].substr(0, 9), "number 17");
     EXPECT_EQ(fit.worst, residuals[400].chi2);
   }
+}
+
+TEST(Fit, TakesForAnOutlierWhatOneOfAThousandKindsOfSoManyHas) {
+  std::vector<WeighedResidual> residuals(500, {chi_squared_quantile(0.5, 3.0), 3});
+  const double most = chi_squared_quantile(1.0 - 1e-3 / 500.0, 3.0);
+  residuals[3].chi2 = 0.99 * most;
+  residuals[5].chi2 = 1.01 * most;
+  const KindFit fit = kind_fit("closures", residuals, name);
+  ASSERT_EQ(fit.outliers.count, 1u);
+  EXPECT_EQ(fit.outliers.names[0].substr(0, 8), "number 5");
 }
 
 TEST(Fit, KnowsNothingOfWhatMeasuresNothing) {

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <mapjoin/check/checks.hpp>
+#include <mapjoin/model/log_builder.hpp>
 #include <numbers>
 #include <tests/support/small_world.hpp>
 
@@ -54,6 +55,36 @@ TEST(Units, AreKnownByShortLoopsOfFeatures) {
 TEST(Units, AreKnownByTurnsBeyondAFullOne) {
   Log<2> log = in_degrees(world({.features = 0}));
   EXPECT_THAT(warnings_of(log), Not(IsEmpty()));
+}
+
+TEST(Units, AreDoubtedFromMoreThanOneTurnInAHundredBeyondAFullOne) {
+  for (const int poses : {101, 100}) {  // thus 100 and 99 edges
+    Log<2> log = world({.poses = poses, .features = 0, .closures = 0});
+    ASSERT_EQ(log.edges().size(), static_cast<std::size_t>(poses - 1));
+    log.graph.pose_factors[7].measured.rotation = Rotation<2>(7.0);
+    EXPECT_EQ(warnings_of(log).size(), poses == 100 ? 1U : 0U);
+  }
+}
+
+/// Steps that turn by 5 degrees, given as 5 radians; every feature is seen from a pose, and from the one so many steps later.
+Log<2> seen_again_after(std::uint64_t steps) {
+  const Point<2> seen_first(3.0, 1.0);
+  Point<2> seen_last = seen_first;
+  for (std::uint64_t step = 0; step < steps; ++step) {
+    seen_last = transform(inverse(Pose<2>{{1.0, 0.0}, Rotation<2>(5.0 / kDegrees)}), seen_last);
+  }
+  LogBuilder<2> builder("again");
+  for (std::uint64_t pose = 0; pose < 60; ++pose) {
+    builder.add_pose_edge({0, pose}, {0, pose + 1}, {{1.0, 0.0}, Rotation<2>(5.0)}, PoseMatrix<2>::Identity());
+    builder.add_observation({0, pose}, {pose}, seen_first, PointMatrix<2>::Identity());
+    if (pose >= steps) builder.add_observation({0, pose}, {pose - steps}, seen_last, PointMatrix<2>::Identity());
+  }
+  return std::move(builder).finish().value();
+}
+
+TEST(Units, AreJudgedByLoopsOfUpToTenSteps) {
+  EXPECT_THAT(warnings_of(seen_again_after(10)), ::testing::ElementsAre("degrees"));
+  EXPECT_THAT(warnings_of(seen_again_after(11)), IsEmpty());
 }
 
 TEST(Units, OfValuesAreComparedWithThoseOfEdges) {

@@ -1,28 +1,15 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
-// What the studies found: tables for people, reports by docs/report.md and CSV for programs, and a page with pictures.
+// What `mapjoin compare` found: tables for people, from the report and for CSV, and a page with pictures.
 
+#include <algorithm>
 #include <apps/report/run_report.hpp>
 #include <apps/report/table.hpp>
-#include <mapjoin/join/study/basin.hpp>
 #include <mapjoin/join/study/comparison.hpp>
-#include <mapjoin/join/study/convexity.hpp>
-#include <mapjoin/model/conventions.hpp>
 #include <string>
-#include <utility>
 #include <vector>
 
 namespace mapjoin::apps {
-
-struct StudyOutput {
-  std::string text;
-  std::string json;
-  std::vector<std::pair<std::string, std::string>> files;  ///< Of the folder: name and content.
-};
-
-StudyOutput basin_output(const Basin& basin, const RunReport& run_report);
-
-StudyOutput convexity_output(const Convexity& found, const ConvexityOptions& options, const RunReport& run_report);
 
 /// The optimum with the other weights than those compared (paper's Fig. 1).
 template <int Dim>
@@ -34,15 +21,21 @@ struct OtherWeights {
   GlobalMap<Dim> map;
 };
 
-/// The page is made only where there is a folder for it.
-template <int Dim>
-StudyOutput compare_output(const Comparison<Dim>& comparison, const OtherWeights<Dim>& other, const Log<Dim>& log,
-                           const RunReport& run_report);
-
-// The parts of compare_output().
-
 /// "best", "another minimum", either although the join did not converge, "did not converge: …", or why there is no map.
 std::string result_in_words(const CaseFigures& figures);
+
+/// Cases in groups of those that are alike, by the first of each; in their order.
+template <typename AreAlike>
+std::vector<std::vector<std::size_t>> grouped(const std::vector<std::size_t>& order, const std::vector<CaseFigures>& cases,
+                                              AreAlike&& are_alike) {
+  std::vector<std::vector<std::size_t>> groups;
+  for (const std::size_t k : order) {
+    const auto fits = [&](const auto& group) { return are_alike(cases[group.front()], cases[k]); };
+    const auto group = std::ranges::find_if(groups, fits);
+    (group == groups.end() ? groups.emplace_back() : *group).push_back(k);
+  }
+  return groups;
+}
 
 struct NamedTable {
   std::string name;
