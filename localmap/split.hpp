@@ -21,6 +21,7 @@ enum class SplitRule : std::uint8_t {
 struct SplitOptions {
   SplitRule rule = SplitRule::kAuto;
   double amount = 0.0;
+  bool operator==(const SplitOptions&) const = default;
 
   /// Every violation in words; empty if there is none.
   std::vector<std::string> validate() const;

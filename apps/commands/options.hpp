@@ -8,11 +8,6 @@
 #include <mapjoin/model/log.hpp>
 #include <string>
 
-namespace mapjoin {
-inline bool operator==(const SplitOptions& a, const SplitOptions& b) {
-  return a.rule == b.rule && a.amount == b.amount;
-}  // TEMPORARY
-}  // namespace mapjoin
 namespace mapjoin::apps {
 
 struct Options {

@@ -35,16 +35,6 @@ struct LoadedMap {
 /// joined. kInterrupted on `stop`.
 LoadedMap load(const std::filesystem::path& path, const LoadOptions& options, const std::stop_token& stop);
 
-/// Puts the covariances of `map.covariances.json` beside `map.g2o`, or of `covariances.json` in the folder of a run, into the
-/// map that was read from there. Nothing where there are none; bad input where they are not of this map.
-template <int Dim>
-void read_covariances_beside(const std::filesystem::path& path, GlobalMap<Dim>& map);
-
-/// How the local maps of a run fit, by the `report.json` in its folder, over the poses of its map. Empty where there is none,
-/// where it does not say where they end, and where poses are of further sessions, which have other names in a g2o file. Bad
-/// input where it is not of this map.
-std::vector<MapFit> read_fits_beside(const std::filesystem::path& path, const PoseIds& poses);
-
 /// The submap graph joined map after map, as Schedule::kSequential does, each stop in the frame of `map`, the whole one: after
 /// every map, or of many after so many that a page can hold all stops. What is not yet tied to the first pose is left out. The
 /// last stop holds all maps, not yet solved for the last time.

@@ -57,7 +57,7 @@ inline void add_if_any(Findings& findings, Finding finding) {
 /// - `parts` (error): several components that nothing ties together.
 /// - `loose_body` (error), `weak_body` (warning): poses that are tied to the others by features only, by fewer than it takes to
 ///   hold them, Dim, or by just as many.
-/// - `weak_link`, `weak_feature` (warnings): see graph/weak_links.hpp.
+/// - `weak_link`, `weak_feature` (warnings): see check/weak_links.hpp.
 /// - `seen_once` (note; of a log a warning where it is most of them): features that add nothing to the map.
 /// - `breaks` (note): steps without odometry within one session of the user's.
 /// - `unassociated` (note): observations left out by the reader.
@@ -67,10 +67,10 @@ template <int Dim>
 Findings check_structure(const SubmapSet<Dim>& set);
 
 /// In the plane; in space nothing, for files give rotations there that degrees would not pass for.
-/// - `degrees` (warning): relative headings beyond a full turn, one in a hundred or more; or short loops, of odometry and what
-/// was seen before and after
-///   it, that close far better with headings taken as degrees; or headings of the file's values that turn 57.3 times more, or
-///   less, than its edges; or odometry whose heading is uncertain by more than a quarter turn.
+/// - `degrees` (warning): relative headings beyond a full turn, more than one in a hundred; or loops of up to ten steps, of
+///   odometry and what was seen before and after it, that close far better with headings taken as degrees; or headings of the
+///   file's values that turn 57.3 times more, or less, than its edges; or odometry whose heading is uncertain by more than a
+///   quarter turn.
 /// - `unwrapped` (note): relative headings between a half and a full turn, which are taken as they are.
 template <int Dim>
 Findings check_units(const Log<Dim>& log);
