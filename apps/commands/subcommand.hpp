@@ -18,7 +18,6 @@
 #include <mapjoin/model/error.hpp>
 #include <memory>
 #include <optional>
-#include <ranges>
 #include <sstream>
 #include <stop_token>
 #include <string>
@@ -100,14 +99,18 @@ class Subcommand {
   template <typename T, std::size_t Count>
   void choice(const std::string& name, T& value, const std::array<EnumName<T>, Count>& words, const std::string& help,
               const Aliases& aliases = {}) {
-    constexpr auto names_in = [](const auto& table) { return table | std::views::transform(&EnumName<T>::name); };
+    const auto listed = [words](std::string_view separator) {
+      std::vector<std::string_view> names;
+      for (const auto& [meaning, word] : words) names.push_back(word);
+      return fmt::format("{}", fmt::join(names, separator));
+    };
     const std::string_view by_default = std::ranges::find(words, value, &EnumName<T>::value)->name;
-    option(name, fmt::format("{}", fmt::join(names_in(words), "|")), fmt::format("{} [{}]", help, by_default),
+    option(name, listed("|"), fmt::format("{} [{}]", help, by_default),
            [=, &value](const std::string& given) -> std::optional<std::string> {
              const auto former = aliases.find(given);
              const std::string_view word = former == aliases.end() ? given : former->second;
              const auto meant = std::ranges::find(words, word, &EnumName<T>::name);
-             if (meant == words.end()) return fmt::format("not {}", fmt::join(names_in(words), " or "));
+             if (meant == words.end()) return "not " + listed(" or ");
              value = meant->value;
              return std::nullopt;
            });

@@ -12,7 +12,6 @@
 #include <cstdint>
 #include <functional>
 #include <limits>
-#include <ranges>
 
 namespace mapjoin::apps {
 
@@ -76,12 +75,13 @@ std::string triangles_of(const std::vector<Covariance>& covariances) {
 /// The features of all maps stand in one list; offsets say where each map's begin.
 Json local_maps_of(const std::vector<PlottedLocalMap>& maps) {
   std::vector<FeatureIndex> features;
+  std::vector<MapFit> fits;
   std::vector<std::size_t> offsets = {0};
   for (const PlottedLocalMap& map : maps) {
+    fits.push_back(map.fit);
     features.insert(features.end(), map.features.begin(), map.features.end());
     offsets.push_back(features.size());
   }
-  const auto fits = maps | std::views::transform(&PlottedLocalMap::fit);
   return {{"count", maps.size()},
           {"base", packed<std::uint32_t>(fits, [](const MapFit& fit) { return fit.base.value; })},
           {"end", packed<std::uint32_t>(fits, [](const MapFit& fit) { return fit.end.value; })},

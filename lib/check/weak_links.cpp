@@ -100,7 +100,8 @@ WeakLinks weak_links(const LogOrSet& tied) {
   for (std::size_t e = 0; e < edges.size(); ++e) {
     const auto [a, b] = edges[e];
     if (size[component[e]] > 1 || vertices.is_feature(b) || degree[a] == 0 || degree[b] == 0) continue;
-    if (std::ranges::equal_range(ties, edges[e]).size() == 1) bridges.push_back(edges[e]);
+    const auto [first, last] = std::equal_range(ties.begin(), ties.end(), edges[e]);
+    if (last - first == 1) bridges.push_back(edges[e]);
   }
   return {chains_of(bridges, degree), cut_features(edges, component, degree, vertices)};
 }

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -47,6 +48,16 @@ TEST(Check, WeighsResidualsAtTheJoinedMap) {
   EXPECT_EQ(report["dof"], 4762);
   EXPECT_EQ(report["estimate"], "joined");
   EXPECT_TRUE(checked({log, "--estimate", "none"}, 0)["fits"].empty());
+}
+
+TEST(Check, NamesTheFirstThreePlacesForPeople) {
+  const TemporaryFolder folder;
+  std::string log;
+  for (int pose = 0; pose < 5; ++pose) {
+    for (int twice = 0; twice < 2; ++twice) log += fmt::format("EDGE_SE2 {} {} 1 0 0 1 0 0 1 0 1\n", pose, pose + 1);
+  }
+  EXPECT_THAT(call({"check", folder.file("log.g2o", log).string()}).out,
+              HasSubstr("pose 0 to pose 1, pose 1 to pose 2, pose 2 to pose 3 and 2 more\n"));
 }
 
 TEST(Check, EndsWithOneWhereThereIsSomethingToLookAt) {

@@ -33,5 +33,14 @@ TYPED_TEST(JoinStopsTest, GrowMapByMapInTheFrameOfTheWholeMap) {
   }
 }
 
+TEST(JoinStops, AreAHundredAtMost) {
+  const auto set = testing::small_submap_set(testing::small_world<2>({.poses = 400}).log, 3.0);
+  ASSERT_GT(set.graph.submaps.size(), 110U);
+  const auto stops = join_stops(submap_graph_of(set), run(set, RunOptions{}).value().map, nullptr, {});
+  EXPECT_LE(stops.size(), 100U);
+  EXPECT_GT(stops.size(), 50U);
+  EXPECT_EQ(stops.back().maps, set.graph.submaps.size());
+}
+
 }  // namespace
 }  // namespace mapjoin::apps
