@@ -4,15 +4,19 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include <Eigen/Geometry>
 #include <algorithm>
 #include <apps/commands/command_run.hpp>
 #include <apps/commands/subcommand.hpp>
 #include <apps/report/json.hpp>
 #include <apps/report/report.hpp>
+#include <apps/report/verdict.hpp>
 #include <cmath>
 #include <iterator>
+#include <limits>
 #include <mapjoin/check/checks.hpp>
 #include <mapjoin/check/fit.hpp>
+#include <mapjoin/io/files/output_file.hpp>
 #include <mapjoin/measure/chi2.hpp>
 #include <memory>
 #include <variant>
@@ -23,6 +27,7 @@ namespace {
 constexpr const char* kExamples =
     "  mapjoin check data/manhattan2d.g2o\n"
     "  mapjoin check data/manhattan2d.g2o --estimate none --report check.json\n"
+    "  mapjoin check data/manhattan2d.g2o --most all -o misfits.csv\n"
     "Exit codes: 0 nothing to warn of, 1 there are warnings or errors; else as always.";
 
 /// At which map residuals are weighed.
@@ -47,7 +52,15 @@ struct Checked {
 
 struct CheckOptions : Options {
   CheckedEstimate estimate = CheckedEstimate::kJoined;
+  std::optional<std::size_t> most;  ///< Places to be named of a finding.
 };
+
+/// "all" or a number.
+std::optional<std::string> take_most(const std::string& word, CheckOptions& options) {
+  constexpr std::size_t kAll = std::numeric_limits<std::size_t>::max();
+  options.most = word == "all" ? kAll : number_in<std::size_t>(word);
+  return options.most ? std::nullopt : std::optional<std::string>("not all or a whole number");
+}
 
 /// Takes the fits at an estimate into the report.
 void take_fits(std::vector<KindFit> fits, std::int64_t dof, Checked& checked) {
@@ -72,9 +85,51 @@ std::vector<KindFit> fits_in(const RunResult<Dim>& result, const SubmapSet<Dim>&
   })};
 }
 
+/// What does not fit, closures and features before odometry; that nothing can be tested.
+Finding verdict_on(const RunReport& run_report) {
+  const GoodnessOfFit& fit = run_report.figures.fit;
+  if (fit.verdict == Verdict::kUntested) {
+    return {FindingLevel::kNote, "untested", "nothing here can be tested: nothing is measured twice", {}};
+  }
+  Finding finding{FindingLevel::kWarning, "misfit", "", {}};
+  for (const NamedMisfit& misfit : run_report.misfits) finding.where.names.push_back(in_words(misfit));
+  finding.where.count = run_report.misfits.size();
+  finding.text = fmt::format("out of line with the rest: {} of {} measurements{}", finding.where.count, fit.parts,
+                             fit.is_complete ? "" : ", and perhaps others, which show without these");
+  return finding;
+}
+
+/// How far apart the poses are at most, along any axis (m).
+template <int Dim>
+double extent_of(const GlobalMap<Dim>& map) {
+  Eigen::AlignedBox<double, Dim> box;
+  for (const Pose<Dim>& pose : map.poses) box.extend(pose.translation);
+  return box.isEmpty() ? 0.0 : box.sizes().maxCoeff();
+}
+
+/// Where positions are not known to a tenth of the map's size.
+template <int Dim>
+Findings check_certainty(const RunResult<Dim>& result) {
+  if (!result.marginals) return {};
+  const auto deviation = [](const PoseMatrix<Dim>& P) { return std::sqrt(P.template topLeftCorner<Dim, Dim>().trace()); };
+  const auto& covariances = result.marginals->poses;
+  const auto worst = std::ranges::max_element(covariances, {}, deviation);
+  const double extent = extent_of(result.map);
+  if (worst == covariances.end() || 10.0 * deviation(*worst) < extent) return {};
+  const PoseIndex pose(static_cast<std::size_t>(worst - covariances.begin()));
+  const FindingLevel level = deviation(*worst) < extent ? FindingLevel::kNote : FindingLevel::kWarning;
+  return {{level,
+           "uncertain",
+           fmt::format("positions are uncertain by up to {:.2g} m ({}) in a map of {:.2g} m", deviation(*worst),
+                       to_string(result.map.pose_ids[pose]), extent),
+           {}}};
+}
+
 template <typename Content>
-void fit_joined(const CommandRun& command_run, const Content& content, Checked& checked) {
-  const auto result = run(content, command_run.run_options(), command_run.stop());
+void fit_joined(CommandRun& command_run, const Content& content, Checked& checked) {
+  RunOptions options = command_run.run_options();
+  options.marginals = true;
+  const auto result = run(content, options, command_run.stop());
   if (!result && result.error().kind == ErrorKind::kBadInput) {
     checked.findings.push_back({FindingLevel::kError, "undetermined", result.error().message, {}});
     return;
@@ -83,6 +138,11 @@ void fit_joined(const CommandRun& command_run, const Content& content, Checked& 
     checked.findings.push_back(
         {FindingLevel::kWarning, "not_converged", "the map that residuals are weighed at did not converge", {}});
   }
+  command_run.run_report.describe(*result);
+  if (result->fit.verdict == Verdict::kUntested || !result->fit.misfits.empty()) {
+    checked.findings.push_back(verdict_on(command_run.run_report));
+  }
+  checked.add(check_certainty(*result));
   take_fits(fits_in(*result, content), result->dof, checked);
 }
 
@@ -93,6 +153,7 @@ void fit_values(const Log<Dim>& log, Checked& checked) {
   }
   const std::size_t held = std::max<std::size_t>(1, log.graph.fixed.size());
   take_fits(fits_of(log, log.initial), degrees_of_freedom(log, held), checked);
+  checked.add(check_outliers(checked.fits));
 }
 template <int Dim>
 void fit_values(const SubmapSet<Dim>& set, Checked&) {
@@ -100,7 +161,7 @@ void fit_values(const SubmapSet<Dim>& set, Checked&) {
 }
 
 template <typename Content>
-Checked checked_content(const CommandRun& command_run, CheckedEstimate estimate, const Content& content) {
+Checked checked_content(CommandRun& command_run, CheckedEstimate estimate, const Content& content) {
   Checked checked{estimate, check_structure(content), {}, 0};
   if constexpr (requires { content.odometry(); }) {
     checked.add(check_repeats(content));
@@ -113,15 +174,14 @@ Checked checked_content(const CommandRun& command_run, CheckedEstimate estimate,
 }
 /// A store has its log, of which its maps are made.
 template <int Dim>
-Checked checked_content(const CommandRun& command_run, CheckedEstimate estimate, const StoredMaps<Dim>& stored) {
+Checked checked_content(CommandRun& command_run, CheckedEstimate estimate, const StoredMaps<Dim>& stored) {
   return checked_content(command_run, estimate, stored.log);
 }
 
 /// The first few places of a finding.
-std::string places_in_words(const Places& where) {
-  constexpr std::size_t kShown = 3;
-  const auto shown = static_cast<std::ptrdiff_t>(std::min(kShown, where.names.size()));
-  const std::string more = where.count > kShown ? fmt::format(" and {} more", where.count - kShown) : "";
+std::string places_in_words(const Places& where, std::size_t most) {
+  const auto shown = static_cast<std::ptrdiff_t>(std::min(most, where.names.size()));
+  const std::string more = where.count > most ? fmt::format(" and {} more", where.count - most) : "";
   return fmt::format("{}{}", fmt::join(where.names.begin(), where.names.begin() + shown, ", "), more);
 }
 
@@ -139,14 +199,14 @@ std::string estimate_in_words(const Checked& checked) {
                      checked.estimate == CheckedEstimate::kFile ? "the file's values" : "the joined map");
 }
 
-std::string summary_of(const RunReport& run_report, const Checked& checked) {
+std::string summary_of(const RunReport& run_report, const Checked& checked, std::size_t most) {
   Lines lines;
   add_input(run_report, lines, "file");
   lines.add("chi2", estimate_in_words(checked));
   for (const KindFit& fit : checked.fits) lines.add("", fit_in_words(fit));
   for (const Finding& finding : checked.findings) {
     lines.add(to_string(finding.level), finding.text);
-    if (!finding.where.names.empty()) lines.add("", places_in_words(finding.where));
+    if (!finding.where.names.empty()) lines.add("", places_in_words(finding.where, most));
   }
   const auto warnings = checked.count(FindingLevel::kWarning);
   lines.add("found", warnings == 0 ? "nothing to warn of" : fmt::format("{} to look at", warnings));
@@ -167,6 +227,7 @@ std::string report_of(const RunReport& run_report, const Checked& checked) {
                             {"worst", fit.worst},
                             {"outliers", fit.outliers.count}});
   }
+  json.update(verdict_of(run_report));
   json["findings"] = Json::array();
   for (const Finding& finding : checked.findings) {
     json["findings"].push_back({{"level", finding.level},
@@ -180,10 +241,13 @@ std::string report_of(const RunReport& run_report, const Checked& checked) {
 
 ExitCode check_input(const CheckOptions& options, const std::stop_token& stop) {
   CommandRun command_run("check", options, stop);
-  command_run.prepare(report_of(options));
+  command_run.prepare(outputs_of(options));
   const Checked checked = command_run.with_log_or_maps(
       [&](const auto& content) { return checked_content(command_run, options.estimate, content); });
-  command_run.tell(report_of(command_run.run_report, checked), summary_of(command_run.run_report, checked));
+  if (!options.output.empty()) demand(write_file(options.output, misfits_as_csv(command_run.run_report)));
+  constexpr std::size_t kShown = 3;
+  command_run.tell(report_of(command_run.run_report, checked),
+                   summary_of(command_run.run_report, checked, options.most.value_or(kShown)));
   return checked.count(FindingLevel::kWarning) > 0 ? ExitCode::kFindings : ExitCode::kDone;
 }
 
@@ -196,10 +260,21 @@ void declare_check(Subcommand& command) {
   command.choice("--estimate", options->estimate,
                  "Where residuals are weighed: at the joined map, as `mapjoin run` would find it; at the "
                  "file's own values; or nowhere, which is fastest");
+  command.option("--most", "N|all", "Name so many places of a finding [3; in the report 20]",
+                 [options](const std::string& word) { return take_most(word, *options); });
+  command.path("-o,--output", options->output, "FILE", "Write what is out of line with the joined map, as CSV");
   add_reading(command, *options);
   add_reporting(command, *options);
-  command.check([options] { return output_conflicts(inputs_of(*options, "FILE"), report_of(*options)); });
-  command.act([options](const std::stop_token& stop) { return check_input(*options, stop); });
+  command.check([options] { return output_conflicts(inputs_of(*options, "FILE"), outputs_of(*options)); });
+  command.check([options]() -> std::vector<std::string> {
+    if (options->output.empty() || options->estimate == CheckedEstimate::kJoined) return {};
+    return {"--output has what is out of line with the joined map: it goes with --estimate joined"};
+  });
+  command.act([options](const std::stop_token& stop) {
+    options->run.verdict = true;
+    options->run.most_misfits = options->most.value_or(options->run.most_misfits);
+    return check_input(*options, stop);
+  });
 }
 
 }  // namespace mapjoin::apps

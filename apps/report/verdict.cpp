@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <apps/report/verdict.hpp>
 #include <cmath>
+#include <mapjoin/io/files/text_line.hpp>
 #include <mapjoin/model/plural.hpp>
 
 namespace mapjoin::apps {
@@ -12,10 +13,6 @@ namespace {
 
 /// In the summary; the report has more.
 constexpr std::size_t kMostShown = 5;
-
-std::string to_words(const NamedMisfit& misfit) {
-  return fmt::format("{} (chi2 {:.4g} over {})", name_of(misfit), misfit.misfit.chi2, plural(misfit.misfit.rows, "row"));
-}
 
 /// "typical residuals are larger than the covariances say: closure 8.3 times, odometry 8.1 times"
 std::string scales_in_words(const GoodnessOfFit& fit) {
@@ -49,6 +46,10 @@ std::string name_of(const NamedMisfit& misfit) {
   }
 }
 
+std::string in_words(const NamedMisfit& misfit) {
+  return fmt::format("{} (chi2 {:.4g} over {})", name_of(misfit), misfit.misfit.chi2, plural(misfit.misfit.rows, "row"));
+}
+
 std::string verdict_in_words(const RunReport& run_report) {
   const GoodnessOfFit& fit = run_report.figures.fit;
   switch (fit.verdict) {
@@ -63,7 +64,7 @@ std::string verdict_in_words(const RunReport& run_report) {
   }
   if (run_report.misfits.empty()) return "MISFIT: " + scales_in_words(fit);
   const std::size_t others = run_report.misfits.size() - 1;
-  return fmt::format("MISFIT: {}{} out of line with the rest{}", to_words(run_report.misfits.front()),
+  return fmt::format("MISFIT: {}{} out of line with the rest{}", in_words(run_report.misfits.front()),
                      others > 0 ? fmt::format(" and {} more are", others) : " is",
                      fit.is_complete ? "" : fmt::format("; more may show without {}", others > 0 ? "them" : "it"));
 }
@@ -71,7 +72,7 @@ std::string verdict_in_words(const RunReport& run_report) {
 void add_verdict(const RunReport& run_report, Lines& lines) {
   lines.add("verdict", verdict_in_words(run_report));
   const auto& misfits = run_report.misfits;
-  for (std::size_t k = 1; k < std::min(misfits.size(), kMostShown); ++k) lines.add("", to_words(misfits[k]));
+  for (std::size_t k = 1; k < std::min(misfits.size(), kMostShown); ++k) lines.add("", in_words(misfits[k]));
   const GoodnessOfFit& fit = run_report.figures.fit;
   const bool is_too_certain = std::ranges::any_of(fit.kinds, &KindScale::is_too_certain);
   if (!misfits.empty() && is_too_certain) lines.add("", scales_in_words(fit));
@@ -105,6 +106,19 @@ Json verdict_of(const RunReport& run_report) {
                                        {"complete", fit.is_complete},
                                        {"kinds", kinds}})},
           {"misfits", misfits}};
+}
+
+std::string misfits_as_csv(const RunReport& run_report) {
+  std::string text = "kind,from_session,from,to_session,to,chi2,rows,probability\n";
+  for (const auto& [misfit, from, to] : run_report.misfits) {
+    TextLine line(',');
+    line.add(to_string(misfit.kind));
+    from ? line.add(from->session).add(from->key) : line.add("").add("");
+    const auto* pose = std::get_if<PoseId>(&to);
+    pose ? line.add(pose->session).add(pose->key) : line.add("").add(std::get<FeatureId>(to).key);
+    text += std::string(line.add(misfit.chi2).add(misfit.rows).add(misfit.probability).text()) + '\n';
+  }
+  return text;
 }
 
 }  // namespace mapjoin::apps

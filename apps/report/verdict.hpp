@@ -12,6 +12,9 @@ namespace mapjoin::apps {
 /// "closure pose 17 to pose 2034", "observation of feature 9 from pose 4", "feature 9 of the local map from pose 0", …
 std::string name_of(const NamedMisfit& misfit);
 
+/// The same with its chi2 and rows.
+std::string in_words(const NamedMisfit& misfit);
+
 /// The verdict and its reason, in one line.
 std::string verdict_in_words(const RunReport& run_report);
 
@@ -20,5 +23,9 @@ void add_verdict(const RunReport& run_report, Lines& lines);
 
 /// The keys of the report: `verdict`, `fit` and `misfits`.
 Json verdict_of(const RunReport& run_report);
+
+/// A line per misfit below one of names: kind,from_session,from,to_session,to,chi2,rows,probability. The World and features
+/// have no session, the World no number.
+std::string misfits_as_csv(const RunReport& run_report);
 
 }  // namespace mapjoin::apps

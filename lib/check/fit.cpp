@@ -120,9 +120,6 @@ Findings check_fit(const std::vector<KindFit>& fits, std::int64_t dof) {
            fmt::format("typical residuals of {} are {:.3g} times what the covariances say", fit.kind, std::sqrt(fit.scale)),
            {}});
     }
-    add_if_any(findings,
-               {FindingLevel::kWarning, "outliers",
-                fmt::format("out of line with the map: {} of {} {}", fit.outliers.count, fit.count, fit.kind), fit.outliers});
   }
   if (dof < kLeastDof || chi2 * kSmaller * kSmaller > static_cast<double>(dof)) return findings;
   findings.push_back({FindingLevel::kWarning,
@@ -130,6 +127,16 @@ Findings check_fit(const std::vector<KindFit>& fits, std::int64_t dof) {
                       fmt::format("residuals are {:.2g} of what the covariances say (chi2 {:.6g}, dof {})",
                                   std::sqrt(chi2 / static_cast<double>(dof)), chi2, dof),
                       {}});
+  return findings;
+}
+
+Findings check_outliers(const std::vector<KindFit>& fits) {
+  Findings findings;
+  for (const KindFit& fit : fits) {
+    add_if_any(findings,
+               {FindingLevel::kWarning, "outliers",
+                fmt::format("out of line with the map: {} of {} {}", fit.outliers.count, fit.count, fit.kind), fit.outliers});
+  }
   return findings;
 }
 
