@@ -83,6 +83,18 @@ LinearMap<Dim> linearise(const LocalMap<Dim>& map, const Pose<Dim>& base, PoseAt
   return linear;
 }
 
+/// The rows of W r of target t; with_block(s, target s, W_st) is called for every target s.
+template <int DofT, typename Observation, typename F>
+Vector<DofT> weighted_residual(const Observation& observation, int t, F&& with_block) {
+  Vector<DofT> Wr = Vector<DofT>::Zero();
+  observation.for_each_target([&]<int DofS>(int s, const LinearTarget<Observation::kDim, DofS>& target_s) {
+    const Matrix<DofS, DofT> W_st = observation.template information<DofS, DofT>(s, t);
+    Wr.noalias() += W_st.transpose() * target_s.residual;
+    with_block(s, target_s, W_st);
+  });
+  return Wr;
+}
+
 /// Gives `sink` the normal equations of `observation` and returns its cost ρ(rᵀWr).
 template <typename Observation, typename Sink>
 double accumulate(const Observation& observation, Sink&& sink) {
@@ -91,11 +103,8 @@ double accumulate(const Observation& observation, Sink&& sink) {
   Matrix<kDof> H_bb = Matrix<kDof>::Zero();
   Vector<kDof> g_b = Vector<kDof>::Zero();
   observation.for_each_target([&]<int DofT>(int t, const LinearTarget<Observation::kDim, DofT>& target_t) {
-    Vector<DofT> Wr = Vector<DofT>::Zero();
     Matrix<kDof, DofT> BtW = Matrix<kDof, DofT>::Zero();
-    observation.for_each_target([&]<int DofS>(int s, const LinearTarget<Observation::kDim, DofS>& target_s) {
-      const Matrix<DofS, DofT> W_st = observation.template information<DofS, DofT>(s, t);
-      Wr.noalias() += W_st.transpose() * target_s.residual;
+    const Vector<DofT> Wr = weighted_residual<DofT>(observation, t, [&](int s, const auto& target_s, const auto& W_st) {
       BtW.noalias() += target_s.J_base.transpose() * W_st;
       if (s <= t) sink.hessian(1 + s, 1 + t, target_s.J_target.transpose() * W_st * target_t.J_target);
     });
@@ -110,6 +119,22 @@ double accumulate(const Observation& observation, Sink&& sink) {
   return observation.cost(chi2);
 }
 
+/// The second derivatives of u · r, r the rotation's residual of a pose in space, with respect to turns of the target, of base
+/// and target, and of the base.
+struct RotationCurvature {
+  Matrix<3> H_tt;
+  Matrix<3> H_bt;
+  Matrix<3> H_bb;
+};
+
+/// r = Log(Exp(-w_t) Exp(M w_b) Exp(r)), M = R_tᵀ R_b; two turns a, b make one of a + b + ½ a × b.
+inline RotationCurvature rotation_curvature(const LinearTarget<3, kPoseDof<3>>& target, const Vector<3>& u) {
+  const Matrix<3> J = target.J_target.bottomRightCorner<3, 3>();
+  const Matrix<3> M = -J.inverse() * target.J_base.bottomRightCorner<3, 3>();
+  const Matrix<3> Q = log_curvature(target.residual.tail<3>(), u);
+  return {Q, -M.transpose() * (Q + 0.5 * skew(Vector<3>(J.transpose() * u))), M.transpose() * Q * M};
+}
+
 /// Gives `sink` what full Newton's H has beyond Gauss-Newton's: -Σ (Wr)ᵀ ∂²H_t.
 template <typename Observation, typename Sink>
 void accumulate_curvature(const Observation& observation, Sink&& sink) {
@@ -118,25 +143,18 @@ void accumulate_curvature(const Observation& observation, Sink&& sink) {
   constexpr int kRot = kRotationDof<kDim>;
   Matrix<kDof> H_bb = Matrix<kDof>::Zero();
   observation.for_each_target([&]<int DofT>(int t, const LinearTarget<kDim, DofT>& target_t) {
-    Vector<DofT> Wr = Vector<DofT>::Zero();
-    observation.for_each_target([&]<int DofS>(int s, const LinearTarget<kDim, DofS>& target_s) {
-      Wr.noalias() += observation.template information<DofS, DofT>(s, t).transpose() * target_s.residual;
-    });
+    const Vector<DofT> Wr = weighted_residual<DofT>(observation, t, [](int, const auto&, const auto&) {});
     // Positions: a turn w of the base turns the rows J of the Jacobians to J - w × J, whence the rows -(Wr) × J of w.
     const Matrix<kRot, kDim> minus_Wr_cross = -skew(Vector<kDim>(Wr.template head<kDim>()));
     Matrix<kDof, DofT> H_bt = Matrix<kDof, DofT>::Zero();
     H_bt.template bottomRows<kRot>() = minus_Wr_cross * target_t.J_target.template topRows<kDim>();
     Matrix<kRot, kDof> H_wb = minus_Wr_cross * target_t.J_base.template topRows<kDim>();
     if constexpr (kDim == 3 && DofT == kDof) {
-      // Rotations: r = Log(Exp(-w_t) Exp(M w_b) Exp(r)), M = R_tᵀ R_b; two turns a, b make one of a + b + ½ a × b.
-      const Matrix<3> J = target_t.J_target.template bottomRightCorner<3, 3>();
-      const Matrix<3> M = -J.inverse() * target_t.J_base.template bottomRightCorner<3, 3>();
-      const Vector<3> u = Wr.template tail<3>();
-      const Matrix<3> Q = log_curvature(target_t.residual.template tail<3>(), u);
-      H_bt.template bottomRightCorner<3, 3>() -= M.transpose() * (Q + 0.5 * skew(Vector<3>(J.transpose() * u)));
-      H_wb.template rightCols<3>() += M.transpose() * Q * M;
+      const RotationCurvature rotation = rotation_curvature(target_t, Wr.template tail<3>());
+      H_bt.template bottomRightCorner<3, 3>() += rotation.H_bt;
+      H_wb.template rightCols<3>() += rotation.H_bb;
       Matrix<kDof> H_tt = Matrix<kDof>::Zero();
-      H_tt.template bottomRightCorner<3, 3>() = Q;
+      H_tt.template bottomRightCorner<3, 3>() = rotation.H_tt;
       sink.hessian(1 + t, 1 + t, H_tt);
     }
     sink.hessian(0, 1 + t, H_bt);

@@ -11,7 +11,7 @@ namespace mapjoin {
 struct Segment {
   PoseIndex begin = 0;
   PoseIndex end = 0;
-  bool is_map = true;  ///< A local map from its start to its end pose, else a span of its observations as they are.
+  bool is_map = true;  ///< A local map from its start to its end pose, else raw: its observations as they are.
   bool operator==(const Segment&) const = default;
 };
 

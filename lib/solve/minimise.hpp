@@ -57,7 +57,7 @@ ModelStep newton_step(P& problem, double damping, const M& metric) {
 }
 
 /// Factorises with `damping` or, if that may grow, the least that makes the system regular, which `damping` then is. Returns
-/// the first singular variable met where none does. Counts.
+/// the first singular variable met where none does. `factorisations` counts.
 template <LeastSquaresProblem P>
 std::optional<Variable> factorise_damped(P& problem, double& damping, bool damp_singular, int& factorisations) {
   const auto singular = problem.factorise(damping);
@@ -72,9 +72,11 @@ std::optional<Variable> factorise_damped(P& problem, double& damping, bool damp_
   return singular;
 }
 
-/// Factorises H of full Newton; where it is not positive definite, makes it Gauss-Newton's again and returns false.
+/// Makes H that of full Newton and factorises it; where it is not positive definite, makes it Gauss-Newton's again and returns
+/// false.
 template <LeastSquaresProblem P>
 bool factorise_curved(P& problem, int& factorisations) {
+  problem.add_curvature();
   ++factorisations;
   if (!problem.factorise(0.0)) return true;
   problem.linearise();
@@ -85,58 +87,84 @@ inline bool is_tiny(const StepSize& size, const MinimiseOptions& options) {
   return size.metres <= options.step_metres && size.radians <= options.step_radians;
 }
 
-/// minimise() with steps measured in metric_of(), which is asked for once an estimate, before H is made full Newton's.
+/// The steps of minimise(), measured in metric_of(), which is asked for once an estimate, before H is made full Newton's.
 template <LeastSquaresProblem P, typename MetricOf>
-MinimiseResult minimise_in(MetricOf&& metric_of, P& problem, const MinimiseOptions& options, const std::stop_token& stop) {
-  MinimiseResult result;
-  result.chi2 = result.start_chi2 = problem.linearise();
-  TrustRegion region(options.method);
-  bool is_curved = false;  // whether H is that of full Newton
-  while (true) {
-    if (!std::isfinite(result.chi2)) return result.ended(MinimiseStatus::kNoProgress);
-    const auto& metric = metric_of();
-    if (is_curved) problem.add_curvature();
-    if (region.may_repeat(result.chi2)) region.propose_repeated(newton_step(problem, 0.0, metric));
-    Eigen::VectorXd step;
-    do {
-      if (stop.stop_requested()) return result.ended(MinimiseStatus::kInterrupted);
-      if (region.needs_factorisation()) {
-        double damping = region.damping();
-        is_curved = is_curved && factorise_curved(problem, result.factorisations);
-        if (!is_curved) result.singular = factorise_damped(problem, damping, options.damp_singular, result.factorisations);
-        if (result.singular) return result.ended(MinimiseStatus::kSingular);
-        region.set_newton_step(newton_step(problem, damping, metric));
+class Steps {
+ public:
+  Steps(MetricOf metric_of, P& problem, const MinimiseOptions& options, const std::stop_token& stop)
+      : metric_of_(std::move(metric_of)), problem_(problem), options_(options), stop_(stop), region_(options.method) {}
+
+  MinimiseResult all() {
+    result_.chi2 = result_.start_chi2 = problem_.linearise();
+    while (true) {
+      if (!std::isfinite(result_.chi2)) return result_.ended(MinimiseStatus::kNoProgress);
+      if (const auto end = step()) return result_.ended(*end);
+      problem_.accept();
+      is_curved_ = options_.method == Method::kDogleg && (is_curved_ ? !region_.fell_short() : region_.creeps());
+      if (result_.iterations >= options_.max_iterations) {
+        const bool converged = options_.is_converged(region_.promise(), result_.chi2);
+        return result_.ended(converged ? MinimiseStatus::kConverged : MinimiseStatus::kMaxIterations);
       }
-      if (region.needs_cauchy_point()) region.set_cauchy_point(cauchy_point(problem, metric), metric);
-      step = region.step();
-      if (!region.is_finite()) return result.ended(MinimiseStatus::kNoProgress);
-      const double promised = region.predicted_decrease();
-      const bool tiny = is_tiny(problem.step_size(step), options);
-      const bool last = tiny || region.promise() <= options.relative_chi2 * result.chi2 || promised <= kRounding * result.chi2;
-      const double chi2 = problem.try_step(step);
-      if (last) {
-        const bool converged = (tiny && !region.is_truncated()) || options.is_converged(region.promise(), result.chi2);
-        // The last step may gain less than chi2 is rounded to, and still be the one to the optimum.
-        if (chi2 <= result.chi2 * (1.0 + kRounding)) {
-          problem.accept();
-          result.moved_to(chi2);
-        }
-        return result.ended(converged ? MinimiseStatus::kConverged : MinimiseStatus::kNoProgress);
-      }
-      if (options.method == Method::kGaussNewton && !std::isfinite(chi2)) return result.ended(MinimiseStatus::kNoProgress);
-      region.judge(result.chi2, chi2);
-      if (region.fell_short()) ++result.short_steps;
-      if (region.accepted()) result.moved_to(chi2);
-    } while (!region.accepted());
-    problem.accept();
-    is_curved = options.method == Method::kDogleg && (is_curved ? !region.fell_short() : region.creeps());
-    if (result.iterations >= options.max_iterations) {
-      const bool converged = options.is_converged(region.promise(), result.chi2);
-      return result.ended(converged ? MinimiseStatus::kConverged : MinimiseStatus::kMaxIterations);
+      problem_.linearise();
     }
-    problem.linearise();
   }
-}
+
+ private:
+  /// A step that is accepted, which is the candidate then; or how the steps end.
+  std::optional<MinimiseStatus> step() {
+    const auto& metric = metric_of_();
+    if (region_.may_repeat(result_.chi2)) region_.propose_repeated(newton_step(problem_, 0.0, metric));
+    do {
+      if (stop_.stop_requested()) return MinimiseStatus::kInterrupted;
+      if (region_.needs_factorisation() && !factorise(metric)) return MinimiseStatus::kSingular;
+      if (region_.needs_cauchy_point()) region_.set_cauchy_point(cauchy_point(problem_, metric), metric);
+      if (const auto end = tried(region_.step())) return end;
+    } while (!region_.accepted());
+    return std::nullopt;
+  }
+
+  template <StepMetric M>
+  bool factorise(const M& metric) {
+    double damping = region_.damping();
+    is_curved_ = is_curved_ && factorise_curved(problem_, result_.factorisations);
+    if (!is_curved_) result_.singular = factorise_damped(problem_, damping, options_.damp_singular, result_.factorisations);
+    if (result_.singular) return false;
+    region_.set_newton_step(newton_step(problem_, damping, metric));
+    return true;
+  }
+
+  std::optional<MinimiseStatus> tried(const Eigen::VectorXd& step) {
+    if (!region_.is_finite()) return MinimiseStatus::kNoProgress;
+    const bool is_tiny = detail::is_tiny(problem_.step_size(step), options_);
+    const bool is_last = is_tiny || region_.promise() <= options_.relative_chi2 * result_.chi2 ||
+                         region_.predicted_decrease() <= kRounding * result_.chi2;
+    const double chi2 = problem_.try_step(step);
+    if (is_last) return after_last(is_tiny, chi2);
+    if (options_.method == Method::kGaussNewton && !std::isfinite(chi2)) return MinimiseStatus::kNoProgress;
+    region_.judge(result_.chi2, chi2);
+    if (region_.fell_short()) ++result_.short_steps;
+    if (region_.accepted()) result_.moved_to(chi2);
+    return std::nullopt;
+  }
+
+  /// The last step may gain less than chi2 is rounded to, and still be the one to the optimum.
+  MinimiseStatus after_last(bool is_tiny, double chi2) {
+    const bool converged = (is_tiny && !region_.is_truncated()) || options_.is_converged(region_.promise(), result_.chi2);
+    if (chi2 <= result_.chi2 * (1.0 + kRounding)) {
+      problem_.accept();
+      result_.moved_to(chi2);
+    }
+    return converged ? MinimiseStatus::kConverged : MinimiseStatus::kNoProgress;
+  }
+
+  MetricOf metric_of_;
+  P& problem_;
+  const MinimiseOptions& options_;
+  const std::stop_token& stop_;
+  TrustRegion region_;
+  MinimiseResult result_;
+  bool is_curved_ = false;  // whether H is, once it is factorised, that of full Newton
+};
 
 /// What damping hides: an undamped factorisation where damped steps ended, whose step is the last one. Whether the estimate
 /// converged is said of that step, as of every other method's; and what is free is found.
@@ -165,8 +193,8 @@ MinimiseResult without_damping(P& problem, const MinimiseOptions& options, Minim
 template <LeastSquaresProblem P>
 MinimiseResult minimise(P& problem, const MinimiseOptions& options, const std::stop_token& stop = {}) {
   const bool is_plain = options.method == Method::kGaussNewton && !options.damp_singular;
-  if (is_plain) return detail::minimise_in([] { return Unmeasured{}; }, problem, options, stop);
-  auto result = detail::minimise_in([&]() -> decltype(auto) { return problem.metric(); }, problem, options, stop);
+  if (is_plain) return detail::Steps([] { return Unmeasured{}; }, problem, options, stop).all();
+  auto result = detail::Steps([&]() -> decltype(auto) { return problem.metric(); }, problem, options, stop).all();
   if (options.method != Method::kLevenbergMarquardt || options.damp_singular) return result;
   return detail::without_damping(problem, options, std::move(result));
 }

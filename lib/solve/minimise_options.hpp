@@ -33,7 +33,7 @@ constexpr auto enum_names(Engine) {
   return std::to_array<EnumName<Engine>>({{Engine::kFronts, "fronts"}, {Engine::kCholmod, "cholmod"}});
 }
 
-/// An estimate has converged when the whole Gauss-Newton step from it, undamped, promises to lower chi2 by less than this
+/// An estimate has converged when the whole step from it, undamped, promises to lower chi2 by less than this
 /// share of it. Steps that are asked to go on beyond may do so as far as rounding lets chi2 tell.
 constexpr double kConvergedShare = 1e-9;
 
@@ -46,8 +46,8 @@ struct MinimiseOptions {
   bool damp_singular = false;              ///< Damp where the system is singular instead of stopping there.
   Engine engine = Engine::kFronts;         ///< What factorises sparse systems.
 
-  /// What "converged" means, of every solve by every method: what the whole Gauss-Newton step from an estimate of this chi2
-  /// promises is less than relative_chi2, or else kConvergedShare, of it.
+  /// What "converged" means, of every solve by every method: what the whole step, Gauss-Newton's or Newton's, from an estimate
+  /// of this chi2 promises is less than relative_chi2, or else kConvergedShare, of it.
   bool is_converged(double promise, double chi2) const { return promise <= std::max(relative_chi2, kConvergedShare) * chi2; }
   /// Every violation in words; empty if there is none.
   std::vector<std::string> validate() const {
@@ -61,7 +61,7 @@ struct MinimiseOptions {
 };
 
 enum class MinimiseStatus : std::uint8_t {
-  kConverged,      ///< The whole Gauss-Newton step promises next to nothing (MinimiseOptions::is_converged), or is tiny.
+  kConverged,      ///< The whole step promises next to nothing (MinimiseOptions::is_converged), or is tiny.
   kMaxIterations,  ///< The estimate is the best found so far.
   kNoProgress,     ///< No step lowers chi2 though the whole one promises it, or chi2 is not finite.
   kSingular,       ///< `singular` cannot be determined from the observations; the estimate is the last good one.

@@ -56,6 +56,10 @@ TEST(Curvature, AllowsForRounding) {
   const auto rough = [](double noise) { return figures_of([=](double x) { return 1.0 + x + noise * std::sin(1e4 * x); }); };
   EXPECT_EQ(rough(1e-12).negative, 0u);
   EXPECT_GT(rough(1e-8).negative, 20u);
+  // A dent is told from rounding from 1e-10 of the largest value on.
+  for (const auto& [depth, is_told] : {std::pair{0.4e-10, false}, {0.6e-10, true}}) {
+    EXPECT_EQ(curvature_figures({1.0, 1.0 + depth, 1.0}).negative, is_told ? 1u : 0u) << depth;
+  }
 }
 
 TEST(Curvature, TakesWhatIsNotFiniteForAViolation) {

@@ -131,6 +131,17 @@ TEST(SparseCholesky, NamesAColumnThatHasLostItsDigitsToCancellation) {
   EXPECT_EQ(cholesky.factorise(sparse(A)), std::vector<std::int64_t>{4});
 }
 
+TEST(SparseCholesky, APivotHasLostItsDigitsBelowAHundredTrillionthOfItsDiagonal) {
+  for (const auto& [left, is_singular] : {std::pair{5e-15, true}, {2e-14, false}}) {
+    Eigen::MatrixXd A = Eigen::MatrixXd::Identity(4, 4);
+    A(1, 3) = A(3, 1) = 1.0;
+    A(3, 3) = 1.0 + left;  // of which the pivot is left
+    SparseCholesky cholesky;
+    cholesky.analyse(sparse(A));
+    EXPECT_EQ(!cholesky.factorise(sparse(A)).empty(), is_singular) << left;
+  }
+}
+
 TEST(SparseCholesky, IsFitForUseAgainAfterASingularMatrix) {
   Random random;
   const Eigen::MatrixXd A = random_matrix(40, random);
