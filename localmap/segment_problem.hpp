@@ -3,26 +3,38 @@
 // One segment as a least-squares problem of its own: building a local map, and recovering its interior.
 
 #include <Eigen/Core>
-#include <mapjoin/localmap/segment_system.hpp>
+#include <mapjoin/localmap/chain_system.hpp>
+#include <mapjoin/localmap/segment_view.hpp>
+#include <mapjoin/model/values.hpp>
 #include <mapjoin/solve/minimise.hpp>
 #include <optional>
+#include <vector>
 
 namespace mapjoin {
 
-/// A LeastSquaresProblem over the free variables of a segment, solved by eliminating the chain, then the border densely.
+/// What may move besides the interior poses.
+struct SegmentFreedom {
+  bool kept = true;
+  Table<FeatureIndex, bool> features;  ///< By place in the segment.
+};
+
+/// A LeastSquaresProblem over the free variables of a segment, solved by eliminating the chain of its interior poses, then the
+/// border densely: the kept poses and the features that are free. Values are poses begin..end and features by their places in
+/// the segment.
 template <int Dim>
 class SegmentProblem {
  public:
+  /// `view` must outlive the problem.
   SegmentProblem(const SegmentView<Dim>& view, const SegmentFreedom& freedom, Values<Dim> start);
 
   double linearise();
-  void add_curvature() { system_.add_curvature(estimate_); }
-  const Eigen::VectorXd& gradient() const { return system_.equations().gradient(); }
-  DiagonalMetric metric() const { return DiagonalMetric(system_.equations().diagonal()); }
-  double curvature(const Eigen::VectorXd& v) const { return system_.equations().curvature(v); }
+  void add_curvature();
+  const Eigen::VectorXd& gradient() const { return equations_.gradient(); }
+  DiagonalMetric metric() const { return DiagonalMetric(equations_.diagonal()); }
+  double curvature(const Eigen::VectorXd& v) const { return equations_.curvature(v); }
   std::optional<Variable> factorise(double damping);
   Eigen::VectorXd solve();
-  StepSize step_size(const Eigen::VectorXd& step) const { return system_.step_size(step); }
+  StepSize step_size(const Eigen::VectorXd& step) const;
   double try_step(const Eigen::VectorXd& step);
   void accept() { estimate_ = candidate_; }
 
@@ -32,7 +44,23 @@ class SegmentProblem {
   std::optional<Eigen::MatrixXd> marginal_information();
 
  private:
-  SegmentSystem<Dim> system_;
+  static constexpr int kDof = kPoseDof<Dim>;
+  /// The entry of a variable in the step, the chain's first; kStill where it is held.
+  using Entry = Eigen::Index;
+  static constexpr Entry kStill = -1;
+  class Sink;
+
+  /// The sum of f(observation linearised at the estimate, sink) over the observations of the segment.
+  template <typename F>
+  double sum_linear(F&& f);
+  double chi2(const Values<Dim>& values) const;
+  Values<Dim> retracted(const Eigen::VectorXd& step) const;
+
+  const SegmentView<Dim>* view_;
+  Table<PoseIndex, Entry> pose_entries_;
+  Table<FeatureIndex, Entry> feature_entries_;
+  std::vector<FeatureIndex> observed_;  // per observation, the place of its feature
+  ChainSystem<Dim> equations_;
   ChainSystem<Dim> factored_;
   Eigen::MatrixXd border_factor_;  // lower triangle
   bool is_eliminated_ = false;     // whether the gradient of `factored_` is that of the estimate

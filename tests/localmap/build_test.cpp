@@ -97,7 +97,7 @@ TYPED_TEST(BuildTest, MapsComeInTheOrderOfTheirSegments) {
   for (std::size_t k = 0; k < maps->maps.size(); ++k) EXPECT_EQ(maps->maps[k].base, this->parts.segments[k].begin);
 }
 
-TYPED_TEST(BuildTest, ASegmentThatItsOwnObservationsDoNotDetermineStaysASpan) {
+TYPED_TEST(BuildTest, ASegmentThatItsOwnObservationsDoNotDetermineStaysRaw) {
   constexpr int kDim = TestFixture::kDim;
   // A step without any information of its length: only what other maps say of it can tell.
   auto& step = this->world.log.graph.pose_factors[10];

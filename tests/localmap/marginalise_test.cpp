@@ -70,7 +70,7 @@ TYPED_TEST(MarginaliseTest, LeavesTheMarginalOfWhatStays) {
   EXPECT_LT((marginalised.map.information * P_stay - Eigen::MatrixXd::Identity(P_stay.rows(), P_stay.cols())).norm(), 1e-8);
 }
 
-TYPED_TEST(MarginaliseTest, TheRecoveredFeaturesGiveTheWholeMapTheChi2OfTheCondensedOne) {
+TYPED_TEST(MarginaliseTest, TheRecoveredFeaturesGiveTheWholeMapTheChi2OfTheMarginalisedOne) {
   const auto marginalised = marginalise(this->map, this->is_local);
   auto state = this->state;
   recover_local_features(marginalised, state);
@@ -87,7 +87,7 @@ TYPED_TEST(MarginaliseTest, TheRecoveredFeaturesGiveTheWholeMapTheChi2OfTheConde
   EXPECT_EQ(state.features[2], this->state.features[2]);
 }
 
-TYPED_TEST(MarginaliseTest, ChangesNothingWithoutPrivateFeatures) {
+TYPED_TEST(MarginaliseTest, ChangesNothingWithoutLocalFeatures) {
   const auto marginalised = marginalise(this->map, Table<FeatureIndex, bool>(5, false));
   EXPECT_EQ(marginalised.map.features, this->map.features);
   EXPECT_EQ(marginalised.map.information, this->map.information);
@@ -103,7 +103,7 @@ TYPED_TEST(MarginaliseTest, AFeatureWhoseOwnInformationIsSingularStays) {
   EXPECT_EQ(std::count(marginalised.map.features.begin(), marginalised.map.features.end(), FeatureIndex(1)), 1);
 }
 
-TYPED_TEST(MarginaliseTest, PrivateIsWhatOneMapAloneMentions) {
+TYPED_TEST(MarginaliseTest, LocalIsWhatOneMapAloneReferences) {
   LocalMap<TestFixture::kDim> other;
   other.features = {2, 4};
   const Table<FeatureIndex, bool> referenced{true, false, false, false, false};

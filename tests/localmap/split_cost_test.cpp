@@ -79,7 +79,7 @@ TYPED_TEST(SplitCostTest, IsThatOfAMapAsLongAsHalfOfItsPosesGo) {
   EXPECT_NEAR(cost_per_step(log, kept, 9), T::of_single_steps(), 1e-9 * T::of_single_steps());
 }
 
-TYPED_TEST(SplitCostTest, OfASegmentThatStaysASpanIsThatOfItsSteps) {
+TYPED_TEST(SplitCostTest, OfARawSegmentIsThatOfItsSteps) {
   using T = TestFixture;
   const auto log = T::widening_corridor();
   const Table<PoseIndex, bool> all_kept(log.poses.size(), true);

@@ -103,11 +103,11 @@ TYPED_TEST(SplitTest, CountsDifferentFeatures) {
   EXPECT_EQ(parts.segments[1], (Segment{3, 5, true}));  // 1, 7, 2 after pose 4
 }
 
-TYPED_TEST(SplitTest, OneStepStaysASpan) {
+TYPED_TEST(SplitTest, OneStepStaysRaw) {
   for (const Segment& segment : split(this->corridor(5), {SplitRule::kPoses, 1.0}).segments) EXPECT_FALSE(segment.is_map);
 }
 
-TYPED_TEST(SplitTest, KeepsWhatClosuresAndTheWorldMention) {
+TYPED_TEST(SplitTest, KeepsWhatClosuresAndTheWorldReference) {
   auto log = this->corridor(31);
   log.graph.pose_factors.push_back(this->edge(3, 25));
   log.graph.pose_factors.push_back(this->edge(kWorld, 7));
@@ -120,7 +120,7 @@ TYPED_TEST(SplitTest, KeepsWhatClosuresAndTheWorldMention) {
   EXPECT_EQ(kept, (std::vector<PoseIndex>{0, 3, 7, 10, 13, 20, 25, 30}));
 }
 
-TYPED_TEST(SplitTest, ASegmentThatWouldKeepMostOfItsPosesStaysASpan) {
+TYPED_TEST(SplitTest, ASegmentThatWouldKeepMostOfItsPosesStaysRaw) {
   auto log = this->corridor(21);
   for (PoseIndex pose = 1; pose <= 5; ++pose) log.graph.pose_factors.push_back(this->edge(pose, 15));
   log.graph.pose_factors.push_back(this->edge(6, 15));
@@ -139,7 +139,7 @@ TYPED_TEST(SplitTest, AMapEliminatesHalfOfItsInnerPosesAtLeast) {
   }
 }
 
-TYPED_TEST(SplitTest, AMapWhoseBorderWouldBeTooLargeStaysASpan) {
+TYPED_TEST(SplitTest, AMapWhoseBorderWouldBeTooLargeStaysRaw) {
   constexpr int kDim = TestFixture::kDim;
   constexpr int kMost = (5000 - 2 * kPoseDof<kDim>) / kDim;  // features beside the two ends
   for (const int features : {kMost, kMost + 1}) {
