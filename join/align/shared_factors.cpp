@@ -7,32 +7,6 @@
 namespace mapjoin {
 namespace {
 
-/// Whether an index is common to two ascending lists, in constant time.
-template <typename Index>
-class Common {
- public:
-  Common(const Table<Index, Index>& a, const Table<Index, Index>& b) {
-    if (a.empty() || b.empty()) return;
-    first_ = std::max(a.front(), b.front());
-    const Index last = std::min(a.back(), b.back());
-    if (last < first_) return;
-    is_common_.resize(static_cast<std::size_t>(last - first_) + 1);
-    auto in_a = std::lower_bound(a.begin(), a.end(), first_);
-    for (auto in_b = std::lower_bound(b.begin(), b.end(), first_); in_b != b.end() && *in_b <= last; ++in_b) {
-      while (in_a != a.end() && *in_a < *in_b) ++in_a;
-      if (in_a != a.end() && *in_a == *in_b) is_common_[static_cast<std::size_t>(*in_b - first_)] = true;
-    }
-  }
-  bool operator()(Index index) const {
-    const auto k = static_cast<std::size_t>(index - first_);  // huge where the index is below
-    return k < is_common_.size() && is_common_[k];
-  }
-
- private:
-  Index first_ = 0;
-  std::vector<bool> is_common_;
-};
-
 /// Those of `list` for which `is_wanted`, thinned evenly to at most `most`.
 template <typename T, typename Predicate>
 std::vector<T> evenly_chosen(const std::vector<T>& list, std::size_t most, Predicate&& is_wanted) {
@@ -45,13 +19,13 @@ std::vector<T> evenly_chosen(const std::vector<T>& list, std::size_t most, Predi
   return found;
 }
 
-/// Whether some, but not all, of a map's poses and features are common.
+/// Whether a partial map holds some, but not all, of a map's poses and features.
 template <int Dim>
-bool is_cut(const LocalMap<Dim>& map, const Common<PoseIndex>& pose, const Common<FeatureIndex>& feature) {
-  auto common = std::count_if(map.poses.begin(), map.poses.end(), pose);
-  common += std::count_if(map.features.begin(), map.features.end(), feature);
-  if (pose(map.base)) ++common;
-  return common > 0 && static_cast<std::size_t>(common) < 1 + map.poses.size() + map.features.size();
+bool cuts(const PartialMap<Dim>& partial, const LocalMap<Dim>& map) {
+  auto held = std::ranges::count_if(map.poses, [&](PoseIndex p) { return holds(partial.poses, p); });
+  held += std::ranges::count_if(map.features, [&](FeatureIndex f) { return holds(partial.features, f); });
+  if (holds(partial.poses, map.base)) ++held;
+  return held > 0 && static_cast<std::size_t>(held) < 1 + map.poses.size() + map.features.size();
 }
 
 }  // namespace
@@ -60,9 +34,7 @@ template <int Dim>
 SharedFactors<Dim>::SharedFactors(const PartialMap<Dim>& a, const PartialMap<Dim>& b,
                                   const std::vector<const PoseFactor<Dim>*>& closures)
     : a_(a), b_(b) {
-  const Common pose(a.poses, b.poses);
-  const Common feature(a.features, b.features);
-  const auto is_cut_edge = [&](const auto* o) { return pose(o->base) != pose(o->target); };
+  const auto is_cut_edge = [&](const auto* o) { return holds(a.poses, o->base) != holds(a.poses, o->target); };
   const auto is_between = [&](const auto* o) {
     return (holds(a.poses, o->base) && holds(b.poses, o->target)) || (holds(b.poses, o->base) && holds(a.poses, o->target));
   };
@@ -72,11 +44,11 @@ SharedFactors<Dim>::SharedFactors(const PartialMap<Dim>& a, const PartialMap<Dim
   for (const auto* o : evenly_chosen(b.factors.pose_factors, kMost, is_cut_edge)) {
     pose_factors_.push_back({o, end_of_pose(o->base), end_of_pose(o->target)});
   }
-  const auto is_cut_observation = [&](const auto* o) { return pose(o->base) != feature(o->target); };
+  const auto is_cut_observation = [&](const auto* o) { return holds(a.poses, o->base) != holds(a.features, o->target); };
   const auto cut_observations = evenly_chosen(b.factors.feature_factors, kMost, is_cut_observation);
   feature_factors_.reserve(cut_observations.size());
   for (const auto* o : cut_observations) feature_factors_.push_back({o, end_of_pose(o->base), end_of_feature(o->target)});
-  for (const auto* map : evenly_chosen(b.factors.submaps, kMost, [&](const auto* m) { return is_cut(*m, pose, feature); })) {
+  for (const auto* map : evenly_chosen(b.factors.submaps, kMost, [&](const auto* m) { return cuts(a, *m); })) {
     PlacedMap placed{map, end_of_pose(map->base), {}, {}};
     for (const PoseIndex p : map->poses) placed.poses.push_back(end_of_pose(p));
     for (const FeatureIndex f : map->features) placed.features.push_back(end_of_feature(f));

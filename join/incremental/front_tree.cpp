@@ -11,20 +11,6 @@ namespace {
 /// In squared standard deviations per entry: what moves less stays where it is, and what hangs below is not looked at.
 constexpr double kNoMove = 1e-6;
 
-/// The lower triangle of a symmetric matrix whose rows come in another order.
-Eigen::MatrixXd permuted(const Eigen::MatrixXd& lower, const std::vector<Eigen::Index>& rows) {
-  const auto size = static_cast<Eigen::Index>(rows.size());
-  Eigen::MatrixXd result(size, size);
-  for (Eigen::Index j = 0; j < size; ++j) {
-    const Eigen::Index from = rows[static_cast<std::size_t>(j)];
-    for (Eigen::Index i = j; i < size; ++i) {
-      const auto [low, high] = std::minmax(from, rows[static_cast<std::size_t>(i)]);
-      result(i, j) = lower(high, low);
-    }
-  }
-  return result;
-}
-
 /// A quadratic over these columns, one for each of its variables; `storage` keeps what had to be put in another order.
 GivenFront given_front(const Eigen::MatrixXd& H, const std::vector<Column>& columns, const BlockLower& matrix,
                        std::deque<Eigen::MatrixXd>& storage) {
@@ -39,7 +25,8 @@ GivenFront given_front(const Eigen::MatrixXd& H, const std::vector<Column>& colu
   for (const auto& [column, first] : blocks) {
     for (Eigen::Index i = 0; i < matrix.dof(column); ++i) rows.push_back(first + i);
   }
-  const Eigen::MatrixXd& sorted = storage.emplace_back(permuted(H, rows));
+  const Eigen::MatrixXd full = H.selfadjointView<Eigen::Lower>();
+  const Eigen::MatrixXd& sorted = storage.emplace_back(full(rows, rows));
   return {std::move(front.rows), {sorted.data(), row, row, Eigen::OuterStride<>(row)}};
 }
 

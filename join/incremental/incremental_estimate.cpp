@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <cmath>
 #include <mapjoin/join/incremental/incremental_estimate.hpp>
+#include <utility>
 
 namespace mapjoin {
 namespace {
@@ -19,7 +20,6 @@ JoinedIndex IncrementalEstimate<Dim>::add_variable(bool is_pose, const Pose<Dim>
   JoinedVariable<Dim>& added = variables_.emplace_back();
   added.is_pose = is_pose;
   added.reference = added.value = value;
-  is_remembered_.push_back(false);
   const JoinedIndex v(variables_.size() - 1);
   if (is_anchored) return v;
   added.column = tree_.add_variable(added.dof());
@@ -115,7 +115,7 @@ bool IncrementalEstimate<Dim>::take_step() {
   std::vector<FactorIndex> concerned;
   for (const Variable column : tree_.moved()) {
     const JoinedIndex v = variable_of_column_[column];
-    remember(v);
+    if (v.position() < known_) before_.try_emplace(v, variable(v).value);
     from.push_back(variable(v).step);
     PoseVector<Dim> to = PoseVector<Dim>::Zero();
     to.head(variable(v).dof()) = tree_.solution(column);
@@ -170,13 +170,6 @@ void IncrementalEstimate<Dim>::refer_turned() {
   }
 }
 
-template <int Dim>
-void IncrementalEstimate<Dim>::remember(JoinedIndex v) {
-  if (v.position() >= known_ || is_remembered_[v]) return;
-  is_remembered_[v] = true;
-  before_.emplace_back(v, variables_[v].value);
-}
-
 /// How far those have gone that are remembered, which are then forgotten.
 template <int Dim>
 StepSize IncrementalEstimate<Dim>::take_moved() {
@@ -186,7 +179,6 @@ StepSize IncrementalEstimate<Dim>::take_moved() {
     const PoseVector<Dim> step = local(was, is.value);
     size.metres = std::max(size.metres, step.template head<Dim>().norm());
     if (is.is_pose) size.radians = std::max(size.radians, step.template tail<kRotationDof<Dim>>().norm());
-    is_remembered_[v] = false;
   }
   before_.clear();
   return size;

@@ -2,12 +2,12 @@
 #pragma once
 // A joined state that is kept at the optimum of the maps it is made of, while maps and variables are added.
 
+#include <map>
 #include <mapjoin/join/incremental/front_tree.hpp>
 #include <mapjoin/join/incremental/map_factor.hpp>
 #include <mapjoin/solve/minimise_options.hpp>
 #include <optional>
 #include <span>
-#include <utility>
 #include <vector>
 
 namespace mapjoin {
@@ -61,7 +61,6 @@ class IncrementalEstimate {
   void move_to(JoinedIndex v, const PoseVector<Dim>& step, std::vector<FactorIndex>& concerned);
   /// Brings chi2 up to date with what these factors say now.
   void look_at(const std::vector<FactorIndex>& factors);
-  void remember(JoinedIndex v);
   StepSize take_moved();
   void refer_turned();
 
@@ -74,9 +73,8 @@ class IncrementalEstimate {
   std::int64_t rows_ = 0;
   std::int64_t free_ = 0;
   std::size_t steps_ = 0;
-  std::size_t known_ = 0;                                  // variables that were there before this settling
-  std::vector<std::pair<JoinedIndex, Pose<Dim>>> before_;  // where those were that have moved
-  Table<JoinedIndex, bool> is_remembered_;
+  std::size_t known_ = 0;                    // variables that were there before this settling
+  std::map<JoinedIndex, Pose<Dim>> before_;  // where those were that have moved
 };
 
 }  // namespace mapjoin

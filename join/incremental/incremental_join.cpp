@@ -19,6 +19,12 @@ const JoinedIndex* find_variable(const std::map<Id, JoinedIndex>& directory, con
   return found == directory.end() ? nullptr : &found->second;
 }
 
+template <int Dof, int Dim>
+std::optional<Matrix<Dof>> covariance_of(const IncrementalEstimate<Dim>& estimate, const JoinedIndex* v) {
+  const auto covariance = v ? estimate.covariance(*v) : std::nullopt;
+  return covariance ? std::optional<Matrix<Dof>>(*covariance) : std::nullopt;
+}
+
 }  // namespace
 
 template <int Dim>
@@ -35,16 +41,12 @@ const Point<Dim>* IncrementalJoin<Dim>::feature(const FeatureId& id) const {
 
 template <int Dim>
 std::optional<PoseMatrix<Dim>> IncrementalJoin<Dim>::covariance(const PoseId& id) const {
-  const JoinedIndex* v = find_variable(poses_, id);
-  const auto covariance = v ? estimate_.covariance(*v) : std::nullopt;
-  return covariance ? std::optional<PoseMatrix<Dim>>(*covariance) : std::nullopt;
+  return covariance_of<kPoseDof<Dim>>(estimate_, find_variable(poses_, id));
 }
 
 template <int Dim>
 std::optional<PointMatrix<Dim>> IncrementalJoin<Dim>::covariance(const FeatureId& id) const {
-  const JoinedIndex* v = find_variable(features_, id);
-  const auto covariance = v ? estimate_.covariance(*v) : std::nullopt;
-  return covariance ? std::optional<PointMatrix<Dim>>(*covariance) : std::nullopt;
+  return covariance_of<Dim>(estimate_, find_variable(features_, id));
 }
 
 /// Null also for the World, which is no pose.
@@ -201,7 +203,12 @@ std::vector<MapFactor<Dim>> IncrementalJoin<Dim>::factors_of(const SubmapUpdate<
     factors.emplace_back(map, std::move(variables));
   };
   std::ranges::for_each(update.graph.submaps, add);
-  for (LocalMap<Dim>& single : observations_as_maps(update)) add(singles_.emplace_back(std::move(single)));
+  for (const auto& o : update.graph.pose_factors) {
+    add(singles_.emplace_back(LocalMap<Dim>{o.base, {o.target}, {}, {o.measured}, {}, o.information}));
+  }
+  for (const auto& o : update.graph.feature_factors) {
+    add(singles_.emplace_back(LocalMap<Dim>{o.base, {}, {o.target}, {}, {o.measured}, o.information}));
+  }
   return factors;
 }
 

@@ -200,14 +200,6 @@ PartialMap<Dim> composed(const SubmapUpdate<Dim>& update) {
 }
 
 template <int Dim>
-std::vector<LocalMap<Dim>> observations_as_maps(const SubmapUpdate<Dim>& update) {
-  std::vector<LocalMap<Dim>> maps;
-  for (const auto& o : update.graph.pose_factors) maps.push_back({o.base, {o.target}, {}, {o.measured}, {}, o.information});
-  for (const auto& o : update.graph.feature_factors) maps.push_back({o.base, {}, {o.target}, {}, {o.measured}, o.information});
-  return maps;
-}
-
-template <int Dim>
 bool speaks_of_world(const SubmapUpdate<Dim>& update) {
   const auto is_of_world = [](const auto& o) { return o.base == kWorld; };
   return !update.graph.fixed.empty() || std::ranges::any_of(update.graph.pose_factors, is_of_world) ||
@@ -244,7 +236,6 @@ SubmapSet<Dim> set_of(const std::vector<const SubmapUpdate<Dim>*>& updates) {
   template std::vector<SubmapUpdate<Dim>> submap_updates_of(const Log<Dim>&, const Split&, const std::vector<LocalMap<Dim>>&); \
   template Expected<void> check_update(const SubmapUpdate<Dim>&);                                                              \
   template PartialMap<Dim> composed(const SubmapUpdate<Dim>&);                                                                 \
-  template std::vector<LocalMap<Dim>> observations_as_maps(const SubmapUpdate<Dim>&);                                          \
   template bool speaks_of_world(const SubmapUpdate<Dim>&);                                                                     \
   template SubmapSet<Dim> set_of(const std::vector<const SubmapUpdate<Dim>*>&);
 MAPJOIN_INSTANTIATE(2)

@@ -56,10 +56,6 @@ Expected<void> check_update(const SubmapUpdate<Dim>& update);
 template <int Dim>
 PartialMap<Dim> composed(const SubmapUpdate<Dim>& update);
 
-/// The update's single observations, each as a map of one target.
-template <int Dim>
-std::vector<LocalMap<Dim>> observations_as_maps(const SubmapUpdate<Dim>& update);
-
 /// Whether the update has priors or fixed poses.
 template <int Dim>
 bool speaks_of_world(const SubmapUpdate<Dim>& update);

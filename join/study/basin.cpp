@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <algorithm>
 #include <cmath>
+#include <map>
 #include <mapjoin/check/connectivity.hpp>
 #include <mapjoin/join/study/basin.hpp>
-#include <mapjoin/join/study/continuation.hpp>
 #include <mapjoin/join/tolerances.hpp>
 #include <mapjoin/model/demand_valid.hpp>
 #include <mapjoin/parallel/parallel.hpp>
@@ -19,20 +19,19 @@ struct Subject {
   Covariance covariance = Covariance::kOriginal;
   bool is_joining = false;
   std::optional<SplitOptions> split;
-  std::function<BasinRun(const RunOptions&, bool is_continued)> solve;
+  std::function<BasinRun(const RunOptions&)> solve;
 };
 using Subjects = std::vector<Subject>;
 
-template <typename Result>
-BasinRun outcome(const Expected<Result>& result) {
+template <int Dim>
+BasinRun outcome(const Expected<RunResult<Dim>>& result) {
   BasinRun run;
   if (!result) {
     run.failure = result.error().message;
     return run;
   }
   run.status = result->join.status;
-  run.iterations = result->join.iterations;
-  if constexpr (requires { result->path; }) run.iterations += result->path_iterations();
+  run.iterations = result->join.iterations + result->path_iterations();
   if (std::isfinite(result->chi2)) {
     run.chi2 = result->chi2;
   } else {
@@ -43,10 +42,8 @@ BasinRun outcome(const Expected<Result>& result) {
 
 template <int Dim>
 Subject full_slam(const std::shared_ptr<const Log<Dim>>& log, const std::stop_token& stop) {
-  return {log->conventions.covariance, false, std::nullopt, [log, stop](RunOptions options, bool is_continued) {
-            options.split = {SplitRule::kPoses, 1.0};
-            return is_continued ? outcome(run_continued(*log, options, stop)) : outcome(solve(*log, options, stop));
-          }};
+  return {log->conventions.covariance, false, std::nullopt,
+          [log, stop](const RunOptions& options) { return outcome(solve(*log, options, stop)); }};
 }
 
 /// Local maps are built once for all cells.
@@ -55,12 +52,10 @@ Expected<Subject> joining(const std::shared_ptr<const Log<Dim>>& log, Split part
                           const std::stop_token& stop) {
   auto built = build_local_maps(*log, parts, {}, stop);
   if (!built) return tl::unexpected(built.error());
-  return Subject{
-      log->conventions.covariance, true, given,
-      [log, parts = std::move(parts), maps = std::move(built->maps), stop](const RunOptions& options, bool is_continued) {
-        return is_continued ? outcome(run_continued(*log, parts, maps, options, stop))
-                            : outcome(run_from_maps(*log, parts, maps, options, stop));
-      }};
+  return Subject{log->conventions.covariance, true, given,
+                 [log, parts = std::move(parts), maps = std::move(built->maps), stop](const RunOptions& options) {
+                   return outcome(run_from_maps(*log, parts, maps, options, stop));
+                 }};
 }
 
 /// The input, and the input with identity covariances unless it has them already.
@@ -83,7 +78,8 @@ BasinRun solved(const Subject& subject, const BasinCell& cell, std::size_t run, 
   solving.solver.max_iterations = options.max_iterations;
   const bool is_default = cell.method == BasinMethod::kDefault;
   if (!is_default) solving.solver.method = Method::kGaussNewton;
-  return subject.solve(solving, is_default && cell.formulation.state == JoinedState::kRelative);
+  solving.gradual = is_default && cell.formulation.state == JoinedState::kRelative;
+  return subject.solve(solving);
 }
 
 /// The cells of one subject, their runs yet to be made.
@@ -103,22 +99,21 @@ std::vector<BasinCell> cells_of(const Subject& subject, int seeds) {
 
 /// The best chi2 per covariance, of `others` by subject and of all cells; marks the runs that end there.
 void judge(const Subjects& subjects, const std::vector<BasinRun>& others, Basin& basin) {
-  for (std::size_t s = 0; s < subjects.size(); ++s) {
-    const Covariance covariance = subjects[s].covariance;
-    if (basin.covariances.empty() || basin.covariances.back() != covariance) {
-      basin.covariances.push_back(covariance);
-      basin.best_chi2.push_back(others[s].chi2);
-    }
-    basin.best_chi2.back() = std::min(basin.best_chi2.back(), others[s].chi2);
-  }
-  const auto best_of = [&](const BasinCell& cell) -> double& {
-    return basin.best_chi2[cell.covariance == basin.covariances.front() ? 0 : 1];
+  std::map<Covariance, double> best;
+  const auto offer = [&](Covariance covariance, double chi2) {
+    double& least = best.try_emplace(covariance, chi2).first->second;
+    least = std::min(least, chi2);
   };
+  for (std::size_t s = 0; s < subjects.size(); ++s) offer(subjects[s].covariance, others[s].chi2);
   for (const BasinCell& cell : basin.cells) {
-    for (const BasinRun& run : cell.runs) best_of(cell) = std::min(best_of(cell), run.chi2);
+    for (const BasinRun& run : cell.runs) offer(cell.covariance, run.chi2);
   }
   for (BasinCell& cell : basin.cells) {
-    for (BasinRun& run : cell.runs) run.is_at_optimum = is_same_chi2(run.chi2, best_of(cell));
+    for (BasinRun& run : cell.runs) run.is_at_optimum = is_same_chi2(run.chi2, best.at(cell.covariance));
+  }
+  for (const auto& [covariance, chi2] : best) {
+    basin.covariances.push_back(covariance);
+    basin.best_chi2.push_back(chi2);
   }
 }
 
@@ -128,7 +123,7 @@ Expected<Basin> basin_of(const Subjects& subjects, const BasinOptions& options, 
   std::vector<BasinRun> along_tree(subjects.size());
   std::vector<std::function<void()>> solves;
   for (std::size_t s = 0; s < subjects.size(); ++s) {
-    solves.emplace_back([&, s] { along_tree[s] = subjects[s].solve(without_verdict(), false); });
+    solves.emplace_back([&, s] { along_tree[s] = subjects[s].solve(without_verdict()); });
     for (BasinCell& cell : cells_of(subjects[s], options.seeds)) {
       for (std::size_t run = 0; run < cell.runs.size(); ++run) {
         solves.emplace_back([&, s, c = basin.cells.size(), run] {
@@ -215,10 +210,9 @@ Expected<Basin> basin(const SubmapSet<Dim>& set, const BasinOptions& options, co
   if (auto connected = check_connected(set); !connected) return tl::unexpected(connected.error());
   Subjects subjects;
   for (const auto& weighed : weighings(set)) {
-    subjects.push_back(
-        {weighed->conventions.covariance, true, {}, [weighed, stop](const RunOptions& solving, bool is_continued) {
-           return is_continued ? outcome(run_continued(*weighed, solving, stop)) : outcome(run(*weighed, solving, stop));
-         }});
+    subjects.push_back({weighed->conventions.covariance, true, {}, [weighed, stop](const RunOptions& solving) {
+                          return outcome(run(*weighed, solving, stop));
+                        }});
   }
   return basin_of(subjects, options, stop);
 }

@@ -54,93 +54,73 @@ class Linearity {
   Table<FeatureIndex, TreeEdge<FeatureIndex>> features_;
 };
 
-/// One observation or map: the Jacobian of its rows with respect to its slots that are free, and which rows are linear.
+/// The rows of one observation or map: their Jacobian with respect to its variables that are free, and which are linear.
+template <int Dim>
 struct Rows {
+  static constexpr int kDof = kPoseDof<Dim>;
+
+  std::vector<Variable> free;
+  std::vector<Eigen::Index> begin;  // of the columns of each variable, the base's first; -1 where it is constant
+  std::size_t targets = 0;          // whose rows are there
   Eigen::MatrixXd J;
   std::vector<Eigen::Index> linear;
   std::vector<Eigen::Index> other;
 
-  Rows(Eigen::Index rows, Eigen::Index columns) : J(Eigen::MatrixXd::Zero(rows, columns)) {}
+  Rows(const NormalEquations& equations, const IntegratedObservation<Dim>& o) {
+    Eigen::Index columns = 0;
+    for (const Variable v : equations.pattern().factors[o.factor]) {
+      begin.push_back(v == kConstant ? -1 : columns);
+      if (v == kConstant) continue;
+      free.push_back(v);
+      columns += equations.dof(v);
+    }
+    J.setZero(o.W.rows(), columns);
+  }
+  /// The rows of the next target. In the plane its heading's is linear in any case.
+  template <int Dof>
+  void add(const LinearTarget<Dim, Dof>& target, bool is_linear) {
+    const Eigen::Index own = begin[++targets];
+    auto row = static_cast<Eigen::Index>(linear.size() + other.size());
+    if (begin[0] >= 0) J.block<Dof, kDof>(row, begin[0]) = target.J_base;
+    if (own >= 0) J.block<Dof, Dof>(row, own) = target.J_target;
+    for (int i = 0; i < Dof; ++i) (is_linear || (Dim == 2 && i == Dim) ? linear : other).push_back(row++);
+  }
 };
 
 template <int Dim>
-class Counter {
- public:
-  Counter(const JoiningSystem<Dim>& system, JoinedState state)
-      : system_(system), linearity_(system, state), marginals_(system.equations()) {}
-
-  QuadraticShare plural() {
-    for_each_integrated(system_, [&](const IntegratedObservation<Dim>& o) { add(o); });
-    share_.information /= static_cast<double>(system_.equations().size());
-    return share_;
+Rows<Dim> rows_of(const IntegratedObservation<Dim>& o, const JoiningSystem<Dim>& system, const Linearity<Dim>& linearity) {
+  const Values<Dim>& at = system.estimate();
+  const Pose<Dim> base = at.pose(o.base);
+  Rows<Dim> rows(system.equations(), o);
+  for (std::size_t p = 0; p < o.poses.size(); ++p) {
+    rows.add(linearise<Dim>(o.measured_poses[p], base, at.pose(o.poses[p])), linearity.of_pose(o.base, o.poses[p]));
   }
-
- private:
-  static constexpr int kDof = kPoseDof<Dim>;
-
-  /// The variables of a factor that are free, and where each slot's columns begin.
-  struct Slots {
-    Slots(const Counter& counter, std::size_t factor) {
-      for (const Variable v : counter.system_.equations().pattern().factors[factor]) {
-        begin.push_back(v == kConstant ? -1 : columns);
-        if (v == kConstant) continue;
-        free.push_back(v);
-        columns += counter.system_.equations().dof(v);
-      }
-    }
-    std::vector<Variable> free;
-    std::vector<Eigen::Index> begin;
-    Eigen::Index columns = 0;
-  };
-
-  template <int Dof>
-  static void set(const LinearTarget<Dim, Dof>& linear, Eigen::Index row, const Slots& slots, std::size_t slot, Rows& rows) {
-    if (slots.begin[0] >= 0) rows.J.block<Dof, kDof>(row, slots.begin[0]) = linear.J_base;
-    if (slots.begin[slot] >= 0) rows.J.block<Dof, Dof>(row, slots.begin[slot]) = linear.J_target;
+  for (std::size_t f = 0; f < o.features.size(); ++f) {
+    rows.add(linearise<Dim>(o.measured_features[f], base, at.features[o.features[f]]),
+             linearity.of_feature(o.base, o.features[f]));
   }
-
-  /// The rows of an observation; the base is its first slot.
-  Rows rows_of(const IntegratedObservation<Dim>& o, const Slots& slots) const {
-    const Values<Dim>& at = system_.estimate();
-    Rows rows(o.W.rows(), slots.columns);
-    Eigen::Index row = 0;
-    std::size_t slot = 1;
-    for (std::size_t p = 0; p < o.poses.size(); ++p, ++slot) {
-      set<kDof>(linearise<Dim>(o.measured_poses[p], at.pose(o.base), at.pose(o.poses[p])), row, slots, slot, rows);
-      const bool is_linear = linearity_.of_pose(o.base, o.poses[p]);
-      for (int i = 0; i < kDof; ++i) (is_linear || (Dim == 2 && i == Dim) ? rows.linear : rows.other).push_back(row++);
-    }
-    for (std::size_t f = 0; f < o.features.size(); ++f, ++slot) {
-      set<Dim>(linearise<Dim>(o.measured_features[f], at.pose(o.base), at.features[o.features[f]]), row, slots, slot, rows);
-      const bool is_linear = linearity_.of_feature(o.base, o.features[f]);
-      for (int i = 0; i < Dim; ++i) (is_linear ? rows.linear : rows.other).push_back(row++);
-    }
-    return rows;
-  }
-
-  void add(const IntegratedObservation<Dim>& o) {
-    const Slots slots(*this, o.factor);
-    const Rows rows = rows_of(o, slots);
-    share_.rows += information_rank(Eigen::MatrixXd(o.W));
-    if (rows.linear.empty()) return;
-    const Eigen::MatrixXd M = marginal_information(o.W, rows.linear, rows.other);
-    share_.quadratic_rows += information_rank(M);
-    if (slots.free.empty()) return;
-    const Eigen::MatrixXd J = rows.J(rows.linear, Eigen::all);
-    share_.information += (M * J * marginals_.joint(slots.free)).cwiseProduct(J).sum();
-  }
-
-  const JoiningSystem<Dim>& system_;
-  Linearity<Dim> linearity_;
-  Marginals marginals_;
-  QuadraticShare share_;
-};
+  return rows;
+}
 
 }  // namespace
 
 template <int Dim>
 QuadraticShare quadratic_share(const JoiningSystem<Dim>& system, JoinedState state) {
-  return Counter<Dim>(system, state).plural();
+  const Linearity<Dim> linearity(system, state);
+  const Marginals marginals(system.equations());
+  QuadraticShare share;
+  for_each_integrated(system, [&](const IntegratedObservation<Dim>& o) {
+    const Rows<Dim> rows = rows_of(o, system, linearity);
+    share.rows += information_rank(Eigen::MatrixXd(o.W));
+    if (rows.linear.empty()) return;
+    const Eigen::MatrixXd M = marginal_information(o.W, rows.linear, rows.other);
+    share.quadratic_rows += information_rank(M);
+    if (rows.free.empty()) return;
+    const Eigen::MatrixXd J = rows.J(rows.linear, Eigen::all);
+    share.information += (M * J * marginals.joint(rows.free)).cwiseProduct(J).sum();
+  });
+  share.information /= static_cast<double>(system.equations().size());
+  return share;
 }
 
 template QuadraticShare quadratic_share(const JoiningSystem<2>&, JoinedState);

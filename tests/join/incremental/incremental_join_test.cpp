@@ -73,7 +73,7 @@ TYPED_TEST(IncrementalJoinTest, EndsWhereAJoinOfAllMapsEnds) {
   EXPECT_LT(this->difference(joined, updates), 0.01);
 }
 
-TYPED_TEST(IncrementalJoinTest, JoinsSpansOfAPoseGraph) {
+TYPED_TEST(IncrementalJoinTest, JoinsRawSegmentsOfAPoseGraph) {
   const auto updates = this->submap_updates_of({.poses = 60, .features = 0, .closures = 40, .reversed_odometry = true}, 5.0);
   ASSERT_TRUE(std::any_of(updates.begin(), updates.end(), [](const auto& update) { return update.graph.submaps.empty(); }));
   testing::expect_optimal_at_every_kth_step(updates, 1);
