@@ -11,7 +11,6 @@
 #include <limits>
 #include <mapjoin/io/files/output_file.hpp>
 #include <mapjoin/join/run.hpp>
-#include <mapjoin/join/study/continuation.hpp>
 #include <mapjoin/parallel/parallel.hpp>
 #include <mapjoin/simulate/manhattan.hpp>
 #include <string>
@@ -54,7 +53,8 @@ double by_gradual(const Simulation<2>& world) {
   RunOptions options = without_verdict();
   options.schedule = Schedule::kBatch;
   options.state = JoinedState::kRelative;
-  return chi2_of(run_continued(world.log, options));
+  options.gradual = true;
+  return chi2_of(run(world.log, options));
 }
 
 double by_full_slam(const Log<2>& log, Method method, Start start) {

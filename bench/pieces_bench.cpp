@@ -8,7 +8,7 @@
 #include <mapjoin/io/g2o/g2o.hpp>
 #include <mapjoin/io/local_maps/local_map_set.hpp>
 #include <mapjoin/io/open.hpp>
-#include <mapjoin/join/join_problem.hpp>
+#include <mapjoin/join/relative_join.hpp>
 #include <mapjoin/join/restored.hpp>
 #include <mapjoin/join/run.hpp>
 #include <mapjoin/localmap/recover.hpp>
@@ -111,7 +111,7 @@ template <int Dim>
 void JoinStep(benchmark::Values& state) {
   JoinedWorld<Dim> world(state);
   if (!world.join) return state.SkipWithError("cannot join");
-  JoinProblem<Dim> problem(std::move(*world.join->system));
+  JoiningSystem<Dim> problem(std::move(*world.join->system));
   step(state, problem);
 }
 
@@ -125,7 +125,7 @@ void PolishStep(benchmark::Values& state) {
     if (segment.is_map) views.push_back(segment_view(world.log, world.parts, segment));
   }
   auto whole = restored(world.graph, views, *world.join, world.join->state);
-  step(state, whole.problem);
+  step(state, whole.system);
 }
 
 /// Of all poses and features, in the map and relative, from a factor that is there.

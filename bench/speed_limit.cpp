@@ -11,7 +11,7 @@
 #include <mapjoin/join/align/gauge.hpp>
 #include <mapjoin/join/align/joined_map.hpp>
 #include <mapjoin/join/align/start.hpp>
-#include <mapjoin/join/join_problem.hpp>
+#include <mapjoin/join/relative_join.hpp>
 #include <mapjoin/join/submap_graph.hpp>
 #include <mapjoin/measure/chi2.hpp>
 #include <mapjoin/measure/effort.hpp>
@@ -105,9 +105,9 @@ Expected<void> measure(const SubmapGraph<Dim>& graph, const Values<Dim>& state, 
   set_to_values(state, partial);
   place_fixed_poses(graph, partial);
   const Gauge<Dim> gauge = gauge_of(graph, partial);
-  JoinProblem<Dim> problem = timed(limit.order, [&] { return JoinProblem<Dim>(partial, gauge, Engine::kCholmod); });
+  JoiningSystem<Dim> problem = timed(limit.order, [&] { return JoiningSystem<Dim>(partial, gauge, Engine::kCholmod); });
   limit.chi2 = problem.linearise();
-  return factorise_and_solve(problem.system().equations(), limit);
+  return factorise_and_solve(problem.equations(), limit);
 }
 
 template <int Dim>

@@ -6,7 +6,7 @@
 #include <mapjoin/join/align/gauge.hpp>
 #include <mapjoin/join/align/joined_map.hpp>
 #include <mapjoin/join/join.hpp>
-#include <mapjoin/join/join_problem.hpp>
+#include <mapjoin/join/relative_join.hpp>
 #include <mapjoin/join/tolerances.hpp>
 #include <mapjoin/measure/statistics.hpp>
 #include <mapjoin/model/information.hpp>
@@ -25,7 +25,7 @@ std::vector<MapFit> map_fits(const JoiningSystem<Dim>& system) {
     const auto& placed = system.maps()[m];
     const LocalMap<Dim>& map = *placed.map;
     const PoseIndex end = map.poses.empty() ? map.base : map.poses.back();
-    fits[m] = {map.base, end, map_chi2<Dim>(placed, system.estimate()), information_rank(map.information)};
+    fits[m] = {map.base, end, system.map_chi2(placed, system.estimate()), information_rank(map.information)};
   });
   return fits;
 }
@@ -105,25 +105,25 @@ std::string free_to_move(const Task<Dim>& task, const JoiningSystem<Dim>& system
   return found.empty() ? name + " cannot be determined" : found;
 }
 
-/// The last solve, from the estimate of the problem of `whole` on.
+/// The last solve of the joined map, from the estimate of its system on.
 template <int Dim>
-Expected<Join<Dim>> solved(const Task<Dim>& task, PartialMap<Dim> joined_map, const Gauge<Dim>& gauge, JoinProblem<Dim> problem,
-                           const MinimiseOptions& solver) {
+Expected<Join<Dim>> solved(const Task<Dim>& task, PartialMap<Dim> joined_map, const Gauge<Dim>& gauge,
+                           JoiningSystem<Dim> system, const MinimiseOptions& solver) {
   Join<Dim> join;
-  const Values<Dim> start = problem.estimate();
-  join.result = minimise_join(problem, task.options.state, solver, task.stop);
-  join.largest_rotation = largest_rotation_update(start, problem.estimate());
+  const Values<Dim> start = system.estimate();
+  join.result = minimise_join(system, task.options.state, solver, task.stop);
+  join.largest_rotation = largest_rotation_update(start, system.estimate());
   if (join.result.status == MinimiseStatus::kInterrupted) return interrupted();
   if (join.result.status == MinimiseStatus::kSingular) {
-    return bad_input(free_to_move(task, problem.system(), *join.result.singular, joined_map));
+    return bad_input(free_to_move(task, system, *join.result.singular, joined_map));
   }
-  join.state = state_of(task.graph, joined_map, problem.estimate());
+  join.state = state_of(task.graph, joined_map, system.estimate());
   for (const PoseIndex place : gauge.anchored) join.anchored.push_back(joined_map.poses[place]);
-  join.maps = map_fits(problem.system());
+  join.maps = map_fits(system);
   join.rows = measured_rows(joined_map, gauge, join.maps);
   join.poses = std::move(joined_map.poses);
   join.features = std::move(joined_map.features);
-  join.system = std::make_unique<JoiningSystem<Dim>>(std::move(problem.system()));
+  join.system = std::make_unique<JoiningSystem<Dim>>(std::move(system));
   return join;
 }
 
@@ -135,20 +135,24 @@ Expected<Join<Dim>> join_by(Schedule schedule, const Task<Dim>& task, const Mini
   PartialMap<Dim> joined_map = joined_map_of(graph);
   const Gauge<Dim> gauge = gauge_of(graph, joined_map);
   JoinedPartialMaps<Dim> partials;
-  std::optional<JoinProblem<Dim>> problem;  // its pattern, ordering and symbolic factor need no state
+  std::optional<JoiningSystem<Dim>> system;  // its pattern, ordering and symbolic factor need no state
   parallel_invoke([&] { partials = join_segments(task.graph, on_the_way, task.stop); },
                   [&] {
-                    if (!task.stop.stop_requested()) problem.emplace(joined_map, gauge, solver.engine);
+                    if (!task.stop.stop_requested()) system.emplace(joined_map, gauge, solver.engine);
                   });
   if (stop.stop_requested()) return interrupted();
 
   joined_map.state = composed_state(graph, joined_map, options.origin, std::move(partials));
   set_start(options.start, options.seed, options.values, joined_map);
   place_fixed_poses(graph, joined_map);
-  problem->system().estimate() = joined_map.state;
-  auto join = solved(task, std::move(joined_map), gauge, *std::move(problem), solver);
-  if (join) join->schedule = schedule;
-  return join;
+  system->estimate() = joined_map.state;
+  std::vector<PathPoint> path;
+  if (options.gradual) path = follow_path(*system, joined_map, gauge, options.state, solver.method, stop);
+  return solved(task, std::move(joined_map), gauge, *std::move(system), solver).map([&](Join<Dim> join) {
+    join.schedule = schedule;
+    join.path = std::move(path);
+    return join;
+  });
 }
 
 /// Goes on where a join stopped at its limit of iterations.
@@ -156,7 +160,7 @@ template <int Dim>
 Expected<Join<Dim>> continued(const Task<Dim>& task, Join<Dim> join, const MinimiseOptions& solver) {
   PartialMap<Dim> joined_map = joined_map_of(task.graph);
   const Gauge<Dim> gauge = gauge_of(task.graph, joined_map);
-  auto further = solved(task, std::move(joined_map), gauge, JoinProblem<Dim>(std::move(*join.system)), solver);
+  auto further = solved(task, std::move(joined_map), gauge, std::move(*join.system), solver);
   if (!further) return further;
   further->schedule = join.schedule;
   further->largest_rotation = std::max(join.largest_rotation, further->largest_rotation);

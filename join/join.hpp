@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <functional>
 #include <mapjoin/join/align/start.hpp>
+#include <mapjoin/join/continuation.hpp>
 #include <mapjoin/join/joining_system.hpp>
 #include <mapjoin/join/schedule.hpp>
 #include <mapjoin/join/submap_graph.hpp>
@@ -16,14 +17,19 @@
 
 namespace mapjoin {
 
-template <int Dim>
-struct JoinOptions {
+/// What is asked of a join, whatever the dimension.
+struct JoinSettings {
   Schedule schedule = Schedule::kAuto;
-  JoinedState state = JoinedState::kAbsolute;              ///< Coordinates of the steps.
-  MinimiseOptions solver;                                  ///< Of the last join, over all original maps.
+  JoinedState state = JoinedState::kAbsolute;  ///< Coordinates of the steps.
+  MinimiseOptions solver;                      ///< Of the last join, over all original maps.
+  Start start = Start::kComposed;              ///< Another one is for the batch schedule only,
+  bool gradual = false;                        ///< and so is following a path from there (see Continuation).
+  std::uint64_t seed = 1;                      ///< Of the random start.
+};
+
+template <int Dim>
+struct JoinOptions : JoinSettings {
   Pose<Dim> origin;                                        ///< Where the first pose is anchored when the World says nothing.
-  Start start = Start::kComposed;                          ///< Another one is for the batch schedule only.
-  std::uint64_t seed = 1;                                  ///< Of the random start.
   const Values<Dim>* values = nullptr;                     ///< For Start::kFile: of the whole submap graph.
   std::function<void(std::size_t, std::size_t)> progress;  ///< As in ScheduleOptions.
 };
@@ -43,6 +49,7 @@ struct MapFit {
 template <int Dim>
 struct Join {
   MinimiseResult result;
+  std::vector<PathPoint> path;                 ///< That led to its start, where it was followed.
   Schedule schedule = Schedule::kTree;         ///< That it was found by; of kAuto, the one of least chi2.
   bool is_settled = false;                     ///< Of kAuto: this solve was as good as linear, or aligned from near by.
   Values<Dim> state;                           ///< Of the whole submap graph; poses that are not joined are left at the origin.

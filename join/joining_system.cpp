@@ -13,7 +13,7 @@ JoiningSystem<Dim>::JoiningSystem(const PartialMap<Dim>& partial, const Gauge<Di
                                   const std::vector<PoseOrFeature>& order)
     : estimate_(partial.state), equations_({}) {
   number_variables(gauge);
-  place_observations(partial, gauge);
+  observe(partial, gauge);
   equations_ = make_equations(engine, order);
 }
 
@@ -31,7 +31,7 @@ void JoiningSystem<Dim>::number_variables(const Gauge<Dim>& gauge) {
 }
 
 template <int Dim>
-void JoiningSystem<Dim>::place_observations(const PartialMap<Dim>& partial, const Gauge<Dim>& gauge) {
+void JoiningSystem<Dim>::observe(const PartialMap<Dim>& partial, const Gauge<Dim>& gauge) {
   pose_factors_.clear();
   feature_factors_.clear();
   maps_.clear();
@@ -90,7 +90,30 @@ NormalEquations JoiningSystem<Dim>::make_equations(Engine engine, const std::vec
 }
 
 template <int Dim>
-double JoiningSystem<Dim>::observations_chi2(const Values<Dim>& state) const {
+double JoiningSystem<Dim>::linearise() {
+  equations_.set_zero();
+  return equations_.accumulate_factors([&](std::size_t factor, NormalEquations::Sink sink) {
+    return with_linear_factor(factor, [&](const auto& linear) { return accumulate(linear, sink); });
+  });
+}
+
+template <int Dim>
+void JoiningSystem<Dim>::add_curvature() {
+  equations_.accumulate_factors([&](std::size_t factor, NormalEquations::Sink sink) {
+    with_linear_factor(factor, [&](const auto& linear) { accumulate_curvature(linear, sink); });
+    return 0.0;
+  });
+}
+
+template <int Dim>
+double JoiningSystem<Dim>::map_chi2(const PlacedMap& placed, const Values<Dim>& state) {
+  return cost(
+      *placed.map, state.pose(placed.base), [&](std::size_t p) { return state.pose(placed.poses[p]); },
+      [&](std::size_t f) { return state.features[placed.features[f]]; });
+}
+
+template <int Dim>
+double JoiningSystem<Dim>::chi2(const Values<Dim>& state) const {
   const double of_poses = parallel_sum(pose_factors_.size(), kObservationsPerPiece, [&](std::size_t k) {
     const auto& [o, base, target] = pose_factors_[k];
     return cost(*o, state.pose(base), state.pose(target));
@@ -99,7 +122,13 @@ double JoiningSystem<Dim>::observations_chi2(const Values<Dim>& state) const {
     const auto& [o, base, target] = feature_factors_[k];
     return cost(*o, state.pose(base), state.features[target]);
   });
-  return of_poses + of_features;
+  return of_poses + of_features + parallel_sum(maps_.size(), 8, [&](std::size_t m) { return map_chi2(maps_[m], state); });
+}
+
+template <int Dim>
+double JoiningSystem<Dim>::try_state(Values<Dim> candidate) {
+  candidate_ = std::move(candidate);
+  return chi2(candidate_);
 }
 
 template <int Dim>

@@ -1,19 +1,21 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
-// The joined state (30), its normal equations, and the observations that stand on their own; those of the local maps are added
-// by the caller.
+// Joining as a least-squares problem: the joined state (30), of which each local map is one integrated observation (paper's
+// (31), (32)) beside those that stand on their own.
 
 #include <Eigen/Core>
 #include <mapjoin/join/align/gauge.hpp>
 #include <mapjoin/join/align/partial_map.hpp>
 #include <mapjoin/model/accumulate.hpp>
-#include <mapjoin/solve/minimise_options.hpp>
 #include <mapjoin/solve/normal_equations.hpp>
-#include <span>
+#include <mapjoin/solve/trust_region.hpp>
+#include <optional>
+#include <utility>
 #include <vector>
 
 namespace mapjoin {
 
+/// A LeastSquaresProblem over the joined state of a partial map.
 template <int Dim>
 class JoiningSystem {
  public:
@@ -22,30 +24,20 @@ class JoiningSystem {
   JoiningSystem(const PartialMap<Dim>& partial, const Gauge<Dim>& gauge, Engine engine = Engine::kFronts,
                 const std::vector<PoseOrFeature>& order = {});
 
-  /// Normal equations at the estimate; returns chi2. `add_map(m, sink)` adds those of map m, whose variables are base, poses
-  /// and features, and returns its chi2.
-  template <typename AddMap>
-  double linearise(AddMap&& add_map) {
-    equations_.set_zero();
-    return equations_.accumulate_factors([&](std::size_t factor, NormalEquations::Sink sink) {
-      if (factor >= first_map_factor_) return add_map(factor - first_map_factor_, sink);
-      return with_linear_observation(factor, [&](const auto& linear) { return accumulate(linear, sink); });
-    });
-  }
-  /// Adds the curvature of the observations (see accumulate_curvature), and of the maps by `add_map(m, sink)`.
-  template <typename AddMap>
-  void add_curvature(AddMap&& add_map) {
-    equations_.accumulate_factors([&](std::size_t factor, NormalEquations::Sink sink) {
-      if (factor < first_map_factor_) {
-        with_linear_observation(factor, [&](const auto& linear) { accumulate_curvature(linear, sink); });
-      } else {
-        add_map(factor - first_map_factor_, sink);
-      }
-      return 0.0;
-    });
-  }
-  double observations_chi2(const Values<Dim>& state) const;
+  double linearise();
+  void add_curvature();
+  const Eigen::VectorXd& gradient() const { return equations_.gradient(); }
+  DiagonalMetric metric() const { return DiagonalMetric(equations_.diagonal()); }
+  double curvature(const Eigen::VectorXd& v) const { return equations_.curvature(v); }
+  std::optional<Variable> factorise(double damping) { return equations_.factorise(damping); }
+  Eigen::VectorXd solve() const { return equations_.solve(gradient()); }
+  StepSize step_size(const Eigen::VectorXd& step) const;
+  double try_step(const Eigen::VectorXd& step) { return try_state(retracted(step)); }
+  /// chi2 of a state, kept as the candidate.
+  double try_state(Values<Dim> candidate);
+  void accept() { std::swap(estimate_, candidate_); }
 
+  /// The normal equations, with their pattern, ordering and symbolic factor.
   NormalEquations& equations() { return equations_; }
   const NormalEquations& equations() const { return equations_; }
 
@@ -66,8 +58,10 @@ class JoiningSystem {
     std::vector<FeatureIndex> features;
   };
   const std::vector<PlacedMap>& maps() const { return maps_; }
+  /// chi2 of a local map as an observation of `state`.
+  static double map_chi2(const PlacedMap& placed, const Values<Dim>& state);
   /// Puts the observations and maps of another partial map and gauge, which differ in their numbers only, in place of these.
-  void observe(const PartialMap<Dim>& partial, const Gauge<Dim>& gauge) { place_observations(partial, gauge); }
+  void observe(const PartialMap<Dim>& partial, const Gauge<Dim>& gauge);
 
   /// What a factor of the normal equations is: its list among the three, and its place there.
   struct Source {
@@ -77,23 +71,26 @@ class JoiningSystem {
   Source source_of(std::size_t factor) const;
   /// Rows of the measurement of a factor.
   Eigen::Index rows(std::size_t factor) const;
-  /// f(the observation linearised at the estimate), of a factor that is no map.
+  /// f(the factor linearised at the estimate): a LinearObservation or a LinearMap.
   template <typename F>
-  auto with_linear_observation(std::size_t factor, F&& f) const {
+  auto with_linear_factor(std::size_t factor, F&& f) const {
     const auto [kind, place] = source_of(factor);
     if (kind == Source::kPoseFactor) {
       const auto& [o, base, target] = pose_factors_[place];
       return f(mapjoin::linearise(*o, estimate_.pose(base), estimate_.pose(target)));
     }
-    const auto& [o, base, target] = feature_factors_[place];
-    return f(mapjoin::linearise(*o, estimate_.pose(base), estimate_.features[target]));
+    if (kind == Source::kFeatureFactor) {
+      const auto& [o, base, target] = feature_factors_[place];
+      return f(mapjoin::linearise(*o, estimate_.pose(base), estimate_.features[target]));
+    }
+    const PlacedMap& placed = maps_[place];
+    return f(mapjoin::linearise(
+        *placed.map, estimate_.pose(placed.base), [&](std::size_t p) { return estimate_.pose(placed.poses[p]); },
+        [&](std::size_t k) { return estimate_.features[placed.features[k]]; }));
   }
 
   Values<Dim>& estimate() { return estimate_; }
   const Values<Dim>& estimate() const { return estimate_; }
-  /// The estimate moved by a step.
-  Values<Dim> retracted(const Eigen::VectorXd& step) const;
-  StepSize step_size(const Eigen::VectorXd& step) const;
   /// kConstant for the World and for poses that are anchored.
   Variable variable(PoseIndex place) const { return place == kWorld ? kConstant : pose_variables_[place]; }
   Variable variable(FeatureIndex place) const { return first_feature_variable_ + place.value; }
@@ -102,10 +99,13 @@ class JoiningSystem {
 
  private:
   void number_variables(const Gauge<Dim>& gauge);
-  void place_observations(const PartialMap<Dim>& partial, const Gauge<Dim>& gauge);
   NormalEquations make_equations(Engine engine, const std::vector<PoseOrFeature>& order) const;
+  double chi2(const Values<Dim>& state) const;
+  /// The estimate moved by a step.
+  Values<Dim> retracted(const Eigen::VectorXd& step) const;
 
   Values<Dim> estimate_;
+  Values<Dim> candidate_;
   std::vector<Placed<PoseFactor<Dim>>> pose_factors_;
   std::vector<Placed<FeatureFactor<Dim>>> feature_factors_;
   std::vector<PlacedMap> maps_;

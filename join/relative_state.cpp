@@ -10,31 +10,6 @@
 namespace mapjoin {
 namespace {
 
-/// What the observation of an edge measured, and its information.
-template <int Dim>
-std::pair<Pose<Dim>, PoseMatrix<Dim>> measured_pose(const JoiningSystem<Dim>& system, const TreeObservation& edge) {
-  constexpr int kDof = kPoseDof<Dim>;
-  const auto source = system.source_of(edge.factor);
-  if (source.kind != JoiningSystem<Dim>::Source::kMap) {
-    const auto& o = *system.pose_factors()[source.place].observation;
-    return {o.measured, o.information};
-  }
-  const LocalMap<Dim>& map = *system.maps()[source.place].map;
-  const Eigen::Index row = map.row(edge.target);
-  return {map.pose_estimates[edge.target], map.information.template block<kDof, kDof>(row, row)};
-}
-
-template <int Dim>
-PointMatrix<Dim> point_information(const JoiningSystem<Dim>& system, const TreeObservation& edge) {
-  const auto source = system.source_of(edge.factor);
-  if (source.kind != JoiningSystem<Dim>::Source::kMap) {
-    return system.feature_factors()[source.place].observation->information;
-  }
-  const LocalMap<Dim>& map = *system.maps()[source.place].map;
-  const Eigen::Index row = map.row(edge.target);
-  return map.information.template block<Dim, Dim>(row, row);
-}
-
 /// The information that the observation of an edge has of its child, the parent anchored.
 template <int Dim>
 PoseMatrix<Dim> information_of_child(const JoiningSystem<Dim>& system, const TreeEdge<PoseIndex>& edge) {
@@ -66,7 +41,8 @@ RelativeState<Dim>::RelativeState(const JoiningSystem<Dim>& system) {
   const SpanningTree tree = spanning_tree(system);
   for (const auto& edge : tree.poses) poses_.push_back(make_link<kPoseDof<Dim>>(system, edge));
   for (const auto& edge : tree.features) {
-    const PointMatrix<Dim> W = point_information(system, edge.observation.value());  // nothing else brings in a feature
+    const PointMatrix<Dim> W =
+        measured_point(system, edge.observation.value()).information;  // nothing else brings in a feature
     features_.push_back({make_link<Dim>(system, edge), W, inverse_of<Dim>(W)});
   }
 }

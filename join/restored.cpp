@@ -60,8 +60,8 @@ Restored<Dim> restored(const SubmapGraph<Dim>& graph, const std::vector<SegmentV
   PartialMap<Dim> joined_map = joined_map_of(all);
   set_to_values(state, joined_map);
   const std::vector<PoseOrFeature> order = restored_order(graph, segments, join, joined_map);
-  JoinProblem<Dim> problem(JoiningSystem<Dim>(joined_map, gauge_of(all, joined_map), engine, order));
-  return {std::move(all), std::move(joined_map), std::move(problem)};
+  JoiningSystem<Dim> system(joined_map, gauge_of(all, joined_map), engine, order);
+  return {std::move(all), std::move(joined_map), std::move(system)};
 }
 
 #define MAPJOIN_INSTANTIATE(Dim)                                                                                   \

@@ -4,19 +4,18 @@
 // blocks of its inverse.
 
 #include <mapjoin/join/join.hpp>
-#include <mapjoin/join/join_problem.hpp>
 #include <mapjoin/join/submap_graph.hpp>
 #include <mapjoin/localmap/segment_view.hpp>
 #include <vector>
 
 namespace mapjoin {
 
-/// The observations of a submap graph as they were before local maps marginalised anything. `problem` points into the others.
+/// The observations of a submap graph as they were before local maps marginalised anything. `system` points into the others.
 template <int Dim>
 struct Restored {
   SubmapGraph<Dim> graph;
   PartialMap<Dim> joined_map;
-  JoinProblem<Dim> problem;
+  JoiningSystem<Dim> system;
 };
 
 /// Full SLAM over a log (paper's (8), (9)), where `segments` are those of the submap graph's maps, in their order; over local

@@ -10,6 +10,8 @@
 #include <mapjoin/model/demand_valid.hpp>
 #include <mapjoin/model/segment.hpp>
 #include <mapjoin/parallel/parallel.hpp>
+#include <mapjoin/solve/minimise.hpp>
+#include <numeric>
 #include <utility>
 
 namespace mapjoin {
@@ -19,19 +21,6 @@ namespace {
 Error of_source(const std::string& source, Error error) {
   if (error.kind == ErrorKind::kBadInput) error.message = source + ": " + error.message;
   return error;
-}
-
-template <int Dim>
-JoinOptions<Dim> join_options(const RunOptions& options, const Pose<Dim>& origin) {
-  JoinOptions<Dim> joining;
-  joining.schedule = options.schedule;
-  joining.state = options.state;
-  joining.solver = options.solver;
-  joining.origin = origin;
-  joining.start = options.start;
-  joining.seed = options.seed;
-  joining.progress = options.progress_of(Stage::kJoin);
-  return joining;
 }
 
 template <int Dim, template <int> typename Source>
@@ -53,14 +42,16 @@ std::vector<SegmentView<Dim>> segments_of(const Log<Dim>& log, const Split& spli
 }
 
 template <int Dim>
-std::int64_t information_bytes(const LocalMap<Dim>& map) {
-  return static_cast<std::int64_t>(sizeof(double)) * map.information.size();
+void count_maps(const std::vector<LocalMap<Dim>>& maps, RunFigures& figures) {
+  figures.local_maps = maps.size();
+  for (const auto& map : maps) figures.joint_bytes += static_cast<std::int64_t>(sizeof(double)) * map.information.size();
 }
 
 /// What a join says of itself.
 template <int Dim>
 void take_figures(const Join<Dim>& join, RunFigures& figures) {
   figures.join = join.result;
+  figures.path = join.path;
   figures.schedule = join.schedule;
   figures.is_settled = join.is_settled;
   figures.largest_rotation = join.largest_rotation;
@@ -69,14 +60,15 @@ void take_figures(const Join<Dim>& join, RunFigures& figures) {
   figures.joint_bytes += join.system->equations().factor_bytes();
 }
 
-template <int Dim>
-Expected<Join<Dim>> join_maps(const Log<Dim>& log, const SubmapGraph<Dim>& graph, const RunOptions& options,
-                              const std::stop_token& stop, const Values<Dim>* values, RunResult<Dim>& result) {
+/// Joins the submap graph of a log or a set.
+template <int Dim, template <int> typename Source>
+Expected<Join<Dim>> join_maps(const Source<Dim>& source, const SubmapGraph<Dim>& graph, const Pose<Dim>& origin,
+                              const Values<Dim>* values, const RunOptions& options, const std::stop_token& stop,
+                              RunResult<Dim>& result) {
   const Stopwatch watch(result.seconds.join);
-  JoinOptions<Dim> joining = join_options(options, origin_of(log));
-  joining.values = values ? values : &log.initial;
-  auto joined = join(graph, log.poses, log.features, joining, stop);
-  if (!joined) return tl::unexpected(of_source(log.source, joined.error()));
+  const JoinOptions<Dim> joining{options, origin, values, options.progress_of(Stage::kJoin)};
+  auto joined = join(graph, source.poses, source.features, joining, stop);
+  if (!joined) return tl::unexpected(of_source(source.source, joined.error()));
   take_figures(*joined, result);
   return joined;
 }
@@ -99,23 +91,21 @@ void refine(const Log<Dim>& log, Restored<Dim>& restored, const RunOptions& opti
   if (options.progress) options.progress(Stage::kPolish, 0, 1);
   MinimiseOptions solver = options.solver;
   solver.relative_chi2 *= kRefiningShare;
-  result.polish = minimise(restored.problem, solver, stop);
-  write_values(restored.problem.estimate(), restored.joined_map.poses, restored.joined_map.features, state);
+  result.polish = minimise(restored.system, solver, stop);
+  write_values(restored.system.estimate(), restored.joined_map.poses, restored.joined_map.features, state);
   result.chi2 = log_chi2(log, state).total();
 }
 
 /// Joins local maps, recovers what they eliminated, and refines the whole.
 template <int Dim>
 Expected<Found<Dim>> join_and_refine(const Log<Dim>& log, const Split& split, std::vector<LocalMap<Dim>> maps,
-                                     const RunOptions& options, const std::stop_token& stop, RunResult<Dim> result = {},
-                                     const Values<Dim>* values = nullptr) {
-  if (auto given = check_start(log, options.start); !values && !given) return tl::unexpected(given.error());
-  result.local_maps = maps.size();
+                                     const RunOptions& options, const std::stop_token& stop, RunResult<Dim> result = {}) {
+  count_maps(maps, result);
   result.raw_segments = split.segments.size() - maps.size();
   result.poses_per_map = split.poses_per_map;
-  for (const LocalMap<Dim>& map : maps) result.joint_bytes += information_bytes(map);
   const SubmapGraph<Dim> graph = submap_graph_of(log, split, std::move(maps));
-  auto joined = join_maps(log, graph, options, stop, values, result);
+  const Pose<Dim> origin = log.initial.poses.empty() ? Pose<Dim>{} : log.initial.poses.front();
+  auto joined = join_maps(log, graph, origin, &log.initial, options, stop, result);
   if (!joined) return tl::unexpected(joined.error());
   // A join of the whole log has counted its rows already.
   result.dof = result.local_maps > 0 ? degrees_of_freedom(log, joined->anchored.size()) : joined->dof();
@@ -152,35 +142,20 @@ Expected<Found<Dim>> run_once(const Log<Dim>& log, const RunOptions& options, co
   return join_and_refine(log, parts, std::move(built.maps), options, stop, std::move(result));
 }
 
+/// Joins the maps of a set, which are taken out of it.
 template <int Dim>
-Expected<void> check_set(const SubmapSet<Dim>& set, const RunOptions& options, const Values<Dim>* values) {
-  demand_valid(options);
-  if (auto given = check_start(set, options.start); !values && !given) return given;
-  return check_numbers(set).and_then([&] { return check_connected(set); });
-}
-
-/// Joins the maps of a set, which need not hold them any more.
-template <int Dim>
-Expected<RunResult<Dim>> join_set(const SubmapSet<Dim>& set, std::vector<LocalMap<Dim>> maps, const RunOptions& options,
-                                  const std::stop_token& stop, const Values<Dim>* values = nullptr) {
+Expected<Found<Dim>> join_set(SubmapSet<Dim>& set, const RunOptions& options, const std::stop_token& stop) {
   RunResult<Dim> result;
-  result.local_maps = maps.size();
-  for (const LocalMap<Dim>& map : maps) result.joint_bytes += information_bytes(map);
-  const SubmapGraph<Dim> graph = submap_graph_of(set, std::move(maps));
-  auto joined = [&] {
-    const Stopwatch watch(result.seconds.join);
-    JoinOptions<Dim> joining = join_options(options, Pose<Dim>{});
-    joining.values = values;
-    return join(graph, set.poses, set.features, joining, stop);
-  }();
-  if (!joined) return tl::unexpected(of_source(set.source, joined.error()));
-  take_figures(*joined, result);
+  count_maps(set.graph.submaps, result);
+  const SubmapGraph<Dim> graph = submap_graph_of(set, std::move(set.graph.submaps));
+  auto joined = join_maps<Dim>(set, graph, {}, nullptr, options, stop, result);
+  if (!joined) return tl::unexpected(joined.error());
   result.dof = joined->dof();
   result.chi2 = joined->result.chi2;
   std::optional<Restored<Dim>> joined_map;
   if (wants_assessment(options)) joined_map.emplace(restored(graph, {}, *joined, joined->state, options.solver.engine));
   write_map(set, std::move(joined->state), joined->anchored, result);
-  return assessed<Dim>({std::move(result), std::move(joined_map)}, {}, options, stop);
+  return Found<Dim>{std::move(result), std::move(joined_map)};
 }
 
 /// Whether a log that was left to be cut as is cheapest is joined without local maps, too: where their Gaussians proved crude,
@@ -188,6 +163,39 @@ Expected<RunResult<Dim>> join_set(const SubmapSet<Dim>& set, std::vector<LocalMa
 bool may_do_without_maps(const RunFigures& figures, const RunOptions& options) {
   return options.split.rule == SplitRule::kAuto && options.schedule == Schedule::kAuto && figures.local_maps > 0 &&
          !figures.is_settled && figures.recovered_chi2 > (1.0 + kCrudeMaps) * figures.chi2;
+}
+
+template <int Dim>
+Expected<Found<Dim>> run_best(const Log<Dim>& log, const RunOptions& options, const std::stop_token& stop) {
+  auto best = run_once(log, options, stop);
+  if (!best || !may_do_without_maps(best->result, options)) return best;
+  RunOptions without_maps = options;
+  without_maps.split = {SplitRule::kPoses, 1.0};
+  without_maps.schedule = Schedule::kUnbalanced;
+  auto other = run_once(log, without_maps, stop);
+  if (!other) return other.error().kind == ErrorKind::kInterrupted ? std::move(other) : std::move(best);
+  if (is_less_chi2(other->result.chi2, best->result.chi2)) std::swap(best, other);
+  best->result.seconds += other->result.seconds;
+  return best;
+}
+
+/// Bad input where a start from values is asked for, and there is none of some pose or feature.
+template <int Dim>
+Expected<void> check_start(const Log<Dim>& log, Start start) {
+  const bool has_values = !log.initial.poses.empty() && log.initial.features.size() == log.features.size();
+  if (start != Start::kFile || has_values) return {};
+  return bad_input(log.source + ": not every pose and feature has a value to start from");
+}
+template <int Dim>
+Expected<void> check_start(const SubmapSet<Dim>& set, Start start) {
+  if (start != Start::kFile) return {};
+  return bad_input(set.source + ": local maps hold no values of the whole map to start from");
+}
+
+template <typename Data>
+Expected<void> check(const Data& data, const RunOptions& options) {
+  demand_valid(options);
+  return check_start(data, options.start).and_then([&] { return check_connected(data); });
 }
 
 }  // namespace
@@ -200,24 +208,12 @@ std::function<void(std::size_t, std::size_t)> RunOptions::progress_of(Stage stag
 std::vector<std::string> RunOptions::validate() const {
   std::vector<std::string> violations = split.validate();
   for (auto& violation : solver.validate()) violations.push_back(std::move(violation));
-  const bool takes_start = rule_of(schedule).takes_start();
-  if (start != Start::kComposed && !takes_start) {
+  if (rule_of(schedule).takes_start()) return violations;
+  if (start != Start::kComposed) {
     violations.push_back("a " + to_string(start) + " start is for the batch schedule: the others need none");
   }
+  if (gradual) violations.emplace_back("a path to the start is for the batch schedule: the others need none");
   return violations;
-}
-
-template <int Dim>
-Expected<void> check_start(const Log<Dim>& log, Start start) {
-  const bool has_values = !log.initial.poses.empty() && log.initial.features.size() == log.features.size();
-  if (start != Start::kFile || has_values) return {};
-  return bad_input(log.source + ": not every pose and feature has a value to start from");
-}
-
-template <int Dim>
-Expected<void> check_start(const SubmapSet<Dim>& set, Start start) {
-  if (start != Start::kFile) return {};
-  return bad_input(set.source + ": local maps hold no values of the whole map to start from");
 }
 
 RunSeconds& RunSeconds::operator+=(const RunSeconds& others) {
@@ -228,6 +224,11 @@ RunSeconds& RunSeconds::operator+=(const RunSeconds& others) {
   return *this;
 }
 
+int RunFigures::path_iterations() const {
+  return std::accumulate(path.begin(), path.end(), 0,
+                         [](int sum, const PathPoint& point) { return sum + point.result.iterations; });
+}
+
 bool RunFigures::converged() const {
   if (polish) return polish->status == MinimiseStatus::kConverged;
   return join.status == MinimiseStatus::kConverged && unrecovered == 0;
@@ -235,64 +236,42 @@ bool RunFigures::converged() const {
 
 template <int Dim>
 Expected<RunResult<Dim>> run(const Log<Dim>& log, const RunOptions& options, const std::stop_token& stop) {
-  demand_valid(options);
-  if (auto connected = check_connected(log); !connected) return tl::unexpected(connected.error());
-  auto best = run_once(log, options, stop);
-  if (!best) return tl::unexpected(best.error());
-  if (!may_do_without_maps(best->result, options)) return assessed(*std::move(best), log.odometry(), options, stop);
-  RunOptions without_maps = options;
-  without_maps.split = {SplitRule::kPoses, 1.0};
-  without_maps.schedule = Schedule::kUnbalanced;
-  auto other = run_once(log, without_maps, stop);
-  if (!other && other.error().kind == ErrorKind::kInterrupted) return tl::unexpected(other.error());
-  if (other && is_less_chi2(other->result.chi2, best->result.chi2)) std::swap(best, other);
-  if (other) best->result.seconds += other->result.seconds;
-  return assessed(*std::move(best), log.odometry(), options, stop);
+  return check(log, options).and_then([&] { return run_best(log, options, stop); }).and_then([&](Found<Dim> found) {
+    return assessed(std::move(found), log.odometry(), options, stop);
+  });
 }
 
 template <int Dim>
 Expected<RunResult<Dim>> run_from_maps(const Log<Dim>& log, const Split& split, std::vector<LocalMap<Dim>> maps,
-                                       const RunOptions& options, const std::stop_token& stop, const Values<Dim>* values) {
-  demand_valid(options);
-  if (auto connected = check_connected(log); !connected) return tl::unexpected(connected.error());
-  if (auto of_log = check_local_maps(log, split, maps); !of_log) return tl::unexpected(of_log.error());
-  return join_and_refine(log, split, std::move(maps), options, stop, {}, values).and_then([&](Found<Dim> found) {
-    return assessed(std::move(found), log.odometry(), options, stop);
-  });
+                                       const RunOptions& options, const std::stop_token& stop) {
+  return check(log, options)
+      .and_then([&] { return check_local_maps(log, split, maps); })
+      .and_then([&] { return join_and_refine(log, split, std::move(maps), options, stop); })
+      .and_then([&](Found<Dim> found) { return assessed(std::move(found), log.odometry(), options, stop); });
 }
 
 template <int Dim>
-Expected<RunResult<Dim>> run(const SubmapSet<Dim>& set, const RunOptions& options, const std::stop_token& stop,
-                             const Values<Dim>* values) {
-  return check_set(set, options, values).and_then([&] { return join_set(set, set.graph.submaps, options, stop, values); });
-}
-
-template <int Dim>
-Expected<RunResult<Dim>> run(SubmapSet<Dim>&& set, const RunOptions& options, const std::stop_token& stop) {
-  return check_set<Dim>(set, options, nullptr).and_then([&] {
-    return join_set(set, std::move(set.graph.submaps), options, stop);
-  });
+Expected<RunResult<Dim>> run(SubmapSet<Dim> set, const RunOptions& options, const std::stop_token& stop) {
+  return check_numbers(set)
+      .and_then([&] { return check(set, options); })
+      .and_then([&] { return join_set(set, options, stop); })
+      .and_then([&](Found<Dim> found) { return assessed<Dim>(std::move(found), {}, options, stop); });
 }
 
 template <int Dim>
 Expected<RunResult<Dim>> solve(const Log<Dim>& log, RunOptions options, const std::stop_token& stop) {
-  demand_valid(options);
-  if (auto connected = check_connected(log); !connected) return tl::unexpected(connected.error());
   options.split = {SplitRule::kPoses, 1.0};
   options.polish = false;  // the join is full SLAM already
-  return join_and_refine<Dim>(log, split(log, options.split), {}, options, stop).and_then([&](Found<Dim> found) {
-    return assessed(std::move(found), log.odometry(), options, stop);
-  });
+  return check(log, options)
+      .and_then([&] { return join_and_refine<Dim>(log, split(log, options.split), {}, options, stop); })
+      .and_then([&](Found<Dim> found) { return assessed(std::move(found), log.odometry(), options, stop); });
 }
 
-#define MAPJOIN_INSTANTIATE(Dim)                                                                                               \
-  template Expected<RunResult<Dim>> run(const Log<Dim>&, const RunOptions&, const std::stop_token&);                           \
-  template Expected<RunResult<Dim>> run(const SubmapSet<Dim>&, const RunOptions&, const std::stop_token&, const Values<Dim>*); \
-  template Expected<RunResult<Dim>> run(SubmapSet<Dim>&&, const RunOptions&, const std::stop_token&);                          \
-  template Expected<RunResult<Dim>> run_from_maps(const Log<Dim>&, const Split&, std::vector<LocalMap<Dim>>,                   \
-                                                  const RunOptions&, const std::stop_token&, const Values<Dim>*);              \
-  template Expected<void> check_start(const Log<Dim>&, Start);                                                                 \
-  template Expected<void> check_start(const SubmapSet<Dim>&, Start);                                                           \
+#define MAPJOIN_INSTANTIATE(Dim)                                                                             \
+  template Expected<RunResult<Dim>> run(const Log<Dim>&, const RunOptions&, const std::stop_token&);         \
+  template Expected<RunResult<Dim>> run(SubmapSet<Dim>, const RunOptions&, const std::stop_token&);          \
+  template Expected<RunResult<Dim>> run_from_maps(const Log<Dim>&, const Split&, std::vector<LocalMap<Dim>>, \
+                                                  const RunOptions&, const std::stop_token&);                \
   template Expected<RunResult<Dim>> solve(const Log<Dim>&, RunOptions, const std::stop_token&);
 MAPJOIN_INSTANTIATE(2)
 MAPJOIN_INSTANTIATE(3)

@@ -32,20 +32,16 @@ constexpr auto enum_names(Stage) {
                                          {Stage::kCovariances, "covariances"}});
 }
 
-struct RunOptions {
+/// The solver is that of every least-squares problem, local maps to polish.
+struct RunOptions : JoinSettings {
   SplitOptions split;
-  Schedule schedule = Schedule::kAuto;
-  JoinedState state = JoinedState::kAbsolute;  ///< Coordinates of the steps of a join.
-  MinimiseOptions solver;                      ///< Of every least-squares problem, local maps to polish.
-  bool polish = true;                          ///< Where local maps eliminated anything.
-  bool verdict = true;                         ///< Test whether the map fits: RunFigures::fit.
-  std::size_t most_misfits = 20;               ///< That the fit names.
-  bool covariances = false;                    ///< Of the final estimate, too: RunResult::covariances.
-  bool marginals = false;          ///< All of them, and the relations: RunResult::marginals, which take covariances.
-  std::int64_t most_memory = 0;    ///< For covariances (bytes); 0: as much as the machine has.
-  Start start = Start::kComposed;  ///< Of a join; another one is for the batch schedule only.
-  std::uint64_t seed = 1;          ///< Of the random start.
-  bool keep_recovered = false;     ///< RunResult::recovered.
+  bool polish = true;             ///< Where local maps eliminated anything.
+  bool verdict = true;            ///< Test whether the map fits: RunFigures::fit.
+  std::size_t most_misfits = 20;  ///< That the fit names.
+  bool covariances = false;       ///< Of the final estimate, too: RunResult::covariances.
+  bool marginals = false;         ///< All of them, and the relations: RunResult::marginals, which take covariances.
+  std::int64_t most_memory = 0;   ///< For covariances (bytes); 0: as much as the machine has.
+  bool keep_recovered = false;    ///< RunResult::recovered.
   /// Called with a stage, what is done of it and what there is to do; from one thread at a time.
   std::function<void(Stage, std::size_t, std::size_t)> progress;
 
@@ -80,6 +76,7 @@ struct RunFigures {
   int poses_per_map = 0;         ///< As chosen; 0 where another rule than poses cut the log.
   std::int64_t build_iterations = 0;
   MinimiseResult join;
+  std::vector<PathPoint> path;          ///< To the start of the join, where it was followed.
   Schedule schedule = Schedule::kTree;  ///< That the join was found by; of kAuto, the one of least chi2.
   bool is_settled = false;              ///< As of Join.
   double largest_rotation = 0.0;        ///< The most that the last solve of the join turned a pose (rad).
@@ -96,6 +93,7 @@ struct RunFigures {
   RunSeconds seconds;
   std::int64_t joint_bytes = 0;  ///< What the last join keeps: the local maps' information matrices and its factor.
 
+  int path_iterations() const;
   /// Whether the solves whose results are in the map converged: the polish, or else the join and the recovery.
   bool converged() const;
 };
@@ -116,31 +114,14 @@ template <int Dim>
 Expected<RunResult<Dim>> run(const Log<Dim>& log, const RunOptions& options, const std::stop_token& stop = {});
 
 /// As run(), from local maps already built: `split` and `maps` as build_local_maps left them; bad input if they are not this
-/// log's. `values`, of all poses and features, are those of Start::kFile in place of the log's, here and below.
+/// log's.
 template <int Dim>
 Expected<RunResult<Dim>> run_from_maps(const Log<Dim>& log, const Split& split, std::vector<LocalMap<Dim>> maps,
-                                       const RunOptions& options, const std::stop_token& stop = {},
-                                       const Values<Dim>* values = nullptr);
+                                       const RunOptions& options, const std::stop_token& stop = {});
 
-/// Joins local maps of which nothing else is known: no recovery, no polish.
+/// Joins local maps of which nothing else is known: no recovery, no polish. The maps are taken out of the set.
 template <int Dim>
-Expected<RunResult<Dim>> run(const SubmapSet<Dim>& set, const RunOptions& options, const std::stop_token& stop = {},
-                             const Values<Dim>* values = nullptr);
-/// Without a copy of the maps, which are taken out of the set unless its check fails.
-template <int Dim>
-Expected<RunResult<Dim>> run(SubmapSet<Dim>&& set, const RunOptions& options, const std::stop_token& stop = {});
-
-/// Bad input where a start from values is asked for, and there is none of some pose or feature.
-template <int Dim>
-Expected<void> check_start(const Log<Dim>& log, Start start);
-template <int Dim>
-Expected<void> check_start(const SubmapSet<Dim>& set, Start start);
-
-/// Where the first pose is anchored when the World says nothing: at the log's value, if it has one.
-template <int Dim>
-Pose<Dim> origin_of(const Log<Dim>& log) {
-  return log.initial.poses.empty() ? Pose<Dim>{} : log.initial.poses.front();
-}
+Expected<RunResult<Dim>> run(SubmapSet<Dim> set, const RunOptions& options, const std::stop_token& stop = {});
 
 /// Full SLAM: the join of one-step maps.
 template <int Dim>

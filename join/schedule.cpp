@@ -2,7 +2,7 @@
 #include <algorithm>
 #include <mapjoin/join/align/leaf.hpp>
 #include <mapjoin/join/align/merge.hpp>
-#include <mapjoin/join/join_problem.hpp>
+#include <mapjoin/join/relative_join.hpp>
 #include <mapjoin/join/schedule.hpp>
 #include <mapjoin/parallel/parallel.hpp>
 #include <mutex>
@@ -117,9 +117,9 @@ class Joiner {
   void lead(PartialMap<Dim>& partial) {
     const auto& [pose_factors, feature_factors, submaps] = partial.factors;
     if (submaps.size() == 1 && pose_factors.empty() && feature_factors.empty()) return;
-    JoinProblem<Dim> problem(partial, {{0}, {}});
-    minimise_join(problem, options_.state, solver_, stop_);
-    partial.state = problem.estimate();
+    JoiningSystem<Dim> join(partial, {{0}, {}});
+    minimise_join(join, options_.state, solver_, stop_);
+    partial.state = join.estimate();
   }
 
   void report_progress() {

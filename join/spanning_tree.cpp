@@ -94,7 +94,37 @@ SpanningTree spanning_tree(const JoiningSystem<Dim>& system) {
   return {pose_edges(system), feature_edges(system)};
 }
 
-template SpanningTree spanning_tree(const JoiningSystem<2>&);
-template SpanningTree spanning_tree(const JoiningSystem<3>&);
+template <int Dim>
+Measured<Pose<Dim>, kPoseDof<Dim>> measured_pose(const JoiningSystem<Dim>& system, const TreeObservation& observation) {
+  constexpr int kDof = kPoseDof<Dim>;
+  const auto [kind, place] = system.source_of(observation.factor);
+  if (kind != JoiningSystem<Dim>::Source::kMap) {
+    const auto& o = *system.pose_factors()[place].observation;
+    return {o.measured, o.information};
+  }
+  const LocalMap<Dim>& map = *system.maps()[place].map;
+  const Eigen::Index row = map.row(observation.target);
+  return {map.pose_estimates[observation.target], map.information.template block<kDof, kDof>(row, row)};
+}
+
+template <int Dim>
+Measured<Point<Dim>, Dim> measured_point(const JoiningSystem<Dim>& system, const TreeObservation& observation) {
+  const auto [kind, place] = system.source_of(observation.factor);
+  if (kind != JoiningSystem<Dim>::Source::kMap) {
+    const auto& o = *system.feature_factors()[place].observation;
+    return {o.measured, o.information};
+  }
+  const LocalMap<Dim>& map = *system.maps()[place].map;
+  const Eigen::Index row = map.row(observation.target);
+  return {map.feature_estimates[observation.target - map.poses.size()], map.information.template block<Dim, Dim>(row, row)};
+}
+
+#define MAPJOIN_INSTANTIATE(Dim)                                                                                \
+  template SpanningTree spanning_tree(const JoiningSystem<Dim>&);                                               \
+  template Measured<Pose<Dim>, kPoseDof<Dim>> measured_pose(const JoiningSystem<Dim>&, const TreeObservation&); \
+  template Measured<Point<Dim>, Dim> measured_point(const JoiningSystem<Dim>&, const TreeObservation&);
+MAPJOIN_INSTANTIATE(2)
+MAPJOIN_INSTANTIATE(3)
+#undef MAPJOIN_INSTANTIATE
 
 }  // namespace mapjoin

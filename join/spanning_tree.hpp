@@ -34,4 +34,17 @@ struct SpanningTree {
 template <int Dim>
 SpanningTree spanning_tree(const JoiningSystem<Dim>& system);
 
+/// A target in the frame of its base, as it was measured, and the information of its rows alone.
+template <typename Target, int Dof>
+struct Measured {
+  Target value;
+  Matrix<Dof> information;
+};
+
+/// What was measured of the pose, or feature, by which an edge hangs.
+template <int Dim>
+Measured<Pose<Dim>, kPoseDof<Dim>> measured_pose(const JoiningSystem<Dim>& system, const TreeObservation& observation);
+template <int Dim>
+Measured<Point<Dim>, Dim> measured_point(const JoiningSystem<Dim>& system, const TreeObservation& observation);
+
 }  // namespace mapjoin

@@ -56,12 +56,6 @@ class CommandRun {
   const Options& options() const { return options_; }
   const std::stop_token& stop() const { return stop_; }
 
-  /// The result of a path, which goes into the report.
-  template <int Dim>
-  RunResult<Dim> along_path(Expected<ContinuedResult<Dim>> continued) {
-    run_report.path = std::move(continued.value().path);
-    return std::move(continued).value();
-  }
   /// Describes a result, and certifies it. Bad input where the map is not finite; kInterrupted where a stop was requested.
   template <int Dim>
   void take(RunResult<Dim>& result);

@@ -16,9 +16,7 @@ constexpr const char* kExamples =
 
 template <int Dim>
 void join_any(CommandRun& command_run, SubmapSet<Dim> set) {
-  const RunOptions& options = command_run.run_options();
-  auto result = command_run.options().gradual ? command_run.along_path(run_continued(set, options, command_run.stop()))
-                                              : run(std::move(set), options, command_run.stop()).value();
+  auto result = run(std::move(set), command_run.run_options(), command_run.stop()).value();
   command_run.write_map(result, static_cast<const Log<Dim>*>(nullptr));
 }
 
@@ -27,15 +25,12 @@ template <int Dim>
 void join_any(CommandRun& command_run, StoredMaps<Dim> stored) {
   const auto& log = stored.log;
   const Split parts = split_along(log, stored.segments);
-  const RunOptions& options = command_run.run_options();
   const auto of_store = [&](const Error& error) {
     return Error{error.kind, command_run.run_report.input + ": " + error.message};
   };
-  auto result =
-      command_run.options().gradual
-          ? command_run.along_path(
-                run_continued(log, parts, std::move(stored.maps), options, command_run.stop()).map_error(of_store))
-          : run_from_maps(log, parts, std::move(stored.maps), options, command_run.stop()).map_error(of_store).value();
+  auto result = run_from_maps(log, parts, std::move(stored.maps), command_run.run_options(), command_run.stop())
+                    .map_error(of_store)
+                    .value();
   command_run.write_map(result, &log);
 }
 

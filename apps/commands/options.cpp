@@ -30,7 +30,7 @@ std::vector<std::string> settle_batch(const Subcommand& command, Options& settle
   if (asked != options.end() && !command.is_given("--schedule")) run.schedule = Schedule::kBatch;
   const bool takes_start = rule_of(run.schedule).takes_start();
   const bool is_plain = command.is_given("--method") || run.state == JoinedState::kAbsolute;
-  if (!command.is_given("--batch")) settled.gradual = takes_start && !is_plain;
+  if (!command.is_given("--batch")) run.gradual = takes_start && !is_plain;
   if (takes_start || asked == options.end()) return {};
   return {*asked + " is for --schedule batch: " + to_string(run.schedule) + " needs no initial value"};
 }
@@ -102,7 +102,7 @@ void add_schedule(Subcommand& command, Options& options) {
                  "Coordinates of the steps: positions in the map, or each relative to where it hangs");
   command.choice("--start", options.run.start,
                  "What to join all at once from: odometry or maps composed, zeros, random values, or those in the file");
-  command.choice("--batch", options.gradual, std::to_array<EnumName<bool>>({{false, "direct"}, {true, "gradual"}}),
+  command.choice("--batch", options.run.gradual, std::to_array<EnumName<bool>>({{false, "direct"}, {true, "gradual"}}),
                  "All observations whole from the start, or what is not quadratic in the relative state brought in "
                  "gradually; the latter with --state relative, unless there is a --method");
   command.number<std::uint64_t>("--seed", options.run.seed, 0, "N", "Of the random start");

@@ -17,7 +17,6 @@ struct Options {
   Covariance covariance = Covariance::kOriginal;
   RunOptions run = without_verdict();
   bool strict = false;           ///< The exit code tells that a map does not fit.
-  bool gradual = false;          ///< The batch schedule by continuation (see ContinuedResult).
   bool covariances = false;      ///< Write them.
   bool relations = false;        ///< Write them.
   std::filesystem::path truth;   ///< Empty: none.

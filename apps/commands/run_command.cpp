@@ -69,10 +69,7 @@ void write_folder(CommandRun& command_run, const RunResult<Dim>& result, const L
 
 template <int Dim>
 ExitCode run_on(CommandRun& command_run, const Log<Dim>& log, std::optional<OutputFolder>& folder) {
-  const RunOptions& options = command_run.run_options();
-  RunResult<Dim> result = command_run.options().gradual
-                              ? command_run.along_path(run_continued(log, options, command_run.stop()))
-                              : run(log, options, command_run.stop()).value();
+  RunResult<Dim> result = run(log, command_run.run_options(), command_run.stop()).value();
   if (folder) {
     command_run.take(result);
     write_folder(command_run, result, log, *folder);

@@ -16,11 +16,8 @@ constexpr const char* kExamples =
 ExitCode solve_input(const Options& options, const std::stop_token& stop) {
   CommandRun command_run("solve", options, stop);
   command_run.prepare(outputs_of_map(options));
-  RunOptions one_step = command_run.run_options();
-  one_step.split = {SplitRule::kPoses, 1.0};
   const auto solve_log = [&](const auto& log) {
-    auto result =
-        options.gradual ? command_run.along_path(run_continued(log, one_step, stop)) : solve(log, one_step, stop).value();
+    auto result = solve(log, command_run.run_options(), stop).value();
     command_run.write_map(result, &log);
     return command_run.conclude();
   };

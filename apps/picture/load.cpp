@@ -4,7 +4,7 @@
 #include <apps/picture/load.hpp>
 #include <mapjoin/io/files/file_bytes.hpp>
 #include <mapjoin/io/open.hpp>
-#include <mapjoin/join/join_problem.hpp>
+#include <mapjoin/join/relative_join.hpp>
 #include <mapjoin/join/schedule.hpp>
 #include <mapjoin/localmap/split.hpp>
 #include <nlohmann/json.hpp>

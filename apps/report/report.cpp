@@ -80,7 +80,7 @@ Json join_of(const RunReport& run_report) {
                {"state", options.state},
                {"start", takes_start ? std::optional(options.start) : std::nullopt},
                {"schedule", options.schedule},
-               {"path", path_of(run_report.path)},
+               {"path", path_of(figures.path)},
                {"method", options.solver.method},
                {"engine", options.solver.engine}};
   json.update(if_known(run_report.is_joined, {{"iterations", figures.join.iterations},

@@ -9,7 +9,6 @@
 #include <mapjoin/io/store/store.hpp>
 #include <mapjoin/join/covariances/consistency.hpp>
 #include <mapjoin/join/run.hpp>
-#include <mapjoin/join/study/continuation.hpp>
 #include <mapjoin/measure/effort.hpp>
 #include <mapjoin/model/conventions.hpp>
 #include <mapjoin/model/ids.hpp>
@@ -75,7 +74,6 @@ struct RunReport {
   bool is_resumed = false;      ///< The iterations in `figures` are only those since a build went on.
   bool is_joined = false;       ///< and what came of joining them.
   RunFigures figures;
-  std::vector<PathPoint> path;             ///< To the join, where it was by continuation.
   std::vector<PoseId> anchored;            ///< The gauge: anchored poses.
   std::vector<NamedMisfit> misfits;        ///< Of `figures.fit`.
   std::vector<PoseId> map_bases;           ///< Of `figures.maps`: the poses that they start from,

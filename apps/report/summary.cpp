@@ -33,7 +33,7 @@ std::string solve_in_words(const MinimiseResult& result) {
 std::string join_in_words(const RunReport& run_report) {
   const RunOptions& options = run_report.options;
   const bool takes_start = rule_of(options.schedule).takes_start();
-  const std::string_view gradually = run_report.path.empty() ? "" : ", gradually,";
+  const std::string_view gradually = run_report.figures.path.empty() ? "" : ", gradually,";
   const std::string start = takes_start ? fmt::format("{} from the {} start", gradually, to_string(options.start)) : "";
   const bool is_ours = options.solver.engine == Engine::kFronts;
   const std::string engine = is_ours ? "" : fmt::format(", by {}", to_string(options.solver.engine));

@@ -116,7 +116,7 @@ std::string misfits_as_csv(const RunReport& run_report) {
     from ? line.add(from->session).add(from->key) : line.add("").add("");
     const auto* pose = std::get_if<PoseId>(&to);
     pose ? line.add(pose->session).add(pose->key) : line.add("").add(std::get<FeatureId>(to).key);
-    text += std::string(line.add(misfit.chi2).add(misfit.rows).add(misfit.probability).text()) + '\n';
+    line.add(misfit.chi2).add(misfit.rows).add(misfit.probability).append_to(text);
   }
   return text;
 }

@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <mapjoin/join/submap_graph.hpp>
+#include <mapjoin/model/cost.hpp>
 #include <mapjoin/model/values.hpp>
 #include <vector>
 
@@ -60,6 +61,21 @@ const Pose<Dim>* find_pose(const PartialMap<Dim>& partial, PoseIndex pose) {
 template <int Dim>
 const Point<Dim>* find_feature(const PartialMap<Dim>& partial, FeatureIndex feature) {
   return find_value(partial.features, partial.state.features, feature);
+}
+
+/// chi2 of all observations and maps of a partial map at its state.
+template <int Dim>
+double partial_map_chi2(const PartialMap<Dim>& partial) {
+  const auto& [pose_factors, feature_factors, submaps] = partial.factors;
+  double chi2 = 0.0;
+  for (const auto* o : pose_factors) chi2 += cost(*o, pose_in(partial, o->base), pose_in(partial, o->target));
+  for (const auto* o : feature_factors) chi2 += cost(*o, pose_in(partial, o->base), feature_in(partial, o->target));
+  for (const auto* map : submaps) {
+    chi2 += cost(
+        *map, pose_in(partial, map->base), [&](std::size_t p) { return pose_in(partial, map->poses[p]); },
+        [&](std::size_t f) { return feature_in(partial, map->features[f]); });
+  }
+  return chi2;
 }
 
 }  // namespace mapjoin

@@ -18,14 +18,14 @@ auto symmetric(const Expression& expression) {
 
 template <int Dim>
 MapCovariances<Dim>::MapCovariances(Restored<Dim>& restored, Estimate estimate, std::int64_t most_memory)
-    : equations_(std::move(restored.problem.system().equations())),
+    : equations_(std::move(restored.system.equations())),
       estimate_(estimate),
       most_memory_(most_memory),
       pose_variables_(restored.graph.pose_count, kConstant),
       feature_variables_(restored.graph.feature_count, kConstant),
       relations_(relations_of(restored)) {
   const PartialMap<Dim>& joined_map = restored.joined_map;
-  const JoiningSystem<Dim>& system = restored.problem.system();
+  const JoiningSystem<Dim>& system = restored.system;
   state_.poses.resize(pose_variables_.size());
   state_.features.resize(feature_variables_.size(), Point<Dim>::Zero());
   write_values(system.estimate(), joined_map.poses, joined_map.features, state_);
@@ -41,8 +41,8 @@ MapCovariances<Dim>::MapCovariances(Restored<Dim>& restored, Estimate estimate, 
 
 template <int Dim>
 Expected<MapCovariances<Dim>> MapCovariances<Dim>::make(Restored<Dim>& restored, Estimate estimate, std::int64_t most_memory) {
-  restored.problem.linearise();
-  if (restored.problem.factorise(0.0)) return bad_input("the covariances are not finite: something is free to move");
+  restored.system.linearise();
+  if (restored.system.factorise(0.0)) return bad_input("the covariances are not finite: something is free to move");
   return MapCovariances(restored, estimate, most_memory);
 }
 

@@ -5,7 +5,7 @@
 namespace mapjoin {
 template <int Dim>
 Relations<Dim> relations_of(const Restored<Dim>& restored) {
-  const JoiningSystem<Dim>& system = restored.problem.system();
+  const JoiningSystem<Dim>& system = restored.system;
   const Values<Dim>& state = system.estimate();
   const PartialMap<Dim>& joined_map = restored.joined_map;
   const auto pose_at = [&](PoseIndex place) { return place == kWorld ? kWorld : joined_map.poses[place]; };

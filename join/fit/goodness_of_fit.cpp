@@ -93,7 +93,7 @@ double tolerated_scale(const std::vector<KindScale>& scales, PartKind kind) {
 
 template <int Dim>
 Misfit misfit_of(const TestedPart& part, double scale, double probability, const Restored<Dim>& restored) {
-  const System<Dim>& system = restored.problem.system();
+  const System<Dim>& system = restored.system;
   const auto [source, place] = system.source_of(part.part.factor);
   Misfit misfit{part.kind, kWorld, PoseIndex(), part.test.chi2 / scale, part.test.rows, probability};
   const auto take = [&](const auto& factor) { misfit.from = factor.base, misfit.to = factor.target; };
@@ -168,8 +168,8 @@ void mark_too_certain(std::vector<KindScale>& scales) {
 template <int Dim>
 GoodnessOfFit goodness_of_fit(const Restored<Dim>& restored, const NormalEquations& equations, const Marginals& marginals,
                               std::int64_t dof, std::span<const PoseFactor<Dim>> odometry, std::size_t most_misfits) {
-  LeaveOneOut<Dim> leave_one_out(restored.problem, equations, marginals);
-  std::vector<TestedPart> parts = parts_of(restored.problem.system(), equations.pattern().factors.size(), odometry);
+  LeaveOneOut<Dim> leave_one_out(restored.system, equations, marginals);
+  std::vector<TestedPart> parts = parts_of(restored.system, equations.pattern().factors.size(), odometry);
   test(leave_one_out, parts);
   GoodnessOfFit fit;
   fit.chi2 = leave_one_out.chi2();

@@ -128,10 +128,10 @@ Eigen::MatrixXd testable_directions(const Eigen::MatrixXd& M, const Eigen::Matri
 }  // namespace
 
 template <int Dim>
-LeaveOneOut<Dim>::LeaveOneOut(const JoinProblem<Dim>& problem, const NormalEquations& equations, const Marginals& marginals)
+LeaveOneOut<Dim>::LeaveOneOut(const JoiningSystem<Dim>& problem, const NormalEquations& equations, const Marginals& marginals)
     : problem_(problem), equations_(equations), offsets_{0} {
   for (std::size_t k = 0; k < factor_count(); ++k) {
-    const auto rows = static_cast<std::size_t>(problem.system().rows(k));
+    const auto rows = static_cast<std::size_t>(problem.rows(k));
     offsets_.push_back(offsets_.back() + rows * (rows + 1));
   }
   values_.resize(offsets_.back());

@@ -4,7 +4,7 @@
 
 #include <Eigen/Core>
 #include <cstddef>
-#include <mapjoin/join/join_problem.hpp>
+#include <mapjoin/join/joining_system.hpp>
 #include <mapjoin/solve/marginals.hpp>
 #include <vector>
 
@@ -37,7 +37,7 @@ template <int Dim>
 class LeaveOneOut {
  public:
   /// At the estimate of `problem`, by the last factorisation of `equations`, which were linearised there; both must stay.
-  LeaveOneOut(const JoinProblem<Dim>& problem, const NormalEquations& equations, const Marginals& marginals);
+  LeaveOneOut(const JoiningSystem<Dim>& problem, const NormalEquations& equations, const Marginals& marginals);
 
   /// chi2 at the optimum of the linearised problem, which the estimate may miss by a little.
   double chi2() const { return chi2_; }
@@ -47,7 +47,7 @@ class LeaveOneOut {
 
  private:
   std::size_t factor_count() const { return equations_.pattern().factors.size(); }
-  Eigen::Index rows(std::size_t factor) const { return problem_.system().rows(factor); }
+  Eigen::Index rows(std::size_t factor) const { return problem_.rows(factor); }
   auto g(std::size_t factor) { return Eigen::Map<Eigen::VectorXd>(values_.data() + offsets_[factor], rows(factor)); }
   auto g(std::size_t factor) const {
     return Eigen::Map<const Eigen::VectorXd>(values_.data() + offsets_[factor], rows(factor));
@@ -59,7 +59,7 @@ class LeaveOneOut {
     return Eigen::Map<const Eigen::MatrixXd>(values_.data() + offsets_[factor] + rows(factor), rows(factor), rows(factor));
   }
 
-  const JoinProblem<Dim>& problem_;
+  const JoiningSystem<Dim>& problem_;
   const NormalEquations& equations_;
   double chi2_ = 0.0;
   std::vector<std::size_t> offsets_;  // of g, then M, factor by factor, in values_

@@ -5,7 +5,6 @@
 #include <cmath>
 #include <mapjoin/check/connectivity.hpp>
 #include <mapjoin/join/study/comparison.hpp>
-#include <mapjoin/join/study/continuation.hpp>
 #include <mapjoin/join/tolerances.hpp>
 #include <stdexcept>
 #include <utility>
@@ -51,23 +50,21 @@ RunOptions run_options(const ComparedCase& way, const ComparisonOptions<Dim>& op
   run.split = {SplitRule::kPoses, static_cast<double>(way.poses_per_map)};
   run.schedule = way.schedule;
   run.state = way.state;
+  run.gradual = way.gradual;
   run.solver = options.solver;
   run.keep_recovered = true;
   return run;
 }
 
 template <int Dim>
-Expected<ContinuedResult<Dim>> map_by(const Log<Dim>& log, const ComparedCase& way, const ComparisonOptions<Dim>& options,
-                                      const std::stop_token& stop) {
+Expected<RunResult<Dim>> map_by(const Log<Dim>& log, const ComparedCase& way, const ComparisonOptions<Dim>& options,
+                                const std::stop_token& stop) {
   const std::size_t maps = log.poses.size() / static_cast<std::size_t>(way.poses_per_map);
   if (rule_of(way.schedule).is_map_by_map() && maps > options.most_sequential) {
     return bad_input(fmt::format("not tried: about {} maps one by one take too long", maps));
   }
   const RunOptions run_as = run_options(way, options);
-  const auto without_path = [](RunResult<Dim> plain) { return ContinuedResult<Dim>{std::move(plain), {}}; };
-  auto result = way.gradual          ? run_continued(log, run_as, stop)
-                : way.is_full_slam() ? solve(log, run_as, stop).map(without_path)
-                                     : run(log, run_as, stop).map(without_path);
+  auto result = way.is_full_slam() ? solve(log, run_as, stop) : run(log, run_as, stop);
   if (result && !std::isfinite(result->chi2)) return bad_input("the map is not finite");
   return result;
 }
@@ -87,7 +84,6 @@ Expected<CaseFigures> take(const Log<Dim>& log, const ComparedCase& way, const C
     return figures;
   }
   figures.run = static_cast<const RunFigures&>(*result);
-  figures.path_iterations = result->path_iterations();
   figures.joined.chi2 = result->recovered_chi2.value_or(result->chi2);
   figures.polished.chi2 = result->chi2;
   maps.joined = maps.polished = std::move(result->map);

@@ -60,7 +60,6 @@ struct CaseFigures {
   ComparedCase way;
   std::string failure;  ///< Why there is no map, in a sentence; empty where there is one, and else all that is known.
   RunFigures run;
-  int path_iterations = 0;  ///< Of the path to the join, by continuation.
   Effort effort;
   EstimateFigures joined;     ///< Joined and recovered; of full SLAM, as the next.
   EstimateFigures polished;   ///< The final one.
@@ -68,7 +67,7 @@ struct CaseFigures {
 
   bool has_map() const { return failure.empty(); }
   /// Of the last join, with those of the path to it. Joins below the last one are not counted.
-  int join_iterations() const { return run.join.iterations + path_iterations; }
+  int join_iterations() const { return run.join.iterations + run.path_iterations(); }
   int polish_iterations() const { return run.polish ? run.polish->iterations : 0; }
 };
 

@@ -2,8 +2,8 @@
 #include <algorithm>
 #include <cmath>
 #include <mapjoin/check/connectivity.hpp>
-#include <mapjoin/join/join_problem.hpp>
-#include <mapjoin/join/study/continuation.hpp>
+#include <mapjoin/join/align/joined_map.hpp>
+#include <mapjoin/join/relative_join.hpp>
 #include <mapjoin/join/study/convexity.hpp>
 #include <mapjoin/join/study/convexity_objective.hpp>
 #include <mapjoin/model/demand_valid.hpp>
@@ -41,6 +41,15 @@ Values<Dim> restricted(const Values<Dim>& joined_map, const PartialMap<Dim>& par
   return part;
 }
 
+/// The composed start of all that a submap graph joins, with the first pose at `origin` where the World says nothing.
+template <int Dim>
+PartialMap<Dim> composed_start(const SubmapGraph<Dim>& graph, const Pose<Dim>& origin) {
+  PartialMap<Dim> joined_map = joined_map_of(graph);
+  joined_map.state = composed_state(graph, joined_map, origin, join_segments(graph, {Schedule::kBatch, {}, {}}));
+  place_fixed_poses(graph, joined_map);
+  return joined_map;
+}
+
 /// One of the two least-squares problems, full SLAM or joining, ready to be looked at.
 template <int Dim>
 class PosedProblem {
@@ -48,7 +57,7 @@ class PosedProblem {
   PosedProblem(SubmapGraph<Dim> graph, const Best<Dim>& best, bool is_joining)
       : graph_(std::move(graph)),
         composed_(composed_start(graph_, best.state.poses.front())),
-        problem_(composed_, gauge_of(graph_, composed_)),
+        join_(composed_, gauge_of(graph_, composed_)),
         best_(best),
         best_part_(restricted(best.state, composed_)),
         is_joining_(is_joining) {}
@@ -57,7 +66,7 @@ class PosedProblem {
 
   /// The states that the options ask for, over the whole submap graph.
   std::vector<Pair<Dim>> drawn_pairs(const ConvexityOptions& options) {
-    const StateSampler<Dim> sampler(options.source, options.spread, composed_, problem_.system(), best_part_);
+    const StateSampler<Dim> sampler(options.source, options.spread, composed_, join_, best_part_);
     const auto state = [&](std::size_t number) {
       Values<Dim> joined_map{Table<PoseIndex, Pose<Dim>>(graph_.pose_count),
                              Table<FeatureIndex, Point<Dim>>(graph_.feature_count, Point<Dim>::Zero())};
@@ -75,16 +84,16 @@ class PosedProblem {
   Expected<FormulationFigures> figures(JoinedState state, const std::vector<Pair<Dim>>& pairs, std::size_t points,
                                        const std::function<void()>& segment_done, const std::stop_token& stop) {
     FormulationFigures figures{{is_joining_, state}, {}, {}, {}, first_step(state)};
-    problem_.system().estimate() = best_part_;
-    problem_.linearise();
-    if (problem_.factorise(0.0)) return bad_input("the best estimate is not determined by the observations");
-    const std::int64_t bytes = Marginals::bytes(problem_.system().equations());
+    join_.estimate() = best_part_;
+    join_.linearise();
+    if (join_.factorise(0.0)) return bad_input("the best estimate is not determined by the observations");
+    const std::int64_t bytes = Marginals::bytes(join_.equations());
     if (auto fits = check_memory("the share of the information that is from linear rows", bytes, 0); !fits) {
       return tl::unexpected(fits.error());
     }
-    figures.quadratic = quadratic_share(problem_.system(), state);
-    const UnwrappedObjective<Dim> objective(problem_.system(), best_part_);
-    const RelativeCoordinates<Dim> relative(problem_.system(), best_part_);
+    figures.quadratic = quadratic_share(join_, state);
+    const UnwrappedObjective<Dim> objective(join_, best_part_);
+    const RelativeCoordinates<Dim> relative(join_, best_part_);
     for (const Pair<Dim>& pair : pairs) {
       if (stop.stop_requested()) return interrupted();
       const Values<Dim> X = restricted(pair.X, composed_);
@@ -108,12 +117,12 @@ class PosedProblem {
 
  private:
   FirstStep first_step(JoinedState state) {
-    problem_.system().estimate() = composed_.state;
+    join_.estimate() = composed_.state;
     MinimiseOptions one_step;
     one_step.method = Method::kGaussNewton;
     one_step.max_iterations = 1;
     one_step.relative_chi2 = one_step.step_metres = one_step.step_radians = 0.0;
-    const MinimiseResult result = minimise_join(problem_, state, one_step);
+    const MinimiseResult result = minimise_join(join_, state, one_step);
     FirstStep step;
     step.start_chi2 = result.start_chi2;
     if (result.iterations > 0) step.chi2 = result.chi2;
@@ -123,7 +132,7 @@ class PosedProblem {
 
   SubmapGraph<Dim> graph_;
   PartialMap<Dim> composed_;
-  JoinProblem<Dim> problem_;
+  JoiningSystem<Dim> join_;
   Best<Dim> best_;
   Values<Dim> best_part_;  // of what is posed
   bool is_joining_;

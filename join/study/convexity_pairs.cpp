@@ -3,7 +3,6 @@
 #include <mapjoin/join/align/start.hpp>
 #include <mapjoin/join/study/convexity_pairs.hpp>
 #include <mapjoin/simulate/random_stream.hpp>
-#include <type_traits>
 
 namespace mapjoin {
 namespace {
@@ -62,28 +61,21 @@ Values<Dim> StateSampler<Dim>::draw_drifted(std::uint64_t seed) const {
   std::vector<Eigen::VectorXd> map_errors;
   for (const auto& S : map_deviations_) map_errors.push_back(S * normal_vector<Eigen::Dynamic>(S.cols(), random));
 
-  const auto error_of = [&]<int Dof>(const TreeObservation& edge, std::integral_constant<int, Dof>) -> Vector<Dof> {
+  const auto error_of = [&]<int Dof>(const TreeObservation& edge, const Matrix<Dof>& information) -> Vector<Dof> {
     const auto [kind, place] = system_.source_of(edge.factor);
-    if (kind == JoiningSystem<Dim>::Source::kMap) {
-      return map_errors[place].template segment<Dof>(system_.maps()[place].map->row(edge.target));
-    }
-    if constexpr (Dof == kPoseDof<Dim>) {
-      return deviation(system_.pose_factors()[place].observation->information) * normal_vector<Dof>(Dof, random);
-    } else {
-      return deviation(system_.feature_factors()[place].observation->information) * normal_vector<Dof>(Dof, random);
-    }
+    if (kind != JoiningSystem<Dim>::Source::kMap) return deviation(information) * normal_vector<Dof>(Dof, random);
+    return map_errors[place].template segment<Dof>(system_.maps()[place].map->row(edge.target));
   };
   const SpanningTree& tree = coordinates_.tree();
   Eigen::VectorXd errors = Eigen::VectorXd::Zero(coordinates_.size());
   for (std::size_t e = 0; e < tree.poses.size(); ++e) {
-    if (!tree.poses[e].observation) continue;
-    constexpr std::integral_constant<int, kPoseDof<Dim>> kPose;
-    errors.segment<kPose>(coordinates_.pose_entry(e)) = error_of(*tree.poses[e].observation, kPose);
+    const auto& edge = tree.poses[e].observation;
+    if (edge)
+      errors.segment<kPoseDof<Dim>>(coordinates_.pose_entry(e)) = error_of(*edge, measured_pose(system_, *edge).information);
   }
   for (const FeatureIndex f : indices(tree.features)) {
-    if (!tree.features[f].observation) continue;
-    constexpr std::integral_constant<int, Dim> kPoint;
-    errors.segment<kPoint>(coordinates_.feature_entry(f)) = error_of(*tree.features[f].observation, kPoint);
+    const auto& edge = tree.features[f].observation;
+    if (edge) errors.segment<Dim>(coordinates_.feature_entry(f)) = error_of(*edge, measured_point(system_, *edge).information);
   }
   return coordinates_.composed(spread_ * errors);
 }

@@ -25,27 +25,6 @@ bool is_from_child(const TreeEdge<PoseIndex>& edge) {
   return edge.observation && edge.observation->child_is_base;
 }
 
-/// What was measured of a relation between poses, or its value in `reference` where nothing was.
-template <int Dim>
-Pose<Dim> measured_pose(const JoiningSystem<Dim>& system, const TreeEdge<PoseIndex>& edge, const Pose<Dim>& in_reference) {
-  if (!edge.observation) return in_reference;
-  const auto [kind, place] = system.source_of(edge.observation->factor);
-  const Pose<Dim>& measured = kind == JoiningSystem<Dim>::Source::kMap
-                                  ? system.maps()[place].map->pose_estimates[edge.observation->target]
-                                  : system.pose_factors()[place].observation->measured;
-  // The same rotation, its heading within half a turn of the reference's.
-  return retract(in_reference, local(in_reference, measured));
-}
-
-template <int Dim>
-Point<Dim> measured_point(const JoiningSystem<Dim>& system, const TreeEdge<FeatureIndex>& edge, const Values<Dim>& reference) {
-  if (!edge.observation) return transform_into(reference.pose(edge.parent), reference.features[edge.child]);
-  const auto [kind, place] = system.source_of(edge.observation->factor);
-  if (kind == JoiningSystem<Dim>::Source::kFeatureFactor) return system.feature_factors()[place].observation->measured;
-  const LocalMap<Dim>& map = *system.maps()[place].map;
-  return map.feature_estimates[edge.observation->target - map.poses.size()];
-}
-
 }  // namespace
 
 template <int Dim>
@@ -70,8 +49,16 @@ Values<Dim> on_line(const Values<Dim>& X, const Values<Dim>& Y, double lambda) {
 template <int Dim>
 RelativeCoordinates<Dim>::RelativeCoordinates(const JoiningSystem<Dim>& system, const Values<Dim>& reference)
     : tree_(spanning_tree(system)), anchored_(reference) {
-  for (const auto& edge : tree_.poses) poses_.push_back(measured_pose(system, edge, relation(edge, reference)));
-  for (const auto& edge : tree_.features) features_.push_back(measured_point(system, edge, reference));
+  // Where nothing was measured, its value in the reference.
+  for (const auto& edge : tree_.poses) {
+    const Pose<Dim> near = relation(edge, reference);
+    // The same rotation, its heading within half a turn of the reference's.
+    poses_.push_back(edge.observation ? retract(near, local(near, measured_pose(system, *edge.observation).value)) : near);
+  }
+  for (const auto& edge : tree_.features) {
+    const Point<Dim> near = transform_into(reference.pose(edge.parent), reference.features[edge.child]);
+    features_.push_back(edge.observation ? measured_point(system, *edge.observation).value : near);
+  }
 }
 
 template <int Dim>

@@ -7,7 +7,6 @@
 #include <algorithm>
 #include <cstdlib>
 #include <mapjoin/join/run.hpp>
-#include <mapjoin/join/study/continuation.hpp>
 #include <numeric>
 #include <tests/support/dimensions.hpp>
 #include <tests/support/every.hpp>
@@ -113,9 +112,9 @@ Log<Dim> any_log(Names& names) {
 
 /// A batch of relative steps by continuation: it finds the optimum from everywhere.
 template <int Dim>
-Expected<RunResult<Dim>> map_of(const Log<Dim>& log, const RunOptions& options) {
-  if (options.schedule != Schedule::kBatch || options.state != JoinedState::kRelative) return run(log, options);
-  return run_continued(log, options);
+Expected<RunResult<Dim>> map_of(const Log<Dim>& log, RunOptions options) {
+  options.gradual = options.schedule == Schedule::kBatch && options.state == JoinedState::kRelative;
+  return run(log, options);
 }
 
 /// Both logs have the same map, that of `other` seen from `frame`; or neither can be solved.

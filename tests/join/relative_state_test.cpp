@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <mapjoin/join/align/gauge.hpp>
-#include <mapjoin/join/join_problem.hpp>
+#include <mapjoin/join/relative_join.hpp>
 #include <mapjoin/join/run.hpp>
 #include <mapjoin/join/schedule.hpp>
 #include <mapjoin/localmap/build.hpp>
@@ -48,7 +48,7 @@ class RelativeStateTest : public ::testing::Test {
     problem_.accept();
   }
 
-  const JoiningSystem<kDim>& system() { return problem_.system(); }
+  const JoiningSystem<kDim>& system() { return problem_; }
   static Eigen::VectorXd random_step(Eigen::Index size, double radius) {
     testing::Random random;
     return Eigen::VectorXd::NullaryExpr(size, [&] { return random.uniform(-radius, radius); });
@@ -59,7 +59,7 @@ class RelativeStateTest : public ::testing::Test {
   Split split_;
   SubmapGraph<kDim> graph_;
   PartialMap<kDim> partial_;
-  JoinProblem<kDim> problem_;
+  JoiningSystem<kDim> problem_;
 
  private:
   PartialMap<kDim> joined_map() const {
@@ -86,6 +86,15 @@ TYPED_TEST(RelativeStateTest, EveryPoseAndFeatureHangsFromWhatCameBefore) {
   EXPECT_EQ(tree.features.size(), this->system().estimate().features.size());
 }
 
+TYPED_TEST(RelativeStateTest, AFeatureHangsFromTheEarliestPoseThatSawIt) {
+  Table<FeatureIndex, PoseIndex> earliest(this->system().estimate().features.size(), indices(this->partial_.poses).last);
+  for (const auto& o : this->system().feature_factors()) earliest[o.target] = std::min(earliest[o.target], o.base);
+  for (const auto& map : this->system().maps()) {
+    for (const FeatureIndex f : map.features) earliest[f] = std::min(earliest[f], map.base);
+  }
+  for (const auto& edge : spanning_tree(this->system()).features) EXPECT_EQ(edge.parent, earliest[edge.child]);
+}
+
 TYPED_TEST(RelativeStateTest, TheDenseReferenceAgreesWithCentralDifferences) {
   constexpr int kDim = TestFixture::kDim;
   const DenseRelative<kDim> dense(this->system());
@@ -109,7 +118,7 @@ TYPED_TEST(RelativeStateTest, TheDenseReferenceAgreesWithCentralDifferences) {
 
 TYPED_TEST(RelativeStateTest, TheGaussNewtonStepIsThatOfTheDenseRelativeSystem) {
   const DenseRelative<TestFixture::kDim> dense(this->system());
-  RelativeJoinProblem<TestFixture::kDim> relative(this->problem_);
+  RelativeJoin<TestFixture::kDim> relative(this->problem_);
   relative.linearise();
   ASSERT_FALSE(relative.factorise(0.0));
   this->expect_near(relative.solve(), dense.T * dense.H.ldlt().solve(dense.g));
@@ -117,7 +126,7 @@ TYPED_TEST(RelativeStateTest, TheGaussNewtonStepIsThatOfTheDenseRelativeSystem) 
 
 TYPED_TEST(RelativeStateTest, LevenbergMarquardtDampsTheRelations) {
   const DenseRelative<TestFixture::kDim> dense(this->system());
-  RelativeJoinProblem<TestFixture::kDim> relative(this->problem_);
+  RelativeJoin<TestFixture::kDim> relative(this->problem_);
   relative.linearise();
   for (const double damping : {1e-3, 1.0, 1e3, 0.0}) {
     ASSERT_FALSE(relative.factorise(damping));
@@ -127,7 +136,7 @@ TYPED_TEST(RelativeStateTest, LevenbergMarquardtDampsTheRelations) {
 
 TYPED_TEST(RelativeStateTest, TheDoglegMeasuresAndDescendsInRelations) {
   const DenseRelative<TestFixture::kDim> dense(this->system());
-  RelativeJoinProblem<TestFixture::kDim> relative(this->problem_);
+  RelativeJoin<TestFixture::kDim> relative(this->problem_);
   relative.linearise();
   const Eigen::VectorXd descent = dense.D.ldlt().solve(dense.g);
   this->expect_near(relative.metric().descent(relative.gradient()), dense.T * descent);
@@ -193,7 +202,7 @@ TYPED_TEST(RelativeStateInTheWorldTest, StepsAreThoseOfTheDenseRelativeSystem) {
   constexpr int kDim = TestFixture::kDim;
   this->problem_.linearise();
   const DenseRelative<kDim> dense(this->system());
-  RelativeJoinProblem<kDim> relative(this->problem_);
+  RelativeJoin<kDim> relative(this->problem_);
   relative.linearise();
   for (const double damping : {0.0, 1e-2, 10.0, 0.0}) {
     ASSERT_FALSE(relative.factorise(damping));

@@ -268,10 +268,9 @@ TEST(AutoSchedule, LooksFurtherWhereStepsFallShortOnTheWayToALocalMinimum) {
   EXPECT_LT(optimum_by_default(world).chi2, aligned.chi2 - 10.0);
 }
 
-/// How many ways of joining the default schedule goes along.
-int ways_of_default(const Simulation<2>& world) {
+/// How many ways of joining a run goes along, the default schedule if nothing else is asked for.
+int ways_of_default(const Simulation<2>& world, RunOptions options = {}) {
   int ways = 0;
-  RunOptions options;
   options.progress = [&](Stage stage, std::size_t done, std::size_t) { ways += stage == Stage::kJoin && done == 1; };
   run(world.log, options).value();
   return ways;
@@ -307,6 +306,43 @@ TEST(AutoSchedule, DoesWithoutMapsOnlyWhereTheyProveCrude) {
     EXPECT_EQ(found.recovered_chi2.value() > 1.02 * found.chi2, is_crude);
     EXPECT_EQ(ways_of_default(world), is_crude ? 4 : 3);
   }
+}
+
+TEST(AutoSchedule, DoesWithoutCrudeMapsOnlyWhereNothingElseIsAskedFor) {
+  const Simulation<2> world = poor_world(119);
+  ASSERT_EQ(ways_of_default(world), 4);
+  RunOptions with_split;
+  for (const double poses : {5.0, 10.0, 20.0}) {
+    with_split.split = {SplitRule::kPoses, poses};
+    EXPECT_LE(ways_of_default(world, with_split), 3) << poses;
+  }
+  RunOptions with_schedule;
+  with_schedule.schedule = Schedule::kTree;
+  EXPECT_EQ(ways_of_default(world, with_schedule), 1);
+}
+
+TEST(AutoSchedule, StopsWhileItDoesWithoutMaps) {
+  std::stop_source stop;
+  int ways = 0;
+  RunOptions options;
+  options.progress = [&](Stage stage, std::size_t done, std::size_t) {
+    ways += stage == Stage::kJoin && done == 1;
+    if (ways == 4) stop.request_stop();
+  };
+  const auto result = run(poor_world(119).log, options, stop.get_token());
+  ASSERT_FALSE(result);
+  EXPECT_EQ(result.error().kind, ErrorKind::kInterrupted);
+}
+
+TEST(RunFigures, AJoinThatIsNotPolishedHasConvergedWhereEveryInteriorHas) {
+  RunFigures figures;
+  EXPECT_TRUE(figures.converged());
+  figures.unrecovered = 1;
+  EXPECT_FALSE(figures.converged());
+  figures.polish.emplace();
+  EXPECT_TRUE(figures.converged());
+  figures.polish->status = MinimiseStatus::kMaxIterations;
+  EXPECT_FALSE(figures.converged());
 }
 
 /// A feature that two poses see along the same axis of theirs is determined by them where their headings differ, which a

@@ -3,7 +3,7 @@
 
 #include <algorithm>
 #include <mapjoin/join/join.hpp>
-#include <mapjoin/join/join_problem.hpp>
+#include <mapjoin/join/relative_join.hpp>
 #include <mapjoin/join/schedule.hpp>
 #include <tests/support/dimensions.hpp>
 #include <tests/support/small_submap_set.hpp>

@@ -6,7 +6,7 @@
 #include <limits>
 #include <mapjoin/join/align/alignment.hpp>
 #include <mapjoin/join/align/shared_factors.hpp>
-#include <mapjoin/join/join_problem.hpp>
+#include <mapjoin/join/relative_join.hpp>
 #include <tests/support/dimensions.hpp>
 #include <tests/support/random.hpp>
 #include <vector>
@@ -104,6 +104,21 @@ TYPED_TEST(AlignmentTest, TakesASpreadBeyondRoundingForARotation) {
   }
 }
 
+TYPED_TEST(AlignmentTest, TriesTheFirstTheMiddleAndTheLastOfSharedPoses) {
+  constexpr int kDim = TestFixture::kDim;
+  Correspondences<kDim> correspondences;
+  for (int k = 0; k < 5; ++k) {
+    correspondences.add_pose(this->random_.template pose<kDim>(4.0, 2.0), this->random_.template pose<kDim>(4.0, 2.0));
+  }
+  const auto tries = correspondences.candidates();
+  ASSERT_EQ(tries.size(), 4u);  // and all of them as points
+  for (const auto& [k, pose] : {std::pair{0u, 0u}, {1u, 2u}, {2u, 4u}}) {
+    EXPECT_EQ(local(tries[k], correspondences.alignments[pose]).norm(), 0.0);
+    const auto is_this = [&, k = k](const Pose<kDim>& alignment) { return local(alignment, tries[k]).norm(); };
+    EXPECT_EQ(local(cheapest_alignment<kDim>(tries, is_this), tries[k]).norm(), 0.0);
+  }
+}
+
 /// Two partial maps that share a pose and a feature; each sees the shared feature and one of its own from both its poses.
 TYPED_TEST(AlignmentTest, SharedFactorsWeighWhatAlignmentsChange) {
   constexpr int kDim = TestFixture::kDim;
@@ -127,6 +142,8 @@ TYPED_TEST(AlignmentTest, SharedFactorsWeighWhatAlignmentsChange) {
     }
   }
   for (std::size_t k = 0; k < observations.size(); ++k) (k < 4 ? a : b).factors.feature_factors.push_back(&observations[k]);
+  const PoseFactor<kDim> edge{1, 2, this->random_.template pose<kDim>(), this->random_.template information<kPoseDof<kDim>>()};
+  b.factors.pose_factors.push_back(&edge);
 
   const SharedFactors<kDim> shared(a, b, {});
   const Pose<kDim> first = this->random_.template pose<kDim>(4.0, 2.0);
@@ -134,6 +151,22 @@ TYPED_TEST(AlignmentTest, SharedFactorsWeighWhatAlignmentsChange) {
   const double change = partial_map_chi2(merged(a, b, second)) - partial_map_chi2(merged(a, b, first));
   EXPECT_NEAR(shared.chi2(second) - shared.chi2(first), change, 1e-9 * partial_map_chi2(merged(a, b, second)));
   EXPECT_GT(std::abs(change), 1e-3);
+}
+
+TYPED_TEST(AlignmentTest, SharedFactorsWeighTheirThousandSpreadEvenly) {
+  constexpr int kDim = TestFixture::kDim;
+  PartialMap<kDim> a{{0}, {}, {{Pose<kDim>{}}, {}}, {}};
+  PartialMap<kDim> b{{1}, {}, {{Pose<kDim>{}}, {}}, {}};
+  PoseFactor<kDim> fits{0, 1, Pose<kDim>{}, PoseMatrix<kDim>::Identity()};
+  PoseFactor<kDim> misfits = fits;
+  misfits.measured.translation[0] = 1.0;
+  std::vector<const PoseFactor<kDim>*> closures(3000, &fits);
+  std::fill(closures.begin() + 2000, closures.end(), &misfits);
+  const double weighed = SharedFactors<kDim>(a, b, closures).chi2({});
+  EXPECT_NEAR(weighed, static_cast<double>(SharedFactors<kDim>::kMost) / 3.0, 1.0);
+  closures.resize(900, &fits);
+  closures.back() = &misfits;
+  EXPECT_EQ(SharedFactors<kDim>(a, b, closures).chi2({}), 1.0);
 }
 
 }  // namespace

@@ -57,7 +57,7 @@ class MergeTest : public ::testing::Test {
 };
 TYPED_TEST_SUITE(MergeTest, testing::Dimensions);
 
-TYPED_TEST(MergeTest, TwoPiecesAreTiedByAPose) {
+TYPED_TEST(MergeTest, TwoPartialMapsShareAPose) {
   const auto merged = this->merge({this->partial({0, 1}), this->partial({1, 2})});
   ASSERT_EQ(merged.size(), 1u);
   EXPECT_EQ(merged[0].poses, (Table<PoseIndex, PoseIndex>{0, 1, 2}));

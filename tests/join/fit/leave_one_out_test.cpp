@@ -28,13 +28,13 @@ class LeaveOneOutTest : public ::testing::Test {
   /// The tests of all factors of a log or a set of maps, at its optimum.
   struct Tests {
     explicit Tests(Restored<kDim> made) : restored(std::move(made)) {
-      restored.problem.linearise();
-      EXPECT_FALSE(restored.problem.factorise(0.0));
-      const NormalEquations& equations = restored.problem.system().equations();
+      restored.system.linearise();
+      EXPECT_FALSE(restored.system.factorise(0.0));
+      const NormalEquations& equations = restored.system.equations();
       marginals = std::make_unique<Marginals>(equations);
-      leave_one_out = std::make_unique<LeaveOneOut<kDim>>(restored.problem, equations, *marginals);
+      leave_one_out = std::make_unique<LeaveOneOut<kDim>>(restored.system, equations, *marginals);
     }
-    const JoiningSystem<kDim>& system() const { return restored.problem.system(); }
+    const JoiningSystem<kDim>& system() const { return restored.system; }
     std::size_t factors() const { return system().equations().pattern().factors.size(); }
     MeasuredPart whole(std::size_t factor) const { return {factor, 0, system().rows(factor)}; }
     /// The factor of an observation of the log.

@@ -35,7 +35,7 @@ TEST_P(QuadraticShareTest, IsThatOfRowsWhoseJacobianIsConstant) {
   ASSERT_FALSE(world.problem.factorise(0.0));
   const DenseRelative<2> here(world.system());
   auto elsewhere = PosedWorld<2>(world.log, GetParam());
-  elsewhere.problem.system().estimate() = world.moved_by(0.4);
+  elsewhere.problem.estimate() = world.moved_by(0.4);
   const DenseRelative<2> there(elsewhere.system());
   for (const JoinedState state : {JoinedState::kAbsolute, JoinedState::kRelative}) {
     const bool is_relative = state == JoinedState::kRelative;

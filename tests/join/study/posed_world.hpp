@@ -2,7 +2,7 @@
 #pragma once
 // A small world as a join of local maps, or of single observations, at its composed start.
 
-#include <mapjoin/join/join_problem.hpp>
+#include <mapjoin/join/relative_join.hpp>
 #include <mapjoin/join/schedule.hpp>
 #include <mapjoin/localmap/build.hpp>
 #include <tests/support/small_world.hpp>
@@ -21,7 +21,7 @@ struct PosedWorld {
   PosedWorld(const PosedWorld&) = delete;
   PosedWorld& operator=(const PosedWorld&) = delete;
 
-  const JoiningSystem<Dim>& system() { return problem.system(); }
+  const JoiningSystem<Dim>& system() { return problem; }
   const Values<Dim>& state() { return problem.estimate(); }
   /// A state with every pose and feature moved by at most so much (m, rad), but for what is held.
   Values<Dim> moved_by(double radius, unsigned seed = 5) {
@@ -38,7 +38,7 @@ struct PosedWorld {
   Split parts;
   SubmapGraph<Dim> graph;
   PartialMap<Dim> composed;
-  JoinProblem<Dim> problem;
+  JoiningSystem<Dim> problem;
 };
 
 /// A walk of which every relation is in the relative state: each pose is observed from the one before, twice, each feature from

@@ -4,7 +4,7 @@
 #include <mapjoin/join/align/start.hpp>
 #include <mapjoin/join/run.hpp>
 #include <mapjoin/join/schedule.hpp>
-#include <mapjoin/join/study/continuation.hpp>
+#include <mapjoin/join/continuation.hpp>
 #include <mapjoin/localmap/build.hpp>
 #include <tests/support/dimensions.hpp>
 #include <tests/support/small_world.hpp>
@@ -34,7 +34,7 @@ TYPED_TEST_SUITE(ContinuationTest, testing::Dimensions);
 
 TYPED_TEST(ContinuationTest, AtOneItIsTheJoin) {
   const auto partial = this->composed();
-  JoinProblem<TestFixture::kDim> join(partial, this->gauge_);
+  JoiningSystem<TestFixture::kDim> join(partial, this->gauge_);
   Continuation<TestFixture::kDim> continuation(join, partial, this->gauge_);
   for (const double weight : {1.0, 0.1, 1.0}) {
     continuation.set_weight(weight);
@@ -46,7 +46,7 @@ TYPED_TEST(ContinuationTest, AtZeroItsMinimumIsTheComposedStartWithNothingLeft) 
   const auto partial = this->composed();
   auto random = partial;
   set_to_random(3, random);
-  JoinProblem<TestFixture::kDim> join(random, this->gauge_);
+  JoiningSystem<TestFixture::kDim> join(random, this->gauge_);
   Continuation<TestFixture::kDim> continuation(join, random, this->gauge_);
   continuation.set_weight(0.0);
   const auto result = minimise_join(join, JoinedState::kRelative, {});
@@ -57,7 +57,7 @@ TYPED_TEST(ContinuationTest, AtZeroItsMinimumIsTheComposedStartWithNothingLeft) 
 TYPED_TEST(ContinuationTest, GrowsWithTheWeight) {
   auto moved = this->composed();
   for (auto& feature : moved.state.features) feature *= 1.01;
-  JoinProblem<TestFixture::kDim> join(moved, this->gauge_);
+  JoiningSystem<TestFixture::kDim> join(moved, this->gauge_);
   Continuation<TestFixture::kDim> beside(join, moved, this->gauge_);
   double before = -1.0;
   for (const double weight : {0.0, 0.1, 0.5, 1.0}) {
@@ -76,10 +76,11 @@ TYPED_TEST(ContinuationTest, AllStartsMeet) {
   ASSERT_TRUE(optimum);
   options.schedule = Schedule::kBatch;
   options.state = JoinedState::kRelative;
+  options.gradual = true;
   for (const Start start : {Start::kComposed, Start::kZero, Start::kRandom}) {
     for (options.seed = 1; options.seed <= (start == Start::kRandom ? 5u : 1u); ++options.seed) {
       options.start = start;
-      const auto result = run_continued<kDim>(this->world_.log, options);
+      const auto result = run(this->world_.log, options);
       ASSERT_TRUE(result) << result.error().message;
       EXPECT_NEAR(result->chi2, optimum->chi2, 1e-9 * optimum->chi2) << to_string(start);
       EXPECT_EQ(result->path.size(), 7u);
@@ -96,9 +97,10 @@ TYPED_TEST(ContinuationTest, AllStartsMeetWhereFeaturesAloneTieTwoRobots) {
   ASSERT_TRUE(optimum);
   options.schedule = Schedule::kBatch;
   options.state = JoinedState::kRelative;
+  options.gradual = true;
   options.start = Start::kRandom;
   for (options.seed = 1; options.seed <= 10; ++options.seed) {
-    const auto result = run_continued<kDim>(world.log, options);
+    const auto result = run(world.log, options);
     ASSERT_TRUE(result) << result.error().message;
     EXPECT_NEAR(result->chi2, optimum->chi2, 1e-9 * optimum->chi2) << options.seed;
   }

@@ -8,21 +8,20 @@
 // weight s = 0, with one minimum, the composed start, whatever it was begun from; the join itself at s = 1.
 
 #include <Eigen/Core>
-#include <mapjoin/join/align/gauge.hpp>
-#include <mapjoin/join/join_problem.hpp>
-#include <mapjoin/join/run.hpp>
-#include <mapjoin/join/submap_graph.hpp>
+#include <mapjoin/join/joined_state.hpp>
+#include <mapjoin/join/joining_system.hpp>
+#include <mapjoin/solve/minimise_options.hpp>
 #include <stop_token>
 #include <vector>
 
 namespace mapjoin {
 
-/// Weighs the observations of a join problem.
+/// Weighs the observations of a join.
 template <int Dim>
 class Continuation {
  public:
   /// `join` is of `partial map` and `gauge`; all three must outlive this. Its weight is 1.
-  Continuation(JoinProblem<Dim>& join, const PartialMap<Dim>& partial, const Gauge<Dim>& gauge);
+  Continuation(JoiningSystem<Dim>& join, const PartialMap<Dim>& partial, const Gauge<Dim>& gauge);
   Continuation(const Continuation&) = delete;
   Continuation& operator=(const Continuation&) = delete;
 
@@ -45,7 +44,7 @@ class Continuation {
   };
   void take_tree();
 
-  JoinProblem<Dim>& join_;
+  JoiningSystem<Dim>& join_;
   const PartialMap<Dim>& partial_;
   const Gauge<Dim>& gauge_;
   PartialMap<Dim> weighted_partial_;
@@ -61,26 +60,10 @@ struct PathPoint {
   MinimiseResult result;
 };
 
-/// The result of a run whose join was begun at the end of a path.
+/// Leads a join of `partial` and `gauge`, from whatever start, to the optimum at s = 0, 1e-6, 1e-5, …, 0.1, one after the other,
+/// with steps in the coordinates of `state`. The join itself, s = 1, is left to be solved.
 template <int Dim>
-struct ContinuedResult : RunResult<Dim> {
-  std::vector<PathPoint> path;  ///< At s = 0, 1e-6, 1e-5, …, 0.1, solved one after the other; the join itself is s = 1.
-
-  int path_iterations() const;
-};
-
-/// The composed start of all that a submap graph joins, with the first pose at `origin` where the World says nothing.
-template <int Dim>
-PartialMap<Dim> composed_start(const SubmapGraph<Dim>& graph, const Pose<Dim>& origin);
-
-/// As run() and run_from_maps(), by the batch schedule along a path to its start. With splits of one pose it is full SLAM.
-template <int Dim>
-Expected<ContinuedResult<Dim>> run_continued(const Log<Dim>& log, const RunOptions& options, const std::stop_token& stop = {});
-template <int Dim>
-Expected<ContinuedResult<Dim>> run_continued(const Log<Dim>& log, const Split& split, std::vector<LocalMap<Dim>> maps,
-                                             const RunOptions& options, const std::stop_token& stop = {});
-template <int Dim>
-Expected<ContinuedResult<Dim>> run_continued(const SubmapSet<Dim>& set, const RunOptions& options,
-                                             const std::stop_token& stop = {});
+std::vector<PathPoint> follow_path(JoiningSystem<Dim>& join, const PartialMap<Dim>& partial, const Gauge<Dim>& gauge,
+                                   JoinedState state, Method method, const std::stop_token& stop = {});
 
 }  // namespace mapjoin
