@@ -2,9 +2,10 @@
 #include <gtest/gtest.h>
 
 #include <mapjoin/join/align/start.hpp>
+#include <mapjoin/join/continuation.hpp>
+#include <mapjoin/join/relative_join.hpp>
 #include <mapjoin/join/run.hpp>
 #include <mapjoin/join/schedule.hpp>
-#include <mapjoin/join/continuation.hpp>
 #include <mapjoin/localmap/build.hpp>
 #include <tests/support/dimensions.hpp>
 #include <tests/support/small_world.hpp>
@@ -69,7 +70,6 @@ TYPED_TEST(ContinuationTest, GrowsWithTheWeight) {
 }
 
 TYPED_TEST(ContinuationTest, AllStartsMeet) {
-  constexpr int kDim = TestFixture::kDim;
   RunOptions options;
   options.split = {SplitRule::kPoses, 6.0};
   const auto optimum = run(this->world_.log, options);
