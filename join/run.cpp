@@ -7,7 +7,7 @@
 #include <mapjoin/localmap/recover.hpp>
 #include <mapjoin/measure/chi2.hpp>
 #include <mapjoin/measure/effort.hpp>
-#include <mapjoin/model/demand_valid.hpp>
+#include <mapjoin/model/error.hpp>
 #include <mapjoin/model/segment.hpp>
 #include <mapjoin/parallel/parallel.hpp>
 #include <mapjoin/solve/minimise.hpp>

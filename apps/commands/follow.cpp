@@ -12,7 +12,7 @@
 #include <mapjoin/io/g2o/growing_g2o.hpp>
 #include <mapjoin/join/incremental/incremental_join.hpp>
 #include <mapjoin/join/incremental/submap_update_maker.hpp>
-#include <mapjoin/model/plural.hpp>
+#include <mapjoin/model/error.hpp>
 #include <memory>
 #include <thread>
 #include <utility>

@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <apps/report/report.hpp>
 #include <apps/report/verdict.hpp>
-#include <mapjoin/model/plural.hpp>
+#include <mapjoin/model/error.hpp>
 #include <string_view>
 #include <utility>
 #include <vector>

@@ -5,7 +5,7 @@
 #include <mapjoin/check/connectivity.hpp>
 #include <mapjoin/join/study/basin.hpp>
 #include <mapjoin/join/tolerances.hpp>
-#include <mapjoin/model/demand_valid.hpp>
+#include <mapjoin/model/error.hpp>
 #include <mapjoin/parallel/parallel.hpp>
 #include <memory>
 #include <mutex>

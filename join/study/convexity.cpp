@@ -6,7 +6,7 @@
 #include <mapjoin/join/relative_join.hpp>
 #include <mapjoin/join/study/convexity.hpp>
 #include <mapjoin/join/study/convexity_objective.hpp>
-#include <mapjoin/model/demand_valid.hpp>
+#include <mapjoin/model/error.hpp>
 #include <mapjoin/parallel/parallel.hpp>
 #include <mapjoin/simulate/random_stream.hpp>
 #include <mapjoin/solve/marginals.hpp>

@@ -6,7 +6,7 @@
 #include <cstddef>
 #include <mapjoin/model/enum_names.hpp>
 #include <mapjoin/model/log.hpp>
-#include <mapjoin/model/plural.hpp>
+#include <mapjoin/model/error.hpp>
 #include <mapjoin/model/submap_set.hpp>
 #include <string>
 #include <utility>

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <algorithm>
 #include <mapjoin/graph/paths.hpp>
-#include <mapjoin/model/driving_order.hpp>
+#include <mapjoin/model/log.hpp>
 #include <utility>
 
 namespace mapjoin {

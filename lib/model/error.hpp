@@ -2,6 +2,8 @@
 #pragma once
 // What went wrong, in one sentence for the user, and of which kind, for the exit code.
 
+#include <concepts>
+#include <stdexcept>
 #include <string>
 #include <tl/expected.hpp>
 #include <utility>
@@ -27,6 +29,19 @@ using Expected = tl::expected<T, Error>;
 
 inline tl::unexpected<Error> bad_input(std::string message) {
   return tl::unexpected(Error{ErrorKind::kBadInput, std::move(message)});
+}
+
+/// Throws std::invalid_argument with the first violation of `options`, where there is one: a promise broken by the caller.
+template <typename Options>
+void demand_valid(const Options& options) {
+  const auto violations = options.validate();
+  if (!violations.empty()) throw std::invalid_argument(violations.front());
+}
+
+/// "1 edge", "2 edges"; "2 matrices" where `things` are not `thing` and an s.
+template <std::integral Count>
+std::string plural(Count count, const std::string& thing, const std::string& things = "") {
+  return std::to_string(count) + " " + (count == 1 ? thing : things.empty() ? thing + "s" : things);
 }
 
 }  // namespace mapjoin

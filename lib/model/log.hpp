@@ -62,4 +62,11 @@ using AnyLog = std::variant<Log<2>, Log<3>>;
 template <int Dim>
 void put_in_order(Log<Dim>& log);
 
+/// The order in which a robot drove its poses, where their ids do not tell it: where fewer than half of the steps from id to
+/// id, which are in ascending order, have an edge, and paths along the edges tie half of the poses or more (PathCover, within
+/// each of the user's sessions), puts the poses in the order of the paths. The pose factors are in the order of the file. O(n
+/// log n).
+template <int Dim>
+void take_order_of_edges(Log<Dim>& log);
+
 }  // namespace mapjoin

@@ -3,21 +3,12 @@
 
 #include <algorithm>
 #include <limits>
-#include <mapjoin/model/driving_order.hpp>
 #include <mapjoin/model/information.hpp>
 #include <mapjoin/model/log_builder.hpp>
 #include <mapjoin/parallel/parallel.hpp>
 
 namespace mapjoin {
 namespace {
-
-/// What is wrong with the numbers of an observation, to follow its name.
-template <typename Observation>
-std::optional<std::string> fault(Observation& observation, InformationCheck& check) {
-  if (!is_valid(observation.measured)) return "has a measurement that is not finite, or no rotation";
-  const auto fault = check.fault(observation.information);
-  return fault ? std::optional("has an information matrix that " + *fault) : std::nullopt;
-}
 
 std::string name_of(PoseId base, PoseId target) {
   return fmt::format("the edge from {} to {}", to_string(base), to_string(target));
@@ -26,28 +17,57 @@ std::string name_of(PoseId base, FeatureId target) {
   return fmt::format("the observation of {} from {}", to_string(target), to_string(base));
 }
 
-/// The factors are between what stands at their place in `ends`.
-template <typename Factor, typename Ends>
-Expected<void> check_all(std::vector<Factor>& factors, const Ends& ends, InformationCheck& check) {
-  for (std::size_t i = 0; i < factors.size(); ++i) {
-    const auto wrong = fault(factors[i], check);
-    if (!wrong) continue;
-    const auto& [base, target] = ends[i];
-    const bool is_prior = factors[i].base == kWorld;
-    return bad_input(fmt::format("{} {}", is_prior ? "the prior of " + to_string(target) : name_of(base, target), *wrong));
+/// Whether the numbers of all factors are sound.
+template <typename Kind>
+Expected<void> check_factors(Kind& kind, InformationCheck& check) {
+  for (std::size_t i = 0; i < kind.factors.size(); ++i) {
+    auto& factor = kind.factors[i];
+    const bool is_sound = is_valid(factor.measured);
+    const auto fault = is_sound ? check.fault(factor.information) : std::nullopt;
+    if (is_sound && !fault) continue;
+    const auto& [base, target] = kind.ends[i];
+    const std::string name = factor.base == kWorld ? "the prior of " + to_string(target) : name_of(base, target);
+    return bad_input(
+        name + (fault ? " has an information matrix that " + *fault : " has a measurement that is not finite, or no rotation"));
   }
   return {};
+}
+
+using mapjoin::is_valid;
+template <typename Value>
+bool is_valid(const std::optional<Value>& value) {
+  return !value || is_valid(*value);
+}
+
+template <typename Said>
+Expected<void> check_values(const std::vector<Said>& said) {
+  const auto wrong = std::ranges::find_if(said, [](const Said& item) { return !is_valid(item.value); });
+  if (wrong == said.end()) return {};
+  return bad_input(to_string(wrong->id) + " has a value that is not finite, or no rotation");
+}
+
+/// Puts what was said in the order of ids, of which each may have one `what`.
+template <typename Said>
+Expected<void> sort_once(std::vector<Said>& said, const char* what) {
+  if (!std::ranges::is_sorted(said, {}, &Said::id)) std::ranges::stable_sort(said, {}, &Said::id);
+  const auto twice = std::ranges::adjacent_find(said, {}, &Said::id);
+  if (twice == said.end()) return {};
+  return bad_input(fmt::format("{} has two {}", to_string(twice->id), what));
+}
+
+/// What was said, once each and in the order of ids, by index; empty where not all `names` have it.
+template <typename Index, typename Id, typename Said>
+auto values_of_all(const Table<Index, Id>& names, const std::vector<Said>& said) {
+  Table<Index, decltype(Said::value)> values;
+  if (said.size() < names.size()) return values;
+  values.reserve(said.size());
+  for (const Said& item : said) values.push_back(item.value);
+  return values;
 }
 
 template <typename Item>
 void append_to(std::vector<Item>& items, const std::vector<Item>& more) {
   items.insert(items.end(), more.begin(), more.end());
-}
-
-/// The index of an id that is there.
-template <typename Index, typename Id>
-Index index_of(const Table<Index, Id>& names, const Id& id) {
-  return Index(*find_ascending(names, id));
 }
 
 template <int Dim>
@@ -72,101 +92,18 @@ Expected<std::vector<FixedPose<Dim>>> sorted_once(std::vector<FixedPose<Dim>> fi
 }  // namespace
 
 template <int Dim>
-template <typename Index, typename Value, typename Id>
-auto LogBuilder<Dim>::column_of(const std::vector<Said<Id, Value>>& said, const Table<Index, Id>& names, const char* what)
-    -> Expected<Column<Index, Value>> {
-  Column<Index, Value> column;
-  if (said.empty()) return column;
-  column.values.resize(names.size());
-  column.given.resize(names.size());
-  for (const auto& item : said) {
-    const Index i = index_of(names, item.id);
-    if (column.given[i]) return bad_input(fmt::format("{} has two {}", to_string(item.id), what));
-    column.values[i] = item.value;
-    column.given[i] = true;
-  }
-  column.count = said.size();
-  return column;
-}
-
-template <int Dim>
-LogBuilder<Dim>::LogBuilder(std::string source, Conventions conventions, Numbers numbers) : numbers_(numbers) {
-  log_.source = std::move(source);
-  log_.conventions = conventions;
-}
-
-template <int Dim>
-void LogBuilder<Dim>::reserve(std::size_t pose_edges, std::size_t observations) {
-  pose_ends_.reserve(pose_edges);
-  log_.graph.pose_factors.reserve(pose_edges);
-  feature_ends_.reserve(observations);
-  log_.graph.feature_factors.reserve(observations);
-}
-
-template <int Dim>
-void LogBuilder<Dim>::add_pose(PoseId id, const std::optional<Pose<Dim>>& initial) {
-  poses_.mention(id);
-  if (initial) initial_poses_.push_back({id, *initial});
-}
-
-template <int Dim>
-void LogBuilder<Dim>::add_feature(FeatureId id, const std::optional<Point<Dim>>& initial) {
-  features_.mention(id);
-  if (initial) initial_features_.push_back({id, *initial});
-}
-
-template <int Dim>
-void LogBuilder<Dim>::add_stamp(PoseId id, std::int64_t nanoseconds) {
-  poses_.mention(id);
-  stamps_.push_back({id, nanoseconds});
-}
-
-template <int Dim>
-void LogBuilder<Dim>::add_pose_edge(PoseId base, PoseId target, const Pose<Dim>& measured, const PoseMatrix<Dim>& information) {
-  poses_.mention(base);
-  poses_.mention(target);
-  pose_ends_.emplace_back(base, target);
-  log_.graph.pose_factors.push_back({0, 0, measured, information});
-}
-
-template <int Dim>
-void LogBuilder<Dim>::add_observation(PoseId pose, FeatureId feature, const Point<Dim>& measured,
-                                      const PointMatrix<Dim>& information) {
-  poses_.mention(pose);
-  features_.mention(feature);
-  feature_ends_.emplace_back(pose, feature);
-  log_.graph.feature_factors.push_back({0, 0, measured, information});
-}
-
-template <int Dim>
-void LogBuilder<Dim>::add_pose_prior(PoseId pose, const Pose<Dim>& measured, const PoseMatrix<Dim>& information) {
-  poses_.mention(pose);
-  pose_ends_.emplace_back(PoseId{}, pose);
-  log_.graph.pose_factors.push_back({kWorld, 0, measured, information});
-}
-
-template <int Dim>
-void LogBuilder<Dim>::add_feature_prior(FeatureId feature, const Point<Dim>& measured, const PointMatrix<Dim>& information) {
-  features_.mention(feature);
-  feature_ends_.emplace_back(PoseId{}, feature);
-  log_.graph.feature_factors.push_back({kWorld, 0, measured, information});
-}
-
-template <int Dim>
-void LogBuilder<Dim>::fix(PoseId id, const std::optional<Pose<Dim>>& value) {
-  fixed_.push_back({id, value});
+template <typename Id, typename Value, typename Factor>
+void LogBuilder<Dim>::Kind<Id, Value, Factor>::append(const Kind& other) {
+  names.mention_all(other.names);
+  append_to(factors, other.factors);
+  append_to(ends, other.ends);
+  append_to(initial, other.initial);
 }
 
 template <int Dim>
 void LogBuilder<Dim>::append(const LogBuilder& other) {
-  poses_.mention_all(other.poses_);
-  features_.mention_all(other.features_);
-  append_to(pose_ends_, other.pose_ends_);
-  append_to(feature_ends_, other.feature_ends_);
-  append_to(log_.graph.pose_factors, other.log_.graph.pose_factors);
-  append_to(log_.graph.feature_factors, other.log_.graph.feature_factors);
-  append_to(initial_poses_, other.initial_poses_);
-  append_to(initial_features_, other.initial_features_);
+  poses_.append(other.poses_);
+  features_.append(other.features_);
   append_to(stamps_, other.stamps_);
   append_to(fixed_, other.fixed_);
   add_unassociated(other.log_.unassociated);
@@ -175,8 +112,8 @@ void LogBuilder<Dim>::append(const LogBuilder& other) {
 
 template <int Dim>
 Expected<Log<Dim>> LogBuilder<Dim>::finish(PoseOrder order) && {
-  log_.poses = PoseIds(poses_.take());
-  log_.features = FeatureIds(features_.take());
+  log_.poses = PoseIds(poses_.names.take());
+  log_.features = FeatureIds(features_.names.take());
   return check_names()
       .and_then([&] { return check_edges(); })
       .and_then([&] { return check_numbers(); })
@@ -202,9 +139,9 @@ Expected<void> LogBuilder<Dim>::check_names() const {
 
 template <int Dim>
 Expected<void> LogBuilder<Dim>::check_edges() const {
-  for (std::size_t i = 0; i < pose_ends_.size(); ++i) {
-    const auto& [base, target] = pose_ends_[i];
-    if (base != target || log_.graph.pose_factors[i].base == kWorld) continue;
+  for (std::size_t i = 0; i < poses_.ends.size(); ++i) {
+    const auto& [base, target] = poses_.ends[i];
+    if (base != target || poses_.factors[i].base == kWorld) continue;
     return bad_input(fmt::format("an edge leads from {} to itself", to_string(base)));
   }
   return {};
@@ -214,84 +151,67 @@ template <int Dim>
 Expected<void> LogBuilder<Dim>::check_numbers() {
   if (numbers_ == Numbers::kChecked) return {};
   InformationCheck check;
-  return check_all(log_.graph.pose_factors, pose_ends_, check)
-      .and_then([&] { return check_all(log_.graph.feature_factors, feature_ends_, check); })
-      .and_then([&] { return check_values(); })
-      .map([&] { log_.conventions.repairs += check.repairs(); });
-}
-
-template <int Dim>
-Expected<void> LogBuilder<Dim>::check_values() const {
-  const auto wrong = [](const auto& id) {
-    return bad_input(to_string(id) + " has a value that is not finite, or no rotation");
-  };
-  for (const auto& [id, value] : initial_poses_) {
-    if (!is_valid(value)) return wrong(id);
-  }
-  for (const auto& [id, value] : initial_features_) {
-    if (!is_valid(value)) return wrong(id);
-  }
-  for (const auto& [id, value] : fixed_) {
-    if (value && !is_valid(*value)) return wrong(id);
-  }
-  return {};
+  return check_factors(poses_, check)
+      .and_then([&] { return check_factors(features_, check); })
+      .and_then([&] { return check_values(poses_.initial); })
+      .and_then([&] { return check_values(features_.initial); })
+      .and_then([&] { return check_values(fixed_); })
+      .map([&] { add_repairs(check.repairs()); });
 }
 
 template <int Dim>
 void LogBuilder<Dim>::resolve_ends() {
-  const auto resolve = [&](const auto& ends, const auto& targets, auto& factors) {
-    parallel_chunks(ends.size(), kObservationsPerPiece, [&](std::size_t begin, std::size_t end) {
+  const auto resolve = [&](auto& kind, const auto& targets) {
+    parallel_chunks(kind.ends.size(), kObservationsPerPiece, [&](std::size_t begin, std::size_t end) {
       for (std::size_t i = begin; i < end; ++i) {
-        if (factors[i].base != kWorld) factors[i].base = index_of(log_.poses, ends[i].first);
-        factors[i].target = index_of(targets, ends[i].second);
+        auto& factor = kind.factors[i];
+        if (factor.base != kWorld) factor.base = PoseIndex(*find_ascending(log_.poses, kind.ends[i].first));
+        factor.target = decltype(factor.target)(*find_ascending(targets, kind.ends[i].second));
       }
     });
+    return std::move(kind.factors);
   };
-  resolve(pose_ends_, log_.poses, log_.graph.pose_factors);
-  resolve(feature_ends_, log_.features, log_.graph.feature_factors);
+  log_.graph.pose_factors = resolve(poses_, log_.poses);
+  log_.graph.feature_factors = resolve(features_, log_.features);
 }
 
 template <int Dim>
 Expected<void> LogBuilder<Dim>::resolve_values() {
-  auto poses = column_of(initial_poses_, log_.poses, "initial values");
-  if (!poses) return tl::unexpected(poses.error());
-  auto features = column_of(initial_features_, log_.features, "initial values");
-  if (!features) return tl::unexpected(features.error());
-  auto stamps = column_of(stamps_, log_.poses, "time stamps");
-  if (!stamps) return tl::unexpected(stamps.error());
-  if (stamps->count > 0 && stamps->count < log_.poses.size()) {
-    return bad_input(fmt::format("only {} of {} poses have a time stamp", stamps->count, log_.poses.size()));
-  }
-
-  auto fixed = resolve_fixed(*poses);
-  if (!fixed) return tl::unexpected(fixed.error());
-
-  log_.graph.fixed = *std::move(fixed);
-  log_.stamps_ns = std::move(stamps->values);
-  if (poses->count == log_.poses.size()) log_.initial.poses = std::move(poses->values);
-  if (features->count == log_.features.size()) log_.initial.features = std::move(features->values);
-  return {};
+  return sort_once(poses_.initial, "initial values")
+      .and_then([&] { return sort_once(features_.initial, "initial values"); })
+      .and_then([&] { return sort_once(stamps_, "time stamps"); })
+      .and_then([&]() -> Expected<void> {
+        if (stamps_.empty() || stamps_.size() == log_.poses.size()) return {};
+        return bad_input(fmt::format("only {} of {} poses have a time stamp", stamps_.size(), log_.poses.size()));
+      })
+      .and_then([&] { return resolve_fixed(); })
+      .map([&](std::vector<FixedPose<Dim>>&& fixed) {
+        log_.graph.fixed = std::move(fixed);
+        log_.stamps_ns = values_of_all(log_.poses, stamps_);
+        log_.initial.poses = values_of_all(log_.poses, poses_.initial);
+        log_.initial.features = values_of_all(log_.features, features_.initial);
+      });
 }
 
 template <int Dim>
-Expected<std::vector<FixedPose<Dim>>> LogBuilder<Dim>::resolve_fixed(const Column<PoseIndex, Pose<Dim>>& initial_poses) const {
+Expected<std::vector<FixedPose<Dim>>> LogBuilder<Dim>::resolve_fixed() const {
   std::vector<FixedPose<Dim>> fixed;
-  std::optional<PoseIndex> at_origin;  // For want of a value.
+  std::optional<PoseId> at_origin;  // For want of a value.
   for (const auto& [id, value] : fixed_) {
-    const auto found = find_ascending(log_.poses, id);
-    if (!found) {
+    const auto pose = find_ascending(log_.poses, id);
+    if (!pose) {
       return bad_input(fmt::format("{} is fixed, but the log has no such pose (features cannot be fixed)", to_string(id)));
     }
-    const PoseIndex pose(*found);
-    const bool has_initial = initial_poses.count > 0 && initial_poses.given[pose];
-    if (!value && !has_initial && at_origin.value_or(pose) != pose) {
+    const auto initial = std::ranges::lower_bound(poses_.initial, id, {}, [](const auto& item) { return item.id; });
+    const bool has_initial = initial != poses_.initial.end() && initial->id == id;
+    if (!value && !has_initial && at_origin.value_or(id) != id) {
       return bad_input(
           fmt::format("{} is fixed beside {}, but nothing says where: give it a value (in a g2o file, its vertex) or "
                       "fix one of the two only",
-                      to_string(id), to_string(log_.poses[*at_origin])));
+                      to_string(id), to_string(*at_origin)));
     }
-    if (!value && !has_initial) at_origin = pose;
-    fixed.push_back({pose, value.value_or(has_initial ? initial_poses.values[pose] : Pose<Dim>{})});
+    if (!value && !has_initial) at_origin = id;
+    fixed.push_back({PoseIndex(*pose), value.value_or(has_initial ? initial->value : Pose<Dim>{})});
   }
   return sorted_once(std::move(fixed), log_.poses);
 }

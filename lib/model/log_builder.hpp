@@ -30,14 +30,24 @@ enum class PoseOrder : std::uint8_t {
 template <int Dim>
 class LogBuilder {
  public:
-  explicit LogBuilder(std::string source, Conventions conventions = {}, Numbers numbers = Numbers::kUnchecked);
+  explicit LogBuilder(std::string source, Conventions conventions = {}, Numbers numbers = Numbers::kUnchecked)
+      : numbers_(numbers) {
+    log_.source = std::move(source);
+    log_.conventions = conventions;
+  }
 
   /// Makes room for so many pose-pose edges and observations, where a reader knows beforehand.
-  void reserve(std::size_t pose_edges, std::size_t observations);
+  void reserve(std::size_t pose_edges, std::size_t observations) {
+    poses_.reserve(pose_edges);
+    features_.reserve(observations);
+  }
 
-  void add_pose(PoseId id, const std::optional<Pose<Dim>>& initial = std::nullopt);
-  void add_feature(FeatureId id, const std::optional<Point<Dim>>& initial = std::nullopt);
-  void add_stamp(PoseId id, std::int64_t nanoseconds);
+  void add_pose(PoseId id, const std::optional<Pose<Dim>>& initial = std::nullopt) { poses_.add(id, initial); }
+  void add_feature(FeatureId id, const std::optional<Point<Dim>>& initial = std::nullopt) { features_.add(id, initial); }
+  void add_stamp(PoseId id, std::int64_t nanoseconds) {
+    poses_.names.mention(id);
+    stamps_.push_back({id, nanoseconds});
+  }
   /// Observations that are left out since the input does not say of which feature they are.
   void add_unassociated(std::int64_t count = 1) { log_.unassociated += count; }
   /// What a reader did to matrices before it added them.
@@ -46,13 +56,23 @@ class LogBuilder {
   void append(const LogBuilder& other);
 
   /// Odometry or closure: which, finish() decides.
-  void add_pose_edge(PoseId base, PoseId target, const Pose<Dim>& measured, const PoseMatrix<Dim>& information);
-  void add_observation(PoseId pose, FeatureId feature, const Point<Dim>& measured, const PointMatrix<Dim>& information);
-  void add_pose_prior(PoseId pose, const Pose<Dim>& measured, const PoseMatrix<Dim>& information);
-  void add_feature_prior(FeatureId feature, const Point<Dim>& measured, const PointMatrix<Dim>& information);
+  void add_pose_edge(PoseId base, PoseId target, const Pose<Dim>& measured, const PoseMatrix<Dim>& information) {
+    poses_.names.mention(base);
+    poses_.add(base, target, {0, 0, measured, information});
+  }
+  void add_observation(PoseId pose, FeatureId feature, const Point<Dim>& measured, const PointMatrix<Dim>& information) {
+    poses_.names.mention(pose);
+    features_.add(pose, feature, {0, 0, measured, information});
+  }
+  void add_pose_prior(PoseId pose, const Pose<Dim>& measured, const PoseMatrix<Dim>& information) {
+    poses_.add({}, pose, {kWorld, 0, measured, information});
+  }
+  void add_feature_prior(FeatureId feature, const Point<Dim>& measured, const PointMatrix<Dim>& information) {
+    features_.add({}, feature, {kWorld, 0, measured, information});
+  }
   /// The World holds the pose, which must be mentioned elsewhere, at `value` or, where none is given, at its initial value; one
   /// pose without either is anchored at the origin.
-  void fix(PoseId id, const std::optional<Pose<Dim>>& value = std::nullopt);
+  void fix(PoseId id, const std::optional<Pose<Dim>>& value = std::nullopt) { fixed_.push_back({id, value}); }
 
   /// The log, with the promises of Log kept. Bad input are: an edge from a pose to itself, a pose or feature with two initial
   /// values, a pose with two stamps, stamps on some poses only, a pose that is fixed at two places or that nothing but its
@@ -61,41 +81,47 @@ class LogBuilder {
   Expected<Log<Dim>> finish(PoseOrder order = PoseOrder::kDriven) &&;
 
  private:
-  template <typename Id>
-  using Ends = std::vector<std::pair<PoseId, Id>>;
   /// Something said of the pose or feature `id`.
   template <typename Id, typename Value>
   struct Said {
     Id id;
     Value value;
   };
-  /// What was said of each pose or feature.
-  template <typename Index, typename Value>
-  struct Column {
-    Table<Index, Value> values;
-    Table<Index, bool> given;
-    std::size_t count = 0;
+  /// What was said of poses, or of features.
+  template <typename Id, typename Value, typename Factor>
+  struct Kind {
+    NameTable<Id> names;
+    std::vector<Factor> factors;                ///< In the order of the file; their ends but the World are not yet indices.
+    std::vector<std::pair<PoseId, Id>> ends{};  ///< Of the factors; the World has no name.
+    std::vector<Said<Id, Value>> initial{};
+
+    void add(Id id, const std::optional<Value>& value) {
+      names.mention(id);
+      if (value) initial.push_back({id, *value});
+    }
+    void add(PoseId base, Id target, const Factor& factor) {
+      names.mention(target);
+      ends.emplace_back(base, target);
+      factors.push_back(factor);
+    }
+    void append(const Kind& other);
+    void reserve(std::size_t count) {
+      ends.reserve(count);
+      factors.reserve(count);
+    }
   };
-  template <typename Index, typename Value, typename Id>
-  static Expected<Column<Index, Value>> column_of(const std::vector<Said<Id, Value>>& said, const Table<Index, Id>& names,
-                                                  const char* what);
 
   Expected<void> check_names() const;
   Expected<void> check_edges() const;
   Expected<void> check_numbers();
-  Expected<void> check_values() const;
   void resolve_ends();
   Expected<void> resolve_values();
-  Expected<std::vector<FixedPose<Dim>>> resolve_fixed(const Column<PoseIndex, Pose<Dim>>& initial_poses) const;
+  Expected<std::vector<FixedPose<Dim>>> resolve_fixed() const;
 
   Numbers numbers_;
-  Log<Dim> log_;  ///< Factors wait here in the order of the file; their ends but the World are not yet indices.
-  NameTable<PoseId> poses_;
-  NameTable<FeatureId> features_;
-  Ends<PoseId> pose_ends_;  ///< Of the factors; a prior has the World as its base already, and no name for it.
-  Ends<FeatureId> feature_ends_;
-  std::vector<Said<PoseId, Pose<Dim>>> initial_poses_;
-  std::vector<Said<FeatureId, Point<Dim>>> initial_features_;
+  Log<Dim> log_;
+  Kind<PoseId, Pose<Dim>, PoseFactor<Dim>> poses_;
+  Kind<FeatureId, Point<Dim>, FeatureFactor<Dim>> features_;
   std::vector<Said<PoseId, std::int64_t>> stamps_;
   std::vector<Said<PoseId, std::optional<Pose<Dim>>>> fixed_;
 };

@@ -12,7 +12,7 @@
 #include <mapjoin/io/formats/trajectory.hpp>
 #include <mapjoin/io/g2o/g2o.hpp>
 #include <mapjoin/io/g2o/numbering.hpp>
-#include <mapjoin/model/plural.hpp>
+#include <mapjoin/model/error.hpp>
 
 namespace mapjoin {
 namespace {
