@@ -1,11 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include <unistd.h>
-
 #include <apps/exit_code.hpp>
 #include <apps/output_folder.hpp>
-#include <mapjoin/io/files/system_call.hpp>
 #include <system_error>
-#include <utility>
 
 namespace mapjoin::apps {
 namespace fs = std::filesystem;
@@ -71,32 +67,25 @@ OutputFolder OutputFolder::whole(const fs::path& path) {
 /// Takes the folder aside for this process, and clears it.
 void OutputFolder::begin() {
   std::error_code failure;
-  for (int tries = 0; lock_ < 0; ++tries) {
+  for (int tries = 0; !lock_.is_open(); ++tries) {
     make_folder(aside_, path_);
-    const auto lock = open_alone(aside_ / kLock, path_);
+    auto lock = open_alone(aside_ / kLock, path_);
     // Another process may have done with it, and removed it, just now.
     if (!lock && (tries == kMostTries || fs::exists(aside_, failure))) demand(tl::unexpected(lock.error()));
-    if (lock) lock_ = *lock;
+    if (lock) lock_ = *std::move(lock);
   }
   clear(aside_, failure);
   demand_done(path_, failure);
 }
 
-OutputFolder::OutputFolder(OutputFolder&& other) noexcept
-    : path_(std::move(other.path_)),
-      aside_(std::exchange(other.aside_, {})),
-      made_(std::move(other.made_)),
-      is_whole_(other.is_whole_),
-      lock_(std::exchange(other.lock_, -1)) {}
-
 OutputFolder::~OutputFolder() {
   std::error_code ignored;
-  if (lock_ >= 0 && !aside_.empty()) {
+  if (lock_.is_open() && !aside_.empty()) {
     clear(aside_, ignored);
     fs::remove(aside_ / kLock, ignored);
   }
   fs::remove(aside_, ignored);  // Not where another process has it, whose lock is in it.
-  if (lock_ >= 0) ::close(lock_);
+  lock_ = Descriptor();
   for (const fs::path& folder : made_) fs::remove(folder, ignored);  // Not where something is in it.
 }
 

@@ -3,6 +3,7 @@
 // A folder of results that gets all of its files, or none.
 
 #include <filesystem>
+#include <mapjoin/io/files/system_call.hpp>
 #include <optional>
 #include <string>
 #include <vector>
@@ -19,8 +20,7 @@ class OutputFolder {
   /// For files that mean something only together: the folder appears with all of them at once. kCannotWrite, too, where there
   /// is something in it.
   static OutputFolder whole(const std::filesystem::path& path);
-  OutputFolder(OutputFolder&& other) noexcept;
-  OutputFolder& operator=(OutputFolder&&) = delete;
+  OutputFolder(OutputFolder&& other) = default;
   ~OutputFolder();
 
   /// Where to write the file `name` until commit().
@@ -36,10 +36,10 @@ class OutputFolder {
   void appear();
 
   std::filesystem::path path_;
-  std::filesystem::path aside_;              ///< Within the folder, or beside it. Empty once it is gone or moved from.
+  std::filesystem::path aside_;              ///< Within the folder, or beside it. Empty once it is gone.
   std::vector<std::filesystem::path> made_;  ///< Innermost first.
   bool is_whole_ = false;
-  int lock_ = -1;
+  Descriptor lock_;
 };
 
 /// The folder that a command asks for, before its work; none where the path is empty.

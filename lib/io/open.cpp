@@ -4,7 +4,6 @@
 #include <mapjoin/io/formats/log_format.hpp>
 #include <mapjoin/io/formats/mrclam.hpp>
 #include <mapjoin/io/open.hpp>
-#include <mapjoin/io/store/store.hpp>
 #include <system_error>
 #include <utility>
 

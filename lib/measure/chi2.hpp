@@ -5,7 +5,6 @@
 #include <cstddef>
 #include <cstdint>
 #include <mapjoin/model/log.hpp>
-#include <vector>
 
 namespace mapjoin {
 

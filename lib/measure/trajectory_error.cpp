@@ -2,7 +2,6 @@
 #include <Eigen/SVD>
 #include <algorithm>
 #include <cmath>
-#include <map>
 #include <mapjoin/measure/trajectory_error.hpp>
 #include <numeric>
 #include <stdexcept>
@@ -60,19 +59,18 @@ Point<Dim> mean(const std::vector<Point<Dim>>& points) {
 }
 
 /// Calls `both(value in a, value in b)` for every id that both hold and returns how many ids only one of them holds.
-template <typename Id, typename Value, typename Both>
-std::size_t match(const std::vector<Id>& ids_a, const std::vector<Value>& a, const std::vector<Id>& ids_b,
-                  const std::vector<Value>& b, Both&& both) {
-  std::map<Id, std::size_t> index_b;
-  for (std::size_t i = 0; i < ids_b.size(); ++i) index_b.emplace(ids_b[i], i);
-  std::size_t matched = 0;
-  for (std::size_t i = 0; i < ids_a.size(); ++i) {
-    const auto found = index_b.find(ids_a[i]);
-    if (found == index_b.end()) continue;
-    both(a[i], b[found->second]);
-    ++matched;
+template <typename Index, typename Id, typename Value, typename Both>
+std::size_t match(const Table<Index, Id>& ids_a, const Table<Index, Value>& a, const Table<Index, Id>& ids_b,
+                  const Table<Index, Value>& b, Both&& both) {
+  const IndexOf index_b(ids_b);
+  std::size_t unmatched = ids_a.size() + ids_b.size();
+  for (const Index i : indices(ids_a)) {
+    const auto j = index_b(ids_a[i]);
+    if (!j) continue;
+    both(a[i], b[*j]);
+    unmatched -= 2;
   }
-  return ids_a.size() + ids_b.size() - 2 * matched;
+  return unmatched;
 }
 
 /// The rotation R of largest tr(Rᵀ C).

@@ -6,7 +6,6 @@
 #include <mapjoin/geometry/pose.hpp>
 #include <mapjoin/model/conventions.hpp>
 #include <mapjoin/model/ids.hpp>
-#include <string>
 #include <vector>
 
 namespace mapjoin {

@@ -2,7 +2,6 @@
 #pragma once
 // Information matrices: the check that each of them, and each covariance, passes at the door, its repair, and its rank.
 
-#include <Eigen/Core>
 #include <cstdint>
 #include <mapjoin/geometry/rotation.hpp>
 #include <mapjoin/model/conventions.hpp>

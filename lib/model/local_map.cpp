@@ -1,5 +1,4 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include <algorithm>
 #include <mapjoin/model/information.hpp>
 #include <mapjoin/model/local_map.hpp>
 

@@ -38,18 +38,105 @@ LatticeBox<Dim> box_of(const ManhattanOptions& options) {
 template <int Dim>
 class Simulator {
  public:
-  explicit Simulator(const ManhattanOptions& options);
+  explicit Simulator(const ManhattanOptions& options)
+      : options_(options),
+        observation_sigma_(Point<Dim>::Constant(options.observation_noise)),
+        walk_(std::llround(options.block / options.step), box_of<Dim>(options), RandomStream(options.seed, kPath)),
+        odometry_random_(options.seed, kOdometry),
+        observation_random_(options.seed, kObservation) {
+    step_sigma_.template head<Dim>().setConstant(options.step_noise);
+    step_sigma_.template tail<kRotationDof<Dim>>().setConstant(options.turn_noise);
+  }
 
-  Simulation<Dim> run(const std::stop_token& stop) &&;
+  Simulation<Dim> run(const std::stop_token& stop) && {
+    Log<Dim>& log = result_.log;
+    GlobalMap<Dim>& truth = result_.truth;
+    const auto poses = static_cast<std::size_t>(options_.poses);
+    log.source = fmt::format("simulated Manhattan world, seed {}", options_.seed);
+    log.poses.reserve(poses);
+    truth.poses.reserve(poses);
+    log.graph.pose_factors.reserve(poses - 1);
+    for (PoseIndex i = 0; i.position() < poses && (i == 0 || !stop.stop_requested()); ++i) {
+      if (i > 0) {
+        const LatticeRotation<Dim> before = walk_.rotation();
+        walk_.advance();
+        add_odometry(i, before.transpose() * walk_.rotation());
+      }
+      add_pose(i);
+      observe_around(i);
+    }
+    log.sessions = {{0, PoseIndex(log.poses.size())}};
+    log.graph.fixed = {{0, Pose<Dim>{}}};
+    truth.pose_ids = log.poses;
+    truth.feature_ids = log.features;
+    truth.gauge = {0};
+    return std::move(result_);
+  }
 
  private:
-  void add_pose(PoseIndex i);
-  void add_odometry(PoseIndex i, const LatticeRotation<Dim>& turn);
-  void observe_around(PoseIndex i);
-  void observe(PoseIndex i, const LatticePoint<Dim>& cell, const Point<Dim>& feature);
-  Point<Dim> feature_in(const LatticePoint<Dim>& cell) const;
+  void add_pose(PoseIndex i) {
+    result_.log.poses.push_back({0, i.position()});
+    result_.truth.poses.push_back({options_.step * walk_.position().template cast<double>(), to_rotation(walk_.rotation())});
+  }
+
+  void add_odometry(PoseIndex i, const LatticeRotation<Dim>& turn) {
+    const Pose<Dim> step{options_.step * Point<Dim>::UnitX(), to_rotation(turn)};
+    result_.log.graph.pose_factors.push_back(
+        {i - 1, i, retract(step, noise(odometry_random_, step_sigma_)), step_sigma_.cwiseAbs2().cwiseInverse().asDiagonal()});
+  }
+
+  void observe_around(PoseIndex i) {
+    const Point<Dim> position = result_.truth.poses.back().translation;
+    const double reach = options_.range + options_.feature_jitter;
+    // Cell k has its centre at (k + 1/2) times its side.
+    LatticePoint<Dim> low, high;
+    for (int axis = 0; axis < Dim; ++axis) {
+      low[axis] = static_cast<std::int64_t>(std::ceil((position[axis] - reach) / options_.feature_cell - 0.5));
+      high[axis] = static_cast<std::int64_t>(std::floor((position[axis] + reach) / options_.feature_cell - 0.5));
+    }
+    if ((low.array() > high.array()).any()) return;
+    // Every cell of the box [low, high], the first axis running fastest.
+    for (LatticePoint<Dim> cell = low; cell[Dim - 1] <= high[Dim - 1];) {
+      const Point<Dim> feature = feature_in(cell);
+      if ((feature - position).norm() <= options_.range) observe(i, cell, feature);
+      ++cell[0];
+      for (int axis = 0; axis + 1 < Dim && cell[axis] > high[axis]; ++axis) {
+        cell[axis] = low[axis];
+        ++cell[axis + 1];
+      }
+    }
+  }
+
+  void observe(PoseIndex i, const LatticePoint<Dim>& cell, const Point<Dim>& feature) {
+    if (options_.chance < 1.0 && observation_random_.uniform(0.0, 1.0) >= options_.chance) return;
+    Log<Dim>& log = result_.log;
+    const auto [entry, is_new] = features_.try_emplace(cell, log.features.size());
+    if (is_new) {
+      log.features.push_back({log.features.size()});
+      result_.truth.features.push_back(feature);
+    }
+    const Point<Dim> seen =
+        walk_.rotation().transpose().template cast<double>() * (feature - result_.truth.poses.back().translation);
+    log.graph.feature_factors.push_back({i, entry->second, seen + noise(observation_random_, observation_sigma_),
+                                         observation_sigma_.cwiseAbs2().cwiseInverse().asDiagonal()});
+  }
+
+  Point<Dim> feature_in(const LatticePoint<Dim>& cell) const {
+    RandomStream random(options_.seed, CellHash<Dim>{}(cell));
+    Point<Dim> feature;
+    for (int axis = 0; axis < Dim; ++axis) {
+      feature[axis] = options_.feature_cell * (static_cast<double>(cell[axis]) + 0.5) +
+                      random.uniform(-options_.feature_jitter, options_.feature_jitter);
+    }
+    return feature;
+  }
+
   template <int Rows>
-  Vector<Rows> noise(RandomStream& random, const Vector<Rows>& sigma) const;
+  Vector<Rows> noise(RandomStream& random, const Vector<Rows>& sigma) const {
+    Vector<Rows> w;
+    for (int row = 0; row < Rows; ++row) w[row] = options_.noise_multiplier * sigma[row] * random.normal();
+    return w;
+  }
 
   const ManhattanOptions& options_;
   PoseVector<Dim> step_sigma_;
@@ -60,113 +147,6 @@ class Simulator {
   std::unordered_map<LatticePoint<Dim>, FeatureIndex, CellHash<Dim>> features_;
   Simulation<Dim> result_;
 };
-
-template <int Dim>
-Simulator<Dim>::Simulator(const ManhattanOptions& options)
-    : options_(options),
-      observation_sigma_(Point<Dim>::Constant(options.observation_noise)),
-      walk_(std::llround(options.block / options.step), box_of<Dim>(options), RandomStream(options.seed, kPath)),
-      odometry_random_(options.seed, kOdometry),
-      observation_random_(options.seed, kObservation) {
-  step_sigma_.template head<Dim>().setConstant(options.step_noise);
-  step_sigma_.template tail<kRotationDof<Dim>>().setConstant(options.turn_noise);
-}
-
-template <int Dim>
-Simulation<Dim> Simulator<Dim>::run(const std::stop_token& stop) && {
-  Log<Dim>& log = result_.log;
-  GlobalMap<Dim>& truth = result_.truth;
-  const auto poses = static_cast<std::size_t>(options_.poses);
-  log.source = fmt::format("simulated Manhattan world, seed {}", options_.seed);
-  log.poses.reserve(poses);
-  truth.poses.reserve(poses);
-  log.graph.pose_factors.reserve(poses - 1);
-  for (PoseIndex i = 0; i.position() < poses && (i == 0 || !stop.stop_requested()); ++i) {
-    if (i > 0) {
-      const LatticeRotation<Dim> before = walk_.rotation();
-      walk_.advance();
-      add_odometry(i, before.transpose() * walk_.rotation());
-    }
-    add_pose(i);
-    observe_around(i);
-  }
-  log.sessions = {{0, PoseIndex(log.poses.size())}};
-  log.graph.fixed = {{0, Pose<Dim>{}}};
-  truth.pose_ids = log.poses;
-  truth.feature_ids = log.features;
-  truth.gauge = {0};
-  return std::move(result_);
-}
-
-template <int Dim>
-void Simulator<Dim>::add_pose(PoseIndex i) {
-  result_.log.poses.push_back({0, i.position()});
-  result_.truth.poses.push_back({options_.step * walk_.position().template cast<double>(), to_rotation(walk_.rotation())});
-}
-
-template <int Dim>
-void Simulator<Dim>::add_odometry(PoseIndex i, const LatticeRotation<Dim>& turn) {
-  const Pose<Dim> step{options_.step * Point<Dim>::UnitX(), to_rotation(turn)};
-  result_.log.graph.pose_factors.push_back(
-      {i - 1, i, retract(step, noise(odometry_random_, step_sigma_)), step_sigma_.cwiseAbs2().cwiseInverse().asDiagonal()});
-}
-
-template <int Dim>
-void Simulator<Dim>::observe_around(PoseIndex i) {
-  const Point<Dim> position = result_.truth.poses.back().translation;
-  const double reach = options_.range + options_.feature_jitter;
-  // Cell k has its centre at (k + 1/2) times its side.
-  LatticePoint<Dim> low, high;
-  for (int axis = 0; axis < Dim; ++axis) {
-    low[axis] = static_cast<std::int64_t>(std::ceil((position[axis] - reach) / options_.feature_cell - 0.5));
-    high[axis] = static_cast<std::int64_t>(std::floor((position[axis] + reach) / options_.feature_cell - 0.5));
-  }
-  if ((low.array() > high.array()).any()) return;
-  // Every cell of the box [low, high], the first axis running fastest.
-  for (LatticePoint<Dim> cell = low; cell[Dim - 1] <= high[Dim - 1];) {
-    const Point<Dim> feature = feature_in(cell);
-    if ((feature - position).norm() <= options_.range) observe(i, cell, feature);
-    ++cell[0];
-    for (int axis = 0; axis + 1 < Dim && cell[axis] > high[axis]; ++axis) {
-      cell[axis] = low[axis];
-      ++cell[axis + 1];
-    }
-  }
-}
-
-template <int Dim>
-void Simulator<Dim>::observe(PoseIndex i, const LatticePoint<Dim>& cell, const Point<Dim>& feature) {
-  if (options_.chance < 1.0 && observation_random_.uniform(0.0, 1.0) >= options_.chance) return;
-  Log<Dim>& log = result_.log;
-  const auto [entry, is_new] = features_.try_emplace(cell, log.features.size());
-  if (is_new) {
-    log.features.push_back({log.features.size()});
-    result_.truth.features.push_back(feature);
-  }
-  const Point<Dim> seen =
-      walk_.rotation().transpose().template cast<double>() * (feature - result_.truth.poses.back().translation);
-  log.graph.feature_factors.push_back({i, entry->second, seen + noise(observation_random_, observation_sigma_),
-                                       observation_sigma_.cwiseAbs2().cwiseInverse().asDiagonal()});
-}
-
-template <int Dim>
-Point<Dim> Simulator<Dim>::feature_in(const LatticePoint<Dim>& cell) const {
-  RandomStream random(options_.seed, CellHash<Dim>{}(cell));
-  Point<Dim> feature;
-  for (int axis = 0; axis < Dim; ++axis) {
-    feature[axis] = options_.feature_cell * (static_cast<double>(cell[axis]) + 0.5) +
-                    random.uniform(-options_.feature_jitter, options_.feature_jitter);
-  }
-  return feature;
-}
-
-template <int Dim>
-template <int Rows>
-Vector<Rows> Simulator<Dim>::noise(RandomStream& random, const Vector<Rows>& sigma) const {
-  Vector<Rows> w;
-  for (int row = 0; row < Rows; ++row) w[row] = options_.noise_multiplier * sigma[row] * random.normal();
-  return w;
-}
 
 }  // namespace
 

@@ -8,8 +8,8 @@
 namespace mapjoin::fuzz {
 namespace {
 
-void check_text(std::string_view bytes, Expected<AnyLog> (*read)(TextScanner, const ReadOptions&), LogFormat format) {
-  const auto log = read(TextScanner("log.txt", bytes), choices(bytes).options);
+void check_text(std::string_view bytes, const EdgeText<2>& plane, const EdgeText<3>* space, LogFormat format) {
+  const auto log = read_edge_text(TextScanner("log.txt", bytes), plane, space, choices(bytes).options);
   check(log, "log.txt");
   if (log) check_round_trip(*log, format);
 }
@@ -17,15 +17,15 @@ void check_text(std::string_view bytes, Expected<AnyLog> (*read)(TextScanner, co
 }  // namespace
 
 void toro(std::string_view bytes) {
-  check_text(bytes, read_toro, LogFormat::kToro);
+  check_text(bytes, kToroPlane, &kToroSpace, LogFormat::kToro);
 }
 
 void isam(std::string_view bytes) {
-  check_text(bytes, read_isam, LogFormat::kIsam);
+  check_text(bytes, kIsamPlane, &kIsamSpace, LogFormat::kIsam);
 }
 
 void gtsam_text(std::string_view bytes) {
-  check_text(bytes, read_gtsam_text, LogFormat::kGtsam);
+  check_text(bytes, kGtsamText, nullptr, LogFormat::kGtsam);
 }
 
 }  // namespace mapjoin::fuzz

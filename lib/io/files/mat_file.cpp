@@ -2,13 +2,10 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <cstdint>
 #include <cstring>
 #include <iterator>
 #include <mapjoin/io/files/mat_file.hpp>
 #include <mapjoin/io/files/mat_format.hpp>
-#include <optional>
-#include <vector>
 
 namespace mapjoin {
 namespace {

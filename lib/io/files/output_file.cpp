@@ -4,9 +4,7 @@
 
 #include <cerrno>
 #include <mapjoin/io/files/output_file.hpp>
-#include <mapjoin/io/files/system_call.hpp>
 #include <system_error>
-#include <utility>
 
 namespace mapjoin {
 namespace {
@@ -34,8 +32,8 @@ fs::path link_target(fs::path path) {
   return path;
 }
 
-OutputFile::OutputFile(std::filesystem::path path, std::filesystem::path written_path, int descriptor)
-    : path_(std::move(path)), written_path_(std::move(written_path)), descriptor_(descriptor) {
+OutputFile::OutputFile(fs::path path, fs::path written_path, Descriptor descriptor)
+    : path_(std::move(path)), written_path_(std::move(written_path)), descriptor_(std::move(descriptor)) {
   buffer_.reserve(kBufferSize);
 }
 
@@ -45,29 +43,16 @@ Expected<OutputFile> OutputFile::create(const fs::path& path) {
   const bool beside = !is_open_file(target) && (!fs::exists(target, ignored) || fs::is_regular_file(target, ignored));
   if (beside) {
     const fs::path written = target.string() + kUnfinished;
-    return open_alone(written, path).map([&](int descriptor) { return OutputFile(target, written, descriptor); });
+    return open_alone(written, path).map([&](Descriptor&& file) { return OutputFile(target, written, std::move(file)); });
   }
   // What is open already may have something in it, from which this goes on.
-  const int descriptor = ::open(target.c_str(), O_WRONLY | O_CLOEXEC | O_APPEND);
-  if (descriptor < 0) return call_failed(path, errno, ErrorKind::kCannotWrite);
-  return OutputFile(target, target, descriptor);
+  Descriptor file(::open(target.c_str(), O_WRONLY | O_CLOEXEC | O_APPEND));
+  if (!file.is_open()) return call_failed(path, errno, ErrorKind::kCannotWrite);
+  return OutputFile(target, target, std::move(file));
 }
-
-OutputFile::OutputFile(OutputFile&& other) noexcept
-    : path_(std::move(other.path_)),
-      written_path_(std::move(other.written_path_)),
-      descriptor_(std::exchange(other.descriptor_, -1)),
-      failure_(other.failure_),
-      buffer_(std::move(other.buffer_)) {}
 
 OutputFile::~OutputFile() {
-  if (descriptor_ < 0) return;
-  if (is_beside()) ::unlink(written_path_.c_str());
-  ::close(descriptor_);
-}
-
-void OutputFile::remember_failure() {
-  if (failure_ == 0) failure_ = errno;
+  if (descriptor_.is_open() && is_beside()) ::unlink(written_path_.c_str());
 }
 
 void OutputFile::write(std::string_view bytes) {
@@ -76,13 +61,8 @@ void OutputFile::write(std::string_view bytes) {
 }
 
 void OutputFile::flush() {
-  if (failure_ == 0) failure_ = write_all(descriptor_, buffer_);
+  if (failure_ == 0) failure_ = write_all(descriptor_.value(), buffer_);
   buffer_.clear();
-}
-
-void OutputFile::write_out() {
-  flush();
-  if (failure_ == 0 && is_beside() && ::fsync(descriptor_) != 0) remember_failure();
 }
 
 Expected<void> OutputFile::outcome() const {
@@ -91,37 +71,38 @@ Expected<void> OutputFile::outcome() const {
 }
 
 Expected<void> OutputFile::sync() {
-  write_out();
+  flush();
+  if (failure_ == 0 && is_beside() && ::fsync(descriptor_.value()) != 0) failure_ = errno;
   return outcome();
 }
 
 Expected<void> OutputFile::commit() {
-  write_out();
+  (void)sync();
   return commit_unsynced();
 }
 
 Expected<void> OutputFile::commit_unsynced() {
   flush();
   // What closing would say, while the lock still holds the name.
-  if (failure_ == 0 && ::close(::dup(descriptor_)) != 0) remember_failure();
-  if (failure_ == 0 && is_beside() && std::rename(written_path_.c_str(), path_.c_str()) != 0) remember_failure();
+  if (failure_ == 0 && ::close(::dup(descriptor_.value())) != 0) failure_ = errno;
+  if (failure_ == 0 && is_beside() && std::rename(written_path_.c_str(), path_.c_str()) != 0) failure_ = errno;
   if (failure_ != 0 && is_beside()) ::unlink(written_path_.c_str());
-  ::close(std::exchange(descriptor_, -1));
+  descriptor_ = Descriptor();
   return outcome();
 }
 
-Expected<void> write_file(const std::filesystem::path& path, std::string_view bytes) {
-  auto file = OutputFile::create(path);
-  if (!file) return tl::unexpected(file.error());
-  file->write(bytes);
-  return file->commit();
+Expected<void> write_file(const fs::path& path, std::string_view bytes) {
+  return OutputFile::create(path).and_then([&](OutputFile&& file) {
+    file.write(bytes);
+    return file.commit();
+  });
 }
 
-Expected<void> write_file_unsynced(const std::filesystem::path& path, std::string_view bytes) {
-  auto file = OutputFile::create(path);
-  if (!file) return tl::unexpected(file.error());
-  file->write(bytes);
-  return file->commit_unsynced();
+Expected<void> write_file_unsynced(const fs::path& path, std::string_view bytes) {
+  return OutputFile::create(path).and_then([&](OutputFile&& file) {
+    file.write(bytes);
+    return file.commit_unsynced();
+  });
 }
 
 }  // namespace mapjoin

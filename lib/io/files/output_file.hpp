@@ -3,7 +3,7 @@
 // An output file that appears whole under its name, or not at all.
 
 #include <filesystem>
-#include <mapjoin/model/error.hpp>
+#include <mapjoin/io/files/system_call.hpp>
 #include <string>
 #include <string_view>
 
@@ -20,8 +20,7 @@ class OutputFile {
  public:
   /// kCannotWrite where the file cannot be made, or where another process is writing it.
   static Expected<OutputFile> create(const std::filesystem::path& path);
-  OutputFile(OutputFile&& other) noexcept;
-  OutputFile& operator=(OutputFile&&) = delete;
+  OutputFile(OutputFile&& other) = default;
   ~OutputFile();
 
   /// After a write has failed, further ones do nothing: commit() reports the failure.
@@ -35,16 +34,14 @@ class OutputFile {
   Expected<void> commit_unsynced();
 
  private:
-  OutputFile(std::filesystem::path path, std::filesystem::path written_path, int descriptor);
+  OutputFile(std::filesystem::path path, std::filesystem::path written_path, Descriptor descriptor);
   void flush();
-  void write_out();
   Expected<void> outcome() const;
-  void remember_failure();
   bool is_beside() const { return written_path_ != path_; }
 
   std::filesystem::path path_;
   std::filesystem::path written_path_;
-  int descriptor_ = -1;
+  Descriptor descriptor_;
   int failure_ = 0;  ///< The first errno, or 0.
   std::string buffer_;
 };

@@ -16,7 +16,7 @@ Descriptor Descriptor::to_read(const std::filesystem::path& path) {
 }
 
 Descriptor::~Descriptor() {
-  if (value_ >= 0) ::close(value_);
+  if (is_open()) ::close(value_);
 }
 
 tl::unexpected<Error> call_failed(const std::filesystem::path& path, int reason, ErrorKind kind) {
@@ -40,16 +40,16 @@ bool has_name(int descriptor, const std::filesystem::path& path) {
          opened.st_ino == named.st_ino;
 }
 
-Expected<int> open_alone(const std::filesystem::path& path, const std::filesystem::path& output) {
+Expected<Descriptor> open_alone(const std::filesystem::path& path, const std::filesystem::path& output) {
   while (true) {
     Descriptor file(::open(path.c_str(), O_WRONLY | O_CLOEXEC | O_CREAT | O_NOFOLLOW, 0666));
-    if (file.value() < 0) return call_failed(output, errno, ErrorKind::kCannotWrite);
+    if (!file.is_open()) return call_failed(output, errno, ErrorKind::kCannotWrite);
     // Where a file system knows no locks, the last writer wins.
     if (::flock(file.value(), LOCK_EX | LOCK_NB) != 0 && errno == EWOULDBLOCK) {
       return tl::unexpected(Error{ErrorKind::kCannotWrite, fmt::format("{}: another process is writing it", output.string())});
     }
     if (!has_name(file.value(), path)) continue;
-    if (::ftruncate(file.value(), 0) == 0) return file.release();
+    if (::ftruncate(file.value(), 0) == 0) return file;
     return call_failed(output, errno, ErrorKind::kCannotWrite);
   }
 }

@@ -12,15 +12,17 @@ namespace mapjoin {
 /// A file descriptor that closes itself; -1 for none.
 class Descriptor {
  public:
-  explicit Descriptor(int value) : value_(value) {}
+  explicit Descriptor(int value = -1) : value_(value) {}
   /// Opens a file for reading; none, with errno, where that cannot be.
   static Descriptor to_read(const std::filesystem::path& path);
   Descriptor(Descriptor&& other) noexcept : value_(std::exchange(other.value_, -1)) {}
-  Descriptor& operator=(Descriptor&& other) = delete;
+  Descriptor& operator=(Descriptor&& other) noexcept {
+    std::swap(value_, other.value_);
+    return *this;
+  }
   ~Descriptor();
   int value() const { return value_; }
-  /// The descriptor, to be closed by whoever takes it.
-  int release() { return std::exchange(value_, -1); }
+  bool is_open() const { return value_ >= 0; }
 
  private:
   int value_;
@@ -36,7 +38,7 @@ int write_all(int descriptor, std::string_view bytes);
 /// A new descriptor for writing to `path`, which is made where it is not there, locked until the descriptor is closed, and
 /// emptied: it is what a process left that was killed. To be renamed or removed before it is closed. kCannotWrite, about
 /// `output`, where that cannot be, or where another process has the file.
-Expected<int> open_alone(const std::filesystem::path& path, const std::filesystem::path& output);
+Expected<Descriptor> open_alone(const std::filesystem::path& path, const std::filesystem::path& output);
 
 /// Whether the descriptor's file still has the name: it may have been renamed, removed or replaced.
 bool has_name(int descriptor, const std::filesystem::path& path);

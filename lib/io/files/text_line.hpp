@@ -5,7 +5,6 @@
 #include <algorithm>
 #include <charconv>
 #include <concepts>
-#include <cstdint>
 #include <mapjoin/geometry/pose.hpp>
 #include <mapjoin/io/files/output_file.hpp>
 #include <mapjoin/parallel/parallel.hpp>

@@ -30,6 +30,16 @@ class TextScanner {
 
   /// On to the next line that has a word, past what is left of this one; false at the end of the file.
   bool next_line();
+  /// Calls `read` on every line from here on, until one is wrong.
+  template <typename Read>
+  Expected<void> each_line(const Read& read) {
+    Expected<void> line;
+    while (line && next_line()) {
+      read();
+      line = finish_line();
+    }
+    return line;
+  }
   /// Whether the line has no further word, or one went wrong, after which none counts.
   bool at_end_of_line();
 

@@ -102,21 +102,28 @@ Pose<Dim> read_toro_vertex(TextScanner& text) {
   return read_pose_angles<Dim>(text).first;
 }
 
+/// Puts a pose, and gives J = ∂step/∂numbers.
 template <int Dim>
-Fault put_toro_edge(const MeasuredPose<Dim>& edge, TextLine& line) {
-  const auto angles = pose_angles(edge.measured);
+Fault put_pose_angles(const Pose<Dim>& pose, TextLine& line, PoseMatrix<Dim>& J) {
+  const auto angles = pose_angles(pose);
   if (!angles) return kRightAnglePitch;
   line.template add<kPoseDof<Dim>>(angles->numbers);
-  put_weights<Dim>(turned<Dim>(edge.information, angles->J_numbers_step.inverse()), line);
+  J = angles->J_numbers_step.inverse();
   return std::nullopt;
 }
 
 template <int Dim>
+Fault put_toro_edge(const MeasuredPose<Dim>& edge, TextLine& line) {
+  PoseMatrix<Dim> J;
+  const Fault fault = put_pose_angles(edge.measured, line, J);
+  if (!fault) put_weights<Dim>(turned<Dim>(edge.information, J), line);
+  return fault;
+}
+
+template <int Dim>
 Fault put_toro_vertex(const Pose<Dim>& pose, TextLine& line) {
-  const auto angles = pose_angles(pose);
-  if (!angles) return kRightAnglePitch;
-  line.template add<kPoseDof<Dim>>(angles->numbers);
-  return std::nullopt;
+  PoseMatrix<Dim> ignored;
+  return put_pose_angles(pose, line, ignored);
 }
 
 template <int Dim>
@@ -126,6 +133,7 @@ constexpr EdgeText<Dim> kToro{
                         : "TORO: VERTEX3 i x y z roll pitch yaw; EDGE3 i j x y z roll pitch yaw, information row by row",
     .edge_tag = kEdge<Dim>,
     .pose_tag = kVertex<Dim>,
+    .weights = Weights::kAngles,
     .read_edge = read_toro_edge<Dim>,
     .read_pose = read_toro_vertex<Dim>,
     .put_edge = put_toro_edge<Dim>,
@@ -174,12 +182,10 @@ MeasuredPoint<Dim> read_isam_point(TextScanner& text, const TextContext&) {
 
 template <int Dim>
 Fault put_isam_edge(const MeasuredPose<Dim>& edge, TextLine& line) {
-  const auto angles = pose_angles(edge.measured);
-  if (!angles) return kRightAnglePitch;
-  const PoseMatrix<Dim> J = angles->J_numbers_step.inverse();
-  line.template add<kPoseDof<Dim>>(angles->numbers);
-  line.template add_symmetric<kPoseDof<Dim>>(square_root<kPoseDof<Dim>>(J.transpose() * edge.information * J));
-  return std::nullopt;
+  PoseMatrix<Dim> J;
+  const Fault fault = put_pose_angles(edge.measured, line, J);
+  if (!fault) line.template add_symmetric<kPoseDof<Dim>>(square_root<kPoseDof<Dim>>(J.transpose() * edge.information * J));
+  return fault;
 }
 
 template <int Dim>
@@ -195,6 +201,7 @@ constexpr EdgeText<Dim> kIsam{
                         : "iSAM: EDGE3 i j x y z roll pitch yaw, square root of the information; POINT3 i feature x y z",
     .edge_tag = kEdge<Dim>,
     .observation_tag = kObservation<Dim>,
+    .weights = Weights::kSquareRoot,
     .read_edge = read_isam_edge<Dim>,
     .read_point = read_isam_point<Dim>,
     .put_edge = put_isam_edge<Dim>,
@@ -203,36 +210,9 @@ constexpr EdgeText<Dim> kIsam{
 
 }  // namespace
 
-bool is_toro_vertex_tag(std::string_view tag) {
-  return tag == kVertex<2> || tag == kVertex<3>;
-}
-
-Expected<AnyLog> read_toro(TextScanner text, const ReadOptions& options) {
-  return read_edge_text(std::move(text), kToro<2>, &kToro<3>, options);
-}
-
-template <int Dim>
-Expected<void> write_toro(const Log<Dim>& log, const std::filesystem::path& path) {
-  return write_edge_text(log, kToro<Dim>, path);
-}
-
-template Expected<void> write_toro(const Log<2>&, const std::filesystem::path&);
-template Expected<void> write_toro(const Log<3>&, const std::filesystem::path&);
-
-bool is_isam_tag(std::string_view tag) {
-  return tag == kEdge<2> || tag == kObservation<2> || tag == kEdge<3> || tag == kObservation<3>;
-}
-
-Expected<AnyLog> read_isam(TextScanner text, const ReadOptions& options) {
-  return read_edge_text(std::move(text), kIsam<2>, &kIsam<3>, options);
-}
-
-template <int Dim>
-Expected<void> write_isam(const Log<Dim>& log, const std::filesystem::path& path) {
-  return write_edge_text(log, kIsam<Dim>, path);
-}
-
-template Expected<void> write_isam(const Log<2>&, const std::filesystem::path&);
-template Expected<void> write_isam(const Log<3>&, const std::filesystem::path&);
+const EdgeText<2> kToroPlane = kToro<2>;
+const EdgeText<3> kToroSpace = kToro<3>;
+const EdgeText<2> kIsamPlane = kIsam<2>;
+const EdgeText<3> kIsamSpace = kIsam<3>;
 
 }  // namespace mapjoin

@@ -65,6 +65,14 @@ Fault put_plain_pose(const Pose<Dim>& pose, TextLine& line) {
   return std::nullopt;
 }
 
+/// What stands in place of information matrices over the steps.
+enum class Weights : std::uint8_t {
+  kExact,       ///< They themselves.
+  kAngles,      ///< In space, those over the angles.
+  kSquareRoot,  ///< Their square roots, over the angles.
+  kCovariance,  ///< Their inverses.
+};
+
 /// One format in one dimension. What goes wrong with words is rejected on the scanner, what the format has no words for is a
 /// fault. The driver checks information matrices, and inverts covariances. A tag that is empty stands for lines that the format
 /// does not have.
@@ -78,9 +86,9 @@ struct EdgeText {
   std::string_view pose_tag{};         ///< `tag i …`: the value of a pose.
   std::string_view feature_tag{};      ///< `tag f …`: the value of a feature.
   bool one_numbering = false;          ///< Of poses and features, where it is written.
-  bool has_covariances = false;        ///< In place of information matrices.
-  bool may_be_unassociated = false;    ///< An observation of feature -1 is left out, and counted.
-  bool has_g2o_lines = false;          ///< `FIX`, and `PARAMS_…` that say nothing by themselves.
+  Weights weights = Weights::kExact;
+  bool may_be_unassociated = false;  ///< An observation of feature -1 is left out, and counted.
+  bool has_g2o_lines = false;        ///< `FIX`, and `PARAMS_…` that say nothing by themselves.
   /// Whether a tag is one of this format in the other dimension, for the message; null where nobody says.
   bool (*is_of_other_dimension)(std::string_view tag) = nullptr;
 

@@ -69,7 +69,7 @@ class PieceReader {
     const PoseId base{0, text_.key()};
     const PoseId target{0, text_.key()};
     auto [measured, W] = format_.read_edge(text_, context_);
-    if (format_.has_covariances) W = inverse_of(W, check_, text_);
+    if (format_.weights == Weights::kCovariance) W = inverse_of(W, check_, text_);
     if (auto line = text_.finish_line(); !line) return line;
     if (base == target) return text_.error(place, fmt::format("an edge leads from {} to itself", to_string(base)));
     if (const auto fault = check_.fault(W)) return unfit(place, base.key, target.key, *fault);
@@ -82,7 +82,7 @@ class PieceReader {
     const PoseId pose{0, text_.key()};
     const auto feature = format_.may_be_unassociated ? read_feature_or_none(text_) : FeatureId{text_.key()};
     auto [measured, W] = format_.read_point(text_, context_);
-    if (format_.has_covariances && feature) W = inverse_of(W, check_, text_);
+    if (format_.weights == Weights::kCovariance && feature) W = inverse_of(W, check_, text_);
     if (auto line = text_.finish_line(); !line) return line;
     if (!feature) {
       read_.builder.add_unassociated();

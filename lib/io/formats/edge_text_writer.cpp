@@ -51,7 +51,7 @@ class EdgeTextWriter {
   template <typename Measured>
   Fault put_measured(Measured measured, Fault (*put)(const Measured&, TextLine&), TextLine& line) const {
     auto& W = measured.information;
-    const Fault fault = format_.has_covariances ? covariance_of(W, W) : std::nullopt;
+    const Fault fault = format_.weights == Weights::kCovariance ? covariance_of(W, W) : std::nullopt;
     return fault ? fault : put(measured, line);
   }
 

@@ -12,14 +12,11 @@
 #include <mapjoin/io/formats/trajectory.hpp>
 #include <mapjoin/io/g2o/g2o.hpp>
 #include <mapjoin/io/g2o/numbering.hpp>
-#include <mapjoin/model/error.hpp>
 
 namespace mapjoin {
 namespace {
 
 namespace fs = std::filesystem;
-
-enum class Weights : std::uint8_t { kExact, kAngles, kSquareRoot, kCovariance };
 
 /// What a format has a place for.
 struct Room {
@@ -36,13 +33,12 @@ struct Room {
 
 /// All that the library knows of a format. A new one is a row of the table below.
 struct Format {
-  LogFormat format;
   std::string_view extension;
   bool (*is)(std::string_view bytes);  ///< Known by its content.
   Expected<AnyLog> (*read)(std::string_view bytes, const std::string& file, const ReadOptions& options);
-  Expected<void> (*write_plane)(const Log<2>& log, const fs::path& path);
-  Expected<void> (*write_space)(const Log<3>& log, const fs::path& path);  ///< Null where the format is for the plane.
-  Room room;
+  Expected<void> (*write_plane)(const Log<2>& log, const fs::path& path) = nullptr;
+  Expected<void> (*write_space)(const Log<3>& log, const fs::path& path) = nullptr;  ///< Null where it is for the plane.
+  Room room = {};
 };
 
 /// Whether the first line of a text begins with a tag.
@@ -61,14 +57,29 @@ Expected<AnyLog> read_text(std::string_view bytes, const std::string& file, cons
   return read(TextScanner(file, bytes), options);
 }
 
+bool is_toro_vertex(std::string_view tag) {
+  return tag == kToroPlane.pose_tag || tag == kToroSpace.pose_tag;
+}
+bool is_gtsam_odometry(std::string_view tag) {
+  return tag == kGtsamText.edge_tag;
+}
+bool is_isam_tag(std::string_view tag) {
+  return kIsamPlane.has_tag(tag) || kIsamSpace.has_tag(tag);
+}
+
+template <const EdgeText<2>& plane, const EdgeText<3>* space>
+Expected<AnyLog> read_edges(TextScanner text, const ReadOptions& options) {
+  return read_edge_text(std::move(text), plane, space, options);
+}
+
 /// iSAM's log, unless a later line has a tag that TORO's or GTSAM's files have beside its own.
 Expected<AnyLog> read_isam_like(TextScanner text, const ReadOptions& options) {
   for (TextScanner ahead = text; ahead.next_line();) {
     const std::string_view tag = ahead.word();
-    if (is_toro_vertex_tag(tag)) return read_toro(std::move(text), options);
-    if (is_gtsam_odometry_tag(tag)) return read_gtsam_text(std::move(text), options);
+    if (is_toro_vertex(tag)) return read_edges<kToroPlane, &kToroSpace>(std::move(text), options);
+    if (is_gtsam_odometry(tag)) return read_edges<kGtsamText, nullptr>(std::move(text), options);
   }
-  return read_isam(std::move(text), options);
+  return read_edges<kIsamPlane, &kIsamSpace>(std::move(text), options);
 }
 
 /// g2o files with what they have no line for left out.
@@ -95,63 +106,45 @@ Expected<void> write_values(const Log<Dim>& log, const fs::path& path) {
   return write(values_of(log), path);
 }
 
-/// In the order of LogFormat, in which they are recognised.
-constexpr std::array<Format, 8> kFormats{{
-    {LogFormat::kG2o,
-     ".g2o",
-     begins<is_g2o_tag>,
-     read_text<read_g2o>,
-     write_as_g2o<2>,
-     write_as_g2o<3>,
-     {.pose_values = true, .feature_values = true, .fixed = true, .one_numbering = true}},
-    {LogFormat::kToro,
-     ".graph",
-     begins<is_toro_vertex_tag>,
-     read_text<read_toro>,
-     write_toro<2>,
-     write_toro<3>,
-     {.observations = false, .pose_values = true, .weights = Weights::kAngles}},
-    {LogFormat::kGtsam,
-     ".gtsam",
-     begins<is_gtsam_odometry_tag>,
-     read_text<read_gtsam_text>,
-     write_gtsam_text,
-     nullptr,
-     {.one_numbering = true, .weights = Weights::kCovariance}},
-    {LogFormat::kIsam,
-     ".isam",
-     begins<is_isam_tag>,
-     read_text<read_isam_like>,
-     write_isam<2>,
-     write_isam<3>,
-     {.weights = Weights::kSquareRoot}},
-    {LogFormat::kOdomObs,
-     ".txt",
-     begins<is_covariance_text_tag>,
-     read_text<read_covariance_text>,
-     write_odom_obs,
-     nullptr,
-     {.weights = Weights::kCovariance}},
-    {LogFormat::kMat, ".mat", is_mat_file, read_mat_log, write_mat_log, nullptr, {.weights = Weights::kCovariance}},
-    {LogFormat::kTum,
-     ".tum",
-     begins<is_tum_line>,
-     read_text<read_tum_log>,
-     write_values<2, write_tum>,
-     write_values<3, write_tum>,
-     {.edges = false, .observations = false, .pose_values = true, .stamps = true, .names = false}},
-    {LogFormat::kKitti,
-     ".kitti",
-     begins<is_kitti_line>,
-     read_text<read_kitti_log>,
-     write_values<2, write_kitti>,
-     write_values<3, write_kitti>,
-     {.edges = false, .observations = false, .pose_values = true, .names = false}},
-}};
-static_assert(std::ranges::is_sorted(kFormats, {}, &Format::format));
+/// The row of a text of edges, which is read as it says unless another way is given.
+template <const EdgeText<2>& plane, const EdgeText<3>* space>
+Format edges_row(std::string_view extension, bool (*is)(std::string_view),
+                 decltype(Format::read) read = read_text<read_edges<plane, space>>) {
+  Format row{extension, is, read};
+  row.write_plane = [](const Log<2>& log, const fs::path& path) { return write_edge_text(log, plane, path); };
+  if constexpr (space != nullptr) {
+    row.write_space = [](const Log<3>& log, const fs::path& path) { return write_edge_text(log, *space, path); };
+  }
+  row.room.observations = !plane.observation_tag.empty();
+  row.room.pose_values = !plane.pose_tag.empty();
+  row.room.one_numbering = plane.one_numbering;
+  row.room.weights = plane.weights;
+  return row;
+}
 
+constexpr Room kTrajectory{.edges = false, .observations = false, .pose_values = true, .names = false};
+constexpr Room kStampedTrajectory{.edges = false, .observations = false, .pose_values = true, .stamps = true, .names = false};
+
+/// In the order of LogFormat, in which they are recognised.
 const Format& row_of(LogFormat format) {
-  return kFormats[static_cast<std::size_t>(format)];
+  static const std::array<Format, 8> rows{{
+      {".g2o",
+       begins<is_g2o_tag>,
+       read_text<read_g2o>,
+       write_as_g2o<2>,
+       write_as_g2o<3>,
+       {.pose_values = true, .feature_values = true, .fixed = true, .one_numbering = true}},
+      edges_row<kToroPlane, &kToroSpace>(".graph", begins<is_toro_vertex>),
+      edges_row<kGtsamText, nullptr>(".gtsam", begins<is_gtsam_odometry>),
+      edges_row<kIsamPlane, &kIsamSpace>(".isam", begins<is_isam_tag>, read_text<read_isam_like>),
+      edges_row<kOdomObs, nullptr>(".txt", begins<is_covariance_text_tag>, read_text<read_covariance_text>),
+      {".mat", is_mat_file, read_mat_log, write_mat_log, nullptr, {.weights = Weights::kCovariance}},
+      {".tum", begins<is_tum_line>, read_text<read_tum_log>, write_values<2, write_tum>, write_values<3, write_tum>,
+       kStampedTrajectory},
+      {".kitti", begins<is_kitti_line>, read_text<read_kitti_log>, write_values<2, write_kitti>, write_values<3, write_kitti>,
+       kTrajectory},
+  }};
+  return rows[static_cast<std::size_t>(format)];
 }
 
 /// How many poses and features no edge mentions.
@@ -238,7 +231,8 @@ std::vector<std::string> losses(const Log<Dim>& log, LogFormat format) {
 }
 
 Expected<AnyLog> read_log(std::string_view bytes, const std::string& file, const ReadOptions& options) {
-  for (const Format& row : kFormats) {
+  for (const auto& [format, name] : enum_names(LogFormat{})) {
+    const Format& row = row_of(format);
     if (row.is(bytes)) return row.read(bytes, file, options);
   }
   TextScanner text(file, bytes);
@@ -250,8 +244,7 @@ template <int Dim>
 Expected<void> write_log(const Log<Dim>& log, LogFormat format, const fs::path& path) {
   const Format& row = row_of(format);
   const auto cannot = [&](const char* why) {
-    return tl::unexpected(
-        Error{ErrorKind::kUsage, fmt::format("{}: the format {} {}", log.source, to_string(row.format), why)});
+    return tl::unexpected(Error{ErrorKind::kUsage, fmt::format("{}: the format {} {}", log.source, to_string(format), why)});
   };
   if (needs_values(format) && log.initial.poses.empty()) return cannot("needs the values of all poses");
   if constexpr (Dim == 2) {

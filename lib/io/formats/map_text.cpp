@@ -6,8 +6,6 @@
 #include <mapjoin/io/files/output_file.hpp>
 #include <mapjoin/io/files/text_line.hpp>
 #include <mapjoin/io/formats/map_text.hpp>
-#include <string>
-#include <vector>
 
 namespace mapjoin {
 namespace {

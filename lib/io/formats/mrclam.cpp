@@ -49,13 +49,10 @@ fs::path file_in(const fs::path& folder, const std::string& name) {
 /// Hands every line of a file to `read`.
 template <typename Read>
 Expected<void> read_lines(const fs::path& path, const Read& read) {
-  const auto bytes = FileBytes::read(path);
-  if (!bytes) return tl::unexpected(bytes.error());
-  for (TextScanner text(path.string(), bytes->view()); text.next_line();) {
-    read(text);
-    if (auto line = text.finish_line(); !line) return line;
-  }
-  return {};
+  return FileBytes::read(path).and_then([&](const FileBytes& bytes) {
+    TextScanner text(path.string(), bytes.view());
+    return text.each_line([&] { read(text); });
+  });
 }
 
 /// Times are told apart to the nanosecond in 64 bits.

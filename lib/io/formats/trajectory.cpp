@@ -106,44 +106,42 @@ Expected<AnyLog> read_tum_log(TextScanner text, const ReadOptions&) {
   std::vector<Pose<3>> poses;
   std::vector<std::int64_t> stamps;
   bool are_counts = true;
-  while (text.next_line()) {
+  const auto read_line = [&] {
     const std::string_view word = text.word();
     const auto stamp = nanoseconds(word);
-    if (!stamp) return text.error("a time in seconds is expected, not " + in_quotes(word));
+    if (!stamp) text.reject("a time in seconds is expected, not " + in_quotes(word));
     are_counts = are_counts && word == std::to_string(stamps.size());
     poses.push_back(read_g2o_pose<3>(text));
-    if (auto line = text.finish_line(); !line) return tl::unexpected(line.error());
-    stamps.push_back(*stamp);
-  }
-  if (are_counts) stamps.clear();
-  return any_log_of(text.source(), poses, stamps);
+    stamps.push_back(stamp.value_or(0));
+  };
+  return text.each_line(read_line).and_then([&] {
+    if (are_counts) stamps.clear();
+    return any_log_of(text.source(), poses, stamps);
+  });
 }
 
 Expected<AnyLog> read_kitti_log(TextScanner text, const ReadOptions&) {
   std::vector<Pose<3>> poses;
-  while (text.next_line()) {
-    poses.push_back(read_rows(text));
-    if (auto line = text.finish_line(); !line) return tl::unexpected(line.error());
-  }
-  return any_log_of(text.source(), poses, {});
+  return text.each_line([&] { poses.push_back(read_rows(text)); }).and_then([&] {
+    return any_log_of(text.source(), poses, {});
+  });
 }
 
 Expected<std::vector<StampedPose>> read_tum(const std::filesystem::path& path) {
-  const auto bytes = FileBytes::read(path);
-  if (!bytes) return tl::unexpected(bytes.error());
-  TextScanner text(path.string(), bytes->view());
-  std::vector<StampedPose> poses;
-  while (text.next_line()) {
-    const double time = text.number();
-    const Point<3> translation = text.vector<3>();
-    Eigen::Quaterniond q(text.vector<4>());  // x, y, z, w
-    const double largest = q.coeffs().cwiseAbs().maxCoeff();
-    if (largest == 0.0) text.reject("this quaternion is zero");
-    q.coeffs() /= largest;  // Its square may be more than a double holds.
-    if (auto whole = text.finish_line(); !whole) return tl::unexpected(whole.error());
-    poses.push_back({time, {translation, Rotation<3>(q.normalized())}});
-  }
-  return poses;
+  return FileBytes::read(path).and_then([&](const FileBytes& bytes) {
+    TextScanner text(path.string(), bytes.view());
+    std::vector<StampedPose> poses;
+    const auto read_line = [&] {
+      const double time = text.number();
+      const Point<3> translation = text.vector<3>();
+      Eigen::Quaterniond q(text.vector<4>());  // x, y, z, w
+      const double largest = q.coeffs().cwiseAbs().maxCoeff();
+      if (largest == 0.0) text.reject("this quaternion is zero");
+      q.coeffs() /= largest;  // Its square may be more than a double holds.
+      poses.push_back({time, {translation, Rotation<3>(q.normalized())}});
+    };
+    return text.each_line(read_line).map([&] { return std::move(poses); });
+  });
 }
 
 }  // namespace mapjoin

@@ -8,7 +8,6 @@
 #include <mapjoin/model/log.hpp>
 #include <optional>
 #include <string>
-#include <string_view>
 
 namespace mapjoin {
 

@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <algorithm>
-#include <iterator>
 #include <limits>
 #include <mapjoin/io/g2o/numbering.hpp>
 #include <optional>
@@ -18,15 +17,6 @@ std::optional<std::uint64_t> power_of_ten_above(std::uint64_t number) {
     power *= 10;
   }
   return power;
-}
-
-/// Whether a pose and a feature have the same key; both lists are copies, sorted here.
-bool meet(std::vector<std::uint64_t> poses, std::vector<std::uint64_t> features) {
-  std::sort(poses.begin(), poses.end());
-  std::sort(features.begin(), features.end());
-  std::vector<std::uint64_t> both;
-  std::ranges::set_intersection(poses, features, std::back_inserter(both));
-  return !both.empty();
 }
 
 }  // namespace
@@ -50,13 +40,11 @@ Expected<G2oNumbering> number_for_g2o(const std::vector<PoseId>& poses, const st
     if (!step || *step > (kMost - largest_pose) / last_session) return too_large;
     numbering.session_step = *step;
   }
-  std::vector<std::uint64_t> pose_numbers;
-  std::vector<std::uint64_t> feature_numbers;
-  pose_numbers.reserve(poses.size());
-  feature_numbers.reserve(features.size());
-  for (const PoseId& id : poses) pose_numbers.push_back(numbering(id));
-  for (const FeatureId& id : features) feature_numbers.push_back(numbering(id));
-  if (meet(pose_numbers, feature_numbers)) {
+  std::vector<std::uint64_t> taken;
+  taken.reserve(poses.size());
+  for (const PoseId& id : poses) taken.push_back(numbering(id));
+  std::ranges::sort(taken);
+  if (std::ranges::any_of(features, [&](const FeatureId& id) { return std::ranges::binary_search(taken, id.key); })) {
     const auto offset = power_of_ten_above(largest_pose + last_session * numbering.session_step);
     if (!offset || *offset > kMost - largest_feature) return too_large;
     numbering.feature_offset = *offset;

@@ -5,7 +5,6 @@
 #include <cstdint>
 #include <mapjoin/model/error.hpp>
 #include <mapjoin/model/ids.hpp>
-#include <string>
 #include <vector>
 
 namespace mapjoin {

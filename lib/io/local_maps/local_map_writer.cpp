@@ -8,7 +8,6 @@
 #include <mapjoin/io/formats/angle_text.hpp>
 #include <mapjoin/io/formats/edge_text.hpp>
 #include <mapjoin/io/local_maps/local_map_set.hpp>
-#include <utility>
 
 namespace mapjoin {
 namespace {

@@ -16,15 +16,15 @@ using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 
 std::string message(const std::string& text) {
-  const auto log = read_gtsam_text(TextScanner("some.txt", text), {});
+  const auto log = read_edge_text(TextScanner("some.txt", text), kGtsamText, nullptr, {});
   return log ? "" : log.error().message;
 }
 
 const std::string kOdometry = "ODOMETRY 0 1 1 2 0.5 4 0 0 4 0 0.25\n";
 
 TEST(GtsamText, HasCovariances) {
-  const auto log =
-      std::get<Log<2>>(read_gtsam_text(TextScanner("some.txt", kOdometry + "LANDMARK 1 2 3 4 0.5 0 2\n"), {}).value());
+  const auto log = std::get<Log<2>>(
+      read_edge_text(TextScanner("some.txt", kOdometry + "LANDMARK 1 2 3 4 0.5 0 2\n"), kGtsamText, nullptr, {}).value());
   EXPECT_TRUE(log.odometry()[0].information.isApprox(Matrix<3>(Vector<3>(0.25, 0.25, 4.0).asDiagonal()), 1e-15));
   EXPECT_THAT(log.features, ElementsAre(FeatureId{2}));
   EXPECT_EQ(log.observations()[0].base, PoseIndex(1));
@@ -39,9 +39,9 @@ TEST(GtsamText, IsToldFromIsamByItsOdometryWhereverItStands) {
 
 TEST(GtsamText, NumbersFeaturesApartFromPoses) {
   const testing::TemporaryFolder folder;
-  const auto log =
-      std::get<Log<2>>(read_gtsam_text(TextScanner("some.txt", kOdometry + "LANDMARK 1 1 3 4 0.25 0 4\n"), {}).value());
-  ASSERT_TRUE(write_gtsam_text(log, folder.path() / "out"));
+  const auto log = std::get<Log<2>>(
+      read_edge_text(TextScanner("some.txt", kOdometry + "LANDMARK 1 1 3 4 0.25 0 4\n"), kGtsamText, nullptr, {}).value());
+  ASSERT_TRUE(write_edge_text(log, kGtsamText, folder.path() / "out"));
   EXPECT_THAT(testing::content_of(folder.path() / "out"), HasSubstr("\nLANDMARK 1 11 3 4 0.25 0 4\n"));
 }
 
@@ -49,9 +49,9 @@ TEST(GtsamText, NamesTheFirstEdgeThatItCannotSayThoughManyLinesAreFilledSideBySi
   const testing::TemporaryFolder folder;
   std::string text;
   for (int k = 0; k < 3000; ++k) text += fmt::format("ODOMETRY {} {} 1 2 0.5 4 0 0 4 0 0.25\n", k, k + 1);
-  auto log = std::get<Log<2>>(read_gtsam_text(TextScanner("some.txt", text), {}).value());
+  auto log = std::get<Log<2>>(read_edge_text(TextScanner("some.txt", text), kGtsamText, nullptr, {}).value());
   for (const std::size_t k : {2900u, 900u, 1700u}) log.graph.pose_factors[k].information.setZero();
-  const auto written = write_gtsam_text(log, folder.path() / "out");
+  const auto written = write_edge_text(log, kGtsamText, folder.path() / "out");
   ASSERT_FALSE(written);
   EXPECT_EQ(written.error().message,
             "some.txt: the edge from pose 900 to pose 901 has an information matrix that is singular, and so no covariance, "

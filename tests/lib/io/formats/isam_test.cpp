@@ -12,7 +12,7 @@ namespace {
 using ::testing::ElementsAre;
 
 Expected<AnyLog> read(const std::string& text) {
-  return read_isam(TextScanner("some.txt", text), {});
+  return read_edge_text(TextScanner("some.txt", text), kIsamPlane, &kIsamSpace, {});
 }
 
 std::string message(const std::string& text) {

@@ -14,7 +14,7 @@ namespace {
 using ::testing::StartsWith;
 
 Expected<AnyLog> read(const std::string& text) {
-  return read_toro(TextScanner("some.graph", text), {});
+  return read_edge_text(TextScanner("some.graph", text), kToroPlane, &kToroSpace, {});
 }
 
 std::string message(const std::string& text) {
@@ -37,8 +37,9 @@ TEST(Toro, ReadsThePlaneWithItsOwnOrderOfWeights) {
 TEST(Toro, TakesAnglesInSpaceAsIsamDoes) {
   const std::string edge = "EDGE3 0 1 1 2 3 0.3 -0.8 2.5 ";
   // A diagonal square root, and its square.
-  const auto isam =
-      std::get<Log<3>>(read_isam(TextScanner("a", edge + "1 0 0 0 0 0 2 0 0 0 0 3 0 0 0 4 0 0 5 0 6\n"), {}).value());
+  const auto isam = std::get<Log<3>>(
+      read_edge_text(TextScanner("a", edge + "1 0 0 0 0 0 2 0 0 0 0 3 0 0 0 4 0 0 5 0 6\n"), kIsamPlane, &kIsamSpace, {})
+          .value());
   const auto toro = std::get<Log<3>>(
       read("VERTEX3 0 0 0 0 0 0 0\nVERTEX3 1 1 2 3 0.3 -0.8 2.5\n" + edge + "1 0 0 0 0 0 4 0 0 0 0 9 0 0 0 16 0 0 25 0 36\n")
           .value());
