@@ -6,7 +6,7 @@
 #include <apps/report/verdict.hpp>
 #include <cmath>
 #include <mapjoin/io/files/text_line.hpp>
-#include <mapjoin/model/plural.hpp>
+#include <mapjoin/model/error.hpp>
 
 namespace mapjoin::apps {
 namespace {

@@ -5,8 +5,8 @@
 
 #include <cstddef>
 #include <mapjoin/model/enum_names.hpp>
-#include <mapjoin/model/log.hpp>
 #include <mapjoin/model/error.hpp>
+#include <mapjoin/model/log.hpp>
 #include <mapjoin/model/submap_set.hpp>
 #include <string>
 #include <utility>

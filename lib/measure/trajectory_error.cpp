@@ -9,36 +9,23 @@
 namespace mapjoin {
 namespace {
 
-class Accumulator {
- public:
-  void add(double error) {
-    ++count_;
-    sum_of_squares_ += error * error;
-    max_ = std::max(max_, error);
-  }
-  ErrorSummary summary() const {
-    return {count_, count_ == 0 ? 0.0 : std::sqrt(sum_of_squares_ / static_cast<double>(count_)), max_};
-  }
-
- private:
-  std::size_t count_ = 0;
-  double sum_of_squares_ = 0.0;
-  double max_ = 0.0;
-};
+ErrorSummary summary_of(const std::vector<double>& errors) {
+  if (errors.empty()) return {};
+  const double squares = std::inner_product(errors.begin(), errors.end(), errors.begin(), 0.0);
+  return {errors.size(), std::sqrt(squares / static_cast<double>(errors.size())), *std::ranges::max_element(errors)};
+}
 
 template <int Dim>
-class PoseAccumulator {
- public:
+struct PoseErrors {
+  std::vector<double> translation{};
+  std::vector<double> rotation{};
+
   void add(const Pose<Dim>& a, const Pose<Dim>& b) {
     const PoseVector<Dim> delta = local(a, b);
-    translation_.add(delta.template head<Dim>().norm());
-    rotation_.add(delta.template tail<kRotationDof<Dim>>().norm());
+    translation.push_back(delta.template head<Dim>().norm());
+    rotation.push_back(delta.template tail<kRotationDof<Dim>>().norm());
   }
-  PoseErrorSummary summary() const { return {translation_.summary(), rotation_.summary()}; }
-
- private:
-  Accumulator translation_;
-  Accumulator rotation_;
+  PoseErrorSummary summary() const { return {summary_of(translation), summary_of(rotation)}; }
 };
 
 void require_same_size(std::size_t a, std::size_t b) {
@@ -102,7 +89,7 @@ template <int Dim>
 AbsoluteTrajectoryError<Dim> absolute_trajectory_error(const std::vector<Pose<Dim>>& estimate,
                                                        const std::vector<Pose<Dim>>& truth) {
   const Pose<Dim> alignment = align(positions(estimate), positions(truth));
-  PoseAccumulator<Dim> errors;
+  PoseErrors<Dim> errors;
   for (std::size_t i = 0; i < estimate.size(); ++i) errors.add(truth[i], compose(alignment, estimate[i]));
   return {alignment, errors.summary()};
 }
@@ -112,7 +99,7 @@ PoseErrorSummary relative_pose_error(const std::vector<Pose<Dim>>& estimate, con
                                      std::size_t span) {
   require_same_size(estimate.size(), truth.size());
   if (span == 0) throw std::invalid_argument("A relative pose error needs a span of at least one step");
-  PoseAccumulator<Dim> errors;
+  PoseErrors<Dim> errors;
   for (std::size_t i = 0; i + span < truth.size(); ++i) {
     const Pose<Dim> true_motion = between(truth[i], truth[i + span]);
     errors.add(Pose<Dim>{}, between(true_motion, between(estimate[i], estimate[i + span])));
@@ -122,13 +109,13 @@ PoseErrorSummary relative_pose_error(const std::vector<Pose<Dim>>& estimate, con
 
 template <int Dim>
 MapDifference map_difference(const GlobalMap<Dim>& a, const GlobalMap<Dim>& b) {
-  PoseAccumulator<Dim> poses;
-  Accumulator features;
+  PoseErrors<Dim> poses;
+  std::vector<double> features;
   std::size_t unmatched = match(a.pose_ids, a.poses, b.pose_ids, b.poses,
                                 [&](const Pose<Dim>& pose_a, const Pose<Dim>& pose_b) { poses.add(pose_a, pose_b); });
   unmatched += match(a.feature_ids, a.features, b.feature_ids, b.features,
-                     [&](const Point<Dim>& p_a, const Point<Dim>& p_b) { features.add((p_a - p_b).norm()); });
-  return {poses.summary(), features.summary(), unmatched};
+                     [&](const Point<Dim>& p_a, const Point<Dim>& p_b) { features.push_back((p_a - p_b).norm()); });
+  return {poses.summary(), summary_of(features), unmatched};
 }
 
 template Pose<2> align(const std::vector<Point<2>>&, const std::vector<Point<2>>&);

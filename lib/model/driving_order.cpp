@@ -7,18 +7,6 @@
 namespace mapjoin {
 namespace {
 
-/// How many poses an edge ties to the one before.
-template <int Dim>
-std::size_t tied_steps(const Log<Dim>& log) {
-  Table<PoseIndex, bool> is_tied(log.poses.size(), false);
-  for (const auto& edge : log.graph.pose_factors) {
-    const auto [first, second] = std::minmax(edge.base, edge.target);
-    if (edge.base == kWorld || second != first + 1) continue;
-    if (log.poses[first].session == log.poses[second].session) is_tied[second] = true;
-  }
-  return static_cast<std::size_t>(std::count(is_tied.begin(), is_tied.end(), true));
-}
-
 /// The edges between poses of one of the user's sessions.
 template <int Dim>
 std::vector<Edge> edges_within_sessions(const Log<Dim>& log) {
@@ -29,6 +17,16 @@ std::vector<Edge> edges_within_sessions(const Log<Dim>& log) {
     edges.emplace_back(edge.base.position(), edge.target.position());
   }
   return edges;
+}
+
+/// How many of the poses an edge ties to the one before.
+std::size_t tied_steps(const std::vector<Edge>& edges, std::size_t poses) {
+  std::vector<bool> is_tied(poses);
+  for (const auto& [from, to] : edges) {
+    const auto [first, second] = std::minmax(from, to);
+    if (second == first + 1) is_tied[second] = true;
+  }
+  return static_cast<std::size_t>(std::count(is_tied.begin(), is_tied.end(), true));
 }
 
 template <typename T>
@@ -64,8 +62,9 @@ void renumber_poses(const std::vector<PoseIndex>& order, Log<Dim>& log) {
 template <int Dim>
 void take_order_of_edges(Log<Dim>& log) {
   const std::size_t half = log.poses.size() / 2;
-  if (tied_steps(log) >= half) return;
-  const PathCover cover = cover_by_paths(log.poses.size(), edges_within_sessions(log));
+  const std::vector<Edge> edges = edges_within_sessions(log);
+  if (tied_steps(edges, log.poses.size()) >= half) return;
+  const PathCover cover = cover_by_paths(log.poses.size(), edges);
   if (cover.edges < half) return;
   std::vector<PoseIndex> order(cover.order.begin(), cover.order.end());
   std::ranges::stable_sort(order, {}, [&](PoseIndex pose) { return log.poses[pose].session; });

@@ -32,7 +32,8 @@ Eigen::MatrixXd lifted(const Eigen::MatrixXd& M, double least) {
   return symmetric_part<Eigen::Dynamic>(V * eigen.eigenvalues().cwiseMax(floor).asDiagonal() * V.transpose());
 }
 
-/// A covariance whose correlations are positive definite: metres and radians are lifted alike.
+/// A covariance whose correlations are positive definite: metres and radians are lifted alike. Not finite where a variance is
+/// not positive.
 Eigen::MatrixXd definite(const Eigen::MatrixXd& P) {
   const Eigen::VectorXd deviation = P.diagonal().cwiseSqrt();
   const Eigen::VectorXd scale = deviation.cwiseInverse();
@@ -97,7 +98,7 @@ std::optional<std::string> InformationCheck::invert(Matrix<Size>& covariance) {
   if (covariance.size() == 0) return std::nullopt;
   if (const auto fault = make_symmetric<Size>(covariance)) return fault;
   auto W = information_of_covariance<Size>(covariance);
-  if (!W && repair_ && (covariance.diagonal().array() > 0.0).all()) {
+  if (!W && repair_) {
     W = information_of_covariance<Size>(Matrix<Size>(definite(covariance)));
     repairs_ += {.indefinite = 1};
   }

@@ -3,9 +3,12 @@
 // A random walk along the streets of a lattice, in whole steps and quarter turns, so that the true path is exact.
 
 #include <Eigen/Core>
+#include <array>
+#include <cassert>
 #include <cstdint>
 #include <mapjoin/geometry/pose.hpp>
 #include <mapjoin/simulate/random_stream.hpp>
+#include <numbers>
 
 namespace mapjoin {
 
@@ -32,15 +35,42 @@ class LatticeWalk {
   LatticeWalk(std::int64_t steps_per_block, const LatticeBox<Dim>& box, const RandomStream& random)
       : steps_per_block_(steps_per_block), box_(box), random_(random) {}
 
-  void advance();
+  void advance() {
+    position_ += rotation_.col(0);
+    if (at_corner()) turn();
+  }
 
   const LatticePoint<Dim>& position() const { return position_; }
   const LatticeRotation<Dim>& rotation() const { return rotation_; }
 
  private:
-  bool at_corner() const;
-  bool leads_out(const LatticePoint<Dim>& direction) const;
-  void turn();
+  bool at_corner() const { return (position_.array() - position_.array() / steps_per_block_ * steps_per_block_ == 0).all(); }
+
+  bool leads_out(const LatticePoint<Dim>& direction) const {
+    const LatticePoint<Dim> next = position_ / steps_per_block_ + direction;
+    return (next.array() < box_.low.array()).any() || (next.array() > box_.high.array()).any();
+  }
+
+  void turn() {
+    // Straight on as often as all turns together.
+    constexpr std::size_t kTurns = 2 * std::size_t{Dim - 1};
+    std::array<LatticeRotation<Dim>, 2 * kTurns> choices;
+    std::size_t count = 0;
+    const auto offer = [&](const LatticeRotation<Dim>& rotation) {
+      if (!leads_out(rotation.col(0))) choices[count++] = rotation;
+    };
+    for (std::size_t i = 0; i < kTurns; ++i) offer(rotation_);
+    for (int axis = 1; axis < Dim; ++axis) {
+      for (const int sign : {1, -1}) {
+        LatticeRotation<Dim> turned = rotation_;
+        turned.col(0) = sign * rotation_.col(axis);
+        turned.col(axis) = -sign * rotation_.col(0);
+        offer(turned);
+      }
+    }
+    assert(count > 0);  // There is a way on from every corner of a box as wide as promised.
+    rotation_ = choices[random_.next() % count];
+  }
 
   std::int64_t steps_per_block_;
   LatticeBox<Dim> box_;
@@ -50,7 +80,14 @@ class LatticeWalk {
 };
 
 /// The same rotation for geometry; headings are 0, ±π/2 or π.
-Rotation<2> to_rotation(const LatticeRotation<2>& rotation);
-Rotation<3> to_rotation(const LatticeRotation<3>& rotation);
+inline Rotation<2> to_rotation(const LatticeRotation<2>& rotation) {
+  const auto cosine = static_cast<double>(rotation(0, 0));
+  const auto sine = static_cast<double>(rotation(1, 0));
+  return Rotation<2>(cosine < 0.0 ? std::numbers::pi : 0.5 * std::numbers::pi * sine);
+}
+
+inline Rotation<3> to_rotation(const LatticeRotation<3>& rotation) {
+  return Rotation<3>(Matrix<3>(rotation.cast<double>()));
+}
 
 }  // namespace mapjoin

@@ -12,7 +12,7 @@ void g2o(std::string_view bytes) {
   const TextScanner text("log.g2o", bytes);
   const auto log = read_g2o(text, options);
   check(log, "log.g2o");
-  const auto in_pieces = read_g2o_in_pieces(text, options, piece_bytes);
+  const auto in_pieces = read_g2o(text, options, {.piece_bytes = piece_bytes});
   promise(in_pieces.has_value() == log.has_value(), "pieces are right where the whole is");
   if (!log) {
     promise(in_pieces.error().message == log.error().message, "pieces are wrong where the whole is");

@@ -2,12 +2,10 @@
 #pragma once
 // A line of a text output: words apart by one separator, numbers with the fewest digits that read back as the same bits.
 
-#include <algorithm>
 #include <charconv>
 #include <concepts>
 #include <mapjoin/geometry/pose.hpp>
 #include <mapjoin/io/files/output_file.hpp>
-#include <mapjoin/parallel/parallel.hpp>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -80,37 +78,5 @@ class TextLine {
   char separator_;
   std::string line_;
 };
-
-/// The lines for k in [begin, end), `fill(line, k)` adding their words; filled on all threads, in pieces.
-template <typename Fill>
-std::vector<std::string> filled_lines(char separator, std::size_t begin, std::size_t end, Fill&& fill) {
-  constexpr std::size_t kLines = 500;  // a piece of work
-  std::vector<std::string> texts((end - begin + kLines - 1) / kLines);
-  parallel_chunks(end - begin, kLines, [&](std::size_t first, std::size_t last) {
-    TextLine line(separator);
-    for (std::size_t k = first; k < last; ++k) {
-      fill(line, begin + k);
-      line.append_to(texts[first / kLines]);
-    }
-  });
-  return texts;
-}
-
-/// Writes a line for every k in [0, count), in order: some are filled while those before them are written.
-template <typename Fill>
-void write_lines(OutputFile& file, char separator, std::size_t count, Fill&& fill) {
-  constexpr std::size_t kLinesAtOnce = 8000;
-  std::vector<std::string> filled;
-  for (std::size_t begin = 0; begin < count; begin += kLinesAtOnce) {
-    std::vector<std::string> next;
-    parallel_invoke(
-        [&] {
-          for (const std::string& text : filled) file.write(text);
-        },
-        [&] { next = filled_lines(separator, begin, std::min(count, begin + kLinesAtOnce), fill); });
-    filled = std::move(next);
-  }
-  for (const std::string& text : filled) file.write(text);
-}
 
 }  // namespace mapjoin

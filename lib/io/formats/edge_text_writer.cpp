@@ -1,9 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <mapjoin/io/formats/edge_text.hpp>
 #include <mapjoin/io/g2o/numbering.hpp>
-#include <mutex>
+#include <mapjoin/parallel/parallel.hpp>
 #include <utility>
 
 namespace mapjoin {
@@ -31,21 +32,30 @@ class EdgeTextWriter {
  private:
   const PoseId& pose_id(PoseIndex pose) const { return contents_.pose_ids[pose]; }
 
-  /// `put(line, k)` gives what the format has no words for, if anything; the first such k counts.
+  /// Writes a line for every k in [0, count), in order; pieces of them are filled side by side. `put(line, k)` gives what the
+  /// format has no words for, if anything; the first such k counts.
   template <typename Put>
   void write_each(std::size_t count, const Put& put) {
-    std::mutex mutex;
-    std::size_t first = count;
-    Fault first_fault;
-    write_lines(file_, ' ', count, [&](TextLine& line, std::size_t k) {
-      Fault fault = put(line, k);
-      if (!fault) return;
-      const std::scoped_lock lock(mutex);
-      if (k >= first) return;
-      first = k;
-      first_fault = std::move(fault);
+    constexpr std::size_t kLines = 500;  // A piece.
+    constexpr std::size_t kPiecesAtOnce = 16;
+    struct Piece {
+      std::string text;
+      Fault fault;
+    };
+    std::vector<Piece> pieces((count + kLines - 1) / kLines);
+    const auto fill = [&](std::size_t p) {
+      TextLine line(' ');
+      for (std::size_t k = p * kLines; k < std::min(count, (p + 1) * kLines) && !pieces[p].fault; ++k) {
+        pieces[p].fault = put(line, k);
+        line.append_to(pieces[p].text);
+      }
+    };
+    parallel_in_order(pieces.size(), kPiecesAtOnce, fill, [&](std::size_t p) {
+      const Piece piece = std::exchange(pieces[p], {});
+      file_.write(piece.text);
+      if (!fault_) fault_ = piece.fault;
+      return !fault_;
     });
-    if (!fault_) fault_ = std::move(first_fault);
   }
 
   template <typename Measured>

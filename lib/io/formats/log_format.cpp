@@ -57,6 +57,10 @@ Expected<AnyLog> read_text(std::string_view bytes, const std::string& file, cons
   return read(TextScanner(file, bytes), options);
 }
 
+Expected<AnyLog> read_g2o_text(std::string_view bytes, const std::string& file, const ReadOptions& options) {
+  return read_g2o(TextScanner(file, bytes), options);
+}
+
 bool is_toro_vertex(std::string_view tag) {
   return tag == kToroPlane.pose_tag || tag == kToroSpace.pose_tag;
 }
@@ -130,7 +134,7 @@ const Format& row_of(LogFormat format) {
   static const std::array<Format, 8> rows{{
       {".g2o",
        begins<is_g2o_tag>,
-       read_text<read_g2o>,
+       read_g2o_text,
        write_as_g2o<2>,
        write_as_g2o<3>,
        {.pose_values = true, .feature_values = true, .fixed = true, .one_numbering = true}},

@@ -41,23 +41,15 @@ class Row {
   Point<2> point(Eigen::Index col) const { return {(*this)[col], (*this)[col + 1]}; }
   Pose<2> motion(Eigen::Index col) const { return {point(col), Rotation<2>((*this)[col + 2])}; }
 
-  /// Of the covariance whose upper triangle begins in this column and goes row by row.
+  /// Of the covariance whose upper triangle begins in this column and goes row by row, or column by column.
   template <int Size>
-  Matrix<Size> information(Eigen::Index col) {
+  Matrix<Size> information(Eigen::Index col, bool by_columns = false) {
     Matrix<Size> P;
     for (int i = 0; i < Size; ++i) {
-      for (int j = i; j < Size; ++j) P(i, j) = P(j, i) = (*this)[col++];
+      for (int j = by_columns ? 0 : i; j < (by_columns ? i + 1 : Size); ++j) P(i, j) = P(j, i) = (*this)[col++];
     }
-    return information_of(P);
-  }
-  /// The same, column by column.
-  template <int Size>
-  Matrix<Size> information_by_columns(Eigen::Index col) {
-    Matrix<Size> P;
-    for (int j = 0; j < Size; ++j) {
-      for (int i = 0; i <= j; ++i) P(i, j) = P(j, i) = (*this)[col++];
-    }
-    return information_of(P);
+    if (const auto fault = check_.invert<Size>(P)) fail("the covariance " + *fault);
+    return P;
   }
 
   void fail(std::string fault) {
@@ -66,12 +58,6 @@ class Row {
   const std::string& fault() const { return fault_; }
 
  private:
-  template <int Size>
-  Matrix<Size> information_of(Matrix<Size> covariance) {
-    if (const auto fault = check_.invert<Size>(covariance)) fail("the covariance " + *fault);
-    return covariance;
-  }
-
   const Eigen::MatrixXd& table_;
   Eigen::Index row_;
   InformationCheck& check_;
@@ -91,7 +77,7 @@ void add_victoria_park_row(Row& row, LogBuilder<2>& builder) {
 /// `step` is the pose that the rows speak of.
 void add_dlr_row(Row& row, LogBuilder<2>& builder, std::uint64_t& step) {
   if (row[0] == kDlrStep) {
-    builder.add_pose_edge({0, step}, {0, step + 1}, row.motion(1), row.information_by_columns<3>(4));
+    builder.add_pose_edge({0, step}, {0, step + 1}, row.motion(1), row.information<3>(4, true));
     ++step;
   } else if (row[6] == kUnassociated) {
     builder.add_unassociated();

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <fmt/format.h>
 
-#include <mapjoin/io/formats/edge_text.hpp>
 #include <mapjoin/io/g2o/g2o.hpp>
 #include <stdexcept>
 #include <utility>
@@ -122,16 +121,8 @@ bool is_g2o_tag(std::string_view tag) {
   return kPlane.has_tag(tag) || kSpace.has_tag(tag) || tag == kG2oFix || is_g2o_parameter(tag);
 }
 
-Expected<AnyLog> read_g2o(TextScanner text, const ReadOptions& options) {
-  return read_edge_text(std::move(text), kPlane, &kSpace, options);
-}
-
-Expected<AnyLog> read_g2o_in_pieces(TextScanner text, const ReadOptions& options, std::size_t piece_bytes) {
-  return read_edge_text(std::move(text), kPlane, &kSpace, options, {.piece_bytes = piece_bytes});
-}
-
-Expected<AnyLog> read_g2o_part(TextScanner text, const ReadOptions& options) {
-  return read_edge_text(std::move(text), kPlane, &kSpace, options, {.is_whole = false});
+Expected<AnyLog> read_g2o(TextScanner text, const ReadOptions& options, Extent extent) {
+  return read_edge_text(std::move(text), kPlane, &kSpace, options, extent);
 }
 
 template <int Dim>

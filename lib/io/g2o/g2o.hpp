@@ -3,12 +3,9 @@
 // g2o files in the plane and in space: `VERTEX_SE2 VERTEX_XY EDGE_SE2 EDGE_SE2_XY`, `VERTEX_SE3:QUAT VERTEX_TRACKXYZ
 // EDGE_SE3:QUAT EDGE_SE3_TRACKXYZ PARAMS_SE3OFFSET`, and `FIX`.
 
-#include <cstddef>
 #include <filesystem>
-#include <mapjoin/io/files/text_scanner.hpp>
-#include <mapjoin/model/error.hpp>
+#include <mapjoin/io/formats/edge_text.hpp>
 #include <mapjoin/model/global_map.hpp>
-#include <mapjoin/model/log.hpp>
 
 namespace mapjoin {
 
@@ -19,14 +16,8 @@ bool is_g2o_tag(std::string_view tag);
 /// be. A file without vertices names them by its edges; in one with vertices, an edge to an undeclared id is bad input. Sensor
 /// offsets are applied: an observation is given in the frame of its pose. FIX holds poses at their initial values. Parameters
 /// that no observation uses are passed over; any other unknown tag is bad input. Information matrices are turned as `options`
-/// say.
-Expected<AnyLog> read_g2o(TextScanner text, const ReadOptions& options);
-
-/// As read_g2o(), of some lines of a file: what other lines say of an id is not missed, and FIX is passed over.
-Expected<AnyLog> read_g2o_part(TextScanner text, const ReadOptions& options);
-
-/// As read_g2o(), which reads pieces of `piece_bytes` or little more side by side: the log does not depend on their size.
-Expected<AnyLog> read_g2o_in_pieces(TextScanner text, const ReadOptions& options, std::size_t piece_bytes);
+/// say. Of a text that is not whole, what other lines say of an id is not missed, and FIX is passed over.
+Expected<AnyLog> read_g2o(TextScanner text, const ReadOptions& options, Extent extent = {});
 
 /// Writes the log in the conventions used inside, numbers with as many digits as bring back the same bits: what was read from a
 /// file this function wrote is written as the same bytes. Vertices are written where every pose and feature has an initial

@@ -15,10 +15,6 @@
 namespace mapjoin {
 namespace {
 
-std::size_t lines_in(std::string_view text) {
-  return static_cast<std::size_t>(std::count(text.begin(), text.end(), '\n'));
-}
-
 bool has_edges(std::string_view text) {
   for (TextScanner ahead("", text); ahead.next_line();) {
     if (ahead.word().substr(0, 5) == "EDGE_") return true;
@@ -26,13 +22,13 @@ bool has_edges(std::string_view text) {
   return false;
 }
 
-/// The lines of parameters in `text`.
+/// The text with every line emptied that has no parameters.
 std::string parameters_in(std::string_view text) {
   std::string lines;
   while (!text.empty()) {
     const std::string_view line = text.substr(0, std::min(text.find('\n'), text.size() - 1) + 1);
     TextScanner scanner("", line);
-    if (scanner.next_line() && is_g2o_parameter(scanner.word())) lines += line;
+    lines += scanner.next_line() && is_g2o_parameter(scanner.word()) ? line : "\n";
     text.remove_prefix(line.size());
   }
   return lines;
@@ -106,18 +102,14 @@ Expected<std::optional<AnyLog>> GrowingG2o::take_until(std::size_t end) {
     end = good;
     log = log_until(end);
   }
-  const std::string_view lines = std::string_view(text_).substr(taken_, end - taken_);
-  parameters_ += parameters_in(lines);
-  lines_taken_ += lines_in(lines);
+  parameters_ += parameters_in(std::string_view(text_).substr(taken_, end - taken_));
   taken_ = end;
   return std::optional<AnyLog>(*std::move(log));
 }
 
-/// Parameters come first, then empty lines as many as make the numbers of the lines right.
 Expected<AnyLog> GrowingG2o::log_until(std::size_t end) const {
-  const std::string gone(lines_taken_ - lines_in(parameters_), '\n');
-  const std::string lines = parameters_ + gone + text_.substr(taken_, end - taken_);
-  return read_g2o_part(TextScanner(path_.string(), lines), options_);
+  const std::string lines = parameters_ + text_.substr(taken_, end - taken_);
+  return read_g2o(TextScanner(path_.string(), lines), options_, {.is_whole = false});
 }
 
 /// The end of the last line up to which all are right and have an edge among them, or where the last call ended.

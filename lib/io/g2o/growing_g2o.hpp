@@ -40,10 +40,9 @@ class GrowingG2o {
   std::filesystem::path path_;
   ReadOptions options_;
   Descriptor descriptor_;
-  std::string text_;             // of the file so far
-  std::size_t taken_ = 0;        // bytes of it that were given
-  std::size_t lines_taken_ = 0;  // lines of it
-  std::string parameters_;       // the lines among these that later observations may name
+  std::string text_;        // of the file so far
+  std::size_t taken_ = 0;   // bytes of it that were given
+  std::string parameters_;  // the lines of these, empty but for what later observations may name
   std::optional<Error> fault_;
 };
 

@@ -21,7 +21,9 @@ using AnySubmapSet = std::variant<SubmapSet<2>, SubmapSet<3>>;
 /// in the order of their numbers. Map k goes from pose k-1 to pose k; those are the poses' keys. Where a map's end pose is its
 /// start pose, exactly (zero motion of zero covariance), they are one pose under the name of the start, and the map observes
 /// features only. In 3D the Gaussian over the file's three angles is turned to the rotation vector at the end pose of the map.
-/// A missing number, a number given twice, maps of both dimensions, and what named_local_map refuses are errors.
+/// A missing number, a number given twice, maps of both dimensions, a state that is not an end pose and features, each once,
+/// and a Gaussian that is not finite, symmetric and, a covariance, positive definite or, an information matrix, positive
+/// semidefinite (see InformationCheck) are errors.
 Expected<AnySubmapSet> read_local_map_set(const std::filesystem::path& folder_or_archive, const ReadOptions& options = {});
 
 enum class LocalMapFormat {

@@ -52,10 +52,10 @@ void visit_numbers(Log& log, const Visit& visit) {
 template <int Dim, typename Take>
 void visit_chunks(const Contents<Dim>& contents, const Take& take) {
   visit_arrays(contents.log, contents.segments, [&](std::string_view name, const auto& records) {
-    const std::size_t size = record_size(records);
-    const std::size_t per_chunk = std::max<std::size_t>(1, kChunkSize / size);
-    for (std::size_t begin = 0; begin < records.size(); begin += per_chunk) {
-      take(name, encode_all(records, begin, std::min(begin + per_chunk, records.size())));
+    const std::span all(records);
+    const std::size_t per_chunk = std::max<std::size_t>(1, kChunkSize / record_size<typename decltype(all)::value_type>());
+    for (std::size_t begin = 0; begin < all.size(); begin += per_chunk) {
+      take(name, encode_all(all.subspan(begin, std::min(per_chunk, all.size() - begin))));
     }
   });
 }

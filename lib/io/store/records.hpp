@@ -81,36 +81,29 @@ void fields(FixedPose<Dim>& fixed, const F& f) {
   fields(fixed.value, f);
 }
 
+/// Bytes of one record.
 template <typename Record>
-void encode(Record record, std::string& out) {
-  fields(record, [&](const auto& number) { out.append(reinterpret_cast<const char*>(&number), sizeof number); });
-}
-
-/// Bytes of one record of an array.
-template <typename Record>
-std::size_t record_size(const std::vector<Record>&) {
+std::size_t record_size() {
   std::size_t size = 0;
   Record record{};
   fields(record, [&](const auto& number) { size += sizeof number; });
   return size;
 }
 
-template <typename Record>
-std::string encode_all(const std::vector<Record>& records, std::size_t begin, std::size_t end) {
+template <typename Records>
+std::string encode_all(const Records& records) {
   std::string bytes;
-  bytes.reserve((end - begin) * record_size(records));
-  for (std::size_t i = begin; i < end; ++i) encode(records[i], bytes);
+  bytes.reserve(records.size() * record_size<typename Records::value_type>());
+  for (auto record : records) {
+    fields(record, [&](const auto& number) { bytes.append(reinterpret_cast<const char*>(&number), sizeof number); });
+  }
   return bytes;
-}
-template <typename Record>
-std::string encode_all(const std::vector<Record>& records) {
-  return encode_all(records, 0, records.size());
 }
 
 /// Appends the records; false where the bytes are not whole records.
 template <typename Record>
 bool decode_all(std::string_view bytes, std::vector<Record>& records) {
-  const std::size_t size = record_size(records);
+  const std::size_t size = record_size<Record>();
   if (bytes.size() % size != 0) return false;
   const char* at = bytes.data();
   for (std::size_t i = 0; i < bytes.size() / size; ++i) {

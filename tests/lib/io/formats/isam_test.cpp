@@ -2,9 +2,12 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <mapjoin/io/files/file_bytes.hpp>
 #include <mapjoin/io/formats/angle_text.hpp>
+#include <mapjoin/model/log_builder.hpp>
 #include <string>
 #include <tests/support/numerical_jacobian.hpp>
+#include <tests/support/temporary_folder.hpp>
 
 namespace mapjoin {
 namespace {
@@ -70,6 +73,20 @@ TEST(Isam, ReadsPointsInSpace) {
   const auto log = std::get<Log<3>>(read("POINT3 4 4 1 2 3 1 0 0 2 0 3\n").value());
   EXPECT_EQ(log.observations()[0].measured, Point<3>(1, 2, 3));
   EXPECT_EQ(log.observations()[0].information.diagonal(), Vector<3>(1, 4, 9));
+}
+
+TEST(Isam, WritesZerosForWhatIsNotMeasuredButNotForWhatHardlyIs) {
+  const auto last_number = [](const Matrix<2>& W) {
+    LogBuilder<2> builder("memory");
+    builder.add_observation({0, 0}, {0}, {1, 2}, W);
+    const testing::TemporaryFolder folder;
+    EXPECT_TRUE(write_edge_text(std::move(builder).finish().value(), kIsamPlane, folder.path() / "out"));
+    const std::string text(FileBytes::read(folder.path() / "out").value().view());
+    return text.substr(text.rfind(' ') + 1);
+  };
+  const Point<2> v(0.1, 0.7);  // What rounding leaves of the second pivot is 3e-16 of the diagonal.
+  EXPECT_EQ(last_number(v * v.transpose()), "0\n");
+  EXPECT_NE(last_number((Matrix<2>() << 1, 1, 1, 1 + 1e-10).finished()), "0\n");
 }
 
 TEST(Isam, NamesLineAndColumnOfWhatIsWrong) {

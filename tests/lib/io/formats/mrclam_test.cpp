@@ -94,6 +94,10 @@ TEST_F(MrclamTest, NamesThePlaceOfWhatIsWrong) {
   EXPECT_THAT(message(), EndsWith("Robot1_Measurement.dat:1:9: the line ends where a number is expected"));
   folder.file("Robot1_Measurement.dat", "101 72 -2 0\n");
   EXPECT_THAT(message(), EndsWith("Robot1_Measurement.dat:1:8: a range must be from 1e-6 to 1e6 m"));
+  folder.file("Robot1_Measurement.dat", "101 72 9e-7 0\n");
+  EXPECT_THAT(message(), EndsWith("Robot1_Measurement.dat:1:8: a range must be from 1e-6 to 1e6 m"));
+  folder.file("Robot1_Measurement.dat", "101 72 2e-6 0\n");
+  EXPECT_EQ(message(), "");
   folder.file("Robot1_Measurement.dat", "101 72 1e7 0\n");
   EXPECT_THAT(message(), EndsWith("Robot1_Measurement.dat:1:8: a range must be from 1e-6 to 1e6 m"));
   folder.file("Robot1_Odometry.dat", "101 1e7 0\n");

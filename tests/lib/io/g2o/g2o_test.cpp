@@ -144,7 +144,7 @@ TEST(G2o, InPiecesOfAnySizeTheLogIsTheSame) {
       kEdge2 + "VERTEX_SE2 1 1 0 0\n# a comment\nVERTEX_SE2 0 0 0 0\nVERTEX_XY 7 1 1\nEDGE_SE2_XY 1 7 1 0 2 0 2\nFIX 0\n";
   const auto whole = read_as<2>(text);
   for (std::size_t bytes = 1; bytes <= text.size(); ++bytes) {
-    const auto log = std::get<Log<2>>(read_g2o_in_pieces(TextScanner("some.g2o", text), {}, bytes).value());
+    const auto log = std::get<Log<2>>(read_g2o(TextScanner("some.g2o", text), {}, {.piece_bytes = bytes}).value());
     testing::expect_same_log(log, whole);
     EXPECT_EQ(log.graph.fixed.size(), 1u);
     EXPECT_EQ(log.initial.poses.size(), 2u);
