@@ -28,7 +28,9 @@ Expected<void> assess(Restored<Dim>& restored, std::span<const PoseFactor<Dim>> 
     if (on_pattern && options.marginals) result.marginals = covariances->marginals(*on_pattern);
     if (on_pattern && is_tested) {
       const Stopwatch watch(result.seconds.verdict);
-      result.fit = goodness_of_fit(restored, covariances->equations(), *on_pattern, result.dof, odometry, options.most_misfits);
+      result.fit =
+          goodness_of_fit(restored, covariances->equations(), *on_pattern, result.dof, odometry, options.most_misfits, stop);
+      if (stop.stop_requested()) return tl::unexpected(Error{ErrorKind::kInterrupted, "interrupted while testing the fit"});
     }
   }
   if (wants_covariances(options)) result.covariances = std::make_shared<const MapCovariances<Dim>>(*std::move(covariances));
@@ -55,7 +57,8 @@ Expected<RunResult<Dim>> assessed(Found<Dim> found, std::span<const PoseFactor<D
   result.seconds.covariances -= result.seconds.verdict;  // counted apart
   if (done) return std::move(result);
   if (done.error().kind != ErrorKind::kBadInput) return tl::unexpected(done.error());
-  (wants_covariances(options) ? result.no_covariances : result.no_verdict) = done.error();
+  if (wants_covariances(options)) result.no_covariances = done.error();
+  if (options.verdict) result.no_verdict = done.error();
   return std::move(result);
 }
 

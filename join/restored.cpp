@@ -54,18 +54,19 @@ std::vector<PoseOrFeature> restored_order(const SubmapGraph<Dim>& graph, const s
 }  // namespace
 
 template <int Dim>
-Restored<Dim> restored(const SubmapGraph<Dim>& graph, const std::vector<SegmentView<Dim>>& segments, const Join<Dim>& join,
+Restored<Dim> restored(const SubmapGraph<Dim>& graph, const std::vector<SegmentView<Dim>>& segments, Join<Dim>& join,
                        const Values<Dim>& state, Engine engine) {
   SubmapGraph<Dim> all = restored_submap_graph(graph, segments);
   PartialMap<Dim> joined_map = joined_map_of(all);
   set_to_values(state, joined_map);
+  if (graph.maps.empty()) return {std::move(all), std::move(joined_map), std::move(*join.system)};
   const std::vector<PoseOrFeature> order = restored_order(graph, segments, join, joined_map);
   JoiningSystem<Dim> system(joined_map, gauge_of(all, joined_map), engine, order);
   return {std::move(all), std::move(joined_map), std::move(system)};
 }
 
-#define MAPJOIN_INSTANTIATE(Dim)                                                                                   \
-  template Restored<Dim> restored(const SubmapGraph<Dim>&, const std::vector<SegmentView<Dim>>&, const Join<Dim>&, \
+#define MAPJOIN_INSTANTIATE(Dim)                                                                             \
+  template Restored<Dim> restored(const SubmapGraph<Dim>&, const std::vector<SegmentView<Dim>>&, Join<Dim>&, \
                                   const Values<Dim>&, Engine);
 MAPJOIN_INSTANTIATE(2)
 MAPJOIN_INSTANTIATE(3)

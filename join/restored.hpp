@@ -21,9 +21,10 @@ struct Restored {
 /// Full SLAM over a log (paper's (8), (9)), where `segments` are those of the submap graph's maps, in their order; over local
 /// maps of which nothing else is known, where there are none, the maps with their submap-local features. The estimate is
 /// `state`, over all poses and features of the submap graph. What a map alone holds comes first in the elimination, then the
-/// order of the join: marginalising again, now at the estimate.
+/// order of the join: marginalising again, now at the estimate. Without any maps nothing was marginalised, and it takes the
+/// system of the join.
 template <int Dim>
-Restored<Dim> restored(const SubmapGraph<Dim>& graph, const std::vector<SegmentView<Dim>>& segments, const Join<Dim>& join,
+Restored<Dim> restored(const SubmapGraph<Dim>& graph, const std::vector<SegmentView<Dim>>& segments, Join<Dim>& join,
                        const Values<Dim>& state, Engine engine = Engine::kFronts);
 
 }  // namespace mapjoin

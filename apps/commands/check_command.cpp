@@ -59,7 +59,7 @@ struct CheckOptions : Options {
 std::optional<std::string> take_most(const std::string& word, CheckOptions& options) {
   constexpr std::size_t kAll = std::numeric_limits<std::size_t>::max();
   options.most = word == "all" ? kAll : number_in<std::size_t>(word);
-  return options.most ? std::nullopt : std::optional<std::string>("not all or a whole number");
+  return options.most > 0U ? std::nullopt : std::optional<std::string>("not all or a whole number from 1 on");
 }
 
 /// Takes the fits at an estimate into the report.
@@ -89,21 +89,26 @@ std::vector<KindFit> fits_in(const RunResult<Dim>& result, const SubmapSet<Dim>&
 Finding verdict_on(const RunReport& run_report) {
   const GoodnessOfFit& fit = run_report.figures.fit;
   if (fit.verdict == Verdict::kUntested) {
-    return {FindingLevel::kNote, "untested", "nothing here can be tested: nothing is measured twice", {}};
+    return {FindingLevel::kNote, "untested", "nothing here can be tested: " + why_untested(run_report), {}};
   }
   Finding finding{FindingLevel::kWarning, "misfit", "", {}};
   for (const NamedMisfit& misfit : run_report.misfits) finding.where.names.push_back(in_words(misfit));
   finding.where.count = run_report.misfits.size();
+  if (run_report.misfits.empty()) {
+    finding.text = scales_in_words(fit);
+    return finding;
+  }
   finding.text = fmt::format("out of line with the rest: {} of {} measurements{}", finding.where.count, fit.parts,
                              fit.is_complete ? "" : ", and perhaps others, which show without these");
   return finding;
 }
 
-/// How far apart the poses are at most, along any axis (m).
+/// The size of a map along its longest axis (m).
 template <int Dim>
 double extent_of(const GlobalMap<Dim>& map) {
   Eigen::AlignedBox<double, Dim> box;
   for (const Pose<Dim>& pose : map.poses) box.extend(pose.translation);
+  for (const Point<Dim>& feature : map.features) box.extend(feature);
   return box.isEmpty() ? 0.0 : box.sizes().maxCoeff();
 }
 
@@ -115,12 +120,12 @@ Findings check_certainty(const RunResult<Dim>& result) {
   const auto& covariances = result.marginals->poses;
   const auto worst = std::ranges::max_element(covariances, {}, deviation);
   const double extent = extent_of(result.map);
-  if (worst == covariances.end() || 10.0 * deviation(*worst) < extent) return {};
+  if (worst == covariances.end() || 10.0 * deviation(*worst) <= extent) return {};
   const PoseIndex pose(static_cast<std::size_t>(worst - covariances.begin()));
   const FindingLevel level = deviation(*worst) < extent ? FindingLevel::kNote : FindingLevel::kWarning;
   return {{level,
            "uncertain",
-           fmt::format("positions are uncertain by up to {:.2g} m ({}) in a map of {:.2g} m", deviation(*worst),
+           fmt::format("positions are uncertain by up to {:.3g} m ({}) in a map of {:.3g} m", deviation(*worst),
                        to_string(result.map.pose_ids[pose]), extent),
            {}}};
 }
@@ -129,7 +134,9 @@ template <typename Content>
 void fit_joined(CommandRun& command_run, const Content& content, Checked& checked) {
   RunOptions options = command_run.run_options();
   options.marginals = true;
-  const auto result = run(content, options, command_run.stop());
+  auto result = run(content, options, command_run.stop());
+  if (!result && result.error().kind == ErrorKind::kTooLarge)
+    result = run(content, command_run.run_options(), command_run.stop());
   if (!result && result.error().kind == ErrorKind::kBadInput) {
     checked.findings.push_back({FindingLevel::kError, "undetermined", result.error().message, {}});
     return;
@@ -139,7 +146,7 @@ void fit_joined(CommandRun& command_run, const Content& content, Checked& checke
         {FindingLevel::kWarning, "not_converged", "the map that residuals are weighed at did not converge", {}});
   }
   command_run.run_report.describe(*result);
-  if (result->fit.verdict == Verdict::kUntested || !result->fit.misfits.empty()) {
+  if (result->fit.verdict == Verdict::kUntested || result->fit.verdict == Verdict::kMisfit) {
     checked.findings.push_back(verdict_on(command_run.run_report));
   }
   checked.add(check_certainty(*result));

@@ -14,19 +14,12 @@ namespace {
 /// In the summary; the report has more.
 constexpr std::size_t kMostShown = 5;
 
-/// "typical residuals are larger than the covariances say: closure 8.3 times, odometry 8.1 times"
-std::string scales_in_words(const GoodnessOfFit& fit) {
-  std::vector<std::string> words;
-  for (const KindScale& kind : fit.kinds) {
-    if (!kind.is_too_certain) continue;
-    words.push_back(fmt::format("{} {:.2g} times", to_string(kind.kind), std::sqrt(kind.scale)));
-  }
-  return fmt::format("typical residuals are larger than the covariances say: {}", fmt::join(words, ", "));
+/// The columns of session and key.
+TextLine& add_id(const PoseId& id, TextLine& line) {
+  return line.add(id.session).add(id.key);
 }
-
-std::string why_untested(const RunReport& run_report) {
-  if (run_report.figures.no_verdict) return run_report.figures.no_verdict->message;
-  return run_report.options.verdict ? "nothing here is measured twice" : "no verdict was asked for";
+TextLine& add_id(const FeatureId& id, TextLine& line) {
+  return line.add("").add(id.key);
 }
 
 }  // namespace
@@ -48,6 +41,21 @@ std::string name_of(const NamedMisfit& misfit) {
 
 std::string in_words(const NamedMisfit& misfit) {
   return fmt::format("{} (chi2 {:.4g} over {})", name_of(misfit), misfit.misfit.chi2, plural(misfit.misfit.rows, "row"));
+}
+
+std::string scales_in_words(const GoodnessOfFit& fit) {
+  std::vector<std::string> words;
+  for (const KindScale& kind : fit.kinds) {
+    if (!kind.is_too_certain) continue;
+    words.push_back(fmt::format("{} {:.2g} times", to_string(kind.kind), std::sqrt(kind.scale)));
+  }
+  if (words.empty()) return fmt::format("chi2 as a whole is too large: {:.6g} over {} degrees of freedom", fit.chi2, fit.dof);
+  return fmt::format("typical residuals are larger than the covariances say: {}", fmt::join(words, ", "));
+}
+
+std::string why_untested(const RunReport& run_report) {
+  if (run_report.figures.no_verdict) return run_report.figures.no_verdict->message;
+  return run_report.options.verdict ? "nothing here is measured twice" : "no verdict was asked for";
 }
 
 std::string verdict_in_words(const RunReport& run_report) {
@@ -113,9 +121,12 @@ std::string misfits_as_csv(const RunReport& run_report) {
   for (const auto& [misfit, from, to] : run_report.misfits) {
     TextLine line(',');
     line.add(to_string(misfit.kind));
-    from ? line.add(from->session).add(from->key) : line.add("").add("");
-    const auto* pose = std::get_if<PoseId>(&to);
-    pose ? line.add(pose->session).add(pose->key) : line.add("").add(std::get<FeatureId>(to).key);
+    if (from) {
+      add_id(*from, line);
+    } else {
+      line.add("").add("");
+    }
+    std::visit([&line](const auto& id) { add_id(id, line); }, to);
     line.add(misfit.chi2).add(misfit.rows).add(misfit.probability).append_to(text);
   }
   return text;

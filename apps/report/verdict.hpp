@@ -15,6 +15,11 @@ std::string name_of(const NamedMisfit& misfit);
 /// The same with its chi2 and rows.
 std::string in_words(const NamedMisfit& misfit);
 
+/// By how much typical residuals are too large, or chi2 as a whole where these are not.
+std::string scales_in_words(const GoodnessOfFit& fit);
+/// Why a map is untested.
+std::string why_untested(const RunReport& run_report);
+
 /// The verdict and its reason, in one line.
 std::string verdict_in_words(const RunReport& run_report);
 

@@ -1,20 +1,20 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <algorithm>
-#include <cmath>
 #include <functional>
 #include <map>
 #include <mapjoin/join/fit/goodness_of_fit.hpp>
 #include <mapjoin/measure/statistics.hpp>
 #include <mapjoin/parallel/parallel.hpp>
-#include <optional>
+#include <span>
+#include <vector>
 
 namespace mapjoin {
 namespace {
 
 /// The probability that a map that fits is called a misfit: by chi2 as a whole, and by any of its parts.
 constexpr double kLevel = 0.01 / 2;
-/// The scale of a kind is not known well enough to judge by where all its parts are confirmed by less than so many whole ones
-/// would be: the odometry of one long loop, say, of which only the sum is.
+/// The scale of a kind is trusted only where its redundancies add up to at least so many whole parts: the odometry of one long
+/// loop has the redundancy of one edge.
 constexpr double kLeastParts = 20.0;
 /// What turns a pose further (rad) when it is left out changes Jacobians by a tenth: the tests of the others wait for a map
 /// without it.
@@ -63,7 +63,7 @@ std::vector<TestedPart> parts_of(const System<Dim>& system, std::size_t factors,
 
 /// Tests all parts, and drops those that nothing else confirms.
 template <int Dim>
-void test(const LeaveOneOut<Dim>& leave_one_out, std::vector<TestedPart>& parts) {
+void test_parts(const LeaveOneOut<Dim>& leave_one_out, std::vector<TestedPart>& parts) {
   parallel_chunks(parts.size(), kObservationsPerPiece, [&](std::size_t begin, std::size_t end) {
     for (std::size_t k = begin; k < end; ++k) parts[k].test = leave_one_out.test(parts[k].part);
   });
@@ -87,7 +87,7 @@ std::vector<KindScale> scales_of(const std::vector<TestedPart>& parts) {
 
 /// What residuals of a kind are judged against: never more strictly than by the covariances as they are given.
 double tolerated_scale(const std::vector<KindScale>& scales, PartKind kind) {
-  const auto found = std::ranges::find(scales, kind, &KindScale::kind);
+  const auto found = std::ranges::find(scales, kind, &KindScale::kind);  // every tested kind has one
   return found->confirmed < kLeastParts ? 1.0 : std::max(1.0, found->scale);
 }
 
@@ -113,8 +113,8 @@ Misfit misfit_of(const TestedPart& part, double scale, double probability, const
 }
 
 /// How much of its chi2 a part is blamed for. An odometry edge of a loop that one closure closes fits as ill as that closure
-/// does, which is the likelier culprit; where two closures agree against the edge, each of them fits less than half as ill. A
-/// local map with one feature under a wrong name fits a little worse than that feature.
+/// does, which is the likelier culprit; where two closures of equal certainty agree against the edge, each of them fits less
+/// than half as ill. A local map with one feature under a wrong name fits a little worse than that feature.
 double blame(PartKind kind) {
   return kind == PartKind::kOdometry || kind == PartKind::kLocalMap ? 0.5 : 1.0;
 }
@@ -122,7 +122,7 @@ double blame(PartKind kind) {
 /// The part to be left out next: of those that chance hardly explains, the one that is to blame the most. Null where it
 /// explains all.
 const TestedPart* worst_of(const std::vector<TestedPart>& parts, const std::vector<KindScale>& scales) {
-  std::map<int, double> most;  // that chance allows the largest of so many, by degrees of freedom
+  std::map<int, double> most;  // the largest chi2 that chance allows among all parts, by rows
   const TestedPart* worst = nullptr;
   double least = 0.0;
   for (const TestedPart& part : parts) {
@@ -140,9 +140,9 @@ const TestedPart* worst_of(const std::vector<TestedPart>& parts, const std::vect
 /// Leaves out what does not fit, the worst first. Returns whether that is all of it.
 template <int Dim>
 bool find_misfits(const Restored<Dim>& restored, LeaveOneOut<Dim>& leave_one_out, std::vector<TestedPart>& parts,
-                  std::size_t most_misfits, GoodnessOfFit& fit) {
+                  std::size_t most_misfits, const std::stop_token& stop, GoodnessOfFit& fit) {
   while (const TestedPart* worst = worst_of(parts, fit.kinds)) {
-    if (fit.misfits.size() == most_misfits) return false;
+    if (fit.misfits.size() == most_misfits || stop.stop_requested()) return false;
     const auto [kind, part, test_of_part] = *worst;
     const double scale = tolerated_scale(fit.kinds, kind);
     const double probability =
@@ -152,7 +152,7 @@ bool find_misfits(const Restored<Dim>& restored, LeaveOneOut<Dim>& leave_one_out
     fit.dof -= test_of_part.rows;
     if (leave_one_out.leave_out(part) > kFarFromOptimum) return false;
     parts.erase(parts.begin() + (worst - parts.data()));
-    test(leave_one_out, parts);
+    test_parts(leave_one_out, parts);
   }
   return true;
 }
@@ -160,33 +160,35 @@ bool find_misfits(const Restored<Dim>& restored, LeaveOneOut<Dim>& leave_one_out
 /// Marks the kinds whose residuals are the largest: those of others suffer from theirs.
 void mark_too_certain(std::vector<KindScale>& scales) {
   const double largest = std::ranges::max_element(scales, {}, &KindScale::scale)->scale;
-  for (KindScale& kind : scales) kind.is_too_certain = 2.0 * kind.scale > largest;
+  for (KindScale& kind : scales) kind.is_too_certain = kind.scale > 1.0 && 2.0 * kind.scale > largest;
 }
 
 }  // namespace
 
 template <int Dim>
 GoodnessOfFit goodness_of_fit(const Restored<Dim>& restored, const NormalEquations& equations, const Marginals& marginals,
-                              std::int64_t dof, std::span<const PoseFactor<Dim>> odometry, std::size_t most_misfits) {
+                              std::int64_t dof, std::span<const PoseFactor<Dim>> odometry, std::size_t most_misfits,
+                              const std::stop_token& stop) {
   LeaveOneOut<Dim> leave_one_out(restored.system, equations, marginals);
   std::vector<TestedPart> parts = parts_of(restored.system, equations.pattern().factors.size(), odometry);
-  test(leave_one_out, parts);
+  test_parts(leave_one_out, parts);
   GoodnessOfFit fit;
   fit.chi2 = leave_one_out.chi2();
   fit.dof = dof;
   fit.parts = parts.size();
   fit.kinds = scales_of(parts);
   if (fit.parts == 0) return fit;
-  fit.is_complete = find_misfits(restored, leave_one_out, parts, most_misfits, fit);
+  fit.is_complete = find_misfits(restored, leave_one_out, parts, most_misfits, stop, fit);
   fit.probability = chi_squared_upper_tail(fit.chi2, static_cast<double>(fit.dof));
   if (fit.probability < kLevel) mark_too_certain(fit.kinds);
-  fit.verdict = fit.misfits.empty() && fit.probability >= kLevel ? Verdict::kFits : Verdict::kMisfit;
+  const bool fits = fit.is_complete && fit.misfits.empty() && fit.probability >= kLevel;
+  fit.verdict = fits ? Verdict::kFits : Verdict::kMisfit;
   return fit;
 }
 
 #define MAPJOIN_INSTANTIATE(Dim)                                                                                       \
   template GoodnessOfFit goodness_of_fit(const Restored<Dim>&, const NormalEquations&, const Marginals&, std::int64_t, \
-                                         std::span<const PoseFactor<Dim>>, std::size_t);
+                                         std::span<const PoseFactor<Dim>>, std::size_t, const std::stop_token&);
 MAPJOIN_INSTANTIATE(2)
 MAPJOIN_INSTANTIATE(3)
 #undef MAPJOIN_INSTANTIATE

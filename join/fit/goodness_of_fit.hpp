@@ -8,6 +8,7 @@
 #include <mapjoin/model/enum_names.hpp>
 #include <mapjoin/model/ids.hpp>
 #include <span>
+#include <stop_token>
 #include <vector>
 
 namespace mapjoin {
@@ -50,7 +51,7 @@ struct Misfit {
   PoseOrFeature to;         ///< Its target; of a whole local map the end pose.
   double chi2 = 0.0;  ///< By what chi2 falls where the part is left out, with those before it; over the scale of its kind.
   int rows = 0;
-  double probability = 0.0;  ///< Of so large a chi2 in any of the parts, were all as certain as they say.
+  double probability = 0.0;  ///< Of so large a chi2 in any of the parts, were all as certain as their kind.
 };
 
 /// How large the residuals of one kind of parts are.
@@ -65,9 +66,9 @@ struct KindScale {
 
 struct GoodnessOfFit {
   Verdict verdict = Verdict::kUntested;
-  double chi2 = 0.0;         ///< At the optimum, without the misfits,
-  std::int64_t dof = 0;      ///< and its degrees of freedom,
-  double probability = 1.0;  ///< and the probability of a larger one.
+  double chi2 = 0.0;         ///< At the optimum without the misfits.
+  std::int64_t dof = 0;      ///< The degrees of freedom of that chi2.
+  double probability = 1.0;  ///< Of a larger chi2.
   std::size_t parts = 0;     ///< That could be tested.
   std::vector<KindScale> kinds;
   std::vector<Misfit> misfits;  ///< The worst first, each without those before it.
@@ -77,10 +78,11 @@ struct GoodnessOfFit {
 /// Tests a map at the estimate of `restored`, whose normal equations, linearised and factorised there, are `equations`; `dof`
 /// are the degrees of freedom of its chi2, `odometry` the odometry of its log, if it has one. What fits is called a misfit in
 /// one of a hundred cases: half of that is spent on chi2 as a whole, the other half, by Holm's correction, on all parts
-/// together. At most `most_misfits` are named. Residuals of a kind whose typical ones are larger than its covariances say are
-/// judged against that scale.
+/// together. At most `most_misfits` are named, and none once a stop is requested. Residuals of a kind whose typical ones are
+/// larger than its covariances say are judged against that scale.
 template <int Dim>
 GoodnessOfFit goodness_of_fit(const Restored<Dim>& restored, const NormalEquations& equations, const Marginals& marginals,
-                              std::int64_t dof, std::span<const PoseFactor<Dim>> odometry, std::size_t most_misfits);
+                              std::int64_t dof, std::span<const PoseFactor<Dim>> odometry, std::size_t most_misfits,
+                              const std::stop_token& stop = {});
 
 }  // namespace mapjoin

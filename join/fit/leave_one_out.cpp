@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <Eigen/Cholesky>
 #include <Eigen/Eigenvalues>
-#include <Eigen/LU>
+#include <algorithm>
+#include <limits>
 #include <mapjoin/join/fit/leave_one_out.hpp>
 #include <mapjoin/parallel/parallel.hpp>
 #include <utility>
@@ -9,11 +10,12 @@
 namespace mapjoin {
 namespace {
 
-/// Directions in which the others tell less than this share of what a part itself does are not tested: there g is the
-/// difference of nearly equal numbers.
+/// Directions with less than this share of redundancy are not tested: g is the difference of nearly equal numbers there.
 constexpr double kLeastRedundancy = 1e-6;
-/// Below this share of what a row measures, what is left of it is rounding.
-constexpr double kLeastPivot = 1e-12;
+/// Eigenvalues and pivots below this share of the largest are rounding, as for information_rank().
+constexpr double kLeastPivot = 1e-9;
+/// Columns that are solved at once.
+constexpr Eigen::Index kColumnsAtOnce = 64;
 
 /// A linearised factor in one piece; the columns of J are those of the base, then of the targets.
 template <int Rows, int Columns>
@@ -55,7 +57,7 @@ void for_each_variable(const NormalEquations& equations, std::size_t factor, F&&
   }
 }
 
-/// J P Jᵀ.
+/// J P Jᵀ, and what rounding there may add: covariances of poses that stand far off nearly cancel.
 template <int Dim, int Rows, int Columns>
 Matrix<Rows> predicted_covariance(const Matrix<Rows, Columns>& J, std::size_t factor, const NormalEquations& equations,
                                   const Marginals& marginals) {
@@ -67,7 +69,10 @@ Matrix<Rows> predicted_covariance(const Matrix<Rows, Columns>& J, std::size_t fa
   });
   Matrix<Columns> P = Matrix<Columns>::Zero(J.cols(), J.cols());
   P(columns, columns) = marginals.joint(variables);
-  return J * P * J.transpose();
+  Matrix<Rows> covariance = J * P * J.transpose();
+  constexpr double kRounding = 16.0 * std::numeric_limits<double>::epsilon();
+  covariance.diagonal() += kRounding * (J.cwiseAbs() * P.diagonal().cwiseSqrt()).cwiseAbs2();
+  return covariance;
 }
 
 /// J X, where X has the rows of all variables.
@@ -112,6 +117,7 @@ bool has_all_directions(const Matrix<Rows>& M, const Matrix<Rows>& W) {
 
 /// Eigenvectors whose eigenvalues are above `least`, over the roots of these: the columns B with Bᵀ A B = I.
 Eigen::MatrixXd scaled_eigenvectors(const Eigen::MatrixXd& A, double least) {
+  if (A.rows() == 0) return A;
   const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(A);
   const Eigen::Index count = (eigen.eigenvalues().array() > least).count();
   return eigen.eigenvectors().rightCols(count) * eigen.eigenvalues().tail(count).cwiseSqrt().cwiseInverse().asDiagonal();
@@ -119,7 +125,8 @@ Eigen::MatrixXd scaled_eigenvectors(const Eigen::MatrixXd& A, double least) {
 
 /// The columns B with Bᵀ M B = I over the directions in which M is at least kLeastRedundancy of W: M⁺ = B Bᵀ there.
 Eigen::MatrixXd testable_directions(const Eigen::MatrixXd& M, const Eigen::MatrixXd& W) {
-  const Eigen::VectorXd scale = W.diagonal().cwiseMax(std::numeric_limits<double>::min()).cwiseSqrt().cwiseInverse();
+  const Eigen::ArrayXd diagonal = W.diagonal().array();
+  const Eigen::VectorXd scale = (diagonal > 0.0).select(diagonal.rsqrt(), 0.0);  // what is not measured falls out
   const Eigen::MatrixXd whitening =
       scale.asDiagonal() * scaled_eigenvectors(scale.asDiagonal() * W * scale.asDiagonal(), kLeastPivot);
   return whitening * scaled_eigenvectors(whitening.transpose() * M * whitening, kLeastRedundancy);
@@ -157,40 +164,50 @@ PartTest LeaveOneOut<Dim>::test(const MeasuredPart& part) const {
       return {g_A.dot(M_A.llt().solve(g_A)), static_cast<int>(part.rows), W.llt().solve(M_A).trace()};
     }
     const Eigen::MatrixXd B = testable_directions(M_A, W);
-    const double redundancy = (B.transpose() * W * B).inverse().trace();
+    const double redundancy = (B.transpose() * W * B).diagonal().cwiseInverse().sum();  // it is diagonal
     return {(B.transpose() * g_A).squaredNorm(), static_cast<int>(B.cols()), redundancy};
   });
 }
 
 template <int Dim>
 double LeaveOneOut<Dim>::leave_out(const MeasuredPart& part) {
-  // The columns of W J P (W J)ᵀ that are the part's, times B, need P (W J)ᵀ B only.
   Eigen::MatrixXd B;
-  Eigen::MatrixXd W_B;  // the rows of the part's own factor
-  Eigen::MatrixXd Jt_W_B;
+  Eigen::MatrixXd W_B;   // the rows of the part's own factor
+  Eigen::MatrixXd WJ_B;  // its columns of Jᵀ W B
   problem_.with_linear_factor(part.factor, [&](const auto& linear) {
     const auto factor = dense(linear);
     B = testable_directions(M(part.factor).block(part.row, part.row, part.rows, part.rows),
                             factor.W.block(part.row, part.row, part.rows, part.rows));
     W_B = factor.W.middleCols(part.row, part.rows) * B;
-    Jt_W_B.setZero(equations_.size(), B.cols());
-    for_each_variable<Dim>(equations_, part.factor, [&](Variable v, Eigen::Index column) {
-      Jt_W_B.middleRows(equations_.offset(v), equations_.dof(v)) =
-          factor.J.middleCols(column, equations_.dof(v)).transpose() * W_B;
-    });
+    WJ_B = factor.J.transpose() * W_B;
   });
-  const Eigen::MatrixXd P_Jt_W_B = equations_.solve_columns(Jt_W_B);
   const Eigen::VectorXd shift = B.transpose() * g(part.factor).segment(part.row, part.rows);
+  Eigen::VectorXd step = Eigen::VectorXd::Zero(equations_.size());
+  for (Eigen::Index first = 0; first < B.cols(); first += kColumnsAtOnce) {
+    const Eigen::Index count = std::min(kColumnsAtOnce, B.cols() - first);
+    Eigen::MatrixXd columns = Eigen::MatrixXd::Zero(equations_.size(), count);
+    for_each_variable<Dim>(equations_, part.factor, [&](Variable v, Eigen::Index column) {
+      columns.middleRows(equations_.offset(v), equations_.dof(v)) = WJ_B.block(column, first, equations_.dof(v), count);
+    });
+    const Eigen::MatrixXd P_columns = equations_.solve_columns(columns);
+    subtract(part.factor, W_B.middleCols(first, count), P_columns, shift.segment(first, count));
+    step += P_columns * shift.segment(first, count);
+  }
+  return largest_rotation<Dim>(step, equations_);
+}
+
+template <int Dim>
+void LeaveOneOut<Dim>::subtract(std::size_t own, const Eigen::MatrixXd& W_B, const Eigen::MatrixXd& P_Jt_W_B,
+                                const Eigen::VectorXd& shift) {
   parallel_for(factor_count(), [&](std::size_t k) {
     problem_.with_linear_factor(k, [&](const auto& linear) {
       const auto factor = dense(linear);
       Eigen::MatrixXd M_B = -(factor.W * times<Dim>(factor.J, P_Jt_W_B, k, equations_));
-      if (k == part.factor) M_B += W_B;
+      if (k == own) M_B += W_B;
       g(k) -= M_B * shift;
       M(k) -= M_B * M_B.transpose();
     });
   });
-  return largest_rotation<Dim>(P_Jt_W_B * shift, equations_);
 }
 
 template class LeaveOneOut<2>;

@@ -58,6 +58,8 @@ class LeaveOneOut {
   auto M(std::size_t factor) const {
     return Eigen::Map<const Eigen::MatrixXd>(values_.data() + offsets_[factor] + rows(factor), rows(factor), rows(factor));
   }
+  /// Subtracts what some columns of M B, B those of the part that is left out, take from all g and M.
+  void subtract(std::size_t own, const Eigen::MatrixXd& W_B, const Eigen::MatrixXd& P_Jt_W_B, const Eigen::VectorXd& shift);
 
   const JoiningSystem<Dim>& problem_;
   const NormalEquations& equations_;

@@ -41,10 +41,9 @@ KindFit kind_fit(std::string kind, const std::vector<WeighedResidual>& residuals
 template <int Dim>
 std::vector<KindFit> fits_of(const Log<Dim>& log, const Values<Dim>& state);
 
-/// - `too_certain` (warning): a kind whose typical residual is more than twice what its covariances say;
+/// - `too_certain` (warning): a kind whose typical residual is more than 1.5 times what its covariances say;
 /// - `too_cautious` (warning): all residuals together, at an optimum of `dof` degrees of freedom, are less than half of what
-/// the
-///   covariances say. What a kind alone should come to there is known from above only.
+///   they say. What a kind alone should come to there is known from above only.
 Findings check_fit(const std::vector<KindFit>& fits, std::int64_t dof);
 
 /// - `outliers` (warning): those of a kind that do not fit, at values that need not be an optimum: there, goodness_of_fit()

@@ -60,6 +60,42 @@ TEST(Check, NamesTheFirstThreePlacesForPeople) {
               HasSubstr("pose 0 to pose 1, pose 1 to pose 2, pose 2 to pose 3 and 2 more\n"));
 }
 
+TEST(Check, NamesWhatIsOutOfLineAsOftenAsAskedFor) {
+  const TemporaryFolder folder;
+  std::string text = content_of(kBundledData / "manhattan2d.g2o");
+  for (const char* closure :
+       {"EDGE_SE2 10 14 1 0 0", "EDGE_SE2 300 305 2 1 0", "EDGE_SE2 600 603 0 0 0", "EDGE_SE2 800 804 9 0 0"}) {
+    text += std::string(closure) + " 25 0 0 25 0 25\n";
+  }
+  const std::string log = folder.file("log.g2o", text).string();
+  const std::string csv = (folder.path() / "misfits.csv").string();
+  const Ended all = call({"check", log, "--most", "all", "-o", csv});
+  EXPECT_EQ(all.exit_code, 1) << all.err;
+  EXPECT_THAT(all.out, HasSubstr("warning      out of line with the rest: 4 of 3526 measurements\n"));
+  for (const char* name : {"closure from pose 10 to pose 14 (", "closure from pose 300 to pose 305 (",
+                           "closure from pose 600 to", "closure from pose 800 to"}) {
+    EXPECT_THAT(all.out, HasSubstr(name));
+  }
+  EXPECT_THAT(call({"check", log}).out, HasSubstr(" and 1 more\n"));
+  const std::string lines = content_of(csv);
+  EXPECT_EQ(std::ranges::count(lines, '\n'), 5);
+  EXPECT_THAT(lines, HasSubstr("kind,from_session,from,to_session,to,chi2,rows,probability\n"));
+  EXPECT_THAT(lines, HasSubstr("\nclosure,0,800,0,804,"));
+  EXPECT_EQ(call({"check", log, "--most", "two"}).exit_code, 2);
+  EXPECT_EQ(call({"check", log, "-o", csv, "--estimate", "none"}).exit_code, 2);
+}
+
+TEST(Check, SaysWhereNothingCanBeTestedAndWherePositionsAreUnknown) {
+  const TemporaryFolder folder;
+  std::string text;
+  for (int k = 0; k < 100; ++k) text += "EDGE_SE2 " + std::to_string(k) + ' ' + std::to_string(k + 1) + " 1 0 0 1 0 0 1 0 1\n";
+  const json report = checked({folder.file("log.g2o", text).string()}, 1);
+  EXPECT_EQ(report["verdict"], "untested");
+  EXPECT_THAT(finding(report, "untested")["text"].get<std::string>(), HasSubstr("nothing is measured twice"));
+  EXPECT_EQ(finding(report, "uncertain")["level"], "warning");
+  EXPECT_THAT(finding(report, "uncertain")["text"].get<std::string>(), HasSubstr("(pose 100) in a map of 100 m"));
+}
+
 TEST(Check, EndsWithOneWhereThereIsSomethingToLookAt) {
   const TemporaryFolder folder;
   const auto log = folder.file("log.g2o", kSmallLog + "EDGE_SE2 0 1 1 0 0 1 0 0 1 0 1\n");
@@ -122,7 +158,8 @@ TEST(CheckData, FindsWhatIsKnownOfPublicData) {
   // The associations that were corrected later are what does not fit.
   const json dlr = checked({data_file("dlr/map.circles.gz").string()}, 1);
   const json corrected = checked({data_file("dlr/dlr_corrected.txt.gz").string()}, 1);
-  EXPECT_GT(finding(dlr, "outliers")["count"].get<int>(), 3 * finding(corrected, "outliers")["count"].get<int>() / 2);
+  EXPECT_THAT(finding(dlr, "misfit")["where"][0].get<std::string>(), HasSubstr("feature 4154"));
+  EXPECT_EQ(finding(corrected, "misfit")["count"], 16);
   EXPECT_EQ(finding(dlr, "unassociated")["count"], 436);
 
   EXPECT_TRUE(finding(checked({data_file("dlr-200-local-maps").string()}, 1), "too_certain").is_object());

@@ -190,6 +190,23 @@ TEST(GoodnessOfFit, IsUntestedWhereNothingIsMeasuredTwice) {
   EXPECT_EQ(fit_of(square(0.0, 1)).verdict, Verdict::kFits);
 }
 
+TEST(GoodnessOfFit, IsUntestedOfALongWayThatNothingCloses) {
+  LogBuilder<2> builder("line");
+  for (std::uint64_t k = 1; k <= 10000; ++k) {
+    builder.add_pose_edge({0, k - 1}, {0, k}, {{1.0, 0.0}, Rotation<2>(0.01)}, PoseMatrix<2>::Identity());
+  }
+  EXPECT_EQ(fit_of(std::move(builder).finish().value()).verdict, Verdict::kUntested);
+}
+
+TEST(GoodnessOfFit, NamesNoMoreMisfitsThanAskedForAndIsOneAllTheSame) {
+  RunOptions options;
+  options.most_misfits = 0;
+  const GoodnessOfFit fit = run(square(5.0, 8), options).value().fit;
+  EXPECT_EQ(fit.verdict, Verdict::kMisfit);
+  EXPECT_TRUE(fit.misfits.empty());
+  EXPECT_FALSE(fit.is_complete);
+}
+
 TEST(GoodnessOfFit, IsNotAskedOfAMapThatIsNoOptimum) {
   const World<2> world(100, 7);
   RunOptions options;
