@@ -55,7 +55,7 @@ std::string scales_in_words(const GoodnessOfFit& fit) {
 
 std::string why_untested(const RunReport& run_report) {
   if (run_report.figures.no_verdict) return run_report.figures.no_verdict->message;
-  return run_report.options.verdict ? "nothing here is measured twice" : "no verdict was asked for";
+  return run_report.options.verdict ? "nothing is measured twice" : "no verdict was asked for";
 }
 
 std::string verdict_in_words(const RunReport& run_report) {

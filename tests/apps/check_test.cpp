@@ -158,7 +158,7 @@ TEST(CheckData, FindsWhatIsKnownOfPublicData) {
   // The associations that were corrected later are what does not fit.
   const json dlr = checked({data_file("dlr/map.circles.gz").string()}, 1);
   const json corrected = checked({data_file("dlr/dlr_corrected.txt.gz").string()}, 1);
-  EXPECT_THAT(finding(dlr, "misfit")["where"][0].get<std::string>(), HasSubstr("feature 4154"));
+  EXPECT_THAT(finding(dlr, "misfit")["where"][0].get<std::string>(), HasSubstr("feature 179"));
   EXPECT_EQ(finding(corrected, "misfit")["count"], 16);
   EXPECT_EQ(finding(dlr, "unassociated")["count"], 436);
 

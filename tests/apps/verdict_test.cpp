@@ -70,7 +70,7 @@ TEST_F(VerdictTest, IsUntestedWhereNothingIsMeasuredTwiceOrNobodyAsks) {
   std::ofstream(path) << "EDGE_SE2 0 1 1 0 0 1 0 0 1 0 1\nEDGE_SE2 1 2 1 0 0 1 0 0 1 0 1\n";
   const Ended line = call({"run", path, "--strict"});
   EXPECT_EQ(line.exit_code, 7);
-  EXPECT_THAT(line.out, HasSubstr("\nverdict      untested: nothing here is measured twice\n"));
+  EXPECT_THAT(line.out, HasSubstr("\nverdict      untested: nothing is measured twice\n"));
   const auto report = report_of({"run", log_with(wrong_closure), "--no-verdict"});
   EXPECT_EQ(report["verdict"], "untested");
   EXPECT_TRUE(report["fit"]["parts"].is_null());
