@@ -44,9 +44,9 @@ ExitCode parse_and_run(int argc, char** argv) {
   const auto chosen = std::find_if(line.commands.begin(), line.commands.end(), is_chosen);
   try {
     return (*chosen)->run(interruption.token());
-  } catch (const tl::bad_expected_access<Error>&) {
-    if (interruption.token().stop_requested()) fail(ErrorKind::kInterrupted, "interrupted");
-    throw;
+  } catch (const tl::bad_expected_access<Error>& failure) {
+    if (failure.error().kind == ErrorKind::kInterrupted) fail(ErrorKind::kInterrupted, "interrupted");
+    throw;  // what went wrong otherwise is said, be it after a stop: --follow ends with one
   }
 }
 

@@ -135,16 +135,16 @@ Eigen::MatrixXd testable_directions(const Eigen::MatrixXd& M, const Eigen::Matri
 }  // namespace
 
 template <int Dim>
-LeaveOneOut<Dim>::LeaveOneOut(const JoiningSystem<Dim>& problem, const NormalEquations& equations, const Marginals& marginals)
-    : problem_(problem), equations_(equations), offsets_{0} {
+LeaveOneOut<Dim>::LeaveOneOut(const JoiningSystem<Dim>& system, const NormalEquations& equations, const Marginals& marginals)
+    : system_(system), equations_(equations), offsets_{0} {
   for (std::size_t k = 0; k < factor_count(); ++k) {
-    const auto rows = static_cast<std::size_t>(problem.rows(k));
+    const auto rows = static_cast<std::size_t>(system.rows(k));
     offsets_.push_back(offsets_.back() + rows * (rows + 1));
   }
   values_.resize(offsets_.back());
   const Eigen::VectorXd step = equations.solve(equations.gradient());
   chi2_ = parallel_sum(factor_count(), kObservationsPerPiece, [&](std::size_t k) {
-    return problem.with_linear_factor(k, [&](const auto& linear) {
+    return system.with_linear_factor(k, [&](const auto& linear) {
       const auto factor = dense(linear);
       const auto r = (factor.r - times<Dim>(factor.J, step, k, equations)).eval();
       g(k) = factor.W * r;
@@ -156,7 +156,7 @@ LeaveOneOut<Dim>::LeaveOneOut(const JoiningSystem<Dim>& problem, const NormalEqu
 
 template <int Dim>
 PartTest LeaveOneOut<Dim>::test(const MeasuredPart& part) const {
-  return problem_.with_linear_factor(part.factor, [&](const auto& linear) -> PartTest {
+  return system_.with_linear_factor(part.factor, [&](const auto& linear) -> PartTest {
     const auto W = information(linear, part);
     const decltype(W.eval()) M_A = M(part.factor).block(part.row, part.row, part.rows, part.rows);
     const auto g_A = g(part.factor).segment(part.row, part.rows);
@@ -174,7 +174,7 @@ double LeaveOneOut<Dim>::leave_out(const MeasuredPart& part) {
   Eigen::MatrixXd B;
   Eigen::MatrixXd W_B;   // the rows of the part's own factor
   Eigen::MatrixXd WJ_B;  // its columns of Jᵀ W B
-  problem_.with_linear_factor(part.factor, [&](const auto& linear) {
+  system_.with_linear_factor(part.factor, [&](const auto& linear) {
     const auto factor = dense(linear);
     B = testable_directions(M(part.factor).block(part.row, part.row, part.rows, part.rows),
                             factor.W.block(part.row, part.row, part.rows, part.rows));
@@ -200,7 +200,7 @@ template <int Dim>
 void LeaveOneOut<Dim>::subtract(std::size_t own, const Eigen::MatrixXd& W_B, const Eigen::MatrixXd& P_Jt_W_B,
                                 const Eigen::VectorXd& shift) {
   parallel_for(factor_count(), [&](std::size_t k) {
-    problem_.with_linear_factor(k, [&](const auto& linear) {
+    system_.with_linear_factor(k, [&](const auto& linear) {
       const auto factor = dense(linear);
       Eigen::MatrixXd M_B = -(factor.W * times<Dim>(factor.J, P_Jt_W_B, k, equations_));
       if (k == own) M_B += W_B;

@@ -36,8 +36,8 @@ struct PartTest {
 template <int Dim>
 class LeaveOneOut {
  public:
-  /// At the estimate of `problem`, by the last factorisation of `equations`, which were linearised there; both must stay.
-  LeaveOneOut(const JoiningSystem<Dim>& problem, const NormalEquations& equations, const Marginals& marginals);
+  /// At the estimate of `system`, by the last factorisation of `equations`, which were linearised there; both must stay.
+  LeaveOneOut(const JoiningSystem<Dim>& system, const NormalEquations& equations, const Marginals& marginals);
 
   /// chi2 at the optimum of the linearised problem, which the estimate may miss by a little.
   double chi2() const { return chi2_; }
@@ -47,7 +47,7 @@ class LeaveOneOut {
 
  private:
   std::size_t factor_count() const { return equations_.pattern().factors.size(); }
-  Eigen::Index rows(std::size_t factor) const { return problem_.rows(factor); }
+  Eigen::Index rows(std::size_t factor) const { return system_.rows(factor); }
   auto g(std::size_t factor) { return Eigen::Map<Eigen::VectorXd>(values_.data() + offsets_[factor], rows(factor)); }
   auto g(std::size_t factor) const {
     return Eigen::Map<const Eigen::VectorXd>(values_.data() + offsets_[factor], rows(factor));
@@ -61,7 +61,7 @@ class LeaveOneOut {
   /// Subtracts what some columns of M B, B those of the part that is left out, take from all g and M.
   void subtract(std::size_t own, const Eigen::MatrixXd& W_B, const Eigen::MatrixXd& P_Jt_W_B, const Eigen::VectorXd& shift);
 
-  const JoiningSystem<Dim>& problem_;
+  const JoiningSystem<Dim>& system_;
   const NormalEquations& equations_;
   double chi2_ = 0.0;
   std::vector<std::size_t> offsets_;  // of g, then M, factor by factor, in values_

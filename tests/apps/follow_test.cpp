@@ -135,6 +135,19 @@ TEST_F(Follow, AtCtrlCWhatIsThereIsWritten) {
   EXPECT_EQ(steps().size(), 2u);  // the last, incomplete map is closed
 }
 
+TEST_F(Follow, WhatIsWrongWithTheLogIsSaidAfterCtrlC) {
+  std::ofstream(path("log.g2o")) << [&] {
+    std::string parts = "EDGE_SE2 5000 5001 1 0 0 1 0 0 1 0 1\n";  // tied to nothing
+    for (std::size_t l = 0; l < log.size() / 2; ++l) parts += log[l];
+    return parts;
+  }();
+  Process process(command_line({"run", path("log.g2o"), "--follow", "--idle", "600", "--steps", path("steps")}));
+  await_steps(1);
+  process.send(SIGINT);
+  EXPECT_EQ(process.wait(), 3);
+  EXPECT_THAT(process.standard_error(), ::testing::HasSubstr("nothing ties its 2 parts together"));
+}
+
 TEST_F(Follow, ALineThatIsWrongEndsItAndWhatIsThereIsKept) {
   std::ofstream growing(path("log.g2o"));
   for (std::size_t l = 0; l < 2000; ++l) growing << log[l];
