@@ -32,8 +32,8 @@ class EdgeTextWriter {
  private:
   const PoseId& pose_id(PoseIndex pose) const { return contents_.pose_ids[pose]; }
 
-  /// Writes a line for every k in [0, count), in order; pieces of them are filled side by side. `put(line, k)` gives what the
-  /// format has no words for, if anything; the first such k counts.
+  /// Writes a line for every k in [0, count), in order; pieces of them are filled side by side, and written by this thread,
+  /// whose writes a signal ends. `put(line, k)` gives what the format has no words for, if anything; the first such k counts.
   template <typename Put>
   void write_each(std::size_t count, const Put& put) {
     constexpr std::size_t kLines = 500;  // A piece.
@@ -42,20 +42,22 @@ class EdgeTextWriter {
       std::string text;
       Fault fault;
     };
-    std::vector<Piece> pieces((count + kLines - 1) / kLines);
-    const auto fill = [&](std::size_t p) {
-      TextLine line(' ');
-      for (std::size_t k = p * kLines; k < std::min(count, (p + 1) * kLines) && !pieces[p].fault; ++k) {
-        pieces[p].fault = put(line, k);
-        line.append_to(pieces[p].text);
+    for (std::size_t begin = 0; begin < count && !fault_; begin += kPiecesAtOnce * kLines) {
+      const std::size_t end = std::min(count, begin + kPiecesAtOnce * kLines);
+      std::vector<Piece> pieces((end - begin + kLines - 1) / kLines);
+      parallel_for(pieces.size(), [&](std::size_t p) {
+        TextLine line(' ');
+        const std::size_t first = begin + p * kLines;
+        for (std::size_t k = first; k < std::min(end, first + kLines) && !pieces[p].fault; ++k) {
+          pieces[p].fault = put(line, k);
+          line.append_to(pieces[p].text);
+        }
+      });
+      for (auto piece = pieces.begin(); piece != pieces.end() && !fault_; ++piece) {
+        file_.write(piece->text);
+        fault_ = piece->fault;
       }
-    };
-    parallel_in_order(pieces.size(), kPiecesAtOnce, fill, [&](std::size_t p) {
-      const Piece piece = std::exchange(pieces[p], {});
-      file_.write(piece.text);
-      if (!fault_) fault_ = piece.fault;
-      return !fault_;
-    });
+    }
   }
 
   template <typename Measured>
