@@ -71,13 +71,11 @@ void test_parts(const LeaveOneOut<Dim>& leave_one_out, std::vector<TestedPart>& 
 }
 
 std::vector<KindScale> scales_of(const std::vector<TestedPart>& parts) {
-  std::map<int, double> medians;  // of chi-square, by degrees of freedom
+  ChiSquaredQuantiles medians(0.5);
   std::map<PartKind, std::vector<double>> ratios;
   std::map<PartKind, double> confirmed;
   for (const auto& [kind, part, test] : parts) {
-    const auto [median, is_new] = medians.emplace(test.rows, 0.0);
-    if (is_new) median->second = chi_squared_quantile(0.5, test.rows);
-    ratios[kind].push_back(test.chi2 / median->second);
+    ratios[kind].push_back(test.chi2 / medians(test.rows));
     confirmed[kind] += test.redundancy / test.rows;
   }
   std::vector<KindScale> scales;
@@ -122,15 +120,13 @@ double blame(PartKind kind) {
 /// The part to be left out next: of those that chance hardly explains, the one that is to blame the most. Null where it
 /// explains all.
 const TestedPart* worst_of(const std::vector<TestedPart>& parts, const std::vector<KindScale>& scales) {
-  std::map<int, double> most;  // the largest chi2 that chance allows among all parts, by rows
+  ChiSquaredQuantiles most_by_chance(1.0 - kLevel / static_cast<double>(parts.size()));
   const TestedPart* worst = nullptr;
   double least = 0.0;
   for (const TestedPart& part : parts) {
     const int rows = part.test.rows;
     const double chi2 = part.test.chi2 / tolerated_scale(scales, part.kind);
-    const auto [allowed, is_new] = most.emplace(rows, 0.0);
-    if (is_new) allowed->second = chi_squared_quantile(1.0 - kLevel / static_cast<double>(parts.size()), rows);
-    if (chi2 <= allowed->second) continue;
+    if (chi2 <= most_by_chance(rows)) continue;
     const double log_probability = log_chi_squared_upper_tail(blame(part.kind) * chi2, rows);
     if (log_probability < least) worst = &part, least = log_probability;
   }

@@ -4,7 +4,6 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <map>
 #include <mapjoin/check/fit.hpp>
 #include <mapjoin/check/ties.hpp>
 #include <mapjoin/measure/statistics.hpp>
@@ -20,23 +19,8 @@ namespace {
 constexpr double kLarger = 1.5;
 constexpr double kSmaller = 2.0;
 
-/// χ² quantiles, of which there are as many as there are ranks.
-class Quantiles {
- public:
-  explicit Quantiles(double p) : p_(p) {}
-  double operator()(std::int64_t rows) {
-    const auto [known, is_new] = of_.emplace(rows, 0.0);
-    if (is_new) known->second = chi_squared_quantile(p_, static_cast<double>(rows));
-    return known->second;
-  }
-
- private:
-  double p_;
-  std::map<std::int64_t, double> of_;
-};
-
 double scale_of(const std::vector<WeighedResidual>& residuals) {
-  Quantiles medians(0.5);
+  ChiSquaredQuantiles medians(0.5);
   std::vector<double> ratios;
   for (const WeighedResidual& r : residuals) {
     if (r.rows > 0) ratios.push_back(r.chi2 / medians(r.rows));
@@ -73,7 +57,7 @@ KindFit kind_fit(std::string kind, const std::vector<WeighedResidual>& residuals
   fit.kind = std::move(kind);
   fit.count = residuals.size();
   fit.scale = scale_of(residuals);
-  Quantiles most(1.0 - 1e-3 / static_cast<double>(std::max<std::size_t>(1, residuals.size())));
+  ChiSquaredQuantiles most(1.0 - 1e-3 / static_cast<double>(std::max<std::size_t>(1, residuals.size())));
   std::vector<std::size_t> outliers;
   for (std::size_t i = 0; i < residuals.size(); ++i) {
     const auto& [chi2, rows] = residuals[i];

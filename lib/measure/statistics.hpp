@@ -4,6 +4,8 @@
 
 #include <algorithm>
 #include <cstddef>
+#include <cstdint>
+#include <map>
 #include <vector>
 
 namespace mapjoin {
@@ -23,5 +25,20 @@ double log_chi_squared_upper_tail(double value, double dof);
 
 /// The value that is exceeded with the probability 1 - `p`, 0 < p < 1; 0 without degrees of freedom.
 double chi_squared_quantile(double p, double dof);
+
+/// The quantiles of one probability, each computed once.
+class ChiSquaredQuantiles {
+ public:
+  explicit ChiSquaredQuantiles(double p) : p_(p) {}
+  double operator()(std::int64_t dof) {
+    const auto [known, is_new] = of_.emplace(dof, 0.0);
+    if (is_new) known->second = chi_squared_quantile(p_, static_cast<double>(dof));
+    return known->second;
+  }
+
+ private:
+  double p_;
+  std::map<std::int64_t, double> of_;
+};
 
 }  // namespace mapjoin
