@@ -93,10 +93,26 @@ Input CommandRun::take_input(Input input) {
       [&](auto& any) {
         take_weights(options_, any);
         run_report.describe(any);
+        if (options_.robust) reject_outliers(any);
       },
       input);
   check_interrupted();
   return input;
+}
+
+template <int Dim>
+void CommandRun::reject_outliers(Log<Dim>& log) {
+  const Stopwatch watch(run_report.robust_seconds);
+  progress_.show("rejecting", 0, 1);
+  Inliers<Dim> inliers = find_inliers(log, *options_.robust, stop_).value();
+  run_report.robust = options_.robust;
+  run_report.describe(log, inliers.rejected);
+  log = std::move(inliers.log);
+}
+
+template <typename Maps>
+void CommandRun::reject_outliers(Maps&) {
+  fail(ErrorKind::kUsage, "--robust is for a log, which says of each closure and observation how certain it is");
 }
 
 void CommandRun::check_interrupted() const {

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <apps/commands/options.hpp>
 #include <mapjoin/io/open.hpp>
+#include <memory>
 #include <optional>
 #include <vector>
 
@@ -144,6 +145,23 @@ void add_verdict(Subcommand& command, Options& options) {
   command.check([&options]() -> std::vector<std::string> {
     if (!options.strict || options.run.verdict) return {};
     return {"--strict goes by the verdict, which --no-verdict leaves out"};
+  });
+}
+
+void add_robust(Subcommand& command, Options& options) {
+  command.group("Outliers");
+  const auto wanted = std::make_shared<bool>(false);
+  const auto confidence = std::make_shared<double>(RobustOptions().confidence);
+  command.flag("--robust", *wanted,
+               "Find closures and observations that contradict the others, and leave them out: rejected.csv and inliers.g2o in "
+               "a folder");
+  command.number<double>("--confidence", *confidence, 0.0, "P",
+                         "With this probability --robust rejects nothing that is right in the whole log, below 1");
+  command.check([&command, &options, wanted, confidence]() -> std::vector<std::string> {
+    if (!*wanted && command.is_given("--confidence")) return {"--confidence is of --robust"};
+    if (!*wanted) return {};
+    options.robust.emplace().confidence = *confidence;
+    return options.robust->validate();
   });
 }
 

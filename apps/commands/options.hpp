@@ -4,8 +4,10 @@
 
 #include <apps/commands/subcommand.hpp>
 #include <filesystem>
+#include <mapjoin/join/robust/inliers.hpp>
 #include <mapjoin/join/run.hpp>
 #include <mapjoin/model/log.hpp>
+#include <optional>
 #include <string>
 
 namespace mapjoin::apps {
@@ -16,13 +18,14 @@ struct Options {
   ReadOptions read;
   Covariance covariance = Covariance::kOriginal;
   RunOptions run = without_verdict();
-  bool strict = false;           ///< The exit code tells that a map does not fit.
-  bool covariances = false;      ///< Write them.
-  bool relations = false;        ///< Write them.
-  std::filesystem::path truth;   ///< Empty: none.
-  double most_memory_mb = 0.0;   ///< For covariances; 0: as much as the machine has.
-  int jobs = 0;                  ///< Threads; 0: as many as there are processors.
-  std::filesystem::path report;  ///< Empty: none; "-": standard output.
+  std::optional<RobustOptions> robust;  ///< Leave out what is wrong before the work.
+  bool strict = false;                  ///< The exit code tells that a map does not fit.
+  bool covariances = false;             ///< Write them.
+  bool relations = false;               ///< Write them.
+  std::filesystem::path truth;          ///< Empty: none.
+  double most_memory_mb = 0.0;          ///< For covariances; 0: as much as the machine has.
+  int jobs = 0;                         ///< Threads; 0: as many as there are processors.
+  std::filesystem::path report;         ///< Empty: none; "-": standard output.
   bool quiet = false;
 
   bool report_on_stdout() const { return report == "-"; }
@@ -65,6 +68,8 @@ void add_solver(Subcommand& command, Options& options);
 void add_engine(Subcommand& command, Options& options);
 /// --no-verdict, --strict: the fit is tested unless it is refused.
 void add_verdict(Subcommand& command, Options& options);
+/// --robust, --confidence: wrong closures and observations of a log are left out.
+void add_robust(Subcommand& command, Options& options);
 /// --covariances, --relations, --truth, --max-memory
 void add_certainty(Subcommand& command, Options& options);
 /// --jobs, --quiet

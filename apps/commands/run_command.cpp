@@ -6,6 +6,7 @@
 #include <apps/commands/follow.hpp>
 #include <apps/commands/subcommand.hpp>
 #include <apps/picture/plotted_map.hpp>
+#include <apps/report/rejected.hpp>
 #include <apps/report/report.hpp>
 #include <functional>
 #include <mapjoin/io/files/output_file.hpp>
@@ -32,6 +33,7 @@ std::vector<std::string> names_of(const Options& options, bool has_covariances) 
   std::vector<std::string> names = {"map.g2o", "trajectory.tum", "poses.csv", "features.csv", "map.svg"};
   if (options.covariances && has_covariances) names.emplace_back("covariances.json");
   if (options.relations && has_covariances) names.emplace_back("relations.csv");
+  if (options.robust) names.insert(names.end(), {"rejected.csv", "inliers.g2o"});
   names.emplace_back("report.json");
   return names;
 }
@@ -53,6 +55,10 @@ Expected<void> write_map_files(const CommandRun& command_run, const RunResult<Di
   }
   if (options.relations && result.marginals) {
     files.emplace_back([&] { return write_relations(map, *result.marginals, folder.aside("relations.csv")); });
+  }
+  if (options.robust) {
+    files.emplace_back([&] { return write_file(folder.aside("rejected.csv"), rejected_as_csv(command_run.run_report)); });
+    files.emplace_back([&] { return write_g2o(log, folder.aside("inliers.g2o")); });
   }
   return parallel_try(files.size(), [&](std::size_t k) { return files[k](); });
 }
@@ -114,6 +120,7 @@ void declare_run(Subcommand& command) {
   add_solver(command, *options);
   add_engine(command, *options);
   add_polish(command, *options);
+  add_robust(command, *options);
   add_reading(command, *options);
   add_verdict(command, *options);
   add_certainty(command, *options);

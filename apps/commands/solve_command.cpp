@@ -34,6 +34,7 @@ void declare_solve(Subcommand& command) {
   add_schedule(command, *options);
   add_solver(command, *options);
   add_engine(command, *options);
+  add_robust(command, *options);
   add_reading(command, *options);
   add_verdict(command, *options);
   add_certainty(command, *options);

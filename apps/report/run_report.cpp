@@ -8,14 +8,13 @@
 namespace mapjoin::apps {
 namespace {
 
-template <int Dim>
-NamedMisfit named(const Misfit& misfit, const GlobalMap<Dim>& map) {
+NamedMisfit named(const Misfit& misfit, const PoseIds& poses, const FeatureIds& features) {
   NamedMisfit name{misfit, std::nullopt, PoseId()};
-  if (misfit.from != kWorld) name.from = map.pose_ids[misfit.from];
+  if (misfit.from != kWorld) name.from = poses[misfit.from];
   if (const auto* pose = std::get_if<PoseIndex>(&misfit.to)) {
-    name.to = map.pose_ids[*pose];
+    name.to = poses[*pose];
   } else {
-    name.to = map.feature_ids[std::get<FeatureIndex>(misfit.to)];
+    name.to = features[std::get<FeatureIndex>(misfit.to)];
   }
   return name;
 }
@@ -60,13 +59,18 @@ void RunReport::describe(const StoredMaps<Dim>& stored) {
 }
 
 template <int Dim>
+void RunReport::describe(const Log<Dim>& log, const std::vector<Rejected>& left_out) {
+  for (const Rejected& one : left_out) rejected.push_back({named(one.misfit, log.poses, log.features), one.why});
+}
+
+template <int Dim>
 void RunReport::describe(const RunResult<Dim>& result) {
   figures = static_cast<const RunFigures&>(result);
   options.schedule = result.schedule;
   has_local_maps = is_joined = true;
   const auto& ids = result.map.pose_ids;
   for (const PoseIndex pose : result.map.gauge) anchored.push_back(ids[pose]);
-  for (const Misfit& misfit : result.fit.misfits) misfits.push_back(named(misfit, result.map));
+  for (const Misfit& misfit : result.fit.misfits) misfits.push_back(named(misfit, ids, result.map.feature_ids));
   for (const MapFit& fit : result.maps) {
     map_bases.push_back(ids[fit.base]);
     map_ends.push_back(ids[fit.end]);
@@ -75,9 +79,15 @@ void RunReport::describe(const RunResult<Dim>& result) {
 
 std::vector<std::pair<std::string, double>> RunReport::stages() const {
   const RunSeconds& seconds = figures.seconds;
-  return {{"read", read_seconds},       {"build", seconds.build},   {"join", seconds.join},
-          {"recover", seconds.recover}, {"polish", seconds.polish}, {"covariances", seconds.covariances},
-          {"verdict", seconds.verdict}, {"write", write_seconds}};
+  return {{"read", read_seconds},
+          {"reject", robust_seconds},
+          {"build", seconds.build},
+          {"join", seconds.join},
+          {"recover", seconds.recover},
+          {"polish", seconds.polish},
+          {"covariances", seconds.covariances},
+          {"verdict", seconds.verdict},
+          {"write", write_seconds}};
 }
 
 double peak_memory_mb() {
@@ -88,10 +98,11 @@ double peak_memory_mb() {
   return static_cast<double>(usage.ru_maxrss) * 1024e-6;
 }
 
-#define MAPJOIN_INSTANTIATE(Dim)                             \
-  template void RunReport::describe(const Log<Dim>&);        \
-  template void RunReport::describe(const SubmapSet<Dim>&);  \
-  template void RunReport::describe(const StoredMaps<Dim>&); \
+#define MAPJOIN_INSTANTIATE(Dim)                                                    \
+  template void RunReport::describe(const Log<Dim>&);                               \
+  template void RunReport::describe(const SubmapSet<Dim>&);                         \
+  template void RunReport::describe(const StoredMaps<Dim>&);                        \
+  template void RunReport::describe(const Log<Dim>&, const std::vector<Rejected>&); \
   template void RunReport::describe(const RunResult<Dim>&);
 MAPJOIN_INSTANTIATE(2)
 MAPJOIN_INSTANTIATE(3)

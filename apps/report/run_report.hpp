@@ -41,6 +41,11 @@ struct NamedMisfit {
   std::variant<PoseId, FeatureId> to;
 };
 
+/// What was rejected, under the names of its log.
+struct NamedRejected : NamedMisfit {
+  WhyRejected why = WhyRejected::kContradicted;
+};
+
 struct RunReport {
   using Clock = std::chrono::steady_clock;
 
@@ -53,6 +58,9 @@ struct RunReport {
   void describe(const SubmapSet<Dim>& set);
   template <int Dim>
   void describe(const StoredMaps<Dim>& stored);
+  /// What of the input was left out, under the names of the log.
+  template <int Dim>
+  void describe(const Log<Dim>& log, const std::vector<Rejected>& left_out);
   /// The result.
   template <int Dim>
   void describe(const RunResult<Dim>& result);
@@ -74,6 +82,9 @@ struct RunReport {
   bool is_resumed = false;      ///< The iterations in `figures` are only those since a build went on.
   bool is_joined = false;       ///< and what came of joining them.
   RunFigures figures;
+  std::optional<RobustOptions> robust;  ///< Where wrong closures and observations were left out:
+  std::vector<NamedRejected> rejected;
+  double robust_seconds = 0.0;
   std::vector<PoseId> anchored;            ///< The gauge: anchored poses.
   std::vector<NamedMisfit> misfits;        ///< Of `figures.fit`.
   std::vector<PoseId> map_bases;           ///< Of `figures.maps`: the poses that they start from,

@@ -36,7 +36,7 @@ struct LinearObservation {
 
 /// W scaled by the slope of the loss at the residual (iteratively reweighted least squares).
 template <int Dim, int Dof>
-LinearObservation<Dim, Dof> weighted(const LinearTarget<Dim, Dof>& target, const Matrix<Dof>& information, Loss loss) {
+LinearObservation<Dim, Dof> weighted(const LinearTarget<Dim, Dof>& target, const Matrix<Dof>& information, const Loss& loss) {
   const LossValue value = evaluate(loss, target.residual.dot(information * target.residual));
   return {target, value.weight * information, value.cost};
 }
@@ -66,7 +66,7 @@ struct LinearMap {
     return map->information.template block<RowDof, ColDof>(map->row(static_cast<std::size_t>(s)),
                                                            map->row(static_cast<std::size_t>(t)));
   }
-  double cost(double chi2) const { return evaluate(Loss::kQuadratic, chi2).cost; }
+  double cost(double chi2) const { return evaluate(Loss{}, chi2).cost; }
 };
 
 /// The map linearised at a base and at the values of its p-th pose and f-th feature, pose_at(p) and feature_at(f).

@@ -36,7 +36,7 @@ Eigen::VectorXd residual(const LocalMap<Dim>& map, const Pose<Dim>& base, PoseAt
 /// The cost of a local map with the residual `r`; its loss is quadratic.
 template <int Dim>
 double cost(const LocalMap<Dim>& map, const Eigen::VectorXd& r) {
-  return evaluate(Loss::kQuadratic, r.dot(map.information * r)).cost;
+  return evaluate(Loss{}, r.dot(map.information * r)).cost;
 }
 
 /// The cost of a local map at given values, as for its residual.

@@ -20,7 +20,7 @@ struct PoseFactor {
   PoseIndex target = 0;
   Pose<Dim> measured;           ///< Target in the frame of the base.
   PoseMatrix<Dim> information;  ///< W, symmetric positive semidefinite (1/m², 1/(m rad), 1/rad²).
-  Loss loss = Loss::kQuadratic;
+  Loss loss = {};
 };
 
 /// The position of a feature in the frame of the pose that saw it or, from the World, a prior of a feature.
@@ -30,7 +30,7 @@ struct FeatureFactor {
   FeatureIndex target = 0;
   Point<Dim> measured;           ///< Feature in the frame of the base (m).
   PointMatrix<Dim> information;  ///< W, symmetric positive semidefinite (1/m²).
-  Loss loss = Loss::kQuadratic;
+  Loss loss = {};
 };
 
 }  // namespace mapjoin

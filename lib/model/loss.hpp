@@ -2,18 +2,23 @@
 #pragma once
 // The loss of an observation: how its cost grows with its squared Mahalanobis residual s = rᵀWr.
 
-#include <cstdint>
-#include <mapjoin/model/enum_names.hpp>
+#include <cmath>
+#include <limits>
 
 namespace mapjoin {
 
-enum class Loss : std::uint8_t {
-  kQuadratic,  ///< ρ(s) = s.
-};
+/// ρ(s): s itself up to `quadratic_to`, a constant c² from `constant_from` on, c⁴ the product of both, and between them the
+/// smooth arc 2 c √(s μ (μ + 1)) - μ (c² + s) that graduated non-convexity leads along (Yang, Antonante, Tzoumas and Carlone,
+/// "Graduated non-convexity for robust spatial perception", 2020). Least squares if nothing else is said.
+struct Loss {
+  double quadratic_to = std::numeric_limits<double>::infinity();
+  double constant_from = std::numeric_limits<double>::infinity();
 
-constexpr auto enum_names(Loss) {
-  return std::to_array<EnumName<Loss>>({{Loss::kQuadratic, "quadratic"}});
-}
+  /// Truncated least squares, min(s, c²), where `share` is 1; the smaller it is, 0 < share ≤ 1, the longer the arc:
+  /// [share·c², c²/share].
+  static Loss truncated(double c2, double share = 1.0) { return {share * c2, c2 / share}; }
+  bool operator==(const Loss&) const = default;
+};
 
 /// A loss and its slope at one s.
 struct LossValue {
@@ -21,12 +26,14 @@ struct LossValue {
   double weight = 0.0;  ///< dρ/ds, by which Gauss-Newton scales W.
 };
 
-inline LossValue evaluate(Loss loss, double s) {
-  switch (loss) {
-    case Loss::kQuadratic:
-      break;
-  }
-  return {s, 1.0};
+inline LossValue evaluate(const Loss& loss, double s) {
+  if (s <= loss.quadratic_to) return {s, 1.0};
+  const double c2 = std::sqrt(loss.quadratic_to * loss.constant_from);
+  if (s >= loss.constant_from) return {c2, 0.0};
+  const double share = std::sqrt(loss.quadratic_to / loss.constant_from);
+  const double mu = share / (1.0 - share);
+  const double root = std::sqrt(c2 * mu * (mu + 1.0));
+  return {2.0 * root * std::sqrt(s) - mu * (c2 + s), root / std::sqrt(s) - mu};
 }
 
 }  // namespace mapjoin

@@ -69,7 +69,7 @@ class AccumulateTest : public ::testing::Test {
   template <int Dof>
   void expect_single(const LinearTarget<kDim, Dof>& target, const Matrix<Dof>& W) {
     DenseSink sink({kDof, Dof});
-    const double chi2 = accumulate(weighted(target, W, Loss::kQuadratic), sink);
+    const double chi2 = accumulate(weighted(target, W, Loss{}), sink);
     Eigen::MatrixXd J(Dof, kDof + Dof);
     J << target.J_base, target.J_target;
     expect_dense(sink, chi2, J, W, target.residual);
@@ -102,10 +102,10 @@ TYPED_TEST(AccumulateTest, RowsThatWereNotMeasuredCountForNothing) {
   auto target = this->template random_target<kDof>();
   this->template expect_single<kDof>(target, W);
   DenseSink before({kDof, kDof});
-  accumulate(weighted(target, W, Loss::kQuadratic), before);
+  accumulate(weighted(target, W, Loss{}), before);
   target.residual.template tail<kRot>().array() += 17.0;
   DenseSink after({kDof, kDof});
-  accumulate(weighted(target, W, Loss::kQuadratic), after);
+  accumulate(weighted(target, W, Loss{}), after);
   EXPECT_EQ((before.g - after.g).norm(), 0.0);
 }
 

@@ -1,0 +1,60 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <apps/report/rejected.hpp>
+#include <mapjoin/io/files/text_line.hpp>
+#include <mapjoin/model/error.hpp>
+
+namespace mapjoin::apps {
+namespace {
+
+std::size_t count_of(const RunReport& run_report, PartKind kind) {
+  const auto is_kind = [kind](const NamedRejected& rejected) { return rejected.misfit.kind == kind; };
+  return static_cast<std::size_t>(std::ranges::count_if(run_report.rejected, is_kind));
+}
+
+std::string session_of(const PoseId& id) {
+  return std::to_string(id.session);
+}
+std::string session_of(const FeatureId&) {
+  return "";
+}
+
+}  // namespace
+
+std::string rejected_in_words(const RunReport& run_report) {
+  const Counts& counts = run_report.counts;
+  std::string text;
+  const auto add = [&](PartKind kind, std::size_t all) {
+    if (all == 0) return;
+    text += fmt::format("{}{} of {}", text.empty() ? "" : ", ", count_of(run_report, kind), plural(all, to_string(kind)));
+  };
+  add(PartKind::kClosure, counts.closures);
+  add(PartKind::kObservation, counts.observations);
+  if (text.empty()) return "nothing: there are no closures or observations";
+  return fmt::format("{}, with a confidence of {}", text, run_report.robust->confidence);
+}
+
+Json robust_of(const RunReport& run_report) {
+  if (!run_report.robust) return nullptr;
+  return {{"confidence", run_report.robust->confidence},
+          {"rejected", run_report.rejected.size()},
+          {"closures", count_of(run_report, PartKind::kClosure)},
+          {"observations", count_of(run_report, PartKind::kObservation)}};
+}
+
+std::string rejected_as_csv(const RunReport& run_report) {
+  std::string text = "kind,from,to,chi2,probability,why,from_session,to_session\n";
+  for (const NamedRejected& rejected : run_report.rejected) {
+    TextLine line(',');
+    line.add(to_string(rejected.misfit.kind)).add(rejected.from->key);
+    std::visit([&](const auto& to) { line.add(to.key); }, rejected.to);
+    line.add(rejected.misfit.chi2).add(rejected.misfit.probability).add(to_string(rejected.why));
+    line.add(session_of(*rejected.from));
+    line.add(std::visit([](const auto& to) { return session_of(to); }, rejected.to)).append_to(text);
+  }
+  return text;
+}
+
+}  // namespace mapjoin::apps

@@ -1,0 +1,194 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <Eigen/Cholesky>
+#include <algorithm>
+#include <cmath>
+#include <mapjoin/join/robust/closure_support.hpp>
+#include <mapjoin/measure/statistics.hpp>
+#include <mapjoin/parallel/parallel.hpp>
+#include <numbers>
+
+namespace mapjoin {
+namespace {
+
+/// The odds of a closure of which nothing is known: nine in ten may be wrong.
+const double kPriorOdds = std::log(1.0 / 9.0);
+/// The most that one loop may say for or against a closure (logarithm of odds): none decides alone.
+constexpr double kMostOfALoop = 5.0;
+/// The most that all closures between the same two stretches may say: mistaken places come in groups.
+constexpr double kMostOfACell = 3.0 * kMostOfALoop;
+/// What odometry may say against a closure.
+constexpr double kMostAgainst = 20.0;
+/// Steps of odometry in a stretch,
+constexpr std::int32_t kStretch = 25;
+/// and in a loop of two closures: longer ones tell little.
+constexpr std::int32_t kLongestLoop = 60;
+/// Rounds of the fixed point, and those in which decisions harden.
+constexpr int kRounds = 60;
+constexpr double kHardening = 20.0;
+/// Closures, from the best supported one on, by which the scale is found, and the loops that it takes.
+constexpr std::size_t kBestShare = 20;
+constexpr std::size_t kLeastLoops = 100;
+
+}  // namespace
+
+template <int Dim>
+double loop_evidence(const UncertainPose<Dim>& loop, double scale, double volume, double most) {
+  const PoseVector<Dim> v = local(Pose<Dim>{}, loop.mean);
+  const Eigen::LLT<PoseMatrix<Dim>> factor(scale * loop.covariance);
+  if (factor.info() != Eigen::Success) return 0.0;  // too long to tell
+  const double log_root_det = factor.matrixLLT().diagonal().array().log().sum();
+  const double log_normal =
+      -0.5 * v.dot(factor.solve(v)) - log_root_det - 0.5 * kPoseDof<Dim> * std::log(2.0 * std::numbers::pi);
+  return std::clamp(log_normal + std::log(volume), -most, most);
+}
+
+template <int Dim>
+ClosureSupport<Dim>::ClosureSupport(const OdometryChain<Dim>& chain, std::span<const PoseFactor<Dim>> closures)
+    : chain_(chain), volume_(chain.volume()) {
+  for (const PoseFactor<Dim>& closure : closures) {
+    const UncertainPose<Dim> measured = uncertain(closure);
+    if (closure.base < closure.target) {
+      closures_.push_back({closure.base, closure.target, measured});
+    } else {
+      closures_.push_back({closure.target, closure.base, inverse(measured)});
+    }
+  }
+  sort_into_cells();
+}
+
+template <int Dim>
+void ClosureSupport<Dim>::sort_into_cells() {
+  const auto cell_of = [](const Closure& c) { return std::pair(c.early.value / kStretch, c.late.value / kStretch); };
+  for (std::size_t k = 0; k < closures_.size(); ++k) order_.push_back(k);
+  std::ranges::stable_sort(order_, {}, [&](std::size_t k) { return cell_of(closures_[k]); });
+  for (std::size_t k = 0; k < order_.size(); ++k) {
+    Closure& closure = closures_[order_[k]];
+    if (cells_.empty() || cells_.back() != cell_of(closure)) {
+      cells_.push_back(cell_of(closure));
+      first_.push_back(k);
+    }
+    closure.cell = cells_.size() - 1;
+  }
+  first_.push_back(order_.size());
+}
+
+/// f(another closure) for all that make a loop with this one, cell by cell.
+template <int Dim>
+template <typename F>
+void ClosureSupport<Dim>::for_each_neighbour(std::size_t closure, F&& f) const {
+  constexpr std::int32_t kReach = kLongestLoop / kStretch + 1;
+  const Closure& a = closures_[closure];
+  const auto [row, column] = cells_[a.cell];
+  for (std::int32_t r = row - kReach; r <= row + kReach; ++r) {
+    const auto begin = std::ranges::lower_bound(cells_, std::pair(r, column - kReach));
+    for (auto cell = begin; cell != cells_.end() && *cell <= std::pair(r, column + kReach); ++cell) {
+      const auto place = static_cast<std::size_t>(cell - cells_.begin());
+      for (std::size_t k = first_[place]; k < first_[place + 1]; ++k) {
+        const Closure& b = closures_[order_[k]];
+        const std::int32_t steps = std::abs(a.early - b.early) + std::abs(a.late - b.late);
+        const bool is_loop = steps <= kLongestLoop && chain_.is_tied(a.early, b.early) && chain_.is_tied(a.late, b.late);
+        if (is_loop && order_[k] != closure) f(order_[k]);
+      }
+    }
+  }
+}
+
+/// From the early end of a to that of b, over b, back to the late end of a, and over a.
+template <int Dim>
+UncertainPose<Dim> ClosureSupport<Dim>::loop(const Closure& a, const Closure& b) const {
+  const UncertainPose<Dim> over_b = compose(chain_.relative(a.early, b.early), b.measured);
+  return compose(compose(over_b, chain_.relative(b.late, a.late)), inverse(a.measured));
+}
+
+template <int Dim>
+std::vector<ClosurePrior> ClosureSupport<Dim>::priors(double scale) const {
+  std::vector<ClosurePrior> priors(closures_.size(), {kPriorOdds});
+  parallel_for(priors.size(), [&](std::size_t k) {
+    const Closure& closure = closures_[k];
+    if (!chain_.is_tied(closure.early, closure.late)) return;
+    const auto loop = compose(chain_.relative(closure.early, closure.late), inverse(closure.measured));
+    priors[k].evidence += std::min(loop_evidence(loop, scale, volume_, kMostAgainst), kMostOfALoop);
+  });
+  return priors;
+}
+
+template <int Dim>
+auto ClosureSupport<Dim>::neighbours(const std::vector<ClosurePrior>& priors, double scale) const -> Neighbours {
+  Neighbours later(closures_.size());  // each pair once
+  parallel_for(closures_.size(), [&](std::size_t k) {
+    if (priors[k].is_wrong) return;
+    for_each_neighbour(k, [&](std::size_t other) {
+      if (other < k || priors[other].is_wrong) return;
+      const double evidence = loop_evidence(loop(closures_[k], closures_[other]), scale, volume_, kMostOfALoop);
+      later[k].push_back(
+          {static_cast<std::uint32_t>(other), static_cast<std::uint32_t>(closures_[other].cell), static_cast<float>(evidence)});
+    });
+  });
+  Neighbours all = later;
+  for (std::size_t k = 0; k < later.size(); ++k) {
+    const auto cell = static_cast<std::uint32_t>(closures_[k].cell);
+    for (const auto& n : later[k]) all[n.closure].push_back({static_cast<std::uint32_t>(k), cell, n.evidence});
+  }
+  parallel_for(all.size(), [&](std::size_t k) { std::ranges::stable_sort(all[k], {}, &Neighbour::cell); });
+  return all;
+}
+
+template <int Dim>
+std::vector<double> ClosureSupport<Dim>::odds(const std::vector<ClosurePrior>& priors, double scale) const {
+  const Neighbours all = neighbours(priors, scale);
+  std::vector<double> right(priors.size(), 0.5);
+  for (std::size_t k = 0; k < right.size(); ++k) {
+    if (priors[k].is_right || priors[k].is_wrong) right[k] = priors[k].is_right ? 1.0 : 0.0;
+  }
+  std::vector<double> odds(priors.size());
+  for (int round = 1; round <= kRounds; ++round) {
+    const double hardness = std::min(1.0, round / kHardening);
+    parallel_chunks(odds.size(), kObservationsPerPiece, [&](std::size_t begin, std::size_t end) {
+      for (std::size_t k = begin; k < end; ++k) {
+        odds[k] = priors[k].evidence;
+        for (auto n = all[k].begin(); n != all[k].end();) {
+          double of_cell = 0.0;
+          for (const auto cell = n->cell; n != all[k].end() && n->cell == cell; ++n) {
+            of_cell += right[n->closure] * static_cast<double>(n->evidence);
+          }
+          odds[k] += std::clamp(of_cell, -kMostOfACell, kMostOfACell);
+        }
+      }
+    });
+    for (std::size_t k = 0; k < right.size(); ++k) {
+      if (priors[k].is_right || priors[k].is_wrong) continue;
+      right[k] = 0.5 * (right[k] + 1.0 / (1.0 + std::exp(-hardness * odds[k])));
+    }
+  }
+  return odds;
+}
+
+template <int Dim>
+double ClosureSupport<Dim>::scale(const std::vector<double>& odds) const {
+  if (odds.empty()) return 1.0;
+  std::vector<double> descending = odds;
+  std::ranges::sort(descending, std::greater<>());
+  const double least = std::max(descending[descending.size() / kBestShare], 2.0 * kMostOfALoop);
+  const double expected = chi_squared_quantile(0.5, kPoseDof<Dim>);
+  std::vector<double> ratios;
+  for (std::size_t k = 0; k < odds.size(); ++k) {
+    if (odds[k] < least) continue;
+    for_each_neighbour(k, [&](std::size_t other) {
+      if (other < k || odds[other] < least) return;
+      const UncertainPose<Dim> loop = this->loop(closures_[k], closures_[other]);
+      if (loop_evidence(loop, 1.0, volume_, kMostOfALoop) <= 0.0) return;
+      const PoseVector<Dim> v = local(Pose<Dim>{}, loop.mean);
+      ratios.push_back(v.dot(loop.covariance.llt().solve(v)) / expected);
+    });
+  }
+  return ratios.size() < kLeastLoops ? 1.0 : std::min(1.0, median(std::move(ratios)));
+}
+
+#define MAPJOIN_INSTANTIATE(Dim)                                                    \
+  template double loop_evidence(const UncertainPose<Dim>&, double, double, double); \
+  template class ClosureSupport<Dim>;
+MAPJOIN_INSTANTIATE(2)
+MAPJOIN_INSTANTIATE(3)
+#undef MAPJOIN_INSTANTIATE
+
+}  // namespace mapjoin

@@ -1,0 +1,71 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+// Do closures agree with each other? Loops of odometry and two closures, before anything is solved.
+//
+// Two closures between the same two stretches of a drive make a loop with the odometry between their ends. Its mismatch v and
+// covariance Σ say how much likelier it is that both are right than that one of them points anywhere in the volume V:
+// e = ln(N(v; 0, Σ) V). Wrong closures hardly ever agree by chance, right ones always do: the probability that each is right
+// is found as the fixed point (mean field) of q_k = σ(e_k + Σ_l q_l e_kl).
+
+#include <mapjoin/join/robust/odometry_chain.hpp>
+#include <span>
+#include <vector>
+
+namespace mapjoin {
+
+/// What is known about a closure before others are asked.
+struct ClosurePrior {
+  double evidence = 0.0;  ///< That it is right: a logarithm of odds.
+  bool is_right = false;  ///< It counts as right,
+  bool is_wrong = false;  ///< or wrong, whatever the others say.
+};
+
+/// ln(N(v; 0, Σ) V) for the mismatch v of a loop that should be the identity, between -most and most; `scale` multiplies Σ.
+template <int Dim>
+double loop_evidence(const UncertainPose<Dim>& loop, double scale, double volume, double most);
+
+/// The evidence that closures of a log give for each other.
+template <int Dim>
+class ClosureSupport {
+ public:
+  /// The closures of `log`, which, as `chain`, must stay.
+  ClosureSupport(const OdometryChain<Dim>& chain, std::span<const PoseFactor<Dim>> closures);
+
+  /// What odometry alone says of each closure where all covariances are multiplied by `scale`.
+  std::vector<ClosurePrior> priors(double scale) const;
+  /// Logarithms of the odds that each closure is right, given `priors`.
+  std::vector<double> odds(const std::vector<ClosurePrior>& priors, double scale) const;
+  /// By how much covariances are too cautious: the median of the squared mismatches of loops of two of the best supported
+  /// closures over what it should be; 1 where there are too few loops, and where it is more.
+  double scale(const std::vector<double>& odds) const;
+  double volume() const { return volume_; }
+
+ private:
+  struct Closure {
+    PoseIndex early;              ///< The end that was driven first,
+    PoseIndex late;               ///< and the other one,
+    UncertainPose<Dim> measured;  ///< in its frame.
+    std::size_t cell = 0;
+  };
+  struct Neighbour {
+    std::uint32_t closure;
+    std::uint32_t cell;
+    float evidence;
+  };
+  using Neighbours = std::vector<std::vector<Neighbour>>;
+
+  void sort_into_cells();
+  template <typename F>
+  void for_each_neighbour(std::size_t closure, F&& f) const;
+  UncertainPose<Dim> loop(const Closure& a, const Closure& b) const;
+  Neighbours neighbours(const std::vector<ClosurePrior>& priors, double scale) const;
+
+  const OdometryChain<Dim>& chain_;
+  double volume_;
+  std::vector<Closure> closures_;
+  std::vector<std::pair<std::int32_t, std::int32_t>> cells_;  // ascending
+  std::vector<std::size_t> first_;                            // of each cell in order_, and the end
+  std::vector<std::size_t> order_;                            // closures cell by cell
+};
+
+}  // namespace mapjoin

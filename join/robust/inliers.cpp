@@ -1,0 +1,281 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <algorithm>
+#include <cmath>
+#include <functional>
+#include <limits>
+#include <mapjoin/check/connectivity.hpp>
+#include <mapjoin/graph/graph.hpp>
+#include <mapjoin/join/robust/closure_support.hpp>
+#include <mapjoin/join/robust/gates.hpp>
+#include <mapjoin/join/robust/inliers.hpp>
+#include <mapjoin/join/robust/predictions.hpp>
+#include <mapjoin/join/robust/truncated_join.hpp>
+#include <mapjoin/join/run.hpp>
+#include <mapjoin/measure/statistics.hpp>
+#include <mapjoin/parallel/parallel.hpp>
+#include <utility>
+
+namespace mapjoin {
+namespace {
+
+/// The first map is made of closures of this share of the odds (logarithm) that so many have at least. The odds asked for fall
+/// by a ratio from map to map, to the least.
+constexpr double kFirstShare = 0.6;
+constexpr std::size_t kBest = 20;
+constexpr double kOddsRatio = 3.0;
+constexpr double kLeastOdds = 3.0;
+/// What a map may say against a closure, and for it (logarithms of odds).
+constexpr double kMostAgainst = 20.0;
+constexpr double kMostFor = 5.0;
+/// Landing places of predictions.
+constexpr std::size_t kMostPlaces = 100;
+constexpr std::size_t kPosesAPlace = 8;
+/// Steps of the join that the first map starts from: truncated losses go on from there.
+constexpr int kStartSteps = 1;
+/// Times that a map is settled anew without what it showed to be wrong.
+constexpr int kMostDrops = 10;
+
+/// The log with some of its closures, ascending.
+template <int Dim>
+Log<Dim> with_closures(const Log<Dim>& log, const std::vector<std::size_t>& chosen) {
+  Log<Dim> some = log;
+  auto& factors = some.graph.pose_factors;
+  factors.assign(log.odometry().begin(), log.odometry().end());
+  for (const std::size_t k : chosen) factors.push_back(log.closures()[k]);
+  factors.insert(factors.end(), log.pose_priors().begin(), log.pose_priors().end());
+  return some;
+}
+
+/// The closures that are chosen and, where these leave the log in parts, the best of the others that tie them together.
+template <int Dim>
+std::vector<std::size_t> tied_together(const Log<Dim>& log, const std::vector<double>& odds, std::vector<bool> is_chosen) {
+  constexpr Vertex kWorldVertex = 0;
+  const auto pose = [&](PoseIndex p) { return p == kWorld ? kWorldVertex : static_cast<Vertex>(1 + p.value); };
+  const auto feature = [&](FeatureIndex f) { return static_cast<Vertex>(1 + log.poses.size()) + static_cast<Vertex>(f.value); };
+  std::vector<Edge> edges;
+  for (const auto* factors : {&log.graph.pose_factors}) {
+    for (const auto& o : *factors) edges.emplace_back(pose(o.base), pose(o.target));
+  }
+  std::erase_if(edges, [&, k = std::size_t{0}](const Edge&) mutable {
+    const std::size_t closure = k++ - log.odometry().size();
+    return closure < is_chosen.size() && !is_chosen[closure];
+  });
+  for (const auto& o : log.graph.feature_factors) edges.emplace_back(pose(o.base), feature(o.target));
+  for (const auto& fixed : log.graph.fixed) edges.emplace_back(kWorldVertex, pose(fixed.pose));
+  const std::size_t first_other = edges.size();
+  std::vector<std::size_t> others;
+  for (std::size_t k = 0; k < is_chosen.size(); ++k) {
+    if (!is_chosen[k]) others.push_back(k);
+  }
+  std::ranges::stable_sort(others, std::greater<>(), [&](std::size_t k) { return odds[k]; });
+  for (const std::size_t k : others) edges.emplace_back(pose(log.closures()[k].base), pose(log.closures()[k].target));
+  for (const Reached& reached : spanning_forest(1 + log.poses.size() + log.features.size(), edges, {pose(0), kWorldVertex})) {
+    if (reached.edge && *reached.edge >= first_other) is_chosen[others[*reached.edge - first_other]] = true;
+  }
+  std::vector<std::size_t> chosen;
+  for (std::size_t k = 0; k < is_chosen.size(); ++k) {
+    if (is_chosen[k]) chosen.push_back(k);
+  }
+  return chosen;
+}
+
+/// What is known of a closure.
+enum class Standing : std::uint8_t { kOpen, kKept, kDropped };
+
+template <int Dim>
+class InlierSearch {
+ public:
+  InlierSearch(const Log<Dim>& log, const RobustOptions& options, const std::stop_token& stop)
+      : log_(log),
+        options_(options),
+        stop_(stop),
+        chain_(log),
+        support_(chain_, log.closures()),
+        standing_(log.closures().size(), Standing::kOpen),
+        chi2_(log.closures().size(), 0.0) {
+    const double p = 1.0 - (1.0 - options.confidence) / std::max(1.0, doubtful());
+    widest_ = {chi_squared_quantile(p, kPoseDof<Dim>), chi_squared_quantile(p, Dim)};
+  }
+
+  Expected<Inliers<Dim>> all() {
+    screen();
+    for (double least = first_odds(); least > -std::numeric_limits<double>::infinity(); least = next(least)) {
+      if (const auto done = round(least); !done) return tl::unexpected(done.error());
+    }
+    is_last_ = true;
+    if (const auto done = round(-std::numeric_limits<double>::infinity()); !done) return tl::unexpected(done.error());
+    return inliers();
+  }
+
+ private:
+  static double next(double least) {
+    if (least <= kLeastOdds) return -std::numeric_limits<double>::infinity();
+    return std::max(least / kOddsRatio, kLeastOdds);
+  }
+
+  /// What odometry and closures say of each other.
+  void screen() {
+    priors_ = support_.priors(1.0);
+    odds_ = support_.odds(priors_, 1.0);
+    scale_.closures = support_.scale(odds_);
+    priors_ = support_.priors(scale_.closures);
+    odds_ = support_.odds(priors_, scale_.closures);
+  }
+
+  double first_odds() const {
+    std::vector<double> descending = odds_;
+    std::ranges::sort(descending, std::greater<>());
+    if (descending.empty()) return kLeastOdds;
+    return kFirstShare * descending[std::min(kBest, descending.size() - 1)];
+  }
+
+  /// Closures, ascending, for the next map: those kept, open ones of at least such odds and, where these leave the log in
+  /// parts, the best others that tie them together.
+  std::vector<std::size_t> candidates(double least) const {
+    const double gate = is_last_ ? last_gates().closures : 0.0;
+    std::vector<bool> is_chosen(standing_.size());
+    for (std::size_t k = 0; k < standing_.size(); ++k) {
+      const bool is_open = is_last_ ? chi2_[k] < gate : standing_[k] == Standing::kOpen && odds_[k] > least;
+      is_chosen[k] = standing_[k] == Standing::kKept || is_open;
+    }
+    return tied_together(log_, odds_, std::move(is_chosen));
+  }
+
+  /// Makes the map of the candidates, and lets it judge all closures.
+  Expected<void> round(double least) {
+    const std::vector<std::size_t> chosen = candidates(least);
+    if (!is_last_ && chosen == chosen_) return {};
+    const Log<Dim> some = with_closures(log_, chosen);
+    if (const auto done = start(some); !done) return done;
+    TruncatedJoin<Dim> join(some, values_, observations_count_, options_.engine);
+    OfKinds gates = is_last_ ? last_gates() : this->gates();
+    join.graduate(gates, stop_);
+    for (int drops = 0; drops < kMostDrops; ++drops) {
+      join.settle(stop_);
+      if (stop_.stop_requested()) return tl::unexpected(Error{ErrorKind::kInterrupted, "interrupted while rejecting"});
+      scale_ = {scale_of(join.closure_tests(), kPoseDof<Dim>), scale_of(join.observation_tests(), Dim)};
+      if (!is_last_) gates = this->gates();
+      const bool is_readmitted = drops == 0 && join.readmit_observations(gates.observations);
+      if (!join.drop(gates) && !is_readmitted) break;
+    }
+    values_ = join.system().estimate();
+    observations_count_ = join.observations_count();
+    observation_tests_.assign(join.observation_tests().begin(), join.observation_tests().end());
+    judge(chosen, join);
+    chosen_ = chosen;
+    return {};
+  }
+
+  OfKinds gates() const { return {scale_.closures * widest_.closures, scale_.observations * widest_.observations}; }
+
+  /// Those of the last round, which tries all again that was rejected.
+  OfKinds last_gates() const {
+    std::vector<double> tests;
+    for (std::size_t k = 0; k < standing_.size(); ++k) {
+      if (standing_[k] != Standing::kKept) tests.push_back(chi2_[k]);
+    }
+    return {gate_among(std::move(tests), gates().closures, widest_.closures, kPoseDof<Dim>), widest_.observations};
+  }
+
+  /// An estimate for the log: the last one, or a join of its own.
+  Expected<void> start(const Log<Dim>& some) {
+    if (!values_.poses.empty()) return {};
+    RunOptions options = without_verdict();
+    options.schedule = Schedule::kAligned;
+    options.solver.max_iterations = kStartSteps;
+    options.solver.engine = options_.engine;
+    auto joined = solve(some, options, stop_);
+    if (!joined) return tl::unexpected(joined.error());
+    values_ = {std::move(joined->map.poses), std::move(joined->map.features)};
+    return {};
+  }
+
+  void judge(const std::vector<std::size_t>& chosen, const TruncatedJoin<Dim>& join) {
+    const std::size_t places = std::min(kMostPlaces, 1 + log_.poses.size() / kPosesAPlace);
+    const Predictions<Dim> predictions(join.system(), join.marginals(), places);
+    const double gate = gates().closures;
+    parallel_for(standing_.size(), [&](std::size_t k) {
+      const UncertainPose<Dim> mismatch = predictions.mismatch(log_.closures()[k]);
+      const PoseVector<Dim> v = local(Pose<Dim>{}, mismatch.mean);
+      chi2_[k] = v.dot(mismatch.covariance.llt().solve(v));
+      standing_[k] = chi2_[k] < gate ? Standing::kOpen : Standing::kDropped;
+      priors_[k] = {-std::log(9.0) +
+                    std::min(loop_evidence(mismatch, scale_.closures, support_.volume(), kMostAgainst), kMostFor)};
+    });
+    for (std::size_t c = 0; c < chosen.size(); ++c) {
+      if (join.counts(c)) standing_[chosen[c]] = Standing::kKept;
+    }
+    for (std::size_t k = 0; k < standing_.size(); ++k) {
+      priors_[k].is_right = standing_[k] == Standing::kKept;
+      priors_[k].is_wrong = standing_[k] == Standing::kDropped;
+    }
+    odds_ = support_.odds(priors_, scale_.closures);
+  }
+
+  Inliers<Dim> inliers() const {
+    Inliers<Dim> found;
+    const auto reject = [&](PartKind kind, const auto& factor, double chi2, int rows, double widest) {
+      const double tail = doubtful() * chi_squared_upper_tail(chi2, rows);
+      found.rejected.push_back({{kind, factor.base, factor.target, chi2, rows, std::min(1.0, tail)},
+                                chi2 < widest ? WhyRejected::kCrowded : WhyRejected::kContradicted});
+    };
+    std::vector<std::size_t> kept;
+    for (std::size_t k = 0; k < standing_.size(); ++k) {
+      if (standing_[k] == Standing::kKept) {
+        kept.push_back(k);
+      } else {
+        reject(PartKind::kClosure, log_.closures()[k], chi2_[k], kPoseDof<Dim>, widest_.closures);
+      }
+    }
+    found.log = with_closures(log_, kept);
+    auto& factors = found.log.graph.feature_factors;
+    factors.clear();
+    for (std::size_t k = 0; k < log_.observations().size(); ++k) {
+      const FeatureFactor<Dim>& observation = log_.observations()[k];
+      if (observations_count_[k]) {
+        factors.push_back(observation);
+      } else {
+        reject(PartKind::kObservation, observation, observation_tests_[k].chi2, Dim, widest_.observations);
+      }
+    }
+    factors.insert(factors.end(), log_.feature_priors().begin(), log_.feature_priors().end());
+    return found;
+  }
+
+  double doubtful() const { return static_cast<double>(log_.closures().size() + log_.observations().size()); }
+
+  const Log<Dim>& log_;
+  const RobustOptions& options_;
+  const std::stop_token& stop_;
+  OdometryChain<Dim> chain_;
+  ClosureSupport<Dim> support_;
+  OfKinds widest_;  // what the confidence allows
+  OfKinds scale_{1.0, 1.0};
+  std::vector<ClosurePrior> priors_;
+  std::vector<double> odds_;
+  std::vector<Standing> standing_;
+  std::vector<double> chi2_;  // of each closure's prediction
+  Values<Dim> values_;
+  std::vector<bool> observations_count_;
+  std::vector<PartTest> observation_tests_;
+  std::vector<std::size_t> chosen_;  // of the last map
+  bool is_last_ = false;
+};
+
+}  // namespace
+
+std::vector<std::string> RobustOptions::validate() const {
+  if (confidence > 0.0 && confidence < 1.0) return {};
+  return {"the confidence must be between 0 and 1"};
+}
+
+template <int Dim>
+Expected<Inliers<Dim>> find_inliers(const Log<Dim>& log, const RobustOptions& options, const std::stop_token& stop) {
+  demand_valid(options);
+  return check_connected(log).and_then([&] { return InlierSearch<Dim>(log, options, stop).all(); });
+}
+
+template Expected<Inliers<2>> find_inliers(const Log<2>&, const RobustOptions&, const std::stop_token&);
+template Expected<Inliers<3>> find_inliers(const Log<3>&, const RobustOptions&, const std::stop_token&);
+
+}  // namespace mapjoin

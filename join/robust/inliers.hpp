@@ -1,0 +1,51 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+// Robust joining: closures and observations that are wrong are found and left out, without an initial value.
+
+#include <mapjoin/join/fit/goodness_of_fit.hpp>
+#include <mapjoin/join/join.hpp>
+#include <mapjoin/model/log.hpp>
+#include <stop_token>
+#include <string>
+#include <vector>
+
+namespace mapjoin {
+
+struct RobustOptions {
+  double confidence = 0.99;  ///< The probability that nothing right is rejected in the whole log; in (0, 1).
+  Engine engine = Engine::kFronts;
+
+  /// Every violation in words; empty if there is none.
+  std::vector<std::string> validate() const;
+};
+
+enum class WhyRejected : std::uint8_t {
+  kContradicted,  ///< It is farther from what all others say than its covariance allows.
+  kCrowded,       ///< Its covariance would allow it, but not how closely others fit, and wrong ones lie as near.
+};
+constexpr auto enum_names(WhyRejected) {
+  return std::to_array<EnumName<WhyRejected>>(
+      {{WhyRejected::kContradicted, "contradicted"}, {WhyRejected::kCrowded, "crowded"}});
+}
+
+/// A closure or an observation of a log that was left out. Its chi2 is the squared Mahalanobis distance from its prediction by
+/// what was kept, not scaled; the probability is that of any closure or observation of the log.
+struct Rejected {
+  Misfit misfit;
+  WhyRejected why = WhyRejected::kContradicted;
+};
+
+template <int Dim>
+struct Inliers {
+  Log<Dim> log;                    ///< Without what was rejected.
+  std::vector<Rejected> rejected;  ///< Closures, then observations, in the order of the log.
+};
+
+/// Finds the closures and observations that do not agree with the others: closures are judged by the loops that they make with
+/// each other and with odometry (ClosureSupport), the best supported ones are joined with truncated losses (TruncatedJoin), and
+/// the map that comes of it judges all others, in rounds, the last of which tries every rejected one again. Odometry and priors
+/// are believed. Bad input: a log that falls apart; kInterrupted on `stop`. The same for any number of threads.
+template <int Dim>
+Expected<Inliers<Dim>> find_inliers(const Log<Dim>& log, const RobustOptions& options, const std::stop_token& stop = {});
+
+}  // namespace mapjoin

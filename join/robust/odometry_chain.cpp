@@ -1,0 +1,112 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <Eigen/Cholesky>
+#include <Eigen/LU>
+#include <algorithm>
+#include <mapjoin/join/robust/odometry_chain.hpp>
+#include <numbers>
+#include <utility>
+
+namespace mapjoin {
+namespace {
+
+/// What is not measured is taken to be measured with this share of the largest information of the observation.
+constexpr double kLeastInformation = 1e-9;
+
+/// ∂(step of the pose, as retract() takes it)/∂(twist on its left).
+template <int Dim>
+PoseMatrix<Dim> step_of_twist(const Pose<Dim>& pose) {
+  constexpr int kRot = kRotationDof<Dim>;
+  PoseMatrix<Dim> J = PoseMatrix<Dim>::Identity();
+  J.template topRightCorner<Dim, kRot>() = J_turned_rotation(pose.translation);
+  if constexpr (Dim == 3) J.template bottomRightCorner<kRot, kRot>() = pose.rotation.matrix().transpose();
+  return J;
+}
+
+}  // namespace
+
+template <int Dim>
+PoseMatrix<Dim> adjoint(const Pose<Dim>& pose) {
+  constexpr int kRot = kRotationDof<Dim>;
+  const PointMatrix<Dim> R = pose.rotation.matrix();
+  PoseMatrix<Dim> Ad = PoseMatrix<Dim>::Identity();
+  Ad.template topLeftCorner<Dim, Dim>() = R;
+  Ad.template topRightCorner<Dim, kRot>() = -J_turned_rotation(pose.translation);
+  if constexpr (Dim == 3) {
+    Ad.template topRightCorner<Dim, kRot>() *= R;
+    Ad.template bottomRightCorner<kRot, kRot>() = R;
+  }
+  return Ad;
+}
+
+template <int Dim>
+UncertainPose<Dim> compose(const UncertainPose<Dim>& a, const UncertainPose<Dim>& b) {
+  const PoseMatrix<Dim> Ad = adjoint(a.mean);
+  return {compose(a.mean, b.mean), a.covariance + Ad * b.covariance * Ad.transpose()};
+}
+
+template <int Dim>
+UncertainPose<Dim> inverse(const UncertainPose<Dim>& a) {
+  const Pose<Dim> mean = inverse(a.mean);
+  const PoseMatrix<Dim> Ad = adjoint(mean);
+  return {mean, Ad * a.covariance * Ad.transpose()};
+}
+
+template <int Dim>
+PoseMatrix<Dim> covariance_of(const PoseFactor<Dim>& observation) {
+  PoseMatrix<Dim> W = observation.information;
+  const double most = W.diagonal().maxCoeff();
+  W.diagonal().array() += kLeastInformation * (most > 0.0 ? most : 1.0);
+  return W.llt().solve(PoseMatrix<Dim>::Identity());
+}
+
+template <int Dim>
+UncertainPose<Dim> uncertain(const PoseFactor<Dim>& observation) {
+  const PoseMatrix<Dim> J = step_of_twist(observation.measured).inverse();
+  return {observation.measured, J * covariance_of(observation) * J.transpose()};
+}
+
+template <int Dim>
+OdometryChain<Dim>::OdometryChain(const Log<Dim>& log) : sessions_(log.poses.size()), poses_(log.poses.size()) {
+  for (std::size_t k = 0; k < log.sessions.size(); ++k) {
+    for (PoseIndex p = log.sessions[k].begin; p < log.sessions[k].end; ++p) sessions_[p] = k;
+  }
+  PoseIndex reached = 0;  // of repeated edges the first one counts
+  for (const PoseFactor<Dim>& edge : log.odometry()) {
+    const auto [before, after] = std::minmax(edge.base, edge.target);
+    if (after <= reached) continue;
+    reached = after;
+    const UncertainPose<Dim> step = edge.base == before ? uncertain(edge) : inverse(uncertain(edge));
+    poses_[after] = compose(poses_[before], step);
+  }
+}
+
+template <int Dim>
+UncertainPose<Dim> OdometryChain<Dim>::relative(PoseIndex base, PoseIndex target) const {
+  const auto [before, after] = std::minmax(base, target);
+  const Pose<Dim> to_base = inverse(poses_[base].mean);
+  const PoseMatrix<Dim> Ad = adjoint(to_base);
+  return {compose(to_base, poses_[target].mean), Ad * (poses_[after].covariance - poses_[before].covariance) * Ad.transpose()};
+}
+
+template <int Dim>
+double OdometryChain<Dim>::volume() const {
+  std::vector<Eigen::AlignedBox<double, Dim>> boxes(sessions_.empty() ? 0 : sessions_.back() + 1);
+  for (const PoseIndex p : indices(poses_)) boxes[sessions_[p]].extend(poses_[p].mean.translation);
+  double largest = 0.0;
+  for (const auto& box : boxes) largest = std::max(largest, box.sizes().cwiseMax(1.0).prod());
+  constexpr double kPi = std::numbers::pi;
+  return largest * (Dim == 2 ? 2.0 * kPi : 8.0 * kPi * kPi);
+}
+
+#define MAPJOIN_INSTANTIATE(Dim)                                                             \
+  template PoseMatrix<Dim> adjoint(const Pose<Dim>&);                                        \
+  template UncertainPose<Dim> compose(const UncertainPose<Dim>&, const UncertainPose<Dim>&); \
+  template UncertainPose<Dim> inverse(const UncertainPose<Dim>&);                            \
+  template PoseMatrix<Dim> covariance_of(const PoseFactor<Dim>&);                            \
+  template UncertainPose<Dim> uncertain(const PoseFactor<Dim>&);                             \
+  template class OdometryChain<Dim>;
+MAPJOIN_INSTANTIATE(2)
+MAPJOIN_INSTANTIATE(3)
+#undef MAPJOIN_INSTANTIATE
+
+}  // namespace mapjoin

@@ -1,0 +1,52 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+// Dead reckoning with its covariance: how odometry alone relates any two poses of a session, in constant time.
+
+#include <mapjoin/geometry/pose.hpp>
+#include <mapjoin/model/ids.hpp>
+#include <mapjoin/model/log.hpp>
+
+namespace mapjoin {
+
+/// A relative pose T = Exp(ξ) T̂ with the covariance of ξ, a twist (translation, then rotation) in the frame of the base. In
+/// this form covariances add up along a chain: those of a product a b are Σ_a + Ad(a) Σ_b Ad(a)ᵀ (to first order).
+template <int Dim>
+struct UncertainPose {
+  Pose<Dim> mean;
+  PoseMatrix<Dim> covariance = PoseMatrix<Dim>::Zero();
+};
+
+/// The matrix Ad of a pose: T Exp(ξ) = Exp(Ad ξ) T.
+template <int Dim>
+PoseMatrix<Dim> adjoint(const Pose<Dim>& pose);
+template <int Dim>
+UncertainPose<Dim> compose(const UncertainPose<Dim>& a, const UncertainPose<Dim>& b);
+template <int Dim>
+UncertainPose<Dim> inverse(const UncertainPose<Dim>& a);
+/// The covariance of an observation, of steps as retract() takes them; of what it does not measure large, but finite.
+template <int Dim>
+PoseMatrix<Dim> covariance_of(const PoseFactor<Dim>& observation);
+/// The measurement of an observation.
+template <int Dim>
+UncertainPose<Dim> uncertain(const PoseFactor<Dim>& observation);
+
+/// The poses of a log as its odometry composes them, each session from the origin on.
+template <int Dim>
+class OdometryChain {
+ public:
+  explicit OdometryChain(const Log<Dim>& log);
+
+  /// Whether odometry leads from one pose to the other.
+  bool is_tied(PoseIndex a, PoseIndex b) const { return sessions_[a] == sessions_[b]; }
+  /// `target` in the frame of `base`; they must be tied.
+  UncertainPose<Dim> relative(PoseIndex base, PoseIndex target) const;
+  /// The volume that relative poses between poses of the log may lie in: of the box around the largest session (m, at least 1
+  /// along every axis) times that of all rotations.
+  double volume() const;
+
+ private:
+  Table<PoseIndex, std::size_t> sessions_;
+  Table<PoseIndex, UncertainPose<Dim>> poses_;  // in the frame of the first pose of the session
+};
+
+}  // namespace mapjoin

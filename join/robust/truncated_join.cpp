@@ -1,0 +1,217 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <Eigen/LU>
+#include <algorithm>
+#include <functional>
+#include <mapjoin/join/align/joined_map.hpp>
+#include <mapjoin/join/align/start.hpp>
+#include <mapjoin/join/robust/truncated_join.hpp>
+#include <mapjoin/localmap/split.hpp>
+#include <mapjoin/parallel/parallel.hpp>
+#include <mapjoin/solve/minimise.hpp>
+#include <utility>
+
+namespace mapjoin {
+namespace {
+
+/// The control of graduated non-convexity, μ, grows by this factor a round (Yang and others, 2020); it ends where the loss is
+/// cut off this sharply.
+constexpr double kGrowth = 2.0;
+constexpr double kSharp = 0.98;
+/// The loss begins no wider than this: what is so far out is out.
+constexpr double kLeastShare = 0.02;
+/// Steps with all that count, before losses are cut off at all,
+constexpr int kFirstSteps = 5;
+/// and of a round: the next loss asks for no more.
+constexpr int kStepsARound = 2;
+/// Decrease of chi2 (share) that a settled estimate is good for.
+constexpr double kSettled = 1e-6;
+/// A feature all of whose observations are dropped stays where it is by this share of their information.
+constexpr double kWeakShare = 1e-9;
+/// What does not count.
+constexpr Loss kDropped{0.0, 0.0};
+
+}  // namespace
+
+template <int Dim>
+TruncatedJoin<Dim>::TruncatedJoin(Log<Dim> log, const Values<Dim>& start, const std::vector<bool>& observations_count,
+                                  Engine engine)
+    : log_(std::move(log)), counts_(log_.closures().size() + log_.observations().size(), true), tests_(counts_.size()) {
+  std::copy(observations_count.begin(), observations_count.end(),
+            counts_.begin() + static_cast<std::ptrdiff_t>(closure_count()));
+  take_weak_priors(start);
+  graph_ = submap_graph_of(log_, split(log_, {SplitRule::kPoses, 1.0}), {});
+  PartialMap<Dim> joined_map = joined_map_of(graph_);
+  set_to_values(start, joined_map);
+  system_.emplace(joined_map, gauge_of(graph_, joined_map), engine);
+  find_factors();
+}
+
+template <int Dim>
+void TruncatedJoin<Dim>::find_factors() {
+  factors_.resize(counts_.size());
+  std::size_t factor = 0;
+  const auto find = [&](const auto& placed, const auto& doubtful, std::size_t first) {
+    for (const auto& o : placed) {
+      const auto k = static_cast<std::size_t>(o.observation - doubtful.data());
+      if (!std::less<>()(o.observation, doubtful.data()) && k < doubtful.size()) factors_[first + k] = factor;
+      ++factor;
+    }
+  };
+  find(system_->pose_factors(), log_.closures(), 0);
+  find(system_->feature_factors(), log_.observations(), closure_count());
+}
+
+/// Holds every feature weakly, and the map where nothing else does.
+template <int Dim>
+void TruncatedJoin<Dim>::take_weak_priors(const Values<Dim>& start) {
+  const bool is_held = !log_.graph.fixed.empty() || !log_.pose_priors().empty() || !log_.feature_priors().empty();
+  if (!is_held) log_.graph.fixed.push_back({0, start.poses.front()});
+  Table<FeatureIndex, PointMatrix<Dim>> information(log_.features.size(), PointMatrix<Dim>::Zero());
+  for (const auto& o : log_.observations()) {
+    const PointMatrix<Dim> R = start.poses[o.base].rotation.matrix();
+    information[o.target] += kWeakShare * R * o.information * R.transpose();
+  }
+  for (const FeatureIndex f : indices(information)) {
+    log_.graph.feature_factors.push_back({kWorld, f, start.features[f], information[f], {}});
+  }
+}
+
+/// f(a doubtful factor, its number, its kind).
+template <int Dim>
+template <typename F>
+void TruncatedJoin<Dim>::for_each_doubtful(F&& f) {
+  std::size_t k = 0;
+  const std::size_t first_closure = log_.odometry().size();
+  for (std::size_t c = 0; c < closure_count(); ++c) f(log_.graph.pose_factors[first_closure + c], k++, &OfKinds::closures);
+  const std::size_t observations = counts_.size() - closure_count();
+  for (std::size_t o = 0; o < observations; ++o) f(log_.graph.feature_factors[o], k++, &OfKinds::observations);
+}
+
+template <int Dim>
+void TruncatedJoin<Dim>::set_losses(const Loss& counting) {
+  for_each_doubtful([&](auto& factor, std::size_t k, auto) { factor.loss = counts_[k] ? counting : kDropped; });
+}
+
+template <int Dim>
+std::vector<double> TruncatedJoin<Dim>::excess(const OfKinds& thresholds) {
+  std::vector<double> excess(counts_.size());
+  const Values<Dim>& values = system_->estimate();
+  set_losses({});
+  for_each_doubtful([&]<typename Factor>(Factor& factor, std::size_t k, double OfKinds::*kind) {
+    const Pose<Dim>& base = values.poses[factor.base];
+    if constexpr (std::is_same_v<Factor, PoseFactor<Dim>>) {
+      excess[k] = cost(factor, base, values.poses[factor.target]) / thresholds.*kind;
+    } else {
+      excess[k] = cost(factor, base, values.features[factor.target]) / thresholds.*kind;
+    }
+  });
+  return excess;
+}
+
+template <int Dim>
+double TruncatedJoin<Dim>::largest_excess(const OfKinds& thresholds) {
+  const std::vector<double> excess = this->excess(thresholds);
+  return excess.empty() ? 0.0 : std::ranges::max(excess);
+}
+
+template <int Dim>
+void TruncatedJoin<Dim>::graduate(const OfKinds& thresholds, const std::stop_token& stop) {
+  MinimiseOptions solver;
+  solver.relative_chi2 = kSettled;
+  solver.max_iterations = kFirstSteps;
+  set_losses({});
+  minimise(*system_, solver, stop);
+  solver.max_iterations = kStepsARound;
+  const double first = std::max(0.5 / largest_excess(thresholds), kLeastShare);
+  for (double share = first; share < kSharp && largest_excess(thresholds) > 1.0 && !stop.stop_requested();) {
+    for_each_doubtful([&](auto& factor, std::size_t k, double OfKinds::*kind) {
+      factor.loss = counts_[k] ? Loss::truncated(thresholds.*kind, share) : kDropped;
+    });
+    minimise(*system_, solver, stop);
+    const double mu = kGrowth * share / (1.0 - share);
+    share = mu / (1.0 + mu);
+  }
+  const std::vector<double> excess = this->excess(thresholds);
+  for (std::size_t k = 0; k < counts_.size(); ++k) counts_[k] = counts_[k] && excess[k] < 1.0;
+}
+
+template <int Dim>
+void TruncatedJoin<Dim>::settle(const std::stop_token& stop) {
+  set_losses({});
+  MinimiseOptions solver;
+  solver.relative_chi2 = kSettled;
+  marginals_.reset();
+  minimise(*system_, solver, stop);
+  system_->linearise();
+  if (system_->factorise(0.0) || stop.stop_requested()) return;
+  marginals_.emplace(system_->equations());
+  const LeaveOneOut<Dim> leave_one_out(*system_, system_->equations(), *marginals_);
+  for_each_doubtful([](auto& factor, std::size_t, auto) { factor.loss = {}; });  // tests are of the measurements as they are
+  parallel_chunks(counts_.size(), kObservationsPerPiece, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t k = begin; k < end; ++k) {
+      tests_[k] = counts_[k] ? leave_one_out.test({factors_[k], 0, system_->rows(factors_[k])}) : prediction(k);
+    }
+  });
+}
+
+/// The squared Mahalanobis distance rᵀ (W⁻¹ + J P Jᵀ)⁻¹ r of a factor that does not count. As W may be singular, by
+/// (W⁻¹ + J P Jᵀ)⁻¹ = W - W J (I + P Jᵀ W J)⁻¹ P Jᵀ W.
+template <int Dim>
+PartTest TruncatedJoin<Dim>::prediction(std::size_t doubtful) const {
+  const NormalEquations& equations = system_->equations();
+  const auto ends = equations.pattern().factors[factors_[doubtful]];  // base and target
+  return system_->with_linear_factor(factors_[doubtful], [&](const auto& linear) -> PartTest {
+    if constexpr (requires { linear.target; }) {
+      std::vector<Variable> variables;
+      Eigen::MatrixXd J(linear.W.rows(), 0);
+      const auto append = [&](Variable v, const auto& J_of_variable) {
+        if (v == kConstant) return;
+        variables.push_back(v);
+        J.conservativeResize(Eigen::NoChange, J.cols() + J_of_variable.cols());
+        J.rightCols(J_of_variable.cols()) = J_of_variable;
+      };
+      append(ends[0], linear.target.J_base);
+      append(ends[1], linear.target.J_target);
+      const Eigen::MatrixXd P = marginals_->joint(variables);
+      const Eigen::VectorXd Wr = linear.W * linear.target.residual;
+      const Eigen::MatrixXd to_ends = Eigen::MatrixXd::Identity(P.rows(), P.cols()) + P * J.transpose() * linear.W * J;
+      const Eigen::VectorXd shift = to_ends.partialPivLu().solve(P * (J.transpose() * Wr));
+      return {linear.target.residual.dot(Wr) - Wr.dot(J * shift), static_cast<int>(J.rows()), 0.0};
+    } else {
+      return {};
+    }
+  });
+}
+
+template <int Dim>
+bool TruncatedJoin<Dim>::drop(const OfKinds& thresholds) {
+  bool any = false;
+  for (std::size_t k = 0; k < counts_.size(); ++k) {
+    const double threshold = k < closure_count() ? thresholds.closures : thresholds.observations;
+    if (!counts_[k] || tests_[k].chi2 < threshold) continue;
+    counts_[k] = false;
+    any = true;
+  }
+  return any;
+}
+
+template <int Dim>
+bool TruncatedJoin<Dim>::readmit_observations(double threshold) {
+  bool any = false;
+  for (std::size_t k = closure_count(); k < counts_.size(); ++k) {
+    if (counts_[k] || tests_[k].chi2 >= threshold) continue;
+    counts_[k] = true;
+    any = true;
+  }
+  return any;
+}
+
+template <int Dim>
+std::vector<bool> TruncatedJoin<Dim>::observations_count() const {
+  return {counts_.begin() + static_cast<std::ptrdiff_t>(closure_count()), counts_.end()};
+}
+
+template class TruncatedJoin<2>;
+template class TruncatedJoin<3>;
+
+}  // namespace mapjoin

@@ -1,0 +1,74 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+// Full SLAM with truncated losses: closures and observations that do not fit the others cost a constant, and no longer pull.
+
+#include <mapjoin/join/fit/leave_one_out.hpp>
+#include <mapjoin/join/joining_system.hpp>
+#include <mapjoin/join/submap_graph.hpp>
+#include <mapjoin/model/log.hpp>
+#include <mapjoin/solve/marginals.hpp>
+#include <optional>
+#include <span>
+#include <stop_token>
+#include <vector>
+
+namespace mapjoin {
+
+/// One number for closures, one for observations of features.
+struct OfKinds {
+  double closures = 0.0;
+  double observations = 0.0;
+};
+
+/// A log whose closures and observations are doubtful, its estimate, and which of them count. Closures, then observations, in
+/// the order of the log, are its doubtful factors.
+template <int Dim>
+class TruncatedJoin {
+ public:
+  /// From the estimate `start` of all poses and features on. The poses of the log must hang together. Of observations those of
+  /// `observations_count` count, or all where it is empty.
+  TruncatedJoin(Log<Dim> log, const Values<Dim>& start, const std::vector<bool>& observations_count, Engine engine);
+  TruncatedJoin(const TruncatedJoin&) = delete;
+  TruncatedJoin& operator=(const TruncatedJoin&) = delete;
+
+  /// Lets those count that cost less than their thresholds c² at a minimum of the truncated cost, found by graduated
+  /// non-convexity: from a loss so wide that all that count pull to one that is cut off at c².
+  void graduate(const OfKinds& thresholds, const std::stop_token& stop);
+  /// Minimises over those that count, and tests each doubtful factor against all others that count.
+  void settle(const std::stop_token& stop);
+  /// Lets those no longer count whose test is beyond their threshold. Returns whether there were any.
+  bool drop(const OfKinds& thresholds);
+  /// Lets those observations count again whose test is within the threshold. Returns whether there were any.
+  bool readmit_observations(double threshold);
+
+  bool counts(std::size_t doubtful) const { return counts_[doubtful]; }
+  std::vector<bool> observations_count() const;
+  /// By the last settle(), of each doubtful factor.
+  const std::vector<PartTest>& tests() const { return tests_; }
+  std::span<const PartTest> closure_tests() const { return std::span(tests_).first(closure_count()); }
+  std::span<const PartTest> observation_tests() const { return std::span(tests_).subspan(closure_count()); }
+  const JoiningSystem<Dim>& system() const { return *system_; }
+  const Marginals& marginals() const { return *marginals_; }
+
+ private:
+  std::size_t closure_count() const { return log_.closures().size(); }
+  template <typename F>
+  void for_each_doubtful(F&& f);
+  void take_weak_priors(const Values<Dim>& start);
+  void find_factors();
+  void set_losses(const Loss& counting);
+  /// The cost of each doubtful factor over its threshold; losses are reset.
+  std::vector<double> excess(const OfKinds& thresholds);
+  double largest_excess(const OfKinds& thresholds);
+  PartTest prediction(std::size_t doubtful) const;
+
+  Log<Dim> log_;
+  SubmapGraph<Dim> graph_;
+  std::optional<JoiningSystem<Dim>> system_;
+  std::optional<Marginals> marginals_;
+  std::vector<std::size_t> factors_;  // of the system, by doubtful factor
+  std::vector<bool> counts_;
+  std::vector<PartTest> tests_;
+};
+
+}  // namespace mapjoin
