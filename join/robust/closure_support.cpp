@@ -12,19 +12,12 @@ namespace {
 
 /// The odds of a closure of which nothing is known: nine in ten may be wrong.
 const double kPriorOdds = std::log(1.0 / 9.0);
-/// The most that one loop may say for or against a closure (logarithm of odds): none decides alone.
-constexpr double kMostOfALoop = 5.0;
-/// The most that all closures between the same two stretches may say: mistaken places come in groups.
-constexpr double kMostOfACell = 3.0 * kMostOfALoop;
 /// What odometry may say against a closure.
 constexpr double kMostAgainst = 20.0;
 /// Steps of odometry in a stretch,
 constexpr std::int32_t kStretch = 25;
 /// and in a loop of two closures: longer ones tell little.
 constexpr std::int32_t kLongestLoop = 60;
-/// Rounds of the fixed point, and those in which decisions harden.
-constexpr int kRounds = 60;
-constexpr double kHardening = 20.0;
 /// Closures, from the best supported one on, by which the scale is found, and the loops that it takes.
 constexpr std::size_t kBestShare = 20;
 constexpr std::size_t kLeastLoops = 100;
@@ -101,66 +94,40 @@ UncertainPose<Dim> ClosureSupport<Dim>::loop(const Closure& a, const Closure& b)
 }
 
 template <int Dim>
-std::vector<ClosurePrior> ClosureSupport<Dim>::priors(double scale) const {
-  std::vector<ClosurePrior> priors(closures_.size(), {kPriorOdds});
+std::vector<PriorOdds> ClosureSupport<Dim>::priors(double scale) const {
+  std::vector<PriorOdds> priors(closures_.size(), {kPriorOdds});
   parallel_for(priors.size(), [&](std::size_t k) {
     const Closure& closure = closures_[k];
     if (!chain_.is_tied(closure.early, closure.late)) return;
     const auto loop = compose(chain_.relative(closure.early, closure.late), inverse(closure.measured));
-    priors[k].evidence += std::min(loop_evidence(loop, scale, volume_, kMostAgainst), kMostOfALoop);
+    priors[k].evidence += std::min(loop_evidence(loop, scale, volume_, kMostAgainst), kMostOfAPair);
   });
   return priors;
 }
 
 template <int Dim>
-auto ClosureSupport<Dim>::neighbours(const std::vector<ClosurePrior>& priors, double scale) const -> Neighbours {
-  Neighbours later(closures_.size());  // each pair once
+Agreements ClosureSupport<Dim>::agreements(const std::vector<PriorOdds>& priors, double scale) const {
+  Agreements later(closures_.size());  // each pair once
+  const auto group = [&](std::size_t k) { return static_cast<std::uint32_t>(closures_[k].cell); };
   parallel_for(closures_.size(), [&](std::size_t k) {
     if (priors[k].is_wrong) return;
     for_each_neighbour(k, [&](std::size_t other) {
       if (other < k || priors[other].is_wrong) return;
-      const double evidence = loop_evidence(loop(closures_[k], closures_[other]), scale, volume_, kMostOfALoop);
-      later[k].push_back(
-          {static_cast<std::uint32_t>(other), static_cast<std::uint32_t>(closures_[other].cell), static_cast<float>(evidence)});
+      const double evidence = loop_evidence(loop(closures_[k], closures_[other]), scale, volume_, kMostOfAPair);
+      later[k].push_back({static_cast<std::uint32_t>(other), group(other), static_cast<float>(evidence)});
     });
   });
-  Neighbours all = later;
+  Agreements all = later;
   for (std::size_t k = 0; k < later.size(); ++k) {
-    const auto cell = static_cast<std::uint32_t>(closures_[k].cell);
-    for (const auto& n : later[k]) all[n.closure].push_back({static_cast<std::uint32_t>(k), cell, n.evidence});
+    for (const auto& a : later[k]) all[a.other].push_back({static_cast<std::uint32_t>(k), group(k), a.evidence});
   }
-  parallel_for(all.size(), [&](std::size_t k) { std::ranges::stable_sort(all[k], {}, &Neighbour::cell); });
+  parallel_for(all.size(), [&](std::size_t k) { std::ranges::stable_sort(all[k], {}, &Agreement::group); });
   return all;
 }
 
 template <int Dim>
-std::vector<double> ClosureSupport<Dim>::odds(const std::vector<ClosurePrior>& priors, double scale) const {
-  const Neighbours all = neighbours(priors, scale);
-  std::vector<double> right(priors.size(), 0.5);
-  for (std::size_t k = 0; k < right.size(); ++k) {
-    if (priors[k].is_right || priors[k].is_wrong) right[k] = priors[k].is_right ? 1.0 : 0.0;
-  }
-  std::vector<double> odds(priors.size());
-  for (int round = 1; round <= kRounds; ++round) {
-    const double hardness = std::min(1.0, round / kHardening);
-    parallel_chunks(odds.size(), kObservationsPerPiece, [&](std::size_t begin, std::size_t end) {
-      for (std::size_t k = begin; k < end; ++k) {
-        odds[k] = priors[k].evidence;
-        for (auto n = all[k].begin(); n != all[k].end();) {
-          double of_cell = 0.0;
-          for (const auto cell = n->cell; n != all[k].end() && n->cell == cell; ++n) {
-            of_cell += right[n->closure] * static_cast<double>(n->evidence);
-          }
-          odds[k] += std::clamp(of_cell, -kMostOfACell, kMostOfACell);
-        }
-      }
-    });
-    for (std::size_t k = 0; k < right.size(); ++k) {
-      if (priors[k].is_right || priors[k].is_wrong) continue;
-      right[k] = 0.5 * (right[k] + 1.0 / (1.0 + std::exp(-hardness * odds[k])));
-    }
-  }
-  return odds;
+std::vector<double> ClosureSupport<Dim>::odds(const std::vector<PriorOdds>& priors, double scale) const {
+  return odds_by_agreement(priors, agreements(priors, scale));
 }
 
 template <int Dim>
@@ -168,7 +135,7 @@ double ClosureSupport<Dim>::scale(const std::vector<double>& odds) const {
   if (odds.empty()) return 1.0;
   std::vector<double> descending = odds;
   std::ranges::sort(descending, std::greater<>());
-  const double least = std::max(descending[descending.size() / kBestShare], 2.0 * kMostOfALoop);
+  const double least = std::max(descending[descending.size() / kBestShare], 2.0 * kMostOfAPair);
   const double expected = chi_squared_quantile(0.5, kPoseDof<Dim>);
   std::vector<double> ratios;
   for (std::size_t k = 0; k < odds.size(); ++k) {
@@ -176,7 +143,7 @@ double ClosureSupport<Dim>::scale(const std::vector<double>& odds) const {
     for_each_neighbour(k, [&](std::size_t other) {
       if (other < k || odds[other] < least) return;
       const UncertainPose<Dim> loop = this->loop(closures_[k], closures_[other]);
-      if (loop_evidence(loop, 1.0, volume_, kMostOfALoop) <= 0.0) return;
+      if (loop_evidence(loop, 1.0, volume_, kMostOfAPair) <= 0.0) return;
       const PoseVector<Dim> v = local(Pose<Dim>{}, loop.mean);
       ratios.push_back(v.dot(loop.covariance.llt().solve(v)) / expected);
     });

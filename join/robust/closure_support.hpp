@@ -4,21 +4,14 @@
 //
 // Two closures between the same two stretches of a drive make a loop with the odometry between their ends. Its mismatch v and
 // covariance Σ say how much likelier it is that both are right than that one of them points anywhere in the volume V:
-// e = ln(N(v; 0, Σ) V). Wrong closures hardly ever agree by chance, right ones always do: the probability that each is right
-// is found as the fixed point (mean field) of q_k = σ(e_k + Σ_l q_l e_kl).
+// e = ln(N(v; 0, Σ) V), the evidence of an Agreement.
 
+#include <mapjoin/join/robust/agreement.hpp>
 #include <mapjoin/join/robust/odometry_chain.hpp>
 #include <span>
 #include <vector>
 
 namespace mapjoin {
-
-/// What is known about a closure before others are asked.
-struct ClosurePrior {
-  double evidence = 0.0;  ///< That it is right: a logarithm of odds.
-  bool is_right = false;  ///< It counts as right,
-  bool is_wrong = false;  ///< or wrong, whatever the others say.
-};
 
 /// ln(N(v; 0, Σ) V) for the mismatch v of a loop that should be the identity, between -most and most; `scale` multiplies Σ.
 template <int Dim>
@@ -32,9 +25,9 @@ class ClosureSupport {
   ClosureSupport(const OdometryChain<Dim>& chain, std::span<const PoseFactor<Dim>> closures);
 
   /// What odometry alone says of each closure where all covariances are multiplied by `scale`.
-  std::vector<ClosurePrior> priors(double scale) const;
+  std::vector<PriorOdds> priors(double scale) const;
   /// Logarithms of the odds that each closure is right, given `priors`.
-  std::vector<double> odds(const std::vector<ClosurePrior>& priors, double scale) const;
+  std::vector<double> odds(const std::vector<PriorOdds>& priors, double scale) const;
   /// By how much covariances are too cautious: the median of the squared mismatches of loops of two of the best supported
   /// closures over what it should be; 1 where there are too few loops, and where it is more.
   double scale(const std::vector<double>& odds) const;
@@ -47,18 +40,12 @@ class ClosureSupport {
     UncertainPose<Dim> measured;  ///< in its frame.
     std::size_t cell = 0;
   };
-  struct Neighbour {
-    std::uint32_t closure;
-    std::uint32_t cell;
-    float evidence;
-  };
-  using Neighbours = std::vector<std::vector<Neighbour>>;
 
   void sort_into_cells();
   template <typename F>
   void for_each_neighbour(std::size_t closure, F&& f) const;
   UncertainPose<Dim> loop(const Closure& a, const Closure& b) const;
-  Neighbours neighbours(const std::vector<ClosurePrior>& priors, double scale) const;
+  Agreements agreements(const std::vector<PriorOdds>& priors, double scale) const;
 
   const OdometryChain<Dim>& chain_;
   double volume_;

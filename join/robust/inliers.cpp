@@ -9,6 +9,7 @@
 #include <mapjoin/join/robust/gates.hpp>
 #include <mapjoin/join/robust/inliers.hpp>
 #include <mapjoin/join/robust/predictions.hpp>
+#include <mapjoin/join/robust/sighting_support.hpp>
 #include <mapjoin/join/robust/truncated_join.hpp>
 #include <mapjoin/join/run.hpp>
 #include <mapjoin/measure/statistics.hpp>
@@ -35,10 +36,14 @@ constexpr int kStartSteps = 1;
 /// Times that a map is settled anew without what it showed to be wrong.
 constexpr int kMostDrops = 10;
 
-/// The log with some of its closures, ascending.
+/// The log with some of its closures, ascending, and some of its observations.
 template <int Dim>
-Log<Dim> with_closures(const Log<Dim>& log, const std::vector<std::size_t>& chosen) {
+Log<Dim> selected(const Log<Dim>& log, const std::vector<std::size_t>& chosen, const std::vector<bool>& observation_counts) {
   Log<Dim> some = log;
+  std::erase_if(some.graph.feature_factors, [&, k = std::size_t{0}](const auto&) mutable {
+    const std::size_t observation = k++;
+    return observation < observation_counts.size() && !observation_counts[observation];
+  });
   auto& factors = some.graph.pose_factors;
   factors.assign(log.odometry().begin(), log.odometry().end());
   for (const std::size_t k : chosen) factors.push_back(log.closures()[k]);
@@ -120,6 +125,28 @@ class InlierSearch {
     scale_.closures = support_.scale(odds_);
     priors_ = support_.priors(scale_.closures);
     odds_ = support_.odds(priors_, scale_.closures);
+
+    const std::vector<double> odds = sighting_odds(chain_, log_);
+    std::vector<double> against(odds.size());
+    for (std::size_t k = 0; k < odds.size(); ++k) {
+      observations_count_.push_back(odds[k] > kLeastOdds);
+      against[k] = -odds[k];
+    }
+    keep_one_of_each_feature(against);
+  }
+
+  /// A feature of which no observation counts keeps the one that the least is against: there is nothing to contradict it.
+  void keep_one_of_each_feature(const std::vector<double>& against) {
+    constexpr std::size_t kNone = std::numeric_limits<std::size_t>::max();
+    Table<FeatureIndex, std::size_t> best(log_.features.size(), kNone);
+    for (std::size_t k = 0; k < against.size(); ++k) {
+      std::size_t& of_feature = best[log_.observations()[k].target];
+      const auto weight = [&](std::size_t o) { return std::pair(!observations_count_[o], against[o]); };
+      if (of_feature == kNone || weight(k) < weight(of_feature)) of_feature = k;
+    }
+    for (const std::size_t k : best) {
+      if (k != kNone) observations_count_[k] = true;
+    }
   }
 
   double first_odds() const {
@@ -145,9 +172,8 @@ class InlierSearch {
   Expected<void> round(double least) {
     const std::vector<std::size_t> chosen = candidates(least);
     if (!is_last_ && chosen == chosen_) return {};
-    const Log<Dim> some = with_closures(log_, chosen);
-    if (const auto done = start(some); !done) return done;
-    TruncatedJoin<Dim> join(some, values_, observations_count_, options_.engine);
+    if (const auto done = start(chosen); !done) return done;
+    TruncatedJoin<Dim> join(selected(log_, chosen, {}), values_, observations_count_, options_.engine);
     OfKinds gates = is_last_ ? last_gates() : this->gates();
     join.graduate(gates, stop_);
     for (int drops = 0; drops < kMostDrops; ++drops) {
@@ -178,13 +204,13 @@ class InlierSearch {
   }
 
   /// An estimate for the log: the last one, or a join of its own.
-  Expected<void> start(const Log<Dim>& some) {
+  Expected<void> start(const std::vector<std::size_t>& chosen) {
     if (!values_.poses.empty()) return {};
     RunOptions options = without_verdict();
     options.schedule = Schedule::kAligned;
     options.solver.max_iterations = kStartSteps;
     options.solver.engine = options_.engine;
-    auto joined = solve(some, options, stop_);
+    auto joined = solve(selected(log_, chosen, observations_count_), options, stop_);
     if (!joined) return tl::unexpected(joined.error());
     values_ = {std::move(joined->map.poses), std::move(joined->map.features)};
     return {};
@@ -212,7 +238,10 @@ class InlierSearch {
     odds_ = support_.odds(priors_, scale_.closures);
   }
 
-  Inliers<Dim> inliers() const {
+  Inliers<Dim> inliers() {
+    std::vector<double> against;
+    for (const PartTest& test : observation_tests_) against.push_back(test.chi2);
+    keep_one_of_each_feature(against);
     Inliers<Dim> found;
     const auto reject = [&](PartKind kind, const auto& factor, double chi2, int rows, double widest) {
       const double tail = doubtful() * chi_squared_upper_tail(chi2, rows);
@@ -227,18 +256,11 @@ class InlierSearch {
         reject(PartKind::kClosure, log_.closures()[k], chi2_[k], kPoseDof<Dim>, widest_.closures);
       }
     }
-    found.log = with_closures(log_, kept);
-    auto& factors = found.log.graph.feature_factors;
-    factors.clear();
-    for (std::size_t k = 0; k < log_.observations().size(); ++k) {
-      const FeatureFactor<Dim>& observation = log_.observations()[k];
-      if (observations_count_[k]) {
-        factors.push_back(observation);
-      } else {
-        reject(PartKind::kObservation, observation, observation_tests_[k].chi2, Dim, widest_.observations);
-      }
+    for (std::size_t k = 0; k < observations_count_.size(); ++k) {
+      if (observations_count_[k]) continue;
+      reject(PartKind::kObservation, log_.observations()[k], observation_tests_[k].chi2, Dim, widest_.observations);
     }
-    factors.insert(factors.end(), log_.feature_priors().begin(), log_.feature_priors().end());
+    found.log = selected(log_, kept, observations_count_);
     return found;
   }
 
@@ -251,7 +273,7 @@ class InlierSearch {
   ClosureSupport<Dim> support_;
   OfKinds widest_;  // what the confidence allows
   OfKinds scale_{1.0, 1.0};
-  std::vector<ClosurePrior> priors_;
+  std::vector<PriorOdds> priors_;
   std::vector<double> odds_;
   std::vector<Standing> standing_;
   std::vector<double> chi2_;  // of each closure's prediction

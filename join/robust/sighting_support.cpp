@@ -1,0 +1,81 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <Eigen/Cholesky>
+#include <algorithm>
+#include <cmath>
+#include <mapjoin/join/robust/agreement.hpp>
+#include <mapjoin/join/robust/sighting_support.hpp>
+#include <mapjoin/parallel/parallel.hpp>
+#include <numbers>
+
+namespace mapjoin {
+namespace {
+
+/// Steps between two observations that are compared, and how many of the next ones an observation is compared with.
+constexpr std::int32_t kFarthest = 60;
+constexpr std::size_t kMostCompared = 20;
+/// Steps in which observations may be mistaken together.
+constexpr std::int32_t kStretch = 25;
+
+/// The covariance of a measured position; of what is not measured large, but finite.
+template <int Dim>
+PointMatrix<Dim> covariance_of(const FeatureFactor<Dim>& observation) {
+  PointMatrix<Dim> W = observation.information;
+  const double most = W.diagonal().maxCoeff();
+  W.diagonal().array() += 1e-9 * (most > 0.0 ? most : 1.0);
+  return W.llt().solve(PointMatrix<Dim>::Identity());
+}
+
+template <int Dim>
+double evidence_of(const OdometryChain<Dim>& chain, const FeatureFactor<Dim>& a, const FeatureFactor<Dim>& b, double volume) {
+  const UncertainPose<Dim> between = chain.relative(a.base, b.base);
+  const Point<Dim> by_b = transform(between.mean, b.measured);
+  PointPoseMatrix<Dim> J = PointPoseMatrix<Dim>::Zero();  // of a position with respect to a twist of its frame
+  J.template leftCols<Dim>().setIdentity();
+  J.template rightCols<kRotationDof<Dim>>() = J_turned_rotation(by_b);
+  const PointMatrix<Dim> R = between.mean.rotation.matrix();
+  const PointMatrix<Dim> S = covariance_of(a) + R * covariance_of(b) * R.transpose() + J * between.covariance * J.transpose();
+  const Point<Dim> v = a.measured - by_b;
+  const double log_normal = -0.5 * v.dot(S.llt().solve(v)) - 0.5 * std::log(S.determinant()) -
+                            0.5 * Dim * std::log(2.0 * std::numbers::pi);
+  return std::clamp(log_normal + std::log(volume), -kMostOfAPair, kMostOfAPair);
+}
+
+template <int Dim>
+double volume_of(std::span<const FeatureFactor<Dim>> observations) {
+  Eigen::AlignedBox<double, Dim> box;
+  for (const auto& o : observations) box.extend(o.measured);
+  return box.sizes().cwiseMax(1e-3).prod();
+}
+
+}  // namespace
+
+template <int Dim>
+std::vector<double> sighting_odds(const OdometryChain<Dim>& chain, const Log<Dim>& log) {
+  const auto observations = log.observations();
+  if (observations.empty()) return {};
+  Table<FeatureIndex, std::vector<std::uint32_t>> of_feature(log.features.size());  // in the order of their poses
+  for (std::size_t k = 0; k < observations.size(); ++k) of_feature[observations[k].target].push_back(static_cast<std::uint32_t>(k));
+  const double volume = volume_of(observations);
+  const auto group = [&](std::uint32_t k) { return static_cast<std::uint32_t>(observations[k].base.value / kStretch); };
+  Agreements agreements(observations.size());
+  parallel_for(of_feature.size(), [&](std::size_t f) {
+    const auto& sightings = of_feature[FeatureIndex(f)];
+    for (std::size_t a = 0; a < sightings.size(); ++a) {
+      for (std::size_t b = a + 1; b < std::min(sightings.size(), a + 1 + kMostCompared); ++b) {
+        const auto& first = observations[sightings[a]];
+        const auto& second = observations[sightings[b]];
+        if (second.base - first.base > kFarthest || !chain.is_tied(first.base, second.base)) break;
+        const auto evidence = static_cast<float>(evidence_of(chain, first, second, volume));
+        agreements[sightings[a]].push_back({sightings[b], group(sightings[b]), evidence});
+        agreements[sightings[b]].push_back({sightings[a], group(sightings[a]), evidence});
+      }
+    }
+    for (const std::uint32_t k : sightings) std::ranges::stable_sort(agreements[k], {}, &Agreement::group);
+  });
+  return odds_by_agreement(std::vector<PriorOdds>(observations.size()), agreements);
+}
+
+template std::vector<double> sighting_odds(const OdometryChain<2>&, const Log<2>&);
+template std::vector<double> sighting_odds(const OdometryChain<3>&, const Log<3>&);
+
+}  // namespace mapjoin
