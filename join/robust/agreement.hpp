@@ -2,9 +2,9 @@
 #pragma once
 // Which of many doubtful measurements are right, from how well pairs of them agree.
 //
-// Wrong measurements hardly ever agree by chance, right ones do. With e_kl the evidence (a logarithm of odds) that k and l being
-// both right explains what they say better than one of them saying anything, the probabilities q that each is right are found as
-// the fixed point (mean field) of q_k = σ(e_k + Σ_l q_l e_kl).
+// Wrong measurements hardly ever agree by chance, right ones do. With e_kl the evidence (a logarithm of odds) that k and l
+// being both right explains what they say better than one of them saying anything, the probabilities q that each is right are
+// found as the fixed point (mean field) of q_k = σ(e_k + Σ_l q_l e_kl).
 
 #include <cstddef>
 #include <cstdint>

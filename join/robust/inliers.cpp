@@ -174,6 +174,17 @@ class InlierSearch {
     if (!is_last_ && chosen == chosen_) return {};
     if (const auto done = start(chosen); !done) return done;
     TruncatedJoin<Dim> join(selected(log_, chosen, {}), values_, observations_count_, options_.engine);
+    if (const auto done = settle(join); !done) return done;
+    values_ = join.system().estimate();
+    observations_count_ = join.observations_count();
+    observation_tests_.assign(join.observation_tests().begin(), join.observation_tests().end());
+    judge(chosen, join);
+    chosen_ = chosen;
+    return {};
+  }
+
+  /// Brings a map to where all that counts passes its tests, and no observation that does not.
+  Expected<void> settle(TruncatedJoin<Dim>& join) {
     OfKinds gates = is_last_ ? last_gates() : this->gates();
     join.graduate(gates, stop_);
     for (int drops = 0; drops < kMostDrops; ++drops) {
@@ -181,14 +192,12 @@ class InlierSearch {
       if (stop_.stop_requested()) return tl::unexpected(Error{ErrorKind::kInterrupted, "interrupted while rejecting"});
       scale_ = {scale_of(join.closure_tests(), kPoseDof<Dim>), scale_of(join.observation_tests(), Dim)};
       if (!is_last_) gates = this->gates();
-      const bool is_readmitted = drops == 0 && join.readmit_observations(gates.observations);
-      if (!join.drop(gates) && !is_readmitted) break;
+      if (drops == 0 && join.readmit_observations(gates.observations)) {
+        join.graduate(gates, stop_);
+      } else if (!join.drop(gates)) {
+        break;
+      }
     }
-    values_ = join.system().estimate();
-    observations_count_ = join.observations_count();
-    observation_tests_.assign(join.observation_tests().begin(), join.observation_tests().end());
-    judge(chosen, join);
-    chosen_ = chosen;
     return {};
   }
 

@@ -35,8 +35,8 @@ double evidence_of(const OdometryChain<Dim>& chain, const FeatureFactor<Dim>& a,
   const PointMatrix<Dim> R = between.mean.rotation.matrix();
   const PointMatrix<Dim> S = covariance_of(a) + R * covariance_of(b) * R.transpose() + J * between.covariance * J.transpose();
   const Point<Dim> v = a.measured - by_b;
-  const double log_normal = -0.5 * v.dot(S.llt().solve(v)) - 0.5 * std::log(S.determinant()) -
-                            0.5 * Dim * std::log(2.0 * std::numbers::pi);
+  const double log_normal =
+      -0.5 * v.dot(S.llt().solve(v)) - 0.5 * std::log(S.determinant()) - 0.5 * Dim * std::log(2.0 * std::numbers::pi);
   return std::clamp(log_normal + std::log(volume), -kMostOfAPair, kMostOfAPair);
 }
 
@@ -54,7 +54,8 @@ std::vector<double> sighting_odds(const OdometryChain<Dim>& chain, const Log<Dim
   const auto observations = log.observations();
   if (observations.empty()) return {};
   Table<FeatureIndex, std::vector<std::uint32_t>> of_feature(log.features.size());  // in the order of their poses
-  for (std::size_t k = 0; k < observations.size(); ++k) of_feature[observations[k].target].push_back(static_cast<std::uint32_t>(k));
+  for (std::size_t k = 0; k < observations.size(); ++k)
+    of_feature[observations[k].target].push_back(static_cast<std::uint32_t>(k));
   const double volume = volume_of(observations);
   const auto group = [&](std::uint32_t k) { return static_cast<std::uint32_t>(observations[k].base.value / kStretch); };
   Agreements agreements(observations.size());

@@ -27,6 +27,9 @@ constexpr int kStepsARound = 2;
 constexpr double kSettled = 1e-6;
 /// A feature all of whose observations are dropped stays where it is by this share of their information.
 constexpr double kWeakShare = 1e-9;
+/// Of those beyond their thresholds, those are dropped that are so by at least this share of the most: the others may be beyond
+/// for their sake.
+constexpr double kDroppedShare = 0.25;
 /// What does not count.
 constexpr Loss kDropped{0.0, 0.0};
 
@@ -185,14 +188,13 @@ PartTest TruncatedJoin<Dim>::prediction(std::size_t doubtful) const {
 
 template <int Dim>
 bool TruncatedJoin<Dim>::drop(const OfKinds& thresholds) {
-  bool any = false;
+  std::vector<double> excess(counts_.size(), 0.0);
   for (std::size_t k = 0; k < counts_.size(); ++k) {
-    const double threshold = k < closure_count() ? thresholds.closures : thresholds.observations;
-    if (!counts_[k] || tests_[k].chi2 < threshold) continue;
-    counts_[k] = false;
-    any = true;
+    if (counts_[k]) excess[k] = tests_[k].chi2 / (k < closure_count() ? thresholds.closures : thresholds.observations);
   }
-  return any;
+  const double worst = excess.empty() ? 0.0 : std::ranges::max(excess);
+  for (std::size_t k = 0; k < counts_.size(); ++k) counts_[k] = counts_[k] && excess[k] < std::max(1.0, kDroppedShare * worst);
+  return worst > 1.0;
 }
 
 template <int Dim>

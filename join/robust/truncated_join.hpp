@@ -36,7 +36,7 @@ class TruncatedJoin {
   void graduate(const OfKinds& thresholds, const std::stop_token& stop);
   /// Minimises over those that count, and tests each doubtful factor against all others that count.
   void settle(const std::stop_token& stop);
-  /// Lets those no longer count whose test is beyond their threshold. Returns whether there were any.
+  /// Lets those no longer count whose tests are farthest beyond their thresholds. Returns whether there were any.
   bool drop(const OfKinds& thresholds);
   /// Lets those observations count again whose test is within the threshold. Returns whether there were any.
   bool readmit_observations(double threshold);
