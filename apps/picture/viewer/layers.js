@@ -8,6 +8,7 @@ const kLocalMapColours = [kDistinct[0], kDistinct[2], kDistinct[3], kDistinct[5]
 const kInk = { light: "#1c2024", dark: "#e6e8eb" };
 const kFaint = { light: "#a3a9b3", dark: "#6b7280" };
 const kMostEllipses = 5000;
+const kManyLinks = 200; // of one class: more are drawn thin
 const kPoseEllipses = 400; // about so many along a trajectory without local maps
 
 function localMapColour(m) {
@@ -137,7 +138,7 @@ function linkLayers({ map, theme }, isOnTop) {
   const layerOf = ({ name, colours, width, isDashed, ends }) => {
     const colour = colours[theme];
     const opacity = Math.max(0.3, Math.min(1, 2000 / ends.length));
-    const draw = isOnTop ? wideLines : thinLines;
+    const draw = isOnTop && ends.length < 2 * kManyLinks ? wideLines : thinLines;
     const make = (order) => {
       const places = linkEnds(map, ends);
       return draw(isDashed ? dashed(places) : places, null, { colour, width: 1.5 * width, order, opacity });
