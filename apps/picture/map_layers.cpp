@@ -7,7 +7,7 @@
 #include <apps/picture/markup.hpp>
 #include <apps/picture/plotted_map.hpp>
 #include <array>
-#include <ranges>
+#include <cmath>
 
 namespace mapjoin::apps {
 namespace {
@@ -103,12 +103,12 @@ void add_single(const PlottedMap<Dim>& plotted, std::vector<Layer>& layers) {
     add({"odometry alone", {kGrey}, trajectory_lines(plotted.odometry, plotted.sessions), {}, {}, 1.0, {}, false, false});
   }
   add_links(false);
-  add({cap.name_of_features(), {kOrange}, {}, {}, feature_ellipses(map, cap), 0.6});
+  add({name_of_ellipses("features", cap.features), {kOrange}, {}, {}, feature_ellipses(map, cap), 0.6});
   add({"features", {kOrange}, {}, from_above(map.features), {}});
-  add({cap.name_of_poses(), {kInk}, {}, {}, pose_ellipses(plotted, cap), 0.6});
+  add({name_of_ellipses("poses", cap.poses), {kInk}, {}, {}, pose_ellipses(plotted, cap), 0.6});
   const bool is_of_maps = trajectories.size() == 1 && !local_maps.empty();
-  for (const Trajectory& of : trajectories | std::views::reverse) {
-    add({is_of_maps ? "" : of.name, {of.colour}, trajectory_lines(map.poses, of.sessions), {}, {}});
+  for (auto of = trajectories.rbegin(); of != trajectories.rend(); ++of) {
+    add({is_of_maps ? "" : of->name, {of->colour}, trajectory_lines(map.poses, of->sessions), {}, {}});
   }
   if (is_of_maps) add({"local maps", kPathColours, trajectory_lines(map.poses, local_maps), {}, {}, 2.0});
   add({"end poses", {kInk}, {}, from_above(ends), {}, 1.0, Mark::kSpeck});
@@ -120,10 +120,6 @@ std::string name_of(const Session& session, const PoseIds& ids, bool has_robots)
   const PoseId& first = ids[session.begin];
   return has_robots ? fmt::format("session {}", first.session)
                     : fmt::format("poses {} to {}", first.key, ids[session.end - 1].key);
-}
-
-std::string capped_name(std::string name, std::size_t capped) {
-  return capped == 0 ? name : name + " (capped at the map's size)";
 }
 
 }  // namespace
@@ -148,12 +144,8 @@ std::vector<Trajectory> trajectories_of(const PlottedMap<Dim>& plotted) {
   return trajectories;
 }
 
-std::string EllipseCap::name_of_poses() const {
-  return capped_name("3σ of poses", poses);
-}
-
-std::string EllipseCap::name_of_features() const {
-  return capped_name("3σ of features", features);
+std::string name_of_ellipses(const std::string& things, std::size_t capped) {
+  return "3σ of " + things + (capped == 0 ? "" : " (capped at the map's size)");
 }
 
 std::string EllipseCap::in_words() const {

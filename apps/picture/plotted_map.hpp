@@ -100,11 +100,11 @@ struct EllipseCap {
   std::size_t poses = 0;     ///< Those whose ellipses are larger,
   std::size_t features = 0;  ///< and features.
 
-  std::string name_of_poses() const;  ///< In a legend.
-  std::string name_of_features() const;
-  /// What to say of them; empty where there are none.
-  std::string in_words() const;
+  std::string in_words() const;  ///< What to say of them; empty where there are none.
 };
+
+/// In a legend.
+std::string name_of_ellipses(const std::string& things, std::size_t capped);
 
 template <int Dim>
 EllipseCap ellipse_cap(const GlobalMap<Dim>& map);

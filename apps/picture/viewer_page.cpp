@@ -162,7 +162,10 @@ Json map_of(const PlottedMap<Dim>& plotted, const Point<Dim>& centre) {
           {"featureCovariances", triangles_of(map.feature_covariances)},
           {"odometry", places_of(plotted.odometry, centre)},
           {"links", links_of(plotted)},
-          {"ellipses", {{"cap", cap.half_axis}, {"ofPoses", cap.name_of_poses()}, {"ofFeatures", cap.name_of_features()}}},
+          {"ellipses",
+           {{"cap", cap.half_axis},
+            {"ofPoses", name_of_ellipses("poses", cap.poses)},
+            {"ofFeatures", name_of_ellipses("features", cap.features)}}},
           {"localMaps", local_maps_of(plotted.local_maps)},
           {"stops", stops_of(plotted.stops, centre)}};
 }

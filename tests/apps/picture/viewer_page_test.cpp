@@ -4,11 +4,10 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
-#include <apps/picture/plotted_map.hpp>
 #include <cmath>
 #include <fstream>
 #include <iostream>
-#include <tests/apps/command.hpp>
+#include <tests/apps/picture/viewer_page.hpp>
 
 namespace mapjoin::testing {
 namespace {
@@ -16,65 +15,6 @@ namespace {
 using ::testing::AllOf;
 using ::testing::HasSubstr;
 using ::testing::Not;
-using Json = nlohmann::json;
-
-const std::string kProbe = content_of(kTestSources / "apps/picture/probe.js");
-
-/// Pages in headless Chromium, where it is installed.
-class ViewerPage : public ::testing::Test {
- protected:
-  void SetUp() override {
-    if (std::system("command -v chromium > /dev/null") != 0) GTEST_SKIP() << "needs chromium, which is not installed";
-  }
-
-  std::string path(const std::string& name) const { return (folder.path() / name).string(); }
-
-  std::string page_of(std::vector<std::string> arguments) const {
-    arguments.insert(arguments.begin(), "plot");
-    arguments.insert(arguments.end(), {"-o", path("page.html"), "--quiet"});
-    const Ended ended = call(arguments);
-    EXPECT_EQ(ended.exit_code, 0) << ended.err;
-    return content_of(path("page.html"));
-  }
-
-  /// What the expression `probe`, a JavaScript object, is on the page.
-  Json found_on(std::string page, const std::string& probe, const std::string& graphics = "--use-angle=swiftshader") const {
-    const std::string watch =
-        "<script>window.problems = []; addEventListener('error', (e) => problems.push(e.message));"
-        "console.error = console.warn = (...words) => problems.push(words.join(' '));</script>";
-    page.insert(page.find("<body>"), watch);
-    page.insert(page.find("</body>"), "<script>" + kProbe + "report(() => (" + probe + "));</script>");
-    folder.file("probed.html", page);
-    Process process({"chromium", "--headless", "--no-sandbox", graphics, "--enable-unsafe-swiftshader", "--window-size=700,500",
-                     "--user-data-dir=" + path("profile"), "--host-resolver-rules=MAP * ~NOTFOUND", "--dump-dom",
-                     "file://" + path("probed.html")},
-                    {});
-    EXPECT_EQ(process.wait(), 0) << process.standard_error();
-    const std::string dom = process.standard_output();
-    const std::size_t begin = dom.find("[[[", dom.find("id=\"found\""));
-    const std::size_t end = dom.find("]]]", begin);
-    if (end == std::string::npos) {
-      ADD_FAILURE() << "the page did not come to the probe: " << process.standard_error();
-      return Json::object();
-    }
-    std::string text = dom.substr(begin + 3, end - begin - 3);
-    for (const auto& [entity, character] : {std::pair("&lt;", "<"), std::pair("&gt;", ">"), std::pair("&amp;", "&")}) {
-      for (std::size_t at = text.find(entity); at != std::string::npos; at = text.find(entity)) {
-        text.replace(at, std::string(entity).size(), character);
-      }
-    }
-    return Json::parse(text);
-  }
-
-  TemporaryFolder folder;
-};
-
-/// Poses and features whose names are not their places in the file, with closures, far from the origin.
-const std::string kNamedMap =
-    "VERTEX_SE2 10 1000000 5 0\nVERTEX_SE2 20 1000004 5 1.5\nVERTEX_SE2 35 1000004 9 3.1\nVERTEX_SE2 41 1000000 9 -1.6\n"
-    "VERTEX_XY 700 1000002 7\nVERTEX_XY 800 1000006 10\n"
-    "EDGE_SE2 10 20 4 0 1.5 1 0 0 1 0 1\nEDGE_SE2 20 35 4 0 1.6 1 0 0 1 0 1\nEDGE_SE2 35 41 4 0 1.6 1 0 0 1 0 1\n"
-    "EDGE_SE2 41 10 4 0 1.6 1 0 0 1 0 1\nEDGE_SE2_XY 10 700 2 2 1 0 1\nEDGE_SE2_XY 35 800 2 1 1 0 1\n";
 
 TEST_F(ViewerPage, DrawsAndSwitchesItsLayersWithoutComplaint) {
   ASSERT_EQ(call({"run", (kBundledData / "manhattan2d.g2o").string(), "-o", path("run"), "--covariances", "--quiet"}).exit_code,
@@ -96,23 +36,6 @@ TEST_F(ViewerPage, DrawsAndSwitchesItsLayersWithoutComplaint) {
                                      "3σ of features", "residual 2–4 × typical", "residual ≤ 2 × typical", "odometry alone"));
 }
 
-TEST_F(ViewerPage, FindsAPoseByItsIdAndNamesIt) {
-  const std::string page = page_of({folder.file("map.g2o", kNamedMap).string()});
-  const Json found = found_on(page, "{at: find('35'), none: find('36'), words: find('pose'), nothing: find('')}");
-  EXPECT_EQ(found["errors"], Json::array());
-  EXPECT_THAT(found["at"]["tip"].get<std::string>(), AllOf(HasSubstr("pose 35"), HasSubstr("x 1000004.000 m")));
-  EXPECT_EQ(found["at"]["text"], "");
-  EXPECT_TRUE(found["at"]["isRinged"]);
-  EXPECT_LT(found["at"]["fromMiddle"], 0.5) << "pixels";
-  EXPECT_EQ(found["none"]["text"], "There is no pose 36.");
-  EXPECT_EQ(found["words"]["text"], "There is no pose pose.");
-  EXPECT_EQ(found["nothing"]["text"], "");
-  for (const std::string none : {"none", "words", "nothing"}) {
-    EXPECT_TRUE(found[none]["tip"].is_null());
-    EXPECT_FALSE(found[none]["isRinged"]);
-  }
-}
-
 TEST_F(ViewerPage, DrawsEllipsesNoLargerThanTheMap) {
   folder.file("map.g2o", kNamedMap);
   Json covariances = {{"dimension", 2}, {"poses", Json::array()}, {"features", Json::array()}};
@@ -127,28 +50,6 @@ TEST_F(ViewerPage, DrawsEllipsesNoLargerThanTheMap) {
   const std::string probe = "{points: pointsOf(layerNamed(\"3σ of poses (capped at the map's size)\")).map(Math.abs)}";
   const auto points = found_on(page_of({path("map.g2o")}), probe)["points"].get<std::vector<double>>();
   EXPECT_NEAR(*std::ranges::max_element(points), 2.0 + 0.5 * 6.0, 1e-3);  // pose 41 is 2 m from the middle of a map of 6 m
-}
-
-TEST_F(ViewerPage, DrawsRejectedLinksApartAndDashed) {
-  apps::PlottedMap<2> plotted;
-  plotted.map.pose_ids = {{0, 0}, {0, 1}};
-  plotted.map.poses = {{{0.0, 0.0}, {}}, {{9.0, 0.0}, {}}};
-  plotted.map.feature_ids = {{5}};
-  plotted.map.features = {{9.0, 18.0}};
-  plotted.links = {{0, FeatureIndex(0), true, 1.0}, {0, PoseIndex(1), false, 1.0}};
-  const Json found =
-      found_on(apps::viewer_page<2>({{plotted}, std::nullopt}, "links"),
-               "{rejected: pointsOf(layerNamed('rejected')), kept: pointsOf(layerNamed('residual ≤ 2 × typical'))}");
-  EXPECT_EQ(found["errors"], Json::array());
-  EXPECT_EQ(found["kept"], Json({-4.5, 0, 0, 4.5, 0, 0}));
-  ASSERT_EQ(found["rejected"].size(), 6U * 5U);
-  for (const std::size_t dash : {0U, 4U}) {
-    const auto at = [&](std::size_t i) { return found["rejected"][6 * dash + i].get<double>(); };
-    EXPECT_NEAR(at(0), -4.5 + 2.0 * static_cast<double>(dash), 1e-5);
-    EXPECT_NEAR(at(1), 4.0 * static_cast<double>(dash), 1e-5);
-    EXPECT_NEAR(at(3), at(0) + 1.0, 1e-5);
-    EXPECT_NEAR(at(4), at(1) + 2.0, 1e-5);
-  }
 }
 
 TEST_F(ViewerPage, HasSessionsInColoursOfTheirOwn) {
@@ -258,8 +159,9 @@ TEST_F(ViewerPage, PicksALocalMapAndSaysHowItFits) {
 TEST_F(ViewerPage, JoinsMapAfterMap) {
   for (const std::string log : {"manhattan2d.g2o", "manhattan3d.g2o"}) {
     ASSERT_EQ(call({"build", (kBundledData / log).string(), "-o", path("maps"), "--poses-per-map", "50"}).exit_code, 0);
-    const Json found =
-        found_on(page_of({path("maps")}), "{whole: fingerprint(), first: slideTo(0), third: slideTo(2), last: slideTo(99)}");
+    const Json found = found_on(page_of({path("maps")}),
+                                "{whole: fingerprint(), first: slideTo(0), third: slideTo(2), last: slideTo(99), "
+                                "found: (slideTo(0), find('3')), text: document.getElementById('stop-text').textContent}");
     EXPECT_EQ(found["errors"], Json::array());
     const std::string maps = log == "manhattan2d.g2o" ? "20" : "8";
     EXPECT_THAT(found["first"]["text"].get<std::string>(), HasSubstr("1 of " + maps + " maps, chi2"));
@@ -267,6 +169,7 @@ TEST_F(ViewerPage, JoinsMapAfterMap) {
     EXPECT_EQ(found["last"]["text"], "all " + maps + " maps: the whole map");
     EXPECT_NE(found["first"]["picture"], found["third"]["picture"]);
     EXPECT_EQ(found["last"]["picture"], found["whole"]);
+    EXPECT_EQ(found["text"], found["last"]["text"]) << "a pose is found in the whole map";
   }
 }
 
