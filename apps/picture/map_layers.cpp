@@ -110,8 +110,10 @@ void add_single(const PlottedMap<Dim>& plotted, std::vector<Layer>& layers) {
   for (auto of = trajectories.rbegin(); of != trajectories.rend(); ++of) {
     add({is_of_maps ? "" : of->name, {of->colour}, trajectory_lines(map.poses, of->sessions), {}, {}});
   }
-  if (is_of_maps) add({"local maps", kPathColours, trajectory_lines(map.poses, local_maps), {}, {}, 2.0});
-  add({"end poses", {kInk}, {}, from_above(ends), {}, 1.0, Mark::kSpeck});
+  if (is_of_maps) {
+    add({"local maps", kPathColours, trajectory_lines(map.poses, local_maps), {}, {}, 2.0});
+    add({"end poses", {kInk}, {}, from_above(ends), {}, 1.0, Mark::kSpeck});
+  }
   add_links(true);
 }
 

@@ -64,7 +64,14 @@ function pathLayers({ map, colours, dimension, ends, isSingle }) {
   const isOfMaps = isSingle && paths.length === 1;
   const localMapColour = isSingle ? kLocalMapColours : colours.own;
   return [
-    { name: "end poses", count: hasMaps ? ends.length : 0, colour: colours.ink, kind: "dot", make: makeEnds },
+    {
+      name: "end poses",
+      count: hasMaps ? ends.length : 0,
+      colour: colours.ink,
+      kind: "dot",
+      make: makeEnds,
+      isOn: paths.length === 1,
+    },
     {
       name: "local maps",
       count: map.localMaps.count,
