@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include <Eigen/Core>
+#include <Eigen/Geometry>
 #include <apps/certainty.hpp>
 #include <apps/report/json.hpp>
 #include <cmath>
@@ -99,6 +99,14 @@ void put_feature(const GlobalMap<Dim>& map, const MarginalCovariances<Dim>& marg
 }  // namespace
 
 template <int Dim>
+double extent_of(const GlobalMap<Dim>& map) {
+  Eigen::AlignedBox<double, Dim> box;
+  for (const Pose<Dim>& pose : map.poses) box.extend(pose.translation);
+  for (const Point<Dim>& feature : map.features) box.extend(feature);
+  return box.isEmpty() ? 0.0 : box.sizes().maxCoeff();
+}
+
+template <int Dim>
 Deviations deviations_of(const MarginalCovariances<Dim>& marginals) {
   const Relations<Dim>& relations = marginals.relations;
   return {medians<Dim>(marginals.poses, relations.poses), medians<Dim>(marginals.features, relations.features)};
@@ -138,6 +146,7 @@ Expected<void> write_relations(const GlobalMap<Dim>& map, const MarginalCovarian
 }
 
 #define MAPJOIN_INSTANTIATE(Dim)                                                                            \
+  template double extent_of(const GlobalMap<Dim>&);                                                         \
   template Deviations deviations_of(const MarginalCovariances<Dim>&);                                       \
   template Expected<void> write_covariances(const GlobalMap<Dim>&, Estimate, const std::filesystem::path&); \
   template Expected<void> write_relations(const GlobalMap<Dim>&, const MarginalCovariances<Dim>&, const std::filesystem::path&);

@@ -19,6 +19,10 @@ struct Deviations {
   Median features;
 };
 
+/// The size of a map along its longest axis (m).
+template <int Dim>
+double extent_of(const GlobalMap<Dim>& map);
+
 template <int Dim>
 Deviations deviations_of(const MarginalCovariances<Dim>& marginals);
 

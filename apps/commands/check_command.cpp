@@ -4,8 +4,8 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
-#include <Eigen/Geometry>
 #include <algorithm>
+#include <apps/certainty.hpp>
 #include <apps/commands/command_run.hpp>
 #include <apps/commands/subcommand.hpp>
 #include <apps/report/json.hpp>
@@ -101,15 +101,6 @@ Finding verdict_on(const RunReport& run_report) {
   finding.text = fmt::format("out of line with the rest: {} of {} measurements{}", finding.where.count, fit.parts,
                              fit.is_complete ? "" : ", and perhaps others, which show without these");
   return finding;
-}
-
-/// The size of a map along its longest axis (m).
-template <int Dim>
-double extent_of(const GlobalMap<Dim>& map) {
-  Eigen::AlignedBox<double, Dim> box;
-  for (const Pose<Dim>& pose : map.poses) box.extend(pose.translation);
-  for (const Point<Dim>& feature : map.features) box.extend(feature);
-  return box.isEmpty() ? 0.0 : box.sizes().maxCoeff();
 }
 
 /// Where positions are not known to a tenth of the map's size.

@@ -65,6 +65,8 @@ AnyScene load_all(const PlotOptions& options, CommandRun& command_run, ExitCode&
         fail(ErrorKind::kUsage, options.inputs[k].string() + ": is not of the same dimension as the maps before it");
       }
       plotted.name = names[k];
+      const std::string capped = ellipse_cap(plotted.map).in_words();
+      if (!capped.empty()) say(options.inputs[k].string() + ": " + capped);
       same->maps.push_back(std::move(plotted));
     };
     std::visit(add, loaded.plotted);

@@ -66,6 +66,8 @@ Expected<void> write_map_files(const CommandRun& command_run, const RunResult<Di
 template <int Dim>
 void write_folder(CommandRun& command_run, const RunResult<Dim>& result, const Log<Dim>& log, OutputFolder& folder) {
   const std::vector<std::string> names = names_of(command_run.options(), result.marginals.has_value());
+  const std::string capped = ellipse_cap(result.map).in_words();
+  if (!capped.empty()) say("map.svg: " + capped);
   for (const std::string& name : names) command_run.run_report.files.push_back(folder.file(name).string());
   demand(timed(command_run.run_report.write_seconds, [&] { return write_map_files(command_run, result, log, folder); }));
   demand(write_file(folder.aside("report.json"), report(command_run.run_report)));

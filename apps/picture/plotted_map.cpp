@@ -23,15 +23,6 @@ std::vector<Session> sessions_of(const Log<Dim>& log) {
 }
 
 template <int Dim>
-std::vector<std::pair<PoseIndex, PoseIndex>> closures_among(std::span<const PoseFactor<Dim>> edges) {
-  std::vector<std::pair<PoseIndex, PoseIndex>> closures;
-  for (const auto& o : edges) {
-    if (o.base != kWorld) closures.emplace_back(o.base, o.target);
-  }
-  return closures;
-}
-
-template <int Dim>
 Table<PoseIndex, Pose<Dim>> starts_of(const Log<Dim>& log) {
   Table<PoseIndex, Pose<Dim>> poses(log.poses.size());
   for (const auto& fixed : log.graph.fixed) poses[fixed.pose] = fixed.value;
@@ -104,21 +95,24 @@ PlottedMap<Dim> plotted(const Log<Dim>& log) {
   out.map.stamps_ns = log.stamps_ns;
   out.map.conventions = log.conventions;
   out.sessions = sessions_of(log);
-  out.closures = closures_among<Dim>(log.closures());
   out.is_odometry = log.initial.poses.empty();
   out.map.poses = out.is_odometry ? dead_reckoning(log, starts_of(log)) : log.initial.poses;
   const bool has_features = log.initial.features.size() == log.features.size();
   out.map.features = has_features ? log.initial.features : first_seen(log, out.map.poses);
+  out.links = links_of(log.closures(), out.is_odometry ? std::span<const FeatureFactor<Dim>>() : log.observations(), out.map);
+  for (Link& link : out.links) {
+    if (out.is_odometry) link.residual.reset();
+  }
   if (!out.is_odometry && !log.odometry().empty()) out.odometry = dead_reckoning(log, out.map.poses);
   return out;
 }
 
 template <int Dim>
-PlottedMap<Dim> plotted(const RunResult<Dim>& result, const Log<Dim>& log) {
+PlottedMap<Dim> plotted(const RunResult<Dim>& result, const Log<Dim>& log, const RejectedLinks& rejected) {
   PlottedMap<Dim> out;
   out.map = result.map;
   out.sessions = sessions_of(log);
-  out.closures = closures_among<Dim>(log.closures());
+  out.links = links_of(log.closures(), log.observations(), out.map, rejected);
   out.odometry = dead_reckoning(log, out.map.poses);
   out.local_maps = plotted_local_maps(result.maps, log);
   return out;
@@ -129,7 +123,7 @@ PlottedMap<Dim> plotted(const RunResult<Dim>& result, const SubmapSet<Dim>& set)
   PlottedMap<Dim> out;
   out.map = result.map;
   out.sessions = sessions_by_name(set.poses);
-  out.closures = closures_among<Dim>(set.graph.pose_factors);
+  out.links = links_of<Dim>(set.graph.pose_factors, set.graph.feature_factors, out.map);
   for (std::size_t m = 0; m < result.maps.size(); ++m)
     out.local_maps.push_back({result.maps[m], set.graph.submaps[m].features});
   return out;
@@ -188,7 +182,7 @@ void move(const Pose<Dim>& frame, Truth<Dim>& truth) {
   template void move(const Pose<Dim>&, PlottedMap<Dim>&);                                                \
   template void move(const Pose<Dim>&, Truth<Dim>&);                                                     \
   template PlottedMap<Dim> plotted(const Log<Dim>&);                                                     \
-  template PlottedMap<Dim> plotted(const RunResult<Dim>&, const Log<Dim>&);                              \
+  template PlottedMap<Dim> plotted(const RunResult<Dim>&, const Log<Dim>&, const RejectedLinks&);        \
   template PlottedMap<Dim> plotted(const RunResult<Dim>&, const SubmapSet<Dim>&);
 MAPJOIN_INSTANTIATE(2)
 MAPJOIN_INSTANTIATE(3)

@@ -2,6 +2,7 @@
 #pragma once
 // Maps with all that a picture or a page of them shows, in one frame; the layers of a picture of them, and a page.
 
+#include <apps/picture/links.hpp>
 #include <apps/picture/picture.hpp>
 #include <mapjoin/join/covariances/consistency.hpp>
 #include <mapjoin/join/run.hpp>
@@ -10,7 +11,6 @@
 #include <mapjoin/model/submap_set.hpp>
 #include <optional>
 #include <string>
-#include <utility>
 #include <variant>
 #include <vector>
 
@@ -37,7 +37,7 @@ struct PlottedMap {
   GlobalMap<Dim> map;
   std::vector<Session> sessions;         ///< Poses that a line goes through.
   Table<PoseIndex, Pose<Dim>> odometry;  ///< Composed from odometry alone; empty where that is not known.
-  std::vector<std::pair<PoseIndex, PoseIndex>> closures;
+  std::vector<Link> links;  ///< Closures, then observations, each in the order of the log; of odometry alone closures only.
   std::vector<PlottedLocalMap> local_maps;  ///< In their order; empty where they are not known.
   std::vector<JoinStop<Dim>> stops;         ///< On the way of joining map after map; empty where it was not watched.
   bool is_odometry = false;                 ///< `map` is composed from odometry and first observations, for want of more.
@@ -54,7 +54,7 @@ template <int Dim>
 PlottedMap<Dim> plotted(const Log<Dim>& log);
 /// What came of a log, or of a set of local maps.
 template <int Dim>
-PlottedMap<Dim> plotted(const RunResult<Dim>& result, const Log<Dim>& log);
+PlottedMap<Dim> plotted(const RunResult<Dim>& result, const Log<Dim>& log, const RejectedLinks& rejected = {});
 template <int Dim>
 PlottedMap<Dim> plotted(const RunResult<Dim>& result, const SubmapSet<Dim>& set);
 
@@ -83,9 +83,35 @@ void move(const Pose<Dim>& frame, PlottedMap<Dim>& plotted);
 template <int Dim>
 void move(const Pose<Dim>& frame, Truth<Dim>& truth);
 
-/// A single map with all that is known of it: local maps in colours of their own, where they end, closures, features, ellipses
-/// of three standard deviations. Several maps each in one colour. `truth`, over the first map's poses and features, may be
-/// null. At least one map, all in one frame.
+/// What has one colour of a trajectory.
+struct Trajectory {
+  std::string name;  ///< In a legend.
+  std::string colour;
+  std::vector<Session> sessions;
+};
+
+/// Each session, or where poses are of several robots each of these, in a colour of its own; of very many some share one.
+template <int Dim>
+std::vector<Trajectory> trajectories_of(const PlottedMap<Dim>& plotted);
+
+/// Ellipses of three standard deviations, of which none is drawn larger than the map.
+struct EllipseCap {
+  double half_axis = 0.0;    ///< The longest that is drawn (m).
+  std::size_t poses = 0;     ///< Those whose ellipses are larger,
+  std::size_t features = 0;  ///< and features.
+
+  std::string in_words() const;  ///< What to say of them; empty where there are none.
+};
+
+/// In a legend.
+std::string name_of_ellipses(const std::string& things, std::size_t capped);
+
+template <int Dim>
+EllipseCap ellipse_cap(const GlobalMap<Dim>& map);
+
+/// A single map with all that is known of it: sessions or, of a single one, local maps in colours of their own, where they end,
+/// closures and observations by their residuals, features, ellipses. Several maps each in one colour. `truth`, over the first
+/// map's poses and features, may be null. At least one map, all in one frame.
 template <int Dim>
 std::vector<Layer> map_layers(const std::vector<PlottedMap<Dim>>& maps, const Truth<Dim>* truth);
 

@@ -8,6 +8,7 @@
 #include <apps/picture/markup.hpp>
 #include <apps/picture/plotted_map.hpp>
 #include <apps/report/json.hpp>
+#include <array>
 #include <boost/algorithm/string/replace.hpp>
 #include <cstdint>
 #include <functional>
@@ -105,25 +106,66 @@ Json stops_of(const std::vector<JoinStop<Dim>>& stops, const Point<Dim>& centre)
   return list;
 }
 
+/// The classes that have links: how they are drawn, and the ends of each, where features count on from the poses.
+template <int Dim>
+Json links_of(const PlottedMap<Dim>& plotted) {
+  std::array<std::vector<std::size_t>, kLinkClasses.size()> ends;
+  for (const Link& link : plotted.links) {
+    const auto* pose = std::get_if<PoseIndex>(&link.to);
+    const std::size_t to = pose ? pose->position() : plotted.map.poses.size() + std::get<FeatureIndex>(link.to).position();
+    ends[class_of(link)].insert(ends[class_of(link)].end(), {link.from.position(), to});
+  }
+  Json list = Json::array();
+  for (std::size_t c = 0; c < ends.size(); ++c) {
+    const LinkClass& of = kLinkClasses[c];
+    if (ends[c].empty()) continue;
+    list.push_back({{"name", of.name},
+                    {"colours", {{"light", of.on_light}, {"dark", of.on_dark}}},
+                    {"width", of.width},
+                    {"isDashed", of.is_dashed},
+                    {"isOnTop", of.is_on_top},
+                    {"ends", packed<std::uint32_t>(ends[c])}});
+  }
+  return list;
+}
+
+std::string packed_sessions(const std::vector<Session>& sessions) {
+  std::vector<PoseIndex> ends;
+  for (const auto& [begin, end] : sessions) ends.insert(ends.end(), {begin, end});
+  return packed<std::uint32_t>(ends, &PoseIndex::value);
+}
+
+template <int Dim>
+Json trajectories_json(const PlottedMap<Dim>& plotted) {
+  Json list = Json::array();
+  for (const Trajectory& of : trajectories_of(plotted)) {
+    list.push_back({{"name", of.name}, {"colour", of.colour}, {"sessions", packed_sessions(of.sessions)}});
+  }
+  return list;
+}
+
 template <int Dim>
 Json map_of(const PlottedMap<Dim>& plotted, const Point<Dim>& centre) {
   const GlobalMap<Dim>& map = plotted.map;
-  std::vector<PoseIndex> sessions, closures;
-  for (const auto& [begin, end] : plotted.sessions) sessions.insert(sessions.end(), {begin, end});
-  for (const auto& [base, target] : plotted.closures) closures.insert(closures.end(), {base, target});
+  const EllipseCap cap = ellipse_cap(map);
   return {{"name", plotted.name},
           {"isOdometry", plotted.is_odometry},
           {"poses", places_of(map.poses, centre)},
           {"headings", headings_of(map.poses)},
           {"poseKeys", packed<std::uint64_t>(map.pose_ids, &PoseId::key)},
           {"robots", robots_of(map.pose_ids)},
-          {"sessions", packed<std::uint32_t>(sessions, &PoseIndex::value)},
+          {"sessions", packed_sessions(plotted.sessions)},
+          {"trajectories", trajectories_json(plotted)},
           {"poseCovariances", triangles_of(map.pose_covariances)},
           {"features", places_of(map.features, centre)},
           {"featureKeys", packed<std::uint64_t>(map.feature_ids, &FeatureId::key)},
           {"featureCovariances", triangles_of(map.feature_covariances)},
           {"odometry", places_of(plotted.odometry, centre)},
-          {"closures", packed<std::uint32_t>(closures, &PoseIndex::value)},
+          {"links", links_of(plotted)},
+          {"ellipses",
+           {{"cap", cap.half_axis},
+            {"ofPoses", name_of_ellipses("poses", cap.poses)},
+            {"ofFeatures", name_of_ellipses("features", cap.features)}}},
           {"localMaps", local_maps_of(plotted.local_maps)},
           {"stops", stops_of(plotted.stops, centre)}};
 }

@@ -19,16 +19,6 @@ namespace {
 constexpr double kLarger = 1.5;
 constexpr double kSmaller = 2.0;
 
-double scale_of(const std::vector<WeighedResidual>& residuals) {
-  ChiSquaredQuantiles medians(0.5);
-  std::vector<double> ratios;
-  for (const WeighedResidual& r : residuals) {
-    if (r.rows > 0) ratios.push_back(r.chi2 / medians(r.rows));
-  }
-  if (ratios.empty()) return std::numeric_limits<double>::quiet_NaN();
-  return median(std::move(ratios));
-}
-
 template <int Dim>
 WeighedResidual weighed(const PoseFactor<Dim>& o, const Values<Dim>& state) {
   return {cost(o, state.pose(o.base), state.pose(o.target)), information_rank<kPoseDof<Dim>>(o.information)};
@@ -50,6 +40,16 @@ std::string name_of(const FeatureFactor<Dim>& o, const Log<Dim>& log) {
 }
 
 }  // namespace
+
+double scale_of(const std::vector<WeighedResidual>& residuals) {
+  ChiSquaredQuantiles medians(0.5);
+  std::vector<double> ratios;
+  for (const WeighedResidual& r : residuals) {
+    if (r.rows > 0) ratios.push_back(r.chi2 / medians(r.rows));
+  }
+  if (ratios.empty()) return std::numeric_limits<double>::quiet_NaN();
+  return median(std::move(ratios));
+}
 
 KindFit kind_fit(std::string kind, const std::vector<WeighedResidual>& residuals,
                  const std::function<std::string(std::size_t)>& name) {

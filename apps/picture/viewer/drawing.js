@@ -173,6 +173,17 @@ function segmentEnds(places, order, isTied) {
   return new Float32Array(ends);
 }
 
+/// Each segment in five dashes.
+function dashed(ends) {
+  const dashes = [];
+  for (let k = 0; k < ends.length; k += 6) {
+    for (const ninth of [0, 1, 2, 3, 4, 5, 6, 7, 8, 9]) {
+      for (let i = k; i < k + 3; ++i) dashes.push(ends[i] + (ninth / 9) * (ends[i + 3] - ends[i]));
+    }
+  }
+  return new Float32Array(dashes);
+}
+
 /// The ends of the segments between all poses of each session.
 function sessionEnds(places, sessions) {
   let count = 0;
@@ -205,8 +216,8 @@ function cholesky(P) {
 const kCorners = 32;
 
 /// Appends the segments of the ellipse of three standard deviations, in space of three circles of the ellipsoid: the unit
-/// circles taken by 3 L, with L Lᵀ the covariance of the position.
-function addEllipse(centre, covariance, dimension, ends) {
+/// circles taken by 3 L, with L Lᵀ the covariance of the position; what is farther away than `cap` is drawn at that distance.
+function addEllipse(centre, covariance, dimension, cap, ends) {
   const L = cholesky(covariance.slice(0, dimension).map((row) => row.slice(0, dimension)));
   const planes =
     dimension === 2
@@ -216,12 +227,14 @@ function addEllipse(centre, covariance, dimension, ends) {
           [1, 2],
           [2, 0],
         ];
+  const middle = new THREE.Vector3(...centre);
   const corner = (plane, k) => {
     const angle = (2 * Math.PI * k) / kCorners;
     const unit = [0, 0, 0];
     unit[plane[0]] = 3 * Math.cos(angle);
     unit[plane[1]] = 3 * Math.sin(angle);
-    return [0, 1, 2].map((i) => centre[i] + (i < dimension ? L[i].reduce((sum, l, j) => sum + l * unit[j], 0) : 0));
+    const offset = new THREE.Vector3(...L.map((row) => row.reduce((sum, l, j) => sum + l * unit[j], 0)), 0);
+    return offset.clampLength(0, cap).add(middle).toArray();
   };
   for (const plane of planes) {
     for (let k = 0; k < kCorners; ++k) ends.push(...corner(plane, k), ...corner(plane, k + 1));
@@ -229,8 +242,8 @@ function addEllipse(centre, covariance, dimension, ends) {
 }
 
 /// Those of the chosen entries of packed covariances of so many rows.
-function ellipseEnds(places, packed, rows, chosen, dimension) {
+function ellipseEnds(places, packed, rows, chosen, dimension, cap) {
   const ends = [];
-  for (const k of chosen) addEllipse(places.subarray(3 * k, 3 * k + 3), covarianceAt(packed, k, rows), dimension, ends);
+  for (const k of chosen) addEllipse(places.subarray(3 * k, 3 * k + 3), covarianceAt(packed, k, rows), dimension, cap, ends);
   return new Float32Array(ends);
 }

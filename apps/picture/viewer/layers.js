@@ -8,6 +8,7 @@ const kLocalMapColours = [kDistinct[0], kDistinct[2], kDistinct[3], kDistinct[5]
 const kInk = { light: "#1c2024", dark: "#e6e8eb" };
 const kFaint = { light: "#a3a9b3", dark: "#6b7280" };
 const kMostEllipses = 5000;
+const kManyLinks = 200; // of one class: more are drawn thin
 const kPoseEllipses = 400; // about so many along a trajectory without local maps
 
 function localMapColour(m) {
@@ -36,12 +37,6 @@ function localMapSegments(map) {
   return { ends: new Float32Array(ends), colours: new Float32Array(colours) };
 }
 
-function closureEnds(map) {
-  const ends = new Float32Array(3 * map.closures.length);
-  map.closures.forEach((pose, k) => ends.set(map.poses.subarray(3 * pose, 3 * pose + 3), 3 * k));
-  return ends;
-}
-
 function placesOf(places, chosen) {
   const some = new Float32Array(3 * chosen.length);
   chosen.forEach((k, n) => some.set(places.subarray(3 * k, 3 * k + 3), 3 * n));
@@ -65,10 +60,18 @@ function pathLayers({ map, colours, dimension, ends, isSingle }) {
     return wideLines(segments.ends, segments.colours, { width: 2.8, order });
   };
   const makePoses = (order) => dots(map.poses, { colour: colours.own, size: 4.5, order });
-  const makePath = (order) => wideLines(sessionEnds(map.poses, map.sessions), null, { colour: colours.own, width: 1.8, order });
+  const paths = isSingle ? map.trajectories : [{ name: "trajectory", colour: colours.own, sessions: map.sessions }];
+  const isOfMaps = isSingle && paths.length === 1;
   const localMapColour = isSingle ? kLocalMapColours : colours.own;
   return [
-    { name: "end poses", count: hasMaps ? ends.length : 0, colour: colours.ink, kind: "dot", make: makeEnds },
+    {
+      name: "end poses",
+      count: hasMaps ? ends.length : 0,
+      colour: colours.ink,
+      kind: "dot",
+      make: makeEnds,
+      isOn: paths.length === 1,
+    },
     {
       name: "local maps",
       count: map.localMaps.count,
@@ -76,7 +79,7 @@ function pathLayers({ map, colours, dimension, ends, isSingle }) {
       kind: "line",
       make: makeLocalMaps,
       tells: "poses",
-      isOn: isSingle,
+      isOn: isOfMaps,
     },
     {
       name: "poses",
@@ -87,15 +90,15 @@ function pathLayers({ map, colours, dimension, ends, isSingle }) {
       tells: "poses",
       isDetail: true,
     },
-    {
-      name: map.isOdometry ? "odometry alone" : "trajectory",
-      count: map.sessions.length / 2,
-      colour: colours.own,
+    ...paths.map(({ name, colour, sessions }) => ({
+      name,
+      count: sessions.length / 2,
+      colour,
       kind: "line",
-      make: makePath,
+      make: (order) => wideLines(sessionEnds(map.poses, sessions), null, { colour, width: 1.8, order }),
       tells: "poses",
-      isOn: !(isSingle && hasMaps && isCovered(map)),
-    },
+      isOn: !(isOfMaps && hasMaps && isCovered(map)),
+    })),
   ];
 }
 
@@ -110,29 +113,47 @@ function certaintyLayers({ map, colours, dimension, ends }) {
   const poses = map.poseCovariances.length > 0 ? ends : [];
   const features = map.featureCovariances.length > 0 ? everyOf(map.features.length / 3, kMostEllipses) : [];
   const rows = dimension === 2 ? 3 : 6;
+  const { cap } = map.ellipses;
   const makePoses = (order) =>
-    thinLines(ellipseEnds(map.poses, map.poseCovariances, rows, poses, dimension), null, {
+    thinLines(ellipseEnds(map.poses, map.poseCovariances, rows, poses, dimension, cap), null, {
       colour: colours.ink,
       order,
       opacity: 0.7,
     });
   const makeFeatures = (order) =>
-    thinLines(ellipseEnds(map.features, map.featureCovariances, dimension, features, dimension), null, {
+    thinLines(ellipseEnds(map.features, map.featureCovariances, dimension, features, dimension, cap), null, {
       colour: colours.features,
       order,
       opacity: 0.8,
     });
   return [
-    { name: "3σ of poses", count: poses.length, colour: colours.ink, kind: "ring", make: makePoses },
-    { name: "3σ of features", count: features.length, colour: colours.features, kind: "ring", make: makeFeatures },
+    { name: map.ellipses.ofPoses, count: poses.length, colour: colours.ink, kind: "ring", make: makePoses },
+    { name: map.ellipses.ofFeatures, count: features.length, colour: colours.features, kind: "ring", make: makeFeatures },
   ];
 }
 
-/// The fainter the more there are.
-function closureLayer({ map, colours }) {
-  const opacity = Math.max(0.15, Math.min(0.8, 4000 / map.closures.length));
-  const make = (order) => thinLines(closureEnds(map), null, { colour: colours.faint, order, opacity });
-  return { name: "loop closures", count: map.closures.length / 2, colour: colours.faint, kind: "line", make };
+/// Places of poses, and of features, which count on from them.
+function linkEnds(map, ends) {
+  const places = new Float32Array(map.poses.length + map.features.length);
+  places.set(map.poses);
+  places.set(map.features, map.poses.length);
+  return placesOf(places, ends);
+}
+
+/// Closures and observations in classes by their residuals, the worst first; the fainter the more there are.
+function linkLayers({ map, theme }, isOnTop) {
+  const layerOf = ({ name, colours, width, isDashed, ends }) => {
+    const colour = colours[theme];
+    const opacity = Math.max(0.3, Math.min(1, 2000 / ends.length));
+    const draw = isOnTop && ends.length < 2 * kManyLinks ? wideLines : thinLines;
+    const make = (order) => {
+      const places = linkEnds(map, ends);
+      return draw(isDashed ? dashed(places) : places, null, { colour, width: 1.5 * width, order, opacity });
+    };
+    return { name, count: ends.length / 2, colour, kind: "line", make };
+  };
+  const layers = map.links.filter((links) => links.isOnTop === isOnTop).map(layerOf);
+  return layers.reverse();
 }
 
 function odometryLayer({ map, colours }) {
@@ -149,12 +170,13 @@ function layersOfMap(scene, m, theme) {
   const own = kDistinct[m % kDistinct.length];
   const colours = { ink: kInk[theme], faint: kFaint[theme], own, features: isSingle ? kDistinct[1] : own };
   const ends = map.localMaps.count > 0 ? Array.from(map.localMaps.end) : everyOf(map.poses.length / 3, kPoseEllipses);
-  const content = { map, colours, ends, isSingle, dimension: scene.dimension };
+  const content = { map, theme, colours, ends, isSingle, dimension: scene.dimension };
   const layers = [
+    ...linkLayers(content, true),
     ...pathLayers(content),
     featureLayer(content),
     ...certaintyLayers(content),
-    closureLayer(content),
+    ...linkLayers(content, false),
     odometryLayer(content),
   ];
   const top = 100 * (scene.maps.length - m) + layers.length;

@@ -76,6 +76,16 @@ function wireLocalMaps(viewer) {
   fillLocalMap(map, -1);
 }
 
+function wireSearch(viewer) {
+  document.getElementById("find").addEventListener("submit", (event) => {
+    event.preventDefault();
+    const words = document.getElementById("find-id").value.trim();
+    const found = poseOfId(viewer.scene, words);
+    document.getElementById("find-text").textContent = words && !found ? `There is no pose ${words}.` : "";
+    viewer.goToPose(found);
+  });
+}
+
 function tellStop(viewer) {
   const { stops } = viewer.growing;
   const stop = stops[viewer.stop];

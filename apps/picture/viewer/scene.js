@@ -53,7 +53,9 @@ function readMap(raw) {
     featureKeys: keys(raw.featureKeys),
     featureCovariances: floats(raw.featureCovariances),
     odometry: floats(raw.odometry),
-    closures: indices(raw.closures),
+    trajectories: raw.trajectories.map((part) => ({ ...part, sessions: indices(part.sessions) })),
+    links: raw.links.map((links) => ({ ...links, ends: indices(links.ends) })),
+    ellipses: raw.ellipses,
     localMaps: readLocalMaps(raw.localMaps),
     stops: raw.stops.map(readStop),
   };
@@ -70,10 +72,25 @@ function readScene() {
   };
 }
 
+const robotOf = (map, pose) => (map.robots.length > 0 ? map.robots[pose] : 0);
+
 /// "pose 17", or "pose 17 of session 2".
 function poseName(map, pose) {
-  const robot = map.robots.length > 0 ? map.robots[pose] : 0;
+  const robot = robotOf(map, pose);
   return `pose ${map.poseKeys[pose]}` + (robot === 0 ? "" : ` of session ${robot}`);
+}
+
+/// The first pose of an id in words, "17" or "17 of session 2": its map and index, or nothing.
+function poseOfId(scene, words) {
+  const numbers = words.match(/\d+/g);
+  if (!numbers) return undefined;
+  const [id, robot] = numbers.map(BigInt);
+  const isOfRobot = (map, pose) => robot === undefined || BigInt(robotOf(map, pose)) === robot;
+  for (const map of scene.maps) {
+    const index = map.poseKeys.findIndex((key, pose) => key === id && isOfRobot(map, pose));
+    if (index >= 0) return { kind: "poses", map, index };
+  }
+  return undefined;
 }
 
 const featureName = (map, feature) => `feature ${map.featureKeys[feature]}`;

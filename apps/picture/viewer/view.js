@@ -66,9 +66,7 @@ class View {
 
   /// Shows the box, by default of the whole scene, beside the panel.
   fit(box = this.box) {
-    const panel = document.getElementById("panel").getBoundingClientRect();
-    const isBeside = panel.width < 0.5 * window.innerWidth;
-    const width = window.innerWidth - (isBeside ? panel.right : 0);
+    const width = window.innerWidth - this.panelWidth();
     const centre = box.getCenter(new THREE.Vector3());
     const size = box.getSize(new THREE.Vector3());
     const away = this.dimension === 2 ? new THREE.Vector3(0, 0, 1) : new THREE.Vector3(-0.5, -0.9, 0.6).normalize();
@@ -78,15 +76,31 @@ class View {
     const up = this.dimension === 2 ? size.y : 0.8 * size.length();
     this.camera.zoom = 0.88 * Math.min(width / Math.max(across, 1e-3), window.innerHeight / Math.max(up, 1e-3));
     this.camera.updateProjectionMatrix();
+    this.lookBeside();
+  }
+
+  /// Brings a point to where fit() has the middle.
+  centre(point) {
+    this.camera.position.add(point).sub(this.controls.target);
+    this.controls.target.copy(point);
+    this.lookBeside();
+  }
+
+  /// Moves what is in the middle of the page to the middle of what the panel leaves free.
+  lookBeside() {
     this.controls.update();
-    const shift = new THREE.Vector3(isBeside ? -panel.right / 2 / this.camera.zoom : 0, 0, 0).applyQuaternion(
-      this.camera.quaternion,
-    );
+    const shift = new THREE.Vector3(-this.panelWidth() / 2 / this.camera.zoom, 0, 0).applyQuaternion(this.camera.quaternion);
     this.camera.position.add(shift);
     this.controls.target.add(shift);
     this.controls.update();
     this.lastZoom = this.camera.zoom;
     this.stand();
+  }
+
+  /// What the panel takes from the left of the page; nothing where it lies over it.
+  panelWidth() {
+    const panel = document.getElementById("panel").getBoundingClientRect();
+    return panel.width < 0.5 * window.innerWidth ? panel.right : 0;
   }
 
   /// From places in the scene to pixels of the page, as a function of an array and an index.

@@ -23,6 +23,7 @@ class Viewer {
     this.view.onDraw.push(() => this.beforeDraw());
     wireLocalMaps(this);
     wireStops(this);
+    wireSearch(this);
     this.wire();
   }
 
@@ -58,6 +59,7 @@ class Viewer {
       }
       if (layer.object) layer.object.visible = isShown;
     }
+    if (this.ring) this.ring.visible = this.isWhole;
     this.dim();
     this.view.draw();
   }
@@ -101,11 +103,27 @@ class Viewer {
     this.view.draw();
   }
 
+  /// Centres the view on a pose that poseOfId() found, rings it and names it; of nothing the ring goes.
+  goToPose(found) {
+    if (this.ring) discard(this.view.world, this.ring);
+    this.ring = null;
+    this.tip(null);
+    this.view.draw();
+    if (!found) return;
+    const ring = { colour: kDistinct[1], size: 19, order: 3000, hole: 0.7 };
+    this.ring = onTop(dots(placesOf(found.map.poses, [found.index]), ring));
+    if (!this.isWhole) this.goTo(this.growing.stops.length - 1);
+    this.view.world.add(this.ring);
+    this.view.centre(new THREE.Vector3().fromArray(found.map.poses, 3 * found.index));
+    const at = {};
+    this.view.projector()(found.map.poses, found.index, at);
+    this.tip(found, at.x, at.y);
+  }
+
   wire() {
     const { canvas } = this.view;
-    const tip = document.getElementById("tip");
-    canvas.addEventListener("pointermove", (event) => this.hover(event, tip));
-    canvas.addEventListener("pointerleave", () => (tip.hidden = true));
+    canvas.addEventListener("pointermove", (event) => this.hover(event));
+    canvas.addEventListener("pointerleave", () => this.tip(null));
     canvas.addEventListener("pointerdown", (event) => (this.pressed = { x: event.clientX, y: event.clientY }));
     canvas.addEventListener("pointerup", (event) => this.click(event));
     document.getElementById("fit").addEventListener("click", () => this.view.fit());
@@ -119,13 +137,19 @@ class Viewer {
     document.getElementById("help").textContent = `${moving}, wheel to zoom${picking}.`;
   }
 
-  hover(event, tip) {
+  hover(event) {
     const found = event.buttons === 0 && this.isWhole ? nearest(this.view, this.layers, event.clientX, event.clientY) : null;
-    tip.hidden = !found;
     this.view.canvas.style.cursor = found ? "pointer" : "";
+    this.tip(found, event.clientX, event.clientY);
+  }
+
+  /// Says what there is to say of a pose or feature, beside a point of the page; nothing of nothing.
+  tip(found, x, y) {
+    const tip = document.getElementById("tip");
+    tip.hidden = !found;
     if (!found) return;
     tell(this.scene, this.localMapOf, found, tip);
-    placeTip(tip, event.clientX, event.clientY);
+    placeTip(tip, x, y);
   }
 
   /// A press and release at one place picks the local map of the pose there, or lets go of the one picked.

@@ -48,8 +48,8 @@ class Plot : public ::testing::Test {
 TEST_F(Plot, TheFolderOfARunShowsAllThatIsKnown) {
   ASSERT_EQ(call({"run", kLog, "-o", path("run"), "--covariances", "--poses-per-map", "50", "--quiet"}).exit_code, 0);
   const std::string svg = picture({path("run"), "--truth", kTruth});
-  for (const std::string name :
-       {"local maps", "end poses", "features", "3σ of features", "3σ of poses", "odometry alone", "truth"}) {
+  for (const std::string name : {"local maps", "end poses", "features", "3σ of features", "3σ of poses", "odometry alone",
+                                 "truth", "residual ≤ 2 × typical"}) {
     EXPECT_EQ(count(svg, ">" + name + "<"), 1U) << name;
   }
   EXPECT_EQ(count(svg, "<ellipse rx"), 143U + 20U);  // of all features, and of the ends of 20 maps
@@ -66,17 +66,41 @@ TEST_F(Plot, ALogWithoutValuesIsDrawnByItsOdometry) {
 }
 
 TEST_F(Plot, LocalMapsAreJoinedFirstAndTheirClosuresDrawn) {
-  const std::string log =
-      "EDGE_SE2 0 1 2 0 0 1 0 0 1 0 1\nEDGE_SE2 1 2 2 0 1.6 1 0 0 1 0 1\nEDGE_SE2 2 3 2 0 1.6 1 0 0 1 0 1\n"
-      "EDGE_SE2 3 4 2 0 1.5 1 0 0 1 0 1\nEDGE_SE2 4 0 2 0 1.5 1 0 0 1 0 1\nEDGE_SE2_XY 0 7 1 1 1 0 1\nEDGE_SE2_XY 3 7 3 1 1 0 "
-      "1\n";
+  const std::string I = " 100 0 0 100 0 100\n";
+  const std::string log = "EDGE_SE2 0 1 2 0 0" + I + "EDGE_SE2 1 2 2 0 1.6" + I + "EDGE_SE2 2 3 2 0 1.6" + I +
+                          "EDGE_SE2 3 4 2 0 1.5" + I + "EDGE_SE2 4 0 2 -2 1.6" + I +
+                          "EDGE_SE2_XY 0 7 1 1 100 0 100\nEDGE_SE2_XY 3 7 3 1 100 0 100\n";
   ASSERT_EQ(call({"build", folder.file("log.g2o", log).string(), "-o", path("maps"), "--poses-per-map", "2"}).exit_code, 0);
   const std::string svg = picture({path("maps"), "--covariances"});
   EXPECT_EQ(count(svg, ">local maps<"), 1U);
-  EXPECT_EQ(count(svg, ">loop closures<"), 1U);
+  EXPECT_EQ(count(svg, ">residual ≤ 2 × typical<"), 1U);
   EXPECT_EQ(count(svg, "<ellipse rx"), 1U + 2U);
   EXPECT_EQ(count(picture({path("maps")}), "<ellipse"), 0U);
   EXPECT_EQ(picture({path("maps"), "--jobs", "1"}), picture({path("maps"), "--jobs", "2"}));
+}
+
+TEST_F(Plot, ShowsWhereAMapIsBentByAWrongObservation) {
+  ASSERT_EQ(call({"run", kLog, "-o", path("run"), "--quiet"}).exit_code, 0);
+  EXPECT_EQ(count(picture({path("run")}), "residual &gt; 8 × typical"), 0U);
+  std::string log = content_of(kLog);
+  const std::string right = "EDGE_SE2_XY 399 1087 ";
+  log.replace(log.find(right), right.size(), "EDGE_SE2_XY 399 1077 ");
+  ASSERT_EQ(call({"run", folder.file("wrong.g2o", log).string(), "-o", path("bent"), "--quiet"}).exit_code, 0);
+  EXPECT_EQ(count(picture({path("bent")}), "residual &gt; 8 × typical"), 1U);
+}
+
+TEST_F(Plot, SaysThatEllipsesAreLargerThanTheMap) {
+  const std::string log =
+      "EDGE_SE2 0 1 1 0 0 400 0 0 400 0 400\nEDGE_SE2 1 2 1 0 0 0.01 0 0 0.01 0 0.01\nEDGE_SE2_XY 0 7 1 1 400 0 400\n";
+  const std::string words = "the 3σ ellipses of 1 pose and 0 features are larger than the map, and are capped at its size\n";
+  const Ended run = call({"run", folder.file("log.g2o", log).string(), "-o", path("run"), "--covariances", "--quiet"});
+  EXPECT_EQ(run.err, "mapjoin: map.svg: " + words);
+  EXPECT_EQ(count(content_of(path("run/map.svg")), "3σ of poses (capped at the map's size)"), 1U);
+  for (const std::string name : {"map.svg", "map.html"}) {
+    const Ended plotted = call({"plot", path("run"), "-o", path(name), "--quiet"});
+    EXPECT_EQ(plotted.err, "mapjoin: " + path("run") + ": " + words);
+    EXPECT_EQ(count(content_of(path(name)), "3σ of poses (capped at the map's size)"), 1U);
+  }
 }
 
 TEST_F(Plot, APageIsTheSameForAnyNumberOfThreads) {

@@ -20,7 +20,8 @@ function switchLayers() {
     label.querySelector("input").click();
     const without = fingerprint();
     label.querySelector("input").click();
-    return { name: label.querySelector(".name").textContent, changes: without !== before, comesBack: fingerprint() === before };
+    const colour = label.querySelector(".swatch").style.getPropertyValue("--paint");
+    return { colour, name: label.querySelector(".name").textContent, changes: without !== before, comesBack: fingerprint() === before };
   });
 }
 
@@ -37,6 +38,25 @@ function tipOver(...place) {
   const tip = document.getElementById("tip");
   return tip.hidden ? null : tip.innerText;
 }
+
+/// What comes of looking for an id: words, the tip, and how far the ring around the pose is from the middle of what the panel
+/// leaves free (pixels).
+function find(id) {
+  document.getElementById("find-id").value = id;
+  document.getElementById("find").requestSubmit();
+  const at = {};
+  if (viewer.ring) viewer.view.projector()(viewer.ring.geometry.attributes.position.array, 0, at);
+  const tip = document.getElementById("tip");
+  return {
+    text: document.getElementById("find-text").textContent,
+    tip: tip.hidden ? null : tip.innerText,
+    isRinged: Boolean(viewer.ring),
+    fromMiddle: Math.hypot(at.x - (innerWidth + document.getElementById("panel").offsetWidth + 12) / 2, at.y - innerHeight / 2),
+  };
+}
+
+const layerNamed = (name) => viewer.layers.find((layer) => layer.name === name);
+const pointsOf = (layer) => Array.from(layer.object.geometry.attributes.position.array);
 
 /// Where a pose is on the page.
 function pixelsOf(pose) {

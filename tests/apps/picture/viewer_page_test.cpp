@@ -3,10 +3,11 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <fstream>
 #include <iostream>
-#include <tests/apps/command.hpp>
+#include <tests/apps/picture/viewer_page.hpp>
 
 namespace mapjoin::testing {
 namespace {
@@ -14,65 +15,6 @@ namespace {
 using ::testing::AllOf;
 using ::testing::HasSubstr;
 using ::testing::Not;
-using Json = nlohmann::json;
-
-const std::string kProbe = content_of(kTestSources / "apps/picture/probe.js");
-
-/// Pages in headless Chromium, where it is installed.
-class ViewerPage : public ::testing::Test {
- protected:
-  void SetUp() override {
-    if (std::system("command -v chromium > /dev/null") != 0) GTEST_SKIP() << "needs chromium, which is not installed";
-  }
-
-  std::string path(const std::string& name) const { return (folder.path() / name).string(); }
-
-  std::string page_of(std::vector<std::string> arguments) const {
-    arguments.insert(arguments.begin(), "plot");
-    arguments.insert(arguments.end(), {"-o", path("page.html"), "--quiet"});
-    const Ended ended = call(arguments);
-    EXPECT_EQ(ended.exit_code, 0) << ended.err;
-    return content_of(path("page.html"));
-  }
-
-  /// What the expression `probe`, a JavaScript object, is on the page.
-  Json found_on(std::string page, const std::string& probe, const std::string& graphics = "--use-angle=swiftshader") const {
-    const std::string watch =
-        "<script>window.problems = []; addEventListener('error', (e) => problems.push(e.message));"
-        "console.error = console.warn = (...words) => problems.push(words.join(' '));</script>";
-    page.insert(page.find("<body>"), watch);
-    page.insert(page.find("</body>"), "<script>" + kProbe + "report(() => (" + probe + "));</script>");
-    folder.file("probed.html", page);
-    Process process({"chromium", "--headless", "--no-sandbox", graphics, "--enable-unsafe-swiftshader", "--window-size=700,500",
-                     "--user-data-dir=" + path("profile"), "--host-resolver-rules=MAP * ~NOTFOUND", "--dump-dom",
-                     "file://" + path("probed.html")},
-                    {});
-    EXPECT_EQ(process.wait(), 0) << process.standard_error();
-    const std::string dom = process.standard_output();
-    const std::size_t begin = dom.find("[[[", dom.find("id=\"found\""));
-    const std::size_t end = dom.find("]]]", begin);
-    if (end == std::string::npos) {
-      ADD_FAILURE() << "the page did not come to the probe: " << process.standard_error();
-      return Json::object();
-    }
-    std::string text = dom.substr(begin + 3, end - begin - 3);
-    for (const auto& [entity, character] : {std::pair("&lt;", "<"), std::pair("&gt;", ">"), std::pair("&amp;", "&")}) {
-      for (std::size_t at = text.find(entity); at != std::string::npos; at = text.find(entity)) {
-        text.replace(at, std::string(entity).size(), character);
-      }
-    }
-    return Json::parse(text);
-  }
-
-  TemporaryFolder folder;
-};
-
-/// Poses and features whose names are not their places in the file, with closures, far from the origin.
-const std::string kNamedMap =
-    "VERTEX_SE2 10 1000000 5 0\nVERTEX_SE2 20 1000004 5 1.5\nVERTEX_SE2 35 1000004 9 3.1\nVERTEX_SE2 41 1000000 9 -1.6\n"
-    "VERTEX_XY 700 1000002 7\nVERTEX_XY 800 1000006 10\n"
-    "EDGE_SE2 10 20 4 0 1.5 1 0 0 1 0 1\nEDGE_SE2 20 35 4 0 1.6 1 0 0 1 0 1\nEDGE_SE2 35 41 4 0 1.6 1 0 0 1 0 1\n"
-    "EDGE_SE2 41 10 4 0 1.6 1 0 0 1 0 1\nEDGE_SE2_XY 10 700 2 2 1 0 1\nEDGE_SE2_XY 35 800 2 1 1 0 1\n";
 
 TEST_F(ViewerPage, DrawsAndSwitchesItsLayersWithoutComplaint) {
   ASSERT_EQ(call({"run", (kBundledData / "manhattan2d.g2o").string(), "-o", path("run"), "--covariances", "--quiet"}).exit_code,
@@ -89,8 +31,41 @@ TEST_F(ViewerPage, DrawsAndSwitchesItsLayersWithoutComplaint) {
     EXPECT_EQ(layer["changes"], is_seen) << layer;
     EXPECT_TRUE(layer["comesBack"]) << layer;
   }
-  EXPECT_THAT(names, ::testing::ElementsAre("truth", "end poses", "local maps", "poses", "trajectory", "features",
-                                            "3σ of poses", "3σ of features", "odometry alone"));
+  EXPECT_THAT(names,
+              ::testing::ElementsAre("truth", "end poses", "local maps", "poses", "trajectory", "features", "3σ of poses",
+                                     "3σ of features", "residual 2–4 × typical", "residual ≤ 2 × typical", "odometry alone"));
+}
+
+TEST_F(ViewerPage, DrawsEllipsesNoLargerThanTheMap) {
+  folder.file("map.g2o", kNamedMap);
+  Json covariances = {{"dimension", 2}, {"poses", Json::array()}, {"features", Json::array()}};
+  for (const int pose : {10, 20, 35, 41}) {
+    const std::vector<double> P = {pose == 41 ? 1e6 : 0.0, 0, 0, pose == 41 ? 1e6 : 0.0, 0, 0};
+    covariances["poses"].push_back({{"session", 0}, {"pose", pose}, {"covariance", P}});
+  }
+  for (const int feature : {700, 800}) {
+    covariances["features"].push_back({{"feature", feature}, {"covariance", {0, 0, 0}}});
+  }
+  folder.file("map.covariances.json", covariances.dump());
+  const std::string probe = "{points: pointsOf(layerNamed(\"3σ of poses (capped at the map's size)\")).map(Math.abs)}";
+  const auto points = found_on(page_of({path("map.g2o")}), probe)["points"].get<std::vector<double>>();
+  EXPECT_NEAR(*std::ranges::max_element(points), 2.0 + 0.5 * 6.0, 1e-3);  // pose 41 is 2 m from the middle of a map of 6 m
+}
+
+TEST_F(ViewerPage, HasSessionsInColoursOfTheirOwn) {
+  const std::string map =
+      "VERTEX_SE2 0 0 0 0\nVERTEX_SE2 1 4 0 0\nVERTEX_SE2 2 0 3 0\nVERTEX_SE2 3 4 3 0\nEDGE_SE2 0 1 4 0 0 1 0 0 1 0 1\n"
+      "EDGE_SE2 2 3 4 0 0 1 0 0 1 0 1\nEDGE_SE2 0 2 0 3 0 1 0 0 1 0 1\nEDGE_SE2 0 3 90 3 0 1 0 0 1 0 1\n";
+  const Json found = found_on(page_of({folder.file("map.g2o", map).string()}), "{layers: switchLayers()}");
+  std::vector<std::string> names, colours;
+  for (const Json& layer : found["layers"]) {
+    names.push_back(layer["name"]);
+    colours.push_back(layer["colour"]);
+    EXPECT_EQ(layer["changes"], names.back() != "odometry alone") << layer;  // which lies below the trajectory
+  }
+  EXPECT_THAT(names, ::testing::ElementsAre("residual > 8 × typical", "poses", "poses 0 to 1", "poses 2 to 3",
+                                            "residual ≤ 2 × typical", "odometry alone"));
+  EXPECT_NE(colours[2], colours[3]);
 }
 
 TEST_F(ViewerPage, MovesSmoothlyWithAHundredThousandPoses) {
@@ -99,7 +74,9 @@ TEST_F(ViewerPage, MovesSmoothlyWithAHundredThousandPoses) {
     const double turn = 0.01 * k;
     map += fmt::format("VERTEX_SE2 {} {} {} {}\n", k, 0.5 * turn * std::cos(turn), 0.5 * turn * std::sin(turn), turn);
     if (k > 0) map += fmt::format("EDGE_SE2 {} {} 1 0 0.01 1 0 0 1 0 1\n", k - 1, k);
-    if (k % 5 == 0) map += fmt::format("VERTEX_XY {} {} {}\n", 200000 + k, 0.5 * turn * std::cos(turn + 0.3), 0.5 * turn);
+    const double x = 0.5 * turn * std::cos(turn) + std::cos(turn) - std::sin(turn);
+    const double y = 0.5 * turn * std::sin(turn) + std::sin(turn) + std::cos(turn);
+    if (k % 5 == 0) map += fmt::format("VERTEX_XY {} {} {}\n", 200000 + k, x, y);
     if (k % 5 == 0) map += fmt::format("EDGE_SE2_XY {} {} 1 1 1 0 1\n", k, 200000 + k);
   }
   const Json found = found_on(page_of({folder.file("map.g2o", map).string()}), "moveAndRest()");
@@ -107,9 +84,9 @@ TEST_F(ViewerPage, MovesSmoothlyWithAHundredThousandPoses) {
   EXPECT_TRUE(found["comesBack"]) << "the whole map after a move";
   std::cout << "a frame, at rest and in motion: " << found["atRest"] << ", " << found["inMotion"] << '\n';
   EXPECT_EQ(found["atRest"]["points"], 20000);
-  EXPECT_EQ(found["atRest"]["lines"], 99999);
+  EXPECT_EQ(found["atRest"]["lines"], 99999 + 20000);  // of the trajectory, and observations
   EXPECT_LE(found["inMotion"]["points"], 4000);
-  EXPECT_LE(found["inMotion"]["lines"], 4000);
+  EXPECT_LE(found["inMotion"]["lines"], 2 * 4000);
   EXPECT_GT(found["inMotion"]["lines"], 0);
 }
 
@@ -182,8 +159,9 @@ TEST_F(ViewerPage, PicksALocalMapAndSaysHowItFits) {
 TEST_F(ViewerPage, JoinsMapAfterMap) {
   for (const std::string log : {"manhattan2d.g2o", "manhattan3d.g2o"}) {
     ASSERT_EQ(call({"build", (kBundledData / log).string(), "-o", path("maps"), "--poses-per-map", "50"}).exit_code, 0);
-    const Json found =
-        found_on(page_of({path("maps")}), "{whole: fingerprint(), first: slideTo(0), third: slideTo(2), last: slideTo(99)}");
+    const Json found = found_on(page_of({path("maps")}),
+                                "{whole: fingerprint(), first: slideTo(0), third: slideTo(2), last: slideTo(99), "
+                                "found: (slideTo(0), find('3')), text: document.getElementById('stop-text').textContent}");
     EXPECT_EQ(found["errors"], Json::array());
     const std::string maps = log == "manhattan2d.g2o" ? "20" : "8";
     EXPECT_THAT(found["first"]["text"].get<std::string>(), HasSubstr("1 of " + maps + " maps, chi2"));
@@ -191,6 +169,7 @@ TEST_F(ViewerPage, JoinsMapAfterMap) {
     EXPECT_EQ(found["last"]["text"], "all " + maps + " maps: the whole map");
     EXPECT_NE(found["first"]["picture"], found["third"]["picture"]);
     EXPECT_EQ(found["last"]["picture"], found["whole"]);
+    EXPECT_EQ(found["text"], found["last"]["text"]) << "a pose is found in the whole map";
   }
 }
 

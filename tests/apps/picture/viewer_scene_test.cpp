@@ -1,0 +1,70 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <apps/picture/plotted_map.hpp>
+#include <tests/apps/picture/viewer_page.hpp>
+
+namespace mapjoin::testing {
+namespace {
+
+using ::testing::AllOf;
+using ::testing::HasSubstr;
+using ::testing::Not;
+
+TEST_F(ViewerPage, FindsAPoseByItsIdAndNamesIt) {
+  const std::string page = page_of({folder.file("map.g2o", kNamedMap).string()});
+  const Json found = found_on(page, "{at: find('35'), none: find('36'), words: find('pose'), nothing: find('')}");
+  EXPECT_EQ(found["errors"], Json::array());
+  EXPECT_THAT(found["at"]["tip"].get<std::string>(), AllOf(HasSubstr("pose 35"), HasSubstr("x 1000004.000 m")));
+  EXPECT_EQ(found["at"]["text"], "");
+  EXPECT_TRUE(found["at"]["isRinged"]);
+  EXPECT_LT(found["at"]["fromMiddle"], 0.5) << "pixels";
+  EXPECT_EQ(found["none"]["text"], "There is no pose 36.");
+  EXPECT_EQ(found["words"]["text"], "There is no pose pose.");
+  EXPECT_EQ(found["nothing"]["text"], "");
+  for (const std::string none : {"none", "words", "nothing"}) {
+    EXPECT_TRUE(found[none]["tip"].is_null());
+    EXPECT_FALSE(found[none]["isRinged"]);
+  }
+}
+
+/// Two robots with a pose each of one number.
+apps::PlottedMap<2> two_poses() {
+  apps::PlottedMap<2> plotted;
+  plotted.map.pose_ids = {{0, 7}, {2, 7}};
+  plotted.map.poses = {{{0.0, 0.0}, {}}, {{9.0, 0.0}, {}}};
+  plotted.sessions = {{0, 1}, {1, 2}};
+  return plotted;
+}
+
+TEST_F(ViewerPage, FindsAPoseOfASession) {
+  const Json found = found_on(apps::viewer_page<2>({{two_poses()}, std::nullopt}, "robots"),
+                              "{any: find('7'), that: find('pose 7 of session 2'), none: find('7 of session 1')}");
+  EXPECT_THAT(found["any"]["tip"].get<std::string>(), AllOf(HasSubstr("pose 7"), Not(HasSubstr("session 2"))));
+  EXPECT_THAT(found["that"]["tip"].get<std::string>(), HasSubstr("pose 7 of session 2"));
+  EXPECT_EQ(found["none"]["text"], "There is no pose 7 of session 1.");
+}
+
+TEST_F(ViewerPage, DrawsRejectedLinksApartAndDashed) {
+  apps::PlottedMap<2> plotted = two_poses();
+  plotted.map.feature_ids = {{5}};
+  plotted.map.features = {{9.0, 18.0}};
+  plotted.links = {{0, FeatureIndex(0), true, 1.0}, {0, PoseIndex(1), false, 1.0}};
+  const Json found =
+      found_on(apps::viewer_page<2>({{plotted}, std::nullopt}, "links"),
+               "{rejected: pointsOf(layerNamed('rejected')), kept: pointsOf(layerNamed('residual ≤ 2 × typical'))}");
+  EXPECT_EQ(found["errors"], Json::array());
+  EXPECT_EQ(found["kept"], Json({-4.5, 0, 0, 4.5, 0, 0}));
+  ASSERT_EQ(found["rejected"].size(), 6U * 5U);
+  for (const std::size_t dash : {0U, 4U}) {
+    const auto at = [&](std::size_t i) { return found["rejected"][6 * dash + i].get<double>(); };
+    EXPECT_NEAR(at(0), -4.5 + 2.0 * static_cast<double>(dash), 1e-5);
+    EXPECT_NEAR(at(1), 4.0 * static_cast<double>(dash), 1e-5);
+    EXPECT_NEAR(at(3), at(0) + 1.0, 1e-5);
+    EXPECT_NEAR(at(4), at(1) + 2.0, 1e-5);
+  }
+}
+
+}  // namespace
+}  // namespace mapjoin::testing
