@@ -103,7 +103,7 @@ Input CommandRun::take_input(Input input) {
 template <int Dim>
 void CommandRun::reject_outliers(Log<Dim>& log) {
   const Stopwatch watch(run_report.robust_seconds);
-  progress_.show("rejecting", 0, 1);
+  if (progress_.is_shown()) progress_.show("rejecting", 0, 1);
   Inliers<Dim> inliers = find_inliers(log, *options_.robust, stop_).value();
   run_report.robust = options_.robust;
   run_report.describe(log, inliers.rejected);
