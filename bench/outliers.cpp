@@ -9,13 +9,13 @@
 #include <cstdio>
 #include <cstdlib>
 #include <filesystem>
+#include <map>
 #include <mapjoin/io/open.hpp>
-#include <mapjoin/join/robust/inliers.hpp>
-#include <mapjoin/measure/effort.hpp>
 #include <string>
 #include <vector>
 
 #include "outlier_score.hpp"
+#include "robust_methods.hpp"
 
 namespace mapjoin::bench {
 namespace {
@@ -47,7 +47,8 @@ struct Arguments {
   std::vector<std::size_t> counts = {1, 5, 50, 1000};
   std::vector<double> identities = {0.01, 0.05, 0.1, 0.2, 0.3};
   std::uint64_t seeds = 10;
-  RobustOptions robust;
+  std::vector<std::string> methods = {method_names().front()};
+  MethodOptions method;
 };
 
 std::filesystem::path file_of(const std::string& set) {
@@ -56,17 +57,6 @@ std::filesystem::path file_of(const std::string& set) {
     if (set == name) return std::filesystem::path(folder ? folder : "") / file;
   }
   return set;
-}
-
-template <int Dim>
-Expected<RobustMap<Dim>> map_robustly(const Log<Dim>& log, const RobustOptions& options) {
-  const EffortMeter meter;
-  auto inliers = find_inliers(log, options);
-  if (!inliers) return tl::unexpected(inliers.error());
-  return run(inliers->log, without_verdict()).map([&](RunResult<Dim>&& result) {
-    return RobustMap<Dim>{
-        std::move(inliers->log), {std::move(result.map.poses), std::move(result.map.features)}, meter.so_far().cpu_seconds};
-  });
 }
 
 /// What one row is about, as its first columns.
@@ -84,7 +74,7 @@ class SetBench {
 
   void run_all() const {
     if (std::ranges::find(arguments_.shares, 0.0) != arguments_.shares.end()) {
-      row({"nothing"}, with_wrong_closures(clean_, ClosurePolicy::kRandom, 0, 1));
+      rows({"nothing"}, with_wrong_closures(clean_, ClosurePolicy::kRandom, 0, 1));
     }
     for (const auto& [policy, name] : enum_names(ClosurePolicy{})) {
       if (std::ranges::find(arguments_.policies, name) != arguments_.policies.end()) closures(policy);
@@ -103,7 +93,7 @@ class SetBench {
     for (const std::size_t count : counts) {
       const double share = static_cast<double>(count) / (own + static_cast<double>(count));
       for (std::uint64_t seed = 1; seed <= arguments_.seeds; ++seed) {
-        row({to_string(policy), share, seed}, with_wrong_closures(clean_, policy, count, seed));
+        rows({to_string(policy), share, seed}, with_wrong_closures(clean_, policy, count, seed));
       }
     }
   }
@@ -111,21 +101,26 @@ class SetBench {
   void identities() const {
     for (const double share : arguments_.identities) {
       for (std::uint64_t seed = 1; seed <= arguments_.seeds; ++seed) {
-        row({"identities", share, seed}, with_wrong_identities(clean_, share, seed));
+        rows({"identities", share, seed}, with_wrong_identities(clean_, share, seed));
       }
     }
   }
 
-  void row(const Planting& planting, const Spoilt<Dim>& spoilt) const {
-    const auto robust = map_robustly(spoilt.log, arguments_.robust);
+  void rows(const Planting& planting, const Spoilt<Dim>& spoilt) const {
     const std::string title = fmt::format("{},{},{:.3f},{}", name_, planting.what, planting.share, planting.seed);
-    if (!robust) return fmt::print(stderr, "{}: {}\n", title, robust.error().message);
-    const OutlierScore s = score(clean_, spoilt, *robust);
-    fmt::print("{},{},{},{},{},{},{},{},{:.5f},{:.5f},{:.4g},{:.6f},{},{:.2f},{:.2f}\n", title, s.right, s.wrong + s.undecided,
-               s.wrong, s.wrong_rejected, s.wrong - s.wrong_rejected, s.undecided - s.undecided_rejected, s.right_rejected,
-               s.precision(), s.recall(), s.rms, s.chi2_ratio, s.features_off, robust->cpu_seconds,
-               robust->cpu_seconds / clean_.cpu_seconds);
-    std::fflush(stdout);
+    for (const std::string& method : arguments_.methods) {
+      const auto robust = map_robustly(method, spoilt.log, clean_.values, arguments_.method);
+      if (!robust) {
+        fmt::print(stderr, "{},{}: {}\n", title, method, robust.error().message);
+        continue;
+      }
+      const OutlierScore s = score(clean_, spoilt, *robust);
+      fmt::print("{},{},{},{},{},{},{},{},{},{:.5f},{:.5f},{:.4g},{:.6f},{},{:.2f},{:.2f}\n", title, method, s.right,
+                 s.wrong + s.undecided, s.wrong, s.wrong_rejected, s.wrong - s.wrong_rejected,
+                 s.undecided - s.undecided_rejected, s.right_rejected, s.precision(), s.recall(), s.rms, s.chi2_ratio,
+                 s.features_off, robust->cpu_seconds, robust->cpu_seconds / clean_.cpu_seconds);
+      std::fflush(stdout);
+    }
   }
 
   std::string name_;
@@ -148,7 +143,8 @@ Expected<void> run_set(const std::string& name, const Arguments& arguments) {
 
 int run_sets(const Arguments& arguments) {
   fmt::print(
-      "set,planted as,share,seed,right,planted,wrong,wrong rejected,wrong kept,undecided kept,right rejected,precision,recall,"
+      "set,planted as,share,seed,method,right,planted,wrong,wrong rejected,wrong kept,undecided kept,right "
+      "rejected,precision,recall,"
       "rms (m),chi2 over clean,features off,cpu (s),cpu over clean\n");
   for (const std::string& set : arguments.sets) {
     if (const auto done = run_set(set, arguments); !done) {
@@ -167,6 +163,8 @@ int main(int argc, char** argv) {
   bench::Arguments arguments;
   for (const auto& [name, file] : bench::kSets) arguments.sets.emplace_back(name);
   for (const auto& [policy, name] : enum_names(ClosurePolicy{})) arguments.policies.emplace_back(name);
+  std::map<std::string, bench::CeresStart> starts;
+  for (const auto& [start, name] : enum_names(bench::CeresStart{})) starts.emplace(name, start);
   CLI::App app("Wrong closures and wrong identities, planted into logs: who finds them, as CSV.", "mapjoin_outliers");
   app.add_option("--sets", arguments.sets, "Public data sets below $MAPJOIN_DATA_DIR, or files of logs")
       ->delimiter(',')
@@ -187,7 +185,14 @@ int main(int argc, char** argv) {
                          ->check(CLI::Range(0.0, 0.99))
                          ->capture_default_str();
   app.add_option("--seeds", arguments.seeds, "Per policy and share")->capture_default_str();
-  app.add_option("--confidence", arguments.robust.confidence, "As of --robust")
+  app.add_option("--methods", arguments.methods, "Who makes maps: mapjoin, or Ceres with one of its losses")
+      ->delimiter(',')
+      ->check(CLI::IsMember(bench::method_names()))
+      ->capture_default_str();
+  app.add_option("--start", arguments.method.start, "Where Ceres begins: odometry or, as an oracle, clean (the clean map)")
+      ->transform(CLI::CheckedTransformer(starts));
+  app.add_option("--limit", arguments.method.most_seconds, "Of Ceres, for each map (s)")->capture_default_str();
+  app.add_option("--confidence", arguments.method.robust.confidence, "As of --robust")
       ->check(CLI::Range(0.01, 0.999999))
       ->capture_default_str();
   app.footer("Where any of --shares, --counts and --identities is given, those that are not are left out.");
