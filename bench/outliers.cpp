@@ -143,9 +143,8 @@ Expected<void> run_set(const std::string& name, const Arguments& arguments) {
 
 int run_sets(const Arguments& arguments) {
   fmt::print(
-      "set,planted as,share,seed,method,right,planted,wrong,wrong rejected,wrong kept,undecided kept,right "
-      "rejected,precision,recall,"
-      "rms (m),chi2 over clean,features off,cpu (s),cpu over clean\n");
+      "set,planted as,share,seed,method,right,planted,wrong,wrong rejected,wrong kept,undecided kept,right rejected,"
+      "precision,recall,rms (m),chi2 over clean,features off,cpu (s),cpu over clean\n");
   for (const std::string& set : arguments.sets) {
     if (const auto done = run_set(set, arguments); !done) {
       fmt::print(stderr, "mapjoin_outliers: {}: {}\n", set, done.error().message);
