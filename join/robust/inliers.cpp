@@ -14,6 +14,7 @@
 #include <mapjoin/join/run.hpp>
 #include <mapjoin/measure/statistics.hpp>
 #include <mapjoin/parallel/parallel.hpp>
+#include <numeric>
 #include <utility>
 
 namespace mapjoin {
@@ -33,6 +34,8 @@ constexpr std::size_t kMostPlaces = 100;
 constexpr std::size_t kPosesAPlace = 8;
 /// Steps of the join that the first map starts from: truncated losses go on from there.
 constexpr int kStartSteps = 1;
+/// A log is first tried as it is where no larger share of its closures is outvoted by the others.
+constexpr double kMostOutvoted = 0.25;
 /// Times that a map is settled anew without what it showed to be wrong.
 constexpr int kMostDrops = 10;
 
@@ -104,6 +107,7 @@ class InlierSearch {
 
   Expected<Inliers<Dim>> all() {
     screen();
+    if (const auto fits = fits_as_it_is(); !fits || *fits) return fits.map([&](bool) { return Inliers<Dim>{log_, {}}; });
     for (double least = first_odds(); least > -std::numeric_limits<double>::infinity(); least = next(least)) {
       if (const auto done = round(least); !done) return tl::unexpected(done.error());
     }
@@ -133,6 +137,21 @@ class InlierSearch {
       against[k] = -odds[k];
     }
     keep_one_of_each_feature(against);
+  }
+
+  /// Whether every closure and observation passes its test where all count. Not tried where too many closures are outvoted.
+  Expected<bool> fits_as_it_is() {
+    const auto outvoted = std::ranges::count_if(odds_, [](double odds) { return odds < 0.0; });
+    if (static_cast<double>(outvoted) > kMostOutvoted * static_cast<double>(odds_.size())) return false;
+    std::vector<std::size_t> all(odds_.size());
+    std::iota(all.begin(), all.end(), std::size_t{0});
+    const std::vector<bool> screened = std::exchange(observations_count_, {});
+    if (const auto done = start(all); !done) return tl::unexpected(done.error());
+    TruncatedJoin<Dim> join(log_, std::exchange(values_, {}), {}, options_.engine);
+    join.settle(stop_);
+    observations_count_ = screened;
+    if (stop_.stop_requested()) return tl::unexpected(Error{ErrorKind::kInterrupted, "interrupted while rejecting"});
+    return !join.drop(widest_);
   }
 
   /// A feature of which no observation counts keeps the one that the least is against: there is nothing to contradict it.
@@ -220,6 +239,7 @@ class InlierSearch {
     options.solver.max_iterations = kStartSteps;
     options.solver.engine = options_.engine;
     auto joined = solve(selected(log_, chosen, observations_count_), options, stop_);
+    if (!joined && joined.error().kind == ErrorKind::kBadInput) joined = solve(log_, options, stop_);  // they hold too little
     if (!joined) return tl::unexpected(joined.error());
     values_ = {std::move(joined->map.poses), std::move(joined->map.features)};
     return {};

@@ -1,0 +1,49 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <gtest/gtest.h>
+
+#include <mapjoin/join/robust/inliers.hpp>
+#include <mapjoin/simulate/manhattan.hpp>
+#include <mapjoin/simulate/wrong_measurements.hpp>
+#include <tests/support/dimensions.hpp>
+#include <tests/support/small_world.hpp>
+
+namespace mapjoin {
+namespace {
+
+template <typename D>
+class InliersTest : public ::testing::Test {};
+TYPED_TEST_SUITE(InliersTest, testing::Dimensions);
+
+TYPED_TEST(InliersTest, LosesNothingOfALogThatFits) {
+  constexpr int kDim = TypeParam::value;
+  const Log<kDim> log = testing::small_world<kDim>({.poses = 60, .features = 20, .closures = 12, .range = 3.0}).log;
+  const Inliers<kDim> inliers = find_inliers(log, RobustOptions{}).value();
+  EXPECT_TRUE(inliers.rejected.empty());
+  EXPECT_EQ(inliers.log.closures().size(), log.closures().size());
+  EXPECT_EQ(inliers.log.observations().size(), log.observations().size());
+}
+
+TYPED_TEST(InliersTest, RejectsObservationsUnderTheNamesOfOtherFeatures) {
+  constexpr int kDim = TypeParam::value;
+  ManhattanOptions options;
+  options.poses = 300;
+  options.side = 10.0;
+  options.range = 4.0;  // every feature is seen several times
+  const Log<kDim> log = simulate_manhattan<kDim>(options).log;
+  const auto planted = plant_wrong_identities(log, 0.05, 1);
+  const Inliers<kDim> inliers = find_inliers(planted.log, RobustOptions{}).value();
+  std::size_t wrong = 0;
+  for (const bool is_wrong : planted.is_wrong) wrong += is_wrong ? 1 : 0;
+  ASSERT_GT(wrong, 10U);
+  EXPECT_GE(inliers.rejected.size(), 9 * wrong / 10);
+  EXPECT_LE(inliers.rejected.size(), wrong + 2);
+}
+
+TEST(RobustOptionsTest, WantAConfidenceBetweenZeroAndOne) {
+  EXPECT_TRUE(RobustOptions{}.validate().empty());
+  EXPECT_FALSE(RobustOptions{.confidence = 1.0}.validate().empty());
+  EXPECT_FALSE(RobustOptions{.confidence = 0.0}.validate().empty());
+}
+
+}  // namespace
+}  // namespace mapjoin

@@ -1,0 +1,43 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <gtest/gtest.h>
+
+#include <mapjoin/join/robust/odometry_chain.hpp>
+#include <tests/support/dimensions.hpp>
+#include <tests/support/random.hpp>
+#include <tests/support/small_world.hpp>
+
+namespace mapjoin {
+namespace {
+
+template <typename D>
+class OdometryChainTest : public ::testing::Test {};
+TYPED_TEST_SUITE(OdometryChainTest, testing::Dimensions);
+
+TYPED_TEST(OdometryChainTest, AddsUpTheCovariancesOfItsSteps) {
+  constexpr int kDim = TypeParam::value;
+  const Log<kDim> log = testing::small_world<kDim>({.poses = 12, .features = 4, .closures = 0, .range = 9.0}).log;
+  const OdometryChain<kDim> chain(log);
+  UncertainPose<kDim> composed;
+  for (std::size_t k = 3; k < 9; ++k) composed = compose(composed, uncertain(log.odometry()[k]));
+  const UncertainPose<kDim> relative = chain.relative(3, 9);
+  EXPECT_LT(local(composed.mean, relative.mean).norm(), 1e-9);
+  EXPECT_LT((composed.covariance - relative.covariance).norm(), 1e-6 * composed.covariance.norm());
+  const UncertainPose<kDim> back = compose(relative, chain.relative(9, 3));
+  EXPECT_LT(local(Pose<kDim>{}, back.mean).norm(), 1e-9);
+}
+
+TYPED_TEST(OdometryChainTest, HasAnAdjointThatTakesATwistFromTheRightToTheLeft) {
+  constexpr int kDim = TypeParam::value;
+  testing::Random random;
+  const Pose<kDim> pose = random.pose<kDim>();
+  const double h = 1e-6;
+  for (int i = 0; i < kPoseDof<kDim>; ++i) {
+    const PoseVector<kDim> twist = h * PoseVector<kDim>::Unit(i);
+    const Pose<kDim> small = retract(Pose<kDim>{}, twist);
+    const Pose<kDim> on_left = compose(compose(pose, small), inverse(pose));
+    EXPECT_LT((local(Pose<kDim>{}, on_left) / h - adjoint(pose).col(i)).norm(), 1e-4);
+  }
+}
+
+}  // namespace
+}  // namespace mapjoin
