@@ -151,7 +151,7 @@ class InlierSearch {
     join.settle(stop_);
     observations_count_ = screened;
     if (stop_.stop_requested()) return tl::unexpected(Error{ErrorKind::kInterrupted, "interrupted while rejecting"});
-    return !join.drop(widest_);
+    return join.is_tested() && !join.drop(widest_);
   }
 
   /// A feature of which no observation counts keeps the one that the least is against: there is nothing to contradict it.
@@ -209,6 +209,10 @@ class InlierSearch {
     for (int drops = 0; drops < kMostDrops; ++drops) {
       join.settle(stop_);
       if (stop_.stop_requested()) return tl::unexpected(Error{ErrorKind::kInterrupted, "interrupted while rejecting"});
+      if (!join.is_tested()) {
+        return bad_input(log_.source + ": the measurements that agree leave something free to move; without --robust " +
+                         "the verdict names what is out of line");
+      }
       scale_ = {scale_of(join.closure_tests(), kPoseDof<Dim>), scale_of(join.observation_tests(), Dim)};
       if (!is_last_) gates = this->gates();
       if (drops == 0 && join.readmit_observations(gates.observations)) {

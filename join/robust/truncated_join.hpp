@@ -36,6 +36,8 @@ class TruncatedJoin {
   void graduate(const OfKinds& thresholds, const std::stop_token& stop);
   /// Minimises over those that count, and tests each doubtful factor against all others that count.
   void settle(const std::stop_token& stop);
+  /// Whether the last settle() had tests: not where those that count leave something free to move, or on a stop.
+  bool is_tested() const { return marginals_.has_value(); }
   /// Lets those no longer count whose tests are farthest beyond their thresholds. Returns whether there were any.
   bool drop(const OfKinds& thresholds);
   /// Lets those observations count again whose test is within the threshold. Returns whether there were any.
