@@ -26,9 +26,8 @@ constexpr double kFirstShare = 0.6;
 constexpr std::size_t kBest = 20;
 constexpr double kOddsRatio = 3.0;
 constexpr double kLeastOdds = 3.0;
-/// What a map may say against a closure, and for it (logarithms of odds).
+/// What a map may say against a closure (logarithm of odds).
 constexpr double kMostAgainst = 20.0;
-constexpr double kMostFor = 5.0;
 /// Landing places of predictions.
 constexpr std::size_t kMostPlaces = 100;
 constexpr std::size_t kPosesAPlace = 8;
@@ -43,10 +42,11 @@ constexpr int kMostDrops = 10;
 template <int Dim>
 Log<Dim> selected(const Log<Dim>& log, const std::vector<std::size_t>& chosen, const std::vector<bool>& observation_counts) {
   Log<Dim> some = log;
-  std::erase_if(some.graph.feature_factors, [&, k = std::size_t{0}](const auto&) mutable {
-    const std::size_t observation = k++;
-    return observation < observation_counts.size() && !observation_counts[observation];
-  });
+  auto& observations = some.graph.feature_factors;
+  observations.clear();
+  for (std::size_t k = 0; k < log.graph.feature_factors.size(); ++k) {
+    if (k >= observation_counts.size() || observation_counts[k]) observations.push_back(log.graph.feature_factors[k]);
+  }
   auto& factors = some.graph.pose_factors;
   factors.assign(log.odometry().begin(), log.odometry().end());
   for (const std::size_t k : chosen) factors.push_back(log.closures()[k]);
@@ -61,13 +61,11 @@ std::vector<std::size_t> tied_together(const Log<Dim>& log, const std::vector<do
   const auto pose = [&](PoseIndex p) { return p == kWorld ? kWorldVertex : static_cast<Vertex>(1 + p.value); };
   const auto feature = [&](FeatureIndex f) { return static_cast<Vertex>(1 + log.poses.size()) + static_cast<Vertex>(f.value); };
   std::vector<Edge> edges;
-  for (const auto* factors : {&log.graph.pose_factors}) {
-    for (const auto& o : *factors) edges.emplace_back(pose(o.base), pose(o.target));
+  for (std::size_t k = 0; k < log.graph.pose_factors.size(); ++k) {
+    const auto& o = log.graph.pose_factors[k];
+    const std::size_t closure = k - log.odometry().size();  // past the end for odometry and priors
+    if (closure >= is_chosen.size() || is_chosen[closure]) edges.emplace_back(pose(o.base), pose(o.target));
   }
-  std::erase_if(edges, [&, k = std::size_t{0}](const Edge&) mutable {
-    const std::size_t closure = k++ - log.odometry().size();
-    return closure < is_chosen.size() && !is_chosen[closure];
-  });
   for (const auto& o : log.graph.feature_factors) edges.emplace_back(pose(o.base), feature(o.target));
   for (const auto& fixed : log.graph.fixed) edges.emplace_back(kWorldVertex, pose(fixed.pose));
   const std::size_t first_other = edges.size();
@@ -127,8 +125,10 @@ class InlierSearch {
     priors_ = support_.priors(1.0);
     odds_ = support_.odds(priors_, 1.0);
     scale_.closures = support_.scale(odds_);
-    priors_ = support_.priors(scale_.closures);
-    odds_ = support_.odds(priors_, scale_.closures);
+    if (scale_.closures < 1.0) {
+      priors_ = support_.priors(scale_.closures);
+      odds_ = support_.odds(priors_, scale_.closures);
+    }
 
     const std::vector<double> odds = sighting_odds(chain_, log_);
     std::vector<double> against(odds.size());
@@ -259,7 +259,7 @@ class InlierSearch {
       chi2_[k] = v.dot(mismatch.covariance.llt().solve(v));
       standing_[k] = chi2_[k] < gate ? Standing::kOpen : Standing::kDropped;
       priors_[k] = {-std::log(9.0) +
-                    std::min(loop_evidence(mismatch, scale_.closures, support_.volume(), kMostAgainst), kMostFor)};
+                    std::min(loop_evidence(mismatch, scale_.closures, support_.volume(), kMostAgainst), kMostOfAPair)};
     });
     for (std::size_t c = 0; c < chosen.size(); ++c) {
       if (join.counts(c)) standing_[chosen[c]] = Standing::kKept;

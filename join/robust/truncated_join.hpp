@@ -46,7 +46,6 @@ class TruncatedJoin {
   bool counts(std::size_t doubtful) const { return counts_[doubtful]; }
   std::vector<bool> observations_count() const;
   /// By the last settle(), of each doubtful factor.
-  const std::vector<PartTest>& tests() const { return tests_; }
   std::span<const PartTest> closure_tests() const { return std::span(tests_).first(closure_count()); }
   std::span<const PartTest> observation_tests() const { return std::span(tests_).subspan(closure_count()); }
   const JoiningSystem<Dim>& system() const { return *system_; }
