@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <Eigen/Cholesky>
 #include <Eigen/Eigenvalues>
+#include <Eigen/LU>
 #include <algorithm>
 #include <limits>
 #include <mapjoin/join/fit/leave_one_out.hpp>
@@ -136,7 +137,7 @@ Eigen::MatrixXd testable_directions(const Eigen::MatrixXd& M, const Eigen::Matri
 
 template <int Dim>
 LeaveOneOut<Dim>::LeaveOneOut(const JoiningSystem<Dim>& system, const NormalEquations& equations, const Marginals& marginals)
-    : system_(system), equations_(equations), offsets_{0} {
+    : system_(system), equations_(equations), marginals_(marginals), offsets_{0} {
   for (std::size_t k = 0; k < factor_count(); ++k) {
     const auto rows = static_cast<std::size_t>(system.rows(k));
     offsets_.push_back(offsets_.back() + rows * (rows + 1));
@@ -166,6 +167,18 @@ PartTest LeaveOneOut<Dim>::test(const MeasuredPart& part) const {
     const Eigen::MatrixXd B = testable_directions(M_A, W);
     const double redundancy = (B.transpose() * W * B).diagonal().cwiseInverse().sum();  // it is diagonal
     return {(B.transpose() * g_A).squaredNorm(), static_cast<int>(B.cols()), redundancy};
+  });
+}
+
+/// As W may be singular, by (W⁻¹ + C)⁻¹ = (I + W C)⁻¹ W.
+template <int Dim>
+PartTest LeaveOneOut<Dim>::prediction(std::size_t factor) const {
+  return system_.with_linear_factor(factor, [&](const auto& linear) -> PartTest {
+    const auto [r, W, J] = dense(linear);
+    Eigen::MatrixXd I_WC = W * predicted_covariance<Dim>(J, factor, equations_, marginals_);
+    I_WC.diagonal().array() += 1.0;
+    const Eigen::VectorXd Wr = W * r;
+    return {r.dot(I_WC.partialPivLu().solve(Wr)), static_cast<int>(r.size()), 0.0};
   });
 }
 

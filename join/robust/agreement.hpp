@@ -6,14 +6,30 @@
 // being both right explains what they say better than one of them saying anything, the probabilities q that each is right are
 // found as the fixed point (mean field) of q_k = σ(e_k + Σ_l q_l e_kl).
 
+#include <Eigen/Cholesky>
+#include <algorithm>
+#include <cmath>
 #include <cstddef>
 #include <cstdint>
+#include <mapjoin/geometry/pose.hpp>
+#include <numbers>
 #include <vector>
 
 namespace mapjoin {
 
 /// The most that one pair may say for or against a measurement (logarithm of odds): none decides alone.
 inline constexpr double kMostOfAPair = 5.0;
+
+/// ln(N(v; 0, Σ) V), between -most and most: how much likelier a mismatch v is by its covariance than anywhere in a volume V. 0
+/// where Σ is too large to tell.
+template <int Size>
+double evidence(const Vector<Size>& v, const Matrix<Size>& covariance, double volume, double most) {
+  const Eigen::LLT<Matrix<Size>> factor(covariance);
+  if (factor.info() != Eigen::Success) return 0.0;
+  const double log_root_det = factor.matrixLLT().diagonal().array().log().sum();
+  const double log_normal = -0.5 * v.dot(factor.solve(v)) - log_root_det - 0.5 * Size * std::log(2.0 * std::numbers::pi);
+  return std::clamp(log_normal + std::log(volume), -most, most);
+}
 
 /// What is known about a measurement before others are asked.
 struct PriorOdds {

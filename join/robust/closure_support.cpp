@@ -5,14 +5,13 @@
 #include <mapjoin/join/robust/closure_support.hpp>
 #include <mapjoin/measure/statistics.hpp>
 #include <mapjoin/parallel/parallel.hpp>
-#include <numbers>
 
 namespace mapjoin {
 namespace {
 
 /// The odds of a closure of which nothing is known: nine in ten may be wrong.
 const double kPriorOdds = std::log(1.0 / 9.0);
-/// What odometry may say against a closure.
+/// What odometry, or a map, may say against a closure.
 constexpr double kMostAgainst = 20.0;
 /// Steps of odometry in a stretch,
 constexpr std::int32_t kStretch = 25;
@@ -23,17 +22,6 @@ constexpr std::size_t kBestShare = 20;
 constexpr std::size_t kLeastLoops = 100;
 
 }  // namespace
-
-template <int Dim>
-double loop_evidence(const UncertainPose<Dim>& loop, double scale, double volume, double most) {
-  const PoseVector<Dim> v = local(Pose<Dim>{}, loop.mean);
-  const Eigen::LLT<PoseMatrix<Dim>> factor(scale * loop.covariance);
-  if (factor.info() != Eigen::Success) return 0.0;  // too long to tell
-  const double log_root_det = factor.matrixLLT().diagonal().array().log().sum();
-  const double log_normal =
-      -0.5 * v.dot(factor.solve(v)) - log_root_det - 0.5 * kPoseDof<Dim> * std::log(2.0 * std::numbers::pi);
-  return std::clamp(log_normal + std::log(volume), -most, most);
-}
 
 template <int Dim>
 ClosureSupport<Dim>::ClosureSupport(const OdometryChain<Dim>& chain, std::span<const PoseFactor<Dim>> closures)
@@ -94,13 +82,23 @@ UncertainPose<Dim> ClosureSupport<Dim>::loop(const Closure& a, const Closure& b)
 }
 
 template <int Dim>
+double ClosureSupport<Dim>::evidence_of(const UncertainPose<Dim>& loop, double scale, double most) const {
+  return evidence<kPoseDof<Dim>>(local(Pose<Dim>{}, loop.mean), scale * loop.covariance, volume_, most);
+}
+
+template <int Dim>
+PriorOdds ClosureSupport<Dim>::prior(const UncertainPose<Dim>& mismatch, double scale) const {
+  return {kPriorOdds + std::min(evidence_of(mismatch, scale, kMostAgainst), kMostOfAPair)};
+}
+
+template <int Dim>
 std::vector<PriorOdds> ClosureSupport<Dim>::priors(double scale) const {
   std::vector<PriorOdds> priors(closures_.size(), {kPriorOdds});
   parallel_for(priors.size(), [&](std::size_t k) {
     const Closure& closure = closures_[k];
     if (!chain_.is_tied(closure.early, closure.late)) return;
     const auto loop = compose(chain_.relative(closure.early, closure.late), inverse(closure.measured));
-    priors[k].evidence += std::min(loop_evidence(loop, scale, volume_, kMostAgainst), kMostOfAPair);
+    priors[k] = prior(loop, scale);
   });
   return priors;
 }
@@ -113,7 +111,7 @@ Agreements ClosureSupport<Dim>::agreements(const std::vector<PriorOdds>& priors,
     if (priors[k].is_wrong) return;
     for_each_neighbour(k, [&](std::size_t other) {
       if (other < k || priors[other].is_wrong) return;
-      const double evidence = loop_evidence(loop(closures_[k], closures_[other]), scale, volume_, kMostOfAPair);
+      const double evidence = evidence_of(loop(closures_[k], closures_[other]), scale, kMostOfAPair);
       later[k].push_back({static_cast<std::uint32_t>(other), group(other), static_cast<float>(evidence)});
     });
   });
@@ -143,7 +141,7 @@ double ClosureSupport<Dim>::scale(const std::vector<double>& odds) const {
     for_each_neighbour(k, [&](std::size_t other) {
       if (other < k || odds[other] < least) return;
       const UncertainPose<Dim> loop = this->loop(closures_[k], closures_[other]);
-      if (loop_evidence(loop, 1.0, volume_, kMostOfAPair) <= 0.0) return;
+      if (evidence_of(loop, 1.0, kMostOfAPair) <= 0.0) return;
       const PoseVector<Dim> v = local(Pose<Dim>{}, loop.mean);
       ratios.push_back(v.dot(loop.covariance.llt().solve(v)) / expected);
     });
@@ -151,11 +149,7 @@ double ClosureSupport<Dim>::scale(const std::vector<double>& odds) const {
   return ratios.size() < kLeastLoops ? 1.0 : std::min(1.0, median(std::move(ratios)));
 }
 
-#define MAPJOIN_INSTANTIATE(Dim)                                                    \
-  template double loop_evidence(const UncertainPose<Dim>&, double, double, double); \
-  template class ClosureSupport<Dim>;
-MAPJOIN_INSTANTIATE(2)
-MAPJOIN_INSTANTIATE(3)
-#undef MAPJOIN_INSTANTIATE
+template class ClosureSupport<2>;
+template class ClosureSupport<3>;
 
 }  // namespace mapjoin

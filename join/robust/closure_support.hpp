@@ -13,10 +13,6 @@
 
 namespace mapjoin {
 
-/// ln(N(v; 0, Σ) V) for the mismatch v of a loop that should be the identity, between -most and most; `scale` multiplies Σ.
-template <int Dim>
-double loop_evidence(const UncertainPose<Dim>& loop, double scale, double volume, double most);
-
 /// The evidence that closures of a log give for each other.
 template <int Dim>
 class ClosureSupport {
@@ -26,12 +22,13 @@ class ClosureSupport {
 
   /// What odometry alone says of each closure where all covariances are multiplied by `scale`.
   std::vector<PriorOdds> priors(double scale) const;
+  /// What a map says of a closure from whose prediction it is so far.
+  PriorOdds prior(const UncertainPose<Dim>& mismatch, double scale) const;
   /// Logarithms of the odds that each closure is right, given `priors`.
   std::vector<double> odds(const std::vector<PriorOdds>& priors, double scale) const;
   /// By how much covariances are too cautious: the median of the squared mismatches of loops of two of the best supported
   /// closures over what it should be; 1 where there are too few loops, and where it is more.
   double scale(const std::vector<double>& odds) const;
-  double volume() const { return volume_; }
 
  private:
   struct Closure {
@@ -45,6 +42,7 @@ class ClosureSupport {
   template <typename F>
   void for_each_neighbour(std::size_t closure, F&& f) const;
   UncertainPose<Dim> loop(const Closure& a, const Closure& b) const;
+  double evidence_of(const UncertainPose<Dim>& loop, double scale, double most) const;
   Agreements agreements(const std::vector<PriorOdds>& priors, double scale) const;
 
   const OdometryChain<Dim>& chain_;

@@ -3,7 +3,6 @@
 #include <cmath>
 #include <mapjoin/join/robust/gates.hpp>
 #include <mapjoin/measure/statistics.hpp>
-#include <ranges>
 
 namespace mapjoin {
 namespace {
@@ -11,9 +10,13 @@ namespace {
 /// A scale is believed of so many tests, at these quantiles, and no less than the least one.
 constexpr std::size_t kLeastTests = 20;
 constexpr double kQuantiles[] = {0.5, 0.9, 0.95};
-constexpr double kLeastScale = 0.02;
-/// So many times more measurements than wrong ones by chance lie within a gate.
+constexpr double kLeastScale = 0.001;
+/// So many times fewer than one wrong measurement, or than there are to be gained, lie within a gate by chance.
 constexpr double kClear = 10.0;
+/// The least factor by which the numbers of wrong ones grow with twice the distance.
+constexpr double kLeastGrowth = 2.0;
+/// Of the squared widths of gates that are tried.
+constexpr double kGateRatio = 1.2;
 
 }  // namespace
 
@@ -37,13 +40,15 @@ double gate_among(std::vector<double> distances, double narrow, double wide, int
   const auto within = [&](double gate) {
     return static_cast<double>(std::ranges::upper_bound(distances, gate) - distances.begin());
   };
-  const double share = 1.0 / (std::pow(2.0, dof) - 1.0);  // of the volumes within a gate and up to twice its width
-  const auto is_clear = [&](double gate) {
-    return kClear * share * (within(4.0 * gate) - within(gate)) <= within(gate) - within(narrow);
+  // Wrong ones within a gate, as their numbers up to twice and to four times its width go on inwards.
+  const auto wrong = [&](double gate) {
+    const double near = within(4.0 * gate) - within(gate);
+    const double far = within(16.0 * gate) - within(4.0 * gate);
+    return near / (std::clamp((far + 1.0) / (near + 1.0), kLeastGrowth, std::pow(2.0, dof)) - 1.0);
   };
-  if (is_clear(wide)) return wide;
-  for (const double gate : std::views::reverse(distances)) {
-    if (narrow < gate && gate < wide && is_clear(gate)) return gate;
+  const auto is_clear = [&](double gate) { return kClear * wrong(gate) <= std::max(1.0, within(gate) - within(narrow)); };
+  for (double gate = wide; gate > narrow; gate /= kGateRatio) {
+    if (is_clear(gate)) return gate;
   }
   return narrow;
 }

@@ -4,17 +4,17 @@
 #include <functional>
 #include <limits>
 #include <mapjoin/check/connectivity.hpp>
-#include <mapjoin/graph/graph.hpp>
 #include <mapjoin/join/robust/closure_support.hpp>
 #include <mapjoin/join/robust/gates.hpp>
 #include <mapjoin/join/robust/inliers.hpp>
 #include <mapjoin/join/robust/predictions.hpp>
+#include <mapjoin/join/robust/selection.hpp>
 #include <mapjoin/join/robust/sighting_support.hpp>
 #include <mapjoin/join/robust/truncated_join.hpp>
 #include <mapjoin/join/run.hpp>
 #include <mapjoin/measure/statistics.hpp>
 #include <mapjoin/parallel/parallel.hpp>
-#include <numeric>
+#include <optional>
 #include <utility>
 
 namespace mapjoin {
@@ -24,66 +24,19 @@ namespace {
 /// by a ratio from map to map, to the least.
 constexpr double kFirstShare = 0.6;
 constexpr std::size_t kBest = 20;
-constexpr double kOddsRatio = 3.0;
+constexpr double kOddsRatio = 5.0;
 constexpr double kLeastOdds = 3.0;
-/// What a map may say against a closure (logarithm of odds).
-constexpr double kMostAgainst = 20.0;
 /// Landing places of predictions.
-constexpr std::size_t kMostPlaces = 100;
+constexpr std::size_t kMostPlaces = 50;
 constexpr std::size_t kPosesAPlace = 8;
-/// Steps of the join that the first map starts from: truncated losses go on from there.
+/// Steps of the join that a map starts from: truncated losses go on from there.
 constexpr int kStartSteps = 1;
-/// A log is first tried as it is where no larger share of its closures is outvoted by the others.
-constexpr double kMostOutvoted = 0.25;
-/// Times that a map is settled anew without what it showed to be wrong.
+/// A log is first tried as it is where no more of its closures are outvoted by the others, with so many steps.
+constexpr std::ptrdiff_t kMostOutvoted = 20;
+constexpr int kTrialSteps = 10;
+/// Times that all closures are tried again, and that a map is settled anew without what it showed to be wrong.
+constexpr int kMostTrials = 5;
 constexpr int kMostDrops = 10;
-
-/// The log with some of its closures, ascending, and some of its observations.
-template <int Dim>
-Log<Dim> selected(const Log<Dim>& log, const std::vector<std::size_t>& chosen, const std::vector<bool>& observation_counts) {
-  Log<Dim> some = log;
-  auto& observations = some.graph.feature_factors;
-  observations.clear();
-  for (std::size_t k = 0; k < log.graph.feature_factors.size(); ++k) {
-    if (k >= observation_counts.size() || observation_counts[k]) observations.push_back(log.graph.feature_factors[k]);
-  }
-  auto& factors = some.graph.pose_factors;
-  factors.assign(log.odometry().begin(), log.odometry().end());
-  for (const std::size_t k : chosen) factors.push_back(log.closures()[k]);
-  factors.insert(factors.end(), log.pose_priors().begin(), log.pose_priors().end());
-  return some;
-}
-
-/// The closures that are chosen and, where these leave the log in parts, the best of the others that tie them together.
-template <int Dim>
-std::vector<std::size_t> tied_together(const Log<Dim>& log, const std::vector<double>& odds, std::vector<bool> is_chosen) {
-  constexpr Vertex kWorldVertex = 0;
-  const auto pose = [&](PoseIndex p) { return p == kWorld ? kWorldVertex : static_cast<Vertex>(1 + p.value); };
-  const auto feature = [&](FeatureIndex f) { return static_cast<Vertex>(1 + log.poses.size()) + static_cast<Vertex>(f.value); };
-  std::vector<Edge> edges;
-  for (std::size_t k = 0; k < log.graph.pose_factors.size(); ++k) {
-    const auto& o = log.graph.pose_factors[k];
-    const std::size_t closure = k - log.odometry().size();  // past the end for odometry and priors
-    if (closure >= is_chosen.size() || is_chosen[closure]) edges.emplace_back(pose(o.base), pose(o.target));
-  }
-  for (const auto& o : log.graph.feature_factors) edges.emplace_back(pose(o.base), feature(o.target));
-  for (const auto& fixed : log.graph.fixed) edges.emplace_back(kWorldVertex, pose(fixed.pose));
-  const std::size_t first_other = edges.size();
-  std::vector<std::size_t> others;
-  for (std::size_t k = 0; k < is_chosen.size(); ++k) {
-    if (!is_chosen[k]) others.push_back(k);
-  }
-  std::ranges::stable_sort(others, std::greater<>(), [&](std::size_t k) { return odds[k]; });
-  for (const std::size_t k : others) edges.emplace_back(pose(log.closures()[k].base), pose(log.closures()[k].target));
-  for (const Reached& reached : spanning_forest(1 + log.poses.size() + log.features.size(), edges, {pose(0), kWorldVertex})) {
-    if (reached.edge && *reached.edge >= first_other) is_chosen[others[*reached.edge - first_other]] = true;
-  }
-  std::vector<std::size_t> chosen;
-  for (std::size_t k = 0; k < is_chosen.size(); ++k) {
-    if (is_chosen[k]) chosen.push_back(k);
-  }
-  return chosen;
-}
 
 /// What is known of a closure.
 enum class Standing : std::uint8_t { kOpen, kKept, kDropped };
@@ -106,21 +59,11 @@ class InlierSearch {
   Expected<Inliers<Dim>> all() {
     screen();
     if (const auto fits = fits_as_it_is(); !fits || *fits) return fits.map([&](bool) { return Inliers<Dim>{log_, {}}; });
-    for (double least = first_odds(); least > -std::numeric_limits<double>::infinity(); least = next(least)) {
-      if (const auto done = round(least); !done) return tl::unexpected(done.error());
-    }
-    is_last_ = true;
-    if (const auto done = round(-std::numeric_limits<double>::infinity()); !done) return tl::unexpected(done.error());
-    return inliers();
+    return take_in_by_odds().and_then([&] { return try_all_again(); }).map([&] { return inliers(); });
   }
 
  private:
-  static double next(double least) {
-    if (least <= kLeastOdds) return -std::numeric_limits<double>::infinity();
-    return std::max(least / kOddsRatio, kLeastOdds);
-  }
-
-  /// What odometry and closures say of each other.
+  /// What odometry and closures say of each other, and observations of each other.
   void screen() {
     priors_ = support_.priors(1.0);
     odds_ = support_.odds(priors_, 1.0);
@@ -136,36 +79,32 @@ class InlierSearch {
       observations_count_.push_back(odds[k] > kLeastOdds);
       against[k] = -odds[k];
     }
-    keep_one_of_each_feature(against);
+    keep_one_of_each_feature(log_, against, observations_count_);
   }
 
   /// Whether every closure and observation passes its test where all count. Not tried where too many closures are outvoted.
   Expected<bool> fits_as_it_is() {
-    const auto outvoted = std::ranges::count_if(odds_, [](double odds) { return odds < 0.0; });
-    if (static_cast<double>(outvoted) > kMostOutvoted * static_cast<double>(odds_.size())) return false;
-    std::vector<std::size_t> all(odds_.size());
-    std::iota(all.begin(), all.end(), std::size_t{0});
-    const std::vector<bool> screened = std::exchange(observations_count_, {});
-    if (const auto done = start(all); !done) return tl::unexpected(done.error());
-    TruncatedJoin<Dim> join(log_, std::exchange(values_, {}), {}, options_.engine);
-    join.settle(stop_);
-    observations_count_ = screened;
-    if (stop_.stop_requested()) return tl::unexpected(Error{ErrorKind::kInterrupted, "interrupted while rejecting"});
-    return join.is_tested() && !join.drop(widest_);
+    if (std::ranges::count_if(odds_, [](double odds) { return odds < 0.0; }) > kMostOutvoted) return false;
+    return start(log_).and_then([&](const Values<Dim>& start) -> Expected<bool> {
+      TruncatedJoin<Dim> join(log_, start, {}, options_.engine);
+      join.settle(stop_, kTrialSteps);
+      if (stop_.stop_requested()) return tl::unexpected(interrupted());
+      return join.is_tested() && !join.drop(widest_);
+    });
   }
 
-  /// A feature of which no observation counts keeps the one that the least is against: there is nothing to contradict it.
-  void keep_one_of_each_feature(const std::vector<double>& against) {
-    constexpr std::size_t kNone = std::numeric_limits<std::size_t>::max();
-    Table<FeatureIndex, std::size_t> best(log_.features.size(), kNone);
-    for (std::size_t k = 0; k < against.size(); ++k) {
-      std::size_t& of_feature = best[log_.observations()[k].target];
-      const auto weight = [&](std::size_t o) { return std::pair(!observations_count_[o], against[o]); };
-      if (of_feature == kNone || weight(k) < weight(of_feature)) of_feature = k;
+  /// Maps of ever more closures, from the best supported ones on. Each judges all closures.
+  Expected<void> take_in_by_odds() {
+    constexpr double kAnyOdds = -std::numeric_limits<double>::infinity();
+    std::vector<std::size_t> made;
+    for (double least = first_odds(); least != kAnyOdds;
+         least = least > kLeastOdds ? std::max(least / kOddsRatio, kLeastOdds) : kAnyOdds) {
+      const auto chosen = candidates([&](std::size_t k) { return standing_[k] == Standing::kOpen && odds_[k] > least; });
+      if (chosen == made) continue;
+      if (const auto done = make_map(chosen); !done) return done;
+      made = chosen;
     }
-    for (const std::size_t k : best) {
-      if (k != kNone) observations_count_[k] = true;
-    }
+    return {};
   }
 
   double first_odds() const {
@@ -175,91 +114,101 @@ class InlierSearch {
     return kFirstShare * descending[std::min(kBest, descending.size() - 1)];
   }
 
-  /// Closures, ascending, for the next map: those kept, open ones of at least such odds and, where these leave the log in
-  /// parts, the best others that tie them together.
-  std::vector<std::size_t> candidates(double least) const {
-    const double gate = is_last_ ? last_gates().closures : 0.0;
-    std::vector<bool> is_chosen(standing_.size());
-    for (std::size_t k = 0; k < standing_.size(); ++k) {
-      const bool is_open = is_last_ ? chi2_[k] < gate : standing_[k] == Standing::kOpen && odds_[k] > least;
-      is_chosen[k] = standing_[k] == Standing::kKept || is_open;
+  /// Maps of all closures that the last one agrees with, whatever was said of them before, until there are no others.
+  Expected<void> try_all_again() {
+    std::vector<std::size_t> made = candidates([](std::size_t) { return false; });
+    for (int trial = 0; trial < kMostTrials; ++trial) {
+      last_gates_ = wide_gates();
+      const auto chosen = candidates([&](std::size_t k) { return chi2_[k] < last_gates_->closures; });
+      if (chosen == made && (trial > 0 || log_.observations().empty())) break;
+      values_ = {};  // a better start
+      if (const auto done = make_map(chosen); !done) return done;
+      made = chosen;
     }
+    return {};
+  }
+
+  /// Closures, ascending, for the next map: those kept, those that are `taken` and, where these leave the log in parts, the
+  /// likeliest others that tie them together.
+  template <typename F>
+  std::vector<std::size_t> candidates(F&& taken) const {
+    std::vector<bool> is_chosen(standing_.size());
+    for (std::size_t k = 0; k < standing_.size(); ++k) is_chosen[k] = standing_[k] == Standing::kKept || taken(k);
     return tied_together(log_, odds_, std::move(is_chosen));
   }
 
-  /// Makes the map of the candidates, and lets it judge all closures.
-  Expected<void> round(double least) {
-    const std::vector<std::size_t> chosen = candidates(least);
-    if (!is_last_ && chosen == chosen_) return {};
-    if (const auto done = start(chosen); !done) return done;
+  /// Makes the map of some closures, and lets it judge all.
+  Expected<void> make_map(const std::vector<std::size_t>& chosen) {
+    if (values_.poses.empty()) {
+      auto started = start(selected(log_, chosen, observations_count_));
+      if (!started && started.error().kind == ErrorKind::kBadInput) started = start(log_);  // they hold too little
+      if (!started) return tl::unexpected(started.error());
+      values_ = std::move(*started);
+    }
     TruncatedJoin<Dim> join(selected(log_, chosen, {}), values_, observations_count_, options_.engine);
-    if (const auto done = settle(join); !done) return done;
-    values_ = join.system().estimate();
-    observations_count_ = join.observations_count();
-    observation_tests_.assign(join.observation_tests().begin(), join.observation_tests().end());
-    judge(chosen, join);
-    chosen_ = chosen;
-    return {};
+    return settle(join).map([&] {
+      values_ = join.system().estimate();
+      observations_count_ = join.observations_count();
+      observation_tests_.assign(join.observation_tests().begin(), join.observation_tests().end());
+      judge(chosen, join);
+    });
+  }
+
+  /// A first estimate, by a join.
+  Expected<Values<Dim>> start(const Log<Dim>& log) const {
+    RunOptions options = without_verdict();
+    options.schedule = Schedule::kAligned;
+    options.solver.max_iterations = kStartSteps;
+    options.solver.engine = options_.engine;
+    return solve(log, options, stop_).map([](auto&& joined) {
+      return Values<Dim>{std::move(joined.map.poses), std::move(joined.map.features)};
+    });
   }
 
   /// Brings a map to where all that counts passes its tests, and no observation that does not.
   Expected<void> settle(TruncatedJoin<Dim>& join) {
-    OfKinds gates = is_last_ ? last_gates() : this->gates();
-    join.graduate(gates, stop_);
+    join.graduate(gates(), stop_);
     for (int drops = 0; drops < kMostDrops; ++drops) {
       join.settle(stop_);
-      if (stop_.stop_requested()) return tl::unexpected(Error{ErrorKind::kInterrupted, "interrupted while rejecting"});
+      if (stop_.stop_requested()) return tl::unexpected(interrupted());
       if (!join.is_tested()) {
         return bad_input(log_.source + ": the measurements that agree leave something free to move; without --robust " +
                          "the verdict names what is out of line");
       }
       scale_ = {scale_of(join.closure_tests(), kPoseDof<Dim>), scale_of(join.observation_tests(), Dim)};
-      if (!is_last_) gates = this->gates();
-      if (drops == 0 && join.readmit_observations(gates.observations)) {
-        join.graduate(gates, stop_);
-      } else if (!join.drop(gates)) {
+      if (drops == 0 && join.readmit_observations(gates().observations)) {
+        join.graduate(gates(), stop_);
+      } else if (!join.drop(gates())) {
         break;
       }
     }
     return {};
   }
 
-  OfKinds gates() const { return {scale_.closures * widest_.closures, scale_.observations * widest_.observations}; }
+  OfKinds gates() const { return last_gates_.value_or(narrow_gates()); }
 
-  /// Those of the last round, which tries all again that was rejected.
-  OfKinds last_gates() const {
-    std::vector<double> tests;
+  /// As closely as what is right fits.
+  OfKinds narrow_gates() const { return {scale_.closures * widest_.closures, scale_.observations * widest_.observations}; }
+
+  /// As widely as wrong closures allow.
+  OfKinds wide_gates() const {
+    std::vector<double> distances;
     for (std::size_t k = 0; k < standing_.size(); ++k) {
-      if (standing_[k] != Standing::kKept) tests.push_back(chi2_[k]);
+      if (standing_[k] != Standing::kKept) distances.push_back(chi2_[k]);
     }
-    return {gate_among(std::move(tests), gates().closures, widest_.closures, kPoseDof<Dim>), widest_.observations};
-  }
-
-  /// An estimate for the log: the last one, or a join of its own.
-  Expected<void> start(const std::vector<std::size_t>& chosen) {
-    if (!values_.poses.empty()) return {};
-    RunOptions options = without_verdict();
-    options.schedule = Schedule::kAligned;
-    options.solver.max_iterations = kStartSteps;
-    options.solver.engine = options_.engine;
-    auto joined = solve(selected(log_, chosen, observations_count_), options, stop_);
-    if (!joined && joined.error().kind == ErrorKind::kBadInput) joined = solve(log_, options, stop_);  // they hold too little
-    if (!joined) return tl::unexpected(joined.error());
-    values_ = {std::move(joined->map.poses), std::move(joined->map.features)};
-    return {};
+    return {gate_among(std::move(distances), narrow_gates().closures, widest_.closures, kPoseDof<Dim>), widest_.observations};
   }
 
   void judge(const std::vector<std::size_t>& chosen, const TruncatedJoin<Dim>& join) {
     const std::size_t places = std::min(kMostPlaces, 1 + log_.poses.size() / kPosesAPlace);
     const Predictions<Dim> predictions(join.system(), join.marginals(), places);
-    const double gate = gates().closures;
+    const double gate = narrow_gates().closures;
     parallel_for(standing_.size(), [&](std::size_t k) {
       const UncertainPose<Dim> mismatch = predictions.mismatch(log_.closures()[k]);
       const PoseVector<Dim> v = local(Pose<Dim>{}, mismatch.mean);
       chi2_[k] = v.dot(mismatch.covariance.llt().solve(v));
       standing_[k] = chi2_[k] < gate ? Standing::kOpen : Standing::kDropped;
-      priors_[k] = {-std::log(9.0) +
-                    std::min(loop_evidence(mismatch, scale_.closures, support_.volume(), kMostAgainst), kMostOfAPair)};
+      priors_[k] = support_.prior(mismatch, scale_.closures);
     });
     for (std::size_t c = 0; c < chosen.size(); ++c) {
       if (join.counts(c)) standing_[chosen[c]] = Standing::kKept;
@@ -274,7 +223,7 @@ class InlierSearch {
   Inliers<Dim> inliers() {
     std::vector<double> against;
     for (const PartTest& test : observation_tests_) against.push_back(test.chi2);
-    keep_one_of_each_feature(against);
+    keep_one_of_each_feature(log_, against, observations_count_);
     Inliers<Dim> found;
     const auto reject = [&](PartKind kind, const auto& factor, double chi2, int rows, double widest) {
       const double tail = doubtful() * chi_squared_upper_tail(chi2, rows);
@@ -298,6 +247,7 @@ class InlierSearch {
   }
 
   double doubtful() const { return static_cast<double>(log_.closures().size() + log_.observations().size()); }
+  static Error interrupted() { return {ErrorKind::kInterrupted, "interrupted while rejecting"}; }
 
   const Log<Dim>& log_;
   const RobustOptions& options_;
@@ -306,15 +256,14 @@ class InlierSearch {
   ClosureSupport<Dim> support_;
   OfKinds widest_;  // what the confidence allows
   OfKinds scale_{1.0, 1.0};
+  std::optional<OfKinds> last_gates_;  // once all are tried again
   std::vector<PriorOdds> priors_;
   std::vector<double> odds_;
   std::vector<Standing> standing_;
   std::vector<double> chi2_;  // of each closure's prediction
-  Values<Dim> values_;
+  Values<Dim> values_;        // of the last map; none to start afresh
   std::vector<bool> observations_count_;
   std::vector<PartTest> observation_tests_;
-  std::vector<std::size_t> chosen_;  // of the last map
-  bool is_last_ = false;
 };
 
 }  // namespace

@@ -1,5 +1,4 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include <Eigen/Cholesky>
 #include <Eigen/LU>
 #include <algorithm>
 #include <mapjoin/join/robust/odometry_chain.hpp>
@@ -8,9 +7,6 @@
 
 namespace mapjoin {
 namespace {
-
-/// What is not measured is taken to be measured with this share of the largest information of the observation.
-constexpr double kLeastInformation = 1e-9;
 
 /// ∂(step of the pose, as retract() takes it)/∂(twist on its left).
 template <int Dim>
@@ -52,17 +48,9 @@ UncertainPose<Dim> inverse(const UncertainPose<Dim>& a) {
 }
 
 template <int Dim>
-PoseMatrix<Dim> covariance_of(const PoseFactor<Dim>& observation) {
-  PoseMatrix<Dim> W = observation.information;
-  const double most = W.diagonal().maxCoeff();
-  W.diagonal().array() += kLeastInformation * (most > 0.0 ? most : 1.0);
-  return W.llt().solve(PoseMatrix<Dim>::Identity());
-}
-
-template <int Dim>
 UncertainPose<Dim> uncertain(const PoseFactor<Dim>& observation) {
   const PoseMatrix<Dim> J = step_of_twist(observation.measured).inverse();
-  return {observation.measured, J * covariance_of(observation) * J.transpose()};
+  return {observation.measured, J * covariance_of(observation.information) * J.transpose()};
 }
 
 template <int Dim>
@@ -102,7 +90,6 @@ double OdometryChain<Dim>::volume() const {
   template PoseMatrix<Dim> adjoint(const Pose<Dim>&);                                        \
   template UncertainPose<Dim> compose(const UncertainPose<Dim>&, const UncertainPose<Dim>&); \
   template UncertainPose<Dim> inverse(const UncertainPose<Dim>&);                            \
-  template PoseMatrix<Dim> covariance_of(const PoseFactor<Dim>&);                            \
   template UncertainPose<Dim> uncertain(const PoseFactor<Dim>&);                             \
   template class OdometryChain<Dim>;
 MAPJOIN_INSTANTIATE(2)

@@ -2,6 +2,7 @@
 #pragma once
 // Dead reckoning with its covariance: how odometry alone relates any two poses of a session, in constant time.
 
+#include <Eigen/Cholesky>
 #include <mapjoin/geometry/pose.hpp>
 #include <mapjoin/model/ids.hpp>
 #include <mapjoin/model/log.hpp>
@@ -23,9 +24,15 @@ template <int Dim>
 UncertainPose<Dim> compose(const UncertainPose<Dim>& a, const UncertainPose<Dim>& b);
 template <int Dim>
 UncertainPose<Dim> inverse(const UncertainPose<Dim>& a);
-/// The covariance of an observation, of steps as retract() takes them; of what it does not measure large, but finite.
-template <int Dim>
-PoseMatrix<Dim> covariance_of(const PoseFactor<Dim>& observation);
+/// The inverse of the information of an observation; of what it does not measure large, but finite.
+template <int Size>
+Matrix<Size> covariance_of(const Matrix<Size>& information) {
+  constexpr double kLeastInformation = 1e-9;  // what is not measured is taken to be, with this share of the largest
+  Matrix<Size> W = information;
+  const double most = W.diagonal().maxCoeff();
+  W.diagonal().array() += kLeastInformation * (most > 0.0 ? most : 1.0);
+  return W.llt().solve(Matrix<Size>::Identity());
+}
 /// The measurement of an observation.
 template <int Dim>
 UncertainPose<Dim> uncertain(const PoseFactor<Dim>& observation);

@@ -41,7 +41,7 @@ UncertainPose<Dim> Predictions<Dim>::mismatch(const PoseFactor<Dim>& closure) co
   const auto linear = linearise<Dim>(closure.measured, values.poses[closure.base], values.poses[closure.target]);
   const PoseMatrix<Dim>& P_base = covariances_[closure.base];
   const PoseMatrix<Dim>& P_target = covariances_[closure.target];
-  const PoseMatrix<Dim> own = covariance_of(closure) + linear.J_base * P_base * linear.J_base.transpose() +
+  const PoseMatrix<Dim> own = covariance_of(closure.information) + linear.J_base * P_base * linear.J_base.transpose() +
                               linear.J_target * P_target * linear.J_target.transpose();
   PoseMatrix<Dim> least = own;
   for (const PoseIndex end : {closure.base, closure.target}) {

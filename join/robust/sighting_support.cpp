@@ -1,11 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include <Eigen/Cholesky>
 #include <algorithm>
-#include <cmath>
 #include <mapjoin/join/robust/agreement.hpp>
 #include <mapjoin/join/robust/sighting_support.hpp>
 #include <mapjoin/parallel/parallel.hpp>
-#include <numbers>
 
 namespace mapjoin {
 namespace {
@@ -16,15 +13,6 @@ constexpr std::size_t kMostCompared = 20;
 /// Steps in which observations may be mistaken together.
 constexpr std::int32_t kStretch = 25;
 
-/// The covariance of a measured position; of what is not measured large, but finite.
-template <int Dim>
-PointMatrix<Dim> covariance_of(const FeatureFactor<Dim>& observation) {
-  PointMatrix<Dim> W = observation.information;
-  const double most = W.diagonal().maxCoeff();
-  W.diagonal().array() += 1e-9 * (most > 0.0 ? most : 1.0);
-  return W.llt().solve(PointMatrix<Dim>::Identity());
-}
-
 template <int Dim>
 double evidence_of(const OdometryChain<Dim>& chain, const FeatureFactor<Dim>& a, const FeatureFactor<Dim>& b, double volume) {
   const UncertainPose<Dim> between = chain.relative(a.base, b.base);
@@ -33,11 +21,9 @@ double evidence_of(const OdometryChain<Dim>& chain, const FeatureFactor<Dim>& a,
   J.template leftCols<Dim>().setIdentity();
   J.template rightCols<kRotationDof<Dim>>() = J_turned_rotation(by_b);
   const PointMatrix<Dim> R = between.mean.rotation.matrix();
-  const PointMatrix<Dim> S = covariance_of(a) + R * covariance_of(b) * R.transpose() + J * between.covariance * J.transpose();
-  const Point<Dim> v = a.measured - by_b;
-  const double log_normal =
-      -0.5 * v.dot(S.llt().solve(v)) - 0.5 * std::log(S.determinant()) - 0.5 * Dim * std::log(2.0 * std::numbers::pi);
-  return std::clamp(log_normal + std::log(volume), -kMostOfAPair, kMostOfAPair);
+  const PointMatrix<Dim> S =
+      covariance_of(a.information) + R * covariance_of(b.information) * R.transpose() + J * between.covariance * J.transpose();
+  return evidence<Dim>(a.measured - by_b, S, volume, kMostOfAPair);
 }
 
 template <int Dim>

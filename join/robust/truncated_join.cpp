@@ -1,5 +1,4 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include <Eigen/LU>
 #include <algorithm>
 #include <functional>
 #include <mapjoin/join/align/joined_map.hpp>
@@ -27,9 +26,11 @@ constexpr int kStepsARound = 2;
 constexpr double kSettled = 1e-6;
 /// A feature all of whose observations are dropped stays where it is by this share of their information.
 constexpr double kWeakShare = 1e-9;
-/// Of those beyond their thresholds, those are dropped that are so by at least this share of the most: the others may be beyond
-/// for their sake.
+/// Of those beyond their thresholds those are dropped that are so by this share of the most, the others may be beyond for
+/// their sake; and by a larger share where none is farther out than some times its threshold.
 constexpr double kDroppedShare = 0.25;
+constexpr double kDroppedNearShare = 0.95;
+constexpr double kNear = 4.0;
 /// What does not count.
 constexpr Loss kDropped{0.0, 0.0};
 
@@ -139,9 +140,10 @@ void TruncatedJoin<Dim>::graduate(const OfKinds& thresholds, const std::stop_tok
 }
 
 template <int Dim>
-void TruncatedJoin<Dim>::settle(const std::stop_token& stop) {
+void TruncatedJoin<Dim>::settle(const std::stop_token& stop, int most_steps) {
   set_losses({});
   MinimiseOptions solver;
+  solver.max_iterations = most_steps;
   solver.relative_chi2 = kSettled;
   marginals_.reset();
   minimise(*system_, solver, stop);
@@ -152,36 +154,8 @@ void TruncatedJoin<Dim>::settle(const std::stop_token& stop) {
   for_each_doubtful([](auto& factor, std::size_t, auto) { factor.loss = {}; });  // tests are of the measurements as they are
   parallel_chunks(counts_.size(), kObservationsPerPiece, [&](std::size_t begin, std::size_t end) {
     for (std::size_t k = begin; k < end; ++k) {
-      tests_[k] = counts_[k] ? leave_one_out.test({factors_[k], 0, system_->rows(factors_[k])}) : prediction(k);
-    }
-  });
-}
-
-/// The squared Mahalanobis distance rᵀ (W⁻¹ + J P Jᵀ)⁻¹ r of a factor that does not count. As W may be singular, by
-/// (W⁻¹ + J P Jᵀ)⁻¹ = W - W J (I + P Jᵀ W J)⁻¹ P Jᵀ W.
-template <int Dim>
-PartTest TruncatedJoin<Dim>::prediction(std::size_t doubtful) const {
-  const NormalEquations& equations = system_->equations();
-  const auto ends = equations.pattern().factors[factors_[doubtful]];  // base and target
-  return system_->with_linear_factor(factors_[doubtful], [&](const auto& linear) -> PartTest {
-    if constexpr (requires { linear.target; }) {
-      std::vector<Variable> variables;
-      Eigen::MatrixXd J(linear.W.rows(), 0);
-      const auto append = [&](Variable v, const auto& J_of_variable) {
-        if (v == kConstant) return;
-        variables.push_back(v);
-        J.conservativeResize(Eigen::NoChange, J.cols() + J_of_variable.cols());
-        J.rightCols(J_of_variable.cols()) = J_of_variable;
-      };
-      append(ends[0], linear.target.J_base);
-      append(ends[1], linear.target.J_target);
-      const Eigen::MatrixXd P = marginals_->joint(variables);
-      const Eigen::VectorXd Wr = linear.W * linear.target.residual;
-      const Eigen::MatrixXd to_ends = Eigen::MatrixXd::Identity(P.rows(), P.cols()) + P * J.transpose() * linear.W * J;
-      const Eigen::VectorXd shift = to_ends.partialPivLu().solve(P * (J.transpose() * Wr));
-      return {linear.target.residual.dot(Wr) - Wr.dot(J * shift), static_cast<int>(J.rows()), 0.0};
-    } else {
-      return {};
+      tests_[k] =
+          counts_[k] ? leave_one_out.test({factors_[k], 0, system_->rows(factors_[k])}) : leave_one_out.prediction(factors_[k]);
     }
   });
 }
@@ -193,7 +167,8 @@ bool TruncatedJoin<Dim>::drop(const OfKinds& thresholds) {
     if (counts_[k]) excess[k] = tests_[k].chi2 / (k < closure_count() ? thresholds.closures : thresholds.observations);
   }
   const double worst = excess.empty() ? 0.0 : std::ranges::max(excess);
-  for (std::size_t k = 0; k < counts_.size(); ++k) counts_[k] = counts_[k] && excess[k] < std::max(1.0, kDroppedShare * worst);
+  const double least = std::max({1.0, kDroppedShare * worst, std::min(kDroppedNearShare * worst, kNear)});
+  for (std::size_t k = 0; k < counts_.size(); ++k) counts_[k] = counts_[k] && excess[k] < least;
   return worst > 1.0;
 }
 

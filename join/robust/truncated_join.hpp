@@ -7,6 +7,7 @@
 #include <mapjoin/join/submap_graph.hpp>
 #include <mapjoin/model/log.hpp>
 #include <mapjoin/solve/marginals.hpp>
+#include <mapjoin/solve/minimise_options.hpp>
 #include <optional>
 #include <span>
 #include <stop_token>
@@ -34,8 +35,8 @@ class TruncatedJoin {
   /// Lets those count that cost less than their thresholds c² at a minimum of the truncated cost, found by graduated
   /// non-convexity: from a loss so wide that all that count pull to one that is cut off at c².
   void graduate(const OfKinds& thresholds, const std::stop_token& stop);
-  /// Minimises over those that count, and tests each doubtful factor against all others that count.
-  void settle(const std::stop_token& stop);
+  /// Minimises over those that count, by at most so many steps, and tests each doubtful factor against all others that count.
+  void settle(const std::stop_token& stop, int most_steps = MinimiseOptions{}.max_iterations);
   /// Whether the last settle() had tests: not where those that count leave something free to move, or on a stop.
   bool is_tested() const { return marginals_.has_value(); }
   /// Lets those no longer count whose tests are farthest beyond their thresholds. Returns whether there were any.
@@ -61,7 +62,6 @@ class TruncatedJoin {
   /// The cost of each doubtful factor over its threshold; losses are reset.
   std::vector<double> excess(const OfKinds& thresholds);
   double largest_excess(const OfKinds& thresholds);
-  PartTest prediction(std::size_t doubtful) const;
 
   Log<Dim> log_;
   SubmapGraph<Dim> graph_;

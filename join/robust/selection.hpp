@@ -1,0 +1,24 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+// Parts of a log that its measurements still tie together.
+
+#include <cstddef>
+#include <mapjoin/model/log.hpp>
+#include <vector>
+
+namespace mapjoin {
+
+/// The log with some of its closures, ascending, and some of its observations; with all of these where the flags are empty.
+template <int Dim>
+Log<Dim> selected(const Log<Dim>& log, const std::vector<std::size_t>& closures, const std::vector<bool>& observations);
+
+/// The closures that are chosen, ascending, and, where these leave the log in parts, those of the others with the largest odds
+/// that tie them together. Observations and priors tie, too.
+template <int Dim>
+std::vector<std::size_t> tied_together(const Log<Dim>& log, const std::vector<double>& odds, std::vector<bool> is_chosen);
+
+/// Sets the flag of one observation of each feature that has none: of the one that the least is `against`.
+template <int Dim>
+void keep_one_of_each_feature(const Log<Dim>& log, const std::vector<double>& against, std::vector<bool>& observations);
+
+}  // namespace mapjoin
