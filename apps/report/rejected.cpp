@@ -26,12 +26,13 @@ std::string session_of(const FeatureId&) {
 std::string rejected_in_words(const RunReport& run_report) {
   const Counts& counts = run_report.counts;
   std::string text;
-  const auto add = [&](PartKind kind, std::size_t all) {
+  const auto add = [&](PartKind kind, std::size_t all, const std::string& thing) {
     if (all == 0) return;
-    text += fmt::format("{}{} of {}", text.empty() ? "" : ", ", count_of(run_report, kind), plural(all, to_string(kind)));
+    text += fmt::format("{}{} of {}", text.empty() ? "" : ", ", count_of(run_report, kind), plural(all, thing));
   };
-  add(PartKind::kClosure, counts.closures);
-  add(PartKind::kObservation, counts.observations);
+  if (count_of(run_report, PartKind::kOdometry) > 0) add(PartKind::kOdometry, counts.odometry, "odometry edge");
+  add(PartKind::kClosure, counts.closures, "closure");
+  add(PartKind::kObservation, counts.observations, "observation");
   if (text.empty()) return "nothing: there are no closures or observations";
   return fmt::format("{}, with a confidence of {}", text, run_report.robust->confidence);
 }
@@ -40,6 +41,7 @@ Json robust_of(const RunReport& run_report) {
   if (!run_report.robust) return nullptr;
   return {{"confidence", run_report.robust->confidence},
           {"rejected", run_report.rejected.size()},
+          {"odometry", count_of(run_report, PartKind::kOdometry)},
           {"closures", count_of(run_report, PartKind::kClosure)},
           {"observations", count_of(run_report, PartKind::kObservation)}};
 }

@@ -8,6 +8,7 @@
 #include <mapjoin/join/robust/gates.hpp>
 #include <mapjoin/join/robust/inliers.hpp>
 #include <mapjoin/join/robust/predictions.hpp>
+#include <mapjoin/join/robust/repeated_odometry.hpp>
 #include <mapjoin/join/robust/selection.hpp>
 #include <mapjoin/join/robust/sighting_support.hpp>
 #include <mapjoin/join/robust/truncated_join.hpp>
@@ -15,6 +16,7 @@
 #include <mapjoin/measure/statistics.hpp>
 #include <mapjoin/parallel/parallel.hpp>
 #include <optional>
+#include <ranges>
 #include <utility>
 
 namespace mapjoin {
@@ -38,6 +40,12 @@ constexpr int kTrialSteps = 10;
 constexpr int kMostTrials = 5;
 constexpr int kMostDrops = 10;
 
+/// The measurements that may be rejected; at least 1.
+template <int Dim>
+double doubtful_count(const Log<Dim>& log) {
+  return std::max(1.0, static_cast<double>(log.closures().size() + log.observations().size()));
+}
+
 /// What is known of a closure.
 enum class Standing : std::uint8_t { kOpen, kKept, kDropped };
 
@@ -52,7 +60,7 @@ class InlierSearch {
         support_(chain_, log.closures()),
         standing_(log.closures().size(), Standing::kOpen),
         chi2_(log.closures().size(), 0.0) {
-    const double p = 1.0 - (1.0 - options.confidence) / std::max(1.0, doubtful());
+    const double p = 1.0 - (1.0 - options.confidence) / doubtful_count(log);
     widest_ = {chi_squared_quantile(p, kPoseDof<Dim>), chi_squared_quantile(p, Dim)};
   }
 
@@ -226,7 +234,7 @@ class InlierSearch {
     keep_one_of_each_feature(log_, against, observations_count_);
     Inliers<Dim> found;
     const auto reject = [&](PartKind kind, const auto& factor, double chi2, int rows, double widest) {
-      const double tail = doubtful() * chi_squared_upper_tail(chi2, rows);
+      const double tail = doubtful_count(log_) * chi_squared_upper_tail(chi2, rows);
       found.rejected.push_back({{kind, factor.base, factor.target, chi2, rows, std::min(1.0, tail)},
                                 chi2 < widest ? WhyRejected::kCrowded : WhyRejected::kContradicted});
     };
@@ -246,7 +254,6 @@ class InlierSearch {
     return found;
   }
 
-  double doubtful() const { return static_cast<double>(log_.closures().size() + log_.observations().size()); }
   static Error interrupted() { return {ErrorKind::kInterrupted, "interrupted while rejecting"}; }
 
   const Log<Dim>& log_;
@@ -266,6 +273,25 @@ class InlierSearch {
   std::vector<PartTest> observation_tests_;
 };
 
+/// Without odometry that contradicts an earlier edge between the same two poses.
+template <int Dim>
+Inliers<Dim> without_contradicted_odometry(const Log<Dim>& log, double confidence) {
+  Inliers<Dim> inliers{log, {}};
+  const std::vector<RepeatedOdometry> repeated = repeated_odometry(log);
+  const double count = doubtful_count(log);
+  const double widest = chi_squared_quantile(1.0 - (1.0 - confidence) / count, kPoseDof<Dim>);
+  for (const auto& [edge, chi2] : std::views::reverse(repeated)) {
+    if (chi2 < widest) continue;
+    auto& factors = inliers.log.graph.pose_factors;
+    const auto& factor = factors[edge];
+    const double probability = std::min(1.0, count * chi_squared_upper_tail(chi2, kPoseDof<Dim>));
+    inliers.rejected.push_back({{PartKind::kOdometry, factor.base, factor.target, chi2, kPoseDof<Dim>, probability}});
+    factors.erase(factors.begin() + static_cast<std::ptrdiff_t>(edge));
+  }
+  std::ranges::reverse(inliers.rejected);
+  return inliers;
+}
+
 }  // namespace
 
 std::vector<std::string> RobustOptions::validate() const {
@@ -276,7 +302,12 @@ std::vector<std::string> RobustOptions::validate() const {
 template <int Dim>
 Expected<Inliers<Dim>> find_inliers(const Log<Dim>& log, const RobustOptions& options, const std::stop_token& stop) {
   demand_valid(options);
-  return check_connected(log).and_then([&] { return InlierSearch<Dim>(log, options, stop).all(); });
+  if (const auto connected = check_connected(log); !connected) return tl::unexpected(connected.error());
+  Inliers<Dim> inliers = without_contradicted_odometry(log, options.confidence);
+  return InlierSearch<Dim>(inliers.log, options, stop).all().map([&](Inliers<Dim>&& found) {
+    found.rejected.insert(found.rejected.begin(), inliers.rejected.begin(), inliers.rejected.end());
+    return std::move(found);
+  });
 }
 
 template Expected<Inliers<2>> find_inliers(const Log<2>&, const RobustOptions&, const std::stop_token&);

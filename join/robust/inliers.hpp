@@ -38,13 +38,14 @@ struct Rejected {
 template <int Dim>
 struct Inliers {
   Log<Dim> log;                    ///< Without what was rejected.
-  std::vector<Rejected> rejected;  ///< Closures, then observations, in the order of the log.
+  std::vector<Rejected> rejected;  ///< Repeated odometry, closures, observations, in the order of the log.
 };
 
 /// Finds the closures and observations that do not agree with the others: closures are judged by the loops that they make with
 /// each other and with odometry (ClosureSupport), the best supported ones are joined with truncated losses (TruncatedJoin), and
-/// the map that comes of it judges all others, in rounds, the last of which tries every rejected one again. Odometry and priors
-/// are believed. Bad input: a log that falls apart; kInterrupted on `stop`. The same for any number of threads.
+/// the map that comes of it judges all others, in rounds, the last of which try every rejected one again. Odometry and priors
+/// are believed, but of two odometry edges between the same poses that contradict each other the later one is rejected. Bad
+/// input: a log that falls apart; kInterrupted on `stop`. The same for any number of threads.
 template <int Dim>
 Expected<Inliers<Dim>> find_inliers(const Log<Dim>& log, const RobustOptions& options, const std::stop_token& stop = {});
 

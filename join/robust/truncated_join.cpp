@@ -5,6 +5,7 @@
 #include <mapjoin/join/align/start.hpp>
 #include <mapjoin/join/robust/truncated_join.hpp>
 #include <mapjoin/localmap/split.hpp>
+#include <mapjoin/model/information.hpp>
 #include <mapjoin/parallel/parallel.hpp>
 #include <mapjoin/solve/minimise.hpp>
 #include <utility>
@@ -24,7 +25,7 @@ constexpr int kFirstSteps = 5;
 constexpr int kStepsARound = 2;
 /// Decrease of chi2 (share) that a settled estimate is good for.
 constexpr double kSettled = 1e-6;
-/// A feature all of whose observations are dropped stays where it is by this share of their information.
+/// What may be left free stays where it is by this share of the information of what is measured there.
 constexpr double kWeakShare = 1e-9;
 /// Of those beyond their thresholds those are dropped that are so by this share of the most, the others may be beyond for
 /// their sake; and by a larger share where none is farther out than some times its threshold.
@@ -65,11 +66,15 @@ void TruncatedJoin<Dim>::find_factors() {
   find(system_->feature_factors(), log_.observations(), closure_count());
 }
 
-/// Holds every feature weakly, and the map where nothing else does.
+/// Holds the map where nothing else does and, weakly, every feature and what an edge leaves free: those that count may, too.
 template <int Dim>
 void TruncatedJoin<Dim>::take_weak_priors(const Values<Dim>& start) {
   const bool is_held = !log_.graph.fixed.empty() || !log_.pose_priors().empty() || !log_.feature_priors().empty();
   if (!is_held) log_.graph.fixed.push_back({0, start.poses.front()});
+  for (PoseFactor<Dim>& edge : log_.graph.pose_factors) {
+    PoseMatrix<Dim>& W = edge.information;
+    if (information_rank(W) < kPoseDof<Dim>) W.diagonal().array() += kWeakShare * W.diagonal().maxCoeff();
+  }
   Table<FeatureIndex, PointMatrix<Dim>> information(log_.features.size(), PointMatrix<Dim>::Zero());
   for (const auto& o : log_.observations()) {
     const PointMatrix<Dim> R = start.poses[o.base].rotation.matrix();
