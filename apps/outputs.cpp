@@ -52,6 +52,7 @@ NamedFiles outputs_of_map(const Options& options) {
   for (auto beside = written.begin() + 1; beside != written.end(); ++beside) files.emplace_back("--output", *beside);
   if (options.covariances) files.emplace_back("--covariances", covariance_file(options.output));
   if (options.relations) files.emplace_back("--relations", relation_file(options.output));
+  if (options.robust) files.emplace_back("--robust", rejected_file(options.output));
   return files;
 }
 
@@ -108,6 +109,9 @@ fs::path covariance_file(const fs::path& map) {
 }
 fs::path relation_file(const fs::path& map) {
   return fs::path(map).replace_extension(".relations.csv");
+}
+fs::path rejected_file(const fs::path& map) {
+  return fs::path(map).replace_extension(".rejected.csv");
 }
 
 std::vector<fs::path> map_files(const fs::path& path) {

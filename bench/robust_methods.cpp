@@ -19,9 +19,9 @@ Expected<RobustMap<Dim>> by_mapjoin(const Log<Dim>& log, const RobustOptions& op
   const EffortMeter meter;
   auto inliers = find_inliers(log, options);
   if (!inliers) return tl::unexpected(inliers.error());
-  return run(inliers->log, without_verdict()).map([&](RunResult<Dim>&& result) {
+  return run(inliers->input, without_verdict()).map([&](RunResult<Dim>&& result) {
     return RobustMap<Dim>{
-        std::move(inliers->log), {std::move(result.map.poses), std::move(result.map.features)}, meter.so_far().cpu_seconds};
+        std::move(inliers->input), {std::move(result.map.poses), std::move(result.map.features)}, meter.so_far().cpu_seconds};
   });
 }
 

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <apps/certainty.hpp>
 #include <apps/commands/command_run.hpp>
+#include <apps/report/rejected.hpp>
 #include <apps/report/report.hpp>
 #include <apps/report/verdict.hpp>
 #include <mapjoin/io/files/output_file.hpp>
@@ -100,19 +101,21 @@ Input CommandRun::take_input(Input input) {
   return input;
 }
 
-template <int Dim>
-void CommandRun::reject_outliers(Log<Dim>& log) {
+template <typename Input>
+void CommandRun::reject_outliers(Input& input) {
   const Stopwatch watch(run_report.robust_seconds);
   if (progress_.is_shown()) progress_.show("rejecting", 0, 1);
-  Inliers<Dim> inliers = find_inliers(log, *options_.robust, stop_).value();
+  auto inliers = find_inliers(input, *options_.robust, stop_).value();
   run_report.robust = options_.robust;
-  run_report.describe(log, inliers.rejected);
-  log = std::move(inliers.log);
+  run_report.describe(input, inliers.rejected);
+  input = std::move(inliers.input);
 }
 
-template <typename Maps>
-void CommandRun::reject_outliers(Maps&) {
-  fail(ErrorKind::kUsage, "--robust is for a log, which says of each closure and observation how certain it is");
+template <int Dim>
+void CommandRun::reject_outliers(StoredMaps<Dim>&) {
+  fail(ErrorKind::kUsage,
+       "the local maps of a store are built already, with what may be wrong: --robust goes with `mapjoin run LOG`, whose "
+       "inliers.g2o `mapjoin build` takes");
 }
 
 void CommandRun::check_interrupted() const {
@@ -157,6 +160,10 @@ void CommandRun::write_map(RunResult<Dim>& result, const Log<Dim>* log) {
   if (result.marginals && options_.relations) {
     run_report.files.push_back(relation_file(options_.output).string());
     demand(write_relations(result.map, *result.marginals, run_report.files.back()));
+  }
+  if (options_.robust) {
+    run_report.files.push_back(rejected_file(options_.output).string());
+    demand(write_file(run_report.files.back(), rejected_as_csv(run_report)));
   }
 }
 

@@ -75,11 +75,11 @@ class CommandRun {
   RunReport run_report;
 
  private:
-  /// Leaves out what --robust finds wrong; kUsage of local maps, of which it finds nothing.
+  /// Leaves out what --robust finds wrong in a log or a set of local maps; kUsage of a store, whose maps are built.
+  template <typename Input>
+  void reject_outliers(Input& input);
   template <int Dim>
-  void reject_outliers(Log<Dim>& log);
-  template <typename Maps>
-  void reject_outliers(Maps& maps);
+  void reject_outliers(StoredMaps<Dim>& stored);
   /// What was asked of a result's certainty: its covariances into its map; how large they are, and its errors against the
   /// truth, into the report.
   template <int Dim>

@@ -54,6 +54,7 @@ void declare_join(Subcommand& command) {
   add_polish(command, *options);
   add_weights(command, *options);
   add_verdict(command, *options);
+  add_robust(command, *options);
   add_certainty(command, *options);
   add_reporting(command, *options);
   command.check([options] { return check_extension(options->output); });

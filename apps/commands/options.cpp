@@ -153,8 +153,8 @@ void add_robust(Subcommand& command, Options& options) {
   const auto wanted = std::make_shared<bool>(false);
   const auto confidence = std::make_shared<double>(RobustOptions().confidence);
   command.flag("--robust", *wanted,
-               "Find closures and observations that contradict the others, and leave them out: rejected.csv and inliers.g2o in "
-               "a folder");
+               "Find closures, observations and features of local maps that contradict the others, and leave them out: see "
+               "rejected.csv");
   command.number<double>("--confidence", *confidence, 0.0, "P",
                          "With this probability --robust rejects nothing that is right in the whole log, below 1");
   command.check([&command, &options, wanted, confidence]() -> std::vector<std::string> {

@@ -68,7 +68,7 @@ void add_solver(Subcommand& command, Options& options);
 void add_engine(Subcommand& command, Options& options);
 /// --no-verdict, --strict: the fit is tested unless it is refused.
 void add_verdict(Subcommand& command, Options& options);
-/// --robust, --confidence: wrong closures and observations of a log are left out.
+/// --robust, --confidence: wrong closures, observations and features of local maps are left out.
 void add_robust(Subcommand& command, Options& options);
 /// --covariances, --relations, --truth, --max-memory
 void add_certainty(Subcommand& command, Options& options);

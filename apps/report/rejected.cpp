@@ -26,13 +26,14 @@ std::string session_of(const FeatureId&) {
 std::string rejected_in_words(const RunReport& run_report) {
   const Counts& counts = run_report.counts;
   std::string text;
-  const auto add = [&](PartKind kind, std::size_t all, const std::string& thing) {
+  const auto add = [&](PartKind kind, std::size_t all, const std::string& thing, const std::string& things = "") {
     if (all == 0) return;
-    text += fmt::format("{}{} of {}", text.empty() ? "" : ", ", count_of(run_report, kind), plural(all, thing));
+    text += fmt::format("{}{} of {}", text.empty() ? "" : ", ", count_of(run_report, kind), plural(all, thing, things));
   };
   if (count_of(run_report, PartKind::kOdometry) > 0) add(PartKind::kOdometry, counts.odometry, "odometry edge");
   add(PartKind::kClosure, counts.closures, "closure");
   add(PartKind::kObservation, counts.observations, "observation");
+  add(PartKind::kMapFeature, counts.map_features, "feature of a map", "features of maps");
   if (text.empty()) return "nothing: there are no closures or observations";
   return fmt::format("{}, with a confidence of {}", text, run_report.robust->confidence);
 }
@@ -43,7 +44,8 @@ Json robust_of(const RunReport& run_report) {
           {"rejected", run_report.rejected.size()},
           {"odometry", count_of(run_report, PartKind::kOdometry)},
           {"closures", count_of(run_report, PartKind::kClosure)},
-          {"observations", count_of(run_report, PartKind::kObservation)}};
+          {"observations", count_of(run_report, PartKind::kObservation)},
+          {"map_features", count_of(run_report, PartKind::kMapFeature)}};
 }
 
 std::string rejected_as_csv(const RunReport& run_report) {

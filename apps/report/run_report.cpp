@@ -45,7 +45,12 @@ template <int Dim>
 void RunReport::describe(const SubmapSet<Dim>& set) {
   dimension = Dim;
   conventions = set.conventions;
-  counts = {.sessions = 1, .poses = set.poses.size(), .features = set.features.size(), .fixed_poses = set.graph.fixed.size()};
+  counts = {.sessions = 1,
+            .poses = set.poses.size(),
+            .features = set.features.size(),
+            .observations = set.graph.feature_factors.size(),
+            .fixed_poses = set.graph.fixed.size()};
+  for (const LocalMap<Dim>& map : set.graph.submaps) counts.map_features += map.features.size();
   has_local_maps = true;
   figures.local_maps = set.graph.submaps.size();
 }
@@ -58,9 +63,9 @@ void RunReport::describe(const StoredMaps<Dim>& stored) {
   figures.raw_segments = stored.segments.size() - stored.maps.size();
 }
 
-template <int Dim>
-void RunReport::describe(const Log<Dim>& log, const std::vector<Rejected>& left_out) {
-  for (const Rejected& one : left_out) rejected.push_back({named(one.misfit, log.poses, log.features), one.why});
+template <typename Input>
+void RunReport::describe(const Input& input, const std::vector<Rejected>& left_out) {
+  for (const Rejected& one : left_out) rejected.push_back({named(one.misfit, input.poses, input.features), one.why});
 }
 
 template <int Dim>
@@ -98,11 +103,12 @@ double peak_memory_mb() {
   return static_cast<double>(usage.ru_maxrss) * 1024e-6;
 }
 
-#define MAPJOIN_INSTANTIATE(Dim)                                                    \
-  template void RunReport::describe(const Log<Dim>&);                               \
-  template void RunReport::describe(const SubmapSet<Dim>&);                         \
-  template void RunReport::describe(const StoredMaps<Dim>&);                        \
-  template void RunReport::describe(const Log<Dim>&, const std::vector<Rejected>&); \
+#define MAPJOIN_INSTANTIATE(Dim)                                                          \
+  template void RunReport::describe(const Log<Dim>&);                                     \
+  template void RunReport::describe(const SubmapSet<Dim>&);                               \
+  template void RunReport::describe(const StoredMaps<Dim>&);                              \
+  template void RunReport::describe(const Log<Dim>&, const std::vector<Rejected>&);       \
+  template void RunReport::describe(const SubmapSet<Dim>&, const std::vector<Rejected>&); \
   template void RunReport::describe(const RunResult<Dim>&);
 MAPJOIN_INSTANTIATE(2)
 MAPJOIN_INSTANTIATE(3)

@@ -28,6 +28,7 @@ struct Counts {
   std::size_t odometry = 0;
   std::size_t closures = 0;
   std::size_t observations = 0;  ///< Single ones; those inside the local maps of a set are not known.
+  std::size_t map_features = 0;  ///< Of all maps of a set.
   std::size_t priors = 0;        ///< Of poses and of features.
   std::size_t fixed_poses = 0;
   std::int64_t repeated_edges = 0;
@@ -41,7 +42,7 @@ struct NamedMisfit {
   std::variant<PoseId, FeatureId> to;
 };
 
-/// What was rejected, under the names of its log.
+/// What was rejected, under the names of the input.
 struct NamedRejected : NamedMisfit {
   WhyRejected why = WhyRejected::kContradicted;
 };
@@ -58,9 +59,9 @@ struct RunReport {
   void describe(const SubmapSet<Dim>& set);
   template <int Dim>
   void describe(const StoredMaps<Dim>& stored);
-  /// What of the input was left out, under the names of the log.
-  template <int Dim>
-  void describe(const Log<Dim>& log, const std::vector<Rejected>& left_out);
+  /// What of the input, a log or a set of local maps, was left out.
+  template <typename Input>
+  void describe(const Input& input, const std::vector<Rejected>& left_out);
   /// The result.
   template <int Dim>
   void describe(const RunResult<Dim>& result);

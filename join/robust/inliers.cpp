@@ -33,7 +33,7 @@ constexpr std::size_t kMostPlaces = 50;
 constexpr std::size_t kPosesAPlace = 8;
 /// Steps of the join that a map starts from: truncated losses go on from there.
 constexpr int kStartSteps = 1;
-/// A log is first tried as it is where no more of its closures are outvoted by the others, with so many steps.
+/// A log is first tried as it is where no more of its closures and observations are outvoted by the others, with so many steps.
 constexpr std::ptrdiff_t kMostOutvoted = 20;
 constexpr int kTrialSteps = 10;
 /// Times that all closures are tried again, and that a map is settled anew without what it showed to be wrong.
@@ -64,9 +64,9 @@ class InlierSearch {
     widest_ = {chi_squared_quantile(p, kPoseDof<Dim>), chi_squared_quantile(p, Dim)};
   }
 
-  Expected<Inliers<Dim>> all() {
+  Expected<Inliers<Log<Dim>>> all() {
     screen();
-    if (const auto fits = fits_as_it_is(); !fits || *fits) return fits.map([&](bool) { return Inliers<Dim>{log_, {}}; });
+    if (const auto fits = fits_as_it_is(); !fits || *fits) return fits.map([&](bool) { return Inliers<Log<Dim>>{log_, {}}; });
     return take_in_by_odds().and_then([&] { return try_all_again(); }).map([&] { return inliers(); });
   }
 
@@ -81,7 +81,9 @@ class InlierSearch {
       odds_ = support_.odds(priors_, scale_.closures);
     }
 
+    const auto is_outvoted = [](double odds) { return odds < 0.0; };
     const std::vector<double> odds = sighting_odds(chain_, log_);
+    outvoted_ = std::ranges::count_if(odds_, is_outvoted) + std::ranges::count_if(odds, is_outvoted);
     std::vector<double> against(odds.size());
     for (std::size_t k = 0; k < odds.size(); ++k) {
       observations_count_.push_back(odds[k] > kLeastOdds);
@@ -90,9 +92,9 @@ class InlierSearch {
     keep_one_of_each_feature(log_, against, observations_count_);
   }
 
-  /// Whether every closure and observation passes its test where all count. Not tried where too many closures are outvoted.
+  /// Whether every closure and observation passes its test where all count. Not tried where too many are outvoted.
   Expected<bool> fits_as_it_is() {
-    if (std::ranges::count_if(odds_, [](double odds) { return odds < 0.0; }) > kMostOutvoted) return false;
+    if (outvoted_ > kMostOutvoted) return false;
     return start(log_).and_then([&](const Values<Dim>& start) -> Expected<bool> {
       TruncatedJoin<Dim> join(log_, start, {}, options_.engine);
       join.settle(stop_, kTrialSteps);
@@ -228,11 +230,11 @@ class InlierSearch {
     odds_ = support_.odds(priors_, scale_.closures);
   }
 
-  Inliers<Dim> inliers() {
+  Inliers<Log<Dim>> inliers() {
     std::vector<double> against;
     for (const PartTest& test : observation_tests_) against.push_back(test.chi2);
     keep_one_of_each_feature(log_, against, observations_count_);
-    Inliers<Dim> found;
+    Inliers<Log<Dim>> found;
     const auto reject = [&](PartKind kind, const auto& factor, double chi2, int rows, double widest) {
       const double tail = doubtful_count(log_) * chi_squared_upper_tail(chi2, rows);
       found.rejected.push_back({{kind, factor.base, factor.target, chi2, rows, std::min(1.0, tail)},
@@ -250,7 +252,7 @@ class InlierSearch {
       if (observations_count_[k]) continue;
       reject(PartKind::kObservation, log_.observations()[k], observation_tests_[k].chi2, Dim, widest_.observations);
     }
-    found.log = selected(log_, kept, observations_count_);
+    found.input = selected(log_, kept, observations_count_);
     return found;
   }
 
@@ -264,6 +266,7 @@ class InlierSearch {
   OfKinds widest_;  // what the confidence allows
   OfKinds scale_{1.0, 1.0};
   std::optional<OfKinds> last_gates_;  // once all are tried again
+  std::ptrdiff_t outvoted_ = 0;
   std::vector<PriorOdds> priors_;
   std::vector<double> odds_;
   std::vector<Standing> standing_;
@@ -275,14 +278,14 @@ class InlierSearch {
 
 /// Without odometry that contradicts an earlier edge between the same two poses.
 template <int Dim>
-Inliers<Dim> without_contradicted_odometry(const Log<Dim>& log, double confidence) {
-  Inliers<Dim> inliers{log, {}};
+Inliers<Log<Dim>> without_contradicted_odometry(const Log<Dim>& log, double confidence) {
+  Inliers<Log<Dim>> inliers{log, {}};
   const std::vector<RepeatedOdometry> repeated = repeated_odometry(log);
   const double count = doubtful_count(log);
   const double widest = chi_squared_quantile(1.0 - (1.0 - confidence) / count, kPoseDof<Dim>);
   for (const auto& [edge, chi2] : std::views::reverse(repeated)) {
     if (chi2 < widest) continue;
-    auto& factors = inliers.log.graph.pose_factors;
+    auto& factors = inliers.input.graph.pose_factors;
     const auto& factor = factors[edge];
     const double probability = std::min(1.0, count * chi_squared_upper_tail(chi2, kPoseDof<Dim>));
     inliers.rejected.push_back({{PartKind::kOdometry, factor.base, factor.target, chi2, kPoseDof<Dim>, probability}});
@@ -300,17 +303,17 @@ std::vector<std::string> RobustOptions::validate() const {
 }
 
 template <int Dim>
-Expected<Inliers<Dim>> find_inliers(const Log<Dim>& log, const RobustOptions& options, const std::stop_token& stop) {
+Expected<Inliers<Log<Dim>>> find_inliers(const Log<Dim>& log, const RobustOptions& options, const std::stop_token& stop) {
   demand_valid(options);
   if (const auto connected = check_connected(log); !connected) return tl::unexpected(connected.error());
-  Inliers<Dim> inliers = without_contradicted_odometry(log, options.confidence);
-  return InlierSearch<Dim>(inliers.log, options, stop).all().map([&](Inliers<Dim>&& found) {
+  Inliers<Log<Dim>> inliers = without_contradicted_odometry(log, options.confidence);
+  return InlierSearch<Dim>(inliers.input, options, stop).all().map([&](Inliers<Log<Dim>>&& found) {
     found.rejected.insert(found.rejected.begin(), inliers.rejected.begin(), inliers.rejected.end());
     return std::move(found);
   });
 }
 
-template Expected<Inliers<2>> find_inliers(const Log<2>&, const RobustOptions&, const std::stop_token&);
-template Expected<Inliers<3>> find_inliers(const Log<3>&, const RobustOptions&, const std::stop_token&);
+template Expected<Inliers<Log<2>>> find_inliers(const Log<2>&, const RobustOptions&, const std::stop_token&);
+template Expected<Inliers<Log<3>>> find_inliers(const Log<3>&, const RobustOptions&, const std::stop_token&);
 
 }  // namespace mapjoin

@@ -1,10 +1,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
-// Robust joining: closures and observations that are wrong are found and left out, without an initial value.
+// Robust joining: what is wrong in a log, or in local maps, is found and left out, without an initial value.
 
 #include <mapjoin/join/fit/goodness_of_fit.hpp>
 #include <mapjoin/join/join.hpp>
 #include <mapjoin/model/log.hpp>
+#include <mapjoin/model/submap_set.hpp>
 #include <stop_token>
 #include <string>
 #include <vector>
@@ -28,16 +29,17 @@ constexpr auto enum_names(WhyRejected) {
       {{WhyRejected::kContradicted, "contradicted"}, {WhyRejected::kCrowded, "crowded"}});
 }
 
-/// A closure or an observation of a log that was left out. Its chi2 is the squared Mahalanobis distance from its prediction by
-/// what was kept, not scaled; the probability is that of any closure or observation of the log.
+/// A closure or an observation of a log, or a feature of a local map, that was left out. Its chi2 is the squared Mahalanobis
+/// distance from its prediction by what was kept, not scaled; the probability is that of any closure or observation of the log.
 struct Rejected {
   Misfit misfit;
   WhyRejected why = WhyRejected::kContradicted;
 };
 
-template <int Dim>
+/// A log, or a set of local maps.
+template <typename Input>
 struct Inliers {
-  Log<Dim> log;                    ///< Without what was rejected.
+  Input input;                     ///< Without what was rejected.
   std::vector<Rejected> rejected;  ///< Repeated odometry, closures, observations, in the order of the log.
 };
 
@@ -47,6 +49,13 @@ struct Inliers {
 /// are believed, but of two odometry edges between the same poses that contradict each other the later one is rejected. Bad
 /// input: a log that falls apart; kInterrupted on `stop`. The same for any number of threads.
 template <int Dim>
-Expected<Inliers<Dim>> find_inliers(const Log<Dim>& log, const RobustOptions& options, const std::stop_token& stop = {});
+Expected<Inliers<Log<Dim>>> find_inliers(const Log<Dim>& log, const RobustOptions& options, const std::stop_token& stop = {});
+
+/// Finds the features of local maps that are under a wrong name, as the observations of a log that has, of each pose and
+/// feature of a map, what the map says of it alone. The maps are kept, without these features: what they say of the others
+/// stays as it was. Observations that stand on their own in the set are judged, too; all that relates poses is believed.
+template <int Dim>
+Expected<Inliers<SubmapSet<Dim>>> find_inliers(const SubmapSet<Dim>& set, const RobustOptions& options,
+                                               const std::stop_token& stop = {});
 
 }  // namespace mapjoin

@@ -66,14 +66,22 @@ void TruncatedJoin<Dim>::find_factors() {
   find(system_->feature_factors(), log_.observations(), closure_count());
 }
 
-/// Holds the map where nothing else does and, weakly, every feature and what an edge leaves free: those that count may, too.
+/// Holds the map where nothing else does and, weakly, what those that count may leave free: starts of sessions, features, and
+/// directions that an edge does not measure.
 template <int Dim>
 void TruncatedJoin<Dim>::take_weak_priors(const Values<Dim>& start) {
   const bool is_held = !log_.graph.fixed.empty() || !log_.pose_priors().empty() || !log_.feature_priors().empty();
   if (!is_held) log_.graph.fixed.push_back({0, start.poses.front()});
+  PoseMatrix<Dim> of_edges = PoseMatrix<Dim>::Zero();
   for (PoseFactor<Dim>& edge : log_.graph.pose_factors) {
     PoseMatrix<Dim>& W = edge.information;
     if (information_rank(W) < kPoseDof<Dim>) W.diagonal().array() += kWeakShare * W.diagonal().maxCoeff();
+    of_edges.diagonal() += W.diagonal();
+  }
+  of_edges *= kWeakShare / std::max(1.0, static_cast<double>(log_.graph.pose_factors.size()));
+  for (const Session& session : log_.sessions) {
+    if (session.begin == 0) continue;
+    log_.graph.pose_factors.push_back({kWorld, session.begin, start.poses[session.begin], of_edges, {}});
   }
   Table<FeatureIndex, PointMatrix<Dim>> information(log_.features.size(), PointMatrix<Dim>::Zero());
   for (const auto& o : log_.observations()) {

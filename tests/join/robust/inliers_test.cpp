@@ -17,10 +17,10 @@ TYPED_TEST_SUITE(InliersTest, testing::Dimensions);
 TYPED_TEST(InliersTest, LosesNothingOfALogThatFits) {
   constexpr int kDim = TypeParam::value;
   const Log<kDim> log = testing::small_world<kDim>({.poses = 60, .features = 20, .closures = 12, .range = 3.0}).log;
-  const Inliers<kDim> inliers = find_inliers(log, RobustOptions{}).value();
+  const Inliers<Log<kDim>> inliers = find_inliers(log, RobustOptions{}).value();
   EXPECT_TRUE(inliers.rejected.empty());
-  EXPECT_EQ(inliers.log.closures().size(), log.closures().size());
-  EXPECT_EQ(inliers.log.observations().size(), log.observations().size());
+  EXPECT_EQ(inliers.input.closures().size(), log.closures().size());
+  EXPECT_EQ(inliers.input.observations().size(), log.observations().size());
 }
 
 TYPED_TEST(InliersTest, RejectsObservationsUnderTheNamesOfOtherFeatures) {
@@ -31,7 +31,7 @@ TYPED_TEST(InliersTest, RejectsObservationsUnderTheNamesOfOtherFeatures) {
   options.range = 4.0;  // every feature is seen several times
   const Log<kDim> log = simulate_manhattan<kDim>(options).log;
   const auto planted = plant_wrong_identities(log, 0.05, 1);
-  const Inliers<kDim> inliers = find_inliers(planted.log, RobustOptions{}).value();
+  const Inliers<Log<kDim>> inliers = find_inliers(planted.log, RobustOptions{}).value();
   std::size_t wrong = 0;
   for (const bool is_wrong : planted.is_wrong) wrong += is_wrong ? 1 : 0;
   ASSERT_GT(wrong, 10U);
