@@ -14,6 +14,7 @@
 #include <string>
 #include <vector>
 
+#include "map_identities.hpp"
 #include "outlier_score.hpp"
 #include "robust_methods.hpp"
 
@@ -38,7 +39,10 @@ constexpr std::array kSets = {NamedSet{"intel", "pose-graphs-2d/intel.g2o.gz"},
                               NamedSet{"cubicle", "pose-graphs-3d/cubicle.g2o.gz"},
                               NamedSet{"vicpark", "vicpark-6898/vicpark6898.g2o.gz"},
                               NamedSet{"dlr", "dlr/dlr_corrected.g2o.gz"},
-                              NamedSet{"citytrees", "citytrees10000/cityTrees10000.txt"}};
+                              NamedSet{"citytrees", "citytrees10000/cityTrees10000.txt"},
+                              NamedSet{"vicpark-200", "vicpark-200-local-maps"},
+                              NamedSet{"dlr-200", "dlr-200-local-maps"},
+                              NamedSet{"sim-35188", "sim-35188/localmaps_mat.tar.gz"}};
 
 struct Arguments {
   std::vector<std::string> sets;
@@ -128,7 +132,23 @@ class SetBench {
   const Arguments& arguments_;
 };
 
+Expected<void> run_map_set(const std::string& name, const Arguments& arguments) {
+  const MapIdentitiesOptions options{arguments.identities, arguments.seeds, arguments.method.robust};
+  const auto opened = open_maps(file_of(name));
+  if (!opened) return tl::unexpected(opened.error());
+  return std::visit(
+      [&]<typename Maps>(const Maps& maps) -> Expected<void> {
+        if constexpr (requires { maps.graph; }) {
+          return print_map_identities(name, maps, options);
+        } else {
+          return tl::unexpected(Error{ErrorKind::kUsage, "the log of a store is what wrong measurements are planted into"});
+        }
+      },
+      *opened);
+}
+
 Expected<void> run_set(const std::string& name, const Arguments& arguments) {
+  if (may_hold_maps(file_of(name))) return run_map_set(name, arguments);
   ReadOptions options;
   options.repair_information = true;
   const auto opened = open_log(file_of(name), options);
@@ -165,7 +185,8 @@ int main(int argc, char** argv) {
   std::map<std::string, bench::CeresStart> starts;
   for (const auto& [start, name] : enum_names(bench::CeresStart{})) starts.emplace(name, start);
   CLI::App app("Wrong closures and wrong identities, planted into logs: who finds them, as CSV.", "mapjoin_outliers");
-  app.add_option("--sets", arguments.sets, "Public data sets below $MAPJOIN_DATA_DIR, or files of logs")
+  app.add_option("--sets", arguments.sets,
+                 "Public data sets below $MAPJOIN_DATA_DIR, or files of logs or folders of local maps")
       ->delimiter(',')
       ->capture_default_str();
   app.add_option("--policies", arguments.policies, "How closures are planted")
@@ -179,7 +200,8 @@ int main(int argc, char** argv) {
   auto* counts = app.add_option("--counts", arguments.counts, "Of wrong closures, beside the shares")
                      ->delimiter(',')
                      ->capture_default_str();
-  auto* identities = app.add_option("--identities", arguments.identities, "Shares of wrong identities, in logs with features")
+  auto* identities = app.add_option("--identities", arguments.identities,
+                                    "Shares of wrong identities, in logs with features and in local maps")
                          ->delimiter(',')
                          ->check(CLI::Range(0.0, 0.99))
                          ->capture_default_str();

@@ -39,6 +39,21 @@ Pose<Dim> draw_near_identity(RandomStream& random) {
   return retract(Pose<Dim>{}, step);
 }
 
+/// Any feature but the one given.
+class OtherName {
+ public:
+  OtherName(std::size_t features, RandomStream& random) : features_(features), random_(random) {
+    if (features < 2) throw std::invalid_argument("no other feature whose name an observation could be given");
+  }
+  FeatureIndex operator()(FeatureIndex own) const {
+    return FeatureIndex((own.position() + 1 + random_.next() % (features_ - 1)) % features_);
+  }
+
+ private:
+  std::size_t features_;
+  RandomStream& random_;
+};
+
 }  // namespace
 
 template <int Dim>
@@ -69,15 +84,38 @@ Planted<Dim> plant_wrong_closures(const Log<Dim>& log, ClosurePolicy policy, std
 
 template <int Dim>
 Planted<Dim> plant_wrong_identities(const Log<Dim>& log, double share, std::uint64_t seed) {
-  const std::size_t features = log.features.size();
-  if (features < 2) throw std::invalid_argument("no other feature whose name an observation could be given");
   RandomStream random(seed, kIdentities);
+  const OtherName other_name(log.features.size(), random);
   Planted<Dim> planted{log, std::vector<bool>(log.observations().size())};
   for (std::size_t k = 0; k < planted.is_wrong.size(); ++k) {
     if (random.uniform(0.0, 1.0) >= share) continue;
     FeatureIndex& target = planted.log.graph.feature_factors[k].target;
-    target = FeatureIndex((target.position() + 1 + random.next() % (features - 1)) % features);
+    target = other_name(target);
     planted.is_wrong[k] = true;
+  }
+  return planted;
+}
+
+template <int Dim>
+PlantedSet<Dim> plant_wrong_identities(const SubmapSet<Dim>& set, double share, std::uint64_t seed) {
+  RandomStream random(seed, kIdentities);
+  const OtherName other_name(set.features.size(), random);
+  PlantedSet<Dim> planted{set, {}};
+  Table<FeatureIndex, int> maps(set.features.size());  // that have the feature
+  for (const auto& map : set.graph.submaps) {
+    for (const FeatureIndex f : map.features) ++maps[f];
+  }
+  for (auto& map : planted.set.graph.submaps) {
+    std::vector<bool>& is_wrong = planted.is_wrong.emplace_back(map.features.size());
+    for (std::size_t k = 0; k < is_wrong.size(); ++k) {
+      if (random.uniform(0.0, 1.0) >= share) continue;
+      const FeatureIndex other = other_name(map.features[k]);
+      if (maps[map.features[k]] == 1 || std::ranges::find(map.features, other) != map.features.end()) continue;
+      --maps[map.features[k]];
+      ++maps[other];
+      map.features[k] = other;
+      is_wrong[k] = true;
+    }
   }
   return planted;
 }
@@ -86,5 +124,7 @@ template Planted<2> plant_wrong_closures(const Log<2>&, ClosurePolicy, std::size
 template Planted<3> plant_wrong_closures(const Log<3>&, ClosurePolicy, std::size_t, std::uint64_t);
 template Planted<2> plant_wrong_identities(const Log<2>&, double, std::uint64_t);
 template Planted<3> plant_wrong_identities(const Log<3>&, double, std::uint64_t);
+template PlantedSet<2> plant_wrong_identities(const SubmapSet<2>&, double, std::uint64_t);
+template PlantedSet<3> plant_wrong_identities(const SubmapSet<3>&, double, std::uint64_t);
 
 }  // namespace mapjoin

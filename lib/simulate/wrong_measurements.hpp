@@ -6,6 +6,7 @@
 #include <cstdint>
 #include <mapjoin/model/enum_names.hpp>
 #include <mapjoin/model/log.hpp>
+#include <mapjoin/model/submap_set.hpp>
 #include <vector>
 
 namespace mapjoin {
@@ -44,5 +45,17 @@ Planted<Dim> plant_wrong_closures(const Log<Dim>& log, ClosurePolicy policy, std
 /// has fewer than two features.
 template <int Dim>
 Planted<Dim> plant_wrong_identities(const Log<Dim>& log, double share, std::uint64_t seed);
+
+/// A set of local maps, some of whose features are under wrong names.
+template <int Dim>
+struct PlantedSet {
+  SubmapSet<Dim> set;
+  std::vector<std::vector<bool>> is_wrong;  ///< Of each map, of each of its features.
+};
+
+/// Gives each feature of a local map, with probability `share`, the name of any other feature of the set. It keeps its own
+/// where the map has that other feature already, or where no map would have its own any more. Throws as for a log.
+template <int Dim>
+PlantedSet<Dim> plant_wrong_identities(const SubmapSet<Dim>& set, double share, std::uint64_t seed);
 
 }  // namespace mapjoin

@@ -5,48 +5,13 @@
 #include <Eigen/Cholesky>
 #include <mapjoin/join/run.hpp>
 #include <mapjoin/model/log_builder.hpp>
-#include <mapjoin/simulate/manhattan.hpp>
-#include <mapjoin/simulate/random_stream.hpp>
 #include <numbers>
+#include <tests/support/closing_world.hpp>
 #include <tests/support/dimensions.hpp>
 #include <tests/support/small_submap_set.hpp>
 
 namespace mapjoin {
 namespace {
-
-template <int Dim>
-PoseVector<Dim> normal_step(RandomStream& random) {
-  return PoseVector<Dim>::NullaryExpr([&] { return random.normal(); });
-}
-
-/// A consistent world with closures: whatever it says is as certain as it says.
-template <int Dim>
-struct World {
-  World(std::int64_t poses, std::uint64_t seed, int closures = 8) : random(seed, 7) {
-    ManhattanOptions options;
-    options.poses = poses;
-    options.seed = seed;
-    auto simulation = simulate_manhattan<Dim>(options);
-    log = std::move(simulation.log);
-    truth = std::move(simulation.truth.poses);
-    for (int k = 0; k < closures; ++k) add_closure();
-  }
-  PoseIndex any_pose() { return PoseIndex(static_cast<std::size_t>(random.next() % log.poses.size())); }
-  void add_closure() {
-    PoseIndex base = 0, target = 0;
-    while (std::abs(target - base) < 2) base = any_pose(), target = any_pose();
-    const Pose<Dim> true_step = between(truth[base], truth[target]);
-    add(base, target, retract<Dim>(true_step, PoseVector<Dim>(0.05 * normal_step<Dim>(random))));
-  }
-  void add(PoseIndex base, PoseIndex target, const Pose<Dim>& measured) {
-    log.graph.pose_factors.push_back({base, target, measured, PoseMatrix<Dim>::Identity() / (0.05 * 0.05)});
-    put_in_order(log);
-  }
-
-  Log<Dim> log;
-  Table<PoseIndex, Pose<Dim>> truth;
-  RandomStream random;
-};
 
 template <int Dim>
 GoodnessOfFit fit_of(const Log<Dim>& log) {
@@ -60,7 +25,7 @@ TYPED_TEST_SUITE(GoodnessOfFitTest, testing::Dimensions, );
 TYPED_TEST(GoodnessOfFitTest, OfAThousandConsistentWorldsHardlyMoreThanTenAreCalledMisfits) {
   int misfits = 0;
   for (std::uint64_t seed = 1; seed <= 1000; ++seed) {
-    const World<TypeParam::value> world(TypeParam::value == 2 ? 60 : 25, seed);
+    const testing::ClosingWorld<TypeParam::value> world(TypeParam::value == 2 ? 60 : 25, seed);
     misfits += fit_of(world.log).verdict == Verdict::kMisfit;
   }
   this->RecordProperty("misfits", misfits);
@@ -72,7 +37,7 @@ TYPED_TEST(GoodnessOfFitTest, NoClosureThatIsWrongByTenIsMissed) {
   int named_first = 0;
   constexpr int kWorlds = kDim == 2 ? 1000 : 300;
   for (std::uint64_t seed = 1; seed <= kWorlds; ++seed) {
-    World<kDim> world(kDim == 2 ? 60 : 25, seed);
+    testing::ClosingWorld<kDim> world(kDim == 2 ? 60 : 25, seed);
     PoseIndex base = 0, target = 0;
     while (std::abs(target - base) < 2) base = world.any_pose(), target = world.any_pose();
     RunOptions options = without_verdict();
@@ -80,7 +45,7 @@ TYPED_TEST(GoodnessOfFitTest, NoClosureThatIsWrongByTenIsMissed) {
     const auto right = run(world.log, options).value();
     PoseMatrix<kDim> S = right.covariances->relative_pose(base, target).value();
     S.diagonal().array() += 0.05 * 0.05;
-    const PoseVector<kDim> direction = normal_step<kDim>(world.random).normalized();
+    const PoseVector<kDim> direction = testing::normal_step<kDim>(world.random).normalized();
     const PoseVector<kDim> shift = 10.0 * PoseVector<kDim>(S.llt().matrixL() * direction);
     world.add(base, target, retract<kDim>(between(right.map.poses[base], right.map.poses[target]), shift));
     const GoodnessOfFit fit = fit_of(world.log);
@@ -93,7 +58,7 @@ TYPED_TEST(GoodnessOfFitTest, NoClosureThatIsWrongByTenIsMissed) {
 }
 
 TYPED_TEST(GoodnessOfFitTest, NamesAFeatureThatIsNotTheOneItIsSaidToBe) {
-  World<TypeParam::value> world(80, 3);
+  testing::ClosingWorld<TypeParam::value> world(80, 3);
   auto& observation = world.log.graph.feature_factors[world.log.observations().size() / 2];
   const FeatureIndex right = observation.target;
   observation.target = right == 0 ? FeatureIndex(world.log.features.size() - 1) : FeatureIndex(0);
@@ -105,7 +70,7 @@ TYPED_TEST(GoodnessOfFitTest, NamesAFeatureThatIsNotTheOneItIsSaidToBe) {
 }
 
 TYPED_TEST(GoodnessOfFitTest, NamesALocalMapsFeatureThatIsNotTheOneItIsSaidToBe) {
-  const World<TypeParam::value> world(120, 4, 0);
+  const testing::ClosingWorld<TypeParam::value> world(120, 4, 0);
   auto set = testing::small_submap_set(world.log, 15.0);
   auto& map = set.graph.submaps[set.graph.submaps.size() / 2];
   const auto others = [&](FeatureIndex feature) { return std::ranges::find(map.features, feature) == map.features.end(); };
@@ -127,7 +92,7 @@ TYPED_TEST(GoodnessOfFitTest, NamesALocalMapsFeatureThatIsNotTheOneItIsSaidToBe)
 }
 
 TEST(GoodnessOfFit, NamesLocalMapsThatChangedPlaces) {
-  const World<2> world(120, 4, 0);
+  const testing::ClosingWorld<2> world(120, 4, 0);
   auto set = testing::small_submap_set(world.log, 15.0);
   auto& maps = set.graph.submaps;
   std::swap(maps[2], maps[4]);
@@ -140,7 +105,7 @@ TEST(GoodnessOfFit, NamesLocalMapsThatChangedPlaces) {
 }
 
 TYPED_TEST(GoodnessOfFitTest, TellsCovariancesThatAreTooSmallFromOutliers) {
-  World<TypeParam::value> world(300, 5);
+  testing::ClosingWorld<TypeParam::value> world(300, 5);
   for (auto& observation : world.log.graph.feature_factors) observation.information *= 9.0;
   const GoodnessOfFit fit = fit_of(world.log);
   EXPECT_EQ(fit.verdict, Verdict::kMisfit);
@@ -151,7 +116,7 @@ TYPED_TEST(GoodnessOfFitTest, TellsCovariancesThatAreTooSmallFromOutliers) {
 }
 
 TYPED_TEST(GoodnessOfFitTest, CallsNothingAMisfitThatCautiousCovariancesAllow) {
-  World<TypeParam::value> world(100, 6);
+  testing::ClosingWorld<TypeParam::value> world(100, 6);
   for (auto& observation : world.log.graph.feature_factors) observation.information /= 25.0;
   const GoodnessOfFit fit = fit_of(world.log);
   EXPECT_EQ(fit.verdict, Verdict::kFits);
@@ -208,7 +173,7 @@ TEST(GoodnessOfFit, NamesNoMoreMisfitsThanAskedForAndIsOneAllTheSame) {
 }
 
 TEST(GoodnessOfFit, IsNotAskedOfAMapThatIsNoOptimum) {
-  const World<2> world(100, 7);
+  const testing::ClosingWorld<2> world(100, 7);
   RunOptions options;
   options.solver.max_iterations = 1;
   options.solver.method = Method::kGaussNewton;
@@ -217,7 +182,7 @@ TEST(GoodnessOfFit, IsNotAskedOfAMapThatIsNoOptimum) {
 }
 
 TEST(GoodnessOfFit, IsUntestedWithAReasonWhereMemoryDoesNotDo) {
-  const World<2> world(100, 8);
+  const testing::ClosingWorld<2> world(100, 8);
   RunOptions options;
   options.most_memory = 1000;
   const auto result = run(world.log, options).value();

@@ -1,9 +1,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <mapjoin/join/robust/inliers.hpp>
 #include <mapjoin/simulate/manhattan.hpp>
 #include <mapjoin/simulate/wrong_measurements.hpp>
+#include <tests/support/closing_world.hpp>
 #include <tests/support/dimensions.hpp>
 #include <tests/support/small_world.hpp>
 
@@ -21,6 +23,17 @@ TYPED_TEST(InliersTest, LosesNothingOfALogThatFits) {
   EXPECT_TRUE(inliers.rejected.empty());
   EXPECT_EQ(inliers.input.closures().size(), log.closures().size());
   EXPECT_EQ(inliers.input.observations().size(), log.observations().size());
+}
+
+TYPED_TEST(InliersTest, OfAHundredConsistentWorldsHardlyMoreThanOneLosesAnything) {
+  constexpr int kWorlds = TypeParam::value == 2 ? 1000 : 300;
+  int worlds_that_lose = 0;
+  for (std::uint64_t seed = 1; seed <= kWorlds; ++seed) {
+    const testing::ClosingWorld<TypeParam::value> world(TypeParam::value == 2 ? 60 : 25, seed, 12);
+    worlds_that_lose += find_inliers(world.log, RobustOptions{}).value().rejected.empty() ? 0 : 1;
+  }
+  this->RecordProperty("worlds_that_lose", worlds_that_lose);
+  EXPECT_LE(worlds_that_lose, 0.01 * kWorlds + 2.5 * std::sqrt(0.01 * kWorlds));
 }
 
 TYPED_TEST(InliersTest, RejectsObservationsUnderTheNamesOfOtherFeatures) {
