@@ -13,7 +13,7 @@ namespace mapjoin::apps {
 struct Deviations {
   struct Median {
     double in_map = 0.0;
-    double relative = 0.0;  ///< To the pose that it hangs from.
+    double relative = 0.0;  ///< To its parent.
   };
   Median poses;  ///< But for those that are anchored.
   Median features;

@@ -9,7 +9,7 @@ namespace mapjoin {
 
 enum class JoinedState : std::uint8_t {
   kAbsolute,  ///< Poses and features in the frame of the map (paper's (30)).
-  kRelative,  ///< Each relative to the pose it hangs from (paper's (33)).
+  kRelative,  ///< Each relative to its parent in the spanning tree (paper's (33)).
 };
 
 constexpr auto enum_names(JoinedState) {

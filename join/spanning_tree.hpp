@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
-// The tree along which "relative" is meant: which pose every pose and feature of the joined state hangs from.
+// The tree along which "relative" is meant: every pose and feature of the joined state has a pose as its parent.
 
 #include <mapjoin/join/joining_system.hpp>
 #include <optional>
@@ -20,7 +20,7 @@ template <typename Child>
 struct TreeEdge {
   Child child = 0;
   PoseIndex parent = kWorld;
-  std::optional<TreeObservation> observation;  ///< None where only the World is there to hang from.
+  std::optional<TreeObservation> observation;  ///< None where only the World is there as a parent.
 };
 
 /// A forest whose roots are the poses that are anchored, and the World.
@@ -30,7 +30,7 @@ struct SpanningTree {
 };
 
 /// Poses hang along local maps and odometry where they can: for one robot a chain. Closures and priors come after these. Where
-/// only features tie two sessions, the second hangs from the World. A feature hangs from the first pose it was observed from.
+/// only features tie two sessions, the parent of the second is the World. That of a feature is the pose that saw it first.
 template <int Dim>
 SpanningTree spanning_tree(const JoiningSystem<Dim>& system);
 

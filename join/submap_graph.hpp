@@ -11,7 +11,7 @@
 
 namespace mapjoin {
 
-/// Views into a log or a map set, which must outlive it. Observations are pointers: a log has millions.
+/// Views into a log or a submap set, which must outlive it. Observations are pointers: a log has millions.
 template <int Dim>
 struct SubmapGraph {
   std::size_t pose_count = 0;

@@ -168,8 +168,9 @@ void add_robust(Subcommand& command, Options& options) {
 void add_certainty(Subcommand& command, Options& options) {
   command.group("Certainty");
   command.flag("--covariances", options.covariances, "Write the covariance of every pose and feature: CSV columns, and JSON");
-  command.flag("--relations", options.relations,
-               "Write each pose and feature relative to the pose it hangs from, with how certain that is: relations.csv");
+  command.flag(
+      "--relations", options.relations,
+      "Write each pose and feature relative to the pose it was measured from, with how certain that is: relations.csv");
   command.path("--truth", options.truth, "FILE",
                "Weigh the errors against this map by their covariances (NEES): .tum (poses only), else g2o with vertices");
   command.number<double>("--max-memory", options.most_memory_mb, 0.0, "MB",

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
-// A map in relative form (paper's (22), (33)): every pose and feature in the frame of the pose that it hangs from.
+// A map in relative form (paper's (22), (33)): every pose and feature in the frame of its parent.
 //
 // The parents are those of the spanning tree of the whole map: of a log, a pose's parent is the pose before it, a feature's the
 // pose that observed it first; of local maps, the start of the map that holds them. Relations can be far more certain than

@@ -43,8 +43,8 @@ class IncrementalJoin {
 
   /// Adds the next update. Its segment begins with a new pose or with the last one of an earlier segment that none goes on from
   /// yet, and its other poses are new; all else that it concerns is of earlier segments. Bad input where that is not so or
-  /// check_update() finds a fault: nothing is added. Where a stop is requested while all updates are joined anew, the estimate
-  /// stays as it is, and an update that took that waits.
+  /// check_update() finds a fault: nothing is added. Where a stop is requested while all updates are joined at once, the
+  /// estimate stays as it is, and an update that took that waits.
   Expected<AddedUpdate> add(SubmapUpdate<Dim> update, const std::stop_token& stop = {});
 
   /// Adds many at once, as where the first part of a long log is there already. What is said of one holds for all of them; of

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <gtest/gtest.h>
 
+#include <deque>
+#include <mapjoin/join/align/gauge.hpp>
 #include <mapjoin/join/run.hpp>
 #include <tests/support/dense_slam.hpp>
 #include <tests/support/dimensions.hpp>
@@ -117,6 +119,68 @@ TYPED_TEST(WorldTest, TooFewPositionsLeaveTheMapFreeToTurn) {
   ASSERT_FALSE(result);
   EXPECT_EQ(result.error().kind, ErrorKind::kBadInput);
   EXPECT_NE(result.error().message.find("free to turn as a whole about pose 12"), std::string::npos) << result.error().message;
+}
+
+/// A partial map in a frame of its own, and priors of its poses.
+template <typename D>
+class PlaceInWorldTest : public ::testing::Test {
+ protected:
+  static constexpr int kDim = D::value;
+  using Priors = std::deque<PoseFactor<kDim>>;
+
+  PlaceInWorldTest() {
+    for (PoseIndex p = 0; p < 5; ++p) {
+      truth_.push_back(random_.pose<kDim>(10.0, 2.0));
+      partial_.poses.push_back(p);
+      partial_.state.poses.push_back(compose(inverse(frame_), truth_[p]));
+    }
+  }
+
+  /// Of a pose as it is, turned by so much; with what it measures.
+  PoseFactor<kDim> prior(PoseIndex pose, double turn, bool measures_position, bool measures_rotation) {
+    PoseVector<kDim> weights;
+    weights << Point<kDim>::Constant(measures_position), RotationVector<kDim>::Constant(measures_rotation);
+    const Rotation<kDim> rotation = truth_[pose].rotation * Rotation<kDim>::exp(RotationVector<kDim>::Constant(turn));
+    return {kWorld, pose, {truth_[pose].translation, rotation}, weights.asDiagonal()};
+  }
+  /// The first pose, where the priors place the partial map.
+  Pose<kDim> placed_by(const Priors& priors) const {
+    SubmapGraph<kDim> graph;
+    for (const auto& prior : priors) graph.priors.pose_factors.push_back(&prior);
+    PartialMap<kDim> placed = partial_;
+    place_in_world(graph, Pose<kDim>{}, placed);
+    return placed.state.poses.front();
+  }
+  void expect_in_place(const Priors& priors) const { EXPECT_LT(local(placed_by(priors), truth_.front()).norm(), 1e-9); }
+
+  testing::Random random_{3};
+  Pose<kDim> frame_ = random_.pose<kDim>(100.0, 2.0);
+  Table<PoseIndex, Pose<kDim>> truth_;
+  PartialMap<kDim> partial_;
+};
+TYPED_TEST_SUITE(PlaceInWorldTest, testing::Dimensions);
+
+TYPED_TEST(PlaceInWorldTest, OnePoseIsEnough) {
+  this->expect_in_place({this->prior(2, 0.0, true, true)});
+}
+
+TYPED_TEST(PlaceInWorldTest, PositionsAreEnoughWhereTheyFixTheRotation) {
+  this->expect_in_place({this->prior(0, 1.0, true, false), this->prior(1, 1.0, true, false), this->prior(2, 1.0, true, false)});
+}
+
+TYPED_TEST(PlaceInWorldTest, OnePositionSaysNothingOfTheRotation) {
+  const auto placed = this->placed_by({this->prior(2, 1.0, true, false)});
+  EXPECT_EQ(local(placed, this->partial_.state.poses.front()).norm(), 0.0);
+}
+
+TYPED_TEST(PlaceInWorldTest, ARotationSaysNothingOfThePosition) {
+  auto rotation = this->prior(0, 0.0, false, true);
+  rotation.measured.translation.setConstant(1e3);
+  this->expect_in_place({rotation, this->prior(2, 0.0, true, true)});
+}
+
+TYPED_TEST(PlaceInWorldTest, TheAlignmentIsThatOfLeastDistances) {
+  this->expect_in_place({this->prior(0, 1.0, true, true), this->prior(2, 0.0, true, true)});
 }
 
 }  // namespace

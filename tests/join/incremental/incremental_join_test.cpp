@@ -150,6 +150,26 @@ TYPED_TEST(IncrementalJoinTest, AnEdgeTiesASessionEitherWay) {
   }
 }
 
+TYPED_TEST(IncrementalJoinTest, AMapIsPlacedByTheEdgeThatFitsBest) {
+  constexpr int kDim = TestFixture::kDim;
+  const auto updates = this->submap_updates_of({.poses = 20, .features = 0, .closures = 0, .sessions = 2}, 5.0);
+  const std::size_t half = updates.size() / 2;
+  IncrementalJoin<kDim> joined;
+  for (std::size_t k = 0; k < half; ++k) joined.add(updates[k]).value();
+  auto tied = updates[half];
+  const PoseIndex known = enter_name(tied.poses, last_pose(updates[0]));
+  const Pose<kDim> measured{Point<kDim>::Ones(), Rotation<kDim>::exp(RotationVector<kDim>::Constant(0.3))};
+  const Pose<kDim> turned = compose(measured, {Point<kDim>::Zero(), Rotation<kDim>::exp(RotationVector<kDim>::Constant(1.5))});
+  for (const auto& [edge, weight] : {std::pair{turned, 1e-6}, {measured, 1e4}}) {
+    tied.graph.pose_factors.push_back({known, tied.segments[0].begin, edge, weight * PoseMatrix<kDim>::Identity()});
+  }
+  const AddedUpdate added = joined.add(tied).value();
+  EXPECT_TRUE(added.converged);
+  EXPECT_FALSE(added.batch_checked);
+  EXPECT_LE(added.iterations, 2);
+  EXPECT_LT(local(compose(*joined.pose(last_pose(updates[0])), measured), *joined.pose(PoseId{1, 0})).norm(), 1e-6);
+}
+
 TYPED_TEST(IncrementalJoinTest, WhatTheWorldSaysLaterMovesAllIntoItsFrame) {
   constexpr int kDim = TestFixture::kDim;
   auto updates = this->submap_updates_of({.poses = 60, .features = 60, .noise = 0.005}, 6.0);
