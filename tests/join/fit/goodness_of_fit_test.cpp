@@ -104,6 +104,38 @@ TEST(GoodnessOfFit, NamesLocalMapsThatChangedPlaces) {
   EXPECT_THAT((std::vector{maps[2].base, maps[4].base}), ::testing::Contains(fit.misfits.at(0).from));
 }
 
+TYPED_TEST(GoodnessOfFitTest, NamesTheLastLocalMapWhereItStandsTwice) {
+  const testing::ClosingWorld<TypeParam::value> world(120, 4, 0);
+  auto set = testing::small_submap_set(world.log, 15.0);
+  auto copy = set.graph.submaps.back();
+  copy.base = copy.poses.back();
+  copy.poses.back() = PoseIndex(set.poses.size());
+  set.poses.push_back({0, 1000});
+  set.segments.push_back({copy.base, copy.poses.back(), true});
+  set.graph.submaps.push_back(copy);
+  const GoodnessOfFit fit = run(set, {}).value().fit;
+  ASSERT_EQ(fit.verdict, Verdict::kMisfit);
+  EXPECT_EQ(fit.misfits.at(0).kind, PartKind::kLocalMap);
+  EXPECT_THAT((std::vector{copy.base, set.graph.submaps[set.graph.submaps.size() - 2].base}),
+              ::testing::Contains(fit.misfits.at(0).from));
+}
+
+TEST(GoodnessOfFit, NamesTheLocalMapOfAnotherSession) {
+  const testing::ClosingWorld<2> world(120, 4, 0);
+  const testing::ClosingWorld<2> another(120, 11, 0);
+  auto set = testing::small_submap_set(world.log, 15.0);
+  auto& map = set.graph.submaps[4];
+  const auto strange = testing::small_submap_set(another.log, 15.0).graph.submaps[4];
+  for (std::size_t k = 0; k < std::min(map.features.size(), strange.features.size()); ++k) {
+    map.feature_estimates[k] = strange.feature_estimates[k];
+  }
+  map.pose_estimates = strange.pose_estimates;
+  const GoodnessOfFit fit = run(set, {}).value().fit;
+  ASSERT_EQ(fit.verdict, Verdict::kMisfit);
+  EXPECT_EQ(fit.misfits.at(0).kind, PartKind::kLocalMap);
+  EXPECT_EQ(fit.misfits.at(0).from, map.base);
+}
+
 TYPED_TEST(GoodnessOfFitTest, TellsCovariancesThatAreTooSmallFromOutliers) {
   testing::ClosingWorld<TypeParam::value> world(300, 5);
   for (auto& observation : world.log.graph.feature_factors) observation.information *= 9.0;
