@@ -40,11 +40,13 @@ double gate_among(std::vector<double> distances, double narrow, double wide, int
   const auto within = [&](double gate) {
     return static_cast<double>(std::ranges::upper_bound(distances, gate) - distances.begin());
   };
-  // Wrong ones within a gate, as their numbers up to twice and to four times its width go on inwards.
+  // Wrong ones within a gate, as their numbers up to twice and to four times its width go on inwards. A few of them tell
+  // little: to begin with, they are taken to fill all dimensions.
+  const double most_growth = std::pow(2.0, dof);
   const auto wrong = [&](double gate) {
     const double near = within(4.0 * gate) - within(gate);
     const double far = within(16.0 * gate) - within(4.0 * gate);
-    return near / (std::clamp((far + 1.0) / (near + 1.0), kLeastGrowth, std::pow(2.0, dof)) - 1.0);
+    return near / (std::clamp((far + most_growth) / (near + 1.0), kLeastGrowth, most_growth) - 1.0);
   };
   const auto is_clear = [&](double gate) { return kClear * wrong(gate) <= std::max(1.0, within(gate) - within(narrow)); };
   for (double gate = wide; gate > narrow; gate /= kGateRatio) {
