@@ -193,7 +193,7 @@ ExitCode compare_on(CommandRun& command_run, const CompareOptions& options, cons
   use_identity_covariance(identity);
   const bool by_identity = options.covariance == Covariance::kIdentity;
   const Log<Dim>& here = by_identity ? identity : log;
-  command_run.run_report.describe(here);
+  command_run.run_report.conventions = here.conventions;
   const Comparison<Dim> comparison = compared(command_run, options, here, truth_of(log, options.truth));
   const auto other = other_weights(by_identity ? log : identity, comparison.maps[comparison.best].polished, command_run);
   for (const std::string& name : kFiles) {

@@ -6,6 +6,7 @@
 #include <apps/commands/follow.hpp>
 #include <apps/commands/subcommand.hpp>
 #include <apps/picture/plotted_map.hpp>
+#include <apps/picture/rejected_links.hpp>
 #include <apps/report/rejected.hpp>
 #include <apps/report/report.hpp>
 #include <functional>
@@ -38,6 +39,14 @@ std::vector<std::string> names_of(const Options& options, bool has_covariances) 
   return names;
 }
 
+/// The picture of a map, with what was left out of it.
+template <int Dim>
+std::string picture_of(const RunResult<Dim>& result, const Log<Dim>& log, const RunReport& run_report) {
+  PlottedMap<Dim> map = plotted(result, log);
+  add_rejected_links(run_report, map.links);
+  return picture(map_layers<Dim>({std::move(map)}, nullptr));
+}
+
 template <int Dim>
 Expected<void> write_map_files(const CommandRun& command_run, const RunResult<Dim>& result, const Log<Dim>& log,
                                const OutputFolder& folder) {
@@ -47,7 +56,7 @@ Expected<void> write_map_files(const CommandRun& command_run, const RunResult<Di
       [&] { return write_g2o(map, &log, folder.aside("map.g2o")); },
       [&] { return write_tum(map, folder.aside("trajectory.tum")); },
       [&] { return write_csv(map, folder.aside("poses.csv"), folder.aside("features.csv")); },
-      [&] { return write_file(folder.aside("map.svg"), picture(map_layers<Dim>({plotted(result, log)}, nullptr))); },
+      [&] { return write_file(folder.aside("map.svg"), picture_of(result, log, command_run.run_report)); },
   };
   if (options.covariances && result.marginals) {
     files.emplace_back(

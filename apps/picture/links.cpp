@@ -15,22 +15,20 @@ constexpr std::size_t kTypical = 2;
 constexpr std::size_t kFew = 20;
 constexpr double kLeastScale = 1e-12;  // a millionth of a standard deviation: below, residuals are round-off
 
-/// Those of one kind. The typical residual is that of those which are not rejected.
+/// Those of one kind.
 template <int Dim, typename Factor, typename Targets>
-void add_links(std::span<const Factor> factors, const Targets& targets, const GlobalMap<Dim>& map,
-               const RejectedLinks& rejected, std::vector<Link>& links) {
-  std::vector<WeighedResidual> in_map;
+void add_links(std::span<const Factor> factors, const Targets& targets, const GlobalMap<Dim>& map, std::vector<Link>& links) {
+  std::vector<WeighedResidual> weighed;
   const std::size_t first = links.size();
   for (const Factor& o : factors) {
     if (o.base == kWorld) continue;
     const auto r = residual<Dim>(o.measured, map.poses[o.base], targets[o.target]);
     const auto rows = information_rank<r.RowsAtCompileTime>(o.information);
     const double chi2 = std::max(0.0, r.dot(o.information * r));
-    links.push_back({o.base, o.target, rejected.contains({o.base, o.target}),
-                     std::sqrt(chi2 / static_cast<double>(std::max<std::int64_t>(rows, 1)))});
-    if (!links.back().is_rejected) in_map.push_back({chi2, rows});
+    links.push_back({o.base, o.target, false, std::sqrt(chi2 / static_cast<double>(std::max<std::int64_t>(rows, 1)))});
+    weighed.push_back({chi2, rows});
   }
-  const double scale = in_map.size() < kFew ? 1.0 : std::max(kLeastScale, scale_of(in_map));
+  const double scale = weighed.size() < kFew ? 1.0 : std::max(kLeastScale, scale_of(weighed));
   for (std::size_t k = first; k < links.size(); ++k) *links[k].residual /= std::sqrt(scale);
 }
 
@@ -45,16 +43,16 @@ std::size_t class_of(const Link& link) {
 
 template <int Dim>
 std::vector<Link> links_of(std::span<const PoseFactor<Dim>> closures, std::span<const FeatureFactor<Dim>> observations,
-                           const GlobalMap<Dim>& map, const RejectedLinks& rejected) {
+                           const GlobalMap<Dim>& map) {
   std::vector<Link> links;
-  add_links(closures, map.poses, map, rejected, links);
-  add_links(observations, map.features, map, rejected, links);
+  add_links(closures, map.poses, map, links);
+  add_links(observations, map.features, map, links);
   return links;
 }
 
 #define MAPJOIN_INSTANTIATE(Dim)                                                                             \
   template std::vector<Link> links_of(std::span<const PoseFactor<Dim>>, std::span<const FeatureFactor<Dim>>, \
-                                      const GlobalMap<Dim>&, const RejectedLinks&);
+                                      const GlobalMap<Dim>&);
 MAPJOIN_INSTANTIATE(2)
 MAPJOIN_INSTANTIATE(3)
 #undef MAPJOIN_INSTANTIATE

@@ -8,9 +8,7 @@
 #include <mapjoin/model/global_map.hpp>
 #include <mapjoin/model/ids.hpp>
 #include <optional>
-#include <set>
 #include <span>
-#include <utility>
 #include <vector>
 
 namespace mapjoin::apps {
@@ -21,12 +19,9 @@ struct Link {
   PoseOrFeature to;
   bool is_rejected = false;  ///< Left out of the map.
   /// Its weighted residual √(rᵀWr / rank W) over the typical one of its kind or, where there are few of that, over what the
-  /// covariances say; none where the map is no estimate.
-  std::optional<double> residual;
+  /// covariances say; none where the map is no estimate or the link is rejected.
+  std::optional<double> residual = {};
 };
-
-/// Closures and observations that were left out of a map, by their poses and features.
-using RejectedLinks = std::set<std::pair<PoseIndex, PoseOrFeature>>;
 
 /// The style of a class of links; a colour each for a light and a dark background.
 struct LinkClass {
@@ -55,6 +50,6 @@ std::size_t class_of(const Link& link);
 /// Those of the closures, then of the observations; priors, whose base is the World, are none.
 template <int Dim>
 std::vector<Link> links_of(std::span<const PoseFactor<Dim>> closures, std::span<const FeatureFactor<Dim>> observations,
-                           const GlobalMap<Dim>& map, const RejectedLinks& rejected = {});
+                           const GlobalMap<Dim>& map);
 
 }  // namespace mapjoin::apps

@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <apps/outputs.hpp>
 #include <apps/picture/load.hpp>
+#include <apps/picture/rejected_links.hpp>
 #include <mapjoin/io/files/file_bytes.hpp>
 #include <mapjoin/io/open.hpp>
 #include <mapjoin/join/relative_join.hpp>
@@ -134,6 +135,7 @@ LoadedMap loaded(const Log<Dim>& log, const fs::path& path) {
   if (!out.is_odometry) {
     read_covariances_beside(path, out.map);
     out.local_maps = plotted_local_maps(read_fits_beside(path, log.poses), log);
+    if (path.filename() == kMapOfRun) add_rejected_links(path.parent_path(), out.map, out.links);
   }
   return {std::move(out)};
 }

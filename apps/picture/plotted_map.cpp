@@ -108,11 +108,11 @@ PlottedMap<Dim> plotted(const Log<Dim>& log) {
 }
 
 template <int Dim>
-PlottedMap<Dim> plotted(const RunResult<Dim>& result, const Log<Dim>& log, const RejectedLinks& rejected) {
+PlottedMap<Dim> plotted(const RunResult<Dim>& result, const Log<Dim>& log) {
   PlottedMap<Dim> out;
   out.map = result.map;
   out.sessions = sessions_of(log);
-  out.links = links_of(log.closures(), log.observations(), out.map, rejected);
+  out.links = links_of(log.closures(), log.observations(), out.map);
   out.odometry = dead_reckoning(log, out.map.poses);
   out.local_maps = plotted_local_maps(result.maps, log);
   return out;
@@ -182,7 +182,7 @@ void move(const Pose<Dim>& frame, Truth<Dim>& truth) {
   template void move(const Pose<Dim>&, PlottedMap<Dim>&);                                                \
   template void move(const Pose<Dim>&, Truth<Dim>&);                                                     \
   template PlottedMap<Dim> plotted(const Log<Dim>&);                                                     \
-  template PlottedMap<Dim> plotted(const RunResult<Dim>&, const Log<Dim>&, const RejectedLinks&);        \
+  template PlottedMap<Dim> plotted(const RunResult<Dim>&, const Log<Dim>&);                              \
   template PlottedMap<Dim> plotted(const RunResult<Dim>&, const SubmapSet<Dim>&);
 MAPJOIN_INSTANTIATE(2)
 MAPJOIN_INSTANTIATE(3)

@@ -37,7 +37,8 @@ struct PlottedMap {
   GlobalMap<Dim> map;
   std::vector<Session> sessions;         ///< Poses that a line goes through.
   Table<PoseIndex, Pose<Dim>> odometry;  ///< Composed from odometry alone; empty where that is not known.
-  std::vector<Link> links;  ///< Closures, then observations, each in the order of the log; of odometry alone closures only.
+  /// Closures, then observations, each in the order of the log, of odometry alone closures only; then those that were rejected.
+  std::vector<Link> links;
   std::vector<PlottedLocalMap> local_maps;  ///< In their order; empty where they are not known.
   std::vector<JoinStop<Dim>> stops;         ///< On the way of joining map after map; empty where it was not watched.
   bool is_odometry = false;                 ///< `map` is composed from odometry and first observations, for want of more.
@@ -54,7 +55,7 @@ template <int Dim>
 PlottedMap<Dim> plotted(const Log<Dim>& log);
 /// What came of a log, or of a set of local maps.
 template <int Dim>
-PlottedMap<Dim> plotted(const RunResult<Dim>& result, const Log<Dim>& log, const RejectedLinks& rejected = {});
+PlottedMap<Dim> plotted(const RunResult<Dim>& result, const Log<Dim>& log);
 template <int Dim>
 PlottedMap<Dim> plotted(const RunResult<Dim>& result, const SubmapSet<Dim>& set);
 

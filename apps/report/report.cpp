@@ -139,6 +139,7 @@ Json report_head(const RunReport& run_report) {
                {"command", run_report.command},
                {"input", run_report.input}};
   json.update(input_of(run_report));
+  json["robust"] = robust_of(run_report);
   return json;
 }
 
@@ -156,7 +157,6 @@ std::string report(const RunReport& run_report) {
   json["polish"] = polish_of(figures.polish);
   json.update(
       if_known(run_report.is_joined, {{"converged", figures.converged()}, {"chi2", figures.chi2}, {"dof", figures.dof}}));
-  json["robust"] = robust_of(run_report);
   json.update(verdict_of(run_report));
   json["gauge"] = if_known(run_report.is_joined, {{"held_poses", run_report.anchored}});
   json["certainty"] = certainty_of(run_report);

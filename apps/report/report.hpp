@@ -12,7 +12,7 @@ namespace mapjoin::apps {
 
 inline constexpr int kReportSchemaVersion = 1;
 
-/// What every report begins with: version, command, and what the input is.
+/// What every report begins with: version, command, what the input is, and how much of it was left out.
 Json report_head(const RunReport& run_report);
 
 /// An object as it is written: indented, and what is not UTF-8 replaced.
@@ -30,8 +30,8 @@ std::string counts_in_words(const RunReport& run_report);
 /// In what sense chi2 is meant.
 std::string conventions_in_words(const Conventions& conventions, int dimension);
 
-/// Lines of a summary: the input with its counts, its convention, and what a reader may not expect of it: repeated edges,
-/// repaired matrices, observations left out.
+/// Lines of a summary: the input with its counts and how much of it was left out, its convention, and what a reader may not
+/// expect of it: repeated edges, repaired matrices, observations left out.
 void add_input(const RunReport& run_report, Lines& lines, std::string_view name = "input");
 void add_convention(const RunReport& run_report, Lines& lines);
 void add_notes(const RunReport& run_report, Lines& lines);

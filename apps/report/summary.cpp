@@ -131,6 +131,7 @@ std::string conventions_in_words(const Conventions& conventions, int dimension) 
 
 void add_input(const RunReport& run_report, Lines& lines, std::string_view name) {
   lines.add(name, fmt::format("{}: {}", run_report.input, counts_in_words(run_report)));
+  if (run_report.robust) lines.add("rejected", rejected_in_words(run_report));
 }
 
 void add_convention(const RunReport& run_report, Lines& lines) {
@@ -165,7 +166,6 @@ void add_notes(const RunReport& run_report, Lines& lines) {
 std::string summary(const RunReport& run_report) {
   Lines lines;
   add_input(run_report, lines);
-  if (run_report.robust) lines.add("rejected", rejected_in_words(run_report));
   if (run_report.has_local_maps) lines.add("local maps", local_maps_in_words(run_report));
   if (run_report.is_joined) add_result(run_report, lines);
   add_convention(run_report, lines);

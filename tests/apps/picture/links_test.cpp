@@ -29,7 +29,7 @@ struct Seen {
       observations.push_back({0, FeatureIndex(k), 0.5 * (k + 1) * Point<Dim>::Unit(0), W});
     }
   }
-  std::vector<Link> links(const RejectedLinks& rejected = {}) const { return links_of<Dim>({}, observations, map, rejected); }
+  std::vector<Link> links() const { return links_of<Dim>({}, observations, map); }
 };
 
 TYPED_TEST(LinksTest, OfFewHaveTheResidualByTheirCovariances) {
@@ -56,15 +56,6 @@ TYPED_TEST(LinksTest, WithoutErrorsAreTypical) {
   Seen<TypeParam::value> seen(30);
   for (std::size_t k = 0; k < 30; ++k) seen.observations[k].measured *= k < 20 ? 0.0 : 1e-9;
   for (const Link& link : seen.links()) EXPECT_LT(*link.residual, 0.1);
-}
-
-TYPED_TEST(LinksTest, ThatAreRejectedAreKnownByTheirEndsAndNotTypical) {
-  const Seen<TypeParam::value> seen(41);
-  RejectedLinks rejected = {{PoseIndex(0), PoseIndex(1)}, {PoseIndex(1), FeatureIndex(3)}};  // no observations
-  for (int k = 21; k < 41; ++k) rejected.insert({PoseIndex(0), FeatureIndex(k)});
-  const std::vector<Link> links = seen.links(rejected);
-  for (std::size_t k = 0; k < 41; ++k) EXPECT_EQ(links[k].is_rejected, k >= 21) << k;
-  EXPECT_NEAR(*links[10].residual, std::sqrt(0.4549), 1e-4) << "the median of the first 21";
 }
 
 TYPED_TEST(LinksTest, AreClosuresThenObservationsAndNoPriors) {

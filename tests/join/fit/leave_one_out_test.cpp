@@ -122,6 +122,25 @@ TYPED_TEST(LeaveOneOutTest, TestsWhatIsLeftOnceAPartIsOut) {
   EXPECT_NEAR(observation.chi2, chi2 - this->chi2_of(this->without(less, -1, o)), 1e-3 * observation.chi2);
 }
 
+TYPED_TEST(LeaveOneOutTest, PredictsWhatHadNoPartInTheEstimate) {
+  constexpr int kDim = TypeParam::value;
+  for (const bool is_whole : {true, false}) {
+    auto log = this->world();
+    PoseFactor<kDim>& closure = log.graph.pose_factors[log.odometry().size() + 2];
+    if (!is_whole) {  // its rotation is not measured
+      closure.information.template rightCols<kRotationDof<kDim>>().setZero();
+      closure.information.template bottomRows<kRotationDof<kDim>>().setZero();
+    }
+    const double gain = this->chi2_of(log) - this->chi2_of(this->without(log, 2, -1));
+    closure.loss = {0.0, 0.0};
+    const typename TestFixture::Tests tests(this->full_slam(log));
+    closure.loss = {};
+    const PartTest prediction = tests.leave_one_out->prediction(tests.factor_of(closure));
+    EXPECT_NEAR(prediction.chi2, gain, 1e-3 * gain);
+    EXPECT_EQ(prediction.rows, kPoseDof<kDim>);
+  }
+}
+
 TYPED_TEST(LeaveOneOutTest, DoesNotTestWhatNothingElseConfirms) {
   auto log = this->world();
   log.graph.pose_factors.resize(log.odometry().size());

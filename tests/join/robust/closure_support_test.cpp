@@ -1,0 +1,142 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <mapjoin/join/robust/closure_support.hpp>
+#include <tests/support/dimensions.hpp>
+#include <tests/support/two_drives.hpp>
+
+namespace mapjoin {
+namespace {
+
+using testing::Crossing;
+using testing::two_drives;
+
+/// The odds of a closure of which nothing is known.
+const double kNothingKnown = std::log(1.0 / 9.0);
+
+template <typename D>
+class ClosureSupportTest : public ::testing::Test {
+ protected:
+  static constexpr int kDim = D::value;
+
+  /// The log of closures between two drives, and what they say of each other.
+  struct Between {
+    explicit Between(const std::vector<Crossing>& crossings, double errors = 0.0)
+        : log(two_drives<kDim>(140, crossings, errors)) {}
+    std::vector<double> odds(const std::vector<PriorOdds>& priors) const { return support.odds(priors, 1.0); }
+    std::vector<double> odds() const { return odds(support.priors(1.0)); }
+
+    Log<kDim> log;
+    OdometryChain<kDim> chain{log};
+    ClosureSupport<kDim> support{chain, log.closures()};
+  };
+
+  /// Four closures of each of the poses 20 to 119.
+  static std::vector<Crossing> many() {
+    std::vector<Crossing> crossings;
+    for (std::uint64_t k = 20; k < 120; ++k) {
+      for (std::uint64_t more = 0; more < 4; ++more) crossings.push_back({k, k + more});
+    }
+    return crossings;
+  }
+  static double scale_of_many(double errors) {
+    const Between between(many(), errors);
+    return between.support.scale(between.odds());
+  }
+};
+TYPED_TEST_SUITE(ClosureSupportTest, testing::Dimensions);
+
+TYPED_TEST(ClosureSupportTest, LiftsTwoThatMakeALoopWithOdometryAndNotOneThatMakesNone) {
+  const typename TestFixture::Between between({{10, 12}, {15, 18}, {20, 20, 3.0}});
+  const std::vector<double> odds = between.odds();
+  EXPECT_GT(odds[0], 0.0);
+  EXPECT_GT(odds[1], 0.0);
+  EXPECT_LT(odds[2], kNothingKnown - 5.0);
+}
+
+TYPED_TEST(ClosureSupportTest, TakesAClosureEitherWayRound) {
+  typename TestFixture::Between between({{10, 12}, {15, 18}});
+  PoseFactor<TypeParam::value>& closure = between.log.graph.pose_factors.back();
+  std::swap(closure.base, closure.target);
+  closure.measured = inverse(closure.measured);
+  const ClosureSupport<TypeParam::value> support(between.chain, between.log.closures());
+  EXPECT_GT(support.odds(support.priors(1.0), 1.0)[0], 0.0);
+}
+
+TYPED_TEST(ClosureSupportTest, KnowsNothingOfASingleOneBetweenTwoDrives) {
+  for (const double wrong_by : {0.0, 30.0}) {
+    const typename TestFixture::Between between({{10, 12, wrong_by}});
+    EXPECT_EQ(between.odds(), std::vector<double>{kNothingKnown});
+  }
+}
+
+TYPED_TEST(ClosureSupportTest, DoesNotCompareAcrossMoreThanSixtySteps) {
+  const typename TestFixture::Between near({{10, 12}, {40, 42}});
+  EXPECT_GT(near.odds()[0], 0.0);
+  const typename TestFixture::Between far({{10, 12}, {40, 43}});
+  EXPECT_EQ(far.odds()[0], kNothingKnown);
+}
+
+TYPED_TEST(ClosureSupportTest, TakesThoseOfAStretchForMistakenTogether) {
+  std::vector<Crossing> crossings;
+  for (std::uint64_t k = 0; k < 10; ++k) crossings.push_back({k, k});
+  EXPECT_NEAR((typename TestFixture::Between(crossings).odds()[0]), kNothingKnown + 15.0, 0.01);
+  for (std::uint64_t k = 0; k < 5; ++k) crossings[5 + k] = {25 + k, 25 + k};
+  EXPECT_NEAR((typename TestFixture::Between(crossings).odds()[0]), kNothingKnown + 30.0, 0.01);
+}
+
+TYPED_TEST(ClosureSupportTest, DoesNotAskThoseThatCountAsWrong) {
+  const typename TestFixture::Between between({{10, 12}, {15, 18}});
+  EXPECT_EQ(between.odds({{}, {.is_wrong = true}})[0], 0.0);
+  EXPECT_GT(between.odds({{}, {.is_right = true}})[0], 4.9);
+}
+
+TYPED_TEST(ClosureSupportTest, TakesTheWordOfOdometryWithinADrive) {
+  constexpr int kDim = TypeParam::value;
+  Log<kDim> log = two_drives<kDim>(140, {{10, 12}});
+  auto& factors = log.graph.pose_factors;
+  PoseFactor<kDim> within = factors.front();
+  within.base = 5;
+  within.target = 30;
+  within.measured.translation[0] = 25.0;
+  factors.push_back(within);
+  within.measured.translation[1] = 10.0;
+  factors.push_back(within);
+  const OdometryChain<kDim> chain(log);
+  const auto priors = ClosureSupport<kDim>(chain, log.closures()).priors(1.0);
+  EXPECT_EQ(priors[0].evidence, kNothingKnown);
+  EXPECT_EQ(priors[1].evidence, kNothingKnown + 5.0);
+  EXPECT_EQ(priors[2].evidence, kNothingKnown - 20.0);
+}
+
+TYPED_TEST(ClosureSupportTest, TakesTheWordOfAMapWithItsCovarianceScaled) {
+  constexpr int kDim = TypeParam::value;
+  const typename TestFixture::Between between({{10, 12}});
+  UncertainPose<kDim> mismatch;
+  mismatch.covariance = 1e-4 * PoseMatrix<kDim>::Identity();
+  EXPECT_EQ(between.support.prior(mismatch, 1.0).evidence, kNothingKnown + 5.0);
+  mismatch.mean.translation[0] = 0.07;  // 7 standard deviations: less of a coincidence the larger these are
+  EXPECT_LT(between.support.prior(mismatch, 0.25).evidence, kNothingKnown - 5.0);
+  EXPECT_EQ(between.support.prior(mismatch, 16.0).evidence, kNothingKnown + 5.0);
+}
+
+TYPED_TEST(ClosureSupportTest, FindsByHowMuchCovariancesAreTooCautious) {
+  EXPECT_NEAR(this->scale_of_many(0.1), 0.01, 0.005);
+  EXPECT_GT(this->scale_of_many(1.0), 0.5);
+  EXPECT_EQ(this->scale_of_many(3.0), 1.0) << "never too sure";
+}
+
+TYPED_TEST(ClosureSupportTest, BelievesNoScaleOfAFewLoops) {
+  auto few = this->many();
+  few.resize(12);
+  const typename TestFixture::Between between(few, 0.1);
+  EXPECT_EQ(between.support.scale(std::vector<double>(few.size(), 20.0)), 1.0) << "66 loops";
+  few = this->many();
+  few.resize(16);
+  const typename TestFixture::Between more(few, 0.1);
+  EXPECT_LT(more.support.scale(std::vector<double>(few.size(), 20.0)), 0.1) << "120 loops";
+}
+
+}  // namespace
+}  // namespace mapjoin

@@ -1,0 +1,139 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Robust joining of logs: public ones, clean and with wrong closures planted into them, and those of data/cases.
+#include <gtest/gtest.h>
+
+#include <mapjoin/io/open.hpp>
+#include <mapjoin/join/robust/inliers.hpp>
+#include <mapjoin/join/run.hpp>
+#include <mapjoin/simulate/wrong_measurements.hpp>
+#include <set>
+#include <tests/support/data.hpp>
+#include <tests/support/places.hpp>
+
+namespace mapjoin {
+namespace {
+
+using ::testing::TestWithParam;
+
+Log<2> log_in(const std::filesystem::path& file) {
+  return std::get<Log<2>>(open_log(file).value());
+}
+
+template <int Dim>
+std::size_t rejected_of(const Log<Dim>& log) {
+  return find_inliers(log, RobustOptions{}).value().rejected.size();
+}
+
+/// A public log whose measurements all belong to it.
+class CleanLogData : public TestWithParam<const char*> {};
+
+TEST_P(CleanLogData, LosesNothing) {
+  EXPECT_EQ(rejected_of(log_in(testing::data_file(GetParam()))), 0U);
+}
+INSTANTIATE_TEST_SUITE_P(Robust, CleanLogData,
+                         ::testing::Values("pose-graphs-2d/intel.g2o.gz", "pose-graphs-2d/manhattanOlson3500.g2o.gz",
+                                           "pose-graphs-2d/CSAIL.g2o.gz", "pose-graphs-2d/MIT.g2o.gz"));
+
+/// What was made of closures that were planted into a log. Wrong are those that are more than 10 standard deviations from what
+/// the map of the clean log predicts.
+struct Score {
+  std::size_t right_rejected = 0;
+  std::size_t wrong_rejected = 0;
+  std::size_t wrong_kept = 0;
+
+  double precision() const {
+    return static_cast<double>(wrong_rejected) / static_cast<double>(wrong_rejected + right_rejected);
+  }
+};
+
+class PlantedClosures {
+ public:
+  PlantedClosures(const Log<2>& log, ClosurePolicy policy, double share) : planted_(planted_into(log, policy, share)) {
+    RunOptions options = without_verdict();
+    options.covariances = true;
+    clean_ = run(log, options).value();
+  }
+
+  Score score() const {
+    std::set<std::pair<PoseIndex, PoseIndex>> kept;
+    for (const auto& o : find_inliers(planted_.log, RobustOptions{}).value().input.closures()) kept.emplace(o.base, o.target);
+    Score score;
+    const auto closures = planted_.log.closures();
+    for (std::size_t k = 0; k < closures.size(); ++k) {
+      const bool is_kept = kept.contains({closures[k].base, closures[k].target});
+      if (!planted_.is_wrong[k]) {
+        score.right_rejected += is_kept ? 0 : 1;
+      } else if (!is_kept) {
+        ++score.wrong_rejected;
+      } else if (is_far(closures[k])) {
+        ++score.wrong_kept;
+      }
+    }
+    return score;
+  }
+
+ private:
+  static Planted<2> planted_into(const Log<2>& log, ClosurePolicy policy, double share) {
+    const auto own = static_cast<double>(log.closures().size());
+    return plant_wrong_closures(log, policy, static_cast<std::size_t>(own * share / (1.0 - share)), 1);
+  }
+  bool is_far(const PoseFactor<2>& o) const {
+    const auto r = residual<2>(o.measured, clean_.map.poses[o.base], clean_.map.poses[o.target]);
+    const Matrix<3> S = o.information.inverse() + clean_.covariances->relative_pose(o.base, o.target).value();
+    return r.dot(S.inverse() * r) > 10.0 * 10.0;
+  }
+
+  Planted<2> planted_;
+  RunResult<2> clean_;
+};
+
+struct Planting {
+  const char* file;
+  ClosurePolicy policy;
+  double share;  ///< Of wrong closures among all.
+};
+class PlantedClosuresData : public TestWithParam<Planting> {};
+
+TEST_P(PlantedClosuresData, AreAllRejectedAndHardlyAnyOther) {
+  const auto& [file, policy, share] = GetParam();
+  const Score score = PlantedClosures(log_in(testing::data_file(file)), policy, share).score();
+  EXPECT_EQ(score.wrong_kept, 0U);
+  EXPECT_GE(score.precision(), 0.99);
+}
+INSTANTIATE_TEST_SUITE_P(Robust, PlantedClosuresData,
+                         ::testing::Values(Planting{"pose-graphs-2d/intel.g2o.gz", ClosurePolicy::kRandom, 0.5},
+                                           Planting{"pose-graphs-2d/manhattanOlson3500.g2o.gz", ClosurePolicy::kRandom, 0.7},
+                                           Planting{"pose-graphs-2d/manhattanOlson3500.g2o.gz", ClosurePolicy::kRandomGroups,
+                                                    0.5}));
+
+/// Small logs with one or two wrong closures, over which full SLAM does not get.
+class RobustCases : public TestWithParam<const char*> {};
+
+TEST_P(RobustCases, FitOnceTheWrongClosuresAreOut) {
+  const auto fit_without_outliers = [](const auto& log) {
+    EXPECT_EQ(run(log, {}).value().fit.verdict, Verdict::kMisfit);
+    const auto inliers = find_inliers(log, RobustOptions{}).value();
+    EXPECT_LE(inliers.rejected.size(), 3U);
+    EXPECT_EQ(run(inliers.input, {}).value().fit.verdict, Verdict::kFits);
+  };
+  std::visit(fit_without_outliers, open_log(testing::kBundledData / "cases" / GetParam()).value());
+}
+INSTANTIATE_TEST_SUITE_P(Cases, RobustCases, ::testing::Values("A_1900.g2o", "A_2442.g2o"));
+
+TEST(RobustData, AWrongClosureOfHugeInformationIsTheOneThatIsRejected) {
+  Log<2> log = log_in(testing::data_file("dlr/dlr_corrected.g2o.gz"));
+  const IndexOf index_of(log.poses);
+  const PoseIndex base = index_of({0, 1291}).value();
+  const PoseIndex target = index_of({0, 1739}).value();
+  log.graph.pose_factors.push_back({base, target, {{0.00194, -0.1501}, Rotation<2>(0.04944)}, 5e4 * Matrix<3>::Identity()});
+  put_in_order(log);
+  const auto rejected = find_inliers(log, RobustOptions{}).value().rejected;
+  ASSERT_FALSE(rejected.empty());
+  EXPECT_EQ(rejected[0].misfit.kind, PartKind::kClosure);
+  EXPECT_EQ(rejected[0].misfit.from, base);
+  EXPECT_EQ(rejected[0].misfit.to, PoseOrFeature(target));
+  EXPECT_LT(rejected[0].misfit.probability, 1e-6);
+}
+
+}  // namespace
+}  // namespace mapjoin

@@ -1,0 +1,107 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <gtest/gtest.h>
+
+#include <mapjoin/join/restored.hpp>
+#include <mapjoin/join/robust/predictions.hpp>
+#include <mapjoin/join/run.hpp>
+#include <tests/support/dense_information.hpp>
+#include <tests/support/dimensions.hpp>
+#include <tests/support/small_world.hpp>
+
+namespace mapjoin {
+namespace {
+
+template <typename D>
+class PredictionsTest : public ::testing::Test {
+ protected:
+  static constexpr int kDim = D::value;
+
+  /// A map, and what it says of relative poses by so many landing places.
+  struct Map {
+    Map(Log<kDim> made, std::size_t places) : log(std::move(made)) {
+      Join<kDim> joined = join(graph, log.poses, log.features, JoinOptions<kDim>{}).value();
+      restored.emplace(mapjoin::restored(graph, {}, joined, joined.state));
+      restored->system.linearise();
+      EXPECT_FALSE(restored->system.factorise(0.0));
+      marginals.emplace(restored->system.equations());
+      predictions.emplace(restored->system, *marginals, places);
+    }
+    const Values<kDim>& estimate() const { return restored->system.estimate(); }
+    /// A closure that is no part of the map.
+    PoseFactor<kDim> closure(PoseIndex base, PoseIndex target) const {
+      testing::Random random;
+      const Pose<kDim> measured =
+          testing::detail::noisy(between(estimate().poses[base], estimate().poses[target]), 0.1, random);
+      return {base, target, measured, 1e2 * random.information<kPoseDof<kDim>>()};
+    }
+    /// The covariance of its mismatch, by the dense inverse of all information.
+    PoseMatrix<kDim> exact(const PoseFactor<kDim>& closure) const {
+      testing::DenseInformation<kDim> dense(estimate());
+      for (const auto& o : log.edges()) dense.add(o);
+      for (const auto& o : log.observations()) dense.add(o);
+      const Eigen::MatrixXd P = dense.inverse({0});
+      constexpr int kDof = kPoseDof<kDim>;
+      const auto linear = linearise<kDim>(closure.measured, estimate().poses[closure.base], estimate().poses[closure.target]);
+      Eigen::MatrixXd J = Eigen::MatrixXd::Zero(kDof, P.rows());
+      J.middleCols(dense.pose_row(closure.base), kDof) = linear.J_base;
+      J.middleCols(dense.pose_row(closure.target), kDof) = linear.J_target;
+      return closure.information.inverse() + PoseMatrix<kDim>(J * P * J.transpose());
+    }
+    void expect_exact(PoseIndex base, PoseIndex target) const {
+      const PoseFactor<kDim> o = closure(base, target);
+      const PoseMatrix<kDim> S = exact(o);
+      EXPECT_LT((predictions->mismatch(o).covariance - S).norm(), 1e-6 * S.norm()) << base.value << " to " << target.value;
+    }
+
+    Log<kDim> log;
+    SubmapGraph<kDim> graph = submap_graph_of(log, split(log, {SplitRule::kPoses, 1.0}), {});
+    std::optional<Restored<kDim>> restored;
+    std::optional<Marginals> marginals;
+    std::optional<Predictions<kDim>> predictions;
+  };
+
+  static Log<kDim> world() { return testing::small_world<kDim>({.poses = 24, .features = 10, .closures = 3}).log; }
+  /// Odometry alone.
+  static Log<kDim> line() { return testing::small_world<kDim>({.poses = 24, .features = 0, .closures = 0}).log; }
+};
+TYPED_TEST_SUITE(PredictionsTest, testing::Dimensions);
+
+TYPED_TEST(PredictionsTest, AreExactWhereEveryPoseIsALandingPlace) {
+  const typename TestFixture::Map map(this->world(), 24);
+  map.expect_exact(3, 20);
+  map.expect_exact(20, 3);
+  map.expect_exact(11, 12);
+}
+
+TYPED_TEST(PredictionsTest, AreExactFromThePoseThatHoldsTheMap) {
+  const typename TestFixture::Map map(this->world(), 4);
+  map.expect_exact(0, 15);
+  map.expect_exact(15, 0);
+}
+
+TYPED_TEST(PredictionsTest, AreExactWhereALandingPlaceSeparatesTheEnds) {
+  const typename TestFixture::Map map(this->line(), 3);  // poses 4, 12 and 20
+  map.expect_exact(2, 22);
+  map.expect_exact(9, 15);
+  map.expect_exact(17, 22);
+}
+
+TYPED_TEST(PredictionsTest, TakeTheBetterOfTheLandingPlacesBesideBothEnds) {
+  const typename TestFixture::Map map(this->line(), 3);
+  map.expect_exact(1, 6);   // by 4, which is that of both
+  map.expect_exact(6, 13);  // by 12, that of the later end
+  map.expect_exact(13, 6);
+}
+
+TYPED_TEST(PredictionsTest, MissTheMeasurementByItsResidual) {
+  constexpr int kDim = TypeParam::value;
+  const typename TestFixture::Map map(this->world(), 5);
+  const PoseFactor<kDim> closure = map.closure(5, 18);
+  const PoseVector<kDim> r =
+      residual<kDim>(closure.measured, map.estimate().poses[closure.base], map.estimate().poses[closure.target]);
+  EXPECT_GT(r.norm(), 0.01);
+  EXPECT_LT((local(Pose<kDim>{}, map.predictions->mismatch(closure).mean) - r).norm(), 1e-12);
+}
+
+}  // namespace
+}  // namespace mapjoin

@@ -1,0 +1,217 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <mapjoin/join/robust/truncated_join.hpp>
+#include <mapjoin/join/run.hpp>
+#include <tests/support/dense_slam.hpp>
+#include <tests/support/dimensions.hpp>
+#include <tests/support/small_world.hpp>
+
+namespace mapjoin {
+namespace {
+
+/// So small an error that everything is linear: chi2 of logs that differ by a factor differs by what the theory says.
+constexpr double kNoise = 1e-4;
+/// Of the squared distances of right factors, which are below 1e-4, and of wrong ones.
+constexpr double kThreshold = 1e-3;
+constexpr OfKinds kThresholds{kThreshold, kThreshold};
+
+template <typename D>
+class TruncatedJoinTest : public ::testing::Test {
+ protected:
+  static constexpr int kDim = D::value;
+
+  static testing::SmallWorld<kDim> world() {
+    return testing::small_world<kDim>({.poses = 30, .features = 10, .closures = 6, .range = 4.0, .noise = kNoise});
+  }
+  /// Makes a closure wrong by so much (m); where that is little, everything stays linear.
+  static void spoil_closure(Log<kDim>& log, std::size_t closure, double metres) {
+    log.graph.pose_factors[log.odometry().size() + closure].measured.translation[0] += metres;
+  }
+  static void spoil_observation(Log<kDim>& log, std::size_t observation, double metres) {
+    log.graph.feature_factors[observation].measured[0] += metres;
+  }
+  static TruncatedJoin<kDim> join_of(const testing::SmallWorld<kDim>& world, const std::vector<bool>& observations = {}) {
+    return TruncatedJoin<kDim>(world.log, world.truth, observations, Engine::kFronts);
+  }
+  static std::vector<std::size_t> closures_that_do_not_count(const TruncatedJoin<kDim>& join) {
+    std::vector<std::size_t> out;
+    for (std::size_t k = 0; k < join.closure_tests().size(); ++k) {
+      if (!join.counts(k)) out.push_back(k);
+    }
+    return out;
+  }
+  static std::ptrdiff_t observations_that_count(const TruncatedJoin<kDim>& join) {
+    return std::ranges::count(join.observations_count(), true);
+  }
+  static double chi2_of(const Log<kDim>& log) {
+    RunOptions options = without_verdict();
+    options.solver.relative_chi2 = 1e-14;
+    return solve(log, options).value().chi2;
+  }
+  /// The log without a closure, or without an observation.
+  static Log<kDim> without_closure(Log<kDim> log, std::size_t closure) {
+    auto& factors = log.graph.pose_factors;
+    factors.erase(factors.begin() + std::ssize(log.odometry()) + static_cast<std::ptrdiff_t>(closure));
+    return log;
+  }
+  static Log<kDim> without_observation(Log<kDim> log, std::size_t observation) {
+    auto& factors = log.graph.feature_factors;
+    factors.erase(factors.begin() + static_cast<std::ptrdiff_t>(observation));
+    return log;
+  }
+};
+TYPED_TEST_SUITE(TruncatedJoinTest, testing::Dimensions);
+
+TYPED_TEST(TruncatedJoinTest, CountsOutWhatDoesNotFitAndKeepsTheOthers) {
+  for (const double metres : {0.2, 5.0}) {
+    auto world = this->world();
+    this->spoil_closure(world.log, 2, metres);
+    this->spoil_observation(world.log, 7, metres);
+    auto join = this->join_of(world);
+    join.graduate(kThresholds, {});
+    EXPECT_EQ(this->closures_that_do_not_count(join), std::vector<std::size_t>{2}) << metres;
+    EXPECT_FALSE(join.observations_count()[7]);
+    EXPECT_EQ(this->observations_that_count(join), std::ssize(world.log.observations()) - 1);
+    EXPECT_LT(testing::largest_difference(join.system().estimate(), world.truth), 0.01);
+  }
+}
+
+TYPED_TEST(TruncatedJoinTest, KeepsAllOfALogThatFits) {
+  const auto world = this->world();
+  auto join = this->join_of(world);
+  join.graduate(kThresholds, {});
+  EXPECT_TRUE(this->closures_that_do_not_count(join).empty());
+  EXPECT_EQ(this->observations_that_count(join), std::ssize(world.log.observations()));
+}
+
+TYPED_TEST(TruncatedJoinTest, GivesKindsThresholdsOfTheirOwn) {
+  auto closure = this->world();
+  this->spoil_closure(closure.log, 2, 0.05);
+  auto of_closures = this->join_of(closure);
+  of_closures.graduate({kThreshold, 1e9}, {});
+  EXPECT_EQ(this->closures_that_do_not_count(of_closures), std::vector<std::size_t>{2});
+  EXPECT_EQ(this->observations_that_count(of_closures), std::ssize(closure.log.observations()));
+  auto observation = this->world();
+  this->spoil_observation(observation.log, 7, 0.05);
+  auto of_observations = this->join_of(observation);
+  of_observations.graduate({1e9, kThreshold}, {});
+  EXPECT_TRUE(this->closures_that_do_not_count(of_observations).empty());
+  EXPECT_FALSE(of_observations.observations_count()[7]);
+}
+
+TYPED_TEST(TruncatedJoinTest, TestsWhatCountsAgainstAllOthers) {
+  const auto world = this->world();
+  auto join = this->join_of(world);
+  join.settle({});
+  ASSERT_TRUE(join.is_tested());
+  const double chi2 = this->chi2_of(world.log);
+  for (std::size_t k = 0; k < join.closure_tests().size(); ++k) {
+    const double gain = chi2 - this->chi2_of(this->without_closure(world.log, k));
+    EXPECT_NEAR(join.closure_tests()[k].chi2, gain, 1e-3 * gain) << "closure " << k;
+  }
+  for (const std::size_t k : {0U, 9U, 20U}) {
+    const double gain = chi2 - this->chi2_of(this->without_observation(world.log, k));
+    EXPECT_NEAR(join.observation_tests()[k].chi2, gain, 1e-3 * gain) << "observation " << k;
+  }
+}
+
+TYPED_TEST(TruncatedJoinTest, TestsWhatDoesNotCountAgainstAllThatCounts) {
+  auto world = this->world();
+  this->spoil_closure(world.log, 2, 0.01);
+  this->spoil_observation(world.log, 7, 0.01);
+  auto join = this->join_of(world);
+  join.graduate(kThresholds, {});
+  join.settle({});
+  const Log<TypeParam::value> without_closure = this->without_closure(world.log, 2);
+  const double chi2 = this->chi2_of(this->without_observation(without_closure, 7));
+  const double more_with_closure = this->chi2_of(this->without_observation(world.log, 7)) - chi2;
+  EXPECT_NEAR(join.closure_tests()[2].chi2, more_with_closure, 0.01 * more_with_closure);
+  const double more_with_observation = this->chi2_of(without_closure) - chi2;
+  EXPECT_NEAR(join.observation_tests()[7].chi2, more_with_observation, 0.01 * more_with_observation);
+}
+
+TYPED_TEST(TruncatedJoinTest, HoldsFeaturesSoWeaklyThatTheOptimumStays) {
+  const auto world = this->world();
+  auto far = world;
+  for (auto& feature : far.truth.features) feature.array() += 0.01;  // a hundred times the noise
+  auto join = this->join_of(far);
+  join.settle({});
+  const auto optimum = testing::full_slam(world.log).optimum(world.truth);
+  EXPECT_LT(testing::largest_difference(join.system().estimate(), optimum), 1e-3 * kNoise);
+}
+
+TYPED_TEST(TruncatedJoinTest, IsTestedThoughNothingOfAFeatureCounts) {
+  const auto world = this->world();
+  const auto observations = world.log.observations();
+  const FeatureIndex hidden = observations[0].target;
+  std::vector<bool> count;
+  for (const auto& o : observations) count.push_back(o.target != hidden);
+  auto join = this->join_of(world, count);
+  join.settle({});
+  ASSERT_TRUE(join.is_tested());
+  EXPECT_LT((join.system().estimate().features[hidden] - world.truth.features[hidden]).norm(), 1e-6) << "it stays";
+  EXPECT_TRUE(join.readmit_observations(kThreshold));
+  EXPECT_EQ(this->observations_that_count(join), std::ssize(observations));
+  EXPECT_FALSE(join.readmit_observations(kThreshold)) << "all count";
+}
+
+TYPED_TEST(TruncatedJoinTest, IsTestedThoughAnEdgeLeavesADirectionFree) {
+  constexpr int kDim = TypeParam::value;
+  auto world = testing::small_world<kDim>({.poses = 30, .features = 0, .closures = 0, .noise = kNoise});
+  world.log.graph.pose_factors[9].information.row(1).setZero();
+  world.log.graph.pose_factors[9].information.col(1).setZero();
+  auto join = this->join_of(world);
+  join.settle({});
+  EXPECT_TRUE(join.is_tested());
+  EXPECT_LT(testing::largest_difference(join.system().estimate(), world.truth), 0.1);
+}
+
+TYPED_TEST(TruncatedJoinTest, LetsNoWrongObservationCountAgain) {
+  auto world = this->world();
+  this->spoil_observation(world.log, 7, 1.0);
+  std::vector<bool> count(world.log.observations().size(), true);
+  count[7] = count[8] = false;
+  auto join = this->join_of(world, count);
+  join.settle({});
+  EXPECT_TRUE(join.readmit_observations(kThreshold));
+  EXPECT_FALSE(join.observations_count()[7]);
+  EXPECT_TRUE(join.observations_count()[8]);
+}
+
+/// Which closures one drop() leaves out of a world whose worst one is so many times beyond the threshold. Closure 1 is the
+/// worst; closure 4 is beyond by half as much, and no other by a quarter.
+template <typename D>
+class DropTest : public TruncatedJoinTest<D> {
+ protected:
+  std::vector<std::size_t> dropped(double excess) {
+    auto world = this->world();
+    for (const std::size_t closure : {1U, 4U}) {
+      world.log.graph.pose_factors[world.log.odometry().size() + closure].information.setIdentity();
+      this->spoil_closure(world.log, closure, closure == 1 ? 0.1 : 0.07);
+    }
+    auto join = this->join_of(world);
+    join.settle({});
+    const double worst = join.closure_tests()[1].chi2;
+    EXPECT_EQ(join.drop({worst / excess, 1e9}), excess > 1.0);
+    return this->closures_that_do_not_count(join);
+  }
+};
+TYPED_TEST_SUITE(DropTest, testing::Dimensions);
+
+TYPED_TEST(DropTest, LeavesNothingOutThatPassesItsTest) {
+  EXPECT_TRUE(this->dropped(0.9).empty());
+}
+
+TYPED_TEST(DropTest, LeavesOutThoseThatAreBeyondByAQuarterOfTheMost) {
+  EXPECT_EQ(this->dropped(1e4), (std::vector<std::size_t>{1, 4}));
+}
+
+TYPED_TEST(DropTest, LeavesOutTheWorstAloneWhereNoneIsFarBeyond) {
+  EXPECT_EQ(this->dropped(3.5), std::vector<std::size_t>{1});
+  EXPECT_EQ(this->dropped(7.0), std::vector<std::size_t>{1});
+}
+
+}  // namespace
+}  // namespace mapjoin
