@@ -63,11 +63,12 @@ void compare(const RunResult<Dim>& clean, const RunResult<Dim>& robust, OutlierS
 
 template <int Dim>
 Expected<void> print_map_identities(const std::string& name, const SubmapSet<Dim>& set, const MapIdentitiesOptions& options) {
+  const EffortMeter clean_meter;
+  if (const auto clean = run(SubmapSet<Dim>(set), without_verdict()); !clean) return tl::unexpected(clean.error());
+  const double clean_seconds = clean_meter.so_far().cpu_seconds;
   RunOptions join = without_verdict();
   join.marginals = true;
-  const EffortMeter clean_meter;
   const auto clean = run(SubmapSet<Dim>(set), join);
-  const double clean_seconds = clean_meter.so_far().cpu_seconds;
   if (!clean) return tl::unexpected(clean.error());
   for (const double share : options.shares) {
     for (std::uint64_t seed = 1; seed <= options.seeds; ++seed) {

@@ -105,7 +105,9 @@ template <typename Input>
 void CommandRun::reject_outliers(Input& input) {
   const Stopwatch watch(run_report.robust_seconds);
   if (progress_.is_shown()) progress_.show("rejecting", 0, 1);
-  auto inliers = find_inliers(input, *options_.robust, stop_).value();
+  RobustOptions robust = *options_.robust;
+  robust.engine = options_.run.solver.engine;
+  auto inliers = find_inliers(input, robust, stop_).value();
   run_report.robust = options_.robust;
   run_report.describe(input, inliers.rejected);
   input = std::move(inliers.input);

@@ -17,12 +17,12 @@ namespace mapjoin {
 template <int Dim>
 class ClosureSupport {
  public:
-  /// The closures of `log`, which, as `chain`, must stay.
+  /// `chain`, by the odometry of the same log, must stay.
   ClosureSupport(const OdometryChain<Dim>& chain, std::span<const PoseFactor<Dim>> closures);
 
   /// What odometry alone says of each closure where all covariances are multiplied by `scale`.
   std::vector<PriorOdds> priors(double scale) const;
-  /// What a map says of a closure from whose prediction it is so far.
+  /// What a map says of a closure by its mismatch with the map's prediction.
   PriorOdds prior(const UncertainPose<Dim>& mismatch, double scale) const;
   /// Logarithms of the odds that each closure is right, given `priors`.
   std::vector<double> odds(const std::vector<PriorOdds>& priors, double scale) const;

@@ -15,18 +15,18 @@
 #include <mapjoin/join/run.hpp>
 #include <mapjoin/measure/statistics.hpp>
 #include <mapjoin/parallel/parallel.hpp>
+#include <numeric>
 #include <optional>
-#include <ranges>
 #include <utility>
 
 namespace mapjoin {
 namespace {
 
-/// The first map is made of closures of this share of the odds (logarithm) that so many have at least. The odds asked for fall
-/// by a ratio from map to map, to the least.
+/// The first map asks for odds (a logarithm) of this share of those of the twentieth best closure; every further map for a
+/// fraction of those before, down to the least.
 constexpr double kFirstShare = 0.6;
-constexpr std::size_t kBest = 20;
-constexpr double kOddsRatio = 5.0;
+constexpr std::size_t kBest = 19;
+constexpr double kOddsRatio = 3.0;
 constexpr double kLeastOdds = 3.0;
 /// Landing places of predictions.
 constexpr std::size_t kMostPlaces = 50;
@@ -38,9 +38,9 @@ constexpr std::ptrdiff_t kMostOutvoted = 20;
 constexpr int kTrialSteps = 10;
 /// Times that all closures are tried again, and that a map is settled anew without what it showed to be wrong.
 constexpr int kMostTrials = 5;
-constexpr int kMostDrops = 10;
+constexpr int kMostSettles = 30;
 
-/// The measurements that may be rejected; at least 1.
+/// The closures and observations of a log; at least 1.
 template <int Dim>
 double doubtful_count(const Log<Dim>& log) {
   return std::max(1.0, static_cast<double>(log.closures().size() + log.observations().size()));
@@ -60,8 +60,8 @@ class InlierSearch {
         support_(chain_, log.closures()),
         standing_(log.closures().size(), Standing::kOpen),
         chi2_(log.closures().size(), 0.0) {
-    const double p = 1.0 - (1.0 - options.confidence) / doubtful_count(log);
-    widest_ = {chi_squared_quantile(p, kPoseDof<Dim>), chi_squared_quantile(p, Dim)};
+    const double tail = (1.0 - options.confidence) / doubtful_count(log);
+    widest_ = {chi_squared_upper_quantile(tail, kPoseDof<Dim>), chi_squared_upper_quantile(tail, Dim)};
   }
 
   Expected<Inliers<Log<Dim>>> all() {
@@ -81,7 +81,7 @@ class InlierSearch {
       odds_ = support_.odds(priors_, scale_.closures);
     }
 
-    const auto is_outvoted = [](double odds) { return odds < 0.0; };
+    const auto is_outvoted = [](double odds) { return odds < -kLeastOdds; };
     const std::vector<double> odds = sighting_odds(chain_, log_);
     outvoted_ = std::ranges::count_if(odds_, is_outvoted) + std::ranges::count_if(odds, is_outvoted);
     std::vector<double> against(odds.size());
@@ -150,8 +150,10 @@ class InlierSearch {
   /// Makes the map of some closures, and lets it judge all.
   Expected<void> make_map(const std::vector<std::size_t>& chosen) {
     if (values_.poses.empty()) {
-      auto started = start(selected(log_, chosen, observations_count_));
-      if (!started && started.error().kind == ErrorKind::kBadInput) started = start(log_);  // they hold too little
+      std::vector<bool> sightings = observations_count_;
+      keep_one_of_each_feature(log_, distances_of_observations(), sightings);
+      auto started = start(selected(log_, chosen, sightings));
+      if (!started && started.error().kind == ErrorKind::kBadInput) started = start(selected(log_, chosen, {}));
       if (!started) return tl::unexpected(started.error());
       values_ = std::move(*started);
     }
@@ -178,18 +180,20 @@ class InlierSearch {
   /// Brings a map to where all that counts passes its tests, and no observation that does not.
   Expected<void> settle(TruncatedJoin<Dim>& join) {
     join.graduate(gates(), stop_);
-    for (int drops = 0; drops < kMostDrops; ++drops) {
+    bool are_readmitted = false;  // those that were dropped with what they suffered from
+    for (int settles = 0; settles < kMostSettles; ++settles) {
       join.settle(stop_);
       if (stop_.stop_requested()) return tl::unexpected(interrupted());
       if (!join.is_tested()) {
         return bad_input(log_.source + ": the measurements that agree leave something free to move; without --robust " +
                          "the verdict names what is out of line");
       }
-      scale_ = {scale_of(join.closure_tests(), kPoseDof<Dim>), scale_of(join.observation_tests(), Dim)};
-      if (drops == 0 && join.readmit_observations(gates().observations)) {
+      scale_ = {scale_of(join.counting_closure_tests(), kPoseDof<Dim>), scale_of(join.counting_observation_tests(), Dim)};
+      if (settles == 0 && join.readmit_observations(gates().observations)) {
         join.graduate(gates(), stop_);
       } else if (!join.drop(gates())) {
-        break;
+        if (are_readmitted || !join.readmit_observations(gates().observations)) break;
+        are_readmitted = true;
       }
     }
     return {};
@@ -216,11 +220,14 @@ class InlierSearch {
     parallel_for(standing_.size(), [&](std::size_t k) {
       const UncertainPose<Dim> mismatch = predictions.mismatch(log_.closures()[k]);
       const PoseVector<Dim> v = local(Pose<Dim>{}, mismatch.mean);
-      chi2_[k] = v.dot(mismatch.covariance.llt().solve(v));
+      const Eigen::LLT<PoseMatrix<Dim>> covariance(mismatch.covariance);
+      const bool is_known = covariance.info() == Eigen::Success;
+      chi2_[k] = is_known ? v.dot(covariance.solve(v)) : std::numeric_limits<double>::max();
       standing_[k] = chi2_[k] < gate ? Standing::kOpen : Standing::kDropped;
       priors_[k] = support_.prior(mismatch, scale_.closures);
     });
     for (std::size_t c = 0; c < chosen.size(); ++c) {
+      chi2_[chosen[c]] = join.closure_tests()[c].chi2;  // which is exact
       if (join.counts(c)) standing_[chosen[c]] = Standing::kKept;
     }
     for (std::size_t k = 0; k < standing_.size(); ++k) {
@@ -231,29 +238,45 @@ class InlierSearch {
   }
 
   Inliers<Log<Dim>> inliers() {
-    std::vector<double> against;
-    for (const PartTest& test : observation_tests_) against.push_back(test.chi2);
-    keep_one_of_each_feature(log_, against, observations_count_);
+    keep_one_of_each_feature(log_, distances_of_observations(), observations_count_);
     Inliers<Log<Dim>> found;
     const auto reject = [&](PartKind kind, const auto& factor, double chi2, int rows, double widest) {
       const double tail = doubtful_count(log_) * chi_squared_upper_tail(chi2, rows);
       found.rejected.push_back({{kind, factor.base, factor.target, chi2, rows, std::min(1.0, tail)},
                                 chi2 < widest ? WhyRejected::kCrowded : WhyRejected::kContradicted});
     };
-    std::vector<std::size_t> kept;
+    const std::vector<std::size_t> kept = kept_together();
     for (std::size_t k = 0; k < standing_.size(); ++k) {
-      if (standing_[k] == Standing::kKept) {
-        kept.push_back(k);
-      } else {
-        reject(PartKind::kClosure, log_.closures()[k], chi2_[k], kPoseDof<Dim>, widest_.closures);
-      }
+      if (std::ranges::binary_search(kept, k)) continue;
+      reject(PartKind::kClosure, log_.closures()[k], chi2_[k], kPoseDof<Dim>, widest_.closures);
     }
     for (std::size_t k = 0; k < observations_count_.size(); ++k) {
       if (observations_count_[k]) continue;
       reject(PartKind::kObservation, log_.observations()[k], observation_tests_[k].chi2, Dim, widest_.observations);
     }
     found.input = selected(log_, kept, observations_count_);
+    put_in_order(found.input);
     return found;
+  }
+
+  /// The closures that are kept and, where these leave the log in parts, the nearest others that tie them together.
+  std::vector<std::size_t> kept_together() const {
+    std::vector<std::size_t> all(standing_.size());
+    std::iota(all.begin(), all.end(), std::size_t{0});
+    std::vector<bool> is_kept(standing_.size());
+    std::vector<double> nearness(standing_.size());
+    for (std::size_t k = 0; k < standing_.size(); ++k) {
+      is_kept[k] = standing_[k] == Standing::kKept;
+      nearness[k] = -chi2_[k];
+    }
+    return tied_together(selected(log_, all, observations_count_), nearness, std::move(is_kept));
+  }
+
+  /// Squared, of each observation from its prediction; without a map all the same.
+  std::vector<double> distances_of_observations() const {
+    std::vector<double> distances(observations_count_.size());
+    for (std::size_t k = 0; k < observation_tests_.size(); ++k) distances[k] = observation_tests_[k].chi2;
+    return distances;
   }
 
   static Error interrupted() { return {ErrorKind::kInterrupted, "interrupted while rejecting"}; }
@@ -281,17 +304,21 @@ template <int Dim>
 Inliers<Log<Dim>> without_contradicted_odometry(const Log<Dim>& log, double confidence) {
   Inliers<Log<Dim>> inliers{log, {}};
   const std::vector<RepeatedOdometry> repeated = repeated_odometry(log);
-  const double count = doubtful_count(log);
-  const double widest = chi_squared_quantile(1.0 - (1.0 - confidence) / count, kPoseDof<Dim>);
-  for (const auto& [edge, chi2] : std::views::reverse(repeated)) {
+  const double count = doubtful_count(log) + static_cast<double>(repeated.size());
+  const double widest = chi_squared_upper_quantile((1.0 - confidence) / count, kPoseDof<Dim>);
+  std::vector<bool> is_rejected(log.graph.pose_factors.size());
+  for (const auto& [edge, chi2] : repeated) {
     if (chi2 < widest) continue;
-    auto& factors = inliers.input.graph.pose_factors;
-    const auto& factor = factors[edge];
+    const auto& factor = log.odometry()[edge];
     const double probability = std::min(1.0, count * chi_squared_upper_tail(chi2, kPoseDof<Dim>));
     inliers.rejected.push_back({{PartKind::kOdometry, factor.base, factor.target, chi2, kPoseDof<Dim>, probability}});
-    factors.erase(factors.begin() + static_cast<std::ptrdiff_t>(edge));
+    is_rejected[edge] = true;
   }
-  std::ranges::reverse(inliers.rejected);
+  auto& factors = inliers.input.graph.pose_factors;
+  factors.clear();
+  for (std::size_t k = 0; k < is_rejected.size(); ++k) {
+    if (!is_rejected[k]) factors.push_back(log.graph.pose_factors[k]);
+  }
   return inliers;
 }
 

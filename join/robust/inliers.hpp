@@ -12,6 +12,7 @@
 
 namespace mapjoin {
 
+/// What is asked of a search for what is wrong.
 struct RobustOptions {
   double confidence = 0.99;  ///< The probability that nothing right is rejected in the whole log; in (0, 1).
   Engine engine = Engine::kFronts;
@@ -40,7 +41,7 @@ struct Rejected {
 template <typename Input>
 struct Inliers {
   Input input;                     ///< Without what was rejected.
-  std::vector<Rejected> rejected;  ///< Repeated odometry, closures, observations, in the order of the log.
+  std::vector<Rejected> rejected;  ///< Repeated odometry, closures, observations, features of maps.
 };
 
 /// Finds the closures and observations that do not agree with the others: closures are judged by the loops that they make with

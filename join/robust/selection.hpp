@@ -17,7 +17,7 @@ Log<Dim> selected(const Log<Dim>& log, const std::vector<std::size_t>& closures,
 template <int Dim>
 std::vector<std::size_t> tied_together(const Log<Dim>& log, const std::vector<double>& odds, std::vector<bool> is_chosen);
 
-/// Sets the flag of one observation of each feature that has none: of the one that the least is `against`.
+/// Sets the flag of one observation of each feature that has none: of that with the smallest number in `against`.
 template <int Dim>
 void keep_one_of_each_feature(const Log<Dim>& log, const std::vector<double>& against, std::vector<bool>& observations);
 

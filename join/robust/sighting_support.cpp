@@ -30,7 +30,7 @@ template <int Dim>
 double volume_of(std::span<const FeatureFactor<Dim>> observations) {
   Eigen::AlignedBox<double, Dim> box;
   for (const auto& o : observations) box.extend(o.measured);
-  return box.sizes().cwiseMax(1e-3).prod();
+  return box.sizes().cwiseMax(1.0).prod();
 }
 
 }  // namespace

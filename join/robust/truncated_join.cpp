@@ -27,8 +27,8 @@ constexpr int kStepsARound = 2;
 constexpr double kSettled = 1e-6;
 /// What may be left free stays where it is by this share of the information of what is measured there.
 constexpr double kWeakShare = 1e-9;
-/// Of those beyond their thresholds those are dropped that are so by this share of the most, the others may be beyond for
-/// their sake; and by a larger share where none is farther out than some times its threshold.
+/// Measurements beyond their thresholds are dropped where they are so by this share of the worst: the others may be innocent.
+/// Where the worst is near its threshold, hardly any but itself.
 constexpr double kDroppedShare = 0.25;
 constexpr double kDroppedNearShare = 0.95;
 constexpr double kNear = 4.0;
@@ -80,7 +80,7 @@ void TruncatedJoin<Dim>::take_weak_priors(const Values<Dim>& start) {
   }
   of_edges *= kWeakShare / std::max(1.0, static_cast<double>(log_.graph.pose_factors.size()));
   for (const Session& session : log_.sessions) {
-    if (session.begin == 0) continue;
+    if (session.begin == 0 && !is_held) continue;
     log_.graph.pose_factors.push_back({kWorld, session.begin, start.poses[session.begin], of_edges, {}});
   }
   Table<FeatureIndex, PointMatrix<Dim>> information(log_.features.size(), PointMatrix<Dim>::Zero());
@@ -115,6 +115,7 @@ std::vector<double> TruncatedJoin<Dim>::excess(const OfKinds& thresholds) {
   const Values<Dim>& values = system_->estimate();
   set_losses({});
   for_each_doubtful([&]<typename Factor>(Factor& factor, std::size_t k, double OfKinds::*kind) {
+    if (!counts_[k]) return;
     const Pose<Dim>& base = values.poses[factor.base];
     if constexpr (std::is_same_v<Factor, PoseFactor<Dim>>) {
       excess[k] = cost(factor, base, values.poses[factor.target]) / thresholds.*kind;
@@ -194,6 +195,15 @@ bool TruncatedJoin<Dim>::readmit_observations(double threshold) {
     any = true;
   }
   return any;
+}
+
+template <int Dim>
+std::vector<PartTest> TruncatedJoin<Dim>::counting_tests(std::size_t begin, std::size_t end) const {
+  std::vector<PartTest> tests;
+  for (std::size_t k = begin; k < end; ++k) {
+    if (counts_[k]) tests.push_back(tests_[k]);
+  }
+  return tests;
 }
 
 template <int Dim>

@@ -46,6 +46,9 @@ class TruncatedJoin {
 
   bool counts(std::size_t doubtful) const { return counts_[doubtful]; }
   std::vector<bool> observations_count() const;
+  /// Those of closures, or of observations, that count: how closely what is right fits.
+  std::vector<PartTest> counting_closure_tests() const { return counting_tests(0, closure_count()); }
+  std::vector<PartTest> counting_observation_tests() const { return counting_tests(closure_count(), counts_.size()); }
   /// By the last settle(), of each doubtful factor.
   std::span<const PartTest> closure_tests() const { return std::span(tests_).first(closure_count()); }
   std::span<const PartTest> observation_tests() const { return std::span(tests_).subspan(closure_count()); }
@@ -54,12 +57,13 @@ class TruncatedJoin {
 
  private:
   std::size_t closure_count() const { return log_.closures().size(); }
+  std::vector<PartTest> counting_tests(std::size_t begin, std::size_t end) const;
   template <typename F>
   void for_each_doubtful(F&& f);
   void take_weak_priors(const Values<Dim>& start);
   void find_factors();
   void set_losses(const Loss& counting);
-  /// The cost of each doubtful factor over its threshold; losses are reset.
+  /// The cost of each doubtful factor that counts over its threshold; losses are reset.
   std::vector<double> excess(const OfKinds& thresholds);
   double largest_excess(const OfKinds& thresholds);
 

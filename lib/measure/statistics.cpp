@@ -25,4 +25,9 @@ double chi_squared_quantile(double p, double dof) {
   return boost::math::quantile(boost::math::chi_squared(dof), p);
 }
 
+double chi_squared_upper_quantile(double tail, double dof) {
+  if (dof <= 0.0) return 0.0;
+  return boost::math::quantile(boost::math::complement(boost::math::chi_squared(dof), tail));
+}
+
 }  // namespace mapjoin

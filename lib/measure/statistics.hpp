@@ -25,6 +25,8 @@ double log_chi_squared_upper_tail(double value, double dof);
 
 /// The value that is exceeded with the probability 1 - `p`, 0 < p < 1; 0 without degrees of freedom.
 double chi_squared_quantile(double p, double dof);
+/// The value that is exceeded with the probability `tail`, 0 < tail < 1, however small; 0 without degrees of freedom.
+double chi_squared_upper_quantile(double tail, double dof);
 
 /// The quantiles of one probability, each computed once.
 class ChiSquaredQuantiles {

@@ -27,7 +27,7 @@ struct LossValue {
 };
 
 inline LossValue evaluate(const Loss& loss, double s) {
-  if (s <= loss.quadratic_to) return {s, 1.0};
+  if (s < loss.quadratic_to) return {s, 1.0};
   const double c2 = std::sqrt(loss.quadratic_to * loss.constant_from);
   if (s >= loss.constant_from) return {c2, 0.0};
   const double share = std::sqrt(loss.quadratic_to / loss.constant_from);
