@@ -119,9 +119,7 @@ TEST_F(Robust, IsAskedForBeforeItsConfidence) {
 
 TEST_F(Robust, RefusesLocalMapsThatWereBuiltOfALog) {
   ASSERT_EQ(call({"build", log, "-o", path("log.maps"), "--quiet"}).exit_code, 0);
-  for (const std::string command : {"join", "compare"}) {
-    expect_refused({command, path("log.maps"), "--robust"}, "the local maps of a store are built already");
-  }
+  expect_refused({"join", path("log.maps"), "--robust"}, "the local maps of a store are built already");
 }
 
 TEST_F(Robust, DrawsWhatWasLeftOutInThePicturesOfTheRun) {
