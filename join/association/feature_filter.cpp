@@ -4,20 +4,6 @@
 #include <mapjoin/join/robust/odometry_chain.hpp>
 
 namespace mapjoin {
-namespace {
-
-/// What is not measured is taken to be measured with this share of the largest information of the observation.
-constexpr double kLeastInformation = 1e-9;
-
-}  // namespace
-
-template <int Dim>
-PointMatrix<Dim> covariance_of(const FeatureFactor<Dim>& observation) {
-  PointMatrix<Dim> W = observation.information;
-  const double most = W.diagonal().maxCoeff();
-  W.diagonal().array() += kLeastInformation * (most > 0.0 ? most : 1.0);
-  return W.llt().solve(PointMatrix<Dim>::Identity());
-}
 
 template <int Dim>
 void FeatureFilter<Dim>::move(const PoseFactor<Dim>& step) {
@@ -25,7 +11,7 @@ void FeatureFilter<Dim>::move(const PoseFactor<Dim>& step) {
   const bool is_forward = step.base < step.target;
   PoseMatrix<Dim> J_next_measured = PoseMatrix<Dim>::Identity();
   const Pose<Dim> next = is_forward ? step.measured : inverse(step.measured, &J_next_measured);
-  const PoseMatrix<Dim> Q = J_next_measured * covariance_of(step) * J_next_measured.transpose();
+  const PoseMatrix<Dim> Q = J_next_measured * covariance_of(step.information) * J_next_measured.transpose();
   Eigen::MatrixXd J_features_next(covariance_.rows(), kDof);
   const PointMatrix<Dim> R_inverse = next.rotation.matrix().transpose();
   for (std::size_t k = 0; k < features_.size(); ++k) {
@@ -44,14 +30,14 @@ void FeatureFilter<Dim>::add(const FeatureFactor<Dim>& observation) {
   covariance_.conservativeResize(before + Dim, before + Dim);
   covariance_.rightCols(Dim).setZero();
   covariance_.bottomRows(Dim).setZero();
-  covariance_.template bottomRightCorner<Dim, Dim>() = covariance_of(observation);
+  covariance_.template bottomRightCorner<Dim, Dim>() = covariance_of(observation.information);
   features_.push_back(observation.measured);
 }
 
 template <int Dim>
 void FeatureFilter<Dim>::update(std::size_t feature, const FeatureFactor<Dim>& observation) {
   const Eigen::MatrixXd columns = covariance_.middleCols<Dim>(row(feature));
-  const PointMatrix<Dim> S = PointMatrix<Dim>(columns.middleRows<Dim>(row(feature))) + covariance_of(observation);
+  const PointMatrix<Dim> S = PointMatrix<Dim>(columns.middleRows<Dim>(row(feature))) + covariance_of(observation.information);
   const Eigen::LLT<PointMatrix<Dim>> factor(S);
   const Eigen::MatrixXd gain = factor.solve(columns.transpose()).transpose();
   const Eigen::VectorXd step = gain * (observation.measured - features_[feature]);
@@ -60,11 +46,7 @@ void FeatureFilter<Dim>::update(std::size_t feature, const FeatureFactor<Dim>& o
   covariance_ = (0.5 * (covariance_ + covariance_.transpose())).eval();
 }
 
-#define MAPJOIN_INSTANTIATE(Dim)                                      \
-  template PointMatrix<Dim> covariance_of(const FeatureFactor<Dim>&); \
-  template class FeatureFilter<Dim>;
-MAPJOIN_INSTANTIATE(2)
-MAPJOIN_INSTANTIATE(3)
-#undef MAPJOIN_INSTANTIATE
+template class FeatureFilter<2>;
+template class FeatureFilter<3>;
 
 }  // namespace mapjoin

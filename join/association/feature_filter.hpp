@@ -8,10 +8,6 @@
 
 namespace mapjoin {
 
-/// The covariance of an observation (m²); of what it does not measure large, but finite.
-template <int Dim>
-PointMatrix<Dim> covariance_of(const FeatureFactor<Dim>& observation);
-
 /// A Gaussian over features in the frame of the present pose, where observations are linear: there is no pose to estimate.
 template <int Dim>
 class FeatureFilter {

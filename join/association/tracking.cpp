@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <mapjoin/join/association/feature_filter.hpp>
 #include <mapjoin/join/association/tracking.hpp>
+#include <mapjoin/join/robust/odometry_chain.hpp>
 #include <numeric>
 #include <span>
 
@@ -51,7 +52,7 @@ class Tracker {
     for (std::size_t s = 0; s < scan.size(); ++s) {
       problem.sightings.push_back(scan[s].measured);
       const Eigen::Index row = known + static_cast<Eigen::Index>(s) * Dim;
-      problem.covariance.template block<Dim, Dim>(row, row) = covariance_of(scan[s]);
+      problem.covariance.template block<Dim, Dim>(row, row) = covariance_of(scan[s].information);
     }
     return problem;
   }

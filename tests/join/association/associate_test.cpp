@@ -16,10 +16,10 @@ namespace mapjoin {
 namespace {
 
 template <int Dim>
-Log<Dim> wood(std::int64_t poses = 300) {
+Log<Dim> wood(std::int64_t poses = Dim == 2 ? 300 : 100) {
   ManhattanOptions options;
   options.poses = poses;
-  options.side = 15.0;
+  options.side = Dim == 2 ? 15.0 : 10.0;
   options.range = 5.0;
   options.feature_cell = 2.5;
   options.feature_jitter = 0.8;
