@@ -182,10 +182,15 @@ void add_robust(Subcommand& command, Options& options) {
 }
 
 void add_confidence(Subcommand& command, Options& options, const std::string& of) {
-  command.number<double>("--confidence", options.confidence, 0.0, "P",
-                         "How sure " + of +
-                             " must be: with this probability nothing right is rejected in the whole log, and so "
-                             "probable is each pair of features that are taken to be the same; below 1");
+  std::string help;
+  if (of.find("--robust") != std::string::npos) {
+    help = "With this probability --robust rejects nothing that is right in the whole log";
+  }
+  if (of.find("--associate") != std::string::npos) {
+    help += help.empty() ? "--associate takes" : ", and --associate takes";
+    help += " features for the same that are so at least this probably";
+  }
+  command.number<double>("--confidence", options.confidence, 0.0, "P", help + ", below 1");
   command.check([&command, &options, of]() -> std::vector<std::string> {
     if (!command.is_given("--confidence") || options.robust || options.association) return {};
     return {"--confidence is of " + of};

@@ -20,7 +20,7 @@ Log<Dim> wood(std::int64_t poses = Dim == 2 ? 300 : 100) {
   ManhattanOptions options;
   options.poses = poses;
   options.side = Dim == 2 ? 15.0 : 10.0;
-  options.range = 5.0;
+  options.range = Dim == 2 ? 5.0 : 3.5;
   options.feature_cell = 2.5;
   options.feature_jitter = 0.8;
   return simulate_manhattan<Dim>(options).log;
