@@ -45,6 +45,12 @@ NamedFiles outputs_of(const Options& options) {
   return {{"--output", options.output}, report_of(options).front()};
 }
 
+NamedFiles outputs_of_store(const Options& options) {
+  NamedFiles files = outputs_of(options);
+  if (options.association) files.emplace_back("--associate", association_file(options.output));
+  return files;
+}
+
 NamedFiles outputs_of_map(const Options& options) {
   NamedFiles files = outputs_of(options);
   if (options.output.empty()) return files;
@@ -53,6 +59,7 @@ NamedFiles outputs_of_map(const Options& options) {
   if (options.covariances) files.emplace_back("--covariances", covariance_file(options.output));
   if (options.relations) files.emplace_back("--relations", relation_file(options.output));
   if (options.robust) files.emplace_back("--robust", rejected_file(options.output));
+  if (options.association) files.emplace_back("--associate", association_file(options.output));
   return files;
 }
 
@@ -112,6 +119,9 @@ fs::path relation_file(const fs::path& map) {
 }
 fs::path rejected_file(const fs::path& map) {
   return fs::path(map).replace_extension(".rejected.csv");
+}
+fs::path association_file(const fs::path& map) {
+  return fs::path(map).replace_extension(".associations.csv");
 }
 
 std::vector<fs::path> map_files(const fs::path& path) {

@@ -22,8 +22,10 @@ NamedFiles inputs_of(const Options& options, const std::string& argument);
 NamedFiles report_of(const Options& options);
 /// The output and the report.
 NamedFiles outputs_of(const Options& options);
+/// As outputs_of(), with the associations beside a store.
+NamedFiles outputs_of_store(const Options& options);
 /// As outputs_of(), with what is written beside a map that is one file: features of a CSV map, covariances, relations, what was
-/// rejected.
+/// rejected, associations.
 NamedFiles outputs_of_map(const Options& options);
 /// As outputs_of(), with the files of these names in the folder that the output is, where there is one.
 NamedFiles outputs_of_folder(const Options& options, const std::vector<std::string>& names);
@@ -46,11 +48,12 @@ bool names_map_file(const std::filesystem::path& path);
 /// that are there and neither file nor folder, such as /dev/stdout, are left alone.
 std::vector<std::string> check_extension(const std::filesystem::path& path);
 
-/// Where the covariances and the relations of a map go that is one file, and what was rejected for it:
-/// `map.covariances.json`, `map.relations.csv` and `map.rejected.csv` beside `map.g2o`.
+/// Where the covariances and the relations of a map go that is one file, what was rejected for it, and its associations:
+/// `map.covariances.json`, `map.relations.csv`, `map.rejected.csv` and `map.associations.csv` beside `map.g2o`.
 std::filesystem::path covariance_file(const std::filesystem::path& map);
 std::filesystem::path relation_file(const std::filesystem::path& map);
 std::filesystem::path rejected_file(const std::filesystem::path& map);
+std::filesystem::path association_file(const std::filesystem::path& map);
 
 /// The files of a map: of a `.csv` its features beside it, in `.features.csv`.
 std::vector<std::filesystem::path> map_files(const std::filesystem::path& path);

@@ -29,6 +29,9 @@
 #include <mapjoin/join/incremental/incremental_join.hpp>
 #include <mapjoin/join/incremental/submap_update_maker.hpp>
 
+// Which features are the same, where they have no names, or none that are trusted.
+#include <mapjoin/join/association/associate.hpp>
+
 // What could be wrong with a log, and how far a map is from the truth.
 #include <mapjoin/check/checks.hpp>
 #include <mapjoin/measure/trajectory_error.hpp>

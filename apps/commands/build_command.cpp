@@ -90,9 +90,10 @@ void store_any(CommandRun& command_run, const StoredMaps<Dim>&) {
 
 ExitCode build_input(const Options& options, const std::stop_token& stop) {
   CommandRun command_run("build", options, stop);
-  command_run.prepare(outputs_of(options));
+  command_run.prepare(outputs_of_store(options));
   command_run.with_log_or_maps([&](const auto& input) { store_any(command_run, input); });
   command_run.run_report.files.push_back(options.output.string());
+  command_run.write_associations();
   return command_run.conclude();
 }
 
@@ -109,9 +110,11 @@ void declare_build(Subcommand& command) {
                "Write the store; until it is done it is MAPS.partial, from which the same command goes on", true);
   add_splitting(command, *options);
   add_solver(command, *options);
+  add_association(command, *options);
+  add_confidence(command, *options, "--associate");
   add_reading(command, *options);
   add_reporting(command, *options);
-  command.check([options] { return output_conflicts(inputs_of(*options, "LOG|MAPS"), outputs_of(*options)); });
+  command.check([options] { return output_conflicts(inputs_of(*options, "LOG|MAPS"), outputs_of_store(*options)); });
   command.check([options, &command] { return check_uncut(command, *options); });
   command.act([options](const std::stop_token& stop) { return build_input(*options, stop); });
 }

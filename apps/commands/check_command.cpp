@@ -262,6 +262,7 @@ void declare_check(Subcommand& command) {
                  [options](const std::string& word) { return take_most(word, *options); });
   command.path("-o,--output", options->output, "FILE", "Write what is out of line with the joined map, as CSV");
   add_robust(command, *options);
+  add_confidence(command, *options, "--robust");
   add_reading(command, *options);
   add_reporting(command, *options);
   command.check([options] { return output_conflicts(inputs_of(*options, "FILE"), outputs_of(*options)); });

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <apps/certainty.hpp>
 #include <apps/commands/command_run.hpp>
+#include <apps/report/associations.hpp>
 #include <apps/report/rejected.hpp>
 #include <apps/report/report.hpp>
 #include <apps/report/verdict.hpp>
@@ -94,11 +95,33 @@ Input CommandRun::take_input(Input input) {
       [&](auto& any) {
         take_weights(options_, any);
         run_report.describe(any);
+        if (options_.association) associate_features(any);
         if (options_.robust) reject_outliers(any);
       },
       input);
   check_interrupted();
   return input;
+}
+
+template <typename Data>
+void CommandRun::associate_features(Data& data) {
+  const Stopwatch watch(run_report.association_seconds);
+  AssociationOptions association = *options_.association;
+  if (progress_.is_shown()) {
+    association.progress = [this](std::size_t joins) { progress_.show("associating, joins", joins, joins); };
+  }
+  auto associated = associate(data, association, stop_).value();
+  run_report.association = options_.association;
+  run_report.associations = std::move(associated.sightings);
+  data = std::move(associated.data);
+  run_report.counts.features = data.features.size();
+}
+
+template <int Dim>
+void CommandRun::associate_features(StoredMaps<Dim>&) {
+  fail(ErrorKind::kUsage, run_report.input +
+                              ": the local maps of a store were built by the ids of its log; --associate goes with "
+                              "`mapjoin build`");
 }
 
 template <typename Input>
@@ -155,6 +178,7 @@ void CommandRun::write_map(RunResult<Dim>& result, const Log<Dim>* log) {
   const Stopwatch watch(run_report.write_seconds);
   demand(write_map_file(result.map, log, options_.output));
   for (const auto& file : map_files(options_.output)) run_report.files.push_back(file.string());
+  write_associations();
   if (result.marginals && options_.covariances) {
     run_report.files.push_back(covariance_file(options_.output).string());
     demand(write_covariances(result.map, *run_report.covariances, run_report.files.back()));
@@ -167,6 +191,13 @@ void CommandRun::write_map(RunResult<Dim>& result, const Log<Dim>* log) {
     run_report.files.push_back(rejected_file(options_.output).string());
     demand(write_file(run_report.files.back(), rejected_as_csv(run_report)));
   }
+}
+
+void CommandRun::write_associations() {
+  if (!run_report.association || options_.output.empty()) return;
+  const std::filesystem::path file = association_file(options_.output);
+  demand(write_file(file, associations_as_csv(run_report)));
+  run_report.files.push_back(file.string());
 }
 
 void CommandRun::tell(const std::string& json, const std::string& text) {

@@ -64,6 +64,9 @@ class CommandRun {
   template <int Dim>
   void write_map(RunResult<Dim>& result, const Log<Dim>* log);
 
+  /// Writes what became of each sighting beside the output, where features were associated.
+  void write_associations();
+
   /// What came of it: `json` for programs where a report is asked for, `text` for people on standard output unless that is
   /// taken or nothing is wanted there.
   void tell(const std::string& json, const std::string& text);
@@ -75,6 +78,11 @@ class CommandRun {
   RunReport run_report;
 
  private:
+  /// Finds out which features are the same; kUsage of a store, whose local maps were built of features with names.
+  template <typename Data>
+  void associate_features(Data& data);
+  template <int Dim>
+  void associate_features(StoredMaps<Dim>& stored);
   /// Leaves out what --robust finds wrong in a log or a set of local maps; kUsage of a store, whose maps are built.
   template <typename Input>
   void reject_outliers(Input& input);

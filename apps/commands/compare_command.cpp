@@ -227,6 +227,7 @@ void declare_compare(Subcommand& command) {
                fmt::format("not whole numbers from 2 to {} with commas between them", kLongestMap));
   command.path("--truth", options->truth, "FILE", "Measure the errors against this map, too: .tum, else g2o with vertices");
   add_robust(command, *options);
+  add_confidence(command, *options, "--robust");
   add_reading(command, *options);
   add_reporting(command, *options);
   command.check([options] { return output_conflicts(inputs_of(*options, "LOG"), outputs_of_folder(*options, kFiles)); });

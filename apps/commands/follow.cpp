@@ -214,6 +214,9 @@ std::vector<std::string> check_following(const Subcommand& command, const Option
   for (const std::string name : {"--idle", "--steps"}) {
     if (command.is_given(name) && !following.wanted) violations.push_back(name + " is for --follow");
   }
+  if (following.wanted && options.association) {
+    violations.emplace_back("--follow goes by the ids of features, which --associate ignores");
+  }
   if (following.steps == "-" && options.report_on_stdout()) {
     violations.emplace_back("--steps and --report cannot both go to standard output");
   }

@@ -54,7 +54,9 @@ void declare_join(Subcommand& command) {
   add_polish(command, *options);
   add_weights(command, *options);
   add_verdict(command, *options);
+  add_association(command, *options);
   add_robust(command, *options);
+  add_confidence(command, *options, "--associate and --robust");
   add_certainty(command, *options);
   add_reporting(command, *options);
   command.check([options] { return check_extension(options->output); });

@@ -148,20 +148,52 @@ void add_verdict(Subcommand& command, Options& options) {
   });
 }
 
+void add_association(Subcommand& command, Options& options) {
+  command.group("Association");
+  const auto wanted = std::make_shared<bool>(false);
+  const auto method = std::make_shared<AssociationMethod>(AssociationOptions().method);
+  command.flag(
+      "--associate", *wanted,
+      "Find out which features are the same, whatever their ids say: associations.csv in the folder, or beside the map");
+  command.choice(
+      "--association", *method,
+      "How --associate does it: whole sets by joint compatibility (jcbb), or each feature with its nearest neighbour "
+      "within a gate (nn), to compare with");
+  command.check([&command, &options, wanted, method]() -> std::vector<std::string> {
+    if (!*wanted)
+      return command.is_given("--association") ? std::vector<std::string>{"--association is of --associate"}
+                                               : std::vector<std::string>{};
+    options.association.emplace() = {.confidence = options.confidence, .method = *method, .progress = nullptr};
+    return options.association->validate();
+  });
+}
+
 void add_robust(Subcommand& command, Options& options) {
   command.group("Outliers");
   const auto wanted = std::make_shared<bool>(false);
-  const auto confidence = std::make_shared<double>(RobustOptions().confidence);
   command.flag("--robust", *wanted,
                "Find closures, observations and features of local maps that contradict the others, and leave them out: see "
                "rejected.csv");
-  command.number<double>("--confidence", *confidence, 0.0, "P",
-                         "With this probability --robust rejects nothing that is right in the whole log, below 1");
-  command.check([&command, &options, wanted, confidence]() -> std::vector<std::string> {
-    if (!*wanted && command.is_given("--confidence")) return {"--confidence is of --robust"};
+  command.check([&options, wanted]() -> std::vector<std::string> {
     if (!*wanted) return {};
-    options.robust.emplace().confidence = *confidence;
+    options.robust.emplace().confidence = options.confidence;
     return options.robust->validate();
+  });
+}
+
+void add_confidence(Subcommand& command, Options& options, const std::string& of) {
+  std::string help;
+  if (of.find("--robust") != std::string::npos) {
+    help = "With this probability --robust rejects nothing that is right in the whole log";
+  }
+  if (of.find("--associate") != std::string::npos) {
+    help += help.empty() ? "--associate takes" : ", and --associate takes";
+    help += " features for the same that are so at least this probably";
+  }
+  command.number<double>("--confidence", options.confidence, 0.0, "P", help + ", below 1");
+  command.check([&command, &options, of]() -> std::vector<std::string> {
+    if (!command.is_given("--confidence") || options.robust || options.association) return {};
+    return {"--confidence is of " + of};
   });
 }
 

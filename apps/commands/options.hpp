@@ -4,6 +4,7 @@
 
 #include <apps/commands/subcommand.hpp>
 #include <filesystem>
+#include <mapjoin/join/association/associate.hpp>
 #include <mapjoin/join/robust/inliers.hpp>
 #include <mapjoin/join/run.hpp>
 #include <mapjoin/model/log.hpp>
@@ -18,14 +19,16 @@ struct Options {
   ReadOptions read;
   Covariance covariance = Covariance::kOriginal;
   RunOptions run = without_verdict();
-  std::optional<RobustOptions> robust;  ///< Leave out what is wrong before the work.
-  bool strict = false;                  ///< The exit code tells that a map does not fit.
-  bool covariances = false;             ///< Write them.
-  bool relations = false;               ///< Write them.
-  std::filesystem::path truth;          ///< Empty: none.
-  double most_memory_mb = 0.0;          ///< For covariances; 0: as much as the machine has.
-  int jobs = 0;                         ///< Threads; 0: as many as there are processors.
-  std::filesystem::path report;         ///< Empty: none; "-": standard output.
+  double confidence = RobustOptions().confidence;  ///< Of the next two.
+  std::optional<AssociationOptions> association;   ///< Find out which features are the same before the work.
+  std::optional<RobustOptions> robust;             ///< Leave out what is wrong before the work.
+  bool strict = false;                             ///< The exit code tells that a map does not fit.
+  bool covariances = false;                        ///< Write them.
+  bool relations = false;                          ///< Write them.
+  std::filesystem::path truth;                     ///< Empty: none.
+  double most_memory_mb = 0.0;                     ///< For covariances; 0: as much as the machine has.
+  int jobs = 0;                                    ///< Threads; 0: as many as there are processors.
+  std::filesystem::path report;                    ///< Empty: none; "-": standard output.
   bool quiet = false;
 
   bool report_on_stdout() const { return report == "-"; }
@@ -68,8 +71,12 @@ void add_solver(Subcommand& command, Options& options);
 void add_engine(Subcommand& command, Options& options);
 /// --no-verdict, --strict: the fit is tested unless it is refused.
 void add_verdict(Subcommand& command, Options& options);
-/// --robust, --confidence: wrong closures, observations and features of local maps are left out.
+/// --associate, --association: the names of features are ignored.
+void add_association(Subcommand& command, Options& options);
+/// --robust: wrong closures, observations and features of local maps are left out.
 void add_robust(Subcommand& command, Options& options);
+/// --confidence, of the options that are named `of`, which the command has before.
+void add_confidence(Subcommand& command, Options& options, const std::string& of);
 /// --covariances, --relations, --truth, --max-memory
 void add_certainty(Subcommand& command, Options& options);
 /// --jobs, --quiet

@@ -7,6 +7,7 @@
 #include <apps/commands/subcommand.hpp>
 #include <apps/picture/plotted_map.hpp>
 #include <apps/picture/rejected_links.hpp>
+#include <apps/report/associations.hpp>
 #include <apps/report/rejected.hpp>
 #include <apps/report/report.hpp>
 #include <functional>
@@ -34,6 +35,7 @@ std::vector<std::string> names_of(const Options& options, bool has_covariances) 
   std::vector<std::string> names = {"map.g2o", "trajectory.tum", "poses.csv", "features.csv", "map.svg"};
   if (options.covariances && has_covariances) names.emplace_back("covariances.json");
   if (options.relations && has_covariances) names.emplace_back("relations.csv");
+  if (options.association) names.emplace_back("associations.csv");
   if (options.robust) names.insert(names.end(), {"rejected.csv", "inliers.g2o"});
   names.emplace_back("report.json");
   return names;
@@ -64,6 +66,10 @@ Expected<void> write_map_files(const CommandRun& command_run, const RunResult<Di
   }
   if (options.relations && result.marginals) {
     files.emplace_back([&] { return write_relations(map, *result.marginals, folder.aside("relations.csv")); });
+  }
+  if (options.association) {
+    files.emplace_back(
+        [&] { return write_file(folder.aside("associations.csv"), associations_as_csv(command_run.run_report)); });
   }
   if (options.robust) {
     files.emplace_back([&] { return write_file(folder.aside("rejected.csv"), rejected_as_csv(command_run.run_report)); });
@@ -131,7 +137,9 @@ void declare_run(Subcommand& command) {
   add_solver(command, *options);
   add_engine(command, *options);
   add_polish(command, *options);
+  add_association(command, *options);
   add_robust(command, *options);
+  add_confidence(command, *options, "--associate and --robust");
   add_reading(command, *options);
   add_verdict(command, *options);
   add_certainty(command, *options);

@@ -35,6 +35,7 @@ void declare_solve(Subcommand& command) {
   add_solver(command, *options);
   add_engine(command, *options);
   add_robust(command, *options);
+  add_confidence(command, *options, "--robust");
   add_reading(command, *options);
   add_verdict(command, *options);
   add_certainty(command, *options);

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <apps/process.hpp>
+#include <apps/report/associations.hpp>
 #include <apps/report/rejected.hpp>
 #include <apps/report/report.hpp>
 #include <apps/report/verdict.hpp>
@@ -157,6 +158,7 @@ std::string report(const RunReport& run_report) {
   json["polish"] = polish_of(figures.polish);
   json.update(
       if_known(run_report.is_joined, {{"converged", figures.converged()}, {"chi2", figures.chi2}, {"dof", figures.dof}}));
+  json["association"] = association_of(run_report);
   json.update(verdict_of(run_report));
   json["gauge"] = if_known(run_report.is_joined, {{"held_poses", run_report.anchored}});
   json["certainty"] = certainty_of(run_report);

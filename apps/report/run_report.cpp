@@ -85,6 +85,7 @@ void RunReport::describe(const RunResult<Dim>& result) {
 std::vector<std::pair<std::string, double>> RunReport::stages() const {
   const RunSeconds& seconds = figures.seconds;
   return {{"read", read_seconds},
+          {"associate", association_seconds},
           {"reject", robust_seconds},
           {"build", seconds.build},
           {"join", seconds.join},

@@ -83,6 +83,9 @@ struct RunReport {
   bool is_resumed = false;      ///< The iterations in `figures` are only those since a build went on.
   bool is_joined = false;       ///< and what came of joining them.
   RunFigures figures;
+  std::optional<AssociationOptions> association;  ///< Where features were associated:
+  std::vector<AssociatedSighting> associations;
+  double association_seconds = 0.0;
   std::optional<RobustOptions> robust;  ///< Where wrong closures and observations were left out:
   std::vector<NamedRejected> rejected;
   double robust_seconds = 0.0;

@@ -3,6 +3,7 @@
 #include <fmt/ranges.h>
 
 #include <algorithm>
+#include <apps/report/associations.hpp>
 #include <apps/report/rejected.hpp>
 #include <apps/report/report.hpp>
 #include <apps/report/verdict.hpp>
@@ -166,6 +167,7 @@ void add_notes(const RunReport& run_report, Lines& lines) {
 std::string summary(const RunReport& run_report) {
   Lines lines;
   add_input(run_report, lines);
+  if (run_report.association) lines.add("associated", associated_in_words(run_report));
   if (run_report.has_local_maps) lines.add("local maps", local_maps_in_words(run_report));
   if (run_report.is_joined) add_result(run_report, lines);
   add_convention(run_report, lines);

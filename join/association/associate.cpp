@@ -1,0 +1,255 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <algorithm>
+#include <cmath>
+#include <mapjoin/check/connectivity.hpp>
+#include <mapjoin/join/association/associate.hpp>
+#include <mapjoin/join/association/map_matching.hpp>
+#include <mapjoin/join/association/sighting_fit.hpp>
+#include <mapjoin/join/association/tracking.hpp>
+#include <mapjoin/parallel/parallel.hpp>
+#include <numeric>
+#include <utility>
+
+namespace mapjoin {
+namespace {
+
+/// Maps are as good as in place where a feature may be mistaken for fewer than one other.
+constexpr double kInPlace = 1.0;
+/// How much farther maps are looked for, each time that nothing is found nearer, and how often.
+constexpr double kFarther = 32.0;
+constexpr double kFarthest = 1e6;
+/// Joins after which what is not settled stays apart.
+constexpr std::size_t kMostJoins = 100;
+/// Observations of a segment, or somewhat more: enough to know its features well, few enough for the odometry between them.
+constexpr std::size_t kObservationsPerSegment = 150;
+
+Error interrupted() {
+  return {ErrorKind::kInterrupted, "interrupted while associating"};
+}
+
+/// Finds identities by joining with those known so far.
+template <int Dim, typename EstimateOf>
+class Search {
+ public:
+  Search(Identities identities, std::vector<std::optional<Match>> matches, const NeighbourDensity<Dim>& density,
+         const AssociationOptions& options, EstimateOf estimate_of, const std::stop_token& stop)
+      : identities_(std::move(identities)),
+        density_(density),
+        options_(options),
+        estimate_of_(std::move(estimate_of)),
+        stop_(stop),
+        gate_(Matcher<Dim>(density, options.method, options.confidence, sightings()).gate()),
+        matches_(std::move(matches)) {}
+
+  Expected<void> run() {
+    for (joins_ = 1; joins_ <= kMostJoins; ++joins_) {
+      auto estimate = estimate_of_(identities_);
+      if (!estimate) return tl::unexpected(estimate.error());
+      if (options_.progress) options_.progress(joins_);
+      const std::vector<SightingTest> tests = tests_of(*estimate, identities_);
+      estimate->scale = scale_of(tests, Dim);
+      const bool has_changed = undo(misfits(tests, gate_ * estimate->scale)) || extend(*estimate);
+      if (stop_.stop_requested()) return tl::unexpected(interrupted());
+      if (!has_changed) return {};
+    }
+    return {};
+  }
+
+  const Identities& identities() const { return identities_; }
+  /// By sighting, how it was last found to be of its feature.
+  const std::vector<std::optional<Match>>& matches() const { return matches_; }
+  std::size_t joins() const { return joins_; }
+  double gate() const { return gate_; }
+
+ private:
+  double sightings() const { return static_cast<double>(identities_.sighting_count()); }
+
+  bool undo(const std::vector<SightingTest>& misfits) {
+    for (const SightingTest& misfit : misfits) {
+      // Numbers change with each feature that is told apart, sightings do not.
+      worst_.clear();
+      for (const std::size_t s : identities_.sightings_of(misfit.feature)) {
+        if (identities_.sighting(s).map == misfit.map) worst_.push_back(s);
+      }
+      apart_.push_back(worst_);
+    }
+    for (const auto& sightings : apart_) {
+      identities_.tell_apart(sightings);
+      for (const std::size_t s : sightings) matches_[s].reset();
+    }
+    apart_.clear();
+    return !misfits.empty();
+  }
+
+  /// Takes what is probable: of maps that are in place all of it, else of the pair of maps that is the surest.
+  bool extend(const FeatureEstimate<Dim>& estimate) {
+    const MapMatching<Dim> matching(estimate, identities_, density_, options_.method, options_.confidence);
+    const bool is_first = joins_ == 1;
+    for (double reach = kInPlace; reach < kFarthest; reach *= kFarther) {
+      Proposals proposals = matching.propose(reach, is_first, stop_);
+      if (stop_.stop_requested()) return false;
+      if (take(std::move(proposals.probable))) return true;
+      if (proposals.beyond_reach == 0 || options_.method == AssociationMethod::kNearest) break;
+    }
+    return is_first;  // all maps are yet to be matched
+  }
+
+  bool take(std::vector<Proposal> proposals) {
+    const auto is_far = [](const Proposal& p) { return p.reach > kInPlace; };
+    if (std::ranges::all_of(proposals, is_far)) {
+      const auto surest = std::ranges::max_element(proposals, {}, [](const Proposal& p) { return p.match.score; });
+      if (surest == proposals.end()) return false;
+      const auto maps = std::pair(surest->maps[0], surest->maps[1]);
+      std::erase_if(proposals, [&](const Proposal& p) { return std::pair(p.maps[0], p.maps[1]) != maps; });
+    } else {
+      std::erase_if(proposals, is_far);
+    }
+    std::ranges::stable_sort(proposals, std::greater<>(), [](const Proposal& p) { return p.match.probability; });
+    std::vector<std::pair<FeatureIndex, FeatureIndex>> pairs;
+    for (const Proposal& p : proposals) pairs.emplace_back(p.one, p.other);
+    const auto moved = identities_.merge(pairs);
+    for (std::size_t k = 0; k < pairs.size(); ++k) {
+      for (const std::size_t s : moved[k]) matches_[s] = proposals[k].match;
+    }
+    return std::ranges::any_of(moved, [](const auto& sightings) { return !sightings.empty(); });
+  }
+
+  Identities identities_;
+  const NeighbourDensity<Dim>& density_;
+  const AssociationOptions& options_;
+  EstimateOf estimate_of_;
+  const std::stop_token& stop_;
+  double gate_;
+  std::vector<std::optional<Match>> matches_;
+  std::size_t joins_ = 0;
+  std::vector<std::size_t> worst_;
+  std::vector<std::vector<std::size_t>> apart_;
+};
+
+/// The points that every pose or local map sees at once.
+template <int Dim>
+std::vector<std::vector<Point<Dim>>> seen_at_once(std::span<const FeatureFactor<Dim>> observations,
+                                                  const std::vector<LocalMap<Dim>>& maps) {
+  std::vector<std::vector<Point<Dim>>> sets;
+  for (const auto& map : maps) sets.push_back(map.feature_estimates);
+  PoseIndex pose = kWorld;
+  for (const auto& observation : observations) {
+    if (std::exchange(pose, observation.base) != observation.base) sets.emplace_back();
+    sets.back().push_back(observation.measured);
+  }
+  return sets;
+}
+
+/// So many poses a segment that it has about kObservationsPerSegment.
+template <int Dim>
+Split split_evenly(const Log<Dim>& log) {
+  const std::size_t observations = std::max<std::size_t>(1, log.observations().size());
+  const std::size_t poses = 1 + kObservationsPerSegment * log.poses.size() / observations;
+  return split(log, {SplitRule::kPoses, static_cast<double>(std::max<std::size_t>(2, poses))});
+}
+
+/// All observations, segment by segment; their features are numbered through.
+template <int Dim>
+std::vector<Tracked> tracked(const Log<Dim>& log, const Split& split, const NeighbourDensity<Dim>& density,
+                             const AssociationOptions& options, const std::stop_token& stop) {
+  std::vector<std::vector<Tracked>> of_segments(split.segments.size());
+  parallel_for(of_segments.size(), [&](std::size_t k) {
+    if (stop.stop_requested()) return;
+    Matcher<Dim> matcher(density, options.method, options.confidence, static_cast<double>(log.observations().size()));
+    of_segments[k] = track(segment_view(log, split, split.segments[k]), matcher, options.confidence);
+  });
+  std::vector<Tracked> all;
+  std::size_t first = 0;
+  for (const auto& some : of_segments) {
+    std::size_t next = first;
+    for (const auto& [feature, match] : some) {
+      all.push_back({first + feature, match});
+      next = std::max(next, first + feature + 1);
+    }
+    first = next;
+  }
+  return all;
+}
+
+template <typename Data, typename Search>
+Associated<Data> associated(Data data, const FeatureIds& names, const std::vector<std::pair<PoseIndex, FeatureIndex>>& seen,
+                            const Search& search) {
+  Associated<Data> result{std::move(data), {}, search.joins()};
+  for (std::size_t s = 0; s < seen.size(); ++s) {
+    AssociatedSighting& sighting = result.sightings.emplace_back();
+    sighting.base = result.data.poses[seen[s].first];
+    sighting.name = names[seen[s].second];
+    sighting.joined = result.data.features[search.identities().feature_of(s)];
+    sighting.gate = std::sqrt(search.gate());
+    if (const auto& match = search.matches()[s]) {
+      sighting.distance = std::sqrt(match->squared_distance);
+      sighting.alternatives = match->candidates - 1;
+    }
+  }
+  return result;
+}
+
+}  // namespace
+
+std::vector<std::string> AssociationOptions::validate() const {
+  if (confidence > 0.0 && confidence < 1.0) return {};
+  return {"the confidence must be between 0 and 1"};
+}
+
+template <int Dim>
+Expected<Associated<Log<Dim>>> associate(const Log<Dim>& log, const AssociationOptions& options, const std::stop_token& stop) {
+  demand_valid(options);
+  if (!log.feature_priors().empty()) {
+    return bad_input(log.source + ": has a prior of a feature, which goes by its name, and names are ignored by --associate");
+  }
+  if (const auto connected = check_connected(log); !connected) return tl::unexpected(connected.error());
+  const auto sets = seen_at_once<Dim>(log.observations(), {});
+  const NeighbourDensity<Dim> density(sets);
+  const Split split = split_evenly(log);
+  const std::vector<Tracked> observations = tracked(log, split, density, options, stop);
+  if (stop.stop_requested()) return tl::unexpected(interrupted());
+  std::vector<std::size_t> labels;
+  std::vector<std::optional<Match>> matches;
+  for (const auto& [feature, match] : observations) {
+    labels.push_back(feature);
+    matches.push_back(match);
+  }
+  const auto estimate = [&](const Identities& known) { return estimate_of(renamed(log, known), split, stop); };
+  Search<Dim, decltype(estimate)> search({sightings_of(log, split), labels}, std::move(matches), density, options, estimate,
+                                         stop);
+  if (const auto done = search.run(); !done) return tl::unexpected(done.error());
+  std::vector<std::pair<PoseIndex, FeatureIndex>> seen;
+  for (const auto& observation : log.observations()) seen.emplace_back(observation.base, observation.target);
+  return associated(renamed(log, search.identities()), log.features, seen, search);
+}
+
+template <int Dim>
+Expected<Associated<SubmapSet<Dim>>> associate(const SubmapSet<Dim>& set, const AssociationOptions& options,
+                                               const std::stop_token& stop) {
+  demand_valid(options);
+  const std::vector<Sighting> sightings = sightings_of(set);
+  const auto sets = seen_at_once<Dim>(set.graph.feature_factors, set.graph.submaps);
+  const NeighbourDensity<Dim> density(sets);
+  std::vector<std::size_t> labels(sightings.size());
+  std::iota(labels.begin(), labels.end(), std::size_t{0});
+  const auto estimate = [&](const Identities& known) { return estimate_of(renamed(set, known), stop); };
+  Search<Dim, decltype(estimate)> search({sightings, labels}, std::vector<std::optional<Match>>(sightings.size()), density,
+                                         options, estimate, stop);
+  if (const auto done = search.run(); !done) return tl::unexpected(done.error());
+  std::vector<std::pair<PoseIndex, FeatureIndex>> seen;
+  for (const auto& map : set.graph.submaps) {
+    for (const FeatureIndex feature : map.features) seen.emplace_back(map.base, feature);
+  }
+  for (const auto& observation : set.graph.feature_factors) seen.emplace_back(observation.base, observation.target);
+  return associated(renamed(set, search.identities()), set.features, seen, search);
+}
+
+#define MAPJOIN_INSTANTIATE(Dim)                                                                                         \
+  template Expected<Associated<Log<Dim>>> associate(const Log<Dim>&, const AssociationOptions&, const std::stop_token&); \
+  template Expected<Associated<SubmapSet<Dim>>> associate(const SubmapSet<Dim>&, const AssociationOptions&,              \
+                                                          const std::stop_token&);
+MAPJOIN_INSTANTIATE(2)
+MAPJOIN_INSTANTIATE(3)
+#undef MAPJOIN_INSTANTIATE
+
+}  // namespace mapjoin

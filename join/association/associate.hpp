@@ -1,0 +1,61 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+// Who is who: the features of logs and local maps that have no names, or none that are trusted.
+
+#include <functional>
+#include <mapjoin/join/association/matching.hpp>
+#include <mapjoin/model/error.hpp>
+#include <mapjoin/model/log.hpp>
+#include <mapjoin/model/submap_set.hpp>
+#include <optional>
+#include <stop_token>
+#include <string>
+#include <vector>
+
+namespace mapjoin {
+
+struct AssociationOptions {
+  double confidence = 0.99;  ///< The least probability of a pairing that is taken; in (0, 1).
+  AssociationMethod method = AssociationMethod::kJcbb;
+  std::function<void(std::size_t)> progress;  ///< Called with the number of joins so far.
+
+  /// Every violation in words; empty if there is none.
+  std::vector<std::string> validate() const;
+};
+
+/// What became of a sighting.
+struct AssociatedSighting {
+  PoseId base;       ///< That it was seen from: of a local map its start.
+  FeatureId name;    ///< In the input.
+  FeatureId joined;  ///< In the result.
+  std::optional<double>
+      distance;       ///< Mahalanobis, from the feature when it was taken for it; nothing where it is the first of it.
+  double gate = 0.0;  ///< What the distance may be.
+  std::size_t alternatives = 0;  ///< Other features within the gate then.
+};
+
+/// A log or a set with features found in it, which are called 1, 2, … in the order of their first sighting.
+template <typename Data>
+struct Associated {
+  Data data;
+  std::vector<AssociatedSighting> sightings;  ///< Observations of a log in their order; features of maps, then observations.
+  std::size_t joins = 0;                      ///< How often the map was joined.
+};
+
+/// Finds out which observations of a log are of the same feature; their names are ignored.
+///
+/// Observations are followed within short segments (track()), whose local maps are joined. By the joined map, with its
+/// covariances, maps are matched with each other (MapMatching), first neighbours, then all that probably overlap, again and
+/// again, until nothing more is found; then those that are far apart for all that is known, the surest pair at a time. What no
+/// longer fits, by leave-one-out tests, is told apart again. Bad input: priors of features, which mean their names; a log that
+/// falls apart. kInterrupted on `stop`. The same for any number of threads.
+template <int Dim>
+Expected<Associated<Log<Dim>>> associate(const Log<Dim>& log, const AssociationOptions& options,
+                                         const std::stop_token& stop = {});
+
+/// The same between local maps, of which each sees a feature once.
+template <int Dim>
+Expected<Associated<SubmapSet<Dim>>> associate(const SubmapSet<Dim>& set, const AssociationOptions& options,
+                                               const std::stop_token& stop = {});
+
+}  // namespace mapjoin

@@ -1,0 +1,116 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <algorithm>
+#include <mapjoin/join/association/feature_estimate.hpp>
+#include <mapjoin/join/join.hpp>
+#include <mapjoin/localmap/build.hpp>
+#include <utility>
+
+namespace mapjoin {
+namespace {
+
+FeatureIds names(const Identities& identities) {
+  FeatureIds names;
+  for (std::size_t k = 0; k < identities.feature_count(); ++k) names.push_back(FeatureId{k + 1});
+  return names;
+}
+
+/// Joins the submap graph of `data`, and takes its covariances.
+template <int Dim, typename Data>
+Expected<FeatureEstimate<Dim>> joined(std::shared_ptr<const Data> data, const SubmapGraph<Dim>& graph,
+                                      const std::stop_token& stop) {
+  FeatureEstimate<Dim> estimate;
+  auto join = mapjoin::join(graph, data->poses, data->features, JoinOptions<Dim>{}, stop);
+  if (!join) return tl::unexpected(join.error());
+  estimate.restored = std::make_unique<Restored<Dim>>(restored(graph, {}, *join, join->state));
+  auto covariances = MapCovariances<Dim>::make(*estimate.restored, Estimate::kJoined);
+  if (!covariances) return tl::unexpected(covariances.error());
+  estimate.covariances = std::make_unique<const MapCovariances<Dim>>(*std::move(covariances));
+  auto marginals = estimate.covariances->on_pattern(nullptr, stop);
+  if (!marginals) return tl::unexpected(marginals.error());
+  estimate.marginals = std::make_unique<const Marginals>(*std::move(marginals));
+  estimate.data = std::move(data);
+  return estimate;
+}
+
+}  // namespace
+
+template <int Dim>
+std::vector<Sighting> sightings_of(const SubmapSet<Dim>& set) {
+  std::vector<Sighting> sightings;
+  std::size_t scan = 0;
+  for (const auto& map : set.graph.submaps) {
+    sightings.insert(sightings.end(), map.features.size(), {scan, scan});
+    ++scan;
+  }
+  PoseIndex pose = kWorld;
+  for (const auto& observation : set.graph.feature_factors) {
+    if (std::exchange(pose, observation.base) != observation.base) ++scan;
+    sightings.push_back({scan, scan});
+  }
+  return sightings;
+}
+
+template <int Dim>
+std::vector<Sighting> sightings_of(const Log<Dim>& log, const Split& split) {
+  std::vector<Sighting> sightings;
+  for (std::size_t k = 0; k < split.segments.size(); ++k) {
+    for (const auto& o : observations_of(log, split.segments[k])) sightings.push_back({k, o.base.position()});
+  }
+  return sightings;
+}
+
+template <int Dim>
+SubmapSet<Dim> renamed(SubmapSet<Dim> set, const Identities& identities) {
+  std::size_t sighting = 0;
+  for (auto& map : set.graph.submaps) {
+    for (FeatureIndex& feature : map.features) feature = identities.feature_of(sighting++);
+  }
+  for (auto& observation : set.graph.feature_factors) observation.target = identities.feature_of(sighting++);
+  set.features = names(identities);
+  return set;
+}
+
+template <int Dim>
+Log<Dim> renamed(Log<Dim> log, const Identities& identities) {
+  for (std::size_t k = 0; k < identities.sighting_count(); ++k) {
+    log.graph.feature_factors[k].target = identities.feature_of(k);
+  }
+  log.features = names(identities);
+  log.initial.features.clear();
+  return log;
+}
+
+template <int Dim>
+Expected<FeatureEstimate<Dim>> estimate_of(SubmapSet<Dim> set, const std::stop_token& stop) {
+  auto data = std::make_shared<const SubmapSet<Dim>>(std::move(set));
+  auto estimate = joined(data, submap_graph_of(*data), stop);
+  if (!estimate) return estimate;
+  const auto sightings = sightings_of(*data);
+  estimate->is_local_map.assign(sightings.empty() ? 0 : sightings.back().map + 1, false);
+  std::fill_n(estimate->is_local_map.begin(), std::min(data->graph.submaps.size(), estimate->is_local_map.size()), true);
+  return estimate;
+}
+
+template <int Dim>
+Expected<FeatureEstimate<Dim>> estimate_of(Log<Dim> log, Split split, const std::stop_token& stop) {
+  auto data = std::make_shared<const Log<Dim>>(std::move(log));
+  auto built = build_local_maps(*data, split, {}, stop);
+  if (!built) return tl::unexpected(built.error());
+  auto estimate = joined(data, submap_graph_of(*data, split, std::move(built->maps)), stop);
+  if (!estimate) return estimate;
+  for (const Segment& segment : split.segments) estimate->is_local_map.push_back(segment.is_map);
+  return estimate;
+}
+
+#define MAPJOIN_INSTANTIATE(Dim)                                                               \
+  template std::vector<Sighting> sightings_of(const SubmapSet<Dim>&);                          \
+  template std::vector<Sighting> sightings_of(const Log<Dim>&, const Split&);                  \
+  template SubmapSet<Dim> renamed(SubmapSet<Dim>, const Identities&);                          \
+  template Log<Dim> renamed(Log<Dim>, const Identities&);                                      \
+  template Expected<FeatureEstimate<Dim>> estimate_of(SubmapSet<Dim>, const std::stop_token&); \
+  template Expected<FeatureEstimate<Dim>> estimate_of(Log<Dim>, Split, const std::stop_token&);
+MAPJOIN_INSTANTIATE(2)
+MAPJOIN_INSTANTIATE(3)
+#undef MAPJOIN_INSTANTIATE
+
+}  // namespace mapjoin

@@ -1,0 +1,90 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <algorithm>
+#include <limits>
+#include <mapjoin/join/association/identities.hpp>
+#include <numeric>
+
+namespace mapjoin {
+namespace {
+
+constexpr std::size_t kNone = std::numeric_limits<std::size_t>::max();
+
+}  // namespace
+
+Identities::Identities(std::vector<Sighting> sightings, std::vector<std::size_t> labels)
+    : sightings_(std::move(sightings)), feature_of_(sightings_.size()), apart_from_(sightings_.size()) {
+  std::size_t maps = 0;
+  for (const Sighting& s : sightings_) maps = std::max(maps, s.map + 1);
+  in_map_.resize(maps);
+  number(labels);
+}
+
+void Identities::number(const std::vector<std::size_t>& labels) {
+  std::vector<std::size_t> numbers(labels.empty() ? 0 : *std::ranges::max_element(labels) + 1, kNone);
+  members_.clear();
+  for (auto& features : in_map_) features.clear();
+  for (std::size_t s = 0; s < labels.size(); ++s) {
+    std::size_t& number = numbers[labels[s]];
+    if (number == kNone) {
+      number = members_.size();
+      members_.emplace_back();
+    }
+    feature_of_[s] = FeatureIndex(number);
+    members_[feature_of_[s]].push_back(s);
+    in_map_[sightings_[s].map].push_back(feature_of_[s]);
+  }
+  for (auto& features : in_map_) {
+    std::ranges::sort(features);
+    features.erase(std::ranges::unique(features).begin(), features.end());
+  }
+}
+
+bool Identities::may_be_same(FeatureIndex one, FeatureIndex other) const {
+  const std::vector<std::size_t>& a = members_[one];
+  const std::vector<std::size_t>& b = members_[other];
+  for (std::size_t i = 0, j = 0; i < a.size() && j < b.size();) {
+    const std::size_t scan_a = sightings_[a[i]].scan;
+    const std::size_t scan_b = sightings_[b[j]].scan;
+    if (scan_a == scan_b) return false;
+    ++(scan_a < scan_b ? i : j);
+  }
+  return std::ranges::none_of(a, [&](std::size_t s) {
+    return std::ranges::any_of(apart_from_[s], [&](std::size_t t) { return feature_of_[t] == other; });
+  });
+}
+
+std::vector<std::vector<std::size_t>> Identities::merge(std::span<const std::pair<FeatureIndex, FeatureIndex>> pairs) {
+  std::vector<std::vector<std::size_t>> moved(pairs.size());
+  std::vector<std::size_t> labels(sightings_.size());
+  for (std::size_t k = 0; k < pairs.size(); ++k) {
+    // What was merged before in this call is one feature already, under the number of its first sighting.
+    const FeatureIndex a = feature_of_[members_[pairs[k].first].front()];
+    const FeatureIndex b = feature_of_[members_[pairs[k].second].front()];
+    if (a == b || !may_be_same(a, b)) continue;
+    const auto [first, second] = std::minmax(a, b);
+    moved[k] = members_[second];
+    std::vector<std::size_t> both;
+    std::ranges::merge(members_[first], members_[second], std::back_inserter(both));
+    for (const std::size_t s : both) feature_of_[s] = first;
+    members_[first] = std::move(both);  // the second keeps its list, whose first entry leads to the first feature
+  }
+  for (std::size_t s = 0; s < labels.size(); ++s) labels[s] = feature_of_[s].position();
+  number(labels);
+  return moved;
+}
+
+void Identities::tell_apart(std::span<const std::size_t> sightings) {
+  std::vector<std::size_t> labels(sightings_.size());
+  for (std::size_t s = 0; s < labels.size(); ++s) labels[s] = feature_of_[s].position();
+  for (const std::size_t own : sightings) labels[own] = members_.size();
+  for (const std::size_t own : sightings) {
+    for (const std::size_t other : members_[feature_of_[own]]) {
+      if (labels[other] == labels[own]) continue;
+      apart_from_[own].push_back(other);
+      apart_from_[other].push_back(own);
+    }
+  }
+  number(labels);
+}
+
+}  // namespace mapjoin

@@ -1,0 +1,233 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <Eigen/LU>
+#include <algorithm>
+#include <cmath>
+#include <mapjoin/join/association/map_matching.hpp>
+#include <mapjoin/parallel/parallel.hpp>
+#include <numbers>
+#include <set>
+
+namespace mapjoin {
+
+template <int Dim>
+MapMatching<Dim>::MapMatching(const FeatureEstimate<Dim>& estimate, const Identities& identities,
+                              const NeighbourDensity<Dim>& density, AssociationMethod method, double confidence)
+    : estimate_(estimate),
+      identities_(identities),
+      density_(density),
+      method_(method),
+      confidence_(confidence),
+      scale_(estimate.scale),
+      gate_(Matcher<Dim>(density, method, confidence, static_cast<double>(identities.sighting_count())).gate()),
+      tree_(estimate.covariances->state().features) {
+  for (std::size_t f = 0; f < identities.feature_count(); ++f) {
+    covariances_.push_back(scale_ * (*estimate.marginals)[estimate.covariances->variable(FeatureIndex(f))]);
+    largest_ = std::max(largest_, covariances_.back().trace());
+  }
+}
+
+template <int Dim>
+bool MapMatching<Dim>::is_in(FeatureIndex feature, std::size_t map) const {
+  return std::ranges::binary_search(identities_.features_in(map), feature);
+}
+
+/// Features that are seen by `map` or before it, and could be the same: the covariance of a difference is at most twice the sum
+/// of those of its terms.
+template <int Dim>
+std::vector<FeatureIndex> MapMatching<Dim>::near(FeatureIndex feature, std::size_t map, bool only_neighbours) const {
+  std::vector<FeatureIndex> found;
+  const double own = covariances_[feature].trace();
+  for (const std::size_t place : tree_.within(position(feature), std::sqrt(2.0 * gate_ * (own + largest_)))) {
+    const FeatureIndex other(place);
+    const double bound = 2.0 * gate_ * (own + covariances_[other].trace());
+    if (other == feature || (position(other) - position(feature)).squaredNorm() > bound) continue;
+    const auto sees = [&](std::size_t s) {
+      const std::size_t by = identities_.sighting(s).map;
+      return by <= map && (!only_neighbours || by + 1 >= map);
+    };
+    if (!std::ranges::any_of(identities_.sightings_of(other), sees)) continue;
+    if (identities_.may_be_same(feature, other)) found.push_back(other);
+  }
+  return found;
+}
+
+template <int Dim>
+typename MapMatching<Dim>::Open MapMatching<Dim>::open_features(std::size_t map, bool only_neighbours) const {
+  Open open;
+  std::vector<std::vector<FeatureIndex>> near_to;
+  for (const FeatureIndex feature : identities_.features_in(map)) {
+    auto others = near(feature, map, only_neighbours);
+    if (others.empty()) continue;
+    open.features.push_back(feature);
+    near_to.push_back(std::move(others));
+  }
+  const NormalEquations& equations = estimate_.covariances->equations();
+  Eigen::MatrixXd unit = Eigen::MatrixXd::Zero(equations.size(), static_cast<Eigen::Index>(open.features.size()) * Dim);
+  for (std::size_t k = 0; k < open.features.size(); ++k) {
+    unit.template block<Dim, Dim>(offset(open.features[k]), static_cast<Eigen::Index>(k) * Dim).setIdentity();
+  }
+  if (!open.features.empty()) open.columns = scale_ * equations.solve_columns(unit);
+  const double per_deviation = std::pow(2.0 * std::numbers::pi, 0.5 * Dim) * density_.overall();
+  for (std::size_t k = 0; k < open.features.size(); ++k) {
+    auto& candidates = open.candidates.emplace_back();
+    for (const FeatureIndex other : near_to[k]) {
+      const PointMatrix<Dim> C = open.columns.template block<Dim, Dim>(offset(other), static_cast<Eigen::Index>(k) * Dim);
+      const PointMatrix<Dim> S = covariances_[open.features[k]] + covariances_[other] - C - C.transpose();
+      const Point<Dim> d = position(other) - position(open.features[k]);
+      const Eigen::LLT<PointMatrix<Dim>> factor(S);
+      if (factor.info() != Eigen::Success || Point<Dim>(factor.matrixL().solve(d)).squaredNorm() > gate_) continue;
+      candidates.push_back({other, per_deviation * std::sqrt(S.determinant())});
+    }
+  }
+  return open;
+}
+
+/// The joint covariance of features that one map sees.
+template <int Dim>
+Eigen::MatrixXd MapMatching<Dim>::joint(const std::vector<FeatureIndex>& features, std::size_t map) const {
+  if (estimate_.is_local_map[map]) {
+    std::vector<Variable> variables;
+    for (const FeatureIndex f : features) variables.push_back(estimate_.covariances->variable(f));
+    return scale_ * estimate_.marginals->joint(variables);
+  }
+  const std::vector<PoseOrFeature> of(features.begin(), features.end());
+  return scale_ * estimate_.covariances->joint(of).value();
+}
+
+template <int Dim>
+PairingProblem<Dim> MapMatching<Dim>::problem(const std::vector<FeatureIndex>& known,
+                                              const std::vector<std::size_t>& open_places, const Open& open,
+                                              std::size_t known_map) const {
+  PairingProblem<Dim> problem;
+  for (const FeatureIndex f : known) problem.known.push_back(position(f));
+  const auto first = static_cast<Eigen::Index>(known.size()) * Dim;
+  const Eigen::Index rows = first + static_cast<Eigen::Index>(open_places.size()) * Dim;
+  problem.covariance.resize(rows, rows);
+  problem.covariance.topLeftCorner(first, first) = joint(known, known_map);
+  for (std::size_t s = 0; s < open_places.size(); ++s) {
+    const std::size_t place = open_places[s];
+    problem.sightings.push_back(position(open.features[place]));
+    const Eigen::Index column = first + static_cast<Eigen::Index>(s) * Dim;
+    const auto columns = open.columns.template middleCols<Dim>(static_cast<Eigen::Index>(place) * Dim);
+    for (std::size_t k = 0; k < known.size(); ++k) {
+      problem.covariance.template block<Dim, Dim>(static_cast<Eigen::Index>(k) * Dim, column) =
+          columns.template middleRows<Dim>(offset(known[k]));
+    }
+    for (std::size_t k = 0; k < open_places.size(); ++k) {
+      problem.covariance.template block<Dim, Dim>(first + static_cast<Eigen::Index>(k) * Dim, column) =
+          columns.template middleRows<Dim>(offset(open.features[open_places[k]]));
+    }
+    auto& choices = problem.choices.emplace_back();
+    for (std::size_t k = 0; k < known.size(); ++k) {
+      if (std::ranges::find(open.candidates[place], known[k], &Candidate::feature) != open.candidates[place].end()) {
+        choices.push_back(k);
+      }
+    }
+  }
+  problem.covariance.bottomLeftCorner(rows - first, first) = problem.covariance.topRightCorner(first, rows - first).transpose();
+  return problem;
+}
+
+template <int Dim>
+Proposals MapMatching<Dim>::of_pair(std::size_t earlier, std::size_t later, const Open& open, double reach,
+                                    Matcher<Dim>& matcher) const {
+  std::set<FeatureIndex> known;
+  std::vector<std::size_t> places;
+  double confusable = 0.0;
+  for (std::size_t k = 0; k < open.features.size(); ++k) {
+    if (is_in(open.features[k], earlier)) continue;
+    bool has_candidate = false;
+    for (const Candidate& candidate : open.candidates[k]) {
+      if (!is_in(candidate.feature, earlier) || is_in(candidate.feature, later)) continue;
+      has_candidate = true;
+      known.insert(candidate.feature);
+      confusable = std::max(confusable, candidate.confusable);
+    }
+    if (has_candidate) places.push_back(k);
+  }
+  if (places.empty()) return {};
+  if (confusable > reach) return {{}, 1};
+  const std::vector<FeatureIndex> features(known.begin(), known.end());
+  PairingProblem<Dim> pairing = problem(features, places, open, earlier);
+  for (const FeatureIndex f : identities_.features_in(later)) pairing.surroundings.push_back(position(f));
+  const auto maps = static_cast<double>(identities_.map_count());
+  if (confusable > 1.0) pairing.log_tests = std::log(0.5 * maps * (maps - 1.0));
+  const std::vector<Match> matches = matcher(pairing);
+  Proposals proposals;
+  for (std::size_t s = 0; s < places.size(); ++s) {
+    if (!matches[s].known || matches[s].probability < confidence_) continue;
+    const FeatureIndex feature = open.features[places[s]];
+    proposals.probable.push_back({features[*matches[s].known], feature, matches[s], {earlier, later}, confusable});
+  }
+  return proposals;
+}
+
+/// Sightings of one map that were set aside, scan by scan, with what was seen more often or before.
+template <int Dim>
+Proposals MapMatching<Dim>::within(std::size_t map, const Open& open, Matcher<Dim>& matcher) const {
+  std::map<std::size_t, std::vector<std::size_t>> scans;
+  for (std::size_t k = 0; k < open.features.size(); ++k) {
+    const auto sightings = identities_.sightings_of(open.features[k]);
+    if (sightings.size() == 1) scans[identities_.sighting(sightings.front()).scan].push_back(k);
+  }
+  Proposals proposals;
+  for (const auto& [scan, set_aside] : scans) {
+    std::set<FeatureIndex> known;
+    std::vector<std::size_t> places;
+    for (const std::size_t k : set_aside) {
+      const std::size_t before = known.size();
+      for (const Candidate& candidate : open.candidates[k]) {
+        const bool is_known = identities_.sightings_of(candidate.feature).size() > 1 || candidate.feature < open.features[k];
+        if (is_known && is_in(candidate.feature, map)) known.insert(candidate.feature);
+      }
+      if (known.size() > before) places.push_back(k);
+    }
+    if (places.empty()) continue;
+    const std::vector<FeatureIndex> features(known.begin(), known.end());
+    const std::vector<Match> matches = matcher(problem(features, places, open, map));
+    for (std::size_t s = 0; s < places.size(); ++s) {
+      if (!matches[s].known || matches[s].probability < confidence_) continue;
+      proposals.probable.push_back({features[*matches[s].known], open.features[places[s]], matches[s], {map, map}, 0.0});
+    }
+  }
+  return proposals;
+}
+
+template <int Dim>
+Proposals MapMatching<Dim>::of_map(std::size_t map, double reach, bool only_neighbours) const {
+  const Open open = open_features(map, only_neighbours);
+  std::set<std::size_t> earlier;
+  for (const auto& candidates : open.candidates) {
+    for (const Candidate& candidate : candidates) {
+      for (const std::size_t s : identities_.sightings_of(candidate.feature)) earlier.insert(identities_.sighting(s).map);
+    }
+  }
+  Matcher<Dim> matcher(density_, method_, confidence_, static_cast<double>(identities_.sighting_count()));
+  Proposals proposals = within(map, open, matcher);
+  for (const std::size_t other : earlier) {
+    if (other >= map || (only_neighbours && other + 1 < map)) continue;
+    const Proposals more = of_pair(other, map, open, reach, matcher);
+    proposals.probable.insert(proposals.probable.end(), more.probable.begin(), more.probable.end());
+    proposals.beyond_reach += more.beyond_reach;
+  }
+  return proposals;
+}
+
+template <int Dim>
+Proposals MapMatching<Dim>::propose(double reach, bool only_neighbours, const std::stop_token& stop) const {
+  std::vector<Proposals> of_maps(identities_.map_count());
+  parallel_for(of_maps.size(), [&](std::size_t map) {
+    if (!stop.stop_requested()) of_maps[map] = of_map(map, reach, only_neighbours);
+  });
+  Proposals all;
+  for (const Proposals& some : of_maps) {
+    all.probable.insert(all.probable.end(), some.probable.begin(), some.probable.end());
+    all.beyond_reach += some.beyond_reach;
+  }
+  return all;
+}
+
+template class MapMatching<2>;
+template class MapMatching<3>;
+
+}  // namespace mapjoin

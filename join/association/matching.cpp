@@ -1,0 +1,214 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <mapjoin/join/association/matching.hpp>
+#include <utility>
+
+namespace mapjoin {
+namespace {
+
+/// Branches that are followed from sighting to sighting.
+constexpr std::size_t kMostBranches = 40;
+/// Placements that are compared.
+constexpr std::size_t kMostPlacements = 8;
+/// Points count as the same under a shift within this quantile of their distance.
+constexpr double kSamePoint = 0.99;
+
+double probability_of(double log_odds) {
+  return 1.0 / (1.0 + std::exp(-log_odds));
+}
+
+/// How many of the points fall onto one of them when all are shifted.
+template <int Dim>
+std::size_t coincident(const std::vector<Point<Dim>>& points, const Point<Dim>& shift, double tolerance2) {
+  return static_cast<std::size_t>(std::ranges::count_if(points, [&](const Point<Dim>& p) {
+    return std::ranges::any_of(points, [&](const Point<Dim>& q) { return (p + shift - q).squaredNorm() < tolerance2; });
+  }));
+}
+
+}  // namespace
+
+template <int Dim>
+Matcher<Dim>::Matcher(const NeighbourDensity<Dim>& density, AssociationMethod method, double confidence, double decisions)
+    : density_(density),
+      method_(method),
+      gates_(method == AssociationMethod::kNearest ? confidence : 1.0 - (1.0 - confidence) / std::max(1.0, decisions)) {}
+
+/// The sightings that have candidates: those of the fewest and most certain first.
+template <int Dim>
+std::vector<std::size_t> Matcher<Dim>::in_order(const PairingProblem<Dim>& problem, std::vector<Match>& matches) {
+  std::vector<std::pair<std::size_t, double>> rank(matches.size(), {0, std::numeric_limits<double>::infinity()});
+  std::vector<std::size_t> order;
+  for (std::size_t s = 0; s < matches.size(); ++s) {
+    for (const std::size_t known : problem.choices[s]) {
+      const Pairing pairing{known, s};
+      const auto alone = Hypothesis<Dim>(problem).extension(pairing, density_, gates_);
+      if (!alone) continue;
+      ++rank[s].first;
+      rank[s].second = std::min(rank[s].second, alone->covariance.determinant());
+    }
+    matches[s].candidates = rank[s].first;
+    if (rank[s].first > 0) order.push_back(s);
+  }
+  std::ranges::stable_sort(order, {}, [&](std::size_t s) { return rank[s]; });
+  return order;
+}
+
+template <int Dim>
+Hypothesis<Dim> Matcher<Dim>::best(const PairingProblem<Dim>& problem, const std::vector<std::size_t>& order,
+                                   const Forbidden& forbidden) {
+  std::vector<Hypothesis<Dim>> branches(1, Hypothesis<Dim>(problem));
+  struct Branch {
+    std::size_t from;
+    std::optional<Extension<Dim>> extension;
+    double score;
+  };
+  for (const std::size_t sighting : order) {
+    std::vector<Branch> next;
+    for (std::size_t from = 0; from < branches.size(); ++from) {
+      next.push_back({from, std::nullopt, branches[from].score()});
+      for (const std::size_t known : problem.choices[sighting]) {
+        if (std::ranges::find(forbidden[sighting], known) != forbidden[sighting].end() || branches[from].takes(known)) continue;
+        auto extension = branches[from].extension({known, sighting}, density_, gates_);
+        if (extension) next.push_back({from, std::move(extension), branches[from].score() + extension->gain});
+      }
+    }
+    const auto most = next.begin() + static_cast<std::ptrdiff_t>(std::min(kMostBranches, next.size()));
+    std::ranges::stable_sort(next, std::greater<>(), &Branch::score);
+    std::vector<Hypothesis<Dim>> followed;
+    for (auto branch = next.begin(); branch != most; ++branch) {
+      followed.push_back(branches[branch->from]);
+      if (branch->extension) followed.back().extend(*branch->extension);
+    }
+    branches = std::move(followed);
+  }
+  return std::move(branches.front());
+}
+
+/// The best hypothesis, then the best ones that share no pairing with those before them and explain half as much as the first,
+/// with what they leave of it.
+template <int Dim>
+std::vector<Hypothesis<Dim>> Matcher<Dim>::placements(const PairingProblem<Dim>& problem,
+                                                      const std::vector<std::size_t>& order) {
+  std::vector<Hypothesis<Dim>> found;
+  Forbidden forbidden(problem.sightings.size());
+  while (found.size() < kMostPlacements) {
+    Hypothesis<Dim> next = best(problem, order, forbidden);
+    const std::size_t pairings = next.pairings().size();
+    if (pairings == 0 || (!found.empty() && 2 * pairings < found.front().pairings().size())) break;
+    for (const Pairing& p : next.pairings()) forbidden[p.sighting].push_back(p.known);
+    if (!found.empty()) next.extend_by(found.front().pairings(), density_, gates_);
+    found.push_back(std::move(next));
+  }
+  return found;
+}
+
+template <int Dim>
+bool Matcher<Dim>::contradicts(const Hypothesis<Dim>& other, const Pairing& pairing) {
+  const auto known = other.known_of(pairing.sighting);
+  if (known) return known != pairing.known;
+  return other.takes(pairing.known) || !other.extension(pairing, density_, gates_);
+}
+
+template <int Dim>
+Hypothesis<Dim> Matcher<Dim>::without(const PairingProblem<Dim>& problem, const Hypothesis<Dim>& all, const Pairing& pairing) {
+  Hypothesis<Dim> others(problem);
+  std::vector<Pairing> rest = all.pairings();
+  std::erase(rest, pairing);
+  others.extend_by(rest, density_, gates_);
+  return others;
+}
+
+/// The odds of all shifts together under which half of the surroundings fall onto themselves, beside none.
+template <int Dim>
+double Matcher<Dim>::odds_of_shifts(const PairingProblem<Dim>& problem, const Hypothesis<Dim>& best, double tolerance2) const {
+  const auto& points = problem.surroundings;
+  std::vector<Point<Dim>> shifts;
+  double odds = 0.0;
+  for (const auto& from : points) {
+    for (const auto& to : points) {
+      const Point<Dim> shift = to - from;
+      const auto is_near = [&](const Point<Dim>& other) { return (other - shift).squaredNorm() < tolerance2; };
+      if (is_near(Point<Dim>::Zero()) || std::ranges::any_of(shifts, is_near)) continue;
+      if (2 * coincident(points, shift, tolerance2) < points.size()) continue;
+      shifts.push_back(shift);
+      odds += std::exp(-0.5 * best.growth(shift));
+    }
+  }
+  return odds;
+}
+
+template <int Dim>
+void Matcher<Dim>::match_jointly(const PairingProblem<Dim>& problem, const std::vector<std::size_t>& order,
+                                 std::vector<Match>& matches) {
+  const std::vector<Hypothesis<Dim>> found = placements(problem, order);
+  if (found.empty()) return;
+  const Hypothesis<Dim>& best = found.front();
+  std::vector<std::optional<Extension<Dim>>> given_others;
+  double spread = 0.0;  // of a pairing given the others
+  for (const Pairing& pairing : best.pairings()) {
+    given_others.push_back(without(problem, best, pairing).extension(pairing, density_, gates_));
+    if (given_others.back()) spread = std::max(spread, given_others.back()->covariance.trace() / Dim);
+  }
+  const double shifts = odds_of_shifts(problem, best, spread * chi_squared_quantile(kSamePoint, Dim));
+  const double not_by_chance = probability_of(best.score() - problem.log_tests);
+  for (std::size_t k = 0; k < best.pairings().size(); ++k) {
+    const Pairing& pairing = best.pairings()[k];
+    double others = shifts;
+    for (auto other = found.begin() + 1; other != found.end(); ++other) {
+      if (contradicts(*other, pairing)) others += std::exp(0.5 * (best.excess() - other->excess()));
+    }
+    Match& match = matches[pairing.sighting];
+    match.known = pairing.known;
+    match.score = best.score();
+    const double not_new = given_others[k] ? probability_of(given_others[k]->gain) : 0.0;
+    match.probability = not_by_chance * not_new / (1.0 + others);
+  }
+}
+
+template <int Dim>
+void Matcher<Dim>::match_nearest(const PairingProblem<Dim>& problem, std::vector<Match>& matches) const {
+  struct Pair {
+    double squared_distance;
+    Pairing pairing;
+  };
+  std::vector<Pair> pairs;
+  ChiSquaredQuantiles gates = gates_;
+  for (std::size_t s = 0; s < matches.size(); ++s) {
+    for (const std::size_t known : problem.choices[s]) {
+      const auto alone = Hypothesis<Dim>(problem).extension({known, s}, density_, gates);
+      if (alone) pairs.push_back({alone->squared_distance(), {known, s}});
+    }
+  }
+  std::ranges::stable_sort(pairs, {}, &Pair::squared_distance);
+  std::vector<bool> is_taken(problem.known.size(), false);
+  for (const auto& [squared_distance, pairing] : pairs) {
+    if (is_taken[pairing.known] || matches[pairing.sighting].known) continue;
+    is_taken[pairing.known] = true;
+    matches[pairing.sighting].known = pairing.known;
+    matches[pairing.sighting].probability = 1.0;
+  }
+}
+
+template <int Dim>
+std::vector<Match> Matcher<Dim>::operator()(const PairingProblem<Dim>& problem) {
+  std::vector<Match> matches(problem.sightings.size());
+  const std::vector<std::size_t> order = in_order(problem, matches);
+  if (method_ == AssociationMethod::kNearest) {
+    match_nearest(problem, matches);
+  } else {
+    match_jointly(problem, order, matches);
+  }
+  for (std::size_t s = 0; s < matches.size(); ++s) {
+    if (!matches[s].known) continue;
+    const auto alone = Hypothesis<Dim>(problem).extension({*matches[s].known, s}, density_, gates_);
+    matches[s].squared_distance = alone->squared_distance();
+  }
+  return matches;
+}
+
+template class Matcher<2>;
+template class Matcher<3>;
+
+}  // namespace mapjoin

@@ -1,0 +1,31 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+// How densely features lie, learnt from what is seen at once.
+
+#include <mapjoin/geometry/pose.hpp>
+#include <span>
+#include <vector>
+
+namespace mapjoin {
+
+/// The density of other features around a feature, by its mean over discs of any radius (Ripley's K-function). Points that one
+/// pose or one local map sees at once are different features: trees hardly ever stand half a metre apart, so that a sighting so
+/// near to a known tree is hardly of another one.
+template <int Dim>
+class NeighbourDensity {
+ public:
+  /// Each set holds points of different features, in any frame (m).
+  explicit NeighbourDensity(std::span<const std::vector<Point<Dim>>> sets);
+
+  /// The logarithm of the density (1/m in the power of Dim) of other features within a distance of a feature. Where hardly any
+  /// were seen it is as if there were one more pair, and never more than the density over whole sets.
+  double log_within(double distance) const;
+  double overall() const { return overall_; }
+
+ private:
+  std::vector<double> distances_;  // of pairs, ascending
+  double points_ = 0.0;
+  double overall_ = 0.0;  // density over whole sets
+};
+
+}  // namespace mapjoin

@@ -1,0 +1,47 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <algorithm>
+#include <cstdint>
+#include <mapjoin/join/association/point_tree.hpp>
+#include <nanoflann.hpp>
+
+namespace mapjoin {
+
+template <int Dim>
+struct PointTree<Dim>::Tree {
+  using Rows = Eigen::Matrix<double, Eigen::Dynamic, Dim>;
+  using Adaptor = nanoflann::KDTreeEigenMatrixAdaptor<Rows, Dim>;
+
+  static Rows rows_of(std::span<const Point<Dim>> points) {
+    Rows rows(static_cast<Eigen::Index>(points.size()), Dim);
+    for (std::size_t k = 0; k < points.size(); ++k) rows.row(static_cast<Eigen::Index>(k)) = points[k].transpose();
+    return rows;
+  }
+  explicit Tree(std::span<const Point<Dim>> points) : rows(rows_of(points)), adaptor(Dim, rows) {}
+
+  Rows rows;
+  Adaptor adaptor;
+};
+
+template <int Dim>
+PointTree<Dim>::PointTree(std::span<const Point<Dim>> points) {
+  if (!points.empty()) tree_ = std::make_unique<Tree>(points);
+}
+
+template <int Dim>
+PointTree<Dim>::~PointTree() = default;
+
+template <int Dim>
+std::vector<std::size_t> PointTree<Dim>::within(const Point<Dim>& centre, double distance) const {
+  std::vector<std::size_t> places;
+  if (!tree_) return places;
+  std::vector<std::pair<Eigen::Index, double>> found;
+  tree_->adaptor.index->radiusSearch(centre.data(), distance * distance, found, nanoflann::SearchParams());
+  for (const auto& near : found) places.push_back(static_cast<std::size_t>(near.first));
+  std::ranges::sort(places);
+  return places;
+}
+
+template class PointTree<2>;
+template class PointTree<3>;
+
+}  // namespace mapjoin

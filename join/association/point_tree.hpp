@@ -1,0 +1,28 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+// Points near a point, by a k-d tree.
+
+#include <Eigen/Core>
+#include <mapjoin/geometry/pose.hpp>
+#include <memory>
+#include <span>
+#include <vector>
+
+namespace mapjoin {
+
+/// A k-d tree of points, which it copies.
+template <int Dim>
+class PointTree {
+ public:
+  explicit PointTree(std::span<const Point<Dim>> points);
+  ~PointTree();
+
+  /// The places of all points within a distance, ascending.
+  std::vector<std::size_t> within(const Point<Dim>& centre, double distance) const;
+
+ private:
+  struct Tree;
+  std::unique_ptr<Tree> tree_;
+};
+
+}  // namespace mapjoin

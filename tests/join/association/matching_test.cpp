@@ -1,0 +1,127 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <gtest/gtest.h>
+
+#include <mapjoin/join/association/matching.hpp>
+#include <numeric>
+
+namespace mapjoin {
+namespace {
+
+using Points = std::vector<Point<2>>;
+
+/// Sightings whose errors are independent but for one shift of all of them.
+PairingProblem<2> problem_of(const Points& known, const Points& sightings, double deviation, double deviation_of_shift) {
+  PairingProblem<2> problem;
+  problem.known = known;
+  problem.sightings = sightings;
+  problem.surroundings = sightings;
+  const auto points = known.size() + sightings.size();
+  problem.covariance = Eigen::MatrixXd::Identity(2 * static_cast<Eigen::Index>(points), 2 * static_cast<Eigen::Index>(points));
+  problem.covariance *= deviation * deviation;
+  for (std::size_t i = known.size(); i < points; ++i) {
+    for (std::size_t j = known.size(); j < points; ++j) {
+      problem.covariance.block<2, 2>(2 * static_cast<Eigen::Index>(i), 2 * static_cast<Eigen::Index>(j)).diagonal().array() +=
+          deviation_of_shift * deviation_of_shift;
+    }
+  }
+  std::vector<std::size_t> all(known.size());
+  std::iota(all.begin(), all.end(), std::size_t{0});
+  problem.choices.assign(sightings.size(), all);
+  return problem;
+}
+
+Points shifted(Points points, const Point<2>& shift) {
+  for (auto& p : points) p += shift;
+  return points;
+}
+
+const Points kTrees = {{0.0, 0.0}, {1.6, 0.3}, {3.9, -0.4}, {5.2, 2.8}, {1.1, 4.7}, {7.9, 1.2}};
+
+std::vector<Match> matches_of(const PairingProblem<2>& problem, AssociationMethod method = AssociationMethod::kJcbb) {
+  const std::vector<Points> sets = {problem.known};
+  const NeighbourDensity<2> density(sets);
+  return Matcher<2>(density, method, 0.99, 100.0)(problem);
+}
+
+TEST(MatcherTest, FindsAShiftTogetherThatMisleadsNearestNeighbours) {
+  // Off by a metre together, so that the second tree is seen where the first one is known, nearly.
+  const auto problem = problem_of(kTrees, shifted(kTrees, {-1.4, -0.2}), 0.05, 1.0);
+  const auto together = matches_of(problem);
+  for (std::size_t s = 0; s < kTrees.size(); ++s) {
+    EXPECT_EQ(together[s].known, s);
+    EXPECT_GT(together[s].probability, 0.99);
+  }
+  EXPECT_NE(matches_of(problem, AssociationMethod::kNearest)[1].known, 1U);
+}
+
+TEST(MatcherTest, SetsAsideWhatCouldBeEitherOfTwo) {
+  const auto problem = problem_of({{0.0, 0.0}, {0.5, 0.0}, {4.0, 4.0}, {-3.0, 2.0}}, {{0.25, 0.0}, {4.0, 4.0}}, 0.1, 0.01);
+  const auto matches = matches_of(problem);
+  EXPECT_LT(matches[0].probability, 0.6);
+  EXPECT_EQ(matches[0].candidates, 2U);
+  EXPECT_EQ(matches[1].known, 2U);
+  EXPECT_GT(matches[1].probability, 0.99);
+}
+
+TEST(MatcherTest, LeavesWhatIsFarFromAllWithoutAnyCandidate) {
+  const auto matches = matches_of(problem_of(kTrees, {{20.0, 20.0}}, 0.1, 0.1));
+  EXPECT_FALSE(matches[0].known);
+  EXPECT_EQ(matches[0].candidates, 0U);
+}
+
+TEST(MatcherTest, IsNotSureOfAPlaceInARegularPlantationThatItDoesNotKnowToHalfAStep) {
+  Points grid;
+  for (int x = 0; x < 4; ++x) {
+    for (int y = 0; y < 4; ++y) grid.emplace_back(3.0 * x, 3.0 * y);
+  }
+  // Where it is known well enough all are found, else none though all would fit.
+  for (const Match& match : matches_of(problem_of(grid, shifted(grid, {0.2, 0.1}), 0.05, 0.3)))
+    EXPECT_GT(match.probability, 0.99);
+  for (const Match& match : matches_of(problem_of(grid, shifted(grid, {0.2, 0.1}), 0.05, 2.0)))
+    EXPECT_LT(match.probability, 0.9);
+}
+
+TEST(MatcherTest, AsksForMoreWhereChanceHasManyTries) {
+  auto problem = problem_of(kTrees, {kTrees[0], kTrees[3], kTrees[4]}, 0.05, 1.0);
+  problem.surroundings.clear();
+  EXPECT_GT(matches_of(problem)[0].probability, 0.99);
+  problem.log_tests = 25.0;
+  EXPECT_LT(matches_of(problem)[0].probability, 0.99);
+}
+
+TEST(HypothesisTest, CountsTheSquaredDistanceOfAllDifferencesTogether) {
+  const auto problem = problem_of(kTrees, shifted(kTrees, {0.1, -0.2}), 0.1, 0.3);
+  const std::vector<Points> sets = {kTrees};
+  const NeighbourDensity<2> density(sets);
+  ChiSquaredQuantiles gates(0.9999);
+  Hypothesis<2> hypothesis(problem);
+  Eigen::MatrixXd J = Eigen::MatrixXd::Zero(6, 24);
+  Eigen::VectorXd d(6);
+  for (const std::size_t k : {0U, 1U, 2U}) {
+    const auto row = 2 * static_cast<Eigen::Index>(k);
+    hypothesis.extend(*hypothesis.extension({k, k}, density, gates));
+    d.segment<2>(row) = problem.difference({k, k});
+    J.block<2, 2>(row, row).setIdentity();
+    J.block<2, 2>(row, 12 + row) = -Eigen::Matrix2d::Identity();
+  }
+  const Eigen::MatrixXd S = J * problem.covariance * J.transpose();
+  EXPECT_NEAR(hypothesis.squared_distance(), d.dot(S.ldlt().solve(d)), 1e-9);
+  Eigen::VectorXd moved = d;
+  for (Eigen::Index k = 0; k < 6; k += 2) moved.segment<2>(k) += Point<2>(0.4, 0.1);
+  EXPECT_NEAR(hypothesis.growth({0.4, 0.1}), moved.dot(S.ldlt().solve(moved)) - d.dot(S.ldlt().solve(d)), 1e-9);
+}
+
+TEST(NeighbourDensityTest, KnowsThatFeaturesKeepTheirDistance) {
+  Points grid;
+  for (int x = 0; x < 8; ++x) {
+    for (int y = 0; y < 8; ++y) grid.emplace_back(3.0 * x, 3.0 * y);
+  }
+  const std::vector<Points> sets(20, grid);
+  const NeighbourDensity<2> density(sets);
+  EXPECT_NEAR(density.overall(), 1.0 / 9.0, 0.03);
+  EXPECT_LT(density.log_within(1.0), std::log(0.01 * density.overall()));
+  EXPECT_NEAR(density.log_within(10.0), std::log(density.overall()), 0.5);
+}
+
+}  // namespace
+}  // namespace mapjoin

@@ -1,0 +1,93 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <gtest/gtest.h>
+
+#include <mapjoin/join/association/feature_filter.hpp>
+#include <mapjoin/join/association/tracking.hpp>
+#include <mapjoin/model/log_builder.hpp>
+#include <tests/support/dimensions.hpp>
+#include <tests/support/small_world.hpp>
+
+namespace mapjoin {
+namespace {
+
+template <typename D>
+class FeatureFilterTest : public ::testing::Test {};
+TYPED_TEST_SUITE(FeatureFilterTest, testing::Dimensions);
+
+TYPED_TEST(FeatureFilterTest, FollowsFeaturesInTheFrameOfTheRobot) {
+  constexpr int kDim = TypeParam::value;
+  testing::Random random(3);
+  const Pose<kDim> step = random.pose<kDim>(1.0, 0.4);
+  const Point<kDim> p = random.vector<kDim>(3.0);
+  const PoseMatrix<kDim> W = 100.0 * random.information<kPoseDof<kDim>>();
+  const FeatureFactor<kDim> seen{0, 0, p, 1e4 * PointMatrix<kDim>::Identity()};
+  FeatureFilter<kDim> forward;
+  forward.add(seen);
+  forward.move({0, 1, step, W});
+  EXPECT_LT((forward.features()[0] - transform_into<kDim>(step, p)).norm(), 1e-12);
+
+  // The same step stored against its direction, to first order.
+  PoseMatrix<kDim> J;
+  const Pose<kDim> back = inverse(step, &J);
+  const PoseMatrix<kDim> J_inverse = J.inverse();
+  FeatureFilter<kDim> backward;
+  backward.add(seen);
+  backward.move({1, 0, back, J_inverse.transpose() * W * J_inverse});
+  EXPECT_LT((backward.features()[0] - forward.features()[0]).norm(), 1e-12);
+  EXPECT_LT((backward.covariance() - forward.covariance()).norm(), 1e-7 * forward.covariance().norm());
+}
+
+TYPED_TEST(FeatureFilterTest, LearnsOfAllFeaturesByOne) {
+  constexpr int kDim = TypeParam::value;
+  FeatureFilter<kDim> filter;
+  const PointMatrix<kDim> precise = 1e6 * PointMatrix<kDim>::Identity();
+  const Point<kDim> p = Point<kDim>::Constant(1.0);
+  filter.add({0, 0, p, precise});
+  filter.add({0, 1, 1.1 * p, precise});
+  PoseMatrix<kDim> W = PoseMatrix<kDim>::Identity();
+  W.template bottomRightCorner<kRotationDof<kDim>, kRotationDof<kDim>>() *= 1e9;  // it does not turn
+  filter.move({0, 1, {}, W});
+  const double before = filter.covariance().trace();
+  const Point<kDim> shift = Point<kDim>::Constant(0.3);
+  filter.update(0, {1, 0, p + shift, precise});
+  EXPECT_LT(filter.covariance().trace(), 1e-3 * before);
+  EXPECT_LT((filter.features()[1] - (1.1 * p + shift)).norm(), 1e-3);
+}
+
+/// The features of the observations of a log whose poses stand still, with `deviation` of odometry and observations (m).
+std::vector<std::size_t> labels_of(const std::vector<std::vector<Point<2>>>& scans, double deviation) {
+  LogBuilder<2> builder("standing");
+  const double w = 1.0 / (deviation * deviation);
+  std::uint64_t name = 0;
+  for (std::uint64_t pose = 0; pose < scans.size(); ++pose) {
+    builder.add_pose({0, pose});
+    if (pose > 0) builder.add_pose_edge({0, pose - 1}, {0, pose}, {}, 1e3 * w * PoseMatrix<2>::Identity());
+    for (const auto& p : scans[pose]) builder.add_observation({0, pose}, {name++}, p, w * PointMatrix<2>::Identity());
+  }
+  const Log<2> log = std::move(builder).finish().value();
+  const NeighbourDensity<2> density(scans);
+  Matcher<2> matcher(density, AssociationMethod::kJcbb, 0.99, 10.0);
+  Split parts = split(log, {SplitRule::kPoses, 100.0});
+  std::vector<std::size_t> labels;
+  for (const Tracked& tracked : track(segment_view(log, parts, parts.segments[0]), matcher, 0.99))
+    labels.push_back(tracked.feature);
+  return labels;
+}
+
+const std::vector<Point<2>> kTrees = {{3.0, 0.0}, {6.0, 2.0}, {4.0, -5.0}, {8.0, 4.0}};
+
+TEST(TrackTest, StartsATentativeFeatureWhereNoneWasAndGoesOnWithIt) {
+  const auto labels = labels_of({kTrees, {{3.0, 0.02}, {15.0, 15.0}}, {{15.02, 15.0}, {6.0, 2.01}}}, 0.05);
+  EXPECT_EQ(labels, (std::vector<std::size_t>{0, 1, 2, 3, 0, 4, 4, 1}));
+}
+
+TEST(TrackTest, SetsAsideWhatCouldBeEitherAndGoesOnWithBoth) {
+  auto trees = kTrees;
+  trees.emplace_back(3.4, 0.0);
+  // In between the first tree and the last: of neither. The feature of its own that it makes misleads nothing after it.
+  const auto labels = labels_of({trees, {{3.2, 0.0}}, {{3.0, 0.0}, {3.4, 0.0}}}, 0.07);
+  EXPECT_EQ(labels, (std::vector<std::size_t>{0, 1, 2, 3, 4, 5, 0, 4}));
+}
+
+}  // namespace
+}  // namespace mapjoin

@@ -1,0 +1,35 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+// How well an association agrees with the names in its input, counted by pairs of sightings.
+
+#include <map>
+#include <mapjoin/join/association/associate.hpp>
+#include <utility>
+#include <vector>
+
+namespace mapjoin::testing {
+
+struct PairScore {
+  double precision = 1.0;  ///< Of the pairs that were made one feature, the share of one name.
+  double recall = 1.0;     ///< Of the pairs of one name, the share that was made one feature.
+};
+
+inline PairScore pair_score(const std::vector<AssociatedSighting>& sightings) {
+  std::map<FeatureId, double> named;
+  std::map<FeatureId, double> joined;
+  std::map<std::pair<FeatureId, FeatureId>, double> both;
+  for (const AssociatedSighting& s : sightings) {
+    ++named[s.name];
+    ++joined[s.joined];
+    ++both[{s.name, s.joined}];
+  }
+  const auto pairs = [](const auto& counts) {
+    double sum = 0.0;
+    for (const auto& [key, count] : counts) sum += 0.5 * count * (count - 1.0);
+    return sum;
+  };
+  const auto share = [](double part, double whole) { return whole > 0.0 ? part / whole : 1.0; };
+  return {share(pairs(both), pairs(joined)), share(pairs(both), pairs(named))};
+}
+
+}  // namespace mapjoin::testing
