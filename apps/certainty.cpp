@@ -68,14 +68,14 @@ void put_parent(const GlobalMap<Dim>& map, PoseIndex parent, TextLine& line) {
     line.add("").add("");
   } else {
     const PoseId& id = map.pose_ids[parent];
-    line.add(id.session).add(id.key);
+    line.add(id.session).add(key_text(id.key));
   }
 }
 
 template <int Dim>
 void put_pose(const GlobalMap<Dim>& map, const MarginalCovariances<Dim>& marginals, PoseIndex pose, TextLine& line) {
   const PoseRelation<Dim>& relation = marginals.relations.poses[pose];
-  line.add("pose").add(map.pose_ids[pose].session).add(map.pose_ids[pose].key);
+  line.add("pose").add(map.pose_ids[pose].session).add(key_text(map.pose_ids[pose].key));
   put_parent(map, relation.parent, line);
   line.add(relation.value).template add_symmetric<kPoseDof<Dim>>(relation.covariance);
   line.add(position_deviation<Dim>(relation.covariance)).add(position_deviation<Dim>(marginals.poses[pose]));
@@ -86,7 +86,7 @@ void put_pose(const GlobalMap<Dim>& map, const MarginalCovariances<Dim>& margina
 template <int Dim>
 void put_feature(const GlobalMap<Dim>& map, const MarginalCovariances<Dim>& marginals, FeatureIndex feature, TextLine& line) {
   const FeatureRelation<Dim>& relation = marginals.relations.features[feature];
-  line.add("feature").add("").add(map.feature_ids[feature].key);
+  line.add("feature").add("").add(key_text(map.feature_ids[feature].key));
   put_parent(map, relation.parent, line);
   line.template add<Dim>(relation.value).add(Dim == 2 ? "" : ",,,");
   for (int i = 0; i < kPoseDof<Dim>; ++i) {

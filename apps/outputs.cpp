@@ -34,7 +34,9 @@ bool is_special(const fs::path& path) {
 }  // namespace
 
 NamedFiles inputs_of(const Options& options, const std::string& argument) {
-  return {{argument, options.input}, {"--truth", options.truth}};
+  NamedFiles files = {{argument, options.input}, {"--truth", options.truth}, {"--stamps", options.stamps}};
+  for (const fs::path& further : options.further) files.emplace_back("FURTHER", further);
+  return files;
 }
 
 NamedFiles report_of(const Options& options) {

@@ -16,7 +16,7 @@ namespace mapjoin::apps {
 /// Files by what the command takes them for, such as "--output".
 using NamedFiles = std::vector<std::pair<std::string, std::filesystem::path>>;
 
-/// The input, under the name of its argument, and the truth.
+/// The inputs, the first under the name of its argument, and the truth.
 NamedFiles inputs_of(const Options& options, const std::string& argument);
 /// The report, unless it goes to standard output.
 NamedFiles report_of(const Options& options);

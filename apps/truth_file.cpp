@@ -6,7 +6,9 @@
 #include <apps/truth_file.hpp>
 #include <cmath>
 #include <map>
-#include <mapjoin/io/open.hpp>
+#include <mapjoin/io/files/file_bytes.hpp>
+#include <mapjoin/io/formats/log_format.hpp>
+#include <mapjoin/io/formats/map_text.hpp>
 
 namespace mapjoin::apps {
 namespace {
@@ -22,33 +24,66 @@ Pose<Dim> in_dimension(const Pose<3>& pose) {
   }
 }
 
-/// The poses by the names that a trajectory has for them: their time stamps to the microsecond, or, where there are none, their
-/// count. A time was read as a floating-point number: it may be off by a microsecond.
+/// The poses by the names that a trajectory has for them: of each the line whose time is nearest to its time stamp, if near
+/// enough (s); or, where there are no time stamps, that of its count.
 template <int Dim>
 Table<PoseIndex, std::optional<Pose<Dim>>> by_time(const std::vector<StampedPose>& trajectory, std::size_t poses,
-                                                   const Table<PoseIndex, std::int64_t>& stamps_ns) {
-  const bool is_count = stamps_ns.empty();
+                                                   const Table<PoseIndex, std::int64_t>& stamps_ns, double most_apart) {
   Table<PoseIndex, std::optional<Pose<Dim>>> found(poses);
-  std::map<std::int64_t, PoseIndex> at;
-  for (const PoseIndex p : indices(found)) at.emplace(is_count ? p.value : stamps_ns[p] / 1000, p);
-  for (const StampedPose& line : trajectory) {
-    const auto time = is_count ? static_cast<std::int64_t>(std::floor(line.time)) : std::llround(1e6 * line.time);
-    for (const std::int64_t off : {-1, 1, 0}) {
-      const auto pose = at.find(is_count ? time : time + off);
-      if (pose != at.end()) found[pose->second] = in_dimension<Dim>(line.pose);
+  if (stamps_ns.empty()) {
+    for (const StampedPose& line : trajectory) {
+      const double count = std::floor(line.time);
+      if (count >= 0.0 && count < static_cast<double>(poses)) {
+        found[PoseIndex(static_cast<std::size_t>(count))] = in_dimension<Dim>(line.pose);
+      }
     }
+    return found;
+  }
+  std::map<double, const StampedPose*> lines;
+  for (const StampedPose& line : trajectory) lines.emplace(line.time, &line);
+  for (const PoseIndex p : indices(found)) {
+    const double time = 1e-9 * static_cast<double>(stamps_ns[p]);
+    const auto apart = [&](const auto& line) { return std::abs(line.first - time); };
+    auto nearest = lines.lower_bound(time);
+    if (nearest == lines.end() || (nearest != lines.begin() && apart(*std::prev(nearest)) <= apart(*nearest))) {
+      if (nearest == lines.begin()) continue;
+      --nearest;
+    }
+    if (apart(*nearest) <= most_apart) found[p] = in_dimension<Dim>(nearest->second->pose);
   }
   return found;
 }
 
+/// A trajectory of KITTI's, which counts its poses.
+std::vector<StampedPose> counted(const AnyLog& log) {
+  std::vector<StampedPose> trajectory;
+  std::visit(
+      [&](const auto& any) {
+        for (const auto& pose : any.initial.poses)
+          trajectory.push_back({static_cast<double>(trajectory.size()), in_space(pose)});
+      },
+      log);
+  return trajectory;
+}
+
 }  // namespace
 
-TruthFile::TruthFile(const std::filesystem::path& path) : path_(path.string()) {
+TruthFile::TruthFile(const std::filesystem::path& path, double most_apart) : path_(path.string()), most_apart_(most_apart) {
   if (extension_of(path) == ".tum") {
     content_ = read_tum(path).value();
     return;
   }
-  const AnyLog& log = content_.emplace<AnyLog>(open_log(path).value());
+  const FileBytes bytes = FileBytes::read(path).value();
+  const TextScanner text(path_, bytes.view());
+  if (is_tum_line(text)) {
+    content_ = read_tum(path).value();
+    return;
+  }
+  if (is_kitti_line(text)) {
+    content_ = counted(read_kitti_log(text, {}).value());
+    return;
+  }
+  const AnyLog& log = content_.emplace<AnyLog>(mapjoin::read_log(bytes.view(), path_, {}).value());
   const bool has_values = std::visit([](const auto& any) { return !any.initial.poses.empty(); }, log);
   if (!has_values) fail(ErrorKind::kBadInput, path_ + ": as a truth it would have to give the values of its poses");
 }
@@ -57,11 +92,27 @@ template <int Dim>
 Truth<Dim> TruthFile::of(const PoseIds& poses, const FeatureIds& features,
                          const Table<PoseIndex, std::int64_t>& stamps_ns) const {
   if (const auto* trajectory = std::get_if<std::vector<StampedPose>>(&content_)) {
-    return {by_time<Dim>(*trajectory, poses.size(), stamps_ns), {features.size(), std::nullopt}};
+    return {by_time<Dim>(*trajectory, poses.size(), stamps_ns, most_apart_), {features.size(), std::nullopt}};
   }
   const auto* log = std::get_if<Log<Dim>>(&std::get<AnyLog>(content_));
   if (!log) fail(ErrorKind::kUsage, fmt::format("{}: the truth is not in {}D, as the map is", path_, Dim));
   return {by_name(log->poses, log->initial.poses, poses), by_name(log->features, log->initial.features, features)};
+}
+
+std::vector<std::pair<PoseIndex, PoseIndex>> TruthFile::relations(const PoseIds& poses) const {
+  std::vector<std::pair<PoseIndex, PoseIndex>> pairs;
+  if (const auto* log = std::get_if<AnyLog>(&content_)) {
+    const IndexOf index_of(poses);
+    const auto add = [&](const auto& any) {
+      for (const auto& edge : any.edges()) {
+        const auto base = index_of(any.poses[edge.base]);
+        const auto target = index_of(any.poses[edge.target]);
+        if (base && target) pairs.emplace_back(*base, *target);
+      }
+    };
+    std::visit(add, *log);
+  }
+  return pairs;
 }
 
 template Truth<2> TruthFile::of(const PoseIds&, const FeatureIds&, const Table<PoseIndex, std::int64_t>&) const;

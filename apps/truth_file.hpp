@@ -10,6 +10,7 @@
 #include <mapjoin/model/log.hpp>
 #include <optional>
 #include <string>
+#include <utility>
 #include <variant>
 #include <vector>
 
@@ -30,20 +31,24 @@ Table<Index, std::optional<Value>> by_name(const Table<Index, Id>& ids, const Ta
 /// What is read and asked of it may fail() (see exit_code.hpp).
 class TruthFile {
  public:
-  /// `.tum`: a trajectory; else a log whose file gives values (a g2o file with vertices; edges do not count).
-  explicit TruthFile(const std::filesystem::path& path);
+  /// A trajectory of TUM's or KITTI's; or a log whose file gives values: g2o or TORO with vertices, the CSV table of a map.
+  /// Times may be so far apart (s).
+  explicit TruthFile(const std::filesystem::path& path, double most_apart = 1e-6);
 
-  /// What it has of a map, or of a log, with these names: by name; the poses of a trajectory by their time stamps, to the
-  /// microsecond, or, where there are none, by their count. kUsage where the dimensions differ.
+  /// What it has of a map, or of a log, with these names: by name; the poses of a trajectory by their time stamps or, where
+  /// there are none, by their count. kUsage where the dimensions differ.
   template <int Dim>
   Truth<Dim> of(const PoseIds& poses, const FeatureIds& features, const Table<PoseIndex, std::int64_t>& stamps_ns) const;
   template <int Dim>
   Truth<Dim> of(const GlobalMap<Dim>& map) const {
     return of<Dim>(map.pose_ids, map.feature_ids, map.stamps_ns);
   }
+  /// The pairs of these poses that its edges tie.
+  std::vector<std::pair<PoseIndex, PoseIndex>> relations(const PoseIds& poses) const;
 
  private:
   std::string path_;
+  double most_apart_;
   std::variant<AnyLog, std::vector<StampedPose>> content_;
 };
 

@@ -255,6 +255,7 @@ void declare_check(Subcommand& command) {
   command.examples(kExamples);
   const auto options = std::make_shared<CheckOptions>();
   command.argument("FILE", options->input, "A log, a store, or a folder or archive of local maps");
+  add_further_logs(command, *options);
   command.choice("--estimate", options->estimate,
                  "Where residuals are weighed: at the joined map, as `mapjoin run` would find it; at the "
                  "file's own values; or nowhere, which is fastest");

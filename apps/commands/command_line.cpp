@@ -69,6 +69,7 @@ constexpr Command kCommands[] = {
     {"simulate", "A log with its truth", declare_simulate},
     {"info", "What is in a file", declare_info},
     {"check", "What could be wrong with a log, before it is joined", declare_check},
+    {"error", "How far a map or a trajectory is from the truth", declare_error},
     {"convert", "A log or local maps in another format", declare_convert},
 };
 

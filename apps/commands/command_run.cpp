@@ -8,7 +8,10 @@
 #include <apps/report/rejected.hpp>
 #include <apps/report/report.hpp>
 #include <apps/report/verdict.hpp>
+#include <mapjoin/check/connectivity.hpp>
 #include <mapjoin/io/files/output_file.hpp>
+#include <mapjoin/io/formats/stamps.hpp>
+#include <mapjoin/io/merged_maps.hpp>
 #include <utility>
 
 namespace mapjoin::apps {
@@ -73,20 +76,55 @@ CommandRun::CommandRun(const std::string& command, const Options& options, std::
 void CommandRun::prepare(const NamedFiles& outputs) {
   check_writable(outputs);
   if (options_.truth.empty()) return;
-  truth_ = timed(run_report.read_seconds, [&] { return TruthFile(options_.truth); });
+  truth_ = timed(run_report.read_seconds, [&] { return TruthFile(options_.truth, options_.truth_apart); });
 }
 
 AnyLog CommandRun::read_log() {
-  auto log = timed(run_report.read_seconds, [&] { return open_log(options_.input, options_.read); });
-  if (!log && may_hold_maps(options_.input)) {
+  return take_input(open_input());
+}
+
+AnyLog CommandRun::open_input() {
+  auto log = timed(run_report.read_seconds, [&] {
+    return open_logs(inputs(), options_.read, options_.merging).and_then([&](AnyLog&& any) {
+      return stamped(std::move(any)).map([&](AnyLog&& all) { return options_.parts == Parts::kLargest ? largest(all) : all; });
+    });
+  });
+  if (!log && std::ranges::any_of(inputs(), may_hold_maps)) {
     fail(ErrorKind::kBadInput,
          fmt::format("{}: not a log, but perhaps local maps, which `mapjoin join` takes", run_report.input));
   }
-  return take_input(std::move(log).value());
+  return std::move(log).value();
+}
+
+std::vector<std::filesystem::path> CommandRun::inputs() const {
+  std::vector<std::filesystem::path> all = {options_.input};
+  all.insert(all.end(), options_.further.begin(), options_.further.end());
+  return all;
+}
+
+AnyLog CommandRun::largest(const AnyLog& any) {
+  const auto take = [](const auto& log) -> AnyLog {
+    auto part = parts_of(log).front();
+    part.skipped = log.skipped;
+    part.unassociated = log.unassociated;
+    const auto left = static_cast<std::int64_t>(log.poses.size() - part.poses.size());
+    if (left > 0) part.skipped["poses of other parts"] = left;
+    return part;
+  };
+  return std::visit(take, any);
+}
+
+Expected<AnyLog> CommandRun::stamped(AnyLog any) const {
+  const auto stamp = [&](auto& log) -> Expected<void> {
+    if (options_.ids_are_nanoseconds) take_ids_as_stamps(log);
+    return options_.stamps.empty() ? Expected<void>() : read_stamps(options_.stamps, log);
+  };
+  return std::visit(stamp, any).map([&] { return std::move(any); });
 }
 
 AnyMaps CommandRun::read_maps() {
-  return take_input(timed(run_report.read_seconds, [&] { return open_maps(options_.input, options_.read); }).value());
+  return take_input(
+      timed(run_report.read_seconds, [&] { return open_several_maps(inputs(), options_.read, options_.merging); }).value());
 }
 
 template <typename Input>
@@ -168,6 +206,7 @@ void CommandRun::take(RunResult<Dim>& result) {
     fail(ErrorKind::kBadInput, run_report.input + ": its numbers are too large: the map is not finite");
   }
   certify(result);
+  if (truth_) run_report.errors = errors_of(result.map, *truth_);
   check_interrupted();
 }
 

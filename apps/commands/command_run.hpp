@@ -34,7 +34,11 @@ class CommandRun {
 
   /// Before the work: that the outputs can be written, and what the truth is, where there is one.
   void prepare(const NamedFiles& outputs);
-  /// The input as a log, with the weights asked for.
+  /// Once prepared, where one is given.
+  const TruthFile& truth() const { return *truth_; }
+  /// The inputs as one log, as they are,
+  AnyLog open_input();
+  /// and with the weights asked for.
   AnyLog read_log();
   /// The input as local maps; those of a store have the weights that they were built with (kUsage where others are asked
   /// for), others those asked for.
@@ -83,6 +87,11 @@ class CommandRun {
   void associate_features(Data& data);
   template <int Dim>
   void associate_features(StoredMaps<Dim>& stored);
+  std::vector<std::filesystem::path> inputs() const;
+  /// The largest part of a log.
+  static AnyLog largest(const AnyLog& any);
+  /// With the times that the options give its poses.
+  Expected<AnyLog> stamped(AnyLog any) const;
   /// Leaves out what --robust finds wrong in a log or a set of local maps; kUsage of a store, whose maps are built.
   template <typename Input>
   void reject_outliers(Input& input);

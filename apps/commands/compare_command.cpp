@@ -7,6 +7,7 @@
 #include <apps/commands/command_run.hpp>
 #include <apps/commands/subcommand.hpp>
 #include <apps/report/compare_report.hpp>
+#include <apps/report/errors.hpp>
 #include <apps/report/report.hpp>
 #include <memory>
 #include <optional>
@@ -15,13 +16,6 @@
 
 namespace mapjoin {
 
-static void to_json(apps::Json& json, const ErrorSummary& errors) {
-  json = {{"count", errors.count}};
-  json.update(apps::if_known(errors.count > 0, {{"rms", errors.rms}, {"max", errors.max}}));
-}
-static void to_json(apps::Json& json, const PoseErrorSummary& errors) {
-  json = {{"translation", errors.translation}, {"rotation", errors.rotation}};
-}
 static void to_json(apps::Json& json, const MapDifference& difference) {
   json = {{"poses", difference.poses}, {"features", difference.features}};
 }
@@ -221,6 +215,9 @@ void declare_compare(Subcommand& command) {
   command.examples(kExamples);
   const auto options = std::make_shared<CompareOptions>();
   command.argument("LOG", options->input, kLogFormats);
+  add_further_logs(command, *options);
+  add_parts(command, *options);
+  command.check([options] { return check_one_part(*options); });
   command.path("-o,--output", options->output, "DIR", "Write compare.json, compare.csv and compare.html into this folder");
   command.list("--poses-per-map", "N,N,...", "Cut the log into local maps after so many poses, each in its turn [5,20,60]",
                options->poses_per_map, poses_in,

@@ -36,7 +36,7 @@ std::string for_people(const Step& step) {
   const AddedUpdate& added = step.added;
   const std::string maps = step.count == 1 ? fmt::format("map {}", step.first)
                                            : fmt::format("maps {} to {}", step.first, step.first + step.count - 1);
-  const std::string poses = fmt::format("{} to {}", to_string(step.begin), step.end.key);
+  const std::string poses = fmt::format("{} to {}", to_string(step.begin), key_text(step.end.key));
   if (!added.is_joined) return fmt::format("{}, {}: waits, nothing ties it to the others yet\n", maps, poses);
   return fmt::format("{}, {}: moved {:.3f} m, {:.4f} rad; chi2 {:.2f}, dof {}; {} variables in {}{}\n", maps, poses,
                      added.metres, added.radians, added.chi2, added.dof, added.eliminated,

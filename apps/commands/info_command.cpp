@@ -92,6 +92,7 @@ void declare_info(Subcommand& command) {
   command.examples(kExamples);
   const auto options = std::make_shared<Options>();
   command.argument("FILE", options->input, "A log, a store, or a folder or archive of local maps");
+  add_further_logs(command, *options);
   add_reading(command, *options);
   command.act([options](const std::stop_token& stop) {
     CommandRun command_run("info", *options, stop);

@@ -4,19 +4,33 @@
 
 #include <apps/commands/subcommand.hpp>
 #include <filesystem>
+#include <mapjoin/io/read_options.hpp>
 #include <mapjoin/join/association/associate.hpp>
 #include <mapjoin/join/robust/inliers.hpp>
 #include <mapjoin/join/run.hpp>
 #include <mapjoin/model/log.hpp>
+#include <mapjoin/model/merged_logs.hpp>
 #include <optional>
 #include <string>
+#include <vector>
 
 namespace mapjoin::apps {
 
+/// What becomes of a log whose parts nothing ties together.
+enum class Parts : std::uint8_t { kRefuse, kLargest, kAll };
+constexpr auto enum_names(Parts) {
+  return std::to_array<EnumName<Parts>>({{Parts::kRefuse, "refuse"}, {Parts::kLargest, "largest"}, {Parts::kAll, "all"}});
+}
+
 struct Options {
   std::filesystem::path input;
-  std::filesystem::path output;  ///< Empty: none.
+  std::vector<std::filesystem::path> further;  ///< Inputs, each a session of its own.
+  std::filesystem::path output;                ///< Empty: none.
   ReadOptions read;
+  MergeOptions merging;          ///< Of several inputs.
+  std::filesystem::path stamps;  ///< A file of times; empty: none.
+  bool ids_are_nanoseconds = false;
+  Parts parts = Parts::kRefuse;
   Covariance covariance = Covariance::kOriginal;
   RunOptions run = without_verdict();
   double confidence = RobustOptions().confidence;  ///< Of the next two.
@@ -26,6 +40,7 @@ struct Options {
   bool covariances = false;                        ///< Write them.
   bool relations = false;                          ///< Write them.
   std::filesystem::path truth;                     ///< Empty: none.
+  double truth_apart = 1e-6;                       ///< Times of the map and of the truth may be (s).
   double most_memory_mb = 0.0;                     ///< For covariances; 0: as much as the machine has.
   int jobs = 0;                                    ///< Threads; 0: as many as there are processors.
   std::filesystem::path report;                    ///< Empty: none; "-": standard output.
@@ -53,8 +68,17 @@ void take_weights(const Options& options, Data& data) {
 /// How many threads the run works on.
 std::size_t thread_count(const Options& options);
 
-/// How the numbers of a log are taken: --g2o-error, --rotation-information, --repair-information, --covariance.
+/// How a log is read: --g2o-error, --rotation-information, --repair-information, --covariance, --from; and what is left out:
+/// --skip-unknown, --skip-self-edges, --skip-undeclared, --identity-where-missing.
 void add_reading(Subcommand& command, Options& options);
+/// Further inputs of this kind behind `input`, "logs" or "stores", and --features.
+void add_further(Subcommand& command, Options& options, const std::string& kind);
+/// --parts: refused or the largest; all of them, too, where the command makes a map of each.
+void add_parts(Subcommand& command, Options& options);
+/// Says where all parts are asked for of a command that makes one map.
+std::vector<std::string> check_one_part(const Options& options);
+/// add_further() of logs, and --keep-copies, --stamps, --ids-are-nanoseconds.
+void add_further_logs(Subcommand& command, Options& options);
 /// As add_reading() where there is no g2o file: --repair-information, --covariance.
 void add_weights(Subcommand& command, Options& options);
 /// Where a log is cut: --poses-per-map, --metres-per-map, --features-per-map.

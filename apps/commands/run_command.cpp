@@ -1,6 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // `mapjoin run`: from a log to a global map.
 
+#include <fmt/format.h>
+
+#include <algorithm>
 #include <apps/certainty.hpp>
 #include <apps/commands/command_run.hpp>
 #include <apps/commands/follow.hpp>
@@ -11,12 +14,14 @@
 #include <apps/report/rejected.hpp>
 #include <apps/report/report.hpp>
 #include <functional>
+#include <mapjoin/check/connectivity.hpp>
 #include <mapjoin/io/files/output_file.hpp>
 #include <mapjoin/io/formats/map_text.hpp>
 #include <mapjoin/io/g2o/g2o.hpp>
 #include <mapjoin/parallel/parallel_try.hpp>
 #include <memory>
 #include <optional>
+#include <set>
 #include <variant>
 
 namespace mapjoin::apps {
@@ -30,9 +35,37 @@ constexpr const char* kExamples =
     "  mapjoin run data/manhattan3d.g2o --poses-per-map 20 --report -\n"
     "  mapjoin run data/manhattan2d.g2o --follow --idle 0.5 --steps steps.jsonl";
 
+/// The trajectory of one session.
+std::string trajectory_of(std::uint32_t session) {
+  return fmt::format("trajectory_{}.tum", session);
+}
+
+/// The user's sessions, of several; of one, none.
+template <int Dim>
+std::vector<std::uint32_t> sessions_in(const GlobalMap<Dim>& map) {
+  std::set<std::uint32_t> sessions;
+  for (const PoseId& id : map.pose_ids) sessions.insert(id.session);
+  return sessions.size() > 1 ? std::vector(sessions.begin(), sessions.end()) : std::vector<std::uint32_t>();
+}
+
+/// The poses of one session.
+template <int Dim>
+GlobalMap<Dim> session_of(const GlobalMap<Dim>& map, std::uint32_t session) {
+  GlobalMap<Dim> part;
+  for (const PoseIndex p : indices(map.poses)) {
+    if (map.pose_ids[p].session != session) continue;
+    part.pose_ids.push_back(map.pose_ids[p]);
+    part.poses.push_back(map.poses[p]);
+    if (!map.stamps_ns.empty()) part.stamps_ns.push_back(map.stamps_ns[p]);
+  }
+  return part;
+}
+
 /// The files of the folder; a map may have no covariances though they are asked for.
-std::vector<std::string> names_of(const Options& options, bool has_covariances) {
+std::vector<std::string> names_of(const Options& options, bool has_covariances,
+                                  const std::vector<std::uint32_t>& sessions = {}) {
   std::vector<std::string> names = {"map.g2o", "trajectory.tum", "poses.csv", "features.csv", "map.svg"};
+  for (const std::uint32_t session : sessions) names.push_back(trajectory_of(session));
   if (options.covariances && has_covariances) names.emplace_back("covariances.json");
   if (options.relations && has_covariances) names.emplace_back("relations.csv");
   if (options.association) names.emplace_back("associations.csv");
@@ -60,6 +93,9 @@ Expected<void> write_map_files(const CommandRun& command_run, const RunResult<Di
       [&] { return write_csv(map, folder.aside("poses.csv"), folder.aside("features.csv")); },
       [&] { return write_file(folder.aside("map.svg"), picture_of(result, log, command_run.run_report)); },
   };
+  for (const std::uint32_t session : sessions_in(map)) {
+    files.emplace_back([&, session] { return write_tum(session_of(map, session), folder.aside(trajectory_of(session))); });
+  }
   if (options.covariances && result.marginals) {
     files.emplace_back(
         [&] { return write_covariances(map, *command_run.run_report.covariances, folder.aside("covariances.json")); });
@@ -80,7 +116,7 @@ Expected<void> write_map_files(const CommandRun& command_run, const RunResult<Di
 
 template <int Dim>
 void write_folder(CommandRun& command_run, const RunResult<Dim>& result, const Log<Dim>& log, OutputFolder& folder) {
-  const std::vector<std::string> names = names_of(command_run.options(), result.marginals.has_value());
+  const std::vector<std::string> names = names_of(command_run.options(), result.marginals.has_value(), sessions_in(result.map));
   const std::string capped = ellipse_cap(result.map).in_words();
   if (!capped.empty()) say("map.svg: " + capped);
   for (const std::string& name : names) command_run.run_report.files.push_back(folder.file(name).string());
@@ -113,13 +149,42 @@ ExitCode run_followed(CommandRun& command_run, const FollowOptions& following, c
   fail(followed.fault->kind, followed.fault->message + (is_written ? "; the map of what stands before it is written" : ""));
 }
 
+/// Each part with the options, but for the folder: part_1 is the largest.
+ExitCode run_parts(const Options& options, const std::stop_token& stop) {
+  const AnyLog log = CommandRun("run", options, stop).open_input();
+  ExitCode worst = ExitCode::kDone;
+  const auto run_each = [&](const auto& whole) {
+    const auto parts = parts_of(whole);
+    for (std::size_t k = 0; k < parts.size(); ++k) {
+      Options of_part = options;
+      of_part.output = options.output / fmt::format("part_{}", k + 1);
+      CommandRun command_run("run", of_part, stop);
+      auto folder = output_folder(of_part.output);
+      command_run.prepare({});
+      const AnyLog part = command_run.take_input(AnyLog(parts[k]));
+      worst = std::max(worst, std::visit([&](const auto& any) { return run_on(command_run, any, folder); }, part));
+    }
+  };
+  std::visit(run_each, log);
+  return worst;
+}
+
 ExitCode run_log(const Options& options, const FollowOptions& following, const std::stop_token& stop) {
+  if (options.parts == Parts::kAll) return run_parts(options, stop);
   CommandRun command_run("run", options, following.wanted ? std::stop_token() : stop);
   const bool is_file = names_map_file(options.output);
   auto folder = output_folder(is_file ? std::filesystem::path() : options.output);
   command_run.prepare(is_file ? outputs_of_map(options) : report_of(options));
   if (following.wanted) return run_followed(command_run, following, stop, folder);
   return std::visit([&](const auto& log) { return run_on(command_run, log, folder); }, command_run.read_log());
+}
+
+std::vector<std::string> check_parts(const Options& options) {
+  if (options.parts != Parts::kAll) return {};
+  if (options.output.empty() || names_map_file(options.output))
+    return {"--parts all writes a folder for each part: it goes with -o DIR"};
+  if (!options.report.empty()) return {"--parts all has a report in the folder of each part, not --report"};
+  return {};
 }
 
 }  // namespace
@@ -129,6 +194,8 @@ void declare_run(Subcommand& command) {
   const auto options = std::make_shared<Options>();
   const auto following = std::make_shared<FollowOptions>();
   command.argument("LOG", options->input, kLogFormats);
+  add_further_logs(command, *options);
+  add_parts(command, *options);
   command.path("-o,--output", options->output, "DIR|MAP",
                "Write map.g2o, trajectory.tum, poses.csv, features.csv, map.svg and report.json into this folder; or the map "
                "alone: .g2o, .tum (poses only), .csv (features beside it)");
@@ -152,6 +219,12 @@ void declare_run(Subcommand& command) {
     if (following->steps != "-") files.emplace_back("--steps", following->steps);
     return output_conflicts(inputs_of(*options, "LOG"), files);
   });
+  command.check([options, following]() -> std::vector<std::string> {
+    const bool is_plain = options->further.empty() && options->stamps.empty() && options->parts == Parts::kRefuse;
+    if (!following->wanted || is_plain) return {};
+    return {"--follow is for one log, without --stamps and --parts"};
+  });
+  command.check([options] { return check_parts(*options); });
   command.check([&command, options, following] { return check_following(command, *options, *following); });
   command.act([options, following](const std::stop_token& stop) {
     if (following->steps == "-") options->quiet = true;

@@ -30,6 +30,9 @@ void declare_solve(Subcommand& command) {
   command.examples(kExamples);
   const auto options = std::make_shared<Options>();
   command.argument("LOG", options->input, kLogFormats);
+  add_further_logs(command, *options);
+  add_parts(command, *options);
+  command.check([options] { return check_one_part(*options); });
   command.path("-o,--output", options->output, "MAP", kMapFile);
   add_schedule(command, *options);
   add_solver(command, *options);

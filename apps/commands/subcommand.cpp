@@ -41,6 +41,10 @@ void Subcommand::arguments(const std::string& name, std::vector<std::filesystem:
   app_->add_option(name, values, help)->required()->check(kPath)->type_name("");
 }
 
+void Subcommand::further(const std::string& name, std::vector<std::filesystem::path>& values, const std::string& help) {
+  app_->add_option(name, values, help)->check(kPath)->type_name("");
+}
+
 void Subcommand::flag(const std::string& name, bool& value, const std::string& help) {
   grouped(*app_->add_flag(name, value, help));
 }

@@ -7,6 +7,7 @@
 #include <apps/picture/plotted_map.hpp>
 #include <filesystem>
 #include <functional>
+#include <mapjoin/io/read_options.hpp>
 #include <mapjoin/join/join.hpp>
 #include <mapjoin/join/run.hpp>
 #include <mapjoin/join/submap_graph.hpp>

@@ -121,7 +121,7 @@ void add_single(const PlottedMap<Dim>& plotted, std::vector<Layer>& layers) {
 std::string name_of(const Session& session, const PoseIds& ids, bool has_robots) {
   const PoseId& first = ids[session.begin];
   return has_robots ? fmt::format("session {}", first.session)
-                    : fmt::format("poses {} to {}", first.key, ids[session.end - 1].key);
+                    : fmt::format("poses {} to {}", key_text(first.key), key_text(ids[session.end - 1].key));
 }
 
 }  // namespace

@@ -52,8 +52,8 @@ std::string rejected_as_csv(const RunReport& run_report) {
   std::string text = "kind,from,to,chi2,probability,why,from_session,to_session\n";
   for (const NamedRejected& rejected : run_report.rejected) {
     TextLine line(',');
-    line.add(to_string(rejected.misfit.kind)).add(rejected.from->key);
-    std::visit([&](const auto& to) { line.add(to.key); }, rejected.to);
+    line.add(to_string(rejected.misfit.kind)).add(key_text(rejected.from->key));
+    std::visit([&](const auto& to) { line.add(key_text(to.key)); }, rejected.to);
     line.add(rejected.misfit.chi2).add(rejected.misfit.probability).add(to_string(rejected.why));
     line.add(session_of(*rejected.from));
     line.add(std::visit([](const auto& to) { return session_of(to); }, rejected.to)).append_to(text);

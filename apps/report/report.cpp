@@ -31,7 +31,9 @@ Json input_of(const RunReport& run_report) {
           {"symmetrised_matrices", conventions.repairs.symmetrised},
           {"largest_asymmetry", conventions.repairs.largest_asymmetry},
           {"repaired_informations", conventions.repairs.indefinite},
-          {"unassociated", counts.unassociated}};
+          {"missing_informations", conventions.repairs.missing},
+          {"unassociated", counts.unassociated},
+          {"skipped", counts.skipped}};
 }
 
 Json local_maps_of(const RunReport& run_report) {
@@ -162,6 +164,7 @@ std::string report(const RunReport& run_report) {
   json.update(verdict_of(run_report));
   json["gauge"] = if_known(run_report.is_joined, {{"held_poses", run_report.anchored}});
   json["certainty"] = certainty_of(run_report);
+  json["errors"] = json_of(run_report.errors);
   json["files"] = run_report.files;
   json["seconds"] = seconds_of(run_report);
   json["peak_memory_mb"] = peak_memory_mb();

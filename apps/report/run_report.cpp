@@ -2,6 +2,7 @@
 #include <sys/resource.h>
 
 #include <apps/report/run_report.hpp>
+#include <mapjoin/check/checks.hpp>
 #include <mapjoin/measure/effort.hpp>
 #include <utility>
 
@@ -22,7 +23,9 @@ NamedMisfit named(const Misfit& misfit, const PoseIds& poses, const FeatureIds& 
 }  // namespace
 
 RunReport::RunReport(std::string command_name, const Options& given)
-    : command(std::move(command_name)), input(given.input.string()), options(given.run) {}
+    : command(std::move(command_name)), input(given.input.string()), options(given.run) {
+  for (const auto& further : given.further) input += " + " + further.string();
+}
 
 template <int Dim>
 void RunReport::describe(const Log<Dim>& log) {
@@ -38,7 +41,9 @@ void RunReport::describe(const Log<Dim>& log) {
             .priors = log.pose_priors().size() + log.feature_priors().size(),
             .fixed_poses = log.graph.fixed.size(),
             .repeated_edges = log.repeated_edges,
-            .unassociated = log.unassociated};
+            .unassociated = log.unassociated,
+            .skipped = log.skipped,
+            .repeated_steps = repeated_steps(log)};
 }
 
 template <int Dim>

@@ -4,6 +4,7 @@
 
 #include <apps/certainty.hpp>
 #include <apps/commands/options.hpp>
+#include <apps/report/errors.hpp>
 #include <chrono>
 #include <cstdint>
 #include <mapjoin/io/store/store.hpp>
@@ -33,6 +34,8 @@ struct Counts {
   std::size_t fixed_poses = 0;
   std::int64_t repeated_edges = 0;
   std::int64_t unassociated = 0;
+  SkipCounts skipped{};
+  std::size_t repeated_steps = 0;
 };
 
 /// A misfit under the names of its log.
@@ -96,6 +99,7 @@ struct RunReport {
   std::optional<Estimate> covariances;     ///< Which estimate's were asked for, if any.
   std::optional<Deviations> deviations;    ///< Of its marginals, if any.
   std::optional<Consistency> consistency;  ///< With the truth, where that was given.
+  std::optional<TruthErrors> errors;       ///< Likewise.
   double read_seconds = 0.0;
   double write_seconds = 0.0;
   std::vector<std::string> files;  ///< Written, in their order.

@@ -100,6 +100,7 @@ void add_result(const RunReport& run_report, Lines& lines) {
   add_verdict(run_report, lines);
   if (run_report.deviations) lines.add("certainty", deviations_in_words(run_report));
   add_consistency(run_report, lines);
+  if (run_report.errors) add_errors(*run_report.errors, lines);
 }
 
 }  // namespace
@@ -155,9 +156,16 @@ void add_notes(const RunReport& run_report, Lines& lines) {
   note(run_report.counts.repeated_edges > 0,
        fmt::format("{} between the same two poses; all of them count",
                    plural(run_report.counts.repeated_edges, "edge repeats another", "edges repeat others")));
+  note(run_report.counts.repeated_steps > 0,
+       fmt::format("{} several edges: two logs in one file? give them as two files",
+                   plural(run_report.counts.repeated_steps, "step of odometry has", "steps of odometry have")));
   note(run_report.counts.unassociated > 0,
        fmt::format("{} left out: the file does not say of which feature",
                    plural(run_report.counts.unassociated, "observation was", "observations were")));
+  note(repairs.missing > 0, fmt::format("{} without weights got the identity", plural(repairs.missing, "edge")));
+  std::vector<std::string> skipped;
+  for (const auto& [what, count] : run_report.counts.skipped) skipped.push_back(fmt::format("{} {}", count, what));
+  note(!skipped.empty(), fmt::format("left out: {}", fmt::join(skipped, ", ")));
   note(run_report.was_damaged, "what an interrupted build had left was damaged: the build began afresh");
   const auto is_trajectory = [](const std::string& file) { return file.ends_with(".tum"); };
   note(!run_report.has_stamps && std::any_of(run_report.files.begin(), run_report.files.end(), is_trajectory),

@@ -16,10 +16,10 @@ constexpr std::size_t kMostShown = 5;
 
 /// The columns of session and key.
 TextLine& add_id(const PoseId& id, TextLine& line) {
-  return line.add(id.session).add(id.key);
+  return line.add(id.session).add(key_text(id.key));
 }
 TextLine& add_id(const FeatureId& id, TextLine& line) {
-  return line.add("").add(id.key);
+  return line.add("").add(key_text(id.key));
 }
 
 }  // namespace

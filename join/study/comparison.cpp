@@ -27,7 +27,8 @@ std::vector<PoseErrorSummary> span_errors(const std::vector<Pose<Dim>>& estimate
                                           const std::vector<std::size_t>& spans) {
   std::vector<PoseErrorSummary> errors;
   errors.reserve(spans.size());
-  for (const std::size_t span : spans) errors.push_back(relative_pose_error(estimate, other, span));
+  for (const std::size_t span : spans)
+    errors.push_back(relative_pose_error(estimate, other, pairs_by_steps(other.size(), span)));
   return errors;
 }
 

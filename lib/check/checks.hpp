@@ -53,6 +53,10 @@ inline void add_if_any(Findings& findings, Finding finding) {
   if (finding.where.count > 0) findings.push_back(std::move(finding));
 }
 
+/// How many steps of odometry have several edges, where most have: as when two logs were written into one file; else 0.
+template <int Dim>
+std::size_t repeated_steps(const Log<Dim>& log);
+
 /// - `unobserved` (error): features that are declared, but never observed.
 /// - `parts` (error): several components that nothing ties together.
 /// - `loose_body` (error), `weak_body` (warning): poses that are tied to the others by features only, by fewer than it takes to
@@ -61,6 +65,7 @@ inline void add_if_any(Findings& findings, Finding finding) {
 /// - `seen_once` (note; of a log a warning where it is most of them): features that add nothing to the map.
 /// - `breaks` (note): steps without odometry within one session of the user's.
 /// - `unassociated` (note): observations left out by the reader.
+/// - `driven_twice` (warning): see repeated_steps().
 template <int Dim>
 Findings check_structure(const Log<Dim>& log);
 template <int Dim>

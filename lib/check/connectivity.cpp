@@ -3,9 +3,14 @@
 #include <fmt/ranges.h>
 
 #include <algorithm>
+#include <functional>
+#include <map>
 #include <mapjoin/check/connectivity.hpp>
 #include <mapjoin/check/ties.hpp>
+#include <mapjoin/model/log_builder.hpp>
+#include <optional>
 #include <string>
+#include <utility>
 
 namespace mapjoin {
 
@@ -22,9 +27,54 @@ Expected<void> check_connected(const LogOrSet& tied) {
   for (const std::size_t root : component_roots(graph)) names.push_back(name_of(root, tied));
   if (names.size() <= 1) return {};
   const auto named = names.begin() + std::min(std::ssize(names), kNamed);
-  return bad_input(fmt::format("{}: nothing ties its {} parts together; they hold {}{}", tied.source, names.size(),
-                               fmt::join(names.begin(), named, ", "), named != names.end() ? ", …" : ""));
+  constexpr bool kIsLog = requires {
+    tied.observations();
+  };
+  return bad_input(fmt::format("{}: nothing ties its {} parts together; they hold {}{}{}", tied.source, names.size(),
+                               fmt::join(names.begin(), named, ", "), named != names.end() ? ", …" : "",
+                               kIsLog ? "; --parts largest takes the largest, --parts all makes a map of each" : ""));
 }
+
+template <int Dim>
+std::vector<Log<Dim>> parts_of(const Log<Dim>& log) {
+  const TieVertices of = vertices_of(log);
+  const std::vector<std::uint32_t> component = components_of(make_graph(of.size(), ties_of(log)));
+  std::map<std::uint32_t, LogBuilder<Dim>> builders;  // Numbers of components ascend with their first vertex.
+  std::map<std::uint32_t, std::size_t> poses;
+  const auto builder = [&](std::size_t vertex) -> LogBuilder<Dim>& {
+    return builders.try_emplace(component[vertex], log.source, log.conventions, Numbers::kChecked).first->second;
+  };
+  for (const PoseIndex p : indices(log.poses)) {
+    ++poses[component[of.pose(p)]];
+    auto& part = builder(of.pose(p));
+    part.add_pose(log.poses[p], log.initial.poses.empty() ? std::nullopt : std::optional(log.initial.poses[p]));
+    if (!log.stamps_ns.empty()) part.add_stamp(log.poses[p], log.stamps_ns[p]);
+  }
+  for (const FeatureIndex f : indices(log.features)) {
+    if (!poses.contains(component[of.feature(f)])) continue;
+    builder(of.feature(f))
+        .add_feature(log.features[f], log.initial.features.empty() ? std::nullopt : std::optional(log.initial.features[f]));
+  }
+  for (const auto& [base, target, measured, W, loss] : log.graph.pose_factors) {
+    auto& part = builder(of.pose(target));
+    base == kWorld ? part.add_pose_prior(log.poses[target], measured, W)
+                   : part.add_pose_edge(log.poses[base], log.poses[target], measured, W);
+  }
+  for (const auto& [base, target, measured, W, loss] : log.graph.feature_factors) {
+    if (!poses.contains(component[of.feature(target)])) continue;
+    auto& part = builder(of.feature(target));
+    base == kWorld ? part.add_feature_prior(log.features[target], measured, W)
+                   : part.add_observation(log.poses[base], log.features[target], measured, W);
+  }
+  for (const auto& fixed : log.graph.fixed) builder(of.pose(fixed.pose)).fix(log.poses[fixed.pose], fixed.value);
+  std::vector<Log<Dim>> parts;
+  for (auto& [number, part] : builders) parts.push_back(std::move(part).finish().value());
+  std::ranges::stable_sort(parts, std::greater(), [](const Log<Dim>& part) { return part.poses.size(); });
+  return parts;
+}
+
+template std::vector<Log<2>> parts_of(const Log<2>&);
+template std::vector<Log<3>> parts_of(const Log<3>&);
 
 template Expected<void> check_connected(const Log<2>&);
 template Expected<void> check_connected(const Log<3>&);

@@ -1,8 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
-// Whether a log or a set of maps hangs together: connected components over poses, features and the World.
+// Whether a log or a set of maps hangs together, and its parts: connected components over poses, features and the World.
 
 #include <mapjoin/model/error.hpp>
+#include <mapjoin/model/log.hpp>
+#include <vector>
 
 namespace mapjoin {
 
@@ -10,5 +12,10 @@ namespace mapjoin {
 /// observes is named as such. The World ties together all that it fixes or has priors for.
 template <typename LogOrSet>
 Expected<void> check_connected(const LogOrSet& tied);
+
+/// The connected components of a log, each as a log; that with most poses first, of as many the one that begins first. Features
+/// that nothing observes are of none.
+template <int Dim>
+std::vector<Log<Dim>> parts_of(const Log<Dim>& log);
 
 }  // namespace mapjoin

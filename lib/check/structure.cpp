@@ -33,14 +33,17 @@ Places features_seen(std::size_t wanted, const Table<FeatureIndex, std::size_t>&
 
 template <typename Tied>
 void check_features(const Tied& tied, Findings& findings) {
-  constexpr bool kIsLog = requires { tied.observations(); };
+  constexpr bool kIsLog = requires {
+    tied.observations();
+  };
   constexpr std::size_t kEnoughToJudge = 20;
   const Table<FeatureIndex, std::size_t> times = times_seen(tied);
   const Places never = features_seen(0, times, tied);
   add_if_any(findings, {FindingLevel::kError, "unobserved",
                         fmt::format("declared, but never observed: {} of {} features", never.count, times.size()), never});
   const Places once = features_seen(1, times, tied);
-  const char* const what = kIsLog ? "seen once only, which adds nothing to the map" : "in one map only, which ties it to no other";
+  const char* const what =
+      kIsLog ? "seen once only, which adds nothing to the map" : "in one map only, which ties it to no other";
   const bool is_most = kIsLog && times.size() >= kEnoughToJudge && 2 * once.count > times.size();
   add_if_any(findings, {is_most ? FindingLevel::kWarning : FindingLevel::kNote, "seen_once",
                         fmt::format("{}: {} of {} features{}", what, once.count, times.size(),
@@ -139,6 +142,21 @@ Findings check_ties(const Tied& tied) {
 }  // namespace
 
 template <int Dim>
+std::size_t repeated_steps(const Log<Dim>& log) {
+  std::size_t steps = 0;
+  std::size_t repeated = 0;
+  const auto later = [](const PoseFactor<Dim>& edge) { return std::max(edge.base, edge.target); };
+  const auto odometry = log.odometry();
+  for (auto edge = odometry.begin(); edge != odometry.end(); ++steps) {
+    const auto next = std::find_if(edge, odometry.end(), [&](const auto& other) { return later(other) != later(*edge); });
+    if (next - edge > 1) ++repeated;
+    edge = next;
+  }
+  constexpr std::size_t kLeast = 10;  // Of a log worth the name.
+  return repeated >= kLeast && 2 * repeated > steps ? repeated : 0;
+}
+
+template <int Dim>
 Findings check_structure(const Log<Dim>& log) {
   Findings findings = check_ties<Dim>(log);
   Places breaks;
@@ -151,6 +169,12 @@ Findings check_structure(const Log<Dim>& log) {
   add_if_any(findings,
              {FindingLevel::kNote, "breaks",
               fmt::format("{} without odometry: a session of its own begins behind it", plural(breaks.count, "step")), breaks});
+  const std::size_t twice = repeated_steps(log);
+  add_if_any(findings, {FindingLevel::kWarning,
+                        "driven_twice",
+                        fmt::format("{} several edges: two logs in one file? give them as two files",
+                                    plural(twice, "step of odometry has", "steps of odometry have")),
+                        {twice, {}}});
   const auto unassociated = static_cast<std::size_t>(log.unassociated);
   add_if_any(findings, {FindingLevel::kNote,
                         "unassociated",
@@ -164,6 +188,8 @@ Findings check_structure(const SubmapSet<Dim>& set) {
   return check_ties<Dim>(set);
 }
 
+template std::size_t repeated_steps(const Log<2>&);
+template std::size_t repeated_steps(const Log<3>&);
 template Findings check_structure(const Log<2>&);
 template Findings check_structure(const Log<3>&);
 template Findings check_structure(const SubmapSet<2>&);

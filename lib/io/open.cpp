@@ -1,4 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include <fmt/format.h>
+
 #include <mapjoin/io/files/archive.hpp>
 #include <mapjoin/io/files/file_bytes.hpp>
 #include <mapjoin/io/formats/log_format.hpp>
@@ -12,6 +14,35 @@ namespace mapjoin {
 Expected<AnyLog> open_log(const std::filesystem::path& path, const ReadOptions& options) {
   if (is_mrclam_folder(path)) return read_mrclam(path);
   return FileBytes::read(path).and_then([&](const FileBytes& bytes) { return read_log(bytes.view(), path.string(), options); });
+}
+
+namespace {
+
+template <int Dim>
+Expected<AnyLog> merged_as(std::vector<AnyLog> logs, const std::vector<std::filesystem::path>& paths,
+                           const MergeOptions& options) {
+  std::vector<Log<Dim>> same;
+  for (std::size_t k = 0; k < logs.size(); ++k) {
+    auto* log = std::get_if<Log<Dim>>(&logs[k]);
+    if (!log) return bad_input(fmt::format("{} is in {}D, but {} is not", paths.front().string(), Dim, paths[k].string()));
+    same.push_back(std::move(*log));
+  }
+  return merged(std::move(same), options);
+}
+
+}  // namespace
+
+Expected<AnyLog> open_logs(const std::vector<std::filesystem::path>& paths, ReadOptions options, const MergeOptions& merging) {
+  if (paths.size() == 1) return open_log(paths.front(), options);
+  if (options.undeclared == Undeclared::kRefused) options.undeclared = Undeclared::kForeign;
+  std::vector<AnyLog> logs;
+  for (const std::filesystem::path& path : paths) {
+    auto log = open_log(path, options);
+    if (!log) return log;
+    logs.push_back(*std::move(log));
+  }
+  return std::holds_alternative<Log<2>>(logs.front()) ? merged_as<2>(std::move(logs), paths, merging)
+                                                      : merged_as<3>(std::move(logs), paths, merging);
 }
 
 bool may_hold_maps(const std::filesystem::path& path) {

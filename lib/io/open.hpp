@@ -5,7 +5,9 @@
 #include <filesystem>
 #include <mapjoin/io/local_maps/local_map_set.hpp>
 #include <mapjoin/io/store/store.hpp>
+#include <mapjoin/model/merged_logs.hpp>
 #include <variant>
+#include <vector>
 
 namespace mapjoin {
 
@@ -14,6 +16,11 @@ namespace mapjoin {
 /// folder of UTIAS MRCLAM data. Bad input are a file that is missing, another folder, a file that is empty or unreadable, and
 /// one of another format.
 Expected<AnyLog> open_log(const std::filesystem::path& path, const ReadOptions& options = {});
+
+/// The logs of several files as one (see merged()): edges of a file with vertices to poses that it does not declare are those
+/// of another file, unless `options` leave them out. Bad input, too, where some are in the plane and others in space.
+Expected<AnyLog> open_logs(const std::vector<std::filesystem::path>& paths, ReadOptions options = {},
+                           const MergeOptions& merging = {});
 
 /// Local maps of others, or those that were built from a log, which come with it.
 using AnyMaps = std::variant<SubmapSet<2>, SubmapSet<3>, StoredMaps<2>, StoredMaps<3>>;

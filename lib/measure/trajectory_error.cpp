@@ -9,12 +9,6 @@
 namespace mapjoin {
 namespace {
 
-ErrorSummary summary_of(const std::vector<double>& errors) {
-  if (errors.empty()) return {};
-  const double squares = std::inner_product(errors.begin(), errors.end(), errors.begin(), 0.0);
-  return {errors.size(), std::sqrt(squares / static_cast<double>(errors.size())), *std::ranges::max_element(errors)};
-}
-
 template <int Dim>
 struct PoseErrors {
   std::vector<double> translation{};
@@ -71,7 +65,52 @@ Rotation<3> nearest_rotation(const PointMatrix<3>& C) {
   return Rotation<3>(Matrix<3>(svd.matrixU() * Point<3>(1.0, 1.0, sign).asDiagonal() * svd.matrixV().transpose()));
 }
 
+/// The way from the first pose to each.
+template <int Dim>
+std::vector<double> travelled(const std::vector<Pose<Dim>>& poses) {
+  std::vector<double> way(poses.size(), 0.0);
+  for (std::size_t i = 1; i < poses.size(); ++i) {
+    way[i] = way[i - 1] + (poses[i].translation - poses[i - 1].translation).norm();
+  }
+  return way;
+}
+
+PosePairs nearest_by_path(const std::vector<double>& way, double metres) {
+  PosePairs pairs;
+  const auto miss = [&](std::size_t i, std::size_t j) { return std::abs(way[j] - way[i] - metres); };
+  for (std::size_t i = 0; i + 1 < way.size(); ++i) {
+    // The first of those at the same distance; the way never shortens.
+    auto j = static_cast<std::size_t>(
+        std::lower_bound(way.begin() + static_cast<std::ptrdiff_t>(i) + 1, way.end(), way[i] + metres) - way.begin());
+    if (j == way.size() || (j > i + 1 && miss(i, j - 1) <= miss(i, j))) {
+      j = static_cast<std::size_t>(std::lower_bound(way.begin() + static_cast<std::ptrdiff_t>(i) + 1, way.end(), way[j - 1]) -
+                                   way.begin());
+    }
+    if (miss(i, j) <= 0.1 * metres) pairs.emplace_back(i, j);
+  }
+  return pairs;
+}
+
 }  // namespace
+
+ErrorSummary summary_of(const std::vector<double>& errors) {
+  if (errors.empty()) return {};
+  const auto count = static_cast<double>(errors.size());
+  std::vector<double> sorted = errors;
+  std::ranges::sort(sorted);
+  const double mean = std::accumulate(sorted.begin(), sorted.end(), 0.0) / count;
+  const double squares = std::inner_product(sorted.begin(), sorted.end(), sorted.begin(), 0.0);
+  const double scatter = std::accumulate(sorted.begin(), sorted.end(), 0.0,
+                                         [&](double sum, double error) { return sum + (error - mean) * (error - mean); });
+  const double median = 0.5 * (sorted[(sorted.size() - 1) / 2] + sorted[sorted.size() / 2]);
+  return {.count = errors.size(),
+          .rms = std::sqrt(squares / count),
+          .max = sorted.back(),
+          .mean = mean,
+          .median = median,
+          .min = sorted.front(),
+          .deviation = std::sqrt(scatter / count)};
+}
 
 template <int Dim>
 Pose<Dim> align(const std::vector<Point<Dim>>& from, const std::vector<Point<Dim>>& to) {
@@ -87,22 +126,48 @@ Pose<Dim> align(const std::vector<Point<Dim>>& from, const std::vector<Point<Dim
 
 template <int Dim>
 AbsoluteTrajectoryError<Dim> absolute_trajectory_error(const std::vector<Pose<Dim>>& estimate,
-                                                       const std::vector<Pose<Dim>>& truth) {
-  const Pose<Dim> alignment = align(positions(estimate), positions(truth));
+                                                       const std::vector<Pose<Dim>>& truth, TrajectoryAlignment alignment) {
+  require_same_size(estimate.size(), truth.size());
+  Pose<Dim> motion;
+  if (alignment == TrajectoryAlignment::kRigid) motion = align(positions(estimate), positions(truth));
+  if (alignment == TrajectoryAlignment::kOrigin) motion = compose(truth.at(0), inverse(estimate.at(0)));
   PoseErrors<Dim> errors;
-  for (std::size_t i = 0; i < estimate.size(); ++i) errors.add(truth[i], compose(alignment, estimate[i]));
-  return {alignment, errors.summary()};
+  for (std::size_t i = 0; i < estimate.size(); ++i) errors.add(truth[i], compose(motion, estimate[i]));
+  return {motion, errors.summary()};
+}
+
+PosePairs pairs_by_steps(std::size_t poses, std::size_t span, SpanPairs which) {
+  if (span == 0) throw std::invalid_argument("A relative pose error needs a span of at least one step");
+  PosePairs pairs;
+  const std::size_t step = which == SpanPairs::kAll ? 1 : span;
+  for (std::size_t i = 0; i + span < poses; i += step) pairs.emplace_back(i, i + span);
+  return pairs;
+}
+
+template <int Dim>
+PosePairs pairs_by_path(const std::vector<Pose<Dim>>& poses, double metres, SpanPairs which) {
+  const std::vector<double> way = travelled(poses);
+  if (which == SpanPairs::kAll) return nearest_by_path(way, metres);
+  std::vector<std::size_t> ends;
+  double since = 0.0;
+  for (std::size_t i = 0; i < way.size(); ++i) {
+    since += i == 0 ? 0.0 : way[i] - way[i - 1];
+    if (since < metres) continue;
+    ends.push_back(i);
+    since = 0.0;
+  }
+  PosePairs pairs;
+  for (std::size_t k = 1; k < ends.size(); ++k) pairs.emplace_back(ends[k - 1], ends[k]);
+  return pairs;
 }
 
 template <int Dim>
 PoseErrorSummary relative_pose_error(const std::vector<Pose<Dim>>& estimate, const std::vector<Pose<Dim>>& truth,
-                                     std::size_t span) {
+                                     const PosePairs& pairs) {
   require_same_size(estimate.size(), truth.size());
-  if (span == 0) throw std::invalid_argument("A relative pose error needs a span of at least one step");
   PoseErrors<Dim> errors;
-  for (std::size_t i = 0; i + span < truth.size(); ++i) {
-    const Pose<Dim> true_motion = between(truth[i], truth[i + span]);
-    errors.add(Pose<Dim>{}, between(true_motion, between(estimate[i], estimate[i + span])));
+  for (const auto& [i, j] : pairs) {
+    errors.add(Pose<Dim>{}, between(between(truth[i], truth[j]), between(estimate[i], estimate[j])));
   }
   return errors.summary();
 }
@@ -120,10 +185,14 @@ MapDifference map_difference(const GlobalMap<Dim>& a, const GlobalMap<Dim>& b) {
 
 template Pose<2> align(const std::vector<Point<2>>&, const std::vector<Point<2>>&);
 template Pose<3> align(const std::vector<Point<3>>&, const std::vector<Point<3>>&);
-template AbsoluteTrajectoryError<2> absolute_trajectory_error(const std::vector<Pose<2>>&, const std::vector<Pose<2>>&);
-template AbsoluteTrajectoryError<3> absolute_trajectory_error(const std::vector<Pose<3>>&, const std::vector<Pose<3>>&);
-template PoseErrorSummary relative_pose_error(const std::vector<Pose<2>>&, const std::vector<Pose<2>>&, std::size_t);
-template PoseErrorSummary relative_pose_error(const std::vector<Pose<3>>&, const std::vector<Pose<3>>&, std::size_t);
+template AbsoluteTrajectoryError<2> absolute_trajectory_error(const std::vector<Pose<2>>&, const std::vector<Pose<2>>&,
+                                                              TrajectoryAlignment);
+template AbsoluteTrajectoryError<3> absolute_trajectory_error(const std::vector<Pose<3>>&, const std::vector<Pose<3>>&,
+                                                              TrajectoryAlignment);
+template PosePairs pairs_by_path(const std::vector<Pose<2>>&, double, SpanPairs);
+template PoseErrorSummary relative_pose_error(const std::vector<Pose<2>>&, const std::vector<Pose<2>>&, const PosePairs&);
+template PosePairs pairs_by_path(const std::vector<Pose<3>>&, double, SpanPairs);
+template PoseErrorSummary relative_pose_error(const std::vector<Pose<3>>&, const std::vector<Pose<3>>&, const PosePairs&);
 template MapDifference map_difference(const GlobalMap<2>&, const GlobalMap<2>&);
 template MapDifference map_difference(const GlobalMap<3>&, const GlobalMap<3>&);
 

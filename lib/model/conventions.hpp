@@ -44,11 +44,13 @@ struct MatrixRepairs {
   std::int64_t symmetrised = 0;    ///< Replaced by their symmetric part, where that is more than round-off.
   double largest_asymmetry = 0.0;  ///< Of those, relative to the largest entry of the matrix.
   std::int64_t indefinite = 0;     ///< Replaced by the nearest semidefinite, or for a covariance definite, matrix.
+  std::int64_t missing = 0;        ///< Not there, and taken as the identity.
 
   MatrixRepairs& operator+=(const MatrixRepairs& other) {
     symmetrised += other.symmetrised;
     largest_asymmetry = std::max(largest_asymmetry, other.largest_asymmetry);
     indefinite += other.indefinite;
+    missing += other.missing;
     return *this;
   }
 };
@@ -58,13 +60,6 @@ struct Conventions {
   RotationInformation rotation_information = RotationInformation::kVector;
   Covariance covariance = Covariance::kOriginal;
   MatrixRepairs repairs = {};
-};
-
-/// How the reader of a file is to take its numbers.
-struct ReadOptions {
-  PoseError pose_error = PoseError::kPaper;                                 ///< g2o files only.
-  RotationInformation rotation_information = RotationInformation::kVector;  ///< 3D g2o files only.
-  bool repair_information = false;  ///< Indefinite matrices become their nearest semidefinite one, and are counted.
 };
 
 }  // namespace mapjoin

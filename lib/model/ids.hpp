@@ -8,6 +8,7 @@
 #include <mapjoin/model/index.hpp>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <utility>
 #include <variant>
 #include <vector>
@@ -70,13 +71,27 @@ class IndexOf {
   std::vector<std::pair<Id, Index>> indices_;
 };
 
+/// The letter of a key that is a GTSAM symbol: a letter in the top byte, of a robot or of a kind, and an index below; else 0.
+constexpr char symbol_letter(std::uint64_t key) {
+  const auto letter = static_cast<char>(key >> 56);
+  return (letter >= 'a' && letter <= 'z') || (letter >= 'A' && letter <= 'Z') ? letter : '\0';
+}
+/// "17", or "a17" where the key is a GTSAM symbol.
+inline std::string key_text(std::uint64_t key) {
+  const char letter = symbol_letter(key);
+  return letter == '\0' ? std::to_string(key) : letter + std::to_string(key & ((std::uint64_t{1} << 56) - 1));
+}
+
+/// The key that key_text() writes so; nothing of other words.
+std::optional<std::uint64_t> parse_key(std::string_view text);
+
 /// "pose 17", or "pose 17 of session 2" where the session is not 0.
 inline std::string to_string(const PoseId& id) {
-  return "pose " + std::to_string(id.key) + (id.session == 0 ? "" : " of session " + std::to_string(id.session));
+  return "pose " + key_text(id.key) + (id.session == 0 ? "" : " of session " + std::to_string(id.session));
 }
 /// "feature 17".
 inline std::string to_string(const FeatureId& id) {
-  return "feature " + std::to_string(id.key);
+  return "feature " + key_text(id.key);
 }
 
 }  // namespace mapjoin

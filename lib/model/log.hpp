@@ -3,6 +3,8 @@
 // A robot's log: poses in the order they were driven, and the factor graph of its odometry, closures and observations.
 
 #include <cstdint>
+#include <functional>
+#include <map>
 #include <mapjoin/model/conventions.hpp>
 #include <mapjoin/model/factor_graph.hpp>
 #include <mapjoin/model/ids.hpp>
@@ -18,6 +20,18 @@ namespace mapjoin {
 struct Session {
   PoseIndex begin = 0;
   PoseIndex end = 0;
+};
+
+/// What a reader left out, and how often: "EQUIV lines", "self-edges".
+using SkipCounts = std::map<std::string, std::int64_t, std::less<>>;
+
+/// A pose-pose edge under the names of its ends.
+template <int Dim>
+struct NamedEdge {
+  PoseId base;
+  PoseId target;
+  Pose<Dim> measured;           ///< Target in the frame of the base.
+  PoseMatrix<Dim> information;  ///< As of PoseFactor.
 };
 
 /// A log over `poses.size()` poses and `features.size()` features, made by LogBuilder, which keeps what is said here.
@@ -37,8 +51,10 @@ struct Log {
   Table<PoseIndex, std::int64_t> stamps_ns;  ///< Or empty.
   Values<Dim> initial;                       ///< The file's values; of poses, of features, or of both none unless all have one.
 
-  std::int64_t repeated_edges = 0;  ///< Pose-pose edges beyond the first between the same two poses.
-  std::int64_t unassociated = 0;    ///< Observations left out since the file does not say of which feature they are.
+  std::int64_t repeated_edges = 0;      ///< Pose-pose edges beyond the first between the same two poses.
+  std::int64_t unassociated = 0;        ///< Observations left out since the file does not say of which feature they are.
+  SkipCounts skipped;                   ///< As the reader's options said.
+  std::vector<NamedEdge<Dim>> foreign;  ///< Edges to poses of other files (see Undeclared::kForeign); not of this log.
   Conventions conventions;
 
   /// Odometry, then closures.

@@ -107,7 +107,72 @@ void LogBuilder<Dim>::append(const LogBuilder& other) {
   append_to(stamps_, other.stamps_);
   append_to(fixed_, other.fixed_);
   add_unassociated(other.log_.unassociated);
+  for (const auto& [what, count] : other.log_.skipped) add_skipped(what, count);
   add_repairs(other.log_.conventions.repairs);
+}
+
+template <int Dim>
+void LogBuilder<Dim>::append(const Log<Dim>& log, std::uint32_t first_session) {
+  const auto pose = [&](PoseIndex p) {
+    const PoseId& id = log.poses.at(p.position());
+    return PoseId{id.session + first_session, id.key};
+  };
+  const auto feature = [&](FeatureIndex f) { return log.features.at(f.position()); };
+  const auto value = [](const auto& values, auto index) {
+    return values.empty() ? std::nullopt : std::optional(values.at(index.position()));
+  };
+  reserve(log.graph.pose_factors.size(), log.graph.feature_factors.size());
+  for (const PoseIndex p : indices(log.poses)) add_pose(pose(p), value(log.initial.poses, p));
+  for (const FeatureIndex f : indices(log.features)) add_feature(feature(f), value(log.initial.features, f));
+  for (const PoseIndex p : indices(log.stamps_ns)) add_stamp(pose(p), log.stamps_ns[p]);
+  for (const auto& [base, target, measured, information, loss] : log.graph.pose_factors) {
+    if (base == kWorld) {
+      add_pose_prior(pose(target), measured, information);
+    } else {
+      add_pose_edge(pose(base), pose(target), measured, information);
+    }
+  }
+  for (const auto& [base, target, measured, information, loss] : log.graph.feature_factors) {
+    if (base == kWorld) {
+      add_feature_prior(feature(target), measured, information);
+    } else {
+      add_observation(pose(base), feature(target), measured, information);
+    }
+  }
+  for (const auto& fixed : log.graph.fixed) fix(pose(fixed.pose), fixed.value);
+  add_unassociated(log.unassociated);
+  for (const auto& [what, count] : log.skipped) add_skipped(what, count);
+}
+
+template <int Dim>
+LeftOut<Dim> LogBuilder<Dim>::take_undeclared() {
+  const auto declared = [](const auto& kind) {
+    std::vector<std::decay_t<decltype(kind.initial.front().id)>> ids;
+    for (const auto& said : kind.initial) ids.push_back(said.id);
+    std::ranges::sort(ids);
+    return [ids = std::move(ids)](const auto& id) { return std::ranges::binary_search(ids, id); };
+  };
+  const auto has_pose = declared(poses_);
+  const auto has_feature = declared(features_);
+  const auto split = [&](auto& kind, const auto& has_target, const auto& take) {
+    const auto all = std::exchange(kind, {});
+    for (const auto& [id, value] : all.initial) kind.add(id, value);
+    for (std::size_t i = 0; i < all.factors.size(); ++i) {
+      const auto& [base, target] = all.ends[i];
+      const bool is_declared = has_target(target) && (all.factors[i].base == kWorld || has_pose(base));
+      is_declared ? kind.add(base, target, all.factors[i]) : take(base, target, all.factors[i]);
+    }
+  };
+  LeftOut<Dim> out;
+  split(poses_, has_pose, [&](PoseId base, PoseId target, const PoseFactor<Dim>& factor) {
+    if (factor.base == kWorld) {
+      ++out.others;
+    } else {
+      out.edges.push_back({base, target, factor.measured, factor.information});
+    }
+  });
+  split(features_, has_feature, [&](const auto&...) { ++out.others; });
+  return out;
 }
 
 template <int Dim>

@@ -9,6 +9,7 @@
 #include <mapjoin/model/name_table.hpp>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <utility>
 #include <vector>
 
@@ -24,6 +25,15 @@ enum class Numbers : std::uint8_t {
 enum class PoseOrder : std::uint8_t {
   kDriven,  ///< That of their ids or, where these say nothing of it, of the edges (see take_order_of_edges).
   kOfIds,   ///< That of their ids, whatever the edges say: for a log that grows.
+};
+
+/// Edges, observations and priors that are taken out of a log.
+template <int Dim>
+struct LeftOut {
+  std::vector<NamedEdge<Dim>> edges;  ///< Between poses.
+  std::int64_t others = 0;
+
+  std::int64_t count() const { return static_cast<std::int64_t>(edges.size()) + others; }
 };
 
 /// Poses and features are named by the user's ids and come into being when first mentioned.
@@ -50,10 +60,20 @@ class LogBuilder {
   }
   /// Observations that are left out since the input does not say of which feature they are.
   void add_unassociated(std::int64_t count = 1) { log_.unassociated += count; }
+  /// What is left out as the reader's options say.
+  void add_skipped(std::string_view what, std::int64_t count = 1) {
+    const auto known = log_.skipped.find(what);
+    (known != log_.skipped.end() ? known->second : log_.skipped[std::string(what)]) += count;
+  }
   /// What a reader did to matrices before it added them.
   void add_repairs(const MatrixRepairs& repairs) { log_.conventions.repairs += repairs; }
   /// What another builder was told, as if this one was told it next.
   void append(const LogBuilder& other);
+  /// What a log says, its session n as session `first_session` + n; its foreign edges are passed over. std::out_of_range where
+  /// a factor names what the log does not have.
+  void append(const Log<Dim>& log, std::uint32_t first_session = 0);
+  /// Takes out what concerns poses and features without an initial value, which it forgets.
+  LeftOut<Dim> take_undeclared();
 
   /// Odometry or closure: which, finish() decides.
   void add_pose_edge(PoseId base, PoseId target, const Pose<Dim>& measured, const PoseMatrix<Dim>& information) {

@@ -4,12 +4,12 @@
 
 #include <algorithm>
 #include <cstddef>
-#include <mapjoin/model/log.hpp>
+#include <mapjoin/io/read_options.hpp>
 #include <string_view>
 
 namespace mapjoin::fuzz {
 
-/// From a comment `#OP…` in the first line: the lower three bits of O are the options, the code of P counts bytes.
+/// From a comment `#OP…` in the first line: the bits of O are the options, the code of P counts bytes.
 struct Choices {
   ReadOptions options;
   std::size_t piece_bytes = 64;
@@ -22,6 +22,10 @@ inline Choices choices(std::string_view text) {
   if (bits & 1) chosen.options.pose_error = PoseError::kG2o;
   if (bits & 2) chosen.options.rotation_information = RotationInformation::kQuaternion;
   chosen.options.repair_information = (bits & 4) != 0;
+  chosen.options.skip_unknown = (bits & 8) != 0;
+  chosen.options.skip_self_edges = (bits & 16) != 0;
+  chosen.options.identity_where_missing = (bits & 32) != 0;
+  if (bits & 64) chosen.options.undeclared = Undeclared::kSkipped;
   chosen.piece_bytes = std::max<std::size_t>(1, static_cast<unsigned char>(text[2]));
   return chosen;
 }

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include <Eigen/Cholesky>
 #include <cmath>
 #include <mapjoin/geometry/euler.hpp>
 #include <mapjoin/io/formats/angle_text.hpp>
@@ -62,10 +63,11 @@ constexpr std::string_view kVertex = Dim == 2 ? "VERTEX2" : "VERTEX3";
 constexpr int kOrder[6][2] = {{0, 0}, {0, 1}, {1, 1}, {2, 2}, {0, 2}, {1, 2}};
 
 template <int Dim>
-PoseMatrix<Dim> read_weights(TextScanner& text) {
+PoseMatrix<Dim> read_toro_weights(TextScanner& text, const TextContext& context) {
   if constexpr (Dim == 3) {
-    return text.symmetric<6>();
+    return read_weights<6>(text, context);
   } else {
+    if (is_unweighed(text, context)) return PoseMatrix<2>::Identity();
     PoseMatrix<2> W;
     for (const auto& [row, col] : kOrder) W(row, col) = W(col, row) = text.number();
     return W;
@@ -92,9 +94,9 @@ PoseMatrix<Dim> turned(const PoseMatrix<Dim>& W, const PoseMatrix<Dim>& J) {
 }
 
 template <int Dim>
-MeasuredPose<Dim> read_toro_edge(TextScanner& text, const TextContext&) {
+MeasuredPose<Dim> read_toro_edge(TextScanner& text, const TextContext& context) {
   const auto [measured, J] = read_pose_angles<Dim>(text);
-  return {measured, turned<Dim>(read_weights<Dim>(text), J)};
+  return {measured, turned<Dim>(read_toro_weights<Dim>(text, context), J)};
 }
 
 template <int Dim>
@@ -126,6 +128,11 @@ Fault put_toro_vertex(const Pose<Dim>& pose, TextLine& line) {
   return put_pose_angles(pose, line, ignored);
 }
 
+/// Equivalences of poses, and GTSAM's bearings and ranges.
+bool is_without_place_in_toro(std::string_view tag) {
+  return tag == "EQUIV" || tag == "BR";
+}
+
 template <int Dim>
 constexpr EdgeText<Dim> kToro{
     .name = "TORO's files",
@@ -134,6 +141,7 @@ constexpr EdgeText<Dim> kToro{
     .edge_tag = kEdge<Dim>,
     .pose_tag = kVertex<Dim>,
     .weights = Weights::kAngles,
+    .is_passed_over = is_without_place_in_toro,
     .read_edge = read_toro_edge<Dim>,
     .read_pose = read_toro_vertex<Dim>,
     .put_edge = put_toro_edge<Dim>,
@@ -144,8 +152,19 @@ template <int Dim>
 constexpr std::string_view kObservation = Dim == 2 ? "LANDMARK" : "POINT3";
 
 template <int Size>
-Matrix<Size> read_square_root(TextScanner& text) {
-  return text.symmetric<Size>().template triangularView<Eigen::Upper>();
+Matrix<Size> read_square_root(TextScanner& text, const TextContext& context) {
+  return read_weights<Size>(text, context).template triangularView<Eigen::Upper>();
+}
+
+/// Whether weights make no square root of full rank, but an information matrix of full rank in TORO's order: TORO's files
+/// without vertices look like iSAM's.
+bool are_rather_toro(const Matrix<3>& S) {
+  if (S.diagonal().array().abs().minCoeff() > 0.0) return false;
+  Matrix<3> W;
+  for (int k = 0, i = 0; i < 3; ++i) {
+    for (int j = i; j < 3; ++j, ++k) W(kOrder[k][0], kOrder[k][1]) = W(kOrder[k][1], kOrder[k][0]) = S(i, j);
+  }
+  return W.llt().info() == Eigen::ComputationInfo::Success;
 }
 
 template <int Size>
@@ -169,15 +188,24 @@ Matrix<Size> square_root(Matrix<Size> W) {
 }
 
 template <int Dim>
-MeasuredPose<Dim> read_isam_edge(TextScanner& text, const TextContext&) {
+MeasuredPose<Dim> read_isam_edge(TextScanner& text, const TextContext& context) {
   const auto [measured, J] = read_pose_angles<Dim>(text);
-  return {measured, squared<kPoseDof<Dim>>(read_square_root<kPoseDof<Dim>>(text) * J)};
+  const PoseMatrix<Dim> S = read_square_root<kPoseDof<Dim>>(text, context);
+  if constexpr (Dim == 2) {
+    if (!context.options.from && are_rather_toro(S)) {
+      text.reject(
+          "these weights are singular as iSAM's square root, and sound as TORO's information matrix; --from toro takes them "
+          "so, "
+          "--from isam as they stand");
+    }
+  }
+  return {measured, squared<kPoseDof<Dim>>(S * J)};
 }
 
 template <int Dim>
-MeasuredPoint<Dim> read_isam_point(TextScanner& text, const TextContext&) {
+MeasuredPoint<Dim> read_isam_point(TextScanner& text, const TextContext& context) {
   const Point<Dim> measured = text.vector<Dim>();
-  return {measured, squared<Dim>(read_square_root<Dim>(text))};
+  return {measured, squared<Dim>(read_square_root<Dim>(text, context))};
 }
 
 template <int Dim>

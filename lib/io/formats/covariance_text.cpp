@@ -12,8 +12,9 @@ constexpr std::string_view kStep = "STEP";
 constexpr std::string_view kCircle = "LANDMARK_C";
 
 /// A quality may stand before the covariance.
-MeasuredPoint<2> read_circle(TextScanner& text, const TextContext&) {
+MeasuredPoint<2> read_circle(TextScanner& text, const TextContext& context) {
   const Point<2> measured = text.vector<2>();
+  if (is_unweighed(text, context)) return {measured, Matrix<2>::Identity()};
   Vector<3> P = text.vector<3>();
   if (!text.at_end_of_line()) P << P[1], P[2], text.number();
   return {measured, (Matrix<2>() << P[0], P[1], P[1], P[2]).finished()};

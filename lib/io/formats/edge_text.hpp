@@ -3,14 +3,18 @@
 // What the text formats of edges have in common: lines of a tag, two ids, a measurement and its weights, read and written by
 // one driver. A format is a table of its tags, and of functions where its numbers are its own.
 
+#include <algorithm>
+#include <atomic>
 #include <filesystem>
 #include <mapjoin/io/files/text_line.hpp>
 #include <mapjoin/io/files/text_scanner.hpp>
 #include <mapjoin/io/g2o/fields.hpp>
+#include <mapjoin/io/read_options.hpp>
 #include <mapjoin/model/error.hpp>
 #include <mapjoin/model/information.hpp>
 #include <mapjoin/model/log.hpp>
 #include <optional>
+#include <span>
 #include <string>
 #include <string_view>
 
@@ -36,18 +40,28 @@ struct TextContext {
   const ReadOptions& options;
   bool is_whole;       ///< Else these are some lines of a file: others may declare what they name, and `FIX` is passed over.
   G2oOffsets offsets;  ///< Of sensors.
+  mutable std::atomic<std::int64_t> unweighed = 0;  ///< How many lines without weights got the identity.
 };
+
+/// Whether the line ends where its weights are expected, and the identity is to be taken for them; rejected where it is not.
+bool is_unweighed(TextScanner& text, const TextContext& context);
+
+/// The upper triangle of the weights of a line, row by row; the identity where they are missing and may be.
+template <int Size>
+Matrix<Size> read_weights(TextScanner& text, const TextContext& context) {
+  return is_unweighed(text, context) ? Matrix<Size>(Matrix<Size>::Identity()) : text.symmetric<Size>();
+}
 
 /// The numbers of an edge as they are: the measurement, then the upper triangle of its weights, row by row.
 template <int Dim>
-MeasuredPose<Dim> read_plain_edge(TextScanner& text, const TextContext&) {
+MeasuredPose<Dim> read_plain_edge(TextScanner& text, const TextContext& context) {
   const Pose<Dim> measured = read_g2o_pose<Dim>(text);
-  return {measured, text.symmetric<kPoseDof<Dim>>()};
+  return {measured, read_weights<kPoseDof<Dim>>(text, context)};
 }
 template <int Dim>
-MeasuredPoint<Dim> read_plain_point(TextScanner& text, const TextContext&) {
+MeasuredPoint<Dim> read_plain_point(TextScanner& text, const TextContext& context) {
   const Point<Dim> measured = text.vector<Dim>();
-  return {measured, text.symmetric<Dim>()};
+  return {measured, read_weights<Dim>(text, context)};
 }
 template <int Dim>
 Fault put_plain_edge(const MeasuredPose<Dim>& edge, TextLine& line) {
@@ -73,6 +87,24 @@ enum class Weights : std::uint8_t {
   kCovariance,  ///< Their inverses.
 };
 
+/// Measured from the World: `tag i …`, or with a sensor `tag i offset …`.
+struct PriorTag {
+  enum class Kind : std::uint8_t {
+    kPose,
+    kPosition,  ///< Of a pose.
+    kPlanar,    ///< x and y of a pose in space.
+    kFeature,
+  };
+  enum class Sensor : std::uint8_t {
+    kNone,
+    kNamed,    ///< Its pose is measured.
+    kIgnored,  ///< As g2o's own program ignores it.
+  };
+  std::string_view tag;
+  Kind kind;
+  Sensor sensor = Sensor::kNone;
+};
+
 /// One format in one dimension. What goes wrong with words is rejected on the scanner, what the format has no words for is a
 /// fault. The driver checks information matrices, and inverts covariances. A tag that is empty stands for lines that the format
 /// does not have.
@@ -89,19 +121,28 @@ struct EdgeText {
   Weights weights = Weights::kExact;
   bool may_be_unassociated = false;  ///< An observation of feature -1 is left out, and counted.
   bool has_g2o_lines = false;        ///< `FIX`, and `PARAMS_…` that say nothing by themselves.
+  std::span<const PriorTag> priors{};
+  /// Whether lines of a tag say nothing of poses and features that a log has a place for: left out, and counted; null: none do.
+  bool (*is_passed_over)(std::string_view tag) = nullptr;
   /// Whether a tag is one of this format in the other dimension, for the message; null where nobody says.
   bool (*is_of_other_dimension)(std::string_view tag) = nullptr;
 
   MeasuredPose<Dim> (*read_edge)(TextScanner& text, const TextContext& context) = read_plain_edge<Dim>;
   MeasuredPoint<Dim> (*read_point)(TextScanner& text, const TextContext& context) = read_plain_point<Dim>;
+  /// Coordinates that were not measured have no weight; null where there are no priors.
+  MeasuredPose<Dim> (*read_pose_prior)(const PriorTag& tag, TextScanner& text, const TextContext& context) = nullptr;
   Pose<Dim> (*read_pose)(TextScanner& text) = read_g2o_pose<Dim>;
 
   Fault (*put_edge)(const MeasuredPose<Dim>& edge, TextLine& line) = put_plain_edge<Dim>;
   Fault (*put_point)(const MeasuredPoint<Dim>& point, TextLine& line) = put_plain_point<Dim>;
   Fault (*put_pose)(const Pose<Dim>& pose, TextLine& line) = put_plain_pose<Dim>;
 
+  constexpr const PriorTag* prior(std::string_view tag) const {
+    const auto found = std::ranges::find(priors, tag, &PriorTag::tag);
+    return found == priors.end() ? nullptr : &*found;
+  }
   constexpr bool has_tag(std::string_view tag) const {
-    return tag == edge_tag || tag == observation_tag || tag == pose_tag || tag == feature_tag;
+    return tag == edge_tag || tag == observation_tag || tag == pose_tag || tag == feature_tag || prior(tag) != nullptr;
   }
 };
 
@@ -123,8 +164,9 @@ struct Extent {
 };
 
 /// The log in `text`, which stands at the begin of a file, in the dimension of the first tag. Poses and features are named
-/// apart. Bad input, with its place: an unknown tag, an edge from a pose to itself, information that InformationCheck refuses,
-/// a pose or feature with two values; and, in a file that gives values, an edge to a pose or feature without one.
+/// apart. Bad input, with its place, unless the options say what to do: an unknown tag, an edge from a pose to itself or
+/// without weights, information that InformationCheck refuses; a pose or feature with two values; and, in a file that gives
+/// values, an edge to a pose or feature without one.
 Expected<AnyLog> read_edge_text(TextScanner text, const EdgeText<2>& plane, const EdgeText<3>* space,
                                 const ReadOptions& options, Extent extent = {});
 

@@ -34,10 +34,15 @@ class PieceReader {
     if (tag == format_.feature_tag) return read_feature();
     if (format_.has_g2o_lines && tag == kG2oFix) return read_fix();
     if (format_.has_g2o_lines && is_g2o_parameter(tag)) return {};
-    if (format_.is_of_other_dimension && format_.is_of_other_dimension(tag)) {
-      return text_.error(fmt::format("{} in a file of dimension {}", tag, Dim));
+    if (const PriorTag* prior = format_.prior(tag)) return read_prior(*prior);
+    if (context_.options.skip_unknown || (format_.is_passed_over && format_.is_passed_over(tag))) {
+      read_.builder.add_skipped(printable(tag) + " lines");
+      return {};
     }
-    return text_.error(fmt::format("unknown tag {}", in_quotes(tag)));
+    const bool is_of_other = format_.is_of_other_dimension && format_.is_of_other_dimension(tag);
+    const std::string what =
+        is_of_other ? fmt::format("{} in a file of dimension {}", tag, Dim) : "unknown tag " + in_quotes(tag);
+    return text_.error(what + kSkipUnknown);
   }
 
   Expected<void> read_pose() {
@@ -71,9 +76,42 @@ class PieceReader {
     auto [measured, W] = format_.read_edge(text_, context_);
     if (format_.weights == Weights::kCovariance) W = inverse_of(W, check_, text_);
     if (auto line = text_.finish_line(); !line) return line;
-    if (base == target) return text_.error(place, fmt::format("an edge leads from {} to itself", to_string(base)));
+    if (base == target) return read_self_edge(place, base);
     if (const auto fault = check_.fault(W)) return unfit(place, base.key, target.key, *fault);
     read_.builder.add_pose_edge(base, target, measured, W);
+    return {};
+  }
+
+  Expected<void> read_self_edge(const Place& place, PoseId pose) {
+    if (!context_.options.skip_self_edges) {
+      return text_.error(
+          place, fmt::format("an edge leads from {} to itself; --skip-self-edges leaves such edges out", to_string(pose)));
+    }
+    read_.builder.add_skipped("self-edges");
+    return {};
+  }
+
+  Expected<void> read_prior(const PriorTag& tag) {
+    return tag.kind == PriorTag::Kind::kFeature ? read_feature_prior() : read_pose_prior(tag);
+  }
+
+  Expected<void> read_feature_prior() {
+    const Place place = text_.place();
+    const FeatureId id{text_.key()};
+    auto [measured, W] = read_plain_point<Dim>(text_, context_);
+    if (auto line = text_.finish_line(); !line) return line;
+    if (const auto fault = check_.fault(W)) return unfit(place, "the prior of " + to_string(id), *fault);
+    read_.builder.add_feature_prior(id, measured, W);
+    return {};
+  }
+
+  Expected<void> read_pose_prior(const PriorTag& tag) {
+    const Place place = text_.place();
+    const PoseId id{0, text_.key()};
+    auto [measured, W] = format_.read_pose_prior(tag, text_, context_);
+    if (auto line = text_.finish_line(); !line) return line;
+    if (const auto fault = check_.fault(W)) return unfit(place, "the prior of " + to_string(id), *fault);
+    read_.builder.add_pose_prior(id, measured, W);
     return {};
   }
 
@@ -94,8 +132,11 @@ class PieceReader {
     return {};
   }
 
+  tl::unexpected<Error> unfit(const Place& place, const std::string& what, const std::string& fault) const {
+    return text_.error(place, fmt::format("the information matrix of {} {}", what, fault));
+  }
   tl::unexpected<Error> unfit(const Place& place, std::uint64_t from, std::uint64_t to, const std::string& fault) const {
-    return text_.error(place, fmt::format("the information matrix of edge {}-{} {}", from, to, fault));
+    return unfit(place, fmt::format("edge {}-{}", key_text(from), key_text(to)), fault);
   }
 
   TextScanner text_;
@@ -106,6 +147,17 @@ class PieceReader {
 };
 
 }  // namespace
+
+bool is_unweighed(TextScanner& text, const TextContext& context) {
+  if (!text.at_end_of_line()) return false;
+  if (!context.options.identity_where_missing) {
+    text.word();  // That the message is of the end.
+    text.reject("the line ends where its weights are expected; --identity-where-missing takes the identity for them");
+    return false;
+  }
+  ++context.unweighed;
+  return true;
+}
 
 std::optional<FeatureId> read_feature_or_none(TextScanner& text) {
   const std::int64_t key = text.integer();

@@ -8,6 +8,8 @@
 
 namespace mapjoin {
 
+inline constexpr const char* kSkipUnknown = "; --skip-unknown leaves such lines out";
+
 template <int Dim>
 struct EdgeTextPiece {
   LogBuilder<Dim> builder;

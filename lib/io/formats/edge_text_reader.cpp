@@ -21,14 +21,14 @@ class EdgeTextReader {
   EdgeTextReader(TextScanner text, const EdgeText<Dim>& format, const ReadOptions& options, Extent extent)
       : begin_(std::move(text)),
         format_(format),
-        context_{options, extent.is_whole, {}},
+        context_{options, extent.is_whole, {}, {}},
         piece_bytes_(extent.piece_bytes),
         builder_(begin_.source(), format.has_g2o_lines ? g2o_conventions(options) : Conventions(), Numbers::kChecked) {}
 
   Expected<Log<Dim>> read() && {
     const std::vector<TextScanner> pieces = begin_.pieces(piece_bytes_);
-    const bool has_observations = make_room(pieces);
-    if (Dim == 3 && format_.has_g2o_lines && has_observations) {
+    const bool names_sensors = make_room(pieces);
+    if (Dim == 3 && format_.has_g2o_lines && names_sensors) {
       auto offsets = read_g2o_offsets(begin_);
       if (!offsets) return tl::unexpected(offsets.error());
       context_.offsets = *std::move(offsets);
@@ -37,12 +37,22 @@ class EdgeTextReader {
     if (auto once = check_once(poses_, "pose").and_then([&] { return check_once(features_, "feature"); }); !once) {
       return tl::unexpected(once.error());
     }
-    auto log = std::move(builder_).finish();
-    if (log && context_.is_whole && poses_.size() + features_.size() > 0 &&
-        (log->poses.size() > poses_.size() || log->features.size() > features_.size())) {
-      return tl::unexpected(undeclared());
+    builder_.add_repairs({.missing = context_.unweighed});
+    const bool has_vertices = context_.is_whole && poses_.size() + features_.size() > 0;
+    LeftOut<Dim> undeclared;
+    if (has_vertices && context_.options.undeclared != Undeclared::kRefused) undeclared = builder_.take_undeclared();
+    if (context_.options.undeclared == Undeclared::kForeign && undeclared.others > 0) return tl::unexpected(first_undeclared());
+    if (context_.options.undeclared == Undeclared::kSkipped && undeclared.count() > 0) {
+      builder_.add_skipped("edges to undeclared vertices", undeclared.count());
+      undeclared.edges.clear();
     }
-    return log;
+    return std::move(builder_).finish().and_then([&](Log<Dim>&& log) -> Expected<Log<Dim>> {
+      if (has_vertices && (log.poses.size() > poses_.size() || log.features.size() > features_.size())) {
+        return tl::unexpected(first_undeclared());
+      }
+      log.foreign = std::move(undeclared.edges);
+      return std::move(log);
+    });
   }
 
  private:
@@ -52,15 +62,18 @@ class EdgeTextReader {
   }
 
   /// Growing the vectors of a large log costs as much as reading it. A count is believed as far as so many lines that are
-  /// complete, of two bytes a number at least, fit into the file. Returns whether there are observations of features.
+  /// complete, of two bytes a number at least, fit into the file. Returns whether lines name sensors.
   bool make_room(const std::vector<TextScanner>& pieces) {
     std::vector<std::size_t> edges(pieces.size());
     std::vector<std::size_t> observations(pieces.size());
+    std::atomic<bool> names_sensors = false;
     parallel_for(pieces.size(), [&](std::size_t k) {
       for (TextScanner ahead = pieces[k]; ahead.next_line();) {
         const std::string_view tag = ahead.word();
         if (tag == format_.edge_tag) ++edges[k];
         if (tag == format_.observation_tag) ++observations[k];
+        const PriorTag* prior = format_.prior(tag);
+        if (prior && prior->sensor == PriorTag::Sensor::kNamed) names_sensors = true;
       }
     });
     const auto count = [&](const std::vector<std::size_t>& counts, int dof) {
@@ -69,7 +82,7 @@ class EdgeTextReader {
     };
     const std::size_t observed = count(observations, Dim);
     builder_.reserve(count(edges, kPoseDof<Dim>), observed);
-    return observed > 0;
+    return names_sensors || observed > 0;
   }
 
   /// What a piece says is taken while later ones are read.
@@ -93,25 +106,43 @@ class EdgeTextReader {
     declared.sort();
     const auto twice = declared.repetition();
     if (!twice) return {};
-    return begin_.error(twice->place, fmt::format("{} {} is declared a second time", what, twice->key));
+    return begin_.error(twice->place, fmt::format("{} {} is declared a second time; two logs in one file are to be given as two files", what,
+                                                key_text(twice->key)));
   }
 
-  /// In a second look at the file, the first edge to an id that no vertex declares.
-  Error undeclared() const {
+  /// In a second look at the file, the first line that names an id that no vertex declares, and that is not foreign.
+  Error first_undeclared() const {
     for (TextScanner text = begin_; text.next_line();) {
       const std::string_view tag = text.word();
       const Place place = text.place();
-      if (tag != format_.edge_tag && tag != format_.observation_tag) continue;
-      const std::uint64_t pose = text.key();
-      const std::uint64_t target = text.key();
-      const bool is_pose = tag == format_.edge_tag;
-      if (poses_.contains(pose) && (is_pose ? poses_ : features_).contains(target)) continue;
-      const std::string missing = !poses_.contains(pose) ? to_string(PoseId{0, pose})
-                                  : is_pose              ? to_string(PoseId{0, target})
-                                                         : to_string(FeatureId{target});
-      return text.error(place, fmt::format("the file declares vertices, but not {}", missing)).value();
+      const std::optional<std::string> missing = undeclared_in(tag, text);
+      if (!missing) continue;
+      return text
+          .error(place,
+                 fmt::format("the file declares vertices, but not {}; give the file that does, too, or --skip-undeclared",
+                             *missing))
+          .value();
     }
     return {};
+  }
+
+  /// The pose or feature that a line names and no vertex declares, if any.
+  std::optional<std::string> undeclared_in(std::string_view tag, TextScanner& text) const {
+    const PriorTag* prior = format_.prior(tag);
+    const bool is_edge = tag == format_.edge_tag;
+    if (is_edge && context_.options.undeclared == Undeclared::kForeign) return std::nullopt;
+    if (!is_edge && !prior && tag != format_.observation_tag) return std::nullopt;
+    const auto pose = [&](std::uint64_t key) {
+      return poses_.contains(key) ? std::nullopt : std::optional(to_string(PoseId{0, key}));
+    };
+    const auto feature = [&](std::uint64_t key) {
+      return features_.contains(key) ? std::nullopt : std::optional(to_string(FeatureId{key}));
+    };
+    const std::uint64_t first = text.key();
+    if (prior) return prior->kind == PriorTag::Kind::kFeature ? feature(first) : pose(first);
+    const std::uint64_t second = text.key();
+    if (auto missing = pose(first)) return missing;
+    return is_edge ? pose(second) : feature(second);
   }
 
   TextScanner begin_;
@@ -131,8 +162,9 @@ Expected<AnyLog> read_edge_text(TextScanner text, const EdgeText<2>& plane, cons
     const std::string_view tag = ahead.word();
     if (plane.has_tag(tag)) return EdgeTextReader<2>(std::move(text), plane, options, extent).read();
     if (space && space->has_tag(tag)) return EdgeTextReader<3>(std::move(text), *space, options, extent).read();
-    const bool is_passed_over = plane.has_g2o_lines && (tag == kG2oFix || is_g2o_parameter(tag));
-    if (!is_passed_over) return ahead.error(fmt::format("unknown tag {}", in_quotes(tag)));
+    const bool is_passed_over = (plane.has_g2o_lines && (tag == kG2oFix || is_g2o_parameter(tag))) ||
+                                (plane.is_passed_over && plane.is_passed_over(tag)) || options.skip_unknown;
+    if (!is_passed_over) return ahead.error(fmt::format("unknown tag {}{}", in_quotes(tag), kSkipUnknown));
   }
   return bad_input(fmt::format("{}: the log has no poses", text.source()));
 }

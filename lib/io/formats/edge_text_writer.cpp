@@ -24,6 +24,7 @@ class EdgeTextWriter {
     for (const PoseIndex pose : contents_.fixed) line_.add(kG2oFix).add(numbering_(pose_id(pose))).write_to(file_);
     if (contents_.log) write_edges(contents_.log->edges());
     if (contents_.log) write_observations(contents_.log->observations());
+    if (contents_.log && !format_.priors.empty()) write_priors(*contents_.log);
     if (!fault_) return file_.commit();
     return tl::unexpected(
         Error{ErrorKind::kUsage, fmt::format("{}: {}, which {} cannot say", contents_.source, *fault_, format_.name)});
@@ -96,7 +97,7 @@ class EdgeTextWriter {
 
   void write_observations(std::span<const FeatureFactor<Dim>> observations) {
     if (format_.observation_tag.empty() || observations.empty()) return;
-    if (!format_.offset_line.empty()) line_.add(format_.offset_line).write_to(file_);
+    write_offset_line();
     write_each(observations.size(), [&](TextLine& line, std::size_t k) -> Fault {
       const FeatureFactor<Dim>& seen = observations[k];
       const PoseId& pose = pose_id(seen.base);
@@ -107,12 +108,42 @@ class EdgeTextWriter {
     });
   }
 
+  /// The sensor that observations and priors name, once.
+  void write_offset_line() {
+    if (!format_.offset_line.empty() && !has_offset_) line_.add(format_.offset_line).write_to(file_);
+    has_offset_ = true;
+  }
+
+  /// Of a pose as a whole, whatever of it was measured.
+  void write_priors(const Log<Dim>& log) {
+    const auto pose_priors = log.pose_priors();
+    if (!pose_priors.empty()) write_offset_line();
+    write_each(pose_priors.size(), [&](TextLine& line, std::size_t k) -> Fault {
+      const PoseFactor<Dim>& prior = pose_priors[k];
+      begin_prior(PriorTag::Kind::kPose, numbering_(pose_id(prior.target)), line);
+      return format_.put_edge({prior.measured, prior.information}, line);
+    });
+    const auto feature_priors = log.feature_priors();
+    write_each(feature_priors.size(), [&](TextLine& line, std::size_t k) -> Fault {
+      const FeatureFactor<Dim>& prior = feature_priors[k];
+      begin_prior(PriorTag::Kind::kFeature, numbering_(contents_.feature_ids[prior.target]), line);
+      return put_plain_point<Dim>({prior.measured, prior.information}, line);
+    });
+  }
+
+  void begin_prior(PriorTag::Kind kind, std::uint64_t id, TextLine& line) const {
+    const PriorTag& prior = *std::ranges::find(format_.priors, kind, &PriorTag::kind);
+    line.add(prior.tag).add(id);
+    if (prior.sensor != PriorTag::Sensor::kNone) line.add(0);
+  }
+
   const EdgeTextContents<Dim>& contents_;
   const EdgeText<Dim>& format_;
   G2oNumbering numbering_;
   OutputFile file_;
   TextLine line_{' '};
   Fault fault_;
+  bool has_offset_ = false;
 };
 
 }  // namespace

@@ -9,6 +9,7 @@
 #include <mapjoin/io/formats/log_format.hpp>
 #include <mapjoin/io/formats/map_text.hpp>
 #include <mapjoin/io/formats/mat_log.hpp>
+#include <mapjoin/io/formats/pose_csv.hpp>
 #include <mapjoin/io/formats/trajectory.hpp>
 #include <mapjoin/io/g2o/g2o.hpp>
 #include <mapjoin/io/g2o/numbering.hpp>
@@ -22,6 +23,7 @@ namespace fs = std::filesystem;
 struct Room {
   bool edges = true;
   bool observations = true;
+  bool priors = false;
   bool pose_values = false;
   bool feature_values = false;
   bool fixed = false;
@@ -71,30 +73,19 @@ bool is_isam_tag(std::string_view tag) {
   return kIsamPlane.has_tag(tag) || kIsamSpace.has_tag(tag);
 }
 
+/// Whether a text has lines of a tag that is not iSAM's, if it begins like a file of iSAM's.
+template <bool (*is_own)(std::string_view)>
+bool begins_like_isam(std::string_view bytes) {
+  if (!begins<is_own>(bytes) && !begins<is_isam_tag>(bytes)) return false;
+  for (TextScanner text("", bytes); text.next_line();) {
+    if (is_own(text.word())) return true;
+  }
+  return false;
+}
+
 template <const EdgeText<2>& plane, const EdgeText<3>* space>
 Expected<AnyLog> read_edges(TextScanner text, const ReadOptions& options) {
   return read_edge_text(std::move(text), plane, space, options);
-}
-
-/// iSAM's log, unless a later line has a tag that TORO's or GTSAM's files have beside its own.
-Expected<AnyLog> read_isam_like(TextScanner text, const ReadOptions& options) {
-  for (TextScanner ahead = text; ahead.next_line();) {
-    const std::string_view tag = ahead.word();
-    if (is_toro_vertex(tag)) return read_edges<kToroPlane, &kToroSpace>(std::move(text), options);
-    if (is_gtsam_odometry(tag)) return read_edges<kGtsamText, nullptr>(std::move(text), options);
-  }
-  return read_edges<kIsamPlane, &kIsamSpace>(std::move(text), options);
-}
-
-/// g2o files with what they have no line for left out.
-template <int Dim>
-Expected<void> write_as_g2o(const Log<Dim>& log, const fs::path& path) {
-  if (log.pose_priors().empty() && log.feature_priors().empty()) return write_g2o(log, path);
-  Log<Dim> without = log;
-  const auto is_prior = [](const auto& factor) { return factor.base == kWorld; };
-  std::erase_if(without.graph.pose_factors, is_prior);
-  std::erase_if(without.graph.feature_factors, is_prior);
-  return write_g2o(without, path);
 }
 
 template <int Dim>
@@ -129,26 +120,42 @@ Format edges_row(std::string_view extension, bool (*is)(std::string_view),
 constexpr Room kTrajectory{.edges = false, .observations = false, .pose_values = true, .names = false};
 constexpr Room kStampedTrajectory{.edges = false, .observations = false, .pose_values = true, .stamps = true, .names = false};
 
+constexpr Room kPoseTable{.edges = false, .observations = false, .pose_values = true, .stamps = true};
+
 /// In the order of LogFormat, in which they are recognised.
 const Format& row_of(LogFormat format) {
-  static const std::array<Format, 8> rows{{
+  static const std::array<Format, 9> rows{{
       {".g2o",
        begins<is_g2o_tag>,
        read_g2o_text,
-       write_as_g2o<2>,
-       write_as_g2o<3>,
-       {.pose_values = true, .feature_values = true, .fixed = true, .one_numbering = true}},
-      edges_row<kToroPlane, &kToroSpace>(".graph", begins<is_toro_vertex>),
-      edges_row<kGtsamText, nullptr>(".gtsam", begins<is_gtsam_odometry>),
-      edges_row<kIsamPlane, &kIsamSpace>(".isam", begins<is_isam_tag>, read_text<read_isam_like>),
+       write_g2o<2>,
+       write_g2o<3>,
+       {.priors = true, .pose_values = true, .feature_values = true, .fixed = true, .one_numbering = true}},
+      edges_row<kToroPlane, &kToroSpace>(".graph", begins_like_isam<is_toro_vertex>),
+      edges_row<kGtsamText, nullptr>(".gtsam", begins_like_isam<is_gtsam_odometry>),
+      edges_row<kIsamPlane, &kIsamSpace>(".isam", begins<is_isam_tag>),
       edges_row<kOdomObs, nullptr>(".txt", begins<is_covariance_text_tag>, read_text<read_covariance_text>),
       {".mat", is_mat_file, read_mat_log, write_mat_log, nullptr, {.weights = Weights::kCovariance}},
       {".tum", begins<is_tum_line>, read_text<read_tum_log>, write_values<2, write_tum>, write_values<3, write_tum>,
        kStampedTrajectory},
       {".kitti", begins<is_kitti_line>, read_text<read_kitti_log>, write_values<2, write_kitti>, write_values<3, write_kitti>,
        kTrajectory},
+      {".csv", is_pose_csv, read_pose_csv, write_values<2, write_pose_csv>, write_values<3, write_pose_csv>, kPoseTable},
   }};
   return rows[static_cast<std::size_t>(format)];
+}
+
+/// The format that is asked for, else the one known by the first line that may not be left out.
+std::optional<LogFormat> known_format(std::string_view bytes, const ReadOptions& options) {
+  if (options.from) return options.from;
+  while (true) {
+    for (const auto& [format, name] : enum_names(LogFormat{})) {
+      if (row_of(format).is(bytes)) return format;
+    }
+    const std::size_t line = bytes.find('\n');
+    if (!options.skip_unknown || line == bytes.npos) return std::nullopt;
+    bytes.remove_prefix(line + 1);
+  }
 }
 
 /// How many poses and features no edge mentions.
@@ -214,7 +221,7 @@ std::vector<std::string> losses(const Log<Dim>& log, LogFormat format) {
          plural(log.features.size(), "feature") + " with " + plural(log.observations().size(), "observation"));
   }
   const std::size_t priors = log.pose_priors().size() + log.feature_priors().size();
-  tell(priors, plural(priors, "prior"));
+  if (!room.priors) tell(priors, plural(priors, "prior"));
   if (!room.fixed) tell(log.graph.fixed.size(), "which poses are fixed is");
   const bool has_values = !log.initial.poses.empty() || !log.initial.features.empty();
   const bool all_values = !log.initial.poses.empty() && log.initial.features.size() == log.features.size();
@@ -224,7 +231,7 @@ std::vector<std::string> losses(const Log<Dim>& log, LogFormat format) {
   const bool names_all = needs_values(format) || (room.feature_values && all_values);
   if (!names_all) tell(unmentioned(log), "poses and features that no edge mentions are");
   if (room.names) {
-    tell_numbering(log, room, lost);
+    if (format != LogFormat::kCsv) tell_numbering(log, room, lost);
   } else {
     if (!are_counted(log.poses)) lost.emplace_back("poses are counted, not named");
     if (Dim == 2) lost.emplace_back("headings are rotations in space, rounded");
@@ -235,13 +242,13 @@ std::vector<std::string> losses(const Log<Dim>& log, LogFormat format) {
 }
 
 Expected<AnyLog> read_log(std::string_view bytes, const std::string& file, const ReadOptions& options) {
-  for (const auto& [format, name] : enum_names(LogFormat{})) {
-    const Format& row = row_of(format);
-    if (row.is(bytes)) return row.read(bytes, file, options);
-  }
+  if (const auto format = known_format(bytes, options)) return row_of(*format).read(bytes, file, options);
   TextScanner text(file, bytes);
   if (!text.next_line()) return bad_input(fmt::format("{}: the file has nothing but blanks and comments", file));
-  return text.error(fmt::format("no log format has lines that begin with {}", in_quotes(text.word())));
+  return text.error(
+      fmt::format("no log format has lines that begin with {}; --skip-unknown leaves such lines out, --from names "
+                  "the format",
+                  in_quotes(text.word())));
 }
 
 template <int Dim>

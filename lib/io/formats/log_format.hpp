@@ -4,6 +4,7 @@
 
 #include <cstdint>
 #include <filesystem>
+#include <mapjoin/io/read_options.hpp>
 #include <mapjoin/model/enum_names.hpp>
 #include <mapjoin/model/error.hpp>
 #include <mapjoin/model/log.hpp>
@@ -23,6 +24,7 @@ enum class LogFormat : std::uint8_t {
   kMat,      ///< Victoria Park's MAT file.
   kTum,      ///< The values of poses only, as kKitti.
   kKitti,
+  kCsv,  ///< The table of a map's poses.
 };
 
 constexpr auto enum_names(LogFormat) {
@@ -33,7 +35,8 @@ constexpr auto enum_names(LogFormat) {
                                              {LogFormat::kOdomObs, "odom-obs"},
                                              {LogFormat::kMat, "mat"},
                                              {LogFormat::kTum, "tum"},
-                                             {LogFormat::kKitti, "kitti"}});
+                                             {LogFormat::kKitti, "kitti"},
+                                             {LogFormat::kCsv, "csv"}});
 }
 
 /// Of its files: ".g2o", ".txt", …

@@ -10,15 +10,6 @@
 namespace mapjoin {
 namespace {
 
-const Pose<3>& in_space(const Pose<3>& pose) {
-  return pose;
-}
-Pose<3> in_space(const Pose<2>& pose) {
-  const double half = 0.5 * pose.rotation.log()[0];
-  const Eigen::Quaterniond about_z(std::cos(half), 0.0, 0.0, std::sin(half));
-  return {Point<3>(pose.translation.x(), pose.translation.y(), 0.0), Rotation<3>(about_z)};
-}
-
 template <int Dim>
 void put_poses(const GlobalMap<Dim>& map, OutputFile& file) {
   const bool has_stamps = !map.stamps_ns.empty();
@@ -32,7 +23,7 @@ void put_poses(const GlobalMap<Dim>& map, OutputFile& file) {
   line.write_to(file);
   for (const PoseIndex i : indices(map.poses)) {
     if (has_sessions) line.add(map.pose_ids[i].session);
-    line.add(map.pose_ids[i].key).add(map.poses[i]);
+    line.add(key_text(map.pose_ids[i].key)).add(map.poses[i]);
     if (has_stamps) line.add(map.stamps_ns[i]);
     if (has_covariances) line.add_symmetric<kPoseDof<Dim>>(map.pose_covariances[i]);
     line.write_to(file);
@@ -47,13 +38,19 @@ void put_features(const GlobalMap<Dim>& map, OutputFile& file) {
   if (has_covariances) line.add_covariance_names(step_names<Dim>(Dim));
   line.write_to(file);
   for (const FeatureIndex i : indices(map.features)) {
-    line.add(map.feature_ids[i].key).template add<Dim>(map.features[i]);
+    line.add(key_text(map.feature_ids[i].key)).template add<Dim>(map.features[i]);
     if (has_covariances) line.template add_symmetric<Dim>(map.feature_covariances[i]);
     line.write_to(file);
   }
 }
 
 }  // namespace
+
+Pose<3> in_space(const Pose<2>& pose) {
+  const double half = 0.5 * pose.rotation.log()[0];
+  const Eigen::Quaterniond about_z(std::cos(half), 0.0, 0.0, std::sin(half));
+  return {Point<3>(pose.translation.x(), pose.translation.y(), 0.0), Rotation<3>(about_z)};
+}
 
 std::string seconds(std::int64_t nanoseconds) {
   constexpr std::int64_t kNanosecondsPerSecond = 1'000'000'000;
@@ -96,6 +93,14 @@ Expected<void> write_kitti(const GlobalMap<Dim>& map, const std::filesystem::pat
 }
 
 template <int Dim>
+Expected<void> write_pose_csv(const GlobalMap<Dim>& map, const std::filesystem::path& path) {
+  return OutputFile::create(path).and_then([&](OutputFile&& file) {
+    put_poses(map, file);
+    return file.commit();
+  });
+}
+
+template <int Dim>
 Expected<void> write_csv(const GlobalMap<Dim>& map, const std::filesystem::path& poses, const std::filesystem::path& features) {
   auto pose_file = OutputFile::create(poses);
   if (!pose_file) return tl::unexpected(pose_file.error());
@@ -110,6 +115,8 @@ template Expected<void> write_tum(const GlobalMap<2>&, const std::filesystem::pa
 template Expected<void> write_tum(const GlobalMap<3>&, const std::filesystem::path&);
 template Expected<void> write_kitti(const GlobalMap<2>&, const std::filesystem::path&);
 template Expected<void> write_kitti(const GlobalMap<3>&, const std::filesystem::path&);
+template Expected<void> write_pose_csv(const GlobalMap<2>&, const std::filesystem::path&);
+template Expected<void> write_pose_csv(const GlobalMap<3>&, const std::filesystem::path&);
 template Expected<void> write_csv(const GlobalMap<2>&, const std::filesystem::path&, const std::filesystem::path&);
 template Expected<void> write_csv(const GlobalMap<3>&, const std::filesystem::path&, const std::filesystem::path&);
 

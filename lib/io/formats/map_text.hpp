@@ -10,6 +10,12 @@
 
 namespace mapjoin {
 
+/// A pose of the plane in space: z is 0, and the heading a turn about z.
+Pose<3> in_space(const Pose<2>& pose);
+inline const Pose<3>& in_space(const Pose<3>& pose) {
+  return pose;
+}
+
 /// Seconds with nine decimals, exactly.
 std::string seconds(std::int64_t nanoseconds);
 
@@ -24,6 +30,10 @@ Expected<void> write_tum(const GlobalMap<Dim>& map, const std::filesystem::path&
 /// Twelve numbers per pose, in the map's order: the rows of (R | t), as above. There are no names, no times and no comments.
 template <int Dim>
 Expected<void> write_kitti(const GlobalMap<Dim>& map, const std::filesystem::path& path);
+
+/// The first table of write_csv().
+template <int Dim>
+Expected<void> write_pose_csv(const GlobalMap<Dim>& map, const std::filesystem::path& path);
 
 /// Two tables; neither appears unless both could be written.
 /// - Poses: `pose,x,y,phi` or `pose,x,y,z,qx,qy,qz,qw`, under a header with these names (m, rad); before them `session,` where

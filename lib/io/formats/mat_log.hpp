@@ -3,6 +3,7 @@
 // The paper's two logs as their MAT files: Victoria Park's "clean data" and the corrected DLR data.
 
 #include <filesystem>
+#include <mapjoin/io/read_options.hpp>
 #include <mapjoin/model/error.hpp>
 #include <mapjoin/model/log.hpp>
 #include <string>

@@ -16,33 +16,11 @@ namespace {
 
 constexpr std::size_t kTumNumbers = 8;
 constexpr std::size_t kKittiNumbers = 12;
-constexpr std::int64_t kSecond = 1'000'000'000;
 
 bool has_numbers(TextScanner& line, std::size_t count) {
   if (!line.next_line()) return false;
   for (std::size_t i = 0; i < count; ++i) line.number();
   return line.finish_line().has_value();
-}
-
-template <typename Number>
-bool parse(std::string_view text, Number& number) {
-  const auto [end, failure] = std::from_chars(text.data(), text.data() + text.size(), number);
-  return failure == std::errc() && end == text.data() + text.size();
-}
-
-/// Seconds in nanoseconds, exactly where they are written without an exponent.
-std::optional<std::int64_t> nanoseconds(std::string_view word) {
-  const std::size_t point = std::min(word.find('.'), word.size());
-  const std::string_view fraction = word.substr(std::min(point + 1, word.size()));
-  std::string digits(word.substr(0, point));
-  digits += fraction.substr(0, 9);
-  digits.append(9 - std::min<std::size_t>(9, fraction.size()), '0');
-  std::int64_t exact = 0;
-  if (fraction.find_first_not_of("0123456789") == fraction.npos && parse(digits, exact)) return exact;
-  constexpr auto kEnd = static_cast<double>(std::numeric_limits<std::int64_t>::max() / kSecond);
-  double seconds = 0.0;
-  if (!parse(word, seconds) || !(std::abs(seconds) < kEnd)) return std::nullopt;
-  return std::llround(seconds * static_cast<double>(kSecond));
 }
 
 /// The pose in the plane that a pose in space is, if it is one.
@@ -92,7 +70,28 @@ Pose<3> read_rows(TextScanner& text) {
   return {t, Rotation<3>(Matrix<3>(svd.matrixU() * svd.matrixV().transpose()))};
 }
 
+template <typename Number>
+bool parse(std::string_view text, Number& number) {
+  const auto [end, failure] = std::from_chars(text.data(), text.data() + text.size(), number);
+  return failure == std::errc() && end == text.data() + text.size();
+}
+
 }  // namespace
+
+std::optional<std::int64_t> nanoseconds(std::string_view word) {
+  constexpr std::int64_t kSecond = 1'000'000'000;
+  const std::size_t point = std::min(word.find('.'), word.size());
+  const std::string_view fraction = word.substr(std::min(point + 1, word.size()));
+  std::string digits(word.substr(0, point));
+  digits += fraction.substr(0, 9);
+  digits.append(9 - std::min<std::size_t>(9, fraction.size()), '0');
+  std::int64_t exact = 0;
+  if (fraction.find_first_not_of("0123456789") == fraction.npos && parse(digits, exact)) return exact;
+  constexpr auto kEnd = static_cast<double>(std::numeric_limits<std::int64_t>::max() / kSecond);
+  double seconds = 0.0;
+  if (!parse(word, seconds) || !(std::abs(seconds) < kEnd)) return std::nullopt;
+  return std::llround(seconds * static_cast<double>(kSecond));
+}
 
 bool is_tum_line(TextScanner line) {
   return has_numbers(line, kTumNumbers);

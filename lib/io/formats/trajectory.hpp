@@ -2,13 +2,20 @@
 #pragma once
 // Trajectories, TUM's and KITTI's, as logs that have nothing but the values of their poses. They are written by map_text.hpp.
 
+#include <cstdint>
 #include <filesystem>
 #include <mapjoin/io/files/text_scanner.hpp>
+#include <mapjoin/io/read_options.hpp>
 #include <mapjoin/model/error.hpp>
 #include <mapjoin/model/log.hpp>
+#include <optional>
+#include <string_view>
 #include <vector>
 
 namespace mapjoin {
+
+/// A time in seconds as nanoseconds, exactly where it is written without an exponent; nothing of other words.
+std::optional<std::int64_t> nanoseconds(std::string_view word);
 
 /// Whether `line`, which stands before a line, has that many numbers and nothing else.
 bool is_tum_line(TextScanner line);

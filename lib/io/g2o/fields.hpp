@@ -11,6 +11,7 @@
 #include <map>
 #include <mapjoin/geometry/pose.hpp>
 #include <mapjoin/io/files/text_scanner.hpp>
+#include <mapjoin/io/read_options.hpp>
 #include <mapjoin/model/log.hpp>
 
 namespace mapjoin {

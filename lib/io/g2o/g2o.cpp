@@ -1,38 +1,14 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <fmt/format.h>
 
+#include <array>
 #include <mapjoin/io/g2o/g2o.hpp>
+#include <mapjoin/io/g2o/measured.hpp>
 #include <stdexcept>
 #include <utility>
 
 namespace mapjoin {
 namespace {
-
-/// In the frame of the pose, wherever the sensor stands.
-template <int Dim>
-MeasuredPoint<Dim> seen_from(const Pose<Dim>& sensor, const MeasuredPoint<Dim>& seen) {
-  return {transform(sensor, seen.measured), turned_to_parent<Dim>(seen.information, sensor.rotation)};
-}
-
-template <int Dim>
-MeasuredPoint<Dim> read_point(TextScanner& text, const TextContext& context) {
-  if constexpr (Dim == 2) {
-    return seen_from<2>({}, read_plain_point<2>(text, context));
-  } else {
-    const std::uint64_t key = text.key();
-    const auto offset = context.offsets.find(key);
-    if (offset == context.offsets.end()) text.reject(fmt::format("no {} line gives the sensor offset {}", kG2oOffset, key));
-    const Pose<3> sensor = offset == context.offsets.end() ? Pose<3>{} : offset->second;
-    return seen_from<3>(sensor, read_plain_point<3>(text, context));
-  }
-}
-
-/// Turned before it is checked: what passes the check then passes again where it is written and read back.
-template <int Dim>
-MeasuredPose<Dim> read_edge(TextScanner& text, const TextContext& context) {
-  const auto [measured, W] = read_plain_edge<Dim>(text, context);
-  return {measured, from_g2o<Dim>(W, measured, context.options)};
-}
 
 /// The one sensor offset is the identity.
 Fault put_point_seen_from_0(const MeasuredPoint<3>& point, TextLine& line) {
@@ -42,6 +18,23 @@ Fault put_point_seen_from_0(const MeasuredPoint<3>& point, TextLine& line) {
 template <int Dim>
 bool is_tag_of(std::string_view tag);
 
+/// What programs put between the lines of a graph: scans, images, names.
+bool is_sensor_data(std::string_view tag) {
+  return tag.starts_with("ROBOTLASER") || tag.starts_with("RAWLASER") || tag.starts_with("DATA") || tag.ends_with("_DATA") ||
+         tag == "VERTEX_TAG" || tag == "VERTEX_ELLIPSE";
+}
+
+using Kind = PriorTag::Kind;
+using Sensor = PriorTag::Sensor;
+constexpr std::array kPriorsOfPlane = std::to_array<PriorTag>(
+    {{"EDGE_PRIOR_SE2", Kind::kPose}, {"EDGE_PRIOR_SE2_XY", Kind::kPosition}, {"EDGE_PRIOR_XY", Kind::kFeature}});
+/// g2o's, then hdl_graph_slam's.
+constexpr std::array kPriorsOfSpace = std::to_array<PriorTag>({{"EDGE_SE3_PRIOR", Kind::kPose, Sensor::kNamed},
+                                                               {"EDGE_SE3_XYZ_PRIOR", Kind::kPosition, Sensor::kIgnored},
+                                                               {"EDGE_POINTXYZ_PRIOR", Kind::kFeature},
+                                                               {"EDGE_SE3_PRIORXYZ", Kind::kPosition},
+                                                               {"EDGE_SE3_PRIORXY", Kind::kPlanar}});
+
 constexpr EdgeText<2> kPlane{.name = "g2o files",
                              .edge_tag = "EDGE_SE2",
                              .observation_tag = "EDGE_SE2_XY",
@@ -49,9 +42,12 @@ constexpr EdgeText<2> kPlane{.name = "g2o files",
                              .feature_tag = "VERTEX_XY",
                              .one_numbering = true,
                              .has_g2o_lines = true,
+                             .priors = kPriorsOfPlane,
+                             .is_passed_over = is_sensor_data,
                              .is_of_other_dimension = is_tag_of<3>,
-                             .read_edge = read_edge<2>,
-                             .read_point = read_point<2>};
+                             .read_edge = read_g2o_edge<2>,
+                             .read_point = read_g2o_point<2>,
+                             .read_pose_prior = read_g2o_pose_prior<2>};
 constexpr EdgeText<3> kSpace{.name = "g2o files",
                              .edge_tag = "EDGE_SE3:QUAT",
                              .offset_line = "PARAMS_SE3OFFSET 0 0 0 0 0 0 0 1",
@@ -60,9 +56,12 @@ constexpr EdgeText<3> kSpace{.name = "g2o files",
                              .feature_tag = "VERTEX_TRACKXYZ",
                              .one_numbering = true,
                              .has_g2o_lines = true,
+                             .priors = kPriorsOfSpace,
+                             .is_passed_over = is_sensor_data,
                              .is_of_other_dimension = is_tag_of<2>,
-                             .read_edge = read_edge<3>,
-                             .read_point = read_point<3>,
+                             .read_edge = read_g2o_edge<3>,
+                             .read_point = read_g2o_point<3>,
+                             .read_pose_prior = read_g2o_pose_prior<3>,
                              .put_point = put_point_seen_from_0};
 
 template <int Dim>
@@ -105,8 +104,6 @@ Table<PoseIndex, Pose<Dim>> pose_vertices(const Log<Dim>& log) {
 template <int Dim>
 Expected<void> check_expressible(const Log<Dim>& log, bool has_vertices) {
   const auto cannot = [](std::string message) { return tl::unexpected(Error{ErrorKind::kUsage, std::move(message)}); };
-  const std::size_t priors = log.pose_priors().size() + log.feature_priors().size();
-  if (priors > 0) return cannot(fmt::format("g2o files cannot hold the {} priors of this log", priors));
   for (const FixedPose<Dim>& fixed : log.graph.fixed) {
     if (has_vertices || local(fixed.value, Pose<Dim>{}).isZero(0.0)) continue;
     return cannot(fmt::format("g2o files cannot fix {} away from the origin without initial values of every pose and feature",

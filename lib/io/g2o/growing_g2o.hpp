@@ -4,6 +4,7 @@
 
 #include <filesystem>
 #include <mapjoin/io/files/system_call.hpp>
+#include <mapjoin/io/read_options.hpp>
 #include <mapjoin/model/error.hpp>
 #include <mapjoin/model/log.hpp>
 #include <optional>

@@ -19,6 +19,22 @@ std::optional<std::uint64_t> power_of_ten_above(std::uint64_t number) {
   return power;
 }
 
+/// What counts in a key: of a GTSAM symbol, the index below its letter.
+constexpr std::uint64_t kMostIndex = (std::uint64_t{1} << 56) - 1;
+std::uint64_t index_in(std::uint64_t key) {
+  return symbol_letter(key) == '\0' ? key : key & kMostIndex;
+}
+
+/// Whether poses of different sessions have the same key.
+bool do_keys_meet(const std::vector<PoseId>& poses) {
+  const bool has_one = std::ranges::all_of(poses, [&](const PoseId& id) { return id.session == poses.front().session; });
+  if (has_one) return false;
+  std::vector<std::uint64_t> keys;
+  for (const PoseId& id : poses) keys.push_back(id.key);
+  std::ranges::sort(keys);
+  return std::ranges::adjacent_find(keys) != keys.end();
+}
+
 }  // namespace
 
 Expected<G2oNumbering> number_for_g2o(const std::vector<PoseId>& poses, const std::vector<FeatureId>& features) {
@@ -26,18 +42,21 @@ Expected<G2oNumbering> number_for_g2o(const std::vector<PoseId>& poses, const st
       Error{ErrorKind::kUsage,
             "a g2o file has one numbering of 64 bits, into which the keys of these poses and features do not fit"});
   std::uint64_t largest_pose = 0;
+  std::uint64_t largest_index = 0;
   std::uint32_t last_session = 0;
   for (const PoseId& id : poses) {
     largest_pose = std::max(largest_pose, id.key);
+    largest_index = std::max(largest_index, index_in(id.key));
     last_session = std::max(last_session, id.session);
   }
   std::uint64_t largest_feature = 0;
   for (const FeatureId& id : features) largest_feature = std::max(largest_feature, id.key);
 
   G2oNumbering numbering;
-  if (last_session > 0) {
-    const auto step = power_of_ten_above(largest_pose);
-    if (!step || *step > (kMost - largest_pose) / last_session) return too_large;
+  if (do_keys_meet(poses)) {
+    const auto step = power_of_ten_above(largest_index);
+    const std::uint64_t most = largest_index < largest_pose ? kMostIndex : kMost;
+    if (!step || *step > (most - largest_index) / last_session) return too_large;
     numbering.session_step = *step;
   }
   std::vector<std::uint64_t> taken;

@@ -10,7 +10,7 @@
 namespace mapjoin {
 
 /// A pose's number is its key plus its session times `session_step`, a feature's is its key plus `feature_offset`. Both are
-/// powers of ten, for the user's names to shine through, or 0 where keys do not meet anyway.
+/// powers of ten, for the user's names to shine through, or 0 where keys do not meet anyway. GTSAM symbols keep their letter.
 struct G2oNumbering {
   std::uint64_t session_step = 0;
   std::uint64_t feature_offset = 0;

@@ -4,6 +4,7 @@
 // archive; read, and written.
 
 #include <filesystem>
+#include <mapjoin/io/read_options.hpp>
 #include <mapjoin/model/error.hpp>
 #include <mapjoin/model/local_map.hpp>
 #include <mapjoin/model/log.hpp>

@@ -104,30 +104,7 @@ bool take_number(const Info& info, const char* key, Number& number) {
 template <int Dim>
 Expected<Log<Dim>> built_anew(const Log<Dim>& log, const std::string& source) {
   LogBuilder<Dim> builder(source, log.conventions);
-  const auto at = [](const auto& table, auto index) { return table.at(index.position()); };
-  const auto value = [&](const auto& values, auto index) {
-    return values.empty() ? std::nullopt : std::optional(at(values, index));
-  };
-  builder.reserve(log.graph.pose_factors.size(), log.graph.feature_factors.size());
-  for (const PoseIndex p : indices(log.poses)) builder.add_pose(log.poses[p], value(log.initial.poses, p));
-  for (const FeatureIndex f : indices(log.features)) builder.add_feature(log.features[f], value(log.initial.features, f));
-  for (const PoseIndex p : indices(log.stamps_ns)) builder.add_stamp(at(log.poses, p), log.stamps_ns[p]);
-  for (const auto& [base, target, measured, information, loss] : log.graph.pose_factors) {
-    if (base == kWorld) {
-      builder.add_pose_prior(at(log.poses, target), measured, information);
-    } else {
-      builder.add_pose_edge(at(log.poses, base), at(log.poses, target), measured, information);
-    }
-  }
-  for (const auto& [base, target, measured, information, loss] : log.graph.feature_factors) {
-    if (base == kWorld) {
-      builder.add_feature_prior(at(log.features, target), measured, information);
-    } else {
-      builder.add_observation(at(log.poses, base), at(log.features, target), measured, information);
-    }
-  }
-  for (const auto& fixed : log.graph.fixed) builder.fix(at(log.poses, fixed.pose), fixed.value);
-  builder.add_unassociated(log.unassociated);
+  builder.append(log);
   return std::move(builder).finish();
 }
 

@@ -119,5 +119,19 @@ TYPED_TEST(Structure, WarnsOfFeaturesSeenOnceOnlyWhereTheyAreMost) {
   EXPECT_EQ(finding_of(most, "seen_once").where.count, 16u);
 }
 
+TEST(TwoLogsInOneFile, AreNoticed) {
+  const auto log_of = [](std::uint64_t first_steps, std::uint64_t second_steps) {
+    LogBuilder<2> builder("log");
+    for (const std::uint64_t steps : {first_steps, second_steps}) {
+      for (std::uint64_t k = 0; k < steps; ++k) builder.add_pose_edge({0, k}, {0, k + 1}, {}, PoseMatrix<2>::Identity());
+    }
+    return std::move(builder).finish().value();
+  };
+  EXPECT_EQ(repeated_steps(log_of(30, 20)), 20u);
+  EXPECT_EQ(finding_of(check_structure(log_of(30, 20)), "driven_twice").where.count, 20u);
+  EXPECT_EQ(repeated_steps(log_of(30, 15)), 0u) << "as many steps have one edge";
+  EXPECT_EQ(repeated_steps(log_of(9, 9)), 0u);
+}
+
 }  // namespace
 }  // namespace mapjoin::testing

@@ -64,7 +64,7 @@ TEST(CovarianceText, NamesLineAndColumnOfWhatIsWrong) {
   EXPECT_EQ(message("OBS 0 -2 1 2 1 0 1\n"), "some.txt:1:7: a feature has the id -2");
   EXPECT_EQ(message("OBS 0 2 1 2 1 0\n"), "some.txt:1:16: the line ends where a number is expected");
   EXPECT_EQ(message("OBS 0 2 1 2 0.9 1 0 1 5\n"), "some.txt:1:23: '5' stands where the line should end");
-  EXPECT_EQ(message("OBS 0 2 1 2 1 0 1\nSTEP 0 1"), "some.txt:2:1: unknown tag 'STEP'");
+  EXPECT_EQ(message("OBS 0 2 1 2 1 0 1\nSTEP 0 1"), "some.txt:2:1: unknown tag 'STEP'; --skip-unknown leaves such lines out");
   EXPECT_EQ(message("LANDMARK_C 1 2 0.9 2 1 3 7 8\n"), "some.txt:1:28: '8' stands where the line should end");
   EXPECT_EQ(message("LANDMARK_C 1 2 0.9 2 1 3 7\nODOM 0 1"), "some.txt:2:1: unknown tag 'ODOM'");
 }

@@ -58,11 +58,29 @@ TEST(Toro, TellsRollAndYawApartNearARightAngle) {
 
 TEST(Toro, IsToldFromIsamByItsVerticesWhereverTheyStand) {
   const testing::TemporaryFolder folder;
-  const std::string edge = "EDGE2 0 1 1 2 0.5 10 0 20 30 0 0\n";
+  const std::string edge = "EDGE2 0 1 1 2 0.5 10 0 20 30 0 1\n";
   const auto toro = open_log(folder.file("toro", edge + kVertices));
   EXPECT_EQ(std::get<Log<2>>(toro.value()).odometry()[0].information(2, 2), 30.0);
   const auto isam = open_log(folder.file("isam", edge));
   EXPECT_EQ(std::get<Log<2>>(isam.value()).odometry()[0].information(1, 1), 900.0);
+}
+
+TEST(Toro, LeavesOutAndCountsEquivalencesAndBearings) {
+  const auto log = std::get<Log<2>>(
+      read(kVertices + "EQUIV 0 1\nBR 0 7 0.1 2 0.1 0.1\nEDGE2 0 1 1 2 0.5 10 1 20 30 2 3\nEQUIV 1 0\n").value());
+  EXPECT_EQ(log.odometry().size(), 1u);
+  EXPECT_EQ(log.skipped, (SkipCounts{{"BR lines", 1}, {"EQUIV lines", 2}}));
+}
+
+TEST(Toro, TakesTheIdentityForMissingWeightsIfAsked) {
+  const std::string text = "VERTEX3 0 0 0 0 0 0 0\nVERTEX3 1 1 0 0 0 0 0\nEDGE3 0 1 1 0 0 0 0 0\n";
+  EXPECT_EQ(
+      message(text),
+      "some.graph:3:22: the line ends where its weights are expected; --identity-where-missing takes the identity for them");
+  const auto log = std::get<Log<3>>(
+      read_edge_text(TextScanner("some.graph", text), kToroPlane, &kToroSpace, {.identity_where_missing = true}).value());
+  EXPECT_TRUE(log.odometry()[0].information.isIdentity(1e-15));
+  EXPECT_EQ(log.conventions.repairs.missing, 1);
 }
 
 TEST(Toro, NamesThePlaceOfWhatIsWrong) {
@@ -70,10 +88,14 @@ TEST(Toro, NamesThePlaceOfWhatIsWrong) {
   EXPECT_EQ(message(kVertices + "EDGE2 0 1 1 nan 0 1 0 1 1 0 0\n"), "some.graph:3:13: 'nan' stands where a number is expected");
   EXPECT_THAT(message(kVertices + "EDGE2 0 1 1 2 0 1 0 -1 1 0 0\n"),
               StartsWith("some.graph:3:1: the information matrix of edge 0-1 is indefinite"));
-  EXPECT_EQ(message(kVertices + "EDGE2 0 9 1 2 0 1 0 1 1 0 0\n"), "some.graph:3:1: the file declares vertices, but not pose 9");
-  EXPECT_EQ(message(kVertices + "VERTEX2 1 0 0 0\n"), "some.graph:3:1: pose 1 is declared a second time");
-  EXPECT_EQ(message(kVertices + "EQUIV 0 1\n"), "some.graph:3:1: unknown tag 'EQUIV'");
-  EXPECT_EQ(message(kVertices + "EDGE2 1 1 1 2 0 1 0 1 1 0 0\n"), "some.graph:3:1: an edge leads from pose 1 to itself");
+  EXPECT_EQ(message(kVertices + "EDGE2 0 9 1 2 0 1 0 1 1 0 0\n"),
+            "some.graph:3:1: the file declares vertices, but not pose 9; give the file that does, too, or --skip-undeclared");
+  EXPECT_EQ(message(kVertices + "VERTEX2 1 0 0 0\n"),
+            "some.graph:3:1: pose 1 is declared a second time; two logs in one file are to be given as two files");
+  EXPECT_EQ(message(kVertices + "EQUIVALENT 0 1\n"),
+            "some.graph:3:1: unknown tag 'EQUIVALENT'; --skip-unknown leaves such lines out");
+  EXPECT_EQ(message(kVertices + "EDGE2 1 1 1 2 0 1 0 1 1 0 0\n"),
+            "some.graph:3:1: an edge leads from pose 1 to itself; --skip-self-edges leaves such edges out");
   EXPECT_EQ(message("VERTEX3 0 0 0 0 0 1.5707963267948966 0\n"),
             "some.graph:1:19: at a pitch of a right angle roll and yaw are not told apart");
 }

@@ -12,6 +12,7 @@ namespace {
 
 using ::testing::ElementsAre;
 using ::testing::EndsWith;
+using ::testing::HasSubstr;
 using ::testing::IsEmpty;
 
 class TrajectoryTest : public ::testing::Test {
@@ -71,8 +72,8 @@ TEST_F(TrajectoryTest, NamesThePlaceOfWhatIsWrong) {
               EndsWith(":2:15: the four numbers up to here are not a unit quaternion"));
   EXPECT_THAT(message("1 0 0 7 0 0 1 8 0 1 0 9\n"), EndsWith("the first three columns up to here are not a rotation"));
   EXPECT_THAT(message("1 0.02 0 7 0 1 0 8 0 0 1 9\n"), EndsWith("the first three columns up to here are not a rotation"));
-  EXPECT_THAT(message("1 0 0 7 0 0 nan 8 0 1 0 9\n"), EndsWith(":1:1: no log format has lines that begin with '1'"));
-  EXPECT_THAT(message("1 0 0\n"), EndsWith(":1:1: no log format has lines that begin with '1'"));
+  EXPECT_THAT(message("1 0 0 7 0 0 nan 8 0 1 0 9\n"), HasSubstr(":1:1: no log format has lines that begin with '1'"));
+  EXPECT_THAT(message("1 0 0\n"), HasSubstr(":1:1: no log format has lines that begin with '1'"));
 }
 
 }  // namespace

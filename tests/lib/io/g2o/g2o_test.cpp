@@ -152,33 +152,33 @@ TEST(G2o, InPiecesOfAnySizeTheLogIsTheSame) {
 }
 
 TEST(G2o, NamesAnUnknownTag) {
-  EXPECT_EQ(message(kEdge2 + "EDGE_SE2_OFFSET 1 2"), "some.g2o:2:1: unknown tag 'EDGE_SE2_OFFSET'");
-  EXPECT_EQ(message("hello world"), "some.g2o:1:1: unknown tag 'hello'");
+  EXPECT_EQ(message(kEdge2 + "EDGE_SE2_OFFSET 1 2"), "some.g2o:2:1: unknown tag 'EDGE_SE2_OFFSET'; --skip-unknown leaves such lines out");
+  EXPECT_EQ(message("hello world"), "some.g2o:1:1: unknown tag 'hello'; --skip-unknown leaves such lines out");
 }
 
 TEST(G2o, RefusesToMixDimensions) {
-  EXPECT_EQ(message(kEdge2 + "VERTEX_TRACKXYZ 1 0 0 0"), "some.g2o:2:1: VERTEX_TRACKXYZ in a file of dimension 2");
-  EXPECT_EQ(message("VERTEX_TRACKXYZ 1 0 0 0\n" + kEdge2), "some.g2o:2:1: EDGE_SE2 in a file of dimension 3");
+  EXPECT_EQ(message(kEdge2 + "VERTEX_TRACKXYZ 1 0 0 0"), "some.g2o:2:1: VERTEX_TRACKXYZ in a file of dimension 2; --skip-unknown leaves such lines out");
+  EXPECT_EQ(message("VERTEX_TRACKXYZ 1 0 0 0\n" + kEdge2), "some.g2o:2:1: EDGE_SE2 in a file of dimension 3; --skip-unknown leaves such lines out");
 }
 
 TEST(G2o, NamesAnEdgeToAnIdThatNoVertexDeclares) {
   const std::string vertices = "VERTEX_SE2 0 0 0 0\nVERTEX_SE2 1 1 0 0\nVERTEX_XY 5 1 1\n";
   EXPECT_EQ(message(vertices + kEdge2), "");
   EXPECT_EQ(message(vertices + kEdge2 + "EDGE_SE2 1 2 1 0 0 1 0 0 1 0 1"),
-            "some.g2o:5:1: the file declares vertices, but not pose 2");
-  EXPECT_EQ(message(vertices + "EDGE_SE2_XY 1 6 1 0 1 0 1"), "some.g2o:4:1: the file declares vertices, but not feature 6");
-  EXPECT_EQ(message("EDGE_SE2_XY 7 5 1 0 1 0 1\n" + vertices), "some.g2o:1:1: the file declares vertices, but not pose 7");
+            "some.g2o:5:1: the file declares vertices, but not pose 2; give the file that does, too, or --skip-undeclared");
+  EXPECT_EQ(message(vertices + "EDGE_SE2_XY 1 6 1 0 1 0 1"), "some.g2o:4:1: the file declares vertices, but not feature 6; give the file that does, too, or --skip-undeclared");
+  EXPECT_EQ(message("EDGE_SE2_XY 7 5 1 0 1 0 1\n" + vertices), "some.g2o:1:1: the file declares vertices, but not pose 7; give the file that does, too, or --skip-undeclared");
 }
 
 TEST(G2o, NamesAVertexDeclaredTwice) {
   EXPECT_EQ(message("VERTEX_SE2 1 0 0 0\nVERTEX_SE2 0 0 0 0\nVERTEX_SE2 1 0 0 0\n"),
-            "some.g2o:3:1: pose 1 is declared a second time");
+            "some.g2o:3:1: pose 1 is declared a second time; two logs in one file are to be given as two files");
   EXPECT_EQ(message("VERTEX_SE2 1 0 0 0\nVERTEX_XY 1 0 0\nVERTEX_XY 1 0 0\n"),
-            "some.g2o:3:1: feature 1 is declared a second time");
+            "some.g2o:3:1: feature 1 is declared a second time; two logs in one file are to be given as two files");
 }
 
 TEST(G2o, NamesAnEdgeFromAPoseToItself) {
-  EXPECT_EQ(message("EDGE_SE2 3 3 1 0 0 1 0 0 1 0 1"), "some.g2o:1:1: an edge leads from pose 3 to itself");
+  EXPECT_EQ(message("EDGE_SE2 3 3 1 0 0 1 0 0 1 0 1"), "some.g2o:1:1: an edge leads from pose 3 to itself; --skip-self-edges leaves such edges out");
 }
 
 TEST(G2o, NamesTheEdgeOfAnIndefiniteInformationOrRepairsIt) {

@@ -85,9 +85,30 @@ TYPED_TEST(G2oWriterTest, SaysWhatG2oFilesCannotHold) {
   EXPECT_THAT(this->written(this->finish(fixed)), HasSubstr("FIX 0\n"));
   fixed.fix({0, 1}, this->random.template pose<kDim>());
   EXPECT_THAT(this->written(this->finish(fixed)), HasSubstr("cannot fix pose 1 away from the origin"));
-  auto prior = this->some_log(true);
-  prior.add_pose_prior({0, 0}, {}, PoseMatrix<kDim>::Identity());
-  EXPECT_THAT(this->written(this->finish(prior)), HasSubstr("cannot hold the 1 priors"));
+}
+
+TYPED_TEST(G2oWriterTest, BringsBackPriorsBitByBit) {
+  constexpr int kDim = TestFixture::kDim;
+  auto builder = this->some_log(true);
+  const PoseMatrix<kDim> W = this->random.template information<kPoseDof<kDim>>();
+  builder.add_pose_prior({0, 0}, this->random.template pose<kDim>(), W);
+  PoseMatrix<kDim> position = W;
+  position.template rightCols<kRotationDof<kDim>>().setZero();
+  position.template bottomRows<kRotationDof<kDim>>().setZero();
+  builder.add_pose_prior({0, 1}, {Point<kDim>::Ones(), {}}, position);
+  builder.add_feature_prior({10}, Point<kDim>::Ones(), W.template topLeftCorner<kDim, kDim>());
+  const auto log = this->finish(builder);
+  const auto again = this->read(this->written(log));
+  ASSERT_EQ(again.pose_priors().size(), 2u);
+  for (std::size_t k = 0; k < 2; ++k) {
+    EXPECT_EQ(again.pose_priors()[k].target, log.pose_priors()[k].target);
+    EXPECT_EQ(again.pose_priors()[k].measured.translation, log.pose_priors()[k].measured.translation);
+    EXPECT_EQ(again.pose_priors()[k].measured.rotation.matrix(), log.pose_priors()[k].measured.rotation.matrix());
+    EXPECT_EQ(again.pose_priors()[k].information, log.pose_priors()[k].information);
+  }
+  ASSERT_EQ(again.feature_priors().size(), 1u);
+  EXPECT_EQ(again.feature_priors()[0].target, log.feature_priors()[0].target);
+  EXPECT_EQ(again.feature_priors()[0].information, log.feature_priors()[0].information);
 }
 
 TYPED_TEST(G2oWriterTest, NumbersSessionsAndFeaturesApartByPowersOfTen) {
@@ -101,6 +122,20 @@ TYPED_TEST(G2oWriterTest, NumbersSessionsAndFeaturesApartByPowersOfTen) {
   EXPECT_THAT(log.poses, ::testing::ElementsAre(PoseId{0, 1}, PoseId{0, 12}, PoseId{0, 201}, PoseId{0, 212}));
   EXPECT_EQ(log.features.at(0).key, 1001u);
   EXPECT_EQ(log.observations()[0].base, PoseIndex(3));
+}
+
+TYPED_TEST(G2oWriterTest, LeavesKeysOfSessionsThatDoNotMeetAndTheLettersOfSymbols) {
+  constexpr int kDim = TestFixture::kDim;
+  const auto symbol = [](char letter, std::uint64_t index) { return (static_cast<std::uint64_t>(letter) << 56) + index; };
+  const auto ids_again = [&](PoseId first, PoseId second) {
+    LogBuilder<kDim> builder("some.log");
+    builder.add_pose_edge(first, second, {}, PoseMatrix<kDim>::Identity());
+    return this->read(this->written(this->finish(builder))).poses;
+  };
+  EXPECT_THAT(ids_again({0, symbol('a', 7)}, {1, symbol('b', 7)}),
+              ::testing::ElementsAre(PoseId{0, symbol('a', 7)}, PoseId{0, symbol('b', 7)}));
+  EXPECT_THAT(ids_again({0, symbol('x', 7)}, {2, symbol('x', 7)}),
+              ::testing::ElementsAre(PoseId{0, symbol('x', 7)}, PoseId{0, symbol('x', 27)}));
 }
 
 TYPED_TEST(G2oWriterTest, RefusesKeysThatLeaveNoRoom) {

@@ -1,0 +1,103 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// `mapjoin error`: how far a map or a trajectory is from the truth.
+
+#include <fmt/format.h>
+
+#include <apps/commands/command_run.hpp>
+#include <apps/commands/subcommand.hpp>
+#include <apps/report/errors.hpp>
+#include <apps/report/report.hpp>
+#include <memory>
+#include <variant>
+
+namespace mapjoin::apps {
+namespace {
+
+constexpr const char* kExamples =
+    "  mapjoin run data/manhattan2d.g2o -o map.g2o\n"
+    "  mapjoin error map.g2o data/manhattan2d.truth.tum\n"
+    "  mapjoin error map.g2o data/manhattan2d.truth.tum --spans 10,50 --span-unit metres --pairs successive --report -";
+
+struct ErrorCommandOptions : Options {
+  ErrorOptions errors;
+};
+
+/// The values of a log as a map.
+template <int Dim>
+GlobalMap<Dim> map_of(Log<Dim> log) {
+  if (log.initial.poses.empty()) {
+    fail(ErrorKind::kBadInput,
+         log.source + ": gives no values of its poses: a map is expected (`mapjoin run` makes one of a log)");
+  }
+  GlobalMap<Dim> map;
+  map.pose_ids = std::move(log.poses);
+  map.poses = std::move(log.initial.poses);
+  map.stamps_ns = std::move(log.stamps_ns);
+  if (log.initial.features.size() == log.features.size()) {
+    map.feature_ids = std::move(log.features);
+    map.features = std::move(log.initial.features);
+  }
+  return map;
+}
+
+ExitCode measure(const ErrorCommandOptions& options, const std::stop_token& stop) {
+  CommandRun command_run("error", options, stop);
+  command_run.prepare(report_of(options));
+  const auto errors_in = [&](auto&& log) { return errors_of(map_of(std::move(log)), command_run.truth(), options.errors); };
+  const TruthErrors errors = std::visit(errors_in, command_run.read_log());
+  if (errors.absolute.translation.count == 0) {
+    fail(ErrorKind::kBadInput,
+         options.truth.string() +
+             ": has no pose of the map, neither by name nor by time; --max-time-difference widens the match");
+  }
+  Json json = report_head(command_run.run_report);
+  json["truth"] = options.truth.string();
+  json["errors"] = json_of(errors);
+  Lines lines;
+  add_input(command_run.run_report, lines, "map");
+  lines.add("truth", options.truth.string());
+  add_errors(errors, lines);
+  add_notes(command_run.run_report, lines);
+  command_run.tell(text_of(json), lines.text());
+  return ExitCode::kDone;
+}
+
+std::optional<double> span_in(const std::string& word) {
+  const std::optional<double> span = number_in<double>(word);
+  return span && *span > 0.0 ? span : std::nullopt;
+}
+
+std::vector<std::string> check_spans(const ErrorOptions& options) {
+  for (const double span : options.spans) {
+    if (options.unit == SpanUnit::kSteps && (span != std::floor(span) || span > 1e9))
+      return {"--spans are whole numbers of steps"};
+  }
+  return {};
+}
+
+}  // namespace
+
+void declare_error(Subcommand& command) {
+  command.examples(kExamples);
+  const auto options = std::make_shared<ErrorCommandOptions>();
+  ErrorOptions& errors = options->errors;
+  options->truth_apart = 0.01;
+  command.argument("MAP", options->input,
+                   "A map or a trajectory, known by its content: g2o, TORO, TUM, KITTI, or the CSV table of poses");
+  command.argument("TRUTH", options->truth, "The same; poses are matched by their times, by their names, or by their count");
+  command.choice("--align", errors.alignment, "Move the map onto the truth: by all positions, by the first pose, or not");
+  command.list("--spans", "SPAN,...", "Compare the motions over these spans [1,10,100]", errors.spans, &span_in,
+               "not positive numbers with commas between them");
+  command.choice("--span-unit", errors.unit, "What spans are counted in; metres along the way of the map");
+  command.choice("--pairs", errors.pairs, "Compare motions from every pose on, or one behind the other");
+  command.number<double>("--max-time-difference", options->truth_apart, 0.0, "S",
+                         "Between poses that are matched by their times");
+  command.path("--report", options->report, "FILE|-", "Write a report in JSON; with - nothing else goes to standard output");
+  command.flag("--quiet", options->quiet, "No summary");
+  add_reading(command, *options);
+  command.check([&errors] { return check_spans(errors); });
+  command.check([options] { return output_conflicts(inputs_of(*options, "MAP"), report_of(*options)); });
+  command.act([options](const std::stop_token& stop) { return measure(*options, stop); });
+}
+
+}  // namespace mapjoin::apps

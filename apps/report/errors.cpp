@@ -1,0 +1,135 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <fmt/format.h>
+
+#include <apps/report/errors.hpp>
+#include <numbers>
+
+namespace mapjoin::apps {
+namespace {
+
+/// The poses that estimate and truth both have, in the order of the map.
+template <int Dim>
+struct Matched {
+  std::vector<Pose<Dim>> estimate;
+  std::vector<Pose<Dim>> truth;
+  std::vector<std::size_t> session_begins;          ///< Where the poses of each session begin.
+  Table<PoseIndex, std::optional<std::size_t>> at;  ///< Of the poses of the map.
+};
+
+template <int Dim>
+Matched<Dim> matched(const GlobalMap<Dim>& map, const Truth<Dim>& truth) {
+  Matched<Dim> both;
+  both.at.resize(map.poses.size());
+  std::optional<std::uint32_t> session;
+  for (const PoseIndex p : indices(map.poses)) {
+    if (!truth.poses[p]) continue;
+    if (session != map.pose_ids[p].session) both.session_begins.push_back(both.estimate.size());
+    session = map.pose_ids[p].session;
+    both.at[p] = both.estimate.size();
+    both.estimate.push_back(map.poses[p]);
+    both.truth.push_back(*truth.poses[p]);
+  }
+  return both;
+}
+
+/// Pairs a span apart, within sessions; the way is that of the estimate, as evo takes it.
+template <int Dim>
+PosePairs pairs_of(const Matched<Dim>& both, double span, const ErrorOptions& options) {
+  PosePairs pairs;
+  for (std::size_t s = 0; s < both.session_begins.size(); ++s) {
+    const std::size_t begin = both.session_begins[s];
+    const std::size_t end = s + 1 < both.session_begins.size() ? both.session_begins[s + 1] : both.estimate.size();
+    const std::vector<Pose<Dim>> session(both.estimate.begin() + static_cast<std::ptrdiff_t>(begin),
+                                         both.estimate.begin() + static_cast<std::ptrdiff_t>(end));
+    const PosePairs here = options.unit == SpanUnit::kMetres
+                               ? pairs_by_path(session, span, options.pairs)
+                               : pairs_by_steps(session.size(), static_cast<std::size_t>(span), options.pairs);
+    for (const auto& [i, j] : here) pairs.emplace_back(begin + i, begin + j);
+  }
+  return pairs;
+}
+
+template <int Dim>
+ErrorSummary feature_errors(const GlobalMap<Dim>& map, const Truth<Dim>& truth, const Pose<Dim>& alignment) {
+  std::vector<double> errors;
+  for (const FeatureIndex f : indices(map.features)) {
+    if (truth.features[f]) errors.push_back((transform(alignment, map.features[f]) - *truth.features[f]).norm());
+  }
+  return summary_of(errors);
+}
+
+std::string in_words(const ErrorSummary& errors, double scale, std::string_view unit) {
+  return fmt::format("rms {:.4g}, mean {:.4g}, median {:.4g}, sd {:.4g}, min {:.4g}, max {:.4g} {}", scale * errors.rms,
+                     scale * errors.mean, scale * errors.median, scale * errors.deviation, scale * errors.min,
+                     scale * errors.max, unit);
+}
+
+void add_pose_errors(std::string_view name, const std::string& what, const PoseErrorSummary& errors, Lines& lines) {
+  if (errors.translation.count == 0) return lines.add(name, what + ": none");
+  lines.add(name, fmt::format("{}: {}", what, in_words(errors.translation, 1.0, "m")));
+  lines.add("", in_words(errors.rotation, 180.0 / std::numbers::pi, "deg"));
+}
+
+}  // namespace
+
+template <int Dim>
+TruthErrors errors_of(const GlobalMap<Dim>& map, const TruthFile& file, const ErrorOptions& options) {
+  const Truth<Dim> truth = file.of(map);
+  const Matched<Dim> both = matched(map, truth);
+  if (both.estimate.empty()) return {options, map.poses.size(), {}, {}, {}, {}};
+  const auto absolute = absolute_trajectory_error(both.estimate, both.truth, options.alignment);
+  TruthErrors errors{options, map.poses.size(), absolute.errors, feature_errors(map, truth, absolute.alignment), {}, {}};
+  for (const double span : options.spans) {
+    errors.spans.push_back(relative_pose_error(both.estimate, both.truth, pairs_of(both, span, options)));
+  }
+  PosePairs relations;
+  for (const auto& [base, target] : file.relations(map.pose_ids)) {
+    if (both.at[base] && both.at[target]) relations.emplace_back(*both.at[base], *both.at[target]);
+  }
+  errors.relations = relative_pose_error(both.estimate, both.truth, relations);
+  return errors;
+}
+
+Json json_of(const std::optional<TruthErrors>& errors) {
+  if (!errors) return nullptr;
+  Json json = {{"alignment", errors->options.alignment},
+               {"poses", errors->poses},
+               {"ate", errors->absolute},
+               {"features", errors->features},
+               {"unit", errors->options.unit},
+               {"pairs", errors->options.pairs},
+               {"rpe", Json::array()}};
+  for (std::size_t k = 0; k < errors->spans.size(); ++k) {
+    json["rpe"].push_back({{"span", errors->options.spans[k]}});
+    json["rpe"].back().update(Json(errors->spans[k]));
+  }
+  json["relations"] = errors->relations;
+  return json;
+}
+
+void add_errors(const TruthErrors& errors, Lines& lines) {
+  const std::string_view aligned = errors.options.alignment == TrajectoryAlignment::kRigid    ? "aligned as a whole"
+                                   : errors.options.alignment == TrajectoryAlignment::kOrigin ? "aligned at the first pose"
+                                                                                              : "not aligned";
+  if (errors.absolute.translation.count == 0) return;
+  add_pose_errors("ATE", fmt::format("{} of {} poses, {}", errors.absolute.translation.count, errors.poses, aligned),
+                  errors.absolute, lines);
+  if (errors.features.count > 0) {
+    lines.add("features", fmt::format("{}: {}", errors.features.count, in_words(errors.features, 1.0, "m")));
+  }
+  for (std::size_t k = 0; k < errors.spans.size(); ++k) {
+    const double span = errors.options.spans[k];
+    const std::string unit = errors.options.unit == SpanUnit::kMetres ? "m" : span == 1.0 ? "step" : "steps";
+    add_pose_errors("RPE", fmt::format("over {:g} {}", span, unit), errors.spans[k], lines);
+  }
+  if (errors.relations.translation.count > 0) {
+    add_pose_errors("relations",
+                    fmt::format("between {} pairs that edges of the truth tie", errors.relations.translation.count),
+                    errors.relations, lines);
+  }
+}
+
+template TruthErrors errors_of(const GlobalMap<2>&, const TruthFile&, const ErrorOptions&);
+template TruthErrors errors_of(const GlobalMap<3>&, const TruthFile&, const ErrorOptions&);
+
+}  // namespace mapjoin::apps

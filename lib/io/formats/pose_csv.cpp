@@ -1,0 +1,100 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <mapjoin/io/files/text_scanner.hpp>
+#include <mapjoin/io/formats/pose_csv.hpp>
+#include <mapjoin/io/g2o/fields.hpp>
+#include <mapjoin/model/log_builder.hpp>
+#include <string>
+#include <vector>
+
+namespace mapjoin {
+namespace {
+
+std::vector<std::string> split(std::string_view line) {
+  std::vector<std::string> words;
+  while (true) {
+    const std::size_t comma = std::min(line.find(','), line.size());
+    words.emplace_back(line.substr(0, comma));
+    if (comma == line.size()) return words;
+    line.remove_prefix(comma + 1);
+  }
+}
+
+bool has(const std::vector<std::string>& columns, std::string_view name) {
+  return std::ranges::find(columns, name) != columns.end();
+}
+
+std::uint64_t read_key(TextScanner& text) {
+  const std::string_view word = text.word();
+  const auto key = parse_key(word);
+  if (!key) text.reject(fmt::format("{} stands where an id is expected", in_quotes(word)));
+  return key.value_or(0);
+}
+
+/// What stands on one line.
+template <int Dim>
+struct Row {
+  PoseId id;
+  Pose<Dim> pose;
+  std::int64_t stamp_ns = 0;
+};
+
+/// The column x stands for the whole pose.
+template <int Dim>
+Row<Dim> read_row(const std::vector<std::string>& columns, TextScanner& text) {
+  static const std::vector<std::string> kBehindX = {"y", "z", "phi", "qx", "qy", "qz", "qw"};
+  Row<Dim> row;
+  for (const std::string& column : columns) {
+    if (column == "session") {
+      row.id.session = static_cast<std::uint32_t>(text.key());
+    } else if (column == "pose") {
+      row.id.key = read_key(text);
+    } else if (column == "x") {
+      row.pose = read_g2o_pose<Dim>(text);
+    } else if (column == "stamp_ns") {
+      row.stamp_ns = text.integer();
+    } else if (!has(kBehindX, column)) {
+      text.word();
+    }
+  }
+  return row;
+}
+
+template <int Dim>
+Expected<AnyLog> read_rows(const std::vector<std::string>& columns, TextScanner text) {
+  LogBuilder<Dim> builder(text.source());
+  text.next_line();
+  const auto read_line = [&] {
+    const Row<Dim> row = read_row<Dim>(columns, text);
+    builder.add_pose(row.id, row.pose);
+    if (has(columns, "stamp_ns")) builder.add_stamp(row.id, row.stamp_ns);
+  };
+  return text.each_line(read_line).and_then([&]() -> Expected<AnyLog> { return std::move(builder).finish(); });
+}
+
+std::vector<std::string> columns_of(std::string_view bytes) {
+  TextScanner text("", bytes);
+  return text.next_line() ? split(text.word()) : std::vector<std::string>();
+}
+
+}  // namespace
+
+bool is_pose_csv(std::string_view bytes) {
+  const std::vector<std::string> columns = columns_of(bytes);
+  return has(columns, "pose") && has(columns, "x") && has(columns, "y");
+}
+
+Expected<AnyLog> read_pose_csv(std::string_view bytes, const std::string& file, const ReadOptions&) {
+  const std::vector<std::string> columns = columns_of(bytes);
+  const auto follow = [&](const std::vector<std::string>& names) { return !std::ranges::search(columns, names).empty(); };
+  std::string blanks(bytes);
+  std::ranges::replace(blanks, ',', ' ');
+  const TextScanner text(file, blanks);
+  if (has(columns, "pose") && follow({"x", "y", "phi"})) return read_rows<2>(columns, text);
+  if (has(columns, "pose") && follow({"x", "y", "z", "qx", "qy", "qz", "qw"})) return read_rows<3>(columns, text);
+  return bad_input(file + ": its first line does not name the columns pose and x,y,phi, or x,y,z,qx,qy,qz,qw");
+}
+
+}  // namespace mapjoin

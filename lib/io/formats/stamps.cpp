@@ -1,0 +1,69 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <map>
+#include <mapjoin/io/files/file_bytes.hpp>
+#include <mapjoin/io/files/text_scanner.hpp>
+#include <mapjoin/io/formats/stamps.hpp>
+#include <mapjoin/io/formats/trajectory.hpp>
+#include <string>
+
+namespace mapjoin {
+namespace {
+
+/// The poses of each key, of whatever session.
+template <int Dim>
+std::multimap<std::uint64_t, PoseIndex> poses_by_key(const Log<Dim>& log) {
+  std::multimap<std::uint64_t, PoseIndex> poses;
+  for (const PoseIndex p : indices(log.poses)) poses.emplace(log.poses[p].key, p);
+  return poses;
+}
+
+}  // namespace
+
+template <int Dim>
+Expected<void> read_stamps(const std::filesystem::path& path, Log<Dim>& log) {
+  const auto bytes = FileBytes::read(path);
+  if (!bytes) return tl::unexpected(bytes.error());
+  std::string blanks(bytes->view());
+  std::ranges::replace(blanks, ',', ' ');
+  TextScanner text(path.string(), blanks);
+  const auto poses = poses_by_key(log);
+  Table<PoseIndex, std::optional<std::int64_t>> stamps(log.poses.size());
+  for (bool is_first = true; text.next_line(); is_first = false) {
+    const std::string_view word = text.word();
+    const auto key = parse_key(word);
+    if (!key && is_first) continue;
+    if (!key) return text.error(fmt::format("{} stands where an id is expected", in_quotes(word)));
+    const auto [begin, end] = poses.equal_range(*key);
+    if (begin == end) continue;
+    const PoseIndex pose = begin->second;
+    if (std::next(begin) != end) return text.error(fmt::format("several sessions have a pose {}", key_text(*key)));
+    if (stamps[pose]) return text.error(fmt::format("{} has two times", to_string(log.poses[pose])));
+    const std::string_view time = text.word();
+    stamps[pose] = nanoseconds(time);
+    if (!stamps[pose]) return text.error("a time in seconds is expected, not " + in_quotes(time));
+  }
+  const auto missing = std::ranges::find_if(stamps, [](const auto& stamp) { return !stamp; });
+  if (missing != stamps.end()) {
+    return bad_input(
+        fmt::format("{}: has no time for {}", path.string(), to_string(log.poses[PoseIndex(missing - stamps.begin())])));
+  }
+  log.stamps_ns.clear();
+  for (const auto& stamp : stamps) log.stamps_ns.push_back(*stamp);
+  return {};
+}
+
+template <int Dim>
+void take_ids_as_stamps(Log<Dim>& log) {
+  log.stamps_ns.clear();
+  for (const PoseId& id : log.poses) log.stamps_ns.push_back(static_cast<std::int64_t>(id.key));
+}
+
+template Expected<void> read_stamps(const std::filesystem::path&, Log<2>&);
+template Expected<void> read_stamps(const std::filesystem::path&, Log<3>&);
+template void take_ids_as_stamps(Log<2>&);
+template void take_ids_as_stamps(Log<3>&);
+
+}  // namespace mapjoin

@@ -1,0 +1,159 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <mapjoin/io/merged_maps.hpp>
+#include <optional>
+#include <utility>
+
+namespace mapjoin {
+namespace {
+
+/// The indices of one part's poses and features in the whole: poses in their order, features by their names.
+struct Renumbering {
+  PoseIndex first_pose = 0;
+  Table<FeatureIndex, FeatureIndex> features;
+
+  PoseIndex operator()(PoseIndex pose) const { return first_pose + pose.value; }
+  Segment operator()(const Segment& segment) const { return {(*this)(segment.begin), (*this)(segment.end), segment.is_map}; }
+  template <int Dim>
+  LocalMap<Dim> operator()(LocalMap<Dim> map) const {
+    map.base = (*this)(map.base);
+    for (PoseIndex& pose : map.poses) pose = (*this)(pose);
+    for (FeatureIndex& feature : map.features) feature = features[feature];
+    return map;
+  }
+};
+
+Renumbering renumbering(PoseIndex first_pose, const FeatureIds& part, const FeatureIds& whole) {
+  Renumbering numbers{first_pose, {}};
+  for (const FeatureId& id : part) numbers.features.emplace_back(*find_ascending(whole, id));
+  return numbers;
+}
+
+/// How many parts see each feature of the whole.
+Table<FeatureIndex, int> counted(const std::vector<Renumbering>& parts, std::size_t features) {
+  Table<FeatureIndex, int> seen_by(features, 0);
+  for (const Renumbering& part : parts) {
+    for (const FeatureIndex feature : part.features) ++seen_by[feature];
+  }
+  return seen_by;
+}
+
+/// Whether a segment sees a feature that its map does not have, for it was marginalised, and that other parts see.
+template <int Dim>
+bool hides_shared(const Segment& segment, const LocalMap<Dim>& map, const Log<Dim>& log,
+                  const Table<FeatureIndex, int>& seen_by) {
+  const auto observations = log.observations();
+  const auto begin = std::ranges::lower_bound(observations, segment.begin, {}, &FeatureFactor<Dim>::base);
+  const auto end = std::ranges::upper_bound(observations, segment.end, {}, &FeatureFactor<Dim>::base);
+  return std::any_of(begin, end, [&](const FeatureFactor<Dim>& seen) {
+    return seen_by[seen.target] > 1 && std::ranges::find(map.features, seen.target) == map.features.end();
+  });
+}
+
+/// Where the poses of every log begin in the merged one; nothing where they are not in the order of their own log.
+template <int Dim>
+std::optional<std::vector<PoseIndex>> begins_of(const std::vector<StoredMaps<Dim>>& stores, const PoseIds& merged) {
+  std::vector<PoseIndex> begins;
+  std::size_t next = 0;
+  for (const StoredMaps<Dim>& store : stores) {
+    begins.emplace_back(next);
+    for (const PoseId& id : store.log.poses) {
+      if (merged[PoseIndex(next++)].key != id.key) return std::nullopt;
+    }
+  }
+  return begins;
+}
+
+template <int Dim>
+Expected<AnyMaps> merged_maps(std::vector<StoredMaps<Dim>> stores, const MergeOptions& options) {
+  std::vector<Log<Dim>> logs;
+  for (const StoredMaps<Dim>& store : stores) logs.push_back(store.log);
+  if (auto apart = options.own_features ? number_features_apart(logs) : Expected<void>(); !apart) {
+    return tl::unexpected(apart.error());
+  }
+  for (std::size_t k = 0; k < stores.size(); ++k) stores[k].log.features = logs[k].features;
+  auto log = merged(std::move(logs), {.keep_copies = options.keep_copies});
+  if (!log) return tl::unexpected(log.error());
+  const auto begins = begins_of(stores, log->poses);
+  if (!begins)
+    return bad_input(log->source + ": the order of their poses changes with each other's: build one store of both logs");
+  std::vector<Renumbering> parts;
+  for (std::size_t k = 0; k < stores.size(); ++k) {
+    parts.push_back(renumbering((*begins)[k], stores[k].log.features, log->features));
+  }
+  const Table<FeatureIndex, int> seen_by = counted(parts, log->features.size());
+  StoredMaps<Dim> whole{*std::move(log), {}, {}, stores.front().options};
+  for (std::size_t k = 0; k < stores.size(); ++k) {
+    auto map = stores[k].maps.begin();
+    for (const Segment& segment : stores[k].segments) {
+      whole.segments.push_back(parts[k](segment));
+      if (!segment.is_map) continue;
+      LocalMap<Dim> renumbered = parts[k](std::move(*map++));
+      if (hides_shared(whole.segments.back(), renumbered, whole.log, seen_by)) {
+        whole.segments.back().is_map = false;
+      } else {
+        whole.maps.push_back(std::move(renumbered));
+      }
+    }
+  }
+  return AnyMaps(std::move(whole));
+}
+
+template <int Dim>
+Expected<AnyMaps> merged_maps(std::vector<SubmapSet<Dim>> sets, const MergeOptions& options) {
+  if (auto apart = options.own_features ? number_features_apart(sets) : Expected<void>(); !apart) {
+    return tl::unexpected(apart.error());
+  }
+  SubmapSet<Dim> whole;
+  whole.conventions = sets.front().conventions;
+  for (const SubmapSet<Dim>& set : sets) {
+    whole.source += (whole.source.empty() ? "" : " + ") + set.source;
+    whole.features.insert(whole.features.end(), set.features.begin(), set.features.end());
+  }
+  std::ranges::sort(whole.features);
+  whole.features.erase(std::unique(whole.features.begin(), whole.features.end()), whole.features.end());
+  for (std::size_t k = 0; k < sets.size(); ++k) {
+    const Renumbering part = renumbering(PoseIndex(whole.poses.size()), sets[k].features, whole.features);
+    for (const PoseId& id : sets[k].poses) whole.poses.push_back({static_cast<std::uint32_t>(k), id.key});
+    for (const Segment& segment : sets[k].segments) whole.segments.push_back(part(segment));
+    for (LocalMap<Dim>& map : sets[k].graph.submaps) whole.graph.submaps.push_back(part(std::move(map)));
+    if (k > 0) whole.conventions.repairs += sets[k].conventions.repairs;
+  }
+  return AnyMaps(std::move(whole));
+}
+
+/// All of one type, or nothing.
+template <typename Maps>
+std::optional<std::vector<Maps>> all_as(std::vector<AnyMaps>& any) {
+  std::vector<Maps> same;
+  for (AnyMaps& one : any) {
+    auto* maps = std::get_if<Maps>(&one);
+    if (!maps) return std::nullopt;
+    same.push_back(std::move(*maps));
+  }
+  return same;
+}
+
+}  // namespace
+
+Expected<AnyMaps> open_several_maps(const std::vector<std::filesystem::path>& paths, const ReadOptions& options,
+                                    const MergeOptions& merging) {
+  if (paths.size() == 1) return open_maps(paths.front(), options);
+  std::vector<AnyMaps> all;
+  for (const std::filesystem::path& path : paths) {
+    auto maps = open_maps(path, options);
+    if (!maps) return maps;
+    all.push_back(*std::move(maps));
+    if (all.back().index() == all.front().index()) continue;
+    return bad_input(
+        fmt::format("{} and {} are not of one kind and dimension: stores that `mapjoin build` made of logs, or the "
+                    "maps of others",
+                    paths.front().string(), path.string()));
+  }
+  const auto merge_like = [&]<typename Maps>(const Maps&) { return merged_maps(*all_as<Maps>(all), merging); };
+  return std::visit(merge_like, AnyMaps(all.front()));
+}
+
+}  // namespace mapjoin

@@ -1,0 +1,70 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <tests/apps/command.hpp>
+
+namespace mapjoin::testing {
+namespace {
+
+using ::testing::HasSubstr;
+
+/// Three poses in a row, the last one half a metre off; and the truth.
+const std::string kMap = "VERTEX_SE2 4 0 0 0\nVERTEX_SE2 5 1 0 0\nVERTEX_SE2 6 2 0.5 0\n";
+const std::string kTruth = "VERTEX_SE2 4 0 0 0\nVERTEX_SE2 5 1 0 0\nVERTEX_SE2 6 2 0 0\nEDGE_SE2 4 6 2 0 0 1 0 0 1 0 1\n";
+
+class ErrorCommand : public ::testing::Test {
+ protected:
+  nlohmann::json errors(std::vector<std::string> arguments) { return report_of(std::move(arguments))["errors"]; }
+
+  TemporaryFolder folder;
+  std::string map = folder.file("map.g2o", kMap).string();
+  std::string truth = folder.file("truth.g2o", kTruth).string();
+};
+
+TEST_F(ErrorCommand, MeasuresAbsoluteAndRelativeErrorsAndRelations) {
+  const auto none = errors({"error", map, truth, "--align", "none", "--spans", "1,2"});
+  EXPECT_NEAR(none["ate"]["translation"]["rms"], 0.5 / std::sqrt(3.0), 1e-12);
+  EXPECT_EQ(none["ate"]["translation"]["median"], 0.0);
+  EXPECT_EQ(none["rpe"][0]["translation"]["max"], 0.5);
+  EXPECT_EQ(none["rpe"][1]["translation"]["count"], 1);
+  EXPECT_EQ(none["relations"]["translation"]["rms"], 0.5) << "between the poses that the truth's edge ties";
+  EXPECT_LT(errors({"error", map, truth})["ate"]["translation"]["rms"], 0.2);
+  EXPECT_EQ(errors({"error", map, truth, "--spans", "1.5", "--span-unit", "metres"})["rpe"][0]["translation"]["count"], 0);
+}
+
+TEST_F(ErrorCommand, TakesTrajectoriesAndTables) {
+  const std::string tum = folder.file("a.txt", "10.001 0 0 0 0 0 0 1\n11.004 1 0 0 0 0 0 1\n12.5 2 0 0 0 0 0 1\n").string();
+  const std::string csv = folder.file("b.csv", "pose,x,y,phi,stamp_ns\n4,0,0,0,10000000000\n5,1,0,0,11000000000\n").string();
+  EXPECT_EQ(errors({"error", csv, tum})["ate"]["translation"]["count"], 2) << "times to a hundredth of a second";
+  EXPECT_EQ(errors({"error", csv, tum, "--max-time-difference", "0.002"})["ate"]["translation"]["count"], 1);
+  EXPECT_EQ(errors({"error", csv, truth})["ate"]["translation"]["count"], 2) << "by their names";
+  const std::string kitti = folder.file("c.txt", "1 0 0 0 0 1 0 0 0 0 1 0\n1 0 0 1 0 1 0 0 0 0 1 0\n").string();
+  EXPECT_EQ(errors({"error", map, kitti})["ate"]["translation"]["count"], 2) << "by their count";
+}
+
+TEST_F(ErrorCommand, SaysWhatDoesNotFit) {
+  const Ended none = call({"error", map, folder.file("other.g2o", "VERTEX_SE2 9 0 0 0\n").string()});
+  EXPECT_EQ(none.exit_code, 3);
+  EXPECT_THAT(none.err, HasSubstr("other.g2o: has no pose of the map, neither by name nor by time; --max-time-difference"));
+  EXPECT_THAT(call({"error", folder.file("log.g2o", kSmallLog).string(), truth}).err, HasSubstr("a map is expected"));
+  EXPECT_EQ(call({"error", map, truth, "--spans", "1.5"}).exit_code, 2);
+}
+
+TEST_F(ErrorCommand, SpansStayWithinSessions) {
+  const std::string two =
+      folder.file("two.csv", "session,pose,x,y,phi\n0,1,0,0,0\n0,2,1,0,0\n1,1,9,9,0\n1,2,10,9,0\n").string();
+  EXPECT_EQ(errors({"error", two, two, "--spans", "1,2"})["rpe"][0]["translation"]["count"], 2);
+}
+
+TEST_F(ErrorCommand, RunPrintsTheSame) {
+  const std::string log = (kBundledData / "manhattan2d.g2o").string();
+  const std::string known = (kBundledData / "manhattan2d.truth.tum").string();
+  const std::string out = (folder.path() / "out.g2o").string();
+  const auto of_run = errors({"run", log, "-o", out, "--truth", known});
+  EXPECT_EQ(of_run["ate"], errors({"error", out, known})["ate"]);
+  EXPECT_GT(of_run["ate"]["translation"]["rms"], 0.0);
+}
+
+}  // namespace
+}  // namespace mapjoin::testing

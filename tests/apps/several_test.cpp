@@ -1,0 +1,116 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Several logs or stores to a command: each a session.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <mapjoin/io/formats/log_format.hpp>
+#include <mapjoin/io/open.hpp>
+#include <mapjoin/model/log_builder.hpp>
+#include <tests/apps/command.hpp>
+#include <tests/support/data.hpp>
+
+namespace mapjoin::testing {
+namespace {
+
+using ::testing::HasSubstr;
+
+class SeveralInputs : public ::testing::Test {
+ protected:
+  /// The bundled town cut in two, less the odometry between, each part in a frame and with pose ids of its own.
+  void SetUp() override {
+    const auto whole = std::get<Log<2>>(open_log(kBundledData / "manhattan2d.g2o").value());
+    LogBuilder<2> first("a");
+    LogBuilder<2> second("b");
+    const PoseIndex cut = 500;
+    const auto id = [&](PoseIndex pose) { return PoseId{0, (pose < cut ? pose : PoseIndex(pose - cut.value)).position()}; };
+    for (const auto& edge : whole.edges()) {
+      if ((edge.base < cut) != (edge.target < cut)) continue;
+      (edge.base < cut ? first : second).add_pose_edge(id(edge.base), id(edge.target), edge.measured, edge.information);
+    }
+    for (const auto& seen : whole.observations()) {
+      (seen.base < cut ? first : second)
+          .add_observation(id(seen.base), whole.features[seen.target], seen.measured, seen.information);
+    }
+    ASSERT_TRUE(write_log(std::move(first).finish().value(), LogFormat::kG2o, a));
+    ASSERT_TRUE(write_log(std::move(second).finish().value(), LogFormat::kG2o, b));
+  }
+
+  TemporaryFolder folder;
+  std::string a = (folder.path() / "a.g2o").string();
+  std::string b = (folder.path() / "b.g2o").string();
+};
+
+TEST_F(SeveralInputs, RunJoinsTwoLogsByTheirFeatures) {
+  const auto joined = report_of({"run", a, b, "-o", (folder.path() / "map.csv").string()});
+  EXPECT_EQ(joined["input"], a + " + " + b);
+  EXPECT_EQ(joined["sessions"], 2);
+  EXPECT_EQ(joined["poses"], 1000);
+  EXPECT_NEAR(joined["chi2"], report_of({"solve", a, b})["chi2"], 1e-6 * joined["chi2"].get<double>());
+  EXPECT_THAT(content_of(folder.path() / "map.csv"), HasSubstr("\n1,499,"));
+}
+
+TEST_F(SeveralInputs, AFolderHasATrajectoryOfEachSession) {
+  const auto out = folder.path() / "out";
+  ASSERT_EQ(call({"run", a, b, "-o", out.string(), "--no-verdict"}).exit_code, 0);
+  for (const char* name : {"trajectory_0.tum", "trajectory_1.tum"}) {
+    const std::string text = content_of(out / name);
+    EXPECT_EQ(std::count(text.begin(), text.end(), '\n'), 501) << "with its header";
+  }
+}
+
+TEST_F(SeveralInputs, PartsAreTakenOneByOneWhereAskedFor) {
+  EXPECT_EQ(report_of({"run", a, b, "--features", "own", "--parts", "largest"})["poses"], 500);
+  const auto out = folder.path() / "parts";
+  ASSERT_EQ(call({"run", a, b, "--features", "own", "--parts", "all", "-o", out.string()}).exit_code, 0);
+  EXPECT_TRUE(std::filesystem::exists(out / "part_1" / "map.g2o") && std::filesystem::exists(out / "part_2" / "map.g2o"));
+  EXPECT_EQ(call({"run", a, b, "--parts", "all"}).exit_code, 2);
+  EXPECT_EQ(call({"solve", a, b, "--parts", "all"}).exit_code, 2);
+}
+
+TEST_F(SeveralInputs, StoresAreJoinedAsTheLogsThatTheyAreOf) {
+  const std::string stores[] = {(folder.path() / "a.maps").string(), (folder.path() / "b.maps").string()};
+  ASSERT_EQ(call({"build", a, "-o", stores[0], "--poses-per-map", "25"}).exit_code, 0);
+  ASSERT_EQ(call({"build", b, "-o", stores[1], "--poses-per-map", "25"}).exit_code, 0);
+  const auto of_stores = report_of({"join", stores[0], stores[1]});
+  EXPECT_GT(of_stores["local_maps"]["count"], 0);
+  EXPECT_NEAR(of_stores["chi2"], report_of({"run", a, b})["chi2"], 1e-6 * of_stores["chi2"].get<double>());
+  EXPECT_EQ(call({"join", stores[0], a}).exit_code, 3);
+}
+
+TEST_F(SeveralInputs, FeaturesOfTheirOwnLeaveThemApart) {
+  const Ended apart = call({"run", a, b, "--features", "own"});
+  EXPECT_EQ(apart.exit_code, 3);
+  EXPECT_THAT(apart.err, HasSubstr("nothing ties its 2 parts together"));
+}
+
+TEST_F(SeveralInputs, OneOfThemMayNotBeLocalMaps) {
+  EXPECT_THAT(call({"run", a, folder.path().string()}).err, HasSubstr("`mapjoin join` takes"));
+  EXPECT_EQ(call({"run", a, b, "--follow"}).exit_code, 2);
+}
+
+TEST_F(SeveralInputs, AnOutputIsNoneOfThem) {
+  EXPECT_THAT(call({"run", a, b, "-o", b}).err, HasSubstr("FURTHER and --output are one file"));
+}
+
+struct Robots {
+  int count;
+  double chi2;
+};
+void PrintTo(const Robots& robots, std::ostream* out) {
+  *out << robots.count;
+}
+class RobotsData : public ::testing::TestWithParam<Robots> {};
+
+TEST_P(RobotsData, ReachTheOptimumOfTheirFullGraph) {
+  std::vector<std::string> arguments = {"run"};
+  for (int k = 0; k < GetParam().count; ++k) {
+    const auto robots = "robots/blocks_world_" + std::to_string(GetParam().count) + "robots/";
+    arguments.push_back(data_file(robots + std::to_string(k) + ".g2o").string());
+  }
+  EXPECT_NEAR(report_of(arguments)["chi2"], GetParam().chi2, 1e-6 * GetParam().chi2);
+}
+INSTANTIATE_TEST_SUITE_P(OfManyRobots, RobotsData,
+                         ::testing::Values(Robots{4, 5.5508915}, Robots{16, 16.68012}, Robots{25, 30.471484}));
+
+}  // namespace
+}  // namespace mapjoin::testing

@@ -1,0 +1,65 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Logs whose poses and features the World has priors of, as g2o files give them: the optimum is that of Ceres.
+#include <gtest/gtest.h>
+
+#include <mapjoin/io/g2o/g2o.hpp>
+#include <mapjoin/join/run.hpp>
+#include <mapjoin/model/log_builder.hpp>
+#include <tests/support/ceres_reference.hpp>
+#include <tests/support/dimensions.hpp>
+#include <tests/support/small_world.hpp>
+#include <tests/support/temporary_folder.hpp>
+
+namespace mapjoin::testing {
+namespace {
+
+template <typename D>
+class Priors : public ::testing::Test {
+ protected:
+  static constexpr int kDim = D::value;
+
+  /// The log of a world somewhere in the World, with priors of positions, of a whole pose and of features, from a file.
+  static Log<kDim> log_from_file(const SmallWorld<kDim>& world) {
+    Random random(7);
+    const Pose<kDim> frame = random.pose<kDim>(100.0, 1.0);
+    const Values<kDim> truth = moved(frame, world.truth);
+    LogBuilder<kDim> builder("priors");
+    builder.append(world.log);
+    PoseMatrix<kDim> position = PoseMatrix<kDim>::Zero();
+    position.template topLeftCorner<kDim, kDim>() = 10.0 * random.information<kDim>();
+    for (const PoseIndex p : indices(world.log.poses)) {
+      const Point<kDim> fix = truth.poses[p].translation + random.vector<kDim>(0.5);
+      if (p.value % 5 == 0) builder.add_pose_prior(world.log.poses[p], {fix, {}}, position);
+    }
+    builder.add_pose_prior(world.log.poses.back(), truth.poses.back(), random.information<kPoseDof<kDim>>());
+    for (const FeatureIndex f : indices(world.log.features)) {
+      if (f.value % 10 != 0) continue;
+      builder.add_feature_prior(world.log.features[f], truth.features[f] + random.vector<kDim>(0.3),
+                                random.information<kDim>());
+    }
+    const TemporaryFolder folder;
+    if (!write_g2o(std::move(builder).finish().value(), folder.path() / "log")) throw std::runtime_error("not written");
+    return std::get<Log<kDim>>(read_g2o(TextScanner("log", content_of(folder.path() / "log")), {}).value());
+  }
+
+  static void expect_the_optimum(const Log<kDim>& log) {
+    const auto joined = run(log, RunOptions{}).value();
+    EXPECT_TRUE(joined.converged());
+    EXPECT_TRUE(joined.map.gauge.empty()) << "the priors hold the map";
+    const auto ceres = ceres_optimum(log, Values<kDim>{joined.map.poses, joined.map.features});
+    EXPECT_NEAR(joined.chi2, ceres.chi2, 1e-8 * ceres.chi2);
+    EXPECT_GT(joined.chi2, 1.0);
+  }
+};
+TYPED_TEST_SUITE(Priors, Dimensions);
+
+TYPED_TEST(Priors, OfAFileLeadToTheOptimum) {
+  this->expect_the_optimum(this->log_from_file(small_world<TypeParam::value>()));
+}
+
+TYPED_TEST(Priors, TieSessionsThatShareNothing) {
+  this->expect_the_optimum(this->log_from_file(small_world<TypeParam::value>({.features = 0, .sessions = 2})));
+}
+
+}  // namespace
+}  // namespace mapjoin::testing

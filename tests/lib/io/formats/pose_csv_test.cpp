@@ -1,0 +1,84 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <mapjoin/io/formats/map_text.hpp>
+#include <mapjoin/io/formats/stamps.hpp>
+#include <mapjoin/io/open.hpp>
+#include <tests/support/dimensions.hpp>
+#include <tests/support/random.hpp>
+#include <tests/support/temporary_folder.hpp>
+
+namespace mapjoin::testing {
+namespace {
+
+using ::testing::ElementsAre;
+using ::testing::EndsWith;
+using ::testing::HasSubstr;
+
+template <typename D>
+class PoseCsvTest : public ::testing::Test {};
+TYPED_TEST_SUITE(PoseCsvTest, Dimensions);
+
+TYPED_TEST(PoseCsvTest, BringsBackWhatWriteCsvWrote) {
+  constexpr int kDim = TypeParam::value;
+  const TemporaryFolder folder;
+  Random random;
+  GlobalMap<kDim> map;
+  map.pose_ids = {{0, 6989586621679009792u}, {0, 6989586621679009793u}, {1, 7}};
+  for (int k = 0; k < 3; ++k) map.poses.push_back(random.pose<kDim>());
+  map.stamps_ns = {1, 2, 3};
+  map.pose_covariances = Table<PoseIndex, PoseMatrix<kDim>>(3, PoseMatrix<kDim>::Identity());
+  const auto path = folder.path() / "poses.csv";
+  ASSERT_TRUE(write_csv(map, path, folder.path() / "features.csv"));
+  EXPECT_THAT(content_of(path), HasSubstr("\n0,a0,"));
+  const auto log = std::get<Log<kDim>>(open_log(path).value());
+  EXPECT_EQ(log.poses, map.pose_ids);
+  EXPECT_EQ(log.stamps_ns, map.stamps_ns);
+  for (const PoseIndex p : indices(map.poses)) {
+    EXPECT_EQ(log.initial.poses[p].translation, map.poses[p].translation);
+    EXPECT_EQ(log.initial.poses[p].rotation.matrix(), map.poses[p].rotation.matrix());
+  }
+}
+
+TEST(PoseCsv, NamesThePlaceOfWhatIsWrong) {
+  const TemporaryFolder folder;
+  const auto message = [&](const std::string& text) { return open_log(folder.file("map.csv", text)).error().message; };
+  EXPECT_THAT(message("pose,x,y\n1,2,3\n"), EndsWith("does not name the columns pose and x,y,phi, or x,y,z,qx,qy,qz,qw"));
+  EXPECT_THAT(message("pose,x,y,phi\n1,2,3\n"), EndsWith(":2:6: the line ends where a number is expected"));
+  EXPECT_THAT(message("pose,x,y,phi\n1,2,3,0\n-1,2,3,0\n"), EndsWith(":3:1: '-1' stands where an id is expected"));
+  EXPECT_THAT(message("pose,x,y,phi\n1,2,3,0\n1,2,3,0\n"), EndsWith("pose 1 has two initial values"));
+}
+
+class StampsTest : public ::testing::Test {
+ protected:
+  std::string message(const std::string& stamps) {
+    auto log = this->log;
+    const auto read = read_stamps(folder.file("stamps", stamps), log);
+    return read ? "" : read.error().message;
+  }
+  TemporaryFolder folder;
+  Log<2> log = std::get<Log<2>>(open_log(folder.file("log", "EDGE_SE2 1 2 1 0 0 1 0 0 1 0 1\n")).value());
+};
+
+TEST_F(StampsTest, AreTakenByIdBehindAHeaderToTheNanosecond) {
+  for (const std::string text :
+       {"id,time\n2,1600000000.000000001\n7,3\n1,0.5,more\n", "# id time\n1 0.5\n2 1600000000.000000001\n"}) {
+    ASSERT_TRUE(read_stamps(folder.file("stamps", text), log));
+    EXPECT_THAT(log.stamps_ns, ElementsAre(500'000'000, 1'600'000'000'000'000'001));
+  }
+  take_ids_as_stamps(log);
+  EXPECT_THAT(log.stamps_ns, ElementsAre(1, 2));
+}
+
+TEST_F(StampsTest, AreRefusedWhereTheyDoNotFit) {
+  EXPECT_THAT(message("1 1\n"), EndsWith("stamps: has no time for pose 2"));
+  EXPECT_THAT(message("1 1\n2 2\n1 1\n"), EndsWith(":3:1: pose 1 has two times"));
+  EXPECT_THAT(message("1 1\nx 2\n"), EndsWith(":2:1: 'x' stands where an id is expected"));
+  EXPECT_THAT(message("1 noon\n"), EndsWith(":1:3: a time in seconds is expected, not 'noon'"));
+  log.poses[PoseIndex(1)] = {1, 1};
+  EXPECT_THAT(message("1 1\n"), EndsWith(":1:1: several sessions have a pose 1"));
+}
+
+}  // namespace
+}  // namespace mapjoin::testing
