@@ -1,0 +1,60 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// `--associate`: what it writes and says, and what it does not go with.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <tests/apps/command.hpp>
+#include <tests/support/file_bytes.hpp>
+#include <tests/support/temporary_folder.hpp>
+
+namespace mapjoin::testing {
+namespace {
+
+using ::testing::HasSubstr;
+using ::testing::StartsWith;
+
+class AssociateCommandTest : public ::testing::Test {
+ protected:
+  std::string file(const std::string& name) const { return (folder.path() / name).string(); }
+  TemporaryFolder folder;
+  const std::string log = (kBundledData / "manhattan2d.g2o").string();
+};
+
+TEST_F(AssociateCommandTest, FindsTheFeaturesOfTheBundledLogAndExplainsEachSighting) {
+  const auto report = report_of({"run", log, "--associate", "-o", file("result")});
+  EXPECT_EQ(report["association"]["method"], "jcbb");
+  EXPECT_EQ(report["association"]["sightings"], 2524);
+  EXPECT_EQ(report["association"]["features"], 163);
+  EXPECT_EQ(report["verdict"], "fits");
+  const std::string lines = content_of(folder.path() / "result" / "associations.csv");
+  EXPECT_THAT(lines, StartsWith("base,feature,joined,distance,gate,alternatives,base_session\n"));
+  EXPECT_EQ(std::ranges::count(lines, '\n'), 2525);
+}
+
+TEST_F(AssociateCommandTest, WritesTheSameWithAnyNumberOfJobs) {
+  for (const std::string jobs : {"1", "2"}) {
+    ASSERT_EQ(call({"run", log, "--associate", "--jobs", jobs, "--quiet", "-o", file(jobs + ".g2o")}).exit_code, 0);
+  }
+  EXPECT_EQ(content_of(file("1.associations.csv")), content_of(file("2.associations.csv")));
+  EXPECT_EQ(content_of(file("1.g2o")), content_of(file("2.g2o")));
+}
+
+TEST_F(AssociateCommandTest, GoesWithBuildNotWithTheJoinOfAStore) {
+  ASSERT_EQ(call({"build", log, "--associate", "--quiet", "-o", file("log.maps")}).exit_code, 0);
+  EXPECT_THAT(content_of(file("log.associations.csv")), StartsWith("base,"));
+  EXPECT_EQ(report_of({"join", file("log.maps")})["features"], 163);
+  const Ended refused = call({"join", file("log.maps"), "--associate"});
+  EXPECT_NE(refused.exit_code, 0);
+  EXPECT_THAT(refused.err, HasSubstr("--associate goes with `mapjoin build`"));
+}
+
+TEST_F(AssociateCommandTest, RefusesWhatMeansNothing) {
+  EXPECT_THAT(call({"run", log, "--association", "nn"}).err, HasSubstr("--association is of --associate"));
+  EXPECT_THAT(call({"run", log, "--confidence", "0.9"}).err, HasSubstr("--confidence is of --associate and --robust"));
+  EXPECT_THAT(call({"run", log, "--associate", "--confidence", "1"}).err, HasSubstr("between 0 and 1"));
+  EXPECT_THAT(call({"run", log, "--associate", "--follow"}).err, HasSubstr("which --associate ignores"));
+}
+
+}  // namespace
+}  // namespace mapjoin::testing
