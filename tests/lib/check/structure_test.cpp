@@ -131,6 +131,16 @@ TEST(TwoLogsInOneFile, AreNoticed) {
   EXPECT_EQ(finding_of(check_structure(log_of(30, 20)), "driven_twice").where.count, 20u);
   EXPECT_EQ(repeated_steps(log_of(30, 15)), 0u) << "as many steps have one edge";
   EXPECT_EQ(repeated_steps(log_of(9, 9)), 0u);
+TYPED_TEST(Structure, WarnsOfFeaturesSeenOnceOnlyFromTwentyFeaturesOn) {
+  constexpr int Dim = TypeParam::value;
+  for (const std::uint64_t features : {19, 20}) {
+    LogBuilder<Dim> builder("some.g2o");
+    builder.add_pose_edge({0, 0}, {0, 1}, {}, PoseMatrix<Dim>::Identity());
+    for (std::uint64_t f = 0; f < features; ++f)
+      builder.add_observation({0, 0}, {f}, Point<Dim>::Ones(), PointMatrix<Dim>::Identity());
+    const Finding finding = finding_of(check_structure(std::move(builder).finish().value()), "seen_once");
+    EXPECT_EQ(finding.level, features == 20 ? FindingLevel::kWarning : FindingLevel::kNote);
+  }
 }
 
 }  // namespace
