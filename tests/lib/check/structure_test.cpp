@@ -131,6 +131,8 @@ TEST(TwoLogsInOneFile, AreNoticed) {
   EXPECT_EQ(finding_of(check_structure(log_of(30, 20)), "driven_twice").where.count, 20u);
   EXPECT_EQ(repeated_steps(log_of(30, 15)), 0u) << "as many steps have one edge";
   EXPECT_EQ(repeated_steps(log_of(9, 9)), 0u);
+}
+
 TYPED_TEST(Structure, WarnsOfFeaturesSeenOnceOnlyFromTwentyFeaturesOn) {
   constexpr int Dim = TypeParam::value;
   for (const std::uint64_t features : {19, 20}) {
