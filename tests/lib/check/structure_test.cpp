@@ -119,5 +119,17 @@ TYPED_TEST(Structure, WarnsOfFeaturesSeenOnceOnlyWhereTheyAreMost) {
   EXPECT_EQ(finding_of(most, "seen_once").where.count, 16u);
 }
 
+TYPED_TEST(Structure, WarnsOfFeaturesSeenOnceOnlyFromTwentyFeaturesOn) {
+  constexpr int Dim = TypeParam::value;
+  for (const std::uint64_t features : {19, 20}) {
+    LogBuilder<Dim> builder("some.g2o");
+    builder.add_pose_edge({0, 0}, {0, 1}, {}, PoseMatrix<Dim>::Identity());
+    for (std::uint64_t f = 0; f < features; ++f)
+      builder.add_observation({0, 0}, {f}, Point<Dim>::Ones(), PointMatrix<Dim>::Identity());
+    const Finding finding = finding_of(check_structure(std::move(builder).finish().value()), "seen_once");
+    EXPECT_EQ(finding.level, features == 20 ? FindingLevel::kWarning : FindingLevel::kNote);
+  }
+}
+
 }  // namespace
 }  // namespace mapjoin::testing

@@ -90,6 +90,19 @@ TYPED_TEST(FreeDirectionsTest, NameIndependentPartsOneByOne) {
   EXPECT_EQ(this->said(Eigen::MatrixXd(this->size_, 0)), "");
 }
 
+TYPED_TEST(FreeDirectionsTest, NameThreePartsAtMost) {
+  const Eigen::MatrixXd three = this->both(this->both(this->moved({1}), this->moved({2})), this->moved({3}));
+  EXPECT_EQ(this->said(this->both(three, this->moved({4}))), this->said(three));
+}
+
+TYPED_TEST(FreeDirectionsTest, TakeRoundingForNoMotion) {
+  const auto about = this->variables_[4].value.translation;
+  for (const Eigen::MatrixXd& N : {this->moved({3}), this->turned({1, 2, 3}, about)}) {
+    const Eigen::MatrixXd rounding = Eigen::MatrixXd::Constant(N.rows(), N.cols(), 1e-9);
+    EXPECT_EQ(this->said(N + rounding), this->said(N));
+  }
+}
+
 TYPED_TEST(FreeDirectionsTest, NameAFewOfMany) {
   for (int p = 20; p < 30; ++p) this->add("pose " + std::to_string(p), true);
   std::vector<std::size_t> all;
