@@ -67,14 +67,14 @@ TEST(Units, AreDoubtedFromMoreThanOneTurnInAHundredBeyondAFullOne) {
 }
 
 /// Steps that turn by 5 degrees, given as 5 radians; every feature is seen from a pose, and from the one so many steps later.
-Log<2> seen_again_after(std::uint64_t steps) {
+Log<2> seen_again_after(std::uint64_t steps, std::uint64_t poses = 60) {
   const Point<2> seen_first(3.0, 1.0);
   Point<2> seen_last = seen_first;
   for (std::uint64_t step = 0; step < steps; ++step) {
     seen_last = transform(inverse(Pose<2>{{1.0, 0.0}, Rotation<2>(5.0 / kDegrees)}), seen_last);
   }
   LogBuilder<2> builder("again");
-  for (std::uint64_t pose = 0; pose < 60; ++pose) {
+  for (std::uint64_t pose = 0; pose < poses; ++pose) {
     builder.add_pose_edge({0, pose}, {0, pose + 1}, {{1.0, 0.0}, Rotation<2>(5.0)}, PoseMatrix<2>::Identity());
     builder.add_observation({0, pose}, {pose}, seen_first, PointMatrix<2>::Identity());
     if (pose >= steps) builder.add_observation({0, pose}, {pose - steps}, seen_last, PointMatrix<2>::Identity());
@@ -85,6 +85,53 @@ Log<2> seen_again_after(std::uint64_t steps) {
 TEST(Units, AreJudgedByLoopsOfUpToTenSteps) {
   EXPECT_THAT(warnings_of(seen_again_after(10)), ::testing::ElementsAre("degrees"));
   EXPECT_THAT(warnings_of(seen_again_after(11)), IsEmpty());
+}
+
+TEST(Units, AreJudgedByTenLoopsAtLeast) {
+  EXPECT_THAT(warnings_of(seen_again_after(1, 11)), ::testing::ElementsAre("degrees"));
+  EXPECT_THAT(warnings_of(seen_again_after(1, 10)), IsEmpty());
+}
+
+/// Steps whose turns are given as 5 radians, then steps that hardly turn; a feature is seen from both ends of each. The first
+/// of its observations is this share of the way from where it would be with degrees to where it would be with radians; half of
+/// it where the step hardly turns.
+Log<2> seen_from_both_ends(std::uint64_t turns, std::uint64_t straight, double share) {
+  const Point<2> seen_last(3.0, 1.0);
+  LogBuilder<2> builder("ends");
+  for (std::uint64_t pose = 0; pose < turns + straight; ++pose) {
+    const double angle = pose < turns ? 5.0 : 1e-6;
+    const double off = pose < turns ? share : 0.5;
+    const Pose<2> step{{1.0, 0.0}, Rotation<2>(angle)};
+    const Pose<2> by_degrees{{1.0, 0.0}, Rotation<2>(angle / kDegrees)};
+    const Point<2> seen_first = (1.0 - off) * transform(by_degrees, seen_last) + off * transform(step, seen_last);
+    builder.add_pose_edge({0, pose}, {0, pose + 1}, step, PoseMatrix<2>::Identity());
+    builder.add_observation({0, pose}, {pose}, seen_first, PointMatrix<2>::Identity());
+    builder.add_observation({0, pose + 1}, {pose}, seen_last, PointMatrix<2>::Identity());
+  }
+  return std::move(builder).finish().value();
+}
+
+TEST(Units, AreJudgedByLoopsThatTurn) {
+  EXPECT_THAT(warnings_of(seen_from_both_ends(15, 45, 0.0)), ::testing::ElementsAre("degrees"));
+  EXPECT_THAT(warnings_of(seen_from_both_ends(0, 60, 0.0)), IsEmpty());
+}
+
+TEST(Units, AreThoseThatMissAThirdAsMuchAtMost) {
+  EXPECT_THAT(warnings_of(seen_from_both_ends(60, 0, 0.2)), ::testing::ElementsAre("degrees"));
+  EXPECT_THAT(warnings_of(seen_from_both_ends(60, 0, 0.3)), IsEmpty());
+}
+
+TEST(Units, OfValuesAreComparedWhereTheyTurn) {
+  LogBuilder<2> builder("values");
+  double heading = 0.0;
+  for (std::uint64_t pose = 0; pose < 40; ++pose) {
+    const bool turns = pose % 4 == 0;
+    builder.add_pose({0, pose}, Pose<2>{Point<2>::Zero(), Rotation<2>(heading)});
+    heading += turns ? kDegrees * 0.1 : 1e-7;
+    builder.add_pose_edge({0, pose}, {0, pose + 1}, {{1.0, 0.0}, Rotation<2>(turns ? 0.1 : 1e-6)}, PoseMatrix<2>::Identity());
+  }
+  builder.add_pose({0, 40}, Pose<2>{Point<2>::Zero(), Rotation<2>(heading)});
+  EXPECT_THAT(warnings_of(std::move(builder).finish().value()), ::testing::ElementsAre("degrees"));
 }
 
 TEST(Units, OfValuesAreComparedWithThoseOfEdges) {
