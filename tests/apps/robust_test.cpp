@@ -111,7 +111,7 @@ TEST_F(Robust, GivesTheSameBytesForAnyNumberOfJobs) {
 }
 
 TEST_F(Robust, IsAskedForBeforeItsConfidence) {
-  expect_refused({"run", log, "--confidence", "0.9"}, "--confidence is of --robust");
+  expect_refused({"run", log, "--confidence", "0.9"}, "--confidence is of --associate and --robust");
   expect_refused({"run", log, "--robust", "--confidence", "1"}, "the confidence must be between 0 and 1");
   expect_refused({"run", log, "--robust", "--confidence", "0"}, "the confidence must be between 0 and 1");
   expect_refused({"run", log, "--robust", "--confidence", "-1"}, "--confidence");
