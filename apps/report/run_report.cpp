@@ -1,9 +1,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <sys/resource.h>
 
+#include <algorithm>
 #include <apps/report/run_report.hpp>
 #include <mapjoin/check/checks.hpp>
 #include <mapjoin/measure/effort.hpp>
+#include <set>
 #include <utility>
 
 namespace mapjoin::apps {
@@ -20,10 +22,19 @@ NamedMisfit named(const Misfit& misfit, const PoseIds& poses, const FeatureIds& 
   return name;
 }
 
+/// How many features poses of several sessions see.
+template <int Dim>
+std::size_t shared_features(const Log<Dim>& log) {
+  Table<FeatureIndex, std::set<std::uint32_t>> sessions(log.features.size());
+  for (const auto& seen : log.observations()) sessions[seen.target].insert(log.poses[seen.base].session);
+  return static_cast<std::size_t>(std::ranges::count_if(sessions, [](const auto& of) { return of.size() > 1; }));
+}
+
 }  // namespace
 
 RunReport::RunReport(std::string command_name, const Options& given)
     : command(std::move(command_name)), input(given.input.string()), options(given.run) {
+  has_several_inputs = !given.further.empty();
   for (const auto& further : given.further) input += " + " + further.string();
 }
 
@@ -43,7 +54,8 @@ void RunReport::describe(const Log<Dim>& log) {
             .repeated_edges = log.repeated_edges,
             .unassociated = log.unassociated,
             .skipped = log.skipped,
-            .repeated_steps = repeated_steps(log)};
+            .repeated_steps = repeated_steps(log),
+            .shared_features = has_several_inputs ? shared_features(log) : 0};
 }
 
 template <int Dim>

@@ -36,6 +36,7 @@ struct Counts {
   std::int64_t unassociated = 0;
   SkipCounts skipped{};
   std::size_t repeated_steps = 0;
+  std::size_t shared_features = 0;  ///< Of several inputs: seen in more than one session.
 };
 
 /// A misfit under the names of its log.
@@ -76,6 +77,7 @@ struct RunReport {
   Clock::time_point start = Clock::now();
   std::string command;
   std::string input;
+  bool has_several_inputs = false;
   int dimension = 0;
   Conventions conventions;
   Counts counts;

@@ -77,6 +77,14 @@ TEST_F(SeveralInputs, StoresAreJoinedAsTheLogsThatTheyAreOf) {
   EXPECT_EQ(call({"join", stores[0], a}).exit_code, 3);
 }
 
+TEST_F(SeveralInputs, AMisfitAsksWhetherFeaturesAreShared) {
+  const std::string other = (folder.path() / "other.g2o").string();
+  ASSERT_EQ(call({"simulate", "--poses", "500", "--seed", "9", "-o", other}).exit_code, 0);
+  EXPECT_THAT(call({"run", a, other}).out,
+              HasSubstr("in several inputs and taken as the same: if they are not, --features own"));
+  EXPECT_THAT(call({"run", a, b}).out, ::testing::Not(HasSubstr("--features own")));
+}
+
 TEST_F(SeveralInputs, FeaturesOfTheirOwnLeaveThemApart) {
   const Ended apart = call({"run", a, b, "--features", "own"});
   EXPECT_EQ(apart.exit_code, 3);

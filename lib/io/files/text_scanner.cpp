@@ -6,6 +6,7 @@
 #include <cmath>
 #include <cstring>
 #include <mapjoin/io/files/text_scanner.hpp>
+#include <mapjoin/model/ids.hpp>
 #include <mapjoin/parallel/parallel.hpp>
 #include <system_error>
 #include <utility>
@@ -164,6 +165,11 @@ double TextScanner::number() {
 }
 
 std::uint64_t TextScanner::key() {
+  const bool may_be_symbol =
+      !at_end_of_line() && symbol_letter(std::uint64_t{static_cast<unsigned char>(*next_)} << 56) != '\0';
+  const char* const begin = next_;
+  if (const auto symbol = may_be_symbol ? parse_key(word()) : std::nullopt) return *symbol;
+  next_ = begin;
   return parse<std::uint64_t>("an id");
 }
 

@@ -1,6 +1,4 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include <fmt/format.h>
-
 #include <algorithm>
 #include <mapjoin/io/files/text_scanner.hpp>
 #include <mapjoin/io/formats/pose_csv.hpp>
@@ -26,13 +24,6 @@ bool has(const std::vector<std::string>& columns, std::string_view name) {
   return std::ranges::find(columns, name) != columns.end();
 }
 
-std::uint64_t read_key(TextScanner& text) {
-  const std::string_view word = text.word();
-  const auto key = parse_key(word);
-  if (!key) text.reject(fmt::format("{} stands where an id is expected", in_quotes(word)));
-  return key.value_or(0);
-}
-
 /// What stands on one line.
 template <int Dim>
 struct Row {
@@ -50,7 +41,7 @@ Row<Dim> read_row(const std::vector<std::string>& columns, TextScanner& text) {
     if (column == "session") {
       row.id.session = static_cast<std::uint32_t>(text.key());
     } else if (column == "pose") {
-      row.id.key = read_key(text);
+      row.id.key = text.key();
     } else if (column == "x") {
       row.pose = read_g2o_pose<Dim>(text);
     } else if (column == "stamp_ns") {

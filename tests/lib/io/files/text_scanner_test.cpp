@@ -159,5 +159,14 @@ TEST(TextScanner, QuotesWithoutControlCharactersAndInShort) {
   EXPECT_EQ(in_quotes(std::string(100, 'a')), "'" + std::string(40, 'a') + "...'");
 }
 
+TEST(TextScanner, AnIdMayBeASymbol) {
+  TextScanner text("some.txt", "b1 7 x 1\n");
+  text.next_line();
+  EXPECT_EQ(text.key(), 7061644215716937729u);
+  EXPECT_EQ(text.key(), 7u);
+  text.key();
+  EXPECT_EQ(text.finish_line().error().message, "some.txt:1:6: 'x' stands where an id is expected");
+}
+
 }  // namespace
 }  // namespace mapjoin
