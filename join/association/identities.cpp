@@ -35,7 +35,7 @@ void Identities::number(const std::vector<std::size_t>& labels) {
   }
   for (auto& features : in_map_) {
     std::ranges::sort(features);
-    features.erase(std::ranges::unique(features).begin(), features.end());
+    features.erase(std::unique(features.begin(), features.end()), features.end());
   }
 }
 

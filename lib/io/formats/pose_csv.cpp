@@ -79,7 +79,9 @@ bool is_pose_csv(std::string_view bytes) {
 
 Expected<AnyLog> read_pose_csv(std::string_view bytes, const std::string& file, const ReadOptions&) {
   const std::vector<std::string> columns = columns_of(bytes);
-  const auto follow = [&](const std::vector<std::string>& names) { return !std::ranges::search(columns, names).empty(); };
+  const auto follow = [&](const std::vector<std::string>& names) {
+    return std::search(columns.begin(), columns.end(), names.begin(), names.end()) != columns.end();
+  };
   std::string blanks(bytes);
   std::ranges::replace(blanks, ',', ' ');
   const TextScanner text(file, blanks);

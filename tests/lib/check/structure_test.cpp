@@ -135,7 +135,7 @@ TEST(TwoLogsInOneFile, AreNoticed) {
 
 TYPED_TEST(Structure, WarnsOfFeaturesSeenOnceOnlyFromTwentyFeaturesOn) {
   constexpr int Dim = TypeParam::value;
-  for (const std::uint64_t features : {19, 20}) {
+  for (const std::uint64_t features : {19u, 20u}) {
     LogBuilder<Dim> builder("some.g2o");
     builder.add_pose_edge({0, 0}, {0, 1}, {}, PoseMatrix<Dim>::Identity());
     for (std::uint64_t f = 0; f < features; ++f)
