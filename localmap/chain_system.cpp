@@ -66,12 +66,15 @@ bool ChainSystem<Dim>::eliminate_chain() {
       if (has_lost_digits(D_[i](j, j), scale[k * kDof + j])) return false;
     }
     const auto G = D_[i].template triangularView<Eigen::Lower>();
+    const bool is_last = k + 1 == chain_length();
+    if (!is_last) {
+      G.solveInPlace(L_[i]);
+      D_[i + 1].noalias() -= L_[i].transpose() * L_[i];
+    }
+    if (border_size() == 0) continue;
     auto E_k = border_rows(k);
-    if (border_size() > 0) G.solveInPlace(E_k);
-    if (k + 1 == chain_length()) break;
-    G.solveInPlace(L_[i]);
-    D_[i + 1].noalias() -= L_[i].transpose() * L_[i];
-    border_rows(k + 1).noalias() -= L_[i].transpose() * E_k;
+    G.solveInPlace(E_k);
+    if (!is_last) border_rows(k + 1).noalias() -= L_[i].transpose() * E_k;
   }
   if (E_.size() > 0) C_.template selfadjointView<Eigen::Upper>().rankUpdate(E_.transpose(), -1.0);
   eliminate_gradient(g_);

@@ -32,7 +32,7 @@ class ChainSystem {
   /// The coupling of chain pose k with k + 1.
   Matrix<kDof>& coupling(Eigen::Index k) { return L_[static_cast<std::size_t>(k)]; }
   const Matrix<kDof>& coupling(Eigen::Index k) const { return L_[static_cast<std::size_t>(k)]; }
-  /// The couplings of chain pose k with the border, kDof × border_size().
+  /// The couplings of chain pose k with the border, kDof × border_size(); where there is a border.
   auto border_rows(Eigen::Index k) { return E_.middleRows<kDof>(k * kDof); }
   auto border_rows(Eigen::Index k) const { return E_.middleRows<kDof>(k * kDof); }
   /// Only the upper triangle counts.

@@ -34,7 +34,7 @@ class ChainSystemTest : public ::testing::Test {
     for (Eigen::Index k = 0; k < length; ++k) {
       system.diagonal_block(k) = dense.block<kDof, kDof>(k * kDof, k * kDof);
       if (k + 1 < length) system.coupling(k) = dense.block<kDof, kDof>(k * kDof, (k + 1) * kDof);
-      system.border_rows(k) = dense.block(k * kDof, chain, kDof, border);
+      if (border > 0) system.border_rows(k) = dense.block(k * kDof, chain, kDof, border);
     }
     system.border().template triangularView<Eigen::Upper>() = dense.bottomRightCorner(border, border);
     for (auto& entry : system.gradient()) entry = random.uniform(-1.0, 1.0);

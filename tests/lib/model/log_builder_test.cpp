@@ -287,10 +287,10 @@ TYPED_TEST(LogBuilderTest, WhereIdsSayNothingOfTheOrderEdgesDo) {
   this->edge({0, 0}, {0, 5}, 3);
   this->edge({0, 9}, {0, 5}, 1);
   this->edge({0, 5}, {0, 7}, 2);
-  for (const std::uint64_t pose : {4, 7, 5}) this->observe(pose, 1, static_cast<double>(pose));
+  for (const std::uint64_t pose : {4u, 7u, 5u}) this->observe(pose, 1, static_cast<double>(pose));
   this->builder.fix({0, 7}, Pose<TestFixture::kDim>{});
   this->builder.fix({0, 0}, Pose<TestFixture::kDim>{});
-  for (const std::uint64_t pose : {0, 2, 4, 5, 7, 9}) this->builder.add_stamp({0, pose}, static_cast<std::int64_t>(pose));
+  for (const std::uint64_t pose : {0u, 2u, 4u, 5u, 7u, 9u}) this->builder.add_stamp({0, pose}, static_cast<std::int64_t>(pose));
   const auto log = this->finish();
   ASSERT_TRUE(log);
   EXPECT_THAT(log->poses, ElementsAre(PoseId{0, 7}, PoseId{0, 2}, PoseId{0, 9}, PoseId{0, 4}, PoseId{0, 0}, PoseId{0, 5}));
@@ -319,7 +319,7 @@ TYPED_TEST(LogBuilderTest, IdsTellTheOrderWhereTheyTieHalfOfThePoses) {
 }
 
 TYPED_TEST(LogBuilderTest, EdgesTellNoOrderWhereTheyAreNotChains) {
-  for (const std::uint64_t leaf : {0, 1, 2, 3, 5, 6, 7, 8}) this->edge({0, 4}, {0, leaf});
+  for (const std::uint64_t leaf : {0u, 1u, 2u, 3u, 5u, 6u, 7u, 8u}) this->edge({0, 4}, {0, leaf});
   const auto log = this->finish();
   ASSERT_TRUE(log);
   EXPECT_TRUE(std::is_sorted(log->poses.begin(), log->poses.end()));

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <gtest/gtest.h>
+#include <tbb/global_control.h>
 
 #include <Eigen/Cholesky>
 #include <Eigen/LU>
@@ -155,6 +156,7 @@ INSTANTIATE_TEST_SUITE_P(Every, EnginesTest, ::testing::ValuesIn(every_engine())
                          [](const auto& info) { return to_string(info.param); });
 
 TEST(Cholmod, StartsNoThreads) {
+  const tbb::global_control alone(tbb::global_control::max_allowed_parallelism, 1);  // whose threads start some time later
   Random random;
   const BlockLower matrix = grid_system(90, random);
   const auto cholmod = make_solver(Engine::kCholmod);
