@@ -118,6 +118,16 @@ Split split(const Log<Dim>& log, const SplitOptions& options) {
   return result;
 }
 
+std::vector<Segment> segments_of(const Share& share, const Split& split) {
+  std::vector<Segment> segments = split.segments;
+  const std::size_t maps = map_segments(split.segments).size();
+  std::size_t map = 0;
+  for (Segment& segment : segments) {
+    if (segment.is_map) segment.is_map = map++ * share.count / maps == share.index;
+  }
+  return segments;
+}
+
 template <int Dim>
 Split split_along(const Log<Dim>& log, std::vector<Segment> segments) {
   Split result{std::move(segments), referenced_poses(log), 0};

@@ -41,6 +41,16 @@ struct Split {
 /// Makes one of the segments a raw one, whose poses all stay.
 void make_raw(Segment& segment, Split& split);
 
+/// One of several shares of the local maps of a log, each built on its own, on another machine, say.
+struct Share {
+  std::size_t index = 0;  ///< From 0.
+  std::size_t count = 1;
+};
+
+/// The segments of a split for whoever builds one share: consecutive local maps, as many as in the others but for one; the
+/// other segments are raw.
+std::vector<Segment> segments_of(const Share& share, const Split& split);
+
 /// Cuts the log. A segment that would keep most of its inner poses stays raw of its observations. O(size of the log).
 template <int Dim>
 Split split(const Log<Dim>& log, const SplitOptions& options);

@@ -59,7 +59,7 @@ void build_all(CommandRun& command_run, const Log<Dim>& log, const Split& parts,
   }
   RunFigures& figures = command_run.run_report.figures;
   figures.local_maps = store.done().size() - store.undetermined();
-  figures.raw_segments = parts.segments.size() - figures.local_maps;
+  figures.raw_segments = parts.segments.size() - map_segments(parts.segments).size() + store.undetermined();
   figures.poses_per_map = parts.poses_per_map;
   command_run.run_report.has_local_maps = true;
   command_run.run_report.is_resumed = before > 0;
@@ -72,9 +72,9 @@ void store_any(CommandRun& command_run, const Log<Dim>& log) {
   SplitOptions cut = command_run.run_options().split;
   if (cut.rule == SplitRule::kAuto) cut.amount = 2.0;  // maps of one step would be the log itself
   const Split parts = split(log, cut);
-  auto store =
-      StoreWriter<Dim>::open(command_run.options().output, log, parts.segments, settings(command_run.run_options().solver))
-          .value();
+  auto store = StoreWriter<Dim>::open(command_run.options().output, log, segments_of(command_run.options().share, parts),
+                                      settings(command_run.run_options().solver))
+                   .value();
   command_run.run_report.was_damaged = store.found_damaged();
   build_all(command_run, log, parts, store);
 }
@@ -109,6 +109,7 @@ void declare_build(Subcommand& command) {
   command.path("-o,--output", options->output, "MAPS",
                "Write the store; until it is done it is MAPS.partial, from which the same command goes on", true);
   add_splitting(command, *options);
+  add_share(command, *options);
   add_solver(command, *options);
   add_association(command, *options);
   add_confidence(command, *options, "--associate");

@@ -152,6 +152,22 @@ void add_splitting(Subcommand& command, Options& options) {
   command.check([&command] { return check_one_rule(command); });
 }
 
+void add_share(Subcommand& command, Options& options) {
+  command.group("Local maps");
+  command.option("--part", "K/N",
+                 "Build the K-th of N parts of the local maps, here or on another machine; `mapjoin join` unites the stores of "
+                 "all parts",
+                 [&options](const std::string& word) -> std::optional<std::string> {
+                   const auto slash = word.find('/');
+                   const auto part = number_in<std::size_t>(word.substr(0, slash));
+                   const auto count =
+                       slash == std::string::npos ? std::nullopt : number_in<std::size_t>(word.substr(slash + 1));
+                   if (!part || !count || *part < 1 || *part > *count) return "not K/N with K from 1 to N, as in 2/4";
+                   options.share = {*part - 1, *count};
+                   return std::nullopt;
+                 });
+}
+
 void add_schedule(Subcommand& command, Options& options) {
   command.group("Joining");
   command.choice(
@@ -176,6 +192,7 @@ std::vector<std::string> check_uncut(const Subcommand& command, const Options& o
   for (const std::string& rule : kRules) {
     if (command.is_given(rule)) return {rule + " is for a log: local maps are cut already"};
   }
+  if (options.share.count > 1) return {"--part is for a log: local maps are built already"};
   return {};
 }
 

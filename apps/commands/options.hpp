@@ -8,6 +8,7 @@
 #include <mapjoin/join/association/associate.hpp>
 #include <mapjoin/join/robust/inliers.hpp>
 #include <mapjoin/join/run.hpp>
+#include <mapjoin/localmap/split.hpp>
 #include <mapjoin/model/log.hpp>
 #include <mapjoin/model/merged_logs.hpp>
 #include <optional>
@@ -32,6 +33,7 @@ struct Options {
   bool ids_are_nanoseconds = false;
   Parts parts = Parts::kRefuse;
   Covariance covariance = Covariance::kOriginal;
+  Share share;  ///< Of the local maps, to be built.
   RunOptions run = without_verdict();
   double confidence = RobustOptions().confidence;  ///< Of the next two.
   std::optional<AssociationOptions> association;   ///< Find out which features are the same before the work.
@@ -83,7 +85,9 @@ void add_further_logs(Subcommand& command, Options& options);
 void add_weights(Subcommand& command, Options& options);
 /// Where a log is cut: --poses-per-map, --metres-per-map, --features-per-map.
 void add_splitting(Subcommand& command, Options& options);
-/// Says where rules of add_splitting() are given for local maps, which are cut already.
+/// --part
+void add_share(Subcommand& command, Options& options);
+/// Says where rules of add_splitting() or add_share() are given for local maps, which are cut already.
 std::vector<std::string> check_uncut(const Subcommand& command, const Options& options);
 /// --schedule, --state, --start, --batch, --seed
 void add_schedule(Subcommand& command, Options& options);

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <mapjoin/io/merged_maps.hpp>
+#include <mapjoin/io/store/contents.hpp>
 #include <optional>
 #include <utility>
 
@@ -66,8 +67,43 @@ std::optional<std::vector<PoseIndex>> begins_of(const std::vector<StoredMaps<Dim
   return begins;
 }
 
+/// Adds the maps that another part of the same build has.
 template <int Dim>
-Expected<AnyMaps> merged_maps(std::vector<StoredMaps<Dim>> stores, const MergeOptions& options) {
+Expected<void> add_part(StoredMaps<Dim>& whole, StoredMaps<Dim> part) {
+  const auto is_cut_alike = [](const Segment& a, const Segment& b) { return a.begin == b.begin && a.end == b.end; };
+  if (!std::ranges::equal(whole.segments, part.segments, is_cut_alike)) {
+    return bad_input(whole.log.source + ": two parts of it are cut in different ways: build all parts with the same options");
+  }
+  std::vector<LocalMap<Dim>> maps;
+  auto known = whole.maps.begin();
+  auto added = part.maps.begin();
+  for (std::size_t k = 0; k < whole.segments.size(); ++k) {
+    const bool is_known = std::exchange(whole.segments[k].is_map, whole.segments[k].is_map || part.segments[k].is_map);
+    if (whole.segments[k].is_map) maps.push_back(std::move(is_known ? *known : *added));
+    known += is_known;
+    added += part.segments[k].is_map;
+  }
+  whole.maps = std::move(maps);
+  return {};
+}
+
+/// A store of each log: those of one log are parts of one build.
+template <int Dim>
+Expected<std::vector<StoredMaps<Dim>>> united(std::vector<StoredMaps<Dim>> stores) {
+  std::vector<StoredMaps<Dim>> logs;
+  for (StoredMaps<Dim>& next : stores) {
+    const auto same =
+        std::ranges::find_if(logs, [&](const StoredMaps<Dim>& known) { return store::is_same_log(known.log, next.log); });
+    const auto added = same == logs.end() ? Expected<void>() : add_part(*same, std::move(next));
+    if (!added) return tl::unexpected(added.error());
+    if (same == logs.end()) logs.push_back(std::move(next));
+  }
+  return logs;
+}
+
+/// The maps of different logs, each a session.
+template <int Dim>
+Expected<AnyMaps> merged_sessions(std::vector<StoredMaps<Dim>> stores, const MergeOptions& options) {
   std::vector<Log<Dim>> logs;
   for (const StoredMaps<Dim>& store : stores) logs.push_back(store.log);
   if (auto apart = options.own_features ? number_features_apart(logs) : Expected<void>(); !apart) {
@@ -99,6 +135,14 @@ Expected<AnyMaps> merged_maps(std::vector<StoredMaps<Dim>> stores, const MergeOp
     }
   }
   return AnyMaps(std::move(whole));
+}
+
+template <int Dim>
+Expected<AnyMaps> merged_maps(std::vector<StoredMaps<Dim>> stores, const MergeOptions& options) {
+  return united(std::move(stores)).and_then([&](std::vector<StoredMaps<Dim>> logs) -> Expected<AnyMaps> {
+    if (logs.size() == 1) return AnyMaps(std::move(logs.front()));
+    return merged_sessions(std::move(logs), options);
+  });
 }
 
 template <int Dim>

@@ -157,7 +157,7 @@ TYPED_TEST(RunTest, TheFirstPoseIsHeldWhereTheFileHasIt) {
   world.log.initial.poses = moved(elsewhere, world.truth).poses;
   const auto result = run(world.log, this->with(7.0));
   ASSERT_TRUE(result);
-  EXPECT_EQ(result->map.gauge, std::vector<PoseIndex>{0});
+  EXPECT_EQ(result->map.gauge, std::vector{PoseIndex(0)});
   EXPECT_LT(local(result->map.poses[0], elsewhere).norm(), 1e-14);
   const Values<kDim> optimum = full_slam(world.log).optimum(world.truth);
   EXPECT_LT(largest_difference(this->state_of(*result), moved(elsewhere, optimum)), 1e-6);

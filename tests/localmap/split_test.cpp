@@ -178,6 +178,23 @@ TYPED_TEST(SplitTest, ASegmentKnowsItsInteriorItsKeptPosesAndItsFeatures) {
   EXPECT_EQ(last.poses(), 6u);
 }
 
+TYPED_TEST(SplitTest, EveryLocalMapIsInOneShare) {
+  const auto log = this->corridor(24);
+  Split parts = split(log, {SplitRule::kPoses, 2.0});
+  make_raw(parts.segments[3], parts);
+  const std::size_t maps = map_segments(parts.segments).size();
+  for (const std::size_t count : {1u, 3u, 5u, 40u}) {
+    std::vector<int> owners(parts.segments.size(), 0);
+    for (std::size_t k = 0; k < count; ++k) {
+      const auto segments = segments_of({k, count}, parts);
+      const std::size_t own = map_segments(segments).size();
+      EXPECT_TRUE(own == maps / count || own == maps / count + 1) << own;
+      for (std::size_t s = 0; s < segments.size(); ++s) owners[s] += segments[s].is_map;
+    }
+    for (std::size_t s = 0; s < owners.size(); ++s) EXPECT_EQ(owners[s], parts.segments[s].is_map ? 1 : 0);
+  }
+}
+
 TEST(SplitOptions, NameEveryViolation) {
   EXPECT_TRUE(SplitOptions{}.validate().empty());
   EXPECT_TRUE((SplitOptions{SplitRule::kPoses, 1.0}).validate().empty());

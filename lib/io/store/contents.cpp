@@ -24,7 +24,7 @@ constexpr std::size_t kChunkSize = std::size_t{1} << 20;
 
 /// Hands every array to `visit`, with its name in the file.
 template <typename Log, typename Segments, typename Visit>
-void visit_arrays(Log& log, Segments& segments, const Visit& visit) {
+void visit_arrays(Log& log, Segments&& segments, const Visit& visit) {
   visit("poses", log.poses);
   visit("features", log.features);
   visit("pose_factors", log.graph.pose_factors);
@@ -191,6 +191,17 @@ Expected<bool> holds_contents(Database& database, const Contents<Dim>& contents)
   return select->step().map([](bool is_longer) { return !is_longer; });
 }
 
+template <int Dim>
+bool is_same_log(const Log<Dim>& a, const Log<Dim>& b) {
+  const auto arrays = [](const Log<Dim>& log) {
+    std::vector<std::string> bytes;
+    visit_arrays(log, std::vector<Segment>(),
+                 [&](std::string_view, const auto& records) { bytes.push_back(encode_all(records)); });
+    return bytes;
+  };
+  return arrays(a) == arrays(b);
+}
+
 Expected<int> stored_dimension(Database& database) {
   const auto info = read_info(database);
   if (!info) return tl::unexpected(info.error());
@@ -233,6 +244,7 @@ Expected<StoredMaps<Dim>> read_contents(Database& database) {
 #define MAPJOIN_INSTANTIATE(Dim)                                                \
   template Expected<void> write_contents<Dim>(Database&, const Contents<Dim>&); \
   template Expected<bool> holds_contents<Dim>(Database&, const Contents<Dim>&); \
+  template bool is_same_log<Dim>(const Log<Dim>&, const Log<Dim>&);             \
   template Expected<StoredMaps<Dim>> read_contents<Dim>(Database&);
 MAPJOIN_INSTANTIATE(2)
 MAPJOIN_INSTANTIATE(3)

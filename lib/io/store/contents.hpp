@@ -46,6 +46,10 @@ Expected<void> write_contents(Database& database, const Contents<Dim>& contents)
 template <int Dim>
 Expected<bool> holds_contents(Database& database, const Contents<Dim>& contents);
 
+/// Whether stores keep one and the same log, to the bit.
+template <int Dim>
+bool is_same_log(const Log<Dim>& a, const Log<Dim>& b);
+
 /// Bad input where the database is damaged, or has other tables than a store's: views, triggers, columns that compute.
 Expected<void> check_database(Database& database);
 

@@ -70,7 +70,7 @@ TYPED_TEST(MergeTest, TheLeavesOfAStarAreAllMerged) {
       {this->closure(1, 3), this->closure(5, 4), this->closure(3, 6), this->closure(3, 9)});
   ASSERT_EQ(merged.size(), 1u);
   EXPECT_EQ(merged[0].poses, (Table<PoseIndex, PoseIndex>{1, 3, 4, 5, 6, 7, 9}));
-  EXPECT_EQ(merged[0].features, (Table<FeatureIndex, FeatureIndex>{2}));
+  EXPECT_EQ(merged[0].features, (Table<FeatureIndex, FeatureIndex>{FeatureIndex(2)}));
   this->expect_true(merged[0]);
 }
 
@@ -79,8 +79,8 @@ TYPED_TEST(MergeTest, WhatNothingTiesStaysApart) {
                                   {this->closure(4, 0)});
   ASSERT_EQ(merged.size(), 3u);
   EXPECT_EQ(merged[0].poses, (Table<PoseIndex, PoseIndex>{0, 4}));
-  EXPECT_EQ(merged[1].poses, (Table<PoseIndex, PoseIndex>{2}));
-  EXPECT_EQ(merged[2].poses, (Table<PoseIndex, PoseIndex>{6}));
+  EXPECT_EQ(merged[1].poses, (Table<PoseIndex, PoseIndex>{PoseIndex(2)}));
+  EXPECT_EQ(merged[2].poses, (Table<PoseIndex, PoseIndex>{PoseIndex(6)}));
 }
 
 TYPED_TEST(MergeTest, WhatTooFewFeaturesTieIsTiedByMoreThatOthersBring) {

@@ -211,7 +211,7 @@ TYPED_TEST(MapCovariancesTest, RelativeOnesDoNotDependOnTheGauge) {
   log.graph.fixed = {{25, first->map.poses[25]}};
   const auto later = run(log, options);
   ASSERT_TRUE(later);
-  ASSERT_EQ(later->map.gauge, std::vector<PoseIndex>{25});
+  ASSERT_EQ(later->map.gauge, std::vector{PoseIndex(25)});
   const auto a = first->covariances->relative_pose(10, 14);
   const auto b = later->covariances->relative_pose(10, 14);
   ASSERT_TRUE(a && b);

@@ -142,7 +142,7 @@ TEST_F(LocalMapSetTest, AnExactCoincidenceIsOnePose) {
   EXPECT_THAT(set.graph.submaps[1].poses, IsEmpty());
   EXPECT_EQ(set.graph.submaps[1].information.rows(), 4);
   EXPECT_EQ(set.graph.submaps[2].base, PoseIndex(1));
-  EXPECT_EQ(set.graph.submaps[2].poses, std::vector<PoseIndex>{2});
+  EXPECT_EQ(set.graph.submaps[2].poses, std::vector{PoseIndex(2)});
   EXPECT_THAT(set.segments, ElementsAre(Segment{0, 1}, Segment{1, 1}, Segment{1, 2}));
 }
 
