@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <gtest/gtest.h>
 
+#include <mapjoin/io/open.hpp>
 #include <mapjoin/join/run.hpp>
 #include <mapjoin/measure/chi2.hpp>
 #include <mapjoin/model/log_builder.hpp>
@@ -10,6 +11,7 @@
 #include <tests/support/dense_slam.hpp>
 #include <tests/support/dimensions.hpp>
 #include <tests/support/every.hpp>
+#include <tests/support/places.hpp>
 #include <tests/support/small_world.hpp>
 
 namespace mapjoin {
@@ -50,6 +52,18 @@ class RunTest : public ::testing::Test {
   }
 };
 TYPED_TEST_SUITE(RunTest, testing::Dimensions);
+
+TEST(Run, RefinesToTheSameMapWithinMicrometresHoweverTheLogIsSplit) {
+  const auto log = std::get<Log<2>>(open_log(testing::kBundledData / "manhattan2d.g2o").value());
+  std::vector<Values<2>> maps;
+  for (const double poses : {3.0, 7.0, 20.0, 50.0}) {
+    RunOptions options;
+    options.split = {SplitRule::kPoses, poses};
+    const auto map = run(log, options).value().map;
+    maps.push_back(Values<2>{map.poses, map.features});
+    EXPECT_LT(largest_difference(maps.front(), maps.back()), 4e-6) << poses;  // a third of what a join's accuracy leaves
+  }
+}
 
 TYPED_TEST(RunTest, EndsAtTheFullSlamOptimumForMapsOfAnyLength) {
   const auto world = small_world<TestFixture::kDim>({.reversed_odometry = true});

@@ -89,6 +89,14 @@ TYPED_TEST(SubmapUpdateMakerTest, ASegmentIsTakenOnceTheNextStepIsThere) {
   EXPECT_EQ(ends, (std::vector<std::uint64_t>{7, 13, 19}));
 }
 
+TYPED_TEST(SubmapUpdateMakerTest, MapsAreOfTenPosesWhereNothingElseIsAskedFor) {
+  constexpr int kDim = TestFixture::kDim;
+  SubmapUpdateMaker<kDim> maker({});
+  const auto updates = this->parts_of_slices(driven(testing::small_world<kDim>({.poses = 31, .closures = 0}).log, 1), maker);
+  ASSERT_EQ(updates.size(), 3u);
+  for (std::size_t k = 0; k < updates.size(); ++k) EXPECT_EQ(last_pose(updates[k]).key, 10 * (k + 1));
+}
+
 TYPED_TEST(SubmapUpdateMakerTest, APoseGraphKeepsAllPosesForClosuresToCome) {
   constexpr int kDim = TestFixture::kDim;
   const auto log = testing::small_world<kDim>({.poses = 50, .features = 0, .closures = 30}).log;
