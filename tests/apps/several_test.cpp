@@ -77,12 +77,13 @@ TEST_F(SeveralInputs, StoresAreJoinedAsTheLogsThatTheyAreOf) {
   EXPECT_EQ(call({"join", stores[0], a}).exit_code, 3);
 }
 
-TEST_F(SeveralInputs, AMisfitAsksWhetherFeaturesAreShared) {
+TEST_F(SeveralInputs, FeaturesThatLieDifferentlyUnderTheSameIdsAreAskedFor) {
   const std::string other = (folder.path() / "other.g2o").string();
   ASSERT_EQ(call({"simulate", "--poses", "500", "--seed", "9", "-o", other}).exit_code, 0);
-  EXPECT_THAT(call({"run", a, other}).out,
-              HasSubstr("in several inputs and taken as the same: if they are not, --features own"));
-  EXPECT_THAT(call({"run", a, b}).out, ::testing::Not(HasSubstr("--features own")));
+  const Ended asked = call({"run", a, other});
+  EXPECT_EQ(asked.exit_code, 3);
+  EXPECT_THAT(asked.err, HasSubstr("--features own where ids mean other features in each input, --features shared"));
+  EXPECT_THAT(call({"run", a, other, "--features", "shared"}).out, HasSubstr("if they are not, --features own"));
 }
 
 TEST_F(SeveralInputs, FeaturesOfTheirOwnLeaveThemApart) {

@@ -1,0 +1,116 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <gtest/gtest.h>
+
+#include <mapjoin/join/association/map_alignment.hpp>
+#include <tests/support/dimensions.hpp>
+#include <tests/support/feature_worlds.hpp>
+
+namespace mapjoin::testing {
+namespace {
+
+/// Two drives, each 20 m wide and 16 m deep, the second one's region so far beside the first one's.
+template <int Dim>
+std::pair<DrivenMap<Dim>, DrivenMap<Dim>> two_maps(double apart, FeatureWorldOptions options, std::uint64_t seed) {
+  RandomStream random(seed, 0);
+  const auto world = feature_world<Dim>(options, random);
+  const double middle = 0.5 * options.side;
+  Point<Dim> first = Point<Dim>::Constant(middle);
+  first[0] = options.range;
+  first[1] = middle - 8.0;
+  Point<Dim> second = first;
+  second[0] += apart;
+  auto a = driven_map<Dim>(world, lanes<Dim>(first, 20.0, 16.0, 8.0), options, random);
+  auto b = driven_map<Dim>(world, lanes<Dim>(second, 20.0, 16.0, 8.0), options, random);
+  return {std::move(a), std::move(b)};
+}
+
+template <int Dim>
+MapAlignment aligned(const DrivenMap<Dim>& a, const DrivenMap<Dim>& b, double range) {
+  const auto density = density_of(a, range);
+  const SightingChance sees = chance_of(range);
+  return align_maps(a.map, b.map, AlignmentModel<Dim>{density, sees});
+}
+
+template <int Dim>
+std::size_t shared_count(const DrivenMap<Dim>& a, const DrivenMap<Dim>& b) {
+  std::vector<std::size_t> both;
+  std::ranges::set_intersection(a.truth, b.truth, std::back_inserter(both));
+  return both.size();
+}
+
+template <int Dim>
+FeatureWorldOptions options_of(Layout layout) {
+  FeatureWorldOptions options;
+  options.layout = layout;
+  options.side = 110.0;
+  if constexpr (Dim == 3) options = {layout, 70.0, 5.0, 9.0};
+  return options;
+}
+
+template <typename D>
+class MapAlignmentTest : public ::testing::Test {};
+TYPED_TEST_SUITE(MapAlignmentTest, Dimensions);
+
+TYPED_TEST(MapAlignmentTest, FindsWhichFeaturesOverlappingMapsShare) {
+  constexpr int kDim = TypeParam::value;
+  const auto options = options_of<kDim>(Layout::kRandom);
+  for (std::uint64_t seed = 1; seed <= 10; ++seed) {
+    const auto [a, b] = two_maps<kDim>(12.0, options, seed);
+    const MapAlignment found = aligned(a, b, options.range);
+    EXPECT_EQ(found.status, AlignmentStatus::kFound) << seed;
+    EXPECT_GE(found.pairs.size(), shared_count(a, b) / 2) << seed;
+    const auto is_true = [&](const Pairing& p) { return a.truth[p.known] == b.truth[p.sighting]; };
+    EXPECT_GE(std::ranges::count_if(found.pairs, is_true), 0.97 * static_cast<double>(found.pairs.size())) << seed;
+  }
+}
+
+TYPED_TEST(MapAlignmentTest, FindsMapsThatShareAStripOfFeatures) {
+  constexpr int kDim = TypeParam::value;
+  const auto options = options_of<kDim>(Layout::kRandom);
+  int missed = 0;
+  int tried = 0;
+  for (std::uint64_t seed = 1; seed <= 40; ++seed) {
+    const auto [a, b] = two_maps<kDim>(kDim == 2 ? 33.0 : 32.0, options, seed);
+    const std::size_t shared = shared_count(a, b);
+    if (shared < 8) continue;
+    ++tried;
+    const MapAlignment found = aligned(a, b, options.range);
+    missed += found.status != AlignmentStatus::kFound;
+    if (found.status != AlignmentStatus::kFound) std::printf("seed %zu shared %zu status %d score %g pairs %zu other %g %zu\n", seed, shared, int(found.status), found.score, found.pairs.size(), found.other_score, found.other_pairs);
+  }
+  std::printf("tried %d missed %d\n", tried, missed);
+  EXPECT_LE(missed, kDim == 2 ? 0 : 1) << "of " << tried;
+}
+
+template <int Dim>
+void expect_apart(Layout layout, std::uint64_t seeds) {
+  const auto options = options_of<Dim>(layout);
+  double most = 0.0;
+  for (std::uint64_t seed = 1; seed <= seeds; ++seed) {
+    const auto [a, b] = two_maps<Dim>(Dim == 2 ? 60.0 : 45.0, options, seed);
+    const MapAlignment found = aligned(a, b, options.range);
+    EXPECT_NE(found.status, AlignmentStatus::kFound) << seed << ' ' << found.score << ' ' << found.pairs.size() << ' ' << found.other_score << ' ' << found.other_pairs;
+    most = std::max(most, found.score);
+  }
+  std::printf("most %g\n", most);
+}
+
+TEST(MapAlignment, LeavesDisjointRandomWorldsApart) {
+  expect_apart<2>(Layout::kRandom, 30);
+  expect_apart<3>(Layout::kRandom, 5);
+}
+TEST(MapAlignment, LeavesDisjointJitteredLatticesApart) {
+  expect_apart<2>(Layout::kJittered, 30);
+  expect_apart<3>(Layout::kJittered, 5);
+}
+TEST(MapAlignment, LeavesDisjointLatticesApart) {
+  expect_apart<2>(Layout::kLattice, 30);
+  expect_apart<3>(Layout::kLattice, 5);
+}
+TEST(MapAlignment, LeavesDisjointWorldsOfTheSameBlocksApart) {
+  expect_apart<2>(Layout::kBlocks, 30);
+  expect_apart<3>(Layout::kBlocks, 5);
+}
+
+}  // namespace
+}  // namespace mapjoin::testing
