@@ -73,21 +73,23 @@ class Aligner {
     const Place<Dim>& best = places.front();
     MapAlignment alignment{AlignmentStatus::kNone, best.pairs, best.score};
     const double odds = model_.confidence / (1.0 - model_.confidence);
-    for (auto other = places.begin() + 1; other != places.end(); ++other) {
+    for (auto other = places.begin() + 1; other != places.end() && is_unique(alignment); ++other) {
       if (agree(best, *other)) {
         unite(alignment.pairs, other->pairs);
-      } else if (other->score > alignment.other_score) {
+      } else if (alignment.other_pairs == 0) {
         alignment.other_score = other->score;
         alignment.other_pairs = other->pairs.size();
       }
     }
     if (best.score - model_.log_tests < std::log(odds)) return alignment;
-    const bool is_unique = 2.0 * alignment.other_score < alignment.score;
-    alignment.status = is_unique ? AlignmentStatus::kFound : AlignmentStatus::kAmbiguous;
+    alignment.status = is_unique(alignment) ? AlignmentStatus::kFound : AlignmentStatus::kAmbiguous;
     return alignment;
   }
 
  private:
+  /// Whether no place that contradicts it has half its score.
+  static bool is_unique(const MapAlignment& alignment) { return 2.0 * alignment.other_score < alignment.score; }
+
   std::optional<Pose<Dim>> relative_pose(const std::vector<Pairing>& pairs) const {
     std::vector<Point<Dim>> from, to;
     for (const Pairing& p : pairs) {

@@ -14,6 +14,10 @@
 namespace mapjoin::testing {
 namespace {
 
+/// Trees of citytrees that stand at one place.
+using Twins = std::pair<std::uint64_t, std::uint64_t>;
+const std::vector<Twins> kTwins = {{2, 34}, {4, 91}, {5, 86}, {12, 78}, {45, 77}, {46, 57}, {62, 99}, {67, 88}};
+
 struct Hidden {
   std::string path;
   std::size_t sessions;
@@ -54,13 +58,14 @@ TEST_P(UnknownFrames, AreFoundByFeatures) {
   const std::uint64_t step = step_apart(log.features.back().key, sessions).value();
   AssociationOptions options;
   options.names_hold = names_hold;
+  const auto twins = path.starts_with("citytrees") ? kTwins : std::vector<Twins>();
   auto found = associate(merged(std::move(logs), {.own_features = true}).value(), options).value();
-  for (AssociatedSighting& s : found.sightings) s.name.key %= step;
-  for (const UntiedParts& u : found.untied) {
-    std::printf("untied %s %s status %d score %g pairs %zu other %g %zu\n", to_string(u.first).c_str(), to_string(u.second).c_str(), int(u.alignment.status), u.alignment.score, u.alignment.pairs.size(), u.alignment.other_score, u.alignment.other_pairs);
+  for (AssociatedSighting& s : found.sightings) {
+    s.name.key %= step;
+    const auto twin = std::ranges::find(twins, s.name.key, &Twins::second);
+    if (twin != twins.end()) s.name.key = twin->first;
   }
-  const auto score = pair_score(found.sightings);
-  std::printf("precision %.4f recall %.4f joins %zu\n", score.precision, score.recall, found.joins);
+  const PairScore score = pair_score(found.sightings);
   EXPECT_GE(score.precision, 0.99);
   const auto joined = pairs_sharing(found.sightings, 4, [](const AssociatedSighting& s) { return s.joined.key; });
   for (const auto& pair : pairs_sharing(found.sightings, 8, [](const AssociatedSighting& s) { return s.name.key; })) {
