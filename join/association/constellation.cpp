@@ -6,6 +6,7 @@
 #include <mapjoin/graph/graph.hpp>
 #include <mapjoin/join/association/constellation.hpp>
 #include <mapjoin/join/association/point_tree.hpp>
+#include <mapjoin/measure/statistics.hpp>
 #include <mapjoin/parallel/parallel.hpp>
 
 namespace mapjoin {

@@ -5,6 +5,7 @@
 #include <mapjoin/join/align/alignment.hpp>
 #include <mapjoin/join/association/map_alignment.hpp>
 #include <mapjoin/join/association/point_tree.hpp>
+#include <mapjoin/measure/statistics.hpp>
 #include <mapjoin/parallel/parallel.hpp>
 #include <numbers>
 #include <numeric>

@@ -5,6 +5,7 @@
 #include <mapjoin/join/association/feature_estimate.hpp>
 #include <mapjoin/join/association/feature_map.hpp>
 #include <mapjoin/join/association/name_fit.hpp>
+#include <mapjoin/measure/statistics.hpp>
 #include <numeric>
 #include <utility>
 

@@ -90,6 +90,26 @@ TEST_F(SeveralInputs, FeaturesOfTheirOwnLeaveThemApart) {
   const Ended apart = call({"run", a, b, "--features", "own"});
   EXPECT_EQ(apart.exit_code, 3);
   EXPECT_THAT(apart.err, HasSubstr("nothing ties its 2 parts together"));
+  EXPECT_THAT(apart.err, HasSubstr("--associate ties them by features that they share"));
+}
+
+TEST_F(SeveralInputs, FeaturesOfTheirOwnAreFoundToBeTheSame) {
+  const auto joined = report_of({"run", a, b, "--features", "own", "--associate"});
+  EXPECT_EQ(joined["poses"], 1000);
+  EXPECT_EQ(joined["features"], report_of({"run", a, b})["features"]);
+  EXPECT_EQ(joined["verdict"], "fits");
+  EXPECT_EQ(report_of({"run", a, b, "--associate"})["verdict"], "fits");
+}
+
+TEST_F(SeveralInputs, OtherWorldsStayApartWhichIsExplained) {
+  const std::string other = (folder.path() / "other.g2o").string();
+  ASSERT_EQ(call({"simulate", "--poses", "300", "--seed", "9", "-o", other}).exit_code, 0);
+  const Ended apart = call({"run", a, other, "--associate", "--features", "own"});
+  EXPECT_EQ(apart.exit_code, 3);
+  EXPECT_THAT(apart.err, HasSubstr("pose 0 and pose 0 of session 1 stay apart"));
+  EXPECT_THAT(apart.err, HasSubstr("--parts largest takes the largest part"));
+  EXPECT_EQ(report_of({"run", a, other, "--associate", "--features", "own", "--parts", "largest"})["poses"], 500);
+  EXPECT_EQ(call({"run", a, other, "--associate", "--parts", "all", "-o", (folder.path() / "parts").string()}).exit_code, 2);
 }
 
 TEST_F(SeveralInputs, OneOfThemMayNotBeLocalMaps) {

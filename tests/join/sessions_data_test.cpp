@@ -4,12 +4,12 @@
 #include <gtest/gtest.h>
 
 #include <mapjoin/io/formats/log_format.hpp>
-#include <mapjoin/io/local_maps/local_map_set.hpp>
 #include <mapjoin/io/merged_maps.hpp>
 #include <mapjoin/io/open.hpp>
 #include <mapjoin/join/run.hpp>
 #include <tests/support/ceres_reference.hpp>
 #include <tests/support/cut_log.hpp>
+#include <tests/support/cut_maps.hpp>
 #include <tests/support/data.hpp>
 #include <tests/support/temporary_folder.hpp>
 
@@ -58,19 +58,9 @@ class SessionsOfLocalMaps : public ::testing::TestWithParam<Cut> {};
 TEST_P(SessionsOfLocalMaps, AreJoinedToTheOptimumThatCeresFinds) {
   const auto& [path, sessions] = GetParam();
   const auto whole = std::get<SubmapSet<2>>(open_maps(data_file(path)).value());
-  const auto& maps = whole.graph.submaps;
   const TemporaryFolder folder;
-  std::vector<std::filesystem::path> folders;
-  for (std::size_t k = 0; k < sessions; ++k) {
-    folders.push_back(folder.path() / std::to_string(k));
-    std::filesystem::create_directory(folders.back());
-    const auto place = [&](std::size_t session) {
-      return maps.begin() + static_cast<std::ptrdiff_t>(session * maps.size() / sessions);
-    };
-    ASSERT_TRUE(write_local_maps<2>({place(k), place(k + 1)}, whole.features, LocalMapFormat::kText, folders.back()));
-  }
-  const auto set = std::get<SubmapSet<2>>(open_several_maps(folders).value());
-  EXPECT_EQ(set.graph.submaps.size(), maps.size());
+  const auto set = std::get<SubmapSet<2>>(open_several_maps(cut_maps(whole, sessions, folder.path())).value());
+  EXPECT_EQ(set.graph.submaps.size(), whole.graph.submaps.size());
   const auto joined = run(set, without_verdict()).value();
   EXPECT_TRUE(joined.converged());
   const auto ceres = ceres_optimum(set, Values<2>{joined.map.poses, joined.map.features});

@@ -121,13 +121,13 @@ DrivenMap<Dim> driven_map(const std::vector<Point<Dim>>& world, const std::vecto
   return driven;
 }
 
-/// A path of steps of a metre from one corner region to another, to and fro in lanes, along the first two axes.
+/// A path to and fro in lanes along the first two axes, by steps of so many metres.
 template <int Dim>
-std::vector<Point<Dim>> lanes(const Point<Dim>& corner, double width, double depth, double apart) {
+std::vector<Point<Dim>> lanes(const Point<Dim>& corner, double width, double depth, double apart, double step = 1.0) {
   std::vector<Point<Dim>> path;
   bool is_back = false;
   for (double y = 0.0; y <= depth; y += apart, is_back = !is_back) {
-    for (double x = 0.0; x <= width; x += 1.0) {
+    for (double x = 0.0; x <= width; x += step) {
       Point<Dim> p = corner;
       p[0] += is_back ? width - x : x;
       p[1] += y;
