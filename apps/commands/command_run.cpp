@@ -254,11 +254,12 @@ void CommandRun::check_shared_features(const Data& data, const RunFigures& figur
   const auto fit = worst_name_fit(data, options_.confidence, stop_).value();
   if (!fit || fit->alike > 0.5) return;
   fail(ErrorKind::kBadInput,
-       fmt::format("{}: {} and {} name {} alike that lie differently in the map of each (of the distances between these {:.0f} % "
-                   "agree): --features own where ids mean other features in each input, --features shared where they mean "
-                   "the same all the same",
-                   run_report.input, to_string(fit->first), to_string(fit->second), plural(fit->features, "feature"),
-                   100.0 * fit->alike));
+       fmt::format(
+           "{}: {} and {} name {} alike that lie differently in the map of each (of the distances between these {:.0f} % "
+           "agree): --features own where ids mean other features in each input, --features shared where they mean "
+           "the same all the same",
+           run_report.input, to_string(fit->first), to_string(fit->second), plural(fit->features, "feature"),
+           100.0 * fit->alike));
 }
 
 void CommandRun::write_associations() {

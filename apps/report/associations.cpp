@@ -32,7 +32,8 @@ std::string associated_in_words(const RunReport& run_report) {
 std::string untied_in_words(const std::vector<UntiedParts>& untied) {
   const UntiedParts& nearest = *std::ranges::max_element(untied, {}, [](const UntiedParts& u) { return u.alignment.score; });
   const MapAlignment& alignment = nearest.alignment;
-  std::string why = fmt::format("at best {}, which chance may do, too", plural(alignment.pairs.size(), "feature agrees", "features agree"));
+  std::string why =
+      fmt::format("at best {}, which chance may do, too", plural(alignment.pairs.size(), "feature agrees", "features agree"));
   if (alignment.pairs.empty()) why = "no four features agree";
   if (alignment.status == AlignmentStatus::kAmbiguous) {
     why = fmt::format("{} features agree at one place, {} at another", alignment.pairs.size(), alignment.other_pairs);

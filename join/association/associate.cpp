@@ -91,9 +91,8 @@ class Search {
     const auto of_map = [&](std::size_t s) { return identities_.sighting(s).map == misfit.map; };
     const std::size_t scan = identities_.sighting(*std::ranges::find_if(all, of_map)).scan;
     std::vector<std::size_t> taken;
-    std::ranges::copy_if(all, std::back_inserter(taken), [&](std::size_t s) {
-      return options_.names_hold ? identities_.sighting(s).scan == scan : of_map(s);
-    });
+    std::ranges::copy_if(all, std::back_inserter(taken),
+                         [&](std::size_t s) { return options_.names_hold ? identities_.sighting(s).scan == scan : of_map(s); });
     if (taken.size() == all.size()) taken.clear();
     return taken;
   }

@@ -54,8 +54,8 @@ struct FeatureEstimate {
   double scale = 1.0;              ///< That covariances are to be multiplied by.
 };
 
-/// Joins the local maps of a set, or of a log that is cut along `split`. Where nothing ties all of it together, the first pose of
-/// each part is held, but that of a part that the World ties. Errors as of join(); kInterrupted on `stop`.
+/// Joins the local maps of a set, or of a log that is cut along `split`. Where nothing ties all of it together, the first pose
+/// of each part is held, but that of a part that the World ties. Errors as of join(); kInterrupted on `stop`.
 template <int Dim>
 Expected<FeatureEstimate<Dim>> estimate_of(SubmapSet<Dim> set, const std::stop_token& stop);
 template <int Dim>

@@ -33,7 +33,8 @@ void Identities::number(const std::vector<std::size_t>& labels) {
     }
     feature_of_[s] = FeatureIndex(number);
     members_[feature_of_[s]].push_back(s);
-    scans_[feature_of_[s]].push_back(sightings_[s].scan);
+    auto& scans = scans_[feature_of_[s]];
+    if (scans.empty() || scans.back() != sightings_[s].scan) scans.push_back(sightings_[s].scan);
     in_map_[sightings_[s].map].push_back(feature_of_[s]);
   }
   const auto make_set = [](auto& list) {

@@ -118,8 +118,8 @@ Expected<std::optional<NameFit>> worst_name_fit(const SubmapSet<Dim>& set, doubl
                         [&](SubmapSet<Dim> renamed) { return estimate_of(std::move(renamed), stop); });
 }
 
-#define MAPJOIN_INSTANTIATE(Dim)                                                                                 \
-  template Expected<std::optional<NameFit>> worst_name_fit(const Log<Dim>&, double, const std::stop_token&);     \
+#define MAPJOIN_INSTANTIATE(Dim)                                                                             \
+  template Expected<std::optional<NameFit>> worst_name_fit(const Log<Dim>&, double, const std::stop_token&); \
   template Expected<std::optional<NameFit>> worst_name_fit(const SubmapSet<Dim>&, double, const std::stop_token&);
 MAPJOIN_INSTANTIATE(2)
 MAPJOIN_INSTANTIATE(3)

@@ -18,8 +18,8 @@ struct NameFit {
   double alike = 1.0;        ///< The share of the distances between two of these that are the same in both maps.
 };
 
-/// Of the parts that poses tie together, each joined alone, the two whose features of one name lie least alike; nothing where no
-/// two have two such features. Distances count as the same within what the covariances of the maps allow with probability
+/// Of the parts that poses tie together, each joined alone, the two whose features of one name lie least alike; nothing where
+/// no two have two such features. Distances count as the same within what the covariances of the maps allow with probability
 /// `confidence`. Errors as of join(); kInterrupted on `stop`.
 template <int Dim>
 Expected<std::optional<NameFit>> worst_name_fit(const Log<Dim>& log, double confidence, const std::stop_token& stop = {});

@@ -102,9 +102,9 @@ Expected<PartTies> ties_between_parts(const FeatureEstimate<Dim>& estimate, cons
   return found;
 }
 
-#define MAPJOIN_INSTANTIATE(Dim)                                                                             \
-  template Expected<PartTies> ties_between_parts(const FeatureEstimate<Dim>&, const Identities&,             \
-                                                 const NeighbourDensity<Dim>&, double, const std::stop_token&);
+#define MAPJOIN_INSTANTIATE(Dim)                                                                                               \
+  template Expected<PartTies> ties_between_parts(const FeatureEstimate<Dim>&, const Identities&, const NeighbourDensity<Dim>&, \
+                                                 double, const std::stop_token&);
 MAPJOIN_INSTANTIATE(2)
 MAPJOIN_INSTANTIATE(3)
 #undef MAPJOIN_INSTANTIATE

@@ -45,8 +45,6 @@ PointTree<Dim>::PointTree(std::span<const Point<Dim>> points) {
 }
 
 template <int Dim>
-PointTree<Dim>::PointTree(PointTree&&) noexcept = default;
-template <int Dim>
 PointTree<Dim>::~PointTree() = default;
 
 template <int Dim>

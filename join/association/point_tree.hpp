@@ -15,7 +15,6 @@ template <int Dim>
 class PointTree {
  public:
   explicit PointTree(std::span<const Point<Dim>> points);
-  PointTree(PointTree&&) noexcept;
   ~PointTree();
 
   /// The places of all points within a distance, ascending.

@@ -18,12 +18,12 @@ enum class Layout { kRandom, kJittered, kLattice, kBlocks };
 
 struct FeatureWorldOptions {
   Layout layout = Layout::kRandom;
-  double side = 40.0;     ///< Of the square or cube (m).
-  double spacing = 3.0;   ///< One feature in so large a cell in the mean (m).
-  double range = 8.0;     ///< Of the sensor (m).
-  double noise = 0.05;    ///< Of a feature (m).
-  double drift = 0.02;    ///< Of a step, along an axis (m).
-  double turn = 0.002;    ///< Of a step (rad).
+  double side = 40.0;    ///< Of the square or cube (m).
+  double spacing = 3.0;  ///< One feature in so large a cell in the mean (m).
+  double range = 8.0;    ///< Of the sensor (m).
+  double noise = 0.05;   ///< Of a feature (m).
+  double drift = 0.02;   ///< Of a step, along an axis (m).
+  double turn = 0.002;   ///< Of a step (rad).
 };
 
 /// Where features stand.
@@ -100,8 +100,8 @@ DrivenMap<Dim> driven_map(const std::vector<Point<Dim>>& world, const std::vecto
   for (std::size_t f = 0; f < driven.truth.size(); ++f) {
     for (std::size_t k = 1; k <= seen_from[f]; ++k) {
       const Point<Dim> arm = driven.map.features[f] - driven.map.poses[k];
-      auto J_step = J.template block<Dim, Dim + kRot>(static_cast<Eigen::Index>(f) * Dim,
-                                                      static_cast<Eigen::Index>(k) * (Dim + kRot));
+      auto J_step =
+          J.template block<Dim, Dim + kRot>(static_cast<Eigen::Index>(f) * Dim, static_cast<Eigen::Index>(k) * (Dim + kRot));
       J_step.template leftCols<Dim>() = options.drift * PointMatrix<Dim>::Identity();
       for (int axis = 0; axis < kRot; ++axis) {
         RotationVector<Dim> small = RotationVector<Dim>::Zero();

@@ -93,9 +93,8 @@ TEST_P(UnknownFrames, AreFoundByFeatures) {
 
 std::vector<Hidden> cases() {
   std::vector<Hidden> all;
-  for (const std::string path :
-       {"vicpark-6898/VicPark_clean_data.mat", "dlr/corrected_data_circles.mat", "citytrees10000/cityTrees10000.txt",
-        "vicpark-200-local-maps", "dlr-200-local-maps"}) {
+  for (const std::string path : {"vicpark-6898/VicPark_clean_data.mat", "dlr/corrected_data_circles.mat",
+                                 "citytrees10000/cityTrees10000.txt", "vicpark-200-local-maps", "dlr-200-local-maps"}) {
     for (const std::size_t sessions : {2U, 3U, 5U, 10U}) {
       for (const bool names_hold : {false, true}) all.push_back({path, sessions, names_hold});
     }
