@@ -12,6 +12,7 @@
 #include <mapjoin/io/files/output_file.hpp>
 #include <mapjoin/io/formats/stamps.hpp>
 #include <mapjoin/io/merged_maps.hpp>
+#include <mapjoin/join/association/name_fit.hpp>
 #include <utility>
 
 namespace mapjoin::apps {
@@ -86,7 +87,8 @@ AnyLog CommandRun::read_log() {
 AnyLog CommandRun::open_input() {
   auto log = timed(run_report.read_seconds, [&] {
     return open_logs(inputs(), options_.read, options_.merging).and_then([&](AnyLog&& any) {
-      return stamped(std::move(any)).map([&](AnyLog&& all) { return options_.parts == Parts::kLargest ? largest(all) : all; });
+      const bool takes_largest = options_.parts == Parts::kLargest && !options_.association;
+      return stamped(std::move(any)).map([&](AnyLog&& all) { return takes_largest ? largest(all) : all; });
     });
   });
   if (!log && std::ranges::any_of(inputs(), may_hold_maps)) {
@@ -152,7 +154,20 @@ void CommandRun::associate_features(Data& data) {
   run_report.association = options_.association;
   run_report.associations = std::move(associated.sightings);
   data = std::move(associated.data);
+  if (!associated.untied.empty()) settle_untied(associated.untied, data);
   run_report.counts.features = data.features.size();
+}
+
+template <typename Data>
+void CommandRun::settle_untied(const std::vector<UntiedParts>& untied, Data& data) {
+  const std::string why = fmt::format("{}: {}", run_report.input, untied_in_words(untied));
+  if constexpr (requires { data.observations(); }) {
+    if (options_.parts != Parts::kLargest) fail(ErrorKind::kBadInput, why + "; --parts largest takes the largest part");
+    data = std::get<Data>(largest(data));
+    run_report.describe(data);
+  } else {
+    fail(ErrorKind::kBadInput, why);
+  }
 }
 
 template <int Dim>
@@ -232,6 +247,21 @@ void CommandRun::write_map(RunResult<Dim>& result, const Log<Dim>* log) {
   }
 }
 
+template <typename Data>
+void CommandRun::check_shared_features(const Data& data, const RunFigures& figures) const {
+  const bool is_doubtful = figures.fit.verdict == Verdict::kMisfit || figures.fit.verdict == Verdict::kUnconverged;
+  if (!options_.asks_features || options_.association || !is_doubtful) return;
+  const auto fit = worst_name_fit(data, options_.confidence, stop_).value();
+  if (!fit || fit->alike > 0.5) return;
+  fail(ErrorKind::kBadInput,
+       fmt::format(
+           "{}: {} and {} name {} alike that lie differently in the map of each (of the distances between these {:.0f} % "
+           "agree): --features own where ids mean other features in each input, --features shared where they mean "
+           "the same all the same",
+           run_report.input, to_string(fit->first), to_string(fit->second), plural(fit->features, "feature"),
+           100.0 * fit->alike));
+}
+
 void CommandRun::write_associations() {
   if (!run_report.association || options_.output.empty()) return;
   const std::filesystem::path file = association_file(options_.output);
@@ -271,6 +301,10 @@ void CommandRun::hand_over(const StudyOutput& output, std::optional<OutputFolder
 }
 
 template AnyLog CommandRun::take_input(AnyLog);
+template void CommandRun::check_shared_features(const Log<2>&, const RunFigures&) const;
+template void CommandRun::check_shared_features(const Log<3>&, const RunFigures&) const;
+template void CommandRun::check_shared_features(const SubmapSet<2>&, const RunFigures&) const;
+template void CommandRun::check_shared_features(const SubmapSet<3>&, const RunFigures&) const;
 template void CommandRun::take(RunResult<2>&);
 template void CommandRun::take(RunResult<3>&);
 template void CommandRun::write_map(RunResult<2>&, const Log<2>*);

@@ -68,6 +68,11 @@ class CommandRun {
   template <int Dim>
   void write_map(RunResult<Dim>& result, const Log<Dim>* log);
 
+  /// Bad input where a map that does not fit is of several inputs whose features lie differently under the same ids, unless the
+  /// options say what these are.
+  template <typename Data>
+  void check_shared_features(const Data& data, const RunFigures& figures) const;
+
   /// Writes what became of each sighting beside the output, where features were associated.
   void write_associations();
 
@@ -87,6 +92,9 @@ class CommandRun {
   void associate_features(Data& data);
   template <int Dim>
   void associate_features(StoredMaps<Dim>& stored);
+  /// Says why parts were not aligned, unless the largest of a log's is asked for, which is then taken.
+  template <typename Data>
+  void settle_untied(const std::vector<UntiedParts>& untied, Data& data);
   std::vector<std::filesystem::path> inputs() const;
   /// The largest part of a log.
   static AnyLog largest(const AnyLog& any);

@@ -4,6 +4,7 @@
 #include <apps/commands/command_run.hpp>
 #include <apps/commands/subcommand.hpp>
 #include <memory>
+#include <optional>
 #include <utility>
 #include <variant>
 
@@ -16,7 +17,9 @@ constexpr const char* kExamples =
 
 template <int Dim>
 void join_any(CommandRun& command_run, SubmapSet<Dim> set) {
+  const std::optional<SubmapSet<Dim>> kept = command_run.options().asks_features ? std::optional(set) : std::nullopt;
   auto result = run(std::move(set), command_run.run_options(), command_run.stop()).value();
+  if (kept) command_run.check_shared_features(*kept, result);
   command_run.write_map(result, static_cast<const Log<Dim>*>(nullptr));
 }
 
@@ -31,6 +34,7 @@ void join_any(CommandRun& command_run, StoredMaps<Dim> stored) {
   auto result = run_from_maps(log, parts, std::move(stored.maps), command_run.run_options(), command_run.stop())
                     .map_error(of_store)
                     .value();
+  command_run.check_shared_features(log, result);
   command_run.write_map(result, &log);
 }
 

@@ -101,7 +101,11 @@ void add_further(Subcommand& command, Options& options, const std::string& kind)
   command.further("FURTHER", options.further, "Further " + kind + ", each a session in a frame and with pose ids of its own");
   command.group("Reading");
   command.choice("--features", options.merging.own_features, std::to_array<EnumName<bool>>({{false, "shared"}, {true, "own"}}),
-                 "Whether features of the same id in different " + kind + " are the same");
+                 "Whether features of the same id in different " + kind + " are the same; unless said, their maps have to fit");
+  command.check([&command, &options]() -> std::vector<std::string> {
+    options.asks_features = !options.further.empty() && !command.is_given("--features");
+    return {};
+  });
 }
 
 void add_further_logs(Subcommand& command, Options& options) {
@@ -232,7 +236,8 @@ void add_association(Subcommand& command, Options& options) {
   const auto method = std::make_shared<AssociationMethod>(AssociationOptions().method);
   command.flag(
       "--associate", *wanted,
-      "Find out which features are the same, whatever their ids say: associations.csv in the folder, or beside the map");
+      "Find out which features are the same, whatever their ids say (with --features own only those of different inputs), and "
+      "where inputs lie whose frames are unknown: associations.csv in the folder, or beside the map");
   command.choice(
       "--association", *method,
       "How --associate does it: whole sets by joint compatibility (jcbb), or each feature with its nearest neighbour "
@@ -241,7 +246,10 @@ void add_association(Subcommand& command, Options& options) {
     if (!*wanted)
       return command.is_given("--association") ? std::vector<std::string>{"--association is of --associate"}
                                                : std::vector<std::string>{};
-    options.association.emplace() = {.confidence = options.confidence, .method = *method, .progress = nullptr};
+    options.association.emplace() = {.confidence = options.confidence,
+                                     .method = *method,
+                                     .names_hold = options.merging.own_features && !options.further.empty(),
+                                     .progress = nullptr};
     return options.association->validate();
   });
 }

@@ -29,6 +29,7 @@ struct Options {
   std::filesystem::path output;                ///< Empty: none.
   ReadOptions read;
   MergeOptions merging;          ///< Of several inputs.
+  bool asks_features = false;    ///< Nobody said whether these share features: their maps have to fit.
   std::filesystem::path stamps;  ///< A file of times; empty: none.
   bool ids_are_nanoseconds = false;
   Parts parts = Parts::kRefuse;

@@ -129,6 +129,7 @@ void write_folder(CommandRun& command_run, const RunResult<Dim>& result, const L
 template <int Dim>
 ExitCode run_on(CommandRun& command_run, const Log<Dim>& log, std::optional<OutputFolder>& folder) {
   RunResult<Dim> result = run(log, command_run.run_options(), command_run.stop()).value();
+  command_run.check_shared_features(log, result);
   if (folder) {
     command_run.take(result);
     write_folder(command_run, result, log, *folder);
@@ -184,6 +185,7 @@ std::vector<std::string> check_parts(const Options& options) {
   if (options.output.empty() || names_map_file(options.output))
     return {"--parts all writes a folder for each part: it goes with -o DIR"};
   if (!options.report.empty()) return {"--parts all has a report in the folder of each part, not --report"};
+  if (options.association) return {"--parts all goes by the ids of features, which --associate ignores: take --parts largest"};
   return {};
 }
 

@@ -18,6 +18,7 @@ ExitCode solve_input(const Options& options, const std::stop_token& stop) {
   command_run.prepare(outputs_of_map(options));
   const auto solve_log = [&](const auto& log) {
     auto result = solve(log, command_run.run_options(), stop).value();
+    command_run.check_shared_features(log, result);
     command_run.write_map(result, &log);
     return command_run.conclude();
   };

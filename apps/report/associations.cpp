@@ -29,6 +29,20 @@ std::string associated_in_words(const RunReport& run_report) {
                      seen_once(features), run_report.association->confidence);
 }
 
+std::string untied_in_words(const std::vector<UntiedParts>& untied) {
+  const UntiedParts& nearest = *std::ranges::max_element(untied, {}, [](const UntiedParts& u) { return u.alignment.score; });
+  const MapAlignment& alignment = nearest.alignment;
+  std::string why =
+      fmt::format("at best {}, which chance may do, too", plural(alignment.pairs.size(), "feature agrees", "features agree"));
+  if (alignment.pairs.empty()) why = "no four features agree";
+  if (alignment.status == AlignmentStatus::kAmbiguous) {
+    why = fmt::format("{} features agree at one place, {} at another", alignment.pairs.size(), alignment.other_pairs);
+  }
+  return fmt::format("{} and {} stay apart, nothing ties them and their features do not say where they lie: {}{}",
+                     to_string(nearest.first), to_string(nearest.second), why,
+                     untied.size() > 1 ? fmt::format("; {} pairs of parts more stay apart", untied.size() - 1) : "");
+}
+
 Json association_of(const RunReport& run_report) {
   if (!run_report.association) return nullptr;
   const auto features = sightings_of_features(run_report);

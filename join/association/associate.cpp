@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <algorithm>
 #include <cmath>
-#include <mapjoin/check/connectivity.hpp>
 #include <mapjoin/join/association/associate.hpp>
 #include <mapjoin/join/association/map_matching.hpp>
+#include <mapjoin/join/association/part_ties.hpp>
 #include <mapjoin/join/association/sighting_fit.hpp>
 #include <mapjoin/join/association/tracking.hpp>
 #include <mapjoin/parallel/parallel.hpp>
@@ -50,7 +50,11 @@ class Search {
       estimate->scale = scale_of(tests, Dim);
       const bool has_changed = undo(misfits(tests, gate_ * estimate->scale)) || extend(*estimate);
       if (stop_.stop_requested()) return tl::unexpected(interrupted());
-      if (!has_changed) return {};
+      if (has_changed) continue;
+      parts_apart_.clear();
+      const auto is_tied = estimate->parts.first_poses.size() > 1 ? tie_parts(*estimate) : Expected<bool>(false);
+      if (!is_tied) return tl::unexpected(is_tied.error());
+      if (!*is_tied) return {};
     }
     return {};
   }
@@ -59,6 +63,9 @@ class Search {
   /// By sighting, how it was last found to be of its feature.
   const std::vector<std::optional<Match>>& matches() const { return matches_; }
   std::size_t joins() const { return joins_; }
+  /// The parts that are left, where nothing ties all together: their first poses, and why each pair stays apart.
+  const std::vector<PoseIndex>& first_poses() const { return first_poses_; }
+  const std::vector<PartsApart>& parts_apart() const { return parts_apart_; }
   double gate() const { return gate_; }
 
  private:
@@ -67,18 +74,27 @@ class Search {
   bool undo(const std::vector<SightingTest>& misfits) {
     for (const SightingTest& misfit : misfits) {
       // Numbers change with each feature that is told apart, sightings do not.
-      worst_.clear();
-      for (const std::size_t s : identities_.sightings_of(misfit.feature)) {
-        if (identities_.sighting(s).map == misfit.map) worst_.push_back(s);
-      }
-      apart_.push_back(worst_);
+      if (auto sightings = taken_with(misfit); !sightings.empty()) apart_.push_back(std::move(sightings));
     }
+    const bool has_changed = !apart_.empty();
     for (const auto& sightings : apart_) {
       identities_.tell_apart(sightings);
       for (const std::size_t s : sightings) matches_[s].reset();
     }
     apart_.clear();
-    return !misfits.empty();
+    return has_changed;
+  }
+
+  /// The sightings of a feature that a map has of it or, where names hold, the part that the map is of: none where all are.
+  std::vector<std::size_t> taken_with(const SightingTest& misfit) const {
+    const auto all = identities_.sightings_of(misfit.feature);
+    const auto of_map = [&](std::size_t s) { return identities_.sighting(s).map == misfit.map; };
+    const std::size_t scan = identities_.sighting(*std::ranges::find_if(all, of_map)).scan;
+    std::vector<std::size_t> taken;
+    std::ranges::copy_if(all, std::back_inserter(taken),
+                         [&](std::size_t s) { return options_.names_hold ? identities_.sighting(s).scan == scan : of_map(s); });
+    if (taken.size() == all.size()) taken.clear();
+    return taken;
   }
 
   /// Takes what is probable: of maps that are in place all of it, else of the pair of maps that is the surest.
@@ -92,6 +108,16 @@ class Search {
       if (proposals.beyond_reach == 0 || options_.method == AssociationMethod::kNearest) break;
     }
     return is_first;  // all maps are yet to be matched
+  }
+
+  /// Aligns parts that nothing ties by constellations of their features.
+  Expected<bool> tie_parts(const FeatureEstimate<Dim>& estimate) {
+    auto found = ties_between_parts(estimate, identities_, density_, options_.confidence, stop_);
+    if (!found) return tl::unexpected(found.error());
+    first_poses_ = estimate.parts.first_poses;
+    parts_apart_ = std::move(found->apart);
+    const auto moved = identities_.merge(found->ties);
+    return std::ranges::any_of(moved, [](const auto& sightings) { return !sightings.empty(); });
   }
 
   bool take(std::vector<Proposal> proposals) {
@@ -122,8 +148,9 @@ class Search {
   double gate_;
   std::vector<std::optional<Match>> matches_;
   std::size_t joins_ = 0;
-  std::vector<std::size_t> worst_;
-  std::vector<std::vector<std::size_t>> apart_;
+  std::vector<PoseIndex> first_poses_;
+  std::vector<PartsApart> parts_apart_;
+  std::vector<std::vector<std::size_t>> apart_;  // sightings that are told apart
 };
 
 /// The points that every pose or local map sees at once.
@@ -171,14 +198,33 @@ std::vector<Tracked> tracked(const Log<Dim>& log, const Split& split, const Neig
   return all;
 }
 
+/// The base and the name of a sighting.
+struct Seen {
+  PoseIndex base;
+  FeatureIndex name;
+};
+
+/// Sightings by their labels or, where names hold, by these: whatever hangs together has one feature under one name.
+template <typename Data>
+Identities identities_of(const Data& data, const std::vector<Seen>& seen, std::vector<Sighting> sightings,
+                         std::vector<std::size_t> labels, const AssociationOptions& options) {
+  if (!options.names_hold) return {std::move(sightings), std::move(labels)};
+  const Parts parts = parts_of(data);
+  labels.clear();
+  for (std::size_t s = 0; s < seen.size(); ++s) {
+    sightings[s].scan = parts.of_pose[seen[s].base];
+    labels.push_back(seen[s].name.position());
+  }
+  return {std::move(sightings), std::move(labels)};
+}
+
 template <typename Data, typename Search>
-Associated<Data> associated(Data data, const FeatureIds& names, const std::vector<std::pair<PoseIndex, FeatureIndex>>& seen,
-                            const Search& search) {
-  Associated<Data> result{std::move(data), {}, search.joins()};
+Associated<Data> associated(const Data& data, const std::vector<Seen>& seen, const Search& search) {
+  Associated<Data> result{renamed(data, search.identities()), {}, search.joins(), {}};
   for (std::size_t s = 0; s < seen.size(); ++s) {
     AssociatedSighting& sighting = result.sightings.emplace_back();
-    sighting.base = result.data.poses[seen[s].first];
-    sighting.name = names[seen[s].second];
+    sighting.base = data.poses[seen[s].base];
+    sighting.name = data.features[seen[s].name];
     sighting.joined = result.data.features[search.identities().feature_of(s)];
     sighting.gate = std::sqrt(search.gate());
     if (const auto& match = search.matches()[s]) {
@@ -186,7 +232,20 @@ Associated<Data> associated(Data data, const FeatureIds& names, const std::vecto
       sighting.alternatives = match->candidates - 1;
     }
   }
+  for (const PartsApart& pair : search.parts_apart()) {
+    const auto first = [&](std::uint32_t part) { return data.poses[search.first_poses()[part]]; };
+    result.untied.push_back({first(pair.first), first(pair.second), pair.alignment});
+  }
   return result;
+}
+
+template <int Dim, template <int> typename Source, typename EstimateOf>
+Expected<Associated<Source<Dim>>> found_in(const Source<Dim>& data, Identities identities,
+                                           std::vector<std::optional<Match>> matches, const NeighbourDensity<Dim>& density,
+                                           const AssociationOptions& options, const EstimateOf& estimate_of,
+                                           const std::vector<Seen>& seen, const std::stop_token& stop) {
+  Search<Dim, EstimateOf> search(std::move(identities), std::move(matches), density, options, estimate_of, stop);
+  return search.run().map([&] { return associated(data, seen, search); });
 }
 
 }  // namespace
@@ -202,46 +261,41 @@ Expected<Associated<Log<Dim>>> associate(const Log<Dim>& log, const AssociationO
   if (!log.feature_priors().empty()) {
     return bad_input(log.source + ": has a prior of a feature, which goes by its name, and names are ignored by --associate");
   }
-  if (const auto connected = check_connected(log); !connected) return tl::unexpected(connected.error());
   const auto sets = seen_at_once<Dim>(log.observations(), {});
   const NeighbourDensity<Dim> density(sets);
   const Split split = split_evenly(log);
-  const std::vector<Tracked> observations = tracked(log, split, density, options, stop);
-  if (stop.stop_requested()) return tl::unexpected(interrupted());
+  std::vector<Seen> seen;
+  for (const auto& observation : log.observations()) seen.push_back({observation.base, observation.target});
   std::vector<std::size_t> labels;
-  std::vector<std::optional<Match>> matches;
-  for (const auto& [feature, match] : observations) {
-    labels.push_back(feature);
-    matches.push_back(match);
+  std::vector<std::optional<Match>> matches(seen.size());
+  if (!options.names_hold) {
+    for (const auto& [feature, match] : tracked(log, split, density, options, stop)) {
+      matches[labels.size()] = match;
+      labels.push_back(feature);
+    }
+    if (stop.stop_requested()) return tl::unexpected(interrupted());
   }
   const auto estimate = [&](const Identities& known) { return estimate_of(renamed(log, known), split, stop); };
-  Search<Dim, decltype(estimate)> search({sightings_of(log, split), labels}, std::move(matches), density, options, estimate,
-                                         stop);
-  if (const auto done = search.run(); !done) return tl::unexpected(done.error());
-  std::vector<std::pair<PoseIndex, FeatureIndex>> seen;
-  for (const auto& observation : log.observations()) seen.emplace_back(observation.base, observation.target);
-  return associated(renamed(log, search.identities()), log.features, seen, search);
+  return found_in(log, identities_of(log, seen, sightings_of(log, split), std::move(labels), options), std::move(matches),
+                  density, options, estimate, seen, stop);
 }
 
 template <int Dim>
 Expected<Associated<SubmapSet<Dim>>> associate(const SubmapSet<Dim>& set, const AssociationOptions& options,
                                                const std::stop_token& stop) {
   demand_valid(options);
-  const std::vector<Sighting> sightings = sightings_of(set);
   const auto sets = seen_at_once<Dim>(set.graph.feature_factors, set.graph.submaps);
   const NeighbourDensity<Dim> density(sets);
-  std::vector<std::size_t> labels(sightings.size());
+  std::vector<Seen> seen;
+  for (const auto& map : set.graph.submaps) {
+    for (const FeatureIndex feature : map.features) seen.push_back({map.base, feature});
+  }
+  for (const auto& observation : set.graph.feature_factors) seen.push_back({observation.base, observation.target});
+  std::vector<std::size_t> labels(seen.size());
   std::iota(labels.begin(), labels.end(), std::size_t{0});
   const auto estimate = [&](const Identities& known) { return estimate_of(renamed(set, known), stop); };
-  Search<Dim, decltype(estimate)> search({sightings, labels}, std::vector<std::optional<Match>>(sightings.size()), density,
-                                         options, estimate, stop);
-  if (const auto done = search.run(); !done) return tl::unexpected(done.error());
-  std::vector<std::pair<PoseIndex, FeatureIndex>> seen;
-  for (const auto& map : set.graph.submaps) {
-    for (const FeatureIndex feature : map.features) seen.emplace_back(map.base, feature);
-  }
-  for (const auto& observation : set.graph.feature_factors) seen.emplace_back(observation.base, observation.target);
-  return associated(renamed(set, search.identities()), set.features, seen, search);
+  return found_in(set, identities_of(set, seen, sightings_of(set), std::move(labels), options),
+                  std::vector<std::optional<Match>>(seen.size()), density, options, estimate, seen, stop);
 }
 
 #define MAPJOIN_INSTANTIATE(Dim)                                                                                         \

@@ -3,6 +3,7 @@
 // Who is who: the features of logs and local maps that have no names, or none that are trusted.
 
 #include <functional>
+#include <mapjoin/join/association/map_alignment.hpp>
 #include <mapjoin/join/association/matching.hpp>
 #include <mapjoin/model/error.hpp>
 #include <mapjoin/model/log.hpp>
@@ -17,6 +18,8 @@ namespace mapjoin {
 struct AssociationOptions {
   double confidence = 0.99;  ///< The least probability of a pairing that is taken; in (0, 1).
   AssociationMethod method = AssociationMethod::kJcbb;
+  /// Names are right within whatever hangs together by them; only parts that nothing ties are matched with each other.
+  bool names_hold = false;
   std::function<void(std::size_t)> progress;  ///< Called with the number of joins so far.
 
   /// Every violation in words; empty if there is none.
@@ -34,12 +37,20 @@ struct AssociatedSighting {
   std::size_t alternatives = 0;  ///< Other features within the gate then.
 };
 
+/// Two parts, by their first poses, that nothing ties together, and why.
+struct UntiedParts {
+  PoseId first;
+  PoseId second;
+  MapAlignment alignment;
+};
+
 /// A log or a set with features found in it, which are called 1, 2, … in the order of their first sighting.
 template <typename Data>
 struct Associated {
   Data data;
   std::vector<AssociatedSighting> sightings;  ///< Observations of a log in their order; features of maps, then observations.
   std::size_t joins = 0;                      ///< How often the map was joined.
+  std::vector<UntiedParts> untied;            ///< Every pair of parts; empty where all hangs together.
 };
 
 /// Finds out which observations of a log are of the same feature; their names are ignored.
@@ -47,8 +58,9 @@ struct Associated {
 /// Observations are followed within short segments (track()), whose local maps are joined. By the joined map, with its
 /// covariances, maps are matched with each other (MapMatching), first neighbours, then all that probably overlap, again and
 /// again, until nothing more is found; then those that are far apart for all that is known, the surest pair at a time. What no
-/// longer fits, by leave-one-out tests, is told apart again. Bad input: priors of features, which mean their names; a log that
-/// falls apart. kInterrupted on `stop`. The same for any number of threads.
+/// longer fits, by leave-one-out tests, is told apart again. Parts that no edge ties, sessions of unknown frames say, are each
+/// taken alone first, then aligned by constellations of their features (align_maps()); what cannot be aligned stays a part.
+/// Bad input: priors of features, which mean their names. kInterrupted on `stop`. The same for any number of threads.
 template <int Dim>
 Expected<Associated<Log<Dim>>> associate(const Log<Dim>& log, const AssociationOptions& options,
                                          const std::stop_token& stop = {});

@@ -1,5 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <algorithm>
+#include <limits>
+#include <mapjoin/check/ties.hpp>
 #include <mapjoin/join/association/feature_estimate.hpp>
 #include <mapjoin/join/join.hpp>
 #include <mapjoin/localmap/build.hpp>
@@ -14,11 +16,24 @@ FeatureIds names(const Identities& identities) {
   return names;
 }
 
+/// Holds the first pose of each part, where there are several, but that of the one that the World ties.
+template <int Dim, typename Data>
+Parts held_in_parts(Data& data) {
+  Parts parts = parts_of(data);
+  if (parts.first_poses.size() == 1) return parts;
+  for (std::uint32_t k = 0; k < parts.first_poses.size(); ++k) {
+    if (k != parts.in_world) data.graph.fixed.push_back({parts.first_poses[k], {}});
+  }
+  std::ranges::sort(data.graph.fixed, {}, &FixedPose<Dim>::pose);
+  return parts;
+}
+
 /// Joins the submap graph of `data`, and takes its covariances.
 template <int Dim, typename Data>
-Expected<FeatureEstimate<Dim>> joined(std::shared_ptr<const Data> data, const SubmapGraph<Dim>& graph,
+Expected<FeatureEstimate<Dim>> joined(Parts parts, std::shared_ptr<const Data> data, const SubmapGraph<Dim>& graph,
                                       const std::stop_token& stop) {
   FeatureEstimate<Dim> estimate;
+  estimate.parts = std::move(parts);
   auto join = mapjoin::join(graph, data->poses, data->features, JoinOptions<Dim>{}, stop);
   if (!join) return tl::unexpected(join.error());
   estimate.restored = std::make_unique<Restored<Dim>>(restored(graph, {}, *join, join->state));
@@ -33,6 +48,27 @@ Expected<FeatureEstimate<Dim>> joined(std::shared_ptr<const Data> data, const Su
 }
 
 }  // namespace
+
+template <typename Data>
+Parts parts_of(const Data& data) {
+  constexpr std::uint32_t kNone = std::numeric_limits<std::uint32_t>::max();
+  const TieVertices of = vertices_of(data);
+  const std::vector<std::uint32_t> component = components_of(make_graph(of.size(), ties_of(data)));
+  std::vector<std::uint32_t> number(component.size(), kNone);  // of components
+  Parts parts;
+  for (const PoseIndex p : indices(data.poses)) {
+    std::uint32_t& part = number[component[of.pose(p)]];
+    if (part == kNone) {
+      part = static_cast<std::uint32_t>(parts.first_poses.size());
+      parts.first_poses.push_back(p);
+    }
+    parts.of_pose.push_back(part);
+  }
+  for (const FeatureIndex f : indices(data.features)) parts.of_feature.push_back(number[component[of.feature(f)]]);
+  const std::uint32_t world = number[component[TieVertices::kWorldVertex]];
+  if (world != kNone) parts.in_world = world;
+  return parts;
+}
 
 template <int Dim>
 std::vector<Sighting> sightings_of(const SubmapSet<Dim>& set) {
@@ -82,8 +118,9 @@ Log<Dim> renamed(Log<Dim> log, const Identities& identities) {
 
 template <int Dim>
 Expected<FeatureEstimate<Dim>> estimate_of(SubmapSet<Dim> set, const std::stop_token& stop) {
+  Parts parts = held_in_parts<Dim>(set);
   auto data = std::make_shared<const SubmapSet<Dim>>(std::move(set));
-  auto estimate = joined(data, submap_graph_of(*data), stop);
+  auto estimate = joined(std::move(parts), data, submap_graph_of(*data), stop);
   if (!estimate) return estimate;
   const auto sightings = sightings_of(*data);
   estimate->is_local_map.assign(sightings.empty() ? 0 : sightings.back().map + 1, false);
@@ -93,16 +130,19 @@ Expected<FeatureEstimate<Dim>> estimate_of(SubmapSet<Dim> set, const std::stop_t
 
 template <int Dim>
 Expected<FeatureEstimate<Dim>> estimate_of(Log<Dim> log, Split split, const std::stop_token& stop) {
+  Parts parts = held_in_parts<Dim>(log);
   auto data = std::make_shared<const Log<Dim>>(std::move(log));
   auto built = build_local_maps(*data, split, {}, stop);
   if (!built) return tl::unexpected(built.error());
-  auto estimate = joined(data, submap_graph_of(*data, split, std::move(built->maps)), stop);
+  auto estimate = joined(std::move(parts), data, submap_graph_of(*data, split, std::move(built->maps)), stop);
   if (!estimate) return estimate;
   for (const Segment& segment : split.segments) estimate->is_local_map.push_back(segment.is_map);
   return estimate;
 }
 
 #define MAPJOIN_INSTANTIATE(Dim)                                                               \
+  template Parts parts_of(const SubmapSet<Dim>&);                                              \
+  template Parts parts_of(const Log<Dim>&);                                                    \
   template std::vector<Sighting> sightings_of(const SubmapSet<Dim>&);                          \
   template std::vector<Sighting> sightings_of(const Log<Dim>&, const Split&);                  \
   template SubmapSet<Dim> renamed(SubmapSet<Dim>, const Identities&);                          \

@@ -11,6 +11,7 @@
 #include <mapjoin/model/log.hpp>
 #include <mapjoin/model/submap_set.hpp>
 #include <memory>
+#include <optional>
 #include <stop_token>
 #include <vector>
 
@@ -29,6 +30,18 @@ SubmapSet<Dim> renamed(SubmapSet<Dim> set, const Identities& identities);
 template <int Dim>
 Log<Dim> renamed(Log<Dim> log, const Identities& identities);
 
+/// What hangs together: sessions that nothing ties are parts. Numbered from 0 in the order of their first poses.
+struct Parts {
+  Table<PoseIndex, std::uint32_t> of_pose;
+  Table<FeatureIndex, std::uint32_t> of_feature;
+  std::vector<PoseIndex> first_poses;
+  std::optional<std::uint32_t> in_world;  ///< The part that fixed poses or priors tie to the World.
+};
+
+/// The parts of a log or a set, every feature of which is observed.
+template <typename Data>
+Parts parts_of(const Data& data);
+
 /// A joined map and how certain it is.
 template <int Dim>
 struct FeatureEstimate {
@@ -36,11 +49,13 @@ struct FeatureEstimate {
   std::unique_ptr<Restored<Dim>> restored;
   std::unique_ptr<const MapCovariances<Dim>> covariances;
   std::unique_ptr<const Marginals> marginals;
+  Parts parts;                     ///< Each in a frame of its own.
   std::vector<bool> is_local_map;  ///< By map of the sightings; else they stand on their own.
   double scale = 1.0;              ///< That covariances are to be multiplied by.
 };
 
-/// Joins the local maps of a set, or of a log that is cut along `split`. Errors as of join(); kInterrupted on `stop`.
+/// Joins the local maps of a set, or of a log that is cut along `split`. Where nothing ties all of it together, the first pose
+/// of each part is held, but that of a part that the World ties. Errors as of join(); kInterrupted on `stop`.
 template <int Dim>
 Expected<FeatureEstimate<Dim>> estimate_of(SubmapSet<Dim> set, const std::stop_token& stop);
 template <int Dim>

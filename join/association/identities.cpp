@@ -22,33 +22,37 @@ Identities::Identities(std::vector<Sighting> sightings, std::vector<std::size_t>
 void Identities::number(const std::vector<std::size_t>& labels) {
   std::vector<std::size_t> numbers(labels.empty() ? 0 : *std::ranges::max_element(labels) + 1, kNone);
   members_.clear();
+  scans_.clear();
   for (auto& features : in_map_) features.clear();
   for (std::size_t s = 0; s < labels.size(); ++s) {
     std::size_t& number = numbers[labels[s]];
     if (number == kNone) {
       number = members_.size();
       members_.emplace_back();
+      scans_.emplace_back();
     }
     feature_of_[s] = FeatureIndex(number);
     members_[feature_of_[s]].push_back(s);
+    auto& scans = scans_[feature_of_[s]];
+    if (scans.empty() || scans.back() != sightings_[s].scan) scans.push_back(sightings_[s].scan);
     in_map_[sightings_[s].map].push_back(feature_of_[s]);
   }
-  for (auto& features : in_map_) {
-    std::ranges::sort(features);
-    features.erase(std::unique(features.begin(), features.end()), features.end());
-  }
+  const auto make_set = [](auto& list) {
+    std::ranges::sort(list);
+    list.erase(std::unique(list.begin(), list.end()), list.end());
+  };
+  std::ranges::for_each(in_map_, make_set);
+  std::ranges::for_each(scans_, make_set);
 }
 
 bool Identities::may_be_same(FeatureIndex one, FeatureIndex other) const {
-  const std::vector<std::size_t>& a = members_[one];
-  const std::vector<std::size_t>& b = members_[other];
-  for (std::size_t i = 0, j = 0; i < a.size() && j < b.size();) {
-    const std::size_t scan_a = sightings_[a[i]].scan;
-    const std::size_t scan_b = sightings_[b[j]].scan;
-    if (scan_a == scan_b) return false;
-    ++(scan_a < scan_b ? i : j);
+  const std::vector<std::size_t>& a = scans_[one];
+  const std::vector<std::size_t>& b = scans_[other];
+  for (auto i = a.begin(), j = b.begin(); i != a.end() && j != b.end();) {
+    if (*i == *j) return false;
+    ++(*i < *j ? i : j);
   }
-  return std::ranges::none_of(a, [&](std::size_t s) {
+  return std::ranges::none_of(members_[one], [&](std::size_t s) {
     return std::ranges::any_of(apart_from_[s], [&](std::size_t t) { return feature_of_[t] == other; });
   });
 }
@@ -63,10 +67,14 @@ std::vector<std::vector<std::size_t>> Identities::merge(std::span<const std::pai
     if (a == b || !may_be_same(a, b)) continue;
     const auto [first, second] = std::minmax(a, b);
     moved[k] = members_[second];
-    std::vector<std::size_t> both;
-    std::ranges::merge(members_[first], members_[second], std::back_inserter(both));
-    for (const std::size_t s : both) feature_of_[s] = first;
-    members_[first] = std::move(both);  // the second keeps its list, whose first entry leads to the first feature
+    const auto unite = [&](auto& lists) {
+      std::vector<std::size_t> both;
+      std::ranges::merge(lists[first], lists[second], std::back_inserter(both));
+      lists[first] = std::move(both);  // the second keeps its list: its first member leads to the first feature
+    };
+    unite(members_);
+    unite(scans_);
+    for (const std::size_t s : members_[first]) feature_of_[s] = first;
   }
   for (std::size_t s = 0; s < labels.size(); ++s) labels[s] = feature_of_[s].position();
   number(labels);

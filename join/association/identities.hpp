@@ -13,7 +13,7 @@ namespace mapjoin {
 /// A feature of a local map, or an observation of a log.
 struct Sighting {
   std::size_t map = 0;   ///< The local map, or the segment that the observation belongs to.
-  std::size_t scan = 0;  ///< What sees a feature at most once: a local map, or the pose of an observation. Ascending.
+  std::size_t scan = 0;  ///< What gives different features different labels: a local map, or the pose of an observation.
 };
 
 /// A partition of sightings into features, which are numbered in the order of their first sighting.
@@ -46,6 +46,7 @@ class Identities {
   std::vector<Sighting> sightings_;
   std::vector<FeatureIndex> feature_of_;
   Table<FeatureIndex, std::vector<std::size_t>> members_;
+  Table<FeatureIndex, std::vector<std::size_t>> scans_;  // of the members, ascending
   std::vector<std::vector<FeatureIndex>> in_map_;
   std::vector<std::vector<std::size_t>> apart_from_;  // by sighting, others, ascending
 };

@@ -40,7 +40,8 @@ std::vector<FeatureIndex> MapMatching<Dim>::near(FeatureIndex feature, std::size
   for (const std::size_t place : tree_.within(position(feature), std::sqrt(2.0 * gate_ * (own + largest_)))) {
     const FeatureIndex other(place);
     const double bound = 2.0 * gate_ * (own + covariances_[other].trace());
-    if (other == feature || (position(other) - position(feature)).squaredNorm() > bound) continue;
+    if (other == feature || estimate_.parts.of_feature[other] != estimate_.parts.of_feature[feature]) continue;
+    if ((position(other) - position(feature)).squaredNorm() > bound) continue;
     const auto sees = [&](std::size_t s) {
       const std::size_t by = identities_.sighting(s).map;
       return by <= map && (!only_neighbours || by + 1 >= map);

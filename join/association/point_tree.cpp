@@ -5,6 +5,23 @@
 #include <nanoflann.hpp>
 
 namespace mapjoin {
+namespace {
+
+/// A set of results for nanoflann that is full once it has `most` points.
+struct Some {
+  double squared_distance;
+  std::size_t most;
+  std::vector<std::size_t> places;
+
+  bool addPoint(double squared, Eigen::Index place) {
+    if (squared < squared_distance) places.push_back(static_cast<std::size_t>(place));
+    return places.size() < most;
+  }
+  bool full() const { return true; }
+  double worstDist() const { return squared_distance; }
+};
+
+}  // namespace
 
 template <int Dim>
 struct PointTree<Dim>::Tree {
@@ -39,6 +56,23 @@ std::vector<std::size_t> PointTree<Dim>::within(const Point<Dim>& centre, double
   for (const auto& near : found) places.push_back(static_cast<std::size_t>(near.first));
   std::ranges::sort(places);
   return places;
+}
+
+template <int Dim>
+std::vector<std::size_t> PointTree<Dim>::some_within(const Point<Dim>& centre, double distance, std::size_t most) const {
+  Some found{distance * distance, most, {}};
+  if (tree_) tree_->adaptor.index->findNeighbors(found, centre.data(), nanoflann::SearchParams());
+  return std::move(found.places);
+}
+
+template <int Dim>
+std::vector<std::size_t> PointTree<Dim>::nearest(const Point<Dim>& centre, std::size_t count) const {
+  if (!tree_) return {};
+  count = std::min(count, static_cast<std::size_t>(tree_->rows.rows()));
+  std::vector<Eigen::Index> places(count);
+  std::vector<double> squared_distances(count);
+  const std::size_t found = tree_->adaptor.index->knnSearch(centre.data(), count, places.data(), squared_distances.data());
+  return {places.begin(), places.begin() + static_cast<std::ptrdiff_t>(found)};
 }
 
 template class PointTree<2>;

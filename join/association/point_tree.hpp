@@ -19,6 +19,10 @@ class PointTree {
 
   /// The places of all points within a distance, ascending.
   std::vector<std::size_t> within(const Point<Dim>& centre, double distance) const;
+  /// So many of them as they are found; `most` of them, where there are as many.
+  std::vector<std::size_t> some_within(const Point<Dim>& centre, double distance, std::size_t most) const;
+  /// The places of the nearest points, the nearest first; all where there are fewer.
+  std::vector<std::size_t> nearest(const Point<Dim>& centre, std::size_t count) const;
 
  private:
   struct Tree;

@@ -30,8 +30,9 @@ Expected<void> check_connected(const LogOrSet& tied) {
   constexpr bool kIsLog = requires {
     tied.observations();
   };
-  return bad_input(fmt::format("{}: nothing ties its {} parts together; they hold {}{}{}", tied.source, names.size(),
+  return bad_input(fmt::format("{}: nothing ties its {} parts together; they hold {}{}{}{}", tied.source, names.size(),
                                fmt::join(names.begin(), named, ", "), named != names.end() ? ", …" : "",
+                               tied.features.empty() ? "" : "; --associate ties them by features that they share",
                                kIsLog ? "; --parts largest takes the largest, --parts all makes a map of each" : ""));
 }
 

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <algorithm>
+#include <boost/graph/adjacency_matrix.hpp>
 #include <boost/graph/breadth_first_search.hpp>
+#include <boost/graph/bron_kerbosch_all_cliques.hpp>
 #include <boost/graph/connected_components.hpp>
 #include <boost/graph/kruskal_min_spanning_tree.hpp>
 #include <iterator>
@@ -20,6 +22,15 @@ class Recorder : public boost::default_bfs_visitor {
  private:
   const std::vector<std::uint32_t>* numbers_;
   std::vector<Reached>* reached_;
+};
+
+/// Keeps the largest clique.
+struct LargestClique {
+  std::vector<Vertex>* largest;
+  template <typename Clique, typename AnyGraph>
+  void clique(const Clique& clique, const AnyGraph&) const {
+    if (clique.size() > largest->size()) largest->assign(clique.begin(), clique.end());
+  }
 };
 
 /// The numbers of the edges of a spanning forest, ascending.
@@ -71,6 +82,15 @@ std::vector<Reached> spanning_forest(std::size_t vertices, const std::vector<Edg
     breadth_first_visit(forest, root, front, Recorder(numbers, reached), color);
   }
   return reached;
+}
+
+std::vector<Vertex> largest_clique(std::size_t vertices, const std::vector<Edge>& edges) {
+  boost::adjacency_matrix<boost::undirectedS> graph(vertices);
+  for (const auto& [a, b] : edges) add_edge(a, b, graph);
+  std::vector<Vertex> largest;
+  bron_kerbosch_all_cliques(graph, LargestClique{&largest});
+  std::ranges::sort(largest);
+  return largest;
 }
 
 }  // namespace mapjoin

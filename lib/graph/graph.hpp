@@ -39,4 +39,8 @@ struct Reached {
 /// connect its vertices. Each of `roots` that is not yet reached from those before it is a root.
 std::vector<Reached> spanning_forest(std::size_t vertices, const std::vector<Edge>& edges, const std::vector<Vertex>& roots);
 
+/// The vertices of a largest set that are all adjacent to each other, ascending; of several such sets the first that is found.
+/// For graphs of at most a hundred vertices or so: the time may grow exponentially (Bron and Kerbosch, 1973).
+std::vector<Vertex> largest_clique(std::size_t vertices, const std::vector<Edge>& edges);
+
 }  // namespace mapjoin

@@ -77,18 +77,39 @@ TEST_F(SeveralInputs, StoresAreJoinedAsTheLogsThatTheyAreOf) {
   EXPECT_EQ(call({"join", stores[0], a}).exit_code, 3);
 }
 
-TEST_F(SeveralInputs, AMisfitAsksWhetherFeaturesAreShared) {
+TEST_F(SeveralInputs, FeaturesThatLieDifferentlyUnderTheSameIdsAreAskedFor) {
   const std::string other = (folder.path() / "other.g2o").string();
   ASSERT_EQ(call({"simulate", "--poses", "500", "--seed", "9", "-o", other}).exit_code, 0);
-  EXPECT_THAT(call({"run", a, other}).out,
-              HasSubstr("in several inputs and taken as the same: if they are not, --features own"));
-  EXPECT_THAT(call({"run", a, b}).out, ::testing::Not(HasSubstr("--features own")));
+  const Ended asked = call({"run", a, other});
+  EXPECT_EQ(asked.exit_code, 3);
+  EXPECT_THAT(asked.err, HasSubstr("--features own where ids mean other features in each input, --features shared"));
+  EXPECT_THAT(call({"run", a, other, "--features", "shared"}).out, HasSubstr("if they are not, --features own"));
 }
 
 TEST_F(SeveralInputs, FeaturesOfTheirOwnLeaveThemApart) {
   const Ended apart = call({"run", a, b, "--features", "own"});
   EXPECT_EQ(apart.exit_code, 3);
   EXPECT_THAT(apart.err, HasSubstr("nothing ties its 2 parts together"));
+  EXPECT_THAT(apart.err, HasSubstr("--associate ties them by features that they share"));
+}
+
+TEST_F(SeveralInputs, FeaturesOfTheirOwnAreFoundToBeTheSame) {
+  const auto joined = report_of({"run", a, b, "--features", "own", "--associate"});
+  EXPECT_EQ(joined["poses"], 1000);
+  EXPECT_EQ(joined["features"], report_of({"run", a, b})["features"]);
+  EXPECT_EQ(joined["verdict"], "fits");
+  EXPECT_EQ(report_of({"run", a, b, "--associate"})["verdict"], "fits");
+}
+
+TEST_F(SeveralInputs, OtherWorldsStayApartWhichIsExplained) {
+  const std::string other = (folder.path() / "other.g2o").string();
+  ASSERT_EQ(call({"simulate", "--poses", "300", "--seed", "9", "-o", other}).exit_code, 0);
+  const Ended apart = call({"run", a, other, "--associate", "--features", "own"});
+  EXPECT_EQ(apart.exit_code, 3);
+  EXPECT_THAT(apart.err, HasSubstr("pose 0 and pose 0 of session 1 stay apart"));
+  EXPECT_THAT(apart.err, HasSubstr("--parts largest takes the largest part"));
+  EXPECT_EQ(report_of({"run", a, other, "--associate", "--features", "own", "--parts", "largest"})["poses"], 500);
+  EXPECT_EQ(call({"run", a, other, "--associate", "--parts", "all", "-o", (folder.path() / "parts").string()}).exit_code, 2);
 }
 
 TEST_F(SeveralInputs, OneOfThemMayNotBeLocalMaps) {

@@ -1,0 +1,161 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstdint>
+#include <mapjoin/graph/graph.hpp>
+#include <mapjoin/join/association/constellation.hpp>
+#include <mapjoin/join/association/point_tree.hpp>
+#include <mapjoin/measure/statistics.hpp>
+#include <mapjoin/parallel/parallel.hpp>
+
+namespace mapjoin {
+namespace {
+
+/// Neighbours of a feature that triangles are made of.
+constexpr std::size_t kNeighbours = 8;
+/// Triangles that one is compared with.
+constexpr std::size_t kMostAlike = 256;
+/// Neighbours in a constellation, beside the feature itself.
+constexpr std::size_t kFewest = 3;
+/// The share of triangles whose uncertainty decides how far the tree is searched; the few that are more uncertain find less.
+constexpr double kUncertain = 0.95;
+
+/// A feature with two of its neighbours, by their places among these.
+struct Triangle {
+  std::uint32_t centre = 0;
+  std::array<std::uint8_t, 2> ends{};
+  Point<3> sides;      // from the centre to either end, and between the ends
+  Point<3> variances;  // of the sides
+};
+
+/// All triangles of a map.
+template <int Dim>
+struct Triangles {
+  std::vector<std::vector<std::size_t>> neighbours;  // by feature
+  std::vector<Triangle> all;                         // feature by feature
+  std::vector<std::size_t> begin;                    // of each feature's, and the end
+
+  /// With `both_ways` a triangle stands in it twice, its ends swapped, where nothing else tells them apart.
+  Triangles(const FeatureMap<Dim>& map, bool both_ways) {
+    const PointTree<Dim> tree(map.features);
+    for (std::size_t centre = 0; centre < map.features.size(); ++centre) {
+      auto nearest = tree.nearest(map.features[centre], kNeighbours + 1);
+      std::erase(nearest, centre);
+      nearest.resize(std::min(nearest.size(), kNeighbours));
+      neighbours.push_back(std::move(nearest));
+      begin.push_back(all.size());
+      add_around(map, centre, both_ways);
+    }
+    begin.push_back(all.size());
+  }
+
+ private:
+  void add_around(const FeatureMap<Dim>& map, std::size_t centre, bool both_ways) {
+    const auto& around = neighbours[centre];
+    for (std::uint8_t x = 0; x < around.size(); ++x) {
+      for (std::uint8_t y = 0; y < around.size(); ++y) {
+        if (x == y || !(Dim == 2 ? is_left_turn(map, centre, around[x], around[y]) : both_ways || x < y)) continue;
+        const auto side = [&](std::size_t a, std::size_t b) { return (map.features[a] - map.features[b]).norm(); };
+        all.push_back({static_cast<std::uint32_t>(centre),
+                       {x, y},
+                       {side(centre, around[x]), side(centre, around[y]), side(around[x], around[y])},
+                       {map.variance_of_distance(centre, around[x]), map.variance_of_distance(centre, around[y]),
+                        map.variance_of_distance(around[x], around[y])}});
+      }
+    }
+  }
+  /// In the plane the ends go round the centre counter-clockwise.
+  static bool is_left_turn(const FeatureMap<Dim>& map, std::size_t centre, std::size_t x, std::size_t y) {
+    const Point<Dim> a = map.features[x] - map.features[centre];
+    const Point<Dim> b = map.features[y] - map.features[centre];
+    return a[0] * b[1] > a[1] * b[0];
+  }
+};
+
+/// Two triangles that look alike, around one feature of the first map.
+struct Alike {
+  std::uint32_t centre = 0;                // in the second map
+  std::array<std::uint8_t, 2> neighbours;  // each a neighbour in the first map times kNeighbours, and one in the second
+};
+
+/// The neighbours that most triangles around two features agree on, as `Alike` has them; empty where there are too few.
+std::vector<Vertex> agreed(std::vector<Alike>::const_iterator begin, std::vector<Alike>::const_iterator end) {
+  if (end - begin < static_cast<std::ptrdiff_t>(kFewest)) return {};
+  std::array<std::uint64_t, kNeighbours * kNeighbours> adjacent{};
+  std::vector<Edge> edges;
+  bool has_triangle = false;
+  for (auto alike = begin; alike != end; ++alike) {
+    const auto [a, b] = alike->neighbours;
+    has_triangle = has_triangle || (adjacent[a] & adjacent[b]) != 0;
+    adjacent[a] |= std::uint64_t{1} << b;
+    adjacent[b] |= std::uint64_t{1} << a;
+    edges.emplace_back(a, b);
+  }
+  if (!has_triangle) return {};
+  auto clique = largest_clique(kNeighbours * kNeighbours, edges);
+  if (clique.size() < kFewest) clique.clear();
+  return clique;
+}
+
+/// How uncertain the sides of most triangles are at most.
+double usual_variance(const std::vector<Triangle>& triangles) {
+  if (triangles.empty()) return 0.0;
+  std::vector<double> variances;
+  for (const Triangle& t : triangles) variances.push_back(t.variances.maxCoeff());
+  const auto most = variances.begin() + static_cast<std::ptrdiff_t>(kUncertain * static_cast<double>(variances.size() - 1));
+  std::ranges::nth_element(variances, most);
+  return *most;
+}
+
+}  // namespace
+
+template <int Dim>
+std::vector<Constellation> constellations_alike(const FeatureMap<Dim>& first, const FeatureMap<Dim>& second,
+                                                double confidence) {
+  static_assert(kNeighbours * kNeighbours <= 64);
+  const Triangles<Dim> of_first(first, false);
+  const Triangles<Dim> of_second(second, true);
+  const double gate = chi_squared_quantile(confidence, 3);
+  const double variance = usual_variance(of_second.all);
+  std::vector<Point<3>> sides;
+  for (const Triangle& t : of_second.all) sides.push_back(t.sides);
+  const PointTree<3> tree(sides);
+  std::vector<std::vector<Constellation>> around(first.features.size());
+  parallel_for(around.size(), [&](std::size_t centre) {
+    std::vector<Alike> alike;
+    for (std::size_t k = of_first.begin[centre]; k < of_first.begin[centre + 1]; ++k) {
+      const Triangle& own = of_first.all[k];
+      const double distance = std::sqrt(gate * (own.variances.maxCoeff() + variance));
+      for (const std::size_t place : tree.some_within(own.sides, distance, kMostAlike)) {
+        const Triangle& other = of_second.all[place];
+        const Point<3> difference = own.sides - other.sides;
+        if (difference.cwiseAbs2().cwiseQuotient(own.variances + other.variances).sum() > gate) continue;
+        const auto pair = [&](int end) {
+          return static_cast<std::uint8_t>(own.ends[static_cast<std::size_t>(end)] * kNeighbours +
+                                           other.ends[static_cast<std::size_t>(end)]);
+        };
+        alike.push_back({other.centre, {pair(0), pair(1)}});
+      }
+    }
+    std::ranges::stable_sort(alike, {}, &Alike::centre);
+    for (auto begin = alike.cbegin(); begin != alike.cend();) {
+      const auto end = std::find_if(begin, alike.cend(), [&](const Alike& a) { return a.centre != begin->centre; });
+      if (const auto neighbours = agreed(begin, end); !neighbours.empty()) {
+        Constellation& found = around[centre].emplace_back(Constellation{{centre, begin->centre}});
+        for (const Vertex v : neighbours) {
+          found.push_back({of_first.neighbours[centre][v / kNeighbours], of_second.neighbours[begin->centre][v % kNeighbours]});
+        }
+      }
+      begin = end;
+    }
+  });
+  std::vector<Constellation> all;
+  for (auto& some : around) std::ranges::move(some, std::back_inserter(all));
+  return all;
+}
+
+template std::vector<Constellation> constellations_alike(const FeatureMap<2>&, const FeatureMap<2>&, double);
+template std::vector<Constellation> constellations_alike(const FeatureMap<3>&, const FeatureMap<3>&, double);
+
+}  // namespace mapjoin

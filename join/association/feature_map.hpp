@@ -1,0 +1,36 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+// The features of a joined map in a frame of its own: what is laid on another map whose frame is not known.
+
+#include <Eigen/Core>
+#include <algorithm>
+#include <cmath>
+#include <mapjoin/geometry/pose.hpp>
+#include <vector>
+
+namespace mapjoin {
+
+/// Features, uncertain together, and the poses from which they were seen.
+template <int Dim>
+struct FeatureMap {
+  std::vector<Point<Dim>> features;
+  Eigen::MatrixXd covariance;  ///< Of all features, in their order (m²).
+  std::vector<Point<Dim>> poses;
+
+  /// The covariance between two features.
+  PointMatrix<Dim> covariance_of(std::size_t i, std::size_t k) const {
+    return covariance.template block<Dim, Dim>(static_cast<Eigen::Index>(i) * Dim, static_cast<Eigen::Index>(k) * Dim);
+  }
+  /// The covariance of the vector from one feature to another.
+  PointMatrix<Dim> relative_covariance(std::size_t i, std::size_t k) const {
+    const PointMatrix<Dim> C = covariance_of(i, k);
+    return covariance_of(i, i) + covariance_of(k, k) - C - C.transpose();
+  }
+  /// The variance of the distance of two features.
+  double variance_of_distance(std::size_t i, std::size_t k) const {
+    const Point<Dim> direction = (features[k] - features[i]).stableNormalized();
+    return std::max(0.0, direction.dot(relative_covariance(i, k) * direction));
+  }
+};
+
+}  // namespace mapjoin

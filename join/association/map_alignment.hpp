@@ -1,0 +1,50 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+// Where one map lies in another whose frame is not known, by the constellations of their features; nowhere, where that is not
+// sure.
+
+#include <cstdint>
+#include <mapjoin/join/association/constellation.hpp>
+#include <mapjoin/join/association/feature_map.hpp>
+#include <mapjoin/join/association/neighbour_density.hpp>
+#include <mapjoin/join/association/sighting_chance.hpp>
+#include <vector>
+
+namespace mapjoin {
+
+enum class AlignmentStatus : std::uint8_t {
+  kFound,      ///< There is one place where the maps lie on each other.
+  kNone,       ///< There is none that chance would not find as well.
+  kAmbiguous,  ///< There are several.
+};
+
+/// Which features of two maps are the same.
+struct MapAlignment {
+  AlignmentStatus status = AlignmentStatus::kNone;
+  std::vector<Pairing> pairs;   ///< Features of the first map (known) and of the second (sightings), of the best place.
+  double score = 0.0;           ///< Its logarithm of odds, against maps that do not overlap.
+  std::size_t other_pairs = 0;  ///< Of the best place that contradicts it; 0 where there is none.
+  double other_score = 0.0;
+};
+
+/// What is known of features and sightings whatever the place.
+template <int Dim>
+struct AlignmentModel {
+  const NeighbourDensity<Dim>& density;
+  const SightingChance& sees;
+  double confidence = 0.99;
+  double log_tests = 0.0;  ///< The logarithm of the number of pairs of maps that are tried.
+};
+
+/// Aligns two maps.
+///
+/// From constellations that look alike, the most promising ones first, pairings are extended from neighbour to neighbour by
+/// joint compatibility (Hypothesis), over the covariances of both maps and a relative pose that may be anything. The score is
+/// the logarithm of the odds against maps that do not overlap: each pairing counts by how much nearer it is than chance would
+/// have it, what one map should have seen of the other and did not counts against it, and so do all the relative poses that
+/// there could have been. A place is taken where the odds are those of `confidence`, and no other one that contradicts it has
+/// half its score.
+template <int Dim>
+MapAlignment align_maps(const FeatureMap<Dim>& first, const FeatureMap<Dim>& second, const AlignmentModel<Dim>& model);
+
+}  // namespace mapjoin

@@ -1,0 +1,32 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <algorithm>
+#include <mapjoin/join/association/sighting_chance.hpp>
+
+namespace mapjoin {
+namespace {
+
+/// Rings of distances, with as many trials each.
+constexpr std::size_t kRings = 20;
+
+}  // namespace
+
+SightingChance::SightingChance(std::vector<std::pair<double, bool>> trials) {
+  std::ranges::sort(trials);
+  std::size_t begin = 0;
+  for (std::size_t ring = 0; ring < kRings; ++ring) {
+    const std::size_t end = trials.size() * (ring + 1) / kRings;
+    if (end == begin) continue;
+    const auto seen = std::count_if(trials.begin() + static_cast<std::ptrdiff_t>(begin),
+                                    trials.begin() + static_cast<std::ptrdiff_t>(end), [](const auto& t) { return t.second; });
+    // Laplace's rule of succession: never quite certain.
+    rings_.push_back({trials[end - 1].first, (static_cast<double>(seen) + 1.0) / (static_cast<double>(end - begin) + 2.0)});
+    begin = end;
+  }
+}
+
+double SightingChance::operator()(double distance) const {
+  const auto ring = std::ranges::lower_bound(rings_, distance, {}, &Ring::end);
+  return ring == rings_.end() ? 0.0 : ring->chance;
+}
+
+}  // namespace mapjoin

@@ -1,0 +1,60 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <mapjoin/join/association/constellation.hpp>
+#include <tests/support/dimensions.hpp>
+#include <tests/support/random.hpp>
+
+namespace mapjoin::testing {
+namespace {
+
+template <int Dim>
+FeatureMap<Dim> map_of(const std::vector<Point<Dim>>& features) {
+  const auto rows = static_cast<Eigen::Index>(features.size()) * Dim;
+  return {features, 1e-4 * Eigen::MatrixXd::Identity(rows, rows), {}};
+}
+
+template <int Dim>
+std::vector<Point<Dim>> scattered(std::size_t count, unsigned seed) {
+  Random random(seed);
+  std::vector<Point<Dim>> points;
+  for (std::size_t k = 0; k < count; ++k) points.push_back(random.vector<Dim>(10.0));
+  return points;
+}
+
+template <typename D>
+class ConstellationTest : public ::testing::Test {};
+TYPED_TEST_SUITE(ConstellationTest, Dimensions);
+
+TYPED_TEST(ConstellationTest, LookAlikeInAnyFrame) {
+  constexpr int kDim = TypeParam::value;
+  const auto points = scattered<kDim>(40, 1);
+  const auto frame = Random(2).pose<kDim>(50.0, 3.0);
+  std::vector<Point<kDim>> moved;
+  for (const auto& p : points) moved.push_back(transform(frame, p));
+  std::ranges::reverse(moved);
+  const auto found = constellations_alike(map_of<kDim>(points), map_of<kDim>(moved), 0.99);
+  EXPECT_GE(found.size(), points.size());
+  std::size_t whole = 0;
+  for (const Constellation& constellation : found) {
+    const auto is_true = [&](const Pairing& p) { return p.sighting == points.size() - 1 - p.known; };
+    if (std::ranges::all_of(constellation, is_true)) whole += constellation.size() == 9;
+  }
+  EXPECT_EQ(whole, points.size()) << "each feature with its eight neighbours";
+}
+
+TEST(Constellation, IsNotAlikeInAMirror) {
+  const auto points = scattered<2>(30, 3);
+  std::vector<Point<2>> mirrored;
+  for (const auto& p : points) mirrored.emplace_back(-p[0], p[1]);
+  for (const Constellation& c : constellations_alike(map_of<2>(points), map_of<2>(mirrored), 0.99)) EXPECT_LT(c.size(), 5U);
+}
+
+TEST(Constellation, HasFourFeaturesAtLeast) {
+  const auto three = map_of<2>({{0.0, 0.0}, {3.0, 0.5}, {1.0, 4.0}});
+  EXPECT_TRUE(constellations_alike(three, three, 0.99).empty());
+}
+
+}  // namespace
+}  // namespace mapjoin::testing

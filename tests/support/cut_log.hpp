@@ -1,0 +1,61 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+// A log cut into sessions, as if driven on several days.
+
+#include <mapjoin/model/log_builder.hpp>
+#include <string>
+#include <tests/support/random.hpp>
+#include <tests/support/starts.hpp>
+#include <utility>
+#include <vector>
+
+namespace mapjoin::testing {
+
+/// The poses of session k of so many.
+template <int Dim>
+IndexRange<PoseIndex> session_of(const Log<Dim>& log, std::size_t session, std::size_t sessions) {
+  return {PoseIndex(session * log.poses.size() / sessions), PoseIndex((session + 1) * log.poses.size() / sessions)};
+}
+
+/// Session k of so many as a log of its own: pose ids from 0 on, dead-reckoned in a random frame. The edges that lead out of it
+/// are left out.
+template <int Dim>
+Log<Dim> cut_session(const Log<Dim>& log, std::size_t session, std::size_t sessions) {
+  const auto own = session_of(log, session, sessions);
+  const auto id = [&](PoseIndex pose) { return PoseId{0, static_cast<std::uint64_t>(pose - own.first)}; };
+  const Pose<Dim> frame = Random(static_cast<unsigned>(session) + 1).pose<Dim>(1000.0, 3.0);
+  const Values<Dim> values = odometry_start(log);
+  LogBuilder<Dim> builder("session " + std::to_string(session));
+  for (PoseIndex p = own.first; p < own.last; ++p) builder.add_pose(id(p), compose(frame, values.poses[p]));
+  for (const auto& edge : log.edges()) {
+    if (own.contains(edge.base) && own.contains(edge.target)) {
+      builder.add_pose_edge(id(edge.base), id(edge.target), edge.measured, edge.information);
+    }
+  }
+  for (const auto& seen : log.observations()) {
+    if (!own.contains(seen.base)) continue;
+    builder.add_observation(id(seen.base), log.features[seen.target], seen.measured, seen.information);
+    builder.add_feature(log.features[seen.target]);
+  }
+  return std::move(builder).finish().value();
+}
+
+/// The log without the edges between its sessions.
+template <int Dim>
+Log<Dim> without_cut_edges(const Log<Dim>& log, std::size_t sessions) {
+  LogBuilder<Dim> builder(log.source);
+  for (std::size_t k = 0; k < sessions; ++k) {
+    const auto own = session_of(log, k, sessions);
+    for (const auto& edge : log.edges()) {
+      if (own.contains(edge.base) && own.contains(edge.target)) {
+        builder.add_pose_edge(log.poses[edge.base], log.poses[edge.target], edge.measured, edge.information);
+      }
+    }
+  }
+  for (const auto& seen : log.observations()) {
+    builder.add_observation(log.poses[seen.base], log.features[seen.target], seen.measured, seen.information);
+  }
+  return std::move(builder).finish().value();
+}
+
+}  // namespace mapjoin::testing
