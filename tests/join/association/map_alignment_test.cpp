@@ -57,7 +57,9 @@ TYPED_TEST(MapAlignmentTest, FindsWhichFeaturesOverlappingMapsShare) {
   constexpr int kDim = TypeParam::value;
   const auto options = options_of<kDim>(Layout::kRandom);
   for (std::uint64_t seed = 1; seed <= 10; ++seed) {
-    const auto [a, b] = two_maps<kDim>(12.0, options, seed);
+    const auto maps = two_maps<kDim>(12.0, options, seed);
+    const auto& a = maps.first;
+    const auto& b = maps.second;
     const MapAlignment found = aligned(a, b, options.range);
     EXPECT_EQ(found.status, AlignmentStatus::kFound) << seed;
     EXPECT_GE(found.pairs.size(), shared_count(a, b) / 2) << seed;
