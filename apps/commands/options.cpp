@@ -101,7 +101,7 @@ void add_further(Subcommand& command, Options& options, const std::string& kind)
   command.further("FURTHER", options.further, "Further " + kind + ", each a session in a frame and with pose ids of its own");
   command.group("Reading");
   command.choice("--features", options.merging.own_features, std::to_array<EnumName<bool>>({{false, "shared"}, {true, "own"}}),
-                 "Whether features of the same id in different " + kind + " are the same; unless said, their maps have to fit");
+                 "Whether features of the same id in different " + kind + " are the same");
   command.check([&command, &options]() -> std::vector<std::string> {
     options.asks_features = !options.further.empty() && !command.is_given("--features");
     return {};
