@@ -106,6 +106,7 @@ void declare_build(Subcommand& command) {
                    kLogFormats +
                        ". Or local maps of others, which are stored as they are: a folder or archive of localmap_1, "
                        "localmap_2, ... as .mat or .txt");
+  add_further_logs(command, *options);
   command.path("-o,--output", options->output, "MAPS",
                "Write the store; until it is done it is MAPS.partial, from which the same command goes on", true);
   add_splitting(command, *options);
@@ -117,6 +118,11 @@ void declare_build(Subcommand& command) {
   add_reporting(command, *options);
   command.check([options] { return output_conflicts(inputs_of(*options, "LOG|MAPS"), outputs_of_store(*options)); });
   command.check([options, &command] { return check_uncut(command, *options); });
+  command.check([options]() -> std::vector<std::string> {
+    const bool has_times = !options->stamps.empty() || options->ids_are_nanoseconds;
+    if (!has_times || !may_hold_maps(options->input)) return {};
+    return {"--stamps and --ids-are-nanoseconds are for a log: local maps have no times"};
+  });
   command.act([options](const std::stop_token& stop) { return build_input(*options, stop); });
 }
 

@@ -32,6 +32,7 @@ void declare_solve(Subcommand& command) {
   command.argument("LOG", options->input, kLogFormats);
   add_further_logs(command, *options);
   add_parts(command, *options);
+  add_gps(command, *options);
   command.check([options] { return check_one_part(*options); });
   command.path("-o,--output", options->output, "MAP", kMapFile);
   add_schedule(command, *options);
