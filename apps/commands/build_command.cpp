@@ -106,9 +106,9 @@ void declare_build(Subcommand& command) {
                    kLogFormats +
                        ". Or local maps of others, which are stored as they are: a folder or archive of localmap_1, "
                        "localmap_2, ... as .mat or .txt");
-  add_further_logs(command, *options);
   command.path("-o,--output", options->output, "MAPS",
                "Write the store; until it is done it is MAPS.partial, from which the same command goes on", true);
+  add_further_logs(command, *options);
   add_splitting(command, *options);
   add_share(command, *options);
   add_solver(command, *options);

@@ -212,12 +212,12 @@ void declare_run(Subcommand& command) {
   const auto options = std::make_shared<Options>();
   const auto following = std::make_shared<FollowOptions>();
   command.argument("LOG", options->input, kLogFormats);
-  add_further_logs(command, *options);
-  add_parts(command, *options);
-  add_gps(command, *options);
   command.path("-o,--output", options->output, "DIR|MAP",
                "Write map.g2o, trajectory.tum, poses.csv, features.csv, map.svg and report.json into this folder; or the map "
                "alone: .g2o, .tum (poses only), .csv (features beside it), .mat");
+  add_further_logs(command, *options);
+  add_parts(command, *options);
+  add_gps(command, *options);
   add_splitting(command, *options);
   add_schedule(command, *options);
   add_solver(command, *options);
