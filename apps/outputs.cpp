@@ -8,6 +8,7 @@
 #include <cerrno>
 #include <mapjoin/io/files/output_file.hpp>
 #include <mapjoin/io/files/system_call.hpp>
+#include <mapjoin/io/formats/map_mat.hpp>
 #include <mapjoin/io/formats/map_text.hpp>
 #include <mapjoin/io/g2o/g2o.hpp>
 #include <system_error>
@@ -34,7 +35,8 @@ bool is_special(const fs::path& path) {
 }  // namespace
 
 NamedFiles inputs_of(const Options& options, const std::string& argument) {
-  NamedFiles files = {{argument, options.input}, {"--truth", options.truth}, {"--stamps", options.stamps}};
+  NamedFiles files = {
+      {argument, options.input}, {"--truth", options.truth}, {"--stamps", options.stamps}, {"--gps", options.gps}};
   for (const fs::path& further : options.further) files.emplace_back("FURTHER", further);
   return files;
 }
@@ -62,6 +64,8 @@ NamedFiles outputs_of_map(const Options& options) {
   if (options.relations) files.emplace_back("--relations", relation_file(options.output));
   if (options.robust) files.emplace_back("--robust", rejected_file(options.output));
   if (options.association) files.emplace_back("--associate", association_file(options.output));
+  if (!options.gps.empty()) files.emplace_back("--gps", geographic_file(options.output));
+  if (!options.gps.empty()) files.emplace_back("--gps", geojson_file(options.output));
   return files;
 }
 
@@ -102,15 +106,22 @@ std::string extension_of(const fs::path& path) {
 bool names_map_file(const fs::path& path) {
   const std::string extension = extension_of(path);
   std::error_code ignored;
-  return (extension == ".g2o" || extension == ".tum" || extension == ".csv") && !fs::is_directory(path, ignored);
+  const bool is_map = extension == ".g2o" || extension == ".tum" || extension == ".csv" || extension == ".mat";
+  return is_map && !fs::is_directory(path, ignored);
 }
 
 std::vector<std::string> check_extension(const fs::path& path) {
   std::error_code ignored;
   if (is_special(path) || fs::is_directory(path, ignored) || !path.has_extension() || names_map_file(path)) return {};
-  return {
-      fmt::format("--output: {} has none of the extensions of a map, .g2o, .tum and .csv (a new folder has none, or ends in /)",
-                  path.string())};
+  return {fmt::format(
+      "--output: {} has none of the extensions of a map, .g2o, .tum, .csv and .mat (a new folder has none, or ends in /)",
+      path.string())};
+}
+
+fs::path map_of_run(const fs::path& path) {
+  std::error_code ignored;
+  const fs::path map = path / kMapOfRun;
+  return fs::is_regular_file(map, ignored) ? map : path;
 }
 
 fs::path covariance_file(const fs::path& map) {
@@ -125,6 +136,12 @@ fs::path rejected_file(const fs::path& map) {
 fs::path association_file(const fs::path& map) {
   return fs::path(map).replace_extension(".associations.csv");
 }
+fs::path geographic_file(const fs::path& map) {
+  return fs::path(map).replace_extension(".geographic.csv");
+}
+fs::path geojson_file(const fs::path& map) {
+  return fs::path(map).replace_extension(".geojson");
+}
 
 std::vector<fs::path> map_files(const fs::path& path) {
   if (extension_of(path) != ".csv") return {path};
@@ -135,6 +152,7 @@ template <int Dim>
 Expected<void> write_map_file(const GlobalMap<Dim>& map, const Log<Dim>* log, const fs::path& path) {
   const std::vector<fs::path> files = map_files(path);
   if (files.size() > 1) return write_csv(map, files[0], files[1]);
+  if (extension_of(path) == ".mat") return write_mat_map(map, path);
   return extension_of(path) == ".tum" ? write_tum(map, path) : write_g2o(map, log, path);
 }
 

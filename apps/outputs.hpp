@@ -41,12 +41,17 @@ void check_writable(const NamedFiles& files);
 /// The extension of a path in lower case: .G2O is .g2o.
 std::string extension_of(const std::filesystem::path& path);
 
-/// Whether a path names the file of a map, by its extension: .g2o, .tum or .csv, and there is no folder of that name.
+/// Whether a path names the file of a map, by its extension: .g2o, .tum, .csv or .mat, and there is no folder of that name.
 bool names_map_file(const std::filesystem::path& path);
 
-/// In words, an extension that is none of these three, and no folder's: a folder has none, ends in / or is there already. Paths
+/// In words, an extension that is none of these, and no folder's: a folder has none, ends in / or is there already. Paths
 /// that are there and neither file nor folder, such as /dev/stdout, are left alone.
 std::vector<std::string> check_extension(const std::filesystem::path& path);
+
+/// The name of the map in the folder of a run.
+inline constexpr const char* kMapOfRun = "map.g2o";
+/// The map in the folder of a run, else the path as it is.
+std::filesystem::path map_of_run(const std::filesystem::path& path);
 
 /// Where the covariances and the relations of a map go that is one file, what was rejected for it, and its associations:
 /// `map.covariances.json`, `map.relations.csv`, `map.rejected.csv` and `map.associations.csv` beside `map.g2o`.
@@ -54,12 +59,15 @@ std::filesystem::path covariance_file(const std::filesystem::path& map);
 std::filesystem::path relation_file(const std::filesystem::path& map);
 std::filesystem::path rejected_file(const std::filesystem::path& map);
 std::filesystem::path association_file(const std::filesystem::path& map);
+/// Likewise, where it stands on the earth: `map.geographic.csv`, `map.geojson`.
+std::filesystem::path geographic_file(const std::filesystem::path& map);
+std::filesystem::path geojson_file(const std::filesystem::path& map);
 
 /// The files of a map: of a `.csv` its features beside it, in `.features.csv`.
 std::vector<std::filesystem::path> map_files(const std::filesystem::path& path);
 
-/// `.tum`: the trajectory, without features. `.csv`: the poses, and the features beside them. Else g2o, with the edges of `log`
-/// where it is given. kCannotWrite.
+/// `.tum`: the trajectory, without features. `.csv`: the poses, and the features beside them. `.mat`: matrices. Else g2o, with
+/// the edges of `log` where it is given. kCannotWrite; kUsage of what MAT cannot say.
 template <int Dim>
 Expected<void> write_map_file(const GlobalMap<Dim>& map, const Log<Dim>* log, const std::filesystem::path& path);
 

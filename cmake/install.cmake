@@ -32,7 +32,7 @@ install(
 file(RELATIVE_PATH prefix_of_pc /${CMAKE_INSTALL_LIBDIR}/pkgconfig /)
 if(NOT BUILD_SHARED_LIBS)
   set(pc_requires fmt tbb sqlite3 zlib lapack blas)
-  set(pc_libs -lmetis -lcholmod -lcamd -lamd)
+  set(pc_libs -lGeographicLib -lmetis -lcholmod -lcamd -lamd)
 endif()
 list(JOIN pc_requires " " pc_requires)
 list(JOIN pc_libs " " pc_libs)

@@ -32,6 +32,11 @@
 // Which features are the same, where they have no names, or none that are trusted.
 #include <mapjoin/join/association/associate.hpp>
 
+// Fixes of a satellite receiver that hold the map, and which of them are wrong.
+#include <mapjoin/gps/fixes.hpp>
+#include <mapjoin/io/formats/gps_csv.hpp>
+#include <mapjoin/join/robust/fix_inliers.hpp>
+
 // What could be wrong with a log, and how far a map is from the truth.
 #include <mapjoin/check/checks.hpp>
 #include <mapjoin/measure/trajectory_error.hpp>

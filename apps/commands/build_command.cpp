@@ -108,6 +108,7 @@ void declare_build(Subcommand& command) {
                        "localmap_2, ... as .mat or .txt");
   command.path("-o,--output", options->output, "MAPS",
                "Write the store; until it is done it is MAPS.partial, from which the same command goes on", true);
+  add_further_logs(command, *options);
   add_splitting(command, *options);
   add_share(command, *options);
   add_solver(command, *options);
@@ -117,6 +118,11 @@ void declare_build(Subcommand& command) {
   add_reporting(command, *options);
   command.check([options] { return output_conflicts(inputs_of(*options, "LOG|MAPS"), outputs_of_store(*options)); });
   command.check([options, &command] { return check_uncut(command, *options); });
+  command.check([options]() -> std::vector<std::string> {
+    const bool has_times = !options->stamps.empty() || options->ids_are_nanoseconds;
+    if (!has_times || !may_hold_maps(options->input)) return {};
+    return {"--stamps and --ids-are-nanoseconds are for a log: local maps have no times"};
+  });
   command.act([options](const std::stop_token& stop) { return build_input(*options, stop); });
 }
 

@@ -70,6 +70,7 @@ constexpr Command kCommands[] = {
     {"info", "What is in a file", declare_info},
     {"check", "What could be wrong with a log, before it is joined", declare_check},
     {"error", "How far a map or a trajectory is from the truth", declare_error},
+    {"covariance", "How certain named poses and features are, together and relative to each other", declare_covariance},
     {"convert", "A log or local maps in another format", declare_convert},
 };
 

@@ -10,9 +10,12 @@
 #include <apps/report/verdict.hpp>
 #include <mapjoin/check/connectivity.hpp>
 #include <mapjoin/io/files/output_file.hpp>
+#include <mapjoin/io/formats/geographic_text.hpp>
+#include <mapjoin/io/formats/gps_csv.hpp>
 #include <mapjoin/io/formats/stamps.hpp>
 #include <mapjoin/io/merged_maps.hpp>
 #include <mapjoin/join/association/name_fit.hpp>
+#include <mapjoin/join/robust/fix_inliers.hpp>
 #include <utility>
 
 namespace mapjoin::apps {
@@ -81,7 +84,9 @@ void CommandRun::prepare(const NamedFiles& outputs) {
 }
 
 AnyLog CommandRun::read_log() {
-  return take_input(open_input());
+  AnyLog log = take_input(open_input());
+  if (!options_.gps.empty()) std::visit([&](auto& any) { attach_gps(any); }, log);
+  return log;
 }
 
 AnyLog CommandRun::open_input() {
@@ -177,6 +182,19 @@ void CommandRun::associate_features(StoredMaps<Dim>&) {
                               "`mapjoin build`");
 }
 
+template <int Dim>
+void CommandRun::attach_gps(Log<Dim>& log) {
+  const GpsFixes fixes = timed(run_report.read_seconds, [&] { return read_gps_csv(options_.gps).value(); });
+  const AttachedFixes attached = attach_fixes(fixes, options_.of_gps, log).value();
+  std::vector<RejectedFix> rejected;
+  if (options_.robust) {
+    const Stopwatch watch(run_report.robust_seconds);
+    rejected = find_wrong_fixes(log, *options_.robust, stop_).value();
+  }
+  run_report.describe(log, attached, rejected);
+  log = without_fixes(log, rejected);
+}
+
 template <typename Input>
 void CommandRun::reject_outliers(Input& input) {
   const Stopwatch watch(run_report.robust_seconds);
@@ -240,6 +258,12 @@ void CommandRun::write_map(RunResult<Dim>& result, const Log<Dim>* log) {
   if (result.marginals && options_.relations) {
     run_report.files.push_back(relation_file(options_.output).string());
     demand(write_relations(result.map, *result.marginals, run_report.files.back()));
+  }
+  if (run_report.gps) {
+    run_report.files.push_back(geographic_file(options_.output).string());
+    demand(write_geographic_csv(result.map, run_report.gps->frame, run_report.files.back()));
+    run_report.files.push_back(geojson_file(options_.output).string());
+    demand(write_geojson(result.map, run_report.gps->frame, run_report.files.back()));
   }
   if (options_.robust) {
     run_report.files.push_back(rejected_file(options_.output).string());

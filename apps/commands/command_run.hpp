@@ -100,6 +100,9 @@ class CommandRun {
   static AnyLog largest(const AnyLog& any);
   /// With the times that the options give its poses.
   Expected<AnyLog> stamped(AnyLog any) const;
+  /// Makes the fixes of --gps priors of a log, but for those that --robust finds wrong.
+  template <int Dim>
+  void attach_gps(Log<Dim>& log);
   /// Leaves out what --robust finds wrong in a log or a set of local maps; kUsage of a store, whose maps are built.
   template <typename Input>
   void reject_outliers(Input& input);

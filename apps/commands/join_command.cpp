@@ -51,8 +51,8 @@ void declare_join(Subcommand& command) {
   command.examples(kExamples);
   const auto options = std::make_shared<Options>();
   command.argument("MAPS", options->input, "A store, or a folder or archive of localmap_1, localmap_2, ... as .mat or .txt");
-  add_further(command, *options, "stores or sets of maps");
   command.path("-o,--output", options->output, "MAP", kMapFile);
+  add_further(command, *options, "stores or sets of maps");
   add_schedule(command, *options);
   add_solver(command, *options);
   add_engine(command, *options);

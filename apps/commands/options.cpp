@@ -119,6 +119,33 @@ void add_further_logs(Subcommand& command, Options& options) {
   });
 }
 
+void add_gps(Subcommand& command, Options& options) {
+  command.group("Georeferencing");
+  command.path("--gps", options.gps, "FILE",
+               "Fixes of a satellite receiver hold the map, which is then east, north and up: CSV with columns time or pose, "
+               "latitude, longitude, sd_east, sd_north and, in space, height, sd_up; with --robust wrong ones are left out");
+  command.option("--gps-lever", "X,Y[,Z]", "Where the antenna is in the frame of a pose (m) [0,0,0]",
+                 [&options](const std::string& words) -> std::optional<std::string> {
+                   std::istringstream list(words + ",");
+                   int count = 0;
+                   for (std::string word; std::getline(list, word, ','); ++count) {
+                     const auto number = number_in<double>(word);
+                     if (!number || count == 3) return "not two or three numbers with commas between them";
+                     options.of_gps.lever[count] = *number;
+                   }
+                   return count < 2 ? std::optional("not two or three numbers with commas between them") : std::nullopt;
+                 });
+  command.number<double>("--gps-apart", options.of_gps.most_apart, 0.0, "S",
+                         "Between a fix and the pose nearest in time; a fix that is farther from one is left out");
+  command.check([&command, &options]() -> std::vector<std::string> {
+    if (!options.gps.empty()) return {};
+    for (const char* of_gps : {"--gps-lever", "--gps-apart"}) {
+      if (command.is_given(of_gps)) return {std::string(of_gps) + " is of --gps"};
+    }
+    return {};
+  });
+}
+
 void add_parts(Subcommand& command, Options& options) {
   command.group("Reading");
   command.choice(

@@ -4,6 +4,7 @@
 
 #include <apps/commands/subcommand.hpp>
 #include <filesystem>
+#include <mapjoin/gps/fixes.hpp>
 #include <mapjoin/io/read_options.hpp>
 #include <mapjoin/join/association/associate.hpp>
 #include <mapjoin/join/robust/inliers.hpp>
@@ -32,6 +33,8 @@ struct Options {
   bool asks_features = false;    ///< Nobody said whether these share features: their maps have to fit.
   std::filesystem::path stamps;  ///< A file of times; empty: none.
   bool ids_are_nanoseconds = false;
+  std::filesystem::path gps;  ///< A table of fixes; empty: none.
+  GpsOptions of_gps;
   Parts parts = Parts::kRefuse;
   Covariance covariance = Covariance::kOriginal;
   Share share;  ///< Of the local maps, to be built.
@@ -57,7 +60,7 @@ inline const std::string kLogFormats =
     "The log, known by its content: g2o, TORO, iSAM, GTSAM, MAT or text, also as gzip; or a folder of UTIAS MRCLAM data";
 
 /// What a command that writes one MAP says of it (see write_map_file()).
-inline const std::string kMapFile = "Write the map: .g2o, .tum (poses only), .csv (features beside it)";
+inline const std::string kMapFile = "Write the map: .g2o, .tum (poses only), .csv (features beside it), .mat";
 
 /// Local maps of so many poses, or "auto"; nothing of another word.
 std::optional<SplitOptions> split_by_poses(const std::string& word);
@@ -82,6 +85,8 @@ void add_parts(Subcommand& command, Options& options);
 std::vector<std::string> check_one_part(const Options& options);
 /// add_further() of logs, and --keep-copies, --stamps, --ids-are-nanoseconds.
 void add_further_logs(Subcommand& command, Options& options);
+/// --gps, --gps-lever, --gps-apart: fixes of a satellite receiver hold the map.
+void add_gps(Subcommand& command, Options& options);
 /// As add_reading() where there is no g2o file: --repair-information, --covariance.
 void add_weights(Subcommand& command, Options& options);
 /// Where a log is cut: --poses-per-map, --metres-per-map, --features-per-map.

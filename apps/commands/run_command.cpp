@@ -16,6 +16,7 @@
 #include <functional>
 #include <mapjoin/check/connectivity.hpp>
 #include <mapjoin/io/files/output_file.hpp>
+#include <mapjoin/io/formats/geographic_text.hpp>
 #include <mapjoin/io/formats/map_text.hpp>
 #include <mapjoin/io/g2o/g2o.hpp>
 #include <mapjoin/parallel/parallel_try.hpp>
@@ -34,6 +35,9 @@ constexpr const char* kExamples =
     "  mapjoin run data/manhattan2d.g2o -o certain --covariances --truth data/manhattan2d.truth.tum\n"
     "  mapjoin run data/manhattan3d.g2o --poses-per-map 20 --report -\n"
     "  mapjoin run data/manhattan2d.g2o --follow --idle 0.5 --steps steps.jsonl";
+
+constexpr const char* kGeographicPoses = "poses.geographic.csv";
+constexpr const char* kGeoJson = "map.geojson";
 
 /// The trajectory of one session.
 std::string trajectory_of(std::uint32_t session) {
@@ -64,12 +68,13 @@ GlobalMap<Dim> session_of(const GlobalMap<Dim>& map, std::uint32_t session) {
 /// The files of the folder; a map may have no covariances though they are asked for.
 std::vector<std::string> names_of(const Options& options, bool has_covariances,
                                   const std::vector<std::uint32_t>& sessions = {}) {
-  std::vector<std::string> names = {"map.g2o", "trajectory.tum", "poses.csv", "features.csv", "map.svg"};
+  std::vector<std::string> names = {kMapOfRun, "trajectory.tum", "poses.csv", "features.csv", "map.svg"};
   for (const std::uint32_t session : sessions) names.push_back(trajectory_of(session));
   if (options.covariances && has_covariances) names.emplace_back("covariances.json");
   if (options.relations && has_covariances) names.emplace_back("relations.csv");
   if (options.association) names.emplace_back("associations.csv");
   if (options.robust) names.insert(names.end(), {"rejected.csv", "inliers.g2o"});
+  if (!options.gps.empty()) names.insert(names.end(), {kGeographicPoses, kGeoJson});
   names.emplace_back("report.json");
   return names;
 }
@@ -82,13 +87,20 @@ std::string picture_of(const RunResult<Dim>& result, const Log<Dim>& log, const 
   return picture(map_layers<Dim>({std::move(map)}, nullptr));
 }
 
+/// The log that was joined; where fixes with levers hold it, with the values of the map, for levers are taken off at them.
+template <int Dim>
+Log<Dim> inliers_of(Log<Dim> log, const GlobalMap<Dim>& map) {
+  if (has_levers(log.graph)) log.initial = {map.poses, map.features};
+  return log;
+}
+
 template <int Dim>
 Expected<void> write_map_files(const CommandRun& command_run, const RunResult<Dim>& result, const Log<Dim>& log,
                                const OutputFolder& folder) {
   const GlobalMap<Dim>& map = result.map;
   const Options& options = command_run.options();
   std::vector<std::function<Expected<void>()>> files = {
-      [&] { return write_g2o(map, &log, folder.aside("map.g2o")); },
+      [&] { return write_g2o(map, &log, folder.aside(kMapOfRun)); },
       [&] { return write_tum(map, folder.aside("trajectory.tum")); },
       [&] { return write_csv(map, folder.aside("poses.csv"), folder.aside("features.csv")); },
       [&] { return write_file(folder.aside("map.svg"), picture_of(result, log, command_run.run_report)); },
@@ -109,7 +121,12 @@ Expected<void> write_map_files(const CommandRun& command_run, const RunResult<Di
   }
   if (options.robust) {
     files.emplace_back([&] { return write_file(folder.aside("rejected.csv"), rejected_as_csv(command_run.run_report)); });
-    files.emplace_back([&] { return write_g2o(log, folder.aside("inliers.g2o")); });
+    files.emplace_back([&] { return write_g2o(inliers_of(log, map), folder.aside("inliers.g2o")); });
+  }
+  if (command_run.run_report.gps) {
+    const GeographicFrame& frame = command_run.run_report.gps->frame;
+    files.emplace_back([&] { return write_geographic_csv(map, frame, folder.aside(kGeographicPoses)); });
+    files.emplace_back([&] { return write_geojson(map, frame, folder.aside(kGeoJson)); });
   }
   return parallel_try(files.size(), [&](std::size_t k) { return files[k](); });
 }
@@ -184,6 +201,7 @@ std::vector<std::string> check_parts(const Options& options) {
   if (options.parts != Parts::kAll) return {};
   if (options.output.empty() || names_map_file(options.output))
     return {"--parts all writes a folder for each part: it goes with -o DIR"};
+  if (!options.gps.empty()) return {"--parts all makes maps that nothing ties, and --gps would: it goes with one map"};
   if (!options.report.empty()) return {"--parts all has a report in the folder of each part, not --report"};
   if (options.association) return {"--parts all goes by the ids of features, which --associate ignores: take --parts largest"};
   return {};
@@ -196,11 +214,12 @@ void declare_run(Subcommand& command) {
   const auto options = std::make_shared<Options>();
   const auto following = std::make_shared<FollowOptions>();
   command.argument("LOG", options->input, kLogFormats);
-  add_further_logs(command, *options);
-  add_parts(command, *options);
   command.path("-o,--output", options->output, "DIR|MAP",
                "Write map.g2o, trajectory.tum, poses.csv, features.csv, map.svg and report.json into this folder; or the map "
-               "alone: .g2o, .tum (poses only), .csv (features beside it)");
+               "alone: .g2o, .tum (poses only), .csv (features beside it), .mat");
+  add_further_logs(command, *options);
+  add_parts(command, *options);
+  add_gps(command, *options);
   add_splitting(command, *options);
   add_schedule(command, *options);
   add_solver(command, *options);
@@ -222,9 +241,10 @@ void declare_run(Subcommand& command) {
     return output_conflicts(inputs_of(*options, "LOG"), files);
   });
   command.check([options, following]() -> std::vector<std::string> {
-    const bool is_plain = options->further.empty() && options->stamps.empty() && options->parts == Parts::kRefuse;
+    const bool is_plain =
+        options->further.empty() && options->stamps.empty() && options->gps.empty() && options->parts == Parts::kRefuse;
     if (!following->wanted || is_plain) return {};
-    return {"--follow is for one log, without --stamps and --parts"};
+    return {"--follow is for one log, without --stamps, --gps and --parts"};
   });
   command.check([options] { return check_parts(*options); });
   command.check([&command, options, following] { return check_following(command, *options, *following); });

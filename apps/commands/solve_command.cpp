@@ -31,10 +31,11 @@ void declare_solve(Subcommand& command) {
   command.examples(kExamples);
   const auto options = std::make_shared<Options>();
   command.argument("LOG", options->input, kLogFormats);
+  command.path("-o,--output", options->output, "MAP", kMapFile);
   add_further_logs(command, *options);
   add_parts(command, *options);
+  add_gps(command, *options);
   command.check([options] { return check_one_part(*options); });
-  command.path("-o,--output", options->output, "MAP", kMapFile);
   add_schedule(command, *options);
   add_solver(command, *options);
   add_engine(command, *options);

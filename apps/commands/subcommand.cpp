@@ -41,6 +41,10 @@ void Subcommand::arguments(const std::string& name, std::vector<std::filesystem:
   app_->add_option(name, values, help)->required()->check(kPath)->type_name("");
 }
 
+void Subcommand::words(const std::string& name, std::vector<std::string>& values, const std::string& help) {
+  app_->add_option(name, values, help)->required()->type_name("");
+}
+
 void Subcommand::further(const std::string& name, std::vector<std::filesystem::path>& values, const std::string& help) {
   app_->add_option(name, values, help)->check(kPath)->type_name("");
 }

@@ -64,6 +64,8 @@ class Subcommand {
   void argument(const std::string& name, std::filesystem::path& value, const std::string& help);
   /// One or several.
   void arguments(const std::string& name, std::vector<std::filesystem::path>& values, const std::string& help);
+  /// One or several words, behind the others.
+  void words(const std::string& name, std::vector<std::string>& values, const std::string& help);
   /// None or several, behind the others.
   void further(const std::string& name, std::vector<std::filesystem::path>& values, const std::string& help);
   void flag(const std::string& name, bool& value, const std::string& help);
@@ -170,6 +172,7 @@ void declare_info(Subcommand& command);
 void declare_check(Subcommand& command);
 void declare_convert(Subcommand& command);
 void declare_error(Subcommand& command);
+void declare_covariance(Subcommand& command);
 
 struct CommandLine {
   std::shared_ptr<CLI::App> app;

@@ -29,9 +29,6 @@ std::size_t between_stops(const SubmapGraph<Dim>& graph) {
   return (graph.segments.size() + stops - 1) / stops;
 }
 
-/// The name of the map in the folder of a run.
-constexpr const char* kMapOfRun = "map.g2o";
-
 [[noreturn]] void fail_not_of_map(const fs::path& file) {
   fail(ErrorKind::kBadInput, file.string() + ": is not of the map beside it");
 }
@@ -123,12 +120,6 @@ std::vector<MapFit> read_fits_beside(const fs::path& path, const PoseIds& poses)
   });
 }
 
-/// The map in the folder of a run, else the path as it is.
-fs::path file_of(const fs::path& path) {
-  const fs::path map = path / kMapOfRun;
-  return is_there(map) ? map : path;
-}
-
 template <int Dim>
 LoadedMap loaded(const Log<Dim>& log, const fs::path& path) {
   PlottedMap<Dim> out = plotted(log);
@@ -191,7 +182,7 @@ std::vector<JoinStop<Dim>> join_stops(const SubmapGraph<Dim>& graph, const Globa
 }
 
 LoadedMap load(const fs::path& path, const LoadOptions& options, const std::stop_token& stop) {
-  const fs::path file = file_of(path);
+  const fs::path file = map_of_run(path);
   if (may_hold_maps(file)) {
     const AnyMaps maps = open_maps(file, options.read).value();
     return std::visit([&](const auto& of_dim) { return loaded(of_dim, options, stop); }, maps);

@@ -34,6 +34,10 @@ std::string rejected_in_words(const RunReport& run_report) {
   add(PartKind::kClosure, counts.closures, "closure");
   add(PartKind::kObservation, counts.observations, "observation");
   add(PartKind::kMapFeature, counts.map_features, "feature of a map", "features of maps");
+  if (run_report.gps) {
+    text += fmt::format("{}{} of {}", text.empty() ? "" : ", ", run_report.gps->rejected.size(),
+                        plural(run_report.gps->fixes, "fix", "fixes"));
+  }
   if (text.empty()) return "nothing: there are no closures or observations";
   return fmt::format("{}, with a confidence of {}", text, run_report.robust->confidence);
 }
@@ -41,11 +45,12 @@ std::string rejected_in_words(const RunReport& run_report) {
 Json robust_of(const RunReport& run_report) {
   if (!run_report.robust) return nullptr;
   return {{"confidence", run_report.robust->confidence},
-          {"rejected", run_report.rejected.size()},
+          {"rejected", run_report.rejected.size() + (run_report.gps ? run_report.gps->rejected.size() : 0)},
           {"odometry", count_of(run_report, PartKind::kOdometry)},
           {"closures", count_of(run_report, PartKind::kClosure)},
           {"observations", count_of(run_report, PartKind::kObservation)},
-          {"map_features", count_of(run_report, PartKind::kMapFeature)}};
+          {"map_features", count_of(run_report, PartKind::kMapFeature)},
+          {"fixes", run_report.gps ? run_report.gps->rejected.size() : 0}};
 }
 
 std::string rejected_as_csv(const RunReport& run_report) {
@@ -57,6 +62,12 @@ std::string rejected_as_csv(const RunReport& run_report) {
     line.add(rejected.misfit.chi2).add(rejected.misfit.probability).add(to_string(rejected.why));
     line.add(session_of(*rejected.from));
     line.add(std::visit([](const auto& to) { return session_of(to); }, rejected.to)).append_to(text);
+  }
+  if (!run_report.gps) return text;
+  for (const auto& [number, pose, fix] : run_report.gps->rejected) {
+    TextLine line(',');
+    line.add("fix").add(number).add(key_text(pose.key)).add(fix.chi2).add(fix.probability);
+    line.add(to_string(WhyRejected::kContradicted)).add("").add(session_of(pose)).append_to(text);
   }
   return text;
 }

@@ -127,6 +127,18 @@ Json certainty_of(const RunReport& run_report) {
             {"joint", json_of(consistency.joint)}}}};
 }
 
+/// Null without fixes.
+Json gps_of(const std::optional<GpsReport>& gps) {
+  if (!gps) return nullptr;
+  const GeographicPoint& origin = gps->frame.origin();
+  return {{"file", gps->file},
+          {"lever", std::vector<double>(gps->lever.begin(), gps->lever.end())},
+          {"origin", {{"latitude", origin.latitude}, {"longitude", origin.longitude}, {"height", origin.height}}},
+          {"fixes", gps->fixes},
+          {"left_out", gps->left_out},
+          {"rejected", gps->rejected.size()}};
+}
+
 Json seconds_of(const RunReport& run_report) {
   Json json;
   for (const auto& [stage, seconds] : run_report.stages()) json[stage] = seconds;
@@ -142,6 +154,7 @@ Json report_head(const RunReport& run_report) {
                {"command", run_report.command},
                {"input", run_report.input}};
   json.update(input_of(run_report));
+  json["gps"] = gps_of(run_report.gps);
   json["robust"] = robust_of(run_report);
   return json;
 }

@@ -27,6 +27,8 @@ std::string summary(const RunReport& run_report);
 
 /// "2D, 6899 poses, 299 features, …"
 std::string counts_in_words(const RunReport& run_report);
+/// What holds the map.
+std::string gauge_in_words(const RunReport& run_report);
 /// In what sense chi2 is meant.
 std::string conventions_in_words(const Conventions& conventions, int dimension);
 

@@ -35,6 +35,7 @@ std::size_t shared_features(const Log<Dim>& log) {
 RunReport::RunReport(std::string command_name, const Options& given)
     : command(std::move(command_name)), input(given.input.string()), options(given.run) {
   has_several_inputs = !given.further.empty();
+  if (!given.gps.empty()) gps = GpsReport{given.gps.string(), given.of_gps.lever, {}, 0, 0, {}};
   for (const auto& further : given.further) input += " + " + further.string();
 }
 
@@ -86,6 +87,19 @@ void RunReport::describe(const Input& input, const std::vector<Rejected>& left_o
 }
 
 template <int Dim>
+void RunReport::describe(const Log<Dim>& log, const AttachedFixes& attached, const std::vector<RejectedFix>& left_out) {
+  counts.priors = attached.lines.size() - left_out.size();
+  counts.fixed_poses = log.graph.fixed.size();
+  counts.skipped = log.skipped;
+  gps->frame = attached.frame;
+  gps->fixes = attached.lines.size();
+  gps->left_out = attached.left_out;
+  for (const RejectedFix& fix : left_out) {
+    gps->rejected.push_back({attached.lines[fix.prior], log.poses[log.pose_priors()[fix.prior].target], fix});
+  }
+}
+
+template <int Dim>
 void RunReport::describe(const RunResult<Dim>& result) {
   figures = static_cast<const RunFigures&>(result);
   options.schedule = result.schedule;
@@ -101,16 +115,11 @@ void RunReport::describe(const RunResult<Dim>& result) {
 
 std::vector<std::pair<std::string, double>> RunReport::stages() const {
   const RunSeconds& seconds = figures.seconds;
-  return {{"read", read_seconds},
-          {"associate", association_seconds},
-          {"reject", robust_seconds},
-          {"build", seconds.build},
-          {"join", seconds.join},
-          {"recover", seconds.recover},
-          {"polish", seconds.polish},
-          {"covariances", seconds.covariances},
-          {"verdict", seconds.verdict},
-          {"write", write_seconds}};
+  return {{"read", read_seconds},       {"associate", association_seconds},
+          {"reject", robust_seconds},   {"build", seconds.build},
+          {"join", seconds.join},       {"recover", seconds.recover},
+          {"polish", seconds.polish},   {"covariances", seconds.covariances},
+          {"verdict", seconds.verdict}, {"write", write_seconds}};
 }
 
 double peak_memory_mb() {
@@ -121,12 +130,13 @@ double peak_memory_mb() {
   return static_cast<double>(usage.ru_maxrss) * 1024e-6;
 }
 
-#define MAPJOIN_INSTANTIATE(Dim)                                                          \
-  template void RunReport::describe(const Log<Dim>&);                                     \
-  template void RunReport::describe(const SubmapSet<Dim>&);                               \
-  template void RunReport::describe(const StoredMaps<Dim>&);                              \
-  template void RunReport::describe(const Log<Dim>&, const std::vector<Rejected>&);       \
-  template void RunReport::describe(const SubmapSet<Dim>&, const std::vector<Rejected>&); \
+#define MAPJOIN_INSTANTIATE(Dim)                                                                             \
+  template void RunReport::describe(const Log<Dim>&);                                                        \
+  template void RunReport::describe(const SubmapSet<Dim>&);                                                  \
+  template void RunReport::describe(const StoredMaps<Dim>&);                                                 \
+  template void RunReport::describe(const Log<Dim>&, const std::vector<Rejected>&);                          \
+  template void RunReport::describe(const SubmapSet<Dim>&, const std::vector<Rejected>&);                    \
+  template void RunReport::describe(const Log<Dim>&, const AttachedFixes&, const std::vector<RejectedFix>&); \
   template void RunReport::describe(const RunResult<Dim>&);
 MAPJOIN_INSTANTIATE(2)
 MAPJOIN_INSTANTIATE(3)

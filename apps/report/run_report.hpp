@@ -7,8 +7,10 @@
 #include <apps/report/errors.hpp>
 #include <chrono>
 #include <cstdint>
+#include <mapjoin/gps/fixes.hpp>
 #include <mapjoin/io/store/store.hpp>
 #include <mapjoin/join/covariances/consistency.hpp>
+#include <mapjoin/join/robust/fix_inliers.hpp>
 #include <mapjoin/join/run.hpp>
 #include <mapjoin/measure/effort.hpp>
 #include <mapjoin/model/conventions.hpp>
@@ -51,6 +53,21 @@ struct NamedRejected : NamedMisfit {
   WhyRejected why = WhyRejected::kContradicted;
 };
 
+/// Where the map stands on the earth, and by what.
+struct GpsReport {
+  struct Rejected {
+    std::size_t line = 0;  ///< Of the file.
+    PoseId pose;
+    RejectedFix fix;
+  };
+  std::string file;
+  Point<3> lever;
+  GeographicFrame frame;      ///< Of the map.
+  std::size_t fixes = 0;      ///< At or near a pose,
+  std::int64_t left_out = 0;  ///< and not.
+  std::vector<Rejected> rejected;
+};
+
 struct RunReport {
   using Clock = std::chrono::steady_clock;
 
@@ -66,6 +83,9 @@ struct RunReport {
   /// What of the input, a log or a set of local maps, was left out.
   template <typename Input>
   void describe(const Input& input, const std::vector<Rejected>& left_out);
+  /// Fixes that became priors of the log, and which of them are left out again.
+  template <int Dim>
+  void describe(const Log<Dim>& log, const AttachedFixes& attached, const std::vector<RejectedFix>& left_out);
   /// The result.
   template <int Dim>
   void describe(const RunResult<Dim>& result);
@@ -94,6 +114,7 @@ struct RunReport {
   std::optional<RobustOptions> robust;  ///< Where wrong closures and observations were left out:
   std::vector<NamedRejected> rejected;
   double robust_seconds = 0.0;
+  std::optional<GpsReport> gps;            ///< Where there are fixes.
   std::vector<PoseId> anchored;            ///< The gauge: anchored poses.
   std::vector<NamedMisfit> misfits;        ///< Of `figures.fit`.
   std::vector<PoseId> map_bases;           ///< Of `figures.maps`: the poses that they start from,

@@ -49,13 +49,6 @@ std::string recovered_in_words(const RunFigures& figures) {
   return text;
 }
 
-std::string gauge_in_words(const RunReport& run_report) {
-  if (run_report.anchored.empty()) return "anchored by the priors of the World";
-  if (run_report.anchored.size() == 1) return to_string(run_report.anchored.front()) + " anchored";
-  return fmt::format("{} and {} more anchored", to_string(run_report.anchored.front()),
-                     plural(run_report.anchored.size() - 1, "pose"));
-}
-
 std::string nees_in_words(std::string_view what, const Nees& nees) {
   const std::string_view verdict = nees.value > nees.most()    ? "OVERCONFIDENT"
                                    : nees.value < nees.least() ? "cautious"
@@ -91,6 +84,14 @@ std::string seconds_in_words(const RunReport& run_report) {
   return fmt::format("{:.2f}: {}; {:.0f} MB at most", run_report.total_seconds(), fmt::join(words, ", "), peak_memory_mb());
 }
 
+std::string fixes_in_words(const GpsReport& gps) {
+  const GeographicPoint& origin = gps.frame.origin();
+  std::string text = fmt::format("{}: {}", gps.file, plural(gps.fixes, "fix", "fixes"));
+  if (gps.left_out > 0) text += fmt::format(", {} more at no pose", gps.left_out);
+  return text +
+         fmt::format("; east, north and up from {:.7f}° {:.7f}° at {:.3f} m", origin.latitude, origin.longitude, origin.height);
+}
+
 void add_result(const RunReport& run_report, Lines& lines) {
   const RunFigures& figures = run_report.figures;
   lines.add("join", join_in_words(run_report));
@@ -104,6 +105,14 @@ void add_result(const RunReport& run_report, Lines& lines) {
 }
 
 }  // namespace
+
+std::string gauge_in_words(const RunReport& run_report) {
+  if (run_report.gps) return "held by the fixes";
+  if (run_report.anchored.empty()) return "anchored by the priors of the World";
+  if (run_report.anchored.size() == 1) return to_string(run_report.anchored.front()) + " anchored";
+  return fmt::format("{} and {} more anchored", to_string(run_report.anchored.front()),
+                     plural(run_report.anchored.size() - 1, "pose"));
+}
 
 std::string counts_in_words(const RunReport& run_report) {
   const Counts& counts = run_report.counts;
@@ -133,6 +142,7 @@ std::string conventions_in_words(const Conventions& conventions, int dimension) 
 
 void add_input(const RunReport& run_report, Lines& lines, std::string_view name) {
   lines.add(name, fmt::format("{}: {}", run_report.input, counts_in_words(run_report)));
+  if (run_report.gps) lines.add("gps", fixes_in_words(*run_report.gps));
   if (run_report.robust) lines.add("rejected", rejected_in_words(run_report));
 }
 

@@ -33,7 +33,7 @@ Debian's CHOLMOD, which it is linked with, holds parts under the GPL.")
 set(CPACK_DEBIAN_DEVELOPMENT_PACKAGE_NAME libmapjoin-dev)
 set(CPACK_DEBIAN_DEVELOPMENT_PACKAGE_SECTION libdevel)
 set(CPACK_DEBIAN_DEVELOPMENT_PACKAGE_DEPENDS
-  "libeigen3-dev (>= 3.4), libexpected-dev, libboost-dev (>= 1.74), libfmt-dev, libmetis-dev, libopenblas-dev | liblapack-dev, libsqlite3-dev, libsuitesparse-dev, libtbb-dev, zlib1g-dev")
+  "libeigen3-dev (>= 3.4), libexpected-dev, libboost-dev (>= 1.74), libfmt-dev, libgeographiclib-dev, libmetis-dev, libopenblas-dev | liblapack-dev, libsqlite3-dev, libsuitesparse-dev, libtbb-dev, zlib1g-dev")
 set(CPACK_DEBIAN_DEVELOPMENT_PACKAGE_SUGGESTS mapjoin)
 set(CPACK_DEBIAN_DEVELOPMENT_DESCRIPTION "mapjoin splits a robot's log into short local maps, solves each by least
 squares, joins them along a tree, and polishes the result to the optimum of the

@@ -6,16 +6,6 @@
 namespace mapjoin {
 namespace {
 
-template <int Dim>
-bool measures_position(const PoseFactor<Dim>& prior) {
-  return (prior.information.diagonal().template head<Dim>().array() > 0.0).all();
-}
-
-template <int Dim>
-bool measures_rotation(const PoseFactor<Dim>& prior) {
-  return (prior.information.diagonal().template tail<kRotationDof<Dim>>().array() > 0.0).all();
-}
-
 /// What ties the World (first frame) to a partial map (second frame).
 template <int Dim>
 Correspondences<Dim> world_correspondences(const SubmapGraph<Dim>& graph, const PartialMap<Dim>& partial) {
@@ -26,10 +16,11 @@ Correspondences<Dim> world_correspondences(const SubmapGraph<Dim>& graph, const 
   for (const auto* prior : graph.priors.pose_factors) {
     const auto* pose = find_pose(partial, prior->target);
     if (!pose || !measures_position(*prior)) continue;
+    const Pose<Dim> measured_end = measured_part(*prior, *pose);
     if (measures_rotation(*prior)) {
-      correspondences.add_pose(prior->measured, *pose);
+      correspondences.add_pose(prior->measured, measured_end);
     } else {
-      correspondences.add_point(prior->measured.translation, pose->translation);
+      correspondences.add_point(prior->measured.translation, measured_end.translation);
     }
   }
   for (const auto* prior : graph.priors.feature_factors) {

@@ -177,6 +177,7 @@ Expected<void> check_update(const SubmapUpdate<Dim>& update) {
   if (!is_of_its_segment(update)) {
     return bad_input(update.source + ": its local map is not of the poses of its one segment, in their order");
   }
+  if (has_levers(update.graph)) return bad_input(update.source + ": priors with levers cannot be joined map by map");
   return check_numbers(update);
 }
 

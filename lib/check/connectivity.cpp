@@ -56,9 +56,9 @@ std::vector<Log<Dim>> parts_of(const Log<Dim>& log) {
     builder(of.feature(f))
         .add_feature(log.features[f], log.initial.features.empty() ? std::nullopt : std::optional(log.initial.features[f]));
   }
-  for (const auto& [base, target, measured, W, loss] : log.graph.pose_factors) {
+  for (const auto& [base, target, measured, W, loss, lever] : log.graph.pose_factors) {
     auto& part = builder(of.pose(target));
-    base == kWorld ? part.add_pose_prior(log.poses[target], measured, W)
+    base == kWorld ? part.add_pose_prior(log.poses[target], measured, W, lever)
                    : part.add_pose_edge(log.poses[base], log.poses[target], measured, W);
   }
   for (const auto& [base, target, measured, W, loss] : log.graph.feature_factors) {

@@ -41,10 +41,24 @@ LinearObservation<Dim, Dof> weighted(const LinearTarget<Dim, Dof>& target, const
   return {target, value.weight * information, value.cost};
 }
 
+/// From steps of the part that a factor measures to steps of its target.
+template <int Dim>
+void chain_lever(const PoseFactor<Dim>& factor, const Pose<Dim>& target, LinearTarget<Dim, kPoseDof<Dim>>& linear) {
+  if (factor.lever.isZero(0.0)) return;
+  PointPoseMatrix<Dim> J_end_target;
+  transform(target, factor.lever, &J_end_target);
+  const PointMatrix<Dim> J_end = linear.J_target.template topLeftCorner<Dim, Dim>();
+  linear.J_target.template topRows<Dim>() = J_end * J_end_target;
+}
+template <int Dim>
+void chain_lever(const FeatureFactor<Dim>&, const Point<Dim>&, LinearTarget<Dim, Dim>&) {}
+
 /// An observation at the values of its base and its target, a pose or a feature; `base` is the identity where it is the World.
 template <template <int> typename Observation, int Dim, typename Target>
 auto linearise(const Observation<Dim>& observation, const Pose<Dim>& base, const Target& target) {
-  return weighted(linearise<Dim>(observation.measured, base, target), observation.information, observation.loss);
+  auto linear = linearise<Dim>(observation.measured, base, measured_part(observation, target));
+  chain_lever(observation, target, linear);
+  return weighted(linear, observation.information, observation.loss);
 }
 
 /// A linearised local map: its poses, then its features.
@@ -135,7 +149,8 @@ inline RotationCurvature rotation_curvature(const LinearTarget<3, kPoseDof<3>>& 
   return {Q, -M.transpose() * (Q + 0.5 * skew(Vector<3>(J.transpose() * u))), M.transpose() * Q * M};
 }
 
-/// Gives `sink` what full Newton's H has beyond Gauss-Newton's: -Σ (Wr)ᵀ ∂²H_t.
+/// Gives `sink` what full Newton's H has beyond Gauss-Newton's: -Σ (Wr)ᵀ ∂²H_t; nothing of how a lever bends, which is short
+/// beside a map.
 template <typename Observation, typename Sink>
 void accumulate_curvature(const Observation& observation, Sink&& sink) {
   constexpr int kDim = Observation::kDim;

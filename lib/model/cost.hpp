@@ -13,7 +13,7 @@ namespace mapjoin {
 /// The cost of an observation of one target, a pose or a feature. `base` is the identity where it is the World.
 template <template <int> typename Observation, int Dim, typename Target>
 double cost(const Observation<Dim>& observation, const Pose<Dim>& base, const Target& target) {
-  const auto r = residual<Dim>(observation.measured, base, target);
+  const auto r = residual<Dim>(observation.measured, base, measured_part(observation, target));
   return evaluate(observation.loss, r.dot(observation.information * r)).cost;
 }
 

@@ -13,7 +13,7 @@
 namespace mapjoin {
 
 /// A relative pose: odometry, closure, or, from the World, a prior of a pose. Rows that were not measured
-/// (the rotation of a GPS position, say) have zero rows and columns in `information`.
+/// (the rotation of a GPS position, say) have zero rows and columns in `information`. Only priors have levers.
 template <int Dim>
 struct PoseFactor {
   PoseIndex base = kWorld;
@@ -21,6 +21,8 @@ struct PoseFactor {
   Pose<Dim> measured;           ///< Target in the frame of the base.
   PoseMatrix<Dim> information;  ///< W, symmetric positive semidefinite (1/m², 1/(m rad), 1/rad²).
   Loss loss = {};
+  Point<Dim> lever =
+      Point<Dim>::Zero();  ///< Of the target what stands here is measured, in the target's frame: a GPS antenna (m).
 };
 
 /// The position of a feature in the frame of the pose that saw it or, from the World, a prior of a feature.
@@ -32,5 +34,43 @@ struct FeatureFactor {
   PointMatrix<Dim> information;  ///< W, symmetric positive semidefinite (1/m²).
   Loss loss = {};
 };
+
+/// What of its target a factor measures: the end of its lever, with the target's rotation; a feature as it is.
+template <int Dim>
+Pose<Dim> measured_part(const PoseFactor<Dim>& factor, const Pose<Dim>& target) {
+  return factor.lever.isZero(0.0) ? target : Pose<Dim>{transform(target, factor.lever), target.rotation};
+}
+template <int Dim>
+const Point<Dim>& measured_part(const FeatureFactor<Dim>&, const Point<Dim>& target) {
+  return target;
+}
+
+/// Whether a prior says where its pose is, and how it is turned.
+template <int Dim>
+bool measures_position(const PoseFactor<Dim>& prior) {
+  return (prior.information.diagonal().template head<Dim>().array() > 0.0).all();
+}
+template <int Dim>
+bool measures_rotation(const PoseFactor<Dim>& prior) {
+  return (prior.information.diagonal().template tail<kRotationDof<Dim>>().array() > 0.0).all();
+}
+
+/// The prior as one of the target itself: where the target has this value its cost, its gradient and the Gauss-Newton H stay as
+/// they are, elsewhere to the first order.
+template <int Dim>
+PoseFactor<Dim> without_lever(PoseFactor<Dim> prior, const Pose<Dim>& target) {
+  constexpr int kRot = kRotationDof<Dim>;
+  PointPoseMatrix<Dim> J_end_target;
+  const Point<Dim> lever = transform(target, prior.lever, &J_end_target) - target.translation;
+  PoseMatrix<Dim> J = PoseMatrix<Dim>::Identity();
+  J.template topRows<Dim>() = J_end_target;
+  if (!measures_rotation(prior)) prior.measured.rotation = target.rotation;
+  const RotationVector<Dim> r_rotation = (target.rotation.inverse() * prior.measured.rotation).log();
+  prior.measured.translation -= lever + J.template topRightCorner<Dim, kRot>() * r_rotation;
+  const PoseMatrix<Dim> W = J.transpose() * prior.information * J;
+  prior.information = 0.5 * (W + W.transpose());
+  prior.lever.setZero();
+  return prior;
+}
 
 }  // namespace mapjoin

@@ -2,6 +2,7 @@
 #pragma once
 // Everything that was measured: the factors of a least-squares problem over poses and features, and selections of them.
 
+#include <algorithm>
 #include <mapjoin/model/conventions.hpp>
 #include <mapjoin/model/factor.hpp>
 #include <mapjoin/model/local_map.hpp>
@@ -24,6 +25,12 @@ struct FactorGraph {
   std::vector<LocalMap<Dim>> submaps;               ///< Integrated observations, in the order of their base.
   std::vector<FixedPose<Dim>> fixed;                ///< Each pose once.
 };
+
+/// Whether a prior has a lever, which not all that is done with factors has a place for.
+template <int Dim>
+bool has_levers(const FactorGraph<Dim>& graph) {
+  return std::ranges::any_of(graph.pose_factors, [](const auto& factor) { return !factor.lever.isZero(0.0); });
+}
 
 /// Some of the factors of graphs, which must outlive it. Pointers: a log has millions of factors.
 template <int Dim>

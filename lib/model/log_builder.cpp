@@ -125,9 +125,9 @@ void LogBuilder<Dim>::append(const Log<Dim>& log, std::uint32_t first_session) {
   for (const PoseIndex p : indices(log.poses)) add_pose(pose(p), value(log.initial.poses, p));
   for (const FeatureIndex f : indices(log.features)) add_feature(feature(f), value(log.initial.features, f));
   for (const PoseIndex p : indices(log.stamps_ns)) add_stamp(pose(p), log.stamps_ns[p]);
-  for (const auto& [base, target, measured, information, loss] : log.graph.pose_factors) {
+  for (const auto& [base, target, measured, information, loss, lever] : log.graph.pose_factors) {
     if (base == kWorld) {
-      add_pose_prior(pose(target), measured, information);
+      add_pose_prior(pose(target), measured, information, lever);
     } else {
       add_pose_edge(pose(base), pose(target), measured, information);
     }

@@ -84,8 +84,9 @@ class LogBuilder {
     poses_.names.mention(pose);
     features_.add(pose, feature, {0, 0, measured, information});
   }
-  void add_pose_prior(PoseId pose, const Pose<Dim>& measured, const PoseMatrix<Dim>& information) {
-    poses_.add({}, pose, {kWorld, 0, measured, information});
+  void add_pose_prior(PoseId pose, const Pose<Dim>& measured, const PoseMatrix<Dim>& information,
+                      const Point<Dim>& lever = Point<Dim>::Zero()) {
+    poses_.add({}, pose, {kWorld, 0, measured, information, {}, lever});
   }
   void add_feature_prior(FeatureId feature, const Point<Dim>& measured, const PointMatrix<Dim>& information) {
     features_.add({}, feature, {kWorld, 0, measured, information});

@@ -67,6 +67,15 @@ TEST_F(SeveralInputs, PartsAreTakenOneByOneWhereAskedFor) {
   EXPECT_EQ(call({"solve", a, b, "--parts", "all"}).exit_code, 2);
 }
 
+TEST_F(SeveralInputs, BuildMakesOneStoreWhosePosesAreNamedBySession) {
+  const std::string store = (folder.path() / "both.maps").string();
+  ASSERT_EQ(call({"build", a, b, "-o", store, "--poses-per-map", "25"}).exit_code, 0);
+  EXPECT_NEAR(report_of({"join", store})["chi2"], report_of({"solve", a, b})["chi2"], 1e-6);
+  const auto of_both = report_of({"covariance", store, "0:499", "1:0"});
+  EXPECT_EQ(of_both["variables"][1]["session"], 1);
+  EXPECT_THAT(call({"covariance", store, "pose:7"}).err, HasSubstr("\"pose:7\" could be pose:0:7 or pose:1:7"));
+}
+
 TEST_F(SeveralInputs, StoresAreJoinedAsTheLogsThatTheyAreOf) {
   const std::string stores[] = {(folder.path() / "a.maps").string(), (folder.path() / "b.maps").string()};
   ASSERT_EQ(call({"build", a, "-o", stores[0], "--poses-per-map", "25"}).exit_code, 0);

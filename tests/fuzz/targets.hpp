@@ -14,6 +14,10 @@ void isam(std::string_view bytes);
 void gtsam_text(std::string_view bytes);
 void covariance_text(std::string_view bytes);
 void trajectory(std::string_view bytes);
+// Tables.
+void pose_csv(std::string_view bytes);
+void stamps(std::string_view bytes);
+void gps_csv(std::string_view bytes);
 // Several files in one input: see folder.hpp.
 void mrclam(std::string_view bytes);
 void local_map_folder(std::string_view bytes);
@@ -40,6 +44,9 @@ inline constexpr Target kTargets[] = {
     {"gtsam_text", gtsam_text},
     {"covariance_text", covariance_text},
     {"trajectory", trajectory},
+    {"pose_csv", pose_csv},
+    {"stamps", stamps},
+    {"gps_csv", gps_csv},
     {"mrclam", mrclam},
     {"local_map_folder", local_map_folder},
     {"local_map_text", local_map_text},

@@ -62,6 +62,22 @@ std::array<T, 3> turned_back(const T* rotation, const std::array<T, 3>& p) {
   return turned;
 }
 
+/// `p` turned by `rotation`.
+template <typename T>
+std::array<T, 2> turned(const T* rotation, const std::array<double, 2>& p) {
+  using std::cos, std::sin;
+  const T c = cos(rotation[0]);
+  const T s = sin(rotation[0]);
+  return {c * p[0] - s * p[1], s * p[0] + c * p[1]};
+}
+template <typename T>
+std::array<T, 3> turned(const T* rotation, const std::array<double, 3>& p) {
+  const T point[3] = {T(p[0]), T(p[1]), T(p[2])};
+  std::array<T, 3> out;
+  ceres::UnitQuaternionRotatePoint(rotation, point, out.data());
+  return out;
+}
+
 /// The rotation part of the residual, Log((R_bᵀ R_t)ᵀ R̂).
 template <typename T>
 void rotation_error(const std::array<double, 1>& measured, const T* base, const T* target, T* error) {
@@ -85,7 +101,9 @@ void rotation_error(const std::array<double, 4>& measured, const T* base, const 
 template <int Dim>
 class MapError {
  public:
-  explicit MapError(const LocalMap<Dim>& map) : root_(square_root(map.information)), from_world_(map.base == kWorld) {
+  /// The positions of poses are measured at the end of the lever.
+  MapError(const LocalMap<Dim>& map, const Point<Dim>& lever)
+      : root_(square_root(map.information)), from_world_(map.base == kWorld), lever_(to_array<Dim>(lever)) {
     for (const Pose<Dim>& pose : map.pose_estimates) {
       poses_.emplace_back(to_array<Dim>(pose.translation), to_array(pose.rotation));
     }
@@ -111,8 +129,12 @@ class MapError {
     Eigen::Matrix<T, Eigen::Dynamic, 1> r(root_.rows());
     T* row = r.data();
     for (const auto& [translation, rotation] : poses_) {
-      row = position_error(translation, t_base, R_base, *parameters++, row);
-      rotation_error(rotation, R_base, *parameters++, row);
+      const T* t_target = *parameters++;
+      const T* R_target = *parameters++;
+      std::array<T, Dim> end = turned(R_target, lever_);
+      for (std::size_t i = 0; i < Dim; ++i) end[i] += t_target[i];
+      row = position_error(translation, t_base, R_base, end.data(), row);
+      rotation_error(rotation, R_base, R_target, row);
       row += kRotationDof<Dim>;
     }
     for (const auto& feature : features_) row = position_error(feature, t_base, R_base, *parameters++, row);
@@ -133,6 +155,7 @@ class MapError {
 
   Eigen::MatrixXd root_;
   bool from_world_;
+  std::array<double, Dim> lever_;
   std::vector<std::pair<std::array<double, Dim>, std::array<double, kRotationSize<Dim>>>> poses_;
   std::vector<std::array<double, Dim>> features_;
 };
@@ -154,8 +177,8 @@ class Problem {
     for (auto& p : parameters_.features) problem_.AddParameterBlock(p.data(), Dim);
   }
 
-  void add(const LocalMap<Dim>& map) {
-    auto* cost = new ceres::DynamicAutoDiffCostFunction<MapError<Dim>, 4>(new MapError<Dim>(map));
+  void add(const LocalMap<Dim>& map, const Point<Dim>& lever = Point<Dim>::Zero()) {
+    auto* cost = new ceres::DynamicAutoDiffCostFunction<MapError<Dim>, 4>(new MapError<Dim>(map, lever));
     std::vector<double*> blocks;
     const auto depend_on = [&](double* block, int size) {
       blocks.push_back(block);
@@ -172,7 +195,7 @@ class Problem {
     problem_.AddResidualBlock(cost, nullptr, blocks);
   }
 
-  void add(const PoseFactor<Dim>& o) { add(LocalMap<Dim>{o.base, {o.target}, {}, {o.measured}, {}, o.information}); }
+  void add(const PoseFactor<Dim>& o) { add(LocalMap<Dim>{o.base, {o.target}, {}, {o.measured}, {}, o.information}, o.lever); }
   void add(const FeatureFactor<Dim>& o) { add(LocalMap<Dim>{o.base, {}, {o.target}, {}, {o.measured}, o.information}); }
   template <typename Item>
   void add(const std::vector<Item>& items) {

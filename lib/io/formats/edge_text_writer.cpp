@@ -114,14 +114,24 @@ class EdgeTextWriter {
     has_offset_ = true;
   }
 
+  /// Nothing where it has a lever, and its pose no value to take it off at.
+  std::optional<PoseFactor<Dim>> without_lever(const PoseFactor<Dim>& prior) const {
+    if (prior.lever.isZero(0.0)) return prior;
+    if (!contents_.poses || contents_.poses->empty()) return std::nullopt;
+    return mapjoin::without_lever(prior, (*contents_.poses)[prior.target]);
+  }
+
   /// Of a pose as a whole, whatever of it was measured.
   void write_priors(const Log<Dim>& log) {
     const auto pose_priors = log.pose_priors();
     if (!pose_priors.empty()) write_offset_line();
     write_each(pose_priors.size(), [&](TextLine& line, std::size_t k) -> Fault {
-      const PoseFactor<Dim>& prior = pose_priors[k];
-      begin_prior(PriorTag::Kind::kPose, numbering_(pose_id(prior.target)), line);
-      return format_.put_edge({prior.measured, prior.information}, line);
+      const auto prior = without_lever(pose_priors[k]);
+      if (!prior) {
+        return fmt::format("the prior of {} has a lever and its pose no value", to_string(pose_id(pose_priors[k].target)));
+      }
+      begin_prior(PriorTag::Kind::kPose, numbering_(pose_id(prior->target)), line);
+      return format_.put_edge({prior->measured, prior->information}, line);
     });
     const auto feature_priors = log.feature_priors();
     write_each(feature_priors.size(), [&](TextLine& line, std::size_t k) -> Fault {

@@ -148,7 +148,7 @@ Expected<void> write_mat_log(const Log<2>& log, const std::filesystem::path& pat
     return tl::unexpected(Error{
         ErrorKind::kUsage, fmt::format("{}: the edge {}-{} {}, which a MAT file cannot say", log.source, base, target, fault)});
   };
-  for (const auto& [base, target, measured, W, loss] : log.edges()) {
+  for (const auto& [base, target, measured, W, loss, lever] : log.edges()) {
     const Vector<3> numbers(measured.translation.x(), measured.translation.y(), measured.rotation.angle());
     const auto fault = put_row<3>(kOdometry, pose(base), pose(target), numbers, W, table.row(row++));
     if (fault) return cannot(pose(base), pose(target), *fault);

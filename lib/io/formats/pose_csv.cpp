@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <algorithm>
+#include <mapjoin/io/files/csv_text.hpp>
 #include <mapjoin/io/files/text_scanner.hpp>
 #include <mapjoin/io/formats/pose_csv.hpp>
 #include <mapjoin/io/g2o/fields.hpp>
@@ -9,20 +10,6 @@
 
 namespace mapjoin {
 namespace {
-
-std::vector<std::string> split(std::string_view line) {
-  std::vector<std::string> words;
-  while (true) {
-    const std::size_t comma = std::min(line.find(','), line.size());
-    words.emplace_back(line.substr(0, comma));
-    if (comma == line.size()) return words;
-    line.remove_prefix(comma + 1);
-  }
-}
-
-bool has(const std::vector<std::string>& columns, std::string_view name) {
-  return std::ranges::find(columns, name) != columns.end();
-}
 
 /// What stands on one line.
 template <int Dim>
@@ -46,7 +33,7 @@ Row<Dim> read_row(const std::vector<std::string>& columns, TextScanner& text) {
       row.pose = read_g2o_pose<Dim>(text);
     } else if (column == "stamp_ns") {
       row.stamp_ns = text.integer();
-    } else if (!has(kBehindX, column)) {
+    } else if (!has_column(kBehindX, column)) {
       text.word();
     }
   }
@@ -60,33 +47,27 @@ Expected<AnyLog> read_rows(const std::vector<std::string>& columns, TextScanner 
   const auto read_line = [&] {
     const Row<Dim> row = read_row<Dim>(columns, text);
     builder.add_pose(row.id, row.pose);
-    if (has(columns, "stamp_ns")) builder.add_stamp(row.id, row.stamp_ns);
+    if (has_column(columns, "stamp_ns")) builder.add_stamp(row.id, row.stamp_ns);
   };
   return text.each_line(read_line).and_then([&]() -> Expected<AnyLog> { return std::move(builder).finish(); });
-}
-
-std::vector<std::string> columns_of(std::string_view bytes) {
-  TextScanner text("", bytes);
-  return text.next_line() ? split(text.word()) : std::vector<std::string>();
 }
 
 }  // namespace
 
 bool is_pose_csv(std::string_view bytes) {
-  const std::vector<std::string> columns = columns_of(bytes);
-  return has(columns, "pose") && has(columns, "x") && has(columns, "y");
+  const std::vector<std::string> columns = csv_columns(bytes);
+  return has_column(columns, "pose") && has_column(columns, "x") && has_column(columns, "y");
 }
 
 Expected<AnyLog> read_pose_csv(std::string_view bytes, const std::string& file, const ReadOptions&) {
-  const std::vector<std::string> columns = columns_of(bytes);
+  const std::vector<std::string> columns = csv_columns(bytes);
   const auto follow = [&](const std::vector<std::string>& names) {
     return std::search(columns.begin(), columns.end(), names.begin(), names.end()) != columns.end();
   };
-  std::string blanks(bytes);
-  std::ranges::replace(blanks, ',', ' ');
+  const std::string blanks = with_blanks(bytes);
   const TextScanner text(file, blanks);
-  if (has(columns, "pose") && follow({"x", "y", "phi"})) return read_rows<2>(columns, text);
-  if (has(columns, "pose") && follow({"x", "y", "z", "qx", "qy", "qz", "qw"})) return read_rows<3>(columns, text);
+  if (has_column(columns, "pose") && follow({"x", "y", "phi"})) return read_rows<2>(columns, text);
+  if (has_column(columns, "pose") && follow({"x", "y", "z", "qx", "qy", "qz", "qw"})) return read_rows<3>(columns, text);
   return bad_input(file + ": its first line does not name the columns pose and x,y,phi, or x,y,z,qx,qy,qz,qw");
 }
 

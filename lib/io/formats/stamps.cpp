@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <map>
+#include <mapjoin/io/files/csv_text.hpp>
 #include <mapjoin/io/files/file_bytes.hpp>
 #include <mapjoin/io/files/text_scanner.hpp>
 #include <mapjoin/io/formats/stamps.hpp>
@@ -26,8 +27,7 @@ template <int Dim>
 Expected<void> read_stamps(const std::filesystem::path& path, Log<Dim>& log) {
   const auto bytes = FileBytes::read(path);
   if (!bytes) return tl::unexpected(bytes.error());
-  std::string blanks(bytes->view());
-  std::ranges::replace(blanks, ',', ' ');
+  const std::string blanks = with_blanks(bytes->view());
   TextScanner text(path.string(), blanks);
   const auto poses = poses_by_key(log);
   Table<PoseIndex, std::optional<std::int64_t>> stamps(log.poses.size());

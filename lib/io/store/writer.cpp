@@ -90,6 +90,7 @@ Expected<StoreWriter<Dim>> StoreWriter<Dim>::open(const fs::path& path, const Lo
   if (fs::exists(target, ignored) && !fs::is_regular_file(target, ignored)) {
     return cannot_write(path, "a store must be a plain file; give it another name");
   }
+  if (has_levers(log.graph)) return cannot_write(path, "a store has no place for priors with levers");
   bool found_damaged = false;
   auto database = open_with(partial_path(target), Contents<Dim>{log, segments, options}, found_damaged);
   if (!database) return tl::unexpected(database.error());

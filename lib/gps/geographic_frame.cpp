@@ -1,0 +1,29 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <GeographicLib/LocalCartesian.hpp>
+#include <mapjoin/gps/geographic_frame.hpp>
+#include <vector>
+
+namespace mapjoin {
+namespace {
+
+GeographicLib::LocalCartesian cartesian_at(const GeographicPoint& origin) {
+  return {origin.latitude, origin.longitude, origin.height};
+}
+
+}  // namespace
+
+Point<3> GeographicFrame::to_local(const GeographicPoint& place, Matrix<3>* R_frame_there) const {
+  Point<3> local;
+  std::vector<double> rows(R_frame_there ? 9 : 0);
+  cartesian_at(origin_).Forward(place.latitude, place.longitude, place.height, local.x(), local.y(), local.z(), rows);
+  if (R_frame_there) *R_frame_there = Eigen::Map<const Eigen::Matrix<double, 3, 3, Eigen::RowMajor>>(rows.data());
+  return local;
+}
+
+GeographicPoint GeographicFrame::to_geographic(const Point<3>& local) const {
+  GeographicPoint place;
+  cartesian_at(origin_).Reverse(local.x(), local.y(), local.z(), place.latitude, place.longitude, place.height);
+  return place;
+}
+
+}  // namespace mapjoin

@@ -1,0 +1,69 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <gtest/gtest.h>
+
+#include <mapjoin/join/robust/fix_inliers.hpp>
+#include <set>
+#include <tests/support/dimensions.hpp>
+#include <tests/support/gps_world.hpp>
+
+namespace mapjoin::testing {
+namespace {
+
+template <typename D>
+class FixInliers : public ::testing::Test {
+ protected:
+  static constexpr int kDim = D::value;
+
+  /// Moves every `nth` fix by 10 to 100 m, anywhere; those.
+  static std::set<std::size_t> spoil(std::size_t nth, Log<kDim>& log) {
+    RandomStream random(9, 0);
+    std::set<std::size_t> spoiled;
+    const std::size_t first = log.edges().size();
+    for (std::size_t f = 0; first + f < log.graph.pose_factors.size(); f += nth) {
+      Point<kDim> direction;
+      for (int i = 0; i < kDim; ++i) direction[i] = random.normal();
+      log.graph.pose_factors[first + f].measured.translation += random.uniform(10.0, 100.0) * direction.normalized();
+      spoiled.insert(f);
+    }
+    return spoiled;
+  }
+  static std::set<std::size_t> found_in(const Log<kDim>& log) {
+    std::set<std::size_t> found;
+    const auto rejected = find_wrong_fixes(log, RobustOptions{});
+    EXPECT_TRUE(rejected) << rejected.error().message;
+    for (const RejectedFix& fix : *rejected) found.insert(fix.prior);
+    return found;
+  }
+};
+TYPED_TEST_SUITE(FixInliers, Dimensions);
+
+TYPED_TEST(FixInliers, RightFixesAreKept) {
+  EXPECT_TRUE(this->found_in(gps_world<TestFixture::kDim>().log).empty());
+}
+
+TYPED_TEST(FixInliers, WrongFixesAreFound) {
+  for (const std::size_t nth : {10, 5, 3}) {
+    auto world = gps_world<TestFixture::kDim>({.poses = 400, .between = 2});
+    const auto spoiled = this->spoil(nth, world.log);
+    EXPECT_EQ(this->found_in(world.log), spoiled) << "one of " << nth;
+  }
+}
+
+TYPED_TEST(FixInliers, FixesThatDetermineNoAlignmentAreKept) {
+  auto world = gps_world<TestFixture::kDim>({.between = 1000});
+  ASSERT_EQ(world.log.pose_priors().size(), 1U);
+  EXPECT_TRUE(this->found_in(world.log).empty());
+}
+
+TYPED_TEST(FixInliers, ALogWithoutThemKeepsTheOthersInOrder) {
+  const auto world = gps_world<TestFixture::kDim>();
+  const auto some = without_fixes(world.log, {{1, 0.0, 1.0}, {4, 0.0, 1.0}});
+  ASSERT_EQ(some.pose_priors().size() + 2, world.log.pose_priors().size());
+  EXPECT_EQ(some.pose_priors()[0].target, world.log.pose_priors()[0].target);
+  EXPECT_EQ(some.pose_priors()[1].target, world.log.pose_priors()[2].target);
+  EXPECT_EQ(some.pose_priors()[3].target, world.log.pose_priors()[5].target);
+  EXPECT_EQ(some.edges().size(), world.log.edges().size());
+}
+
+}  // namespace
+}  // namespace mapjoin::testing

@@ -1,0 +1,140 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <mapjoin/gps/fixes.hpp>
+#include <mapjoin/model/log_builder.hpp>
+#include <numbers>
+
+namespace mapjoin {
+namespace {
+
+using ::testing::HasSubstr;
+
+constexpr std::int64_t kSecond = 1'000'000'000;
+constexpr double kQuarter = std::numbers::pi / 2.0;
+
+/// Poses 0 to 3, a second apart; each step is 2 m ahead, then a quarter turn to the left. The last step is stored backwards; no
+/// odometry leads to pose 4, which sees a feature with pose 3.
+Log<2> log_of(std::uint32_t session = 0, bool has_stamps = true) {
+  LogBuilder<2> builder("log.g2o");
+  const Pose<2> step{Point<2>(2.0, 0.0), Rotation<2>(kQuarter)};
+  for (std::uint64_t k = 0; k < 5; ++k) {
+    builder.add_pose({session, k});
+    if (has_stamps) builder.add_stamp({session, k}, kSecond * static_cast<std::int64_t>(k));
+  }
+  builder.add_pose_edge({session, 0}, {session, 1}, step, PoseMatrix<2>::Identity());
+  builder.add_pose_edge({session, 1}, {session, 2}, step, PoseMatrix<2>::Identity());
+  builder.add_pose_edge({session, 3}, {session, 2}, inverse(step), PoseMatrix<2>::Identity());
+  builder.add_observation({session, 3}, {7}, Point<2>(1.0, 0.0), PointMatrix<2>::Identity());
+  builder.add_observation({session, 4}, {7}, Point<2>(0.0, 0.0), PointMatrix<2>::Identity());
+  builder.fix({session, 0});
+  return std::move(builder).finish().value();
+}
+
+GpsFix fix_at(double seconds, std::size_t line = 2) {
+  return {line, static_cast<std::int64_t>(seconds * 1e9), std::nullopt, {50.0, 8.0, 100.0}, {2.0, 0.5, 1.0}};
+}
+
+GpsFixes fixes_of(std::vector<GpsFix> fixes) {
+  return {"fixes.csv", true, std::move(fixes)};
+}
+
+TEST(AttachFixes, AFixAtTheTimeOfAPoseIsAPriorOfItsAntenna) {
+  Log<2> log = log_of();
+  const auto attached = attach_fixes(fixes_of({fix_at(2.0, 9)}), {.lever = Point<3>(0.3, -0.2, 1.0)}, log).value();
+  ASSERT_EQ(log.pose_priors().size(), 1U);
+  const PoseFactor<2>& prior = log.pose_priors()[0];
+  EXPECT_EQ(prior.target, PoseIndex(2));
+  EXPECT_EQ(prior.lever, Point<2>(0.3, -0.2));
+  EXPECT_LT(prior.measured.translation.norm(), 1e-8) << "the only fix is the origin";
+  EXPECT_NEAR(prior.information(0, 0), 0.25, 1e-12);
+  EXPECT_NEAR(prior.information(1, 1), 4.0, 1e-12);
+  EXPECT_EQ(prior.information.row(2).norm(), 0.0);
+  EXPECT_EQ(attached.lines, std::vector<std::size_t>{9});
+}
+
+TEST(AttachFixes, BetweenTwoPosesTheLeverFollowsOdometryFromTheNearerOne) {
+  Log<2> log = log_of();
+  const Point<2> lever(1.0, 0.0);
+  ASSERT_TRUE(
+      attach_fixes(fixes_of({fix_at(0.25), fix_at(0.75), fix_at(2.25), fix_at(2.75)}), {.lever = {1.0, 0.0, 0.0}}, log));
+  const auto priors = log.pose_priors();
+  ASSERT_EQ(priors.size(), 4U);
+  const auto robot_at = [](double share) { return Pose<2>{Point<2>(2.0 * share, 0.0), Rotation<2>(share * kQuarter)}; };
+  const Pose<2> step = robot_at(1.0);
+  EXPECT_EQ(priors[0].target, PoseIndex(0));
+  EXPECT_LT((priors[0].lever - transform(robot_at(0.25), lever)).norm(), 1e-12);
+  EXPECT_EQ(priors[1].target, PoseIndex(1));
+  EXPECT_LT((transform(step, priors[1].lever) - transform(robot_at(0.75), lever)).norm(), 1e-12);
+  EXPECT_EQ(priors[2].target, PoseIndex(2)) << "and where the step is stored backwards";
+  EXPECT_LT((priors[2].lever - transform(robot_at(0.25), lever)).norm(), 1e-12);
+  EXPECT_EQ(priors[3].target, PoseIndex(3));
+  EXPECT_LT((transform(step, priors[3].lever) - transform(robot_at(0.75), lever)).norm(), 1e-12);
+}
+
+TEST(AttachFixes, AFixThatNoPoseIsNearIsCounted) {
+  Log<2> log = log_of();
+  const auto attached =
+      attach_fixes(fixes_of({fix_at(-0.1), fix_at(4.1), fix_at(3.5), fix_at(1.5), fix_at(1.1)}), {.most_apart = 0.4}, log)
+          .value();
+  EXPECT_EQ(attached.left_out, 4) << "before the first pose, behind the last, where no odometry leads, and too far from both";
+  EXPECT_EQ(log.pose_priors().size(), 1U);
+}
+
+TEST(AttachFixes, TheFixesReleaseWhatIsFixed) {
+  Log<2> log = log_of();
+  ASSERT_TRUE(attach_fixes(fixes_of({fix_at(1.0)}), {}, log));
+  EXPECT_TRUE(log.graph.fixed.empty());
+  EXPECT_EQ(log.skipped.at("fixed poses, for the fixes hold the map"), 1);
+}
+
+TEST(AttachFixes, AFixThatIsFarOffDoesNotMoveTheOrigin) {
+  Log<2> log = log_of();
+  GpsFix null_island = fix_at(3.0);
+  null_island.place = {};
+  const auto attached = attach_fixes(fixes_of({fix_at(1.0), fix_at(2.0), null_island}), {}, log).value();
+  EXPECT_EQ(attached.frame.origin().latitude, 50.0);
+}
+
+TEST(AttachFixes, AFixMayNameItsPose) {
+  Log<2> log = log_of(0, false);
+  GpsFix fix = fix_at(0.0);
+  fix.when = std::uint64_t{3};
+  GpsFix unknown = fix;
+  unknown.when = std::uint64_t{99};
+  EXPECT_EQ(attach_fixes(fixes_of({fix, unknown}), {}, log).value().left_out, 1);
+  EXPECT_EQ(log.pose_priors()[0].target, PoseIndex(3));
+}
+
+TEST(AttachFixes, SessionsThatDroveAtOnceAreToldApartByName) {
+  LogBuilder<2> builder("two.g2o");
+  builder.append(log_of());
+  builder.append(log_of(), 1);
+  const Log<2> two = std::move(builder).finish().value();
+  Log<2> log = two;
+  const auto unclear = attach_fixes(fixes_of({fix_at(1.0, 4)}), {}, log);
+  ASSERT_FALSE(unclear);
+  EXPECT_THAT(unclear.error().message, HasSubstr("fixes.csv:4: pose 1 and pose 1 of session 1 could both"));
+  GpsFix of_second = fix_at(1.0);
+  of_second.session = 1;
+  log = two;
+  ASSERT_TRUE(attach_fixes(fixes_of({of_second}), {}, log));
+  EXPECT_EQ(log.poses[log.pose_priors()[0].target], (PoseId{1, 1}));
+}
+
+TEST(AttachFixes, SaysWhatIsMissing) {
+  const auto message = [](const GpsFixes& fixes, auto log) { return attach_fixes(fixes, {}, log).error().message; };
+  EXPECT_THAT(message(fixes_of({fix_at(1.0)}), log_of(0, false)), HasSubstr("--stamps gives them some, or a column pose"));
+  EXPECT_THAT(message(fixes_of({fix_at(77.0)}), log_of()), HasSubstr("no fix is at a pose of log.g2o or within 1 s"));
+  Log<2> with_prior = log_of();
+  with_prior.graph.pose_factors.push_back({kWorld, 0, {}, PoseMatrix<2>::Identity()});
+  EXPECT_THAT(message(fixes_of({fix_at(1.0)}), with_prior), HasSubstr("log.g2o has priors, which are in another frame"));
+  LogBuilder<3> in_space("space.g2o");
+  in_space.add_pose_edge({0, 0}, {0, 1}, {}, PoseMatrix<3>::Identity());
+  EXPECT_THAT(message({"fixes.csv", false, {fix_at(1.0)}}, std::move(in_space).finish().value()),
+              HasSubstr("columns height and sd_up"));
+}
+
+}  // namespace
+}  // namespace mapjoin

@@ -1,0 +1,58 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <mapjoin/io/formats/gps_csv.hpp>
+
+namespace mapjoin {
+namespace {
+
+using ::testing::StartsWith;
+
+TEST(GpsCsv, ColumnsComeInAnyOrderAndOthersArePassedOver) {
+  const auto fixes = read_gps_csv(
+                         "longitude,quality,latitude,height,sd_up,sd_north,sd_east,session,time\n"
+                         "8.5,4,50.25,120,3,2,1,0,1.000000001\n8.6,x,50.5,121,3,2,1,7,2\n",
+                         "fixes.csv")
+                         .value();
+  ASSERT_EQ(fixes.fixes.size(), 2U);
+  EXPECT_TRUE(fixes.has_heights);
+  const GpsFix& first = fixes.fixes[0];
+  EXPECT_EQ(first.line, 2U);
+  EXPECT_EQ(std::get<std::int64_t>(first.when), 1'000'000'001);
+  EXPECT_EQ(first.place.latitude, 50.25);
+  EXPECT_EQ(first.place.longitude, 8.5);
+  EXPECT_EQ(first.place.height, 120.0);
+  EXPECT_EQ(first.deviation, Vector<3>(1.0, 2.0, 3.0));
+  EXPECT_EQ(fixes.fixes[1].session, 7U);
+}
+
+TEST(GpsCsv, InThePlaneThereNeedBeNoHeights) {
+  const auto fixes = read_gps_csv("pose,latitude,longitude,sd_east,sd_north\n12,50,8,1,1\n", "fixes.csv").value();
+  EXPECT_FALSE(fixes.has_heights);
+  EXPECT_EQ(std::get<std::uint64_t>(fixes.fixes[0].when), 12U);
+}
+
+void expect_refused(const std::string& text, const std::string& message) {
+  const auto fixes = read_gps_csv(text, "fixes.csv");
+  ASSERT_FALSE(fixes);
+  EXPECT_THAT(fixes.error().message, StartsWith(message));
+}
+
+TEST(GpsCsv, WhatIsWrongIsNamedWithItsPlace) {
+  const std::string head = "time,latitude,longitude,sd_east,sd_north\n";
+  expect_refused("", "fixes.csv:1: names no column time or pose");
+  expect_refused("time,latitude,longitude,sd_east\n1,2,3,4\n", "fixes.csv:1: names no column sd_north");
+  expect_refused("time,pose,latitude,longitude,sd_east,sd_north\n", "fixes.csv:1: names both columns time and pose");
+  expect_refused(head, "fixes.csv: has no fixes behind its header");
+  expect_refused(head + "1,50,8,1,1\nnoon,50,8,1,1\n", "fixes.csv:3:1: a time in seconds is expected, not \"noon\"");
+  expect_refused(head + "1,95,8,1,1\n", "fixes.csv:2:3: an angle from -90 to 90 degrees is expected");
+  expect_refused(head + "1,50,8,0,1\n", "fixes.csv:2:8: a standard deviation is from 1e-6 to 1e6 m");
+  expect_refused(head + "1,50,8,,1\n", "fixes.csv:2:");
+  expect_refused(head + "1,50,8,1,1,1\n", "fixes.csv:2:12: ");
+  expect_refused("time,latitude,longitude,height,sd_east,sd_north,sd_up\n1,50,8,1e9,1,1,1\n",
+                 "fixes.csv:2:8: a height from -1e7");
+}
+
+}  // namespace
+}  // namespace mapjoin
