@@ -22,7 +22,7 @@ struct PoseFactor {
   PoseMatrix<Dim> information;  ///< W, symmetric positive semidefinite (1/m², 1/(m rad), 1/rad²).
   Loss loss = {};
   Point<Dim> lever =
-      Point<Dim>::Zero();  ///< Of the target what stands here is measured, in the target's frame: a GPS antenna (m).
+      Point<Dim>::Zero();  ///< The place on the target, in its frame, that is measured: an antenna, say (m).
 };
 
 /// The position of a feature in the frame of the pose that saw it or, from the World, a prior of a feature.

@@ -45,7 +45,7 @@ TEST(GpsCsv, WhatIsWrongIsNamedWithItsPlace) {
   expect_refused("time,latitude,longitude,sd_east\n1,2,3,4\n", "fixes.csv:1: names no column sd_north");
   expect_refused("time,pose,latitude,longitude,sd_east,sd_north\n", "fixes.csv:1: names both columns time and pose");
   expect_refused(head, "fixes.csv: has no fixes behind its header");
-  expect_refused(head + "1,50,8,1,1\nnoon,50,8,1,1\n", "fixes.csv:3:1: a time in seconds is expected, not \"noon\"");
+  expect_refused(head + "1,50,8,1,1\nnoon,50,8,1,1\n", "fixes.csv:3:1: a time in seconds is expected, not 'noon'");
   expect_refused(head + "1,95,8,1,1\n", "fixes.csv:2:3: an angle from -90 to 90 degrees is expected");
   expect_refused(head + "1,50,8,0,1\n", "fixes.csv:2:8: a standard deviation is from 1e-6 to 1e6 m");
   expect_refused(head + "1,50,8,,1\n", "fixes.csv:2:");
