@@ -49,7 +49,8 @@ class Aligner {
       }
     }
     const double odds = model_.confidence / (1.0 - model_.confidence);
-    if (best.score - model_.log_tests < std::log(odds)) return alignment;
+    const double pairings = static_cast<double>(first_.features.size()) * static_cast<double>(second_.features.size());
+    if (best.score - model_.log_tests - std::log(pairings) < std::log(odds)) return alignment;
     alignment.status = is_unique(alignment) ? AlignmentStatus::kFound : AlignmentStatus::kAmbiguous;
     return alignment;
   }

@@ -42,8 +42,8 @@ struct AlignmentModel {
 /// joint compatibility (Hypothesis), over the covariances of both maps and a relative pose that may be anything. The score is
 /// the logarithm of the odds against maps that do not overlap: each pairing counts by how much nearer it is than chance would
 /// have it, what one map should have seen of the other and did not counts against it, and so do all the relative poses that
-/// there could have been. A place is taken where the odds are those of `confidence`, and no other one that contradicts it has
-/// half its score.
+/// there could have been. A place is taken where the odds are those of `confidence` for every pairing of features that it may
+/// have begun with, and no other one that contradicts it has half its score.
 template <int Dim>
 MapAlignment align_maps(const FeatureMap<Dim>& first, const FeatureMap<Dim>& second, const AlignmentModel<Dim>& model);
 

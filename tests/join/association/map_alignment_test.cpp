@@ -81,7 +81,7 @@ TYPED_TEST(MapAlignmentTest, FindsMapsThatShareAStripOfFeatures) {
     const MapAlignment found = aligned(a, b, options.range);
     missed += found.status != AlignmentStatus::kFound;
   }
-  EXPECT_LE(missed, kDim == 2 ? 0 : 1) << "of " << tried;
+  EXPECT_LE(missed, kDim == 2 ? 0 : 2) << "of " << tried;
 }
 
 TEST(MapAlignment, OfMapsOfAThousandFeaturesIsFound) {
