@@ -283,13 +283,17 @@ void add_association(Subcommand& command, Options& options) {
 
 void add_robust(Subcommand& command, Options& options) {
   command.group("Outliers");
-  const auto wanted = std::make_shared<bool>(false);
-  command.flag("--robust", *wanted,
+  command.flag("--robust",
                "Find closures, observations and features of local maps that contradict the others, and leave them out: see "
-               "rejected.csv");
-  command.check([&options, wanted]() -> std::vector<std::string> {
-    if (!*wanted) return {};
-    options.robust.emplace().confidence = options.confidence;
+               "rejected.csv; --robust=all doubts the odometry of a log, too",
+               [&options](const std::string& word) -> std::optional<std::string> {
+                 if (!word.empty() && word != "all") return "not all";
+                 options.robust.emplace().odometry = word == "all";
+                 return std::nullopt;
+               });
+  command.check([&options]() -> std::vector<std::string> {
+    if (!options.robust) return {};
+    options.robust->confidence = options.confidence;
     return options.robust->validate();
   });
 }

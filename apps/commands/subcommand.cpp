@@ -53,6 +53,17 @@ void Subcommand::flag(const std::string& name, bool& value, const std::string& h
   grouped(*app_->add_flag(name, value, help));
 }
 
+void Subcommand::flag(const std::string& name, const std::string& help, Take take) {
+  const auto given = std::make_shared<std::string>();
+  grouped(*app_->add_flag(name, *given, help));
+  check([name, given, take = std::move(take)]() -> std::vector<std::string> {
+    if (given->empty()) return {};
+    const std::string word = *given == "true" ? "" : *given;  // as CLI11 has it where there is none
+    const auto violation = take(word);
+    return violation ? std::vector{fmt::format("{} is \"{}\", {}", name, word, *violation)} : std::vector<std::string>{};
+  });
+}
+
 void Subcommand::refusal(const std::string& name, bool& value, const std::string& help) {
   grouped(*app_->add_flag_callback(
       name, [&value] { value = false; }, help));

@@ -69,6 +69,8 @@ class Subcommand {
   /// None or several, behind the others.
   void further(const std::string& name, std::vector<std::filesystem::path>& values, const std::string& help);
   void flag(const std::string& name, bool& value, const std::string& help);
+  /// A flag that may bring a word along, --name=word; `take` is given none ("") where it does not.
+  void flag(const std::string& name, const std::string& help, Take take);
   /// A flag that makes `value` false.
   void refusal(const std::string& name, bool& value, const std::string& help);
   void path(const std::string& names, std::filesystem::path& value, const std::string& kind, const std::string& help,

@@ -5,6 +5,8 @@
 #include <mapjoin/join/robust/closure_support.hpp>
 #include <mapjoin/measure/statistics.hpp>
 #include <mapjoin/parallel/parallel.hpp>
+#include <numeric>
+#include <utility>
 
 namespace mapjoin {
 namespace {
@@ -17,6 +19,8 @@ constexpr double kMostAgainst = 20.0;
 constexpr std::int32_t kStretch = 25;
 /// and in a loop of two closures: longer ones tell little.
 constexpr std::int32_t kLongestLoop = 60;
+/// Of the closures of a cell, the others are compared with so many at most: one a step.
+constexpr std::size_t kMostOfACell = kStretch;
 /// Closures, from the best supported one on, by which the scale is found, and the loops that it takes.
 constexpr std::size_t kBestShare = 20;
 constexpr std::size_t kLeastLoops = 100;
@@ -24,8 +28,9 @@ constexpr std::size_t kLeastLoops = 100;
 }  // namespace
 
 template <int Dim>
-ClosureSupport<Dim>::ClosureSupport(const OdometryChain<Dim>& chain, std::span<const PoseFactor<Dim>> closures)
-    : chain_(chain), volume_(chain.volume()) {
+ClosureSupport<Dim>::ClosureSupport(const OdometryChain<Dim>& chain, std::span<const PoseFactor<Dim>> closures,
+                                    std::stop_token stop)
+    : chain_(chain), stop_(std::move(stop)), volume_(chain.volume()) {
   for (const PoseFactor<Dim>& closure : closures) {
     const UncertainPose<Dim> measured = uncertain(closure);
     if (closure.base < closure.target) {
@@ -51,12 +56,23 @@ void ClosureSupport<Dim>::sort_into_cells() {
     closure.cell = cells_.size() - 1;
   }
   first_.push_back(order_.size());
+  for (std::size_t cell = 0; cell < cells_.size(); ++cell)
+    sample(std::span(order_).subspan(first_[cell], first_[cell + 1] - first_[cell]));
 }
 
-/// f(another closure) for all that make a loop with this one, cell by cell.
+/// Moves those of a cell that others are compared with to its front; they are spread over it.
+template <int Dim>
+void ClosureSupport<Dim>::sample(std::span<std::size_t> cell) {
+  const std::size_t samples = std::min(cell.size(), kMostOfACell);
+  for (std::size_t k = 0; k < samples; ++k) closures_[cell[k * cell.size() / samples]].is_sampled = true;
+  std::ranges::stable_partition(cell, [&](std::size_t k) { return closures_[k].is_sampled; });
+}
+
+/// f(another closure) for all that make a loop with this one, of full cells only if one of the two is a sample, cell by cell.
 template <int Dim>
 template <typename F>
 void ClosureSupport<Dim>::for_each_neighbour(std::size_t closure, F&& f) const {
+  if (stop_.stop_requested()) return;
   constexpr std::int32_t kReach = kLongestLoop / kStretch + 1;
   const Closure& a = closures_[closure];
   const auto [row, column] = cells_[a.cell];
@@ -64,7 +80,8 @@ void ClosureSupport<Dim>::for_each_neighbour(std::size_t closure, F&& f) const {
     const auto begin = std::ranges::lower_bound(cells_, std::pair(r, column - kReach));
     for (auto cell = begin; cell != cells_.end() && *cell <= std::pair(r, column + kReach); ++cell) {
       const auto place = static_cast<std::size_t>(cell - cells_.begin());
-      for (std::size_t k = first_[place]; k < first_[place + 1]; ++k) {
+      const std::size_t end = a.is_sampled ? first_[place + 1] : std::min(first_[place + 1], first_[place] + kMostOfACell);
+      for (std::size_t k = first_[place]; k < end; ++k) {
         const Closure& b = closures_[order_[k]];
         const std::int32_t steps = std::abs(a.early - b.early) + std::abs(a.late - b.late);
         const bool is_loop = steps <= kLongestLoop && chain_.is_tied(a.early, b.early) && chain_.is_tied(a.late, b.late);
@@ -147,6 +164,27 @@ double ClosureSupport<Dim>::scale(const std::vector<double>& odds) const {
     });
   }
   return ratios.size() < kLeastLoops ? 1.0 : std::min(1.0, median(std::move(ratios)));
+}
+
+template <int Dim>
+Table<PoseIndex, double> ClosureSupport<Dim>::evidence_for_steps() const {
+  std::vector<double> right = odds(std::vector<PriorOdds>(closures_.size(), {kPriorOdds}), 1.0);
+  for (double& odds : right) odds = 1.0 / (1.0 + std::exp(-odds));
+  Table<PoseIndex, double> evidence(chain_.pose_count() + 1, 0.0);  // to begin with, how it rises from step to step
+  for (std::size_t k = 0; k < closures_.size(); ++k) {
+    for_each_neighbour(k, [&](std::size_t other) {
+      if (other < k) return;
+      const Closure &a = closures_[k], &b = closures_[other];
+      const double of_pair = right[k] * right[other] * evidence_of(loop(a, b), 1.0, kMostOfAPair);
+      for (const auto& [first, last] : {std::minmax(a.early, b.early), std::minmax(a.late, b.late)}) {
+        evidence[first + 1] += of_pair;
+        evidence[last + 1] -= of_pair;
+      }
+    });
+  }
+  std::partial_sum(evidence.begin(), evidence.end(), evidence.begin());
+  evidence.resize(chain_.pose_count());
+  return evidence;
 }
 
 template class ClosureSupport<2>;

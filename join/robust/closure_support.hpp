@@ -9,6 +9,7 @@
 #include <mapjoin/join/robust/agreement.hpp>
 #include <mapjoin/join/robust/odometry_chain.hpp>
 #include <span>
+#include <stop_token>
 #include <vector>
 
 namespace mapjoin {
@@ -17,8 +18,8 @@ namespace mapjoin {
 template <int Dim>
 class ClosureSupport {
  public:
-  /// `chain`, by the odometry of the same log, must stay.
-  ClosureSupport(const OdometryChain<Dim>& chain, std::span<const PoseFactor<Dim>> closures);
+  /// `chain`, by the odometry of the same log, must stay. Once a stop is requested, closures are no longer compared.
+  ClosureSupport(const OdometryChain<Dim>& chain, std::span<const PoseFactor<Dim>> closures, std::stop_token stop = {});
 
   /// What odometry alone says of each closure where all covariances are multiplied by `scale`.
   std::vector<PriorOdds> priors(double scale) const;
@@ -29,6 +30,9 @@ class ClosureSupport {
   /// By how much covariances are too cautious: the median of the squared mismatches of loops of two of the best supported
   /// closures over what it should be; 1 where there are too few loops, and where it is more.
   double scale(const std::vector<double>& odds) const;
+  /// What closures say, by the loops that two of them make, of the steps of odometry to each pose: the sum of the evidence of
+  /// the loops that the step has a part in, by the probabilities that both closures are right, whatever odometry alone says.
+  Table<PoseIndex, double> evidence_for_steps() const;
 
  private:
   struct Closure {
@@ -36,9 +40,11 @@ class ClosureSupport {
     PoseIndex late;               ///< and the other one,
     UncertainPose<Dim> measured;  ///< in its frame.
     std::size_t cell = 0;
+    bool is_sampled = false;  ///< Others of a full cell are compared with it.
   };
 
   void sort_into_cells();
+  void sample(std::span<std::size_t> cell);
   template <typename F>
   void for_each_neighbour(std::size_t closure, F&& f) const;
   UncertainPose<Dim> loop(const Closure& a, const Closure& b) const;
@@ -46,6 +52,7 @@ class ClosureSupport {
   Agreements agreements(const std::vector<PriorOdds>& priors, double scale) const;
 
   const OdometryChain<Dim>& chain_;
+  std::stop_token stop_;
   double volume_;
   std::vector<Closure> closures_;
   std::vector<std::pair<std::int32_t, std::int32_t>> cells_;  // ascending

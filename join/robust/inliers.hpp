@@ -16,6 +16,7 @@ namespace mapjoin {
 struct RobustOptions {
   double confidence = 0.99;  ///< The probability that nothing right is rejected in the whole log; in (0, 1).
   Engine engine = Engine::kFronts;
+  bool odometry = false;  ///< May be rejected, too, where closures contradict it.
 
   /// Every violation in words; empty if there is none.
   std::vector<std::string> validate() const;
@@ -35,6 +36,7 @@ constexpr auto enum_names(WhyRejected) {
 struct Rejected {
   Misfit misfit;
   WhyRejected why = WhyRejected::kContradicted;
+  std::size_t observation = 0;  ///< The place of an observation among those of the log.
 };
 
 /// A log, or a set of local maps.
@@ -47,8 +49,9 @@ struct Inliers {
 /// Finds the closures and observations that do not agree with the others: closures are judged by the loops that they make with
 /// each other and with odometry (ClosureSupport), the best supported ones are joined with truncated losses (TruncatedJoin), and
 /// the map that comes of it judges all others, in rounds, the last of which try every rejected one again. Odometry and priors
-/// are believed, but of two odometry edges between the same poses that contradict each other the later one is rejected. Bad
-/// input: a log that falls apart; kInterrupted on `stop`. The same for any number of threads.
+/// are believed, but of two odometry edges between the same poses that contradict each other the later one is rejected. With
+/// `odometry` drives are cut where closures, or the verdict on the map, speak against it, and the edge is judged as a closure.
+/// Bad input: a log that falls apart; kInterrupted on `stop`. The same for any number of threads.
 template <int Dim>
 Expected<Inliers<Log<Dim>>> find_inliers(const Log<Dim>& log, const RobustOptions& options, const std::stop_token& stop = {});
 

@@ -43,6 +43,7 @@ class OdometryChain {
  public:
   explicit OdometryChain(const Log<Dim>& log);
 
+  std::size_t pose_count() const { return poses_.size(); }
   /// Whether odometry leads from one pose to the other.
   bool is_tied(PoseIndex a, PoseIndex b) const { return sessions_[a] == sessions_[b]; }
   /// `target` in the frame of `base`; they must be tied.

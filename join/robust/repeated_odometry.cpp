@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <mapjoin/join/robust/odometry_chain.hpp>
 #include <mapjoin/join/robust/repeated_odometry.hpp>
+#include <mapjoin/measure/statistics.hpp>
 
 namespace mapjoin {
 namespace {
@@ -33,7 +34,27 @@ std::vector<RepeatedOdometry> repeated_odometry(const Log<Dim>& log) {
   return repeated;
 }
 
-template std::vector<RepeatedOdometry> repeated_odometry(const Log<2>&);
-template std::vector<RepeatedOdometry> repeated_odometry(const Log<3>&);
+template <int Dim>
+Inliers<Log<Dim>> without_contradicted_odometry(const Log<Dim>& log, double confidence) {
+  Inliers<Log<Dim>> inliers{log, {}};
+  const std::vector<RepeatedOdometry> repeated = repeated_odometry(log);
+  const auto count = static_cast<double>(log.closures().size() + log.observations().size() + repeated.size());
+  auto& factors = inliers.input.graph.pose_factors;
+  for (const auto& [edge, chi2] : repeated) {
+    const double probability = std::min(1.0, count * chi_squared_upper_tail(chi2, kPoseDof<Dim>));
+    if (probability >= 1.0 - confidence) continue;
+    const auto& factor = log.odometry()[edge];
+    inliers.rejected.push_back({{PartKind::kOdometry, factor.base, factor.target, chi2, kPoseDof<Dim>, probability}});
+    factors.erase(factors.begin() + static_cast<std::ptrdiff_t>(edge + 1 - inliers.rejected.size()));
+  }
+  return inliers;
+}
+
+#define MAPJOIN_INSTANTIATE(Dim)                                             \
+  template std::vector<RepeatedOdometry> repeated_odometry(const Log<Dim>&); \
+  template Inliers<Log<Dim>> without_contradicted_odometry(const Log<Dim>&, double);
+MAPJOIN_INSTANTIATE(2)
+MAPJOIN_INSTANTIATE(3)
+#undef MAPJOIN_INSTANTIATE
 
 }  // namespace mapjoin

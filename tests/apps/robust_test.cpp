@@ -110,6 +110,10 @@ TEST_F(Robust, GivesTheSameBytesForAnyNumberOfJobs) {
   }
 }
 
+TEST_F(Robust, TakesNoWordBesideAll) {
+  expect_refused({"run", log, "--robust=some", "-o", path("run")}, "--robust is \"some\", not all");
+}
+
 TEST_F(Robust, IsAskedForBeforeItsConfidence) {
   expect_refused({"run", log, "--confidence", "0.9"}, "--confidence is of --associate and --robust");
   expect_refused({"run", log, "--robust", "--confidence", "1"}, "the confidence must be between 0 and 1");

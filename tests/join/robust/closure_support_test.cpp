@@ -92,6 +92,22 @@ TYPED_TEST(ClosureSupportTest, DoesNotAskThoseThatCountAsWrong) {
   EXPECT_GT(between.odds({{}, {.is_right = true}})[0], 4.9);
 }
 
+TYPED_TEST(ClosureSupportTest, ComparesWithAFewOfAFullCellOnly) {
+  std::vector<Crossing> crossings(300, Crossing{3, 3});
+  for (std::size_t k = 0; k < 25; ++k) crossings[12 * k].wrong_by = 5.0 + 5.0 * static_cast<double>(k);
+  crossings.push_back({28, 28});  // agrees with 275 of the others
+  EXPECT_LT((typename TestFixture::Between(crossings).odds().back()), kNothingKnown + 1.0) << "but is compared with 25";
+}
+
+TYPED_TEST(ClosureSupportTest, ComparesNoLongerOnceAStopIsRequested) {
+  const typename TestFixture::Between between({{10, 12}, {11, 13}});
+  std::stop_source source;
+  const ClosureSupport<TypeParam::value> support(between.chain, between.log.closures(), source.get_token());
+  EXPECT_GT(support.odds(support.priors(1.0), 1.0)[0], 0.0);
+  source.request_stop();
+  EXPECT_EQ(support.odds(support.priors(1.0), 1.0)[0], kNothingKnown);
+}
+
 TYPED_TEST(ClosureSupportTest, TakesTheWordOfOdometryWithinADrive) {
   constexpr int kDim = TypeParam::value;
   Log<kDim> log = two_drives<kDim>(140, {{10, 12}});

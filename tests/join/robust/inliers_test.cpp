@@ -52,6 +52,13 @@ TYPED_TEST(InliersTest, RejectsObservationsUnderTheNamesOfOtherFeatures) {
   EXPECT_LE(inliers.rejected.size(), wrong + 2);
 }
 
+TYPED_TEST(InliersTest, EndsOnceAStopIsRequested) {
+  const testing::ClosingWorld<TypeParam::value> world(25, 1, 12);
+  std::stop_source source;
+  source.request_stop();
+  EXPECT_EQ(find_inliers(world.log, RobustOptions{}, source.get_token()).error().kind, ErrorKind::kInterrupted);
+}
+
 TEST(RobustOptionsTest, WantAConfidenceBetweenZeroAndOne) {
   EXPECT_TRUE(RobustOptions{}.validate().empty());
   EXPECT_FALSE(RobustOptions{.confidence = 1.0}.validate().empty());

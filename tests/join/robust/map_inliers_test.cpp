@@ -70,6 +70,32 @@ TYPED_TEST(MapInliersTest, LeavesWhatTheMapSaysOfOtherFeaturesAsItWas) {
   EXPECT_LT((after.topRightCorner(first, rest) - before.topRightCorner(first, rest)).norm(), tolerance);
 }
 
+TYPED_TEST(MapInliersTest, OfTwoMapsFromOnePoseRejectTheFeatureOfTheWrongOne) {
+  auto set = this->maps();
+  auto& maps = set.graph.submaps;
+  maps.push_back(maps[3]);
+  maps.back().feature_estimates[1][0] += 5.0;
+  const FeatureIndex feature = maps[3].features[1];
+  const auto inliers = find_inliers(set, RobustOptions{}).value();
+  ASSERT_EQ(inliers.rejected.size(), 1U);
+  EXPECT_TRUE(has(inliers.input.graph.submaps[3], feature));
+  EXPECT_FALSE(has(inliers.input.graph.submaps.back(), feature));
+}
+
+TYPED_TEST(MapInliersTest, JudgeFeaturesAloneAlsoWhereMapsKeepPosesOnTheirWay) {
+  constexpr int kDim = TypeParam::value;
+  const auto world = testing::small_world<kDim>({.poses = 120, .features = 30, .closures = 6, .range = 6.0});
+  auto set = testing::small_submap_set(world.log, 5.0);
+  ASSERT_TRUE(std::ranges::any_of(set.graph.submaps, [](const auto& map) { return map.poses.size() > 1; }));
+  EXPECT_TRUE(find_inliers(set, RobustOptions{}).value().rejected.empty());
+  set.graph.pose_factors.clear();  // of closures
+  auto& map = set.graph.submaps[3];
+  map.feature_estimates[1][0] += 5.0;
+  const auto rejected = find_inliers(set, RobustOptions{}).value().rejected;
+  ASSERT_EQ(rejected.size(), 1U);
+  EXPECT_EQ(std::get<FeatureIndex>(rejected[0].misfit.to), map.features[1]);
+}
+
 /// Of features whose names two other maps give rightly; of wrong ones, whose true names as well.
 struct Counts {
   int right = 0;

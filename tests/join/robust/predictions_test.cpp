@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <gtest/gtest.h>
 
+#include <Eigen/Eigenvalues>
 #include <mapjoin/join/restored.hpp>
 #include <mapjoin/join/robust/predictions.hpp>
 #include <mapjoin/join/run.hpp>
@@ -18,13 +19,12 @@ class PredictionsTest : public ::testing::Test {
 
   /// A map, and what it says of relative poses by so many landing places.
   struct Map {
-    Map(Log<kDim> made, std::size_t places) : log(std::move(made)) {
+    Map(Log<kDim> made, std::size_t places) : log(std::move(made)), options{.places = places} {
       Join<kDim> joined = join(graph, log.poses, log.features, JoinOptions<kDim>{}).value();
       restored.emplace(mapjoin::restored(graph, {}, joined, joined.state));
       restored->system.linearise();
       EXPECT_FALSE(restored->system.factorise(0.0));
       marginals.emplace(restored->system.equations());
-      predictions.emplace(restored->system, *marginals, places);
     }
     const Values<kDim>& estimate() const { return restored->system.estimate(); }
     /// A closure that is no part of the map.
@@ -47,17 +47,20 @@ class PredictionsTest : public ::testing::Test {
       J.middleCols(dense.pose_row(closure.target), kDof) = linear.J_target;
       return closure.information.inverse() + PoseMatrix<kDim>(J * P * J.transpose());
     }
+    UncertainPose<kDim> mismatch(const PoseFactor<kDim>& closure, const std::stop_token& stop = {}) const {
+      return mismatches<kDim>(restored->system, *marginals, std::span(&closure, 1), options, stop).front();
+    }
     void expect_exact(PoseIndex base, PoseIndex target) const {
       const PoseFactor<kDim> o = closure(base, target);
       const PoseMatrix<kDim> S = exact(o);
-      EXPECT_LT((predictions->mismatch(o).covariance - S).norm(), 1e-6 * S.norm()) << base.value << " to " << target.value;
+      EXPECT_LT((mismatch(o).covariance - S).norm(), 1e-6 * S.norm()) << base.value << " to " << target.value;
     }
 
     Log<kDim> log;
+    PredictionOptions options;
     SubmapGraph<kDim> graph = submap_graph_of(log, split(log, {SplitRule::kPoses, 1.0}), {});
     std::optional<Restored<kDim>> restored;
     std::optional<Marginals> marginals;
-    std::optional<Predictions<kDim>> predictions;
   };
 
   static Log<kDim> world() { return testing::small_world<kDim>({.poses = 24, .features = 10, .closures = 3}).log; }
@@ -93,6 +96,33 @@ TYPED_TEST(PredictionsTest, TakeTheBetterOfTheLandingPlacesBesideBothEnds) {
   map.expect_exact(13, 6);
 }
 
+TYPED_TEST(PredictionsTest, AreExactForManyClosuresAtOnce) {
+  constexpr int kDim = TypeParam::value;
+  const typename TestFixture::Map map(this->world(), 24);
+  std::vector<PoseFactor<kDim>> closures;
+  for (const int target : {23, 7, 16, 2, 11}) closures.push_back(map.closure(5, PoseIndex(target)));
+  for (const int base : {22, 14, 9, 1}) closures.push_back(map.closure(PoseIndex(base), 18));
+  const auto predicted = mismatches<kDim>(map.restored->system, *map.marginals, closures, map.options);
+  for (std::size_t k = 0; k < closures.size(); ++k) {
+    const PoseMatrix<kDim> S = map.exact(closures[k]);
+    EXPECT_LT((predicted[k].covariance - S).norm(), 1e-6 * S.norm()) << k;
+  }
+}
+
+TYPED_TEST(PredictionsTest, OfWhatIsFarAreTheLeastCertainThatTheyCanBe) {
+  constexpr int kDim = TypeParam::value;
+  typename TestFixture::Map map(this->world(), 24);
+  PoseFactor<kDim> closure = map.closure(3, 20);
+  closure.measured.translation[0] += 100.0;
+  map.options.far = 1e9;
+  const PoseMatrix<kDim> exact = map.mismatch(closure).covariance;
+  map.options.far = 100.0;
+  const UncertainPose<kDim> mismatch = map.mismatch(closure);
+  EXPECT_GT(Eigen::SelfAdjointEigenSolver<PoseMatrix<kDim>>(mismatch.covariance - exact).eigenvalues().minCoeff(), 0.0);
+  const PoseVector<kDim> v = local(Pose<kDim>{}, mismatch.mean);
+  EXPECT_GT(v.dot(mismatch.covariance.llt().solve(v)), 100.0);
+}
+
 TYPED_TEST(PredictionsTest, MissTheMeasurementByItsResidual) {
   constexpr int kDim = TypeParam::value;
   const typename TestFixture::Map map(this->world(), 5);
@@ -100,7 +130,7 @@ TYPED_TEST(PredictionsTest, MissTheMeasurementByItsResidual) {
   const PoseVector<kDim> r =
       residual<kDim>(closure.measured, map.estimate().poses[closure.base], map.estimate().poses[closure.target]);
   EXPECT_GT(r.norm(), 0.01);
-  EXPECT_LT((local(Pose<kDim>{}, map.predictions->mismatch(closure).mean) - r).norm(), 1e-12);
+  EXPECT_LT((local(Pose<kDim>{}, map.mismatch(closure).mean) - r).norm(), 1e-12);
 }
 
 }  // namespace

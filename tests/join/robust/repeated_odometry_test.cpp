@@ -59,6 +59,18 @@ TYPED_TEST(RepeatedOdometryTest, HasTheLeastChi2ThatAnEdgeAndTheFirstOneLeave) {
   }
 }
 
+TYPED_TEST(RepeatedOdometryTest, IsRejectedWhereItContradictsTheFirstOne) {
+  constexpr int kDim = TypeParam::value;
+  Log<kDim> log = this->log();
+  log.graph.pose_factors[2].measured.translation[0] += 10.0;
+  const auto inliers = without_contradicted_odometry(log, 0.99);
+  ASSERT_EQ(inliers.rejected.size(), 1U);
+  EXPECT_EQ(inliers.rejected[0].misfit.kind, PartKind::kOdometry);
+  EXPECT_LT(inliers.rejected[0].misfit.probability, 0.01);
+  ASSERT_EQ(inliers.input.odometry().size(), 4U);
+  EXPECT_EQ(inliers.input.odometry()[2].base, log.odometry()[3].base);
+}
+
 TYPED_TEST(RepeatedOdometryTest, IsNothingWhereEachStepIsToldOnce) {
   EXPECT_TRUE(repeated_odometry(testing::small_world<TypeParam::value>().log).empty());
 }

@@ -1,0 +1,57 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <mapjoin/join/robust/gates.hpp>
+#include <mapjoin/join/robust/robust_map.hpp>
+#include <mapjoin/join/run.hpp>
+#include <utility>
+
+namespace mapjoin {
+namespace {
+
+/// Steps of the join that a map starts from: truncated losses go on from there.
+constexpr int kStartSteps = 1;
+/// Times that a map is settled anew without what it showed to be wrong.
+constexpr int kMostSettles = 30;
+
+}  // namespace
+
+template <int Dim>
+Expected<Values<Dim>> started_map(const Log<Dim>& log, Engine engine, const std::stop_token& stop) {
+  RunOptions options = without_verdict();
+  options.schedule = Schedule::kAligned;
+  options.solver.max_iterations = kStartSteps;
+  options.solver.engine = engine;
+  return solve(log, options, stop).map([](auto&& joined) {
+    return Values<Dim>{std::move(joined.map.poses), std::move(joined.map.features)};
+  });
+}
+
+template <int Dim>
+Expected<void> settle(TruncatedJoin<Dim>& join, Gates& gates, const std::string& source, const std::stop_token& stop) {
+  join.graduate(gates.now(), stop);
+  bool are_readmitted = false;  // those that were dropped with what they suffered from
+  for (int settles = 0; settles < kMostSettles; ++settles) {
+    join.settle(stop);
+    if (stop.stop_requested()) return tl::unexpected(Error{ErrorKind::kInterrupted, "interrupted while rejecting"});
+    if (!join.is_tested()) {
+      return bad_input(source + ": the measurements that agree leave something free to move; without --robust " +
+                       "the verdict names what is out of line");
+    }
+    gates.scale = {scale_of(join.counting_closure_tests(), kPoseDof<Dim>), scale_of(join.counting_observation_tests(), Dim)};
+    if (settles == 0 && join.readmit_observations(gates.now().observations)) {
+      join.graduate(gates.now(), stop);
+    } else if (!join.drop(gates.now())) {
+      if (are_readmitted || !join.readmit_observations(gates.now().observations)) break;
+      are_readmitted = true;
+    }
+  }
+  return {};
+}
+
+#define MAPJOIN_INSTANTIATE(Dim)                                                               \
+  template Expected<Values<Dim>> started_map(const Log<Dim>&, Engine, const std::stop_token&); \
+  template Expected<void> settle(TruncatedJoin<Dim>&, Gates&, const std::string&, const std::stop_token&);
+MAPJOIN_INSTANTIATE(2)
+MAPJOIN_INSTANTIATE(3)
+#undef MAPJOIN_INSTANTIATE
+
+}  // namespace mapjoin

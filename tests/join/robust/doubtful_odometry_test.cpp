@@ -1,0 +1,73 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <mapjoin/join/robust/doubtful_odometry.hpp>
+#include <tests/support/closing_world.hpp>
+#include <tests/support/dimensions.hpp>
+#include <tests/support/two_drives.hpp>
+
+namespace mapjoin {
+namespace {
+
+using testing::Crossing;
+
+template <typename D>
+class DoubtfulOdometryTest : public ::testing::Test {
+ protected:
+  static constexpr int kDim = D::value;
+
+  /// Two drives with a closure at every other pose, the first of which slips on its way to pose 50.
+  static Log<kDim> slipping(double by) {
+    std::vector<Crossing> crossings;
+    for (std::uint64_t k = 0; k < 100; k += 2) crossings.push_back({k, k});
+    Log<kDim> log = testing::two_drives<kDim>(100, crossings);
+    log.graph.pose_factors[49].measured.translation[0] += by;
+    EXPECT_EQ(log.odometry()[49].target, PoseIndex(50));
+    return log;
+  }
+  static RobustOptions all() { return {.odometry = true}; }
+};
+TYPED_TEST_SUITE(DoubtfulOdometryTest, testing::Dimensions);
+
+TYPED_TEST(DoubtfulOdometryTest, IsTheStepThatLoopsSpeakAgainst) {
+  EXPECT_TRUE(doubtful_steps(this->slipping(0.0)).empty());
+  EXPECT_EQ(doubtful_steps(this->slipping(2.0)), std::vector<PoseIndex>{50});
+}
+
+TYPED_TEST(DoubtfulOdometryTest, BecomesAClosureWhereTheDriveIsCut) {
+  const auto log = this->slipping(2.0);
+  const auto cut = cut_before(log, {50});
+  EXPECT_EQ(cut.odometry().size() + 1, log.odometry().size());
+  EXPECT_EQ(cut.closures().size(), log.closures().size() + 1);
+  EXPECT_EQ(cut.sessions.size(), log.sessions.size() + 1);
+  EXPECT_EQ(cut.poses[49], log.poses[49]);
+  EXPECT_TRUE(doubtful_steps(cut).empty());
+}
+
+TYPED_TEST(DoubtfulOdometryTest, IsRejectedAndNothingElse) {
+  const auto log = this->slipping(2.0);
+  const auto inliers = find_inliers(log, this->all()).value();
+  ASSERT_EQ(inliers.rejected.size(), 1U);
+  EXPECT_EQ(inliers.rejected[0].misfit.kind, PartKind::kOdometry);
+  EXPECT_EQ(std::get<PoseIndex>(inliers.rejected[0].misfit.to), PoseIndex(50));
+  EXPECT_EQ(inliers.input.poses, log.poses);
+  EXPECT_EQ(inliers.input.closures().size(), log.closures().size());
+  EXPECT_EQ(inliers.input.odometry().size() + 1, log.odometry().size());
+  const auto believed = find_inliers(log, RobustOptions{}).value().rejected;  // unless it is asked for
+  EXPECT_FALSE(believed.empty());
+  for (const Rejected& rejected : believed) EXPECT_EQ(rejected.misfit.kind, PartKind::kClosure);
+}
+
+TYPED_TEST(DoubtfulOdometryTest, OfConsistentWorldsIsHardlyEverRejected) {
+  constexpr int kWorlds = 100;
+  int worlds_that_lose = 0;
+  for (std::uint64_t seed = 1; seed <= kWorlds; ++seed) {
+    const testing::ClosingWorld<TypeParam::value> world(TypeParam::value == 2 ? 60 : 25, seed, 12);
+    worlds_that_lose += find_inliers(world.log, this->all()).value().rejected.empty() ? 0 : 1;
+  }
+  EXPECT_LE(worlds_that_lose, 0.01 * kWorlds + 2.5 * std::sqrt(0.01 * kWorlds));
+}
+
+}  // namespace
+}  // namespace mapjoin
