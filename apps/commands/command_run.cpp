@@ -14,7 +14,7 @@
 #include <mapjoin/io/formats/gps_csv.hpp>
 #include <mapjoin/io/formats/stamps.hpp>
 #include <mapjoin/io/merged_maps.hpp>
-#include <mapjoin/join/association/name_fit.hpp>
+#include <mapjoin/join/association/frames/name_fit.hpp>
 #include <mapjoin/join/robust/fix_inliers.hpp>
 #include <utility>
 

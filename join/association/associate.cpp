@@ -2,8 +2,8 @@
 #include <algorithm>
 #include <cmath>
 #include <mapjoin/join/association/associate.hpp>
+#include <mapjoin/join/association/frames/part_ties.hpp>
 #include <mapjoin/join/association/map_matching.hpp>
-#include <mapjoin/join/association/part_ties.hpp>
 #include <mapjoin/join/association/sighting_fit.hpp>
 #include <mapjoin/join/association/tracking.hpp>
 #include <mapjoin/parallel/parallel.hpp>

@@ -3,7 +3,7 @@
 // Who is who: the features of logs and local maps that have no names, or none that are trusted.
 
 #include <functional>
-#include <mapjoin/join/association/map_alignment.hpp>
+#include <mapjoin/join/association/frames/map_alignment.hpp>
 #include <mapjoin/join/association/matching.hpp>
 #include <mapjoin/model/error.hpp>
 #include <mapjoin/model/log.hpp>

@@ -3,7 +3,7 @@
 #include <cmath>
 #include <limits>
 #include <mapjoin/join/align/alignment.hpp>
-#include <mapjoin/join/association/map_place.hpp>
+#include <mapjoin/join/association/frames/map_place.hpp>
 #include <mapjoin/measure/statistics.hpp>
 #include <numbers>
 #include <numeric>

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <gtest/gtest.h>
 
-#include <mapjoin/join/association/sighting_chance.hpp>
+#include <mapjoin/join/association/frames/sighting_chance.hpp>
 
 namespace mapjoin {
 namespace {

@@ -4,10 +4,10 @@
 // sure.
 
 #include <cstdint>
-#include <mapjoin/join/association/constellation.hpp>
-#include <mapjoin/join/association/feature_map.hpp>
+#include <mapjoin/join/association/frames/constellation.hpp>
+#include <mapjoin/join/association/frames/feature_map.hpp>
+#include <mapjoin/join/association/frames/sighting_chance.hpp>
 #include <mapjoin/join/association/neighbour_density.hpp>
-#include <mapjoin/join/association/sighting_chance.hpp>
 #include <vector>
 
 namespace mapjoin {

@@ -3,8 +3,8 @@
 #include <cmath>
 #include <map>
 #include <mapjoin/join/association/feature_estimate.hpp>
-#include <mapjoin/join/association/feature_map.hpp>
-#include <mapjoin/join/association/name_fit.hpp>
+#include <mapjoin/join/association/frames/feature_map.hpp>
+#include <mapjoin/join/association/frames/name_fit.hpp>
 #include <mapjoin/measure/statistics.hpp>
 #include <numeric>
 #include <utility>

@@ -3,7 +3,7 @@
 
 #include <ctime>
 #include <iostream>
-#include <mapjoin/join/association/map_alignment.hpp>
+#include <mapjoin/join/association/frames/map_alignment.hpp>
 #include <tests/support/dimensions.hpp>
 #include <tests/support/feature_worlds.hpp>
 

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <gtest/gtest.h>
 
-#include <mapjoin/join/association/name_fit.hpp>
+#include <mapjoin/join/association/frames/name_fit.hpp>
 #include <tests/support/small_world.hpp>
 
 namespace mapjoin::testing {

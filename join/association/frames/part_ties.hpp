@@ -4,8 +4,8 @@
 // share.
 
 #include <mapjoin/join/association/feature_estimate.hpp>
+#include <mapjoin/join/association/frames/map_alignment.hpp>
 #include <mapjoin/join/association/identities.hpp>
-#include <mapjoin/join/association/map_alignment.hpp>
 #include <stop_token>
 #include <utility>
 #include <vector>

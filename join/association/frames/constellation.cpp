@@ -4,7 +4,7 @@
 #include <cmath>
 #include <cstdint>
 #include <mapjoin/graph/graph.hpp>
-#include <mapjoin/join/association/constellation.hpp>
+#include <mapjoin/join/association/frames/constellation.hpp>
 #include <mapjoin/join/association/point_tree.hpp>
 #include <mapjoin/measure/statistics.hpp>
 #include <mapjoin/parallel/parallel.hpp>

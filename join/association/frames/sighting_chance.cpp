@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <algorithm>
-#include <mapjoin/join/association/sighting_chance.hpp>
+#include <mapjoin/join/association/frames/sighting_chance.hpp>
 
 namespace mapjoin {
 namespace {

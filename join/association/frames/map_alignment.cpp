@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <algorithm>
 #include <cmath>
-#include <mapjoin/join/association/map_alignment.hpp>
-#include <mapjoin/join/association/map_place.hpp>
+#include <mapjoin/join/association/frames/map_alignment.hpp>
+#include <mapjoin/join/association/frames/map_place.hpp>
 #include <mapjoin/measure/statistics.hpp>
 #include <mapjoin/parallel/parallel.hpp>
 #include <numbers>

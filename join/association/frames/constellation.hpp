@@ -2,7 +2,7 @@
 #pragma once
 // Constellations: features with their neighbours that look alike in two maps, whatever the frames of these are.
 
-#include <mapjoin/join/association/feature_map.hpp>
+#include <mapjoin/join/association/frames/feature_map.hpp>
 #include <mapjoin/join/association/hypothesis.hpp>
 #include <vector>
 

@@ -3,7 +3,7 @@
 #include <cmath>
 #include <limits>
 #include <mapjoin/graph/graph.hpp>
-#include <mapjoin/join/association/part_ties.hpp>
+#include <mapjoin/join/association/frames/part_ties.hpp>
 
 namespace mapjoin {
 namespace {

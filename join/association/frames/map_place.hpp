@@ -3,9 +3,9 @@
 // A place where one map may lie in another: pairings of their features that are compatible together, whatever the relative
 // pose.
 
-#include <mapjoin/join/association/constellation.hpp>
-#include <mapjoin/join/association/feature_map.hpp>
-#include <mapjoin/join/association/map_alignment.hpp>
+#include <mapjoin/join/association/frames/constellation.hpp>
+#include <mapjoin/join/association/frames/feature_map.hpp>
+#include <mapjoin/join/association/frames/map_alignment.hpp>
 #include <mapjoin/join/association/point_tree.hpp>
 #include <optional>
 #include <vector>
