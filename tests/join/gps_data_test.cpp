@@ -60,7 +60,8 @@ class VictoriaParkGps : public ::testing::Test {
   }
   static std::set<std::size_t> wrong_in(const Log<2>& log) {
     std::set<std::size_t> wrong;
-    for (const RejectedFix& fix : find_wrong_fixes(log, RobustOptions{}).value()) wrong.insert(fix.prior);
+    const auto rejected = find_wrong_fixes(log, RobustOptions{}).value();
+    for (const RejectedFix& fix : rejected) wrong.insert(fix.prior);
     return wrong;
   }
 
