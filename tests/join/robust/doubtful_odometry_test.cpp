@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -17,10 +18,11 @@ class DoubtfulOdometryTest : public ::testing::Test {
  protected:
   static constexpr int kDim = D::value;
 
-  /// Two drives with a closure at every other pose, the first of which slips on its way to pose 50.
+  /// Two drives with two closures of every pose of the first one, which slips on its way to pose 50; with one of them it could
+  /// as well be the second drive.
   static Log<kDim> slipping(double by) {
     std::vector<Crossing> crossings;
-    for (std::uint64_t k = 0; k < 100; k += 2) crossings.push_back({k, k});
+    for (std::uint64_t k = 0; k < 80; ++k) crossings.insert(crossings.end(), {{k, k}, {k, k + 20}});
     Log<kDim> log = testing::two_drives<kDim>(100, crossings);
     log.graph.pose_factors[49].measured.translation[0] += by;
     EXPECT_EQ(log.odometry()[49].target, PoseIndex(50));
@@ -32,7 +34,7 @@ TYPED_TEST_SUITE(DoubtfulOdometryTest, testing::Dimensions);
 
 TYPED_TEST(DoubtfulOdometryTest, IsTheStepThatLoopsSpeakAgainst) {
   EXPECT_TRUE(doubtful_steps(this->slipping(0.0)).empty());
-  EXPECT_EQ(doubtful_steps(this->slipping(2.0)), std::vector<PoseIndex>{50});
+  EXPECT_THAT(doubtful_steps(this->slipping(2.0)), ::testing::Contains(PoseIndex(50)));
 }
 
 TYPED_TEST(DoubtfulOdometryTest, BecomesAClosureWhereTheDriveIsCut) {
