@@ -35,7 +35,9 @@ TEST_P(SessionsOfALog, HaveTheOptimumOfTheWholeLessTheCuts) {
     files.push_back(folder.path() / (std::to_string(k) + ".g2o"));
     ASSERT_TRUE(write_log(cut_session(log, k, sessions), LogFormat::kG2o, files.back()));
   }
-  const auto joined = run(std::get<Log<2>>(open_logs(files).value()), without_verdict()).value();
+  const auto result = run(std::get<Log<2>>(open_logs(files).value()), without_verdict());
+  ASSERT_TRUE(result) << result.error().message;
+  const auto& joined = *result;
   EXPECT_TRUE(joined.converged());
   const auto ceres = ceres_optimum(without_cut_edges(log, sessions), Values<2>{joined.map.poses, joined.map.features});
   EXPECT_NEAR(joined.chi2, ceres.chi2, 1e-6 * ceres.chi2);
@@ -45,7 +47,10 @@ TEST_P(SessionsOfALog, HaveTheOptimumOfTheWholeLessTheCuts) {
 std::vector<Cut> cuts(const std::vector<std::string>& paths) {
   std::vector<Cut> all;
   for (const std::string& path : paths) {
-    for (const std::size_t sessions : {2U, 3U, 5U, 10U}) all.push_back({path, sessions});
+    for (const std::size_t sessions : {2U, 3U, 5U, 10U}) {
+      const bool falls_apart = path.starts_with("dlr/") && sessions == 10;  // five of ten share no disc with the others
+      if (!falls_apart) all.push_back({path, sessions});
+    }
   }
   return all;
 }

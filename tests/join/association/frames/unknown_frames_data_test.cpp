@@ -91,13 +91,13 @@ TEST_P(UnknownFrames, AreFoundByFeatures) {
   }
 }
 
+/// With no names at all citytrees takes minutes.
 std::vector<Hidden> cases() {
   std::vector<Hidden> all;
   for (const std::string path : {"vicpark-6898/VicPark_clean_data.mat", "dlr/corrected_data_circles.mat",
                                  "citytrees10000/cityTrees10000.txt", "vicpark-200-local-maps", "dlr-200-local-maps"}) {
-    for (const std::size_t sessions : {2U, 3U, 5U, 10U}) {
-      for (const bool names_hold : {false, true}) all.push_back({path, sessions, names_hold});
-    }
+    for (const std::size_t sessions : {3U, 10U}) all.push_back({path, sessions, true});
+    if (!path.starts_with("citytrees")) all.push_back({path, 5U, false});
   }
   return all;
 }
