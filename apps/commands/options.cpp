@@ -287,7 +287,7 @@ void add_robust(Subcommand& command, Options& options) {
                "Find closures, observations and features of local maps that contradict the others, and leave them out: see "
                "rejected.csv; --robust=all doubts the odometry of a log, too",
                [&options](const std::string& word) -> std::optional<std::string> {
-                 if (!word.empty() && word != "all") return "not all";
+                 if (!word.empty() && word != "all") return "but takes the word all, or none";
                  options.robust.emplace().odometry = word == "all";
                  return std::nullopt;
                });

@@ -111,7 +111,7 @@ TEST_F(Robust, GivesTheSameBytesForAnyNumberOfJobs) {
 }
 
 TEST_F(Robust, TakesNoWordBesideAll) {
-  expect_refused({"run", log, "--robust=some", "-o", path("run")}, "--robust is \"some\", not all");
+  expect_refused({"run", log, "--robust=some", "-o", path("run")}, "--robust is \"some\", but takes the word all, or none");
 }
 
 TEST_F(Robust, IsAskedForBeforeItsConfidence) {

@@ -57,7 +57,8 @@ class PlantedClosures {
 
   Score score() const {
     std::set<std::pair<PoseIndex, PoseIndex>> kept;
-    for (const auto& o : find_inliers(planted_.log, RobustOptions{}).value().input.closures()) kept.emplace(o.base, o.target);
+    const auto inliers = find_inliers(planted_.log, RobustOptions{}).value();
+    for (const auto& o : inliers.input.closures()) kept.emplace(o.base, o.target);
     Score score;
     const auto closures = planted_.log.closures();
     for (std::size_t k = 0; k < closures.size(); ++k) {
