@@ -118,11 +118,7 @@ TEST_P(DisjointWorlds, StayApart) {
   expect_apart<2>(GetParam(), 20);
   expect_apart<3>(GetParam(), 5);
 }
-/// A thousand of them, for the figure in docs/association.md.
-TEST_P(DisjointWorlds, DISABLED_StayApartAThousandTimes) {
-  expect_apart<2>(GetParam(), 200);
-  expect_apart<3>(GetParam(), 50);
-}
+
 INSTANTIATE_TEST_SUITE_P(OfEveryLayout, DisjointWorlds,
                          ::testing::Values(Layout::kRandom, Layout::kJittered, Layout::kLattice, Layout::kBlocks));
 
