@@ -4,7 +4,7 @@
 #include <mapjoin/io/files/archive.hpp>
 #include <mapjoin/io/files/file_bytes.hpp>
 #include <mapjoin/io/formats/log_format.hpp>
-#include <mapjoin/io/formats/mrclam.hpp>
+#include <mapjoin/io/mrclam/mrclam.hpp>
 #include <mapjoin/io/open.hpp>
 #include <system_error>
 #include <utility>

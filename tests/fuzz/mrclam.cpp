@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include <mapjoin/io/formats/mrclam.hpp>
+#include <mapjoin/io/mrclam/mrclam.hpp>
 #include <tests/fuzz/folder.hpp>
 #include <tests/fuzz/promises.hpp>
 #include <tests/fuzz/targets.hpp>

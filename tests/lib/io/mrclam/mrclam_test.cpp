@@ -6,7 +6,7 @@
 #include <map>
 #include <mapjoin/io/files/file_bytes.hpp>
 #include <mapjoin/io/files/text_scanner.hpp>
-#include <mapjoin/io/formats/mrclam.hpp>
+#include <mapjoin/io/mrclam/mrclam.hpp>
 #include <mapjoin/io/open.hpp>
 #include <numbers>
 #include <tests/support/data.hpp>
@@ -72,7 +72,7 @@ TEST_F(MrclamTest, GivesMotionTheNoiseOfItsTime) {
   EXPECT_NEAR(P(1, 2), noise.turn * noise.turn, 1e-12);  // One second of turning error before one metre.
 }
 
-TEST_F(MrclamTest, LeavesOutRobotsUnknownBarcodesAndWhatCameTooEarly) {
+TEST_F(MrclamTest, LeavesOutUnknownRobotsAndBarcodesAndWhatCameTooEarly) {
   EXPECT_EQ(read().unassociated, 3);
 }
 
@@ -82,6 +82,26 @@ TEST_F(MrclamTest, IsASessionPerRobot) {
   const Log<2> log = read();
   EXPECT_EQ(log.sessions.size(), 2u);
   EXPECT_EQ(log.poses.back(), (PoseId{2, 1}));
+}
+
+TEST_F(MrclamTest, TiesRobotsThatSeeEachOther) {
+  folder.file("Robot2_Odometry.dat", "100 0 0\n");
+  folder.file("Robot2_Measurement.dat", "101 27 3 0\n99 5 1 0\n102 5 2 0\n");
+  const Log<2> log = read();
+  EXPECT_THAT(log.poses, ElementsAre(PoseId{0, 0}, PoseId{0, 1}, PoseId{0, 2}, PoseId{0, 3}, PoseId{1, 0}, PoseId{1, 1},
+                                     PoseId{1, 2}, PoseId{1, 3}));
+  EXPECT_THAT(log.stamps_ns, ElementsAre(100'000'000'000, 101'000'000'000, 102'000'000'000, 103'000'000'000, 100'000'000'000,
+                                         101'000'000'000, 102'000'000'000, 103'000'000'000));
+  ASSERT_EQ(log.closures().size(), 2u);
+  const PoseFactor<2>& by_first = log.closures()[0];
+  EXPECT_EQ(log.poses[by_first.base], (PoseId{0, 3}));
+  EXPECT_EQ(log.poses[by_first.target], (PoseId{1, 3}));
+  EXPECT_EQ(by_first.measured.translation, Point<2>(1, 0));
+  const MrclamNoise noise;
+  const Vector<3> weights(1.0 / (noise.range * noise.range), 1.0 / (noise.bearing * noise.bearing), 0.0);
+  EXPECT_TRUE(by_first.information.isApprox(Matrix<3>(weights.asDiagonal()), 1e-12)) << "nothing is said of the heading";
+  EXPECT_EQ(log.poses[log.closures()[1].base], (PoseId{1, 2}));
+  EXPECT_EQ(log.unassociated, 3) << "too early twice, and an unknown barcode";
 }
 
 TEST_F(MrclamTest, IsALogThoughItIsAFolder) {
@@ -133,7 +153,8 @@ TEST(MrclamData, AgreesWithTheMotionCapture) {
   const Log<2> log = std::get<Log<2>>(read_mrclam(folder).value());
   EXPECT_EQ(log.sessions.size(), 5u);
   EXPECT_EQ(log.observations().size(), 1534u + 3239u + 4348u + 2023u + 4239u);
-  EXPECT_EQ(log.unassociated, 407 + 792 + 1277 + 373 + 1139 + 1 + 0 + 2 + 3 + 0);
+  EXPECT_EQ(log.closures().size(), 407u + 792u + 1277u + 373u + 1139u - 7u) << "seven before the first odometry of the robot seen";
+  EXPECT_EQ(log.unassociated, 1 + 0 + 2 + 3 + 0 + 7);
 
   const auto landmarks = table_in<2>(folder / "Landmark_Groundtruth.dat");
   const auto truth = table_in<3>(folder / "Robot1_Groundtruth.dat.gz");

@@ -1,0 +1,70 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Five robots that see landmarks and each other, against motion capture: together, and each alone.
+#include <fmt/format.h>
+#include <gtest/gtest.h>
+
+#include <filesystem>
+#include <iostream>
+#include <map>
+#include <mapjoin/io/files/file_bytes.hpp>
+#include <mapjoin/io/files/text_scanner.hpp>
+#include <mapjoin/io/mrclam/mrclam.hpp>
+#include <mapjoin/join/run.hpp>
+#include <mapjoin/measure/trajectory_error.hpp>
+#include <tests/support/data.hpp>
+#include <tests/support/temporary_folder.hpp>
+
+namespace mapjoin::testing {
+namespace {
+
+using Trajectory = std::map<double, Pose<2>>;  // by time (s)
+
+Trajectory motion_capture(const std::filesystem::path& file) {
+  const auto bytes = FileBytes::read(file).value();
+  Trajectory truth;
+  for (TextScanner text(file.string(), bytes.view()); text.next_line();) {
+    const double time = text.number();
+    const auto v = text.vector<3>();
+    truth[time] = {v.head<2>(), Rotation<2>(v[2])};
+  }
+  return truth;
+}
+
+/// The ATE (m) of a robot's poses in a map of it or of several.
+double error_of(std::uint32_t session, const GlobalMap<2>& map, const Trajectory& truth) {
+  std::vector<Pose<2>> estimated, captured;
+  for (const PoseIndex p : indices(map.poses)) {
+    const auto at = truth.lower_bound(1e-9 * static_cast<double>(map.stamps_ns[p]));
+    if (map.pose_ids[p].session != session || at == truth.end()) continue;
+    estimated.push_back(map.poses[p]);
+    captured.push_back(at->second);
+  }
+  return absolute_trajectory_error<2>(estimated, captured).errors.translation.rms;
+}
+
+GlobalMap<2> map_of(const std::filesystem::path& folder) {
+  return run(std::get<Log<2>>(read_mrclam(folder).value()), without_verdict()).value().map;
+}
+
+TEST(MrclamRobots, AreTogetherNoFartherFromTheMotionCaptureThanAlone) {
+  const auto data = data_file("mrclam6");
+  const GlobalMap<2> together = map_of(data);
+  double sum_together = 0.0, sum_alone = 0.0;
+  for (std::uint32_t session = 0; session < 5; ++session) {
+    const auto robot = fmt::format("Robot{}", session + 1);
+    const Trajectory truth = motion_capture(data / (robot + "_Groundtruth.dat.gz"));
+    const TemporaryFolder folder;
+    for (const std::string& name : {std::string("Barcodes.dat"), robot + "_Odometry.dat.gz", robot + "_Measurement.dat"}) {
+      std::filesystem::create_symlink(data / name, folder.path() / name);
+    }
+    const double with_others = error_of(session, together, truth);
+    const double alone = error_of(session, map_of(folder.path()), truth);
+    std::cout << robot << ": " << with_others << " m together, " << alone << " m alone\n";
+    sum_together += with_others;
+    sum_alone += alone;
+  }
+  EXPECT_LE(sum_together, sum_alone);
+}
+
+}  // namespace
+}  // namespace mapjoin::testing
