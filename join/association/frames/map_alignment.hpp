@@ -23,7 +23,7 @@ struct MapAlignment {
   AlignmentStatus status = AlignmentStatus::kNone;
   std::vector<Pairing> pairs;   ///< Features of the first map (known) and of the second (sightings), of the best place.
   double score = 0.0;           ///< Its logarithm of odds, against maps that do not overlap.
-  std::size_t other_pairs = 0;  ///< Of the best place that contradicts it; 0 where there is none.
+  std::size_t other_pairs = 0;  ///< Of the best place that contradicts it, or of the larger map on itself; 0 where there is none.
   double other_score = 0.0;
 };
 
@@ -43,7 +43,8 @@ struct AlignmentModel {
 /// the logarithm of the odds against maps that do not overlap: each pairing counts by how much nearer it is than chance would
 /// have it, what one map should have seen of the other and did not counts against it, and so do all the relative poses that
 /// there could have been. A place is taken where the odds are those of `confidence` for every pairing of features that it may
-/// have begun with, and no other one that contradicts it has half its score.
+/// have begun with, and no other one that contradicts it has half its score; nor may what was paired lie so in the larger map
+/// once more, with half that score: then the world repeats itself.
 template <int Dim>
 MapAlignment align_maps(const FeatureMap<Dim>& first, const FeatureMap<Dim>& second, const AlignmentModel<Dim>& model);
 
