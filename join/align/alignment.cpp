@@ -94,6 +94,14 @@ void Correspondences<Dim>::add_pose(const Pose<Dim>& in_first, const Pose<Dim>& 
 }
 
 template <int Dim>
+void Correspondences<Dim>::add_closure(const PoseFactor<Dim>& closure, const Pose<Dim>& in_first, const Pose<Dim>& in_second) {
+  constexpr int kRot = kRotationDof<Dim>;
+  const bool is_position = closure.information.template bottomRightCorner<kRot, kRot>().isZero(0.0);
+  if (is_position) return add_point(in_first.translation, in_second.translation);
+  add_pose(in_first, in_second);
+}
+
+template <int Dim>
 void Correspondences<Dim>::add_point(const Point<Dim>& in_first, const Point<Dim>& in_second) {
   first_points.push_back(in_first);
   second_points.push_back(in_second);
@@ -125,12 +133,12 @@ Correspondences<Dim> correspondences_between(const PartialMap<Dim>& a, const Par
     const auto* base = find_pose(a, closure->base);
     const auto* target = find_pose(b, closure->target);
     if (base && target) {
-      correspondences.add_pose(compose(*base, closure->measured), *target);
+      correspondences.add_closure(*closure, compose(*base, closure->measured), *target);
       continue;
     }
     base = find_pose(b, closure->base);
     target = find_pose(a, closure->target);
-    if (base && target) correspondences.add_pose(*target, compose(*base, closure->measured));
+    if (base && target) correspondences.add_closure(*closure, *target, compose(*base, closure->measured));
   }
   for_each_common(a.features, b.features,
                   [&](FeatureIndex i, FeatureIndex j) { correspondences.add_point(a.state.features[i], b.state.features[j]); });

@@ -23,6 +23,8 @@ struct Correspondences {
   std::vector<Point<Dim>> second_points;
 
   void add_pose(const Pose<Dim>& in_first, const Pose<Dim>& in_second);
+  /// The target of a closure, which may be known by its position alone: as a robot that another one sees.
+  void add_closure(const PoseFactor<Dim>& closure, const Pose<Dim>& in_first, const Pose<Dim>& in_second);
   void add_point(const Point<Dim>& in_first, const Point<Dim>& in_second);
   /// The alignments worth trying, those from poses first; empty where the ties do not determine one.
   std::vector<Pose<Dim>> candidates() const;

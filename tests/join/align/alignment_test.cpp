@@ -119,6 +119,24 @@ TYPED_TEST(AlignmentTest, TriesTheFirstTheMiddleAndTheLastOfSharedPoses) {
   }
 }
 
+TYPED_TEST(AlignmentTest, TakesARobotThatIsSeenForAPointWhereverItHeads) {
+  constexpr int kDim = TestFixture::kDim;
+  PoseFactor<kDim> seen{0, 1, Pose<kDim>{}, PoseMatrix<kDim>::Identity()};
+  seen.information.template bottomRightCorner<kRotationDof<kDim>, kRotationDof<kDim>>().setZero();
+  const Pose<kDim> second_in_first = this->random_.template pose<kDim>(5.0, 2.0);
+  Correspondences<kDim> correspondences;
+  for (const auto& point : this->scattered(6)) {
+    Pose<kDim> as_measured = this->random_.template pose<kDim>(0.0, 2.0);
+    Pose<kDim> as_mapped = this->random_.template pose<kDim>(0.0, 2.0);
+    as_measured.translation = transform(second_in_first, point);
+    as_mapped.translation = point;
+    correspondences.add_closure(seen, as_measured, as_mapped);
+  }
+  const auto tries = correspondences.candidates();
+  ASSERT_EQ(tries.size(), 1u);
+  EXPECT_LT(local(tries.front(), second_in_first).norm(), 1e-9);
+}
+
 /// Two partial maps that share a pose and a feature; each sees the shared feature and one of its own from both its poses.
 TYPED_TEST(AlignmentTest, SharedFactorsWeighWhatAlignmentsChange) {
   constexpr int kDim = TestFixture::kDim;
