@@ -14,6 +14,7 @@
 #include <mapjoin/io/formats/gps_csv.hpp>
 #include <mapjoin/io/formats/stamps.hpp>
 #include <mapjoin/io/merged_maps.hpp>
+#include <mapjoin/join/association/associate_stored.hpp>
 #include <mapjoin/join/association/frames/name_fit.hpp>
 #include <mapjoin/join/robust/fix_inliers.hpp>
 #include <utility>
@@ -28,6 +29,14 @@ void take_weights(const Options& options, StoredMaps<Dim>& stored) {
   if (are_those && !options.read.repair_information) return;
   fail(ErrorKind::kUsage,
        "the weights of a store are chosen when it is built: --covariance and --repair-information go with `mapjoin build`");
+}
+
+/// The maps of a store were built by names.
+void demand_names(const std::string& input, const AssociationOptions& association) {
+  if (association.names_hold) return;
+  fail(ErrorKind::kUsage, input +
+                              ": the local maps of a store were built by the ids of its log: --features own keeps these "
+                              "within each of several stores; of one, --associate goes with `mapjoin build`");
 }
 
 template <int Dim>
@@ -150,6 +159,7 @@ Input CommandRun::take_input(Input input) {
 
 template <typename Data>
 void CommandRun::associate_features(Data& data) {
+  if constexpr (requires { data.log; }) demand_names(run_report.input, *options_.association);
   const Stopwatch watch(run_report.association_seconds);
   AssociationOptions association = *options_.association;
   if (progress_.is_shown()) {
@@ -159,8 +169,8 @@ void CommandRun::associate_features(Data& data) {
   run_report.association = options_.association;
   run_report.associations = std::move(associated.sightings);
   data = std::move(associated.data);
+  run_report.describe(data);
   if (!associated.untied.empty()) settle_untied(associated.untied, data);
-  run_report.counts.features = data.features.size();
 }
 
 template <typename Data>
@@ -173,13 +183,6 @@ void CommandRun::settle_untied(const std::vector<UntiedParts>& untied, Data& dat
   } else {
     fail(ErrorKind::kBadInput, why);
   }
-}
-
-template <int Dim>
-void CommandRun::associate_features(StoredMaps<Dim>&) {
-  fail(ErrorKind::kUsage, run_report.input +
-                              ": the local maps of a store were built by the ids of its log; --associate goes with "
-                              "`mapjoin build`");
 }
 
 template <int Dim>

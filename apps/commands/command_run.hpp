@@ -87,11 +87,9 @@ class CommandRun {
   RunReport run_report;
 
  private:
-  /// Finds out which features are the same; kUsage of a store, whose local maps were built of features with names.
+  /// Finds out which features are the same; kUsage of stores whose names do not hold, for their local maps were built by them.
   template <typename Data>
   void associate_features(Data& data);
-  template <int Dim>
-  void associate_features(StoredMaps<Dim>& stored);
   /// Says why parts were not aligned, unless the largest of a log's is asked for, which is then taken.
   template <typename Data>
   void settle_untied(const std::vector<UntiedParts>& untied, Data& data);

@@ -4,9 +4,12 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <mapjoin/io/formats/log_format.hpp>
 #include <tests/apps/command.hpp>
+#include <tests/support/cut_log.hpp>
 #include <tests/support/file_bytes.hpp>
 #include <tests/support/temporary_folder.hpp>
+#include <tests/support/wood.hpp>
 
 namespace mapjoin::testing {
 namespace {
@@ -38,6 +41,25 @@ TEST_F(AssociateCommandTest, WritesTheSameWithAnyNumberOfJobs) {
   }
   EXPECT_EQ(content_of(file("1.associations.csv")), content_of(file("2.associations.csv")));
   EXPECT_EQ(content_of(file("1.g2o")), content_of(file("2.g2o")));
+}
+
+TEST_F(AssociateCommandTest, TiesStoresOfUnknownFrames) {
+  const auto world = wood<2>(1).log;
+  for (const std::size_t session : {0U, 1U}) {
+    const std::string name = std::to_string(session);
+    ASSERT_TRUE(write_log<2>(cut_session(world, session, 2), LogFormat::kG2o, file(name + ".g2o")));
+    ASSERT_EQ(call({"build", file(name + ".g2o"), "--poses-per-map", "15", "--quiet", "-o", file(name + ".maps")}).exit_code,
+              0);
+  }
+  const auto of_logs = report_of({"run", file("0.g2o"), file("1.g2o"), "--poses-per-map", "15", "--features", "own",
+                                  "--associate", "-o", file("logs.g2o")});
+  const auto of_stores =
+      report_of({"join", file("0.maps"), file("1.maps"), "--features", "own", "--associate", "-o", file("stores.g2o")});
+  EXPECT_GT(of_logs["local_maps"]["count"].get<int>(), 2);
+  EXPECT_EQ(of_stores["association"], of_logs["association"]);
+  EXPECT_EQ(content_of(file("stores.associations.csv")), content_of(file("logs.associations.csv")));
+  EXPECT_NEAR(of_stores["chi2"].get<double>(), of_logs["chi2"].get<double>(), 1e-6 * of_logs["chi2"].get<double>());
+  EXPECT_EQ(of_stores["verdict"], "fits");
 }
 
 TEST_F(AssociateCommandTest, GoesWithBuildNotWithTheJoinOfAStore) {

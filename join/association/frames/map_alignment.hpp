@@ -21,9 +21,10 @@ enum class AlignmentStatus : std::uint8_t {
 /// Which features of two maps are the same.
 struct MapAlignment {
   AlignmentStatus status = AlignmentStatus::kNone;
-  std::vector<Pairing> pairs;   ///< Features of the first map (known) and of the second (sightings), of the best place.
-  double score = 0.0;           ///< Its logarithm of odds, against maps that do not overlap.
-  std::size_t other_pairs = 0;  ///< Of the best place that contradicts it, or of the larger map on itself; 0 where there is none.
+  std::vector<Pairing> pairs;  ///< Features of the first map (known) and of the second (sightings), of the best place.
+  double score = 0.0;          ///< Its logarithm of odds, against maps that do not overlap.
+  std::size_t other_pairs =
+      0;  ///< Of the best place that contradicts it, or of the larger map on itself; 0 where there is none.
   double other_score = 0.0;
 };
 

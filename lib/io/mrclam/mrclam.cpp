@@ -116,7 +116,8 @@ Expected<Poses> add_poses(std::uint32_t session, const Robot& robot, const std::
       const PoseId next{session, pose.key + 1};
       const auto W = information_of_covariance<3>(0.5 * (motion.P + motion.P.transpose()));
       if (!W)
-        return bad_input(fmt::format("robot {} moves too far until the time {} for its motion to be weighed", session + 1, time));
+        return bad_input(
+            fmt::format("robot {} moves too far until the time {} for its motion to be weighed", session + 1, time));
       builder.add_pose_edge(pose, next, moved, *W);
       pose = next;
       pose_time = time;

@@ -6,25 +6,12 @@
 #include <mapjoin/join/association/associate.hpp>
 #include <mapjoin/join/run.hpp>
 #include <mapjoin/model/merged_logs.hpp>
-#include <mapjoin/simulate/manhattan.hpp>
 #include <tests/support/cut_log.hpp>
 #include <tests/support/dimensions.hpp>
+#include <tests/support/wood.hpp>
 
 namespace mapjoin::testing {
 namespace {
-
-/// A feature every few metres, off the lattice by chance.
-template <int Dim>
-Simulation<Dim> wood(std::uint64_t seed) {
-  ManhattanOptions options;
-  options.seed = seed;
-  options.poses = Dim == 2 ? 300 : 120;
-  options.side = Dim == 2 ? 15.0 : 10.0;
-  options.range = Dim == 2 ? 5.0 : 6.0;
-  options.feature_cell = Dim == 2 ? 2.5 : 4.0;
-  options.feature_jitter = Dim == 2 ? 1.2 : 1.8;
-  return simulate_manhattan<Dim>(options);
-}
 
 template <int Dim>
 Log<Dim> in_two_sessions(const Log<Dim>& log) {

@@ -153,7 +153,8 @@ TEST(MrclamData, AgreesWithTheMotionCapture) {
   const Log<2> log = std::get<Log<2>>(read_mrclam(folder).value());
   EXPECT_EQ(log.sessions.size(), 5u);
   EXPECT_EQ(log.observations().size(), 1534u + 3239u + 4348u + 2023u + 4239u);
-  EXPECT_EQ(log.closures().size(), 407u + 792u + 1277u + 373u + 1139u - 7u) << "seven before the first odometry of the robot seen";
+  EXPECT_EQ(log.closures().size(), 407u + 792u + 1277u + 373u + 1139u - 7u)
+      << "seven before the first odometry of the robot seen";
   EXPECT_EQ(log.unassociated, 1 + 0 + 2 + 3 + 0 + 7);
 
   const auto landmarks = table_in<2>(folder / "Landmark_Groundtruth.dat");
