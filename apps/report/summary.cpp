@@ -126,7 +126,8 @@ std::string counts_in_words(const RunReport& run_report) {
   add(counts.observations, "observation");
   add(counts.priors, "prior");
   add(counts.fixed_poses, "fixed pose");
-  if (counts.sessions > 1) add(counts.sessions, "session");
+  const bool is_driven = counts.odometry > 0;  // Of a trajectory alone nothing is known of sessions.
+  if (is_driven && counts.sessions > 1) add(counts.sessions, "session");
   return text;
 }
 
