@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cmath>
 #include <mapjoin/geometry/pose.hpp>
+#include <mapjoin/join/association/feature_estimate.hpp>
 #include <vector>
 
 namespace mapjoin {
@@ -32,5 +33,17 @@ struct FeatureMap {
     return std::max(0.0, direction.dot(relative_covariance(i, k) * direction));
   }
 };
+
+/// The map of some features of an estimate, in their order, with its scale; `poses` is empty. Errors as of
+/// MapCovariances::joint().
+template <int Dim>
+Expected<FeatureMap<Dim>> feature_map_of(const FeatureEstimate<Dim>& estimate, const std::vector<FeatureIndex>& features) {
+  const std::vector<PoseOrFeature> all(features.begin(), features.end());
+  return estimate.covariances->joint(all).map([&](const Eigen::MatrixXd& covariance) {
+    FeatureMap<Dim> map{{}, estimate.scale * covariance, {}};
+    for (const FeatureIndex f : features) map.features.push_back(estimate.covariances->state().features[f]);
+    return map;
+  });
+}
 
 }  // namespace mapjoin

@@ -48,9 +48,8 @@ class Aligner {
         alignment.other_pairs = other->pairs.size();
       }
     }
-    const double odds = model_.confidence / (1.0 - model_.confidence);
     const double pairings = static_cast<double>(first_.features.size()) * static_cast<double>(second_.features.size());
-    if (best.score - model_.log_tests - std::log(pairings) < std::log(odds)) return alignment;
+    if (best.score - model_.log_tests - std::log(pairings) < model_.log_odds()) return alignment;
     if (is_unique(alignment)) look_for_repeats(alignment);
     alignment.status = is_unique(alignment) ? AlignmentStatus::kFound : AlignmentStatus::kAmbiguous;
     return alignment;

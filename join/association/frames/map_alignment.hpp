@@ -3,6 +3,7 @@
 // Where one map lies in another whose frame is not known, by the constellations of their features; nowhere, where that is not
 // sure.
 
+#include <cmath>
 #include <cstdint>
 #include <mapjoin/join/association/frames/constellation.hpp>
 #include <mapjoin/join/association/frames/feature_map.hpp>
@@ -35,6 +36,9 @@ struct AlignmentModel {
   const SightingChance& sees;
   double confidence = 0.99;
   double log_tests = 0.0;  ///< The logarithm of the number of pairs of maps that are tried.
+
+  /// Of what is as probable as the confidence.
+  double log_odds() const { return std::log(confidence / (1.0 - confidence)); }
 };
 
 /// Aligns two maps.

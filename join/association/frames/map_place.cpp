@@ -184,8 +184,7 @@ void MapPlaces<Dim>::extend(const PairingProblem<Dim>& problem, std::size_t sigh
     if (best) second = best->gain;
     best = std::move(extension);
   }
-  const double odds = model_.confidence / (1.0 - model_.confidence);
-  if (best && best->gain > std::max(0.0, second + std::log(odds))) hypothesis.extend(*best);
+  if (best && best->gain > std::max(0.0, second + model_.log_odds())) hypothesis.extend(*best);
 }
 
 /// What speaks against a place: features that have no partner in the other map, which should have seen them there.

@@ -2,7 +2,6 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
-#include <mapjoin/join/association/feature_estimate.hpp>
 #include <mapjoin/join/association/frames/feature_map.hpp>
 #include <mapjoin/join/association/frames/name_fit.hpp>
 #include <mapjoin/measure/statistics.hpp>
@@ -25,16 +24,6 @@ std::vector<std::pair<FeatureIndex, FeatureIndex>> shared(const NamedFeatures& f
     if (const auto other = second.find(name); other != second.end()) both.emplace_back(feature, other->second);
   }
   return both;
-}
-
-template <int Dim>
-Expected<FeatureMap<Dim>> map_of(const FeatureEstimate<Dim>& estimate, const std::vector<FeatureIndex>& features) {
-  const std::vector<PoseOrFeature> all(features.begin(), features.end());
-  return estimate.covariances->joint(all).map([&](const Eigen::MatrixXd& covariance) {
-    FeatureMap<Dim> map{{}, covariance, {}};
-    for (const FeatureIndex f : features) map.features.push_back(estimate.covariances->state().features[f]);
-    return map;
-  });
 }
 
 /// The share of distances that are the same in two maps of the same features.
@@ -85,8 +74,8 @@ Expected<std::optional<NameFit>> worst_fit(const Data& data, const Seen& seen, s
         of_a.push_back(both[k].first);
         of_b.push_back(both[k].second);
       }
-      const auto first = map_of(*estimate, of_a);
-      const auto second = map_of(*estimate, of_b);
+      const auto first = feature_map_of(*estimate, of_a);
+      const auto second = feature_map_of(*estimate, of_b);
       if (!first || !second) return tl::unexpected(first ? second.error() : first.error());
       const NameFit fit{data.poses[parts.first_poses[a]], data.poses[parts.first_poses[b]], both.size(),
                         share_alike(*first, *second, gate)};

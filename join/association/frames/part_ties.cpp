@@ -20,18 +20,14 @@ Expected<Part<Dim>> part_of(const FeatureEstimate<Dim>& estimate, std::uint32_t 
   const Values<Dim>& state = estimate.covariances->state();
   Part<Dim> part;
   for (const FeatureIndex f : indices(state.features)) {
-    if (estimate.parts.of_feature[f] != number) continue;
-    part.features.push_back(f);
-    part.map.features.push_back(state.features[f]);
+    if (estimate.parts.of_feature[f] == number) part.features.push_back(f);
   }
-  for (const PoseIndex p : indices(state.poses)) {
-    if (estimate.parts.of_pose[p] == number && estimate.restored->graph.is_joined[p]) {
-      part.map.poses.push_back(state.poses[p].translation);
+  return feature_map_of(estimate, part.features).map([&](FeatureMap<Dim>&& map) {
+    part.map = std::move(map);
+    for (const PoseIndex p : indices(state.poses)) {
+      const bool is_its = estimate.parts.of_pose[p] == number && estimate.restored->graph.is_joined[p];
+      if (is_its) part.map.poses.push_back(state.poses[p].translation);
     }
-  }
-  const std::vector<PoseOrFeature> all(part.features.begin(), part.features.end());
-  return estimate.covariances->joint(all).map([&](Eigen::MatrixXd&& covariance) {
-    part.map.covariance = estimate.scale * covariance;
     return std::move(part);
   });
 }

@@ -91,6 +91,18 @@ TEST_P(UnknownFrames, AreFoundByFeatures) {
   }
 }
 
+/// Beacons every three metres look the same everywhere.
+TEST(UnknownFrames, OfARegularGridStayApart) {
+  const auto set = std::get<SubmapSet<2>>(open_maps(data_file("sim-35188/localmaps_mat.tar.gz")).value());
+  const TemporaryFolder folder;
+  const auto maps = open_several_maps(cut_maps(set, 2, folder.path()), {}, {.own_features = true}).value();
+  AssociationOptions options;
+  options.names_hold = true;
+  const auto found = associate(std::get<SubmapSet<2>>(maps), options).value();
+  ASSERT_EQ(found.untied.size(), 1u);
+  EXPECT_EQ(found.untied.front().alignment.status, AlignmentStatus::kAmbiguous);
+}
+
 /// With no names at all citytrees takes minutes.
 std::vector<Hidden> cases() {
   std::vector<Hidden> all;
