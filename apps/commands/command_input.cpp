@@ -1,0 +1,165 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// What a command reads, and what it asks of that before the work: who is who, and what is wrong.
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <apps/commands/command_run.hpp>
+#include <apps/report/associations.hpp>
+#include <mapjoin/check/connectivity.hpp>
+#include <mapjoin/io/formats/gps_csv.hpp>
+#include <mapjoin/io/formats/stamps.hpp>
+#include <mapjoin/io/merged_maps.hpp>
+#include <mapjoin/join/association/associate_stored.hpp>
+#include <mapjoin/join/robust/fix_inliers.hpp>
+#include <utility>
+
+namespace mapjoin::apps {
+namespace {
+
+/// A store's maps are built already: with the weights that it names.
+template <int Dim>
+void take_weights(const Options& options, StoredMaps<Dim>& stored) {
+  const bool are_those = options.covariance == Covariance::kOriginal || options.covariance == stored.log.conventions.covariance;
+  if (are_those && !options.read.repair_information) return;
+  fail(ErrorKind::kUsage,
+       "the weights of a store are chosen when it is built: --covariance and --repair-information go with `mapjoin build`");
+}
+
+/// The maps of a store were built by names.
+void demand_names(const std::string& input, const AssociationOptions& association) {
+  if (association.names_hold) return;
+  fail(ErrorKind::kUsage, input +
+                              ": the local maps of a store were built by the ids of its log: --features own keeps these "
+                              "within each of several stores; of one, --associate goes with `mapjoin build`");
+}
+
+}  // namespace
+
+AnyLog CommandRun::read_log() {
+  AnyLog log = take_input(open_input());
+  if (!options_.gps.empty()) std::visit([&](auto& any) { attach_gps(any); }, log);
+  return log;
+}
+
+AnyLog CommandRun::open_input() {
+  auto log = timed(run_report.read_seconds, [&] {
+    return open_logs(inputs(), options_.read, options_.merging).and_then([&](AnyLog&& any) {
+      const bool takes_largest = options_.parts == Parts::kLargest && !options_.association;
+      return stamped(std::move(any)).map([&](AnyLog&& all) { return takes_largest ? largest(all) : all; });
+    });
+  });
+  if (!log && std::ranges::any_of(inputs(), may_hold_maps)) {
+    fail(ErrorKind::kBadInput,
+         fmt::format("{}: not a log, but perhaps local maps, which `mapjoin join` takes", run_report.input));
+  }
+  return std::move(log).value();
+}
+
+std::vector<std::filesystem::path> CommandRun::inputs() const {
+  std::vector<std::filesystem::path> all = {options_.input};
+  all.insert(all.end(), options_.further.begin(), options_.further.end());
+  return all;
+}
+
+AnyLog CommandRun::largest(const AnyLog& any) {
+  const auto take = [](const auto& log) -> AnyLog {
+    auto part = parts_of(log).front();
+    part.skipped = log.skipped;
+    part.unassociated = log.unassociated;
+    const auto left = static_cast<std::int64_t>(log.poses.size() - part.poses.size());
+    if (left > 0) part.skipped["poses of other parts"] = left;
+    return part;
+  };
+  return std::visit(take, any);
+}
+
+Expected<AnyLog> CommandRun::stamped(AnyLog any) const {
+  const auto stamp = [&](auto& log) -> Expected<void> {
+    if (options_.ids_are_nanoseconds) take_ids_as_stamps(log);
+    return options_.stamps.empty() ? Expected<void>() : read_stamps(options_.stamps, log);
+  };
+  return std::visit(stamp, any).map([&] { return std::move(any); });
+}
+
+AnyMaps CommandRun::read_maps() {
+  return take_input(
+      timed(run_report.read_seconds, [&] { return open_several_maps(inputs(), options_.read, options_.merging); }).value());
+}
+
+template <typename Input>
+Input CommandRun::take_input(Input input) {
+  std::visit(
+      [&](auto& any) {
+        take_weights(options_, any);
+        run_report.describe(any);
+        if (options_.association) associate_features(any);
+        if (options_.robust) reject_outliers(any);
+      },
+      input);
+  check_interrupted();
+  return input;
+}
+
+template <typename Data>
+void CommandRun::associate_features(Data& data) {
+  if constexpr (requires { data.log; }) demand_names(run_report.input, *options_.association);
+  const Stopwatch watch(run_report.association_seconds);
+  AssociationOptions association = *options_.association;
+  if (progress_.is_shown()) {
+    association.progress = [this](std::size_t joins) { progress_.show("associating, joins", joins, joins); };
+  }
+  auto associated = associate(data, association, stop_).value();
+  run_report.association = options_.association;
+  run_report.associations = std::move(associated.sightings);
+  data = std::move(associated.data);
+  run_report.describe(data);
+  if (!associated.untied.empty()) settle_untied(associated.untied, data);
+}
+
+template <typename Data>
+void CommandRun::settle_untied(const std::vector<UntiedParts>& untied, Data& data) {
+  const std::string why = fmt::format("{}: {}", run_report.input, untied_in_words(untied));
+  if constexpr (requires { data.observations(); }) {
+    if (options_.parts != Parts::kLargest) fail(ErrorKind::kBadInput, why + "; --parts largest takes the largest part");
+    data = std::get<Data>(largest(data));
+    run_report.describe(data);
+  } else {
+    fail(ErrorKind::kBadInput, why);
+  }
+}
+
+template <int Dim>
+void CommandRun::attach_gps(Log<Dim>& log) {
+  const GpsFixes fixes = timed(run_report.read_seconds, [&] { return read_gps_csv(options_.gps).value(); });
+  const AttachedFixes attached = attach_fixes(fixes, options_.of_gps, log).value();
+  std::vector<RejectedFix> rejected;
+  if (options_.robust) {
+    const Stopwatch watch(run_report.robust_seconds);
+    rejected = find_wrong_fixes(log, *options_.robust, stop_).value();
+  }
+  run_report.describe(log, attached, rejected);
+  log = without_fixes(log, rejected);
+}
+
+template <typename Input>
+void CommandRun::reject_outliers(Input& input) {
+  const Stopwatch watch(run_report.robust_seconds);
+  if (progress_.is_shown()) progress_.show("rejecting", 0, 1);
+  RobustOptions robust = *options_.robust;
+  robust.engine = options_.run.solver.engine;
+  auto inliers = find_inliers(input, robust, stop_).value();
+  run_report.robust = options_.robust;
+  run_report.describe(input, inliers.rejected);
+  input = std::move(inliers.input);
+}
+
+template <int Dim>
+void CommandRun::reject_outliers(StoredMaps<Dim>&) {
+  fail(ErrorKind::kUsage,
+       "the local maps of a store are built already, with what may be wrong: --robust goes with `mapjoin run LOG`, whose "
+       "inliers.g2o `mapjoin build` takes");
+}
+
+template AnyLog CommandRun::take_input(AnyLog);
+
+}  // namespace mapjoin::apps

@@ -1,0 +1,126 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// The options that say what is read, and how.
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <apps/commands/options.hpp>
+#include <mapjoin/io/formats/log_format.hpp>
+#include <memory>
+#include <optional>
+#include <sstream>
+#include <vector>
+
+namespace mapjoin::apps {
+namespace {
+
+void add_format(Subcommand& command, Options& options) {
+  std::vector<std::string_view> names;
+  for (const auto& [format, name] : enum_names(LogFormat())) names.push_back(name);
+  const std::string words = fmt::format("{}", fmt::join(names, "|"));
+  command.option("--from", words, "Take the log as of this format [known by its content]",
+                 [&options, words](const std::string& word) -> std::optional<std::string> {
+                   const auto all = enum_names(LogFormat());
+                   const auto asked = std::ranges::find(all, word, &EnumName<LogFormat>::name);
+                   if (asked == all.end()) return "not one of " + words;
+                   options.read.from = asked->value;
+                   return std::nullopt;
+                 });
+}
+
+/// What files of others have that a log has no place for.
+void add_leniency(Subcommand& command, Options& options) {
+  command.flag("--skip-unknown", options.read.skip_unknown, "Leave out lines of unknown tags, and count them");
+  command.flag("--skip-self-edges", options.read.skip_self_edges, "Leave out edges from a pose to itself, and count them");
+  const auto skip = std::make_shared<bool>(false);
+  command.flag("--skip-undeclared", *skip, "Leave out edges to what a file with vertices does not declare, and count them");
+  command.flag("--identity-where-missing", options.read.identity_where_missing,
+               "Take the identity for the weights of edges without any, and count them");
+  command.check([&options, skip]() -> std::vector<std::string> {
+    if (*skip) options.read.undeclared = Undeclared::kSkipped;
+    return {};
+  });
+}
+
+}  // namespace
+
+void add_weights(Subcommand& command, Options& options) {
+  command.group("Reading");
+  command.choice("--covariance", options.covariance, "Weights as given, or every information matrix replaced by the identity");
+  command.flag(
+      "--repair-information", options.read.repair_information,
+      "Take the symmetric part of an asymmetric information matrix or covariance and the nearest semidefinite one of an "
+      "indefinite one, and count them");
+}
+
+void add_reading(Subcommand& command, Options& options) {
+  add_weights(command, options);
+  command.choice("--g2o-error", options.read.pose_error,
+                 "What a g2o file's pose-pose information weighs: the residual in the frame of the base, or g2o's");
+  command.choice("--rotation-information", options.read.rotation_information,
+                 "What its rotational part weighs in 3D: the rotation vector (GTSAM, SE-Sync) or the quaternion's (g2o)");
+  add_format(command, options);
+  add_leniency(command, options);
+}
+
+void add_further(Subcommand& command, Options& options, const std::string& kind) {
+  command.further("FURTHER", options.further, "Further " + kind + ", each a session in a frame and with pose ids of its own");
+  command.group("Reading");
+  command.choice("--features", options.merging.own_features, std::to_array<EnumName<bool>>({{false, "shared"}, {true, "own"}}),
+                 "Whether features of the same id in different " + kind + " are the same");
+  command.check([&command, &options]() -> std::vector<std::string> {
+    options.asks_features = !options.further.empty() && !command.is_given("--features");
+    return {};
+  });
+}
+
+void add_further_logs(Subcommand& command, Options& options) {
+  add_further(command, options, "logs");
+  command.flag("--keep-copies", options.merging.keep_copies, "Edges that stand in two logs count twice");
+  command.path("--stamps", options.stamps, "FILE", "Times of poses: lines of id and time (s)");
+  command.flag("--ids-are-nanoseconds", options.ids_are_nanoseconds, "Ids of poses are their times (ns)");
+  command.check([&options]() -> std::vector<std::string> {
+    if (options.stamps.empty() || !options.ids_are_nanoseconds) return {};
+    return {"--stamps and --ids-are-nanoseconds exclude each other"};
+  });
+}
+
+void add_gps(Subcommand& command, Options& options) {
+  command.group("Georeferencing");
+  command.path("--gps", options.gps, "FILE",
+               "Fixes of a satellite receiver hold the map, which is then east, north and up: CSV with columns time or pose, "
+               "latitude, longitude, sd_east, sd_north and, in space, height, sd_up; with --robust wrong ones are left out");
+  command.option("--gps-lever", "X,Y[,Z]", "Where the antenna is in the frame of a pose (m) [0,0,0]",
+                 [&options](const std::string& words) -> std::optional<std::string> {
+                   std::istringstream list(words + ",");
+                   int count = 0;
+                   for (std::string word; std::getline(list, word, ','); ++count) {
+                     const auto number = number_in<double>(word);
+                     if (!number || count == 3) return "not two or three numbers with commas between them";
+                     options.of_gps.lever[count] = *number;
+                   }
+                   return count < 2 ? std::optional("not two or three numbers with commas between them") : std::nullopt;
+                 });
+  command.number<double>("--gps-apart", options.of_gps.most_apart, 0.0, "S",
+                         "Between a fix and the pose nearest in time; a fix that is farther from one is left out");
+  command.check([&command, &options]() -> std::vector<std::string> {
+    if (!options.gps.empty()) return {};
+    for (const char* of_gps : {"--gps-lever", "--gps-apart"}) {
+      if (command.is_given(of_gps)) return {std::string(of_gps) + " is of --gps"};
+    }
+    return {};
+  });
+}
+
+void add_parts(Subcommand& command, Options& options) {
+  command.group("Reading");
+  command.choice(
+      "--parts", options.parts,
+      "Of a log whose parts nothing ties together: none, the largest, or all (with `run -o DIR`: a folder for each)");
+}
+
+std::vector<std::string> check_one_part(const Options& options) {
+  if (options.parts != Parts::kAll) return {};
+  return {"--parts all makes a map of each part: it goes with `mapjoin run -o DIR`"};
+}
+
+}  // namespace mapjoin::apps
