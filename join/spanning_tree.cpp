@@ -16,7 +16,7 @@ struct Relation {
   std::size_t number;  // among the targets of its observation
 };
 
-/// In the order in which they are wanted. A prior that does not say how a pose is turned relates it to nothing.
+/// In the order in which they are wanted. What does not say how a pose is turned relates it to nothing.
 template <int Dim>
 std::vector<Relation> pose_relations(const JoiningSystem<Dim>& system) {
   std::vector<Relation> relations;
@@ -24,9 +24,7 @@ std::vector<Relation> pose_relations(const JoiningSystem<Dim>& system) {
   for (const auto& o : system.pose_factors()) {
     const bool is_chain = std::abs(o.target - o.base) == 1;
     const auto rank = o.base == kWorld ? Relation::kPrior : is_chain ? Relation::kChain : Relation::kClosure;
-    if (rank != Relation::kPrior || measures_rotation(*o.observation)) {
-      relations.push_back({rank, o.base, o.target, factor, 0});
-    }
+    if (measures_rotation(*o.observation)) relations.push_back({rank, o.base, o.target, factor, 0});
     ++factor;
   }
   factor += system.feature_factors().size();

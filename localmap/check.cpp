@@ -25,7 +25,9 @@ bool cover_sessions(const Log<Dim>& log, const std::vector<Segment>& segments) {
 
 template <int Dim>
 bool is_map_of(const LocalMap<Dim>& map, const SegmentView<Dim>& view) {
-  return map.base == view.begin && map.poses == view.kept && map.features == view.features;
+  auto features = map.features;
+  std::ranges::sort(features);
+  return map.base == view.begin && map.poses == view.kept && features == view.features;
 }
 
 }  // namespace

@@ -38,6 +38,9 @@ std::string untied_in_words(const std::vector<UntiedParts>& untied) {
   if (alignment.status == AlignmentStatus::kAmbiguous) {
     why = fmt::format("{} features agree at one place, {} at another", alignment.pairs.size(), alignment.other_pairs);
   }
+  if (alignment.status == AlignmentStatus::kRepeated) {
+    why = fmt::format("{} features agree, but lie so elsewhere, too, in the larger of the two", alignment.pairs.size());
+  }
   return fmt::format("{} and {} stay apart, nothing ties them and their features do not say where they lie: {}{}",
                      to_string(nearest.first), to_string(nearest.second), why,
                      untied.size() > 1 ? fmt::format("; {} pairs of parts more stay apart", untied.size() - 1) : "");

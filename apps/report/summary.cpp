@@ -126,8 +126,8 @@ std::string counts_in_words(const RunReport& run_report) {
   add(counts.observations, "observation");
   add(counts.priors, "prior");
   add(counts.fixed_poses, "fixed pose");
-  const bool is_driven = counts.odometry > 0;  // Of a trajectory alone nothing is known of sessions.
-  if (is_driven && counts.sessions > 1) add(counts.sessions, "session");
+  const bool has_measurements = counts.odometry + counts.closures + counts.observations > 0;
+  if (has_measurements && counts.sessions > 1) add(counts.sessions, "session");
   return text;
 }
 
@@ -177,7 +177,7 @@ void add_notes(const RunReport& run_report, Lines& lines) {
   std::vector<std::string> skipped;
   for (const auto& [what, count] : run_report.counts.skipped) skipped.push_back(fmt::format("{} {}", count, what));
   note(!skipped.empty(), fmt::format("left out: {}", fmt::join(skipped, ", ")));
-  note(run_report.counts.shared_features > 0 && run_report.is_joined && run_report.figures.fit.verdict == Verdict::kMisfit,
+  note(!run_report.association && run_report.counts.shared_features > 0 && run_report.is_joined && run_report.figures.fit.verdict == Verdict::kMisfit,
        fmt::format("{} in several inputs and taken as the same: if they are not, --features own",
                    plural(run_report.counts.shared_features, "feature has its id", "features have their ids")));
   note(run_report.was_damaged, "what an interrupted build had left was damaged: the build began afresh");

@@ -95,10 +95,8 @@ void Correspondences<Dim>::add_pose(const Pose<Dim>& in_first, const Pose<Dim>& 
 
 template <int Dim>
 void Correspondences<Dim>::add_closure(const PoseFactor<Dim>& closure, const Pose<Dim>& in_first, const Pose<Dim>& in_second) {
-  constexpr int kRot = kRotationDof<Dim>;
-  const bool is_position = closure.information.template bottomRightCorner<kRot, kRot>().isZero(0.0);
-  if (is_position) return add_point(in_first.translation, in_second.translation);
-  add_pose(in_first, in_second);
+  if (measures_rotation(closure)) return add_pose(in_first, in_second);
+  add_point(in_first.translation, in_second.translation);
 }
 
 template <int Dim>

@@ -1,8 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include <algorithm>
 #include <mapjoin/join/association/associate_stored.hpp>
-#include <mapjoin/localmap/segment_view.hpp>
-#include <set>
 #include <stdexcept>
 #include <utility>
 
@@ -17,37 +14,6 @@ Table<FeatureIndex, FeatureIndex> new_names(const Log<Dim>& log, const Log<Dim>&
     names[log.observations()[k].target] = renamed.observations()[k].target;
   }
   return names;
-}
-
-/// Whether every feature is seen in several segments.
-template <int Dim>
-Table<FeatureIndex, bool> shared_features(const StoredMaps<Dim>& stored) {
-  Table<FeatureIndex, int> segments(stored.log.features.size(), 0);
-  for (const Segment& segment : stored.segments) {
-    std::set<FeatureIndex> seen;
-    for (const auto& observation : observations_of(stored.log, segment)) seen.insert(observation.target);
-    for (const FeatureIndex feature : seen) ++segments[feature];
-  }
-  Table<FeatureIndex, bool> shared;
-  for (const int count : segments) shared.push_back(count > 1);
-  return shared;
-}
-
-/// Without the maps inside which a shared feature was marginalised: their segments are raw.
-template <int Dim>
-void give_way(StoredMaps<Dim>& stored) {
-  const Table<FeatureIndex, bool> shared = shared_features(stored);
-  std::vector<LocalMap<Dim>> kept;
-  auto map = stored.maps.begin();
-  for (Segment& segment : stored.segments) {
-    if (!segment.is_map) continue;
-    segment.is_map = std::ranges::none_of(observations_of(stored.log, segment), [&](const FeatureFactor<Dim>& seen) {
-      return shared[seen.target] && std::ranges::find(map->features, seen.target) == map->features.end();
-    });
-    if (segment.is_map) kept.push_back(std::move(*map));
-    ++map;
-  }
-  stored.maps = std::move(kept);
 }
 
 }  // namespace
@@ -65,7 +31,6 @@ Expected<Associated<StoredMaps<Dim>>> associate(const StoredMaps<Dim>& stored, c
     for (LocalMap<Dim>& map : result.data.maps) {
       for (FeatureIndex& feature : map.features) feature = names[feature];
     }
-    give_way(result.data);
     return result;
   });
 }

@@ -5,12 +5,15 @@
 #include <mapjoin/join/robust/closure_support.hpp>
 #include <mapjoin/measure/statistics.hpp>
 #include <mapjoin/parallel/parallel.hpp>
+#include <numbers>
 #include <numeric>
 #include <utility>
 
 namespace mapjoin {
 namespace {
 
+/// The variance of a rotation that nothing measured is beyond that of a turn (rad²).
+constexpr double kAnyTurn = 4.0 * std::numbers::pi * std::numbers::pi;
 /// The odds of a closure of which nothing is known: nine in ten may be wrong.
 const double kPriorOdds = std::log(1.0 / 9.0);
 /// What odometry, or a map, may say against a closure.
@@ -100,7 +103,12 @@ UncertainPose<Dim> ClosureSupport<Dim>::loop(const Closure& a, const Closure& b)
 
 template <int Dim>
 double ClosureSupport<Dim>::evidence_of(const UncertainPose<Dim>& loop, double scale, double most) const {
-  return evidence<kPoseDof<Dim>>(local(Pose<Dim>{}, loop.mean), scale * loop.covariance, volume_, most);
+  const PoseMatrix<Dim> covariance = scale * loop.covariance;
+  const Vector<kPoseDof<Dim>> mismatch = local(Pose<Dim>{}, loop.mean);
+  const bool is_turned_anyhow = covariance.diagonal().template tail<kRotationDof<Dim>>().minCoeff() > kAnyTurn;
+  if (!is_turned_anyhow) return evidence<kPoseDof<Dim>>(mismatch, covariance, volume_, most);
+  return evidence<Dim>(Vector<Dim>(mismatch.template head<Dim>()), Matrix<Dim>(covariance.template topLeftCorner<Dim, Dim>()),
+                       volume_ / kVolumeOfRotations<Dim>, most);
 }
 
 template <int Dim>

@@ -14,6 +14,7 @@
 #include <mapjoin/join/robust/selection.hpp>
 #include <mapjoin/join/robust/sighting_support.hpp>
 #include <mapjoin/measure/statistics.hpp>
+#include <mapjoin/model/information.hpp>
 #include <numeric>
 #include <utility>
 
@@ -218,7 +219,7 @@ class InlierSearch {
     const std::vector<std::size_t> kept = kept_together();
     for (std::size_t k = 0; k < standing_.size(); ++k) {
       if (std::ranges::binary_search(kept, k)) continue;
-      reject(PartKind::kClosure, k, log_.closures()[k], chi2_[k], kPoseDof<Dim>, gates_.widest.closures);
+      reject(PartKind::kClosure, k, log_.closures()[k], chi2_[k], rows_of(k), gates_.widest.closures);
     }
     for (std::size_t k = 0; k < observations_count_.size(); ++k) {
       if (observations_count_[k]) continue;
@@ -228,6 +229,9 @@ class InlierSearch {
     put_in_order(found.input);
     return found;
   }
+
+  /// Measured rows of a closure.
+  int rows_of(std::size_t closure) const { return static_cast<int>(information_rank(log_.closures()[closure].information)); }
 
   /// The closures that are kept and, where these leave the log in parts, the nearest others that tie them together.
   std::vector<std::size_t> kept_together() const {

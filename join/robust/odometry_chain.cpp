@@ -82,8 +82,7 @@ double OdometryChain<Dim>::volume() const {
   for (const PoseIndex p : indices(poses_)) boxes[sessions_[p]].extend(poses_[p].mean.translation);
   double largest = 0.0;
   for (const auto& box : boxes) largest = std::max(largest, box.sizes().cwiseMax(1.0).prod());
-  constexpr double kPi = std::numbers::pi;
-  return largest * (Dim == 2 ? 2.0 * kPi : 8.0 * kPi * kPi);
+  return largest * kVolumeOfRotations<Dim>;
 }
 
 #define MAPJOIN_INSTANTIATE(Dim)                                                             \

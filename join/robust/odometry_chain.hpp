@@ -6,8 +6,13 @@
 #include <mapjoin/geometry/pose.hpp>
 #include <mapjoin/model/ids.hpp>
 #include <mapjoin/model/log.hpp>
+#include <numbers>
 
 namespace mapjoin {
+
+/// The volume of all rotations (rad, rad³).
+template <int Dim>
+inline constexpr double kVolumeOfRotations = Dim == 2 ? 2.0 * std::numbers::pi : 8.0 * std::numbers::pi* std::numbers::pi;
 
 /// A relative pose T = Exp(ξ) T̂ with the covariance of ξ, a twist (translation, then rotation) in the frame of the base. In
 /// this form covariances add up along a chain: those of a product a b are Σ_a + Ad(a) Σ_b Ad(a)ᵀ (to first order).

@@ -4,6 +4,7 @@
 #include <limits>
 #include <mapjoin/graph/graph.hpp>
 #include <mapjoin/join/robust/selection.hpp>
+#include <set>
 #include <utility>
 
 namespace mapjoin {
@@ -26,6 +27,13 @@ std::vector<Edge> ties_without_closures(const Log<Dim>& log) {
   }
   for (const auto& fixed : log.graph.fixed) edges.emplace_back(kWorldVertex, vertex(fixed.pose));
   return edges;
+}
+
+/// The sessions that a closure ties.
+using Sessions = std::pair<std::uint32_t, std::uint32_t>;
+template <int Dim>
+Sessions sessions_of(const Log<Dim>& log, const PoseFactor<Dim>& closure) {
+  return std::minmax(log.poses[closure.base].session, log.poses[closure.target].session);
 }
 
 }  // namespace
@@ -57,8 +65,17 @@ std::vector<std::size_t> tied_together(const Log<Dim>& log, const std::vector<do
   const std::size_t first = edges.size();
   for (const std::size_t k : closures) edges.emplace_back(vertex(log.closures()[k].base), vertex(log.closures()[k].target));
   const std::size_t vertices = 1 + log.poses.size() + log.features.size();
+  std::set<Sessions> met;  // that nothing but robots which see each other tie
   for (const Reached& reached : spanning_forest(vertices, edges, {vertex(0), kWorldVertex})) {
-    if (reached.edge && *reached.edge >= first) is_chosen[closures[*reached.edge - first]] = true;
+    if (!reached.edge || *reached.edge < first) continue;
+    const std::size_t k = closures[*reached.edge - first];
+    if (is_chosen[k]) continue;
+    is_chosen[k] = true;
+    if (!measures_rotation(log.closures()[k])) met.insert(sessions_of(log, log.closures()[k]));
+  }
+  for (std::size_t k = 0; k < is_chosen.size(); ++k) {
+    const PoseFactor<Dim>& closure = log.closures()[k];
+    if (!measures_rotation(closure) && met.contains(sessions_of(log, closure))) is_chosen[k] = true;
   }
   std::vector<std::size_t> chosen;
   for (std::size_t k = 0; k < is_chosen.size(); ++k) {

@@ -13,7 +13,8 @@ template <int Dim>
 Log<Dim> selected(const Log<Dim>& log, const std::vector<std::size_t>& closures, const std::vector<bool>& observations);
 
 /// The closures that are chosen, ascending, and, where these leave the log in parts, those of the others with the largest odds
-/// that tie them together. Observations and priors tie, too.
+/// that tie them together. Observations and priors tie, too. One robot that sees another does not say how that is turned: where
+/// nothing else ties two sessions, all such closures between them are taken.
 template <int Dim>
 std::vector<std::size_t> tied_together(const Log<Dim>& log, const std::vector<double>& odds, std::vector<bool> is_chosen);
 

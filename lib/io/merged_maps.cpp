@@ -32,27 +32,6 @@ Renumbering renumbering(PoseIndex first_pose, const FeatureIds& part, const Feat
   return numbers;
 }
 
-/// How many parts see each feature of the whole.
-Table<FeatureIndex, int> counted(const std::vector<Renumbering>& parts, std::size_t features) {
-  Table<FeatureIndex, int> seen_by(features, 0);
-  for (const Renumbering& part : parts) {
-    for (const FeatureIndex feature : part.features) ++seen_by[feature];
-  }
-  return seen_by;
-}
-
-/// Whether a segment sees a feature that its map does not have, for it was marginalised, and that other parts see.
-template <int Dim>
-bool hides_shared(const Segment& segment, const LocalMap<Dim>& map, const Log<Dim>& log,
-                  const Table<FeatureIndex, int>& seen_by) {
-  const auto observations = log.observations();
-  const auto begin = std::ranges::lower_bound(observations, segment.begin, {}, &FeatureFactor<Dim>::base);
-  const auto end = std::ranges::upper_bound(observations, segment.end, {}, &FeatureFactor<Dim>::base);
-  return std::any_of(begin, end, [&](const FeatureFactor<Dim>& seen) {
-    return seen_by[seen.target] > 1 && std::ranges::find(map.features, seen.target) == map.features.end();
-  });
-}
-
 /// Where the poses of every log begin in the merged one; nothing where they are not in the order of their own log.
 template <int Dim>
 std::optional<std::vector<PoseIndex>> begins_of(const std::vector<StoredMaps<Dim>>& stores, const PoseIds& merged) {
@@ -119,19 +98,12 @@ Expected<AnyMaps> merged_sessions(std::vector<StoredMaps<Dim>> stores, const Mer
   for (std::size_t k = 0; k < stores.size(); ++k) {
     parts.push_back(renumbering((*begins)[k], stores[k].log.features, log->features));
   }
-  const Table<FeatureIndex, int> seen_by = counted(parts, log->features.size());
   StoredMaps<Dim> whole{*std::move(log), {}, {}, stores.front().options};
   for (std::size_t k = 0; k < stores.size(); ++k) {
     auto map = stores[k].maps.begin();
     for (const Segment& segment : stores[k].segments) {
       whole.segments.push_back(parts[k](segment));
-      if (!segment.is_map) continue;
-      LocalMap<Dim> renumbered = parts[k](std::move(*map++));
-      if (hides_shared(whole.segments.back(), renumbered, whole.log, seen_by)) {
-        whole.segments.back().is_map = false;
-      } else {
-        whole.maps.push_back(std::move(renumbered));
-      }
+      if (segment.is_map) whole.maps.push_back(parts[k](std::move(*map++)));
     }
   }
   return AnyMaps(std::move(whole));

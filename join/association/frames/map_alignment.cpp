@@ -50,43 +50,42 @@ class Aligner {
     }
     const double pairings = static_cast<double>(first_.features.size()) * static_cast<double>(second_.features.size());
     if (best.score - model_.log_tests - std::log(pairings) < model_.log_odds()) return alignment;
-    if (is_unique(alignment)) look_for_repeats(alignment);
-    alignment.status = is_unique(alignment) ? AlignmentStatus::kFound : AlignmentStatus::kAmbiguous;
+    alignment.status = !is_unique(alignment)    ? AlignmentStatus::kAmbiguous
+                       : is_repeated(alignment) ? AlignmentStatus::kRepeated
+                                                : AlignmentStatus::kFound;
     return alignment;
   }
 
-  /// The best place of the map on itself, but where it is, of which most features are among some; nothing where there is none.
-  std::optional<MapPlace<Dim>> repeat_of(const std::set<std::size_t>& features) const {
+  /// The score of the best place of the map on itself, other than the identity, that has most of `features`, or where most are
+  /// of these; 0 where there is none.
+  double repeat_score(const std::set<std::size_t>& features) const {
     auto constellations = constellations_alike(first_, first_, model_.confidence);
-    std::erase_if(constellations, [](const Constellation& c) { return is_at_home(c); });
-    auto places = grown(promising(constellations));
-    const auto repeat = std::ranges::find_if(places, [&](const MapPlace<Dim>& place) {
-      const auto is_of = [&](const Pairing& p) { return features.contains(p.known); };
-      return !is_at_home(place.pairs) && 2 * std::ranges::count_if(place.pairs, is_of) > std::ssize(place.pairs);
-    });
-    if (repeat == places.end()) return std::nullopt;
-    return std::move(*repeat);
+    std::erase_if(constellations,
+                  [&](const Constellation& c) { return is_identity(c) || !features.contains(c.front().known); });
+    for (const MapPlace<Dim>& place : grown(promising(constellations))) {
+      const auto count = std::ranges::count_if(place.pairs, [&](const Pairing& p) { return features.contains(p.known); });
+      const auto fewer = std::min(std::ssize(place.pairs), std::ssize(features));
+      if (!is_identity(place.pairs) && 2 * count > fewer) return std::max(0.0, place.score);
+    }
+    return 0.0;
   }
 
  private:
   /// Whether most features of a map are paired with themselves.
-  static bool is_at_home(const std::vector<Pairing>& pairs) {
+  static bool is_identity(const std::vector<Pairing>& pairs) {
     return 2 * std::ranges::count_if(pairs, [](const Pairing& p) { return p.known == p.sighting; }) > std::ssize(pairs);
   }
 
-  /// What was paired may lie so elsewhere in the larger map: then it may lie so anywhere in the world.
-  void look_for_repeats(MapAlignment& alignment) const {
+  /// Whether what was paired lies so elsewhere in the larger map, too, with half the score: then it may lie so anywhere.
+  bool is_repeated(const MapAlignment& alignment) const {
     const bool is_first = first_.features.size() >= second_.features.size();
     const FeatureMap<Dim>& larger = is_first ? first_ : second_;
     std::set<std::size_t> paired;
     for (const Pairing& p : alignment.pairs) paired.insert(is_first ? p.known : p.sighting);
-    const auto repeat = Aligner(larger, larger, model_).repeat_of(paired);
-    if (!repeat || repeat->score <= alignment.other_score) return;
-    alignment.other_score = repeat->score;
-    alignment.other_pairs = repeat->pairs.size();
+    return 2.0 * Aligner(larger, larger, model_).repeat_score(paired) >= alignment.score;
   }
 
-  /// Whether no place that contradicts it has half its score, and no place of the larger map on itself.
+  /// Whether no place that contradicts it has half its score.
   static bool is_unique(const MapAlignment& alignment) { return 2.0 * alignment.other_score < alignment.score; }
 
   /// The constellations of the best places by a glance, of each place one.

@@ -17,15 +17,15 @@ enum class AlignmentStatus : std::uint8_t {
   kFound,      ///< There is one place where the maps lie on each other.
   kNone,       ///< There is none that chance would not find as well.
   kAmbiguous,  ///< There are several.
+  kRepeated,   ///< What was paired lies so elsewhere in the larger map, too.
 };
 
 /// Which features of two maps are the same.
 struct MapAlignment {
   AlignmentStatus status = AlignmentStatus::kNone;
-  std::vector<Pairing> pairs;  ///< Features of the first map (known) and of the second (sightings), of the best place.
-  double score = 0.0;          ///< Its logarithm of odds, against maps that do not overlap.
-  std::size_t other_pairs =
-      0;  ///< Of the best place that contradicts it, or of the larger map on itself; 0 where there is none.
+  std::vector<Pairing> pairs;   ///< Features of the first map (known) and of the second (sightings), of the best place.
+  double score = 0.0;           ///< Its logarithm of odds, against maps that do not overlap.
+  std::size_t other_pairs = 0;  ///< Of the best place that contradicts it; 0 where there is none.
   double other_score = 0.0;
 };
 
@@ -37,7 +37,7 @@ struct AlignmentModel {
   double confidence = 0.99;
   double log_tests = 0.0;  ///< The logarithm of the number of pairs of maps that are tried.
 
-  /// Of what is as probable as the confidence.
+  /// The logarithm of the odds of `confidence`.
   double log_odds() const { return std::log(confidence / (1.0 - confidence)); }
 };
 

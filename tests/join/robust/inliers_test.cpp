@@ -65,5 +65,43 @@ TEST(RobustOptionsTest, WantAConfidenceBetweenZeroAndOne) {
   EXPECT_FALSE(RobustOptions{.confidence = 0.0}.validate().empty());
 }
 
+/// Two robots that see nothing but each other, from step to step.
+template <int Dim>
+Log<Dim> meeting_robots(int meetings) {
+  auto world = testing::small_world<Dim>({.poses = 60, .features = 0, .closures = 6, .sessions = 2});
+  testing::Random random(3);
+  PoseMatrix<Dim> W = PoseMatrix<Dim>::Zero();
+  W.diagonal().template head<Dim>().setConstant(1.0 / (0.05 * 0.05));
+  for (int k = 0; k < meetings; ++k) {
+    const PoseIndex base(k);
+    const PoseIndex target(k + 60);
+    Pose<Dim> seen;
+    seen.translation = between(world.truth.poses[base], world.truth.poses[target]).translation + random.vector<Dim>(0.05);
+    world.log.graph.pose_factors.push_back({base, target, seen, W});
+  }
+  put_in_order(world.log);
+  return world.log;
+}
+
+TYPED_TEST(InliersTest, AreAllMeetingsOfRobotsThatNothingElseTies) {
+  const auto found = find_inliers(meeting_robots<TypeParam::value>(40), {}).value();
+  EXPECT_TRUE(found.rejected.empty());
+}
+
+TYPED_TEST(InliersTest, AreNotMeetingsWithSomethingElse) {
+  auto log = meeting_robots<TypeParam::value>(40);
+  std::vector<PoseFactor<TypeParam::value>*> wrong;
+  for (auto& edge : log.graph.pose_factors) {
+    if (!measures_rotation(edge) && edge.base.value % 10 == 5) wrong.push_back(&edge);
+  }
+  for (auto* edge : wrong) edge->measured.translation[0] += 5.0;
+  const auto found = find_inliers(log, {}).value();
+  EXPECT_EQ(found.rejected.size(), wrong.size());
+  for (const Rejected& one : found.rejected) {
+    EXPECT_EQ(one.misfit.rows, TypeParam::value);
+    EXPECT_EQ(one.misfit.from.value % 10, 5);
+  }
+}
+
 }  // namespace
 }  // namespace mapjoin
