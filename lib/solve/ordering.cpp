@@ -119,6 +119,36 @@ Table<Column, Variable> postordered(const BlockGraph& graph, const Table<Column,
   return result;
 }
 
+/// The graph of some of its variables, by their places.
+BlockGraph induced_graph(const BlockGraph& graph, const std::vector<Variable>& some) {
+  Table<Variable, Variable> place(graph.size(), kConstant);
+  for (std::size_t k = 0; k < some.size(); ++k) place[some[k]] = Variable(k);
+  BlockGraph induced;
+  std::vector<Variable> neighbours;
+  for (const Variable v : some) {
+    neighbours.clear();
+    for (const Variable neighbour : graph[v]) {
+      if (place[neighbour] != kConstant) neighbours.push_back(place[neighbour]);
+    }
+    induced.push_back(neighbours);
+  }
+  return induced;
+}
+
+/// The order of all but the border, then the border.
+Table<Column, Variable> bordered_order(const BlockGraph& graph, const std::vector<Variable>& border) {
+  Table<Variable, bool> is_inside(graph.size(), true);
+  for (const Variable v : border) is_inside[v] = false;
+  std::vector<Variable> inside;
+  for (const Variable v : indices(is_inside)) {
+    if (is_inside[v]) inside.push_back(v);
+  }
+  Table<Column, Variable> order = elimination_order(induced_graph(graph, inside));
+  for (Variable& v : order) v = inside[v.position()];
+  order.insert(order.end(), border.begin(), border.end());
+  return order;
+}
+
 }  // namespace
 
 Table<Variable, Column> inverse_order(const Table<Column, Variable>& order) {
@@ -128,6 +158,7 @@ Table<Variable, Column> inverse_order(const Table<Column, Variable>& order) {
 }
 
 Table<Column, Variable> elimination_order(const BlockGraph& graph, const Ordering& ordering) {
+  if (!ordering.border.empty()) return bordered_order(graph, ordering.border);
   if (!ordering.given.empty()) return postordered(graph, ordering.given);
   if (graph.entries().empty()) {
     const IndexRange<Variable> all{0, Variable(graph.size())};
