@@ -24,13 +24,14 @@ struct Dealt {
 template <int Dim>
 class Dealer {
  public:
-  Dealer(const Bisection<Dim>& cuts, const LogShare<Dim>& share, const Values<Dim>& values, std::size_t regions)
-      : cuts_(cuts),
+  /// `regions` are those of the poses of the share; there are `count` of them.
+  Dealer(const Table<PoseIndex, std::size_t>& regions, const LogShare<Dim>& share, const Values<Dim>& values, std::size_t count)
+      : regions_(regions),
         share_(share),
         values_(values),
-        dealt_(regions),
-        given_(regions, Table<PoseIndex, bool>(share.poses.size(), false)),
-        given_features_(regions, Table<FeatureIndex, bool>(share.features.size(), false)) {
+        dealt_(count),
+        given_(count, Table<PoseIndex, bool>(share.poses.size(), false)),
+        given_features_(count, Table<FeatureIndex, bool>(share.features.size(), false)) {
     for (const PoseIndex p : indices(share.poses)) places_.emplace_back(share.poses[p], p);
     std::ranges::sort(places_);
   }
@@ -57,7 +58,7 @@ class Dealer {
 
  private:
   void deal(PoseFactor<Dim> o, PoseIndex base, PoseIndex target) {
-    const std::size_t region = region_of(base);
+    const std::size_t region = regions_[base];
     o.base = share_.poses[base];
     o.target = share_.poses[target];
     dealt_[region].pose_factors.push_back(o);
@@ -65,7 +66,7 @@ class Dealer {
     give(target, region);
   }
   void deal(FeatureFactor<Dim> o) {
-    const std::size_t region = region_of(o.base);
+    const std::size_t region = regions_[o.base];
     give(o.base, region);
     give(o.target, region);
     o.base = share_.poses[o.base];
@@ -76,13 +77,12 @@ class Dealer {
   void deal_apart(const PoseFactor<Dim>& o) {
     const PoseIndex own = o.base == kWorld ? o.target : std::min(o.base, o.target);
     const PoseIndex place = std::ranges::lower_bound(places_, own, {}, &Place::first)->second;
-    const std::size_t region = region_of(place);
+    const std::size_t region = regions_[place];
     dealt_[region].pose_factors.push_back(o);
     give(place, region);
   }
   void deal_apart(const FeatureFactor<Dim>& prior) { dealt_.front().feature_factors.push_back(prior); }
 
-  std::size_t region_of(PoseIndex p) const { return cuts_.region_of(values_.poses[p].translation); }
   void give(PoseIndex p, std::size_t region) {
     if (given_[region][p]) return;
     given_[region][p] = true;
@@ -99,7 +99,7 @@ class Dealer {
   /// A pose by its index among all names, and its place in the share.
   using Place = std::pair<PoseIndex, PoseIndex>;
 
-  const Bisection<Dim>& cuts_;
+  const Table<PoseIndex, std::size_t>& regions_;
   const LogShare<Dim>& share_;
   const Values<Dim>& values_;
   std::vector<Dealt<Dim>> dealt_;
@@ -222,12 +222,73 @@ std::vector<Holding> interface_of(const Communicator& comm, const Region<Dim>& r
   return shared_holdings(comm, mentioned, region.numbering.count());
 }
 
+/// The features of a share, each at one place for all shares: where the first of them has it.
 template <int Dim>
-std::vector<std::string> dealt_out(const Communicator& comm, const LogShare<Dim>& share, const Values<Dim>& start) {
-  std::vector<Point<Dim>> points;
-  for (const auto& pose : start.poses) points.push_back(pose.translation);
-  const Bisection<Dim> cuts(comm, std::move(points));
-  return Dealer<Dim>(cuts, share, start, static_cast<std::size_t>(comm.size())).messages();
+Table<FeatureIndex, Point<Dim>> features_at_one_place(const Communicator& comm, const LogShare<Dim>& share,
+                                                      Table<FeatureIndex, Point<Dim>> features, std::size_t count) {
+  std::vector<std::int32_t> numbers;
+  for (const FeatureIndex f : share.features) numbers.push_back(f.value);
+  const std::vector<Holding> shared = shared_holdings(comm, numbers, count);
+  std::vector<FeatureIndex> own;
+  std::vector<Point<Dim>> own_values;
+  for (std::size_t k = 0; k < shared.size(); ++k) {
+    const bool is_first = k == 0 || shared[k - 1].number != shared[k].number;
+    if (!is_first || shared[k].rank != comm.rank()) continue;
+    own.emplace_back(shared[k].number);
+    own_values.push_back(features[place_of(share.features, own.back())]);
+  }
+  own = comm.gather(own);
+  own_values = comm.gather(own_values);
+  for (std::size_t k = 0; k < own.size(); ++k) {
+    if (holds(share.features, own[k])) features[place_of(share.features, own[k])] = own_values[k];
+  }
+  return features;
+}
+
+/// Where the poses of a share are for the sake of cutting space: in the middle of the features that they see. The start may
+/// have the same street at several places, at each visit another; its features it has once.
+template <int Dim>
+Table<PoseIndex, Point<Dim>> places_of(const Communicator& comm, const LogShare<Dim>& share, const Values<Dim>& start,
+                                       std::size_t count) {
+  const auto features = features_at_one_place(comm, share, start.features, count);
+  Table<PoseIndex, Point<Dim>> sum(share.poses.size(), Point<Dim>::Zero());
+  Table<PoseIndex, int> seen(share.poses.size(), 0);
+  for (const auto& o : share.log.observations()) {
+    sum[o.base] += features[o.target];
+    ++seen[o.base];
+  }
+  for (const PoseIndex p : indices(sum)) sum[p] = seen[p] > 0 ? Point<Dim>(sum[p] / seen[p]) : start.poses[p].translation;
+  return sum;
+}
+
+/// From where the unknowns of a share are seen.
+template <int Dim>
+std::vector<Span<Dim>> spans_of(const LogShare<Dim>& share, const Table<PoseIndex, Point<Dim>>& places) {
+  std::vector<Span<Dim>> spans(share.poses.size() + share.features.size());
+  const auto see = [&](std::size_t k, PoseIndex base, int unknowns) {
+    spans[k].unknowns = unknowns;
+    spans[k].box.extend(places[base]);
+  };
+  for (const auto& o : share.log.edges()) {
+    see(o.base.position(), o.base, kPoseDof<Dim>);
+    see(o.target.position(), o.base, kPoseDof<Dim>);
+  }
+  for (const auto& o : share.log.observations()) {
+    see(o.base.position(), o.base, kPoseDof<Dim>);
+    see(share.poses.size() + o.target.position(), o.base, Dim);
+  }
+  std::erase_if(spans, [](const Span<Dim>& span) { return span.unknowns == 0; });
+  return spans;
+}
+
+template <int Dim>
+std::vector<std::string> dealt_out(const Communicator& comm, const LogPart<Dim>& whole, const LogShare<Dim>& share,
+                                   const Values<Dim>& start) {
+  const Table<PoseIndex, Point<Dim>> places = places_of(comm, share, start, whole.features.size());
+  const Bisection<Dim> cuts(comm, places, spans_of(share, places));
+  Table<PoseIndex, std::size_t> regions;
+  for (const Point<Dim>& place : places) regions.push_back(cuts.region_of(place));
+  return Dealer<Dim>(regions, share, start, static_cast<std::size_t>(comm.size())).messages();
 }
 
 }  // namespace
@@ -235,7 +296,7 @@ std::vector<std::string> dealt_out(const Communicator& comm, const LogShare<Dim>
 template <int Dim>
 Expected<std::unique_ptr<Region<Dim>>> region_of(const Communicator& comm, const LogPart<Dim>& whole, LogShare<Dim> share,
                                                  Values<Dim> start) {
-  auto messages = dealt_out(comm, share, start);
+  auto messages = dealt_out(comm, whole, share, start);
   share = {};
   start = {};
   messages = comm.exchange(std::move(messages));
