@@ -2,7 +2,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <mapjoin/distributed/bisection.hpp>
+#include <mapjoin/distributed/partition.hpp>
 #include <mapjoin/distributed/region.hpp>
 #include <utility>
 
@@ -222,72 +222,10 @@ std::vector<Holding> interface_of(const Communicator& comm, const Region<Dim>& r
   return shared_holdings(comm, mentioned, region.numbering.count());
 }
 
-/// The features of a share, each at one place for all shares: where the first of them has it.
-template <int Dim>
-Table<FeatureIndex, Point<Dim>> features_at_one_place(const Communicator& comm, const LogShare<Dim>& share,
-                                                      Table<FeatureIndex, Point<Dim>> features, std::size_t count) {
-  std::vector<std::int32_t> numbers;
-  for (const FeatureIndex f : share.features) numbers.push_back(f.value);
-  const std::vector<Holding> shared = shared_holdings(comm, numbers, count);
-  std::vector<FeatureIndex> own;
-  std::vector<Point<Dim>> own_values;
-  for (std::size_t k = 0; k < shared.size(); ++k) {
-    const bool is_first = k == 0 || shared[k - 1].number != shared[k].number;
-    if (!is_first || shared[k].rank != comm.rank()) continue;
-    own.emplace_back(shared[k].number);
-    own_values.push_back(features[place_of(share.features, own.back())]);
-  }
-  own = comm.gather(own);
-  own_values = comm.gather(own_values);
-  for (std::size_t k = 0; k < own.size(); ++k) {
-    if (holds(share.features, own[k])) features[place_of(share.features, own[k])] = own_values[k];
-  }
-  return features;
-}
-
-/// Where the poses of a share are for the sake of cutting space: in the middle of the features that they see. The start may
-/// have the same street at several places, at each visit another; its features it has once.
-template <int Dim>
-Table<PoseIndex, Point<Dim>> places_of(const Communicator& comm, const LogShare<Dim>& share, const Values<Dim>& start,
-                                       std::size_t count) {
-  const auto features = features_at_one_place(comm, share, start.features, count);
-  Table<PoseIndex, Point<Dim>> sum(share.poses.size(), Point<Dim>::Zero());
-  Table<PoseIndex, int> seen(share.poses.size(), 0);
-  for (const auto& o : share.log.observations()) {
-    sum[o.base] += features[o.target];
-    ++seen[o.base];
-  }
-  for (const PoseIndex p : indices(sum)) sum[p] = seen[p] > 0 ? Point<Dim>(sum[p] / seen[p]) : start.poses[p].translation;
-  return sum;
-}
-
-/// From where the unknowns of a share are seen.
-template <int Dim>
-std::vector<Span<Dim>> spans_of(const LogShare<Dim>& share, const Table<PoseIndex, Point<Dim>>& places) {
-  std::vector<Span<Dim>> spans(share.poses.size() + share.features.size());
-  const auto see = [&](std::size_t k, PoseIndex base, int unknowns) {
-    spans[k].unknowns = unknowns;
-    spans[k].box.extend(places[base]);
-  };
-  for (const auto& o : share.log.edges()) {
-    see(o.base.position(), o.base, kPoseDof<Dim>);
-    see(o.target.position(), o.base, kPoseDof<Dim>);
-  }
-  for (const auto& o : share.log.observations()) {
-    see(o.base.position(), o.base, kPoseDof<Dim>);
-    see(share.poses.size() + o.target.position(), o.base, Dim);
-  }
-  std::erase_if(spans, [](const Span<Dim>& span) { return span.unknowns == 0; });
-  return spans;
-}
-
 template <int Dim>
 std::vector<std::string> dealt_out(const Communicator& comm, const LogPart<Dim>& whole, const LogShare<Dim>& share,
                                    const Values<Dim>& start) {
-  const Table<PoseIndex, Point<Dim>> places = places_of(comm, share, start, whole.features.size());
-  const Bisection<Dim> cuts(comm, places, spans_of(share, places));
-  Table<PoseIndex, std::size_t> regions;
-  for (const Point<Dim>& place : places) regions.push_back(cuts.region_of(place));
+  const Table<PoseIndex, std::size_t> regions = regions_of(comm, whole, share);
   return Dealer<Dim>(regions, share, start, static_cast<std::size_t>(comm.size())).messages();
 }
 

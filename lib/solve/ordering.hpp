@@ -2,6 +2,7 @@
 #pragma once
 // Variables, the order in which they are eliminated, and what SuiteSparse and METIS say of that order.
 
+#include <cstdint>
 #include <mapjoin/model/index.hpp>
 #include <vector>
 
@@ -35,6 +36,11 @@ Table<Column, Variable> elimination_order(const BlockGraph& graph, const Orderin
 
 /// The column of each variable in an order.
 Table<Variable, Column> inverse_order(const Table<Column, Variable>& order);
+
+/// Parts of an undirected graph, from 0 on, of as much weight as each other but for a few per cent, with few edges between them
+/// (METIS, by recursive bisection). The same graph gives the same parts, from any thread.
+Table<Variable, std::int32_t> partition(const BlockGraph& graph, const Table<Variable, std::int32_t>& weights,
+                                        std::int32_t parts);
 
 /// The block columns of the Cholesky factor L of a matrix, eliminated in its own order (CHOLMOD's analysis).
 struct EliminationTree {

@@ -37,6 +37,17 @@ Table<Column, Variable> natural(std::size_t count) {
   return {all.begin(), all.end()};
 }
 
+TEST(Ordering, EndsWithTheBorderInItsOrder) {
+  for (const int side : {2, 9, 30}) {
+    const BlockGraph graph = grid(side);
+    const std::vector<Variable> border = {3, 0, 1};
+    const auto order = elimination_order(graph, {.given = {}, .ranks = {}, .border = border});
+    ASSERT_EQ(order.size(), graph.size());
+    EXPECT_EQ(std::set<Variable>(order.begin(), order.end()).size(), graph.size());
+    EXPECT_TRUE(std::equal(border.begin(), border.end(), order.end() - 3)) << side;
+  }
+}
+
 TEST(Ordering, IsAPermutationThatFillsLessThanTheNaturalOrder) {
   for (const int side : {8, 30}) {
     const BlockGraph graph = grid(side);
