@@ -108,6 +108,33 @@ class Dealer {
   std::vector<Table<FeatureIndex, bool>> given_features_;
 };
 
+template <int Dim>
+Dealt<Dim> decoded(const std::string& message) {
+  Reader reader(message);
+  Dealt<Dim> dealt;
+  dealt.pose_factors = reader.take<PoseFactor<Dim>>();
+  dealt.feature_factors = reader.take<FeatureFactor<Dim>>();
+  dealt.poses = reader.take<PoseIndex>();
+  dealt.pose_values = reader.take<Pose<Dim>>();
+  dealt.features = reader.take<FeatureIndex>();
+  dealt.feature_values = reader.take<Point<Dim>>();
+  return dealt;
+}
+
+/// One of the lists of all, which are given up for it, in no more memory than it takes.
+template <int Dim, typename Record>
+std::vector<Record> joined(std::vector<Dealt<Dim>>& dealt, std::vector<Record> Dealt<Dim>::*list) {
+  std::size_t size = 0;
+  for (const auto& d : dealt) size += (d.*list).size();
+  std::vector<Record> all;
+  all.reserve(size);
+  for (auto& d : dealt) {
+    all.insert(all.end(), (d.*list).begin(), (d.*list).end());
+    d.*list = {};
+  }
+  return all;
+}
+
 template <typename Index>
 Table<Index, Index> distinct(std::vector<Index> list) {
   std::ranges::sort(list);
@@ -242,20 +269,9 @@ Expected<std::unique_ptr<Region<Dim>>> region_of(const Communicator& comm, const
   region->numbering = {whole.poses.size(), whole.features.size()};
   region->graph.fixed = whole.graph.fixed;
   std::vector<Dealt<Dim>> dealt;
-  for (std::string& message : messages) {
-    Reader reader(message);
-    const auto pose_factors = reader.take<PoseFactor<Dim>>();
-    const auto feature_factors = reader.take<FeatureFactor<Dim>>();
-    auto& graph = region->graph;
-    graph.pose_factors.insert(graph.pose_factors.end(), pose_factors.begin(), pose_factors.end());
-    graph.feature_factors.insert(graph.feature_factors.end(), feature_factors.begin(), feature_factors.end());
-    auto& d = dealt.emplace_back();
-    d.poses = reader.take<PoseIndex>();
-    d.pose_values = reader.take<Pose<Dim>>();
-    d.features = reader.take<FeatureIndex>();
-    d.feature_values = reader.take<Point<Dim>>();
-    message = {};
-  }
+  for (std::string& message : messages) dealt.push_back(decoded<Dim>(std::exchange(message, {})));
+  region->graph.pose_factors = joined(dealt, &Dealt<Dim>::pose_factors);
+  region->graph.feature_factors = joined(dealt, &Dealt<Dim>::feature_factors);
   list_mentioned(*region);
   region->interface = interface_of(comm, *region);
   Received<PoseIndex, Pose<Dim>> poses(region->partial.poses, Pose<Dim>{});
