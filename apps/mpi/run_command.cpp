@@ -19,10 +19,7 @@ constexpr const char* kExamples =
     "  mpirun -n 16 mapjoin-mpi run city.g2o -o map.csv --out-of-core /scratch --max-memory 8000";
 
 struct MpiOptions : Options {
-  MpiOptions() {
-    jobs = 1;
-    run.schedule = Schedule::kAligned;
-  }
+  MpiOptions() { jobs = 1; }
   std::filesystem::path out_of_core;
 };
 
