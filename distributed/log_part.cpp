@@ -6,6 +6,7 @@
 #include <mapjoin/io/g2o/g2o.hpp>
 #include <mapjoin/model/log_builder.hpp>
 #include <optional>
+#include <sstream>
 #include <utility>
 
 namespace mapjoin::distributed {
@@ -23,6 +24,28 @@ Table<Index, Id> names_of_all(const Communicator& comm, Table<Index, Id> mine) {
 template <typename Index, typename Id>
 Index index_of(const Table<Index, Id>& names, const Id& id) {
   return Index(find_ascending(names, id).value());
+}
+
+/// What the readers of all ranks left out.
+SkipCounts skipped_by_all(const Communicator& comm, const SkipCounts& mine) {
+  std::string lines;
+  for (const auto& [what, count] : mine) lines += fmt::format("{} {}\n", count, what);
+  SkipCounts all;
+  for (const std::string& some : comm.gather(lines)) {
+    std::istringstream text(some);
+    std::int64_t count = 0;
+    for (std::string what; text >> count && std::getline(text >> std::ws, what);) all[what] += count;
+  }
+  return all;
+}
+
+/// What the readers of all ranks did to matrices.
+MatrixRepairs repairs_by_all(const Communicator& comm, MatrixRepairs repairs) {
+  for (const auto count : {&MatrixRepairs::symmetrised, &MatrixRepairs::indefinite, &MatrixRepairs::missing}) {
+    repairs.*count = comm.sum(repairs.*count);
+  }
+  repairs.largest_asymmetry = comm.max(repairs.largest_asymmetry);
+  return repairs;
 }
 
 /// Bad input where ids are declared twice or, in a file with vertices, not at all.
@@ -106,7 +129,8 @@ std::vector<std::uint64_t> poses_to_fix(const Communicator& comm, const TextPart
 template <int Dim>
 Expected<AnyLogPart> log_part(const Communicator& comm, const TextPart& part, Log<Dim> log, const std::string& file,
                               const ReadOptions& options) {
-  LogPart<Dim> whole{file, log.conventions, log.skipped, {}, {}, {}};
+  LogPart<Dim> whole{file, log.conventions, skipped_by_all(comm, log.skipped), {}, {}, {}};
+  whole.conventions.repairs = repairs_by_all(comm, log.conventions.repairs);
   whole.poses = names_of_all(comm, log.poses);
   whole.features = names_of_all(comm, log.features);
   const bool has_vertices = comm.any(!part.declared_poses.empty() || !part.declared_features.empty());

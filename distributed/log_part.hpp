@@ -16,11 +16,10 @@ template <int Dim>
 struct LogPart {
   std::string source;
   Conventions conventions;
-  SkipCounts skipped;  ///< Of this rank.
-
-  PoseIds poses;  ///< Of the whole log, as the next ones.
+  SkipCounts skipped;
+  PoseIds poses;
   FeatureIds features;
-  FactorGraph<Dim> graph;  ///< Factors of this rank; fixed poses of all.
+  FactorGraph<Dim> graph;  ///< Factors of this rank; fixed poses of all, as everything before.
 };
 
 using AnyLogPart = std::variant<LogPart<2>, LogPart<3>>;

@@ -18,7 +18,7 @@ struct LogShare {
   Table<FeatureIndex, bool> is_referenced_feature;  ///< Likewise.
 };
 
-/// The names that a log share is made of, once its factors are dealt out.
+/// The share of this rank, once all have dealt out the factors of their parts, which they give up for it.
 template <int Dim>
 LogShare<Dim> share_of(const Communicator& comm, LogPart<Dim>& part);
 

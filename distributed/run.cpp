@@ -28,6 +28,7 @@ LogCounts counts_of(const Communicator& comm, const LogPart<Dim>& whole, const L
   counts.observations = comm.sum(std::ssize(share.log.observations()));
   counts.priors = comm.sum(std::ssize(share.apart.pose_factors) - between + std::ssize(share.apart.feature_factors));
   counts.fixed_poses = std::ssize(whole.graph.fixed);
+  counts.skipped = whole.skipped;
   return counts;
 }
 

@@ -26,6 +26,7 @@ struct LogCounts {
   std::int64_t observations = 0;
   std::int64_t priors = 0;
   std::int64_t fixed_poses = 0;
+  SkipCounts skipped{};
 };
 
 /// What came of it. The figures are the first rank's where they are not of all; the join is that of full SLAM.

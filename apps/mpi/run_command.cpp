@@ -51,7 +51,8 @@ void describe(const Found<Dim>& found, RunReport& run_report) {
                        .closures = static_cast<std::size_t>(found.counts.closures),
                        .observations = static_cast<std::size_t>(found.counts.observations),
                        .priors = static_cast<std::size_t>(found.counts.priors),
-                       .fixed_poses = static_cast<std::size_t>(found.counts.fixed_poses)};
+                       .fixed_poses = static_cast<std::size_t>(found.counts.fixed_poses),
+                       .skipped = found.counts.skipped};
 }
 
 ExitCode run_log(const MpiOptions& options) {
