@@ -15,6 +15,14 @@ install(FILES apps/manual/completion.bash RENAME mapjoin DESTINATION ${CMAKE_INS
   COMPONENT command)
 install(FILES apps/manual/_mapjoin DESTINATION ${CMAKE_INSTALL_DATAROOTDIR}/zsh/site-functions COMPONENT site)
 
+if(MAPJOIN_WITH_MPI)
+  install(TARGETS mapjoin_mpi COMPONENT mpi)
+  install(FILES ${CMAKE_BINARY_DIR}/manual-mpi/mapjoin-mpi.1.gz DESTINATION ${CMAKE_INSTALL_MANDIR}/man1 COMPONENT mpi)
+  if(BUILD_SHARED_LIBS)
+    install(TARGETS mapjoin_distributed COMPONENT mpi)
+  endif()
+endif()
+
 install(TARGETS mapjoin_core mapjoin_localmap mapjoin_join EXPORT mapjoin-targets COMPONENT development)
 install(EXPORT mapjoin-targets NAMESPACE mapjoin:: DESTINATION ${package_folder} COMPONENT development)
 install(DIRECTORY lib/ DESTINATION ${header_folder} COMPONENT development FILES_MATCHING PATTERN *.hpp)

@@ -14,7 +14,17 @@ JoiningSystem<Dim>::JoiningSystem(const PartialMap<Dim>& partial, const Gauge<Di
     : estimate_(partial.state), equations_({}) {
   number_variables(gauge);
   observe(partial, gauge);
-  equations_ = make_equations(engine, order);
+  equations_ =
+      make_equations(make_solver(engine), {.given = Table<Column, Variable>(variables_at(order)), .ranks = {}, .border = {}});
+}
+
+template <int Dim>
+JoiningSystem<Dim>::JoiningSystem(const PartialMap<Dim>& partial, const Gauge<Dim>& gauge, std::unique_ptr<SparseSolver> solver,
+                                  const std::vector<PoseOrFeature>& border)
+    : estimate_(partial.state), equations_({}) {
+  number_variables(gauge);
+  observe(partial, gauge);
+  equations_ = make_equations(std::move(solver), {.given = {}, .ranks = {}, .border = variables_at(border)});
 }
 
 template <int Dim>
@@ -69,7 +79,17 @@ Eigen::Index JoiningSystem<Dim>::rows(std::size_t factor) const {
 }
 
 template <int Dim>
-NormalEquations JoiningSystem<Dim>::make_equations(Engine engine, const std::vector<PoseOrFeature>& order) const {
+std::vector<Variable> JoiningSystem<Dim>::variables_at(const std::vector<PoseOrFeature>& places) const {
+  std::vector<Variable> variables;
+  for (const PoseOrFeature& placed : places) {
+    const Variable at = std::visit([&](auto place) { return variable(place); }, placed);
+    if (at != kConstant) variables.push_back(at);
+  }
+  return variables;
+}
+
+template <int Dim>
+NormalEquations JoiningSystem<Dim>::make_equations(std::unique_ptr<SparseSolver> solver, const Ordering& ordering) const {
   BlockPattern pattern;
   pattern.dofs.assign(first_feature_variable_.position(), kPoseDof<Dim>);
   pattern.dofs.resize(places_.size(), Dim);
@@ -81,12 +101,7 @@ NormalEquations JoiningSystem<Dim>::make_equations(Engine engine, const std::vec
     for (const FeatureIndex place : map.features) variables.push_back(variable(place));
     pattern.factors.push_back(variables);
   }
-  Ordering ordering;
-  for (const PoseOrFeature& placed : order) {
-    const Variable given = std::visit([&](auto place) { return variable(place); }, placed);
-    if (given != kConstant) ordering.given.push_back(given);
-  }
-  return NormalEquations(std::move(pattern), engine, ordering);
+  return NormalEquations(std::move(pattern), std::move(solver), ordering);
 }
 
 template <int Dim>

@@ -9,6 +9,7 @@
 #include <mapjoin/model/accumulate.hpp>
 #include <mapjoin/solve/normal_equations.hpp>
 #include <mapjoin/solve/trust_region.hpp>
+#include <memory>
 #include <optional>
 #include <utility>
 #include <vector>
@@ -23,6 +24,9 @@ class JoiningSystem {
   /// the elimination, by places (see place_of_variable); where it is empty, one is found.
   JoiningSystem(const PartialMap<Dim>& partial, const Gauge<Dim>& gauge, Engine engine = Engine::kFronts,
                 const std::vector<PoseOrFeature>& order = {});
+  /// With a solver that leaves some variables to others: `border` are their places, in the order in which they come last.
+  JoiningSystem(const PartialMap<Dim>& partial, const Gauge<Dim>& gauge, std::unique_ptr<SparseSolver> solver,
+                const std::vector<PoseOrFeature>& border);
 
   double linearise();
   void add_curvature();
@@ -99,7 +103,9 @@ class JoiningSystem {
 
  private:
   void number_variables(const Gauge<Dim>& gauge);
-  NormalEquations make_equations(Engine engine, const std::vector<PoseOrFeature>& order) const;
+  /// The variables at these places, without those that are anchored.
+  std::vector<Variable> variables_at(const std::vector<PoseOrFeature>& places) const;
+  NormalEquations make_equations(std::unique_ptr<SparseSolver> solver, const Ordering& ordering) const;
   double chi2(const Values<Dim>& state) const;
   /// The estimate moved by a step.
   Values<Dim> retracted(const Eigen::VectorXd& step) const;

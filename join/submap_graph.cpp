@@ -7,10 +7,10 @@
 namespace mapjoin {
 namespace {
 
-/// Marginalises the maps once it is known which features nothing else mentions.
+/// Marginalises the maps once it is known which features nothing else mentions; some are `referenced` by others.
 template <int Dim>
-void add_maps(SubmapGraph<Dim>& graph, std::vector<LocalMap<Dim>> maps) {
-  Table<FeatureIndex, bool> referenced(graph.feature_count, false);
+void add_maps(SubmapGraph<Dim>& graph, std::vector<LocalMap<Dim>> maps, Table<FeatureIndex, bool> referenced = {}) {
+  referenced.resize(graph.feature_count, false);
   for (const auto* selection : {&graph.factors, &graph.priors}) {
     for (const auto* factor : selection->feature_factors) referenced[factor->target] = true;
   }
@@ -41,7 +41,8 @@ SubmapGraph<Dim> bare_submap_graph(const Data<Dim>& data, const std::vector<Segm
 }  // namespace
 
 template <int Dim>
-SubmapGraph<Dim> submap_graph_of(const Log<Dim>& log, const Split& split, std::vector<LocalMap<Dim>> maps) {
+SubmapGraph<Dim> submap_graph_of(const Log<Dim>& log, const Split& split, std::vector<LocalMap<Dim>> maps,
+                                 Table<FeatureIndex, bool> elsewhere) {
   SubmapGraph<Dim> graph = bare_submap_graph(log, split.segments);
   graph.is_joined = split.kept;
   for (const Segment& segment : split.segments) {
@@ -52,7 +53,7 @@ SubmapGraph<Dim> submap_graph_of(const Log<Dim>& log, const Split& split, std::v
   select(log.closures(), graph.factors.pose_factors);
   select(log.pose_priors(), graph.priors.pose_factors);
   select(log.feature_priors(), graph.priors.feature_factors);
-  add_maps(graph, std::move(maps));
+  add_maps(graph, std::move(maps), std::move(elsewhere));
   return graph;
 }
 
@@ -73,8 +74,9 @@ SubmapGraph<Dim> submap_graph_of(const SubmapSet<Dim>& set, std::vector<LocalMap
   return graph;
 }
 
-#define MAPJOIN_INSTANTIATE(Dim)                                                                        \
-  template SubmapGraph<Dim> submap_graph_of(const Log<Dim>&, const Split&, std::vector<LocalMap<Dim>>); \
+#define MAPJOIN_INSTANTIATE(Dim)                                                                       \
+  template SubmapGraph<Dim> submap_graph_of(const Log<Dim>&, const Split&, std::vector<LocalMap<Dim>>, \
+                                            Table<FeatureIndex, bool>);                                \
   template SubmapGraph<Dim> submap_graph_of(const SubmapSet<Dim>&, std::vector<LocalMap<Dim>>);
 MAPJOIN_INSTANTIATE(2)
 MAPJOIN_INSTANTIATE(3)

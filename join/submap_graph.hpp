@@ -25,9 +25,11 @@ struct SubmapGraph {
   Table<PoseIndex, bool> is_joined;    ///< Part of the joined state.
 };
 
-/// The submap graph of a log split into segments, with the local maps of those that are maps.
+/// The submap graph of a log split into segments, with the local maps of those that are maps. Features that others refer to, by
+/// `elsewhere`, are local to no map: all false where it is empty.
 template <int Dim>
-SubmapGraph<Dim> submap_graph_of(const Log<Dim>& log, const Split& split, std::vector<LocalMap<Dim>> maps);
+SubmapGraph<Dim> submap_graph_of(const Log<Dim>& log, const Split& split, std::vector<LocalMap<Dim>> maps,
+                                 Table<FeatureIndex, bool> elsewhere = {});
 
 /// The submap graph of a set of local maps; `maps` are those of the set, which need not hold them any more.
 template <int Dim>

@@ -94,9 +94,10 @@ void make_raw(Segment& segment, Split& split) {
 }
 
 template <int Dim>
-Split split(const Log<Dim>& log, const SplitOptions& options) {
+Split split(const Log<Dim>& log, const SplitOptions& options, const Table<PoseIndex, bool>& elsewhere) {
   Split result;
   result.kept = referenced_poses(log);
+  for (const PoseIndex p : indices(elsewhere)) result.kept[p] = result.kept[p] || elsewhere[p];
   SplitOptions chosen = options;
   if (options.rule == SplitRule::kAuto)
     chosen = {SplitRule::kPoses, static_cast<double>(cheapest_poses_per_map(log, result.kept, options.amount))};
@@ -135,8 +136,8 @@ Split split_along(const Log<Dim>& log, std::vector<Segment> segments) {
   return result;
 }
 
-template Split split(const Log<2>&, const SplitOptions&);
-template Split split(const Log<3>&, const SplitOptions&);
+template Split split(const Log<2>&, const SplitOptions&, const Table<PoseIndex, bool>&);
+template Split split(const Log<3>&, const SplitOptions&, const Table<PoseIndex, bool>&);
 template Split split_along(const Log<2>&, std::vector<Segment>);
 template Split split_along(const Log<3>&, std::vector<Segment>);
 

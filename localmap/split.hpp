@@ -51,9 +51,10 @@ struct Share {
 /// other segments are raw.
 std::vector<Segment> segments_of(const Share& share, const Split& split);
 
-/// Cuts the log. A segment that would keep most of its inner poses stays raw of its observations. O(size of the log).
+/// Cuts the log. A segment that would keep most of its inner poses stays raw of its observations. Poses that others refer to,
+/// by `elsewhere`, stay too: all false where it is empty. O(size of the log).
 template <int Dim>
-Split split(const Log<Dim>& log, const SplitOptions& options);
+Split split(const Log<Dim>& log, const SplitOptions& options, const Table<PoseIndex, bool>& elsewhere = {});
 
 /// The split that was made into these segments before, as a store keeps them.
 template <int Dim>

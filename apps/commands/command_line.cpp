@@ -50,12 +50,6 @@ class HelpFormatter : public CLI::Formatter {
   }
 };
 
-struct Command {
-  const char* name;
-  const char* description;
-  void (*declare)(Subcommand&);
-};
-
 /// In the order of the help.
 constexpr Command kCommands[] = {
     {"run", "From a log to a global map: splits, builds local maps, joins, recovers, polishes", declare_run},
@@ -74,28 +68,33 @@ constexpr Command kCommands[] = {
     {"convert", "A log or local maps in another format", declare_convert},
 };
 
-std::string footer() {
+std::string footer(const std::string& program) {
   std::string exit_codes = "Exit codes:";
   for (const auto& [code, text, kind] : kExitCodes) exit_codes += fmt::format(" {} {},", static_cast<int>(code), text);
   exit_codes.back() = '.';
-  return "`mapjoin COMMAND --help` lists a command's options, with examples.\n" + wrapped_lines(exit_codes, kWidth);
+  return fmt::format("`{} COMMAND --help` lists a command's options, with examples.\n", program) +
+         wrapped_lines(exit_codes, kWidth);
 }
 
 }  // namespace
 
 CommandLine command_line() {
-  CommandLine line{std::make_shared<CLI::App>(kDescription, "mapjoin"), {}};
+  return command_line("mapjoin", kDescription, kCommands);
+}
+
+CommandLine command_line(const std::string& program, const std::string& description, std::span<const Command> commands) {
+  CommandLine line{std::make_shared<CLI::App>(description, program), {}};
   CLI::App& app = *line.app;
   app.formatter(std::make_shared<HelpFormatter>());
   app.get_formatter()->column_width(kNameColumn);
   app.get_formatter()->label("SUBCOMMAND", "COMMAND");
   app.get_formatter()->label("Positionals", "Arguments");
   app.set_help_flag("-h,--help", "This text");
-  app.set_version_flag("--version", fmt::format("mapjoin {}", kVersion), "The version");
+  app.set_version_flag("--version", fmt::format("{} {}", program, kVersion), "The version");
   app.require_subcommand(1);
-  app.footer(footer());
-  for (const auto& [name, description, declare] : kCommands) {
-    declare(*line.commands.emplace_back(std::make_unique<Subcommand>(app, name, description)));
+  app.footer(footer(program));
+  for (const auto& [name, what, declare] : commands) {
+    declare(*line.commands.emplace_back(std::make_unique<Subcommand>(app, name, what)));
   }
   return line;
 }

@@ -18,6 +18,7 @@
 #include <mapjoin/model/error.hpp>
 #include <memory>
 #include <optional>
+#include <span>
 #include <sstream>
 #include <stop_token>
 #include <string>
@@ -181,6 +182,16 @@ struct CommandLine {
   std::vector<std::unique_ptr<Subcommand>> commands;  ///< In the order of the help.
 };
 
+/// A subcommand, what it does, and the function that declares it.
+struct Command {
+  const char* name;
+  const char* description;
+  void (*declare)(Subcommand&);
+};
+
+/// That of a program, its subcommands in the order of the help.
+CommandLine command_line(const std::string& program, const std::string& description, std::span<const Command> commands);
+/// That of `mapjoin`.
 CommandLine command_line();
 
 }  // namespace mapjoin::apps

@@ -1,5 +1,6 @@
 # SPDX-License-Identifier: BSD-3-Clause
-# `cpack`, or `./dev package`: mapjoin (the command) and libmapjoin-dev (headers, static libraries, what finds them), as Debian packages.
+# `cpack`, or `./dev package`: mapjoin (the command), libmapjoin-dev (headers, static libraries, what finds them) and, where MPI and MUMPS
+# are found, mapjoin-mpi, as Debian packages.
 set(MAPJOIN_MAINTAINER "The mapjoin authors <maintainers@mapjoin.invalid>" CACHE STRING "Who answers for the Debian packages")
 set(debian ${CMAKE_CURRENT_LIST_DIR})
 
@@ -12,7 +13,11 @@ set(CPACK_PACKAGE_DIRECTORY ${CMAKE_BINARY_DIR}/packages)
 set(CPACK_STRIP_FILES ON)
 set(CPACK_INSTALL_DEFAULT_DIRECTORY_PERMISSIONS
   OWNER_READ OWNER_WRITE OWNER_EXECUTE GROUP_READ GROUP_EXECUTE WORLD_READ WORLD_EXECUTE)
-set(CPACK_COMPONENTS_ALL command development)
+set(components command development)
+if(MAPJOIN_WITH_MPI)
+  list(APPEND components mpi)
+endif()
+set(CPACK_COMPONENTS_ALL ${components})
 set(CPACK_DEB_COMPONENT_INSTALL ON)
 set(CPACK_DEBIAN_FILE_NAME DEB-DEFAULT)
 set(CPACK_DEBIAN_PACKAGE_RELEASE 1)
@@ -40,6 +45,17 @@ squares, joins them along a tree, and polishes the result to the optimum of the
 whole log. This package holds the C++20 headers, the static libraries, and the
 packages for CMake and pkg-config.")
 
+set(CPACK_DEBIAN_MPI_PACKAGE_NAME mapjoin-mpi)
+set(CPACK_DEBIAN_MPI_PACKAGE_SECTION science)
+set(CPACK_DEBIAN_MPI_PACKAGE_SHLIBDEPS ON)
+set(CPACK_DEBIAN_MPI_PACKAGE_DEPENDS openmpi-bin)
+set(CPACK_DEBIAN_MPI_PACKAGE_SUGGESTS mapjoin)
+set(CPACK_DEBIAN_MPI_DESCRIPTION "mapjoin splits a robot's log into short local maps, solves each by least
+squares, joins them along a tree, and polishes the result to the optimum of the
+whole log. This package holds the command that does so on several machines at
+once, over MPI: each has a region of the map, and what regions share is solved
+by MUMPS.")
+
 # Each package carries its licence and changes; a plain `cmake --install` leaves them out.
 string(TIMESTAMP release_date "%a, %d %b %Y %H:%M:%S +0000" UTC)
 configure_file(${debian}/changelog.in ${CMAKE_CURRENT_BINARY_DIR}/debian/changelog.Debian @ONLY)
@@ -47,7 +63,7 @@ configure_file(CHANGELOG.md ${CMAKE_CURRENT_BINARY_DIR}/debian/changelog COPYONL
 foreach(file changelog.Debian changelog)
   execute_process(COMMAND ${GZIP} -9nf ${file} WORKING_DIRECTORY ${CMAKE_CURRENT_BINARY_DIR}/debian COMMAND_ERROR_IS_FATAL ANY)
 endforeach()
-foreach(component command development)
+foreach(component ${components})
   string(TOUPPER ${component} id)
   install(
     FILES ${debian}/copyright ${CMAKE_CURRENT_BINARY_DIR}/debian/changelog.Debian.gz ${CMAKE_CURRENT_BINARY_DIR}/debian/changelog.gz

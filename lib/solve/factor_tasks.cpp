@@ -20,7 +20,7 @@ class TaskCutter {
   explicit TaskCutter(const SupernodalTree& tree) : tree_(tree), work_(tree.nodes.size() + 1, 0.0) {
     for (std::size_t s = 0; s < tree.nodes.size(); ++s) {
       const auto height = static_cast<double>(tree.nodes[s].height);
-      work_[s] += static_cast<double>(tree.nodes[s].width) * height * height;
+      if (!tree.is_border(tree.nodes[s])) work_[s] += static_cast<double>(tree.nodes[s].width) * height * height;
       work_[tree.nodes[s].parent] += work_[s];
     }
     least_ = std::max(kLeastShare * work_.back(), kLeastWork);

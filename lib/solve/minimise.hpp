@@ -31,6 +31,16 @@ concept LeastSquaresProblem = requires(P p, const Eigen::VectorXd& v, double dam
 
 namespace detail {
 
+/// gᵀv. A problem whose vectors are spread over several processes has a slope() of its own.
+template <LeastSquaresProblem P>
+double slope(P& problem, const Eigen::VectorXd& v) {
+  if constexpr (requires { problem.slope(v); }) {
+    return problem.slope(v);
+  } else {
+    return problem.gradient().dot(v);
+  }
+}
+
 /// What rounding may add to chi2, as a share of it.
 constexpr double kRounding = 1e-12;
 
@@ -39,7 +49,7 @@ template <LeastSquaresProblem P, StepMetric M>
 ModelStep cauchy_point(P& problem, const M& metric) {
   ModelStep point{metric.descent(problem.gradient())};
   const double curvature = problem.curvature(point.v);
-  const double share = curvature > 0.0 ? problem.gradient().dot(point.v) / curvature : 0.0;
+  const double share = curvature > 0.0 ? slope(problem, point.v) / curvature : 0.0;
   point.v *= share;
   point.decrease = share * share * curvature;
   point.length = length(metric, point.v);
@@ -52,7 +62,7 @@ ModelStep newton_step(P& problem, double damping, const M& metric) {
   ModelStep step{problem.solve()};
   step.is_damped = damping > 0.0;
   step.length = length(metric, step.v);
-  step.decrease = problem.gradient().dot(step.v) + damping * step.length * step.length;
+  step.decrease = slope(problem, step.v) + damping * step.length * step.length;
   return step;
 }
 

@@ -17,8 +17,8 @@ constexpr std::size_t kMostParts = 16;
 
 }  // namespace
 
-NormalEquations::NormalEquations(BlockPattern pattern, Engine engine, const Ordering& ordering)
-    : pattern_(std::move(pattern)), elimination_(pattern_, ordering), offsets_{0}, solver_(make_solver(engine)) {
+NormalEquations::NormalEquations(BlockPattern pattern, std::unique_ptr<SparseSolver> solver, const Ordering& ordering)
+    : pattern_(std::move(pattern)), elimination_(pattern_, ordering), offsets_{0}, solver_(std::move(solver)) {
   for (const int dof : pattern_.dofs) offsets_.push_back(offsets_.back() + dof);
   gradient_.setZero(size());
   elimination_.matrix.lay_out();

@@ -9,6 +9,7 @@
 #include <memory>
 #include <optional>
 #include <span>
+#include <utility>
 #include <vector>
 
 namespace mapjoin {
@@ -17,7 +18,9 @@ namespace mapjoin {
 /// order, dof(v) entries each.
 class NormalEquations {
  public:
-  explicit NormalEquations(BlockPattern pattern, Engine engine = Engine::kFronts, const Ordering& ordering = {});
+  explicit NormalEquations(BlockPattern pattern, Engine engine = Engine::kFronts, const Ordering& ordering = {})
+      : NormalEquations(std::move(pattern), make_solver(engine), ordering) {}
+  NormalEquations(BlockPattern pattern, std::unique_ptr<SparseSolver> solver, const Ordering& ordering);
 
   /// Takes the blocks of one factor, over its variables in their order, to their places.
   class Sink {

@@ -64,8 +64,9 @@ Table<Column, Variable> minimum_degree(const BlockGraph& graph, const Table<Vari
   return variables(order);
 }
 
+std::mutex metis_has_one_random_state;
+
 Table<Column, Variable> nested_dissection(const BlockGraph& graph) {
-  static std::mutex metis_has_one_random_state;
   auto n = static_cast<idx_t>(graph.size());
   std::vector<idx_t> begin(graph.begins().begin(), graph.begins().end());
   auto neighbours = numbers<idx_t>(graph.entries());
@@ -119,6 +120,36 @@ Table<Column, Variable> postordered(const BlockGraph& graph, const Table<Column,
   return result;
 }
 
+/// The graph of some of its variables, by their places.
+BlockGraph induced_graph(const BlockGraph& graph, const std::vector<Variable>& some) {
+  Table<Variable, Variable> place(graph.size(), kConstant);
+  for (std::size_t k = 0; k < some.size(); ++k) place[some[k]] = Variable(k);
+  BlockGraph induced;
+  std::vector<Variable> neighbours;
+  for (const Variable v : some) {
+    neighbours.clear();
+    for (const Variable neighbour : graph[v]) {
+      if (place[neighbour] != kConstant) neighbours.push_back(place[neighbour]);
+    }
+    induced.push_back(neighbours);
+  }
+  return induced;
+}
+
+/// The order of all but the border, then the border.
+Table<Column, Variable> bordered_order(const BlockGraph& graph, const std::vector<Variable>& border) {
+  Table<Variable, bool> is_inside(graph.size(), true);
+  for (const Variable v : border) is_inside[v] = false;
+  std::vector<Variable> inside;
+  for (const Variable v : indices(is_inside)) {
+    if (is_inside[v]) inside.push_back(v);
+  }
+  Table<Column, Variable> order = elimination_order(induced_graph(graph, inside));
+  for (Variable& v : order) v = inside[v.position()];
+  order.insert(order.end(), border.begin(), border.end());
+  return order;
+}
+
 }  // namespace
 
 Table<Variable, Column> inverse_order(const Table<Column, Variable>& order) {
@@ -128,6 +159,7 @@ Table<Variable, Column> inverse_order(const Table<Column, Variable>& order) {
 }
 
 Table<Column, Variable> elimination_order(const BlockGraph& graph, const Ordering& ordering) {
+  if (!ordering.border.empty()) return bordered_order(graph, ordering.border);
   if (!ordering.given.empty()) return postordered(graph, ordering.given);
   if (graph.entries().empty()) {
     const IndexRange<Variable> all{0, Variable(graph.size())};
@@ -136,6 +168,27 @@ Table<Column, Variable> elimination_order(const BlockGraph& graph, const Orderin
   const bool fits_metis = graph.entries().size() <= static_cast<std::size_t>(std::numeric_limits<idx_t>::max());
   const bool is_dissected = graph.size() >= kSmall && ordering.ranks.empty() && fits_metis;
   return postordered(graph, is_dissected ? nested_dissection(graph) : minimum_degree(graph, ordering.ranks));
+}
+
+Table<Variable, std::int32_t> partition(const BlockGraph& graph, const Table<Variable, std::int32_t>& weights,
+                                        std::int32_t parts) {
+  auto n = static_cast<idx_t>(graph.size());
+  auto count = static_cast<idx_t>(parts);
+  Table<Variable, std::int32_t> part(graph.size(), 0);
+  if (count == 1 || n == 0) return part;
+  idx_t constraints = 1;
+  idx_t cut = 0;
+  std::vector<idx_t> begin(graph.begins().begin(), graph.begins().end());
+  auto neighbours = numbers<idx_t>(graph.entries());
+  std::vector<idx_t> weighed(weights.begin(), weights.end());
+  idx_t options[METIS_NOPTIONS];
+  METIS_SetDefaultOptions(options);
+  options[METIS_OPTION_SEED] = 1;
+  const std::lock_guard lock(metis_has_one_random_state);
+  const int status = METIS_PartGraphRecursive(&n, &constraints, begin.data(), neighbours.data(), weighed.data(), nullptr,
+                                              nullptr, &count, nullptr, nullptr, options, &cut, part.data());
+  check(status, METIS_ERROR_MEMORY, status != METIS_OK, "METIS");
+  return part;
 }
 
 EliminationTree elimination_tree(const BlockLower& matrix) {

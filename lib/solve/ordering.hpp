@@ -2,6 +2,7 @@
 #pragma once
 // Variables, the order in which they are eliminated, and what SuiteSparse and METIS say of that order.
 
+#include <cstdint>
 #include <mapjoin/model/index.hpp>
 #include <vector>
 
@@ -24,15 +25,22 @@ using BlockGraph = Lists<Variable, Variable>;
 struct Ordering {
   Table<Column, Variable> given;  ///< All variables in the order to take, or none.
   Table<Variable, int> ranks;  ///< A variable comes after all of lower rank that it is coupled to; empty: all are of one rank.
+  std::vector<Variable> border;  ///< Variables that are not eliminated: they come last, in this order.
 };
 
 /// A fill-reducing order of elimination: nested dissection (METIS), which decides everything at scale; approximate minimum
 /// degree (AMD) for graphs too small to dissect; the constrained one (CAMD) where there are ranks. Every order, a given one
-/// too, is postordered: each subtree is one run. The same graph gives the same order, from any thread.
+/// too, is postordered: each subtree is one run. The order of what a border leaves is found without it. The same graph gives
+/// the same order, from any thread.
 Table<Column, Variable> elimination_order(const BlockGraph& graph, const Ordering& ordering = {});
 
 /// The column of each variable in an order.
 Table<Variable, Column> inverse_order(const Table<Column, Variable>& order);
+
+/// Parts of an undirected graph, from 0 on, of as much weight as each other but for a few per cent, with few edges between them
+/// (METIS, by recursive bisection). The same graph gives the same parts, from any thread.
+Table<Variable, std::int32_t> partition(const BlockGraph& graph, const Table<Variable, std::int32_t>& weights,
+                                        std::int32_t parts);
 
 /// The block columns of the Cholesky factor L of a matrix, eliminated in its own order (CHOLMOD's analysis).
 struct EliminationTree {

@@ -34,6 +34,7 @@ class Factorisation {
   void eliminate_node(std::size_t s) {
     const FactorNode& node = tree_.nodes[s];
     if (node.width == 0) return;
+    if (tree_.is_border(node)) return assemble_border(node);
     const Eigen::Index below = node.below();
     updates_[s] = std::make_unique_for_overwrite<double[]>(static_cast<std::size_t>(below * below));
     const FrontalMatrix front{{values_ + node.first_value, node.height, node.width, Stride(node.height)},
@@ -44,6 +45,18 @@ class Factorisation {
     if (!given_.empty()) diagonal = front.panel.diagonal();  // of which the matrix alone holds a part
     note_singular(matrix_.offsets[node.columns.first], eliminate(front, diagonal));
     add_children(node, node.width, front.update);  // which the elimination has overwritten
+    free_children(node);
+  }
+
+  /// The Schur complement takes the place of the border's panel.
+  void assemble_border(const FactorNode& node) {
+    const DenseBlock panel(values_ + node.first_value, node.height, node.width, Stride(node.height));
+    take_entries(node, panel);
+    add_children(node, 0, panel);
+    free_children(node);
+  }
+
+  void free_children(const FactorNode& node) {
     if (keeps_updates_) return;
     for (const std::size_t c : tree_.children_of(node)) updates_[c].reset();
   }
@@ -97,7 +110,7 @@ class Factorisation {
 void SparseCholesky::analyse(const BlockLower& matrix, std::span<const GivenFront> given) {
   std::vector<std::span<const Column>> rows;
   for (const GivenFront& front : given) rows.emplace_back(front.rows);
-  tree_ = supernodal_tree(matrix, rows);
+  tree_ = supernodal_tree(matrix, rows, border_);
   offsets_ = matrix.offsets;
   values_.reset();
 }
@@ -130,6 +143,7 @@ void SparseCholesky::solve_upwards(Eigen::MatrixXd& B) const {
       }
       updates[c].resize(0, 0);
     }
+    if (tree_.is_border(node)) return;
     const auto L = panel(node);
     L.topRows(node.width).triangularView<Lower>().solveInPlace(own);
     updates[s].noalias() -= L.bottomRows(node.below()) * own;
@@ -139,6 +153,7 @@ void SparseCholesky::solve_upwards(Eigen::MatrixXd& B) const {
 void SparseCholesky::solve_downwards(Eigen::MatrixXd& B) const {
   for_each_downwards(tree_.tasks, [&](std::size_t s) {
     const FactorNode& node = tree_.nodes[s];
+    if (tree_.is_border(node)) return;
     auto own = B.middleRows(offsets_[node.columns.first], node.width);
     const auto L = panel(node);
     Eigen::MatrixXd below(node.below(), B.cols());
@@ -159,6 +174,21 @@ Eigen::MatrixXd SparseCholesky::solve_columns(Eigen::MatrixXd B) const {
   return B;
 }
 
+Eigen::MatrixXd SparseCholesky::solve_lower(Eigen::MatrixXd B) const {
+  solve_upwards(B);
+  return B;
+}
+
+Eigen::MatrixXd SparseCholesky::solve_upper(Eigen::MatrixXd B) const {
+  solve_downwards(B);
+  return B;
+}
+
+ConstDenseBlock SparseCholesky::schur_complement() const {
+  if (border_ == 0) return {nullptr, 0, 0, Stride(0)};
+  return panel(tree_.nodes.back());
+}
+
 Eigen::MatrixXd SparseCholesky::null_space(const std::vector<std::int64_t>& singular) const {
   // L without its columns of the identity is A's: where Lᵀ z, with them, is such a unit vector, A z is zero.
   Eigen::MatrixXd Z = Eigen::MatrixXd::Zero(offsets_.back(), static_cast<Eigen::Index>(singular.size()));
@@ -174,14 +204,14 @@ ConstDenseBlock SparseCholesky::update(std::size_t node) const {
 
 std::size_t SparseCholesky::supernode_count() const {
   return static_cast<std::size_t>(
-      std::count_if(tree_.nodes.begin(), tree_.nodes.end(), [](const FactorNode& node) { return node.width > 0; }));
+      std::count_if(tree_.nodes.begin(), tree_.nodes.end(), [&](const FactorNode& node) { return is_eliminated(node); }));
 }
 
 Supernodes SparseCholesky::supernodes() const {
   Supernodes factor;
   factor.reserve(tree_.nodes.size());
   for (const FactorNode& node : tree_.nodes) {
-    if (node.width == 0) continue;
+    if (!is_eliminated(node)) continue;
     Supernode& L = factor.emplace_back();
     L.begin = offsets_[node.columns.first];
     L.end = L.begin + node.width;

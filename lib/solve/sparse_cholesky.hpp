@@ -23,10 +23,16 @@ struct GivenFront {
 };
 
 /// L Lᵀ of a matrix that is already in its elimination order, as it stays: multifrontal (Duff & Reid, 1983), subtrees side by
-/// side. The same to the last bit for any number of threads.
+/// side. The same to the last bit for any number of threads. With a border, the last so many block columns, it is partial:
+///
+///   ⎡ A_II  .    ⎤   ⎡ L_II  .  ⎤ ⎡ I  . ⎤ ⎡ L_IIᵀ  L_BIᵀ ⎤
+///   ⎣ A_BI  A_BB ⎦ = ⎣ L_BI  I  ⎦ ⎣ .  S ⎦ ⎣ .      I     ⎦
+///
+/// with the Schur complement S = A_BB - A_BI A_II⁻¹ A_BIᵀ.
 class SparseCholesky final : public SparseSolver {
  public:
-  explicit SparseCholesky(Updates updates = Updates::kFreed) : keeps_updates_(updates == Updates::kKept) {}
+  explicit SparseCholesky(Updates updates = Updates::kFreed, std::size_t border = 0)
+      : keeps_updates_(updates == Updates::kKept), border_(border) {}
 
   void analyse(const BlockLower& matrix) override { analyse(matrix, {}); }
   void analyse(const BlockLower& matrix, std::span<const GivenFront> given);
@@ -35,7 +41,14 @@ class SparseCholesky final : public SparseSolver {
   std::vector<std::int64_t> factorise(const BlockLower& matrix) override { return factorise(matrix, {}); }
   /// The same with given fronts, those of analyse(). A matrix without values is zero.
   std::vector<std::int64_t> factorise(const BlockLower& matrix, std::span<const GivenFront> given);
+  /// Where there is no border.
   Eigen::MatrixXd solve_columns(Eigen::MatrixXd B) const override;
+  /// The two halves of a solve: L⁻¹ B, whose rows of the border are the right-hand sides that belong to S; and L⁻ᵀ B, whose
+  /// rows of the border are given.
+  Eigen::MatrixXd solve_lower(Eigen::MatrixXd B) const;
+  Eigen::MatrixXd solve_upper(Eigen::MatrixXd B) const;
+  /// S by its lower triangle; empty without a border.
+  ConstDenseBlock schur_complement() const;
   /// The null space of A, where it is positive semidefinite: a column for each of the given ones, which are singular.
   Eigen::MatrixXd null_space(const std::vector<std::int64_t>& singular) const;
 
@@ -50,11 +63,14 @@ class SparseCholesky final : public SparseSolver {
   ConstDenseBlock update(std::size_t node) const;
 
  private:
+  /// Neither given nor the border.
+  bool is_eliminated(const FactorNode& node) const { return node.width > 0 && !tree_.is_border(node); }
   /// L⁻¹ B and L⁻ᵀ B in the place of B.
   void solve_upwards(Eigen::MatrixXd& B) const;
   void solve_downwards(Eigen::MatrixXd& B) const;
 
   bool keeps_updates_;
+  std::size_t border_;  ///< Block columns.
   SupernodalTree tree_;
   Table<Column, Eigen::Index> offsets_;             ///< The first scalar row of each block, and the total.
   std::unique_ptr<double[]> values_;                ///< The panels of L.

@@ -22,21 +22,23 @@ struct FundamentalSupernodes {
   std::vector<Column> rows;
 };
 
-/// A column goes on with the one before it where that is its child and has no other rows.
-std::vector<Columns> runs_of_columns(const EliminationTree& tree) {
+/// A column goes on with the one before it where that is its child and has no other rows. The border is one run.
+std::vector<Columns> runs_of_columns(const EliminationTree& tree, Column border) {
+  const Column end(tree.parent.size());
   std::vector<Columns> runs;
   for (const Column k : indices(tree.parent)) {
-    const bool goes_on = k > 0 && tree.parent[k - 1] == k && tree.counts[k - 1] == tree.counts[k] + 1;
+    const bool is_child_before = k > 0 && tree.parent[k - 1] == k && tree.counts[k - 1] == tree.counts[k] + 1;
+    const bool goes_on = k < border ? is_child_before : k > border;
     if (!goes_on) runs.push_back({{k, k}, 0, {}});
     runs.back().columns.last = k + 1;
-    runs.back().parent = tree.parent[k];
+    runs.back().parent = k < border ? tree.parent[k] : end;
   }
   return runs;
 }
 
 /// The rows below each run: those of the matrix in its columns, and those of its children.
-FundamentalSupernodes fundamental_supernodes(const BlockLower& A) {
-  FundamentalSupernodes result{runs_of_columns(elimination_tree(A)), {}};
+FundamentalSupernodes fundamental_supernodes(const BlockLower& A, Column border) {
+  FundamentalSupernodes result{runs_of_columns(elimination_tree(A), border), {}};
   constexpr std::int32_t kNone = -1;
   Table<Column, std::int32_t> first_child(A.rows.size() + 1, kNone);  // the last one for roots
   std::vector<std::int32_t> next_child;
@@ -98,12 +100,12 @@ Group group_of(const Columns& supernode, const FundamentalSupernodes& of, const 
 }
 
 /// Supernodes that are hardly larger than their children become one with the last of these: fewer and wider panels.
-std::vector<Group> relaxed(const FundamentalSupernodes& fundamental, const BlockLower& A) {
+std::vector<Group> relaxed(const FundamentalSupernodes& fundamental, const BlockLower& A, Column border) {
   std::vector<Group> groups;  // from the last to the first
   for (auto supernode = fundamental.supernodes.rbegin(); supernode != fundamental.supernodes.rend(); ++supernode) {
     const Group group = group_of(*supernode, fundamental, A);
     const bool depends = !groups.empty() && supernode->parent < groups.back().columns.columns.last;
-    if (depends && should_merge(group, groups.back())) {
+    if (depends && supernode->parent < border && should_merge(group, groups.back())) {
       groups.back().columns.columns.first = group.columns.columns.first;
       groups.back().width += group.width;
       groups.back().entries += group.entries;
@@ -213,10 +215,11 @@ void lay_out_fronts(SupernodalTree& tree, const BlockLower& A) {
 
 }  // namespace
 
-SupernodalTree supernodal_tree(const BlockLower& matrix, std::span<const std::span<const Column>> given) {
+SupernodalTree supernodal_tree(const BlockLower& matrix, std::span<const std::span<const Column>> given, std::size_t border) {
   SupernodalTree tree;
-  const FundamentalSupernodes fundamental = fundamental_supernodes(matrix);
-  lay_out_nodes(tree, relaxed(fundamental, matrix), fundamental.rows, given, matrix);
+  tree.border = Column(matrix.rows.size() - border);
+  const FundamentalSupernodes fundamental = fundamental_supernodes(matrix, tree.border);
+  lay_out_nodes(tree, relaxed(fundamental, matrix, tree.border), fundamental.rows, given, matrix);
   find_parents(tree, matrix.rows.size());
   find_children(tree);
   lay_out_fronts(tree, matrix);

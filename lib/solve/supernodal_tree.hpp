@@ -61,6 +61,9 @@ struct SupernodalTree {
   std::vector<std::int32_t> front_rows;  ///< Of each of the entries of BlockLower::rows, its first scalar row in the front.
   std::int64_t value_count = 0;          ///< Of L.
   FactorTask tasks;                      ///< The same for any number of threads.
+  Column border = 0;  ///< From this column on, the matrix is not eliminated: its last node, where it has one.
+
+  bool is_border(const FactorNode& node) const { return node.width > 0 && node.columns.first >= border; }
 
   std::span<const std::size_t> children_of(const FactorNode& node) const { return node.children.of(children); }
   std::span<const Column> rows_of(const FactorNode& node) const { return node.rows.of(rows); }
@@ -68,8 +71,10 @@ struct SupernodalTree {
 };
 
 /// By the pattern of a matrix that is in the order of its elimination (Liu, Ng & Peyton, 1993). `given` are the block rows,
-/// ascending, of fronts that were eliminated before: any two of them are coupled in the matrix.
-SupernodalTree supernodal_tree(const BlockLower& matrix, std::span<const std::span<const Column>> given = {});
+/// ascending, of fronts that were eliminated before: any two of them are coupled in the matrix. The last `border` columns are
+/// not eliminated.
+SupernodalTree supernodal_tree(const BlockLower& matrix, std::span<const std::span<const Column>> given = {},
+                               std::size_t border = 0);
 
 /// Cuts the tree where independent subtrees are worth a task. Depends on the tree alone.
 FactorTask factor_tasks(const SupernodalTree& tree);

@@ -40,6 +40,7 @@ class DiagonalMetric {
   Eigen::VectorXd descent(const Eigen::VectorXd& gradient) const {
     return (diagonal_.array() > 0.0).select(gradient.cwiseQuotient(diagonal_), 0.0);
   }
+  const Eigen::VectorXd& diagonal() const { return diagonal_; }
 
  private:
   Eigen::VectorXd diagonal_;

@@ -37,6 +37,31 @@ Table<Column, Variable> natural(std::size_t count) {
   return {all.begin(), all.end()};
 }
 
+TEST(Partition, CutsAGridIntoHalvesAcross) {
+  const int side = 30;
+  const BlockGraph graph = grid(side);
+  const auto part = partition(graph, Table<Variable, std::int32_t>(graph.size(), 1), 2);
+  const auto first = std::count(part.begin(), part.end(), 0);
+  EXPECT_NEAR(static_cast<double>(first), 450.0, 25.0);
+  int cut = 0;
+  for (const Variable v : indices(part)) {
+    for (const Variable other : graph[v]) cut += part[v] < part[other] ? 1 : 0;
+  }
+  EXPECT_LE(cut, side + 5);  // a straight cut takes as many as the grid is wide
+  EXPECT_EQ(partition(graph, Table<Variable, std::int32_t>(graph.size(), 1), 2), part);
+}
+
+TEST(Ordering, EndsWithTheBorderInItsOrder) {
+  for (const int side : {2, 9, 30}) {
+    const BlockGraph graph = grid(side);
+    const std::vector<Variable> border = {3, 0, 1};
+    const auto order = elimination_order(graph, {.given = {}, .ranks = {}, .border = border});
+    ASSERT_EQ(order.size(), graph.size());
+    EXPECT_EQ(std::set<Variable>(order.begin(), order.end()).size(), graph.size());
+    EXPECT_TRUE(std::equal(border.begin(), border.end(), order.end() - 3)) << side;
+  }
+}
+
 TEST(Ordering, IsAPermutationThatFillsLessThanTheNaturalOrder) {
   for (const int side : {8, 30}) {
     const BlockGraph graph = grid(side);
@@ -66,7 +91,7 @@ TEST(Ordering, EliminatesAVariableAfterAllOfLowerRankThatItIsCoupledTo) {
     Table<Variable, int> ranks(graph.size(), 0);
     std::fill(ranks.end() - 9, ranks.end(), 1);
     ranks[3] = 2;
-    const Table<Column, Variable> order = elimination_order(graph, {.given = {}, .ranks = ranks});
+    const Table<Column, Variable> order = elimination_order(graph, {.given = {}, .ranks = ranks, .border = {}});
     const Table<Variable, Column> column = inverse_order(order);
     for (const Variable v : order) {
       for (const Variable neighbour : graph[v]) {
@@ -81,7 +106,7 @@ TEST(Ordering, TakesRanksBeyondTheNumberOfVariables) {
   BlockGraph pair;
   pair.push_back(std::array<Variable, 1>{1});
   pair.push_back(std::array<Variable, 1>{0});
-  EXPECT_EQ(elimination_order(pair, {.given = {}, .ranks = {7, 2}}), (Table<Column, Variable>{1, 0}));
+  EXPECT_EQ(elimination_order(pair, {.given = {}, .ranks = {7, 2}, .border = {}}), (Table<Column, Variable>{1, 0}));
 }
 
 TEST(Ordering, IsTheSameFromSeveralThreadsAtOnce) {

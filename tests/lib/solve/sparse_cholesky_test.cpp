@@ -45,6 +45,33 @@ TEST(SparseCholesky, SolvesLikeTheDenseSystem) {
   }
 }
 
+TEST(SparseCholesky, LeavesTheSchurComplementOfABorder) {
+  Random random;
+  for (const int side : {2, 7, 25}) {
+    for (const std::size_t border : {std::size_t{1}, std::size_t{3}, static_cast<std::size_t>(side * side)}) {
+      const BlockLower matrix = grid_system(side, random);
+      const Eigen::MatrixXd A = dense(matrix);
+      SparseCholesky cholesky(Updates::kFreed, border);
+      cholesky.analyse(matrix);
+      ASSERT_TRUE(cholesky.factorise(matrix).empty());
+      const Eigen::Index inside = matrix.offsets[Column(matrix.rows.size() - border)];
+      const Eigen::Index size = A.rows() - inside;
+      Eigen::MatrixXd S = A.bottomRightCorner(size, size);
+      if (inside > 0) {
+        S -= A.bottomLeftCorner(size, inside) * A.topLeftCorner(inside, inside).llt().solve(A.topRightCorner(inside, size));
+      }
+      const Eigen::MatrixXd lower = (cholesky.schur_complement() - S).triangularView<Eigen::Lower>();
+      EXPECT_LT(lower.norm(), 1e-12 * S.norm()) << side << " " << border;
+
+      Eigen::MatrixXd B(A.rows(), 2);
+      for (auto& entry : B.reshaped()) entry = random.uniform(-1.0, 1.0);
+      Eigen::MatrixXd X = cholesky.solve_lower(B);
+      X.bottomRows(size) = S.llt().solve(X.bottomRows(size));
+      EXPECT_LT((cholesky.solve_upper(X) - A.llt().solve(B)).norm(), 1e-12 * B.norm()) << side << " " << border;
+    }
+  }
+}
+
 TEST(SparseCholesky, SolvesSystemsOfBlocksLikeTheDenseOne) {
   Random random;
   for (const int side : {1, 2, 7, 25}) {

@@ -1,0 +1,72 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <fmt/format.h>
+
+#include <CLI/App.hpp>
+#include <CLI/Config.hpp>
+#include <algorithm>
+#include <apps/console.hpp>
+#include <apps/process.hpp>
+#include <apps/program.hpp>
+#include <exception>
+#include <new>
+
+namespace mapjoin::apps {
+namespace {
+
+/// A command line that is wrong, in one sentence.
+[[noreturn]] void fail_to_parse(const CLI::App& app, std::string what) {
+  if (app.get_subcommands().empty()) {
+    const auto words = app.remaining();
+    what = words.empty() ? "a command is required" : fmt::format("there is no command \"{}\"", words.front());
+  }
+  fail(ErrorKind::kUsage, fmt::format("{} (see {} --help)", what, app.get_name()));
+}
+
+}  // namespace
+
+Expected<void> prepare_process() {
+  if (auto room = check_process_limits(); !room) return room;
+  keep_blas_on_one_thread();
+  end_on_truncated_input();
+  return {};
+}
+
+ExitCode parse_and_run(const CommandLine& line, int argc, char** argv, const std::stop_token& stop) {
+  CLI::App& app = *line.app;
+  try {
+    app.parse(argc, argv);
+  } catch (const CLI::CallForHelp&) {
+    demand(write_stdout(app.help()));
+    return ExitCode::kDone;
+  } catch (const CLI::CallForVersion& version) {
+    demand(write_stdout(fmt::format("{}\n", version.what())));
+    return ExitCode::kDone;
+  } catch (const CLI::ParseError& error) {
+    fail_to_parse(app, error.what());
+  }
+  const auto is_chosen = [](const auto& command) { return command->is_chosen(); };
+  const auto chosen = std::find_if(line.commands.begin(), line.commands.end(), is_chosen);
+  try {
+    return (*chosen)->run(stop);
+  } catch (const tl::bad_expected_access<Error>& failure) {
+    if (failure.error().kind == ErrorKind::kInterrupted) fail(ErrorKind::kInterrupted, "interrupted");
+    throw;  // what went wrong otherwise is said, be it after a stop: --follow ends with one
+  }
+}
+
+ExitCode with_errors_told(const std::function<ExitCode()>& work, const std::function<void(const std::string&)>& tell) {
+  try {
+    return work();
+  } catch (const tl::bad_expected_access<Error>& failure) {
+    tell(failure.error().message);
+    return exit_code_of(failure.error().kind);
+  } catch (const std::bad_alloc&) {
+    tell("there is not enough memory for this");
+    return ExitCode::kTooLarge;
+  } catch (const std::exception& error) {
+    tell(fmt::format("internal error: {}", error.what()));
+    return ExitCode::kInternalError;
+  }
+}
+
+}  // namespace mapjoin::apps

@@ -1,0 +1,28 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+// Which of the things that are numbered for all ranks several ranks hold.
+
+#include <compare>
+#include <cstdint>
+#include <mapjoin/distributed/communicator.hpp>
+#include <vector>
+
+namespace mapjoin::distributed {
+
+/// A rank holds a thing of this number.
+struct Holding {
+  std::int32_t number = 0;
+  std::int32_t rank = 0;
+  auto operator<=>(const Holding&) const = default;
+};
+template <typename F>
+void fields(Holding& holding, const F& f) {
+  f(holding.number);
+  f(holding.rank);
+}
+
+/// The holdings of what at least two ranks hold, ascending, on all ranks; `mine` are different numbers below `count`. Each
+/// number is looked after by one rank, so that no rank sees what all hold (a distributed directory).
+std::vector<Holding> shared_holdings(const Communicator& comm, const std::vector<std::int32_t>& mine, std::size_t count);
+
+}  // namespace mapjoin::distributed

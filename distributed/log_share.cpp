@@ -1,0 +1,129 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <algorithm>
+#include <mapjoin/distributed/holdings.hpp>
+#include <mapjoin/distributed/log_share.hpp>
+#include <mapjoin/model/log_builder.hpp>
+#include <utility>
+
+namespace mapjoin::distributed {
+namespace {
+
+/// Which poses are of which rank.
+class Shares {
+ public:
+  Shares(std::size_t poses, int ranks) {
+    for (int r = 0; r <= ranks; ++r) begin_.emplace_back(poses * static_cast<std::size_t>(r) / static_cast<std::size_t>(ranks));
+  }
+
+  /// The rank to whose share a pose belongs, of two the later one.
+  std::size_t owner(PoseIndex pose) const {
+    return static_cast<std::size_t>(std::upper_bound(begin_.begin(), begin_.end() - 1, pose) - begin_.begin()) - 1;
+  }
+  /// The last pose of a rank's share, which is the next one's first.
+  PoseIndex first(std::size_t rank) const { return begin_[rank]; }
+  PoseIndex last(std::size_t rank) const { return rank + 2 == begin_.size() ? begin_.back() - 1 : begin_[rank + 1]; }
+
+ private:
+  std::vector<PoseIndex> begin_;
+};
+
+/// What goes to one rank: of its log, and apart from it.
+template <int Dim>
+struct Dealt {
+  std::vector<PoseFactor<Dim>> edges;
+  std::vector<FeatureFactor<Dim>> observations;
+  std::vector<PoseFactor<Dim>> poses_apart;
+  std::vector<FeatureFactor<Dim>> features_apart;
+};
+
+template <int Dim>
+std::vector<Dealt<Dim>> dealt_out(const FactorGraph<Dim>& graph, const Shares& shares, std::size_t ranks) {
+  std::vector<Dealt<Dim>> to(ranks);
+  for (const auto& o : graph.pose_factors) {
+    const std::size_t owner = shares.owner(o.base == kWorld ? o.target : std::min(o.base, o.target));
+    const bool is_within = o.base != kWorld && std::max(o.base, o.target) <= shares.last(owner);
+    (is_within ? to[owner].edges : to[owner].poses_apart).push_back(o);
+  }
+  for (const auto& o : graph.feature_factors) {
+    if (o.base == kWorld) {
+      to[o.target.position() % ranks].features_apart.push_back(o);
+    } else {
+      to[shares.owner(o.base)].observations.push_back(o);
+    }
+  }
+  return to;
+}
+
+/// The share's log of all that comes from the ranks.
+template <int Dim>
+LogShare<Dim> received(const std::vector<std::string>& messages, const LogPart<Dim>& part, PoseIndex first, PoseIndex last) {
+  LogShare<Dim> share;
+  LogBuilder<Dim> builder(part.source, part.conventions, Numbers::kChecked);
+  for (PoseIndex pose = first; pose <= last; ++pose) builder.add_pose(part.poses[pose]);
+  const auto append = [](auto& list, const auto& more) { list.insert(list.end(), more.begin(), more.end()); };
+  for (const std::string& message : messages) {
+    Reader reader(message);
+    for (const auto& o : reader.take<PoseFactor<Dim>>()) {
+      builder.add_pose_edge(part.poses[o.base], part.poses[o.target], o.measured, o.information);
+    }
+    for (const auto& o : reader.take<FeatureFactor<Dim>>()) {
+      builder.add_observation(part.poses[o.base], part.features[o.target], o.measured, o.information);
+    }
+    append(share.apart.pose_factors, reader.take<PoseFactor<Dim>>());
+    append(share.apart.feature_factors, reader.take<FeatureFactor<Dim>>());
+  }
+  share.log = std::move(builder).finish().value();  // what was checked where it was read
+  for (const PoseId& id : share.log.poses) share.poses.emplace_back(find_ascending(part.poses, id).value());
+  for (const FeatureId& id : share.log.features) share.features.emplace_back(find_ascending(part.features, id).value());
+  return share;
+}
+
+/// Marks what others refer to.
+template <int Dim>
+void mark_referenced(const Communicator& comm, const LogPart<Dim>& part, const Shares& shares, LogShare<Dim>& share) {
+  std::vector<PoseIndex> poses;
+  std::vector<std::int32_t> features;
+  for (const auto& o : share.apart.pose_factors) {
+    if (o.base != kWorld) poses.push_back(o.base);
+    poses.push_back(o.target);
+  }
+  poses = comm.gather(poses);
+  for (const auto& fixed : part.graph.fixed) poses.push_back(fixed.pose);
+  for (int r = 1; r < comm.size(); ++r) poses.push_back(shares.first(static_cast<std::size_t>(r)));
+  std::ranges::sort(poses);
+  for (const PoseIndex p : share.poses) share.is_referenced.push_back(std::ranges::binary_search(poses, p));
+
+  for (const FeatureIndex f : share.features) features.push_back(f.value);
+  const std::vector<Holding> shared = shared_holdings(comm, features, part.features.size());
+  std::vector<std::int32_t> priors;
+  for (const auto& o : share.apart.feature_factors) priors.push_back(o.target.value);
+  priors = comm.gather(priors);
+  std::ranges::sort(priors);
+  for (const std::int32_t f : features) {
+    share.is_referenced_feature.push_back(std::ranges::binary_search(shared, f, {}, &Holding::number) ||
+                                          std::ranges::binary_search(priors, f));
+  }
+}
+
+}  // namespace
+
+template <int Dim>
+LogShare<Dim> share_of(const Communicator& comm, LogPart<Dim>& part) {
+  const auto ranks = static_cast<std::size_t>(comm.size());
+  const auto rank = static_cast<std::size_t>(comm.rank());
+  const Shares shares(part.poses.size(), comm.size());
+  std::vector<std::string> messages;
+  for (const Dealt<Dim>& to : dealt_out(part.graph, shares, ranks)) {
+    messages.push_back(Writer().put(to.edges).put(to.observations).put(to.poses_apart).put(to.features_apart).bytes());
+  }
+  part.graph.pose_factors = {};
+  part.graph.feature_factors = {};
+  LogShare<Dim> share = received(comm.exchange(std::move(messages)), part, shares.first(rank), shares.last(rank));
+  mark_referenced(comm, part, shares, share);
+  return share;
+}
+
+template LogShare<2> share_of(const Communicator&, LogPart<2>&);
+template LogShare<3> share_of(const Communicator&, LogPart<3>&);
+
+}  // namespace mapjoin::distributed

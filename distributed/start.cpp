@@ -1,0 +1,180 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <algorithm>
+#include <mapjoin/distributed/outline.hpp>
+#include <mapjoin/distributed/start.hpp>
+#include <mapjoin/join/schedule.hpp>
+#include <mapjoin/localmap/recover.hpp>
+#include <mapjoin/measure/effort.hpp>
+#include <optional>
+#include <utility>
+
+namespace mapjoin::distributed {
+namespace {
+
+/// A share whose local maps are joined, each part that hangs together in a frame of its own.
+template <int Dim>
+struct JoinedShare {
+  Values<Dim> values;                             ///< Of all poses and features of the share.
+  Table<PoseIndex, std::size_t> part;             ///< In which part a pose is,
+  Table<FeatureIndex, std::size_t> feature_part;  ///< and a feature.
+  std::size_t parts = 0;
+  std::vector<const PoseFactor<Dim>*> pending;  ///< Closures between parts.
+};
+
+/// What a map eliminated is of the part of its base.
+template <int Dim>
+void note_interiors(const SubmapGraph<Dim>& graph, JoinedShare<Dim>& joined) {
+  for (const Segment& segment : graph.segments) {
+    for (PoseIndex p = segment.begin + 1; p < segment.end; ++p) {
+      if (!graph.is_joined[p]) joined.part[p] = joined.part[segment.begin];
+    }
+  }
+  for (const auto& map : graph.maps) {
+    for (const FeatureIndex f : map.local_features) joined.feature_part[f] = joined.part[map.map.base];
+  }
+}
+
+/// The partial maps of a share, with what was eliminated recovered.
+template <int Dim>
+JoinedShare<Dim> recovered(const Log<Dim>& log, const Split& split, const SubmapGraph<Dim>& graph,
+                           const JoinedPartialMaps<Dim>& partials, const MinimiseOptions& solver) {
+  JoinedShare<Dim> joined;
+  joined.values.poses.resize(log.poses.size());
+  joined.values.features.resize(log.features.size(), Point<Dim>::Zero());
+  joined.part.resize(log.poses.size(), 0);
+  joined.feature_part.resize(log.features.size(), 0);
+  joined.parts = partials.partials.size();
+  joined.pending = partials.pending;
+  for (std::size_t k = joined.parts; k-- > 0;) {  // what parts have in common is where the first of them says
+    const PartialMap<Dim>& partial = partials.partials[k];
+    write_values(partial.state, partial.poses, partial.features, joined.values);
+    for (const PoseIndex p : partial.poses) joined.part[p] = k;
+    for (const FeatureIndex f : partial.features) joined.feature_part[f] = k;
+  }
+  note_interiors(graph, joined);
+  for (const auto& map : graph.maps) recover_local_features(map, joined.values);
+  recover_interiors(log, split, graph.is_local, solver, joined.values);
+  return joined;
+}
+
+/// Builds and joins the local maps of a share.
+template <int Dim>
+Expected<JoinedShare<Dim>> joined_share(const LogShare<Dim>& share, const RunOptions& options, RunFigures& figures) {
+  Split parts = split(share.log, options.split, share.is_referenced);
+  LocalMaps<Dim> built;
+  {
+    const Stopwatch watch(figures.seconds.build);
+    auto maps = build_local_maps(share.log, parts, {options.solver, nullptr});
+    if (!maps) return tl::unexpected(maps.error());
+    built = std::move(*maps);
+  }
+  const Stopwatch watch(figures.seconds.join);
+  figures.build_iterations = built.iterations;
+  figures.local_maps = built.maps.size();
+  figures.raw_segments = parts.segments.size() - built.maps.size();
+  const SubmapGraph<Dim> graph = submap_graph_of(share.log, parts, std::move(built.maps), share.is_referenced_feature);
+  const auto partials = join_segments(graph, {options.schedule, options.state, nullptr});
+  return recovered(share.log, parts, graph, partials, options.solver);
+}
+
+/// What the outlines of all shares are aligned by.
+template <int Dim>
+Ties<Dim> ties_of(const Communicator& comm, const LogPart<Dim>& whole, const LogShare<Dim>& share,
+                  const JoinedShare<Dim>& joined) {
+  constexpr std::size_t kMost = SharedFactors<Dim>::kMost;
+  std::vector<PoseFactor<Dim>> closures;
+  std::vector<PoseFactor<Dim>> priors;
+  for (const auto& o : share.apart.pose_factors) (o.base == kWorld ? priors : closures).push_back(o);
+  for (const auto* o : joined.pending) {
+    closures.push_back(*o);
+    closures.back().base = share.poses[o->base];
+    closures.back().target = share.poses[o->target];
+  }
+  return {comm.gather(evenly_chosen(closures, kMost)), comm.gather(evenly_chosen(priors, kMost)), whole.graph.fixed};
+}
+
+/// The pose of a part that no other part has, by its place in the share; any where there is none.
+template <int Dim>
+PoseIndex anchor_of(const LogShare<Dim>& share, const JoinedShare<Dim>& joined, std::size_t part) {
+  std::optional<PoseIndex> any;
+  for (const PoseIndex p : indices(share.poses)) {
+    if (joined.part[p] != part) continue;
+    if (!share.is_referenced[p]) return p;
+    if (!any) any = p;
+  }
+  return any.value();
+}
+
+template <int Dim>
+Outline<Dim> outline_of(const LogShare<Dim>& share, const JoinedShare<Dim>& joined, const std::vector<PoseIndex>& tied,
+                        std::size_t part) {
+  Outline<Dim> outline;
+  std::vector<FeatureFactor<Dim>> shared;
+  for (const auto& o : share.log.observations()) {
+    if (joined.part[o.base] == part && joined.feature_part[o.target] == part && share.is_referenced_feature[o.target]) {
+      shared.push_back(o);
+    }
+  }
+  outline.observations = evenly_chosen(shared, SharedFactors<Dim>::kMost);
+  Table<PoseIndex, bool> is_in(share.poses.size(), false);
+  const PoseIndex anchor = anchor_of(share, joined, part);
+  is_in[anchor] = true;
+  is_in.front() = is_in.front() || joined.part.front() == part;  // the poses where shares meet
+  is_in.back() = is_in.back() || joined.part.back() == part;
+  for (const auto& o : outline.observations) is_in[o.base] = true;
+  for (const PoseIndex p : indices(share.poses)) {
+    if (joined.part[p] == part && std::ranges::binary_search(tied, share.poses[p])) is_in[p] = true;
+  }
+  std::vector<std::pair<PoseIndex, PoseIndex>> poses;  // by the indices of all names
+  for (const PoseIndex p : indices(is_in)) {
+    if (is_in[p]) poses.emplace_back(share.poses[p], p);
+  }
+  std::ranges::sort(poses);
+  outline.anchor = share.poses[anchor];
+  for (const auto& [index, p] : poses) {
+    outline.poses.push_back(index);
+    outline.values.poses.push_back(joined.values.poses[p]);
+  }
+  for (const FeatureIndex f : indices(share.features)) {
+    if (joined.feature_part[f] != part || !share.is_referenced_feature[f]) continue;
+    outline.features.push_back(share.features[f]);
+    outline.values.features.push_back(joined.values.features[f]);
+  }
+  for (auto& o : outline.observations) {
+    o.base = share.poses[o.base];
+    o.target = share.features[o.target];
+  }
+  return outline;
+}
+
+}  // namespace
+
+template <int Dim>
+Expected<ShareStart<Dim>> start_of(const Communicator& comm, const LogPart<Dim>& whole, const LogShare<Dim>& share,
+                                   const RunOptions& options) {
+  ShareStart<Dim> start;
+  auto joined = comm.agree(joined_share(share, options, start.figures));
+  if (!joined) return tl::unexpected(joined.error());
+  const Stopwatch watch(start.figures.seconds.join);
+  const Ties<Dim> ties = ties_of(comm, whole, share, *joined);
+  const std::vector<PoseIndex> tied = ties.poses();
+  std::vector<Outline<Dim>> outlines;
+  for (std::size_t k = 0; k < joined->parts; ++k) outlines.push_back(outline_of(share, *joined, tied, k));
+  const std::vector<Pose<Dim>> frames = frames_of(comm, outlines, ties);
+  start.values = std::move(joined->values);
+  for (const PoseIndex p : indices(share.poses))
+    start.values.poses[p] = compose(frames[joined->part[p]], start.values.poses[p]);
+  for (const FeatureIndex f : indices(share.features)) {
+    start.values.features[f] = transform(frames[joined->feature_part[f]], start.values.features[f]);
+  }
+  return start;
+}
+
+#define MAPJOIN_INSTANTIATE(Dim)                                                                              \
+  template Expected<ShareStart<Dim>> start_of(const Communicator&, const LogPart<Dim>&, const LogShare<Dim>&, \
+                                              const RunOptions&);
+MAPJOIN_INSTANTIATE(2)
+MAPJOIN_INSTANTIATE(3)
+#undef MAPJOIN_INSTANTIATE
+
+}  // namespace mapjoin::distributed

@@ -1,0 +1,173 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <fmt/format.h>
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <fstream>
+#include <mapjoin/io/open.hpp>
+#include <mapjoin/join/tolerances.hpp>
+#include <mapjoin/measure/chi2.hpp>
+#include <tests/apps/command.hpp>
+#include <tests/mpi/mpi_command.hpp>
+#include <tests/support/data.hpp>
+
+namespace mapjoin::testing {
+namespace {
+
+using ::testing::HasSubstr;
+
+constexpr int kRanks[] = {1, 2, 4};
+
+class RunOnRanks : public ::testing::Test {
+ protected:
+  static Ended call_ranks(int ranks, const std::vector<std::string>& arguments) {
+    Process process(mpi_command_line(ranks, arguments));
+    const int exit_code = process.wait();
+    return {exit_code, process.standard_output(), process.standard_error()};
+  }
+  static nlohmann::json report_of_ranks(int ranks, std::vector<std::string> arguments) {
+    arguments.insert(arguments.end(), {"--report", "-"});
+    const Ended ended = call_ranks(ranks, arguments);
+    EXPECT_EQ(ended.exit_code, 0) << ended.err;
+    return nlohmann::json::parse(ended.out);
+  }
+  /// The optimum of one process is that of any number of ranks.
+  static void expect_the_same_optimum(const std::string& log) {
+    const auto one = report_of({"run", log, "--no-verdict"});
+    for (const int ranks : kRanks) {
+      const auto several = report_of_ranks(ranks, {"run", log});
+      const double chi2 = one["chi2"];
+      EXPECT_NEAR(several["chi2"], chi2, 1e-9 * chi2) << log << " on " << ranks;
+      EXPECT_EQ(several["dof"], one["dof"]) << log << " on " << ranks;
+    }
+  }
+  std::string bundled(const std::string& name) const { return (kBundledData / name).string(); }
+  std::string path(const std::string& name) const { return (folder.path() / name).string(); }
+  std::string converted(const std::string& file) const {
+    const std::string log = path(std::filesystem::path(file).stem().stem().string() + ".g2o");
+    EXPECT_EQ(call({"convert", data_file(file).string(), log}).exit_code, 0);
+    return log;
+  }
+  /// The log's lines but for one, which is `line` instead.
+  std::string with_line(std::size_t number, const std::string& line) const {
+    std::istringstream lines(content_of(bundled("manhattan2d.g2o")));
+    std::ofstream file(path("changed.g2o"));
+    std::size_t count = 0;
+    for (std::string old; std::getline(lines, old);) file << (++count == number ? line : old) << '\n';
+    return path("changed.g2o");
+  }
+
+  TemporaryFolder folder;
+};
+
+TEST_F(RunOnRanks, FindsTheOptimumOfOneProcessInThePlane) {
+  expect_the_same_optimum(bundled("manhattan2d.g2o"));
+}
+
+TEST_F(RunOnRanks, FindsTheOptimumOfOneProcessInSpace) {
+  expect_the_same_optimum(bundled("manhattan3d.g2o"));
+}
+
+TEST_F(RunOnRanks, FindsTheOptimumOfOneProcessOnRealLogs) {
+  for (const char* file : {"vicpark-6898/vicpark6898.g2o.gz", "dlr/dlr_corrected.g2o.gz", "pose-graphs-2d/intel.g2o.gz",
+                           "pose-graphs-3d/sphere2500.g2o.gz"}) {
+    expect_the_same_optimum(converted(file));
+  }
+}
+
+TEST_F(RunOnRanks, WritesTheMapWhoseChi2ItTells) {
+  const std::string log = bundled("manhattan2d.g2o");
+  const auto told = report_of_ranks(2, {"run", log, "-o", path("map.g2o")});
+  const auto map = std::get<Log<2>>(open_log(path("map.g2o")).value());
+  const auto read = std::get<Log<2>>(open_log(log).value());
+  ASSERT_EQ(map.poses, read.poses);
+  ASSERT_EQ(map.features, read.features);
+  EXPECT_NEAR(log_chi2(read, map.initial).total(), told["chi2"], 1e-9 * told["chi2"].get<double>());
+}
+
+TEST_F(RunOnRanks, CountsWhatTheLogHas) {
+  const auto one = report_of({"run", bundled("manhattan3d.g2o"), "--no-verdict"});
+  const auto four = report_of_ranks(4, {"run", bundled("manhattan3d.g2o")});
+  for (const char* what : {"dimension", "convention", "poses", "features", "odometry", "closures", "observations", "priors",
+                           "fixed_poses", "skipped", "gauge"}) {
+    EXPECT_EQ(four[what], one[what]) << what;
+  }
+}
+
+TEST_F(RunOnRanks, SaysWhatEachRankLeftOut) {
+  std::ofstream file(path("scans.g2o"));
+  std::istringstream lines(content_of(bundled("manhattan2d.g2o")));
+  std::size_t count = 0;
+  for (std::string line; std::getline(lines, line);) file << line << (++count % 100 == 0 ? "\nROBOTLASER1 0 1 2\n" : "\n");
+  file.close();
+  const auto report = report_of_ranks(4, {"run", path("scans.g2o")});
+  EXPECT_EQ(report["skipped"]["ROBOTLASER1 lines"], count / 100);
+}
+
+TEST_F(RunOnRanks, HoldsFixedPosesAndPriorsAsOneProcessDoes) {
+  std::ofstream(path("held.g2o")) << content_of(bundled("manhattan2d.g2o")) << "EDGE_PRIOR_SE2 700 3 4 1 9 0 0 9 0 9\n"
+                                  << "EDGE_PRIOR_XY 1000 5 5 4 0 4\n";
+  const std::string held = path("held.g2o");
+  const auto one = report_of({"run", held, "--no-verdict"});
+  for (const int ranks : kRanks) {
+    const auto several = report_of_ranks(ranks, {"run", held});
+    EXPECT_NEAR(several["chi2"], one["chi2"], 1e-9 * one["chi2"].get<double>()) << ranks;
+    EXPECT_EQ(several["dof"], one["dof"]) << ranks;
+  }
+}
+
+TEST_F(RunOnRanks, FindsTheOptimumWithItsFactorInFiles) {
+  const std::string log = bundled("manhattan2d.g2o");
+  const auto in_memory = report_of_ranks(2, {"run", log});
+  const auto in_files = report_of_ranks(2, {"run", log, "--out-of-core", folder.path().string()});
+  EXPECT_NEAR(in_files["chi2"], in_memory["chi2"], 1e-9 * in_memory["chi2"].get<double>());
+  EXPECT_TRUE(std::filesystem::is_empty(folder.path()));
+}
+
+TEST_F(RunOnRanks, SaysWhereALineIsWrongOnceAndEndsAll) {
+  for (const std::size_t line : {std::size_t{40}, std::size_t{1700}, std::size_t{3400}}) {
+    const Ended ended = call_ranks(4, {"run", with_line(line, "EDGE_SE2 1 2 x"), "-o", path("map.g2o")});
+    EXPECT_EQ(ended.exit_code, 3);
+    EXPECT_THAT(ended.err, HasSubstr(fmt::format("changed.g2o:{}:14: ", line)));
+    EXPECT_EQ(ended.err.find("mapjoin: "), ended.err.rfind("mapjoin: ")) << ended.err;
+    EXPECT_FALSE(std::filesystem::exists(path("map.g2o")));
+  }
+}
+
+TEST_F(RunOnRanks, RefusesALogThatFallsApart) {
+  std::ofstream(path("apart.g2o")) << content_of(bundled("manhattan2d.g2o")) << "EDGE_SE2 5000 5001 1 0 0 1 0 0 1 0 1\n";
+  const Ended ended = call_ranks(2, {"run", path("apart.g2o")});
+  EXPECT_EQ(ended.exit_code, 3);
+  EXPECT_THAT(ended.err, HasSubstr("nothing ties its 2 parts together; they hold the World, pose 5000"));
+}
+
+TEST_F(RunOnRanks, RefusesWhatIsNotPlainG2o) {
+  std::ofstream(path("empty.g2o")) << "# nothing\n";
+  std::ofstream(path("log.txt")) << "EDGE2 1 0 1 0 0 1 0 1 1 0 0\n";
+  for (const char* file : {"empty.g2o", "log.txt", "missing.g2o"}) {
+    const Ended ended = call_ranks(2, {"run", path(file)});
+    EXPECT_EQ(ended.exit_code, 3) << file;
+    EXPECT_THAT(ended.err, HasSubstr(file));
+  }
+}
+
+TEST_F(RunOnRanks, RefusesMoreRanksThanTheLogIsWorth) {
+  std::ofstream(path("small.g2o")) << kSmallLog;
+  const Ended ended = call_ranks(2, {"run", path("small.g2o")});
+  EXPECT_EQ(ended.exit_code, 2);
+  EXPECT_THAT(ended.err, HasSubstr("3 poses are too few for 2 ranks"));
+}
+
+TEST_F(RunOnRanks, RefusesFactorsThatAreTooLargeWithNumbers) {
+  const Ended ended = call_ranks(2, {"run", bundled("manhattan3d.g2o"), "--max-memory", "0.5"});
+  EXPECT_EQ(ended.exit_code, 6);
+  EXPECT_THAT(ended.err, HasSubstr("of --max-memory"));
+}
+
+TEST_F(RunOnRanks, SaysThatTheMapCannotBeWrittenBeforeTheWork) {
+  const Ended ended = call_ranks(2, {"run", bundled("manhattan2d.g2o"), "-o", path("no/such/folder/map.g2o")});
+  EXPECT_EQ(ended.exit_code, 5);
+}
+
+}  // namespace
+}  // namespace mapjoin::testing
