@@ -3,6 +3,7 @@
 #include <cmath>
 #include <mapjoin/join/association/associate.hpp>
 #include <mapjoin/join/association/frames/part_ties.hpp>
+#include <mapjoin/join/association/joint_placement.hpp>
 #include <mapjoin/join/association/map_matching.hpp>
 #include <mapjoin/join/association/sighting_fit.hpp>
 #include <mapjoin/join/association/tracking.hpp>
@@ -101,13 +102,31 @@ class Search {
   bool extend(const FeatureEstimate<Dim>& estimate) {
     const MapMatching<Dim> matching(estimate, identities_, density_, options_.method, options_.confidence);
     const bool is_first = joins_ == 1;
-    for (double reach = kInPlace; reach < kFarthest; reach *= kFarther) {
-      Proposals proposals = matching.propose(reach, is_first, stop_);
+    if (take(matching.propose(kInPlace, is_first, stop_).probable) || is_first) return true;  // then all maps are matched
+    if (options_.method == AssociationMethod::kNearest) return false;
+    return place_together(estimate, matching) || take_surest(matching);
+  }
+
+  /// Takes what is probable of maps that could lie on each other in several ways, all of them together.
+  bool place_together(const FeatureEstimate<Dim>& estimate, const MapMatching<Dim>& matching) {
+    JointPlacement<Dim> placement(estimate, identities_, density_, options_.confidence, matching.pairs(kFarther, stop_));
+    return take(placement.propose(stop_));
+  }
+
+  /// Takes what is probable of the surest pair of maps that are not in place.
+  bool take_surest(const MapMatching<Dim>& matching) {
+    for (double reach = kFarther; reach < kFarthest; reach *= kFarther) {
+      auto [probable, beyond_reach] = matching.propose(reach, false, stop_);
       if (stop_.stop_requested()) return false;
-      if (take(std::move(proposals.probable))) return true;
-      if (proposals.beyond_reach == 0 || options_.method == AssociationMethod::kNearest) break;
+      const auto surest = std::ranges::max_element(probable, {}, [](const Proposal& p) { return p.match.score; });
+      if (surest != probable.end()) {
+        const auto maps = std::pair(surest->maps[0], surest->maps[1]);
+        std::erase_if(probable, [&](const Proposal& p) { return std::pair(p.maps[0], p.maps[1]) != maps; });
+        if (take(std::move(probable))) return true;
+      }
+      if (beyond_reach == 0) break;
     }
-    return is_first;  // all maps are yet to be matched
+    return false;
   }
 
   /// Aligns parts that nothing ties by constellations of their features.
@@ -121,15 +140,6 @@ class Search {
   }
 
   bool take(std::vector<Proposal> proposals) {
-    const auto is_far = [](const Proposal& p) { return p.reach > kInPlace; };
-    if (std::ranges::all_of(proposals, is_far)) {
-      const auto surest = std::ranges::max_element(proposals, {}, [](const Proposal& p) { return p.match.score; });
-      if (surest == proposals.end()) return false;
-      const auto maps = std::pair(surest->maps[0], surest->maps[1]);
-      std::erase_if(proposals, [&](const Proposal& p) { return std::pair(p.maps[0], p.maps[1]) != maps; });
-    } else {
-      std::erase_if(proposals, is_far);
-    }
     std::ranges::stable_sort(proposals, std::greater<>(), [](const Proposal& p) { return p.match.probability; });
     std::vector<std::pair<FeatureIndex, FeatureIndex>> pairs;
     for (const Proposal& p : proposals) pairs.emplace_back(p.one, p.other);
