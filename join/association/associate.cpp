@@ -51,7 +51,7 @@ class Search {
       estimate->scale = scale_of(tests, Dim);
       const bool has_changed = undo(misfits(tests, gate_ * estimate->scale)) || extend(*estimate);
       if (stop_.stop_requested()) return tl::unexpected(interrupted());
-      if (has_changed) continue;
+      if (has_changed || forgive()) continue;
       parts_apart_.clear();
       const auto is_tied = estimate->parts.first_poses.size() > 1 ? tie_parts(*estimate) : Expected<bool>(false);
       if (!is_tied) return tl::unexpected(is_tied.error());
@@ -71,6 +71,9 @@ class Search {
 
  private:
   double sightings() const { return static_cast<double>(identities_.sighting_count()); }
+
+  /// Gives what was told apart a second chance, once: the map may have been bent when it was.
+  bool forgive() { return !std::exchange(has_forgiven_, true) && identities_.forgive(); }
 
   bool undo(const std::vector<SightingTest>& misfits) {
     for (const SightingTest& misfit : misfits) {
@@ -158,6 +161,7 @@ class Search {
   double gate_;
   std::vector<std::optional<Match>> matches_;
   std::size_t joins_ = 0;
+  bool has_forgiven_ = false;
   std::vector<PoseIndex> first_poses_;
   std::vector<PartsApart> parts_apart_;
   std::vector<std::vector<std::size_t>> apart_;  // sightings that are told apart
