@@ -3,6 +3,7 @@
 #include <cmath>
 #include <mapjoin/join/association/associate.hpp>
 #include <mapjoin/join/association/frames/part_ties.hpp>
+#include <mapjoin/join/association/joint_placement.hpp>
 #include <mapjoin/join/association/map_matching.hpp>
 #include <mapjoin/join/association/sighting_fit.hpp>
 #include <mapjoin/join/association/tracking.hpp>
@@ -50,7 +51,7 @@ class Search {
       estimate->scale = scale_of(tests, Dim);
       const bool has_changed = undo(misfits(tests, gate_ * estimate->scale)) || extend(*estimate);
       if (stop_.stop_requested()) return tl::unexpected(interrupted());
-      if (has_changed) continue;
+      if (has_changed || forgive()) continue;
       parts_apart_.clear();
       const auto is_tied = estimate->parts.first_poses.size() > 1 ? tie_parts(*estimate) : Expected<bool>(false);
       if (!is_tied) return tl::unexpected(is_tied.error());
@@ -70,6 +71,9 @@ class Search {
 
  private:
   double sightings() const { return static_cast<double>(identities_.sighting_count()); }
+
+  /// Gives what was told apart a second chance, once: the map may have been bent when it was.
+  bool forgive() { return !std::exchange(has_forgiven_, true) && identities_.forgive(); }
 
   bool undo(const std::vector<SightingTest>& misfits) {
     for (const SightingTest& misfit : misfits) {
@@ -101,13 +105,31 @@ class Search {
   bool extend(const FeatureEstimate<Dim>& estimate) {
     const MapMatching<Dim> matching(estimate, identities_, density_, options_.method, options_.confidence);
     const bool is_first = joins_ == 1;
-    for (double reach = kInPlace; reach < kFarthest; reach *= kFarther) {
-      Proposals proposals = matching.propose(reach, is_first, stop_);
+    if (take(matching.propose(kInPlace, is_first, stop_).probable) || is_first) return true;  // then all maps are matched
+    if (options_.method == AssociationMethod::kNearest) return false;
+    return place_together(estimate, matching) || take_surest(matching);
+  }
+
+  /// Takes what is probable of maps that could lie on each other in several ways, all of them together.
+  bool place_together(const FeatureEstimate<Dim>& estimate, const MapMatching<Dim>& matching) {
+    JointPlacement<Dim> placement(estimate, identities_, density_, options_.confidence, matching.pairs(kFarther, stop_));
+    return take(placement.propose(stop_));
+  }
+
+  /// Takes what is probable of the surest pair of maps that are not in place.
+  bool take_surest(const MapMatching<Dim>& matching) {
+    for (double reach = kFarther; reach < kFarthest; reach *= kFarther) {
+      auto [probable, beyond_reach] = matching.propose(reach, false, stop_);
       if (stop_.stop_requested()) return false;
-      if (take(std::move(proposals.probable))) return true;
-      if (proposals.beyond_reach == 0 || options_.method == AssociationMethod::kNearest) break;
+      const auto surest = std::ranges::max_element(probable, {}, [](const Proposal& p) { return p.match.score; });
+      if (surest != probable.end()) {
+        const auto maps = std::pair(surest->maps[0], surest->maps[1]);
+        std::erase_if(probable, [&](const Proposal& p) { return std::pair(p.maps[0], p.maps[1]) != maps; });
+        if (take(std::move(probable))) return true;
+      }
+      if (beyond_reach == 0) break;
     }
-    return is_first;  // all maps are yet to be matched
+    return false;
   }
 
   /// Aligns parts that nothing ties by constellations of their features.
@@ -121,15 +143,6 @@ class Search {
   }
 
   bool take(std::vector<Proposal> proposals) {
-    const auto is_far = [](const Proposal& p) { return p.reach > kInPlace; };
-    if (std::ranges::all_of(proposals, is_far)) {
-      const auto surest = std::ranges::max_element(proposals, {}, [](const Proposal& p) { return p.match.score; });
-      if (surest == proposals.end()) return false;
-      const auto maps = std::pair(surest->maps[0], surest->maps[1]);
-      std::erase_if(proposals, [&](const Proposal& p) { return std::pair(p.maps[0], p.maps[1]) != maps; });
-    } else {
-      std::erase_if(proposals, is_far);
-    }
     std::ranges::stable_sort(proposals, std::greater<>(), [](const Proposal& p) { return p.match.probability; });
     std::vector<std::pair<FeatureIndex, FeatureIndex>> pairs;
     for (const Proposal& p : proposals) pairs.emplace_back(p.one, p.other);
@@ -148,6 +161,7 @@ class Search {
   double gate_;
   std::vector<std::optional<Match>> matches_;
   std::size_t joins_ = 0;
+  bool has_forgiven_ = false;
   std::vector<PoseIndex> first_poses_;
   std::vector<PartsApart> parts_apart_;
   std::vector<std::vector<std::size_t>> apart_;  // sightings that are told apart

@@ -95,4 +95,10 @@ void Identities::tell_apart(std::span<const std::size_t> sightings) {
   number(labels);
 }
 
+bool Identities::forgive() {
+  const bool was_apart = std::ranges::any_of(apart_from_, [](const auto& others) { return !others.empty(); });
+  apart_from_.assign(sightings_.size(), {});
+  return was_apart;
+}
+
 }  // namespace mapjoin

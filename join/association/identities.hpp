@@ -39,6 +39,8 @@ class Identities {
   std::vector<std::vector<std::size_t>> merge(std::span<const std::pair<FeatureIndex, FeatureIndex>> pairs);
   /// Makes sightings of one feature a feature of their own, which is not the same as the rest of it from here on.
   void tell_apart(std::span<const std::size_t> sightings);
+  /// Lets what was told apart be the same again. Whether there was anything.
+  bool forgive();
 
  private:
   void number(const std::vector<std::size_t>& labels);

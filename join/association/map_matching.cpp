@@ -77,7 +77,7 @@ typename MapMatching<Dim>::Open MapMatching<Dim>::open_features(std::size_t map,
       const Point<Dim> d = position(other) - position(open.features[k]);
       const Eigen::LLT<PointMatrix<Dim>> factor(S);
       if (factor.info() != Eigen::Success || Point<Dim>(factor.matrixL().solve(d)).squaredNorm() > gate_) continue;
-      candidates.push_back({other, per_deviation * std::sqrt(S.determinant())});
+      candidates.push_back({other, per_deviation * std::sqrt(S.determinant()), S});
     }
   }
   return open;
@@ -158,7 +158,7 @@ Proposals MapMatching<Dim>::of_pair(std::size_t earlier, std::size_t later, cons
   for (std::size_t s = 0; s < places.size(); ++s) {
     if (!matches[s].known || matches[s].probability < confidence_) continue;
     const FeatureIndex feature = open.features[places[s]];
-    proposals.probable.push_back({features[*matches[s].known], feature, matches[s], {earlier, later}, confusable});
+    proposals.probable.push_back({features[*matches[s].known], feature, matches[s], {earlier, later}});
   }
   return proposals;
 }
@@ -188,7 +188,7 @@ Proposals MapMatching<Dim>::within(std::size_t map, const Open& open, Matcher<Di
     const std::vector<Match> matches = matcher(problem(features, places, open, map));
     for (std::size_t s = 0; s < places.size(); ++s) {
       if (!matches[s].known || matches[s].probability < confidence_) continue;
-      proposals.probable.push_back({features[*matches[s].known], open.features[places[s]], matches[s], {map, map}, 0.0});
+      proposals.probable.push_back({features[*matches[s].known], open.features[places[s]], matches[s], {map, map}});
     }
   }
   return proposals;
@@ -225,6 +225,38 @@ Proposals MapMatching<Dim>::propose(double reach, bool only_neighbours, const st
     all.probable.insert(all.probable.end(), some.probable.begin(), some.probable.end());
     all.beyond_reach += some.beyond_reach;
   }
+  return all;
+}
+
+template <int Dim>
+std::vector<MapPair<Dim>> MapMatching<Dim>::pairs_of(std::size_t map, double reach) const {
+  const Open open = open_features(map, false);
+  std::map<std::size_t, MapPair<Dim>> of_earlier;
+  for (std::size_t k = 0; k < open.features.size(); ++k) {
+    for (const Candidate& candidate : open.candidates[k]) {
+      if (candidate.confusable > reach) continue;
+      for (const std::size_t s : identities_.sightings_of(candidate.feature)) {
+        const std::size_t earlier = identities_.sighting(s).map;
+        if (earlier >= map || is_in(open.features[k], earlier) || is_in(candidate.feature, map)) continue;
+        MapPair<Dim>& pair = of_earlier[earlier];
+        if (pair.maps[1] == map && pair.confusable <= candidate.confusable) continue;
+        pair = {{earlier, map}, {candidate.feature, open.features[k]}, candidate.confusable, candidate.covariance};
+      }
+    }
+  }
+  std::vector<MapPair<Dim>> pairs;
+  for (const auto& [earlier, pair] : of_earlier) pairs.push_back(pair);
+  return pairs;
+}
+
+template <int Dim>
+std::vector<MapPair<Dim>> MapMatching<Dim>::pairs(double reach, const std::stop_token& stop) const {
+  std::vector<std::vector<MapPair<Dim>>> of_maps(identities_.map_count());
+  parallel_for(of_maps.size(), [&](std::size_t map) {
+    if (!stop.stop_requested()) of_maps[map] = pairs_of(map, reach);
+  });
+  std::vector<MapPair<Dim>> all;
+  for (const auto& some : of_maps) all.insert(all.end(), some.begin(), some.end());
   return all;
 }
 

@@ -11,18 +11,33 @@
 
 namespace mapjoin {
 
+/// Two features that may be the same.
+struct FeaturePair {
+  FeatureIndex one;
+  FeatureIndex other;
+  bool operator==(const FeaturePair&) const = default;
+};
+
 /// Two features that are probably the same.
 struct Proposal {
   FeatureIndex one;
   FeatureIndex other;
   Match match;
   std::size_t maps[2] = {0, 0};  ///< That they were matched for, the earlier one first.
-  double reach = 0.0;            ///< Of the matching, see MapMatching::propose().
 };
 
 struct Proposals {
   std::vector<Proposal> probable;  ///< In the order of the later map, then the earlier one.
   std::size_t beyond_reach = 0;    ///< Pairs of maps that were not tried.
+};
+
+/// Two maps of which features may be the same.
+template <int Dim>
+struct MapPair {
+  std::size_t maps[2] = {0, 0};  ///< The earlier one first.
+  FeaturePair features;          ///< Of either one, that may be mistaken for the fewest others.
+  double confusable = 0.0;       ///< These others.
+  PointMatrix<Dim> covariance;   ///< Of the difference of the two.
 };
 
 /// Pairs of maps are matched with each other, with the joint covariance of their features in the joined map.
@@ -37,12 +52,16 @@ class MapMatching {
   /// were set aside. How far: only where the number of other features that a feature may be mistaken for, for all that is known
   /// of where the maps are, is at most `reach`. With `only_neighbours` maps are matched with the one before them only.
   Proposals propose(double reach, bool only_neighbours, const std::stop_token& stop) const;
+  /// All pairs of maps of which features may be the same for all that is known, where each may be mistaken for `reach` others at
+  /// most; in the order of the later map, then the earlier one.
+  std::vector<MapPair<Dim>> pairs(double reach, const std::stop_token& stop) const;
 
  private:
   /// What a feature may be the same as.
   struct Candidate {
     FeatureIndex feature;
     double confusable = 0.0;  // other features that it may be mistaken for
+    PointMatrix<Dim> covariance;  // of the difference
   };
   /// Features of a map with candidates, and the columns of the covariance that belong to them.
   struct Open {
@@ -53,6 +72,7 @@ class MapMatching {
 
   Open open_features(std::size_t map, bool only_neighbours) const;
   std::vector<FeatureIndex> near(FeatureIndex feature, std::size_t map, bool only_neighbours) const;
+  std::vector<MapPair<Dim>> pairs_of(std::size_t map, double reach) const;
   Proposals of_map(std::size_t map, double reach, bool only_neighbours) const;
   Proposals of_pair(std::size_t earlier, std::size_t later, const Open& open, double reach, Matcher<Dim>& matcher) const;
   Proposals within(std::size_t map, const Open& open, Matcher<Dim>& matcher) const;

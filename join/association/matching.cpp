@@ -105,6 +105,22 @@ std::vector<Hypothesis<Dim>> Matcher<Dim>::placements(const PairingProblem<Dim>&
 }
 
 template <int Dim>
+std::vector<Hypothesis<Dim>> Matcher<Dim>::placements(const PairingProblem<Dim>& problem) {
+  std::vector<Match> matches(problem.sightings.size());
+  return placements(problem, in_order(problem, matches));
+}
+
+template <int Dim>
+std::vector<double> Matcher<Dim>::gains(const PairingProblem<Dim>& problem, const Hypothesis<Dim>& hypothesis) {
+  std::vector<double> gains;
+  for (const Pairing& pairing : hypothesis.pairings()) {
+    const auto given_others = without(problem, hypothesis, pairing).extension(pairing, density_, gates_);
+    gains.push_back(given_others ? given_others->gain : -std::numeric_limits<double>::infinity());
+  }
+  return gains;
+}
+
+template <int Dim>
 bool Matcher<Dim>::contradicts(const Hypothesis<Dim>& other, const Pairing& pairing) {
   const auto known = other.known_of(pairing.sighting);
   if (known) return known != pairing.known;

@@ -44,6 +44,11 @@ class Matcher {
   /// one, too, and as it is itself beside a feature that is not known yet.
   std::vector<Match> operator()(const PairingProblem<Dim>& problem);
 
+  /// The placements that are compared, the best first.
+  std::vector<Hypothesis<Dim>> placements(const PairingProblem<Dim>& problem);
+  /// Of each pairing of a hypothesis the gain, given the others; minus infinity where these contradict it.
+  std::vector<double> gains(const PairingProblem<Dim>& problem, const Hypothesis<Dim>& hypothesis);
+
   double gate() { return gates_(Dim); }
 
  private:

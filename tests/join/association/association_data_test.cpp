@@ -4,7 +4,9 @@
 
 #include <mapjoin/io/open.hpp>
 #include <mapjoin/join/association/associate.hpp>
+#include <mapjoin/join/run.hpp>
 #include <tests/support/data.hpp>
+#include <tests/support/large_simulation.hpp>
 #include <tests/support/pair_score.hpp>
 
 namespace mapjoin {
@@ -39,6 +41,26 @@ INSTANTIATE_TEST_SUITE_P(Data, HiddenNames,
                                            Hidden{"vicpark-6898/VicPark_clean_data.mat", 0.99, 0.97},
                                            Hidden{"dlr-200-local-maps", 0.9, 0.9},
                                            Hidden{"dlr/corrected_data_circles.mat", 0.9, 0.9}));
+
+/// The features of a regular grid, on drives that meet sixty times.
+TEST(HiddenNamesOfTheLargeSimulation, AreFoundAndTheMapIsAsCertainAsItSays) {
+  const auto set = std::get<SubmapSet<2>>(open_maps(testing::data_file("sim-35188/localmaps_mat.tar.gz")).value());
+  auto found = associate(set, AssociationOptions{}).value();
+  const testing::PairScore score = testing::pair_score(found.sightings);
+  EXPECT_GE(score.precision, 0.99);
+  EXPECT_GE(score.recall, 0.99);
+  const Truth<2> by_name = testing::truth_of_simulation(set);
+  Truth<2> truth{by_name.poses, {}};
+  truth.features.resize(found.data.features.size());
+  const IndexOf named(set.features);
+  const IndexOf joined(found.data.features);
+  for (const AssociatedSighting& s : found.sightings) truth.features[*joined(s.joined)] = by_name.features[*named(s.name)];
+  RunOptions options;
+  options.covariances = true;
+  const auto result = run(std::move(found.data), options).value();
+  const Consistency consistent = consistency(*result.covariances, truth).value();
+  for (const Nees& nees : {consistent.poses, consistent.features, consistent.joint}) EXPECT_LT(nees.value, nees.most());
+}
 
 }  // namespace
 }  // namespace mapjoin

@@ -45,5 +45,14 @@ TEST(IdentitiesTest, DoNotMergeAgainWhatWasToldApart) {
   EXPECT_TRUE(identities.may_be_same(identities.feature_of(2), identities.feature_of(1)));
 }
 
+TEST(IdentitiesTest, MayMergeAgainWhatWasForgiven) {
+  Identities identities = six_features();
+  EXPECT_FALSE(identities.forgive());
+  identities.merge(std::vector<Pair>{{0, 2}, {0, 4}});
+  identities.tell_apart(std::vector<std::size_t>{2});
+  EXPECT_TRUE(identities.forgive());
+  EXPECT_TRUE(identities.may_be_same(identities.feature_of(2), identities.feature_of(0)));
+}
+
 }  // namespace
 }  // namespace mapjoin

@@ -2,14 +2,13 @@
 #include <gtest/gtest.h>
 
 #include <Eigen/Cholesky>
-#include <mapjoin/io/files/mat_file.hpp>
 #include <mapjoin/io/local_maps/local_map_set.hpp>
 #include <mapjoin/join/covariances/consistency.hpp>
 #include <mapjoin/join/run.hpp>
 #include <mapjoin/model/ids.hpp>
 #include <tests/support/data.hpp>
 #include <tests/support/dimensions.hpp>
-#include <tests/support/file_bytes.hpp>
+#include <tests/support/large_simulation.hpp>
 #include <tests/support/small_world.hpp>
 
 namespace mapjoin {
@@ -116,27 +115,6 @@ TYPED_TEST(ConsistencyTest, CountsWhatIsKnownOnly) {
   EXPECT_EQ(unplaced.error().kind, ErrorKind::kUsage);
 }
 
-/// The truth of sim-35188: local map k ends at step round(35187 k / 700); features are named as the beacons are.
-Truth<2> truth_of_simulation(const SubmapSet<2>& set) {
-  const auto read = [](const std::string& name) {
-    const std::string bytes = testing::bytes_of(data_file("sim-35188/" + name + ".mat"));
-    return read_mat(bytes, name, {name}).value().at(name);
-  };
-  const Eigen::MatrixXd robot = read("store_robotTrue");
-  const Eigen::MatrixXd beacons = read("store_beaconsTrue");
-  Truth<2> truth;
-  for (const PoseIndex k : indices(set.poses)) {
-    const auto step = static_cast<Eigen::Index>(std::lround(35187.0 * k.value / 700.0));
-    truth.poses.push_back(Pose<2>{robot.block<2, 1>(0, step), Rotation<2>(robot(2, step))});
-  }
-  truth.features.resize(set.features.size());
-  for (Eigen::Index b = 0; b < beacons.rows(); ++b) {
-    const FeatureId id{static_cast<std::uint64_t>(beacons(b, 0))};
-    if (const auto f = IndexOf(set.features)(id)) truth.features[*f] = beacons.block<1, 2>(b, 1).transpose();
-  }
-  return truth;
-}
-
 TEST(ConsistencyDataTest, OfTheLargeSimulationIsWithinItsGates) {
   const auto any = read_local_map_set(data_file("sim-35188/localmaps_mat.tar.gz"));
   ASSERT_TRUE(any) << any.error().message;
@@ -145,7 +123,7 @@ TEST(ConsistencyDataTest, OfTheLargeSimulationIsWithinItsGates) {
   options.covariances = true;
   const auto result = run(set, options);
   ASSERT_TRUE(result) << result.error().message;
-  const auto consistent = consistency(*result->covariances, truth_of_simulation(set));
+  const auto consistent = consistency(*result->covariances, testing::truth_of_simulation(set));
   ASSERT_TRUE(consistent) << consistent.error().message;
   EXPECT_EQ(consistent->joint.dimensions, 10504);
   EXPECT_NEAR(consistent->joint.value, 9961.0, 1.0);

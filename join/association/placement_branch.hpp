@@ -1,0 +1,88 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+// Which features of several pairs of maps are the same: one hypothesis over all of them, and what it makes of the joined map.
+
+#include <Eigen/Core>
+#include <mapjoin/join/association/feature_estimate.hpp>
+#include <mapjoin/join/association/hypothesis.hpp>
+#include <mapjoin/join/association/map_matching.hpp>
+#include <mapjoin/model/ids.hpp>
+#include <span>
+#include <utility>
+#include <vector>
+
+namespace mapjoin {
+
+/// Columns of the covariance of a joined map (m²), of the features that are asked for.
+template <int Dim>
+class CovarianceColumns {
+ public:
+  explicit CovarianceColumns(const FeatureEstimate<Dim>& estimate);
+
+  const Point<Dim>& position(FeatureIndex feature) const { return estimate_->covariances->state().features[feature]; }
+  /// Solves for the columns of features that it does not have yet.
+  void add(std::span<const FeatureIndex> features);
+  /// Forgets all others.
+  void keep(const std::vector<FeatureIndex>& features);
+  /// Of any feature with one that has its columns.
+  auto between(FeatureIndex any, FeatureIndex column) const { return columns_[column].template middleRows<Dim>(offset(any)); }
+
+ private:
+  Eigen::Index offset(FeatureIndex feature) const {
+    return estimate_->covariances->equations().offset(estimate_->covariances->variable(feature));
+  }
+
+  const FeatureEstimate<Dim>* estimate_;
+  Table<FeatureIndex, Eigen::MatrixXd> columns_;  // empty where there are none
+};
+
+/// A pair of maps as a branch has it.
+struct PlacedPair {
+  std::size_t pair = 0;  ///< By its place among the pairs of maps.
+  std::vector<FeaturePair> features;
+  std::vector<double> gains;  ///< Of each pairing, given the others (see Extension).
+  double score = 0.0;         ///< Of all of them (see Hypothesis).
+};
+
+/// The joined map, given that some features are the same.
+template <int Dim>
+class PlacementBranch {
+ public:
+  /// Pairings that tell where a map lies.
+  static constexpr std::size_t kFewest = Dim + 1;
+
+  const std::vector<FeaturePair>& held() const { return held_; }
+  const std::vector<PlacedPair>& placed() const { return placed_; }
+  /// The sum of squared Mahalanobis distances of where each pair of maps lies from where it was expected by those before, less
+  /// its mean, and what was charged.
+  double excess() const { return excess_; }
+
+  /// The rows of the Cholesky factor below what is held, from its row `first` on, for the differences of pairs; `above` are
+  /// those before.
+  Eigen::MatrixXd coupling(std::span<const FeaturePair> differences, const CovarianceColumns<Dim>& covariances,
+                           const Eigen::MatrixXd& above) const;
+  /// What is expected of differences with such a coupling.
+  Eigen::VectorXd expected(const Eigen::MatrixXd& coupling) const { return -coupling.transpose() * whitened_; }
+  /// Features as they are expected, and how certain: the known ones, then the sightings; nothing is chosen yet.
+  PairingProblem<Dim> problem(std::span<const FeatureIndex> known, std::span<const FeatureIndex> sightings,
+                              const CovarianceColumns<Dim>& covariances) const;
+
+  /// Takes a pair of maps, and holds pairings of it that lie far apart: so many that they tell its place.
+  void place(PlacedPair placed, const CovarianceColumns<Dim>& covariances);
+  void charge(double excess) { excess_ += excess; }
+
+ private:
+  double squared_distance(const std::vector<FeaturePair>& pairs, const CovarianceColumns<Dim>& covariances) const;
+  bool follows(const FeaturePair& pair, const CovarianceColumns<Dim>& covariances) const;
+  std::pair<PointMatrix<Dim>, PointMatrix<Dim>> covariances_of(const FeaturePair& pair, const Eigen::MatrixXd& coupling,
+                                                               const CovarianceColumns<Dim>& covariances) const;
+  void hold(const FeaturePair& pair, const CovarianceColumns<Dim>& covariances);
+
+  std::vector<FeaturePair> held_;
+  std::vector<PlacedPair> placed_;
+  Eigen::MatrixXd factor_;    // L Lᵀ, the covariance of the differences that are held to be zero
+  Eigen::VectorXd whitened_;  // L⁻¹ differences
+  double excess_ = 0.0;
+};
+
+}  // namespace mapjoin
