@@ -26,7 +26,8 @@ endif()
 install(TARGETS mapjoin_core mapjoin_localmap mapjoin_join EXPORT mapjoin-targets COMPONENT development)
 install(EXPORT mapjoin-targets NAMESPACE mapjoin:: DESTINATION ${package_folder} COMPONENT development)
 install(DIRECTORY lib/ DESTINATION ${header_folder} COMPONENT development FILES_MATCHING PATTERN *.hpp)
-install(DIRECTORY localmap join DESTINATION ${header_folder} COMPONENT development FILES_MATCHING PATTERN *.hpp)
+install(DIRECTORY localmap join DESTINATION ${header_folder} COMPONENT development FILES_MATCHING PATTERN *.hpp
+  PATTERN distributed EXCLUDE)
 install(FILES ${CMAKE_BINARY_DIR}/include/mapjoin/version.hpp DESTINATION ${header_folder} COMPONENT development)
 
 configure_package_config_file(cmake/mapjoin-config.cmake.in mapjoin-config.cmake INSTALL_DESTINATION ${package_folder})

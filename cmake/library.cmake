@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: BSD-3-Clause
 configure_file(cmake/version.hpp.in include/mapjoin/version.hpp)
 
-# One of our libraries from one top-level folder. Sources include what they need as <mapjoin/room/file.hpp>, in the build tree
+# One of our libraries from one folder. Sources include what they need as <mapjoin/room/file.hpp>, in the build tree
 # (through links) and when installed alike.
 function(mapjoin_library name)
   cmake_parse_arguments(ARG "" "FOLDER" "" ${ARGN})
@@ -17,6 +17,8 @@ function(mapjoin_library name)
   endif()
 
   file(GLOB_RECURSE sources CONFIGURE_DEPENDS ${CMAKE_SOURCE_DIR}/${ARG_FOLDER}/*.cpp)
+  # join/distributed, which needs MPI, is a library of its own.
+  list(FILTER sources EXCLUDE REGEX "^${CMAKE_SOURCE_DIR}/${ARG_FOLDER}/distributed/")
   add_library(mapjoin_${name} ${sources})
   add_library(mapjoin::${name} ALIAS mapjoin_${name})
   set_target_properties(mapjoin_${name} PROPERTIES
