@@ -3,7 +3,7 @@
 option(MAPJOIN_WERROR "Warnings are errors" OFF)
 option(BUILD_SHARED_LIBS "Shared libraries instead of static ones" OFF)
 option(MAPJOIN_BENCH "Build the benchmarks" OFF)
-set(MAPJOIN_MPI AUTO CACHE STRING "Build mapjoin-mpi, over MPI with MUMPS: AUTO (where both are found), ON or OFF")
+set(MAPJOIN_MPI AUTO CACHE STRING "Build mapjoin-mpi, over MPI with MUMPS: AUTO (where both are found, without sanitizers), ON or OFF")
 option(MAPJOIN_FUZZ "Build the fuzz targets for libFuzzer (clang)" OFF)
 set(MAPJOIN_SANITIZE "" CACHE STRING "Sanitizers, e.g. address,undefined or thread")
 

@@ -92,6 +92,10 @@ void declare_mpi_run(Subcommand& command) {
   command.path("--out-of-core", options->out_of_core, "DIR", "Keep the factor of what regions share in files in this folder");
   command.number("--max-memory", options->most_memory_mb, 0.0, "MB", "Refuse factors that take more on any rank [no bound]");
   add_reporting(command, *options);
+  command.check([options]() -> std::vector<std::string> {
+    if (options->out_of_core.empty() || std::filesystem::is_directory(options->out_of_core)) return {};
+    return {fmt::format("--out-of-core: {} is no folder", options->out_of_core.string())};
+  });
   command.check([options] { return check_extension(options->output); });
   command.check([options] { return output_conflicts(inputs_of(*options, "LOG"), outputs_of_map(*options)); });
   command.act([options](const std::stop_token&) { return run_log(*options); });

@@ -164,6 +164,12 @@ TEST_F(RunOnRanks, RefusesFactorsThatAreTooLargeWithNumbers) {
   EXPECT_THAT(ended.err, HasSubstr("of --max-memory"));
 }
 
+TEST_F(RunOnRanks, WantsAFolderForTheFactor) {
+  const Ended ended = call_ranks(2, {"run", bundled("manhattan2d.g2o"), "--out-of-core", path("missing")});
+  EXPECT_EQ(ended.exit_code, 2);
+  EXPECT_THAT(ended.err, HasSubstr("missing is no folder"));
+}
+
 TEST_F(RunOnRanks, SaysThatTheMapCannotBeWrittenBeforeTheWork) {
   const Ended ended = call_ranks(2, {"run", bundled("manhattan2d.g2o"), "-o", path("no/such/folder/map.g2o")});
   EXPECT_EQ(ended.exit_code, 5);
