@@ -57,10 +57,11 @@ struct Associated {
 ///
 /// Observations are followed within short segments (track()), whose local maps are joined. By the joined map, with its
 /// covariances, maps are matched with each other (MapMatching), first neighbours, then all that probably overlap, again and
-/// again, until nothing more is found; then those that are far apart for all that is known, the surest pair at a time. What no
-/// longer fits, by leave-one-out tests, is told apart again. Parts that no edge ties, sessions of unknown frames say, are each
-/// taken alone first, then aligned by constellations of their features (align_maps()); what cannot be aligned stays a part.
-/// Bad input: priors of features, which mean their names. kInterrupted on `stop`. The same for any number of threads.
+/// again, until nothing more is found; then those that could lie on each other in several ways, all together (JointPlacement),
+/// and those that are far apart for all that is known, the surest pair at a time. What no longer fits, by leave-one-out tests,
+/// is told apart again, and tried once more in the end. Parts that no edge ties, sessions of unknown frames say, are each taken
+/// alone first, then aligned by constellations of their features (align_maps()); what cannot be aligned stays a part. Bad
+/// input: priors of features, which mean their names. kInterrupted on `stop`. The same for any number of threads.
 template <int Dim>
 Expected<Associated<Log<Dim>>> associate(const Log<Dim>& log, const AssociationOptions& options,
                                          const std::stop_token& stop = {});

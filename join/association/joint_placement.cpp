@@ -2,10 +2,10 @@
 #include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <mapjoin/join/association/joint_placement.hpp>
 #include <mapjoin/parallel/parallel.hpp>
 #include <numbers>
-#include <limits>
 #include <optional>
 
 namespace mapjoin {
@@ -47,9 +47,8 @@ std::size_t overlap(const std::vector<Point<Dim>>& known, const std::vector<Poin
 }
 
 bool share_a_pairing(const PlacedPair& one, const PlacedPair& other) {
-  return std::ranges::any_of(one.features, [&](const FeaturePair& p) {
-    return std::ranges::find(other.features, p) != other.features.end();
-  });
+  return std::ranges::any_of(
+      one.features, [&](const FeaturePair& p) { return std::ranges::find(other.features, p) != other.features.end(); });
 }
 
 }  // namespace

@@ -9,12 +9,13 @@
 
 namespace mapjoin {
 
-/// Places pairs of maps one after the other, the surest first, and follows every way in which they may lie as a branch (multiple
-/// hypotheses): where one pair lies tells where the next ones do, and which of them fit tells where the first one lies.
+/// Places pairs of maps one after the other, the surest first, and follows every way in which they may lie as a branch
+/// (multiple hypotheses): where one pair lies tells where the next ones do, and which of them fit tells where the first one
+/// lies.
 template <int Dim>
 class JointPlacement {
  public:
-  /// All but `pairs` must stay. `decisions` is how many pairings are to be within their gates (see Matcher).
+  /// All but `pairs` must stay.
   JointPlacement(const FeatureEstimate<Dim>& estimate, const Identities& identities, const NeighbourDensity<Dim>& density,
                  double confidence, std::vector<MapPair<Dim>> pairs);
 
@@ -49,9 +50,9 @@ class JointPlacement {
   std::vector<MapPair<Dim>> pairs_;
   std::vector<bool> is_tried_;  // by pair
   CovarianceColumns<Dim> covariances_;
-  std::vector<Branch> branches_;     // the best first
-  std::vector<FeaturePair> held_;    // what coupling_ was computed for
-  Eigen::MatrixXd coupling_;         // of all pairs, to what the best branch holds
+  std::vector<Branch> branches_;   // the best first
+  std::vector<FeaturePair> held_;  // what coupling_ was computed for
+  Eigen::MatrixXd coupling_;       // of all pairs, to what the best branch holds
 };
 
 }  // namespace mapjoin

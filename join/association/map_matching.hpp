@@ -52,15 +52,15 @@ class MapMatching {
   /// were set aside. How far: only where the number of other features that a feature may be mistaken for, for all that is known
   /// of where the maps are, is at most `reach`. With `only_neighbours` maps are matched with the one before them only.
   Proposals propose(double reach, bool only_neighbours, const std::stop_token& stop) const;
-  /// All pairs of maps of which features may be the same for all that is known, where each may be mistaken for `reach` others at
-  /// most; in the order of the later map, then the earlier one.
+  /// All pairs of maps of which features may be the same for all that is known, where each may be mistaken for `reach` others
+  /// at most; in the order of the later map, then the earlier one.
   std::vector<MapPair<Dim>> pairs(double reach, const std::stop_token& stop) const;
 
  private:
   /// What a feature may be the same as.
   struct Candidate {
     FeatureIndex feature;
-    double confusable = 0.0;  // other features that it may be mistaken for
+    double confusable = 0.0;      // other features that it may be mistaken for
     PointMatrix<Dim> covariance;  // of the difference
   };
   /// Features of a map with candidates, and the columns of the covariance that belong to them.

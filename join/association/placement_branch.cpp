@@ -120,8 +120,8 @@ void PlacementBranch<Dim>::place(PlacedPair placed, const CovarianceColumns<Dim>
   placed_.push_back(std::move(placed));
 }
 
-/// Of where pairings place a map from where it is expected: that of their differences, less that which no place would take away.
-/// What is left does not depend on which features, each with errors of its own, a branch happens to pair.
+/// Of where pairings place a map from where it is expected: that of their differences, less that which no place would take
+/// away. What is left does not depend on which features, each with errors of its own, a branch happens to pair.
 template <int Dim>
 double PlacementBranch<Dim>::squared_distance(const std::vector<FeaturePair>& pairs,
                                               const CovarianceColumns<Dim>& covariances) const {

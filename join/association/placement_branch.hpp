@@ -57,8 +57,8 @@ class PlacementBranch {
   /// its mean, and what was charged.
   double excess() const { return excess_; }
 
-  /// The rows of the Cholesky factor below what is held, from its row `first` on, for the differences of pairs; `above` are
-  /// those before.
+  /// L⁻¹ C of the differences of pairs, C being their covariance with what is held and L its Cholesky factor. `above` are rows
+  /// of it that are known already.
   Eigen::MatrixXd coupling(std::span<const FeaturePair> differences, const CovarianceColumns<Dim>& covariances,
                            const Eigen::MatrixXd& above) const;
   /// What is expected of differences with such a coupling.
