@@ -5,7 +5,7 @@
 #include <apps/mpi/run_command.hpp>
 #include <apps/program.hpp>
 #include <cstdlib>
-#include <mapjoin/distributed/communicator.hpp>
+#include <mapjoin/distributed/mpi/communicator.hpp>
 
 namespace mapjoin::apps {
 namespace {

@@ -4,7 +4,7 @@
 
 #include <compare>
 #include <cstdint>
-#include <mapjoin/distributed/communicator.hpp>
+#include <mapjoin/distributed/mpi/communicator.hpp>
 #include <vector>
 
 namespace mapjoin::distributed {

@@ -5,7 +5,7 @@
 
 #include <cstdint>
 #include <filesystem>
-#include <mapjoin/distributed/communicator.hpp>
+#include <mapjoin/distributed/mpi/communicator.hpp>
 #include <memory>
 #include <span>
 #include <vector>

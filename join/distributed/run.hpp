@@ -2,7 +2,7 @@
 #pragma once
 // From a g2o file to a global map, by all ranks together.
 
-#include <mapjoin/distributed/communicator.hpp>
+#include <mapjoin/distributed/mpi/communicator.hpp>
 #include <mapjoin/distributed/mumps.hpp>
 #include <mapjoin/io/read_options.hpp>
 #include <mapjoin/join/run.hpp>

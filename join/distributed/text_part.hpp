@@ -3,7 +3,7 @@
 // The lines of a plain g2o file whose first byte lies in the range of one rank, and what all ranks have to know of the file.
 
 #include <filesystem>
-#include <mapjoin/distributed/communicator.hpp>
+#include <mapjoin/distributed/mpi/communicator.hpp>
 #include <mapjoin/io/files/file_bytes.hpp>
 #include <string>
 #include <string_view>

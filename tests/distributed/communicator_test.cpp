@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <gtest/gtest.h>
 
-#include <mapjoin/distributed/communicator.hpp>
+#include <mapjoin/distributed/mpi/communicator.hpp>
 #include <mapjoin/distributed/holdings.hpp>
 
 namespace mapjoin::distributed {

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <algorithm>
-#include <mapjoin/distributed/communicator.hpp>
+#include <mapjoin/distributed/mpi/communicator.hpp>
 #include <optional>
 
 namespace mapjoin::distributed {

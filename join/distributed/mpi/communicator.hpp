@@ -5,7 +5,7 @@
 #include <mpi.h>
 
 #include <cstdint>
-#include <mapjoin/distributed/message.hpp>
+#include <mapjoin/distributed/mpi/message.hpp>
 #include <mapjoin/model/error.hpp>
 #include <optional>
 #include <span>
