@@ -2,8 +2,8 @@
 #pragma once
 // Little of a partial map, enough to align it with those of other ranks.
 
-#include <mapjoin/distributed/mpi/communicator.hpp>
 #include <mapjoin/distributed/log_part.hpp>
+#include <mapjoin/distributed/mpi/communicator.hpp>
 #include <mapjoin/join/align/shared_factors.hpp>
 
 namespace mapjoin::distributed {
