@@ -76,12 +76,13 @@ TEST_F(FrontTreeTest, SolvesAGrowingChainWithClosuresAfterEveryUpdate) {
     if (k % 11 == 0) add({Variable(k / 2), v - 5, v});
     const std::vector<Variable> last = {v};
     tree_.update(last);
-    // Variables stay where they are while they would move by less than a thousandth of a standard deviation (1 at most here).
-    ASSERT_LT(error(), 3e-3) << k;
+    // Fronts stay where they are while they would move by less than 0.003 of a standard deviation (1 at most here), what
+    // lies above being held: a few such moves add up along the chain.
+    ASSERT_LT(error(), 3e-2) << k;
   }
   tree_.set_solution(1, Eigen::Vector3d::Constant(1.0));  // all are looked at again
   tree_.update({});
-  EXPECT_LT(error(), 3e-3);
+  EXPECT_LT(error(), 3e-2);
 }
 
 TEST_F(FrontTreeTest, CovariancesAreBlocksOfTheInverse) {
@@ -97,7 +98,7 @@ TEST_F(FrontTreeTest, CovariancesAreBlocksOfTheInverse) {
   const Eigen::MatrixXd inverse = sum().bottomRightCorner(size, size).llt().solve(Eigen::MatrixXd::Identity(size, size));
   for (Variable v = 1; v < 61; ++v) {
     const Eigen::MatrixXd expected = inverse.block(offsets_[v] - 1, offsets_[v] - 1, dof(v), dof(v));
-    const Eigen::MatrixXd covariance = tree_.covariance(v).value();
+    const Eigen::MatrixXd covariance = tree_.factor().covariance(v).value();
     ASSERT_EQ(covariance.rows(), dof(v));
     EXPECT_LE((covariance - expected).norm(), 1e-10 * expected.norm()) << v.value;
   }
@@ -131,7 +132,7 @@ TEST_F(FrontTreeTest, AChangedQuadraticCountsAsItIsNow) {
     quadratics_[q].H = 2.0 * random_quadratic({quadratics_[q].variables.begin(), quadratics_[q].variables.end() - 1}).H;
     tree_.change_quadratic(indices_[q], quadratics_[q].H);
     EXPECT_LT(tree_.update({}), 61u);
-    EXPECT_LT(error(), 3e-3);
+    EXPECT_LT(error(), 3e-2);
   }
 }
 
@@ -157,7 +158,7 @@ TEST_F(FrontTreeTest, WhatNothingDeterminesStaysWhereItIs) {
   tree_.update({});
   EXPECT_NEAR(tree_.solution(1)[0], 2.0, 1e-6);
   EXPECT_EQ(tree_.solution(1)[1], 0.0);
-  EXPECT_FALSE(tree_.covariance(1));
+  EXPECT_FALSE(tree_.factor().covariance(1));
 }
 
 }  // namespace
