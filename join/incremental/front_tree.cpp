@@ -10,7 +10,7 @@ namespace {
 
 /// In squared standard deviations per entry: what moves less stays where it is, and what hangs below is not looked at. The move
 /// is measured from where it stands, so what is put off never adds up to more.
-constexpr double kNoMove = 1e-5;
+constexpr double kNoMove = 1e-6;
 
 /// A quadratic over these columns, one for each of its variables; `storage` keeps what had to be put in another order.
 GivenFront given_front(const Eigen::MatrixXd& H, const std::vector<Column>& columns, const BlockLower& matrix,

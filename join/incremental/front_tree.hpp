@@ -74,7 +74,7 @@ class FrontTree {
   /// As of the last update.
   const FrontFactor& factor() const { return factor_; }
   FrontFactor kept_factor() { return factor_.kept(); }
-  /// The variables that the last update moved by more than 0.003 of a standard deviation; the others stand where they
+  /// The variables that the last update moved by more than a thousandth of a standard deviation; the others stand where they
   /// stood.
   const std::vector<Variable>& moved() const { return moved_; }
   /// Puts a variable elsewhere: the next update then looks at all of them.

@@ -8,9 +8,9 @@ namespace mapjoin {
 namespace {
 
 constexpr int kMostIterations = 50;
-/// Of a linearisation, in chi2 per measured row: 1 % of a standard deviation. An estimate at which no map errs by more is above
+/// Of a linearisation, in chi2 per measured row: 0.3 % of a standard deviation. An estimate at which no map errs by more is above
 /// the optimum by at most as much per row, for what a map errs by moves the estimate by no more than itself, in chi2.
-constexpr double kLinearisationError = 1e-4;
+constexpr double kLinearisationError = 1e-5;
 /// Beyond this turn (rad) since its reference a pose gets a new one: rotation vectors are good up to π.
 constexpr double kMostTurn = 1.0;
 

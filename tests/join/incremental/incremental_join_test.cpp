@@ -324,7 +324,7 @@ TEST(IncrementalJoinInSpace, ACovarianceIsOfTheStepAtTheEstimate) {
   update.poses = {{0, 0}, {0, 1}};
   update.segments = {{0, 1, false}};
   const PoseMatrix<3> information = (PoseVector<3>() << 1.0, 2.0, 3.0, 4.0, 25.0, 36.0).finished().asDiagonal();
-  for (const auto& [weight, turn] : {std::pair{1e-12, 0.0}, {1e-4, 1.0}, {1.0, 1.0}}) {
+  for (const auto& [weight, turn] : {std::pair{1e-12, 0.0}, {1e-6, 1.0}, {1.0, 1.0}}) {
     const auto rotation = Rotation<3>::exp(turn * Vector<3>(0.3, 0.5, 0.6));
     update.graph.pose_factors = {{0, 1, {Point<3>::UnitX(), rotation}, weight * information}};
     joined.add(update).value();
@@ -332,7 +332,7 @@ TEST(IncrementalJoinInSpace, ACovarianceIsOfTheStepAtTheEstimate) {
   }
   const auto covariance = joined.covariance(PoseId{0, 1});
   ASSERT_TRUE(covariance);
-  EXPECT_LT((information * *covariance - PoseMatrix<3>::Identity()).norm(), 1e-3);
+  EXPECT_LT((information * *covariance - PoseMatrix<3>::Identity()).norm(), 1e-4);
 }
 
 TYPED_TEST(IncrementalJoinTest, IsTheSameEveryTime) {
