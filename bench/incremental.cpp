@@ -83,11 +83,15 @@ Expected<Course> course_of(const std::vector<SubmapUpdate<Dim>>& updates, const 
 }
 
 template <int Dim>
-Expected<std::string> row(const std::string& name, const Log<Dim>& log, const Arguments& arguments) {
+Expected<std::vector<SubmapUpdate<Dim>>> updates_of(const Log<Dim>& log, const Arguments& arguments) {
   Split segments = split(log, {SplitRule::kPoses, arguments.poses_per_map});
   const auto maps = build_local_maps<Dim>(log, segments, {});
   if (!maps) return tl::unexpected(maps.error());
-  std::vector<SubmapUpdate<Dim>> updates = submap_updates_of(log, segments, maps->maps);
+  return submap_updates_of(log, segments, maps->maps);
+}
+
+template <int Dim>
+Expected<std::string> row(const std::string& name, std::vector<SubmapUpdate<Dim>> updates, const Arguments& arguments) {
   updates.resize(std::min(updates.size(), arguments.most));
   return course_of(updates, arguments).map([&](const Course& course) {
     std::vector<double> seconds = course.seconds;
@@ -101,6 +105,23 @@ Expected<std::string> row(const std::string& name, const Log<Dim>& log, const Ar
   });
 }
 
+/// The row of a log, whose local maps are built first, or of local maps.
+Expected<std::string> row(const std::filesystem::path& path, const Arguments& arguments) {
+  const std::string name = path.filename().string();
+  const auto of_maps = [&]<int Dim>(const SubmapSet<Dim>& set) { return row(name, submap_updates_of(set), arguments); };
+  const auto of_log = [&]<int Dim>(const Log<Dim>& log) {
+    return updates_of(log, arguments).and_then([&](const auto& updates) { return row(name, updates, arguments); });
+  };
+  if (!may_hold_maps(path)) {
+    return open_log(path, {}).and_then([&](const AnyLog& log) { return std::visit(of_log, log); });
+  }
+  return open_maps(path, {}).and_then([&](const AnyMaps& maps) -> Expected<std::string> {
+    if (const auto* set = std::get_if<SubmapSet<2>>(&maps)) return of_maps(*set);
+    if (const auto* set = std::get_if<SubmapSet<3>>(&maps)) return of_maps(*set);
+    return bad_input(name + ": a store of a log; give the log");
+  });
+}
+
 int table(const Arguments& arguments) {
   fmt::print(
       "| data | maps | median (ms) | mean (ms) | most (ms) | variables eliminated per map | joined anew | one batch join (ms) "
@@ -108,9 +129,7 @@ int table(const Arguments& arguments) {
       "batch / median | worst chi2 over batch | least room to 1 % + 0.5 |\n"
       "|---|---|---|---|---|---|---|---|---|---|---|\n");
   for (const auto& path : arguments.files) {
-    const auto log = open_log(path, {});
-    const auto line = log ? std::visit([&](const auto& any) { return row(path.filename().string(), any, arguments); }, *log)
-                          : tl::unexpected(log.error());
+    const auto line = row(path, arguments);
     if (!line) {
       fmt::print(stderr, "{}\n", line.error().message);
       return 1;
@@ -127,7 +146,7 @@ int table(const Arguments& arguments) {
 int main(int argc, char** argv) {
   mapjoin::Arguments arguments;
   CLI::App app("Joining local maps one by one: CPU time per map, beside one join of all");
-  app.add_option("LOG", arguments.files, "Logs")->required();
+  app.add_option("LOG", arguments.files, "Logs, or sets of local maps")->required();
   app.add_option("--poses-per-map", arguments.poses_per_map, "Steps of a local map [10]")->check(CLI::Range(1.0, 1e9));
   app.add_option("--check", arguments.check,
                  "Join the maps so far at once after every so many, and compare chi2 [at the end only]");

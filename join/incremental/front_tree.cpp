@@ -8,7 +8,8 @@
 namespace mapjoin {
 namespace {
 
-/// In squared standard deviations per entry: what moves less stays where it is, and what hangs below is not looked at.
+/// In squared standard deviations per entry: what moves less stays where it is, and what hangs below is not looked at. The move
+/// is measured from where it stands, so what is put off never adds up to more.
 constexpr double kNoMove = 1e-6;
 
 /// A quadratic over these columns, one for each of its variables; `storage` keeps what had to be put in another order.
@@ -40,7 +41,8 @@ FrontTree::FrontTree() {
 
 Variable FrontTree::add_variable(int dof) {
   const Variable added(variables_.size());
-  variables_.push_back({.dof = dof, .offset = static_cast<Eigen::Index>(solution_.size())});
+  factor_.variables.push_back({.dof = dof});
+  variables_.push_back({.offset = static_cast<Eigen::Index>(solution_.size())});
   solution_.resize(solution_.size() + static_cast<std::size_t>(dof), 0.0);
   return added;
 }
@@ -57,31 +59,31 @@ void FrontTree::change_quadratic(QuadraticIndex q, Eigen::MatrixXd H) {
 }
 
 Eigen::Map<const Eigen::VectorXd> FrontTree::solution(Variable v) const {
-  return {solution_.data() + variables_[v].offset, variables_[v].dof};
+  return {solution_.data() + variables_[v].offset, dof(v)};
 }
 
 /// YᵀY with L Y = E, the columns of the identity of v; rows of Y are zero but on the way from its front to the root.
-std::optional<Eigen::MatrixXd> FrontTree::covariance(Variable v) const {
-  const int dof = variables_[v].dof;
+std::optional<Eigen::MatrixXd> FrontFactor::covariance(Variable v) const {
+  const int dof = variables[v].dof;
   Eigen::MatrixXd covariance = Eigen::MatrixXd::Zero(dof, dof);
   std::map<Variable, Eigen::MatrixXd> rhs{{v, Eigen::MatrixXd::Identity(dof, dof)}};
   const auto rows_of = [&](Variable of) -> Eigen::MatrixXd& {
-    return rhs.try_emplace(of, Eigen::MatrixXd::Zero(variables_[of].dof, dof)).first->second;
+    return rhs.try_emplace(of, Eigen::MatrixXd::Zero(variables[of].dof, dof)).first->second;
   };
-  for (NodeIndex n = variables_[v].node; n != kNone; n = nodes_[n].parent) {
-    const Node& node = nodes_[n];
-    if (node.is_singular) return std::nullopt;
-    Eigen::MatrixXd Y(node.L.cols(), dof);
+  for (NodeIndex n = variables[v].node; n != kNone; n = nodes[n].parent) {
+    const Front& front = *nodes[n].front;
+    if (front.is_singular) return std::nullopt;
+    Eigen::MatrixXd Y(front.L.cols(), dof);
     Eigen::Index row = 0;
-    for (const Variable frontal : node.frontals) {
-      Y.middleRows(row, variables_[frontal].dof) = rows_of(frontal);
-      row += variables_[frontal].dof;
+    for (const Variable frontal : front.frontals) {
+      Y.middleRows(row, variables[frontal].dof) = rows_of(frontal);
+      row += variables[frontal].dof;
     }
-    node.L.topRows(row).triangularView<Eigen::Lower>().solveInPlace(Y);
+    front.L.topRows(row).triangularView<Eigen::Lower>().solveInPlace(Y);
     covariance += Y.transpose() * Y;
-    for (const Variable above : node.update.variables) {
-      rows_of(above) -= node.L.middleRows(row, variables_[above].dof) * Y;
-      row += variables_[above].dof;
+    for (const Variable above : front.update.variables) {
+      rows_of(above) -= front.L.middleRows(row, variables[above].dof) * Y;
+      row += variables[above].dof;
     }
   }
   return covariance;
@@ -113,18 +115,13 @@ std::size_t FrontTree::eliminate_touched(std::span<const Variable> last) {
   SparseCholesky cholesky(Updates::kKept);
   cholesky.analyse(elimination.matrix, given);
   const auto singular = cholesky.factorise(elimination.matrix, given);
-  replace(opened, elimination, cholesky);
-  for (const std::int64_t row : singular) {
-    const auto& offsets = elimination.matrix.offsets;
-    const Column column(std::upper_bound(offsets.begin(), offsets.end(), row) - offsets.begin() - 1);
-    nodes_[variables_[opened.variables[elimination.order[column]]].node].is_singular = true;
-  }
+  replace(opened, elimination, cholesky, singular);
   for (const Variable v : opened.variables) variables_[v].place = kConstant;
   return opened.variables.size() - 1;  // kOne is none of the caller's
 }
 
 void FrontTree::open_upwards(NodeIndex n, Opened& opened) {
-  for (; n != kNone && !nodes_[n].is_open; n = nodes_[n].parent) {
+  for (; n != kNone && !nodes_[n].is_open; n = parent(n)) {
     nodes_[n].is_open = true;
     opened.nodes.push_back(n);
   }
@@ -140,13 +137,14 @@ FrontTree::Opened FrontTree::open_touched() {
     if (quadratics_[q].node != kNone) continue;
     opened.quadratics.push_back(q);
     for (const Variable v : quadratics_[q].quadratic.variables) {
-      open_upwards(variables_[v].node, opened);
-      if (variables_[v].node == kNone) variables.push_back(v);
+      open_upwards(node_of(v), opened);
+      if (node_of(v) == kNone) variables.push_back(v);
     }
   }
   for (const NodeIndex n : opened.nodes) {
     const Node& open = nodes_[n];
-    variables.insert(variables.end(), open.frontals.begin(), open.frontals.end());
+    const auto& frontals = front(n).frontals;
+    variables.insert(variables.end(), frontals.begin(), frontals.end());
     opened.quadratics.insert(opened.quadratics.end(), open.quadratics.begin(), open.quadratics.end());
     for (const NodeIndex child : open.children) {
       if (!nodes_[child].is_open) opened.orphans.push_back(child);
@@ -162,14 +160,14 @@ FrontTree::Opened FrontTree::open_touched() {
 std::vector<const Quadratic*> FrontTree::summands(const Opened& opened) const {
   std::vector<const Quadratic*> summands;
   for (const QuadraticIndex q : opened.quadratics) summands.push_back(&quadratics_[q].quadratic);
-  for (const NodeIndex orphan : opened.orphans) summands.push_back(&nodes_[orphan].update);
+  for (const NodeIndex orphan : opened.orphans) summands.push_back(&front(orphan).update);
   return summands;
 }
 
 Elimination FrontTree::planned(const Opened& opened, const std::vector<const Quadratic*>& summands,
                                std::span<const Variable> last) const {
   BlockPattern pattern;
-  for (const Variable v : opened.variables) pattern.dofs.push_back(variables_[v].dof);
+  for (const Variable v : opened.variables) pattern.dofs.push_back(dof(v));
   for (const Quadratic* summand : summands) {
     std::vector<Variable> places;
     for (const Variable v : summand->variables) places.push_back(variables_[v].place);
@@ -184,9 +182,11 @@ Elimination FrontTree::planned(const Opened& opened, const std::vector<const Qua
   return Elimination(pattern, ordering);
 }
 
-void FrontTree::replace(const Opened& opened, const Elimination& elimination, const SparseCholesky& cholesky) {
+void FrontTree::replace(const Opened& opened, const Elimination& elimination, const SparseCholesky& cholesky,
+                        std::span<const std::int64_t> singular) {
   for (const NodeIndex n : opened.nodes) {
     nodes_[n] = Node();
+    factor_.nodes.writable(n) = {};
     unused_.push_back(n);
   }
   const std::size_t quadratic_count = opened.quadratics.size();
@@ -196,6 +196,7 @@ void FrontTree::replace(const Opened& opened, const Elimination& elimination, co
     const bool is_quadratic = front.width == 0 && front.given < quadratic_count;
     nodes.push_back(front.width > 0 ? new_node() : is_quadratic ? kNone : opened.orphans[front.given - quadratic_count]);
   }
+  auto next_singular = singular.begin();
   for (std::size_t f = 0; f < fronts.size(); ++f) {
     const NodeIndex parent = fronts[f].parent == fronts.size() ? kNone : nodes[fronts[f].parent];
     if (nodes[f] == kNone) {
@@ -204,37 +205,45 @@ void FrontTree::replace(const Opened& opened, const Elimination& elimination, co
       nodes_[parent].quadratics.push_back(q);
       continue;
     }
-    if (fronts[f].width > 0) take(nodes[f], opened, elimination, cholesky, f);
-    nodes_[nodes[f]].parent = parent;
+    if (fronts[f].width > 0) {
+      Front front = taken(opened, elimination, cholesky, f);
+      const std::int64_t end = elimination.matrix.offsets[fronts[f].columns.last];
+      for (; next_singular != singular.end() && *next_singular < end; ++next_singular) front.is_singular = true;
+      put(nodes[f], std::move(front));
+    }
+    factor_.nodes.writable(nodes[f]).parent = parent;
     if (parent != kNone) nodes_[parent].children.push_back(nodes[f]);
   }
   root_ = nodes.back();
 }
 
-void FrontTree::take(NodeIndex n, const Opened& opened, const Elimination& elimination, const SparseCholesky& cholesky,
-                     std::size_t f) {
-  Node& fresh = nodes_[n];
+Front FrontTree::taken(const Opened& opened, const Elimination& elimination, const SparseCholesky& cholesky,
+                       std::size_t f) const {
+  Front fresh;
   const FactorNode& front = cholesky.tree().nodes[f];
   const auto variable_at = [&](Column column) { return opened.variables[elimination.order[column]]; };
-  for (const Column column : front.columns) {
-    fresh.frontals.push_back(variable_at(column));
-    variables_[fresh.frontals.back()].node = n;
-  }
+  for (const Column column : front.columns) fresh.frontals.push_back(variable_at(column));
   for (const Column row : cholesky.tree().rows_of(front)) fresh.update.variables.push_back(variable_at(row));
-  fresh.is_fresh = true;
   fresh.L = cholesky.panel(front);
   fresh.update.H = cholesky.update(f);
-  if (fresh.frontals.back() != kOne) return;
-  // The root: kOne is never solved for.
-  fresh.frontals.pop_back();
-  fresh.update.variables.push_back(kOne);
-  fresh.L = Eigen::MatrixXd(fresh.L.leftCols(front.width - 1));
+  return fresh;
+}
+
+void FrontTree::put(NodeIndex n, Front front) {
+  for (const Variable v : front.frontals) factor_.variables.writable(v).node = n;
+  if (front.frontals.back() == kOne) {  // the root: kOne is never solved for
+    front.frontals.pop_back();
+    front.update.variables.push_back(kOne);
+    front.L = Eigen::MatrixXd(front.L.leftCols(front.L.cols() - 1));
+  }
+  nodes_[n].is_fresh = true;
+  factor_.nodes.writable(n).front = std::make_shared<const Front>(std::move(front));
 }
 
 FrontTree::NodeIndex FrontTree::new_node() {
   if (unused_.empty()) {
     nodes_.emplace_back();
-    return NodeIndex(nodes_.size() - 1);
+    return factor_.nodes.push_back({});
   }
   const NodeIndex n = unused_.back();
   unused_.pop_back();
@@ -245,17 +254,18 @@ void FrontTree::solve() {
   moved_.clear();
   std::vector<NodeIndex> to_visit{root_};
   while (!to_visit.empty()) {
-    Node& next = nodes_[to_visit.back()];
+    const NodeIndex n = to_visit.back();
+    Node& next = nodes_[n];
     to_visit.pop_back();
-    if (!is_displaced_ && !next.is_fresh && !is_above_moved(next)) continue;
+    if (!is_displaced_ && !next.is_fresh && !is_above_moved(front(n))) continue;
     next.is_fresh = false;
-    solve_node(next);
+    solve_front(front(n));
     to_visit.insert(to_visit.end(), next.children.begin(), next.children.end());
   }
   is_displaced_ = false;
 }
 
-bool FrontTree::is_above_moved(const Node& below) const {
+bool FrontTree::is_above_moved(const Front& below) const {
   const auto& separator = below.update.variables;
   return std::any_of(separator.begin(), separator.end(), [&](Variable v) { return variables_[v].moved_in == updates_; });
 }
@@ -264,13 +274,13 @@ Eigen::VectorXd FrontTree::gathered(const std::vector<Variable>& variables, Eige
   Eigen::VectorXd entries(size);
   Eigen::Index entry = 0;
   for (const Variable v : variables) {
-    entries.segment(entry, variables_[v].dof) = solution(v);
-    entry += variables_[v].dof;
+    entries.segment(entry, dof(v)) = solution(v);
+    entry += dof(v);
   }
   return entries;
 }
 
-void FrontTree::solve_node(const Node& next) {
+void FrontTree::solve_front(const Front& next) {
   const Eigen::Index width = next.L.cols();
   const auto L_JJ = next.L.topRows(width).triangularView<Eigen::Lower>();
   const Eigen::VectorXd above = gathered(next.update.variables, next.L.rows() - width);
@@ -281,8 +291,8 @@ void FrontTree::solve_node(const Node& next) {
   if (change <= kNoMove * static_cast<double>(width)) return;
   Eigen::Index entry = 0;
   for (const Variable v : next.frontals) {
-    std::copy_n(now.data() + entry, variables_[v].dof, solution_.begin() + variables_[v].offset);
-    entry += variables_[v].dof;
+    std::copy_n(now.data() + entry, dof(v), solution_.begin() + variables_[v].offset);
+    entry += dof(v);
     variables_[v].moved_in = updates_;
     moved_.push_back(v);
   }

@@ -7,8 +7,10 @@
 // of fronts below are solved for again only where what lies above has moved.
 
 #include <Eigen/Core>
+#include <mapjoin/join/incremental/shared_table.hpp>
 #include <mapjoin/solve/block_pattern.hpp>
 #include <mapjoin/solve/sparse_cholesky.hpp>
+#include <memory>
 #include <optional>
 #include <span>
 #include <vector>
@@ -20,6 +22,37 @@ namespace mapjoin {
 struct Quadratic {
   std::vector<Variable> variables;
   Eigen::MatrixXd H;
+};
+
+/// Variables that are eliminated together. Once it is in the tree it stays as it is, until another one takes its place.
+struct Front {
+  std::vector<Variable> frontals;
+  Quadratic update;          ///< What is left over the separator, for the parent.
+  Eigen::MatrixXd L;         ///< Over frontals, then the separator.
+  bool is_singular = false;  ///< Eliminates what nothing determines.
+};
+
+/// The factor of a sum of quadratics by fronts, each with its parent. A copy by kept() stays as it is.
+class FrontFactor {
+ public:
+  using NodeIndex = StrongIndex<struct NodeTag>;
+  static constexpr NodeIndex kNone = -1;
+  struct Node {
+    std::shared_ptr<const Front> front;
+    NodeIndex parent = kNone;
+  };
+  struct Eliminated {
+    int dof = 0;
+    NodeIndex node = kNone;  ///< That eliminates the variable.
+  };
+
+  /// The marginal covariance of a variable, the sum's H being the information; nothing where a front between it and the root
+  /// eliminates what nothing determines.
+  std::optional<Eigen::MatrixXd> covariance(Variable v) const;
+  FrontFactor kept() { return {variables.kept(), nodes.kept()}; }
+
+  SharedTable<Variable, Eliminated> variables;
+  SharedTable<NodeIndex, Node> nodes;
 };
 
 class FrontTree {
@@ -38,9 +71,9 @@ class FrontTree {
   std::size_t update(std::span<const Variable> last);
   /// Where the sum is least: the entries of a variable.
   Eigen::Map<const Eigen::VectorXd> solution(Variable v) const;
-  /// The marginal covariance of a variable, the sum's H being the information, as of the last update; nothing where a front
-  /// between it and the root eliminates what nothing determines.
-  std::optional<Eigen::MatrixXd> covariance(Variable v) const;
+  /// As of the last update.
+  const FrontFactor& factor() const { return factor_; }
+  FrontFactor kept_factor() { return factor_.kept(); }
   /// The variables that the last update moved by more than a thousandth of a standard deviation; the others stand where they
   /// stood.
   const std::vector<Variable>& moved() const { return moved_; }
@@ -48,25 +81,18 @@ class FrontTree {
   void set_solution(Variable v, const Eigen::Ref<const Eigen::VectorXd>& entries);
 
  private:
-  using NodeIndex = StrongIndex<struct NodeTag>;
-  static constexpr NodeIndex kNone = -1;
+  using NodeIndex = FrontFactor::NodeIndex;
+  static constexpr NodeIndex kNone = FrontFactor::kNone;
 
-  /// Variables that are eliminated together.
+  /// What the tree knows of a front beside the factor.
   struct Node {
-    std::vector<Variable> frontals;
-    Quadratic update;   // what is left over the separator, for the parent
-    Eigen::MatrixXd L;  // over frontals, then the separator
-    NodeIndex parent = kNone;
     std::vector<NodeIndex> children;
     std::vector<QuadraticIndex> quadratics;  // whose first variable it eliminates
     bool is_open = false;                    // about to be eliminated again
     bool is_fresh = false;                   // not yet solved
-    bool is_singular = false;                // eliminates what nothing determines
   };
   struct Values {
-    int dof;
     Eigen::Index offset;         // in solution_
-    NodeIndex node = kNone;      // that eliminates it
     Variable place = kConstant;  // among the variables that are being eliminated
     std::size_t moved_in = 0;    // the update that moved it last
   };
@@ -89,17 +115,23 @@ class FrontTree {
   Elimination planned(const Opened& opened, const std::vector<const Quadratic*>& summands,
                       std::span<const Variable> last) const;
   std::size_t eliminate_touched(std::span<const Variable> last);
-  /// New nodes in the place of the open ones.
-  void replace(const Opened& opened, const Elimination& elimination, const SparseCholesky& cholesky);
-  void take(NodeIndex node, const Opened& opened, const Elimination& elimination, const SparseCholesky& cholesky,
-            std::size_t front);
+  /// New nodes in the place of the open ones; `singular` are scalar columns, ascending.
+  void replace(const Opened& opened, const Elimination& elimination, const SparseCholesky& cholesky,
+               std::span<const std::int64_t> singular);
+  Front taken(const Opened& opened, const Elimination& elimination, const SparseCholesky& cholesky, std::size_t front) const;
+  void put(NodeIndex node, Front front);
   NodeIndex new_node();
+  const Front& front(NodeIndex node) const { return *factor_.nodes[node].front; }
+  NodeIndex parent(NodeIndex node) const { return factor_.nodes[node].parent; }
+  NodeIndex node_of(Variable v) const { return factor_.variables[v].node; }
+  int dof(Variable v) const { return factor_.variables[v].dof; }
   void solve();
-  bool is_above_moved(const Node& node) const;
-  void solve_node(const Node& node);
+  bool is_above_moved(const Front& below) const;
+  void solve_front(const Front& next);
   /// The solution over variables, of so many entries.
   Eigen::VectorXd gathered(const std::vector<Variable>& variables, Eigen::Index size) const;
 
+  FrontFactor factor_;
   Table<Variable, Values> variables_;
   Table<QuadraticIndex, Summand> quadratics_;
   std::vector<QuadraticIndex> touched_;  // since the last update, each once

@@ -8,7 +8,8 @@ namespace mapjoin {
 namespace {
 
 constexpr int kMostIterations = 50;
-/// Of a linearisation, in chi2 per measured row: 0.3 % of a standard deviation.
+/// Of a linearisation, in chi2 per measured row: 0.3 % of a standard deviation. An estimate at which no map errs by more is above
+/// the optimum by at most as much per row, for what a map errs by moves the estimate by no more than itself, in chi2.
 constexpr double kLinearisationError = 1e-5;
 /// Beyond this turn (rad) since its reference a pose gets a new one: rotation vectors are good up to π.
 constexpr double kMostTurn = 1.0;
@@ -54,7 +55,7 @@ Settling IncrementalEstimate<Dim>::settle(std::span<const JoinedIndex> last) {
     if (variable(v).column != kConstant) last_columns.push_back(variable(v).column);
   }
   Settling settling;
-  sum_chi2();
+  if (looks_ >= factors_.size()) sum_chi2();
   while (!settling.converged && settling.iterations < kMostIterations) {
     linearise_stale();
     settling.eliminated += tree_.update(last_columns);
@@ -64,20 +65,21 @@ Settling IncrementalEstimate<Dim>::settle(std::span<const JoinedIndex> last) {
     refer_turned();
     settling.converged = stale_.empty() || before - chi2_ <= rounding();
   }
+  show_moved();
   settling.moved = take_moved();
   known_ = variables_.size();
   return settling;
 }
 
 template <int Dim>
-std::optional<Eigen::MatrixXd> IncrementalEstimate<Dim>::covariance(JoinedIndex v) const {
-  const JoinedVariable<Dim>& of = variable(v);
-  if (of.column == kConstant) return Eigen::MatrixXd(Eigen::MatrixXd::Zero(of.dof(), of.dof()));
-  const auto covariance = tree_.covariance(of.column);  // of δ
+std::optional<Eigen::MatrixXd> KeptEstimate<Dim>::covariance(JoinedIndex v) const {
+  const Variable& of = variables[v];
+  const int dof = of.is_pose ? kPoseDof<Dim> : Dim;
+  if (of.column == kConstant) return Eigen::MatrixXd(Eigen::MatrixXd::Zero(dof, dof));
+  const auto covariance = factor.covariance(of.column);  // of δ
   if (Dim == 2 || !of.is_pose || !covariance) return covariance;
   PoseMatrix<Dim> J_step_delta = PoseMatrix<Dim>::Identity();
-  J_step_delta.template bottomRightCorner<kRotationDof<Dim>, kRotationDof<Dim>>() =
-      right_jacobian<Dim>(of.step.template tail<kRotationDof<Dim>>());
+  J_step_delta.template bottomRightCorner<kRotationDof<Dim>, kRotationDof<Dim>>() = right_jacobian<Dim>(of.turn);
   return Eigen::MatrixXd(J_step_delta * *covariance * J_step_delta.transpose());
 }
 
@@ -86,6 +88,7 @@ template <int Dim>
 void IncrementalEstimate<Dim>::sum_chi2() {
   chi2_ = 0.0;
   for (const Factor& factor : factors_) chi2_ += factor.fit.chi2;
+  looks_ = 0;
 }
 
 template <int Dim>
@@ -147,6 +150,7 @@ void IncrementalEstimate<Dim>::move_to(JoinedIndex v, const PoseVector<Dim>& ste
 
 template <int Dim>
 void IncrementalEstimate<Dim>::look_at(const std::vector<FactorIndex>& factors) {
+  looks_ += factors.size();
   for (const FactorIndex f : factors) {
     const auto fit = factor(f).map.fit(variables_);
     chi2_ += fit.chi2 - factor(f).fit.chi2;
@@ -170,6 +174,16 @@ void IncrementalEstimate<Dim>::refer_turned() {
   }
 }
 
+template <int Dim>
+void IncrementalEstimate<Dim>::show_moved() {
+  const auto show = [&](JoinedIndex v) {
+    const JoinedVariable<Dim>& is = variable(v);
+    shown_.writable(v) = {is.is_pose, is.value, is.step.template tail<kRotationDof<Dim>>(), is.column};
+  };
+  for (const auto& [v, was] : before_) show(v);
+  while (shown_.size() < variables_.size()) show(shown_.push_back({}));
+}
+
 /// How far those have gone that are remembered, which are then forgotten.
 template <int Dim>
 StepSize IncrementalEstimate<Dim>::take_moved() {
@@ -184,6 +198,8 @@ StepSize IncrementalEstimate<Dim>::take_moved() {
   return size;
 }
 
+template struct KeptEstimate<2>;
+template struct KeptEstimate<3>;
 template class IncrementalEstimate<2>;
 template class IncrementalEstimate<3>;
 

@@ -5,6 +5,7 @@
 #include <map>
 #include <mapjoin/join/incremental/front_tree.hpp>
 #include <mapjoin/join/incremental/map_factor.hpp>
+#include <mapjoin/join/incremental/shared_table.hpp>
 #include <mapjoin/solve/minimise_options.hpp>
 #include <optional>
 #include <span>
@@ -20,8 +21,29 @@ struct Settling {
   StepSize moved;              ///< The most that a variable has moved that was there before.
 };
 
-/// Gauss-Newton, with a map linearised again only where its linearisation errs by more than 0.3 % of a standard deviation
-/// (rms). A step that would raise chi2 is not taken: the estimate then has not converged, and wants a join of all maps.
+/// The estimate as a settling left it. It never changes, so any thread may read it.
+template <int Dim>
+struct KeptEstimate {
+  struct Variable {
+    bool is_pose = true;
+    Pose<Dim> value;                                         ///< Of a feature the translation.
+    RotationVector<Dim> turn = RotationVector<Dim>::Zero();  ///< Of a pose, since the reference of the linear system.
+    mapjoin::Variable column = kConstant;                    ///< Of the linear system; kConstant where it is anchored.
+  };
+
+  /// The marginal covariance of the step of a variable at its value, a row for each entry: zero where it is anchored, nothing
+  /// where it may not be determined (see FrontFactor).
+  std::optional<Eigen::MatrixXd> covariance(JoinedIndex variable) const;
+
+  SharedTable<JoinedIndex, Variable> variables;
+  FrontFactor factor;
+  double chi2 = 0.0;
+  std::int64_t dof = 0;
+};
+
+/// Gauss-Newton, with a map linearised again only where its linearisation errs by more than 1 % of a standard deviation (rms):
+/// what is put off costs at most 1e-4 of chi2 per measured row, and what the tree does not move a tenth of it per entry. A step
+/// that would raise chi2 is not taken: the estimate then has not converged, and wants a join of all maps.
 template <int Dim>
 class IncrementalEstimate {
  public:
@@ -36,9 +58,8 @@ class IncrementalEstimate {
 
   const JoinedVariables<Dim>& variables() const { return variables_; }
   const JoinedVariable<Dim>& variable(JoinedIndex v) const { return variables_[v]; }
-  /// Of the step of a variable at its value, as of the last settling; dof() rows, zero where it is anchored, nothing where it
-  /// may not be determined (see FrontTree).
-  std::optional<Eigen::MatrixXd> covariance(JoinedIndex variable) const;
+  /// As of the last settling.
+  KeptEstimate<Dim> kept() { return {shown_.kept(), tree_.kept_factor(), chi2_, dof()}; }
   double chi2() const { return chi2_; }
   /// Measured rows less free entries.
   std::int64_t dof() const { return rows_ - free_; }
@@ -62,17 +83,21 @@ class IncrementalEstimate {
   /// Brings chi2 up to date with what these factors say now.
   void look_at(const std::vector<FactorIndex>& factors);
   StepSize take_moved();
+  /// Brings `shown_` up to date with what has moved and what is new.
+  void show_moved();
   void refer_turned();
 
   JoinedVariables<Dim> variables_;
   Table<Variable, JoinedIndex> variable_of_column_;
   Table<FactorIndex, Factor> factors_;
-  std::vector<FactorIndex> stale_;  // factors to be linearised
+  std::vector<FactorIndex> stale_;                                        // factors to be linearised
+  SharedTable<JoinedIndex, typename KeptEstimate<Dim>::Variable> shown_;  // as of the last settling
   FrontTree tree_;
   double chi2_ = 0.0;
   std::int64_t rows_ = 0;
   std::int64_t free_ = 0;
   std::size_t steps_ = 0;
+  std::size_t looks_ = 0;                    // at factors since chi2 was summed anew
   std::size_t known_ = 0;                    // variables that were there before this settling
   std::map<JoinedIndex, Pose<Dim>> before_;  // where those were that have moved
 };

@@ -19,34 +19,42 @@ const JoinedIndex* find_variable(const std::map<Id, JoinedIndex>& directory, con
   return found == directory.end() ? nullptr : &found->second;
 }
 
-template <int Dof, int Dim>
-std::optional<Matrix<Dof>> covariance_of(const IncrementalEstimate<Dim>& estimate, const JoinedIndex* v) {
-  const auto covariance = v ? estimate.covariance(*v) : std::nullopt;
-  return covariance ? std::optional<Matrix<Dof>>(*covariance) : std::nullopt;
-}
-
 }  // namespace
 
 template <int Dim>
 const Pose<Dim>* IncrementalJoin<Dim>::pose(const PoseId& id) const {
-  const JoinedIndex* v = find_variable(poses_, id);
+  const JoinedIndex* v = find_variable(names_->poses(), id);
   return v ? &estimate_.variable(*v).value : nullptr;
 }
 
 template <int Dim>
 const Point<Dim>* IncrementalJoin<Dim>::feature(const FeatureId& id) const {
-  const JoinedIndex* v = find_variable(features_, id);
+  const JoinedIndex* v = find_variable(names_->features(), id);
   return v ? &estimate_.variable(*v).value.translation : nullptr;
 }
 
 template <int Dim>
 std::optional<PoseMatrix<Dim>> IncrementalJoin<Dim>::covariance(const PoseId& id) const {
-  return covariance_of<kPoseDof<Dim>>(estimate_, find_variable(poses_, id));
+  return snapshot()->covariance(id);
 }
 
 template <int Dim>
 std::optional<PointMatrix<Dim>> IncrementalJoin<Dim>::covariance(const FeatureId& id) const {
-  return covariance_of<Dim>(estimate_, find_variable(features_, id));
+  return snapshot()->covariance(id);
+}
+
+template <int Dim>
+std::shared_ptr<const JoinedSnapshot<Dim>> IncrementalJoin<Dim>::snapshot() const {
+  const std::lock_guard lock(published_->mutex);
+  return published_->snapshot;
+}
+
+/// The former snapshot is let go outside the lock.
+template <int Dim>
+void IncrementalJoin<Dim>::publish() {
+  auto next = std::make_shared<const JoinedSnapshot<Dim>>(names_, estimate_.kept());
+  const std::lock_guard lock(published_->mutex);
+  published_->snapshot.swap(next);
 }
 
 /// Null also for the World, which is no pose.
@@ -88,6 +96,7 @@ Expected<AddedUpdate> IncrementalJoin<Dim>::add(SubmapUpdate<Dim> update, const 
   return accept(std::move(update)).map([&] {
     AddedUpdate added;
     join_last(stop, added);
+    publish();
     return added;
   });
 }
@@ -117,8 +126,14 @@ Expected<AddedUpdate> IncrementalJoin<Dim>::add_all(std::vector<SubmapUpdate<Dim
     waiting_.push_back(updates_.size() - 1);
   }
   if (updates_.size() > before) adopt_batch(true, stop, added);
-  if (waiting_.empty() || stop.stop_requested()) return added;
-  // They do not hang together: as far as they do.
+  if (!waiting_.empty() && !stop.stop_requested()) join_again_from(before, stop, added);
+  publish();
+  return added;
+}
+
+/// Those after the first `before` do not hang together: as far as they do.
+template <int Dim>
+void IncrementalJoin<Dim>::join_again_from(std::size_t before, const std::stop_token& stop, AddedUpdate& added) {
   std::vector<SubmapUpdate<Dim>> again(std::make_move_iterator(updates_.begin() + static_cast<std::ptrdiff_t>(before)),
                                        std::make_move_iterator(updates_.end()));
   updates_.resize(before);
@@ -128,7 +143,6 @@ Expected<AddedUpdate> IncrementalJoin<Dim>::add_all(std::vector<SubmapUpdate<Dim
     join_last(stop, added);
   }
   added.is_joined = waiting_.empty() || waiting_.back() < before;
-  return added;
 }
 
 template <int Dim>
@@ -185,21 +199,26 @@ bool IncrementalJoin<Dim>::knows_ends(const SubmapUpdate<Dim>& update, const Par
 
 template <int Dim>
 JoinedIndex IncrementalJoin<Dim>::enter_pose(const PoseId& id, const Pose<Dim>& value, bool is_anchored) {
-  return poses_[id] = estimate_.add_variable(true, value, is_anchored);
+  const JoinedIndex v = estimate_.add_variable(true, value, is_anchored);
+  names_->enter(id, v);
+  return v;
 }
 
 template <int Dim>
 JoinedIndex IncrementalJoin<Dim>::enter_feature(const FeatureId& id, const Point<Dim>& value) {
-  return features_[id] = estimate_.add_variable(false, {value, {}}, false);
+  const JoinedIndex v = estimate_.add_variable(false, {value, {}}, false);
+  names_->enter(id, v);
+  return v;
 }
 
 template <int Dim>
 std::vector<MapFactor<Dim>> IncrementalJoin<Dim>::factors_of(const SubmapUpdate<Dim>& update) {
   std::vector<MapFactor<Dim>> factors;
   const auto add = [&](const LocalMap<Dim>& map) {
-    std::vector<JoinedIndex> variables{map.base == kWorld ? kJoinedWorld : poses_.at(update.poses[map.base])};
-    for (const PoseIndex p : map.poses) variables.push_back(poses_.at(update.poses[p]));
-    for (const FeatureIndex f : map.features) variables.push_back(features_.at(update.features[f]));
+    const auto variable_of = [&](PoseIndex p) { return names_->poses().at(update.poses[p]); };
+    std::vector<JoinedIndex> variables{map.base == kWorld ? kJoinedWorld : variable_of(map.base)};
+    for (const PoseIndex p : map.poses) variables.push_back(variable_of(p));
+    for (const FeatureIndex f : map.features) variables.push_back(names_->features().at(update.features[f]));
     factors.emplace_back(map, std::move(variables));
   };
   std::ranges::for_each(update.graph.submaps, add);
@@ -223,16 +242,16 @@ std::optional<std::vector<JoinedIndex>> IncrementalJoin<Dim>::enter(const Submap
   for (const PoseIndex p : partial.poses) {
     const PoseId& id = update.poses[p];
     const auto fixed = std::ranges::find(update.graph.fixed, p, &FixedPose<Dim>::pose);
-    if (!poses_.contains(id) && fixed != update.graph.fixed.end()) enter_pose(id, fixed->value, true);
-    if (!poses_.contains(id)) entered.emplace_back(enter_pose(id, {}, false), pose_in(partial, p));
-    variables.push_back(poses_.at(id));
+    if (!names_->poses().contains(id) && fixed != update.graph.fixed.end()) enter_pose(id, fixed->value, true);
+    if (!names_->poses().contains(id)) entered.emplace_back(enter_pose(id, {}, false), pose_in(partial, p));
+    variables.push_back(names_->poses().at(id));
   }
   for (const FeatureIndex f : partial.features) {
     const FeatureId& id = update.features[f];
-    if (!features_.contains(id)) {
+    if (!names_->features().contains(id)) {
       entered.emplace_back(enter_feature(id, Point<Dim>::Zero()), Pose<Dim>{feature_in(partial, f), {}});
     }
-    variables.push_back(features_.at(id));
+    variables.push_back(names_->features().at(id));
   }
   auto factors = factors_of(update);
   const auto place = [&](const Pose<Dim>& alignment) {
@@ -307,8 +326,7 @@ template <int Dim>
 void IncrementalJoin<Dim>::take(const std::vector<const SubmapUpdate<Dim>*>& updates, const SubmapSet<Dim>& set,
                                 const Join<Dim>& joined, AddedUpdate& added) {
   const IncrementalEstimate<Dim> before = std::exchange(estimate_, {});
-  const auto poses_before = std::exchange(poses_, {});
-  const auto features_before = std::exchange(features_, {});
+  const auto names_before = std::exchange(names_, std::make_shared<JoinedNames>());
   singles_.clear();
   Table<PoseIndex, bool> is_anchored(set.poses.size(), false);
   for (const PoseIndex p : joined.anchored) is_anchored[p] = true;
@@ -317,21 +335,21 @@ void IncrementalJoin<Dim>::take(const std::vector<const SubmapUpdate<Dim>*>& upd
   for (const SubmapUpdate<Dim>* update : updates) {
     for (const PoseId& id : update->poses) {
       const PoseIndex p = *pose_index(id);
-      if (!poses_.contains(id)) enter_pose(id, joined.state.poses[p], is_anchored[p]);
+      if (!names_->poses().contains(id)) enter_pose(id, joined.state.poses[p], is_anchored[p]);
     }
     for (const FeatureId& id : update->features) {
-      if (!features_.contains(id)) enter_feature(id, joined.state.features[*feature_index(id)]);
+      if (!names_->features().contains(id)) enter_feature(id, joined.state.features[*feature_index(id)]);
     }
     for (auto& factor : factors_of(*update)) estimate_.add_factor(std::move(factor));
   }
   is_anchored_by_world_ = speaks_of_world(set);
   settle({}, added);
-  for (const auto& [id, v] : poses_before) {
+  for (const auto& [id, v] : names_before->poses()) {
     const PoseVector<Dim> step = local(before.variable(v).value, *pose(id));
     added.metres = std::max(added.metres, step.template head<Dim>().norm());
     added.radians = std::max(added.radians, step.template tail<kRotationDof<Dim>>().norm());
   }
-  for (const auto& [id, v] : features_before) {
+  for (const auto& [id, v] : names_before->features()) {
     added.metres = std::max(added.metres, (before.variable(v).value.translation - *feature(id)).norm());
   }
 }

@@ -11,8 +11,11 @@
 #include <deque>
 #include <map>
 #include <mapjoin/join/incremental/incremental_estimate.hpp>
+#include <mapjoin/join/incremental/joined_snapshot.hpp>
 #include <mapjoin/join/incremental/submap_update.hpp>
 #include <mapjoin/join/join.hpp>
+#include <memory>
+#include <mutex>
 #include <optional>
 #include <span>
 #include <stop_token>
@@ -51,6 +54,9 @@ class IncrementalJoin {
   /// bad input, those before it wait.
   Expected<AddedUpdate> add_all(std::vector<SubmapUpdate<Dim>> updates, const std::stop_token& stop = {});
 
+  /// The estimate after the last add() or add_all() that has returned, empty before. Any thread may call this at any time, and
+  /// ask the snapshot while this object goes on or is gone: it waits for no update. All else here belongs to one thread.
+  std::shared_ptr<const JoinedSnapshot<Dim>> snapshot() const;
   /// The estimate of a pose or feature, or null while it is not in it.
   const Pose<Dim>* pose(const PoseId& id) const;
   const Point<Dim>* feature(const FeatureId& id) const;
@@ -65,15 +71,19 @@ class IncrementalJoin {
   std::size_t waiting() const { return waiting_.size(); }
 
  private:
-  /// The variables of poses, or of features, in the estimate.
-  template <typename Id>
-  using Directory = std::map<Id, JoinedIndex>;
+  /// Where other threads find the last snapshot.
+  struct Published {
+    std::mutex mutex;
+    std::shared_ptr<const JoinedSnapshot<Dim>> snapshot = std::make_shared<const JoinedSnapshot<Dim>>();
+  };
 
+  void publish();
   const Pose<Dim>* pose(const SubmapUpdate<Dim>& update, PoseIndex pose) const;
   const Point<Dim>* feature(const SubmapUpdate<Dim>& update, FeatureIndex feature) const;
   /// Puts a sound update behind the others.
   Expected<void> accept(SubmapUpdate<Dim> update);
   void join_last(const std::stop_token& stop, AddedUpdate& added);
+  void join_again_from(std::size_t before, const std::stop_token& stop, AddedUpdate& added);
   bool asks_for_join(const SubmapUpdate<Dim>& update) const;
   std::vector<Pose<Dim>> alignments(const SubmapUpdate<Dim>& update, const PartialMap<Dim>& partial) const;
   bool knows_ends(const SubmapUpdate<Dim>& update, const PartialMap<Dim>& partial) const;
@@ -100,8 +110,8 @@ class IncrementalJoin {
   std::size_t shared_when_tried_ = 0;  // by those that were waiting then
   std::deque<LocalMap<Dim>> singles_;  // single observations as maps of one target
   IncrementalEstimate<Dim> estimate_;
-  Directory<PoseId> poses_;
-  Directory<FeatureId> features_;
+  std::shared_ptr<JoinedNames> names_ = std::make_shared<JoinedNames>();  // of the estimate
+  std::unique_ptr<Published> published_ = std::make_unique<Published>();
   bool is_anchored_by_world_ = false;
 };
 

@@ -75,13 +75,13 @@ struct NewNames {
   }
 };
 
-/// From the indices of a log to the update's own.
+/// From the indices among `poses` and `features` to the update's own.
 template <int Dim>
-void name(const Log<Dim>& log, SubmapUpdate<Dim>& update) {
+void name(const PoseIds& poses, const FeatureIds& features, SubmapUpdate<Dim>& update) {
   NewNames<Dim> names;
   Segment& segment = update.segments.front();  // a map's poses are the first that its graph concerns
-  for (PoseIndex p = segment.begin; !segment.is_map && p <= segment.end; ++p) names.poses(log.poses[p]);
-  names.renumber(update.graph, log.poses, log.features);
+  for (PoseIndex p = segment.begin; !segment.is_map && p <= segment.end; ++p) names.poses(poses[p]);
+  names.renumber(update.graph, poses, features);
   const PoseIndex end(segment.is_map ? std::ssize(update.graph.submaps.front().poses) : segment.end - segment.begin);
   segment = {0, end, segment.is_map};
   update.poses = names.poses.take_names();
@@ -165,7 +165,32 @@ std::vector<SubmapUpdate<Dim>> submap_updates_of(const Log<Dim>& log, const Spli
   for (const auto& fixed : log.graph.fixed) graph_at(fixed.pose).fixed.push_back(fixed);
   const auto seen = first_seen(updates, log.features.size());
   for (const auto& o : log.feature_priors()) updates[seen[o.target]].graph.feature_factors.push_back(o);
-  for (auto& update : updates) name(log, update);
+  for (auto& update : updates) name(log.poses, log.features, update);
+  return updates;
+}
+
+template <int Dim>
+std::vector<SubmapUpdate<Dim>> submap_updates_of(const SubmapSet<Dim>& set) {
+  std::vector<SubmapUpdate<Dim>> updates;
+  auto map = set.graph.submaps.begin();
+  for (const Segment& segment : set.segments) {
+    SubmapUpdate<Dim>& update = updates.emplace_back();
+    update.segments = {segment};
+    if (segment.is_map) update.graph.submaps = {*map++};
+  }
+  const auto graph_at = [&](PoseIndex pose) -> auto& {
+    return updates[segment_of(set.segments, pose)].graph;
+  };
+  for (const auto& o : set.graph.pose_factors) graph_at(std::max(o.base, o.target)).pose_factors.push_back(o);
+  for (const auto& fixed : set.graph.fixed) graph_at(fixed.pose).fixed.push_back(fixed);
+  for (const auto& o : set.graph.feature_factors) {
+    if (o.base != kWorld) graph_at(o.base).feature_factors.push_back(o);
+  }
+  const auto seen = first_seen(updates, set.features.size());
+  for (const auto& o : set.graph.feature_factors) {
+    if (o.base == kWorld) updates[seen[o.target]].graph.feature_factors.push_back(o);
+  }
+  for (auto& update : updates) name(set.poses, set.features, update);
   return updates;
 }
 
@@ -235,6 +260,7 @@ SubmapSet<Dim> set_of(const std::vector<const SubmapUpdate<Dim>*>& updates) {
 
 #define MAPJOIN_INSTANTIATE(Dim)                                                                                               \
   template std::vector<SubmapUpdate<Dim>> submap_updates_of(const Log<Dim>&, const Split&, const std::vector<LocalMap<Dim>>&); \
+  template std::vector<SubmapUpdate<Dim>> submap_updates_of(const SubmapSet<Dim>&);                                            \
   template Expected<void> check_update(const SubmapUpdate<Dim>&);                                                              \
   template PartialMap<Dim> composed(const SubmapUpdate<Dim>&);                                                                 \
   template bool speaks_of_world(const SubmapUpdate<Dim>&);                                                                     \

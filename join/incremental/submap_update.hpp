@@ -47,6 +47,10 @@ template <int Dim>
 std::vector<SubmapUpdate<Dim>> submap_updates_of(const Log<Dim>& log, const Split& split,
                                                  const std::vector<LocalMap<Dim>>& maps);
 
+/// A set of local maps in updates, one per segment, in the same way; the set has a segment for each map, in their order.
+template <int Dim>
+std::vector<SubmapUpdate<Dim>> submap_updates_of(const SubmapSet<Dim>& set);
+
 /// Bad input, named by its poses, unless the update is as SubmapUpdate says, with sound numbers.
 template <int Dim>
 Expected<void> check_update(const SubmapUpdate<Dim>& update);

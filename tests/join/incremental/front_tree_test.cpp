@@ -97,7 +97,7 @@ TEST_F(FrontTreeTest, CovariancesAreBlocksOfTheInverse) {
   const Eigen::MatrixXd inverse = sum().bottomRightCorner(size, size).llt().solve(Eigen::MatrixXd::Identity(size, size));
   for (Variable v = 1; v < 61; ++v) {
     const Eigen::MatrixXd expected = inverse.block(offsets_[v] - 1, offsets_[v] - 1, dof(v), dof(v));
-    const Eigen::MatrixXd covariance = tree_.covariance(v).value();
+    const Eigen::MatrixXd covariance = tree_.factor().covariance(v).value();
     ASSERT_EQ(covariance.rows(), dof(v));
     EXPECT_LE((covariance - expected).norm(), 1e-10 * expected.norm()) << v.value;
   }
@@ -157,7 +157,7 @@ TEST_F(FrontTreeTest, WhatNothingDeterminesStaysWhereItIs) {
   tree_.update({});
   EXPECT_NEAR(tree_.solution(1)[0], 2.0, 1e-6);
   EXPECT_EQ(tree_.solution(1)[1], 0.0);
-  EXPECT_FALSE(tree_.covariance(1));
+  EXPECT_FALSE(tree_.factor().covariance(1));
 }
 
 }  // namespace

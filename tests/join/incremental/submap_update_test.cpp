@@ -49,6 +49,20 @@ TYPED_TEST(SubmapUpdateTest, NothingIsSaidOfWhatIsNotYetKnown) {
   }
 }
 
+TYPED_TEST(SubmapUpdateTest, ASetComesApartIntoTheUpdatesItIsMadeOf) {
+  const auto set = testing::set_of_all(this->parts_);
+  const auto parts = submap_updates_of(set);
+  ASSERT_EQ(parts.size(), this->parts_.size());
+  const auto again = testing::set_of_all(parts);
+  EXPECT_EQ(again.poses, set.poses);
+  EXPECT_EQ(again.graph.fixed.size(), set.graph.fixed.size());
+  EXPECT_EQ(again.graph.pose_factors.size(), set.graph.pose_factors.size());
+  EXPECT_EQ(again.graph.feature_factors.size(), set.graph.feature_factors.size());
+  for (const auto& part : parts) EXPECT_TRUE(check_update(part));
+  const double optimum = testing::batch_chi2(this->parts_, this->parts_.size());
+  EXPECT_NEAR(testing::batch_chi2(parts, parts.size()), optimum, 1e-6 * optimum);
+}
+
 TYPED_TEST(SubmapUpdateTest, AllUpdatesJoinAsTheirLogDoes) {
   constexpr int kDim = TestFixture::kDim;
   const auto& log = this->world_.log;

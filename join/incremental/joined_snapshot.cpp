@@ -1,0 +1,42 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <mapjoin/join/incremental/joined_snapshot.hpp>
+
+namespace mapjoin {
+
+template <int Dim>
+template <typename Id>
+std::optional<JoinedIndex> JoinedSnapshot<Dim>::find(const Id& id) const {
+  const auto v = names_->find(id);
+  return v && v->position() < estimate_.variables.size() ? v : std::nullopt;
+}
+
+template <int Dim>
+std::optional<Pose<Dim>> JoinedSnapshot<Dim>::pose(const PoseId& id) const {
+  const auto v = find(id);
+  return v ? std::optional(estimate_.variables[*v].value) : std::nullopt;
+}
+
+template <int Dim>
+std::optional<Point<Dim>> JoinedSnapshot<Dim>::feature(const FeatureId& id) const {
+  const auto v = find(id);
+  return v ? std::optional(estimate_.variables[*v].value.translation) : std::nullopt;
+}
+
+template <int Dim>
+std::optional<PoseMatrix<Dim>> JoinedSnapshot<Dim>::covariance(const PoseId& id) const {
+  const auto v = find(id);
+  const auto covariance = v ? estimate_.covariance(*v) : std::nullopt;
+  return covariance ? std::optional<PoseMatrix<Dim>>(*covariance) : std::nullopt;
+}
+
+template <int Dim>
+std::optional<PointMatrix<Dim>> JoinedSnapshot<Dim>::covariance(const FeatureId& id) const {
+  const auto v = find(id);
+  const auto covariance = v ? estimate_.covariance(*v) : std::nullopt;
+  return covariance ? std::optional<PointMatrix<Dim>>(*covariance) : std::nullopt;
+}
+
+template class JoinedSnapshot<2>;
+template class JoinedSnapshot<3>;
+
+}  // namespace mapjoin
