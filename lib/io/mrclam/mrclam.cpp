@@ -100,7 +100,7 @@ std::map<std::uint64_t, std::vector<double>> times_of_poses(const Team& team) {
 /// The poses of a robot by their times (s).
 using Poses = std::map<double, PoseId>;
 
-/// Those where it is at the times, which ascend, and the odometry between them.
+/// Adds the poses of a robot at `times` (s), which ascend, and the odometry between them.
 Expected<Poses> add_poses(std::uint32_t session, const Robot& robot, const std::vector<double>& times, const MrclamNoise& noise,
                           LogBuilder<2>& builder) {
   constexpr double kLeastSeconds = 1e-4;  // Closer sightings are of one pose: their motion would have no covariance.

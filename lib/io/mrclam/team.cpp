@@ -100,10 +100,10 @@ Expected<std::optional<Robot>> read_robot(const fs::path& folder, std::uint64_t 
 
 std::optional<std::uint64_t> Team::subject_of(const BarcodeSighting& seen, std::uint64_t robot) const {
   const auto subject = subjects.find(seen.barcode);
-  if (subject == subjects.end() || !robots.at(robot).is_on_at(seen.time)) return std::nullopt;
+  if (subject == subjects.end() || !robots.at(robot).has_odometry_at(seen.time)) return std::nullopt;
   if (is_landmark(subject->second)) return subject->second;
   const auto other = robots.find(subject->second);
-  if (other == robots.end() || other->first == robot || !other->second.is_on_at(seen.time)) return std::nullopt;
+  if (other == robots.end() || other->first == robot || !other->second.has_odometry_at(seen.time)) return std::nullopt;
   return subject->second;
 }
 

@@ -26,7 +26,7 @@ struct BarcodeSighting {
   double bearing = 0.0;  ///< (rad), from ahead to the left.
 };
 
-/// Subjects 1 to 5 are robots, all others landmarks.
+/// Subjects below are robots, from here on landmarks.
 constexpr std::uint64_t kFirstLandmark = 6;
 constexpr bool is_landmark(std::uint64_t subject) {
   return subject >= kFirstLandmark;
@@ -37,8 +37,8 @@ struct Robot {
   std::vector<Velocity> odometry;
   std::vector<BarcodeSighting> sightings;
 
-  /// Whether it is known where the robot is: from its first odometry on.
-  bool is_on_at(double time) const { return time >= odometry.front().time; }
+  /// True from the first odometry on.
+  bool has_odometry_at(double time) const { return time >= odometry.front().time; }
 };
 
 /// The robots of a folder.
