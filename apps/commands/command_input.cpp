@@ -63,7 +63,7 @@ std::vector<std::filesystem::path> CommandRun::inputs() const {
 
 AnyLog CommandRun::largest(const AnyLog& any) {
   const auto take = [](const auto& log) -> AnyLog {
-    auto part = parts_of(log).front();
+    auto part = split_into_parts(log).front();
     part.skipped = log.skipped;
     part.unassociated = log.unassociated;
     const auto left = static_cast<std::int64_t>(log.poses.size() - part.poses.size());

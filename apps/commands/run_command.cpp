@@ -172,7 +172,7 @@ ExitCode run_parts(const Options& options, const std::stop_token& stop) {
   const AnyLog log = CommandRun("run", options, stop).open_input();
   ExitCode worst = ExitCode::kDone;
   const auto run_each = [&](const auto& whole) {
-    const auto parts = parts_of(whole);
+    const auto parts = split_into_parts(whole);
     for (std::size_t k = 0; k < parts.size(); ++k) {
       Options of_part = options;
       of_part.output = options.output / fmt::format("part_{}", k + 1);

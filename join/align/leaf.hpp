@@ -10,7 +10,7 @@
 
 namespace mapjoin {
 
-/// Finds maps, observations and closures by segment. `submap graph` must outlive it.
+/// Finds maps, observations and closures by segment. The graph must outlive it.
 template <int Dim>
 class Leaves {
  public:

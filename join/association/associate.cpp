@@ -223,7 +223,7 @@ template <typename Data>
 Identities identities_of(const Data& data, const std::vector<Seen>& seen, std::vector<Sighting> sightings,
                          std::vector<std::size_t> labels, const AssociationOptions& options) {
   if (!options.names_hold) return {std::move(sightings), std::move(labels)};
-  const Parts parts = parts_of(data);
+  const PartNumbers parts = part_numbers_of(data);
   labels.clear();
   for (std::size_t s = 0; s < seen.size(); ++s) {
     sightings[s].scan = parts.of_pose[seen[s].base];

@@ -18,8 +18,8 @@ FeatureIds names(const Identities& identities) {
 
 /// Holds the first pose of each part, where there are several, but that of the one that the World ties.
 template <int Dim, typename Data>
-Parts held_in_parts(Data& data) {
-  Parts parts = parts_of(data);
+PartNumbers held_in_parts(Data& data) {
+  PartNumbers parts = part_numbers_of(data);
   if (parts.first_poses.size() == 1) return parts;
   for (std::uint32_t k = 0; k < parts.first_poses.size(); ++k) {
     if (k != parts.in_world) data.graph.fixed.push_back({parts.first_poses[k], {}});
@@ -30,7 +30,7 @@ Parts held_in_parts(Data& data) {
 
 /// Joins the submap graph of `data`, and takes its covariances.
 template <int Dim, typename Data>
-Expected<FeatureEstimate<Dim>> joined(Parts parts, std::shared_ptr<const Data> data, const SubmapGraph<Dim>& graph,
+Expected<FeatureEstimate<Dim>> joined(PartNumbers parts, std::shared_ptr<const Data> data, const SubmapGraph<Dim>& graph,
                                       const std::stop_token& stop) {
   FeatureEstimate<Dim> estimate;
   estimate.parts = std::move(parts);
@@ -50,12 +50,12 @@ Expected<FeatureEstimate<Dim>> joined(Parts parts, std::shared_ptr<const Data> d
 }  // namespace
 
 template <typename Data>
-Parts parts_of(const Data& data) {
+PartNumbers part_numbers_of(const Data& data) {
   constexpr std::uint32_t kNone = std::numeric_limits<std::uint32_t>::max();
   const TieVertices of = vertices_of(data);
   const std::vector<std::uint32_t> component = components_of(make_graph(of.size(), ties_of(data)));
   std::vector<std::uint32_t> number(component.size(), kNone);  // of components
-  Parts parts;
+  PartNumbers parts;
   for (const PoseIndex p : indices(data.poses)) {
     std::uint32_t& part = number[component[of.pose(p)]];
     if (part == kNone) {
@@ -118,7 +118,7 @@ Log<Dim> renamed(Log<Dim> log, const Identities& identities) {
 
 template <int Dim>
 Expected<FeatureEstimate<Dim>> estimate_of(SubmapSet<Dim> set, const std::stop_token& stop) {
-  Parts parts = held_in_parts<Dim>(set);
+  PartNumbers parts = held_in_parts<Dim>(set);
   auto data = std::make_shared<const SubmapSet<Dim>>(std::move(set));
   auto estimate = joined(std::move(parts), data, submap_graph_of(*data), stop);
   if (!estimate) return estimate;
@@ -130,7 +130,7 @@ Expected<FeatureEstimate<Dim>> estimate_of(SubmapSet<Dim> set, const std::stop_t
 
 template <int Dim>
 Expected<FeatureEstimate<Dim>> estimate_of(Log<Dim> log, Split split, const std::stop_token& stop) {
-  Parts parts = held_in_parts<Dim>(log);
+  PartNumbers parts = held_in_parts<Dim>(log);
   auto data = std::make_shared<const Log<Dim>>(std::move(log));
   auto built = build_local_maps(*data, split, {}, stop);
   if (!built) return tl::unexpected(built.error());
@@ -141,8 +141,8 @@ Expected<FeatureEstimate<Dim>> estimate_of(Log<Dim> log, Split split, const std:
 }
 
 #define MAPJOIN_INSTANTIATE(Dim)                                                               \
-  template Parts parts_of(const SubmapSet<Dim>&);                                              \
-  template Parts parts_of(const Log<Dim>&);                                                    \
+  template PartNumbers part_numbers_of(const SubmapSet<Dim>&);                                 \
+  template PartNumbers part_numbers_of(const Log<Dim>&);                                       \
   template std::vector<Sighting> sightings_of(const SubmapSet<Dim>&);                          \
   template std::vector<Sighting> sightings_of(const Log<Dim>&, const Split&);                  \
   template SubmapSet<Dim> renamed(SubmapSet<Dim>, const Identities&);                          \

@@ -31,7 +31,7 @@ template <int Dim>
 Log<Dim> renamed(Log<Dim> log, const Identities& identities);
 
 /// What hangs together: sessions that nothing ties are parts. Numbered from 0 in the order of their first poses.
-struct Parts {
+struct PartNumbers {
   Table<PoseIndex, std::uint32_t> of_pose;
   Table<FeatureIndex, std::uint32_t> of_feature;
   std::vector<PoseIndex> first_poses;
@@ -40,7 +40,7 @@ struct Parts {
 
 /// The parts of a log or a set, every feature of which is observed.
 template <typename Data>
-Parts parts_of(const Data& data);
+PartNumbers part_numbers_of(const Data& data);
 
 /// A joined map and how certain it is.
 template <int Dim>
@@ -49,7 +49,7 @@ struct FeatureEstimate {
   std::unique_ptr<Restored<Dim>> restored;
   std::unique_ptr<const MapCovariances<Dim>> covariances;
   std::unique_ptr<const Marginals> marginals;
-  Parts parts;                     ///< Each in a frame of its own.
+  PartNumbers parts;               ///< Each in a frame of its own.
   std::vector<bool> is_local_map;  ///< By map of the sightings; else they stand on their own.
   double scale = 1.0;              ///< That covariances are to be multiplied by.
 };

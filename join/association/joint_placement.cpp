@@ -68,11 +68,18 @@ JointPlacement<Dim>::JointPlacement(const FeatureEstimate<Dim>& estimate, const 
   std::ranges::stable_sort(pairs_, {}, &MapPair<Dim>::confusable);
   pairs_.resize(std::min(kMostPairs, pairs_.size()));
   is_tried_.resize(pairs_.size());
+  coupling_.resize(0, static_cast<Eigen::Index>(pairs_.size()) * Dim);
 }
 
 template <int Dim>
 Matcher<Dim> JointPlacement<Dim>::matcher() const {
   return {density_, AssociationMethod::kJcbb, confidence_, static_cast<double>(identities_.sighting_count())};
+}
+
+template <int Dim>
+double JointPlacement<Dim>::log_tests() const {
+  const auto maps = static_cast<double>(identities_.map_count());
+  return std::log(0.5 * maps * (maps - 1.0));
 }
 
 template <int Dim>
@@ -154,12 +161,13 @@ PairingProblem<Dim> JointPlacement<Dim>::problem(const Branch& branch, const Fea
 template <int Dim>
 std::vector<PlacementBranch<Dim>> JointPlacement<Dim>::placed(const Branch& branch, std::size_t pair,
                                                               const Features& features) const {
-  const PairingProblem<Dim> problem = this->problem(branch, features);
+  PairingProblem<Dim> problem = this->problem(branch, features);
   Matcher<Dim> matcher = this->matcher();
   std::vector<Branch> found;
   for (const Hypothesis<Dim>& placement : matcher.placements(problem)) {
     if (placement.pairings().size() < PlacementBranch<Dim>::kFewest) continue;
-    PlacedPair placed{pair, {}, matcher.gains(problem, placement), placement.score()};
+    if (probability_of(placement.score() - log_tests()) < confidence_) continue;  // chance may find it
+    PlacedPair placed{pair, {}, matcher.matches(problem, placement)};
     for (const Pairing& p : placement.pairings()) {
       placed.features.push_back({features.known[p.known], features.sightings[p.sighting]});
     }
@@ -172,6 +180,8 @@ std::vector<PlacementBranch<Dim>> JointPlacement<Dim>::placed(const Branch& bran
   return found;
 }
 
+/// Lays a pair of maps on each other in all branches. One that the best branch cannot place is left alone: where noise is
+/// larger than stated, what does not fit says little of which branch is right.
 template <int Dim>
 void JointPlacement<Dim>::place(std::size_t pair) {
   is_tried_[pair] = true;
@@ -229,15 +239,12 @@ std::vector<Proposal> JointPlacement<Dim>::propose(const std::stop_token& stop) 
     if (!pair) break;
     place(*pair);
   }
-  const auto maps = static_cast<double>(identities_.map_count());
-  const double log_tests = std::log(0.5 * maps * (maps - 1.0));
   std::vector<Proposal> proposals;
   for (const PlacedPair& placed : branches_.front().placed()) {
-    const double probability = share_of(placed) * probability_of(placed.score - log_tests);
+    const double share = share_of(placed);
     for (std::size_t k = 0; k < placed.features.size(); ++k) {
-      Match match;
-      match.probability = probability * probability_of(placed.gains[k]);
-      match.score = placed.score;
+      Match match = placed.matches[k];
+      match.probability *= share * probability_of(match.score - log_tests());
       const auto& [one, other] = placed.features[k];
       const MapPair<Dim>& pair = pairs_[placed.pair];
       if (match.probability >= confidence_) proposals.push_back({one, other, match, {pair.maps[0], pair.maps[1]}});

@@ -40,6 +40,7 @@ class JointPlacement {
   bool is_sure() const;
   double share_of(const PlacedPair& placed) const;
   Matcher<Dim> matcher() const;
+  double log_tests() const;
 
   const FeatureEstimate<Dim>& estimate_;
   const Identities& identities_;

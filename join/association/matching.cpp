@@ -35,24 +35,30 @@ Matcher<Dim>::Matcher(const NeighbourDensity<Dim>& density, AssociationMethod me
       method_(method),
       gates_(method == AssociationMethod::kNearest ? confidence : 1.0 - (1.0 - confidence) / std::max(1.0, decisions)) {}
 
-/// The sightings that have candidates: those of the fewest and most certain first.
+/// Takes choices that are outside of the gates by themselves out of the problem. The sightings that are left with any: those of
+/// the fewest and most certain first.
 template <int Dim>
-std::vector<std::size_t> Matcher<Dim>::in_order(const PairingProblem<Dim>& problem, std::vector<Match>& matches) {
-  std::vector<std::pair<std::size_t, double>> rank(matches.size(), {0, std::numeric_limits<double>::infinity()});
+std::vector<std::size_t> Matcher<Dim>::gated(PairingProblem<Dim>& problem) {
+  std::vector<std::pair<std::size_t, double>> rank(problem.sightings.size());
   std::vector<std::size_t> order;
-  for (std::size_t s = 0; s < matches.size(); ++s) {
-    for (const std::size_t known : problem.choices[s]) {
-      const Pairing pairing{known, s};
-      const auto alone = Hypothesis<Dim>(problem).extension(pairing, density_, gates_);
-      if (!alone) continue;
-      ++rank[s].first;
-      rank[s].second = std::min(rank[s].second, alone->covariance.determinant());
-    }
-    matches[s].candidates = rank[s].first;
-    if (rank[s].first > 0) order.push_back(s);
+  for (std::size_t s = 0; s < problem.sightings.size(); ++s) {
+    double least = std::numeric_limits<double>::infinity();
+    std::erase_if(problem.choices[s], [&](std::size_t known) {
+      const auto alone = Hypothesis<Dim>(problem).extension({known, s}, density_, gates_);
+      if (alone) least = std::min(least, alone->covariance.determinant());
+      return !alone;
+    });
+    rank[s] = {problem.choices[s].size(), least};
+    if (!problem.choices[s].empty()) order.push_back(s);
   }
   std::ranges::stable_sort(order, {}, [&](std::size_t s) { return rank[s]; });
   return order;
+}
+
+/// Mahalanobis, of a pairing that is within the gates by itself.
+template <int Dim>
+double Matcher<Dim>::squared_distance(const PairingProblem<Dim>& problem, const Pairing& pairing) {
+  return Hypothesis<Dim>(problem).extension(pairing, density_, gates_)->squared_distance();
 }
 
 template <int Dim>
@@ -105,19 +111,20 @@ std::vector<Hypothesis<Dim>> Matcher<Dim>::placements(const PairingProblem<Dim>&
 }
 
 template <int Dim>
-std::vector<Hypothesis<Dim>> Matcher<Dim>::placements(const PairingProblem<Dim>& problem) {
-  std::vector<Match> matches(problem.sightings.size());
-  return placements(problem, in_order(problem, matches));
+std::vector<Hypothesis<Dim>> Matcher<Dim>::placements(PairingProblem<Dim>& problem) {
+  const std::vector<std::size_t> order = gated(problem);
+  return placements(problem, order);
 }
 
 template <int Dim>
-std::vector<double> Matcher<Dim>::gains(const PairingProblem<Dim>& problem, const Hypothesis<Dim>& hypothesis) {
-  std::vector<double> gains;
-  for (const Pairing& pairing : hypothesis.pairings()) {
-    const auto given_others = without(problem, hypothesis, pairing).extension(pairing, density_, gates_);
-    gains.push_back(given_others ? given_others->gain : -std::numeric_limits<double>::infinity());
+std::vector<Match> Matcher<Dim>::matches(const PairingProblem<Dim>& problem, const Hypothesis<Dim>& placement) {
+  std::vector<Match> matches;
+  for (const Pairing& pairing : placement.pairings()) {
+    const auto given_others = without(problem, placement, pairing).extension(pairing, density_, gates_);
+    matches.push_back({pairing.known, given_others ? probability_of(given_others->gain) : 0.0,
+                       squared_distance(problem, pairing), problem.choices[pairing.sighting].size(), placement.score()});
   }
-  return gains;
+  return matches;
 }
 
 template <int Dim>
@@ -184,20 +191,13 @@ void Matcher<Dim>::match_jointly(const PairingProblem<Dim>& problem, const std::
 }
 
 template <int Dim>
-void Matcher<Dim>::match_nearest(const PairingProblem<Dim>& problem, std::vector<Match>& matches) const {
-  struct Pair {
-    double squared_distance;
-    Pairing pairing;
-  };
-  std::vector<Pair> pairs;
-  ChiSquaredQuantiles gates = gates_;
+void Matcher<Dim>::match_nearest(const PairingProblem<Dim>& problem, std::vector<Match>& matches) {
+  std::vector<std::pair<double, Pairing>> pairs;  // with their squared distances
   for (std::size_t s = 0; s < matches.size(); ++s) {
-    for (const std::size_t known : problem.choices[s]) {
-      const auto alone = Hypothesis<Dim>(problem).extension({known, s}, density_, gates);
-      if (alone) pairs.push_back({alone->squared_distance(), {known, s}});
-    }
+    for (const std::size_t known : problem.choices[s])
+      pairs.emplace_back(squared_distance(problem, {known, s}), Pairing{known, s});
   }
-  std::ranges::stable_sort(pairs, {}, &Pair::squared_distance);
+  std::ranges::stable_sort(pairs, {}, [](const auto& pair) { return pair.first; });
   std::vector<bool> is_taken(problem.known.size(), false);
   for (const auto& [squared_distance, pairing] : pairs) {
     if (is_taken[pairing.known] || matches[pairing.sighting].known) continue;
@@ -208,18 +208,17 @@ void Matcher<Dim>::match_nearest(const PairingProblem<Dim>& problem, std::vector
 }
 
 template <int Dim>
-std::vector<Match> Matcher<Dim>::operator()(const PairingProblem<Dim>& problem) {
+std::vector<Match> Matcher<Dim>::operator()(PairingProblem<Dim> problem) {
   std::vector<Match> matches(problem.sightings.size());
-  const std::vector<std::size_t> order = in_order(problem, matches);
+  const std::vector<std::size_t> order = gated(problem);
   if (method_ == AssociationMethod::kNearest) {
     match_nearest(problem, matches);
   } else {
     match_jointly(problem, order, matches);
   }
   for (std::size_t s = 0; s < matches.size(); ++s) {
-    if (!matches[s].known) continue;
-    const auto alone = Hypothesis<Dim>(problem).extension({*matches[s].known, s}, density_, gates_);
-    matches[s].squared_distance = alone->squared_distance();
+    matches[s].candidates = problem.choices[s].size();
+    if (matches[s].known) matches[s].squared_distance = squared_distance(problem, {*matches[s].known, s});
   }
   return matches;
 }

@@ -42,25 +42,27 @@ class Matcher {
   /// other placements of the sightings, and so are shifts by which their surroundings fall onto themselves, as in a regular
   /// plantation. A pairing is as probable as the hypothesis is beside the placements that contradict it, where chance may find
   /// one, too, and as it is itself beside a feature that is not known yet.
-  std::vector<Match> operator()(const PairingProblem<Dim>& problem);
+  std::vector<Match> operator()(PairingProblem<Dim> problem);
 
-  /// The placements that are compared, the best first.
-  std::vector<Hypothesis<Dim>> placements(const PairingProblem<Dim>& problem);
-  /// Of each pairing of a hypothesis the gain, given the others; minus infinity where these contradict it.
-  std::vector<double> gains(const PairingProblem<Dim>& problem, const Hypothesis<Dim>& hypothesis);
+  /// The placements that are compared, the best first. Choices that are outside of the gates by themselves are taken out of the
+  /// problem, which must outlive the placements.
+  std::vector<Hypothesis<Dim>> placements(PairingProblem<Dim>& problem);
+  /// The match of each pairing of a placement: as probable as it is, given the others, beside a feature that is not known yet.
+  std::vector<Match> matches(const PairingProblem<Dim>& problem, const Hypothesis<Dim>& placement);
 
   double gate() { return gates_(Dim); }
 
  private:
   using Forbidden = std::vector<std::vector<std::size_t>>;  // by sighting
-  std::vector<std::size_t> in_order(const PairingProblem<Dim>& problem, std::vector<Match>& matches);
+  std::vector<std::size_t> gated(PairingProblem<Dim>& problem);
   Hypothesis<Dim> best(const PairingProblem<Dim>& problem, const std::vector<std::size_t>& order, const Forbidden& forbidden);
   std::vector<Hypothesis<Dim>> placements(const PairingProblem<Dim>& problem, const std::vector<std::size_t>& order);
+  double squared_distance(const PairingProblem<Dim>& problem, const Pairing& pairing);
   bool contradicts(const Hypothesis<Dim>& other, const Pairing& pairing);
   Hypothesis<Dim> without(const PairingProblem<Dim>& problem, const Hypothesis<Dim>& all, const Pairing& pairing);
   double odds_of_shifts(const PairingProblem<Dim>& problem, const Hypothesis<Dim>& best, double tolerance2) const;
   void match_jointly(const PairingProblem<Dim>& problem, const std::vector<std::size_t>& order, std::vector<Match>& matches);
-  void match_nearest(const PairingProblem<Dim>& problem, std::vector<Match>& matches) const;
+  void match_nearest(const PairingProblem<Dim>& problem, std::vector<Match>& matches);
 
   const NeighbourDensity<Dim>& density_;
   AssociationMethod method_;

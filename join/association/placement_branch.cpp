@@ -113,18 +113,22 @@ PairingProblem<Dim> PlacementBranch<Dim>::problem(std::span<const FeatureIndex> 
 template <int Dim>
 void PlacementBranch<Dim>::place(PlacedPair placed, const CovarianceColumns<Dim>& covariances) {
   std::vector<FeaturePair> pairs = placed.features;
-  std::erase_if(pairs, [&](const FeaturePair& pair) { return follows(pair, covariances); });
+  std::erase_if(pairs, [&](const FeaturePair& pair) {
+    const Eigen::MatrixXd coupling = this->coupling({&pair, 1}, covariances, Eigen::MatrixXd(0, Dim));
+    return !covariance_left(pair, coupling, covariances);
+  });
   pairs = far_apart<Dim>(pairs, covariances);
-  if (pairs.size() >= kFewest) excess_ += squared_distance(pairs, covariances) - kPoseDof<Dim>;
+  excess_ += excess_of(pairs, covariances);
   for (const FeaturePair& pair : pairs) hold(pair, covariances);
   placed_.push_back(std::move(placed));
 }
 
-/// Of where pairings place a map from where it is expected: that of their differences, less that which no place would take
-/// away. What is left does not depend on which features, each with errors of its own, a branch happens to pair.
+/// How far pairings place a map from where it is expected, as a squared Mahalanobis distance less its mean: that of their
+/// differences and, where they are enough to tell a place, less that which no place would take away. What is left does not
+/// depend on which features, each with errors of its own, a branch happens to pair.
 template <int Dim>
-double PlacementBranch<Dim>::squared_distance(const std::vector<FeaturePair>& pairs,
-                                              const CovarianceColumns<Dim>& covariances) const {
+double PlacementBranch<Dim>::excess_of(const std::vector<FeaturePair>& pairs, const CovarianceColumns<Dim>& covariances) const {
+  if (pairs.empty()) return 0.0;
   const auto at = [](std::size_t k) { return static_cast<Eigen::Index>(k) * Dim; };
   const Eigen::MatrixXd coupling = this->coupling(pairs, covariances, Eigen::MatrixXd(0, at(pairs.size())));
   Eigen::MatrixXd S = -coupling.transpose() * coupling;
@@ -144,33 +148,31 @@ double PlacementBranch<Dim>::squared_distance(const std::vector<FeaturePair>& pa
   const auto squared = [](const Eigen::MatrixXd& covariance, const Eigen::VectorXd& d) {
     return d.dot(covariance.ldlt().solve(d));
   };
+  if (pairs.size() < kFewest) return squared(S, difference) - static_cast<double>(at(pairs.size()));
   const Eigen::MatrixXd Q = J_place.householderQr().householderQ();
   const Eigen::MatrixXd shape = Q.rightCols(at(pairs.size()) - kPoseDof<Dim>).transpose();
-  return squared(S, difference) - squared(shape * S * shape.transpose(), shape * difference);
+  return squared(S, difference) - squared(shape * S * shape.transpose(), shape * difference) - kPoseDof<Dim>;
 }
 
-/// Its covariance before anything was held, and what is left of it.
+/// The covariance of the difference of two features, given what is held; nothing where that says already that they are the
+/// same.
 template <int Dim>
-std::pair<PointMatrix<Dim>, PointMatrix<Dim>> PlacementBranch<Dim>::covariances_of(
-    const FeaturePair& pair, const Eigen::MatrixXd& coupling, const CovarianceColumns<Dim>& covariances) const {
+std::optional<PointMatrix<Dim>> PlacementBranch<Dim>::covariance_left(const FeaturePair& pair, const Eigen::MatrixXd& coupling,
+                                                                      const CovarianceColumns<Dim>& covariances) const {
+  constexpr double kRounding = 1e-6;  // of a variance
   const PointMatrix<Dim> C = covariances.between(pair.one, pair.other);
   const PointMatrix<Dim> prior =
       covariances.between(pair.one, pair.one) + covariances.between(pair.other, pair.other) - C - C.transpose();
-  return {prior, prior - coupling.transpose() * coupling};
-}
-
-/// Whether what is held says already that two features are the same.
-template <int Dim>
-bool PlacementBranch<Dim>::follows(const FeaturePair& pair, const CovarianceColumns<Dim>& covariances) const {
-  constexpr double kRounding = 1e-6;  // of a variance
-  const auto [prior, left] = covariances_of(pair, coupling({&pair, 1}, covariances, Eigen::MatrixXd(0, Dim)), covariances);
-  return left.trace() < kRounding * prior.trace();
+  const PointMatrix<Dim> left = prior - coupling.transpose() * coupling;
+  return left.trace() < kRounding * prior.trace() ? std::nullopt : std::optional(left);
 }
 
 template <int Dim>
 void PlacementBranch<Dim>::hold(const FeaturePair& pair, const CovarianceColumns<Dim>& covariances) {
   const Eigen::MatrixXd coupling = this->coupling({&pair, 1}, covariances, Eigen::MatrixXd(0, Dim));
-  const Eigen::LLT<PointMatrix<Dim>> factor(covariances_of(pair, coupling, covariances).second);
+  const auto left = covariance_left(pair, coupling, covariances);
+  if (!left) return;
+  const Eigen::LLT<PointMatrix<Dim>> factor(*left);
   if (factor.info() != Eigen::Success) return;
   const Point<Dim> difference = covariances.position(pair.one) - covariances.position(pair.other) + expected(coupling);
   const Eigen::Index rows = whitened_.size();

@@ -7,6 +7,7 @@
 #include <mapjoin/join/association/hypothesis.hpp>
 #include <mapjoin/join/association/map_matching.hpp>
 #include <mapjoin/model/ids.hpp>
+#include <optional>
 #include <span>
 #include <utility>
 #include <vector>
@@ -40,8 +41,7 @@ class CovarianceColumns {
 struct PlacedPair {
   std::size_t pair = 0;  ///< By its place among the pairs of maps.
   std::vector<FeaturePair> features;
-  std::vector<double> gains;  ///< Of each pairing, given the others (see Extension).
-  double score = 0.0;         ///< Of all of them (see Hypothesis).
+  std::vector<Match> matches;  ///< Of each of them, given the others.
 };
 
 /// The joined map, given that some features are the same.
@@ -72,10 +72,9 @@ class PlacementBranch {
   void charge(double excess) { excess_ += excess; }
 
  private:
-  double squared_distance(const std::vector<FeaturePair>& pairs, const CovarianceColumns<Dim>& covariances) const;
-  bool follows(const FeaturePair& pair, const CovarianceColumns<Dim>& covariances) const;
-  std::pair<PointMatrix<Dim>, PointMatrix<Dim>> covariances_of(const FeaturePair& pair, const Eigen::MatrixXd& coupling,
-                                                               const CovarianceColumns<Dim>& covariances) const;
+  double excess_of(const std::vector<FeaturePair>& pairs, const CovarianceColumns<Dim>& covariances) const;
+  std::optional<PointMatrix<Dim>> covariance_left(const FeaturePair& pair, const Eigen::MatrixXd& coupling,
+                                                  const CovarianceColumns<Dim>& covariances) const;
   void hold(const FeaturePair& pair, const CovarianceColumns<Dim>& covariances);
 
   std::vector<FeaturePair> held_;

@@ -19,7 +19,6 @@ struct Tracked {
 /// The observations of one pose are matched together with the features that were seen before, as a FeatureFilter predicts
 /// them. What is far from all of them starts a tentative feature. What is probable enough is taken. What could be either is
 /// set aside, as a feature of its own that nothing is matched with here: more will be known of it later.
-
 template <int Dim>
 std::vector<Tracked> track(const SegmentView<Dim>& segment, Matcher<Dim>& matcher, double confidence);
 

@@ -64,6 +64,7 @@ Eigen::Map<const Eigen::VectorXd> FrontTree::solution(Variable v) const {
 
 /// YᵀY with L Y = E, the columns of the identity of v; rows of Y are zero but on the way from its front to the root.
 std::optional<Eigen::MatrixXd> FrontFactor::covariance(Variable v) const {
+  if (variables[v].node == kNone) return std::nullopt;  // nothing is known of it
   const int dof = variables[v].dof;
   Eigen::MatrixXd covariance = Eigen::MatrixXd::Zero(dof, dof);
   std::map<Variable, Eigen::MatrixXd> rhs{{v, Eigen::MatrixXd::Identity(dof, dof)}};

@@ -177,8 +177,8 @@ std::vector<Pose<Dim>> IncrementalJoin<Dim>::alignments(const SubmapUpdate<Dim>&
     const Pose<Dim>* target = pose(update, o.target);
     const Pose<Dim>* own_base = find_pose(partial, o.base);  // never the World, which is no pose
     const Pose<Dim>* own_target = find_pose(partial, o.target);
-    if (base && own_target) correspondences.add_pose(compose(*base, o.measured), *own_target);
-    if (target && own_base) correspondences.add_pose(*target, compose(*own_base, o.measured));
+    if (base && own_target) correspondences.add_closure(o, compose(*base, o.measured), *own_target);
+    if (target && own_base) correspondences.add_closure(o, *target, compose(*own_base, o.measured));
   }
   for (const FeatureIndex f : partial.features) {
     if (const auto* known = feature(update, f)) correspondences.add_point(*known, feature_in(partial, f));

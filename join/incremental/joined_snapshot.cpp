@@ -23,17 +23,21 @@ std::optional<Point<Dim>> JoinedSnapshot<Dim>::feature(const FeatureId& id) cons
 }
 
 template <int Dim>
-std::optional<PoseMatrix<Dim>> JoinedSnapshot<Dim>::covariance(const PoseId& id) const {
+template <typename Matrix, typename Id>
+std::optional<Matrix> JoinedSnapshot<Dim>::covariance_of(const Id& id) const {
   const auto v = find(id);
   const auto covariance = v ? estimate_.covariance(*v) : std::nullopt;
-  return covariance ? std::optional<PoseMatrix<Dim>>(*covariance) : std::nullopt;
+  return covariance ? std::optional<Matrix>(*covariance) : std::nullopt;
+}
+
+template <int Dim>
+std::optional<PoseMatrix<Dim>> JoinedSnapshot<Dim>::covariance(const PoseId& id) const {
+  return covariance_of<PoseMatrix<Dim>>(id);
 }
 
 template <int Dim>
 std::optional<PointMatrix<Dim>> JoinedSnapshot<Dim>::covariance(const FeatureId& id) const {
-  const auto v = find(id);
-  const auto covariance = v ? estimate_.covariance(*v) : std::nullopt;
-  return covariance ? std::optional<PointMatrix<Dim>>(*covariance) : std::nullopt;
+  return covariance_of<PointMatrix<Dim>>(id);
 }
 
 template class JoinedSnapshot<2>;

@@ -8,7 +8,6 @@
 #include <memory>
 #include <mutex>
 #include <optional>
-#include <shared_mutex>
 
 namespace mapjoin {
 
@@ -26,17 +25,17 @@ class JoinedNames {
  private:
   template <typename Id>
   void enter(std::map<Id, JoinedIndex>& names, const Id& id, JoinedIndex v) {
-    const std::unique_lock lock(mutex_);
+    const std::lock_guard lock(mutex_);
     names[id] = v;
   }
   template <typename Id>
   std::optional<JoinedIndex> find(const std::map<Id, JoinedIndex>& names, const Id& id) const {
-    const std::shared_lock lock(mutex_);
+    const std::lock_guard lock(mutex_);
     const auto found = names.find(id);
     return found == names.end() ? std::nullopt : std::optional(found->second);
   }
 
-  mutable std::shared_mutex mutex_;  // held for the time of one look-up
+  mutable std::mutex mutex_;  // held for one look-up; readers of a shared one could keep the writer waiting
   std::map<PoseId, JoinedIndex> poses_;
   std::map<FeatureId, JoinedIndex> features_;
 };
@@ -62,6 +61,8 @@ class JoinedSnapshot {
   /// The variable of a name that was known already.
   template <typename Id>
   std::optional<JoinedIndex> find(const Id& id) const;
+  template <typename Matrix, typename Id>
+  std::optional<Matrix> covariance_of(const Id& id) const;
 
   std::shared_ptr<const JoinedNames> names_ = std::make_shared<const JoinedNames>();
   KeptEstimate<Dim> estimate_;

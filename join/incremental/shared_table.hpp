@@ -16,6 +16,10 @@ namespace mapjoin {
 template <typename Index, typename T>
 class SharedTable {
  public:
+  SharedTable() = default;
+  SharedTable(SharedTable&& other) noexcept = default;
+  SharedTable& operator=(SharedTable&& other) noexcept = default;
+
   std::size_t size() const { return size_; }
   const T& operator[](Index index) const { return chunks_[index.position() / kChunk]->entries[index.position() % kChunk]; }
 
@@ -42,6 +46,8 @@ class SharedTable {
   }
 
  private:
+  SharedTable(const SharedTable&) = default;  // of kept() alone: two tables must not write to the same chunks
+
   static constexpr std::size_t kChunk = 64;
   struct Chunk {
     std::array<T, kChunk> entries;

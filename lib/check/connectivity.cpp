@@ -37,7 +37,7 @@ Expected<void> check_connected(const LogOrSet& tied) {
 }
 
 template <int Dim>
-std::vector<Log<Dim>> parts_of(const Log<Dim>& log) {
+std::vector<Log<Dim>> split_into_parts(const Log<Dim>& log) {
   const TieVertices of = vertices_of(log);
   const std::vector<std::uint32_t> component = components_of(make_graph(of.size(), ties_of(log)));
   std::map<std::uint32_t, LogBuilder<Dim>> builders;  // Numbers of components ascend with their first vertex.
@@ -74,8 +74,8 @@ std::vector<Log<Dim>> parts_of(const Log<Dim>& log) {
   return parts;
 }
 
-template std::vector<Log<2>> parts_of(const Log<2>&);
-template std::vector<Log<3>> parts_of(const Log<3>&);
+template std::vector<Log<2>> split_into_parts(const Log<2>&);
+template std::vector<Log<3>> split_into_parts(const Log<3>&);
 
 template Expected<void> check_connected(const Log<2>&);
 template Expected<void> check_connected(const Log<3>&);

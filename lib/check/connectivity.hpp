@@ -16,6 +16,6 @@ Expected<void> check_connected(const LogOrSet& tied);
 /// The connected components of a log, each as a log; that with most poses first, of as many the one that begins first. Features
 /// that nothing observes are of none.
 template <int Dim>
-std::vector<Log<Dim>> parts_of(const Log<Dim>& log);
+std::vector<Log<Dim>> split_into_parts(const Log<Dim>& log);
 
 }  // namespace mapjoin

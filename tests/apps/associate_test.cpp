@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <mapjoin/io/formats/log_format.hpp>
+#include <sstream>
 #include <tests/apps/command.hpp>
 #include <tests/support/cut_log.hpp>
 #include <tests/support/file_bytes.hpp>
@@ -24,6 +25,26 @@ class AssociateCommandTest : public ::testing::Test {
   const std::string log = (kBundledData / "manhattan2d.g2o").string();
 };
 
+struct Explained {
+  double distance = 0.0;
+  double gate = 0.0;
+  std::size_t alternatives = 0;
+};
+
+/// Of an associations.csv, what was found to be of a feature that was there before.
+std::vector<Explained> explained(const std::string& csv) {
+  std::vector<Explained> found;
+  std::istringstream lines(csv);
+  for (std::string line; std::getline(lines, line);) {
+    std::istringstream words(line);
+    std::vector<std::string> fields;
+    for (std::string field; std::getline(words, field, ',');) fields.push_back(field);
+    if (found.empty() && fields.at(3) == "distance") continue;
+    if (!fields.at(3).empty()) found.push_back({std::stod(fields[3]), std::stod(fields.at(4)), std::stoul(fields.at(5))});
+  }
+  return found;
+}
+
 TEST_F(AssociateCommandTest, FindsTheFeaturesOfTheBundledLogAndExplainsEachSighting) {
   const auto report = report_of({"run", log, "--associate", "-o", file("result")});
   EXPECT_EQ(report["association"]["method"], "jcbb");
@@ -33,6 +54,11 @@ TEST_F(AssociateCommandTest, FindsTheFeaturesOfTheBundledLogAndExplainsEachSight
   const std::string lines = content_of(folder.path() / "result" / "associations.csv");
   EXPECT_THAT(lines, StartsWith("base,feature,joined,distance,gate,alternatives,base_session\n"));
   EXPECT_EQ(std::ranges::count(lines, '\n'), 2525);
+  for (const auto& [distance, gate, alternatives] : explained(lines)) {
+    EXPECT_GT(distance, 0.0);
+    EXPECT_LE(distance, gate);
+    EXPECT_LT(alternatives, 164U);
+  }
 }
 
 TEST_F(AssociateCommandTest, WritesTheSameWithAnyNumberOfJobs) {

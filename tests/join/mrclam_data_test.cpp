@@ -14,23 +14,11 @@
 #include <mapjoin/join/run.hpp>
 #include <mapjoin/measure/trajectory_error.hpp>
 #include <tests/support/data.hpp>
+#include <tests/support/motion_capture.hpp>
 #include <tests/support/temporary_folder.hpp>
 
 namespace mapjoin::testing {
 namespace {
-
-using Trajectory = std::map<double, Pose<2>>;  // by time (s)
-
-Trajectory motion_capture(const std::filesystem::path& file) {
-  const auto bytes = FileBytes::read(file).value();
-  Trajectory truth;
-  for (TextScanner text(file.string(), bytes.view()); text.next_line();) {
-    const double time = text.number();
-    const auto v = text.vector<3>();
-    truth[time] = {v.head<2>(), Rotation<2>(v[2])};
-  }
-  return truth;
-}
 
 /// The ATE (m) of a robot's poses in a map of it or of several.
 double error_of(std::uint32_t session, const GlobalMap<2>& map, const Trajectory& truth) {
@@ -56,7 +44,7 @@ std::string barcodes_of_landmarks(const std::filesystem::path& file) {
   std::string text;
   for (TextScanner lines(file.string(), bytes.view()); lines.next_line();) {
     const auto subject = lines.key();
-    if (is_landmark(subject)) text += fmt::format("{} {}\n", subject, lines.key());
+    if (mrclam::is_landmark(subject)) text += fmt::format("{} {}\n", subject, lines.key());
   }
   return text;
 }

@@ -14,14 +14,16 @@ struct PairScore {
   double recall = 1.0;     ///< Of the pairs of one name, the share that was made one feature.
 };
 
-inline PairScore pair_score(const std::vector<AssociatedSighting>& sightings) {
-  std::map<FeatureId, double> named;
-  std::map<FeatureId, double> joined;
-  std::map<std::pair<FeatureId, FeatureId>, double> both;
-  for (const AssociatedSighting& s : sightings) {
-    ++named[s.name];
-    ++joined[s.joined];
-    ++both[{s.name, s.joined}];
+/// Of sightings, each by its name and by what it was taken for.
+template <typename Name, typename Joined>
+PairScore pair_score(const std::vector<std::pair<Name, Joined>>& sightings) {
+  std::map<Name, double> named;
+  std::map<Joined, double> joined;
+  std::map<std::pair<Name, Joined>, double> both;
+  for (const auto& sighting : sightings) {
+    ++named[sighting.first];
+    ++joined[sighting.second];
+    ++both[sighting];
   }
   const auto pairs = [](const auto& counts) {
     double sum = 0.0;
@@ -30,6 +32,12 @@ inline PairScore pair_score(const std::vector<AssociatedSighting>& sightings) {
   };
   const auto share = [](double part, double whole) { return whole > 0.0 ? part / whole : 1.0; };
   return {share(pairs(both), pairs(joined)), share(pairs(both), pairs(named))};
+}
+
+inline PairScore pair_score(const std::vector<AssociatedSighting>& sightings) {
+  std::vector<std::pair<FeatureId, FeatureId>> pairs;
+  for (const AssociatedSighting& s : sightings) pairs.emplace_back(s.name, s.joined);
+  return pair_score(pairs);
 }
 
 }  // namespace mapjoin::testing

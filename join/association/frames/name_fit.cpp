@@ -51,7 +51,7 @@ Expected<std::optional<NameFit>> worst_fit(const Data& data, const Seen& seen, s
                                            double confidence, const Join& join) {
   std::vector<std::size_t> labels(seen.size());
   std::iota(labels.begin(), labels.end(), std::size_t{0});
-  const Parts parts = parts_of(renamed(data, Identities(sightings, labels)));
+  const PartNumbers parts = part_numbers_of(renamed(data, Identities(sightings, labels)));
   for (std::size_t s = 0; s < seen.size(); ++s) {
     labels[s] = parts.of_pose[seen[s].first] * data.features.size() + seen[s].second.position();
   }

@@ -14,9 +14,8 @@
 #include <vector>
 
 namespace mapjoin {
+namespace mrclam {
 namespace {
-
-namespace fs = std::filesystem;
 
 /// The motion since the last pose, and its covariance.
 struct Motion {
@@ -100,6 +99,18 @@ std::map<std::uint64_t, std::vector<double>> times_of_poses(const Team& team) {
 /// The poses of a robot by their times (s).
 using Poses = std::map<double, PoseId>;
 
+/// Adds what a robot drives from one pose until `time` (s), where the next one is.
+Expected<void> add_step(PoseId pose, PoseId next, double time, Driver& driver, LogBuilder<2>& builder) {
+  const Motion motion = driver.drive_to(time);
+  const auto W = information_of_covariance<3>(0.5 * (motion.P + motion.P.transpose()));
+  if (!W) {
+    return bad_input(
+        fmt::format("robot {} moves too far until the time {} for its motion to be weighed", pose.session + 1, time));
+  }
+  builder.add_pose_edge(pose, next, {motion.moved.translation, Rotation<2>(motion.moved.rotation.log()[0])}, *W);
+  return {};
+}
+
 /// Adds the poses of a robot at `times` (s), which ascend, and the odometry between them.
 Expected<Poses> add_poses(std::uint32_t session, const Robot& robot, const std::vector<double>& times, const MrclamNoise& noise,
                           LogBuilder<2>& builder) {
@@ -111,17 +122,11 @@ Expected<Poses> add_poses(std::uint32_t session, const Robot& robot, const std::
   builder.add_stamp(pose, nanoseconds(pose_time));
   for (const double time : times) {
     if (time - pose_time > kLeastSeconds) {
-      const Motion motion = driver.drive_to(time);
-      const Pose<2> moved{motion.moved.translation, Rotation<2>(motion.moved.rotation.log()[0])};
       const PoseId next{session, pose.key + 1};
-      const auto W = information_of_covariance<3>(0.5 * (motion.P + motion.P.transpose()));
-      if (!W)
-        return bad_input(
-            fmt::format("robot {} moves too far until the time {} for its motion to be weighed", session + 1, time));
-      builder.add_pose_edge(pose, next, moved, *W);
+      if (auto added = add_step(pose, next, time, driver, builder); !added) return tl::unexpected(added.error());
+      builder.add_stamp(next, nanoseconds(time));
       pose = next;
       pose_time = time;
-      builder.add_stamp(pose, nanoseconds(pose_time));
     }
     poses.emplace(time, pose);
   }
@@ -168,17 +173,18 @@ Expected<void> add_team(const Team& team, const MrclamNoise& noise, LogBuilder<2
 }
 
 }  // namespace
+}  // namespace mrclam
 
-bool is_mrclam_folder(const fs::path& path) {
+bool is_mrclam_folder(const std::filesystem::path& path) {
   std::error_code ignored;
-  return fs::is_regular_file(path / "Barcodes.dat", ignored);
+  return std::filesystem::is_regular_file(path / "Barcodes.dat", ignored);
 }
 
-Expected<AnyLog> read_mrclam(const fs::path& folder, const MrclamNoise& noise) {
-  auto team = read_team(folder);
+Expected<AnyLog> read_mrclam(const std::filesystem::path& folder, const MrclamNoise& noise) {
+  auto team = mrclam::read_team(folder);
   if (!team) return tl::unexpected(team.error());
   LogBuilder<2> builder(folder.string());
-  const auto added = add_team(*team, noise, builder);
+  const auto added = mrclam::add_team(*team, noise, builder);
   if (!added) return bad_input(folder.string() + ": " + added.error().message);
   return std::move(builder).finish();
 }

@@ -9,7 +9,7 @@
 #include <string>
 #include <utility>
 
-namespace mapjoin {
+namespace mapjoin::mrclam {
 namespace {
 
 namespace fs = std::filesystem;
@@ -119,4 +119,4 @@ Expected<Team> read_team(const fs::path& folder) {
   return team;
 }
 
-}  // namespace mapjoin
+}  // namespace mapjoin::mrclam

@@ -9,7 +9,7 @@
 #include <optional>
 #include <vector>
 
-namespace mapjoin {
+namespace mapjoin::mrclam {
 
 /// How fast a robot says it goes.
 struct Velocity {
@@ -51,8 +51,8 @@ struct Team {
   std::optional<std::uint64_t> subject_of(const BarcodeSighting& seen, std::uint64_t robot) const;
 };
 
-/// Reads `Barcodes.dat`, and of each robot `RobotN_Odometry.dat`, where there is one, and `RobotN_Measurement.dat` (either with
-/// .gz). Bad input names the file and the line.
+/// Reads `Barcodes.dat`, and of each robot `RobotN_Odometry.dat`, where there is one, and `RobotN_Measurement.dat`, each of
+/// which may be packed (.gz). Bad input names the file and the line.
 Expected<Team> read_team(const std::filesystem::path& folder);
 
-}  // namespace mapjoin
+}  // namespace mapjoin::mrclam

@@ -2,9 +2,11 @@
 // The public data sets with their ids hidden, counted by pairs of sightings.
 #include <gtest/gtest.h>
 
+#include <iostream>
 #include <mapjoin/io/open.hpp>
 #include <mapjoin/join/association/associate.hpp>
 #include <mapjoin/join/run.hpp>
+#include <set>
 #include <tests/support/data.hpp>
 #include <tests/support/large_simulation.hpp>
 #include <tests/support/pair_score.hpp>
@@ -27,10 +29,19 @@ std::vector<AssociatedSighting> sightings_found(const std::filesystem::path& pat
   return associate(std::get<SubmapSet<2>>(open_maps(path).value()), AssociationOptions{}).value().sightings;
 }
 
+std::size_t features_of(const std::vector<AssociatedSighting>& sightings) {
+  std::set<FeatureId> features;
+  for (const AssociatedSighting& s : sightings) features.insert(s.joined);
+  return features.size();
+}
+
 class HiddenNames : public ::testing::TestWithParam<Hidden> {};
 
 TEST_P(HiddenNames, AreFound) {
-  const testing::PairScore score = testing::pair_score(sightings_found(testing::data_file(GetParam().path)));
+  const auto sightings = sightings_found(testing::data_file(GetParam().path));
+  const testing::PairScore score = testing::pair_score(sightings);
+  std::cout << GetParam().path << ": sightings " << sightings.size() << ", features " << features_of(sightings)
+            << ", precision " << score.precision << ", recall " << score.recall << '\n';
   EXPECT_GE(score.precision, GetParam().precision);
   EXPECT_GE(score.recall, GetParam().recall);
 }
@@ -47,6 +58,8 @@ TEST(HiddenNamesOfTheLargeSimulation, AreFoundAndTheMapIsAsCertainAsItSays) {
   const auto set = std::get<SubmapSet<2>>(open_maps(testing::data_file("sim-35188/localmaps_mat.tar.gz")).value());
   auto found = associate(set, AssociationOptions{}).value();
   const testing::PairScore score = testing::pair_score(found.sightings);
+  std::cout << "features " << found.data.features.size() << ", precision " << score.precision << ", recall " << score.recall
+            << '\n';
   EXPECT_GE(score.precision, 0.99);
   EXPECT_GE(score.recall, 0.99);
   const Truth<2> by_name = testing::truth_of_simulation(set);

@@ -53,7 +53,7 @@ TYPED_TEST(PlacementBranchTest, ExpectsFeaturesWhereTheDenseConditionalHasThem) 
   CovarianceColumns<kDim> columns(apart.estimate);
   columns.add(all);
   PlacementBranch<kDim> branch;
-  branch.place({0, held, {}, 0.0}, columns);
+  branch.place({0, held, {}}, columns);
   ASSERT_EQ(branch.held().size(), PlacementBranch<kDim>::kFewest);
   const PairingProblem<kDim> problem = branch.problem(known, sightings, columns);
 
@@ -86,11 +86,11 @@ TYPED_TEST(PlacementBranchTest, IsChargedForWhereAMapIsPlacedNotForErrorsOfItsFe
   CovarianceColumns<kDim> columns(apart.estimate);
   for (const FeaturePair& p : apart.same) columns.add(std::vector<FeatureIndex>{p.one, p.other});
   PlacementBranch<kDim> once;
-  once.place({0, apart.same, {}, 0.0}, columns);
+  once.place({0, apart.same, {}}, columns);
   EXPECT_GE(once.excess(), -kPoseDof<kDim>);
   EXPECT_LT(once.excess(), 30.0);
   PlacementBranch<kDim> twice = once;
-  twice.place({1, once.held(), {}, 0.0}, columns);  // says nothing new
+  twice.place({1, once.held(), {}}, columns);  // says nothing new
   EXPECT_EQ(twice.excess(), once.excess());
   EXPECT_EQ(twice.held().size(), once.held().size());
 }
