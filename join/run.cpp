@@ -24,7 +24,7 @@ Error of_source(const std::string& source, Error error) {
 }
 
 template <int Dim, template <int> typename Source>
-void write_map(const Source<Dim>& source, Values<Dim> state, const std::vector<PoseIndex>& anchored, RunResult<Dim>& result) {
+void fill_map(const Source<Dim>& source, Values<Dim> state, const std::vector<PoseIndex>& anchored, RunResult<Dim>& result) {
   result.map.pose_ids = source.poses;
   result.map.feature_ids = source.features;
   result.map.poses = std::move(state.poses);
@@ -112,18 +112,18 @@ Expected<Found<Dim>> join_and_refine(const Log<Dim>& log, const Split& split, st
   Values<Dim> state = std::move(joined->state);
   recover(log, split, graph, options, stop, state, result);
 
-  std::optional<Restored<Dim>> joined_map;
+  std::optional<Restored<Dim>> restored_join;
   const bool is_refined = options.polish && result.local_maps > 0;  // else the join was of the whole log
   if (is_refined || wants_assessment(options)) {
     const Stopwatch watch(is_refined ? result.seconds.polish : result.seconds.covariances);
-    joined_map.emplace(restored(graph, segments_of(log, split), *joined, state, options.solver.engine));
+    restored_join.emplace(restored(graph, segments_of(log, split), *joined, state, options.solver.engine));
     joined->system.reset();
-    if (is_refined) refine(log, *joined_map, options, stop, state, result);
+    if (is_refined) refine(log, *restored_join, options, stop, state, result);
   }
   if (stop.stop_requested()) return tl::unexpected(Error{ErrorKind::kInterrupted, "interrupted while polishing"});
-  write_map(log, std::move(state), joined->anchored, result);
+  fill_map(log, std::move(state), joined->anchored, result);
   result.map.stamps_ns = log.stamps_ns;
-  return Found<Dim>{std::move(result), std::move(joined_map)};
+  return Found<Dim>{std::move(result), std::move(restored_join)};
 }
 
 template <int Dim>
@@ -152,10 +152,10 @@ Expected<Found<Dim>> join_set(SubmapSet<Dim>& set, const RunOptions& options, co
   if (!joined) return tl::unexpected(joined.error());
   result.dof = joined->dof();
   result.chi2 = joined->result.chi2;
-  std::optional<Restored<Dim>> joined_map;
-  if (wants_assessment(options)) joined_map.emplace(restored(graph, {}, *joined, joined->state, options.solver.engine));
-  write_map(set, std::move(joined->state), joined->anchored, result);
-  return Found<Dim>{std::move(result), std::move(joined_map)};
+  std::optional<Restored<Dim>> restored_join;
+  if (wants_assessment(options)) restored_join.emplace(restored(graph, {}, *joined, joined->state, options.solver.engine));
+  fill_map(set, std::move(joined->state), joined->anchored, result);
+  return Found<Dim>{std::move(result), std::move(restored_join)};
 }
 
 /// Whether a log that was left to be cut as is cheapest is joined without local maps, too: where their Gaussians proved crude,

@@ -16,9 +16,9 @@
 namespace mapjoin::apps {
 namespace {
 
-/// A store's maps are built already: with the weights that it names.
+/// A store's maps are built already, with the weights that it names: no others can be taken.
 template <int Dim>
-void take_weights(const Options& options, StoredMaps<Dim>& stored) {
+void take_weights(const Options& options, const StoredMaps<Dim>& stored) {
   const bool are_those = options.covariance == Covariance::kOriginal || options.covariance == stored.log.conventions.covariance;
   if (are_those && !options.read.repair_information) return;
   fail(ErrorKind::kUsage,
@@ -64,8 +64,6 @@ std::vector<std::filesystem::path> CommandRun::inputs() const {
 AnyLog CommandRun::largest(const AnyLog& any) {
   const auto take = [](const auto& log) -> AnyLog {
     auto part = split_into_parts(log).front();
-    part.skipped = log.skipped;
-    part.unassociated = log.unassociated;
     const auto left = static_cast<std::int64_t>(log.poses.size() - part.poses.size());
     if (left > 0) part.skipped["poses of other parts"] = left;
     return part;

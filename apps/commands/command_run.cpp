@@ -106,23 +106,27 @@ void CommandRun::write_map(RunResult<Dim>& result, const Log<Dim>* log) {
   demand(write_map_file(result.map, log, options_.output));
   for (const auto& file : map_files(options_.output)) run_report.files.push_back(file.string());
   write_associations();
+  const auto write_beside = [&](const std::filesystem::path& file, const auto& write) {
+    run_report.files.push_back(file.string());
+    demand(write(file));
+  };
+  const auto& map = result.map;
   if (result.marginals && options_.covariances) {
-    run_report.files.push_back(covariance_file(options_.output).string());
-    demand(write_covariances(result.map, *run_report.covariances, run_report.files.back()));
+    write_beside(covariance_file(options_.output),
+                 [&](const auto& file) { return write_covariances(map, *run_report.covariances, file); });
   }
   if (result.marginals && options_.relations) {
-    run_report.files.push_back(relation_file(options_.output).string());
-    demand(write_relations(result.map, *result.marginals, run_report.files.back()));
+    write_beside(relation_file(options_.output),
+                 [&](const auto& file) { return write_relations(map, *result.marginals, file); });
   }
   if (run_report.gps) {
-    run_report.files.push_back(geographic_file(options_.output).string());
-    demand(write_geographic_csv(result.map, run_report.gps->frame, run_report.files.back()));
-    run_report.files.push_back(geojson_file(options_.output).string());
-    demand(write_geojson(result.map, run_report.gps->frame, run_report.files.back()));
+    const auto& frame = run_report.gps->frame;
+    write_beside(geographic_file(options_.output), [&](const auto& file) { return write_geographic_csv(map, frame, file); });
+    write_beside(geojson_file(options_.output), [&](const auto& file) { return write_geojson(map, frame, file); });
   }
   if (options_.robust) {
-    run_report.files.push_back(rejected_file(options_.output).string());
-    demand(write_file(run_report.files.back(), rejected_as_csv(run_report)));
+    write_beside(rejected_file(options_.output),
+                 [&](const auto& file) { return write_file(file, rejected_as_csv(run_report)); });
   }
 }
 

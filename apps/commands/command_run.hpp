@@ -36,14 +36,14 @@ class CommandRun {
   void prepare(const NamedFiles& outputs);
   /// Once prepared, where one is given.
   const TruthFile& truth() const { return *truth_; }
-  /// The inputs as one log, as they are,
+  /// The inputs as one log, as they are; of several parts the largest one, where that is asked for.
   AnyLog open_input();
-  /// and with the weights asked for.
+  /// The inputs as one log, as take_input() makes it of them, and with fixes of --gps.
   AnyLog read_log();
-  /// The input as local maps; those of a store have the weights that they were built with (kUsage where others are asked
-  /// for), others those asked for.
+  /// The inputs as local maps, as take_input() makes them of them.
   AnyMaps read_maps();
-  /// The same of what was read already.
+  /// A log or local maps with the weights asked for (kUsage for a store, which was built with its own), with features found by
+  /// --associate, and without what --robust rejects. Both are told in the report.
   template <typename Input>
   Input take_input(Input input);
   /// What `work` makes of the input, be it a log or local maps.

@@ -172,14 +172,14 @@ ExitCode run_parts(const Options& options, const std::stop_token& stop) {
   const AnyLog log = CommandRun("run", options, stop).open_input();
   ExitCode worst = ExitCode::kDone;
   const auto run_each = [&](const auto& whole) {
-    const auto parts = split_into_parts(whole);
+    auto parts = split_into_parts(whole);
     for (std::size_t k = 0; k < parts.size(); ++k) {
       Options of_part = options;
       of_part.output = options.output / fmt::format("part_{}", k + 1);
       CommandRun command_run("run", of_part, stop);
       auto folder = output_folder(of_part.output);
       command_run.prepare({});
-      const AnyLog part = command_run.take_input(AnyLog(parts[k]));
+      const AnyLog part = command_run.take_input(AnyLog(std::move(parts[k])));
       worst = std::max(worst, std::visit([&](const auto& any) { return run_on(command_run, any, folder); }, part));
     }
   };

@@ -4,6 +4,7 @@
 
 #include <Eigen/Cholesky>
 #include <Eigen/Core>
+#include <cmath>
 #include <cstdint>
 #include <mapjoin/geometry/pose.hpp>
 #include <mapjoin/join/association/neighbour_density.hpp>
@@ -19,6 +20,11 @@ struct Pairing {
   std::size_t sighting = 0;
   bool operator==(const Pairing&) const = default;
 };
+
+/// The probability that belongs to the logarithm of odds.
+inline double probability_of(double log_odds) {
+  return 1.0 / (1.0 + std::exp(-log_odds));
+}
 
 /// Which sightings are of which known features? Both are points of one frame, uncertain together. No feature is sighted twice.
 template <int Dim>

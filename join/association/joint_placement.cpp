@@ -2,6 +2,7 @@
 #include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <limits>
 #include <mapjoin/join/association/joint_placement.hpp>
 #include <mapjoin/parallel/parallel.hpp>
@@ -20,10 +21,6 @@ constexpr double kAsSure = 2.0;
 constexpr std::size_t kMostPairs = 4000;
 constexpr std::size_t kMostTried = 400;
 constexpr std::size_t kMostHeld = 300;
-
-double probability_of(double log_odds) {
-  return 1.0 / (1.0 + std::exp(-log_odds));
-}
 
 /// How many features of two maps stand among those of the other one: sightings that are nearer to a known feature than this
 /// one's neighbours are. None where that is less than half of either map's.
@@ -102,10 +99,9 @@ std::size_t JointPlacement<Dim>::overlap_where(const MapPair<Dim>& pair, const P
   return overlap<Dim>(known, sightings);
 }
 
-/// Of the pairs that the best branch leaves the least confusable, but does leave confusable, the one that overlaps most; where
-/// there is none, but other branches are left, the most confusable of all that overlap: it tells the most of them.
+/// Of all pairs that were not tried, how the best branch has them.
 template <int Dim>
-std::optional<std::size_t> JointPlacement<Dim>::next() {
+std::vector<typename JointPlacement<Dim>::Rated> JointPlacement<Dim>::rated() {
   const Branch& best = branches_.front();
   const auto same = std::ranges::mismatch(held_, best.held()).in1 - held_.begin();
   std::vector<FeaturePair> differences;
@@ -113,34 +109,37 @@ std::optional<std::size_t> JointPlacement<Dim>::next() {
   coupling_ = best.coupling(differences, covariances_, coupling_.topRows(static_cast<Eigen::Index>(same) * Dim));
   held_ = best.held();
   const Eigen::VectorXd expected = best.expected(coupling_);
-  struct Choice {
-    std::size_t pair;
-    double confusable;
-    std::size_t overlap;
-  };
-  std::vector<Choice> choices;
-  std::optional<Choice> witness;
-  double least = std::numeric_limits<double>::infinity();
+  std::vector<Rated> rated;
   for (std::size_t k = 0; k < pairs_.size(); ++k) {
     if (is_tried_[k]) continue;
     const auto column = static_cast<Eigen::Index>(k) * Dim;
     const auto V = coupling_.middleCols<Dim>(column);
     const PointMatrix<Dim> S = pairs_[k].covariance - V.transpose() * V;
-    const double confusable = per_deviation_ * std::sqrt(std::max(0.0, S.determinant()));
-    const bool is_in_place = confusable < 1.0 - confidence_;
-    if (is_in_place ? witness && witness->confusable >= confusable : confusable > kAsSure * least) continue;
-    const std::size_t overlap = overlap_where(pairs_[k], expected.segment<Dim>(column));
-    if (overlap == 0) continue;
-    if (is_in_place) {
-      witness = {k, confusable, overlap};
-      continue;
-    }
-    choices.push_back({k, confusable, overlap});
-    least = std::min(least, confusable);
+    rated.push_back({k, per_deviation_ * std::sqrt(std::max(0.0, S.determinant())), expected.segment<Dim>(column)});
   }
-  std::erase_if(choices, [&](const Choice& c) { return c.confusable > kAsSure * least; });
-  if (choices.empty()) return witness && !is_sure() ? std::optional(witness->pair) : std::nullopt;
-  return std::ranges::max_element(choices, {}, &Choice::overlap)->pair;
+  return rated;
+}
+
+/// Of the pairs that the best branch leaves the least confusable, but does leave confusable, the one that overlaps most; where
+/// there is none, but other branches are left, the most confusable of all that overlap: it tells the most of them.
+template <int Dim>
+std::optional<std::size_t> JointPlacement<Dim>::next() {
+  std::vector<Rated> all = rated();
+  std::ranges::stable_sort(all, {}, &Rated::confusable);
+  const auto open = std::ranges::partition_point(all, [&](const Rated& r) { return r.confusable < 1.0 - confidence_; });
+  double most = std::numeric_limits<double>::infinity();
+  std::pair<std::size_t, std::size_t> best{0, 0};  // the overlap, and the pair
+  for (auto r = open; r != all.end() && r->confusable <= most; ++r) {
+    const std::size_t overlap = overlap_where(pairs_[r->pair], r->moved);
+    if (overlap == 0) continue;
+    most = std::min(most, kAsSure * r->confusable);
+    if (overlap > best.first || (overlap == best.first && r->pair < best.second)) best = {overlap, r->pair};
+  }
+  if (best.first > 0) return best.second;
+  if (is_sure()) return std::nullopt;
+  const auto witness = std::find_if(std::make_reverse_iterator(open), all.rend(),
+                                    [&](const Rated& r) { return overlap_where(pairs_[r.pair], r.moved) > 0; });
+  return witness == all.rend() ? std::nullopt : std::optional(witness->pair);
 }
 
 template <int Dim>

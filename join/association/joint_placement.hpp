@@ -29,8 +29,15 @@ class JointPlacement {
     std::vector<FeatureIndex> sightings;
   };
   using Branch = PlacementBranch<Dim>;
+  /// A pair of maps, by its place, as a branch has it.
+  struct Rated {
+    std::size_t pair = 0;
+    double confusable = 0.0;  // features that one may be mistaken for
+    Point<Dim> moved;         // that the difference of their features is expected to change
+  };
 
   Features features_of(const MapPair<Dim>& pair) const;
+  std::vector<Rated> rated();
   std::optional<std::size_t> next();
   std::size_t overlap_where(const MapPair<Dim>& pair, const Point<Dim>& moved) const;
   void place(std::size_t pair);

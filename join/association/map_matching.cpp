@@ -153,7 +153,7 @@ Proposals MapMatching<Dim>::of_pair(std::size_t earlier, std::size_t later, cons
   for (const FeatureIndex f : identities_.features_in(later)) pairing.surroundings.push_back(position(f));
   const auto maps = static_cast<double>(identities_.map_count());
   if (confusable > 1.0) pairing.log_tests = std::log(0.5 * maps * (maps - 1.0));
-  const std::vector<Match> matches = matcher(pairing);
+  const std::vector<Match> matches = matcher(std::move(pairing));
   Proposals proposals;
   for (std::size_t s = 0; s < places.size(); ++s) {
     if (!matches[s].known || matches[s].probability < confidence_) continue;
@@ -238,9 +238,10 @@ std::vector<MapPair<Dim>> MapMatching<Dim>::pairs_of(std::size_t map, double rea
       for (const std::size_t s : identities_.sightings_of(candidate.feature)) {
         const std::size_t earlier = identities_.sighting(s).map;
         if (earlier >= map || is_in(open.features[k], earlier) || is_in(candidate.feature, map)) continue;
-        MapPair<Dim>& pair = of_earlier[earlier];
-        if (pair.maps[1] == map && pair.confusable <= candidate.confusable) continue;
-        pair = {{earlier, map}, {candidate.feature, open.features[k]}, candidate.confusable, candidate.covariance};
+        const MapPair<Dim> found{
+            {earlier, map}, {candidate.feature, open.features[k]}, candidate.confusable, candidate.covariance};
+        const auto [least, is_first] = of_earlier.try_emplace(earlier, found);
+        if (!is_first && found.confusable < least->second.confusable) least->second = found;
       }
     }
   }

@@ -15,10 +15,6 @@ constexpr std::size_t kMostPlacements = 8;
 /// Points count as the same under a shift within this quantile of their distance.
 constexpr double kSamePoint = 0.99;
 
-double probability_of(double log_odds) {
-  return 1.0 / (1.0 + std::exp(-log_odds));
-}
-
 /// How many of the points fall onto one of them when all are shifted.
 template <int Dim>
 std::size_t coincident(const std::vector<Point<Dim>>& points, const Point<Dim>& shift, double tolerance2) {

@@ -71,6 +71,9 @@ std::vector<Log<Dim>> split_into_parts(const Log<Dim>& log) {
   std::vector<Log<Dim>> parts;
   for (auto& [number, part] : builders) parts.push_back(std::move(part).finish().value());
   std::ranges::stable_sort(parts, std::greater(), [](const Log<Dim>& part) { return part.poses.size(); });
+  if (parts.empty()) return parts;
+  parts.front().skipped = log.skipped;
+  parts.front().unassociated = log.unassociated;
   return parts;
 }
 

@@ -14,7 +14,7 @@ template <typename LogOrSet>
 Expected<void> check_connected(const LogOrSet& tied);
 
 /// The connected components of a log, each as a log; that with most poses first, of as many the one that begins first. Features
-/// that nothing observes are of none.
+/// that nothing observes are of none. What reading left out is counted in the first one.
 template <int Dim>
 std::vector<Log<Dim>> split_into_parts(const Log<Dim>& log);
 
