@@ -4,15 +4,12 @@
 
 #include <fmt/format.h>
 
-#include <algorithm>
 #include <apps/commands/command_run.hpp>
 #include <apps/commands/subcommand.hpp>
 #include <mapjoin/check/connectivity.hpp>
 #include <mapjoin/io/store/store.hpp>
-#include <mapjoin/parallel/parallel.hpp>
-#include <mapjoin/version.hpp>
+#include <mapjoin/localmap/stored_build.hpp>
 #include <memory>
-#include <span>
 #include <variant>
 
 namespace mapjoin::apps {
@@ -22,42 +19,14 @@ constexpr const char* kExamples =
     "  mapjoin build data/manhattan2d.g2o -o manhattan2d.maps\n"
     "  mapjoin join manhattan2d.maps -o map.g2o";
 
-constexpr std::size_t kMapsAtOnce = 256;  // Built before they are stored: few enough to lose little, enough for all threads.
-
-/// What the maps depend on beside the log and its segments: a build goes on only where it is the same.
-std::string settings(const MinimiseOptions& solver) {
-  return fmt::format("mapjoin {} --method {} --max-iterations {}", kVersion, to_string(solver.method), solver.max_iterations);
-}
-
-/// Builds the maps of some segments, in parallel, and stores them.
-template <int Dim>
-void build_some(CommandRun& command_run, const Log<Dim>& log, const Split& parts, std::span<const std::size_t> segments,
-                StoreWriter<Dim>& store) {
-  std::vector<BuiltMap<Dim>> built(segments.size());
-  parallel_for(built.size(), [&](std::size_t i) {
-    if (command_run.stop().stop_requested()) return;
-    built[i] = build_local_map(segment_view(log, parts, parts.segments[segments[i]]), command_run.run_options().solver);
-  });
-  command_run.check_interrupted();
-  for (std::size_t i = 0; i < built.size(); ++i) {
-    command_run.run_report.figures.build_iterations += built[i].iterations;
-    demand(store.add(segments[i], built[i].map));
-  }
-}
-
 template <int Dim>
 void build_all(CommandRun& command_run, const Log<Dim>& log, const Split& parts, StoreWriter<Dim>& store) {
   const Stopwatch watch(command_run.run_report.figures.seconds.build);
-  const std::vector<std::size_t> to_do(store.to_do().begin(), store.to_do().end());
   const std::size_t before = store.done().size();
-  for (std::size_t begin = 0; begin < to_do.size(); begin += kMapsAtOnce) {
-    const auto some = std::span(to_do).subspan(begin, std::min(kMapsAtOnce, to_do.size() - begin));
-    build_some(command_run, log, parts, some, store);
-    if (const auto& progress = command_run.run_options().progress) {
-      progress(Stage::kBuild, store.done().size(), before + to_do.size());
-    }
-  }
   RunFigures& figures = command_run.run_report.figures;
+  const RunOptions& options = command_run.run_options();
+  figures.build_iterations =
+      build_into(store, log, parts, {options.solver, options.progress_of(Stage::kBuild)}, command_run.stop()).value();
   figures.local_maps = store.done().size() - store.undetermined();
   figures.raw_segments = parts.segments.size() - map_segments(parts.segments).size() + store.undetermined();
   figures.poses_per_map = parts.poses_per_map;
@@ -73,7 +42,7 @@ void store_any(CommandRun& command_run, const Log<Dim>& log) {
   if (cut.rule == SplitRule::kAuto) cut.amount = 2.0;  // maps of one step would be the log itself
   const Split parts = split(log, cut);
   auto store = StoreWriter<Dim>::open(command_run.options().output, log, segments_of(command_run.options().share, parts),
-                                      settings(command_run.run_options().solver))
+                                      build_settings(command_run.run_options().solver))
                    .value();
   command_run.run_report.was_damaged = store.found_damaged();
   build_all(command_run, log, parts, store);

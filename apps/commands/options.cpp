@@ -219,7 +219,7 @@ void add_certainty(Subcommand& command, Options& options) {
 
 void add_running(Subcommand& command, Options& options) {
   command.group("Running and reporting");
-  command.number<int>("--jobs", options.jobs, 1, "N", "Threads; the result is the same for any number [all processors]",
+  command.number<int>("--jobs", options.jobs, 1, "N", "Threads; the result is the same for any number" + std::string(options.jobs == 0 ? " [all processors]" : ""),
                       kMostJobs);
   command.flag("--quiet", options.quiet, "No summary and no progress");
 }

@@ -2,7 +2,7 @@
 // The `mapjoin-mpi` command: one process of it on each rank.
 
 #include <apps/console.hpp>
-#include <apps/mpi/run_command.hpp>
+#include <apps/mpi/commands.hpp>
 #include <apps/program.hpp>
 #include <cstdlib>
 #include <mapjoin/distributed/mpi/communicator.hpp>
@@ -16,7 +16,8 @@ constexpr const char* kDescription =
     "region of the map, and what regions share is solved by all of them.";
 
 constexpr Command kCommands[] = {
-    {"run", "From a log to a global map: splits, builds local maps, aligns, and minimises the whole log", declare_mpi_run}};
+    {"run", "From a log to a global map: splits, builds local maps, aligns, and minimises the whole log", declare_mpi_run},
+    {"build", "From a log to stores of local maps, one of each rank", declare_mpi_build}};
 
 /// What the ranks do not agree on beforehand ends all of them.
 ExitCode on_rank(const distributed::Communicator& comm, int argc, char** argv) {

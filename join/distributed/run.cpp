@@ -3,7 +3,6 @@
 
 #include <algorithm>
 #include <array>
-#include <mapjoin/distributed/connectivity.hpp>
 #include <mapjoin/distributed/region_problem.hpp>
 #include <mapjoin/distributed/run.hpp>
 #include <mapjoin/join/tolerances.hpp>
@@ -15,31 +14,6 @@
 
 namespace mapjoin::distributed {
 namespace {
-
-/// Fewer poses than this for each rank are not worth one.
-constexpr std::size_t kLeastPoses = 10;
-
-template <int Dim>
-LogCounts counts_of(const Communicator& comm, const LogPart<Dim>& whole, const LogShare<Dim>& share) {
-  const std::int64_t between = std::ranges::count_if(share.apart.pose_factors, [](const auto& o) { return o.base != kWorld; });
-  LogCounts counts;
-  counts.odometry = comm.sum(std::ssize(share.log.odometry()));
-  counts.closures = comm.sum(std::ssize(share.log.closures()) + between);
-  counts.observations = comm.sum(std::ssize(share.log.observations()));
-  counts.priors = comm.sum(std::ssize(share.apart.pose_factors) - between + std::ssize(share.apart.feature_factors));
-  counts.fixed_poses = std::ssize(whole.graph.fixed);
-  counts.skipped = whole.skipped;
-  return counts;
-}
-
-template <int Dim>
-Expected<void> check_worth_it(const Communicator& comm, const LogPart<Dim>& part) {
-  if (part.poses.empty()) return bad_input(part.source + ": the log has no poses");
-  if (part.poses.size() >= kLeastPoses * static_cast<std::size_t>(comm.size())) return {};
-  return tl::unexpected(
-      Error{ErrorKind::kUsage, fmt::format("{}: {} are too few for {}: `mapjoin run` takes them on one", part.source,
-                                           plural(part.poses.size(), "pose"), plural(comm.size(), "rank"))});
-}
 
 template <int Dim>
 Expected<void> check_room(const Communicator& comm, const RegionProblem<Dim>& problem, double most_megabytes) {
@@ -149,27 +123,25 @@ Expected<void> solve(const Communicator& comm, const Task& task, const LogPart<D
 }
 
 template <int Dim>
-Expected<AnyFound> run_on(const Communicator& comm, const Task& task, LogPart<Dim> part) {
-  if (auto worth = check_worth_it(comm, part); !worth) return tl::unexpected(worth.error());
-  if (auto connected = check_connected(comm, part); !connected) return tl::unexpected(connected.error());
-  LogShare<Dim> share = share_of(comm, part);
-  Found<Dim> found{{}, counts_of(comm, part, share), part.conventions};
-  auto start = start_of(comm, part, share, task.run);
-  if (!start) return tl::unexpected(start.error());
-  static_cast<RunFigures&>(found.result) = start->figures;
-  auto region = region_of(comm, part, std::move(share), std::move(start->values));
+Expected<AnyFound> run_on(const Communicator& comm, const Task& task, MappedLog<Dim> log) {
+  Found<Dim> found{{}, log.log};
+  static_cast<RunFigures&>(found.result) = log.figures;
+  Values<Dim> start = [&] {
+    const Stopwatch watch(found.result.seconds.join);
+    return start_of(comm, log.whole, log.share, std::move(log.maps), task.run);
+  }();
+  auto region = region_of(comm, log.whole, std::move(log.share), std::move(start));
   if (!region) return tl::unexpected(region.error());
-  if (auto solved = solve(comm, task, part, **region, found.result); !solved) return tl::unexpected(solved.error());
+  if (auto solved = solve(comm, task, log.whole, **region, found.result); !solved) return tl::unexpected(solved.error());
   found.result.schedule = task.run.schedule;
   return AnyFound(std::move(found));
 }
 
 /// By one schedule, not kAuto.
-Expected<AnyFound> run_by(Schedule schedule, const Communicator& comm, Task task) {
+Expected<AnyFound> run_by(Schedule schedule, const Communicator& comm, const Reading& read, Task task) {
   task.run.schedule = schedule;
-  auto part = read_log_part(comm, task.log, task.read);
-  if (!part) return tl::unexpected(part.error());
-  return std::visit([&](auto& any) { return run_on(comm, task, std::move(any)); }, *part);
+  return read().and_then(
+      [&](AnyMappedLog log) { return std::visit([&](auto& any) { return run_on(comm, task, std::move(any)); }, log); });
 }
 
 RunFigures& figures_of(AnyFound& found) {
@@ -187,10 +159,10 @@ bool is_settled(Schedule way, const RunFigures& figures) {
 }
 
 /// The first way whose map is settled, or else that of least chi2, where another one has confirmed it or all were tried.
-Expected<AnyFound> run_by_best(const Communicator& comm, const Task& task) {
+Expected<AnyFound> run_by_best(const Communicator& comm, const Reading& read, const Task& task) {
   std::optional<AnyFound> best;
   for (const Schedule way : kWays) {
-    auto found = run_by(way, comm, task);
+    auto found = run_by(way, comm, read, task);
     if (!found && best) continue;  // what is singular far from the optimum need not be so elsewhere
     if (!found) return found;
     RunFigures& figures = figures_of(*found);
@@ -204,9 +176,10 @@ Expected<AnyFound> run_by_best(const Communicator& comm, const Task& task) {
 
 }  // namespace
 
-Expected<AnyFound> run(const Communicator& comm, const Task& task) {
+Expected<AnyFound> run(const Communicator& comm, const Reading& read, const Task& task) {
   demand_valid(task.run);
-  return task.run.schedule == Schedule::kAuto ? run_by_best(comm, task) : run_by(task.run.schedule, comm, task);
+  if (task.run.schedule == Schedule::kAuto) return run_by_best(comm, read, task);
+  return run_by(task.run.schedule, comm, read, task);
 }
 
 }  // namespace mapjoin::distributed

@@ -4,7 +4,6 @@
 #include <mapjoin/distributed/start.hpp>
 #include <mapjoin/join/schedule.hpp>
 #include <mapjoin/localmap/recover.hpp>
-#include <mapjoin/measure/effort.hpp>
 #include <optional>
 #include <utility>
 
@@ -57,24 +56,12 @@ JoinedShare<Dim> recovered(const Log<Dim>& log, const Split& split, const Submap
   return joined;
 }
 
-/// Builds and joins the local maps of a share.
+/// Joins the local maps of a share.
 template <int Dim>
-Expected<JoinedShare<Dim>> joined_share(const LogShare<Dim>& share, const RunOptions& options, RunFigures& figures) {
-  Split parts = split(share.log, options.split, share.is_referenced);
-  LocalMaps<Dim> built;
-  {
-    const Stopwatch watch(figures.seconds.build);
-    auto maps = build_local_maps(share.log, parts, {options.solver, nullptr});
-    if (!maps) return tl::unexpected(maps.error());
-    built = std::move(*maps);
-  }
-  const Stopwatch watch(figures.seconds.join);
-  figures.build_iterations = built.iterations;
-  figures.local_maps = built.maps.size();
-  figures.raw_segments = parts.segments.size() - built.maps.size();
-  const SubmapGraph<Dim> graph = submap_graph_of(share.log, parts, std::move(built.maps), share.is_referenced_feature);
+JoinedShare<Dim> joined_share(const LogShare<Dim>& share, ShareMaps<Dim> built, const RunOptions& options) {
+  const SubmapGraph<Dim> graph = submap_graph_of(share.log, built.split, std::move(built.maps), share.is_referenced_feature);
   const auto partials = join_segments(graph, {options.schedule, options.state, nullptr});
-  return recovered(share.log, parts, graph, partials, options.solver);
+  return recovered(share.log, built.split, graph, partials, options.solver);
 }
 
 /// What the outlines of all shares are aligned by.
@@ -150,29 +137,25 @@ Outline<Dim> outline_of(const LogShare<Dim>& share, const JoinedShare<Dim>& join
 }  // namespace
 
 template <int Dim>
-Expected<ShareStart<Dim>> start_of(const Communicator& comm, const LogPart<Dim>& whole, const LogShare<Dim>& share,
-                                   const RunOptions& options) {
-  ShareStart<Dim> start;
-  auto joined = comm.agree(joined_share(share, options, start.figures));
-  if (!joined) return tl::unexpected(joined.error());
-  const Stopwatch watch(start.figures.seconds.join);
-  const Ties<Dim> ties = ties_of(comm, whole, share, *joined);
+Values<Dim> start_of(const Communicator& comm, const LogPart<Dim>& whole, const LogShare<Dim>& share, ShareMaps<Dim> maps,
+                     const RunOptions& options) {
+  JoinedShare<Dim> joined = joined_share(share, std::move(maps), options);
+  const Ties<Dim> ties = ties_of(comm, whole, share, joined);
   const std::vector<PoseIndex> tied = ties.poses();
   std::vector<Outline<Dim>> outlines;
-  for (std::size_t k = 0; k < joined->parts; ++k) outlines.push_back(outline_of(share, *joined, tied, k));
+  for (std::size_t k = 0; k < joined.parts; ++k) outlines.push_back(outline_of(share, joined, tied, k));
   const std::vector<Pose<Dim>> frames = frames_of(comm, outlines, ties);
-  start.values = std::move(joined->values);
-  for (const PoseIndex p : indices(share.poses))
-    start.values.poses[p] = compose(frames[joined->part[p]], start.values.poses[p]);
+  Values<Dim> start = std::move(joined.values);
+  for (const PoseIndex p : indices(share.poses)) start.poses[p] = compose(frames[joined.part[p]], start.poses[p]);
   for (const FeatureIndex f : indices(share.features)) {
-    start.values.features[f] = transform(frames[joined->feature_part[f]], start.values.features[f]);
+    start.features[f] = transform(frames[joined.feature_part[f]], start.features[f]);
   }
   return start;
 }
 
-#define MAPJOIN_INSTANTIATE(Dim)                                                                              \
-  template Expected<ShareStart<Dim>> start_of(const Communicator&, const LogPart<Dim>&, const LogShare<Dim>&, \
-                                              const RunOptions&);
+#define MAPJOIN_INSTANTIATE(Dim)                                                                                \
+  template Values<Dim> start_of(const Communicator&, const LogPart<Dim>&, const LogShare<Dim>&, ShareMaps<Dim>, \
+                                const RunOptions&);
 MAPJOIN_INSTANTIATE(2)
 MAPJOIN_INSTANTIATE(3)
 #undef MAPJOIN_INSTANTIATE

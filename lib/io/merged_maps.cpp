@@ -66,6 +66,56 @@ Expected<void> add_part(StoredMaps<Dim>& whole, StoredMaps<Dim> part) {
   return {};
 }
 
+/// Adds another portion of the same log, with its maps.
+template <int Dim>
+Expected<void> add_portion(StoredMaps<Dim>& whole, StoredMaps<Dim> portion) {
+  const auto append = [](auto& list, const auto& more) { list.insert(list.end(), more.begin(), more.end()); };
+  append(whole.log.graph.pose_factors, portion.log.graph.pose_factors);
+  append(whole.log.graph.feature_factors, portion.log.graph.feature_factors);
+  portion.log.graph = {};
+  return add_part(whole, std::move(portion));
+}
+
+/// A log of all its portions; bad input where they are not all there.
+template <int Dim>
+Expected<StoredMaps<Dim>> completed(std::vector<StoredMaps<Dim>> portions) {
+  std::ranges::sort(portions, {}, [](const StoredMaps<Dim>& p) { return p.portion.index; });
+  bool are_all_there = portions.size() == portions.front().portion.count;
+  for (std::size_t k = 0; k < portions.size(); ++k) are_all_there = are_all_there && portions[k].portion.index == k;
+  StoredMaps<Dim> whole = std::move(portions.front());
+  const std::size_t count = std::exchange(whole.portion, {}).count;
+  for (std::size_t k = 1; are_all_there && k < portions.size(); ++k) {
+    if (auto added = add_portion(whole, std::move(portions[k])); !added) return tl::unexpected(added.error());
+  }
+  if (!are_all_there) {
+    return bad_input(fmt::format("{}: its {} portions are to be joined together, each once; there are {}", whole.log.source,
+                                 count, plural(portions.size(), "store")));
+  }
+  put_in_order(whole.log);
+  return whole;
+}
+
+/// Whole logs, some of them made of portions.
+template <int Dim>
+Expected<std::vector<StoredMaps<Dim>>> whole_logs(std::vector<StoredMaps<Dim>> stores) {
+  std::vector<std::vector<StoredMaps<Dim>>> groups;
+  for (StoredMaps<Dim>& next : stores) {
+    const auto same = std::ranges::find_if(groups, [&](const auto& group) {
+      const StoredMaps<Dim>& known = group.front();
+      return !next.portion.is_whole() && known.portion.count == next.portion.count && known.options == next.options &&
+             store::is_same_but_for_factors(known.log, next.log);
+    });
+    (same == groups.end() ? groups.emplace_back() : *same).push_back(std::move(next));
+  }
+  std::vector<StoredMaps<Dim>> logs;
+  for (auto& group : groups) {
+    Expected<StoredMaps<Dim>> whole = group.front().portion.is_whole() ? std::move(group.front()) : completed(std::move(group));
+    if (!whole) return tl::unexpected(whole.error());
+    logs.push_back(*std::move(whole));
+  }
+  return logs;
+}
+
 /// A store of each log: those of one log are parts of one build.
 template <int Dim>
 Expected<std::vector<StoredMaps<Dim>>> united(std::vector<StoredMaps<Dim>> stores) {
@@ -111,10 +161,12 @@ Expected<AnyMaps> merged_sessions(std::vector<StoredMaps<Dim>> stores, const Mer
 
 template <int Dim>
 Expected<AnyMaps> merged_maps(std::vector<StoredMaps<Dim>> stores, const MergeOptions& options) {
-  return united(std::move(stores)).and_then([&](std::vector<StoredMaps<Dim>> logs) -> Expected<AnyMaps> {
-    if (logs.size() == 1) return AnyMaps(std::move(logs.front()));
-    return merged_sessions(std::move(logs), options);
-  });
+  return whole_logs(std::move(stores))
+      .and_then([](std::vector<StoredMaps<Dim>> logs) { return united(std::move(logs)); })
+      .and_then([&](std::vector<StoredMaps<Dim>> logs) -> Expected<AnyMaps> {
+        if (logs.size() == 1) return AnyMaps(std::move(logs.front()));
+        return merged_sessions(std::move(logs), options);
+      });
 }
 
 template <int Dim>
@@ -159,7 +211,7 @@ Expected<AnyMaps> open_several_maps(const std::vector<std::filesystem::path>& pa
   if (paths.size() == 1) return open_maps(paths.front(), options);
   std::vector<AnyMaps> all;
   for (const std::filesystem::path& path : paths) {
-    auto maps = open_maps(path, options);
+    auto maps = open_maps_or_portion(path, options);
     if (!maps) return maps;
     all.push_back(*std::move(maps));
     if (all.back().index() == all.front().index()) continue;

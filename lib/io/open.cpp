@@ -30,6 +30,16 @@ Expected<AnyLog> merged_as(std::vector<AnyLog> logs, const std::vector<std::file
   return merged(std::move(same), options);
 }
 
+/// Of a store; of anything else the whole.
+Portion portion_of(const AnyMaps& any) {
+  return std::visit(
+      [](const auto& maps) {
+        if constexpr (requires { maps.portion; }) return maps.portion;
+        return Portion{};
+      },
+      any);
+}
+
 }  // namespace
 
 Expected<AnyLog> open_logs(const std::vector<std::filesystem::path>& paths, ReadOptions options, const MergeOptions& merging) {
@@ -55,6 +65,15 @@ bool may_hold_maps(const std::filesystem::path& path) {
 }
 
 Expected<AnyMaps> open_maps(const std::filesystem::path& path, const ReadOptions& options) {
+  return open_maps_or_portion(path, options).and_then([&](AnyMaps any) -> Expected<AnyMaps> {
+    const Portion portion = portion_of(any);
+    if (portion.is_whole()) return any;
+    return bad_input(fmt::format("{}: the store has portion {} of {} of its log: give those of all {} to `mapjoin join`",
+                                 path.string(), portion.index + 1, portion.count, portion.count));
+  });
+}
+
+Expected<AnyMaps> open_maps_or_portion(const std::filesystem::path& path, const ReadOptions& options) {
   if (!is_store(path)) {
     return read_local_map_set(path, options).map([](AnySubmapSet any) {
       return std::visit([](auto&& set) { return AnyMaps(std::move(set)); }, std::move(any));

@@ -30,7 +30,10 @@ using AnyMaps = std::variant<SubmapSet<2>, SubmapSet<3>, StoredMaps<2>, StoredMa
 bool may_hold_maps(const std::filesystem::path& path);
 
 /// The local maps in a folder or a .tar or .tar.gz archive of localmap_<k>.mat or .txt (see read_local_map_set()), or in a
-/// mapjoin store of either kind (see read_store() and write_store()), which are told apart by their content.
+/// mapjoin store of either kind (see read_store() and write_store()), which are told apart by their content. Bad input, too,
+/// where a store has but a portion of its log.
 Expected<AnyMaps> open_maps(const std::filesystem::path& path, const ReadOptions& options = {});
+/// The same, and a portion of a log as it is.
+Expected<AnyMaps> open_maps_or_portion(const std::filesystem::path& path, const ReadOptions& options = {});
 
 }  // namespace mapjoin

@@ -7,8 +7,7 @@
 #include <mapjoin/io/open.hpp>
 #include <mapjoin/join/tolerances.hpp>
 #include <mapjoin/measure/chi2.hpp>
-#include <tests/apps/command.hpp>
-#include <tests/mpi/mpi_command.hpp>
+#include <tests/mpi/ranks_test.hpp>
 #include <tests/support/data.hpp>
 
 namespace mapjoin::testing {
@@ -18,19 +17,8 @@ using ::testing::HasSubstr;
 
 constexpr int kRanks[] = {1, 2, 4};
 
-class RunOnRanks : public ::testing::Test {
+class RunOnRanks : public RanksTest {
  protected:
-  static Ended call_ranks(int ranks, const std::vector<std::string>& arguments) {
-    Process process(mpi_command_line(ranks, arguments));
-    const int exit_code = process.wait();
-    return {exit_code, process.standard_output(), process.standard_error()};
-  }
-  static nlohmann::json report_of_ranks(int ranks, std::vector<std::string> arguments) {
-    arguments.insert(arguments.end(), {"--report", "-"});
-    const Ended ended = call_ranks(ranks, arguments);
-    EXPECT_EQ(ended.exit_code, 0) << ended.err;
-    return nlohmann::json::parse(ended.out);
-  }
   /// The optimum of one process is that of any number of ranks.
   static void expect_the_same_optimum(const std::string& log) {
     const auto one = report_of({"run", log, "--no-verdict"});
@@ -41,8 +29,6 @@ class RunOnRanks : public ::testing::Test {
       EXPECT_EQ(several["dof"], one["dof"]) << log << " on " << ranks;
     }
   }
-  std::string bundled(const std::string& name) const { return (kBundledData / name).string(); }
-  std::string path(const std::string& name) const { return (folder.path() / name).string(); }
   std::string converted(const std::string& file) const {
     const std::string log = path(std::filesystem::path(file).stem().stem().string() + ".g2o");
     EXPECT_EQ(call({"convert", data_file(file).string(), log}).exit_code, 0);
@@ -56,8 +42,6 @@ class RunOnRanks : public ::testing::Test {
     for (std::string old; std::getline(lines, old);) file << (++count == number ? line : old) << '\n';
     return path("changed.g2o");
   }
-
-  TemporaryFolder folder;
 };
 
 TEST_F(RunOnRanks, FindsTheOptimumOfOneProcessInThePlane) {

@@ -17,4 +17,18 @@ inline void execute_sql(const std::filesystem::path& path, const std::string& sq
   sqlite3_close(database);
 }
 
+/// The first column of the first row.
+inline std::string sql_result(const std::filesystem::path& path, const std::string& sql) {
+  sqlite3* database = nullptr;
+  sqlite3_open(path.c_str(), &database);
+  std::string result;
+  const auto take = [](void* into, int, char** values, char**) {
+    *static_cast<std::string*>(into) = values[0];
+    return 1;
+  };
+  sqlite3_exec(database, sql.c_str(), take, &result, nullptr);
+  sqlite3_close(database);
+  return result;
+}
+
 }  // namespace mapjoin::testing

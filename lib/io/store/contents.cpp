@@ -8,6 +8,7 @@
 #include <mapjoin/io/store/contents.hpp>
 #include <mapjoin/io/store/records.hpp>
 #include <mapjoin/model/log_builder.hpp>
+#include <sstream>
 #include <stdexcept>
 
 namespace mapjoin::store {
@@ -62,9 +63,14 @@ void visit_chunks(const Contents<Dim>& contents, const Take& take) {
 
 using Info = std::map<std::string, std::string>;
 
+/// Where it stands in `info`, "2/4", if a store has not all factors of its log.
+constexpr const char* kPortion = "portion";
+
 template <int Dim>
 Info info_of(const Contents<Dim>& contents) {
   Info info{{"dimension", std::to_string(Dim)}, {"source", contents.log.source}, {"options", contents.options}};
+  const Portion& portion = contents.portion;
+  if (!portion.is_whole()) info[kPortion] = fmt::format("{}/{}", portion.index + 1, portion.count);
   visit_numbers(contents.log, [&]<typename Number>(const char* key, Number number) {
     if constexpr (std::is_enum_v<Number>) {
       info[key] = fmt::format("{}", static_cast<int>(number));
@@ -86,6 +92,19 @@ Expected<Info> read_info(Database& database) {
       .map([&] { return info; });
 }
 
+/// Nothing where what `info` says is no portion.
+std::optional<Portion> portion_of(const Info& info) {
+  const auto found = info.find(kPortion);
+  if (found == info.end()) return Portion{};
+  std::istringstream text(found->second);
+  std::size_t number = 0;
+  std::size_t count = 0;
+  char slash = 0;
+  const bool is_read = static_cast<bool>(text >> number >> slash >> count) && text.eof();
+  if (!is_read || slash != '/' || number < 1 || number > count || count < 2) return std::nullopt;
+  return Portion{number - 1, count};
+}
+
 /// The number that `info` has under `key`; an enumeration's is 0 or 1. False where there is none.
 template <typename Number>
 bool take_number(const Info& info, const char* key, Number& number) {
@@ -102,22 +121,35 @@ bool take_number(const Info& info, const char* key, Number& number) {
 
 /// The log that LogBuilder makes of these arrays; std::out_of_range where one names what is not there.
 template <int Dim>
-Expected<Log<Dim>> built_anew(const Log<Dim>& log, const std::string& source) {
+Expected<Log<Dim>> built_anew(const Log<Dim>& log, const std::string& source, PoseOrder order) {
   LogBuilder<Dim> builder(source, log.conventions);
   builder.append(log);
-  return std::move(builder).finish();
+  return std::move(builder).finish(order);
 }
 
 /// Nothing where its arrays do not hang together.
 template <int Dim>
-std::optional<Expected<Log<Dim>>> built_if_whole(const Log<Dim>& log, const std::string& source) {
+std::optional<Expected<Log<Dim>>> built_if_sound(const Log<Dim>& log, const std::string& source, PoseOrder order) {
   const auto fits = [](const auto& values, const auto& names) { return values.size() <= names.size(); };
   if (!fits(log.initial.poses, log.poses) || !fits(log.initial.features, log.features)) return std::nullopt;
   try {
-    return built_anew(log, source);
+    return built_anew(log, source, order);
   } catch (const std::out_of_range&) {
     return std::nullopt;
   }
+}
+
+bool is_of_factors(std::string_view array) {
+  return array == "pose_factors" || array == "feature_factors";
+}
+
+template <int Dim>
+std::vector<std::string> arrays_of(const Log<Dim>& log, bool with_factors) {
+  std::vector<std::string> arrays;
+  visit_arrays(log, std::vector<Segment>(), [&](std::string_view name, const auto& records) {
+    if (with_factors || !is_of_factors(name)) arrays.push_back(encode_all(records));
+  });
+  return arrays;
 }
 
 template <int Dim>
@@ -193,13 +225,12 @@ Expected<bool> holds_contents(Database& database, const Contents<Dim>& contents)
 
 template <int Dim>
 bool is_same_log(const Log<Dim>& a, const Log<Dim>& b) {
-  const auto arrays = [](const Log<Dim>& log) {
-    std::vector<std::string> bytes;
-    visit_arrays(log, std::vector<Segment>(),
-                 [&](std::string_view, const auto& records) { bytes.push_back(encode_all(records)); });
-    return bytes;
-  };
-  return arrays(a) == arrays(b);
+  return arrays_of(a, true) == arrays_of(b, true);
+}
+
+template <int Dim>
+bool is_same_but_for_factors(const Log<Dim>& a, const Log<Dim>& b) {
+  return arrays_of(a, false) == arrays_of(b, false);
 }
 
 Expected<int> stored_dimension(Database& database) {
@@ -216,6 +247,8 @@ Expected<StoredMaps<Dim>> read_contents(Database& database) {
   if (!info) return tl::unexpected(info.error());
   StoredMaps<Dim> stored;
   std::string fault;
+  const std::optional<Portion> portion = portion_of(*info);
+  if (!portion) fault = "info portion makes no sense";
   visit_numbers(stored.log, [&](const char* key, auto& number) {
     if (!take_number(*info, key, number)) fault = fmt::format("info {} is missing or makes no sense", key);
   });
@@ -229,7 +262,8 @@ Expected<StoredMaps<Dim>> read_contents(Database& database) {
   });
   if (!read) return tl::unexpected(read.error());
   if (!fault.empty()) return database.damaged(fault);
-  auto built = built_if_whole(stored.log, database.file() + ": damaged store");
+  const PoseOrder order = portion->is_whole() ? PoseOrder::kDriven : PoseOrder::kOfIds;
+  auto built = built_if_sound(stored.log, database.file() + ": damaged store", order);
   if (!built) return database.damaged("its arrays do not hang together");
   Expected<Log<Dim>>& log = *built;
   if (!log) return tl::unexpected(log.error());
@@ -238,13 +272,14 @@ Expected<StoredMaps<Dim>> read_contents(Database& database) {
   }
   if (!are_in_order(stored.segments, *log)) return database.damaged("its segments are not in order");
   log->source = (*info)["source"];
-  return StoredMaps<Dim>{*std::move(log), std::move(stored.segments), {}, (*info)["options"]};
+  return StoredMaps<Dim>{*std::move(log), std::move(stored.segments), {}, (*info)["options"], *portion};
 }
 
 #define MAPJOIN_INSTANTIATE(Dim)                                                \
   template Expected<void> write_contents<Dim>(Database&, const Contents<Dim>&); \
   template Expected<bool> holds_contents<Dim>(Database&, const Contents<Dim>&); \
   template bool is_same_log<Dim>(const Log<Dim>&, const Log<Dim>&);             \
+  template bool is_same_but_for_factors<Dim>(const Log<Dim>&, const Log<Dim>&); \
   template Expected<StoredMaps<Dim>> read_contents<Dim>(Database&);
 MAPJOIN_INSTANTIATE(2)
 MAPJOIN_INSTANTIATE(3)

@@ -2,7 +2,9 @@
 #pragma once
 // The tables of a store (docs/store.md), and a log with its segments in them.
 
+#include <cstddef>
 #include <cstdint>
+#include <filesystem>
 #include <mapjoin/io/store/database.hpp>
 #include <mapjoin/model/local_map.hpp>
 #include <mapjoin/model/log.hpp>
@@ -12,6 +14,15 @@
 
 namespace mapjoin {
 
+/// Which of the factors of a log a store has: all, or those of one of several processes, none of which had the whole log.
+struct Portion {
+  std::size_t index = 0;  ///< From 0.
+  std::size_t count = 1;
+
+  bool is_whole() const { return count == 1; }
+  bool operator==(const Portion&) const = default;
+};
+
 /// What a finished store holds.
 template <int Dim>
 struct StoredMaps {
@@ -19,6 +30,7 @@ struct StoredMaps {
   std::vector<Segment> segments;    ///< Those whose map could not be determined are raw segments here.
   std::vector<LocalMap<Dim>> maps;  ///< Of the segments that are maps, in their order.
   std::string options;              ///< Of the build, as given to StoreWriter.
+  Portion portion = {};
 };
 
 }  // namespace mapjoin
@@ -36,6 +48,7 @@ struct Contents {
   const Log<Dim>& log;
   const std::vector<Segment>& segments;
   const std::string& options;  ///< Of the build, in the words of whoever builds.
+  Portion portion = {};
 };
 
 /// Makes the tables in an empty database, and fills `info` and `records`.
@@ -49,6 +62,13 @@ Expected<bool> holds_contents(Database& database, const Contents<Dim>& contents)
 /// Whether stores keep one and the same log, to the bit.
 template <int Dim>
 bool is_same_log(const Log<Dim>& a, const Log<Dim>& b);
+
+/// Whether stores keep portions of one log: all that is alike in them is, to the bit.
+template <int Dim>
+bool is_same_but_for_factors(const Log<Dim>& a, const Log<Dim>& b);
+
+/// A finished store, for reading, once it is checked as below. Bad input: not a mapjoin store, or one of another version.
+Expected<Database> open_store(const std::filesystem::path& path);
 
 /// Bad input where the database is damaged, or has other tables than a store's: views, triggers, columns that compute.
 Expected<void> check_database(Database& database);

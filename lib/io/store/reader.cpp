@@ -1,13 +1,12 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <fmt/format.h>
 
-#include <algorithm>
 #include <array>
-#include <cmath>
 #include <fstream>
-#include <mapjoin/io/store/records.hpp>
+#include <mapjoin/io/store/map_rows.hpp>
 #include <mapjoin/io/store/store.hpp>
 #include <mapjoin/parallel/parallel_try.hpp>
+#include <utility>
 
 namespace mapjoin {
 namespace {
@@ -40,37 +39,6 @@ std::optional<Header> read_header(const fs::path& path) {
   return Header{big_endian(68), big_endian(60), bytes[18] == kRollback && bytes[19] == kRollback};
 }
 
-/// The map of a row; nothing where the sizes of its parts do not agree.
-template <int Dim>
-std::optional<LocalMap<Dim>> map_of(const Statement& row) {
-  LocalMap<Dim> map;
-  map.base = PoseIndex(row.integer(1));
-  map.chi2 = row.number(2);
-  if (!store::decode_all(row.bytes(3), map.poses) || !store::decode_all(row.bytes(4), map.features) ||
-      !store::decode_all(row.bytes(5), map.pose_estimates) || !store::decode_all(row.bytes(6), map.feature_estimates)) {
-    return std::nullopt;
-  }
-  auto information = store::decode_upper(row.bytes(7), map.row(map.poses.size() + map.features.size()));
-  if (!information) return std::nullopt;
-  map.information = std::move(*information);
-  return map;
-}
-
-/// Whether a map is one of `segment`, over poses and features of the log, in sound numbers.
-template <int Dim>
-bool is_map_of(const LocalMap<Dim>& map, const Segment& segment, const Log<Dim>& log) {
-  PoseIndex last = segment.begin;
-  for (const PoseIndex pose : map.poses) {
-    if (pose <= last || pose > segment.end) return false;
-    last = pose;
-  }
-  std::vector<FeatureIndex> features = map.features;
-  std::sort(features.begin(), features.end());
-  const bool is_once = std::adjacent_find(features.begin(), features.end()) == features.end();
-  const bool is_known = std::ranges::all_of(features, [&](FeatureIndex f) { return indices(log.features).contains(f); });
-  return map.base == segment.begin && last == segment.end && is_once && is_known && std::isfinite(map.chi2) && !fault(map);
-}
-
 /// Takes the row of every segment that is a map; where the map was not determined, the segment becomes a raw segment.
 template <int Dim>
 Expected<void> read_maps(Database& database, StoredMaps<Dim>& stored) {
@@ -86,7 +54,7 @@ Expected<void> read_maps(Database& database, StoredMaps<Dim>& stored) {
       fault = "its maps are not those of its segments";
     } else if (row.is_null(1)) {
       stored.segments[next].is_map = false;
-    } else if (auto map = map_of<Dim>(row)) {
+    } else if (auto map = store::map_of<Dim>(row)) {
       stored.maps.push_back(std::move(*map));
       of_segment.push_back(next);
     } else {
@@ -103,7 +71,7 @@ Expected<void> read_maps(Database& database, StoredMaps<Dim>& stored) {
   }
   return parallel_try(stored.maps.size(), [&](std::size_t m) -> Expected<void> {
     const Segment& segment = stored.segments[of_segment[m]];
-    if (is_map_of(stored.maps[m], segment, stored.log)) return {};
+    if (store::is_map_of(stored.maps[m], segment, stored.log)) return {};
     const auto name = [&](PoseIndex pose) { return to_string(stored.log.poses[pose]); };
     return database.damaged(fmt::format("the local map of {} to {} makes no sense", name(segment.begin), name(segment.end)));
   });
@@ -124,7 +92,7 @@ bool is_store(const fs::path& path) {
   return header && header->application_id == store::kApplicationId;
 }
 
-Expected<AnyStoredMaps> read_store(const fs::path& path) {
+Expected<Database> store::open_store(const fs::path& path) {
   const std::string file = path.string();
   const auto header = read_header(path);
   if (!header || header->application_id != store::kApplicationId) {
@@ -135,11 +103,15 @@ Expected<AnyStoredMaps> read_store(const fs::path& path) {
                                  header->version, store::kVersion));
   }
   if (!header->is_alone) return bad_input(fmt::format("{}: damaged store: it asks for a write-ahead log", file));
-  auto database = Database::open_read_only(path);
+  return Database::open_read_only(path).and_then(
+      [](Database&& database) { return store::check_database(database).map([&] { return std::move(database); }); });
+}
+
+Expected<AnyStoredMaps> read_store(const fs::path& path) {
+  auto database = store::open_store(path);
   if (!database) return tl::unexpected(database.error());
-  const auto dimension = store::check_database(*database).and_then([&] { return store::stored_dimension(*database); });
-  if (!dimension) return tl::unexpected(dimension.error());
-  return *dimension == 2 ? read<2>(*database) : read<3>(*database);
+  return store::stored_dimension(*database).and_then(
+      [&](int dimension) { return dimension == 2 ? read<2>(*database) : read<3>(*database); });
 }
 
 template <int Dim>

@@ -23,10 +23,12 @@ template <int Dim>
 class StoreWriter {
  public:
   /// Begins the store beside `path`, as `path`.partial. One that an interrupted build left there goes on where it holds the
-  /// same log, segments and options; else, or where it is damaged, it is begun afresh. kCannotWrite where that cannot be, or
-  /// where `path`.partial is another program's database.
+  /// same log, segments and options; else, or where it is damaged, it is begun afresh. Of a portion, the log has all poses and
+  /// features and some of the factors. kCannotWrite where that cannot be, or where `path`.partial is another program's
+  /// database.
   static Expected<StoreWriter> open(const std::filesystem::path& path, const Log<Dim>& log,
-                                    const std::vector<Segment>& segments, const std::string& options);
+                                    const std::vector<Segment>& segments, const std::string& options,
+                                    const Portion& portion = {});
 
   /// Indices of the segments that are maps, ascending: those that need no further work, and the others.
   std::span<const std::size_t> done() const { return std::span(maps_).first(done_); }

@@ -84,7 +84,8 @@ StoreWriter<Dim>::StoreWriter(fs::path path, Database database, Statement insert
 
 template <int Dim>
 Expected<StoreWriter<Dim>> StoreWriter<Dim>::open(const fs::path& path, const Log<Dim>& log,
-                                                  const std::vector<Segment>& segments, const std::string& options) {
+                                                  const std::vector<Segment>& segments, const std::string& options,
+                                                  const Portion& portion) {
   const fs::path target = link_target(path);  // A link stays a link.
   std::error_code ignored;
   if (fs::exists(target, ignored) && !fs::is_regular_file(target, ignored)) {
@@ -92,7 +93,7 @@ Expected<StoreWriter<Dim>> StoreWriter<Dim>::open(const fs::path& path, const Lo
   }
   if (has_levers(log.graph)) return cannot_write(path, "a store has no place for priors with levers");
   bool found_damaged = false;
-  auto database = open_with(partial_path(target), Contents<Dim>{log, segments, options}, found_damaged);
+  auto database = open_with(partial_path(target), Contents<Dim>{log, segments, options, portion}, found_damaged);
   if (!database) return tl::unexpected(database.error());
   auto insert = database->prepare("INSERT INTO maps VALUES (?, ?, ?, ?, ?, ?, ?, ?)");
   if (!insert) return tl::unexpected(insert.error());

@@ -1,11 +1,12 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
-// `mapjoin-mpi run`.
+// The subcommands of `mapjoin-mpi`, each in a file of its own.
 
 #include <apps/commands/subcommand.hpp>
 
 namespace mapjoin::apps {
 
 void declare_mpi_run(Subcommand& command);
+void declare_mpi_build(Subcommand& command);
 
 }  // namespace mapjoin::apps

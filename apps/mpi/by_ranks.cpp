@@ -1,0 +1,58 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <fmt/format.h>
+
+#include <apps/mpi/by_ranks.hpp>
+
+namespace mapjoin::apps {
+
+using distributed::Communicator;
+
+ExitCode told_by_first(const Communicator& comm, const std::function<ExitCode()>& work) {
+  Expected<int> code = 0;
+  try {
+    if (comm.is_root()) code = static_cast<int>(work());
+  } catch (const tl::bad_expected_access<Error>& failure) {
+    code = tl::unexpected(failure.error());
+  }
+  return static_cast<ExitCode>(comm.sum(static_cast<std::int64_t>(comm.agree(code).value())));
+}
+
+void describe(int dimension, const distributed::LogFigures& log, RunReport& run_report) {
+  run_report.dimension = dimension;
+  run_report.conventions = log.conventions;
+  run_report.is_resumed = log.is_resumed;
+  run_report.was_damaged = log.was_damaged;
+  run_report.counts = {.sessions = 1,
+                       .poses = log.poses,
+                       .features = log.features,
+                       .odometry = static_cast<std::size_t>(log.odometry),
+                       .closures = static_cast<std::size_t>(log.closures),
+                       .observations = static_cast<std::size_t>(log.observations),
+                       .priors = static_cast<std::size_t>(log.priors),
+                       .fixed_poses = log.fixed_poses,
+                       .skipped = log.skipped};
+}
+
+std::string effort_in_words(const Communicator& comm) {
+  const double most = comm.max(peak_memory_mb());
+  return fmt::format("ranks         {}, of which the largest took {:.0f} MB\n", comm.size(), most);
+}
+
+ExitCode conclude(CommandRun& command_run, const std::string& effort) {
+  const ExitCode code = command_run.conclude();
+  const Options& options = command_run.options();
+  if (!options.quiet && !options.report_on_stdout()) demand(write_stdout(effort));
+  return code;
+}
+
+void add_memory(Subcommand& command, MpiOptions& options) {
+  command.group("Memory");
+  command.path("--out-of-core", options.out_of_core, "DIR", "Keep the factor of what regions share in files in this folder");
+  command.number("--max-memory", options.most_memory_mb, 0.0, "MB", "Refuse factors that take more on any rank [no bound]");
+  command.check([&options]() -> std::vector<std::string> {
+    if (options.out_of_core.empty() || std::filesystem::is_directory(options.out_of_core)) return {};
+    return {fmt::format("--out-of-core: {} is no folder", options.out_of_core.string())};
+  });
+}
+
+}  // namespace mapjoin::apps

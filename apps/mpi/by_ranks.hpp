@@ -1,0 +1,31 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+// What the subcommands of `mapjoin-mpi` have in common: all ranks work, the first one tells.
+
+#include <apps/commands/command_run.hpp>
+#include <functional>
+#include <mapjoin/distributed/mapped_log.hpp>
+
+namespace mapjoin::apps {
+
+struct MpiOptions : Options {
+  MpiOptions() { jobs = 1; }
+  std::filesystem::path out_of_core;
+  std::filesystem::path stores;  ///< A folder; empty: none.
+};
+
+/// What `work` returns on the first rank, on all of them; its failure, too.
+ExitCode told_by_first(const distributed::Communicator& comm, const std::function<ExitCode()>& work);
+
+/// Describes a log of so many dimensions that is spread over ranks.
+void describe(int dimension, const distributed::LogFigures& log, RunReport& run_report);
+
+/// What ranks needed, in one line; by all ranks.
+std::string effort_in_words(const distributed::Communicator& comm);
+/// CommandRun::conclude(), and what ranks needed where people read; by the first rank.
+ExitCode conclude(CommandRun& command_run, const std::string& effort);
+
+/// --out-of-core and --max-memory.
+void add_memory(Subcommand& command, MpiOptions& options);
+
+}  // namespace mapjoin::apps

@@ -1,0 +1,91 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <mapjoin/distributed/connectivity.hpp>
+#include <mapjoin/distributed/mapped_log.hpp>
+#include <mapjoin/distributed/share_store.hpp>
+#include <mapjoin/measure/effort.hpp>
+#include <utility>
+
+namespace mapjoin::distributed {
+namespace {
+
+/// Fewer poses than this for each rank are not worth one.
+constexpr std::size_t kLeastPoses = 10;
+
+template <int Dim>
+Expected<void> check_worth_it(const Communicator& comm, const LogPart<Dim>& part) {
+  if (part.poses.empty()) return bad_input(part.source + ": the log has no poses");
+  if (part.poses.size() >= kLeastPoses * static_cast<std::size_t>(comm.size())) return {};
+  return tl::unexpected(
+      Error{ErrorKind::kUsage, fmt::format("{}: {} are too few for {}: `mapjoin run` takes them on one", part.source,
+                                           plural(part.poses.size(), "pose"), plural(comm.size(), "rank"))});
+}
+
+template <int Dim>
+LogFigures figures_of(const Communicator& comm, const LogPart<Dim>& whole, const LogShare<Dim>& share,
+                      const ShareMaps<Dim>& maps) {
+  const std::int64_t between = std::ranges::count_if(share.apart.pose_factors, [](const auto& o) { return o.base != kWorld; });
+  LogFigures log;
+  log.conventions = whole.conventions;
+  log.poses = whole.poses.size();
+  log.features = whole.features.size();
+  log.odometry = comm.sum(std::ssize(share.log.odometry()));
+  log.closures = comm.sum(std::ssize(share.log.closures()) + between);
+  log.observations = comm.sum(std::ssize(share.log.observations()));
+  log.priors = comm.sum(std::ssize(share.apart.pose_factors) - between + std::ssize(share.apart.feature_factors));
+  log.fixed_poses = whole.graph.fixed.size();
+  log.skipped = whole.skipped;
+  log.is_resumed = comm.any(maps.is_resumed);
+  log.was_damaged = comm.any(maps.was_damaged);
+  return log;
+}
+
+template <int Dim>
+RunFigures figures_of(const Communicator& comm, const ShareMaps<Dim>& maps) {
+  RunFigures figures;
+  figures.build_iterations = comm.sum(maps.iterations);
+  figures.local_maps = static_cast<std::size_t>(comm.sum(std::ssize(maps.maps)));
+  figures.raw_segments = static_cast<std::size_t>(comm.sum(std::ssize(maps.split.segments))) - figures.local_maps;
+  return figures;
+}
+
+template <int Dim>
+Expected<AnyMappedLog> mapped(const Communicator& comm, const LogTask& task, LogPart<Dim> whole) {
+  const auto fit = check_worth_it(comm, whole).and_then([&] { return check_connected(comm, whole); });
+  if (!fit) return tl::unexpected(fit.error());
+  if (task.covariance == Covariance::kIdentity) use_identity_covariance(whole);
+  LogShare<Dim> share = share_of(comm, whole);
+  double seconds = 0.0;
+  auto maps = [&] {
+    const Stopwatch watch(seconds);
+    return task.stores.empty() ? comm.agree(built_maps(share, task.run))
+                               : stored_maps(comm, whole, share, task.run, task.stores);
+  }();
+  if (!maps) return tl::unexpected(maps.error());
+  MappedLog<Dim> log = mapped_log(comm, std::move(whole), std::move(share), *std::move(maps));
+  log.figures.seconds.build = seconds;
+  return log;
+}
+
+}  // namespace
+
+template <int Dim>
+MappedLog<Dim> mapped_log(const Communicator& comm, LogPart<Dim> whole, LogShare<Dim> share, ShareMaps<Dim> maps) {
+  const LogFigures log = figures_of(comm, whole, share, maps);
+  const RunFigures figures = figures_of(comm, maps);
+  return {std::move(whole), std::move(share), std::move(maps), log, figures};
+}
+
+Expected<AnyMappedLog> mapped_log(const Communicator& comm, const LogTask& task) {
+  const auto ready = task.stores.empty() ? Expected<void>() : prepare_stores(comm, task.stores);
+  return ready.and_then([&] { return read_log_part(comm, task.log, task.read); }).and_then([&](AnyLogPart part) {
+    return std::visit([&](auto& any) { return mapped(comm, task, std::move(any)); }, part);
+  });
+}
+
+template MappedLog<2> mapped_log(const Communicator&, LogPart<2>, LogShare<2>, ShareMaps<2>);
+template MappedLog<3> mapped_log(const Communicator&, LogPart<3>, LogShare<3>, ShareMaps<3>);
+
+}  // namespace mapjoin::distributed

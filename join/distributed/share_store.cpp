@@ -1,0 +1,208 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <mapjoin/distributed/share_store.hpp>
+#include <mapjoin/io/store/pieces.hpp>
+#include <mapjoin/io/store/store.hpp>
+#include <mapjoin/join/align/partial_map.hpp>
+#include <mapjoin/localmap/check.hpp>
+#include <mapjoin/localmap/stored_build.hpp>
+#include <string_view>
+#include <utility>
+
+namespace mapjoin::distributed {
+namespace {
+
+namespace fs = std::filesystem;
+
+/// What the store of a rank holds beside its maps.
+template <int Dim>
+struct Portioned {
+  Log<Dim> log;  ///< All poses and features, by the indices of all names, and the factors of this rank.
+  Split split;   ///< The segments of all ranks, of which those of this one's maps are maps.
+  std::string options{};
+  Portion portion{};
+};
+
+template <int Dim>
+Log<Dim> portion_of(const LogPart<Dim>& whole, const LogShare<Dim>& share) {
+  Log<Dim> log;
+  log.source = whole.source;
+  log.poses = whole.poses;
+  log.features = whole.features;
+  log.conventions = whole.conventions;
+  log.graph = share.log.graph;
+  for (auto& o : log.graph.pose_factors) {
+    o.base = share.poses[o.base];
+    o.target = share.poses[o.target];
+  }
+  for (auto& o : log.graph.feature_factors) {
+    o.base = share.poses[o.base];
+    o.target = share.features[o.target];
+  }
+  const auto append = [](auto& list, const auto& more) { list.insert(list.end(), more.begin(), more.end()); };
+  append(log.graph.pose_factors, share.apart.pose_factors);
+  append(log.graph.feature_factors, share.apart.feature_factors);
+  log.graph.fixed = whole.graph.fixed;
+  put_in_order(log);
+  return log;
+}
+
+/// The segments of all shares in their order. A pose where two shares meet is a segment of its own in neither where it is of
+/// one in the other.
+template <int Dim>
+std::vector<Segment> segments_of_all(const Communicator& comm, const LogShare<Dim>& share, std::vector<Segment> mine) {
+  for (Segment& segment : mine) {
+    segment.begin = share.poses[segment.begin];
+    segment.end = share.poses[segment.end];
+  }
+  const std::vector<Segment> all = comm.gather(mine);
+  std::vector<Segment> segments;
+  for (std::size_t k = 0; k < all.size(); ++k) {
+    const Segment& segment = all[k];
+    const bool is_of_last = !segments.empty() && segments.back().end == segment.begin;
+    const bool is_of_next = k + 1 < all.size() && all[k + 1].begin == segment.begin;
+    if (segment.begin == segment.end && (is_of_last || is_of_next)) continue;
+    segments.push_back(segment);
+    segments.back().is_map &= share.poses.front() <= segment.begin && segment.end <= share.poses.back();
+  }
+  return segments;
+}
+
+template <typename List>
+std::uint64_t hash_of(const List& records) {
+  return std::hash<std::string_view>()(store::encode_all(records));
+}
+
+/// A fingerprint of what all ranks have: maps keep the poses that other portions mention, so that none is of another log.
+template <int Dim>
+std::uint64_t fingerprint(const Communicator& comm, const Log<Dim>& log) {
+  return hash_of(comm.gather(std::vector{hash_of(log.graph.pose_factors), hash_of(log.graph.feature_factors)}));
+}
+
+template <int Dim>
+Portioned<Dim> portioned(const Communicator& comm, const LogPart<Dim>& whole, const LogShare<Dim>& share, const Split& parts,
+                         const MinimiseOptions& solver) {
+  Portioned<Dim> portioned{portion_of(whole, share), {segments_of_all(comm, share, parts.segments), {}, parts.poses_per_map}};
+  portioned.split.kept.resize(whole.poses.size(), false);
+  for (const PoseIndex p : indices(share.poses)) portioned.split.kept[share.poses[p]] = parts.kept[p];
+  portioned.options = fmt::format("{}, log {:016x}", build_settings(solver), fingerprint(comm, portioned.log));
+  portioned.portion = {static_cast<std::size_t>(comm.rank()), static_cast<std::size_t>(comm.size())};
+  return portioned;
+}
+
+/// The finished store at `path`, where it holds this.
+template <int Dim>
+std::optional<StorePieces> finished_store(const fs::path& path, const Portioned<Dim>& of) {
+  auto pieces = StorePieces::open(path);
+  if (!pieces) return std::nullopt;
+  const auto is_this = pieces->template holds<Dim>({of.log, of.split.segments, of.options, of.portion});
+  return is_this && *is_this ? std::optional(*std::move(pieces)) : std::nullopt;
+}
+
+/// Builds what is missing of the store.
+template <int Dim>
+Expected<StorePieces> build_store(const fs::path& path, const Portioned<Dim>& of, const MinimiseOptions& solver,
+                                  ShareMaps<Dim>& maps) {
+  auto store = StoreWriter<Dim>::open(path, of.log, of.split.segments, of.options, of.portion);
+  if (!store) return tl::unexpected(store.error());
+  maps.is_resumed = !store->done().empty();
+  maps.was_damaged = store->found_damaged();
+  const auto iterations = build_into(*store, of.log, of.split, {solver, nullptr});
+  if (!iterations) return tl::unexpected(iterations.error());
+  maps.iterations = *iterations;
+  return store->finish().and_then([&] { return StorePieces::open(path); });
+}
+
+template <int Dim>
+LocalMap<Dim> in_share(LocalMap<Dim> map, const LogShare<Dim>& share) {
+  map.base = place_of(share.poses, map.base);
+  for (PoseIndex& pose : map.poses) pose = place_of(share.poses, pose);
+  for (FeatureIndex& feature : map.features) feature = place_of(share.features, feature);
+  return map;
+}
+
+/// Takes the maps of a share out of its store.
+template <int Dim>
+Expected<void> take_maps(StorePieces& store, const Portioned<Dim>& of, const LogShare<Dim>& share, ShareMaps<Dim>& into) {
+  auto maps = store.maps(of.log, of.split.segments);
+  if (!maps) return tl::unexpected(maps.error());
+  auto map = maps->begin();
+  for (Segment& segment : into.split.segments) {
+    if (!segment.is_map) continue;
+    if (*map) {
+      into.maps.push_back(in_share(**std::move(map), share));
+    } else {
+      make_raw(segment, into.split);
+    }
+    ++map;
+  }
+  return check_local_maps(share.log, into.split, into.maps);
+}
+
+/// The number of ranks in the name of a store.
+std::optional<int> ranks_of(const std::string& name) {
+  int rank = 0;
+  int ranks = 0;
+  int length = 0;
+  const bool is_store = std::sscanf(name.c_str(), "%d-of-%d.maps%n", &rank, &ranks, &length) == 2 && length > 0;
+  return is_store ? std::optional(ranks) : std::nullopt;
+}
+
+Expected<void> prepare(const fs::path& folder, int ranks) {
+  std::error_code error;
+  fs::create_directories(folder, error);
+  fs::directory_iterator entry(folder, error);
+  if (error) return tl::unexpected(Error{ErrorKind::kCannotWrite, folder.string() + ": " + error.message()});
+  for (; entry != fs::directory_iterator(); entry.increment(error)) {
+    const auto others = ranks_of(entry->path().filename().string());
+    if (!others || *others == ranks) continue;
+    return tl::unexpected(Error{ErrorKind::kUsage, fmt::format("{}: the folder has stores of {}, and this is called on {}: "
+                                                               "go on with as many, or take another folder",
+                                                               folder.string(), plural(*others, "rank"), ranks)});
+  }
+  return {};
+}
+
+}  // namespace
+
+fs::path store_of(int rank, int ranks, const fs::path& folder) {
+  return folder / fmt::format("{}-of-{}.maps", rank + 1, ranks);
+}
+
+Expected<void> prepare_stores(const Communicator& comm, const fs::path& folder) {
+  return comm.agree(prepare(folder, comm.size()));
+}
+
+template <int Dim>
+Expected<ShareMaps<Dim>> stored_maps(const Communicator& comm, const LogPart<Dim>& whole, const LogShare<Dim>& share,
+                                     const RunOptions& options, const fs::path& folder) {
+  if (comm.any(!std::ranges::is_sorted(share.poses))) {
+    return tl::unexpected(Error{
+        ErrorKind::kUsage, whole.source + ": its poses were not driven in the order of their ids, which the stores of ranks "
+                                          "have no place for: `mapjoin build` takes it"});
+  }
+  ShareMaps<Dim> maps{split(share.log, options.split, share.is_referenced), {}};
+  const Portioned<Dim> of = portioned(comm, whole, share, maps.split, options.solver);
+  const fs::path path = store_of(comm.rank(), comm.size(), folder);
+  Expected<void> taken;
+  if (auto finished = finished_store(path, of)) {
+    maps.is_resumed = true;
+    taken = take_maps(*finished, of, share, maps);
+  } else {
+    taken = build_store(path, of, options.solver, maps).and_then([&](StorePieces store) {
+      return take_maps(store, of, share, maps);
+    });
+  }
+  return comm.agree(std::move(taken)).map([&] { return std::move(maps); });
+}
+
+#define MAPJOIN_INSTANTIATE(Dim)                                                                                \
+  template Expected<ShareMaps<Dim>> stored_maps(const Communicator&, const LogPart<Dim>&, const LogShare<Dim>&, \
+                                                const RunOptions&, const std::filesystem::path&);
+MAPJOIN_INSTANTIATE(2)
+MAPJOIN_INSTANTIATE(3)
+#undef MAPJOIN_INSTANTIATE
+
+}  // namespace mapjoin::distributed

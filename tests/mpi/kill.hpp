@@ -1,0 +1,51 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+// Ranks of `mpirun` that are killed.
+
+#include <gtest/gtest.h>
+#include <signal.h>
+
+#include <chrono>
+#include <fstream>
+#include <functional>
+#include <tests/mpi/mpi_command.hpp>
+#include <thread>
+
+namespace mapjoin::testing {
+
+/// The processes that a process has started.
+inline std::vector<::pid_t> children_of(::pid_t parent) {
+  std::vector<::pid_t> children;
+  std::error_code gone;
+  for (const auto& thread : std::filesystem::directory_iterator("/proc/" + std::to_string(parent) + "/task", gone)) {
+    std::ifstream list(thread.path() / "children");
+    for (::pid_t child; list >> child;) children.push_back(child);
+  }
+  return children;
+}
+
+/// Whether a process runs; one that nobody has asked for its exit code does not.
+inline bool is_running(::pid_t process) {
+  return !content_of("/proc/" + std::to_string(process) + "/cmdline").empty();
+}
+
+inline void sleep_for(double seconds) {
+  std::this_thread::sleep_for(std::chrono::duration<double>(seconds));
+}
+
+/// Calls two ranks, kills one of them once `wait` returns, which is told of each whether the call is over, and waits until none
+/// runs. Whether the call was done before.
+inline bool kill_one_of_two(const std::vector<std::string>& arguments, std::size_t victim,
+                            const std::function<void(const std::function<bool()>& is_over)>& wait) {
+  Process process(mpi_command_line(2, arguments));
+  std::vector<::pid_t> ranks;
+  while (ranks.size() < 2 && process.is_running()) ranks = children_of(process.id());
+  EXPECT_EQ(ranks.size(), 2U);
+  wait([&] { return !process.is_running(); });
+  if (process.is_running()) ::kill(ranks[victim], SIGKILL);
+  const bool was_done = process.wait() == 0;
+  while (is_running(ranks.front()) || is_running(ranks.back())) sleep_for(0.01);
+  return was_done;
+}
+
+}  // namespace mapjoin::testing
