@@ -72,6 +72,7 @@ TEST(HiddenNamesOfTheLargeSimulation, AreFoundAndTheMapIsAsCertainAsItSays) {
   options.covariances = true;
   const auto result = run(std::move(found.data), options).value();
   const Consistency consistent = consistency(*result.covariances, truth).value();
+  std::cout << "NEES of poses and features together " << consistent.joint.value << '\n';
   for (const Nees& nees : {consistent.poses, consistent.features, consistent.joint}) EXPECT_LT(nees.value, nees.most());
 }
 
