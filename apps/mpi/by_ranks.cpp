@@ -47,6 +47,8 @@ ExitCode conclude(CommandRun& command_run, const std::string& effort) {
 
 void add_memory(Subcommand& command, MpiOptions& options) {
   command.group("Memory");
+  command.number<std::int64_t>("--regions", options.regions, 1, "N",
+                               "Regions of each rank, eliminated one after the other, of whose factors it holds one at a time");
   command.path("--out-of-core", options.out_of_core, "DIR", "Keep the factor of what regions share in files in this folder");
   command.number("--max-memory", options.most_memory_mb, 0.0, "MB", "Refuse factors that take more on any rank [no bound]");
   command.check([&options]() -> std::vector<std::string> {

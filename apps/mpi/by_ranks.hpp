@@ -11,6 +11,7 @@ namespace mapjoin::apps {
 struct MpiOptions : Options {
   MpiOptions() { jobs = 1; }
   std::filesystem::path out_of_core;
+  std::int64_t regions = 1;
   std::filesystem::path stores;  ///< A folder; empty: none.
 };
 
@@ -25,7 +26,7 @@ std::string effort_in_words(const distributed::Communicator& comm);
 /// CommandRun::conclude(), and what ranks needed where people read; by the first rank.
 ExitCode conclude(CommandRun& command_run, const std::string& effort);
 
-/// --out-of-core and --max-memory.
+/// --regions, --out-of-core and --max-memory.
 void add_memory(Subcommand& command, MpiOptions& options);
 
 }  // namespace mapjoin::apps

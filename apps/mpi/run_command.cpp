@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // `mapjoin-mpi run`: from a log to a global map, by all ranks together.
 
+#include <fmt/format.h>
+
 #include <apps/mpi/by_ranks.hpp>
 #include <apps/mpi/commands.hpp>
 #include <mapjoin/distributed/run.hpp>
@@ -17,6 +19,13 @@ constexpr const char* kExamples =
     "  mpirun -n 16 mapjoin-mpi run city.g2o -o map.csv --out-of-core /scratch --max-memory 8000\n"
     "  mpirun -n 16 mapjoin-mpi run city.g2o -o map.csv --checkpoint stores";
 
+/// What the first rank knows of what regions share, in one line.
+template <int Dim>
+std::string shared_in_words(const MpiOptions& options, const Found<Dim>& found) {
+  return fmt::format("shared        {} unknowns by ranks, {} by regions, {} a rank\n", found.shared_by_ranks,
+                     found.shared_by_regions, options.regions);
+}
+
 ExitCode run_log(const MpiOptions& options) {
   const Communicator comm(MPI_COMM_WORLD);
   CommandRun command_run("run", options, {});
@@ -26,8 +35,12 @@ ExitCode run_log(const MpiOptions& options) {
   });
   const distributed::LogTask log{options.input, options.read, options.covariance, options.run, options.stores};
   const auto read = [&] { return distributed::mapped_log(comm, log); };
-  auto found = distributed::run(comm, read, {options.run, {options.out_of_core}, options.most_memory_mb}).value();
-  const std::string effort = effort_in_words(comm);
+  auto found =
+      distributed::run(comm, read,
+                       {options.run, {options.out_of_core}, options.most_memory_mb, static_cast<std::size_t>(options.regions)})
+          .value();
+  const std::string effort =
+      std::visit([&](const auto& any) { return shared_in_words(options, any); }, found) + effort_in_words(comm);
   return told_by_first(comm, [&] {
     const auto write = [&]<int Dim>(Found<Dim>& any) {
       describe(Dim, any.log, command_run.run_report);

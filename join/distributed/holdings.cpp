@@ -4,18 +4,19 @@
 
 namespace mapjoin::distributed {
 
-std::vector<Holding> shared_holdings(const Communicator& comm, const std::vector<std::int32_t>& mine, std::size_t count) {
+std::vector<Holding> shared_holdings(const Communicator& comm, const std::vector<Holding>& mine, std::size_t count) {
   const auto ranks = static_cast<std::size_t>(comm.size());
-  std::vector<std::vector<std::int32_t>> to(ranks);
-  for (const std::int32_t number : mine)
-    to[static_cast<std::size_t>(number) * ranks / std::max<std::size_t>(1, count)].push_back(number);
+  std::vector<std::vector<Holding>> to(ranks);
+  for (const Holding& own : mine)
+    to[static_cast<std::size_t>(own.number) * ranks / std::max<std::size_t>(1, count)].push_back(own);
   std::vector<std::string> messages;
-  for (const auto& numbers : to) messages.push_back(Writer().put(numbers).bytes());
+  for (const auto& holdings : to) messages.push_back(Writer().put(holdings).bytes());
   messages = comm.exchange(std::move(messages));
 
   std::vector<Holding> held;
-  for (std::size_t r = 0; r < ranks; ++r) {
-    for (const auto number : Reader(messages[r]).take<std::int32_t>()) held.push_back({number, static_cast<std::int32_t>(r)});
+  for (const std::string& message : messages) {
+    const std::vector<Holding> some = Reader(message).take<Holding>();
+    held.insert(held.end(), some.begin(), some.end());
   }
   std::ranges::sort(held);
   std::vector<Holding> shared;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
-// Which of the things that are numbered for all ranks several ranks hold.
+// Which of the things that are numbered for all ranks several ranks or regions hold.
 
 #include <compare>
 #include <cstdint>
@@ -9,20 +9,21 @@
 
 namespace mapjoin::distributed {
 
-/// A rank holds a thing of this number.
+/// A rank, or a region, holds a thing of this number.
 struct Holding {
   std::int32_t number = 0;
-  std::int32_t rank = 0;
+  std::int32_t holder = 0;
   auto operator<=>(const Holding&) const = default;
 };
 template <typename F>
 void fields(Holding& holding, const F& f) {
   f(holding.number);
-  f(holding.rank);
+  f(holding.holder);
 }
 
-/// The holdings of what at least two ranks hold, ascending, on all ranks; `mine` are different numbers below `count`. Each
-/// number is looked after by one rank, so that no rank sees what all hold (a distributed directory).
-std::vector<Holding> shared_holdings(const Communicator& comm, const std::vector<std::int32_t>& mine, std::size_t count);
+/// The holdings of what at least two hold, ascending, on all ranks; `mine` are those of this rank, each of them once, of
+/// numbers below `count`. Each number is looked after by one rank, so that no rank sees what all hold (a distributed
+/// directory).
+std::vector<Holding> shared_holdings(const Communicator& comm, const std::vector<Holding>& mine, std::size_t count);
 
 }  // namespace mapjoin::distributed

@@ -98,10 +98,10 @@ Expected<std::vector<FixedPose<Dim>>> fixed_poses(const Communicator& comm, cons
   });
 }
 
-/// The factors of one rank's log, under the indices of all names.
+/// The factors of one rank's log, which gives them up, under the indices of all names.
 template <int Dim>
-FactorGraph<Dim> renumbered(const Log<Dim>& log, const LogPart<Dim>& whole) {
-  FactorGraph<Dim> graph{log.graph.pose_factors, log.graph.feature_factors, {}, {}};
+FactorGraph<Dim> renumbered(Log<Dim>& log, const LogPart<Dim>& whole) {
+  FactorGraph<Dim> graph{std::move(log.graph.pose_factors), std::move(log.graph.feature_factors), {}, {}};
   const auto pose = [&](PoseIndex p) { return p == kWorld ? kWorld : index_of(whole.poses, log.poses[p]); };
   for (auto& o : graph.pose_factors) {
     o.base = pose(o.base);

@@ -37,18 +37,18 @@ struct Dealt {
 };
 
 template <int Dim>
-std::vector<Dealt<Dim>> dealt_out(const FactorGraph<Dim>& graph, const Shares& shares, std::size_t ranks) {
-  std::vector<Dealt<Dim>> to(ranks);
+Dealt<Dim> dealt_to(std::size_t rank, const FactorGraph<Dim>& graph, const Shares& shares, std::size_t ranks) {
+  Dealt<Dim> to;
   for (const auto& o : graph.pose_factors) {
-    const std::size_t owner = shares.owner(o.base == kWorld ? o.target : std::min(o.base, o.target));
-    const bool is_within = o.base != kWorld && std::max(o.base, o.target) <= shares.last(owner);
-    (is_within ? to[owner].edges : to[owner].poses_apart).push_back(o);
+    if (shares.owner(o.base == kWorld ? o.target : std::min(o.base, o.target)) != rank) continue;
+    const bool is_within = o.base != kWorld && std::max(o.base, o.target) <= shares.last(rank);
+    (is_within ? to.edges : to.poses_apart).push_back(o);
   }
   for (const auto& o : graph.feature_factors) {
     if (o.base == kWorld) {
-      to[o.target.position() % ranks].features_apart.push_back(o);
-    } else {
-      to[shares.owner(o.base)].observations.push_back(o);
+      if (o.target.position() % ranks == rank) to.features_apart.push_back(o);
+    } else if (shares.owner(o.base) == rank) {
+      to.observations.push_back(o);
     }
   }
   return to;
@@ -56,12 +56,12 @@ std::vector<Dealt<Dim>> dealt_out(const FactorGraph<Dim>& graph, const Shares& s
 
 /// The share's log of all that comes from the ranks.
 template <int Dim>
-LogShare<Dim> received(const std::vector<std::string>& messages, const LogPart<Dim>& part, PoseIndex first, PoseIndex last) {
+LogShare<Dim> received(std::vector<std::string> messages, const LogPart<Dim>& part, PoseIndex first, PoseIndex last) {
   LogShare<Dim> share;
   LogBuilder<Dim> builder(part.source, part.conventions, Numbers::kChecked);
   for (PoseIndex pose = first; pose <= last; ++pose) builder.add_pose(part.poses[pose]);
   const auto append = [](auto& list, const auto& more) { list.insert(list.end(), more.begin(), more.end()); };
-  for (const std::string& message : messages) {
+  for (std::string& message : messages) {
     Reader reader(message);
     for (const auto& o : reader.take<PoseFactor<Dim>>()) {
       builder.add_pose_edge(part.poses[o.base], part.poses[o.target], o.measured, o.information);
@@ -71,6 +71,7 @@ LogShare<Dim> received(const std::vector<std::string>& messages, const LogPart<D
     }
     append(share.apart.pose_factors, reader.take<PoseFactor<Dim>>());
     append(share.apart.feature_factors, reader.take<FeatureFactor<Dim>>());
+    release(message);
   }
   share.log = std::move(builder).finish().value();  // what was checked where it was read
   for (const PoseId& id : share.log.poses) share.poses.emplace_back(find_ascending(part.poses, id).value());
@@ -82,7 +83,7 @@ LogShare<Dim> received(const std::vector<std::string>& messages, const LogPart<D
 template <int Dim>
 void mark_referenced(const Communicator& comm, const LogPart<Dim>& part, const Shares& shares, LogShare<Dim>& share) {
   std::vector<PoseIndex> poses;
-  std::vector<std::int32_t> features;
+  std::vector<Holding> features;
   for (const auto& o : share.apart.pose_factors) {
     if (o.base != kWorld) poses.push_back(o.base);
     poses.push_back(o.target);
@@ -93,13 +94,13 @@ void mark_referenced(const Communicator& comm, const LogPart<Dim>& part, const S
   std::ranges::sort(poses);
   for (const PoseIndex p : share.poses) share.is_referenced.push_back(std::ranges::binary_search(poses, p));
 
-  for (const FeatureIndex f : share.features) features.push_back(f.value);
+  for (const FeatureIndex f : share.features) features.push_back({f.value, comm.rank()});
   const std::vector<Holding> shared = shared_holdings(comm, features, part.features.size());
   std::vector<std::int32_t> priors;
   for (const auto& o : share.apart.feature_factors) priors.push_back(o.target.value);
   priors = comm.gather(priors);
   std::ranges::sort(priors);
-  for (const std::int32_t f : features) {
+  for (const auto& [f, rank] : features) {
     share.is_referenced_feature.push_back(std::ranges::binary_search(shared, f, {}, &Holding::number) ||
                                           std::ranges::binary_search(priors, f));
   }
@@ -113,11 +114,12 @@ LogShare<Dim> share_of(const Communicator& comm, LogPart<Dim>& part) {
   const auto rank = static_cast<std::size_t>(comm.rank());
   const Shares shares(part.poses.size(), comm.size());
   std::vector<std::string> messages;
-  for (const Dealt<Dim>& to : dealt_out(part.graph, shares, ranks)) {
+  for (std::size_t r = 0; r < ranks; ++r) {
+    const Dealt<Dim> to = dealt_to(r, part.graph, shares, ranks);
     messages.push_back(Writer().put(to.edges).put(to.observations).put(to.poses_apart).put(to.features_apart).bytes());
   }
-  part.graph.pose_factors = {};
-  part.graph.feature_factors = {};
+  release(part.graph.pose_factors);
+  release(part.graph.feature_factors);
   LogShare<Dim> share = received(comm.exchange(std::move(messages)), part, shares.first(rank), shares.last(rank));
   mark_referenced(comm, part, shares, share);
   return share;

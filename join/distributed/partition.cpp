@@ -84,14 +84,15 @@ BlockGraph graph_of(const std::vector<std::string>& messages, std::size_t vertic
 }  // namespace
 
 template <int Dim>
-Table<PoseIndex, std::size_t> regions_of(const Communicator& comm, const LogPart<Dim>& whole, const LogShare<Dim>& share) {
+Table<PoseIndex, std::size_t> region_of_poses(const Communicator& comm, const LogPart<Dim>& whole, const LogShare<Dim>& share,
+                                              std::size_t count) {
   const Vertices of(whole.poses.size(), whole.features.size());
   std::vector<std::string> to(static_cast<std::size_t>(comm.size()));
   to.front() = Writer().put(ties_of(of, share)).bytes();
   const std::vector<std::string> messages = comm.exchange(std::move(to));
   std::string parts;
   if (comm.is_root()) {
-    parts = Writer().put(partition(graph_of(messages, of.size()), of.weights(), comm.size())).bytes();
+    parts = Writer().put(partition(graph_of(messages, of.size()), of.weights(), static_cast<std::int32_t>(count))).bytes();
   }
   parts = comm.broadcast(std::move(parts), 0);
   const Table<Variable, std::int32_t> part(Reader(parts).take<std::int32_t>());
@@ -100,7 +101,7 @@ Table<PoseIndex, std::size_t> regions_of(const Communicator& comm, const LogPart
   return regions;
 }
 
-template Table<PoseIndex, std::size_t> regions_of(const Communicator&, const LogPart<2>&, const LogShare<2>&);
-template Table<PoseIndex, std::size_t> regions_of(const Communicator&, const LogPart<3>&, const LogShare<3>&);
+template Table<PoseIndex, std::size_t> region_of_poses(const Communicator&, const LogPart<2>&, const LogShare<2>&, std::size_t);
+template Table<PoseIndex, std::size_t> region_of_poses(const Communicator&, const LogPart<3>&, const LogShare<3>&, std::size_t);
 
 }  // namespace mapjoin::distributed

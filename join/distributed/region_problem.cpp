@@ -1,27 +1,62 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <mapjoin/distributed/region_problem.hpp>
+#include <numeric>
 #include <utility>
 
 namespace mapjoin::distributed {
+namespace {
 
-Eigen::VectorXd RegionMetric::assembled(Eigen::VectorXd v) const {
-  std::vector<double> shared(interface_.size, 0.0);
-  for (std::size_t k = 0; k < entries_.size(); ++k) shared[static_cast<std::size_t>(interface_.unknowns[k])] = v[entries_[k]];
-  comm_.sum(shared);
-  for (std::size_t k = 0; k < entries_.size(); ++k) v[entries_[k]] = shared[static_cast<std::size_t>(interface_.unknowns[k])];
-  return v;
+/// The factors, given up.
+template <int Dim>
+FactorGraph<Dim> taken_factors(Region<Dim>& region) {
+  FactorGraph<Dim> graph = factors_of(region);
+  release(region.factors);
+  return graph;
+}
+
+template <typename Index>
+Table<Index, Index> places(std::size_t count) {
+  Table<Index, Index> all(count);
+  std::iota(all.begin(), all.end(), Index(0));
+  return all;
+}
+
+/// A region as a partial map, by its places, and its gauge.
+template <int Dim>
+PartialMap<Dim> partial_map_of(const Region<Dim>& region, const FactorGraph<Dim>& graph) {
+  PartialMap<Dim> partial{
+      places<PoseIndex>(region.poses.size()), places<FeatureIndex>(region.features.size()), region.start, {}};
+  for (const auto& o : graph.pose_factors) partial.factors.pose_factors.push_back(&o);
+  for (const auto& o : graph.feature_factors) partial.factors.feature_factors.push_back(&o);
+  return partial;
+}
+
+}  // namespace
+
+template <int Dim>
+RegionProblem<Dim>::RegionProblem(const Communicator& comm, Regions<Dim>& regions, const MumpsOptions& options)
+    : comm_(comm),
+      region_(regions.own.front()),
+      graph_(taken_factors(regions.own.front())),
+      interface_(interface_of(comm, regions)),
+      solver_(new RegionSolver(comm, interface_.outer, interface_.borders.front().places.size(), options)),
+      system_(partial_map_of(region_, graph_), {region_.anchored, {}}, std::unique_ptr<SparseSolver>(solver_),
+              interface_.borders.front().places),
+      shared_{interface_.size, {}, interface_.borders.front().unknowns} {
+  for (const PoseOrFeature& placed : interface_.borders.front().places) {
+    const Variable v = std::visit([&](auto place) { return system_.variable(place); }, placed);
+    for (int i = 0; i < system_.equations().dof(v); ++i) shared_.entries.push_back(system_.equations().offset(v) + i);
+  }
 }
 
 template <int Dim>
-RegionProblem<Dim>::RegionProblem(const Communicator& comm, const Region<Dim>& region, const MumpsOptions& options)
-    : comm_(comm),
-      interface_(interface_of(comm, region)),
-      solver_(new RegionSolver(comm, interface_, options)),
-      system_(region.partial, region.gauge, std::unique_ptr<SparseSolver>(solver_), interface_.border) {
-  for (const PoseOrFeature& placed : interface_.border) {
-    const Variable v = std::visit([&](auto place) { return system_.variable(place); }, placed);
-    for (int i = 0; i < system_.equations().dof(v); ++i) entries_.push_back(system_.equations().offset(v) + i);
+std::optional<Variable> RegionProblem<Dim>::factorise(double damping) {
+  const auto singular = system_.factorise(damping);
+  singular_here_.reset();
+  if (singular && solver_->is_singular_here()) {
+    singular_here_ = std::visit([&](auto place) { return name_of(region_, place); }, system_.place_of_variable(*singular));
   }
+  return singular;
 }
 
 template <int Dim>

@@ -3,22 +3,20 @@
 
 namespace mapjoin::distributed {
 
-RegionSolver::RegionSolver(const Communicator& comm, const Interface& interface, const MumpsOptions& options)
-    : comm_(comm),
-      interface_(interface),
-      cholesky_(Updates::kFreed, interface.border.size()),
-      mumps_(std::make_unique<Mumps>(comm, options)) {}
+RegionSolver::RegionSolver(const Communicator& comm, const OuterUnknowns& outer, std::size_t outer_blocks,
+                           const MumpsOptions& options)
+    : comm_(comm), outer_(outer), cholesky_(Updates::kFreed, outer_blocks), mumps_(std::make_unique<Mumps>(comm, options)) {}
 
-void RegionSolver::analyse(const BlockLower& matrix) {
-  cholesky_.analyse(matrix);
-  if (interface_.size > 0) mumps_->analyse(interface_.size, interface_.unknowns);
+void RegionSolver::analyse(const BlockLower& matrix, std::span<const GivenFront> given) {
+  cholesky_.analyse(matrix, given);
+  if (outer_.size > 0) mumps_->analyse(outer_.size, outer_.unknowns);
 }
 
-std::vector<std::int64_t> RegionSolver::factorise(const BlockLower& matrix) {
-  auto singular = cholesky_.factorise(matrix);
+std::vector<std::int64_t> RegionSolver::factorise(const BlockLower& matrix, std::span<const GivenFront> given) {
+  auto singular = cholesky_.factorise(matrix, given);
   is_singular_here_ = !singular.empty();
   bool is_singular = comm_.any(is_singular_here_);
-  if (!is_singular && interface_.size > 0) {
+  if (!is_singular && outer_.size > 0) {
     const ConstDenseBlock S = cholesky_.schur_complement();
     std::vector<double> lower;
     lower.reserve(static_cast<std::size_t>(S.rows() * (S.rows() + 1) / 2));
@@ -31,16 +29,17 @@ std::vector<std::int64_t> RegionSolver::factorise(const BlockLower& matrix) {
 
 Eigen::MatrixXd RegionSolver::solve_columns(Eigen::MatrixXd B) const {
   B = cholesky_.solve_lower(std::move(B));
-  const Eigen::Index first = B.rows() - static_cast<Eigen::Index>(interface_.unknowns.size());
-  for (Eigen::Index column = 0; column < B.cols() && interface_.size > 0; ++column) {
-    std::vector<double> shared(interface_.size, 0.0);
-    for (std::size_t k = 0; k < interface_.unknowns.size(); ++k) {
-      shared[static_cast<std::size_t>(interface_.unknowns[k])] = B(first + static_cast<Eigen::Index>(k), column);
+  const std::vector<std::int32_t>& unknowns = outer_.unknowns;
+  const Eigen::Index first = B.rows() - static_cast<Eigen::Index>(unknowns.size());
+  for (Eigen::Index column = 0; column < B.cols() && outer_.size > 0; ++column) {
+    std::vector<double> shared(outer_.size, 0.0);
+    for (std::size_t k = 0; k < unknowns.size(); ++k) {
+      shared[static_cast<std::size_t>(unknowns[k])] = B(first + static_cast<Eigen::Index>(k), column);
     }
     comm_.sum(shared);
     mumps_->solve(shared);
-    for (std::size_t k = 0; k < interface_.unknowns.size(); ++k) {
-      B(first + static_cast<Eigen::Index>(k), column) = shared[static_cast<std::size_t>(interface_.unknowns[k])];
+    for (std::size_t k = 0; k < unknowns.size(); ++k) {
+      B(first + static_cast<Eigen::Index>(k), column) = shared[static_cast<std::size_t>(unknowns[k])];
     }
   }
   return cholesky_.solve_upper(std::move(B));

@@ -4,10 +4,11 @@
 #include <algorithm>
 #include <array>
 #include <mapjoin/distributed/region_problem.hpp>
+#include <mapjoin/distributed/regions_in_turn.hpp>
 #include <mapjoin/distributed/run.hpp>
+#include <mapjoin/distributed/start.hpp>
 #include <mapjoin/join/tolerances.hpp>
 #include <mapjoin/measure/effort.hpp>
-#include <mapjoin/model/information.hpp>
 #include <mapjoin/solve/minimise.hpp>
 #include <optional>
 #include <utility>
@@ -15,49 +16,53 @@
 namespace mapjoin::distributed {
 namespace {
 
+/// Fewer poses than this for each region are not worth one.
+constexpr std::size_t kLeastPoses = 10;
+
 template <int Dim>
-Expected<void> check_room(const Communicator& comm, const RegionProblem<Dim>& problem, double most_megabytes) {
-  const double fronts = comm.max(static_cast<double>(problem.solver().bytes()) / 1e6);
+Expected<void> check_worth_it(const Communicator& comm, const LogPart<Dim>& whole, std::size_t regions) {
+  const std::size_t all = regions * static_cast<std::size_t>(comm.size());
+  if (whole.poses.size() >= kLeastPoses * all) return {};
+  return tl::unexpected(
+      Error{ErrorKind::kUsage, fmt::format("{}: {} are too few for {} of {}", whole.source, plural(whole.poses.size(), "pose"),
+                                           plural(comm.size(), "rank"), plural(regions, "region"))});
+}
+
+template <typename Problem>
+Expected<void> check_room(const Communicator& comm, const Problem& problem, double most_megabytes) {
+  const double fronts = comm.max(static_cast<double>(problem.factor_bytes()) / 1e6);
   const double separators = problem.solver().interface_megabytes();
   if (most_megabytes <= 0.0 || fronts + separators <= most_megabytes) return {};
   return tl::unexpected(Error{
       ErrorKind::kTooLarge,
       fmt::format("a rank's factor would take {:.0f} MB and its part of what regions share {:.0f} MB, more than the {:.0f} "
-                  "MB of --max-memory; take more ranks, or --out-of-core for the latter",
+                  "MB of --max-memory; take more ranks or --regions, or --out-of-core for the latter",
                   fronts, separators, most_megabytes)});
 }
 
 /// What cannot be determined, by name, where it is of this rank.
 template <int Dim>
-Expected<void> check_determined(const LogPart<Dim>& whole, const Region<Dim>& region, const RegionProblem<Dim>& problem,
-                                const MinimiseResult& result) {
-  if (result.status != MinimiseStatus::kSingular || !problem.solver().is_singular_here()) return {};
-  const PoseOrFeature place = problem.system().place_of_variable(*result.singular);
-  if (const auto* pose = std::get_if<PoseIndex>(&place)) {
-    return bad_input(to_string(whole.poses[region.partial.poses[*pose]]) + " cannot be determined");
-  }
-  return bad_input(to_string(whole.features[region.partial.features[std::get<FeatureIndex>(place)]]) + " cannot be determined");
-}
-
-/// Measured rows of the factors of a region.
-template <int Dim>
-std::int64_t measured_rows(const Region<Dim>& region) {
-  std::int64_t rows = 0;
-  for (const auto& o : region.graph.pose_factors) rows += information_rank(o.information);
-  for (const auto& o : region.graph.feature_factors) rows += information_rank(o.information);
-  return rows;
+Expected<void> check_determined(const LogPart<Dim>& whole, const std::optional<PoseOrFeature>& singular) {
+  if (!singular) return {};
+  if (const auto* pose = std::get_if<PoseIndex>(&*singular))
+    return bad_input(to_string(whole.poses[*pose]) + " cannot be determined");
+  return bad_input(to_string(whole.features[std::get<FeatureIndex>(*singular)]) + " cannot be determined");
 }
 
 /// The map on the first rank: what several regions have is of the first of them.
-template <int Dim>
-GlobalMap<Dim> gathered(const Communicator& comm, const LogPart<Dim>& whole, const Region<Dim>& region,
-                        const Values<Dim>& estimate) {
+template <int Dim, typename Problem>
+GlobalMap<Dim> gathered(const Communicator& comm, const LogPart<Dim>& whole, const std::vector<Region<Dim>>& regions,
+                        const Problem& problem) {
   std::vector<PoseIndex> anchored;
-  for (const PoseIndex place : region.gauge.anchored) anchored.push_back(region.partial.poses[place]);
+  Writer writer;
+  for (std::size_t k = 0; k < regions.size(); ++k) {
+    for (const PoseIndex place : regions[k].anchored) anchored.push_back(regions[k].poses[place]);
+    const Values<Dim>& estimate = problem.estimate(k);
+    writer.put(regions[k].poses).put(estimate.poses).put(regions[k].features).put(estimate.features);
+  }
   anchored = comm.gather(anchored);
   std::vector<std::string> to(static_cast<std::size_t>(comm.size()));
-  to.front() =
-      Writer().put(region.partial.poses).put(estimate.poses).put(region.partial.features).put(estimate.features).bytes();
+  to.front() = std::move(writer).bytes();
   std::vector<std::string> from = comm.exchange(std::move(to));
   GlobalMap<Dim> map;
   if (!comm.is_root()) return map;
@@ -70,14 +75,15 @@ GlobalMap<Dim> gathered(const Communicator& comm, const LogPart<Dim>& whole, con
   map.poses.resize(whole.poses.size());
   map.features.resize(whole.features.size(), Point<Dim>::Zero());
   for (std::string& message : from) {
-    Reader reader(message);
-    const auto poses = reader.template take<PoseIndex>();
-    const auto pose_values = reader.template take<Pose<Dim>>();
-    for (std::size_t k = 0; k < poses.size(); ++k) map.poses[poses[k]] = pose_values[k];
-    const auto features = reader.template take<FeatureIndex>();
-    const auto feature_values = reader.template take<Point<Dim>>();
-    for (std::size_t k = 0; k < features.size(); ++k) map.features[features[k]] = feature_values[k];
-    message = {};
+    for (Reader reader(message); !reader.is_at_end();) {
+      const auto poses = reader.template take<PoseIndex>();
+      const auto pose_values = reader.template take<Pose<Dim>>();
+      for (std::size_t k = 0; k < poses.size(); ++k) map.poses[poses[k]] = pose_values[k];
+      const auto features = reader.template take<FeatureIndex>();
+      const auto feature_values = reader.template take<Point<Dim>>();
+      for (std::size_t k = 0; k < features.size(); ++k) map.features[features[k]] = feature_values[k];
+    }
+    release(message);
   }
   return map;
 }
@@ -100,39 +106,55 @@ double largest_rotation(const Values<Dim>& from, const Values<Dim>& to) {
 }
 
 /// Minimises the chi2 of the whole log over its regions, and gathers the map.
-template <int Dim>
-Expected<void> solve(const Communicator& comm, const Task& task, const LogPart<Dim>& whole, const Region<Dim>& region,
-                     RunResult<Dim>& result) {
+template <typename Problem, int Dim>
+Expected<void> solve_as(const Communicator& comm, const Task& task, const LogPart<Dim>& whole, Regions<Dim>& regions,
+                        Found<Dim>& found) {
+  RunResult<Dim>& result = found.result;
   const Stopwatch watch(result.seconds.polish);
-  RegionProblem<Dim> problem(comm, region, task.mumps);
+  Problem problem(comm, regions, task.mumps);
   if (auto room = check_room(comm, problem, task.most_megabytes); !room) return room;
   MinimiseOptions solver = task.run.solver;
   if (comm.any(result.local_maps > 0)) solver.relative_chi2 *= kRefiningShare;
   result.join = minimise(problem, solver);
-  result.largest_rotation = comm.max(largest_rotation(region.partial.state, problem.system().estimate()));
-  if (auto determined = comm.agree(check_determined(whole, region, problem, result.join)); !determined) return determined;
+  std::int64_t rows = 0;
+  for (std::size_t k = 0; k < regions.own.size(); ++k) {
+    rows += regions.own[k].measured_rows;
+    result.largest_rotation = std::max(result.largest_rotation, largest_rotation(regions.own[k].start, problem.estimate(k)));
+  }
+  result.largest_rotation = comm.max(result.largest_rotation);
   if (result.join.status == MinimiseStatus::kSingular) {
+    if (auto determined = comm.agree(check_determined(whole, problem.singular_here())); !determined) return determined;
     return bad_input(whole.source + ": the observations leave free to move what regions share");
   }
+  found.shared_by_regions = problem.interface().size;
+  found.shared_by_ranks = problem.interface().outer.size;
   result.chi2 = result.join.chi2;
-  result.joint_bytes = problem.system().equations().factor_bytes();
-  result.map = gathered(comm, whole, region, problem.system().estimate());
-  result.dof = degrees_of_freedom(comm.sum(measured_rows(region)), whole, result.map.gauge.size());
+  result.joint_bytes = problem.factor_bytes();
+  result.map = gathered(comm, whole, regions.own, problem);
+  result.dof = degrees_of_freedom(comm.sum(rows), whole, result.map.gauge.size());
   result.join_dof = result.dof;
   return {};
 }
 
 template <int Dim>
+Expected<void> solve(const Communicator& comm, const Task& task, const LogPart<Dim>& whole, Regions<Dim>& regions,
+                     Found<Dim>& found) {
+  return regions.per_rank == 1 ? solve_as<RegionProblem<Dim>>(comm, task, whole, regions, found)
+                               : solve_as<RegionsInTurn<Dim>>(comm, task, whole, regions, found);
+}
+
+template <int Dim>
 Expected<AnyFound> run_on(const Communicator& comm, const Task& task, MappedLog<Dim> log) {
+  if (auto worth = check_worth_it(comm, log.whole, task.regions); !worth) return tl::unexpected(worth.error());
   Found<Dim> found{{}, log.log};
   static_cast<RunFigures&>(found.result) = log.figures;
   Values<Dim> start = [&] {
     const Stopwatch watch(found.result.seconds.join);
     return start_of(comm, log.whole, log.share, std::move(log.maps), task.run);
   }();
-  auto region = region_of(comm, log.whole, std::move(log.share), std::move(start));
-  if (!region) return tl::unexpected(region.error());
-  if (auto solved = solve(comm, task, log.whole, **region, found.result); !solved) return tl::unexpected(solved.error());
+  auto regions = regions_of(comm, log.whole, std::move(log.share), std::move(start), task.regions);
+  if (!regions) return tl::unexpected(regions.error());
+  if (auto solved = solve(comm, task, log.whole, *regions, found); !solved) return tl::unexpected(solved.error());
   found.result.schedule = task.run.schedule;
   return AnyFound(std::move(found));
 }

@@ -14,6 +14,7 @@ struct Task {
   RunOptions run;
   MumpsOptions mumps;
   double most_megabytes = 0.0;  ///< Of factors, on any rank (10⁶ bytes); 0: no bound.
+  std::size_t regions = 1;      ///< Of each rank, one after the other.
 };
 
 /// How the log comes in, by all ranks together: once for each way that is tried.
@@ -24,6 +25,8 @@ template <int Dim>
 struct Found {
   RunResult<Dim> result;  ///< With the map on the first rank.
   LogFigures log;
+  std::size_t shared_by_regions = 0;  ///< Unknowns that several regions have,
+  std::size_t shared_by_ranks = 0;    ///< and those of them that regions of several ranks have.
 };
 using AnyFound = std::variant<Found<2>, Found<3>>;
 

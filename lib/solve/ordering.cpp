@@ -159,6 +159,7 @@ Table<Variable, Column> inverse_order(const Table<Column, Variable>& order) {
 }
 
 Table<Column, Variable> elimination_order(const BlockGraph& graph, const Ordering& ordering) {
+  if (!ordering.border.empty() && !ordering.given.empty()) return ordering.given;
   if (!ordering.border.empty()) return bordered_order(graph, ordering.border);
   if (!ordering.given.empty()) return postordered(graph, ordering.given);
   if (graph.entries().empty()) {

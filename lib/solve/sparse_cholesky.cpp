@@ -33,12 +33,9 @@ class Factorisation {
  private:
   void eliminate_node(std::size_t s) {
     const FactorNode& node = tree_.nodes[s];
-    if (node.width == 0) return;
+    if (node.width == 0) return make_given(s);
     if (tree_.is_border(node)) return assemble_border(node);
-    const Eigen::Index below = node.below();
-    updates_[s] = std::make_unique_for_overwrite<double[]>(static_cast<std::size_t>(below * below));
-    const FrontalMatrix front{{values_ + node.first_value, node.height, node.width, Stride(node.height)},
-                              {updates_[s].get(), below, below, Stride(below)}};
+    const FrontalMatrix front{{values_ + node.first_value, node.height, node.width, Stride(node.height)}, new_update(s)};
     take_entries(node, front.panel);
     Eigen::VectorXd diagonal = front.panel.diagonal();
     add_children(node, 0, front.panel);
@@ -46,6 +43,17 @@ class Factorisation {
     note_singular(matrix_.offsets[node.columns.first], eliminate(front, diagonal));
     add_children(node, node.width, front.update);  // which the elimination has overwritten
     free_children(node);
+  }
+
+  void make_given(std::size_t s) {
+    const GivenFront& front = given_[tree_.nodes[s].given];
+    if (front.make) front.make(new_update(s));
+  }
+
+  DenseBlock new_update(std::size_t s) {
+    const Eigen::Index size = tree_.nodes[s].below();
+    updates_[s] = std::make_unique_for_overwrite<double[]>(static_cast<std::size_t>(size * size));
+    return {updates_[s].get(), size, size, Stride(size)};
   }
 
   /// The Schur complement takes the place of the border's panel.
@@ -67,7 +75,7 @@ class Factorisation {
       const FactorNode& child = tree_.nodes[c];
       const Eigen::Index size = child.below();
       const ConstDenseBlock own(updates_[c].get(), size, size, Stride(size));
-      add_update(child.width == 0 ? given_[child.given].update : own, tree_.runs_of(child), begin, block);
+      add_update(updates_[c] ? own : given_[child.given].update, tree_.runs_of(child), begin, block);
     }
   }
 

@@ -4,6 +4,7 @@
 
 #include <Eigen/Core>
 #include <cstdint>
+#include <functional>
 #include <mapjoin/solve/frontal_matrix.hpp>
 #include <mapjoin/solve/sparse_solver.hpp>
 #include <mapjoin/solve/supernodal_tree.hpp>
@@ -20,6 +21,8 @@ enum class Updates : std::uint8_t { kFreed, kKept };
 struct GivenFront {
   std::vector<Column> rows;  ///< Block rows, ascending; the matrix has a block for any two of them.
   ConstDenseBlock update;    ///< Over their scalars; the lower triangle.
+  /// Instead of an update, what writes it when its turn comes, on any thread; it then lasts until its parent has taken it.
+  std::function<void(DenseBlock)> make = nullptr;
 };
 
 /// L Lᵀ of a matrix that is already in its elimination order, as it stays: multifrontal (Duff & Reid, 1983), subtrees side by

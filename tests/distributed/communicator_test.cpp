@@ -49,7 +49,7 @@ TEST_F(Ranks, AgreeOnTheErrorOfTheFirst) {
 
 TEST_F(Ranks, KnowWhatSeveralHold) {
   // Rank r holds r and r + 1, and all hold 100.
-  const std::vector<Holding> shared = shared_holdings(comm, {rank, rank + 1, 100}, 101);
+  const std::vector<Holding> shared = shared_holdings(comm, {{rank, rank}, {rank + 1, rank}, {100, rank}}, 101);
   std::vector<Holding> expected;
   for (int r = 1; r < size; ++r) expected.insert(expected.end(), {{r, r - 1}, {r, r}});
   for (int r = 0; r < size && size > 1; ++r) expected.push_back({100, r});

@@ -59,9 +59,31 @@ TEST_F(RunOnRanks, FindsTheOptimumOfOneProcessOnRealLogs) {
   }
 }
 
+TEST_F(RunOnRanks, FindsTheSameOptimumWithSeveralRegionsOneAfterTheOther) {
+  for (const char* log : {"manhattan2d.g2o", "manhattan3d.g2o"}) {
+    const auto one = report_of({"run", bundled(log), "--no-verdict"});
+    for (const int ranks : kRanks) {
+      for (const char* regions : {"2", "5"}) {
+        const auto several = report_of_ranks(ranks, {"run", bundled(log), "--regions", regions});
+        EXPECT_NEAR(several["chi2"], one["chi2"], 1e-9 * one["chi2"].get<double>()) << log << ' ' << ranks << ' ' << regions;
+        EXPECT_EQ(several["dof"], one["dof"]) << log << ' ' << ranks << ' ' << regions;
+      }
+    }
+  }
+}
+
+TEST_F(RunOnRanks, TakesEveryMethodThroughSeveralRegions) {
+  const std::string log = bundled("manhattan2d.g2o");
+  const auto one = report_of({"run", log, "--no-verdict"});
+  for (const char* method : {"gn", "lm", "dogleg"}) {
+    const auto several = report_of_ranks(2, {"run", log, "--regions", "3", "--method", method, "--jobs", "2"});
+    EXPECT_NEAR(several["chi2"], one["chi2"], 1e-9 * one["chi2"].get<double>()) << method;
+  }
+}
+
 TEST_F(RunOnRanks, WritesTheMapWhoseChi2ItTells) {
   const std::string log = bundled("manhattan2d.g2o");
-  const auto told = report_of_ranks(2, {"run", log, "-o", path("map.g2o")});
+  const auto told = report_of_ranks(2, {"run", log, "-o", path("map.g2o"), "--regions", "3"});
   const auto map = std::get<Log<2>>(open_log(path("map.g2o")).value());
   const auto read = std::get<Log<2>>(open_log(log).value());
   ASSERT_EQ(map.poses, read.poses);
@@ -94,9 +116,11 @@ TEST_F(RunOnRanks, HoldsFixedPosesAndPriorsAsOneProcessDoes) {
   const std::string held = path("held.g2o");
   const auto one = report_of({"run", held, "--no-verdict"});
   for (const int ranks : kRanks) {
-    const auto several = report_of_ranks(ranks, {"run", held});
-    EXPECT_NEAR(several["chi2"], one["chi2"], 1e-9 * one["chi2"].get<double>()) << ranks;
-    EXPECT_EQ(several["dof"], one["dof"]) << ranks;
+    for (const char* regions : {"1", "4"}) {
+      const auto several = report_of_ranks(ranks, {"run", held, "--regions", regions});
+      EXPECT_NEAR(several["chi2"], one["chi2"], 1e-9 * one["chi2"].get<double>()) << ranks << ' ' << regions;
+      EXPECT_EQ(several["dof"], one["dof"]) << ranks << ' ' << regions;
+    }
   }
 }
 
@@ -140,12 +164,17 @@ TEST_F(RunOnRanks, RefusesMoreRanksThanTheLogIsWorth) {
   const Ended ended = call_ranks(2, {"run", path("small.g2o")});
   EXPECT_EQ(ended.exit_code, 2);
   EXPECT_THAT(ended.err, HasSubstr("3 poses are too few for 2 ranks"));
+  const Ended regions = call_ranks(1, {"run", bundled("manhattan2d.g2o"), "--regions", "1000"});
+  EXPECT_EQ(regions.exit_code, 2);
+  EXPECT_THAT(regions.err, HasSubstr("are too few for 1 rank of 1000 regions"));
 }
 
 TEST_F(RunOnRanks, RefusesFactorsThatAreTooLargeWithNumbers) {
-  const Ended ended = call_ranks(2, {"run", bundled("manhattan3d.g2o"), "--max-memory", "0.5"});
-  EXPECT_EQ(ended.exit_code, 6);
-  EXPECT_THAT(ended.err, HasSubstr("of --max-memory"));
+  for (const char* regions : {"1", "4"}) {
+    const Ended ended = call_ranks(2, {"run", bundled("manhattan3d.g2o"), "--max-memory", "0.5", "--regions", regions});
+    EXPECT_EQ(ended.exit_code, 6);
+    EXPECT_THAT(ended.err, HasSubstr("of --max-memory"));
+  }
 }
 
 TEST_F(RunOnRanks, WantsAFolderForTheFactor) {

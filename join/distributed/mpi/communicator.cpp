@@ -80,7 +80,7 @@ std::vector<std::string> Communicator::exchange(std::vector<std::string> to) con
       MPI_Isend(to[target].data() + begin, count, MPI_CHAR, static_cast<int>(target), kTag, comm_, &requests.emplace_back());
     });
     MPI_Waitall(static_cast<int>(requests.size()), requests.data(), MPI_STATUSES_IGNORE);
-    to[target] = {};
+    release(to[target]);
   }
   return from;
 }

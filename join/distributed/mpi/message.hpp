@@ -54,4 +54,10 @@ class Reader {
   std::string_view rest_;
 };
 
+/// Gives up what a list or a message holds, and its memory, which `list = {}` would keep.
+template <typename List>
+void release(List& list) {
+  List().swap(list);
+}
+
 }  // namespace mapjoin::distributed

@@ -72,6 +72,36 @@ TEST(SparseCholesky, LeavesTheSchurComplementOfABorder) {
   }
 }
 
+TEST(SparseCholesky, TakesFrontsThatAreMadeWhenTheirTurnComes) {
+  Random random;
+  // Three blocks; each two of them are coupled by a front.
+  BlockLower pattern;
+  for (const Eigen::Index size : {4, 3, 2}) pattern.offsets.push_back(pattern.offsets.back() + size);
+  for (const std::vector<Column>& rows : {std::vector<Column>{0, 1, 2}, {1, 2}, {2}}) pattern.rows.push_back(rows);
+  Eigen::MatrixXd A = Eigen::MatrixXd::Zero(9, 9);
+  std::vector<Eigen::MatrixXd> summands;
+  std::vector<GivenFront> fronts;
+  for (const std::vector<Column>& rows : {std::vector<Column>{0, 1}, {0, 2}, {1, 2}}) {
+    std::vector<Eigen::Index> scalars;
+    for (const Column row : rows) {
+      for (auto i = pattern.offsets[row]; i < pattern.offsets[row + 1]; ++i) scalars.push_back(i);
+    }
+    summands.push_back(random_matrix(std::ssize(scalars), random));
+    A(scalars, scalars) += summands.back();
+    const auto make = [&summands, k = fronts.size()](DenseBlock update) {
+      update.triangularView<Eigen::Lower>() = summands[k];
+    };
+    fronts.push_back({rows, {nullptr, 0, 0, Eigen::OuterStride<>(0)}, make});
+  }
+  SparseCholesky cholesky;
+  cholesky.analyse(pattern, fronts);
+  const Eigen::VectorXd b = Eigen::VectorXd::LinSpaced(9, -1.0, 2.0);
+  for (int time = 0; time < 2; ++time) {
+    ASSERT_TRUE(cholesky.factorise(pattern, fronts).empty());
+    EXPECT_LT((A * cholesky.solve(b) - b).norm(), 1e-12 * b.norm());
+  }
+}
+
 TEST(SparseCholesky, SolvesSystemsOfBlocksLikeTheDenseOne) {
   Random random;
   for (const int side : {1, 2, 7, 25}) {

@@ -1,0 +1,50 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+// One region's part of a least-squares problem, made from its factors, to be thrown away once it is eliminated.
+
+#include <mapjoin/distributed/interface.hpp>
+#include <mapjoin/solve/normal_equations.hpp>
+#include <mapjoin/solve/sparse_cholesky.hpp>
+
+namespace mapjoin::distributed {
+
+/// Normal equations of a region, of which all but its border is eliminated.
+template <int Dim>
+class RegionElimination {
+ public:
+  /// `order` is that of the elimination, and is found where it is empty. Region and estimate outlive this.
+  RegionElimination(const Region<Dim>& region, const Values<Dim>& estimate, const Border& border,
+                    Table<Column, Variable>& order);
+  RegionElimination(const RegionElimination&) = delete;
+  RegionElimination& operator=(const RegionElimination&) = delete;
+
+  /// Makes H and g at the estimate, and returns chi2 there; with curvature, H is that of full Newton.
+  double linearise(bool with_curvature);
+  const NormalEquations& equations() const { return equations_; }
+  /// A place that is singular, or nothing.
+  std::optional<PoseOrFeature> factorise(double damping);
+  /// Of its factor, known before it is factorised.
+  std::int64_t bytes() const { return solver_->bytes(); }
+  /// By its lower triangle.
+  ConstDenseBlock schur_complement() const { return solver_->schur_complement(); }
+
+  /// L⁻¹ b, in the order of the elimination: the border last.
+  Eigen::VectorXd forward(const Eigen::VectorXd& b) const;
+  /// The solution, whose border is given in the last entries of forward().
+  Eigen::VectorXd backward(Eigen::VectorXd y) const;
+
+ private:
+  Variable variable(PoseIndex place) const { return place == kWorld ? kConstant : pose_variables_[place]; }
+  Variable variable(FeatureIndex place) const { return first_feature_ + place.value; }
+  BlockPattern pattern() const;
+  Ordering ordering(const Border& border, const Table<Column, Variable>& order) const;
+
+  const Values<Dim>& estimate_;
+  FactorGraph<Dim> graph_;
+  Table<PoseIndex, Variable> pose_variables_;
+  Variable first_feature_ = 0;
+  SparseCholesky* solver_;  // of the equations
+  NormalEquations equations_;
+};
+
+}  // namespace mapjoin::distributed
