@@ -18,7 +18,7 @@ namespace {
 
 /// A store's maps are built already, with the weights that it names: no others can be taken.
 template <int Dim>
-void take_weights(const Options& options, const StoredMaps<Dim>& stored) {
+void take_weights(const Options& options, StoredMaps<Dim>& stored) {
   const bool are_those = options.covariance == Covariance::kOriginal || options.covariance == stored.log.conventions.covariance;
   if (are_those && !options.read.repair_information) return;
   fail(ErrorKind::kUsage,
