@@ -2,6 +2,7 @@
 #include <fmt/format.h>
 
 #include <apps/mpi/by_ranks.hpp>
+#include <mapjoin/distributed/run.hpp>
 
 namespace mapjoin::apps {
 
@@ -45,7 +46,33 @@ ExitCode conclude(CommandRun& command_run, const std::string& effort) {
   return code;
 }
 
-void add_memory(Subcommand& command, MpiOptions& options) {
+ExitCode make_map(const std::string& command, const MpiOptions& options,
+                  const std::function<Expected<distributed::AnyMappedLog>(const Communicator&)>& read) {
+  const Communicator comm(MPI_COMM_WORLD);
+  CommandRun command_run(command, options, {});
+  told_by_first(comm, [&] {
+    command_run.prepare(outputs_of_map(options));
+    return ExitCode::kDone;
+  });
+  const distributed::Task task{options.run, {options.out_of_core}, options.most_memory_mb};
+  auto found = distributed::run(
+                   comm, [&] { return read(comm); }, task)
+                   .value();
+  const std::string effort = effort_in_words(comm);
+  return told_by_first(comm, [&] {
+    const auto write = [&]<int Dim>(distributed::Found<Dim>& any) {
+      describe(Dim, any.log, command_run.run_report);
+      command_run.write_map<Dim>(any.result, nullptr);
+    };
+    std::visit(write, found);
+    return conclude(command_run, effort);
+  });
+}
+
+void add_way_of_ranks(Subcommand& command, MpiOptions& options) {
+  command.group("Joining");
+  command.choice("--schedule", options.run.schedule, "How each rank joins its part before the parts are aligned");
+  add_solver(command, options);
   command.group("Memory");
   command.path("--out-of-core", options.out_of_core, "DIR", "Keep the factor of what regions share in files in this folder");
   command.number("--max-memory", options.most_memory_mb, 0.0, "MB", "Refuse factors that take more on any rank [no bound]");
@@ -53,6 +80,7 @@ void add_memory(Subcommand& command, MpiOptions& options) {
     if (options.out_of_core.empty() || std::filesystem::is_directory(options.out_of_core)) return {};
     return {fmt::format("--out-of-core: {} is no folder", options.out_of_core.string())};
   });
+  add_reporting(command, options);
 }
 
 }  // namespace mapjoin::apps

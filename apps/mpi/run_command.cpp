@@ -3,14 +3,10 @@
 
 #include <apps/mpi/by_ranks.hpp>
 #include <apps/mpi/commands.hpp>
-#include <mapjoin/distributed/run.hpp>
 #include <memory>
 
 namespace mapjoin::apps {
 namespace {
-
-using distributed::Communicator;
-using distributed::Found;
 
 constexpr const char* kExamples =
     "  mpirun -n 2 mapjoin-mpi run data/manhattan2d.g2o -o map.g2o\n"
@@ -18,24 +14,8 @@ constexpr const char* kExamples =
     "  mpirun -n 16 mapjoin-mpi run city.g2o -o map.csv --checkpoint stores";
 
 ExitCode run_log(const MpiOptions& options) {
-  const Communicator comm(MPI_COMM_WORLD);
-  CommandRun command_run("run", options, {});
-  told_by_first(comm, [&] {
-    command_run.prepare(outputs_of_map(options));
-    return ExitCode::kDone;
-  });
   const distributed::LogTask log{options.input, options.read, options.covariance, options.run, options.stores};
-  const auto read = [&] { return distributed::mapped_log(comm, log); };
-  auto found = distributed::run(comm, read, {options.run, {options.out_of_core}, options.most_memory_mb}).value();
-  const std::string effort = effort_in_words(comm);
-  return told_by_first(comm, [&] {
-    const auto write = [&]<int Dim>(Found<Dim>& any) {
-      describe(Dim, any.log, command_run.run_report);
-      command_run.write_map<Dim>(any.result, nullptr);
-    };
-    std::visit(write, found);
-    return conclude(command_run, effort);
-  });
+  return make_map("run", options, [&](const distributed::Communicator& comm) { return distributed::mapped_log(comm, log); });
 }
 
 }  // namespace
@@ -49,11 +29,8 @@ void declare_mpi_run(Subcommand& command) {
       "--checkpoint", options->stores, "DIR",
       "Keep the local maps of each rank in a store in this folder, from which the same command goes on if it is killed");
   add_splitting(command, *options);
-  command.choice("--schedule", options->run.schedule, "How each rank joins its part before the parts are aligned");
-  add_solver(command, *options);
   add_reading(command, *options);
-  add_memory(command, *options);
-  add_reporting(command, *options);
+  add_way_of_ranks(command, *options);
   command.check([options] { return check_extension(options->output); });
   command.check([options] { return output_conflicts(inputs_of(*options, "LOG"), outputs_of_map(*options)); });
   command.act([options](const std::stop_token&) { return run_log(*options); });

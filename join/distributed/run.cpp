@@ -2,9 +2,9 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <array>
 #include <mapjoin/distributed/region_problem.hpp>
 #include <mapjoin/distributed/run.hpp>
+#include <mapjoin/join/settled.hpp>
 #include <mapjoin/join/tolerances.hpp>
 #include <mapjoin/measure/effort.hpp>
 #include <mapjoin/model/information.hpp>
@@ -89,16 +89,6 @@ std::int64_t degrees_of_freedom(std::int64_t rows, const LogPart<Dim>& whole, st
   return rows - kPoseDof<Dim> * free_poses - Dim * static_cast<std::int64_t>(whole.features.size());
 }
 
-/// The most that a pose of this rank is turned from one estimate to another (rad).
-template <int Dim>
-double largest_rotation(const Values<Dim>& from, const Values<Dim>& to) {
-  double most = 0.0;
-  for (const PoseIndex p : indices(to.poses)) {
-    most = std::max(most, (from.poses[p].rotation.inverse() * to.poses[p].rotation).log().norm());
-  }
-  return most;
-}
-
 /// Minimises the chi2 of the whole log over its regions, and gathers the map.
 template <int Dim>
 Expected<void> solve(const Communicator& comm, const Task& task, const LogPart<Dim>& whole, const Region<Dim>& region,
@@ -109,7 +99,7 @@ Expected<void> solve(const Communicator& comm, const Task& task, const LogPart<D
   MinimiseOptions solver = task.run.solver;
   if (comm.any(result.local_maps > 0)) solver.relative_chi2 *= kRefiningShare;
   result.join = minimise(problem, solver);
-  result.largest_rotation = comm.max(largest_rotation(region.partial.state, problem.system().estimate()));
+  result.largest_rotation = comm.max(largest_rotation_update(region.partial.state, problem.system().estimate()));
   if (auto determined = comm.agree(check_determined(whole, region, problem, result.join)); !determined) return determined;
   if (result.join.status == MinimiseStatus::kSingular) {
     return bad_input(whole.source + ": the observations leave free to move what regions share");
@@ -148,16 +138,6 @@ RunFigures& figures_of(AnyFound& found) {
   return std::visit([](auto& any) -> RunFigures& { return any.result; }, found);
 }
 
-/// What kAuto tries, in the order of cost, until a map is settled.
-constexpr std::array kWays = {Schedule::kAligned, Schedule::kTree, Schedule::kUnbalanced};
-
-/// Whether the solve met no second minimum on its way: every step gained what the model promised, or, of the first way, it
-/// began near its optimum.
-bool is_settled(Schedule way, const RunFigures& figures) {
-  if (!figures.converged()) return false;
-  return figures.join.short_steps == 0 || (way == kWays.front() && figures.largest_rotation < kFarFromLinear);
-}
-
 /// The first way whose map is settled, or else that of least chi2, where another one has confirmed it or all were tried.
 Expected<AnyFound> run_by_best(const Communicator& comm, const Reading& read, const Task& task) {
   std::optional<AnyFound> best;
@@ -166,7 +146,7 @@ Expected<AnyFound> run_by_best(const Communicator& comm, const Reading& read, co
     if (!found && best) continue;  // what is singular far from the optimum need not be so elsewhere
     if (!found) return found;
     RunFigures& figures = figures_of(*found);
-    figures.is_settled = is_settled(way, figures);
+    figures.is_settled = is_settled(way, figures.join, figures.largest_rotation);
     const bool is_confirmed = best && is_same_chi2(figures_of(*best).chi2, figures.chi2);
     if (!best || is_less_chi2(figures.chi2, figures_of(*best).chi2)) best = *std::move(found);
     if (is_confirmed || figures_of(*best).is_settled) break;
