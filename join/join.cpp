@@ -2,11 +2,11 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <array>
 #include <mapjoin/join/align/gauge.hpp>
 #include <mapjoin/join/align/joined_map.hpp>
 #include <mapjoin/join/join.hpp>
 #include <mapjoin/join/relative_join.hpp>
+#include <mapjoin/join/settled.hpp>
 #include <mapjoin/join/tolerances.hpp>
 #include <mapjoin/measure/statistics.hpp>
 #include <mapjoin/model/information.hpp>
@@ -58,16 +58,6 @@ Values<Dim> state_of(const SubmapGraph<Dim>& graph, const PartialMap<Dim>& joine
 
 tl::unexpected<Error> interrupted() {
   return tl::unexpected(Error{ErrorKind::kInterrupted, "interrupted while joining"});
-}
-
-/// The most that a pose is turned from one state to another (rad).
-template <int Dim>
-double largest_rotation_update(const Values<Dim>& from, const Values<Dim>& to) {
-  double most = 0.0;
-  for (const PoseIndex p : indices(to.poses)) {
-    most = std::max(most, (from.poses[p].rotation.inverse() * to.poses[p].rotation).log().norm());
-  }
-  return most;
 }
 
 /// A submap graph, what names its poses and features, and how it is to be joined.
@@ -170,24 +160,8 @@ Expected<Join<Dim>> continued(const Task<Dim>& task, Join<Dim> join, const Minim
   return further;
 }
 
-/// What kAuto tries, in the order of cost, until a map is settled: by a solve that was as good as linear, or (the first and
-/// cheapest) began near its optimum; else two have to end at the same one, one of them from near by.
-constexpr std::array kWays = {Schedule::kAligned, Schedule::kTree, Schedule::kUnbalanced};
 /// A way that has not converged by then is set aside, and goes on only if no other did better.
 constexpr int kTrialIterations = 75;
-
-/// Whether every step of the last solve gained what the model promised: there was no second minimum on the way.
-template <int Dim>
-bool was_as_good_as_linear(const Join<Dim>& join) {
-  return join.result.status == MinimiseStatus::kConverged && join.result.short_steps == 0;
-}
-
-/// Whether the last solve began near to where it converged.
-template <int Dim>
-bool came_from_near_by(const Join<Dim>& join) {
-  return join.result.status == MinimiseStatus::kConverged &&
-         (join.largest_rotation < kFarFromLinear || was_as_good_as_linear(join));
-}
 
 template <int Dim>
 Expected<Join<Dim>> join_by_best(const Task<Dim>& task) {
@@ -199,9 +173,10 @@ Expected<Join<Dim>> join_by_best(const Task<Dim>& task) {
     if (task.stop.stop_requested()) return interrupted();
     if (!found && (best || way == kWays.front())) continue;  // what is singular far from the optimum need not be so elsewhere
     if (!found) return found;
-    found->is_settled = was_as_good_as_linear(*found) || (way == kWays.front() && came_from_near_by(*found));
+    found->is_settled = is_settled(way, found->result, found->largest_rotation);
     if (best && is_same_chi2(best->result.chi2, found->result.chi2)) {
-      const bool is_confirmed = came_from_near_by(*best) || came_from_near_by(*found);
+      const bool is_confirmed =
+          came_from_near_by(best->result, best->largest_rotation) || came_from_near_by(found->result, found->largest_rotation);
       if (found->is_settled || best->result.status != MinimiseStatus::kConverged) best = *std::move(found);
       if (is_confirmed) return *std::move(best);
     } else if (!best || is_less_chi2(found->result.chi2, best->result.chi2)) {

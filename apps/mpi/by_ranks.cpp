@@ -2,6 +2,7 @@
 #include <fmt/format.h>
 
 #include <apps/mpi/by_ranks.hpp>
+#include <mapjoin/distributed/run.hpp>
 
 namespace mapjoin::apps {
 
@@ -45,7 +46,42 @@ ExitCode conclude(CommandRun& command_run, const std::string& effort) {
   return code;
 }
 
-void add_memory(Subcommand& command, MpiOptions& options) {
+/// What the first rank knows of what regions share, in one line.
+template <int Dim>
+std::string shared_in_words(const MpiOptions& options, const distributed::Found<Dim>& found) {
+  return fmt::format("shared        {} unknowns by ranks, {} by regions, {} a rank\n", found.shared_by_ranks,
+                     found.shared_by_regions, options.regions);
+}
+
+ExitCode make_map(const std::string& command, const MpiOptions& options,
+                  const std::function<Expected<distributed::AnyMappedLog>(const Communicator&)>& read) {
+  const Communicator comm(MPI_COMM_WORLD);
+  CommandRun command_run(command, options, {});
+  told_by_first(comm, [&] {
+    command_run.prepare(outputs_of_map(options));
+    return ExitCode::kDone;
+  });
+  const distributed::Task task{
+      options.run, {options.out_of_core}, options.most_memory_mb, static_cast<std::size_t>(options.regions)};
+  auto found = distributed::run(
+                   comm, [&] { return read(comm); }, task)
+                   .value();
+  const std::string effort =
+      std::visit([&](const auto& any) { return shared_in_words(options, any); }, found) + effort_in_words(comm);
+  return told_by_first(comm, [&] {
+    const auto write = [&]<int Dim>(distributed::Found<Dim>& any) {
+      describe(Dim, any.log, command_run.run_report);
+      command_run.write_map<Dim>(any.result, nullptr);
+    };
+    std::visit(write, found);
+    return conclude(command_run, effort);
+  });
+}
+
+void add_way_of_ranks(Subcommand& command, MpiOptions& options) {
+  command.group("Joining");
+  command.choice("--schedule", options.run.schedule, "How each rank joins its part before the parts are aligned");
+  add_solver(command, options);
   command.group("Memory");
   command.number<std::int64_t>("--regions", options.regions, 1, "N",
                                "Regions of each rank, eliminated one after the other, of whose factors it holds one at a time");
@@ -55,6 +91,7 @@ void add_memory(Subcommand& command, MpiOptions& options) {
     if (options.out_of_core.empty() || std::filesystem::is_directory(options.out_of_core)) return {};
     return {fmt::format("--out-of-core: {} is no folder", options.out_of_core.string())};
   });
+  add_reporting(command, options);
 }
 
 }  // namespace mapjoin::apps

@@ -26,7 +26,12 @@ std::string effort_in_words(const distributed::Communicator& comm);
 /// CommandRun::conclude(), and what ranks needed where people read; by the first rank.
 ExitCode conclude(CommandRun& command_run, const std::string& effort);
 
-/// --regions, --out-of-core and --max-memory.
-void add_memory(Subcommand& command, MpiOptions& options);
+/// A command that makes a map of the log that `read` brings in, once for each way that is tried.
+ExitCode make_map(const std::string& command, const MpiOptions& options,
+                  const std::function<Expected<distributed::AnyMappedLog>(const distributed::Communicator&)>& read);
+
+/// What such a command takes beside its input: --schedule, --regions, --out-of-core, --max-memory, and options of the solver
+/// and the report.
+void add_way_of_ranks(Subcommand& command, MpiOptions& options);
 
 }  // namespace mapjoin::apps

@@ -8,5 +8,6 @@ namespace mapjoin::apps {
 
 void declare_mpi_run(Subcommand& command);
 void declare_mpi_build(Subcommand& command);
+void declare_mpi_join(Subcommand& command);
 
 }  // namespace mapjoin::apps

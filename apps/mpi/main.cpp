@@ -17,7 +17,8 @@ constexpr const char* kDescription =
 
 constexpr Command kCommands[] = {
     {"run", "From a log to a global map: splits, builds local maps, aligns, and minimises the whole log", declare_mpi_run},
-    {"build", "From a log to stores of local maps, one of each rank", declare_mpi_build}};
+    {"build", "From a log to stores of local maps, one of each rank", declare_mpi_build},
+    {"join", "From stores of local maps to a global map", declare_mpi_join}};
 
 /// What the ranks do not agree on beforehand ends all of them.
 ExitCode on_rank(const distributed::Communicator& comm, int argc, char** argv) {

@@ -11,9 +11,7 @@ namespace {
 /// Which poses are of which rank.
 class Shares {
  public:
-  Shares(std::size_t poses, int ranks) {
-    for (int r = 0; r <= ranks; ++r) begin_.emplace_back(poses * static_cast<std::size_t>(r) / static_cast<std::size_t>(ranks));
-  }
+  Shares(std::vector<PoseIndex> begins, std::size_t poses) : begin_(std::move(begins)) { begin_.emplace_back(poses); }
 
   /// The rank to whose share a pose belongs, of two the later one.
   std::size_t owner(PoseIndex pose) const {
@@ -56,25 +54,31 @@ Dealt<Dim> dealt_to(std::size_t rank, const FactorGraph<Dim>& graph, const Share
 
 /// The share's log of all that comes from the ranks.
 template <int Dim>
-LogShare<Dim> received(std::vector<std::string> messages, const LogPart<Dim>& part, PoseIndex first, PoseIndex last) {
+LogShare<Dim> received(std::vector<std::string> messages, const LogPart<Dim>& part, PoseIndex first, PoseIndex last,
+                       PoseOrder order) {
   LogShare<Dim> share;
   LogBuilder<Dim> builder(part.source, part.conventions, Numbers::kChecked);
-  for (PoseIndex pose = first; pose <= last; ++pose) builder.add_pose(part.poses[pose]);
+  // Poses go by their index, for names need not ascend.
+  const auto id = [&](PoseIndex pose) { return PoseId{part.poses[pose].session, static_cast<std::uint64_t>(pose.value)}; };
+  for (PoseIndex pose = first; pose <= last; ++pose) builder.add_pose(id(pose));
   const auto append = [](auto& list, const auto& more) { list.insert(list.end(), more.begin(), more.end()); };
   for (std::string& message : messages) {
     Reader reader(message);
     for (const auto& o : reader.take<PoseFactor<Dim>>()) {
-      builder.add_pose_edge(part.poses[o.base], part.poses[o.target], o.measured, o.information);
+      builder.add_pose_edge(id(o.base), id(o.target), o.measured, o.information);
     }
     for (const auto& o : reader.take<FeatureFactor<Dim>>()) {
-      builder.add_observation(part.poses[o.base], part.features[o.target], o.measured, o.information);
+      builder.add_observation(id(o.base), part.features[o.target], o.measured, o.information);
     }
     append(share.apart.pose_factors, reader.take<PoseFactor<Dim>>());
     append(share.apart.feature_factors, reader.take<FeatureFactor<Dim>>());
     release(message);
   }
-  share.log = std::move(builder).finish().value();  // what was checked where it was read
-  for (const PoseId& id : share.log.poses) share.poses.emplace_back(find_ascending(part.poses, id).value());
+  share.log = std::move(builder).finish(order).value();  // what was checked where it was read
+  for (PoseId& name : share.log.poses) {
+    share.poses.emplace_back(name.key);
+    name = part.poses[share.poses.back()];
+  }
   for (const FeatureId& id : share.log.features) share.features.emplace_back(find_ascending(part.features, id).value());
   return share;
 }
@@ -108,11 +112,17 @@ void mark_referenced(const Communicator& comm, const LogPart<Dim>& part, const S
 
 }  // namespace
 
+std::vector<PoseIndex> even_begins(std::size_t poses, int ranks) {
+  std::vector<PoseIndex> begins;
+  for (int r = 0; r < ranks; ++r) begins.emplace_back(poses * static_cast<std::size_t>(r) / static_cast<std::size_t>(ranks));
+  return begins;
+}
+
 template <int Dim>
-LogShare<Dim> share_of(const Communicator& comm, LogPart<Dim>& part) {
+LogShare<Dim> share_of(const Communicator& comm, LogPart<Dim>& part, const std::vector<PoseIndex>& begins, PoseOrder order) {
   const auto ranks = static_cast<std::size_t>(comm.size());
   const auto rank = static_cast<std::size_t>(comm.rank());
-  const Shares shares(part.poses.size(), comm.size());
+  const Shares shares(begins, part.poses.size());
   std::vector<std::string> messages;
   for (std::size_t r = 0; r < ranks; ++r) {
     const Dealt<Dim> to = dealt_to(r, part.graph, shares, ranks);
@@ -120,12 +130,12 @@ LogShare<Dim> share_of(const Communicator& comm, LogPart<Dim>& part) {
   }
   release(part.graph.pose_factors);
   release(part.graph.feature_factors);
-  LogShare<Dim> share = received(comm.exchange(std::move(messages)), part, shares.first(rank), shares.last(rank));
+  LogShare<Dim> share = received(comm.exchange(std::move(messages)), part, shares.first(rank), shares.last(rank), order);
   mark_referenced(comm, part, shares, share);
   return share;
 }
 
-template LogShare<2> share_of(const Communicator&, LogPart<2>&);
-template LogShare<3> share_of(const Communicator&, LogPart<3>&);
+template LogShare<2> share_of(const Communicator&, LogPart<2>&, const std::vector<PoseIndex>&, PoseOrder);
+template LogShare<3> share_of(const Communicator&, LogPart<3>&, const std::vector<PoseIndex>&, PoseOrder);
 
 }  // namespace mapjoin::distributed

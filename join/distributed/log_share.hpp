@@ -3,6 +3,8 @@
 // A log cut by time: each rank has consecutive poses, with what was measured from them, as a log of its own.
 
 #include <mapjoin/distributed/log_part.hpp>
+#include <mapjoin/model/log_builder.hpp>
+#include <vector>
 
 namespace mapjoin::distributed {
 
@@ -18,8 +20,12 @@ struct LogShare {
   Table<FeatureIndex, bool> is_referenced_feature;  ///< Likewise.
 };
 
-/// The share of this rank, once all have dealt out the factors of their parts, which they give up for it.
+/// The first pose of each rank's share, where these have as many poses.
+std::vector<PoseIndex> even_begins(std::size_t poses, int ranks);
+
+/// The share of this rank, once all have dealt out the factors of their parts, which they give up for it. `begins` is the first
+/// pose of each, at which the one before ends.
 template <int Dim>
-LogShare<Dim> share_of(const Communicator& comm, LogPart<Dim>& part);
+LogShare<Dim> share_of(const Communicator& comm, LogPart<Dim>& part, const std::vector<PoseIndex>& begins, PoseOrder order);
 
 }  // namespace mapjoin::distributed

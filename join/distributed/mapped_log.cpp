@@ -56,7 +56,7 @@ Expected<AnyMappedLog> mapped(const Communicator& comm, const LogTask& task, Log
   const auto fit = check_worth_it(comm, whole).and_then([&] { return check_connected(comm, whole); });
   if (!fit) return tl::unexpected(fit.error());
   if (task.covariance == Covariance::kIdentity) use_identity_covariance(whole);
-  LogShare<Dim> share = share_of(comm, whole);
+  LogShare<Dim> share = share_of(comm, whole, even_begins(whole.poses.size(), comm.size()), PoseOrder::kDriven);
   double seconds = 0.0;
   auto maps = [&] {
     const Stopwatch watch(seconds);

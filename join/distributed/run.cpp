@@ -2,11 +2,11 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <array>
 #include <mapjoin/distributed/region_problem.hpp>
 #include <mapjoin/distributed/regions_in_turn.hpp>
 #include <mapjoin/distributed/run.hpp>
 #include <mapjoin/distributed/start.hpp>
+#include <mapjoin/join/settled.hpp>
 #include <mapjoin/join/tolerances.hpp>
 #include <mapjoin/measure/effort.hpp>
 #include <mapjoin/solve/minimise.hpp>
@@ -95,16 +95,6 @@ std::int64_t degrees_of_freedom(std::int64_t rows, const LogPart<Dim>& whole, st
   return rows - kPoseDof<Dim> * free_poses - Dim * static_cast<std::int64_t>(whole.features.size());
 }
 
-/// The most that a pose of this rank is turned from one estimate to another (rad).
-template <int Dim>
-double largest_rotation(const Values<Dim>& from, const Values<Dim>& to) {
-  double most = 0.0;
-  for (const PoseIndex p : indices(to.poses)) {
-    most = std::max(most, (from.poses[p].rotation.inverse() * to.poses[p].rotation).log().norm());
-  }
-  return most;
-}
-
 /// Minimises the chi2 of the whole log over its regions, and gathers the map.
 template <typename Problem, int Dim>
 Expected<void> solve_as(const Communicator& comm, const Task& task, const LogPart<Dim>& whole, Regions<Dim>& regions,
@@ -119,7 +109,8 @@ Expected<void> solve_as(const Communicator& comm, const Task& task, const LogPar
   std::int64_t rows = 0;
   for (std::size_t k = 0; k < regions.own.size(); ++k) {
     rows += regions.own[k].measured_rows;
-    result.largest_rotation = std::max(result.largest_rotation, largest_rotation(regions.own[k].start, problem.estimate(k)));
+    result.largest_rotation =
+        std::max(result.largest_rotation, largest_rotation_update(regions.own[k].start, problem.estimate(k)));
   }
   result.largest_rotation = comm.max(result.largest_rotation);
   if (result.join.status == MinimiseStatus::kSingular) {
@@ -170,16 +161,6 @@ RunFigures& figures_of(AnyFound& found) {
   return std::visit([](auto& any) -> RunFigures& { return any.result; }, found);
 }
 
-/// What kAuto tries, in the order of cost, until a map is settled.
-constexpr std::array kWays = {Schedule::kAligned, Schedule::kTree, Schedule::kUnbalanced};
-
-/// Whether the solve met no second minimum on its way: every step gained what the model promised, or, of the first way, it
-/// began near its optimum.
-bool is_settled(Schedule way, const RunFigures& figures) {
-  if (!figures.converged()) return false;
-  return figures.join.short_steps == 0 || (way == kWays.front() && figures.largest_rotation < kFarFromLinear);
-}
-
 /// The first way whose map is settled, or else that of least chi2, where another one has confirmed it or all were tried.
 Expected<AnyFound> run_by_best(const Communicator& comm, const Reading& read, const Task& task) {
   std::optional<AnyFound> best;
@@ -188,7 +169,7 @@ Expected<AnyFound> run_by_best(const Communicator& comm, const Reading& read, co
     if (!found && best) continue;  // what is singular far from the optimum need not be so elsewhere
     if (!found) return found;
     RunFigures& figures = figures_of(*found);
-    figures.is_settled = is_settled(way, figures);
+    figures.is_settled = is_settled(way, figures.join, figures.largest_rotation);
     const bool is_confirmed = best && is_same_chi2(figures_of(*best).chi2, figures.chi2);
     if (!best || is_less_chi2(figures.chi2, figures_of(*best).chi2)) best = *std::move(found);
     if (is_confirmed || figures_of(*best).is_settled) break;

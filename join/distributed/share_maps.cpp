@@ -1,9 +1,26 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <mapjoin/distributed/share_maps.hpp>
+#include <mapjoin/join/align/partial_map.hpp>
 #include <mapjoin/localmap/build.hpp>
+#include <mapjoin/localmap/check.hpp>
 #include <utility>
 
 namespace mapjoin::distributed {
+namespace {
+
+/// The map by the indices of the share; bad input where it has other features.
+template <int Dim>
+Expected<LocalMap<Dim>> in_share(LocalMap<Dim> map, const LogShare<Dim>& share) {
+  for (FeatureIndex& feature : map.features) {
+    if (!holds(share.features, feature)) return bad_input(share.log.source + ": a local map is not of this log");
+    feature = place_of(share.features, feature);
+  }
+  map.base = place_of(share.poses, map.base);
+  for (PoseIndex& pose : map.poses) pose = place_of(share.poses, pose);
+  return map;
+}
+
+}  // namespace
 
 template <int Dim>
 Expected<ShareMaps<Dim>> built_maps(const LogShare<Dim>& share, const RunOptions& options) {
@@ -13,6 +30,25 @@ Expected<ShareMaps<Dim>> built_maps(const LogShare<Dim>& share, const RunOptions
   });
 }
 
+template <int Dim>
+Expected<void> take_maps(const LogShare<Dim>& share, std::vector<std::optional<LocalMap<Dim>>> maps, ShareMaps<Dim>& into) {
+  auto map = maps.begin();
+  for (Segment& segment : into.split.segments) {
+    if (!segment.is_map) continue;
+    std::optional<LocalMap<Dim>>& stored = *map++;
+    if (!stored) {
+      make_raw(segment, into.split);
+      continue;
+    }
+    auto own = in_share(*std::move(stored), share);
+    if (!own) return tl::unexpected(own.error());
+    into.maps.push_back(*std::move(own));
+  }
+  return check_local_maps(share.log, into.split, into.maps);
+}
+
+template Expected<void> take_maps(const LogShare<2>&, std::vector<std::optional<LocalMap<2>>>, ShareMaps<2>&);
+template Expected<void> take_maps(const LogShare<3>&, std::vector<std::optional<LocalMap<3>>>, ShareMaps<3>&);
 template Expected<ShareMaps<2>> built_maps(const LogShare<2>&, const RunOptions&);
 template Expected<ShareMaps<3>> built_maps(const LogShare<3>&, const RunOptions&);
 

@@ -5,6 +5,8 @@
 #include <mapjoin/distributed/log_share.hpp>
 #include <mapjoin/join/run.hpp>
 #include <mapjoin/localmap/split.hpp>
+#include <optional>
+#include <vector>
 
 namespace mapjoin::distributed {
 
@@ -20,5 +22,10 @@ struct ShareMaps {
 
 template <int Dim>
 Expected<ShareMaps<Dim>> built_maps(const LogShare<Dim>& share, const RunOptions& options);
+
+/// Takes the maps of those of its segments that are maps, in their order, by the indices of all names; what is nothing did not
+/// determine a map. Bad input where they are not of this share.
+template <int Dim>
+Expected<void> take_maps(const LogShare<Dim>& share, std::vector<std::optional<LocalMap<Dim>>> maps, ShareMaps<Dim>& into);
 
 }  // namespace mapjoin::distributed

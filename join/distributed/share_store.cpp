@@ -5,8 +5,6 @@
 #include <mapjoin/distributed/share_store.hpp>
 #include <mapjoin/io/store/pieces.hpp>
 #include <mapjoin/io/store/store.hpp>
-#include <mapjoin/join/align/partial_map.hpp>
-#include <mapjoin/localmap/check.hpp>
 #include <mapjoin/localmap/stored_build.hpp>
 #include <string_view>
 #include <utility>
@@ -96,7 +94,7 @@ Portioned<Dim> portioned(const Communicator& comm, const LogPart<Dim>& whole, co
 template <int Dim>
 std::optional<StorePieces> finished_store(const fs::path& path, const Portioned<Dim>& of) {
   auto pieces = StorePieces::open(path);
-  if (!pieces) return std::nullopt;
+  if (!pieces || !pieces->check()) return std::nullopt;
   const auto is_this = pieces->template holds<Dim>({of.log, of.split.segments, of.options, of.portion});
   return is_this && *is_this ? std::optional(*std::move(pieces)) : std::nullopt;
 }
@@ -115,30 +113,10 @@ Expected<StorePieces> build_store(const fs::path& path, const Portioned<Dim>& of
   return store->finish().and_then([&] { return StorePieces::open(path); });
 }
 
-template <int Dim>
-LocalMap<Dim> in_share(LocalMap<Dim> map, const LogShare<Dim>& share) {
-  map.base = place_of(share.poses, map.base);
-  for (PoseIndex& pose : map.poses) pose = place_of(share.poses, pose);
-  for (FeatureIndex& feature : map.features) feature = place_of(share.features, feature);
-  return map;
-}
-
 /// Takes the maps of a share out of its store.
 template <int Dim>
 Expected<void> take_maps(StorePieces& store, const Portioned<Dim>& of, const LogShare<Dim>& share, ShareMaps<Dim>& into) {
-  auto maps = store.maps(of.log, of.split.segments);
-  if (!maps) return tl::unexpected(maps.error());
-  auto map = maps->begin();
-  for (Segment& segment : into.split.segments) {
-    if (!segment.is_map) continue;
-    if (*map) {
-      into.maps.push_back(in_share(**std::move(map), share));
-    } else {
-      make_raw(segment, into.split);
-    }
-    ++map;
-  }
-  return check_local_maps(share.log, into.split, into.maps);
+  return store.maps(of.log, of.split.segments).and_then([&](auto maps) { return take_maps(share, std::move(maps), into); });
 }
 
 /// The number of ranks in the name of a store.

@@ -65,7 +65,9 @@ Expected<FileBytes> plain_g2o(const std::filesystem::path& path) {
     });
     if (is_g2o_tag(first)) return bytes;
     return bad_input(fmt::format(
-        "{}: ranks read their parts of a plain g2o file, and this is none; `mapjoin convert` writes one", path.string()));
+        "{}: ranks read their parts of a plain g2o file, and this is none; `mapjoin convert` writes one, or `mapjoin build` a "
+        "store for `mapjoin-mpi join`",
+        path.string()));
   });
 }
 

@@ -124,6 +124,14 @@ TEST_F(RunOnRanks, HoldsFixedPosesAndPriorsAsOneProcessDoes) {
   }
 }
 
+TEST_F(RunOnRanks, WeighsAsItIsAsked) {
+  const std::vector<std::string> unweighted{"run", bundled("manhattan2d.g2o"), "--covariance", "identity"};
+  const auto one = report_of({"run", bundled("manhattan2d.g2o"), "--covariance", "identity", "--no-verdict"});
+  const auto two = report_of_ranks(2, unweighted);
+  EXPECT_NEAR(two["chi2"], one["chi2"], 1e-9 * one["chi2"].get<double>());
+  EXPECT_EQ(two["convention"], one["convention"]);
+}
+
 TEST_F(RunOnRanks, FindsTheOptimumWithItsFactorInFiles) {
   const std::string log = bundled("manhattan2d.g2o");
   const auto in_memory = report_of_ranks(2, {"run", log});
@@ -157,6 +165,13 @@ TEST_F(RunOnRanks, RefusesWhatIsNotPlainG2o) {
     EXPECT_EQ(ended.exit_code, 3) << file;
     EXPECT_THAT(ended.err, HasSubstr(file));
   }
+  EXPECT_THAT(call_ranks(2, {"run", path("log.txt")}).err,
+              HasSubstr("`mapjoin convert` writes one, or `mapjoin build` a store for `mapjoin-mpi join`"));
+}
+
+TEST_F(RunOnRanks, ReadsACompressedLog) {
+  const std::string log = data_file("pose-graphs-2d/intel.g2o.gz").string();
+  EXPECT_EQ(report_of_ranks(2, {"run", log})["chi2"], report_of_ranks(2, {"run", converted(log)})["chi2"]);
 }
 
 TEST_F(RunOnRanks, RefusesMoreRanksThanTheLogIsWorth) {

@@ -28,6 +28,22 @@ class StoresOfRanks : public RanksTest {
     return {"run", log, "-o", map, "--poses-per-map", "20", "--checkpoint", path("stores")};
   }
 
+  /// What is not the last digits of the figures of ranks.
+  static void expect_the_same(const nlohmann::json& ranks, const nlohmann::json& one) {
+    for (const char* what : {"dimension", "convention", "poses", "features", "odometry", "closures", "observations", "priors",
+                             "fixed_poses", "dof", "gauge"}) {
+      EXPECT_EQ(ranks[what], one[what]) << one["input"] << ": " << what;
+    }
+    EXPECT_EQ(ranks["local_maps"]["count"], one["local_maps"]["count"]) << one["input"];
+    EXPECT_NEAR(ranks["chi2"], one["chi2"], 1e-8 * one["chi2"].get<double>() + 1e-12) << one["input"];
+  }
+
+  void expect_joined_as_by_one(const std::string& any) const {
+    ASSERT_EQ(call({"build", any, "-o", path("any.maps")}).exit_code, 0);
+    const auto one = report_of({"join", path("any.maps"), "--no-verdict"});
+    for (const int ranks : {2, 4}) expect_the_same(report_of_ranks(ranks, {"join", path("any.maps")}), one);
+  }
+
   std::string log = bundled("manhattan2d.g2o");
 };
 
@@ -78,6 +94,69 @@ TEST_F(StoresOfRanks, OfLogsThatDifferAreNotPortionsOfOne) {
   const Ended mixed = call({"join", path("first.maps"), store(2, 2)});
   EXPECT_EQ(mixed.exit_code, 3);
   EXPECT_THAT(mixed.err, HasSubstr("its 2 portions are to be joined together, each once; there are 1 store"));
+}
+
+TEST_F(StoresOfRanks, AreJoinedByAnyNumberOfRanks) {
+  for (const char* name : {"manhattan2d.g2o", "manhattan3d.g2o"}) {
+    ASSERT_EQ(build(4, bundled(name)).exit_code, 0);
+    const auto one = report_of(all_stores(4, {"join", "--no-verdict"}));
+    for (const int ranks : {1, 2, 4}) expect_the_same(report_of_ranks(ranks, all_stores(4, {"join"})), one);
+    std::filesystem::remove_all(path("stores"));
+  }
+}
+
+TEST_F(StoresOfRanks, OfOneProcessAreJoinedByRanks) {
+  for (const char* part : {"1/3", "2/3", "3/3"}) {
+    ASSERT_EQ(call({"build", log, "-o", path(std::string("part") + part[0]), "--part", part}).exit_code, 0);
+  }
+  const auto one = report_of({"join", path("part1"), path("part3"), "--no-verdict"});
+  for (const int ranks : {1, 2, 4}) expect_the_same(report_of_ranks(ranks, {"join", path("part1"), path("part3")}), one);
+  const auto all = report_of_ranks(2, {"join", path("part1"), path("part3"), path("part2"), "-o", path("map.g2o")});
+  EXPECT_GT(all["local_maps"]["count"], one["local_maps"]["count"]);
+  EXPECT_TRUE(std::filesystem::exists(path("map.g2o")));
+}
+
+TEST_F(StoresOfRanks, OfPosesInAnyOrderAreJoinedByRanks) {
+  std::ofstream file(path("shuffled.g2o"));
+  for (int k = 0; k < 96; ++k) file << "EDGE_SE2 " << k * 7 % 97 << ' ' << (k + 1) * 7 % 97 << " 1 0 .1 1 0 0 1 0 1\n";
+  for (int k = 0; k < 30; ++k) file << "EDGE_SE2 " << k * 7 % 97 << ' ' << (k + 63) * 7 % 97 << " 0 0 0 1 0 0 1 0 1\n";
+  file.close();
+  expect_joined_as_by_one(path("shuffled.g2o"));
+}
+
+TEST_F(StoresOfRanks, OfRealLogsInAnyFormatAreJoinedByRanks) {
+  for (const char* file :
+       {"vicpark-6898/vicpark6898.g2o.gz", "pose-graphs-2d/intel.g2o.gz", "pose-graphs-3d/parking-garage.g2o.gz"}) {
+    expect_joined_as_by_one(data_file(file).string());
+  }
+}
+
+TEST_F(StoresOfRanks, ThatARankCannotJoinAreRefused) {
+  ASSERT_EQ(build(2, log).exit_code, 0);
+  ASSERT_EQ(call({"build", bundled("manhattan3d.g2o"), "-o", path("space.maps")}).exit_code, 0);
+  ASSERT_EQ(call({"build", log, "-o", path("plane.maps"), "--poses-per-map", "20"}).exit_code, 0);
+  ASSERT_EQ(call({"build", log, "-o", path("cut.maps"), "--poses-per-map", "10"}).exit_code, 0);
+  std::ofstream(path("other.g2o")) << content_of(log) << "EDGE_PRIOR_XY 1000 5 5 4 0 4\n";
+  ASSERT_EQ(call({"build", path("other.g2o"), "-o", path("other.maps"), "--poses-per-map", "20"}).exit_code, 0);
+  const auto refused = [&](std::vector<std::string> stores, int exit_code, const char* sentence) {
+    stores.insert(stores.begin(), "join");
+    const Ended ended = call_ranks(2, stores);
+    EXPECT_EQ(ended.exit_code, exit_code) << sentence;
+    EXPECT_THAT(ended.err, HasSubstr(sentence));
+  };
+  refused({store(1, 2)}, 3, "its 2 portions are to be joined together, each once; there are 1 store");
+  refused({store(1, 2), store(1, 2)}, 3, "there are 2 stores");
+  refused({path("plane.maps"), path("space.maps")}, 3, "are not of one dimension");
+  refused({path("plane.maps"), path("other.maps")}, 2, "are not of one log: `mapjoin join` takes several");
+  refused({path("plane.maps"), store(1, 2)}, 2, "are not of one log");
+  refused({path("plane.maps"), path("cut.maps")}, 3, "are cut in different ways");
+  std::ofstream(path("small.g2o")) << kSmallLog;
+  ASSERT_EQ(call({"build", path("small.g2o"), "-o", path("small.maps")}).exit_code, 0);
+  refused({path("small.maps")}, 2, "too few for 2 ranks");
+  refused({log}, 3, "not a mapjoin store");
+  refused({path("missing.maps")}, 3, "missing.maps");
+  execute_sql(path("plane.maps"), "UPDATE records SET data = x'ffffff7f' || substr(data, 5) WHERE name = 'feature_factors'");
+  refused({path("plane.maps")}, 3, "damaged store");
 }
 
 TEST_F(StoresOfRanks, LeadToTheMapOfARunWithoutThem) {

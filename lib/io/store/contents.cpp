@@ -2,14 +2,10 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <charconv>
-#include <map>
 #include <mapjoin/io/files/text_scanner.hpp>
-#include <mapjoin/io/store/contents.hpp>
+#include <mapjoin/io/store/layout.hpp>
 #include <mapjoin/io/store/records.hpp>
-#include <mapjoin/model/log_builder.hpp>
-#include <sstream>
-#include <stdexcept>
+#include <span>
 
 namespace mapjoin::store {
 namespace {
@@ -23,32 +19,6 @@ constexpr const char* kTables[] = {
 };
 constexpr std::size_t kChunkSize = std::size_t{1} << 20;
 
-/// Hands every array to `visit`, with its name in the file.
-template <typename Log, typename Segments, typename Visit>
-void visit_arrays(Log& log, Segments&& segments, const Visit& visit) {
-  visit("poses", log.poses);
-  visit("features", log.features);
-  visit("pose_factors", log.graph.pose_factors);
-  visit("feature_factors", log.graph.feature_factors);
-  visit("fixed", log.graph.fixed);
-  visit("stamps_ns", log.stamps_ns);
-  visit("initial_poses", log.initial.poses);
-  visit("initial_features", log.initial.features);
-  visit("segments", segments);
-}
-
-/// Hands every number that stands alone to `visit`, with its name in the file.
-template <typename Log, typename Visit>
-void visit_numbers(Log& log, const Visit& visit) {
-  visit("unassociated", log.unassociated);
-  visit("pose_error", log.conventions.pose_error);
-  visit("rotation_information", log.conventions.rotation_information);
-  visit("covariance", log.conventions.covariance);
-  visit("repaired_informations", log.conventions.repairs.indefinite);
-  visit("symmetrised_matrices", log.conventions.repairs.symmetrised);
-  visit("largest_asymmetry", log.conventions.repairs.largest_asymmetry);
-}
-
 /// The arrays in chunks of whole records, in the order in which they stand in the file.
 template <int Dim, typename Take>
 void visit_chunks(const Contents<Dim>& contents, const Take& take) {
@@ -60,11 +30,6 @@ void visit_chunks(const Contents<Dim>& contents, const Take& take) {
     }
   });
 }
-
-using Info = std::map<std::string, std::string>;
-
-/// Where it stands in `info`, "2/4", if a store has not all factors of its log.
-constexpr const char* kPortion = "portion";
 
 template <int Dim>
 Info info_of(const Contents<Dim>& contents) {
@@ -81,68 +46,6 @@ Info info_of(const Contents<Dim>& contents) {
   return info;
 }
 
-Expected<Info> read_info(Database& database) {
-  Info info;
-  return database
-      .rows("SELECT key, value FROM info",
-            [&](const Statement& row) {
-              info[std::string(row.bytes(0))] = row.bytes(1);
-              return true;
-            })
-      .map([&] { return info; });
-}
-
-/// Nothing where what `info` says is no portion.
-std::optional<Portion> portion_of(const Info& info) {
-  const auto found = info.find(kPortion);
-  if (found == info.end()) return Portion{};
-  std::istringstream text(found->second);
-  std::size_t number = 0;
-  std::size_t count = 0;
-  char slash = 0;
-  const bool is_read = static_cast<bool>(text >> number >> slash >> count) && text.eof();
-  if (!is_read || slash != '/' || number < 1 || number > count || count < 2) return std::nullopt;
-  return Portion{number - 1, count};
-}
-
-/// The number that `info` has under `key`; an enumeration's is 0 or 1. False where there is none.
-template <typename Number>
-bool take_number(const Info& info, const char* key, Number& number) {
-  const auto found = info.find(key);
-  if (found == info.end()) return false;
-  const std::string& text = found->second;
-  std::conditional_t<std::is_floating_point_v<Number>, double, std::int64_t> value{};
-  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
-  if (error != std::errc() || end != text.data() + text.size() || !(value >= 0)) return false;
-  if (std::is_enum_v<Number> && value > 1) return false;
-  number = static_cast<Number>(value);
-  return true;
-}
-
-/// The log that LogBuilder makes of these arrays; std::out_of_range where one names what is not there.
-template <int Dim>
-Expected<Log<Dim>> built_anew(const Log<Dim>& log, const std::string& source, PoseOrder order) {
-  LogBuilder<Dim> builder(source, log.conventions);
-  builder.append(log);
-  return std::move(builder).finish(order);
-}
-
-/// Nothing where its arrays do not hang together.
-template <int Dim>
-std::optional<Expected<Log<Dim>>> built_if_sound(const Log<Dim>& log, const std::string& source, PoseOrder order) {
-  const auto fits = [](const auto& values, const auto& names) { return values.size() <= names.size(); };
-  if (!fits(log.initial.poses, log.poses) || !fits(log.initial.features, log.features)) return std::nullopt;
-  try {
-    return built_anew(log, source, order);
-  } catch (const std::out_of_range&) {
-    return std::nullopt;
-  }
-}
-
-bool is_of_factors(std::string_view array) {
-  return array == "pose_factors" || array == "feature_factors";
-}
-
 template <int Dim>
 std::vector<std::string> arrays_of(const Log<Dim>& log, bool with_factors) {
   std::vector<std::string> arrays;
@@ -150,16 +53,6 @@ std::vector<std::string> arrays_of(const Log<Dim>& log, bool with_factors) {
     if (with_factors || !is_of_factors(name)) arrays.push_back(encode_all(records));
   });
   return arrays;
-}
-
-template <int Dim>
-bool are_in_order(const std::vector<Segment>& segments, const Log<Dim>& log) {
-  PoseIndex begin = 0;
-  for (const Segment& segment : segments) {
-    if (segment.begin < begin || segment.end < segment.begin || !indices(log.poses).contains(segment.end)) return false;
-    begin = segment.end;
-  }
-  return true;
 }
 
 Expected<void> check_integrity(Database& database) {
@@ -174,6 +67,17 @@ Expected<void> check_integrity(Database& database) {
 }
 
 }  // namespace
+
+Expected<Info> read_info(Database& database) {
+  Info info;
+  return database
+      .rows("SELECT key, value FROM info",
+            [&](const Statement& row) {
+              info[std::string(row.bytes(0))] = row.bytes(1);
+              return true;
+            })
+      .map([&] { return info; });
+}
 
 Expected<void> check_database(Database& database) {
   const auto sound = check_integrity(database);
@@ -233,54 +137,11 @@ bool is_same_but_for_factors(const Log<Dim>& a, const Log<Dim>& b) {
   return arrays_of(a, false) == arrays_of(b, false);
 }
 
-Expected<int> stored_dimension(Database& database) {
-  const auto info = read_info(database);
-  if (!info) return tl::unexpected(info.error());
-  int dimension = 0;
-  if (take_number(*info, "dimension", dimension) && (dimension == 2 || dimension == 3)) return dimension;
-  return database.damaged("its dimension is neither 2 nor 3");
-}
-
-template <int Dim>
-Expected<StoredMaps<Dim>> read_contents(Database& database) {
-  auto info = read_info(database);
-  if (!info) return tl::unexpected(info.error());
-  StoredMaps<Dim> stored;
-  std::string fault;
-  const std::optional<Portion> portion = portion_of(*info);
-  if (!portion) fault = "info portion makes no sense";
-  visit_numbers(stored.log, [&](const char* key, auto& number) {
-    if (!take_number(*info, key, number)) fault = fmt::format("info {} is missing or makes no sense", key);
-  });
-  const auto read = database.rows("SELECT name, data FROM records ORDER BY chunk", [&](const Statement& row) {
-    bool is_taken = false;
-    visit_arrays(stored.log, stored.segments, [&](std::string_view name, auto& records) {
-      if (name == row.bytes(0)) is_taken = decode_all(row.bytes(1), records);
-    });
-    if (!is_taken) fault = printable(row.bytes(0)) + " is no array, or has part of a record";
-    return is_taken;
-  });
-  if (!read) return tl::unexpected(read.error());
-  if (!fault.empty()) return database.damaged(fault);
-  const PoseOrder order = portion->is_whole() ? PoseOrder::kDriven : PoseOrder::kOfIds;
-  auto built = built_if_sound(stored.log, database.file() + ": damaged store", order);
-  if (!built) return database.damaged("its arrays do not hang together");
-  Expected<Log<Dim>>& log = *built;
-  if (!log) return tl::unexpected(log.error());
-  if (log->poses != stored.log.poses || log->features != stored.log.features) {
-    return database.damaged("its poses or features are not in order");
-  }
-  if (!are_in_order(stored.segments, *log)) return database.damaged("its segments are not in order");
-  log->source = (*info)["source"];
-  return StoredMaps<Dim>{*std::move(log), std::move(stored.segments), {}, (*info)["options"], *portion};
-}
-
 #define MAPJOIN_INSTANTIATE(Dim)                                                \
   template Expected<void> write_contents<Dim>(Database&, const Contents<Dim>&); \
   template Expected<bool> holds_contents<Dim>(Database&, const Contents<Dim>&); \
   template bool is_same_log<Dim>(const Log<Dim>&, const Log<Dim>&);             \
-  template bool is_same_but_for_factors<Dim>(const Log<Dim>&, const Log<Dim>&); \
-  template Expected<StoredMaps<Dim>> read_contents<Dim>(Database&);
+  template bool is_same_but_for_factors<Dim>(const Log<Dim>&, const Log<Dim>&);
 MAPJOIN_INSTANTIATE(2)
 MAPJOIN_INSTANTIATE(3)
 #undef MAPJOIN_INSTANTIATE

@@ -9,6 +9,7 @@
 #include <mapjoin/model/local_map.hpp>
 #include <mapjoin/model/log.hpp>
 #include <mapjoin/model/segment.hpp>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -67,7 +68,7 @@ bool is_same_log(const Log<Dim>& a, const Log<Dim>& b);
 template <int Dim>
 bool is_same_but_for_factors(const Log<Dim>& a, const Log<Dim>& b);
 
-/// A finished store, for reading, once it is checked as below. Bad input: not a mapjoin store, or one of another version.
+/// A finished store, for reading, yet to be checked as below. Bad input: not a mapjoin store, or one of another version.
 Expected<Database> open_store(const std::filesystem::path& path);
 
 /// Bad input where the database is damaged, or has other tables than a store's: views, triggers, columns that compute.
@@ -80,5 +81,13 @@ Expected<int> stored_dimension(Database& database);
 /// order and made of poses of the log. The maps are yet to be read.
 template <int Dim>
 Expected<StoredMaps<Dim>> read_contents(Database& database);
+
+/// The same of names, fixed poses and segments alone, in the order in which they stand.
+template <int Dim>
+Expected<StoredMaps<Dim>> read_outline(Database& database);
+
+/// Appends the factors in some chunks, as they stand.
+template <int Dim>
+Expected<void> read_factors(Database& database, std::span<const std::int64_t> chunks, FactorGraph<Dim>& graph);
 
 }  // namespace mapjoin::store

@@ -28,6 +28,33 @@ Expected<StorePieces> StorePieces::open(const std::filesystem::path& path) {
   return store::open_store(path).map([](Database&& database) { return StorePieces(std::move(database)); });
 }
 
+Expected<bool> StorePieces::has_log_of(StorePieces& other, bool with_factors) {
+  const std::string rows = fmt::format("SELECT name, data FROM records WHERE name <> 'segments'{} ORDER BY chunk",
+                                       with_factors ? "" : " AND name NOT IN ('pose_factors', 'feature_factors')");
+  auto theirs = other.database_.prepare(rows);
+  if (!theirs) return tl::unexpected(theirs.error());
+  Expected<bool> is_same = true;
+  const auto read = database_.rows(rows, [&](const Statement& row) {
+    is_same = theirs->step().map(
+        [&](bool is_there) { return is_there && theirs->bytes(0) == row.bytes(0) && theirs->bytes(1) == row.bytes(1); });
+    return is_same && *is_same;
+  });
+  if (!read) return tl::unexpected(read.error());
+  if (!is_same || !*is_same) return is_same;
+  return theirs->step().map([](bool is_longer) { return !is_longer; });
+}
+
+Expected<std::vector<std::int64_t>> StorePieces::factor_chunks() {
+  std::vector<std::int64_t> chunks;
+  return database_
+      .rows("SELECT chunk FROM records WHERE name IN ('pose_factors', 'feature_factors') ORDER BY chunk",
+            [&](const Statement& row) {
+              chunks.push_back(row.integer(0));
+              return true;
+            })
+      .map([&] { return chunks; });
+}
+
 template <int Dim>
 Expected<bool> StorePieces::holds(const store::Contents<Dim>& contents) {
   return store::holds_contents(database_, contents);

@@ -5,6 +5,8 @@
 #include <filesystem>
 #include <mapjoin/io/store/contents.hpp>
 #include <optional>
+#include <span>
+#include <utility>
 #include <vector>
 
 namespace mapjoin {
@@ -12,7 +14,27 @@ namespace mapjoin {
 /// Its errors are those of read_store(), as far as the pieces go that are asked for.
 class StorePieces {
  public:
+  /// check() is yet to be called, by one of the processes at least.
   static Expected<StorePieces> open(const std::filesystem::path& path);
+  /// Reads all of the file.
+  Expected<void> check() { return store::check_database(database_); }
+
+  Expected<int> dimension() { return store::stored_dimension(database_); }
+  /// The log without factors, times and initial values, and no maps.
+  template <int Dim>
+  Expected<StoredMaps<Dim>> outline() {
+    return store::read_outline<Dim>(database_);
+  }
+  /// Whether another store has the same log, with its factors or but for them, to the bit.
+  Expected<bool> has_log_of(StorePieces& other, bool with_factors);
+
+  /// The numbers of the pieces that the factors stand in.
+  Expected<std::vector<std::int64_t>> factor_chunks();
+  /// Those in some of them, whose indices and numbers are yet to be checked.
+  template <int Dim>
+  Expected<void> read_factors(std::span<const std::int64_t> chunks, FactorGraph<Dim>& graph) {
+    return store::read_factors(database_, chunks, graph);
+  }
 
   /// Whether a build would begin with these contents, to the bit.
   template <int Dim>

@@ -1,0 +1,38 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// `mapjoin-mpi join`: from stores of local maps to a global map, by all ranks together.
+
+#include <apps/mpi/by_ranks.hpp>
+#include <apps/mpi/commands.hpp>
+#include <mapjoin/distributed/run.hpp>
+#include <mapjoin/distributed/stored_log.hpp>
+#include <memory>
+
+namespace mapjoin::apps {
+namespace {
+
+constexpr const char* kExamples =
+    "  mpirun -n 16 mapjoin-mpi build city.g2o -o stores\n"
+    "  mpirun -n 4 mapjoin-mpi join stores/*.maps -o map.g2o";
+
+ExitCode join_stores(const MpiOptions& options) {
+  std::vector<std::filesystem::path> stores{options.input};
+  stores.insert(stores.end(), options.further.begin(), options.further.end());
+  return make_map("join", options,
+                  [&](const distributed::Communicator& comm) { return distributed::stored_log(comm, stores); });
+}
+
+}  // namespace
+
+void declare_mpi_join(Subcommand& command) {
+  command.examples(kExamples);
+  const auto options = std::make_shared<MpiOptions>();
+  command.argument("STORE", options->input, "A store of `mapjoin build` or `mapjoin-mpi build` that all ranks can read");
+  command.further("FURTHER", options->further, "The stores of the other parts of the same log");
+  command.path("-o,--output", options->output, "MAP", kMapFile);
+  add_way_of_ranks(command, *options);
+  command.check([options] { return check_extension(options->output); });
+  command.check([options] { return output_conflicts(inputs_of(*options, "STORE"), outputs_of_map(*options)); });
+  command.act([options](const std::stop_token&) { return join_stores(*options); });
+}
+
+}  // namespace mapjoin::apps

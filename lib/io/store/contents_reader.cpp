@@ -1,0 +1,174 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <charconv>
+#include <functional>
+#include <mapjoin/io/files/text_scanner.hpp>
+#include <mapjoin/io/store/layout.hpp>
+#include <mapjoin/io/store/records.hpp>
+#include <mapjoin/model/log_builder.hpp>
+#include <sstream>
+#include <stdexcept>
+#include <utility>
+
+namespace mapjoin::store {
+namespace {
+
+/// Nothing where what `info` says is no portion.
+std::optional<Portion> portion_of(const Info& info) {
+  const auto found = info.find(kPortion);
+  if (found == info.end()) return Portion{};
+  std::istringstream text(found->second);
+  std::size_t number = 0;
+  std::size_t count = 0;
+  char slash = 0;
+  const bool is_read = static_cast<bool>(text >> number >> slash >> count) && text.eof();
+  if (!is_read || slash != '/' || number < 1 || number > count || count < 2) return std::nullopt;
+  return Portion{number - 1, count};
+}
+
+/// The number that `info` has under `key`; an enumeration's is 0 or 1. False where there is none.
+template <typename Number>
+bool take_number(const Info& info, const char* key, Number& number) {
+  const auto found = info.find(key);
+  if (found == info.end()) return false;
+  const std::string& text = found->second;
+  std::conditional_t<std::is_floating_point_v<Number>, double, std::int64_t> value{};
+  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
+  if (error != std::errc() || end != text.data() + text.size() || !(value >= 0)) return false;
+  if (std::is_enum_v<Number> && value > 1) return false;
+  number = static_cast<Number>(value);
+  return true;
+}
+
+/// The log that LogBuilder makes of these arrays; std::out_of_range where one names what is not there.
+template <int Dim>
+Expected<Log<Dim>> built_anew(const Log<Dim>& log, const std::string& source, PoseOrder order) {
+  LogBuilder<Dim> builder(source, log.conventions);
+  builder.append(log);
+  return std::move(builder).finish(order);
+}
+
+/// Nothing where its arrays do not hang together.
+template <int Dim>
+std::optional<Expected<Log<Dim>>> built_if_sound(const Log<Dim>& log, const std::string& source, PoseOrder order) {
+  const auto fits = [](const auto& values, const auto& names) { return values.size() <= names.size(); };
+  if (!fits(log.initial.poses, log.poses) || !fits(log.initial.features, log.features)) return std::nullopt;
+  try {
+    return built_anew(log, source, order);
+  } catch (const std::out_of_range&) {
+    return std::nullopt;
+  }
+}
+
+template <int Dim>
+bool are_in_order(const std::vector<Segment>& segments, const Log<Dim>& log) {
+  PoseIndex begin = 0;
+  for (const Segment& segment : segments) {
+    if (segment.begin < begin || segment.end < segment.begin || !indices(log.poses).contains(segment.end)) return false;
+    begin = segment.end;
+  }
+  return true;
+}
+
+/// The arrays of these rows as they stand, with what is said of them.
+template <int Dim>
+Expected<StoredMaps<Dim>> read_arrays(Database& database, std::string_view rows) {
+  auto info = read_info(database);
+  if (!info) return tl::unexpected(info.error());
+  StoredMaps<Dim> stored;
+  std::string fault;
+  const std::optional<Portion> portion = portion_of(*info);
+  if (!portion) fault = "info portion makes no sense";
+  visit_numbers(stored.log, [&](const char* key, auto& number) {
+    if (!take_number(*info, key, number)) fault = fmt::format("info {} is missing or makes no sense", key);
+  });
+  const auto read = database.rows(rows, [&](const Statement& row) {
+    bool is_taken = false;
+    visit_arrays(stored.log, stored.segments, [&](std::string_view name, auto& records) {
+      if (name == row.bytes(0)) is_taken = decode_all(row.bytes(1), records);
+    });
+    if (!is_taken) fault = printable(row.bytes(0)) + " is no array, or has part of a record";
+    return is_taken;
+  });
+  if (!read) return tl::unexpected(read.error());
+  if (!fault.empty()) return database.damaged(fault);
+  stored.log.source = (*info)["source"];
+  stored.options = (*info)["options"];
+  stored.portion = *portion;
+  return stored;
+}
+
+}  // namespace
+
+Expected<int> stored_dimension(Database& database) {
+  const auto info = read_info(database);
+  if (!info) return tl::unexpected(info.error());
+  int dimension = 0;
+  if (take_number(*info, "dimension", dimension) && (dimension == 2 || dimension == 3)) return dimension;
+  return database.damaged("its dimension is neither 2 nor 3");
+}
+
+template <int Dim>
+Expected<StoredMaps<Dim>> read_contents(Database& database) {
+  auto stored = read_arrays<Dim>(database, "SELECT name, data FROM records ORDER BY chunk");
+  if (!stored) return stored;
+  const PoseOrder order = stored->portion.is_whole() ? PoseOrder::kDriven : PoseOrder::kOfIds;
+  auto built = built_if_sound(stored->log, database.file() + ": damaged store", order);
+  if (!built) return database.damaged("its arrays do not hang together");
+  Expected<Log<Dim>>& log = *built;
+  if (!log) return tl::unexpected(log.error());
+  if (log->poses != stored->log.poses || log->features != stored->log.features) {
+    return database.damaged("its poses or features are not in order");
+  }
+  if (!are_in_order(stored->segments, *log)) return database.damaged("its segments are not in order");
+  log->source = std::move(stored->log.source);
+  stored->log = *std::move(log);
+  return stored;
+}
+
+template <int Dim>
+Expected<StoredMaps<Dim>> read_outline(Database& database) {
+  auto stored = read_arrays<Dim>(
+      database, "SELECT name, data FROM records WHERE name IN ('poses', 'features', 'fixed', 'segments') ORDER BY chunk");
+  if (!stored) return stored;
+  const Log<Dim>& log = stored->log;
+  auto names = log.poses;
+  std::ranges::sort(names);
+  const bool are_once = !names.empty() && std::ranges::adjacent_find(names) == names.end();
+  const bool is_ascending = std::ranges::adjacent_find(log.features, std::greater_equal<>()) == log.features.end();
+  if (!are_once || !is_ascending) return database.damaged("its poses or features are not in order");
+  const bool are_fixed = std::ranges::all_of(log.graph.fixed, [&](const FixedPose<Dim>& fixed) {
+    return indices(log.poses).contains(fixed.pose) && is_valid(fixed.value);
+  });
+  if (!are_fixed) return database.damaged("its arrays do not hang together");
+  if (!are_in_order(stored->segments, log)) return database.damaged("its segments are not in order");
+  return stored;
+}
+
+template <int Dim>
+Expected<void> read_factors(Database& database, std::span<const std::int64_t> chunks, FactorGraph<Dim>& graph) {
+  auto select = database.prepare("SELECT name, data FROM records WHERE chunk = ?");
+  if (!select) return tl::unexpected(select.error());
+  for (const std::int64_t chunk : chunks) {
+    const auto found = select->bind(chunk).step();
+    if (!found) return tl::unexpected(found.error());
+    const bool is_pose = *found && select->bytes(0) == "pose_factors";
+    const bool is_taken = *found && (is_pose ? decode_all(select->bytes(1), graph.pose_factors)
+                                             : decode_all(select->bytes(1), graph.feature_factors));
+    if (!is_taken) return database.damaged("an array is missing, or has part of a record");
+    if (const auto end = select->step(); !end) return tl::unexpected(end.error());
+  }
+  return {};
+}
+
+#define MAPJOIN_INSTANTIATE(Dim)                                    \
+  template Expected<StoredMaps<Dim>> read_contents<Dim>(Database&); \
+  template Expected<StoredMaps<Dim>> read_outline<Dim>(Database&);  \
+  template Expected<void> read_factors(Database&, std::span<const std::int64_t>, FactorGraph<Dim>&);
+MAPJOIN_INSTANTIATE(2)
+MAPJOIN_INSTANTIATE(3)
+#undef MAPJOIN_INSTANTIATE
+
+}  // namespace mapjoin::store
