@@ -10,8 +10,7 @@
 #include <cstdint>
 #include <deque>
 #include <map>
-#include <mapjoin/join/incremental/incremental_estimate.hpp>
-#include <mapjoin/join/incremental/joined_snapshot.hpp>
+#include <mapjoin/join/incremental/named_estimate.hpp>
 #include <mapjoin/join/incremental/submap_update.hpp>
 #include <mapjoin/join/join.hpp>
 #include <memory>
@@ -58,8 +57,8 @@ class IncrementalJoin {
   /// ask the snapshot while this object goes on or is gone: it waits for no update. All else here belongs to one thread.
   std::shared_ptr<const JoinedSnapshot<Dim>> snapshot() const;
   /// The estimate of a pose or feature, or null while it is not in it.
-  const Pose<Dim>* pose(const PoseId& id) const;
-  const Point<Dim>* feature(const FeatureId& id) const;
+  const Pose<Dim>* pose(const PoseId& id) const { return estimate_.pose(id); }
+  const Point<Dim>* feature(const FeatureId& id) const { return estimate_.feature(id); }
   /// The marginal covariance of its step, relative to the gauge as in GlobalMap: zero where it is anchored, nothing while it is
   /// not in the estimate or may be free to move. At the cost of the fronts between it and the root. It is that of the
   /// linearisation the estimate rests on: residuals err by less than a hundredth of a standard deviation, but Jacobians may be
@@ -78,21 +77,11 @@ class IncrementalJoin {
   };
 
   void publish();
-  const Pose<Dim>* pose(const SubmapUpdate<Dim>& update, PoseIndex pose) const;
-  const Point<Dim>* feature(const SubmapUpdate<Dim>& update, FeatureIndex feature) const;
   /// Puts a sound update behind the others.
   Expected<void> accept(SubmapUpdate<Dim> update);
   void join_last(const std::stop_token& stop, AddedUpdate& added);
   void join_again_from(std::size_t before, const std::stop_token& stop, AddedUpdate& added);
   bool asks_for_join(const SubmapUpdate<Dim>& update) const;
-  std::vector<Pose<Dim>> alignments(const SubmapUpdate<Dim>& update, const PartialMap<Dim>& partial) const;
-  bool knows_ends(const SubmapUpdate<Dim>& update, const PartialMap<Dim>& partial) const;
-  /// The variables of the update's partial map, entered where they are new, and the update's factors; nothing where the update
-  /// shares too little with the estimate, which then stays as it is.
-  std::optional<std::vector<JoinedIndex>> enter(const SubmapUpdate<Dim>& update);
-  JoinedIndex enter_pose(const PoseId& id, const Pose<Dim>& value, bool is_anchored);
-  JoinedIndex enter_feature(const FeatureId& id, const Point<Dim>& value);
-  std::vector<MapFactor<Dim>> factors_of(const SubmapUpdate<Dim>& update);
   void settle(std::span<const JoinedIndex> last, AddedUpdate& added);
   bool has_outgrown(double chi2_before, std::int64_t dof_before) const;
   /// How many of their poses and features the waiting updates share with the estimate.
@@ -108,9 +97,7 @@ class IncrementalJoin {
   std::map<PoseId, bool> driven_;      // the poses of segments, and whether another segment may go on from there
   std::vector<std::size_t> waiting_;   // updates that are not in the estimate, ascending
   std::size_t shared_when_tried_ = 0;  // by those that were waiting then
-  std::deque<LocalMap<Dim>> singles_;  // single observations as maps of one target
-  IncrementalEstimate<Dim> estimate_;
-  std::shared_ptr<JoinedNames> names_ = std::make_shared<JoinedNames>();  // of the estimate
+  NamedEstimate<Dim> estimate_;
   std::unique_ptr<Published> published_ = std::make_unique<Published>();
   bool is_anchored_by_world_ = false;
 };
