@@ -8,6 +8,15 @@
 #include <utility>
 
 namespace mapjoin {
+namespace {
+
+/// That of the update, or none.
+template <int Dim>
+Segment segment_of(const SubmapUpdate<Dim>& update) {
+  return update.segments.empty() ? Segment{0, -1} : update.segments.front();
+}
+
+}  // namespace
 
 template <int Dim>
 std::optional<PoseMatrix<Dim>> IncrementalJoin<Dim>::covariance(const PoseId& id) const {
@@ -34,10 +43,9 @@ void IncrementalJoin<Dim>::publish() {
 }
 
 template <int Dim>
-Expected<void> IncrementalJoin<Dim>::accept(SubmapUpdate<Dim> update) {
-  if (update.source.empty()) update.source = "update " + std::to_string(updates_.size() + 1);
+Expected<void> IncrementalJoin<Dim>::check(const SubmapUpdate<Dim>& update) const {
   if (const auto checked = check_update(update); !checked) return checked;
-  const Segment segment = update.segments.empty() ? Segment{0, -1} : update.segments.front();
+  const Segment segment = segment_of(update);
   for (const PoseIndex p : indices(update.poses)) {
     const PoseId& id = update.poses[p];
     const auto known = driven_.find(id);
@@ -51,9 +59,17 @@ Expected<void> IncrementalJoin<Dim>::accept(SubmapUpdate<Dim> update) {
       return wrong(" is in a segment already, which does not end there or goes on in another one");
     }
   }
-  for (PoseIndex p = segment.begin; p <= segment.end; ++p) driven_[update.poses[p]] = p == segment.end;
-  updates_.push_back(std::move(update));
   return {};
+}
+
+template <int Dim>
+Expected<void> IncrementalJoin<Dim>::accept(SubmapUpdate<Dim> update) {
+  if (update.source.empty()) update.source = "update " + std::to_string(updates_.size() + 1);
+  return check(update).map([&] {
+    const Segment segment = segment_of(update);
+    for (PoseIndex p = segment.begin; p <= segment.end; ++p) driven_[update.poses[p]] = p == segment.end;
+    updates_.push_back(std::move(update));
+  });
 }
 
 template <int Dim>
@@ -61,9 +77,53 @@ Expected<AddedUpdate> IncrementalJoin<Dim>::add(SubmapUpdate<Dim> update, const 
   return accept(std::move(update)).map([&] {
     AddedUpdate added;
     join_last(stop, added);
+    added.is_joined = !is_waiting(updates_.size() - 1);
     publish();
     return added;
   });
+}
+
+template <int Dim>
+Expected<std::size_t> IncrementalJoin<Dim>::hold(SubmapUpdate<Dim> update) {
+  if (!update.segments.empty()) return bad_input(update.source + ": only updates without a segment can be left out");
+  return accept(std::move(update)).map([&] {
+    left_out_.insert(updates_.size() - 1);
+    return updates_.size() - 1;
+  });
+}
+
+template <int Dim>
+AddedUpdate IncrementalJoin<Dim>::change(std::span<const std::size_t> out, std::span<const std::size_t> in,
+                                         const std::stop_token& stop) {
+  AddedUpdate changed;
+  bool has_lost = false;
+  for (const std::size_t k : out) {
+    const bool was_joined = left_out_.insert(k).second && std::erase(waiting_, k) == 0;
+    if (was_joined) estimate_.leave(updates_[k]);
+    has_lost |= was_joined;
+  }
+  const double chi2_before = estimate_.chi2();
+  const std::int64_t dof_before = estimate_.dof();
+  for (const std::size_t k : in) {
+    if (left_out_.erase(k) > 0 && (asks_for_join(updates_[k]) || !estimate_.enter(updates_[k]))) waiting_.push_back(k);
+  }
+  std::ranges::sort(waiting_);
+  settle({}, changed);
+  if (has_lost || !changed.converged || has_outgrown(chi2_before, dof_before)) adopt_batch(false, stop, changed);
+  if (!waiting_.empty()) admit_waiting(stop, changed);
+  changed.is_joined = waiting_.empty();
+  publish();
+  return changed;
+}
+
+template <int Dim>
+AddedUpdate IncrementalJoin<Dim>::rejoin(const std::stop_token& stop) {
+  AddedUpdate rejoined;
+  settle({}, rejoined);
+  adopt_batch(false, stop, rejoined);
+  rejoined.is_joined = waiting_.empty();
+  publish();
+  return rejoined;
 }
 
 template <int Dim>
@@ -74,7 +134,6 @@ void IncrementalJoin<Dim>::join_last(const std::stop_token& stop, AddedUpdate& a
   const auto variables = asks_for_join(update) ? std::nullopt : estimate_.enter(update);
   if (variables) {
     settle(*variables, added);
-    added.is_joined = true;
     if (!added.converged || has_outgrown(chi2_before, dof_before)) adopt_batch(false, stop, added);
   } else {
     waiting_.push_back(updates_.size() - 1);
@@ -91,7 +150,8 @@ Expected<AddedUpdate> IncrementalJoin<Dim>::add_all(std::vector<SubmapUpdate<Dim
     waiting_.push_back(updates_.size() - 1);
   }
   if (updates_.size() > before) adopt_batch(true, stop, added);
-  if (!waiting_.empty() && !stop.stop_requested()) join_again_from(before, stop, added);
+  if (!waiting_.empty() && !added.batch_adopted && !stop.stop_requested()) join_again_from(before, stop, added);
+  added.is_joined = waiting_.empty() || waiting_.back() < before;
   publish();
   return added;
 }
@@ -107,7 +167,6 @@ void IncrementalJoin<Dim>::join_again_from(std::size_t before, const std::stop_t
     updates_.push_back(std::move(update));
     join_last(stop, added);
   }
-  added.is_joined = waiting_.empty() || waiting_.back() < before;
 }
 
 template <int Dim>
@@ -161,10 +220,35 @@ void IncrementalJoin<Dim>::admit_waiting(const std::stop_token& stop, AddedUpdat
 }
 
 template <int Dim>
+std::vector<std::size_t> IncrementalJoin<Dim>::tied_waiting() const {
+  std::vector<std::size_t> tied;
+  std::vector<std::size_t> others = waiting_;
+  std::set<PoseId> poses;
+  std::set<FeatureId> features;
+  const auto is_tied = [&](std::size_t k) {
+    const SubmapUpdate<Dim>& update = updates_[k];
+    const bool ties =
+        (estimate_.is_empty() && tied.empty()) ||
+        std::ranges::any_of(update.poses, [&](const PoseId& id) { return pose(id) || poses.contains(id); }) ||
+        std::ranges::any_of(update.features, [&](const FeatureId& id) { return feature(id) || features.contains(id); });
+    if (!ties) return false;
+    tied.push_back(k);
+    poses.insert(update.poses.begin(), update.poses.end());
+    features.insert(update.features.begin(), update.features.end());
+    return true;
+  };
+  while (std::erase_if(others, is_tied) > 0) {
+  }
+  std::ranges::sort(tied);
+  return tied;
+}
+
+template <int Dim>
 void IncrementalJoin<Dim>::adopt_batch(bool with_waiting, const std::stop_token& stop, AddedUpdate& added) {
+  const std::vector<std::size_t> tied = with_waiting ? tied_waiting() : std::vector<std::size_t>();
   std::vector<const SubmapUpdate<Dim>*> updates;
   for (std::size_t k = 0; k < updates_.size(); ++k) {
-    if (with_waiting || !std::binary_search(waiting_.begin(), waiting_.end(), k)) updates.push_back(&updates_[k]);
+    if (!left_out_.contains(k) && (!is_waiting(k) || std::ranges::binary_search(tied, k))) updates.push_back(&updates_[k]);
   }
   const SubmapSet<Dim> set = set_of(updates);
   if (set.segments.empty()) return;
@@ -177,10 +261,10 @@ void IncrementalJoin<Dim>::adopt_batch(bool with_waiting, const std::stop_token&
   added.converged = joined->result.status == MinimiseStatus::kConverged;  // here, or at an estimate that is no better
   if (!with_waiting && !is_less_chi2(joined->result.chi2, estimate_.chi2())) return;
   take(updates, set, *joined, added);
-  added.is_joined = added.batch_adopted = true;
+  added.batch_adopted = true;
   if (!with_waiting) return;
-  waiting_.clear();
-  shared_when_tried_ = 0;
+  std::erase_if(waiting_, [&](std::size_t k) { return std::ranges::binary_search(tied, k); });
+  shared_when_tried_ = shared_by_waiting();
 }
 
 /// Starts over from a join of these updates, which are the set.

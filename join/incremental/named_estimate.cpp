@@ -127,8 +127,22 @@ std::optional<std::vector<JoinedIndex>> NamedEstimate<Dim>::enter(const SubmapUp
     for (const auto& factor : factors) chi2 += factor.chi2(estimate_.variables());
     return chi2;
   }));
-  for (auto& factor : factors) estimate_.add_factor(std::move(factor));
+  add_factors(update, std::move(factors));
   return variables;
+}
+
+template <int Dim>
+void NamedEstimate<Dim>::add_factors(const SubmapUpdate<Dim>& update, std::vector<MapFactor<Dim>> factors) {
+  for (auto& factor : factors) {
+    const FactorIndex f = estimate_.add_factor(std::move(factor));
+    if (update.segments.empty()) factors_[&update].push_back(f);
+  }
+}
+
+template <int Dim>
+void NamedEstimate<Dim>::leave(const SubmapUpdate<Dim>& update) {
+  const auto entered = factors_.extract(&update);
+  for (const FactorIndex f : entered.mapped()) estimate_.remove_factor(f);
 }
 
 template <int Dim>
@@ -140,7 +154,7 @@ void NamedEstimate<Dim>::enter_at(const SubmapUpdate<Dim>& update, const JoinedS
   for (const FeatureId& id : update.features) {
     if (!names_->features().contains(id)) enter_feature(id, joined.state.features[*joined.feature_index(id)]);
   }
-  for (auto& factor : factors_of(update)) estimate_.add_factor(std::move(factor));
+  add_factors(update, factors_of(update));
 }
 
 template <int Dim>

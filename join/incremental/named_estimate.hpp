@@ -3,6 +3,7 @@
 // The estimate of an incremental join under the names of poses and features, which updates enter.
 
 #include <deque>
+#include <map>
 #include <mapjoin/join/incremental/incremental_estimate.hpp>
 #include <mapjoin/join/incremental/joined_snapshot.hpp>
 #include <mapjoin/join/incremental/submap_update.hpp>
@@ -45,6 +46,9 @@ class NamedEstimate {
   /// Enters what is new in an update where a join of all has it, and its factors.
   void enter_at(const SubmapUpdate<Dim>& update, const JoinedSet<Dim>& joined);
 
+  /// Takes the factors of an update that was entered and has no segment out again.
+  void leave(const SubmapUpdate<Dim>& update);
+
   Settling settle(std::span<const JoinedIndex> last) { return estimate_.settle(last); }
   /// As of the last settling.
   std::shared_ptr<const JoinedSnapshot<Dim>> snapshot();
@@ -62,10 +66,12 @@ class NamedEstimate {
   JoinedIndex enter_pose(const PoseId& id, const Pose<Dim>& value, bool is_anchored);
   JoinedIndex enter_feature(const FeatureId& id, const Point<Dim>& value);
   std::vector<MapFactor<Dim>> factors_of(const SubmapUpdate<Dim>& update);
+  void add_factors(const SubmapUpdate<Dim>& update, std::vector<MapFactor<Dim>> factors);
 
   IncrementalEstimate<Dim> estimate_;
   std::shared_ptr<JoinedNames> names_ = std::make_shared<JoinedNames>();
-  std::deque<LocalMap<Dim>> singles_;  // single observations as maps of one target
+  std::deque<LocalMap<Dim>> singles_;                                     // single observations as maps of one target
+  std::map<const SubmapUpdate<Dim>*, std::vector<FactorIndex>> factors_;  // of updates without a segment
 };
 
 }  // namespace mapjoin
