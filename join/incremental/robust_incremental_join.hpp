@@ -28,11 +28,11 @@ struct ClosureName {
 
 /// What adding an update did, or judging all.
 struct RobustlyAdded {
-  AddedUpdate added;
-  std::vector<ClosureName> rejected;    ///< Left out from now on: they are new, or have been taken out.
-  std::vector<ClosureName> readmitted;  ///< Joined that were left out.
-  bool is_judged = false;               ///< Whether find_inliers() was asked;
-  std::optional<Error> no_verdict;      ///< why that found none: all closures are then where they were.
+  AddedUpdate added = {};
+  std::vector<ClosureName> rejected = {};    ///< Left out from now on: they are new, or have been taken out.
+  std::vector<ClosureName> readmitted = {};  ///< Joined that were left out.
+  bool is_judged = false;                    ///< Whether find_inliers() was asked;
+  std::optional<Error> no_verdict = {};      ///< why that found none: all closures are then where they were.
 };
 
 /// Closures are pose factors between poses that are not successive ones of the update's segment, and such as repeat odometry.
