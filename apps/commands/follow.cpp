@@ -10,7 +10,7 @@
 #include <ctime>
 #include <mapjoin/io/files/system_call.hpp>
 #include <mapjoin/io/g2o/growing_g2o.hpp>
-#include <mapjoin/join/incremental/incremental_join.hpp>
+#include <mapjoin/join/incremental/robust_incremental_join.hpp>
 #include <mapjoin/join/incremental/submap_update_maker.hpp>
 #include <mapjoin/model/error.hpp>
 #include <memory>
@@ -28,37 +28,60 @@ struct Step {
   std::size_t first = 0;  ///< The number of its first update, from 1, and how many there are.
   std::size_t count = 1;
   PoseId begin = {}, end = {};
-  AddedUpdate added = {};
-  double seconds = 0.0;  ///< CPU time.
+  RobustlyAdded done = {};
+  std::optional<std::size_t> left_out = {};  ///< Closures, after it, where any may be.
+  double seconds = 0.0;                      ///< CPU time.
 };
 
+/// What became of closures: "; 2 closures left out, 1 taken back".
+std::string closures_for_people(const RobustlyAdded& done) {
+  std::string text;
+  if (!done.rejected.empty()) text += fmt::format("; {} left out", plural(done.rejected.size(), "closure"));
+  if (!done.readmitted.empty()) text += fmt::format("; {} taken back", plural(done.readmitted.size(), "closure"));
+  if (done.no_verdict) text += "; no verdict on closures: " + done.no_verdict->message;
+  return text;
+}
+
+Json ends_of(const std::vector<ClosureName>& closures) {
+  Json ends = Json::array();
+  for (const ClosureName& closure : closures) ends.push_back({closure.base.key, closure.target.key});
+  return ends;
+}
+
 std::string for_people(const Step& step) {
-  const AddedUpdate& added = step.added;
+  const AddedUpdate& added = step.done.added;
   const std::string maps = step.count == 1 ? fmt::format("map {}", step.first)
                                            : fmt::format("maps {} to {}", step.first, step.first + step.count - 1);
   const std::string poses = fmt::format("{} to {}", to_string(step.begin), key_text(step.end.key));
   if (!added.is_joined) return fmt::format("{}, {}: waits, nothing ties it to the others yet\n", maps, poses);
-  return fmt::format("{}, {}: moved {:.3f} m, {:.4f} rad; chi2 {:.2f}, dof {}; {} variables in {}{}\n", maps, poses,
+  return fmt::format("{}, {}: moved {:.3f} m, {:.4f} rad; chi2 {:.2f}, dof {}; {} variables in {}{}{}\n", maps, poses,
                      added.metres, added.radians, added.chi2, added.dof, added.eliminated,
-                     plural(added.iterations, "iteration"), added.batch_adopted ? "; all joined anew" : "");
+                     plural(added.iterations, "iteration"), added.batch_adopted ? "; all joined anew" : "",
+                     closures_for_people(step.done));
 }
 
 std::string for_programs(const Step& step) {
-  const AddedUpdate& added = step.added;
-  const Json line = {{"map", step.first},
-                     {"maps", step.count},
-                     {"first_pose", step.begin.key},
-                     {"last_pose", step.end.key},
-                     {"joined", added.is_joined},
-                     {"moved_m", added.metres},
-                     {"moved_rad", added.radians},
-                     {"chi2", added.chi2},
-                     {"dof", added.dof},
-                     {"eliminated", added.eliminated},
-                     {"iterations", added.iterations},
-                     {"converged", added.converged},
-                     {"joined_anew", added.batch_adopted},
-                     {"cpu_seconds", step.seconds}};
+  const AddedUpdate& added = step.done.added;
+  Json line = {{"map", step.first},
+               {"maps", step.count},
+               {"first_pose", step.begin.key},
+               {"last_pose", step.end.key},
+               {"joined", added.is_joined},
+               {"moved_m", added.metres},
+               {"moved_rad", added.radians},
+               {"chi2", added.chi2},
+               {"dof", added.dof},
+               {"eliminated", added.eliminated},
+               {"iterations", added.iterations},
+               {"converged", added.converged},
+               {"joined_anew", added.batch_adopted},
+               {"cpu_seconds", step.seconds}};
+  if (step.left_out) {
+    line["left_out"] = *step.left_out;
+    line["rejected"] = ends_of(step.done.rejected);
+    line["readmitted"] = ends_of(step.done.readmitted);
+    line["judged"] = step.done.is_judged && !step.done.no_verdict;
+  }
   return line.dump() + '\n';
 }
 
@@ -92,14 +115,15 @@ class StepReport {
 template <int Dim>
 class GrowingMap {
  public:
-  GrowingMap(const Options& options, StepReport& report) : options_(options), report_(report), maker_(new_maker()) {}
+  GrowingMap(const Options& options, StepReport& report)
+      : options_(options), report_(report), maker_(new_maker()), map_(new_map()) {}
 
   /// `whole` reads the log up to and with the news, for where these concern what is in a map already.
   template <typename Whole>
   void add(const Log<Dim>& news, Whole&& whole) {
     if (!maker_.add(news)) {
       maker_ = new_maker();
-      map_ = IncrementalJoin<Dim>();
+      map_ = new_map();
       count_ = 0;
       maker_.add(whole());
     }
@@ -110,31 +134,41 @@ class GrowingMap {
   void join_complete(bool is_end) {
     std::vector<SubmapUpdate<Dim>> updates = maker_.take(is_end).value();
     if (count_ == 0 && updates.size() > 1) {
-      const Step step{1, updates.size(), first_pose(updates.front()), last_pose(updates.back()), {}, 0.0};
-      return report(step, [&] { return map_.add_all(std::move(updates)); });
+      const Step step{1, updates.size(), first_pose(updates.front()), last_pose(updates.back())};
+      return report(step, [&](auto& map) { return robustly(map.add_all(std::move(updates))); });
     }
     for (SubmapUpdate<Dim>& update : updates) {
       const Step step = update.segments.empty() ? Step{count_ + 1} : Step{count_ + 1, 1, first_pose(update), last_pose(update)};
-      report(step, [&] { return map_.add(std::move(update)); });
+      report(step, [&](auto& map) { return robustly(map.add(std::move(update))); });
     }
   }
 
  private:
+  using Map = std::variant<IncrementalJoin<Dim>, RobustIncrementalJoin<Dim>>;
+
+  static Expected<RobustlyAdded> robustly(Expected<RobustlyAdded> done) { return done; }
+  static Expected<RobustlyAdded> robustly(const Expected<AddedUpdate>& added) {
+    return added.map([](const AddedUpdate& added) { return RobustlyAdded{.added = added}; });
+  }
+  Map new_map() const {
+    return options_.robust ? Map(RobustIncrementalJoin<Dim>(*options_.robust)) : Map(IncrementalJoin<Dim>());
+  }
   SubmapUpdateMaker<Dim> new_maker() const { return SubmapUpdateMaker<Dim>(options_.run.split, options_.run.solver); }
 
   template <typename Add>
   void report(Step step, Add&& add) {
     count_ += step.count;
     const std::clock_t start = std::clock();
-    step.added = add().value();
+    step.done = std::visit(std::forward<Add>(add), map_).value();
     step.seconds = static_cast<double>(std::clock() - start) / CLOCKS_PER_SEC;
+    if (const auto* robust = std::get_if<RobustIncrementalJoin<Dim>>(&map_)) step.left_out = robust->left_out().size();
     report_.add(step);
   }
 
   const Options& options_;
   StepReport& report_;
   SubmapUpdateMaker<Dim> maker_;
-  IncrementalJoin<Dim> map_;
+  Map map_;
   std::size_t count_ = 0;
 };
 
@@ -203,7 +237,9 @@ void add_following(Subcommand& command, FollowOptions& options) {
   command.group("Following");
   command.flag("--follow", options.wanted,
                "LOG is a g2o file that is still being written: join it map by map (of 10 poses, unless something else is asked "
-               "for), say what each map did, and run on the whole when it is complete or at Ctrl-C");
+               "for), say what each map did, and run on the whole when it is complete or at Ctrl-C; with --robust wrong "
+               "closures are left "
+               "out on the way, too");
   command.number("--idle", options.idle_seconds, 0.0, "SECONDS", "It is complete when it has not grown for so long");
   command.path("--steps", options.steps, "FILE|-",
                "Write a line of JSON for every map that is added; with - nothing else goes to standard output");

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <algorithm>
 #include <deque>
-#include <map>
+#include <iterator>
 #include <mapjoin/join/incremental/front_tree.hpp>
 #include <utility>
 
@@ -58,36 +58,14 @@ void FrontTree::change_quadratic(QuadraticIndex q, Eigen::MatrixXd H) {
   touched_.push_back(q);
 }
 
-Eigen::Map<const Eigen::VectorXd> FrontTree::solution(Variable v) const {
-  return {solution_.data() + variables_[v].offset, dof(v)};
+void FrontTree::remove_quadratic(QuadraticIndex q) {
+  quadratics_[q].quadratic = {};
+  std::erase(touched_, q);
+  if (quadratics_[q].node != kNone) touched_.push_back(q);
 }
 
-/// YᵀY with L Y = E, the columns of the identity of v; rows of Y are zero but on the way from its front to the root.
-std::optional<Eigen::MatrixXd> FrontFactor::covariance(Variable v) const {
-  if (variables[v].node == kNone) return std::nullopt;  // nothing is known of it
-  const int dof = variables[v].dof;
-  Eigen::MatrixXd covariance = Eigen::MatrixXd::Zero(dof, dof);
-  std::map<Variable, Eigen::MatrixXd> rhs{{v, Eigen::MatrixXd::Identity(dof, dof)}};
-  const auto rows_of = [&](Variable of) -> Eigen::MatrixXd& {
-    return rhs.try_emplace(of, Eigen::MatrixXd::Zero(variables[of].dof, dof)).first->second;
-  };
-  for (NodeIndex n = variables[v].node; n != kNone; n = nodes[n].parent) {
-    const Front& front = *nodes[n].front;
-    if (front.is_singular) return std::nullopt;
-    Eigen::MatrixXd Y(front.L.cols(), dof);
-    Eigen::Index row = 0;
-    for (const Variable frontal : front.frontals) {
-      Y.middleRows(row, variables[frontal].dof) = rows_of(frontal);
-      row += variables[frontal].dof;
-    }
-    front.L.topRows(row).triangularView<Eigen::Lower>().solveInPlace(Y);
-    covariance += Y.transpose() * Y;
-    for (const Variable above : front.update.variables) {
-      rows_of(above) -= front.L.middleRows(row, variables[above].dof) * Y;
-      row += variables[above].dof;
-    }
-  }
-  return covariance;
+Eigen::Map<const Eigen::VectorXd> FrontTree::solution(Variable v) const {
+  return {solution_.data() + variables_[v].offset, dof(v)};
 }
 
 void FrontTree::set_solution(Variable v, const Eigen::Ref<const Eigen::VectorXd>& entries) {
@@ -135,7 +113,7 @@ FrontTree::Opened FrontTree::open_touched() {
   touched_.erase(std::unique(touched_.begin(), touched_.end()), touched_.end());
   for (const QuadraticIndex q : std::exchange(touched_, {})) {
     open_upwards(quadratics_[q].node, opened);
-    if (quadratics_[q].node != kNone) continue;
+    if (quadratics_[q].node != kNone || is_removed(q)) continue;
     opened.quadratics.push_back(q);
     for (const Variable v : quadratics_[q].quadratic.variables) {
       open_upwards(node_of(v), opened);
@@ -146,7 +124,8 @@ FrontTree::Opened FrontTree::open_touched() {
     const Node& open = nodes_[n];
     const auto& frontals = front(n).frontals;
     variables.insert(variables.end(), frontals.begin(), frontals.end());
-    opened.quadratics.insert(opened.quadratics.end(), open.quadratics.begin(), open.quadratics.end());
+    std::copy_if(open.quadratics.begin(), open.quadratics.end(), std::back_inserter(opened.quadratics),
+                 [&](QuadraticIndex q) { return !is_removed(q); });
     for (const NodeIndex child : open.children) {
       if (!nodes_[child].is_open) opened.orphans.push_back(child);
     }

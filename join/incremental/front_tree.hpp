@@ -7,53 +7,13 @@
 // of fronts below are solved for again only where what lies above has moved.
 
 #include <Eigen/Core>
-#include <mapjoin/join/incremental/shared_table.hpp>
+#include <mapjoin/join/incremental/front_factor.hpp>
 #include <mapjoin/solve/block_pattern.hpp>
 #include <mapjoin/solve/sparse_cholesky.hpp>
-#include <memory>
-#include <optional>
 #include <span>
 #include <vector>
 
 namespace mapjoin {
-
-/// A quadratic xᵀHx over the entries of some variables, one after the other. Only the lower triangle of H counts. One of the
-/// variables is FrontTree::kOne, whose value is 1: with δᵀHδ - 2bᵀδ + c, its row is -bᵀ, c.
-struct Quadratic {
-  std::vector<Variable> variables;
-  Eigen::MatrixXd H;
-};
-
-/// Variables that are eliminated together. Once it is in the tree it stays as it is, until another one takes its place.
-struct Front {
-  std::vector<Variable> frontals;
-  Quadratic update;          ///< What is left over the separator, for the parent.
-  Eigen::MatrixXd L;         ///< Over frontals, then the separator.
-  bool is_singular = false;  ///< Eliminates what nothing determines.
-};
-
-/// The factor of a sum of quadratics by fronts, each with its parent. A copy by kept() stays as it is.
-class FrontFactor {
- public:
-  using NodeIndex = StrongIndex<struct NodeTag>;
-  static constexpr NodeIndex kNone = -1;
-  struct Node {
-    std::shared_ptr<const Front> front;
-    NodeIndex parent = kNone;
-  };
-  struct Eliminated {
-    int dof = 0;
-    NodeIndex node = kNone;  ///< That eliminates the variable.
-  };
-
-  /// The marginal covariance of a variable, the sum's H being the information; nothing where a front between it and the root
-  /// eliminates what nothing determines.
-  std::optional<Eigen::MatrixXd> covariance(Variable v) const;
-  FrontFactor kept() { return {variables.kept(), nodes.kept()}; }
-
-  SharedTable<Variable, Eliminated> variables;
-  SharedTable<NodeIndex, Node> nodes;
-};
 
 class FrontTree {
  public:
@@ -65,6 +25,8 @@ class FrontTree {
   QuadraticIndex add_quadratic(Quadratic quadratic);
   /// H in the place of the former one, over the same variables.
   void change_quadratic(QuadraticIndex quadratic, Eigen::MatrixXd H);
+  /// Takes one out of the sum, for good.
+  void remove_quadratic(QuadraticIndex quadratic);
 
   /// Eliminates again what is touched by all that was added and changed since the last time, the variables `last` after all
   /// others, and solves. Variables that nothing determines stay where they are. Returns how many variables were eliminated.
@@ -97,7 +59,7 @@ class FrontTree {
     std::size_t moved_in = 0;    // the update that moved it last
   };
   struct Summand {
-    Quadratic quadratic;
+    Quadratic quadratic;     // of no variables once it is removed
     NodeIndex node = kNone;  // that has it
   };
   /// What is eliminated again.
@@ -109,6 +71,7 @@ class FrontTree {
   };
 
   void open_upwards(NodeIndex node, Opened& opened);
+  bool is_removed(QuadraticIndex q) const { return quadratics_[q].quadratic.variables.empty(); }
   Opened open_touched();
   /// The quadratics, then what the orphans send.
   std::vector<const Quadratic*> summands(const Opened& opened) const;

@@ -8,8 +8,8 @@ namespace mapjoin {
 namespace {
 
 constexpr int kMostIterations = 50;
-/// Of a linearisation, in chi2 per measured row: 0.3 % of a standard deviation. An estimate at which no map errs by more is above
-/// the optimum by at most as much per row, for what a map errs by moves the estimate by no more than itself, in chi2.
+/// Of a linearisation, in chi2 per measured row: 0.3 % of a standard deviation. An estimate at which no map errs by more is
+/// above the optimum by at most as much per row, for what a map errs by moves the estimate by no more than itself, in chi2.
 constexpr double kLinearisationError = 1e-5;
 /// Beyond this turn (rad) since its reference a pose gets a new one: rotation vectors are good up to π.
 constexpr double kMostTurn = 1.0;
@@ -36,7 +36,7 @@ void IncrementalEstimate<Dim>::place(JoinedIndex v, const Pose<Dim>& value) {
 }
 
 template <int Dim>
-void IncrementalEstimate<Dim>::add_factor(MapFactor<Dim> map) {
+FactorIndex IncrementalEstimate<Dim>::add_factor(MapFactor<Dim> map) {
   const FactorIndex f(factors_.size());
   for (const JoinedIndex v : map.variables()) {
     if (v != kJoinedWorld) variable(v).factors.push_back(f);
@@ -46,6 +46,19 @@ void IncrementalEstimate<Dim>::add_factor(MapFactor<Dim> map) {
   added.fit.chi2 = added.map.chi2(variables_);
   chi2_ += added.fit.chi2;
   stale_.push_back(f);
+  return f;
+}
+
+template <int Dim>
+void IncrementalEstimate<Dim>::remove_factor(FactorIndex f) {
+  Factor& removed = factor(f);
+  for (const JoinedIndex v : removed.map.variables()) {
+    if (v != kJoinedWorld) std::erase(variable(v).factors, f);
+  }
+  rows_ -= removed.map.rows();
+  chi2_ -= std::exchange(removed.fit, {}).chi2;
+  std::erase(stale_, f);
+  if (removed.quadratic) tree_.remove_quadratic(*removed.quadratic);
 }
 
 template <int Dim>
@@ -72,15 +85,30 @@ Settling IncrementalEstimate<Dim>::settle(std::span<const JoinedIndex> last) {
 }
 
 template <int Dim>
-std::optional<Eigen::MatrixXd> KeptEstimate<Dim>::covariance(JoinedIndex v) const {
-  const Variable& of = variables[v];
-  const int dof = of.is_pose ? kPoseDof<Dim> : Dim;
-  if (of.column == kConstant) return Eigen::MatrixXd(Eigen::MatrixXd::Zero(dof, dof));
-  const auto covariance = factor.covariance(of.column);  // of δ
-  if (Dim == 2 || !of.is_pose || !covariance) return covariance;
-  PoseMatrix<Dim> J_step_delta = PoseMatrix<Dim>::Identity();
-  J_step_delta.template bottomRightCorner<kRotationDof<Dim>, kRotationDof<Dim>>() = right_jacobian<Dim>(of.turn);
-  return Eigen::MatrixXd(J_step_delta * *covariance * J_step_delta.transpose());
+std::optional<Eigen::MatrixXd> KeptEstimate<Dim>::covariance(std::span<const JoinedIndex> of) const {
+  std::vector<mapjoin::Variable> columns;
+  Eigen::Index size = 0;
+  for (const JoinedIndex v : of) {
+    if (variables[v].column != kConstant) columns.push_back(variables[v].column);
+    size += variables[v].dof();
+  }
+  const auto of_free = factor.covariance(columns);  // of δ
+  if (!of_free) return std::nullopt;
+  Eigen::MatrixXd J_step_delta = Eigen::MatrixXd::Zero(size, of_free->rows());
+  Eigen::Index row = 0;
+  Eigen::Index column = 0;
+  for (const JoinedIndex v : of) {
+    const int dof = variables[v].dof();
+    if (variables[v].column != kConstant) {
+      auto J = J_step_delta.block(row, column, dof, dof);
+      J.setIdentity();
+      if (variables[v].is_pose)
+        J.template bottomRightCorner<kRotationDof<Dim>, kRotationDof<Dim>>() = right_jacobian<Dim>(variables[v].turn);
+      column += dof;
+    }
+    row += dof;
+  }
+  return Eigen::MatrixXd(J_step_delta * *of_free * J_step_delta.transpose());
 }
 
 /// Anew, without the rounding of all that was added and taken away.

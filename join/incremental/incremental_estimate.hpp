@@ -29,11 +29,13 @@ struct KeptEstimate {
     Pose<Dim> value;                                         ///< Of a feature the translation.
     RotationVector<Dim> turn = RotationVector<Dim>::Zero();  ///< Of a pose, since the reference of the linear system.
     mapjoin::Variable column = kConstant;                    ///< Of the linear system; kConstant where it is anchored.
+
+    int dof() const { return is_pose ? kPoseDof<Dim> : Dim; }
   };
 
-  /// The marginal covariance of the step of a variable at its value, a row for each entry: zero where it is anchored, nothing
-  /// where it may not be determined (see FrontFactor).
-  std::optional<Eigen::MatrixXd> covariance(JoinedIndex variable) const;
+  /// The joint marginal covariance of the steps of different variables at their values, a row for each entry: zero where one is
+  /// anchored, nothing where one may not be determined (see FrontFactor).
+  std::optional<Eigen::MatrixXd> covariance(std::span<const JoinedIndex> of) const;
 
   SharedTable<JoinedIndex, Variable> variables;
   FrontFactor factor;
@@ -51,7 +53,9 @@ class IncrementalEstimate {
   JoinedIndex add_variable(bool is_pose, const Pose<Dim>& value, bool is_anchored);
   /// Puts a variable of which no map is there yet elsewhere.
   void place(JoinedIndex variable, const Pose<Dim>& value);
-  void add_factor(MapFactor<Dim> factor);
+  FactorIndex add_factor(MapFactor<Dim> factor);
+  /// Takes one out again, for good: the next settling is without it.
+  void remove_factor(FactorIndex factor);
 
   /// To the optimum; `last` are the variables that the next maps will probably touch.
   Settling settle(std::span<const JoinedIndex> last);

@@ -7,16 +7,17 @@
 // more than the new map can explain, all maps so far are joined along the tree of join(), once, and the better estimate is
 // taken.
 
+#include <algorithm>
 #include <cstdint>
 #include <deque>
 #include <map>
-#include <mapjoin/join/incremental/incremental_estimate.hpp>
-#include <mapjoin/join/incremental/joined_snapshot.hpp>
+#include <mapjoin/join/incremental/named_estimate.hpp>
 #include <mapjoin/join/incremental/submap_update.hpp>
 #include <mapjoin/join/join.hpp>
 #include <memory>
 #include <mutex>
 #include <optional>
+#include <set>
 #include <span>
 #include <stop_token>
 #include <vector>
@@ -53,13 +54,26 @@ class IncrementalJoin {
   /// Adds many at once, as where the first part of a long log is there already. What is said of one holds for all of them; of
   /// bad input, those before it wait.
   Expected<AddedUpdate> add_all(std::vector<SubmapUpdate<Dim>> updates, const std::stop_token& stop = {});
+  /// Bad input where add() would find it.
+  Expected<void> check(const SubmapUpdate<Dim>& update) const;
 
-  /// The estimate after the last add() or add_all() that has returned, empty before. Any thread may call this at any time, and
+  /// Adds an update without a segment, but leaves it out. Gives its number: updates count from 0 as they were added. Bad input
+  /// as of add().
+  Expected<std::size_t> hold(SubmapUpdate<Dim> update);
+  /// Takes updates without a segment out, by their numbers, as if they had never been joined, and joins others that were left
+  /// out. Where one that goes was in the estimate it may have bent this too far for steps to lead back: all others are then
+  /// joined by join(), too, once.
+  AddedUpdate change(std::span<const std::size_t> out, std::span<const std::size_t> in, const std::stop_token& stop = {});
+
+  /// Joins all updates in the estimate by join(), and takes what comes of it where chi2 is less.
+  AddedUpdate rejoin(const std::stop_token& stop = {});
+
+  /// The estimate after the last of these that has returned, empty before. Any thread may call this at any time, and
   /// ask the snapshot while this object goes on or is gone: it waits for no update. All else here belongs to one thread.
   std::shared_ptr<const JoinedSnapshot<Dim>> snapshot() const;
   /// The estimate of a pose or feature, or null while it is not in it.
-  const Pose<Dim>* pose(const PoseId& id) const;
-  const Point<Dim>* feature(const FeatureId& id) const;
+  const Pose<Dim>* pose(const PoseId& id) const { return estimate_.pose(id); }
+  const Point<Dim>* feature(const FeatureId& id) const { return estimate_.feature(id); }
   /// The marginal covariance of its step, relative to the gauge as in GlobalMap: zero where it is anchored, nothing while it is
   /// not in the estimate or may be free to move. At the cost of the fronts between it and the root. It is that of the
   /// linearisation the estimate rests on: residuals err by less than a hundredth of a standard deviation, but Jacobians may be
@@ -69,6 +83,11 @@ class IncrementalJoin {
   double chi2() const { return estimate_.chi2(); }
   std::int64_t dof() const { return estimate_.dof(); }
   std::size_t waiting() const { return waiting_.size(); }
+  std::size_t update_count() const { return updates_.size(); }
+  const SubmapUpdate<Dim>& update(std::size_t number) const { return updates_[number]; }
+  /// The numbers of those that were left out, or taken out.
+  const std::set<std::size_t>& left_out() const { return left_out_; }
+  bool is_waiting(std::size_t number) const { return std::ranges::binary_search(waiting_, number); }
 
  private:
   /// Where other threads find the last snapshot.
@@ -78,27 +97,19 @@ class IncrementalJoin {
   };
 
   void publish();
-  const Pose<Dim>* pose(const SubmapUpdate<Dim>& update, PoseIndex pose) const;
-  const Point<Dim>* feature(const SubmapUpdate<Dim>& update, FeatureIndex feature) const;
   /// Puts a sound update behind the others.
   Expected<void> accept(SubmapUpdate<Dim> update);
   void join_last(const std::stop_token& stop, AddedUpdate& added);
   void join_again_from(std::size_t before, const std::stop_token& stop, AddedUpdate& added);
   bool asks_for_join(const SubmapUpdate<Dim>& update) const;
-  std::vector<Pose<Dim>> alignments(const SubmapUpdate<Dim>& update, const PartialMap<Dim>& partial) const;
-  bool knows_ends(const SubmapUpdate<Dim>& update, const PartialMap<Dim>& partial) const;
-  /// The variables of the update's partial map, entered where they are new, and the update's factors; nothing where the update
-  /// shares too little with the estimate, which then stays as it is.
-  std::optional<std::vector<JoinedIndex>> enter(const SubmapUpdate<Dim>& update);
-  JoinedIndex enter_pose(const PoseId& id, const Pose<Dim>& value, bool is_anchored);
-  JoinedIndex enter_feature(const FeatureId& id, const Point<Dim>& value);
-  std::vector<MapFactor<Dim>> factors_of(const SubmapUpdate<Dim>& update);
   void settle(std::span<const JoinedIndex> last, AddedUpdate& added);
   bool has_outgrown(double chi2_before, std::int64_t dof_before) const;
   /// How many of their poses and features the waiting updates share with the estimate.
   std::size_t shared_by_waiting() const;
+  /// Waiting updates that names tie to the estimate, if only by way of each other; to the first, where there is no estimate.
+  std::vector<std::size_t> tied_waiting() const;
   void admit_waiting(const std::stop_token& stop, AddedUpdate& added);
-  /// Joins all updates in the estimate and, where asked for, the waiting ones by join().
+  /// Joins all updates in the estimate and, where asked for, the waiting ones that are tied to them by join().
   void adopt_batch(bool with_waiting, const std::stop_token& stop, AddedUpdate& added);
   void take(const std::vector<const SubmapUpdate<Dim>*>& updates, const SubmapSet<Dim>& set, const Join<Dim>& joined,
             AddedUpdate& added);
@@ -107,10 +118,9 @@ class IncrementalJoin {
   std::deque<SubmapUpdate<Dim>> updates_;
   std::map<PoseId, bool> driven_;      // the poses of segments, and whether another segment may go on from there
   std::vector<std::size_t> waiting_;   // updates that are not in the estimate, ascending
+  std::set<std::size_t> left_out_;     // updates that may not be in it
   std::size_t shared_when_tried_ = 0;  // by those that were waiting then
-  std::deque<LocalMap<Dim>> singles_;  // single observations as maps of one target
-  IncrementalEstimate<Dim> estimate_;
-  std::shared_ptr<JoinedNames> names_ = std::make_shared<JoinedNames>();  // of the estimate
+  NamedEstimate<Dim> estimate_;
   std::unique_ptr<Published> published_ = std::make_unique<Published>();
   bool is_anchored_by_world_ = false;
 };

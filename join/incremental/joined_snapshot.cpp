@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include <array>
 #include <mapjoin/join/incremental/joined_snapshot.hpp>
 
 namespace mapjoin {
@@ -26,7 +27,7 @@ template <int Dim>
 template <typename Matrix, typename Id>
 std::optional<Matrix> JoinedSnapshot<Dim>::covariance_of(const Id& id) const {
   const auto v = find(id);
-  const auto covariance = v ? estimate_.covariance(*v) : std::nullopt;
+  const auto covariance = v ? estimate_.covariance({&*v, 1}) : std::nullopt;
   return covariance ? std::optional<Matrix>(*covariance) : std::nullopt;
 }
 
@@ -38,6 +39,15 @@ std::optional<PoseMatrix<Dim>> JoinedSnapshot<Dim>::covariance(const PoseId& id)
 template <int Dim>
 std::optional<PointMatrix<Dim>> JoinedSnapshot<Dim>::covariance(const FeatureId& id) const {
   return covariance_of<PointMatrix<Dim>>(id);
+}
+
+template <int Dim>
+std::optional<Matrix<2 * kPoseDof<Dim>>> JoinedSnapshot<Dim>::covariance(const PoseId& first, const PoseId& second) const {
+  const auto a = find(first);
+  const auto b = find(second);
+  if (!a || !b) return std::nullopt;
+  const auto covariance = estimate_.covariance(std::array{*a, *b});
+  return covariance ? std::optional<Matrix<2 * kPoseDof<Dim>>>(*covariance) : std::nullopt;
 }
 
 template class JoinedSnapshot<2>;

@@ -54,6 +54,8 @@ class JoinedSnapshot {
   /// The marginal covariance of its step, as IncrementalJoin::covariance(), at the cost of the fronts between it and the root.
   std::optional<PoseMatrix<Dim>> covariance(const PoseId& id) const;
   std::optional<PointMatrix<Dim>> covariance(const FeatureId& id) const;
+  /// The joint one of two different poses, those of the first before those of the second.
+  std::optional<Matrix<2 * kPoseDof<Dim>>> covariance(const PoseId& first, const PoseId& second) const;
   double chi2() const { return estimate_.chi2; }
   std::int64_t dof() const { return estimate_.dof; }
 

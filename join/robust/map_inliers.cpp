@@ -2,9 +2,8 @@
 #include <algorithm>
 #include <iterator>
 #include <mapjoin/join/robust/inliers.hpp>
+#include <mapjoin/join/robust/taken_apart.hpp>
 #include <mapjoin/join/run.hpp>
-#include <mapjoin/model/information.hpp>
-#include <mapjoin/model/linearise.hpp>
 #include <mapjoin/model/marginal_information.hpp>
 #include <numeric>
 #include <set>
@@ -30,75 +29,6 @@ Eigen::MatrixXd information_of(const LocalMap<Dim>& map, const std::vector<std::
   std::vector<Eigen::Index> others;
   std::ranges::set_difference(all, rows, std::back_inserter(others));
   return marginal_information(map.information, rows, others);
-}
-
-/// The covariance of a map; of what it does not determine large, but finite.
-template <int Dim>
-Eigen::MatrixXd covariance_of(const LocalMap<Dim>& map) {
-  constexpr double kLeastShare = 1e-9;  // of the information of each coordinate
-  Eigen::MatrixXd W = map.information;
-  const double most = W.size() > 0 && W.diagonal().maxCoeff() > 0.0 ? W.diagonal().maxCoeff() : 1.0;
-  for (Eigen::Index k = 0; k < W.rows(); ++k) W(k, k) += kLeastShare * (W(k, k) > 0.0 ? W(k, k) : most);
-  return W.llt().solve(Eigen::MatrixXd::Identity(W.rows(), W.rows()));
-}
-
-/// By a covariance; nothing known where that is not positive definite.
-template <int Size>
-Matrix<Size> information_by(const Matrix<Size>& covariance) {
-  return information_of_covariance<Size>(covariance).value_or(Matrix<Size>::Zero());
-}
-
-/// What a map says of pose `t` that it keeps, from the one before it or from its base.
-template <int Dim>
-PoseFactor<Dim> step_to(const LocalMap<Dim>& map, const Eigen::MatrixXd& covariance, std::size_t t) {
-  constexpr int kDof = kPoseDof<Dim>;
-  const Pose<Dim>& pose = map.pose_estimates[t];
-  if (t == 0) return {map.base, map.poses[0], pose, information_by<kDof>(covariance.topLeftCorner<kDof, kDof>()), {}};
-  const Pose<Dim>& before = map.pose_estimates[t - 1];
-  const auto linear = linearise<Dim>(between(before, pose), before, pose);
-  Eigen::Matrix<double, kDof, 2 * kDof> J;
-  J << linear.J_base, linear.J_target;
-  const auto both = covariance.block<2 * kDof, 2 * kDof>(map.row(t - 1), map.row(t - 1));
-  return {map.poses[t - 1], map.poses[t], between(before, pose), information_by<kDof>(J * both * J.transpose()), {}};
-}
-
-/// A log of what each map of a set says of each of its features alone and of its poses, one after the other, and of what
-/// stands on its own in the set.
-template <int Dim>
-struct TakenApart {
-  Log<Dim> log;
-  std::vector<std::size_t> maps;  ///< Of each observation of the log; the number of maps where it stands on its own.
-};
-
-template <int Dim>
-TakenApart<Dim> taken_apart(const SubmapSet<Dim>& set) {
-  TakenApart<Dim> apart;
-  Log<Dim>& log = apart.log;
-  log.source = set.source;
-  log.poses = set.poses;
-  log.features = set.features;
-  log.graph = {set.graph.pose_factors, {}, {}, set.graph.fixed};
-  using Sighting = std::pair<FeatureFactor<Dim>, std::size_t>;
-  std::vector<Sighting> sightings;
-  for (const auto& o : set.graph.feature_factors) sightings.emplace_back(o, set.graph.submaps.size());
-  for (std::size_t m = 0; m < set.graph.submaps.size(); ++m) {
-    const LocalMap<Dim>& map = set.graph.submaps[m];
-    const Eigen::MatrixXd covariance = covariance_of(map);
-    for (std::size_t t = 0; t < map.poses.size(); ++t) log.graph.pose_factors.push_back(step_to(map, covariance, t));
-    for (std::size_t f = 0; f < map.features.size(); ++f) {
-      const Eigen::Index row = map.row(map.poses.size() + f);
-      const PointMatrix<Dim> information = information_by<Dim>(covariance.block<Dim, Dim>(row, row));
-      sightings.push_back({{map.base, map.features[f], map.feature_estimates[f], information, {}}, m});
-    }
-  }
-  // As put_in_order() has them.
-  std::ranges::stable_sort(sightings, {}, [](const Sighting& s) { return std::pair(s.first.base == kWorld, s.first.base); });
-  for (const auto& [observation, map] : sightings) {
-    log.graph.feature_factors.push_back(observation);
-    apart.maps.push_back(map);
-  }
-  put_in_order(log);
-  return apart;
 }
 
 /// The map without some of its features.

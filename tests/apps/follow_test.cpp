@@ -87,6 +87,50 @@ TEST_F(Follow, ALogThatGrowsEndsAsTheRunOfTheWhole) {
   EXPECT_EQ(steps().back().at("last_pose"), 999);
 }
 
+TEST_F(Follow, WrongClosuresAreLeftOutAsTheLogGrows) {
+  const std::string wrong = "EDGE_SE2 10 700 1 0 0 400 0 0 400 0 400\n";
+  log.push_back(wrong);
+  log = as_driven(log);
+  std::ofstream(path("whole.g2o")) << [&] {
+    std::string all;
+    for (const auto& line : log) all += line;
+    return all;
+  }();
+  ASSERT_EQ(call({"run", path("whole.g2o"), "--robust", "-o", path("whole")}).exit_code, 0);
+  std::ofstream growing(path("log.g2o"));
+  Process process(command_line(
+      {"run", path("log.g2o"), "--follow", "--robust", "--idle", "600", "--steps", path("steps"), "-o", path("map")}));
+  const std::size_t slices = 5;
+  for (std::size_t k = 0; k < slices; ++k) {
+    for (std::size_t l = k * log.size() / slices; l < (k + 1) * log.size() / slices; ++l) growing << log[l];
+    growing.flush();
+    await_steps(k == 0 ? 1 : 20 * k);  // so that the maps of later slices come one by one
+  }
+  await_steps(80);
+  process.send(SIGINT);
+  EXPECT_EQ(process.wait(), 0) << process.standard_error();
+  for (const std::string name : {"map.g2o", "poses.csv", "rejected.csv", "inliers.g2o"}) {
+    EXPECT_EQ(content_of(path("map/" + name)), content_of(path("whole/" + name))) << name;
+  }
+  EXPECT_THAT(content_of(path("map/rejected.csv")), HasSubstr("closure,10,700,"));
+  const auto closures = nlohmann::json::array({nlohmann::json::array({10, 700})});
+  for (const auto& step : steps()) {
+    EXPECT_EQ(step.at("rejected"), step.at("last_pose") == 700 ? closures : nlohmann::json::array()) << step;
+    EXPECT_EQ(step.at("readmitted"), nlohmann::json::array());
+    EXPECT_EQ(step.at("left_out"), step.at("last_pose") < 700 ? 0 : 1);
+  }
+}
+
+TEST_F(Follow, OfALogThatIsThereWrongClosuresAreLeftOutAtOnce) {
+  std::ofstream(path("log.g2o")) << content_of(kBundledData / "manhattan2d.g2o") + "EDGE_SE2 10 700 1 0 0 400 0 0 400 0 400\n";
+  const Ended ended = call({"run", path("log.g2o"), "--follow", "--robust", "--idle", "0", "--steps", path("steps")});
+  ASSERT_EQ(ended.exit_code, 0) << ended.err;
+  EXPECT_TRUE(steps().front().at("judged"));
+  EXPECT_EQ(steps().front().at("left_out"), 1);
+  EXPECT_EQ(steps().front().at("rejected"), nlohmann::json::array({nlohmann::json::array({10, 700})}));
+  EXPECT_THAT(ended.out, HasSubstr("rejected"));
+}
+
 TEST_F(Follow, AFileThatIsCompleteIsJoinedAtOnce) {
   fs::copy_file(kBundledData / "manhattan3d.g2o", path("log.g2o"));
   const Ended ended = call({"run", path("log.g2o"), "--follow", "--idle", "0", "--steps", "-"});

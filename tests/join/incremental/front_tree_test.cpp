@@ -97,9 +97,17 @@ TEST_F(FrontTreeTest, CovariancesAreBlocksOfTheInverse) {
   const Eigen::MatrixXd inverse = sum().bottomRightCorner(size, size).llt().solve(Eigen::MatrixXd::Identity(size, size));
   for (Variable v = 1; v < 61; ++v) {
     const Eigen::MatrixXd expected = inverse.block(offsets_[v] - 1, offsets_[v] - 1, dof(v), dof(v));
-    const Eigen::MatrixXd covariance = tree_.factor().covariance(v).value();
+    const Eigen::MatrixXd covariance = tree_.factor().covariance({&v, 1}).value();
     ASSERT_EQ(covariance.rows(), dof(v));
     EXPECT_LE((covariance - expected).norm(), 1e-10 * expected.norm()) << v.value;
+  }
+  for (const std::vector<Variable>& some : {std::vector<Variable>{3, 60}, {60, 3}, {31, 32}, {1, 20, 45}}) {
+    std::vector<Eigen::Index> entries;
+    for (const Variable v : some) {
+      for (int i = 0; i < dof(v); ++i) entries.push_back(offsets_[v] - 1 + i);
+    }
+    const Eigen::MatrixXd expected = inverse(entries, entries);
+    EXPECT_LE((tree_.factor().covariance(some).value() - expected).norm(), 1e-10 * expected.norm()) << some[0].value;
   }
 }
 
@@ -135,6 +143,30 @@ TEST_F(FrontTreeTest, AChangedQuadraticCountsAsItIsNow) {
   }
 }
 
+TEST_F(FrontTreeTest, ARemovedQuadraticLeavesNoTrace) {
+  for (Variable v = 1; v < 61; ++v) {
+    add_variable(3);
+    if (v == 1) add({v});
+    if (v > 1) add({v - 1, v});
+  }
+  const std::size_t in_chain = quadratics_.size();
+  add({2, 30, 58});
+  add({25, 40});
+  tree_.update({});
+  add({7, 50});  // never in the tree
+  for (const std::size_t q : {in_chain + 2, in_chain, in_chain + 1}) {
+    tree_.remove_quadratic(indices_[q]);
+    quadratics_[q].H.setZero();
+    EXPECT_EQ(tree_.update({}) > 0, q < in_chain + 2);
+    EXPECT_LT(error(), 3e-3) << q;
+  }
+  const Variable end = 60;
+  const Eigen::Index size = offsets_.back() - 1;
+  const Eigen::MatrixXd inverse = sum().bottomRightCorner(size, size).llt().solve(Eigen::MatrixXd::Identity(size, size));
+  const Eigen::Matrix3d expected = inverse.bottomRightCorner<3, 3>();
+  EXPECT_LE((tree_.factor().covariance({&end, 1}).value() - expected).norm(), 1e-10 * expected.norm());
+}
+
 TEST_F(FrontTreeTest, PartsThatShareNothingStandSideBySideUntilSomethingTiesThem) {
   for (Variable v = 1; v < 21; ++v) {
     add_variable(3);
@@ -157,7 +189,7 @@ TEST_F(FrontTreeTest, WhatNothingDeterminesStaysWhereItIs) {
   tree_.update({});
   EXPECT_NEAR(tree_.solution(1)[0], 2.0, 1e-6);
   EXPECT_EQ(tree_.solution(1)[1], 0.0);
-  EXPECT_FALSE(tree_.factor().covariance(1));
+  EXPECT_FALSE(tree_.factor().covariance(std::vector<Variable>{1}));
 }
 
 }  // namespace

@@ -1,0 +1,57 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+// The factor of a growing sum of quadratics: fronts, each with its parent, and what they say of variables.
+
+#include <Eigen/Core>
+#include <mapjoin/join/incremental/shared_table.hpp>
+#include <mapjoin/solve/block_pattern.hpp>
+#include <memory>
+#include <optional>
+#include <span>
+#include <vector>
+
+namespace mapjoin {
+
+/// A quadratic xᵀHx over the entries of some variables, one after the other. Only the lower triangle of H counts. One of the
+/// variables is FrontTree::kOne, whose value is 1: with δᵀHδ - 2bᵀδ + c, its row is -bᵀ, c.
+struct Quadratic {
+  std::vector<Variable> variables;
+  Eigen::MatrixXd H;
+};
+
+/// Variables that are eliminated together. Once it is in the tree it stays as it is, until another one takes its place.
+struct Front {
+  std::vector<Variable> frontals;
+  Quadratic update;          ///< What is left over the separator, for the parent.
+  Eigen::MatrixXd L;         ///< Over frontals, then the separator.
+  bool is_singular = false;  ///< Eliminates what nothing determines.
+};
+
+/// The factor of a sum of quadratics by fronts, each with its parent. A copy by kept() stays as it is.
+class FrontFactor {
+ public:
+  using NodeIndex = StrongIndex<struct NodeTag>;
+  static constexpr NodeIndex kNone = -1;
+  struct Node {
+    std::shared_ptr<const Front> front;
+    NodeIndex parent = kNone;
+  };
+  struct Eliminated {
+    int dof = 0;
+    NodeIndex node = kNone;  ///< That eliminates the variable.
+  };
+
+  /// The joint marginal covariance of different variables, one after the other, the sum's H being the information; nothing
+  /// where a front between one of them and the root eliminates what nothing determines.
+  std::optional<Eigen::MatrixXd> covariance(std::span<const Variable> of) const;
+  FrontFactor kept() { return {variables.kept(), nodes.kept()}; }
+
+  SharedTable<Variable, Eliminated> variables;
+  SharedTable<NodeIndex, Node> nodes;
+
+ private:
+  /// The nodes that eliminate these and all above them, each before its parent.
+  std::vector<NodeIndex> way_to_root(std::span<const Variable> of) const;
+};
+
+}  // namespace mapjoin

@@ -1,0 +1,182 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <algorithm>
+#include <mapjoin/join/align/alignment.hpp>
+#include <mapjoin/join/incremental/named_estimate.hpp>
+#include <utility>
+
+namespace mapjoin {
+namespace {
+
+/// The variable of a pose or feature, null where it has none.
+template <typename Id>
+const JoinedIndex* find_variable(const std::map<Id, JoinedIndex>& directory, const Id& id) {
+  const auto found = directory.find(id);
+  return found == directory.end() ? nullptr : &found->second;
+}
+
+}  // namespace
+
+template <int Dim>
+const Pose<Dim>* NamedEstimate<Dim>::pose(const PoseId& id) const {
+  const JoinedIndex* v = find_variable(names_->poses(), id);
+  return v ? &estimate_.variable(*v).value : nullptr;
+}
+
+template <int Dim>
+const Point<Dim>* NamedEstimate<Dim>::feature(const FeatureId& id) const {
+  const JoinedIndex* v = find_variable(names_->features(), id);
+  return v ? &estimate_.variable(*v).value.translation : nullptr;
+}
+
+/// Where the partial map may stand in the frame of the estimate.
+template <int Dim>
+std::vector<Pose<Dim>> NamedEstimate<Dim>::alignments(const SubmapUpdate<Dim>& update, const PartialMap<Dim>& partial) const {
+  if (partial.poses.empty()) return {Pose<Dim>{}};
+  Correspondences<Dim> correspondences;
+  for (const PoseIndex p : partial.poses) {
+    if (const auto* known = pose(update, p)) correspondences.add_pose(*known, pose_in(partial, p));
+  }
+  for (const auto& o : update.graph.pose_factors) {
+    const Pose<Dim>* base = pose(update, o.base);
+    const Pose<Dim>* target = pose(update, o.target);
+    const Pose<Dim>* own_base = find_pose(partial, o.base);  // never the World, which is no pose
+    const Pose<Dim>* own_target = find_pose(partial, o.target);
+    if (base && own_target) correspondences.add_closure(o, compose(*base, o.measured), *own_target);
+    if (target && own_base) correspondences.add_closure(o, *target, compose(*own_base, o.measured));
+  }
+  for (const FeatureIndex f : partial.features) {
+    if (const auto* known = feature(update, f)) correspondences.add_point(*known, feature_in(partial, f));
+  }
+  return correspondences.candidates();
+}
+
+/// Whether what the update observes is in the estimate or in the update's own partial map.
+template <int Dim>
+bool NamedEstimate<Dim>::knows_ends(const SubmapUpdate<Dim>& update, const PartialMap<Dim>& partial) const {
+  const auto knows_pose = [&](PoseIndex p) { return p == kWorld || pose(update, p) || holds(partial.poses, p); };
+  const auto knows_feature = [&](FeatureIndex f) { return feature(update, f) || holds(partial.features, f); };
+  return std::ranges::all_of(update.graph.pose_factors,
+                             [&](const auto& o) { return knows_pose(o.base) && knows_pose(o.target); }) &&
+         std::ranges::all_of(update.graph.feature_factors,
+                             [&](const auto& o) { return knows_pose(o.base) && knows_feature(o.target); });
+}
+
+template <int Dim>
+JoinedIndex NamedEstimate<Dim>::enter_pose(const PoseId& id, const Pose<Dim>& value, bool is_anchored) {
+  const JoinedIndex v = estimate_.add_variable(true, value, is_anchored);
+  names_->enter(id, v);
+  return v;
+}
+
+template <int Dim>
+JoinedIndex NamedEstimate<Dim>::enter_feature(const FeatureId& id, const Point<Dim>& value) {
+  const JoinedIndex v = estimate_.add_variable(false, {value, {}}, false);
+  names_->enter(id, v);
+  return v;
+}
+
+template <int Dim>
+std::vector<MapFactor<Dim>> NamedEstimate<Dim>::factors_of(const SubmapUpdate<Dim>& update) {
+  std::vector<MapFactor<Dim>> factors;
+  const auto add = [&](const LocalMap<Dim>& map) {
+    const auto variable_of = [&](PoseIndex p) { return names_->poses().at(update.poses[p]); };
+    std::vector<JoinedIndex> variables{map.base == kWorld ? kJoinedWorld : variable_of(map.base)};
+    for (const PoseIndex p : map.poses) variables.push_back(variable_of(p));
+    for (const FeatureIndex f : map.features) variables.push_back(names_->features().at(update.features[f]));
+    factors.emplace_back(map, std::move(variables));
+  };
+  std::ranges::for_each(update.graph.submaps, add);
+  for (const auto& o : update.graph.pose_factors) {
+    add(singles_.emplace_back(LocalMap<Dim>{o.base, {o.target}, {}, {o.measured}, {}, o.information}));
+  }
+  for (const auto& o : update.graph.feature_factors) {
+    add(singles_.emplace_back(LocalMap<Dim>{o.base, {}, {o.target}, {}, {o.measured}, o.information}));
+  }
+  return factors;
+}
+
+template <int Dim>
+std::optional<std::vector<JoinedIndex>> NamedEstimate<Dim>::enter(const SubmapUpdate<Dim>& update) {
+  const PartialMap<Dim> partial = composed(update);
+  const auto candidates = alignments(update, partial);
+  if (candidates.empty() || !knows_ends(update, partial)) return std::nullopt;
+
+  std::vector<JoinedIndex> variables;
+  std::vector<std::pair<JoinedIndex, Pose<Dim>>> entered;  // with their place in the partial map
+  for (const PoseIndex p : partial.poses) {
+    const PoseId& id = update.poses[p];
+    const auto fixed = std::ranges::find(update.graph.fixed, p, &FixedPose<Dim>::pose);
+    if (!names_->poses().contains(id) && fixed != update.graph.fixed.end()) enter_pose(id, fixed->value, true);
+    if (!names_->poses().contains(id)) entered.emplace_back(enter_pose(id, {}, false), pose_in(partial, p));
+    variables.push_back(names_->poses().at(id));
+  }
+  for (const FeatureIndex f : partial.features) {
+    const FeatureId& id = update.features[f];
+    if (!names_->features().contains(id)) {
+      entered.emplace_back(enter_feature(id, Point<Dim>::Zero()), Pose<Dim>{feature_in(partial, f), {}});
+    }
+    variables.push_back(names_->features().at(id));
+  }
+  auto factors = factors_of(update);
+  const auto place = [&](const Pose<Dim>& alignment) {
+    for (const auto& [v, in_partial] : entered) estimate_.place(v, compose(alignment, in_partial));
+  };
+  place(cheapest_alignment<Dim>(candidates, [&](const Pose<Dim>& alignment) {
+    place(alignment);
+    double chi2 = 0.0;
+    for (const auto& factor : factors) chi2 += factor.chi2(estimate_.variables());
+    return chi2;
+  }));
+  add_factors(update, std::move(factors));
+  return variables;
+}
+
+template <int Dim>
+void NamedEstimate<Dim>::add_factors(const SubmapUpdate<Dim>& update, std::vector<MapFactor<Dim>> factors) {
+  for (auto& factor : factors) {
+    const FactorIndex f = estimate_.add_factor(std::move(factor));
+    if (update.segments.empty()) factors_[&update].push_back(f);
+  }
+}
+
+template <int Dim>
+void NamedEstimate<Dim>::leave(const SubmapUpdate<Dim>& update) {
+  const auto entered = factors_.extract(&update);
+  for (const FactorIndex f : entered.mapped()) estimate_.remove_factor(f);
+}
+
+template <int Dim>
+void NamedEstimate<Dim>::enter_at(const SubmapUpdate<Dim>& update, const JoinedSet<Dim>& joined) {
+  for (const PoseId& id : update.poses) {
+    const PoseIndex p = *joined.pose_index(id);
+    if (!names_->poses().contains(id)) enter_pose(id, joined.state.poses[p], joined.is_anchored[p]);
+  }
+  for (const FeatureId& id : update.features) {
+    if (!names_->features().contains(id)) enter_feature(id, joined.state.features[*joined.feature_index(id)]);
+  }
+  add_factors(update, factors_of(update));
+}
+
+template <int Dim>
+std::shared_ptr<const JoinedSnapshot<Dim>> NamedEstimate<Dim>::snapshot() {
+  return std::make_shared<const JoinedSnapshot<Dim>>(names_, estimate_.kept());
+}
+
+template <int Dim>
+StepSize NamedEstimate<Dim>::moved_from(const NamedEstimate& before) const {
+  StepSize moved;
+  for (const auto& [id, v] : before.names_->poses()) {
+    const PoseVector<Dim> step = local(before.estimate_.variable(v).value, *pose(id));
+    moved.metres = std::max(moved.metres, step.template head<Dim>().norm());
+    moved.radians = std::max(moved.radians, step.template tail<kRotationDof<Dim>>().norm());
+  }
+  for (const auto& [id, v] : before.names_->features()) {
+    moved.metres = std::max(moved.metres, (before.estimate_.variable(v).value.translation - *feature(id)).norm());
+  }
+  return moved;
+}
+
+template class NamedEstimate<2>;
+template class NamedEstimate<3>;
+
+}  // namespace mapjoin

@@ -1,0 +1,77 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+// The estimate of an incremental join under the names of poses and features, which updates enter.
+
+#include <deque>
+#include <map>
+#include <mapjoin/join/incremental/incremental_estimate.hpp>
+#include <mapjoin/join/incremental/joined_snapshot.hpp>
+#include <mapjoin/join/incremental/submap_update.hpp>
+#include <mapjoin/join/join.hpp>
+#include <memory>
+#include <optional>
+#include <span>
+#include <vector>
+
+namespace mapjoin {
+
+/// Where a join has the poses and features of a set, which must stay, as both do.
+template <int Dim>
+struct JoinedSet {
+  JoinedSet(const SubmapSet<Dim>& set, const Join<Dim>& joined)
+      : pose_index(set.poses), feature_index(set.features), state(joined.state), is_anchored(set.poses.size(), false) {
+    for (const PoseIndex p : joined.anchored) is_anchored[p] = true;
+  }
+
+  IndexOf<PoseIndex, PoseId> pose_index;
+  IndexOf<FeatureIndex, FeatureId> feature_index;
+  const Values<Dim>& state;
+  Table<PoseIndex, bool> is_anchored;
+};
+
+/// Poses and features that nothing has entered yet are unknown.
+template <int Dim>
+class NamedEstimate {
+ public:
+  /// The estimate of a pose or feature, or null where it is unknown.
+  const Pose<Dim>* pose(const PoseId& id) const;
+  const Point<Dim>* feature(const FeatureId& id) const;
+  bool is_empty() const { return estimate_.variables().empty(); }
+  double chi2() const { return estimate_.chi2(); }
+  std::int64_t dof() const { return estimate_.dof(); }
+
+  /// Enters what is new in an update where its measurements cost least, and its factors; `update` must stay. Gives the
+  /// variables of its partial map; nothing where the update shares too little with the estimate, which then stays as it is.
+  std::optional<std::vector<JoinedIndex>> enter(const SubmapUpdate<Dim>& update);
+  /// Enters what is new in an update where a join of all has it, and its factors.
+  void enter_at(const SubmapUpdate<Dim>& update, const JoinedSet<Dim>& joined);
+
+  /// Takes the factors of an update that was entered and has no segment out again.
+  void leave(const SubmapUpdate<Dim>& update);
+
+  Settling settle(std::span<const JoinedIndex> last) { return estimate_.settle(last); }
+  /// As of the last settling.
+  std::shared_ptr<const JoinedSnapshot<Dim>> snapshot();
+  /// The farthest that anything known to both has moved from there to here.
+  StepSize moved_from(const NamedEstimate& before) const;
+
+ private:
+  /// By the update's own indices. Null also for the World, which is no pose.
+  const Pose<Dim>* pose(const SubmapUpdate<Dim>& update, PoseIndex p) const {
+    return p == kWorld ? nullptr : pose(update.poses[p]);
+  }
+  const Point<Dim>* feature(const SubmapUpdate<Dim>& update, FeatureIndex f) const { return feature(update.features[f]); }
+  std::vector<Pose<Dim>> alignments(const SubmapUpdate<Dim>& update, const PartialMap<Dim>& partial) const;
+  bool knows_ends(const SubmapUpdate<Dim>& update, const PartialMap<Dim>& partial) const;
+  JoinedIndex enter_pose(const PoseId& id, const Pose<Dim>& value, bool is_anchored);
+  JoinedIndex enter_feature(const FeatureId& id, const Point<Dim>& value);
+  std::vector<MapFactor<Dim>> factors_of(const SubmapUpdate<Dim>& update);
+  void add_factors(const SubmapUpdate<Dim>& update, std::vector<MapFactor<Dim>> factors);
+
+  IncrementalEstimate<Dim> estimate_;
+  std::shared_ptr<JoinedNames> names_ = std::make_shared<JoinedNames>();
+  std::deque<LocalMap<Dim>> singles_;                                     // single observations as maps of one target
+  std::map<const SubmapUpdate<Dim>*, std::vector<FactorIndex>> factors_;  // of updates without a segment
+};
+
+}  // namespace mapjoin

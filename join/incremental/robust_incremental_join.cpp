@@ -1,0 +1,265 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <Eigen/Cholesky>
+#include <algorithm>
+#include <iterator>
+#include <mapjoin/join/incremental/robust_incremental_join.hpp>
+#include <mapjoin/join/robust/odometry_chain.hpp>
+#include <mapjoin/join/robust/taken_apart.hpp>
+#include <mapjoin/measure/statistics.hpp>
+#include <mapjoin/model/linearise.hpp>
+#include <set>
+#include <string>
+#include <utility>
+
+namespace mapjoin {
+namespace {
+
+/// So many times more updates than at the last verdict, and the next one may be asked for.
+constexpr double kGrowth = 1.25;
+
+/// The closure of an update that is nothing else.
+template <int Dim>
+const PoseFactor<Dim>& closure_of(const SubmapUpdate<Dim>& update) {
+  return update.graph.pose_factors.front();
+}
+
+template <int Dim>
+bool is_same(const PoseFactor<Dim>& a, const PoseFactor<Dim>& b) {
+  return a.base == b.base && a.target == b.target && a.measured.translation == b.measured.translation &&
+         a.measured.rotation.matrix() == b.measured.rotation.matrix() && a.information == b.information;
+}
+
+/// What two steps of the same addition did, as one.
+AddedUpdate both(const AddedUpdate& first, const AddedUpdate& second) {
+  AddedUpdate both = second;
+  both.metres = std::max(first.metres, second.metres);
+  both.radians = std::max(first.radians, second.radians);
+  both.eliminated += first.eliminated;
+  both.iterations += first.iterations;
+  both.batch_checked |= first.batch_checked;
+  both.batch_adopted |= first.batch_adopted;
+  return both;
+}
+
+/// Which of some updates, each of one closure, find_inliers() keeps of all these, which hang together.
+template <int Dim>
+Expected<std::vector<bool>> kept_closures(const std::vector<const SubmapUpdate<Dim>*>& updates,
+                                          const std::vector<const SubmapUpdate<Dim>*>& closures, const RobustOptions& options,
+                                          const std::stop_token& stop) {
+  auto all = updates;
+  all.insert(all.end(), closures.begin(), closures.end());
+  const SubmapSet<Dim> set = set_of(all);  // whose last pose factors are the closures
+  return find_inliers(taken_apart(set).log, options, stop).map([&](const Inliers<Log<Dim>>& inliers) {
+    const auto before = [](const PoseFactor<Dim>& a, const PoseFactor<Dim>& b) {
+      return std::pair(a.base, a.target) < std::pair(b.base, b.target);
+    };
+    std::multiset<PoseFactor<Dim>, decltype(before)> kept(inliers.input.edges().begin(), inliers.input.edges().end(), before);
+    std::vector<bool> is_kept;
+    for (const auto& closure : std::span(set.graph.pose_factors).last(closures.size())) {
+      const auto [first, last] = kept.equal_range(closure);
+      const auto found = std::find_if(first, last, [&](const auto& one) { return is_same(one, closure); });
+      is_kept.push_back(found != last);
+      if (found != last) kept.erase(found);
+    }
+    return is_kept;
+  });
+}
+
+}  // namespace
+
+template <int Dim>
+RobustIncrementalJoin<Dim>::RobustIncrementalJoin(const RobustOptions& options, const Pose<Dim>& origin)
+    : options_(options), join_(origin) {
+  demand_valid(options_);
+  options_.odometry = false;
+}
+
+template <int Dim>
+typename RobustIncrementalJoin<Dim>::Apart RobustIncrementalJoin<Dim>::apart(SubmapUpdate<Dim> update) {
+  Apart apart;
+  const Segment segment = update.segments.empty() ? Segment{0, -1} : update.segments.front();
+  std::set<PoseIndex> driven;  // poses to which odometry is there
+  std::erase_if(update.graph.pose_factors, [&](const PoseFactor<Dim>& o) {
+    if (o.base == kWorld) return false;
+    const auto [before, after] = std::minmax(o.base, o.target);
+    const bool is_step = before >= segment.begin && after <= segment.end && after == before + 1;
+    if (is_step && !segment.is_map && driven.insert(after).second) return false;
+    SubmapUpdate<Dim>& closure = apart.closures.emplace_back();
+    closure.source = update.source;
+    closure.poses = {update.poses[o.base], update.poses[o.target]};
+    closure.graph.pose_factors = {{0, 1, o.measured, o.information, {}}};
+    return true;
+  });
+  apart.update = set_of<Dim>({&update});  // without names that only closures concern
+  apart.update.source = std::move(update.source);
+  return apart;
+}
+
+template <int Dim>
+bool RobustIncrementalJoin<Dim>::knows_ends(const SubmapUpdate<Dim>& closure) const {
+  return join_.pose(closure.poses[0]) && join_.pose(closure.poses[1]);
+}
+
+/// Where the estimate leaves an end free to move, nothing contradicts.
+template <int Dim>
+bool RobustIncrementalJoin<Dim>::contradicts(const SubmapUpdate<Dim>& closure) const {
+  constexpr int kDof = kPoseDof<Dim>;
+  const PoseFactor<Dim>& o = closure_of(closure);
+  const auto P = join_.snapshot()->covariance(closure.poses[0], closure.poses[1]);
+  if (!P) return false;
+  const auto linear = linearise<Dim>(o.measured, *join_.pose(closure.poses[0]), *join_.pose(closure.poses[1]));
+  Eigen::Matrix<double, kDof, 2 * kDof> J;
+  J << linear.J_base, linear.J_target;
+  const PoseMatrix<Dim> S = covariance_of(o.information) + J * *P * J.transpose();
+  const double distance = linear.residual.dot(S.llt().solve(linear.residual));
+  return !(distance < gate(kDof));
+}
+
+template <int Dim>
+double RobustIncrementalJoin<Dim>::gate(double dof) const {
+  return chi_squared_upper_quantile((1.0 - options_.confidence) / static_cast<double>(closures_.size()), dof);
+}
+
+template <int Dim>
+Expected<std::vector<std::size_t>> RobustIncrementalJoin<Dim>::hold(std::vector<SubmapUpdate<Dim>> closures,
+                                                                    const std::stop_token& stop, RobustlyAdded& done) {
+  std::vector<std::size_t> held;
+  for (SubmapUpdate<Dim>& closure : closures) {
+    closures_.push_back(join_.update_count());
+    if (knows_ends(closure)) {
+      const auto number = join_.hold(std::move(closure));
+      if (!number) return tl::unexpected(number.error());
+      held.push_back(*number);
+    } else {
+      const auto added = join_.add(std::move(closure), stop);
+      if (!added) return tl::unexpected(added.error());
+      done.added = both(done.added, *added);
+    }
+  }
+  return held;
+}
+
+template <int Dim>
+Expected<RobustlyAdded> RobustIncrementalJoin<Dim>::add(SubmapUpdate<Dim> update, const std::stop_token& stop) {
+  if (update.source.empty()) update.source = "update " + std::to_string(++added_);
+  if (const auto checked = join_.check(update); !checked) return tl::unexpected(checked.error());
+  const auto before = join_.left_out();
+  const std::size_t first = join_.update_count();
+  auto [rest, closures] = apart(std::move(update));
+  RobustlyAdded done;
+  done.added = join_.add(std::move(rest), stop).value();
+  std::vector<std::size_t> fitting = hold(std::move(closures), stop, done).value();
+  is_doubtful_ |= done.added.batch_checked;
+  is_doubtful_ |= std::erase_if(fitting, [&](std::size_t k) { return contradicts(join_.update(k)); }) > 0;
+  if (!fitting.empty()) try_closures(fitting, stop, done);
+  if (is_due()) take_verdict(stop, done);
+  done.added.is_joined = !join_.is_waiting(first);
+  compare_with(before, done);
+  return done;
+}
+
+template <int Dim>
+Expected<RobustlyAdded> RobustIncrementalJoin<Dim>::add_all(std::vector<SubmapUpdate<Dim>> updates,
+                                                            const std::stop_token& stop) {
+  const auto before = join_.left_out();
+  std::vector<SubmapUpdate<Dim>> closures;
+  for (SubmapUpdate<Dim>& update : updates) {
+    if (update.source.empty()) update.source = "update " + std::to_string(++added_);
+    if (const auto checked = check_update(update); !checked) return tl::unexpected(checked.error());
+    Apart parts = apart(std::move(update));
+    update = std::move(parts.update);
+    std::ranges::move(parts.closures, std::back_inserter(closures));
+  }
+  RobustlyAdded done;
+  const auto added = join_.add_all(std::move(updates), stop);
+  if (!added) return tl::unexpected(added.error());
+  done.added = *added;
+  if (const auto held = hold(std::move(closures), stop, done); !held) return tl::unexpected(held.error());
+  if (!closures_.empty()) take_verdict(stop, done);
+  done.added.is_joined = join_.waiting() == 0;
+  compare_with(before, done);
+  return done;
+}
+
+template <int Dim>
+RobustlyAdded RobustIncrementalJoin<Dim>::judge(const std::stop_token& stop) {
+  const auto before = join_.left_out();
+  RobustlyAdded done;
+  if (!closures_.empty()) take_verdict(stop, done);
+  done.added = both(done.added, join_.rejoin(stop));
+  compare_with(before, done);
+  return done;
+}
+
+/// By how much chi2 grows with them at the optimum, which their distances from a prediction only tell to first order.
+template <int Dim>
+void RobustIncrementalJoin<Dim>::try_closures(std::span<const std::size_t> closures, const std::stop_token& stop,
+                                              RobustlyAdded& done) {
+  const double chi2_before = join_.chi2();
+  const std::int64_t dof_before = join_.dof();
+  done.added = both(done.added, join_.change({}, closures, stop));
+  if (join_.chi2() - chi2_before < gate(static_cast<double>(join_.dof() - dof_before))) return;
+  done.added = both(done.added, join_.change(closures, {}, stop));
+  is_doubtful_ = true;
+}
+
+template <int Dim>
+bool RobustIncrementalJoin<Dim>::is_due() const {
+  return is_doubtful_ && !closures_.empty() &&
+         static_cast<double>(join_.update_count()) >= kGrowth * static_cast<double>(judged_at_);
+}
+
+template <int Dim>
+void RobustIncrementalJoin<Dim>::take_verdict(const std::stop_token& stop, RobustlyAdded& done) {
+  done.is_judged = true;
+  is_doubtful_ = false;
+  judged_at_ = join_.update_count();
+  std::vector<const SubmapUpdate<Dim>*> believed;
+  std::vector<const SubmapUpdate<Dim>*> doubtful;
+  std::vector<std::size_t> numbers;  // of those
+  for (std::size_t k = 0; k < join_.update_count(); ++k) {
+    if (join_.is_waiting(k)) continue;
+    const bool is_closure = std::ranges::binary_search(closures_, k);
+    (is_closure ? doubtful : believed).push_back(&join_.update(k));
+    if (is_closure) numbers.push_back(k);
+  }
+  const auto kept = kept_closures(believed, doubtful, options_, stop);
+  if (!kept) {
+    done.no_verdict = kept.error();
+    return;
+  }
+  std::vector<std::size_t> out;
+  std::vector<std::size_t> in;
+  for (std::size_t c = 0; c < numbers.size(); ++c) {
+    const bool is_out = join_.left_out().contains(numbers[c]);
+    if ((*kept)[c] == is_out) (is_out ? in : out).push_back(numbers[c]);
+  }
+  if (!out.empty() || !in.empty()) done.added = both(done.added, join_.change(out, in, stop));
+}
+
+template <int Dim>
+ClosureName RobustIncrementalJoin<Dim>::name(std::size_t closure) const {
+  const SubmapUpdate<Dim>& update = join_.update(closure);
+  return {update.poses[closure_of(update).base], update.poses[closure_of(update).target]};
+}
+
+template <int Dim>
+void RobustIncrementalJoin<Dim>::compare_with(const std::set<std::size_t>& left_out_before, RobustlyAdded& done) const {
+  for (const std::size_t k : closures_) {
+    const bool was_out = left_out_before.contains(k);
+    const bool is_out = join_.left_out().contains(k);
+    if (was_out != is_out) (is_out ? done.rejected : done.readmitted).push_back(name(k));
+  }
+}
+
+template <int Dim>
+std::vector<ClosureName> RobustIncrementalJoin<Dim>::left_out() const {
+  std::vector<ClosureName> names;
+  for (const std::size_t k : join_.left_out()) names.push_back(name(k));
+  return names;
+}
+
+template class RobustIncrementalJoin<2>;
+template class RobustIncrementalJoin<3>;
+
+}  // namespace mapjoin

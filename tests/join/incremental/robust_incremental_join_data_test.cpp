@@ -1,0 +1,110 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Logs with wrong closures, map by map: what is left out in the end, and the estimate, are those of the whole log at once.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <mapjoin/io/open.hpp>
+#include <mapjoin/join/incremental/robust_incremental_join.hpp>
+#include <mapjoin/join/incremental/submap_update_maker.hpp>
+#include <mapjoin/join/run.hpp>
+#include <mapjoin/simulate/wrong_measurements.hpp>
+#include <tests/support/data.hpp>
+
+namespace mapjoin {
+namespace {
+
+template <int Dim>
+std::vector<SubmapUpdate<Dim>> updates_of(const Log<Dim>& log) {
+  SubmapUpdateMaker<Dim> maker({SplitRule::kPoses, 10.0});
+  EXPECT_TRUE(maker.add(log));
+  return maker.take(true).value();
+}
+
+template <int Dim>
+std::vector<ClosureName> rejected_of(const Log<Dim>& log, const Inliers<Log<Dim>>& inliers) {
+  std::vector<ClosureName> names;
+  for (const Rejected& one : inliers.rejected) {
+    names.push_back({log.poses[one.misfit.from], log.poses[std::get<PoseIndex>(one.misfit.to)]});
+  }
+  std::ranges::sort(names);
+  return names;
+}
+
+/// The closures that are left out, the chi2 and the poses are those of the inliers of the whole log.
+template <int Dim>
+void expect_same_end(const Log<Dim>& log, const RobustIncrementalJoin<Dim>& joined) {
+  const auto inliers = find_inliers(log, RobustOptions{}).value();
+  auto left_out = joined.left_out();
+  std::ranges::sort(left_out);
+  EXPECT_EQ(left_out, rejected_of(log, inliers));
+  const auto batch = run(inliers.input, without_verdict()).value();
+  EXPECT_NEAR(joined.estimate().chi2(), batch.chi2, 1e-6 * batch.chi2);
+  EXPECT_EQ(joined.estimate().dof(), batch.dof);
+  double farthest = 0.0;
+  for (const PoseIndex p : indices(batch.map.poses)) {
+    farthest = std::max(farthest, local(batch.map.poses[p], *joined.estimate().pose(batch.map.pose_ids[p])).norm());
+  }
+  EXPECT_LT(farthest, 5e-3);
+}
+
+struct Planting {
+  const char* file;
+  std::size_t count;
+  std::uint64_t seed;
+};
+class PlantedMapByMap : public ::testing::TestWithParam<Planting> {};
+
+TEST_P(PlantedMapByMap, EndsAsTheWholeLogDoes) {
+  const auto& [file, count, seed] = GetParam();
+  const auto end_of = [&, &count = count, &seed = seed]<int Dim>(const Log<Dim>& clean) {
+    const Log<Dim> log = plant_wrong_closures(clean, ClosurePolicy::kRandom, count, seed).log;
+    RobustIncrementalJoin<Dim> joined;
+    int judged = 0;
+    auto updates = updates_of(log);
+    for (auto& update : updates) judged += joined.add(std::move(update)).value().is_judged ? 1 : 0;
+    EXPECT_LT(judged, 20);
+    joined.judge();
+    EXPECT_GT(joined.left_out().size(), count * 9 / 10);
+    expect_same_end(log, joined);
+  };
+  std::visit(end_of, open_log(testing::data_file(file)).value());
+}
+INSTANTIATE_TEST_SUITE_P(Robust, PlantedMapByMap,
+                         ::testing::Values(Planting{"pose-graphs-2d/manhattanOlson3500.g2o.gz", 50, 1},
+                                           Planting{"pose-graphs-2d/intel.g2o.gz", 50, 1},
+                                           Planting{"pose-graphs-3d/smallGrid3D.g2o.gz", 10, 1}));
+
+TEST(RobustIncrementalData, ALogThatIsThereAlreadyEndsAsMapByMap) {
+  const auto clean = std::get<Log<2>>(open_log(testing::data_file("pose-graphs-2d/intel.g2o.gz")).value());
+  const Log<2> log = plant_wrong_closures(clean, ClosurePolicy::kRandom, 50, 2).log;
+  RobustIncrementalJoin<2> joined;
+  EXPECT_TRUE(joined.add_all(updates_of(log)).value().is_judged);
+  joined.judge();
+  expect_same_end(log, joined);
+}
+
+/// Its maps are of features, between kept poses, among which the closure is.
+TEST(RobustIncrementalData, AWrongClosureOfHugeInformationBendsNothing) {
+  const auto clean = std::get<Log<2>>(open_log(testing::data_file("dlr/dlr_corrected.g2o.gz")).value());
+  Log<2> log = clean;
+  const IndexOf index_of(log.poses);
+  const PoseFactor<2> wrong{
+      *index_of({0, 1291}), *index_of({0, 1739}), {{0.00194, -0.1501}, Rotation<2>(0.04944)}, 5e4 * Matrix<3>::Identity(), {}};
+  log.graph.pose_factors.push_back(wrong);
+  put_in_order(log);
+  RobustIncrementalJoin<2> joined;
+  auto updates = updates_of(log);
+  for (auto& update : updates) joined.add(std::move(update)).value();
+  const std::vector<ClosureName> closures = {{log.poses[wrong.base], log.poses[wrong.target]}};
+  EXPECT_EQ(joined.left_out(), closures);
+  IncrementalJoin<2> without;
+  auto others = updates_of(log);
+  for (auto& update : others) {
+    std::erase_if(update.graph.pose_factors, [](const auto& o) { return o.information(0, 0) == 5e4; });
+    without.add(std::move(update)).value();
+  }
+  EXPECT_NEAR(joined.estimate().chi2(), without.chi2(), 1e-3 * without.chi2());
+}
+
+}  // namespace
+}  // namespace mapjoin
