@@ -1,8 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <gtest/gtest.h>
+#include <tbb/global_control.h>
 
 #include <atomic>
 #include <chrono>
+#include <mapjoin/parallel/isolated.hpp>
 #include <mapjoin/parallel/parallel.hpp>
 #include <numeric>
 #include <stdexcept>
@@ -15,6 +17,28 @@ namespace {
 /// Every fourth piece takes much longer than the others, so that these end first.
 void dawdle(std::size_t k) {
   std::this_thread::sleep_for(std::chrono::microseconds(k % 4 == 0 ? 2000 : 50));
+}
+
+TEST(Isolated, NoMorePiecesAreUnderWayThanThereAreThreads) {
+  const tbb::global_control control(tbb::global_control::max_allowed_parallelism, 2);
+  ASSERT_EQ(most_at_once(), 2U);
+  std::atomic<std::size_t> under_way = 0;
+  std::atomic<std::size_t> most = 0;
+  std::atomic<std::size_t> done = 0;
+  parallel_for(12, [&](std::size_t) {
+    isolated([&] {
+      const std::size_t now = ++under_way;
+      for (std::size_t before = most; before < now && !most.compare_exchange_weak(before, now);) {
+      }
+      parallel_for(8, [&](std::size_t k) {
+        dawdle(k);
+        ++done;
+      });
+      --under_way;
+    });
+  });
+  EXPECT_LE(most, 2U);
+  EXPECT_EQ(done, 12U * 8U);
 }
 
 TEST(ParallelInOrder, TakesEachOnceAndInOrderAfterItsWork) {
