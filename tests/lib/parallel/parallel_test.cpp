@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <gtest/gtest.h>
 #include <tbb/global_control.h>
+#include <tbb/task_arena.h>
 
 #include <atomic>
 #include <chrono>
@@ -20,25 +21,27 @@ void dawdle(std::size_t k) {
 }
 
 TEST(Isolated, NoMorePiecesAreUnderWayThanThereAreThreads) {
-  const tbb::global_control control(tbb::global_control::max_allowed_parallelism, 2);
-  ASSERT_EQ(most_at_once(), 2U);
-  std::atomic<std::size_t> under_way = 0;
-  std::atomic<std::size_t> most = 0;
-  std::atomic<std::size_t> done = 0;
-  parallel_for(12, [&](std::size_t) {
+  constexpr int kThreads = 3;
+  const tbb::global_control control(tbb::global_control::max_allowed_parallelism, kThreads);
+  ASSERT_EQ(most_at_once(), std::size_t{kThreads});
+  std::atomic<int> under_way = 0;
+  std::atomic<int> most = 0;
+  std::atomic<int> done = 0;
+  const auto piece = [&](std::size_t) {
     isolated([&] {
-      const std::size_t now = ++under_way;
-      for (std::size_t before = most; before < now && !most.compare_exchange_weak(before, now);) {
-      }
-      parallel_for(8, [&](std::size_t k) {
-        dawdle(k);
-        ++done;
-      });
+      const int now = ++under_way;
+      for (int before = most; before < now && !most.compare_exchange_weak(before, now);) continue;
+      parallel_for(8, dawdle);
       --under_way;
+      ++done;
     });
+  };
+  // Pieces that come late: a thread that waited in one of the first would begin them.
+  tbb::task_arena(kThreads).execute([&] {
+    for (int time = 0; time < 40; ++time) parallel_for(2, [&](std::size_t k) { parallel_for(k == 0 ? 1 : 6, piece); });
   });
-  EXPECT_LE(most, 2U);
-  EXPECT_EQ(done, 12U * 8U);
+  EXPECT_LE(most, kThreads);
+  EXPECT_EQ(done, 40 * 7);
 }
 
 TEST(ParallelInOrder, TakesEachOnceAndInOrderAfterItsWork) {
