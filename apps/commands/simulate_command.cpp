@@ -18,7 +18,7 @@ constexpr const char* kExamples =
     "  mapjoin simulate --poses 1000 --seed 7 -o town.g2o --truth town.truth.tum\n"
     "  mapjoin simulate --dim 3 --poses 2000 --seed 1 -o building.g2o\n"
     "  mapjoin simulate --poses 500 --noise-multiplier 0 -o without-errors.g2o\n"
-    "  mapjoin simulate --poses 1000000 --part 2/4 -o second-quarter.g2o";
+    "  mapjoin simulate --poses 100000 --part 2/4 -o second-quarter.g2o";
 
 enum class World { kManhattan };
 constexpr auto enum_names(World) {
