@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <apps/commands/options.hpp>
+#include <apps/commands/part_option.hpp>
 #include <mapjoin/io/open.hpp>
 #include <memory>
 #include <optional>
@@ -76,18 +77,12 @@ void add_splitting(Subcommand& command, Options& options) {
 
 void add_share(Subcommand& command, Options& options) {
   command.group("Local maps");
-  command.option("--part", "K/N",
-                 "Build the K-th of N parts of the local maps, here or on another machine; `mapjoin join` unites the stores of "
-                 "all parts",
-                 [&options](const std::string& word) -> std::optional<std::string> {
-                   const auto slash = word.find('/');
-                   const auto part = number_in<std::size_t>(word.substr(0, slash));
-                   const auto count =
-                       slash == std::string::npos ? std::nullopt : number_in<std::size_t>(word.substr(slash + 1));
-                   if (!part || !count || *part < 1 || *part > *count) return "not K/N with K from 1 to N, as in 2/4";
-                   options.share = {*part - 1, *count};
-                   return std::nullopt;
-                 });
+  add_part(command,
+           "Build the K-th of N parts of the local maps, here or on another machine; `mapjoin join` unites the stores of all "
+           "parts",
+           [&options](std::size_t part, std::size_t count) {
+             options.share = {part - 1, count};
+           });
 }
 
 void add_schedule(Subcommand& command, Options& options) {
@@ -219,8 +214,9 @@ void add_certainty(Subcommand& command, Options& options) {
 
 void add_running(Subcommand& command, Options& options) {
   command.group("Running and reporting");
-  command.number<int>("--jobs", options.jobs, 1, "N", "Threads; the result is the same for any number" + std::string(options.jobs == 0 ? " [all processors]" : ""),
-                      kMostJobs);
+  command.number<int>(
+      "--jobs", options.jobs, 1, "N",
+      "Threads; the result is the same for any number" + std::string(options.jobs == 0 ? " [all processors]" : ""), kMostJobs);
   command.flag("--quiet", options.quiet, "No summary and no progress");
 }
 

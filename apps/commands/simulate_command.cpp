@@ -3,6 +3,7 @@
 
 #include <fmt/format.h>
 
+#include <apps/commands/part_option.hpp>
 #include <apps/commands/subcommand.hpp>
 #include <apps/console.hpp>
 #include <apps/outputs.hpp>
@@ -16,7 +17,8 @@ namespace {
 constexpr const char* kExamples =
     "  mapjoin simulate --poses 1000 --seed 7 -o town.g2o --truth town.truth.tum\n"
     "  mapjoin simulate --dim 3 --poses 2000 --seed 1 -o building.g2o\n"
-    "  mapjoin simulate --poses 500 --noise-multiplier 0 -o without-errors.g2o";
+    "  mapjoin simulate --poses 500 --noise-multiplier 0 -o without-errors.g2o\n"
+    "  mapjoin simulate --poses 1000000 --part 2/4 -o second-quarter.g2o";
 
 enum class World { kManhattan };
 constexpr auto enum_names(World) {
@@ -99,6 +101,11 @@ void declare_simulate(Subcommand& command) {
   command.number<std::uint64_t>("--seed", world.seed, 0, "S", "The same seed gives the same log");
   command.path("-o,--output", options->log, "LOG", "Write the log, as g2o", true);
   command.path("--truth", options->truth, "FILE", "Write the true map: .tum (poses only), .csv (features beside it), else g2o");
+  add_part(command, "Only the K-th of N parts, with the memory of one; the lines of all parts are those of the whole log",
+           [&world](std::size_t part, std::size_t parts) {
+             world.part = static_cast<std::int64_t>(part);
+             world.parts = static_cast<std::int64_t>(parts);
+           });
   command.flag("--quiet", options->quiet, "No summary");
   add_path(command, world);
   add_sensor(command, world);

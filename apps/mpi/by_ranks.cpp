@@ -83,9 +83,11 @@ void add_way_of_ranks(Subcommand& command, MpiOptions& options) {
   command.choice("--schedule", options.run.schedule, "How each rank joins its part before the parts are aligned");
   add_solver(command, options);
   command.group("Memory");
-  command.number<std::int64_t>("--regions", options.regions, 1, "N",
-                               "Regions of each rank, eliminated one after the other, of whose factors it holds one at a time");
-  command.path("--out-of-core", options.out_of_core, "DIR", "Keep the factor of what regions share in files in this folder");
+  command.number<std::int64_t>(
+      "--regions", options.regions, 1, "N",
+      "Regions of each rank, eliminated one after the other, of whose factors each thread holds one at a time");
+  command.path("--out-of-core", options.out_of_core, "DIR",
+               "Keep the factor in files in this folder, but for those of several regions");
   command.number("--max-memory", options.most_memory_mb, 0.0, "MB", "Refuse factors that take more on any rank [no bound]");
   command.check([&options]() -> std::vector<std::string> {
     if (options.out_of_core.empty() || std::filesystem::is_directory(options.out_of_core)) return {};

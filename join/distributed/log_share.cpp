@@ -25,31 +25,34 @@ class Shares {
   std::vector<PoseIndex> begin_;
 };
 
-/// What goes to one rank: of its log, and apart from it.
+/// What goes to one rank: pose and feature factors of its log, then those apart from it.
 template <int Dim>
-struct Dealt {
-  std::vector<PoseFactor<Dim>> edges;
-  std::vector<FeatureFactor<Dim>> observations;
-  std::vector<PoseFactor<Dim>> poses_apart;
-  std::vector<FeatureFactor<Dim>> features_apart;
-};
+std::string dealt_to(std::size_t rank, const FactorGraph<Dim>& graph, const Shares& shares, std::size_t ranks) {
+  const auto is_of_rank = [&](const PoseFactor<Dim>& o) {
+    return shares.owner(o.base == kWorld ? o.target : std::min(o.base, o.target)) == rank;
+  };
+  const auto is_within = [&](const PoseFactor<Dim>& o) {
+    return o.base != kWorld && std::max(o.base, o.target) <= shares.last(rank);
+  };
+  return Writer()
+      .put_if(graph.pose_factors, [&](const auto& o) { return is_of_rank(o) && is_within(o); })
+      .put_if(graph.feature_factors, [&](const auto& o) { return o.base != kWorld && shares.owner(o.base) == rank; })
+      .put_if(graph.pose_factors, [&](const auto& o) { return is_of_rank(o) && !is_within(o); })
+      .put_if(graph.feature_factors, [&](const auto& o) { return o.base == kWorld && o.target.position() % ranks == rank; })
+      .bytes();
+}
 
+/// Makes room for what comes from the ranks.
 template <int Dim>
-Dealt<Dim> dealt_to(std::size_t rank, const FactorGraph<Dim>& graph, const Shares& shares, std::size_t ranks) {
-  Dealt<Dim> to;
-  for (const auto& o : graph.pose_factors) {
-    if (shares.owner(o.base == kWorld ? o.target : std::min(o.base, o.target)) != rank) continue;
-    const bool is_within = o.base != kWorld && std::max(o.base, o.target) <= shares.last(rank);
-    (is_within ? to.edges : to.poses_apart).push_back(o);
+void reserve(const std::vector<std::string>& messages, LogBuilder<Dim>& builder) {
+  std::size_t edges = 0;
+  std::size_t observations = 0;
+  for (const std::string& message : messages) {
+    Reader reader(message);
+    edges += reader.skip<PoseFactor<Dim>>();
+    observations += reader.skip<FeatureFactor<Dim>>();
   }
-  for (const auto& o : graph.feature_factors) {
-    if (o.base == kWorld) {
-      if (o.target.position() % ranks == rank) to.features_apart.push_back(o);
-    } else if (shares.owner(o.base) == rank) {
-      to.observations.push_back(o);
-    }
-  }
-  return to;
+  builder.reserve(edges, observations);
 }
 
 /// The share's log of all that comes from the ranks.
@@ -62,14 +65,13 @@ LogShare<Dim> received(std::vector<std::string> messages, const LogPart<Dim>& pa
   const auto id = [&](PoseIndex pose) { return PoseId{part.poses[pose].session, static_cast<std::uint64_t>(pose.value)}; };
   for (PoseIndex pose = first; pose <= last; ++pose) builder.add_pose(id(pose));
   const auto append = [](auto& list, const auto& more) { list.insert(list.end(), more.begin(), more.end()); };
+  reserve(messages, builder);
   for (std::string& message : messages) {
     Reader reader(message);
-    for (const auto& o : reader.take<PoseFactor<Dim>>()) {
-      builder.add_pose_edge(id(o.base), id(o.target), o.measured, o.information);
-    }
-    for (const auto& o : reader.take<FeatureFactor<Dim>>()) {
-      builder.add_observation(id(o.base), part.features[o.target], o.measured, o.information);
-    }
+    reader.for_each<PoseFactor<Dim>>(
+        [&](const auto& o) { builder.add_pose_edge(id(o.base), id(o.target), o.measured, o.information); });
+    reader.for_each<FeatureFactor<Dim>>(
+        [&](const auto& o) { builder.add_observation(id(o.base), part.features[o.target], o.measured, o.information); });
     append(share.apart.pose_factors, reader.take<PoseFactor<Dim>>());
     append(share.apart.feature_factors, reader.take<FeatureFactor<Dim>>());
     release(message);
@@ -124,10 +126,7 @@ LogShare<Dim> share_of(const Communicator& comm, LogPart<Dim>& part, const std::
   const auto rank = static_cast<std::size_t>(comm.rank());
   const Shares shares(begins, part.poses.size());
   std::vector<std::string> messages;
-  for (std::size_t r = 0; r < ranks; ++r) {
-    const Dealt<Dim> to = dealt_to(r, part.graph, shares, ranks);
-    messages.push_back(Writer().put(to.edges).put(to.observations).put(to.poses_apart).put(to.features_apart).bytes());
-  }
+  for (std::size_t r = 0; r < ranks; ++r) messages.push_back(dealt_to(r, part.graph, shares, ranks));
   release(part.graph.pose_factors);
   release(part.graph.feature_factors);
   LogShare<Dim> share = received(comm.exchange(std::move(messages)), part, shares.first(rank), shares.last(rank), order);

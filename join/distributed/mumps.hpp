@@ -13,7 +13,7 @@
 namespace mapjoin::distributed {
 
 struct MumpsOptions {
-  std::filesystem::path out_of_core = {};  ///< A folder for the factor; empty: it stays in memory.
+  std::filesystem::path out_of_core = {};  ///< A folder for factors; empty: they stay in memory.
 };
 
 /// A = Σ A_r, of which rank r has A_r. Its rows are in the order of their elimination. What MUMPS cannot do is

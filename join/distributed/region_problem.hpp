@@ -32,9 +32,9 @@ class RegionProblem {
 
   const Values<Dim>& estimate(std::size_t) const { return system_.estimate(); }
   const Interface& interface() const { return interface_; }
-  const RegionSolver& solver() const { return *solver_; }
-  /// Bytes of the factor of this rank.
-  std::int64_t factor_bytes() const { return solver_->bytes(); }
+  RegionSolver& solver() { return *solver_; }
+  /// Bytes of memory for the factor of this rank.
+  std::int64_t factor_bytes() const { return solver_->bytes_in_memory(); }
   /// What the last factorisation found singular in this rank's region, by its index among all names.
   std::optional<PoseOrFeature> singular_here() const { return singular_here_; }
 

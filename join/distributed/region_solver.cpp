@@ -1,11 +1,28 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <mapjoin/distributed/region_solver.hpp>
+#include <system_error>
 
 namespace mapjoin::distributed {
 
 RegionSolver::RegionSolver(const Communicator& comm, const OuterUnknowns& outer, std::size_t outer_blocks,
                            const MumpsOptions& options)
-    : comm_(comm), outer_(outer), cholesky_(Updates::kFreed, outer_blocks), mumps_(std::make_unique<Mumps>(comm, options)) {}
+    : comm_(comm),
+      outer_(outer),
+      cholesky_(Updates::kFreed, outer_blocks, options.out_of_core),
+      mumps_(std::make_unique<Mumps>(comm, options)),
+      is_in_file_(!options.out_of_core.empty()) {}
+
+Expected<void> RegionSolver::make_room() {
+  const auto made = [&]() -> Expected<void> {
+    try {
+      cholesky_.make_room();
+      return {};
+    } catch (const std::system_error& failure) {
+      return tl::unexpected(Error{ErrorKind::kCannotWrite, failure.what()});
+    }
+  };
+  return comm_.agree(made());
+}
 
 void RegionSolver::analyse(const BlockLower& matrix, std::span<const GivenFront> given) {
   cholesky_.analyse(matrix, given);

@@ -31,6 +31,11 @@ class RegionSolver final : public SparseSolver {
   std::size_t supernode_count() const override { return cholesky_.supernode_count(); }
   std::int64_t bytes() const override { return cholesky_.bytes(); }
 
+  /// Makes room for what this rank eliminates alone, once analysed. kCannotWrite, the same on all ranks, where its file cannot
+  /// be.
+  Expected<void> make_room();
+  /// What of bytes() is in memory.
+  std::int64_t bytes_in_memory() const { return is_in_file_ ? 0 : bytes(); }
   /// What MUMPS takes on the rank that needs most (10⁶ bytes).
   double interface_megabytes() const { return outer_.size > 0 ? mumps_->megabytes() : 0.0; }
   /// Whether the last factorisation met something singular in what this rank eliminates alone.
@@ -41,6 +46,7 @@ class RegionSolver final : public SparseSolver {
   const OuterUnknowns& outer_;
   SparseCholesky cholesky_;
   std::unique_ptr<Mumps> mumps_;
+  bool is_in_file_;
   bool is_singular_here_ = false;
 };
 

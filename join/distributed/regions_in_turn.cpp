@@ -1,8 +1,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <algorithm>
+#include <functional>
 #include <mapjoin/distributed/regions_in_turn.hpp>
 #include <mapjoin/model/cost.hpp>
+#include <mapjoin/parallel/isolated.hpp>
 #include <mapjoin/parallel/parallel.hpp>
+#include <numeric>
 #include <utility>
 
 namespace mapjoin::distributed {
@@ -33,6 +36,12 @@ std::vector<Eigen::Index> entries_of(const Region<Dim>& region, const Border& bo
   return entries;
 }
 
+/// Calls f(region) for each, as many at a time as there are threads.
+template <typename F>
+void for_each_region(std::size_t count, F&& f) {
+  parallel_for(count, [&](std::size_t k) { isolated([&] { f(k); }); });
+}
+
 }  // namespace
 
 template <int Dim>
@@ -52,10 +61,18 @@ RegionsInTurn<Dim>::RegionsInTurn(const Communicator& comm, const Regions<Dim>& 
     for (const Eigen::Index entry : entries_of(regions_[k], border)) shared_.entries.push_back(firsts_.back() + entry);
     shared_.unknowns.insert(shared_.unknowns.end(), border.unknowns.begin(), border.unknowns.end());
     firsts_.push_back(firsts_.back() + regions_[k].size());
-    largest_bytes_ = std::max(largest_bytes_, RegionElimination<Dim>(regions_[k], estimates_[k], border, orders_[k]).bytes());
     if (border.faces.empty()) continue;
-    fronts_.push_back({border.faces, {nullptr, 0, 0, Eigen::OuterStride<>(0)}, [this, k](DenseBlock S) { eliminate(k, S); }});
+    fronts_.push_back({border.faces, {nullptr, 0, 0, Eigen::OuterStride<>(0)}, [this, k](DenseBlock S) {
+                         isolated([&] { eliminate(k, S); });
+                       }});
   }
+  std::vector<std::int64_t> bytes(regions_.size());
+  for_each_region(regions_.size(), [&](std::size_t k) {
+    bytes[k] = RegionElimination<Dim>(regions_[k], estimates_[k], interface_.borders[k], orders_[k]).bytes();
+  });
+  std::ranges::sort(bytes, std::greater<>());
+  bytes.resize(std::min(bytes.size(), most_at_once()));
+  largest_bytes_ = std::accumulate(bytes.begin(), bytes.end(), std::int64_t{0});
   gradient_.setZero(firsts_.back());
   diagonal_.setZero(firsts_.back());
   solver_.analyse(interface_.faces, fronts_);
@@ -116,9 +133,9 @@ std::optional<Variable> RegionsInTurn<Dim>::factorise(double damping) {
 
 template <int Dim>
 double RegionsInTurn<Dim>::curvature(const Eigen::VectorXd& v) {
-  double sum = 0.0;
-  for (std::size_t k = 0; k < regions_.size(); ++k) sum += linearised(k)->equations().curvature(part(v, k));
-  return comm_.sum(sum);
+  std::vector<double> of(regions_.size());
+  for_each_region(regions_.size(), [&](std::size_t k) { of[k] = linearised(k)->equations().curvature(part(v, k)); });
+  return comm_.sum(std::accumulate(of.begin(), of.end(), 0.0));
 }
 
 template <int Dim>
@@ -133,7 +150,7 @@ const Eigen::VectorXd& RegionsInTurn<Dim>::solve() {
   }
   shared = solver_.solve(shared);
   solution_.resize(firsts_.back());
-  for (std::size_t k = 0; k < regions_.size(); ++k) {
+  for_each_region(regions_.size(), [&](std::size_t k) {
     Eigen::VectorXd y = eliminated_[k].forward;
     for_each_face(k, [&](Eigen::Index face, Eigen::Index entry, Eigen::Index size) {
       y.segment(entry, size) = shared.segment(face, size);
@@ -141,7 +158,7 @@ const Eigen::VectorXd& RegionsInTurn<Dim>::solve() {
     const auto region = linearised(k);
     region->factorise(damping_);
     part(solution_, k) = region->backward(std::move(y));
-  }
+  });
   return solution_;
 }
 

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
-// Full SLAM over several regions a rank, one after the other, so that a rank holds the factor of one of them at a time beside
-// that of what its regions share.
+// Full SLAM over several regions a rank, one after the other, so that each thread of a rank holds the factor of one of them at
+// a time beside that of what its regions share.
 
 #include <mapjoin/distributed/region_elimination.hpp>
 #include <mapjoin/distributed/region_metric.hpp>
@@ -33,9 +33,9 @@ class RegionsInTurn {
 
   const Values<Dim>& estimate(std::size_t region) const { return estimates_[region]; }
   const Interface& interface() const { return interface_; }
-  const RegionSolver& solver() const { return solver_; }
-  /// Bytes of what this rank has of its factor at a time.
-  std::int64_t factor_bytes() const { return solver_.bytes() + largest_bytes_; }
+  RegionSolver& solver() { return solver_; }
+  /// Bytes of memory for what this rank has of its factor at a time.
+  std::int64_t factor_bytes() const { return solver_.bytes_in_memory() + largest_bytes_; }
   /// What the last factorisation found singular in a region of this rank, by its index among all names.
   std::optional<PoseOrFeature> singular_here() const;
 
@@ -85,7 +85,7 @@ class RegionsInTurn {
   Eigen::VectorXd diagonal_;
   Eigen::VectorXd solution_;  // empty until it is asked for
   double damping_ = 0.0;
-  std::int64_t largest_bytes_ = 0;  // of a region's factor
+  std::int64_t largest_bytes_ = 0;  // of the factors of as many regions as there are at a time
   bool is_curved_ = false;
   bool is_factorised_ = false;
   bool is_singular_ = false;

@@ -28,15 +28,16 @@ Expected<void> check_worth_it(const Communicator& comm, const LogPart<Dim>& whol
                                            plural(comm.size(), "rank"), plural(regions, "region"))});
 }
 
+/// Makes room for the factor, unless it is too large.
 template <typename Problem>
-Expected<void> check_room(const Communicator& comm, const Problem& problem, double most_megabytes) {
+Expected<void> make_room(const Communicator& comm, Problem& problem, double most_megabytes) {
   const double fronts = comm.max(static_cast<double>(problem.factor_bytes()) / 1e6);
   const double separators = problem.solver().interface_megabytes();
-  if (most_megabytes <= 0.0 || fronts + separators <= most_megabytes) return {};
+  if (most_megabytes <= 0.0 || fronts + separators <= most_megabytes) return problem.solver().make_room();
   return tl::unexpected(Error{
       ErrorKind::kTooLarge,
       fmt::format("a rank's factor would take {:.0f} MB and its part of what regions share {:.0f} MB, more than the {:.0f} "
-                  "MB of --max-memory; take more ranks or --regions, or --out-of-core for the latter",
+                  "MB of --max-memory; take more ranks or --regions, or --out-of-core",
                   fronts, separators, most_megabytes)});
 }
 
@@ -102,7 +103,7 @@ Expected<void> solve_as(const Communicator& comm, const Task& task, const LogPar
   RunResult<Dim>& result = found.result;
   const Stopwatch watch(result.seconds.polish);
   Problem problem(comm, regions, task.mumps);
-  if (auto room = check_room(comm, problem, task.most_megabytes); !room) return room;
+  if (auto room = make_room(comm, problem, task.most_megabytes); !room) return room;
   MinimiseOptions solver = task.run.solver;
   if (comm.any(result.local_maps > 0)) solver.relative_chi2 *= kRefiningShare;
   result.join = minimise(problem, solver);

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 #include <mapjoin/simulate/lattice_walk.hpp>
 #include <mapjoin/simulate/manhattan.hpp>
@@ -43,7 +44,10 @@ class Simulator {
         observation_sigma_(Point<Dim>::Constant(options.observation_noise)),
         walk_(std::llround(options.block / options.step), box_of<Dim>(options), RandomStream(options.seed, kPath)),
         odometry_random_(options.seed, kOdometry),
-        observation_random_(options.seed, kObservation) {
+        observation_random_(options.seed, kObservation),
+        begin_(static_cast<std::size_t>(options.poses * (options.part - 1) / options.parts)),
+        end_(static_cast<std::size_t>(options.poses * options.part / options.parts)),
+        first_(begin_ - std::min<std::size_t>(begin_, 1)) {
     step_sigma_.template head<Dim>().setConstant(options.step_noise);
     step_sigma_.template tail<kRotationDof<Dim>>().setConstant(options.turn_noise);
   }
@@ -51,42 +55,47 @@ class Simulator {
   Simulation<Dim> run(const std::stop_token& stop) && {
     Log<Dim>& log = result_.log;
     GlobalMap<Dim>& truth = result_.truth;
-    const auto poses = static_cast<std::size_t>(options_.poses);
+    const std::size_t poses = end_ - first_;
     log.source = fmt::format("simulated Manhattan world, seed {}", options_.seed);
     log.poses.reserve(poses);
     truth.poses.reserve(poses);
     log.graph.pose_factors.reserve(poses - 1);
-    for (PoseIndex i = 0; i.position() < poses && (i == 0 || !stop.stop_requested()); ++i) {
+    for (std::size_t i = 0; i < end_ && (i == 0 || !stop.stop_requested()); ++i) {
       if (i > 0) {
         const LatticeRotation<Dim> before = walk_.rotation();
         walk_.advance();
         add_odometry(i, before.transpose() * walk_.rotation());
       }
-      add_pose(i);
+      if (i >= first_) add_pose(i);
       observe_around(i);
     }
+    take_features();
     log.sessions = {{0, PoseIndex(log.poses.size())}};
-    log.graph.fixed = {{0, Pose<Dim>{}}};
+    if (begin_ == 0) log.graph.fixed = {{0, Pose<Dim>{}}};
+    if (begin_ == 0) truth.gauge = {0};
     truth.pose_ids = log.poses;
     truth.feature_ids = log.features;
-    truth.gauge = {0};
     return std::move(result_);
   }
 
  private:
-  void add_pose(PoseIndex i) {
-    result_.log.poses.push_back({0, i.position()});
-    result_.truth.poses.push_back({options_.step * walk_.position().template cast<double>(), to_rotation(walk_.rotation())});
+  Point<Dim> position() const { return options_.step * walk_.position().template cast<double>(); }
+
+  void add_pose(std::size_t i) {
+    result_.log.poses.push_back({0, i});
+    result_.truth.poses.push_back({position(), to_rotation(walk_.rotation())});
   }
 
-  void add_odometry(PoseIndex i, const LatticeRotation<Dim>& turn) {
+  void add_odometry(std::size_t i, const LatticeRotation<Dim>& turn) {
     const Pose<Dim> step{options_.step * Point<Dim>::UnitX(), to_rotation(turn)};
-    result_.log.graph.pose_factors.push_back(
-        {i - 1, i, retract(step, noise(odometry_random_, step_sigma_)), step_sigma_.cwiseAbs2().cwiseInverse().asDiagonal()});
+    const Pose<Dim> measured = retract(step, noise(odometry_random_, step_sigma_));
+    if (i < begin_) return;
+    const PoseIndex pose(i - first_);
+    result_.log.graph.pose_factors.push_back({pose - 1, pose, measured, step_sigma_.cwiseAbs2().cwiseInverse().asDiagonal()});
   }
 
-  void observe_around(PoseIndex i) {
-    const Point<Dim> position = result_.truth.poses.back().translation;
+  void observe_around(std::size_t i) {
+    const Point<Dim> position = this->position();
     const double reach = options_.range + options_.feature_jitter;
     // Cell k has its centre at (k + 1/2) times its side.
     LatticePoint<Dim> low, high;
@@ -107,18 +116,36 @@ class Simulator {
     }
   }
 
-  void observe(PoseIndex i, const LatticePoint<Dim>& cell, const Point<Dim>& feature) {
+  void observe(std::size_t i, const LatticePoint<Dim>& cell, const Point<Dim>& feature) {
     if (options_.chance < 1.0 && observation_random_.uniform(0.0, 1.0) >= options_.chance) return;
-    Log<Dim>& log = result_.log;
-    const auto [entry, is_new] = features_.try_emplace(cell, log.features.size());
-    if (is_new) {
-      log.features.push_back({log.features.size()});
-      result_.truth.features.push_back(feature);
+    const auto [entry, is_new] = features_.try_emplace(cell, places_.size());
+    if (is_new) places_.push_back(feature);
+    const Point<Dim> seen = walk_.rotation().transpose().template cast<double>() * (feature - position());
+    const Point<Dim> measured = seen + noise(observation_random_, observation_sigma_);
+    if (i < begin_) return;
+    result_.log.graph.feature_factors.push_back(
+        {PoseIndex(i - first_), entry->second, measured, observation_sigma_.cwiseAbs2().cwiseInverse().asDiagonal()});
+  }
+
+  /// The features that the part has seen, of all that were.
+  void take_features() {
+    Table<FeatureIndex, FeatureIndex> own(places_.size(), -1);
+    auto& observations = result_.log.graph.feature_factors;
+    for (const auto& o : observations) own[o.target] = 0;
+    for (const FeatureIndex f : indices(places_)) {
+      if (own[f] == -1) continue;
+      own[f] = FeatureIndex(result_.log.features.size());
+      result_.log.features.push_back({first_feature_id() + f.position()});
+      result_.truth.features.push_back(places_[f]);
     }
-    const Point<Dim> seen =
-        walk_.rotation().transpose().template cast<double>() * (feature - result_.truth.poses.back().translation);
-    log.graph.feature_factors.push_back({i, entry->second, seen + noise(observation_random_, observation_sigma_),
-                                         observation_sigma_.cwiseAbs2().cwiseInverse().asDiagonal()});
+    for (auto& o : observations) o.target = own[o.target];
+  }
+
+  /// As g2o's one numbering has it, where a part cannot know the others.
+  std::uint64_t first_feature_id() const {
+    std::uint64_t first = options_.parts > 1 ? 1 : 0;
+    while (options_.parts > 1 && first < static_cast<std::uint64_t>(options_.poses)) first *= 10;
+    return first;
   }
 
   Point<Dim> feature_in(const LatticePoint<Dim>& cell) const {
@@ -144,7 +171,11 @@ class Simulator {
   LatticeWalk<Dim> walk_;
   RandomStream odometry_random_;
   RandomStream observation_random_;
+  std::size_t begin_;  // the poses of the part,
+  std::size_t end_;
+  std::size_t first_;  // and the one that its first edge comes from
   std::unordered_map<LatticePoint<Dim>, FeatureIndex, CellHash<Dim>> features_;
+  Table<FeatureIndex, Point<Dim>> places_;
   Simulation<Dim> result_;
 };
 
@@ -158,6 +189,8 @@ std::vector<std::string> ManhattanOptions::validate() const {
   const auto is_length = [](double x) { return x >= 1e-3 && x <= 1e3; };
   const auto is_deviation = [](double x) { return x >= 1e-9 && x <= 1e3; };
   require(poses >= 1 && poses <= kMostPoses, fmt::format("poses must be between 1 and {}", kMostPoses));
+  require(part >= 1 && part <= parts && parts <= std::max<std::int64_t>(1, poses),
+          "part must be one of the parts, of a pose each at least");
   require(is_length(step), "step must lie between a millimetre and a kilometre");
   require(is_length(block), "block must lie between a millimetre and a kilometre");
   const double steps = block / step;

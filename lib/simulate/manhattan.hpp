@@ -19,6 +19,8 @@ namespace mapjoin {
 struct ManhattanOptions {
   std::int64_t poses = 1000;  ///< At most kMostPoses.
   std::uint64_t seed = 1;     ///< The same seed and options give the same log.
+  std::int64_t part = 1;      ///< Of `parts`, which have as many poses each but for one. An edge is of the part of its later
+  std::int64_t parts = 1;     ///< pose. Features of a part have the ids that they have in a g2o file of the whole log.
 
   double step = 1.0;   ///< (m)
   double block = 5.0;  ///< (m), a multiple of `step`.
@@ -45,7 +47,7 @@ struct ManhattanOptions {
 template <int Dim>
 struct Simulation {
   Log<Dim> log;          ///< Features are those that were seen, named in the order in which they were; pose 0 is fixed.
-  GlobalMap<Dim> truth;  ///< Pose 0 is the origin.
+  GlobalMap<Dim> truth;  ///< Pose 0 is the origin. Over the poses and features of the log.
 };
 
 /// In space the lattice has `storeys` levels, a turn is left, right, up or down, and roll, pitch and yaw all occur. Time and

@@ -10,11 +10,15 @@ namespace {
 using Eigen::Lower;
 using Stride = Eigen::OuterStride<>;
 
+void set_aside(const FactorValues& values, const FactorNode& node) {
+  values.set_aside(static_cast<std::size_t>(node.first_value), static_cast<std::size_t>(node.height * node.width));
+}
+
 /// One factorisation: the updates on their way from supernode to parent.
 class Factorisation {
  public:
-  Factorisation(const SupernodalTree& tree, const BlockLower& matrix, std::span<const GivenFront> given, double* values,
-                bool keeps_updates)
+  Factorisation(const SupernodalTree& tree, const BlockLower& matrix, std::span<const GivenFront> given,
+                const FactorValues& values, bool keeps_updates)
       : tree_(tree),
         matrix_(matrix),
         given_(given),
@@ -35,7 +39,7 @@ class Factorisation {
     const FactorNode& node = tree_.nodes[s];
     if (node.width == 0) return make_given(s);
     if (tree_.is_border(node)) return assemble_border(node);
-    const FrontalMatrix front{{values_ + node.first_value, node.height, node.width, Stride(node.height)}, new_update(s)};
+    const FrontalMatrix front{{values_.data() + node.first_value, node.height, node.width, Stride(node.height)}, new_update(s)};
     take_entries(node, front.panel);
     Eigen::VectorXd diagonal = front.panel.diagonal();
     add_children(node, 0, front.panel);
@@ -43,6 +47,7 @@ class Factorisation {
     note_singular(matrix_.offsets[node.columns.first], eliminate(front, diagonal));
     add_children(node, node.width, front.update);  // which the elimination has overwritten
     free_children(node);
+    set_aside(values_, node);
   }
 
   void make_given(std::size_t s) {
@@ -58,7 +63,7 @@ class Factorisation {
 
   /// The Schur complement takes the place of the border's panel.
   void assemble_border(const FactorNode& node) {
-    const DenseBlock panel(values_ + node.first_value, node.height, node.width, Stride(node.height));
+    const DenseBlock panel(values_.data() + node.first_value, node.height, node.width, Stride(node.height));
     take_entries(node, panel);
     add_children(node, 0, panel);
     free_children(node);
@@ -106,7 +111,7 @@ class Factorisation {
   const SupernodalTree& tree_;
   const BlockLower& matrix_;
   std::span<const GivenFront> given_;
-  double* values_;
+  const FactorValues& values_;
   bool keeps_updates_;
   std::vector<std::unique_ptr<double[]>> updates_;  ///< Per supernode, until its parent has taken it.
   std::mutex mutex_;
@@ -120,19 +125,23 @@ void SparseCholesky::analyse(const BlockLower& matrix, std::span<const GivenFron
   for (const GivenFront& front : given) rows.emplace_back(front.rows);
   tree_ = supernodal_tree(matrix, rows, border_);
   offsets_ = matrix.offsets;
-  values_.reset();
+  values_ = {};
+}
+
+void SparseCholesky::make_room() {
+  if (values_.is_empty()) values_ = FactorValues(static_cast<std::size_t>(tree_.value_count), folder_);
 }
 
 std::vector<std::int64_t> SparseCholesky::factorise(const BlockLower& matrix, std::span<const GivenFront> given) {
-  if (!values_) values_ = std::make_unique_for_overwrite<double[]>(static_cast<std::size_t>(tree_.value_count));
-  Factorisation factorisation(tree_, matrix, given, values_.get(), keeps_updates_);
+  make_room();
+  Factorisation factorisation(tree_, matrix, given, values_, keeps_updates_);
   auto singular = factorisation.run();
   if (keeps_updates_) updates_ = factorisation.take_updates();
   return singular;
 }
 
 ConstDenseBlock SparseCholesky::panel(const FactorNode& node) const {
-  return {values_.get() + node.first_value, node.height, node.width, Stride(node.height)};
+  return {values_.data() + node.first_value, node.height, node.width, Stride(node.height)};
 }
 
 void SparseCholesky::solve_upwards(Eigen::MatrixXd& B) const {
@@ -155,6 +164,7 @@ void SparseCholesky::solve_upwards(Eigen::MatrixXd& B) const {
     const auto L = panel(node);
     L.topRows(node.width).triangularView<Lower>().solveInPlace(own);
     updates[s].noalias() -= L.bottomRows(node.below()) * own;
+    set_aside(values_, node);
   });
 }
 
@@ -173,6 +183,7 @@ void SparseCholesky::solve_downwards(Eigen::MatrixXd& B) const {
     }
     own.noalias() -= L.bottomRows(node.below()).transpose() * below;
     L.topRows(node.width).triangularView<Lower>().transpose().solveInPlace(own);
+    set_aside(values_, node);
   });
 }
 
@@ -223,7 +234,7 @@ Supernodes SparseCholesky::supernodes() const {
     Supernode& L = factor.emplace_back();
     L.begin = offsets_[node.columns.first];
     L.end = L.begin + node.width;
-    L.values = values_.get() + node.first_value;
+    L.values = values_.data() + node.first_value;
     for (auto row = L.begin; row < L.end; ++row) L.rows.push_back(row);
     for (const Column block : tree_.rows_of(node)) {
       for (auto row = offsets_[block]; row < offsets_[block + 1]; ++row) L.rows.push_back(row);

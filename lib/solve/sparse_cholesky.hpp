@@ -5,11 +5,13 @@
 #include <Eigen/Core>
 #include <cstdint>
 #include <functional>
+#include <mapjoin/solve/factor_values.hpp>
 #include <mapjoin/solve/frontal_matrix.hpp>
 #include <mapjoin/solve/sparse_solver.hpp>
 #include <mapjoin/solve/supernodal_tree.hpp>
 #include <memory>
 #include <span>
+#include <utility>
 #include <vector>
 
 namespace mapjoin {
@@ -34,11 +36,14 @@ struct GivenFront {
 /// with the Schur complement S = A_BB - A_BI A_II⁻¹ A_BIᵀ.
 class SparseCholesky final : public SparseSolver {
  public:
-  explicit SparseCholesky(Updates updates = Updates::kFreed, std::size_t border = 0)
-      : keeps_updates_(updates == Updates::kKept), border_(border) {}
+  /// `folder` is for a file that holds L; empty: it stays in memory.
+  explicit SparseCholesky(Updates updates = Updates::kFreed, std::size_t border = 0, std::filesystem::path folder = {})
+      : keeps_updates_(updates == Updates::kKept), border_(border), folder_(std::move(folder)) {}
 
   void analyse(const BlockLower& matrix) override { analyse(matrix, {}); }
   void analyse(const BlockLower& matrix, std::span<const GivenFront> given);
+  /// Makes room for L, once analysed, before factorise() does; throws as FactorValues.
+  void make_room();
   /// Names all singular columns, and leaves them out: L has the columns of the identity there, so that what nothing determines
   /// stays where it is when a consistent system is solved.
   std::vector<std::int64_t> factorise(const BlockLower& matrix) override { return factorise(matrix, {}); }
@@ -74,9 +79,10 @@ class SparseCholesky final : public SparseSolver {
 
   bool keeps_updates_;
   std::size_t border_;  ///< Block columns.
+  std::filesystem::path folder_;
   SupernodalTree tree_;
   Table<Column, Eigen::Index> offsets_;             ///< The first scalar row of each block, and the total.
-  std::unique_ptr<double[]> values_;                ///< The panels of L.
+  FactorValues values_;                             ///< The panels of L.
   std::vector<std::unique_ptr<double[]>> updates_;  ///< Per supernode, where they are kept.
 };
 

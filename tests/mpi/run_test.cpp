@@ -134,10 +134,13 @@ TEST_F(RunOnRanks, WeighsAsItIsAsked) {
 
 TEST_F(RunOnRanks, FindsTheOptimumWithItsFactorInFiles) {
   const std::string log = bundled("manhattan2d.g2o");
-  const auto in_memory = report_of_ranks(2, {"run", log});
-  const auto in_files = report_of_ranks(2, {"run", log, "--out-of-core", folder.path().string()});
-  EXPECT_NEAR(in_files["chi2"], in_memory["chi2"], 1e-9 * in_memory["chi2"].get<double>());
-  EXPECT_TRUE(std::filesystem::is_empty(folder.path()));
+  for (const char* regions : {"1", "6"}) {
+    const auto in_memory = report_of_ranks(2, {"run", log, "--regions", regions});
+    const auto in_files =
+        report_of_ranks(2, {"run", log, "--regions", regions, "--jobs", "2", "--out-of-core", folder.path().string()});
+    EXPECT_NEAR(in_files["chi2"], in_memory["chi2"], 1e-9 * in_memory["chi2"].get<double>()) << regions;
+    EXPECT_TRUE(std::filesystem::is_empty(folder.path()));
+  }
 }
 
 TEST_F(RunOnRanks, SaysWhereALineIsWrongOnceAndEndsAll) {
@@ -196,6 +199,9 @@ TEST_F(RunOnRanks, WantsAFolderForTheFactor) {
   const Ended ended = call_ranks(2, {"run", bundled("manhattan2d.g2o"), "--out-of-core", path("missing")});
   EXPECT_EQ(ended.exit_code, 2);
   EXPECT_THAT(ended.err, HasSubstr("missing is no folder"));
+  const Ended no_room = call_ranks(2, {"run", bundled("manhattan2d.g2o"), "--out-of-core", "/proc"});
+  EXPECT_EQ(no_room.exit_code, 5);
+  EXPECT_THAT(no_room.err, HasSubstr("/proc: no room for a file of "));
 }
 
 TEST_F(RunOnRanks, SaysThatTheMapCannotBeWrittenBeforeTheWork) {

@@ -1,8 +1,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <gtest/gtest.h>
+#include <tbb/global_control.h>
+#include <tbb/task_arena.h>
 
 #include <atomic>
 #include <chrono>
+#include <mapjoin/parallel/isolated.hpp>
 #include <mapjoin/parallel/parallel.hpp>
 #include <numeric>
 #include <stdexcept>
@@ -15,6 +18,30 @@ namespace {
 /// Every fourth piece takes much longer than the others, so that these end first.
 void dawdle(std::size_t k) {
   std::this_thread::sleep_for(std::chrono::microseconds(k % 4 == 0 ? 2000 : 50));
+}
+
+TEST(Isolated, NoMorePiecesAreUnderWayThanThereAreThreads) {
+  constexpr int kThreads = 3;
+  const tbb::global_control control(tbb::global_control::max_allowed_parallelism, kThreads);
+  ASSERT_EQ(most_at_once(), std::size_t{kThreads});
+  std::atomic<int> under_way = 0;
+  std::atomic<int> most = 0;
+  std::atomic<int> done = 0;
+  const auto piece = [&](std::size_t) {
+    isolated([&] {
+      const int now = ++under_way;
+      for (int before = most; before < now && !most.compare_exchange_weak(before, now);) continue;
+      parallel_for(8, dawdle);
+      --under_way;
+      ++done;
+    });
+  };
+  // Pieces that come late: a thread that waited in one of the first would begin them.
+  tbb::task_arena(kThreads).execute([&] {
+    for (int time = 0; time < 40; ++time) parallel_for(2, [&](std::size_t k) { parallel_for(k == 0 ? 1 : 6, piece); });
+  });
+  EXPECT_LE(most, kThreads);
+  EXPECT_EQ(done, 40 * 7);
 }
 
 TEST(ParallelInOrder, TakesEachOnceAndInOrderAfterItsWork) {

@@ -3,10 +3,14 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <fstream>
+#include <mapjoin/io/g2o/g2o.hpp>
 #include <mapjoin/measure/chi2.hpp>
 #include <mapjoin/simulate/manhattan.hpp>
 #include <set>
+#include <string>
 #include <tests/support/dimensions.hpp>
+#include <tests/support/temporary_folder.hpp>
 
 namespace mapjoin {
 namespace {
@@ -55,6 +59,41 @@ TYPED_TEST(ManhattanTest, TheSameSeedGivesTheSameLogAndAnotherSeedAnother) {
   };
   EXPECT_EQ(measured(5), measured(5));
   EXPECT_NE(measured(5), measured(6));
+}
+
+/// The lines of a log as a g2o file, without comments, each once.
+template <int Dim>
+std::set<std::string> lines_of(const Log<Dim>& log) {
+  const testing::TemporaryFolder folder;
+  EXPECT_TRUE(write_g2o(log, folder.path() / "log.g2o"));
+  std::ifstream file(folder.path() / "log.g2o");
+  std::set<std::string> lines;
+  for (std::string line; std::getline(file, line);) {
+    if (!line.starts_with('#')) lines.insert(line);
+  }
+  return lines;
+}
+
+TYPED_TEST(ManhattanTest, ItsPartsHaveTheLinesOfTheWhole) {
+  constexpr int kDim = TypeParam::value;
+  ManhattanOptions options{.poses = 101, .chance = 0.7};
+  const auto [whole, truth] = simulate_manhattan<kDim>(options);
+  options.parts = 3;
+  std::set<std::string> lines;
+  std::size_t observations = 0;
+  std::size_t edges = 0;
+  for (options.part = 1; options.part <= options.parts; ++options.part) {
+    const auto [log, true_part] = simulate_manhattan<kDim>(options);
+    lines.merge(lines_of(log));
+    observations += log.observations().size();
+    edges += log.odometry().size();
+    EXPECT_LE(log.poses.size(), 35U);
+    const PoseIndex last(log.poses.size() - 1);
+    EXPECT_EQ(true_part.poses[last].translation, truth.poses[PoseIndex(log.poses[last].key)].translation);
+  }
+  EXPECT_EQ(lines, lines_of(whole));
+  EXPECT_EQ(observations, whole.observations().size());
+  EXPECT_EQ(edges, whole.odometry().size());
 }
 
 TYPED_TEST(ManhattanTest, TheWalkStaysInItsSquareOnStreetsAndTurnsAtCornersOnly) {
@@ -181,6 +220,8 @@ TEST(ManhattanTest, EveryViolationIsNamed) {
                                                          ::testing::HasSubstr("turn noise")));
   EXPECT_THROW(simulate_manhattan<2>(options), std::invalid_argument);
   EXPECT_THAT(ManhattanOptions{.range = std::nan("")}.validate(), ::testing::ElementsAre(::testing::HasSubstr("range")));
+  EXPECT_THAT((ManhattanOptions{.poses = 2, .part = 3, .parts = 3}.validate()),
+              ::testing::ElementsAre(::testing::HasSubstr("part must be")));
   EXPECT_THAT(ManhattanOptions{}.validate(), ::testing::IsEmpty());
 }
 

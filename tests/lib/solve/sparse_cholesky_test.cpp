@@ -4,10 +4,12 @@
 
 #include <Eigen/Cholesky>
 #include <mapjoin/solve/sparse_cholesky.hpp>
+#include <system_error>
 #include <tests/support/grid_system.hpp>
 #include <tests/support/process.hpp>
 #include <tests/support/random.hpp>
 #include <tests/support/sparse.hpp>
+#include <tests/support/temporary_folder.hpp>
 #include <thread>
 
 namespace mapjoin {
@@ -129,6 +131,29 @@ TEST(SparseCholesky, FactorisesWideFrontsByTiles) {
   ASSERT_TRUE(cholesky.factorise(matrix).empty());
   const Eigen::VectorXd b = Eigen::VectorXd::LinSpaced(450, -1.0, 2.0);
   EXPECT_LT((cholesky.solve(b) - A.llt().solve(b)).norm(), 1e-12 * b.norm());
+}
+
+TEST(SparseCholesky, IsTheSameToTheLastBitWithItsFactorInAFile) {
+  Random random;
+  const BlockLower matrix = grid_system(40, random);
+  const Eigen::VectorXd b = Eigen::VectorXd::LinSpaced(matrix.size(), -1.0, 2.0);
+  const testing::TemporaryFolder folder;
+  SparseCholesky in_memory;
+  SparseCholesky in_file(Updates::kFreed, 0, folder.path());
+  for (SparseCholesky* cholesky : {&in_memory, &in_file}) {
+    cholesky->analyse(matrix);
+    for (int time = 0; time < 2; ++time) ASSERT_TRUE(cholesky->factorise(matrix).empty());
+  }
+  EXPECT_EQ(in_file.solve(b), in_memory.solve(b));
+  EXPECT_TRUE(std::filesystem::is_empty(folder.path()));
+}
+
+TEST(SparseCholesky, SaysWhereItsFactorCannotBe) {
+  Random random;
+  const BlockLower matrix = grid_system(2, random);
+  SparseCholesky cholesky(Updates::kFreed, 0, "/no/such/folder");
+  cholesky.analyse(matrix);
+  EXPECT_THROW(cholesky.make_room(), std::system_error);
 }
 
 TEST(SparseCholesky, IsTheSameToTheLastBitForAnyNumberOfThreads) {
