@@ -109,6 +109,7 @@ void CommandRun::associate_features(Data& data) {
   auto associated = associate(data, association, stop_).value();
   run_report.association = options_.association;
   run_report.associations = std::move(associated.sightings);
+  run_report.association_is_settled = associated.is_settled;
   data = std::move(associated.data);
   run_report.describe(data);
   if (!associated.untied.empty()) settle_untied(associated.untied, data);

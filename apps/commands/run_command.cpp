@@ -179,6 +179,7 @@ ExitCode run_parts(const Options& options, const std::stop_token& stop) {
       CommandRun command_run("run", of_part, stop);
       auto folder = output_folder(of_part.output);
       command_run.prepare({});
+      parts[k].source += fmt::format(", part {}", k + 1);  // for what goes wrong
       const AnyLog part = command_run.take_input(AnyLog(std::move(parts[k])));
       worst = std::max(worst, std::visit([&](const auto& any) { return run_on(command_run, any, folder); }, part));
     }

@@ -53,7 +53,8 @@ Json association_of(const RunReport& run_report) {
           {"method", to_string(run_report.association->method)},
           {"sightings", run_report.associations.size()},
           {"features", features.size()},
-          {"seen_once", seen_once(features)}};
+          {"seen_once", seen_once(features)},
+          {"settled", run_report.association_is_settled}};
 }
 
 std::string associations_as_csv(const RunReport& run_report) {

@@ -110,6 +110,7 @@ struct RunReport {
   RunFigures figures;
   std::optional<AssociationOptions> association;  ///< Where features were associated:
   std::vector<AssociatedSighting> associations;
+  bool association_is_settled = true;
   double association_seconds = 0.0;
   std::optional<RobustOptions> robust;  ///< Where wrong closures and observations were left out:
   std::vector<NamedRejected> rejected;

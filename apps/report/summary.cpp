@@ -177,9 +177,14 @@ void add_notes(const RunReport& run_report, Lines& lines) {
   std::vector<std::string> skipped;
   for (const auto& [what, count] : run_report.counts.skipped) skipped.push_back(fmt::format("{} {}", count, what));
   note(!skipped.empty(), fmt::format("left out: {}", fmt::join(skipped, ", ")));
-  note(!run_report.association && run_report.counts.shared_features > 0 && run_report.is_joined && run_report.figures.fit.verdict == Verdict::kMisfit,
+  note(!run_report.association && run_report.counts.shared_features > 0 && run_report.is_joined &&
+           run_report.figures.fit.verdict == Verdict::kMisfit,
        fmt::format("{} in several inputs and taken as the same: if they are not, --features own",
                    plural(run_report.counts.shared_features, "feature has its id", "features have their ids")));
+  note(!run_report.association_is_settled,
+       "the association of features had not come to rest when its joins were used up: some may still be two that are one, or "
+       "one "
+       "that are two; `mapjoin run` without --associate goes by their ids");
   note(run_report.was_damaged, "what an interrupted build had left was damaged: the build began afresh");
   const auto is_trajectory = [](const std::string& file) { return file.ends_with(".tum"); };
   note(!run_report.has_stamps && std::any_of(run_report.files.begin(), run_report.files.end(), is_trajectory),

@@ -19,8 +19,6 @@ constexpr double kInPlace = 1.0;
 /// How much farther maps are looked for, each time that nothing is found nearer, and how often.
 constexpr double kFarther = 32.0;
 constexpr double kFarthest = 1e6;
-/// Joins after which what is not settled stays apart.
-constexpr std::size_t kMostJoins = 100;
 /// Observations of a segment, or somewhat more: enough to know its features well, few enough for the odometry between them.
 constexpr std::size_t kObservationsPerSegment = 150;
 
@@ -43,7 +41,8 @@ class Search {
         matches_(std::move(matches)) {}
 
   Expected<void> run() {
-    for (joins_ = 1; joins_ <= kMostJoins; ++joins_) {
+    while (!is_settled_ && joins_ < options_.most_joins) {
+      ++joins_;
       auto estimate = estimate_of_(identities_);
       if (!estimate) return tl::unexpected(estimate.error());
       if (options_.progress) options_.progress(joins_);
@@ -55,7 +54,7 @@ class Search {
       parts_apart_.clear();
       const auto is_tied = estimate->parts.first_poses.size() > 1 ? tie_parts(*estimate) : Expected<bool>(false);
       if (!is_tied) return tl::unexpected(is_tied.error());
-      if (!*is_tied) return {};
+      is_settled_ = !*is_tied;
     }
     return {};
   }
@@ -64,6 +63,7 @@ class Search {
   /// By sighting, how it was last found to be of its feature.
   const std::vector<std::optional<Match>>& matches() const { return matches_; }
   std::size_t joins() const { return joins_; }
+  bool is_settled() const { return is_settled_; }
   /// The parts that are left, where nothing ties all together: their first poses, and why each pair stays apart.
   const std::vector<PoseIndex>& first_poses() const { return first_poses_; }
   const std::vector<PartsApart>& parts_apart() const { return parts_apart_; }
@@ -162,6 +162,7 @@ class Search {
   std::vector<std::optional<Match>> matches_;
   std::size_t joins_ = 0;
   bool has_forgiven_ = false;
+  bool is_settled_ = false;
   std::vector<PoseIndex> first_poses_;
   std::vector<PartsApart> parts_apart_;
   std::vector<std::vector<std::size_t>> apart_;  // sightings that are told apart
@@ -234,7 +235,7 @@ Identities identities_of(const Data& data, const std::vector<Seen>& seen, std::v
 
 template <typename Data, typename Search>
 Associated<Data> associated(const Data& data, const std::vector<Seen>& seen, const Search& search) {
-  Associated<Data> result{renamed(data, search.identities()), {}, search.joins(), {}};
+  Associated<Data> result{renamed(data, search.identities()), {}, search.joins(), search.is_settled(), {}};
   for (std::size_t s = 0; s < seen.size(); ++s) {
     AssociatedSighting& sighting = result.sightings.emplace_back();
     sighting.base = data.poses[seen[s].base];
@@ -265,8 +266,10 @@ Expected<Associated<Source<Dim>>> found_in(const Source<Dim>& data, Identities i
 }  // namespace
 
 std::vector<std::string> AssociationOptions::validate() const {
-  if (confidence > 0.0 && confidence < 1.0) return {};
-  return {"the confidence must be between 0 and 1"};
+  std::vector<std::string> violations;
+  if (!(confidence > 0.0 && confidence < 1.0)) violations.emplace_back("the confidence must be between 0 and 1");
+  if (most_joins < 1) violations.emplace_back("the number of joins must be at least 1");
+  return violations;
 }
 
 template <int Dim>

@@ -20,6 +20,7 @@ struct AssociationOptions {
   AssociationMethod method = AssociationMethod::kJcbb;
   /// Names are right within whatever hangs together by them; only parts that nothing ties are matched with each other.
   bool names_hold = false;
+  std::size_t most_joins = 100;               ///< Then the search ends, settled or not.
   std::function<void(std::size_t)> progress;  ///< Called with the number of joins so far.
 
   /// Every violation in words; empty if there is none.
@@ -50,6 +51,7 @@ struct Associated {
   Data data;
   std::vector<AssociatedSighting> sightings;  ///< Observations of a log in their order; features of maps, then observations.
   std::size_t joins = 0;                      ///< How often the map was joined.
+  bool is_settled = false;                    ///< The last join found nothing more to be the same, and nothing to tell apart.
   std::vector<UntiedParts> untied;            ///< Every pair of parts; empty where all hangs together.
 };
 

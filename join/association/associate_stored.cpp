@@ -27,6 +27,7 @@ Expected<Associated<StoredMaps<Dim>>> associate(const StoredMaps<Dim>& stored, c
     Associated<StoredMaps<Dim>> result{{std::move(found.data), stored.segments, stored.maps, stored.options},
                                        std::move(found.sightings),
                                        found.joins,
+                                       found.is_settled,
                                        std::move(found.untied)};
     for (LocalMap<Dim>& map : result.data.maps) {
       for (FeatureIndex& feature : map.features) feature = names[feature];

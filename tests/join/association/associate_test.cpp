@@ -117,11 +117,26 @@ TEST(SightingFitTest, NamesTheMapThatTookAFeatureForAnother) {
   EXPECT_EQ(found[1].map, kMap);
 }
 
+TEST(AssociateTest, SaysWhetherItHasComeToRest) {
+  AssociationOptions options;
+  EXPECT_TRUE(associate(wood<2>(), options)->is_settled);
+  options.most_joins = 1;
+  const auto hasty = associate(wood<2>(), options).value();
+  EXPECT_FALSE(hasty.is_settled);
+  EXPECT_EQ(hasty.joins, 1U);
+}
+
 TEST(AssociationOptionsTest, WantAConfidenceBetweenZeroAndOne) {
   EXPECT_TRUE(AssociationOptions{}.validate().empty());
   AssociationOptions certain;
   certain.confidence = 1.0;
   EXPECT_FALSE(certain.validate().empty());
+}
+
+TEST(AssociationOptionsTest, WantAJoinAtLeast) {
+  AssociationOptions never;
+  never.most_joins = 0;
+  EXPECT_FALSE(never.validate().empty());
 }
 
 }  // namespace
