@@ -25,8 +25,8 @@ inline bool is_less_chi2(double a, double b) {
 /// are nearly so: real logs stay below 0.6, and where aligning ends in a local minimum it turned a pose by 2 and more.
 constexpr double kFarFromLinear = 1.0;
 
-/// A growth of chi2, by a map that is added, that is less probable than this asks for another look: of a thousand maps one in
-/// vain.
+/// A growth of chi2, by the k-th map that is added, that is less probable than this, and than 1/k², asks for another look: of
+/// however many maps, less than one in ten times asks in vain.
 constexpr double kLeastGrowthProbability = 1e-3;
 
 /// Local maps are crude where refining lowers chi2 of what they recovered by more than this share. In simulated worlds it is

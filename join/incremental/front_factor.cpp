@@ -1,56 +1,93 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include <map>
 #include <mapjoin/join/incremental/front_factor.hpp>
 #include <set>
+#include <unordered_map>
+#include <utility>
 
 namespace mapjoin {
+namespace {
 
-std::vector<FrontFactor::NodeIndex> FrontFactor::way_to_root(std::span<const Variable> of) const {
-  std::vector<NodeIndex> way;
-  std::set<NodeIndex> met;
-  for (const Variable v : of) {
-    std::vector<NodeIndex> own;  // up to where it meets the others'
-    for (NodeIndex n = variables[v].node; n != kNone && met.insert(n).second; n = nodes[n].parent) own.push_back(n);
-    way.insert(way.begin(), own.begin(), own.end());
+/// The rows of variables in a dense matrix: each that is new gets the next ones.
+class RowNumbers {
+ public:
+  explicit RowNumbers(const SharedTable<Variable, FrontFactor::Eliminated>& variables) : variables_(variables) {}
+  Eigen::Index size() const { return size_; }
+  void number(std::span<const Variable> variables) {
+    for (const Variable v : variables) {
+      if (first_.try_emplace(v.value, size_).second) size_ += variables_[v].dof;
+    }
   }
+  bool has(Variable v) const { return first_.contains(v.value); }
+  /// One after the other.
+  std::vector<Eigen::Index> of(std::span<const Variable> variables) const {
+    std::vector<Eigen::Index> rows;
+    for (const Variable v : variables) {
+      Eigen::Index row = first_.at(v.value);
+      for (const Eigen::Index end = row + variables_[v].dof; row < end; ++row) rows.push_back(row);
+    }
+    return rows;
+  }
+
+ private:
+  const SharedTable<Variable, FrontFactor::Eliminated>& variables_;
+  std::unordered_map<std::int32_t, Eigen::Index> first_;
+  Eigen::Index size_ = 0;
+};
+
+}  // namespace
+
+std::vector<const Front*> FrontFactor::way_to_root(std::span<const Variable> of, const Front* deferred) const {
+  std::vector<const Front*> way;
+  std::set<NodeIndex> met;
+  const auto go_up_from = [&](std::span<const Variable> variables) {
+    for (const Variable v : variables) {
+      std::vector<const Front*> own;  // up to where it meets the others'
+      for (NodeIndex n = this->variables[v].node; n != kNone && met.insert(n).second; n = nodes[n].parent) {
+        own.push_back(nodes[n].front.get());
+      }
+      way.insert(way.begin(), own.begin(), own.end());
+    }
+  };
+  go_up_from(of);
+  if (deferred) go_up_from(deferred->update.variables);
+  if (deferred) way.insert(way.begin(), deferred);
   return way;
 }
 
-/// YᵀY with L Y = E, the columns of the identity of the variables; rows of Y are zero but on the way from their fronts to the
-/// root.
-std::optional<Eigen::MatrixXd> FrontFactor::covariance(std::span<const Variable> of) const {
+std::optional<Eigen::MatrixXd> FrontFactor::covariance(std::span<const Variable> of, const Front* deferred) const {
   Eigen::Index size = 0;
+  for (const Variable v : of) size += variables[v].dof;
+  return inverse_form(of, Eigen::MatrixXd::Identity(size, size), deferred);
+}
+
+/// YᵀY with L Y = R; rows of Y are zero but on the way from the variables' fronts to the root.
+std::optional<Eigen::MatrixXd> FrontFactor::inverse_form(std::span<const Variable> of, const Eigen::MatrixXd& R,
+                                                         const Front* deferred) const {
+  const std::vector<const Front*> way = way_to_root(of, deferred);
+  RowNumbers rows(variables);
+  for (const Front* front : way) rows.number(front->frontals);
   for (const Variable v : of) {
-    if (variables[v].node == kNone) return std::nullopt;  // nothing is known of it
-    size += variables[v].dof;
+    if (!rows.has(v)) return std::nullopt;  // nothing is known of it
   }
-  std::map<Variable, Eigen::MatrixXd> rhs;
-  const auto rows_of = [&](Variable v) -> Eigen::MatrixXd& {
-    return rhs.try_emplace(v, Eigen::MatrixXd::Zero(variables[v].dof, size)).first->second;
-  };
-  Eigen::Index column = 0;
-  for (const Variable v : of) {
-    rows_of(v).middleCols(column, variables[v].dof).setIdentity();
-    column += variables[v].dof;
+  for (const Front* front : way) rows.number(front->update.variables);  // FrontTree::kOne, too, which no front solves for
+  Eigen::MatrixXd rhs = Eigen::MatrixXd::Zero(rows.size(), R.cols());
+  rhs(rows.of(of), Eigen::all) = R;
+  Eigen::MatrixXd form = Eigen::MatrixXd::Zero(R.cols(), R.cols());
+  for (const Front* front : way) {
+    if (front->is_singular) return std::nullopt;
+    Eigen::MatrixXd Y = rhs(rows.of(front->frontals), Eigen::all);
+    // One column after the other, for which L need not be packed.
+    for (auto column : Y.colwise()) front->L.topRows(Y.rows()).triangularView<Eigen::Lower>().solveInPlace(column);
+    form.noalias() += Y.transpose() * Y;
+    rhs(rows.of(front->update.variables), Eigen::all) -= front->L.bottomRows(front->L.rows() - Y.rows()) * Y;
   }
-  Eigen::MatrixXd covariance = Eigen::MatrixXd::Zero(size, size);
-  for (const NodeIndex n : way_to_root(of)) {
-    const Front& front = *nodes[n].front;
-    if (front.is_singular) return std::nullopt;
-    Eigen::MatrixXd Y(front.L.cols(), size);
-    Eigen::Index row = 0;
-    for (const Variable frontal : front.frontals) {
-      Y.middleRows(row, variables[frontal].dof) = rows_of(frontal);
-      row += variables[frontal].dof;
-    }
-    front.L.topRows(row).triangularView<Eigen::Lower>().solveInPlace(Y);
-    covariance += Y.transpose() * Y;
-    for (const Variable above : front.update.variables) {
-      rows_of(above) -= front.L.middleRows(row, variables[above].dof) * Y;
-      row += variables[above].dof;
-    }
-  }
-  return covariance;
+  return form;
+}
+
+Eigen::VectorXd Front::solved(const Eigen::VectorXd& separator) const {
+  Eigen::VectorXd solution = -(L.bottomRows(separator.size()).transpose() * separator);
+  L.topRows(L.cols()).triangularView<Eigen::Lower>().transpose().solveInPlace(solution);
+  return solution;
 }
 
 }  // namespace mapjoin

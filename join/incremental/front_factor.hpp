@@ -25,6 +25,9 @@ struct Front {
   Quadratic update;          ///< What is left over the separator, for the parent.
   Eigen::MatrixXd L;         ///< Over frontals, then the separator.
   bool is_singular = false;  ///< Eliminates what nothing determines.
+
+  /// The frontals' entries where they cost least, given those of the separator.
+  Eigen::VectorXd solved(const Eigen::VectorXd& separator) const;
 };
 
 /// The factor of a sum of quadratics by fronts, each with its parent. A copy by kept() stays as it is.
@@ -42,16 +45,20 @@ class FrontFactor {
   };
 
   /// The joint marginal covariance of different variables, one after the other, the sum's H being the information; nothing
-  /// where a front between one of them and the root eliminates what nothing determines.
-  std::optional<Eigen::MatrixXd> covariance(std::span<const Variable> of) const;
+  /// where a front between one of them and the root eliminates what nothing determines. With a deferred front (DeferredFront)
+  /// that of its variables, too, which are solved for by those of the tree, of which it is not yet a part.
+  std::optional<Eigen::MatrixXd> covariance(std::span<const Variable> of, const Front* deferred = nullptr) const;
+  /// RᵀPR for that covariance P, the rows of R being those of the variables.
+  std::optional<Eigen::MatrixXd> inverse_form(std::span<const Variable> of, const Eigen::MatrixXd& R,
+                                              const Front* deferred = nullptr) const;
   FrontFactor kept() { return {variables.kept(), nodes.kept()}; }
 
   SharedTable<Variable, Eliminated> variables;
   SharedTable<NodeIndex, Node> nodes;
 
  private:
-  /// The nodes that eliminate these and all above them, each before its parent.
-  std::vector<NodeIndex> way_to_root(std::span<const Variable> of) const;
+  /// The fronts that eliminate these and all above them, each before those above; the deferred one first.
+  std::vector<const Front*> way_to_root(std::span<const Variable> of, const Front* deferred) const;
 };
 
 }  // namespace mapjoin

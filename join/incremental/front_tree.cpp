@@ -8,10 +8,6 @@
 namespace mapjoin {
 namespace {
 
-/// In squared standard deviations per entry: what moves less stays where it is, and what hangs below is not looked at. The move
-/// is measured from where it stands, so what is put off never adds up to more.
-constexpr double kNoMove = 1e-6;
-
 /// A quadratic over these columns, one for each of its variables; `storage` keeps what had to be put in another order.
 GivenFront given_front(const Eigen::MatrixXd& H, const std::vector<Column>& columns, const BlockLower& matrix,
                        std::deque<Eigen::MatrixXd>& storage) {
@@ -70,13 +66,13 @@ Eigen::Map<const Eigen::VectorXd> FrontTree::solution(Variable v) const {
 
 void FrontTree::set_solution(Variable v, const Eigen::Ref<const Eigen::VectorXd>& entries) {
   std::copy(entries.begin(), entries.end(), solution_.begin() + variables_[v].offset);
-  is_displaced_ = true;
+  is_displaced_ |= has(v);
 }
 
-std::size_t FrontTree::update(std::span<const Variable> last) {
+std::size_t FrontTree::update(std::span<const Variable> last, double no_move) {
   ++updates_;
   const std::size_t eliminated = touched_.empty() ? 0 : eliminate_touched(last);
-  solve();
+  solve(no_move);
   return eliminated;
 }
 
@@ -230,7 +226,7 @@ FrontTree::NodeIndex FrontTree::new_node() {
   return n;
 }
 
-void FrontTree::solve() {
+void FrontTree::solve(double no_move) {
   moved_.clear();
   std::vector<NodeIndex> to_visit{root_};
   while (!to_visit.empty()) {
@@ -239,7 +235,7 @@ void FrontTree::solve() {
     to_visit.pop_back();
     if (!is_displaced_ && !next.is_fresh && !is_above_moved(front(n))) continue;
     next.is_fresh = false;
-    solve_front(front(n));
+    solve_front(front(n), no_move);
     to_visit.insert(to_visit.end(), next.children.begin(), next.children.end());
   }
   is_displaced_ = false;
@@ -250,25 +246,24 @@ bool FrontTree::is_above_moved(const Front& below) const {
   return std::any_of(separator.begin(), separator.end(), [&](Variable v) { return variables_[v].moved_in == updates_; });
 }
 
-Eigen::VectorXd FrontTree::gathered(const std::vector<Variable>& variables, Eigen::Index size) const {
+Eigen::VectorXd FrontTree::solution(const std::vector<Variable>& variables) const {
+  Eigen::Index size = 0;
+  for (const Variable v : variables) size += dof(v);
   Eigen::VectorXd entries(size);
-  Eigen::Index entry = 0;
+  size = 0;
   for (const Variable v : variables) {
-    entries.segment(entry, dof(v)) = solution(v);
-    entry += dof(v);
+    entries.segment(size, dof(v)) = solution(v);
+    size += dof(v);
   }
   return entries;
 }
 
-void FrontTree::solve_front(const Front& next) {
-  const Eigen::Index width = next.L.cols();
-  const auto L_JJ = next.L.topRows(width).triangularView<Eigen::Lower>();
-  const Eigen::VectorXd above = gathered(next.update.variables, next.L.rows() - width);
-  Eigen::VectorXd now = -(next.L.bottomRows(above.size()).transpose() * above);
-  L_JJ.transpose().solveInPlace(now);
+void FrontTree::solve_front(const Front& next, double no_move) {
+  const Eigen::VectorXd now = next.solved(solution(next.update.variables));
+  const auto L_JJ = next.L.topRows(now.size()).triangularView<Eigen::Lower>();
   // The change in squared standard deviations, what lies above being held.
-  const double change = (L_JJ.transpose() * (now - gathered(next.frontals, width))).squaredNorm();
-  if (change <= kNoMove * static_cast<double>(width)) return;
+  const double change = (L_JJ.transpose() * (now - solution(next.frontals))).squaredNorm();
+  if (change <= no_move * static_cast<double>(now.size())) return;
   Eigen::Index entry = 0;
   for (const Variable v : next.frontals) {
     std::copy_n(now.data() + entry, dof(v), solution_.begin() + variables_[v].offset);

@@ -29,17 +29,21 @@ class FrontTree {
   void remove_quadratic(QuadraticIndex quadratic);
 
   /// Eliminates again what is touched by all that was added and changed since the last time, the variables `last` after all
-  /// others, and solves. Variables that nothing determines stay where they are. Returns how many variables were eliminated.
-  std::size_t update(std::span<const Variable> last);
-  /// Where the sum is least: the entries of a variable.
+  /// others, and solves. Variables that nothing determines stay where they are, and so do those that would move, in a front of
+  /// `n` entries, by less than n `no_move` squared standard deviations. Returns how many variables were eliminated.
+  std::size_t update(std::span<const Variable> last, double no_move = 1e-6);
+  /// Where the sum is least, but for what stays where it is: the entries of a variable, and of several.
   Eigen::Map<const Eigen::VectorXd> solution(Variable v) const;
+  Eigen::VectorXd solution(const std::vector<Variable>& variables) const;
+  int dof(Variable v) const { return factor_.variables[v].dof; }
+  /// Whether an update has eliminated it.
+  bool has(Variable v) const { return node_of(v) != kNone; }
   /// As of the last update.
   const FrontFactor& factor() const { return factor_; }
   FrontFactor kept_factor() { return factor_.kept(); }
-  /// The variables that the last update moved by more than a thousandth of a standard deviation; the others stand where they
-  /// stood.
+  /// The variables that the last update moved; the others stand where they stood.
   const std::vector<Variable>& moved() const { return moved_; }
-  /// Puts a variable elsewhere: the next update then looks at all of them.
+  /// Puts a variable elsewhere: the next update then looks at all of them, where it has this one.
   void set_solution(Variable v, const Eigen::Ref<const Eigen::VectorXd>& entries);
 
  private:
@@ -54,7 +58,7 @@ class FrontTree {
     bool is_fresh = false;                   // not yet solved
   };
   struct Values {
-    Eigen::Index offset;         // in solution_
+    Eigen::Index offset = 0;     // of its entries in the solution
     Variable place = kConstant;  // among the variables that are being eliminated
     std::size_t moved_in = 0;    // the update that moved it last
   };
@@ -87,12 +91,9 @@ class FrontTree {
   const Front& front(NodeIndex node) const { return *factor_.nodes[node].front; }
   NodeIndex parent(NodeIndex node) const { return factor_.nodes[node].parent; }
   NodeIndex node_of(Variable v) const { return factor_.variables[v].node; }
-  int dof(Variable v) const { return factor_.variables[v].dof; }
-  void solve();
+  void solve(double no_move);
   bool is_above_moved(const Front& below) const;
-  void solve_front(const Front& next);
-  /// The solution over variables, of so many entries.
-  Eigen::VectorXd gathered(const std::vector<Variable>& variables, Eigen::Index size) const;
+  void solve_front(const Front& next, double no_move);
 
   FrontFactor factor_;
   Table<Variable, Values> variables_;

@@ -8,9 +8,10 @@ namespace mapjoin {
 namespace {
 
 constexpr int kMostIterations = 50;
-/// Of a linearisation, in chi2 per measured row: 0.3 % of a standard deviation. An estimate at which no map errs by more is
-/// above the optimum by at most as much per row, for what a map errs by moves the estimate by no more than itself, in chi2.
-constexpr double kLinearisationError = 1e-5;
+/// A deferred front, which is dense, costs more than it saves where more entries than these are new.
+constexpr std::int64_t kMostDeferredEntries = 64;
+/// Of what maps may err by, once some of them are linearised again.
+constexpr double kErrorLeft = 0.1;
 /// Beyond this turn (rad) since its reference a pose gets a new one: rotation vectors are good up to π.
 constexpr double kMostTurn = 1.0;
 
@@ -45,7 +46,7 @@ FactorIndex IncrementalEstimate<Dim>::add_factor(MapFactor<Dim> map) {
   Factor& added = factors_.emplace_back(Factor{std::move(map), {}, {}, 0});
   added.fit.chi2 = added.map.chi2(variables_);
   chi2_ += added.fit.chi2;
-  stale_.push_back(f);
+  new_.push_back(f);
   return f;
 }
 
@@ -56,9 +57,86 @@ void IncrementalEstimate<Dim>::remove_factor(FactorIndex f) {
     if (v != kJoinedWorld) std::erase(variable(v).factors, f);
   }
   rows_ -= removed.map.rows();
-  chi2_ -= std::exchange(removed.fit, {}).chi2;
+  chi2_ -= removed.fit.chi2;
+  error_ -= std::exchange(removed.fit, {}).error;
   std::erase(stale_, f);
+  if (const auto fresh = std::ranges::find(new_, f); fresh != new_.end()) {
+    const auto k = static_cast<std::size_t>(fresh - new_.begin());
+    if (k < deferred_.size()) deferred_.remove(k);
+    new_.erase(fresh);
+  }
   if (removed.quadratic) tree_.remove_quadratic(*removed.quadratic);
+}
+
+template <int Dim>
+std::optional<Settling> IncrementalEstimate<Dim>::defer() {
+  const bool is_hopeless = std::exchange(expected_more_, 0.5 * expected_more_) > allowance().gain();
+  const bool is_all_new = new_.size() == factors_.size();
+  if (is_hopeless || is_all_new || new_.empty() || free_ - settled_free_ > kMostDeferredEntries) return std::nullopt;
+  std::int64_t rows = 0;
+  for (std::size_t k = deferred_.size(); k < new_.size(); ++k) {
+    deferred_.add(factor(new_[k]).map.linearise(variables_));
+    rows += factor(new_[k]).map.rows();
+  }
+  auto settling = settle_new();
+  if (!settling || !is_rest_content(rows)) return std::nullopt;
+  settling->moved = shown_.show(variables_);
+  return settling;
+}
+
+template <int Dim>
+std::optional<Settling> IncrementalEstimate<Dim>::settle_new() {
+  Settling settling;
+  do {
+    if (++settling.iterations > kMostIterations) return std::nullopt;
+    deferred_.solve(tree_);
+    if (!take_step(deferred_.front()->frontals, deferred_.solution())) return std::nullopt;
+  } while (linearise_new_again());
+  settling.converged = true;
+  return settling;
+}
+
+/// In all it may miss what it is allowed; and what is new, not a standard deviation in each row.
+template <int Dim>
+bool IncrementalEstimate<Dim>::is_rest_content(std::int64_t rows) {
+  const std::optional<double> gain = deferred_.gain(tree_);
+  if (!gain) return false;
+  expected_more_ = *gain - std::exchange(gain_, *gain);
+  return gain_ <= allowance().gain() && expected_more_ <= static_cast<double>(rows);
+}
+
+template <int Dim>
+bool IncrementalEstimate<Dim>::linearise_new_again() {
+  bool erred = false;
+  for (std::size_t k = 0; k < new_.size(); ++k) {
+    Factor& fresh = factor(new_[k]);
+    if (!errs(fresh)) continue;
+    deferred_.change(k, fresh.map.linearise(variables_));
+    error_ -= std::exchange(fresh.fit.error, 0.0);
+    erred = true;
+  }
+  return erred;
+}
+
+/// Gives the tree the maps that it does not have, and puts their variables where they are.
+template <int Dim>
+void IncrementalEstimate<Dim>::enter_deferred() {
+  std::vector<Quadratic> quadratics = deferred_.take();
+  for (std::size_t k = 0; k < new_.size(); ++k) {
+    Factor& fresh = factor(new_[k]);
+    if (k < quadratics.size()) {
+      fresh.quadratic = tree_.add_quadratic(std::move(quadratics[k]));
+    } else {
+      stale_.push_back(new_[k]);
+    }
+    for (const JoinedIndex v : fresh.map.variables()) {
+      if (v != kJoinedWorld && variable(v).column != kConstant && !tree_.has(variable(v).column)) {
+        tree_.set_solution(variable(v).column, variable(v).step.head(variable(v).dof()));
+      }
+    }
+  }
+  new_.clear();
+  gain_ = 0.0;
 }
 
 template <int Dim>
@@ -67,55 +145,38 @@ Settling IncrementalEstimate<Dim>::settle(std::span<const JoinedIndex> last) {
   for (const JoinedIndex v : last) {
     if (variable(v).column != kConstant) last_columns.push_back(variable(v).column);
   }
+  enter_deferred();
   Settling settling;
   if (looks_ >= factors_.size()) sum_chi2();
   while (!settling.converged && settling.iterations < kMostIterations) {
     linearise_stale();
-    settling.eliminated += tree_.update(last_columns);
+    settling.eliminated += tree_.update(last_columns, allowance().move());
     ++settling.iterations;
     const double before = chi2_;
-    if (!take_step()) break;
-    refer_turned();
-    settling.converged = stale_.empty() || before - chi2_ <= rounding();
-  }
-  show_moved();
-  settling.moved = take_moved();
-  known_ = variables_.size();
-  return settling;
-}
-
-template <int Dim>
-std::optional<Eigen::MatrixXd> KeptEstimate<Dim>::covariance(std::span<const JoinedIndex> of) const {
-  std::vector<mapjoin::Variable> columns;
-  Eigen::Index size = 0;
-  for (const JoinedIndex v : of) {
-    if (variables[v].column != kConstant) columns.push_back(variables[v].column);
-    size += variables[v].dof();
-  }
-  const auto of_free = factor.covariance(columns);  // of δ
-  if (!of_free) return std::nullopt;
-  Eigen::MatrixXd J_step_delta = Eigen::MatrixXd::Zero(size, of_free->rows());
-  Eigen::Index row = 0;
-  Eigen::Index column = 0;
-  for (const JoinedIndex v : of) {
-    const int dof = variables[v].dof();
-    if (variables[v].column != kConstant) {
-      auto J = J_step_delta.block(row, column, dof, dof);
-      J.setIdentity();
-      if (variables[v].is_pose)
-        J.template bottomRightCorner<kRotationDof<Dim>, kRotationDof<Dim>>() = right_jacobian<Dim>(variables[v].turn);
-      column += dof;
+    const bool is_taken = take_step(tree_.moved(), tree_.solution(tree_.moved()));
+    if (!is_taken) {
+      put_tree_back();
+      break;
     }
-    row += dof;
+    find_stale();
+    refer_turned();
+    settling.converged = stale_.empty() || before - chi2_ <= allowance().rounding();
   }
-  return Eigen::MatrixXd(J_step_delta * *of_free * J_step_delta.transpose());
+  settled_chi2_ = chi2_;
+  settled_free_ = free_;
+  settling.moved = shown_.show(variables_);
+  return settling;
 }
 
 /// Anew, without the rounding of all that was added and taken away.
 template <int Dim>
 void IncrementalEstimate<Dim>::sum_chi2() {
   chi2_ = 0.0;
-  for (const Factor& factor : factors_) chi2_ += factor.fit.chi2;
+  error_ = 0.0;
+  for (const Factor& factor : factors_) {
+    chi2_ += factor.fit.chi2;
+    error_ += factor.fit.error;
+  }
   looks_ = 0;
 }
 
@@ -124,6 +185,7 @@ void IncrementalEstimate<Dim>::linearise_stale() {
   for (const FactorIndex f : stale_) {
     Factor& stale = factor(f);
     Quadratic system = stale.map.linearise(variables_);
+    error_ -= std::exchange(stale.fit.error, 0.0);
     if (stale.quadratic) {
       tree_.change_quadratic(*stale.quadratic, std::move(system.H));
     } else {
@@ -134,38 +196,62 @@ void IncrementalEstimate<Dim>::linearise_stale() {
 }
 
 template <int Dim>
-double IncrementalEstimate<Dim>::rounding() const {
-  return kLinearisationError * static_cast<double>(rows_);
+Allowance IncrementalEstimate<Dim>::allowance() const {
+  return {std::min(chi2_, settled_chi2_), rows_, free_};
 }
 
 template <int Dim>
-bool IncrementalEstimate<Dim>::take_step() {
+bool IncrementalEstimate<Dim>::errs(const Factor& factor) const {
+  return factor.fit.error * static_cast<double>(rows_) > allowance().error() * static_cast<double>(factor.map.rows());
+}
+
+/// Until the others err by so little that the next map does not ask for it again at once.
+template <int Dim>
+void IncrementalEstimate<Dim>::find_stale() {
+  if (error_ <= allowance().error()) return;
+  std::vector<std::pair<double, FactorIndex>> by_error;
+  for (const FactorIndex f : indices(factors_)) {
+    if (factor(f).fit.error > 0.0) by_error.emplace_back(-factor(f).fit.error, f);
+  }
+  std::sort(by_error.begin(), by_error.end());
+  double left = error_ - kErrorLeft * allowance().error();
+  for (auto next = by_error.begin(); next != by_error.end() && left > 0.0; ++next) {
+    left += next->first;
+    stale_.push_back(next->second);
+  }
+}
+
+template <int Dim>
+bool IncrementalEstimate<Dim>::take_step(const std::vector<Variable>& columns, const Eigen::VectorXd& entries) {
   ++steps_;
   const double before = chi2_;
   std::vector<PoseVector<Dim>> from;
   std::vector<FactorIndex> concerned;
-  for (const Variable column : tree_.moved()) {
+  Eigen::Index entry = 0;
+  for (const Variable column : columns) {
     const JoinedIndex v = variable_of_column_[column];
-    if (v.position() < known_) before_.try_emplace(v, variable(v).value);
+    const int dof = variable(v).dof();
+    shown_.note_moving(v);
     from.push_back(variable(v).step);
     PoseVector<Dim> to = PoseVector<Dim>::Zero();
-    to.head(variable(v).dof()) = tree_.solution(column);
+    to.head(dof) = entries.segment(std::exchange(entry, entry + dof), dof);
     move_to(v, to, concerned);
   }
   look_at(concerned);
-  if (chi2_ <= before + rounding()) {
-    for (const FactorIndex f : concerned) {
-      if (factor(f).fit.error > kLinearisationError * static_cast<double>(factor(f).map.rows())) stale_.push_back(f);
-    }
-    return true;
-  }
+  if (chi2_ <= before + allowance().rounding()) return true;
   auto was = from.begin();
-  for (const Variable column : tree_.moved()) {
-    tree_.set_solution(column, was->head(variable(variable_of_column_[column]).dof()));
-    move_to(variable_of_column_[column], *was++, concerned);
-  }
+  for (const Variable column : columns) move_to(variable_of_column_[column], *was++, concerned);
   look_at(concerned);
   return false;
+}
+
+/// To where the variables are that its last update would have moved.
+template <int Dim>
+void IncrementalEstimate<Dim>::put_tree_back() {
+  for (const Variable column : tree_.moved()) {
+    const JoinedVariable<Dim>& back = variable(variable_of_column_[column]);
+    tree_.set_solution(column, back.step.head(back.dof()));
+  }
 }
 
 template <int Dim>
@@ -182,6 +268,7 @@ void IncrementalEstimate<Dim>::look_at(const std::vector<FactorIndex>& factors) 
   for (const FactorIndex f : factors) {
     const auto fit = factor(f).map.fit(variables_);
     chi2_ += fit.chi2 - factor(f).fit.chi2;
+    error_ += fit.error - factor(f).fit.error;
     factor(f).fit = fit;
   }
 }
@@ -202,32 +289,6 @@ void IncrementalEstimate<Dim>::refer_turned() {
   }
 }
 
-template <int Dim>
-void IncrementalEstimate<Dim>::show_moved() {
-  const auto show = [&](JoinedIndex v) {
-    const JoinedVariable<Dim>& is = variable(v);
-    shown_.writable(v) = {is.is_pose, is.value, is.step.template tail<kRotationDof<Dim>>(), is.column};
-  };
-  for (const auto& [v, was] : before_) show(v);
-  while (shown_.size() < variables_.size()) show(shown_.push_back({}));
-}
-
-/// How far those have gone that are remembered, which are then forgotten.
-template <int Dim>
-StepSize IncrementalEstimate<Dim>::take_moved() {
-  StepSize size;
-  for (const auto& [v, was] : before_) {
-    const JoinedVariable<Dim>& is = variable(v);
-    const PoseVector<Dim> step = local(was, is.value);
-    size.metres = std::max(size.metres, step.template head<Dim>().norm());
-    if (is.is_pose) size.radians = std::max(size.radians, step.template tail<kRotationDof<Dim>>().norm());
-  }
-  before_.clear();
-  return size;
-}
-
-template struct KeptEstimate<2>;
-template struct KeptEstimate<3>;
 template class IncrementalEstimate<2>;
 template class IncrementalEstimate<3>;
 

@@ -2,13 +2,16 @@
 #pragma once
 // A joined state that is kept at the optimum of the maps it is made of, while maps and variables are added.
 
-#include <map>
+#include <mapjoin/join/incremental/allowance.hpp>
+#include <mapjoin/join/incremental/deferred_front.hpp>
 #include <mapjoin/join/incremental/front_tree.hpp>
+#include <mapjoin/join/incremental/kept_estimate.hpp>
 #include <mapjoin/join/incremental/map_factor.hpp>
 #include <mapjoin/join/incremental/shared_table.hpp>
 #include <mapjoin/solve/minimise_options.hpp>
 #include <optional>
 #include <span>
+#include <utility>
 #include <vector>
 
 namespace mapjoin {
@@ -21,31 +24,10 @@ struct Settling {
   StepSize moved;              ///< The most that a variable has moved that was there before.
 };
 
-/// The estimate as a settling left it. It never changes, so any thread may read it.
-template <int Dim>
-struct KeptEstimate {
-  struct Variable {
-    bool is_pose = true;
-    Pose<Dim> value;                                         ///< Of a feature the translation.
-    RotationVector<Dim> turn = RotationVector<Dim>::Zero();  ///< Of a pose, since the reference of the linear system.
-    mapjoin::Variable column = kConstant;                    ///< Of the linear system; kConstant where it is anchored.
-
-    int dof() const { return is_pose ? kPoseDof<Dim> : Dim; }
-  };
-
-  /// The joint marginal covariance of the steps of different variables at their values, a row for each entry: zero where one is
-  /// anchored, nothing where one may not be determined (see FrontFactor).
-  std::optional<Eigen::MatrixXd> covariance(std::span<const JoinedIndex> of) const;
-
-  SharedTable<JoinedIndex, Variable> variables;
-  FrontFactor factor;
-  double chi2 = 0.0;
-  std::int64_t dof = 0;
-};
-
-/// Gauss-Newton, with a map linearised again only where its linearisation errs by more than 1 % of a standard deviation (rms):
-/// what is put off costs at most 1e-4 of chi2 per measured row, and what the tree does not move a tenth of it per entry. A step
-/// that would raise chi2 is not taken: the estimate then has not converged, and wants a join of all maps.
+/// Gauss-Newton that puts off what costs little (see Allowance). Maps are linearised again only where all of them together err
+/// by enough, and variables move only by enough. New maps may be deferred: only what is new moves, and all else has to gain by
+/// enough before it does. All this is measured against where things stand, so it does not add up. A step that would raise chi2
+/// is not taken: the estimate then has not converged, and wants a join of all maps.
 template <int Dim>
 class IncrementalEstimate {
  public:
@@ -57,13 +39,15 @@ class IncrementalEstimate {
   /// Takes one out again, for good: the next settling is without it.
   void remove_factor(FactorIndex factor);
 
+  /// Moves only what is new since the last settling. Nothing where that is not enough, and settle() has to follow.
+  std::optional<Settling> defer();
   /// To the optimum; `last` are the variables that the next maps will probably touch.
   Settling settle(std::span<const JoinedIndex> last);
 
   const JoinedVariables<Dim>& variables() const { return variables_; }
   const JoinedVariable<Dim>& variable(JoinedIndex v) const { return variables_[v]; }
-  /// As of the last settling.
-  KeptEstimate<Dim> kept() { return {shown_.kept(), tree_.kept_factor(), chi2_, dof()}; }
+  /// As of the last settling or deferral.
+  KeptEstimate<Dim> kept() { return {shown_.kept(), tree_.kept_factor(), deferred_.front(), chi2_, dof()}; }
   double chi2() const { return chi2_; }
   /// Measured rows less free entries.
   std::int64_t dof() const { return rows_ - free_; }
@@ -77,33 +61,46 @@ class IncrementalEstimate {
   };
   JoinedVariable<Dim>& variable(JoinedIndex v) { return variables_[v]; }
   Factor& factor(FactorIndex f) { return factors_[f]; }
+  Allowance allowance() const;
   void sum_chi2();
   void linearise_stale();
-  /// Moves the variables to where the tree has them; false where chi2 would rise, all then staying where they are.
-  bool take_step();
-  /// What chi2 may be off by where every linearisation errs by as much as it may.
-  double rounding() const;
+  /// Where all maps together err by more than they may: makes those stale that err most.
+  void find_stale();
+  void linearise_new();
+  /// Those new maps again that err; whether there are any.
+  bool linearise_new_again();
+  bool errs(const Factor& factor) const;
+  /// Moves what is new to where the new maps cost least, the rest staying where it is; nothing as of defer().
+  std::optional<Settling> settle_new();
+  /// Whether all else stands well enough while the new maps, which have so many rows, are deferred.
+  bool is_rest_content(std::int64_t rows);
+  void enter_deferred();
+  /// Moves variables to these entries, one after the other; false where chi2 would rise, all then staying where they are.
+  bool take_step(const std::vector<Variable>& columns, const Eigen::VectorXd& entries);
+  void put_tree_back();
   void move_to(JoinedIndex v, const PoseVector<Dim>& step, std::vector<FactorIndex>& concerned);
   /// Brings chi2 up to date with what these factors say now.
   void look_at(const std::vector<FactorIndex>& factors);
-  StepSize take_moved();
-  /// Brings `shown_` up to date with what has moved and what is new.
-  void show_moved();
   void refer_turned();
 
   JoinedVariables<Dim> variables_;
   Table<Variable, JoinedIndex> variable_of_column_;
   Table<FactorIndex, Factor> factors_;
-  std::vector<FactorIndex> stale_;                                        // factors to be linearised
-  SharedTable<JoinedIndex, typename KeptEstimate<Dim>::Variable> shown_;  // as of the last settling
+  std::vector<FactorIndex> stale_;  // factors of the tree to be linearised
+  std::vector<FactorIndex> new_;    // factors that the tree does not have
+  ShownVariables<Dim> shown_;
   FrontTree tree_;
+  DeferredFront deferred_;      // of the first of the new factors, in their order
+  double gain_ = 0.0;           // what the rest might gain but for deferral,
+  double expected_more_ = 0.0;  // and that more with the next map, as far as the last ones tell
   double chi2_ = 0.0;
+  double settled_chi2_ = 0.0;
+  double error_ = 0.0;  // of all linearisations
   std::int64_t rows_ = 0;
   std::int64_t free_ = 0;
+  std::int64_t settled_free_ = 0;
   std::size_t steps_ = 0;
-  std::size_t looks_ = 0;                    // at factors since chi2 was summed anew
-  std::size_t known_ = 0;                    // variables that were there before this settling
-  std::map<JoinedIndex, Pose<Dim>> before_;  // where those were that have moved
+  std::size_t looks_ = 0;  // at factors since chi2 was summed anew
 };
 
 }  // namespace mapjoin

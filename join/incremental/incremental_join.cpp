@@ -133,7 +133,9 @@ void IncrementalJoin<Dim>::join_last(const std::stop_token& stop, AddedUpdate& a
   const std::int64_t dof_before = estimate_.dof();
   const auto variables = asks_for_join(update) ? std::nullopt : estimate_.enter(update);
   if (variables) {
-    settle(*variables, added);
+    const auto deferred = estimate_.defer();
+    if (deferred) note(*deferred, added);
+    if (!deferred || has_outgrown(chi2_before, dof_before)) settle(*variables, added);
     if (!added.converged || has_outgrown(chi2_before, dof_before)) adopt_batch(false, stop, added);
   } else {
     waiting_.push_back(updates_.size() - 1);
@@ -171,7 +173,11 @@ void IncrementalJoin<Dim>::join_again_from(std::size_t before, const std::stop_t
 
 template <int Dim>
 void IncrementalJoin<Dim>::settle(std::span<const JoinedIndex> last, AddedUpdate& added) {
-  const Settling settling = estimate_.settle(last);
+  note(estimate_.settle(last), added);
+}
+
+template <int Dim>
+void IncrementalJoin<Dim>::note(const Settling& settling, AddedUpdate& added) {
   added.metres = std::max(added.metres, settling.moved.metres);
   added.radians = std::max(added.radians, settling.moved.radians);
   added.chi2 = estimate_.chi2();
@@ -194,7 +200,8 @@ bool IncrementalJoin<Dim>::has_outgrown(double chi2_before, std::int64_t dof_bef
   const double scale = dof_before > 0 ? std::max(1.0, chi2_before / static_cast<double>(dof_before)) : 1.0;
   const double growth = (estimate_.chi2() - chi2_before) / scale;
   const auto dof = static_cast<double>(std::max<std::int64_t>(1, estimate_.dof() - dof_before));
-  return !(chi_squared_upper_tail(growth, dof) > kLeastGrowthProbability);
+  const auto updates = static_cast<double>(updates_.size());
+  return !(chi_squared_upper_tail(growth, dof) > std::min(kLeastGrowthProbability, 1.0 / (updates * updates)));
 }
 
 template <int Dim>

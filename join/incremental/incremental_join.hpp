@@ -3,9 +3,9 @@
 // Joining local maps one by one as they become known, with the estimate of all kept at its optimum.
 //
 // A new map is placed by what it shares with the estimate. Of the elimination tree only what it touches is done again
-// (FrontTree), and only maps whose variables have moved are linearised again (IncrementalEstimate). Where the chi2 has grown
-// more than the new map can explain, all maps so far are joined along the tree of join(), once, and the better estimate is
-// taken.
+// (FrontTree), and only maps whose variables have moved are linearised again. A map that would move hardly anything else moves
+// only what is new, until several of them would move more (IncrementalEstimate). Where the chi2 has grown more than the new map
+// can explain, all maps so far are joined along the tree of join(), once, and the better estimate is taken.
 
 #include <algorithm>
 #include <cstdint>
@@ -75,9 +75,10 @@ class IncrementalJoin {
   const Pose<Dim>* pose(const PoseId& id) const { return estimate_.pose(id); }
   const Point<Dim>* feature(const FeatureId& id) const { return estimate_.feature(id); }
   /// The marginal covariance of its step, relative to the gauge as in GlobalMap: zero where it is anchored, nothing while it is
-  /// not in the estimate or may be free to move. At the cost of the fronts between it and the root. It is that of the
-  /// linearisation the estimate rests on: residuals err by less than a hundredth of a standard deviation, but Jacobians may be
-  /// older than a turn of less than 1 rad of a pose in space, until the next map that concerns it.
+  /// not in the estimate or may be free to move. At the cost of the fronts between it and the root. It is that of the estimate
+  /// as it stands: what a deferred map tells of what was known before does not count yet. Residuals err by less than 0.5 % of
+  /// a standard deviation (rms, where maps fit as their covariances say), but Jacobians may be older than a turn of less than
+  /// 1 rad of a pose in space, until the next map that concerns it.
   std::optional<PoseMatrix<Dim>> covariance(const PoseId& id) const;
   std::optional<PointMatrix<Dim>> covariance(const FeatureId& id) const;
   double chi2() const { return estimate_.chi2(); }
@@ -103,6 +104,7 @@ class IncrementalJoin {
   void join_again_from(std::size_t before, const std::stop_token& stop, AddedUpdate& added);
   bool asks_for_join(const SubmapUpdate<Dim>& update) const;
   void settle(std::span<const JoinedIndex> last, AddedUpdate& added);
+  void note(const Settling& settling, AddedUpdate& added);
   bool has_outgrown(double chi2_before, std::int64_t dof_before) const;
   /// How many of their poses and features the waiting updates share with the estimate.
   std::size_t shared_by_waiting() const;

@@ -49,6 +49,7 @@ class NamedEstimate {
   /// Takes the factors of an update that was entered and has no segment out again.
   void leave(const SubmapUpdate<Dim>& update);
 
+  std::optional<Settling> defer() { return estimate_.defer(); }
   Settling settle(std::span<const JoinedIndex> last) { return estimate_.settle(last); }
   /// As of the last settling.
   std::shared_ptr<const JoinedSnapshot<Dim>> snapshot();

@@ -29,9 +29,9 @@ struct Ordering {
 };
 
 /// A fill-reducing order of elimination: nested dissection (METIS), which decides everything at scale; approximate minimum
-/// degree (AMD) for graphs too small to dissect; the constrained one (CAMD) where there are ranks. Every order, a given one
-/// too, is postordered: each subtree is one run. The order of what a border leaves is found without it. The same graph gives
-/// the same order, from any thread.
+/// degree (AMD) for graphs too small to dissect, of which there is a constrained one (CAMD) where there are ranks; larger ones
+/// are dissected without what is not of the lowest rank. Every order, a given one too, is postordered: each subtree is one run.
+/// The order of what a border leaves is found without it. The same graph gives the same order, from any thread.
 Table<Column, Variable> elimination_order(const BlockGraph& graph, const Ordering& ordering = {});
 
 /// The column of each variable in an order.

@@ -86,7 +86,7 @@ TEST(Ordering, TakesVariablesWithoutNeighbours) {
 }
 
 TEST(Ordering, EliminatesAVariableAfterAllOfLowerRankThatItIsCoupledTo) {
-  for (const int side : {6, 20}) {
+  for (const int side : {6, 20, 30}) {
     const BlockGraph graph = grid(side);
     Table<Variable, int> ranks(graph.size(), 0);
     std::fill(ranks.end() - 9, ranks.end(), 1);
