@@ -3,6 +3,7 @@
 // How far an estimate that puts work off may be above the optimum, and which part of that each kind of work has.
 
 #include <algorithm>
+#include <cmath>
 #include <cstdint>
 
 namespace mapjoin {
@@ -20,8 +21,8 @@ struct Allowance {
   double move() const { return std::max(1e-6, kLittle * chi2 / static_cast<double>(free)); }
   /// What variables of the tree might gain that stay where they are while maps are deferred.
   double gain() const { return 5e-4 * chi2; }
-  /// What chi2 at the estimate may be off by from that of the linearised maps.
-  double rounding() const { return error() + move() * static_cast<double>(free); }
+  /// What chi2 at the estimate may be off by from that of the linearised maps, both pulling the same way.
+  double rounding() const { return std::pow(std::sqrt(error()) + std::sqrt(move() * static_cast<double>(free)), 2); }
 
  private:
   static constexpr double kLittle = 2e-5;
