@@ -53,6 +53,14 @@ std::string shared_in_words(const MpiOptions& options, const distributed::Found<
                      found.shared_by_regions, options.regions);
 }
 
+/// On every rank, which may be on machines of their own.
+Expected<void> check_folder(const std::filesystem::path& out_of_core) {
+  std::error_code ignored;
+  if (out_of_core.empty() || std::filesystem::is_directory(out_of_core, ignored)) return {};
+  return tl::unexpected(
+      Error{ErrorKind::kUsage, fmt::format("--out-of-core: {} is no folder on every rank's machine", out_of_core.string())});
+}
+
 ExitCode make_map(const std::string& command, const MpiOptions& options,
                   const std::function<Expected<distributed::AnyMappedLog>(const Communicator&)>& read) {
   const Communicator comm(MPI_COMM_WORLD);
@@ -61,6 +69,7 @@ ExitCode make_map(const std::string& command, const MpiOptions& options,
     command_run.prepare(outputs_of_map(options));
     return ExitCode::kDone;
   });
+  demand(comm.agree(check_folder(options.out_of_core)));
   const distributed::Task task{
       options.run, {options.out_of_core}, options.most_memory_mb, static_cast<std::size_t>(options.regions)};
   auto found = distributed::run(
@@ -89,10 +98,6 @@ void add_way_of_ranks(Subcommand& command, MpiOptions& options) {
   command.path("--out-of-core", options.out_of_core, "DIR",
                "Keep the factor in files in this folder, but for those of several regions");
   command.number("--max-memory", options.most_memory_mb, 0.0, "MB", "Refuse factors that take more on any rank [no bound]");
-  command.check([&options]() -> std::vector<std::string> {
-    if (options.out_of_core.empty() || std::filesystem::is_directory(options.out_of_core)) return {};
-    return {fmt::format("--out-of-core: {} is no folder", options.out_of_core.string())};
-  });
   add_reporting(command, options);
 }
 

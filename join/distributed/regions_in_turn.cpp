@@ -101,7 +101,7 @@ void RegionsInTurn<Dim>::eliminate(std::size_t k, DenseBlock schur_complement) {
 template <int Dim>
 void RegionsInTurn<Dim>::eliminate_all(double damping) {
   damping_ = damping;
-  solution_.resize(0);
+  is_solved_ = false;
   for (std::size_t k = 0; k < regions_.size(); ++k) {
     if (interface_.borders[k].faces.empty()) eliminate(k, {nullptr, 0, 0, Eigen::OuterStride<>(0)});
   }
@@ -140,7 +140,7 @@ double RegionsInTurn<Dim>::curvature(const Eigen::VectorXd& v) {
 
 template <int Dim>
 const Eigen::VectorXd& RegionsInTurn<Dim>::solve() {
-  if (solution_.size() == firsts_.back()) return solution_;
+  if (is_solved_) return solution_;
   Eigen::VectorXd shared = Eigen::VectorXd::Zero(interface_.faces.size());
   for (std::size_t k = 0; k < regions_.size(); ++k) {
     const Eigen::VectorXd& y = eliminated_[k].forward;
@@ -159,6 +159,7 @@ const Eigen::VectorXd& RegionsInTurn<Dim>::solve() {
     region->factorise(damping_);
     part(solution_, k) = region->backward(std::move(y));
   });
+  is_solved_ = true;
   return solution_;
 }
 

@@ -83,11 +83,12 @@ class RegionsInTurn {
   RegionSolver solver_;             // of what they share
   Eigen::VectorXd gradient_;
   Eigen::VectorXd diagonal_;
-  Eigen::VectorXd solution_;  // empty until it is asked for
+  Eigen::VectorXd solution_;
   double damping_ = 0.0;
   std::int64_t largest_bytes_ = 0;  // of the factors of as many regions as there are at a time
   bool is_curved_ = false;
   bool is_factorised_ = false;
+  bool is_solved_ = false;
   bool is_singular_ = false;
 };
 

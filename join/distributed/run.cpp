@@ -50,7 +50,7 @@ Expected<void> check_determined(const LogPart<Dim>& whole, const std::optional<P
   return bad_input(to_string(whole.features[std::get<FeatureIndex>(*singular)]) + " cannot be determined");
 }
 
-/// The map on the first rank: what several regions have is of the first of them.
+/// The map on the first rank. What several regions have is the same in all.
 template <int Dim, typename Problem>
 GlobalMap<Dim> gathered(const Communicator& comm, const LogPart<Dim>& whole, const std::vector<Region<Dim>>& regions,
                         const Problem& problem) {
@@ -131,8 +131,11 @@ Expected<void> solve_as(const Communicator& comm, const Task& task, const LogPar
 template <int Dim>
 Expected<void> solve(const Communicator& comm, const Task& task, const LogPart<Dim>& whole, Regions<Dim>& regions,
                      Found<Dim>& found) {
-  return regions.per_rank == 1 ? solve_as<RegionProblem<Dim>>(comm, task, whole, regions, found)
-                               : solve_as<RegionsInTurn<Dim>>(comm, task, whole, regions, found);
+  // One region a rank is one system, but for ranks all of whose poses are fixed: all ranks call the solver, systems without
+  // unknowns do not.
+  const bool is_one_each = regions.per_rank == 1 && !comm.any(regions.own.front().size() == 0);
+  return is_one_each ? solve_as<RegionProblem<Dim>>(comm, task, whole, regions, found)
+                     : solve_as<RegionsInTurn<Dim>>(comm, task, whole, regions, found);
 }
 
 template <int Dim>
@@ -162,14 +165,24 @@ RunFigures& figures_of(AnyFound& found) {
   return std::visit([](auto& any) -> RunFigures& { return any.result; }, found);
 }
 
+/// The maps of one way serve the next, which may read them again out of stores: what it took to build them is of the first.
+void take_build_figures(AnyFound& from, AnyFound& into) {
+  const auto log_of = [](auto& found) -> LogFigures& { return found.log; };
+  std::visit(log_of, into) = std::visit(log_of, from);
+  figures_of(into).build_iterations = figures_of(from).build_iterations;
+  figures_of(into).seconds.build = figures_of(from).seconds.build;
+}
+
 /// The first way whose map is settled, or else that of least chi2, where another one has confirmed it or all were tried.
 Expected<AnyFound> run_by_best(const Communicator& comm, const Reading& read, const Task& task) {
   std::optional<AnyFound> best;
   for (const Schedule way : kWays) {
     auto found = run_by(way, comm, read, task);
-    if (!found && best) continue;  // what is singular far from the optimum need not be so elsewhere
+    // What is singular far from the optimum need not be so elsewhere.
+    if (!found && best && found.error().kind == ErrorKind::kBadInput) continue;
     if (!found) return found;
     RunFigures& figures = figures_of(*found);
+    if (best) take_build_figures(*best, *found);
     figures.is_settled = is_settled(way, figures.join, figures.largest_rotation);
     const bool is_confirmed = best && is_same_chi2(figures_of(*best).chi2, figures.chi2);
     if (!best || is_less_chi2(figures.chi2, figures_of(*best).chi2)) best = *std::move(found);

@@ -6,6 +6,8 @@
 #include <mapjoin/io/store/pieces.hpp>
 #include <mapjoin/io/store/store.hpp>
 #include <mapjoin/localmap/stored_build.hpp>
+#include <regex>
+#include <string>
 #include <string_view>
 #include <utility>
 
@@ -121,11 +123,9 @@ Expected<void> take_maps(StorePieces& store, const Portioned<Dim>& of, const Log
 
 /// The number of ranks in the name of a store.
 std::optional<int> ranks_of(const std::string& name) {
-  int rank = 0;
-  int ranks = 0;
-  int length = 0;
-  const bool is_store = std::sscanf(name.c_str(), "%d-of-%d.maps%n", &rank, &ranks, &length) == 2 && length > 0;
-  return is_store ? std::optional(ranks) : std::nullopt;
+  static const std::regex store("[0-9]+-of-([0-9]{1,9})\\.maps");
+  std::smatch match;
+  return std::regex_match(name, match, store) ? std::optional(std::stoi(match[1])) : std::nullopt;
 }
 
 Expected<void> prepare(const fs::path& folder, int ranks) {
@@ -140,6 +140,7 @@ Expected<void> prepare(const fs::path& folder, int ranks) {
                                                                "go on with as many, or take another folder",
                                                                folder.string(), plural(*others, "rank"), ranks)});
   }
+  if (error) return tl::unexpected(Error{ErrorKind::kCannotWrite, folder.string() + ": " + error.message()});
   return {};
 }
 

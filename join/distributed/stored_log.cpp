@@ -44,7 +44,8 @@ Expected<int> dimension_of(std::vector<StorePieces>& pieces, const Paths& paths)
   const auto first = pieces.front().dimension();
   for (std::size_t k = 1; first && k < pieces.size(); ++k) {
     const auto dimension = pieces[k].dimension();
-    if (!dimension || *dimension == *first) continue;
+    if (!dimension) return dimension;
+    if (*dimension == *first) continue;
     return bad_input(fmt::format("{} and {} are not of one dimension", paths.front().string(), paths[k].string()));
   }
   return first;

@@ -16,6 +16,35 @@ Segment segment_of(const SubmapUpdate<Dim>& update) {
   return update.segments.empty() ? Segment{0, -1} : update.segments.front();
 }
 
+/// The poses of segments, and whether another segment may go on from there.
+using Driven = std::map<PoseId, bool>;
+
+template <int Dim>
+Expected<void> check_after(const Driven& driven, const SubmapUpdate<Dim>& update) {
+  if (const auto checked = check_update(update); !checked) return checked;
+  const Segment segment = segment_of(update);
+  for (const PoseIndex p : indices(update.poses)) {
+    const PoseId& id = update.poses[p];
+    const auto known = driven.find(id);
+    const bool is_known = known != driven.end();
+    const auto wrong = [&](const char* what) { return bad_input(update.source + ": " + to_string(id) + what); };
+    if (p < segment.begin || p > segment.end) {
+      if (!is_known) return wrong(" is in no segment yet");
+    } else if (is_known && p > segment.begin) {
+      return wrong(" is in a segment already");
+    } else if (is_known && !known->second) {
+      return wrong(" is in a segment already, which does not end there or goes on in another one");
+    }
+  }
+  return {};
+}
+
+template <int Dim>
+void drive(const SubmapUpdate<Dim>& update, Driven& driven) {
+  const Segment segment = segment_of(update);
+  for (PoseIndex p = segment.begin; p <= segment.end; ++p) driven[update.poses[p]] = p == segment.end;
+}
+
 }  // namespace
 
 template <int Dim>
@@ -43,21 +72,11 @@ void IncrementalJoin<Dim>::publish() {
 }
 
 template <int Dim>
-Expected<void> IncrementalJoin<Dim>::check(const SubmapUpdate<Dim>& update) const {
-  if (const auto checked = check_update(update); !checked) return checked;
-  const Segment segment = segment_of(update);
-  for (const PoseIndex p : indices(update.poses)) {
-    const PoseId& id = update.poses[p];
-    const auto known = driven_.find(id);
-    const bool is_known = known != driven_.end();
-    const auto wrong = [&](const char* what) { return bad_input(update.source + ": " + to_string(id) + what); };
-    if (p < segment.begin || p > segment.end) {
-      if (!is_known) return wrong(" is in no segment yet");
-    } else if (is_known && p > segment.begin) {
-      return wrong(" is in a segment already");
-    } else if (is_known && !known->second) {
-      return wrong(" is in a segment already, which does not end there or goes on in another one");
-    }
+Expected<void> IncrementalJoin<Dim>::check(std::span<const SubmapUpdate<Dim>> updates) const {
+  Driven driven = driven_;
+  for (const SubmapUpdate<Dim>& update : updates) {
+    if (const auto checked = check_after(driven, update); !checked) return checked;
+    drive(update, driven);
   }
   return {};
 }
@@ -65,9 +84,8 @@ Expected<void> IncrementalJoin<Dim>::check(const SubmapUpdate<Dim>& update) cons
 template <int Dim>
 Expected<void> IncrementalJoin<Dim>::accept(SubmapUpdate<Dim> update) {
   if (update.source.empty()) update.source = "update " + std::to_string(updates_.size() + 1);
-  return check(update).map([&] {
-    const Segment segment = segment_of(update);
-    for (PoseIndex p = segment.begin; p <= segment.end; ++p) driven_[update.poses[p]] = p == segment.end;
+  return check_after(driven_, update).map([&] {
+    drive(update, driven_);
     updates_.push_back(std::move(update));
   });
 }
@@ -85,7 +103,9 @@ Expected<AddedUpdate> IncrementalJoin<Dim>::add(SubmapUpdate<Dim> update, const 
 
 template <int Dim>
 Expected<std::size_t> IncrementalJoin<Dim>::hold(SubmapUpdate<Dim> update) {
-  if (!update.segments.empty()) return bad_input(update.source + ": only updates without a segment can be left out");
+  if (!update.segments.empty() || !update.features.empty()) {
+    return bad_input(update.source + ": only updates without a segment and without features can be left out");
+  }
   return accept(std::move(update)).map([&] {
     left_out_.insert(updates_.size() - 1);
     return updates_.size() - 1;

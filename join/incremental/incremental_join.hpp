@@ -54,15 +54,15 @@ class IncrementalJoin {
   /// Adds many at once, as where the first part of a long log is there already. What is said of one holds for all of them; of
   /// bad input, those before it wait.
   Expected<AddedUpdate> add_all(std::vector<SubmapUpdate<Dim>> updates, const std::stop_token& stop = {});
-  /// Bad input where add() would find it.
-  Expected<void> check(const SubmapUpdate<Dim>& update) const;
+  /// Bad input where add() would find it, were these added one after the other.
+  Expected<void> check(std::span<const SubmapUpdate<Dim>> updates) const;
 
-  /// Adds an update without a segment, but leaves it out. Gives its number: updates count from 0 as they were added. Bad input
-  /// as of add().
+  /// Adds an update of closures, without a segment and without features, but leaves it out. Gives its number: updates count
+  /// from 0 as they were added. Bad input as of add().
   Expected<std::size_t> hold(SubmapUpdate<Dim> update);
-  /// Takes updates without a segment out, by their numbers, as if they had never been joined, and joins others that were left
-  /// out. Where one that goes was in the estimate it may have bent this too far for steps to lead back: all others are then
-  /// joined by join(), too, once.
+  /// Takes updates that hold() could take out, by their numbers, as if they had never been joined, and joins others that were
+  /// left out. Where one that goes was in the estimate it may have bent this too far for steps to lead back: all others are
+  /// then joined by join(), too, once.
   AddedUpdate change(std::span<const std::size_t> out, std::span<const std::size_t> in, const std::stop_token& stop = {});
 
   /// Joins all updates in the estimate by join(), and takes what comes of it where chi2 is less.

@@ -125,7 +125,7 @@ Expected<std::vector<std::size_t>> RobustIncrementalJoin<Dim>::hold(std::vector<
                                                                     const std::stop_token& stop, RobustlyAdded& done) {
   std::vector<std::size_t> held;
   for (SubmapUpdate<Dim>& closure : closures) {
-    closures_.push_back(join_.update_count());
+    const std::size_t next = join_.update_count();
     if (knows_ends(closure)) {
       const auto number = join_.hold(std::move(closure));
       if (!number) return tl::unexpected(number.error());
@@ -135,6 +135,7 @@ Expected<std::vector<std::size_t>> RobustIncrementalJoin<Dim>::hold(std::vector<
       if (!added) return tl::unexpected(added.error());
       done.added = both(done.added, *added);
     }
+    closures_.push_back(next);
   }
   return held;
 }
@@ -142,7 +143,7 @@ Expected<std::vector<std::size_t>> RobustIncrementalJoin<Dim>::hold(std::vector<
 template <int Dim>
 Expected<RobustlyAdded> RobustIncrementalJoin<Dim>::add(SubmapUpdate<Dim> update, const std::stop_token& stop) {
   if (update.source.empty()) update.source = "update " + std::to_string(++added_);
-  if (const auto checked = join_.check(update); !checked) return tl::unexpected(checked.error());
+  if (const auto checked = join_.check({&update, 1}); !checked) return tl::unexpected(checked.error());
   const auto before = join_.left_out();
   const std::size_t first = join_.update_count();
   auto [rest, closures] = apart(std::move(update));
@@ -165,16 +166,16 @@ Expected<RobustlyAdded> RobustIncrementalJoin<Dim>::add_all(std::vector<SubmapUp
   std::vector<SubmapUpdate<Dim>> closures;
   for (SubmapUpdate<Dim>& update : updates) {
     if (update.source.empty()) update.source = "update " + std::to_string(++added_);
-    if (const auto checked = check_update(update); !checked) return tl::unexpected(checked.error());
+  }
+  if (const auto checked = join_.check(updates); !checked) return tl::unexpected(checked.error());
+  for (SubmapUpdate<Dim>& update : updates) {
     Apart parts = apart(std::move(update));
     update = std::move(parts.update);
     std::ranges::move(parts.closures, std::back_inserter(closures));
   }
   RobustlyAdded done;
-  const auto added = join_.add_all(std::move(updates), stop);
-  if (!added) return tl::unexpected(added.error());
-  done.added = *added;
-  if (const auto held = hold(std::move(closures), stop, done); !held) return tl::unexpected(held.error());
+  done.added = join_.add_all(std::move(updates), stop).value();
+  hold(std::move(closures), stop, done).value();
   if (!closures_.empty()) take_verdict(stop, done);
   done.added.is_joined = join_.waiting() == 0;
   compare_with(before, done);

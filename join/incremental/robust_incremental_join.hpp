@@ -45,7 +45,7 @@ class RobustIncrementalJoin {
 
   /// Adds an update as IncrementalJoin does, but for closures that are held to be wrong.
   Expected<RobustlyAdded> add(SubmapUpdate<Dim> update, const std::stop_token& stop = {});
-  /// Adds many at once, and judges all closures. Of bad input, what is before it is there.
+  /// Adds many at once, and judges all closures. Of bad input nothing is added.
   Expected<RobustlyAdded> add_all(std::vector<SubmapUpdate<Dim>> updates, const std::stop_token& stop = {});
   /// Has find_inliers() judge all closures, whatever the doubt, and joins all by join(), too. At the end of a log whose
   /// segments are raw, what is left out is what find_inliers() rejects of it, and the estimate is that of the rest.

@@ -202,6 +202,11 @@ Expected<void> check_update(const SubmapUpdate<Dim>& update) {
   if (!is_of_its_segment(update)) {
     return bad_input(update.source + ": its local map is not of the poses of its one segment, in their order");
   }
+  const auto leads_to_itself = [](const auto& o) { return o.base == o.target; };
+  if (const auto edge = std::ranges::find_if(update.graph.pose_factors, leads_to_itself);
+      edge != update.graph.pose_factors.end()) {
+    return bad_input(update.source + ": an edge leads from " + to_string(update.poses[edge->base]) + " to itself");
+  }
   if (has_levers(update.graph)) return bad_input(update.source + ": priors with levers cannot be joined map by map");
   return check_numbers(update);
 }

@@ -195,6 +195,22 @@ TEST_F(RunOnRanks, RefusesFactorsThatAreTooLargeWithNumbers) {
   }
 }
 
+TEST_F(RunOnRanks, TakesALogOfWhichARankHasFixedPosesAlone) {
+  std::ofstream file(path("known.g2o"));
+  for (int k = 0; k < 120; ++k) file << "VERTEX_SE2 " << k << ' ' << k << " 0 0\n";
+  for (int k = 20; k < 120; ++k) file << "FIX " << k << '\n';
+  for (int k = 1; k < 120; ++k) file << "EDGE_SE2 " << k - 1 << ' ' << k << " 1 " << k % 3 * 0.1 << " 0 1 0 0 1 0 1\n";
+  file.close();
+  const auto one = report_of({"run", path("known.g2o"), "--no-verdict"});
+  for (const char* regions : {"1", "2"}) {
+    for (const int ranks : {2, 4}) {
+      const auto found = report_of_ranks(ranks, {"run", path("known.g2o"), "--regions", regions});
+      EXPECT_NEAR(found["chi2"], one["chi2"], 1e-9 * one["chi2"].get<double>()) << ranks << " of " << regions;
+      EXPECT_EQ(found["dof"], one["dof"]);
+    }
+  }
+}
+
 TEST_F(RunOnRanks, WantsAFolderForTheFactor) {
   const Ended ended = call_ranks(2, {"run", bundled("manhattan2d.g2o"), "--out-of-core", path("missing")});
   EXPECT_EQ(ended.exit_code, 2);

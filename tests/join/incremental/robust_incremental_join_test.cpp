@@ -188,6 +188,24 @@ TYPED_TEST(RobustIncrementalJoinTest, OfBadInputNothingIsAdded) {
   EXPECT_FALSE(joined.estimate().pose(last_pose(updates[1])));
 }
 
+TYPED_TEST(RobustIncrementalJoinTest, OfBadClosuresNothingIsAdded) {
+  constexpr int kDim = TestFixture::kDim;
+  const auto updates = updates_of(this->world(0));
+  RobustIncrementalJoin<kDim> joined;
+  auto to_itself = updates[0];
+  const PoseIndex end = to_itself.segments[0].end;
+  to_itself.graph.pose_factors.push_back({end, end, {}, PoseMatrix<kDim>::Identity(), {}});
+  const auto added = joined.add(to_itself);
+  ASSERT_FALSE(added);
+  EXPECT_EQ(added.error().message, "update 1: an edge leads from " + to_string(to_itself.poses[end]) + " to itself");
+  auto to_nowhere = updates;
+  to_nowhere.back().graph.pose_factors.push_back(
+      {0, enter_name(to_nowhere.back().poses, PoseId{7, 7}), {}, PoseMatrix<kDim>::Identity(), {}});
+  EXPECT_FALSE(joined.add_all(to_nowhere));
+  EXPECT_EQ(joined.estimate().update_count(), 0u);
+  for (const auto& update : updates) EXPECT_TRUE(joined.add(update));
+}
+
 TYPED_TEST(RobustIncrementalJoinTest, WithoutAVerdictClosuresStayWhereTheyAre) {
   constexpr int kDim = TestFixture::kDim;
   RobustIncrementalJoin<kDim> joined;
