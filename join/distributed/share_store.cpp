@@ -2,13 +2,14 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <boost/crc.hpp>
 #include <mapjoin/distributed/share_store.hpp>
 #include <mapjoin/io/store/pieces.hpp>
 #include <mapjoin/io/store/store.hpp>
 #include <mapjoin/localmap/stored_build.hpp>
 #include <regex>
+#include <span>
 #include <string>
-#include <string_view>
 #include <utility>
 
 namespace mapjoin::distributed {
@@ -70,15 +71,22 @@ std::vector<Segment> segments_of_all(const Communicator& comm, const LogShare<Di
   return segments;
 }
 
+/// The checksum of records as a store holds them, some at a time.
 template <typename List>
-std::uint64_t hash_of(const List& records) {
-  return std::hash<std::string_view>()(store::encode_all(records));
+std::uint64_t checksum(const List& records) {
+  constexpr std::size_t kAtOnce = 4096;
+  boost::crc_optimal<64, 0x42F0E1EBA9EA3693> crc;  // of ECMA-182
+  for (std::size_t k = 0; k < records.size(); k += kAtOnce) {
+    const std::string bytes = store::encode_all(std::span(records).subspan(k, std::min(kAtOnce, records.size() - k)));
+    crc.process_bytes(bytes.data(), bytes.size());
+  }
+  return crc.checksum();
 }
 
 /// A fingerprint of what all ranks have: maps keep the poses that other portions mention, so that none is of another log.
 template <int Dim>
 std::uint64_t fingerprint(const Communicator& comm, const Log<Dim>& log) {
-  return hash_of(comm.gather(std::vector{hash_of(log.graph.pose_factors), hash_of(log.graph.feature_factors)}));
+  return checksum(comm.gather(std::vector{checksum(log.graph.pose_factors), checksum(log.graph.feature_factors)}));
 }
 
 template <int Dim>

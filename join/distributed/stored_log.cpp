@@ -51,24 +51,11 @@ Expected<int> dimension_of(std::vector<StorePieces>& pieces, const Paths& paths)
   return first;
 }
 
-/// Whether all portions are there, each once.
-bool are_complete(std::vector<Portion> portions) {
-  std::ranges::sort(portions, {}, &Portion::index);
-  for (std::size_t k = 0; k < portions.size(); ++k) {
-    if (portions[k] != Portion{k, portions.size()}) return false;
-  }
-  return true;
-}
-
 /// Adds which maps another store of the same log has.
 template <int Dim>
 Expected<void> add_segments(Stores<Dim>& stores, const StoredMaps<Dim>& other, std::size_t k) {
   auto& segments = stores.outline.segments;
-  const auto is_cut_alike = [](const Segment& a, const Segment& b) { return a.begin == b.begin && a.end == b.end; };
-  if (!std::ranges::equal(segments, other.segments, is_cut_alike)) {
-    return bad_input(stores.outline.log.source +
-                     ": two parts of it are cut in different ways: build all parts with the same options");
-  }
+  if (auto alike = check_cut_alike(segments, other.segments, stores.outline.log.source); !alike) return alike;
   for (std::size_t s = 0; s < segments.size(); ++s) {
     if (segments[s].is_map || !other.segments[s].is_map) continue;
     segments[s].is_map = true;
@@ -103,9 +90,8 @@ Expected<Stores<Dim>> one_log(const Communicator& comm, std::vector<StorePieces>
     portions.push_back(other->portion);
   }
   const bool are_whole = std::ranges::all_of(portions, &Portion::is_whole);
-  if (are_whole || are_complete(portions)) return stores;
-  return bad_input(fmt::format("{}: its {} portions are to be joined together, each once; there are {}",
-                               stores.outline.log.source, portions.front().count, plural(portions.size(), "store")));
+  const auto fit = are_whole ? Expected<void>() : check_complete(std::move(portions), stores.outline.log.source);
+  return fit.map([&] { return std::move(stores); });
 }
 
 /// This rank's part of the factors of the log, as they stand in the stores.

@@ -49,10 +49,7 @@ std::optional<std::vector<PoseIndex>> begins_of(const std::vector<StoredMaps<Dim
 /// Adds the maps that another part of the same build has.
 template <int Dim>
 Expected<void> add_part(StoredMaps<Dim>& whole, StoredMaps<Dim> part) {
-  const auto is_cut_alike = [](const Segment& a, const Segment& b) { return a.begin == b.begin && a.end == b.end; };
-  if (!std::ranges::equal(whole.segments, part.segments, is_cut_alike)) {
-    return bad_input(whole.log.source + ": two parts of it are cut in different ways: build all parts with the same options");
-  }
+  if (auto alike = check_cut_alike(whole.segments, part.segments, whole.log.source); !alike) return alike;
   std::vector<LocalMap<Dim>> maps;
   auto known = whole.maps.begin();
   auto added = part.maps.begin();
@@ -79,17 +76,16 @@ Expected<void> add_portion(StoredMaps<Dim>& whole, StoredMaps<Dim> portion) {
 /// A log of all its portions; bad input where they are not all there.
 template <int Dim>
 Expected<StoredMaps<Dim>> completed(std::vector<StoredMaps<Dim>> portions) {
-  std::ranges::sort(portions, {}, [](const StoredMaps<Dim>& p) { return p.portion.index; });
-  bool are_all_there = portions.size() == portions.front().portion.count;
-  for (std::size_t k = 0; k < portions.size(); ++k) are_all_there = are_all_there && portions[k].portion.index == k;
-  StoredMaps<Dim> whole = std::move(portions.front());
-  const std::size_t count = std::exchange(whole.portion, {}).count;
-  for (std::size_t k = 1; are_all_there && k < portions.size(); ++k) {
-    if (auto added = add_portion(whole, std::move(portions[k])); !added) return tl::unexpected(added.error());
+  std::vector<Portion> of;
+  for (const StoredMaps<Dim>& portion : portions) of.push_back(portion.portion);
+  if (auto complete = check_complete(std::move(of), portions.front().log.source); !complete) {
+    return tl::unexpected(complete.error());
   }
-  if (!are_all_there) {
-    return bad_input(fmt::format("{}: its {} portions are to be joined together, each once; there are {}", whole.log.source,
-                                 count, plural(portions.size(), "store")));
+  std::ranges::sort(portions, {}, [](const StoredMaps<Dim>& p) { return p.portion.index; });
+  StoredMaps<Dim> whole = std::move(portions.front());
+  whole.portion = {};
+  for (std::size_t k = 1; k < portions.size(); ++k) {
+    if (auto added = add_portion(whole, std::move(portions[k])); !added) return tl::unexpected(added.error());
   }
   put_in_order(whole.log);
   return whole;

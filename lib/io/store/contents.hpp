@@ -24,6 +24,11 @@ struct Portion {
   bool operator==(const Portion&) const = default;
 };
 
+/// Bad input where these stores of portions of one log, `source`, are not all of them, each once.
+Expected<void> check_complete(std::vector<Portion> portions, const std::string& source);
+/// Bad input where two parts of a log, `source`, are cut into different segments.
+Expected<void> check_cut_alike(const std::vector<Segment>& one, const std::vector<Segment>& other, const std::string& source);
+
 /// What a finished store holds.
 template <int Dim>
 struct StoredMaps {
