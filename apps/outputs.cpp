@@ -4,12 +4,13 @@
 #include <algorithm>
 #include <apps/exit_code.hpp>
 #include <apps/outputs.hpp>
+#include <array>
 #include <boost/algorithm/string/case_conv.hpp>
 #include <cerrno>
 #include <mapjoin/io/files/output_file.hpp>
 #include <mapjoin/io/files/system_call.hpp>
-#include <mapjoin/io/formats/map_mat.hpp>
 #include <mapjoin/io/formats/map_text.hpp>
+#include <mapjoin/io/formats/mat_log.hpp>
 #include <mapjoin/io/g2o/g2o.hpp>
 #include <system_error>
 
@@ -32,6 +33,31 @@ bool is_special(const fs::path& path) {
   return fs::exists(path, ignored) && !fs::is_regular_file(path, ignored) && !fs::is_directory(path, ignored);
 }
 
+constexpr auto kExtraFiles =
+    std::to_array<ExtraFile>({{Extra::kCovariances, "--covariances", "covariances.json", ".covariances.json"},
+                              {Extra::kRelations, "--relations", "relations.csv", ".relations.csv"},
+                              {Extra::kAssociations, "--associate", "associations.csv", ".associations.csv"},
+                              {Extra::kRejected, "--robust", "rejected.csv", ".rejected.csv"},
+                              {Extra::kInliers, "--robust", "inliers.g2o", nullptr},
+                              {Extra::kGeographic, "--gps", "poses.geographic.csv", ".geographic.csv"},
+                              {Extra::kGeoJson, "--gps", "map.geojson", ".geojson"}});
+
+bool is_asked(Extra extra, const Options& options) {
+  switch (extra) {
+    case Extra::kCovariances:
+      return options.covariances;
+    case Extra::kRelations:
+      return options.relations;
+    case Extra::kAssociations:
+      return options.association.has_value();
+    case Extra::kRejected:
+    case Extra::kInliers:
+      return options.robust.has_value();
+    default:
+      return !options.gps.empty();
+  }
+}
+
 }  // namespace
 
 NamedFiles inputs_of(const Options& options, const std::string& argument) {
@@ -51,7 +77,7 @@ NamedFiles outputs_of(const Options& options) {
 
 NamedFiles outputs_of_store(const Options& options) {
   NamedFiles files = outputs_of(options);
-  if (options.association) files.emplace_back("--associate", association_file(options.output));
+  if (options.association) files.emplace_back("--associate", extra_file(Extra::kAssociations, options.output));
   return files;
 }
 
@@ -60,12 +86,9 @@ NamedFiles outputs_of_map(const Options& options) {
   if (options.output.empty()) return files;
   const std::vector<fs::path> written = map_files(options.output);
   for (auto beside = written.begin() + 1; beside != written.end(); ++beside) files.emplace_back("--output", *beside);
-  if (options.covariances) files.emplace_back("--covariances", covariance_file(options.output));
-  if (options.relations) files.emplace_back("--relations", relation_file(options.output));
-  if (options.robust) files.emplace_back("--robust", rejected_file(options.output));
-  if (options.association) files.emplace_back("--associate", association_file(options.output));
-  if (!options.gps.empty()) files.emplace_back("--gps", geographic_file(options.output));
-  if (!options.gps.empty()) files.emplace_back("--gps", geojson_file(options.output));
+  for (const ExtraFile& file : extra_files(options)) {
+    if (file.beside) files.emplace_back(file.option, extra_file(file.extra, options.output));
+  }
   return files;
 }
 
@@ -124,23 +147,17 @@ fs::path map_of_run(const fs::path& path) {
   return fs::is_regular_file(map, ignored) ? map : path;
 }
 
-fs::path covariance_file(const fs::path& map) {
-  return fs::path(map).replace_extension(".covariances.json");
+std::vector<ExtraFile> extra_files(const Options& options, bool has_covariances) {
+  std::vector<ExtraFile> files;
+  for (const ExtraFile& file : kExtraFiles) {
+    const bool is_of_covariances = file.extra == Extra::kCovariances || file.extra == Extra::kRelations;
+    if (is_asked(file.extra, options) && (has_covariances || !is_of_covariances)) files.push_back(file);
+  }
+  return files;
 }
-fs::path relation_file(const fs::path& map) {
-  return fs::path(map).replace_extension(".relations.csv");
-}
-fs::path rejected_file(const fs::path& map) {
-  return fs::path(map).replace_extension(".rejected.csv");
-}
-fs::path association_file(const fs::path& map) {
-  return fs::path(map).replace_extension(".associations.csv");
-}
-fs::path geographic_file(const fs::path& map) {
-  return fs::path(map).replace_extension(".geographic.csv");
-}
-fs::path geojson_file(const fs::path& map) {
-  return fs::path(map).replace_extension(".geojson");
+
+fs::path extra_file(Extra extra, const fs::path& map) {
+  return fs::path(map).replace_extension(std::ranges::find(kExtraFiles, extra, &ExtraFile::extra)->beside);
 }
 
 std::vector<fs::path> map_files(const fs::path& path) {

@@ -167,27 +167,16 @@ template <int Dim>
 Expected<Join<Dim>> join_by_best(const Task<Dim>& task) {
   MinimiseOptions trial = task.options.solver;
   trial.max_iterations = std::min(trial.max_iterations, kTrialIterations);
-  std::optional<Join<Dim>> best;
-  for (const Schedule way : kWays) {
-    auto found = join_by(way, task, trial);
-    if (task.stop.stop_requested()) return interrupted();
-    if (!found && (best || way == kWays.front())) continue;  // what is singular far from the optimum need not be so elsewhere
-    if (!found) return found;
-    found->is_settled = is_settled(way, found->result, found->largest_rotation);
-    if (best && is_same_chi2(best->result.chi2, found->result.chi2)) {
-      const bool is_confirmed =
-          came_from_near_by(best->result, best->largest_rotation) || came_from_near_by(found->result, found->largest_rotation);
-      if (found->is_settled || best->result.status != MinimiseStatus::kConverged) best = *std::move(found);
-      if (is_confirmed) return *std::move(best);
-    } else if (!best || is_less_chi2(found->result.chi2, best->result.chi2)) {
-      best = *std::move(found);
-    }
-    if (best->is_settled) return *std::move(best);
-  }
-  if (best->result.status != MinimiseStatus::kMaxIterations) return *std::move(best);
+  auto best = best_of_ways<Join<Dim>>([&](Schedule way) { return join_by(way, task, trial); },
+                                      [](Join<Dim>& join) {
+                                        return SolveByWay{join.result, join.largest_rotation, join.is_settled};
+                                      });
+  if (task.stop.stop_requested()) return interrupted();
+  if (!best) return best;
+  if (best->result.status != MinimiseStatus::kMaxIterations) return best;
   MinimiseOptions rest = task.options.solver;
   rest.max_iterations -= trial.max_iterations;
-  return rest.max_iterations > 0 ? continued(task, *std::move(best), rest) : *std::move(best);
+  return rest.max_iterations > 0 ? continued(task, *std::move(best), rest) : std::move(best);
 }
 
 }  // namespace

@@ -11,33 +11,17 @@ namespace mapjoin {
 template <int Dim>
 JoiningSystem<Dim>::JoiningSystem(const PartialMap<Dim>& partial, const Gauge<Dim>& gauge, Engine engine,
                                   const std::vector<PoseOrFeature>& order)
-    : estimate_(partial.state), equations_({}) {
-  number_variables(gauge);
-  observe(partial, gauge);
-  equations_ =
-      make_equations(make_solver(engine), {.given = Table<Column, Variable>(variables_at(order)), .ranks = {}, .border = {}});
-}
+    : JoiningSystem(partial, gauge, make_solver(engine), {}, order) {}
 
 template <int Dim>
 JoiningSystem<Dim>::JoiningSystem(const PartialMap<Dim>& partial, const Gauge<Dim>& gauge, std::unique_ptr<SparseSolver> solver,
-                                  const std::vector<PoseOrFeature>& border)
-    : estimate_(partial.state), equations_({}) {
-  number_variables(gauge);
+                                  const std::vector<PoseOrFeature>& border, const std::vector<PoseOrFeature>& order)
+    : variables_(partial.state.poses.size(), partial.state.features.size(), gauge.anchored),
+      estimate_(partial.state),
+      equations_({}) {
   observe(partial, gauge);
-  equations_ = make_equations(std::move(solver), {.given = {}, .ranks = {}, .border = variables_at(border)});
-}
-
-template <int Dim>
-void JoiningSystem<Dim>::number_variables(const Gauge<Dim>& gauge) {
-  pose_variables_.assign(estimate_.poses.size(), Variable());
-  for (const PoseIndex place : gauge.anchored) pose_variables_[place] = kConstant;
-  for (const PoseIndex place : indices(pose_variables_)) {
-    if (pose_variables_[place] == kConstant) continue;
-    pose_variables_[place] = Variable(places_.size());
-    places_.emplace_back(place);
-  }
-  first_feature_variable_ = Variable(places_.size());
-  for (const FeatureIndex place : indices(estimate_.features)) places_.emplace_back(place);
+  equations_ = make_equations(
+      std::move(solver), {.given = Table<Column, Variable>(variables_at(order)), .ranks = {}, .border = variables_at(border)});
 }
 
 template <int Dim>
@@ -82,17 +66,14 @@ template <int Dim>
 std::vector<Variable> JoiningSystem<Dim>::variables_at(const std::vector<PoseOrFeature>& places) const {
   std::vector<Variable> variables;
   for (const PoseOrFeature& placed : places) {
-    const Variable at = std::visit([&](auto place) { return variable(place); }, placed);
-    if (at != kConstant) variables.push_back(at);
+    if (const Variable at = variable(placed); at != kConstant) variables.push_back(at);
   }
   return variables;
 }
 
 template <int Dim>
 NormalEquations JoiningSystem<Dim>::make_equations(std::unique_ptr<SparseSolver> solver, const Ordering& ordering) const {
-  BlockPattern pattern;
-  pattern.dofs.assign(first_feature_variable_.position(), kPoseDof<Dim>);
-  pattern.dofs.resize(places_.size(), Dim);
+  BlockPattern pattern{variables_.dofs(), {}};
   for (const auto& o : pose_factors_) pattern.factors.push_back(std::array{variable(o.base), variable(o.target)});
   for (const auto& o : feature_factors_) pattern.factors.push_back(std::array{variable(o.base), variable(o.target)});
   for (const auto& map : maps_) {
@@ -144,33 +125,6 @@ template <int Dim>
 double JoiningSystem<Dim>::try_state(Values<Dim> candidate) {
   candidate_ = std::move(candidate);
   return chi2(candidate_);
-}
-
-template <int Dim>
-Values<Dim> JoiningSystem<Dim>::retracted(const Eigen::VectorXd& step) const {
-  Values<Dim> moved = estimate_;
-  parallel_chunks(moved.poses.size(), kObservationsPerPiece, [&](std::size_t begin, std::size_t end) {
-    for (PoseIndex place(begin); place < PoseIndex(end); ++place) {
-      const Variable variable = pose_variables_[place];
-      if (variable == kConstant) continue;
-      moved.poses[place] = retract<Dim>(moved.poses[place], step.segment<kPoseDof<Dim>>(equations_.offset(variable)));
-    }
-  });
-  const Eigen::Index first = equations_.offset(first_feature_variable_);
-  for (const FeatureIndex f : indices(moved.features)) moved.features[f] += step.segment<Dim>(first + f.value * Dim);
-  return moved;
-}
-
-template <int Dim>
-StepSize JoiningSystem<Dim>::step_size(const Eigen::VectorXd& step) const {
-  StepSize size;
-  for (const Variable v : equations_.variables()) {
-    const Eigen::Index entry = equations_.offset(v);
-    size.metres = std::max(size.metres, step.segment<Dim>(entry).norm());
-    if (v >= first_feature_variable_) continue;
-    size.radians = std::max(size.radians, step.segment<kRotationDof<Dim>>(entry + Dim).norm());
-  }
-  return size;
 }
 
 template class JoiningSystem<2>;

@@ -6,9 +6,9 @@
 #include <Eigen/Core>
 #include <mapjoin/join/align/gauge.hpp>
 #include <mapjoin/join/align/partial_map.hpp>
+#include <mapjoin/join/joined_state.hpp>
 #include <mapjoin/model/accumulate.hpp>
 #include <mapjoin/solve/normal_equations.hpp>
-#include <mapjoin/solve/trust_region.hpp>
 #include <memory>
 #include <optional>
 #include <utility>
@@ -26,7 +26,7 @@ class JoiningSystem {
                 const std::vector<PoseOrFeature>& order = {});
   /// With a solver that leaves some variables to others: `border` are their places, in the order in which they come last.
   JoiningSystem(const PartialMap<Dim>& partial, const Gauge<Dim>& gauge, std::unique_ptr<SparseSolver> solver,
-                const std::vector<PoseOrFeature>& border);
+                const std::vector<PoseOrFeature>& border, const std::vector<PoseOrFeature>& order = {});
 
   double linearise();
   void add_curvature();
@@ -35,8 +35,8 @@ class JoiningSystem {
   double curvature(const Eigen::VectorXd& v) const { return equations_.curvature(v); }
   std::optional<Variable> factorise(double damping) { return equations_.factorise(damping); }
   Eigen::VectorXd solve() const { return equations_.solve(gradient()); }
-  StepSize step_size(const Eigen::VectorXd& step) const;
-  double try_step(const Eigen::VectorXd& step) { return try_state(retracted(step)); }
+  StepSize step_size(const Eigen::VectorXd& step) const { return variables_.step_size(step); }
+  double try_step(const Eigen::VectorXd& step) { return try_state(variables_.retracted(estimate_, step)); }
   /// chi2 of a state, kept as the candidate.
   double try_state(Values<Dim> candidate);
   void accept() { std::swap(estimate_, candidate_); }
@@ -96,28 +96,25 @@ class JoiningSystem {
   Values<Dim>& estimate() { return estimate_; }
   const Values<Dim>& estimate() const { return estimate_; }
   /// kConstant for the World and for poses that are anchored.
-  Variable variable(PoseIndex place) const { return place == kWorld ? kConstant : pose_variables_[place]; }
-  Variable variable(FeatureIndex place) const { return first_feature_variable_ + place.value; }
+  template <typename Place>
+  Variable variable(Place place) const {
+    return variables_(place);
+  }
   bool is_anchored(PoseIndex place) const { return variable(place) == kConstant; }
-  PoseOrFeature place_of_variable(Variable variable) const { return places_[variable]; }
+  PoseOrFeature place_of_variable(Variable variable) const { return variables_.place(variable); }
 
  private:
-  void number_variables(const Gauge<Dim>& gauge);
   /// The variables at these places, without those that are anchored.
   std::vector<Variable> variables_at(const std::vector<PoseOrFeature>& places) const;
   NormalEquations make_equations(std::unique_ptr<SparseSolver> solver, const Ordering& ordering) const;
   double chi2(const Values<Dim>& state) const;
-  /// The estimate moved by a step.
-  Values<Dim> retracted(const Eigen::VectorXd& step) const;
 
+  StateVariables<Dim> variables_;
   Values<Dim> estimate_;
   Values<Dim> candidate_;
   std::vector<Placed<PoseFactor<Dim>>> pose_factors_;
   std::vector<Placed<FeatureFactor<Dim>>> feature_factors_;
   std::vector<PlacedMap> maps_;
-  Table<PoseIndex, Variable> pose_variables_;  // kConstant where held
-  Variable first_feature_variable_ = 0;
-  Table<Variable, PoseOrFeature> places_;
   std::size_t first_map_factor_ = 0;
   NormalEquations equations_;
 };

@@ -3,7 +3,7 @@
 #include <mapjoin/join/assess.hpp>
 #include <mapjoin/join/run.hpp>
 #include <mapjoin/join/tolerances.hpp>
-#include <mapjoin/localmap/check.hpp>
+#include <mapjoin/localmap/build.hpp>
 #include <mapjoin/localmap/recover.hpp>
 #include <mapjoin/measure/chi2.hpp>
 #include <mapjoin/measure/effort.hpp>

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <algorithm>
+#include <mapjoin/join/align/alignment.hpp>
 #include <mapjoin/join/align/leaf.hpp>
-#include <mapjoin/join/align/merge.hpp>
 #include <mapjoin/join/relative_join.hpp>
 #include <mapjoin/join/schedule.hpp>
 #include <mapjoin/parallel/parallel.hpp>

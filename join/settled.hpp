@@ -6,8 +6,11 @@
 #include <array>
 #include <mapjoin/join/schedule.hpp>
 #include <mapjoin/join/tolerances.hpp>
+#include <mapjoin/model/error.hpp>
 #include <mapjoin/model/values.hpp>
 #include <mapjoin/solve/minimise_options.hpp>
+#include <optional>
+#include <utility>
 
 namespace mapjoin {
 
@@ -38,6 +41,39 @@ inline bool came_from_near_by(const MinimiseResult& solve, double largest_rotati
 /// Whether a solve settles the map by itself.
 inline bool is_settled(Schedule way, const MinimiseResult& solve, double largest_rotation) {
   return was_as_good_as_linear(solve) || (way == kWays.front() && came_from_near_by(solve, largest_rotation));
+}
+
+/// The solve of what was found by one of the ways.
+struct SolveByWay {
+  const MinimiseResult& result;
+  double largest_rotation;  ///< The most that it turned a pose (rad).
+  bool& is_settled;
+};
+
+/// What is found by the first way that settles it, or else that of least chi2, once two ways have ended at the same optimum,
+/// one of them from near by, or all are tried. `find(way)` gives an Expected<Found>, `solve_of(found)` its SolveByWay. What is
+/// singular far from the optimum need not be so elsewhere: another way is tried after the first, and after one that was found.
+template <typename Found, typename Find, typename SolveOf>
+Expected<Found> best_of_ways(const Find& find, const SolveOf& solve_of) {
+  std::optional<Found> best;
+  for (const Schedule way : kWays) {
+    Expected<Found> found = find(way);
+    if (!found && found.error().kind == ErrorKind::kBadInput && (best || way == kWays.front())) continue;
+    if (!found) return found;
+    const SolveByWay solve = solve_of(*found);
+    solve.is_settled = is_settled(way, solve.result, solve.largest_rotation);
+    if (best && is_same_chi2(solve_of(*best).result.chi2, solve.result.chi2)) {
+      const SolveByWay of_best = solve_of(*best);
+      const bool is_confirmed = came_from_near_by(of_best.result, of_best.largest_rotation) ||
+                                came_from_near_by(solve.result, solve.largest_rotation);
+      if (solve.is_settled || of_best.result.status != MinimiseStatus::kConverged) best = *std::move(found);
+      if (is_confirmed) return *std::move(best);
+    } else if (!best || is_less_chi2(solve.result.chi2, solve_of(*best).result.chi2)) {
+      best = *std::move(found);
+    }
+    if (solve_of(*best).is_settled) return *std::move(best);
+  }
+  return *std::move(best);
 }
 
 }  // namespace mapjoin

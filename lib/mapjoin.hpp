@@ -31,7 +31,6 @@
 
 // Which features are the same, where they have no names, or none that are trusted.
 #include <mapjoin/join/association/associate.hpp>
-#include <mapjoin/join/association/associate_stored.hpp>
 
 // Fixes of a satellite receiver that hold the map, and which of them are wrong.
 #include <mapjoin/gps/fixes.hpp>

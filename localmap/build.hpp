@@ -4,8 +4,10 @@
 
 #include <functional>
 #include <mapjoin/localmap/segment_view.hpp>
+#include <mapjoin/localmap/split.hpp>
 #include <mapjoin/model/error.hpp>
 #include <mapjoin/model/local_map.hpp>
+#include <mapjoin/model/log.hpp>
 #include <mapjoin/solve/minimise_options.hpp>
 #include <optional>
 #include <stop_token>
@@ -44,5 +46,11 @@ struct LocalMaps {
 template <int Dim>
 Expected<LocalMaps<Dim>> build_local_maps(const Log<Dim>& log, Split& split, const BuildOptions& options,
                                           const std::stop_token& stop = {});
+
+/// Bad input unless the segments cover every session from its first pose to its last, each beginning where the one before
+/// ends, and the maps are one per segment that is a map, in order, over the poses and features of its segment. `split` as
+/// split_along made it.
+template <int Dim>
+Expected<void> check_local_maps(const Log<Dim>& log, const Split& split, const std::vector<LocalMap<Dim>>& maps);
 
 }  // namespace mapjoin

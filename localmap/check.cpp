@@ -2,7 +2,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <mapjoin/localmap/check.hpp>
+#include <mapjoin/localmap/build.hpp>
 #include <mapjoin/localmap/segment_view.hpp>
 
 namespace mapjoin {

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <algorithm>
 #include <mapjoin/localmap/segment_view.hpp>
+#include <mapjoin/model/lists.hpp>
 
 namespace mapjoin {
 
@@ -37,8 +38,7 @@ template <int Dim>
 Table<FeatureIndex, FeatureIndex> features_in(std::span<const FeatureFactor<Dim>> observations) {
   Table<FeatureIndex, FeatureIndex> features;
   for (const auto& observation : observations) features.push_back(observation.target);
-  std::sort(features.begin(), features.end());
-  features.erase(std::unique(features.begin(), features.end()), features.end());
+  make_distinct(features);
   return features;
 }
 

@@ -4,7 +4,6 @@
 #include <mapjoin/localmap/seen_features.hpp>
 #include <mapjoin/localmap/segment_view.hpp>
 #include <mapjoin/localmap/split.hpp>
-#include <mapjoin/localmap/split_cost.hpp>
 #include <utility>
 
 namespace mapjoin {

@@ -5,7 +5,7 @@
 #include <limits>
 #include <mapjoin/localmap/seen_features.hpp>
 #include <mapjoin/localmap/segment_view.hpp>
-#include <mapjoin/localmap/split_cost.hpp>
+#include <mapjoin/localmap/split.hpp>
 #include <mapjoin/parallel/parallel.hpp>
 
 namespace mapjoin {

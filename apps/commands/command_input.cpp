@@ -7,9 +7,9 @@
 #include <apps/report/associations.hpp>
 #include <mapjoin/check/connectivity.hpp>
 #include <mapjoin/io/formats/gps_csv.hpp>
-#include <mapjoin/io/formats/stamps.hpp>
-#include <mapjoin/io/merged_maps.hpp>
-#include <mapjoin/join/association/associate_stored.hpp>
+#include <mapjoin/io/formats/pose_tables.hpp>
+#include <mapjoin/io/open.hpp>
+#include <mapjoin/join/association/associate.hpp>
 #include <mapjoin/join/robust/fix_inliers.hpp>
 #include <utility>
 

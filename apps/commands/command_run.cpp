@@ -5,11 +5,11 @@
 #include <apps/certainty.hpp>
 #include <apps/commands/command_run.hpp>
 #include <apps/report/associations.hpp>
-#include <apps/report/rejected.hpp>
 #include <apps/report/report.hpp>
 #include <apps/report/verdict.hpp>
 #include <mapjoin/io/files/output_file.hpp>
-#include <mapjoin/io/formats/geographic_text.hpp>
+#include <mapjoin/io/formats/map_text.hpp>
+#include <mapjoin/io/g2o/g2o.hpp>
 #include <mapjoin/join/association/frames/name_fit.hpp>
 #include <utility>
 
@@ -42,6 +42,13 @@ std::string why_not_certified(const RunReport& run_report) {
 std::string why_not_trusted(const RunReport& run_report) {
   const std::string why = run_report.input + ": " + verdict_in_words(run_report);
   return run_report.files.empty() ? why : why + "; the map is written all the same";
+}
+
+/// The log that was joined; where fixes with levers hold it, with the values of the map, for levers are taken off at them.
+template <int Dim>
+Log<Dim> with_values_for_levers(Log<Dim> log, const GlobalMap<Dim>& map) {
+  if (has_levers(log.graph)) log.initial = {map.poses, map.features};
+  return log;
 }
 
 }  // namespace
@@ -105,28 +112,33 @@ void CommandRun::write_map(RunResult<Dim>& result, const Log<Dim>* log) {
   const Stopwatch watch(run_report.write_seconds);
   demand(write_map_file(result.map, log, options_.output));
   for (const auto& file : map_files(options_.output)) run_report.files.push_back(file.string());
-  write_associations();
-  const auto write_beside = [&](const std::filesystem::path& file, const auto& write) {
+  for (const ExtraFile& extra : extra_files(options_, result.marginals.has_value())) {
+    if (!extra.beside) continue;
+    const std::filesystem::path file = extra_file(extra.extra, options_.output);
+    demand(write_extra(extra.extra, result, log, file));
     run_report.files.push_back(file.string());
-    demand(write(file));
-  };
-  const auto& map = result.map;
-  if (result.marginals && options_.covariances) {
-    write_beside(covariance_file(options_.output),
-                 [&](const auto& file) { return write_covariances(map, *run_report.covariances, file); });
   }
-  if (result.marginals && options_.relations) {
-    write_beside(relation_file(options_.output),
-                 [&](const auto& file) { return write_relations(map, *result.marginals, file); });
-  }
-  if (run_report.gps) {
-    const auto& frame = run_report.gps->frame;
-    write_beside(geographic_file(options_.output), [&](const auto& file) { return write_geographic_csv(map, frame, file); });
-    write_beside(geojson_file(options_.output), [&](const auto& file) { return write_geojson(map, frame, file); });
-  }
-  if (options_.robust) {
-    write_beside(rejected_file(options_.output),
-                 [&](const auto& file) { return write_file(file, rejected_as_csv(run_report)); });
+}
+
+template <int Dim>
+Expected<void> CommandRun::write_extra(Extra extra, const RunResult<Dim>& result, const Log<Dim>* log,
+                                       const std::filesystem::path& file) const {
+  const GlobalMap<Dim>& map = result.map;
+  switch (extra) {
+    case Extra::kCovariances:
+      return write_covariances(map, *run_report.covariances, file);
+    case Extra::kRelations:
+      return write_relations(map, *result.marginals, file);
+    case Extra::kAssociations:
+      return write_file(file, associations_as_csv(run_report));
+    case Extra::kRejected:
+      return write_file(file, rejected_as_csv(run_report));
+    case Extra::kInliers:
+      return write_g2o(with_values_for_levers(*log, map), file);
+    case Extra::kGeographic:
+      return write_geographic_csv(map, run_report.gps->frame, file);
+    default:
+      return write_geojson(map, run_report.gps->frame, file);
   }
 }
 
@@ -147,7 +159,7 @@ void CommandRun::check_shared_features(const Data& data, const RunFigures& figur
 
 void CommandRun::write_associations() {
   if (!run_report.association || options_.output.empty()) return;
-  const std::filesystem::path file = association_file(options_.output);
+  const std::filesystem::path file = extra_file(Extra::kAssociations, options_.output);
   demand(write_file(file, associations_as_csv(run_report)));
   run_report.files.push_back(file.string());
 }
@@ -189,6 +201,8 @@ template void CommandRun::check_shared_features(const SubmapSet<2>&, const RunFi
 template void CommandRun::check_shared_features(const SubmapSet<3>&, const RunFigures&) const;
 template void CommandRun::take(RunResult<2>&);
 template void CommandRun::take(RunResult<3>&);
+template Expected<void> CommandRun::write_extra(Extra, const RunResult<2>&, const Log<2>*, const std::filesystem::path&) const;
+template Expected<void> CommandRun::write_extra(Extra, const RunResult<3>&, const Log<3>*, const std::filesystem::path&) const;
 template void CommandRun::write_map(RunResult<2>&, const Log<2>*);
 template void CommandRun::write_map(RunResult<3>&, const Log<3>*);
 

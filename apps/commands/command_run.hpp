@@ -75,6 +75,10 @@ class CommandRun {
 
   /// Writes what became of each sighting beside the output, where features were associated.
   void write_associations();
+  /// Writes what an option asked for; `log` where that is the inliers. kCannotWrite.
+  template <int Dim>
+  Expected<void> write_extra(Extra extra, const RunResult<Dim>& result, const Log<Dim>* log,
+                             const std::filesystem::path& file) const;
 
   /// What came of it: `json` for programs where a report is asked for, `text` for people on standard output unless that is
   /// taken or nothing is wanted there.

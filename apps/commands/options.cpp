@@ -3,7 +3,6 @@
 
 #include <algorithm>
 #include <apps/commands/options.hpp>
-#include <apps/commands/part_option.hpp>
 #include <mapjoin/io/open.hpp>
 #include <memory>
 #include <optional>

@@ -5,13 +5,13 @@
 #include <apps/commands/subcommand.hpp>
 #include <filesystem>
 #include <mapjoin/gps/fixes.hpp>
+#include <mapjoin/io/merged_logs.hpp>
 #include <mapjoin/io/read_options.hpp>
 #include <mapjoin/join/association/associate.hpp>
 #include <mapjoin/join/robust/inliers.hpp>
 #include <mapjoin/join/run.hpp>
 #include <mapjoin/localmap/split.hpp>
 #include <mapjoin/model/log.hpp>
-#include <mapjoin/model/merged_logs.hpp>
 #include <optional>
 #include <string>
 #include <vector>

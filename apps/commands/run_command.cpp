@@ -8,18 +8,15 @@
 #include <apps/commands/command_run.hpp>
 #include <apps/commands/follow.hpp>
 #include <apps/commands/subcommand.hpp>
+#include <apps/picture/links.hpp>
 #include <apps/picture/plotted_map.hpp>
-#include <apps/picture/rejected_links.hpp>
-#include <apps/report/associations.hpp>
-#include <apps/report/rejected.hpp>
 #include <apps/report/report.hpp>
 #include <functional>
 #include <mapjoin/check/connectivity.hpp>
 #include <mapjoin/io/files/output_file.hpp>
-#include <mapjoin/io/formats/geographic_text.hpp>
 #include <mapjoin/io/formats/map_text.hpp>
 #include <mapjoin/io/g2o/g2o.hpp>
-#include <mapjoin/parallel/parallel_try.hpp>
+#include <mapjoin/parallel/pieces.hpp>
 #include <memory>
 #include <optional>
 #include <set>
@@ -35,9 +32,6 @@ constexpr const char* kExamples =
     "  mapjoin run data/manhattan2d.g2o -o certain --covariances --truth data/manhattan2d.truth.tum\n"
     "  mapjoin run data/manhattan3d.g2o --poses-per-map 20 --report -\n"
     "  mapjoin run data/manhattan2d.g2o --follow --idle 0.5 --steps steps.jsonl";
-
-constexpr const char* kGeographicPoses = "poses.geographic.csv";
-constexpr const char* kGeoJson = "map.geojson";
 
 /// The trajectory of one session.
 std::string trajectory_of(std::uint32_t session) {
@@ -70,11 +64,7 @@ std::vector<std::string> names_of(const Options& options, bool has_covariances,
                                   const std::vector<std::uint32_t>& sessions = {}) {
   std::vector<std::string> names = {kMapOfRun, "trajectory.tum", "poses.csv", "features.csv", "map.svg"};
   for (const std::uint32_t session : sessions) names.push_back(trajectory_of(session));
-  if (options.covariances && has_covariances) names.emplace_back("covariances.json");
-  if (options.relations && has_covariances) names.emplace_back("relations.csv");
-  if (options.association) names.emplace_back("associations.csv");
-  if (options.robust) names.insert(names.end(), {"rejected.csv", "inliers.g2o"});
-  if (!options.gps.empty()) names.insert(names.end(), {kGeographicPoses, kGeoJson});
+  for (const ExtraFile& file : extra_files(options, has_covariances)) names.emplace_back(file.in_folder);
   names.emplace_back("report.json");
   return names;
 }
@@ -87,18 +77,10 @@ std::string picture_of(const RunResult<Dim>& result, const Log<Dim>& log, const 
   return picture(map_layers<Dim>({std::move(map)}, nullptr));
 }
 
-/// The log that was joined; where fixes with levers hold it, with the values of the map, for levers are taken off at them.
-template <int Dim>
-Log<Dim> inliers_of(Log<Dim> log, const GlobalMap<Dim>& map) {
-  if (has_levers(log.graph)) log.initial = {map.poses, map.features};
-  return log;
-}
-
 template <int Dim>
 Expected<void> write_map_files(const CommandRun& command_run, const RunResult<Dim>& result, const Log<Dim>& log,
                                const OutputFolder& folder) {
   const GlobalMap<Dim>& map = result.map;
-  const Options& options = command_run.options();
   std::vector<std::function<Expected<void>()>> files = {
       [&] { return write_g2o(map, &log, folder.aside(kMapOfRun)); },
       [&] { return write_tum(map, folder.aside("trajectory.tum")); },
@@ -108,25 +90,8 @@ Expected<void> write_map_files(const CommandRun& command_run, const RunResult<Di
   for (const std::uint32_t session : sessions_in(map)) {
     files.emplace_back([&, session] { return write_tum(session_of(map, session), folder.aside(trajectory_of(session))); });
   }
-  if (options.covariances && result.marginals) {
-    files.emplace_back(
-        [&] { return write_covariances(map, *command_run.run_report.covariances, folder.aside("covariances.json")); });
-  }
-  if (options.relations && result.marginals) {
-    files.emplace_back([&] { return write_relations(map, *result.marginals, folder.aside("relations.csv")); });
-  }
-  if (options.association) {
-    files.emplace_back(
-        [&] { return write_file(folder.aside("associations.csv"), associations_as_csv(command_run.run_report)); });
-  }
-  if (options.robust) {
-    files.emplace_back([&] { return write_file(folder.aside("rejected.csv"), rejected_as_csv(command_run.run_report)); });
-    files.emplace_back([&] { return write_g2o(inliers_of(log, map), folder.aside("inliers.g2o")); });
-  }
-  if (command_run.run_report.gps) {
-    const GeographicFrame& frame = command_run.run_report.gps->frame;
-    files.emplace_back([&] { return write_geographic_csv(map, frame, folder.aside(kGeographicPoses)); });
-    files.emplace_back([&] { return write_geojson(map, frame, folder.aside(kGeoJson)); });
+  for (const ExtraFile& file : extra_files(command_run.options(), result.marginals.has_value())) {
+    files.emplace_back([&, file] { return command_run.write_extra(file.extra, result, &log, folder.aside(file.in_folder)); });
   }
   return parallel_try(files.size(), [&](std::size_t k) { return files[k](); });
 }

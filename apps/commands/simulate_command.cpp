@@ -3,7 +3,6 @@
 
 #include <fmt/format.h>
 
-#include <apps/commands/part_option.hpp>
 #include <apps/commands/subcommand.hpp>
 #include <apps/console.hpp>
 #include <apps/outputs.hpp>

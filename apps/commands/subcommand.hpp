@@ -161,6 +161,9 @@ class Subcommand {
   Action action_;
 };
 
+/// `--part K/N`, one of several parts of a piece of work, each done on its own: calls take(K, N), 1 ≤ K ≤ N, where it is given.
+void add_part(Subcommand& command, const std::string& help, const std::function<void(std::size_t, std::size_t)>& take);
+
 /// Each in a file of its own.
 void declare_run(Subcommand& command);
 void declare_build(Subcommand& command);

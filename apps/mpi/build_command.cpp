@@ -2,8 +2,7 @@
 // `mapjoin-mpi build`: from a log to the stores of all ranks' local maps.
 
 #include <apps/mpi/by_ranks.hpp>
-#include <apps/mpi/commands.hpp>
-#include <mapjoin/distributed/share_store.hpp>
+#include <mapjoin/distributed/share_maps.hpp>
 #include <memory>
 
 namespace mapjoin::apps {

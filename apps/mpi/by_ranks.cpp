@@ -23,15 +23,7 @@ void describe(int dimension, const distributed::LogFigures& log, RunReport& run_
   run_report.conventions = log.conventions;
   run_report.is_resumed = log.is_resumed;
   run_report.was_damaged = log.was_damaged;
-  run_report.counts = {.sessions = 1,
-                       .poses = log.poses,
-                       .features = log.features,
-                       .odometry = static_cast<std::size_t>(log.odometry),
-                       .closures = static_cast<std::size_t>(log.closures),
-                       .observations = static_cast<std::size_t>(log.observations),
-                       .priors = static_cast<std::size_t>(log.priors),
-                       .fixed_poses = log.fixed_poses,
-                       .skipped = log.skipped};
+  run_report.counts = log.counts;
 }
 
 std::string effort_in_words(const Communicator& comm) {

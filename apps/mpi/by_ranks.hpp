@@ -3,6 +3,7 @@
 // What the subcommands of `mapjoin-mpi` have in common: all ranks work, the first one tells.
 
 #include <apps/commands/command_run.hpp>
+#include <apps/commands/subcommand.hpp>
 #include <functional>
 #include <mapjoin/distributed/mapped_log.hpp>
 
@@ -33,5 +34,9 @@ ExitCode make_map(const std::string& command, const MpiOptions& options,
 /// What such a command takes beside its input: --schedule, --regions, --out-of-core, --max-memory, and options of the solver
 /// and the report.
 void add_way_of_ranks(Subcommand& command, MpiOptions& options);
+
+void declare_mpi_run(Subcommand& command);
+void declare_mpi_build(Subcommand& command);
+void declare_mpi_join(Subcommand& command);
 
 }  // namespace mapjoin::apps

@@ -2,9 +2,6 @@
 // `mapjoin-mpi join`: from stores of local maps to a global map, by all ranks together.
 
 #include <apps/mpi/by_ranks.hpp>
-#include <apps/mpi/commands.hpp>
-#include <mapjoin/distributed/run.hpp>
-#include <mapjoin/distributed/stored_log.hpp>
 #include <memory>
 
 namespace mapjoin::apps {

@@ -2,7 +2,7 @@
 // The `mapjoin-mpi` command: one process of it on each rank.
 
 #include <apps/console.hpp>
-#include <apps/mpi/commands.hpp>
+#include <apps/mpi/by_ranks.hpp>
 #include <apps/program.hpp>
 #include <cstdlib>
 #include <mapjoin/distributed/mpi/communicator.hpp>

@@ -2,7 +2,6 @@
 // `mapjoin-mpi run`: from a log to a global map, by all ranks together.
 
 #include <apps/mpi/by_ranks.hpp>
-#include <apps/mpi/commands.hpp>
 #include <memory>
 
 namespace mapjoin::apps {

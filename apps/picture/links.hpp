@@ -1,9 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
-// Closures and observations as lines of a picture, in classes by their residuals.
+// Closures and observations as lines of a picture, in classes by their residuals, and what `--robust` left out of a map.
 
 #include <array>
 #include <cstddef>
+#include <filesystem>
 #include <mapjoin/model/factor.hpp>
 #include <mapjoin/model/global_map.hpp>
 #include <mapjoin/model/ids.hpp>
@@ -12,6 +13,8 @@
 #include <vector>
 
 namespace mapjoin::apps {
+
+struct RunReport;
 
 /// A closure or an observation in a map.
 struct Link {
@@ -51,5 +54,13 @@ std::size_t class_of(const Link& link);
 template <int Dim>
 std::vector<Link> links_of(std::span<const PoseFactor<Dim>> closures, std::span<const FeatureFactor<Dim>> observations,
                            const GlobalMap<Dim>& map);
+
+/// Those that a run left out.
+void add_rejected_links(const RunReport& run_report, std::vector<Link>& links);
+
+/// Those of the `rejected.csv` in the folder of a run, under the names of its `poses.csv` and `features.csv`, for its map as it
+/// was read from there; none where there is no such file. Fails with bad input where the files are not of one map.
+template <int Dim>
+void add_rejected_links(const std::filesystem::path& folder, const GlobalMap<Dim>& map, std::vector<Link>& links);
 
 }  // namespace mapjoin::apps

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <algorithm>
 #include <apps/outputs.hpp>
+#include <apps/picture/links.hpp>
 #include <apps/picture/load.hpp>
-#include <apps/picture/rejected_links.hpp>
 #include <mapjoin/io/files/file_bytes.hpp>
 #include <mapjoin/io/open.hpp>
 #include <mapjoin/join/relative_join.hpp>
@@ -85,7 +85,7 @@ bool is_there(const fs::path& file) {
 /// map that was read from there. Nothing where there are none; bad input where they are not of this map.
 template <int Dim>
 void read_covariances_beside(const fs::path& path, GlobalMap<Dim>& map) {
-  fs::path file = covariance_file(path);
+  fs::path file = extra_file(Extra::kCovariances, path);
   if (path.filename() == kMapOfRun && !is_there(file)) file = path.parent_path() / "covariances.json";
   if (!is_there(file)) return;
   from_json(file, [&](const Json& json) {

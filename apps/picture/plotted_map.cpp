@@ -3,6 +3,7 @@
 #include <apps/picture/plotted_map.hpp>
 #include <apps/truth_file.hpp>
 #include <mapjoin/join/align/alignment.hpp>
+#include <mapjoin/model/lists.hpp>
 
 namespace mapjoin::apps {
 namespace {
@@ -81,8 +82,7 @@ std::vector<PlottedLocalMap> plotted_local_maps(const std::vector<MapFit>& fits,
     if (const auto m = map_of[o.base]) maps[*m].features.push_back(o.target);
   }
   for (PlottedLocalMap& map : maps) {
-    std::sort(map.features.begin(), map.features.end());
-    map.features.erase(std::unique(map.features.begin(), map.features.end()), map.features.end());
+    make_distinct(map.features);
   }
   return maps;
 }

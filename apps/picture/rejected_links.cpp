@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <algorithm>
 #include <apps/exit_code.hpp>
-#include <apps/picture/rejected_links.hpp>
+#include <apps/picture/links.hpp>
+#include <apps/report/run_report.hpp>
 #include <mapjoin/io/files/file_bytes.hpp>
 #include <mapjoin/io/files/text_scanner.hpp>
 #include <string>

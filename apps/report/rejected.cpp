@@ -2,7 +2,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <apps/report/rejected.hpp>
+#include <apps/report/verdict.hpp>
 #include <mapjoin/io/files/text_line.hpp>
 #include <mapjoin/model/error.hpp>
 
@@ -12,13 +12,6 @@ namespace {
 std::size_t count_of(const RunReport& run_report, PartKind kind) {
   const auto is_kind = [kind](const NamedRejected& rejected) { return rejected.misfit.kind == kind; };
   return static_cast<std::size_t>(std::ranges::count_if(run_report.rejected, is_kind));
-}
-
-std::string session_of(const PoseId& id) {
-  return std::to_string(id.session);
-}
-std::string session_of(const FeatureId&) {
-  return "";
 }
 
 }  // namespace
@@ -60,14 +53,14 @@ std::string rejected_as_csv(const RunReport& run_report) {
     line.add(to_string(rejected.misfit.kind)).add(key_text(rejected.from->key));
     std::visit([&](const auto& to) { line.add(key_text(to.key)); }, rejected.to);
     line.add(rejected.misfit.chi2).add(rejected.misfit.probability).add(to_string(rejected.why));
-    line.add(session_of(*rejected.from));
-    line.add(std::visit([](const auto& to) { return session_of(to); }, rejected.to)).append_to(text);
+    line.add(session_text(*rejected.from));
+    line.add(std::visit([](const auto& to) { return session_text(to); }, rejected.to)).append_to(text);
   }
   if (!run_report.gps) return text;
   for (const auto& [number, pose, fix] : run_report.gps->rejected) {
     TextLine line(',');
     line.add("fix").add(number).add(key_text(pose.key)).add(fix.chi2).add(fix.probability);
-    line.add(to_string(WhyRejected::kContradicted)).add("").add(session_of(pose)).append_to(text);
+    line.add(to_string(WhyRejected::kContradicted)).add("").add(session_text(pose)).append_to(text);
   }
   return text;
 }

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <apps/process.hpp>
 #include <apps/report/associations.hpp>
-#include <apps/report/rejected.hpp>
 #include <apps/report/report.hpp>
 #include <apps/report/verdict.hpp>
 #include <mapjoin/version.hpp>

@@ -12,6 +12,7 @@
 #include <mapjoin/join/covariances/consistency.hpp>
 #include <mapjoin/join/robust/fix_inliers.hpp>
 #include <mapjoin/join/run.hpp>
+#include <mapjoin/measure/counts.hpp>
 #include <mapjoin/measure/effort.hpp>
 #include <mapjoin/model/conventions.hpp>
 #include <mapjoin/model/ids.hpp>
@@ -22,24 +23,6 @@
 #include <vector>
 
 namespace mapjoin::apps {
-
-/// How much of everything the input has.
-struct Counts {
-  std::size_t sessions = 0;
-  std::size_t poses = 0;
-  std::size_t features = 0;
-  std::size_t odometry = 0;
-  std::size_t closures = 0;
-  std::size_t observations = 0;  ///< Single ones; those inside the local maps of a set are not known.
-  std::size_t map_features = 0;  ///< Of all maps of a set.
-  std::size_t priors = 0;        ///< Of poses and of features.
-  std::size_t fixed_poses = 0;
-  std::int64_t repeated_edges = 0;
-  std::int64_t unassociated = 0;
-  SkipCounts skipped{};
-  std::size_t repeated_steps = 0;
-  std::size_t shared_features = 0;  ///< Of several inputs: seen in more than one session.
-};
 
 /// A misfit under the names of its log.
 struct NamedMisfit {

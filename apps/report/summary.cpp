@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <apps/report/associations.hpp>
-#include <apps/report/rejected.hpp>
 #include <apps/report/report.hpp>
 #include <apps/report/verdict.hpp>
 #include <mapjoin/model/error.hpp>

@@ -14,14 +14,6 @@ namespace {
 /// In the summary; the report has more.
 constexpr std::size_t kMostShown = 5;
 
-/// The columns of session and key.
-TextLine& add_id(const PoseId& id, TextLine& line) {
-  return line.add(id.session).add(key_text(id.key));
-}
-TextLine& add_id(const FeatureId& id, TextLine& line) {
-  return line.add("").add(key_text(id.key));
-}
-
 }  // namespace
 
 std::string name_of(const NamedMisfit& misfit) {
@@ -121,12 +113,8 @@ std::string misfits_as_csv(const RunReport& run_report) {
   for (const auto& [misfit, from, to] : run_report.misfits) {
     TextLine line(',');
     line.add(to_string(misfit.kind));
-    if (from) {
-      add_id(*from, line);
-    } else {
-      line.add("").add("");
-    }
-    std::visit([&line](const auto& id) { add_id(id, line); }, to);
+    line.add(from ? session_text(*from) : "").add(from ? key_text(from->key) : "");
+    std::visit([&line](const auto& id) { line.add(session_text(id)).add(key_text(id.key)); }, to);
     line.add(misfit.chi2).add(misfit.rows).add(misfit.probability).append_to(text);
   }
   return text;

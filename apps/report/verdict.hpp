@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
-// Whether a map fits its measurements, for people and for other programs.
+// Whether a map fits its measurements, and what `--robust` left out for that, for people and for other programs.
 
 #include <apps/console.hpp>
 #include <apps/report/json.hpp>
@@ -8,6 +8,14 @@
 #include <string>
 
 namespace mapjoin::apps {
+
+/// The session of a name in a table; features have none.
+inline std::string session_text(const PoseId& id) {
+  return std::to_string(id.session);
+}
+inline std::string session_text(const FeatureId&) {
+  return "";
+}
 
 /// "closure pose 17 to pose 2034", "observation of feature 9 from pose 4", "feature 9 of the local map from pose 0", …
 std::string name_of(const NamedMisfit& misfit);
@@ -32,5 +40,15 @@ Json verdict_of(const RunReport& run_report);
 /// A line per misfit below one of names: kind,from_session,from,to_session,to,chi2,rows,probability. The World and features
 /// have no session, the World no number.
 std::string misfits_as_csv(const RunReport& run_report);
+
+/// How many closures and observations were left out, of how many, in one line.
+std::string rejected_in_words(const RunReport& run_report);
+
+/// The key `robust` of the report: null where nothing was to be left out.
+Json robust_of(const RunReport& run_report);
+
+/// A line for each below one of names: kind,from,to,chi2,probability,why,from_session,to_session. Features have no session, and
+/// a fix is from the line of its file.
+std::string rejected_as_csv(const RunReport& run_report);
 
 }  // namespace mapjoin::apps

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <algorithm>
 #include <mapjoin/join/align/leaf.hpp>
+#include <mapjoin/model/lists.hpp>
 #include <numeric>
 
 namespace mapjoin {
@@ -90,8 +91,7 @@ PartialMap<Dim> Leaves<Dim>::partial_of_raw(std::size_t segment) const {
 
   partial.features.reserve(partial.factors.feature_factors.size());
   for (const auto* o : partial.factors.feature_factors) partial.features.push_back(o->target);
-  std::sort(partial.features.begin(), partial.features.end());
-  partial.features.erase(std::unique(partial.features.begin(), partial.features.end()), partial.features.end());
+  make_distinct(partial.features);
   partial.state.features.resize(partial.features.size());
   Table<FeatureIndex, bool> seen(partial.features.size(), false);
   for (const auto* o : partial.factors.feature_factors) {

@@ -5,7 +5,6 @@
 #include <limits>
 #include <mapjoin/graph/graph.hpp>
 #include <mapjoin/join/align/alignment.hpp>
-#include <mapjoin/join/align/merge.hpp>
 #include <mapjoin/join/align/shared_factors.hpp>
 #include <optional>
 #include <set>

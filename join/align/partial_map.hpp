@@ -43,6 +43,24 @@ bool holds(const Table<Index, Index>& ascending, Index index) {
   return find_value(ascending, ascending, index) != nullptr;
 }
 
+/// The place of an index in what lists its poses and features ascending, and back.
+template <typename Part>
+PoseIndex place_in(const Part& part, PoseIndex pose) {
+  return place_of(part.poses, pose);
+}
+template <typename Part>
+FeatureIndex place_in(const Part& part, FeatureIndex feature) {
+  return place_of(part.features, feature);
+}
+template <typename Part>
+PoseIndex index_in(const Part& part, PoseIndex place) {
+  return part.poses[place];
+}
+template <typename Part>
+FeatureIndex index_in(const Part& part, FeatureIndex place) {
+  return part.features[place];
+}
+
 template <int Dim>
 const Pose<Dim>& pose_in(const PartialMap<Dim>& partial, PoseIndex pose) {
   return partial.state.poses[place_of(partial.poses, pose)];

@@ -2,22 +2,11 @@
 #include <algorithm>
 #include <mapjoin/join/align/shared_factors.hpp>
 #include <mapjoin/model/cost.hpp>
+#include <mapjoin/model/lists.hpp>
 #include <utility>
 
 namespace mapjoin {
 namespace {
-
-/// Those of `list` for which `is_wanted`, thinned evenly to at most `most`.
-template <typename T, typename Predicate>
-std::vector<T> evenly_chosen(const std::vector<T>& list, std::size_t most, Predicate&& is_wanted) {
-  std::vector<T> found;
-  found.reserve(list.size());
-  std::copy_if(list.begin(), list.end(), std::back_inserter(found), is_wanted);
-  if (found.size() <= most) return found;
-  for (std::size_t k = 0; k < most; ++k) found[k] = found[k * found.size() / most];
-  found.resize(most);
-  return found;
-}
 
 /// Whether a partial map holds some, but not all, of a map's poses and features.
 template <int Dim>

@@ -2,10 +2,7 @@
 #include <algorithm>
 #include <cmath>
 #include <mapjoin/join/association/associate.hpp>
-#include <mapjoin/join/association/frames/part_ties.hpp>
-#include <mapjoin/join/association/joint_placement.hpp>
-#include <mapjoin/join/association/map_matching.hpp>
-#include <mapjoin/join/association/sighting_fit.hpp>
+#include <mapjoin/join/association/identity_search.hpp>
 #include <mapjoin/join/association/tracking.hpp>
 #include <mapjoin/parallel/parallel.hpp>
 #include <numeric>
@@ -14,159 +11,8 @@
 namespace mapjoin {
 namespace {
 
-/// Maps are as good as in place where a feature may be mistaken for fewer than one other.
-constexpr double kInPlace = 1.0;
-/// How much farther maps are looked for, each time that nothing is found nearer, and how often.
-constexpr double kFarther = 32.0;
-constexpr double kFarthest = 1e6;
 /// Observations of a segment, or somewhat more: enough to know its features well, few enough for the odometry between them.
 constexpr std::size_t kObservationsPerSegment = 150;
-
-Error interrupted() {
-  return {ErrorKind::kInterrupted, "interrupted while associating"};
-}
-
-/// Finds identities by joining with those known so far.
-template <int Dim, typename EstimateOf>
-class Search {
- public:
-  Search(Identities identities, std::vector<std::optional<Match>> matches, const NeighbourDensity<Dim>& density,
-         const AssociationOptions& options, EstimateOf estimate_of, const std::stop_token& stop)
-      : identities_(std::move(identities)),
-        density_(density),
-        options_(options),
-        estimate_of_(std::move(estimate_of)),
-        stop_(stop),
-        gate_(Matcher<Dim>(density, options.method, options.confidence, sightings()).gate()),
-        matches_(std::move(matches)) {}
-
-  Expected<void> run() {
-    while (!is_settled_ && joins_ < options_.most_joins) {
-      ++joins_;
-      auto estimate = estimate_of_(identities_);
-      if (!estimate) return tl::unexpected(estimate.error());
-      if (options_.progress) options_.progress(joins_);
-      const std::vector<SightingTest> tests = tests_of(*estimate, identities_);
-      estimate->scale = scale_of(tests, Dim);
-      const bool has_changed = undo(misfits(tests, gate_ * estimate->scale)) || extend(*estimate);
-      if (stop_.stop_requested()) return tl::unexpected(interrupted());
-      if (has_changed || forgive()) continue;
-      parts_apart_.clear();
-      const auto is_tied = estimate->parts.first_poses.size() > 1 ? tie_parts(*estimate) : Expected<bool>(false);
-      if (!is_tied) return tl::unexpected(is_tied.error());
-      is_settled_ = !*is_tied;
-    }
-    return {};
-  }
-
-  const Identities& identities() const { return identities_; }
-  /// By sighting, how it was last found to be of its feature.
-  const std::vector<std::optional<Match>>& matches() const { return matches_; }
-  std::size_t joins() const { return joins_; }
-  bool is_settled() const { return is_settled_; }
-  /// The parts that are left, where nothing ties all together: their first poses, and why each pair stays apart.
-  const std::vector<PoseIndex>& first_poses() const { return first_poses_; }
-  const std::vector<PartsApart>& parts_apart() const { return parts_apart_; }
-  double gate() const { return gate_; }
-
- private:
-  double sightings() const { return static_cast<double>(identities_.sighting_count()); }
-
-  /// Gives what was told apart a second chance, once: the map may have been bent when it was.
-  bool forgive() { return !std::exchange(has_forgiven_, true) && identities_.forgive(); }
-
-  bool undo(const std::vector<SightingTest>& misfits) {
-    for (const SightingTest& misfit : misfits) {
-      // Numbers change with each feature that is told apart, sightings do not.
-      if (auto sightings = taken_with(misfit); !sightings.empty()) apart_.push_back(std::move(sightings));
-    }
-    const bool has_changed = !apart_.empty();
-    for (const auto& sightings : apart_) {
-      identities_.tell_apart(sightings);
-      for (const std::size_t s : sightings) matches_[s].reset();
-    }
-    apart_.clear();
-    return has_changed;
-  }
-
-  /// The sightings of a feature that a map has of it or, where names hold, the part that the map is of: none where all are.
-  std::vector<std::size_t> taken_with(const SightingTest& misfit) const {
-    const auto all = identities_.sightings_of(misfit.feature);
-    const auto of_map = [&](std::size_t s) { return identities_.sighting(s).map == misfit.map; };
-    const std::size_t scan = identities_.sighting(*std::ranges::find_if(all, of_map)).scan;
-    std::vector<std::size_t> taken;
-    std::ranges::copy_if(all, std::back_inserter(taken),
-                         [&](std::size_t s) { return options_.names_hold ? identities_.sighting(s).scan == scan : of_map(s); });
-    if (taken.size() == all.size()) taken.clear();
-    return taken;
-  }
-
-  /// Takes what is probable: of maps that are in place all of it, else of the pair of maps that is the surest.
-  bool extend(const FeatureEstimate<Dim>& estimate) {
-    const MapMatching<Dim> matching(estimate, identities_, density_, options_.method, options_.confidence);
-    const bool is_first = joins_ == 1;
-    if (take(matching.propose(kInPlace, is_first, stop_).probable) || is_first) return true;  // then all maps are matched
-    if (options_.method == AssociationMethod::kNearest) return false;
-    return place_together(estimate, matching) || take_surest(matching);
-  }
-
-  /// Takes what is probable of maps that could lie on each other in several ways, all of them together.
-  bool place_together(const FeatureEstimate<Dim>& estimate, const MapMatching<Dim>& matching) {
-    JointPlacement<Dim> placement(estimate, identities_, density_, options_.confidence, matching.pairs(kFarther, stop_));
-    return take(placement.propose(stop_));
-  }
-
-  /// Takes what is probable of the surest pair of maps that are not in place.
-  bool take_surest(const MapMatching<Dim>& matching) {
-    for (double reach = kFarther; reach < kFarthest; reach *= kFarther) {
-      auto [probable, beyond_reach] = matching.propose(reach, false, stop_);
-      if (stop_.stop_requested()) return false;
-      const auto surest = std::ranges::max_element(probable, {}, [](const Proposal& p) { return p.match.score; });
-      if (surest != probable.end()) {
-        const auto maps = std::pair(surest->maps[0], surest->maps[1]);
-        std::erase_if(probable, [&](const Proposal& p) { return std::pair(p.maps[0], p.maps[1]) != maps; });
-        if (take(std::move(probable))) return true;
-      }
-      if (beyond_reach == 0) break;
-    }
-    return false;
-  }
-
-  /// Aligns parts that nothing ties by constellations of their features.
-  Expected<bool> tie_parts(const FeatureEstimate<Dim>& estimate) {
-    auto found = ties_between_parts(estimate, identities_, density_, options_.confidence, stop_);
-    if (!found) return tl::unexpected(found.error());
-    first_poses_ = estimate.parts.first_poses;
-    parts_apart_ = std::move(found->apart);
-    const auto moved = identities_.merge(found->ties);
-    return std::ranges::any_of(moved, [](const auto& sightings) { return !sightings.empty(); });
-  }
-
-  bool take(std::vector<Proposal> proposals) {
-    std::ranges::stable_sort(proposals, std::greater<>(), [](const Proposal& p) { return p.match.probability; });
-    std::vector<std::pair<FeatureIndex, FeatureIndex>> pairs;
-    for (const Proposal& p : proposals) pairs.emplace_back(p.one, p.other);
-    const auto moved = identities_.merge(pairs);
-    for (std::size_t k = 0; k < pairs.size(); ++k) {
-      for (const std::size_t s : moved[k]) matches_[s] = proposals[k].match;
-    }
-    return std::ranges::any_of(moved, [](const auto& sightings) { return !sightings.empty(); });
-  }
-
-  Identities identities_;
-  const NeighbourDensity<Dim>& density_;
-  const AssociationOptions& options_;
-  EstimateOf estimate_of_;
-  const std::stop_token& stop_;
-  double gate_;
-  std::vector<std::optional<Match>> matches_;
-  std::size_t joins_ = 0;
-  bool has_forgiven_ = false;
-  bool is_settled_ = false;
-  std::vector<PoseIndex> first_poses_;
-  std::vector<PartsApart> parts_apart_;
-  std::vector<std::vector<std::size_t>> apart_;  // sightings that are told apart
-};
 
 /// The points that every pose or local map sees at once.
 template <int Dim>
@@ -233,8 +79,8 @@ Identities identities_of(const Data& data, const std::vector<Seen>& seen, std::v
   return {std::move(sightings), std::move(labels)};
 }
 
-template <typename Data, typename Search>
-Associated<Data> associated(const Data& data, const std::vector<Seen>& seen, const Search& search) {
+template <typename Data, int Dim>
+Associated<Data> associated(const Data& data, const std::vector<Seen>& seen, const IdentitySearch<Dim>& search) {
   Associated<Data> result{renamed(data, search.identities()), {}, search.joins(), search.is_settled(), {}};
   for (std::size_t s = 0; s < seen.size(); ++s) {
     AssociatedSighting& sighting = result.sightings.emplace_back();
@@ -254,12 +100,13 @@ Associated<Data> associated(const Data& data, const std::vector<Seen>& seen, con
   return result;
 }
 
-template <int Dim, template <int> typename Source, typename EstimateOf>
+template <int Dim, template <int> typename Source>
 Expected<Associated<Source<Dim>>> found_in(const Source<Dim>& data, Identities identities,
                                            std::vector<std::optional<Match>> matches, const NeighbourDensity<Dim>& density,
-                                           const AssociationOptions& options, const EstimateOf& estimate_of,
+                                           const AssociationOptions& options,
+                                           const typename IdentitySearch<Dim>::EstimateOf& estimate_of,
                                            const std::vector<Seen>& seen, const std::stop_token& stop) {
-  Search<Dim, EstimateOf> search(std::move(identities), std::move(matches), density, options, estimate_of, stop);
+  IdentitySearch<Dim> search(std::move(identities), std::move(matches), density, options, estimate_of, stop);
   return search.run().map([&] { return associated(data, seen, search); });
 }
 
@@ -290,7 +137,7 @@ Expected<Associated<Log<Dim>>> associate(const Log<Dim>& log, const AssociationO
       matches[labels.size()] = match;
       labels.push_back(feature);
     }
-    if (stop.stop_requested()) return tl::unexpected(interrupted());
+    if (stop.stop_requested()) return tl::unexpected(Error{ErrorKind::kInterrupted, "interrupted while associating"});
   }
   const auto estimate = [&](const Identities& known) { return estimate_of(renamed(log, known), split, stop); };
   return found_in(log, identities_of(log, seen, sightings_of(log, split), std::move(labels), options), std::move(matches),

@@ -3,6 +3,7 @@
 // Who is who: the features of logs and local maps that have no names, or none that are trusted.
 
 #include <functional>
+#include <mapjoin/io/store/contents.hpp>
 #include <mapjoin/join/association/frames/map_alignment.hpp>
 #include <mapjoin/join/association/matching.hpp>
 #include <mapjoin/model/error.hpp>
@@ -59,7 +60,7 @@ struct Associated {
 ///
 /// Observations are followed within short segments (track()), whose local maps are joined. By the joined map, with its
 /// covariances, maps are matched with each other (MapMatching), first neighbours, then all that probably overlap, again and
-/// again, until nothing more is found; then those that could lie on each other in several ways, all together (JointPlacement),
+/// again, until nothing more is found; then those that could lie on each other in several ways, all together (JointAlignment),
 /// and those that are far apart for all that is known, the surest pair at a time. What no longer fits, by leave-one-out tests,
 /// is told apart again, and tried once more in the end. Parts that no edge ties, sessions of unknown frames say, are each taken
 /// alone first, then aligned by constellations of their features (align_maps()); what cannot be aligned stays a part. Bad
@@ -72,5 +73,13 @@ Expected<Associated<Log<Dim>>> associate(const Log<Dim>& log, const AssociationO
 template <int Dim>
 Expected<Associated<SubmapSet<Dim>>> associate(const SubmapSet<Dim>& set, const AssociationOptions& options,
                                                const std::stop_token& stop = {});
+
+/// Finds out which features of different inputs are the same, as associate() does in their logs, and calls those of the local
+/// maps by what they are found to be. A map inside which a feature was marginalised that others turn out to see, too, gives way
+/// to its observations, so that the join is that of one log. Throws std::invalid_argument unless names hold: the maps were
+/// built by them. Errors as of associate().
+template <int Dim>
+Expected<Associated<StoredMaps<Dim>>> associate(const StoredMaps<Dim>& stored, const AssociationOptions& options,
+                                                const std::stop_token& stop = {});
 
 }  // namespace mapjoin

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include <mapjoin/join/association/associate_stored.hpp>
+#include <mapjoin/join/association/associate.hpp>
 #include <stdexcept>
 #include <utility>
 

@@ -19,7 +19,7 @@ class FeatureFilter {
   void move(const PoseFactor<Dim>& step);
   /// Adds what was seen for the first time.
   void add(const FeatureFactor<Dim>& observation);
-  /// Takes an observation of a feature, by its place.
+  /// Takes an observation of a feature, by its index.
   void update(std::size_t feature, const FeatureFactor<Dim>& observation);
 
  private:

@@ -14,7 +14,7 @@
 
 namespace mapjoin {
 
-/// A sighting and the known feature that it may be of, by their places in a PairingProblem.
+/// A sighting and the known feature that it may be of, by their indices in a PairingProblem.
 struct Pairing {
   std::size_t known = 0;
   std::size_t sighting = 0;

@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <limits>
 #include <mapjoin/join/association/identities.hpp>
+#include <mapjoin/model/lists.hpp>
 #include <numeric>
 
 namespace mapjoin {
@@ -37,10 +38,7 @@ void Identities::number(const std::vector<std::size_t>& labels) {
     if (scans.empty() || scans.back() != sightings_[s].scan) scans.push_back(sightings_[s].scan);
     in_map_[sightings_[s].map].push_back(feature_of_[s]);
   }
-  const auto make_set = [](auto& list) {
-    std::ranges::sort(list);
-    list.erase(std::unique(list.begin(), list.end()), list.end());
-  };
+  const auto make_set = [](auto& list) { make_distinct(list); };
   std::ranges::for_each(in_map_, make_set);
   std::ranges::for_each(scans_, make_set);
 }
@@ -65,7 +63,8 @@ std::vector<std::vector<std::size_t>> Identities::merge(std::span<const std::pai
     const FeatureIndex a = feature_of_[members_[pairs[k].first].front()];
     const FeatureIndex b = feature_of_[members_[pairs[k].second].front()];
     if (a == b || !may_be_same(a, b)) continue;
-    const auto [first, second] = std::minmax(a, b);
+    const FeatureIndex first = std::min(a, b);
+    const FeatureIndex second = std::max(a, b);
     moved[k] = members_[second];
     const auto unite = [&](auto& lists) {
       std::vector<std::size_t> both;

@@ -1,42 +1,27 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include <fmt/format.h>
-
 #include <algorithm>
-#include <mapjoin/distributed/connectivity.hpp>
 #include <mapjoin/distributed/mapped_log.hpp>
-#include <mapjoin/distributed/share_store.hpp>
 #include <mapjoin/measure/effort.hpp>
 #include <utility>
 
 namespace mapjoin::distributed {
 namespace {
 
-/// Fewer poses than this for each rank are not worth one.
-constexpr std::size_t kLeastPoses = 10;
-
-template <int Dim>
-Expected<void> check_worth_it(const Communicator& comm, const LogPart<Dim>& part) {
-  if (part.poses.empty()) return bad_input(part.source + ": the log has no poses");
-  if (part.poses.size() >= kLeastPoses * static_cast<std::size_t>(comm.size())) return {};
-  return tl::unexpected(
-      Error{ErrorKind::kUsage, fmt::format("{}: {} are too few for {}: `mapjoin run` takes them on one", part.source,
-                                           plural(part.poses.size(), "pose"), plural(comm.size(), "rank"))});
-}
-
 template <int Dim>
 LogFigures figures_of(const Communicator& comm, const LogPart<Dim>& whole, const LogShare<Dim>& share,
                       const ShareMaps<Dim>& maps) {
   const std::int64_t between = std::ranges::count_if(share.apart.pose_factors, [](const auto& o) { return o.base != kWorld; });
-  LogFigures log;
-  log.conventions = whole.conventions;
-  log.poses = whole.poses.size();
-  log.features = whole.features.size();
-  log.odometry = comm.sum(std::ssize(share.log.odometry()));
-  log.closures = comm.sum(std::ssize(share.log.closures()) + between);
-  log.observations = comm.sum(std::ssize(share.log.observations()));
-  log.priors = comm.sum(std::ssize(share.apart.pose_factors) - between + std::ssize(share.apart.feature_factors));
-  log.fixed_poses = whole.graph.fixed.size();
-  log.skipped = whole.skipped;
+  const auto sum = [&](std::ptrdiff_t mine) { return static_cast<std::size_t>(comm.sum(std::int64_t{mine})); };
+  LogFigures log{whole.conventions, {}};
+  log.counts = {.sessions = 1,
+                .poses = whole.poses.size(),
+                .features = whole.features.size(),
+                .odometry = sum(std::ssize(share.log.odometry())),
+                .closures = sum(std::ssize(share.log.closures()) + between),
+                .observations = sum(std::ssize(share.log.observations())),
+                .priors = sum(std::ssize(share.apart.pose_factors) - between + std::ssize(share.apart.feature_factors)),
+                .fixed_poses = whole.graph.fixed.size(),
+                .skipped = whole.skipped};
   log.is_resumed = comm.any(maps.is_resumed);
   log.was_damaged = comm.any(maps.was_damaged);
   return log;
@@ -53,7 +38,7 @@ RunFigures figures_of(const Communicator& comm, const ShareMaps<Dim>& maps) {
 
 template <int Dim>
 Expected<AnyMappedLog> mapped(const Communicator& comm, const LogTask& task, LogPart<Dim> whole) {
-  const auto fit = check_worth_it(comm, whole).and_then([&] { return check_connected(comm, whole); });
+  const auto fit = check_worth_it(comm, whole.source, whole.poses, 1).and_then([&] { return check_connected(comm, whole); });
   if (!fit) return tl::unexpected(fit.error());
   if (task.covariance == Covariance::kIdentity) use_identity_covariance(whole);
   LogShare<Dim> share = share_of(comm, whole, even_begins(whole.poses.size(), comm.size()), PoseOrder::kDriven);

@@ -4,6 +4,7 @@
 
 #include <mapjoin/distributed/share_maps.hpp>
 #include <mapjoin/io/read_options.hpp>
+#include <mapjoin/measure/counts.hpp>
 #include <variant>
 
 namespace mapjoin::distributed {
@@ -11,14 +12,7 @@ namespace mapjoin::distributed {
 /// What there is of a log, on all ranks together.
 struct LogFigures {
   Conventions conventions;
-  std::size_t poses = 0;
-  std::size_t features = 0;
-  std::int64_t odometry = 0;
-  std::int64_t closures = 0;
-  std::int64_t observations = 0;
-  std::int64_t priors = 0;
-  std::size_t fixed_poses = 0;
-  SkipCounts skipped{};
+  Counts counts;
   bool is_resumed = false;   ///< Some of the local maps were in stores before.
   bool was_damaged = false;  ///< A store that was not finished was damaged, and is begun afresh.
 };
@@ -48,5 +42,11 @@ struct LogTask {
 
 /// Bad input, the same on all ranks, as of mapjoin::run().
 Expected<AnyMappedLog> mapped_log(const Communicator& comm, const LogTask& task);
+
+/// Out of stores that all ranks can read: the portions of a log, all of them, or stores of one whole log, of which the first
+/// that has a map counts. Each rank reads some of the factors, and the maps of its share, which ends where segments meet. Bad
+/// input, the same on all ranks, as of open_several_maps(); kUsage where stores are of several logs, or have too few segments
+/// for the ranks.
+Expected<AnyMappedLog> stored_log(const Communicator& comm, const std::vector<std::filesystem::path>& paths);
 
 }  // namespace mapjoin::distributed

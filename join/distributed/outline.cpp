@@ -1,9 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <algorithm>
 #include <iterator>
-#include <mapjoin/distributed/outline.hpp>
+#include <mapjoin/distributed/start.hpp>
+#include <mapjoin/join/align/alignment.hpp>
 #include <mapjoin/join/align/gauge.hpp>
-#include <mapjoin/join/align/merge.hpp>
+#include <mapjoin/model/lists.hpp>
 #include <span>
 #include <utility>
 
@@ -65,12 +66,12 @@ std::vector<PartialMap<Dim>> merged(std::span<const std::vector<Outline<Dim>>> r
 
 /// The frames of all ranks' outlines, one after the other.
 template <int Dim>
-std::vector<Pose<Dim>> aligned(const std::vector<std::vector<Outline<Dim>>>& ranks, const Ties<Dim>& ties) {
+std::vector<Pose<Dim>> aligned(const std::vector<std::vector<Outline<Dim>>>& ranks, const GlobalFactors<Dim>& factors) {
   SubmapGraph<Dim> world;
-  world.fixed = ties.fixed;
-  for (const auto& prior : ties.priors) world.priors.pose_factors.push_back(&prior);
+  world.fixed = factors.fixed;
+  for (const auto& prior : factors.priors) world.priors.pose_factors.push_back(&prior);
   std::vector<const PoseFactor<Dim>*> closures;
-  for (const auto& closure : ties.closures) closures.push_back(&closure);
+  for (const auto& closure : factors.closures) closures.push_back(&closure);
   std::vector<PartialMap<Dim>> partials = merged<Dim>(ranks, closures);
   for (auto& partial : partials) place_in_world(world, Pose<Dim>{}, partial);
 
@@ -88,26 +89,24 @@ std::vector<Pose<Dim>> aligned(const std::vector<std::vector<Outline<Dim>>>& ran
 }  // namespace
 
 template <int Dim>
-std::vector<PoseIndex> Ties<Dim>::poses() const {
+std::vector<PoseIndex> GlobalFactors<Dim>::poses() const {
   std::vector<PoseIndex> all;
   for (const auto& o : closures) all.insert(all.end(), {o.base, o.target});
   for (const auto& o : priors) all.push_back(o.target);
   for (const auto& f : fixed) all.push_back(f.pose);
-  std::ranges::sort(all);
-  all.erase(std::unique(all.begin(), all.end()), all.end());
+  make_distinct(all);
   return all;
 }
 
 template <int Dim>
-std::vector<Pose<Dim>> frames_of(const Communicator& comm, const std::vector<Outline<Dim>>& outlines, const Ties<Dim>& ties) {
-  std::vector<std::string> to(static_cast<std::size_t>(comm.size()));
-  to.front() = encoded(outlines);
-  const std::vector<std::string> from = comm.exchange(std::move(to));
+std::vector<Pose<Dim>> frames_of(const Communicator& comm, const std::vector<Outline<Dim>>& outlines,
+                                 const GlobalFactors<Dim>& factors) {
+  const std::vector<std::string> from = comm.collect(encoded(outlines));
   std::string frames;
   if (comm.is_root()) {
     std::vector<std::vector<Outline<Dim>>> ranks;
     std::ranges::transform(from, std::back_inserter(ranks), decoded<Dim>);
-    frames = Writer().put(aligned(ranks, ties)).bytes();
+    frames = Writer().put(aligned(ranks, factors)).bytes();
   }
   frames = comm.broadcast(std::move(frames), 0);
   const std::vector<Pose<Dim>> all = Reader(frames).take<Pose<Dim>>();
@@ -117,9 +116,9 @@ std::vector<Pose<Dim>> frames_of(const Communicator& comm, const std::vector<Out
   return {first, first + static_cast<std::ptrdiff_t>(outlines.size())};
 }
 
-#define MAPJOIN_INSTANTIATE(Dim) \
-  template struct Ties<Dim>;     \
-  template std::vector<Pose<Dim>> frames_of(const Communicator&, const std::vector<Outline<Dim>>&, const Ties<Dim>&);
+#define MAPJOIN_INSTANTIATE(Dim)      \
+  template struct GlobalFactors<Dim>; \
+  template std::vector<Pose<Dim>> frames_of(const Communicator&, const std::vector<Outline<Dim>>&, const GlobalFactors<Dim>&);
 MAPJOIN_INSTANTIATE(2)
 MAPJOIN_INSTANTIATE(3)
 #undef MAPJOIN_INSTANTIATE

@@ -2,31 +2,21 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <mapjoin/distributed/region_problem.hpp>
-#include <mapjoin/distributed/regions_in_turn.hpp>
+#include <mapjoin/distributed/regions/region_problem.hpp>
+#include <mapjoin/distributed/regions/regions_in_turn.hpp>
 #include <mapjoin/distributed/run.hpp>
 #include <mapjoin/distributed/start.hpp>
 #include <mapjoin/join/settled.hpp>
 #include <mapjoin/join/tolerances.hpp>
 #include <mapjoin/measure/effort.hpp>
+#include <mapjoin/model/lists.hpp>
 #include <mapjoin/solve/minimise.hpp>
 #include <optional>
+#include <tuple>
 #include <utility>
 
 namespace mapjoin::distributed {
 namespace {
-
-/// Fewer poses than this for each region are not worth one.
-constexpr std::size_t kLeastPoses = 10;
-
-template <int Dim>
-Expected<void> check_worth_it(const Communicator& comm, const LogPart<Dim>& whole, std::size_t regions) {
-  const std::size_t all = regions * static_cast<std::size_t>(comm.size());
-  if (whole.poses.size() >= kLeastPoses * all) return {};
-  return tl::unexpected(
-      Error{ErrorKind::kUsage, fmt::format("{}: {} are too few for {} of {}", whole.source, plural(whole.poses.size(), "pose"),
-                                           plural(comm.size(), "rank"), plural(regions, "region"))});
-}
 
 /// Makes room for the factor, unless it is too large.
 template <typename Problem>
@@ -62,13 +52,10 @@ GlobalMap<Dim> gathered(const Communicator& comm, const LogPart<Dim>& whole, con
     writer.put(regions[k].poses).put(estimate.poses).put(regions[k].features).put(estimate.features);
   }
   anchored = comm.gather(anchored);
-  std::vector<std::string> to(static_cast<std::size_t>(comm.size()));
-  to.front() = std::move(writer).bytes();
-  std::vector<std::string> from = comm.exchange(std::move(to));
+  std::vector<std::string> from = comm.collect(std::move(writer).bytes());
   GlobalMap<Dim> map;
   if (!comm.is_root()) return map;
-  std::ranges::sort(anchored);
-  anchored.erase(std::unique(anchored.begin(), anchored.end()), anchored.end());
+  make_distinct(anchored);
   map.gauge = std::move(anchored);
   map.pose_ids = whole.poses;
   map.feature_ids = whole.features;
@@ -133,14 +120,15 @@ Expected<void> solve(const Communicator& comm, const Task& task, const LogPart<D
                      Found<Dim>& found) {
   // One region a rank is one system, but for ranks all of whose poses are fixed: all ranks call the solver, systems without
   // unknowns do not.
-  const bool is_one_each = regions.per_rank == 1 && !comm.any(regions.own.front().size() == 0);
+  const bool is_one_each = regions.per_rank == 1 && !comm.any(variables_of(regions.own.front()).size() == 0);
   return is_one_each ? solve_as<RegionProblem<Dim>>(comm, task, whole, regions, found)
                      : solve_as<RegionsInTurn<Dim>>(comm, task, whole, regions, found);
 }
 
 template <int Dim>
 Expected<AnyFound> run_on(const Communicator& comm, const Task& task, MappedLog<Dim> log) {
-  if (auto worth = check_worth_it(comm, log.whole, task.regions); !worth) return tl::unexpected(worth.error());
+  if (auto worth = check_worth_it(comm, log.whole.source, log.whole.poses, task.regions); !worth)
+    return tl::unexpected(worth.error());
   Found<Dim> found{{}, log.log};
   static_cast<RunFigures&>(found.result) = log.figures;
   Values<Dim> start = [&] {
@@ -165,30 +153,23 @@ RunFigures& figures_of(AnyFound& found) {
   return std::visit([](auto& any) -> RunFigures& { return any.result; }, found);
 }
 
-/// The maps of one way serve the next, which may read them again out of stores: what it took to build them is of the first.
-void take_build_figures(AnyFound& from, AnyFound& into) {
-  const auto log_of = [](auto& found) -> LogFigures& { return found.log; };
-  std::visit(log_of, into) = std::visit(log_of, from);
-  figures_of(into).build_iterations = figures_of(from).build_iterations;
-  figures_of(into).seconds.build = figures_of(from).seconds.build;
-}
-
-/// The first way whose map is settled, or else that of least chi2, where another one has confirmed it or all were tried.
+/// The map of the best of the ways that kAuto tries.
 Expected<AnyFound> run_by_best(const Communicator& comm, const Reading& read, const Task& task) {
-  std::optional<AnyFound> best;
-  for (const Schedule way : kWays) {
-    auto found = run_by(way, comm, read, task);
-    // What is singular far from the optimum need not be so elsewhere.
-    if (!found && best && found.error().kind == ErrorKind::kBadInput) continue;
-    if (!found) return found;
-    RunFigures& figures = figures_of(*found);
-    if (best) take_build_figures(*best, *found);
-    figures.is_settled = is_settled(way, figures.join, figures.largest_rotation);
-    const bool is_confirmed = best && is_same_chi2(figures_of(*best).chi2, figures.chi2);
-    if (!best || is_less_chi2(figures.chi2, figures_of(*best).chi2)) best = *std::move(found);
-    if (is_confirmed || figures_of(*best).is_settled) break;
-  }
-  return *std::move(best);
+  // The maps of one way serve the next, which may read them again out of stores: what it took to build them is of the first.
+  std::optional<std::tuple<LogFigures, std::int64_t, double>> built;
+  const auto run_by_way = [&](Schedule way) {
+    return run_by(way, comm, read, task).map([&](AnyFound found) {
+      LogFigures& log = std::visit([](auto& any) -> LogFigures& { return any.log; }, found);
+      RunFigures& figures = figures_of(found);
+      if (!built) built = {log, figures.build_iterations, figures.seconds.build};
+      std::tie(log, figures.build_iterations, figures.seconds.build) = *built;
+      return found;
+    });
+  };
+  return best_of_ways<AnyFound>(run_by_way, [](AnyFound& found) {
+    RunFigures& figures = figures_of(found);
+    return SolveByWay{figures.join, figures.largest_rotation, figures.is_settled};
+  });
 }
 
 }  // namespace

@@ -4,7 +4,7 @@
 
 #include <functional>
 #include <mapjoin/distributed/mapped_log.hpp>
-#include <mapjoin/distributed/mumps.hpp>
+#include <mapjoin/distributed/mpi/mumps.hpp>
 #include <variant>
 
 namespace mapjoin::distributed {

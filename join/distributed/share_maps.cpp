@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include <algorithm>
 #include <mapjoin/distributed/share_maps.hpp>
 #include <mapjoin/join/align/partial_map.hpp>
 #include <mapjoin/localmap/build.hpp>
-#include <mapjoin/localmap/check.hpp>
+#include <mapjoin/model/renumber.hpp>
 #include <utility>
 
 namespace mapjoin::distributed {
@@ -11,12 +12,9 @@ namespace {
 /// The map by the indices of the share; bad input where it has other features.
 template <int Dim>
 Expected<LocalMap<Dim>> in_share(LocalMap<Dim> map, const LogShare<Dim>& share) {
-  for (FeatureIndex& feature : map.features) {
-    if (!holds(share.features, feature)) return bad_input(share.log.source + ": a local map is not of this log");
-    feature = place_of(share.features, feature);
-  }
-  map.base = place_of(share.poses, map.base);
-  for (PoseIndex& pose : map.poses) pose = place_of(share.poses, pose);
+  const auto is_in_share = [&](FeatureIndex feature) { return holds(share.features, feature); };
+  if (!std::ranges::all_of(map.features, is_in_share)) return bad_input(share.log.source + ": a local map is not of this log");
+  renumber(map, [&](auto index) { return place_in(share, index); });
   return map;
 }
 

@@ -3,10 +3,13 @@
 
 #include <algorithm>
 #include <boost/crc.hpp>
-#include <mapjoin/distributed/share_store.hpp>
+#include <mapjoin/distributed/share_maps.hpp>
 #include <mapjoin/io/store/pieces.hpp>
 #include <mapjoin/io/store/store.hpp>
+#include <mapjoin/join/align/partial_map.hpp>
 #include <mapjoin/localmap/stored_build.hpp>
+#include <mapjoin/model/lists.hpp>
+#include <mapjoin/model/renumber.hpp>
 #include <regex>
 #include <span>
 #include <string>
@@ -34,15 +37,7 @@ Log<Dim> portion_of(const LogPart<Dim>& whole, const LogShare<Dim>& share) {
   log.features = whole.features;
   log.conventions = whole.conventions;
   log.graph = share.log.graph;
-  for (auto& o : log.graph.pose_factors) {
-    o.base = share.poses[o.base];
-    o.target = share.poses[o.target];
-  }
-  for (auto& o : log.graph.feature_factors) {
-    o.base = share.poses[o.base];
-    o.target = share.features[o.target];
-  }
-  const auto append = [](auto& list, const auto& more) { list.insert(list.end(), more.begin(), more.end()); };
+  renumber(log.graph, [&](auto place) { return index_in(share, place); });
   append(log.graph.pose_factors, share.apart.pose_factors);
   append(log.graph.feature_factors, share.apart.feature_factors);
   log.graph.fixed = whole.graph.fixed;

@@ -1,9 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <algorithm>
-#include <mapjoin/distributed/outline.hpp>
 #include <mapjoin/distributed/start.hpp>
 #include <mapjoin/join/schedule.hpp>
 #include <mapjoin/localmap/recover.hpp>
+#include <mapjoin/model/lists.hpp>
+#include <mapjoin/model/renumber.hpp>
 #include <optional>
 #include <utility>
 
@@ -66,16 +67,15 @@ JoinedShare<Dim> joined_share(const LogShare<Dim>& share, ShareMaps<Dim> built, 
 
 /// What the outlines of all shares are aligned by.
 template <int Dim>
-Ties<Dim> ties_of(const Communicator& comm, const LogPart<Dim>& whole, const LogShare<Dim>& share,
-                  const JoinedShare<Dim>& joined) {
+GlobalFactors<Dim> global_factors(const Communicator& comm, const LogPart<Dim>& whole, const LogShare<Dim>& share,
+                                  const JoinedShare<Dim>& joined) {
   constexpr std::size_t kMost = SharedFactors<Dim>::kMost;
   std::vector<PoseFactor<Dim>> closures;
   std::vector<PoseFactor<Dim>> priors;
   for (const auto& o : share.apart.pose_factors) (o.base == kWorld ? priors : closures).push_back(o);
   for (const auto* o : joined.pending) {
     closures.push_back(*o);
-    closures.back().base = share.poses[o->base];
-    closures.back().target = share.poses[o->target];
+    renumber(closures.back(), [&](auto place) { return index_in(share, place); });
   }
   return {comm.gather(evenly_chosen(closures, kMost)), comm.gather(evenly_chosen(priors, kMost)), whole.graph.fixed};
 }
@@ -92,33 +92,46 @@ PoseIndex anchor_of(const LogShare<Dim>& share, const JoinedShare<Dim>& joined, 
   return any.value();
 }
 
+/// The observations of a part by which others may see its features, by the indices of the share.
 template <int Dim>
-Outline<Dim> outline_of(const LogShare<Dim>& share, const JoinedShare<Dim>& joined, const std::vector<PoseIndex>& tied,
-                        std::size_t part) {
-  Outline<Dim> outline;
+std::vector<FeatureFactor<Dim>> shared_observations(const LogShare<Dim>& share, const JoinedShare<Dim>& joined,
+                                                    std::size_t part) {
   std::vector<FeatureFactor<Dim>> shared;
   for (const auto& o : share.log.observations()) {
     if (joined.part[o.base] == part && joined.feature_part[o.target] == part && share.is_referenced_feature[o.target]) {
       shared.push_back(o);
     }
   }
-  outline.observations = evenly_chosen(shared, SharedFactors<Dim>::kMost);
+  return evenly_chosen(shared, SharedFactors<Dim>::kMost);
+}
+
+/// The poses of a part that its outline has, by their indices among all names and in the share: those that these observations
+/// and the factors of all refer to, those where shares meet, and the anchor.
+template <int Dim>
+std::vector<std::pair<PoseIndex, PoseIndex>> outline_poses(const LogShare<Dim>& share, const JoinedShare<Dim>& joined,
+                                                           std::size_t part,
+                                                           const std::vector<FeatureFactor<Dim>>& observations,
+                                                           const std::vector<PoseIndex>& referenced, PoseIndex anchor) {
   Table<PoseIndex, bool> is_in(share.poses.size(), false);
-  const PoseIndex anchor = anchor_of(share, joined, part);
-  is_in[anchor] = true;
-  is_in.front() = is_in.front() || joined.part.front() == part;  // the poses where shares meet
-  is_in.back() = is_in.back() || joined.part.back() == part;
-  for (const auto& o : outline.observations) is_in[o.base] = true;
+  for (const auto& o : observations) is_in[o.base] = true;
+  for (const PoseIndex place : {anchor, PoseIndex(0), PoseIndex(share.poses.size() - 1)}) is_in[place] = true;
+  std::vector<std::pair<PoseIndex, PoseIndex>> poses;
   for (const PoseIndex p : indices(share.poses)) {
-    if (joined.part[p] == part && std::ranges::binary_search(tied, share.poses[p])) is_in[p] = true;
-  }
-  std::vector<std::pair<PoseIndex, PoseIndex>> poses;  // by the indices of all names
-  for (const PoseIndex p : indices(is_in)) {
-    if (is_in[p]) poses.emplace_back(share.poses[p], p);
+    const bool is_wanted = is_in[p] || std::ranges::binary_search(referenced, share.poses[p]);
+    if (is_wanted && joined.part[p] == part) poses.emplace_back(share.poses[p], p);
   }
   std::ranges::sort(poses);
+  return poses;
+}
+
+template <int Dim>
+Outline<Dim> outline_of(const LogShare<Dim>& share, const JoinedShare<Dim>& joined, const std::vector<PoseIndex>& referenced,
+                        std::size_t part) {
+  Outline<Dim> outline;
+  outline.observations = shared_observations(share, joined, part);
+  const PoseIndex anchor = anchor_of(share, joined, part);
   outline.anchor = share.poses[anchor];
-  for (const auto& [index, p] : poses) {
+  for (const auto& [index, p] : outline_poses(share, joined, part, outline.observations, referenced, anchor)) {
     outline.poses.push_back(index);
     outline.values.poses.push_back(joined.values.poses[p]);
   }
@@ -127,10 +140,7 @@ Outline<Dim> outline_of(const LogShare<Dim>& share, const JoinedShare<Dim>& join
     outline.features.push_back(share.features[f]);
     outline.values.features.push_back(joined.values.features[f]);
   }
-  for (auto& o : outline.observations) {
-    o.base = share.poses[o.base];
-    o.target = share.features[o.target];
-  }
+  for (auto& o : outline.observations) renumber(o, [&](auto place) { return index_in(share, place); });
   return outline;
 }
 
@@ -140,11 +150,11 @@ template <int Dim>
 Values<Dim> start_of(const Communicator& comm, const LogPart<Dim>& whole, const LogShare<Dim>& share, ShareMaps<Dim> maps,
                      const RunOptions& options) {
   JoinedShare<Dim> joined = joined_share(share, std::move(maps), options);
-  const Ties<Dim> ties = ties_of(comm, whole, share, joined);
-  const std::vector<PoseIndex> tied = ties.poses();
+  const GlobalFactors<Dim> factors = global_factors(comm, whole, share, joined);
+  const std::vector<PoseIndex> referenced = factors.poses();
   std::vector<Outline<Dim>> outlines;
-  for (std::size_t k = 0; k < joined.parts; ++k) outlines.push_back(outline_of(share, joined, tied, k));
-  const std::vector<Pose<Dim>> frames = frames_of(comm, outlines, ties);
+  for (std::size_t k = 0; k < joined.parts; ++k) outlines.push_back(outline_of(share, joined, referenced, k));
+  const std::vector<Pose<Dim>> frames = frames_of(comm, outlines, factors);
   Values<Dim> start = std::move(joined.values);
   for (const PoseIndex p : indices(share.poses)) start.poses[p] = compose(frames[joined.part[p]], start.poses[p]);
   for (const FeatureIndex f : indices(share.features)) {

@@ -14,26 +14,30 @@
 
 namespace mapjoin {
 
+Expected<void> check_tied(const Names& names, const std::vector<Edge>& ties, const std::string& advice) {
+  constexpr std::ptrdiff_t kNamed = 3;
+  const TieVertices of = vertices_of(names);
+  const Graph graph = make_graph(of.size(), ties);
+  for (const FeatureIndex f : indices(names.features)) {
+    if (out_degree(static_cast<Vertex>(of.feature(f)), graph) > 0) continue;
+    return bad_input(fmt::format("{}: {} is never observed", names.source, to_string(names.features[f])));
+  }
+  std::vector<std::string> roots;
+  for (const std::size_t root : component_roots(graph)) roots.push_back(name_of(root, names));
+  if (roots.size() <= 1) return {};
+  const auto named = roots.begin() + std::min(std::ssize(roots), kNamed);
+  return bad_input(fmt::format("{}: nothing ties its {} parts together; they hold {}{}{}", names.source, roots.size(),
+                               fmt::join(roots.begin(), named, ", "), named != roots.end() ? ", …" : "", advice));
+}
+
 template <typename LogOrSet>
 Expected<void> check_connected(const LogOrSet& tied) {
-  constexpr std::ptrdiff_t kNamed = 3;
-  const TieVertices of = vertices_of(tied);
-  const Graph graph = make_graph(of.size(), ties_of(tied));
-  for (const FeatureIndex f : indices(tied.features)) {
-    if (out_degree(static_cast<Vertex>(of.feature(f)), graph) > 0) continue;
-    return bad_input(fmt::format("{}: {} is never observed", tied.source, to_string(tied.features[f])));
-  }
-  std::vector<std::string> names;
-  for (const std::size_t root : component_roots(graph)) names.push_back(name_of(root, tied));
-  if (names.size() <= 1) return {};
-  const auto named = names.begin() + std::min(std::ssize(names), kNamed);
   constexpr bool kIsLog = requires {
     tied.observations();
   };
-  return bad_input(fmt::format("{}: nothing ties its {} parts together; they hold {}{}{}{}", tied.source, names.size(),
-                               fmt::join(names.begin(), named, ", "), named != names.end() ? ", …" : "",
-                               tied.features.empty() ? "" : "; --associate ties them by features that they share",
-                               kIsLog ? "; --parts largest takes the largest, --parts all makes a map of each" : ""));
+  const std::string associate = tied.features.empty() ? "" : "; --associate ties them by features that they share";
+  return check_tied({tied.source, tied.poses, tied.features}, ties_of(tied),
+                    associate + (kIsLog ? "; --parts largest takes the largest, --parts all makes a map of each" : ""));
 }
 
 template <int Dim>

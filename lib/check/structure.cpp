@@ -6,6 +6,7 @@
 #include <mapjoin/check/checks.hpp>
 #include <mapjoin/check/ties.hpp>
 #include <mapjoin/check/weak_links.hpp>
+#include <mapjoin/model/lists.hpp>
 #include <utility>
 
 namespace mapjoin {
@@ -92,8 +93,7 @@ std::map<std::uint32_t, std::size_t> shared_features(const Tied& tied, const std
   for_each_tie(tied, [&](std::size_t a, std::size_t b) {
     if (of.is_feature(b)) seen.emplace_back(b, body_of[a]);
   });
-  std::sort(seen.begin(), seen.end());
-  seen.erase(std::unique(seen.begin(), seen.end()), seen.end());
+  make_distinct(seen);
   std::map<std::uint32_t, std::size_t> shared;
   for (std::size_t i = 0; i < seen.size(); ++i) {
     const bool is_shared =

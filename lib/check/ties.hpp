@@ -4,6 +4,7 @@
 
 #include <cstddef>
 #include <mapjoin/graph/graph.hpp>
+#include <mapjoin/model/error.hpp>
 #include <mapjoin/model/log.hpp>
 #include <mapjoin/model/submap_set.hpp>
 #include <string>
@@ -63,6 +64,16 @@ std::vector<Edge> ties_of(const Tied& tied) {
   for_each_tie(tied, [&](std::size_t a, std::size_t b) { ties.emplace_back(static_cast<Vertex>(a), static_cast<Vertex>(b)); });
   return ties;
 }
+
+/// The names in a log, a set of maps, or one that is spread over ranks.
+struct Names {
+  const std::string& source;
+  const PoseIds& poses;
+  const FeatureIds& features;
+};
+
+/// As check_connected(), by the edges between TieVertices; `advice` is what can be done where there are several components.
+Expected<void> check_tied(const Names& names, const std::vector<Edge>& ties, const std::string& advice);
 
 /// The first vertex of each connected component. The World counts only where something is tied to it.
 inline std::vector<std::size_t> component_roots(const Graph& graph) {

@@ -7,6 +7,7 @@
 #include <map>
 #include <mapjoin/check/ties.hpp>
 #include <mapjoin/check/weak_links.hpp>
+#include <mapjoin/model/lists.hpp>
 #include <utility>
 
 namespace mapjoin {
@@ -77,8 +78,7 @@ std::vector<std::size_t> cut_features(const std::vector<Edge>& edges, const std:
     if (known != kNone && known != component[e]) features.push_back(v);
     known = component[e];
   }
-  std::sort(features.begin(), features.end());
-  features.erase(std::unique(features.begin(), features.end()), features.end());
+  make_distinct(features);
   return features;
 }
 

@@ -2,7 +2,7 @@
 #include <algorithm>
 #include <array>
 #include <boost/pending/disjoint_sets.hpp>
-#include <mapjoin/graph/paths.hpp>
+#include <mapjoin/graph/graph.hpp>
 #include <numeric>
 #include <tuple>
 

@@ -2,8 +2,10 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <mapjoin/io/merged_maps.hpp>
+#include <mapjoin/io/open.hpp>
 #include <mapjoin/io/store/contents.hpp>
+#include <mapjoin/model/lists.hpp>
+#include <mapjoin/model/renumber.hpp>
 #include <optional>
 #include <utility>
 
@@ -16,12 +18,11 @@ struct Renumbering {
   Table<FeatureIndex, FeatureIndex> features;
 
   PoseIndex operator()(PoseIndex pose) const { return first_pose + pose.value; }
+  FeatureIndex operator()(FeatureIndex feature) const { return features[feature]; }
   Segment operator()(const Segment& segment) const { return {(*this)(segment.begin), (*this)(segment.end), segment.is_map}; }
   template <int Dim>
   LocalMap<Dim> operator()(LocalMap<Dim> map) const {
-    map.base = (*this)(map.base);
-    for (PoseIndex& pose : map.poses) pose = (*this)(pose);
-    for (FeatureIndex& feature : map.features) feature = features[feature];
+    renumber(map, *this);
     return map;
   }
 };
@@ -66,7 +67,6 @@ Expected<void> add_part(StoredMaps<Dim>& whole, StoredMaps<Dim> part) {
 /// Adds another portion of the same log, with its maps.
 template <int Dim>
 Expected<void> add_portion(StoredMaps<Dim>& whole, StoredMaps<Dim> portion) {
-  const auto append = [](auto& list, const auto& more) { list.insert(list.end(), more.begin(), more.end()); };
   append(whole.log.graph.pose_factors, portion.log.graph.pose_factors);
   append(whole.log.graph.feature_factors, portion.log.graph.feature_factors);
   portion.log.graph = {};
@@ -174,10 +174,9 @@ Expected<AnyMaps> merged_maps(std::vector<SubmapSet<Dim>> sets, const MergeOptio
   whole.conventions = sets.front().conventions;
   for (const SubmapSet<Dim>& set : sets) {
     whole.source += (whole.source.empty() ? "" : " + ") + set.source;
-    whole.features.insert(whole.features.end(), set.features.begin(), set.features.end());
+    append(whole.features, set.features);
   }
-  std::ranges::sort(whole.features);
-  whole.features.erase(std::unique(whole.features.begin(), whole.features.end()), whole.features.end());
+  make_distinct(whole.features);
   for (std::size_t k = 0; k < sets.size(); ++k) {
     const Renumbering part = renumbering(PoseIndex(whole.poses.size()), sets[k].features, whole.features);
     for (const PoseId& id : sets[k].poses) whole.poses.push_back({static_cast<std::uint32_t>(k), id.key});

@@ -4,8 +4,8 @@
 
 #include <filesystem>
 #include <mapjoin/io/local_maps/local_map_set.hpp>
+#include <mapjoin/io/merged_logs.hpp>
 #include <mapjoin/io/store/store.hpp>
-#include <mapjoin/model/merged_logs.hpp>
 #include <variant>
 #include <vector>
 
@@ -35,5 +35,13 @@ bool may_hold_maps(const std::filesystem::path& path);
 Expected<AnyMaps> open_maps(const std::filesystem::path& path, const ReadOptions& options = {});
 /// The same, and a portion of a log as it is.
 Expected<AnyMaps> open_maps_or_portion(const std::filesystem::path& path, const ReadOptions& options = {});
+
+/// The maps of several stores, or of several sets of others' maps, as those of one: each a session (see merged()), tied by the
+/// features that they share; but stores of one log are parts of its maps, and what no part has is joined as it was observed. A
+/// store knows its log, and its maps have every feature that was seen, so that the join is that of one log. Portions of a log,
+/// which are all to be there, are put together. Bad input: stores beside sets, what open_maps() refuses, other dimensions, and
+/// parts that are cut in different ways.
+Expected<AnyMaps> open_several_maps(const std::vector<std::filesystem::path>& paths, const ReadOptions& options = {},
+                                    const MergeOptions& merging = {});
 
 }  // namespace mapjoin

@@ -46,6 +46,11 @@ Chi2 log_chi2(const Log<Dim>& log, const Values<Dim>& values) {
 }
 
 template <int Dim>
+double graph_chi2(const FactorGraph<Dim>& graph, const Values<Dim>& values) {
+  return sum<Dim, PoseFactor>(graph.pose_factors, values) + sum<Dim, FeatureFactor>(graph.feature_factors, values);
+}
+
+template <int Dim>
 std::int64_t degrees_of_freedom(const Log<Dim>& log, std::size_t held_poses) {
   const std::int64_t rows = measured_rows(log.graph.pose_factors) + measured_rows(log.graph.feature_factors);
   const auto free_poses = static_cast<std::int64_t>(log.poses.size()) - static_cast<std::int64_t>(held_poses);
@@ -54,6 +59,8 @@ std::int64_t degrees_of_freedom(const Log<Dim>& log, std::size_t held_poses) {
 
 template Chi2 log_chi2(const Log<2>&, const Values<2>&);
 template Chi2 log_chi2(const Log<3>&, const Values<3>&);
+template double graph_chi2(const FactorGraph<2>&, const Values<2>&);
+template double graph_chi2(const FactorGraph<3>&, const Values<3>&);
 template std::int64_t degrees_of_freedom(const Log<2>&, std::size_t);
 template std::int64_t degrees_of_freedom(const Log<3>&, std::size_t);
 

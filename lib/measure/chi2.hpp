@@ -23,6 +23,10 @@ struct Chi2 {
 template <int Dim>
 Chi2 log_chi2(const Log<Dim>& log, const Values<Dim>& values);
 
+/// The same of all factors of a graph, without its submaps.
+template <int Dim>
+double graph_chi2(const FactorGraph<Dim>& graph, const Values<Dim>& values);
+
 /// What chi2 has as its expected value at the optimum of a consistent log: measured rows (the rank of every W) less unknowns,
 /// where `held_poses` poses are anchored (see GlobalMap::gauge; fixed ones count among them).
 template <int Dim>

@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <algorithm>
-#include <mapjoin/graph/paths.hpp>
+#include <mapjoin/graph/graph.hpp>
 #include <mapjoin/model/log.hpp>
+#include <mapjoin/model/renumber.hpp>
 #include <utility>
 
 namespace mapjoin {
@@ -42,15 +43,7 @@ template <int Dim>
 void renumber_poses(const std::vector<PoseIndex>& order, Log<Dim>& log) {
   Table<PoseIndex, PoseIndex> index(order.size());
   for (std::size_t i = 0; i < order.size(); ++i) index[order[i]] = PoseIndex(i);
-  const auto renumber = [&](PoseIndex& pose) {
-    if (pose != kWorld) pose = index[pose];
-  };
-  for (auto& factor : log.graph.pose_factors) {
-    renumber(factor.base);
-    renumber(factor.target);
-  }
-  for (auto& factor : log.graph.feature_factors) renumber(factor.base);
-  for (auto& fixed : log.graph.fixed) renumber(fixed.pose);
+  renumber(log.graph, EachKind{[&](PoseIndex old) { return index[old]; }, [](FeatureIndex same) { return same; }});
   std::ranges::sort(log.graph.fixed, {}, &FixedPose<Dim>::pose);
   permute(order, log.poses);
   permute(order, log.initial.poses);

@@ -1,10 +1,13 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include <tbb/global_control.h>
 #include <tbb/parallel_for.h>
 #include <tbb/parallel_invoke.h>
 #include <tbb/parallel_pipeline.h>
+#include <tbb/task_arena.h>
 
 #include <atomic>
 #include <mapjoin/parallel/parallel.hpp>
+#include <mapjoin/parallel/pieces.hpp>
 
 #ifdef MAPJOIN_TELL_TSAN
 #include <sanitizer/tsan_interface.h>
@@ -95,6 +98,14 @@ void parallel_in_order(std::size_t count, std::size_t at_once, const std::functi
   tbb::parallel_pipeline(at_once, tbb::make_filter<void, std::size_t>(tbb::filter_mode::serial_in_order, begin) &
                                       tbb::make_filter<std::size_t, std::size_t>(tbb::filter_mode::parallel, work) &
                                       tbb::make_filter<std::size_t, void>(tbb::filter_mode::serial_in_order, finish));
+}
+
+void isolated(const std::function<void()>& f) {
+  tbb::this_task_arena::isolate([&] { f(); });
+}
+
+std::size_t most_at_once() {
+  return tbb::global_control::active_value(tbb::global_control::max_allowed_parallelism);
 }
 
 }  // namespace mapjoin

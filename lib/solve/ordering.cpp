@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <limits>
+#include <mapjoin/model/lists.hpp>
 #include <mapjoin/solve/block_lower.hpp>
 #include <mapjoin/solve/cholmod.hpp>
 #include <mapjoin/solve/ordering.hpp>
@@ -47,8 +48,7 @@ void check(int status, int out_of_memory, bool has_failed, const char* library) 
 /// Ranks as CAMD takes them: from 0 on, none between them missing (it writes where it should not, else).
 Longs without_gaps(Longs ranks) {
   Longs distinct = ranks;
-  std::sort(distinct.begin(), distinct.end());
-  distinct.erase(std::unique(distinct.begin(), distinct.end()), distinct.end());
+  make_distinct(distinct);
   for (auto& rank : ranks) rank = std::lower_bound(distinct.begin(), distinct.end(), rank) - distinct.begin();
   return ranks;
 }

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <gtest/gtest.h>
 
-#include <mapjoin/distributed/holdings.hpp>
 #include <mapjoin/distributed/mpi/communicator.hpp>
+#include <mapjoin/distributed/mpi/holdings.hpp>
 
 namespace mapjoin::distributed {
 namespace {

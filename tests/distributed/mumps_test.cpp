@@ -2,7 +2,7 @@
 #include <gtest/gtest.h>
 
 #include <Eigen/Cholesky>
-#include <mapjoin/distributed/mumps.hpp>
+#include <mapjoin/distributed/mpi/mumps.hpp>
 #include <numeric>
 #include <tests/support/random.hpp>
 #include <tests/support/temporary_folder.hpp>

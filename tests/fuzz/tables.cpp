@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <mapjoin/io/formats/gps_csv.hpp>
-#include <mapjoin/io/formats/pose_csv.hpp>
-#include <mapjoin/io/formats/stamps.hpp>
+#include <mapjoin/io/formats/pose_tables.hpp>
 #include <mapjoin/model/log_builder.hpp>
 #include <tests/fuzz/promises.hpp>
 #include <tests/fuzz/targets.hpp>

@@ -4,7 +4,6 @@
 #include <gtest/gtest.h>
 
 #include <mapjoin/io/formats/log_format.hpp>
-#include <mapjoin/io/merged_maps.hpp>
 #include <mapjoin/io/open.hpp>
 #include <mapjoin/join/run.hpp>
 #include <tests/support/ceres_reference.hpp>

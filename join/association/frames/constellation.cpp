@@ -4,7 +4,7 @@
 #include <cmath>
 #include <cstdint>
 #include <mapjoin/graph/graph.hpp>
-#include <mapjoin/join/association/frames/constellation.hpp>
+#include <mapjoin/join/association/frames/feature_map.hpp>
 #include <mapjoin/join/association/point_tree.hpp>
 #include <mapjoin/measure/statistics.hpp>
 #include <mapjoin/parallel/parallel.hpp>
@@ -21,7 +21,7 @@ constexpr std::size_t kFewest = 3;
 /// The share of triangles whose uncertainty decides how far the tree is searched; the few that are more uncertain find less.
 constexpr double kUncertain = 0.95;
 
-/// A feature with two of its neighbours, by their places among these.
+/// A feature with two of its neighbours, by their indices among these.
 struct Triangle {
   std::uint32_t centre = 0;
   std::array<std::uint8_t, 2> ends{};
@@ -127,8 +127,8 @@ std::vector<Constellation> constellations_alike(const FeatureMap<Dim>& first, co
     for (std::size_t k = of_first.begin[centre]; k < of_first.begin[centre + 1]; ++k) {
       const Triangle& own = of_first.all[k];
       const double distance = std::sqrt(gate * (own.variances.maxCoeff() + variance));
-      for (const std::size_t place : tree.some_within(own.sides, distance, kMostAlike)) {
-        const Triangle& other = of_second.all[place];
+      for (const std::size_t index : tree.some_within(own.sides, distance, kMostAlike)) {
+        const Triangle& other = of_second.all[index];
         const Point<3> difference = own.sides - other.sides;
         if (difference.cwiseAbs2().cwiseQuotient(own.variances + other.variances).sum() > gate) continue;
         const auto pair = [&](int end) {

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <algorithm>
 #include <cmath>
+#include <mapjoin/join/association/frames/alignment_candidates.hpp>
 #include <mapjoin/join/association/frames/map_alignment.hpp>
-#include <mapjoin/join/association/frames/map_place.hpp>
 #include <mapjoin/measure/statistics.hpp>
 #include <mapjoin/parallel/parallel.hpp>
 #include <numbers>
@@ -15,10 +15,10 @@ namespace {
 /// Constellations that are looked at, and features that are looked at around each.
 constexpr std::size_t kMostConstellations = 20000;
 constexpr std::size_t kGlance = 24;
-/// Places that pairings are extended at.
+/// Candidates whose pairings are extended.
 constexpr std::size_t kMostPlaces = 32;
 
-/// A rough score of the place of a constellation, and the pairings that it is by.
+/// A rough score of the candidate of a constellation, and the pairings that it is by.
 struct Glance {
   double score = 0.0;
   std::vector<Pairing> pairs;
@@ -36,11 +36,12 @@ class Aligner {
         gate_(chi_squared_quantile(model.confidence, Dim)) {}
 
   MapAlignment align() const {
-    const std::vector<MapPlace<Dim>> places = grown(promising(constellations_alike(first_, second_, model_.confidence)));
-    if (places.empty()) return {};
-    const MapPlace<Dim>& best = places.front();
+    const std::vector<AlignmentCandidate<Dim>> candidates =
+        grown(promising(constellations_alike(first_, second_, model_.confidence)));
+    if (candidates.empty()) return {};
+    const AlignmentCandidate<Dim>& best = candidates.front();
     MapAlignment alignment{AlignmentStatus::kNone, best.pairs, best.score};
-    for (auto other = places.begin() + 1; other != places.end() && is_unique(alignment); ++other) {
+    for (auto other = candidates.begin() + 1; other != candidates.end() && is_unique(alignment); ++other) {
       if (places_.agree(best, *other)) {
         unite(alignment.pairs, other->pairs);
       } else if (alignment.other_pairs == 0) {
@@ -56,16 +57,16 @@ class Aligner {
     return alignment;
   }
 
-  /// The score of the best place of the map on itself, other than the identity, that has most of `features`, or where most are
-  /// of these; 0 where there is none.
+  /// The score of the best candidate of the map on itself, other than the identity, that has most of `features`, or where most
+  /// are of these; 0 where there is none.
   double repeat_score(const std::set<std::size_t>& features) const {
     auto constellations = constellations_alike(first_, first_, model_.confidence);
     std::erase_if(constellations,
                   [&](const Constellation& c) { return is_identity(c) || !features.contains(c.front().known); });
-    for (const MapPlace<Dim>& place : grown(promising(constellations))) {
-      const auto count = std::ranges::count_if(place.pairs, [&](const Pairing& p) { return features.contains(p.known); });
-      const auto fewer = std::min(std::ssize(place.pairs), std::ssize(features));
-      if (!is_identity(place.pairs) && 2 * count > fewer) return std::max(0.0, place.score);
+    for (const AlignmentCandidate<Dim>& candidate : grown(promising(constellations))) {
+      const auto count = std::ranges::count_if(candidate.pairs, [&](const Pairing& p) { return features.contains(p.known); });
+      const auto fewer = std::min(std::ssize(candidate.pairs), std::ssize(features));
+      if (!is_identity(candidate.pairs) && 2 * count > fewer) return std::max(0.0, candidate.score);
     }
     return 0.0;
   }
@@ -85,10 +86,10 @@ class Aligner {
     return 2.0 * Aligner(larger, larger, model_).repeat_score(paired) >= alignment.score;
   }
 
-  /// Whether no place that contradicts it has half its score.
+  /// Whether no candidate that contradicts it has half its score.
   static bool is_unique(const MapAlignment& alignment) { return 2.0 * alignment.other_score < alignment.score; }
 
-  /// The constellations of the best places by a glance, of each place one.
+  /// The constellations of the best candidates by a glance, of each candidate one.
   std::vector<Constellation> promising(const std::vector<Constellation>& all) const {
     std::vector<const Constellation*> largest;
     for (const Constellation& c : all) largest.push_back(&c);
@@ -140,16 +141,16 @@ class Aligner {
     return -std::log(std::min(1.0, model_.density.overall() * volume));
   }
 
-  /// The places that constellations lead to, the best first.
-  std::vector<MapPlace<Dim>> grown(const std::vector<Constellation>& seeds) const {
-    std::vector<std::optional<MapPlace<Dim>>> found(seeds.size());
+  /// The candidates that constellations lead to, the best first.
+  std::vector<AlignmentCandidate<Dim>> grown(const std::vector<Constellation>& seeds) const {
+    std::vector<std::optional<AlignmentCandidate<Dim>>> found(seeds.size());
     parallel_for(seeds.size(), [&](std::size_t k) { found[k] = places_.grown_from(seeds[k]); });
-    std::vector<MapPlace<Dim>> places;
-    for (auto& place : found) {
-      if (place) places.push_back(*std::move(place));
+    std::vector<AlignmentCandidate<Dim>> candidates;
+    for (auto& candidate : found) {
+      if (candidate) candidates.push_back(*std::move(candidate));
     }
-    std::ranges::stable_sort(places, std::greater<>(), &MapPlace<Dim>::score);
-    return places;
+    std::ranges::stable_sort(candidates, std::greater<>(), &AlignmentCandidate<Dim>::score);
+    return candidates;
   }
 
   static void unite(std::vector<Pairing>& pairs, const std::vector<Pairing>& more) {
@@ -162,7 +163,7 @@ class Aligner {
   const FeatureMap<Dim>& first_;
   const FeatureMap<Dim>& second_;
   const AlignmentModel<Dim>& model_;
-  MapPlaces<Dim> places_;
+  AlignmentCandidates<Dim> places_;
   double gate_;
 };
 

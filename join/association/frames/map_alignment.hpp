@@ -5,7 +5,6 @@
 
 #include <cmath>
 #include <cstdint>
-#include <mapjoin/join/association/frames/constellation.hpp>
 #include <mapjoin/join/association/frames/feature_map.hpp>
 #include <mapjoin/join/association/frames/sighting_chance.hpp>
 #include <mapjoin/join/association/neighbour_density.hpp>
@@ -14,7 +13,7 @@
 namespace mapjoin {
 
 enum class AlignmentStatus : std::uint8_t {
-  kFound,      ///< There is one place where the maps lie on each other.
+  kFound,      ///< There is one way in which the maps lie on each other.
   kNone,       ///< There is none that chance would not find as well.
   kAmbiguous,  ///< There are several.
   kRepeated,   ///< What was paired lies so elsewhere in the larger map, too.
@@ -23,13 +22,13 @@ enum class AlignmentStatus : std::uint8_t {
 /// Which features of two maps are the same.
 struct MapAlignment {
   AlignmentStatus status = AlignmentStatus::kNone;
-  std::vector<Pairing> pairs;   ///< Features of the first map (known) and of the second (sightings), of the best place.
+  std::vector<Pairing> pairs;   ///< Features of the first map (known) and of the second (sightings), of the best candidate.
   double score = 0.0;           ///< Its logarithm of odds, against maps that do not overlap.
-  std::size_t other_pairs = 0;  ///< Of the best place that contradicts it; 0 where there is none.
+  std::size_t other_pairs = 0;  ///< Of the best candidate that contradicts it; 0 where there is none.
   double other_score = 0.0;
 };
 
-/// What is known of features and sightings whatever the place.
+/// What is known of features and sightings whatever the alignment.
 template <int Dim>
 struct AlignmentModel {
   const NeighbourDensity<Dim>& density;
@@ -47,9 +46,9 @@ struct AlignmentModel {
 /// joint compatibility (Hypothesis), over the covariances of both maps and a relative pose that may be anything. The score is
 /// the logarithm of the odds against maps that do not overlap: each pairing counts by how much nearer it is than chance would
 /// have it, what one map should have seen of the other and did not counts against it, and so do all the relative poses that
-/// there could have been. A place is taken where the odds are those of `confidence` for every pairing of features that it may
-/// have begun with, and no other one that contradicts it has half its score; nor may what was paired lie so in the larger map
-/// once more, with half that score: then the world repeats itself.
+/// there could have been. A candidate is taken where the odds are those of `confidence` for every pairing of features that it
+/// may have begun with, and no other one that contradicts it has half its score; nor may what was paired lie so in the larger
+/// map once more, with half that score: then the world repeats itself.
 template <int Dim>
 MapAlignment align_maps(const FeatureMap<Dim>& first, const FeatureMap<Dim>& second, const AlignmentModel<Dim>& model);
 

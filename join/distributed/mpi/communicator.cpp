@@ -85,6 +85,12 @@ std::vector<std::string> Communicator::exchange(std::vector<std::string> to) con
   return from;
 }
 
+std::vector<std::string> Communicator::collect(std::string bytes) const {
+  std::vector<std::string> to(static_cast<std::size_t>(size_));
+  to.front() = std::move(bytes);
+  return exchange(std::move(to));
+}
+
 std::optional<Error> Communicator::first_error(const Error* mine) const {
   if (!any(mine != nullptr)) return std::nullopt;
   const std::string said = mine ? static_cast<char>(mine->kind) + mine->message : std::string();

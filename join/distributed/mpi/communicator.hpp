@@ -37,6 +37,8 @@ class Communicator {
   std::vector<std::string> gather(const std::string& bytes) const;
   /// `to[r]` goes to rank r; returns what comes from each rank.
   std::vector<std::string> exchange(std::vector<std::string> to) const;
+  /// What every rank has, by rank, on the first rank; on the others nothing.
+  std::vector<std::string> collect(std::string bytes) const;
 
   /// The lists of records that the ranks have, one after the other, on all ranks.
   template <typename Record>

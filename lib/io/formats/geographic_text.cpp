@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <mapjoin/io/files/output_file.hpp>
 #include <mapjoin/io/files/text_line.hpp>
-#include <mapjoin/io/formats/geographic_text.hpp>
+#include <mapjoin/io/formats/map_text.hpp>
 
 namespace mapjoin {
 namespace {

@@ -9,7 +9,7 @@
 #include <mapjoin/io/formats/log_format.hpp>
 #include <mapjoin/io/formats/map_text.hpp>
 #include <mapjoin/io/formats/mat_log.hpp>
-#include <mapjoin/io/formats/pose_csv.hpp>
+#include <mapjoin/io/formats/pose_tables.hpp>
 #include <mapjoin/io/formats/trajectory.hpp>
 #include <mapjoin/io/g2o/g2o.hpp>
 #include <mapjoin/io/g2o/numbering.hpp>

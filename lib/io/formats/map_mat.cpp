@@ -2,7 +2,7 @@
 #include <algorithm>
 #include <mapjoin/io/files/mat_file.hpp>
 #include <mapjoin/io/files/output_file.hpp>
-#include <mapjoin/io/formats/map_mat.hpp>
+#include <mapjoin/io/formats/mat_log.hpp>
 #include <string>
 #include <utility>
 #include <vector>

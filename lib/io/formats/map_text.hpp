@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
-// A global map as plain tables: a trajectory in the TUM or KITTI format, poses and features as CSV. For g2o see g2o.hpp.
+// A global map as plain text: a trajectory in the TUM or KITTI format, poses and features as CSV and, for maps that stand in a
+// GeographicFrame, in latitude and longitude. For g2o see g2o.hpp.
 
 #include <cstdint>
 #include <filesystem>
@@ -9,6 +10,8 @@
 #include <string>
 
 namespace mapjoin {
+
+class GeographicFrame;
 
 /// A pose of the plane in space: z is 0, and the heading a turn about z.
 Pose<3> in_space(const Pose<2>& pose);
@@ -44,5 +47,14 @@ Expected<void> write_pose_csv(const GlobalMap<Dim>& map, const std::filesystem::
 ///   covariance, likewise.
 template <int Dim>
 Expected<void> write_csv(const GlobalMap<Dim>& map, const std::filesystem::path& poses, const std::filesystem::path& features);
+
+/// A table of poses as that of write_csv(), with `latitude,longitude` (°) and, in space, `height` (m) for the pose; in the
+/// plane places have no height.
+template <int Dim>
+Expected<void> write_geographic_csv(const GlobalMap<Dim>& map, const GeographicFrame& frame, const std::filesystem::path& path);
+
+/// GeoJSON (RFC 7946): the trajectory of each session as a LineString, each feature as a Point.
+template <int Dim>
+Expected<void> write_geojson(const GlobalMap<Dim>& map, const GeographicFrame& frame, const std::filesystem::path& path);
 
 }  // namespace mapjoin

@@ -1,10 +1,12 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
-// The paper's two logs as their MAT files: Victoria Park's "clean data" and the corrected DLR data.
+// MAT files: the paper's two logs, Victoria Park's "clean data" and the corrected DLR data, and a global map for MATLAB and
+// Octave.
 
 #include <filesystem>
 #include <mapjoin/io/read_options.hpp>
 #include <mapjoin/model/error.hpp>
+#include <mapjoin/model/global_map.hpp>
 #include <mapjoin/model/log.hpp>
 #include <string>
 #include <string_view>
@@ -24,5 +26,11 @@ Expected<AnyLog> read_mat_log(std::string_view bytes, const std::string& file, c
 /// The variable `VicPark_clean_data` with the log's edges, then its observations. kUsage where an information matrix is
 /// singular, or an id is 2^53 or more; kCannotWrite.
 Expected<void> write_mat_log(const Log<2>& log, const std::filesystem::path& path);
+
+/// A global map: `poses`, one row each: session, id, x, y, phi, or x, y, z, qx, qy, qz, qw (m, rad); `features`: id, x, y(, z);
+/// where the map has them, `stamps` (s) and, upper triangles row by row as in write_csv(), `pose_covariances`,
+/// `feature_covariances`. kUsage where an id is no double, from 2⁵³ on; kCannotWrite, and then no file appears.
+template <int Dim>
+Expected<void> write_mat_map(const GlobalMap<Dim>& map, const std::filesystem::path& path);
 
 }  // namespace mapjoin

@@ -2,7 +2,7 @@
 #include <algorithm>
 #include <mapjoin/io/files/csv_text.hpp>
 #include <mapjoin/io/files/text_scanner.hpp>
-#include <mapjoin/io/formats/pose_csv.hpp>
+#include <mapjoin/io/formats/pose_tables.hpp>
 #include <mapjoin/io/g2o/fields.hpp>
 #include <mapjoin/model/log_builder.hpp>
 #include <string>

@@ -6,7 +6,7 @@
 #include <mapjoin/io/files/csv_text.hpp>
 #include <mapjoin/io/files/file_bytes.hpp>
 #include <mapjoin/io/files/text_scanner.hpp>
-#include <mapjoin/io/formats/stamps.hpp>
+#include <mapjoin/io/formats/pose_tables.hpp>
 #include <mapjoin/io/formats/trajectory.hpp>
 #include <string>
 

@@ -9,6 +9,7 @@
 #include <mapjoin/io/local_maps/local_map_file.hpp>
 #include <mapjoin/io/local_maps/local_map_set.hpp>
 #include <mapjoin/model/information.hpp>
+#include <mapjoin/model/lists.hpp>
 #include <set>
 
 namespace mapjoin {
@@ -162,8 +163,7 @@ template <int Dim>
 FeatureIds all_features(const NamedMaps<Dim>& maps) {
   FeatureIds all;
   for (const auto& map : maps) all.insert(all.end(), map.features.begin(), map.features.end());
-  std::sort(all.begin(), all.end());
-  all.erase(std::unique(all.begin(), all.end()), all.end());
+  make_distinct(all);
   return all;
 }
 

@@ -5,7 +5,7 @@
 #include <fstream>
 #include <mapjoin/io/store/map_rows.hpp>
 #include <mapjoin/io/store/store.hpp>
-#include <mapjoin/parallel/parallel_try.hpp>
+#include <mapjoin/parallel/pieces.hpp>
 #include <utility>
 
 namespace mapjoin {

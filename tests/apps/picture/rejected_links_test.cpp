@@ -3,8 +3,8 @@
 #include <gtest/gtest.h>
 
 #include <apps/exit_code.hpp>
-#include <apps/picture/rejected_links.hpp>
-#include <apps/report/rejected.hpp>
+#include <apps/picture/links.hpp>
+#include <apps/report/verdict.hpp>
 #include <mapjoin/io/formats/map_text.hpp>
 #include <mapjoin/io/g2o/g2o.hpp>
 #include <mapjoin/io/open.hpp>

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <gtest/gtest.h>
 
-#include <mapjoin/join/align/merge.hpp>
+#include <mapjoin/join/align/alignment.hpp>
 #include <tests/support/dimensions.hpp>
 #include <tests/support/random.hpp>
 

@@ -3,7 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
-#include <mapjoin/graph/paths.hpp>
+#include <mapjoin/graph/graph.hpp>
 #include <random>
 
 namespace mapjoin::testing {

@@ -5,8 +5,8 @@
 
 #include <atomic>
 #include <chrono>
-#include <mapjoin/parallel/isolated.hpp>
 #include <mapjoin/parallel/parallel.hpp>
+#include <mapjoin/parallel/pieces.hpp>
 #include <numeric>
 #include <stdexcept>
 #include <thread>

@@ -2,7 +2,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
-#include <mapjoin/join/association/frames/constellation.hpp>
+#include <mapjoin/join/association/frames/feature_map.hpp>
 #include <tests/support/dimensions.hpp>
 #include <tests/support/random.hpp>
 

@@ -3,10 +3,9 @@
 #include <gtest/gtest.h>
 
 #include <map>
-#include <mapjoin/io/merged_maps.hpp>
+#include <mapjoin/io/merged_logs.hpp>
 #include <mapjoin/io/open.hpp>
 #include <mapjoin/join/association/associate.hpp>
-#include <mapjoin/model/merged_logs.hpp>
 #include <set>
 #include <tests/support/cut_log.hpp>
 #include <tests/support/cut_maps.hpp>

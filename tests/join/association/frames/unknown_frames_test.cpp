@@ -3,9 +3,9 @@
 #include <gtest/gtest.h>
 
 #include <map>
+#include <mapjoin/io/merged_logs.hpp>
 #include <mapjoin/join/association/associate.hpp>
 #include <mapjoin/join/run.hpp>
-#include <mapjoin/model/merged_logs.hpp>
 #include <tests/support/cut_log.hpp>
 #include <tests/support/dimensions.hpp>
 #include <tests/support/wood.hpp>

@@ -3,7 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <mapjoin/io/files/mat_file.hpp>
-#include <mapjoin/io/formats/map_mat.hpp>
+#include <mapjoin/io/formats/mat_log.hpp>
 #include <tests/support/temporary_folder.hpp>
 
 namespace mapjoin::testing {

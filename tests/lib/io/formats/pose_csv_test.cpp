@@ -3,7 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <mapjoin/io/formats/map_text.hpp>
-#include <mapjoin/io/formats/stamps.hpp>
+#include <mapjoin/io/formats/pose_tables.hpp>
 #include <mapjoin/io/open.hpp>
 #include <tests/support/dimensions.hpp>
 #include <tests/support/random.hpp>

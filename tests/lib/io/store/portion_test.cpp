@@ -3,7 +3,7 @@
 #include <fmt/format.h>
 #include <gmock/gmock.h>
 
-#include <mapjoin/io/merged_maps.hpp>
+#include <mapjoin/io/open.hpp>
 #include <mapjoin/io/store/pieces.hpp>
 #include <tests/lib/io/store/store_fixture.hpp>
 #include <tests/support/dimensions.hpp>

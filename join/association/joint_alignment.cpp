@@ -1,0 +1,258 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <Eigen/LU>
+#include <algorithm>
+#include <cmath>
+#include <iterator>
+#include <limits>
+#include <mapjoin/join/association/joint_alignment.hpp>
+#include <mapjoin/parallel/parallel.hpp>
+#include <numbers>
+#include <optional>
+
+namespace mapjoin {
+namespace {
+
+/// Branches that are followed, and how much less probable than the best one they may be.
+constexpr std::size_t kMostBranches = 64;
+constexpr double kLeastOdds = 1e-6;
+/// Pairs of maps count as about as sure as the surest one where they are confusable at most so much more.
+constexpr double kAsSure = 2.0;
+/// Pairs of maps that are looked at, the surest ones, that are tried, and pairings that are held.
+constexpr std::size_t kMostPairs = 4000;
+constexpr std::size_t kMostTried = 400;
+constexpr std::size_t kMostHeld = 300;
+
+/// How many features of two maps stand among those of the other one: sightings that are nearer to a known feature than this
+/// one's neighbours are. None where that is less than half of either map's.
+template <int Dim>
+std::size_t overlap(const std::vector<Point<Dim>>& known, const std::vector<Point<Dim>>& sightings) {
+  const auto nearest = [&](const Point<Dim>& point, std::size_t but) {
+    std::pair<double, std::size_t> least{std::numeric_limits<double>::infinity(), known.size()};
+    for (std::size_t k = 0; k < known.size(); ++k) {
+      if (k != but) least = std::min(least, {(known[k] - point).squaredNorm(), k});
+    }
+    return least;
+  };
+  const auto is_among = [&](const Point<Dim>& sighting) {
+    const auto [distance, place] = nearest(sighting, known.size());
+    return distance < nearest(known[place], place).first;
+  };
+  const std::size_t fewer = std::min(known.size(), sightings.size());
+  if (fewer < AlignmentBranch<Dim>::kFewest) return 0;
+  const auto among = static_cast<std::size_t>(std::ranges::count_if(sightings, is_among));
+  return among < AlignmentBranch<Dim>::kFewest || 2 * among < fewer ? 0 : std::min(among, fewer);
+}
+
+bool share_a_pairing(const AlignedPair& one, const AlignedPair& other) {
+  return std::ranges::any_of(
+      one.features, [&](const FeaturePair& p) { return std::ranges::find(other.features, p) != other.features.end(); });
+}
+
+}  // namespace
+
+template <int Dim>
+JointAlignment<Dim>::JointAlignment(const FeatureEstimate<Dim>& estimate, const Identities& identities,
+                                    const NeighbourDensity<Dim>& density, double confidence, std::vector<MapPair<Dim>> pairs)
+    : estimate_(estimate),
+      identities_(identities),
+      density_(density),
+      confidence_(confidence),
+      per_deviation_(std::pow(2.0 * std::numbers::pi, 0.5 * Dim) * density.overall()),
+      gate_(matcher().gate()),
+      pairs_(std::move(pairs)),
+      covariances_(estimate),
+      branches_(1) {
+  std::ranges::stable_sort(pairs_, {}, &MapPair<Dim>::confusable);
+  pairs_.resize(std::min(kMostPairs, pairs_.size()));
+  is_tried_.resize(pairs_.size());
+  coupling_.resize(0, static_cast<Eigen::Index>(pairs_.size()) * Dim);
+}
+
+template <int Dim>
+Matcher<Dim> JointAlignment<Dim>::matcher() const {
+  return {density_, AssociationMethod::kJcbb, confidence_, static_cast<double>(identities_.sighting_count())};
+}
+
+template <int Dim>
+double JointAlignment<Dim>::log_tests() const {
+  const auto maps = static_cast<double>(identities_.map_count());
+  return std::log(0.5 * maps * (maps - 1.0));
+}
+
+template <int Dim>
+typename JointAlignment<Dim>::Features JointAlignment<Dim>::features_of(const MapPair<Dim>& pair) const {
+  Features features;
+  const auto of_earlier = identities_.features_in(pair.maps[0]);
+  const auto of_later = identities_.features_in(pair.maps[1]);
+  std::ranges::set_difference(of_earlier, of_later, std::back_inserter(features.known));
+  std::ranges::set_difference(of_later, of_earlier, std::back_inserter(features.sightings));
+  return features;
+}
+
+/// How far two maps overlap where the difference of their features is another one.
+template <int Dim>
+std::size_t JointAlignment<Dim>::overlap_where(const MapPair<Dim>& pair, const Point<Dim>& moved) const {
+  const Features features = features_of(pair);
+  std::vector<Point<Dim>> known, sightings;
+  for (const FeatureIndex f : features.known) known.push_back(covariances_.position(f) + moved);
+  for (const FeatureIndex f : features.sightings) sightings.push_back(covariances_.position(f));
+  return overlap<Dim>(known, sightings);
+}
+
+/// Of all pairs that were not tried, how the best branch has them.
+template <int Dim>
+std::vector<typename JointAlignment<Dim>::Rated> JointAlignment<Dim>::rated() {
+  const Branch& best = branches_.front();
+  const auto same = std::ranges::mismatch(held_, best.held()).in1 - held_.begin();
+  std::vector<FeaturePair> differences;
+  for (const auto& pair : pairs_) differences.push_back(pair.features);
+  coupling_ = best.coupling(differences, covariances_, coupling_.topRows(static_cast<Eigen::Index>(same) * Dim));
+  held_ = best.held();
+  const Eigen::VectorXd expected = best.expected(coupling_);
+  std::vector<Rated> rated;
+  for (std::size_t k = 0; k < pairs_.size(); ++k) {
+    if (is_tried_[k]) continue;
+    const auto column = static_cast<Eigen::Index>(k) * Dim;
+    const auto V = coupling_.middleCols<Dim>(column);
+    const PointMatrix<Dim> S = pairs_[k].covariance - V.transpose() * V;
+    rated.push_back({k, per_deviation_ * std::sqrt(std::max(0.0, S.determinant())), expected.segment<Dim>(column)});
+  }
+  return rated;
+}
+
+/// Of the pairs that the best branch leaves the least confusable, but does leave confusable, the one that overlaps most; where
+/// there is none, but other branches are left, the most confusable of all that overlap: it tells the most of them.
+template <int Dim>
+std::optional<std::size_t> JointAlignment<Dim>::next() {
+  std::vector<Rated> all = rated();
+  std::ranges::stable_sort(all, {}, &Rated::confusable);
+  const auto open = std::ranges::partition_point(all, [&](const Rated& r) { return r.confusable < 1.0 - confidence_; });
+  double most = std::numeric_limits<double>::infinity();
+  std::pair<std::size_t, std::size_t> best{0, 0};  // the overlap, and the pair
+  for (auto r = open; r != all.end() && r->confusable <= most; ++r) {
+    const std::size_t overlap = overlap_where(pairs_[r->pair], r->moved);
+    if (overlap == 0) continue;
+    most = std::min(most, kAsSure * r->confusable);
+    if (overlap > best.first || (overlap == best.first && r->pair < best.second)) best = {overlap, r->pair};
+  }
+  if (best.first > 0) return best.second;
+  if (is_sure()) return std::nullopt;
+  const auto witness = std::find_if(std::make_reverse_iterator(open), all.rend(),
+                                    [&](const Rated& r) { return overlap_where(pairs_[r.pair], r.moved) > 0; });
+  return witness == all.rend() ? std::nullopt : std::optional(witness->pair);
+}
+
+template <int Dim>
+PairingProblem<Dim> JointAlignment<Dim>::problem(const Branch& branch, const Features& features) const {
+  PairingProblem<Dim> problem = branch.problem(features.known, features.sightings, covariances_);
+  for (std::size_t s = 0; s < features.sightings.size(); ++s) {
+    for (std::size_t k = 0; k < features.known.size(); ++k) {
+      const Pairing pairing{k, s};
+      if (!identities_.may_be_same(features.known[k], features.sightings[s])) continue;
+      const double bound = gate_ * problem.covariance_of(pairing, pairing).trace();
+      if (problem.difference(pairing).squaredNorm() <= bound) problem.choices[s].push_back(k);
+    }
+  }
+  return problem;
+}
+
+/// A branch with all ways in which a pair of maps may lie; the branch itself where there is none.
+template <int Dim>
+std::vector<AlignmentBranch<Dim>> JointAlignment<Dim>::placed(const Branch& branch, std::size_t pair,
+                                                              const Features& features) const {
+  PairingProblem<Dim> problem = this->problem(branch, features);
+  Matcher<Dim> matcher = this->matcher();
+  std::vector<Branch> found;
+  for (const Hypothesis<Dim>& placement : matcher.placements(problem)) {
+    if (placement.pairings().size() < AlignmentBranch<Dim>::kFewest) continue;
+    if (probability_of(placement.score() - log_tests()) < confidence_) continue;  // chance may find it
+    AlignedPair placed{pair, {}, matcher.matches(problem, placement)};
+    for (const Pairing& p : placement.pairings()) {
+      placed.features.push_back({features.known[p.known], features.sightings[p.sighting]});
+    }
+    found.push_back(branch);
+    found.back().place(std::move(placed), covariances_);
+  }
+  if (!found.empty()) return found;
+  found.push_back(branch);
+  if (overlap<Dim>(problem.known, problem.sightings) > 0) found.back().charge(gate_ - Dim);  // nothing is within the gate
+  return found;
+}
+
+/// Lays a pair of maps on each other in all branches. One that the best branch cannot place is left alone: where noise is
+/// larger than stated, what does not fit says little of which branch is right.
+template <int Dim>
+void JointAlignment<Dim>::place(std::size_t pair) {
+  is_tried_[pair] = true;
+  const Features features = features_of(pairs_[pair]);
+  covariances_.add(features.known);
+  covariances_.add(features.sightings);
+  std::vector<std::vector<Branch>> next(branches_.size());
+  next.front() = placed(branches_.front(), pair, features);
+  if (next.front().front().placed().size() > branches_.front().placed().size()) {
+    parallel_for(branches_.size() - 1, [&](std::size_t k) { next[k + 1] = placed(branches_[k + 1], pair, features); });
+    std::vector<Branch> all;
+    for (auto& some : next) std::ranges::move(some, std::back_inserter(all));
+    prune(std::move(all));
+  }
+  std::vector<FeatureIndex> held;
+  for (const Branch& branch : branches_) {
+    for (const FeaturePair& p : branch.held()) held.insert(held.end(), {p.one, p.other});
+  }
+  covariances_.keep(held);
+}
+
+template <int Dim>
+void JointAlignment<Dim>::prune(std::vector<Branch> branches) {
+  std::ranges::stable_sort(branches, {}, [](const Branch& b) { return b.excess(); });
+  const double most = branches.front().excess() - 2.0 * std::log(kLeastOdds);
+  std::erase_if(branches, [most](const Branch& b) { return b.excess() > most; });
+  branches.resize(std::min(kMostBranches, branches.size()));
+  branches_ = std::move(branches);
+}
+
+/// The share of the branches, by their probabilities, that have a pair of maps lie so.
+template <int Dim>
+double JointAlignment<Dim>::share_of(const AlignedPair& placed) const {
+  double with = 0.0;
+  double all = 0.0;
+  for (const Branch& branch : branches_) {
+    const double weight = std::exp(0.5 * (branches_.front().excess() - branch.excess()));
+    all += weight;
+    const auto is_so = [&](const AlignedPair& p) { return p.pair == placed.pair && share_a_pairing(p, placed); };
+    if (std::ranges::any_of(branch.placed(), is_so)) with += weight;
+  }
+  return with / all;
+}
+
+/// Whether all branches agree with the best one.
+template <int Dim>
+bool JointAlignment<Dim>::is_sure() const {
+  return std::ranges::all_of(branches_.front().placed(), [&](const AlignedPair& p) { return share_of(p) >= confidence_; });
+}
+
+template <int Dim>
+std::vector<Proposal> JointAlignment<Dim>::propose(const std::stop_token& stop) {
+  for (std::size_t tried = 0; tried < kMostTried && branches_.front().held().size() < kMostHeld; ++tried) {
+    const auto pair = stop.stop_requested() ? std::nullopt : next();
+    if (!pair) break;
+    place(*pair);
+  }
+  std::vector<Proposal> proposals;
+  for (const AlignedPair& placed : branches_.front().placed()) {
+    const double share = share_of(placed);
+    for (std::size_t k = 0; k < placed.features.size(); ++k) {
+      Match match = placed.matches[k];
+      match.probability *= share * probability_of(match.score - log_tests());
+      const auto& [one, other] = placed.features[k];
+      const MapPair<Dim>& pair = pairs_[placed.pair];
+      if (match.probability >= confidence_) proposals.push_back({one, other, match, {pair.maps[0], pair.maps[1]}});
+    }
+  }
+  return proposals;
+}
+
+template class JointAlignment<2>;
+template class JointAlignment<3>;
+
+}  // namespace mapjoin

@@ -1,0 +1,160 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <mapjoin/distributed/reading/log_part.hpp>
+#include <mapjoin/io/g2o/g2o.hpp>
+#include <mapjoin/model/lists.hpp>
+#include <mapjoin/model/log_builder.hpp>
+#include <mapjoin/model/renumber.hpp>
+#include <optional>
+#include <sstream>
+#include <utility>
+
+namespace mapjoin::distributed {
+namespace {
+
+template <typename Index, typename Id>
+Table<Index, Id> names_of_all(const Communicator& comm, Table<Index, Id> mine) {
+  std::ranges::sort(mine);
+  std::vector<Id> all = comm.gather<Id>(mine);
+  make_distinct(all);
+  return Table<Index, Id>(std::move(all));
+}
+
+template <typename Index, typename Id>
+Index index_of(const Table<Index, Id>& names, const Id& id) {
+  return Index(find_ascending(names, id).value());
+}
+
+/// What the readers of all ranks left out.
+SkipCounts skipped_by_all(const Communicator& comm, const SkipCounts& mine) {
+  std::string lines;
+  for (const auto& [what, count] : mine) lines += fmt::format("{} {}\n", count, what);
+  SkipCounts all;
+  for (const std::string& some : comm.gather(lines)) {
+    std::istringstream text(some);
+    std::int64_t count = 0;
+    for (std::string what; text >> count && std::getline(text >> std::ws, what);) all[what] += count;
+  }
+  return all;
+}
+
+/// What the readers of all ranks did to matrices.
+MatrixRepairs repairs_by_all(const Communicator& comm, MatrixRepairs repairs) {
+  for (const auto count : {&MatrixRepairs::symmetrised, &MatrixRepairs::indefinite, &MatrixRepairs::missing}) {
+    repairs.*count = comm.sum(repairs.*count);
+  }
+  repairs.largest_asymmetry = comm.max(repairs.largest_asymmetry);
+  return repairs;
+}
+
+/// Bad input where ids are declared twice or, in a file with vertices, not at all.
+template <typename Index, typename Id>
+Expected<void> check_declared(const Communicator& comm, const std::string& file, bool has_vertices,
+                              const std::vector<std::uint64_t>& declared_here, const Table<Index, Id>& names) {
+  if (!has_vertices) return {};
+  std::vector<std::uint64_t> declared = comm.gather(declared_here);
+  std::ranges::sort(declared);
+  if (const auto twice = std::ranges::adjacent_find(declared); twice != declared.end()) {
+    return bad_input(fmt::format("{}: {} is declared a second time; two logs in one file are to be given as two files", file,
+                                 to_string(Id{.key = *twice})));
+  }
+  const auto is_undeclared = [&](const Id& id) { return !std::ranges::binary_search(declared, id.key); };
+  const auto missing = std::ranges::find_if(names, is_undeclared);
+  if (missing == names.end()) return {};
+  return bad_input(fmt::format("{}: the file declares vertices, but not {}", file, to_string(*missing)));
+}
+
+/// The log in the lines of this rank; none where they say nothing of any pose.
+Expected<std::optional<AnyLog>> log_of(const TextPart& part, const std::string& file, const ReadOptions& options) {
+  if (!part.has_graph) return std::nullopt;
+  const std::string with_parameters = part.parameters.empty() ? std::string() : part.parameters + std::string(part.text);
+  const auto before = static_cast<std::size_t>(std::ranges::count(part.parameters, '\n'));
+  // Lines count on from those before, but for the parameters of others, which the wrap-around of unsigned numbers allows for.
+  const TextScanner text(file, with_parameters.empty() ? part.text : with_parameters, part.lines_before - before);
+  return read_g2o(text, options, {.is_whole = false}).map([](AnyLog log) { return std::optional(std::move(log)); });
+}
+
+/// The poses that are fixed, at the values of their vertices.
+template <int Dim>
+Expected<std::vector<FixedPose<Dim>>> fixed_poses(const Communicator& comm, const TextPart& part, const LogPart<Dim>& log,
+                                                  const std::vector<std::uint64_t>& fixed, const ReadOptions& options) {
+  if (fixed.empty()) return {};
+  std::string vertices;
+  for (const std::string& some : comm.gather(part.vertices_of(fixed))) vertices += some;
+  LogBuilder<Dim> builder(log.source);
+  if (!vertices.empty()) {
+    auto values = read_g2o(TextScanner(log.source, vertices), options);
+    if (!values) return tl::unexpected(values.error());
+    builder.append(std::get<Log<Dim>>(*values));
+  }
+  for (const std::uint64_t key : fixed) {
+    if (find_ascending(log.poses, PoseId{0, key})) builder.add_pose({0, key});
+    builder.fix({0, key});
+  }
+  return std::move(builder).finish(PoseOrder::kOfIds).map([&](Log<Dim> said) {
+    for (auto& pose : said.graph.fixed) pose.pose = index_of(log.poses, said.poses[pose.pose]);
+    return std::move(said.graph.fixed);
+  });
+}
+
+/// The factors of one rank's log, which gives them up, under the indices of all names.
+template <int Dim>
+FactorGraph<Dim> renumbered(Log<Dim>& log, const LogPart<Dim>& whole) {
+  FactorGraph<Dim> graph{std::move(log.graph.pose_factors), std::move(log.graph.feature_factors), {}, {}};
+  renumber(graph, EachKind{[&](PoseIndex p) { return index_of(whole.poses, log.poses[p]); },
+                           [&](FeatureIndex f) { return index_of(whole.features, log.features[f]); }});
+  return graph;
+}
+
+/// The poses that hold the map: those of FIX lines; else, where nothing is measured from the World, the first pose of a file
+/// with vertices, at its own.
+template <int Dim>
+std::vector<std::uint64_t> poses_to_fix(const Communicator& comm, const TextPart& part, const LogPart<Dim>& log,
+                                        bool has_vertices) {
+  const auto is_prior = [](const auto& o) { return o.base == kWorld; };
+  const bool has_priors =
+      std::ranges::any_of(log.graph.pose_factors, is_prior) || std::ranges::any_of(log.graph.feature_factors, is_prior);
+  const bool is_held = comm.any(has_priors) || !part.fixed.empty();
+  return is_held || !has_vertices ? part.fixed : std::vector{log.poses.front().key};
+}
+
+template <int Dim>
+Expected<AnyLogPart> log_part(const Communicator& comm, const TextPart& part, Log<Dim> log, const std::string& file,
+                              const ReadOptions& options) {
+  LogPart<Dim> whole{file, log.conventions, skipped_by_all(comm, log.skipped), {}, {}, {}};
+  whole.conventions.repairs = repairs_by_all(comm, log.conventions.repairs);
+  whole.poses = names_of_all(comm, log.poses);
+  whole.features = names_of_all(comm, log.features);
+  const bool has_vertices = comm.any(!part.declared_poses.empty() || !part.declared_features.empty());
+  const auto check = [&](const auto& declared, const auto& names) {
+    return check_declared(comm, file, has_vertices, declared, names);
+  };
+  if (auto declared = check(part.declared_poses, whole.poses); !declared) return tl::unexpected(declared.error());
+  if (auto declared = check(part.declared_features, whole.features); !declared) return tl::unexpected(declared.error());
+  whole.graph = renumbered(log, whole);
+  auto fixed = fixed_poses(comm, part, whole, poses_to_fix(comm, part, whole, has_vertices), options);
+  if (!fixed) return tl::unexpected(fixed.error());
+  whole.graph.fixed = *std::move(fixed);
+  return AnyLogPart(std::move(whole));
+}
+
+}  // namespace
+
+Expected<AnyLogPart> read_log_part(const Communicator& comm, const std::filesystem::path& path, const ReadOptions& options) {
+  auto part = read_text_part(comm, path);
+  if (!part) return tl::unexpected(part.error());
+  auto log = comm.agree(log_of(*part, path.string(), options));
+  if (!log) return tl::unexpected(log.error());
+  const bool is_in_space = comm.any(*log && std::holds_alternative<Log<3>>(**log));
+  if (is_in_space && comm.any(*log && std::holds_alternative<Log<2>>(**log))) {
+    return bad_input(path.string() + ": the file has lines of the plane and lines of space");
+  }
+  const auto of_dimension = [&]<int Dim>(Log<Dim> none) {
+    return log_part<Dim>(comm, *part, *log ? std::get<Log<Dim>>(**std::move(log)) : std::move(none), path.string(), options);
+  };
+  return is_in_space ? of_dimension(Log<3>{}) : of_dimension(Log<2>{});
+}
+
+}  // namespace mapjoin::distributed

@@ -1,0 +1,68 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+// From the shares of a log, which are of time, to regions, which are of space: parts of the graph of what sees what, with few
+// sights between them.
+
+#include <mapjoin/distributed/reading/log_share.hpp>
+
+namespace mapjoin::distributed {
+
+/// Of so many regions the one of each pose of a share: as many poses in each, but for a few per cent. The first rank sees the
+/// graph of the whole log without its numbers, runs of poses taken together where there are more than a million.
+template <int Dim>
+Table<PoseIndex, std::size_t> region_of_poses(const Communicator& comm, const LogPart<Dim>& whole, const LogShare<Dim>& share,
+                                              std::size_t count);
+
+/// What goes from one share to one region: factors, and values of what they mention, by the indices of all names.
+template <int Dim>
+struct Dealt {
+  std::vector<PoseFactor<Dim>> pose_factors;
+  std::vector<FeatureFactor<Dim>> feature_factors;
+  std::vector<PoseIndex> poses;
+  std::vector<Pose<Dim>> pose_values;
+  std::vector<FeatureIndex> features;
+  std::vector<Point<Dim>> feature_values;
+};
+
+template <int Dim>
+std::string encoded(const Dealt<Dim>& dealt);
+template <int Dim>
+Dealt<Dim> decoded(const std::string& message);
+
+/// Deals out a share, in whose log poses and features are by its own indices.
+template <int Dim>
+class Dealer {
+ public:
+  /// `regions` are those of the poses of the share, of which each rank has `per_rank` consecutive ones.
+  Dealer(const Table<PoseIndex, std::size_t>& regions, std::size_t per_rank, const LogShare<Dim>& share,
+         const Values<Dim>& values);
+
+  /// What goes to the k-th region of each of `ranks` ranks.
+  std::vector<std::string> messages(std::size_t k, std::size_t ranks);
+
+ private:
+  /// What goes to one region, and what of the share is there already.
+  struct Hand {
+    Dealt<Dim> dealt;
+    Table<PoseIndex, bool> has_pose;
+    Table<FeatureIndex, bool> has_feature;
+  };
+  /// The hand of the region of a pose of the share; null where it is dealt out another time.
+  Hand* hand_of(PoseIndex pose);
+  template <typename Factor>
+  void deal(Factor o, std::vector<Factor> Dealt<Dim>::*factors);
+  /// To the region of the end that is of this share.
+  void deal_apart(const PoseFactor<Dim>& o);
+  void give(PoseIndex p, Hand& hand) const;
+  void give(FeatureIndex f, Hand& hand) const;
+
+  const Table<PoseIndex, std::size_t>& regions_;
+  std::size_t per_rank_;
+  const LogShare<Dim>& share_;
+  const Values<Dim>& values_;
+  IndexOf<PoseIndex, PoseIndex> place_of_;  ///< Of a pose by its index among all names.
+  std::size_t turn_ = 0;
+  std::vector<Hand> hands_;  ///< By rank.
+};
+
+}  // namespace mapjoin::distributed

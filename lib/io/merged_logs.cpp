@@ -1,0 +1,169 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <algorithm>
+#include <limits>
+#include <map>
+#include <mapjoin/io/merged_logs.hpp>
+#include <mapjoin/model/log_builder.hpp>
+#include <optional>
+#include <utility>
+
+namespace mapjoin {
+namespace {
+
+/// The first session of each log.
+template <int Dim>
+std::vector<std::uint32_t> first_sessions(const std::vector<Log<Dim>>& logs) {
+  std::vector<std::uint32_t> first;
+  std::uint32_t next = 0;
+  for (const Log<Dim>& log : logs) {
+    first.push_back(next);
+    std::uint32_t last = 0;
+    for (const PoseId& id : log.poses) last = std::max(last, id.session);
+    next += last + 1;
+  }
+  return first;
+}
+
+/// A log's poses by their names, for those that name them from outside.
+template <int Dim>
+using PoseOf = std::vector<IndexOf<PoseIndex, PoseId>>;
+
+/// The pose that log `own` means by a name: its own, else the one that another log has.
+template <int Dim>
+Expected<PoseId> meant(const PoseId& name, std::size_t own, const std::vector<Log<Dim>>& logs, const PoseOf<Dim>& pose_of,
+                       const std::vector<std::uint32_t>& first) {
+  if (pose_of[own](name)) return PoseId{first[own] + name.session, name.key};
+  std::vector<std::size_t> owners;
+  for (std::size_t k = 0; k < logs.size(); ++k) {
+    if (pose_of[k](name)) owners.push_back(k);
+  }
+  if (owners.size() == 1) return PoseId{first[owners.front()] + name.session, name.key};
+  std::vector<std::string> sources;
+  for (const std::size_t k : owners) sources.push_back(logs[k].source);
+  return bad_input(owners.empty() ? fmt::format("{}: an edge names {}, which no log declares; give the log that does, too, or "
+                                                "--skip-undeclared",
+                                                logs[own].source, to_string(name))
+                                  : fmt::format("{}: an edge names {}, which several other logs declare: {}", logs[own].source,
+                                                to_string(name), fmt::join(sources, ", ")));
+}
+
+template <int Dim>
+bool same_numbers(const NamedEdge<Dim>& a, const Pose<Dim>& measured, const PoseMatrix<Dim>& information) {
+  return a.measured.translation == measured.translation && a.measured.rotation.matrix() == measured.rotation.matrix() &&
+         a.information == information;
+}
+
+/// Edges between the poses of different logs, or that one log has of the poses of another.
+template <int Dim>
+class Ties {
+ public:
+  Ties(const std::vector<Log<Dim>>& logs, const std::vector<std::uint32_t>& first) : logs_(logs), first_(first) {
+    for (const Log<Dim>& log : logs) pose_of_.emplace_back(log.poses);
+  }
+
+  /// Takes the foreign edges of a log; those that other logs have, too, are counted unless they are to be kept.
+  Expected<void> take(std::size_t log, bool keep_copies) {
+    const std::size_t before = edges_.size();
+    for (const NamedEdge<Dim>& foreign : logs_[log].foreign) {
+      const auto base = meant<Dim>(foreign.base, log, logs_, pose_of_, first_);
+      const auto target = meant<Dim>(foreign.target, log, logs_, pose_of_, first_);
+      if (!base || !target) return tl::unexpected(base ? target.error() : base.error());
+      const NamedEdge<Dim> edge{*base, *target, foreign.measured, foreign.information};
+      if (!keep_copies && is_copy(edge, before)) {
+        ++copies_;
+      } else {
+        edges_.push_back(edge);
+      }
+    }
+    for (std::size_t k = before; k < edges_.size(); ++k) known_.emplace(std::pair(edges_[k].base, edges_[k].target), k);
+    return {};
+  }
+
+  const std::vector<NamedEdge<Dim>>& edges() const { return edges_; }
+  std::int64_t copies() const { return copies_; }
+
+ private:
+  /// Whether a log before this one, or the one that both poses are of, has the edge.
+  bool is_copy(const NamedEdge<Dim>& edge, std::size_t before) const {
+    const auto [begin, end] = known_.equal_range({edge.base, edge.target});
+    for (auto known = begin; known != end; ++known) {
+      if (known->second < before && same_numbers(edges_[known->second], edge.measured, edge.information)) return true;
+    }
+    return is_inside(edge);
+  }
+  bool is_inside(const NamedEdge<Dim>& edge) const {
+    const auto owner = std::ranges::upper_bound(first_, edge.base.session) - first_.begin() - 1;
+    const Log<Dim>& log = logs_[static_cast<std::size_t>(owner)];
+    const auto& pose_of = pose_of_[static_cast<std::size_t>(owner)];
+    const std::uint32_t first = first_[static_cast<std::size_t>(owner)];
+    if (edge.target.session < first) return false;
+    const auto base = pose_of({edge.base.session - first, edge.base.key});
+    const auto target = pose_of({edge.target.session - first, edge.target.key});
+    return base && target && std::ranges::any_of(log.edges(), [&](const PoseFactor<Dim>& own) {
+             return own.base == *base && own.target == *target && same_numbers(edge, own.measured, own.information);
+           });
+  }
+
+  const std::vector<Log<Dim>>& logs_;
+  const std::vector<std::uint32_t>& first_;
+  PoseOf<Dim> pose_of_;
+  std::vector<NamedEdge<Dim>> edges_;
+  std::multimap<std::pair<PoseId, PoseId>, std::size_t> known_;
+  std::int64_t copies_ = 0;
+};
+
+/// What a log fixes holds the map only where no log before it fixes anything.
+template <int Dim>
+std::int64_t release_later(std::vector<Log<Dim>>& logs) {
+  std::int64_t released = 0;
+  const auto first = std::ranges::find_if(logs, [](const Log<Dim>& log) { return !log.graph.fixed.empty(); });
+  for (auto log = first; log != logs.end(); ++log) {
+    if (log == first) continue;
+    released += static_cast<std::int64_t>(log->graph.fixed.size());
+    log->graph.fixed.clear();
+  }
+  return released;
+}
+
+}  // namespace
+
+Expected<std::uint64_t> step_apart(std::uint64_t largest, std::size_t parts) {
+  std::uint64_t step = 1;
+  const std::uint64_t most = std::numeric_limits<std::uint64_t>::max() / parts;
+  while (step <= largest && step <= most / 10) step *= 10;
+  if (step > largest) return step;
+  return tl::unexpected(Error{ErrorKind::kUsage, "the ids of features are too large to number those of several inputs apart"});
+}
+
+template <int Dim>
+Expected<Log<Dim>> merged(std::vector<Log<Dim>> logs, const MergeOptions& options) {
+  if (logs.size() == 1) return std::move(logs.front());
+  if (auto apart = options.own_features ? number_features_apart(logs) : Expected<void>(); !apart)
+    return tl::unexpected(apart.error());
+  const std::int64_t released = release_later(logs);
+  const std::vector<std::uint32_t> first = first_sessions(logs);
+  Ties<Dim> ties(logs, first);
+  std::vector<std::string> sources;
+  Conventions conventions = logs.front().conventions;
+  for (std::size_t k = 0; k < logs.size(); ++k) {
+    if (auto taken = ties.take(k, options.keep_copies); !taken) return tl::unexpected(taken.error());
+    sources.push_back(logs[k].source);
+    if (k > 0) conventions.repairs += logs[k].conventions.repairs;
+  }
+  LogBuilder<Dim> builder(fmt::format("{}", fmt::join(sources, " + ")), conventions, Numbers::kChecked);
+  for (std::size_t k = 0; k < logs.size(); ++k) builder.append(logs[k], first[k]);
+  for (const NamedEdge<Dim>& edge : ties.edges()) {
+    builder.add_pose_edge(edge.base, edge.target, edge.measured, edge.information);
+  }
+  if (ties.copies() > 0) builder.add_skipped("copies of edges in another file", ties.copies());
+  if (released > 0) builder.add_skipped("fixed poses of later files", released);
+  return std::move(builder).finish();
+}
+
+template Expected<Log<2>> merged(std::vector<Log<2>>, const MergeOptions&);
+template Expected<Log<3>> merged(std::vector<Log<3>>, const MergeOptions&);
+
+}  // namespace mapjoin

@@ -1,0 +1,39 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+// What is often done with lists.
+
+#include <algorithm>
+#include <iterator>
+#include <vector>
+
+namespace mapjoin {
+
+template <typename List, typename More>
+void append(List& list, const More& more) {
+  list.insert(list.end(), more.begin(), more.end());
+}
+
+/// Puts a list in ascending order, each value once.
+template <typename List>
+void make_distinct(List& list) {
+  std::ranges::sort(list);
+  list.erase(std::unique(list.begin(), list.end()), list.end());
+}
+
+/// At most `most` of a list, or of those in it that are wanted, spread evenly.
+template <typename T, typename Predicate>
+std::vector<T> evenly_chosen(const std::vector<T>& list, std::size_t most, Predicate&& is_wanted) {
+  std::vector<T> chosen;
+  chosen.reserve(list.size());
+  std::copy_if(list.begin(), list.end(), std::back_inserter(chosen), is_wanted);
+  if (chosen.size() <= most) return chosen;
+  for (std::size_t k = 0; k < most; ++k) chosen[k] = chosen[k * chosen.size() / most];
+  chosen.resize(most);
+  return chosen;
+}
+template <typename T>
+std::vector<T> evenly_chosen(const std::vector<T>& list, std::size_t most) {
+  return evenly_chosen(list, most, [](const T&) { return true; });
+}
+
+}  // namespace mapjoin

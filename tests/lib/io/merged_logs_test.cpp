@@ -1,0 +1,92 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <mapjoin/io/g2o/g2o.hpp>
+#include <mapjoin/io/merged_logs.hpp>
+#include <string>
+
+namespace mapjoin {
+namespace {
+
+using ::testing::ElementsAre;
+using ::testing::HasSubstr;
+using ::testing::SizeIs;
+
+const std::string kNumbers = " 1 0 0 1 0 0 1 0 1\n";
+
+Log<2> log_of(const std::string& name, const std::string& text) {
+  return std::get<Log<2>>(read_g2o(TextScanner(name, text), {.undeclared = Undeclared::kForeign}).value());
+}
+
+std::string vertices(std::uint64_t first, int count) {
+  std::string text;
+  for (int k = 0; k < count; ++k) text += "VERTEX_SE2 " + std::to_string(first + static_cast<std::uint64_t>(k)) + " 0 0 0\n";
+  return text;
+}
+std::string edge(std::uint64_t base, std::uint64_t target) {
+  return "EDGE_SE2 " + std::to_string(base) + " " + std::to_string(target) + kNumbers;
+}
+
+TEST(MergedLogs, KeepTheirOwnNamesOfPosesAndShareThoseOfFeatures) {
+  const auto log = merged<2>({log_of("a", edge(0, 1) + "EDGE_SE2_XY 1 7 1 0 1 0 1\n"),
+                              log_of("b", edge(0, 1) + "EDGE_SE2_XY 0 7 1 0 1 0 1\nEDGE_SE2_XY 0 8 1 0 1 0 1\n")})
+                       .value();
+  EXPECT_EQ(log.source, "a + b");
+  EXPECT_THAT(log.poses, ElementsAre(PoseId{0, 0}, PoseId{0, 1}, PoseId{1, 0}, PoseId{1, 1}));
+  EXPECT_THAT(log.features, ElementsAre(FeatureId{7}, FeatureId{8}));
+  EXPECT_THAT(log.sessions, SizeIs(2));
+  EXPECT_THAT(log.odometry(), SizeIs(2));
+}
+
+TEST(MergedLogs, OwnFeaturesAreNumberedApart) {
+  const std::string text = edge(0, 1) + "EDGE_SE2_XY 1 7 1 0 1 0 1\nEDGE_SE2_XY 1 12 1 0 1 0 1\n";
+  const auto log = merged<2>({log_of("a", text), log_of("b", text)}, {.own_features = true}).value();
+  EXPECT_THAT(log.features, ElementsAre(FeatureId{7}, FeatureId{12}, FeatureId{107}, FeatureId{112}));
+  const auto large = log_of("c", "EDGE_SE2_XY 1 18446744073709551615 1 0 1 0 1\n");
+  EXPECT_THAT(merged<2>({large, large}, {.own_features = true}).error().message, HasSubstr("too large to number"));
+}
+
+TEST(MergedLogs, EdgesThatNamePosesOfAnotherLogTieThem) {
+  const auto log =
+      merged<2>({log_of("a", vertices(0, 2) + edge(0, 1) + edge(1, 101)), log_of("b", vertices(100, 2) + edge(100, 101))})
+          .value();
+  ASSERT_THAT(log.closures(), SizeIs(1));
+  EXPECT_EQ(log.poses[log.closures()[0].base], (PoseId{0, 1}));
+  EXPECT_EQ(log.poses[log.closures()[0].target], (PoseId{1, 101}));
+  EXPECT_THAT(log.initial.poses, SizeIs(4));
+}
+
+TEST(MergedLogs, AnEdgeThatStandsInTwoLogsCountsOnceUnlessAllAreKept) {
+  const auto a = log_of("a", vertices(0, 2) + edge(0, 1) + edge(1, 100) + edge(1, 100));
+  const auto b = log_of("b", vertices(100, 2) + edge(100, 101) + edge(1, 100) + "EDGE_SE2 1 100 2 0 0 1 0 0 1 0 1\n");
+  const auto c = log_of("c", vertices(200, 2) + edge(200, 201) + edge(100, 101) + edge(201, 0));
+  const auto log = merged<2>({a, b, c}).value();
+  EXPECT_THAT(log.closures(), SizeIs(4)) << "two of a, the one of b with other numbers, and that of c to a";
+  EXPECT_EQ(log.skipped.at("copies of edges in another file"), 2);
+  EXPECT_THAT(merged<2>({a, b, c}, {.keep_copies = true})->edges(), SizeIs(3 + 4 + 2));
+}
+
+TEST(MergedLogs, NameAnEdgeToAPoseThatNoLogOrSeveralDeclare) {
+  const auto a = log_of("a", vertices(0, 2) + edge(0, 1) + edge(1, 100));
+  const auto b = log_of("b", vertices(100, 2) + edge(100, 101));
+  EXPECT_THAT(merged<2>({a, log_of("b", vertices(200, 2) + edge(200, 201))}).error().message,
+              HasSubstr("a: an edge names pose 100, which no log declares; give the log that does, too, or --skip-undeclared"));
+  EXPECT_EQ(merged<2>({a, b, b}).error().message, "a: an edge names pose 100, which several other logs declare: b, b");
+}
+
+TEST(MergedLogs, TheFirstThatFixesPosesHoldsTheMap) {
+  const auto fixed = log_of("a", vertices(0, 2) + edge(0, 1) + "FIX 1\n");
+  const auto log = merged<2>({log_of("b", edge(5, 6)), fixed, fixed}).value();
+  ASSERT_THAT(log.graph.fixed, SizeIs(1));
+  EXPECT_EQ(log.poses[log.graph.fixed[0].pose], (PoseId{1, 1}));
+  EXPECT_EQ(log.skipped.at("fixed poses of later files"), 1);
+}
+
+TEST(MergedLogs, CountWhatEachLeftOut) {
+  const std::string text = edge(0, 1) + "ROBOTLASER1 0\n";
+  EXPECT_EQ(merged<2>({log_of("a", text), log_of("b", text)})->skipped.at("ROBOTLASER1 lines"), 2);
+}
+
+}  // namespace
+}  // namespace mapjoin
