@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // What the command says of whether a map fits.
+#include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -11,6 +12,7 @@
 namespace mapjoin::testing {
 namespace {
 
+using ::testing::AllOf;
 using ::testing::HasSubstr;
 using ::testing::StartsWith;
 
@@ -79,10 +81,30 @@ TEST_F(VerdictTest, IsUntestedWhereNothingIsMeasuredTwiceOrNobodyAsks) {
   EXPECT_THAT(both.err, HasSubstr("--strict goes by the verdict, which --no-verdict leaves out"));
 }
 
+TEST_F(VerdictTest, ShowsTheFiveWorstForPeople) {
+  std::string lines;
+  for (const int pose : {10, 110, 210, 310, 410, 510, 610}) {
+    lines += fmt::format("EDGE_SE2 {} {} 1 0 0 25 0 0 25 0 25\n", pose, pose + 4);
+  }
+  const std::string out = call({"run", log_with(lines)}).out;
+  EXPECT_THAT(out, HasSubstr(" and 6 more are out of line with the rest\n"));
+  std::size_t shown = 0;
+  for (std::size_t at = out.find("closure from"); at != std::string::npos; at = out.find("closure from", at + 1)) ++shown;
+  EXPECT_EQ(shown, 5U);
+}
+
+TEST_F(VerdictTest, SaysThatMoreMayShowWithoutWhatBentTheMap) {
+  EXPECT_THAT(call({"run", log_with(wrong_closure)}).out,
+              HasSubstr(" is out of line with the rest; more may show without it\n"));
+}
+
 TEST_F(VerdictTest, SaysByHowMuchCovariancesAreTooSmall) {
   const std::string path = (folder.path() / "noisy.g2o").string();
   ASSERT_EQ(call({"simulate", "--poses", "500", "--noise-multiplier", "3", "-o", path, "--quiet"}).exit_code, 0);
   EXPECT_THAT(call({"run", path}).out, HasSubstr("typical residuals are larger than the covariances say: "));
+  std::ofstream(path, std::ios::app) << "EDGE_SE2 10 400 1 0 0 25 0 0 25 0 25\n";
+  EXPECT_THAT(call({"run", path}).out, AllOf(HasSubstr("MISFIT: closure from pose 10 to pose 400"),
+                                             HasSubstr("typical residuals are larger than the covariances say: ")));
 }
 
 }  // namespace

@@ -67,6 +67,27 @@ TYPED_TEST(RecoverTest, FindsTheLeastChi2GivenWhatIsHeld) {
   EXPECT_LT(largest_difference(state, expected), 1e-6);
 }
 
+TYPED_TEST(RecoverTest, BeginsWhereOdometryLeadsFromWhatIsKept) {
+  constexpr int kDim = TestFixture::kDim;
+  this->world = small_world<kDim>({.features = 40, .range = 2.5, .noise = 0.0});
+  auto state = this->world.truth;
+  for (const PoseIndex p : indices(state.poses)) {
+    if (!this->parts.kept[p]) state.poses[p] = Pose<kDim>{Point<kDim>::Constant(1e3), {}};
+  }
+  MinimiseOptions one_step;
+  one_step.max_iterations = 1;  // where nothing is wrong, odometry leads to the optimum
+  EXPECT_EQ(recover_interiors(this->world.log, this->parts, this->is_local, one_step, state), 0U);
+  EXPECT_LT(largest_difference(state, this->world.truth), 1e-9);
+}
+
+TYPED_TEST(RecoverTest, CountsTheMapsWhoseInteriorsDidNotConverge) {
+  auto state = this->world.truth;
+  EXPECT_EQ(recover_interiors(this->world.log, this->parts, this->is_local, {}, state), 0U);
+  MinimiseOptions one_step;
+  one_step.max_iterations = 1;
+  EXPECT_GT(recover_interiors(this->world.log, this->parts, this->is_local, one_step, state), 0U);
+}
+
 TYPED_TEST(RecoverTest, LeavesWhatIsKeptUntouched) {
   auto state = this->world.truth;
   recover_interiors(this->world.log, this->parts, this->is_local, {}, state);

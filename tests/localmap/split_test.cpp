@@ -185,12 +185,17 @@ TYPED_TEST(SplitTest, EveryLocalMapIsInOneShare) {
   const std::size_t maps = map_segments(parts.segments).size();
   for (const std::size_t count : {1u, 3u, 5u, 40u}) {
     std::vector<int> owners(parts.segments.size(), 0);
+    std::vector<std::size_t> shares;  // of the maps, in order
     for (std::size_t k = 0; k < count; ++k) {
       const auto segments = segments_of({k, count}, parts);
       const std::size_t own = map_segments(segments).size();
       EXPECT_TRUE(own == maps / count || own == maps / count + 1) << own;
-      for (std::size_t s = 0; s < segments.size(); ++s) owners[s] += segments[s].is_map;
+      for (std::size_t s = 0; s < segments.size(); ++s) {
+        owners[s] += segments[s].is_map;
+        if (segments[s].is_map) shares.push_back(s);
+      }
     }
+    EXPECT_TRUE(std::ranges::is_sorted(shares)) << "the first share has the first maps";
     for (std::size_t s = 0; s < owners.size(); ++s) EXPECT_EQ(owners[s], parts.segments[s].is_map ? 1 : 0);
   }
 }

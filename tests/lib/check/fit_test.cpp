@@ -50,6 +50,18 @@ TEST(Fit, TellsErrorsThatAreLargerOrSmallerThanStated) {
   EXPECT_THAT(checks_of({kind_fit("closures", normal_residuals(1000, 0.4), name)}, 3000), ElementsAre("too_cautious"));
 }
 
+TEST(Fit, SaysNothingOfErrorsThatAreNotFarFromStated) {
+  for (const double times : {0.6, 1.4}) {
+    EXPECT_THAT(checks_of({kind_fit("closures", normal_residuals(1000, times), name)}, 3000), ElementsAre()) << times;
+  }
+}
+
+TEST(Fit, CallsNothingAnOutlierThatItsCovarianceAllows) {
+  auto residuals = normal_residuals(1000, 0.3);
+  residuals[17].chi2 = 15.0;  // far off among these, and nothing for three rows of a thousand
+  EXPECT_EQ(kind_fit("closures", residuals, name).outliers.count, 0u);
+}
+
 TEST(Fit, IsJudgedFromTwentyRowsOn) {
   for (const auto& [chi2, check] : {std::pair(9.0, "too_certain"), std::pair(0.2, "too_cautious")}) {
     const auto residuals_of = [&, of_each = chi2](std::size_t count) {

@@ -4,6 +4,7 @@
 
 #include <cmath>
 #include <mapjoin/check/checks.hpp>
+#include <mapjoin/measure/statistics.hpp>
 #include <mapjoin/model/log_builder.hpp>
 #include <tests/support/dimensions.hpp>
 #include <tests/support/random.hpp>
@@ -67,6 +68,9 @@ TYPED_TEST(Repeats, ContradictOnlyWhereChanceHardlyAllowsIt) {
   };
   EXPECT_THAT(apart(4.0), ElementsAre("repeated"));
   EXPECT_THAT(apart(9.0), ElementsAre("contradiction"));
+  const auto by_chance = [](double probability) { return std::sqrt(chi_squared_quantile(1.0 - probability, kPoseDof<Dim>)); };
+  EXPECT_THAT(apart(by_chance(3e-9)), ElementsAre("repeated"));
+  EXPECT_THAT(apart(by_chance(3e-10)), ElementsAre("contradiction"));
 }
 
 TYPED_TEST(Repeats, AreComparedWhateverTheirDirection) {

@@ -92,14 +92,14 @@ TEST(Units, AreJudgedByTenLoopsAtLeast) {
   EXPECT_THAT(warnings_of(seen_again_after(1, 10)), IsEmpty());
 }
 
-/// Steps whose turns are given as 5 radians, then steps that hardly turn; a feature is seen from both ends of each. The first
-/// of its observations is this share of the way from where it would be with degrees to where it would be with radians; half of
-/// it where the step hardly turns.
-Log<2> seen_from_both_ends(std::uint64_t turns, std::uint64_t straight, double share) {
+/// Steps whose turns are given as 5 radians, or as the angle given, then steps that hardly turn; a feature is seen from both
+/// ends of each. The first of its observations is this share of the way from where it would be with degrees to where it would
+/// be with radians; half of it where the step hardly turns.
+Log<2> seen_from_both_ends(std::uint64_t turns, std::uint64_t straight, double share, double turn = 5.0) {
   const Point<2> seen_last(3.0, 1.0);
   LogBuilder<2> builder("ends");
   for (std::uint64_t pose = 0; pose < turns + straight; ++pose) {
-    const double angle = pose < turns ? 5.0 : 1e-6;
+    const double angle = pose < turns ? turn : 1e-6;
     const double off = pose < turns ? share : 0.5;
     const Pose<2> step{{1.0, 0.0}, Rotation<2>(angle)};
     const Pose<2> by_degrees{{1.0, 0.0}, Rotation<2>(angle / kDegrees)};
@@ -114,6 +114,7 @@ Log<2> seen_from_both_ends(std::uint64_t turns, std::uint64_t straight, double s
 TEST(Units, AreJudgedByLoopsThatTurn) {
   EXPECT_THAT(warnings_of(seen_from_both_ends(15, 45, 0.0)), ::testing::ElementsAre("degrees"));
   EXPECT_THAT(warnings_of(seen_from_both_ends(0, 60, 0.0)), IsEmpty());
+  EXPECT_THAT(warnings_of(seen_from_both_ends(60, 0, 0.0, 0.02)), IsEmpty());
 }
 
 TEST(Units, AreThoseThatMissAThirdAsMuchAtMost) {
@@ -121,17 +122,28 @@ TEST(Units, AreThoseThatMissAThirdAsMuchAtMost) {
   EXPECT_THAT(warnings_of(seen_from_both_ends(60, 0, 0.3)), IsEmpty());
 }
 
-TEST(Units, OfValuesAreComparedWhereTheyTurn) {
+/// Every fourth edge turns so far, and the values so many times as far; between, edges hardly turn, and values less.
+Log<2> with_values(double turn, double times) {
   LogBuilder<2> builder("values");
   double heading = 0.0;
   for (std::uint64_t pose = 0; pose < 40; ++pose) {
     const bool turns = pose % 4 == 0;
     builder.add_pose({0, pose}, Pose<2>{Point<2>::Zero(), Rotation<2>(heading)});
-    heading += turns ? kDegrees * 0.1 : 1e-7;
-    builder.add_pose_edge({0, pose}, {0, pose + 1}, {{1.0, 0.0}, Rotation<2>(turns ? 0.1 : 1e-6)}, PoseMatrix<2>::Identity());
+    heading += turns ? times * turn : 1e-5;
+    builder.add_pose_edge({0, pose}, {0, pose + 1}, {{1.0, 0.0}, Rotation<2>(turns ? turn : 1e-4)}, PoseMatrix<2>::Identity());
   }
   builder.add_pose({0, 40}, Pose<2>{Point<2>::Zero(), Rotation<2>(heading)});
-  EXPECT_THAT(warnings_of(std::move(builder).finish().value()), ::testing::ElementsAre("degrees"));
+  return std::move(builder).finish().value();
+}
+
+TEST(Units, OfValuesAreComparedWhereTheyTurn) {
+  for (const double turn : {0.1, 0.02}) {
+    EXPECT_THAT(warnings_of(with_values(turn, kDegrees)), ::testing::ElementsAre("degrees")) << turn;
+  }
+}
+
+TEST(Units, OfValuesAreThoseOfEdgesUnlessTheyTurnAsDegreesDo) {
+  for (const double times : {1.0, 20.0, 75.0}) EXPECT_THAT(warnings_of(with_values(0.02, times)), IsEmpty()) << times;
 }
 
 TEST(Units, OfValuesAreComparedWithThoseOfEdges) {

@@ -2,9 +2,12 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <Eigen/LU>
+#include <cmath>
 #include <mapjoin/gps/fixes.hpp>
 #include <mapjoin/model/log_builder.hpp>
 #include <numbers>
+#include <utility>
 
 namespace mapjoin {
 namespace {
@@ -73,13 +76,44 @@ TEST(AttachFixes, BetweenTwoPosesTheLeverFollowsOdometryFromTheNearerOne) {
   EXPECT_LT((transform(step, priors[3].lever) - transform(robot_at(0.75), lever)).norm(), 1e-12);
 }
 
+TEST(AttachFixes, TheFirstPoseMayHaveAFixOfItsOwn) {
+  Log<2> log = log_of();
+  ASSERT_TRUE(attach_fixes(fixes_of({fix_at(0.0)}), {}, log));
+  EXPECT_EQ(log.pose_priors()[0].target, PoseIndex(0));
+}
+
+/// Pose 2 has the time of pose 1, and the other way round: the pose after pose 0 is the second one from it.
+TEST(AttachFixes, OnlyOdometryBetweenNeighboursInTimeLeadsToAFix) {
+  Log<2> log = log_of();
+  std::swap(log.stamps_ns[PoseIndex(1)], log.stamps_ns[PoseIndex(2)]);
+  EXPECT_EQ(attach_fixes(fixes_of({fix_at(0.5), fix_at(1.0)}), {}, log).value().left_out, 1);
+}
+
+/// Far east of the origin, north is another direction than there: meridians meet at the pole.
+TEST(AttachFixes, TheDeviationsOfAFixAreThoseWhereItWasMade) {
+  Log<2> log = log_of();
+  GpsFix far = fix_at(3.0);
+  far.place.longitude += 2.0;
+  ASSERT_TRUE(attach_fixes(fixes_of({fix_at(1.0), fix_at(2.0), far}), {}, log));
+  const double converged = 2.0 * std::numbers::pi / 180.0 * std::sin(50.0 * std::numbers::pi / 180.0);
+  const Matrix<2> R = Rotation<2>(converged).matrix();
+  const Matrix<2> expected = R * Eigen::Vector2d(4.0, 0.25).asDiagonal() * R.transpose();
+  const Matrix<2> covariance = log.pose_priors()[2].information.topLeftCorner<2, 2>().inverse();
+  EXPECT_LT((covariance - expected).norm(), 0.02 * std::abs(expected(0, 1)) + 0.004) << covariance;
+}
+
 TEST(AttachFixes, AFixThatNoPoseIsNearIsCounted) {
   Log<2> log = log_of();
-  const auto attached =
-      attach_fixes(fixes_of({fix_at(-0.1), fix_at(4.1), fix_at(3.5), fix_at(1.5), fix_at(1.1)}), {.most_apart = 0.4}, log)
-          .value();
+  const auto attached = attach_fixes(fixes_of({fix_at(-0.1), fix_at(4.1), fix_at(3.5), fix_at(1.5), fix_at(1.1), fix_at(1.7)}),
+                                     {.most_apart = 0.4}, log)
+                            .value();
   EXPECT_EQ(attached.left_out, 4) << "before the first pose, behind the last, where no odometry leads, and too far from both";
-  EXPECT_EQ(log.pose_priors().size(), 1U);
+  EXPECT_EQ(log.pose_priors().size(), 2U);
+}
+
+TEST(AttachFixes, AnyTimeApartMayBeAllowed) {
+  Log<2> log = log_of();
+  EXPECT_EQ(attach_fixes(fixes_of({fix_at(1.5)}), {.most_apart = 1e12}, log).value().left_out, 0);
 }
 
 TEST(AttachFixes, TheFixesReleaseWhatIsFixed) {
@@ -93,7 +127,7 @@ TEST(AttachFixes, AFixThatIsFarOffDoesNotMoveTheOrigin) {
   Log<2> log = log_of();
   GpsFix null_island = fix_at(3.0);
   null_island.place = {};
-  const auto attached = attach_fixes(fixes_of({fix_at(1.0), fix_at(2.0), null_island}), {}, log).value();
+  const auto attached = attach_fixes(fixes_of({null_island, fix_at(1.0), fix_at(2.0)}), {}, log).value();
   EXPECT_EQ(attached.frame.origin().latitude, 50.0);
 }
 
@@ -121,6 +155,10 @@ TEST(AttachFixes, SessionsThatDroveAtOnceAreToldApartByName) {
   log = two;
   ASSERT_TRUE(attach_fixes(fixes_of({of_second}), {}, log));
   EXPECT_EQ(log.poses[log.pose_priors()[0].target], (PoseId{1, 1}));
+  of_second.when = std::uint64_t{1};
+  log = two;
+  ASSERT_TRUE(attach_fixes(fixes_of({of_second}), {}, log));
+  EXPECT_EQ(log.poses[log.pose_priors()[0].target], (PoseId{1, 1})) << "and by the name of the pose";
 }
 
 TEST(AttachFixes, SaysWhatIsMissing) {
@@ -130,6 +168,10 @@ TEST(AttachFixes, SaysWhatIsMissing) {
   Log<2> with_prior = log_of();
   with_prior.graph.pose_factors.push_back({kWorld, 0, {}, PoseMatrix<2>::Identity()});
   EXPECT_THAT(message(fixes_of({fix_at(1.0)}), with_prior), HasSubstr("log.g2o has priors, which are in another frame"));
+  Log<2> with_feature_prior = log_of();
+  with_feature_prior.graph.feature_factors.push_back({kWorld, 0, {}, PointMatrix<2>::Identity()});
+  EXPECT_THAT(message(fixes_of({fix_at(1.0)}), with_feature_prior),
+              HasSubstr("log.g2o has priors, which are in another frame"));
   LogBuilder<3> in_space("space.g2o");
   in_space.add_pose_edge({0, 0}, {0, 1}, {}, PoseMatrix<3>::Identity());
   EXPECT_THAT(message({"fixes.csv", false, {fix_at(1.0)}}, std::move(in_space).finish().value()),

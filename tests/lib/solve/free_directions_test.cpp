@@ -103,6 +103,12 @@ TYPED_TEST(FreeDirectionsTest, TakeRoundingForNoMotion) {
   }
 }
 
+TYPED_TEST(FreeDirectionsTest, NameWhatMovesAThousandTimesLess) {
+  Eigen::MatrixXd N = this->moved({3}).leftCols(1);
+  N(this->variables_[4].offset, 0) = 1e-3;
+  EXPECT_EQ(this->said(N).substr(0, 41), "feature 7 and feature 8 cannot be determi");
+}
+
 TYPED_TEST(FreeDirectionsTest, NameAFewOfMany) {
   for (int p = 20; p < 30; ++p) this->add("pose " + std::to_string(p), true);
   std::vector<std::size_t> all;

@@ -74,6 +74,14 @@ TEST(TrustRegion, TheFactorOfATruncatedStepDoesNotServeAgain) {
   EXPECT_FALSE(region.may_repeat(1e9));
 }
 
+/// Along the direction of steepest descent chi2 falls, as the model has it, by 2 s - s² of what it does at its least.
+TEST(TrustRegion, AStepThatIsCutShortOnTheWayDownPromisesWhatIsLeftOfIt) {
+  TrustRegion region = after(-1.0);  // of length 1: a quarter is tried next
+  region.set_cauchy_point(promising(0.8), Unmeasured{});
+  EXPECT_DOUBLE_EQ(region.step()[0], 0.25);
+  EXPECT_DOUBLE_EQ(region.predicted_decrease(), 0.8 * (2.0 * 0.25 - 0.25 * 0.25));
+}
+
 TEST(TrustRegion, DampingGrowsEverFasterUntilAStepIsTaken) {
   TrustRegion region(Method::kLevenbergMarquardt);
   for (const double growth : {2.0, 4.0, 8.0}) {

@@ -33,6 +33,11 @@ TEST(GpsCsv, InThePlaneThereNeedBeNoHeights) {
   EXPECT_EQ(std::get<std::uint64_t>(fixes.fixes[0].when), 12U);
 }
 
+TEST(GpsCsv, HeightsCountWhereTheirDeviationIsKnown) {
+  const auto fixes = read_gps_csv("pose,latitude,longitude,height,sd_east,sd_north\n12,50,8,100,1,1\n", "fixes.csv").value();
+  EXPECT_FALSE(fixes.has_heights);
+}
+
 void expect_refused(const std::string& text, const std::string& message) {
   const auto fixes = read_gps_csv(text, "fixes.csv");
   ASSERT_FALSE(fixes);
@@ -50,6 +55,9 @@ TEST(GpsCsv, WhatIsWrongIsNamedWithItsPlace) {
   expect_refused(head + "1,50,8,0,1\n", "fixes.csv:2:8: a standard deviation is from 1e-6 to 1e6 m");
   expect_refused(head + "1,50,8,,1\n", "fixes.csv:2:");
   expect_refused(head + "1,50,8,1,1,1\n", "fixes.csv:2:12: ");
+  expect_refused(head + "1,-90.5,8,1,1\n", "fixes.csv:2:3: an angle from -90 to 90 degrees is expected");
+  expect_refused(head + "1,50,361,1,1\n", "fixes.csv:2:6: an angle from -360 to 360 degrees is expected");
+  expect_refused(head + "1,50,8,1,2e6\n", "fixes.csv:2:10: a standard deviation is from 1e-6 to 1e6 m");
   expect_refused("time,latitude,longitude,height,sd_east,sd_north,sd_up\n1,50,8,1e9,1,1,1\n",
                  "fixes.csv:2:8: a height from -1e7");
 }

@@ -66,6 +66,11 @@ TEST_F(TrajectoryTest, KittiGivesTheRowsOfRotationAndTranslation) {
   EXPECT_NEAR(flat.initial.poses[0].rotation.angle(), 0.5 * std::numbers::pi, 1e-15);
 }
 
+TEST_F(TrajectoryTest, KittiTakesRotationsOfThreeDigits) {
+  const auto log = read<3>("1 0 0 7 0 0.707 -0.707 8 0 0.707 0.707 9\n");
+  EXPECT_LE((log.initial.poses[0].rotation.log() - RotationVector<3>(0.25 * std::numbers::pi, 0.0, 0.0)).norm(), 1e-12);
+}
+
 TEST_F(TrajectoryTest, NamesThePlaceOfWhatIsWrong) {
   EXPECT_THAT(message("0 0 0 1 0 0 0 1\n1 0 0 1 0 0 0\n"), EndsWith(":2:14: the line ends where a number is expected"));
   EXPECT_THAT(message("0 0 0 1 0 0 0 1\n1 0 0 1 0 0 0 0\n"),

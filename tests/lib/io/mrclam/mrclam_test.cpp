@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <cmath>
 #include <map>
 #include <mapjoin/io/files/file_bytes.hpp>
 #include <mapjoin/io/files/text_scanner.hpp>
@@ -107,6 +108,32 @@ TEST_F(MrclamTest, TiesRobotsThatSeeEachOther) {
 TEST_F(MrclamTest, IsALogThoughItIsAFolder) {
   EXPECT_FALSE(may_hold_maps(folder.path()));
   EXPECT_TRUE(may_hold_maps(folder.path().parent_path()));
+}
+
+TEST_F(MrclamTest, GoesAlongArcsThatAreAlmostStraight) {
+  folder.file("Robot1_Odometry.dat", "100 1 0.5\n101 0 0\n");
+  const Pose<2> step = read().odometry()[0].measured;
+  EXPECT_LE((step.translation - 2.0 * Point<2>(std::sin(0.5), 1.0 - std::cos(0.5))).norm(), 1e-12);
+}
+
+TEST_F(MrclamTest, IsOnePoseWhatIsSeenWithinATenthOfAMillisecond) {
+  folder.file("Robot1_Measurement.dat", "101 72 2 0\n101.00005 27 2 0\n101.01 72 2 0\n");
+  EXPECT_EQ(read().poses.size(), 3u);
+}
+
+TEST_F(MrclamTest, NoRobotSeesItself) {
+  folder.file("Robot1_Measurement.dat", "101 5 2 0\n102 72 2 0\n");
+  const Log<2> log = read();
+  EXPECT_EQ(log.unassociated, 1);
+  EXPECT_TRUE(log.closures().empty());
+}
+
+TEST_F(MrclamTest, TakesFastVehiclesThatSeeFarLongAfter1970) {
+  folder.file("Robot1_Odometry.dat", "8.9e9 9e4 0\n");
+  folder.file("Robot1_Measurement.dat", "8900000000.01 72 9e5 0\n");
+  EXPECT_EQ(message(), "");
+  folder.file("Robot1_Odometry.dat", "9.1e9 1 0\n");
+  EXPECT_THAT(message(), EndsWith("Robot1_Odometry.dat:1:1: a time must be below 9e9 s"));
 }
 
 TEST_F(MrclamTest, NamesThePlaceOfWhatIsWrong) {
