@@ -2,6 +2,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <mapjoin/gps/geographic_frame.hpp>
 #include <mapjoin/io/files/output_file.hpp>
 #include <mapjoin/io/files/text_line.hpp>
 #include <mapjoin/io/formats/map_text.hpp>
