@@ -16,8 +16,6 @@ namespace {
 constexpr std::size_t kNeighbours = 8;
 /// Triangles that one is compared with.
 constexpr std::size_t kMostAlike = 256;
-/// Neighbours in a constellation, beside the feature itself.
-constexpr std::size_t kFewest = 3;
 /// The share of triangles whose uncertainty decides how far the tree is searched; the few that are more uncertain find less.
 constexpr double kUncertain = 0.95;
 
@@ -79,9 +77,8 @@ struct Alike {
   std::array<std::uint8_t, 2> neighbours;  // each a neighbour in the first map times kNeighbours, and one in the second
 };
 
-/// The neighbours that most triangles around two features agree on, as `Alike` has them; empty where there are too few.
+/// The neighbours that most triangles around two features agree on, as `Alike` has them: three at least, or none.
 std::vector<Vertex> agreed(std::vector<Alike>::const_iterator begin, std::vector<Alike>::const_iterator end) {
-  if (end - begin < static_cast<std::ptrdiff_t>(kFewest)) return {};
   std::array<std::uint64_t, kNeighbours * kNeighbours> adjacent{};
   std::vector<Edge> edges;
   bool has_triangle = false;
@@ -92,10 +89,7 @@ std::vector<Vertex> agreed(std::vector<Alike>::const_iterator begin, std::vector
     adjacent[b] |= std::uint64_t{1} << a;
     edges.emplace_back(a, b);
   }
-  if (!has_triangle) return {};
-  auto clique = largest_clique(kNeighbours * kNeighbours, edges);
-  if (clique.size() < kFewest) clique.clear();
-  return clique;
+  return has_triangle ? largest_clique(kNeighbours * kNeighbours, edges) : std::vector<Vertex>();
 }
 
 /// How uncertain the sides of most triangles are at most.

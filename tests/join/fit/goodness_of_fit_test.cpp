@@ -3,7 +3,9 @@
 #include <gtest/gtest.h>
 
 #include <Eigen/Cholesky>
+#include <cmath>
 #include <mapjoin/join/run.hpp>
+#include <mapjoin/measure/statistics.hpp>
 #include <mapjoin/model/log_builder.hpp>
 #include <numbers>
 #include <tests/support/closing_world.hpp>
@@ -30,6 +32,7 @@ TYPED_TEST(GoodnessOfFitTest, OfAThousandConsistentWorldsHardlyMoreThanTenAreCal
   }
   this->RecordProperty("misfits", misfits);
   EXPECT_LE(misfits, 18);  // ten, and two and a half standard deviations
+  EXPECT_GE(misfits, 3);   // the level is spent
 }
 
 TYPED_TEST(GoodnessOfFitTest, NoClosureThatIsWrongByTenIsMissed) {
@@ -55,6 +58,71 @@ TYPED_TEST(GoodnessOfFitTest, NoClosureThatIsWrongByTenIsMissed) {
   }
   this->RecordProperty("named_first", named_first);
   EXPECT_GE(named_first, 0.97 * kWorlds);
+}
+
+/// The closure of the given place, off by so much in every coordinate.
+template <int Dim>
+Log<Dim> with_wrong_closure(Log<Dim> log, std::size_t closure, double shift) {
+  PoseFactor<Dim>& wrong = log.graph.pose_factors[log.odometry().size() + closure];
+  wrong.measured.translation += Point<Dim>::Constant(shift);
+  return log;
+}
+
+TYPED_TEST(GoodnessOfFitTest, TellsChi2AndItsDegreesOfFreedomWithoutTheMisfits) {
+  constexpr int kDim = TypeParam::value;
+  const testing::ClosingWorld<kDim> world(60, 3);
+  const GoodnessOfFit fit = fit_of(with_wrong_closure(world.log, 2, 1.0));
+  ASSERT_EQ(fit.misfits.size(), 1U);
+  Log<kDim> without = world.log;
+  without.graph.pose_factors.erase(without.graph.pose_factors.begin() + std::ssize(world.log.odometry()) + 2);
+  const auto right = run(without, {}).value();
+  EXPECT_EQ(fit.dof, right.dof);
+  EXPECT_NEAR(fit.chi2, right.chi2, 1e-2 * right.chi2);
+  EXPECT_NEAR(fit.misfits[0].probability,
+              static_cast<double>(fit.parts) * chi_squared_upper_tail(fit.misfits[0].chi2, kPoseDof<kDim>),
+              1e-9 * fit.misfits[0].probability);
+}
+
+TYPED_TEST(GoodnessOfFitTest, TestsTheOthersAnewWithoutAMisfit) {
+  const testing::ClosingWorld<TypeParam::value> world(60, 3);
+  const GoodnessOfFit one = fit_of(with_wrong_closure(world.log, 2, 0.6));
+  const GoodnessOfFit both = fit_of(with_wrong_closure(with_wrong_closure(world.log, 2, 0.6), 5, 0.6));
+  EXPECT_TRUE(both.is_complete) << "these hardly turn the map";
+  ASSERT_EQ(both.misfits.size(), 2U);
+  for (const Misfit& misfit : both.misfits) EXPECT_EQ(misfit.kind, PartKind::kClosure);
+  EXPECT_NEAR(both.chi2, one.chi2, 0.1 * one.chi2);
+}
+
+TYPED_TEST(GoodnessOfFitTest, OfManyPartsOneMisfitIsEnoughWhateverChi2AsAWholeSays) {
+  const testing::ClosingWorld<TypeParam::value> world(TypeParam::value == 2 ? 600 : 200, 5);
+  RunOptions options;
+  options.most_misfits = 0;
+  const GoodnessOfFit fit = run(with_wrong_closure(world.log, 4, TypeParam::value == 2 ? 0.5 : 0.3), options).value().fit;
+  ASSERT_GT(fit.probability, 0.01);
+  EXPECT_EQ(fit.verdict, Verdict::kMisfit);
+}
+
+TYPED_TEST(GoodnessOfFitTest, NamesPriorsThatDoNotFit) {
+  constexpr int kDim = TypeParam::value;
+  const testing::ClosingWorld<kDim> world(60, 3);
+  const auto map = run(world.log, {}).value().map;
+  for (const bool is_of_pose : {true, false}) {
+    Log<kDim> log = world.log;
+    for (const std::size_t k : {2U, 7U, 12U}) {
+      log.graph.feature_factors.push_back(
+          {kWorld, FeatureIndex(k), map.features[FeatureIndex(k)], 100.0 * PointMatrix<kDim>::Identity()});
+      log.graph.pose_factors.push_back(
+          {kWorld, PoseIndex(4 * k), map.poses[PoseIndex(4 * k)], 100.0 * PoseMatrix<kDim>::Identity()});
+    }
+    Point<kDim>& wrong =
+        is_of_pose ? log.graph.pose_factors.back().measured.translation : log.graph.feature_factors.back().measured;
+    wrong[0] += 3.0;
+    const GoodnessOfFit fit = fit_of(log);
+    ASSERT_FALSE(fit.misfits.empty());
+    EXPECT_EQ(fit.misfits[0].kind, PartKind::kPrior);
+    EXPECT_EQ(fit.misfits[0].from, kWorld);
+    EXPECT_EQ(fit.misfits[0].to, is_of_pose ? PoseOrFeature(PoseIndex(48)) : PoseOrFeature(FeatureIndex(12)));
+  }
 }
 
 TYPED_TEST(GoodnessOfFitTest, NamesAFeatureThatIsNotTheOneItIsSaidToBe) {
@@ -147,9 +215,34 @@ TYPED_TEST(GoodnessOfFitTest, TellsCovariancesThatAreTooSmallFromOutliers) {
   EXPECT_NEAR(observations->scale, 9.0, 1.5);
 }
 
+TYPED_TEST(GoodnessOfFitTest, CallsNoKindTooCertainWhereChi2IsProbable) {
+  int larger = 0;
+  for (std::uint64_t seed = 1; seed <= 10; ++seed) {
+    const GoodnessOfFit fit = fit_of(testing::ClosingWorld<TypeParam::value>(30, seed).log);
+    if (fit.verdict != Verdict::kFits) continue;
+    for (const KindScale& kind : fit.kinds) {
+      larger += kind.scale > 1.0;
+      EXPECT_FALSE(kind.is_too_certain) << seed;
+    }
+  }
+  EXPECT_GT(larger, 0);
+}
+
+/// Observations of a kind that says too much are no outliers, where enough others confirm how large they are.
+TYPED_TEST(GoodnessOfFitTest, TrustsTheScaleOfAKindThatEnoughOthersConfirm) {
+  testing::ClosingWorld<TypeParam::value> world(25, 5);
+  for (auto& observation : world.log.graph.feature_factors) observation.information *= 25.0;
+  const GoodnessOfFit fit = fit_of(world.log);
+  const auto observations = std::ranges::find(fit.kinds, PartKind::kObservation, &KindScale::kind);
+  ASSERT_GT(observations->confirmed, 20.0);
+  EXPECT_TRUE(fit.misfits.empty());
+}
+
 TYPED_TEST(GoodnessOfFitTest, CallsNothingAMisfitThatCautiousCovariancesAllow) {
   testing::ClosingWorld<TypeParam::value> world(100, 6);
   for (auto& observation : world.log.graph.feature_factors) observation.information /= 25.0;
+  auto& off = world.log.graph.feature_factors[world.log.observations().size() / 2];
+  off.measured[0] += 3.0 / std::sqrt(off.information(0, 0));  // far more than the others are, and no more than it says
   const GoodnessOfFit fit = fit_of(world.log);
   EXPECT_EQ(fit.verdict, Verdict::kFits);
   const auto observations = std::ranges::find(fit.kinds, PartKind::kObservation, &KindScale::kind);
@@ -178,6 +271,25 @@ TEST(GoodnessOfFit, BlamesTheClosureWhereOneClosesALoopAndOdometryWhereTwoAgree)
   const GoodnessOfFit two = fit_of(square(5.0, 8));
   ASSERT_EQ(two.verdict, Verdict::kMisfit);
   EXPECT_EQ(two.misfits.at(0).kind, PartKind::kOdometry);
+}
+
+TEST(GoodnessOfFit, WaitsForAMapWithoutAMisfitThatBentItFar) {
+  EXPECT_FALSE(fit_of(square(15.0, 1)).is_complete);
+}
+
+/// A round of so many steps, each of which the others know next to nothing of, whose closure is off by a metre.
+TEST(GoodnessOfFit, TestsTheClosureOfALongRound) {
+  LogBuilder<2> builder("round");
+  constexpr std::uint64_t kSteps = 3000;
+  const PoseMatrix<2> W = Eigen::Vector3d(1e4, 1e4, 1e8).asDiagonal();
+  const double turn = 2.0 * std::numbers::pi / static_cast<double>(kSteps);
+  for (std::uint64_t k = 1; k <= kSteps; ++k) {
+    builder.add_pose_edge({0, k - 1}, {0, k}, {{0.01, 0.0}, Rotation<2>(turn)}, W);
+  }
+  builder.add_pose_edge({0, kSteps}, {0, 0}, {{5.0, 0.0}, Rotation<2>(0.0)}, W);
+  const GoodnessOfFit fit = fit_of(std::move(builder).finish().value());
+  ASSERT_EQ(fit.verdict, Verdict::kMisfit);
+  EXPECT_EQ(fit.misfits.at(0).kind, PartKind::kClosure);
 }
 
 TEST(GoodnessOfFit, IsUntestedWhereNothingIsMeasuredTwice) {

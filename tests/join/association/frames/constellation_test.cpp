@@ -51,6 +51,57 @@ TEST(Constellation, IsNotAlikeInAMirror) {
   for (const Constellation& c : constellations_alike(map_of<2>(points), map_of<2>(mirrored), 0.99)) EXPECT_LT(c.size(), 5U);
 }
 
+TEST(Constellation, IsFoundAmongManyThatLookAlike) {
+  std::vector<Point<2>> grid;
+  for (int x = 0; x < 5; ++x) {
+    for (int y = 0; y < 5; ++y) grid.emplace_back(3.0 * x, 3.0 * y);
+  }
+  const auto map = map_of<2>(grid);
+  std::size_t itself = 0;
+  for (const Constellation& constellation : constellations_alike(map, map, 0.99)) {
+    itself += std::ranges::all_of(constellation, [](const Pairing& p) { return p.known == p.sighting; });
+  }
+  EXPECT_GE(itself, 9U) << "of every tree inside";
+}
+
+TEST(Constellation, IsFoundAsFarOffAsMostFeaturesAreUncertain) {
+  auto points = scattered<2>(40, 5);
+  for (std::size_t k = 0; k < 4; ++k) points[k] += Point<2>(30.0, 30.0);
+  auto seen = points;
+  Random random(6);
+  FeatureMap<2> second = map_of<2>(points);
+  for (std::size_t k = 4; k < points.size(); ++k) {  // of the first four, which stand apart, all is known
+    seen[k] += random.vector<2>(0.2);
+    second.covariance.diagonal().segment<2>(2 * static_cast<Eigen::Index>(k)).setConstant(0.04);
+  }
+  second.features = seen;
+  std::size_t itself = 0;
+  for (const Constellation& constellation : constellations_alike(map_of<2>(points), second, 0.99)) {
+    itself += constellation.front().known == constellation.front().sighting && constellation.size() >= 7;
+  }
+  EXPECT_GE(itself, 30U);
+}
+
+/// Features that are known to a centimetre stand half a metre off, beside many that are known to half a metre only.
+TEST(Constellation, IsAlikeAsFarAsItsOwnFeaturesAreUncertain) {
+  auto points = scattered<2>(12, 7);
+  for (const auto& p : scattered<2>(40, 8)) points.push_back(p + Point<2>(100.0, 0.0));
+  FeatureMap<2> second = map_of<2>(points);
+  Random random(9);
+  for (std::size_t k = 0; k < points.size(); ++k) {
+    if (k < 12) second.features[k] += random.vector<2>(0.5);
+    if (k >= 12) second.covariance.diagonal().segment<2>(2 * static_cast<Eigen::Index>(k)).setConstant(0.25);
+  }
+  std::size_t certain = 0;
+  std::size_t uncertain = 0;
+  for (const Constellation& constellation : constellations_alike(map_of<2>(points), second, 0.99)) {
+    const Pairing& centre = constellation.front();
+    if (centre.known == centre.sighting) ++(centre.known < 12 ? certain : uncertain);
+  }
+  EXPECT_EQ(certain, 0U);
+  EXPECT_EQ(uncertain, 40U);
+}
+
 TEST(Constellation, HasFourFeaturesAtLeast) {
   const auto three = map_of<2>({{0.0, 0.0}, {3.0, 0.5}, {1.0, 4.0}});
   EXPECT_TRUE(constellations_alike(three, three, 0.99).empty());

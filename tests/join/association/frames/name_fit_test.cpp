@@ -25,6 +25,38 @@ TEST(NameFit, IsBadWhereNamesMeanOtherFeatures) {
   EXPECT_LT(worst_name_fit(log, 0.99).value()->alike, 0.5);
 }
 
+TEST(NameFit, IsThatOfTheTwoSessionsThatFitWorst) {
+  auto log = small_world<2>({.sessions = 3}).log;
+  const auto features = static_cast<std::int32_t>(log.features.size());
+  for (auto& seen : log.graph.feature_factors) {
+    if (log.poses[seen.base].session == 1) seen.target = FeatureIndex((seen.target.value * 7 + 3) % features);
+  }
+  const auto fit = worst_name_fit(log, 0.99).value().value();
+  EXPECT_LT(fit.alike, 0.5);
+  EXPECT_TRUE(fit.first.session == 1 || fit.second.session == 1);
+}
+
+TEST(NameFit, IsBadWhereASessionIsOfAnotherScale) {
+  auto log = small_world<2>({.sessions = 2}).log;
+  const auto scaled = [&](PoseIndex pose) { return log.poses[pose].session == 1 ? 1.03 : 1.0; };
+  for (auto& step : log.graph.pose_factors) step.measured.translation *= scaled(step.base);
+  for (auto& seen : log.graph.feature_factors) seen.measured *= scaled(seen.base);
+  EXPECT_LT(worst_name_fit(log, 0.99).value()->alike, 0.5);
+}
+
+/// Of forty names half mean other features: a quarter of all distances, or somewhat less, is between two of the others.
+TEST(NameFit, IsTheShareOfAllDistances) {
+  auto log = small_world<2>({.features = 40, .sessions = 2, .range = 30.0}).log;
+  for (auto& seen : log.graph.feature_factors) {
+    const std::int32_t name = seen.target.value;
+    if (log.poses[seen.base].session == 1 && name < 20) seen.target = FeatureIndex((name + 7) % 20);
+  }
+  const auto fit = worst_name_fit(log, 0.99).value().value();
+  EXPECT_EQ(fit.features, 40U);
+  EXPECT_GT(fit.alike, 0.2);
+  EXPECT_LT(fit.alike, 0.4);
+}
+
 TEST(NameFit, IsOfNothingWhereNoNamesTie) {
   EXPECT_FALSE(worst_name_fit(small_world<2>().log, 0.99).value());
 }
