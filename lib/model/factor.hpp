@@ -45,14 +45,14 @@ const Point<Dim>& measured_part(const FeatureFactor<Dim>&, const Point<Dim>& tar
   return target;
 }
 
-/// Whether a prior says where its pose is, and how it is turned.
+/// Whether a factor, a prior or a closure, say, measures where its target is, and how it is turned.
 template <int Dim>
-bool measures_position(const PoseFactor<Dim>& prior) {
-  return (prior.information.diagonal().template head<Dim>().array() > 0.0).all();
+bool measures_position(const PoseFactor<Dim>& factor) {
+  return (factor.information.diagonal().template head<Dim>().array() > 0.0).all();
 }
 template <int Dim>
-bool measures_rotation(const PoseFactor<Dim>& prior) {
-  return (prior.information.diagonal().template tail<kRotationDof<Dim>>().array() > 0.0).all();
+bool measures_rotation(const PoseFactor<Dim>& factor) {
+  return (factor.information.diagonal().template tail<kRotationDof<Dim>>().array() > 0.0).all();
 }
 
 /// The prior as one of the target itself: where the target has this value its cost, its gradient and the Gauss-Newton H stay as
