@@ -5,6 +5,7 @@
 #include <mapjoin/join/fit/leave_one_out.hpp>
 #include <mapjoin/join/restored.hpp>
 #include <mapjoin/join/run.hpp>
+#include <mapjoin/measure/chi2.hpp>
 #include <memory>
 #include <tests/support/dimensions.hpp>
 #include <tests/support/small_submap_set.hpp>
@@ -169,6 +170,21 @@ TYPED_TEST(LeaveOneOutTest, TestsOnlyTheMeasuredRowsOfAPosition) {
   }
   const typename TestFixture::Tests tests(this->full_slam(log));
   EXPECT_EQ(tests.leave_one_out->test(tests.whole(tests.factor_of(log.graph.pose_factors.back()))).rows, kDim);
+}
+
+/// Redundancies add up to the rows that are measured more than are needed, also where observations say less than all.
+TYPED_TEST(LeaveOneOutTest, SharesTheDegreesOfFreedomAmongAllParts) {
+  constexpr int kDim = TypeParam::value;
+  auto log = this->world();
+  for (const std::size_t pose : {3U, 9U, 15U, 20U}) {
+    PoseFactor<kDim> gps{kWorld, PoseIndex(pose), Pose<kDim>{}, PoseMatrix<kDim>::Zero()};
+    gps.information.template topLeftCorner<kDim, kDim>().setIdentity();
+    log.graph.pose_factors.push_back(gps);
+  }
+  const typename TestFixture::Tests tests(this->full_slam(log));
+  double sum = 0.0;
+  for (std::size_t k = 0; k < tests.factors(); ++k) sum += tests.leave_one_out->test(tests.whole(k)).redundancy;
+  EXPECT_NEAR(sum, static_cast<double>(degrees_of_freedom(log, 0)), 1e-3);
 }
 
 TYPED_TEST(LeaveOneOutTest, TestsAFeatureOfALocalMapAsTheMapWithoutIt) {
