@@ -169,7 +169,7 @@ TEST(AttachFixes, SaysWhatIsMissing) {
   with_prior.graph.pose_factors.push_back({kWorld, 0, {}, PoseMatrix<2>::Identity()});
   EXPECT_THAT(message(fixes_of({fix_at(1.0)}), with_prior), HasSubstr("log.g2o has priors, which are in another frame"));
   Log<2> with_feature_prior = log_of();
-  with_feature_prior.graph.feature_factors.push_back({kWorld, 0, {}, PointMatrix<2>::Identity()});
+  with_feature_prior.graph.feature_factors.push_back({kWorld, 0, Point<2>::Zero(), PointMatrix<2>::Identity()});
   EXPECT_THAT(message(fixes_of({fix_at(1.0)}), with_feature_prior),
               HasSubstr("log.g2o has priors, which are in another frame"));
   LogBuilder<3> in_space("space.g2o");
