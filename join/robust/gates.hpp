@@ -13,10 +13,4 @@ namespace mapjoin {
 /// are too few to tell. Only tests of `rows` rows are looked at.
 double scale_of(std::span<const PartTest> tests, int rows);
 
-/// A gate between `narrow`, how closely what is right fits, and `wide`, all that its covariances allow, for the squared
-/// distances, of `dof` degrees of freedom, of measurements from their predictions by the others: the widest one beyond which so
-/// few lie that hardly any wrong one can be among those between `narrow` and it, whether these count now or not. How many wrong
-/// ones lie within a gate is read off the numbers up to twice and up to four times its width.
-double gate_among(std::vector<double> distances, double narrow, double wide, int dof);
-
 }  // namespace mapjoin

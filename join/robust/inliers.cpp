@@ -4,11 +4,10 @@
 #include <functional>
 #include <limits>
 #include <mapjoin/check/connectivity.hpp>
+#include <mapjoin/join/robust/closure_judgement.hpp>
 #include <mapjoin/join/robust/closure_support.hpp>
 #include <mapjoin/join/robust/doubtful_odometry.hpp>
-#include <mapjoin/join/robust/gates.hpp>
 #include <mapjoin/join/robust/inliers.hpp>
-#include <mapjoin/join/robust/predictions.hpp>
 #include <mapjoin/join/robust/repeated_odometry.hpp>
 #include <mapjoin/join/robust/robust_map.hpp>
 #include <mapjoin/join/robust/selection.hpp>
@@ -27,8 +26,6 @@ constexpr double kFirstShare = 0.6;
 constexpr std::size_t kBest = 19;
 constexpr double kOddsRatio = 3.0;
 constexpr double kLeastOdds = 3.0;
-/// How much farther than the widest gate distances are looked at: see gate_among().
-constexpr double kFarGates = 16.0;
 /// A log is first tried as it is where no more of its closures and observations are outvoted by the others, with so many steps.
 constexpr std::ptrdiff_t kMostOutvoted = 20;
 constexpr int kTrialSteps = 10;
@@ -41,9 +38,6 @@ double doubtful_count(const Log<Dim>& log) {
   return std::max(1.0, static_cast<double>(log.closures().size() + log.observations().size()));
 }
 
-/// What is known of a closure.
-enum class Standing : std::uint8_t { kOpen, kKept, kDropped };
-
 template <int Dim>
 class InlierSearch {
  public:
@@ -53,8 +47,7 @@ class InlierSearch {
         stop_(stop),
         chain_(log),
         support_(chain_, log.closures(), stop),
-        standing_(log.closures().size(), Standing::kOpen),
-        chi2_(log.closures().size(), 0.0) {
+        judged_{std::vector(log.closures().size(), Standing::kOpen), std::vector(log.closures().size(), 0.0), {}, {}} {
     const double tail = (1.0 - options.confidence) / doubtful_count(log);
     gates_.widest = {chi_squared_upper_quantile(tail, kPoseDof<Dim>), chi_squared_upper_quantile(tail, Dim)};
   }
@@ -105,7 +98,7 @@ class InlierSearch {
     std::vector<std::size_t> made;
     for (double least = first_odds(); least != kAnyOdds;
          least = least > kLeastOdds ? std::max(least / kOddsRatio, kLeastOdds) : kAnyOdds) {
-      const auto chosen = candidates([&](std::size_t k) { return standing_[k] == Standing::kOpen && odds_[k] > least; });
+      const auto chosen = candidates([&](std::size_t k) { return judged_.standing[k] == Standing::kOpen && odds_[k] > least; });
       if (chosen == made) continue;
       if (const auto done = make_map(chosen); !done) return done;
       made = chosen;
@@ -120,17 +113,17 @@ class InlierSearch {
     return kFirstShare * descending[std::min(kBest, descending.size() - 1)];
   }
 
-  /// Maps of what is kept and all other closures that the last one agrees with, whatever was said of them before, until there
-  /// are no others, or those of the last map.
+  /// Maps of what is kept and all other closures that pass the widest gate, and not by chance, whatever was said of them
+  /// before, until there are no others, or those of the last map.
   Expected<void> try_all_again() {
     std::vector<std::size_t> made;
+    gates_.last = gates_.widest;
     for (int trial = 0; trial < kMostTrials; ++trial) {
-      gates_.last = wide_gates();
-      const auto chosen = candidates([&](std::size_t k) { return chi2_[k] < gates_.last->closures; });
+      const std::vector<bool> fits = fits_beyond_chance(judged_, log_.closures(), gates_);
+      const auto chosen = candidates([&](std::size_t k) { return fits[k]; });
       const bool are_others = chosen != made && chosen != candidates([](std::size_t) { return false; });
       if (!are_others && (trial > 0 || log_.observations().empty())) break;
-      values_ = {};  // a better start
-      if (const auto done = make_map(chosen); !done) return done;
+      if (const auto done = make_map(chosen, From::kAnew); !done) return done;
       made = chosen;
     }
     return {};
@@ -140,72 +133,50 @@ class InlierSearch {
   /// likeliest others that tie them together.
   template <typename F>
   std::vector<std::size_t> candidates(F&& taken) const {
-    std::vector<bool> is_chosen(standing_.size());
-    for (std::size_t k = 0; k < standing_.size(); ++k) is_chosen[k] = standing_[k] == Standing::kKept || taken(k);
+    std::vector<bool> is_chosen(odds_.size());
+    for (std::size_t k = 0; k < odds_.size(); ++k) is_chosen[k] = is_kept(k) || taken(k);
     return tied_together(log_, odds_, std::move(is_chosen));
   }
 
+  /// Where a map starts: afresh, which takes longer, it ends in a better minimum.
+  enum class From : std::uint8_t { kLastMap, kAnew };
   /// Makes the map of some closures, and lets it judge all.
-  Expected<void> make_map(const std::vector<std::size_t>& chosen) {
-    if (values_.poses.empty()) {
-      std::vector<bool> sightings = observations_count_;
-      keep_one_of_each_feature(log_, distances_of_observations(), sightings);
-      auto started = started_map(selected(log_, chosen, sightings), options_.engine, stop_);
-      if (!started && started.error().kind == ErrorKind::kBadInput) {
-        started = started_map(selected(log_, chosen, {}), options_.engine, stop_);
-      }
+  Expected<void> make_map(const std::vector<std::size_t>& chosen, From from = From::kLastMap) {
+    if (from == From::kAnew || judged_.values.poses.empty()) {
+      auto started = start(chosen);
       if (!started) return tl::unexpected(started.error());
-      values_ = std::move(*started);
+      judged_.values = std::move(*started);
     }
-    TruncatedJoin<Dim> join(selected(log_, chosen, {}), values_, observations_count_, options_.engine);
+    TruncatedJoin<Dim> join(selected(log_, chosen, {}), judged_.values, observations_count_, options_.engine);
     return settle(join, gates_, log_.source, stop_).and_then([&]() -> Expected<void> {
-      values_ = join.system().estimate();
       observations_count_ = join.observations_count();
       observation_tests_.assign(join.observation_tests().begin(), join.observation_tests().end());
-      judge(chosen, join);
+      judged_ = judge(log_, chosen, join, gates_, stop_);
+      find_odds();
       if (stop_.stop_requested()) return tl::unexpected(interrupted());
       return {};
     });
   }
 
-  /// As widely as wrong closures allow.
-  OfKinds wide_gates() const {
-    return {gate_among(chi2_, gates_.narrow().closures, gates_.widest.closures, kPoseDof<Dim>), gates_.widest.observations};
+  Expected<Values<Dim>> start(const std::vector<std::size_t>& chosen) const {
+    std::vector<bool> sightings = observations_count_;
+    keep_one_of_each_feature(log_, distances_of_observations(), sightings);
+    auto started = started_map(selected(log_, chosen, sightings), options_.engine, stop_);
+    if (started || started.error().kind != ErrorKind::kBadInput) return started;
+    return started_map(selected(log_, chosen, {}), options_.engine, stop_);
   }
 
-  /// Tests closures against a map of some of them: those that count in it exactly, the others by its predictions.
-  void judge(const std::vector<std::size_t>& chosen, const TruncatedJoin<Dim>& join) {
-    std::ranges::fill(standing_, Standing::kOpen);
-    for (std::size_t c = 0; c < chosen.size(); ++c) {
-      if (join.counts(c)) standing_[chosen[c]] = Standing::kKept;
-    }
-    std::vector<std::size_t> others;
-    std::vector<PoseFactor<Dim>> closures;
-    for (std::size_t k = 0; k < standing_.size(); ++k) {
-      if (standing_[k] == Standing::kKept) continue;
-      others.push_back(k);
-      closures.push_back(log_.closures()[k]);
-    }
-    const std::vector<UncertainPose<Dim>> predicted =
-        mismatches<Dim>(join.system(), join.marginals(), closures, {.far = kFarGates * gates_.widest.closures}, stop_);
-    const double gate = gates_.narrow().closures;
-    for (std::size_t c = 0; c < others.size(); ++c) {
-      const PoseVector<Dim> v = local(Pose<Dim>{}, predicted[c].mean);
-      const Eigen::LLT<PoseMatrix<Dim>> covariance(predicted[c].covariance);
-      const bool is_known = covariance.info() == Eigen::Success;
-      chi2_[others[c]] = is_known ? v.dot(covariance.solve(v)) : std::numeric_limits<double>::max();
-      priors_[others[c]] = support_.prior(predicted[c], gates_.scale.closures);
-    }
-    for (std::size_t c = 0; c < chosen.size(); ++c) chi2_[chosen[c]] = join.closure_tests()[c].chi2;  // which is exact
-    for (const std::size_t k : others) {
-      if (chi2_[k] >= gate) standing_[k] = Standing::kDropped;
-    }
-    for (std::size_t k = 0; k < standing_.size(); ++k) {
-      priors_[k].is_right = standing_[k] == Standing::kKept;
-      priors_[k].is_wrong = standing_[k] == Standing::kDropped;
+  /// By what the last map says, and closures of each other.
+  void find_odds() {
+    for (std::size_t k = 0; k < priors_.size(); ++k) {
+      if (!is_kept(k)) priors_[k] = support_.prior(judged_.mismatches[k], gates_.scale.closures);
+      priors_[k].is_right = is_kept(k);
+      priors_[k].is_wrong = judged_.standing[k] == Standing::kDropped;
     }
     odds_ = support_.odds(priors_, gates_.scale.closures);
   }
+
+  bool is_kept(std::size_t closure) const { return judged_.standing[closure] == Standing::kKept; }
 
   Inliers<Log<Dim>> inliers() {
     keep_one_of_each_feature(log_, distances_of_observations(), observations_count_);
@@ -217,9 +188,9 @@ class InlierSearch {
                                 k});
     };
     const std::vector<std::size_t> kept = kept_together();
-    for (std::size_t k = 0; k < standing_.size(); ++k) {
+    for (std::size_t k = 0; k < odds_.size(); ++k) {
       if (std::ranges::binary_search(kept, k)) continue;
-      reject(PartKind::kClosure, k, log_.closures()[k], chi2_[k], rows_of(k), gates_.widest.closures);
+      reject(PartKind::kClosure, k, log_.closures()[k], judged_.chi2[k], rows_of(k), gates_.widest.closures);
     }
     for (std::size_t k = 0; k < observations_count_.size(); ++k) {
       if (observations_count_[k]) continue;
@@ -235,15 +206,15 @@ class InlierSearch {
 
   /// The closures that are kept and, where these leave the log in parts, the nearest others that tie them together.
   std::vector<std::size_t> kept_together() const {
-    std::vector<std::size_t> all(standing_.size());
+    std::vector<std::size_t> all(odds_.size());
     std::iota(all.begin(), all.end(), std::size_t{0});
-    std::vector<bool> is_kept(standing_.size());
-    std::vector<double> nearness(standing_.size());
-    for (std::size_t k = 0; k < standing_.size(); ++k) {
-      is_kept[k] = standing_[k] == Standing::kKept;
-      nearness[k] = -chi2_[k];
+    std::vector<bool> are_kept(odds_.size());
+    std::vector<double> nearness(odds_.size());
+    for (std::size_t k = 0; k < odds_.size(); ++k) {
+      are_kept[k] = is_kept(k);
+      nearness[k] = -judged_.chi2[k];
     }
-    return tied_together(selected(log_, all, observations_count_), nearness, std::move(is_kept));
+    return tied_together(selected(log_, all, observations_count_), nearness, std::move(are_kept));
   }
 
   /// Squared, of each observation from its prediction; without a map all the same.
@@ -264,9 +235,7 @@ class InlierSearch {
   std::ptrdiff_t outvoted_ = 0;
   std::vector<PriorOdds> priors_;
   std::vector<double> odds_;
-  std::vector<Standing> standing_;
-  std::vector<double> chi2_;  // of each closure's prediction
-  Values<Dim> values_;        // of the last map; none to start afresh
+  ClosureJudgement<Dim> judged_;  // by the last map; without values before the first one
   std::vector<bool> observations_count_;
   std::vector<PartTest> observation_tests_;
 };

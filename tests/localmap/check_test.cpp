@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <mapjoin/localmap/build.hpp>
-#include <mapjoin/localmap/check.hpp>
 #include <tests/support/dimensions.hpp>
 #include <tests/support/small_world.hpp>
 

@@ -29,15 +29,5 @@ TEST(GatesTest, BelieveNoScaleOfAFewTests) {
   EXPECT_LT(scale_of(spread_tests(20, 0.1), 3), 1.0);
 }
 
-TEST(GatesTest, AreAsWideAsTheConfidenceWhereNothingLiesBeyond) {
-  EXPECT_EQ(gate_among({2.0, 8.0, 14.0}, 1.0, 20.0, 3), 20.0);
-}
-
-TEST(GatesTest, AreNarrowWhereWrongOnesAreAsDenseInsideAsBeyond) {
-  std::vector<double> distances;
-  for (double d = 0.5; d < 100.0; d += 0.5) distances.push_back(d);
-  EXPECT_EQ(gate_among(distances, 1.0, 20.0, 3), 1.0);
-}
-
 }  // namespace
 }  // namespace mapjoin

@@ -4,6 +4,7 @@
 #include <Eigen/Cholesky>
 #include <Eigen/LU>
 #include <array>
+#include <mapjoin/solve/cross_covariances.hpp>
 #include <mapjoin/solve/marginals.hpp>
 #include <mapjoin/solve/sparse_cholesky.hpp>
 #include <tests/support/random.hpp>
@@ -89,6 +90,17 @@ TEST_P(MarginalsTest, UnitColumnsGiveTheJointCovarianceOfVariablesFarApart) {
   for (std::size_t k = 0; k < list.size(); ++k) units.insert(list[k], static_cast<Eigen::Index>(k)) = 1.0;
   const Eigen::MatrixXd expected = inverse_over(variables);
   EXPECT_LT((covariance_of(equations, units) - expected).norm(), 1e-12 * expected.norm());
+}
+
+TEST_P(MarginalsTest, TwoPathsToTheRootGiveTheCovarianceBetweenAnyTwoVariables) {
+  ASSERT_FALSE(equations.factorise(0.0));
+  const CrossCovariances cross(equations);
+  for (const Variable u : {Variable(0), Variable(GetParam() / 2), Variable(GetParam() - 1)}) {
+    for (const Variable v : equations.variables()) {
+      const Eigen::MatrixXd expected = inverse(entries({u}), entries({v}));
+      EXPECT_LT((cross.between(u, v) - expected).norm(), 1e-12 * inverse_over({u}).norm()) << u.value << " and " << v.value;
+    }
+  }
 }
 
 TEST_P(MarginalsTest, TheLeastCurvatureIsTheMahalanobisLengthUnderTheJointCovarianceOfWhatIsGiven) {

@@ -1,0 +1,90 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <Eigen/Cholesky>
+#include <algorithm>
+#include <limits>
+#include <mapjoin/join/robust/closure_judgement.hpp>
+#include <mapjoin/join/robust/predictions.hpp>
+#include <mapjoin/model/linearise.hpp>
+
+namespace mapjoin {
+namespace {
+
+template <int Dim>
+double squared_distance(const UncertainPose<Dim>& mismatch) {
+  const PoseVector<Dim> v = local(Pose<Dim>{}, mismatch.mean);
+  const Eigen::LLT<PoseMatrix<Dim>> covariance(mismatch.covariance);
+  return covariance.info() == Eigen::Success ? v.dot(covariance.solve(v)) : std::numeric_limits<double>::max();
+}
+
+/// Whether any of the measured relative poses would pass the gate in the place of a closure.
+template <int Dim>
+bool would_any_fit(const std::vector<Pose<Dim>>& measured, const Pose<Dim>& base, const Pose<Dim>& target,
+                   const PoseMatrix<Dim>& covariance, double gate) {
+  const Eigen::LLT<PoseMatrix<Dim>> factor(covariance);
+  return std::ranges::any_of(measured, [&](const Pose<Dim>& other) {
+    const PoseVector<Dim> v = residual<Dim>(other, base, target);
+    return v.dot(factor.solve(v)) < gate;
+  });
+}
+
+}  // namespace
+
+template <int Dim>
+ClosureJudgement<Dim> judge(const Log<Dim>& log, const std::vector<std::size_t>& chosen, const TruncatedJoin<Dim>& join,
+                            const Gates& gates, const std::stop_token& stop) {
+  const std::size_t count = log.closures().size();
+  ClosureJudgement<Dim> judged{std::vector(count, Standing::kOpen), std::vector(count, 0.0),
+                               std::vector<UncertainPose<Dim>>(count), join.system().estimate()};
+  for (std::size_t c = 0; c < chosen.size(); ++c) {
+    if (join.counts(c)) judged.standing[chosen[c]] = Standing::kKept;
+  }
+  std::vector<std::size_t> others;
+  std::vector<PoseFactor<Dim>> closures;
+  for (std::size_t k = 0; k < count; ++k) {
+    if (judged.standing[k] == Standing::kKept) continue;
+    others.push_back(k);
+    closures.push_back(log.closures()[k]);
+  }
+  const std::vector<UncertainPose<Dim>> mismatches =
+      mapjoin::mismatches<Dim>(join.system(), join.marginals(), closures, gates.widest.closures, stop);
+  for (std::size_t c = 0; c < others.size(); ++c) {
+    judged.mismatches[others[c]] = mismatches[c];
+    judged.chi2[others[c]] = squared_distance(mismatches[c]);
+  }
+  for (std::size_t c = 0; c < chosen.size(); ++c) judged.chi2[chosen[c]] = join.closure_tests()[c].chi2;
+  for (const std::size_t k : others) {
+    if (judged.chi2[k] >= gates.narrow().closures) judged.standing[k] = Standing::kDropped;
+  }
+  return judged;
+}
+
+template <int Dim>
+std::vector<bool> fits_beyond_chance(const ClosureJudgement<Dim>& judgement, std::span<const PoseFactor<Dim>> closures,
+                                     const Gates& gates) {
+  const std::vector<double>& chi2 = judgement.chi2;
+  std::vector<Pose<Dim>> contradicted;
+  for (std::size_t k = 0; k < closures.size(); ++k) {
+    if (chi2[k] >= gates.widest.closures) contradicted.push_back(closures[k].measured);
+  }
+  const auto is_by_chance = [&](std::size_t k) {
+    const Pose<Dim>& base = judgement.values.poses[closures[k].base];
+    const Pose<Dim>& target = judgement.values.poses[closures[k].target];
+    return would_any_fit<Dim>(contradicted, base, target, judgement.mismatches[k].covariance, gates.widest.closures);
+  };
+  std::vector<bool> fits;
+  for (std::size_t k = 0; k < closures.size(); ++k) {
+    const bool is_close = judgement.standing[k] == Standing::kKept || chi2[k] < gates.narrow().closures;
+    fits.push_back(is_close || (chi2[k] < gates.widest.closures && !is_by_chance(k)));
+  }
+  return fits;
+}
+
+#define MAPJOIN_INSTANTIATE(Dim)                                                                                    \
+  template ClosureJudgement<Dim> judge(const Log<Dim>&, const std::vector<std::size_t>&, const TruncatedJoin<Dim>&, \
+                                       const Gates&, const std::stop_token&);                                       \
+  template std::vector<bool> fits_beyond_chance(const ClosureJudgement<Dim>&, std::span<const PoseFactor<Dim>>, const Gates&);
+MAPJOIN_INSTANTIATE(2)
+MAPJOIN_INSTANTIATE(3)
+#undef MAPJOIN_INSTANTIATE
+
+}  // namespace mapjoin

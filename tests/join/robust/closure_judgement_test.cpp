@@ -1,0 +1,85 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <gtest/gtest.h>
+
+#include <mapjoin/join/robust/closure_judgement.hpp>
+#include <tests/support/dimensions.hpp>
+#include <tests/support/small_world.hpp>
+
+namespace mapjoin {
+namespace {
+
+template <typename D>
+class ClosureJudgementTest : public ::testing::Test {
+ protected:
+  static constexpr int kDim = D::value;
+};
+TYPED_TEST_SUITE(ClosureJudgementTest, testing::Dimensions);
+
+TYPED_TEST(ClosureJudgementTest, TellsWhatCountsFromWhatAgreesAndFromWhatDoesNot) {
+  constexpr int kDim = TypeParam::value;
+  auto world = testing::small_world<kDim>({.poses = 30, .features = 0, .closures = 6});
+  auto& factors = world.log.graph.pose_factors;
+  const auto closures = factors.end() - 6;
+  closures[2].measured.translation[0] += 5.0;
+  closures[4].measured.translation[0] += 5.0;
+  Log<kDim> some = world.log;
+  std::erase_if(some.graph.pose_factors,
+                [&](const auto& o) { return o.target == closures[2].target && o.base == closures[2].base; });
+  some.graph.pose_factors.pop_back();  // closure 5
+  const std::vector<std::size_t> chosen = {0, 1, 3, 4};
+
+  TruncatedJoin<kDim> join(some, world.truth, {}, Engine::kFronts);
+  Gates gates{{40.0, 40.0}, {1.0, 1.0}, {}};
+  ASSERT_TRUE(settle(join, gates, "world", {}));
+  const ClosureJudgement<kDim> judged = judge(world.log, chosen, join, gates, {});
+  using enum Standing;
+  EXPECT_EQ(judged.standing, (std::vector{kKept, kKept, kDropped, kKept, kDropped, kOpen}));
+  for (const std::size_t k : {0U, 1U, 3U, 5U}) EXPECT_LT(judged.chi2[k], 40.0);
+  for (const std::size_t k : {2U, 4U}) EXPECT_GT(judged.chi2[k], 40.0);
+  EXPECT_EQ(judged.chi2[4], join.closure_tests()[3].chi2) << "exact for those that were chosen";
+}
+
+/// What a map says of four closures.
+template <typename D>
+class FitsBeyondChanceTest : public ::testing::Test {
+ protected:
+  static constexpr int kDim = D::value;
+
+  /// All poses are at the same place, and all deviations 1 (m, rad). The last closure measured so much (m), the others nothing.
+  std::vector<bool> fits(const std::vector<Standing>& standing, const std::vector<double>& chi2, double measured_by_last) {
+    ClosureJudgement<kDim> judgement{standing, chi2, {}, {}};
+    judgement.mismatches.resize(chi2.size(), {{}, PoseMatrix<kDim>::Identity()});
+    judgement.values.poses.resize(2 * chi2.size());
+    std::vector<PoseFactor<kDim>> closures;
+    for (std::size_t k = 0; k < chi2.size(); ++k) closures.push_back({PoseIndex(2 * k), PoseIndex(2 * k + 1), {}, {}});
+    closures.back().measured.translation[0] = measured_by_last;
+    return fits_beyond_chance<kDim>(judgement, closures, {{25.0, 25.0}, {0.16, 1.0}, {}});
+  }
+};
+TYPED_TEST_SUITE(FitsBeyondChanceTest, testing::Dimensions);
+
+TYPED_TEST(FitsBeyondChanceTest, IsSoWithinTheWidestGateWhereNothingWrongWouldFit) {
+  using enum Standing;
+  EXPECT_EQ(this->fits({kDropped, kDropped, kOpen, kDropped}, {20.0, 24.0, 3.0, 90.0}, 5.1),
+            (std::vector{true, true, true, false}));
+}
+
+TYPED_TEST(FitsBeyondChanceTest, IsNotSoBeyondTheNarrowGateWhereSomethingWrongWouldFit) {
+  using enum Standing;
+  EXPECT_EQ(this->fits({kDropped, kDropped, kOpen, kDropped}, {20.0, 5.0, 3.0, 90.0}, 4.9),
+            (std::vector{false, false, true, false}));
+}
+
+TYPED_TEST(FitsBeyondChanceTest, IsSoOfWhatIsKept) {
+  using enum Standing;
+  EXPECT_EQ(this->fits({kKept, kKept, kOpen, kDropped}, {20.0, 5.0, 3.0, 90.0}, 0.0), (std::vector{true, true, true, false}));
+}
+
+TYPED_TEST(FitsBeyondChanceTest, AsksThoseOnlyThatAreContradicted) {
+  using enum Standing;
+  EXPECT_EQ(this->fits({kDropped, kDropped, kOpen, kDropped}, {20.0, 5.0, 3.0, 24.0}, 0.0),
+            (std::vector{true, true, true, true}));
+}
+
+}  // namespace
+}  // namespace mapjoin
