@@ -51,7 +51,7 @@ class FitsBeyondChanceTest : public ::testing::Test {
     judgement.mismatches.resize(chi2.size(), {{}, PoseMatrix<kDim>::Identity()});
     judgement.values.poses.resize(2 * chi2.size());
     std::vector<PoseFactor<kDim>> closures;
-    for (std::size_t k = 0; k < chi2.size(); ++k) closures.push_back({PoseIndex(2 * k), PoseIndex(2 * k + 1), {}, {}});
+    for (std::size_t k = 0; k < chi2.size(); ++k) closures.push_back({PoseIndex(2 * k), PoseIndex(2 * k + 1), {}, PoseMatrix<kDim>::Identity()});
     closures.back().measured.translation[0] = measured_by_last;
     return fits_beyond_chance<kDim>(judgement, closures, {{25.0, 25.0}, {0.16, 1.0}, {}});
   }
