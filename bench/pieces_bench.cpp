@@ -21,25 +21,25 @@ namespace mapjoin {
 namespace {
 
 template <int Dim>
-Simulation<Dim> world(const benchmark::Values& state) {
+Simulation<Dim> world(const benchmark::State& state) {
   return simulate_manhattan<Dim>({.poses = state.range(0)});
 }
 
 template <int Dim>
-void Simulate(benchmark::Values& state) {
+void Simulate(benchmark::State& state) {
   for (auto _ : state) benchmark::DoNotOptimize(world<Dim>(state));
   state.SetItemsProcessed(state.iterations() * state.range(0));
 }
 
 template <int Dim>
-void EvaluateChi2(benchmark::Values& state) {
+void EvaluateChi2(benchmark::State& state) {
   const auto [log, truth] = world<Dim>(state);
   for (auto _ : state) benchmark::DoNotOptimize(log_chi2(log, {truth.poses, truth.features}));
   state.SetItemsProcessed(state.iterations() * state.range(0));
 }
 
 template <int Dim>
-void ReadG2o(benchmark::Values& state) {
+void ReadG2o(benchmark::State& state) {
   const testing::TemporaryFolder folder;
   const auto path = folder.path() / "log.g2o";
   if (!write_g2o(world<Dim>(state).log, path)) return state.SkipWithError("cannot write the log");
@@ -49,7 +49,7 @@ void ReadG2o(benchmark::Values& state) {
 
 /// A whole run; the counters are the seconds of its stages, one run's mean.
 template <int Dim>
-void Run(benchmark::Values& state) {
+void Run(benchmark::State& state) {
   const Log<Dim> log = world<Dim>(state).log;
   RunSeconds sum;
   for (auto _ : state) {
@@ -68,7 +68,7 @@ void Run(benchmark::Values& state) {
 }
 
 template <int Dim>
-void Build(benchmark::Values& state) {
+void Build(benchmark::State& state) {
   const Log<Dim> log = world<Dim>(state).log;
   for (auto _ : state) {
     Split parts = split(log, SplitOptions{});
@@ -80,7 +80,7 @@ void Build(benchmark::Values& state) {
 /// A world that is joined already; members point into it.
 template <int Dim>
 struct JoinedWorld {
-  explicit JoinedWorld(const benchmark::Values& state) : log(world<Dim>(state).log), parts(split(log, SplitOptions{})) {
+  explicit JoinedWorld(const benchmark::State& state) : log(world<Dim>(state).log), parts(split(log, SplitOptions{})) {
     auto built = build_local_maps(log, parts, BuildOptions{});
     if (!built) return;
     graph = submap_graph_of(log, parts, std::move(built->maps));
@@ -98,7 +98,7 @@ struct JoinedWorld {
 
 /// Gauss-Newton steps, each tried and then dropped.
 template <typename Problem>
-void step(benchmark::Values& state, Problem& problem) {
+void step(benchmark::State& state, Problem& problem) {
   for (auto _ : state) {
     problem.linearise();
     if (problem.factorise(0.0)) return state.SkipWithError("singular");
@@ -108,7 +108,7 @@ void step(benchmark::Values& state, Problem& problem) {
 }
 
 template <int Dim>
-void JoinStep(benchmark::Values& state) {
+void JoinStep(benchmark::State& state) {
   JoinedWorld<Dim> world(state);
   if (!world.join) return state.SkipWithError("cannot join");
   JoiningSystem<Dim> problem(std::move(*world.join->system));
@@ -116,7 +116,7 @@ void JoinStep(benchmark::Values& state) {
 }
 
 template <int Dim>
-void PolishStep(benchmark::Values& state) {
+void PolishStep(benchmark::State& state) {
   JoinedWorld<Dim> world(state);
   if (!world.join) return state.SkipWithError("cannot join");
   recover_interiors(world.log, world.parts, world.graph.is_local, MinimiseOptions{}, world.join->state);
@@ -130,7 +130,7 @@ void PolishStep(benchmark::Values& state) {
 
 /// Of all poses and features, in the map and relative, from a factor that is there.
 template <int Dim>
-void Covariances(benchmark::Values& state) {
+void Covariances(benchmark::State& state) {
   const Log<Dim> log = world<Dim>(state).log;
   RunOptions options = without_verdict();
   options.covariances = true;
@@ -142,7 +142,7 @@ void Covariances(benchmark::Values& state) {
 
 /// The covariances of all poses and features of a joined map, sim-35188 below the folder that MAPJOIN_DATA_DIR names; the
 /// counter is their time in factorisations of the same system, made by turns.
-void MarginalsOfTheLargeSimulation(benchmark::Values& state) {
+void MarginalsOfTheLargeSimulation(benchmark::State& state) {
   using Clock = std::chrono::steady_clock;
   const char* folder = std::getenv("MAPJOIN_DATA_DIR");
   if (!folder) return state.SkipWithError("MAPJOIN_DATA_DIR is not set");

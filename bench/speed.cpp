@@ -52,7 +52,7 @@ Expected<Data> stored(const std::filesystem::path& maps, const Arguments& argume
 
 Data log_in(const std::filesystem::path& file) {
   const std::string name = file.filename();
-  return {name.substr(0, name.find('.')), file, file, false, false};
+  return {name.substr(0, name.find('.')), file, file, false};
 }
 
 Expected<std::vector<Data>> data_of(const Arguments& arguments, const Surroundings& surroundings) {

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
-// In which coordinates the steps of a join are taken.
+// The variables of a join, and in which coordinates its steps are taken.
 
 #include <Eigen/Core>
 #include <algorithm>
@@ -27,7 +27,6 @@ constexpr auto enum_names(JoinedState) {
 template <int Dim>
 class StateVariables {
  public:
-  StateVariables() = default;
   StateVariables(std::size_t poses, std::size_t features, const std::vector<PoseIndex>& anchored) : of_pose_(poses) {
     for (const PoseIndex place : anchored) of_pose_[place] = kConstant;
     for (const PoseIndex place : indices(of_pose_)) {
@@ -51,7 +50,7 @@ class StateVariables {
   /// The first entry of a variable in vectors.
   Eigen::Index offset(Variable variable) const {
     const Variable pose = std::min(variable, first_feature_);
-    return kPoseDof<Dim> * pose.value + Dim * (variable - pose);
+    return Eigen::Index{kPoseDof<Dim>} * pose.value + Eigen::Index{Dim} * (variable - pose);
   }
   /// Entries of vectors.
   Eigen::Index size() const { return offset(Variable(places_.size())); }

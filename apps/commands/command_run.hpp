@@ -75,7 +75,7 @@ class CommandRun {
 
   /// Writes what became of each sighting beside the output, where features were associated.
   void write_associations();
-  /// Writes what an option asked for; `log` where that is the inliers. kCannotWrite.
+  /// Writes what an option asked for; for the inliers `log` may not be null. kCannotWrite.
   template <int Dim>
   Expected<void> write_extra(Extra extra, const RunResult<Dim>& result, const Log<Dim>* log,
                              const std::filesystem::path& file) const;

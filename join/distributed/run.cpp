@@ -143,28 +143,31 @@ Expected<AnyFound> run_on(const Communicator& comm, const Task& task, MappedLog<
 }
 
 /// By one schedule, not kAuto.
-Expected<AnyFound> run_by(Schedule schedule, const Communicator& comm, const Reading& read, Task task) {
+Expected<AnyFound> run_by(Schedule schedule, const Communicator& comm, AnyMappedLog log, Task task) {
   task.run.schedule = schedule;
-  return read().and_then(
-      [&](AnyMappedLog log) { return std::visit([&](auto& any) { return run_on(comm, task, std::move(any)); }, log); });
+  return std::visit([&](auto& any) { return run_on(comm, task, std::move(any)); }, log);
 }
 
 RunFigures& figures_of(AnyFound& found) {
   return std::visit([](auto& any) -> RunFigures& { return any.result; }, found);
 }
 
-/// The map of the best of the ways that kAuto tries.
-Expected<AnyFound> run_by_best(const Communicator& comm, const Reading& read, const Task& task) {
-  // The maps of one way serve the next, which may read them again out of stores: what it took to build them is of the first.
-  std::optional<std::tuple<LogFigures, std::int64_t, double>> built;
+/// What it took to build local maps.
+auto built_of(LogFigures& log, RunFigures& figures) {
+  return std::tie(log, figures.build_iterations, figures.seconds.build);
+}
+
+/// The map of the best of the ways that kAuto tries. `log` is for the first of them; the others read it again.
+Expected<AnyFound> run_by_best(const Communicator& comm, const Reading& read, AnyMappedLog log, const Task& task) {
+  // Who reads again may find the maps in stores: what it took to build them is of the first reading.
+  using Built = std::tuple<LogFigures, std::int64_t, double>;
+  const Built built = std::visit([](auto& any) { return Built(built_of(any.log, any.figures)); }, log);
+  std::optional<AnyMappedLog> first(std::move(log));
   const auto run_by_way = [&](Schedule way) {
-    return run_by(way, comm, read, task).map([&](AnyFound found) {
-      LogFigures& log = std::visit([](auto& any) -> LogFigures& { return any.log; }, found);
-      RunFigures& figures = figures_of(found);
-      if (!built) built = {log, figures.build_iterations, figures.seconds.build};
-      std::tie(log, figures.build_iterations, figures.seconds.build) = *built;
-      return found;
-    });
+    auto mapped = first ? Expected<AnyMappedLog>(*std::exchange(first, {})) : read();
+    if (!mapped) return Expected<AnyFound>(tl::unexpected(mapped.error()));
+    std::visit([&](auto& any) { built_of(any.log, any.figures) = built; }, *mapped);
+    return run_by(way, comm, *std::move(mapped), task);
   };
   return best_of_ways<AnyFound>(run_by_way, [](AnyFound& found) {
     RunFigures& figures = figures_of(found);
@@ -176,8 +179,10 @@ Expected<AnyFound> run_by_best(const Communicator& comm, const Reading& read, co
 
 Expected<AnyFound> run(const Communicator& comm, const Reading& read, const Task& task) {
   demand_valid(task.run);
-  if (task.run.schedule == Schedule::kAuto) return run_by_best(comm, read, task);
-  return run_by(task.run.schedule, comm, read, task);
+  return read().and_then([&](AnyMappedLog log) {
+    return task.run.schedule == Schedule::kAuto ? run_by_best(comm, read, std::move(log), task)
+                                                : run_by(task.run.schedule, comm, std::move(log), task);
+  });
 }
 
 }  // namespace mapjoin::distributed

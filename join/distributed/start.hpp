@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
-// Little of a partial map, enough to align it with those of other ranks.
+// A start for the whole log: every rank aligns the local maps of its share, and the shares are aligned with each other by
+// their outlines, little of each.
 
 #include <mapjoin/distributed/mpi/communicator.hpp>
 #include <mapjoin/distributed/reading/log_part.hpp>

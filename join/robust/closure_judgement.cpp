@@ -16,13 +16,21 @@ double squared_distance(const UncertainPose<Dim>& mismatch) {
   return covariance.info() == Eigen::Success ? v.dot(covariance.solve(v)) : std::numeric_limits<double>::max();
 }
 
-/// Whether any of the measured relative poses would pass the gate in the place of a closure.
+/// A relative pose from the end of a closure that was driven first to the other one, or back again.
 template <int Dim>
-bool would_any_fit(const std::vector<Pose<Dim>>& measured, const Pose<Dim>& base, const Pose<Dim>& target,
+Pose<Dim> turned_forward(const PoseFactor<Dim>& closure, const Pose<Dim>& relative) {
+  return closure.base < closure.target ? relative : inverse(relative);
+}
+
+/// Whether any of the measured relative poses, turned forward, would pass the gate in the place of a closure of this mismatch.
+template <int Dim>
+bool would_any_fit(const std::vector<Pose<Dim>>& measured, const PoseFactor<Dim>& closure, const Values<Dim>& values,
                    const PoseMatrix<Dim>& covariance, double gate) {
   const Eigen::LLT<PoseMatrix<Dim>> factor(covariance);
+  if (factor.info() != Eigen::Success) return true;  // nothing is known of what would fit
   return std::ranges::any_of(measured, [&](const Pose<Dim>& other) {
-    const PoseVector<Dim> v = residual<Dim>(other, base, target);
+    const Pose<Dim> along = turned_forward(closure, other);
+    const PoseVector<Dim> v = residual<Dim>(along, values.poses[closure.base], values.poses[closure.target]);
     return v.dot(factor.solve(v)) < gate;
   });
 }
@@ -64,12 +72,11 @@ std::vector<bool> fits_beyond_chance(const ClosureJudgement<Dim>& judgement, std
   const std::vector<double>& chi2 = judgement.chi2;
   std::vector<Pose<Dim>> contradicted;
   for (std::size_t k = 0; k < closures.size(); ++k) {
-    if (chi2[k] >= gates.widest.closures) contradicted.push_back(closures[k].measured);
+    if (chi2[k] >= gates.widest.closures) contradicted.push_back(turned_forward(closures[k], closures[k].measured));
   }
   const auto is_by_chance = [&](std::size_t k) {
-    const Pose<Dim>& base = judgement.values.poses[closures[k].base];
-    const Pose<Dim>& target = judgement.values.poses[closures[k].target];
-    return would_any_fit<Dim>(contradicted, base, target, judgement.mismatches[k].covariance, gates.widest.closures);
+    return !contradicted.empty() && would_any_fit(contradicted, closures[k], judgement.values,
+                                                  judgement.mismatches[k].covariance, gates.widest.closures);
   };
   std::vector<bool> fits;
   for (std::size_t k = 0; k < closures.size(); ++k) {

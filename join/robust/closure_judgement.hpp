@@ -14,16 +14,16 @@ namespace mapjoin {
 
 /// What is known of a closure.
 enum class Standing : std::uint8_t {
-  kOpen,     ///< The map, which it has no part in, agrees with it.
+  kOpen,     ///< It is not in the map, and within the narrow gate of what that says; or there is no map yet.
   kKept,     ///< It counts in the map.
-  kDropped,  ///< It is beyond the narrow gate.
+  kDropped,  ///< It is not in the map, and beyond the narrow gate.
 };
 
 /// What a map says of each closure of a log.
 template <int Dim>
 struct ClosureJudgement {
   std::vector<Standing> standing;
-  std::vector<double> chi2;  ///< From its prediction by all others that count; beyond the widest gate, at least.
+  std::vector<double> chi2;  ///< From its prediction by all others that count; a lower bound beyond the widest gate.
   std::vector<UncertainPose<Dim>> mismatches;  ///< Measured less predicted, of those that are not kept.
   Values<Dim> values;                          ///< Of the map.
 };
@@ -34,8 +34,8 @@ template <int Dim>
 ClosureJudgement<Dim> judge(const Log<Dim>& log, const std::vector<std::size_t>& chosen, const TruncatedJoin<Dim>& join,
                             const Gates& gates, const std::stop_token& stop);
 
-/// Whether each closure is kept, is within the narrow gate or, unless by chance, within the widest one: where what a closure
-/// beyond that one measured would pass it, too, a wrong one may be here by chance.
+/// Whether each closure is to be in the next map: it is kept, or within the narrow gate, or within the widest gate where
+/// nothing that a contradicted closure (one beyond the widest gate) measured would pass that gate in its place.
 template <int Dim>
 std::vector<bool> fits_beyond_chance(const ClosureJudgement<Dim>& judgement, std::span<const PoseFactor<Dim>> closures,
                                      const Gates& gates);

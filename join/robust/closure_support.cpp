@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <mapjoin/join/robust/closure_support.hpp>
+#include <mapjoin/join/robust/gates.hpp>
 #include <mapjoin/measure/statistics.hpp>
 #include <mapjoin/parallel/parallel.hpp>
 #include <numbers>
@@ -171,7 +172,7 @@ double ClosureSupport<Dim>::scale(const std::vector<double>& odds) const {
       ratios.push_back(v.dot(loop.covariance.llt().solve(v)) / expected);
     });
   }
-  return ratios.size() < kLeastLoops ? 1.0 : std::min(1.0, median(std::move(ratios)));
+  return ratios.size() < kLeastLoops ? 1.0 : std::clamp(median(std::move(ratios)), kLeastScale, 1.0);
 }
 
 template <int Dim>

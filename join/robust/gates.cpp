@@ -3,14 +3,14 @@
 #include <cmath>
 #include <mapjoin/join/robust/gates.hpp>
 #include <mapjoin/measure/statistics.hpp>
+#include <vector>
 
 namespace mapjoin {
 namespace {
 
-/// A scale is believed of so many tests, at these quantiles, and no less than the least one.
+/// A scale is believed of so many tests, at these quantiles.
 constexpr std::size_t kLeastTests = 20;
 constexpr double kQuantiles[] = {0.5, 0.9, 0.95};
-constexpr double kLeastScale = 0.001;
 
 }  // namespace
 

@@ -24,7 +24,7 @@ struct RobustOptions {
 
 enum class WhyRejected : std::uint8_t {
   kContradicted,  ///< It is farther from what all others say than its covariance allows.
-  kCrowded,       ///< Its covariance would allow it, but not how closely others fit, and wrong ones lie as near.
+  kCrowded,       ///< Its covariance would allow it, but others fit more closely, and what a wrong one measured would fit, too.
 };
 constexpr auto enum_names(WhyRejected) {
   return std::to_array<EnumName<WhyRejected>>(

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
-// Covariances between variables that nothing ties together: blocks of H⁻¹ off the pattern of its Cholesky factor.
+// Covariances between any two variables: blocks of H⁻¹, also off the pattern of its Cholesky factor.
 
 #include <Eigen/Core>
 #include <cstdint>
@@ -14,7 +14,7 @@ namespace mapjoin {
 ///   P_uv = Y_uᵀ Y_v,    Y_u = L⁻¹ E_u,
 ///
 /// E_u being the unit columns of u. Y_u is zero but in the supernodes on the path from that of u to the root of the elimination
-/// tree, and two paths have their upper end in common.
+/// tree, and two paths have their upper end in common, or nothing: the block is then zero.
 class CrossCovariances {
  public:
   /// By the last factorisation of `equations`, which must stay.

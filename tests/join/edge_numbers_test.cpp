@@ -59,7 +59,7 @@ class EdgeNumbers : public ::testing::Test {
     options.noise = noise;
     options.range = range;
     options.closures = 0;
-    testing::detail::record(0, path, features, options, random, builder);
+    testing::record(0, path, features, options, random, builder);
     SmallWorld<kDim> world{std::move(builder).finish().value(), {Table<PoseIndex, Pose<kDim>>(path), {}}};
     for (const FeatureId& id : world.log.features) world.truth.features.push_back(features[id.key]);
     return world;

@@ -18,7 +18,7 @@ constexpr std::size_t kGlance = 24;
 /// Candidates whose pairings are extended.
 constexpr std::size_t kMostPlaces = 32;
 
-/// A rough score of the candidate of a constellation, and the pairings that it is by.
+/// A rough score of the candidate of a constellation, and the pairings that it rests on.
 struct Glance {
   double score = 0.0;
   std::vector<Pairing> pairs;

@@ -43,7 +43,7 @@ Expected<void> check_worth_it(const Communicator& comm, const std::string& sourc
   if (poses.size() >= kLeastPoses * regions * static_cast<std::size_t>(comm.size())) return {};
   const std::string of_regions = regions > 1 ? " of " + plural(regions, "region") : "";
   return tl::unexpected(
-      Error{ErrorKind::kUsage, fmt::format("{}: {} are too few for {}{}: `mapjoin run` takes them on one", source,
+      Error{ErrorKind::kUsage, fmt::format("{}: {} are too few for {}{}: take fewer, or one process without MPI", source,
                                            plural(poses.size(), "pose"), plural(comm.size(), "rank"), of_regions)});
 }
 

@@ -46,7 +46,7 @@ template <int Dim>
 struct Told {
   explicit Told(const Region<Dim>& region) : poses(region.poses.size(), false), features(region.features.size(), false) {}
 
-  bool all() const { return std::ranges::find(features, false) == features.end(); }
+  bool all_features() const { return std::ranges::find(features, false) == features.end(); }
 
   Table<PoseIndex, bool> poses;
   Table<FeatureIndex, bool> features;
@@ -224,7 +224,7 @@ Expected<Regions<Dim>> regions_of(const Communicator& comm, const LogPart<Dim>& 
   start = {};
   regions.shared = shared_by(comm, regions);
   make_equal(comm, regions, told);
-  if (comm.any(!std::ranges::all_of(told, &Told<Dim>::all))) {
+  if (comm.any(!std::ranges::all_of(told, &Told<Dim>::all_features))) {
     return bad_input(whole.source + ": a feature has a prior but is never observed");
   }
   anchor(comm, whole, holds_priors, regions.own);

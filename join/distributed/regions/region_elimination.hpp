@@ -12,7 +12,7 @@ namespace mapjoin::distributed {
 template <int Dim>
 class RegionElimination {
  public:
-  /// `order` is that of the elimination, by places, and is found where it is empty. The region outlives this.
+  /// `order` is that of the elimination, by places, and is found where it is empty.
   RegionElimination(const Region<Dim>& region, const Values<Dim>& estimate, const Border& border,
                     std::vector<PoseOrFeature>& order);
   RegionElimination(const RegionElimination&) = delete;

@@ -45,14 +45,23 @@ class FitsBeyondChanceTest : public ::testing::Test {
  protected:
   static constexpr int kDim = D::value;
 
-  /// All poses are at the same place, and all deviations 1 (m, rad). The last closure measured so much (m), the others nothing.
-  std::vector<bool> fits(const std::vector<Standing>& standing, const std::vector<double>& chi2, double measured_by_last) {
+  /// All deviations are 1 (m, rad), and the map predicts each closure to be as long as `predicted` (m). The last one measured
+  /// so much (m), the others nothing.
+  std::vector<bool> fits(const std::vector<Standing>& standing, const std::vector<double>& chi2, double measured_by_last,
+                         double predicted = 0.0, bool is_turned = false) {
     ClosureJudgement<kDim> judgement{standing, chi2, {}, {}};
     judgement.mismatches.resize(chi2.size(), {{}, PoseMatrix<kDim>::Identity()});
     judgement.values.poses.resize(2 * chi2.size());
+    for (std::size_t k = 0; k < chi2.size(); ++k) judgement.values.poses[PoseIndex(2 * k + 1)].translation[0] = predicted;
     std::vector<PoseFactor<kDim>> closures;
-    for (std::size_t k = 0; k < chi2.size(); ++k) closures.push_back({PoseIndex(2 * k), PoseIndex(2 * k + 1), {}, PoseMatrix<kDim>::Identity()});
+    for (std::size_t k = 0; k < chi2.size(); ++k) {
+      closures.push_back({PoseIndex(2 * k), PoseIndex(2 * k + 1), {}, PoseMatrix<kDim>::Identity()});
+    }
     closures.back().measured.translation[0] = measured_by_last;
+    if (is_turned) {  // written from its later end
+      std::swap(closures.back().base, closures.back().target);
+      closures.back().measured = inverse(closures.back().measured);
+    }
     return fits_beyond_chance<kDim>(judgement, closures, {{25.0, 25.0}, {0.16, 1.0}, {}});
   }
 };
@@ -68,6 +77,22 @@ TYPED_TEST(FitsBeyondChanceTest, IsNotSoBeyondTheNarrowGateWhereSomethingWrongWo
   using enum Standing;
   EXPECT_EQ(this->fits({kDropped, kDropped, kOpen, kDropped}, {20.0, 5.0, 3.0, 90.0}, 4.9),
             (std::vector{false, false, true, false}));
+}
+
+TYPED_TEST(FitsBeyondChanceTest, AsksInTheDirectionOfTheDrive) {
+  using enum Standing;
+  for (const bool is_turned : {false, true}) {
+    EXPECT_EQ(this->fits({kDropped, kDropped, kOpen, kDropped}, {20.0, 5.0, 3.0, 90.0}, 8.0, 4.0, is_turned),
+              (std::vector{false, false, true, false}));
+  }
+}
+
+TYPED_TEST(FitsBeyondChanceTest, IsSoOfAllWhereThereIsNoMapYet) {
+  using enum Standing;
+  const auto closures = std::vector<PoseFactor<TestFixture::kDim>>(2, {0, 1, {}, PoseMatrix<TestFixture::kDim>::Identity()});
+  const ClosureJudgement<TestFixture::kDim> judgement{{kOpen, kOpen}, {0.0, 0.0}, {}, {}};
+  EXPECT_EQ(fits_beyond_chance<TestFixture::kDim>(judgement, closures, {{25.0, 25.0}, {0.0, 1.0}, {}}),
+            (std::vector{true, true}));
 }
 
 TYPED_TEST(FitsBeyondChanceTest, IsSoOfWhatIsKept) {

@@ -30,8 +30,7 @@ class PredictionsTest : public ::testing::Test {
     /// A closure that is no part of the map.
     PoseFactor<kDim> closure(PoseIndex base, PoseIndex target) const {
       testing::Random random;
-      const Pose<kDim> measured =
-          testing::detail::noisy(between(estimate().poses[base], estimate().poses[target]), 0.1, random);
+      const Pose<kDim> measured = testing::noisy(between(estimate().poses[base], estimate().poses[target]), 0.1, random);
       return {base, target, measured, 1e2 * random.information<kPoseDof<kDim>>()};
     }
     /// The covariance of its mismatch, by the dense inverse of all information.

@@ -17,7 +17,7 @@ class RepeatedOdometryTest : public ::testing::Test {
   static constexpr int kDim = D::value;
 
   PoseMatrix<kDim> information() { return 1e2 * random_.information<kPoseDof<kDim>>(); }
-  Pose<kDim> nearly(const Pose<kDim>& pose) { return testing::detail::noisy(pose, 1e-3, random_); }
+  Pose<kDim> nearly(const Pose<kDim>& pose) { return testing::noisy(pose, 1e-3, random_); }
 
   /// Poses 0 to 3, of which 1 and 2 are tied three times, once from 2 to 1.
   Log<kDim> log() {

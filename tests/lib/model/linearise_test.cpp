@@ -5,6 +5,7 @@
 #include <numbers>
 #include <tests/support/dense_slam.hpp>
 #include <tests/support/dimensions.hpp>
+#include <tests/support/numerical_jacobian.hpp>
 #include <tests/support/random.hpp>
 
 namespace mapjoin {
