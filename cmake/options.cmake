@@ -23,6 +23,10 @@ function(mapjoin_flags target)
   target_compile_options(${target} PRIVATE -Wall -Wextra -Wpedantic -Wconversion)
   # No fused multiply-add behind our back: the same results to the last bit on every machine.
   target_compile_options(${target} PRIVATE -ffp-contract=off)
+  if(CMAKE_UNITY_BUILD)
+    # What is a source's own counts there as a header's, of which g++ warns.
+    target_compile_options(${target} PRIVATE $<$<CXX_COMPILER_ID:GNU>:-Wno-subobject-linkage>)
+  endif()
   if(MAPJOIN_WERROR)
     target_compile_options(${target} PRIVATE -Werror)
   endif()

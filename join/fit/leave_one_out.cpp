@@ -18,25 +18,24 @@ constexpr double kLeastPivot = 1e-9;
 /// Columns that are solved at once.
 constexpr Eigen::Index kColumnsAtOnce = 64;
 
-/// A linearised factor in one piece; the columns of J are those of the base, then of the targets.
-template <int Rows, int Columns>
+/// A linearised factor in one piece, of whatever kind; the columns of J are those of the base, then of the targets.
 struct DenseFactor {
-  Vector<Rows> r;
-  Matrix<Rows> W;
-  Matrix<Rows, Columns> J;
+  Eigen::VectorXd r;
+  Eigen::MatrixXd W;
+  Eigen::MatrixXd J;
 };
 
 template <int Dim, int Dof>
-DenseFactor<Dof, kPoseDof<Dim> + Dof> dense(const LinearObservation<Dim, Dof>& linear) {
-  DenseFactor<Dof, kPoseDof<Dim> + Dof> factor{linear.target.residual, linear.W, {}};
+DenseFactor dense(const LinearObservation<Dim, Dof>& linear) {
+  DenseFactor factor{linear.target.residual, linear.W, Eigen::MatrixXd(Dof, kPoseDof<Dim> + Dof)};
   factor.J << linear.target.J_base, linear.target.J_target;
   return factor;
 }
 
 template <int Dim>
-DenseFactor<Eigen::Dynamic, Eigen::Dynamic> dense(const LinearMap<Dim>& linear) {
+DenseFactor dense(const LinearMap<Dim>& linear) {
   const Eigen::MatrixXd& W = linear.map->information;
-  DenseFactor<Eigen::Dynamic, Eigen::Dynamic> factor{Eigen::VectorXd(W.rows()), W, {}};
+  DenseFactor factor{Eigen::VectorXd(W.rows()), W, {}};
   factor.J.setZero(W.rows(), kPoseDof<Dim> + W.rows());
   Eigen::Index row = 0;
   linear.for_each_target([&]<int Dof>(int, const LinearTarget<Dim, Dof>& target) {
@@ -46,6 +45,11 @@ DenseFactor<Eigen::Dynamic, Eigen::Dynamic> dense(const LinearMap<Dim>& linear) 
     row += Dof;
   });
   return factor;
+}
+
+template <int Dim>
+DenseFactor dense_factor(const JoiningSystem<Dim>& system, std::size_t factor) {
+  return system.with_linear_factor(factor, [](const auto& linear) { return dense(linear); });
 }
 
 /// Calls f(v, column) for the variables of a factor, with their first column in its J; constant ones, all poses, are left out.
@@ -59,28 +63,28 @@ void for_each_variable(const NormalEquations& equations, std::size_t factor, F&&
 }
 
 /// J P Jᵀ, and what rounding there may add: covariances of poses that stand far off nearly cancel.
-template <int Dim, int Rows, int Columns>
-Matrix<Rows> predicted_covariance(const Matrix<Rows, Columns>& J, std::size_t factor, const NormalEquations& equations,
-                                  const Marginals& marginals) {
+template <int Dim>
+Eigen::MatrixXd predicted_covariance(const Eigen::MatrixXd& J, std::size_t factor, const NormalEquations& equations,
+                                     const Marginals& marginals) {
   std::vector<Variable> variables;
   std::vector<Eigen::Index> columns;
   for_each_variable<Dim>(equations, factor, [&](Variable v, Eigen::Index column) {
     variables.push_back(v);
     for (int i = 0; i < equations.dof(v); ++i) columns.push_back(column + i);
   });
-  Matrix<Columns> P = Matrix<Columns>::Zero(J.cols(), J.cols());
+  Eigen::MatrixXd P = Eigen::MatrixXd::Zero(J.cols(), J.cols());
   P(columns, columns) = marginals.joint(variables);
-  Matrix<Rows> covariance = J * P * J.transpose();
+  Eigen::MatrixXd covariance = J * P * J.transpose();
   constexpr double kRounding = 16.0 * std::numeric_limits<double>::epsilon();
   covariance.diagonal() += kRounding * (J.cwiseAbs() * P.diagonal().cwiseSqrt()).cwiseAbs2();
   return covariance;
 }
 
 /// J X, where X has the rows of all variables.
-template <int Dim, int Rows, int Columns, int Count>
-Matrix<Rows, Count> times(const Matrix<Rows, Columns>& J, const Matrix<Eigen::Dynamic, Count>& X, std::size_t factor,
-                          const NormalEquations& equations) {
-  Matrix<Rows, Count> product = Matrix<Rows, Count>::Zero(J.rows(), X.cols());
+template <int Dim>
+Eigen::MatrixXd times(const Eigen::MatrixXd& J, const Eigen::Ref<const Eigen::MatrixXd>& X, std::size_t factor,
+                      const NormalEquations& equations) {
+  Eigen::MatrixXd product = Eigen::MatrixXd::Zero(J.rows(), X.cols());
   for_each_variable<Dim>(equations, factor, [&](Variable v, Eigen::Index column) {
     product += J.middleCols(column, equations.dof(v)) * X.middleRows(equations.offset(v), equations.dof(v));
   });
@@ -98,22 +102,21 @@ double largest_rotation(const Eigen::VectorXd& step, const NormalEquations& equa
   return largest;
 }
 
-/// The information of a part of a factor; of an observation, which is one part, of fixed size.
-template <int Dim, int Dof>
-const Matrix<Dof>& information(const LinearObservation<Dim, Dof>& linear, const MeasuredPart&) {
-  return linear.W;
-}
-template <int Dim>
-Eigen::MatrixXd information(const LinearMap<Dim>& linear, const MeasuredPart& part) {
-  return linear.map->information.block(part.row, part.row, part.rows, part.rows);
-}
-
 /// Whether M is more than kLeastRedundancy of W in all directions, which most parts' are.
-template <int Rows>
-bool has_all_directions(const Matrix<Rows>& M, const Matrix<Rows>& W) {
-  const Eigen::LLT<Matrix<Rows>> llt(M - kLeastRedundancy * W);
+bool has_all_directions(const Eigen::MatrixXd& M, const Eigen::MatrixXd& W) {
+  const Eigen::LLT<Eigen::MatrixXd> llt(M - kLeastRedundancy * W);
   if (llt.info() != Eigen::Success) return false;
   return (llt.matrixLLT().diagonal().array().square() > kLeastPivot * W.diagonal().array()).all();
+}
+
+/// The information of a part of a factor.
+template <int Dim, int Dof>
+const Matrix<Dof>& information(const LinearObservation<Dim, Dof>& linear, const MeasuredPart&) {
+  return linear.W;  // of one part
+}
+template <int Dim>
+auto information(const LinearMap<Dim>& linear, const MeasuredPart& part) {
+  return linear.map->information.block(part.row, part.row, part.rows, part.rows);
 }
 
 /// Eigenvectors whose eigenvalues are above `least`, over the roots of these: the columns B with Bᵀ A B = I.
@@ -145,55 +148,45 @@ LeaveOneOut<Dim>::LeaveOneOut(const JoiningSystem<Dim>& system, const NormalEqua
   values_.resize(offsets_.back());
   const Eigen::VectorXd step = equations.solve(equations.gradient());
   chi2_ = parallel_sum(factor_count(), kObservationsPerPiece, [&](std::size_t k) {
-    return system.with_linear_factor(k, [&](const auto& linear) {
-      const auto factor = dense(linear);
-      const auto r = (factor.r - times<Dim>(factor.J, step, k, equations)).eval();
-      g(k) = factor.W * r;
-      M(k) = factor.W - factor.W * predicted_covariance<Dim>(factor.J, k, equations, marginals) * factor.W;
-      return r.dot(g(k));
-    });
+    const DenseFactor factor = dense_factor(system, k);
+    const Eigen::VectorXd r = factor.r - times<Dim>(factor.J, step, k, equations);
+    g(k) = factor.W * r;
+    M(k) = factor.W - factor.W * predicted_covariance<Dim>(factor.J, k, equations, marginals) * factor.W;
+    return r.dot(g(k));
   });
 }
 
 template <int Dim>
 PartTest LeaveOneOut<Dim>::test(const MeasuredPart& part) const {
-  return system_.with_linear_factor(part.factor, [&](const auto& linear) -> PartTest {
-    const auto W = information(linear, part);
-    const decltype(W.eval()) M_A = M(part.factor).block(part.row, part.row, part.rows, part.rows);
-    const auto g_A = g(part.factor).segment(part.row, part.rows);
-    if (has_all_directions(M_A, W)) {
-      return {g_A.dot(M_A.llt().solve(g_A)), static_cast<int>(part.rows), W.llt().solve(M_A).trace()};
-    }
-    const Eigen::MatrixXd B = testable_directions(M_A, W);
-    const double redundancy = (B.transpose() * W * B).diagonal().cwiseInverse().sum();  // it is diagonal
-    return {(B.transpose() * g_A).squaredNorm(), static_cast<int>(B.cols()), redundancy};
-  });
+  const Eigen::MatrixXd W =
+      system_.with_linear_factor(part.factor, [&](const auto& linear) -> Eigen::MatrixXd { return information(linear, part); });
+  const Eigen::MatrixXd M_A = M(part.factor).block(part.row, part.row, part.rows, part.rows);
+  const auto g_A = g(part.factor).segment(part.row, part.rows);
+  if (has_all_directions(M_A, W)) {
+    return {g_A.dot(M_A.llt().solve(g_A)), static_cast<int>(part.rows), W.llt().solve(M_A).trace()};
+  }
+  const Eigen::MatrixXd B = testable_directions(M_A, W);
+  const double redundancy = (B.transpose() * W * B).diagonal().cwiseInverse().sum();  // it is diagonal
+  return {(B.transpose() * g_A).squaredNorm(), static_cast<int>(B.cols()), redundancy};
 }
 
 /// As W may be singular, by (W⁻¹ + C)⁻¹ = (I + W C)⁻¹ W.
 template <int Dim>
 PartTest LeaveOneOut<Dim>::prediction(std::size_t factor) const {
-  return system_.with_linear_factor(factor, [&](const auto& linear) -> PartTest {
-    const auto [r, W, J] = dense(linear);
-    Eigen::MatrixXd I_WC = W * predicted_covariance<Dim>(J, factor, equations_, marginals_);
-    I_WC.diagonal().array() += 1.0;
-    const Eigen::VectorXd Wr = W * r;
-    return {r.dot(I_WC.partialPivLu().solve(Wr)), static_cast<int>(r.size()), 0.0};
-  });
+  const auto [r, W, J] = dense_factor(system_, factor);
+  Eigen::MatrixXd I_WC = W * predicted_covariance<Dim>(J, factor, equations_, marginals_);
+  I_WC.diagonal().array() += 1.0;
+  const Eigen::VectorXd Wr = W * r;
+  return {r.dot(I_WC.partialPivLu().solve(Wr)), static_cast<int>(r.size()), 0.0};
 }
 
 template <int Dim>
 double LeaveOneOut<Dim>::leave_out(const MeasuredPart& part) {
-  Eigen::MatrixXd B;
-  Eigen::MatrixXd W_B;   // the rows of the part's own factor
-  Eigen::MatrixXd WJ_B;  // its columns of Jᵀ W B
-  system_.with_linear_factor(part.factor, [&](const auto& linear) {
-    const auto factor = dense(linear);
-    B = testable_directions(M(part.factor).block(part.row, part.row, part.rows, part.rows),
-                            factor.W.block(part.row, part.row, part.rows, part.rows));
-    W_B = factor.W.middleCols(part.row, part.rows) * B;
-    WJ_B = factor.J.transpose() * W_B;
-  });
+  const DenseFactor factor = dense_factor(system_, part.factor);
+  const Eigen::MatrixXd B = testable_directions(M(part.factor).block(part.row, part.row, part.rows, part.rows),
+                                                factor.W.block(part.row, part.row, part.rows, part.rows));
+  const Eigen::MatrixXd W_B = factor.W.middleCols(part.row, part.rows) * B;
+  const Eigen::MatrixXd WJ_B = factor.J.transpose() * W_B;
   const Eigen::VectorXd shift = B.transpose() * g(part.factor).segment(part.row, part.rows);
   Eigen::VectorXd step = Eigen::VectorXd::Zero(equations_.size());
   for (Eigen::Index first = 0; first < B.cols(); first += kColumnsAtOnce) {
@@ -213,13 +206,11 @@ template <int Dim>
 void LeaveOneOut<Dim>::subtract(std::size_t own, const Eigen::MatrixXd& W_B, const Eigen::MatrixXd& P_Jt_W_B,
                                 const Eigen::VectorXd& shift) {
   parallel_for(factor_count(), [&](std::size_t k) {
-    system_.with_linear_factor(k, [&](const auto& linear) {
-      const auto factor = dense(linear);
-      Eigen::MatrixXd M_B = -(factor.W * times<Dim>(factor.J, P_Jt_W_B, k, equations_));
-      if (k == own) M_B += W_B;
-      g(k) -= M_B * shift;
-      M(k) -= M_B * M_B.transpose();
-    });
+    const DenseFactor factor = dense_factor(system_, k);
+    Eigen::MatrixXd M_B = -(factor.W * times<Dim>(factor.J, P_Jt_W_B, k, equations_));
+    if (k == own) M_B += W_B;
+    g(k) -= M_B * shift;
+    M(k) -= M_B * M_B.transpose();
   });
 }
 

@@ -22,9 +22,9 @@ constexpr double kDlrStep = -100.0;
 constexpr double kUnassociated = -1.0;
 
 /// What a row of the table says, or what is wrong with it in words; the first fault counts.
-class Row {
+class TableRow {
  public:
-  Row(const Eigen::MatrixXd& table, Eigen::Index row, InformationCheck& check) : table_(table), row_(row), check_(check) {
+  TableRow(const Eigen::MatrixXd& table, Eigen::Index row, InformationCheck& check) : table_(table), row_(row), check_(check) {
     if (!table.row(row).allFinite()) fault_ = "a value is not finite";
   }
 
@@ -64,7 +64,7 @@ class Row {
   std::string fault_;
 };
 
-void add_victoria_park_row(Row& row, LogBuilder<2>& builder) {
+void add_victoria_park_row(TableRow& row, LogBuilder<2>& builder) {
   if (row[0] == kOdometry) {
     builder.add_pose_edge(row.pose(1), row.pose(2), row.motion(3), row.information<3>(6));
   } else if (row[0] == kObservation) {
@@ -75,7 +75,7 @@ void add_victoria_park_row(Row& row, LogBuilder<2>& builder) {
 }
 
 /// `step` is the pose that the rows speak of.
-void add_dlr_row(Row& row, LogBuilder<2>& builder, std::uint64_t& step) {
+void add_dlr_row(TableRow& row, LogBuilder<2>& builder, std::uint64_t& step) {
   if (row[0] == kDlrStep) {
     builder.add_pose_edge({0, step}, {0, step + 1}, row.motion(1), row.information<3>(4, true));
     ++step;
@@ -96,7 +96,7 @@ Expected<AnyLog> log_of(const std::string& file, const char* variable, const Eig
   InformationCheck check(options.repair_information);
   LogBuilder<2> builder(file);
   for (Eigen::Index i = 0; i < table.rows(); ++i) {
-    Row row(table, i, check);
+    TableRow row(table, i, check);
     add(row, builder);
     if (!row.fault().empty()) {
       return bad_input(fmt::format("{}: variable {}, row {}: {}", file, variable, i + 1, row.fault()));
@@ -133,7 +133,7 @@ Expected<AnyLog> read_mat_log(std::string_view bytes, const std::string& file, c
   if (const auto found = variables->find(kDlr); found != variables->end()) {
     std::uint64_t step = 0;
     return log_of(file, kDlr, found->second, 10, options,
-                  [&](Row& row, LogBuilder<2>& builder) { add_dlr_row(row, builder, step); });
+                  [&](TableRow& row, LogBuilder<2>& builder) { add_dlr_row(row, builder, step); });
   }
   return bad_input(fmt::format("{}: holds neither the variable {} nor {}", file, kVictoriaPark, kDlr));
 }

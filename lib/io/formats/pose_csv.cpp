@@ -13,7 +13,7 @@ namespace {
 
 /// What stands on one line.
 template <int Dim>
-struct Row {
+struct PoseRow {
   PoseId id;
   Pose<Dim> pose;
   std::int64_t stamp_ns = 0;
@@ -21,9 +21,9 @@ struct Row {
 
 /// The column x stands for the whole pose.
 template <int Dim>
-Row<Dim> read_row(const std::vector<std::string>& columns, TextScanner& text) {
+PoseRow<Dim> read_row(const std::vector<std::string>& columns, TextScanner& text) {
   static const std::vector<std::string> kBehindX = {"y", "z", "phi", "qx", "qy", "qz", "qw"};
-  Row<Dim> row;
+  PoseRow<Dim> row;
   for (const std::string& column : columns) {
     if (column == "session") {
       row.id.session = static_cast<std::uint32_t>(text.key());
@@ -45,7 +45,7 @@ Expected<AnyLog> read_rows(const std::vector<std::string>& columns, TextScanner 
   LogBuilder<Dim> builder(text.source());
   text.next_line();
   const auto read_line = [&] {
-    const Row<Dim> row = read_row<Dim>(columns, text);
+    const PoseRow<Dim> row = read_row<Dim>(columns, text);
     builder.add_pose(row.id, row.pose);
     if (has_column(columns, "stamp_ns")) builder.add_stamp(row.id, row.stamp_ns);
   };

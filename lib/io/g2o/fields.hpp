@@ -27,6 +27,10 @@ constexpr bool is_g2o_parameter(std::string_view tag) {
 /// `x y φ`, or `x y z qx qy qz qw`. A quaternion is normalised, one far from unit length is rejected.
 template <int Dim>
 Pose<Dim> read_g2o_pose(TextScanner& text);
+template <>
+Pose<2> read_g2o_pose<2>(TextScanner& text);
+template <>
+Pose<3> read_g2o_pose<3>(TextScanner& text);
 
 /// Poses of sensors in the frame of the robot, by the id that observations name them by.
 using G2oOffsets = std::map<std::uint64_t, Pose<3>>;
