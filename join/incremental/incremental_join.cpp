@@ -8,44 +8,6 @@
 #include <utility>
 
 namespace mapjoin {
-namespace {
-
-/// That of the update, or none.
-template <int Dim>
-Segment segment_of(const SubmapUpdate<Dim>& update) {
-  return update.segments.empty() ? Segment{0, -1} : update.segments.front();
-}
-
-/// The poses of segments, and whether another segment may go on from there.
-using Driven = std::map<PoseId, bool>;
-
-template <int Dim>
-Expected<void> check_after(const Driven& driven, const SubmapUpdate<Dim>& update) {
-  if (const auto checked = check_update(update); !checked) return checked;
-  const Segment segment = segment_of(update);
-  for (const PoseIndex p : indices(update.poses)) {
-    const PoseId& id = update.poses[p];
-    const auto known = driven.find(id);
-    const bool is_known = known != driven.end();
-    const auto wrong = [&](const char* what) { return bad_input(update.source + ": " + to_string(id) + what); };
-    if (p < segment.begin || p > segment.end) {
-      if (!is_known) return wrong(" is in no segment yet");
-    } else if (is_known && p > segment.begin) {
-      return wrong(" is in a segment already");
-    } else if (is_known && !known->second) {
-      return wrong(" is in a segment already, which does not end there or goes on in another one");
-    }
-  }
-  return {};
-}
-
-template <int Dim>
-void drive(const SubmapUpdate<Dim>& update, Driven& driven) {
-  const Segment segment = segment_of(update);
-  for (PoseIndex p = segment.begin; p <= segment.end; ++p) driven[update.poses[p]] = p == segment.end;
-}
-
-}  // namespace
 
 template <int Dim>
 std::optional<PoseMatrix<Dim>> IncrementalJoin<Dim>::covariance(const PoseId& id) const {
@@ -73,10 +35,9 @@ void IncrementalJoin<Dim>::publish() {
 
 template <int Dim>
 Expected<void> IncrementalJoin<Dim>::check(std::span<const SubmapUpdate<Dim>> updates) const {
-  Driven driven = driven_;
+  DrivenSegments driven = driven_;
   for (const SubmapUpdate<Dim>& update : updates) {
-    if (const auto checked = check_after(driven, update); !checked) return checked;
-    drive(update, driven);
+    if (const auto added = driven.add(update); !added) return added;
   }
   return {};
 }
@@ -84,10 +45,7 @@ Expected<void> IncrementalJoin<Dim>::check(std::span<const SubmapUpdate<Dim>> up
 template <int Dim>
 Expected<void> IncrementalJoin<Dim>::accept(SubmapUpdate<Dim> update) {
   if (update.source.empty()) update.source = "update " + std::to_string(updates_.size() + 1);
-  return check_after(driven_, update).map([&] {
-    drive(update, driven_);
-    updates_.push_back(std::move(update));
-  });
+  return driven_.add(update).map([&] { updates_.push_back(std::move(update)); });
 }
 
 template <int Dim>

@@ -10,7 +10,7 @@
 #include <algorithm>
 #include <cstdint>
 #include <deque>
-#include <map>
+#include <mapjoin/join/incremental/driven_segments.hpp>
 #include <mapjoin/join/incremental/named_estimate.hpp>
 #include <mapjoin/join/incremental/submap_update.hpp>
 #include <mapjoin/join/join.hpp>
@@ -118,7 +118,7 @@ class IncrementalJoin {
 
   Pose<Dim> origin_;
   std::deque<SubmapUpdate<Dim>> updates_;
-  std::map<PoseId, bool> driven_;      // the poses of segments, and whether another segment may go on from there
+  DrivenSegments driven_;
   std::vector<std::size_t> waiting_;   // updates that are not in the estimate, ascending
   std::set<std::size_t> left_out_;     // updates that may not be in it
   std::size_t shared_when_tried_ = 0;  // by those that were waiting then

@@ -2,7 +2,7 @@
 #include <Eigen/Cholesky>
 #include <mapjoin/join/robust/predictions.hpp>
 #include <mapjoin/parallel/parallel.hpp>
-#include <mapjoin/solve/cross_covariances.hpp>
+#include <mapjoin/solve/marginals.hpp>
 
 namespace mapjoin {
 

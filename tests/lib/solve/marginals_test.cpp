@@ -4,7 +4,6 @@
 #include <Eigen/Cholesky>
 #include <Eigen/LU>
 #include <array>
-#include <mapjoin/solve/cross_covariances.hpp>
 #include <mapjoin/solve/marginals.hpp>
 #include <mapjoin/solve/sparse_cholesky.hpp>
 #include <tests/support/random.hpp>

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <gtest/gtest.h>
 
-#include <mapjoin/join/robust/gates.hpp>
+#include <mapjoin/join/robust/robust_map.hpp>
 #include <mapjoin/measure/statistics.hpp>
 
 namespace mapjoin {
@@ -14,17 +14,17 @@ std::vector<PartTest> spread_tests(int count, double scale) {
   return tests;
 }
 
-TEST(GatesTest, FindTheScaleOfCautiousCovariancesWithAMargin) {
+TEST(ScaleTest, FindTheScaleOfCautiousCovariancesWithAMargin) {
   const double scale = scale_of(spread_tests(400, 0.1), 3);
   EXPECT_GT(scale, 0.1);
   EXPECT_LT(scale, 0.13);
 }
 
-TEST(GatesTest, NeverJudgeMoreLenientlyThanCovariances) {
+TEST(ScaleTest, NeverJudgeMoreLenientlyThanCovariances) {
   EXPECT_EQ(scale_of(spread_tests(400, 5.0), 3), 1.0);
 }
 
-TEST(GatesTest, BelieveNoScaleOfAFewTests) {
+TEST(ScaleTest, BelieveNoScaleOfAFewTests) {
   EXPECT_EQ(scale_of(spread_tests(19, 0.1), 3), 1.0);
   EXPECT_LT(scale_of(spread_tests(20, 0.1), 3), 1.0);
 }
