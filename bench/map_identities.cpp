@@ -15,8 +15,6 @@
 namespace mapjoin::bench {
 namespace {
 
-constexpr double kOffFrom = 3.0 * 3.0;  // squared Mahalanobis distance
-
 /// Counts what was rejected of the features that can be told right or wrong.
 template <int Dim>
 OutlierScore counted(const SubmapSet<Dim>& clean, const PlantedSet<Dim>& planted, const SubmapSet<Dim>& kept) {

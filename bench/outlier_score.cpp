@@ -13,8 +13,7 @@
 namespace mapjoin::bench {
 namespace {
 
-constexpr double kWrongFrom = 10.0 * 10.0;  // squared Mahalanobis distances
-constexpr double kOffFrom = 3.0 * 3.0;
+constexpr double kWrongFrom = 10.0 * 10.0;  // squared Mahalanobis distance
 
 template <int Dim>
 Pose<Dim> seen_from(const Pose<Dim>& base, const Pose<Dim>& target) {

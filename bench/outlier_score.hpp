@@ -11,6 +11,9 @@
 
 namespace mapjoin::bench {
 
+/// A feature is off that is this far from where the clean map has it (squared Mahalanobis distance).
+inline constexpr double kOffFrom = 3.0 * 3.0;
+
 /// The map of a log without planted measurements, by which these are judged.
 template <int Dim>
 struct CleanMap {

@@ -18,10 +18,6 @@
 namespace mapjoin::apps {
 namespace {
 
-constexpr const char* kExamples =
-    "  mapjoin basin data/manhattan2d.g2o --seeds 3\n"
-    "  mapjoin basin data/manhattan2d.g2o --poses-per-map 20,60 --seeds 2 -o basin";
-
 struct BasinRequest : Options {
   BasinOptions basin;
 };
@@ -162,7 +158,9 @@ ExitCode run_basin(const BasinRequest& asked, const std::stop_token& stop) {
 }  // namespace
 
 void declare_basin(Subcommand& command) {
-  command.examples(kExamples);
+  command.examples(
+      "  mapjoin basin data/manhattan2d.g2o --seeds 3\n"
+      "  mapjoin basin data/manhattan2d.g2o --poses-per-map 20,60 --seeds 2 -o basin");
   const auto asked = std::make_shared<BasinRequest>();
   BasinOptions& basin = asked->basin;
   command.argument("LOG|MAPS", asked->input, "A log; or a store, or a folder or archive of local maps");

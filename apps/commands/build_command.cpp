@@ -15,10 +15,6 @@
 namespace mapjoin::apps {
 namespace {
 
-constexpr const char* kExamples =
-    "  mapjoin build data/manhattan2d.g2o -o manhattan2d.maps\n"
-    "  mapjoin join manhattan2d.maps -o map.g2o";
-
 template <int Dim>
 void build_all(CommandRun& command_run, const Log<Dim>& log, const Split& parts, StoreWriter<Dim>& store) {
   const Stopwatch watch(command_run.run_report.figures.seconds.build);
@@ -69,7 +65,9 @@ ExitCode build_input(const Options& options, const std::stop_token& stop) {
 }  // namespace
 
 void declare_build(Subcommand& command) {
-  command.examples(kExamples);
+  command.examples(
+      "  mapjoin build data/manhattan2d.g2o -o manhattan2d.maps\n"
+      "  mapjoin join manhattan2d.maps -o map.g2o");
   const auto options = std::make_shared<Options>();
   command.argument("LOG|MAPS", options->input,
                    kLogFormats +

@@ -24,12 +24,6 @@
 namespace mapjoin::apps {
 namespace {
 
-constexpr const char* kExamples =
-    "  mapjoin check data/manhattan2d.g2o\n"
-    "  mapjoin check data/manhattan2d.g2o --estimate none --report check.json\n"
-    "  mapjoin check data/manhattan2d.g2o --most all -o misfits.csv\n"
-    "Exit codes: 0 nothing to warn of, 1 there are warnings or errors; else as always.";
-
 /// At which map residuals are weighed.
 enum class CheckedEstimate : std::uint8_t { kJoined, kFile, kNone };
 constexpr auto enum_names(CheckedEstimate) {
@@ -252,7 +246,11 @@ ExitCode check_input(const CheckOptions& options, const std::stop_token& stop) {
 }  // namespace
 
 void declare_check(Subcommand& command) {
-  command.examples(kExamples);
+  command.examples(
+      "  mapjoin check data/manhattan2d.g2o\n"
+      "  mapjoin check data/manhattan2d.g2o --estimate none --report check.json\n"
+      "  mapjoin check data/manhattan2d.g2o --most all -o misfits.csv\n"
+      "Exit codes: 0 nothing to warn of, 1 there are warnings or errors; else as always.");
   const auto options = std::make_shared<CheckOptions>();
   command.argument("FILE", options->input, "A log, a store, or a folder or archive of local maps");
   add_further_logs(command, *options);

@@ -23,11 +23,6 @@ static void to_json(apps::Json& json, const MapDifference& difference) {
 namespace apps {
 namespace {
 
-constexpr const char* kExamples =
-    "  mapjoin compare data/manhattan2d.g2o\n"
-    "  mapjoin compare data/manhattan2d.g2o -o comparison --truth data/manhattan2d.truth.tum\n"
-    "  mapjoin compare data/manhattan3d.g2o --poses-per-map 10,40 --report -";
-
 const std::vector<std::string> kFiles = {"compare.json", "compare.csv", "compare.html"};
 
 constexpr int kLongestMap = 1'000'000;
@@ -212,7 +207,10 @@ ExitCode compare_log(const CompareOptions& options, const std::stop_token& stop)
 }  // namespace
 
 void declare_compare(Subcommand& command) {
-  command.examples(kExamples);
+  command.examples(
+      "  mapjoin compare data/manhattan2d.g2o\n"
+      "  mapjoin compare data/manhattan2d.g2o -o comparison --truth data/manhattan2d.truth.tum\n"
+      "  mapjoin compare data/manhattan3d.g2o --poses-per-map 10,40 --report -");
   const auto options = std::make_shared<CompareOptions>();
   command.argument("LOG", options->input, kLogFormats);
   add_further_logs(command, *options);

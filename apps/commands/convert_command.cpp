@@ -20,11 +20,6 @@
 namespace mapjoin::apps {
 namespace {
 
-constexpr const char* kExamples =
-    "  mapjoin convert data/manhattan2d.g2o manhattan.isam\n"
-    "  mapjoin build data/manhattan2d.g2o -o manhattan.maps\n"
-    "  mapjoin convert manhattan.maps FOLDER --to maps-text";
-
 struct StoreFormat {};
 using AnyFormat = std::variant<LogFormat, LocalMapFormat, StoreFormat>;
 
@@ -147,7 +142,10 @@ ExitCode convert_input(const ConvertOptions& options, const std::stop_token& sto
 }  // namespace
 
 void declare_convert(Subcommand& command) {
-  command.examples(kExamples);
+  command.examples(
+      "  mapjoin convert data/manhattan2d.g2o manhattan.isam\n"
+      "  mapjoin build data/manhattan2d.g2o -o manhattan.maps\n"
+      "  mapjoin convert manhattan.maps FOLDER --to maps-text");
   const auto options = std::make_shared<ConvertOptions>();
   command.argument("IN", options->input, "A log, a store, or a folder or archive of local maps, known by its content");
   command.argument("OUT", options->output, "The file, or for maps-mat and maps-text the folder, to write");

@@ -15,10 +15,6 @@
 namespace mapjoin::apps {
 namespace {
 
-constexpr const char* kExamples =
-    "  mapjoin convexity data/manhattan2d.g2o -o convexity\n"
-    "  mapjoin convexity data/manhattan2d.g2o --states drift --spread 0.5 --to-best --pairs 20";
-
 struct ConvexityRequest : Options {
   ConvexityOptions convexity;
 };
@@ -165,7 +161,9 @@ void add_lines(Subcommand& command, ConvexityOptions& convexity) {
 }  // namespace
 
 void declare_convexity(Subcommand& command) {
-  command.examples(kExamples);
+  command.examples(
+      "  mapjoin convexity data/manhattan2d.g2o -o convexity\n"
+      "  mapjoin convexity data/manhattan2d.g2o --states drift --spread 0.5 --to-best --pairs 20");
   const auto asked = std::make_shared<ConvexityRequest>();
   command.argument("LOG|MAPS", asked->input, "A log; or a store, or a folder or archive of local maps");
   command.path("-o,--output", asked->output, "DIR", "Write curves.csv and convexity.json into this folder");

@@ -17,11 +17,6 @@
 namespace mapjoin::apps {
 namespace {
 
-constexpr const char* kExamples =
-    "  mapjoin run data/manhattan2d.g2o -o result\n"
-    "  mapjoin covariance result 0 999 feature:1014\n"
-    "  mapjoin covariance data/manhattan2d.g2o 998 999 --report - -o joint.csv";
-
 struct CovarianceOptions : Options {
   std::vector<std::string> names;
 };
@@ -221,7 +216,10 @@ ExitCode tell(const CovarianceOptions& options, const std::stop_token& stop) {
 }  // namespace
 
 void declare_covariance(Subcommand& command) {
-  command.examples(kExamples);
+  command.examples(
+      "  mapjoin run data/manhattan2d.g2o -o result\n"
+      "  mapjoin covariance result 0 999 feature:1014\n"
+      "  mapjoin covariance data/manhattan2d.g2o 998 999 --report - -o joint.csv");
   const auto options = std::make_shared<CovarianceOptions>();
   command.argument(
       "MAP", options->input,

@@ -13,11 +13,6 @@
 namespace mapjoin::apps {
 namespace {
 
-constexpr const char* kExamples =
-    "  mapjoin run data/manhattan2d.g2o -o map.g2o\n"
-    "  mapjoin error map.g2o data/manhattan2d.truth.tum\n"
-    "  mapjoin error map.g2o data/manhattan2d.truth.tum --spans 10,50 --span-unit metres --pairs successive --report -";
-
 struct ErrorCommandOptions : Options {
   ErrorOptions errors;
 };
@@ -78,7 +73,10 @@ std::vector<std::string> check_spans(const ErrorOptions& options) {
 }  // namespace
 
 void declare_error(Subcommand& command) {
-  command.examples(kExamples);
+  command.examples(
+      "  mapjoin run data/manhattan2d.g2o -o map.g2o\n"
+      "  mapjoin error map.g2o data/manhattan2d.truth.tum\n"
+      "  mapjoin error map.g2o data/manhattan2d.truth.tum --spans 10,50 --span-unit metres --pairs successive --report -");
   const auto options = std::make_shared<ErrorCommandOptions>();
   ErrorOptions& errors = options->errors;
   options->truth_apart = 0.01;

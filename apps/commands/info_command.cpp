@@ -15,8 +15,6 @@
 namespace mapjoin::apps {
 namespace {
 
-constexpr const char* kExamples = "  mapjoin info data/manhattan2d.g2o";
-
 template <typename Id>
 std::string range_of(const std::vector<Id>& ids) {
   if (ids.empty()) return "none";
@@ -89,7 +87,7 @@ std::string described(const RunReport& run_report, const Content& content) {
 }  // namespace
 
 void declare_info(Subcommand& command) {
-  command.examples(kExamples);
+  command.examples("  mapjoin info data/manhattan2d.g2o");
   const auto options = std::make_shared<Options>();
   command.argument("FILE", options->input, "A log, a store, or a folder or archive of local maps");
   add_further_logs(command, *options);

@@ -11,10 +11,6 @@
 namespace mapjoin::apps {
 namespace {
 
-constexpr const char* kExamples =
-    "  mapjoin build data/manhattan2d.g2o -o manhattan2d.maps\n"
-    "  mapjoin join manhattan2d.maps -o map.g2o";
-
 template <int Dim>
 void join_any(CommandRun& command_run, SubmapSet<Dim> set) {
   const std::optional<SubmapSet<Dim>> kept = command_run.options().asks_features ? std::optional(set) : std::nullopt;
@@ -48,7 +44,9 @@ ExitCode join_maps(const Options& options, const std::stop_token& stop) {
 }  // namespace
 
 void declare_join(Subcommand& command) {
-  command.examples(kExamples);
+  command.examples(
+      "  mapjoin build data/manhattan2d.g2o -o manhattan2d.maps\n"
+      "  mapjoin join manhattan2d.maps -o map.g2o");
   const auto options = std::make_shared<Options>();
   command.argument("MAPS", options->input, "A store, or a folder or archive of localmap_1, localmap_2, ... as .mat or .txt");
   command.path("-o,--output", options->output, "MAP", kMapFile);

@@ -18,13 +18,6 @@
 namespace mapjoin::apps {
 namespace {
 
-constexpr const char* kExamples =
-    "  mapjoin run data/manhattan2d.g2o -o result --covariances\n"
-    "  mapjoin plot result -o map.svg --truth data/manhattan2d.truth.tum\n"
-    "  mapjoin plot result data/manhattan2d.g2o -o map-and-odometry.svg\n"
-    "  mapjoin build data/manhattan3d.g2o -o manhattan3d.maps\n"
-    "  mapjoin plot manhattan3d.maps --covariances -o manhattan3d.html";
-
 struct PlotOptions : Options {
   std::vector<std::filesystem::path> inputs;
   std::filesystem::path truth_of_first;  ///< Empty: none.
@@ -128,7 +121,12 @@ std::vector<std::string> check_files(const PlotOptions& options) {
 }  // namespace
 
 void declare_plot(Subcommand& command) {
-  command.examples(kExamples);
+  command.examples(
+      "  mapjoin run data/manhattan2d.g2o -o result --covariances\n"
+      "  mapjoin plot result -o map.svg --truth data/manhattan2d.truth.tum\n"
+      "  mapjoin plot result data/manhattan2d.g2o -o map-and-odometry.svg\n"
+      "  mapjoin build data/manhattan3d.g2o -o manhattan3d.maps\n"
+      "  mapjoin plot manhattan3d.maps --covariances -o manhattan3d.html");
   const auto options = std::make_shared<PlotOptions>();
   options->output = "plot.svg";
   command.arguments("MAP", options->inputs,

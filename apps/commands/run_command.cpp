@@ -25,14 +25,6 @@
 namespace mapjoin::apps {
 namespace {
 
-constexpr const char* kExamples =
-    "  mapjoin run data/manhattan2d.g2o\n"
-    "  mapjoin run data/manhattan2d.g2o -o result\n"
-    "  mapjoin run data/manhattan2d.g2o -o map.g2o\n"
-    "  mapjoin run data/manhattan2d.g2o -o certain --covariances --truth data/manhattan2d.truth.tum\n"
-    "  mapjoin run data/manhattan3d.g2o --poses-per-map 20 --report -\n"
-    "  mapjoin run data/manhattan2d.g2o --follow --idle 0.5 --steps steps.jsonl";
-
 /// The trajectory of one session.
 std::string trajectory_of(std::uint32_t session) {
   return fmt::format("trajectory_{}.tum", session);
@@ -176,7 +168,13 @@ std::vector<std::string> check_parts(const Options& options) {
 }  // namespace
 
 void declare_run(Subcommand& command) {
-  command.examples(kExamples);
+  command.examples(
+      "  mapjoin run data/manhattan2d.g2o\n"
+      "  mapjoin run data/manhattan2d.g2o -o result\n"
+      "  mapjoin run data/manhattan2d.g2o -o map.g2o\n"
+      "  mapjoin run data/manhattan2d.g2o -o certain --covariances --truth data/manhattan2d.truth.tum\n"
+      "  mapjoin run data/manhattan3d.g2o --poses-per-map 20 --report -\n"
+      "  mapjoin run data/manhattan2d.g2o --follow --idle 0.5 --steps steps.jsonl");
   const auto options = std::make_shared<Options>();
   const auto following = std::make_shared<FollowOptions>();
   command.argument("LOG", options->input, kLogFormats);

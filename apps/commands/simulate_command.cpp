@@ -13,12 +13,6 @@
 namespace mapjoin::apps {
 namespace {
 
-constexpr const char* kExamples =
-    "  mapjoin simulate --poses 1000 --seed 7 -o town.g2o --truth town.truth.tum\n"
-    "  mapjoin simulate --dim 3 --poses 2000 --seed 1 -o building.g2o\n"
-    "  mapjoin simulate --poses 500 --noise-multiplier 0 -o without-errors.g2o\n"
-    "  mapjoin simulate --poses 100000 --part 2/4 -o second-quarter.g2o";
-
 enum class World { kManhattan };
 constexpr auto enum_names(World) {
   return std::to_array<EnumName<World>>({{World::kManhattan, "manhattan"}});
@@ -91,7 +85,11 @@ void add_noise(Subcommand& command, ManhattanOptions& world) {
 }  // namespace
 
 void declare_simulate(Subcommand& command) {
-  command.examples(kExamples);
+  command.examples(
+      "  mapjoin simulate --poses 1000 --seed 7 -o town.g2o --truth town.truth.tum\n"
+      "  mapjoin simulate --dim 3 --poses 2000 --seed 1 -o building.g2o\n"
+      "  mapjoin simulate --poses 500 --noise-multiplier 0 -o without-errors.g2o\n"
+      "  mapjoin simulate --poses 100000 --part 2/4 -o second-quarter.g2o");
   const auto options = std::make_shared<SimulateOptions>();
   ManhattanOptions& world = options->manhattan;
   command.choice("--world", options->world, "Streets; in space corridors and shafts");

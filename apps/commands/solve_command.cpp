@@ -9,10 +9,6 @@
 namespace mapjoin::apps {
 namespace {
 
-constexpr const char* kExamples =
-    "  mapjoin solve data/manhattan2d.g2o -o map.g2o\n"
-    "  mapjoin solve map.g2o -o again.csv --start file --method lm";
-
 ExitCode solve_input(const Options& options, const std::stop_token& stop) {
   CommandRun command_run("solve", options, stop);
   command_run.prepare(outputs_of_map(options));
@@ -28,7 +24,9 @@ ExitCode solve_input(const Options& options, const std::stop_token& stop) {
 }  // namespace
 
 void declare_solve(Subcommand& command) {
-  command.examples(kExamples);
+  command.examples(
+      "  mapjoin solve data/manhattan2d.g2o -o map.g2o\n"
+      "  mapjoin solve map.g2o -o again.csv --start file --method lm");
   const auto options = std::make_shared<Options>();
   command.argument("LOG", options->input, kLogFormats);
   command.path("-o,--output", options->output, "MAP", kMapFile);

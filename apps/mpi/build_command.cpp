@@ -11,10 +11,6 @@ namespace {
 using distributed::Communicator;
 using distributed::MappedLog;
 
-constexpr const char* kExamples =
-    "  mpirun -n 16 mapjoin-mpi build city.g2o -o stores\n"
-    "  mapjoin join stores/*.maps -o map.g2o";
-
 ExitCode build_log(const MpiOptions& options) {
   const Communicator comm(MPI_COMM_WORLD);
   CommandRun command_run("build", options, {});
@@ -44,7 +40,9 @@ ExitCode build_log(const MpiOptions& options) {
 }  // namespace
 
 void declare_mpi_build(Subcommand& command) {
-  command.examples(kExamples);
+  command.examples(
+      "  mpirun -n 16 mapjoin-mpi build city.g2o -o stores\n"
+      "  mapjoin join stores/*.maps -o map.g2o");
   const auto options = std::make_shared<MpiOptions>();
   command.argument("LOG", options->input, "The log, a plain g2o file that all ranks can read");
   command.path(

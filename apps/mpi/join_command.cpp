@@ -7,10 +7,6 @@
 namespace mapjoin::apps {
 namespace {
 
-constexpr const char* kExamples =
-    "  mpirun -n 16 mapjoin-mpi build city.g2o -o stores\n"
-    "  mpirun -n 4 mapjoin-mpi join stores/*.maps -o map.g2o";
-
 ExitCode join_stores(const MpiOptions& options) {
   std::vector<std::filesystem::path> stores{options.input};
   stores.insert(stores.end(), options.further.begin(), options.further.end());
@@ -21,7 +17,9 @@ ExitCode join_stores(const MpiOptions& options) {
 }  // namespace
 
 void declare_mpi_join(Subcommand& command) {
-  command.examples(kExamples);
+  command.examples(
+      "  mpirun -n 16 mapjoin-mpi build city.g2o -o stores\n"
+      "  mpirun -n 4 mapjoin-mpi join stores/*.maps -o map.g2o");
   const auto options = std::make_shared<MpiOptions>();
   command.argument("STORE", options->input, "A store of `mapjoin build` or `mapjoin-mpi build` that all ranks can read");
   command.further("FURTHER", options->further, "The stores of the other parts of the same log");

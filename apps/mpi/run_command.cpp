@@ -7,11 +7,6 @@
 namespace mapjoin::apps {
 namespace {
 
-constexpr const char* kExamples =
-    "  mpirun -n 2 mapjoin-mpi run data/manhattan2d.g2o -o map.g2o\n"
-    "  mpirun -n 16 mapjoin-mpi run city.g2o -o map.csv --out-of-core /scratch --max-memory 8000\n"
-    "  mpirun -n 16 mapjoin-mpi run city.g2o -o map.csv --checkpoint stores";
-
 ExitCode run_log(const MpiOptions& options) {
   const distributed::LogTask log{options.input, options.read, options.covariance, options.run, options.stores};
   return make_map("run", options, [&](const distributed::Communicator& comm) { return distributed::mapped_log(comm, log); });
@@ -20,7 +15,10 @@ ExitCode run_log(const MpiOptions& options) {
 }  // namespace
 
 void declare_mpi_run(Subcommand& command) {
-  command.examples(kExamples);
+  command.examples(
+      "  mpirun -n 2 mapjoin-mpi run data/manhattan2d.g2o -o map.g2o\n"
+      "  mpirun -n 16 mapjoin-mpi run city.g2o -o map.csv --out-of-core /scratch --max-memory 8000\n"
+      "  mpirun -n 16 mapjoin-mpi run city.g2o -o map.csv --checkpoint stores");
   const auto options = std::make_shared<MpiOptions>();
   command.argument("LOG", options->input, "The log, a plain g2o file that all ranks can read");
   command.path("-o,--output", options->output, "MAP", kMapFile);

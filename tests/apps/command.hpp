@@ -4,6 +4,7 @@
 
 #include <filesystem>
 #include <nlohmann/json.hpp>
+#include <sstream>
 #include <string>
 #include <tests/support/places.hpp>
 #include <tests/support/process.hpp>
@@ -36,6 +37,13 @@ inline nlohmann::json report_of(std::vector<std::string> arguments) {
   const Ended ended = call(std::move(arguments));
   EXPECT_EQ(ended.exit_code, 0) << ended.err;
   return nlohmann::json::parse(ended.out);
+}
+
+inline std::vector<std::string> lines_of(const std::string& text) {
+  std::istringstream stream(text);
+  std::vector<std::string> lines;
+  for (std::string line; std::getline(stream, line);) lines.push_back(line);
+  return lines;
 }
 
 /// Three poses in a row that see one feature.

@@ -24,13 +24,6 @@ using ::testing::StartsWith;
 const std::string kLog = (kBundledData / "manhattan2d.g2o").string();
 const std::string kTruth = (kBundledData / "manhattan2d.truth.tum").string();
 
-std::vector<std::string> lines_of(const std::string& text) {
-  std::istringstream stream(text);
-  std::vector<std::string> lines;
-  for (std::string line; std::getline(stream, line);) lines.push_back(line);
-  return lines;
-}
-
 /// The fields of a line without quotes.
 std::vector<std::string> fields_of(const std::string& line) {
   std::istringstream stream(line + ",");

@@ -9,6 +9,7 @@
 #include <regex>
 #include <sstream>
 #include <string>
+#include <tests/apps/command.hpp>
 #include <tests/support/temporary_folder.hpp>
 #include <vector>
 
@@ -30,13 +31,6 @@ struct Block {
 
   bool holds_commands() const { return language == "sh" || language == "console"; }
 };
-
-inline std::vector<std::string> lines_of(const std::string& text) {
-  std::istringstream stream(text);
-  std::vector<std::string> lines;
-  for (std::string line; std::getline(stream, line);) lines.push_back(line);
-  return lines;
-}
 
 /// What a comment `<!-- NAME: VALUE -->` has as its value, where it is one of that name.
 inline std::optional<std::string> said(const std::string& comment, const std::string& name) {

@@ -11,7 +11,8 @@ using ::testing::HasSubstr;
 
 /// Three poses in a row, the last one half a metre off; and the truth.
 const std::string kMap = "VERTEX_SE2 4 0 0 0\nVERTEX_SE2 5 1 0 0\nVERTEX_SE2 6 2 0.5 0\n";
-const std::string kTruth = "VERTEX_SE2 4 0 0 0\nVERTEX_SE2 5 1 0 0\nVERTEX_SE2 6 2 0 0\nEDGE_SE2 4 6 2 0 0 1 0 0 1 0 1\n";
+const std::string kThreeTruePoses =
+    "VERTEX_SE2 4 0 0 0\nVERTEX_SE2 5 1 0 0\nVERTEX_SE2 6 2 0 0\nEDGE_SE2 4 6 2 0 0 1 0 0 1 0 1\n";
 
 class ErrorCommand : public ::testing::Test {
  protected:
@@ -19,7 +20,7 @@ class ErrorCommand : public ::testing::Test {
 
   TemporaryFolder folder;
   std::string map = folder.file("map.g2o", kMap).string();
-  std::string truth = folder.file("truth.g2o", kTruth).string();
+  std::string truth = folder.file("truth.g2o", kThreeTruePoses).string();
 };
 
 TEST_F(ErrorCommand, MeasuresAbsoluteAndRelativeErrorsAndRelations) {

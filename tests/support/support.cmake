@@ -9,4 +9,5 @@ add_library(mapjoin_test_support STATIC ${support_sources})
 target_include_directories(mapjoin_test_support PUBLIC ${CMAKE_SOURCE_DIR})
 target_link_libraries(mapjoin_test_support PUBLIC mapjoin::core PRIVATE Ceres::ceres)
 mapjoin_flags(mapjoin_test_support)
+set_target_properties(mapjoin_test_support PROPERTIES UNITY_BUILD OFF)  # benchmarks link what asks nothing of GoogleTest
 target_compile_options(mapjoin_test_support PRIVATE $<$<CONFIG:Release>:-O2>)

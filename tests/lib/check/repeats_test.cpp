@@ -16,14 +16,14 @@ namespace {
 using ::testing::ElementsAre;
 
 template <int Dim>
-struct Edge {
+struct MeasuredEdge {
   Pose<Dim> measured;
   PoseMatrix<Dim> information;
 };
 
 /// The names of what was found of two edges between poses 0 and 3, the second from 3 to 0 where it is `reversed`.
 template <int Dim>
-std::vector<std::string> found(const Edge<Dim>& a, const Edge<Dim>& b, bool reversed = false) {
+std::vector<std::string> found(const MeasuredEdge<Dim>& a, const MeasuredEdge<Dim>& b, bool reversed = false) {
   LogBuilder<Dim> builder("some.g2o");
   for (std::uint64_t k = 0; k < 3; ++k) builder.add_pose_edge({0, k}, {0, k + 1}, {}, PoseMatrix<Dim>::Identity());
   builder.add_pose_edge({0, 0}, {0, 3}, a.measured, a.information);
@@ -47,9 +47,9 @@ TYPED_TEST(Repeats, AreNoneInALogThatSaysEverythingOnce) {
 TYPED_TEST(Repeats, TellCopiesFromSecondMeasurementsAndFromContradictions) {
   constexpr int Dim = TypeParam::value;
   Random random;
-  const Edge<Dim> edge{random.pose<Dim>(), 1e4 * random.information<kPoseDof<Dim>>()};
+  const MeasuredEdge<Dim> edge{random.pose<Dim>(), 1e4 * random.information<kPoseDof<Dim>>()};
   const auto moved_by = [&](double metres) {
-    Edge<Dim> other = edge;
+    MeasuredEdge<Dim> other = edge;
     other.measured.translation[0] += metres;
     return other;
   };

@@ -34,7 +34,7 @@ class ArchiveTest : public ::testing::Test {
     return seen;
   }
   testing::TemporaryFolder folder;
-  const std::string long_text = std::string(3000, 'a') + "end";
+  const std::string long_text = std::string(3000, 'a').append("end");
 };
 
 TEST_F(ArchiveTest, GivesTheWantedMembersPlainOrGzipped) {

@@ -14,18 +14,18 @@ namespace {
 
 using ::testing::ElementsAre;
 
-Expected<AnyLog> read(const std::string& text) {
+Expected<AnyLog> read_isam(const std::string& text) {
   return read_edge_text(TextScanner("some.txt", text), kIsamPlane, &kIsamSpace, {});
 }
 
-std::string message(const std::string& text) {
-  const auto log = read(text);
+std::string isam_message(const std::string& text) {
+  const auto log = read_isam(text);
   return log ? "" : log.error().message;
 }
 
 TEST(Isam, ReadsThePlaneAndSquaresItsInformation) {
-  const auto log =
-      std::get<Log<2>>(read("EDGE2 0 1 1 2 0.5 1 2 3 4 5 6\nLANDMARK 1 0 7 8 1 2 3\nEDGE2 1 2 1 2 -0.5 1 0 0 1 0 1\n").value());
+  const auto log = std::get<Log<2>>(
+      read_isam("EDGE2 0 1 1 2 0.5 1 2 3 4 5 6\nLANDMARK 1 0 7 8 1 2 3\nEDGE2 1 2 1 2 -0.5 1 0 0 1 0 1\n").value());
   EXPECT_EQ(log.poses.size(), 3u);
   EXPECT_THAT(log.features, ElementsAre(FeatureId{0}));
   EXPECT_EQ(log.odometry()[0].measured.translation, Point<2>(1, 2));
@@ -48,8 +48,8 @@ Rotation<3> from_angles(const Vector<3>& angles) {
 }
 
 TEST(Isam, TurnsTheInformationOfEulerAnglesToTheRotationVectorAtTheMeasurement) {
-  const auto log =
-      std::get<Log<3>>(read("EDGE3 0 1 1 2 3 0.3 -0.8 2.5 1 2 3 4 5 6 7 8 9 10 11 12 13 14 15 16 17 18 19 20 21\n").value());
+  const auto log = std::get<Log<3>>(
+      read_isam("EDGE3 0 1 1 2 3 0.3 -0.8 2.5 1 2 3 4 5 6 7 8 9 10 11 12 13 14 15 16 17 18 19 20 21\n").value());
   const Vector<3> angles(0.3, -0.8, 2.5);
   const Rotation<3> R = from_angles(angles);
   const auto& edge = log.odometry()[0];
@@ -70,7 +70,7 @@ TEST(Isam, TurnsTheInformationOfEulerAnglesToTheRotationVectorAtTheMeasurement) 
 }
 
 TEST(Isam, ReadsPointsInSpace) {
-  const auto log = std::get<Log<3>>(read("POINT3 4 4 1 2 3 1 0 0 2 0 3\n").value());
+  const auto log = std::get<Log<3>>(read_isam("POINT3 4 4 1 2 3 1 0 0 2 0 3\n").value());
   EXPECT_EQ(log.observations()[0].measured, Point<3>(1, 2, 3));
   EXPECT_EQ(log.observations()[0].information.diagonal(), Vector<3>(1, 4, 9));
 }
@@ -91,13 +91,13 @@ TEST(Isam, WritesZerosForWhatIsNotMeasuredButNotForWhatHardlyIs) {
 
 TEST(Isam, NamesLineAndColumnOfWhatIsWrong) {
   const std::string good = "EDGE2 0 1 1 2 0.5 1 0 0 1 0 1\n";
-  EXPECT_EQ(message(good + "LANDMARK 1 0 7 8 1 2\n"), "some.txt:2:21: the line ends where a number is expected");
-  EXPECT_EQ(message(good + "POINT3 1 0 7 8 9 1 0 0 1 0 1\n"),
+  EXPECT_EQ(isam_message(good + "LANDMARK 1 0 7 8 1 2\n"), "some.txt:2:21: the line ends where a number is expected");
+  EXPECT_EQ(isam_message(good + "POINT3 1 0 7 8 9 1 0 0 1 0 1\n"),
             "some.txt:2:1: unknown tag 'POINT3'; --skip-unknown leaves such lines out");
-  EXPECT_EQ(message("EDGE2 4 4 1 2 0.5 1 0 0 1 0 1\n"),
+  EXPECT_EQ(isam_message("EDGE2 4 4 1 2 0.5 1 0 0 1 0 1\n"),
             "some.txt:1:1: an edge leads from pose 4 to itself; --skip-self-edges leaves such edges out");
-  EXPECT_EQ(message("LANDMARK 1 0 7 8 1e200 0 1\n"), "some.txt:1:1: the information matrix of edge 1-0 is not finite");
-  EXPECT_EQ(message("EDGE3 0 1 0 0 0 0 1.5707963267948966 0 1 0 0 0 0 0 1 0 0 0 0 1 0 0 0 1 0 0 1 0 1"),
+  EXPECT_EQ(isam_message("LANDMARK 1 0 7 8 1e200 0 1\n"), "some.txt:1:1: the information matrix of edge 1-0 is not finite");
+  EXPECT_EQ(isam_message("EDGE3 0 1 0 0 0 0 1.5707963267948966 0 1 0 0 0 0 0 1 0 0 0 0 1 0 0 0 1 0 0 1 0 1"),
             "some.txt:1:19: at a pitch of a right angle roll and yaw are not told apart");
 }
 

@@ -13,19 +13,19 @@ namespace {
 
 using ::testing::StartsWith;
 
-Expected<AnyLog> read(const std::string& text) {
+Expected<AnyLog> read_toro(const std::string& text) {
   return read_edge_text(TextScanner("some.graph", text), kToroPlane, &kToroSpace, {});
 }
 
-std::string message(const std::string& text) {
-  const auto log = read(text);
+std::string toro_message(const std::string& text) {
+  const auto log = read_toro(text);
   return log ? "" : log.error().message;
 }
 
 const std::string kVertices = "VERTEX2 0 0 0 0\nVERTEX2 1 1 2 0.5\n";
 
 TEST(Toro, ReadsThePlaneWithItsOwnOrderOfWeights) {
-  const auto log = std::get<Log<2>>(read(kVertices + "EDGE2 0 1 1 2 0.5 10 1 20 30 2 3\n").value());
+  const auto log = std::get<Log<2>>(read_toro(kVertices + "EDGE2 0 1 1 2 0.5 10 1 20 30 2 3\n").value());
   ASSERT_EQ(log.odometry().size(), 1u);
   EXPECT_EQ(log.odometry()[0].measured.translation, Point<2>(1, 2));
   EXPECT_EQ(log.odometry()[0].measured.rotation.angle(), 0.5);
@@ -40,16 +40,16 @@ TEST(Toro, TakesAnglesInSpaceAsIsamDoes) {
   const auto isam = std::get<Log<3>>(
       read_edge_text(TextScanner("a", edge + "1 0 0 0 0 0 2 0 0 0 0 3 0 0 0 4 0 0 5 0 6\n"), kIsamPlane, &kIsamSpace, {})
           .value());
-  const auto toro = std::get<Log<3>>(
-      read("VERTEX3 0 0 0 0 0 0 0\nVERTEX3 1 1 2 3 0.3 -0.8 2.5\n" + edge + "1 0 0 0 0 0 4 0 0 0 0 9 0 0 0 16 0 0 25 0 36\n")
-          .value());
+  const auto toro = std::get<Log<3>>(read_toro("VERTEX3 0 0 0 0 0 0 0\nVERTEX3 1 1 2 3 0.3 -0.8 2.5\n" + edge +
+                                               "1 0 0 0 0 0 4 0 0 0 0 9 0 0 0 16 0 0 25 0 36\n")
+                                         .value());
   testing::expect_same_log(isam, toro, {0.0, 1e-14});
   EXPECT_LE(local(toro.initial.poses[1], toro.odometry()[0].measured).norm(), 1e-15);
 }
 
 TEST(Toro, TellsRollAndYawApartNearARightAngle) {
-  const auto log = std::get<Log<3>>(read("VERTEX3 0 0 0 0 0.5 1.5706 0.25\nVERTEX3 1 1 0 0 0.5 1.5706 0.25\n"
-                                         "EDGE3 0 1 1 0 0 0 0 0 1 0 0 0 0 0 1 0 0 0 0 1 0 0 0 1 0 0 1 0 1\n")
+  const auto log = std::get<Log<3>>(read_toro("VERTEX3 0 0 0 0 0.5 1.5706 0.25\nVERTEX3 1 1 0 0 0.5 1.5706 0.25\n"
+                                              "EDGE3 0 1 1 0 0 0 0 0 1 0 0 0 0 0 1 0 0 0 0 1 0 0 0 1 0 0 1 0 1\n")
                                         .value());
   const auto angles = pose_angles<3>(log.initial.poses[0]);
   ASSERT_TRUE(angles);
@@ -67,7 +67,7 @@ TEST(Toro, IsToldFromIsamByItsVerticesWhereverTheyStand) {
 
 TEST(Toro, LeavesOutAndCountsEquivalencesAndBearings) {
   const auto log = std::get<Log<2>>(
-      read(kVertices + "EQUIV 0 1\nBR 0 7 0.1 2 0.1 0.1\nEDGE2 0 1 1 2 0.5 10 1 20 30 2 3\nEQUIV 1 0\n").value());
+      read_toro(kVertices + "EQUIV 0 1\nBR 0 7 0.1 2 0.1 0.1\nEDGE2 0 1 1 2 0.5 10 1 20 30 2 3\nEQUIV 1 0\n").value());
   EXPECT_EQ(log.odometry().size(), 1u);
   EXPECT_EQ(log.skipped, (SkipCounts{{"BR lines", 1}, {"EQUIV lines", 2}}));
 }
@@ -75,7 +75,7 @@ TEST(Toro, LeavesOutAndCountsEquivalencesAndBearings) {
 TEST(Toro, TakesTheIdentityForMissingWeightsIfAsked) {
   const std::string text = "VERTEX3 0 0 0 0 0 0 0\nVERTEX3 1 1 0 0 0 0 0\nEDGE3 0 1 1 0 0 0 0 0\n";
   EXPECT_EQ(
-      message(text),
+      toro_message(text),
       "some.graph:3:22: the line ends where its weights are expected; --identity-where-missing takes the identity for them");
   const auto log = std::get<Log<3>>(
       read_edge_text(TextScanner("some.graph", text), kToroPlane, &kToroSpace, {.identity_where_missing = true}).value());
@@ -84,19 +84,20 @@ TEST(Toro, TakesTheIdentityForMissingWeightsIfAsked) {
 }
 
 TEST(Toro, NamesThePlaceOfWhatIsWrong) {
-  EXPECT_EQ(message(kVertices + "EDGE2 0 1 1 2\n"), "some.graph:3:14: the line ends where a number is expected");
-  EXPECT_EQ(message(kVertices + "EDGE2 0 1 1 nan 0 1 0 1 1 0 0\n"), "some.graph:3:13: 'nan' stands where a number is expected");
-  EXPECT_THAT(message(kVertices + "EDGE2 0 1 1 2 0 1 0 -1 1 0 0\n"),
+  EXPECT_EQ(toro_message(kVertices + "EDGE2 0 1 1 2\n"), "some.graph:3:14: the line ends where a number is expected");
+  EXPECT_EQ(toro_message(kVertices + "EDGE2 0 1 1 nan 0 1 0 1 1 0 0\n"),
+            "some.graph:3:13: 'nan' stands where a number is expected");
+  EXPECT_THAT(toro_message(kVertices + "EDGE2 0 1 1 2 0 1 0 -1 1 0 0\n"),
               StartsWith("some.graph:3:1: the information matrix of edge 0-1 is indefinite"));
-  EXPECT_EQ(message(kVertices + "EDGE2 0 9 1 2 0 1 0 1 1 0 0\n"),
+  EXPECT_EQ(toro_message(kVertices + "EDGE2 0 9 1 2 0 1 0 1 1 0 0\n"),
             "some.graph:3:1: the file declares vertices, but not pose 9; give the file that does, too, or --skip-undeclared");
-  EXPECT_EQ(message(kVertices + "VERTEX2 1 0 0 0\n"),
+  EXPECT_EQ(toro_message(kVertices + "VERTEX2 1 0 0 0\n"),
             "some.graph:3:1: pose 1 is declared a second time; two logs in one file are to be given as two files");
-  EXPECT_EQ(message(kVertices + "EQUIVALENT 0 1\n"),
+  EXPECT_EQ(toro_message(kVertices + "EQUIVALENT 0 1\n"),
             "some.graph:3:1: unknown tag 'EQUIVALENT'; --skip-unknown leaves such lines out");
-  EXPECT_EQ(message(kVertices + "EDGE2 1 1 1 2 0 1 0 1 1 0 0\n"),
+  EXPECT_EQ(toro_message(kVertices + "EDGE2 1 1 1 2 0 1 0 1 1 0 0\n"),
             "some.graph:3:1: an edge leads from pose 1 to itself; --skip-self-edges leaves such edges out");
-  EXPECT_EQ(message("VERTEX3 0 0 0 0 0 1.5707963267948966 0\n"),
+  EXPECT_EQ(toro_message("VERTEX3 0 0 0 0 0 1.5707963267948966 0\n"),
             "some.graph:1:19: at a pitch of a right angle roll and yaw are not told apart");
 }
 

@@ -152,13 +152,16 @@ TEST(G2o, InPiecesOfAnySizeTheLogIsTheSame) {
 }
 
 TEST(G2o, NamesAnUnknownTag) {
-  EXPECT_EQ(message(kEdge2 + "EDGE_SE2_OFFSET 1 2"), "some.g2o:2:1: unknown tag 'EDGE_SE2_OFFSET'; --skip-unknown leaves such lines out");
+  EXPECT_EQ(message(kEdge2 + "EDGE_SE2_OFFSET 1 2"),
+            "some.g2o:2:1: unknown tag 'EDGE_SE2_OFFSET'; --skip-unknown leaves such lines out");
   EXPECT_EQ(message("hello world"), "some.g2o:1:1: unknown tag 'hello'; --skip-unknown leaves such lines out");
 }
 
 TEST(G2o, RefusesToMixDimensions) {
-  EXPECT_EQ(message(kEdge2 + "VERTEX_TRACKXYZ 1 0 0 0"), "some.g2o:2:1: VERTEX_TRACKXYZ in a file of dimension 2; --skip-unknown leaves such lines out");
-  EXPECT_EQ(message("VERTEX_TRACKXYZ 1 0 0 0\n" + kEdge2), "some.g2o:2:1: EDGE_SE2 in a file of dimension 3; --skip-unknown leaves such lines out");
+  EXPECT_EQ(message(kEdge2 + "VERTEX_TRACKXYZ 1 0 0 0"),
+            "some.g2o:2:1: VERTEX_TRACKXYZ in a file of dimension 2; --skip-unknown leaves such lines out");
+  EXPECT_EQ(message("VERTEX_TRACKXYZ 1 0 0 0\n" + kEdge2),
+            "some.g2o:2:1: EDGE_SE2 in a file of dimension 3; --skip-unknown leaves such lines out");
 }
 
 TEST(G2o, NamesAnEdgeToAnIdThatNoVertexDeclares) {
@@ -166,8 +169,10 @@ TEST(G2o, NamesAnEdgeToAnIdThatNoVertexDeclares) {
   EXPECT_EQ(message(vertices + kEdge2), "");
   EXPECT_EQ(message(vertices + kEdge2 + "EDGE_SE2 1 2 1 0 0 1 0 0 1 0 1"),
             "some.g2o:5:1: the file declares vertices, but not pose 2; give the file that does, too, or --skip-undeclared");
-  EXPECT_EQ(message(vertices + "EDGE_SE2_XY 1 6 1 0 1 0 1"), "some.g2o:4:1: the file declares vertices, but not feature 6; give the file that does, too, or --skip-undeclared");
-  EXPECT_EQ(message("EDGE_SE2_XY 7 5 1 0 1 0 1\n" + vertices), "some.g2o:1:1: the file declares vertices, but not pose 7; give the file that does, too, or --skip-undeclared");
+  EXPECT_EQ(message(vertices + "EDGE_SE2_XY 1 6 1 0 1 0 1"),
+            "some.g2o:4:1: the file declares vertices, but not feature 6; give the file that does, too, or --skip-undeclared");
+  EXPECT_EQ(message("EDGE_SE2_XY 7 5 1 0 1 0 1\n" + vertices),
+            "some.g2o:1:1: the file declares vertices, but not pose 7; give the file that does, too, or --skip-undeclared");
 }
 
 TEST(G2o, NamesAVertexDeclaredTwice) {
@@ -178,7 +183,8 @@ TEST(G2o, NamesAVertexDeclaredTwice) {
 }
 
 TEST(G2o, NamesAnEdgeFromAPoseToItself) {
-  EXPECT_EQ(message("EDGE_SE2 3 3 1 0 0 1 0 0 1 0 1"), "some.g2o:1:1: an edge leads from pose 3 to itself; --skip-self-edges leaves such edges out");
+  EXPECT_EQ(message("EDGE_SE2 3 3 1 0 0 1 0 0 1 0 1"),
+            "some.g2o:1:1: an edge leads from pose 3 to itself; --skip-self-edges leaves such edges out");
 }
 
 TEST(G2o, NamesTheEdgeOfAnIndefiniteInformationOrRepairsIt) {

@@ -17,52 +17,54 @@ using ::testing::SizeIs;
 const std::string kVertices = "VERTEX_SE2 0 0 0 0\nVERTEX_SE2 1 1 0 0\n";
 const std::string kEdge = "EDGE_SE2 0 1 1 0 0.1 1 0 0 1 0 1\n";
 
-Log<2> read(const std::string& text, const ReadOptions& options = {}) {
+Log<2> read_wild(const std::string& text, const ReadOptions& options = {}) {
   return std::get<Log<2>>(read_g2o(TextScanner("some.g2o", text), options).value());
 }
 
-std::string message(const std::string& text, const ReadOptions& options = {}) {
+std::string wild_message(const std::string& text, const ReadOptions& options = {}) {
   const auto log = read_g2o(TextScanner("some.g2o", text), options);
   return log ? "" : log.error().message;
 }
 
 TEST(WildG2o, PassesOverAndCountsDataOfSensors) {
-  const auto log = read(kVertices + "LASER_ROBOT_DATA 1 -1.57 3 hokuyo\n" + kEdge + "ROBOTLASER1 0 1 2\nROBOTLASER1 0 1 2\n");
+  const auto log =
+      read_wild(kVertices + "LASER_ROBOT_DATA 1 -1.57 3 hokuyo\n" + kEdge + "ROBOTLASER1 0 1 2\nROBOTLASER1 0 1 2\n");
   EXPECT_EQ(log.odometry().size(), 1u);
   EXPECT_EQ(log.skipped, (SkipCounts{{"LASER_ROBOT_DATA lines", 1}, {"ROBOTLASER1 lines", 2}}));
 }
 
 TEST(WildG2o, LeavesOutAndCountsUnknownLinesIfAsked) {
   const std::string text = kEdge + "EDGE_SE2_OFFSET 1 2\nThis line is not supported\nVERTEX_TRACKXYZ 2 0 0 0\n";
-  EXPECT_THAT(message(text), HasSubstr("unknown tag 'EDGE_SE2_OFFSET'; --skip-unknown"));
-  EXPECT_EQ(read(text, {.skip_unknown = true}).skipped,
+  EXPECT_THAT(wild_message(text), HasSubstr("unknown tag 'EDGE_SE2_OFFSET'; --skip-unknown"));
+  EXPECT_EQ(read_wild(text, {.skip_unknown = true}).skipped,
             (SkipCounts{{"EDGE_SE2_OFFSET lines", 1}, {"This lines", 1}, {"VERTEX_TRACKXYZ lines", 1}}));
 }
 
 TEST(WildG2o, LeavesOutSelfEdgesIfAsked) {
   const std::string text = kEdge + "EDGE_SE2 1 1 0 0 0 1 0 0 1 0 1\n";
-  EXPECT_THAT(message(text), HasSubstr("an edge leads from pose 1 to itself; --skip-self-edges"));
-  const auto log = read(text, {.skip_self_edges = true});
+  EXPECT_THAT(wild_message(text), HasSubstr("an edge leads from pose 1 to itself; --skip-self-edges"));
+  const auto log = read_wild(text, {.skip_self_edges = true});
   EXPECT_EQ(log.edges().size(), 1u);
   EXPECT_EQ(log.skipped, (SkipCounts{{"self-edges", 1}}));
 }
 
 TEST(WildG2o, TakesTheIdentityForMissingWeightsIfAsked) {
   const std::string text = "EDGE_SE2 0 1 1 0 0.1\nEDGE_SE2_XY 0 7 1 0\n" + kEdge;
-  EXPECT_THAT(message(text), HasSubstr("1:21: the line ends where its weights are expected; --identity-where-missing"));
-  const auto log = read(text, {.identity_where_missing = true});
+  EXPECT_THAT(wild_message(text), HasSubstr("1:21: the line ends where its weights are expected; --identity-where-missing"));
+  const auto log = read_wild(text, {.identity_where_missing = true});
   EXPECT_TRUE(log.odometry()[0].information.isIdentity(0.0));
   EXPECT_TRUE(log.observations()[0].information.isIdentity(0.0));
   EXPECT_EQ(log.conventions.repairs.missing, 2);
-  EXPECT_THAT(message("EDGE_SE2 0 1 1 0\n", {.identity_where_missing = true}), HasSubstr("a number is expected"))
+  EXPECT_THAT(wild_message("EDGE_SE2 0 1 1 0\n", {.identity_where_missing = true}), HasSubstr("a number is expected"))
       << "the measurement is not missing";
 }
 
 TEST(WildG2o, LeavesOutWhatNamesUndeclaredVerticesIfAsked) {
   const std::string text = kVertices + kEdge + "EDGE_SE2 1 7061644215716937729 1 0 0 1 0 0 1 0 1\nEDGE_SE2_XY 0 3 1 0 1 0 1\n" +
                            "EDGE_PRIOR_SE2 9 0 0 0 1 0 0 1 0 1\n";
-  EXPECT_THAT(message(text), HasSubstr("some.g2o:4:1: the file declares vertices, but not pose b1; give the file that does"));
-  const auto log = read(text, {.undeclared = Undeclared::kSkipped});
+  EXPECT_THAT(wild_message(text),
+              HasSubstr("some.g2o:4:1: the file declares vertices, but not pose b1; give the file that does"));
+  const auto log = read_wild(text, {.undeclared = Undeclared::kSkipped});
   EXPECT_THAT(log.poses, ElementsAre(PoseId{0, 0}, PoseId{0, 1}));
   EXPECT_THAT(log.features, SizeIs(0));
   EXPECT_EQ(log.graph.pose_factors.size(), 1u);
@@ -72,18 +74,18 @@ TEST(WildG2o, LeavesOutWhatNamesUndeclaredVerticesIfAsked) {
 
 TEST(WildG2o, KeepsEdgesToPosesOfOtherFilesApart) {
   const std::string text = kVertices + kEdge + "EDGE_SE2 1 7 3 0 0 1 0 0 1 0 1\n";
-  const auto log = read(text, {.undeclared = Undeclared::kForeign});
+  const auto log = read_wild(text, {.undeclared = Undeclared::kForeign});
   ASSERT_THAT(log.foreign, SizeIs(1));
   EXPECT_EQ(log.foreign[0].target, (PoseId{0, 7}));
   EXPECT_EQ(log.foreign[0].measured.translation, Point<2>(3, 0));
   EXPECT_THAT(log.poses, SizeIs(2));
-  EXPECT_THAT(message(text + "EDGE_SE2_XY 0 3 1 0 1 0 1\n", {.undeclared = Undeclared::kForeign}), HasSubstr(":5:1: "));
+  EXPECT_THAT(wild_message(text + "EDGE_SE2_XY 0 3 1 0 1 0 1\n", {.undeclared = Undeclared::kForeign}), HasSubstr(":5:1: "));
 }
 
 TEST(WildG2o, PriorsOfThePlaneAreEdgesFromTheWorld) {
-  const auto log = read(kEdge +
-                        "EDGE_PRIOR_SE2 1 5 6 0.5 1 2 3 14 5 16\nEDGE_PRIOR_SE2_XY 0 7 8 1 0.5 2\n"
-                        "EDGE_SE2_XY 0 3 1 0 1 0 1\nEDGE_PRIOR_XY 3 9 10 4 0 5\n");
+  const auto log = read_wild(kEdge +
+                             "EDGE_PRIOR_SE2 1 5 6 0.5 1 2 3 14 5 16\nEDGE_PRIOR_SE2_XY 0 7 8 1 0.5 2\n"
+                             "EDGE_SE2_XY 0 3 1 0 1 0 1\nEDGE_PRIOR_XY 3 9 10 4 0 5\n");
   ASSERT_THAT(log.pose_priors(), SizeIs(2));
   EXPECT_EQ(log.pose_priors()[0].target, PoseIndex(1));
   EXPECT_EQ(log.pose_priors()[0].measured.translation, Point<2>(5, 6));
@@ -97,7 +99,7 @@ TEST(WildG2o, PriorsOfThePlaneAreEdgesFromTheWorld) {
 
 TEST(WildG2o, TurnsTheWeightsOfPriorsByTheConventionOfEdges) {
   const std::string prior = "EDGE_PRIOR_SE2 1 5 6 1.5707963267948966 1 0 0 4 0 9\n";
-  const auto log = read(kEdge + prior, {.pose_error = PoseError::kG2o});
+  const auto log = read_wild(kEdge + prior, {.pose_error = PoseError::kG2o});
   EXPECT_TRUE(log.pose_priors()[0].information.isApprox(Vector<3>(4, 1, 9).asDiagonal().toDenseMatrix(), 1e-12));
 }
 
@@ -138,9 +140,9 @@ TEST(WildG2o, ThePriorOfASensorBecomesThatOfItsRobot) {
     const double as_seen = of_sensor.dot(plain.information * of_sensor);
     EXPECT_NEAR(of_robot.dot(prior.information * of_robot), as_seen, 1e-5 * as_seen) << i;
   }
-  EXPECT_THAT(message(kOffset + kEdge3 + "EDGE_SE3_PRIOR 1 4" + kPose3 + " 1 0 0 0 0 0 1 0 0 0 0 1 0 0 0 0 0 0 0 0 0\n"),
+  EXPECT_THAT(wild_message(kOffset + kEdge3 + "EDGE_SE3_PRIOR 1 4" + kPose3 + " 1 0 0 0 0 0 1 0 0 0 0 1 0 0 0 0 0 0 0 0 0\n"),
               HasSubstr("the prior of a sensor away from its pose must measure its rotation"));
-  EXPECT_THAT(message(kEdge3 + "EDGE_SE3_PRIOR 1 4" + kPose3 + weights), HasSubstr("gives the sensor offset 4"));
+  EXPECT_THAT(wild_message(kEdge3 + "EDGE_SE3_PRIOR 1 4" + kPose3 + weights), HasSubstr("gives the sensor offset 4"));
 }
 
 }  // namespace
