@@ -158,7 +158,7 @@ Elimination FrontTree::planned(const Opened& opened, const std::vector<const Qua
   return Elimination(pattern, ordering);
 }
 
-void FrontTree::replace(const Opened& opened, const Elimination& elimination, const SparseCholesky& cholesky,
+void FrontTree::replace(const Opened& opened, const Elimination& elimination, SparseCholesky& cholesky,
                         std::span<const std::int64_t> singular) {
   for (const NodeIndex n : opened.nodes) {
     nodes_[n] = Node();
@@ -193,15 +193,14 @@ void FrontTree::replace(const Opened& opened, const Elimination& elimination, co
   root_ = nodes.back();
 }
 
-Front FrontTree::taken(const Opened& opened, const Elimination& elimination, const SparseCholesky& cholesky,
-                       std::size_t f) const {
+Front FrontTree::taken(const Opened& opened, const Elimination& elimination, SparseCholesky& cholesky, std::size_t f) const {
   Front fresh;
   const FactorNode& front = cholesky.tree().nodes[f];
   const auto variable_at = [&](Column column) { return opened.variables[elimination.order[column]]; };
   for (const Column column : front.columns) fresh.frontals.push_back(variable_at(column));
   for (const Column row : cholesky.tree().rows_of(front)) fresh.update.variables.push_back(variable_at(row));
   fresh.L = cholesky.panel(front);
-  fresh.update.H = cholesky.update(f);
+  fresh.update.H = cholesky.take_update(f);
   return fresh;
 }
 

@@ -83,9 +83,9 @@ class FrontTree {
                       std::span<const Variable> last) const;
   std::size_t eliminate_touched(std::span<const Variable> last);
   /// New nodes in the place of the open ones; `singular` are scalar columns, ascending.
-  void replace(const Opened& opened, const Elimination& elimination, const SparseCholesky& cholesky,
+  void replace(const Opened& opened, const Elimination& elimination, SparseCholesky& cholesky,
                std::span<const std::int64_t> singular);
-  Front taken(const Opened& opened, const Elimination& elimination, const SparseCholesky& cholesky, std::size_t front) const;
+  Front taken(const Opened& opened, const Elimination& elimination, SparseCholesky& cholesky, std::size_t front) const;
   void put(NodeIndex node, Front front);
   NodeIndex new_node();
   const Front& front(NodeIndex node) const { return *factor_.nodes[node].front; }

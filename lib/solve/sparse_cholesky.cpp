@@ -32,7 +32,7 @@ class Factorisation {
     std::sort(singular_.begin(), singular_.end());
     return std::move(singular_);
   }
-  std::vector<std::unique_ptr<double[]>> take_updates() { return std::move(updates_); }
+  std::vector<Eigen::MatrixXd> take_updates() { return std::move(updates_); }
 
  private:
   void eliminate_node(std::size_t s) {
@@ -57,8 +57,8 @@ class Factorisation {
 
   DenseBlock new_update(std::size_t s) {
     const Eigen::Index size = tree_.nodes[s].below();
-    updates_[s] = std::make_unique_for_overwrite<double[]>(static_cast<std::size_t>(size * size));
-    return {updates_[s].get(), size, size, Stride(size)};
+    updates_[s].resize(size, size);
+    return {updates_[s].data(), size, size, Stride(size)};
   }
 
   /// The Schur complement takes the place of the border's panel.
@@ -71,16 +71,20 @@ class Factorisation {
 
   void free_children(const FactorNode& node) {
     if (keeps_updates_) return;
-    for (const std::size_t c : tree_.children_of(node)) updates_[c].reset();
+    for (const std::size_t c : tree_.children_of(node)) updates_[c].resize(0, 0);
+  }
+
+  /// What a front sends: what it was given, or was made when its turn came.
+  ConstDenseBlock update_of(std::size_t s) const {
+    const FactorNode& node = tree_.nodes[s];
+    if (node.width == 0 && !given_[node.given].make) return given_[node.given].update;
+    return {updates_[s].data(), node.below(), node.below(), Stride(node.below())};
   }
 
   /// What the children send, as far as it belongs to a block that begins at row and column `begin` of the front.
   void add_children(const FactorNode& node, Eigen::Index begin, DenseBlock block) const {
     for (const std::size_t c : tree_.children_of(node)) {
-      const FactorNode& child = tree_.nodes[c];
-      const Eigen::Index size = child.below();
-      const ConstDenseBlock own(updates_[c].get(), size, size, Stride(size));
-      add_update(updates_[c] ? own : given_[child.given].update, tree_.runs_of(child), begin, block);
+      add_update(update_of(c), tree_.runs_of(tree_.nodes[c]), begin, block);
     }
   }
 
@@ -113,7 +117,7 @@ class Factorisation {
   std::span<const GivenFront> given_;
   const FactorValues& values_;
   bool keeps_updates_;
-  std::vector<std::unique_ptr<double[]>> updates_;  ///< Per supernode, until its parent has taken it.
+  std::vector<Eigen::MatrixXd> updates_;  ///< Per supernode, until its parent has taken it.
   std::mutex mutex_;
   std::vector<std::int64_t> singular_;
 };
@@ -214,11 +218,6 @@ Eigen::MatrixXd SparseCholesky::null_space(const std::vector<std::int64_t>& sing
   for (std::size_t k = 0; k < singular.size(); ++k) Z(singular[k], static_cast<Eigen::Index>(k)) = 1.0;
   solve_downwards(Z);
   return Z;
-}
-
-ConstDenseBlock SparseCholesky::update(std::size_t node) const {
-  const Eigen::Index below = tree_.nodes[node].below();
-  return {updates_[node].get(), below, below, Stride(below)};
 }
 
 std::size_t SparseCholesky::supernode_count() const {

@@ -9,7 +9,6 @@
 #include <mapjoin/solve/frontal_matrix.hpp>
 #include <mapjoin/solve/sparse_solver.hpp>
 #include <mapjoin/solve/supernodal_tree.hpp>
-#include <memory>
 #include <span>
 #include <utility>
 #include <vector>
@@ -66,9 +65,10 @@ class SparseCholesky final : public SparseSolver {
 
   /// The tree of fronts, given ones among them, which have no columns.
   const SupernodalTree& tree() const { return tree_; }
-  /// The columns of L of a front, and the update that it sends, where updates are kept.
+  /// The columns of L of a front.
   ConstDenseBlock panel(const FactorNode& node) const;
-  ConstDenseBlock update(std::size_t node) const;
+  /// The update that a front sends, by its lower triangle, where updates are kept; it is not kept any longer.
+  Eigen::MatrixXd take_update(std::size_t node) { return std::move(updates_[node]); }
 
  private:
   /// Neither given nor the border.
@@ -81,9 +81,9 @@ class SparseCholesky final : public SparseSolver {
   std::size_t border_;  ///< Block columns.
   std::filesystem::path folder_;
   SupernodalTree tree_;
-  Table<Column, Eigen::Index> offsets_;             ///< The first scalar row of each block, and the total.
-  FactorValues values_;                             ///< The panels of L.
-  std::vector<std::unique_ptr<double[]>> updates_;  ///< Per supernode, where they are kept.
+  Table<Column, Eigen::Index> offsets_;   ///< The first scalar row of each block, and the total.
+  FactorValues values_;                   ///< The panels of L.
+  std::vector<Eigen::MatrixXd> updates_;  ///< Per supernode, where they are kept.
 };
 
 }  // namespace mapjoin
