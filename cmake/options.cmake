@@ -23,10 +23,9 @@ function(mapjoin_flags target)
   target_compile_options(${target} PRIVATE -Wall -Wextra -Wpedantic -Wconversion)
   # No fused multiply-add behind our back: the same results to the last bit on every machine.
   target_compile_options(${target} PRIVATE -ffp-contract=off)
-  if(CMAKE_UNITY_BUILD)
-    # What is a source's own counts there as a header's, of which g++ warns.
-    target_compile_options(${target} PRIVATE $<$<CXX_COMPILER_ID:GNU>:-Wno-subobject-linkage>)
-  endif()
+  # g++ takes what a source that is compiled with others keeps to itself for a header's, and warns.
+  target_compile_options(${target} PRIVATE
+    $<$<AND:$<CXX_COMPILER_ID:GNU>,$<BOOL:$<TARGET_PROPERTY:UNITY_BUILD>>>:-Wno-subobject-linkage>)
   if(MAPJOIN_WERROR)
     target_compile_options(${target} PRIVATE -Werror)
   endif()

@@ -3,10 +3,13 @@
 #include <Eigen/Eigenvalues>
 #include <Eigen/LU>
 #include <algorithm>
+#include <cmath>
 #include <limits>
 #include <mapjoin/join/fit/leave_one_out.hpp>
+#include <mapjoin/measure/statistics.hpp>
 #include <mapjoin/parallel/parallel.hpp>
 #include <utility>
+#include <vector>
 
 namespace mapjoin {
 namespace {
@@ -15,6 +18,9 @@ namespace {
 constexpr double kLeastRedundancy = 1e-6;
 /// Eigenvalues and pivots below this share of the largest are rounding, as for information_rank().
 constexpr double kLeastPivot = 1e-9;
+/// A scale is believed of so many tests, at these quantiles.
+constexpr std::size_t kLeastTests = 20;
+constexpr double kQuantiles[] = {0.5, 0.9, 0.95};
 /// Columns that are solved at once.
 constexpr Eigen::Index kColumnsAtOnce = 64;
 
@@ -102,21 +108,21 @@ double largest_rotation(const Eigen::VectorXd& step, const NormalEquations& equa
   return largest;
 }
 
+/// The information of a part of a factor; an observation is one part.
+template <int Dim, int Dof>
+const Matrix<Dof>& information(const LinearObservation<Dim, Dof>& linear, const MeasuredPart&) {
+  return linear.W;
+}
+template <int Dim>
+auto information(const LinearMap<Dim>& linear, const MeasuredPart& part) {
+  return linear.map->information.block(part.row, part.row, part.rows, part.rows);
+}
+
 /// Whether M is more than kLeastRedundancy of W in all directions, which most parts' are.
 bool has_all_directions(const Eigen::MatrixXd& M, const Eigen::MatrixXd& W) {
   const Eigen::LLT<Eigen::MatrixXd> llt(M - kLeastRedundancy * W);
   if (llt.info() != Eigen::Success) return false;
   return (llt.matrixLLT().diagonal().array().square() > kLeastPivot * W.diagonal().array()).all();
-}
-
-/// The information of a part of a factor.
-template <int Dim, int Dof>
-const Matrix<Dof>& information(const LinearObservation<Dim, Dof>& linear, const MeasuredPart&) {
-  return linear.W;  // of one part
-}
-template <int Dim>
-auto information(const LinearMap<Dim>& linear, const MeasuredPart& part) {
-  return linear.map->information.block(part.row, part.row, part.rows, part.rows);
 }
 
 /// Eigenvectors whose eigenvalues are above `least`, over the roots of these: the columns B with Bᵀ A B = I.
@@ -212,6 +218,21 @@ void LeaveOneOut<Dim>::subtract(std::size_t own, const Eigen::MatrixXd& W_B, con
     g(k) -= M_B * shift;
     M(k) -= M_B * M_B.transpose();
   });
+}
+
+double scale_of(std::span<const PartTest> tests, int rows) {
+  std::vector<double> chi2;
+  for (const PartTest& test : tests) {
+    if (test.rows == rows) chi2.push_back(test.chi2);
+  }
+  if (chi2.size() < kLeastTests) return 1.0;
+  std::ranges::sort(chi2);
+  const auto count = static_cast<double>(chi2.size());
+  double scale = 0.0;
+  for (const double p : kQuantiles) {
+    scale = std::max(scale, chi2[static_cast<std::size_t>(p * count)] / chi_squared_quantile(p, rows));
+  }
+  return std::clamp((1.0 + std::sqrt(6.0 / count)) * scale, kLeastScale, 1.0);
 }
 
 template class LeaveOneOut<2>;

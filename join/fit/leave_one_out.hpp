@@ -6,6 +6,7 @@
 #include <cstddef>
 #include <mapjoin/join/joining_system.hpp>
 #include <mapjoin/solve/marginals.hpp>
+#include <span>
 #include <vector>
 
 namespace mapjoin {
@@ -70,5 +71,13 @@ class LeaveOneOut {
   std::vector<std::size_t> offsets_;  // of g, then M, factor by factor, in values_
   std::vector<double> values_;
 };
+
+/// No scale is less than this, however closely all fit: an error of zero would leave nothing to weigh others by.
+inline constexpr double kLeastScale = 0.001;
+
+/// By how much the leave-one-out tests of measurements that count as right are smaller than covariances say: the largest of the
+/// ratios of several quantiles, so that the tail counts, too, with a margin for how few they are; at most 1, and 1 where they
+/// are too few to tell. Only tests of `rows` rows are looked at.
+double scale_of(std::span<const PartTest> tests, int rows);
 
 }  // namespace mapjoin

@@ -2,20 +2,11 @@
 #include <mapjoin/join/incremental/driven_segments.hpp>
 
 namespace mapjoin {
-namespace {
-
-/// That of the update, or none.
-template <int Dim>
-Segment segment_of(const SubmapUpdate<Dim>& update) {
-  return update.segments.empty() ? Segment{0, -1} : update.segments.front();
-}
-
-}  // namespace
 
 template <int Dim>
 Expected<void> DrivenSegments::check(const SubmapUpdate<Dim>& update) const {
   if (const auto checked = check_update(update); !checked) return checked;
-  const Segment segment = segment_of(update);
+  const Segment segment = driven_segment(update);
   for (const PoseIndex p : indices(update.poses)) {
     const PoseId& id = update.poses[p];
     const auto known = poses_.find(id);
@@ -35,7 +26,7 @@ Expected<void> DrivenSegments::check(const SubmapUpdate<Dim>& update) const {
 template <int Dim>
 Expected<void> DrivenSegments::add(const SubmapUpdate<Dim>& update) {
   return check(update).map([&] {
-    const Segment segment = segment_of(update);
+    const Segment segment = driven_segment(update);
     for (PoseIndex p = segment.begin; p <= segment.end; ++p) poses_[update.poses[p]] = p == segment.end;
   });
 }

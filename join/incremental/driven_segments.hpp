@@ -9,9 +9,9 @@ namespace mapjoin {
 
 class DrivenSegments {
  public:
-  /// Adds the segment of an update, if it has one. Bad input where check_update() finds a fault, where the segment does not
-  /// begin with a new pose or with the last one of a segment that none goes on from yet, or where its other poses are not new
-  /// and all else that the update concerns is not known: nothing is added.
+  /// Adds the segment of an update, if it has one. Bad input, and nothing is added, where check_update() finds a fault; where
+  /// the segment begins neither with a new pose nor with the last one of a segment that none goes on from yet; where another
+  /// pose of it is in a segment already; or where a pose outside of it is in none.
   template <int Dim>
   Expected<void> add(const SubmapUpdate<Dim>& update);
 

@@ -77,7 +77,7 @@ RobustIncrementalJoin<Dim>::RobustIncrementalJoin(const RobustOptions& options, 
 template <int Dim>
 typename RobustIncrementalJoin<Dim>::Apart RobustIncrementalJoin<Dim>::apart(SubmapUpdate<Dim> update) {
   Apart apart;
-  const Segment segment = update.segments.empty() ? Segment{0, -1} : update.segments.front();
+  const Segment segment = driven_segment(update);
   std::set<PoseIndex> driven;  // poses to which odometry is there
   std::erase_if(update.graph.pose_factors, [&](const PoseFactor<Dim>& o) {
     if (o.base == kWorld) return false;

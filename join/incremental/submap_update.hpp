@@ -31,6 +31,12 @@ Index enter_name(Table<Index, Id>& names, const Id& id) {
   return index;
 }
 
+/// The segment of an update, or one without poses.
+template <int Dim>
+Segment driven_segment(const SubmapUpdate<Dim>& update) {
+  return update.segments.empty() ? Segment{0, -1} : update.segments.front();
+}
+
 /// The first and the last pose of an update's segment, which must be there.
 template <int Dim>
 const PoseId& first_pose(const SubmapUpdate<Dim>& update) {

@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cmath>
 #include <mapjoin/join/robust/closure_support.hpp>
-#include <mapjoin/join/robust/robust_map.hpp>
 #include <mapjoin/measure/statistics.hpp>
 #include <mapjoin/parallel/parallel.hpp>
 #include <numbers>

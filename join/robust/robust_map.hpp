@@ -1,12 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
-// One map of a log some of whose measurements are wrong: its start, what counts in it, and how closely that fits.
+// One map of a log some of whose measurements are wrong: its start, and what counts in it.
 
-#include <mapjoin/join/fit/leave_one_out.hpp>
 #include <mapjoin/join/robust/truncated_join.hpp>
 #include <mapjoin/model/error.hpp>
 #include <optional>
-#include <span>
 #include <stop_token>
 #include <string>
 
@@ -21,14 +19,6 @@ struct Gates {
   OfKinds narrow() const { return {scale.closures * widest.closures, scale.observations * widest.observations}; }
   OfKinds now() const { return last.value_or(narrow()); }
 };
-
-/// No scale is less than this, however closely all fit: an error of zero would leave nothing to weigh others by.
-inline constexpr double kLeastScale = 0.001;
-
-/// By how much the leave-one-out tests of measurements that count as right are smaller than covariances say: the largest of the
-/// ratios of several quantiles, so that the tail counts, too, with a margin for how few they are; at most 1, and 1 where they
-/// are too few to tell. Only tests of `rows` rows are looked at.
-double scale_of(std::span<const PartTest> tests, int rows);
 
 /// A first estimate of a log, by a join; its errors are those of run().
 template <int Dim>

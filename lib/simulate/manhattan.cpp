@@ -12,7 +12,7 @@ namespace mapjoin {
 namespace {
 
 /// What each random stream is for: a change of one leaves the others alone.
-enum WorldStream : std::uint64_t { kPath, kOdometry, kObservation, kFeatures };
+enum ManhattanStream : std::uint64_t { kPath, kOdometry, kObservation, kFeatures };
 
 /// A cell of the feature grid, or a feature by it.
 template <int Dim>

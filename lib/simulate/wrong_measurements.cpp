@@ -10,7 +10,7 @@ namespace mapjoin {
 namespace {
 
 /// What each random stream is for: a change of one leaves the others alone.
-enum PlantedStream : std::uint64_t { kEnds, kRelativePoses, kInformations, kIdentities };
+enum PlantingStream : std::uint64_t { kEnds, kRelativePoses, kInformations, kIdentities };
 
 constexpr std::size_t kGroup = 20;
 constexpr std::size_t kMostStepsLocally = 20;

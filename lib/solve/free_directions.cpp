@@ -12,7 +12,7 @@ namespace {
 /// Entries of a null vector, relative to its largest, that are nothing but rounding.
 constexpr double kNothing = 1e-6;
 /// Parts of the map, and variables of each, that are named.
-constexpr std::size_t kMostSentences = 3;
+constexpr std::size_t kMostNamedParts = 3;
 constexpr std::size_t kMostNames = 4;
 
 /// A rigid motion as the velocity of its centre and a turning, which in the plane is one number.
@@ -157,7 +157,7 @@ std::string free_directions(const std::vector<PlacedVariable<Dim>>& variables, c
   for (auto column : N.colwise()) column /= column.cwiseAbs().maxCoeff();
   std::vector<std::string> sentences;
   for (const auto& part : parts_of(variables, N)) {
-    if (sentences.size() == kMostSentences) break;
+    if (sentences.size() == kMostNamedParts) break;
     std::vector<std::string> names;
     for (const auto* variable : part.variables) names.push_back(variable->name);
     sentences.push_back(fmt::format("{} cannot be determined: the observations leave {} free to {}", listed(names),

@@ -16,6 +16,10 @@ using Eigen::Lower;
 /// Right-hand sides solved at once: dense products pay, and their memory stays small beside the factor's.
 constexpr Eigen::Index kColumnsAtOnce = 64;
 
+Eigen::Index width_of(const Supernode& node) {
+  return node.end - node.begin;
+}
+
 /// How much there is to keep, and the most rows below any supernode.
 struct Size {
   std::int64_t rows = 0;
@@ -26,7 +30,7 @@ struct Size {
   explicit Size(const Supernodes& factor) {
     for (const Supernode& L : factor) {
       const auto height = static_cast<std::int64_t>(L.rows.size());
-      const std::int64_t width = L.end - L.begin;
+      const std::int64_t width = width_of(L);
       rows += height;
       values += height * width;
       most_below = std::max(most_below, height - width);
@@ -34,10 +38,6 @@ struct Size {
     }
   }
 };
-
-Eigen::Index width_of(const Supernode& node) {
-  return node.end - node.begin;
-}
 
 }  // namespace
 
@@ -58,9 +58,9 @@ InverseSubset::InverseSubset(const Supernodes& factor, const GoOn& go_on) {
   double* values = values_.data();
   for (const Supernode& L : factor) {
     rows_.insert(rows_.end(), L.rows.begin(), L.rows.end());
-    node_of_.insert(node_of_.end(), static_cast<std::size_t>(L.end - L.begin), static_cast<std::int32_t>(nodes_.size()));
+    node_of_.insert(node_of_.end(), static_cast<std::size_t>(width_of(L)), static_cast<std::int32_t>(nodes_.size()));
     nodes_.push_back({L.begin, L.end, {rows_.data() + rows_.size() - L.rows.size(), L.rows.size()}, values});
-    values += static_cast<std::int64_t>(L.rows.size()) * (L.end - L.begin);
+    values += static_cast<std::int64_t>(L.rows.size()) * width_of(L);
   }
   Workspace workspace;
   workspace.Z_RR.resize(static_cast<std::size_t>(size.most_below * size.most_below));
@@ -72,7 +72,7 @@ InverseSubset::InverseSubset(const Supernodes& factor, const GoOn& go_on) {
 
 void InverseSubset::invert(const Supernode& L, const Node& node, Workspace& workspace) const {
   const auto height = static_cast<Eigen::Index>(L.rows.size());
-  const Eigen::Index width = L.end - L.begin;
+  const Eigen::Index width = width_of(L);
   const Eigen::Index below = height - width;
   const auto L_JJ = ConstDenseBlock(L.values, width, width, Eigen::OuterStride<>(height)).triangularView<Lower>();
   DenseBlock Z_JJ(node.values, width, width, Eigen::OuterStride<>(height));
@@ -162,7 +162,7 @@ CrossCovariances::Path CrossCovariances::path(Variable u) const {
     const auto height = static_cast<Eigen::Index>(node.rows.size());
     const ConstDenseBlock L(node.values, height, width, Eigen::OuterStride<>(height));
     auto own = path.Y.middleRows(first[k], width);
-    L.topRows(width).triangularView<Eigen::Lower>().solveInPlace(own);
+    L.topRows(width).triangularView<Lower>().solveInPlace(own);
     const Eigen::MatrixXd sent = L.bottomRows(height - width) * own;
     std::size_t above = k + 1;
     for (Eigen::Index r = 0; r < sent.rows(); ++r) {

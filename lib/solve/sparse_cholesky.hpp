@@ -67,7 +67,7 @@ class SparseCholesky final : public SparseSolver {
   const SupernodalTree& tree() const { return tree_; }
   /// The columns of L of a front.
   ConstDenseBlock panel(const FactorNode& node) const;
-  /// The update that a front sends, by its lower triangle, where updates are kept; it is not kept any longer.
+  /// The update that a front sends, by its lower triangle, where updates are kept; once. A given front has none.
   Eigen::MatrixXd take_update(std::size_t node) { return std::move(updates_[node]); }
 
  private:

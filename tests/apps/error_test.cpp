@@ -11,8 +11,7 @@ using ::testing::HasSubstr;
 
 /// Three poses in a row, the last one half a metre off; and the truth.
 const std::string kMap = "VERTEX_SE2 4 0 0 0\nVERTEX_SE2 5 1 0 0\nVERTEX_SE2 6 2 0.5 0\n";
-const std::string kThreeTruePoses =
-    "VERTEX_SE2 4 0 0 0\nVERTEX_SE2 5 1 0 0\nVERTEX_SE2 6 2 0 0\nEDGE_SE2 4 6 2 0 0 1 0 0 1 0 1\n";
+const std::string kTrueMap = "VERTEX_SE2 4 0 0 0\nVERTEX_SE2 5 1 0 0\nVERTEX_SE2 6 2 0 0\nEDGE_SE2 4 6 2 0 0 1 0 0 1 0 1\n";
 
 class ErrorCommand : public ::testing::Test {
  protected:
@@ -20,7 +19,7 @@ class ErrorCommand : public ::testing::Test {
 
   TemporaryFolder folder;
   std::string map = folder.file("map.g2o", kMap).string();
-  std::string truth = folder.file("truth.g2o", kThreeTruePoses).string();
+  std::string truth = folder.file("truth.g2o", kTrueMap).string();
 };
 
 TEST_F(ErrorCommand, MeasuresAbsoluteAndRelativeErrorsAndRelations) {

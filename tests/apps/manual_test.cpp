@@ -43,7 +43,7 @@ std::set<std::string> long_options_in(const std::string& text) {
   return {std::sregex_token_iterator(text.begin(), text.end(), option), std::sregex_token_iterator()};
 }
 
-std::set<fs::path> pages_in(const fs::path& folder) {
+std::set<fs::path> page_names_in(const fs::path& folder) {
   std::set<fs::path> names;
   for (const auto& entry : fs::directory_iterator(folder)) names.insert(entry.path().filename());
   return names;
@@ -52,8 +52,8 @@ std::set<fs::path> pages_in(const fs::path& folder) {
 TEST(Manual, ThePagesOfCommandsAreThoseThatTheBuildMakes) {
   const std::string remedy = "`cmake --build --preset test --target command_pages` makes them anew";
   const fs::path pages = kDocuments / "commands";
-  EXPECT_EQ(pages_in(pages), pages_in(kManual / "commands")) << remedy;
-  for (const fs::path& page : pages_in(pages)) {
+  EXPECT_EQ(page_names_in(pages), page_names_in(kManual / "commands")) << remedy;
+  for (const fs::path& page : page_names_in(pages)) {
     EXPECT_EQ(content_of(pages / page), content_of(kManual / "commands" / page)) << page << ": " << remedy;
   }
 }

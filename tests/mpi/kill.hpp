@@ -2,15 +2,18 @@
 #pragma once
 // Ranks of `mpirun` that are killed.
 
-#include <gtest/gtest.h>
 #include <signal.h>
 
 #include <chrono>
+#include <filesystem>
 #include <fstream>
 #include <functional>
 #include <stdexcept>
+#include <string>
+#include <system_error>
 #include <tests/mpi/mpi_command.hpp>
 #include <thread>
+#include <vector>
 
 namespace mapjoin::testing {
 
@@ -34,8 +37,8 @@ inline void sleep_for(double seconds) {
   std::this_thread::sleep_for(std::chrono::duration<double>(seconds));
 }
 
-/// The exit code of `mpirun`, whose ranks have ended. After one was killed it may wait for itself for ever (PMIx 4.2, of which
-/// https://github.com/openpmix/openpmix/issues/1233 tells): then it is killed, too.
+/// The exit code of `mpirun`, whose ranks have ended. After one was killed it may wait for ever in PMIx_server_finalize() (PMIx
+/// 4.2), for a lock within its own process: then it is killed, too.
 inline int exit_code_after_ranks(Process& mpirun) {
   for (int tenths = 0; tenths < 100 && mpirun.is_running(); ++tenths) sleep_for(0.1);
   if (mpirun.is_running()) mpirun.send(SIGKILL);

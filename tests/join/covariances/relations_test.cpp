@@ -15,7 +15,7 @@ using testing::DenseInformation;
 using testing::largest_difference;
 
 /// What holds the map still.
-enum class Anchored { kFirstPose, kLaterPoses, kPriors };
+enum class Anchor { kFirstPose, kLaterPoses, kPriors };
 
 template <typename D>
 class RelationsTest : public ::testing::Test {
@@ -24,11 +24,11 @@ class RelationsTest : public ::testing::Test {
   static constexpr int kDof = kPoseDof<kDim>;
 
   /// Two robots that features alone tie to each other, some odometry stored against its direction.
-  static Log<kDim> world(Anchored held) {
+  static Log<kDim> world(Anchor anchor) {
     auto small = testing::small_world<kDim>(
         {.poses = 18, .features = 24, .closures = 2, .sessions = 2, .range = 3.0, .reversed_odometry = true});
-    if (held == Anchored::kLaterPoses) small.log.graph.fixed = {{9, small.truth.poses[9]}, {14, small.truth.poses[14]}};
-    if (held == Anchored::kPriors) {
+    if (anchor == Anchor::kLaterPoses) small.log.graph.fixed = {{9, small.truth.poses[9]}, {14, small.truth.poses[14]}};
+    if (anchor == Anchor::kPriors) {
       testing::Random random(5);
       small.log.graph.pose_factors.push_back({kWorld, 7, small.truth.poses[7], 1e2 * random.information<kDof>()});
     }
@@ -44,9 +44,9 @@ class RelationsTest : public ::testing::Test {
 TYPED_TEST_SUITE(RelationsTest, testing::Dimensions);
 
 TYPED_TEST(RelationsTest, ComposeToTheMapFromParentsToChildren) {
-  for (const Anchored held : {Anchored::kFirstPose, Anchored::kLaterPoses, Anchored::kPriors}) {
+  for (const Anchor anchor : {Anchor::kFirstPose, Anchor::kLaterPoses, Anchor::kPriors}) {
     for (const double poses_per_map : {1.0, 6.0}) {
-      const auto result = this->map_of(this->world(held), poses_per_map);
+      const auto result = this->map_of(this->world(anchor), poses_per_map);
       const auto& relations = result.marginals.value().relations;
       EXPECT_LT(largest_difference(composed(relations), {result.map.poses, result.map.features}), 1e-9);
       Table<PoseIndex, bool> stands(result.map.poses.size(), false);
@@ -62,7 +62,7 @@ TYPED_TEST(RelationsTest, ComposeToTheMapFromParentsToChildren) {
 }
 
 TYPED_TEST(RelationsTest, LeadAlongTheRobotsWay) {
-  const auto result = this->map_of(this->world(Anchored::kFirstPose), 6.0);
+  const auto result = this->map_of(this->world(Anchor::kFirstPose), 6.0);
   const auto& relations = result.marginals.value().relations;
   for (PoseIndex pose = 0; pose < 36; ++pose) {
     const PoseIndex parent = relations.poses[pose].parent;
@@ -75,8 +75,8 @@ TYPED_TEST(RelationsTest, LeadAlongTheRobotsWay) {
 
 TYPED_TEST(RelationsTest, HaveTheCovariancesOfTheInformationInRelativeCoordinates) {
   constexpr int kDim = TestFixture::kDim;
-  for (const Anchored held : {Anchored::kFirstPose, Anchored::kLaterPoses, Anchored::kPriors}) {
-    const auto log = this->world(held);
+  for (const Anchor anchor : {Anchor::kFirstPose, Anchor::kLaterPoses, Anchor::kPriors}) {
+    const auto log = this->world(anchor);
     for (const double poses_per_map : {1.0, 6.0}) {
       const auto result = this->map_of(log, poses_per_map);
       const Values<kDim> state{result.map.poses, result.map.features};
@@ -96,7 +96,7 @@ TYPED_TEST(RelationsTest, AreMoreCertainThanPositionsOfDeadReckoning) {
 }
 
 TYPED_TEST(RelationsTest, AreInterruptedWithTheMarginals) {
-  const auto result = this->map_of(this->world(Anchored::kFirstPose), 6.0);
+  const auto result = this->map_of(this->world(Anchor::kFirstPose), 6.0);
   std::stop_source stop;
   std::vector<std::size_t> told;
   const auto progress = [&](std::size_t done, std::size_t to_do) {

@@ -6,6 +6,7 @@
 #include <mapjoin/join/restored.hpp>
 #include <mapjoin/join/run.hpp>
 #include <mapjoin/measure/chi2.hpp>
+#include <mapjoin/measure/statistics.hpp>
 #include <memory>
 #include <tests/support/dimensions.hpp>
 #include <tests/support/small_submap_set.hpp>
@@ -216,6 +217,28 @@ TYPED_TEST(LeaveOneOutTest, TestsAFeatureOfALocalMapAsTheMapWithoutIt) {
     ++tested;
   }
   EXPECT_GT(tested, 1);
+}
+
+/// Tests at evenly spread quantiles of chi-squared, scaled.
+std::vector<PartTest> spread_tests(int count, double scale) {
+  std::vector<PartTest> tests;
+  for (int k = 0; k < count; ++k) tests.push_back({scale * chi_squared_quantile((k + 0.5) / count, 3), 3, 3.0});
+  return tests;
+}
+
+TEST(Scale, IsThatOfCautiousCovariancesWithAMargin) {
+  const double scale = scale_of(spread_tests(400, 0.1), 3);
+  EXPECT_GT(scale, 0.1);
+  EXPECT_LT(scale, 0.13);
+}
+
+TEST(Scale, IsNeverAboveOne) {
+  EXPECT_EQ(scale_of(spread_tests(400, 5.0), 3), 1.0);
+}
+
+TEST(Scale, IsOneOfAFewTests) {
+  EXPECT_EQ(scale_of(spread_tests(19, 0.1), 3), 1.0);
+  EXPECT_LT(scale_of(spread_tests(20, 0.1), 3), 1.0);
 }
 
 }  // namespace

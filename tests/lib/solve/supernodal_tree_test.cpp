@@ -15,7 +15,7 @@ using testing::grid_system;
 using testing::Random;
 
 /// Block rows below the diagonal of every column of L, by eliminating one column after the other.
-Table<Column, std::set<Column>> filled_rows(const BlockLower& A) {
+Table<Column, std::set<Column>> rows_of_factor(const BlockLower& A) {
   Table<Column, std::set<Column>> below(A.rows.size());
   for (const Column k : A.columns()) below[k].insert(A.rows[k].begin() + 1, A.rows[k].end());
   for (auto& column : below) {
@@ -36,7 +36,7 @@ class SupernodalTreeTest : public ::testing::TestWithParam<int> {
 };
 
 TEST_P(SupernodalTreeTest, HoldsEveryEntryThatEliminationFills) {
-  const auto below = filled_rows(A);
+  const auto below = rows_of_factor(A);
   Column next = 0;
   for (const FactorNode& node : tree.nodes) {
     ASSERT_EQ(node.columns.first, next);
@@ -54,7 +54,7 @@ TEST_P(SupernodalTreeTest, HoldsEveryEntryThatEliminationFills) {
 
 TEST_P(SupernodalTreeTest, TakesFewZerosAlong) {
   std::int64_t entries = 0;
-  const auto below = filled_rows(A);
+  const auto below = rows_of_factor(A);
   for (const Column k : A.columns()) {
     Eigen::Index rows = A.dof(k);
     for (const Column row : below[k]) rows += A.dof(row);

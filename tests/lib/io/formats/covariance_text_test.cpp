@@ -18,7 +18,7 @@ Log<2> read_covariances(const std::string& text) {
   return {};
 }
 
-std::string covariance_message(const std::string& text) {
+std::string covariance_error(const std::string& text) {
   const auto log = read_covariance_text(TextScanner("some.txt", text), {});
   return log ? "" : log.error().message;
 }
@@ -57,17 +57,17 @@ TEST(MapCircles, CountsPosesByStepsAndOrdersTheCovariance) {
 }
 
 TEST(CovarianceText, NamesLineAndColumnOfWhatIsWrong) {
-  EXPECT_EQ(covariance_message("OBS 0 17 1 2 1 2 1\n"),
+  EXPECT_EQ(covariance_error("OBS 0 17 1 2 1 2 1\n"),
             "some.txt:1:18: the covariance that ends here is not positive definite; --repair-information takes the nearest one "
             "that is, where variances are positive");
-  EXPECT_EQ(covariance_message("OBS 0 17 1 2 1 0 1\nOBS 0 -1 1 2 1 2 1\n"), "") << "what is left out needs no covariance";
-  EXPECT_EQ(covariance_message("OBS 0 -2 1 2 1 0 1\n"), "some.txt:1:7: a feature has the id -2");
-  EXPECT_EQ(covariance_message("OBS 0 2 1 2 1 0\n"), "some.txt:1:16: the line ends where a number is expected");
-  EXPECT_EQ(covariance_message("OBS 0 2 1 2 0.9 1 0 1 5\n"), "some.txt:1:23: '5' stands where the line should end");
-  EXPECT_EQ(covariance_message("OBS 0 2 1 2 1 0 1\nSTEP 0 1"),
+  EXPECT_EQ(covariance_error("OBS 0 17 1 2 1 0 1\nOBS 0 -1 1 2 1 2 1\n"), "") << "what is left out needs no covariance";
+  EXPECT_EQ(covariance_error("OBS 0 -2 1 2 1 0 1\n"), "some.txt:1:7: a feature has the id -2");
+  EXPECT_EQ(covariance_error("OBS 0 2 1 2 1 0\n"), "some.txt:1:16: the line ends where a number is expected");
+  EXPECT_EQ(covariance_error("OBS 0 2 1 2 0.9 1 0 1 5\n"), "some.txt:1:23: '5' stands where the line should end");
+  EXPECT_EQ(covariance_error("OBS 0 2 1 2 1 0 1\nSTEP 0 1"),
             "some.txt:2:1: unknown tag 'STEP'; --skip-unknown leaves such lines out");
-  EXPECT_EQ(covariance_message("LANDMARK_C 1 2 0.9 2 1 3 7 8\n"), "some.txt:1:28: '8' stands where the line should end");
-  EXPECT_EQ(covariance_message("LANDMARK_C 1 2 0.9 2 1 3 7\nODOM 0 1"), "some.txt:2:1: unknown tag 'ODOM'");
+  EXPECT_EQ(covariance_error("LANDMARK_C 1 2 0.9 2 1 3 7 8\n"), "some.txt:1:28: '8' stands where the line should end");
+  EXPECT_EQ(covariance_error("LANDMARK_C 1 2 0.9 2 1 3 7\nODOM 0 1"), "some.txt:2:1: unknown tag 'ODOM'");
 }
 
 TEST(CovarianceText, RepairsACovarianceThatIsNotDefiniteAndCountsIt) {

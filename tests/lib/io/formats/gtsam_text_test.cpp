@@ -15,7 +15,7 @@ namespace {
 using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 
-std::string gtsam_message(const std::string& text) {
+std::string gtsam_error(const std::string& text) {
   const auto log = read_edge_text(TextScanner("some.txt", text), kGtsamText, nullptr, {});
   return log ? "" : log.error().message;
 }
@@ -60,15 +60,14 @@ TEST(GtsamText, NamesTheFirstEdgeThatItCannotSayThoughManyLinesAreFilledSideBySi
 }
 
 TEST(GtsamText, NamesThePlaceOfWhatIsWrong) {
-  EXPECT_EQ(gtsam_message("ODOMETRY 0 1 1 2 0.5 4 0 0 4 0 0\n"),
+  EXPECT_EQ(gtsam_error("ODOMETRY 0 1 1 2 0.5 4 0 0 4 0 0\n"),
             "some.txt:1:32: the covariance that ends here is not positive definite; --repair-information takes the nearest one "
             "that is, "
             "where variances are positive");
-  EXPECT_EQ(gtsam_message(kOdometry + "LANDMARK 1 2 3 4 0.5 0\n"), "some.txt:2:23: the line ends where a number is expected");
-  EXPECT_EQ(gtsam_message(kOdometry + "BR 1 2 3 4 0.5 1\n"),
+  EXPECT_EQ(gtsam_error(kOdometry + "LANDMARK 1 2 3 4 0.5 0\n"), "some.txt:2:23: the line ends where a number is expected");
+  EXPECT_EQ(gtsam_error(kOdometry + "BR 1 2 3 4 0.5 1\n"),
             "some.txt:2:1: unknown tag 'BR'; --skip-unknown leaves such lines out");
-  EXPECT_EQ(gtsam_message(kOdometry + "LANDMARK 1 2 3 inf 0.5 0 1\n"),
-            "some.txt:2:16: 'inf' stands where a number is expected");
+  EXPECT_EQ(gtsam_error(kOdometry + "LANDMARK 1 2 3 inf 0.5 0 1\n"), "some.txt:2:16: 'inf' stands where a number is expected");
 }
 
 }  // namespace

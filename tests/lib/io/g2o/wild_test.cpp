@@ -21,7 +21,7 @@ Log<2> read_wild(const std::string& text, const ReadOptions& options = {}) {
   return std::get<Log<2>>(read_g2o(TextScanner("some.g2o", text), options).value());
 }
 
-std::string wild_message(const std::string& text, const ReadOptions& options = {}) {
+std::string wild_error(const std::string& text, const ReadOptions& options = {}) {
   const auto log = read_g2o(TextScanner("some.g2o", text), options);
   return log ? "" : log.error().message;
 }
@@ -35,14 +35,14 @@ TEST(WildG2o, PassesOverAndCountsDataOfSensors) {
 
 TEST(WildG2o, LeavesOutAndCountsUnknownLinesIfAsked) {
   const std::string text = kEdge + "EDGE_SE2_OFFSET 1 2\nThis line is not supported\nVERTEX_TRACKXYZ 2 0 0 0\n";
-  EXPECT_THAT(wild_message(text), HasSubstr("unknown tag 'EDGE_SE2_OFFSET'; --skip-unknown"));
+  EXPECT_THAT(wild_error(text), HasSubstr("unknown tag 'EDGE_SE2_OFFSET'; --skip-unknown"));
   EXPECT_EQ(read_wild(text, {.skip_unknown = true}).skipped,
             (SkipCounts{{"EDGE_SE2_OFFSET lines", 1}, {"This lines", 1}, {"VERTEX_TRACKXYZ lines", 1}}));
 }
 
 TEST(WildG2o, LeavesOutSelfEdgesIfAsked) {
   const std::string text = kEdge + "EDGE_SE2 1 1 0 0 0 1 0 0 1 0 1\n";
-  EXPECT_THAT(wild_message(text), HasSubstr("an edge leads from pose 1 to itself; --skip-self-edges"));
+  EXPECT_THAT(wild_error(text), HasSubstr("an edge leads from pose 1 to itself; --skip-self-edges"));
   const auto log = read_wild(text, {.skip_self_edges = true});
   EXPECT_EQ(log.edges().size(), 1u);
   EXPECT_EQ(log.skipped, (SkipCounts{{"self-edges", 1}}));
@@ -50,19 +50,19 @@ TEST(WildG2o, LeavesOutSelfEdgesIfAsked) {
 
 TEST(WildG2o, TakesTheIdentityForMissingWeightsIfAsked) {
   const std::string text = "EDGE_SE2 0 1 1 0 0.1\nEDGE_SE2_XY 0 7 1 0\n" + kEdge;
-  EXPECT_THAT(wild_message(text), HasSubstr("1:21: the line ends where its weights are expected; --identity-where-missing"));
+  EXPECT_THAT(wild_error(text), HasSubstr("1:21: the line ends where its weights are expected; --identity-where-missing"));
   const auto log = read_wild(text, {.identity_where_missing = true});
   EXPECT_TRUE(log.odometry()[0].information.isIdentity(0.0));
   EXPECT_TRUE(log.observations()[0].information.isIdentity(0.0));
   EXPECT_EQ(log.conventions.repairs.missing, 2);
-  EXPECT_THAT(wild_message("EDGE_SE2 0 1 1 0\n", {.identity_where_missing = true}), HasSubstr("a number is expected"))
+  EXPECT_THAT(wild_error("EDGE_SE2 0 1 1 0\n", {.identity_where_missing = true}), HasSubstr("a number is expected"))
       << "the measurement is not missing";
 }
 
 TEST(WildG2o, LeavesOutWhatNamesUndeclaredVerticesIfAsked) {
   const std::string text = kVertices + kEdge + "EDGE_SE2 1 7061644215716937729 1 0 0 1 0 0 1 0 1\nEDGE_SE2_XY 0 3 1 0 1 0 1\n" +
                            "EDGE_PRIOR_SE2 9 0 0 0 1 0 0 1 0 1\n";
-  EXPECT_THAT(wild_message(text),
+  EXPECT_THAT(wild_error(text),
               HasSubstr("some.g2o:4:1: the file declares vertices, but not pose b1; give the file that does"));
   const auto log = read_wild(text, {.undeclared = Undeclared::kSkipped});
   EXPECT_THAT(log.poses, ElementsAre(PoseId{0, 0}, PoseId{0, 1}));
@@ -79,7 +79,7 @@ TEST(WildG2o, KeepsEdgesToPosesOfOtherFilesApart) {
   EXPECT_EQ(log.foreign[0].target, (PoseId{0, 7}));
   EXPECT_EQ(log.foreign[0].measured.translation, Point<2>(3, 0));
   EXPECT_THAT(log.poses, SizeIs(2));
-  EXPECT_THAT(wild_message(text + "EDGE_SE2_XY 0 3 1 0 1 0 1\n", {.undeclared = Undeclared::kForeign}), HasSubstr(":5:1: "));
+  EXPECT_THAT(wild_error(text + "EDGE_SE2_XY 0 3 1 0 1 0 1\n", {.undeclared = Undeclared::kForeign}), HasSubstr(":5:1: "));
 }
 
 TEST(WildG2o, PriorsOfThePlaneAreEdgesFromTheWorld) {
@@ -140,9 +140,9 @@ TEST(WildG2o, ThePriorOfASensorBecomesThatOfItsRobot) {
     const double as_seen = of_sensor.dot(plain.information * of_sensor);
     EXPECT_NEAR(of_robot.dot(prior.information * of_robot), as_seen, 1e-5 * as_seen) << i;
   }
-  EXPECT_THAT(wild_message(kOffset + kEdge3 + "EDGE_SE3_PRIOR 1 4" + kPose3 + " 1 0 0 0 0 0 1 0 0 0 0 1 0 0 0 0 0 0 0 0 0\n"),
+  EXPECT_THAT(wild_error(kOffset + kEdge3 + "EDGE_SE3_PRIOR 1 4" + kPose3 + " 1 0 0 0 0 0 1 0 0 0 0 1 0 0 0 0 0 0 0 0 0\n"),
               HasSubstr("the prior of a sensor away from its pose must measure its rotation"));
-  EXPECT_THAT(wild_message(kEdge3 + "EDGE_SE3_PRIOR 1 4" + kPose3 + weights), HasSubstr("gives the sensor offset 4"));
+  EXPECT_THAT(wild_error(kEdge3 + "EDGE_SE3_PRIOR 1 4" + kPose3 + weights), HasSubstr("gives the sensor offset 4"));
 }
 
 }  // namespace
