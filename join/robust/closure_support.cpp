@@ -2,6 +2,7 @@
 #include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
+#include <mapjoin/join/fit/leave_one_out.hpp>
 #include <mapjoin/join/robust/closure_support.hpp>
 #include <mapjoin/measure/statistics.hpp>
 #include <mapjoin/parallel/parallel.hpp>
