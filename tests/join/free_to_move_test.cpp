@@ -5,6 +5,7 @@
 
 #include <mapjoin/io/open.hpp>
 #include <mapjoin/join/run.hpp>
+#include <tests/support/error_of.hpp>
 #include <tests/support/temporary_folder.hpp>
 #include <variant>
 
@@ -17,8 +18,7 @@ using ::testing::HasSubstr;
 std::string said_of(const std::string& g2o) {
   const testing::TemporaryFolder folder;
   const auto log = open_log(folder.file("log.g2o", g2o));
-  const auto result = run(std::get<Log<2>>(*log), RunOptions());
-  return result ? "" : result.error().message;
+  return testing::error_of(run(std::get<Log<2>>(*log), RunOptions()));
 }
 
 TEST(FreeToMove, TwoSessionsWithOneFeatureTurnAboutIt) {

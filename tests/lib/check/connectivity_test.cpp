@@ -6,6 +6,7 @@
 #include <mapjoin/model/log.hpp>
 #include <mapjoin/model/submap_set.hpp>
 #include <tests/support/dimensions.hpp>
+#include <tests/support/error_of.hpp>
 
 namespace mapjoin {
 namespace {
@@ -25,10 +26,7 @@ class ConnectivityTest : public ::testing::Test {
     for (std::uint64_t k = 0; k < features; ++k) log.features.push_back({20 + k});
     return log;
   }
-  static std::string complaint(const Log<D::value>& log) {
-    const auto connected = check_connected(log);
-    return connected ? "" : connected.error().message;
-  }
+  static std::string complaint(const Log<D::value>& log) { return testing::error_of(check_connected(log)); }
 };
 TYPED_TEST_SUITE(ConnectivityTest, testing::Dimensions);
 

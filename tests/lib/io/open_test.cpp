@@ -6,6 +6,7 @@
 #include <fstream>
 #include <mapjoin/io/open.hpp>
 #include <string>
+#include <tests/support/error_of.hpp>
 #include <tests/support/file_bytes.hpp>
 #include <tests/support/temporary_folder.hpp>
 #include <thread>
@@ -35,10 +36,7 @@ TEST_F(OpenLogTest, KnowsEveryTextFormatByItsContentPlainAndPacked) {
 }
 
 TEST_F(OpenLogTest, SaysWhatIsWrongWithAFileInOneSentence) {
-  const auto message = [&](const std::filesystem::path& path) {
-    const auto log = open_log(path);
-    return log ? "" : log.error().message;
-  };
+  const auto message = [&](const std::filesystem::path& path) { return testing::error_of(open_log(path)); };
   EXPECT_THAT(message(folder.path() / "missing"), EndsWith("missing: No such file or directory"));
   EXPECT_THAT(message(folder.path()), EndsWith(": Is a directory"));
   EXPECT_THAT(message(folder.file("empty", "")), EndsWith("empty: the file is empty"));

@@ -4,6 +4,7 @@
 #include <limits>
 #include <mapjoin/model/log_builder.hpp>
 #include <tests/support/dimensions.hpp>
+#include <tests/support/error_of.hpp>
 #include <tests/support/random.hpp>
 
 namespace mapjoin {
@@ -213,8 +214,7 @@ TYPED_TEST(LogBuilderTest, RefusesNumbersThatNoReaderWouldTake) {
     builder.add_pose_edge({0, 0}, {0, 1}, Pose<kDim>{}, PoseMatrix<kDim>::Identity());
     builder.add_observation({0, 0}, {7}, Point<kDim>::Zero(), PointMatrix<kDim>::Identity());
     say(builder);
-    const auto log = std::move(builder).finish();
-    return log ? "" : log.error().message;
+    return testing::error_of(std::move(builder).finish());
   };
   const Pose<kDim> nowhere{Point<kDim>::Constant(kNan), {}};
   PoseMatrix<kDim> W = PoseMatrix<kDim>::Identity();
@@ -255,8 +255,7 @@ TYPED_TEST(LogBuilderTest, ASecondFixedPoseNeedsAValue) {
     for (const auto& [key, has_value] : fixed) {
       builder.fix({0, key}, has_value ? std::optional(Pose<kDim>{}) : std::nullopt);
     }
-    const auto log = std::move(builder).finish();
-    return log ? "" : log.error().message;
+    return testing::error_of(std::move(builder).finish());
   };
   EXPECT_EQ(message({{0, false}}, false), "");
   EXPECT_EQ(message({{0, false}, {0, false}}, false), "") << "the same pose";

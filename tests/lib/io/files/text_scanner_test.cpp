@@ -6,6 +6,7 @@
 #include <cstdlib>
 #include <mapjoin/io/files/text_scanner.hpp>
 #include <string>
+#include <tests/support/error_of.hpp>
 #include <vector>
 
 namespace mapjoin {
@@ -18,8 +19,7 @@ std::string message_about(const std::string& text, int numbers) {
   TextScanner scanner("some.txt", text);
   scanner.next_line();
   for (int i = 0; i < numbers; ++i) scanner.number();
-  const auto line = scanner.finish_line();
-  return line ? "" : line.error().message;
+  return testing::error_of(scanner.finish_line());
 }
 
 TEST(TextScanner, FallsIntoPiecesOfWholeLinesThatKnowTheirPlace) {

@@ -4,6 +4,7 @@
 
 #include <mapjoin/io/formats/covariance_text.hpp>
 #include <string>
+#include <tests/support/error_of.hpp>
 
 namespace mapjoin {
 namespace {
@@ -19,8 +20,7 @@ Log<2> read_covariances(const std::string& text) {
 }
 
 std::string covariance_error(const std::string& text) {
-  const auto log = read_covariance_text(TextScanner("some.txt", text), {});
-  return log ? "" : log.error().message;
+  return testing::error_of(read_covariance_text(TextScanner("some.txt", text), {}));
 }
 
 TEST(OdomObs, ReadsBothFormsOfObservationsAndCountsTheUnassociated) {

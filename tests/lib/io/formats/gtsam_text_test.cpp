@@ -7,6 +7,7 @@
 #include <mapjoin/io/formats/covariance_text.hpp>
 #include <mapjoin/io/open.hpp>
 #include <string>
+#include <tests/support/error_of.hpp>
 #include <tests/support/temporary_folder.hpp>
 
 namespace mapjoin {
@@ -16,8 +17,7 @@ using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 
 std::string gtsam_error(const std::string& text) {
-  const auto log = read_edge_text(TextScanner("some.txt", text), kGtsamText, nullptr, {});
-  return log ? "" : log.error().message;
+  return testing::error_of(read_edge_text(TextScanner("some.txt", text), kGtsamText, nullptr, {}));
 }
 
 const std::string kOdometry = "ODOMETRY 0 1 1 2 0.5 4 0 0 4 0 0.25\n";

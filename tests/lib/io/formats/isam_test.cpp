@@ -6,6 +6,7 @@
 #include <mapjoin/io/formats/angle_text.hpp>
 #include <mapjoin/model/log_builder.hpp>
 #include <string>
+#include <tests/support/error_of.hpp>
 #include <tests/support/numerical_jacobian.hpp>
 #include <tests/support/temporary_folder.hpp>
 
@@ -13,14 +14,10 @@ namespace mapjoin {
 namespace {
 
 using ::testing::ElementsAre;
+using testing::error_of;
 
 Expected<AnyLog> read_isam(const std::string& text) {
   return read_edge_text(TextScanner("some.txt", text), kIsamPlane, &kIsamSpace, {});
-}
-
-std::string isam_error(const std::string& text) {
-  const auto log = read_isam(text);
-  return log ? "" : log.error().message;
 }
 
 TEST(Isam, ReadsThePlaneAndSquaresItsInformation) {
@@ -91,13 +88,14 @@ TEST(Isam, WritesZerosForWhatIsNotMeasuredButNotForWhatHardlyIs) {
 
 TEST(Isam, NamesLineAndColumnOfWhatIsWrong) {
   const std::string good = "EDGE2 0 1 1 2 0.5 1 0 0 1 0 1\n";
-  EXPECT_EQ(isam_error(good + "LANDMARK 1 0 7 8 1 2\n"), "some.txt:2:21: the line ends where a number is expected");
-  EXPECT_EQ(isam_error(good + "POINT3 1 0 7 8 9 1 0 0 1 0 1\n"),
+  EXPECT_EQ(error_of(read_isam(good + "LANDMARK 1 0 7 8 1 2\n")), "some.txt:2:21: the line ends where a number is expected");
+  EXPECT_EQ(error_of(read_isam(good + "POINT3 1 0 7 8 9 1 0 0 1 0 1\n")),
             "some.txt:2:1: unknown tag 'POINT3'; --skip-unknown leaves such lines out");
-  EXPECT_EQ(isam_error("EDGE2 4 4 1 2 0.5 1 0 0 1 0 1\n"),
+  EXPECT_EQ(error_of(read_isam("EDGE2 4 4 1 2 0.5 1 0 0 1 0 1\n")),
             "some.txt:1:1: an edge leads from pose 4 to itself; --skip-self-edges leaves such edges out");
-  EXPECT_EQ(isam_error("LANDMARK 1 0 7 8 1e200 0 1\n"), "some.txt:1:1: the information matrix of edge 1-0 is not finite");
-  EXPECT_EQ(isam_error("EDGE3 0 1 0 0 0 0 1.5707963267948966 0 1 0 0 0 0 0 1 0 0 0 0 1 0 0 0 1 0 0 1 0 1"),
+  EXPECT_EQ(error_of(read_isam("LANDMARK 1 0 7 8 1e200 0 1\n")),
+            "some.txt:1:1: the information matrix of edge 1-0 is not finite");
+  EXPECT_EQ(error_of(read_isam("EDGE3 0 1 0 0 0 0 1.5707963267948966 0 1 0 0 0 0 0 1 0 0 0 0 1 0 0 0 1 0 0 1 0 1")),
             "some.txt:1:19: at a pitch of a right angle roll and yaw are not told apart");
 }
 

@@ -7,6 +7,7 @@
 #include <mapjoin/model/log_builder.hpp>
 #include <tests/support/data.hpp>
 #include <tests/support/dimensions.hpp>
+#include <tests/support/error_of.hpp>
 #include <tests/support/random.hpp>
 #include <tests/support/same_log.hpp>
 #include <tests/support/small_world.hpp>
@@ -40,7 +41,7 @@ class LogFormatTest : public ::testing::Test {
   std::string refusal(const Log<kDim>& log, LogFormat format) const {
     const auto written = write_log(log, format, folder.path() / "refused");
     EXPECT_FALSE(std::filesystem::exists(folder.path() / "refused"));
-    return written ? "" : written.error().message;
+    return testing::error_of(written);
   }
 
   TemporaryFolder folder;

@@ -6,6 +6,7 @@
 #include <mapjoin/io/formats/pose_tables.hpp>
 #include <mapjoin/io/open.hpp>
 #include <tests/support/dimensions.hpp>
+#include <tests/support/error_of.hpp>
 #include <tests/support/random.hpp>
 #include <tests/support/temporary_folder.hpp>
 
@@ -54,8 +55,7 @@ class StampsTest : public ::testing::Test {
  protected:
   std::string message(const std::string& stamps) {
     auto log = this->log;
-    const auto read = read_stamps(folder.file("stamps", stamps), log);
-    return read ? "" : read.error().message;
+    return testing::error_of(read_stamps(folder.file("stamps", stamps), log));
   }
   TemporaryFolder folder;
   Log<2> log = std::get<Log<2>>(open_log(folder.file("log", "EDGE_SE2 1 2 1 0 0 1 0 0 1 0 1\n")).value());

@@ -5,21 +5,18 @@
 #include <mapjoin/io/formats/angle_text.hpp>
 #include <mapjoin/io/open.hpp>
 #include <string>
+#include <tests/support/error_of.hpp>
 #include <tests/support/same_log.hpp>
 #include <tests/support/temporary_folder.hpp>
 
 namespace mapjoin {
 namespace {
 
+using testing::error_of;
 using ::testing::StartsWith;
 
 Expected<AnyLog> read_toro(const std::string& text) {
   return read_edge_text(TextScanner("some.graph", text), kToroPlane, &kToroSpace, {});
-}
-
-std::string toro_error(const std::string& text) {
-  const auto log = read_toro(text);
-  return log ? "" : log.error().message;
 }
 
 const std::string kVertices = "VERTEX2 0 0 0 0\nVERTEX2 1 1 2 0.5\n";
@@ -75,7 +72,7 @@ TEST(Toro, LeavesOutAndCountsEquivalencesAndBearings) {
 TEST(Toro, TakesTheIdentityForMissingWeightsIfAsked) {
   const std::string text = "VERTEX3 0 0 0 0 0 0 0\nVERTEX3 1 1 0 0 0 0 0\nEDGE3 0 1 1 0 0 0 0 0\n";
   EXPECT_EQ(
-      toro_error(text),
+      error_of(read_toro(text)),
       "some.graph:3:22: the line ends where its weights are expected; --identity-where-missing takes the identity for them");
   const auto log = std::get<Log<3>>(
       read_edge_text(TextScanner("some.graph", text), kToroPlane, &kToroSpace, {.identity_where_missing = true}).value());
@@ -84,20 +81,20 @@ TEST(Toro, TakesTheIdentityForMissingWeightsIfAsked) {
 }
 
 TEST(Toro, NamesThePlaceOfWhatIsWrong) {
-  EXPECT_EQ(toro_error(kVertices + "EDGE2 0 1 1 2\n"), "some.graph:3:14: the line ends where a number is expected");
-  EXPECT_EQ(toro_error(kVertices + "EDGE2 0 1 1 nan 0 1 0 1 1 0 0\n"),
+  EXPECT_EQ(error_of(read_toro(kVertices + "EDGE2 0 1 1 2\n")), "some.graph:3:14: the line ends where a number is expected");
+  EXPECT_EQ(error_of(read_toro(kVertices + "EDGE2 0 1 1 nan 0 1 0 1 1 0 0\n")),
             "some.graph:3:13: 'nan' stands where a number is expected");
-  EXPECT_THAT(toro_error(kVertices + "EDGE2 0 1 1 2 0 1 0 -1 1 0 0\n"),
+  EXPECT_THAT(error_of(read_toro(kVertices + "EDGE2 0 1 1 2 0 1 0 -1 1 0 0\n")),
               StartsWith("some.graph:3:1: the information matrix of edge 0-1 is indefinite"));
-  EXPECT_EQ(toro_error(kVertices + "EDGE2 0 9 1 2 0 1 0 1 1 0 0\n"),
+  EXPECT_EQ(error_of(read_toro(kVertices + "EDGE2 0 9 1 2 0 1 0 1 1 0 0\n")),
             "some.graph:3:1: the file declares vertices, but not pose 9; give the file that does, too, or --skip-undeclared");
-  EXPECT_EQ(toro_error(kVertices + "VERTEX2 1 0 0 0\n"),
+  EXPECT_EQ(error_of(read_toro(kVertices + "VERTEX2 1 0 0 0\n")),
             "some.graph:3:1: pose 1 is declared a second time; two logs in one file are to be given as two files");
-  EXPECT_EQ(toro_error(kVertices + "EQUIVALENT 0 1\n"),
+  EXPECT_EQ(error_of(read_toro(kVertices + "EQUIVALENT 0 1\n")),
             "some.graph:3:1: unknown tag 'EQUIVALENT'; --skip-unknown leaves such lines out");
-  EXPECT_EQ(toro_error(kVertices + "EDGE2 1 1 1 2 0 1 0 1 1 0 0\n"),
+  EXPECT_EQ(error_of(read_toro(kVertices + "EDGE2 1 1 1 2 0 1 0 1 1 0 0\n")),
             "some.graph:3:1: an edge leads from pose 1 to itself; --skip-self-edges leaves such edges out");
-  EXPECT_EQ(toro_error("VERTEX3 0 0 0 0 0 1.5707963267948966 0\n"),
+  EXPECT_EQ(error_of(read_toro("VERTEX3 0 0 0 0 0 1.5707963267948966 0\n")),
             "some.graph:1:19: at a pitch of a right angle roll and yaw are not told apart");
 }
 

@@ -5,6 +5,7 @@
 #include <mapjoin/io/open.hpp>
 #include <numbers>
 #include <string>
+#include <tests/support/error_of.hpp>
 #include <tests/support/temporary_folder.hpp>
 
 namespace mapjoin {
@@ -21,10 +22,7 @@ class TrajectoryTest : public ::testing::Test {
   Log<Dim> read(const std::string& text) const {
     return std::get<Log<Dim>>(open_log(folder.file("some", text)).value());
   }
-  std::string message(const std::string& text) const {
-    const auto log = open_log(folder.file("some", text));
-    return log ? "" : log.error().message;
-  }
+  std::string message(const std::string& text) const { return testing::error_of(open_log(folder.file("some", text))); }
 
   testing::TemporaryFolder folder;
 };

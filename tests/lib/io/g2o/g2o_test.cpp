@@ -4,6 +4,7 @@
 
 #include <mapjoin/io/g2o/g2o.hpp>
 #include <string>
+#include <tests/support/error_of.hpp>
 #include <tests/support/same_log.hpp>
 #include <vector>
 
@@ -29,8 +30,7 @@ Log<Dim> read_as(const std::string& text, const ReadOptions& options = {}) {
 }
 
 std::string message(const std::string& text, const ReadOptions& options = {}) {
-  const auto log = read(text, options);
-  return log ? "" : log.error().message;
+  return testing::error_of(read(text, options));
 }
 
 TEST(G2o, ReadsEveryTagOfThePlane) {

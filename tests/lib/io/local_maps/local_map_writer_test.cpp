@@ -5,6 +5,7 @@
 #include <mapjoin/io/local_maps/local_map_set.hpp>
 #include <tests/support/data.hpp>
 #include <tests/support/dimensions.hpp>
+#include <tests/support/error_of.hpp>
 #include <tests/support/random.hpp>
 #include <tests/support/same_log.hpp>
 #include <tests/support/temporary_folder.hpp>
@@ -40,8 +41,7 @@ class LocalMapWriterTest : public ::testing::Test {
     return std::get<SubmapSet<kDim>>(read_local_map_set(folder.path()).value());
   }
   std::string refusal(const std::vector<LocalMap<kDim>>& maps, LocalMapFormat format) {
-    const auto written = write_local_maps(maps, features, format, folder.path());
-    return written ? "" : written.error().message;
+    return testing::error_of(write_local_maps(maps, features, format, folder.path()));
   }
   static void expect_same(const std::vector<LocalMap<kDim>>& a, const std::vector<LocalMap<kDim>>& b, double tolerance) {
     ASSERT_EQ(a.size(), b.size());

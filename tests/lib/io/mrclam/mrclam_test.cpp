@@ -11,6 +11,7 @@
 #include <mapjoin/io/open.hpp>
 #include <numbers>
 #include <tests/support/data.hpp>
+#include <tests/support/error_of.hpp>
 #include <tests/support/temporary_folder.hpp>
 #include <vector>
 
@@ -34,10 +35,7 @@ class MrclamTest : public ::testing::Test {
                 "103 72 4 0\n103.5 99 1 0\n");
   }
   Log<2> read() const { return std::get<Log<2>>(open_log(folder.path()).value()); }
-  std::string message() const {
-    const auto log = open_log(folder.path());
-    return log ? "" : log.error().message;
-  }
+  std::string message() const { return testing::error_of(open_log(folder.path())); }
 
   testing::TemporaryFolder folder;
 };
