@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <apps/exit_code.hpp>
 #include <apps/process.hpp>
+#include <chrono>
 #include <csignal>
 #include <cstdint>
 #include <cstdlib>
@@ -64,6 +65,9 @@ Expected<void> check_limit(std::int64_t needed, std::optional<std::int64_t> limi
 constexpr int kWakes = SIGUSR1;
 constexpr ::timespec kAgainAfter{0, 50'000'000};
 
+/// Signals that come so close together are one request: `timeout` sends its own to the process and to the process's group.
+constexpr std::chrono::milliseconds kOneRequest(200);
+
 extern "C" void on_missing_page(int) {
   constexpr std::string_view kSentence = "mapjoin: an input file was cut short while it was read\n";
   [[maybe_unused]] const auto written = ::write(STDERR_FILENO, kSentence.data(), kSentence.size());
@@ -111,9 +115,10 @@ Interruption::Interruption() {
     while (::sigwaitinfo(&signals, nullptr) < 0) {
     }
     source.request_stop();
+    const auto from_here_a_second = std::chrono::steady_clock::now() + kOneRequest;
     do {  // It may come just before a call that waits for ever.
       ::pthread_kill(main, kWakes);
-    } while (::sigtimedwait(&signals, nullptr, &kAgainAfter) < 0);
+    } while (::sigtimedwait(&signals, nullptr, &kAgainAfter) < 0 || std::chrono::steady_clock::now() < from_here_a_second);
     std::_Exit(static_cast<int>(ExitCode::kInterrupted));
   }).detach();
 }

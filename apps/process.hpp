@@ -26,7 +26,7 @@ std::string blas_name();
 void end_on_truncated_input();
 
 /// From its construction to the end of the process, the first SIGINT or SIGTERM requests a stop, and ends reads and writes
-/// that wait; the second one ends the process at once. To be made once, before other threads are.
+/// that wait; a second one, more than 0.2 s later, ends the process at once. To be made once, before other threads are.
 /// SIGPIPE and SIGXFSZ are ignored: a reader that has gone away, or a file that grows too large, shows when writing.
 class Interruption {
  public:
