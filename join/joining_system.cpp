@@ -20,8 +20,8 @@ JoiningSystem<Dim>::JoiningSystem(const PartialMap<Dim>& partial, const Gauge<Di
       estimate_(partial.state),
       equations_({}) {
   observe(partial, gauge);
-  equations_ = make_equations(
-      std::move(solver), {.given = Table<Column, Variable>(variables_at(order)), .ranks = {}, .border = variables_at(border)});
+  equations_ = make_equations(std::move(solver),
+                              {.given = Table<Column, Variable>(variables_at(order)), .border = variables_at(border)});
 }
 
 template <int Dim>

@@ -34,6 +34,13 @@ class RowNumbers {
   Eigen::Index size_ = 0;
 };
 
+/// The number of rows of zeros before the first other one.
+Eigen::Index leading_zero_rows(const Eigen::MatrixXd& Y) {
+  Eigen::Index count = 0;
+  while (count < Y.rows() && Y.row(count).isZero(0.0)) ++count;
+  return count;
+}
+
 }  // namespace
 
 std::vector<const Front*> FrontFactor::way_to_root(std::span<const Variable> of, const Front* deferred) const {
@@ -76,10 +83,13 @@ std::optional<Eigen::MatrixXd> FrontFactor::inverse_form(std::span<const Variabl
   for (const Front* front : way) {
     if (front->is_singular) return std::nullopt;
     Eigen::MatrixXd Y = rhs(rows.of(front->frontals), Eigen::all);
+    const Eigen::Index skipped = leading_zero_rows(Y);  // which stay zero: variables at the end of a wide front are cheap
+    auto rest = Y.bottomRows(Y.rows() - skipped);
+    const auto L = front->L.bottomRightCorner(front->L.rows() - skipped, rest.rows());
     // One column after the other, for which L need not be packed.
-    for (auto column : Y.colwise()) front->L.topRows(Y.rows()).triangularView<Eigen::Lower>().solveInPlace(column);
-    form.noalias() += Y.transpose() * Y;
-    rhs(rows.of(front->update.variables), Eigen::all) -= front->L.bottomRows(front->L.rows() - Y.rows()) * Y;
+    for (auto column : rest.colwise()) L.topRows(rest.rows()).triangularView<Eigen::Lower>().solveInPlace(column);
+    form.noalias() += rest.transpose() * rest;
+    rhs(rows.of(front->update.variables), Eigen::all) -= L.bottomRows(L.rows() - rest.rows()) * rest;
   }
   return form;
 }

@@ -1,31 +1,16 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <algorithm>
-#include <deque>
 #include <iterator>
 #include <mapjoin/join/incremental/front_tree.hpp>
+#include <mapjoin/model/lists.hpp>
 #include <utility>
 
 namespace mapjoin {
 namespace {
 
-/// A quadratic over these columns, one for each of its variables; `storage` keeps what had to be put in another order.
-GivenFront given_front(const Eigen::MatrixXd& H, const std::vector<Column>& columns, const BlockLower& matrix,
-                       std::deque<Eigen::MatrixXd>& storage) {
-  GivenFront front{columns, {H.data(), H.rows(), H.cols(), Eigen::OuterStride<>(H.rows())}};
-  if (std::is_sorted(columns.begin(), columns.end())) return front;
-  std::vector<std::pair<Column, Eigen::Index>> blocks;  // each with its first row
-  Eigen::Index row = 0;
-  for (const Column column : columns) blocks.emplace_back(column, std::exchange(row, row + matrix.dof(column)));
-  std::sort(blocks.begin(), blocks.end());
-  std::sort(front.rows.begin(), front.rows.end());
-  std::vector<Eigen::Index> rows;
-  for (const auto& [column, first] : blocks) {
-    for (Eigen::Index i = 0; i < matrix.dof(column); ++i) rows.push_back(first + i);
-  }
-  const Eigen::MatrixXd full = H.selfadjointView<Eigen::Lower>();
-  const Eigen::MatrixXd& sorted = storage.emplace_back(full(rows, rows));
-  return {std::move(front.rows), {sorted.data(), row, row, Eigen::OuterStride<>(row)}};
-}
+/// A front below is eliminated again, too, where it sends more rows than this share of those that it and all below it have
+/// eliminated: what it sends, a clique that no order can part, then costs more than it saves (docs/decisions.md).
+constexpr double kBulky = 0.5;
 
 }  // namespace
 
@@ -78,20 +63,7 @@ std::size_t FrontTree::update(std::span<const Variable> last, double no_move) {
 
 std::size_t FrontTree::eliminate_touched(std::span<const Variable> last) {
   const Opened opened = open_touched();
-  const std::vector<const Quadratic*> summands = this->summands(opened);
-  const Elimination elimination = planned(opened, summands, last);
-  std::deque<Eigen::MatrixXd> storage;
-  std::vector<GivenFront> given;
-  for (const Quadratic* summand : summands) {
-    std::vector<Column> columns;
-    for (const Variable v : summand->variables) columns.push_back(elimination.column[variables_[v].place]);
-    given.push_back(given_front(summand->H, columns, elimination.matrix, storage));
-  }
-  SparseCholesky cholesky(Updates::kKept);
-  cholesky.analyse(elimination.matrix, given);
-  const auto singular = cholesky.factorise(elimination.matrix, given);
-  replace(opened, elimination, cholesky, singular);
-  for (const Variable v : opened.variables) variables_[v].place = kConstant;
+  replace(opened, eliminate(sum_of(opened, {last.begin(), last.end()})));
   return opened.variables.size() - 1;  // kOne is none of the caller's
 }
 
@@ -105,8 +77,7 @@ void FrontTree::open_upwards(NodeIndex n, Opened& opened) {
 FrontTree::Opened FrontTree::open_touched() {
   Opened opened;
   auto& variables = opened.variables;
-  std::sort(touched_.begin(), touched_.end());
-  touched_.erase(std::unique(touched_.begin(), touched_.end()), touched_.end());
+  make_distinct(touched_);
   for (const QuadraticIndex q : std::exchange(touched_, {})) {
     open_upwards(quadratics_[q].node, opened);
     if (quadratics_[q].node != kNone || is_removed(q)) continue;
@@ -116,92 +87,70 @@ FrontTree::Opened FrontTree::open_touched() {
       if (node_of(v) == kNone) variables.push_back(v);
     }
   }
-  for (const NodeIndex n : opened.nodes) {
-    const Node& open = nodes_[n];
-    const auto& frontals = front(n).frontals;
-    variables.insert(variables.end(), frontals.begin(), frontals.end());
-    std::copy_if(open.quadratics.begin(), open.quadratics.end(), std::back_inserter(opened.quadratics),
-                 [&](QuadraticIndex q) { return !is_removed(q); });
-    for (const NodeIndex child : open.children) {
-      if (!nodes_[child].is_open) opened.orphans.push_back(child);
-    }
-  }
+  for (std::size_t k = 0; k < opened.nodes.size(); ++k) take_open(opened.nodes[k], opened);  // which may open others
   variables.push_back(kOne);
-  std::sort(variables.begin(), variables.end());
-  variables.erase(std::unique(variables.begin(), variables.end()), variables.end());
-  for (const Variable place : indices(variables)) variables_[variables[place]].place = place;
+  make_distinct(variables);
   return opened;
 }
 
-std::vector<const Quadratic*> FrontTree::summands(const Opened& opened) const {
-  std::vector<const Quadratic*> summands;
-  for (const QuadraticIndex q : opened.quadratics) summands.push_back(&quadratics_[q].quadratic);
-  for (const NodeIndex orphan : opened.orphans) summands.push_back(&front(orphan).update);
-  return summands;
+void FrontTree::take_open(NodeIndex n, Opened& opened) {
+  append(opened.variables, front(n).frontals);
+  std::ranges::copy_if(nodes_[n].quadratics, std::back_inserter(opened.quadratics),
+                       [&](QuadraticIndex q) { return !is_removed(q); });
+  for (const NodeIndex child : nodes_[n].children) {
+    if (nodes_[child].is_open) continue;
+    if (is_bulky(child)) {
+      nodes_[child].is_open = true;
+      opened.nodes.push_back(child);
+    } else {
+      opened.orphans.push_back(child);
+    }
+  }
 }
 
-Elimination FrontTree::planned(const Opened& opened, const std::vector<const Quadratic*>& summands,
-                               std::span<const Variable> last) const {
-  BlockPattern pattern;
-  for (const Variable v : opened.variables) pattern.dofs.push_back(dof(v));
-  for (const Quadratic* summand : summands) {
-    std::vector<Variable> places;
-    for (const Variable v : summand->variables) places.push_back(variables_[v].place);
-    pattern.factors.push_back(places);
-  }
-  Ordering ordering;
-  ordering.ranks.assign(opened.variables.size(), 0);
-  for (const Variable v : last) {
-    if (variables_[v].place != kConstant) ordering.ranks[variables_[v].place] = 1;
-  }
-  ordering.ranks[variables_[kOne].place] = 2;
-  return Elimination(pattern, ordering);
+bool FrontTree::is_bulky(NodeIndex n) const {
+  return static_cast<double>(front(n).update.H.rows()) > kBulky * static_cast<double>(nodes_[n].rows);
 }
 
-void FrontTree::replace(const Opened& opened, const Elimination& elimination, SparseCholesky& cholesky,
-                        std::span<const std::int64_t> singular) {
+QuadraticSum FrontTree::sum_of(const Opened& opened, const std::set<Variable>& last) const {
+  QuadraticSum sum;
+  for (const Variable v : opened.variables) sum.variables.push_back({v, dof(v), last.contains(v) ? 1 : 0});
+  sum.variables.front().rank = 2;  // kOne
+  for (const QuadraticIndex q : opened.quadratics) sum.quadratics.push_back(&quadratics_[q].quadratic);
+  for (const NodeIndex orphan : opened.orphans) sum.quadratics.push_back(&front(orphan).update);
+  return sum;
+}
+
+void FrontTree::replace(const Opened& opened, std::vector<SumNode> fresh) {
   for (const NodeIndex n : opened.nodes) {
     nodes_[n] = Node();
     factor_.nodes.writable(n) = {};
     unused_.push_back(n);
   }
-  const std::size_t quadratic_count = opened.quadratics.size();
-  const auto& fronts = cholesky.tree().nodes;
+  const std::size_t own = opened.quadratics.size();
   std::vector<NodeIndex> nodes;
-  for (const FactorNode& front : fronts) {
-    const bool is_quadratic = front.width == 0 && front.given < quadratic_count;
-    nodes.push_back(front.width > 0 ? new_node() : is_quadratic ? kNone : opened.orphans[front.given - quadratic_count]);
+  for (const SumNode& node : fresh) {
+    if (!node.quadratic) {
+      nodes.push_back(new_node());
+    } else {
+      nodes.push_back(*node.quadratic < own ? kNone : opened.orphans[*node.quadratic - own]);
+    }
   }
-  auto next_singular = singular.begin();
-  for (std::size_t f = 0; f < fronts.size(); ++f) {
-    const NodeIndex parent = fronts[f].parent == fronts.size() ? kNone : nodes[fronts[f].parent];
+  for (std::size_t f = 0; f < fresh.size(); ++f) {
+    const NodeIndex parent = fresh[f].parent == fresh.size() ? kNone : nodes[fresh[f].parent];
     if (nodes[f] == kNone) {
-      const QuadraticIndex q = opened.quadratics[fronts[f].given];
+      const QuadraticIndex q = opened.quadratics[*fresh[f].quadratic];
       quadratics_[q].node = parent;
       nodes_[parent].quadratics.push_back(q);
       continue;
     }
-    if (fronts[f].width > 0) {
-      Front front = taken(opened, elimination, cholesky, f);
-      const std::int64_t end = elimination.matrix.offsets[fronts[f].columns.last];
-      for (; next_singular != singular.end() && *next_singular < end; ++next_singular) front.is_singular = true;
-      put(nodes[f], std::move(front));
-    }
+    if (!fresh[f].quadratic) put(nodes[f], std::move(fresh[f].front));
     factor_.nodes.writable(nodes[f]).parent = parent;
-    if (parent != kNone) nodes_[parent].children.push_back(nodes[f]);
+    if (parent == kNone) continue;
+    nodes_[parent].children.push_back(nodes[f]);
+    nodes_[parent].rows += nodes_[nodes[f]].rows;
   }
   root_ = nodes.back();
-}
-
-Front FrontTree::taken(const Opened& opened, const Elimination& elimination, SparseCholesky& cholesky, std::size_t f) const {
-  Front fresh;
-  const FactorNode& front = cholesky.tree().nodes[f];
-  const auto variable_at = [&](Column column) { return opened.variables[elimination.order[column]]; };
-  for (const Column column : front.columns) fresh.frontals.push_back(variable_at(column));
-  for (const Column row : cholesky.tree().rows_of(front)) fresh.update.variables.push_back(variable_at(row));
-  fresh.L = cholesky.panel(front);
-  fresh.update.H = cholesky.take_update(f);
-  return fresh;
 }
 
 void FrontTree::put(NodeIndex n, Front front) {
@@ -211,6 +160,7 @@ void FrontTree::put(NodeIndex n, Front front) {
     front.update.variables.push_back(kOne);
     front.L = Eigen::MatrixXd(front.L.leftCols(front.L.cols() - 1));
   }
+  nodes_[n].rows += front.L.cols();
   nodes_[n].is_fresh = true;
   factor_.nodes.writable(n).front = std::make_shared<const Front>(std::move(front));
 }

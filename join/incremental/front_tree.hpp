@@ -3,13 +3,13 @@
 // A growing sum of quadratics and its minimum, by a tree of fronts of which a change touches few: those that eliminate the
 // variables of what changed, and all above them (the Bayes tree of iSAM2: Kaess et al., IJRR 2012).
 //
-// These are planned and eliminated again by SparseCholesky, to which the fronts below send what they sent before. The variables
-// of fronts below are solved for again only where what lies above has moved.
+// These, and fronts below them that send many rows for what they have eliminated, are eliminated again (QuadraticSum); the
+// other fronts below send what they sent before. Their variables are solved for again only where what lies above has moved.
 
 #include <Eigen/Core>
 #include <mapjoin/join/incremental/front_factor.hpp>
-#include <mapjoin/solve/block_pattern.hpp>
-#include <mapjoin/solve/sparse_cholesky.hpp>
+#include <mapjoin/join/incremental/quadratic_sum.hpp>
+#include <set>
 #include <span>
 #include <vector>
 
@@ -28,8 +28,8 @@ class FrontTree {
   /// Takes one out of the sum, for good.
   void remove_quadratic(QuadraticIndex quadratic);
 
-  /// Eliminates again what is touched by all that was added and changed since the last time, the variables `last` after all
-  /// others, and solves. Variables that nothing determines stay where they are, and so do those that would move, in a front of
+  /// Eliminates again what all that was added and changed since the last time touches, the variables `last` after all others,
+  /// and solves. Variables that nothing determines stay where they are, and so do those that would move, in a front of
   /// `n` entries, by less than n `no_move` squared standard deviations. Returns how many variables were eliminated.
   std::size_t update(std::span<const Variable> last, double no_move = 1e-6);
   /// Where the sum is least, but for what stays where it is: the entries of a variable, and of several.
@@ -54,13 +54,13 @@ class FrontTree {
   struct Node {
     std::vector<NodeIndex> children;
     std::vector<QuadraticIndex> quadratics;  // whose first variable it eliminates
+    Eigen::Index rows = 0;                   // that it and all below eliminate
     bool is_open = false;                    // about to be eliminated again
     bool is_fresh = false;                   // not yet solved
   };
   struct Values {
-    Eigen::Index offset = 0;     // of its entries in the solution
-    Variable place = kConstant;  // among the variables that are being eliminated
-    std::size_t moved_in = 0;    // the update that moved it last
+    Eigen::Index offset = 0;   // of its entries in the solution
+    std::size_t moved_in = 0;  // the update that moved it last
   };
   struct Summand {
     Quadratic quadratic;     // of no variables once it is removed
@@ -69,7 +69,7 @@ class FrontTree {
   /// What is eliminated again.
   struct Opened {
     std::vector<NodeIndex> nodes;
-    Table<Variable, Variable> variables;  // by their place, ascending
+    std::vector<Variable> variables;  // ascending
     std::vector<QuadraticIndex> quadratics;
     std::vector<NodeIndex> orphans;  // nodes below the open ones
   };
@@ -77,15 +77,15 @@ class FrontTree {
   void open_upwards(NodeIndex node, Opened& opened);
   bool is_removed(QuadraticIndex q) const { return quadratics_[q].quadratic.variables.empty(); }
   Opened open_touched();
-  /// The quadratics, then what the orphans send.
-  std::vector<const Quadratic*> summands(const Opened& opened) const;
-  Elimination planned(const Opened& opened, const std::vector<const Quadratic*>& summands,
-                      std::span<const Variable> last) const;
+  /// Its variables, its quadratics, and what is below it: open, too, where it is bulky.
+  void take_open(NodeIndex node, Opened& opened);
+  /// Whether it sends much for what it and all below it have eliminated.
+  bool is_bulky(NodeIndex node) const;
+  /// The sum to eliminate: the quadratics, then what the orphans send.
+  QuadraticSum sum_of(const Opened& opened, const std::set<Variable>& last) const;
   std::size_t eliminate_touched(std::span<const Variable> last);
-  /// New nodes in the place of the open ones; `singular` are scalar columns, ascending.
-  void replace(const Opened& opened, const Elimination& elimination, SparseCholesky& cholesky,
-               std::span<const std::int64_t> singular);
-  Front taken(const Opened& opened, const Elimination& elimination, SparseCholesky& cholesky, std::size_t front) const;
+  /// New nodes in the place of the open ones.
+  void replace(const Opened& opened, std::vector<SumNode> fresh);
   void put(NodeIndex node, Front front);
   NodeIndex new_node();
   const Front& front(NodeIndex node) const { return *factor_.nodes[node].front; }

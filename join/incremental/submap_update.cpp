@@ -3,6 +3,7 @@
 #include <mapjoin/join/align/leaf.hpp>
 #include <mapjoin/join/incremental/submap_update.hpp>
 #include <mapjoin/localmap/segment_view.hpp>
+#include <mapjoin/model/lists.hpp>
 #include <numeric>
 #include <set>
 #include <utility>
@@ -133,11 +134,6 @@ std::vector<const SubmapUpdate<Dim>*> as_driven(const std::vector<const SubmapUp
   return driven;
 }
 
-template <typename T>
-void append(const std::vector<T>& some, std::vector<T>& all) {
-  all.insert(all.end(), some.begin(), some.end());
-}
-
 }  // namespace
 
 template <int Dim>
@@ -253,10 +249,10 @@ SubmapSet<Dim> set_of(const std::vector<const SubmapUpdate<Dim>*>& updates) {
   for (const auto* update : driven) {
     FactorGraph<Dim> graph = update->graph;
     names.renumber(graph, update->poses, update->features);
-    append(graph.submaps, set.graph.submaps);
-    append(graph.pose_factors, set.graph.pose_factors);
-    append(graph.feature_factors, set.graph.feature_factors);
-    append(graph.fixed, set.graph.fixed);
+    append(set.graph.submaps, graph.submaps);
+    append(set.graph.pose_factors, graph.pose_factors);
+    append(set.graph.feature_factors, graph.feature_factors);
+    append(set.graph.fixed, graph.fixed);
   }
   set.poses = names.poses.take_names();
   set.features = names.features.take_names();

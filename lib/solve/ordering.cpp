@@ -17,9 +17,6 @@ namespace {
 
 /// Below this many variables minimum degree is as good as dissection and faster.
 constexpr std::size_t kSmall = 200;
-/// The same where there are ranks, as in updates of a factor: their graphs are made of large cliques, which dissection is
-/// slower on. At ten thousand variables it saves nine tenths of the arithmetic.
-constexpr std::size_t kSmallRanked = 500;
 
 using Longs = std::vector<SuiteSparse_long>;
 
@@ -69,17 +66,19 @@ Table<Column, Variable> minimum_degree(const BlockGraph& graph, const Table<Vari
 
 std::mutex metis_has_one_random_state;
 
-Table<Column, Variable> nested_dissection(const BlockGraph& graph) {
+Table<Column, Variable> nested_dissection(const BlockGraph& graph, const Table<Variable, int>& weights) {
   auto n = static_cast<idx_t>(graph.size());
   std::vector<idx_t> begin(graph.begins().begin(), graph.begins().end());
   auto neighbours = numbers<idx_t>(graph.entries());
   std::vector<idx_t> order(graph.size());
   std::vector<idx_t> place(graph.size());
+  std::vector<idx_t> weighed(weights.begin(), weights.end());
   idx_t options[METIS_NOPTIONS];
   METIS_SetDefaultOptions(options);
   options[METIS_OPTION_SEED] = 1;
   const std::lock_guard lock(metis_has_one_random_state);
-  const int status = METIS_NodeND(&n, begin.data(), neighbours.data(), nullptr, options, order.data(), place.data());
+  const int status = METIS_NodeND(&n, begin.data(), neighbours.data(), weighed.empty() ? nullptr : weighed.data(), options,
+                                  order.data(), place.data());
   check(status, METIS_ERROR_MEMORY, status != METIS_OK, "METIS");
   return variables(order);
 }
@@ -140,14 +139,19 @@ BlockGraph induced_graph(const BlockGraph& graph, const std::vector<Variable>& s
 }
 
 /// The order of all but the border, then the border.
-Table<Column, Variable> bordered_order(const BlockGraph& graph, const std::vector<Variable>& border) {
+Table<Column, Variable> bordered_order(const BlockGraph& graph, const std::vector<Variable>& border,
+                                       const Table<Variable, int>& weights) {
   Table<Variable, bool> is_inside(graph.size(), true);
   for (const Variable v : border) is_inside[v] = false;
   std::vector<Variable> inside;
   for (const Variable v : indices(is_inside)) {
     if (is_inside[v]) inside.push_back(v);
   }
-  Table<Column, Variable> order = elimination_order(induced_graph(graph, inside));
+  Ordering ordering;
+  for (const Variable v : inside) {
+    if (!weights.empty()) ordering.weights.push_back(weights[v]);
+  }
+  Table<Column, Variable> order = elimination_order(induced_graph(graph, inside), ordering);
   for (Variable& v : order) v = inside[v.position()];
   order.insert(order.end(), border.begin(), border.end());
   return order;
@@ -174,18 +178,18 @@ Table<Variable, Column> inverse_order(const Table<Column, Variable>& order) {
 
 Table<Column, Variable> elimination_order(const BlockGraph& graph, const Ordering& ordering) {
   if (!ordering.border.empty() && !ordering.given.empty()) return ordering.given;
-  if (!ordering.border.empty()) return bordered_order(graph, ordering.border);
+  if (!ordering.border.empty()) return bordered_order(graph, ordering.border, ordering.weights);
   if (!ordering.given.empty()) return postordered(graph, ordering.given);
   if (graph.entries().empty()) {
     const IndexRange<Variable> all{0, Variable(graph.size())};
     return {all.begin(), all.end()};
   }
   const bool fits_metis = graph.entries().size() <= static_cast<std::size_t>(std::numeric_limits<idx_t>::max());
-  if (!fits_metis || graph.size() < (ordering.ranks.empty() ? kSmall : kSmallRanked)) {
+  if (!fits_metis || graph.size() < kSmall) {
     return postordered(graph, minimum_degree(graph, ordering.ranks));
   }
-  return postordered(graph,
-                     ordering.ranks.empty() ? nested_dissection(graph) : bordered_order(graph, higher_ranked(ordering.ranks)));
+  return postordered(graph, ordering.ranks.empty() ? nested_dissection(graph, ordering.weights)
+                                                   : bordered_order(graph, higher_ranked(ordering.ranks), ordering.weights));
 }
 
 Table<Variable, std::int32_t> partition(const BlockGraph& graph, const Table<Variable, std::int32_t>& weights,

@@ -23,9 +23,11 @@ using BlockGraph = Lists<Variable, Variable>;
 
 /// What is known of an elimination order beforehand.
 struct Ordering {
-  Table<Column, Variable> given;  ///< All variables in the order to take, or none.
-  Table<Variable, int> ranks;  ///< A variable comes after all of lower rank that it is coupled to; empty: all are of one rank.
-  std::vector<Variable> border;  ///< Variables that are not eliminated: they come last, in this order.
+  Table<Column, Variable> given = {};  ///< All variables in the order to take, or none.
+  /// A variable comes after all of lower rank that it is coupled to; empty: all are of one rank.
+  Table<Variable, int> ranks = {};
+  Table<Variable, int> weights = {};  ///< What a variable counts for where it is dissected; empty: all the same.
+  std::vector<Variable> border = {};  ///< Variables that are not eliminated: they come last, in this order.
 };
 
 /// A fill-reducing order of elimination: nested dissection (METIS), which decides everything at scale; approximate minimum

@@ -69,9 +69,12 @@ class Factorisation {
     free_children(node);
   }
 
+  /// Frees what the node has taken; where updates are kept, only those of given fronts, which whoever gave them has.
   void free_children(const FactorNode& node) {
-    if (keeps_updates_) return;
-    for (const std::size_t c : tree_.children_of(node)) updates_[c].resize(0, 0);
+    for (const std::size_t c : tree_.children_of(node)) {
+      const bool is_given = tree_.nodes[c].width == 0;
+      if (is_given || !keeps_updates_) updates_[c].resize(0, 0);
+    }
   }
 
   /// What a front sends: what it was given, or was made when its turn came.

@@ -179,6 +179,35 @@ TEST_F(FrontTreeTest, PartsThatShareNothingStandSideBySideUntilSomethingTiesThem
   EXPECT_LT(error(), 1e-3);
 }
 
+TEST_F(FrontTreeTest, EliminatesAgainFrontsBelowThatSendMuchForWhatTheyEliminate) {
+  constexpr std::size_t kHub = 20;
+  constexpr std::size_t kLeaves = 30;
+  std::vector<Variable> hub;
+  for (Variable v = 1; hub.size() < kHub; ++v) {
+    add_variable(3);
+    hub.push_back(v);
+  }
+  add(hub);
+  for (std::size_t k = 0; k < kLeaves; ++k) {
+    add_variable(2);
+    std::vector<Variable> leaf = hub;
+    leaf.emplace_back(kHub + 1 + k);
+    add(leaf);
+  }
+  for (std::size_t k = 0; k < 100; ++k) {  // a chain from the hub, which sends few
+    add_variable(3);
+    const Variable v(kHub + kLeaves + 1 + k);
+    add({k == 0 ? Variable(1) : v - 1, v});
+  }
+  tree_.update({});
+  quadratics_.front() = random_quadratic(hub);
+  tree_.change_quadratic(indices_.front(), quadratics_.front().H);
+  const std::size_t eliminated = tree_.update({});
+  EXPECT_GE(eliminated, kHub + kLeaves);
+  EXPECT_LE(eliminated, kHub + kLeaves + 20);
+  EXPECT_LT(error(), 3e-3);
+}
+
 TEST_F(FrontTreeTest, WhatNothingDeterminesStaysWhereItIs) {
   add_variable(2);
   Quadratic first{{1, FrontTree::kOne}, Eigen::MatrixXd::Zero(3, 3)};

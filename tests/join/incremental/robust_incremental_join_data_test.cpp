@@ -5,20 +5,13 @@
 #include <algorithm>
 #include <mapjoin/io/open.hpp>
 #include <mapjoin/join/incremental/robust_incremental_join.hpp>
-#include <mapjoin/join/incremental/submap_update_maker.hpp>
 #include <mapjoin/join/run.hpp>
 #include <mapjoin/simulate/wrong_measurements.hpp>
 #include <tests/support/data.hpp>
+#include <tests/support/updates_of.hpp>
 
 namespace mapjoin {
 namespace {
-
-template <int Dim>
-std::vector<SubmapUpdate<Dim>> updates_of(const Log<Dim>& log) {
-  SubmapUpdateMaker<Dim> maker({SplitRule::kPoses, 10.0});
-  EXPECT_TRUE(maker.add(log));
-  return maker.take(true).value();
-}
 
 template <int Dim>
 std::vector<ClosureName> rejected_of(const Log<Dim>& log, const Inliers<Log<Dim>>& inliers) {
@@ -60,7 +53,7 @@ TEST_P(PlantedMapByMap, EndsAsTheWholeLogDoes) {
     const Log<Dim> log = plant_wrong_closures(clean, ClosurePolicy::kRandom, count, seed).log;
     RobustIncrementalJoin<Dim> joined;
     int judged = 0;
-    auto updates = updates_of(log);
+    auto updates = testing::updates_of(log, 10.0);
     for (auto& update : updates) judged += joined.add(std::move(update)).value().is_judged ? 1 : 0;
     EXPECT_LT(judged, 20);
     joined.judge();
@@ -78,7 +71,7 @@ TEST(RobustIncrementalData, ALogThatIsThereAlreadyEndsAsMapByMap) {
   const auto clean = std::get<Log<2>>(open_log(testing::data_file("pose-graphs-2d/intel.g2o.gz")).value());
   const Log<2> log = plant_wrong_closures(clean, ClosurePolicy::kRandom, 50, 2).log;
   RobustIncrementalJoin<2> joined;
-  EXPECT_TRUE(joined.add_all(updates_of(log)).value().is_judged);
+  EXPECT_TRUE(joined.add_all(testing::updates_of(log, 10.0)).value().is_judged);
   joined.judge();
   expect_same_end(log, joined);
 }
@@ -93,12 +86,12 @@ TEST(RobustIncrementalData, AWrongClosureOfHugeInformationBendsNothing) {
   log.graph.pose_factors.push_back(wrong);
   put_in_order(log);
   RobustIncrementalJoin<2> joined;
-  auto updates = updates_of(log);
+  auto updates = testing::updates_of(log, 10.0);
   for (auto& update : updates) joined.add(std::move(update)).value();
   const std::vector<ClosureName> closures = {{log.poses[wrong.base], log.poses[wrong.target]}};
   EXPECT_EQ(joined.left_out(), closures);
   IncrementalJoin<2> without;
-  auto others = updates_of(log);
+  auto others = testing::updates_of(log, 10.0);
   for (auto& update : others) {
     std::erase_if(update.graph.pose_factors, [](const auto& o) { return o.information(0, 0) == 5e4; });
     without.add(std::move(update)).value();

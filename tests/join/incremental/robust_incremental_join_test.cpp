@@ -3,21 +3,14 @@
 
 #include <algorithm>
 #include <mapjoin/join/incremental/robust_incremental_join.hpp>
-#include <mapjoin/join/incremental/submap_update_maker.hpp>
 #include <mapjoin/simulate/wrong_measurements.hpp>
 #include <tests/support/batch_join.hpp>
 #include <tests/support/dimensions.hpp>
 #include <tests/support/small_world.hpp>
+#include <tests/support/updates_of.hpp>
 
 namespace mapjoin {
 namespace {
-
-template <int Dim>
-std::vector<SubmapUpdate<Dim>> updates_of(const Log<Dim>& log) {
-  SubmapUpdateMaker<Dim> maker({SplitRule::kPoses, 6.0});
-  EXPECT_TRUE(maker.add(log));
-  return maker.take(true).value();
-}
 
 template <int Dim>
 SubmapUpdate<Dim> closure(const PoseId& from, const PoseId& to, const Pose<Dim>& measured) {
@@ -31,7 +24,7 @@ SubmapUpdate<Dim> closure(const PoseId& from, const PoseId& to, const Pose<Dim>&
 template <int Dim>
 struct TwoRobots {
   TwoRobots() {
-    auto updates = updates_of(world.log);
+    auto updates = testing::updates_of(world.log, 6.0);
     const auto half = updates.begin() + std::ssize(updates) / 2;
     first.assign(updates.begin(), half);
     second.assign(half, updates.end());
@@ -69,7 +62,7 @@ TYPED_TEST(RobustIncrementalJoinTest, OfALogThatIsRightItIsTheIncrementalJoin) {
     const auto log = this->world(features);
     RobustIncrementalJoin<kDim> joined;
     IncrementalJoin<kDim> plain;
-    for (const auto& update : updates_of(log)) {
+    for (const auto& update : testing::updates_of(log, 6.0)) {
       const RobustlyAdded added = joined.add(update).value();
       EXPECT_TRUE(added.rejected.empty());
       EXPECT_NEAR(added.added.chi2, plain.add(update).value().chi2, 1e-3 * added.added.chi2 + 1e-3);
@@ -84,7 +77,7 @@ TYPED_TEST(RobustIncrementalJoinTest, AClosureThatIsTakenOutLeavesNoTrace) {
   const auto log = this->world(60);
   IncrementalJoin<kDim> without;
   IncrementalJoin<kDim> with;
-  for (const auto& update : updates_of(log)) {
+  for (const auto& update : testing::updates_of(log, 6.0)) {
     without.add(update).value();
     with.add(update).value();
   }
@@ -111,7 +104,7 @@ TYPED_TEST(RobustIncrementalJoinTest, EndsAsTheWholeLogDoes) {
   constexpr int kDim = TestFixture::kDim;
   const auto log = plant_wrong_closures(this->world(0), ClosurePolicy::kRandom, 8, 3).log;
   RobustIncrementalJoin<kDim> joined;
-  for (const auto& update : updates_of(log)) joined.add(update).value();
+  for (const auto& update : testing::updates_of(log, 6.0)) joined.add(update).value();
   joined.judge();
   const auto inliers = find_inliers(log, RobustOptions{}).value();
   std::vector<ClosureName> rejected;
@@ -124,7 +117,7 @@ TYPED_TEST(RobustIncrementalJoinTest, EndsAsTheWholeLogDoes) {
   EXPECT_GE(rejected.size(), 7u);
   EXPECT_EQ(left_out, rejected);
   IncrementalJoin<kDim> plain;
-  for (const auto& update : updates_of<kDim>(inliers.input)) plain.add(update).value();
+  for (const auto& update : testing::updates_of<kDim>(inliers.input, 6.0)) plain.add(update).value();
   EXPECT_NEAR(joined.estimate().chi2(), plain.chi2(), 1e-3 * plain.chi2());
   EXPECT_EQ(joined.estimate().dof(), plain.dof());
 }
@@ -175,7 +168,7 @@ TYPED_TEST(RobustIncrementalJoinTest, AWrongTieIsBelievedUntilOthersContradictIt
 
 TYPED_TEST(RobustIncrementalJoinTest, OfBadInputNothingIsAdded) {
   constexpr int kDim = TestFixture::kDim;
-  const auto updates = updates_of(this->world(0));
+  const auto updates = testing::updates_of(this->world(0), 6.0);
   RobustIncrementalJoin<kDim> joined;
   joined.add(updates[0]).value();
   auto bad = updates[1];
@@ -190,7 +183,7 @@ TYPED_TEST(RobustIncrementalJoinTest, OfBadInputNothingIsAdded) {
 
 TYPED_TEST(RobustIncrementalJoinTest, OfBadClosuresNothingIsAdded) {
   constexpr int kDim = TestFixture::kDim;
-  const auto updates = updates_of(this->world(0));
+  const auto updates = testing::updates_of(this->world(0), 6.0);
   RobustIncrementalJoin<kDim> joined;
   auto to_itself = updates[0];
   const PoseIndex end = to_itself.segments[0].end;
@@ -209,7 +202,7 @@ TYPED_TEST(RobustIncrementalJoinTest, OfBadClosuresNothingIsAdded) {
 TYPED_TEST(RobustIncrementalJoinTest, WithoutAVerdictClosuresStayWhereTheyAre) {
   constexpr int kDim = TestFixture::kDim;
   RobustIncrementalJoin<kDim> joined;
-  for (const auto& update : updates_of(this->world(0))) joined.add(update).value();
+  for (const auto& update : testing::updates_of(this->world(0), 6.0)) joined.add(update).value();
   std::stop_source source;
   source.request_stop();
   const RobustlyAdded judged = joined.judge(source.get_token());

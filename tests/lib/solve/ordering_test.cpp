@@ -55,7 +55,7 @@ TEST(Ordering, EndsWithTheBorderInItsOrder) {
   for (const int side : {2, 9, 30}) {
     const BlockGraph graph = grid(side);
     const std::vector<Variable> border = {3, 0, 1};
-    const auto order = elimination_order(graph, {.given = {}, .ranks = {}, .border = border});
+    const auto order = elimination_order(graph, {.border = border});
     ASSERT_EQ(order.size(), graph.size());
     EXPECT_EQ(std::set<Variable>(order.begin(), order.end()).size(), graph.size());
     EXPECT_TRUE(std::equal(border.begin(), border.end(), order.end() - 3)) << side;
@@ -70,6 +70,22 @@ TEST(Ordering, IsAPermutationThatFillsLessThanTheNaturalOrder) {
     std::sort(order.begin(), order.end());
     EXPECT_EQ(order, natural(graph.size()));
   }
+}
+
+TEST(Ordering, DissectsByWeight) {
+  const std::int32_t length = 400;
+  BlockGraph path;
+  for (std::int32_t k = 0; k < length; ++k) {
+    std::vector<Variable> neighbours;
+    if (k > 0) neighbours.emplace_back(k - 1);
+    if (k + 1 < length) neighbours.emplace_back(k + 1);
+    path.push_back(neighbours);
+  }
+  const auto separator = [&](const Ordering& ordering) { return elimination_order(path, ordering).back().value; };
+  EXPECT_NEAR(separator({}), 200, 60);
+  Table<Variable, int> weights(length, 1);
+  std::fill(weights.begin(), weights.begin() + 100, 100);
+  EXPECT_NEAR(separator({.weights = weights}), 50, 25);
 }
 
 TEST(Ordering, TakesVariablesWithoutNeighbours) {
@@ -91,7 +107,7 @@ TEST(Ordering, EliminatesAVariableAfterAllOfLowerRankThatItIsCoupledTo) {
     Table<Variable, int> ranks(graph.size(), 0);
     std::fill(ranks.end() - 9, ranks.end(), 1);
     ranks[3] = 2;
-    const Table<Column, Variable> order = elimination_order(graph, {.given = {}, .ranks = ranks, .border = {}});
+    const Table<Column, Variable> order = elimination_order(graph, {.ranks = ranks});
     const Table<Variable, Column> column = inverse_order(order);
     for (const Variable v : order) {
       for (const Variable neighbour : graph[v]) {
@@ -106,7 +122,7 @@ TEST(Ordering, TakesRanksBeyondTheNumberOfVariables) {
   BlockGraph pair;
   pair.push_back(std::array<Variable, 1>{1});
   pair.push_back(std::array<Variable, 1>{0});
-  EXPECT_EQ(elimination_order(pair, {.given = {}, .ranks = {7, 2}, .border = {}}), (Table<Column, Variable>{1, 0}));
+  EXPECT_EQ(elimination_order(pair, {.ranks = {7, 2}}), (Table<Column, Variable>{1, 0}));
 }
 
 TEST(Ordering, IsTheSameFromSeveralThreadsAtOnce) {

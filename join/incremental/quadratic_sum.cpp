@@ -1,0 +1,153 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <algorithm>
+#include <mapjoin/join/incremental/quadratic_sum.hpp>
+#include <mapjoin/model/lists.hpp>
+#include <mapjoin/solve/block_pattern.hpp>
+#include <mapjoin/solve/sparse_cholesky.hpp>
+#include <numeric>
+#include <tuple>
+#include <utility>
+
+namespace mapjoin {
+namespace {
+
+/// The variables in blocks: those of one rank that are in the same quadratics, and so have the same neighbours. Eliminated one
+/// after the other they fill in no more than the first does, so that Elimination takes a block as one variable: a Variable
+/// named `block` is its number. A place is that of a variable in the sum.
+class Blocks {
+ public:
+  explicit Blocks(const QuadraticSum& sum) : sum_(sum), block_of_(sum.variables.size()) {
+    std::vector<std::vector<std::size_t>> quadratics_of(sum.variables.size());
+    for (std::size_t q = 0; q < sum.quadratics.size(); ++q) {
+      std::vector<std::size_t> places;
+      for (const Variable v : sum.quadratics[q]->variables) places.push_back(place(v));
+      for (const std::size_t p : places) quadratics_of[p].push_back(q);
+      places_.push_back(places);
+    }
+    std::vector<std::size_t> order(sum.variables.size());
+    std::iota(order.begin(), order.end(), 0);
+    const auto key = [&](std::size_t p) { return std::tie(sum.variables[p].rank, quadratics_of[p]); };
+    std::ranges::stable_sort(order, [&](std::size_t a, std::size_t b) { return key(a) < key(b); });
+    for (auto first = order.begin(); first != order.end();) {
+      const bool is_alone = quadratics_of[*first].empty();  // what is in no quadratic is coupled to nothing
+      const auto end = is_alone ? first + 1 : std::find_if(first, order.end(), [&](auto p) { return key(p) != key(*first); });
+      add_block({first, end});
+      first = end;
+    }
+  }
+
+  /// Of a quadratic's variables.
+  std::span<const std::size_t> places(std::size_t quadratic) const { return places_[quadratic]; }
+  Variable block_of(std::size_t place) const { return block_of_[place]; }
+  int dof(std::size_t place) const { return sum_.variables[place].dof; }
+  /// The variables of a block, ascending.
+  std::vector<Variable> members(Variable block) const {
+    std::vector<Variable> members;
+    for (const std::size_t p : members_[block]) members.push_back(sum_.variables[p].variable);
+    return members;
+  }
+
+  Elimination planned() const {
+    BlockPattern pattern;
+    Ordering ordering;
+    for (Variable block(0); block.position() < members_.size(); ++block) {
+      const auto members = members_[block];
+      pattern.dofs.push_back(
+          std::accumulate(members.begin(), members.end(), 0, [&](int sum, std::size_t p) { return sum + dof(p); }));
+      ordering.ranks.push_back(sum_.variables[members.front()].rank);
+    }
+    ordering.weights = pattern.dofs;
+    for (std::size_t q = 0; q < places_.size(); ++q) {
+      std::vector<Variable> blocks;
+      for (const std::size_t p : places_[q]) blocks.push_back(block_of(p));
+      make_distinct(blocks);
+      pattern.factors.push_back(blocks);
+    }
+    return Elimination(pattern, ordering);
+  }
+
+ private:
+  std::size_t place(Variable v) const {
+    const auto found = std::ranges::lower_bound(sum_.variables, v, {}, &QuadraticSum::Unknown::variable);
+    return static_cast<std::size_t>(found - sum_.variables.begin());
+  }
+  void add_block(const std::vector<std::size_t>& members) {
+    for (const std::size_t p : members) block_of_[p] = Variable(members_.size());
+    members_.push_back(members);
+  }
+
+  const QuadraticSum& sum_;
+  Lists<std::size_t, std::size_t> places_;  // of each quadratic's variables
+  Lists<Variable, std::size_t> members_;    // places of each block
+  std::vector<Variable> block_of_;          // by place
+};
+
+/// A quadratic over columns of blocks.
+GivenFront given_front(const Quadratic& quadratic, std::span<const std::size_t> places, const Blocks& blocks,
+                       const Elimination& elimination) {
+  std::vector<std::tuple<Column, std::size_t, Eigen::Index>> parts;  // each variable's column, place and first row
+  Eigen::Index size = 0;
+  for (const std::size_t p : places) {
+    parts.emplace_back(elimination.column[blocks.block_of(p)], p, std::exchange(size, size + blocks.dof(p)));
+  }
+  std::ranges::sort(parts);
+  std::vector<Column> columns;
+  std::vector<Eigen::Index> rows;
+  for (const auto& [column, p, first] : parts) {
+    columns.push_back(column);
+    for (int i = 0; i < blocks.dof(p); ++i) rows.push_back(first + i);
+  }
+  make_distinct(columns);
+  auto write = [&H = quadratic.H, rows = std::move(rows)](DenseBlock to) {
+    for (Eigen::Index j = 0; j < to.cols(); ++j) {
+      const Eigen::Index column = rows[static_cast<std::size_t>(j)];
+      for (Eigen::Index i = j; i < to.rows(); ++i) {
+        const Eigen::Index row = rows[static_cast<std::size_t>(i)];
+        to(i, j) = row < column ? H(column, row) : H(row, column);
+      }
+    }
+  };
+  return {std::move(columns), {nullptr, 0, 0, Eigen::OuterStride<>(0)}, std::move(write)};
+}
+
+/// A front of the factorisation, and whether one of its columns is among the singular ones.
+Front front_of(SparseCholesky& cholesky, std::size_t n, const std::vector<std::int64_t>& singular, const Blocks& blocks,
+               const Elimination& elimination) {
+  Front front;
+  const FactorNode& node = cholesky.tree().nodes[n];
+  for (const Column column : node.columns) append(front.frontals, blocks.members(elimination.order[column]));
+  for (const Column row : cholesky.tree().rows_of(node)) append(front.update.variables, blocks.members(elimination.order[row]));
+  front.L = cholesky.panel(node);
+  front.update.H = cholesky.take_update(n);
+  const auto next = std::ranges::lower_bound(singular, elimination.matrix.offsets[node.columns.first]);
+  front.is_singular = next != singular.end() && *next < elimination.matrix.offsets[node.columns.last];
+  return front;
+}
+
+}  // namespace
+
+std::vector<SumNode> eliminate(const QuadraticSum& sum) {
+  const Blocks blocks(sum);
+  const Elimination elimination = blocks.planned();
+  std::vector<GivenFront> given;
+  for (std::size_t q = 0; q < sum.quadratics.size(); ++q) {
+    given.push_back(given_front(*sum.quadratics[q], blocks.places(q), blocks, elimination));
+  }
+  SparseCholesky cholesky(Updates::kKept);
+  cholesky.analyse(elimination.matrix, given);
+  const std::vector<std::int64_t> singular = cholesky.factorise(elimination.matrix, given);
+
+  std::vector<SumNode> nodes;
+  for (const FactorNode& from : cholesky.tree().nodes) {
+    SumNode& node = nodes.emplace_back();
+    node.parent = from.parent;
+    if (from.width == 0) {
+      node.quadratic = from.given;
+    } else {
+      node.front = front_of(cholesky, nodes.size() - 1, singular, blocks, elimination);
+    }
+  }
+  return nodes;
+}
+
+}  // namespace mapjoin

@@ -1,0 +1,33 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+// The elimination of a sum of quadratics, those that a tree of fronts has to take again.
+
+#include <cstddef>
+#include <mapjoin/join/incremental/front_factor.hpp>
+#include <optional>
+#include <vector>
+
+namespace mapjoin {
+
+/// A sum of quadratics, and what its variables are.
+struct QuadraticSum {
+  struct Unknown {
+    Variable variable;
+    int dof = 0;
+    int rank = 0;  ///< It is eliminated after all of lower rank that it is coupled to.
+  };
+  std::vector<Unknown> variables;            ///< Ascending, each once.
+  std::vector<const Quadratic*> quadratics;  ///< Over these variables; none is over none.
+};
+
+/// A node of an elimination tree: a front, or a quadratic of the sum, which its parent takes.
+struct SumNode {
+  Front front;
+  std::optional<std::size_t> quadratic;  ///< Its number in the sum; nothing where the node is a front.
+  std::size_t parent = 0;                ///< The number of nodes where there is none.
+};
+
+/// The elimination tree of the sum, children before their parents: each variable is in one front, and each quadratic a leaf.
+std::vector<SumNode> eliminate(const QuadraticSum& sum);
+
+}  // namespace mapjoin
