@@ -1,10 +1,12 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <algorithm>
+#include <map>
 #include <mapjoin/join/incremental/quadratic_sum.hpp>
 #include <mapjoin/model/lists.hpp>
 #include <mapjoin/solve/block_pattern.hpp>
 #include <mapjoin/solve/sparse_cholesky.hpp>
 #include <numeric>
+#include <span>
 #include <tuple>
 #include <utility>
 
@@ -20,20 +22,21 @@ class Blocks {
     std::vector<std::vector<std::size_t>> quadratics_of(sum.variables.size());
     for (std::size_t q = 0; q < sum.quadratics.size(); ++q) {
       std::vector<std::size_t> places;
-      for (const Variable v : sum.quadratics[q]->variables) places.push_back(place(v));
-      for (const std::size_t p : places) quadratics_of[p].push_back(q);
+      for (const Variable v : sum.quadratics[q]->variables) {
+        places.push_back(place(v));
+        quadratics_of[places.back()].push_back(q);
+      }
       places_.push_back(places);
     }
-    std::vector<std::size_t> order(sum.variables.size());
-    std::iota(order.begin(), order.end(), 0);
-    const auto key = [&](std::size_t p) { return std::tie(sum.variables[p].rank, quadratics_of[p]); };
-    std::ranges::stable_sort(order, [&](std::size_t a, std::size_t b) { return key(a) < key(b); });
-    for (auto first = order.begin(); first != order.end();) {
-      const bool is_alone = quadratics_of[*first].empty();  // what is in no quadratic is coupled to nothing
-      const auto end = is_alone ? first + 1 : std::find_if(first, order.end(), [&](auto p) { return key(p) != key(*first); });
-      add_block({first, end});
-      first = end;
+    std::map<std::pair<int, std::vector<std::size_t>>, std::vector<std::size_t>> alike;
+    for (std::size_t p = 0; p < quadratics_of.size(); ++p) {
+      if (quadratics_of[p].empty()) {
+        add_block({p});  // coupled to nothing
+      } else {
+        alike[{sum.variables[p].rank, std::move(quadratics_of[p])}].push_back(p);
+      }
     }
+    for (const auto& [key, members] : alike) add_block(members);
   }
 
   /// Of a quadratic's variables.
