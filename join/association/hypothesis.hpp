@@ -73,7 +73,7 @@ class Hypothesis {
   /// By those of the pairings, in their order, that can be added.
   void extend_by(const std::vector<Pairing>& pairings, const NeighbourDensity<Dim>& density, ChiSquaredQuantiles& gates);
 
-  /// By how much the squared distance would grow, were all sightings shifted.
+  /// By how much the squared distance would grow, were all known features shifted.
   double growth(const Point<Dim>& shift) const;
 
  private:

@@ -34,7 +34,7 @@ Expected<void> IdentitySearch<Dim>::run() {
     if (!estimate) return tl::unexpected(estimate.error());
     if (options_.progress) options_.progress(joins_);
     const std::vector<SightingTest> tests = tests_of(*estimate, identities_);
-    estimate->scale = scale_of(tests, Dim);
+    estimate->scale = overconfidence_of(tests, Dim);
     const bool has_changed = undo(misfits(tests, gate_ * estimate->scale)) || extend(*estimate);
     if (stop_.stop_requested()) return tl::unexpected(Error{ErrorKind::kInterrupted, "interrupted while associating"});
     if (has_changed || forgive()) continue;

@@ -42,7 +42,7 @@ std::vector<SightingTest> tests_of(const FeatureEstimate<Dim>& estimate, const I
   return tests;
 }
 
-double scale_of(const std::vector<SightingTest>& tests, int dimensions) {
+double overconfidence_of(const std::vector<SightingTest>& tests, int dimensions) {
   if (tests.size() < kFewestTests) return 1.0;
   std::vector<double> distances;
   for (const SightingTest& test : tests) distances.push_back(test.chi2);

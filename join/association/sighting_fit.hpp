@@ -20,7 +20,7 @@ template <int Dim>
 std::vector<SightingTest> tests_of(const FeatureEstimate<Dim>& estimate, const Identities& identities);
 
 /// By how much covariances are too sure: the median of the tests over what it should be, at least 1, and 1 where there are few.
-double scale_of(const std::vector<SightingTest>& tests, int dimensions);
+double overconfidence_of(const std::vector<SightingTest>& tests, int dimensions);
 
 /// The worst test of each feature that has one beyond the gate.
 std::vector<SightingTest> misfits(const std::vector<SightingTest>& tests, double gate);

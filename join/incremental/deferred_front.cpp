@@ -47,12 +47,12 @@ void DeferredFront::solve(const FrontTree& tree) {
   const Eigen::Index width = front->L.cols();
   const Eigen::Index below = front->L.rows() - width;
   for (std::size_t k = 0; k < quadratics_.size(); ++k) {
-    const Eigen::MatrixXd& H = quadratics_[k].H;
-    for (Eigen::Index column = 0; column < H.cols(); ++column) {
+    const Quadratic& quadratic = quadratics_[k];
+    for (Eigen::Index column = 0; column < quadratic.H.cols(); ++column) {
       const Eigen::Index to = rows_[k][static_cast<std::size_t>(column)];
       if (to >= width) continue;
-      for (Eigen::Index row = 0; row < H.rows(); ++row) {
-        front->L(rows_[k][static_cast<std::size_t>(row)], to) += row < column ? H(column, row) : H(row, column);
+      for (Eigen::Index row = 0; row < quadratic.H.rows(); ++row) {
+        front->L(rows_[k][static_cast<std::size_t>(row)], to) += quadratic.entry(row, column);
       }
     }
   }

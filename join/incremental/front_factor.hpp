@@ -17,6 +17,8 @@ namespace mapjoin {
 struct Quadratic {
   std::vector<Variable> variables;
   Eigen::MatrixXd H;
+
+  double entry(Eigen::Index row, Eigen::Index column) const { return row < column ? H(column, row) : H(row, column); }
 };
 
 /// Variables that are eliminated together. Once it is in the tree it stays as it is, until another one takes its place.

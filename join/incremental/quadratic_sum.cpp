@@ -101,13 +101,10 @@ GivenFront given_front(const Quadratic& quadratic, std::span<const std::size_t> 
     for (int i = 0; i < blocks.dof(p); ++i) rows.push_back(first + i);
   }
   make_distinct(columns);
-  auto write = [&H = quadratic.H, rows = std::move(rows)](DenseBlock to) {
+  auto write = [&quadratic, rows = std::move(rows)](DenseBlock to) {
     for (Eigen::Index j = 0; j < to.cols(); ++j) {
       const Eigen::Index column = rows[static_cast<std::size_t>(j)];
-      for (Eigen::Index i = j; i < to.rows(); ++i) {
-        const Eigen::Index row = rows[static_cast<std::size_t>(i)];
-        to(i, j) = row < column ? H(column, row) : H(row, column);
-      }
+      for (Eigen::Index i = j; i < to.rows(); ++i) to(i, j) = quadratic.entry(rows[static_cast<std::size_t>(i)], column);
     }
   };
   return {std::move(columns), {nullptr, 0, 0, Eigen::OuterStride<>(0)}, std::move(write)};

@@ -37,7 +37,7 @@ Points shifted(Points points, const Point<2>& shift) {
   return points;
 }
 
-const Points kTrees = {{0.0, 0.0}, {1.6, 0.3}, {3.9, -0.4}, {5.2, 2.8}, {1.1, 4.7}, {7.9, 1.2}};
+const Points kKnown = {{0.0, 0.0}, {1.6, 0.3}, {3.9, -0.4}, {5.2, 2.8}, {1.1, 4.7}, {7.9, 1.2}};
 
 std::vector<Match> matches_of(const PairingProblem<2>& problem, AssociationMethod method = AssociationMethod::kJcbb) {
   const std::vector<Points> sets = {problem.known};
@@ -47,9 +47,9 @@ std::vector<Match> matches_of(const PairingProblem<2>& problem, AssociationMetho
 
 TEST(MatcherTest, FindsAShiftTogetherThatMisleadsNearestNeighbours) {
   // Off by a metre together, so that the second tree is seen where the first one is known, nearly.
-  const auto problem = problem_of(kTrees, shifted(kTrees, {-1.4, -0.2}), 0.05, 1.0);
+  const auto problem = problem_of(kKnown, shifted(kKnown, {-1.4, -0.2}), 0.05, 1.0);
   const auto together = matches_of(problem);
-  for (std::size_t s = 0; s < kTrees.size(); ++s) {
+  for (std::size_t s = 0; s < kKnown.size(); ++s) {
     EXPECT_EQ(together[s].known, s);
     EXPECT_GT(together[s].probability, 0.99);
   }
@@ -66,7 +66,7 @@ TEST(MatcherTest, SetsAsideWhatCouldBeEitherOfTwo) {
 }
 
 TEST(MatcherTest, LeavesWhatIsFarFromAllWithoutAnyCandidate) {
-  const auto matches = matches_of(problem_of(kTrees, {{20.0, 20.0}}, 0.1, 0.1));
+  const auto matches = matches_of(problem_of(kKnown, {{20.0, 20.0}}, 0.1, 0.1));
   EXPECT_FALSE(matches[0].known);
   EXPECT_EQ(matches[0].candidates, 0U);
 }
@@ -131,7 +131,7 @@ TEST(MatcherTest, HasAGateThatNoneOfSoManyDecisionsShouldMiss) {
 }
 
 TEST(MatcherTest, AsksForMoreWhereChanceHasManyTries) {
-  auto problem = problem_of(kTrees, {kTrees[0], kTrees[3], kTrees[4]}, 0.05, 1.0);
+  auto problem = problem_of(kKnown, {kKnown[0], kKnown[3], kKnown[4]}, 0.05, 1.0);
   problem.surroundings.clear();
   EXPECT_GT(matches_of(problem)[0].probability, 0.99);
   problem.log_tests = 25.0;
@@ -139,8 +139,8 @@ TEST(MatcherTest, AsksForMoreWhereChanceHasManyTries) {
 }
 
 TEST(HypothesisTest, CountsTheSquaredDistanceOfAllDifferencesTogether) {
-  const auto problem = problem_of(kTrees, shifted(kTrees, {0.1, -0.2}), 0.1, 0.3);
-  const std::vector<Points> sets = {kTrees};
+  const auto problem = problem_of(kKnown, shifted(kKnown, {0.1, -0.2}), 0.1, 0.3);
+  const std::vector<Points> sets = {kKnown};
   const NeighbourDensity<2> density(sets);
   ChiSquaredQuantiles gates(0.9999);
   Hypothesis<2> hypothesis(problem);

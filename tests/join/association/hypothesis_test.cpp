@@ -1,0 +1,146 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <gtest/gtest.h>
+
+#include <Eigen/LU>
+#include <mapjoin/join/association/hypothesis.hpp>
+#include <numbers>
+#include <tests/support/dimensions.hpp>
+#include <tests/support/random.hpp>
+
+namespace mapjoin {
+namespace {
+
+/// Three known features that are sighted in another order, all of them correlated.
+template <typename D>
+class HypothesisTest : public ::testing::Test {
+ protected:
+  static constexpr int kDim = D::value;
+  static constexpr int kPoints = 6;
+
+  HypothesisTest() {
+    testing::Random random(2);
+    problem_.covariance = 1e-3 * random.template information<kPoints * kDim>();
+    for (int k = 0; k < kPoints / 2; ++k) problem_.known.push_back(random.template vector<kDim>());
+    for (const Pairing& pairing : pairings_) {
+      problem_.sightings.push_back(problem_.known[pairing.known] + random.template vector<kDim>(0.05));
+    }
+  }
+
+  /// Of the first pairings, one after the other.
+  Eigen::VectorXd differences(std::size_t count) const {
+    Eigen::VectorXd all(static_cast<Eigen::Index>(count) * kDim);
+    for (std::size_t k = 0; k < count; ++k) {
+      all.segment<kDim>(static_cast<Eigen::Index>(k) * kDim) = problem_.difference(pairings_[k]);
+    }
+    return all;
+  }
+  Eigen::MatrixXd covariance_of_differences(std::size_t count) const {
+    Eigen::MatrixXd J = Eigen::MatrixXd::Zero(static_cast<Eigen::Index>(count) * kDim, problem_.covariance.cols());
+    for (std::size_t k = 0; k < count; ++k) {
+      const auto row = static_cast<Eigen::Index>(k) * kDim;
+      J.block<kDim, kDim>(row, static_cast<Eigen::Index>(pairings_[k].known) * kDim).setIdentity();
+      J.block<kDim, kDim>(row, static_cast<Eigen::Index>(problem_.known.size() + pairings_[k].sighting) * kDim) =
+          -PointMatrix<kDim>::Identity();
+    }
+    return J * problem_.covariance * J.transpose();
+  }
+  double squared_distance(const Eigen::VectorXd& differences) const {
+    const auto count = static_cast<std::size_t>(differences.size() / kDim);
+    return differences.dot(covariance_of_differences(count).ldlt().solve(differences));
+  }
+
+  std::vector<Pairing> pairings_ = {{2, 0}, {0, 1}, {1, 2}};
+  PairingProblem<kDim> problem_;
+  std::vector<std::vector<Point<kDim>>> sets_ = {{Point<kDim>::Zero(), Point<kDim>::Constant(8.0)}};
+  NeighbourDensity<kDim> density_{sets_};
+  ChiSquaredQuantiles gates_{0.999};
+};
+TYPED_TEST_SUITE(HypothesisTest, testing::Dimensions);
+
+TYPED_TEST(HypothesisTest, TheDistanceIsThatOfAllDifferencesTogether) {
+  constexpr int kDim = TestFixture::kDim;
+  Hypothesis<kDim> hypothesis(this->problem_);
+  for (std::size_t k = 0; k < this->pairings_.size(); ++k) {
+    const auto extension = hypothesis.extension(this->pairings_[k], this->density_, this->gates_);
+    ASSERT_TRUE(extension) << k;
+    const double before = hypothesis.squared_distance();
+    hypothesis.extend(*extension);
+    const double expected = this->squared_distance(this->differences(k + 1));
+    EXPECT_NEAR(hypothesis.squared_distance(), expected, 1e-9 * expected);
+    EXPECT_NEAR(before + extension->squared_distance(), expected, 1e-9 * expected);
+    EXPECT_NEAR(hypothesis.excess(), expected - static_cast<double>((k + 1) * kDim), 1e-8);
+  }
+  EXPECT_EQ(hypothesis.pairings(), this->pairings_);
+  EXPECT_EQ(hypothesis.known_of(0), 2U);
+}
+
+TYPED_TEST(HypothesisTest, TheScoreIsTheLikelihoodOfAllDifferencesOverTheDensitiesOfOthers) {
+  constexpr int kDim = TestFixture::kDim;
+  Hypothesis<kDim> hypothesis(this->problem_);
+  double densities = 0.0;
+  for (const Pairing& pairing : this->pairings_) {
+    const auto extension = hypothesis.extension(pairing, this->density_, this->gates_);
+    ASSERT_TRUE(extension);
+    const Point<kDim> given_others = extension->covariance.llt().matrixL() * extension->whitened;
+    densities += this->density_.log_within(std::sqrt(given_others.squaredNorm() + extension->covariance.trace()));
+    hypothesis.extend(*extension);
+  }
+  const Eigen::VectorXd differences = this->differences(this->pairings_.size());
+  const double log_determinant = std::log(this->covariance_of_differences(this->pairings_.size()).determinant());
+  const double log_likelihood = -0.5 * (this->squared_distance(differences) + log_determinant +
+                                        static_cast<double>(differences.size()) * std::log(2.0 * std::numbers::pi));
+  EXPECT_NEAR(hypothesis.score(), log_likelihood - densities, 1e-8);
+}
+
+TYPED_TEST(HypothesisTest, GrowsAsIfAllKnownFeaturesWereShifted) {
+  constexpr int kDim = TestFixture::kDim;
+  Hypothesis<kDim> hypothesis(this->problem_);
+  hypothesis.extend_by(this->pairings_, this->density_, this->gates_);
+  const Point<kDim> shift = Point<kDim>::LinSpaced(0.1, 0.3);
+  const Eigen::VectorXd differences = this->differences(this->pairings_.size());
+  const Eigen::VectorXd shifted = differences + shift.replicate(static_cast<Eigen::Index>(this->pairings_.size()), 1);
+  EXPECT_NEAR(hypothesis.growth(shift), this->squared_distance(shifted) - this->squared_distance(differences), 1e-8);
+}
+
+TYPED_TEST(HypothesisTest, RefusesWhatIsOutsideOfTheGateAlone) {
+  constexpr int kDim = TestFixture::kDim;
+  this->problem_.sightings[0].x() += 10.0;
+  EXPECT_FALSE(Hypothesis<kDim>(this->problem_).extension(this->pairings_[0], this->density_, this->gates_));
+}
+
+/// Each is just within its own gate; nine such are outside of the gate of all.
+TYPED_TEST(HypothesisTest, RefusesWhatIsOutsideOfTheGateTogether) {
+  constexpr int kDim = TestFixture::kDim;
+  constexpr std::size_t kCount = 9;
+  PairingProblem<kDim> problem;
+  const double off = 0.99 * std::sqrt(2.0 * this->gates_(kDim));  // of two points of unit covariance
+  for (std::size_t k = 0; k < kCount; ++k) {
+    problem.known.push_back(Point<kDim>::Constant(100.0 * static_cast<double>(k)));
+    problem.sightings.push_back(problem.known.back() + off * Point<kDim>::Unit(0));
+  }
+  problem.covariance.setIdentity(2 * kCount * kDim, 2 * kCount * kDim);
+  Hypothesis<kDim> hypothesis(problem);
+  std::vector<Pairing> all;
+  for (std::size_t k = 0; k < kCount; ++k) {
+    all.push_back({k, k});
+    EXPECT_TRUE(Hypothesis<kDim>(problem).extension(all.back(), this->density_, this->gates_));
+  }
+  hypothesis.extend_by(all, this->density_, this->gates_);
+  EXPECT_FALSE(hypothesis.pairings().empty());
+  EXPECT_LT(hypothesis.pairings().size(), kCount);
+}
+
+TYPED_TEST(HypothesisTest, TakesEachFeatureAndEachSightingOnce) {
+  constexpr int kDim = TestFixture::kDim;
+  this->problem_.sightings[1] = this->problem_.sightings[0];
+  this->problem_.known[1] = this->problem_.known[2];
+  Hypothesis<kDim> hypothesis(this->problem_);
+  hypothesis.extend_by({{2, 0}, {2, 1}, {1, 0}}, this->density_, this->gates_);
+  EXPECT_EQ(hypothesis.pairings(), (std::vector<Pairing>{{2, 0}}));
+  EXPECT_TRUE(hypothesis.takes(2));
+  EXPECT_FALSE(hypothesis.takes(1));
+  EXPECT_FALSE(hypothesis.known_of(1));
+}
+
+}  // namespace
+}  // namespace mapjoin
