@@ -20,15 +20,26 @@ namespace mapjoin {
 /// The most that one pair may say for or against a measurement (logarithm of odds): none decides alone.
 inline constexpr double kMostOfAPair = 5.0;
 
-/// ln(N(v; 0, Σ) V), between -most and most: how much likelier a mismatch v is by its covariance than anywhere in a volume V. 0
-/// where Σ is too large to tell.
+/// How much likelier a mismatch v is by its covariance Σ than anywhere in a volume V: N(v; 0, sΣ) V, with a scale s of the
+/// covariance. Without rows it tells nothing.
+struct Evidence {
+  double log_at_zero = 0.0;       ///< ln(N(0; 0, Σ) V).
+  double squared_distance = 0.0;  ///< vᵀΣ⁻¹v.
+  int rows = 0;                   ///< Of v.
+
+  /// The logarithm, between -most and most.
+  double at(double scale, double most) const {
+    return std::clamp(log_at_zero - 0.5 * (squared_distance / scale + rows * std::log(scale)), -most, most);
+  }
+};
+
+/// Tells nothing where the covariance is too large.
 template <int Size>
-double evidence(const Vector<Size>& v, const Matrix<Size>& covariance, double volume, double most) {
+Evidence evidence(const Vector<Size>& v, const Matrix<Size>& covariance, double volume) {
   const Eigen::LLT<Matrix<Size>> factor(covariance);
-  if (factor.info() != Eigen::Success) return 0.0;
+  if (factor.info() != Eigen::Success) return {};
   const double log_root_det = factor.matrixLLT().diagonal().array().log().sum();
-  const double log_normal = -0.5 * v.dot(factor.solve(v)) - log_root_det - 0.5 * Size * std::log(2.0 * std::numbers::pi);
-  return std::clamp(log_normal + std::log(volume), -most, most);
+  return {std::log(volume) - log_root_det - 0.5 * Size * std::log(2.0 * std::numbers::pi), v.dot(factor.solve(v)), Size};
 }
 
 /// What is known about a measurement before others are asked.

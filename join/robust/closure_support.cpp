@@ -33,8 +33,8 @@ constexpr std::size_t kLeastLoops = 100;
 
 template <int Dim>
 ClosureSupport<Dim>::ClosureSupport(const OdometryChain<Dim>& chain, std::span<const PoseFactor<Dim>> closures,
-                                    std::stop_token stop)
-    : chain_(chain), stop_(std::move(stop)), volume_(chain.volume()) {
+                                    const std::stop_token& stop)
+    : chain_(chain), volume_(chain.volume()), pairs_(closures.size()) {
   for (const PoseFactor<Dim>& closure : closures) {
     const UncertainPose<Dim> measured = uncertain(closure);
     if (closure.base < closure.target) {
@@ -44,6 +44,9 @@ ClosureSupport<Dim>::ClosureSupport(const OdometryChain<Dim>& chain, std::span<c
     }
   }
   sort_into_cells();
+  parallel_for(pairs_.size(), [&](std::size_t k) {
+    if (!stop.stop_requested()) pairs_[k] = pairs_of(k);
+  });
 }
 
 template <int Dim>
@@ -72,12 +75,11 @@ void ClosureSupport<Dim>::sample(std::span<std::size_t> cell) {
   std::ranges::stable_partition(cell, [&](std::size_t k) { return closures_[k].is_sampled; });
 }
 
-/// f(another closure) for all that make a loop with this one, of full cells only if one of the two is a sample, cell by cell.
+/// With all later closures that make a loop with this one, of full cells only if one of the two is a sample, cell by cell.
 template <int Dim>
-template <typename F>
-void ClosureSupport<Dim>::for_each_neighbour(std::size_t closure, F&& f) const {
-  if (stop_.stop_requested()) return;
+std::vector<typename ClosureSupport<Dim>::Pair> ClosureSupport<Dim>::pairs_of(std::size_t closure) const {
   constexpr std::int32_t kReach = kLongestLoop / kStretch + 1;
+  std::vector<Pair> pairs;
   const Closure& a = closures_[closure];
   const auto [row, column] = cells_[a.cell];
   for (std::int32_t r = row - kReach; r <= row + kReach; ++r) {
@@ -89,10 +91,11 @@ void ClosureSupport<Dim>::for_each_neighbour(std::size_t closure, F&& f) const {
         const Closure& b = closures_[order_[k]];
         const std::int32_t steps = std::abs(a.early - b.early) + std::abs(a.late - b.late);
         const bool is_loop = steps <= kLongestLoop && chain_.is_tied(a.early, b.early) && chain_.is_tied(a.late, b.late);
-        if (is_loop && order_[k] != closure) f(order_[k]);
+        if (is_loop && order_[k] > closure) pairs.push_back({order_[k], evidence_of(loop(a, b))});
       }
     }
   }
+  return pairs;
 }
 
 /// From the early end of a to that of b, over b, back to the late end of a, and over a.
@@ -103,18 +106,18 @@ UncertainPose<Dim> ClosureSupport<Dim>::loop(const Closure& a, const Closure& b)
 }
 
 template <int Dim>
-double ClosureSupport<Dim>::evidence_of(const UncertainPose<Dim>& loop, double scale, double most) const {
-  const PoseMatrix<Dim> covariance = scale * loop.covariance;
-  const Vector<kPoseDof<Dim>> mismatch = local(Pose<Dim>{}, loop.mean);
+Evidence ClosureSupport<Dim>::evidence_of(const UncertainPose<Dim>& loop) const {
+  const PoseMatrix<Dim>& covariance = loop.covariance;
+  const PoseVector<Dim> mismatch = local(Pose<Dim>{}, loop.mean);
   const bool is_turned_anyhow = covariance.diagonal().template tail<kRotationDof<Dim>>().minCoeff() > kAnyTurn;
-  if (!is_turned_anyhow) return evidence<kPoseDof<Dim>>(mismatch, covariance, volume_, most);
+  if (!is_turned_anyhow) return evidence<kPoseDof<Dim>>(mismatch, covariance, volume_);
   return evidence<Dim>(Vector<Dim>(mismatch.template head<Dim>()), Matrix<Dim>(covariance.template topLeftCorner<Dim, Dim>()),
-                       volume_ / kVolumeOfRotations<Dim>, most);
+                       volume_ / kVolumeOfRotations<Dim>);
 }
 
 template <int Dim>
 PriorOdds ClosureSupport<Dim>::prior(const UncertainPose<Dim>& mismatch, double scale) const {
-  return {kPriorOdds + std::min(evidence_of(mismatch, scale, kMostAgainst), kMostOfAPair)};
+  return {kPriorOdds + std::min(evidence_of(mismatch).at(scale, kMostAgainst), kMostOfAPair)};
 }
 
 template <int Dim>
@@ -135,11 +138,11 @@ Agreements ClosureSupport<Dim>::agreements(const std::vector<PriorOdds>& priors,
   const auto group = [&](std::size_t k) { return static_cast<std::uint32_t>(closures_[k].cell); };
   parallel_for(closures_.size(), [&](std::size_t k) {
     if (priors[k].is_wrong) return;
-    for_each_neighbour(k, [&](std::size_t other) {
-      if (other < k || priors[other].is_wrong) return;
-      const double evidence = evidence_of(loop(closures_[k], closures_[other]), scale, kMostOfAPair);
-      later[k].push_back({static_cast<std::uint32_t>(other), group(other), static_cast<float>(evidence)});
-    });
+    for (const auto& [other, evidence] : pairs_[k]) {
+      if (priors[other].is_wrong) continue;
+      const auto of_pair = static_cast<float>(evidence.at(scale, kMostOfAPair));
+      later[k].push_back({static_cast<std::uint32_t>(other), group(other), of_pair});
+    }
   });
   Agreements all = later;
   for (std::size_t k = 0; k < later.size(); ++k) {
@@ -164,13 +167,10 @@ double ClosureSupport<Dim>::scale(const std::vector<double>& odds) const {
   std::vector<double> ratios;
   for (std::size_t k = 0; k < odds.size(); ++k) {
     if (odds[k] < least) continue;
-    for_each_neighbour(k, [&](std::size_t other) {
-      if (other < k || odds[other] < least) return;
-      const UncertainPose<Dim> loop = this->loop(closures_[k], closures_[other]);
-      if (evidence_of(loop, 1.0, kMostOfAPair) <= 0.0) return;
-      const PoseVector<Dim> v = local(Pose<Dim>{}, loop.mean);
-      ratios.push_back(v.dot(loop.covariance.llt().solve(v)) / expected);
-    });
+    for (const auto& [other, evidence] : pairs_[k]) {
+      const bool is_right = odds[other] >= least && evidence.at(1.0, kMostOfAPair) > 0.0;
+      if (is_right) ratios.push_back(evidence.squared_distance / expected);
+    }
   }
   return ratios.size() < kLeastLoops ? 1.0 : std::clamp(median(std::move(ratios)), kLeastScale, 1.0);
 }
@@ -181,15 +181,14 @@ Table<PoseIndex, double> ClosureSupport<Dim>::evidence_for_steps() const {
   for (double& odds : right) odds = 1.0 / (1.0 + std::exp(-odds));
   Table<PoseIndex, double> evidence(chain_.pose_count() + 1, 0.0);  // to begin with, how it rises from step to step
   for (std::size_t k = 0; k < closures_.size(); ++k) {
-    for_each_neighbour(k, [&](std::size_t other) {
-      if (other < k) return;
-      const Closure &a = closures_[k], &b = closures_[other];
-      const double of_pair = right[k] * right[other] * evidence_of(loop(a, b), 1.0, kMostOfAPair);
+    for (const Pair& pair : pairs_[k]) {
+      const Closure &a = closures_[k], &b = closures_[pair.later];
+      const double of_pair = right[k] * right[pair.later] * pair.evidence.at(1.0, kMostOfAPair);
       for (const auto& [first, last] : {std::minmax(a.early, b.early), std::minmax(a.late, b.late)}) {
         evidence[first + 1] += of_pair;
         evidence[last + 1] -= of_pair;
       }
-    });
+    }
   }
   std::partial_sum(evidence.begin(), evidence.end(), evidence.begin());
   evidence.resize(chain_.pose_count());

@@ -19,7 +19,7 @@ template <int Dim>
 class ClosureSupport {
  public:
   /// `chain`, by the odometry of the same log, must stay. Once a stop is requested, closures are no longer compared.
-  ClosureSupport(const OdometryChain<Dim>& chain, std::span<const PoseFactor<Dim>> closures, std::stop_token stop = {});
+  ClosureSupport(const OdometryChain<Dim>& chain, std::span<const PoseFactor<Dim>> closures, const std::stop_token& stop = {});
 
   /// What odometry alone says of each closure where all covariances are multiplied by `scale`.
   std::vector<PriorOdds> priors(double scale) const;
@@ -43,21 +43,26 @@ class ClosureSupport {
     bool is_sampled = false;  ///< Others of a full cell are compared with it.
   };
 
+  /// The evidence of the loop that a closure makes with a later one.
+  struct Pair {
+    std::size_t later;
+    Evidence evidence;
+  };
+
   void sort_into_cells();
   void sample(std::span<std::size_t> cell);
-  template <typename F>
-  void for_each_neighbour(std::size_t closure, F&& f) const;
+  std::vector<Pair> pairs_of(std::size_t closure) const;
   UncertainPose<Dim> loop(const Closure& a, const Closure& b) const;
-  double evidence_of(const UncertainPose<Dim>& loop, double scale, double most) const;
+  Evidence evidence_of(const UncertainPose<Dim>& loop) const;
   Agreements agreements(const std::vector<PriorOdds>& priors, double scale) const;
 
   const OdometryChain<Dim>& chain_;
-  std::stop_token stop_;
   double volume_;
   std::vector<Closure> closures_;
   std::vector<std::pair<std::int32_t, std::int32_t>> cells_;  // ascending
   std::vector<std::size_t> first_;                            // of each cell in order_, and the end
   std::vector<std::size_t> order_;                            // closures cell by cell
+  std::vector<std::vector<Pair>> pairs_;                      // by their earlier closure
 };
 
 }  // namespace mapjoin

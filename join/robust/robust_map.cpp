@@ -15,7 +15,8 @@ constexpr int kMostSettles = 30;
 }  // namespace
 
 template <int Dim>
-Expected<Values<Dim>> started_map(const Log<Dim>& log, Engine engine, const std::stop_token& stop) {
+Expected<Values<Dim>> started_map(Log<Dim> log, Engine engine, const std::stop_token& stop) {
+  complete_weakly(log.graph.pose_factors);
   RunOptions options = without_verdict();
   options.schedule = Schedule::kAligned;
   options.solver.max_iterations = kStartSteps;
@@ -47,8 +48,8 @@ Expected<void> settle(TruncatedJoin<Dim>& join, Gates& gates, const std::string&
   return {};
 }
 
-#define MAPJOIN_INSTANTIATE(Dim)                                                               \
-  template Expected<Values<Dim>> started_map(const Log<Dim>&, Engine, const std::stop_token&); \
+#define MAPJOIN_INSTANTIATE(Dim)                                                        \
+  template Expected<Values<Dim>> started_map(Log<Dim>, Engine, const std::stop_token&); \
   template Expected<void> settle(TruncatedJoin<Dim>&, Gates&, const std::string&, const std::stop_token&);
 MAPJOIN_INSTANTIATE(2)
 MAPJOIN_INSTANTIATE(3)

@@ -20,9 +20,9 @@ struct Gates {
   OfKinds now() const { return last.value_or(narrow()); }
 };
 
-/// A first estimate of a log, by a join; its errors are those of run().
+/// A first estimate of a log, by a join; its errors are those of run(), but that edges may leave directions free.
 template <int Dim>
-Expected<Values<Dim>> started_map(const Log<Dim>& log, Engine engine, const std::stop_token& stop);
+Expected<Values<Dim>> started_map(Log<Dim> log, Engine engine, const std::stop_token& stop);
 
 /// Brings a join to where all that counts passes its tests, and no observation does that does not count. Finds the scale of
 /// `gates`. Bad input, which names `source`, where what counts leaves something free to move; kInterrupted on `stop`.

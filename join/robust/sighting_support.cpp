@@ -23,7 +23,7 @@ double evidence_of(const OdometryChain<Dim>& chain, const FeatureFactor<Dim>& a,
   const PointMatrix<Dim> R = between.mean.rotation.matrix();
   const PointMatrix<Dim> S =
       covariance_of(a.information) + R * covariance_of(b.information) * R.transpose() + J * between.covariance * J.transpose();
-  return evidence<Dim>(a.measured - by_b, S, volume, kMostOfAPair);
+  return evidence<Dim>(a.measured - by_b, S, volume).at(1.0, kMostOfAPair);
 }
 
 template <int Dim>

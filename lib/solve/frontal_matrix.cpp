@@ -110,10 +110,6 @@ DenseBlock part(DenseBlock block, Eigen::Index row, Eigen::Index column, Eigen::
   return {block.data() + row + column * block.outerStride(), rows, columns, Eigen::OuterStride<>(block.outerStride())};
 }
 
-ConstDenseBlock constant(DenseBlock block) {
-  return {block.data(), block.rows(), block.cols(), Eigen::OuterStride<>(block.outerStride())};
-}
-
 /// Calls f(begin, size) for each of the tiles that make up [0, size).
 template <typename F>
 void for_each_tile(Eigen::Index size, F&& f) {

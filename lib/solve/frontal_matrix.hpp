@@ -13,6 +13,11 @@ namespace mapjoin {
 using DenseBlock = Eigen::Map<Eigen::MatrixXd, 0, Eigen::OuterStride<>>;
 using ConstDenseBlock = Eigen::Map<const Eigen::MatrixXd, 0, Eigen::OuterStride<>>;
 
+/// A block that is only read.
+inline ConstDenseBlock constant(const DenseBlock& block) {
+  return {block.data(), block.rows(), block.cols(), Eigen::OuterStride<>(block.outerStride())};
+}
+
 /// A = L Lᵀ, by lower triangles, L in the place of A. Returns the first column whose pivot is not positive, or nothing.
 std::optional<Eigen::Index> cholesky_in_place(DenseBlock A);
 /// B ← B L⁻ᵀ.

@@ -7,17 +7,26 @@
 #include <mapjoin/solve/marginals.hpp>
 #include <numeric>
 #include <stdexcept>
+#include <vector>
 
 namespace mapjoin {
 namespace {
 
 using Eigen::Lower;
+using Stride = Eigen::OuterStride<>;
 
 /// Right-hand sides solved at once: dense products pay, and their memory stays small beside the factor's.
 constexpr Eigen::Index kColumnsAtOnce = 64;
 
 Eigen::Index width_of(const Supernode& node) {
   return node.end - node.begin;
+}
+
+/// A dense matrix in `room`, which grows where it is too small.
+DenseBlock block_in(std::vector<double>& room, Eigen::Index rows, Eigen::Index columns) {
+  const auto size = static_cast<std::size_t>(rows * columns);
+  if (room.size() < size) room.resize(size);
+  return {room.data(), rows, columns, Stride(rows)};
 }
 
 /// How much there is to keep, and the most rows below any supernode.
@@ -45,7 +54,7 @@ std::int64_t InverseSubset::bytes(const Supernodes& factor) {
   const Size size(factor);
   const std::int64_t columns = factor.empty() ? 0 : factor.back().end;
   const auto nodes = static_cast<std::int64_t>(factor.size());
-  const auto doubles = size.values + size.most_below * (size.most_below + size.widest);
+  const auto doubles = size.values + size.most_below * (size.most_below + 2 * size.widest) + 2 * size.widest * size.widest;
   return 8 * (doubles + size.rows) + 4 * columns + nodes * static_cast<std::int64_t>(sizeof(Node));
 }
 
@@ -74,19 +83,24 @@ void InverseSubset::invert(const Supernode& L, const Node& node, Workspace& work
   const auto height = static_cast<Eigen::Index>(L.rows.size());
   const Eigen::Index width = width_of(L);
   const Eigen::Index below = height - width;
-  const auto L_JJ = ConstDenseBlock(L.values, width, width, Eigen::OuterStride<>(height)).triangularView<Lower>();
-  DenseBlock Z_JJ(node.values, width, width, Eigen::OuterStride<>(height));
-  const Eigen::MatrixXd L_inverse = L_JJ.solve(Eigen::MatrixXd::Identity(width, width));
-  Z_JJ.noalias() = L_inverse.transpose() * L_inverse;
+  DenseBlock U = block_in(workspace.U, width, width);  // L_JJ⁻ᵀ
+  U.setIdentity();
+  divide_by_transpose({L.values, width, width, Stride(height)}, U);
+  DenseBlock minus_U = block_in(workspace.minus_U, width, width);
+  minus_U = -U;
+  const DenseBlock Z_JJ(node.values, width, width, Stride(height));
+  subtract_product(constant(minus_U), constant(U), Z_JJ, Into::kNew);
   if (below == 0) return;
 
-  workspace.G = ConstDenseBlock(L.values + width, below, width, Eigen::OuterStride<>(height));
-  L_JJ.solveInPlace<Eigen::OnTheRight>(workspace.G);
-  gather(std::span(L.rows).subspan(static_cast<std::size_t>(width)), workspace.positions, workspace.Z_RR.data());
-  const Eigen::Map<const Eigen::MatrixXd> Z_RR(workspace.Z_RR.data(), below, below);
-  DenseBlock Z_RJ(node.values + width, below, width, Eigen::OuterStride<>(height));
-  Z_RJ.noalias() = -(Z_RR.selfadjointView<Lower>() * workspace.G);
-  Z_JJ.noalias() -= workspace.G.transpose() * Z_RJ;
+  const DenseBlock G_transposed = block_in(workspace.G_transposed, width, below);
+  subtract_product(constant(minus_U), {L.values + width, below, width, Stride(height)}, G_transposed, Into::kNew);
+  DenseBlock Z_RR = block_in(workspace.Z_RR, below, below);
+  gather(std::span(L.rows).subspan(static_cast<std::size_t>(width)), workspace.positions, Z_RR.data());
+  Z_RR.triangularView<Eigen::StrictlyUpper>() = Z_RR.transpose();
+  const DenseBlock Z_JR = block_in(workspace.Z_JR, width, below);
+  subtract_product(constant(G_transposed), constant(Z_RR), Z_JR, Into::kNew);
+  subtract_product(constant(G_transposed), constant(Z_JR), Z_JJ, Into::kSum);
+  DenseBlock(node.values + width, below, width, Stride(height)) = Z_JR.transpose();
 }
 
 void InverseSubset::gather(std::span<const std::int64_t> places, std::vector<std::int64_t>& positions, double* out) const {
@@ -151,24 +165,27 @@ std::vector<std::size_t> CrossCovariances::nodes_above(std::int64_t column) cons
 CrossCovariances::Path CrossCovariances::path(Variable u) const {
   const std::int64_t column = equations_.factor_column(u);
   Path path{nodes_above(column), {}};
-  std::vector<Eigen::Index> first;  // row of each node in Y, and their number
+  std::vector<Eigen::Index> first;  // row of Y that each node begins with, and their number
   first.push_back(0);
   for (const std::size_t node : path.nodes) first.push_back(first.back() + width_of(factor_[node]));
-  path.Y.setZero(first.back(), equations_.dof(u));
-  path.Y.middleRows(column - factor_[path.nodes.front()].begin, path.Y.cols()).setIdentity();
+  const Eigen::Index dof = equations_.dof(u);
+  path.Y_transposed.setZero(dof, first.back());
+  path.Y_transposed.middleCols(column - factor_[path.nodes.front()].begin, dof).setIdentity();
+  std::vector<double> room;
   for (std::size_t k = 0; k < path.nodes.size(); ++k) {
     const Supernode& node = factor_[path.nodes[k]];
     const Eigen::Index width = width_of(node);
     const auto height = static_cast<Eigen::Index>(node.rows.size());
-    const ConstDenseBlock L(node.values, height, width, Eigen::OuterStride<>(height));
-    auto own = path.Y.middleRows(first[k], width);
-    L.topRows(width).triangularView<Lower>().solveInPlace(own);
-    const Eigen::MatrixXd sent = L.bottomRows(height - width) * own;
+    const DenseBlock own(path.Y_transposed.col(first[k]).data(), dof, width, Stride(dof));
+    divide_by_transpose({node.values, width, width, Stride(height)}, own);
+    if (height == width) break;
+    const DenseBlock sent = block_in(room, dof, height - width);
+    subtract_product(constant(own), {node.values + width, height - width, width, Stride(height)}, sent, Into::kNew);
     std::size_t above = k + 1;
-    for (Eigen::Index r = 0; r < sent.rows(); ++r) {
+    for (Eigen::Index r = 0; r < sent.cols(); ++r) {
       const std::int64_t row = node.rows[static_cast<std::size_t>(width + r)];
       while (row >= factor_[path.nodes[above]].end) ++above;
-      path.Y.row(first[above] + row - factor_[path.nodes[above]].begin) -= sent.row(r);
+      path.Y_transposed.col(first[above] + row - factor_[path.nodes[above]].begin) += sent.col(r);
     }
   }
   return path;
@@ -182,7 +199,7 @@ Eigen::MatrixXd CrossCovariances::between(Variable u, Variable v) const {
        ++i, ++j) {
     common += width_of(factor_[*i]);
   }
-  return of_u.Y.bottomRows(common).transpose() * of_v.Y.bottomRows(common);
+  return of_u.Y_transposed.rightCols(common) * of_v.Y_transposed.rightCols(common).transpose();
 }
 
 Eigen::MatrixXd covariance_of(const NormalEquations& equations, const Eigen::SparseMatrix<double>& J_transposed) {

@@ -50,8 +50,11 @@ class InverseSubset {
   /// Room for what is done at one supernode.
   struct Workspace {
     std::vector<std::int64_t> positions;
+    std::vector<double> U;
+    std::vector<double> minus_U;
+    std::vector<double> G_transposed;
     std::vector<double> Z_RR;
-    Eigen::MatrixXd G;
+    std::vector<double> Z_JR;
   };
   void invert(const Supernode& L, const Node& node, Workspace& workspace) const;
   /// The lower triangle of Z over ascending places of L, any two of which are coupled.
@@ -100,7 +103,7 @@ class CrossCovariances {
   /// Y_u by the supernodes on its path, ascending, one below the other.
   struct Path {
     std::vector<std::size_t> nodes;
-    Eigen::MatrixXd Y;
+    Eigen::MatrixXd Y_transposed;
   };
   std::size_t node_of(std::int64_t column) const { return node_of_[static_cast<std::size_t>(column)]; }
   std::vector<std::size_t> nodes_above(std::int64_t column) const;

@@ -75,21 +75,30 @@ TYPED_TEST(EvidenceTest, IsTheLogarithmOfTheDensityTimesTheVolume) {
   const Matrix<kSize> S = random.information<kSize>();
   const Vector<kSize> v = random.vector<kSize>(3.0);
   const double density_at_0 = 1.0 / std::sqrt((2.0 * std::numbers::pi * S).determinant());
-  EXPECT_NEAR(evidence<kSize>(Vector<kSize>::Zero(), S, 7.0, 1e3), std::log(7.0 * density_at_0), 1e-9);
+  EXPECT_NEAR(evidence<kSize>(Vector<kSize>::Zero(), S, 7.0).at(1.0, 1e3), std::log(7.0 * density_at_0), 1e-9);
   const double chi2 = v.dot(S.inverse() * v);
-  EXPECT_NEAR(evidence<kSize>(v, S, 7.0, 1e3), std::log(7.0 * density_at_0) - 0.5 * chi2, 1e-9);
+  EXPECT_NEAR(evidence<kSize>(v, S, 7.0).at(1.0, 1e3), std::log(7.0 * density_at_0) - 0.5 * chi2, 1e-9);
+}
+
+TYPED_TEST(EvidenceTest, IsThatOfTheScaledCovariance) {
+  constexpr int kSize = kPoseDof<TypeParam::value>;
+  testing::Random random;
+  const Matrix<kSize> S = random.information<kSize>();
+  const Vector<kSize> v = random.vector<kSize>(3.0);
+  const Matrix<kSize> scaled = 0.3 * S;
+  EXPECT_NEAR(evidence<kSize>(v, S, 7.0).at(0.3, 1e3), evidence<kSize>(v, scaled, 7.0).at(1.0, 1e3), 1e-9);
 }
 
 TYPED_TEST(EvidenceTest, IsNeverMoreThanTheMostForOrAgainst) {
   constexpr int kSize = kPoseDof<TypeParam::value>;
   const Matrix<kSize> S = Matrix<kSize>::Identity();
-  EXPECT_EQ(evidence<kSize>(Vector<kSize>::Zero(), S, 1e12, 5.0), 5.0);
-  EXPECT_EQ(evidence<kSize>(Vector<kSize>::Constant(1e3), S, 1.0, 5.0), -5.0);
+  EXPECT_EQ(evidence<kSize>(Vector<kSize>::Zero(), S, 1e12).at(1.0, 5.0), 5.0);
+  EXPECT_EQ(evidence<kSize>(Vector<kSize>::Constant(1e3), S, 1.0).at(1.0, 5.0), -5.0);
 }
 
 TYPED_TEST(EvidenceTest, IsNoneWhereTheCovarianceIsNotPositiveDefinite) {
   constexpr int kSize = kPoseDof<TypeParam::value>;
-  EXPECT_EQ(evidence<kSize>(Vector<kSize>::Zero(), Matrix<kSize>::Zero(), 1.0, 5.0), 0.0);
+  EXPECT_EQ(evidence<kSize>(Vector<kSize>::Zero(), Matrix<kSize>::Zero(), 1.0).at(1.0, 5.0), 0.0);
 }
 
 }  // namespace

@@ -101,10 +101,10 @@ TYPED_TEST(ClosureSupportTest, ComparesWithAFewOfAFullCellOnly) {
 
 TYPED_TEST(ClosureSupportTest, ComparesNoLongerOnceAStopIsRequested) {
   const typename TestFixture::Between between({{10, 12}, {11, 13}});
+  EXPECT_GT(between.odds()[0], 0.0);
   std::stop_source source;
-  const ClosureSupport<TypeParam::value> support(between.chain, between.log.closures(), source.get_token());
-  EXPECT_GT(support.odds(support.priors(1.0), 1.0)[0], 0.0);
   source.request_stop();
+  const ClosureSupport<TypeParam::value> support(between.chain, between.log.closures(), source.get_token());
   EXPECT_EQ(support.odds(support.priors(1.0), 1.0)[0], kNothingKnown);
 }
 

@@ -52,6 +52,30 @@ TYPED_TEST(InliersTest, RejectsObservationsUnderTheNamesOfOtherFeatures) {
   EXPECT_LE(inliers.rejected.size(), wrong + 2);
 }
 
+/// One step measures no rotation, which only closures across it do: the first map has none of them.
+TYPED_TEST(InliersTest, AreFoundWhereOdometryLeavesSomethingFree) {
+  constexpr int kDim = TypeParam::value;
+  auto world = testing::small_world<kDim>({.poses = 60, .features = 0, .closures = 0});
+  const auto close = [&](int base, int target, double wrong_by) {
+    PoseFactor<kDim> closure = world.log.graph.pose_factors.front();
+    closure.base = PoseIndex(base);
+    closure.target = PoseIndex(target);
+    closure.measured = between(world.truth.poses[closure.base], world.truth.poses[closure.target]);
+    closure.measured.translation[0] += wrong_by;
+    world.log.graph.pose_factors.push_back(closure);
+  };
+  world.log.graph.pose_factors[30].information.bottomRows(kRotationDof<kDim>).setZero();
+  world.log.graph.pose_factors[30].information.rightCols(kRotationDof<kDim>).setZero();
+  for (int k = 0; k < 12; ++k) close(k, k + 14, 0.0);
+  close(26, 36, 0.0);
+  for (int k = 0; k < 4; ++k) close(k, 45 + 3 * k, 20.0 + 5.0 * k);
+  put_in_order(world.log);
+  const auto found = find_inliers(world.log, {});
+  ASSERT_TRUE(found) << found.error().message;
+  EXPECT_EQ(found->rejected.size(), 4U);
+  EXPECT_EQ(found->input.closures().size(), 13U);
+}
+
 TYPED_TEST(InliersTest, EndsOnceAStopIsRequested) {
   const testing::ClosingWorld<TypeParam::value> world(25, 1, 12);
   std::stop_source source;
