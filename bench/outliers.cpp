@@ -9,11 +9,11 @@
 #include <cstdio>
 #include <cstdlib>
 #include <filesystem>
-#include <map>
 #include <mapjoin/io/open.hpp>
 #include <string>
 #include <vector>
 
+#include "choice.hpp"
 #include "map_identities.hpp"
 #include "outlier_score.hpp"
 #include "robust_methods.hpp"
@@ -182,8 +182,6 @@ int main(int argc, char** argv) {
   bench::Arguments arguments;
   for (const auto& [name, file] : bench::kSets) arguments.sets.emplace_back(name);
   for (const auto& [policy, name] : enum_names(ClosurePolicy{})) arguments.policies.emplace_back(name);
-  std::map<std::string, bench::CeresStart> starts;
-  for (const auto& [start, name] : enum_names(bench::CeresStart{})) starts.emplace(name, start);
   CLI::App app("Wrong closures and wrong identities, planted into logs: who finds them, as CSV.", "mapjoin_outliers");
   app.add_option("--sets", arguments.sets,
                  "Public data sets below $MAPJOIN_DATA_DIR, or files of logs or folders of local maps")
@@ -210,8 +208,7 @@ int main(int argc, char** argv) {
       ->delimiter(',')
       ->check(CLI::IsMember(bench::method_names()))
       ->capture_default_str();
-  app.add_option("--start", arguments.method.start, "Where Ceres begins: odometry or, as an oracle, clean (the clean map)")
-      ->transform(CLI::CheckedTransformer(starts));
+  bench::add_choice(app, "--start", arguments.method.start, "Where Ceres begins; from the clean map it is an oracle");
   app.add_option("--limit", arguments.method.most_seconds, "Of Ceres, for each map (s)")->capture_default_str();
   app.add_option("--confidence", arguments.method.robust.confidence, "As of --robust")
       ->check(CLI::Range(0.01, 0.999999))

@@ -8,10 +8,10 @@
 #include <mapjoin/io/local_maps/local_map_set.hpp>
 #include <mapjoin/io/open.hpp>
 #include <mapjoin/measure/chi2.hpp>
-#include <mapjoin/model/enum_names.hpp>
 #include <string>
 #include <tests/support/ceres_reference.hpp>
 
+#include "choice.hpp"
 #include "reference_start.hpp"
 
 namespace mapjoin {
@@ -25,15 +25,6 @@ struct Arguments {
   testing::ReferenceOptions solver;
 };
 
-/// An option that takes the words of an enum.
-template <NamedEnum Enum>
-void add_choice(CLI::App& app, const std::string& option, Enum& value) {
-  std::map<std::string, Enum> values;
-  for (const auto& [named, name] : enum_names(Enum())) values.emplace(name, named);
-  const auto take = [&value, values](const std::string& name) { value = values.at(name); };
-  app.add_option_function<std::string>(option, take)->check(CLI::IsMember(values));
-}
-
 void add_options(CLI::App& app, Arguments& arguments) {
   using Method = testing::ReferenceMethod;
   const std::map<std::string, Method> methods{{"lm", Method::kLevenbergMarquardt}, {"dogleg", Method::kDogleg}};
@@ -41,8 +32,8 @@ void add_options(CLI::App& app, Arguments& arguments) {
   app.add_option("--start", arguments.start, "odometry, tree, values, tum:FILE or g2o:FILE")->capture_default_str();
   app.add_option("--method", arguments.solver.method, "lm or dogleg")->transform(CLI::CheckedTransformer(methods));
   app.add_option("--iterations", arguments.solver.max_iterations, "At most so many")->capture_default_str();
-  add_choice(app, "--g2o-error", arguments.read.pose_error);
-  add_choice(app, "--rotation-information", arguments.read.rotation_information);
+  bench::add_choice(app, "--g2o-error", arguments.read.pose_error);
+  bench::add_choice(app, "--rotation-information", arguments.read.rotation_information);
   app.add_flag("--repair-information", arguments.read.repair_information, "Take the nearest semidefinite matrix");
   app.add_flag("--identity", arguments.identity, "Replace every information matrix by the identity");
   app.add_flag("--verbose", arguments.solver.verbose, "Show every iteration");

@@ -18,6 +18,7 @@ struct Quadratic {
   std::vector<Variable> variables;
   Eigen::MatrixXd H;
 
+  /// Of the whole symmetric matrix.
   double entry(Eigen::Index row, Eigen::Index column) const { return row < column ? H(column, row) : H(row, column); }
 };
 

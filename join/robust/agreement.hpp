@@ -33,7 +33,7 @@ struct Evidence {
   }
 };
 
-/// Tells nothing where the covariance is too large.
+/// The evidence of a mismatch v; without rows where Σ is not positive definite.
 template <int Size>
 Evidence evidence(const Vector<Size>& v, const Matrix<Size>& covariance, double volume) {
   const Eigen::LLT<Matrix<Size>> factor(covariance);

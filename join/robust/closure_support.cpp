@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
+#include <functional>
 #include <mapjoin/join/fit/leave_one_out.hpp>
 #include <mapjoin/join/robust/closure_support.hpp>
 #include <mapjoin/measure/statistics.hpp>
@@ -72,10 +72,11 @@ template <int Dim>
 void ClosureSupport<Dim>::sample(std::span<std::size_t> cell) {
   const std::size_t samples = std::min(cell.size(), kMostOfACell);
   for (std::size_t k = 0; k < samples; ++k) closures_[cell[k * cell.size() / samples]].is_sampled = true;
-  std::ranges::stable_partition(cell, [&](std::size_t k) { return closures_[k].is_sampled; });
+  std::stable_partition(cell.begin(), cell.end(), [&](std::size_t k) { return closures_[k].is_sampled; });
 }
 
-/// With all later closures that make a loop with this one, of full cells only if one of the two is a sample, cell by cell.
+/// The pairs with all later closures that make a loop with this one, of full cells only if one of the two is a sample, cell by
+/// cell.
 template <int Dim>
 std::vector<typename ClosureSupport<Dim>::Pair> ClosureSupport<Dim>::pairs_of(std::size_t closure) const {
   constexpr std::int32_t kReach = kLongestLoop / kStretch + 1;
@@ -168,8 +169,8 @@ double ClosureSupport<Dim>::scale(const std::vector<double>& odds) const {
   for (std::size_t k = 0; k < odds.size(); ++k) {
     if (odds[k] < least) continue;
     for (const auto& [other, evidence] : pairs_[k]) {
-      const bool is_right = odds[other] >= least && evidence.at(1.0, kMostOfAPair) > 0.0;
-      if (is_right) ratios.push_back(evidence.squared_distance / expected);
+      const bool is_tested = evidence.rows == kPoseDof<Dim> && evidence.at(1.0, kMostOfAPair) > 0.0;
+      if (is_tested && odds[other] >= least) ratios.push_back(evidence.squared_distance / expected);
     }
   }
   return ratios.size() < kLeastLoops ? 1.0 : std::clamp(median(std::move(ratios)), kLeastScale, 1.0);
@@ -182,8 +183,8 @@ Table<PoseIndex, double> ClosureSupport<Dim>::evidence_for_steps() const {
   Table<PoseIndex, double> evidence(chain_.pose_count() + 1, 0.0);  // to begin with, how it rises from step to step
   for (std::size_t k = 0; k < closures_.size(); ++k) {
     for (const Pair& pair : pairs_[k]) {
-      const Closure &a = closures_[k], &b = closures_[pair.later];
-      const double of_pair = right[k] * right[pair.later] * pair.evidence.at(1.0, kMostOfAPair);
+      const Closure &a = closures_[k], &b = closures_[pair.other];
+      const double of_pair = right[k] * right[pair.other] * pair.evidence.at(1.0, kMostOfAPair);
       for (const auto& [first, last] : {std::minmax(a.early, b.early), std::minmax(a.late, b.late)}) {
         evidence[first + 1] += of_pair;
         evidence[last + 1] -= of_pair;

@@ -18,7 +18,7 @@ namespace mapjoin {
 template <int Dim>
 class ClosureSupport {
  public:
-  /// `chain`, by the odometry of the same log, must stay. Once a stop is requested, closures are no longer compared.
+  /// Compares all pairs, and no more of them once a stop is requested. `chain`, by the odometry of the same log, must stay.
   ClosureSupport(const OdometryChain<Dim>& chain, std::span<const PoseFactor<Dim>> closures, const std::stop_token& stop = {});
 
   /// What odometry alone says of each closure where all covariances are multiplied by `scale`.
@@ -45,7 +45,7 @@ class ClosureSupport {
 
   /// The evidence of the loop that a closure makes with a later one.
   struct Pair {
-    std::size_t later;
+    std::size_t other;
     Evidence evidence;
   };
 

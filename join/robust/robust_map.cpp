@@ -16,7 +16,7 @@ constexpr int kMostSettles = 30;
 
 template <int Dim>
 Expected<Values<Dim>> started_map(Log<Dim> log, Engine engine, const std::stop_token& stop) {
-  complete_weakly(log.graph.pose_factors);
+  complete_weakly(std::span(log.graph.pose_factors).first(log.odometry().size()));
   RunOptions options = without_verdict();
   options.schedule = Schedule::kAligned;
   options.solver.max_iterations = kStartSteps;

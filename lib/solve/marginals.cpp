@@ -22,19 +22,18 @@ Eigen::Index width_of(const Supernode& node) {
   return node.end - node.begin;
 }
 
-/// A dense matrix in `room`, which grows where it is too small.
+/// A dense matrix in `room`, whatever is in there.
 DenseBlock block_in(std::vector<double>& room, Eigen::Index rows, Eigen::Index columns) {
-  const auto size = static_cast<std::size_t>(rows * columns);
-  if (room.size() < size) room.resize(size);
   return {room.data(), rows, columns, Stride(rows)};
 }
 
-/// How much there is to keep, and the most rows below any supernode.
+/// How much there is to keep, and the most columns of a supernode, rows below one, and entries there.
 struct Size {
   std::int64_t rows = 0;
   std::int64_t values = 0;
-  std::int64_t most_below = 0;
   std::int64_t widest = 0;
+  std::int64_t most_below = 0;
+  std::int64_t most_entries_below = 0;
 
   explicit Size(const Supernodes& factor) {
     for (const Supernode& L : factor) {
@@ -42,8 +41,9 @@ struct Size {
       const std::int64_t width = width_of(L);
       rows += height;
       values += height * width;
-      most_below = std::max(most_below, height - width);
       widest = std::max(widest, width);
+      most_below = std::max(most_below, height - width);
+      most_entries_below = std::max(most_entries_below, (height - width) * width);
     }
   }
 };
@@ -54,8 +54,8 @@ std::int64_t InverseSubset::bytes(const Supernodes& factor) {
   const Size size(factor);
   const std::int64_t columns = factor.empty() ? 0 : factor.back().end;
   const auto nodes = static_cast<std::int64_t>(factor.size());
-  const auto doubles = size.values + size.most_below * (size.most_below + 2 * size.widest) + 2 * size.widest * size.widest;
-  return 8 * (doubles + size.rows) + 4 * columns + nodes * static_cast<std::int64_t>(sizeof(Node));
+  const auto workspace = 2 * size.widest * size.widest + 2 * size.most_entries_below + size.most_below * (size.most_below + 1);
+  return 8 * (size.values + size.rows + workspace) + 4 * columns + nodes * static_cast<std::int64_t>(sizeof(Node));
 }
 
 InverseSubset::InverseSubset(const Supernodes& factor, const GoOn& go_on) {
@@ -72,6 +72,10 @@ InverseSubset::InverseSubset(const Supernodes& factor, const GoOn& go_on) {
     values += static_cast<std::int64_t>(L.rows.size()) * width_of(L);
   }
   Workspace workspace;
+  workspace.U.resize(static_cast<std::size_t>(size.widest * size.widest));
+  workspace.minus_U.resize(workspace.U.size());
+  workspace.G_transposed.resize(static_cast<std::size_t>(size.most_entries_below));
+  workspace.Z_JR.resize(workspace.G_transposed.size());
   workspace.Z_RR.resize(static_cast<std::size_t>(size.most_below * size.most_below));
   for (std::size_t k = nodes_.size(); k-- > 0;) {
     if (go_on && !go_on(nodes_.size() - 1 - k)) return;
@@ -83,7 +87,7 @@ void InverseSubset::invert(const Supernode& L, const Node& node, Workspace& work
   const auto height = static_cast<Eigen::Index>(L.rows.size());
   const Eigen::Index width = width_of(L);
   const Eigen::Index below = height - width;
-  DenseBlock U = block_in(workspace.U, width, width);  // L_JJ⁻ᵀ
+  DenseBlock U = block_in(workspace.U, width, width);
   U.setIdentity();
   divide_by_transpose({L.values, width, width, Stride(height)}, U);
   DenseBlock minus_U = block_in(workspace.minus_U, width, width);
@@ -165,22 +169,22 @@ std::vector<std::size_t> CrossCovariances::nodes_above(std::int64_t column) cons
 CrossCovariances::Path CrossCovariances::path(Variable u) const {
   const std::int64_t column = equations_.factor_column(u);
   Path path{nodes_above(column), {}};
-  std::vector<Eigen::Index> first;  // row of Y that each node begins with, and their number
+  std::vector<Eigen::Index> first;  // column of Yᵀ that each node begins with, and their number
   first.push_back(0);
   for (const std::size_t node : path.nodes) first.push_back(first.back() + width_of(factor_[node]));
   const Eigen::Index dof = equations_.dof(u);
   path.Y_transposed.setZero(dof, first.back());
   path.Y_transposed.middleCols(column - factor_[path.nodes.front()].begin, dof).setIdentity();
-  std::vector<double> room;
   for (std::size_t k = 0; k < path.nodes.size(); ++k) {
     const Supernode& node = factor_[path.nodes[k]];
     const Eigen::Index width = width_of(node);
     const auto height = static_cast<Eigen::Index>(node.rows.size());
     const DenseBlock own(path.Y_transposed.col(first[k]).data(), dof, width, Stride(dof));
     divide_by_transpose({node.values, width, width, Stride(height)}, own);
-    if (height == width) break;
-    const DenseBlock sent = block_in(room, dof, height - width);
-    subtract_product(constant(own), {node.values + width, height - width, width, Stride(height)}, sent, Into::kNew);
+    if (height == width) break;  // the root
+    Eigen::MatrixXd sent(dof, height - width);
+    subtract_product(constant(own), {node.values + width, height - width, width, Stride(height)},
+                     {sent.data(), dof, height - width, Stride(dof)}, Into::kNew);
     std::size_t above = k + 1;
     for (Eigen::Index r = 0; r < sent.cols(); ++r) {
       const std::int64_t row = node.rows[static_cast<std::size_t>(width + r)];

@@ -50,7 +50,7 @@ class InverseSubset {
   /// Room for what is done at one supernode.
   struct Workspace {
     std::vector<std::int64_t> positions;
-    std::vector<double> U;
+    std::vector<double> U;  // L_JJ⁻ᵀ
     std::vector<double> minus_U;
     std::vector<double> G_transposed;
     std::vector<double> Z_RR;
@@ -100,7 +100,7 @@ class CrossCovariances {
   Eigen::MatrixXd between(Variable u, Variable v) const;
 
  private:
-  /// Y_u by the supernodes on its path, ascending, one below the other.
+  /// Y_uᵀ by the supernodes on its path, ascending, one beside the other.
   struct Path {
     std::vector<std::size_t> nodes;
     Eigen::MatrixXd Y_transposed;

@@ -6,7 +6,9 @@
 #include <mapjoin/model/log_builder.hpp>
 #include <mapjoin/simulate/manhattan.hpp>
 #include <numbers>
+#include <stop_token>
 #include <tests/support/ceres_reference.hpp>
+#include <utility>
 
 namespace mapjoin {
 namespace {

@@ -2,10 +2,12 @@
 #include <gtest/gtest.h>
 
 #include <Eigen/LU>
+#include <cmath>
 #include <mapjoin/join/association/hypothesis.hpp>
 #include <numbers>
 #include <tests/support/dimensions.hpp>
 #include <tests/support/random.hpp>
+#include <vector>
 
 namespace mapjoin {
 namespace {

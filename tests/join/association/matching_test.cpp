@@ -46,7 +46,7 @@ std::vector<Match> matches_of(const PairingProblem<2>& problem, AssociationMetho
 }
 
 TEST(MatcherTest, FindsAShiftTogetherThatMisleadsNearestNeighbours) {
-  // Off by a metre together, so that the second tree is seen where the first one is known, nearly.
+  // Off by a metre together, so that the second feature is seen where the first one is known, nearly.
   const auto problem = problem_of(kKnown, shifted(kKnown, {-1.4, -0.2}), 0.05, 1.0);
   const auto together = matches_of(problem);
   for (std::size_t s = 0; s < kKnown.size(); ++s) {
@@ -136,28 +136,6 @@ TEST(MatcherTest, AsksForMoreWhereChanceHasManyTries) {
   EXPECT_GT(matches_of(problem)[0].probability, 0.99);
   problem.log_tests = 25.0;
   EXPECT_LT(matches_of(problem)[0].probability, 0.99);
-}
-
-TEST(HypothesisTest, CountsTheSquaredDistanceOfAllDifferencesTogether) {
-  const auto problem = problem_of(kKnown, shifted(kKnown, {0.1, -0.2}), 0.1, 0.3);
-  const std::vector<Points> sets = {kKnown};
-  const NeighbourDensity<2> density(sets);
-  ChiSquaredQuantiles gates(0.9999);
-  Hypothesis<2> hypothesis(problem);
-  Eigen::MatrixXd J = Eigen::MatrixXd::Zero(6, 24);
-  Eigen::VectorXd d(6);
-  for (const std::size_t k : {0U, 1U, 2U}) {
-    const auto row = 2 * static_cast<Eigen::Index>(k);
-    hypothesis.extend(*hypothesis.extension({k, k}, density, gates));
-    d.segment<2>(row) = problem.difference({k, k});
-    J.block<2, 2>(row, row).setIdentity();
-    J.block<2, 2>(row, 12 + row) = -Eigen::Matrix2d::Identity();
-  }
-  const Eigen::MatrixXd S = J * problem.covariance * J.transpose();
-  EXPECT_NEAR(hypothesis.squared_distance(), d.dot(S.ldlt().solve(d)), 1e-9);
-  Eigen::VectorXd moved = d;
-  for (Eigen::Index k = 0; k < 6; k += 2) moved.segment<2>(k) += Point<2>(0.4, 0.1);
-  EXPECT_NEAR(hypothesis.growth({0.4, 0.1}), moved.dot(S.ldlt().solve(moved)) - d.dot(S.ldlt().solve(d)), 1e-9);
 }
 
 TEST(NeighbourDensityTest, KnowsThatFeaturesKeepTheirDistance) {

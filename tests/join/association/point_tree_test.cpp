@@ -5,8 +5,10 @@
 #include <algorithm>
 #include <mapjoin/join/association/point_tree.hpp>
 #include <numeric>
+#include <span>
 #include <tests/support/dimensions.hpp>
 #include <tests/support/random.hpp>
+#include <vector>
 
 namespace mapjoin {
 namespace {

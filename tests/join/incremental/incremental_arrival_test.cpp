@@ -3,13 +3,14 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <cmath>
 #include <deque>
 #include <map>
 #include <mapjoin/join/incremental/incremental_join.hpp>
 #include <tests/join/incremental/incremental_join_fixture.hpp>
 #include <tests/support/batch_join.hpp>
 #include <tests/support/dimensions.hpp>
-#include <tests/support/small_world.hpp>
+#include <tests/support/random.hpp>
 
 namespace mapjoin {
 namespace {

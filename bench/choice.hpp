@@ -1,0 +1,19 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+#include <CLI/CLI.hpp>
+#include <map>
+#include <mapjoin/model/enum_names.hpp>
+#include <string>
+
+namespace mapjoin::bench {
+
+/// An option that takes the words of an enum, by default the one it has.
+template <NamedEnum Enum>
+void add_choice(CLI::App& app, const std::string& option, Enum& value, const std::string& help = {}) {
+  std::map<std::string, Enum> values;
+  for (const auto& [named, name] : enum_names(Enum())) values.emplace(name, named);
+  const auto take = [&value, values](const std::string& name) { value = values.at(name); };
+  app.add_option_function<std::string>(option, take, help)->check(CLI::IsMember(values))->default_str(to_string(value));
+}
+
+}  // namespace mapjoin::bench
