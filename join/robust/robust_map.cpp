@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include <algorithm>
 #include <mapjoin/join/fit/leave_one_out.hpp>
 #include <mapjoin/join/robust/robust_map.hpp>
 #include <mapjoin/join/run.hpp>
@@ -16,7 +17,12 @@ constexpr int kMostSettles = 30;
 
 template <int Dim>
 Expected<Values<Dim>> started_map(Log<Dim> log, Engine engine, const std::stop_token& stop) {
-  complete_weakly(std::span(log.graph.pose_factors).first(log.odometry().size()));
+  const auto odometry = static_cast<std::ptrdiff_t>(log.odometry().size());
+  auto& edges = log.graph.pose_factors;
+  std::for_each(edges.begin(), edges.begin() + odometry, complete_weakly<Dim>);
+  std::for_each(edges.begin() + odometry, edges.end(), [](PoseFactor<Dim>& edge) {
+    if (measures_rotation(edge) && measures_position(edge)) complete_weakly(edge);  // else it says nothing of the rest
+  });
   RunOptions options = without_verdict();
   options.schedule = Schedule::kAligned;
   options.solver.max_iterations = kStartSteps;

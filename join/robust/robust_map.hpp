@@ -20,7 +20,7 @@ struct Gates {
   OfKinds now() const { return last.value_or(narrow()); }
 };
 
-/// A first estimate of a log, by a join; its errors are those of run(), but that odometry may leave directions free.
+/// A first estimate of a log, by a join; its errors are those of run(), but that edges may leave directions free.
 template <int Dim>
 Expected<Values<Dim>> started_map(Log<Dim> log, Engine engine, const std::stop_token& stop);
 

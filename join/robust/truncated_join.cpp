@@ -38,11 +38,9 @@ constexpr Loss kDropped{0.0, 0.0};
 }  // namespace
 
 template <int Dim>
-void complete_weakly(std::span<PoseFactor<Dim>> edges) {
-  for (PoseFactor<Dim>& edge : edges) {
-    PoseMatrix<Dim>& W = edge.information;
-    if (information_rank(W) < kPoseDof<Dim>) W.diagonal().array() += kWeakShare * W.diagonal().maxCoeff();
-  }
+void complete_weakly(PoseFactor<Dim>& edge) {
+  PoseMatrix<Dim>& W = edge.information;
+  if (information_rank(W) < kPoseDof<Dim>) W.diagonal().array() += kWeakShare * W.diagonal().maxCoeff();
 }
 
 template <int Dim>
@@ -80,9 +78,11 @@ template <int Dim>
 void TruncatedJoin<Dim>::take_weak_priors(const Values<Dim>& start) {
   const bool is_held = !log_.graph.fixed.empty() || !log_.pose_priors().empty() || !log_.feature_priors().empty();
   if (!is_held) log_.graph.fixed.push_back({0, start.poses.front()});
-  complete_weakly(std::span(log_.graph.pose_factors));
   PoseMatrix<Dim> of_edges = PoseMatrix<Dim>::Zero();
-  for (const PoseFactor<Dim>& edge : log_.graph.pose_factors) of_edges.diagonal() += edge.information.diagonal();
+  for (PoseFactor<Dim>& edge : log_.graph.pose_factors) {
+    complete_weakly(edge);
+    of_edges.diagonal() += edge.information.diagonal();
+  }
   of_edges *= kWeakShare / std::max(1.0, static_cast<double>(log_.graph.pose_factors.size()));
   for (const Session& session : log_.sessions) {
     if (session.begin == 0 && !is_held) continue;
@@ -216,8 +216,8 @@ std::vector<bool> TruncatedJoin<Dim>::observations_count() const {
   return {counts_.begin() + static_cast<std::ptrdiff_t>(closure_count()), counts_.end()};
 }
 
-template void complete_weakly(std::span<PoseFactor<2>>);
-template void complete_weakly(std::span<PoseFactor<3>>);
+template void complete_weakly(PoseFactor<2>&);
+template void complete_weakly(PoseFactor<3>&);
 template class TruncatedJoin<2>;
 template class TruncatedJoin<3>;
 

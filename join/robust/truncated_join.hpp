@@ -21,10 +21,10 @@ struct OfKinds {
   double observations = 0.0;
 };
 
-/// Gives edges that do not measure all of a relative pose a share of 1e-9 of their largest information in every direction, for
-/// where nothing else that counts measures the rest.
+/// Gives an edge that does not measure all of a relative pose a share of 1e-9 of its largest information in every direction,
+/// for where nothing else that counts measures the rest.
 template <int Dim>
-void complete_weakly(std::span<PoseFactor<Dim>> edges);
+void complete_weakly(PoseFactor<Dim>& edge);
 
 /// A log whose closures and observations are doubtful, its estimate, and which of them count. Closures, then observations, in
 /// the order of the log, are its doubtful factors.

@@ -42,7 +42,7 @@ TYPED_TEST(FixInliers, RightFixesAreKept) {
 }
 
 TYPED_TEST(FixInliers, WrongFixesAreFound) {
-  for (const std::size_t nth : {10, 5, 3}) {
+  for (const std::size_t nth : {10U, 5U, 3U}) {
     auto world = gps_world<TestFixture::kDim>({.poses = 400, .between = 2});
     const auto spoiled = this->spoil(nth, world.log);
     EXPECT_EQ(this->found_in(world.log), spoiled) << "one of " << nth;

@@ -91,7 +91,7 @@ TYPED_TEST(PortionTest, IsNotGoneOnWithAsAnother) {
   };
   {
     auto writer = StoreWriter<kDim>::open(this->path, this->whole.log, this->whole.segments, "", {1, 3});
-    for (const std::size_t k : {0, 1, 2, 3, 4, 5, 6}) ASSERT_TRUE(writer->add(k, this->whole.maps[k]));
+    for (const std::size_t k : {0U, 1U, 2U, 3U, 4U, 5U, 6U}) ASSERT_TRUE(writer->add(k, this->whole.maps[k]));
     ASSERT_TRUE(writer->finish());
     fs::rename(this->path, this->partial);
   }
