@@ -14,6 +14,7 @@
 #include <ctime>
 #include <fstream>
 #include <optional>
+#include <string>
 #include <string_view>
 #include <thread>
 
@@ -39,11 +40,17 @@ std::optional<std::int64_t> limit_of(int resource) {
   return static_cast<std::int64_t>(limit.rlim_cur);
 }
 
-/// Address space of the program and its libraries (bytes): all but data, of which OpenBLAS's threads take theirs meanwhile.
+/// Address space of the program and its libraries (bytes). Not what else is mapped: OpenBLAS's threads take theirs meanwhile.
 std::int64_t mapped_files() {
-  std::int64_t size = 0, resident = 0, shared = 0, text = 0, unused = 0, data = 0;
-  std::ifstream("/proc/self/statm") >> size >> resident >> shared >> text >> unused >> data;
-  return (size - data) * ::sysconf(_SC_PAGESIZE);
+  std::ifstream maps("/proc/self/maps");  // begin-end permissions offset device inode, and the file
+  std::string word;
+  std::uint64_t begin = 0, end = 0, inode = 0;
+  std::int64_t bytes = 0;
+  char dash = 0;
+  while (maps >> std::hex >> begin >> dash >> end >> word >> word >> word >> std::dec >> inode && std::getline(maps, word)) {
+    if (inode != 0) bytes += static_cast<std::int64_t>(end - begin);
+  }
+  return bytes;
 }
 
 /// Those of TBB, or OpenBLAS's own: these started before main() and take their buffers whatever is asked of them later.
