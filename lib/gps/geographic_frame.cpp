@@ -14,7 +14,7 @@ GeographicLib::LocalCartesian cartesian_at(const GeographicPoint& origin) {
 
 Point<3> GeographicFrame::to_local(const GeographicPoint& place, Matrix<3>* R_frame_there) const {
   Point<3> local;
-  std::vector<double> rows(R_frame_there ? 9 : 0);
+  std::vector<double> rows(9);
   cartesian_at(origin_).Forward(place.latitude, place.longitude, place.height, local.x(), local.y(), local.z(), rows);
   if (R_frame_there) *R_frame_there = Eigen::Map<const Eigen::Matrix<double, 3, 3, Eigen::RowMajor>>(rows.data());
   return local;
