@@ -28,7 +28,7 @@ void add_links(std::span<const Factor> factors, const Targets& targets, const Gl
     links.push_back({o.base, o.target, false, std::sqrt(chi2 / static_cast<double>(std::max<std::int64_t>(rows, 1)))});
     weighed.push_back({chi2, rows});
   }
-  const double scale = weighed.size() < kFew ? 1.0 : std::max(kLeastScale, scale_of(weighed));
+  const double scale = weighed.size() < kFew ? 1.0 : std::max(kLeastScale, median_scale(weighed));
   for (std::size_t k = first; k < links.size(); ++k) *links[k].residual /= std::sqrt(scale);
 }
 

@@ -41,7 +41,7 @@ std::string name_of(const FeatureFactor<Dim>& o, const Log<Dim>& log) {
 
 }  // namespace
 
-double scale_of(const std::vector<WeighedResidual>& residuals) {
+double median_scale(const std::vector<WeighedResidual>& residuals) {
   ChiSquaredQuantiles medians(0.5);
   std::vector<double> ratios;
   for (const WeighedResidual& r : residuals) {
@@ -56,7 +56,7 @@ KindFit kind_fit(std::string kind, const std::vector<WeighedResidual>& residuals
   KindFit fit;
   fit.kind = std::move(kind);
   fit.count = residuals.size();
-  fit.scale = scale_of(residuals);
+  fit.scale = median_scale(residuals);
   ChiSquaredQuantiles most(1.0 - 1e-3 / static_cast<double>(std::max<std::size_t>(1, residuals.size())));
   std::vector<std::size_t> outliers;
   for (std::size_t i = 0; i < residuals.size(); ++i) {

@@ -20,7 +20,7 @@ struct WeighedResidual {
 
 /// The median of chi2 over the median that it has where the covariances are right: 1, or less, for the map adapts itself to
 /// the observations. Outliers do not move it. NaN where nothing was measured.
-double scale_of(const std::vector<WeighedResidual>& residuals);
+double median_scale(const std::vector<WeighedResidual>& residuals);
 
 /// How observations of one kind fit a map.
 struct KindFit {
@@ -28,7 +28,7 @@ struct KindFit {
   std::size_t count = 0;
   std::int64_t rows = 0;
   double chi2 = 0.0;
-  double scale = 0.0;  ///< scale_of() them.
+  double scale = 0.0;  ///< The median_scale() of them.
   /// Observations whose chi2 no kind of so many would reach in 999 of 1000 cases, be all its covariances too small by `scale`;
   /// the worst first.
   Places outliers;
