@@ -44,6 +44,17 @@ TEST(OddsByAgreement, OfOneThatContradictsTwoWhichAgreeFall) {
   EXPECT_LT(odds[2], -6.0);
 }
 
+TEST(OddsByAgreement, OfThreeThatAgreeRiseAboveOneThatIsLikelierByItself) {
+  const std::vector<Agreement> of_the_one = {{0, 0, -4.0F}, {1, 1, -4.0F}, {2, 2, -4.0F}};
+  const std::vector<double> odds =
+      odds_by_agreement({{-3.0}, {-3.0}, {-3.0}, {1.0}}, {{{1, 0, 4.0F}, {2, 1, 4.0F}, {3, 2, -4.0F}},
+                                                          {{0, 0, 4.0F}, {2, 1, 4.0F}, {3, 2, -4.0F}},
+                                                          {{0, 0, 4.0F}, {1, 1, 4.0F}, {3, 2, -4.0F}},
+                                                          of_the_one});
+  EXPECT_GT(odds[0], 4.0);
+  EXPECT_LT(odds[3], -10.0);
+}
+
 TEST(OddsByAgreement, AreTheFixedPointOfWhatAllSayByTheirProbabilities) {
   const std::vector<double> odds = odds_by_agreement(
       {{0.5}, {-0.5}, {-1.0}}, {{{1, 0, 1.0F}, {2, 1, -2.0F}}, {{0, 0, 1.0F}, {2, 1, 0.5F}}, {{0, 0, -2.0F}, {1, 1, 0.5F}}});

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <mapjoin/join/robust/closure_support.hpp>
 #include <tests/support/dimensions.hpp>
@@ -137,10 +138,41 @@ TYPED_TEST(ClosureSupportTest, TakesTheWordOfAMapWithItsCovarianceScaled) {
   EXPECT_EQ(between.support.prior(mismatch, 16.0).evidence, kNothingKnown + 5.0);
 }
 
+TYPED_TEST(ClosureSupportTest, AsksNothingOfATurnThatWasNotMeasured) {
+  constexpr int kDim = TypeParam::value;
+  const typename TestFixture::Between between({{10, 12}});
+  const auto evidence = [&](double variance_of_turn, double turn) {
+    UncertainPose<kDim> mismatch;
+    mismatch.covariance = 100.0 * PoseMatrix<kDim>::Identity();
+    mismatch.covariance.diagonal().template tail<kRotationDof<kDim>>().setConstant(variance_of_turn);
+    mismatch.mean.rotation = Rotation<kDim>::exp(turn * RotationVector<kDim>::Unit(0));
+    return between.support.prior(mismatch, 1.0).evidence;
+  };
+  ASSERT_LT(evidence(1.0, 0.0), kNothingKnown + 5.0) << "the most that a map may say for a closure";
+  EXPECT_NEAR(evidence(1.0, 1.0), evidence(1.0, 0.0) - 0.5, 1e-9);
+  EXPECT_EQ(evidence(1e12, 1.0), evidence(1e9, 0.0));
+}
+
 TYPED_TEST(ClosureSupportTest, FindsByHowMuchCovariancesAreTooCautious) {
   EXPECT_NEAR(this->scale_of_many(0.1), 0.01, 0.005);
   EXPECT_GT(this->scale_of_many(1.0), 0.5);
   EXPECT_EQ(this->scale_of_many(3.0), 1.0) << "never too sure";
+}
+
+TYPED_TEST(ClosureSupportTest, FindsTheScaleByTheBestSupportedTwentieth) {
+  constexpr int kDim = TypeParam::value;
+  Log<kDim> log = two_drives<kDim>(140, this->many(), 0.1);
+  const std::size_t count = log.closures().size();
+  std::vector<double> odds(count, 20.0);
+  std::fill_n(odds.begin(), count / 15, 100.0);
+  const auto first = log.graph.pose_factors.end() - static_cast<std::ptrdiff_t>(count);
+  for (auto k = static_cast<std::ptrdiff_t>(count / 15); k < static_cast<std::ptrdiff_t>(count); ++k) {
+    first[k].measured.translation[0] += 0.02 * static_cast<double>(k % 5 - 2);  // up to four standard deviations
+  }
+  const OdometryChain<kDim> chain(log);
+  const ClosureSupport<kDim> support(chain, log.closures());
+  EXPECT_LT(support.scale(odds), 0.02);
+  EXPECT_GT(support.scale(std::vector<double>(count, 20.0)), 0.04) << "of all";
 }
 
 TYPED_TEST(ClosureSupportTest, BelievesNoScaleOfAFewLoops) {
