@@ -45,12 +45,11 @@ TEST(OddsByAgreement, OfOneThatContradictsTwoWhichAgreeFall) {
 }
 
 TEST(OddsByAgreement, OfThreeThatAgreeRiseAboveOneThatIsLikelierByItself) {
-  const std::vector<Agreement> of_the_one = {{0, 0, -4.0F}, {1, 1, -4.0F}, {2, 2, -4.0F}};
   const std::vector<double> odds =
       odds_by_agreement({{-3.0}, {-3.0}, {-3.0}, {1.0}}, {{{1, 0, 4.0F}, {2, 1, 4.0F}, {3, 2, -4.0F}},
                                                           {{0, 0, 4.0F}, {2, 1, 4.0F}, {3, 2, -4.0F}},
                                                           {{0, 0, 4.0F}, {1, 1, 4.0F}, {3, 2, -4.0F}},
-                                                          of_the_one});
+                                                          {{0, 0, -4.0F}, {1, 1, -4.0F}, {2, 2, -4.0F}}});
   EXPECT_GT(odds[0], 4.0);
   EXPECT_LT(odds[3], -10.0);
 }

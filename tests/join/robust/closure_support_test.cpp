@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <mapjoin/join/robust/closure_support.hpp>
+#include <span>
 #include <tests/support/dimensions.hpp>
 #include <tests/support/two_drives.hpp>
 
@@ -160,17 +161,16 @@ TYPED_TEST(ClosureSupportTest, FindsByHowMuchCovariancesAreTooCautious) {
 }
 
 TYPED_TEST(ClosureSupportTest, FindsTheScaleByTheBestSupportedTwentieth) {
-  constexpr int kDim = TypeParam::value;
-  Log<kDim> log = two_drives<kDim>(140, this->many(), 0.1);
-  const std::size_t count = log.closures().size();
+  typename TestFixture::Between between(this->many(), 0.1);
+  const std::size_t count = between.log.closures().size();
+  const std::size_t best = count / 15;
   std::vector<double> odds(count, 20.0);
-  std::fill_n(odds.begin(), count / 15, 100.0);
-  const auto first = log.graph.pose_factors.end() - static_cast<std::ptrdiff_t>(count);
-  for (auto k = static_cast<std::ptrdiff_t>(count / 15); k < static_cast<std::ptrdiff_t>(count); ++k) {
-    first[k].measured.translation[0] += 0.02 * static_cast<double>(k % 5 - 2);  // up to four standard deviations
+  std::fill_n(odds.begin(), best, 100.0);
+  const auto closures = std::span(between.log.graph.pose_factors).last(count);
+  for (std::size_t k = best; k < count; ++k) {
+    closures[k].measured.translation[0] += 0.02 * (static_cast<double>(k % 5) - 2.0);  // up to four standard deviations
   }
-  const OdometryChain<kDim> chain(log);
-  const ClosureSupport<kDim> support(chain, log.closures());
+  const ClosureSupport<TypeParam::value> support(between.chain, between.log.closures());
   EXPECT_LT(support.scale(odds), 0.02);
   EXPECT_GT(support.scale(std::vector<double>(count, 20.0)), 0.04) << "of all";
 }

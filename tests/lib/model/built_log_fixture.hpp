@@ -30,6 +30,7 @@ class BuiltLogTest : public ::testing::Test {
 
   LogBuilder<kDim> builder{"some.log"};
 };
+
 /// Of observations, in their order.
 template <typename Observations>
 std::vector<double> marks(const Observations& observations) {
