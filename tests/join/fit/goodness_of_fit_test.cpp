@@ -1,5 +1,4 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <Eigen/Cholesky>
@@ -10,7 +9,6 @@
 #include <numbers>
 #include <tests/support/closing_world.hpp>
 #include <tests/support/dimensions.hpp>
-#include <tests/support/small_submap_set.hpp>
 
 namespace mapjoin {
 namespace {
@@ -135,73 +133,6 @@ TYPED_TEST(GoodnessOfFitTest, NamesAFeatureThatIsNotTheOneItIsSaidToBe) {
   EXPECT_EQ(fit.misfits.at(0).kind, PartKind::kObservation);
   EXPECT_EQ(fit.misfits.at(0).from, observation.base);
   EXPECT_EQ(fit.misfits.at(0).to, PoseOrFeature(observation.target));
-}
-
-TYPED_TEST(GoodnessOfFitTest, NamesALocalMapsFeatureThatIsNotTheOneItIsSaidToBe) {
-  const testing::ClosingWorld<TypeParam::value> world(120, 4, 0);
-  auto set = testing::small_submap_set(world.log, 15.0);
-  auto& map = set.graph.submaps[set.graph.submaps.size() / 2];
-  const auto others = [&](FeatureIndex feature) { return std::ranges::find(map.features, feature) == map.features.end(); };
-  FeatureIndex wrong = 0;
-  while (!others(wrong)) ++wrong;
-  EXPECT_EQ(run(set, {}).value().fit.verdict, Verdict::kFits);
-  // One that other maps have, too.
-  std::size_t f = 0;
-  const auto maps_with = [&](FeatureIndex feature) {
-    return std::ranges::count_if(set.graph.submaps,
-                                 [&](const auto& of) { return std::ranges::count(of.features, feature) > 0; });
-  };
-  while (maps_with(map.features[f]) < 3) ++f;
-  map.features[f] = wrong;
-  const GoodnessOfFit fit = run(set, {}).value().fit;
-  ASSERT_EQ(fit.verdict, Verdict::kMisfit);
-  EXPECT_EQ(fit.misfits.at(0).kind, PartKind::kMapFeature);
-  EXPECT_EQ(fit.misfits.at(0).to, PoseOrFeature(wrong));
-}
-
-TEST(GoodnessOfFit, NamesLocalMapsThatChangedPlaces) {
-  const testing::ClosingWorld<2> world(120, 4, 0);
-  auto set = testing::small_submap_set(world.log, 15.0);
-  auto& maps = set.graph.submaps;
-  std::swap(maps[2], maps[4]);
-  std::swap(maps[2].base, maps[4].base);
-  std::swap(maps[2].poses, maps[4].poses);
-  const GoodnessOfFit fit = run(set, {}).value().fit;
-  ASSERT_EQ(fit.verdict, Verdict::kMisfit);
-  EXPECT_EQ(fit.misfits.at(0).kind, PartKind::kLocalMap);
-  EXPECT_THAT((std::vector{maps[2].base, maps[4].base}), ::testing::Contains(fit.misfits.at(0).from));
-}
-
-TYPED_TEST(GoodnessOfFitTest, NamesTheLastLocalMapWhereItStandsTwice) {
-  const testing::ClosingWorld<TypeParam::value> world(120, 4, 0);
-  auto set = testing::small_submap_set(world.log, 15.0);
-  auto copy = set.graph.submaps.back();
-  copy.base = copy.poses.back();
-  copy.poses.back() = PoseIndex(set.poses.size());
-  set.poses.push_back({0, 1000});
-  set.segments.push_back({copy.base, copy.poses.back(), true});
-  set.graph.submaps.push_back(copy);
-  const GoodnessOfFit fit = run(set, {}).value().fit;
-  ASSERT_EQ(fit.verdict, Verdict::kMisfit);
-  EXPECT_EQ(fit.misfits.at(0).kind, PartKind::kLocalMap);
-  EXPECT_THAT((std::vector{copy.base, set.graph.submaps[set.graph.submaps.size() - 2].base}),
-              ::testing::Contains(fit.misfits.at(0).from));
-}
-
-TEST(GoodnessOfFit, NamesTheLocalMapOfAnotherSession) {
-  const testing::ClosingWorld<2> world(120, 4, 0);
-  const testing::ClosingWorld<2> another(120, 11, 0);
-  auto set = testing::small_submap_set(world.log, 15.0);
-  auto& map = set.graph.submaps[4];
-  const auto strange = testing::small_submap_set(another.log, 15.0).graph.submaps[4];
-  for (std::size_t k = 0; k < std::min(map.features.size(), strange.features.size()); ++k) {
-    map.feature_estimates[k] = strange.feature_estimates[k];
-  }
-  map.pose_estimates = strange.pose_estimates;
-  const GoodnessOfFit fit = run(set, {}).value().fit;
-  ASSERT_EQ(fit.verdict, Verdict::kMisfit);
-  EXPECT_EQ(fit.misfits.at(0).kind, PartKind::kLocalMap);
-  EXPECT_EQ(fit.misfits.at(0).from, map.base);
 }
 
 TYPED_TEST(GoodnessOfFitTest, TellsCovariancesThatAreTooSmallFromOutliers) {
