@@ -20,17 +20,17 @@
 namespace mapjoin {
 namespace {
 
-/// The first map asks for odds (a logarithm) of this share of those of the twentieth best closure; every further map for a
-/// fraction of those before, down to the least.
+/// The first map asks for odds (a logarithm) of this share of those that only a hundredth of the closures surpass; every further
+/// map for a fraction of those before, down to the least.
 constexpr double kFirstShare = 0.6;
-constexpr std::size_t kBest = 19;
+constexpr std::size_t kBestOneOf = 100;
 constexpr double kOddsRatio = 3.0;
 constexpr double kLeastOdds = 3.0;
-/// A log is first tried as it is where no more of its closures and observations are outvoted by the others, with so many steps.
+/// A log is first tried as it is where no more of its closures and observations are outvoted by the others.
 constexpr std::ptrdiff_t kMostOutvoted = 20;
-constexpr int kTrialSteps = 10;
-/// Times that all closures are tried again.
-constexpr int kMostTrials = 5;
+/// Times that all closures are tried again: what the first time takes in may bear out others. Were it asked on and on, wrong
+/// ones that lie near would come in one after the other, each borne out by those before.
+constexpr int kMostTrials = 2;
 
 /// The closures and observations of a log; at least 1.
 template <int Dim>
@@ -86,7 +86,7 @@ class InlierSearch {
     if (outvoted_ > kMostOutvoted) return false;
     return started_map(log_, options_.engine, stop_).and_then([&](const Values<Dim>& start) -> Expected<bool> {
       TruncatedJoin<Dim> join(log_, start, {}, options_.engine);
-      join.settle(stop_, kTrialSteps);
+      join.settle(stop_);
       if (stop_.stop_requested()) return tl::unexpected(interrupted());
       return join.is_tested() && !join.drop(gates_.widest);
     });
@@ -107,10 +107,10 @@ class InlierSearch {
   }
 
   double first_odds() const {
+    if (odds_.empty()) return kLeastOdds;
     std::vector<double> descending = odds_;
     std::ranges::sort(descending, std::greater<>());
-    if (descending.empty()) return kLeastOdds;
-    return kFirstShare * descending[std::min(kBest, descending.size() - 1)];
+    return std::max(kLeastOdds, kFirstShare * descending[descending.size() / kBestOneOf]);
   }
 
   /// Maps of what is kept and all other closures that pass the widest gate, and not by chance, whatever was said of them

@@ -10,8 +10,6 @@ namespace {
 
 /// Steps of the join that a map starts from: truncated losses go on from there.
 constexpr int kStartSteps = 1;
-/// Times that a map is settled anew without what it showed to be wrong.
-constexpr int kMostSettles = 30;
 
 }  // namespace
 
@@ -36,7 +34,7 @@ template <int Dim>
 Expected<void> settle(TruncatedJoin<Dim>& join, Gates& gates, const std::string& source, const std::stop_token& stop) {
   join.graduate(gates.now(), stop);
   bool are_readmitted = false;  // those that were dropped with what they suffered from
-  for (int settles = 0; settles < kMostSettles; ++settles) {
+  for (bool is_first = true;; is_first = false) {
     join.settle(stop);
     if (stop.stop_requested()) return tl::unexpected(Error{ErrorKind::kInterrupted, "interrupted while rejecting"});
     if (!join.is_tested()) {
@@ -44,14 +42,13 @@ Expected<void> settle(TruncatedJoin<Dim>& join, Gates& gates, const std::string&
                        "the verdict names what is out of line");
     }
     gates.scale = {scale_of(join.counting_closure_tests(), kPoseDof<Dim>), scale_of(join.counting_observation_tests(), Dim)};
-    if (settles == 0 && join.readmit_observations(gates.now().observations)) {
+    if (is_first && join.readmit_observations(gates.now().observations)) {
       join.graduate(gates.now(), stop);
     } else if (!join.drop(gates.now())) {
-      if (are_readmitted || !join.readmit_observations(gates.now().observations)) break;
+      if (are_readmitted || !join.readmit_observations(gates.now().observations)) return {};
       are_readmitted = true;
     }
   }
-  return {};
 }
 
 #define MAPJOIN_INSTANTIATE(Dim)                                                        \

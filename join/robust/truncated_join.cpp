@@ -17,8 +17,6 @@ namespace {
 /// cut off this sharply.
 constexpr double kGrowth = 2.0;
 constexpr double kSharp = 0.98;
-/// The loss begins no wider than this: what is so far out is out.
-constexpr double kLeastShare = 0.02;
 /// Steps with all that count, before losses are cut off at all,
 constexpr int kFirstSteps = 5;
 /// and of a round: the next loss asks for no more.
@@ -28,10 +26,7 @@ constexpr double kSettled = 1e-6;
 /// What may be left free stays where it is by this share of the information of what is measured there.
 constexpr double kWeakShare = 1e-9;
 /// Measurements beyond their thresholds are dropped where they are so by this share of the worst: the others may be innocent.
-/// Where the worst is near its threshold, hardly any but itself.
-constexpr double kDroppedShare = 0.25;
-constexpr double kDroppedNearShare = 0.95;
-constexpr double kNear = 4.0;
+constexpr double kDroppedShare = 0.5;
 /// What does not count.
 constexpr Loss kDropped{0.0, 0.0};
 
@@ -145,8 +140,8 @@ void TruncatedJoin<Dim>::graduate(const OfKinds& thresholds, const std::stop_tok
   set_losses({});
   minimise(*system_, solver, stop);
   solver.max_iterations = kStepsARound;
-  const double first = std::max(0.5 / largest_excess(thresholds), kLeastShare);
-  for (double share = first; share < kSharp && largest_excess(thresholds) > 1.0 && !stop.stop_requested();) {
+  double share = 0.5 / largest_excess(thresholds);
+  while (share < kSharp && largest_excess(thresholds) > 1.0 && !stop.stop_requested()) {
     for_each_doubtful([&](auto& factor, std::size_t k, double OfKinds::*kind) {
       factor.loss = counts_[k] ? Loss::truncated(thresholds.*kind, share) : kDropped;
     });
@@ -159,10 +154,9 @@ void TruncatedJoin<Dim>::graduate(const OfKinds& thresholds, const std::stop_tok
 }
 
 template <int Dim>
-void TruncatedJoin<Dim>::settle(const std::stop_token& stop, int most_steps) {
+void TruncatedJoin<Dim>::settle(const std::stop_token& stop) {
   set_losses({});
   MinimiseOptions solver;
-  solver.max_iterations = most_steps;
   solver.relative_chi2 = kSettled;
   marginals_.reset();
   minimise(*system_, solver, stop);
@@ -186,7 +180,7 @@ bool TruncatedJoin<Dim>::drop(const OfKinds& thresholds) {
     if (counts_[k]) excess[k] = tests_[k].chi2 / (k < closure_count() ? thresholds.closures : thresholds.observations);
   }
   const double worst = excess.empty() ? 0.0 : std::ranges::max(excess);
-  const double least = std::max({1.0, kDroppedShare * worst, std::min(kDroppedNearShare * worst, kNear)});
+  const double least = std::max(1.0, kDroppedShare * worst);
   for (std::size_t k = 0; k < counts_.size(); ++k) counts_[k] = counts_[k] && excess[k] < least;
   return worst > 1.0;
 }

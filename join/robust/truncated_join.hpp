@@ -40,8 +40,8 @@ class TruncatedJoin {
   /// Lets those count that cost less than their thresholds c² at a minimum of the truncated cost, found by graduated
   /// non-convexity: from a loss so wide that all that count pull to one that is cut off at c².
   void graduate(const OfKinds& thresholds, const std::stop_token& stop);
-  /// Minimises over those that count, by at most so many steps, and tests each doubtful factor against all others that count.
-  void settle(const std::stop_token& stop, int most_steps = MinimiseOptions{}.max_iterations);
+  /// Minimises over those that count, and tests each doubtful factor against all others that count.
+  void settle(const std::stop_token& stop);
   /// Whether the last settle() had tests: not where those that count leave something free to move, or on a stop.
   bool is_tested() const { return marginals_.has_value(); }
   /// Lets those no longer count whose tests are farthest beyond their thresholds. Returns whether there were any.

@@ -1,5 +1,4 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -34,7 +33,9 @@ TYPED_TEST_SUITE(DoubtfulOdometryTest, testing::Dimensions);
 
 TYPED_TEST(DoubtfulOdometryTest, IsTheStepThatLoopsSpeakAgainst) {
   EXPECT_TRUE(doubtful_steps(this->slipping(0.0)).empty());
-  EXPECT_THAT(doubtful_steps(this->slipping(2.0)), ::testing::Contains(PoseIndex(50)));
+  const auto steps = doubtful_steps(this->slipping(2.0));
+  EXPECT_EQ(steps.at(0), PoseIndex(50));
+  for (std::size_t k = 1; k < steps.size(); ++k) EXPECT_GE(steps[k], PoseIndex(100)) << "the other drive";
 }
 
 TYPED_TEST(DoubtfulOdometryTest, BecomesAClosureWhereTheDriveIsCut) {

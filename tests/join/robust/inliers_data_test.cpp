@@ -108,6 +108,14 @@ INSTANTIATE_TEST_SUITE_P(Robust, PlantedClosuresData,
                                            Planting{"pose-graphs-2d/manhattanOlson3500.g2o.gz", ClosurePolicy::kRandomGroups,
                                                     0.5}));
 
+/// Groups of twenty bear each other out: a first map of all that are likely would be of wrong ones.
+TEST(PlantedGroupsData, AreFoundWhereOneOfTenIsRight) {
+  const auto log = log_in(testing::data_file("pose-graphs-2d/manhattanOlson3500.g2o.gz"));
+  const Score score = PlantedClosures(log, ClosurePolicy::kRandomGroups, 0.9).score();
+  EXPECT_GE(score.recall(), 0.9995);
+  EXPECT_GE(score.precision(), 0.9995);
+}
+
 /// Small logs with one or two wrong closures, over which full SLAM does not get.
 class RobustCases : public TestWithParam<const char*> {};
 
