@@ -20,15 +20,15 @@
 namespace mapjoin {
 namespace {
 
-/// The first map asks for odds (a logarithm) of this share of those that only a hundredth of the closures surpass; every further
-/// map for a fraction of those before, down to the least.
+/// The first map asks for odds (a logarithm) of this share of those that one of so many closures surpasses; every further map
+/// for a fraction of those before, down to the least.
 constexpr double kFirstShare = 0.6;
-constexpr std::size_t kBestOneOf = 100;
+constexpr std::size_t kOneSurpassesOf = 100;
 constexpr double kOddsRatio = 3.0;
 constexpr double kLeastOdds = 3.0;
 /// A log is first tried as it is where no more of its closures and observations are outvoted by the others.
 constexpr std::ptrdiff_t kMostOutvoted = 20;
-/// Times that all closures are tried again: what the first time takes in may bear out others. Were it asked on and on, wrong
+/// Times that all closures are tried again: what the first time takes in may bear out others. Were they tried on and on, wrong
 /// ones that lie near would come in one after the other, each borne out by those before.
 constexpr int kMostTrials = 2;
 
@@ -110,11 +110,11 @@ class InlierSearch {
     if (odds_.empty()) return kLeastOdds;
     std::vector<double> descending = odds_;
     std::ranges::sort(descending, std::greater<>());
-    return std::max(kLeastOdds, kFirstShare * descending[descending.size() / kBestOneOf]);
+    return std::max(kLeastOdds, kFirstShare * descending[descending.size() / kOneSurpassesOf]);
   }
 
   /// Maps of what is kept and all other closures that pass the widest gate, and not by chance, whatever was said of them
-  /// before, until there are no others, or those of the last map.
+  /// before: at most kMostTrials, fewer where there are no others, or only those of the last map.
   Expected<void> try_all_again() {
     std::vector<std::size_t> made;
     gates_.last = gates_.widest;

@@ -51,15 +51,15 @@ template <int Dim>
 Inliers<SubmapSet<Dim>> without(const std::vector<Rejected>& rejected, const TakenApart<Dim>& apart, SubmapSet<Dim> set) {
   Inliers<SubmapSet<Dim>> inliers{std::move(set), {}};
   FactorGraph<Dim>& graph = inliers.input.graph;
+  const std::size_t no_map = graph.submaps.size();  // as TakenApart has it
   std::set<std::tuple<std::size_t, PoseIndex, FeatureIndex>> names;
   for (const Rejected& one : rejected) {
     if (one.misfit.kind != PartKind::kObservation) continue;
     const std::size_t map = apart.maps[one.observation];
     names.emplace(map, one.misfit.from, std::get<FeatureIndex>(one.misfit.to));
     inliers.rejected.push_back(one);
-    if (map < graph.submaps.size()) inliers.rejected.back().misfit.kind = PartKind::kMapFeature;
+    if (map < no_map) inliers.rejected.back().misfit.kind = PartKind::kMapFeature;
   }
-  const std::size_t no_map = graph.submaps.size();
   for (std::size_t m = 0; m < no_map; ++m) {
     LocalMap<Dim>& map = graph.submaps[m];
     map = without_features(map, [&](FeatureIndex f) { return names.contains({m, map.base, f}); });
@@ -74,7 +74,7 @@ template <int Dim>
 Expected<Inliers<SubmapSet<Dim>>> find_inliers(const SubmapSet<Dim>& set, const RobustOptions& options,
                                                const std::stop_token& stop) {
   RobustOptions of_log = options;
-  of_log.odometry = false;
+  of_log.odometry = false;  // all that relates poses is believed
   const TakenApart<Dim> apart = taken_apart(set);
   return find_inliers(apart.log, of_log, stop).map([&](const Inliers<Log<Dim>>& found) {
     return without(found.rejected, apart, set);

@@ -141,7 +141,7 @@ void TruncatedJoin<Dim>::graduate(const OfKinds& thresholds, const std::stop_tok
   minimise(*system_, solver, stop);
   solver.max_iterations = kStepsARound;
   double share = 0.5 / largest_excess(thresholds);
-  while (share < kSharp && largest_excess(thresholds) > 1.0 && !stop.stop_requested()) {
+  while (share > 0.0 && share < kSharp && largest_excess(thresholds) > 1.0 && !stop.stop_requested()) {
     for_each_doubtful([&](auto& factor, std::size_t k, double OfKinds::*kind) {
       factor.loss = counts_[k] ? Loss::truncated(thresholds.*kind, share) : kDropped;
     });

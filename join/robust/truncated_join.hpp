@@ -7,7 +7,6 @@
 #include <mapjoin/join/submap_graph.hpp>
 #include <mapjoin/model/log.hpp>
 #include <mapjoin/solve/marginals.hpp>
-#include <mapjoin/solve/minimise_options.hpp>
 #include <optional>
 #include <span>
 #include <stop_token>

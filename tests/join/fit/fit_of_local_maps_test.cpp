@@ -7,6 +7,8 @@
 #include <tests/support/closing_world.hpp>
 #include <tests/support/dimensions.hpp>
 #include <tests/support/small_submap_set.hpp>
+#include <utility>
+#include <vector>
 
 namespace mapjoin {
 namespace {

@@ -35,7 +35,7 @@ TYPED_TEST(DoubtfulOdometryTest, IsTheStepThatLoopsSpeakAgainst) {
   EXPECT_TRUE(doubtful_steps(this->slipping(0.0)).empty());
   const auto steps = doubtful_steps(this->slipping(2.0));
   EXPECT_EQ(steps.at(0), PoseIndex(50));
-  for (std::size_t k = 1; k < steps.size(); ++k) EXPECT_GE(steps[k], PoseIndex(100)) << "the other drive";
+  for (std::size_t k = 1; k < steps.size(); ++k) EXPECT_GE(steps[k], PoseIndex(100)) << "another step of the drive that slips";
 }
 
 TYPED_TEST(DoubtfulOdometryTest, BecomesAClosureWhereTheDriveIsCut) {

@@ -7,6 +7,7 @@
 #include <tests/support/dense_slam.hpp>
 #include <tests/support/dimensions.hpp>
 #include <tests/support/small_world.hpp>
+#include <utility>
 
 namespace mapjoin {
 namespace {
