@@ -20,11 +20,10 @@
 namespace mapjoin {
 namespace {
 
-/// The first map asks for odds (a logarithm) of this share of those that one of so many closures surpasses, and no fewer than
-/// nineteen do; every further map for a fraction of those before, down to the least.
+/// The first map asks for odds (a logarithm) of this share of those that one of so many closures surpasses; every further map
+/// for a fraction of those before, down to the least.
 constexpr double kFirstShare = 0.6;
 constexpr std::size_t kOneSurpassesOf = 100;
-constexpr std::size_t kFewest = 19;
 constexpr double kOddsRatio = 3.0;
 constexpr double kLeastOdds = 3.0;
 /// A log is first tried as it is where no more of its closures and observations are outvoted by the others.
@@ -111,8 +110,7 @@ class InlierSearch {
     if (odds_.empty()) return kLeastOdds;
     std::vector<double> descending = odds_;
     std::ranges::sort(descending, std::greater<>());
-    const std::size_t surpass = std::max(kFewest, descending.size() / kOneSurpassesOf);
-    return kFirstShare * descending[std::min(surpass, descending.size() - 1)];
+    return std::max(kLeastOdds, kFirstShare * descending[descending.size() / kOneSurpassesOf]);
   }
 
   /// Maps of what is kept and all other closures that pass the widest gate, and not by chance, whatever was said of them
