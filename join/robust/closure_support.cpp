@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <algorithm>
 #include <cmath>
-#include <functional>
 #include <mapjoin/join/fit/leave_one_out.hpp>
 #include <mapjoin/join/robust/closure_support.hpp>
 #include <mapjoin/measure/statistics.hpp>
@@ -161,9 +160,7 @@ std::vector<double> ClosureSupport<Dim>::odds(const std::vector<PriorOdds>& prio
 template <int Dim>
 double ClosureSupport<Dim>::scale(const std::vector<double>& odds) const {
   if (odds.empty()) return 1.0;
-  std::vector<double> descending = odds;
-  std::ranges::sort(descending, std::greater<>());
-  const double least = std::max(descending[descending.size() / kBestShare], 2.0 * kMostOfAPair);
+  const double least = std::max(nth_largest(odds, odds.size() / kBestShare), 2.0 * kMostOfAPair);
   const double expected = chi_squared_quantile(0.5, kPoseDof<Dim>);
   std::vector<double> ratios;
   for (std::size_t k = 0; k < odds.size(); ++k) {

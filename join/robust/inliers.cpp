@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <algorithm>
 #include <cmath>
-#include <functional>
 #include <limits>
 #include <mapjoin/check/connectivity.hpp>
 #include <mapjoin/join/robust/closure_judgement.hpp>
@@ -108,9 +107,7 @@ class InlierSearch {
 
   double first_odds() const {
     if (odds_.empty()) return kLeastOdds;
-    std::vector<double> descending = odds_;
-    std::ranges::sort(descending, std::greater<>());
-    return std::max(kLeastOdds, kFirstShare * descending[descending.size() / kOneSurpassesOf]);
+    return std::max(kLeastOdds, kFirstShare * nth_largest(odds_, odds_.size() / kOneSurpassesOf));
   }
 
   /// Maps of what is kept and all other closures that pass the widest gate, and not by chance, whatever was said of them

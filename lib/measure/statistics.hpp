@@ -1,10 +1,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
-// Medians, and what a sum of squares of so many standard normal variables may be.
+// Values by their rank, and what a sum of squares of so many standard normal variables may be.
 
 #include <algorithm>
 #include <cstddef>
 #include <cstdint>
+#include <functional>
 #include <map>
 #include <vector>
 
@@ -16,6 +17,14 @@ T median(std::vector<T> values) {
   const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
   std::nth_element(values.begin(), middle, values.end());
   return *middle;
+}
+
+/// The value that `rank` others precede in descending order; of more than `rank` values.
+template <typename T>
+T nth_largest(std::vector<T> values, std::size_t rank) {
+  const auto nth = values.begin() + static_cast<std::ptrdiff_t>(rank);
+  std::ranges::nth_element(values, nth, std::greater<>());
+  return *nth;
 }
 
 /// The probability of a value larger than `value` with `dof` degrees of freedom; 1 without any.

@@ -13,13 +13,18 @@
 namespace mapjoin {
 namespace {
 
+/// Of a world without closures.
+template <int Dim>
+SubmapSet<Dim> local_maps(std::uint64_t seed) {
+  return testing::small_submap_set(testing::ClosingWorld<Dim>(120, seed, 0).log, 15.0);
+}
+
 template <typename D>
 class FitOfLocalMapsTest : public ::testing::Test {};
 TYPED_TEST_SUITE(FitOfLocalMapsTest, testing::Dimensions, );
 
 TYPED_TEST(FitOfLocalMapsTest, NamesALocalMapsFeatureThatIsNotTheOneItIsSaidToBe) {
-  const testing::ClosingWorld<TypeParam::value> world(120, 4, 0);
-  auto set = testing::small_submap_set(world.log, 15.0);
+  auto set = local_maps<TypeParam::value>(4);
   auto& map = set.graph.submaps[set.graph.submaps.size() / 2];
   const auto others = [&](FeatureIndex feature) { return std::ranges::find(map.features, feature) == map.features.end(); };
   FeatureIndex wrong = 0;
@@ -40,8 +45,7 @@ TYPED_TEST(FitOfLocalMapsTest, NamesALocalMapsFeatureThatIsNotTheOneItIsSaidToBe
 }
 
 TEST(FitOfLocalMaps, NamesLocalMapsThatChangedPlaces) {
-  const testing::ClosingWorld<2> world(120, 4, 0);
-  auto set = testing::small_submap_set(world.log, 15.0);
+  auto set = local_maps<2>(4);
   auto& maps = set.graph.submaps;
   std::swap(maps[2], maps[4]);
   std::swap(maps[2].base, maps[4].base);
@@ -53,8 +57,7 @@ TEST(FitOfLocalMaps, NamesLocalMapsThatChangedPlaces) {
 }
 
 TYPED_TEST(FitOfLocalMapsTest, NamesTheLastLocalMapWhereItStandsTwice) {
-  const testing::ClosingWorld<TypeParam::value> world(120, 4, 0);
-  auto set = testing::small_submap_set(world.log, 15.0);
+  auto set = local_maps<TypeParam::value>(4);
   auto copy = set.graph.submaps.back();
   copy.base = copy.poses.back();
   copy.poses.back() = PoseIndex(set.poses.size());
@@ -69,11 +72,9 @@ TYPED_TEST(FitOfLocalMapsTest, NamesTheLastLocalMapWhereItStandsTwice) {
 }
 
 TEST(FitOfLocalMaps, NamesTheLocalMapOfAnotherSession) {
-  const testing::ClosingWorld<2> world(120, 4, 0);
-  const testing::ClosingWorld<2> another(120, 11, 0);
-  auto set = testing::small_submap_set(world.log, 15.0);
+  auto set = local_maps<2>(4);
   auto& map = set.graph.submaps[4];
-  const auto strange = testing::small_submap_set(another.log, 15.0).graph.submaps[4];
+  const auto strange = local_maps<2>(11).graph.submaps[4];
   for (std::size_t k = 0; k < std::min(map.features.size(), strange.features.size()); ++k) {
     map.feature_estimates[k] = strange.feature_estimates[k];
   }

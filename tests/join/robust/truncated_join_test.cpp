@@ -98,6 +98,16 @@ TYPED_TEST(TruncatedJoinTest, KeepsAllOfALogThatFits) {
   EXPECT_EQ(this->observations_that_count(join), std::ssize(world.log.observations()));
 }
 
+TYPED_TEST(TruncatedJoinTest, CountsOutAClosureWhoseChi2IsInfinite) {
+  auto world = this->world();
+  this->spoil_closure(world.log, 2, 1e10);
+  world.log.graph.pose_factors[world.log.odometry().size() + 2].information.setIdentity();
+  world.log.graph.pose_factors[world.log.odometry().size() + 2].information *= 1e300;
+  auto join = this->join_of(world);
+  join.graduate(kThresholds, {});
+  EXPECT_FALSE(join.counts(2));
+}
+
 TYPED_TEST(TruncatedJoinTest, GivesKindsThresholdsOfTheirOwn) {
   auto closure = this->world();
   this->spoil_closure(closure.log, 2, 0.05);

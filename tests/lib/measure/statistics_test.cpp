@@ -7,6 +7,14 @@
 namespace mapjoin {
 namespace {
 
+TEST(NthLargest, IsPrecededBySoManyOthers) {
+  const std::vector<double> values = {2.0, 5.0, -1.0, 5.0, 3.0};
+  EXPECT_EQ(nth_largest(values, 0), 5.0);
+  EXPECT_EQ(nth_largest(values, 1), 5.0);
+  EXPECT_EQ(nth_largest(values, 2), 3.0);
+  EXPECT_EQ(nth_largest(values, 4), -1.0);
+}
+
 TEST(ChiSquared, IsAnExponentialWithTwoDegreesOfFreedom) {
   for (const double value : {0.1, 1.0, 9.0, 60.0}) {
     EXPECT_NEAR(chi_squared_upper_tail(value, 2), std::exp(-0.5 * value), 1e-12 * std::exp(-0.5 * value));
