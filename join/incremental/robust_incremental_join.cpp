@@ -4,7 +4,7 @@
 #include <iterator>
 #include <mapjoin/join/incremental/robust_incremental_join.hpp>
 #include <mapjoin/join/robust/odometry_chain.hpp>
-#include <mapjoin/join/robust/taken_apart.hpp>
+#include <mapjoin/localmap/taken_apart.hpp>
 #include <mapjoin/measure/statistics.hpp>
 #include <mapjoin/model/linearise.hpp>
 #include <set>

@@ -2,7 +2,7 @@
 #include <algorithm>
 #include <iterator>
 #include <mapjoin/join/robust/inliers.hpp>
-#include <mapjoin/join/robust/taken_apart.hpp>
+#include <mapjoin/localmap/taken_apart.hpp>
 #include <mapjoin/model/marginal_information.hpp>
 #include <numeric>
 #include <set>

@@ -36,7 +36,7 @@ Expected<void> settle(TruncatedJoin<Dim>& join, Gates& gates, const std::string&
   bool are_readmitted = false;  // those that were dropped with what they suffered from
   for (bool is_first = true;; is_first = false) {
     join.settle(stop);
-    if (stop.stop_requested()) return tl::unexpected(Error{ErrorKind::kInterrupted, "interrupted while rejecting"});
+    if (stop.stop_requested()) return tl::unexpected(interrupted_search());
     if (!join.is_tested()) {
       return bad_input(source + ": the measurements that agree leave something free to move; without --robust " +
                        "the verdict names what is out of line");

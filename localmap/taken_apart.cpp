@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <algorithm>
-#include <mapjoin/join/robust/taken_apart.hpp>
+#include <mapjoin/localmap/taken_apart.hpp>
 #include <mapjoin/model/information.hpp>
 #include <mapjoin/model/linearise.hpp>
 #include <utility>

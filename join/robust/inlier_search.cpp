@@ -1,0 +1,236 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <algorithm>
+#include <mapjoin/join/robust/closure_judgement.hpp>
+#include <mapjoin/join/robust/inlier_search.hpp>
+#include <mapjoin/join/robust/selection.hpp>
+#include <mapjoin/join/robust/sighting_support.hpp>
+#include <mapjoin/measure/statistics.hpp>
+#include <mapjoin/model/information.hpp>
+#include <numeric>
+#include <utility>
+
+namespace mapjoin {
+namespace {
+
+/// Every further map asks for a fraction of the odds of the one before, down to kLeastOdds.
+constexpr double kOddsRatio = 3.0;
+/// Times that all closures are tried again: what the first time takes in may bear out others. Were they tried on and on, wrong
+/// ones that lie near would come in one after the other, each borne out by those before.
+constexpr int kMostTrials = 2;
+
+bool is_outvoted(double odds) {
+  return odds < -kLeastOdds;
+}
+
+/// A search for the closures and observations that agree, from one first map on.
+template <int Dim>
+class InlierSearch {
+ public:
+  InlierSearch(const Log<Dim>& log, const Screening<Dim>& screening, Engine engine, const std::stop_token& stop)
+      : log_(log),
+        support_(screening.support),
+        engine_(engine),
+        stop_(stop),
+        doubtful_count_(screening.doubtful_count),
+        gates_(screening.gates),
+        priors_(screening.priors),
+        odds_(screening.odds),
+        judged_{std::vector(odds_.size(), Standing::kOpen), std::vector(odds_.size(), 0.0), {}, {}},
+        observations_count_(screening.observations_count) {}
+
+  Expected<void> run(double first_odds) {
+    return take_in_by_odds(first_odds).and_then([&] { return try_all_again(); });
+  }
+
+  Inliers<Log<Dim>> inliers() {
+    keep_one_of_each_feature(log_, distances_of_observations(), observations_count_);
+    Inliers<Log<Dim>> found;
+    const auto reject = [&](PartKind kind, std::size_t k, const auto& factor, double chi2, int rows, double widest) {
+      const double tail = doubtful_count_ * chi_squared_upper_tail(chi2, rows);
+      found.rejected.push_back({{kind, factor.base, factor.target, chi2, rows, std::min(1.0, tail)},
+                                chi2 < widest ? WhyRejected::kCrowded : WhyRejected::kContradicted,
+                                k});
+    };
+    const std::vector<std::size_t> kept = kept_together();
+    for (std::size_t k = 0; k < odds_.size(); ++k) {
+      if (std::ranges::binary_search(kept, k)) continue;
+      reject(PartKind::kClosure, k, log_.closures()[k], judged_.chi2[k], rows_of(k), gates_.widest.closures);
+    }
+    for (std::size_t k = 0; k < observations_count_.size(); ++k) {
+      if (observations_count_[k]) continue;
+      reject(PartKind::kObservation, k, log_.observations()[k], observation_tests_[k].chi2, Dim, gates_.widest.observations);
+    }
+    found.input = selected(log_, kept, observations_count_);
+    put_in_order(found.input);
+    return found;
+  }
+
+ private:
+  /// Maps of ever more closures, from the best supported ones on. Each judges all closures.
+  Expected<void> take_in_by_odds(double first) {
+    std::vector<std::size_t> made;
+    for (double least = first;; least = std::max(least / kOddsRatio, kLeastOdds)) {
+      const auto chosen =
+          candidates([&](std::size_t k) { return judged_.standing[k] == Standing::kOpen && odds_[k] >= least; });
+      if (chosen != made) {
+        if (const auto done = make_map(chosen); !done) return done;
+        made = chosen;
+      }
+      if (least <= kLeastOdds) return {};
+    }
+  }
+
+  /// Maps of what is kept and all other closures that pass the widest gate, and not by chance, whatever was said of them
+  /// before: at most kMostTrials, fewer where there are no others, or only those of the last map.
+  Expected<void> try_all_again() {
+    std::vector<std::size_t> made;
+    gates_.last = gates_.widest;
+    for (int trial = 0; trial < kMostTrials; ++trial) {
+      const std::vector<bool> fits = fits_beyond_chance(judged_, log_.closures(), gates_);
+      const auto chosen = candidates([&](std::size_t k) { return fits[k]; });
+      const bool are_others = chosen != made && chosen != candidates([](std::size_t) { return false; });
+      if (!are_others && (trial > 0 || log_.observations().empty())) break;
+      if (const auto done = make_map(chosen, From::kAnew); !done) return done;
+      made = chosen;
+    }
+    return {};
+  }
+
+  /// Closures, ascending, for the next map: those kept, those that are `taken` and, where these leave the log in parts, the
+  /// likeliest others that tie them together.
+  template <typename F>
+  std::vector<std::size_t> candidates(F&& taken) const {
+    std::vector<bool> is_chosen(odds_.size());
+    for (std::size_t k = 0; k < odds_.size(); ++k) is_chosen[k] = is_kept(k) || taken(k);
+    return tied_together(log_, odds_, std::move(is_chosen));
+  }
+
+  /// Where a map starts: afresh, which takes longer, it ends in a better minimum.
+  enum class From : std::uint8_t { kLastMap, kAnew };
+  /// Makes the map of some closures, and lets it judge all.
+  Expected<void> make_map(const std::vector<std::size_t>& chosen, From from = From::kLastMap) {
+    if (from == From::kAnew || judged_.values.poses.empty()) {
+      auto started = start(chosen);
+      if (!started) return tl::unexpected(started.error());
+      judged_.values = std::move(*started);
+    }
+    TruncatedJoin<Dim> join(selected(log_, chosen, {}), judged_.values, observations_count_, engine_);
+    return settle(join, gates_, log_.source, stop_).and_then([&]() -> Expected<void> {
+      observations_count_ = join.observations_count();
+      observation_tests_.assign(join.observation_tests().begin(), join.observation_tests().end());
+      judged_ = judge(log_, chosen, join, gates_, stop_);
+      find_odds();
+      if (stop_.stop_requested()) return tl::unexpected(interrupted_search());
+      return {};
+    });
+  }
+
+  Expected<Values<Dim>> start(const std::vector<std::size_t>& chosen) const {
+    std::vector<bool> sightings = observations_count_;
+    keep_one_of_each_feature(log_, distances_of_observations(), sightings);
+    auto started = started_map(selected(log_, chosen, sightings), engine_, stop_);
+    if (started || started.error().kind != ErrorKind::kBadInput) return started;
+    return started_map(selected(log_, chosen, {}), engine_, stop_);
+  }
+
+  /// By what the last map says, and closures of each other.
+  void find_odds() {
+    for (std::size_t k = 0; k < priors_.size(); ++k) {
+      if (!is_kept(k)) priors_[k] = support_.prior(judged_.mismatches[k], gates_.scale.closures);
+      priors_[k].is_right = is_kept(k);
+      priors_[k].is_wrong = judged_.standing[k] == Standing::kDropped;
+    }
+    odds_ = support_.odds(priors_, gates_.scale.closures);
+  }
+
+  bool is_kept(std::size_t closure) const { return judged_.standing[closure] == Standing::kKept; }
+
+  /// Measured rows of a closure.
+  int rows_of(std::size_t closure) const { return static_cast<int>(information_rank(log_.closures()[closure].information)); }
+
+  /// The closures that are kept and, where these leave the log in parts, the nearest others that tie them together.
+  std::vector<std::size_t> kept_together() const {
+    std::vector<std::size_t> all(odds_.size());
+    std::iota(all.begin(), all.end(), std::size_t{0});
+    std::vector<bool> are_kept(odds_.size());
+    std::vector<double> nearness(odds_.size());
+    for (std::size_t k = 0; k < odds_.size(); ++k) {
+      are_kept[k] = is_kept(k);
+      nearness[k] = -judged_.chi2[k];
+    }
+    return tied_together(selected(log_, all, observations_count_), nearness, std::move(are_kept));
+  }
+
+  /// Squared, of each observation from its prediction; without a map all the same.
+  std::vector<double> distances_of_observations() const {
+    std::vector<double> distances(observations_count_.size());
+    for (std::size_t k = 0; k < observation_tests_.size(); ++k) distances[k] = observation_tests_[k].chi2;
+    return distances;
+  }
+
+  const Log<Dim>& log_;
+  const ClosureSupport<Dim>& support_;
+  Engine engine_;
+  const std::stop_token& stop_;
+  double doubtful_count_;
+  Gates gates_;
+  std::vector<PriorOdds> priors_;
+  std::vector<double> odds_;
+  ClosureJudgement<Dim> judged_;  // by the last map; without values before the first one
+  std::vector<bool> observations_count_;
+  std::vector<PartTest> observation_tests_;
+};
+
+}  // namespace
+
+template <int Dim>
+Screening<Dim>::Screening(const Log<Dim>& log, double confidence, const std::stop_token& stop)
+    : chain(log),
+      support(chain, log.closures(), stop),
+      doubtful_count(std::max(1.0, static_cast<double>(log.closures().size() + log.observations().size()))) {
+  const double tail = (1.0 - confidence) / doubtful_count;
+  gates.widest = {chi_squared_upper_quantile(tail, kPoseDof<Dim>), chi_squared_upper_quantile(tail, Dim)};
+  screen_closures();
+  screen_observations(log);
+}
+
+template <int Dim>
+void Screening<Dim>::screen_closures() {
+  priors = support.priors(1.0);
+  odds = support.odds(priors, 1.0);
+  gates.scale.closures = support.scale(odds);
+  if (gates.scale.closures < 1.0) {
+    priors = support.priors(gates.scale.closures);
+    odds = support.odds(priors, gates.scale.closures);
+  }
+  outvoted += static_cast<std::size_t>(std::ranges::count_if(odds, is_outvoted));
+}
+
+template <int Dim>
+void Screening<Dim>::screen_observations(const Log<Dim>& log) {
+  const std::vector<double> odds_of_sightings = sighting_odds(chain, log);
+  outvoted += static_cast<std::size_t>(std::ranges::count_if(odds_of_sightings, is_outvoted));
+  std::vector<double> against;
+  for (const double odds_of_one : odds_of_sightings) {
+    observations_count.push_back(odds_of_one > kLeastOdds);
+    against.push_back(-odds_of_one);
+  }
+  keep_one_of_each_feature(log, against, observations_count);
+}
+
+template <int Dim>
+Expected<Inliers<Log<Dim>>> search_inliers(const Log<Dim>& log, const Screening<Dim>& screening, double first_odds,
+                                           Engine engine, const std::stop_token& stop) {
+  InlierSearch<Dim> search(log, screening, engine, stop);
+  return search.run(first_odds).map([&] { return search.inliers(); });
+}
+
+#define MAPJOIN_INSTANTIATE(Dim)                                                                              \
+  template struct Screening<Dim>;                                                                             \
+  template Expected<Inliers<Log<Dim>>> search_inliers(const Log<Dim>&, const Screening<Dim>&, double, Engine, \
+                                                      const std::stop_token&);
+MAPJOIN_INSTANTIATE(2)
+MAPJOIN_INSTANTIATE(3)
+#undef MAPJOIN_INSTANTIATE
+
+}  // namespace mapjoin
