@@ -15,16 +15,8 @@ namespace {
 /// So many alignments are tried: of half wrong fixes, one of two right ones is missed with a probability of 1e-37, of three
 /// 2e-17.
 constexpr int kAlignments = 300;
-/// The control of graduated non-convexity, μ, grows by this factor a round (Yang and others, 2020), until the loss is cut off
-/// sharply;
-constexpr double kGrowth = 2.0;
-constexpr double kSharp = 50.0;
-/// a round takes so many steps: the next loss asks for no more. It begins no wider than at kWide: what is 100 times farther out
-/// than may be is out.
+/// Steps of a round of graduated non-convexity: the next loss asks for no more.
 constexpr int kStepsARound = 3;
-constexpr double kWide = 1e-4;
-/// Those that count settle in a few rounds, or go round in a circle.
-constexpr int kMostRounds = 10;
 
 /// A log whose pose priors, all fixes, are doubtful.
 template <int Dim>
@@ -85,26 +77,19 @@ class FixSearch {
   }
 
   Expected<void> graduate() {
-    const double worst = std::ranges::max(costs());
-    const double first = std::max(kWide, widest_ / std::max(2.0 * worst - widest_, widest_));
-    for (double mu = first; mu < kSharp; mu *= kGrowth) {
-      for (PoseFactor<Dim>& fix : fixes()) fix.loss = Loss::truncated(widest_, mu / (1.0 + mu));
+    const double excess = std::ranges::max(costs()) / widest_;
+    for (double share = 0.5 / std::max(1.0, excess); share < kSharpShare; share = sharper(share)) {
+      for (PoseFactor<Dim>& fix : fixes()) fix.loss = Loss::truncated(widest_, share);
       if (auto solved = solve_on(kStepsARound); !solved) return solved;
     }
     return {};
   }
 
-  /// Solves with those that cost less than they may, until they are the same ones.
+  /// Solves with those that cost less than they may.
   Expected<void> settle() {
-    std::vector<bool> counts;
-    for (int round = 0; round < kMostRounds; ++round) {
-      std::vector<bool> now;
-      for (const double cost : costs()) now.push_back(cost < widest_);
-      if (now == std::exchange(counts, now)) break;
-      for (std::size_t f = 0; f < counts.size(); ++f) fixes()[f].loss = counts[f] ? Loss{} : Loss{0.0, 0.0};
-      if (auto solved = solve_on(MinimiseOptions{}.max_iterations); !solved) return solved;
-    }
-    return {};
+    const std::vector<double> all = costs();
+    for (std::size_t f = 0; f < all.size(); ++f) fixes()[f].loss = all[f] < widest_ ? Loss{} : Loss{0.0, 0.0};
+    return solve_on(MinimiseOptions{}.max_iterations);
   }
 
   /// From the values that there are.

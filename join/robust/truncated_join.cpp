@@ -13,10 +13,6 @@
 namespace mapjoin {
 namespace {
 
-/// The control of graduated non-convexity, μ, grows by this factor a round (Yang and others, 2020); it ends where the loss is
-/// cut off this sharply.
-constexpr double kGrowth = 2.0;
-constexpr double kSharp = 0.98;
 /// Steps with all that count, before losses are cut off at all,
 constexpr int kFirstSteps = 5;
 /// and of a round: the next loss asks for no more.
@@ -141,13 +137,12 @@ void TruncatedJoin<Dim>::graduate(const OfKinds& thresholds, const std::stop_tok
   minimise(*system_, solver, stop);
   solver.max_iterations = kStepsARound;
   double share = 0.5 / largest_excess(thresholds);
-  while (share > 0.0 && share < kSharp && largest_excess(thresholds) > 1.0 && !stop.stop_requested()) {
+  while (share > 0.0 && share < kSharpShare && largest_excess(thresholds) > 1.0 && !stop.stop_requested()) {
     for_each_doubtful([&](auto& factor, std::size_t k, double OfKinds::*kind) {
       factor.loss = counts_[k] ? Loss::truncated(thresholds.*kind, share) : kDropped;
     });
     minimise(*system_, solver, stop);
-    const double mu = kGrowth * share / (1.0 - share);
-    share = mu / (1.0 + mu);
+    share = sharper(share);
   }
   const std::vector<double> excess = this->excess(thresholds);
   for (std::size_t k = 0; k < counts_.size(); ++k) counts_[k] = counts_[k] && excess[k] < 1.0;

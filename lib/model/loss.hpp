@@ -36,4 +36,13 @@ inline LossValue evaluate(const Loss& loss, double s) {
   return {2.0 * root * std::sqrt(s) - mu * (c2 + s), root / std::sqrt(s) - mu};
 }
 
+/// Where graduated non-convexity ends: a truncated loss of this share is as good as cut off.
+inline constexpr double kSharpShare = 0.98;
+
+/// The share after this one: the control of graduated non-convexity, μ = share / (1 - share), is doubled.
+inline double sharper(double share) {
+  const double mu = 2.0 * share / (1.0 - share);
+  return mu / (1.0 + mu);
+}
+
 }  // namespace mapjoin

@@ -49,6 +49,19 @@ TYPED_TEST(FixInliers, WrongFixesAreFound) {
   }
 }
 
+/// Two of five fixes, all moved by the same: another frame, onto which the map could be aligned as well.
+TYPED_TEST(FixInliers, WrongFixesThatAgreeAreFoundWhileTheyAreFewer) {
+  auto world = gps_world<TestFixture::kDim>({.poses = 400, .between = 2});
+  std::set<std::size_t> moved;
+  const std::size_t first = world.log.edges().size();
+  for (std::size_t f = 0; first + f < world.log.graph.pose_factors.size(); ++f) {
+    if (f % 5 >= 2) continue;
+    world.log.graph.pose_factors[first + f].measured.translation[0] += 5000.0;
+    moved.insert(f);
+  }
+  EXPECT_EQ(this->found_in(world.log), moved);
+}
+
 TYPED_TEST(FixInliers, FixesThatDetermineNoAlignmentAreKept) {
   auto world = gps_world<TestFixture::kDim>({.between = 1000});
   ASSERT_EQ(world.log.pose_priors().size(), 1U);

@@ -101,7 +101,7 @@ TEST_P(PlantedClosuresData, AreRejectedAndHardlyAnyOther) {
   const auto& [file, policy, share] = GetParam();
   const Score score = PlantedClosures(log_in(testing::data_file(file)), policy, share).score();
   EXPECT_GE(score.recall(), 0.99);
-  EXPECT_GE(score.precision(), 0.99);
+  EXPECT_GE(score.precision(), 0.9995);
 }
 INSTANTIATE_TEST_SUITE_P(Robust, PlantedClosuresData,
                          ::testing::Values(Planting{"pose-graphs-2d/intel.g2o.gz", ClosurePolicy::kRandom, 0.5},
