@@ -15,9 +15,6 @@ namespace {
 /// So many alignments are tried: of half wrong fixes, one of two right ones is missed with a probability of 1e-37, of three
 /// 2e-17.
 constexpr int kAlignments = 300;
-/// Steps of a round of graduated non-convexity: the next loss asks for no more.
-constexpr int kStepsARound = 3;
-
 /// A log whose pose priors, all fixes, are doubtful.
 template <int Dim>
 class FixSearch {
@@ -76,11 +73,12 @@ class FixSearch {
     return best;
   }
 
+  /// By graduated non-convexity, a step for each loss.
   Expected<void> graduate() {
     const double excess = std::ranges::max(costs()) / widest_;
     for (double share = 0.5 / std::max(1.0, excess); share < kSharpShare; share = sharper(share)) {
       for (PoseFactor<Dim>& fix : fixes()) fix.loss = Loss::truncated(widest_, share);
-      if (auto solved = solve_on(kStepsARound); !solved) return solved;
+      if (auto solved = solve_on(1); !solved) return solved;
     }
     return {};
   }
