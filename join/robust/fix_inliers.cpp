@@ -4,6 +4,7 @@
 #include <mapjoin/join/robust/fix_inliers.hpp>
 #include <mapjoin/join/run.hpp>
 #include <mapjoin/measure/statistics.hpp>
+#include <mapjoin/model/loss.hpp>
 #include <mapjoin/model/cost.hpp>
 #include <mapjoin/simulate/random_stream.hpp>
 #include <optional>
@@ -15,6 +16,7 @@ namespace {
 /// So many alignments are tried: of half wrong fixes, one of two right ones is missed with a probability of 1e-37, of three
 /// 2e-17.
 constexpr int kAlignments = 300;
+
 /// A log whose pose priors, all fixes, are doubtful.
 template <int Dim>
 class FixSearch {
@@ -76,7 +78,7 @@ class FixSearch {
   /// By graduated non-convexity, a step for each loss.
   Expected<void> graduate() {
     const double excess = std::ranges::max(costs()) / widest_;
-    for (double share = 0.5 / std::max(1.0, excess); share < kSharpShare; share = sharper(share)) {
+    for (double share = 0.5 / std::max(1.0, excess); share > 0.0 && share < kSharpShare; share = sharper(share)) {
       for (PoseFactor<Dim>& fix : fixes()) fix.loss = Loss::truncated(widest_, share);
       if (auto solved = solve_on(1); !solved) return solved;
     }

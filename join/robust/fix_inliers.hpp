@@ -19,8 +19,8 @@ struct RejectedFix {
 /// Finds the wrong ones among the pose priors of a log, all of which are fixes. The map without them is placed by the rigid
 /// motion that brings the most of its antenna positions near their fixes (least median of squares over random pairs, in space
 /// triples); from there all is solved with losses that are cut off at what the confidence allows, by graduated non-convexity,
-/// and then again with those fixes alone that cost less, until they are the same ones. None are found where too few fixes stand
-/// apart to tell. Bad input: a log that nothing but its fixes ties together; kInterrupted on `stop`.
+/// and then again with those fixes alone that cost less; what is then too far off is wrong. None are found where too few fixes
+/// stand apart to tell. Bad input: a log that nothing but its fixes ties together; kInterrupted on `stop`.
 template <int Dim>
 Expected<std::vector<RejectedFix>> find_wrong_fixes(const Log<Dim>& log, const RobustOptions& options,
                                                     const std::stop_token& stop = {});

@@ -1,9 +1,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <algorithm>
+#include <cstdint>
 #include <mapjoin/join/robust/closure_judgement.hpp>
 #include <mapjoin/join/robust/inlier_search.hpp>
 #include <mapjoin/join/robust/selection.hpp>
 #include <mapjoin/join/robust/sighting_support.hpp>
+#include <mapjoin/join/robust/truncated_join.hpp>
 #include <mapjoin/measure/statistics.hpp>
 #include <mapjoin/model/information.hpp>
 #include <numeric>

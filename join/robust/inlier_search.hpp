@@ -2,6 +2,7 @@
 #pragma once
 // The search for the closures and observations of a log that agree, from a first map on.
 
+#include <cstddef>
 #include <mapjoin/join/robust/agreement.hpp>
 #include <mapjoin/join/robust/closure_support.hpp>
 #include <mapjoin/join/robust/inliers.hpp>
@@ -12,7 +13,8 @@
 
 namespace mapjoin {
 
-/// Beyond these odds (a logarithm) the others are for a closure or observation or, negative, against it.
+/// The others are for a closure or observation whose odds (a logarithm) are above this, and against it where they are below
+/// its negative.
 inline constexpr double kLeastOdds = 3.0;
 
 /// What is known of a log before anything is solved: what odometry and closures say of each other, and observations of each
@@ -30,14 +32,17 @@ struct Screening {
 
   /// Of a log whose odometry is believed; some is missing once a stop is requested. `confidence` as of RobustOptions.
   Screening(const Log<Dim>& log, double confidence, const std::stop_token& stop);
+  Screening(const Screening&) = delete;  // `support` refers to `chain`
+  Screening& operator=(const Screening&) = delete;
 
  private:
   void screen_closures();
   void screen_observations(const Log<Dim>& log);
 };
 
-/// Maps of ever more closures, from those of at least `first_odds` on, each of which judges all of them; at the end all that
-/// was rejected is tried again. Errors as of find_inliers().
+/// Maps of ever more closures, from those of at least `first_odds` (a logarithm) down to kLeastOdds, or one map where that is
+/// no more; each judges all of them. At the end all that was rejected is tried again. `screening` is of the same log. Errors as
+/// of find_inliers().
 template <int Dim>
 Expected<Inliers<Log<Dim>>> search_inliers(const Log<Dim>& log, const Screening<Dim>& screening, double first_odds,
                                            Engine engine, const std::stop_token& stop);

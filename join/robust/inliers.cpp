@@ -7,8 +7,8 @@
 #include <mapjoin/join/robust/inliers.hpp>
 #include <mapjoin/join/robust/repeated_odometry.hpp>
 #include <mapjoin/join/robust/robust_map.hpp>
+#include <mapjoin/join/robust/truncated_join.hpp>
 #include <mapjoin/measure/statistics.hpp>
-#include <optional>
 #include <utility>
 
 namespace mapjoin {
@@ -35,33 +35,36 @@ Expected<bool> fits_as_it_is(const Log<Dim>& log, const Screening<Dim>& screenin
   });
 }
 
-/// The odds that closures of first maps have at least. Where closures are so few that a hundredth of them is none, odds tell
-/// little: maps of the best one, three, nine and so on are tried, and one of all.
-std::vector<double> first_odds(const std::vector<double>& odds) {
+/// The odds that closures of first maps have at least, each once. Where closures are so few that a hundredth of them is none,
+/// odds tell little: maps of the best one, three, nine and so on (and of what ties with them) are tried, and one of all.
+std::vector<double> odds_of_first_maps(const std::vector<double>& odds) {
   if (odds.empty()) return {kLeastOdds};
   if (const std::size_t rank = odds.size() / kOneSurpassesOf; rank > 0) {
     return {std::max(kLeastOdds, kFirstShare * nth_largest(odds, rank))};
   }
   std::vector<double> firsts;
-  for (std::size_t count = 1; count < odds.size(); count *= kFirstGrowth) firsts.push_back(nth_largest(odds, count - 1));
+  for (std::size_t count = 1; count < odds.size(); count *= kFirstGrowth) {
+    const double least = nth_largest(odds, count - 1);
+    if (firsts.empty() || least < firsts.back()) firsts.push_back(least);
+  }
   firsts.push_back(-std::numeric_limits<double>::infinity());
   return firsts;
 }
 
-/// Of the searches from all first maps that which keeps the most.
+/// Of the searches from all first maps that which rejects the fewest; one that fails is passed over where another does not.
 template <int Dim>
 Expected<Inliers<Log<Dim>>> best_inliers(const Log<Dim>& log, const RobustOptions& options, const std::stop_token& stop) {
   const Screening<Dim> screening(log, options.confidence, stop);
   if (stop.stop_requested()) return tl::unexpected(interrupted_search());
   const auto fits = fits_as_it_is(log, screening, options.engine, stop);
   if (!fits || *fits) return fits.map([&](bool) { return Inliers<Log<Dim>>{log, {}}; });
-  std::optional<Inliers<Log<Dim>>> best;
-  for (const double first : first_odds(screening.odds)) {
+  Expected<Inliers<Log<Dim>>> best = tl::unexpected(Error{});
+  for (const double first : odds_of_first_maps(screening.odds)) {
     auto found = search_inliers(log, screening, first, options.engine, stop);
-    if (!found) return tl::unexpected(found.error());
-    if (!best || found->rejected.size() < best->rejected.size()) best = std::move(*found);
+    if (!found && found.error().kind == ErrorKind::kInterrupted) return found;
+    if (!best || (found && found->rejected.size() < best->rejected.size())) best = std::move(found);
   }
-  return *std::move(best);
+  return best;
 }
 
 }  // namespace

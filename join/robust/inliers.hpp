@@ -48,7 +48,8 @@ struct Inliers {
 
 /// Finds the closures and observations that do not agree with the others: closures are judged by the loops that they make with
 /// each other and with odometry (ClosureSupport), the best supported ones are joined with truncated losses (TruncatedJoin), and
-/// the map that comes of it judges all others, in rounds, the last of which try every rejected one again. Odometry and priors
+/// the map that comes of it judges all others, in rounds, the last of which try every rejected one again. Of fewer than a
+/// hundred closures this is done from several first maps, and the search that rejects the fewest counts. Odometry and priors
 /// are believed, but of two odometry edges between the same poses that contradict each other the later one is rejected. With
 /// `odometry` drives are cut where closures, or the verdict on the map, speak against it, and the edge is judged as a closure.
 /// Bad input: a log that falls apart; kInterrupted on `stop`. The same for any number of threads.

@@ -8,7 +8,8 @@ namespace mapjoin {
 
 double chi_squared_upper_tail(double value, double dof) {
   if (dof <= 0.0) return 1.0;
-  return boost::math::cdf(boost::math::complement(boost::math::chi_squared(dof), std::max(0.0, value)));
+  const double finite = std::min(std::max(0.0, value), std::numeric_limits<double>::max());
+  return boost::math::cdf(boost::math::complement(boost::math::chi_squared(dof), finite));
 }
 
 double log_chi_squared_upper_tail(double value, double dof) {

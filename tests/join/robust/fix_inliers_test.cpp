@@ -62,6 +62,12 @@ TYPED_TEST(FixInliers, WrongFixesThatAgreeAreFoundWhileTheyAreFewer) {
   EXPECT_EQ(this->found_in(world.log), wrong);
 }
 
+TYPED_TEST(FixInliers, AFixBeyondAllNumbersIsFound) {
+  auto world = gps_world<TestFixture::kDim>();
+  world.log.graph.pose_factors[world.log.edges().size() + 7].measured.translation[0] = 1e200;
+  EXPECT_EQ(this->found_in(world.log), std::set<std::size_t>{7});
+}
+
 TYPED_TEST(FixInliers, FixesThatDetermineNoAlignmentAreKept) {
   auto world = gps_world<TestFixture::kDim>({.between = 1000});
   ASSERT_EQ(world.log.pose_priors().size(), 1U);

@@ -128,7 +128,8 @@ TEST(PlantedGroupsData, AreFoundWhereTheLogPassesItsTestsWithThem) {
   EXPECT_EQ(score.right_rejected, 0U);
 }
 
-/// MIT has twenty closures, of which odds tell little: which first map leads to all of them differs from draw to draw.
+/// MIT has twenty closures, of which odds tell little: which first map leads to all of them differs from draw to draw. In each of
+/// these some first map does not.
 class FewClosuresData : public TestWithParam<std::uint64_t> {};
 
 TEST_P(FewClosuresData, AreAllKeptWhereAsManyAreWrong) {
