@@ -1,11 +1,12 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <algorithm>
+#include <limits>
 #include <mapjoin/join/align/alignment.hpp>
 #include <mapjoin/join/robust/fix_inliers.hpp>
 #include <mapjoin/join/run.hpp>
 #include <mapjoin/measure/statistics.hpp>
-#include <mapjoin/model/loss.hpp>
 #include <mapjoin/model/cost.hpp>
+#include <mapjoin/model/loss.hpp>
 #include <mapjoin/simulate/random_stream.hpp>
 #include <optional>
 #include <utility>
@@ -78,7 +79,7 @@ class FixSearch {
   /// By graduated non-convexity, a step for each loss.
   Expected<void> graduate() {
     const double excess = std::ranges::max(costs()) / widest_;
-    for (double share = 0.5 / std::max(1.0, excess); share > 0.0 && share < kSharpShare; share = sharper(share)) {
+    for (double share = first_share(excess); share < kSharpShare; share = sharper(share)) {
       for (PoseFactor<Dim>& fix : fixes()) fix.loss = Loss::truncated(widest_, share);
       if (auto solved = solve_on(1); !solved) return solved;
     }

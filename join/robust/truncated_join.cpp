@@ -136,8 +136,8 @@ void TruncatedJoin<Dim>::graduate(const OfKinds& thresholds, const std::stop_tok
   set_losses({});
   minimise(*system_, solver, stop);
   solver.max_iterations = kStepsARound;
-  double share = 0.5 / largest_excess(thresholds);
-  while (share > 0.0 && share < kSharpShare && largest_excess(thresholds) > 1.0 && !stop.stop_requested()) {
+  double share = first_share(largest_excess(thresholds));
+  while (share < kSharpShare && largest_excess(thresholds) > 1.0 && !stop.stop_requested()) {
     for_each_doubtful([&](auto& factor, std::size_t k, double OfKinds::*kind) {
       factor.loss = counts_[k] ? Loss::truncated(thresholds.*kind, share) : kDropped;
     });

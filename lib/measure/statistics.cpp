@@ -5,11 +5,18 @@
 #include <mapjoin/measure/statistics.hpp>
 
 namespace mapjoin {
+namespace {
+
+/// As large a number where it is beyond all.
+double finite(double value) {
+  return std::min(value, std::numeric_limits<double>::max());
+}
+
+}  // namespace
 
 double chi_squared_upper_tail(double value, double dof) {
   if (dof <= 0.0) return 1.0;
-  const double finite = std::min(std::max(0.0, value), std::numeric_limits<double>::max());
-  return boost::math::cdf(boost::math::complement(boost::math::chi_squared(dof), finite));
+  return boost::math::cdf(boost::math::complement(boost::math::chi_squared(dof), finite(std::max(0.0, value))));
 }
 
 double log_chi_squared_upper_tail(double value, double dof) {
@@ -17,7 +24,7 @@ double log_chi_squared_upper_tail(double value, double dof) {
   if (tail > std::numeric_limits<double>::min()) return std::log(tail);
   // Q(a, x) = xᵃ⁻¹ e⁻ˣ / Γ(a) (1 + (a - 1)/x + …), a = dof/2, x = value/2.
   const double a = 0.5 * dof;
-  const double x = 0.5 * value;
+  const double x = 0.5 * finite(value);
   return (a - 1.0) * std::log(x) - x - std::lgamma(a) + std::log1p((a - 1.0) / x);
 }
 

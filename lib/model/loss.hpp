@@ -2,6 +2,7 @@
 #pragma once
 // The loss of an observation: how its cost grows with its squared Mahalanobis residual s = rᵀWr.
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 
@@ -39,7 +40,13 @@ inline LossValue evaluate(const Loss& loss, double s) {
 /// Where graduated non-convexity ends: a truncated loss of this share is as good as cut off.
 inline constexpr double kSharpShare = 0.98;
 
-/// The share after this one: the control of graduated non-convexity, μ = share / (1 - share), is doubled.
+/// Where it begins, with a worst residual of so many times c²: that is still on the arc. Beyond all numbers it is nowhere, and
+/// nothing is to be graduated.
+inline double first_share(double excess) {
+  return std::isfinite(excess) ? 0.5 / std::max(1.0, excess) : 1.0;
+}
+
+/// The share after this one, more than 0: the control of graduated non-convexity, μ = share / (1 - share), is doubled.
 inline double sharper(double share) {
   const double mu = 2.0 * share / (1.0 - share);
   return mu / (1.0 + mu);

@@ -2,6 +2,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <limits>
 #include <mapjoin/measure/statistics.hpp>
 
 namespace mapjoin {
@@ -13,6 +14,12 @@ TEST(NthLargest, IsPrecededBySoManyOthers) {
   EXPECT_EQ(nth_largest(values, 1), 5.0);
   EXPECT_EQ(nth_largest(values, 2), 3.0);
   EXPECT_EQ(nth_largest(values, 4), -1.0);
+}
+
+TEST(ChiSquared, IsNeverBeyondAllNumbers) {
+  const double infinite = std::numeric_limits<double>::infinity();
+  EXPECT_EQ(chi_squared_upper_tail(infinite, 3), 0.0);
+  EXPECT_LT(log_chi_squared_upper_tail(infinite, 3), log_chi_squared_upper_tail(1e300, 3));
 }
 
 TEST(ChiSquared, IsAnExponentialWithTwoDegreesOfFreedom) {
