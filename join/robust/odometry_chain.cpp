@@ -54,16 +54,30 @@ UncertainPose<Dim> uncertain(const PoseFactor<Dim>& observation) {
 }
 
 template <int Dim>
+UncertainPose<Dim> forwards(const PoseFactor<Dim>& edge) {
+  return edge.base < edge.target ? uncertain(edge) : inverse(uncertain(edge));
+}
+
+template <int Dim>
+UncertainPose<Dim> fused(const UncertainPose<Dim>& a, const UncertainPose<Dim>& b) {
+  const Eigen::LLT<PoseMatrix<Dim>> of_difference(a.covariance + b.covariance);
+  const PoseVector<Dim> twist = local(Pose<Dim>{}, compose(b.mean, inverse(a.mean)));
+  return {compose(retract(Pose<Dim>{}, PoseVector<Dim>(a.covariance * of_difference.solve(twist))), a.mean),
+          a.covariance * of_difference.solve(b.covariance)};
+}
+
+template <int Dim>
 OdometryChain<Dim>::OdometryChain(const Log<Dim>& log) : sessions_(log.poses.size()), poses_(log.poses.size()) {
   for (std::size_t k = 0; k < log.sessions.size(); ++k) {
     for (PoseIndex p = log.sessions[k].begin; p < log.sessions[k].end; ++p) sessions_[p] = k;
   }
-  PoseIndex reached = 0;  // of repeated edges the first one counts
-  for (const PoseFactor<Dim>& edge : log.odometry()) {
-    const auto [before, after] = std::minmax(edge.base, edge.target);
-    if (after <= reached) continue;
-    reached = after;
-    const UncertainPose<Dim> step = edge.base == before ? uncertain(edge) : inverse(uncertain(edge));
+  const auto odometry = log.odometry();
+  for (auto edge = odometry.begin(); edge != odometry.end();) {
+    const auto [before, after] = std::minmax(edge->base, edge->target);
+    UncertainPose<Dim> step = forwards(*edge);
+    for (++edge; edge != odometry.end() && std::max(edge->base, edge->target) == after; ++edge) {
+      step = fused(step, forwards(*edge));
+    }
     poses_[after] = compose(poses_[before], step);
   }
 }
@@ -90,6 +104,8 @@ double OdometryChain<Dim>::volume() const {
   template UncertainPose<Dim> compose(const UncertainPose<Dim>&, const UncertainPose<Dim>&); \
   template UncertainPose<Dim> inverse(const UncertainPose<Dim>&);                            \
   template UncertainPose<Dim> uncertain(const PoseFactor<Dim>&);                             \
+  template UncertainPose<Dim> forwards(const PoseFactor<Dim>&);                              \
+  template UncertainPose<Dim> fused(const UncertainPose<Dim>&, const UncertainPose<Dim>&);   \
   template class OdometryChain<Dim>;
 MAPJOIN_INSTANTIATE(2)
 MAPJOIN_INSTANTIATE(3)

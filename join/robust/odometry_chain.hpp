@@ -41,8 +41,14 @@ Matrix<Size> covariance_of(const Matrix<Size>& information) {
 /// The measurement of an observation.
 template <int Dim>
 UncertainPose<Dim> uncertain(const PoseFactor<Dim>& observation);
+/// The measurement of an edge from the pose that was driven first to the other one.
+template <int Dim>
+UncertainPose<Dim> forwards(const PoseFactor<Dim>& edge);
+/// One relative pose measured twice, independently: the mean by their information (to first order).
+template <int Dim>
+UncertainPose<Dim> fused(const UncertainPose<Dim>& a, const UncertainPose<Dim>& b);
 
-/// The poses of a log as its odometry composes them, each session from the origin on.
+/// The poses of a log as its odometry composes them, each session from the origin on; edges that repeat others are fused.
 template <int Dim>
 class OdometryChain {
  public:

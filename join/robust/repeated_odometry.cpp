@@ -6,16 +6,6 @@
 #include <mapjoin/measure/statistics.hpp>
 
 namespace mapjoin {
-namespace {
-
-/// The measurement of an edge, driven forwards.
-template <int Dim>
-UncertainPose<Dim> forwards(const PoseFactor<Dim>& edge) {
-  return edge.base < edge.target ? uncertain(edge) : inverse(uncertain(edge));
-}
-
-}  // namespace
-
 template <int Dim>
 std::vector<RepeatedOdometry> repeated_odometry(const Log<Dim>& log) {
   const auto odometry = log.odometry();

@@ -6,6 +6,7 @@
 #include <functional>
 #include <map>
 #include <mapjoin/model/conventions.hpp>
+#include <mapjoin/model/error.hpp>
 #include <mapjoin/model/factor_graph.hpp>
 #include <mapjoin/model/ids.hpp>
 #include <mapjoin/model/values.hpp>
@@ -78,11 +79,15 @@ using AnyLog = std::variant<Log<2>, Log<3>>;
 template <int Dim>
 void put_in_order(Log<Dim>& log);
 
-/// The order in which a robot drove its poses, where their ids do not tell it: where fewer than half of the steps from id to
-/// id, which are in ascending order, have an edge, and paths along the edges tie half of the poses or more (PathCover, within
-/// each of the user's sessions), puts the poses in the order of the paths. The pose factors are in the order of the file. O(n
-/// log n).
+/// Puts the poses in the order in which a robot drove them, where that is not the one of their ids, which they are in. Where
+/// edges tie half of the poses or more to the one before, it is the order in which edges first name the poses, if more of them
+/// are tied in it; else it is that of paths along the edges, if these tie half of the poses or more (PathCover). Within each of
+/// the user's sessions; the pose factors are in the order of the file. O(n log n).
 template <int Dim>
 void take_order_of_edges(Log<Dim>& log);
+
+/// Puts the poses in this order; bad input where it does not name each of them once.
+template <int Dim>
+Expected<void> take_order(const PoseIds& order, Log<Dim>& log);
 
 }  // namespace mapjoin

@@ -177,6 +177,20 @@ LeftOut<Dim> LogBuilder<Dim>::take_undeclared() {
 
 template <int Dim>
 Expected<Log<Dim>> LogBuilder<Dim>::finish(PoseOrder order) && {
+  return finish_with([&]() -> Expected<void> {
+    if (order == PoseOrder::kDriven) take_order_of_edges(log_);
+    return {};
+  });
+}
+
+template <int Dim>
+Expected<Log<Dim>> LogBuilder<Dim>::finish(const PoseIds& order) && {
+  return finish_with([&] { return take_order(order, log_); });
+}
+
+template <int Dim>
+template <typename F>
+Expected<Log<Dim>> LogBuilder<Dim>::finish_with(F&& order_poses) {
   log_.poses = PoseIds(poses_.names.take());
   log_.features = FeatureIds(features_.names.take());
   return check_names()
@@ -184,8 +198,8 @@ Expected<Log<Dim>> LogBuilder<Dim>::finish(PoseOrder order) && {
       .and_then([&] { return check_numbers(); })
       .map([&] { resolve_ends(); })
       .and_then([&] { return resolve_values(); })
+      .and_then(order_poses)
       .map([&] {
-        if (order == PoseOrder::kDriven) take_order_of_edges(log_);
         put_in_order(log_);
         return std::move(log_);
       })

@@ -23,7 +23,7 @@ enum class Numbers : std::uint8_t {
 
 /// In which order the poses of a log come.
 enum class PoseOrder : std::uint8_t {
-  kDriven,  ///< That of their ids or, where these say nothing of it, of the edges (see take_order_of_edges).
+  kDriven,  ///< That of their ids or, where they tell it better, of the edges (see take_order_of_edges).
   kOfIds,   ///< That of their ids, whatever the edges say: for a log that grows.
 };
 
@@ -100,6 +100,8 @@ class LogBuilder {
   /// fixing mentions, a second fixed pose without a value, a log without poses; a number that is not finite, a quaternion that
   /// is not of unit length, and an information matrix that InformationCheck refuses. O(n log n).
   Expected<Log<Dim>> finish(PoseOrder order = PoseOrder::kDriven) &&;
+  /// The same with the poses in this order; bad input where it does not name each of them once.
+  Expected<Log<Dim>> finish(const PoseIds& order) &&;
 
  private:
   /// Something said of the pose or feature `id`.
@@ -132,6 +134,8 @@ class LogBuilder {
     }
   };
 
+  template <typename F>
+  Expected<Log<Dim>> finish_with(F&& order_poses);
   Expected<void> check_names() const;
   Expected<void> check_edges() const;
   Expected<void> check_numbers();

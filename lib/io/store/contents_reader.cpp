@@ -44,19 +44,19 @@ bool take_number(const Info& info, const char* key, Number& number) {
 
 /// The log that LogBuilder makes of these arrays; std::out_of_range where one names what is not there.
 template <int Dim>
-Expected<Log<Dim>> built_anew(const Log<Dim>& log, const std::string& source, PoseOrder order) {
+Expected<Log<Dim>> built_anew(const Log<Dim>& log, const std::string& source) {
   LogBuilder<Dim> builder(source, log.conventions);
   builder.append(log);
-  return std::move(builder).finish(order);
+  return std::move(builder).finish(log.poses);
 }
 
 /// Nothing where its arrays do not hang together.
 template <int Dim>
-std::optional<Expected<Log<Dim>>> built_if_sound(const Log<Dim>& log, const std::string& source, PoseOrder order) {
+std::optional<Expected<Log<Dim>>> built_if_sound(const Log<Dim>& log, const std::string& source) {
   const auto fits = [](const auto& values, const auto& names) { return values.size() <= names.size(); };
   if (!fits(log.initial.poses, log.poses) || !fits(log.initial.features, log.features)) return std::nullopt;
   try {
-    return built_anew(log, source, order);
+    return built_anew(log, source);
   } catch (const std::out_of_range&) {
     return std::nullopt;
   }
@@ -114,14 +114,11 @@ template <int Dim>
 Expected<StoredMaps<Dim>> read_contents(Database& database) {
   auto stored = read_arrays<Dim>(database, "SELECT name, data FROM records ORDER BY chunk");
   if (!stored) return stored;
-  const PoseOrder order = stored->portion.is_whole() ? PoseOrder::kDriven : PoseOrder::kOfIds;
-  auto built = built_if_sound(stored->log, database.file() + ": damaged store", order);
+  auto built = built_if_sound(stored->log, database.file() + ": damaged store");
   if (!built) return database.damaged("its arrays do not hang together");
   Expected<Log<Dim>>& log = *built;
   if (!log) return tl::unexpected(log.error());
-  if (log->poses != stored->log.poses || log->features != stored->log.features) {
-    return database.damaged("its poses or features are not in order");
-  }
+  if (log->features != stored->log.features) return database.damaged("its features are not in order");
   if (!are_in_order(stored->segments, *log)) return database.damaged("its segments are not in order");
   log->source = std::move(stored->log.source);
   stored->log = *std::move(log);

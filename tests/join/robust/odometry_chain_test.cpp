@@ -26,6 +26,27 @@ TYPED_TEST(OdometryChainTest, AddsUpTheCovariancesOfItsSteps) {
   EXPECT_LT(local(Pose<kDim>{}, back.mean).norm(), 1e-9);
 }
 
+TYPED_TEST(OdometryChainTest, FusesEdgesThatRepeatOthers) {
+  constexpr int kDim = TypeParam::value;
+  Log<kDim> log = testing::small_world<kDim>({.poses = 3, .features = 0, .closures = 0}).log;
+  PoseFactor<kDim> again = log.odometry()[0];  // driven backwards, a third as certain
+  again.information /= 3.0;
+  again.measured = inverse(retract(again.measured, PoseVector<kDim>(PoseVector<kDim>::Constant(4e-3))));
+  std::swap(again.base, again.target);
+  log.graph.pose_factors.insert(log.graph.pose_factors.begin() + 1, again);
+  const UncertainPose<kDim> step = OdometryChain<kDim>(log).relative(0, 1);
+  PoseMatrix<kDim> information = PoseMatrix<kDim>::Zero();
+  PoseVector<kDim> pull = PoseVector<kDim>::Zero();
+  for (const auto& edge : log.odometry().first(2)) {
+    const UncertainPose<kDim> one = forwards(edge);
+    const PoseMatrix<kDim> W = one.covariance.inverse();
+    information += W;
+    pull += W * local(Pose<kDim>{}, compose(step.mean, inverse(one.mean)));
+  }
+  EXPECT_LT((information.inverse() * pull).norm(), 1e-4);  // 4e-3 from one of them
+  EXPECT_LT((step.covariance * information - PoseMatrix<kDim>::Identity()).norm(), 1e-6);
+}
+
 TYPED_TEST(OdometryChainTest, HasAnAdjointThatTakesATwistFromTheRightToTheLeft) {
   constexpr int kDim = TypeParam::value;
   testing::Random random;

@@ -251,5 +251,19 @@ TEST(FindIndex, FindsIdsByTheirPlaceAmongTheNames) {
   EXPECT_EQ(IndexOf(FeatureIds{})(FeatureId{0}), std::nullopt);
 }
 
+TYPED_TEST(LogBuilderTest, TakesAnOrderOfPosesThatNamesEachOnce) {
+  const auto in_order = [](const PoseIds& order) {
+    LogBuilder<TypeParam::value> builder("some.log");
+    for (const std::uint64_t pose : {2u, 0u, 1u}) builder.add_pose({0, pose});
+    return std::move(builder).finish(order);
+  };
+  const auto log = in_order({{0, 1}, {0, 2}, {0, 0}});
+  ASSERT_TRUE(log);
+  EXPECT_THAT(log->poses, ::testing::ElementsAre(PoseId{0, 1}, PoseId{0, 2}, PoseId{0, 0}));
+  for (const PoseIds& order : {PoseIds{{0, 1}, {0, 2}}, PoseIds{{0, 1}, {0, 2}, {0, 1}}, PoseIds{{0, 0}, {0, 1}, {0, 2}, {0, 3}}}) {
+    EXPECT_THAT(testing::error_of(in_order(order)), ::testing::HasSubstr("does not name each of them once"));
+  }
+}
+
 }  // namespace
 }  // namespace mapjoin

@@ -10,6 +10,7 @@
 #include <csignal>
 #include <filesystem>
 #include <mapjoin/io/store/database.hpp>
+#include <mapjoin/model/log_builder.hpp>
 #include <tests/lib/io/store/store_fixture.hpp>
 #include <tests/support/dimensions.hpp>
 #include <tests/support/file_bytes.hpp>
@@ -48,6 +49,23 @@ TYPED_TEST(StoreTest, GivesBackALogThatTakesManyChunks) {
         testing::random_feature_observation<TestFixture::kDim>(this->random, PoseIndex(i % 8), FeatureIndex(i % 5)));
   }
   put_in_order(maps.log);
+  build_store(this->path, maps);
+  const auto read = this->read();
+  ASSERT_TRUE(read) << read.error().message;
+  expect_same(*read, maps);
+}
+
+TYPED_TEST(StoreTest, GivesBackTheOrderThatEdgesTold) {
+  constexpr int kDim = TestFixture::kDim;
+  LogBuilder<kDim> builder("swapped.log");  // 6 stands by itself; among closures it would be named last
+  for (const auto& [base, target] :
+       std::vector<std::pair<std::uint64_t, std::uint64_t>>{{0, 1}, {1, 3}, {6, 1}, {3, 2}, {2, 4}, {4, 5}}) {
+    builder.add_pose_edge({0, base}, {0, target}, this->random.template pose<kDim>(),
+                          this->random.template information<kPoseDof<kDim>>());
+  }
+  StoredMaps<kDim> maps;
+  maps.log = std::move(builder).finish().value();
+  ASSERT_EQ(maps.log.poses[3], (PoseId{0, 6}));
   build_store(this->path, maps);
   const auto read = this->read();
   ASSERT_TRUE(read) << read.error().message;
