@@ -37,7 +37,7 @@ std::string stamps_in_words(const std::vector<std::int64_t>& stamps_ns) {
 template <int Dim>
 void add_content(const Log<Dim>& log, Lines& lines) {
   lines.add("poses", range_of(log.poses));
-  if (!std::ranges::is_sorted(log.poses)) lines.add("order", "that of the edges, for the ids of poses say nothing of it");
+  if (!std::ranges::is_sorted(log.poses)) lines.add("order", "that of the edges, which tell it better than the ids of poses");
   lines.add("features", range_of(log.features));
   lines.add("sessions", fmt::format("{}", log.sessions.size()));
   lines.add("odometry", fmt::format("{}", log.odometry().size()));

@@ -21,10 +21,16 @@ std::vector<Edge> edges_within_sessions(const Log<Dim>& log) {
   return edges;
 }
 
+/// The place of each pose in an order.
+std::vector<std::size_t> places_in(const std::vector<Vertex>& order) {
+  std::vector<std::size_t> places(order.size());
+  for (std::size_t i = 0; i < order.size(); ++i) places[order[i]] = i;
+  return places;
+}
+
 /// How many of the poses in an order an edge ties to the one before.
 std::size_t tied_steps(const std::vector<Edge>& edges, const std::vector<Vertex>& order) {
-  std::vector<std::size_t> place(order.size());
-  for (std::size_t i = 0; i < order.size(); ++i) place[order[i]] = i;
+  const std::vector<std::size_t> place = places_in(order);
   std::vector<bool> is_tied(order.size());
   for (const auto& [from, to] : edges) {
     const auto [first, second] = std::minmax(place[from], place[to]);
@@ -39,16 +45,35 @@ std::vector<Vertex> order_of_ids(std::size_t poses) {
   return order;
 }
 
-/// As edges name the poses for the first time; those that none names are last.
-std::vector<Vertex> order_of_mention(const std::vector<Edge>& edges, std::size_t poses) {
-  std::vector<std::size_t> mentioned(poses, 2 * edges.size());
+/// In each of the user's sessions as edges name the poses for the first time; those that none names are last.
+std::vector<Vertex> order_of_mention(const std::vector<Edge>& edges, const PoseIds& poses) {
+  std::vector<std::size_t> mentioned(poses.size(), 2 * edges.size());
   for (std::size_t k = edges.size(); k-- > 0;) {
     mentioned[edges[k].second] = 2 * k + 1;
     mentioned[edges[k].first] = 2 * k;
   }
-  std::vector<Vertex> order = order_of_ids(poses);
-  std::ranges::stable_sort(order, {}, [&](Vertex pose) { return mentioned[pose]; });
+  std::vector<Vertex> order = order_of_ids(poses.size());
+  std::ranges::stable_sort(order, {}, [&](Vertex pose) { return std::pair(poses[PoseIndex(pose)].session, mentioned[pose]); });
   return order;
+}
+
+/// The edges along an order, by their later pose, then the others.
+std::vector<Edge> along_first(std::vector<Edge> edges, const std::vector<Vertex>& order) {
+  const std::vector<std::size_t> place = places_in(order);
+  std::ranges::stable_sort(edges, {}, [&](const Edge& edge) {
+    const auto [first, second] = std::minmax(place[edge.first], place[edge.second]);
+    return second == first + 1 ? second : order.size();
+  });
+  return edges;
+}
+
+/// The steps from pose to pose of one of the user's sessions.
+std::size_t steps_of(const PoseIds& poses) {
+  std::size_t steps = 0;
+  for (std::size_t i = 1; i < poses.size(); ++i) {
+    if (poses[PoseIndex(i)].session == poses[PoseIndex(i - 1)].session) ++steps;
+  }
+  return steps;
 }
 
 template <typename T>
@@ -69,14 +94,6 @@ void renumber_poses(const std::vector<PoseIndex>& order, Log<Dim>& log) {
   permute(order, log.poses);
   permute(order, log.initial.poses);
   permute(order, log.stamps_ns);
-}
-
-/// In this order within each of the user's sessions.
-template <int Dim>
-void renumber_within_sessions(const std::vector<Vertex>& poses, Log<Dim>& log) {
-  std::vector<PoseIndex> order(poses.begin(), poses.end());
-  std::ranges::stable_sort(order, {}, [&](PoseIndex pose) { return log.poses[pose].session; });
-  renumber_poses(order, log);
 }
 
 }  // namespace
@@ -101,12 +118,18 @@ void take_order_of_edges(Log<Dim>& log) {
   const std::vector<Edge> edges = edges_within_sessions(log);
   const std::size_t tied_by_ids = tied_steps(edges, order_of_ids(log.poses.size()));
   if (tied_by_ids >= half) {
-    const std::vector<Vertex> order = order_of_mention(edges, log.poses.size());
-    if (tied_steps(edges, order) > tied_by_ids) renumber_within_sessions(order, log);
+    const std::size_t steps = steps_of(log.poses);
+    if (tied_by_ids == steps) return;
+    const std::vector<Edge> drives = along_first(edges, order_of_mention(edges, log.poses));  // what cut them is behind them
+    const std::vector<Vertex> order = order_of_mention(drives, log.poses);
+    if (2 * (steps - tied_steps(edges, order)) <= steps - tied_by_ids) renumber_poses<Dim>({order.begin(), order.end()}, log);
     return;
   }
   const PathCover cover = cover_by_paths(log.poses.size(), edges);
-  if (cover.edges >= half) renumber_within_sessions(cover.order, log);
+  if (cover.edges < half) return;
+  std::vector<PoseIndex> order(cover.order.begin(), cover.order.end());
+  std::ranges::stable_sort(order, {}, [&](PoseIndex pose) { return log.poses[pose].session; });
+  renumber_poses(order, log);
 }
 
 template Expected<void> take_order(const PoseIds&, Log<2>&);

@@ -40,8 +40,7 @@ template <int Dim>
 struct Log {
   std::string source;  ///< The file it was read from, for messages.
 
-  /// Names by index, in the order in which poses were driven: that of their ids or, where these say nothing of it, of the
-  /// edges.
+  /// Names by index, in the order in which poses were driven: that of their ids or, where they tell it better, of the edges.
   PoseIds poses;
   FeatureIds features;            ///< Names by index, in ascending order.
   std::vector<Session> sessions;  ///< In order; together they hold every pose once.
@@ -79,10 +78,11 @@ using AnyLog = std::variant<Log<2>, Log<3>>;
 template <int Dim>
 void put_in_order(Log<Dim>& log);
 
-/// Puts the poses in the order in which a robot drove them, where that is not the one of their ids, which they are in. Where
-/// edges tie half of the poses or more to the one before, it is the order in which edges first name the poses, if more of them
-/// are tied in it; else it is that of paths along the edges, if these tie half of the poses or more (PathCover). Within each of
-/// the user's sessions; the pose factors are in the order of the file. O(n log n).
+/// Puts the poses, which are in the order of their ids, in that in which a robot drove them. Where edges tie half of the poses
+/// or more to the one before, it is the order in which edges first name the poses, if that leaves at most half as many steps
+/// without an edge as the order of ids; what stands between two poses that an edge ties goes behind the drives. Else it is that
+/// of paths along the edges, if these tie half of the poses or more (PathCover). Within each of the user's sessions; the pose
+/// factors are in the order of the file. O(n log n).
 template <int Dim>
 void take_order_of_edges(Log<Dim>& log);
 

@@ -51,7 +51,8 @@ void expect(const Expected<void>& checked) {
   promise(checked.has_value(), checked ? "" : checked.error().message);
 }
 
-/// Indices and numbers are right, names ascend, sessions hold every pose, observations are in the order of their pose.
+/// Indices and numbers are right, poses are named once, features ascend, sessions hold every pose, observations are in the
+/// order of their pose.
 template <int Dim>
 void check_one(const Log<Dim>& log) {
   SubmapSet<Dim> set;
@@ -59,8 +60,10 @@ void check_one(const Log<Dim>& log) {
   set.features = log.features;
   set.graph = log.graph;
   expect(check_numbers(set));
-  const auto ascend = [](const auto& names) { return std::ranges::adjacent_find(names, std::greater_equal()) == names.end(); };
-  promise(!log.poses.empty() && ascend(log.poses) && ascend(log.features), "names ascend");
+  auto poses = log.poses;
+  std::ranges::sort(poses);
+  promise(!poses.empty() && std::ranges::adjacent_find(poses) == poses.end(), "poses are named once");
+  promise(std::ranges::adjacent_find(log.features, std::greater_equal()) == log.features.end(), "features ascend");
   PoseIndex next = 0;
   for (const Session& session : log.sessions) {
     promise(session.begin == next && session.end > next, "sessions follow each other");

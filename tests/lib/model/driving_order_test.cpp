@@ -46,7 +46,8 @@ TYPED_TEST(DrivingOrderTest, WhereIdsSayNothingOfTheOrderEdgesDo) {
 
 TYPED_TEST(DrivingOrderTest, IdsTellTheOrderWhereEdgesDoNotTellItBetter) {
   // The lines of two drives that a closure ties, shuffled.
-  for (const auto& [base, target] : std::vector<std::pair<std::uint64_t, std::uint64_t>>{{3, 4}, {0, 1}, {4, 5}, {1, 2}, {5, 0}}) {
+  for (const auto& [base, target] :
+       std::vector<std::pair<std::uint64_t, std::uint64_t>>{{3, 4}, {0, 1}, {4, 5}, {1, 2}, {5, 0}}) {
     this->edge({0, base}, {0, target});
   }
   const auto log = this->finish();
@@ -58,16 +59,41 @@ TYPED_TEST(DrivingOrderTest, IdsTellTheOrderWhereEdgesDoNotTellItBetter) {
 TYPED_TEST(DrivingOrderTest, EdgesTellTheOrderWhereIdsAreSwapped) {
   // Driven as 0, 1, 3, 2, 4, 5, as by sensors that are out of step; 6 stands by itself.
   double mark = 0.0;
-  for (const auto& [base, target] : std::vector<std::pair<std::uint64_t, std::uint64_t>>{
-           {0, 1}, {1, 3}, {6, 1}, {3, 2}, {0, 2}, {2, 4}, {4, 5}, {3, 5}}) {
+  for (const auto& [base, target] :
+       std::vector<std::pair<std::uint64_t, std::uint64_t>>{{0, 1}, {1, 3}, {6, 1}, {3, 2}, {0, 2}, {2, 4}, {4, 5}, {3, 5}}) {
     this->edge({0, base}, {0, target}, ++mark);
   }
   const auto log = this->finish();
   ASSERT_TRUE(log);
-  EXPECT_THAT(log->poses, ElementsAre(PoseId{0, 0}, PoseId{0, 1}, PoseId{0, 3}, PoseId{0, 6}, PoseId{0, 2}, PoseId{0, 4},
-                                      PoseId{0, 5}));
-  EXPECT_THAT(marks(log->odometry()), ElementsAre(1, 2, 6, 7));
-  EXPECT_THAT(marks(log->closures()), ElementsAre(3, 4, 5, 8));
+  EXPECT_THAT(log->poses,
+              ElementsAre(PoseId{0, 0}, PoseId{0, 1}, PoseId{0, 3}, PoseId{0, 2}, PoseId{0, 4}, PoseId{0, 5}, PoseId{0, 6}));
+  EXPECT_THAT(marks(log->odometry()), ElementsAre(1, 2, 4, 6, 7));
+  EXPECT_THAT(marks(log->closures()), ElementsAre(3, 5, 8));
+  LogBuilder<TestFixture::kDim> again("again.log");
+  again.append(*log);
+  EXPECT_EQ(std::move(again).finish()->poses, log->poses);
+}
+
+TYPED_TEST(DrivingOrderTest, IdsTellTheOrderOfPosesThatSeeNewMarkers) {
+  for (const auto& [base, target] :
+       std::vector<std::pair<std::uint64_t, std::uint64_t>>{{0, 1}, {1, 100}, {1, 2}, {2, 101}, {2, 3}, {3, 102}}) {
+    this->edge({0, base}, {0, target});
+  }
+  const auto log = this->finish();
+  ASSERT_TRUE(log);
+  EXPECT_TRUE(std::is_sorted(log->poses.begin(), log->poses.end()));
+}
+
+TYPED_TEST(DrivingOrderTest, EdgesTellTheOrderOfSessionsThatAreMixed) {
+  // Both driven as 0, 1, 2, 4, 3, 5.
+  for (const auto& [base, target] : std::vector<std::pair<std::uint64_t, std::uint64_t>>{{0, 1}, {1, 2}, {2, 4}, {4, 3}, {3, 5}}) {
+    for (const std::uint32_t session : {1u, 0u}) this->edge({session, base}, {session, target});
+  }
+  const auto log = this->finish();
+  ASSERT_TRUE(log);
+  EXPECT_EQ(log->poses[3], (PoseId{0, 4}));
+  EXPECT_EQ(log->poses[9], (PoseId{1, 4}));
+  EXPECT_EQ(log->sessions.size(), 2u);
 }
 
 TYPED_TEST(DrivingOrderTest, EdgesTellNoOrderWhereTheyAreNotChains) {

@@ -260,7 +260,8 @@ TYPED_TEST(LogBuilderTest, TakesAnOrderOfPosesThatNamesEachOnce) {
   const auto log = in_order({{0, 1}, {0, 2}, {0, 0}});
   ASSERT_TRUE(log);
   EXPECT_THAT(log->poses, ::testing::ElementsAre(PoseId{0, 1}, PoseId{0, 2}, PoseId{0, 0}));
-  for (const PoseIds& order : {PoseIds{{0, 1}, {0, 2}}, PoseIds{{0, 1}, {0, 2}, {0, 1}}, PoseIds{{0, 0}, {0, 1}, {0, 2}, {0, 3}}}) {
+  for (const PoseIds& order :
+       {PoseIds{{0, 1}, {0, 2}}, PoseIds{{0, 1}, {0, 2}, {0, 1}}, PoseIds{{0, 0}, {0, 1}, {0, 2}, {0, 3}}}) {
     EXPECT_THAT(testing::error_of(in_order(order)), ::testing::HasSubstr("does not name each of them once"));
   }
 }

@@ -121,6 +121,12 @@ INSTANTIATE_TEST_SUITE_P(
                       Graph{"g2o-3d-landmark-fixtures/edge_se3_trackxyz_example.g2o", 3, 1, 1, 0, 1, {}},
                       Graph{"g2o-3d-landmark-fixtures/known_landmark_localization_3.g2o", 3, 3, 4, 2, 12, {}}));
 
+TEST(G2oDataQuirks, CubicleIsOneDriveThoughItsIdsAreSwapped) {
+  const auto log = read(testing::data_file("pose-graphs-3d/cubicle.g2o.gz"), {.repair_information = true});
+  ASSERT_TRUE(log);
+  EXPECT_EQ(std::get<Log<3>>(*log).sessions.size(), 1u);
+}
+
 TEST(G2oDataQuirks, CubicleHas5021IndefiniteInformationMatrices) {
   const auto path = testing::data_file("pose-graphs-3d/cubicle.g2o.gz");
   const auto refused = read(path, {});
