@@ -6,6 +6,7 @@
 #include <mapjoin/measure/statistics.hpp>
 
 namespace mapjoin {
+
 template <int Dim>
 std::vector<RepeatedOdometry> repeated_odometry(const Log<Dim>& log) {
   const auto odometry = log.odometry();

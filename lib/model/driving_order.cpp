@@ -4,6 +4,7 @@
 #include <mapjoin/model/log.hpp>
 #include <mapjoin/model/renumber.hpp>
 #include <numeric>
+#include <optional>
 #include <utility>
 
 namespace mapjoin {
@@ -76,6 +77,25 @@ std::size_t steps_of(const PoseIds& poses) {
   return steps;
 }
 
+/// The order of mention, if it leaves at most half as many steps untied as the ids; what would cut a drive is behind the
+/// drives.
+std::optional<std::vector<Vertex>> better_order_of_mention(const std::vector<Edge>& edges, const PoseIds& poses,
+                                                           std::size_t tied_by_ids) {
+  const std::size_t steps = steps_of(poses);
+  if (tied_by_ids == steps) return std::nullopt;
+  const auto order = order_of_mention(along_first(edges, order_of_mention(edges, poses)), poses);
+  const bool is_better = 2 * (steps - tied_steps(edges, order)) <= steps - tied_by_ids;
+  return is_better ? std::optional(order) : std::nullopt;
+}
+
+/// The order of paths along the edges, in each of the user's sessions, if they tie half of the poses or more.
+std::optional<std::vector<Vertex>> order_of_paths(const std::vector<Edge>& edges, const PoseIds& poses) {
+  PathCover cover = cover_by_paths(poses.size(), edges);
+  if (cover.edges < poses.size() / 2) return std::nullopt;
+  std::ranges::stable_sort(cover.order, {}, [&](Vertex pose) { return poses[PoseIndex(pose)].session; });
+  return std::move(cover.order);
+}
+
 template <typename T>
 void permute(const std::vector<PoseIndex>& order, Table<PoseIndex, T>& values) {
   if (values.empty()) return;
@@ -101,35 +121,22 @@ void renumber_poses(const std::vector<PoseIndex>& order, Log<Dim>& log) {
 template <int Dim>
 Expected<void> take_order(const PoseIds& order, Log<Dim>& log) {
   if (order == log.poses) return {};
-  const IndexOf index_of(order);
-  std::vector<PoseIndex> taken(log.poses.size());
-  for (const PoseIndex pose : indices(log.poses)) {
-    const auto place = index_of(log.poses[pose]);
-    if (!place || order.size() != log.poses.size()) return bad_input("the order of poses does not name each of them once");
-    taken[place->position()] = pose;
-  }
+  PoseIds named = order;
+  std::ranges::sort(named);
+  if (named != log.poses) return bad_input("the order of poses does not name each of them once");
+  std::vector<PoseIndex> taken;
+  for (const PoseId& id : order) taken.emplace_back(*find_ascending(log.poses, id));
   renumber_poses(taken, log);
   return {};
 }
 
 template <int Dim>
 void take_order_of_edges(Log<Dim>& log) {
-  const std::size_t half = log.poses.size() / 2;
   const std::vector<Edge> edges = edges_within_sessions(log);
   const std::size_t tied_by_ids = tied_steps(edges, order_of_ids(log.poses.size()));
-  if (tied_by_ids >= half) {
-    const std::size_t steps = steps_of(log.poses);
-    if (tied_by_ids == steps) return;
-    const std::vector<Edge> drives = along_first(edges, order_of_mention(edges, log.poses));  // what cut them is behind them
-    const std::vector<Vertex> order = order_of_mention(drives, log.poses);
-    if (2 * (steps - tied_steps(edges, order)) <= steps - tied_by_ids) renumber_poses<Dim>({order.begin(), order.end()}, log);
-    return;
-  }
-  const PathCover cover = cover_by_paths(log.poses.size(), edges);
-  if (cover.edges < half) return;
-  std::vector<PoseIndex> order(cover.order.begin(), cover.order.end());
-  std::ranges::stable_sort(order, {}, [&](PoseIndex pose) { return log.poses[pose].session; });
-  renumber_poses(order, log);
+  const bool do_ids_tell = tied_by_ids >= log.poses.size() / 2;
+  const auto order = do_ids_tell ? better_order_of_mention(edges, log.poses, tied_by_ids) : order_of_paths(edges, log.poses);
+  if (order) renumber_poses<Dim>({order->begin(), order->end()}, log);
 }
 
 template Expected<void> take_order(const PoseIds&, Log<2>&);

@@ -86,7 +86,7 @@ void put_in_order(Log<Dim>& log);
 template <int Dim>
 void take_order_of_edges(Log<Dim>& log);
 
-/// Puts the poses in this order; bad input where it does not name each of them once.
+/// Puts the poses, which are in the order of their ids, in this order; bad input where it does not name each of them once.
 template <int Dim>
 Expected<void> take_order(const PoseIds& order, Log<Dim>& log);
 
