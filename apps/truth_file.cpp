@@ -32,9 +32,8 @@ Table<PoseIndex, std::optional<Pose<Dim>>> by_time(const std::vector<StampedPose
   Table<PoseIndex, std::optional<Pose<Dim>>> found(poses);
   if (stamps_ns.empty()) {
     for (const StampedPose& line : trajectory) {
-      const double count = std::floor(line.time);
-      if (count >= 0.0 && count < static_cast<double>(poses)) {
-        found[PoseIndex(static_cast<std::size_t>(count))] = in_dimension<Dim>(line.pose);
+      if (line.time >= 0.0 && line.time < static_cast<double>(poses)) {
+        found[PoseIndex(static_cast<std::size_t>(line.time))] = in_dimension<Dim>(line.pose);
       }
     }
     return found;
@@ -88,10 +87,18 @@ TruthFile::TruthFile(const std::filesystem::path& path, double most_apart) : pat
   if (!has_values) fail(ErrorKind::kBadInput, path_ + ": as a truth it would have to give the values of its poses");
 }
 
+void TruthFile::demand_counts() const {
+  const auto* trajectory = std::get_if<std::vector<StampedPose>>(&content_);
+  const auto is_count = [](const StampedPose& line) { return line.time == std::floor(line.time); };
+  if (!trajectory || std::ranges::all_of(*trajectory, is_count)) return;
+  fail(ErrorKind::kUsage, path_ + ": has times, and the poses of the map have none; --stamps gives a log's");
+}
+
 template <int Dim>
 Truth<Dim> TruthFile::of(const PoseIds& poses, const FeatureIds& features,
                          const Table<PoseIndex, std::int64_t>& stamps_ns) const {
   if (const auto* trajectory = std::get_if<std::vector<StampedPose>>(&content_)) {
+    if (stamps_ns.empty()) demand_counts();
     return {by_time<Dim>(*trajectory, poses.size(), stamps_ns, most_apart_), {features.size(), std::nullopt}};
   }
   const auto* log = std::get_if<Log<Dim>>(&std::get<AnyLog>(content_));

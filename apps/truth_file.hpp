@@ -36,13 +36,15 @@ class TruthFile {
   explicit TruthFile(const std::filesystem::path& path, double most_apart = 1e-6);
 
   /// What it has of a map, or of a log, with these names: by name; the poses of a trajectory by their time stamps or, where
-  /// there are none, by their count. kUsage where the dimensions differ.
+  /// there are none, by their count. kUsage where the dimensions differ, and as of demand_counts().
   template <int Dim>
   Truth<Dim> of(const PoseIds& poses, const FeatureIds& features, const Table<PoseIndex, std::int64_t>& stamps_ns) const;
   template <int Dim>
   Truth<Dim> of(const GlobalMap<Dim>& map) const {
     return of<Dim>(map.pose_ids, map.feature_ids, map.stamps_ns);
   }
+  /// kUsage where a trajectory has times with fractions of seconds, for poses that have none.
+  void demand_counts() const;
   /// The pairs of these poses that its edges tie.
   std::vector<std::pair<PoseIndex, PoseIndex>> relations(const PoseIds& poses) const;
 

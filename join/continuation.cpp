@@ -41,7 +41,7 @@ template <int Dim>
 void Continuation<Dim>::take_tree() {
   using Source = typename JoiningSystem<Dim>::Source;
   std::vector<std::vector<bool>> is_in_tree;  // per map and target
-  for (const WeightedMap& map : maps_) is_in_tree.emplace_back(map.joined_map->poses.size() + map.joined_map->features.size());
+  for (const WeightedMap& map : maps_) is_in_tree.emplace_back(map.original->poses.size() + map.original->features.size());
   const auto take = [&](const auto& edge) {
     if (!edge.observation) return;
     const Source source = join_.source_of(edge.observation->factor);
@@ -53,22 +53,22 @@ void Continuation<Dim>::take_tree() {
   std::ranges::for_each(tree.poses, take);
   std::ranges::for_each(tree.features, take);
   for (std::size_t m = 0; m < maps_.size(); ++m) {
-    const LocalMap<Dim>& joined_map = *maps_[m].joined_map;
+    const LocalMap<Dim>& map = *maps_[m].original;
     std::vector<Eigen::Index> rest;
     for (std::size_t t = 0; t < is_in_tree[m].size(); ++t) {
       auto& rows = is_in_tree[m][t] ? maps_[m].tree_rows : rest;
-      for (Eigen::Index row = joined_map.row(t); row < joined_map.row(t + 1); ++row) rows.push_back(row);
+      for (Eigen::Index row = map.row(t); row < map.row(t + 1); ++row) rows.push_back(row);
     }
-    maps_[m].quadratic = marginal_information(joined_map.information, maps_[m].tree_rows, rest);
+    maps_[m].quadratic = marginal_information(map.information, maps_[m].tree_rows, rest);
   }
 }
 
 template <int Dim>
 void Continuation<Dim>::set_weight(double weight) {
-  for (auto& o : poses_) o.weighted.information = (o.is_quadratic ? 1.0 : weight) * o.joined_map->information;
-  for (auto& o : features_) o.weighted.information = (o.is_quadratic ? 1.0 : weight) * o.joined_map->information;
+  for (auto& o : poses_) o.weighted.information = (o.is_quadratic ? 1.0 : weight) * o.original->information;
+  for (auto& o : features_) o.weighted.information = (o.is_quadratic ? 1.0 : weight) * o.original->information;
   for (auto& m : maps_) {
-    m.weighted.information = weight * m.joined_map->information;
+    m.weighted.information = weight * m.original->information;
     m.weighted.information(m.tree_rows, m.tree_rows) += (1.0 - weight) * m.quadratic;
   }
   const bool is_whole = weight == 1.0;

@@ -20,7 +20,7 @@ namespace mapjoin {
 template <int Dim>
 class Continuation {
  public:
-  /// `join` is of `partial map` and `gauge`; all three must outlive this. Its weight is 1.
+  /// `join` is of `partial` and `gauge`; all three must outlive this. Its weight is 1.
   Continuation(JoiningSystem<Dim>& join, const PartialMap<Dim>& partial, const Gauge<Dim>& gauge);
   Continuation(const Continuation&) = delete;
   Continuation& operator=(const Continuation&) = delete;
@@ -31,14 +31,14 @@ class Continuation {
  private:
   /// A map or an observation, and its copy of weighted information: s W + (1 - s) of the marginal of the tree's rows.
   struct WeightedMap {
-    const LocalMap<Dim>* joined_map;
+    const LocalMap<Dim>* original;
     LocalMap<Dim> weighted;
     std::vector<Eigen::Index> tree_rows{};
     Eigen::MatrixXd quadratic{};  // over the tree's rows
   };
   template <typename Observation>
   struct WeightedObservation {
-    const Observation* joined_map;
+    const Observation* original;
     Observation weighted;
     bool is_quadratic = false;
   };
@@ -60,8 +60,8 @@ struct PathPoint {
   MinimiseResult result;
 };
 
-/// Leads a join of `partial` and `gauge`, from whatever start, to the optimum at s = 0, 1e-6, 1e-5, …, 0.1, one after the other,
-/// with steps in the coordinates of `state`. The join itself, s = 1, is left to be solved.
+/// Leads a join of `partial` and `gauge`, from whatever start, to the optimum at s = 0, 1e-6, 1e-5, …, 0.1, one after the
+/// other, with steps in the coordinates of `state`. The join itself, s = 1, is left to be solved.
 template <int Dim>
 std::vector<PathPoint> follow_path(JoiningSystem<Dim>& join, const PartialMap<Dim>& partial, const Gauge<Dim>& gauge,
                                    JoinedState state, Method method, const std::stop_token& stop = {});

@@ -34,15 +34,14 @@ struct BuiltMap {
 template <int Dim>
 BuiltMap<Dim> build_local_map(const SegmentView<Dim>& view, const MinimiseOptions& solver);
 
-/// Local maps of all segments of a log that are maps, in their order; segments without a map
-/// are turned into raw segments in `split`.
 template <int Dim>
 struct LocalMaps {
-  std::vector<LocalMap<Dim>> maps;
-  std::int64_t iterations = 0;  ///< Of all maps together.
+  std::vector<LocalMap<Dim>> maps;  ///< One per segment that is a map, in their order.
+  std::int64_t iterations = 0;      ///< Of all maps together.
 };
 
-/// In parallel, with the same result for any number of threads. kInterrupted where `stop` was requested.
+/// The local maps of a log; segments whose observations leave something free to move are turned into raw ones in `split`. In
+/// parallel, with the same result for any number of threads. kInterrupted where `stop` was requested.
 template <int Dim>
 Expected<LocalMaps<Dim>> build_local_maps(const Log<Dim>& log, Split& split, const BuildOptions& options,
                                           const std::stop_token& stop = {});

@@ -28,13 +28,10 @@ class ChainSystem {
   Eigen::Index size() const { return chain_length() * kDof + border_size(); }
 
   Matrix<kDof>& diagonal_block(Eigen::Index k) { return D_[static_cast<std::size_t>(k)]; }
-  const Matrix<kDof>& diagonal_block(Eigen::Index k) const { return D_[static_cast<std::size_t>(k)]; }
   /// The coupling of chain pose k with k + 1.
   Matrix<kDof>& coupling(Eigen::Index k) { return L_[static_cast<std::size_t>(k)]; }
-  const Matrix<kDof>& coupling(Eigen::Index k) const { return L_[static_cast<std::size_t>(k)]; }
   /// The couplings of chain pose k with the border, kDof × border_size(); where there is a border.
   auto border_rows(Eigen::Index k) { return E_.middleRows<kDof>(k * kDof); }
-  auto border_rows(Eigen::Index k) const { return E_.middleRows<kDof>(k * kDof); }
   /// Only the upper triangle counts.
   Eigen::MatrixXd& border() { return C_; }
   const Eigen::MatrixXd& border() const { return C_; }

@@ -13,7 +13,7 @@ FeatureIndex SegmentView<Dim>::place(FeatureIndex feature) const {
 /// Odometry is in the order of its later pose: those after `begin`, up to `end`.
 template <int Dim>
 std::span<const PoseFactor<Dim>> odometry_of(const Log<Dim>& log, const Segment& segment) {
-  const auto by_later_pose = [](PoseIndex pose, const PoseFactor<Dim>& o) { return pose < std::max(o.base, o.target); };
+  const auto by_later_pose = [](PoseIndex pose, const PoseFactor<Dim>& o) { return pose < later_pose(o); };
   const auto first = std::upper_bound(log.odometry().begin(), log.odometry().end(), segment.begin, by_later_pose);
   const auto last = std::upper_bound(first, log.odometry().end(), segment.end, by_later_pose);
   return {first, last};

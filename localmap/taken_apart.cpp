@@ -48,9 +48,9 @@ TakenApart<Dim> taken_apart(const SubmapSet<Dim>& set) {
   log.poses = set.poses;
   log.features = set.features;
   log.graph = {set.graph.pose_factors, {}, {}, set.graph.fixed};
-  using Sighting = std::pair<FeatureFactor<Dim>, std::size_t>;
+  using Sighting = std::pair<FeatureFactor<Dim>, typename TakenApart<Dim>::Origin>;
   std::vector<Sighting> sightings;
-  for (const auto& o : set.graph.feature_factors) sightings.emplace_back(o, set.graph.submaps.size());
+  for (const auto& o : set.graph.feature_factors) sightings.push_back({o, {set.graph.submaps.size(), sightings.size()}});
   for (std::size_t m = 0; m < set.graph.submaps.size(); ++m) {
     const LocalMap<Dim>& map = set.graph.submaps[m];
     const Eigen::MatrixXd covariance = covariance_of(map);
@@ -58,14 +58,14 @@ TakenApart<Dim> taken_apart(const SubmapSet<Dim>& set) {
     for (std::size_t f = 0; f < map.features.size(); ++f) {
       const Eigen::Index row = map.row(map.poses.size() + f);
       const PointMatrix<Dim> information = information_by<Dim>(covariance.block<Dim, Dim>(row, row));
-      sightings.push_back({{map.base, map.features[f], map.feature_estimates[f], information, {}}, m});
+      sightings.push_back({{map.base, map.features[f], map.feature_estimates[f], information, {}}, {m, f}});
     }
   }
   // As put_in_order() has them.
   std::ranges::stable_sort(sightings, {}, [](const Sighting& s) { return std::pair(s.first.base == kWorld, s.first.base); });
-  for (const auto& [observation, map] : sightings) {
+  for (const auto& [observation, origin] : sightings) {
     log.graph.feature_factors.push_back(observation);
-    apart.maps.push_back(map);
+    apart.origins.push_back(origin);
   }
   put_in_order(log);
   return apart;

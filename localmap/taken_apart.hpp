@@ -14,7 +14,14 @@ namespace mapjoin {
 template <int Dim>
 struct TakenApart {
   Log<Dim> log;
-  std::vector<std::size_t> maps;  ///< Of each observation of the log; the number of maps where it stands on its own.
+  /// Where an observation of the log is in the set: among the features of a map or, where `map` is the number of maps, among
+  /// the observations that stand on their own.
+  struct Origin {
+    std::size_t map = 0;
+    std::size_t place = 0;
+    auto operator<=>(const Origin&) const = default;
+  };
+  std::vector<Origin> origins;  ///< Of each observation.
 };
 
 /// Poses and features keep their indices. Pose factors of the set stay as they are, those of one kind (see Log) in their order.

@@ -171,10 +171,14 @@ Checked checked_content(CommandRun& command_run, CheckedEstimate estimate, const
 }
 
 /// The first few places of a finding.
+std::span<const std::string> first_of(const Places& where, std::size_t most) {
+  return std::span(where.names).first(std::min(most, where.names.size()));
+}
+
 std::string places_in_words(const Places& where, std::size_t most) {
-  const auto shown = static_cast<std::ptrdiff_t>(std::min(most, where.names.size()));
-  const std::string more = where.count > most ? fmt::format(" and {} more", where.count - most) : "";
-  return fmt::format("{}{}", fmt::join(where.names.begin(), where.names.begin() + shown, ", "), more);
+  const auto shown = first_of(where, most);
+  const std::string more = where.count > shown.size() ? fmt::format(" and {} more", where.count - shown.size()) : "";
+  return fmt::format("{}{}", fmt::join(shown, ", "), more);
 }
 
 std::string fit_in_words(const KindFit& fit) {
@@ -205,7 +209,7 @@ std::string summary_of(const RunReport& run_report, const Checked& checked, std:
   return lines.text();
 }
 
-std::string report_of(const RunReport& run_report, const Checked& checked) {
+std::string report_of(const RunReport& run_report, const Checked& checked, std::size_t most) {
   Json json = report_head(run_report);
   json["estimate"] = checked.estimate;
   json["dof"] = checked.fits.empty() ? std::nullopt : std::optional(checked.dof);
@@ -226,7 +230,7 @@ std::string report_of(const RunReport& run_report, const Checked& checked) {
                                 {"check", finding.check},
                                 {"count", finding.where.count},
                                 {"text", finding.text},
-                                {"where", finding.where.names}});
+                                {"where", first_of(finding.where, most)}});
   }
   return text_of(json);
 }
@@ -238,7 +242,7 @@ ExitCode check_input(const CheckOptions& options, const std::stop_token& stop) {
       [&](const auto& content) { return checked_content(command_run, options.estimate, content); });
   if (!options.output.empty()) demand(write_file(options.output, misfits_as_csv(command_run.run_report)));
   constexpr std::size_t kShown = 3;
-  command_run.tell(report_of(command_run.run_report, checked),
+  command_run.tell(report_of(command_run.run_report, checked, options.run.most_misfits),
                    summary_of(command_run.run_report, checked, options.most.value_or(kShown)));
   return checked.count(FindingLevel::kWarning) > 0 ? ExitCode::kFindings : ExitCode::kDone;
 }

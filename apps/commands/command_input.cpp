@@ -33,6 +33,19 @@ void demand_names(const std::string& input, const AssociationOptions& associatio
                               "within each of several stores; of one, --associate goes with `mapjoin build`");
 }
 
+template <int Dim>
+bool has_times(const Log<Dim>& log) {
+  return !log.stamps_ns.empty();
+}
+template <int Dim>
+bool has_times(const StoredMaps<Dim>& stored) {
+  return has_times(stored.log);
+}
+template <int Dim>
+bool has_times(const SubmapSet<Dim>&) {
+  return false;
+}
+
 }  // namespace
 
 AnyLog CommandRun::read_log() {
@@ -90,6 +103,7 @@ Input CommandRun::take_input(Input input) {
       [&](auto& any) {
         take_weights(options_, any);
         run_report.describe(any);
+        if (truth_ && !has_times(any)) truth_->demand_counts();
         if (options_.association) associate_features(any);
         if (options_.robust) reject_outliers(any);
       },

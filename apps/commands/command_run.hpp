@@ -60,6 +60,9 @@ class CommandRun {
   const Options& options() const { return options_; }
   const std::stop_token& stop() const { return stop_; }
 
+  /// A log with the times that the options give its poses.
+  Expected<AnyLog> stamped(AnyLog any) const;
+
   /// Describes a result, and certifies it. Bad input where the map is not finite; kInterrupted where a stop was requested.
   template <int Dim>
   void take(RunResult<Dim>& result);
@@ -100,8 +103,6 @@ class CommandRun {
   std::vector<std::filesystem::path> inputs() const;
   /// The largest part of a log.
   static AnyLog largest(const AnyLog& any);
-  /// With the times that the options give its poses.
-  Expected<AnyLog> stamped(AnyLog any) const;
   /// Makes the fixes of --gps priors of a log, but for those that --robust finds wrong.
   template <int Dim>
   void attach_gps(Log<Dim>& log);

@@ -94,7 +94,9 @@ void declare_error(Subcommand& command) {
   command.flag("--quiet", options->quiet, "No summary");
   add_reading(command, *options);
   command.check([&errors] { return check_spans(errors); });
-  command.check([options] { return output_conflicts(inputs_of(*options, "MAP"), report_of(*options)); });
+  command.check([options] {
+    return output_conflicts({{"MAP", options->input}, {"TRUTH", options->truth}}, report_of(*options));
+  });
   command.act([options](const std::stop_token& stop) { return measure(*options, stop); });
 }
 

@@ -31,7 +31,8 @@ std::string values_in_words(const Log<Dim>& log) {
 
 std::string stamps_in_words(const std::vector<std::int64_t>& stamps_ns) {
   if (stamps_ns.empty()) return "none";
-  return fmt::format("{} s to {} s", seconds(stamps_ns.front()), seconds(stamps_ns.back()));
+  const auto [first, last] = std::ranges::minmax(stamps_ns);
+  return fmt::format("{} s to {} s", seconds(first), seconds(last));
 }
 
 template <int Dim>

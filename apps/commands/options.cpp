@@ -104,12 +104,11 @@ void add_schedule(Subcommand& command, Options& options) {
 }
 
 std::vector<std::string> check_uncut(const Subcommand& command, const Options& options) {
-  if (!may_hold_maps(options.input)) return {};
-  for (const std::string& rule : kRules) {
-    if (command.is_given(rule)) return {rule + " is for a log: local maps are cut already"};
-  }
-  if (options.share.count > 1) return {"--part is for a log: local maps are built already"};
-  return {};
+  const auto given = std::ranges::find_if(kRules, [&](const std::string& rule) { return command.is_given(rule); });
+  const bool is_part = options.share.count > 1;
+  if ((given == std::end(kRules) && !is_part) || !may_hold_maps(options.input)) return {};
+  if (given != std::end(kRules)) return {*given + " is for a log: local maps are cut already"};
+  return {"--part is for a log: local maps are built already"};
 }
 
 void add_polish(Subcommand& command, Options& options) {

@@ -25,7 +25,7 @@ struct PlotOptions : Options {
 };
 
 bool is_page(const PlotOptions& options) {
-  return options.output.extension() == ".html";
+  return extension_of(options.output) == ".html";
 }
 
 /// Names that tell the maps apart: those of their files, with their folders where these are the same.

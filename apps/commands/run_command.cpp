@@ -14,6 +14,7 @@
 #include <functional>
 #include <mapjoin/check/connectivity.hpp>
 #include <mapjoin/io/files/output_file.hpp>
+#include <mapjoin/io/formats/log_format.hpp>
 #include <mapjoin/io/formats/map_text.hpp>
 #include <mapjoin/io/g2o/g2o.hpp>
 #include <mapjoin/parallel/pieces.hpp>
@@ -117,14 +118,31 @@ ExitCode run_on(CommandRun& command_run, const Log<Dim>& log, std::optional<Outp
 ExitCode run_followed(CommandRun& command_run, const FollowOptions& following, const std::stop_token& stop,
                       std::optional<OutputFolder>& folder) {
   FollowedLog followed = follow(command_run.options(), following, stop);
-  const AnyLog log = command_run.take_input(std::move(followed.log));
+  const AnyLog log = command_run.take_input(command_run.stamped(std::move(followed.log)).value());
   const ExitCode done = std::visit([&](const auto& any) { return run_on(command_run, any, folder); }, log);
   if (!followed.fault) return done;
   const bool is_written = !command_run.options().output.empty();
   fail(followed.fault->kind, followed.fault->message + (is_written ? "; the map of what stands before it is written" : ""));
 }
 
-/// Each part with the options, but for the folder: part_1 is the largest.
+/// Of a part; says why where it has no map.
+template <int Dim>
+ExitCode run_part(const Options& options, Log<Dim> part, const std::stop_token& stop) {
+  try {
+    CommandRun command_run("run", options, stop);
+    auto folder = output_folder(options.output);
+    command_run.prepare({});
+    const AnyLog log = command_run.take_input(AnyLog(std::move(part)));
+    return std::visit([&](const auto& any) { return run_on(command_run, any, folder); }, log);
+  } catch (const tl::bad_expected_access<Error>& failure) {
+    if (failure.error().kind == ErrorKind::kInterrupted || failure.error().kind == ErrorKind::kCannotWrite) throw;
+    say(failure.error().message);
+    return exit_code_of(failure.error().kind);
+  }
+}
+
+/// Each part with the options, but for the folder: part_1 is the largest. One that has no map does not keep the others from
+/// theirs.
 ExitCode run_parts(const Options& options, const std::stop_token& stop) {
   const AnyLog log = CommandRun("run", options, stop).open_input();
   ExitCode worst = ExitCode::kDone;
@@ -133,12 +151,8 @@ ExitCode run_parts(const Options& options, const std::stop_token& stop) {
     for (std::size_t k = 0; k < parts.size(); ++k) {
       Options of_part = options;
       of_part.output = options.output / fmt::format("part_{}", k + 1);
-      CommandRun command_run("run", of_part, stop);
-      auto folder = output_folder(of_part.output);
-      command_run.prepare({});
       parts[k].source += fmt::format(", part {}", k + 1);  // for what goes wrong
-      const AnyLog part = command_run.take_input(AnyLog(std::move(parts[k])));
-      worst = std::max(worst, std::visit([&](const auto& any) { return run_on(command_run, any, folder); }, part));
+      worst = std::max(worst, run_part(of_part, std::move(parts[k]), stop));
     }
   };
   std::visit(run_each, log);
@@ -207,8 +221,9 @@ void declare_run(Subcommand& command) {
   command.check([options, following]() -> std::vector<std::string> {
     const bool is_plain =
         options->further.empty() && options->stamps.empty() && options->gps.empty() && options->parts == Parts::kRefuse;
-    if (!following->wanted || is_plain) return {};
-    return {"--follow is for one log, without --stamps, --gps and --parts"};
+    const bool is_g2o = options->read.from.value_or(LogFormat::kG2o) == LogFormat::kG2o;
+    if (!following->wanted || (is_plain && is_g2o)) return {};
+    return {"--follow is for one log in g2o, without --stamps, --gps and --parts"};
   });
   command.check([options] { return check_parts(*options); });
   command.check([&command, options, following] { return check_following(command, *options, *following); });

@@ -3,6 +3,8 @@
 #include <apps/exit_code.hpp>
 #include <apps/picture/links.hpp>
 #include <apps/report/run_report.hpp>
+#include <apps/report/verdict.hpp>
+#include <mapjoin/io/files/csv_text.hpp>
 #include <mapjoin/io/files/file_bytes.hpp>
 #include <mapjoin/io/files/text_scanner.hpp>
 #include <string>
@@ -16,8 +18,7 @@ namespace fs = std::filesystem;
 template <typename Read>
 void each_line(const fs::path& file, Read&& read) {
   const FileBytes bytes = FileBytes::read(file).value();
-  std::string text(bytes.view());
-  std::ranges::replace(text, ',', ' ');
+  const std::string text = with_blanks(bytes.view());
   TextScanner line(file.string(), text);
   line.next_line();
   const std::string header(line.word());
@@ -30,8 +31,8 @@ void each_line(const fs::path& file, Read&& read) {
 PoseIds pose_names(const fs::path& file) {
   PoseIds names;
   each_line(file, [&](TextScanner& line, const std::string& header) {
-    const std::uint64_t session = header == "session" ? line.key() : 0;
-    names.push_back({static_cast<std::uint32_t>(session), line.key()});
+    const std::uint32_t session = header == "session" ? read_session(line) : 0;
+    names.push_back({session, line.key()});
   });
   return names;
 }
@@ -74,11 +75,13 @@ void add_rejected_links(const fs::path& folder, const GlobalMap<Dim>& map, std::
     return *index;
   };
   each_line(file, [&](TextScanner& line, const std::string&) {
-    const bool is_observation = line.word() == to_string(PartKind::kObservation);
+    const std::string_view kind = line.word();
+    if (kind == kRejectedFix) return;
+    const bool is_observation = kind == to_string(PartKind::kObservation);
     const std::uint64_t from = line.key();
     const std::uint64_t to = line.key();
     for (int column = 0; column < 3; ++column) line.word();  // chi2, probability, why
-    const auto session = [&] { return static_cast<std::uint32_t>(line.key()); };
+    const auto session = [&] { return read_session(line); };
     const PoseIndex base = found(pose_of({session(), from}));
     if (is_observation) {
       links.push_back({base, found(feature_of({to})), true});

@@ -61,7 +61,7 @@ std::string associations_as_csv(const RunReport& run_report) {
   std::string text = "base,feature,joined,distance,gate,alternatives,base_session\n";
   for (const AssociatedSighting& sighting : run_report.associations) {
     TextLine line(',');
-    line.add(sighting.base.key).add(sighting.name.key).add(sighting.joined.key);
+    line.add(key_text(sighting.base.key)).add(key_text(sighting.name.key)).add(key_text(sighting.joined.key));
     if (sighting.distance) {
       line.add(*sighting.distance);
     } else {

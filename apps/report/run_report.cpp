@@ -55,7 +55,7 @@ void RunReport::describe(const Log<Dim>& log) {
             .repeated_edges = log.repeated_edges,
             .unassociated = log.unassociated,
             .skipped = log.skipped,
-            .repeated_steps = repeated_steps(log),
+            .repeated_steps = count_steps(log).driven_twice(),
             .shared_features = has_several_inputs ? shared_features(log) : 0};
 }
 
@@ -63,7 +63,9 @@ template <int Dim>
 void RunReport::describe(const SubmapSet<Dim>& set) {
   dimension = Dim;
   conventions = set.conventions;
-  counts = {.sessions = 1,
+  std::set<std::uint32_t> sessions;
+  for (const PoseId& id : set.poses) sessions.insert(id.session);
+  counts = {.sessions = sessions.size(),
             .poses = set.poses.size(),
             .features = set.features.size(),
             .observations = set.graph.feature_factors.size(),

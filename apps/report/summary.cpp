@@ -6,6 +6,7 @@
 #include <apps/report/associations.hpp>
 #include <apps/report/report.hpp>
 #include <apps/report/verdict.hpp>
+#include <mapjoin/check/checks.hpp>
 #include <mapjoin/model/error.hpp>
 #include <string_view>
 #include <utility>
@@ -166,9 +167,7 @@ void add_notes(const RunReport& run_report, Lines& lines) {
   note(run_report.counts.repeated_edges > 0,
        fmt::format("{} between the same two poses; all of them count",
                    plural(run_report.counts.repeated_edges, "edge repeats another", "edges repeat others")));
-  note(run_report.counts.repeated_steps > 0,
-       fmt::format("{} several edges: two logs in one file? give them as two files",
-                   plural(run_report.counts.repeated_steps, "step of odometry has", "steps of odometry have")));
+  note(run_report.counts.repeated_steps > 0, repeated_steps_in_words(run_report.counts.repeated_steps));
   note(run_report.counts.unassociated > 0,
        fmt::format("{} left out: the file does not say of which feature",
                    plural(run_report.counts.unassociated, "observation was", "observations were")));

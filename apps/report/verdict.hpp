@@ -17,7 +17,7 @@ inline std::string session_text(const FeatureId&) {
   return "";
 }
 
-/// "closure pose 17 to pose 2034", "observation of feature 9 from pose 4", "feature 9 of the local map from pose 0", …
+/// "closure from pose 17 to pose 2034", "observation of feature 9 from pose 4", "feature 9 of the local map from pose 0", …
 std::string name_of(const NamedMisfit& misfit);
 
 /// The same with its chi2 and rows.
@@ -46,6 +46,9 @@ std::string rejected_in_words(const RunReport& run_report);
 
 /// The key `robust` of the report: null where nothing was to be left out.
 Json robust_of(const RunReport& run_report);
+
+/// The kind of a fix among what was rejected.
+inline constexpr std::string_view kRejectedFix = "fix";
 
 /// A line for each below one of names: kind,from,to,chi2,probability,why,from_session,to_session. Features have no session, and
 /// a fix is from the line of its file.

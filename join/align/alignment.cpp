@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <mapjoin/join/align/alignment.hpp>
 #include <mapjoin/measure/trajectory_error.hpp>
+#include <mapjoin/model/lists.hpp>
 
 namespace mapjoin {
 namespace {
@@ -67,15 +68,6 @@ void unite(const Table<Index, Index>& a, const Table<Index, T>& a_values, const 
       values.push_back(moved(b_values[j++]));
     }
   }
-}
-
-template <typename T>
-std::vector<T> one_after_the_other(const std::vector<T>& a, const std::vector<T>& b) {
-  std::vector<T> both;
-  both.reserve(a.size() + b.size());
-  both.insert(both.end(), a.begin(), a.end());
-  both.insert(both.end(), b.begin(), b.end());
-  return both;
 }
 
 }  // namespace
@@ -152,9 +144,10 @@ PartialMap<Dim> merged(const PartialMap<Dim>& a, const PartialMap<Dim>& b, const
   unite(
       a.features, a.state.features, b.features, b.state.features,
       [&](const Point<Dim>& point) { return transform(alignment, point); }, both.features, both.state.features);
-  both.factors = {one_after_the_other(a.factors.pose_factors, b.factors.pose_factors),
-                  one_after_the_other(a.factors.feature_factors, b.factors.feature_factors),
-                  one_after_the_other(a.factors.submaps, b.factors.submaps)};
+  both.factors = a.factors;
+  append(both.factors.pose_factors, b.factors.pose_factors);
+  append(both.factors.feature_factors, b.factors.feature_factors);
+  append(both.factors.submaps, b.factors.submaps);
   return both;
 }
 

@@ -195,7 +195,12 @@ class Merging {
 template <int Dim>
 std::vector<PartialMap<Dim>> merge_tied(std::vector<PartialMap<Dim>> partials,
                                         const std::vector<const PoseFactor<Dim>*>& closures, bool tries_hypotheses) {
-  if (partials.size() != 2) return Merging<Dim>(std::move(partials), closures, tries_hypotheses).all();
+  // What too few features tied to the one that grew may by now be tied to another by more.
+  for (std::size_t before = partials.size() + 1; partials.size() > 2 && partials.size() < before;) {
+    before = partials.size();
+    partials = Merging<Dim>(std::move(partials), closures, tries_hypotheses).all();
+  }
+  if (partials.size() != 2) return partials;
   const auto alignment = alignment_of(partials[1], partials[0], closures, tries_hypotheses);
   if (!alignment) return partials;
   return {merged(partials[0], partials[1], *alignment)};

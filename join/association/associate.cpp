@@ -36,6 +36,10 @@ Split split_evenly(const Log<Dim>& log) {
   return split(log, {SplitRule::kPoses, static_cast<double>(std::max<std::size_t>(2, poses))});
 }
 
+tl::unexpected<Error> of_named_prior(const std::string& source) {
+  return bad_input(source + ": has a prior of a feature, which goes by its name, and names are ignored by --associate");
+}
+
 /// All observations, segment by segment; their features are numbered through.
 template <int Dim>
 std::vector<Tracked> tracked(const Log<Dim>& log, const Split& split, const NeighbourDensity<Dim>& density,
@@ -122,9 +126,7 @@ std::vector<std::string> AssociationOptions::validate() const {
 template <int Dim>
 Expected<Associated<Log<Dim>>> associate(const Log<Dim>& log, const AssociationOptions& options, const std::stop_token& stop) {
   demand_valid(options);
-  if (!log.feature_priors().empty()) {
-    return bad_input(log.source + ": has a prior of a feature, which goes by its name, and names are ignored by --associate");
-  }
+  if (!log.feature_priors().empty()) return of_named_prior(log.source);
   const auto sets = seen_at_once<Dim>(log.observations(), {});
   const NeighbourDensity<Dim> density(sets);
   const Split split = split_evenly(log);
@@ -148,6 +150,8 @@ template <int Dim>
 Expected<Associated<SubmapSet<Dim>>> associate(const SubmapSet<Dim>& set, const AssociationOptions& options,
                                                const std::stop_token& stop) {
   demand_valid(options);
+  if (std::ranges::any_of(set.graph.feature_factors, [](const auto& o) { return o.base == kWorld; }))
+    return of_named_prior(set.source);
   const auto sets = seen_at_once<Dim>(set.graph.feature_factors, set.graph.submaps);
   const NeighbourDensity<Dim> density(sets);
   std::vector<Seen> seen;

@@ -108,6 +108,8 @@ SubmapSet<Dim> renamed(SubmapSet<Dim> set, const Identities& identities) {
 
 template <int Dim>
 Log<Dim> renamed(Log<Dim> log, const Identities& identities) {
+  auto& factors = log.graph.feature_factors;
+  factors.erase(factors.begin() + std::ssize(log.observations()), factors.end());  // priors go by names
   for (std::size_t k = 0; k < identities.sighting_count(); ++k) {
     log.graph.feature_factors[k].target = identities.feature_of(k);
   }

@@ -48,17 +48,16 @@ Expected<void> IdentitySearch<Dim>::run() {
 
 template <int Dim>
 bool IdentitySearch<Dim>::undo(const std::vector<SightingTest>& misfits) {
+  std::vector<std::vector<std::size_t>> apart;
   for (const SightingTest& misfit : misfits) {
     // Numbers change with each feature that is told apart, sightings do not.
-    if (auto sightings = taken_with(misfit); !sightings.empty()) apart_.push_back(std::move(sightings));
+    if (auto sightings = taken_with(misfit); !sightings.empty()) apart.push_back(std::move(sightings));
   }
-  const bool has_changed = !apart_.empty();
-  for (const auto& sightings : apart_) {
+  for (const auto& sightings : apart) {
     identities_.tell_apart(sightings);
     for (const std::size_t s : sightings) matches_[s].reset();
   }
-  apart_.clear();
-  return has_changed;
+  return !apart.empty();
 }
 
 template <int Dim>

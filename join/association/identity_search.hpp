@@ -67,7 +67,6 @@ class IdentitySearch {
   bool is_settled_ = false;
   std::vector<PoseIndex> first_poses_;
   std::vector<PartsApart> parts_apart_;
-  std::vector<std::vector<std::size_t>> apart_;  // sightings that are told apart
 };
 
 }  // namespace mapjoin

@@ -62,12 +62,7 @@ typename MapMatching<Dim>::Open MapMatching<Dim>::open_features(std::size_t map,
     open.features.push_back(feature);
     near_to.push_back(std::move(others));
   }
-  const NormalEquations& equations = estimate_.covariances->equations();
-  Eigen::MatrixXd unit = Eigen::MatrixXd::Zero(equations.size(), static_cast<Eigen::Index>(open.features.size()) * Dim);
-  for (std::size_t k = 0; k < open.features.size(); ++k) {
-    unit.template block<Dim, Dim>(offset(open.features[k]), static_cast<Eigen::Index>(k) * Dim).setIdentity();
-  }
-  if (!open.features.empty()) open.columns = scale_ * equations.solve_columns(unit);
+  open.columns = columns_of(open.features);
   const double per_deviation = std::pow(2.0 * std::numbers::pi, 0.5 * Dim) * density_.overall();
   for (std::size_t k = 0; k < open.features.size(); ++k) {
     auto& candidates = open.candidates.emplace_back();
@@ -83,6 +78,16 @@ typename MapMatching<Dim>::Open MapMatching<Dim>::open_features(std::size_t map,
   return open;
 }
 
+template <int Dim>
+Eigen::MatrixXd MapMatching<Dim>::columns_of(const std::vector<FeatureIndex>& features) const {
+  const NormalEquations& equations = estimate_.covariances->equations();
+  Eigen::MatrixXd unit = Eigen::MatrixXd::Zero(equations.size(), static_cast<Eigen::Index>(features.size()) * Dim);
+  for (std::size_t k = 0; k < features.size(); ++k) {
+    unit.template block<Dim, Dim>(offset(features[k]), static_cast<Eigen::Index>(k) * Dim).setIdentity();
+  }
+  return features.empty() ? unit : Eigen::MatrixXd(scale_ * equations.solve_columns(unit));
+}
+
 /// The joint covariance of features that one map sees.
 template <int Dim>
 Eigen::MatrixXd MapMatching<Dim>::joint(const std::vector<FeatureIndex>& features, std::size_t map) const {
@@ -91,8 +96,12 @@ Eigen::MatrixXd MapMatching<Dim>::joint(const std::vector<FeatureIndex>& feature
     for (const FeatureIndex f : features) variables.push_back(estimate_.covariances->variable(f));
     return scale_ * estimate_.marginals->joint(variables);
   }
-  const std::vector<PoseOrFeature> of(features.begin(), features.end());
-  return scale_ * estimate_.covariances->joint(of).value();
+  const Eigen::MatrixXd columns = columns_of(features);
+  Eigen::MatrixXd joint(columns.cols(), columns.cols());
+  for (std::size_t k = 0; k < features.size(); ++k) {
+    joint.template middleRows<Dim>(static_cast<Eigen::Index>(k) * Dim) = columns.template middleRows<Dim>(offset(features[k]));
+  }
+  return joint;
 }
 
 template <int Dim>

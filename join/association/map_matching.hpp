@@ -78,6 +78,8 @@ class MapMatching {
   Proposals within(std::size_t map, const Open& open, Matcher<Dim>& matcher) const;
   PairingProblem<Dim> problem(const std::vector<FeatureIndex>& known, const std::vector<std::size_t>& open_places,
                               const Open& open, std::size_t known_map) const;
+  /// Those of the covariance of all that belong to some features.
+  Eigen::MatrixXd columns_of(const std::vector<FeatureIndex>& features) const;
   Eigen::MatrixXd joint(const std::vector<FeatureIndex>& features, std::size_t map) const;
   Eigen::Index offset(FeatureIndex feature) const {
     return estimate_.covariances->equations().offset(estimate_.covariances->variable(feature));

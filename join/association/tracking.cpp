@@ -74,7 +74,7 @@ std::vector<Tracked> track(const SegmentView<Dim>& segment, Matcher<Dim>& matche
   auto first = segment.observations.begin();
   for (PoseIndex pose = segment.begin; pose <= segment.end; ++pose) {
     // Of repeated edges the first one counts.
-    for (bool has_moved = false; step != segment.odometry.end() && std::max(step->base, step->target) == pose; ++step) {
+    for (bool has_moved = false; step != segment.odometry.end() && later_pose(*step) == pose; ++step) {
       if (!std::exchange(has_moved, true)) tracker.move(*step);
     }
     const auto last = std::find_if(first, segment.observations.end(), [&](const auto& o) { return o.base != pose; });

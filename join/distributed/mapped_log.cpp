@@ -1,7 +1,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <algorithm>
+#include <iterator>
+#include <mapjoin/check/checks.hpp>
 #include <mapjoin/distributed/mapped_log.hpp>
 #include <mapjoin/measure/effort.hpp>
+#include <mapjoin/model/repeated_edges.hpp>
+#include <span>
 #include <utility>
 
 namespace mapjoin::distributed {
@@ -10,10 +14,15 @@ namespace {
 template <int Dim>
 LogFigures figures_of(const Communicator& comm, const LogPart<Dim>& whole, const LogShare<Dim>& share,
                       const ShareMaps<Dim>& maps) {
-  const std::int64_t between = std::ranges::count_if(share.apart.pose_factors, [](const auto& o) { return o.base != kWorld; });
+  std::vector<PoseFactor<Dim>> closures_apart;
+  std::ranges::copy_if(share.apart.pose_factors, std::back_inserter(closures_apart),
+                       [](const auto& o) { return o.base != kWorld; });
+  const auto between = std::ssize(closures_apart);
   const auto sum = [&](std::ptrdiff_t mine) { return static_cast<std::size_t>(comm.sum(std::int64_t{mine})); };
+  const StepCounts mine = count_steps(share.log);
+  const StepCounts steps{sum(static_cast<std::ptrdiff_t>(mine.all)), sum(static_cast<std::ptrdiff_t>(mine.repeated))};
   LogFigures log{whole.conventions, {}};
-  log.counts = {.sessions = 1,
+  log.counts = {.sessions = sum(std::ssize(share.log.sessions)) - static_cast<std::size_t>(comm.size() - 1),  // see LogShare
                 .poses = whole.poses.size(),
                 .features = whole.features.size(),
                 .odometry = sum(std::ssize(share.log.odometry())),
@@ -21,7 +30,9 @@ LogFigures figures_of(const Communicator& comm, const LogPart<Dim>& whole, const
                 .observations = sum(std::ssize(share.log.observations())),
                 .priors = sum(std::ssize(share.apart.pose_factors) - between + std::ssize(share.apart.feature_factors)),
                 .fixed_poses = whole.graph.fixed.size(),
-                .skipped = whole.skipped};
+                .repeated_edges = comm.sum(share.log.repeated_edges + count_repeated(std::span(std::as_const(closures_apart)))),
+                .skipped = whole.skipped,
+                .repeated_steps = steps.driven_twice()};
   log.is_resumed = comm.any(maps.is_resumed);
   log.was_damaged = comm.any(maps.was_damaged);
   return log;

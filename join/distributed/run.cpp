@@ -36,8 +36,9 @@ template <int Dim>
 Expected<void> check_determined(const LogPart<Dim>& whole, const std::optional<PoseOrFeature>& singular) {
   if (!singular) return {};
   if (const auto* pose = std::get_if<PoseIndex>(&*singular))
-    return bad_input(to_string(whole.poses[*pose]) + " cannot be determined");
-  return bad_input(to_string(whole.features[std::get<FeatureIndex>(*singular)]) + " cannot be determined");
+    return bad_input(whole.source + ": " + to_string(whole.poses[*pose]) + " cannot be determined");
+  return bad_input(whole.source + ": " + to_string(whole.features[std::get<FeatureIndex>(*singular)]) +
+                   " cannot be determined");
 }
 
 /// The map on the first rank. What several regions have is the same in all.

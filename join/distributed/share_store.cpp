@@ -36,6 +36,7 @@ Log<Dim> portion_of(const LogPart<Dim>& whole, const LogShare<Dim>& share) {
   log.poses = whole.poses;
   log.features = whole.features;
   log.conventions = whole.conventions;
+  log.skipped = whole.skipped;
   log.graph = share.log.graph;
   renumber(log.graph, [&](auto place) { return index_in(share, place); });
   append(log.graph.pose_factors, share.apart.pose_factors);

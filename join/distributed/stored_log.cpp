@@ -202,7 +202,7 @@ Expected<AnyMappedLog> mapped(const Communicator& comm, std::vector<StorePieces>
   }));
   if (!graph) return tl::unexpected(graph.error());
   graph->fixed = log.graph.fixed;
-  LogPart<Dim> whole{log.source, log.conventions, {}, log.poses, log.features, *std::move(graph)};
+  LogPart<Dim> whole{log.source, log.conventions, log.skipped, log.poses, log.features, *std::move(graph)};
   if (auto tied = check_connected(comm, whole); !tied) return tl::unexpected(tied.error());
   LogShare<Dim> share = share_of(comm, whole, *begins, PoseOrder::kOfIds);
   auto maps = comm.agree(read_maps(*stores, share));

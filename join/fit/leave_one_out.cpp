@@ -97,17 +97,6 @@ Eigen::MatrixXd times(const Eigen::MatrixXd& J, const Eigen::Ref<const Eigen::Ma
   return product;
 }
 
-/// The most that a step turns a pose (rad).
-template <int Dim>
-double largest_rotation(const Eigen::VectorXd& step, const NormalEquations& equations) {
-  double largest = 0.0;
-  for (const Variable v : equations.variables()) {
-    if (equations.dof(v) != kPoseDof<Dim>) continue;
-    largest = std::max(largest, step.segment<kRotationDof<Dim>>(equations.offset(v) + Dim).norm());
-  }
-  return largest;
-}
-
 /// The information of a part of a factor; an observation is one part.
 template <int Dim, int Dof>
 const Matrix<Dof>& information(const LinearObservation<Dim, Dof>& linear, const MeasuredPart&) {
@@ -205,7 +194,7 @@ double LeaveOneOut<Dim>::leave_out(const MeasuredPart& part) {
     subtract(part.factor, W_B.middleCols(first, count), P_columns, shift.segment(first, count));
     step += P_columns * shift.segment(first, count);
   }
-  return largest_rotation<Dim>(step, equations_);
+  return system_.step_size(step).radians;
 }
 
 template <int Dim>

@@ -31,6 +31,8 @@ Expected<void> DrivenSegments::add(const SubmapUpdate<Dim>& update) {
   });
 }
 
+template Expected<void> DrivenSegments::check(const SubmapUpdate<2>&) const;
+template Expected<void> DrivenSegments::check(const SubmapUpdate<3>&) const;
 template Expected<void> DrivenSegments::add(const SubmapUpdate<2>&);
 template Expected<void> DrivenSegments::add(const SubmapUpdate<3>&);
 

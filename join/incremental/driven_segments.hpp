@@ -14,11 +14,11 @@ class DrivenSegments {
   /// pose of it is in a segment already; or where a pose outside of it is in none.
   template <int Dim>
   Expected<void> add(const SubmapUpdate<Dim>& update);
-
- private:
+  /// The same without adding it.
   template <int Dim>
   Expected<void> check(const SubmapUpdate<Dim>& update) const;
 
+ private:
   std::map<PoseId, bool> poses_;  // and whether another segment may go on from there
 };
 

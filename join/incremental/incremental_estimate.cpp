@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <cmath>
 #include <mapjoin/join/incremental/incremental_estimate.hpp>
+#include <mapjoin/model/lists.hpp>
 #include <utility>
 
 namespace mapjoin {
@@ -284,8 +285,7 @@ void IncrementalEstimate<Dim>::refer_turned() {
       tree_.set_solution(column, turned.step);
       stale_.insert(stale_.end(), turned.factors.begin(), turned.factors.end());
     }
-    std::sort(stale_.begin(), stale_.end());
-    stale_.erase(std::unique(stale_.begin(), stale_.end()), stale_.end());
+    make_distinct(stale_);
   }
 }
 

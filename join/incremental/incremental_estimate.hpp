@@ -66,7 +66,6 @@ class IncrementalEstimate {
   void linearise_stale();
   /// Where all maps together err by more than they may: makes those stale that err most.
   void find_stale();
-  void linearise_new();
   /// Those new maps again that err; whether there are any.
   bool linearise_new_again();
   bool errs(const Factor& factor) const;

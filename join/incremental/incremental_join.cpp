@@ -27,10 +27,19 @@ std::shared_ptr<const JoinedSnapshot<Dim>> IncrementalJoin<Dim>::snapshot() cons
 
 /// The former snapshot is let go outside the lock.
 template <int Dim>
-void IncrementalJoin<Dim>::publish() {
+AddedUpdate IncrementalJoin<Dim>::published(AddedUpdate added) {
+  added.chi2 = estimate_.chi2();
+  added.dof = estimate_.dof();
+  added.converged = is_converged_;
   auto next = estimate_.snapshot();
   const std::lock_guard lock(published_->mutex);
   published_->snapshot.swap(next);
+  return added;
+}
+
+template <int Dim>
+Expected<void> IncrementalJoin<Dim>::check(const SubmapUpdate<Dim>& update) const {
+  return driven_.check(update);
 }
 
 template <int Dim>
@@ -54,8 +63,7 @@ Expected<AddedUpdate> IncrementalJoin<Dim>::add(SubmapUpdate<Dim> update, const 
     AddedUpdate added;
     join_last(stop, added);
     added.is_joined = !is_waiting(updates_.size() - 1);
-    publish();
-    return added;
+    return published(added);
   });
 }
 
@@ -87,11 +95,10 @@ AddedUpdate IncrementalJoin<Dim>::change(std::span<const std::size_t> out, std::
   }
   std::ranges::sort(waiting_);
   settle({}, changed);
-  if (has_lost || !changed.converged || has_outgrown(chi2_before, dof_before)) adopt_batch(false, stop, changed);
+  if (has_lost || !is_converged_ || has_outgrown(chi2_before, dof_before)) adopt_batch(false, stop, changed);
   if (!waiting_.empty()) admit_waiting(stop, changed);
   changed.is_joined = waiting_.empty();
-  publish();
-  return changed;
+  return published(changed);
 }
 
 template <int Dim>
@@ -100,8 +107,7 @@ AddedUpdate IncrementalJoin<Dim>::rejoin(const std::stop_token& stop) {
   settle({}, rejoined);
   adopt_batch(false, stop, rejoined);
   rejoined.is_joined = waiting_.empty();
-  publish();
-  return rejoined;
+  return published(rejoined);
 }
 
 template <int Dim>
@@ -114,7 +120,7 @@ void IncrementalJoin<Dim>::join_last(const std::stop_token& stop, AddedUpdate& a
     const auto deferred = estimate_.defer();
     if (deferred) note(*deferred, added);
     if (!deferred || has_outgrown(chi2_before, dof_before)) settle(*variables, added);
-    if (!added.converged || has_outgrown(chi2_before, dof_before)) adopt_batch(false, stop, added);
+    if (!is_converged_ || has_outgrown(chi2_before, dof_before)) adopt_batch(false, stop, added);
   } else {
     waiting_.push_back(updates_.size() - 1);
   }
@@ -132,8 +138,7 @@ Expected<AddedUpdate> IncrementalJoin<Dim>::add_all(std::vector<SubmapUpdate<Dim
   if (updates_.size() > before) adopt_batch(true, stop, added);
   if (!waiting_.empty() && !added.batch_adopted && !stop.stop_requested()) join_again_from(before, stop, added);
   added.is_joined = waiting_.empty() || waiting_.back() < before;
-  publish();
-  return added;
+  return published(added);
 }
 
 /// Those after the first `before` do not hang together: as far as they do.
@@ -158,11 +163,9 @@ template <int Dim>
 void IncrementalJoin<Dim>::note(const Settling& settling, AddedUpdate& added) {
   added.metres = std::max(added.metres, settling.moved.metres);
   added.radians = std::max(added.radians, settling.moved.radians);
-  added.chi2 = estimate_.chi2();
-  added.dof = estimate_.dof();
   added.eliminated += settling.eliminated;
   added.iterations += settling.iterations;
-  added.converged = settling.converged;
+  is_converged_ = settling.converged;
 }
 
 /// What the frame of the estimate cannot take.
@@ -202,6 +205,7 @@ void IncrementalJoin<Dim>::admit_waiting(const std::stop_token& stop, AddedUpdat
   if (shared <= shared_when_tried_ && !is_news) return;
   shared_when_tried_ = shared;
   adopt_batch(true, stop, added);
+  if (stop.stop_requested()) shared_when_tried_ = 0;  // to be tried again
 }
 
 template <int Dim>
@@ -243,7 +247,7 @@ void IncrementalJoin<Dim>::adopt_batch(bool with_waiting, const std::stop_token&
   added.batch_checked = true;
   const auto joined = join(graph, set.poses, set.features, options, stop);
   if (!joined) return;
-  added.converged = joined->result.status == MinimiseStatus::kConverged;  // here, or at an estimate that is no better
+  is_converged_ = joined->result.status == MinimiseStatus::kConverged;  // here, or at an estimate that is no better
   if (!with_waiting && !is_less_chi2(joined->result.chi2, estimate_.chi2())) return;
   take(updates, set, *joined, added);
   added.batch_adopted = true;

@@ -34,7 +34,7 @@ struct AddedUpdate {
   std::int64_t dof = 0;        ///< and its degrees of freedom.
   std::size_t eliminated = 0;  ///< Variables eliminated again, over all iterations.
   int iterations = 0;
-  bool converged = true;
+  bool converged = true;       ///< As the estimate was settled last.
   bool batch_checked = false;  ///< Whether all updates were joined by join(), too,
   bool batch_adopted = false;  ///< and its estimate was taken, for it was better or the only one.
 };
@@ -54,7 +54,9 @@ class IncrementalJoin {
   /// Adds many at once, as where the first part of a long log is there already. What is said of one holds for all of them; of
   /// bad input, those before it wait.
   Expected<AddedUpdate> add_all(std::vector<SubmapUpdate<Dim>> updates, const std::stop_token& stop = {});
-  /// Bad input where add() would find it, were these added one after the other.
+  /// Bad input where add() would find it.
+  Expected<void> check(const SubmapUpdate<Dim>& update) const;
+  /// The same, were these added one after the other.
   Expected<void> check(std::span<const SubmapUpdate<Dim>> updates) const;
 
   /// Adds an update of closures, without a segment and without features, but leaves it out. Gives its number: updates count
@@ -97,7 +99,8 @@ class IncrementalJoin {
     std::shared_ptr<const JoinedSnapshot<Dim>> snapshot = std::make_shared<const JoinedSnapshot<Dim>>();
   };
 
-  void publish();
+  /// Shows the estimate to other threads; gives what was done, with how good the estimate is.
+  AddedUpdate published(AddedUpdate added);
   /// Puts a sound update behind the others.
   Expected<void> accept(SubmapUpdate<Dim> update);
   void join_last(const std::stop_token& stop, AddedUpdate& added);
@@ -125,6 +128,7 @@ class IncrementalJoin {
   NamedEstimate<Dim> estimate_;
   std::unique_ptr<Published> published_ = std::make_unique<Published>();
   bool is_anchored_by_world_ = false;
+  bool is_converged_ = true;  // as it was settled last
 };
 
 }  // namespace mapjoin

@@ -143,7 +143,7 @@ Expected<std::vector<std::size_t>> RobustIncrementalJoin<Dim>::hold(std::vector<
 template <int Dim>
 Expected<RobustlyAdded> RobustIncrementalJoin<Dim>::add(SubmapUpdate<Dim> update, const std::stop_token& stop) {
   if (update.source.empty()) update.source = "update " + std::to_string(++added_);
-  if (const auto checked = join_.check({&update, 1}); !checked) return tl::unexpected(checked.error());
+  if (const auto checked = join_.check(update); !checked) return tl::unexpected(checked.error());
   const auto before = join_.left_out();
   const std::size_t first = join_.update_count();
   auto [rest, closures] = apart(std::move(update));

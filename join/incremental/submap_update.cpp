@@ -1,9 +1,12 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include <algorithm>
+#include <iterator>
 #include <map>
 #include <mapjoin/join/align/leaf.hpp>
 #include <mapjoin/join/incremental/submap_update.hpp>
 #include <mapjoin/localmap/segment_view.hpp>
 #include <mapjoin/model/lists.hpp>
+#include <mapjoin/model/renumber.hpp>
 #include <numeric>
 #include <set>
 #include <utility>
@@ -55,24 +58,8 @@ struct NewNames {
 
   /// From indices among `old_poses` and `old_features`.
   void renumber(FactorGraph<Dim>& graph, const PoseIds& old_poses, const FeatureIds& old_features) {
-    const auto pose = [&](PoseIndex& p) {
-      if (p != kWorld) p = poses(old_poses[p]);
-    };
-    const auto feature = [&](FeatureIndex& f) { f = features(old_features[f]); };
-    for (auto& map : graph.submaps) {
-      pose(map.base);
-      std::for_each(map.poses.begin(), map.poses.end(), pose);
-      std::for_each(map.features.begin(), map.features.end(), feature);
-    }
-    for (auto& o : graph.pose_factors) {
-      pose(o.base);
-      pose(o.target);
-    }
-    for (auto& o : graph.feature_factors) {
-      pose(o.base);
-      feature(o.target);
-    }
-    for (auto& fixed : graph.fixed) pose(fixed.pose);
+    mapjoin::renumber(graph, EachKind{[&](PoseIndex p) { return poses(old_poses[p]); },
+                                      [&](FeatureIndex f) { return features(old_features[f]); }});
   }
 };
 
@@ -96,6 +83,42 @@ std::optional<Id> repeated(std::vector<Id> names) {
   return twice == names.end() ? std::nullopt : std::optional(*twice);
 }
 
+/// A pose or feature that is named, but of which nothing is said.
+template <int Dim>
+std::optional<std::string> idle_name(const SubmapUpdate<Dim>& update) {
+  Table<PoseIndex, bool> is_pose_used(update.poses.size());
+  Table<FeatureIndex, bool> is_feature_used(update.features.size());
+  const auto use = [&](PoseIndex base) {
+    if (base != kWorld) is_pose_used[base] = true;
+  };
+  const Segment segment = driven_segment(update);
+  for (PoseIndex p = segment.begin; p <= segment.end; ++p) use(p);
+  for (const auto& map : update.graph.submaps) {
+    for (const FeatureIndex f : map.features) is_feature_used[f] = true;
+  }
+  for (const auto& o : update.graph.pose_factors) {
+    use(o.base);
+    use(o.target);
+  }
+  for (const auto& o : update.graph.feature_factors) {
+    use(o.base);
+    is_feature_used[o.target] = true;
+  }
+  for (const auto& fixed : update.graph.fixed) use(fixed.pose);
+  const auto first_idle = [](const auto& names, const auto& is_used) -> std::optional<std::string> {
+    const auto idle = std::ranges::find(is_used, false);
+    return idle == is_used.end() ? std::nullopt : std::optional(to_string(*(names.begin() + (idle - is_used.begin()))));
+  };
+  const auto pose = first_idle(update.poses, is_pose_used);
+  return pose ? pose : first_idle(update.features, is_feature_used);
+}
+
+template <int Dim>
+bool has_losses(const FactorGraph<Dim>& graph) {
+  const auto has_loss = [](const auto& factor) { return factor.loss != Loss{}; };
+  return std::ranges::any_of(graph.pose_factors, has_loss) || std::ranges::any_of(graph.feature_factors, has_loss);
+}
+
 /// Whether the local map, where the segment is one, keeps exactly its poses.
 template <int Dim>
 bool is_of_its_segment(const SubmapUpdate<Dim>& update) {
@@ -113,20 +136,24 @@ bool is_of_its_segment(const SubmapUpdate<Dim>& update) {
 /// A segment after the one whose last pose it begins with; updates without one behind all others.
 template <int Dim>
 std::vector<const SubmapUpdate<Dim>*> as_driven(const std::vector<const SubmapUpdate<Dim>*>& updates) {
-  std::map<PoseId, const SubmapUpdate<Dim>*> by_first;
+  const auto stays = [](const SubmapUpdate<Dim>* update) { return first_pose(*update) == last_pose(*update); };
+  std::map<PoseId, std::vector<const SubmapUpdate<Dim>*>> by_first;  // the one that drives on behind those that stay
   std::set<PoseId> lasts;
   for (const auto* update : updates) {
     if (update->segments.empty()) continue;
-    by_first.emplace(first_pose(*update), update);
-    if (last_pose(*update) != first_pose(*update)) lasts.insert(last_pose(*update));
+    auto& from_there = by_first[first_pose(*update)];
+    from_there.push_back(update);
+    std::ranges::stable_partition(from_there, stays);
+    if (!stays(update)) lasts.insert(last_pose(*update));
   }
   std::vector<const SubmapUpdate<Dim>*> driven;
   for (const auto* update : updates) {
     if (update->segments.empty() || lasts.contains(first_pose(*update))) continue;
-    for (auto next = by_first.find(first_pose(*update)); next != by_first.end();) {
-      driven.push_back(next->second);
-      const PoseId& last = last_pose(*next->second);
-      next = last == next->first ? by_first.end() : by_first.find(last);
+    auto next = by_first.find(first_pose(*update));
+    if (next->second.front() != update) continue;  // that one has led here
+    while (next != by_first.end()) {
+      append(driven, next->second);
+      next = stays(next->second.back()) ? by_first.end() : by_first.find(last_pose(*next->second.back()));
     }
   }
   std::copy_if(updates.begin(), updates.end(), std::back_inserter(driven),
@@ -156,7 +183,7 @@ std::vector<SubmapUpdate<Dim>> submap_updates_of(const Log<Dim>& log, const Spli
   const auto graph_at = [&](PoseIndex pose) -> auto& {
     return updates[segment_of(split.segments, pose)].graph;
   };
-  for (const auto& o : log.closures()) graph_at(std::max(o.base, o.target)).pose_factors.push_back(o);
+  for (const auto& o : log.closures()) graph_at(later_pose(o)).pose_factors.push_back(o);
   for (const auto& o : log.pose_priors()) graph_at(o.target).pose_factors.push_back(o);
   for (const auto& fixed : log.graph.fixed) graph_at(fixed.pose).fixed.push_back(fixed);
   const auto seen = first_seen(updates, log.features.size());
@@ -177,7 +204,7 @@ std::vector<SubmapUpdate<Dim>> submap_updates_of(const SubmapSet<Dim>& set) {
   const auto graph_at = [&](PoseIndex pose) -> auto& {
     return updates[segment_of(set.segments, pose)].graph;
   };
-  for (const auto& o : set.graph.pose_factors) graph_at(std::max(o.base, o.target)).pose_factors.push_back(o);
+  for (const auto& o : set.graph.pose_factors) graph_at(later_pose(o)).pose_factors.push_back(o);
   for (const auto& fixed : set.graph.fixed) graph_at(fixed.pose).fixed.push_back(fixed);
   for (const auto& o : set.graph.feature_factors) {
     if (o.base != kWorld) graph_at(o.base).feature_factors.push_back(o);
@@ -192,19 +219,20 @@ std::vector<SubmapUpdate<Dim>> submap_updates_of(const SubmapSet<Dim>& set) {
 
 template <int Dim>
 Expected<void> check_update(const SubmapUpdate<Dim>& update) {
-  if (const auto twice = repeated(update.poses)) return bad_input(update.source + ": it names " + to_string(*twice) + " twice");
-  if (const auto twice = repeated(update.features))
-    return bad_input(update.source + ": it names " + to_string(*twice) + " twice");
-  if (!is_of_its_segment(update)) {
-    return bad_input(update.source + ": its local map is not of the poses of its one segment, in their order");
-  }
+  const auto wrong = [&](const std::string& what) { return bad_input(update.source + ": " + what); };
+  if (const auto checked = check_numbers(update); !checked) return checked;
+  if (const auto twice = repeated(update.poses)) return wrong("it names " + to_string(*twice) + " twice");
+  if (const auto twice = repeated(update.features)) return wrong("it names " + to_string(*twice) + " twice");
+  if (!is_of_its_segment(update)) return wrong("its local map is not of the poses of its one segment, in their order");
   const auto leads_to_itself = [](const auto& o) { return o.base == o.target; };
   if (const auto edge = std::ranges::find_if(update.graph.pose_factors, leads_to_itself);
       edge != update.graph.pose_factors.end()) {
-    return bad_input(update.source + ": an edge leads from " + to_string(update.poses[edge->base]) + " to itself");
+    return wrong("an edge leads from " + to_string(update.poses[edge->base]) + " to itself");
   }
-  if (has_levers(update.graph)) return bad_input(update.source + ": priors with levers cannot be joined map by map");
-  return check_numbers(update);
+  if (has_levers(update.graph)) return wrong("priors with levers cannot be joined map by map");
+  if (has_losses(update.graph)) return wrong("factors with a loss cannot be joined map by map");
+  if (const auto idle = idle_name(update)) return wrong("it names " + *idle + ", but says nothing of it");
+  return {};
 }
 
 template <int Dim>

@@ -57,7 +57,7 @@ std::vector<SubmapUpdate<Dim>> submap_updates_of(const Log<Dim>& log, const Spli
 template <int Dim>
 std::vector<SubmapUpdate<Dim>> submap_updates_of(const SubmapSet<Dim>& set);
 
-/// Bad input, named by its poses, unless the update is as SubmapUpdate says, with sound numbers.
+/// Bad input unless the update is as SubmapUpdate says, with sound numbers, and without levers and losses.
 template <int Dim>
 Expected<void> check_update(const SubmapUpdate<Dim>& update);
 

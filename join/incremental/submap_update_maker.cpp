@@ -72,7 +72,7 @@ Expected<typename SubmapUpdateMaker<Dim>::Window> SubmapUpdateMaker<Dim>::window
     if (observations_of(window.log, segment).empty()) make_raw(segment, window.split);
   }
   std::erase_if(window.log.graph.pose_factors,
-                [&](const auto& o) { return segments.empty() || std::max(o.base, o.target) > segments.back().end; });
+                [&](const auto& o) { return segments.empty() || later_pose(o) > segments.back().end; });
   return window;
 }
 

@@ -6,7 +6,6 @@
 #include <mapjoin/model/marginal_information.hpp>
 #include <numeric>
 #include <set>
-#include <tuple>
 #include <utility>
 #include <variant>
 
@@ -27,7 +26,7 @@ Eigen::MatrixXd information_of(const LocalMap<Dim>& map, const std::vector<std::
   return marginal_information(map.information, rows, others);
 }
 
-/// The map without some of its features.
+/// The map without the features at some places.
 template <typename F, int Dim>
 LocalMap<Dim> without_features(const LocalMap<Dim>& map, F&& is_rejected) {
   LocalMap<Dim> rest = map;
@@ -36,7 +35,7 @@ LocalMap<Dim> without_features(const LocalMap<Dim>& map, F&& is_rejected) {
   std::vector<std::size_t> kept(map.poses.size());
   std::iota(kept.begin(), kept.end(), std::size_t{0});
   for (std::size_t f = 0; f < map.features.size(); ++f) {
-    if (is_rejected(map.features[f])) continue;
+    if (is_rejected(f)) continue;
     rest.features.push_back(map.features[f]);
     rest.feature_estimates.push_back(map.feature_estimates[f]);
     kept.push_back(map.poses.size() + f);
@@ -52,19 +51,21 @@ Inliers<SubmapSet<Dim>> without(const std::vector<Rejected>& rejected, const Tak
   Inliers<SubmapSet<Dim>> inliers{std::move(set), {}};
   FactorGraph<Dim>& graph = inliers.input.graph;
   const std::size_t no_map = graph.submaps.size();  // as TakenApart has it
-  std::set<std::tuple<std::size_t, PoseIndex, FeatureIndex>> names;
+  std::set<typename TakenApart<Dim>::Origin> origins;
   for (const Rejected& one : rejected) {
     if (one.misfit.kind != PartKind::kObservation) continue;
-    const std::size_t map = apart.maps[one.observation];
-    names.emplace(map, one.misfit.from, std::get<FeatureIndex>(one.misfit.to));
+    const auto& origin = *origins.insert(apart.origins[one.observation]).first;
     inliers.rejected.push_back(one);
-    if (map < no_map) inliers.rejected.back().misfit.kind = PartKind::kMapFeature;
+    if (origin.map < no_map) inliers.rejected.back().misfit.kind = PartKind::kMapFeature;
   }
   for (std::size_t m = 0; m < no_map; ++m) {
-    LocalMap<Dim>& map = graph.submaps[m];
-    map = without_features(map, [&](FeatureIndex f) { return names.contains({m, map.base, f}); });
+    graph.submaps[m] = without_features(graph.submaps[m], [&](std::size_t f) { return origins.contains({m, f}); });
   }
-  std::erase_if(graph.feature_factors, [&](const auto& o) { return names.contains({no_map, o.base, o.target}); });
+  std::vector<FeatureFactor<Dim>> kept;
+  for (std::size_t k = 0; k < graph.feature_factors.size(); ++k) {
+    if (!origins.contains({no_map, k})) kept.push_back(graph.feature_factors[k]);
+  }
+  graph.feature_factors = std::move(kept);
   return inliers;
 }
 

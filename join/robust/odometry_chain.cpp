@@ -75,7 +75,7 @@ OdometryChain<Dim>::OdometryChain(const Log<Dim>& log) : sessions_(log.poses.siz
   for (auto edge = odometry.begin(); edge != odometry.end();) {
     const auto [before, after] = std::minmax(edge->base, edge->target);
     UncertainPose<Dim> step = forwards(*edge);
-    for (++edge; edge != odometry.end() && std::max(edge->base, edge->target) == after; ++edge) {
+    for (++edge; edge != odometry.end() && later_pose(*edge) == after; ++edge) {
       step = fused(step, forwards(*edge));
     }
     poses_[after] = compose(poses_[before], step);

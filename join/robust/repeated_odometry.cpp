@@ -10,11 +10,10 @@ namespace mapjoin {
 template <int Dim>
 std::vector<RepeatedOdometry> repeated_odometry(const Log<Dim>& log) {
   const auto odometry = log.odometry();
-  const auto later_pose = [&](std::size_t k) { return std::max(odometry[k].base, odometry[k].target); };
   std::vector<RepeatedOdometry> repeated;
   std::size_t first = 0;
   for (std::size_t k = 1; k < odometry.size(); ++k) {
-    if (later_pose(k) != later_pose(first)) {
+    if (later_pose(odometry[k]) != later_pose(odometry[first])) {
       first = k;
       continue;
     }

@@ -143,8 +143,10 @@ Expected<Basin> basin_of(const Subjects& subjects, const BasinOptions& options, 
   });
   if (stop.stop_requested()) return tl::unexpected(Error{ErrorKind::kInterrupted, "interrupted"});
   judge(subjects, along_tree, basin);
-  for (const double best : basin.best_chi2) {
-    if (!std::isfinite(best)) return bad_input(basin.cells.front().runs.front().failure.value_or("no solve gives a map"));
+  for (std::size_t k = 0; k < basin.covariances.size(); ++k) {
+    if (std::isfinite(basin.best_chi2[k])) continue;
+    const auto cell = std::ranges::find(basin.cells, basin.covariances[k], &BasinCell::covariance);
+    return bad_input(cell->runs.front().failure.value_or("no solve gives a map"));
   }
   return basin;
 }

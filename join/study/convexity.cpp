@@ -34,10 +34,10 @@ tl::unexpected<Error> interrupted() {
 }
 
 template <int Dim>
-Values<Dim> restricted(const Values<Dim>& joined_map, const PartialMap<Dim>& partial) {
+Values<Dim> restricted(const Values<Dim>& all, const PartialMap<Dim>& partial) {
   Values<Dim> part;
-  for (const PoseIndex pose : partial.poses) part.poses.push_back(joined_map.pose(pose));
-  for (const FeatureIndex feature : partial.features) part.features.push_back(joined_map.features[feature]);
+  for (const PoseIndex pose : partial.poses) part.poses.push_back(all.pose(pose));
+  for (const FeatureIndex feature : partial.features) part.features.push_back(all.features[feature]);
   return part;
 }
 
@@ -68,11 +68,11 @@ class PosedProblem {
   std::vector<Pair<Dim>> drawn_pairs(const ConvexityOptions& options) {
     const StateSampler<Dim> sampler(options.source, options.spread, composed_, join_, best_part_);
     const auto state = [&](std::size_t number) {
-      Values<Dim> joined_map{Table<PoseIndex, Pose<Dim>>(graph_.pose_count),
-                             Table<FeatureIndex, Point<Dim>>(graph_.feature_count, Point<Dim>::Zero())};
+      Values<Dim> all{Table<PoseIndex, Pose<Dim>>(graph_.pose_count),
+                      Table<FeatureIndex, Point<Dim>>(graph_.feature_count, Point<Dim>::Zero())};
       const Values<Dim> drawn = sampler.draw(RandomStream(options.seed, number).next());
-      write_values(drawn, composed_.poses, composed_.features, joined_map);
-      return joined_map;
+      write_values(drawn, composed_.poses, composed_.features, all);
+      return all;
     };
     std::vector<Pair<Dim>> pairs;
     for (std::size_t k = 0; k < options.pairs; ++k) {
@@ -170,9 +170,9 @@ std::vector<std::string> ConvexityOptions::validate() const {
 }
 
 std::optional<double> FirstStep::share() const {
-  const double joined_map = start_chi2 - best_chi2;
-  if (!(joined_map > 1e-9 * start_chi2) || !std::isfinite(chi2)) return std::nullopt;
-  return (start_chi2 - chi2) / joined_map;
+  const double whole = start_chi2 - best_chi2;
+  if (!(whole > 1e-9 * start_chi2) || !std::isfinite(chi2)) return std::nullopt;
+  return (start_chi2 - chi2) / whole;
 }
 
 template <int Dim>

@@ -25,14 +25,11 @@ constexpr auto enum_names(FindingLevel) {
       {{FindingLevel::kNote, "note"}, {FindingLevel::kWarning, "warning"}, {FindingLevel::kError, "error"}});
 }
 
-/// How often something was found, and the names of the first places.
+/// How often something was found, and the names of the places, where these have any.
 struct Places {
-  static constexpr std::size_t kMost = 20;
-
-  /// One more; `name()` gives its name where it is kept.
-  template <typename Name>
-  void add(const Name& name) {
-    if (++count <= kMost) names.push_back(name());
+  void add(std::string name) {
+    ++count;
+    names.push_back(std::move(name));
   }
 
   std::size_t count = 0;
@@ -53,9 +50,18 @@ inline void add_if_any(Findings& findings, Finding finding) {
   if (finding.where.count > 0) findings.push_back(std::move(finding));
 }
 
-/// How many steps of odometry have several edges, where most have: as when two logs were written into one file; else 0.
+/// How many steps of odometry there are, and how many of them have several edges.
+struct StepCounts {
+  std::size_t all = 0;
+  std::size_t repeated = 0;
+  /// How many have, where most have: as when two logs were written into one file; else 0.
+  std::size_t driven_twice() const;
+};
 template <int Dim>
-std::size_t repeated_steps(const Log<Dim>& log);
+StepCounts count_steps(const Log<Dim>& log);
+
+/// What to say of so many that have several edges, and how to go on.
+std::string repeated_steps_in_words(std::size_t steps);
 
 /// - `unobserved` (error): features that are declared, but never observed.
 /// - `parts` (error): several components that nothing ties together.
@@ -65,7 +71,7 @@ std::size_t repeated_steps(const Log<Dim>& log);
 /// - `seen_once` (note; of a log a warning where it is most of them): features that add nothing to the map.
 /// - `breaks` (note): steps without odometry within one session of the user's.
 /// - `unassociated` (note): observations left out by the reader.
-/// - `driven_twice` (warning): see repeated_steps().
+/// - `driven_twice` (warning): see StepCounts.
 template <int Dim>
 Findings check_structure(const Log<Dim>& log);
 template <int Dim>

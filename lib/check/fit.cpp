@@ -69,7 +69,7 @@ KindFit kind_fit(std::string kind, const std::vector<WeighedResidual>& residuals
   const auto is_worse = [&](std::size_t a, std::size_t b) { return residuals[a].chi2 > residuals[b].chi2; };
   std::stable_sort(outliers.begin(), outliers.end(), is_worse);
   for (const std::size_t i : outliers) {
-    fit.outliers.add([&] { return fmt::format("{} (chi2 {:.4g})", name(i), residuals[i].chi2); });
+    fit.outliers.add(fmt::format("{} (chi2 {:.4g})", name(i), residuals[i].chi2));
   }
   return fit;
 }

@@ -24,7 +24,7 @@ double median_scale(const std::vector<WeighedResidual>& residuals);
 
 /// How observations of one kind fit a map.
 struct KindFit {
-  std::string kind;  ///< "odometry", "closures", "observations", "priors" or "local maps".
+  std::string kind;  ///< "odometry", "closures", "observations", "priors of poses", "priors of features" or "local maps".
   std::size_t count = 0;
   std::int64_t rows = 0;
   double chi2 = 0.0;

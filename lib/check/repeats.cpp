@@ -79,7 +79,7 @@ Repeats repeats_among(std::span<const Observation> all, const Name& name) {
     if (ends[k].first != ends[k - 1].first) continue;
     const auto& a = forward(all[ends[k - 1].second]);
     const auto& b = forward(all[ends[k].second]);
-    const auto named = [&] { return name(ends[k].first); };
+    const std::string named = name(ends[k].first);
     const auto d = difference(a, b).eval();
     if (d.isZero(0.0) && a.information == b.information) {
       repeats.copies.add(named);

@@ -27,7 +27,7 @@ template <typename Tied>
 Places features_seen(std::size_t wanted, const Table<FeatureIndex, std::size_t>& times, const Tied& tied) {
   Places places;
   for (const FeatureIndex f : indices(times)) {
-    if (times[f] == wanted) places.add([&] { return to_string(tied.features[f]); });
+    if (times[f] == wanted) places.add(to_string(tied.features[f]));
   }
   return places;
 }
@@ -57,7 +57,7 @@ void check_parts(const Tied& tied, Findings& findings) {
   Places parts;
   for (const std::size_t v : component_roots(make_graph(vertices_of(tied).size(), ties_of(tied)))) {
     const bool is_unobserved = vertices_of(tied).is_feature(v);
-    if (!is_unobserved) parts.add([&] { return name_of(v, tied); });
+    if (!is_unobserved) parts.add(name_of(v, tied));
   }
   if (parts.count < 2) return;
   findings.push_back({FindingLevel::kError, "parts", fmt::format("nothing ties {} parts together", parts.count), parts});
@@ -68,17 +68,15 @@ void check_links(const Tied& tied, Findings& findings) {
   const WeakLinks links = weak_links(tied);
   Places chains;
   for (const LoneChain& chain : links.chains) {
-    chains.add([&] {
-      const std::string ends = fmt::format("{} to {}", name_of(chain.first, tied), name_of(chain.last, tied));
-      return chain.edges == 1 ? ends : fmt::format("{} ({} edges in a row)", ends, chain.edges);
-    });
+    const std::string ends = fmt::format("{} to {}", name_of(chain.first, tied), name_of(chain.last, tied));
+    chains.add(chain.edges == 1 ? ends : fmt::format("{} ({} edges in a row)", ends, chain.edges));
   }
   add_if_any(findings, {FindingLevel::kWarning, "weak_link",
                         fmt::format("{} where a single edge holds two parts together: an error in it shows nowhere",
                                     plural(chains.count, "place")),
                         chains});
   Places features;
-  for (const std::size_t v : links.features) features.add([&] { return name_of(v, tied); });
+  for (const std::size_t v : links.features) features.add(name_of(v, tied));
   add_if_any(findings, {FindingLevel::kWarning, "weak_feature",
                         fmt::format("{} without which poses fall apart: what hangs on one can turn about it",
                                     plural(features.count, "feature")),
@@ -110,14 +108,14 @@ void check_bodies(const Tied& tied, Findings& findings) {
   std::vector<Edge> between_poses = ties_of(tied);
   std::erase_if(between_poses, [&](const Edge& tie) { return of.is_feature(tie.second); });
   const std::vector<std::uint32_t> body_of = components_of(make_graph(of.size(), between_poses));
+  std::map<std::uint32_t, std::size_t> first_of;
+  for (std::size_t v = 0; v < body_of.size(); ++v) first_of.try_emplace(body_of[v], v);
   Places loose;
   Places weak;
   for (const auto& [body, count] : shared_features(tied, body_of)) {
     if (count > Dim) continue;
-    (count < Dim ? loose : weak).add([&, number = body, shared = count] {
-      const auto first = static_cast<std::size_t>(std::find(body_of.begin(), body_of.end(), number) - body_of.begin());
-      return fmt::format("the poses with {}: {} shared", name_of(first, tied), plural(shared, "feature"));
-    });
+    (count < Dim ? loose : weak)
+        .add(fmt::format("the poses with {}: {} shared", name_of(first_of.at(body), tied), plural(count, "feature")));
   }
   add_if_any(findings, {FindingLevel::kError, "loose_body",
                         fmt::format("{} of poses held to the others by fewer than {} features: that leaves them free to turn",
@@ -141,19 +139,27 @@ Findings check_ties(const Tied& tied) {
 
 }  // namespace
 
+std::size_t StepCounts::driven_twice() const {
+  constexpr std::size_t kLeast = 10;  // Of a log worth the name.
+  return repeated >= kLeast && 2 * repeated > all ? repeated : 0;
+}
+
 template <int Dim>
-std::size_t repeated_steps(const Log<Dim>& log) {
-  std::size_t steps = 0;
-  std::size_t repeated = 0;
-  const auto later = [](const PoseFactor<Dim>& edge) { return std::max(edge.base, edge.target); };
+StepCounts count_steps(const Log<Dim>& log) {
+  StepCounts counts;
   const auto odometry = log.odometry();
-  for (auto edge = odometry.begin(); edge != odometry.end(); ++steps) {
-    const auto next = std::find_if(edge, odometry.end(), [&](const auto& other) { return later(other) != later(*edge); });
-    if (next - edge > 1) ++repeated;
+  for (auto edge = odometry.begin(); edge != odometry.end(); ++counts.all) {
+    const auto next =
+        std::find_if(edge, odometry.end(), [&](const auto& other) { return later_pose(other) != later_pose(*edge); });
+    if (next - edge > 1) ++counts.repeated;
     edge = next;
   }
-  constexpr std::size_t kLeast = 10;  // Of a log worth the name.
-  return repeated >= kLeast && 2 * repeated > steps ? repeated : 0;
+  return counts;
+}
+
+std::string repeated_steps_in_words(std::size_t steps) {
+  return fmt::format("{} several edges, which all count: two sensors? Two logs in one file are to be given as two files",
+                     plural(steps, "step of odometry has", "steps of odometry have"));
 }
 
 template <int Dim>
@@ -163,18 +169,13 @@ Findings check_structure(const Log<Dim>& log) {
   for (std::size_t s = 1; s < log.sessions.size(); ++s) {
     const PoseId& before = log.poses[log.sessions[s].begin - 1];
     const PoseId& after = log.poses[log.sessions[s].begin];
-    if (before.session == after.session)
-      breaks.add([&] { return fmt::format("{} to {}", to_string(before), to_string(after)); });
+    if (before.session == after.session) breaks.add(fmt::format("{} to {}", to_string(before), to_string(after)));
   }
   add_if_any(findings,
              {FindingLevel::kNote, "breaks",
               fmt::format("{} without odometry: a session of its own begins behind it", plural(breaks.count, "step")), breaks});
-  const std::size_t twice = repeated_steps(log);
-  add_if_any(findings, {FindingLevel::kWarning,
-                        "driven_twice",
-                        fmt::format("{} several edges: two logs in one file? give them as two files",
-                                    plural(twice, "step of odometry has", "steps of odometry have")),
-                        {twice, {}}});
+  const std::size_t twice = count_steps(log).driven_twice();
+  add_if_any(findings, {FindingLevel::kWarning, "driven_twice", repeated_steps_in_words(twice), {twice, {}}});
   const auto unassociated = static_cast<std::size_t>(log.unassociated);
   add_if_any(findings, {FindingLevel::kNote,
                         "unassociated",
@@ -188,8 +189,8 @@ Findings check_structure(const SubmapSet<Dim>& set) {
   return check_ties<Dim>(set);
 }
 
-template std::size_t repeated_steps(const Log<2>&);
-template std::size_t repeated_steps(const Log<3>&);
+template StepCounts count_steps(const Log<2>&);
+template StepCounts count_steps(const Log<3>&);
 template Findings check_structure(const Log<2>&);
 template Findings check_structure(const Log<3>&);
 template Findings check_structure(const SubmapSet<2>&);

@@ -28,9 +28,8 @@ void check_range(const Log<2>& log, Findings& findings) {
     const double turn = std::abs(edge.measured.rotation.angle());
     largest = std::max(largest, turn);
     if (turn <= kPi + 1e-6) continue;
-    (turn > 2.0 * kPi + 1e-6 ? beyond : unwrapped).add([&] {
-      return fmt::format("{} to {}", to_string(log.poses[edge.base]), to_string(log.poses[edge.target]));
-    });
+    (turn > 2.0 * kPi + 1e-6 ? beyond : unwrapped)
+        .add(fmt::format("{} to {}", to_string(log.poses[edge.base]), to_string(log.poses[edge.target])));
   }
   // A few may be robots that spun round unseen.
   if (100 * beyond.count > log.edges().size()) {

@@ -32,7 +32,7 @@ class Poses {
     for (const PoseIndex p : indices(log.poses)) by_key_.emplace(log.poses[p].key, p);
     for (const PoseIndex p : indices(log.stamps_ns)) by_time_[log.poses[p].session].emplace_back(log.stamps_ns[p], p);
     for (auto& [session, poses] : by_time_) std::ranges::sort(poses);
-    for (const auto& step : log.odometry()) steps_[std::max(step.base, step.target)] = &step;
+    for (const auto& step : log.odometry()) steps_[later_pose(step)] = &step;
   }
 
   /// All that a fix may have been made from.

@@ -13,20 +13,6 @@
 namespace mapjoin {
 namespace {
 
-/// The first session of each log.
-template <int Dim>
-std::vector<std::uint32_t> first_sessions(const std::vector<Log<Dim>>& logs) {
-  std::vector<std::uint32_t> first;
-  std::uint32_t next = 0;
-  for (const Log<Dim>& log : logs) {
-    first.push_back(next);
-    std::uint32_t last = 0;
-    for (const PoseId& id : log.poses) last = std::max(last, id.session);
-    next += last + 1;
-  }
-  return first;
-}
-
 /// A log's poses by their names, for those that name them from outside.
 template <int Dim>
 using PoseOf = std::vector<IndexOf<PoseIndex, PoseId>>;
@@ -144,7 +130,9 @@ Expected<Log<Dim>> merged(std::vector<Log<Dim>> logs, const MergeOptions& option
   if (auto apart = options.own_features ? number_features_apart(logs) : Expected<void>(); !apart)
     return tl::unexpected(apart.error());
   const std::int64_t released = release_later(logs);
-  const std::vector<std::uint32_t> first = first_sessions(logs);
+  const auto sessions = first_sessions(logs);
+  if (!sessions) return tl::unexpected(sessions.error());
+  const std::vector<std::uint32_t>& first = *sessions;
   Ties<Dim> ties(logs, first);
   std::vector<std::string> sources;
   Conventions conventions = logs.front().conventions;

@@ -16,6 +16,22 @@ struct MergeOptions {
   bool own_features = false;  ///< Features of the same name in different logs are different ones.
 };
 
+/// The first session of each of several logs or sets of maps, behind all those before; bad input where they are too many.
+template <typename Part>
+Expected<std::vector<std::uint32_t>> first_sessions(const std::vector<Part>& parts) {
+  std::vector<std::uint32_t> first;
+  std::uint64_t next = 0;
+  for (const Part& part : parts) {
+    first.push_back(static_cast<std::uint32_t>(next));
+    std::uint64_t last = 0;
+    for (const PoseId& id : part.poses) last = std::max<std::uint64_t>(last, id.session);
+    next += last + 1;
+    if (next > std::uint64_t{1} << 32)
+      return bad_input(part.source + ": with the sessions of the inputs before, its own go beyond 2^32");
+  }
+  return first;
+}
+
 /// The least power of ten above `largest`, so many times which fits into an id; else kUsage.
 Expected<std::uint64_t> step_apart(std::uint64_t largest, std::size_t parts);
 

@@ -177,9 +177,11 @@ Expected<AnyMaps> merged_maps(std::vector<SubmapSet<Dim>> sets, const MergeOptio
     append(whole.features, set.features);
   }
   make_distinct(whole.features);
+  const auto first_session = first_sessions(sets);
+  if (!first_session) return tl::unexpected(first_session.error());
   for (std::size_t k = 0; k < sets.size(); ++k) {
     const Renumbering part = renumbering(PoseIndex(whole.poses.size()), sets[k].features, whole.features);
-    for (const PoseId& id : sets[k].poses) whole.poses.push_back({static_cast<std::uint32_t>(k), id.key});
+    for (const PoseId& id : sets[k].poses) whole.poses.push_back({(*first_session)[k] + id.session, id.key});
     for (const Segment& segment : sets[k].segments) whole.segments.push_back(part(segment));
     for (LocalMap<Dim>& map : sets[k].graph.submaps) whole.graph.submaps.push_back(part(std::move(map)));
     if (k > 0) whole.conventions.repairs += sets[k].conventions.repairs;

@@ -6,6 +6,7 @@
 // R_bᵀ R_t (paper's (10), (11)). Its residual is r = X̂ - H(X): translation in the frame of the base; rotation
 // Log((R_bᵀ R_t)ᵀ R̂), in 2D the heading difference wrapped to [-π, π].
 
+#include <algorithm>
 #include <mapjoin/geometry/pose.hpp>
 #include <mapjoin/model/ids.hpp>
 #include <mapjoin/model/loss.hpp>
@@ -21,8 +22,7 @@ struct PoseFactor {
   Pose<Dim> measured;           ///< Target in the frame of the base.
   PoseMatrix<Dim> information;  ///< W, symmetric positive semidefinite (1/m², 1/(m rad), 1/rad²).
   Loss loss = {};
-  Point<Dim> lever =
-      Point<Dim>::Zero();  ///< The place on the target, in its frame, that is measured: an antenna, say (m).
+  Point<Dim> lever = Point<Dim>::Zero();  ///< The place on the target, in its frame, that is measured: an antenna, say (m).
 };
 
 /// The position of a feature in the frame of the pose that saw it or, from the World, a prior of a feature.
@@ -34,6 +34,12 @@ struct FeatureFactor {
   PointMatrix<Dim> information;  ///< W, symmetric positive semidefinite (1/m²).
   Loss loss = {};
 };
+
+/// The pose of a factor that was driven last.
+template <int Dim>
+PoseIndex later_pose(const PoseFactor<Dim>& factor) {
+  return std::max(factor.base, factor.target);
+}
 
 /// What of its target a factor measures: the end of its lever, with the target's rotation; a feature as it is.
 template <int Dim>

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <algorithm>
 #include <mapjoin/model/log.hpp>
+#include <mapjoin/model/repeated_edges.hpp>
 #include <numeric>
 #include <utility>
 
@@ -30,21 +31,6 @@ template <int Dim>
 bool is_odometry(const PoseFactor<Dim>& edge, const PoseIds& poses) {
   const auto [first, second] = std::minmax(edge.base, edge.target);
   return !is_prior(edge) && second == first + 1 && poses[first].session == poses[second].session;
-}
-
-template <int Dim>
-PoseIndex later_pose(const PoseFactor<Dim>& edge) {
-  return std::max(edge.base, edge.target);
-}
-
-/// The number of edges beyond the first between the same two poses, whatever their direction.
-template <int Dim>
-std::int64_t count_repeated(std::span<const PoseFactor<Dim>> edges) {
-  std::vector<std::pair<PoseIndex, PoseIndex>> ends;
-  ends.reserve(edges.size());
-  for (const auto& edge : edges) ends.emplace_back(std::minmax(edge.base, edge.target));
-  std::sort(ends.begin(), ends.end());
-  return ends.end() - std::unique(ends.begin(), ends.end());
 }
 
 /// Odometry by its later pose, then closures, then priors.

@@ -66,7 +66,21 @@ Expected<void> check_numbers(const SubmapSet<Dim>& set) {
   return checked ? checked : bad_input(set.source + ": " + checked.error().message);
 }
 
+template <int Dim>
+Expected<void> check_segments(const SubmapSet<Dim>& set) {
+  const auto is_there = [&](const Segment& s) {
+    return s.begin <= s.end && is_among(set.poses, s.begin) && is_among(set.poses, s.end);
+  };
+  if (!std::ranges::all_of(set.segments, is_there)) return bad_input(set.source + ": a segment is of poses that are not there");
+  const std::size_t segments = map_segments(set.segments).size();
+  if (segments == set.graph.submaps.size()) return {};
+  return bad_input(
+      fmt::format("{}: {} for {}", set.source, plural(segments, "segment"), plural(set.graph.submaps.size(), "local map")));
+}
+
 template Expected<void> check_numbers(const SubmapSet<2>&);
 template Expected<void> check_numbers(const SubmapSet<3>&);
+template Expected<void> check_segments(const SubmapSet<2>&);
+template Expected<void> check_segments(const SubmapSet<3>&);
 
 }  // namespace mapjoin

@@ -29,4 +29,8 @@ struct SubmapSet {
 template <int Dim>
 Expected<void> check_numbers(const SubmapSet<Dim>& set);
 
+/// Bad input unless as many segments are maps as there are maps, and all are of poses of the set.
+template <int Dim>
+Expected<void> check_segments(const SubmapSet<Dim>& set);
+
 }  // namespace mapjoin

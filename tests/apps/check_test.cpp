@@ -60,6 +60,19 @@ TEST(Check, NamesTheFirstThreePlacesForPeople) {
               HasSubstr("pose 0 to pose 1, pose 1 to pose 2, pose 2 to pose 3 and 2 more\n"));
 }
 
+TEST(Check, NamesAsManyPlacesAsAskedFor) {
+  const TemporaryFolder folder;
+  std::string text = kSmallLog;
+  for (int feature = 100; feature < 140; ++feature) text += fmt::format("EDGE_SE2_XY 1 {} 1 1 1 0 1\n", feature);
+  const std::string log = folder.file("log.g2o", text).string();
+  EXPECT_THAT(call({"check", log, "--most", "30"}).out, HasSubstr("feature 129 and 10 more\n"));
+  EXPECT_THAT(call({"check", log, "--most", "all"}).out, HasSubstr(", feature 139\n"));
+  const auto findings = nlohmann::json::parse(call({"check", log, "--report", "-"}).out)["findings"];
+  const auto once = std::ranges::find_if(findings, [](const auto& finding) { return finding["check"] == "seen_once"; });
+  EXPECT_EQ((*once)["count"], 40);
+  EXPECT_EQ((*once)["where"].size(), 20U);
+}
+
 TEST(Check, NamesWhatIsOutOfLineAsOftenAsAskedFor) {
   const TemporaryFolder folder;
   std::string text = content_of(kBundledData / "manhattan2d.g2o");

@@ -49,6 +49,15 @@ TEST_F(ErrorCommand, SaysWhatDoesNotFit) {
   EXPECT_THAT(none.err, HasSubstr("other.g2o: has no pose of the map, neither by name nor by time; --max-time-difference"));
   EXPECT_THAT(call({"error", folder.file("log.g2o", kSmallLog).string(), truth}).err, HasSubstr("a map is expected"));
   EXPECT_EQ(call({"error", map, truth, "--spans", "1.5"}).exit_code, 2);
+  const std::string timed = folder.file("timed.tum", "0 0 0 0 0 0 0 1\n0.1 1 0 0 0 0 0 1\n").string();
+  const Ended no_times = call({"error", map, timed});
+  EXPECT_EQ(no_times.exit_code, 2);
+  EXPECT_THAT(no_times.err, HasSubstr("timed.tum: has times, and the poses of the map have none; --stamps gives a log's\n"));
+  const std::string out = (folder.path() / "out").string();
+  EXPECT_THAT(call({"run", folder.file("drive.g2o", kSmallLog).string(), "-o", out, "--truth", timed}).err,
+              HasSubstr("timed.tum: has times"));
+  EXPECT_FALSE(std::filesystem::exists(out));
+  EXPECT_THAT(call({"error", map, truth, "--report", truth}).err, HasSubstr("TRUTH and --report are one file"));
 }
 
 TEST_F(ErrorCommand, SpansStayWithinSessions) {

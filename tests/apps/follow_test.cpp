@@ -143,6 +143,14 @@ TEST_F(Follow, AFileThatIsCompleteIsJoinedAtOnce) {
   EXPECT_NEAR(chi2, 884.68, 9.0);  // of a join of its maps of 10 poses (IncrementalData compares every step)
 }
 
+TEST_F(Follow, IdsMayBeTimes) {
+  fs::copy_file(kBundledData / "manhattan3d.g2o", path("log.g2o"));
+  const std::string map = path("map.tum");
+  const Ended ended = call({"run", path("log.g2o"), "--follow", "--idle", "0", "--ids-are-nanoseconds", "--quiet", "-o", map});
+  ASSERT_EQ(ended.exit_code, 0) << ended.err;
+  EXPECT_THAT(content_of(map), HasSubstr("\n0.000000007 "));
+}
+
 TEST_F(Follow, IdsMayBeInNoOrderAtAll) {
   // As names, every tenth id first: nothing but the edges tells how the poses were driven.
   std::ofstream shuffled(path("log.g2o"));
@@ -254,6 +262,9 @@ TEST_F(Follow, WhatCannotBeFollowedIsSaid) {
   EXPECT_EQ(unfollowed.exit_code, 2);
   EXPECT_THAT(unfollowed.err, HasSubstr("--idle is for --follow"));
   EXPECT_EQ(call({"run", path("none.g2o"), "--follow", "--steps", "-", "--report", "-"}).exit_code, 2);
+  const Ended other = call({"run", path("none.g2o"), "--follow", "--from", "toro"});
+  EXPECT_EQ(other.exit_code, 2);
+  EXPECT_THAT(other.err, HasSubstr("--follow is for one log in g2o, without --stamps, --gps and --parts"));
 }
 
 }  // namespace

@@ -100,7 +100,7 @@ TEST_F(GpsCommand, RobustLeavesOutWrongFixesByTheirLine) {
 TEST_F(GpsCommand, SaysWhatDoesNotGoTogether) {
   EXPECT_THAT(call({"run", log, "--gps-lever", "1,2"}).err, HasSubstr("--gps-lever is of --gps"));
   EXPECT_THAT(call({"run", log, "--gps", fixes, "--gps-lever", "1"}).err, HasSubstr("not two or three numbers"));
-  EXPECT_THAT(call(command("run", {"--follow"})).err, HasSubstr("--follow is for one log, without --stamps, --gps"));
+  EXPECT_THAT(call(command("run", {"--follow"})).err, HasSubstr("--follow is for one log in g2o, without --stamps, --gps"));
   EXPECT_THAT(call(command("run", {"--parts", "all", "-o", out})).err, HasSubstr("--parts all makes maps that nothing ties"));
   const auto timed = folder.file("timed.csv", "time,latitude,longitude,sd_east,sd_north\n1,50,8,1,1\n").string();
   const Ended ended = call({"run", log, "--gps", timed});

@@ -47,6 +47,8 @@ TEST(Info, TellsStampsToTheNanosecond) {
   auto writer = StoreWriter<2>::open(store, log, {{0, 2, false}}, "");
   ASSERT_TRUE(writer && writer->finish());
   expect_line(call({"info", store.string()}).out, "stamps", "1600000000.123456789 s to 1600000002.000000001 s");
+  const auto two = folder.file("two.csv", "session,pose,x,y,phi,stamp_ns\n0,0,0,0,0,5000000000\n1,0,0,0,0,2000000000\n");
+  expect_line(call({"info", two.string()}).out, "stamps", "2.000000000 s to 5.000000000 s");
 }
 
 TEST(Info, TellsWhatASetOfLocalMapsHas) {

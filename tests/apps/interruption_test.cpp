@@ -1,21 +1,26 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include <fcntl.h>
 #include <gtest/gtest.h>
+#include <signal.h>
+#include <sys/stat.h>
 #include <unistd.h>
 
 #include <apps/process.hpp>
 #include <chrono>
-#include <csignal>
 #include <iostream>
+#include <tests/apps/command.hpp>
 #include <thread>
 
-namespace mapjoin::apps {
+namespace mapjoin::testing {
 namespace {
+
+namespace fs = std::filesystem;
 
 /// A process that is deaf to the request to stop.
 [[noreturn]] void go_on_whatever_is_asked(int first, int second) {
   ::alarm(60);
-  keep_blas_on_one_thread();
-  const Interruption interruption;
+  apps::keep_blas_on_one_thread();
+  const apps::Interruption interruption;
   ::kill(::getpid(), first);
   while (!interruption.token().stop_requested()) std::this_thread::yield();
   ::kill(::getpid(), second);
@@ -31,5 +36,57 @@ TEST(InterruptionDeathTest, TheSecondSignalEndsTheProcessWhateverItDoes) {
   EXPECT_EXIT(go_on_whatever_is_asked(SIGINT, SIGTERM), ::testing::ExitedWithCode(130), "were one request");
 }
 
+/// A call that is sent a signal as soon as it has begun to write at `sign`, or has read its input.
+class InterruptedCall : public ::testing::Test {
+ protected:
+  std::string path(const std::string& name) const { return (folder.path() / name).string(); }
+  void SetUp() override { ASSERT_EQ(call({"simulate", "--poses", "30000", "-o", path("log.g2o"), "--quiet"}).exit_code, 0); }
+  Ended interrupted(const std::vector<std::string>& arguments, const fs::path& sign, int signal) {
+    Process process(command_line(arguments));
+    while (process.is_running() && !fs::exists(sign)) std::this_thread::sleep_for(std::chrono::milliseconds(2));
+    process.send(signal);
+    const int exit_code = process.wait();
+    return {exit_code, process.standard_output(), process.standard_error()};
+  }
+  TemporaryFolder folder;
+};
+
+TEST_F(InterruptedCall, LeavesNothingOfARun) {
+  for (const int signal : {SIGINT, SIGTERM}) {
+    const Ended ended = interrupted({"run", path("log.g2o"), "-o", path("out")}, path("out"), signal);
+    EXPECT_EQ(ended.exit_code, 130);
+    EXPECT_EQ(ended.err, "mapjoin: interrupted\n");
+    EXPECT_EQ(ended.out, "");
+    EXPECT_EQ(names_in(folder.path()), std::vector<std::string>{"log.g2o"});
+  }
+}
+
+TEST_F(InterruptedCall, ABuildGoesOnAndEndsWithTheSameBytes) {
+  const std::vector<std::string> build = {"build", path("log.g2o"), "-o", path("maps"), "--quiet"};
+  const Ended ended = interrupted(build, path("maps.partial"), SIGINT);
+  EXPECT_EQ(ended.exit_code, 130);
+  EXPECT_FALSE(fs::exists(path("maps")));
+  ASSERT_EQ(call(build).exit_code, 0);
+  ASSERT_EQ(call({"build", path("log.g2o"), "-o", path("whole"), "--quiet"}).exit_code, 0);
+  EXPECT_EQ(content_of(path("maps")), content_of(path("whole")));
+  EXPECT_EQ(names_in(folder.path()), (std::vector<std::string>{"log.g2o", "maps", "whole"}));
+}
+
+TEST_F(InterruptedCall, EndsACallThatWaitsForAPipe) {
+  ASSERT_EQ(::mkfifo(path("pipe").c_str(), 0600), 0);
+  const auto interrupted_soon = [&](const std::vector<std::string>& arguments) {
+    Process process(command_line(arguments));
+    std::this_thread::sleep_for(std::chrono::milliseconds(300));
+    process.send(SIGTERM);
+    for (int k = 0; k < 1000 && process.is_running(); ++k) std::this_thread::sleep_for(std::chrono::milliseconds(10));
+    return !process.is_running() && process.wait() == 130;
+  };
+  EXPECT_TRUE(interrupted_soon({"info", path("pipe")})) << "while nobody writes";
+  const int both_ends = ::open(path("pipe").c_str(), O_RDWR | O_CLOEXEC);
+  EXPECT_TRUE(interrupted_soon({"info", path("pipe")})) << "while nothing comes";
+  EXPECT_TRUE(interrupted_soon({"simulate", "-o", path("pipe")})) << "while nobody reads on";
+  ::close(both_ends);
+}
+
 }  // namespace
-}  // namespace mapjoin::apps
+}  // namespace mapjoin::testing

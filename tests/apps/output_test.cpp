@@ -1,17 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include <fcntl.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
-#include <signal.h>
-#include <sys/stat.h>
-#include <unistd.h>
 
-#include <algorithm>
-#include <chrono>
 #include <fstream>
 #include <mapjoin/io/store/store.hpp>
 #include <tests/apps/command.hpp>
-#include <thread>
 
 namespace mapjoin::testing {
 namespace {
@@ -21,13 +14,6 @@ using ::testing::HasSubstr;
 using ::testing::StartsWith;
 
 const std::string kLog = (kBundledData / "manhattan2d.g2o").string();
-
-std::vector<std::string> names_in(const fs::path& folder) {
-  std::vector<std::string> names;
-  for (const auto& entry : fs::directory_iterator(folder)) names.push_back(entry.path().filename().string());
-  std::sort(names.begin(), names.end());
-  return names;
-}
 
 class Output : public ::testing::Test {
  protected:
@@ -253,56 +239,6 @@ TEST_F(Output, AReaderThatHasGoneIsNoError) {
     EXPECT_EQ(ended.exit_code, 0);
     EXPECT_EQ(ended.err, "");
   }
-}
-
-/// A call that is sent a signal as soon as it has begun to write at `sign`, or has read its input.
-class Interruption : public Output {
- protected:
-  void SetUp() override { ASSERT_EQ(call({"simulate", "--poses", "30000", "-o", path("log.g2o"), "--quiet"}).exit_code, 0); }
-  Ended interrupted(const std::vector<std::string>& arguments, const fs::path& sign, int signal) {
-    Process process(command_line(arguments));
-    while (process.is_running() && !fs::exists(sign)) std::this_thread::sleep_for(std::chrono::milliseconds(2));
-    process.send(signal);
-    const int exit_code = process.wait();
-    return {exit_code, process.standard_output(), process.standard_error()};
-  }
-};
-
-TEST_F(Interruption, LeavesNothingOfARun) {
-  for (const int signal : {SIGINT, SIGTERM}) {
-    const Ended ended = interrupted({"run", path("log.g2o"), "-o", path("out")}, path("out"), signal);
-    EXPECT_EQ(ended.exit_code, 130);
-    EXPECT_EQ(ended.err, "mapjoin: interrupted\n");
-    EXPECT_EQ(ended.out, "");
-    EXPECT_EQ(names_in(folder.path()), std::vector<std::string>{"log.g2o"});
-  }
-}
-
-TEST_F(Interruption, ABuildGoesOnAndEndsWithTheSameBytes) {
-  const std::vector<std::string> build = {"build", path("log.g2o"), "-o", path("maps"), "--quiet"};
-  const Ended ended = interrupted(build, path("maps.partial"), SIGINT);
-  EXPECT_EQ(ended.exit_code, 130);
-  EXPECT_FALSE(fs::exists(path("maps")));
-  ASSERT_EQ(call(build).exit_code, 0);
-  ASSERT_EQ(call({"build", path("log.g2o"), "-o", path("whole"), "--quiet"}).exit_code, 0);
-  EXPECT_EQ(content_of(path("maps")), content_of(path("whole")));
-  EXPECT_EQ(names_in(folder.path()), (std::vector<std::string>{"log.g2o", "maps", "whole"}));
-}
-
-TEST_F(Interruption, EndsACallThatWaitsForAPipe) {
-  ASSERT_EQ(::mkfifo(path("pipe").c_str(), 0600), 0);
-  const auto interrupted_soon = [&](const std::vector<std::string>& arguments) {
-    Process process(command_line(arguments));
-    std::this_thread::sleep_for(std::chrono::milliseconds(300));
-    process.send(SIGTERM);
-    for (int k = 0; k < 1000 && process.is_running(); ++k) std::this_thread::sleep_for(std::chrono::milliseconds(10));
-    return !process.is_running() && process.wait() == 130;
-  };
-  EXPECT_TRUE(interrupted_soon({"info", path("pipe")})) << "while nobody writes";
-  const int both_ends = ::open(path("pipe").c_str(), O_RDWR | O_CLOEXEC);
-  EXPECT_TRUE(interrupted_soon({"info", path("pipe")})) << "while nothing comes";
-  EXPECT_TRUE(interrupted_soon({"simulate", "-o", path("pipe")})) << "while nobody reads on";
-  ::close(both_ends);
 }
 
 }  // namespace

@@ -67,6 +67,17 @@ TEST_F(SeveralInputs, PartsAreTakenOneByOneWhereAskedFor) {
   EXPECT_EQ(call({"solve", a, b, "--parts", "all"}).exit_code, 2);
 }
 
+TEST_F(SeveralInputs, APartWithoutAMapDoesNotKeepTheOthersFromTheirs) {
+  const std::string log =
+      folder.file("log.g2o", kSmallLog + "EDGE_SE2 20 21 1 0 0 0 0 0 0 0 0\nEDGE_SE2 30 31 1 0 0 1 0 0 1 0 1\n").string();
+  const auto out = folder.path() / "parts";
+  const Ended ended = call({"run", log, "--parts", "all", "-o", out.string()});
+  EXPECT_EQ(ended.exit_code, 3);
+  EXPECT_THAT(ended.err, HasSubstr("log.g2o, part 2: "));
+  EXPECT_TRUE(std::filesystem::exists(out / "part_1" / "map.g2o") && std::filesystem::exists(out / "part_3" / "map.g2o"));
+  EXPECT_FALSE(std::filesystem::exists(out / "part_2"));
+}
+
 TEST_F(SeveralInputs, BuildMakesOneStoreWhosePosesAreNamedBySession) {
   const std::string store = (folder.path() / "both.maps").string();
   ASSERT_EQ(call({"build", a, b, "-o", store, "--poses-per-map", "25"}).exit_code, 0);
@@ -84,6 +95,21 @@ TEST_F(SeveralInputs, StoresAreJoinedAsTheLogsThatTheyAreOf) {
   EXPECT_GT(of_stores["local_maps"]["count"], 0);
   EXPECT_NEAR(of_stores["chi2"], report_of({"run", a, b})["chi2"], 1e-6 * of_stores["chi2"].get<double>());
   EXPECT_EQ(call({"join", stores[0], a}).exit_code, 3);
+}
+
+TEST_F(SeveralInputs, OfMapsThatWereMergedBeforeAreSessionsOfTheirOwn) {
+  const auto path = [&](const std::string& name) { return (folder.path() / name).string(); };
+  const auto maps_of = [&](const std::string& log, const std::string& name) {
+    EXPECT_EQ(call({"build", log, "-o", path(name + ".maps"), "--poses-per-map", "25"}).exit_code, 0);
+    EXPECT_EQ(call({"convert", path(name + ".maps"), path(name), "--to", "maps-text"}).exit_code, 0);
+    return path(name);
+  };
+  const std::string one = maps_of(a, "one");
+  const std::string other = maps_of(b, "other");
+  ASSERT_EQ(call({"build", one, other, "-o", path("both.maps")}).exit_code, 0);
+  const auto joined = report_of({"join", path("both.maps"), one, "--features", "shared", "-o", path("joined.csv")});
+  EXPECT_EQ(joined["sessions"], 3);
+  EXPECT_TRUE(open_log(path("joined.csv"))) << "each pose has one name";
 }
 
 TEST_F(SeveralInputs, FeaturesThatLieDifferentlyUnderTheSameIdsAreAskedFor) {

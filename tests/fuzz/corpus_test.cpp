@@ -2,6 +2,7 @@
 #include <gtest/gtest.h>
 
 #include <filesystem>
+#include <mapjoin/io/store/store.hpp>
 #include <set>
 #include <string>
 #include <tests/fuzz/targets.hpp>
@@ -26,6 +27,13 @@ std::string name_of(const ::testing::TestParamInfo<Target>& target) {
 }
 
 INSTANTIATE_TEST_SUITE_P(Fuzz, Corpus, ::testing::ValuesIn(kTargets), name_of);
+
+TEST(CorpusOfStores, IsOfTheVersionThatIsRead) {
+  for (const char* name : {"plane", "space", "maps_alone"}) {
+    const auto read = read_store(fs::path(MAPJOIN_FUZZ_CORPUS) / "store" / name);
+    EXPECT_TRUE(read) << read.error().message;
+  }
+}
 
 }  // namespace
 }  // namespace mapjoin::fuzz

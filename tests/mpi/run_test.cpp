@@ -100,6 +100,25 @@ TEST_F(RunOnRanks, CountsWhatTheLogHas) {
   }
 }
 
+TEST_F(RunOnRanks, CountsSessionsAndWhatIsMeasuredTwice) {
+  std::ofstream file(path("log.g2o"));
+  std::istringstream lines(content_of(bundled("manhattan2d.g2o")));
+  std::size_t count = 0;
+  for (std::string line; std::getline(lines, line);) {
+    if (line.starts_with("EDGE_SE2 300 301 ")) continue;
+    file << line << '\n';
+    if (line.starts_with("EDGE_SE2 ") && ++count % 50 == 0) file << line << '\n';
+  }
+  file.close();
+  const auto one = report_of({"run", path("log.g2o"), "--no-verdict"});
+  EXPECT_EQ(one["sessions"], 2);
+  EXPECT_GT(one["repeated_edges"], 20);
+  for (const int ranks : kRanks) {
+    const auto several = report_of_ranks(ranks, {"run", path("log.g2o")});
+    for (const char* what : {"sessions", "odometry", "closures", "repeated_edges"}) EXPECT_EQ(several[what], one[what]) << what;
+  }
+}
+
 TEST_F(RunOnRanks, SaysWhatEachRankLeftOut) {
   std::ofstream file(path("scans.g2o"));
   std::istringstream lines(content_of(bundled("manhattan2d.g2o")));

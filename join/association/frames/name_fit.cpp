@@ -97,7 +97,8 @@ Expected<std::optional<NameFit>> worst_name_fit(const Log<Dim>& log, double conf
 }
 
 template <int Dim>
-Expected<std::optional<NameFit>> worst_name_fit(const SubmapSet<Dim>& set, double confidence, const std::stop_token& stop) {
+Expected<std::optional<NameFit>> worst_name_fit(SubmapSet<Dim> set, double confidence, const std::stop_token& stop) {
+  std::erase_if(set.graph.feature_factors, [](const auto& o) { return o.base == kWorld; });  // they go by names
   Seen seen;
   for (const auto& map : set.graph.submaps) {
     for (const FeatureIndex feature : map.features) seen.emplace_back(map.base, feature);
@@ -109,7 +110,7 @@ Expected<std::optional<NameFit>> worst_name_fit(const SubmapSet<Dim>& set, doubl
 
 #define MAPJOIN_INSTANTIATE(Dim)                                                                             \
   template Expected<std::optional<NameFit>> worst_name_fit(const Log<Dim>&, double, const std::stop_token&); \
-  template Expected<std::optional<NameFit>> worst_name_fit(const SubmapSet<Dim>&, double, const std::stop_token&);
+  template Expected<std::optional<NameFit>> worst_name_fit(SubmapSet<Dim>, double, const std::stop_token&);
 MAPJOIN_INSTANTIATE(2)
 MAPJOIN_INSTANTIATE(3)
 #undef MAPJOIN_INSTANTIATE

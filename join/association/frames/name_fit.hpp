@@ -19,11 +19,11 @@ struct NameFit {
 };
 
 /// Of the parts that poses tie together, each joined alone, the two whose features of one name lie least alike; nothing where
-/// no two have two such features. Distances count as the same within what the covariances of the maps allow with probability
-/// `confidence`. Errors as of join(); kInterrupted on `stop`.
+/// no two have two such features. Priors of features do not count. Distances count as the same within what the covariances of
+/// the maps allow with probability `confidence`. Errors as of join(); kInterrupted on `stop`.
 template <int Dim>
 Expected<std::optional<NameFit>> worst_name_fit(const Log<Dim>& log, double confidence, const std::stop_token& stop = {});
 template <int Dim>
-Expected<std::optional<NameFit>> worst_name_fit(const SubmapSet<Dim>& set, double confidence, const std::stop_token& stop = {});
+Expected<std::optional<NameFit>> worst_name_fit(SubmapSet<Dim> set, double confidence, const std::stop_token& stop = {});
 
 }  // namespace mapjoin

@@ -32,9 +32,7 @@ std::string dealt_to(std::size_t rank, const FactorGraph<Dim>& graph, const Shar
   const auto is_of_rank = [&](const PoseFactor<Dim>& o) {
     return shares.owner(o.base == kWorld ? o.target : std::min(o.base, o.target)) == rank;
   };
-  const auto is_within = [&](const PoseFactor<Dim>& o) {
-    return o.base != kWorld && std::max(o.base, o.target) <= shares.last(rank);
-  };
+  const auto is_within = [&](const PoseFactor<Dim>& o) { return o.base != kWorld && later_pose(o) <= shares.last(rank); };
   return Writer()
       .put_if(graph.pose_factors, [&](const auto& o) { return is_of_rank(o) && is_within(o); })
       .put_if(graph.feature_factors, [&](const auto& o) { return o.base != kWorld && shares.owner(o.base) == rank; })

@@ -36,7 +36,15 @@ Dealt<Dim> decoded(const std::string& message) {
 template <int Dim>
 Dealer<Dim>::Dealer(const Table<PoseIndex, std::size_t>& regions, std::size_t per_rank, const LogShare<Dim>& share,
                     const Values<Dim>& values)
-    : regions_(regions), per_rank_(per_rank), share_(share), values_(values), place_of_(share.poses) {}
+    : regions_(regions), per_rank_(per_rank), share_(share), values_(values), place_of_(share.poses) {
+  Table<PoseIndex, bool> is_told(share.poses.size());
+  for (const auto& o : share.log.edges()) is_told[o.base] = is_told[o.target] = true;
+  for (const auto& o : share.log.observations()) is_told[o.base] = true;
+  for (const auto& o : share.apart.pose_factors) is_told[own_place(o)] = true;
+  for (const PoseIndex p : indices(is_told)) {
+    if (!is_told[p]) told_by_none_.push_back(p);
+  }
+}
 
 template <int Dim>
 std::vector<std::string> Dealer<Dim>::messages(std::size_t k, std::size_t ranks) {
@@ -45,6 +53,9 @@ std::vector<std::string> Dealer<Dim>::messages(std::size_t k, std::size_t ranks)
   for (const auto& o : share_.log.edges()) deal(o, &Dealt<Dim>::pose_factors);
   for (const auto& o : share_.log.observations()) deal(o, &Dealt<Dim>::feature_factors);
   for (const auto& o : share_.apart.pose_factors) deal_apart(o);
+  for (const PoseIndex p : told_by_none_) {
+    for (Hand& hand : hands_) give(p, hand);
+  }
   if (turn_ == 0) append(hands_.front().dealt.feature_factors, share_.apart.feature_factors);
   std::vector<std::string> messages;
   for (Hand& hand : hands_) messages.push_back(encoded(std::exchange(hand, {}).dealt));
@@ -69,9 +80,13 @@ void Dealer<Dim>::deal(Factor o, std::vector<Factor> Dealt<Dim>::*factors) {
 }
 
 template <int Dim>
+PoseIndex Dealer<Dim>::own_place(const PoseFactor<Dim>& o) const {
+  return place_of_(o.base == kWorld ? o.target : std::min(o.base, o.target)).value();
+}
+
+template <int Dim>
 void Dealer<Dim>::deal_apart(const PoseFactor<Dim>& o) {
-  const PoseIndex own = o.base == kWorld ? o.target : std::min(o.base, o.target);
-  const PoseIndex place = place_of_(own).value();
+  const PoseIndex place = own_place(o);
   Hand* hand = hand_of(place);
   if (!hand) return;
   hand->dealt.pose_factors.push_back(o);

@@ -51,6 +51,8 @@ class Dealer {
   Hand* hand_of(PoseIndex pose);
   template <typename Factor>
   void deal(Factor o, std::vector<Factor> Dealt<Dim>::*factors);
+  /// The end of a factor apart that is of this share.
+  PoseIndex own_place(const PoseFactor<Dim>& o) const;
   /// To the region of the end that is of this share.
   void deal_apart(const PoseFactor<Dim>& o);
   void give(PoseIndex p, Hand& hand) const;
@@ -61,6 +63,7 @@ class Dealer {
   const LogShare<Dim>& share_;
   const Values<Dim>& values_;
   IndexOf<PoseIndex, PoseIndex> place_of_;  ///< Of a pose by its index among all names.
+  std::vector<PoseIndex> told_by_none_;     ///< Poses of which only factors of other shares speak.
   std::size_t turn_ = 0;
   std::vector<Hand> hands_;  ///< By rank.
 };

@@ -3,6 +3,8 @@
 // Comma-separated tables whose first line names their columns, as a TextScanner takes them.
 
 #include <algorithm>
+#include <cstdint>
+#include <limits>
 #include <mapjoin/io/files/text_scanner.hpp>
 #include <string>
 #include <string_view>
@@ -10,11 +12,35 @@
 
 namespace mapjoin {
 
-/// The text with blanks for commas, of the same places. A cell that is empty is then missing from its line.
+/// What stands for a cell that is empty: no number.
+inline constexpr std::string_view kEmptyCell = "(empty)";
+
+/// The text with blanks for commas and a word in every cell. Places are as they were, on a line up to its first empty cell.
 inline std::string with_blanks(std::string_view csv) {
-  std::string blanks(csv);
-  std::ranges::replace(blanks, ',', ' ');
+  std::string blanks;
+  blanks.reserve(csv.size());
+  bool is_empty = true;   // the cell so far
+  bool is_single = true;  // and the first of its line
+  const auto end_cell = [&] {
+    if (is_empty) blanks += kEmptyCell;
+    is_empty = true;
+  };
+  for (const char c : csv) {
+    const bool ends_line = c == '\n' || c == '\r';
+    if (c == ',' || (ends_line && !is_single)) end_cell();
+    if (c == ',' || ends_line) is_single = ends_line;
+    is_empty = is_empty && (c == ',' || ends_line || c == ' ' || c == '\t');
+    blanks += c == ',' ? ' ' : c;
+  }
+  if (!is_single) end_cell();
   return blanks;
+}
+
+/// The next word as the session of a pose.
+inline std::uint32_t read_session(TextScanner& text) {
+  const std::uint64_t session = text.key();
+  if (session > std::numeric_limits<std::uint32_t>::max()) text.reject("a session is a number below 2^32");
+  return static_cast<std::uint32_t>(session);
 }
 
 /// The columns that the first line with a word names.

@@ -72,8 +72,11 @@ Expected<AnyLog> read_map_circles(TextScanner text, const ReadOptions& options) 
   };
   const auto read_line = [&] {
     const std::string_view tag = text.word();
-    if (!is_map_circles_tag(tag)) return text.reject(fmt::format("unknown tag {}", in_quotes(tag)));
-    tag == kStep ? read_step() : read_circle();
+    if (tag == kStep) return read_step();
+    if (tag == kCircle) return read_circle();
+    if (!options.skip_unknown) return text.reject(fmt::format("unknown tag {}", in_quotes(tag)));
+    builder.add_skipped(printable(tag) + " lines");
+    while (!text.at_end_of_line()) text.word();
   };
   return text.each_line(read_line).and_then([&]() -> Expected<AnyLog> {
     builder.add_repairs(check.repairs());
@@ -88,8 +91,11 @@ bool is_covariance_text_tag(std::string_view tag) {
 }
 
 Expected<AnyLog> read_covariance_text(TextScanner text, const ReadOptions& options) {
-  TextScanner ahead = text;
-  if (ahead.next_line() && is_map_circles_tag(ahead.word())) return read_map_circles(std::move(text), options);
+  for (TextScanner ahead = text; ahead.next_line();) {
+    const std::string_view tag = ahead.word();
+    if (is_map_circles_tag(tag)) return read_map_circles(std::move(text), options);
+    if (kOdomObs.has_tag(tag)) break;
+  }
   return read_edge_text(std::move(text), kOdomObs, nullptr, options);
 }
 

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <mapjoin/gps/geographic_frame.hpp>
@@ -59,15 +60,17 @@ Expected<void> write_geojson(const GlobalMap<Dim>& map, const GeographicFrame& f
   auto file = OutputFile::create(path);
   if (!file) return tl::unexpected(file.error());
   file->write("{\"type\":\"FeatureCollection\",\"features\":[\n");
-  std::string line;
+  std::vector<std::string> positions;
   for (const PoseIndex p : indices(map.poses)) {
     const std::uint32_t session = map.pose_ids[p].session;
-    line += (line.empty() ? "[" : ",\n") + position<Dim>(map.poses[p].translation, frame);
+    positions.push_back(position<Dim>(map.poses[p].translation, frame));
     const bool is_last = p + 1 == indices(map.poses).last;
     if (!is_last && map.pose_ids[p + 1].session == session) continue;
-    file->write(object("LineString", line + "]", fmt::format("\"session\":{}", session)));
+    const std::string name = fmt::format("\"session\":{}", session);
+    const std::string line = fmt::format("[{}]", fmt::join(positions, ",\n"));
+    file->write(positions.size() > 1 ? object("LineString", line, name) : object("Point", positions.front(), name));
     file->write(is_last && map.features.empty() ? "\n" : ",\n");
-    line.clear();
+    positions.clear();
   }
   for (const FeatureIndex f : indices(map.features)) {
     const std::string name = fmt::format("\"feature\":\"{}\"", key_text(map.feature_ids[f].key));

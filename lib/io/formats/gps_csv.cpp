@@ -64,7 +64,7 @@ GpsFix read_fix(const Columns& columns, TextScanner& text) {
     } else if (column == "pose") {
       fix.when = text.key();
     } else if (column == "session") {
-      fix.session = static_cast<std::uint32_t>(text.key());
+      fix.session = read_session(text);
     } else if (column == "latitude") {
       fix.place.latitude = coordinate(text, 90.0);
     } else if (column == "longitude") {

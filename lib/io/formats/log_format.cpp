@@ -145,17 +145,35 @@ const Format& row_of(LogFormat format) {
   return rows[static_cast<std::size_t>(format)];
 }
 
-/// The format that is asked for, else the one known by the first line that may not be left out.
-std::optional<LogFormat> known_format(std::string_view bytes, const ReadOptions& options) {
-  if (options.from) return options.from;
-  while (true) {
+struct Known {
+  LogFormat format = {};
+  std::size_t begin = 0;  ///< Of the line that it is known by.
+};
+
+/// The format that is asked for, else the one known by the first line that may not be left out; and where that line is.
+std::optional<Known> known_format(std::string_view bytes, const ReadOptions& options) {
+  for (std::size_t begin = 0;;) {
     for (const auto& [format, name] : enum_names(LogFormat{})) {
-      if (row_of(format).is(bytes)) return format;
+      if (options.from.value_or(format) == format && row_of(format).is(bytes.substr(begin))) return Known{format, begin};
     }
-    const std::size_t line = bytes.find('\n');
-    if (!options.skip_unknown || line == bytes.npos) return std::nullopt;
-    bytes.remove_prefix(line + 1);
+    const std::size_t newline = bytes.find('\n', begin);
+    if (!options.skip_unknown || newline == bytes.npos) break;
+    begin = newline + 1;
   }
+  return options.from ? std::optional(Known{*options.from}) : std::nullopt;
+}
+
+/// Reads a table whose lines begin at `known.begin`; those before it are left out, and counted.
+Expected<AnyLog> read_table(const Known& known, std::string_view bytes, const std::string& file, const ReadOptions& options) {
+  std::string table(bytes);
+  std::replace_if(
+      table.begin(), table.begin() + static_cast<std::ptrdiff_t>(known.begin), [](char c) { return c != '\n'; }, ' ');
+  return row_of(known.format).read(table, file, options).map([&](AnyLog any) {
+    for (TextScanner before(file, bytes.substr(0, known.begin)); before.next_line();) {
+      std::visit([&](auto& log) { ++log.skipped[printable(before.word()) + " lines"]; }, any);
+    }
+    return any;
+  });
 }
 
 /// How many poses and features no edge mentions.
@@ -242,7 +260,11 @@ std::vector<std::string> losses(const Log<Dim>& log, LogFormat format) {
 }
 
 Expected<AnyLog> read_log(std::string_view bytes, const std::string& file, const ReadOptions& options) {
-  if (const auto format = known_format(bytes, options)) return row_of(*format).read(bytes, file, options);
+  if (const auto known = known_format(bytes, options)) {
+    const Format& format = row_of(known->format);
+    const bool reads_skip = format.room.edges;  // they know what to leave out by its tag
+    return reads_skip || known->begin == 0 ? format.read(bytes, file, options) : read_table(*known, bytes, file, options);
+  }
   TextScanner text(file, bytes);
   if (!text.next_line()) return bad_input(fmt::format("{}: the file has nothing but blanks and comments", file));
   return text.error(

@@ -26,7 +26,7 @@ PoseRow<Dim> read_row(const std::vector<std::string>& columns, TextScanner& text
   PoseRow<Dim> row;
   for (const std::string& column : columns) {
     if (column == "session") {
-      row.id.session = static_cast<std::uint32_t>(text.key());
+      row.id.session = read_session(text);
     } else if (column == "pose") {
       row.id.key = text.key();
     } else if (column == "x") {

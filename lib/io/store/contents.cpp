@@ -35,6 +35,7 @@ template <int Dim>
 Info info_of(const Contents<Dim>& contents) {
   Info info{{"dimension", std::to_string(Dim)}, {"source", contents.log.source}, {"options", contents.options}};
   const Portion& portion = contents.portion;
+  for (const auto& [what, count] : contents.log.skipped) info[std::string(kSkipped) + what] = std::to_string(count);
   if (!portion.is_whole()) info[kPortion] = fmt::format("{}/{}", portion.index + 1, portion.count);
   visit_numbers(contents.log, [&]<typename Number>(const char* key, Number number) {
     if constexpr (std::is_enum_v<Number>) {

@@ -46,7 +46,7 @@ namespace mapjoin::store {
 /// "MJST": PRAGMA application_id.
 inline constexpr std::int64_t kApplicationId = 0x4d4a5354;
 /// Of the tables and of the records in them: PRAGMA user_version.
-inline constexpr std::int64_t kVersion = 3;
+inline constexpr std::int64_t kVersion = 4;
 
 /// What a build begins with.
 template <int Dim>

@@ -30,7 +30,7 @@ std::optional<Portion> portion_of(const Info& info) {
 
 /// The number that `info` has under `key`; an enumeration's is 0 or 1. False where there is none.
 template <typename Number>
-bool take_number(const Info& info, const char* key, Number& number) {
+bool take_number(const Info& info, const std::string& key, Number& number) {
   const auto found = info.find(key);
   if (found == info.end()) return false;
   const std::string& text = found->second;
@@ -84,6 +84,11 @@ Expected<StoredMaps<Dim>> read_arrays(Database& database, std::string_view rows)
   visit_numbers(stored.log, [&](const char* key, auto& number) {
     if (!take_number(*info, key, number)) fault = fmt::format("info {} is missing or makes no sense", key);
   });
+  for (const auto& [key, count] : *info) {
+    if (!key.starts_with(kSkipped)) continue;
+    if (!take_number(*info, key, stored.log.skipped[key.substr(kSkipped.size())]))
+      fault = "info " + printable(key) + " makes no sense";
+  }
   const auto read = database.rows(rows, [&](const Statement& row) {
     bool is_taken = false;
     visit_arrays(stored.log, stored.segments, [&](std::string_view name, auto& records) {

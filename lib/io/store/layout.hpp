@@ -33,6 +33,7 @@ void visit_numbers(Log& log, const Visit& visit) {
   visit("repaired_informations", log.conventions.repairs.indefinite);
   visit("symmetrised_matrices", log.conventions.repairs.symmetrised);
   visit("largest_asymmetry", log.conventions.repairs.largest_asymmetry);
+  visit("missing_informations", log.conventions.repairs.missing);
 }
 
 inline bool is_of_factors(std::string_view array) {
@@ -43,6 +44,8 @@ using Info = std::map<std::string, std::string>;
 
 /// Where it stands in `info`, "2/4", if a store has not all factors of its log.
 inline constexpr const char* kPortion = "portion";
+/// Begins the keys of what the reader of the log left out: "skipped self-edges", with how often.
+inline constexpr std::string_view kSkipped = "skipped ";
 
 Expected<Info> read_info(Database& database);
 

@@ -103,15 +103,15 @@ Expected<Database> store::open_store(const fs::path& path) {
                                  header->version, store::kVersion));
   }
   if (!header->is_alone) return bad_input(fmt::format("{}: damaged store: it asks for a write-ahead log", file));
-  return Database::open_read_only(path).and_then(
-      [](Database&& database) { return store::check_database(database).map([&] { return std::move(database); }); });
+  return Database::open_read_only(path);
 }
 
 Expected<AnyStoredMaps> read_store(const fs::path& path) {
   auto database = store::open_store(path);
   if (!database) return tl::unexpected(database.error());
-  return store::stored_dimension(*database).and_then(
-      [&](int dimension) { return dimension == 2 ? read<2>(*database) : read<3>(*database); });
+  return store::check_database(*database)
+      .and_then([&] { return store::stored_dimension(*database); })
+      .and_then([&](int dimension) { return dimension == 2 ? read<2>(*database) : read<3>(*database); });
 }
 
 template <int Dim>

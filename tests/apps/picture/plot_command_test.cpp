@@ -89,6 +89,12 @@ TEST_F(Plot, ShowsWhereAMapIsBentByAWrongObservation) {
   EXPECT_EQ(count(picture({path("bent")}), "residual &gt; 8 × typical"), 1U);
 }
 
+TEST_F(Plot, KnowsAPageByItsExtensionInAnyCase) {
+  ASSERT_EQ(call({"run", kLog, "-o", path("run"), "--no-verdict", "--quiet"}).exit_code, 0);
+  ASSERT_EQ(call({"plot", path("run"), "-o", path("MAP.HTML"), "--quiet"}).exit_code, 0);
+  EXPECT_EQ(count(content_of(path("MAP.HTML")), "<!DOCTYPE html>"), 1U);
+}
+
 TEST_F(Plot, SaysThatEllipsesAreLargerThanTheMap) {
   const std::string log =
       "EDGE_SE2 0 1 1 0 0 400 0 0 400 0 400\nEDGE_SE2 1 2 1 0 0 0.01 0 0 0.01 0 0.01\nEDGE_SE2_XY 0 7 1 1 400 0 400\n";

@@ -70,6 +70,10 @@ TEST_F(RejectedLinksTest, OfAFolderAreFoundUnderTheNamesOfTheLog) {
   for (const Link& link : found) EXPECT_TRUE(link.is_rejected);
 }
 
+TEST_F(RejectedLinksTest, FixesAreNone) {
+  EXPECT_TRUE(links("fix,7,4,99,0,contradicted,,1\n").empty());
+}
+
 TEST_F(RejectedLinksTest, OfAFolderWithoutThemAreNone) {
   std::vector<Link> none;
   add_rejected_links(folder_.path(), read(), none);

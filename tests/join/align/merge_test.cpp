@@ -92,5 +92,14 @@ TYPED_TEST(MergeTest, WhatTooFewFeaturesTieIsTiedByMoreThatOthersBring) {
   this->expect_true(merged[0]);
 }
 
+TYPED_TEST(MergeTest, WhatTooFewFeaturesTieIsTriedAgainOnceOthersAreMerged) {
+  // The first two partial maps share one feature with each of the others, and only all of these hold them.
+  const auto merged = this->merge({this->partial({0}, {0, 1, 2}), this->partial({1}, {3, 4, 5}), this->partial({2, 3}, {0, 3}),
+                                   this->partial({3, 4}, {1, 4}), this->partial({4, 5}, {2, 5})});
+  ASSERT_EQ(merged.size(), 1u);
+  EXPECT_EQ(merged[0].poses, (Table<PoseIndex, PoseIndex>{0, 1, 2, 3, 4, 5}));
+  this->expect_true(merged[0]);
+}
+
 }  // namespace
 }  // namespace mapjoin

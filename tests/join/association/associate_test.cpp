@@ -8,6 +8,7 @@
 #include <mapjoin/join/run.hpp>
 #include <mapjoin/simulate/manhattan.hpp>
 #include <tests/support/dimensions.hpp>
+#include <tests/support/error_of.hpp>
 #include <tests/support/pair_score.hpp>
 #include <tests/support/small_submap_set.hpp>
 #include <tests/support/small_world.hpp>
@@ -91,6 +92,10 @@ TEST(AssociateTest, RefusesPriorsOfFeaturesWhichGoByTheirNames) {
   const auto found = associate(std::move(builder).finish().value(), AssociationOptions{});
   ASSERT_FALSE(found);
   EXPECT_EQ(found.error().kind, ErrorKind::kBadInput);
+  auto set = testing::small_submap_set(wood<2>(), 20.0);
+  set.graph.feature_factors.push_back({kWorld, 0, Point<2>::Zero(), PointMatrix<2>::Identity()});
+  EXPECT_EQ(testing::error_of(associate(set, AssociationOptions{})),
+            set.source + ": has a prior of a feature, which goes by its name, and names are ignored by --associate");
 }
 
 TEST(SightingFitTest, NamesTheMapThatTookAFeatureForAnother) {

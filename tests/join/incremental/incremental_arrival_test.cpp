@@ -43,6 +43,8 @@ TYPED_TEST(IncrementalArrivalTest, ASessionThatSharesNothingYetWaits) {
     }
     EXPECT_EQ(joined.waiting(), k < second || ties ? 0 : k - second + 1);
     EXPECT_EQ(joined.pose({1, 0}) != nullptr, ties);
+    EXPECT_EQ(added.chi2, joined.chi2()) << "of what is joined, whatever waits";
+    EXPECT_EQ(added.dof, joined.dof());
   }
   EXPECT_NEAR(joined.chi2(), this->batch(cut).result.chi2, 0.5);
 }

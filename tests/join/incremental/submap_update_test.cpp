@@ -85,6 +85,45 @@ TYPED_TEST(SubmapUpdateTest, AllUpdatesJoinAsTheirLogDoes) {
   EXPECT_LT(testing::largest_difference(same, b->state), 1e-6);
 }
 
+TYPED_TEST(SubmapUpdateTest, WhatCannotBeJoinedIsSaid) {
+  const auto error = [&](const auto& change) {
+    auto update = this->parts_.back();
+    update.source = "here";
+    EXPECT_TRUE(check_update(update));
+    change(update);
+    const auto checked = check_update(update);
+    return checked ? "no error" : checked.error().message;
+  };
+  const PoseMatrix<TestFixture::kDim> W = PoseMatrix<TestFixture::kDim>::Identity();
+  EXPECT_EQ(error([](auto& u) { u.features.push_back({999}); }), "here: it names feature 999, but says nothing of it");
+  EXPECT_EQ(error([](auto& u) { u.poses.push_back({7, 9}); }), "here: it names pose 9 of session 7, but says nothing of it");
+  EXPECT_EQ(error([&](auto& u) { u.graph.pose_factors.push_back({99, 99, {}, W}); }).substr(0, 12), "here: pose o");
+  EXPECT_EQ(error([&](auto& u) {
+              u.graph.pose_factors.push_back({0, 1, {}, W, Loss::truncated(1.0)});
+            }),
+            "here: factors with a loss cannot be joined map by map");
+}
+
+TYPED_TEST(SubmapUpdateTest, ASegmentOfOnePoseStandsBeforeTheOneThatGoesOnFromIt) {
+  constexpr int kDim = TestFixture::kDim;
+  SubmapUpdate<kDim> there;
+  there.poses = {{0, 5}};
+  there.segments = {{0, 0, false}};
+  auto on = there;
+  on.poses.push_back({0, 6});
+  on.segments = {{0, 1, false}};
+  on.graph.pose_factors = {{0, 1, {}, PoseMatrix<kDim>::Identity()}};
+  const auto again = there;
+  for (const auto& updates : std::vector<std::vector<const SubmapUpdate<kDim>*>>{
+           {&there, &on}, {&on, &there}, {&there, &on, &again}, {&on, &again, &there}}) {
+    const SubmapSet<kDim> set = set_of(updates);
+    EXPECT_EQ(set.poses, (PoseIds{{0, 5}, {0, 6}}));
+    ASSERT_EQ(set.segments.size(), updates.size());
+    for (std::size_t k = 0; k + 1 < updates.size(); ++k) EXPECT_EQ(set.segments[k], (Segment{0, 0, false}));
+    EXPECT_EQ(set.segments.back(), (Segment{0, 1, false}));
+  }
+}
+
 TYPED_TEST(SubmapUpdateTest, ASegmentIsComposedInTheFrameOfItsFirstPose) {
   constexpr int kDim = TestFixture::kDim;
   const IndexOf pose(this->world_.log.poses);

@@ -70,6 +70,21 @@ TYPED_TEST(MapInliersTest, LeavesWhatTheMapSaysOfOtherFeaturesAsItWas) {
   EXPECT_LT((after.topRightCorner(first, rest) - before.topRightCorner(first, rest)).norm(), tolerance);
 }
 
+TYPED_TEST(MapInliersTest, OfTwoObservationsFromOnePoseRejectsTheWrongOne) {
+  constexpr int kDim = TypeParam::value;
+  auto set = this->maps();
+  const auto& map = set.graph.submaps[3];
+  FeatureFactor<kDim> seen{map.base, map.features[1], map.feature_estimates[1], 100.0 * PointMatrix<kDim>::Identity()};
+  set.graph.feature_factors.push_back(seen);
+  seen.measured[0] += 5.0;
+  set.graph.feature_factors.push_back(seen);
+  const auto inliers = find_inliers(set, RobustOptions{}).value();
+  ASSERT_EQ(inliers.rejected.size(), 1U);
+  EXPECT_EQ(inliers.rejected.front().misfit.kind, PartKind::kObservation);
+  ASSERT_EQ(inliers.input.graph.feature_factors.size(), set.graph.feature_factors.size() - 1);
+  EXPECT_EQ(inliers.input.graph.feature_factors.back().measured, map.feature_estimates[1]);
+}
+
 TYPED_TEST(MapInliersTest, OfTwoMapsFromOnePoseRejectTheFeatureOfTheWrongOne) {
   auto set = this->maps();
   auto& maps = set.graph.submaps;

@@ -127,10 +127,10 @@ TEST(TwoLogsInOneFile, AreNoticed) {
     }
     return std::move(builder).finish().value();
   };
-  EXPECT_EQ(repeated_steps(log_of(30, 20)), 20u);
+  EXPECT_EQ(count_steps(log_of(30, 20)).driven_twice(), 20u);
   EXPECT_EQ(finding_of(check_structure(log_of(30, 20)), "driven_twice").where.count, 20u);
-  EXPECT_EQ(repeated_steps(log_of(30, 15)), 0u) << "as many steps have one edge";
-  EXPECT_EQ(repeated_steps(log_of(9, 9)), 0u);
+  EXPECT_EQ(count_steps(log_of(30, 15)).driven_twice(), 0u) << "as many steps have one edge";
+  EXPECT_EQ(count_steps(log_of(9, 9)).driven_twice(), 0u);
 }
 
 TYPED_TEST(Structure, WarnsOfFeaturesSeenOnceOnlyFromTwentyFeaturesOn) {

@@ -47,6 +47,13 @@ TEST(MergedLogs, OwnFeaturesAreNumberedApart) {
   EXPECT_THAT(merged<2>({large, large}, {.own_features = true}).error().message, HasSubstr("too large to number"));
 }
 
+TEST(MergedLogs, SessionsBeyond32BitsAreRefused) {
+  auto late = log_of("late", edge(0, 1));
+  for (PoseId& id : late.poses) id.session = 4294967295U;
+  EXPECT_TRUE(merged<2>({log_of("early", edge(0, 1))}));
+  EXPECT_THAT(merged<2>({late, late}).error().message, HasSubstr("late: with the sessions of the inputs before"));
+}
+
 TEST(MergedLogs, EdgesThatNamePosesOfAnotherLogTieThem) {
   const auto log =
       merged<2>({log_of("a", vertices(0, 2) + edge(0, 1) + edge(1, 101)), log_of("b", vertices(100, 2) + edge(100, 101))})

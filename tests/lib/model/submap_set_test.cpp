@@ -5,6 +5,7 @@
 #include <limits>
 #include <mapjoin/model/submap_set.hpp>
 #include <tests/support/dimensions.hpp>
+#include <tests/support/error_of.hpp>
 #include <tests/support/stored_maps.hpp>
 
 namespace mapjoin {
@@ -39,6 +40,15 @@ class SubmapSetTest : public ::testing::Test {
   SubmapSet<kDim> set;
 };
 TYPED_TEST_SUITE(SubmapSetTest, testing::Dimensions);
+
+TYPED_TEST(SubmapSetTest, SegmentsAreThoseOfTheMaps) {
+  auto set = this->set;
+  EXPECT_EQ(testing::error_of(check_segments(set)), "in memory: 0 segments for 2 local maps");
+  set.segments = {{0, 1, true}, {1, 2, false}, {1, 2, true}};
+  EXPECT_TRUE(check_segments(set));
+  set.segments[1].end = 3;
+  EXPECT_EQ(testing::error_of(check_segments(set)), "in memory: a segment is of poses that are not there");
+}
 
 TYPED_TEST(SubmapSetTest, NumbersThatAreNoneAreNamed) {
   EXPECT_EQ(this->error([](auto&) {}), "no error");

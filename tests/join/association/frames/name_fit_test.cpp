@@ -2,6 +2,7 @@
 #include <gtest/gtest.h>
 
 #include <mapjoin/join/association/frames/name_fit.hpp>
+#include <tests/support/small_submap_set.hpp>
 #include <tests/support/small_world.hpp>
 
 namespace mapjoin::testing {
@@ -55,6 +56,18 @@ TEST(NameFit, IsTheShareOfAllDistances) {
   EXPECT_EQ(fit.features, 40U);
   EXPECT_GT(fit.alike, 0.2);
   EXPECT_LT(fit.alike, 0.4);
+}
+
+TEST(NameFit, PriorsOfFeaturesDoNotCount) {
+  auto log = small_world<2>({.sessions = 2}).log;
+  const auto alike = worst_name_fit(log, 0.99).value()->alike;
+  for (FeatureIndex f = 0; f < 3; ++f) {
+    log.graph.feature_factors.push_back({kWorld, f, Point<2>(1000.0 * f.value, 0.0), 1e6 * PointMatrix<2>::Identity()});
+  }
+  EXPECT_EQ(worst_name_fit(log, 0.99).value()->alike, alike);
+  auto set = small_submap_set(small_world<2>().log, 10.0);
+  set.graph.feature_factors.push_back({kWorld, 0, Point<2>::Zero(), PointMatrix<2>::Identity()});
+  EXPECT_FALSE(worst_name_fit(set, 0.99).value());
 }
 
 TEST(NameFit, IsOfNothingWhereNoNamesTie) {

@@ -53,7 +53,13 @@ TEST(GpsCsv, WhatIsWrongIsNamedWithItsPlace) {
   expect_refused(head + "1,50,8,1,1\nnoon,50,8,1,1\n", "fixes.csv:3:1: a time in seconds is expected, not 'noon'");
   expect_refused(head + "1,95,8,1,1\n", "fixes.csv:2:3: an angle from -90 to 90 degrees is expected");
   expect_refused(head + "1,50,8,0,1\n", "fixes.csv:2:8: a standard deviation is from 1e-6 to 1e6 m");
-  expect_refused(head + "1,50,8,,1\n", "fixes.csv:2:");
+  expect_refused(head + "1,50,8,,1\n", "fixes.csv:2:8: '(empty)' stands where a number is expected");
+  expect_refused("time,latitude,longitude,sd_east,sd_north,satellites\n,50,8,1,1,12\n",
+                 "fixes.csv:2:1: a time in seconds is expected, not '(empty)'");
+  expect_refused("latitude,longitude,sd_east,sd_north,time\n50,8,1,1\n",
+                 "fixes.csv:2:9: a time in seconds is expected, not ''");
+  expect_refused("pose,session,latitude,longitude,sd_east,sd_north\n1,4294967296,50,8,1,1\n",
+                 "fixes.csv:2:3: a session is a number below 2^32");
   expect_refused(head + "1,50,8,1,1,1\n", "fixes.csv:2:12: ");
   expect_refused(head + "1,-90.5,8,1,1\n", "fixes.csv:2:3: an angle from -90 to 90 degrees is expected");
   expect_refused(head + "1,50,361,1,1\n", "fixes.csv:2:6: an angle from -360 to 360 degrees is expected");

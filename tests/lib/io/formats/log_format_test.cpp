@@ -215,6 +215,14 @@ TEST(LogFormats, AFormatIsKnownBehindLinesThatMayBeLeftOut) {
   EXPECT_THAT(open_log(file).error().message, HasSubstr("no log format has lines that begin with 'hello'; --skip-unknown"));
   const auto log = std::get<Log<2>>(open_log(file, {.skip_unknown = true}).value());
   EXPECT_EQ(log.skipped, (SkipCounts{{"hello lines", 1}}));
+  const std::string pose = "1 2 3 0 0 0 1\n";
+  const auto table = folder.file("table", "time x y\n\n0.5 " + pose + "noon " + pose);
+  EXPECT_THAT(open_log(table, {.skip_unknown = true}).error().message, HasSubstr("table:4:1: a time in seconds is expected"));
+  const auto trajectory = folder.file("trajectory", "time x y\ntime is in seconds\n0.5 " + pose);
+  const auto poses = std::get<Log<3>>(open_log(trajectory, {.skip_unknown = true}).value());
+  EXPECT_EQ(poses.poses.size(), 1U);
+  EXPECT_EQ(poses.skipped, (SkipCounts{{"time lines", 2}}));
+  EXPECT_TRUE(open_log(trajectory, {.from = LogFormat::kTum, .skip_unknown = true}));
   const auto nothing = folder.file("nothing", "hello\nworld");
   EXPECT_THAT(open_log(nothing, {.skip_unknown = true}).error().message, HasSubstr("no log format has lines"));
 }

@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <gtest/gtest.h>
 
+#include <mapjoin/gps/geographic_frame.hpp>
 #include <mapjoin/io/formats/map_text.hpp>
+#include <nlohmann/json.hpp>
 #include <sstream>
 #include <string>
 #include <tests/support/temporary_folder.hpp>
@@ -112,6 +114,20 @@ TEST_F(MapText, CsvOfFeaturesIsWrittenAlsoWhereThereAreNone) {
   map.features.clear();
   map.feature_ids.clear();
   EXPECT_EQ(tables(map).second, "feature,x,y\n");
+}
+
+TEST_F(MapText, GeoJsonHasALineOfEachSessionAndAPointOfASinglePose) {
+  GlobalMap<2> map;
+  map.pose_ids = {{0, 0}, {0, 1}, {1, 0}};
+  map.poses.resize(3);
+  ASSERT_TRUE(write_geojson(map, GeographicFrame({50.0, 8.0, 0.0}), path));
+  const auto features = nlohmann::json::parse(testing::content_of(path))["features"];
+  ASSERT_EQ(features.size(), 2U);
+  EXPECT_EQ(features[0]["geometry"]["type"], "LineString");
+  EXPECT_EQ(features[0]["geometry"]["coordinates"].size(), 2U);
+  EXPECT_EQ(features[1]["geometry"]["type"], "Point");
+  EXPECT_EQ(features[1]["geometry"]["coordinates"].size(), 2U) << "longitude and latitude";
+  EXPECT_EQ(features[1]["properties"]["session"], 1);
 }
 
 TEST_F(MapText, SaysWhenItCannotWrite) {

@@ -48,7 +48,20 @@ TEST(PoseCsv, NamesThePlaceOfWhatIsWrong) {
   EXPECT_THAT(message("pose,x,y\n1,2,3\n"), EndsWith("does not name the columns pose and x,y,phi, or x,y,z,qx,qy,qz,qw"));
   EXPECT_THAT(message("pose,x,y,phi\n1,2,3\n"), EndsWith(":2:6: the line ends where a number is expected"));
   EXPECT_THAT(message("pose,x,y,phi\n1,2,3,0\n-1,2,3,0\n"), EndsWith(":3:1: '-1' stands where an id is expected"));
+  EXPECT_THAT(message("pose,x,y,phi\n1,,3,0\n"), EndsWith(":2:3: '(empty)' stands where a number is expected"));
+  EXPECT_THAT(message("pose,x,y,phi\n1,2,3,\r\n"), EndsWith(":2:7: '(empty)' stands where a number is expected"));
+  EXPECT_THAT(message("session,pose,x,y,phi\n4294967296,1,2,3,0\n"), EndsWith(":2:1: a session is a number below 2^32"));
   EXPECT_THAT(message("pose,x,y,phi\n1,2,3,0\n1,2,3,0\n"), EndsWith("pose 1 has two initial values"));
+}
+
+TEST(PoseCsv, PassesOverCellsThatAreEmpty) {
+  const TemporaryFolder folder;
+  for (const std::string table : {"pose,note,x,y,phi,more\n5,,1,2,3, \n6,seen,4,5,6\n",
+                                  "note,pose,x,y,phi\n,5,1,2,3\r\n\t,6,4,5,6\n\n", "pose,x,y,phi,note\n5,1,2,3,\n6,4,5,6,"}) {
+    const auto log = std::get<Log<2>>(open_log(folder.file("map.csv", table)).value());
+    EXPECT_EQ(log.initial.poses[0].translation, Point<2>(1, 2));
+    EXPECT_EQ(log.initial.poses[1].translation, Point<2>(4, 5));
+  }
 }
 
 class StampsTest : public ::testing::Test {
@@ -76,6 +89,10 @@ TEST_F(StampsTest, AreRefusedWhereTheyDoNotFit) {
   EXPECT_THAT(message("1 1\n2 2\n1 1\n"), EndsWith(":3:1: pose 1 has two times"));
   EXPECT_THAT(message("1 1\nx 2\n"), EndsWith(":2:1: 'x' stands where an id is expected"));
   EXPECT_THAT(message("1 noon\n"), EndsWith(":1:3: a time in seconds is expected, not 'noon'"));
+  EXPECT_THAT(message("1 1\n2\n"), EndsWith(":2:2: a time in seconds is expected, not ''"));
+  for (const std::string no_time : {".", "-", "-."}) {
+    EXPECT_THAT(message("1 " + no_time + "\n"), EndsWith(":1:3: a time in seconds is expected, not '" + no_time + "'"));
+  }
   log.poses[PoseIndex(1)] = {1, 1};
   EXPECT_THAT(message("1 1\n"), EndsWith(":1:1: several sessions have a pose 1"));
 }

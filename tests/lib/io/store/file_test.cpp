@@ -63,7 +63,7 @@ TEST_F(StoreFileTest, OtherFilesAreNoStores) {
 
 TEST_F(StoreFileTest, NamesTheVersionOfAnother) {
   EXPECT_THAT(error_after("PRAGMA user_version = 1"),
-              HasSubstr("a mapjoin store of version 1; this mapjoin reads version 3: build it again"));
+              HasSubstr("a mapjoin store of version 1; this mapjoin reads version 4: build it again"));
 }
 
 TEST_F(StoreFileTest, AnUnfinishedStoreIsNotRead) {

@@ -33,13 +33,17 @@ using testing::StoreTest;
 TYPED_TEST_SUITE(StoreTest, testing::Dimensions);
 
 TYPED_TEST(StoreTest, GivesBackEveryBitOfLogSegmentsAndMaps) {
-  const auto maps = random_stored_maps<TestFixture::kDim>(this->random, 20);
+  auto maps = random_stored_maps<TestFixture::kDim>(this->random, 20);
+  maps.log.skipped = {{"VERTEX_OTHER lines", 3}, {"self-edges", 1}};
+  maps.log.conventions.repairs.missing = 2;
   build_store(this->path, maps);
   EXPECT_FALSE(fs::exists(this->partial));
   EXPECT_TRUE(is_store(this->path));
   const auto read = this->read();
   ASSERT_TRUE(read) << read.error().message;
   expect_same(*read, maps);
+  EXPECT_EQ(read->log.skipped, maps.log.skipped);
+  EXPECT_EQ(read->log.conventions.repairs.missing, 2);
 }
 
 TYPED_TEST(StoreTest, GivesBackALogThatTakesManyChunks) {
