@@ -148,11 +148,12 @@ void NamedEstimate<Dim>::leave(const SubmapUpdate<Dim>& update) {
 template <int Dim>
 void NamedEstimate<Dim>::enter_at(const SubmapUpdate<Dim>& update, const JoinedSet<Dim>& joined) {
   for (const PoseId& id : update.poses) {
-    const PoseIndex p = *joined.pose_index(id);
-    if (!names_->poses().contains(id)) enter_pose(id, joined.state.poses[p], joined.is_anchored[p]);
+    const auto p = joined.pose_index(id);
+    if (p && !names_->poses().contains(id)) enter_pose(id, joined.state.poses[*p], joined.is_anchored[*p]);
   }
   for (const FeatureId& id : update.features) {
-    if (!names_->features().contains(id)) enter_feature(id, joined.state.features[*joined.feature_index(id)]);
+    const auto f = joined.feature_index(id);
+    if (f && !names_->features().contains(id)) enter_feature(id, joined.state.features[*f]);
   }
   add_factors(update, factors_of(update));
 }

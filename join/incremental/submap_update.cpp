@@ -83,36 +83,6 @@ std::optional<Id> repeated(std::vector<Id> names) {
   return twice == names.end() ? std::nullopt : std::optional(*twice);
 }
 
-/// A pose or feature that is named, but of which nothing is said.
-template <int Dim>
-std::optional<std::string> idle_name(const SubmapUpdate<Dim>& update) {
-  Table<PoseIndex, bool> is_pose_used(update.poses.size());
-  Table<FeatureIndex, bool> is_feature_used(update.features.size());
-  const auto use = [&](PoseIndex base) {
-    if (base != kWorld) is_pose_used[base] = true;
-  };
-  const Segment segment = driven_segment(update);
-  for (PoseIndex p = segment.begin; p <= segment.end; ++p) use(p);
-  for (const auto& map : update.graph.submaps) {
-    for (const FeatureIndex f : map.features) is_feature_used[f] = true;
-  }
-  for (const auto& o : update.graph.pose_factors) {
-    use(o.base);
-    use(o.target);
-  }
-  for (const auto& o : update.graph.feature_factors) {
-    use(o.base);
-    is_feature_used[o.target] = true;
-  }
-  for (const auto& fixed : update.graph.fixed) use(fixed.pose);
-  const auto first_idle = [](const auto& names, const auto& is_used) -> std::optional<std::string> {
-    const auto idle = std::ranges::find(is_used, false);
-    return idle == is_used.end() ? std::nullopt : std::optional(to_string(*(names.begin() + (idle - is_used.begin()))));
-  };
-  const auto pose = first_idle(update.poses, is_pose_used);
-  return pose ? pose : first_idle(update.features, is_feature_used);
-}
-
 template <int Dim>
 bool has_losses(const FactorGraph<Dim>& graph) {
   const auto has_loss = [](const auto& factor) { return factor.loss != Loss{}; };
@@ -231,7 +201,6 @@ Expected<void> check_update(const SubmapUpdate<Dim>& update) {
   }
   if (has_levers(update.graph)) return wrong("priors with levers cannot be joined map by map");
   if (has_losses(update.graph)) return wrong("factors with a loss cannot be joined map by map");
-  if (const auto idle = idle_name(update)) return wrong("it names " + *idle + ", but says nothing of it");
   return {};
 }
 

@@ -15,7 +15,7 @@ namespace mapjoin {
 /// A submap set of one segment, or of none where only single factors came. Its indices are its own: they count the poses and
 /// features that it names, whatever other updates name.
 /// - `poses`: those of the segment in the order in which they were driven (of a local map its base and the poses it keeps), and
-///   others that factors concern, which other updates' segments have.
+///   others that factors concern, which other updates' segments have. Names of which nothing is said do not count.
 /// - `graph.submaps`: the local map, where the segment is one.
 /// - `graph.pose_factors`, `graph.feature_factors`, `graph.fixed`: odometry and observations of a raw segment, closures to what
 ///   is known, and what the World says.

@@ -49,6 +49,21 @@ TYPED_TEST(IncrementalArrivalTest, ASessionThatSharesNothingYetWaits) {
   EXPECT_NEAR(joined.chi2(), this->batch(cut).result.chi2, 0.5);
 }
 
+TYPED_TEST(IncrementalArrivalTest, NamesOfWhichNothingIsSaidDoNotCount) {
+  constexpr int kDim = TestFixture::kDim;
+  auto updates = this->submap_updates_of({.poses = 20, .features = 20}, 5.0);
+  IncrementalJoin<kDim> without;
+  for (const auto& update : updates) without.add(update).value();
+  IncrementalJoin<kDim> joined;
+  for (auto& update : updates) {
+    update.features.push_back({999});
+    EXPECT_TRUE(joined.add(update).value().is_joined);
+  }
+  joined.rejoin();
+  EXPECT_FALSE(joined.feature({999}));
+  EXPECT_NEAR(joined.chi2(), without.chi2(), 1e-3 * without.chi2());
+}
+
 TYPED_TEST(IncrementalArrivalTest, AnEdgeTiesASessionEitherWay) {
   constexpr int kDim = TestFixture::kDim;
   const auto updates = this->submap_updates_of({.poses = 20, .features = 0, .closures = 0, .sessions = 2}, 5.0);

@@ -95,8 +95,6 @@ TYPED_TEST(SubmapUpdateTest, WhatCannotBeJoinedIsSaid) {
     return checked ? "no error" : checked.error().message;
   };
   const PoseMatrix<TestFixture::kDim> W = PoseMatrix<TestFixture::kDim>::Identity();
-  EXPECT_EQ(error([](auto& u) { u.features.push_back({999}); }), "here: it names feature 999, but says nothing of it");
-  EXPECT_EQ(error([](auto& u) { u.poses.push_back({7, 9}); }), "here: it names pose 9 of session 7, but says nothing of it");
   EXPECT_EQ(error([&](auto& u) { u.graph.pose_factors.push_back({99, 99, {}, W}); }).substr(0, 12), "here: pose o");
   EXPECT_EQ(error([&](auto& u) {
               u.graph.pose_factors.push_back({0, 1, {}, W, Loss::truncated(1.0)});
