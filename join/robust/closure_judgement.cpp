@@ -22,17 +22,20 @@ Pose<Dim> turned_forward(const PoseFactor<Dim>& closure, const Pose<Dim>& relati
   return closure.base < closure.target ? relative : inverse(relative);
 }
 
-/// Whether any of the measured relative poses, turned forward, would pass the gate in the place of a closure of this mismatch.
+/// How many of the measured relative poses, turned forward, would pass the gate in the place of a closure of this mismatch;
+/// `most` where so many would.
 template <int Dim>
-bool would_any_fit(const std::vector<Pose<Dim>>& measured, const PoseFactor<Dim>& closure, const Values<Dim>& values,
-                   const PoseMatrix<Dim>& covariance, double gate) {
+std::size_t count_fitting(const std::vector<Pose<Dim>>& measured, const PoseFactor<Dim>& closure, const Values<Dim>& values,
+                          const PoseMatrix<Dim>& covariance, double gate, std::size_t most) {
   const Eigen::LLT<PoseMatrix<Dim>> factor(covariance);
-  if (factor.info() != Eigen::Success) return true;  // nothing is known of what would fit
-  return std::ranges::any_of(measured, [&](const Pose<Dim>& other) {
-    const Pose<Dim> along = turned_forward(closure, other);
+  if (factor.info() != Eigen::Success) return most;  // nothing is known of what would fit
+  std::size_t count = 0;
+  for (auto other = measured.begin(); other != measured.end() && count < most; ++other) {
+    const Pose<Dim> along = turned_forward(closure, *other);
     const PoseVector<Dim> v = residual<Dim>(along, values.poses[closure.base], values.poses[closure.target]);
-    return v.dot(factor.solve(v)) < gate;
-  });
+    if (v.dot(factor.solve(v)) < gate) ++count;
+  }
+  return count;
 }
 
 }  // namespace
@@ -74,15 +77,23 @@ std::vector<bool> fits_beyond_chance(const ClosureJudgement<Dim>& judgement, std
   for (std::size_t k = 0; k < closures.size(); ++k) {
     if (chi2[k] >= gates.widest.closures) contradicted.push_back(turned_forward(closures[k], closures[k].measured));
   }
-  const auto is_by_chance = [&](std::size_t k) {
-    return !contradicted.empty() && would_any_fit(contradicted, closures[k], judgement.values,
-                                                  judgement.mismatches[k].covariance, gates.widest.closures);
+  const auto fitting = [&](std::size_t k, std::size_t most) {
+    if (contradicted.empty()) return std::size_t{0};
+    return count_fitting(contradicted, closures[k], judgement.values, judgement.mismatches[k].covariance, gates.widest.closures,
+                         most);
   };
-  std::vector<bool> fits;
+  std::vector<bool> fits(closures.size());
+  std::vector<std::size_t> open;  // beyond the narrow gate
+  std::size_t right = 0;          // that are known to lie there, too
   for (std::size_t k = 0; k < closures.size(); ++k) {
-    const bool is_close = judgement.standing[k] == Standing::kKept || chi2[k] < gates.narrow().closures;
-    fits.push_back(is_close || (chi2[k] < gates.widest.closures && !is_by_chance(k)));
+    const bool is_kept = judgement.standing[k] == Standing::kKept;
+    fits[k] = is_kept || chi2[k] < gates.narrow().closures;
+    if (chi2[k] < gates.narrow().closures || chi2[k] >= gates.widest.closures) continue;
+    if (is_kept || fitting(k, 1) == 0) ++right;
+    if (!is_kept) open.push_back(k);
   }
+  const std::size_t most = std::max<std::size_t>(1, right);
+  for (const std::size_t k : open) fits[k] = fitting(k, most) < most;
   return fits;
 }
 

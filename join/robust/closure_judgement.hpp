@@ -34,8 +34,10 @@ template <int Dim>
 ClosureJudgement<Dim> judge(const Log<Dim>& log, const std::vector<std::size_t>& chosen, const TruncatedJoin<Dim>& join,
                             const Gates& gates, const std::stop_token& stop);
 
-/// Whether each closure is to be in the next map: it is kept, or within the narrow gate, or within the widest gate where
-/// nothing that a contradicted closure (one beyond the widest gate) measured would pass that gate in its place.
+/// Whether each closure is to be in the next map: it is kept, or within the narrow gate, or within the widest gate and right
+/// more likely than wrong. A contradicted closure (one beyond the widest gate) counts against it where what that measured would
+/// pass the widest gate in its place. For it count all between the two gates that are kept, or that nothing counts against;
+/// where there are none, nothing may count against it.
 template <int Dim>
 std::vector<bool> fits_beyond_chance(const ClosureJudgement<Dim>& judgement, std::span<const PoseFactor<Dim>> closures,
                                      const Gates& gates);

@@ -79,6 +79,14 @@ TYPED_TEST(FitsBeyondChanceTest, IsNotSoBeyondTheNarrowGateWhereSomethingWrongWo
             (std::vector{false, false, true, false}));
 }
 
+TYPED_TEST(FitsBeyondChanceTest, IsSoWhereMoreThatIsRightLiesThereThanSomethingWrongWouldFit) {
+  using enum Standing;
+  EXPECT_EQ(this->fits({kKept, kKept, kDropped, kDropped}, {20.0, 20.0, 5.0, 90.0}, 4.9),
+            (std::vector{true, true, true, false}));
+  EXPECT_EQ(this->fits({kKept, kKept, kDropped, kDropped}, {20.0, 3.0, 5.0, 90.0}, 4.9),
+            (std::vector{true, true, false, false}));
+}
+
 TYPED_TEST(FitsBeyondChanceTest, AsksInTheDirectionOfTheDrive) {
   using enum Standing;
   for (const bool is_turned : {false, true}) {
