@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <mapjoin/join/incremental/incremental_estimate.hpp>
 #include <mapjoin/model/lists.hpp>
 #include <utility>
@@ -12,7 +13,7 @@ constexpr int kMostIterations = 50;
 /// A deferred front, which is dense, costs more than it saves where more entries than these are new.
 constexpr std::int64_t kMostDeferredEntries = 64;
 /// Of what maps may err by, once some of them are linearised again.
-constexpr double kErrorLeft = 0.1;
+constexpr double kErrorLeft = 0.5;
 /// Beyond this turn (rad) since its reference a pose gets a new one: rotation vectors are good up to π.
 constexpr double kMostTurn = 1.0;
 
@@ -79,8 +80,14 @@ std::optional<Settling> IncrementalEstimate<Dim>::defer() {
     deferred_.add(factor(new_[k]).map.linearise(variables_));
     rows += factor(new_[k]).map.rows();
   }
+  const std::vector<JoinedIndex> moved = waiting();
+  const std::vector<PoseVector<Dim>> from = steps_of(moved);
   auto settling = settle_new();
-  if (!settling || !is_rest_content(rows)) return std::nullopt;
+  if (!settling || !is_rest_content(rows)) {
+    move(moved, from);
+    deferred_.take();  // linearised elsewhere
+    return std::nullopt;
+  }
   settling->moved = shown_.show(variables_);
   return settling;
 }
@@ -130,14 +137,22 @@ void IncrementalEstimate<Dim>::enter_deferred() {
     } else {
       stale_.push_back(new_[k]);
     }
-    for (const JoinedIndex v : fresh.map.variables()) {
-      if (v != kJoinedWorld && variable(v).column != kConstant && !tree_.has(variable(v).column)) {
-        tree_.set_solution(variable(v).column, variable(v).step.head(variable(v).dof()));
-      }
-    }
   }
+  put_tree_to(waiting());
   new_.clear();
   gain_ = 0.0;
+}
+
+template <int Dim>
+std::vector<JoinedIndex> IncrementalEstimate<Dim>::waiting() const {
+  std::vector<JoinedIndex> waiting;
+  for (const FactorIndex f : new_) {
+    std::ranges::copy_if(factors_[f].map.variables(), std::back_inserter(waiting), [&](JoinedIndex v) {
+      return v != kJoinedWorld && variable(v).column != kConstant && !tree_.has(variable(v).column);
+    });
+  }
+  make_distinct(waiting);
+  return waiting;
 }
 
 template <int Dim>
@@ -155,13 +170,11 @@ Settling IncrementalEstimate<Dim>::settle(std::span<const JoinedIndex> last) {
     ++settling.iterations;
     const double before = chi2_;
     const bool is_taken = take_step(tree_.moved(), tree_.solution(tree_.moved()));
-    if (!is_taken) {
-      put_tree_back();
-      break;
-    }
-    find_stale();
+    if (!is_taken) break;
     refer_turned();
-    settling.converged = stale_.empty() || before - chi2_ <= allowance().rounding();
+    const bool is_linear = stale_.empty() && error_ <= allowance().error();
+    settling.converged = is_linear || before - chi2_ <= allowance().rounding();
+    if (!settling.converged) find_stale();
   }
   settled_chi2_ = chi2_;
   settled_free_ = free_;
@@ -183,6 +196,7 @@ void IncrementalEstimate<Dim>::sum_chi2() {
 
 template <int Dim>
 void IncrementalEstimate<Dim>::linearise_stale() {
+  make_distinct(stale_);
   for (const FactorIndex f : stale_) {
     Factor& stale = factor(f);
     Quadratic system = stale.map.linearise(variables_);
@@ -224,49 +238,49 @@ void IncrementalEstimate<Dim>::find_stale() {
 
 template <int Dim>
 bool IncrementalEstimate<Dim>::take_step(const std::vector<Variable>& columns, const Eigen::VectorXd& entries) {
-  ++steps_;
   const double before = chi2_;
-  std::vector<PoseVector<Dim>> from;
-  std::vector<FactorIndex> concerned;
+  std::vector<JoinedIndex> moved;
+  std::vector<PoseVector<Dim>> to;
   Eigen::Index entry = 0;
   for (const Variable column : columns) {
-    const JoinedIndex v = variable_of_column_[column];
-    const int dof = variable(v).dof();
-    shown_.note_moving(v);
-    from.push_back(variable(v).step);
-    PoseVector<Dim> to = PoseVector<Dim>::Zero();
-    to.head(dof) = entries.segment(std::exchange(entry, entry + dof), dof);
-    move_to(v, to, concerned);
+    moved.push_back(variable_of_column_[column]);
+    const int dof = variable(moved.back()).dof();
+    to.push_back(PoseVector<Dim>::Zero());
+    to.back().head(dof) = entries.segment(std::exchange(entry, entry + dof), dof);
   }
-  look_at(concerned);
+  const std::vector<PoseVector<Dim>> from = steps_of(moved);
+  move(moved, to);
   if (chi2_ <= before + allowance().rounding()) return true;
-  auto was = from.begin();
-  for (const Variable column : columns) move_to(variable_of_column_[column], *was++, concerned);
-  look_at(concerned);
+  move(moved, from);
+  put_tree_to(moved);
   return false;
 }
 
-/// To where the variables are that its last update would have moved.
 template <int Dim>
-void IncrementalEstimate<Dim>::put_tree_back() {
-  for (const Variable column : tree_.moved()) {
-    const JoinedVariable<Dim>& back = variable(variable_of_column_[column]);
-    tree_.set_solution(column, back.step.head(back.dof()));
-  }
+void IncrementalEstimate<Dim>::put_tree_to(const std::vector<JoinedIndex>& variables) {
+  for (const JoinedIndex v : variables) tree_.set_solution(variable(v).column, variable(v).step.head(variable(v).dof()));
 }
 
 template <int Dim>
-void IncrementalEstimate<Dim>::move_to(JoinedIndex v, const PoseVector<Dim>& step, std::vector<FactorIndex>& concerned) {
-  variable(v).move_to(step);
-  for (const FactorIndex f : variable(v).factors) {
-    if (std::exchange(factor(f).met_in, steps_) != steps_) concerned.push_back(f);
-  }
+std::vector<PoseVector<Dim>> IncrementalEstimate<Dim>::steps_of(const std::vector<JoinedIndex>& variables) const {
+  std::vector<PoseVector<Dim>> steps;
+  for (const JoinedIndex v : variables) steps.push_back(variable(v).step);
+  return steps;
 }
 
 template <int Dim>
-void IncrementalEstimate<Dim>::look_at(const std::vector<FactorIndex>& factors) {
-  looks_ += factors.size();
-  for (const FactorIndex f : factors) {
+void IncrementalEstimate<Dim>::move(const std::vector<JoinedIndex>& variables, const std::vector<PoseVector<Dim>>& steps) {
+  std::vector<FactorIndex> concerned;
+  ++moves_;
+  for (std::size_t k = 0; k < variables.size(); ++k) {
+    JoinedVariable<Dim>& moved = variable(variables[k]);
+    shown_.note_moving(variables[k]);
+    moved.move_to(steps[k]);
+    std::ranges::copy_if(moved.factors, std::back_inserter(concerned),
+                         [&](FactorIndex f) { return std::exchange(factor(f).met_in, moves_) != moves_; });
+  }
+  looks_ += concerned.size();
+  for (const FactorIndex f : concerned) {
     const auto fit = factor(f).map.fit(variables_);
     chi2_ += fit.chi2 - factor(f).fit.chi2;
     error_ += fit.error - factor(f).fit.error;
@@ -283,9 +297,8 @@ void IncrementalEstimate<Dim>::refer_turned() {
       if (!turned.is_pose || turned.step.template tail<3>().norm() < kMostTurn) continue;
       turned.refer_to_value();
       tree_.set_solution(column, turned.step);
-      stale_.insert(stale_.end(), turned.factors.begin(), turned.factors.end());
+      append(stale_, turned.factors);
     }
-    make_distinct(stale_);
   }
 }
 

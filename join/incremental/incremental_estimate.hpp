@@ -39,7 +39,8 @@ class IncrementalEstimate {
   /// Takes one out again, for good: the next settling is without it.
   void remove_factor(FactorIndex factor);
 
-  /// Moves only what is new since the last settling. Nothing where that is not enough, and settle() has to follow.
+  /// Moves only what is new since the last settling. Nothing where that is not enough: all stands as it stood before, and
+  /// settle() has to follow.
   std::optional<Settling> defer();
   /// To the optimum; `last` are the variables that the next maps will probably touch.
   Settling settle(std::span<const JoinedIndex> last);
@@ -57,7 +58,7 @@ class IncrementalEstimate {
     MapFactor<Dim> map;
     std::optional<FrontTree::QuadraticIndex> quadratic;  // of the tree, once it is linearised
     typename MapFactor<Dim>::Fit fit;
-    std::size_t met_in = 0;  // the step that looked at it last
+    std::size_t met_in = 0;  // the move that looked at it last
   };
   JoinedVariable<Dim>& variable(JoinedIndex v) { return variables_[v]; }
   Factor& factor(FactorIndex f) { return factors_[f]; }
@@ -74,12 +75,14 @@ class IncrementalEstimate {
   /// Whether all else stands well enough while the new maps, which have so many rows, are deferred.
   bool is_rest_content(std::int64_t rows);
   void enter_deferred();
+  /// The free variables of new maps that the tree does not have, each once.
+  std::vector<JoinedIndex> waiting() const;
   /// Moves variables to these entries, one after the other; false where chi2 would rise, all then staying where they are.
   bool take_step(const std::vector<Variable>& columns, const Eigen::VectorXd& entries);
-  void put_tree_back();
-  void move_to(JoinedIndex v, const PoseVector<Dim>& step, std::vector<FactorIndex>& concerned);
-  /// Brings chi2 up to date with what these factors say now.
-  void look_at(const std::vector<FactorIndex>& factors);
+  void put_tree_to(const std::vector<JoinedIndex>& variables);
+  std::vector<PoseVector<Dim>> steps_of(const std::vector<JoinedIndex>& variables) const;
+  /// Brings chi2 up to date, too.
+  void move(const std::vector<JoinedIndex>& variables, const std::vector<PoseVector<Dim>>& steps);
   void refer_turned();
 
   JoinedVariables<Dim> variables_;
@@ -98,7 +101,7 @@ class IncrementalEstimate {
   std::int64_t rows_ = 0;
   std::int64_t free_ = 0;
   std::int64_t settled_free_ = 0;
-  std::size_t steps_ = 0;
+  std::size_t moves_ = 0;
   std::size_t looks_ = 0;  // at factors since chi2 was summed anew
 };
 

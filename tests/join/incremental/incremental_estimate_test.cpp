@@ -92,6 +92,20 @@ TEST_F(DeferralTest, EndsWhereAMapWouldGainMoreThanAStandardDeviationInEachRow) 
   EXPECT_FALSE(estimate_.defer());
 }
 
+TEST_F(DeferralTest, LeavesAllAsItStoodWhereItIsNotEnough) {
+  see_features(200);
+  const JoinedIndex added = estimate_.add_variable(false, {}, false);
+  see(added, 7.0);
+  see_with_gain(features_[5], 0.4);
+  const double chi2 = estimate_.chi2();
+  EXPECT_FALSE(estimate_.defer());
+  EXPECT_EQ(x(added), 0.0);
+  EXPECT_NEAR(estimate_.chi2(), chi2, 1e-9 * chi2);
+  EXPECT_TRUE(estimate_.settle({}).converged);
+  EXPECT_NEAR(x(added), 7.0, 1e-12);
+  EXPECT_NEAR(estimate_.chi2(), 400.8, 1e-9);
+}
+
 TEST_F(DeferralTest, EndsWhereTooMuchIsNew) {
   see_features(1);
   for (int k = 0; k < 32; ++k) {
