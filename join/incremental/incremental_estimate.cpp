@@ -80,12 +80,12 @@ std::optional<Settling> IncrementalEstimate<Dim>::defer() {
     deferred_.add(factor(new_[k]).map.linearise(variables_));
     rows += factor(new_[k]).map.rows();
   }
-  const std::vector<JoinedIndex> moved = waiting();
+  const std::vector<JoinedIndex> moved = new_variables();
   const std::vector<PoseVector<Dim>> from = steps_of(moved);
   auto settling = settle_new();
   if (!settling || !is_rest_content(rows)) {
     move(moved, from);
-    deferred_.take();  // linearised elsewhere
+    deferred_.take();  // linearised where nothing stands any more
     return std::nullopt;
   }
   settling->moved = shown_.show(variables_);
@@ -138,21 +138,21 @@ void IncrementalEstimate<Dim>::enter_deferred() {
       stale_.push_back(new_[k]);
     }
   }
-  put_tree_to(waiting());
+  put_tree_to(new_variables());
   new_.clear();
   gain_ = 0.0;
 }
 
 template <int Dim>
-std::vector<JoinedIndex> IncrementalEstimate<Dim>::waiting() const {
-  std::vector<JoinedIndex> waiting;
+std::vector<JoinedIndex> IncrementalEstimate<Dim>::new_variables() const {
+  std::vector<JoinedIndex> variables;
   for (const FactorIndex f : new_) {
-    std::ranges::copy_if(factors_[f].map.variables(), std::back_inserter(waiting), [&](JoinedIndex v) {
+    std::ranges::copy_if(factors_[f].map.variables(), std::back_inserter(variables), [&](JoinedIndex v) {
       return v != kJoinedWorld && variable(v).column != kConstant && !tree_.has(variable(v).column);
     });
   }
-  make_distinct(waiting);
-  return waiting;
+  make_distinct(variables);
+  return variables;
 }
 
 template <int Dim>
@@ -171,10 +171,9 @@ Settling IncrementalEstimate<Dim>::settle(std::span<const JoinedIndex> last) {
     const double before = chi2_;
     const bool is_taken = take_step(tree_.moved(), tree_.solution(tree_.moved()));
     if (!is_taken) break;
+    find_stale();
     refer_turned();
-    const bool is_linear = stale_.empty() && error_ <= allowance().error();
-    settling.converged = is_linear || before - chi2_ <= allowance().rounding();
-    if (!settling.converged) find_stale();
+    settling.converged = stale_.empty() || before - chi2_ <= allowance().rounding();
   }
   settled_chi2_ = chi2_;
   settled_free_ = free_;

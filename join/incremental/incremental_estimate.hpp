@@ -39,8 +39,8 @@ class IncrementalEstimate {
   /// Takes one out again, for good: the next settling is without it.
   void remove_factor(FactorIndex factor);
 
-  /// Moves only what is new since the last settling. Nothing where that is not enough: all stands as it stood before, and
-  /// settle() has to follow.
+  /// Moves only what is new since the last settling. Nothing where that is not enough: all variables are where they were, and
+  /// settle() has to follow before anything is asked.
   std::optional<Settling> defer();
   /// To the optimum; `last` are the variables that the next maps will probably touch.
   Settling settle(std::span<const JoinedIndex> last);
@@ -76,19 +76,20 @@ class IncrementalEstimate {
   bool is_rest_content(std::int64_t rows);
   void enter_deferred();
   /// The free variables of new maps that the tree does not have, each once.
-  std::vector<JoinedIndex> waiting() const;
+  std::vector<JoinedIndex> new_variables() const;
   /// Moves variables to these entries, one after the other; false where chi2 would rise, all then staying where they are.
   bool take_step(const std::vector<Variable>& columns, const Eigen::VectorXd& entries);
+  /// Has the tree stand where these variables do.
   void put_tree_to(const std::vector<JoinedIndex>& variables);
   std::vector<PoseVector<Dim>> steps_of(const std::vector<JoinedIndex>& variables) const;
-  /// Brings chi2 up to date, too.
+  /// Brings chi2 and what maps err by up to date, too.
   void move(const std::vector<JoinedIndex>& variables, const std::vector<PoseVector<Dim>>& steps);
   void refer_turned();
 
   JoinedVariables<Dim> variables_;
   Table<Variable, JoinedIndex> variable_of_column_;
   Table<FactorIndex, Factor> factors_;
-  std::vector<FactorIndex> stale_;  // factors of the tree to be linearised
+  std::vector<FactorIndex> stale_;  // to be linearised before the next update of the tree, perhaps named twice
   std::vector<FactorIndex> new_;    // factors that the tree does not have
   ShownVariables<Dim> shown_;
   FrontTree tree_;
