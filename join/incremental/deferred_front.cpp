@@ -30,7 +30,7 @@ void DeferredFront::lay_out(const FrontTree& tree, Front& front) {
   const Eigen::Index width = number_rows(own, 0, tree);
   front.L = Eigen::MatrixXd::Zero(number_rows(others, width, tree), width);
   for (const auto& [v, row] : own) front.frontals.push_back(v);
-  for (const auto& [v, row] : others) front.update.variables.push_back(v);
+  for (const auto& [v, row] : others) front.separator.push_back(v);
   rows_.clear();
   for (const Quadratic& quadratic : quadratics_) {
     auto& rows = rows_.emplace_back();
@@ -61,7 +61,7 @@ void DeferredFront::solve(const FrontTree& tree) {
   const DenseBlock L_JJ(front->L.data(), width, width, stride);
   front->is_singular = !eliminate({L_JJ, {nullptr, 0, 0, stride}}, diagonal).empty();
   divide_by_transpose({front->L.data(), width, width, stride}, {front->L.data() + width, below, width, stride});
-  solution_ = front->solved(tree.solution(front->update.variables));
+  solution_ = front->solved(tree.solution(front->separator));
   front_ = std::move(front);
 }
 
@@ -71,13 +71,13 @@ void DeferredFront::solve(const FrontTree& tree) {
 std::optional<double> DeferredFront::gain(const FrontTree& tree) const {
   if (front_->is_singular) return std::nullopt;
   Eigen::VectorXd at(front_->L.rows());
-  at << solution_, tree.solution(front_->update.variables);
+  at << solution_, tree.solution(front_->separator);
   Eigen::VectorXd half_gradient = Eigen::VectorXd::Zero(at.size());
   for (std::size_t k = 0; k < quadratics_.size(); ++k) {
     half_gradient(rows_[k]) += quadratics_[k].H.selfadjointView<Eigen::Lower>() * Eigen::VectorXd(at(rows_[k]));
   }
   const double cost = at.dot(half_gradient);
-  const auto separator = std::span(front_->update.variables).subspan(1);  // without FrontTree::kOne, the least of all
+  const auto separator = std::span(front_->separator).subspan(1);  // without FrontTree::kOne, the least of all
   const auto form = tree.factor().inverse_form(separator, half_gradient.tail(at.size() - solution_.size() - 1));
   if (!form) return std::nullopt;
   const double tree_alone = form->value();

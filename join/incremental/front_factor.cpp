@@ -56,7 +56,7 @@ std::vector<const Front*> FrontFactor::way_to_root(std::span<const Variable> of,
     }
   };
   go_up_from(of);
-  if (deferred) go_up_from(deferred->update.variables);
+  if (deferred) go_up_from(deferred->separator);
   if (deferred) way.insert(way.begin(), deferred);
   return way;
 }
@@ -76,7 +76,7 @@ std::optional<Eigen::MatrixXd> FrontFactor::inverse_form(std::span<const Variabl
   for (const Variable v : of) {
     if (!rows.has(v)) return std::nullopt;  // nothing is known of it
   }
-  for (const Front* front : way) rows.number(front->update.variables);  // FrontTree::kOne, too, which no front solves for
+  for (const Front* front : way) rows.number(front->separator);  // FrontTree::kOne, too, which no front solves for
   Eigen::MatrixXd rhs = Eigen::MatrixXd::Zero(rows.size(), R.cols());
   rhs(rows.of(of), Eigen::all) = R;
   Eigen::MatrixXd form = Eigen::MatrixXd::Zero(R.cols(), R.cols());
@@ -89,7 +89,7 @@ std::optional<Eigen::MatrixXd> FrontFactor::inverse_form(std::span<const Variabl
     // One column after the other, for which L need not be packed.
     for (auto column : rest.colwise()) L.topRows(rest.rows()).triangularView<Eigen::Lower>().solveInPlace(column);
     form.noalias() += rest.transpose() * rest;
-    rhs(rows.of(front->update.variables), Eigen::all) -= L.bottomRows(L.rows() - rest.rows()) * rest;
+    rhs(rows.of(front->separator), Eigen::all) -= L.bottomRows(L.rows() - rest.rows()) * rest;
   }
   return form;
 }

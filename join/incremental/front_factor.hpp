@@ -12,22 +12,12 @@
 
 namespace mapjoin {
 
-/// A quadratic xᵀHx over the entries of some variables, one after the other. Only the lower triangle of H counts. One of the
-/// variables is FrontTree::kOne, whose value is 1: with δᵀHδ - 2bᵀδ + c, its row is -bᵀ, c.
-struct Quadratic {
-  std::vector<Variable> variables;
-  Eigen::MatrixXd H;
-
-  /// Of the whole symmetric matrix.
-  double entry(Eigen::Index row, Eigen::Index column) const { return row < column ? H(column, row) : H(row, column); }
-};
-
 /// Variables that are eliminated together. Once it is in the tree it stays as it is, until another one takes its place.
 struct Front {
   std::vector<Variable> frontals;
-  Quadratic update;          ///< What is left over the separator, for the parent.
-  Eigen::MatrixXd L;         ///< Over frontals, then the separator.
-  bool is_singular = false;  ///< Eliminates what nothing determines.
+  std::vector<Variable> separator;  ///< Of those eliminated later, the variables that the frontals depend on.
+  Eigen::MatrixXd L;                ///< Over frontals, then the separator.
+  bool is_singular = false;         ///< Eliminates what nothing determines.
 
   /// The frontals' entries where they cost least, given those of the separator.
   Eigen::VectorXd solved(const Eigen::VectorXd& separator) const;

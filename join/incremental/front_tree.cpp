@@ -63,7 +63,9 @@ std::size_t FrontTree::update(std::span<const Variable> last, double no_move) {
 
 std::size_t FrontTree::eliminate_touched(std::span<const Variable> last) {
   const Opened opened = open_touched();
-  replace(opened, eliminate(sum_of(opened, {last.begin(), last.end()})));
+  const QuadraticSum sum = sum_of(opened, {last.begin(), last.end()});
+  remove(opened.nodes);  // first, for the memory that they give back
+  attach(eliminate(sum), opened);
   return opened.variables.size() - 1;  // kOne is none of the caller's
 }
 
@@ -109,7 +111,7 @@ void FrontTree::take_open(NodeIndex n, Opened& opened) {
 }
 
 bool FrontTree::is_bulky(NodeIndex n) const {
-  return static_cast<double>(front(n).update.H.rows()) > kBulky * static_cast<double>(nodes_[n].rows);
+  return static_cast<double>(nodes_[n].update.H.rows()) > kBulky * static_cast<double>(nodes_[n].rows);
 }
 
 QuadraticSum FrontTree::sum_of(const Opened& opened, const std::set<Variable>& last) const {
@@ -117,16 +119,19 @@ QuadraticSum FrontTree::sum_of(const Opened& opened, const std::set<Variable>& l
   for (const Variable v : opened.variables) sum.variables.push_back({v, dof(v), last.contains(v) ? 1 : 0});
   sum.variables.front().rank = 2;  // kOne
   for (const QuadraticIndex q : opened.quadratics) sum.quadratics.push_back(&quadratics_[q].quadratic);
-  for (const NodeIndex orphan : opened.orphans) sum.quadratics.push_back(&front(orphan).update);
+  for (const NodeIndex orphan : opened.orphans) sum.quadratics.push_back(&nodes_[orphan].update);
   return sum;
 }
 
-void FrontTree::replace(const Opened& opened, std::vector<SumNode> fresh) {
-  for (const NodeIndex n : opened.nodes) {
+void FrontTree::remove(const std::vector<NodeIndex>& nodes) {
+  for (const NodeIndex n : nodes) {
     nodes_[n] = Node();
     factor_.nodes.writable(n) = {};
     unused_.push_back(n);
   }
+}
+
+void FrontTree::attach(std::vector<SumNode> fresh, const Opened& opened) {
   const std::size_t own = opened.quadratics.size();
   std::vector<NodeIndex> nodes;
   for (const SumNode& node : fresh) {
@@ -144,7 +149,7 @@ void FrontTree::replace(const Opened& opened, std::vector<SumNode> fresh) {
       nodes_[parent].quadratics.push_back(q);
       continue;
     }
-    if (!fresh[f].quadratic) put(nodes[f], std::move(fresh[f].front));
+    if (!fresh[f].quadratic) put(nodes[f], std::move(fresh[f]));
     factor_.nodes.writable(nodes[f]).parent = parent;
     if (parent == kNone) continue;
     nodes_[parent].children.push_back(nodes[f]);
@@ -153,13 +158,15 @@ void FrontTree::replace(const Opened& opened, std::vector<SumNode> fresh) {
   root_ = nodes.back();
 }
 
-void FrontTree::put(NodeIndex n, Front front) {
+void FrontTree::put(NodeIndex n, SumNode eliminated) {
+  Front& front = eliminated.front;
   for (const Variable v : front.frontals) factor_.variables.writable(v).node = n;
   if (front.frontals.back() == kOne) {  // the root: kOne is never solved for
     front.frontals.pop_back();
-    front.update.variables.push_back(kOne);
-    front.L = Eigen::MatrixXd(front.L.leftCols(front.L.cols() - 1));
+    front.separator.push_back(kOne);
+    front.L.conservativeResize(Eigen::NoChange, front.L.cols() - 1);
   }
+  nodes_[n].update = std::move(eliminated.update);
   nodes_[n].rows += front.L.cols();
   nodes_[n].is_fresh = true;
   factor_.nodes.writable(n).front = std::make_shared<const Front>(std::move(front));
@@ -191,7 +198,7 @@ void FrontTree::solve(double no_move) {
 }
 
 bool FrontTree::is_above_moved(const Front& below) const {
-  const auto& separator = below.update.variables;
+  const auto& separator = below.separator;
   return std::any_of(separator.begin(), separator.end(), [&](Variable v) { return variables_[v].moved_in == updates_; });
 }
 
@@ -208,7 +215,7 @@ Eigen::VectorXd FrontTree::solution(const std::vector<Variable>& variables) cons
 }
 
 void FrontTree::solve_front(const Front& next, double no_move) {
-  const Eigen::VectorXd now = next.solved(solution(next.update.variables));
+  const Eigen::VectorXd now = next.solved(solution(next.separator));
   const auto L_JJ = next.L.topRows(now.size()).triangularView<Eigen::Lower>();
   // The change in squared standard deviations, what lies above being held.
   const double change = (L_JJ.transpose() * (now - solution(next.frontals))).squaredNorm();

@@ -50,8 +50,9 @@ class FrontTree {
   using NodeIndex = FrontFactor::NodeIndex;
   static constexpr NodeIndex kNone = FrontFactor::kNone;
 
-  /// What the tree knows of a front beside the factor.
+  /// What the tree knows of a front beside the factor, which states that are kept share.
   struct Node {
+    Quadratic update;  // what the front sends
     std::vector<NodeIndex> children;
     std::vector<QuadraticIndex> quadratics;  // whose first variable it eliminates
     Eigen::Index rows = 0;                   // that it and all below eliminate
@@ -84,9 +85,10 @@ class FrontTree {
   /// The sum to eliminate: the quadratics, then what the orphans send.
   QuadraticSum sum_of(const Opened& opened, const std::set<Variable>& last) const;
   std::size_t eliminate_touched(std::span<const Variable> last);
-  /// New nodes in the place of the open ones.
-  void replace(const Opened& opened, std::vector<SumNode> fresh);
-  void put(NodeIndex node, Front front);
+  void remove(const std::vector<NodeIndex>& nodes);
+  /// New nodes in the place of the open ones, above the orphans.
+  void attach(std::vector<SumNode> fresh, const Opened& opened);
+  void put(NodeIndex node, SumNode eliminated);
   NodeIndex new_node();
   const Front& front(NodeIndex node) const { return *factor_.nodes[node].front; }
   NodeIndex parent(NodeIndex node) const { return factor_.nodes[node].parent; }

@@ -110,18 +110,10 @@ GivenFront given_front(const Quadratic& quadratic, std::span<const std::size_t> 
   return {std::move(columns), {nullptr, 0, 0, Eigen::OuterStride<>(0)}, std::move(write)};
 }
 
-/// A front of the factorisation, and whether one of its columns is among the singular ones.
-Front front_of(SparseCholesky& cholesky, std::size_t n, const std::vector<std::int64_t>& singular, const Blocks& blocks,
-               const Elimination& elimination) {
-  Front front;
-  const FactorNode& node = cholesky.tree().nodes[n];
-  for (const Column column : node.columns) append(front.frontals, blocks.members(elimination.order[column]));
-  for (const Column row : cholesky.tree().rows_of(node)) append(front.update.variables, blocks.members(elimination.order[row]));
-  front.L = cholesky.panel(node);
-  front.update.H = cholesky.take_update(n);
-  const auto next = std::ranges::lower_bound(singular, elimination.matrix.offsets[node.columns.first]);
-  front.is_singular = next != singular.end() && *next < elimination.matrix.offsets[node.columns.last];
-  return front;
+/// Whether one of its columns is among the singular ones.
+bool is_singular(const FactorNode& node, const std::vector<std::int64_t>& singular, const BlockLower& matrix) {
+  const auto next = std::ranges::lower_bound(singular, matrix.offsets[node.columns.first]);
+  return next != singular.end() && *next < matrix.offsets[node.columns.last];
 }
 
 }  // namespace
@@ -133,19 +125,25 @@ std::vector<SumNode> eliminate(const QuadraticSum& sum) {
   for (std::size_t q = 0; q < sum.quadratics.size(); ++q) {
     given.push_back(given_front(*sum.quadratics[q], blocks.places(q), blocks, elimination));
   }
-  SparseCholesky cholesky(Updates::kKept);
-  cholesky.analyse(elimination.matrix, given);
-  const std::vector<std::int64_t> singular = cholesky.factorise(elimination.matrix, given);
+  EliminatedFronts fronts = eliminate_fronts(elimination.matrix, given);
 
-  std::vector<SumNode> nodes;
-  for (const FactorNode& from : cholesky.tree().nodes) {
-    SumNode& node = nodes.emplace_back();
-    node.parent = from.parent;
+  const auto variables_of = [&](const auto& columns) {
+    std::vector<Variable> variables;
+    for (const Column column : columns) append(variables, blocks.members(elimination.order[column]));
+    return variables;
+  };
+  std::vector<SumNode> nodes(fronts.tree.nodes.size());
+  for (std::size_t n = 0; n < nodes.size(); ++n) {
+    const FactorNode& from = fronts.tree.nodes[n];
+    nodes[n].parent = from.parent;
     if (from.width == 0) {
-      node.quadratic = from.given;
-    } else {
-      node.front = front_of(cholesky, nodes.size() - 1, singular, blocks, elimination);
+      nodes[n].quadratic = from.given;
+      continue;
     }
+    const auto separator = variables_of(fronts.tree.rows_of(from));
+    nodes[n].front = {variables_of(from.columns), separator, std::move(fronts.panels[n]),
+                      is_singular(from, fronts.singular, elimination.matrix)};
+    nodes[n].update = {separator, std::move(fronts.updates[n])};
   }
   return nodes;
 }

@@ -9,6 +9,16 @@
 
 namespace mapjoin {
 
+/// A quadratic xᵀHx over the entries of some variables, one after the other. Only the lower triangle of H counts. One of the
+/// variables is FrontTree::kOne, whose value is 1: with δᵀHδ - 2bᵀδ + c, its row is -bᵀ, c.
+struct Quadratic {
+  std::vector<Variable> variables;
+  Eigen::MatrixXd H;
+
+  /// Of the whole symmetric matrix.
+  double entry(Eigen::Index row, Eigen::Index column) const { return row < column ? H(column, row) : H(row, column); }
+};
+
 /// A sum of quadratics, and what its variables are.
 struct QuadraticSum {
   struct Unknown {
@@ -23,6 +33,7 @@ struct QuadraticSum {
 /// A node of an elimination tree: a front, or a quadratic of the sum, which its parent takes.
 struct SumNode {
   Front front;
+  Quadratic update;                      ///< What the front leaves over its separator, for its parent.
   std::optional<std::size_t> quadratic;  ///< Its number in the sum; nothing where the node is a front.
   std::size_t parent = 0;                ///< The number of nodes where there is none.
 };

@@ -14,16 +14,23 @@ void set_aside(const FactorValues& values, const FactorNode& node) {
   values.set_aside(static_cast<std::size_t>(node.first_value), static_cast<std::size_t>(node.height * node.width));
 }
 
-/// One factorisation: the updates on their way from supernode to parent.
+SupernodalTree tree_of(const BlockLower& matrix, std::span<const GivenFront> given, std::size_t border) {
+  std::vector<std::span<const Column>> rows;
+  for (const GivenFront& front : given) rows.emplace_back(front.rows);
+  return supernodal_tree(matrix, rows, border);
+}
+
+/// One factorisation: the updates on their way from supernode to parent. Its panels are the given values, or, where none are
+/// given, matrices of their own; these and the updates then stay.
 class Factorisation {
  public:
   Factorisation(const SupernodalTree& tree, const BlockLower& matrix, std::span<const GivenFront> given,
-                const FactorValues& values, bool keeps_updates)
+                const FactorValues* values)
       : tree_(tree),
         matrix_(matrix),
         given_(given),
         values_(values),
-        keeps_updates_(keeps_updates),
+        panels_(values ? 0 : tree.nodes.size()),
         updates_(tree.nodes.size()) {}
 
   /// The singular columns.
@@ -32,14 +39,15 @@ class Factorisation {
     std::sort(singular_.begin(), singular_.end());
     return std::move(singular_);
   }
+  std::vector<Eigen::MatrixXd> take_panels() { return std::move(panels_); }
   std::vector<Eigen::MatrixXd> take_updates() { return std::move(updates_); }
 
  private:
   void eliminate_node(std::size_t s) {
     const FactorNode& node = tree_.nodes[s];
     if (node.width == 0) return make_given(s);
-    if (tree_.is_border(node)) return assemble_border(node);
-    const FrontalMatrix front{{values_.data() + node.first_value, node.height, node.width, Stride(node.height)}, new_update(s)};
+    if (tree_.is_border(node)) return assemble_border(s);
+    const FrontalMatrix front{new_panel(s), new_update(s)};
     take_entries(node, front.panel);
     Eigen::VectorXd diagonal = front.panel.diagonal();
     add_children(node, 0, front.panel);
@@ -47,12 +55,18 @@ class Factorisation {
     note_singular(matrix_.offsets[node.columns.first], eliminate(front, diagonal));
     add_children(node, node.width, front.update);  // which the elimination has overwritten
     free_children(node);
-    set_aside(values_, node);
+    if (values_) set_aside(*values_, node);
   }
 
   void make_given(std::size_t s) {
     const GivenFront& front = given_[tree_.nodes[s].given];
     if (front.make) front.make(new_update(s));
+  }
+
+  DenseBlock new_panel(std::size_t s) {
+    const FactorNode& node = tree_.nodes[s];
+    if (!values_) panels_[s].resize(node.height, node.width);
+    return {values_ ? values_->data() + node.first_value : panels_[s].data(), node.height, node.width, Stride(node.height)};
   }
 
   DenseBlock new_update(std::size_t s) {
@@ -62,18 +76,19 @@ class Factorisation {
   }
 
   /// The Schur complement takes the place of the border's panel.
-  void assemble_border(const FactorNode& node) {
-    const DenseBlock panel(values_.data() + node.first_value, node.height, node.width, Stride(node.height));
+  void assemble_border(std::size_t s) {
+    const FactorNode& node = tree_.nodes[s];
+    const DenseBlock panel = new_panel(s);
     take_entries(node, panel);
     add_children(node, 0, panel);
     free_children(node);
   }
 
-  /// Frees what the node has taken; where updates are kept, only those of given fronts, which whoever gave them has.
+  /// Frees what the node has taken; where updates stay, only those of given fronts, which whoever gave them has.
   void free_children(const FactorNode& node) {
     for (const std::size_t c : tree_.children_of(node)) {
       const bool is_given = tree_.nodes[c].width == 0;
-      if (is_given || !keeps_updates_) updates_[c].resize(0, 0);
+      if (is_given || values_) updates_[c].resize(0, 0);
     }
   }
 
@@ -118,8 +133,8 @@ class Factorisation {
   const SupernodalTree& tree_;
   const BlockLower& matrix_;
   std::span<const GivenFront> given_;
-  const FactorValues& values_;
-  bool keeps_updates_;
+  const FactorValues* values_;
+  std::vector<Eigen::MatrixXd> panels_;   ///< Per supernode.
   std::vector<Eigen::MatrixXd> updates_;  ///< Per supernode, until its parent has taken it.
   std::mutex mutex_;
   std::vector<std::int64_t> singular_;
@@ -128,9 +143,7 @@ class Factorisation {
 }  // namespace
 
 void SparseCholesky::analyse(const BlockLower& matrix, std::span<const GivenFront> given) {
-  std::vector<std::span<const Column>> rows;
-  for (const GivenFront& front : given) rows.emplace_back(front.rows);
-  tree_ = supernodal_tree(matrix, rows, border_);
+  tree_ = tree_of(matrix, given, border_);
   offsets_ = matrix.offsets;
   values_ = {};
 }
@@ -141,10 +154,7 @@ void SparseCholesky::make_room() {
 
 std::vector<std::int64_t> SparseCholesky::factorise(const BlockLower& matrix, std::span<const GivenFront> given) {
   make_room();
-  Factorisation factorisation(tree_, matrix, given, values_, keeps_updates_);
-  auto singular = factorisation.run();
-  if (keeps_updates_) updates_ = factorisation.take_updates();
-  return singular;
+  return Factorisation(tree_, matrix, given, &values_).run();
 }
 
 ConstDenseBlock SparseCholesky::panel(const FactorNode& node) const {
@@ -243,6 +253,15 @@ Supernodes SparseCholesky::supernodes() const {
     }
   }
   return factor;
+}
+
+EliminatedFronts eliminate_fronts(const BlockLower& matrix, std::span<const GivenFront> given) {
+  EliminatedFronts fronts{tree_of(matrix, given, 0), {}, {}, {}};
+  Factorisation factorisation(fronts.tree, matrix, given, nullptr);
+  fronts.singular = factorisation.run();
+  fronts.panels = factorisation.take_panels();
+  fronts.updates = factorisation.take_updates();
+  return fronts;
 }
 
 }  // namespace mapjoin

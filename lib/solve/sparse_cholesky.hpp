@@ -15,9 +15,6 @@
 
 namespace mapjoin {
 
-/// What becomes of a front's update once its parent has taken it.
-enum class Updates : std::uint8_t { kFreed, kKept };
-
 /// A front that was eliminated before: what it sends over its rows enters the factorisation as the matrix does.
 struct GivenFront {
   std::vector<Column> rows;  ///< Block rows, ascending; the matrix has a block for any two of them.
@@ -36,8 +33,8 @@ struct GivenFront {
 class SparseCholesky final : public SparseSolver {
  public:
   /// `folder` is for a file that holds L; empty: it stays in memory.
-  explicit SparseCholesky(Updates updates = Updates::kFreed, std::size_t border = 0, std::filesystem::path folder = {})
-      : keeps_updates_(updates == Updates::kKept), border_(border), folder_(std::move(folder)) {}
+  explicit SparseCholesky(std::size_t border = 0, std::filesystem::path folder = {})
+      : border_(border), folder_(std::move(folder)) {}
 
   void analyse(const BlockLower& matrix) override { analyse(matrix, {}); }
   void analyse(const BlockLower& matrix, std::span<const GivenFront> given);
@@ -63,27 +60,29 @@ class SparseCholesky final : public SparseSolver {
   std::size_t supernode_count() const override;
   std::int64_t bytes() const override { return static_cast<std::int64_t>(sizeof(double)) * tree_.value_count; }
 
-  /// The tree of fronts, given ones among them, which have no columns.
-  const SupernodalTree& tree() const { return tree_; }
+ private:
   /// The columns of L of a front.
   ConstDenseBlock panel(const FactorNode& node) const;
-  /// The update that a front sends, by its lower triangle, where updates are kept; once. A given front has none.
-  Eigen::MatrixXd take_update(std::size_t node) { return std::move(updates_[node]); }
-
- private:
   /// Neither given nor the border.
   bool is_eliminated(const FactorNode& node) const { return node.width > 0 && !tree_.is_border(node); }
   /// L⁻¹ B and L⁻ᵀ B in the place of B.
   void solve_upwards(Eigen::MatrixXd& B) const;
   void solve_downwards(Eigen::MatrixXd& B) const;
 
-  bool keeps_updates_;
   std::size_t border_;  ///< Block columns.
   std::filesystem::path folder_;
   SupernodalTree tree_;
-  Table<Column, Eigen::Index> offsets_;   ///< The first scalar row of each block, and the total.
-  FactorValues values_;                   ///< The panels of L.
-  std::vector<Eigen::MatrixXd> updates_;  ///< Per supernode, where they are kept.
+  Table<Column, Eigen::Index> offsets_;  ///< The first scalar row of each block, and the total.
+  FactorValues values_;                  ///< The panels of L.
 };
+
+/// The fronts of such a factorisation, each with values of its own, for whoever keeps some of them longer than others.
+struct EliminatedFronts {
+  SupernodalTree tree;                   ///< Given fronts are nodes without columns.
+  std::vector<Eigen::MatrixXd> panels;   ///< Of L, per node: height × width.
+  std::vector<Eigen::MatrixXd> updates;  ///< What each node sends, by its lower triangle; nothing of a given front.
+  std::vector<std::int64_t> singular;    ///< As SparseCholesky::factorise().
+};
+EliminatedFronts eliminate_fronts(const BlockLower& matrix, std::span<const GivenFront> given);
 
 }  // namespace mapjoin

@@ -8,7 +8,7 @@ template <int Dim>
 RegionElimination<Dim>::RegionElimination(const Region<Dim>& region, const Values<Dim>& estimate, const Border& border,
                                           std::vector<PoseOrFeature>& order)
     : graph_(factors_of(region)),
-      solver_(new SparseCholesky(Updates::kFreed, border.places.size())),
+      solver_(new SparseCholesky(border.places.size())),
       system_(partial_map_of(region, graph_, estimate), {region.anchored, {}}, std::unique_ptr<SparseSolver>(solver_),
               border.places, order) {
   if (!order.empty()) return;

@@ -8,7 +8,7 @@ RegionSolver::RegionSolver(const Communicator& comm, const OuterUnknowns& outer,
                            const MumpsOptions& options)
     : comm_(comm),
       outer_(outer),
-      cholesky_(Updates::kFreed, outer_blocks, options.out_of_core),
+      cholesky_(outer_blocks, options.out_of_core),
       mumps_(std::make_unique<Mumps>(comm, options)),
       is_in_file_(!options.out_of_core.empty()) {}
 

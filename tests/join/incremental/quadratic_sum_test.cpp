@@ -57,7 +57,7 @@ class QuadraticSumTest : public ::testing::Test {
       if (node.quadratic) continue;
       auto rows = rows_of(node.front.frontals);
       const std::size_t width = rows.size();
-      const auto below = rows_of(node.front.update.variables);
+      const auto below = rows_of(node.front.separator);
       rows.insert(rows.end(), below.begin(), below.end());
       Eigen::MatrixXd L = node.front.L;
       L.topRows(static_cast<Eigen::Index>(width)).triangularView<Eigen::StrictlyUpper>().setZero();
@@ -118,13 +118,13 @@ TEST_F(QuadraticSumTest, AFrontSendsTheSchurComplementOfAllBelow) {
     append(gone[n], node.front.frontals);
     sums[node.parent] += sums[n];
     append(gone[node.parent], gone[n]);
-    if (node.front.update.variables.empty()) continue;
+    if (node.front.separator.empty()) continue;
     const auto f = rows_of(gone[n]);
-    const auto s = rows_of(node.front.update.variables);
+    const auto s = rows_of(node.front.separator);
     const Eigen::MatrixXd D_ff = sums[n](f, f);
     const Eigen::MatrixXd D_fs = sums[n](f, s);
     const Eigen::MatrixXd expected = sums[n](s, s) - D_fs.transpose() * D_ff.llt().solve(D_fs);
-    const Eigen::MatrixXd found = node.front.update.H.selfadjointView<Eigen::Lower>();
+    const Eigen::MatrixXd found = node.update.H.selfadjointView<Eigen::Lower>();
     EXPECT_LE((found - expected).norm(), 1e-12 * expected.norm());
     ++sent;
   }
@@ -141,7 +141,7 @@ TEST_F(QuadraticSumTest, WhatIsInNoQuadraticStandsByItself) {
   for (const SumNode& node : nodes) {
     if (node.quadratic || !node.front.is_singular) continue;
     EXPECT_EQ(node.front.frontals.size(), 1u);
-    EXPECT_TRUE(node.front.update.variables.empty());
+    EXPECT_TRUE(node.front.separator.empty());
     ++alone;
   }
   EXPECT_EQ(alone, 3u);

@@ -53,7 +53,7 @@ TEST(SparseCholesky, LeavesTheSchurComplementOfABorder) {
     for (const std::size_t border : {std::size_t{1}, std::size_t{3}, static_cast<std::size_t>(side * side)}) {
       const BlockLower matrix = grid_system(side, random);
       const Eigen::MatrixXd A = dense(matrix);
-      SparseCholesky cholesky(Updates::kFreed, border);
+      SparseCholesky cholesky(border);
       cholesky.analyse(matrix);
       ASSERT_TRUE(cholesky.factorise(matrix).empty());
       const Eigen::Index inside = matrix.offsets[Column(matrix.rows.size() - border)];
@@ -139,7 +139,7 @@ TEST(SparseCholesky, IsTheSameToTheLastBitWithItsFactorInAFile) {
   const Eigen::VectorXd b = Eigen::VectorXd::LinSpaced(matrix.size(), -1.0, 2.0);
   const testing::TemporaryFolder folder;
   SparseCholesky in_memory;
-  SparseCholesky in_file(Updates::kFreed, 0, folder.path());
+  SparseCholesky in_file(0, folder.path());
   for (SparseCholesky* cholesky : {&in_memory, &in_file}) {
     cholesky->analyse(matrix);
     for (int time = 0; time < 2; ++time) ASSERT_TRUE(cholesky->factorise(matrix).empty());
@@ -151,7 +151,7 @@ TEST(SparseCholesky, IsTheSameToTheLastBitWithItsFactorInAFile) {
 TEST(SparseCholesky, SaysWhereItsFactorCannotBe) {
   Random random;
   const BlockLower matrix = grid_system(2, random);
-  SparseCholesky cholesky(Updates::kFreed, 0, "/no/such/folder");
+  SparseCholesky cholesky(0, "/no/such/folder");
   cholesky.analyse(matrix);
   EXPECT_THROW(cholesky.make_room(), std::system_error);
 }
