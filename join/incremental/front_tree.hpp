@@ -50,7 +50,7 @@ class FrontTree {
   using NodeIndex = FrontFactor::NodeIndex;
   static constexpr NodeIndex kNone = FrontFactor::kNone;
 
-  /// What the tree knows of a front beside the factor, which states that are kept share.
+  /// What the tree alone knows of a front; the factor is shared with those who were given it.
   struct Node {
     Quadratic update;  // what the front sends
     std::vector<NodeIndex> children;

@@ -3,6 +3,7 @@
 #include <tbb/global_control.h>
 
 #include <Eigen/Cholesky>
+#include <mapjoin/model/lists.hpp>
 #include <mapjoin/solve/sparse_cholesky.hpp>
 #include <system_error>
 #include <tests/support/grid_system.hpp>
@@ -154,6 +155,35 @@ TEST(SparseCholesky, SaysWhereItsFactorCannotBe) {
   SparseCholesky cholesky(0, "/no/such/folder");
   cholesky.analyse(matrix);
   EXPECT_THROW(cholesky.make_room(), std::system_error);
+}
+
+TEST(EliminateFronts, PanelsMakeUpTheFactor) {
+  Random random;
+  const BlockLower matrix = grid_system(12, random);
+  const EliminatedFronts fronts = eliminate_fronts(matrix, {});
+  EXPECT_TRUE(fronts.singular.empty());
+  Eigen::MatrixXd L = Eigen::MatrixXd::Zero(matrix.size(), matrix.size());
+  for (std::size_t n = 0; n < fronts.tree.nodes.size(); ++n) {
+    const FactorNode& node = fronts.tree.nodes[n];
+    std::vector<Column> blocks(node.columns.begin(), node.columns.end());
+    append(blocks, fronts.tree.rows_of(node));
+    std::vector<Eigen::Index> rows;
+    for (const Column block : blocks) {
+      for (auto row = matrix.offsets[block]; row < matrix.offsets[block + 1]; ++row) rows.push_back(row);
+    }
+    ASSERT_EQ(fronts.panels[n].rows(), std::ssize(rows));
+    EXPECT_EQ(fronts.updates[n].rows(), node.below());
+    L(rows, Eigen::seqN(rows.front(), node.width)) = fronts.panels[n].triangularView<Eigen::Lower>();
+  }
+  const Eigen::MatrixXd A = dense(matrix);
+  EXPECT_LT((L * L.transpose() - A).norm(), 1e-12 * A.norm());
+}
+
+TEST(EliminateFronts, SaysWhatIsSingular) {
+  Random random;
+  BlockLower matrix = grid_system(12, random);
+  matrix.panel(Column(70))(1, 1) = -1.0;
+  EXPECT_EQ(eliminate_fronts(matrix, {}).singular, std::vector<std::int64_t>{matrix.offsets[70] + 1});
 }
 
 TEST(SparseCholesky, IsTheSameToTheLastBitForAnyNumberOfThreads) {
