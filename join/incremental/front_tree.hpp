@@ -30,7 +30,8 @@ class FrontTree {
 
   /// Eliminates again what all that was added and changed since the last time touches, the variables `last` after all others,
   /// and solves. Variables that nothing determines stay where they are, and so do those that would move, in a front of
-  /// `n` entries, by less than n `no_move` squared standard deviations. Returns how many variables were eliminated.
+  /// `n` entries, by less than n `no_move` squared standard deviations. Returns how many variables were eliminated. Where it
+  /// throws, for want of memory, the tree is of no use any more; factors that were kept are.
   std::size_t update(std::span<const Variable> last, double no_move = 1e-6);
   /// Where the sum is least, but for what stays where it is: the entries of a variable, and of several.
   Eigen::Map<const Eigen::VectorXd> solution(Variable v) const;
@@ -50,9 +51,9 @@ class FrontTree {
   using NodeIndex = FrontFactor::NodeIndex;
   static constexpr NodeIndex kNone = FrontFactor::kNone;
 
-  /// What the tree alone knows of a front; the factor is shared with those who were given it.
+  /// What only the tree needs of a front. What solves and covariances need is in the factor, which kept states share.
   struct Node {
-    Quadratic update;  // what the front sends
+    Quadratic update;  // that the front sends, over its separator; nothing of the root
     std::vector<NodeIndex> children;
     std::vector<QuadraticIndex> quadratics;  // whose first variable it eliminates
     Eigen::Index rows = 0;                   // that it and all below eliminate
@@ -85,8 +86,9 @@ class FrontTree {
   /// The sum to eliminate: the quadratics, then what the orphans send.
   QuadraticSum sum_of(const Opened& opened, const std::set<Variable>& last) const;
   std::size_t eliminate_touched(std::span<const Variable> last);
+  /// Until attach() the tree is not whole: its root, variables and orphans still name these nodes.
   void remove(const std::vector<NodeIndex>& nodes);
-  /// New nodes in the place of the open ones, above the orphans.
+  /// Puts new nodes in the place of the open ones: above the orphans, with the quadratics.
   void attach(std::vector<SumNode> fresh, const Opened& opened);
   void put(NodeIndex node, SumNode eliminated);
   NodeIndex new_node();

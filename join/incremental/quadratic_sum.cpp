@@ -140,10 +140,11 @@ std::vector<SumNode> eliminate(const QuadraticSum& sum) {
       nodes[n].quadratic = from.given;
       continue;
     }
-    const auto separator = variables_of(fronts.tree.rows_of(from));
-    nodes[n].front = {variables_of(from.columns), separator, std::move(fronts.panels[n]),
-                      is_singular(from, fronts.singular, elimination.matrix)};
-    nodes[n].update = {separator, std::move(fronts.updates[n])};
+    nodes[n].front = {.frontals = variables_of(from.columns),
+                      .separator = variables_of(fronts.tree.rows_of(from)),
+                      .L = std::move(fronts.panels[n]),
+                      .is_singular = is_singular(from, fronts.singular, elimination.matrix)};
+    nodes[n].update = {nodes[n].front.separator, std::move(fronts.updates[n])};
   }
   return nodes;
 }

@@ -2,6 +2,7 @@
 #pragma once
 // The elimination of a sum of quadratics, those that a tree of fronts has to take again.
 
+#include <Eigen/Core>
 #include <cstddef>
 #include <mapjoin/join/incremental/front_factor.hpp>
 #include <optional>
@@ -33,7 +34,7 @@ struct QuadraticSum {
 /// A node of an elimination tree: a front, or a quadratic of the sum, which its parent takes.
 struct SumNode {
   Front front;
-  Quadratic update;                      ///< What the front leaves over its separator, for its parent.
+  Quadratic update;                      ///< What the front sends to its parent, over its separator.
   std::optional<std::size_t> quadratic;  ///< Its number in the sum; nothing where the node is a front.
   std::size_t parent = 0;                ///< The number of nodes where there is none.
 };

@@ -20,8 +20,8 @@ SupernodalTree tree_of(const BlockLower& matrix, std::span<const GivenFront> giv
   return supernodal_tree(matrix, rows, border);
 }
 
-/// One factorisation: the updates on their way from supernode to parent. Its panels are the given values, or, where none are
-/// given, matrices of their own; these and the updates then stay.
+/// One factorisation: the updates on their way from supernode to parent. L goes to `values`, and an update goes once its parent
+/// has taken it; or, without `values`, each front keeps a panel of its own and its update.
 class Factorisation {
  public:
   Factorisation(const SupernodalTree& tree, const BlockLower& matrix, std::span<const GivenFront> given,
@@ -55,7 +55,7 @@ class Factorisation {
     note_singular(matrix_.offsets[node.columns.first], eliminate(front, diagonal));
     add_children(node, node.width, front.update);  // which the elimination has overwritten
     free_children(node);
-    if (values_) set_aside(*values_, node);
+    if (!keeps_fronts()) set_aside(*values_, node);
   }
 
   void make_given(std::size_t s) {
@@ -65,8 +65,9 @@ class Factorisation {
 
   DenseBlock new_panel(std::size_t s) {
     const FactorNode& node = tree_.nodes[s];
-    if (!values_) panels_[s].resize(node.height, node.width);
-    return {values_ ? values_->data() + node.first_value : panels_[s].data(), node.height, node.width, Stride(node.height)};
+    if (keeps_fronts()) panels_[s].resize(node.height, node.width);
+    double* const values = keeps_fronts() ? panels_[s].data() : values_->data() + node.first_value;
+    return {values, node.height, node.width, Stride(node.height)};
   }
 
   DenseBlock new_update(std::size_t s) {
@@ -84,11 +85,13 @@ class Factorisation {
     free_children(node);
   }
 
-  /// Frees what the node has taken; where updates stay, only those of given fronts, which whoever gave them has.
+  bool keeps_fronts() const { return !values_; }
+
+  /// Frees what the node has taken; where fronts are kept, only what given ones sent, which whoever gave them has.
   void free_children(const FactorNode& node) {
     for (const std::size_t c : tree_.children_of(node)) {
       const bool is_given = tree_.nodes[c].width == 0;
-      if (is_given || values_) updates_[c].resize(0, 0);
+      if (is_given || !keeps_fronts()) updates_[c].resize(0, 0);
     }
   }
 
@@ -134,8 +137,8 @@ class Factorisation {
   const BlockLower& matrix_;
   std::span<const GivenFront> given_;
   const FactorValues* values_;
-  std::vector<Eigen::MatrixXd> panels_;   ///< Per supernode.
-  std::vector<Eigen::MatrixXd> updates_;  ///< Per supernode, until its parent has taken it.
+  std::vector<Eigen::MatrixXd> panels_;   ///< Per supernode, where fronts are kept.
+  std::vector<Eigen::MatrixXd> updates_;  ///< Per supernode, until free_children().
   std::mutex mutex_;
   std::vector<std::int64_t> singular_;
 };

@@ -76,13 +76,14 @@ class SparseCholesky final : public SparseSolver {
   FactorValues values_;                  ///< The panels of L.
 };
 
-/// The fronts of such a factorisation, each with values of its own, for whoever keeps some of them longer than others.
+/// The fronts of a factorisation, each with values of its own, for whoever keeps some of them longer than others.
 struct EliminatedFronts {
   SupernodalTree tree;                   ///< Given fronts are nodes without columns.
-  std::vector<Eigen::MatrixXd> panels;   ///< Of L, per node: height × width.
-  std::vector<Eigen::MatrixXd> updates;  ///< What each node sends, by its lower triangle; nothing of a given front.
-  std::vector<std::int64_t> singular;    ///< As SparseCholesky::factorise().
+  std::vector<Eigen::MatrixXd> panels;   ///< Of L, per node, by the lower trapezoid: height × width; empty of a given front.
+  std::vector<Eigen::MatrixXd> updates;  ///< What each node sends, by the lower triangle; empty of a given front.
+  std::vector<std::int64_t> singular;    ///< As of SparseCholesky::factorise().
 };
+/// The same factorisation as SparseCholesky's without a border.
 EliminatedFronts eliminate_fronts(const BlockLower& matrix, std::span<const GivenFront> given);
 
 }  // namespace mapjoin

@@ -118,6 +118,7 @@ TEST_F(QuadraticSumTest, AFrontSendsTheSchurComplementOfAllBelow) {
     append(gone[n], node.front.frontals);
     sums[node.parent] += sums[n];
     append(gone[node.parent], gone[n]);
+    EXPECT_EQ(node.update.variables, node.front.separator);
     if (node.front.separator.empty()) continue;
     const auto f = rows_of(gone[n]);
     const auto s = rows_of(node.front.separator);
