@@ -4,7 +4,7 @@
 #include <mapjoin/join/relative_join.hpp>
 #include <mapjoin/join/schedule.hpp>
 #include <mapjoin/join/spanning_tree.hpp>
-#include <mapjoin/model/marginal_information.hpp>
+#include <mapjoin/model/information.hpp>
 
 namespace mapjoin {
 namespace {

@@ -3,7 +3,7 @@
 #include <iterator>
 #include <mapjoin/join/robust/inliers.hpp>
 #include <mapjoin/localmap/taken_apart.hpp>
-#include <mapjoin/model/marginal_information.hpp>
+#include <mapjoin/model/information.hpp>
 #include <numeric>
 #include <set>
 #include <utility>

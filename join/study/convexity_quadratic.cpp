@@ -3,7 +3,6 @@
 #include <mapjoin/join/study/convexity_objective.hpp>
 #include <mapjoin/model/information.hpp>
 #include <mapjoin/model/linearise.hpp>
-#include <mapjoin/model/marginal_information.hpp>
 #include <mapjoin/solve/marginals.hpp>
 #include <numeric>
 #include <optional>

@@ -116,6 +116,14 @@ std::int64_t information_rank(const Matrix<Rows>& W) {
   return (ldlt.vectorD().array() > kZero).count();
 }
 
+Eigen::MatrixXd marginal_information(const Eigen::MatrixXd& W, const std::vector<Eigen::Index>& L,
+                                     const std::vector<Eigen::Index>& N) {
+  const Eigen::MatrixXd W_LL = W(L, L);
+  if (N.empty() || L.empty()) return W_LL;
+  const Eigen::MatrixXd W_NL = W(N, L);
+  return symmetric_part<Eigen::Dynamic>(W_LL - W_NL.transpose() * Eigen::MatrixXd(W(N, N)).ldlt().solve(W_NL));
+}
+
 #define MAPJOIN_INSTANTIATE(Size)                                                            \
   template std::optional<Matrix<Size>> information_of_covariance<Size>(const Matrix<Size>&); \
   template std::int64_t information_rank<Size>(const Matrix<Size>&);                         \

@@ -1,12 +1,14 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
-// Information matrices: the check that each of them, and each covariance, passes at the door, its repair, and its rank.
+// Information matrices: the check that each of them, and each covariance, passes at the door, its repair, its rank, and what
+// some of its rows say alone.
 
 #include <cstdint>
 #include <mapjoin/geometry/rotation.hpp>
 #include <mapjoin/model/conventions.hpp>
 #include <optional>
 #include <string>
+#include <vector>
 
 namespace mapjoin {
 
@@ -53,5 +55,10 @@ class InformationCheck {
 /// alike.
 template <int Rows>
 std::int64_t information_rank(const Matrix<Rows>& W);
+
+/// The information of the rows L with the others, N, left free: W_LL - W_LN W_NN⁻¹ W_NL. With it rᵀWr is what L says alone,
+/// and, of the rest, what is never negative: N given L.
+Eigen::MatrixXd marginal_information(const Eigen::MatrixXd& W, const std::vector<Eigen::Index>& L,
+                                     const std::vector<Eigen::Index>& N);
 
 }  // namespace mapjoin
