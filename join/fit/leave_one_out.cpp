@@ -135,16 +135,15 @@ Eigen::MatrixXd testable_directions(const Eigen::MatrixXd& M, const Eigen::Matri
 
 template <int Dim>
 LeaveOneOut<Dim>::LeaveOneOut(const JoiningSystem<Dim>& system, const NormalEquations& equations, const Marginals& marginals)
-    : system_(system), equations_(equations), marginals_(marginals), offsets_{0} {
+    : system_(system), equations_(equations), marginals_(marginals), step_(equations.solve(equations.gradient())), offsets_{0} {
   for (std::size_t k = 0; k < factor_count(); ++k) {
     const auto rows = static_cast<std::size_t>(system.rows(k));
     offsets_.push_back(offsets_.back() + rows * (rows + 1));
   }
   values_.resize(offsets_.back());
-  const Eigen::VectorXd step = equations.solve(equations.gradient());
   chi2_ = parallel_sum(factor_count(), kObservationsPerPiece, [&](std::size_t k) {
     const DenseFactor factor = dense_factor(system, k);
-    const Eigen::VectorXd r = factor.r - times<Dim>(factor.J, step, k, equations);
+    const Eigen::VectorXd r = factor.r - times<Dim>(factor.J, step_, k, equations);
     g(k) = factor.W * r;
     M(k) = factor.W - factor.W * predicted_covariance<Dim>(factor.J, k, equations, marginals) * factor.W;
     return r.dot(g(k));
@@ -171,8 +170,9 @@ PartTest LeaveOneOut<Dim>::prediction(std::size_t factor) const {
   const auto [r, W, J] = dense_factor(system_, factor);
   Eigen::MatrixXd I_WC = W * predicted_covariance<Dim>(J, factor, equations_, marginals_);
   I_WC.diagonal().array() += 1.0;
-  const Eigen::VectorXd Wr = W * r;
-  return {r.dot(I_WC.partialPivLu().solve(Wr)), static_cast<int>(r.size()), 0.0};
+  const Eigen::VectorXd at_optimum = r - times<Dim>(J, step_, factor, equations_);
+  const Eigen::VectorXd Wr = W * at_optimum;
+  return {at_optimum.dot(I_WC.partialPivLu().solve(Wr)), static_cast<int>(r.size()), 0.0};
 }
 
 template <int Dim>

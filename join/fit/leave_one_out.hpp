@@ -43,7 +43,8 @@ class LeaveOneOut {
   /// chi2 at the optimum of the linearised problem, which the estimate may miss by a little.
   double chi2() const { return chi2_; }
   PartTest test(const MeasuredPart& part) const;
-  /// The squared Mahalanobis distance rᵀ (W⁻¹ + J P Jᵀ)⁻¹ r of a factor that had no part in the estimate, from its prediction.
+  /// The squared Mahalanobis distance rᵀ (W⁻¹ + J P Jᵀ)⁻¹ r of a factor that had no part in the estimate, from its prediction
+  /// at that optimum.
   PartTest prediction(std::size_t factor) const;
   /// Takes a part out of the measurements, for all tests that follow. Returns by how much that turns a pose at most (rad).
   double leave_out(const MeasuredPart& part);
@@ -67,6 +68,7 @@ class LeaveOneOut {
   const JoiningSystem<Dim>& system_;
   const NormalEquations& equations_;
   const Marginals& marginals_;
+  Eigen::VectorXd step_;  // to the optimum of the linearised problem
   double chi2_ = 0.0;
   std::vector<std::size_t> offsets_;  // of g, then M, factor by factor, in values_
   std::vector<double> values_;

@@ -34,8 +34,13 @@ template <int Dim>
 Expected<void> settle(TruncatedJoin<Dim>& join, Gates& gates, const std::string& source, const std::stop_token& stop) {
   join.graduate(gates.now(), stop);
   bool are_readmitted = false;  // those that were dropped with what they suffered from
+  bool is_dropping = false;     // the last round has dropped some, and a step is enough for this one
   for (bool is_first = true;; is_first = false) {
-    join.settle(stop);
+    if (is_dropping) {
+      join.settle_by_a_step(stop);
+    } else {
+      join.settle(stop);
+    }
     if (stop.stop_requested()) return tl::unexpected(interrupted_search());
     if (!join.is_tested()) {
       return bad_input(source + ": the measurements that agree leave something free to move; without --robust " +
@@ -44,9 +49,14 @@ Expected<void> settle(TruncatedJoin<Dim>& join, Gates& gates, const std::string&
     gates.scale = {scale_of(join.counting_closure_tests(), kPoseDof<Dim>), scale_of(join.counting_observation_tests(), Dim)};
     if (is_first && join.readmit_observations(gates.now().observations)) {
       join.graduate(gates.now(), stop);
-    } else if (!join.drop(gates.now())) {
-      if (are_readmitted || !join.readmit_observations(gates.now().observations)) return {};
+    } else if (join.drop(gates.now())) {
+      is_dropping = true;
+    } else if (is_dropping) {
+      is_dropping = false;
+    } else if (!are_readmitted && join.readmit_observations(gates.now().observations)) {
       are_readmitted = true;
+    } else {
+      return {};
     }
   }
 }

@@ -150,12 +150,31 @@ void TruncatedJoin<Dim>::graduate(const OfKinds& thresholds, const std::stop_tok
 
 template <int Dim>
 void TruncatedJoin<Dim>::settle(const std::stop_token& stop) {
+  marginals_.reset();
   set_losses({});
   MinimiseOptions solver;
   solver.relative_chi2 = kSettled;
-  marginals_.reset();
   minimise(*system_, solver, stop);
   system_->linearise();
+  test_all(stop);
+}
+
+template <int Dim>
+void TruncatedJoin<Dim>::settle_by_a_step(const std::stop_token& stop) {
+  marginals_.reset();
+  set_losses({});
+  const double chi2 = system_->linearise();
+  test_all(stop);
+  if (!is_tested()) return;
+  if (system_->try_step(system_->solve()) < chi2) {
+    system_->accept();
+  } else {
+    settle(stop);
+  }
+}
+
+template <int Dim>
+void TruncatedJoin<Dim>::test_all(const std::stop_token& stop) {
   if (system_->factorise(0.0) || stop.stop_requested()) return;
   marginals_.emplace(system_->equations());
   const LeaveOneOut<Dim> leave_one_out(*system_, system_->equations(), *marginals_);
@@ -166,6 +185,7 @@ void TruncatedJoin<Dim>::settle(const std::stop_token& stop) {
           counts_[k] ? leave_one_out.test({factors_[k], 0, system_->rows(factors_[k])}) : leave_one_out.prediction(factors_[k]);
     }
   });
+  set_losses({});
 }
 
 template <int Dim>
@@ -176,8 +196,13 @@ bool TruncatedJoin<Dim>::drop(const OfKinds& thresholds) {
   }
   const double worst = excess.empty() ? 0.0 : std::ranges::max(excess);
   const double least = std::max(1.0, kDroppedShare * worst);
-  for (std::size_t k = 0; k < counts_.size(); ++k) counts_[k] = counts_[k] && excess[k] < least;
-  return worst > 1.0;
+  bool any = false;
+  for (std::size_t k = 0; k < counts_.size(); ++k) {
+    if (!counts_[k] || excess[k] < least) continue;
+    counts_[k] = false;
+    any = true;
+  }
+  return any;
 }
 
 template <int Dim>

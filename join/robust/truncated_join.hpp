@@ -41,7 +41,10 @@ class TruncatedJoin {
   void graduate(const OfKinds& thresholds, const std::stop_token& stop);
   /// Minimises over those that count, and tests each doubtful factor against all others that count.
   void settle(const std::stop_token& stop);
-  /// Whether the last settle() had tests: not where those that count leave something free to move, or on a stop.
+  /// The same to first order by one Gauss-Newton step, whose factorisation serves the tests, too; settles where that would not
+  /// lower chi2. marginals() are of the estimate before the step.
+  void settle_by_a_step(const std::stop_token& stop);
+  /// Whether the last settling had tests: not where those that count leave something free to move, or on a stop.
   bool is_tested() const { return marginals_.has_value(); }
   /// Lets those no longer count whose tests are farthest beyond their thresholds. Returns whether there were any.
   bool drop(const OfKinds& thresholds);
@@ -53,7 +56,7 @@ class TruncatedJoin {
   /// Those of closures, or of observations, that count: how closely what is right fits.
   std::vector<PartTest> counting_closure_tests() const { return counting_tests(0, closure_count()); }
   std::vector<PartTest> counting_observation_tests() const { return counting_tests(closure_count(), counts_.size()); }
-  /// By the last settle(), of each doubtful factor.
+  /// By the last settling, of each doubtful factor.
   std::span<const PartTest> closure_tests() const { return std::span(tests_).first(closure_count()); }
   std::span<const PartTest> observation_tests() const { return std::span(tests_).subspan(closure_count()); }
   const JoiningSystem<Dim>& system() const { return *system_; }
@@ -67,6 +70,8 @@ class TruncatedJoin {
   void take_weak_priors(const Values<Dim>& start);
   void find_factors();
   void set_losses(const Loss& counting);
+  /// Factorises what is linearised, and tests each doubtful factor at the optimum of that.
+  void test_all(const std::stop_token& stop);
   /// The cost of each doubtful factor that counts over its threshold; losses are reset.
   std::vector<double> excess(const OfKinds& thresholds);
   double largest_excess(const OfKinds& thresholds);

@@ -154,6 +154,63 @@ TYPED_TEST(TruncatedJoinTest, TestsWhatDoesNotCountAgainstAllThatCounts) {
   EXPECT_NEAR(join.observation_tests()[7].chi2, more_with_observation, 0.01 * more_with_observation);
 }
 
+TYPED_TEST(TruncatedJoinTest, SettlesByAStepWhereAllIsLinear) {
+  auto world = this->world();
+  this->spoil_closure(world.log, 2, 0.01);
+  auto settled = this->join_of(world);
+  settled.settle({});
+  auto by_a_step = this->join_of(world);
+  by_a_step.settle_by_a_step({});
+  ASSERT_TRUE(by_a_step.is_tested());
+  const auto& optimum = settled.system().estimate();
+  const double moved = testing::largest_difference(optimum, world.truth);
+  EXPECT_LT(testing::largest_difference(by_a_step.system().estimate(), optimum), 0.01 * moved);
+  for (std::size_t k = 0; k < settled.closure_tests().size(); ++k) {
+    const double expected = settled.closure_tests()[k].chi2;
+    EXPECT_NEAR(by_a_step.closure_tests()[k].chi2, expected, 0.01 * expected) << "closure " << k;
+  }
+  for (const std::size_t k : {0U, 9U, 20U}) {
+    const double expected = settled.observation_tests()[k].chi2;
+    EXPECT_NEAR(by_a_step.observation_tests()[k].chi2, expected, 0.01 * expected) << "observation " << k;
+  }
+}
+
+TYPED_TEST(TruncatedJoinTest, SettlesByAStepWithoutWhatDoesNotCount) {
+  auto world = this->world();
+  this->spoil_closure(world.log, 2, 0.1);
+  auto settled = this->join_of(world);
+  settled.graduate(kThresholds, {});
+  ASSERT_EQ(this->closures_that_do_not_count(settled), std::vector<std::size_t>{2});
+  settled.settle({});
+  auto dropped = this->join_of(world);
+  dropped.settle({});  // the closure pulls, until it is dropped
+  ASSERT_TRUE(dropped.drop({0.9 * dropped.closure_tests()[2].chi2, 1e9}));
+  ASSERT_EQ(this->closures_that_do_not_count(dropped), std::vector<std::size_t>{2});
+  dropped.settle_by_a_step({});
+  const auto& optimum = settled.system().estimate();
+  EXPECT_LT(testing::largest_difference(dropped.system().estimate(), optimum), 0.1 * kNoise);
+  for (std::size_t k = 0; k < settled.closure_tests().size(); ++k) {
+    const double expected = settled.closure_tests()[k].chi2;
+    EXPECT_NEAR(dropped.closure_tests()[k].chi2, expected, 0.05 * expected) << "closure " << k;
+  }
+}
+
+TYPED_TEST(TruncatedJoinTest, TakesNoStepThatWouldRaiseChi2) {
+  const auto world = this->world();
+  const auto slam = testing::full_slam(world.log);
+  for (const double turn : {1.0, 2.0, 3.0}) {  // so far off that the linearised problem is another one
+    auto start = world.truth;
+    PoseVector<TypeParam::value> turned = PoseVector<TypeParam::value>::Zero();
+    turned[TypeParam::value] = turn;
+    for (const PoseIndex p : indices(start.poses)) {
+      if (p.value >= 10) start.poses[p] = retract(start.poses[p], turned);
+    }
+    TruncatedJoin<TypeParam::value> join(world.log, start, {}, Engine::kFronts);
+    join.settle_by_a_step({});
+    EXPECT_LE(slam.linearise(join.system().estimate()).chi2, slam.linearise(start).chi2) << turn;
+  }
+}
+
 TYPED_TEST(TruncatedJoinTest, HoldsFeaturesSoWeaklyThatTheOptimumStays) {
   const auto world = this->world();
   auto far = world;

@@ -1,0 +1,56 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <gtest/gtest.h>
+
+#include <mapjoin/join/robust/robust_map.hpp>
+#include <tests/support/dense_slam.hpp>
+#include <tests/support/dimensions.hpp>
+#include <tests/support/small_world.hpp>
+
+namespace mapjoin {
+namespace {
+
+/// So much noise that a step does not reach the minimum.
+constexpr double kRoughNoise = 0.03;
+
+template <typename D>
+class RobustMapTest : public ::testing::Test {
+ protected:
+  static constexpr int kDim = D::value;
+
+  void spoil_closure(std::size_t closure, double metres) {
+    world.log.graph.pose_factors[world.log.odometry().size() + closure].measured.translation[0] += metres;
+  }
+  TruncatedJoin<kDim> join() const { return TruncatedJoin<kDim>(world.log, world.truth, {}, Engine::kFronts); }
+
+  testing::SmallWorld<kDim> world =
+      testing::small_world<kDim>({.poses = 30, .features = 0, .closures = 15, .noise = kRoughNoise});
+  Gates gates;
+};
+TYPED_TEST_SUITE(RobustMapTest, testing::Dimensions);
+
+TYPED_TEST(RobustMapTest, EndsAtTheOptimumOfWhatPassesItsTest) {
+  Log<TypeParam::value> right = this->world.log;
+  right.graph.pose_factors.erase(right.graph.pose_factors.begin() + std::ssize(right.odometry()) + 2);
+  this->spoil_closure(2, 0.5);
+  auto join = this->join();
+  join.settle({});
+  this->gates.last = OfKinds{0.7 * join.closure_tests()[2].chi2, 1e9};
+  join.graduate(*this->gates.last, {});
+  ASSERT_TRUE(join.counts(2)) << "its residual does not show that it is wrong: only its leave-one-out test does";
+  ASSERT_TRUE(settle(join, this->gates, "a log", {}));
+  for (std::size_t k = 0; k < join.closure_tests().size(); ++k) EXPECT_EQ(join.counts(k), k != 2) << k;
+  const auto optimum = testing::full_slam(right).optimum(this->world.truth);
+  EXPECT_LT(testing::largest_difference(join.system().estimate(), optimum), 1e-4 * kRoughNoise);
+}
+
+TYPED_TEST(RobustMapTest, SaysThatAStopEndedIt) {
+  auto join = this->join();
+  std::stop_source stopped;
+  stopped.request_stop();
+  const auto settled = settle(join, this->gates, "a log", stopped.get_token());
+  ASSERT_FALSE(settled);
+  EXPECT_EQ(settled.error().kind, ErrorKind::kInterrupted);
+}
+
+}  // namespace
+}  // namespace mapjoin
