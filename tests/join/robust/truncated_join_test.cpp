@@ -177,21 +177,21 @@ TYPED_TEST(TruncatedJoinTest, SettlesByAStepWhereAllIsLinear) {
 
 TYPED_TEST(TruncatedJoinTest, SettlesByAStepWithoutWhatDoesNotCount) {
   auto world = this->world();
-  this->spoil_closure(world.log, 2, 0.1);
+  this->spoil_closure(world.log, 2, 0.01);
   auto settled = this->join_of(world);
-  settled.graduate(kThresholds, {});
-  ASSERT_EQ(this->closures_that_do_not_count(settled), std::vector<std::size_t>{2});
+  auto by_a_step = this->join_of(world);
+  for (auto* join : {&settled, &by_a_step}) {
+    join->settle({});  // the closure pulls, until it is dropped
+    ASSERT_TRUE(join->drop({0.9 * join->closure_tests()[2].chi2, 1e9}));
+    ASSERT_EQ(this->closures_that_do_not_count(*join), std::vector<std::size_t>{2});
+  }
   settled.settle({});
-  auto dropped = this->join_of(world);
-  dropped.settle({});  // the closure pulls, until it is dropped
-  ASSERT_TRUE(dropped.drop({0.9 * dropped.closure_tests()[2].chi2, 1e9}));
-  ASSERT_EQ(this->closures_that_do_not_count(dropped), std::vector<std::size_t>{2});
-  dropped.settle_by_a_step({});
+  by_a_step.settle_by_a_step({});
   const auto& optimum = settled.system().estimate();
-  EXPECT_LT(testing::largest_difference(dropped.system().estimate(), optimum), 0.1 * kNoise);
+  EXPECT_LT(testing::largest_difference(by_a_step.system().estimate(), optimum), 0.1 * kNoise);
   for (std::size_t k = 0; k < settled.closure_tests().size(); ++k) {
     const double expected = settled.closure_tests()[k].chi2;
-    EXPECT_NEAR(dropped.closure_tests()[k].chi2, expected, 0.05 * expected) << "closure " << k;
+    EXPECT_NEAR(by_a_step.closure_tests()[k].chi2, expected, 0.1 * expected) << "closure " << k;
   }
 }
 
