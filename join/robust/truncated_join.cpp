@@ -156,7 +156,7 @@ void TruncatedJoin<Dim>::settle(const std::stop_token& stop) {
   solver.relative_chi2 = kSettled;
   minimise(*system_, solver, stop);
   system_->linearise();
-  test_all(stop);
+  if (!system_->factorise(0.0)) test_all(stop);
 }
 
 template <int Dim>
@@ -164,18 +164,16 @@ void TruncatedJoin<Dim>::settle_by_a_step(const std::stop_token& stop) {
   marginals_.reset();
   set_losses({});
   const double chi2 = system_->linearise();
+  if (system_->factorise(0.0)) return;
+  const bool is_good = system_->try_step(system_->solve()) < chi2;
+  if (!is_good) return settle(stop);
   test_all(stop);
-  if (!is_tested()) return;
-  if (system_->try_step(system_->solve()) < chi2) {
-    system_->accept();
-  } else {
-    settle(stop);
-  }
+  system_->accept();
 }
 
 template <int Dim>
 void TruncatedJoin<Dim>::test_all(const std::stop_token& stop) {
-  if (system_->factorise(0.0) || stop.stop_requested()) return;
+  if (stop.stop_requested()) return;
   marginals_.emplace(system_->equations());
   const LeaveOneOut<Dim> leave_one_out(*system_, system_->equations(), *marginals_);
   for_each_doubtful([](auto& factor, std::size_t, auto) { factor.loss = {}; });  // tests are of the measurements as they are
@@ -185,7 +183,6 @@ void TruncatedJoin<Dim>::test_all(const std::stop_token& stop) {
           counts_[k] ? leave_one_out.test({factors_[k], 0, system_->rows(factors_[k])}) : leave_one_out.prediction(factors_[k]);
     }
   });
-  set_losses({});
 }
 
 template <int Dim>

@@ -70,7 +70,7 @@ class TruncatedJoin {
   void take_weak_priors(const Values<Dim>& start);
   void find_factors();
   void set_losses(const Loss& counting);
-  /// Factorises what is linearised, and tests each doubtful factor at the optimum of that.
+  /// Tests each doubtful factor at the optimum of what was linearised and factorised last; losses are reset.
   void test_all(const std::stop_token& stop);
   /// The cost of each doubtful factor that counts over its threshold; losses are reset.
   std::vector<double> excess(const OfKinds& thresholds);
