@@ -113,7 +113,7 @@ std::vector<const SubmapUpdate<Dim>*> as_driven(const std::vector<const SubmapUp
     if (update->segments.empty()) continue;
     auto& from_there = by_first[first_pose(*update)];
     from_there.push_back(update);
-    std::ranges::stable_partition(from_there, stays);
+    std::stable_partition(from_there.begin(), from_there.end(), stays);
     if (!stays(update)) lasts.insert(last_pose(*update));
   }
   std::vector<const SubmapUpdate<Dim>*> driven;
