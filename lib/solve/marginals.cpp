@@ -3,9 +3,9 @@
 #include <unistd.h>
 
 #include <algorithm>
-#include <mapjoin/solve/frontal_matrix.hpp>
 #include <mapjoin/solve/marginals.hpp>
 #include <numeric>
+#include <set>
 #include <stdexcept>
 #include <vector>
 
@@ -156,54 +156,85 @@ CrossCovariances::CrossCovariances(const NormalEquations& equations) : equations
   }
 }
 
-std::vector<std::size_t> CrossCovariances::nodes_above(std::int64_t column) const {
-  std::vector<std::size_t> nodes = {node_of(column)};
-  while (true) {
-    const Supernode& last = factor_[nodes.back()];
-    const auto width = static_cast<std::size_t>(width_of(last));
-    if (last.rows.size() == width) return nodes;
-    nodes.push_back(node_of(last.rows[width]));
+CrossCovariances::Part CrossCovariances::paths(std::span<const Variable> variables, Eigen::Index rows) const {
+  std::set<std::size_t> nodes;
+  for (const Variable v : variables) {
+    std::size_t node = node_of(equations_.factor_column(v));
+    while (nodes.insert(node).second) {
+      const auto width = static_cast<std::size_t>(width_of(factor_[node]));
+      if (factor_[node].rows.size() > width) node = node_of(factor_[node].rows[width]);
+    }
   }
+  Part part{{nodes.begin(), nodes.end()}, {0}, {}};
+  for (const std::size_t node : part.nodes) part.first.push_back(part.first.back() + width_of(factor_[node]));
+  part.transposed.setZero(rows, part.first.back());
+  return part;
 }
 
-CrossCovariances::Path CrossCovariances::path(Variable u) const {
-  const std::int64_t column = equations_.factor_column(u);
-  Path path{nodes_above(column), {}};
-  std::vector<Eigen::Index> first;  // column of Yᵀ that each node begins with, and their number
-  first.push_back(0);
-  for (const std::size_t node : path.nodes) first.push_back(first.back() + width_of(factor_[node]));
+/// Those of the k-th node.
+DenseBlock CrossCovariances::own_columns(Part& part, std::size_t k) const {
+  const Eigen::Index rows = part.transposed.rows();
+  return {part.transposed.col(part.first[k]).data(), rows, part.first[k + 1] - part.first[k], Stride(rows)};
+}
+
+/// Where the rows below the k-th node stand.
+std::vector<Eigen::Index> CrossCovariances::columns_below(const Part& part, std::size_t k) const {
+  const Supernode& node = factor_[part.nodes[k]];
+  std::vector<Eigen::Index> columns;
+  std::size_t above = k;
+  for (const std::int64_t row : std::span(node.rows).subspan(static_cast<std::size_t>(width_of(node)))) {
+    while (row >= factor_[part.nodes[above]].end) ++above;
+    columns.push_back(part.first[above] + row - factor_[part.nodes[above]].begin);
+  }
+  return columns;
+}
+
+Eigen::Index CrossCovariances::column_in(const Part& part, Variable v) const {
+  const std::int64_t column = equations_.factor_column(v);
+  const auto node = std::ranges::lower_bound(part.nodes, node_of(column));
+  return part.first[static_cast<std::size_t>(node - part.nodes.begin())] + column - factor_[*node].begin;
+}
+
+CrossCovariances::Part CrossCovariances::solve_upwards(Variable u) const {
   const Eigen::Index dof = equations_.dof(u);
-  path.Y_transposed.setZero(dof, first.back());
-  path.Y_transposed.middleCols(column - factor_[path.nodes.front()].begin, dof).setIdentity();
-  for (std::size_t k = 0; k < path.nodes.size(); ++k) {
-    const Supernode& node = factor_[path.nodes[k]];
+  Part Y = paths({&u, 1}, dof);
+  Y.transposed.middleCols(column_in(Y, u), dof).setIdentity();
+  for (std::size_t k = 0; k < Y.nodes.size(); ++k) {
+    const Supernode& node = factor_[Y.nodes[k]];
     const Eigen::Index width = width_of(node);
     const auto height = static_cast<Eigen::Index>(node.rows.size());
-    const DenseBlock own(path.Y_transposed.col(first[k]).data(), dof, width, Stride(dof));
+    const DenseBlock own = own_columns(Y, k);
     divide_by_transpose({node.values, width, width, Stride(height)}, own);
-    if (height == width) break;  // the root
     Eigen::MatrixXd sent(dof, height - width);
     subtract_product(constant(own), {node.values + width, height - width, width, Stride(height)},
                      {sent.data(), dof, height - width, Stride(dof)}, Into::kNew);
-    std::size_t above = k + 1;
-    for (Eigen::Index r = 0; r < sent.cols(); ++r) {
-      const std::int64_t row = node.rows[static_cast<std::size_t>(width + r)];
-      while (row >= factor_[path.nodes[above]].end) ++above;
-      path.Y_transposed.col(first[above] + row - factor_[path.nodes[above]].begin) += sent.col(r);
-    }
+    Y.transposed(Eigen::all, columns_below(Y, k)) += sent;
   }
-  return path;
+  return Y;
 }
 
-Eigen::MatrixXd CrossCovariances::between(Variable u, Variable v) const {
-  const Path of_u = path(u);
-  const Path of_v = path(v);
-  Eigen::Index common = 0;
-  for (auto i = of_u.nodes.rbegin(), j = of_v.nodes.rbegin(); i != of_u.nodes.rend() && j != of_v.nodes.rend() && *i == *j;
-       ++i, ++j) {
-    common += width_of(factor_[*i]);
+CrossCovariances::Part CrossCovariances::solve_downwards(const Part& Y, std::span<const Variable> variables) const {
+  Part X = paths(variables, Y.transposed.rows());
+  auto of_Y = Y.nodes.size();
+  for (std::size_t k = X.nodes.size(); k-- > 0;) {
+    const Supernode& node = factor_[X.nodes[k]];
+    const Eigen::Index width = width_of(node);
+    const auto height = static_cast<Eigen::Index>(node.rows.size());
+    DenseBlock own = own_columns(X, k);
+    while (of_Y > 0 && Y.nodes[of_Y - 1] > X.nodes[k]) --of_Y;
+    if (of_Y > 0 && Y.nodes[of_Y - 1] == X.nodes[k]) own = Y.transposed.middleCols(Y.first[of_Y - 1], width);
+    const Eigen::MatrixXd below = X.transposed(Eigen::all, columns_below(X, k));
+    own.noalias() -= below * ConstDenseBlock(node.values + width, height - width, width, Stride(height));
+    ConstDenseBlock(node.values, width, width, Stride(height)).triangularView<Lower>().solveInPlace<Eigen::OnTheRight>(own);
   }
-  return of_u.Y_transposed.rightCols(common) * of_v.Y_transposed.rightCols(common).transpose();
+  return X;
+}
+
+std::vector<Eigen::MatrixXd> CrossCovariances::between(Variable u, std::span<const Variable> others) const {
+  const Part X = solve_downwards(solve_upwards(u), others);
+  std::vector<Eigen::MatrixXd> blocks;
+  for (const Variable v : others) blocks.emplace_back(X.transposed.middleCols(column_in(X, v), equations_.dof(v)));
+  return blocks;
 }
 
 Eigen::MatrixXd covariance_of(const NormalEquations& equations, const Eigen::SparseMatrix<double>& J_transposed) {

@@ -8,6 +8,7 @@
 #include <cstdint>
 #include <functional>
 #include <mapjoin/model/error.hpp>
+#include <mapjoin/solve/frontal_matrix.hpp>
 #include <mapjoin/solve/normal_equations.hpp>
 #include <span>
 #include <string>
@@ -85,29 +86,40 @@ class Marginals {
   InverseSubset subset_;
 };
 
-/// The blocks of H⁻¹ between any two variables. From H⁻¹ = L⁻ᵀ L⁻¹ follows
+/// The blocks of H⁻¹ between any two variables. From H⁻¹ = L⁻ᵀ L⁻¹ follow, E_u being the unit columns of u, those between u and
+/// all others,
 ///
-///   P_uv = Y_uᵀ Y_v,    Y_u = L⁻¹ E_u,
+///   H⁻¹ E_u = L⁻ᵀ Y,    Y = L⁻¹ E_u.
 ///
-/// E_u being the unit columns of u. Y_u is zero but in the supernodes on the path from that of u to the root of the elimination
-/// tree, and two paths have their upper end in common, or nothing: the block is then zero.
+/// Y is zero but in the supernodes on the path from that of u to the root of the elimination tree, and the rows of v in L⁻ᵀ Y
+/// follow from those on the path of v alone.
 class CrossCovariances {
  public:
   /// By the last factorisation of `equations`, which must stay.
   explicit CrossCovariances(const NormalEquations& equations);
 
-  /// A row for each entry of u, a column for each of v; both must have a variable's columns. Any threads may ask at once.
-  Eigen::MatrixXd between(Variable u, Variable v) const;
+  /// The blocks between u and each of the others: a row for each entry of u, a column for each of the other's. All must have a
+  /// variable's columns. To ask of many others at once costs little more than of one. Any threads may ask at once.
+  std::vector<Eigen::MatrixXd> between(Variable u, std::span<const Variable> others) const;
 
  private:
-  /// Y_uᵀ by the supernodes on its path, ascending, one beside the other.
-  struct Path {
+  /// Some columns over all variables, transposed, by those supernodes that matter, ascending, one beside the other. With each
+  /// comes all that is above it in the tree.
+  struct Part {
     std::vector<std::size_t> nodes;
-    Eigen::MatrixXd Y_transposed;
+    std::vector<Eigen::Index> first;  // column of `transposed` that each node begins with, and their number
+    Eigen::MatrixXd transposed;
   };
   std::size_t node_of(std::int64_t column) const { return node_of_[static_cast<std::size_t>(column)]; }
-  std::vector<std::size_t> nodes_above(std::int64_t column) const;
-  Path path(Variable u) const;
+  /// Of zeros, over the paths of some variables.
+  Part paths(std::span<const Variable> variables, Eigen::Index rows) const;
+  DenseBlock own_columns(Part& part, std::size_t k) const;
+  std::vector<Eigen::Index> columns_below(const Part& part, std::size_t k) const;
+  /// Yᵀ of u.
+  Part solve_upwards(Variable u) const;
+  /// (L⁻ᵀ Y)ᵀ over the paths of some variables.
+  Part solve_downwards(const Part& Y, std::span<const Variable> variables) const;
+  Eigen::Index column_in(const Part& part, Variable v) const;
 
   const NormalEquations& equations_;
   Supernodes factor_;
