@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <algorithm>
 #include <cmath>
+#include <mapjoin/graph/graph.hpp>
 #include <mapjoin/join/fit/leave_one_out.hpp>
 #include <mapjoin/join/robust/closure_support.hpp>
 #include <mapjoin/measure/statistics.hpp>
@@ -171,6 +172,24 @@ double ClosureSupport<Dim>::scale(const std::vector<double>& odds) const {
     }
   }
   return ratios.size() < kLeastLoops ? 1.0 : std::clamp(median(std::move(ratios)), kLeastScale, 1.0);
+}
+
+template <int Dim>
+std::vector<std::size_t> ClosureSupport<Dim>::set_sizes(const std::vector<bool>& is_asked, double scale) const {
+  std::vector<Edge> edges;
+  for (std::size_t k = 0; k < closures_.size(); ++k) {
+    if (!is_asked[k]) continue;
+    for (const auto& [other, evidence] : pairs_[k]) {
+      if (is_asked[other] && evidence.at(scale, kMostOfAPair) >= kMostOfAPair)
+        edges.emplace_back(static_cast<Vertex>(k), static_cast<Vertex>(other));
+    }
+  }
+  const std::vector<std::uint32_t> sets = components_of(make_graph(closures_.size(), edges));
+  std::vector<std::size_t> sizes(sets.size());
+  for (const std::uint32_t set : sets) ++sizes[set];
+  std::vector<std::size_t> of_each(sets.size());
+  for (std::size_t k = 0; k < sets.size(); ++k) of_each[k] = is_asked[k] ? sizes[sets[k]] : 0;
+  return of_each;
 }
 
 template <int Dim>

@@ -30,6 +30,10 @@ class ClosureSupport {
   /// By how much covariances are too cautious: the median of the squared mismatches of loops of two of the best supported
   /// closures over what it should be; 1 where there are too few loops, and where it is more.
   double scale(const std::vector<double>& odds) const;
+  /// For each closure that is asked about the number of those, itself included, in its set; 0 for the others. Two are in one
+  /// set where a chain of pairs joins them, the loop of each of which is evidence of kMostOfAPair, where covariances are
+  /// multiplied by `scale`. Pairs that were not compared (of full cells) do not count.
+  std::vector<std::size_t> set_sizes(const std::vector<bool>& is_asked, double scale) const;
   /// What closures say, by the loops that two of them make, of the steps of odometry to each pose: the sum of the evidence of
   /// the loops that the step has a part in, by the probabilities that both closures are right, whatever odometry alone says.
   Table<PoseIndex, double> evidence_for_steps() const;

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <algorithm>
 #include <cstdint>
+#include <limits>
 #include <mapjoin/join/robust/closure_judgement.hpp>
 #include <mapjoin/join/robust/inlier_search.hpp>
 #include <mapjoin/join/robust/selection.hpp>
@@ -30,25 +31,85 @@ class InlierSearch {
  public:
   InlierSearch(const Log<Dim>& log, const Screening<Dim>& screening, Engine engine, const std::stop_token& stop)
       : log_(log),
-        support_(screening.support),
+        screening_(screening),
         engine_(engine),
         stop_(stop),
-        doubtful_count_(screening.doubtful_count),
         gates_(screening.gates),
         priors_(screening.priors),
         odds_(screening.odds),
         judged_{std::vector(odds_.size(), Standing::kOpen), std::vector(odds_.size(), 0.0), {}, {}},
         observations_count_(screening.observations_count) {}
 
-  Expected<void> run(double first_odds) {
-    return take_in_by_odds(first_odds).and_then([&] { return try_all_again(); });
+  /// Maps of ever more closures, from the best supported ones on. Each judges all closures.
+  Expected<void> take_in_by_odds(double first) {
+    std::vector<std::size_t> made;
+    for (double least = first;; least = std::max(least / kOddsRatio, kLeastOdds)) {
+      const auto chosen =
+          candidates([&](std::size_t k) { return judged_.standing[k] == Standing::kOpen && odds_[k] >= least; });
+      if (chosen != made) {
+        if (const auto done = make_map(chosen); !done) return done;
+        made = chosen;
+      }
+      if (least <= kLeastOdds) return {};
+    }
+  }
+
+  /// Few wrong closures that are kept may bend the map so that more right ones are rejected. Takes the largest set of rejected
+  /// closures that were as likely as those of the first map before there was one; what is kept in smaller sets is doubted if
+  /// it is, all together, fewer than that set.
+  std::vector<bool> outnumbered(double first) const {
+    std::vector<bool> are_kept(odds_.size());
+    std::vector<bool> are_rivals(odds_.size());
+    for (std::size_t k = 0; k < odds_.size(); ++k) {
+      are_kept[k] = is_kept(k);
+      are_rivals[k] = !are_kept[k] && screening_.odds[k] >= std::max(first, kLeastOdds);
+    }
+    const double scale = screening_.gates.scale.closures;
+    const std::vector<std::size_t> rivals = screening_.support.set_sizes(are_rivals, scale);
+    const std::size_t most = rivals.empty() ? 0 : std::ranges::max(rivals);
+    const std::vector<std::size_t> kept = screening_.support.set_sizes(are_kept, scale);
+    std::vector<bool> are_doubted(odds_.size());
+    for (std::size_t k = 0; k < odds_.size(); ++k) are_doubted[k] = are_kept[k] && kept[k] < most;
+    const bool are_fewer = std::ranges::count(are_doubted, true) < static_cast<std::ptrdiff_t>(most);
+    return are_fewer ? are_doubted : std::vector<bool>(odds_.size());
+  }
+
+  /// Begins again from a map of what is kept without those that are doubted, which tie parts of the log only where nothing else
+  /// does.
+  Expected<void> begin_again_without(const std::vector<bool>& are_doubted, double first) {
+    std::vector<double> odds = screening_.odds;
+    std::vector<bool> are_believed(odds_.size());
+    for (std::size_t k = 0; k < odds_.size(); ++k) {
+      are_believed[k] = is_kept(k) && !are_doubted[k];
+      if (are_doubted[k]) odds[k] = -std::numeric_limits<double>::infinity();
+    }
+    gates_ = screening_.gates;
+    return make_map(tied_together(log_, odds, std::move(are_believed)), From::kAnew).and_then([&] {
+      return take_in_by_odds(first);
+    });
+  }
+
+  /// Maps of what is kept and all other closures that pass the widest gate, and not by chance, whatever was said of them
+  /// before: at most kMostTrials, fewer where there are no others, or only those of the last map.
+  Expected<void> try_all_again() {
+    std::vector<std::size_t> made;
+    gates_.last = gates_.widest;
+    for (int trial = 0; trial < kMostTrials; ++trial) {
+      const std::vector<bool> fits = fits_beyond_chance(judged_, log_.closures(), gates_);
+      const auto chosen = candidates([&](std::size_t k) { return fits[k]; });
+      const bool are_others = chosen != made && chosen != candidates([](std::size_t) { return false; });
+      if (!are_others && (trial > 0 || log_.observations().empty())) break;
+      if (const auto done = make_map(chosen, From::kAnew); !done) return done;
+      made = chosen;
+    }
+    return {};
   }
 
   Inliers<Log<Dim>> inliers() {
     keep_one_of_each_feature(log_, distances_of_observations(), observations_count_);
     Inliers<Log<Dim>> found;
     const auto reject = [&](PartKind kind, std::size_t k, const auto& factor, double chi2, int rows, double widest) {
-      const double tail = doubtful_count_ * chi_squared_upper_tail(chi2, rows);
+      const double tail = screening_.doubtful_count * chi_squared_upper_tail(chi2, rows);
       found.rejected.push_back({{kind, factor.base, factor.target, chi2, rows, std::min(1.0, tail)},
                                 chi2 < widest ? WhyRejected::kCrowded : WhyRejected::kContradicted,
                                 k});
@@ -68,36 +129,6 @@ class InlierSearch {
   }
 
  private:
-  /// Maps of ever more closures, from the best supported ones on. Each judges all closures.
-  Expected<void> take_in_by_odds(double first) {
-    std::vector<std::size_t> made;
-    for (double least = first;; least = std::max(least / kOddsRatio, kLeastOdds)) {
-      const auto chosen =
-          candidates([&](std::size_t k) { return judged_.standing[k] == Standing::kOpen && odds_[k] >= least; });
-      if (chosen != made) {
-        if (const auto done = make_map(chosen); !done) return done;
-        made = chosen;
-      }
-      if (least <= kLeastOdds) return {};
-    }
-  }
-
-  /// Maps of what is kept and all other closures that pass the widest gate, and not by chance, whatever was said of them
-  /// before: at most kMostTrials, fewer where there are no others, or only those of the last map.
-  Expected<void> try_all_again() {
-    std::vector<std::size_t> made;
-    gates_.last = gates_.widest;
-    for (int trial = 0; trial < kMostTrials; ++trial) {
-      const std::vector<bool> fits = fits_beyond_chance(judged_, log_.closures(), gates_);
-      const auto chosen = candidates([&](std::size_t k) { return fits[k]; });
-      const bool are_others = chosen != made && chosen != candidates([](std::size_t) { return false; });
-      if (!are_others && (trial > 0 || log_.observations().empty())) break;
-      if (const auto done = make_map(chosen, From::kAnew); !done) return done;
-      made = chosen;
-    }
-    return {};
-  }
-
   /// Closures, ascending, for the next map: those kept, those that are `taken` and, where these leave the log in parts, the
   /// likeliest others that tie them together.
   template <typename F>
@@ -138,11 +169,11 @@ class InlierSearch {
   /// By what the last map says, and closures of each other.
   void find_odds() {
     for (std::size_t k = 0; k < priors_.size(); ++k) {
-      if (!is_kept(k)) priors_[k] = support_.prior(judged_.mismatches[k], gates_.scale.closures);
+      if (!is_kept(k)) priors_[k] = screening_.support.prior(judged_.mismatches[k], gates_.scale.closures);
       priors_[k].is_right = is_kept(k);
       priors_[k].is_wrong = judged_.standing[k] == Standing::kDropped;
     }
-    odds_ = support_.odds(priors_, gates_.scale.closures);
+    odds_ = screening_.support.odds(priors_, gates_.scale.closures);
   }
 
   bool is_kept(std::size_t closure) const { return judged_.standing[closure] == Standing::kKept; }
@@ -171,10 +202,9 @@ class InlierSearch {
   }
 
   const Log<Dim>& log_;
-  const ClosureSupport<Dim>& support_;
+  const Screening<Dim>& screening_;
   Engine engine_;
   const std::stop_token& stop_;
-  double doubtful_count_;
   Gates gates_;
   std::vector<PriorOdds> priors_;
   std::vector<double> odds_;
@@ -221,15 +251,29 @@ void Screening<Dim>::screen_observations(const Log<Dim>& log) {
 }
 
 template <int Dim>
+Expected<Inliers<Log<Dim>>> fewer_rejected(Expected<Inliers<Log<Dim>>> a, Expected<Inliers<Log<Dim>>> b) {
+  const auto is_interrupted = [](const auto& one) { return !one && one.error().kind == ErrorKind::kInterrupted; };
+  if (is_interrupted(a) || is_interrupted(b)) return tl::unexpected(interrupted_search());
+  const bool is_b = !a || (b && b->rejected.size() < a->rejected.size());
+  return is_b ? std::move(b) : std::move(a);
+}
+
+template <int Dim>
 Expected<Inliers<Log<Dim>>> search_inliers(const Log<Dim>& log, const Screening<Dim>& screening, double first_odds,
                                            Engine engine, const std::stop_token& stop) {
   InlierSearch<Dim> search(log, screening, engine, stop);
-  return search.run(first_odds).map([&] { return search.inliers(); });
+  if (const auto done = search.take_in_by_odds(first_odds); !done) return tl::unexpected(done.error());
+  const auto ended = [](InlierSearch<Dim> some) { return some.try_all_again().map([&] { return some.inliers(); }); };
+  const std::vector<bool> doubted = search.outnumbered(first_odds);
+  const auto found = ended(search);
+  if (std::ranges::count(doubted, true) == 0) return found;
+  return fewer_rejected<Dim>(found, search.begin_again_without(doubted, first_odds).and_then([&] { return ended(search); }));
 }
 
-#define MAPJOIN_INSTANTIATE(Dim)                                                                              \
-  template struct Screening<Dim>;                                                                             \
-  template Expected<Inliers<Log<Dim>>> search_inliers(const Log<Dim>&, const Screening<Dim>&, double, Engine, \
+#define MAPJOIN_INSTANTIATE(Dim)                                                                                 \
+  template struct Screening<Dim>;                                                                                \
+  template Expected<Inliers<Log<Dim>>> fewer_rejected(Expected<Inliers<Log<Dim>>>, Expected<Inliers<Log<Dim>>>); \
+  template Expected<Inliers<Log<Dim>>> search_inliers(const Log<Dim>&, const Screening<Dim>&, double, Engine,    \
                                                       const std::stop_token&);
 MAPJOIN_INSTANTIATE(2)
 MAPJOIN_INSTANTIATE(3)

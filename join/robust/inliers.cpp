@@ -60,9 +60,7 @@ Expected<Inliers<Log<Dim>>> best_inliers(const Log<Dim>& log, const RobustOption
   if (!fits || *fits) return fits.map([&](bool) { return Inliers<Log<Dim>>{log, {}}; });
   Expected<Inliers<Log<Dim>>> best = tl::unexpected(Error{});
   for (const double first : odds_of_first_maps(screening.odds)) {
-    auto found = search_inliers(log, screening, first, options.engine, stop);
-    if (!found && found.error().kind == ErrorKind::kInterrupted) return found;
-    if (!best || (found && found->rejected.size() < best->rejected.size())) best = std::move(found);
+    best = fewer_rejected<Dim>(std::move(best), search_inliers(log, screening, first, options.engine, stop));
   }
   return best;
 }

@@ -7,18 +7,13 @@
 #include <utility>
 
 namespace mapjoin {
-
 namespace {
 
-/// The places of closures, by the pose that they begin at.
-template <int Dim>
-std::vector<std::vector<std::size_t>> by_base(std::span<const PoseFactor<Dim>> closures) {
-  std::map<PoseIndex, std::vector<std::size_t>> places;
-  for (std::size_t k = 0; k < closures.size(); ++k) places[closures[k].base].push_back(k);
-  std::vector<std::vector<std::size_t>> groups;
-  for (auto& [base, group] : places) groups.push_back(std::move(group));
-  return groups;
-}
+/// Closures, by their places, that begin at one pose.
+struct OfBase {
+  std::vector<std::size_t> closures;
+  std::vector<Variable> targets;
+};
 
 }  // namespace
 
@@ -26,45 +21,45 @@ template <int Dim>
 std::vector<UncertainPose<Dim>> mismatches(const JoiningSystem<Dim>& system, const Marginals& marginals,
                                            std::span<const PoseFactor<Dim>> closures, double far, const std::stop_token& stop) {
   std::vector<UncertainPose<Dim>> mismatches(closures.size());
-  if (closures.empty()) return mismatches;
-  const CrossCovariances cross(system.equations());
+  const auto linearised = [&](const PoseFactor<Dim>& closure) {
+    const auto& poses = system.estimate().poses;
+    return linearise<Dim>(closure.measured, poses[closure.base], poses[closure.target]);
+  };
   const auto covariance = [&](PoseIndex pose) -> PoseMatrix<Dim> {
     const Variable v = system.variable(pose);
     return v == kConstant ? PoseMatrix<Dim>::Zero() : PoseMatrix<Dim>(marginals[v]);
   };
-  struct Near {
-    PoseMatrix<Dim>& covariance;  // so far, as if the ends were not correlated
-    PoseMatrix<Dim> J_base;
-    PoseMatrix<Dim> J_target;
-  };
-  const auto groups = by_base(closures);
-  parallel_for(groups.size(), [&](std::size_t group) {
+  std::vector<char> are_near(closures.size());
+  parallel_for(closures.size(), [&](std::size_t k) {
     if (stop.stop_requested()) return;
-    const PoseIndex base = closures[groups[group].front()].base;
-    const PoseMatrix<Dim> of_base = covariance(base);
-    std::vector<Near> near;
-    std::vector<Variable> targets;
-    for (const std::size_t k : groups[group]) {
-      const PoseFactor<Dim>& closure = closures[k];
-      const auto& poses = system.estimate().poses;
-      const auto [r, J_target, J_base] = linearise<Dim>(closure.measured, poses[base], poses[closure.target]);
-      const PoseMatrix<Dim> own = covariance_of(closure.information);
-      const PoseMatrix<Dim> of_ends =
-          J_base * of_base * J_base.transpose() + J_target * covariance(closure.target) * J_target.transpose();
-      const PoseMatrix<Dim> most = own + 2.0 * of_ends;  // however the ends are correlated
-      mismatches[k] = {retract(Pose<Dim>{}, r), most};
-      if (r.dot(most.llt().solve(r)) > far) continue;
-      mismatches[k].covariance = own + of_ends;
-      const Variable target = system.variable(closure.target);
-      if (system.variable(base) == kConstant || target == kConstant) continue;
-      near.push_back({mismatches[k].covariance, J_base, J_target});
-      targets.push_back(target);
-    }
-    if (targets.empty()) return;
-    const auto blocks = cross.between(system.variable(base), targets);
-    for (std::size_t k = 0; k < near.size(); ++k) {
-      const PoseMatrix<Dim> across = near[k].J_base * blocks[k] * near[k].J_target.transpose();
-      near[k].covariance += across + across.transpose();
+    const auto [r, J_target, J_base] = linearised(closures[k]);
+    const PoseMatrix<Dim> own = covariance_of(closures[k].information);
+    const PoseMatrix<Dim> of_ends = J_base * covariance(closures[k].base) * J_base.transpose() +
+                                    J_target * covariance(closures[k].target) * J_target.transpose();
+    const PoseMatrix<Dim> most = own + 2.0 * of_ends;  // however the ends are correlated
+    are_near[k] = r.dot(most.llt().solve(r)) > far ? 0 : 1;
+    mismatches[k] = {retract(Pose<Dim>{}, r), are_near[k] ? PoseMatrix<Dim>(own + of_ends) : most};
+  });
+
+  std::map<Variable, OfBase> by_base;  // what is near and has ends that may be correlated
+  for (std::size_t k = 0; k < closures.size(); ++k) {
+    const Variable base = system.variable(closures[k].base);
+    const Variable target = system.variable(closures[k].target);
+    if (!are_near[k] || base == kConstant || target == kConstant) continue;
+    by_base[base].closures.push_back(k);
+    by_base[base].targets.push_back(target);
+  }
+  const std::vector<std::pair<Variable, OfBase>> groups(by_base.begin(), by_base.end());
+  const CrossCovariances cross(system.equations());
+  parallel_for(groups.size(), [&](std::size_t g) {
+    if (stop.stop_requested()) return;
+    const auto& [base, group] = groups[g];
+    const std::vector<Eigen::MatrixXd> blocks = cross.between(base, group.targets);
+    for (std::size_t c = 0; c < blocks.size(); ++c) {
+      const std::size_t k = group.closures[c];
+      const auto [r, J_target, J_base] = linearised(closures[k]);
+      const PoseMatrix<Dim> across = J_base * blocks[c] * J_target.transpose();
+      mismatches[k].covariance += across + across.transpose();
     }
   });
   return mismatches;

@@ -3,6 +3,7 @@
 #include <unistd.h>
 
 #include <algorithm>
+#include <mapjoin/solve/frontal_matrix.hpp>
 #include <mapjoin/solve/marginals.hpp>
 #include <numeric>
 #include <set>
@@ -156,7 +157,7 @@ CrossCovariances::CrossCovariances(const NormalEquations& equations) : equations
   }
 }
 
-CrossCovariances::Part CrossCovariances::paths(std::span<const Variable> variables, Eigen::Index rows) const {
+CrossCovariances::RowsOnPaths CrossCovariances::zeros_on_paths(std::span<const Variable> variables, Eigen::Index rows) const {
   std::set<std::size_t> nodes;
   for (const Variable v : variables) {
     std::size_t node = node_of(equations_.factor_column(v));
@@ -165,65 +166,62 @@ CrossCovariances::Part CrossCovariances::paths(std::span<const Variable> variabl
       if (factor_[node].rows.size() > width) node = node_of(factor_[node].rows[width]);
     }
   }
-  Part part{{nodes.begin(), nodes.end()}, {0}, {}};
-  for (const std::size_t node : part.nodes) part.first.push_back(part.first.back() + width_of(factor_[node]));
-  part.transposed.setZero(rows, part.first.back());
-  return part;
+  RowsOnPaths zeros{{nodes.begin(), nodes.end()}, {0}, {}};
+  for (const std::size_t node : zeros.nodes) zeros.first.push_back(zeros.first.back() + width_of(factor_[node]));
+  zeros.values.setZero(rows, zeros.first.back());
+  return zeros;
 }
 
-/// Those of the k-th node.
-DenseBlock CrossCovariances::own_columns(Part& part, std::size_t k) const {
-  const Eigen::Index rows = part.transposed.rows();
-  return {part.transposed.col(part.first[k]).data(), rows, part.first[k + 1] - part.first[k], Stride(rows)};
+Eigen::Index CrossCovariances::column_in(const RowsOnPaths& rows, Variable v) const {
+  const std::int64_t column = equations_.factor_column(v);
+  const auto node = std::ranges::lower_bound(rows.nodes, node_of(column));
+  return rows.first[static_cast<std::size_t>(node - rows.nodes.begin())] + column - factor_[*node].begin;
 }
 
-/// Where the rows below the k-th node stand.
-std::vector<Eigen::Index> CrossCovariances::columns_below(const Part& part, std::size_t k) const {
-  const Supernode& node = factor_[part.nodes[k]];
+/// The columns of `values` for the rows of L below its k-th node.
+std::vector<Eigen::Index> CrossCovariances::columns_below(const RowsOnPaths& rows, std::size_t k) const {
+  const Supernode& node = factor_[rows.nodes[k]];
   std::vector<Eigen::Index> columns;
   std::size_t above = k;
   for (const std::int64_t row : std::span(node.rows).subspan(static_cast<std::size_t>(width_of(node)))) {
-    while (row >= factor_[part.nodes[above]].end) ++above;
-    columns.push_back(part.first[above] + row - factor_[part.nodes[above]].begin);
+    while (row >= factor_[rows.nodes[above]].end) ++above;
+    columns.push_back(rows.first[above] + row - factor_[rows.nodes[above]].begin);
   }
   return columns;
 }
 
-Eigen::Index CrossCovariances::column_in(const Part& part, Variable v) const {
-  const std::int64_t column = equations_.factor_column(v);
-  const auto node = std::ranges::lower_bound(part.nodes, node_of(column));
-  return part.first[static_cast<std::size_t>(node - part.nodes.begin())] + column - factor_[*node].begin;
-}
-
-CrossCovariances::Part CrossCovariances::solve_upwards(Variable u) const {
+CrossCovariances::RowsOnPaths CrossCovariances::substitute_forward(Variable u) const {
   const Eigen::Index dof = equations_.dof(u);
-  Part Y = paths({&u, 1}, dof);
-  Y.transposed.middleCols(column_in(Y, u), dof).setIdentity();
+  RowsOnPaths Y = zeros_on_paths({&u, 1}, dof);
+  Y.values.middleCols(column_in(Y, u), dof).setIdentity();
   for (std::size_t k = 0; k < Y.nodes.size(); ++k) {
     const Supernode& node = factor_[Y.nodes[k]];
     const Eigen::Index width = width_of(node);
     const auto height = static_cast<Eigen::Index>(node.rows.size());
-    const DenseBlock own = own_columns(Y, k);
+    const DenseBlock own(Y.values.col(Y.first[k]).data(), dof, width, Stride(dof));
     divide_by_transpose({node.values, width, width, Stride(height)}, own);
     Eigen::MatrixXd sent(dof, height - width);
     subtract_product(constant(own), {node.values + width, height - width, width, Stride(height)},
                      {sent.data(), dof, height - width, Stride(dof)}, Into::kNew);
-    Y.transposed(Eigen::all, columns_below(Y, k)) += sent;
+    Y.values(Eigen::all, columns_below(Y, k)) += sent;
   }
   return Y;
 }
 
-CrossCovariances::Part CrossCovariances::solve_downwards(const Part& Y, std::span<const Variable> variables) const {
-  Part X = paths(variables, Y.transposed.rows());
-  auto of_Y = Y.nodes.size();
+CrossCovariances::RowsOnPaths CrossCovariances::substitute_back(const RowsOnPaths& Y_transposed,
+                                                                std::span<const Variable> variables) const {
+  RowsOnPaths X = zeros_on_paths(variables, Y_transposed.values.rows());
   for (std::size_t k = X.nodes.size(); k-- > 0;) {
     const Supernode& node = factor_[X.nodes[k]];
     const Eigen::Index width = width_of(node);
     const auto height = static_cast<Eigen::Index>(node.rows.size());
-    DenseBlock own = own_columns(X, k);
-    while (of_Y > 0 && Y.nodes[of_Y - 1] > X.nodes[k]) --of_Y;
-    if (of_Y > 0 && Y.nodes[of_Y - 1] == X.nodes[k]) own = Y.transposed.middleCols(Y.first[of_Y - 1], width);
-    const Eigen::MatrixXd below = X.transposed(Eigen::all, columns_below(X, k));
+    auto own = X.values.middleCols(X.first[k], width);
+    const auto in_Y = std::ranges::lower_bound(Y_transposed.nodes, X.nodes[k]);
+    if (in_Y != Y_transposed.nodes.end() && *in_Y == X.nodes[k]) {
+      own = Y_transposed.values.middleCols(Y_transposed.first[static_cast<std::size_t>(in_Y - Y_transposed.nodes.begin())],
+                                           width);
+    }
+    const Eigen::MatrixXd below = X.values(Eigen::all, columns_below(X, k));
     own.noalias() -= below * ConstDenseBlock(node.values + width, height - width, width, Stride(height));
     ConstDenseBlock(node.values, width, width, Stride(height)).triangularView<Lower>().solveInPlace<Eigen::OnTheRight>(own);
   }
@@ -231,9 +229,9 @@ CrossCovariances::Part CrossCovariances::solve_downwards(const Part& Y, std::spa
 }
 
 std::vector<Eigen::MatrixXd> CrossCovariances::between(Variable u, std::span<const Variable> others) const {
-  const Part X = solve_downwards(solve_upwards(u), others);
+  const RowsOnPaths X = substitute_back(substitute_forward(u), others);
   std::vector<Eigen::MatrixXd> blocks;
-  for (const Variable v : others) blocks.emplace_back(X.transposed.middleCols(column_in(X, v), equations_.dof(v)));
+  for (const Variable v : others) blocks.emplace_back(X.values.middleCols(column_in(X, v), equations_.dof(v)));
   return blocks;
 }
 

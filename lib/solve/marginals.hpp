@@ -8,7 +8,6 @@
 #include <cstdint>
 #include <functional>
 #include <mapjoin/model/error.hpp>
-#include <mapjoin/solve/frontal_matrix.hpp>
 #include <mapjoin/solve/normal_equations.hpp>
 #include <span>
 #include <string>
@@ -86,40 +85,37 @@ class Marginals {
   InverseSubset subset_;
 };
 
-/// The blocks of H⁻¹ between any two variables. From H⁻¹ = L⁻ᵀ L⁻¹ follow, E_u being the unit columns of u, those between u and
-/// all others,
+/// The blocks of H⁻¹ between any two variables. With H = L Lᵀ, the columns of H⁻¹ of a variable u are
 ///
-///   H⁻¹ E_u = L⁻ᵀ Y,    Y = L⁻¹ E_u.
+///   H⁻¹ E_u = L⁻ᵀ Y,    Y = L⁻¹ E_u,
 ///
-/// Y is zero but in the supernodes on the path from that of u to the root of the elimination tree, and the rows of v in L⁻ᵀ Y
-/// follow from those on the path of v alone.
+/// E_u being its unit columns. Y is zero but in the supernodes on the path from that of u to the root of the elimination tree,
+/// and the rows of L⁻ᵀ Y of a variable v follow from those on the path of v.
 class CrossCovariances {
  public:
   /// By the last factorisation of `equations`, which must stay.
   explicit CrossCovariances(const NormalEquations& equations);
 
   /// The blocks between u and each of the others: a row for each entry of u, a column for each of the other's. All must have a
-  /// variable's columns. To ask of many others at once costs little more than of one. Any threads may ask at once.
+  /// variable's columns. The work is that of the path of u and of the union of the others' paths. Any threads may ask at once.
   std::vector<Eigen::MatrixXd> between(Variable u, std::span<const Variable> others) const;
 
  private:
-  /// Some columns over all variables, transposed, by those supernodes that matter, ascending, one beside the other. With each
-  /// comes all that is above it in the tree.
-  struct Part {
+  /// A few rows of a matrix with the columns of L; only the columns of some supernodes and all their ancestors, ascending, side
+  /// by side.
+  struct RowsOnPaths {
     std::vector<std::size_t> nodes;
-    std::vector<Eigen::Index> first;  // column of `transposed` that each node begins with, and their number
-    Eigen::MatrixXd transposed;
+    std::vector<Eigen::Index> first;  // of `values`: the column that each node begins with, and their number
+    Eigen::MatrixXd values;
   };
   std::size_t node_of(std::int64_t column) const { return node_of_[static_cast<std::size_t>(column)]; }
-  /// Of zeros, over the paths of some variables.
-  Part paths(std::span<const Variable> variables, Eigen::Index rows) const;
-  DenseBlock own_columns(Part& part, std::size_t k) const;
-  std::vector<Eigen::Index> columns_below(const Part& part, std::size_t k) const;
+  RowsOnPaths zeros_on_paths(std::span<const Variable> variables, Eigen::Index rows) const;
+  Eigen::Index column_in(const RowsOnPaths& rows, Variable v) const;
+  std::vector<Eigen::Index> columns_below(const RowsOnPaths& rows, std::size_t k) const;
   /// Yᵀ of u.
-  Part solve_upwards(Variable u) const;
-  /// (L⁻ᵀ Y)ᵀ over the paths of some variables.
-  Part solve_downwards(const Part& Y, std::span<const Variable> variables) const;
-  Eigen::Index column_in(const Part& part, Variable v) const;
+  RowsOnPaths substitute_forward(Variable u) const;
+  /// (L⁻ᵀ Y)ᵀ on the paths of some variables.
+  RowsOnPaths substitute_back(const RowsOnPaths& Y_transposed, std::span<const Variable> variables) const;
 
   const NormalEquations& equations_;
   Supernodes factor_;

@@ -80,6 +80,15 @@ TYPED_TEST(ClosureSupportTest, DoesNotCompareAcrossMoreThanSixtySteps) {
   EXPECT_EQ(far.odds()[0], kNothingKnown);
 }
 
+TYPED_TEST(ClosureSupportTest, CountsThoseThatBearEachOtherOut) {
+  const typename TestFixture::Between between({{10, 10}, {12, 12}, {15, 15, 3.0}, {17, 17, 3.0}, {32, 32}, {52, 52}, {54, 54}});
+  const auto sizes = [&](const std::vector<bool>& is_asked) { return between.support.set_sizes(is_asked, 1.0); };
+  // The first two with the one 20 steps on, and that with the last two; the two that are wrong alike.
+  EXPECT_EQ(sizes({true, true, true, true, true, true, true}), (std::vector<std::size_t>{5, 5, 2, 2, 5, 5, 5}));
+  // Without the one between them they are not one set, and one alone is one of its own.
+  EXPECT_EQ(sizes({true, true, true, false, false, true, true}), (std::vector<std::size_t>{2, 2, 1, 0, 0, 2, 2}));
+}
+
 TYPED_TEST(ClosureSupportTest, TakesThoseOfAStretchForMistakenTogether) {
   std::vector<Crossing> crossings;
   for (std::uint64_t k = 0; k < 10; ++k) crossings.push_back({k, k});

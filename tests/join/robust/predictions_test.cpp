@@ -89,6 +89,8 @@ TYPED_TEST(PredictionsTest, AreExactForManyClosuresAtOnce) {
   std::vector<PoseFactor<kDim>> closures;
   for (const int target : {23, 7, 16, 2, 11}) closures.push_back(map.closure(5, PoseIndex(target)));
   for (const int base : {22, 14, 9, 1}) closures.push_back(map.closure(PoseIndex(base), 18));
+  // Of the first pose again: one to the pose that holds the map, and one to a target that was there, between others.
+  for (const int target : {20, 0, 7, 3}) closures.push_back(map.closure(5, PoseIndex(target)));
   const auto predicted = mismatches<kDim>(map.restored->system, *map.marginals, closures, map.far);
   for (std::size_t k = 0; k < closures.size(); ++k) {
     const PoseMatrix<kDim> S = map.exact(closures[k]);
