@@ -266,7 +266,7 @@ Expected<Inliers<Log<Dim>>> search_inliers(const Log<Dim>& log, const Screening<
   const auto ended = [](InlierSearch<Dim> some) { return some.try_all_again().map([&] { return some.inliers(); }); };
   const std::vector<bool> doubted = search.outnumbered(first_odds);
   const auto found = ended(search);
-  if (std::ranges::count(doubted, true) == 0) return found;
+  if (std::ranges::count(doubted, true) == 0 || stop.stop_requested()) return found;
   return fewer_rejected<Dim>(found, search.begin_again_without(doubted, first_odds).and_then([&] { return ended(search); }));
 }
 

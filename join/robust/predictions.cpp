@@ -50,6 +50,7 @@ std::vector<UncertainPose<Dim>> mismatches(const JoiningSystem<Dim>& system, con
     by_base[base].targets.push_back(target);
   }
   const std::vector<std::pair<Variable, OfBase>> groups(by_base.begin(), by_base.end());
+  if (groups.empty()) return mismatches;
   const CrossCovariances cross(system.equations());
   parallel_for(groups.size(), [&](std::size_t g) {
     if (stop.stop_requested()) return;
