@@ -15,8 +15,10 @@
 namespace mapjoin {
 namespace {
 
-/// Every further map asks for a fraction of the odds of the one before, down to kLeastOdds.
+/// Every further map asks for a fraction of the odds of the one before, down to kLeastOdds,
 constexpr double kOddsRatio = 3.0;
+/// and is made where it has so many times the closures of the one before, or is the last one.
+constexpr double kLeastGrowth = 1.05;
 /// Times that all closures are tried again: what the first time takes in may bear out others. Were they tried on and on, wrong
 /// ones that lie near would come in one after the other, each borne out by those before.
 constexpr int kMostTrials = 2;
@@ -46,11 +48,13 @@ class InlierSearch {
     for (double least = first;; least = std::max(least / kOddsRatio, kLeastOdds)) {
       const auto chosen =
           candidates([&](std::size_t k) { return judged_.standing[k] == Standing::kOpen && odds_[k] >= least; });
-      if (chosen != made) {
+      const bool is_last = least <= kLeastOdds;
+      const auto count = static_cast<double>(chosen.size());
+      if (is_last ? chosen != made : count > kLeastGrowth * static_cast<double>(made.size())) {
         if (const auto done = make_map(chosen); !done) return done;
         made = chosen;
       }
-      if (least <= kLeastOdds) return {};
+      if (is_last) return {};
     }
   }
 

@@ -31,7 +31,8 @@ Expected<bool> fits_as_it_is(const Log<Dim>& log, const Screening<Dim>& screenin
     TruncatedJoin<Dim> join(log, start, {}, engine);
     join.settle(stop);
     if (stop.stop_requested()) return tl::unexpected(interrupted_search());
-    return join.is_tested() && !join.drop(screening.gates.narrow());
+    const OfKinds gates = screening.gates.narrow();
+    return join.is_tested() && !join.drop_closures(gates.closures) && !join.drop_observations(gates.observations);
   });
 }
 

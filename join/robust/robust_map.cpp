@@ -11,6 +11,28 @@ namespace {
 /// Steps of the join that a map starts from: truncated losses go on from there.
 constexpr int kStartSteps = 1;
 
+/// How closely those that count fit, by kinds.
+template <int Dim>
+OfKinds scale_of_counting(const TruncatedJoin<Dim>& join) {
+  return {scale_of(join.counting_closure_tests(), kPoseDof<Dim>), scale_of(join.counting_observation_tests(), Dim)};
+}
+
+/// Drops closures and the farthest observations that are beyond their gates, which narrow as what remains fits more closely.
+template <int Dim>
+bool drop_beyond(TruncatedJoin<Dim>& join, Gates& gates) {
+  bool any = join.drop_observations(gates.now().observations);
+  while (join.drop_closures(gates.now().closures)) {
+    any = true;
+    gates.scale = scale_of_counting(join);
+  }
+  return any;
+}
+
+/// Gates that no closure passes.
+OfKinds observations_only(const Gates& gates) {
+  return {0.0, gates.now().observations};
+}
+
 }  // namespace
 
 template <int Dim>
@@ -46,14 +68,14 @@ Expected<void> settle(TruncatedJoin<Dim>& join, Gates& gates, const std::string&
       return bad_input(source + ": the measurements that agree leave something free to move; without --robust " +
                        "the verdict names what is out of line");
     }
-    gates.scale = {scale_of(join.counting_closure_tests(), kPoseDof<Dim>), scale_of(join.counting_observation_tests(), Dim)};
-    if (is_first && join.readmit_observations(gates.now().observations)) {
+    gates.scale = scale_of_counting(join);
+    if (is_first && join.readmit(observations_only(gates))) {
       join.graduate(gates.now(), stop);
-    } else if (join.drop(gates.now())) {
+    } else if (drop_beyond(join, gates)) {
       is_dropping = true;
     } else if (is_dropping) {
       is_dropping = false;
-    } else if (!are_readmitted && join.readmit_observations(gates.now().observations)) {
+    } else if (!are_readmitted && join.readmit(gates.last.value_or(observations_only(gates)))) {
       are_readmitted = true;
     } else {
       return {};

@@ -30,8 +30,8 @@ template <int Dim>
 Expected<Values<Dim>> started_map(Log<Dim> log, Engine engine, const std::stop_token& stop);
 
 /// Brings a join to where all that counts passes its tests. Observations that do not count and pass theirs are let in again at
-/// the first estimate, and once more when nothing is left to drop. Finds the scale of `gates`. Bad input, which names `source`,
-/// where what counts leaves something free to move; kInterrupted on `stop`.
+/// the first estimate, and once more when nothing is left to drop; then closures, too, where all are tried again. Finds the
+/// scale of `gates`. Bad input, which names `source`, where what counts leaves something free to move; kInterrupted on `stop`.
 template <int Dim>
 Expected<void> settle(TruncatedJoin<Dim>& join, Gates& gates, const std::string& source, const std::stop_token& stop);
 

@@ -21,7 +21,8 @@ constexpr int kStepsARound = 2;
 constexpr double kSettled = 1e-6;
 /// What may be left free stays where it is by this share of the information of what is measured there.
 constexpr double kWeakShare = 1e-9;
-/// Measurements beyond their thresholds are dropped where they are so by this share of the worst: the others may be innocent.
+/// Observations beyond their threshold are dropped where they are so by this share of the worst: a wrong one pulls a feature
+/// away from all others.
 constexpr double kDroppedShare = 0.5;
 /// What does not count.
 constexpr Loss kDropped{0.0, 0.0};
@@ -186,16 +187,10 @@ void TruncatedJoin<Dim>::test_all(const std::stop_token& stop) {
 }
 
 template <int Dim>
-bool TruncatedJoin<Dim>::drop(const OfKinds& thresholds) {
-  std::vector<double> excess(counts_.size(), 0.0);
-  for (std::size_t k = 0; k < counts_.size(); ++k) {
-    if (counts_[k]) excess[k] = tests_[k].chi2 / (k < closure_count() ? thresholds.closures : thresholds.observations);
-  }
-  const double worst = excess.empty() ? 0.0 : std::ranges::max(excess);
-  const double least = std::max(1.0, kDroppedShare * worst);
+bool TruncatedJoin<Dim>::drop_from(double threshold, std::size_t begin, std::size_t end) {
   bool any = false;
-  for (std::size_t k = 0; k < counts_.size(); ++k) {
-    if (!counts_[k] || excess[k] < least) continue;
+  for (std::size_t k = begin; k < end; ++k) {
+    if (!counts_[k] || tests_[k].chi2 < threshold) continue;
     counts_[k] = false;
     any = true;
   }
@@ -203,10 +198,22 @@ bool TruncatedJoin<Dim>::drop(const OfKinds& thresholds) {
 }
 
 template <int Dim>
-bool TruncatedJoin<Dim>::readmit_observations(double threshold) {
+bool TruncatedJoin<Dim>::drop_closures(double threshold) {
+  return drop_from(threshold, 0, closure_count());
+}
+
+template <int Dim>
+bool TruncatedJoin<Dim>::drop_observations(double threshold) {
+  double worst = 0.0;
+  for (const PartTest& test : counting_observation_tests()) worst = std::max(worst, test.chi2);
+  return drop_from(std::max(threshold, kDroppedShare * worst), closure_count(), counts_.size());
+}
+
+template <int Dim>
+bool TruncatedJoin<Dim>::readmit(const OfKinds& thresholds) {
   bool any = false;
-  for (std::size_t k = closure_count(); k < counts_.size(); ++k) {
-    if (counts_[k] || tests_[k].chi2 >= threshold) continue;
+  for (std::size_t k = 0; k < counts_.size(); ++k) {
+    if (counts_[k] || tests_[k].chi2 >= (k < closure_count() ? thresholds.closures : thresholds.observations)) continue;
     counts_[k] = true;
     any = true;
   }

@@ -46,10 +46,12 @@ class TruncatedJoin {
   void settle_by_a_step(const std::stop_token& stop);
   /// Whether the last settling had tests: not where those that count leave something free to move, or on a stop.
   bool is_tested() const { return marginals_.has_value(); }
-  /// Lets those no longer count whose tests are farthest beyond their thresholds. Returns whether there were any.
-  bool drop(const OfKinds& thresholds);
-  /// Lets those observations count again whose test is within the threshold. Returns whether there were any.
-  bool readmit_observations(double threshold);
+  /// Lets those closures no longer count whose tests are beyond the threshold. Returns whether there were any.
+  bool drop_closures(double threshold);
+  /// The same of observations, but only of those that are farthest beyond it.
+  bool drop_observations(double threshold);
+  /// Lets those count again whose test is within the threshold. Returns whether there were any.
+  bool readmit(const OfKinds& thresholds);
 
   bool counts(std::size_t doubtful) const { return counts_[doubtful]; }
   std::vector<bool> observations_count() const;
@@ -64,6 +66,7 @@ class TruncatedJoin {
 
  private:
   std::size_t closure_count() const { return log_.closures().size(); }
+  bool drop_from(double threshold, std::size_t begin, std::size_t end);
   std::vector<PartTest> counting_tests(std::size_t begin, std::size_t end) const;
   template <typename F>
   void for_each_doubtful(F&& f);

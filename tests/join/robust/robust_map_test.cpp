@@ -43,6 +43,19 @@ TYPED_TEST(RobustMapTest, EndsAtTheOptimumOfWhatPassesItsTest) {
   EXPECT_LT(testing::largest_difference(join.system().estimate(), optimum), 1e-4 * kRoughNoise);
 }
 
+TYPED_TEST(RobustMapTest, LetsClosuresInAgainOnlyWhereAllAreTriedAgain) {
+  this->spoil_closure(2, 5.0);
+  this->gates.widest = {40.0, 40.0};
+  for (const bool is_last : {false, true}) {
+    if (is_last) this->gates.last = this->gates.widest;
+    auto join = this->join();
+    join.settle({});
+    join.drop_closures(0.0);
+    ASSERT_TRUE(settle(join, this->gates, "a log", {}));
+    for (std::size_t k = 0; k < join.closure_tests().size(); ++k) EXPECT_EQ(join.counts(k), is_last && k != 2) << k;
+  }
+}
+
 TYPED_TEST(RobustMapTest, SaysThatAStopEndedIt) {
   auto join = this->join();
   std::stop_source stopped;

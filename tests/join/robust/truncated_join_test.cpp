@@ -183,7 +183,7 @@ TYPED_TEST(TruncatedJoinTest, SettlesByAStepWithoutWhatDoesNotCount) {
   auto by_a_step = this->join_of(world);
   for (auto* join : {&settled, &by_a_step}) {
     join->settle({});  // the closure pulls, until it is dropped
-    ASSERT_TRUE(join->drop({0.9 * join->closure_tests()[2].chi2, 1e9}));
+    ASSERT_TRUE(join->drop_closures(0.9 * join->closure_tests()[2].chi2));
     ASSERT_EQ(this->closures_that_do_not_count(*join), std::vector<std::size_t>{2});
   }
   settled.settle({});
@@ -229,9 +229,9 @@ TYPED_TEST(TruncatedJoinTest, IsTestedThoughNothingOfAFeatureCounts) {
   join.settle({});
   ASSERT_TRUE(join.is_tested());
   EXPECT_LT((join.system().estimate().features[hidden] - world.truth.features[hidden]).norm(), 1e-6) << "it stays";
-  EXPECT_TRUE(join.readmit_observations(kThreshold));
+  EXPECT_TRUE(join.readmit(kThresholds));
   EXPECT_EQ(this->observations_that_count(join), std::ssize(observations));
-  EXPECT_FALSE(join.readmit_observations(kThreshold)) << "all count";
+  EXPECT_FALSE(join.readmit(kThresholds)) << "all count";
 }
 
 TYPED_TEST(TruncatedJoinTest, IsTestedThoughAnEdgeLeavesADirectionFree) {
@@ -252,13 +252,42 @@ TYPED_TEST(TruncatedJoinTest, LetsNoWrongObservationCountAgain) {
   count[7] = count[8] = false;
   auto join = this->join_of(world, count);
   join.settle({});
-  EXPECT_TRUE(join.readmit_observations(kThreshold));
+  EXPECT_TRUE(join.readmit(kThresholds));
   EXPECT_FALSE(join.observations_count()[7]);
   EXPECT_TRUE(join.observations_count()[8]);
 }
 
-/// Which closures one drop() leaves out of a world whose worst one, closure 1, is so many times beyond the threshold. Closure 4
-/// is beyond by two thirds as much, closure 5 by a quarter, and no other by more.
+TYPED_TEST(TruncatedJoinTest, LetsAClosureCountAgainThatFitsTheOthers) {
+  auto world = this->world();
+  this->spoil_closure(world.log, 2, 5.0);
+  auto join = this->join_of(world);
+  join.settle({});
+  ASSERT_TRUE(join.drop_closures(0.0));
+  join.settle({});
+  EXPECT_FALSE(join.readmit({0.0, kThreshold})) << "closures are not meant";
+  EXPECT_TRUE(join.readmit(kThresholds));
+  EXPECT_EQ(this->closures_that_do_not_count(join), std::vector<std::size_t>{2});
+}
+
+TYPED_TEST(TruncatedJoinTest, DropsOnlyTheFarthestObservationsAtOnce) {
+  auto world = this->world();
+  for (const std::size_t k : {7, 20, 35}) this->spoil_observation(world.log, k, 0.01);
+  auto join = this->join_of(world);
+  join.settle({});
+  const std::vector<PartTest> tests(join.observation_tests().begin(), join.observation_tests().end());
+  const double worst = std::ranges::max(tests, {}, &PartTest::chi2).chi2;
+  EXPECT_FALSE(join.drop_observations(1.01 * worst));
+  EXPECT_TRUE(join.drop_observations(kThreshold * worst));
+  std::size_t spared = 0;
+  for (std::size_t k = 0; k < tests.size(); ++k) {
+    EXPECT_EQ(join.observations_count()[k], tests[k].chi2 < 0.5 * worst) << k;
+    if (join.observations_count()[k] && tests[k].chi2 > kThreshold * worst) ++spared;
+  }
+  EXPECT_GT(spared, 0U) << "that are beyond, too";
+}
+
+/// Which closures are dropped of a world whose worst one, closure 1, is so many times beyond the threshold. Closure 4 is beyond
+/// by two thirds as much, closure 5 by a quarter, and no other by more.
 template <typename D>
 class DropTest : public TruncatedJoinTest<D> {
  protected:
@@ -271,7 +300,7 @@ class DropTest : public TruncatedJoinTest<D> {
     auto join = this->join_of(world);
     join.settle({});
     const double worst = join.closure_tests()[1].chi2;
-    EXPECT_EQ(join.drop({worst / excess, 1e9}), excess > 1.0);
+    EXPECT_EQ(join.drop_closures(worst / excess), excess > 1.0);
     return this->closures_that_do_not_count(join);
   }
 };
@@ -281,8 +310,8 @@ TYPED_TEST(DropTest, LeavesNothingOutThatPassesItsTest) {
   EXPECT_TRUE(this->dropped(0.9).empty());
 }
 
-TYPED_TEST(DropTest, LeavesOutThoseThatAreBeyondByHalfOfTheMost) {
-  EXPECT_EQ(this->dropped(1e4), (std::vector<std::size_t>{1, 4}));
+TYPED_TEST(DropTest, LeavesOutAllThatAreBeyond) {
+  EXPECT_EQ(this->dropped(10.0), (std::vector<std::size_t>{1, 4, 5}));
 }
 
 TYPED_TEST(DropTest, LeavesOutTheWorstAloneWhereNoOtherIsBeyond) {
