@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <algorithm>
 #include <cstdint>
+#include <iterator>
 #include <limits>
 #include <mapjoin/join/robust/closure_judgement.hpp>
 #include <mapjoin/join/robust/inlier_search.hpp>
@@ -15,16 +16,23 @@
 namespace mapjoin {
 namespace {
 
-/// Every further map asks for a fraction of the odds of the one before, down to kLeastOdds,
+/// Every further map asks for a fraction of the odds of the one before, down to kLeastOdds. But for the last one it is made
+/// only where the closures that the one before did not have are more than a share of those that it had.
 constexpr double kOddsRatio = 3.0;
-/// and is made where it has so many times the closures of the one before, or is the last one.
-constexpr double kLeastGrowth = 1.05;
+constexpr double kLeastGrowth = 0.05;
 /// Times that all closures are tried again: what the first time takes in may bear out others. Were they tried on and on, wrong
 /// ones that lie near would come in one after the other, each borne out by those before.
 constexpr int kMostTrials = 2;
 
 bool is_outvoted(double odds) {
   return odds < -kLeastOdds;
+}
+
+/// How many of `some` are not among `others`; both ascend.
+std::size_t count_new(const std::vector<std::size_t>& some, const std::vector<std::size_t>& others) {
+  std::vector<std::size_t> fresh;
+  std::ranges::set_difference(some, others, std::back_inserter(fresh));
+  return fresh.size();
 }
 
 /// A search for the closures and observations that agree, from one first map on.
@@ -42,15 +50,16 @@ class InlierSearch {
         judged_{std::vector(odds_.size(), Standing::kOpen), std::vector(odds_.size(), 0.0), {}, {}},
         observations_count_(screening.observations_count) {}
 
-  /// Maps of ever more closures, from the best supported ones on. Each judges all closures.
+  /// Maps of ever more closures, from the best supported ones on, without those that would add hardly any. Each judges all
+  /// closures.
   Expected<void> take_in_by_odds(double first) {
     std::vector<std::size_t> made;
     for (double least = first;; least = std::max(least / kOddsRatio, kLeastOdds)) {
       const auto chosen =
           candidates([&](std::size_t k) { return judged_.standing[k] == Standing::kOpen && odds_[k] >= least; });
       const bool is_last = least <= kLeastOdds;
-      const auto count = static_cast<double>(chosen.size());
-      if (is_last ? chosen != made : count > kLeastGrowth * static_cast<double>(made.size())) {
+      const auto most_left_out = kLeastGrowth * static_cast<double>(made.size());
+      if (is_last ? chosen != made : static_cast<double>(count_new(chosen, made)) > most_left_out) {
         if (const auto done = make_map(chosen); !done) return done;
         made = chosen;
       }
@@ -270,7 +279,7 @@ Expected<Inliers<Log<Dim>>> search_inliers(const Log<Dim>& log, const Screening<
   const auto ended = [](InlierSearch<Dim> some) { return some.try_all_again().map([&] { return some.inliers(); }); };
   const std::vector<bool> doubted = search.outnumbered(first_odds);
   const auto found = ended(search);
-  if (std::ranges::count(doubted, true) == 0 || stop.stop_requested()) return found;
+  if (std::ranges::count(doubted, true) == 0) return found;
   return fewer_rejected<Dim>(found, search.begin_again_without(doubted, first_odds).and_then([&] { return ended(search); }));
 }
 

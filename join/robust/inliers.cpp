@@ -62,7 +62,7 @@ Expected<Inliers<Log<Dim>>> best_inliers(const Log<Dim>& log, const RobustOption
   Expected<Inliers<Log<Dim>>> best = tl::unexpected(Error{});
   for (const double first : odds_of_first_maps(screening.odds)) {
     best = fewer_rejected<Dim>(std::move(best), search_inliers(log, screening, first, options.engine, stop));
-    if (!best && best.error().kind == ErrorKind::kInterrupted) break;
+    if (stop.stop_requested()) return tl::unexpected(interrupted_search());
   }
   return best;
 }

@@ -17,19 +17,20 @@ OfKinds scale_of_counting(const TruncatedJoin<Dim>& join) {
   return {scale_of(join.counting_closure_tests(), kPoseDof<Dim>), scale_of(join.counting_observation_tests(), Dim)};
 }
 
-/// Drops closures and the farthest observations that are beyond their gates, which narrow as what remains fits more closely.
+/// Drops the farthest observations and all closures that are beyond their gates. That of closures is found anew from those that
+/// remain, until all are within it.
 template <int Dim>
-bool drop_beyond(TruncatedJoin<Dim>& join, Gates& gates) {
+bool drop_misfits(TruncatedJoin<Dim>& join, Gates& gates) {
   bool any = join.drop_observations(gates.now().observations);
   while (join.drop_closures(gates.now().closures)) {
     any = true;
-    gates.scale = scale_of_counting(join);
+    gates.scale.closures = scale_of_counting(join).closures;
   }
   return any;
 }
 
-/// Gates that no closure passes.
-OfKinds observations_only(const Gates& gates) {
+/// Those of observations; no closure passes.
+OfKinds gates_of_observations(const Gates& gates) {
   return {0.0, gates.now().observations};
 }
 
@@ -55,7 +56,7 @@ Expected<Values<Dim>> started_map(Log<Dim> log, Engine engine, const std::stop_t
 template <int Dim>
 Expected<void> settle(TruncatedJoin<Dim>& join, Gates& gates, const std::string& source, const std::stop_token& stop) {
   join.graduate(gates.now(), stop);
-  bool are_readmitted = false;  // those that were dropped with what they suffered from
+  bool are_readmitted = false;  // those that were dropped only because something wrong bent the map
   bool is_dropping = false;     // the last round has dropped some, and a step is enough for this one
   for (bool is_first = true;; is_first = false) {
     if (is_dropping) {
@@ -69,13 +70,13 @@ Expected<void> settle(TruncatedJoin<Dim>& join, Gates& gates, const std::string&
                        "the verdict names what is out of line");
     }
     gates.scale = scale_of_counting(join);
-    if (is_first && join.readmit(observations_only(gates))) {
+    if (is_first && join.readmit(gates_of_observations(gates))) {
       join.graduate(gates.now(), stop);
-    } else if (drop_beyond(join, gates)) {
+    } else if (drop_misfits(join, gates)) {
       is_dropping = true;
     } else if (is_dropping) {
       is_dropping = false;
-    } else if (!are_readmitted && join.readmit(gates.last.value_or(observations_only(gates)))) {
+    } else if (!are_readmitted && join.readmit(gates.last.value_or(gates_of_observations(gates)))) {
       are_readmitted = true;
     } else {
       return {};

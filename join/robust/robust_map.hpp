@@ -14,7 +14,7 @@ namespace mapjoin {
 struct Gates {
   OfKinds widest;               ///< What the confidence allows.
   OfKinds scale{1.0, 1.0};      ///< How closely what is right fits, as a share of that; see scale_of().
-  std::optional<OfKinds> last;  ///< Once all are tried again.
+  std::optional<OfKinds> last;  ///< In place of the narrow ones, where all are tried again.
 
   OfKinds narrow() const { return {scale.closures * widest.closures, scale.observations * widest.observations}; }
   OfKinds now() const { return last.value_or(narrow()); }
@@ -30,8 +30,9 @@ template <int Dim>
 Expected<Values<Dim>> started_map(Log<Dim> log, Engine engine, const std::stop_token& stop);
 
 /// Brings a join to where all that counts passes its tests. Observations that do not count and pass theirs are let in again at
-/// the first estimate, and once more when nothing is left to drop; then closures, too, where all are tried again. Finds the
-/// scale of `gates`. Bad input, which names `source`, where what counts leaves something free to move; kInterrupted on `stop`.
+/// the first estimate, and once more when nothing is left to drop; with `gates.last` closures are this second time, too. Finds
+/// the scale of `gates`. Bad input, which names `source`, where what counts leaves something free to move; kInterrupted on
+/// `stop`.
 template <int Dim>
 Expected<void> settle(TruncatedJoin<Dim>& join, Gates& gates, const std::string& source, const std::stop_token& stop);
 

@@ -21,8 +21,8 @@ constexpr int kStepsARound = 2;
 constexpr double kSettled = 1e-6;
 /// What may be left free stays where it is by this share of the information of what is measured there.
 constexpr double kWeakShare = 1e-9;
-/// Observations beyond their threshold are dropped where they are so by this share of the worst: a wrong one pulls a feature
-/// away from all others.
+/// Of observations beyond their threshold only those with at least this share of the largest chi2 are dropped at once: a wrong
+/// one pulls its feature away from the right ones, which then seem wrong, too.
 constexpr double kDroppedShare = 0.5;
 /// What does not count.
 constexpr Loss kDropped{0.0, 0.0};
@@ -187,7 +187,7 @@ void TruncatedJoin<Dim>::test_all(const std::stop_token& stop) {
 }
 
 template <int Dim>
-bool TruncatedJoin<Dim>::drop_from(double threshold, std::size_t begin, std::size_t end) {
+bool TruncatedJoin<Dim>::drop_beyond(double threshold, std::size_t begin, std::size_t end) {
   bool any = false;
   for (std::size_t k = begin; k < end; ++k) {
     if (!counts_[k] || tests_[k].chi2 < threshold) continue;
@@ -199,21 +199,23 @@ bool TruncatedJoin<Dim>::drop_from(double threshold, std::size_t begin, std::siz
 
 template <int Dim>
 bool TruncatedJoin<Dim>::drop_closures(double threshold) {
-  return drop_from(threshold, 0, closure_count());
+  return drop_beyond(threshold, 0, closure_count());
 }
 
 template <int Dim>
 bool TruncatedJoin<Dim>::drop_observations(double threshold) {
   double worst = 0.0;
   for (const PartTest& test : counting_observation_tests()) worst = std::max(worst, test.chi2);
-  return drop_from(std::max(threshold, kDroppedShare * worst), closure_count(), counts_.size());
+  return drop_beyond(std::max(threshold, kDroppedShare * worst), closure_count(), counts_.size());
 }
 
 template <int Dim>
 bool TruncatedJoin<Dim>::readmit(const OfKinds& thresholds) {
   bool any = false;
   for (std::size_t k = 0; k < counts_.size(); ++k) {
-    if (counts_[k] || tests_[k].chi2 >= (k < closure_count() ? thresholds.closures : thresholds.observations)) continue;
+    const double threshold = k < closure_count() ? thresholds.closures : thresholds.observations;
+    const bool is_within = tests_[k].chi2 < threshold;
+    if (counts_[k] || !is_within) continue;
     counts_[k] = true;
     any = true;
   }

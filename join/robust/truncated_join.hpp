@@ -48,9 +48,9 @@ class TruncatedJoin {
   bool is_tested() const { return marginals_.has_value(); }
   /// Lets those closures no longer count whose tests are beyond the threshold. Returns whether there were any.
   bool drop_closures(double threshold);
-  /// The same of observations, but only of those that are farthest beyond it.
+  /// The same of observations, but only of those at least half as far (in chi2) as the farthest.
   bool drop_observations(double threshold);
-  /// Lets those count again whose test is within the threshold. Returns whether there were any.
+  /// Lets closures and observations count again whose tests are within their thresholds. Returns whether there were any.
   bool readmit(const OfKinds& thresholds);
 
   bool counts(std::size_t doubtful) const { return counts_[doubtful]; }
@@ -66,7 +66,8 @@ class TruncatedJoin {
 
  private:
   std::size_t closure_count() const { return log_.closures().size(); }
-  bool drop_from(double threshold, std::size_t begin, std::size_t end);
+  /// Lets doubtful factors begin to end no longer count whose tests are beyond the threshold.
+  bool drop_beyond(double threshold, std::size_t begin, std::size_t end);
   std::vector<PartTest> counting_tests(std::size_t begin, std::size_t end) const;
   template <typename F>
   void for_each_doubtful(F&& f);
