@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <algorithm>
 #include <cstdint>
-#include <iterator>
 #include <limits>
 #include <mapjoin/join/robust/closure_judgement.hpp>
 #include <mapjoin/join/robust/inlier_search.hpp>
@@ -28,13 +27,6 @@ bool is_outvoted(double odds) {
   return odds < -kLeastOdds;
 }
 
-/// How many of `some` are not among `others`; both ascend.
-std::size_t count_new(const std::vector<std::size_t>& some, const std::vector<std::size_t>& others) {
-  std::vector<std::size_t> fresh;
-  std::ranges::set_difference(some, others, std::back_inserter(fresh));
-  return fresh.size();
-}
-
 /// A search for the closures and observations that agree, from one first map on.
 template <int Dim>
 class InlierSearch {
@@ -57,9 +49,10 @@ class InlierSearch {
     for (double least = first;; least = std::max(least / kOddsRatio, kLeastOdds)) {
       const auto chosen =
           candidates([&](std::size_t k) { return judged_.standing[k] == Standing::kOpen && odds_[k] >= least; });
+      const auto fresh = std::ranges::count_if(chosen, [&](std::size_t k) { return !std::ranges::binary_search(made, k); });
+      const bool has_grown = static_cast<double>(fresh) > kLeastGrowth * static_cast<double>(made.size());
       const bool is_last = least <= kLeastOdds;
-      const auto most_left_out = kLeastGrowth * static_cast<double>(made.size());
-      if (is_last ? chosen != made : static_cast<double>(count_new(chosen, made)) > most_left_out) {
+      if (is_last ? chosen != made : has_grown) {
         if (const auto done = make_map(chosen); !done) return done;
         made = chosen;
       }
@@ -265,8 +258,6 @@ void Screening<Dim>::screen_observations(const Log<Dim>& log) {
 
 template <int Dim>
 Expected<Inliers<Log<Dim>>> fewer_rejected(Expected<Inliers<Log<Dim>>> a, Expected<Inliers<Log<Dim>>> b) {
-  const auto is_interrupted = [](const auto& one) { return !one && one.error().kind == ErrorKind::kInterrupted; };
-  if (is_interrupted(a) || is_interrupted(b)) return tl::unexpected(interrupted_search());
   const bool is_b = !a || (b && b->rejected.size() < a->rejected.size());
   return is_b ? std::move(b) : std::move(a);
 }
@@ -278,9 +269,10 @@ Expected<Inliers<Log<Dim>>> search_inliers(const Log<Dim>& log, const Screening<
   if (const auto done = search.take_in_by_odds(first_odds); !done) return tl::unexpected(done.error());
   const auto ended = [](InlierSearch<Dim> some) { return some.try_all_again().map([&] { return some.inliers(); }); };
   const std::vector<bool> doubted = search.outnumbered(first_odds);
-  const auto found = ended(search);
+  auto found = ended(search);
   if (std::ranges::count(doubted, true) == 0) return found;
-  return fewer_rejected<Dim>(found, search.begin_again_without(doubted, first_odds).and_then([&] { return ended(search); }));
+  auto again = search.begin_again_without(doubted, first_odds).and_then([&] { return ended(std::move(search)); });
+  return fewer_rejected<Dim>(std::move(found), std::move(again));
 }
 
 #define MAPJOIN_INSTANTIATE(Dim)                                                                                 \

@@ -40,15 +40,14 @@ struct Screening {
   void screen_observations(const Log<Dim>& log);
 };
 
-/// That of two results which rejects fewer, `a` where both reject as many; the other one where one has failed, but kInterrupted
-/// where either was interrupted.
+/// That of two results which rejects fewer, `a` where both reject as many; the other one where one has failed.
 template <int Dim>
 Expected<Inliers<Log<Dim>>> fewer_rejected(Expected<Inliers<Log<Dim>>> a, Expected<Inliers<Log<Dim>>> b);
 
 /// Maps of ever more closures, from those of at least `first_odds` (a logarithm) down to kLeastOdds, or one map where that is
 /// no more; each judges all of them. At the end all that was rejected is tried again. Where few that are kept are outnumbered
 /// by rejected ones, the search also goes on without them, and the result that rejects fewer is returned. `screening` is of the
-/// same log. Errors as of find_inliers().
+/// same log. Errors as of find_inliers(). Once a stop is requested the result is of no use.
 template <int Dim>
 Expected<Inliers<Log<Dim>>> search_inliers(const Log<Dim>& log, const Screening<Dim>& screening, double first_odds,
                                            Engine engine, const std::stop_token& stop);

@@ -11,10 +11,10 @@ namespace {
 /// Steps of the join that a map starts from: truncated losses go on from there.
 constexpr int kStartSteps = 1;
 
-/// How closely those that count fit, by kinds.
+/// How closely the closures that count fit.
 template <int Dim>
-OfKinds scale_of_counting(const TruncatedJoin<Dim>& join) {
-  return {scale_of(join.counting_closure_tests(), kPoseDof<Dim>), scale_of(join.counting_observation_tests(), Dim)};
+double scale_of_closures(const TruncatedJoin<Dim>& join) {
+  return scale_of(join.counting_closure_tests(), kPoseDof<Dim>);
 }
 
 /// Drops the farthest observations and all closures that are beyond their gates. That of closures is found anew from those that
@@ -24,7 +24,7 @@ bool drop_misfits(TruncatedJoin<Dim>& join, Gates& gates) {
   bool any = join.drop_observations(gates.now().observations);
   while (join.drop_closures(gates.now().closures)) {
     any = true;
-    gates.scale.closures = scale_of_counting(join).closures;
+    gates.scale.closures = scale_of_closures(join);
   }
   return any;
 }
@@ -69,7 +69,7 @@ Expected<void> settle(TruncatedJoin<Dim>& join, Gates& gates, const std::string&
       return bad_input(source + ": the measurements that agree leave something free to move; without --robust " +
                        "the verdict names what is out of line");
     }
-    gates.scale = scale_of_counting(join);
+    gates.scale = {scale_of_closures(join), scale_of(join.counting_observation_tests(), Dim)};
     if (is_first && join.readmit(gates_of_observations(gates))) {
       join.graduate(gates.now(), stop);
     } else if (drop_misfits(join, gates)) {

@@ -2,6 +2,7 @@
 #include <gtest/gtest.h>
 
 #include <mapjoin/join/robust/robust_map.hpp>
+#include <tests/support/changed_log.hpp>
 #include <tests/support/dense_slam.hpp>
 #include <tests/support/dimensions.hpp>
 #include <tests/support/small_world.hpp>
@@ -17,9 +18,6 @@ class RobustMapTest : public ::testing::Test {
  protected:
   static constexpr int kDim = D::value;
 
-  void spoil_closure(std::size_t closure, double metres) {
-    world.log.graph.pose_factors[world.log.odometry().size() + closure].measured.translation[0] += metres;
-  }
   TruncatedJoin<kDim> join() const { return TruncatedJoin<kDim>(world.log, world.truth, {}, Engine::kFronts); }
 
   testing::SmallWorld<kDim> world =
@@ -29,9 +27,8 @@ class RobustMapTest : public ::testing::Test {
 TYPED_TEST_SUITE(RobustMapTest, testing::Dimensions);
 
 TYPED_TEST(RobustMapTest, EndsAtTheOptimumOfWhatPassesItsTest) {
-  Log<TypeParam::value> right = this->world.log;
-  right.graph.pose_factors.erase(right.graph.pose_factors.begin() + std::ssize(right.odometry()) + 2);
-  this->spoil_closure(2, 0.5);
+  const auto right = testing::without_closure(this->world.log, 2);
+  testing::spoil_closure(this->world.log, 2, 0.5);
   auto join = this->join();
   join.settle({});
   this->gates.last = OfKinds{0.7 * join.closure_tests()[2].chi2, 1e9};
@@ -44,7 +41,7 @@ TYPED_TEST(RobustMapTest, EndsAtTheOptimumOfWhatPassesItsTest) {
 }
 
 TYPED_TEST(RobustMapTest, LetsClosuresInAgainOnlyWhereAllAreTriedAgain) {
-  this->spoil_closure(2, 5.0);
+  testing::spoil_closure(this->world.log, 2, 5.0);
   for (const bool is_last : {false, true}) {
     Gates gates;
     gates.widest = {40.0, 40.0};
@@ -61,8 +58,8 @@ TYPED_TEST(RobustMapTest, LetsClosuresInAgainOnlyWhereAllAreTriedAgain) {
 /// while the first one counts.
 TYPED_TEST(RobustMapTest, NarrowsTheGateOfClosuresByThoseThatRemain) {
   this->world = testing::small_world<TypeParam::value>({.poses = 30, .features = 0, .closures = 30, .noise = 1e-3});
-  this->spoil_closure(2, 0.3);
-  this->spoil_closure(3, 0.05);
+  testing::spoil_closure(this->world.log, 2, 0.3);
+  testing::spoil_closure(this->world.log, 3, 0.05);
   this->gates.widest = {10.0, 10.0};
   auto join = this->join();
   ASSERT_TRUE(settle(join, this->gates, "a log", {}));

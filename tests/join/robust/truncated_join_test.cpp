@@ -1,73 +1,36 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <gtest/gtest.h>
 
-#include <algorithm>
-#include <mapjoin/join/robust/truncated_join.hpp>
 #include <mapjoin/join/run.hpp>
 #include <span>
+#include <tests/join/robust/truncated_join_fixture.hpp>
+#include <tests/support/changed_log.hpp>
 #include <tests/support/dense_slam.hpp>
 #include <tests/support/dimensions.hpp>
-#include <tests/support/small_world.hpp>
 #include <utility>
 
 namespace mapjoin {
 namespace {
 
-/// So small an error that everything is linear: chi2 of logs that differ by a factor differs by what the theory says.
-constexpr double kNoise = 1e-4;
-/// Of the squared distances of right factors, which are below 1e-4, and of wrong ones.
-constexpr double kThreshold = 1e-3;
-constexpr OfKinds kThresholds{kThreshold, kThreshold};
+using testing::kNoise;
+using testing::kThreshold;
+using testing::kThresholds;
 
 template <typename D>
-class TruncatedJoinTest : public ::testing::Test {
+class TruncatedJoinTest : public testing::TruncatedJoinFixture<D> {
  protected:
   static constexpr int kDim = D::value;
 
-  static testing::SmallWorld<kDim> world() {
-    return testing::small_world<kDim>({.poses = 30, .features = 10, .closures = 6, .range = 4.0, .noise = kNoise});
-  }
-  /// Makes a closure wrong by so much (m); where that is little, everything stays linear.
-  static void spoil_closure(Log<kDim>& log, std::size_t closure, double metres) {
-    log.graph.pose_factors[log.odometry().size() + closure].measured.translation[0] += metres;
-  }
-  static void spoil_observation(Log<kDim>& log, std::size_t observation, double metres) {
-    log.graph.feature_factors[observation].measured[0] += metres;
-  }
-  static TruncatedJoin<kDim> join_of(const testing::SmallWorld<kDim>& world, const std::vector<bool>& observations = {}) {
-    return TruncatedJoin<kDim>(world.log, world.truth, observations, Engine::kFronts);
-  }
-  static std::vector<std::size_t> closures_that_do_not_count(const TruncatedJoin<kDim>& join) {
-    std::vector<std::size_t> out;
-    for (std::size_t k = 0; k < join.closure_tests().size(); ++k) {
-      if (!join.counts(k)) out.push_back(k);
-    }
-    return out;
-  }
   static void expect_alike(std::span<const PartTest> tests, std::span<const PartTest> expected, double share) {
     ASSERT_EQ(tests.size(), expected.size());
     for (std::size_t k = 0; k < tests.size(); ++k) {
       EXPECT_NEAR(tests[k].chi2, expected[k].chi2, share * expected[k].chi2) << k;
     }
   }
-  static std::ptrdiff_t observations_that_count(const TruncatedJoin<kDim>& join) {
-    return std::ranges::count(join.observations_count(), true);
-  }
   static double chi2_of(const Log<kDim>& log) {
     RunOptions options = without_verdict();
     options.solver.relative_chi2 = 1e-14;
     return solve(log, options).value().chi2;
-  }
-  /// The log without a closure, or without an observation.
-  static Log<kDim> without_closure(Log<kDim> log, std::size_t closure) {
-    auto& factors = log.graph.pose_factors;
-    factors.erase(factors.begin() + std::ssize(log.odometry()) + static_cast<std::ptrdiff_t>(closure));
-    return log;
-  }
-  static Log<kDim> without_observation(Log<kDim> log, std::size_t observation) {
-    auto& factors = log.graph.feature_factors;
-    factors.erase(factors.begin() + static_cast<std::ptrdiff_t>(observation));
-    return log;
   }
 };
 TYPED_TEST_SUITE(TruncatedJoinTest, testing::Dimensions);
@@ -86,8 +49,8 @@ TEST(CompleteWeakly, GivesInformationOnlyToEdgesThatLackSome) {
 TYPED_TEST(TruncatedJoinTest, CountsOutWhatDoesNotFitAndKeepsTheOthers) {
   for (const double metres : {0.2, 5.0}) {
     auto world = this->world();
-    this->spoil_closure(world.log, 2, metres);
-    this->spoil_observation(world.log, 7, metres);
+    testing::spoil_closure(world.log, 2, metres);
+    testing::spoil_observation(world.log, 7, metres);
     auto join = this->join_of(world);
     join.graduate(kThresholds, {});
     EXPECT_EQ(this->closures_that_do_not_count(join), std::vector<std::size_t>{2}) << metres;
@@ -107,7 +70,7 @@ TYPED_TEST(TruncatedJoinTest, KeepsAllOfALogThatFits) {
 
 TYPED_TEST(TruncatedJoinTest, CountsOutAClosureWhoseChi2IsInfinite) {
   auto world = this->world();
-  this->spoil_closure(world.log, 2, 1e10);
+  testing::spoil_closure(world.log, 2, 1e10);
   world.log.graph.pose_factors[world.log.odometry().size() + 2].information.setIdentity();
   world.log.graph.pose_factors[world.log.odometry().size() + 2].information *= 1e300;
   auto join = this->join_of(world);
@@ -117,13 +80,13 @@ TYPED_TEST(TruncatedJoinTest, CountsOutAClosureWhoseChi2IsInfinite) {
 
 TYPED_TEST(TruncatedJoinTest, GivesKindsThresholdsOfTheirOwn) {
   auto closure = this->world();
-  this->spoil_closure(closure.log, 2, 0.05);
+  testing::spoil_closure(closure.log, 2, 0.05);
   auto of_closures = this->join_of(closure);
   of_closures.graduate({kThreshold, 1e9}, {});
   EXPECT_EQ(this->closures_that_do_not_count(of_closures), std::vector<std::size_t>{2});
   EXPECT_EQ(this->observations_that_count(of_closures), std::ssize(closure.log.observations()));
   auto observation = this->world();
-  this->spoil_observation(observation.log, 7, 0.05);
+  testing::spoil_observation(observation.log, 7, 0.05);
   auto of_observations = this->join_of(observation);
   of_observations.graduate({1e9, kThreshold}, {});
   EXPECT_TRUE(this->closures_that_do_not_count(of_observations).empty());
@@ -137,25 +100,25 @@ TYPED_TEST(TruncatedJoinTest, TestsWhatCountsAgainstAllOthers) {
   ASSERT_TRUE(join.is_tested());
   const double chi2 = this->chi2_of(world.log);
   for (std::size_t k = 0; k < join.closure_tests().size(); ++k) {
-    const double gain = chi2 - this->chi2_of(this->without_closure(world.log, k));
+    const double gain = chi2 - this->chi2_of(testing::without_closure(world.log, k));
     EXPECT_NEAR(join.closure_tests()[k].chi2, gain, 1e-3 * gain) << "closure " << k;
   }
   for (const std::size_t k : {0U, 9U, 20U}) {
-    const double gain = chi2 - this->chi2_of(this->without_observation(world.log, k));
+    const double gain = chi2 - this->chi2_of(testing::without_observation(world.log, k));
     EXPECT_NEAR(join.observation_tests()[k].chi2, gain, 1e-3 * gain) << "observation " << k;
   }
 }
 
 TYPED_TEST(TruncatedJoinTest, TestsWhatDoesNotCountAgainstAllThatCounts) {
   auto world = this->world();
-  this->spoil_closure(world.log, 2, 0.01);
-  this->spoil_observation(world.log, 7, 0.01);
+  testing::spoil_closure(world.log, 2, 0.01);
+  testing::spoil_observation(world.log, 7, 0.01);
   auto join = this->join_of(world);
   join.graduate(kThresholds, {});
   join.settle({});
-  const Log<TypeParam::value> without_closure = this->without_closure(world.log, 2);
-  const double chi2 = this->chi2_of(this->without_observation(without_closure, 7));
-  const double more_with_closure = this->chi2_of(this->without_observation(world.log, 7)) - chi2;
+  const Log<TypeParam::value> without_closure = testing::without_closure(world.log, 2);
+  const double chi2 = this->chi2_of(testing::without_observation(without_closure, 7));
+  const double more_with_closure = this->chi2_of(testing::without_observation(world.log, 7)) - chi2;
   EXPECT_NEAR(join.closure_tests()[2].chi2, more_with_closure, 0.01 * more_with_closure);
   const double more_with_observation = this->chi2_of(without_closure) - chi2;
   EXPECT_NEAR(join.observation_tests()[7].chi2, more_with_observation, 0.01 * more_with_observation);
@@ -163,7 +126,7 @@ TYPED_TEST(TruncatedJoinTest, TestsWhatDoesNotCountAgainstAllThatCounts) {
 
 TYPED_TEST(TruncatedJoinTest, SettlesByAStepWhereAllIsLinear) {
   auto world = this->world();
-  this->spoil_closure(world.log, 2, 0.01);
+  testing::spoil_closure(world.log, 2, 0.01);
   auto settled = this->join_of(world);
   settled.settle({});
   auto by_a_step = this->join_of(world);
@@ -178,7 +141,7 @@ TYPED_TEST(TruncatedJoinTest, SettlesByAStepWhereAllIsLinear) {
 
 TYPED_TEST(TruncatedJoinTest, SettlesByAStepWithoutWhatDoesNotCount) {
   auto world = this->world();
-  this->spoil_closure(world.log, 2, 0.01);
+  testing::spoil_closure(world.log, 2, 0.01);
   auto settled = this->join_of(world);
   auto by_a_step = this->join_of(world);
   for (auto* join : {&settled, &by_a_step}) {
@@ -243,84 +206,6 @@ TYPED_TEST(TruncatedJoinTest, IsTestedThoughAnEdgeLeavesADirectionFree) {
   join.settle({});
   EXPECT_TRUE(join.is_tested());
   EXPECT_LT(testing::largest_difference(join.system().estimate(), world.truth), 0.1);
-}
-
-TYPED_TEST(TruncatedJoinTest, LetsNoWrongObservationCountAgain) {
-  auto world = this->world();
-  this->spoil_observation(world.log, 7, 1.0);
-  std::vector<bool> count(world.log.observations().size(), true);
-  count[7] = count[8] = false;
-  auto join = this->join_of(world, count);
-  join.settle({});
-  EXPECT_TRUE(join.readmit(kThresholds));
-  EXPECT_FALSE(join.observations_count()[7]);
-  EXPECT_TRUE(join.observations_count()[8]);
-}
-
-TYPED_TEST(TruncatedJoinTest, LetsAClosureCountAgainThatFitsTheOthers) {
-  auto world = this->world();
-  this->spoil_closure(world.log, 2, 5.0);
-  auto join = this->join_of(world);
-  join.settle({});
-  ASSERT_TRUE(join.drop_closures(0.0));
-  join.settle({});
-  EXPECT_FALSE(join.readmit({0.0, kThreshold})) << "closures are not meant";
-  EXPECT_TRUE(join.readmit(kThresholds));
-  EXPECT_EQ(this->closures_that_do_not_count(join), std::vector<std::size_t>{2});
-}
-
-TYPED_TEST(TruncatedJoinTest, DropsOnlyTheFarthestObservationsAtOnce) {
-  auto world = this->world();
-  for (const std::size_t k : {7, 20, 35}) this->spoil_observation(world.log, k, 0.01);
-  auto join = this->join_of(world);
-  join.settle({});
-  const std::vector<PartTest> tests(join.observation_tests().begin(), join.observation_tests().end());
-  const double worst = std::ranges::max(tests, {}, &PartTest::chi2).chi2;
-  EXPECT_FALSE(join.drop_observations(1.01 * worst));
-  constexpr double kShare = 1e-3;
-  EXPECT_TRUE(join.drop_observations(kShare * worst));
-  EXPECT_TRUE(this->closures_that_do_not_count(join).empty());
-  std::size_t dropped = 0;
-  std::size_t spared = 0;
-  for (std::size_t k = 0; k < tests.size(); ++k) {
-    EXPECT_EQ(join.observations_count()[k], tests[k].chi2 < 0.5 * worst) << k;
-    if (!join.observations_count()[k]) ++dropped;
-    if (join.observations_count()[k] && tests[k].chi2 > kShare * worst) ++spared;
-  }
-  EXPECT_GT(dropped, 1U);
-  EXPECT_GT(spared, 0U) << "that are beyond, too";
-}
-
-/// Which closures are dropped of a world whose worst one, closure 1, has so many times the threshold as chi2. That of closure 4
-/// is two thirds of it, that of closure 5 a quarter, and no other's a tenth.
-template <typename D>
-class DropTest : public TruncatedJoinTest<D> {
- protected:
-  std::vector<std::size_t> dropped(double excess) {
-    auto world = this->world();
-    for (const auto& [closure, metres] : {std::pair(1U, 0.1), std::pair(4U, 0.08), std::pair(5U, 0.05)}) {
-      world.log.graph.pose_factors[world.log.odometry().size() + closure].information.setIdentity();
-      this->spoil_closure(world.log, closure, metres);
-    }
-    auto join = this->join_of(world);
-    join.settle({});
-    const double worst = join.closure_tests()[1].chi2;
-    EXPECT_EQ(join.drop_closures(worst / excess), excess > 1.0);
-    return this->closures_that_do_not_count(join);
-  }
-};
-TYPED_TEST_SUITE(DropTest, testing::Dimensions);
-
-TYPED_TEST(DropTest, LeavesNothingOutThatPassesItsTest) {
-  EXPECT_TRUE(this->dropped(0.9).empty());
-}
-
-TYPED_TEST(DropTest, LeavesOutAllThatAreBeyond) {
-  EXPECT_EQ(this->dropped(10.0), (std::vector<std::size_t>{1, 4, 5}));
-}
-
-TYPED_TEST(DropTest, LeavesOutTheWorstAloneWhereNoOtherIsBeyond) {
-  EXPECT_EQ(this->dropped(1.4), std::vector<std::size_t>{1});
 }
 
 }  // namespace
