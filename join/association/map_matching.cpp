@@ -91,17 +91,10 @@ Eigen::MatrixXd MapMatching<Dim>::columns_of(const std::vector<FeatureIndex>& fe
 /// The joint covariance of features that one map sees.
 template <int Dim>
 Eigen::MatrixXd MapMatching<Dim>::joint(const std::vector<FeatureIndex>& features, std::size_t map) const {
-  if (estimate_.is_local_map[map]) {
-    std::vector<Variable> variables;
-    for (const FeatureIndex f : features) variables.push_back(estimate_.covariances->variable(f));
-    return scale_ * estimate_.marginals->joint(variables);
-  }
-  const Eigen::MatrixXd columns = columns_of(features);
-  Eigen::MatrixXd joint(columns.cols(), columns.cols());
-  for (std::size_t k = 0; k < features.size(); ++k) {
-    joint.template middleRows<Dim>(static_cast<Eigen::Index>(k) * Dim) = columns.template middleRows<Dim>(offset(features[k]));
-  }
-  return joint;
+  std::vector<Variable> variables;
+  for (const FeatureIndex f : features) variables.push_back(estimate_.covariances->variable(f));
+  if (estimate_.is_local_map[map]) return scale_ * estimate_.marginals->joint(variables);
+  return scale_ * CrossCovariances(estimate_.covariances->equations()).joint(variables);
 }
 
 template <int Dim>

@@ -108,19 +108,23 @@ MarginalCovariances<Dim> MapCovariances<Dim>::marginals(const Marginals& margina
 
 template <int Dim>
 Expected<Eigen::MatrixXd> MapCovariances<Dim>::joint(std::span<const PoseOrFeature> variables) const {
-  std::vector<Eigen::Triplet<double>> entries;  // of unit columns
+  std::vector<Variable> free;
+  std::vector<Eigen::Index> places;  // of their entries in the covariance
   Eigen::Index size = 0;
   for (const PoseOrFeature& asked : variables) {
     const Variable v = std::visit([&](auto of) { return variable(of); }, asked);
     const int dof = std::holds_alternative<PoseIndex>(asked) ? kPoseDof<Dim> : Dim;
-    for (int i = 0; v != kConstant && i < dof; ++i) entries.emplace_back(equations_.offset(v) + i, size + i, 1.0);
+    if (v != kConstant) {
+      free.push_back(v);
+      for (int i = 0; i < dof; ++i) places.push_back(size + i);
+    }
     size += dof;
   }
   const std::string what = fmt::format("the joint covariance of {} poses and features", variables.size());
-  return check_memory(what, covariance_bytes(equations_, size), most_memory_).map([&] {
-    Eigen::SparseMatrix<double> columns(equations_.size(), size);
-    columns.setFromTriplets(entries.begin(), entries.end());
-    return covariance_of(equations_, columns);
+  return check_memory(what, CrossCovariances::bytes(equations_, size), most_memory_).map([&] {
+    Eigen::MatrixXd covariance = Eigen::MatrixXd::Zero(size, size);
+    covariance(places, places) = CrossCovariances(equations_).joint(free);
+    return covariance;
   });
 }
 

@@ -55,11 +55,12 @@ std::vector<UncertainPose<Dim>> mismatches(const JoiningSystem<Dim>& system, con
   parallel_for(groups.size(), [&](std::size_t g) {
     if (stop.stop_requested()) return;
     const auto& [base, group] = groups[g];
-    const std::vector<Eigen::MatrixXd> blocks = cross.between(base, group.targets);
-    for (std::size_t c = 0; c < blocks.size(); ++c) {
+    const Eigen::MatrixXd covariances = cross.between({&base, 1}, group.targets);
+    for (std::size_t c = 0; c < group.closures.size(); ++c) {
       const std::size_t k = group.closures[c];
       const auto [r, J_target, J_base] = linearised(closures[k]);
-      const PoseMatrix<Dim> across = J_base * blocks[c] * J_target.transpose();
+      const PoseMatrix<Dim> block = covariances.middleCols<kPoseDof<Dim>>(static_cast<Eigen::Index>(c) * kPoseDof<Dim>);
+      const PoseMatrix<Dim> across = J_base * block * J_target.transpose();
       mismatches[k].covariance += across + across.transpose();
     }
   });

@@ -16,8 +16,9 @@ namespace {
 using Eigen::Lower;
 using Stride = Eigen::OuterStride<>;
 
-/// Right-hand sides solved at once: dense products pay, and their memory stays small beside the factor's.
-constexpr Eigen::Index kColumnsAtOnce = 64;
+/// Variables whose columns of the inverse are found at once: dense products pay, and their memory stays small beside the
+/// factor's.
+constexpr std::size_t kVariablesAtOnce = 16;
 
 Eigen::Index width_of(const Supernode& node) {
   return node.end - node.begin;
@@ -172,6 +173,12 @@ CrossCovariances::RowsOnPaths CrossCovariances::zeros_on_paths(std::span<const V
   return zeros;
 }
 
+Eigen::Index CrossCovariances::size_of(std::span<const Variable> variables) const {
+  Eigen::Index size = 0;
+  for (const Variable v : variables) size += equations_.dof(v);
+  return size;
+}
+
 Eigen::Index CrossCovariances::column_in(const RowsOnPaths& rows, Variable v) const {
   const std::int64_t column = equations_.factor_column(v);
   const auto node = std::ranges::lower_bound(rows.nodes, node_of(column));
@@ -190,19 +197,23 @@ std::vector<Eigen::Index> CrossCovariances::columns_below(const RowsOnPaths& row
   return columns;
 }
 
-CrossCovariances::RowsOnPaths CrossCovariances::substitute_forward(Variable u) const {
-  const Eigen::Index dof = equations_.dof(u);
-  RowsOnPaths Y = zeros_on_paths({&u, 1}, dof);
-  Y.values.middleCols(column_in(Y, u), dof).setIdentity();
+CrossCovariances::RowsOnPaths CrossCovariances::substitute_forward(std::span<const Variable> variables) const {
+  const Eigen::Index size = size_of(variables);
+  RowsOnPaths Y = zeros_on_paths(variables, size);
+  for (Eigen::Index row = 0; const Variable v : variables) {
+    const Eigen::Index dof = equations_.dof(v);
+    Y.values.block(row, column_in(Y, v), dof, dof).setIdentity();
+    row += dof;
+  }
   for (std::size_t k = 0; k < Y.nodes.size(); ++k) {
     const Supernode& node = factor_[Y.nodes[k]];
     const Eigen::Index width = width_of(node);
     const auto height = static_cast<Eigen::Index>(node.rows.size());
-    const DenseBlock own(Y.values.col(Y.first[k]).data(), dof, width, Stride(dof));
+    const DenseBlock own(Y.values.col(Y.first[k]).data(), size, width, Stride(size));
     divide_by_transpose({node.values, width, width, Stride(height)}, own);
-    Eigen::MatrixXd sent(dof, height - width);
+    Eigen::MatrixXd sent(size, height - width);
     subtract_product(constant(own), {node.values + width, height - width, width, Stride(height)},
-                     {sent.data(), dof, height - width, Stride(dof)}, Into::kNew);
+                     {sent.data(), size, height - width, Stride(size)}, Into::kNew);
     Y.values(Eigen::all, columns_below(Y, k)) += sent;
   }
   return Y;
@@ -228,27 +239,40 @@ CrossCovariances::RowsOnPaths CrossCovariances::substitute_back(const RowsOnPath
   return X;
 }
 
-std::vector<Eigen::MatrixXd> CrossCovariances::between(Variable u, std::span<const Variable> others) const {
-  const RowsOnPaths X = substitute_back(substitute_forward(u), others);
-  std::vector<Eigen::MatrixXd> blocks;
-  for (const Variable v : others) blocks.emplace_back(X.values.middleCols(column_in(X, v), equations_.dof(v)));
+Eigen::MatrixXd CrossCovariances::between(std::span<const Variable> rows, std::span<const Variable> columns) const {
+  const RowsOnPaths X = substitute_back(substitute_forward(rows), columns);
+  Eigen::MatrixXd blocks(X.values.rows(), size_of(columns));
+  for (Eigen::Index column = 0; const Variable v : columns) {
+    const Eigen::Index dof = equations_.dof(v);
+    blocks.middleCols(column, dof) = X.values.middleCols(column_in(X, v), dof);
+    column += dof;
+  }
   return blocks;
 }
 
-Eigen::MatrixXd covariance_of(const NormalEquations& equations, const Eigen::SparseMatrix<double>& J_transposed) {
-  const Eigen::Index size = J_transposed.cols();
+Eigen::MatrixXd CrossCovariances::joint(std::span<const Variable> variables) const {
+  const Eigen::Index size = size_of(variables);
   Eigen::MatrixXd covariance(size, size);
-  for (Eigen::Index first = 0; first < size; first += kColumnsAtOnce) {
-    const Eigen::Index count = std::min(kColumnsAtOnce, size - first);
-    const Eigen::MatrixXd solution = equations.solve_columns(J_transposed.middleCols(first, count));
-    covariance.middleCols(first, count) = J_transposed.transpose() * solution;
+  Eigen::Index row = 0;
+  for (std::size_t first = 0; first < variables.size(); first += kVariablesAtOnce) {
+    const auto rest = variables.subspan(first);
+    const Eigen::MatrixXd rows = between(rest.first(std::min(kVariablesAtOnce, rest.size())), rest);
+    covariance.block(row, row, rows.rows(), rows.cols()) = rows;
+    row += rows.rows();
   }
-  return 0.5 * (covariance + covariance.transpose());
+  covariance.triangularView<Eigen::StrictlyLower>() = covariance.transpose();
+  return covariance;
 }
 
-std::int64_t covariance_bytes(const NormalEquations& equations, Eigen::Index rows) {
-  // The result and its transpose; a batch of right-hand sides, permuted, solved, copied and permuted back.
-  return 8 * (2 * rows * rows + 6 * kColumnsAtOnce * equations.size());
+std::int64_t CrossCovariances::bytes(const NormalEquations& equations, Eigen::Index size) {
+  const Supernodes factor = equations.supernodes();
+  const auto nodes = static_cast<std::int64_t>(factor.size() * sizeof(Supernode));
+  const auto& dofs = equations.pattern().dofs;
+  const int most_dof = dofs.empty() ? 0 : std::ranges::max(dofs);
+  const Eigen::Index at_once = std::min(size, static_cast<Eigen::Index>(kVariablesAtOnce) * most_dof);
+  // The factor's rows; the result, and its copy in the order of the caller; of the variables at once Yᵀ, (L⁻ᵀ Y)ᵀ, what of that
+  // is asked for, and room for what is done at one supernode.
+  return nodes + 8 * (Size(factor).rows + equations.size() + 2 * size * size + 4 * at_once * equations.size());
 }
 
 std::int64_t machine_memory() {

@@ -3,7 +3,6 @@
 // Covariances of block variables: blocks of H⁻¹ by its Cholesky factor, and the memory that they take.
 
 #include <Eigen/Core>
-#include <Eigen/SparseCore>
 #include <cstddef>
 #include <cstdint>
 #include <functional>
@@ -85,20 +84,25 @@ class Marginals {
   InverseSubset subset_;
 };
 
-/// The blocks of H⁻¹ between any two variables. With H = L Lᵀ, the columns of H⁻¹ of a variable u are
+/// The blocks of H⁻¹ between any two variables. With H = L Lᵀ, the columns of H⁻¹ of some of them are
 ///
-///   H⁻¹ E_u = L⁻ᵀ Y,    Y = L⁻¹ E_u,
+///   H⁻¹ E = L⁻ᵀ Y,    Y = L⁻¹ E,
 ///
-/// E_u being its unit columns. Y is zero but in the supernodes on the path from that of u to the root of the elimination tree,
-/// and the rows of L⁻ᵀ Y of a variable v follow from those on the path of v.
+/// E being their unit columns. Y is zero but in the supernodes on the paths from theirs to the root of the elimination tree,
+/// and the rows of L⁻ᵀ Y of other variables follow from those on the paths of these. No variable may be constant; any may be
+/// asked for more than once. Any threads may ask at once.
 class CrossCovariances {
  public:
   /// By the last factorisation of `equations`, which must stay.
   explicit CrossCovariances(const NormalEquations& equations);
 
-  /// The blocks between u and each of the others: a row for each entry of u, a column for each of the other's. All must have a
-  /// variable's columns. The work is that of the path of u and of the union of the others' paths. Any threads may ask at once.
-  std::vector<Eigen::MatrixXd> between(Variable u, std::span<const Variable> others) const;
+  /// A row for each entry of the rows' variables, a column for each of the columns'. For each row the work is that of the paths
+  /// of both.
+  Eigen::MatrixXd between(std::span<const Variable> rows, std::span<const Variable> columns) const;
+  /// The joint covariance of variables, in the order given.
+  Eigen::MatrixXd joint(std::span<const Variable> variables) const;
+  /// What the constructor and the joint covariance of `size` entries ask for (bytes).
+  static std::int64_t bytes(const NormalEquations& equations, Eigen::Index size);
 
  private:
   /// A few rows of a matrix with the columns of L; only the columns of some supernodes and all their ancestors, ascending, side
@@ -110,10 +114,11 @@ class CrossCovariances {
   };
   std::size_t node_of(std::int64_t column) const { return node_of_[static_cast<std::size_t>(column)]; }
   RowsOnPaths zeros_on_paths(std::span<const Variable> variables, Eigen::Index rows) const;
+  Eigen::Index size_of(std::span<const Variable> variables) const;
   Eigen::Index column_in(const RowsOnPaths& rows, Variable v) const;
   std::vector<Eigen::Index> columns_below(const RowsOnPaths& rows, std::size_t k) const;
-  /// Yᵀ of u.
-  RowsOnPaths substitute_forward(Variable u) const;
+  /// Yᵀ of some variables.
+  RowsOnPaths substitute_forward(std::span<const Variable> variables) const;
   /// (L⁻ᵀ Y)ᵀ on the paths of some variables.
   RowsOnPaths substitute_back(const RowsOnPaths& Y_transposed, std::span<const Variable> variables) const;
 
@@ -121,13 +126,6 @@ class CrossCovariances {
   Supernodes factor_;
   std::vector<std::size_t> node_of_;  // per column
 };
-
-/// J H⁻¹ Jᵀ, the covariance of any linear functions of the variables, by solves with the columns of Jᵀ (over the variables in
-/// their own order, as a vector of `equations` is). A unit column per entry gives the joint covariance of any variables.
-Eigen::MatrixXd covariance_of(const NormalEquations& equations, const Eigen::SparseMatrix<double>& J_transposed);
-
-/// What covariance_of() asks for with `rows` rows of J (bytes).
-std::int64_t covariance_bytes(const NormalEquations& equations, Eigen::Index rows);
 
 /// The physical memory of the machine (bytes).
 std::int64_t machine_memory();

@@ -87,8 +87,9 @@ class MapCovariancesTest : public ::testing::Test {
       const Eigen::Index at = row(f);
       expect_near(marginals->features[f], joined_map.block(at, at, kDim, kDim), "feature " + std::to_string(f.value));
     }
-    // Every third pose and every second feature, in no order: of one map and of several, kept and eliminated, held and free.
-    std::vector<PoseOrFeature> some;
+    // Every third pose and every second feature, in no order: of one map and of several, kept and eliminated, held and free;
+    // the first pose, which most hold, twice.
+    std::vector<PoseOrFeature> some{PoseIndex(0), PoseIndex(0)};
     for (int k = 0; k < poses_end.value; k += 3) some.emplace_back(PoseIndex((k * 7 + 5) % poses_end.value));
     for (int k = 0; k < features_end.value; k += 2) some.emplace_back(FeatureIndex((k * 11 + 3) % features_end.value));
     std::vector<Eigen::Index> rows;

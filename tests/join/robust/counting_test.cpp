@@ -44,7 +44,7 @@ TYPED_TEST(CountingTest, LetsAClosureCountAgainThatFitsTheOthers) {
 
 TYPED_TEST(CountingTest, DropsOnlyTheFarthestObservationsAtOnce) {
   auto world = this->world();
-  for (const std::size_t k : {7, 20, 35}) testing::spoil_observation(world.log, k, 0.01);
+  for (const std::size_t k : {7u, 20u, 35u}) testing::spoil_observation(world.log, k, 0.01);
   auto join = this->join_of(world);
   join.settle({});
   const std::vector<PartTest> tests(join.observation_tests().begin(), join.observation_tests().end());

@@ -81,31 +81,34 @@ TEST_P(MarginalsTest, AreTheBlocksOfTheDenseInverse) {
   }
 }
 
-TEST_P(MarginalsTest, UnitColumnsGiveTheJointCovarianceOfVariablesFarApart) {
-  ASSERT_FALSE(equations.factorise(0.0));
-  const std::vector<Variable> variables = {Variable(GetParam() - 1), 0, Variable(GetParam() / 2)};
-  const auto list = entries(variables);
-  Eigen::SparseMatrix<double> units(equations.size(), static_cast<Eigen::Index>(list.size()));
-  for (std::size_t k = 0; k < list.size(); ++k) units.insert(list[k], static_cast<Eigen::Index>(k)) = 1.0;
-  const Eigen::MatrixXd expected = inverse_over(variables);
-  EXPECT_LT((covariance_of(equations, units) - expected).norm(), 1e-12 * expected.norm());
-}
-
 TEST_P(MarginalsTest, CrossCovariancesAreTheBlocksOfTheDenseInverse) {
   ASSERT_FALSE(equations.factorise(0.0));
   const CrossCovariances cross(equations);
   std::vector<Variable> all;
   for (const Variable v : equations.variables()) all.push_back(v);
   all.push_back(all.front());  // in any order, and more than once
-  for (const Variable u : {Variable(0), Variable(GetParam() / 2), Variable(GetParam() - 1)}) {
-    const auto of_all = cross.between(u, all);
-    for (std::size_t k = 0; k < all.size(); ++k) {
-      const Variable v = all[k];
-      const Eigen::MatrixXd expected = inverse(entries({u}), entries({v}));
-      const double tolerance = 1e-12 * inverse_over({u}).norm();
-      EXPECT_LT((of_all[k] - expected).norm(), tolerance) << u.value << " and " << v.value;
-      EXPECT_LT((cross.between(u, {&v, 1}).front() - expected).norm(), tolerance) << u.value << " and " << v.value;
+  for (const std::vector<Variable>& rows : {std::vector<Variable>{0}, {Variable(GetParam() - 1), Variable(GetParam() / 2)}}) {
+    const Eigen::MatrixXd of_all = inverse(entries(rows), entries(all));
+    EXPECT_LT((cross.between(rows, all) - of_all).norm(), 1e-12 * of_all.norm());
+    const double tolerance = 1e-12 * inverse_over(rows).norm();
+    for (const Variable v : all) {
+      const Eigen::MatrixXd expected = inverse(entries(rows), entries({v}));
+      EXPECT_LT((cross.between(rows, {&v, 1}) - expected).norm(), tolerance) << rows.front().value << " and " << v.value;
     }
+  }
+}
+
+TEST_P(MarginalsTest, CrossCovariancesGiveTheJointOneOfAnyVariables) {
+  ASSERT_FALSE(equations.factorise(0.0));
+  const CrossCovariances cross(equations);
+  std::vector<Variable> all;
+  for (const Variable v : equations.variables()) all.insert(all.begin(), v);
+  for (const std::vector<Variable>& variables : {std::vector<Variable>{}, {Variable(GetParam() - 1), 0, 0}, all}) {
+    const Eigen::MatrixXd expected = inverse_over(variables);
+    const Eigen::MatrixXd joint = cross.joint(variables);
+    ASSERT_EQ(joint.rows(), expected.rows());
+    EXPECT_LE((joint - expected).norm(), 1e-12 * expected.norm());
+    EXPECT_EQ(joint, joint.transpose());
   }
 }
 
