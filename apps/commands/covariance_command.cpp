@@ -12,6 +12,7 @@
 #include <mapjoin/io/files/output_file.hpp>
 #include <mapjoin/io/files/text_line.hpp>
 #include <memory>
+#include <tuple>
 #include <variant>
 
 namespace mapjoin::apps {
@@ -42,6 +43,7 @@ struct Named {
   std::string text;  ///< "pose 17"
   Json id;
   std::vector<std::string> coordinates;  ///< Of its step: rows of the covariance.
+  std::vector<Eigen::Index> rows;        ///< Of the joint covariance of all.
 };
 
 template <int Dim>
@@ -50,11 +52,14 @@ std::vector<Named<Dim>> find_all(const CovarianceOptions& options, const GlobalM
   for (const std::string& word : options.names) {
     const PoseOrFeature index = find_named(word, map.pose_ids, map.feature_ids).value();
     if (const auto* pose = std::get_if<PoseIndex>(&index)) {
-      all.push_back({index, to_string(map.pose_ids[*pose]), map.pose_ids[*pose], step_names<Dim>()});
+      all.push_back({index, to_string(map.pose_ids[*pose]), map.pose_ids[*pose], step_names<Dim>(), {}});
     } else {
       const FeatureId id = map.feature_ids[std::get<FeatureIndex>(index)];
-      all.push_back({index, to_string(id), id, step_names<Dim>(Dim)});
+      all.push_back({index, to_string(id), id, step_names<Dim>(Dim), {}});
     }
+  }
+  for (Eigen::Index row = 0; Named<Dim> & one : all) {
+    for (std::size_t i = 0; i < one.coordinates.size(); ++i) one.rows.push_back(row++);
   }
   return all;
 }
@@ -99,7 +104,10 @@ struct Relation {
 };
 
 template <int Dim>
-Relation relation(const MapCovariances<Dim>& covariances, const Named<Dim>& base, const Named<Dim>& target) {
+Relation relation(const MapCovariances<Dim>& covariances, const Named<Dim>& base, const Named<Dim>& target,
+                  const Eigen::MatrixXd& joint) {
+  std::vector<Eigen::Index> rows = base.rows;
+  rows.insert(rows.end(), target.rows.begin(), target.rows.end());
   const PoseIndex from = std::get<PoseIndex>(base.index);
   const Pose<Dim>& frame = covariances.state().poses[from];
   Eigen::MatrixXd covariance;
@@ -107,13 +115,13 @@ Relation relation(const MapCovariances<Dim>& covariances, const Named<Dim>& base
   Json rotation;
   if (const auto* pose = std::get_if<PoseIndex>(&target.index)) {
     const Pose<Dim> value = between(frame, covariances.state().poses[*pose]);
-    covariance = covariances.relative_pose(from, *pose).value();
+    covariance = covariances.relative(from, *pose, joint(rows, rows));
     position = value.translation;
     const RotationVector<Dim> vector = value.rotation.log();
     rotation = std::vector<double>(vector.begin(), vector.end());
   } else {
     const FeatureIndex feature = std::get<FeatureIndex>(target.index);
-    covariance = covariances.relative_feature(from, feature).value();
+    covariance = covariances.relative(from, feature, joint(rows, rows));
     position = transform_into<Dim>(frame, covariances.state().features[feature]);
   }
   return {{{"from", base.id},
@@ -127,13 +135,15 @@ Relation relation(const MapCovariances<Dim>& covariances, const Named<Dim>& base
 
 /// Of every two of them of which one is a pose: the one named later in the frame of the other, or of the pose.
 template <int Dim>
-std::vector<Relation> relations_of(const MapCovariances<Dim>& covariances, const std::vector<Named<Dim>>& all) {
+std::vector<Relation> relations_of(const MapCovariances<Dim>& covariances, const std::vector<Named<Dim>>& all,
+                                   const Eigen::MatrixXd& joint) {
   std::vector<Relation> relations;
   for (std::size_t i = 0; i < all.size(); ++i) {
     for (std::size_t j = i + 1; j < all.size(); ++j) {
       const bool is_first_pose = std::holds_alternative<PoseIndex>(all[i].index);
       if (!is_first_pose && !std::holds_alternative<PoseIndex>(all[j].index)) continue;
-      relations.push_back(is_first_pose ? relation(covariances, all[i], all[j]) : relation(covariances, all[j], all[i]));
+      const auto& [base, target] = is_first_pose ? std::tie(all[i], all[j]) : std::tie(all[j], all[i]);
+      relations.push_back(relation(covariances, base, target, joint));
     }
   }
   return relations;
@@ -150,7 +160,7 @@ struct Answer {
     std::vector<PoseOrFeature> asked;
     for (const auto& one : named) asked.push_back(one.index);
     joint = result.covariances->joint(asked).value();
-    relations = relations_of(*result.covariances, named);
+    relations = relations_of(*result.covariances, named, joint);
   }
 
   Json json() const {
@@ -165,12 +175,8 @@ struct Answer {
   }
 
   void add_to(Lines& lines) const {
-    Eigen::Index row = 0;
     for (const auto& one : named) {
-      const auto rows = static_cast<Eigen::Index>(one.coordinates.size());
-      lines.add("in the map",
-                one.text + ": standard deviations " + deviations_in_words<Dim>(joint.block(row, row, rows, rows)));
-      row += rows;
+      lines.add("in the map", one.text + ": standard deviations " + deviations_in_words<Dim>(joint(one.rows, one.rows)));
     }
     for (const Relation& relation : relations) lines.add("relative", relation.words);
   }

@@ -62,12 +62,17 @@ typename MapMatching<Dim>::Open MapMatching<Dim>::open_features(std::size_t map,
     open.features.push_back(feature);
     near_to.push_back(std::move(others));
   }
-  open.columns = columns_of(open.features);
+  std::set<FeatureIndex> all(open.features.begin(), open.features.end());
+  for (const auto& others : near_to) all.insert(others.begin(), others.end());
+  open.near.assign(all.begin(), all.end());
+  open.covariances =
+      scale_ *
+      CrossCovariances(estimate_.covariances->equations()).between(variables_of(open.features), variables_of(open.near));
   const double per_deviation = std::pow(2.0 * std::numbers::pi, 0.5 * Dim) * density_.overall();
   for (std::size_t k = 0; k < open.features.size(); ++k) {
     auto& candidates = open.candidates.emplace_back();
     for (const FeatureIndex other : near_to[k]) {
-      const PointMatrix<Dim> C = open.columns.template block<Dim, Dim>(offset(other), static_cast<Eigen::Index>(k) * Dim);
+      const PointMatrix<Dim> C = open.between(other, k);
       const PointMatrix<Dim> S = covariances_[open.features[k]] + covariances_[other] - C - C.transpose();
       const Point<Dim> d = position(other) - position(open.features[k]);
       const Eigen::LLT<PointMatrix<Dim>> factor(S);
@@ -79,20 +84,22 @@ typename MapMatching<Dim>::Open MapMatching<Dim>::open_features(std::size_t map,
 }
 
 template <int Dim>
-Eigen::MatrixXd MapMatching<Dim>::columns_of(const std::vector<FeatureIndex>& features) const {
-  const NormalEquations& equations = estimate_.covariances->equations();
-  Eigen::MatrixXd unit = Eigen::MatrixXd::Zero(equations.size(), static_cast<Eigen::Index>(features.size()) * Dim);
-  for (std::size_t k = 0; k < features.size(); ++k) {
-    unit.template block<Dim, Dim>(offset(features[k]), static_cast<Eigen::Index>(k) * Dim).setIdentity();
-  }
-  return features.empty() ? unit : Eigen::MatrixXd(scale_ * equations.solve_columns(unit));
+PointMatrix<Dim> MapMatching<Dim>::Open::between(FeatureIndex any, std::size_t place) const {
+  const auto column = std::ranges::lower_bound(near, any) - near.begin();
+  return covariances.template block<Dim, Dim>(static_cast<Eigen::Index>(place) * Dim, column * Dim).transpose();
+}
+
+template <int Dim>
+std::vector<Variable> MapMatching<Dim>::variables_of(const std::vector<FeatureIndex>& features) const {
+  std::vector<Variable> variables;
+  for (const FeatureIndex f : features) variables.push_back(estimate_.covariances->variable(f));
+  return variables;
 }
 
 /// The joint covariance of features that one map sees.
 template <int Dim>
 Eigen::MatrixXd MapMatching<Dim>::joint(const std::vector<FeatureIndex>& features, std::size_t map) const {
-  std::vector<Variable> variables;
-  for (const FeatureIndex f : features) variables.push_back(estimate_.covariances->variable(f));
+  const std::vector<Variable> variables = variables_of(features);
   if (estimate_.is_local_map[map]) return scale_ * estimate_.marginals->joint(variables);
   return scale_ * CrossCovariances(estimate_.covariances->equations()).joint(variables);
 }
@@ -111,14 +118,12 @@ PairingProblem<Dim> MapMatching<Dim>::problem(const std::vector<FeatureIndex>& k
     const std::size_t place = open_places[s];
     problem.sightings.push_back(position(open.features[place]));
     const Eigen::Index column = first + static_cast<Eigen::Index>(s) * Dim;
-    const auto columns = open.columns.template middleCols<Dim>(static_cast<Eigen::Index>(place) * Dim);
     for (std::size_t k = 0; k < known.size(); ++k) {
-      problem.covariance.template block<Dim, Dim>(static_cast<Eigen::Index>(k) * Dim, column) =
-          columns.template middleRows<Dim>(offset(known[k]));
+      problem.covariance.template block<Dim, Dim>(static_cast<Eigen::Index>(k) * Dim, column) = open.between(known[k], place);
     }
     for (std::size_t k = 0; k < open_places.size(); ++k) {
       problem.covariance.template block<Dim, Dim>(first + static_cast<Eigen::Index>(k) * Dim, column) =
-          columns.template middleRows<Dim>(offset(open.features[open_places[k]]));
+          open.between(open.features[open_places[k]], place);
     }
     auto& choices = problem.choices.emplace_back();
     for (std::size_t k = 0; k < known.size(); ++k) {

@@ -63,11 +63,15 @@ class MapMatching {
     double confusable = 0.0;      // other features that it may be mistaken for
     PointMatrix<Dim> covariance;  // of the difference
   };
-  /// Features of a map with candidates, and the columns of the covariance that belong to them.
+  /// Features of a map with candidates.
   struct Open {
     std::vector<FeatureIndex> features;
     std::vector<std::vector<Candidate>> candidates;
-    Eigen::MatrixXd columns;
+    std::vector<FeatureIndex> near;  // these features and all that lie near one of them, ascending
+    Eigen::MatrixXd covariances;     // a row for each coordinate of `features`, a column for each of `near`
+
+    /// Of any that lies near with one of the features.
+    PointMatrix<Dim> between(FeatureIndex any, std::size_t place) const;
   };
 
   Open open_features(std::size_t map, bool only_neighbours) const;
@@ -78,12 +82,8 @@ class MapMatching {
   Proposals within(std::size_t map, const Open& open, Matcher<Dim>& matcher) const;
   PairingProblem<Dim> problem(const std::vector<FeatureIndex>& known, const std::vector<std::size_t>& open_places,
                               const Open& open, std::size_t known_map) const;
-  /// Those of the covariance of all that belong to some features.
-  Eigen::MatrixXd columns_of(const std::vector<FeatureIndex>& features) const;
+  std::vector<Variable> variables_of(const std::vector<FeatureIndex>& features) const;
   Eigen::MatrixXd joint(const std::vector<FeatureIndex>& features, std::size_t map) const;
-  Eigen::Index offset(FeatureIndex feature) const {
-    return estimate_.covariances->equations().offset(estimate_.covariances->variable(feature));
-  }
   const Point<Dim>& position(FeatureIndex feature) const { return estimate_.covariances->state().features[feature]; }
   bool is_in(FeatureIndex feature, std::size_t map) const;
 

@@ -91,17 +91,15 @@ MarginalCovariances<Dim> MapCovariances<Dim>::marginals(const Marginals& margina
     if (pose_variables_[p] == kConstant) continue;
     PoseRelation<Dim>& relation = out.relations.poses[p];
     const auto joint = with_parent<kDof>(relation.parent, p, marginals);
-    const auto J = J_relation(state_.pose(relation.parent), state_.poses[p]);
     out.poses[p] = joint.template bottomRightCorner<kDof, kDof>();
-    relation.covariance = symmetric(J * joint * J.transpose());
+    relation.covariance = relative(relation.parent, p, joint);
   }
   for (const FeatureIndex f : indices(out.features)) {
     if (feature_variables_[f] == kConstant) continue;
     FeatureRelation<Dim>& relation = out.relations.features[f];
     const auto joint = with_parent<Dim>(relation.parent, f, marginals);
-    const auto J = J_relation<Dim>(state_.pose(relation.parent), state_.features[f]);
     out.features[f] = joint.template bottomRightCorner<Dim, Dim>();
-    relation.covariance = symmetric(J * joint * J.transpose());
+    relation.covariance = relative(relation.parent, f, joint);
   }
   return out;
 }
@@ -130,18 +128,28 @@ Expected<Eigen::MatrixXd> MapCovariances<Dim>::joint(std::span<const PoseOrFeatu
 
 template <int Dim>
 Expected<PoseMatrix<Dim>> MapCovariances<Dim>::relative_pose(PoseIndex base, PoseIndex target) const {
-  const auto covariance = joint(std::array<PoseOrFeature, 2>{base, target});
-  if (!covariance) return tl::unexpected(covariance.error());
-  const auto J = J_relation(state_.pose(base), state_.pose(target));
-  return PoseMatrix<Dim>(J * *covariance * J.transpose());
+  return joint(std::array<PoseOrFeature, 2>{base, target}).map([&](const Eigen::MatrixXd& both) {
+    return relative(base, target, both);
+  });
 }
 
 template <int Dim>
 Expected<PointMatrix<Dim>> MapCovariances<Dim>::relative_feature(PoseIndex base, FeatureIndex feature) const {
-  const auto covariance = joint(std::array<PoseOrFeature, 2>{base, feature});
-  if (!covariance) return tl::unexpected(covariance.error());
+  return joint(std::array<PoseOrFeature, 2>{base, feature}).map([&](const Eigen::MatrixXd& both) {
+    return relative(base, feature, both);
+  });
+}
+
+template <int Dim>
+PoseMatrix<Dim> MapCovariances<Dim>::relative(PoseIndex base, PoseIndex target, const Eigen::MatrixXd& joint) const {
+  const auto J = J_relation(state_.pose(base), state_.pose(target));
+  return symmetric(J * joint * J.transpose());
+}
+
+template <int Dim>
+PointMatrix<Dim> MapCovariances<Dim>::relative(PoseIndex base, FeatureIndex feature, const Eigen::MatrixXd& joint) const {
   const auto J = J_relation<Dim>(state_.pose(base), state_.features[feature]);
-  return PointMatrix<Dim>(J * *covariance * J.transpose());
+  return symmetric(J * joint * J.transpose());
 }
 
 template class MapCovariances<2>;

@@ -74,6 +74,9 @@ class MapCovariances {
   Expected<PoseMatrix<Dim>> relative_pose(PoseIndex base, PoseIndex target) const;
   /// Of a feature in the frame of a pose (m²).
   Expected<PointMatrix<Dim>> relative_feature(PoseIndex base, FeatureIndex feature) const;
+  /// The same two by the joint covariance of both, the base's rows first.
+  PoseMatrix<Dim> relative(PoseIndex base, PoseIndex target, const Eigen::MatrixXd& joint) const;
+  PointMatrix<Dim> relative(PoseIndex base, FeatureIndex feature, const Eigen::MatrixXd& joint) const;
 
  private:
   MapCovariances(Restored<Dim>& restored, Estimate estimate, std::int64_t most_memory);

@@ -138,23 +138,18 @@ Eigen::MatrixXd CholmodSolver::solve_columns(Eigen::MatrixXd B) const {
   return B;
 }
 
-Supernodes CholmodSolver::supernodes() const {
-  if (!state_->L) return {};
+Supernode CholmodSolver::supernode_of(std::int64_t column) const {
   const cholmod_factor& L = *state_->L;
   const auto list = [](const void* values) { return static_cast<const SuiteSparse_long*>(values); };
   const auto* x = static_cast<const double*>(L.x);
-  Supernodes factor;
-  for (std::size_t s = 0; s < supernode_count(); ++s) {
-    Supernode& node = factor.emplace_back();
-    const auto k = static_cast<std::int64_t>(s);
-    node.begin = L.is_super ? list(L.super)[s] : k;
-    node.end = L.is_super ? list(L.super)[s + 1] : k + 1;
-    const SuiteSparse_long* rows = L.is_super ? list(L.s) + list(L.pi)[s] : list(L.i) + list(L.p)[s];
-    const SuiteSparse_long height = L.is_super ? list(L.pi)[s + 1] - list(L.pi)[s] : list(L.nz)[s];
-    node.rows.assign(rows, rows + height);
-    node.values = x + (L.is_super ? list(L.px)[s] : list(L.p)[s]);
+  if (!L.is_super) {
+    const SuiteSparse_long first = list(L.p)[column];
+    const SuiteSparse_long* rows = list(L.i) + first;
+    return {column, column + 1, {rows, rows + list(L.nz)[column]}, x + first};
   }
-  return factor;
+  const SuiteSparse_long* ends = list(L.super) + 1;
+  const auto s = std::upper_bound(ends, ends + L.nsuper, column) - ends;
+  return {list(L.super)[s], ends[s], {list(L.s) + list(L.pi)[s], list(L.s) + list(L.pi)[s + 1]}, x + list(L.px)[s]};
 }
 
 std::size_t CholmodSolver::supernode_count() const {

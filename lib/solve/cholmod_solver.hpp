@@ -19,7 +19,7 @@ class CholmodSolver final : public SparseSolver {
   /// Names the first singular column alone.
   std::vector<std::int64_t> factorise(const BlockLower& matrix) override;
   Eigen::MatrixXd solve_columns(Eigen::MatrixXd B) const override;
-  Supernodes supernodes() const override;
+  Supernode supernode_of(std::int64_t column) const override;
   std::size_t supernode_count() const override;
   std::int64_t bytes() const override;
 

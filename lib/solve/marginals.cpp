@@ -3,11 +3,12 @@
 #include <unistd.h>
 
 #include <algorithm>
+#include <map>
 #include <mapjoin/solve/frontal_matrix.hpp>
 #include <mapjoin/solve/marginals.hpp>
 #include <numeric>
-#include <set>
 #include <stdexcept>
+#include <utility>
 #include <vector>
 
 namespace mapjoin {
@@ -152,23 +153,23 @@ Eigen::MatrixXd Marginals::joint(std::span<const Variable> variables) const {
   return subset_.block(columns);
 }
 
-CrossCovariances::CrossCovariances(const NormalEquations& equations) : equations_(equations), factor_(equations.supernodes()) {
-  for (std::size_t k = 0; k < factor_.size(); ++k) {
-    node_of_.resize(static_cast<std::size_t>(factor_[k].end), k);
-  }
-}
-
 CrossCovariances::RowsOnPaths CrossCovariances::zeros_on_paths(std::span<const Variable> variables, Eigen::Index rows) const {
-  std::set<std::size_t> nodes;
+  std::map<std::int64_t, Supernode> nodes;  // by their first columns
   for (const Variable v : variables) {
-    std::size_t node = node_of(equations_.factor_column(v));
-    while (nodes.insert(node).second) {
-      const auto width = static_cast<std::size_t>(width_of(factor_[node]));
-      if (factor_[node].rows.size() > width) node = node_of(factor_[node].rows[width]);
+    std::int64_t column = equations_.factor_column(v);
+    for (bool is_new = true; is_new;) {
+      Supernode node = equations_.supernode_of(column);
+      const auto width = static_cast<std::size_t>(width_of(node));
+      const bool has_parent = node.rows.size() > width;
+      if (has_parent) column = node.rows[width];
+      is_new = nodes.try_emplace(node.begin, std::move(node)).second && has_parent;
     }
   }
-  RowsOnPaths zeros{{nodes.begin(), nodes.end()}, {0}, {}};
-  for (const std::size_t node : zeros.nodes) zeros.first.push_back(zeros.first.back() + width_of(factor_[node]));
+  RowsOnPaths zeros{{}, {0}, {}};
+  for (auto& [begin, node] : nodes) {
+    zeros.first.push_back(zeros.first.back() + width_of(node));
+    zeros.nodes.push_back(std::move(node));
+  }
   zeros.values.setZero(rows, zeros.first.back());
   return zeros;
 }
@@ -181,18 +182,18 @@ Eigen::Index CrossCovariances::size_of(std::span<const Variable> variables) cons
 
 Eigen::Index CrossCovariances::column_in(const RowsOnPaths& rows, Variable v) const {
   const std::int64_t column = equations_.factor_column(v);
-  const auto node = std::ranges::lower_bound(rows.nodes, node_of(column));
-  return rows.first[static_cast<std::size_t>(node - rows.nodes.begin())] + column - factor_[*node].begin;
+  const auto node = std::ranges::upper_bound(rows.nodes, column, {}, &Supernode::end);
+  return rows.first[static_cast<std::size_t>(node - rows.nodes.begin())] + column - node->begin;
 }
 
 /// The columns of `values` for the rows of L below its k-th node.
 std::vector<Eigen::Index> CrossCovariances::columns_below(const RowsOnPaths& rows, std::size_t k) const {
-  const Supernode& node = factor_[rows.nodes[k]];
+  const Supernode& node = rows.nodes[k];
   std::vector<Eigen::Index> columns;
   std::size_t above = k;
   for (const std::int64_t row : std::span(node.rows).subspan(static_cast<std::size_t>(width_of(node)))) {
-    while (row >= factor_[rows.nodes[above]].end) ++above;
-    columns.push_back(rows.first[above] + row - factor_[rows.nodes[above]].begin);
+    while (row >= rows.nodes[above].end) ++above;
+    columns.push_back(rows.first[above] + row - rows.nodes[above].begin);
   }
   return columns;
 }
@@ -206,7 +207,7 @@ CrossCovariances::RowsOnPaths CrossCovariances::substitute_forward(std::span<con
     row += dof;
   }
   for (std::size_t k = 0; k < Y.nodes.size(); ++k) {
-    const Supernode& node = factor_[Y.nodes[k]];
+    const Supernode& node = Y.nodes[k];
     const Eigen::Index width = width_of(node);
     const auto height = static_cast<Eigen::Index>(node.rows.size());
     const DenseBlock own(Y.values.col(Y.first[k]).data(), size, width, Stride(size));
@@ -223,12 +224,12 @@ CrossCovariances::RowsOnPaths CrossCovariances::substitute_back(const RowsOnPath
                                                                 std::span<const Variable> variables) const {
   RowsOnPaths X = zeros_on_paths(variables, Y_transposed.values.rows());
   for (std::size_t k = X.nodes.size(); k-- > 0;) {
-    const Supernode& node = factor_[X.nodes[k]];
+    const Supernode& node = X.nodes[k];
     const Eigen::Index width = width_of(node);
     const auto height = static_cast<Eigen::Index>(node.rows.size());
     auto own = X.values.middleCols(X.first[k], width);
-    const auto in_Y = std::ranges::lower_bound(Y_transposed.nodes, X.nodes[k]);
-    if (in_Y != Y_transposed.nodes.end() && *in_Y == X.nodes[k]) {
+    const auto in_Y = std::ranges::lower_bound(Y_transposed.nodes, node.begin, {}, &Supernode::begin);
+    if (in_Y != Y_transposed.nodes.end() && in_Y->begin == node.begin) {
       own = Y_transposed.values.middleCols(Y_transposed.first[static_cast<std::size_t>(in_Y - Y_transposed.nodes.begin())],
                                            width);
     }
@@ -265,14 +266,13 @@ Eigen::MatrixXd CrossCovariances::joint(std::span<const Variable> variables) con
 }
 
 std::int64_t CrossCovariances::bytes(const NormalEquations& equations, Eigen::Index size) {
-  const Supernodes factor = equations.supernodes();
-  const auto nodes = static_cast<std::int64_t>(factor.size() * sizeof(Supernode));
   const auto& dofs = equations.pattern().dofs;
   const int most_dof = dofs.empty() ? 0 : std::ranges::max(dofs);
   const Eigen::Index at_once = std::min(size, static_cast<Eigen::Index>(kVariablesAtOnce) * most_dof);
-  // The factor's rows; the result, and its copy in the order of the caller; of the variables at once Yᵀ, (L⁻ᵀ Y)ᵀ, what of that
-  // is asked for, and room for what is done at one supernode.
-  return nodes + 8 * (Size(factor).rows + equations.size() + 2 * size * size + 4 * at_once * equations.size());
+  // The rows of the factor's supernodes, twice, of which there are no more than values; the result, and its copy in the order
+  // of the caller; of the variables at once Yᵀ, (L⁻ᵀ Y)ᵀ, what of that is asked for, and room for what is done at one
+  // supernode.
+  return 2 * equations.factor_bytes() + 8 * (2 * size * size + 4 * at_once * equations.size());
 }
 
 std::int64_t machine_memory() {

@@ -94,25 +94,24 @@ class Marginals {
 class CrossCovariances {
  public:
   /// By the last factorisation of `equations`, which must stay.
-  explicit CrossCovariances(const NormalEquations& equations);
+  explicit CrossCovariances(const NormalEquations& equations) : equations_(equations) {}
 
   /// A row for each entry of the rows' variables, a column for each of the columns'. For each row the work is that of the paths
   /// of both.
   Eigen::MatrixXd between(std::span<const Variable> rows, std::span<const Variable> columns) const;
   /// The joint covariance of variables, in the order given.
   Eigen::MatrixXd joint(std::span<const Variable> variables) const;
-  /// What the constructor and the joint covariance of `size` entries ask for (bytes).
+  /// The most that the joint covariance of `size` entries asks for (bytes).
   static std::int64_t bytes(const NormalEquations& equations, Eigen::Index size);
 
  private:
   /// A few rows of a matrix with the columns of L; only the columns of some supernodes and all their ancestors, ascending, side
   /// by side.
   struct RowsOnPaths {
-    std::vector<std::size_t> nodes;
+    Supernodes nodes;
     std::vector<Eigen::Index> first;  // of `values`: the column that each node begins with, and their number
     Eigen::MatrixXd values;
   };
-  std::size_t node_of(std::int64_t column) const { return node_of_[static_cast<std::size_t>(column)]; }
   RowsOnPaths zeros_on_paths(std::span<const Variable> variables, Eigen::Index rows) const;
   Eigen::Index size_of(std::span<const Variable> variables) const;
   Eigen::Index column_in(const RowsOnPaths& rows, Variable v) const;
@@ -123,8 +122,6 @@ class CrossCovariances {
   RowsOnPaths substitute_back(const RowsOnPaths& Y_transposed, std::span<const Variable> variables) const;
 
   const NormalEquations& equations_;
-  Supernodes factor_;
-  std::vector<std::size_t> node_of_;  // per column
 };
 
 /// The physical memory of the machine (bytes).

@@ -127,6 +127,8 @@ class NormalEquations {
 
   /// The factor L of the last factorisation; it holds until the next one.
   Supernodes supernodes() const { return solver_->supernodes(); }
+  /// The one of its supernodes that has a column.
+  Supernode supernode_of(std::int64_t column) const { return solver_->supernode_of(column); }
   /// How many supernodes there are, of any factorisation.
   std::size_t supernode_count() const { return solver_->supernode_count(); }
   /// Memory of L's values (bytes).

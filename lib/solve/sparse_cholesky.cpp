@@ -241,21 +241,19 @@ std::size_t SparseCholesky::supernode_count() const {
       std::count_if(tree_.nodes.begin(), tree_.nodes.end(), [&](const FactorNode& node) { return is_eliminated(node); }));
 }
 
-Supernodes SparseCholesky::supernodes() const {
-  Supernodes factor;
-  factor.reserve(tree_.nodes.size());
-  for (const FactorNode& node : tree_.nodes) {
-    if (!is_eliminated(node)) continue;
-    Supernode& L = factor.emplace_back();
-    L.begin = offsets_[node.columns.first];
-    L.end = L.begin + node.width;
-    L.values = values_.data() + node.first_value;
-    for (auto row = L.begin; row < L.end; ++row) L.rows.push_back(row);
-    for (const Column block : tree_.rows_of(node)) {
-      for (auto row = offsets_[block]; row < offsets_[block + 1]; ++row) L.rows.push_back(row);
-    }
+Supernode SparseCholesky::supernode_of(std::int64_t column) const {
+  const auto is_before = [&](const FactorNode& node) { return offsets_[node.columns.last] <= column; };
+  const FactorNode& node = *std::ranges::partition_point(tree_.nodes, is_before);
+  Supernode L;
+  L.begin = offsets_[node.columns.first];
+  L.end = L.begin + node.width;
+  L.values = values_.data() + node.first_value;
+  L.rows.reserve(static_cast<std::size_t>(node.height));
+  for (auto row = L.begin; row < L.end; ++row) L.rows.push_back(row);
+  for (const Column block : tree_.rows_of(node)) {
+    for (auto row = offsets_[block]; row < offsets_[block + 1]; ++row) L.rows.push_back(row);
   }
-  return factor;
+  return L;
 }
 
 EliminatedFronts eliminate_fronts(const BlockLower& matrix, std::span<const GivenFront> given) {

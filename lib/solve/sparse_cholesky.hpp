@@ -56,7 +56,7 @@ class SparseCholesky final : public SparseSolver {
   /// The null space of A, where it is positive semidefinite: a column for each of the given ones, which are singular.
   Eigen::MatrixXd null_space(const std::vector<std::int64_t>& singular) const;
 
-  Supernodes supernodes() const override;
+  Supernode supernode_of(std::int64_t column) const override;
   std::size_t supernode_count() const override;
   std::int64_t bytes() const override { return static_cast<std::int64_t>(sizeof(double)) * tree_.value_count; }
 

@@ -45,12 +45,24 @@ class SparseSolver {
   virtual Eigen::MatrixXd solve_columns(Eigen::MatrixXd B) const = 0;
   Eigen::VectorXd solve(const Eigen::VectorXd& b) const { return solve_columns(b); }
 
-  /// L of that factorisation; it holds until the next one.
-  virtual Supernodes supernodes() const = 0;
+  /// The supernode of L, of that factorisation, that has a column; it holds until the next one.
+  virtual Supernode supernode_of(std::int64_t column) const = 0;
+  /// All of them.
+  Supernodes supernodes() const;
   /// Supernodes of L, and memory of its values (bytes), known after analyse().
   virtual std::size_t supernode_count() const = 0;
   virtual std::int64_t bytes() const = 0;
 };
+
+inline Supernodes SparseSolver::supernodes() const {
+  Supernodes factor(supernode_count());
+  std::int64_t column = 0;
+  for (Supernode& node : factor) {
+    node = supernode_of(column);
+    column = node.end;
+  }
+  return factor;
+}
 
 std::unique_ptr<SparseSolver> make_solver(Engine engine);
 

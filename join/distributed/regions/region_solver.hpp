@@ -27,7 +27,7 @@ class RegionSolver final : public SparseSolver {
   std::vector<std::int64_t> factorise(const BlockLower& matrix, std::span<const GivenFront> given);
   Eigen::MatrixXd solve_columns(Eigen::MatrixXd B) const override;
   /// Of what this rank eliminates alone.
-  Supernodes supernodes() const override { return cholesky_.supernodes(); }
+  Supernode supernode_of(std::int64_t column) const override { return cholesky_.supernode_of(column); }
   std::size_t supernode_count() const override { return cholesky_.supernode_count(); }
   std::int64_t bytes() const override { return cholesky_.bytes(); }
 

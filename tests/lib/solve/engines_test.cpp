@@ -94,6 +94,12 @@ TEST_P(EnginesTest, ShowTheirSupernodes) {
     }
   }
   EXPECT_EQ(solver->bytes(), 8 * values);
+  for (const Supernode& node : factor) {
+    for (auto column = node.begin; column < node.end; ++column) {
+      const Supernode same = solver->supernode_of(column);
+      EXPECT_EQ(std::tie(same.begin, same.end, same.rows, same.values), std::tie(node.begin, node.end, node.rows, node.values));
+    }
+  }
   EXPECT_LT((L * L.transpose() - dense(matrix)).norm(), 1e-12 * L.norm());
   const InverseSubset subset(factor);
   const std::vector<std::int64_t> last{matrix.size() - 2, matrix.size() - 1};

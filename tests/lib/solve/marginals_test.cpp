@@ -14,17 +14,19 @@ namespace {
 
 using testing::Random;
 
-/// Variables of 3 and of 2 entries by turns in a ring of observations of three, with some across; the same blocks also go into
-/// a dense matrix.
-class MarginalsTest : public ::testing::TestWithParam<int> {
+struct Rings {
+  int variables;
+  int rings;
+};
+
+/// Variables of 3 and of 2 entries in rings, which nothing ties to each other, of observations of three, with some across; the
+/// same blocks also go into a dense matrix.
+class MarginalsTest : public ::testing::TestWithParam<Rings> {
  protected:
   MarginalsTest() {
-    const int count = GetParam();
     BlockPattern pattern;
     for (int v = 0; v < count; ++v) pattern.dofs.push_back(v % 2 == 0 ? 3 : 2);
-    for (int v = 0; v < count; ++v) {
-      pattern.factors.push_back(std::array{Variable(v), Variable((v + 1) % count), Variable((7 * v + 3) % count)});
-    }
+    for (int v = 0; v < count; ++v) pattern.factors.push_back(std::array{Variable(v), on_ring(v, 1, 1), on_ring(v, 7, 3)});
     equations = NormalEquations(pattern);
     H = Eigen::MatrixXd::Zero(equations.size(), equations.size());
     equations.set_zero();
@@ -32,6 +34,11 @@ class MarginalsTest : public ::testing::TestWithParam<int> {
     inverse = H.inverse();
   }
 
+  /// The variable at a·k + b of the ring that has v, v being the k-th of it.
+  Variable on_ring(int v, int a, int b) const {
+    const int rings = GetParam().rings;
+    return Variable((a * (v / rings) + b) % (count / rings) * rings + v % rings);
+  }
   void add_factor(std::size_t factor) {
     const auto variables = equations.pattern().factors[factor];
     auto sink = equations.sink(factor);
@@ -65,6 +72,7 @@ class MarginalsTest : public ::testing::TestWithParam<int> {
     return inverse(entries(variables), entries(variables));
   }
 
+  const int count = GetParam().variables;
   Random random;
   NormalEquations equations{{}};
   Eigen::MatrixXd H;
@@ -76,7 +84,7 @@ TEST_P(MarginalsTest, AreTheBlocksOfTheDenseInverse) {
   const Marginals marginals(equations);
   for (const Variable v : equations.variables()) {
     EXPECT_LT((marginals[v] - inverse_over({v})).norm(), 1e-12 * inverse_over({v}).norm()) << v.value;
-    const std::vector<Variable> pair = {Variable((v.value + 1) % GetParam()), v};
+    const std::vector<Variable> pair = {on_ring(v.value, 1, 1), v};
     EXPECT_LT((marginals.joint(pair) - inverse_over(pair)).norm(), 1e-12 * inverse_over(pair).norm()) << v.value;
   }
 }
@@ -87,7 +95,7 @@ TEST_P(MarginalsTest, CrossCovariancesAreTheBlocksOfTheDenseInverse) {
   std::vector<Variable> all;
   for (const Variable v : equations.variables()) all.push_back(v);
   all.push_back(all.front());  // in any order, and more than once
-  for (const std::vector<Variable>& rows : {std::vector<Variable>{0}, {Variable(GetParam() - 1), Variable(GetParam() / 2)}}) {
+  for (const std::vector<Variable>& rows : {std::vector<Variable>{0}, {Variable(count - 1), Variable(count / 2)}}) {
     const Eigen::MatrixXd of_all = inverse(entries(rows), entries(all));
     EXPECT_LT((cross.between(rows, all) - of_all).norm(), 1e-12 * of_all.norm());
     const double tolerance = 1e-12 * inverse_over(rows).norm();
@@ -103,7 +111,7 @@ TEST_P(MarginalsTest, CrossCovariancesGiveTheJointOneOfAnyVariables) {
   const CrossCovariances cross(equations);
   std::vector<Variable> all;
   for (const Variable v : equations.variables()) all.insert(all.begin(), v);
-  for (const std::vector<Variable>& variables : {std::vector<Variable>{}, {Variable(GetParam() - 1), 0, 0}, all}) {
+  for (const std::vector<Variable>& variables : {std::vector<Variable>{}, {Variable(count - 1), 0, 0}, all}) {
     const Eigen::MatrixXd expected = inverse_over(variables);
     const Eigen::MatrixXd joint = cross.joint(variables);
     ASSERT_EQ(joint.rows(), expected.rows());
@@ -118,14 +126,15 @@ TEST_P(MarginalsTest, TheLeastCurvatureIsTheMahalanobisLengthUnderTheJointCovari
   for (const int every : {1, 2, 5}) {
     std::vector<Variable> given;
     Table<Variable, bool> is_given(equations.variables().size());
-    for (int k = 0; k < GetParam(); k += every) given.emplace_back(k);
+    for (int k = 0; k < count; k += every) given.emplace_back(k);
     for (const Variable k : given) is_given[k] = true;
     const Eigen::VectorXd part = v(entries(given));
     const double expected = part.dot(inverse_over(given).ldlt().solve(part));
     EXPECT_NEAR(equations.least_curvature(v, is_given).value(), expected, 1e-10 * expected) << every;
   }
 }
-INSTANTIATE_TEST_SUITE_P(Variables, MarginalsTest, ::testing::Values(7, 40, 300));
+INSTANTIATE_TEST_SUITE_P(Variables, MarginalsTest, ::testing::Values(Rings{7, 1}, Rings{40, 1}, Rings{300, 1}, Rings{60, 3}),
+                         [](const auto& info) { return std::to_string(info.index); });
 
 /// Of `count` random observations, each of three columns at most `reach` apart.
 Eigen::MatrixXd random_matrix(Eigen::Index n, Eigen::Index count, Eigen::Index reach, Random& random) {

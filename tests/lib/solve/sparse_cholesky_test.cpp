@@ -3,9 +3,9 @@
 #include <tbb/global_control.h>
 
 #include <Eigen/Cholesky>
-#include <mapjoin/model/lists.hpp>
 #include <mapjoin/solve/sparse_cholesky.hpp>
 #include <system_error>
+#include <tests/support/coupled_by_fronts.hpp>
 #include <tests/support/grid_system.hpp>
 #include <tests/support/process.hpp>
 #include <tests/support/random.hpp>
@@ -75,30 +75,9 @@ TEST(SparseCholesky, LeavesTheSchurComplementOfABorder) {
   }
 }
 
-/// Three blocks; each two of them are coupled by a front, which is made when its turn comes.
-struct CoupledByFronts {
-  explicit CoupledByFronts(Random& random) {
-    for (const Eigen::Index size : {4, 3, 2}) pattern.offsets.push_back(pattern.offsets.back() + size);
-    for (const std::vector<Column>& rows : {std::vector<Column>{0, 1, 2}, {1, 2}, {2}}) pattern.rows.push_back(rows);
-    for (const std::vector<Column>& rows : {std::vector<Column>{0, 1}, {0, 2}, {1, 2}}) {
-      std::vector<Eigen::Index> scalars;
-      for (const Column row : rows) {
-        for (auto i = pattern.offsets[row]; i < pattern.offsets[row + 1]; ++i) scalars.push_back(i);
-      }
-      const Eigen::MatrixXd summand = random_matrix(std::ssize(scalars), random);
-      A(scalars, scalars) += summand;
-      const auto make = [summand](DenseBlock update) { update.triangularView<Eigen::Lower>() = summand; };
-      fronts.push_back({rows, {nullptr, 0, 0, Eigen::OuterStride<>(0)}, make});
-    }
-  }
-  BlockLower pattern;
-  std::vector<GivenFront> fronts;
-  Eigen::MatrixXd A = Eigen::MatrixXd::Zero(9, 9);  ///< Their sum.
-};
-
 TEST(SparseCholesky, TakesFrontsThatAreMadeWhenTheirTurnComes) {
   Random random;
-  const CoupledByFronts given(random);
+  const testing::CoupledByFronts given(random);
   SparseCholesky cholesky;
   cholesky.analyse(given.pattern, given.fronts);
   const Eigen::VectorXd b = Eigen::VectorXd::LinSpaced(9, -1.0, 2.0);
@@ -256,71 +235,6 @@ TEST(SparseCholesky, StartsNoThreadsButThoseItIsAllowed) {
   };
   factorise();
   std::thread(factorise).join();
-}
-
-/// L Lᵀ of fronts that were eliminated from such a matrix.
-Eigen::MatrixXd product(const EliminatedFronts& fronts, const BlockLower& matrix) {
-  Eigen::MatrixXd L = Eigen::MatrixXd::Zero(matrix.size(), matrix.size());
-  for (std::size_t n = 0; n < fronts.tree.nodes.size(); ++n) {
-    const FactorNode& node = fronts.tree.nodes[n];
-    if (node.width == 0) continue;
-    std::vector<Column> blocks(node.columns.begin(), node.columns.end());
-    append(blocks, fronts.tree.rows_of(node));
-    std::vector<Eigen::Index> rows;
-    for (const Column block : blocks) {
-      for (auto row = matrix.offsets[block]; row < matrix.offsets[block + 1]; ++row) rows.push_back(row);
-    }
-    L(rows, Eigen::seqN(rows.front(), node.width)) = fronts.panels[n].triangularView<Eigen::Lower>();
-  }
-  return L * L.transpose();
-}
-
-TEST(EliminateFronts, PanelsMakeUpTheFactor) {
-  Random random;
-  const BlockLower matrix = grid_system(12, random);
-  const EliminatedFronts fronts = eliminate_fronts(matrix, {});
-  EXPECT_TRUE(fronts.singular.empty());
-  const Eigen::MatrixXd A = dense(matrix);
-  EXPECT_LT((product(fronts, matrix) - A).norm(), 1e-12 * A.norm());
-}
-
-TEST(EliminateFronts, KeepsAllButWhatWasGiven) {
-  Random random;
-  const CoupledByFronts given(random);
-  const EliminatedFronts fronts = eliminate_fronts(given.pattern, given.fronts);
-  EXPECT_LT((product(fronts, given.pattern) - given.A).norm(), 1e-12 * given.A.norm());
-  for (std::size_t n = 0; n < fronts.tree.nodes.size(); ++n) {
-    const FactorNode& node = fronts.tree.nodes[n];
-    EXPECT_EQ(fronts.panels[n].size(), node.width * node.height);
-    EXPECT_EQ(fronts.updates[n].rows(), node.width == 0 ? 0 : node.below());
-  }
-}
-
-TEST(EliminateFronts, PanelsAreThoseOfSparseCholeskyToTheLastBitForAnyNumberOfThreads) {
-  Random random;
-  const BlockLower matrix = grid_system(90, random);
-  SparseCholesky cholesky;
-  cholesky.analyse(matrix);
-  ASSERT_TRUE(cholesky.factorise(matrix).empty());
-  const Supernodes expected = cholesky.supernodes();
-  for (const std::size_t threads : {1u, 4u}) {
-    const tbb::global_control control(tbb::global_control::max_allowed_parallelism, threads);
-    const EliminatedFronts fronts = eliminate_fronts(matrix, {});
-    ASSERT_EQ(fronts.panels.size(), expected.size());
-    for (std::size_t n = 0; n < expected.size(); ++n) {
-      const auto& panel = fronts.panels[n];
-      const Eigen::Map<const Eigen::MatrixXd> L(expected[n].values, panel.rows(), panel.cols());
-      const Eigen::MatrixXd difference = (panel - L).triangularView<Eigen::Lower>();
-      EXPECT_TRUE(difference.isZero(0.0)) << n << " by " << threads;
-    }
-  }
-}
-
-TEST(EliminateFronts, SaysWhatIsSingular) {
-  Random random;
-  BlockLower matrix = grid_system(12, random);
-  matrix.panel(Column(70))(1, 1) = -1.0;
-  EXPECT_EQ(eliminate_fronts(matrix, {}).singular, std::vector<std::int64_t>{matrix.offsets[70] + 1});
 }
 
 }  // namespace
