@@ -28,6 +28,9 @@ constexpr std::size_t kMostOfACell = kStretch;
 /// Closures, from the best supported one on, by which the scale is found, and the loops that it takes.
 constexpr std::size_t kBestShare = 20;
 constexpr std::size_t kLeastLoops = 100;
+/// Of the mismatches of these loops the share that is compared with its quantile: most of the closures may be wrong ones that
+/// bear each other out, but right ones agree most closely.
+constexpr double kClosestShare = 0.1;
 
 }  // namespace
 
@@ -162,7 +165,7 @@ template <int Dim>
 double ClosureSupport<Dim>::scale(const std::vector<double>& odds) const {
   if (odds.empty()) return 1.0;
   const double least = std::max(nth_largest(odds, odds.size() / kBestShare), 2.0 * kMostOfAPair);
-  const double expected = chi_squared_quantile(0.5, kPoseDof<Dim>);
+  const double expected = chi_squared_quantile(kClosestShare, kPoseDof<Dim>);
   std::vector<double> ratios;
   for (std::size_t k = 0; k < odds.size(); ++k) {
     if (odds[k] < least) continue;
@@ -171,7 +174,10 @@ double ClosureSupport<Dim>::scale(const std::vector<double>& odds) const {
       if (is_tested && odds[other] >= least) ratios.push_back(evidence.squared_distance / expected);
     }
   }
-  return ratios.size() < kLeastLoops ? 1.0 : std::clamp(median(std::move(ratios)), kLeastScale, 1.0);
+  if (ratios.size() < kLeastLoops) return 1.0;
+  const auto closest = ratios.begin() + static_cast<std::ptrdiff_t>(kClosestShare * static_cast<double>(ratios.size()));
+  std::ranges::nth_element(ratios, closest);
+  return std::clamp(*closest, kLeastScale, 1.0);
 }
 
 template <int Dim>

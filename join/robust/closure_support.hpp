@@ -27,7 +27,7 @@ class ClosureSupport {
   PriorOdds prior(const UncertainPose<Dim>& mismatch, double scale) const;
   /// Logarithms of the odds that each closure is right, given `priors`.
   std::vector<double> odds(const std::vector<PriorOdds>& priors, double scale) const;
-  /// By how much covariances are too cautious: the median of the squared mismatches of loops of two of the best supported
+  /// By how much covariances are too cautious: the first decile of the squared mismatches of loops of two of the best supported
   /// closures over what it should be; 1 where there are too few loops, and where it is more.
   double scale(const std::vector<double>& odds) const;
   /// For each closure that is asked about the number of those, itself included, in its set; 0 for the others. Two are in one

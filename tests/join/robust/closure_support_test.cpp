@@ -180,8 +180,12 @@ TYPED_TEST(ClosureSupportTest, FindsTheScaleByTheBestSupportedTwentieth) {
     closures[k].measured.translation[0] += 0.02 * (static_cast<double>(k % 5) - 2.0);  // up to four standard deviations
   }
   const ClosureSupport<TypeParam::value> support(between.chain, between.log.closures());
-  EXPECT_LT(support.scale(odds), 0.02);
-  EXPECT_GT(support.scale(std::vector<double>(count, 20.0)), 0.04) << "of all";
+  const double of_best = support.scale(odds);
+  EXPECT_LT(of_best, 0.02);
+  // Of all, one loop in five agrees as closely as those of the best, which is enough.
+  const double of_all = support.scale(std::vector<double>(count, 20.0));
+  EXPECT_GT(of_all, 1.5 * of_best);
+  EXPECT_LT(of_all, 4.0 * of_best);
 }
 
 TYPED_TEST(ClosureSupportTest, BelievesNoScaleOfAFewLoops) {
