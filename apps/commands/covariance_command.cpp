@@ -42,8 +42,8 @@ struct Named {
   PoseOrFeature index;
   std::string text;  ///< "pose 17"
   Json id;
-  std::vector<std::string> coordinates;  ///< Of its step: rows of the covariance.
-  std::vector<Eigen::Index> rows;        ///< Of the joint covariance of all.
+  std::vector<std::string> coordinates;  ///< Of its step, by name.
+  std::vector<Eigen::Index> rows;        ///< Their places in the joint covariance of all.
 };
 
 template <int Dim>
@@ -115,13 +115,13 @@ Relation relation(const MapCovariances<Dim>& covariances, const Named<Dim>& base
   Json rotation;
   if (const auto* pose = std::get_if<PoseIndex>(&target.index)) {
     const Pose<Dim> value = between(frame, covariances.state().poses[*pose]);
-    covariance = covariances.relative(from, *pose, joint(rows, rows));
+    covariance = covariances.relative_pose(from, *pose, joint(rows, rows));
     position = value.translation;
     const RotationVector<Dim> vector = value.rotation.log();
     rotation = std::vector<double>(vector.begin(), vector.end());
   } else {
     const FeatureIndex feature = std::get<FeatureIndex>(target.index);
-    covariance = covariances.relative(from, feature, joint(rows, rows));
+    covariance = covariances.relative_feature(from, feature, joint(rows, rows));
     position = transform_into<Dim>(frame, covariances.state().features[feature]);
   }
   return {{{"from", base.id},

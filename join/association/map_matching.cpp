@@ -64,15 +64,15 @@ typename MapMatching<Dim>::Open MapMatching<Dim>::open_features(std::size_t map,
   }
   std::set<FeatureIndex> all(open.features.begin(), open.features.end());
   for (const auto& others : near_to) all.insert(others.begin(), others.end());
-  open.near.assign(all.begin(), all.end());
+  open.with_near.assign(all.begin(), all.end());
   open.covariances =
       scale_ *
-      CrossCovariances(estimate_.covariances->equations()).between(variables_of(open.features), variables_of(open.near));
+      CrossCovariances(estimate_.covariances->equations()).between(variables_of(open.features), variables_of(open.with_near));
   const double per_deviation = std::pow(2.0 * std::numbers::pi, 0.5 * Dim) * density_.overall();
   for (std::size_t k = 0; k < open.features.size(); ++k) {
     auto& candidates = open.candidates.emplace_back();
     for (const FeatureIndex other : near_to[k]) {
-      const PointMatrix<Dim> C = open.between(other, k);
+      const PointMatrix<Dim> C = open.covariance(other, k);
       const PointMatrix<Dim> S = covariances_[open.features[k]] + covariances_[other] - C - C.transpose();
       const Point<Dim> d = position(other) - position(open.features[k]);
       const Eigen::LLT<PointMatrix<Dim>> factor(S);
@@ -84,8 +84,8 @@ typename MapMatching<Dim>::Open MapMatching<Dim>::open_features(std::size_t map,
 }
 
 template <int Dim>
-PointMatrix<Dim> MapMatching<Dim>::Open::between(FeatureIndex any, std::size_t place) const {
-  const auto column = std::ranges::lower_bound(near, any) - near.begin();
+PointMatrix<Dim> MapMatching<Dim>::Open::covariance(FeatureIndex one, std::size_t place) const {
+  const auto column = std::ranges::lower_bound(with_near, one) - with_near.begin();
   return covariances.template block<Dim, Dim>(static_cast<Eigen::Index>(place) * Dim, column * Dim).transpose();
 }
 
@@ -119,11 +119,12 @@ PairingProblem<Dim> MapMatching<Dim>::problem(const std::vector<FeatureIndex>& k
     problem.sightings.push_back(position(open.features[place]));
     const Eigen::Index column = first + static_cast<Eigen::Index>(s) * Dim;
     for (std::size_t k = 0; k < known.size(); ++k) {
-      problem.covariance.template block<Dim, Dim>(static_cast<Eigen::Index>(k) * Dim, column) = open.between(known[k], place);
+      problem.covariance.template block<Dim, Dim>(static_cast<Eigen::Index>(k) * Dim, column) =
+          open.covariance(known[k], place);
     }
     for (std::size_t k = 0; k < open_places.size(); ++k) {
       problem.covariance.template block<Dim, Dim>(first + static_cast<Eigen::Index>(k) * Dim, column) =
-          open.between(open.features[open_places[k]], place);
+          open.covariance(open.features[open_places[k]], place);
     }
     auto& choices = problem.choices.emplace_back();
     for (std::size_t k = 0; k < known.size(); ++k) {

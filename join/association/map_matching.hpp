@@ -67,11 +67,11 @@ class MapMatching {
   struct Open {
     std::vector<FeatureIndex> features;
     std::vector<std::vector<Candidate>> candidates;
-    std::vector<FeatureIndex> near;  // these features and all that lie near one of them, ascending
-    Eigen::MatrixXd covariances;     // a row for each coordinate of `features`, a column for each of `near`
+    std::vector<FeatureIndex> with_near;  // these features and all that lie near one of them, ascending
+    Eigen::MatrixXd covariances;          // a row for each coordinate of `features`, a column for each of `with_near`
 
-    /// Of any that lies near with one of the features.
-    PointMatrix<Dim> between(FeatureIndex any, std::size_t place) const;
+    /// Of one of `with_near`, its rows, and features[place], its columns.
+    PointMatrix<Dim> covariance(FeatureIndex one, std::size_t place) const;
   };
 
   Open open_features(std::size_t map, bool only_neighbours) const;

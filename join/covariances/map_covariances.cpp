@@ -92,14 +92,14 @@ MarginalCovariances<Dim> MapCovariances<Dim>::marginals(const Marginals& margina
     PoseRelation<Dim>& relation = out.relations.poses[p];
     const auto joint = with_parent<kDof>(relation.parent, p, marginals);
     out.poses[p] = joint.template bottomRightCorner<kDof, kDof>();
-    relation.covariance = relative(relation.parent, p, joint);
+    relation.covariance = relative_pose(relation.parent, p, joint);
   }
   for (const FeatureIndex f : indices(out.features)) {
     if (feature_variables_[f] == kConstant) continue;
     FeatureRelation<Dim>& relation = out.relations.features[f];
     const auto joint = with_parent<Dim>(relation.parent, f, marginals);
     out.features[f] = joint.template bottomRightCorner<Dim, Dim>();
-    relation.covariance = relative(relation.parent, f, joint);
+    relation.covariance = relative_feature(relation.parent, f, joint);
   }
   return out;
 }
@@ -119,7 +119,7 @@ Expected<Eigen::MatrixXd> MapCovariances<Dim>::joint(std::span<const PoseOrFeatu
     size += dof;
   }
   const std::string what = fmt::format("the joint covariance of {} poses and features", variables.size());
-  return check_memory(what, CrossCovariances::bytes(equations_, size), most_memory_).map([&] {
+  return check_memory(what, CrossCovariances(equations_).bytes(free), most_memory_).map([&] {
     Eigen::MatrixXd covariance = Eigen::MatrixXd::Zero(size, size);
     covariance(places, places) = CrossCovariances(equations_).joint(free);
     return covariance;
@@ -129,27 +129,29 @@ Expected<Eigen::MatrixXd> MapCovariances<Dim>::joint(std::span<const PoseOrFeatu
 template <int Dim>
 Expected<PoseMatrix<Dim>> MapCovariances<Dim>::relative_pose(PoseIndex base, PoseIndex target) const {
   return joint(std::array<PoseOrFeature, 2>{base, target}).map([&](const Eigen::MatrixXd& both) {
-    return relative(base, target, both);
+    return relative_pose(base, target, both);
   });
 }
 
 template <int Dim>
 Expected<PointMatrix<Dim>> MapCovariances<Dim>::relative_feature(PoseIndex base, FeatureIndex feature) const {
   return joint(std::array<PoseOrFeature, 2>{base, feature}).map([&](const Eigen::MatrixXd& both) {
-    return relative(base, feature, both);
+    return relative_feature(base, feature, both);
   });
 }
 
 template <int Dim>
-PoseMatrix<Dim> MapCovariances<Dim>::relative(PoseIndex base, PoseIndex target, const Eigen::MatrixXd& joint) const {
+PoseMatrix<Dim> MapCovariances<Dim>::relative_pose(PoseIndex base, PoseIndex target,
+                                                   const Matrix<2 * kPoseDof<Dim>>& of_both) const {
   const auto J = J_relation(state_.pose(base), state_.pose(target));
-  return symmetric(J * joint * J.transpose());
+  return symmetric(J * of_both * J.transpose());
 }
 
 template <int Dim>
-PointMatrix<Dim> MapCovariances<Dim>::relative(PoseIndex base, FeatureIndex feature, const Eigen::MatrixXd& joint) const {
+PointMatrix<Dim> MapCovariances<Dim>::relative_feature(PoseIndex base, FeatureIndex feature,
+                                                       const Matrix<kPoseDof<Dim> + Dim>& of_both) const {
   const auto J = J_relation<Dim>(state_.pose(base), state_.features[feature]);
-  return symmetric(J * joint * J.transpose());
+  return symmetric(J * of_both * J.transpose());
 }
 
 template class MapCovariances<2>;

@@ -37,7 +37,7 @@ struct MarginalCovariances {
   Relations<Dim> relations;                        ///< The same map in relative form.
 };
 
-/// The inverse of the information of a whole map, by its factor; owns all that it needs. Errors of all functions: kTooLarge
+/// The inverse of the information of a whole map, by its factor; owns all that it needs. Errors of all that can fail: kTooLarge
 /// where more memory would be asked for than there may be, before it is asked for; bad input where the information is singular.
 template <int Dim>
 class MapCovariances {
@@ -75,8 +75,8 @@ class MapCovariances {
   /// Of a feature in the frame of a pose (m²).
   Expected<PointMatrix<Dim>> relative_feature(PoseIndex base, FeatureIndex feature) const;
   /// The same two by the joint covariance of both, the base's rows first.
-  PoseMatrix<Dim> relative(PoseIndex base, PoseIndex target, const Eigen::MatrixXd& joint) const;
-  PointMatrix<Dim> relative(PoseIndex base, FeatureIndex feature, const Eigen::MatrixXd& joint) const;
+  PoseMatrix<Dim> relative_pose(PoseIndex base, PoseIndex target, const Matrix<2 * kPoseDof<Dim>>& of_both) const;
+  PointMatrix<Dim> relative_feature(PoseIndex base, FeatureIndex feature, const Matrix<kPoseDof<Dim> + Dim>& of_both) const;
 
  private:
   MapCovariances(Restored<Dim>& restored, Estimate estimate, std::int64_t most_memory);

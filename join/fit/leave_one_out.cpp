@@ -215,12 +215,9 @@ double scale_of(std::span<const PartTest> tests, int rows) {
     if (test.rows == rows) chi2.push_back(test.chi2);
   }
   if (chi2.size() < kLeastTests) return 1.0;
-  std::ranges::sort(chi2);
   const auto count = static_cast<double>(chi2.size());
   double scale = 0.0;
-  for (const double p : kQuantiles) {
-    scale = std::max(scale, chi2[static_cast<std::size_t>(p * count)] / chi_squared_quantile(p, rows));
-  }
+  for (const double p : kQuantiles) scale = std::max(scale, sample_quantile(chi2, p) / chi_squared_quantile(p, rows));
   return std::clamp((1.0 + std::sqrt(6.0 / count)) * scale, kLeastScale, 1.0);
 }
 

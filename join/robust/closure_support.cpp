@@ -25,11 +25,11 @@ constexpr std::int32_t kStretch = 25;
 constexpr std::int32_t kLongestLoop = 60;
 /// Of the closures of a cell, the others are compared with so many at most: one a step.
 constexpr std::size_t kMostOfACell = kStretch;
-/// Closures, from the best supported one on, by which the scale is found, and the loops that it takes.
-constexpr std::size_t kBestShare = 20;
+/// The scale is found by the loops of this share of the closures, the best supported ones, if there are so many loops.
+constexpr double kBestShare = 0.05;
 constexpr std::size_t kLeastLoops = 100;
-/// Of the mismatches of these loops the share that is compared with its quantile: most of the closures may be wrong ones that
-/// bear each other out, but right ones agree most closely.
+/// It is that of the closest loops: the quantile of their squared mismatches for this share, over the one that it should be.
+/// Most of them may be of wrong closures that bear each other out, but these agree less closely than right ones do.
 constexpr double kClosestShare = 0.1;
 
 }  // namespace
@@ -164,20 +164,21 @@ std::vector<double> ClosureSupport<Dim>::odds(const std::vector<PriorOdds>& prio
 template <int Dim>
 double ClosureSupport<Dim>::scale(const std::vector<double>& odds) const {
   if (odds.empty()) return 1.0;
-  const double least = std::max(nth_largest(odds, odds.size() / kBestShare), 2.0 * kMostOfAPair);
-  const double expected = chi_squared_quantile(kClosestShare, kPoseDof<Dim>);
-  std::vector<double> ratios;
+  const double least =
+      std::max(nth_largest(odds, static_cast<std::size_t>(kBestShare * static_cast<double>(odds.size()))), 2.0 * kMostOfAPair);
+  const auto may_be_copies = [](const Closure& a, const Closure& b) { return a.early == b.early && a.late == b.late; };
+  std::vector<double> mismatches;
   for (std::size_t k = 0; k < odds.size(); ++k) {
     if (odds[k] < least) continue;
     for (const auto& [other, evidence] : pairs_[k]) {
       const bool is_tested = evidence.rows == kPoseDof<Dim> && evidence.at(1.0, kMostOfAPair) > 0.0;
-      if (is_tested && odds[other] >= least) ratios.push_back(evidence.squared_distance / expected);
+      if (!is_tested || odds[other] < least || may_be_copies(closures_[k], closures_[other])) continue;
+      mismatches.push_back(evidence.squared_distance);
     }
   }
-  if (ratios.size() < kLeastLoops) return 1.0;
-  const auto closest = ratios.begin() + static_cast<std::ptrdiff_t>(kClosestShare * static_cast<double>(ratios.size()));
-  std::ranges::nth_element(ratios, closest);
-  return std::clamp(*closest, kLeastScale, 1.0);
+  if (mismatches.size() < kLeastLoops) return 1.0;
+  const double closest = sample_quantile(std::move(mismatches), kClosestShare);
+  return std::clamp(closest / chi_squared_quantile(kClosestShare, kPoseDof<Dim>), kLeastScale, 1.0);
 }
 
 template <int Dim>

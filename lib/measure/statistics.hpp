@@ -7,16 +7,23 @@
 #include <cstdint>
 #include <functional>
 #include <map>
+#include <utility>
 #include <vector>
 
 namespace mapjoin {
 
+/// The value that a share p of at least one value, 0 <= p < 1, is not above; of two neighbours the upper one.
+template <typename T>
+T sample_quantile(std::vector<T> values, double p) {
+  const auto nth = values.begin() + static_cast<std::ptrdiff_t>(p * static_cast<double>(values.size()));
+  std::ranges::nth_element(values, nth);
+  return *nth;
+}
+
 /// The median of at least one value; of an even number the upper one of the two in the middle.
 template <typename T>
 T median(std::vector<T> values) {
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
+  return sample_quantile(std::move(values), 0.5);
 }
 
 /// The value that `rank` others precede in descending order; of more than `rank` values.

@@ -7,6 +7,7 @@
 #include <mapjoin/solve/frontal_matrix.hpp>
 #include <mapjoin/solve/marginals.hpp>
 #include <numeric>
+#include <optional>
 #include <stdexcept>
 #include <utility>
 #include <vector>
@@ -23,6 +24,12 @@ constexpr std::size_t kVariablesAtOnce = 16;
 
 Eigen::Index width_of(const Supernode& node) {
   return node.end - node.begin;
+}
+
+/// The first row of L below its block, a column of its parent; none of a root.
+std::optional<std::int64_t> first_below(const Supernode& node) {
+  const auto width = static_cast<std::size_t>(width_of(node));
+  return node.rows.size() > width ? std::optional(node.rows[width]) : std::nullopt;
 }
 
 /// A dense matrix in `room`, whatever is in there.
@@ -153,23 +160,29 @@ Eigen::MatrixXd Marginals::joint(std::span<const Variable> variables) const {
   return subset_.block(columns);
 }
 
-CrossCovariances::RowsOnPaths CrossCovariances::zeros_on_paths(std::span<const Variable> variables, Eigen::Index rows) const {
-  std::map<std::int64_t, Supernode> nodes;  // by their first columns
+Supernodes CrossCovariances::on_paths(std::span<const Variable> variables) const {
+  std::map<std::int64_t, Supernode> nodes;  // by the ends of their columns
   for (const Variable v : variables) {
-    std::int64_t column = equations_.factor_column(v);
-    for (bool is_new = true; is_new;) {
-      Supernode node = equations_.supernode_of(column);
-      const auto width = static_cast<std::size_t>(width_of(node));
-      const bool has_parent = node.rows.size() > width;
-      if (has_parent) column = node.rows[width];
-      is_new = nodes.try_emplace(node.begin, std::move(node)).second && has_parent;
+    std::optional<std::int64_t> column = equations_.factor_column(v);
+    const auto is_new = [&] {
+      const auto next = nodes.upper_bound(*column);
+      return next == nodes.end() || *column < next->second.begin;
+    };
+    while (column && is_new()) {
+      Supernode node = equations_.supernode_of(*column);
+      column = first_below(node);
+      nodes.emplace(node.end, std::move(node));
     }
   }
-  RowsOnPaths zeros{{}, {0}, {}};
-  for (auto& [begin, node] : nodes) {
-    zeros.first.push_back(zeros.first.back() + width_of(node));
-    zeros.nodes.push_back(std::move(node));
-  }
+  Supernodes ascending;
+  ascending.reserve(nodes.size());
+  for (auto& [end, node] : nodes) ascending.push_back(std::move(node));
+  return ascending;
+}
+
+CrossCovariances::RowsOnPaths CrossCovariances::zeros_on_paths(std::span<const Variable> variables, Eigen::Index rows) const {
+  RowsOnPaths zeros{on_paths(variables), {0}, {}};
+  for (const Supernode& node : zeros.nodes) zeros.first.push_back(zeros.first.back() + width_of(node));
   zeros.values.setZero(rows, zeros.first.back());
   return zeros;
 }
@@ -265,14 +278,21 @@ Eigen::MatrixXd CrossCovariances::joint(std::span<const Variable> variables) con
   return covariance;
 }
 
-std::int64_t CrossCovariances::bytes(const NormalEquations& equations, Eigen::Index size) {
-  const auto& dofs = equations.pattern().dofs;
-  const int most_dof = dofs.empty() ? 0 : std::ranges::max(dofs);
-  const Eigen::Index at_once = std::min(size, static_cast<Eigen::Index>(kVariablesAtOnce) * most_dof);
-  // The rows of the factor's supernodes, twice, of which there are no more than values; the result, and its copy in the order
-  // of the caller; of the variables at once Yᵀ, (L⁻ᵀ Y)ᵀ, what of that is asked for, and room for what is done at one
-  // supernode.
-  return 2 * equations.factor_bytes() + 8 * (2 * size * size + 4 * at_once * equations.size());
+std::int64_t CrossCovariances::bytes(std::span<const Variable> variables) const {
+  const std::int64_t size = size_of(variables);
+  const std::int64_t at_once = size_of(variables.first(std::min(kVariablesAtOnce, variables.size())));
+  std::int64_t rows = 0;
+  std::int64_t columns = 0;
+  std::int64_t nodes = 0;
+  for (const Supernode& node : on_paths(variables)) {
+    rows += std::ssize(node.rows);
+    columns += width_of(node);
+    ++nodes;
+  }
+  // The supernodes of both substitutions, the second time also on their way into a list; Yᵀ, (L⁻ᵀ Y)ᵀ and what is done at one
+  // supernode; of the variables at once what is asked for; and the covariance.
+  const std::int64_t lists = 2 * 8 * (rows + nodes) + 4 * nodes * static_cast<std::int64_t>(sizeof(Supernode));
+  return lists + 8 * (4 * at_once * columns + 2 * size * size);
 }
 
 std::int64_t machine_memory() {

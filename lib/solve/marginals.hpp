@@ -101,8 +101,8 @@ class CrossCovariances {
   Eigen::MatrixXd between(std::span<const Variable> rows, std::span<const Variable> columns) const;
   /// The joint covariance of variables, in the order given.
   Eigen::MatrixXd joint(std::span<const Variable> variables) const;
-  /// The most that the joint covariance of `size` entries asks for (bytes).
-  static std::int64_t bytes(const NormalEquations& equations, Eigen::Index size);
+  /// What their joint covariance asks for (bytes), but for a little at each supernode.
+  std::int64_t bytes(std::span<const Variable> variables) const;
 
  private:
   /// A few rows of a matrix with the columns of L; only the columns of some supernodes and all their ancestors, ascending, side
@@ -112,6 +112,8 @@ class CrossCovariances {
     std::vector<Eigen::Index> first;  // of `values`: the column that each node begins with, and their number
     Eigen::MatrixXd values;
   };
+  /// The supernodes of some variables and all their ancestors, ascending.
+  Supernodes on_paths(std::span<const Variable> variables) const;
   RowsOnPaths zeros_on_paths(std::span<const Variable> variables, Eigen::Index rows) const;
   Eigen::Index size_of(std::span<const Variable> variables) const;
   Eigen::Index column_in(const RowsOnPaths& rows, Variable v) const;

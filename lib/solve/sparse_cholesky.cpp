@@ -243,7 +243,9 @@ std::size_t SparseCholesky::supernode_count() const {
 
 Supernode SparseCholesky::supernode_of(std::int64_t column) const {
   const auto is_before = [&](const FactorNode& node) { return offsets_[node.columns.last] <= column; };
-  const FactorNode& node = *std::ranges::partition_point(tree_.nodes, is_before);
+  auto found = std::ranges::partition_point(tree_.nodes, is_before);
+  while (found->width == 0) ++found;  // a front that is given stands before the node that it goes into
+  const FactorNode& node = *found;
   Supernode L;
   L.begin = offsets_[node.columns.first];
   L.end = L.begin + node.width;

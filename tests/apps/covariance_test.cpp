@@ -71,27 +71,40 @@ TYPED_TEST(CovarianceCommand, GivesBlocksOfTheDenseInverse) {
   EXPECT_EQ(report["gauge"]["held_poses"][0]["pose"], 0);
 }
 
+/// Of all that has a pose in it, whichever was named first: the one named later in the frame of the other, or of the pose.
 TYPED_TEST(CovarianceCommand, GivesRelativeCovariances) {
   constexpr int kDof = TestFixture::kDof;
   constexpr int kDim = TestFixture::kDim;
-  const auto report = report_of({"covariance", (this->folder.path() / "log.g2o").string(), "pose:9", "pose:17"});
-  const Pose<kDim> base = this->state.poses[9];
-  const Pose<kDim> target = this->state.poses[17];
-  const auto moved = [&](const Eigen::VectorXd& step) {
-    const auto relative =
-        between(retract(base, PoseVector<kDim>(step.head<kDof>())), retract(target, PoseVector<kDim>(step.tail<kDof>())));
-    return local(between(base, target), relative);
+  const auto log = std::get<Log<kDim>>(open_log(this->folder.path() / "log.g2o").value());
+  const auto report = report_of({"covariance", (this->folder.path() / "log.g2o").string(),
+                                 "feature:" + key_text(log.features[3].key), "pose:9", "pose:17"});
+  const auto expect = [&](const nlohmann::json& relation, int base, Eigen::Index target_row, Eigen::Index target_size, auto&& seen) {
+    const Pose<kDim> from = this->state.poses[PoseIndex(base)];
+    const auto moved = [&](const Eigen::VectorXd& step) {
+      return seen(retract(from, PoseVector<kDim>(step.head<kDof>())), step.tail(target_size));
+    };
+    const auto J = numerical_jacobian(moved, static_cast<int>(kDof + target_size));
+    std::vector<Eigen::Index> rows;
+    for (int i = 0; i < kDof; ++i) rows.push_back(base * kDof + i);
+    for (Eigen::Index i = 0; i < target_size; ++i) rows.push_back(target_row + i);
+    const Eigen::MatrixXd expected = J * this->inverse(rows, rows) * J.transpose();
+    EXPECT_LT((matrix_of(relation["covariance"]) - expected).cwiseAbs().maxCoeff(), 1e-6 * expected.cwiseAbs().maxCoeff());
+    EXPECT_EQ(relation["from"]["pose"], base);
+    EXPECT_EQ(relation["position"].size(), std::size_t{kDim});
   };
-  const auto J = numerical_jacobian(moved, 2 * kDof);
-  std::vector<Eigen::Index> rows;
-  for (const int pose : {9, 17}) {
-    for (int i = 0; i < kDof; ++i) rows.push_back(pose * kDof + i);
-  }
-  const Eigen::MatrixXd expected = J * this->inverse(rows, rows) * J.transpose();
-  ASSERT_EQ(report["relations"].size(), 1U);
-  const auto& relation = report["relations"][0];
-  EXPECT_LT((matrix_of(relation["covariance"]) - expected).cwiseAbs().maxCoeff(), 1e-6 * expected.cwiseAbs().maxCoeff());
-  EXPECT_EQ(relation["position"].size(), std::size_t{kDim});
+  const Point<kDim> feature = this->state.features[3];
+  const auto feature_seen = [&](const Pose<kDim>& from, const Eigen::VectorXd& step) {
+    return Eigen::VectorXd(transform_into<kDim>(from, feature + step.head<kDim>()));
+  };
+  const Pose<kDim> target = this->state.poses[17];
+  const Pose<kDim> relative = between(this->state.poses[9], target);
+  const auto pose_seen = [&](const Pose<kDim>& from, const Eigen::VectorXd& step) {
+    return Eigen::VectorXd(local(relative, between(from, retract(target, PoseVector<kDim>(step.head<kDof>())))));
+  };
+  ASSERT_EQ(report["relations"].size(), 3U);
+  expect(report["relations"][0], 9, this->first_feature + 3 * kDim, kDim, feature_seen);
+  expect(report["relations"][1], 17, this->first_feature + 3 * kDim, kDim, feature_seen);
+  expect(report["relations"][2], 9, 17 * kDof, kDof, pose_seen);
 }
 
 TYPED_TEST(CovarianceCommand, SolvesTheFolderOfARunAndAStoreAgain) {

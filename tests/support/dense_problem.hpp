@@ -78,8 +78,8 @@ inline Eigen::VectorXd arctangent(const Eigen::VectorXd& x) {
   return Eigen::VectorXd::Constant(1, std::atan(x[0]));
 }
 
-/// One that does not end before it has to.
-inline MinimiseOptions with(Method method) {
+/// Of a minimisation that does not end before it has to.
+inline MinimiseOptions to_the_end(Method method) {
   MinimiseOptions options;
   options.method = method;
   options.relative_chi2 = 1e-14;

@@ -53,6 +53,21 @@ TEST(EliminateFronts, KeepsAllButWhatWasGiven) {
   }
 }
 
+TEST(EliminateFronts, AColumnIsOfTheSupernodeBehindWhatWasGiven) {
+  Random random;
+  const testing::CoupledByFronts given(random);
+  SparseCholesky cholesky;
+  cholesky.analyse(given.pattern, given.fronts);
+  ASSERT_TRUE(cholesky.factorise(given.pattern, given.fronts).empty());
+  Eigen::MatrixXd L = Eigen::MatrixXd::Zero(given.A.rows(), given.A.cols());
+  for (const Supernode& node : cholesky.supernodes()) {
+    const auto height = std::ssize(node.rows);
+    const Eigen::Map<const Eigen::MatrixXd> values(node.values, height, node.end - node.begin);
+    L(node.rows, Eigen::seq(node.begin, node.end - 1)) = values.triangularView<Eigen::Lower>();
+  }
+  EXPECT_LT((L * L.transpose() - given.A).norm(), 1e-12 * given.A.norm());
+}
+
 TEST(EliminateFronts, PanelsAreThoseOfSparseCholeskyToTheLastBitForAnyNumberOfThreads) {
   Random random;
   const BlockLower matrix = grid_system(90, random);

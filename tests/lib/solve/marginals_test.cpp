@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 
 #include <Eigen/Cholesky>
@@ -17,6 +18,7 @@ using testing::Random;
 struct Rings {
   int variables;
   int rings;
+  Engine engine = Engine::kFronts;
 };
 
 /// Variables of 3 and of 2 entries in rings, which nothing ties to each other, of observations of three, with some across; the
@@ -27,7 +29,7 @@ class MarginalsTest : public ::testing::TestWithParam<Rings> {
     BlockPattern pattern;
     for (int v = 0; v < count; ++v) pattern.dofs.push_back(v % 2 == 0 ? 3 : 2);
     for (int v = 0; v < count; ++v) pattern.factors.push_back(std::array{Variable(v), on_ring(v, 1, 1), on_ring(v, 7, 3)});
-    equations = NormalEquations(pattern);
+    equations = NormalEquations(pattern, GetParam().engine);
     H = Eigen::MatrixXd::Zero(equations.size(), equations.size());
     equations.set_zero();
     for (std::size_t f = 0; f < pattern.factors.size(); ++f) add_factor(f);
@@ -120,6 +122,18 @@ TEST_P(MarginalsTest, CrossCovariancesGiveTheJointOneOfAnyVariables) {
   }
 }
 
+TEST_P(MarginalsTest, CrossCovariancesCountTheirMemoryBeforehand) {
+  ASSERT_FALSE(equations.factorise(0.0));
+  const CrossCovariances cross(equations);
+  std::vector<Variable> all;
+  for (const Variable v : equations.variables()) all.push_back(v);
+  const std::int64_t of_result = 8 * equations.size() * equations.size();
+  EXPECT_GT(cross.bytes(all), of_result + equations.factor_bytes() / equations.size());
+  EXPECT_LT(cross.bytes(all), 40 * of_result);
+  EXPECT_LT(cross.bytes({all.data(), 1}), cross.bytes(all));
+  EXPECT_LT(cross.bytes({}), 100);
+}
+
 TEST_P(MarginalsTest, TheLeastCurvatureIsTheMahalanobisLengthUnderTheJointCovarianceOfWhatIsGiven) {
   Eigen::VectorXd v(equations.size());
   for (auto& entry : v) entry = random.uniform(-1.0, 1.0);
@@ -133,8 +147,13 @@ TEST_P(MarginalsTest, TheLeastCurvatureIsTheMahalanobisLengthUnderTheJointCovari
     EXPECT_NEAR(equations.least_curvature(v, is_given).value(), expected, 1e-10 * expected) << every;
   }
 }
-INSTANTIATE_TEST_SUITE_P(Variables, MarginalsTest, ::testing::Values(Rings{7, 1}, Rings{40, 1}, Rings{300, 1}, Rings{60, 3}),
-                         [](const auto& info) { return std::to_string(info.index); });
+INSTANTIATE_TEST_SUITE_P(Variables, MarginalsTest,
+                         ::testing::Values(Rings{7, 1}, Rings{40, 1}, Rings{300, 1}, Rings{60, 3},
+                                           Rings{40, 1, Engine::kCholmod}, Rings{60, 3, Engine::kCholmod}),
+                         [](const auto& info) {
+                           return fmt::format("{}in{}by_{}", info.param.variables, info.param.rings,
+                                              to_string(info.param.engine));
+                         });
 
 /// Of `count` random observations, each of three columns at most `reach` apart.
 Eigen::MatrixXd random_matrix(Eigen::Index n, Eigen::Index count, Eigen::Index reach, Random& random) {

@@ -12,7 +12,7 @@ namespace {
 using testing::arctangent;
 using testing::DenseProblem;
 using testing::rosenbrock;
-using testing::with;
+using testing::to_the_end;
 
 /// What rounding adds to chi2 is more than what the last step gains.
 struct RoundedProblem : DenseProblem {
@@ -23,7 +23,7 @@ struct RoundedProblem : DenseProblem {
 TEST(MinimiseEnd, TheLastStepIsTakenThoughChi2CannotShowItsGain) {
   const auto h = [](const Eigen::VectorXd& x) { return Eigen::VectorXd(Eigen::Vector2d(x[0] - 1.0, 1e3)); };
   RoundedProblem problem(h, Eigen::VectorXd::Constant(1, 1.0 + 1e-5));
-  const MinimiseResult result = minimise(problem, with(Method::kDogleg));
+  const MinimiseResult result = minimise(problem, to_the_end(Method::kDogleg));
   EXPECT_EQ(result.status, MinimiseStatus::kConverged);
   EXPECT_NEAR(problem.estimate()[0], 1.0, 1e-9);
 }
@@ -41,18 +41,18 @@ DenseProblem::Function valley(double c) {
 
 TEST(MinimiseEnd, DoesNotCreepAlongAValleyWhoseCurvatureGaussNewtonOverrates) {
   DenseProblem problem(valley(-0.475), Eigen::VectorXd::Constant(1, 0.5));
-  const MinimiseResult result = minimise(problem, with(Method::kDogleg));
+  const MinimiseResult result = minimise(problem, to_the_end(Method::kDogleg));
   EXPECT_EQ(result.status, MinimiseStatus::kConverged);
   EXPECT_NEAR(problem.estimate()[0], 0.0, 1e-6);
   FlatProblem plain(valley(-0.475), Eigen::VectorXd::Constant(1, 0.5));
-  EXPECT_LT(10 * result.iterations, minimise(plain, with(Method::kDogleg)).iterations);
+  EXPECT_LT(10 * result.iterations, minimise(plain, to_the_end(Method::kDogleg)).iterations);
 }
 
 TEST(MinimiseEnd, GoesOnByGaussNewtonWhereChi2IsNotConvex) {
   DenseProblem problem(rosenbrock, Eigen::Vector2d(-1.2, 1.0));
-  EXPECT_EQ(minimise(problem, with(Method::kDogleg)).status, MinimiseStatus::kConverged);
+  EXPECT_EQ(minimise(problem, to_the_end(Method::kDogleg)).status, MinimiseStatus::kConverged);
   DenseProblem hill(valley(-2.0), Eigen::VectorXd::Constant(1, 0.01));  // 0 is a maximum between two minima
-  const MinimiseResult result = minimise(hill, with(Method::kDogleg));
+  const MinimiseResult result = minimise(hill, to_the_end(Method::kDogleg));
   EXPECT_NEAR(std::abs(hill.estimate()[0]), std::sqrt(3.0 / 8.0), 1e-6);
   EXPECT_EQ(result.factorisations, hill.factorisations);
 }
@@ -66,7 +66,7 @@ struct KinkedProblem : DenseProblem {
 TEST(MinimiseEnd, HasNotConvergedWhereOnlyTheRegionShrankToNothing) {
   const auto h = [](const Eigen::VectorXd& x) { return x; };
   KinkedProblem problem(h, Eigen::VectorXd::Constant(1, 1.0));
-  EXPECT_EQ(minimise(problem, with(Method::kDogleg)).status, MinimiseStatus::kNoProgress);
+  EXPECT_EQ(minimise(problem, to_the_end(Method::kDogleg)).status, MinimiseStatus::kNoProgress);
 }
 
 /// Of which every step raises chi2.
@@ -79,7 +79,7 @@ TEST(MinimiseEnd, StaysWhereEveryStepRaisesChi2) {
   for (const auto method : {Method::kDogleg, Method::kLevenbergMarquardt}) {
     const auto h = [](const Eigen::VectorXd& x) { return x; };
     RaisedProblem problem(h, Eigen::VectorXd::Constant(1, 1.0));
-    EXPECT_EQ(minimise(problem, with(method)).status, MinimiseStatus::kNoProgress);
+    EXPECT_EQ(minimise(problem, to_the_end(method)).status, MinimiseStatus::kNoProgress);
     EXPECT_EQ(problem.estimate()[0], 1.0);
   }
 }
@@ -87,7 +87,7 @@ TEST(MinimiseEnd, StaysWhereEveryStepRaisesChi2) {
 TEST(MinimiseEnd, HasConvergedAtItsLimitOfIterationsWhereNothingIsLeftToGain) {
   for (const double start : {1e-4, 1e-2}) {
     DenseProblem problem(valley(-0.475), Eigen::VectorXd::Constant(1, start));
-    MinimiseOptions options = with(Method::kGaussNewton);
+    MinimiseOptions options = to_the_end(Method::kGaussNewton);
     options.step_metres = options.step_radians = 0.0;
     options.max_iterations = 3;
     EXPECT_EQ(minimise(problem, options).status, start == 1e-4 ? MinimiseStatus::kConverged : MinimiseStatus::kMaxIterations);
@@ -97,7 +97,7 @@ TEST(MinimiseEnd, HasConvergedAtItsLimitOfIterationsWhereNothingIsLeftToGain) {
 TEST(MinimiseEnd, LevenbergMarquardtEndsWithAnUndampedStep) {
   const auto h = [](const Eigen::VectorXd& x) { return Eigen::VectorXd(Eigen::Vector2d(x[0] - 1.0, 10.0)); };
   DenseProblem problem(h, Eigen::VectorXd::Constant(1, 1.1));
-  MinimiseOptions options = with(Method::kLevenbergMarquardt);
+  MinimiseOptions options = to_the_end(Method::kLevenbergMarquardt);
   options.relative_chi2 = 1e-3;
   EXPECT_EQ(minimise(problem, options).status, MinimiseStatus::kConverged);
   EXPECT_NEAR(problem.estimate()[0], 1.0, 1e-9);
@@ -113,7 +113,7 @@ struct StubbornProblem : DenseProblem {
 
 TEST(MinimiseEnd, DampsASingularSystemByAsMuchAsItTakes) {
   StubbornProblem problem(arctangent, Eigen::VectorXd::Constant(1, 0.5));
-  MinimiseOptions options = with(Method::kDogleg);
+  MinimiseOptions options = to_the_end(Method::kDogleg);
   options.damp_singular = true;
   EXPECT_EQ(minimise(problem, options).status, MinimiseStatus::kConverged);
 }

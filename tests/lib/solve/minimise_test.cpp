@@ -12,7 +12,7 @@ namespace {
 using testing::arctangent;
 using testing::DenseProblem;
 using testing::rosenbrock;
-using testing::with;
+using testing::to_the_end;
 
 /// Powell's badly scaled function: the valley is a hyperbola, the minimum at (1.098e-5, 9.106).
 Eigen::VectorXd badly_scaled(const Eigen::VectorXd& x) {
@@ -32,7 +32,7 @@ INSTANTIATE_TEST_SUITE_P(Methods, MinimiseTest,
 
 TEST_P(MinimiseTest, FindsTheBottomOfRosenbrocksValley) {
   DenseProblem problem(rosenbrock, Eigen::Vector2d(-1.2, 1.0));
-  const MinimiseResult result = minimise(problem, with(GetParam()));
+  const MinimiseResult result = minimise(problem, to_the_end(GetParam()));
   EXPECT_EQ(result.status, MinimiseStatus::kConverged);
   EXPECT_LT((problem.estimate() - Eigen::Vector2d(1.0, 1.0)).norm(), 1e-8);
   EXPECT_NEAR(result.start_chi2, rosenbrock(Eigen::Vector2d(-1.2, 1.0)).squaredNorm(), 1e-12);
@@ -42,7 +42,7 @@ TEST_P(MinimiseTest, FindsTheBottomOfRosenbrocksValley) {
 
 TEST_P(MinimiseTest, FindsTheMinimumWhereScalesDifferByMillions) {
   DenseProblem problem(badly_scaled, Eigen::Vector2d(0.0, 1.0));
-  const MinimiseResult result = minimise(problem, with(GetParam()));
+  const MinimiseResult result = minimise(problem, to_the_end(GetParam()));
   EXPECT_EQ(result.status, MinimiseStatus::kConverged);
   EXPECT_NEAR(problem.estimate()[1], 9.10614673986652, 1e-6);
   if (GetParam() != Method::kGaussNewton) expect_descent(problem);
@@ -50,7 +50,7 @@ TEST_P(MinimiseTest, FindsTheMinimumWhereScalesDifferByMillions) {
 
 TEST_P(MinimiseTest, OnlyGaussNewtonIsLedAstray) {
   DenseProblem problem(arctangent, Eigen::VectorXd::Constant(1, 3.0));
-  const MinimiseResult result = minimise(problem, with(GetParam()));
+  const MinimiseResult result = minimise(problem, to_the_end(GetParam()));
   if (GetParam() == Method::kGaussNewton) {
     EXPECT_NE(result.status, MinimiseStatus::kConverged);
     EXPECT_TRUE(problem.estimate().allFinite());
@@ -62,7 +62,7 @@ TEST_P(MinimiseTest, OnlyGaussNewtonIsLedAstray) {
 }
 
 TEST_P(MinimiseTest, StopsAtTheGivenNumberOfIterations) {
-  MinimiseOptions options = with(GetParam());
+  MinimiseOptions options = to_the_end(GetParam());
   options.max_iterations = 1;
   DenseProblem problem(rosenbrock, Eigen::Vector2d(-1.2, 1.0));
   const MinimiseResult result = minimise(problem, options);
@@ -72,7 +72,7 @@ TEST_P(MinimiseTest, StopsAtTheGivenNumberOfIterations) {
 }
 
 TEST_P(MinimiseTest, RecordsTheCourseOfChi2) {
-  MinimiseOptions options = with(GetParam());
+  MinimiseOptions options = to_the_end(GetParam());
   DenseProblem whole(rosenbrock, Eigen::Vector2d(-1.2, 1.0));
   const MinimiseResult result = minimise(whole, options);
   ASSERT_EQ(result.course.size(), static_cast<std::size_t>(result.iterations));
@@ -86,7 +86,7 @@ TEST_P(MinimiseTest, RecordsTheCourseOfChi2) {
 TEST_P(MinimiseTest, NamesASingularVariableAndLeavesTheEstimate) {
   const auto blind = [](const Eigen::VectorXd& x) { return Eigen::VectorXd::Constant(1, x[0] - 3.0); };
   DenseProblem problem(blind, Eigen::Vector2d(1.0, 2.0));
-  const MinimiseResult result = minimise(problem, with(GetParam()));
+  const MinimiseResult result = minimise(problem, to_the_end(GetParam()));
   EXPECT_EQ(result.status, MinimiseStatus::kSingular);
   EXPECT_EQ(result.singular, Variable(1));
   EXPECT_EQ(problem.estimate(), Eigen::Vector2d(1.0, 2.0));
@@ -95,12 +95,12 @@ TEST_P(MinimiseTest, NamesASingularVariableAndLeavesTheEstimate) {
 TEST_P(MinimiseTest, FindsWhatOnlyDampingDetermines) {
   const auto sum = [](const Eigen::VectorXd& x) { return Eigen::VectorXd(Eigen::Vector2d(x[0] + x[1] - 1.0, 0.1)); };
   DenseProblem problem(sum, Eigen::Vector2d(3.0, 4.0));
-  EXPECT_EQ(minimise(problem, with(GetParam())).status, MinimiseStatus::kSingular);
+  EXPECT_EQ(minimise(problem, to_the_end(GetParam())).status, MinimiseStatus::kSingular);
 }
 
 TEST_P(MinimiseTest, MayDampAVariableThatNothingDeterminesYet) {
   const auto sum = [](const Eigen::VectorXd& x) { return Eigen::VectorXd::Constant(1, x[0] + x[1] - 3.0); };
-  MinimiseOptions options = with(GetParam());
+  MinimiseOptions options = to_the_end(GetParam());
   options.damp_singular = true;
   DenseProblem problem(sum, Eigen::Vector2d(0.0, 0.0));
   const MinimiseResult result = minimise(problem, options);
@@ -112,14 +112,14 @@ TEST_P(MinimiseTest, MayDampAVariableThatNothingDeterminesYet) {
 TEST_P(MinimiseTest, TakesNoStepWhereChi2IsNotFinite) {
   const auto broken = [](const Eigen::VectorXd& x) { return Eigen::VectorXd(x / 0.0); };
   DenseProblem problem(broken, Eigen::VectorXd::Ones(1));
-  EXPECT_EQ(minimise(problem, with(GetParam())).status, MinimiseStatus::kNoProgress);
+  EXPECT_EQ(minimise(problem, to_the_end(GetParam())).status, MinimiseStatus::kNoProgress);
   EXPECT_EQ(problem.estimate()[0], 1.0);
 }
 
 TEST_P(MinimiseTest, TakesNoStepToWhereChi2IsNotFinite) {
   const auto logarithm = [](const Eigen::VectorXd& x) { return Eigen::VectorXd(x.array().log()); };
   DenseProblem problem(logarithm, Eigen::VectorXd::Constant(1, 3.0));  // from where the Gauss-Newton step leads below 0
-  const MinimiseResult result = minimise(problem, with(GetParam()));
+  const MinimiseResult result = minimise(problem, to_the_end(GetParam()));
   const bool is_plain = GetParam() == Method::kGaussNewton;
   EXPECT_EQ(result.status, is_plain ? MinimiseStatus::kNoProgress : MinimiseStatus::kConverged);
   EXPECT_NEAR(problem.estimate()[0], is_plain ? 3.0 : 1.0, 1e-6);
@@ -129,14 +129,14 @@ TEST_P(MinimiseTest, StopsWhereAskedTo) {
   std::stop_source stop;
   stop.request_stop();
   DenseProblem problem(rosenbrock, Eigen::Vector2d(-1.2, 1.0));
-  const MinimiseResult result = minimise(problem, with(GetParam()), stop.get_token());
+  const MinimiseResult result = minimise(problem, to_the_end(GetParam()), stop.get_token());
   EXPECT_EQ(result.status, MinimiseStatus::kInterrupted);
   EXPECT_EQ(problem.estimate(), Eigen::Vector2d(-1.2, 1.0));
 }
 
 TEST(Minimise, TheDoglegFactorisesOncePerLinearisation) {
   DenseProblem problem(arctangent, Eigen::VectorXd::Constant(1, 30.0));
-  minimise(problem, with(Method::kDogleg));
+  minimise(problem, to_the_end(Method::kDogleg));
   EXPECT_EQ(problem.factorisations, static_cast<int>(problem.visited.size()));
 }
 
