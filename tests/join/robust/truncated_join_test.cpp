@@ -135,8 +135,8 @@ TYPED_TEST(TruncatedJoinTest, SettlesByAStepWhereAllIsLinear) {
   const auto& optimum = settled.system().estimate();
   const double moved = testing::largest_difference(optimum, world.truth);
   EXPECT_LT(testing::largest_difference(by_a_step.system().estimate(), optimum), 0.01 * moved);
-  this->expect_alike(by_a_step.closure_tests(), settled.closure_tests(), 0.01);
-  this->expect_alike(by_a_step.observation_tests(), settled.observation_tests(), 0.01);
+  this->expect_alike(by_a_step.closure_tests(), settled.closure_tests(), 0.05);
+  this->expect_alike(by_a_step.observation_tests(), settled.observation_tests(), 0.05);
 }
 
 TYPED_TEST(TruncatedJoinTest, SettlesByAStepWithoutWhatDoesNotCount) {
