@@ -119,9 +119,10 @@ Expected<Eigen::MatrixXd> MapCovariances<Dim>::joint(std::span<const PoseOrFeatu
     size += dof;
   }
   const std::string what = fmt::format("the joint covariance of {} poses and features", variables.size());
-  return check_memory(what, CrossCovariances(equations_).bytes(free), most_memory_).map([&] {
+  const CrossCovariances cross(equations_);
+  return check_memory(what, cross.bytes(free), most_memory_).map([&] {
     Eigen::MatrixXd covariance = Eigen::MatrixXd::Zero(size, size);
-    covariance(places, places) = CrossCovariances(equations_).joint(free);
+    covariance(places, places) = cross.joint(free);
     return covariance;
   });
 }

@@ -28,8 +28,8 @@ constexpr std::size_t kMostOfACell = kStretch;
 /// The scale is found by the loops of this share of the closures, the best supported ones, if there are so many loops.
 constexpr double kBestShare = 0.05;
 constexpr std::size_t kLeastLoops = 100;
-/// It is that of the closest loops: the quantile of their squared mismatches for this share, over the one that it should be.
-/// Most of them may be of wrong closures that bear each other out, but these agree less closely than right ones do.
+/// It is the quantile of their squared mismatches for this share, over what that should be: most of the loops may be of wrong
+/// closures that bear each other out, but right ones agree most closely.
 constexpr double kClosestShare = 0.1;
 
 }  // namespace

@@ -12,7 +12,7 @@
 
 namespace mapjoin {
 
-/// The value that a share p of at least one value, 0 <= p < 1, is not above; of two neighbours the upper one.
+/// The value that a share p of them, 0 <= p < 1, precedes in ascending order; of at least one value.
 template <typename T>
 T sample_quantile(std::vector<T> values, double p) {
   const auto nth = values.begin() + static_cast<std::ptrdiff_t>(p * static_cast<double>(values.size()));

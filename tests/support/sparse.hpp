@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
-// Small dense matrices in the storage of the sparse Cholesky factorisation.
+// Small dense matrices in the storage of the sparse Cholesky factorisation, and its factor as a dense one.
 
 #include <mapjoin/solve/sparse_cholesky.hpp>
 
@@ -37,6 +37,16 @@ inline BlockLower sparse(const Eigen::MatrixXd& dense, const std::vector<Eigen::
 /// The same, entry by entry.
 inline BlockLower sparse(const Eigen::MatrixXd& dense) {
   return sparse(dense, std::vector<Eigen::Index>(static_cast<std::size_t>(dense.cols()), 1));
+}
+
+/// L of so many rows, by its supernodes.
+inline Eigen::MatrixXd dense_factor(const Supernodes& factor, Eigen::Index size) {
+  Eigen::MatrixXd L = Eigen::MatrixXd::Zero(size, size);
+  for (const Supernode& node : factor) {
+    const Eigen::Map<const Eigen::MatrixXd> values(node.values, std::ssize(node.rows), node.end - node.begin);
+    L(node.rows, Eigen::seq(node.begin, node.end - 1)) = values.triangularView<Eigen::Lower>();
+  }
+  return L;
 }
 
 }  // namespace mapjoin::testing

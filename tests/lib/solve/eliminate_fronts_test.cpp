@@ -7,6 +7,7 @@
 #include <tests/support/coupled_by_fronts.hpp>
 #include <tests/support/grid_system.hpp>
 #include <tests/support/random.hpp>
+#include <tests/support/sparse.hpp>
 
 namespace mapjoin {
 namespace {
@@ -59,12 +60,7 @@ TEST(EliminateFronts, AColumnIsOfTheSupernodeBehindWhatWasGiven) {
   SparseCholesky cholesky;
   cholesky.analyse(given.pattern, given.fronts);
   ASSERT_TRUE(cholesky.factorise(given.pattern, given.fronts).empty());
-  Eigen::MatrixXd L = Eigen::MatrixXd::Zero(given.A.rows(), given.A.cols());
-  for (const Supernode& node : cholesky.supernodes()) {
-    const auto height = std::ssize(node.rows);
-    const Eigen::Map<const Eigen::MatrixXd> values(node.values, height, node.end - node.begin);
-    L(node.rows, Eigen::seq(node.begin, node.end - 1)) = values.triangularView<Eigen::Lower>();
-  }
+  const Eigen::MatrixXd L = testing::dense_factor(cholesky.supernodes(), given.A.rows());
   EXPECT_LT((L * L.transpose() - given.A).norm(), 1e-12 * given.A.norm());
 }
 

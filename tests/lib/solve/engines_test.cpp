@@ -82,17 +82,8 @@ TEST_P(EnginesTest, ShowTheirSupernodes) {
   ASSERT_TRUE(solver->factorise(matrix).empty());
   const Supernodes factor = solver->supernodes();
   EXPECT_EQ(factor.size(), solver->supernode_count());
-  Eigen::MatrixXd L = Eigen::MatrixXd::Zero(matrix.size(), matrix.size());
   std::int64_t values = 0;
-  for (const Supernode& node : factor) {
-    const auto height = static_cast<Eigen::Index>(node.rows.size());
-    values += height * (node.end - node.begin);
-    for (auto column = node.begin; column < node.end; ++column) {
-      for (Eigen::Index i = column - node.begin; i < height; ++i) {
-        L(node.rows[static_cast<std::size_t>(i)], column) = node.values[(column - node.begin) * height + i];
-      }
-    }
-  }
+  for (const Supernode& node : factor) values += std::ssize(node.rows) * (node.end - node.begin);
   EXPECT_EQ(solver->bytes(), 8 * values);
   for (const Supernode& node : factor) {
     for (auto column = node.begin; column < node.end; ++column) {
@@ -100,6 +91,7 @@ TEST_P(EnginesTest, ShowTheirSupernodes) {
       EXPECT_EQ(std::tie(same.begin, same.end, same.rows, same.values), std::tie(node.begin, node.end, node.rows, node.values));
     }
   }
+  const Eigen::MatrixXd L = testing::dense_factor(factor, matrix.size());
   EXPECT_LT((L * L.transpose() - dense(matrix)).norm(), 1e-12 * L.norm());
   const InverseSubset subset(factor);
   const std::vector<std::int64_t> last{matrix.size() - 2, matrix.size() - 1};
