@@ -13,7 +13,7 @@ namespace mapjoin {
 namespace {
 
 /// Branches that are followed, and how much less probable than the best one they may be.
-constexpr std::size_t kMostBranches = 64;
+constexpr std::size_t kMostAlignmentBranches = 64;
 constexpr double kLeastOdds = 1e-6;
 /// Pairs of maps count as about as sure as the surest one where they are confusable at most so much more.
 constexpr double kAsSure = 2.0;
@@ -207,7 +207,7 @@ void JointAlignment<Dim>::prune(std::vector<Branch> branches) {
   std::ranges::stable_sort(branches, {}, [](const Branch& b) { return b.excess(); });
   const double most = branches.front().excess() - 2.0 * std::log(kLeastOdds);
   std::erase_if(branches, [most](const Branch& b) { return b.excess() > most; });
-  branches.resize(std::min(kMostBranches, branches.size()));
+  branches.resize(std::min(kMostAlignmentBranches, branches.size()));
   branches_ = std::move(branches);
 }
 

@@ -26,7 +26,7 @@ std::string encoded(const std::vector<Outline<Dim>>& outlines) {
 }
 
 template <int Dim>
-std::vector<Outline<Dim>> decoded(const std::string& bytes) {
+std::vector<Outline<Dim>> decoded_outlines(const std::string& bytes) {
   std::vector<Outline<Dim>> outlines;
   for (Reader reader(bytes); !reader.is_at_end();) {
     auto& o = outlines.emplace_back();
@@ -105,7 +105,7 @@ std::vector<Pose<Dim>> frames_of(const Communicator& comm, const std::vector<Out
   std::string frames;
   if (comm.is_root()) {
     std::vector<std::vector<Outline<Dim>>> ranks;
-    std::ranges::transform(from, std::back_inserter(ranks), decoded<Dim>);
+    std::ranges::transform(from, std::back_inserter(ranks), decoded_outlines<Dim>);
     frames = Writer().put(aligned(ranks, factors)).bytes();
   }
   frames = comm.broadcast(std::move(frames), 0);

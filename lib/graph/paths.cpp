@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <algorithm>
 #include <array>
-#include <boost/pending/disjoint_sets.hpp>
 #include <mapjoin/graph/graph.hpp>
 #include <numeric>
 #include <tuple>
@@ -11,12 +10,16 @@ namespace {
 
 /// Those of the edges that make paths, each taken if it can be.
 std::vector<Edge> path_edges(std::size_t vertices, const std::vector<Edge>& edges) {
-  boost::disjoint_sets_with_storage<> paths(vertices);
+  std::vector<Vertex> other_end(vertices);  // of the path that a vertex ends
+  std::iota(other_end.begin(), other_end.end(), Vertex{0});
   std::vector<int> degree(vertices, 0);
   std::vector<Edge> taken;
   for (const auto& [a, b] : edges) {
-    if (degree[a] == 2 || degree[b] == 2 || paths.find_set(a) == paths.find_set(b)) continue;
-    paths.union_set(a, b);
+    if (degree[a] == 2 || degree[b] == 2 || a == b || other_end[a] == b) continue;
+    const Vertex first = other_end[a];
+    const Vertex last = other_end[b];
+    other_end[first] = last;
+    other_end[last] = first;
     ++degree[a];
     ++degree[b];
     taken.emplace_back(a, b);

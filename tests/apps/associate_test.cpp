@@ -22,7 +22,7 @@ class AssociateCommandTest : public ::testing::Test {
  protected:
   std::string file(const std::string& name) const { return (folder.path() / name).string(); }
   TemporaryFolder folder;
-  const std::string log = (kBundledData / "manhattan2d.g2o").string();
+  const std::string log = kBundledLog;
 };
 
 struct Explained {

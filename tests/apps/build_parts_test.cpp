@@ -22,7 +22,7 @@ class BuildInParts : public ::testing::Test {
   }
 
   TemporaryFolder folder;
-  std::string log = (kBundledData / "manhattan2d.g2o").string();
+  std::string log = kBundledLog;
 };
 
 TEST_F(BuildInParts, AllPartsTogetherAreTheStoreOfTheWhole) {

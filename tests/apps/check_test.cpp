@@ -40,7 +40,7 @@ TEST(Check, HasNothingToSayOfTheBundledLogs) {
 }
 
 TEST(Check, WeighsResidualsAtTheJoinedMap) {
-  const std::string log = (kBundledData / "manhattan2d.g2o").string();
+  const std::string log = kBundledLog;
   const json report = checked({log}, 0);
   double chi2 = 0.0;
   for (const json& fit : report["fits"]) chi2 += fit["chi2"].get<double>();
@@ -75,7 +75,7 @@ TEST(Check, NamesAsManyPlacesAsAskedFor) {
 
 TEST(Check, NamesWhatIsOutOfLineAsOftenAsAskedFor) {
   const TemporaryFolder folder;
-  std::string text = content_of(kBundledData / "manhattan2d.g2o");
+  std::string text = content_of(kBundledLog);
   for (const char* closure :
        {"EDGE_SE2 10 14 1 0 0", "EDGE_SE2 300 305 2 1 0", "EDGE_SE2 600 603 0 0 0", "EDGE_SE2 800 804 9 0 0"}) {
     text += std::string(closure) + " 25 0 0 25 0 25\n";
@@ -136,7 +136,7 @@ TEST(Check, ReportsWhatTheNumbersLeaveUndetermined) {
 TEST(Check, TakesTheFilesOwnValuesWhereAskedTo) {
   const TemporaryFolder folder;
   const std::string map = (folder.path() / "map.g2o").string();
-  ASSERT_EQ(call({"solve", (kBundledData / "manhattan2d.g2o").string(), "-o", map}).exit_code, 0);
+  ASSERT_EQ(call({"solve", kBundledLog, "-o", map}).exit_code, 0);
   EXPECT_TRUE(checked({map, "--estimate", "file"}, 0)["findings"].size() == 1);  // Of the feature that is seen once.
   std::string text = content_of(map);
   const std::string vertex = "VERTEX_SE2 500 ";
@@ -157,7 +157,7 @@ TEST(Check, ChecksStoresAndWritesItsReportBesideTheSummary) {
   const TemporaryFolder folder;
   const std::string store = (folder.path() / "maps").string();
   const std::string report = (folder.path() / "report.json").string();
-  ASSERT_EQ(call({"build", (kBundledData / "manhattan2d.g2o").string(), "-o", store, "--poses-per-map", "50"}).exit_code, 0);
+  ASSERT_EQ(call({"build", kBundledLog, "-o", store, "--poses-per-map", "50"}).exit_code, 0);
   const Ended ended = call({"check", store, "--report", report});
   EXPECT_EQ(ended.exit_code, 0) << ended.err;
   EXPECT_THAT(ended.out, HasSubstr("odometry: "));

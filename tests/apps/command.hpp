@@ -1,11 +1,12 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
-// The command as the tests call it, and the small logs they give it.
+// The command as the tests call it, the logs they give it, and how they read what it writes.
 
 #include <filesystem>
 #include <nlohmann/json.hpp>
 #include <sstream>
 #include <string>
+#include <string_view>
 #include <tests/support/places.hpp>
 #include <tests/support/process.hpp>
 #include <utility>
@@ -45,6 +46,17 @@ inline std::vector<std::string> lines_of(const std::string& text) {
   for (std::string line; std::getline(stream, line);) lines.push_back(line);
   return lines;
 }
+
+/// How often `part` stands in `text`.
+inline std::size_t count_of(std::string_view text, std::string_view part) {
+  std::size_t found = 0;
+  for (std::size_t at = text.find(part); at != std::string_view::npos; at = text.find(part, at + 1)) ++found;
+  return found;
+}
+
+/// The bundled log of the demonstration, and its true poses.
+inline const std::string kBundledLog = (kBundledData / "manhattan2d.g2o").string();
+inline const std::string kBundledTruth = (kBundledData / "manhattan2d.truth.tum").string();
 
 /// Three poses in a row that see one feature.
 inline const std::string kSmallLog =

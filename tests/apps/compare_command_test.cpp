@@ -21,9 +21,6 @@ using ::testing::HasSubstr;
 using ::testing::Not;
 using ::testing::StartsWith;
 
-const std::string kLog = (kBundledData / "manhattan2d.g2o").string();
-const std::string kTruth = (kBundledData / "manhattan2d.truth.tum").string();
-
 /// The fields of a line without quotes.
 std::vector<std::string> fields_of(const std::string& line) {
   std::istringstream stream(line + ",");
@@ -37,7 +34,8 @@ class Compare : public ::testing::Test {
  protected:
   static void SetUpTestSuite() {
     folder_ = new TemporaryFolder;
-    ended_ = call({"compare", kLog, "--poses-per-map", "20,60", "--truth", kTruth, "-o", out().string(), "--jobs", "1"});
+    ended_ = call(
+        {"compare", kBundledLog, "--poses-per-map", "20,60", "--truth", kBundledTruth, "-o", out().string(), "--jobs", "1"});
   }
   static void TearDownTestSuite() { delete folder_; }
   static fs::path out() { return folder_->path() / "out"; }
@@ -81,7 +79,7 @@ TEST_F(Compare, ReportsEveryCase) {
 
 TEST_F(Compare, AgreesWithARunOfEachCommand) {
   const json report = json::parse(content("compare.json"));
-  const json run = report_of({"run", kLog, "--poses-per-map", "20", "--schedule", "sequential", "--state", "relative"});
+  const json run = report_of({"run", kBundledLog, "--poses-per-map", "20", "--schedule", "sequential", "--state", "relative"});
   const auto same = [](const json& one) {
     return one.at("steps_per_map") == 20 && one.at("state") == "relative" && one.at("schedule") == "sequential";
   };
@@ -93,7 +91,7 @@ TEST_F(Compare, AgreesWithARunOfEachCommand) {
   EXPECT_EQ(found->at("joined").at("chi2"), run.at("recover").at("chi2"));
   EXPECT_EQ(found->at("polished").at("chi2"), run.at("chi2"));
   EXPECT_EQ(found->at("polish_iterations"), run.at("polish").at("iterations"));
-  const json identity = report_of({"run", kLog, "--covariance", "identity"});
+  const json identity = report_of({"run", kBundledLog, "--covariance", "identity"});
   EXPECT_EQ(report.at("other_weights").at("chi2"), identity.at("chi2"));
 }
 
@@ -143,8 +141,10 @@ std::string without_effort(const std::string& csv) {
 
 TEST_F(Compare, IsTheSameForAnyNumberOfThreads) {
   const fs::path two = folder_->path() / "two";
-  ASSERT_EQ(call({"compare", kLog, "--poses-per-map", "20,60", "--truth", kTruth, "-o", two.string(), "--jobs", "2"}).exit_code,
-            0);
+  ASSERT_EQ(
+      call({"compare", kBundledLog, "--poses-per-map", "20,60", "--truth", kBundledTruth, "-o", two.string(), "--jobs", "2"})
+          .exit_code,
+      0);
   EXPECT_EQ(without_effort(json::parse(content("compare.json"))),
             without_effort(json::parse(content_of(two / "compare.json"))));
   EXPECT_EQ(without_effort(content("compare.csv")), without_effort(content_of(two / "compare.csv")));
@@ -162,7 +162,7 @@ TEST_F(Compare, TakesSpaceAndIdentityCovariancesToo) {
 }
 
 TEST_F(Compare, AnIntrudingNameIsTextOnThePage) {
-  const auto log = folder_->file("a<b&c.g2o", content_of(kLog));
+  const auto log = folder_->file("a<b&c.g2o", content_of(kBundledLog));
   const fs::path there = folder_->path() / "named";
   ASSERT_EQ(call({"compare", log.string(), "--poses-per-map", "50", "-o", there.string(), "--quiet"}).exit_code, 0);
   EXPECT_THAT(content_of(there / "compare.html"), HasSubstr("<h1>Joining beside full SLAM: a&lt;b&amp;c.g2o</h1>"));
@@ -170,7 +170,7 @@ TEST_F(Compare, AnIntrudingNameIsTextOnThePage) {
 
 TEST_F(Compare, RefusesListsThatAreNone) {
   for (const std::string list : {"", "1", "5,", "5,,7", "-3", "5;7", "a", "1.5", "2000000"}) {
-    const Ended ended = call({"compare", kLog, "--poses-per-map", list});
+    const Ended ended = call({"compare", kBundledLog, "--poses-per-map", list});
     EXPECT_EQ(ended.exit_code, 2) << list;
     EXPECT_THAT(ended.err, HasSubstr("not whole numbers from 2 to 1000000 with commas between them"));
   }
@@ -178,7 +178,7 @@ TEST_F(Compare, RefusesListsThatAreNone) {
 
 TEST_F(Compare, RefusesATruthOfSomethingElse) {
   const auto truth = folder_->file("other.tum", "5000 0 0 0 0 0 0 1\n5001 1 0 0 0 0 0 1\n");
-  const Ended ended = call({"compare", kLog, "--truth", truth.string()});
+  const Ended ended = call({"compare", kBundledLog, "--truth", truth.string()});
   EXPECT_EQ(ended.exit_code, 2);
   EXPECT_THAT(ended.err, HasSubstr("the truth has fewer than two poses of the log"));
 }
@@ -194,7 +194,7 @@ TEST_F(Compare, LeavesNothingBehindWhereTheInputIsBad) {
 
 TEST_F(Compare, EndsWhenItIsInterrupted) {
   const fs::path there = folder_->path() / "interrupted";
-  Process process(command_line({"compare", kLog, "--poses-per-map", "2,3,4", "-o", there.string()}));
+  Process process(command_line({"compare", kBundledLog, "--poses-per-map", "2,3,4", "-o", there.string()}));
   std::this_thread::sleep_for(std::chrono::milliseconds(300));
   ASSERT_TRUE(process.is_running());
   process.send(SIGINT);

@@ -18,7 +18,7 @@ class ConvertTest : public ::testing::Test {
     return report_of({command, input, "-o", path("map.csv")})["chi2"];
   }
 
-  const std::string town = (kBundledData / "manhattan2d.g2o").string();
+  const std::string town = kBundledLog;
   TemporaryFolder folder;
 };
 
@@ -94,7 +94,7 @@ TEST_F(ConvertTest, RefusesWhatCannotBe) {
 }
 
 TEST_F(ConvertTest, TrajectoriesAreTruthInEitherFormat) {
-  const std::string truth = (kBundledData / "manhattan2d.truth.tum").string();
+  const std::string truth = kBundledTruth;
   ASSERT_EQ(call({"convert", truth, path("truth.kitti")}).exit_code, 0);
   const auto nees = [&](const std::string& file) {
     return report_of({"run", town, "-o", path("out"), "--truth", file})["certainty"]["nees"]["poses"]["value"].get<double>();

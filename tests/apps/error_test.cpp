@@ -67,8 +67,8 @@ TEST_F(ErrorCommand, SpansStayWithinSessions) {
 }
 
 TEST_F(ErrorCommand, RunPrintsTheSame) {
-  const std::string log = (kBundledData / "manhattan2d.g2o").string();
-  const std::string known = (kBundledData / "manhattan2d.truth.tum").string();
+  const std::string log = kBundledLog;
+  const std::string known = kBundledTruth;
   const std::string out = (folder.path() / "out.g2o").string();
   const auto of_run = errors({"run", log, "-o", out, "--truth", known});
   EXPECT_EQ(of_run["ate"], errors({"error", out, known})["ate"]);

@@ -57,11 +57,11 @@ class Follow : public ::testing::Test {
   }
 
   TemporaryFolder folder;
-  std::vector<std::string> log = as_driven(lines_of(kBundledData / "manhattan2d.g2o"));
+  std::vector<std::string> log = as_driven(lines_of(kBundledLog));
 };
 
 TEST_F(Follow, ALogThatGrowsEndsAsTheRunOfTheWhole) {
-  ASSERT_EQ(call({"run", (kBundledData / "manhattan2d.g2o").string(), "-o", path("whole")}).exit_code, 0);
+  ASSERT_EQ(call({"run", kBundledLog, "-o", path("whole")}).exit_code, 0);
   std::ofstream growing(path("log.g2o"));
   const std::size_t slices = 20;
   Process process(
@@ -122,7 +122,7 @@ TEST_F(Follow, WrongClosuresAreLeftOutAsTheLogGrows) {
 }
 
 TEST_F(Follow, OfALogThatIsThereWrongClosuresAreLeftOutAtOnce) {
-  std::ofstream(path("log.g2o")) << content_of(kBundledData / "manhattan2d.g2o") + "EDGE_SE2 10 700 1 0 0 400 0 0 400 0 400\n";
+  std::ofstream(path("log.g2o")) << content_of(kBundledLog) + "EDGE_SE2 10 700 1 0 0 400 0 0 400 0 400\n";
   const Ended ended = call({"run", path("log.g2o"), "--follow", "--robust", "--idle", "0", "--steps", path("steps")});
   ASSERT_EQ(ended.exit_code, 0) << ended.err;
   EXPECT_TRUE(steps().front().at("judged"));

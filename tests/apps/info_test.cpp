@@ -32,7 +32,7 @@ TEST(Info, TellsWhatALogHas) {
 TEST(Info, TellsAStoreFromALog) {
   const TemporaryFolder folder;
   const std::string store = (folder.path() / "maps").string();
-  ASSERT_EQ(call({"build", (kBundledData / "manhattan2d.g2o").string(), "-o", store, "--poses-per-map", "50"}).exit_code, 0);
+  ASSERT_EQ(call({"build", kBundledLog, "-o", store, "--poses-per-map", "50"}).exit_code, 0);
   const std::string text = call({"info", store}).out;
   expect_line(text, "kind", "store of local maps and their log");
   expect_line(text, "local maps", "20 of 20 segments");

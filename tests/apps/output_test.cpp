@@ -13,8 +13,6 @@ namespace fs = std::filesystem;
 using ::testing::HasSubstr;
 using ::testing::StartsWith;
 
-const std::string kLog = (kBundledData / "manhattan2d.g2o").string();
-
 class Output : public ::testing::Test {
  protected:
   std::string path(const std::string& name) const { return (folder.path() / name).string(); }
@@ -22,14 +20,15 @@ class Output : public ::testing::Test {
 };
 
 TEST_F(Output, ARunFillsItsFolder) {
-  const Ended ended = call({"run", kLog, "-o", path("some/where")});
+  const Ended ended = call({"run", kBundledLog, "-o", path("some/where")});
   EXPECT_EQ(ended.exit_code, 0) << ended.err;
   EXPECT_EQ(names_in(path("some/where")),
             (std::vector<std::string>{"features.csv", "map.g2o", "map.svg", "poses.csv", "report.json", "trajectory.tum"}));
 }
 
 TEST_F(Output, IsTheSameBytesForAnyNumberOfThreads) {
-  for (const std::string jobs : {"1", "2"}) ASSERT_EQ(call({"run", kLog, "-o", path(jobs), "--jobs", jobs}).exit_code, 0);
+  for (const std::string jobs : {"1", "2"})
+    ASSERT_EQ(call({"run", kBundledLog, "-o", path(jobs), "--jobs", jobs}).exit_code, 0);
   for (const std::string name : {"map.g2o", "trajectory.tum", "poses.csv", "features.csv"}) {
     EXPECT_EQ(content_of(path("1/" + name)), content_of(path("2/" + name))) << name;
   }
@@ -39,7 +38,7 @@ TEST_F(Output, TheFormatGoesByTheName) {
   for (const std::string command : {"solve", "run"}) {
     ASSERT_TRUE(fs::create_directory(path(command)));
     for (const std::string name : {"map.g2o", "map.tum", "map.csv", "CAPITALS.G2O"}) {
-      const Ended ended = call({command, kLog, "-o", path(command + "/" + name)});
+      const Ended ended = call({command, kBundledLog, "-o", path(command + "/" + name)});
       EXPECT_EQ(ended.exit_code, 0) << ended.err;
     }
     EXPECT_EQ(names_in(path(command)),
@@ -55,7 +54,7 @@ TEST_F(Output, TheFormatGoesByTheName) {
 TEST_F(Output, AnExtensionThatNoMapHasIsRefused) {
   for (const std::string command : {"run", "solve", "join"}) {
     for (const std::string name : {"x.txt", "y.xyz", "results.v2"}) {
-      const Ended ended = call({command, kLog, "-o", path(name)});
+      const Ended ended = call({command, kBundledLog, "-o", path(name)});
       EXPECT_EQ(ended.exit_code, 2) << command << name;
       EXPECT_THAT(ended.err, HasSubstr(name + " has none of the extensions of a map, .g2o, .tum, .csv and .mat"));
       EXPECT_FALSE(fs::exists(path(name)));
@@ -63,14 +62,14 @@ TEST_F(Output, AnExtensionThatNoMapHasIsRefused) {
   }
   ASSERT_TRUE(fs::create_directory(path("results.v2")));
   for (const std::string name : {"results.v2", "results.v3/"}) {
-    EXPECT_EQ(call({"run", kLog, "-o", path(name)}).exit_code, 0) << name;
+    EXPECT_EQ(call({"run", kBundledLog, "-o", path(name)}).exit_code, 0) << name;
     EXPECT_TRUE(fs::exists(path(name) + "/map.g2o")) << name;
   }
 }
 
 TEST_F(Output, IsWhollyTheUsersChoice) {
   for (const std::string command : {"run", "solve"}) {
-    const Ended ended = call({command, kLog, "--report", "-"});
+    const Ended ended = call({command, kBundledLog, "--report", "-"});
     EXPECT_EQ(ended.exit_code, 0) << ended.err;
     EXPECT_NEAR(nlohmann::json::parse(ended.out)["chi2"], 4702.179445, 1e-4);
   }
@@ -78,40 +77,42 @@ TEST_F(Output, IsWhollyTheUsersChoice) {
 
 TEST_F(Output, OfOneMapHasItsCertaintyBeside) {
   for (const std::string command : {"run", "solve"}) {
-    const Ended ended = call({command, kLog, "-o", path(command + ".g2o"), "--covariances", "--relations"});
+    const Ended ended = call({command, kBundledLog, "-o", path(command + ".g2o"), "--covariances", "--relations"});
     EXPECT_EQ(ended.exit_code, 0) << ended.err;
     for (const std::string ending : {".g2o", ".covariances.json", ".relations.csv"}) {
       EXPECT_TRUE(fs::exists(path(command + ending))) << command << ending;
     }
-    EXPECT_EQ(call({command, kLog, "-o", path("a.csv"), "--report", path("a.features.csv")}).exit_code, 2);
-    EXPECT_EQ(call({command, kLog, "-o", path("b.g2o"), "--covariances", "--report", path("b.covariances.json")}).exit_code, 2);
+    EXPECT_EQ(call({command, kBundledLog, "-o", path("a.csv"), "--report", path("a.features.csv")}).exit_code, 2);
+    EXPECT_EQ(
+        call({command, kBundledLog, "-o", path("b.g2o"), "--covariances", "--report", path("b.covariances.json")}).exit_code,
+        2);
   }
   EXPECT_FALSE(fs::exists(path("a.csv")) || fs::exists(path("b.g2o")));
 }
 
 TEST_F(Output, AFolderMayHaveTheNameOfAMap) {
   ASSERT_TRUE(fs::create_directory(path("tested.g2o")));
-  const Ended ended = call({"run", kLog, "-o", path("tested.g2o")});
+  const Ended ended = call({"run", kBundledLog, "-o", path("tested.g2o")});
   EXPECT_EQ(ended.exit_code, 0) << ended.err;
   EXPECT_TRUE(fs::exists(path("tested.g2o/map.g2o")));
 }
 
 TEST_F(Output, ARunDoesNotWriteOverItsLog) {
-  ASSERT_TRUE(fs::copy_file(kLog, path("log.g2o")));
+  ASSERT_TRUE(fs::copy_file(kBundledLog, path("log.g2o")));
   EXPECT_EQ(call({"run", path("log.g2o"), "-o", path("log.g2o")}).exit_code, 2);
-  EXPECT_EQ(content_of(path("log.g2o")), content_of(kLog));
+  EXPECT_EQ(content_of(path("log.g2o")), content_of(kBundledLog));
 }
 
 TEST_F(Output, ABuildThatIsJoinedGivesTheMapOfARun) {
-  ASSERT_EQ(call({"run", kLog, "-o", path("run")}).exit_code, 0);
-  ASSERT_EQ(call({"build", kLog, "-o", path("maps")}).exit_code, 0);
+  ASSERT_EQ(call({"run", kBundledLog, "-o", path("run")}).exit_code, 0);
+  ASSERT_EQ(call({"build", kBundledLog, "-o", path("maps")}).exit_code, 0);
   ASSERT_EQ(call({"join", path("maps"), "-o", path("map.csv")}).exit_code, 0);
   EXPECT_EQ(content_of(path("map.csv")), content_of(path("run/poses.csv")));
   EXPECT_EQ(content_of(path("map.features.csv")), content_of(path("run/features.csv")));
 }
 
 TEST_F(Output, ASolveFromTheValuesOfASolvedMapStaysThere) {
-  ASSERT_EQ(call({"solve", kLog, "-o", path("map.g2o")}).exit_code, 0);
+  ASSERT_EQ(call({"solve", kBundledLog, "-o", path("map.g2o")}).exit_code, 0);
   const auto again = report_of({"solve", path("map.g2o"), "--start", "file", "-o", path("again.g2o")});
   EXPECT_EQ(again.at("join").at("start"), "file");
   EXPECT_EQ(again.at("join").at("schedule"), "batch");
@@ -119,16 +120,16 @@ TEST_F(Output, ASolveFromTheValuesOfASolvedMapStaysThere) {
 }
 
 TEST_F(Output, WhatDoesNotConvergeIsWrittenAndMarked) {
-  const Ended ended = call({"solve", kLog, "-o", path("map.g2o"), "--max-iterations", "1", "--report", "-"});
+  const Ended ended = call({"solve", kBundledLog, "-o", path("map.g2o"), "--max-iterations", "1", "--report", "-"});
   EXPECT_EQ(ended.exit_code, 4);
   EXPECT_THAT(ended.err, StartsWith("mapjoin: the join did not converge"));
   EXPECT_EQ(nlohmann::json::parse(ended.out).at("converged"), false);
   EXPECT_TRUE(fs::exists(path("map.g2o")));
-  EXPECT_THAT(call({"solve", kLog, "-o", path("map.g2o"), "--max-iterations", "1"}).out, HasSubstr("DID NOT CONVERGE"));
+  EXPECT_THAT(call({"solve", kBundledLog, "-o", path("map.g2o"), "--max-iterations", "1"}).out, HasSubstr("DID NOT CONVERGE"));
 }
 
 TEST_F(Output, ABuildThatGoesOnDoesNotKnowOfTheIterationsBefore) {
-  const std::vector<std::string> build = {"build", kLog, "-o", path("maps"), "--poses-per-map", "2"};
+  const std::vector<std::string> build = {"build", kBundledLog, "-o", path("maps"), "--poses-per-map", "2"};
   EXPECT_GT(report_of(build).at("local_maps").at("iterations"), 0);
   const auto stored = std::get<StoredMaps<2>>(*read_store(path("maps")));
   {
@@ -141,7 +142,7 @@ TEST_F(Output, ABuildThatGoesOnDoesNotKnowOfTheIterationsBefore) {
 
 TEST_F(Output, ABuildSaysThatWhatWasLeftOfAnotherIsDamaged) {
   folder.file("maps.partial", std::string(50'000, 'x'));
-  const Ended ended = call({"build", kLog, "-o", path("maps"), "--poses-per-map", "50"});
+  const Ended ended = call({"build", kBundledLog, "-o", path("maps"), "--poses-per-map", "50"});
   EXPECT_EQ(ended.exit_code, 0) << ended.err;
   EXPECT_THAT(ended.out, HasSubstr("what an interrupted build had left was damaged: the build began afresh"));
   EXPECT_TRUE(read_store(path("maps")));
@@ -166,7 +167,7 @@ TEST_F(Output, ABuildKeepsTheLocalMapsOfOthersAsTheyAre) {
 TEST_F(Output, AFolderThatCannotBeIsAnErrorThatLeavesNothing) {
   folder.file("file", "in the way");
   for (const std::string& where : {path("file"), path("file/below"), std::string("/proc/nowhere")}) {
-    const Ended ended = call({"run", kLog, "-o", where});
+    const Ended ended = call({"run", kBundledLog, "-o", where});
     EXPECT_EQ(ended.exit_code, 5);
     EXPECT_THAT(ended.err, StartsWith("mapjoin: " + where + ": "));
   }
@@ -177,21 +178,21 @@ TEST_F(Output, AFolderThatCannotBeIsAnErrorThatLeavesNothing) {
 TEST_F(Output, AFileThatCannotBeIsAnErrorBeforeTheWork) {
   for (const std::string command : {"solve", "build", "simulate"}) {
     std::vector<std::string> arguments = {command, "-o", path("nowhere/file")};
-    if (command != "simulate") arguments.push_back(kLog);
+    if (command != "simulate") arguments.push_back(kBundledLog);
     EXPECT_EQ(call(arguments).exit_code, 5) << command;
   }
-  EXPECT_EQ(call({"run", kLog, "--report", path("nowhere/report.json")}).exit_code, 5);
+  EXPECT_EQ(call({"run", kBundledLog, "--report", path("nowhere/report.json")}).exit_code, 5);
   EXPECT_TRUE(fs::is_empty(folder.path()));
 }
 
 TEST_F(Output, AFolderInTheWayOfAFileIsAnErrorThatLeavesNothing) {
   fs::create_directories(path("out/map.svg"));
-  EXPECT_EQ(call({"run", kLog, "-o", path("out")}).exit_code, 5);
+  EXPECT_EQ(call({"run", kBundledLog, "-o", path("out")}).exit_code, 5);
   EXPECT_EQ(names_in(path("out")), std::vector<std::string>{"map.svg"});
 
   fs::create_directory(path("map.features.csv"));
   for (const auto& [command, name] : {std::pair("solve", "map.csv"), std::pair("solve", "out"), std::pair("build", "out")}) {
-    const Ended ended = call({command, kLog, "-o", path(name)});
+    const Ended ended = call({command, kBundledLog, "-o", path(name)});
     EXPECT_EQ(ended.exit_code, 5) << command << " " << name;
     EXPECT_THAT(ended.err, HasSubstr("Is a directory"));
   }
@@ -199,7 +200,7 @@ TEST_F(Output, AFolderInTheWayOfAFileIsAnErrorThatLeavesNothing) {
 }
 
 TEST_F(Output, AReportGoesIntoTheFolderOfARun) {
-  const Ended ended = call({"run", kLog, "-o", path("out"), "--report", path("out/mine.json")});
+  const Ended ended = call({"run", kBundledLog, "-o", path("out"), "--report", path("out/mine.json")});
   EXPECT_EQ(ended.exit_code, 0) << ended.err;
   EXPECT_TRUE(fs::exists(path("out/mine.json")));
 }
@@ -208,25 +209,25 @@ TEST_F(Output, AFullDiskIsAnError) {
   if (!fs::exists("/dev/full")) GTEST_SKIP() << "Needs /dev/full.";
   ProcessOptions full;
   full.standard_output = "/dev/full";
-  EXPECT_EQ(call({"run", kLog}, full).exit_code, 5);
-  EXPECT_EQ(call({"run", kLog, "--report", "-"}, full).exit_code, 5);
-  EXPECT_EQ(call({"info", kLog}, full).exit_code, 5);
+  EXPECT_EQ(call({"run", kBundledLog}, full).exit_code, 5);
+  EXPECT_EQ(call({"run", kBundledLog, "--report", "-"}, full).exit_code, 5);
+  EXPECT_EQ(call({"info", kBundledLog}, full).exit_code, 5);
   EXPECT_EQ(call({"--help"}, full).exit_code, 5);
-  EXPECT_EQ(call({"run", kLog, "--report", "/dev/full"}).exit_code, 5);
-  EXPECT_EQ(call({"solve", kLog, "-o", "/dev/full"}).exit_code, 5);
+  EXPECT_EQ(call({"run", kBundledLog, "--report", "/dev/full"}).exit_code, 5);
+  EXPECT_EQ(call({"solve", kBundledLog, "-o", "/dev/full"}).exit_code, 5);
 }
 
 TEST_F(Output, GoesThroughAPipeToo) {
-  const std::string run = kCommand + " solve " + kLog + " --quiet -o /dev/stdout | cat > " + path("piped.g2o");
+  const std::string run = kCommand + " solve " + kBundledLog + " --quiet -o /dev/stdout | cat > " + path("piped.g2o");
   Process process({"sh", "-c", run});
   ASSERT_EQ(process.wait(), 0) << process.standard_error();
-  ASSERT_EQ(call({"solve", kLog, "-o", path("map.g2o")}).exit_code, 0);
+  ASSERT_EQ(call({"solve", kBundledLog, "-o", path("map.g2o")}).exit_code, 0);
   EXPECT_EQ(content_of(path("piped.g2o")), content_of(path("map.g2o")));
 }
 
 TEST_F(Output, GoesOnBehindWhatStandardOutputHasInIt) {
   const auto log = folder.file("log.txt", "before\n");
-  Process process({"sh", "-c", kCommand + " solve " + kLog + " --quiet -o /dev/stdout >> " + log.string()});
+  Process process({"sh", "-c", kCommand + " solve " + kBundledLog + " --quiet -o /dev/stdout >> " + log.string()});
   ASSERT_EQ(process.wait(), 0) << process.standard_error();
   EXPECT_EQ(content_of(log).substr(0, 9), "before\n# ");
 }
@@ -234,7 +235,7 @@ TEST_F(Output, GoesOnBehindWhatStandardOutputHasInIt) {
 TEST_F(Output, AReaderThatHasGoneIsNoError) {
   ProcessOptions gone;
   gone.reader_has_gone = true;
-  for (const auto& arguments : std::vector<std::vector<std::string>>{{"run", kLog}, {"info", kLog}, {"--help"}}) {
+  for (const auto& arguments : std::vector<std::vector<std::string>>{{"run", kBundledLog}, {"info", kBundledLog}, {"--help"}}) {
     const Ended ended = call(arguments, gone);
     EXPECT_EQ(ended.exit_code, 0);
     EXPECT_EQ(ended.err, "");

@@ -10,8 +10,6 @@ namespace {
 
 using nlohmann::json;
 
-const std::string kLog = (kBundledData / "manhattan2d.g2o").string();
-
 /// What other programs rely on, as JSON pointers.
 const std::vector<std::string> kPromised = {"/schema_version",
                                             "/version",
@@ -108,11 +106,11 @@ TEST(Report, HasEveryKeyWhateverTheCommandDoes) {
   const TemporaryFolder folder;
   const std::string store = (folder.path() / "maps").string();
   const std::string map = (folder.path() / "map.g2o").string();
-  for (const auto& arguments : std::vector<std::vector<std::string>>{{"run", kLog},
-                                                                     {"run", kLog, "--no-polish"},
-                                                                     {"build", kLog, "-o", store},
+  for (const auto& arguments : std::vector<std::vector<std::string>>{{"run", kBundledLog},
+                                                                     {"run", kBundledLog, "--no-polish"},
+                                                                     {"build", kBundledLog, "-o", store},
                                                                      {"join", store, "-o", map},
-                                                                     {"solve", kLog, "-o", map}}) {
+                                                                     {"solve", kBundledLog, "-o", map}}) {
     const json report = report_of(arguments);
     EXPECT_EQ(report.at("command"), arguments.front());
     for (const std::string& key : kPromised) EXPECT_TRUE(report.contains(json::json_pointer(key))) << key;
@@ -120,7 +118,7 @@ TEST(Report, HasEveryKeyWhateverTheCommandDoes) {
 }
 
 TEST(Report, SaysWhatTheRunDid) {
-  const json report = report_of({"run", kLog, "--poses-per-map", "20", "--schedule", "sequential", "--method", "lm"});
+  const json report = report_of({"run", kBundledLog, "--poses-per-map", "20", "--schedule", "sequential", "--method", "lm"});
   EXPECT_EQ(report.at("dimension"), 2);
   EXPECT_EQ(report.at("poses"), 1000);
   EXPECT_EQ(report.at("odometry"), 999);
@@ -151,14 +149,14 @@ TEST(Report, IsTheSameForAnyNumberOfThreads) {
 TEST(Report, GoesToAFileBesideTheSummary) {
   const TemporaryFolder folder;
   const std::string path = (folder.path() / "report.json").string();
-  const Ended ended = call({"run", kLog, "--report", path});
+  const Ended ended = call({"run", kBundledLog, "--report", path});
   EXPECT_EQ(ended.exit_code, 0);
   EXPECT_THAT(ended.out, ::testing::HasSubstr("chi2"));
   EXPECT_EQ(json::parse(content_of(path)).at("command"), "run");
 }
 
 TEST(Summary, IsLeftOutWhenAskedTo) {
-  const Ended ended = call({"run", kLog, "--quiet"});
+  const Ended ended = call({"run", kBundledLog, "--quiet"});
   EXPECT_EQ(ended.exit_code, 0);
   EXPECT_EQ(ended.out, "");
   EXPECT_EQ(ended.err, "");

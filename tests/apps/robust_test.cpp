@@ -22,7 +22,7 @@ using Lines = std::vector<std::string>;
 class Robust : public ::testing::Test {
  protected:
   Robust() {
-    std::string text = content_of(kBundledData / "manhattan2d.g2o") + "EDGE_SE2 10 700 1 0 0 400 0 0 400 0 400\n";
+    std::string text = content_of(kBundledLog) + "EDGE_SE2 10 700 1 0 0 400 0 0 400 0 400\n";
     const std::string right = "EDGE_SE2_XY 399 1087 ";
     text.replace(text.find(right), right.size(), "EDGE_SE2_XY 399 1077 ");
     log = folder.file("log.g2o", text).string();

@@ -18,7 +18,7 @@ class SeveralInputs : public ::testing::Test {
  protected:
   /// The bundled town cut in two, less the odometry between, each part in a frame and with pose ids of its own.
   void SetUp() override {
-    const auto whole = std::get<Log<2>>(open_log(kBundledData / "manhattan2d.g2o").value());
+    const auto whole = std::get<Log<2>>(open_log(kBundledLog).value());
     LogBuilder<2> first("a");
     LogBuilder<2> second("b");
     const PoseIndex cut = 500;

@@ -21,7 +21,7 @@ class VerdictTest : public ::testing::Test {
   /// The bundled log with one line more.
   std::string log_with(const std::string& line) const {
     const std::string path = (folder.path() / "log.g2o").string();
-    std::ofstream(path) << content_of(kBundledData / "manhattan2d.g2o") << line << '\n';
+    std::ofstream(path) << content_of(kBundledLog) << line << '\n';
     return path;
   }
   TemporaryFolder folder;
@@ -29,7 +29,7 @@ class VerdictTest : public ::testing::Test {
 };
 
 TEST_F(VerdictTest, IsALineOfTheSummaryAndAKeyOfTheReport) {
-  const std::string log = (kBundledData / "manhattan2d.g2o").string();
+  const std::string log = kBundledLog;
   EXPECT_THAT(call({"run", log}).out,
               HasSubstr("\nverdict      fits: nothing is out of line among 3522 measurements tested\n"));
   const auto report = report_of({"run", log});
@@ -64,7 +64,7 @@ TEST_F(VerdictTest, DecidesTheExitCodeOnlyWhereThatIsStrict) {
   EXPECT_THAT(strict.err, HasSubstr("MISFIT: closure from pose 10 to pose 700"));
   EXPECT_THAT(strict.err, HasSubstr("; the map is written all the same"));
   EXPECT_TRUE(std::filesystem::exists(map));
-  EXPECT_EQ(call({"run", (kBundledData / "manhattan2d.g2o").string(), "--quiet", "--strict"}).exit_code, 0);
+  EXPECT_EQ(call({"run", kBundledLog, "--quiet", "--strict"}).exit_code, 0);
 }
 
 TEST_F(VerdictTest, IsUntestedWhereNothingIsMeasuredTwiceOrNobodyAsks) {

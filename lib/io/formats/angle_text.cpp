@@ -149,7 +149,7 @@ constexpr EdgeText<Dim> kToro{
 };
 
 template <int Dim>
-constexpr std::string_view kObservation = Dim == 2 ? "LANDMARK" : "POINT3";
+constexpr std::string_view kObservationTag = Dim == 2 ? "LANDMARK" : "POINT3";
 
 template <int Size>
 Matrix<Size> read_square_root(TextScanner& text, const TextContext& context) {
@@ -228,7 +228,7 @@ constexpr EdgeText<Dim> kIsam{
     .comment = Dim == 2 ? "iSAM: EDGE2 i j x y phi, square root of the information; LANDMARK i feature x y, likewise"
                         : "iSAM: EDGE3 i j x y z roll pitch yaw, square root of the information; POINT3 i feature x y z",
     .edge_tag = kEdge<Dim>,
-    .observation_tag = kObservation<Dim>,
+    .observation_tag = kObservationTag<Dim>,
     .weights = Weights::kSquareRoot,
     .read_edge = read_isam_edge<Dim>,
     .read_point = read_isam_point<Dim>,

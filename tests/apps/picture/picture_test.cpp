@@ -5,18 +5,14 @@
 #include <apps/picture/picture.hpp>
 #include <cmath>
 #include <string_view>
+#include <tests/apps/command.hpp>
 
 namespace mapjoin::apps {
 namespace {
 
+using testing::count_of;
 using ::testing::HasSubstr;
 using ::testing::Not;
-
-std::size_t count(std::string_view text, std::string_view part) {
-  std::size_t found = 0;
-  for (std::size_t at = text.find(part); at != std::string_view::npos; at = text.find(part, at + 1)) ++found;
-  return found;
-}
 
 /// Round and round, ever wider.
 FlatLine spiral(std::size_t points) {
@@ -40,8 +36,8 @@ TEST(Picture, DrawsEveryLayerOverTheOneBefore) {
   EXPECT_LT(svg.find("stroke=\"red\" stroke-width"), svg.find("stroke=\"blue\" stroke-width"));
   EXPECT_THAT(svg, HasSubstr("first &amp; last</text>"));
   EXPECT_LT(svg.find("second</text>"), svg.find("first &amp; last</text>"));
-  EXPECT_EQ(count(svg, "</text>"), 3U);  // scale and two names: what has none is not in the legend
-  EXPECT_EQ(count(svg, "r=\"4.5\""), 3U);
+  EXPECT_EQ(count_of(svg, "</text>"), 3U);  // scale and two names: what has none is not in the legend
+  EXPECT_EQ(count_of(svg, "r=\"4.5\""), 3U);
 }
 
 TEST(Picture, LinesOfALayerTakeItsColoursInTurn) {

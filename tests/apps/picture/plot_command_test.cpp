@@ -15,15 +15,6 @@ using ::testing::AllOf;
 using ::testing::HasSubstr;
 using ::testing::Not;
 
-const std::string kLog = (kBundledData / "manhattan2d.g2o").string();
-const std::string kTruth = (kBundledData / "manhattan2d.truth.tum").string();
-
-std::size_t count(std::string_view text, std::string_view part) {
-  std::size_t found = 0;
-  for (std::size_t at = text.find(part); at != std::string_view::npos; at = text.find(part, at + 1)) ++found;
-  return found;
-}
-
 class Plot : public ::testing::Test {
  protected:
   std::string path(const std::string& name) const { return (folder.path() / name).string(); }
@@ -46,23 +37,23 @@ class Plot : public ::testing::Test {
 };
 
 TEST_F(Plot, TheFolderOfARunShowsAllThatIsKnown) {
-  ASSERT_EQ(call({"run", kLog, "-o", path("run"), "--covariances", "--poses-per-map", "50", "--quiet"}).exit_code, 0);
-  const std::string svg = picture({path("run"), "--truth", kTruth});
+  ASSERT_EQ(call({"run", kBundledLog, "-o", path("run"), "--covariances", "--poses-per-map", "50", "--quiet"}).exit_code, 0);
+  const std::string svg = picture({path("run"), "--truth", kBundledTruth});
   for (const std::string name : {"local maps", "end poses", "features", "3σ of features", "3σ of poses", "odometry alone",
                                  "truth", "residual ≤ 2 × typical"}) {
-    EXPECT_EQ(count(svg, ">" + name + "<"), 1U) << name;
+    EXPECT_EQ(count_of(svg, ">" + name + "<"), 1U) << name;
   }
-  EXPECT_EQ(count(svg, "<ellipse rx"), 143U + 20U);  // of all features, and of the ends of 20 maps
-  EXPECT_EQ(picture({path("run/map.g2o"), "--truth", kTruth}), svg);
+  EXPECT_EQ(count_of(svg, "<ellipse rx"), 143U + 20U);  // of all features, and of the ends of 20 maps
+  EXPECT_EQ(picture({path("run/map.g2o"), "--truth", kBundledTruth}), svg);
   // The run's own picture is the same but for the truth.
   EXPECT_EQ(picture({path("run")}), content_of(path("run/map.svg")));
 }
 
 TEST_F(Plot, ALogWithoutValuesIsDrawnByItsOdometry) {
-  const std::string svg = picture({kLog});
-  EXPECT_EQ(count(svg, ">odometry alone<"), 1U);
-  EXPECT_EQ(count(svg, ">trajectory<"), 0U);
-  EXPECT_EQ(count(svg, "<circle"), 143U + 1U);  // and one in the legend
+  const std::string svg = picture({kBundledLog});
+  EXPECT_EQ(count_of(svg, ">odometry alone<"), 1U);
+  EXPECT_EQ(count_of(svg, ">trajectory<"), 0U);
+  EXPECT_EQ(count_of(svg, "<circle"), 143U + 1U);  // and one in the legend
 }
 
 TEST_F(Plot, LocalMapsAreJoinedFirstAndTheirClosuresDrawn) {
@@ -72,17 +63,17 @@ TEST_F(Plot, LocalMapsAreJoinedFirstAndTheirClosuresDrawn) {
                           "EDGE_SE2_XY 0 7 1 1 100 0 100\nEDGE_SE2_XY 3 7 3 1 100 0 100\n";
   ASSERT_EQ(call({"build", folder.file("log.g2o", log).string(), "-o", path("maps"), "--poses-per-map", "2"}).exit_code, 0);
   const std::string svg = picture({path("maps"), "--covariances"});
-  EXPECT_EQ(count(svg, ">local maps<"), 1U);
-  EXPECT_EQ(count(svg, ">residual ≤ 2 × typical<"), 1U);
-  EXPECT_EQ(count(svg, "<ellipse rx"), 1U + 2U);
+  EXPECT_EQ(count_of(svg, ">local maps<"), 1U);
+  EXPECT_EQ(count_of(svg, ">residual ≤ 2 × typical<"), 1U);
+  EXPECT_EQ(count_of(svg, "<ellipse rx"), 1U + 2U);
   EXPECT_EQ(count(picture({path("maps")}), "<ellipse"), 0U);
   EXPECT_EQ(picture({path("maps"), "--jobs", "1"}), picture({path("maps"), "--jobs", "2"}));
 }
 
 TEST_F(Plot, ShowsWhereAMapIsBentByAWrongObservation) {
-  ASSERT_EQ(call({"run", kLog, "-o", path("run"), "--quiet"}).exit_code, 0);
+  ASSERT_EQ(call({"run", kBundledLog, "-o", path("run"), "--quiet"}).exit_code, 0);
   EXPECT_EQ(count(picture({path("run")}), "residual &gt; 8 × typical"), 0U);
-  std::string log = content_of(kLog);
+  std::string log = content_of(kBundledLog);
   const std::string right = "EDGE_SE2_XY 399 1087 ";
   log.replace(log.find(right), right.size(), "EDGE_SE2_XY 399 1077 ");
   ASSERT_EQ(call({"run", folder.file("wrong.g2o", log).string(), "-o", path("bent"), "--quiet"}).exit_code, 0);
@@ -90,7 +81,7 @@ TEST_F(Plot, ShowsWhereAMapIsBentByAWrongObservation) {
 }
 
 TEST_F(Plot, KnowsAPageByItsExtensionInAnyCase) {
-  ASSERT_EQ(call({"run", kLog, "-o", path("run"), "--no-verdict", "--quiet"}).exit_code, 0);
+  ASSERT_EQ(call({"run", kBundledLog, "-o", path("run"), "--no-verdict", "--quiet"}).exit_code, 0);
   ASSERT_EQ(call({"plot", path("run"), "-o", path("MAP.HTML"), "--quiet"}).exit_code, 0);
   EXPECT_EQ(count(content_of(path("MAP.HTML")), "<!DOCTYPE html>"), 1U);
 }
@@ -110,7 +101,7 @@ TEST_F(Plot, SaysThatEllipsesAreLargerThanTheMap) {
 }
 
 TEST_F(Plot, APageIsTheSameForAnyNumberOfThreads) {
-  ASSERT_EQ(call({"build", kLog, "-o", path("maps"), "--quiet"}).exit_code, 0);
+  ASSERT_EQ(call({"build", kBundledLog, "-o", path("maps"), "--quiet"}).exit_code, 0);
   for (const std::string jobs : {"1", "2"}) {
     const Ended ended = call({"plot", path("maps"), "--covariances", "-o", path(jobs + ".html"), "--jobs", jobs});
     EXPECT_EQ(ended.exit_code, 0) << ended.err;
@@ -134,9 +125,9 @@ TEST_F(Plot, SeveralMapsAreLaidOnTheFirstOne) {
   const std::string turned = "VERTEX_SE2 0 100 7 1.5707963267948966\nVERTEX_SE2 1 100 17 0\nVERTEX_SE2 2 95 17 0\n";
   const std::vector<std::string> both = {folder.file("a.g2o", map).string(), folder.file("b.g2o", turned).string()};
   const std::string aligned = picture(both);
-  EXPECT_EQ(count(aligned, "M40.0,500.0 960.0,500.0 960.0,40.0"), 2U) << aligned;
-  EXPECT_EQ(count(aligned, ">a.g2o<") + count(aligned, ">b.g2o<"), 2U);
-  EXPECT_EQ(count(picture({both[0], both[1], "--no-align"}), "M40.0,500.0 960.0,500.0 960.0,40.0"), 0U);
+  EXPECT_EQ(count_of(aligned, "M40.0,500.0 960.0,500.0 960.0,40.0"), 2U) << aligned;
+  EXPECT_EQ(count_of(aligned, ">a.g2o<") + count_of(aligned, ">b.g2o<"), 2U);
+  EXPECT_EQ(count_of(picture({both[0], both[1], "--no-align"}), "M40.0,500.0 960.0,500.0 960.0,40.0"), 0U);
 }
 
 TEST_F(Plot, MapsOfOneNameAreToldApartByTheirFolders) {
@@ -144,7 +135,7 @@ TEST_F(Plot, MapsOfOneNameAreToldApartByTheirFolders) {
   for (const std::string name : {"one", "two"}) std::filesystem::create_directory(path(name));
   const std::vector<std::string> both = {folder.file("one/map.g2o", map).string(), folder.file("two/map.g2o", map).string()};
   const std::string svg = picture(both);
-  for (const std::string& name : both) EXPECT_EQ(count(svg, ">" + name + "<"), 1U);
+  for (const std::string& name : both) EXPECT_EQ(count_of(svg, ">" + name + "<"), 1U);
 }
 
 TEST_F(Plot, MapsThatShareNothingAreDrawnAsTheyStand) {
@@ -157,16 +148,16 @@ TEST_F(Plot, MapsThatShareNothingAreDrawnAsTheyStand) {
 
 TEST_F(Plot, RefusesWhatDoesNotGoTogether) {
   const std::string other = (kBundledData / "manhattan3d.g2o").string();
-  expect_refused({kLog, other, "-o", path("plot.svg")}, 2, "is not of the same dimension as");
-  expect_refused({kLog, path("nowhere"), "-o", path("plot.svg")}, 3, "nowhere");
-  expect_refused({kLog, "-o", path("no/such/folder.svg")}, 5, "no/such");
+  expect_refused({kBundledLog, other, "-o", path("plot.svg")}, 2, "is not of the same dimension as");
+  expect_refused({kBundledLog, path("nowhere"), "-o", path("plot.svg")}, 3, "nowhere");
+  expect_refused({kBundledLog, "-o", path("no/such/folder.svg")}, 5, "no/such");
   const std::string map = folder.file("a.g2o", "VERTEX_SE2 0 0 0 0\nVERTEX_SE2 1 10 0 0\n").string();
   expect_refused({map, "-o", map}, 2, "MAP and --output are one file");
   EXPECT_FALSE(std::filesystem::exists(path("plot.svg")));
 }
 
 TEST_F(Plot, WhatLiesBesideAMapMustBeOfIt) {
-  ASSERT_EQ(call({"run", kLog, "-o", path("run"), "--covariances", "--quiet"}).exit_code, 0);
+  ASSERT_EQ(call({"run", kBundledLog, "-o", path("run"), "--covariances", "--quiet"}).exit_code, 0);
   const std::string certain = content_of(path("run/covariances.json"));
   folder.file("run/covariances.json", certain.substr(0, certain.size() / 2));
   expect_refused({path("run"), "-o", path("plot.svg")}, 3, "covariances.json: is not as mapjoin writes it");

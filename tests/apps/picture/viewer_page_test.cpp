@@ -17,9 +17,8 @@ using ::testing::HasSubstr;
 using ::testing::Not;
 
 TEST_F(ViewerPage, DrawsAndSwitchesItsLayersWithoutComplaint) {
-  ASSERT_EQ(call({"run", (kBundledData / "manhattan2d.g2o").string(), "-o", path("run"), "--covariances", "--quiet"}).exit_code,
-            0);
-  const std::string page = page_of({path("run"), "--truth", (kBundledData / "manhattan2d.truth.tum").string()});
+  ASSERT_EQ(call({"run", kBundledLog, "-o", path("run"), "--covariances", "--quiet"}).exit_code, 0);
+  const std::string page = page_of({path("run"), "--truth", kBundledTruth});
   const Json found = found_on(page, "{picture: fingerprint(), layers: switchLayers()}");
   EXPECT_EQ(found["errors"], Json::array());
   EXPECT_GT(found["picture"], 0);
@@ -144,7 +143,7 @@ TEST_F(ViewerPage, TurnsAMapInSpace) {
 }
 
 TEST_F(ViewerPage, PicksALocalMapAndSaysHowItFits) {
-  ASSERT_EQ(call({"run", (kBundledData / "manhattan2d.g2o").string(), "-o", path("run"), "--quiet"}).exit_code, 0);
+  ASSERT_EQ(call({"run", kBundledLog, "-o", path("run"), "--quiet"}).exit_code, 0);
   const Json map = Json::parse(content_of(path("run/report.json")))["join"]["maps"][6];
   const Json found =
       found_on(page_of({path("run")}), "{whole: fingerprint(), picked: pickLocalMap(7), none: pickLocalMap('')}");

@@ -14,13 +14,13 @@
 namespace mapjoin {
 namespace {
 
-struct Hidden {
+struct HiddenData {
   std::string path;
   double precision;
   double recall;
 };
 
-void PrintTo(const Hidden& hidden, std::ostream* out) {
+void PrintTo(const HiddenData& hidden, std::ostream* out) {
   *out << hidden.path;
 }
 
@@ -35,7 +35,7 @@ std::size_t features_of(const std::vector<AssociatedSighting>& sightings) {
   return features.size();
 }
 
-class HiddenNames : public ::testing::TestWithParam<Hidden> {};
+class HiddenNames : public ::testing::TestWithParam<HiddenData> {};
 
 TEST_P(HiddenNames, AreFound) {
   const auto sightings = sightings_found(testing::data_file(GetParam().path));
@@ -47,11 +47,11 @@ TEST_P(HiddenNames, AreFound) {
 }
 
 INSTANTIATE_TEST_SUITE_P(Data, HiddenNames,
-                         ::testing::Values(Hidden{"sim-535/local_maps", 0.99, 0.99},
-                                           Hidden{"vicpark-200-local-maps", 0.99, 0.97},
-                                           Hidden{"vicpark-6898/VicPark_clean_data.mat", 0.99, 0.97},
-                                           Hidden{"dlr-200-local-maps", 0.9, 0.9},
-                                           Hidden{"dlr/corrected_data_circles.mat", 0.9, 0.9}));
+                         ::testing::Values(HiddenData{"sim-535/local_maps", 0.99, 0.99},
+                                           HiddenData{"vicpark-200-local-maps", 0.99, 0.97},
+                                           HiddenData{"vicpark-6898/VicPark_clean_data.mat", 0.99, 0.97},
+                                           HiddenData{"dlr-200-local-maps", 0.9, 0.9},
+                                           HiddenData{"dlr/corrected_data_circles.mat", 0.9, 0.9}));
 
 /// The features of a regular grid, on drives that meet sixty times.
 TEST(HiddenNamesOfTheLargeSimulation, AreFoundAndTheMapIsAsCertainAsItSays) {

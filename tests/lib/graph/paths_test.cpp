@@ -42,6 +42,12 @@ TEST(Paths, AreMadeOfEdgesWithFewOthersWhereThatLeavesFewer) {
   EXPECT_THAT(cover.order, ElementsAre(0, 1, 2, 3, 4, 5));
 }
 
+TEST(Paths, TakeNoEdgeFromAVertexToItself) {
+  const PathCover cover = cover_by_paths(3, {{1, 1}, {1, 0}, {0, 0}, {0, 2}});
+  EXPECT_THAT(cover.order, ElementsAre(1, 0, 2));
+  EXPECT_EQ(cover.edges, 2u);
+}
+
 TEST(Paths, HoldEveryVertexOnceInRandomGraphs) {
   std::mt19937 engine(1);
   for (int trial = 0; trial < 100; ++trial) {
