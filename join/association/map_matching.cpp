@@ -4,6 +4,7 @@
 #include <cmath>
 #include <mapjoin/join/association/map_matching.hpp>
 #include <mapjoin/parallel/parallel.hpp>
+#include <mapjoin/solve/cross_covariances.hpp>
 #include <numbers>
 #include <set>
 

@@ -3,6 +3,8 @@
 
 #include <array>
 #include <mapjoin/join/covariances/map_covariances.hpp>
+#include <mapjoin/solve/cross_covariances.hpp>
+#include <mapjoin/solve/memory_limit.hpp>
 #include <utility>
 
 namespace mapjoin {

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <map>
 #include <mapjoin/join/incremental/deferred_front.hpp>
-#include <mapjoin/solve/frontal_matrix.hpp>
+#include <mapjoin/solve/engines/frontal_matrix.hpp>
 #include <span>
 #include <utility>
 

@@ -4,7 +4,7 @@
 #include <mapjoin/join/incremental/quadratic_sum.hpp>
 #include <mapjoin/model/lists.hpp>
 #include <mapjoin/solve/block_pattern.hpp>
-#include <mapjoin/solve/sparse_cholesky.hpp>
+#include <mapjoin/solve/engines/sparse_cholesky.hpp>
 #include <numeric>
 #include <span>
 #include <tuple>

@@ -3,7 +3,7 @@
 #include <map>
 #include <mapjoin/join/robust/predictions.hpp>
 #include <mapjoin/parallel/parallel.hpp>
-#include <mapjoin/solve/marginals.hpp>
+#include <mapjoin/solve/cross_covariances.hpp>
 #include <utility>
 
 namespace mapjoin {

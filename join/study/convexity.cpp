@@ -10,6 +10,7 @@
 #include <mapjoin/parallel/parallel.hpp>
 #include <mapjoin/simulate/random_stream.hpp>
 #include <mapjoin/solve/marginals.hpp>
+#include <mapjoin/solve/memory_limit.hpp>
 #include <utility>
 
 namespace mapjoin {

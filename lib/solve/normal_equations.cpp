@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <algorithm>
 #include <mapjoin/parallel/parallel.hpp>
+#include <mapjoin/solve/engines/sparse_cholesky.hpp>
 #include <mapjoin/solve/normal_equations.hpp>
-#include <mapjoin/solve/sparse_cholesky.hpp>
 #include <numeric>
 #include <utility>
 

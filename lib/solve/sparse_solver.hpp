@@ -23,7 +23,9 @@ struct Supernode {
   std::int64_t begin = 0;
   std::int64_t end = 0;
   std::vector<std::int64_t> rows;  ///< Ascending: its own columns, then the rows below them.
-  const double* values = nullptr;  ///< rows.size() × (end - begin), column by column. What is above the diagonal is ignored.
+  const double* values = nullptr;  ///< rows.size() × width(), column by column. What is above the diagonal is ignored.
+
+  std::int64_t width() const { return end - begin; }
 };
 
 /// A view of L, A = L Lᵀ, in the order of its columns; it holds until A is factorised again.

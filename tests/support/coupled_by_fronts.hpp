@@ -2,7 +2,7 @@
 #pragma once
 // A small system of which nothing is in the matrix itself: all of it comes in fronts that are given.
 
-#include <mapjoin/solve/sparse_cholesky.hpp>
+#include <mapjoin/solve/engines/sparse_cholesky.hpp>
 #include <tests/support/random.hpp>
 #include <vector>
 

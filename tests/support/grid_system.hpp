@@ -3,8 +3,8 @@
 // A sparse system as maps make them: blocks of two and of three on a grid, ordered by dissection.
 
 #include <algorithm>
+#include <mapjoin/solve/engines/sparse_cholesky.hpp>
 #include <mapjoin/solve/ordering.hpp>
-#include <mapjoin/solve/sparse_cholesky.hpp>
 #include <tests/support/random.hpp>
 #include <vector>
 

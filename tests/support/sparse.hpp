@@ -2,7 +2,7 @@
 #pragma once
 // Small dense matrices in the storage of the sparse Cholesky factorisation, and its factor as a dense one.
 
-#include <mapjoin/solve/sparse_cholesky.hpp>
+#include <mapjoin/solve/engines/sparse_cholesky.hpp>
 
 namespace mapjoin::testing {
 
@@ -43,7 +43,7 @@ inline BlockLower sparse(const Eigen::MatrixXd& dense) {
 inline Eigen::MatrixXd dense_factor(const Supernodes& factor, Eigen::Index size) {
   Eigen::MatrixXd L = Eigen::MatrixXd::Zero(size, size);
   for (const Supernode& node : factor) {
-    const Eigen::Map<const Eigen::MatrixXd> values(node.values, std::ssize(node.rows), node.end - node.begin);
+    const Eigen::Map<const Eigen::MatrixXd> values(node.values, std::ssize(node.rows), node.width());
     L(node.rows, Eigen::seq(node.begin, node.end - 1)) = values.triangularView<Eigen::Lower>();
   }
   return L;

@@ -4,7 +4,7 @@
 
 #include <mapjoin/distributed/regions/interface.hpp>
 #include <mapjoin/join/joining_system.hpp>
-#include <mapjoin/solve/sparse_cholesky.hpp>
+#include <mapjoin/solve/engines/sparse_cholesky.hpp>
 
 namespace mapjoin::distributed {
 

@@ -7,7 +7,7 @@
 
 #include <mapjoin/distributed/mpi/mumps.hpp>
 #include <mapjoin/distributed/regions/interface.hpp>
-#include <mapjoin/solve/sparse_cholesky.hpp>
+#include <mapjoin/solve/engines/sparse_cholesky.hpp>
 #include <mapjoin/solve/sparse_solver.hpp>
 
 namespace mapjoin::distributed {

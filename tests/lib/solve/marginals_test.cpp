@@ -1,13 +1,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include <fmt/format.h>
 #include <gtest/gtest.h>
 
 #include <Eigen/Cholesky>
 #include <Eigen/LU>
-#include <array>
+#include <mapjoin/solve/engines/sparse_cholesky.hpp>
 #include <mapjoin/solve/marginals.hpp>
-#include <mapjoin/solve/sparse_cholesky.hpp>
-#include <tests/support/random.hpp>
+#include <tests/lib/solve/rings_fixture.hpp>
 #include <tests/support/sparse.hpp>
 
 namespace mapjoin {
@@ -15,71 +13,7 @@ namespace {
 
 using testing::Random;
 
-struct Rings {
-  int variables;
-  int rings;
-  Engine engine = Engine::kFronts;
-};
-
-/// Variables of 3 and of 2 entries in rings, which nothing ties to each other, of observations of three, with some across; the
-/// same blocks also go into a dense matrix.
-class MarginalsTest : public ::testing::TestWithParam<Rings> {
- protected:
-  MarginalsTest() {
-    BlockPattern pattern;
-    for (int v = 0; v < count; ++v) pattern.dofs.push_back(v % 2 == 0 ? 3 : 2);
-    for (int v = 0; v < count; ++v) pattern.factors.push_back(std::array{Variable(v), on_ring(v, 1, 1), on_ring(v, 7, 3)});
-    equations = NormalEquations(pattern, GetParam().engine);
-    H = Eigen::MatrixXd::Zero(equations.size(), equations.size());
-    equations.set_zero();
-    for (std::size_t f = 0; f < pattern.factors.size(); ++f) add_factor(f);
-    inverse = H.inverse();
-  }
-
-  /// The variable at a·k + b of the ring that has v, v being the k-th of it.
-  Variable on_ring(int v, int a, int b) const {
-    const int rings = GetParam().rings;
-    return Variable((a * (v / rings) + b) % (count / rings) * rings + v % rings);
-  }
-  void add_factor(std::size_t factor) {
-    const auto variables = equations.pattern().factors[factor];
-    auto sink = equations.sink(factor);
-    for (int j = 0; j < 3; ++j) {
-      for (int i = 0; i <= j; ++i) {
-        const Variable a = variables[static_cast<std::size_t>(i)];
-        const Variable b = variables[static_cast<std::size_t>(j)];
-        if (a == b && i != j) continue;
-        const Eigen::MatrixXd block = information(equations.dof(a), equations.dof(b), i == j);
-        sink.hessian(i, j, block);
-        H.block(equations.offset(a), equations.offset(b), block.rows(), block.cols()) += block;
-        if (i != j) H.block(equations.offset(b), equations.offset(a), block.cols(), block.rows()) += block.transpose();
-      }
-    }
-  }
-  /// Diagonal blocks outweigh the others: H is positive definite.
-  Eigen::MatrixXd information(int rows, int cols, bool is_diagonal) {
-    if (is_diagonal) return 6.0 * Eigen::MatrixXd::Identity(rows, cols);
-    Eigen::MatrixXd block(rows, cols);
-    for (auto& entry : block.reshaped()) entry = random.uniform(-1.0, 1.0);
-    return block;
-  }
-  std::vector<Eigen::Index> entries(const std::vector<Variable>& variables) const {
-    std::vector<Eigen::Index> list;
-    for (const Variable v : variables) {
-      for (int i = 0; i < equations.dof(v); ++i) list.push_back(equations.offset(v) + i);
-    }
-    return list;
-  }
-  Eigen::MatrixXd inverse_over(const std::vector<Variable>& variables) const {
-    return inverse(entries(variables), entries(variables));
-  }
-
-  const int count = GetParam().variables;
-  Random random;
-  NormalEquations equations{{}};
-  Eigen::MatrixXd H;
-  Eigen::MatrixXd inverse;
-};
+class MarginalsTest : public testing::RingsTest {};
 
 TEST_P(MarginalsTest, AreTheBlocksOfTheDenseInverse) {
   ASSERT_FALSE(equations.factorise(0.0));
@@ -89,49 +23,6 @@ TEST_P(MarginalsTest, AreTheBlocksOfTheDenseInverse) {
     const std::vector<Variable> pair = {on_ring(v.value, 1, 1), v};
     EXPECT_LT((marginals.joint(pair) - inverse_over(pair)).norm(), 1e-12 * inverse_over(pair).norm()) << v.value;
   }
-}
-
-TEST_P(MarginalsTest, CrossCovariancesAreTheBlocksOfTheDenseInverse) {
-  ASSERT_FALSE(equations.factorise(0.0));
-  const CrossCovariances cross(equations);
-  std::vector<Variable> all;
-  for (const Variable v : equations.variables()) all.push_back(v);
-  all.push_back(all.front());  // in any order, and more than once
-  for (const std::vector<Variable>& rows : {std::vector<Variable>{0}, {Variable(count - 1), Variable(count / 2)}}) {
-    const Eigen::MatrixXd of_all = inverse(entries(rows), entries(all));
-    EXPECT_LT((cross.between(rows, all) - of_all).norm(), 1e-12 * of_all.norm());
-    const double tolerance = 1e-12 * inverse_over(rows).norm();
-    for (const Variable v : all) {
-      const Eigen::MatrixXd expected = inverse(entries(rows), entries({v}));
-      EXPECT_LT((cross.between(rows, {&v, 1}) - expected).norm(), tolerance) << rows.front().value << " and " << v.value;
-    }
-  }
-}
-
-TEST_P(MarginalsTest, CrossCovariancesGiveTheJointOneOfAnyVariables) {
-  ASSERT_FALSE(equations.factorise(0.0));
-  const CrossCovariances cross(equations);
-  std::vector<Variable> all;
-  for (const Variable v : equations.variables()) all.insert(all.begin(), v);
-  for (const std::vector<Variable>& variables : {std::vector<Variable>{}, {Variable(count - 1), 0, 0}, all}) {
-    const Eigen::MatrixXd expected = inverse_over(variables);
-    const Eigen::MatrixXd joint = cross.joint(variables);
-    ASSERT_EQ(joint.rows(), expected.rows());
-    EXPECT_LE((joint - expected).norm(), 1e-12 * expected.norm());
-    EXPECT_EQ(joint, joint.transpose());
-  }
-}
-
-TEST_P(MarginalsTest, CrossCovariancesCountTheirMemoryBeforehand) {
-  ASSERT_FALSE(equations.factorise(0.0));
-  const CrossCovariances cross(equations);
-  std::vector<Variable> all;
-  for (const Variable v : equations.variables()) all.push_back(v);
-  const std::int64_t of_result = 8 * equations.size() * equations.size();
-  EXPECT_GT(cross.bytes(all), of_result + equations.factor_bytes() / equations.size());
-  EXPECT_LT(cross.bytes(all), 40 * of_result);
-  EXPECT_LT(cross.bytes({all.data(), 1}), cross.bytes(all));
-  EXPECT_LT(cross.bytes({}), 100);
 }
 
 TEST_P(MarginalsTest, TheLeastCurvatureIsTheMahalanobisLengthUnderTheJointCovarianceOfWhatIsGiven) {
@@ -147,13 +38,8 @@ TEST_P(MarginalsTest, TheLeastCurvatureIsTheMahalanobisLengthUnderTheJointCovari
     EXPECT_NEAR(equations.least_curvature(v, is_given).value(), expected, 1e-10 * expected) << every;
   }
 }
-INSTANTIATE_TEST_SUITE_P(Variables, MarginalsTest,
-                         ::testing::Values(Rings{7, 1}, Rings{40, 1}, Rings{300, 1}, Rings{60, 3},
-                                           Rings{40, 1, Engine::kCholmod}, Rings{60, 3, Engine::kCholmod}),
-                         [](const auto& info) {
-                           return fmt::format("{}in{}by_{}", info.param.variables, info.param.rings,
-                                              to_string(info.param.engine));
-                         });
+
+INSTANTIATE_TEST_SUITE_P(Variables, MarginalsTest, testing::kRings, testing::name_of_rings);
 
 /// Of `count` random observations, each of three columns at most `reach` apart.
 Eigen::MatrixXd random_matrix(Eigen::Index n, Eigen::Index count, Eigen::Index reach, Random& random) {
@@ -233,16 +119,6 @@ TEST(InverseSubset, CountsItsMemoryBeforehand) {
   // Nearly dense: the lower triangle at least, and not many times the square.
   EXPECT_GT(InverseSubset::bytes(cholesky.supernodes()), 8 * 200 * 200 / 2);
   EXPECT_LT(InverseSubset::bytes(cholesky.supernodes()), 8 * 200 * 200 * 4);
-}
-
-TEST(Memory, IsRefusedBeyondTheLimitInASentence) {
-  EXPECT_TRUE(check_memory("the covariances", 1000, 1000));
-  EXPECT_TRUE(check_memory("the covariances", 1000, 0));
-  const auto refused = check_memory("the covariances", 3'000'000, 2'000'000);
-  ASSERT_FALSE(refused);
-  EXPECT_EQ(refused.error().kind, ErrorKind::kTooLarge);
-  EXPECT_EQ(refused.error().message, "the covariances would take 3.0 MB of memory, more than the 2.0 MB allowed");
-  EXPECT_FALSE(check_memory("the covariances", machine_memory() + 1, 0));
 }
 
 }  // namespace

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <algorithm>
 #include <mapjoin/solve/cholmod.hpp>
-#include <mapjoin/solve/cholmod_solver.hpp>
-#include <mapjoin/solve/sparse_cholesky.hpp>
+#include <mapjoin/solve/engines/cholmod_solver.hpp>
+#include <mapjoin/solve/engines/sparse_cholesky.hpp>
 #include <mutex>
 
 // Not declared where CHOLMOD was built without OpenMP.

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <algorithm>
-#include <mapjoin/solve/sparse_cholesky.hpp>
+#include <mapjoin/solve/engines/sparse_cholesky.hpp>
 #include <mutex>
 #include <utility>
 

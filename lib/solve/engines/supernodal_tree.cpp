@@ -2,7 +2,7 @@
 #include <algorithm>
 #include <array>
 #include <limits>
-#include <mapjoin/solve/supernodal_tree.hpp>
+#include <mapjoin/solve/engines/supernodal_tree.hpp>
 #include <numeric>
 #include <utility>
 

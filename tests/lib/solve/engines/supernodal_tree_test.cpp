@@ -2,7 +2,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
-#include <mapjoin/solve/supernodal_tree.hpp>
+#include <mapjoin/solve/engines/supernodal_tree.hpp>
 #include <set>
 #include <tests/support/grid_system.hpp>
 #include <tests/support/random.hpp>

@@ -3,7 +3,7 @@
 // One step of a multifrontal factorisation: the dense matrix in which a supernode is eliminated, by the BLAS and LAPACK.
 
 #include <Eigen/Core>
-#include <mapjoin/solve/supernodal_tree.hpp>
+#include <mapjoin/solve/engines/supernodal_tree.hpp>
 #include <optional>
 #include <span>
 #include <vector>

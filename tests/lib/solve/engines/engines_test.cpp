@@ -4,10 +4,10 @@
 
 #include <Eigen/Cholesky>
 #include <Eigen/LU>
-#include <mapjoin/solve/cholmod_solver.hpp>
+#include <mapjoin/solve/engines/cholmod_solver.hpp>
+#include <mapjoin/solve/engines/sparse_cholesky.hpp>
 #include <mapjoin/solve/marginals.hpp>
 #include <mapjoin/solve/normal_equations.hpp>
-#include <mapjoin/solve/sparse_cholesky.hpp>
 #include <mapjoin/solve/sparse_solver.hpp>
 #include <tests/support/grid_system.hpp>
 #include <tests/support/process.hpp>
@@ -83,7 +83,7 @@ TEST_P(EnginesTest, ShowTheirSupernodes) {
   const Supernodes factor = solver->supernodes();
   EXPECT_EQ(factor.size(), solver->supernode_count());
   std::int64_t values = 0;
-  for (const Supernode& node : factor) values += std::ssize(node.rows) * (node.end - node.begin);
+  for (const Supernode& node : factor) values += std::ssize(node.rows) * node.width();
   EXPECT_EQ(solver->bytes(), 8 * values);
   for (const Supernode& node : factor) {
     for (auto column = node.begin; column < node.end; ++column) {

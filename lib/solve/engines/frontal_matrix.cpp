@@ -2,7 +2,7 @@
 #include <algorithm>
 #include <cmath>
 #include <mapjoin/parallel/parallel.hpp>
-#include <mapjoin/solve/frontal_matrix.hpp>
+#include <mapjoin/solve/engines/frontal_matrix.hpp>
 #include <mapjoin/solve/sparse_solver.hpp>
 #include <mutex>
 #include <utility>

@@ -3,7 +3,7 @@
 #include <tbb/global_control.h>
 
 #include <mapjoin/model/lists.hpp>
-#include <mapjoin/solve/sparse_cholesky.hpp>
+#include <mapjoin/solve/engines/sparse_cholesky.hpp>
 #include <tests/support/coupled_by_fronts.hpp>
 #include <tests/support/grid_system.hpp>
 #include <tests/support/random.hpp>

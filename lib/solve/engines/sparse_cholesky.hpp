@@ -5,10 +5,10 @@
 #include <Eigen/Core>
 #include <cstdint>
 #include <functional>
-#include <mapjoin/solve/factor_values.hpp>
-#include <mapjoin/solve/frontal_matrix.hpp>
+#include <mapjoin/solve/engines/factor_values.hpp>
+#include <mapjoin/solve/engines/frontal_matrix.hpp>
+#include <mapjoin/solve/engines/supernodal_tree.hpp>
 #include <mapjoin/solve/sparse_solver.hpp>
-#include <mapjoin/solve/supernodal_tree.hpp>
 #include <span>
 #include <utility>
 #include <vector>

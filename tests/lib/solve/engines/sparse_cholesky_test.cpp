@@ -3,7 +3,7 @@
 #include <tbb/global_control.h>
 
 #include <Eigen/Cholesky>
-#include <mapjoin/solve/sparse_cholesky.hpp>
+#include <mapjoin/solve/engines/sparse_cholesky.hpp>
 #include <system_error>
 #include <tests/support/coupled_by_fronts.hpp>
 #include <tests/support/grid_system.hpp>

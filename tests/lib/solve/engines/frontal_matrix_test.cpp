@@ -2,7 +2,7 @@
 #include <gtest/gtest.h>
 
 #include <limits>
-#include <mapjoin/solve/frontal_matrix.hpp>
+#include <mapjoin/solve/engines/frontal_matrix.hpp>
 
 extern "C" {  // Null where the BLAS is not OpenBLAS.
 [[gnu::weak]] int openblas_get_num_threads();

@@ -3,7 +3,7 @@
 
 #include <algorithm>
 #include <mapjoin/parallel/parallel.hpp>
-#include <mapjoin/solve/supernodal_tree.hpp>
+#include <mapjoin/solve/engines/supernodal_tree.hpp>
 #include <span>
 #include <utility>
 

@@ -7,7 +7,7 @@
 #include <algorithm>
 #include <cerrno>
 #include <cstdint>
-#include <mapjoin/solve/factor_values.hpp>
+#include <mapjoin/solve/engines/factor_values.hpp>
 #include <string>
 #include <system_error>
 

@@ -1,0 +1,22 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <fmt/format.h>
+#include <unistd.h>
+
+#include <mapjoin/solve/memory_limit.hpp>
+
+namespace mapjoin {
+
+std::int64_t machine_memory() {
+  return std::int64_t{::sysconf(_SC_PHYS_PAGES)} * ::sysconf(_SC_PAGESIZE);
+}
+
+Expected<void> check_memory(const std::string& what, std::int64_t bytes, std::int64_t limit) {
+  const std::int64_t most = limit > 0 ? limit : machine_memory();
+  if (bytes <= most) return {};
+  return tl::unexpected(Error{
+      ErrorKind::kTooLarge,
+      fmt::format("{} would take {:.1f} MB of memory, more than the {:.1f} MB {}", what, 1e-6 * static_cast<double>(bytes),
+                  1e-6 * static_cast<double>(most), limit > 0 ? "allowed" : "of this machine")});
+}
+
+}  // namespace mapjoin
