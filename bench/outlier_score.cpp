@@ -65,12 +65,9 @@ bool is_far(const CleanMap<Dim>& clean, const Factor& factor) {
   return squared_distance(r, targets.relative(factor.base, factor.target), factor.information) > kWrongFrom;
 }
 
-bool is_same(const auto& a, const auto& b) {
-  return a == b;
-}
 template <int Dim>
-bool is_same(const Pose<Dim>& a, const Pose<Dim>& b) {
-  return a.translation == b.translation && (a.rotation.inverse() * b.rotation).log().isZero();
+bool is_same(const Point<Dim>& a, const Point<Dim>& b) {
+  return a == b;
 }
 
 /// Adds for each of `all` whether it is among `some`, which are in the same order.

@@ -252,7 +252,7 @@ Expected<RunResult<Dim>> run_from_maps(const Log<Dim>& log, const Split& split, 
 
 template <int Dim>
 Expected<RunResult<Dim>> run(SubmapSet<Dim> set, const RunOptions& options, const std::stop_token& stop) {
-  return check_numbers(set)
+  return check_content(set)
       .and_then([&] { return check_segments(set); })
       .and_then([&] { return check(set, options); })
       .and_then([&] { return join_set(set, options, stop); })

@@ -37,6 +37,7 @@ BuiltMap<Dim> build_local_map(const SegmentView<Dim>& view, const MinimiseOption
 template <int Dim>
 Expected<LocalMaps<Dim>> build_local_maps(const Log<Dim>& log, Split& split, const BuildOptions& options,
                                           const std::stop_token& stop) {
+  demand_valid(options.solver);
   const auto to_do = static_cast<std::size_t>(
       std::count_if(split.segments.begin(), split.segments.end(), [](const Segment& s) { return s.is_map; }));
   std::vector<BuiltMap<Dim>> built(split.segments.size());

@@ -41,7 +41,8 @@ struct LocalMaps {
 };
 
 /// The local maps of a log; segments whose observations leave something free to move are turned into raw ones in `split`. In
-/// parallel, with the same result for any number of threads. kInterrupted where `stop` was requested.
+/// parallel, with the same result for any number of threads. kInterrupted where `stop` was requested. A solver whose options do
+/// not validate is std::invalid_argument.
 template <int Dim>
 Expected<LocalMaps<Dim>> build_local_maps(const Log<Dim>& log, Split& split, const BuildOptions& options,
                                           const std::stop_token& stop = {});

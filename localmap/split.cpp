@@ -4,6 +4,7 @@
 #include <mapjoin/localmap/seen_features.hpp>
 #include <mapjoin/localmap/segment_view.hpp>
 #include <mapjoin/localmap/split.hpp>
+#include <stdexcept>
 #include <utility>
 
 namespace mapjoin {
@@ -81,6 +82,7 @@ bool map_pays(const Log<Dim>& log, const Segment& segment, const Table<PoseIndex
 
 std::vector<std::string> SplitOptions::validate() const {
   std::vector<std::string> violations;
+  if (rule == SplitRule::kAuto && !(amount >= 0.0)) violations.emplace_back("the least number of steps must not be negative");
   if (rule == SplitRule::kPoses && !(amount >= 1.0)) violations.emplace_back("a local map needs at least one step");
   if (rule == SplitRule::kDistance && !(amount > 0.0)) violations.emplace_back("the distance of a local map must be positive");
   if (rule == SplitRule::kFeatures && !(amount >= 1.0)) violations.emplace_back("a local map needs at least one feature");
@@ -94,6 +96,10 @@ void make_raw(Segment& segment, Split& split) {
 
 template <int Dim>
 Split split(const Log<Dim>& log, const SplitOptions& options, const Table<PoseIndex, bool>& elsewhere) {
+  demand_valid(options);
+  if (!elsewhere.empty() && elsewhere.size() != log.poses.size()) {
+    throw std::invalid_argument("what is referred to elsewhere must be said of every pose");
+  }
   Split result;
   result.kept = referenced_poses(log);
   for (const PoseIndex p : indices(elsewhere)) result.kept[p] = result.kept[p] || elsewhere[p];

@@ -52,7 +52,8 @@ struct Share {
 std::vector<Segment> segments_of(const Share& share, const Split& split);
 
 /// Cuts the log. A segment that would keep most of its inner poses stays raw of its observations. Poses that others refer to,
-/// by `elsewhere`, stay too: all false where it is empty. O(size of the log).
+/// by `elsewhere`, stay too: all false where it is empty, else as long as the poses. Options that do not validate, and another
+/// length, are std::invalid_argument. O(size of the log).
 template <int Dim>
 Split split(const Log<Dim>& log, const SplitOptions& options, const Table<PoseIndex, bool>& elsewhere = {});
 

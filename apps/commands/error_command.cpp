@@ -80,8 +80,10 @@ void declare_error(Subcommand& command) {
   const auto options = std::make_shared<ErrorCommandOptions>();
   ErrorOptions& errors = options->errors;
   options->truth_apart = 0.01;
-  command.argument("MAP", options->input,
-                   "A map or a trajectory, known by its content: g2o, TORO, TUM, KITTI, or the CSV table of poses");
+  command.argument(
+      "MAP", options->input,
+      "A map or a trajectory, known by its content: g2o, TORO, TUM, KITTI, or the CSV table of poses; or the folder "
+      "of a run");
   command.argument("TRUTH", options->truth, "The same; poses are matched by their times, by their names, or by their count");
   command.choice("--align", errors.alignment, "Move the map onto the truth: by all positions, by the first pose, or not");
   command.list("--spans", "SPAN,...", "Compare the motions over these spans [1,10,100]", errors.spans, &span_in,
@@ -95,6 +97,8 @@ void declare_error(Subcommand& command) {
   add_reading(command, *options);
   command.check([&errors] { return check_spans(errors); });
   command.check([options] {
+    options->input = map_of_run(options->input);
+    options->truth = map_of_run(options->truth);
     return output_conflicts({{"MAP", options->input}, {"TRUTH", options->truth}}, report_of(*options));
   });
   command.act([options](const std::stop_token& stop) { return measure(*options, stop); });

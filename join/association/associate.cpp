@@ -126,6 +126,7 @@ std::vector<std::string> AssociationOptions::validate() const {
 template <int Dim>
 Expected<Associated<Log<Dim>>> associate(const Log<Dim>& log, const AssociationOptions& options, const std::stop_token& stop) {
   demand_valid(options);
+  if (log.poses.empty()) return bad_input(log.source + ": there are no poses");
   if (!log.feature_priors().empty()) return of_named_prior(log.source);
   const auto sets = seen_at_once<Dim>(log.observations(), {});
   const NeighbourDensity<Dim> density(sets);
@@ -150,6 +151,9 @@ template <int Dim>
 Expected<Associated<SubmapSet<Dim>>> associate(const SubmapSet<Dim>& set, const AssociationOptions& options,
                                                const std::stop_token& stop) {
   demand_valid(options);
+  if (auto sound = check_content(set).and_then([&] { return check_segments(set); }); !sound) {
+    return tl::unexpected(sound.error());
+  }
   if (std::ranges::any_of(set.graph.feature_factors, [](const auto& o) { return o.base == kWorld; }))
     return of_named_prior(set.source);
   const auto sets = seen_at_once<Dim>(set.graph.feature_factors, set.graph.submaps);

@@ -53,7 +53,7 @@ template <int ChildDof, typename Child>
 Matrix<kPoseDof<Dim> + ChildDof> MapCovariances<Dim>::with_parent(PoseIndex parent, Child child,
                                                                   const Marginals& marginals) const {
   const Variable of_child = variable(child);
-  const Variable of_parent = parent == kWorld ? kConstant : variable(parent);
+  const Variable of_parent = variable(parent);
   Matrix<kPoseDof<Dim> + ChildDof> covariance;
   if (of_parent != kConstant) {
     covariance = marginals.joint(std::array{of_parent, of_child});
@@ -112,6 +112,11 @@ Expected<Eigen::MatrixXd> MapCovariances<Dim>::joint(std::span<const PoseOrFeatu
   std::vector<Eigen::Index> places;  // of their entries in the covariance
   Eigen::Index size = 0;
   for (const PoseOrFeature& asked : variables) {
+    if (!std::visit([&](auto of) { return has(of); }, asked)) {
+      return bad_input(fmt::format("the map has no {} of index {}",
+                                   std::holds_alternative<PoseIndex>(asked) ? "pose" : "feature",
+                                   std::visit([](auto of) { return of.value; }, asked)));
+    }
     const Variable v = std::visit([&](auto of) { return variable(of); }, asked);
     const int dof = std::holds_alternative<PoseIndex>(asked) ? kPoseDof<Dim> : Dim;
     if (v != kConstant) {

@@ -53,8 +53,8 @@ class MapCovariances {
   const Values<Dim>& state() const { return state_; }
   /// The gauge: constant poses, ascending; empty where priors hold the map.
   const std::vector<PoseIndex>& anchored() const { return anchored_; }
-  /// The variable of a pose or feature, kConstant where it is constant or nothing observes it.
-  Variable variable(PoseIndex pose) const { return pose_variables_[pose]; }
+  /// The variable of a pose or feature, kConstant where it is constant, as the World is, or nothing observes it.
+  Variable variable(PoseIndex pose) const { return pose == kWorld ? kConstant : pose_variables_[pose]; }
   Variable variable(FeatureIndex feature) const { return feature_variables_[feature]; }
 
   /// Of every variable, and of all that one observation ties together. At about twice the cost of the factorisation.
@@ -68,7 +68,8 @@ class MapCovariances {
                                                const std::stop_token& stop = {}) const {
     return on_pattern(progress, stop).map([&](const Marginals& all) { return marginals(all); });
   }
-  /// Of all of `variables` together, in their order (kPoseDof<Dim> rows a pose, Dim rows a feature).
+  /// Of all of `variables` together, in their order (kPoseDof<Dim> rows a pose, Dim rows a feature); the World is a pose whose
+  /// rows are zero. Bad input, here and below, where the map has no such pose or feature.
   Expected<Eigen::MatrixXd> joint(std::span<const PoseOrFeature> variables) const;
   /// Of a pose in the frame of another: a step of between(base, target).
   Expected<PoseMatrix<Dim>> relative_pose(PoseIndex base, PoseIndex target) const;
@@ -80,6 +81,8 @@ class MapCovariances {
 
  private:
   MapCovariances(Restored<Dim>& restored, Estimate estimate, std::int64_t most_memory);
+  bool has(PoseIndex pose) const { return pose == kWorld || indices(pose_variables_).contains(pose); }
+  bool has(FeatureIndex feature) const { return indices(feature_variables_).contains(feature); }
   /// The joint covariance of a parent, a pose or the World, and its child, which one observation ties together; zero where one
   /// is constant.
   template <int ChildDof, typename Child>

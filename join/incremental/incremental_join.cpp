@@ -4,10 +4,25 @@
 #include <mapjoin/join/incremental/incremental_join.hpp>
 #include <mapjoin/join/tolerances.hpp>
 #include <mapjoin/measure/statistics.hpp>
+#include <stdexcept>
 #include <string>
 #include <utility>
 
 namespace mapjoin {
+namespace {
+
+/// Updates of closures, which others do not build upon.
+template <int Dim>
+bool may_be_left_out(const SubmapUpdate<Dim>& update) {
+  return update.segments.empty() && update.features.empty();
+}
+
+}  // namespace
+
+template <int Dim>
+IncrementalJoin<Dim>::IncrementalJoin(const Pose<Dim>& origin) : origin_(origin) {
+  if (!is_valid(origin)) throw std::invalid_argument("the origin is not finite, or no rotation");
+}
 
 template <int Dim>
 std::optional<PoseMatrix<Dim>> IncrementalJoin<Dim>::covariance(const PoseId& id) const {
@@ -44,7 +59,7 @@ Expected<void> IncrementalJoin<Dim>::check(const SubmapUpdate<Dim>& update) cons
 
 template <int Dim>
 Expected<void> IncrementalJoin<Dim>::check(std::span<const SubmapUpdate<Dim>> updates) const {
-  DrivenSegments driven = driven_;
+  DrivenSegments<Dim> driven = driven_;
   for (const SubmapUpdate<Dim>& update : updates) {
     if (const auto added = driven.add(update); !added) return added;
   }
@@ -69,8 +84,8 @@ Expected<AddedUpdate> IncrementalJoin<Dim>::add(SubmapUpdate<Dim> update, const 
 
 template <int Dim>
 Expected<std::size_t> IncrementalJoin<Dim>::hold(SubmapUpdate<Dim> update) {
-  if (!update.segments.empty() || !update.features.empty()) {
-    return bad_input(update.source + ": only updates without a segment and without features can be left out");
+  if (!may_be_left_out(update)) {
+    return bad_input_of(update.source, "only updates without a segment and without features can be left out");
   }
   return accept(std::move(update)).map([&] {
     left_out_.insert(updates_.size() - 1);
@@ -81,6 +96,10 @@ Expected<std::size_t> IncrementalJoin<Dim>::hold(SubmapUpdate<Dim> update) {
 template <int Dim>
 AddedUpdate IncrementalJoin<Dim>::change(std::span<const std::size_t> out, std::span<const std::size_t> in,
                                          const std::stop_token& stop) {
+  const auto may_go = [&](std::size_t k) { return k < updates_.size() && may_be_left_out(updates_[k]); };
+  if (!std::ranges::all_of(out, may_go) || !std::ranges::all_of(in, may_go)) {
+    throw std::invalid_argument("there is no update of this number without a segment and without features");
+  }
   AddedUpdate changed;
   bool has_lost = false;
   for (const std::size_t k : out) {
@@ -95,7 +114,7 @@ AddedUpdate IncrementalJoin<Dim>::change(std::span<const std::size_t> out, std::
   }
   std::ranges::sort(waiting_);
   settle({}, changed);
-  if (has_lost || !is_converged_ || has_outgrown(chi2_before, dof_before)) adopt_batch(false, stop, changed);
+  if (has_lost || !is_converged_ || has_outgrown(chi2_before, dof_before)) adopt_batch({}, stop, changed);
   if (!waiting_.empty()) admit_waiting(stop, changed);
   changed.is_joined = waiting_.empty();
   return published(changed);
@@ -105,7 +124,7 @@ template <int Dim>
 AddedUpdate IncrementalJoin<Dim>::rejoin(const std::stop_token& stop) {
   AddedUpdate rejoined;
   settle({}, rejoined);
-  adopt_batch(false, stop, rejoined);
+  adopt_batch({}, stop, rejoined);
   rejoined.is_joined = waiting_.empty();
   return published(rejoined);
 }
@@ -120,7 +139,7 @@ void IncrementalJoin<Dim>::join_last(const std::stop_token& stop, AddedUpdate& a
     const auto deferred = estimate_.defer();
     if (deferred) note(*deferred, added);
     if (!deferred || has_outgrown(chi2_before, dof_before)) settle(*variables, added);
-    if (!is_converged_ || has_outgrown(chi2_before, dof_before)) adopt_batch(false, stop, added);
+    if (!is_converged_ || has_outgrown(chi2_before, dof_before)) adopt_batch({}, stop, added);
   } else {
     waiting_.push_back(updates_.size() - 1);
   }
@@ -135,7 +154,7 @@ Expected<AddedUpdate> IncrementalJoin<Dim>::add_all(std::vector<SubmapUpdate<Dim
     if (const auto accepted = accept(std::move(update)); !accepted) return tl::unexpected(accepted.error());
     waiting_.push_back(updates_.size() - 1);
   }
-  if (updates_.size() > before) adopt_batch(true, stop, added);
+  if (updates_.size() > before) adopt_tied(stop, added);
   if (!waiting_.empty() && !added.batch_adopted && !stop.stop_requested()) join_again_from(before, stop, added);
   added.is_joined = waiting_.empty() || waiting_.back() < before;
   return published(added);
@@ -204,56 +223,69 @@ void IncrementalJoin<Dim>::admit_waiting(const std::stop_token& stop, AddedUpdat
   const bool is_news = waiting_.back() + 1 == updates_.size() && asks_for_join(updates_.back());
   if (shared <= shared_when_tried_ && !is_news) return;
   shared_when_tried_ = shared;
-  adopt_batch(true, stop, added);
+  adopt_tied(stop, added);
   if (stop.stop_requested()) shared_when_tried_ = 0;  // to be tried again
 }
 
 template <int Dim>
-std::vector<std::size_t> IncrementalJoin<Dim>::tied_waiting() const {
-  std::vector<std::size_t> tied;
+std::vector<std::vector<std::size_t>> IncrementalJoin<Dim>::tied_waiting() const {
+  std::vector<std::vector<std::size_t>> groups;
   std::vector<std::size_t> others = waiting_;
-  std::set<PoseId> poses;
-  std::set<FeatureId> features;
-  const auto is_tied = [&](std::size_t k) {
-    const SubmapUpdate<Dim>& update = updates_[k];
-    const bool ties =
-        (estimate_.is_empty() && tied.empty()) ||
-        std::ranges::any_of(update.poses, [&](const PoseId& id) { return pose(id) || poses.contains(id); }) ||
-        std::ranges::any_of(update.features, [&](const FeatureId& id) { return feature(id) || features.contains(id); });
-    if (!ties) return false;
-    tied.push_back(k);
-    poses.insert(update.poses.begin(), update.poses.end());
-    features.insert(update.features.begin(), update.features.end());
-    return true;
-  };
-  while (std::erase_if(others, is_tied) > 0) {
-  }
-  std::ranges::sort(tied);
-  return tied;
+  do {
+    std::vector<std::size_t> tied;
+    std::set<PoseId> poses;
+    std::set<FeatureId> features;
+    const auto is_tied = [&](std::size_t k) {
+      const SubmapUpdate<Dim>& update = updates_[k];
+      const bool ties =
+          (estimate_.is_empty() && tied.empty()) ||
+          std::ranges::any_of(update.poses, [&](const PoseId& id) { return pose(id) || poses.contains(id); }) ||
+          std::ranges::any_of(update.features, [&](const FeatureId& id) { return feature(id) || features.contains(id); });
+      if (!ties) return false;
+      tied.push_back(k);
+      poses.insert(update.poses.begin(), update.poses.end());
+      features.insert(update.features.begin(), update.features.end());
+      return true;
+    };
+    while (std::erase_if(others, is_tied) > 0) {
+    }
+    std::ranges::sort(tied);
+    if (!tied.empty()) groups.push_back(std::move(tied));
+  } while (estimate_.is_empty() && !others.empty());
+  return groups;
 }
 
 template <int Dim>
-void IncrementalJoin<Dim>::adopt_batch(bool with_waiting, const std::stop_token& stop, AddedUpdate& added) {
-  const std::vector<std::size_t> tied = with_waiting ? tied_waiting() : std::vector<std::size_t>();
+void IncrementalJoin<Dim>::adopt_tied(const std::stop_token& stop, AddedUpdate& added) {
+  for (const std::vector<std::size_t>& tied : tied_waiting()) {
+    if (adopt_batch(tied, stop, added) || stop.stop_requested()) return;
+  }
+}
+
+template <int Dim>
+bool IncrementalJoin<Dim>::adopt_batch(const std::vector<std::size_t>& waiting, const std::stop_token& stop,
+                                       AddedUpdate& added) {
+  const auto is_asked_for = [&](std::size_t k) { return std::ranges::binary_search(waiting, k); };
   std::vector<const SubmapUpdate<Dim>*> updates;
   for (std::size_t k = 0; k < updates_.size(); ++k) {
-    if (!left_out_.contains(k) && (!is_waiting(k) || std::ranges::binary_search(tied, k))) updates.push_back(&updates_[k]);
+    if (!left_out_.contains(k) && (!is_waiting(k) || is_asked_for(k))) updates.push_back(&updates_[k]);
   }
   const SubmapSet<Dim> set = set_of(updates);
-  if (set.segments.empty()) return;
+  if (set.segments.empty()) return false;
   const SubmapGraph<Dim> graph = submap_graph_of(set);
   JoinOptions<Dim> options;
   options.origin = origin_;
   added.batch_checked = true;
   const auto joined = join(graph, set.poses, set.features, options, stop);
-  if (!joined) return;
+  if (!joined) return false;
   is_converged_ = joined->result.status == MinimiseStatus::kConverged;  // here, or at an estimate that is no better
-  if (!with_waiting && !is_less_chi2(joined->result.chi2, estimate_.chi2())) return;
+  if (waiting.empty() && !is_less_chi2(joined->result.chi2, estimate_.chi2())) return false;
   take(updates, set, *joined, added);
   added.batch_adopted = true;
-  if (!with_waiting) return;
-  std::erase_if(waiting_, [&](std::size_t k) { return std::ranges::binary_search(tied, k); });
+  if (waiting.empty()) return true;
+  std::erase_if(waiting_, is_asked_for);
   shared_when_tried_ = shared_by_waiting();
+  return true;
 }
 
 /// Starts over from a join of these updates, which are the set.

@@ -5,7 +5,7 @@
 // A new map is placed by what it shares with the estimate. Of the elimination tree only what it touches is done again
 // (FrontTree), and only maps whose variables have moved are linearised again. A map that would move hardly anything else moves
 // only what is new, until several of them would move more (IncrementalEstimate). Where the chi2 has grown more than the new map
-// can explain, all maps so far are joined along the tree of join(), once, and the better estimate is taken.
+// can explain, all maps so far are joined by join(), once, and the better estimate is taken.
 
 #include <algorithm>
 #include <cstdint>
@@ -42,8 +42,8 @@ struct AddedUpdate {
 template <int Dim>
 class IncrementalJoin {
  public:
-  /// Where the first pose is anchored when the World says nothing.
-  explicit IncrementalJoin(const Pose<Dim>& origin = {}) : origin_(origin) {}
+  /// Where the first pose is anchored when the World says nothing; std::invalid_argument where that is no pose.
+  explicit IncrementalJoin(const Pose<Dim>& origin = {});
 
   /// Adds the next update. Its segment begins with a new pose or with the last one of an earlier segment that none goes on from
   /// yet, and its other poses are new; all else that it concerns is of earlier segments. Bad input where that is not so or
@@ -64,7 +64,7 @@ class IncrementalJoin {
   Expected<std::size_t> hold(SubmapUpdate<Dim> update);
   /// Takes updates that hold() could take out, by their numbers, as if they had never been joined, and joins others that were
   /// left out. Where one that goes was in the estimate it may have bent this too far for steps to lead back: all others are
-  /// then joined by join(), too, once.
+  /// then joined by join(), too, once. std::invalid_argument where one of these is not there or is none of closures alone.
   AddedUpdate change(std::span<const std::size_t> out, std::span<const std::size_t> in, const std::stop_token& stop = {});
 
   /// Joins all updates in the estimate by join(), and takes what comes of it where chi2 is less.
@@ -111,17 +111,21 @@ class IncrementalJoin {
   bool has_outgrown(double chi2_before, std::int64_t dof_before) const;
   /// How many of their poses and features the waiting updates share with the estimate.
   std::size_t shared_by_waiting() const;
-  /// Waiting updates that names tie to the estimate, if only by way of each other; to the first, where there is no estimate.
-  std::vector<std::size_t> tied_waiting() const;
+  /// Waiting updates that names tie to the estimate, if only by way of each other; where there is no estimate, each group of
+  /// those that names tie to each other, in the order of their first ones.
+  std::vector<std::vector<std::size_t>> tied_waiting() const;
   void admit_waiting(const std::stop_token& stop, AddedUpdate& added);
-  /// Joins all updates in the estimate and, where asked for, the waiting ones that are tied to them by join().
-  void adopt_batch(bool with_waiting, const std::stop_token& stop, AddedUpdate& added);
+  /// Joins all updates in the estimate and these waiting ones by join(), and takes what comes of it: where none wait only if
+  /// chi2 is less. Whether it was taken.
+  bool adopt_batch(const std::vector<std::size_t>& waiting, const std::stop_token& stop, AddedUpdate& added);
+  /// With the first group of tied_waiting() that can be joined.
+  void adopt_tied(const std::stop_token& stop, AddedUpdate& added);
   void take(const std::vector<const SubmapUpdate<Dim>*>& updates, const SubmapSet<Dim>& set, const Join<Dim>& joined,
             AddedUpdate& added);
 
   Pose<Dim> origin_;
   std::deque<SubmapUpdate<Dim>> updates_;
-  DrivenSegments driven_;
+  DrivenSegments<Dim> driven_;
   std::vector<std::size_t> waiting_;   // updates that are not in the estimate, ascending
   std::set<std::size_t> left_out_;     // updates that may not be in it
   std::size_t shared_when_tried_ = 0;  // by those that were waiting then

@@ -76,13 +76,6 @@ void name(const PoseIds& poses, const FeatureIds& features, SubmapUpdate<Dim>& u
   update.features = names.features.take_names();
 }
 
-template <typename Id>
-std::optional<Id> repeated(std::vector<Id> names) {
-  std::sort(names.begin(), names.end());
-  const auto twice = std::adjacent_find(names.begin(), names.end());
-  return twice == names.end() ? std::nullopt : std::optional(*twice);
-}
-
 template <int Dim>
 bool has_losses(const FactorGraph<Dim>& graph) {
   const auto has_loss = [](const auto& factor) { return factor.loss != Loss{}; };
@@ -189,16 +182,9 @@ std::vector<SubmapUpdate<Dim>> submap_updates_of(const SubmapSet<Dim>& set) {
 
 template <int Dim>
 Expected<void> check_update(const SubmapUpdate<Dim>& update) {
-  const auto wrong = [&](const std::string& what) { return bad_input(update.source + ": " + what); };
-  if (const auto checked = check_numbers(update); !checked) return checked;
-  if (const auto twice = repeated(update.poses)) return wrong("it names " + to_string(*twice) + " twice");
-  if (const auto twice = repeated(update.features)) return wrong("it names " + to_string(*twice) + " twice");
+  const auto wrong = [&](const std::string& what) { return bad_input_of(update.source, what); };
+  if (const auto checked = check_content(update); !checked) return checked;
   if (!is_of_its_segment(update)) return wrong("its local map is not of the poses of its one segment, in their order");
-  const auto leads_to_itself = [](const auto& o) { return o.base == o.target; };
-  if (const auto edge = std::ranges::find_if(update.graph.pose_factors, leads_to_itself);
-      edge != update.graph.pose_factors.end()) {
-    return wrong("an edge leads from " + to_string(update.poses[edge->base]) + " to itself");
-  }
   if (has_levers(update.graph)) return wrong("priors with levers cannot be joined map by map");
   if (has_losses(update.graph)) return wrong("factors with a loss cannot be joined map by map");
   return {};

@@ -74,6 +74,7 @@ Inliers<SubmapSet<Dim>> without(const std::vector<Rejected>& rejected, const Tak
 template <int Dim>
 Expected<Inliers<SubmapSet<Dim>>> find_inliers(const SubmapSet<Dim>& set, const RobustOptions& options,
                                                const std::stop_token& stop) {
+  if (auto sound = check_content(set); !sound) return tl::unexpected(sound.error());
   RobustOptions of_log = options;
   of_log.odometry = false;  // all that relates poses is believed
   const TakenApart<Dim> apart = taken_apart(set);

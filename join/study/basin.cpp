@@ -117,13 +117,13 @@ void judge(const Subjects& subjects, const std::vector<BasinRun>& others, Basin&
   }
 }
 
-/// Every run of every cell, and one per subject along the tree, for what is the optimum.
+/// Every run of every cell, and one per subject by the default schedule, for what is the optimum.
 Expected<Basin> basin_of(const Subjects& subjects, const BasinOptions& options, const std::stop_token& stop) {
   Basin basin;
-  std::vector<BasinRun> along_tree(subjects.size());
+  std::vector<BasinRun> by_default(subjects.size());
   std::vector<std::function<void()>> solves;
   for (std::size_t s = 0; s < subjects.size(); ++s) {
-    solves.emplace_back([&, s] { along_tree[s] = subjects[s].solve(without_verdict()); });
+    solves.emplace_back([&, s] { by_default[s] = subjects[s].solve(without_verdict()); });
     for (BasinCell& cell : cells_of(subjects[s], options.seeds)) {
       for (std::size_t run = 0; run < cell.runs.size(); ++run) {
         solves.emplace_back([&, s, c = basin.cells.size(), run] {
@@ -142,7 +142,7 @@ Expected<Basin> basin_of(const Subjects& subjects, const BasinOptions& options, 
     if (options.progress) options.progress(++done, solves.size());
   });
   if (stop.stop_requested()) return tl::unexpected(Error{ErrorKind::kInterrupted, "interrupted"});
-  judge(subjects, along_tree, basin);
+  judge(subjects, by_default, basin);
   for (std::size_t k = 0; k < basin.covariances.size(); ++k) {
     if (std::isfinite(basin.best_chi2[k])) continue;
     const auto cell = std::ranges::find(basin.cells, basin.covariances[k], &BasinCell::covariance);

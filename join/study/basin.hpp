@@ -62,7 +62,7 @@ struct BasinCell {
 
 struct Basin {
   std::vector<Covariance> covariances;
-  std::vector<double> best_chi2;  ///< Per covariance: the least of all cells, and of joining along a tree.
+  std::vector<double> best_chi2;  ///< Per covariance: the least of all cells, and of a join by the default schedule.
   std::vector<BasinCell> cells;   ///< By covariance, problem, split, state, method and start, in this order.
 };
 

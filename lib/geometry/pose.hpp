@@ -45,6 +45,12 @@ bool is_valid(const Pose<Dim>& pose) {
   return pose.translation.allFinite() && is_valid(pose.rotation);
 }
 
+/// The same to the last bit.
+template <int Dim>
+bool is_same(const Pose<Dim>& a, const Pose<Dim>& b) {
+  return a.translation == b.translation && a.rotation.matrix() == b.rotation.matrix();
+}
+
 /// The pose moved by the step `delta`.
 template <int Dim>
 Pose<Dim> retract(const Pose<Dim>& pose, const PoseVector<Dim>& delta) {

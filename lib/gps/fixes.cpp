@@ -2,6 +2,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 #include <map>
 #include <mapjoin/gps/fixes.hpp>
 #include <mapjoin/measure/statistics.hpp>
@@ -108,8 +109,25 @@ PoseFactor<Dim> prior_of(const GpsFix& fix, const Carrier<Dim>& carrier, const P
   return prior;
 }
 
+/// Whether the numbers of a fix are those of a place on the earth, known to some accuracy.
+bool is_sound(const GpsFix& fix, bool has_height) {
+  const auto is_deviation = [](double sd) { return sd > 0.0 && std::isfinite(sd); };
+  const bool is_flat = std::abs(fix.place.latitude) <= 90.0 && std::abs(fix.place.longitude) <= 360.0 &&
+                       is_deviation(fix.deviation.x()) && is_deviation(fix.deviation.y());
+  return is_flat && std::isfinite(fix.place.height) && (!has_height || is_deviation(fix.deviation.z()));
+}
+
+Expected<void> check_numbers(const GpsFixes& fixes) {
+  if (fixes.fixes.empty()) return bad_input(fixes.source + ": there are no fixes");
+  const auto wrong = std::ranges::find_if(fixes.fixes, [&](const GpsFix& fix) { return !is_sound(fix, fixes.has_heights); });
+  if (wrong == fixes.fixes.end()) return {};
+  return bad_input(
+      fmt::format("{}:{}: a fix has a latitude up to 90, a longitude up to 360 degrees and standard deviations above 0",
+                  fixes.source, wrong->line));
+}
+
 template <int Dim>
-Expected<void> check(const GpsFixes& fixes, const Log<Dim>& log) {
+Expected<void> check_use(const GpsFixes& fixes, const Log<Dim>& log) {
   const auto wrong = [&](std::string why) { return tl::unexpected(Error{ErrorKind::kUsage, fixes.source + ": " + why}); };
   if (!log.pose_priors().empty() || !log.feature_priors().empty()) {
     return wrong(log.source + " has priors, which are in another frame than the fixes: leave out the ones or the others");
@@ -123,9 +141,17 @@ Expected<void> check(const GpsFixes& fixes, const Log<Dim>& log) {
 
 }  // namespace
 
+std::vector<std::string> GpsOptions::validate() const {
+  std::vector<std::string> violations;
+  if (!lever.allFinite()) violations.emplace_back("the lever of the antenna must be finite");
+  if (!(most_apart >= 0.0)) violations.emplace_back("the time that a fix and a pose may be apart must not be negative");
+  return violations;
+}
+
 template <int Dim>
 Expected<AttachedFixes> attach_fixes(const GpsFixes& fixes, const GpsOptions& options, Log<Dim>& log) {
-  if (auto fit = check(fixes, log); !fit) return tl::unexpected(fit.error());
+  demand_valid(options);
+  if (auto fit = check_numbers(fixes).and_then([&] { return check_use(fixes, log); }); !fit) return tl::unexpected(fit.error());
   const Poses<Dim> poses(log, options.most_apart);
   AttachedFixes attached{GeographicFrame(middle_of(fixes.fixes)), {}, 0};
   std::vector<PoseFactor<Dim>> priors;

@@ -31,6 +31,9 @@ struct GpsFixes {
 struct GpsOptions {
   Point<3> lever = Point<3>::Zero();  ///< The antenna in the frame of a pose (m).
   double most_apart = 1.0;            ///< A fix and the pose nearest to it in time may be (s).
+
+  /// Every violation in words; empty if there is none.
+  std::vector<std::string> validate() const;
 };
 
 /// What became of the fixes: the last pose priors of the log.
@@ -44,7 +47,8 @@ struct AttachedFixes {
 /// as it stood when odometry led at a constant speed from the one to the other; where no odometry leads there it is left out,
 /// as is a fix before the first pose and behind the last one. Whatever the log fixes is released, and counted as skipped: the
 /// fixes hold the map. kUsage: a log with priors, which are in another frame; fixes by time where poses have none; fixes
-/// without heights in space. Bad input: no fix is near a pose; a fix at a time that several sessions have.
+/// without heights in space. Bad input: no fix is near a pose; a fix at a time that several sessions have; one whose place or
+/// standard deviations are no numbers of the earth. Options that do not validate are std::invalid_argument.
 template <int Dim>
 Expected<AttachedFixes> attach_fixes(const GpsFixes& fixes, const GpsOptions& options, Log<Dim>& log);
 

@@ -205,6 +205,7 @@ std::optional<std::vector<Maps>> all_as(std::vector<AnyMaps>& any) {
 
 Expected<AnyMaps> open_several_maps(const std::vector<std::filesystem::path>& paths, const ReadOptions& options,
                                     const MergeOptions& merging) {
+  if (paths.empty()) return tl::unexpected(Error{ErrorKind::kUsage, "no local maps are named"});
   if (paths.size() == 1) return open_maps(paths.front(), options);
   std::vector<AnyMaps> all;
   for (const std::filesystem::path& path : paths) {

@@ -43,6 +43,7 @@ Portion portion_of(const AnyMaps& any) {
 }  // namespace
 
 Expected<AnyLog> open_logs(const std::vector<std::filesystem::path>& paths, ReadOptions options, const MergeOptions& merging) {
+  if (paths.empty()) return tl::unexpected(Error{ErrorKind::kUsage, "no log is named"});
   if (paths.size() == 1) return open_log(paths.front(), options);
   if (options.undeclared == Undeclared::kRefused) options.undeclared = Undeclared::kForeign;
   std::vector<AnyLog> logs;

@@ -31,6 +31,11 @@ inline tl::unexpected<Error> bad_input(std::string message) {
   return tl::unexpected(Error{ErrorKind::kBadInput, std::move(message)});
 }
 
+/// The same of data that came from `source`, where that has a name.
+inline tl::unexpected<Error> bad_input_of(const std::string& source, const std::string& message) {
+  return bad_input(source.empty() ? message : source + ": " + message);
+}
+
 /// Throws std::invalid_argument with the first violation of `options`, where there is one: a promise broken by the caller.
 template <typename Options>
 void demand_valid(const Options& options) {

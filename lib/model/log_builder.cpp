@@ -3,7 +3,7 @@
 
 #include <algorithm>
 #include <limits>
-#include <mapjoin/model/information.hpp>
+#include <mapjoin/model/factor_fault.hpp>
 #include <mapjoin/model/log_builder.hpp>
 #include <mapjoin/parallel/parallel.hpp>
 
@@ -22,13 +22,10 @@ template <typename Kind>
 Expected<void> check_factors(Kind& kind, InformationCheck& check) {
   for (std::size_t i = 0; i < kind.factors.size(); ++i) {
     auto& factor = kind.factors[i];
-    const bool is_sound = is_valid(factor.measured);
-    const auto fault = is_sound ? check.fault(factor.information) : std::nullopt;
-    if (is_sound && !fault) continue;
+    const auto wrong = fault(factor, check);
+    if (!wrong) continue;
     const auto& [base, target] = kind.ends[i];
-    const std::string name = factor.base == kWorld ? "the prior of " + to_string(target) : name_of(base, target);
-    return bad_input(
-        name + (fault ? " has an information matrix that " + *fault : " has a measurement that is not finite, or no rotation"));
+    return bad_input((factor.base == kWorld ? "the prior of " + to_string(target) : name_of(base, target)) + " " + *wrong);
   }
   return {};
 }
@@ -70,17 +67,12 @@ void append_to(std::vector<Item>& items, const std::vector<Item>& more) {
   items.insert(items.end(), more.begin(), more.end());
 }
 
-template <int Dim>
-bool same(const Pose<Dim>& a, const Pose<Dim>& b) {
-  return a.translation == b.translation && a.rotation.matrix() == b.rotation.matrix();
-}
-
 /// In the order of their pose, each once; a pose may be fixed twice only at the same place.
 template <int Dim>
 Expected<std::vector<FixedPose<Dim>>> sorted_once(std::vector<FixedPose<Dim>> fixed, const PoseIds& poses) {
   std::stable_sort(fixed.begin(), fixed.end(), [](const auto& a, const auto& b) { return a.pose < b.pose; });
   const auto differing = std::adjacent_find(
-      fixed.begin(), fixed.end(), [](const auto& a, const auto& b) { return a.pose == b.pose && !same(a.value, b.value); });
+      fixed.begin(), fixed.end(), [](const auto& a, const auto& b) { return a.pose == b.pose && !is_same(a.value, b.value); });
   if (differing != fixed.end()) {
     return bad_input(to_string(poses[differing->pose]) + " is fixed at two places");
   }

@@ -2,8 +2,12 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <mapjoin/model/information.hpp>
+#include <map>
+#include <mapjoin/model/factor_fault.hpp>
 #include <mapjoin/model/submap_set.hpp>
+#include <optional>
+#include <string>
+#include <vector>
 
 namespace mapjoin {
 namespace {
@@ -11,6 +15,21 @@ namespace {
 template <typename Index, typename Id>
 bool is_among(const Table<Index, Id>& names, Index index) {
   return indices(names).contains(index);
+}
+
+/// What a list has more than once, if anything.
+template <typename List>
+auto repeated(const List& list) {
+  std::vector sorted(list.begin(), list.end());
+  std::ranges::sort(sorted);
+  const auto twice = std::ranges::adjacent_find(sorted);
+  return twice == sorted.end() ? std::nullopt : std::optional(*twice);
+}
+
+template <typename Index, typename Id>
+Expected<void> check_names(const Table<Index, Id>& names) {
+  const auto twice = repeated(names);
+  return twice ? bad_input("it names " + to_string(*twice) + " twice") : Expected<void>();
 }
 
 template <int Dim>
@@ -22,33 +41,60 @@ bool is_within(const LocalMap<Dim>& map, const SubmapSet<Dim>& set) {
 template <typename Observation, typename Targets>
 Expected<void> check_observations(const std::vector<Observation>& observations, const PoseIds& poses, const Targets& targets,
                                   const char* what) {
+  InformationCheck check;
   for (std::size_t i = 0; i < observations.size(); ++i) {
-    const Observation& o = observations[i];
-    const auto wrong = [&](const std::string& fault) { return bad_input(fmt::format("{} {} {}", what, i, fault)); };
-    if ((o.base != kWorld && !is_among(poses, o.base)) || !is_among(targets, o.target))
-      return wrong("names no pose or feature");
-    if (!is_valid(o.measured)) return wrong("has a measurement that is not finite, or no rotation");
-    auto W = o.information;
-    if (const auto fault = InformationCheck().fault(W)) return wrong("has an information matrix that " + *fault);
+    Observation o = observations[i];
+    const bool is_of_the_set = (o.base == kWorld || is_among(poses, o.base)) && is_among(targets, o.target);
+    const auto wrong = is_of_the_set ? fault(o, check) : std::optional<std::string>("names no pose or feature");
+    if (wrong) return bad_input(fmt::format("{} {} {}", what, i, *wrong));
   }
   return {};
 }
 
 template <int Dim>
+Expected<void> check_edges(const SubmapSet<Dim>& set) {
+  const auto leads_to_itself = [](const PoseFactor<Dim>& o) { return o.base == o.target; };
+  const auto edge = std::ranges::find_if(set.graph.pose_factors, leads_to_itself);
+  if (edge == set.graph.pose_factors.end()) return {};
+  return bad_input("an edge leads from " + to_string(set.poses[edge->base]) + " to itself");
+}
+
+/// A target that a map has twice, its base among them, by name.
+template <int Dim>
+std::optional<std::string> named_twice(const LocalMap<Dim>& map, const SubmapSet<Dim>& set) {
+  std::vector<PoseIndex> poses = map.poses;
+  poses.push_back(map.base);
+  if (const auto pose = repeated(poses)) return "has " + to_string(set.poses[*pose]) + " twice";
+  if (const auto feature = repeated(map.features)) return "has " + to_string(set.features[*feature]) + " twice";
+  return std::nullopt;
+}
+
+/// What is wrong with a map of the set.
+template <int Dim>
+std::optional<std::string> fault(const LocalMap<Dim>& map, const SubmapSet<Dim>& set) {
+  if (!is_within(map, set)) return "names no pose or feature";
+  if (auto twice = named_twice(map, set)) return twice;
+  return fault(map);
+}
+
+template <int Dim>
 Expected<void> check_maps(const SubmapSet<Dim>& set) {
   for (std::size_t m = 0; m < set.graph.submaps.size(); ++m) {
-    const auto wrong = is_within(set.graph.submaps[m], set) ? fault(set.graph.submaps[m])
-                                                            : std::optional<std::string>("names no pose or feature");
-    if (wrong) return bad_input(fmt::format("local map {} {}", m + 1, *wrong));
+    if (const auto wrong = fault(set.graph.submaps[m], set)) return bad_input(fmt::format("local map {} {}", m + 1, *wrong));
   }
   return {};
 }
 
 template <int Dim>
 Expected<void> check_fixed(const SubmapSet<Dim>& set) {
+  std::map<PoseIndex, const Pose<Dim>*> places;
   for (const FixedPose<Dim>& fixed : set.graph.fixed) {
     if (!is_among(set.poses, fixed.pose)) return bad_input("a fixed pose is not there");
     if (!is_valid(fixed.value)) return bad_input(to_string(set.poses[fixed.pose]) + " is fixed nowhere");
+    const auto [place, is_new] = places.emplace(fixed.pose, &fixed.value);
+    if (!is_new && !is_same(*place->second, fixed.value)) {
+      return bad_input(to_string(set.poses[fixed.pose]) + " is fixed at two places");
+    }
   }
   return {};
 }
@@ -56,14 +102,17 @@ Expected<void> check_fixed(const SubmapSet<Dim>& set) {
 }  // namespace
 
 template <int Dim>
-Expected<void> check_numbers(const SubmapSet<Dim>& set) {
+Expected<void> check_content(const SubmapSet<Dim>& set) {
   const auto checked =
-      check_maps(set)
+      check_names(set.poses)
+          .and_then([&] { return check_names(set.features); })
+          .and_then([&] { return check_maps(set); })
           .and_then([&] { return check_observations(set.graph.pose_factors, set.poses, set.poses, "pose observation"); })
           .and_then(
               [&] { return check_observations(set.graph.feature_factors, set.poses, set.features, "feature observation"); })
+          .and_then([&] { return check_edges(set); })
           .and_then([&] { return check_fixed(set); });
-  return checked ? checked : bad_input(set.source + ": " + checked.error().message);
+  return checked ? checked : bad_input_of(set.source, checked.error().message);
 }
 
 template <int Dim>
@@ -71,15 +120,24 @@ Expected<void> check_segments(const SubmapSet<Dim>& set) {
   const auto is_there = [&](const Segment& s) {
     return s.begin <= s.end && is_among(set.poses, s.begin) && is_among(set.poses, s.end);
   };
-  if (!std::ranges::all_of(set.segments, is_there)) return bad_input(set.source + ": a segment is of poses that are not there");
+  if (!std::ranges::all_of(set.segments, is_there)) return bad_input_of(set.source, "a segment is of poses that are not there");
   const std::size_t segments = map_segments(set.segments).size();
-  if (segments == set.graph.submaps.size()) return {};
-  return bad_input(
-      fmt::format("{}: {} for {}", set.source, plural(segments, "segment"), plural(set.graph.submaps.size(), "local map")));
+  if (segments != set.graph.submaps.size()) {
+    return bad_input_of(set.source, plural(segments, "segment") + " for " + plural(set.graph.submaps.size(), "local map"));
+  }
+  if (!std::ranges::is_sorted(set.segments, {}, &Segment::begin)) {
+    return bad_input_of(set.source, "the segments are not in the order of their first poses");
+  }
+  PoseIndex next = 0;  // behind those that hold all poses before it
+  for (const Segment& s : set.segments) {
+    if (s.begin <= next) next = std::max(next, PoseIndex(s.end + 1));
+  }
+  if (next == indices(set.poses).last) return {};
+  return bad_input_of(set.source, to_string(set.poses[next]) + " is in no segment");
 }
 
-template Expected<void> check_numbers(const SubmapSet<2>&);
-template Expected<void> check_numbers(const SubmapSet<3>&);
+template Expected<void> check_content(const SubmapSet<2>&);
+template Expected<void> check_content(const SubmapSet<3>&);
 template Expected<void> check_segments(const SubmapSet<2>&);
 template Expected<void> check_segments(const SubmapSet<3>&);
 

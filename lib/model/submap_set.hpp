@@ -24,12 +24,13 @@ struct SubmapSet {
   Conventions conventions;
 };
 
-/// Bad input, named by its poses, unless every map and observation of a set made in memory is over poses and features of the
-/// set and has sound numbers.
+/// Bad input unless a set made in memory names its poses and features once each, and its maps and observations are over poses
+/// and features of the set, over none of them twice, with sound numbers; a pose may be fixed twice only at the same place.
 template <int Dim>
-Expected<void> check_numbers(const SubmapSet<Dim>& set);
+Expected<void> check_content(const SubmapSet<Dim>& set);
 
-/// Bad input unless as many segments are maps as there are maps, and all are of poses of the set.
+/// Bad input unless as many segments are maps as there are maps, and the segments, in the order of their first poses, hold all
+/// poses of the set.
 template <int Dim>
 Expected<void> check_segments(const SubmapSet<Dim>& set);
 

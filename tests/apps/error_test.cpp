@@ -43,6 +43,13 @@ TEST_F(ErrorCommand, TakesTrajectoriesAndTables) {
   EXPECT_EQ(errors({"error", map, kitti})["ate"]["translation"]["count"], 2) << "by their count";
 }
 
+TEST_F(ErrorCommand, TakesTheFolderOfARun) {
+  const std::string run = (folder.path() / "run").string();
+  ASSERT_EQ(call({"run", folder.file("drive.g2o", kSmallLog).string(), "-o", run, "--quiet"}).exit_code, 0);
+  EXPECT_EQ(errors({"error", run, run + "/map.g2o"})["ate"]["translation"]["count"], 3);
+  EXPECT_LT(errors({"error", run + "/map.g2o", run})["ate"]["translation"]["max"], 1e-9);
+}
+
 TEST_F(ErrorCommand, SaysWhatDoesNotFit) {
   const Ended none = call({"error", map, folder.file("other.g2o", "VERTEX_SE2 9 0 0 0\n").string()});
   EXPECT_EQ(none.exit_code, 3);

@@ -59,7 +59,7 @@ void check_one(const Log<Dim>& log) {
   set.poses = log.poses;
   set.features = log.features;
   set.graph = log.graph;
-  expect(check_numbers(set));
+  expect(check_content(set));
   auto poses = log.poses;
   std::ranges::sort(poses);
   promise(!poses.empty() && std::ranges::adjacent_find(poses) == poses.end(), "poses are named once");
@@ -106,7 +106,7 @@ void check_log(const AnyLog& log) {
 void check_maps(const AnySubmapSet& any) {
   const auto check = []<int Dim>(const SubmapSet<Dim>& set) {
     promise(set.segments.size() == set.graph.submaps.size(), "every map has its segment");
-    expect(check_numbers(set));
+    expect(check_content(set));
     for (std::size_t k = 0; k < set.graph.submaps.size(); ++k) {
       const LocalMap<Dim>& map = set.graph.submaps[k];
       const Segment& segment = set.segments[k];

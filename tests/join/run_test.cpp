@@ -7,6 +7,7 @@
 #include <tests/support/ceres_reference.hpp>
 #include <tests/support/dense_slam.hpp>
 #include <tests/support/dimensions.hpp>
+#include <tests/support/error_of.hpp>
 #include <tests/support/every.hpp>
 #include <tests/support/places.hpp>
 #include <tests/support/small_world.hpp>
@@ -142,6 +143,20 @@ TYPED_TEST(RunTest, ALogOfOnePoseStandsAtTheOrigin) {
   ASSERT_TRUE(result) << result.error().message;
   EXPECT_EQ(local(result->map.poses[0], world.truth.poses[0]).norm(), 0.0);
   EXPECT_EQ(result->chi2, 0.0);
+}
+
+TYPED_TEST(RunTest, WhatHoldsNothingIsRefused) {
+  constexpr int kDim = TestFixture::kDim;
+  Log<kDim> log;
+  log.source = "empty.g2o";
+  SubmapSet<kDim> set;
+  set.source = "empty";
+  EXPECT_EQ(testing::error_of(run(log, RunOptions{})), "empty.g2o: there are no poses");
+  EXPECT_EQ(testing::error_of(solve(log, RunOptions{})), "empty.g2o: there are no poses");
+  EXPECT_EQ(testing::error_of(run(set, RunOptions{})), "empty: there are no poses");
+  set.poses = PoseIds(std::vector<PoseId>{{0, 1}, {0, 2}});
+  set.graph.pose_factors = {{0, 1, {}, PoseMatrix<kDim>::Identity()}};
+  EXPECT_EQ(testing::error_of(run(set, RunOptions{})), "empty: pose 1 is in no segment");
 }
 
 TYPED_TEST(RunTest, SolveMayStartFromTheValuesOfTheFile) {

@@ -2,9 +2,11 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <cmath>
 #include <mapjoin/localmap/segment_view.hpp>
 #include <mapjoin/localmap/split.hpp>
 #include <set>
+#include <stdexcept>
 #include <tests/support/dimensions.hpp>
 #include <tests/support/small_world.hpp>
 
@@ -198,6 +200,13 @@ TYPED_TEST(SplitTest, EveryLocalMapIsInOneShare) {
     EXPECT_TRUE(std::ranges::is_sorted(shares)) << "the first share has the first maps";
     for (std::size_t s = 0; s < owners.size(); ++s) EXPECT_EQ(owners[s], parts.segments[s].is_map ? 1 : 0);
   }
+}
+
+TYPED_TEST(SplitTest, RefusesWhatMakesNoSense) {
+  const auto log = this->corridor(10);
+  EXPECT_THROW(split(log, {SplitRule::kPoses, std::nan("")}), std::invalid_argument);
+  EXPECT_THROW(split(log, {SplitRule::kAuto, -1.0}), std::invalid_argument);
+  EXPECT_THROW(split(log, {SplitRule::kPoses, 2.0}, Table<PoseIndex, bool>(9, true)), std::invalid_argument);
 }
 
 TEST(SplitOptions, NameEveryViolation) {

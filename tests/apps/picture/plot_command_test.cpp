@@ -66,24 +66,24 @@ TEST_F(Plot, LocalMapsAreJoinedFirstAndTheirClosuresDrawn) {
   EXPECT_EQ(count_of(svg, ">local maps<"), 1U);
   EXPECT_EQ(count_of(svg, ">residual ≤ 2 × typical<"), 1U);
   EXPECT_EQ(count_of(svg, "<ellipse rx"), 1U + 2U);
-  EXPECT_EQ(count(picture({path("maps")}), "<ellipse"), 0U);
+  EXPECT_EQ(count_of(picture({path("maps")}), "<ellipse"), 0U);
   EXPECT_EQ(picture({path("maps"), "--jobs", "1"}), picture({path("maps"), "--jobs", "2"}));
 }
 
 TEST_F(Plot, ShowsWhereAMapIsBentByAWrongObservation) {
   ASSERT_EQ(call({"run", kBundledLog, "-o", path("run"), "--quiet"}).exit_code, 0);
-  EXPECT_EQ(count(picture({path("run")}), "residual &gt; 8 × typical"), 0U);
+  EXPECT_EQ(count_of(picture({path("run")}), "residual &gt; 8 × typical"), 0U);
   std::string log = content_of(kBundledLog);
   const std::string right = "EDGE_SE2_XY 399 1087 ";
   log.replace(log.find(right), right.size(), "EDGE_SE2_XY 399 1077 ");
   ASSERT_EQ(call({"run", folder.file("wrong.g2o", log).string(), "-o", path("bent"), "--quiet"}).exit_code, 0);
-  EXPECT_EQ(count(picture({path("bent")}), "residual &gt; 8 × typical"), 1U);
+  EXPECT_EQ(count_of(picture({path("bent")}), "residual &gt; 8 × typical"), 1U);
 }
 
 TEST_F(Plot, KnowsAPageByItsExtensionInAnyCase) {
   ASSERT_EQ(call({"run", kBundledLog, "-o", path("run"), "--no-verdict", "--quiet"}).exit_code, 0);
   ASSERT_EQ(call({"plot", path("run"), "-o", path("MAP.HTML"), "--quiet"}).exit_code, 0);
-  EXPECT_EQ(count(content_of(path("MAP.HTML")), "<!DOCTYPE html>"), 1U);
+  EXPECT_EQ(count_of(content_of(path("MAP.HTML")), "<!DOCTYPE html>"), 1U);
 }
 
 TEST_F(Plot, SaysThatEllipsesAreLargerThanTheMap) {
@@ -92,11 +92,11 @@ TEST_F(Plot, SaysThatEllipsesAreLargerThanTheMap) {
   const std::string words = "the 3σ ellipses of 1 pose and 0 features are larger than the map, and are capped at its size\n";
   const Ended run = call({"run", folder.file("log.g2o", log).string(), "-o", path("run"), "--covariances", "--quiet"});
   EXPECT_EQ(run.err, "mapjoin: map.svg: " + words);
-  EXPECT_EQ(count(content_of(path("run/map.svg")), "3σ of poses (capped at the map's size)"), 1U);
+  EXPECT_EQ(count_of(content_of(path("run/map.svg")), "3σ of poses (capped at the map's size)"), 1U);
   for (const std::string name : {"map.svg", "map.html"}) {
     const Ended plotted = call({"plot", path("run"), "-o", path(name), "--quiet"});
     EXPECT_EQ(plotted.err, "mapjoin: " + path("run") + ": " + words);
-    EXPECT_EQ(count(content_of(path(name)), "3σ of poses (capped at the map's size)"), 1U);
+    EXPECT_EQ(count_of(content_of(path(name)), "3σ of poses (capped at the map's size)"), 1U);
   }
 }
 

@@ -9,6 +9,7 @@
 #include <tests/support/dense_information.hpp>
 #include <tests/support/dense_relations.hpp>
 #include <tests/support/dimensions.hpp>
+#include <tests/support/error_of.hpp>
 #include <tests/support/numerical_jacobian.hpp>
 #include <tests/support/small_submap_set.hpp>
 #include <tests/support/small_world.hpp>
@@ -202,6 +203,26 @@ TYPED_TEST(MapCovariancesTest, RelativeOnesAreThoseOfTheDifferenceInTheFrameOfTh
     ASSERT_TRUE(relative);
     EXPECT_LT((*relative - expected).norm(), 1e-7 * expected.norm()) << base.value << " " << feature.value;
   }
+}
+
+TYPED_TEST(MapCovariancesTest, TheWorldIsCertainAndWhatIsNotInTheMapIsRefused) {
+  constexpr int kDof = kPoseDof<TestFixture::kDim>;
+  const auto result = run(this->world(Held::kPriors), this->options(6.0));
+  ASSERT_TRUE(result);
+  const auto& covariances = *result->covariances;
+  const auto with_world = covariances.joint(std::vector<PoseOrFeature>{kWorld, PoseIndex(7)}).value();
+  const auto marginals = covariances.marginals().value();
+  EXPECT_TRUE(with_world.topRows(kDof).isZero(0.0));
+  this->expect_near(with_world.bottomRightCorner(kDof, kDof), marginals.poses[7], "pose 7");
+  const PoseIndex of_prior = 7;
+  ASSERT_EQ(marginals.relations.poses[of_prior].parent, kWorld);
+  this->expect_near(covariances.relative_pose(kWorld, of_prior).value(), marginals.relations.poses[of_prior].covariance,
+                    "prior");
+  const auto error = [&](const PoseOrFeature& of) { return testing::error_of(covariances.joint(std::vector{of})); };
+  EXPECT_EQ(error(PoseIndex(36)), "the map has no pose of index 36");
+  EXPECT_EQ(error(PoseIndex(-2)), "the map has no pose of index -2");
+  EXPECT_EQ(error(FeatureIndex(40)), "the map has no feature of index 40");
+  EXPECT_EQ(testing::error_of(covariances.relative_feature(5, 99)), "the map has no feature of index 99");
 }
 
 TYPED_TEST(MapCovariancesTest, RelativeOnesDoNotDependOnTheGauge) {

@@ -10,6 +10,7 @@
 #include <tests/join/incremental/incremental_join_fixture.hpp>
 #include <tests/support/batch_join.hpp>
 #include <tests/support/dimensions.hpp>
+#include <tests/support/error_of.hpp>
 #include <tests/support/random.hpp>
 
 namespace mapjoin {
@@ -47,6 +48,38 @@ TYPED_TEST(IncrementalArrivalTest, ASessionThatSharesNothingYetWaits) {
     EXPECT_EQ(added.dof, joined.dof());
   }
   EXPECT_NEAR(joined.chi2(), this->batch(cut).result.chi2, 0.5);
+}
+
+TYPED_TEST(IncrementalArrivalTest, WhatCannotBeDeterminedKeepsNothingElseWaiting) {
+  constexpr int kDim = TestFixture::kDim;
+  const auto updates = this->submap_updates_of({.poses = 20, .features = 20}, 5.0);
+  SubmapUpdate<kDim> free;  // two poses that nothing relates
+  free.poses = {{9, 0}, {9, 1}};
+  free.segments = {{0, 1, false}};
+  IncrementalJoin<kDim> joined;
+  EXPECT_FALSE(joined.add(free).value().is_joined);
+  for (const auto& update : updates) EXPECT_TRUE(joined.add(update).value().is_joined);
+  IncrementalJoin<kDim> at_once;
+  std::vector<SubmapUpdate<kDim>> all = updates;
+  all.insert(all.begin(), free);
+  at_once.add_all(all).value();
+  for (const IncrementalJoin<kDim>* join : {&joined, &at_once}) {
+    EXPECT_EQ(join->waiting(), 1U);
+    EXPECT_LT(this->difference(*join, updates), 1e-3);
+  }
+}
+
+TYPED_TEST(IncrementalArrivalTest, WhatIsNoUpdateOfClosuresCannotBeTakenOut) {
+  constexpr int kDim = TestFixture::kDim;
+  const auto updates = this->submap_updates_of({.poses = 20, .features = 20}, 5.0);
+  IncrementalJoin<kDim> joined;
+  for (const auto& update : updates) joined.add(update).value();
+  const std::vector<std::size_t> map{0};
+  const std::vector<std::size_t> none{99};
+  EXPECT_THROW(joined.change(map, {}), std::invalid_argument);
+  EXPECT_THROW(joined.change(none, {}), std::invalid_argument);
+  EXPECT_THROW(joined.change({}, none), std::invalid_argument);
+  EXPECT_THROW(IncrementalJoin<kDim>({Point<kDim>::Constant(std::nan("")), {}}), std::invalid_argument);
 }
 
 TYPED_TEST(IncrementalArrivalTest, NamesOfWhichNothingIsSaidDoNotCount) {
@@ -156,6 +189,8 @@ TYPED_TEST(IncrementalArrivalTest, FixedPosesMayComeOneByOne) {
   EXPECT_EQ(local(*joined.pose(last_pose(updates[4])), fixed.at(last_pose(updates[4]))).norm(), 0.0);
   joined.add(later).value();
   for (const auto& [id, value] : fixed) EXPECT_EQ(local(*joined.pose(id), value).norm(), 0.0) << to_string(id);
+  later.graph.fixed[0].value.translation.x() += 5.0;
+  EXPECT_EQ(testing::error_of(joined.check(later)), to_string(later.poses[0]) + " is fixed elsewhere already");
 }
 
 TYPED_TEST(IncrementalArrivalTest, AClosureToWhatStillWaitsTiesIt) {

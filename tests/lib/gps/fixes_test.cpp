@@ -7,6 +7,8 @@
 #include <mapjoin/gps/fixes.hpp>
 #include <mapjoin/model/log_builder.hpp>
 #include <numbers>
+#include <stdexcept>
+#include <tests/support/error_of.hpp>
 #include <utility>
 
 namespace mapjoin {
@@ -159,6 +161,33 @@ TEST(AttachFixes, SessionsThatDroveAtOnceAreToldApartByName) {
   log = two;
   ASSERT_TRUE(attach_fixes(fixes_of({of_second}), {}, log));
   EXPECT_EQ(log.poses[log.pose_priors()[0].target], (PoseId{1, 1})) << "and by the name of the pose";
+}
+
+TEST(AttachFixes, RefusesNumbersThatNoReaderWouldTake) {
+  const auto message = [](const auto& change) {
+    GpsFixes fixes = fixes_of({fix_at(1.0)});
+    fixes.fixes[0].line = 7;
+    change(fixes.fixes);
+    Log<2> log = log_of();
+    return testing::error_of(attach_fixes(fixes, {}, log));
+  };
+  const std::string wrong = "fixes.csv:7: a fix has a latitude up to 90, a longitude up to 360 degrees";
+  EXPECT_EQ(message([](auto&) {}), "");
+  EXPECT_EQ(message([](auto& fixes) { fixes.clear(); }), "fixes.csv: there are no fixes");
+  EXPECT_THAT(message([](auto& fixes) { fixes[0].place.latitude = 90.1; }), HasSubstr(wrong));
+  EXPECT_THAT(message([](auto& fixes) { fixes[0].place.longitude = std::nan(""); }), HasSubstr(wrong));
+  EXPECT_THAT(message([](auto& fixes) { fixes[0].deviation[1] = 0.0; }), HasSubstr(wrong));
+  EXPECT_THAT(message([](auto& fixes) { fixes[0].deviation[0] = -1.0; }), HasSubstr(wrong));
+}
+
+TEST(AttachFixes, OptionsThatMakeNoSenseAreRefused) {
+  Log<2> log = log_of();
+  GpsOptions options;
+  options.most_apart = std::nan("");
+  EXPECT_THROW(attach_fixes(fixes_of({fix_at(1.0)}), options, log).value(), std::invalid_argument);
+  options = {};
+  options.lever[0] = std::nan("");
+  EXPECT_THROW(attach_fixes(fixes_of({fix_at(1.0)}), options, log).value(), std::invalid_argument);
 }
 
 TEST(AttachFixes, SaysWhatIsMissing) {

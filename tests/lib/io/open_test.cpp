@@ -45,6 +45,11 @@ TEST_F(OpenLogTest, SaysWhatIsWrongWithAFileInOneSentence) {
               HasSubstr("prose:2:1: no log format has lines that begin with 'Dear'; --skip-unknown"));
 }
 
+TEST_F(OpenLogTest, RefusesNoFilesAtAll) {
+  EXPECT_EQ(testing::error_of(open_logs({})), "no log is named");
+  EXPECT_EQ(testing::error_of(open_several_maps({})), "no local maps are named");
+}
+
 TEST_F(OpenLogTest, ReadsAMatFileFromAPipe) {
   // An empty MAT file, which has neither log: that much can be said only of what was read.
   const std::string header = std::string("MATLAB 5.0 MAT-file").append(105, ' ') + std::string("\0\1IM", 4);

@@ -200,6 +200,10 @@ TYPED_TEST(LogBuilderTest, RefusesNumbersThatNoReaderWouldTake) {
                 b.add_pose_prior({0, 1}, nowhere, W);
               }),
               HasSubstr("the prior of pose 1 has a measurement"));
+  EXPECT_THAT(message([&](auto& b) {
+                b.add_pose_prior({0, 1}, Pose<kDim>{}, W, nowhere.translation);
+              }),
+              HasSubstr("the prior of pose 1 has a lever that is not finite"));
   EXPECT_THAT(message([&](auto& b) { b.add_pose({0, 1}, nowhere); }), HasSubstr("pose 1 has a value that is not finite"));
   EXPECT_THAT(message([&](auto& b) { b.add_feature({7}, nowhere.translation); }),
               HasSubstr("feature 7 has a value that is not"));

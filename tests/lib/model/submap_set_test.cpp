@@ -33,7 +33,7 @@ class SubmapSetTest : public ::testing::Test {
   std::string error(const Change& change) const {
     SubmapSet<kDim> changed = set;
     change(changed);
-    const auto checked = check_numbers(changed);
+    const auto checked = check_content(changed);
     return checked ? "no error" : checked.error().message;
   }
   testing::Random random;
@@ -48,6 +48,17 @@ TYPED_TEST(SubmapSetTest, SegmentsAreThoseOfTheMaps) {
   EXPECT_TRUE(check_segments(set));
   set.segments[1].end = 3;
   EXPECT_EQ(testing::error_of(check_segments(set)), "in memory: a segment is of poses that are not there");
+  set.graph.submaps.clear();
+  const auto fault_of = [&](const std::vector<Segment>& segments) {
+    set.segments = segments;
+    return testing::error_of(check_segments(set));
+  };
+  EXPECT_EQ(fault_of({{0, 0, false}, {1, 2, false}}), "") << "sessions share no pose";
+  EXPECT_EQ(fault_of({}), "in memory: pose 0 is in no segment");
+  EXPECT_EQ(fault_of({{0, 1, false}}), "in memory: pose 2 is in no segment");
+  EXPECT_EQ(fault_of({{0, 0, false}, {2, 2, false}}), "in memory: pose 1 is in no segment");
+  EXPECT_EQ(fault_of({{0, 1, false}, {0, 2, false}}), "") << "two maps may begin with one pose";
+  EXPECT_EQ(fault_of({{1, 2, false}, {0, 1, false}}), "in memory: the segments are not in the order of their first poses");
 }
 
 TYPED_TEST(SubmapSetTest, NumbersThatAreNoneAreNamed) {
@@ -68,11 +79,29 @@ TYPED_TEST(SubmapSetTest, NumbersThatAreNoneAreNamed) {
               HasSubstr("local map 1 names no pose or feature"));
   EXPECT_THAT(this->error([](auto& s) { s.graph.pose_factors[0].measured.translation[0] = kNan; }),
               HasSubstr("pose observation 0 has a measurement"));
+  EXPECT_THAT(this->error([](auto& s) { s.graph.pose_factors[0].lever[0] = kNan; }),
+              HasSubstr("pose observation 0 has a lever that is not finite"));
   EXPECT_THAT(this->error([](auto& s) { s.graph.feature_factors[0].information *= -1.0; }),
               HasSubstr("feature observation 0 has an information matrix that is indefinite"));
   EXPECT_THAT(this->error([](auto& s) { s.graph.feature_factors[0].target = 5; }), HasSubstr("names no pose or feature"));
   EXPECT_THAT(this->error([](auto& s) { s.graph.fixed[0].value.translation[0] = kNan; }), HasSubstr("pose 0 is fixed nowhere"));
   EXPECT_THAT(this->error([](auto& s) { s.graph.fixed[0].pose = 3; }), HasSubstr("a fixed pose is not there"));
+}
+
+TYPED_TEST(SubmapSetTest, NothingIsNamedOrFixedTwice) {
+  EXPECT_THAT(this->error([](auto& s) { s.poses[2] = s.poses[0]; }), HasSubstr("in memory: it names pose 0 twice"));
+  EXPECT_THAT(this->error([](auto& s) { s.features[3] = s.features[1]; }), HasSubstr("it names feature 1 twice"));
+  EXPECT_THAT(this->error([](auto& s) { s.graph.submaps[0].poses[0] = s.graph.submaps[0].base; }),
+              HasSubstr("local map 1 has pose 0 twice"));
+  EXPECT_THAT(this->error([](auto& s) { s.graph.submaps[1].features[4] = s.graph.submaps[1].features[2]; }),
+              HasSubstr("local map 2 has feature 2 twice"));
+  EXPECT_THAT(this->error([](auto& s) { s.graph.pose_factors[0].base = 2; }), HasSubstr("an edge leads from pose 2 to itself"));
+  EXPECT_EQ(this->error([](auto& s) { s.graph.fixed.push_back(s.graph.fixed[0]); }), "no error");
+  EXPECT_THAT(this->error([](auto& s) {
+    s.graph.fixed.push_back(s.graph.fixed[0]);
+    s.graph.fixed[1].value.translation[0] += 1.0;
+  }),
+              HasSubstr("pose 0 is fixed at two places"));
 }
 
 }  // namespace
