@@ -29,7 +29,10 @@ class Identities {
   FeatureIndex feature_of(std::size_t sighting) const { return feature_of_[sighting]; }
   /// Ascending.
   std::span<const std::size_t> sightings_of(FeatureIndex feature) const { return members_[feature]; }
-  std::span<const FeatureIndex> features_in(std::size_t map) const { return in_map_[map]; }
+  /// Ascending; none of a map that sees nothing.
+  std::span<const FeatureIndex> features_in(std::size_t map) const {
+    return map < in_map_.size() ? std::span<const FeatureIndex>(in_map_[map]) : std::span<const FeatureIndex>();
+  }
 
   /// Not where something sees both at once, or where they have been told apart.
   bool may_be_same(FeatureIndex one, FeatureIndex other) const;

@@ -107,6 +107,16 @@ TEST_F(AssociateCommandTest, GoesWithBuildNotWithTheJoinOfAStore) {
   EXPECT_THAT(refused.err, HasSubstr("--associate goes with `mapjoin build`"));
 }
 
+TEST_F(AssociateCommandTest, SaysThatPartsWithoutFeaturesStayApart) {
+  const std::string edge = " 1 0 0 1 0 0 1 0 1\n";
+  const auto parts = folder.file("parts.g2o", "EDGE_SE2 0 1" + edge + "EDGE_SE2 1 2" + edge + "EDGE_SE2 5 6" + edge).string();
+  for (const std::string command : {"run", "build"}) {
+    const Ended ended = call({command, parts, "--associate", "-o", file(command)});
+    EXPECT_EQ(ended.exit_code, 3);
+    EXPECT_THAT(ended.err, HasSubstr("pose 0 and pose 5 stay apart"));
+  }
+}
+
 TEST_F(AssociateCommandTest, RefusesWhatMeansNothing) {
   EXPECT_THAT(call({"run", log, "--association", "nn"}).err, HasSubstr("--association is of --associate"));
   EXPECT_THAT(call({"run", log, "--confidence", "0.9"}).err, HasSubstr("--confidence is of --associate and --robust"));

@@ -53,6 +53,12 @@ class CovarianceCommand : public ::testing::Test {
 };
 TYPED_TEST_SUITE(CovarianceCommand, Dimensions);
 
+TYPED_TEST(CovarianceCommand, APoseIsCertainRelativeToItself) {
+  const Ended ended = call({"covariance", this->folder.path() / "log.g2o", "7", "7"});
+  EXPECT_EQ(ended.exit_code, 0);
+  EXPECT_THAT(ended.out, ::testing::Not(HasSubstr("nan")));
+}
+
 TYPED_TEST(CovarianceCommand, GivesBlocksOfTheDenseInverse) {
   constexpr int kDof = TestFixture::kDof;
   constexpr int kDim = TestFixture::kDim;
@@ -78,7 +84,8 @@ TYPED_TEST(CovarianceCommand, GivesRelativeCovariances) {
   const auto log = std::get<Log<kDim>>(open_log(this->folder.path() / "log.g2o").value());
   const auto report = report_of({"covariance", (this->folder.path() / "log.g2o").string(),
                                  "feature:" + key_text(log.features[3].key), "pose:9", "pose:17"});
-  const auto expect = [&](const nlohmann::json& relation, int base, Eigen::Index target_row, Eigen::Index target_size, auto&& seen) {
+  const auto expect = [&](const nlohmann::json& relation, int base, Eigen::Index target_row, Eigen::Index target_size,
+                          auto&& seen) {
     const Pose<kDim> from = this->state.poses[PoseIndex(base)];
     const auto moved = [&](const Eigen::VectorXd& step) {
       return seen(retract(from, PoseVector<kDim>(step.head<kDof>())), step.tail(target_size));

@@ -131,6 +131,14 @@ TEST_F(Follow, OfALogThatIsThereWrongClosuresAreLeftOutAtOnce) {
   EXPECT_THAT(ended.out, HasSubstr("rejected"));
 }
 
+TEST_F(Follow, AClosureOfWhatCannotBeDeterminedIsNotJudged) {
+  std::ofstream(path("log.g2o")) << "EDGE_SE2 0 1 1 0 0 1 0 0 1 0 1\nEDGE_SE2_XY 1 9 0.8 1 0 0 0\n"
+                                    "EDGE_SE2 1 0 -5 3 1 4 0 0 4 0 4\n";
+  const Ended ended = call({"run", path("log.g2o"), "--follow", "--robust", "--idle", "0"});
+  EXPECT_EQ(ended.exit_code, 3);
+  EXPECT_THAT(ended.err, HasSubstr("feature 9 cannot be determined"));
+}
+
 TEST_F(Follow, AFileThatIsCompleteIsJoinedAtOnce) {
   fs::copy_file(kBundledData / "manhattan3d.g2o", path("log.g2o"));
   const Ended ended = call({"run", path("log.g2o"), "--follow", "--idle", "0", "--steps", "-"});

@@ -22,6 +22,7 @@ TEST(IdentitiesTest, NumberFeaturesInTheOrderOfFirstSighting) {
   EXPECT_EQ(identities.feature_of(3), FeatureIndex(2));
   EXPECT_THAT(identities.sightings_of(0), ElementsAre(0U, 2U));
   EXPECT_THAT(identities.features_in(1), ElementsAre(FeatureIndex(0), FeatureIndex(2)));
+  EXPECT_TRUE(identities.features_in(2).empty());
 }
 
 TEST(IdentitiesTest, DoNotMergeWhatOneMapSeesAtOnce) {
