@@ -65,18 +65,13 @@ bool is_far(const CleanMap<Dim>& clean, const Factor& factor) {
   return squared_distance(r, targets.relative(factor.base, factor.target), factor.information) > kWrongFrom;
 }
 
-template <int Dim>
-bool is_same(const Point<Dim>& a, const Point<Dim>& b) {
-  return a == b;
-}
-
 /// Adds for each of `all` whether it is among `some`, which are in the same order.
 template <typename Factor>
 void add_membership(std::span<const Factor> all, std::span<const Factor> some, std::vector<bool>& is_in) {
   auto next = some.begin();
   for (const Factor& factor : all) {
-    const bool is_next = next != some.end() && next->base == factor.base && next->target == factor.target &&
-                         is_same(next->measured, factor.measured);
+    const bool is_next =
+        next != some.end() && next->base == factor.base && next->target == factor.target && next->measured == factor.measured;
     is_in.push_back(is_next);
     if (is_next) ++next;
   }

@@ -184,12 +184,12 @@ template <int Dim>
 Expected<void> check_start(const Log<Dim>& log, Start start) {
   const bool has_values = !log.initial.poses.empty() && log.initial.features.size() == log.features.size();
   if (start != Start::kFile || has_values) return {};
-  return bad_input(log.source + ": not every pose and feature has a value to start from");
+  return bad_input_of(log.source, "not every pose and feature has a value to start from");
 }
 template <int Dim>
 Expected<void> check_start(const SubmapSet<Dim>& set, Start start) {
   if (start != Start::kFile) return {};
-  return bad_input(set.source + ": local maps hold no values of the whole map to start from");
+  return bad_input_of(set.source, "local maps hold no values of the whole map to start from");
 }
 
 template <typename Data>

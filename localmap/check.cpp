@@ -35,7 +35,7 @@ bool is_map_of(const LocalMap<Dim>& map, const SegmentView<Dim>& view) {
 template <int Dim>
 Expected<void> check_local_maps(const Log<Dim>& log, const Split& split, const std::vector<LocalMap<Dim>>& maps) {
   if (!cover_sessions(log, split.segments))
-    return bad_input(log.source + ": the segments of the local maps do not cover the log");
+    return bad_input_of(log.source, "the segments of the local maps do not cover the log");
   auto map = maps.begin();
   for (const Segment& segment : split.segments) {
     if (!segment.is_map) continue;
@@ -48,7 +48,7 @@ Expected<void> check_local_maps(const Log<Dim>& log, const Split& split, const s
     }
     ++map;
   }
-  if (map != maps.end()) return bad_input(log.source + ": there are more local maps than segments for them");
+  if (map != maps.end()) return bad_input_of(log.source, "there are more local maps than segments for them");
   return {};
 }
 

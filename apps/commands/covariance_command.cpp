@@ -3,7 +3,6 @@
 
 #include <fmt/format.h>
 
-#include <algorithm>
 #include <apps/commands/command_run.hpp>
 #include <apps/commands/subcommand.hpp>
 #include <apps/names.hpp>
@@ -92,7 +91,7 @@ template <int Dim>
 std::string deviations_in_words(const Eigen::MatrixXd& covariance) {
   std::string words;
   for (Eigen::Index i = 0; i < covariance.rows(); ++i) {
-    words += fmt::format("{:.4g} ", std::sqrt(std::max(0.0, covariance(i, i))));
+    words += fmt::format("{:.4g} ", std::sqrt(covariance(i, i)));
     if (i + 1 == Dim) words += covariance.rows() > Dim ? "m, " : "m";
   }
   return covariance.rows() > Dim ? words + "rad" : words;

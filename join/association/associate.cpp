@@ -126,7 +126,7 @@ std::vector<std::string> AssociationOptions::validate() const {
 template <int Dim>
 Expected<Associated<Log<Dim>>> associate(const Log<Dim>& log, const AssociationOptions& options, const std::stop_token& stop) {
   demand_valid(options);
-  if (log.poses.empty()) return bad_input(log.source + ": there are no poses");
+  if (log.poses.empty()) return bad_input_of(log.source, "there are no poses");
   if (!log.feature_priors().empty()) return of_named_prior(log.source);
   const auto sets = seen_at_once<Dim>(log.observations(), {});
   const NeighbourDensity<Dim> density(sets);

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <array>
 #include <mapjoin/join/covariances/map_covariances.hpp>
 #include <mapjoin/solve/cross_covariances.hpp>
@@ -108,15 +109,17 @@ MarginalCovariances<Dim> MapCovariances<Dim>::marginals(const Marginals& margina
 
 template <int Dim>
 Expected<Eigen::MatrixXd> MapCovariances<Dim>::joint(std::span<const PoseOrFeature> variables) const {
+  const auto is_missing = [&](const PoseOrFeature& asked) { return !std::visit([&](auto of) { return has(of); }, asked); };
+  const auto missing = std::ranges::find_if(variables, is_missing);
+  if (missing != variables.end()) {
+    return bad_input(fmt::format("the map has no {} of index {}",
+                                 std::holds_alternative<PoseIndex>(*missing) ? "pose" : "feature",
+                                 std::visit([](auto of) { return of.value; }, *missing)));
+  }
   std::vector<Variable> free;
   std::vector<Eigen::Index> places;  // of their entries in the covariance
   Eigen::Index size = 0;
   for (const PoseOrFeature& asked : variables) {
-    if (!std::visit([&](auto of) { return has(of); }, asked)) {
-      return bad_input(fmt::format("the map has no {} of index {}",
-                                   std::holds_alternative<PoseIndex>(asked) ? "pose" : "feature",
-                                   std::visit([](auto of) { return of.value; }, asked)));
-    }
     const Variable v = std::visit([&](auto of) { return variable(of); }, asked);
     const int dof = std::holds_alternative<PoseIndex>(asked) ? kPoseDof<Dim> : Dim;
     if (v != kConstant) {
@@ -151,6 +154,7 @@ Expected<PointMatrix<Dim>> MapCovariances<Dim>::relative_feature(PoseIndex base,
 template <int Dim>
 PoseMatrix<Dim> MapCovariances<Dim>::relative_pose(PoseIndex base, PoseIndex target,
                                                    const Matrix<2 * kPoseDof<Dim>>& of_both) const {
+  if (base == target) return PoseMatrix<Dim>::Zero();  // but for rounding
   const auto J = J_relation(state_.pose(base), state_.pose(target));
   return symmetric(J * of_both * J.transpose());
 }

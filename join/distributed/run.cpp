@@ -36,9 +36,8 @@ template <int Dim>
 Expected<void> check_determined(const LogPart<Dim>& whole, const std::optional<PoseOrFeature>& singular) {
   if (!singular) return {};
   if (const auto* pose = std::get_if<PoseIndex>(&*singular))
-    return bad_input(whole.source + ": " + to_string(whole.poses[*pose]) + " cannot be determined");
-  return bad_input(whole.source + ": " + to_string(whole.features[std::get<FeatureIndex>(*singular)]) +
-                   " cannot be determined");
+    return bad_input_of(whole.source, to_string(whole.poses[*pose]) + " cannot be determined");
+  return bad_input_of(whole.source, to_string(whole.features[std::get<FeatureIndex>(*singular)]) + " cannot be determined");
 }
 
 /// The map on the first rank. What several regions have is the same in all.
@@ -104,7 +103,7 @@ Expected<void> solve_as(const Communicator& comm, const Task& task, const LogPar
   result.largest_rotation = comm.max(result.largest_rotation);
   if (result.join.status == MinimiseStatus::kSingular) {
     if (auto determined = comm.agree(check_determined(whole, problem.singular_here())); !determined) return determined;
-    return bad_input(whole.source + ": the observations leave free to move what regions share");
+    return bad_input_of(whole.source, "the observations leave free to move what regions share");
   }
   found.shared_by_regions = problem.interface().size;
   found.shared_by_ranks = problem.interface().outer.size;

@@ -22,8 +22,7 @@ Expected<void> DrivenSegments<Dim>::check(const SubmapUpdate<Dim>& update) const
   }
   for (const FixedPose<Dim>& fixed : update.graph.fixed) {
     const auto before = fixed_.find(update.poses[fixed.pose]);
-    if (before != fixed_.end() && !is_same(before->second, fixed.value))
-      return wrong(before->first, " is fixed elsewhere already");
+    if (before != fixed_.end() && before->second != fixed.value) return wrong(before->first, " is fixed elsewhere already");
   }
   return {};
 }

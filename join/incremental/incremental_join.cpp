@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <algorithm>
 #include <iterator>
+#include <map>
+#include <mapjoin/graph/graph.hpp>
 #include <mapjoin/join/incremental/incremental_join.hpp>
 #include <mapjoin/join/tolerances.hpp>
 #include <mapjoin/measure/statistics.hpp>
@@ -229,30 +231,30 @@ void IncrementalJoin<Dim>::admit_waiting(const std::stop_token& stop, AddedUpdat
 
 template <int Dim>
 std::vector<std::vector<std::size_t>> IncrementalJoin<Dim>::tied_waiting() const {
-  std::vector<std::vector<std::size_t>> groups;
-  std::vector<std::size_t> others = waiting_;
-  do {
-    std::vector<std::size_t> tied;
-    std::set<PoseId> poses;
-    std::set<FeatureId> features;
-    const auto is_tied = [&](std::size_t k) {
-      const SubmapUpdate<Dim>& update = updates_[k];
-      const bool ties =
-          (estimate_.is_empty() && tied.empty()) ||
-          std::ranges::any_of(update.poses, [&](const PoseId& id) { return pose(id) || poses.contains(id); }) ||
-          std::ranges::any_of(update.features, [&](const FeatureId& id) { return feature(id) || features.contains(id); });
-      if (!ties) return false;
-      tied.push_back(k);
-      poses.insert(update.poses.begin(), update.poses.end());
-      features.insert(update.features.begin(), update.features.end());
-      return true;
-    };
-    while (std::erase_if(others, is_tied) > 0) {
-    }
-    std::ranges::sort(tied);
-    if (!tied.empty()) groups.push_back(std::move(tied));
-  } while (estimate_.is_empty() && !others.empty());
-  return groups;
+  // Vertices are the waiting updates, the estimate with all names that it has, and other names.
+  const auto estimate = static_cast<Vertex>(waiting_.size());
+  Vertex count = estimate + 1;
+  std::map<PoseId, Vertex> poses;
+  std::map<FeatureId, Vertex> features;
+  std::vector<Edge> ties;
+  const auto tie = [&](Vertex update, const auto& id, bool is_joined, auto& names) {
+    const auto [name, is_new] = names.try_emplace(id, is_joined ? estimate : count);
+    if (is_new && !is_joined) ++count;
+    ties.emplace_back(update, name->second);
+  };
+  for (Vertex u = 0; u < estimate; ++u) {
+    const SubmapUpdate<Dim>& update = updates_[waiting_[u]];
+    for (const PoseId& id : update.poses) tie(u, id, pose(id), poses);
+    for (const FeatureId& id : update.features) tie(u, id, feature(id), features);
+  }
+  const auto part = components_of(make_graph(count, ties));
+  std::map<std::uint32_t, std::vector<std::size_t>> groups;
+  for (Vertex u = 0; u < estimate; ++u) {
+    if (estimate_.is_empty() || part[u] == part[estimate]) groups[part[u]].push_back(waiting_[u]);
+  }
+  std::vector<std::vector<std::size_t>> in_order;
+  for (auto& [number, group] : groups) in_order.push_back(std::move(group));
+  return in_order;
 }
 
 template <int Dim>

@@ -42,7 +42,8 @@ struct AddedUpdate {
 template <int Dim>
 class IncrementalJoin {
  public:
-  /// Where the first pose is anchored when the World says nothing; std::invalid_argument where that is no pose.
+  /// Where the first pose of the first update in the estimate is anchored when the World says nothing; should an earlier update
+  /// be tied later, all moves so that its first pose is. std::invalid_argument where that is no pose.
   explicit IncrementalJoin(const Pose<Dim>& origin = {});
 
   /// Adds the next update. Its segment begins with a new pose or with the last one of an earlier segment that none goes on from

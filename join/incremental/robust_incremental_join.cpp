@@ -25,7 +25,7 @@ const PoseFactor<Dim>& closure_of(const SubmapUpdate<Dim>& update) {
 
 template <int Dim>
 bool is_same(const PoseFactor<Dim>& a, const PoseFactor<Dim>& b) {
-  return a.base == b.base && a.target == b.target && is_same(a.measured, b.measured) && a.information == b.information;
+  return a.base == b.base && a.target == b.target && a.measured == b.measured && a.information == b.information;
 }
 
 /// What two steps of the same addition did, as one.

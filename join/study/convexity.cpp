@@ -180,7 +180,7 @@ template <int Dim>
 Expected<Convexity> convexity(const Log<Dim>& log, const Split& split, const std::vector<LocalMap<Dim>>& maps,
                               const ConvexityOptions& options, const std::stop_token& stop) {
   demand_valid(options);
-  if (has_levers(log.graph)) return bad_input(log.source + ": the convexity of priors with levers is not looked at");
+  if (has_levers(log.graph)) return bad_input_of(log.source, "the convexity of priors with levers is not looked at");
   const auto best = run_from_maps(log, split, maps, without_verdict(), stop);
   if (!best) return tl::unexpected(best.error());
   const Values<Dim> state{best->map.poses, best->map.features};

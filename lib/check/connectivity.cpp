@@ -16,7 +16,7 @@ namespace mapjoin {
 
 Expected<void> check_tied(const Names& names, const std::vector<Edge>& ties, const std::string& advice) {
   constexpr std::ptrdiff_t kNamed = 3;
-  if (names.poses.empty()) return bad_input(names.source + ": there are no poses");
+  if (names.poses.empty()) return bad_input_of(names.source, "there are no poses");
   const TieVertices of = vertices_of(names);
   const Graph graph = make_graph(of.size(), ties);
   for (const FeatureIndex f : indices(names.features)) {

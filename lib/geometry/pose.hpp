@@ -16,6 +16,11 @@ template <int Dim>
 struct Pose {
   Point<Dim> translation = Point<Dim>::Zero();
   Rotation<Dim> rotation;
+
+  /// Equal numbers: of the translation, and of the rotation matrix.
+  bool operator==(const Pose& other) const {
+    return translation == other.translation && rotation.matrix() == other.rotation.matrix();
+  }
 };
 
 /// A step of a pose: translation (m), then rotation (rad).
@@ -43,12 +48,6 @@ inline bool is_valid(const Rotation<3>& rotation) {
 template <int Dim>
 bool is_valid(const Pose<Dim>& pose) {
   return pose.translation.allFinite() && is_valid(pose.rotation);
-}
-
-/// The same to the last bit.
-template <int Dim>
-bool is_same(const Pose<Dim>& a, const Pose<Dim>& b) {
-  return a.translation == b.translation && a.rotation.matrix() == b.rotation.matrix();
 }
 
 /// The pose moved by the step `delta`.

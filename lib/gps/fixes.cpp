@@ -2,7 +2,6 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <cmath>
 #include <map>
 #include <mapjoin/gps/fixes.hpp>
 #include <mapjoin/measure/statistics.hpp>
@@ -111,14 +110,13 @@ PoseFactor<Dim> prior_of(const GpsFix& fix, const Carrier<Dim>& carrier, const P
 
 /// Whether the numbers of a fix are those of a place on the earth, known to some accuracy.
 bool is_sound(const GpsFix& fix, bool has_height) {
-  const auto is_deviation = [](double sd) { return sd > 0.0 && std::isfinite(sd); };
-  const bool is_flat = std::abs(fix.place.latitude) <= 90.0 && std::abs(fix.place.longitude) <= 360.0 &&
-                       is_deviation(fix.deviation.x()) && is_deviation(fix.deviation.y());
-  return is_flat && std::isfinite(fix.place.height) && (!has_height || is_deviation(fix.deviation.z()));
+  return kLatitudes.contains(fix.place.latitude) && kLongitudes.contains(fix.place.longitude) &&
+         kHeights.contains(fix.place.height) && kDeviations.contains(fix.deviation.x()) &&
+         kDeviations.contains(fix.deviation.y()) && (!has_height || kDeviations.contains(fix.deviation.z()));
 }
 
 Expected<void> check_numbers(const GpsFixes& fixes) {
-  if (fixes.fixes.empty()) return bad_input(fixes.source + ": there are no fixes");
+  if (fixes.fixes.empty()) return bad_input_of(fixes.source, "there are no fixes");
   const auto wrong = std::ranges::find_if(fixes.fixes, [&](const GpsFix& fix) { return !is_sound(fix, fixes.has_heights); });
   if (wrong == fixes.fixes.end()) return {};
   return bad_input(

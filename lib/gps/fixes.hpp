@@ -22,6 +22,17 @@ struct GpsFix {
   Vector<3> deviation = Vector<3>::Zero();  ///< Standard deviations east, north, up (m).
 };
 
+/// What the numbers of a fix may be.
+struct GpsRange {
+  double least;
+  double most;
+  bool contains(double value) const { return value >= least && value <= most; }
+};
+inline constexpr GpsRange kLatitudes{-90.0, 90.0};     ///< (°)
+inline constexpr GpsRange kLongitudes{-360.0, 360.0};  ///< (°)
+inline constexpr GpsRange kHeights{-1e7, 1e7};         ///< (m)
+inline constexpr GpsRange kDeviations{1e-6, 1e6};      ///< (m)
+
 struct GpsFixes {
   std::string source;        ///< The file, for messages.
   bool has_heights = false;  ///< Without them they are of use in the plane only.
@@ -48,7 +59,7 @@ struct AttachedFixes {
 /// as is a fix before the first pose and behind the last one. Whatever the log fixes is released, and counted as skipped: the
 /// fixes hold the map. kUsage: a log with priors, which are in another frame; fixes by time where poses have none; fixes
 /// without heights in space. Bad input: no fix is near a pose; a fix at a time that several sessions have; one whose place or
-/// standard deviations are no numbers of the earth. Options that do not validate are std::invalid_argument.
+/// standard deviations are beyond these ranges. Options that do not validate are std::invalid_argument.
 template <int Dim>
 Expected<AttachedFixes> attach_fixes(const GpsFixes& fixes, const GpsOptions& options, Log<Dim>& log);
 

@@ -38,8 +38,7 @@ Expected<PoseId> meant(const PoseId& name, std::size_t own, const std::vector<Lo
 
 template <int Dim>
 bool same_numbers(const NamedEdge<Dim>& a, const Pose<Dim>& measured, const PoseMatrix<Dim>& information) {
-  return a.measured.translation == measured.translation && a.measured.rotation.matrix() == measured.rotation.matrix() &&
-         a.information == information;
+  return a.measured == measured && a.information == information;
 }
 
 /// Edges between the poses of different logs, or that one log has of the poses of another.

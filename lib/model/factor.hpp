@@ -9,7 +9,10 @@
 #include <algorithm>
 #include <mapjoin/geometry/pose.hpp>
 #include <mapjoin/model/ids.hpp>
+#include <mapjoin/model/information.hpp>
 #include <mapjoin/model/loss.hpp>
+#include <optional>
+#include <string>
 
 namespace mapjoin {
 
@@ -77,6 +80,18 @@ PoseFactor<Dim> without_lever(PoseFactor<Dim> prior, const Pose<Dim>& target) {
   prior.information = 0.5 * (W + W.transpose());
   prior.lever.setZero();
   return prior;
+}
+
+/// What is wrong with a factor, "has … that …"; nothing where its measurement and lever are finite, and its information matrix
+/// passes `check`, which may make it symmetric.
+template <typename Factor>
+std::optional<std::string> fault(Factor& factor, InformationCheck& check) {
+  if (!is_valid(factor.measured)) return "has a measurement that is not finite, or no rotation";
+  if constexpr (requires { factor.lever; }) {
+    if (!is_valid(factor.lever)) return "has a lever that is not finite";
+  }
+  const auto of_information = check.fault(factor.information);
+  return of_information ? std::optional("has an information matrix that " + *of_information) : std::nullopt;
 }
 
 }  // namespace mapjoin

@@ -4,7 +4,9 @@
 
 #include <algorithm>
 #include <mapjoin/model/conventions.hpp>
+#include <mapjoin/model/error.hpp>
 #include <mapjoin/model/factor.hpp>
+#include <mapjoin/model/ids.hpp>
 #include <mapjoin/model/local_map.hpp>
 #include <vector>
 
@@ -16,6 +18,18 @@ struct FixedPose {
   PoseIndex pose = 0;
   Pose<Dim> value;  ///< In the World frame.
 };
+
+/// These in the order of their poses, each once. Bad input where a pose is fixed at two places; `poses` names them.
+template <int Dim>
+Expected<std::vector<FixedPose<Dim>>> fixed_once(std::vector<FixedPose<Dim>> fixed, const PoseIds& poses) {
+  std::ranges::stable_sort(fixed, {}, &FixedPose<Dim>::pose);
+  const auto is_same_pose = [](const auto& a, const auto& b) { return a.pose == b.pose; };
+  const auto differing =
+      std::ranges::adjacent_find(fixed, [&](const auto& a, const auto& b) { return is_same_pose(a, b) && a.value != b.value; });
+  if (differing != fixed.end()) return bad_input(to_string(poses[differing->pose]) + " is fixed at two places");
+  fixed.erase(std::unique(fixed.begin(), fixed.end(), is_same_pose), fixed.end());
+  return fixed;
+}
 
 /// Factors over poses and features that count from 0, apart. A factor whose base is kWorld is a prior.
 template <int Dim>

@@ -3,7 +3,7 @@
 
 #include <algorithm>
 #include <limits>
-#include <mapjoin/model/factor_fault.hpp>
+#include <mapjoin/model/information.hpp>
 #include <mapjoin/model/log_builder.hpp>
 #include <mapjoin/parallel/parallel.hpp>
 
@@ -65,20 +65,6 @@ auto values_of_all(const Table<Index, Id>& names, const std::vector<Said>& said)
 template <typename Item>
 void append_to(std::vector<Item>& items, const std::vector<Item>& more) {
   items.insert(items.end(), more.begin(), more.end());
-}
-
-/// In the order of their pose, each once; a pose may be fixed twice only at the same place.
-template <int Dim>
-Expected<std::vector<FixedPose<Dim>>> sorted_once(std::vector<FixedPose<Dim>> fixed, const PoseIds& poses) {
-  std::stable_sort(fixed.begin(), fixed.end(), [](const auto& a, const auto& b) { return a.pose < b.pose; });
-  const auto differing = std::adjacent_find(
-      fixed.begin(), fixed.end(), [](const auto& a, const auto& b) { return a.pose == b.pose && !is_same(a.value, b.value); });
-  if (differing != fixed.end()) {
-    return bad_input(to_string(poses[differing->pose]) + " is fixed at two places");
-  }
-  const auto same_pose = [](const auto& a, const auto& b) { return a.pose == b.pose; };
-  fixed.erase(std::unique(fixed.begin(), fixed.end(), same_pose), fixed.end());
-  return fixed;
 }
 
 }  // namespace
@@ -284,7 +270,7 @@ Expected<std::vector<FixedPose<Dim>>> LogBuilder<Dim>::resolve_fixed() const {
     if (!value && !has_initial) at_origin = id;
     fixed.push_back({PoseIndex(*pose), value.value_or(has_initial ? initial->value : Pose<Dim>{})});
   }
-  return sorted_once(std::move(fixed), log_.poses);
+  return fixed_once(std::move(fixed), log_.poses);
 }
 
 template class LogBuilder<2>;

@@ -2,8 +2,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <map>
-#include <mapjoin/model/factor_fault.hpp>
+#include <mapjoin/model/information.hpp>
 #include <mapjoin/model/submap_set.hpp>
 #include <optional>
 #include <string>
@@ -87,16 +86,11 @@ Expected<void> check_maps(const SubmapSet<Dim>& set) {
 
 template <int Dim>
 Expected<void> check_fixed(const SubmapSet<Dim>& set) {
-  std::map<PoseIndex, const Pose<Dim>*> places;
   for (const FixedPose<Dim>& fixed : set.graph.fixed) {
     if (!is_among(set.poses, fixed.pose)) return bad_input("a fixed pose is not there");
     if (!is_valid(fixed.value)) return bad_input(to_string(set.poses[fixed.pose]) + " is fixed nowhere");
-    const auto [place, is_new] = places.emplace(fixed.pose, &fixed.value);
-    if (!is_new && !is_same(*place->second, fixed.value)) {
-      return bad_input(to_string(set.poses[fixed.pose]) + " is fixed at two places");
-    }
   }
-  return {};
+  return fixed_once(set.graph.fixed, set.poses).map([](const auto&) {});
 }
 
 }  // namespace
@@ -117,6 +111,7 @@ Expected<void> check_content(const SubmapSet<Dim>& set) {
 
 template <int Dim>
 Expected<void> check_segments(const SubmapSet<Dim>& set) {
+  if (set.poses.empty()) return bad_input_of(set.source, "there are no poses");
   const auto is_there = [&](const Segment& s) {
     return s.begin <= s.end && is_among(set.poses, s.begin) && is_among(set.poses, s.end);
   };

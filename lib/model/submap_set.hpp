@@ -29,8 +29,8 @@ struct SubmapSet {
 template <int Dim>
 Expected<void> check_content(const SubmapSet<Dim>& set);
 
-/// Bad input unless as many segments are maps as there are maps, and the segments, in the order of their first poses, hold all
-/// poses of the set.
+/// Bad input unless there are poses, as many segments are maps as there are maps, and the segments, in the order of their first
+/// poses, hold all poses of the set.
 template <int Dim>
 Expected<void> check_segments(const SubmapSet<Dim>& set);
 

@@ -57,6 +57,8 @@ TYPED_TEST(CovarianceCommand, APoseIsCertainRelativeToItself) {
   const Ended ended = call({"covariance", this->folder.path() / "log.g2o", "7", "7"});
   EXPECT_EQ(ended.exit_code, 0);
   EXPECT_THAT(ended.out, ::testing::Not(HasSubstr("nan")));
+  const auto report = report_of({"covariance", (this->folder.path() / "log.g2o").string(), "7", "7"});
+  EXPECT_TRUE(matrix_of(report["relations"].at(0)["covariance"]).isZero(0.0));
 }
 
 TYPED_TEST(CovarianceCommand, GivesBlocksOfTheDenseInverse) {

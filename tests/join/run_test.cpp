@@ -2,6 +2,8 @@
 #include <gtest/gtest.h>
 
 #include <mapjoin/io/open.hpp>
+#include <mapjoin/join/association/associate.hpp>
+#include <mapjoin/join/robust/inliers.hpp>
 #include <mapjoin/join/run.hpp>
 #include <mapjoin/measure/chi2.hpp>
 #include <tests/support/ceres_reference.hpp>
@@ -154,6 +156,10 @@ TYPED_TEST(RunTest, WhatHoldsNothingIsRefused) {
   EXPECT_EQ(testing::error_of(run(log, RunOptions{})), "empty.g2o: there are no poses");
   EXPECT_EQ(testing::error_of(solve(log, RunOptions{})), "empty.g2o: there are no poses");
   EXPECT_EQ(testing::error_of(run(set, RunOptions{})), "empty: there are no poses");
+  EXPECT_EQ(testing::error_of(associate(log, AssociationOptions{})), "empty.g2o: there are no poses");
+  EXPECT_EQ(testing::error_of(associate(set, AssociationOptions{})), "empty: there are no poses");
+  EXPECT_EQ(testing::error_of(find_inliers(log, RobustOptions{})), "empty.g2o: there are no poses");
+  EXPECT_EQ(testing::error_of(find_inliers(set, RobustOptions{})), "empty: there are no poses");
   set.poses = PoseIds(std::vector<PoseId>{{0, 1}, {0, 2}});
   set.graph.pose_factors = {{0, 1, {}, PoseMatrix<kDim>::Identity()}};
   EXPECT_EQ(testing::error_of(run(set, RunOptions{})), "empty: pose 1 is in no segment");

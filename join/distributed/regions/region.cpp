@@ -225,7 +225,7 @@ Expected<Regions<Dim>> regions_of(const Communicator& comm, const LogPart<Dim>& 
   regions.shared = shared_by(comm, regions);
   make_equal(comm, regions, told);
   if (comm.any(!std::ranges::all_of(told, &Told<Dim>::all_features))) {
-    return bad_input(whole.source + ": a feature has a prior but is never observed");
+    return bad_input_of(whole.source, "a feature has a prior but is never observed");
   }
   anchor(comm, whole, holds_priors, regions.own);
   return regions;

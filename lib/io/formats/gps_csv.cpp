@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <fmt/format.h>
 
-#include <cmath>
 #include <mapjoin/io/files/csv_text.hpp>
 #include <mapjoin/io/files/file_bytes.hpp>
 #include <mapjoin/io/files/text_scanner.hpp>
@@ -31,21 +30,22 @@ Expected<void> check(const Columns& columns, const std::string& file) {
   return {};
 }
 
-double coordinate(TextScanner& text, double most) {
+double coordinate(TextScanner& text, const GpsRange& range) {
   const double value = text.number();
-  if (std::abs(value) > most) text.reject(fmt::format("an angle from -{0:g} to {0:g} degrees is expected", most));
+  if (!range.contains(value))
+    text.reject(fmt::format("an angle from {:g} to {:g} degrees is expected", range.least, range.most));
   return value;
 }
 
 double height(TextScanner& text) {
   const double value = text.number();
-  if (std::abs(value) > 1e7) text.reject("a height from -1e7 to 1e7 m is expected");
+  if (!kHeights.contains(value)) text.reject("a height from -1e7 to 1e7 m is expected");
   return value;
 }
 
 double deviation(TextScanner& text) {
   const double value = text.number();
-  if (value < 1e-6 || value > 1e6) text.reject("a standard deviation is from 1e-6 to 1e6 m");
+  if (!kDeviations.contains(value)) text.reject("a standard deviation is from 1e-6 to 1e6 m");
   return value;
 }
 
@@ -66,9 +66,9 @@ GpsFix read_fix(const Columns& columns, TextScanner& text) {
     } else if (column == "session") {
       fix.session = read_session(text);
     } else if (column == "latitude") {
-      fix.place.latitude = coordinate(text, 90.0);
+      fix.place.latitude = coordinate(text, kLatitudes);
     } else if (column == "longitude") {
-      fix.place.longitude = coordinate(text, 360.0);
+      fix.place.longitude = coordinate(text, kLongitudes);
     } else if (column == "height") {
       fix.place.height = height(text);
     } else if (column == "sd_east") {

@@ -178,6 +178,9 @@ TEST(AttachFixes, RefusesNumbersThatNoReaderWouldTake) {
   EXPECT_THAT(message([](auto& fixes) { fixes[0].place.longitude = std::nan(""); }), HasSubstr(wrong));
   EXPECT_THAT(message([](auto& fixes) { fixes[0].deviation[1] = 0.0; }), HasSubstr(wrong));
   EXPECT_THAT(message([](auto& fixes) { fixes[0].deviation[0] = -1.0; }), HasSubstr(wrong));
+  EXPECT_THAT(message([](auto& fixes) { fixes[0].deviation[0] = 1e-200; }), HasSubstr(wrong)) << "its square is 0";
+  EXPECT_THAT(message([](auto& fixes) { fixes[0].deviation[2] = 1e200; }), HasSubstr(wrong)) << "its square is not finite";
+  EXPECT_THAT(message([](auto& fixes) { fixes[0].place.height = std::nan(""); }), HasSubstr(wrong));
 }
 
 TEST(AttachFixes, OptionsThatMakeNoSenseAreRefused) {
