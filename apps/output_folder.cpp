@@ -1,13 +1,14 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include <algorithm>
 #include <apps/exit_code.hpp>
 #include <apps/output_folder.hpp>
+#include <mapjoin/io/files/output_file.hpp>
 #include <system_error>
 
 namespace mapjoin::apps {
 namespace fs = std::filesystem;
 namespace {
 
-constexpr const char* kAside = ".mapjoin-tmp";
 constexpr const char* kLock = ".lock";
 constexpr int kMostTries = 100;
 
@@ -48,7 +49,7 @@ void clear(const fs::path& aside, std::error_code& failure) {
 OutputFolder::OutputFolder(fs::path path, fs::path aside, bool is_whole)
     : path_(std::move(path)), aside_(std::move(aside)), made_(missing(aside_.parent_path())), is_whole_(is_whole) {}
 
-OutputFolder::OutputFolder(const fs::path& path) : OutputFolder(path, path / kAside, false) {
+OutputFolder::OutputFolder(const fs::path& path) : OutputFolder(path, path / kUnfinished, false) {
   begin();
 }
 
@@ -59,7 +60,7 @@ OutputFolder OutputFolder::whole(const fs::path& path) {
     if (!fs::is_directory(named, ignored)) refuse(path, std::errc::not_a_directory);
     if (!fs::is_empty(named, ignored)) refuse(path, std::errc::directory_not_empty);
   }
-  OutputFolder folder(named, named.string() + kAside, true);
+  OutputFolder folder(named, named.string() + kUnfinished, true);
   folder.begin();
   return folder;
 }
@@ -89,14 +90,19 @@ OutputFolder::~OutputFolder() {
   for (const fs::path& folder : made_) fs::remove(folder, ignored);  // Not where something is in it.
 }
 
-void OutputFolder::commit(const std::vector<std::string>& names) {
-  is_whole_ ? appear() : replace(names);
+void OutputFolder::commit(const std::vector<std::string>& names, const std::vector<std::string>& former) {
+  is_whole_ ? appear() : replace(names, former);
 }
 
-void OutputFolder::replace(const std::vector<std::string>& names) const {
+void OutputFolder::replace(const std::vector<std::string>& names, const std::vector<std::string>& former) const {
   std::error_code failure;
   for (const std::string& name : names) {
     if (fs::is_directory(fs::symlink_status(file(name), failure))) refuse(file(name), std::errc::is_a_directory);
+  }
+  for (const std::string& name : former) {
+    if (fs::is_directory(fs::symlink_status(file(name), failure)) || std::ranges::find(names, name) != names.end()) continue;
+    fs::remove(file(name), failure);
+    demand_done(file(name), failure);
   }
   for (const std::string& name : names) {
     fs::rename(aside(name), file(name), failure);

@@ -27,12 +27,14 @@ class OutputFolder {
   std::filesystem::path aside(const std::string& name) const { return aside_ / name; }
   /// Where it will be.
   std::filesystem::path file(const std::string& name) const { return path_ / name; }
-  void commit(const std::vector<std::string>& names);
+  /// The files of these names take their places; where the folder is not a whole one, the others of `former`, which an earlier
+  /// process wrote there, are removed before. kCannotWrite.
+  void commit(const std::vector<std::string>& names, const std::vector<std::string>& former = {});
 
  private:
   OutputFolder(std::filesystem::path path, std::filesystem::path aside, bool is_whole);
   void begin();
-  void replace(const std::vector<std::string>& names) const;
+  void replace(const std::vector<std::string>& names, const std::vector<std::string>& former) const;
   void appear();
 
   std::filesystem::path path_;

@@ -12,11 +12,22 @@
 #include <mapjoin/io/formats/map_text.hpp>
 #include <mapjoin/io/formats/mat_log.hpp>
 #include <mapjoin/io/g2o/g2o.hpp>
+#include <mapjoin/io/local_maps/local_map_file.hpp>
+#include <mapjoin/model/lists.hpp>
+#include <optional>
+#include <string_view>
 #include <system_error>
 
 namespace mapjoin::apps {
 namespace fs = std::filesystem;
 namespace {
+
+/// Where a path leads, also where nothing is yet; empty where that cannot be told.
+fs::path destination(const fs::path& path) {
+  std::error_code ignored;
+  const fs::path place = fs::weakly_canonical(fs::absolute(link_target(path), ignored), ignored);
+  return place.has_filename() ? place : place.parent_path();
+}
 
 bool is_same(const fs::path& a, const fs::path& b) {
   if (a.empty() || b.empty()) return false;
@@ -24,7 +35,49 @@ bool is_same(const fs::path& a, const fs::path& b) {
   if (fs::exists(a, ignored) || fs::exists(b, ignored)) {
     return fs::is_regular_file(a, ignored) && fs::equivalent(a, b, ignored);
   }
-  return fs::weakly_canonical(a, ignored) == fs::weakly_canonical(b, ignored);
+  const fs::path place = destination(a);
+  return !place.empty() && place == destination(b);
+}
+
+/// Whether a command reads this of a folder that it is given: of a run, of local maps, or of UTIAS MRCLAM.
+bool is_read(const fs::path& file) {
+  const bool is_of_run = map_of_run(file.parent_path()) != file.parent_path() && is_file_of_run(file.filename());
+  return (is_of_run && file.filename() != "map.svg") || local_map_number(file.filename()) || file.extension() == ".dat";
+}
+
+/// The input or, where that is a folder, what is read there.
+NamedFiles files_of(const std::pair<std::string, fs::path>& input) {
+  std::error_code failure;
+  if (!fs::is_directory(input.second, failure)) return {input};
+  NamedFiles files;
+  for (fs::directory_iterator entry(input.second, failure), end; !failure && entry != end; entry.increment(failure)) {
+    if (is_read(entry->path())) files.emplace_back(input.first, entry->path());
+  }
+  return files;
+}
+
+/// The number that a name has behind its beginning and before its end; nothing of another name.
+std::optional<std::uint32_t> number_between(std::string_view name, std::string_view begin, std::string_view end) {
+  if (!name.starts_with(begin) || !name.ends_with(end) || name.size() < begin.size() + end.size()) return std::nullopt;
+  name.remove_prefix(begin.size());
+  name.remove_suffix(end.size());
+  return number_in<std::uint32_t>(std::string(name));
+}
+
+/// Where the run writes: its folder or, of several `parts`, those of parts that are there.
+std::vector<fs::path> folders_of_run(const fs::path& folder, bool parts) {
+  if (!parts) return {destination(folder)};
+  std::vector<fs::path> folders;
+  std::error_code failure;
+  for (fs::directory_iterator entry(folder, failure), end; !failure && entry != end; entry.increment(failure)) {
+    if (number_between(entry->path().filename().native(), "part_", "")) folders.push_back(destination(entry->path()));
+  }
+  return folders;
+}
+
+/// Whether a run that writes in these folders may replace or remove a file, not what a link of that name leads to.
+bool is_of_run(const fs::path& file, const std::vector<fs::path>& folders) {
+  return is_file_of_run(file.filename()) && std::ranges::find(folders, destination(file.parent_path() / ".")) != folders.end();
 }
 
 /// There, and neither a file nor a folder.
@@ -101,14 +154,42 @@ NamedFiles outputs_of_folder(const Options& options, const std::vector<std::stri
 }
 
 std::vector<std::string> output_conflicts(const NamedFiles& inputs, const NamedFiles& outputs) {
+  NamedFiles read;
+  for (const auto& input : inputs) append(read, files_of(input));
   std::vector<std::string> violations;
   for (auto output = outputs.begin(); output != outputs.end(); ++output) {
-    NamedFiles others = inputs;
+    const auto& [name, file] = *output;
+    NamedFiles others = read;
     others.insert(others.end(), outputs.begin(), output);
-    for (const auto& [name, path] : others) {
-      if (!is_same(path, output->second)) continue;
-      violations.push_back(fmt::format("{} and {} are one file, {}", name, output->first, output->second.string()));
+    for (const auto& [other, path] : others) {
+      if (is_same(path, file)) violations.push_back(fmt::format("{} and {} are one file, {}", other, name, file.string()));
     }
+    if (file.empty()) continue;
+    const fs::path place = destination(file);
+    append(violations, unfinished_conflicts(inputs, name, place.string() + kUnfinished));
+    append(violations, unfinished_conflicts(inputs, name, place / kUnfinished));
+  }
+  return violations;
+}
+
+std::vector<std::string> unfinished_conflicts(const NamedFiles& inputs, const std::string& output, const fs::path& unfinished) {
+  std::vector<std::string> violations;
+  for (const auto& [name, path] : inputs) {
+    const bool is_there = destination(path).native().starts_with(destination(unfinished).native());
+    if (path.empty() || !(is_there || is_same(path, unfinished))) continue;
+    violations.push_back(
+        fmt::format("{} {} is what {} is until it is done: give it another name", name, path.string(), output));
+  }
+  return violations;
+}
+
+std::vector<std::string> conflicts_with_run(const NamedFiles& files, const fs::path& folder, bool parts) {
+  const std::vector<fs::path> folders = folders_of_run(folder, parts);
+  std::vector<std::string> violations;
+  for (const auto& [name, file] : files) {
+    if (file.empty() || !(is_of_run(file, folders) || is_of_run(link_target(file), folders))) continue;
+    violations.push_back(fmt::format(
+        "{} {} is of the files that --output replaces: give it another name, or --output another folder", name, file.string()));
   }
   return violations;
 }
@@ -139,6 +220,20 @@ std::vector<std::string> check_extension(const fs::path& path) {
   return {fmt::format(
       "--output: {} has none of the extensions of a map, .g2o, .tum, .csv and .mat (a new folder has none, or ends in /)",
       path.string())};
+}
+
+std::string trajectory_of(std::uint32_t session) {
+  return fmt::format("trajectory_{}.tum", session);
+}
+
+std::string folder_of_part(std::size_t part) {
+  return fmt::format("part_{}", part + 1);
+}
+
+bool is_file_of_run(const std::string& name) {
+  return name == kReportOfRun || std::ranges::find(kFilesOfRun, name) != kFilesOfRun.end() ||
+         std::ranges::find(kExtraFiles, name, &ExtraFile::in_folder) != kExtraFiles.end() ||
+         number_between(name, "trajectory_", ".tum");
 }
 
 fs::path map_of_run(const fs::path& path) {

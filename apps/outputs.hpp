@@ -3,6 +3,7 @@
 // The files that a command writes: how a map's are called, that they can be written, and that none is written over another.
 
 #include <apps/commands/options.hpp>
+#include <array>
 #include <cstdint>
 #include <filesystem>
 #include <mapjoin/model/error.hpp>
@@ -32,8 +33,15 @@ NamedFiles outputs_of_map(const Options& options);
 NamedFiles outputs_of_folder(const Options& options, const std::vector<std::string>& names);
 
 /// In words, any output that is one file with an input or with another output, or would be: by links and by names, where one is
-/// yet to come. Empty paths and what is there but not a regular file, such as /dev/null, are like no other.
+/// yet to come; of an input that is a folder, with what is read there. And any input that is what an output is until it is
+/// done. Empty paths and what is there but not a regular file, such as /dev/null, are like no other.
 std::vector<std::string> output_conflicts(const NamedFiles& inputs, const NamedFiles& outputs);
+/// In words, any input that is in the place which an output has until it is done, or whose name begins so, as a journal's does.
+std::vector<std::string> unfinished_conflicts(const NamedFiles& inputs, const std::string& output,
+                                              const std::filesystem::path& unfinished);
+/// In words, any of these files that a run may replace or remove in its folder or, where that is of several `parts`, in one of
+/// a part.
+std::vector<std::string> conflicts_with_run(const NamedFiles& files, const std::filesystem::path& folder, bool parts);
 
 /// Fails with kCannotWrite where a file cannot be made: better known before the work than after it. Devices and pipes are left
 /// alone, and so are empty paths.
@@ -51,6 +59,15 @@ std::vector<std::string> check_extension(const std::filesystem::path& path);
 
 /// The name of the map in the folder of a run.
 inline constexpr const char* kMapOfRun = "map.g2o";
+inline constexpr const char* kReportOfRun = "report.json";
+/// What every run writes into its folder beside its report; it may write more.
+inline constexpr std::array kFilesOfRun = {kMapOfRun, "trajectory.tum", "poses.csv", "features.csv", "map.svg"};
+/// Whether a run, with whatever options, may write a file of this name into its folder.
+bool is_file_of_run(const std::string& name);
+/// The trajectory of one session, of several, in the folder of a run.
+std::string trajectory_of(std::uint32_t session);
+/// The folder of a part, counted from 0, in that of a run with `--parts all`.
+std::string folder_of_part(std::size_t part);
 /// The map in the folder of a run, else the path as it is.
 std::filesystem::path map_of_run(const std::filesystem::path& path);
 

@@ -9,6 +9,8 @@
 #include <apps/program.hpp>
 #include <exception>
 #include <new>
+#include <set>
+#include <sstream>
 
 namespace mapjoin::apps {
 namespace {
@@ -20,6 +22,29 @@ namespace {
     what = words.empty() ? "a command is required" : fmt::format("there is no command \"{}\"", words.front());
   }
   fail(ErrorKind::kUsage, fmt::format("{} (see {} --help)", what, app.get_name()));
+}
+
+/// The options that a sentence offers: behind a semicolon, words that begin with --.
+std::set<std::string> options_in(const std::string& sentence) {
+  std::set<std::string> options;
+  std::istringstream words(sentence.substr(std::min(sentence.size(), sentence.find("; "))));
+  for (std::string word; words >> word;) {
+    word.erase(std::min(word.size(), word.find_first_not_of("abcdefghijklmnopqrstuvwxyz0123456789-")));
+    if (word.starts_with("--")) options.insert(word);
+  }
+  return options;
+}
+
+/// A sentence that offers options, with the command that has those which this one lacks; as it is where it names a command.
+std::string with_owners(std::string sentence, const Subcommand& chosen, const CommandLine& line) {
+  if (sentence.find("`mapjoin ") != sentence.npos) return sentence;
+  for (const std::string& option : options_in(sentence)) {
+    const auto has = [&](const auto& command) { return command->has(option); };
+    const auto owner = std::ranges::find_if(line.commands, has);
+    if (chosen.has(option) || owner == line.commands.end()) continue;
+    sentence += fmt::format("; {} goes with `{} {}`", option, line.app->get_name(), (*owner)->name());
+  }
+  return sentence;
 }
 
 }  // namespace
@@ -49,8 +74,10 @@ ExitCode parse_and_run(const CommandLine& line, int argc, char** argv, const std
   try {
     return (*chosen)->run(stop);
   } catch (const tl::bad_expected_access<Error>& failure) {
-    if (failure.error().kind == ErrorKind::kInterrupted) fail(ErrorKind::kInterrupted, "interrupted");
-    throw;  // what went wrong otherwise is said, be it after a stop: --follow ends with one
+    const auto& [kind, message] = failure.error();
+    if (kind == ErrorKind::kInterrupted) fail(kind, "interrupted");
+    // What went wrong otherwise is said, be it after a stop: --follow ends with one.
+    fail(kind, kind == ErrorKind::kUsage ? message : with_owners(message, **chosen, line));
   }
 }
 

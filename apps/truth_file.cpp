@@ -68,14 +68,10 @@ std::vector<StampedPose> counted(const AnyLog& log) {
 }  // namespace
 
 TruthFile::TruthFile(const std::filesystem::path& path, double most_apart) : path_(path.string()), most_apart_(most_apart) {
-  if (extension_of(path) == ".tum") {
-    content_ = read_tum(path).value();
-    return;
-  }
   const FileBytes bytes = FileBytes::read(path).value();
   const TextScanner text(path_, bytes.view());
-  if (is_tum_line(text)) {
-    content_ = read_tum(path).value();
+  if (extension_of(path) == ".tum" || is_tum_line(text)) {
+    content_ = read_tum(text).value();
     return;
   }
   if (is_kitti_line(text)) {

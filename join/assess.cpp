@@ -30,7 +30,7 @@ Expected<void> assess(Restored<Dim>& restored, std::span<const PoseFactor<Dim>> 
       const Stopwatch watch(result.seconds.verdict);
       result.fit =
           goodness_of_fit(restored, covariances->equations(), *on_pattern, result.dof, odometry, options.most_misfits, stop);
-      if (stop.stop_requested()) return tl::unexpected(Error{ErrorKind::kInterrupted, "interrupted while testing the fit"});
+      if (stop.stop_requested()) return interrupted("testing the fit");
     }
   }
   if (wants_covariances(options)) result.covariances = std::make_shared<const MapCovariances<Dim>>(*std::move(covariances));

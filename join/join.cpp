@@ -56,10 +56,6 @@ Values<Dim> state_of(const SubmapGraph<Dim>& graph, const PartialMap<Dim>& joine
   return state;
 }
 
-tl::unexpected<Error> interrupted() {
-  return tl::unexpected(Error{ErrorKind::kInterrupted, "interrupted while joining"});
-}
-
 /// A submap graph, what names its poses and features, and how it is to be joined.
 template <int Dim>
 struct Task {
@@ -103,7 +99,7 @@ Expected<Join<Dim>> solved(const Task<Dim>& task, PartialMap<Dim> joined_map, co
   const Values<Dim> start = system.estimate();
   join.result = minimise_join(system, task.options.state, solver, task.stop);
   join.largest_rotation = largest_rotation_update(start, system.estimate());
-  if (join.result.status == MinimiseStatus::kInterrupted) return interrupted();
+  if (join.result.status == MinimiseStatus::kInterrupted) return interrupted("joining");
   if (join.result.status == MinimiseStatus::kSingular) {
     return bad_input(free_to_move(task, system, *join.result.singular, joined_map));
   }
@@ -130,7 +126,7 @@ Expected<Join<Dim>> join_by(Schedule schedule, const Task<Dim>& task, const Mini
                   [&] {
                     if (!task.stop.stop_requested()) system.emplace(joined_map, gauge, solver.engine);
                   });
-  if (stop.stop_requested()) return interrupted();
+  if (stop.stop_requested()) return interrupted("joining");
 
   joined_map.state = composed_state(graph, joined_map, options.origin, std::move(partials));
   set_start(options.start, options.seed, options.values, joined_map);
@@ -171,7 +167,7 @@ Expected<Join<Dim>> join_by_best(const Task<Dim>& task) {
                                       [](Join<Dim>& join) {
                                         return SolveByWay{join.result, join.largest_rotation, join.is_settled};
                                       });
-  if (task.stop.stop_requested()) return interrupted();
+  if (task.stop.stop_requested()) return interrupted("joining");
   if (!best) return best;
   if (best->result.status != MinimiseStatus::kMaxIterations) return best;
   MinimiseOptions rest = task.options.solver;

@@ -120,7 +120,7 @@ Expected<Found<Dim>> join_and_refine(const Log<Dim>& log, const Split& split, st
     joined->system.reset();
     if (is_refined) refine(log, *restored_join, options, stop, state, result);
   }
-  if (stop.stop_requested()) return tl::unexpected(Error{ErrorKind::kInterrupted, "interrupted while polishing"});
+  if (stop.stop_requested()) return interrupted("polishing");
   fill_map(log, std::move(state), joined->anchored, result);
   result.map.stamps_ns = log.stamps_ns;
   return Found<Dim>{std::move(result), std::move(restored_join)};

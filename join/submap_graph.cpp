@@ -60,6 +60,7 @@ SubmapGraph<Dim> submap_graph_of(const Log<Dim>& log, const Split& split, std::v
 template <int Dim>
 SubmapGraph<Dim> submap_graph_of(const SubmapSet<Dim>& set, std::vector<LocalMap<Dim>> maps) {
   SubmapGraph<Dim> graph = bare_submap_graph(set, set.segments);
+  graph.fixed = fixed_once(set.graph.fixed, set.poses).value();
   graph.is_joined.assign(set.poses.size(), true);
   for (const auto& o : set.graph.pose_factors) {
     (o.base == kWorld ? graph.priors : graph.factors).pose_factors.push_back(&o);

@@ -50,7 +50,7 @@ Expected<LocalMaps<Dim>> build_local_maps(const Log<Dim>& log, Split& split, con
     const std::lock_guard lock(progress_mutex);
     options.progress(++done, to_do);
   });
-  if (stop.stop_requested()) return tl::unexpected(Error{ErrorKind::kInterrupted, "interrupted while building local maps"});
+  if (stop.stop_requested()) return interrupted("building local maps");
 
   LocalMaps<Dim> result;
   for (std::size_t k = 0; k < built.size(); ++k) {

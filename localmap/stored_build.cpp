@@ -22,7 +22,7 @@ Expected<std::int64_t> build_some(StoreWriter<Dim>& store, const Log<Dim>& log, 
     if (stop.stop_requested()) return;
     built[i] = build_local_map(segment_view(log, parts, parts.segments[segments[i]]), solver);
   });
-  if (stop.stop_requested()) return tl::unexpected(Error{ErrorKind::kInterrupted, "interrupted"});
+  if (stop.stop_requested()) return interrupted();
   std::int64_t iterations = 0;
   for (std::size_t i = 0; i < built.size(); ++i) {
     iterations += built[i].iterations;

@@ -47,7 +47,7 @@ TakenApart<Dim> taken_apart(const SubmapSet<Dim>& set) {
   log.source = set.source;
   log.poses = set.poses;
   log.features = set.features;
-  log.graph = {set.graph.pose_factors, {}, {}, set.graph.fixed};
+  log.graph = {set.graph.pose_factors, {}, {}, fixed_once(set.graph.fixed, set.poses).value()};
   using Sighting = std::pair<FeatureFactor<Dim>, typename TakenApart<Dim>::Origin>;
   std::vector<Sighting> sightings;
   for (const auto& o : set.graph.feature_factors) sightings.push_back({o, {set.graph.submaps.size(), sightings.size()}});

@@ -84,6 +84,9 @@ void declare_build(Subcommand& command) {
   add_reading(command, *options);
   add_reporting(command, *options);
   command.check([options] { return output_conflicts(inputs_of(*options, "LOG|MAPS"), outputs_of_store(*options)); });
+  command.check([options] {
+    return unfinished_conflicts(inputs_of(*options, "LOG|MAPS"), "--output", unfinished_store(options->output));
+  });
   command.check([options, &command] { return check_uncut(command, *options); });
   command.check([options]() -> std::vector<std::string> {
     const bool has_times = !options->stamps.empty() || options->ids_are_nanoseconds;

@@ -182,7 +182,7 @@ std::string places_in_words(const Places& where, std::size_t most) {
 }
 
 std::string fit_in_words(const KindFit& fit) {
-  std::string text = fmt::format("{}: {:.10g} over {} rows", fit.kind, fit.chi2, fit.rows);
+  std::string text = fmt::format("{}: {:.10g} over {}", fit.kind, fit.chi2, plural(fit.rows, "row"));
   if (std::isfinite(fit.scale)) text += fmt::format(", typical residuals {:.2g} of what covariances say", std::sqrt(fit.scale));
   return text;
 }

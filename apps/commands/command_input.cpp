@@ -86,7 +86,7 @@ AnyLog CommandRun::largest(const AnyLog& any) {
 
 Expected<AnyLog> CommandRun::stamped(AnyLog any) const {
   const auto stamp = [&](auto& log) -> Expected<void> {
-    if (options_.ids_are_nanoseconds) take_ids_as_stamps(log);
+    if (options_.ids_are_nanoseconds) return take_ids_as_stamps(log);
     return options_.stamps.empty() ? Expected<void>() : read_stamps(options_.stamps, log);
   };
   return std::visit(stamp, any).map([&] { return std::move(any); });

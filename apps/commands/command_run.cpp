@@ -26,7 +26,8 @@ bool is_finite(const GlobalMap<Dim>& map) {
 std::string why_not_converged(const RunReport& run_report) {
   const RunFigures& figures = run_report.figures;
   const MinimiseResult& last = figures.polish ? *figures.polish : figures.join;
-  std::string why = fmt::format("the poses inside {} local maps were not recovered to convergence", figures.unrecovered);
+  std::string why =
+      fmt::format("the poses inside {} were not recovered to convergence", plural(figures.unrecovered, "local map"));
   if (last.status != MinimiseStatus::kConverged) {
     why = fmt::format("the {} did not converge ({} at iteration {})", figures.polish ? "polish" : "join",
                       to_string(last.status), last.iterations);
@@ -90,8 +91,13 @@ void CommandRun::certify(RunResult<Dim>& result) {
     result.map.feature_covariances = result.marginals->features;
   }
   if (!truth_) return;
-  run_report.consistency = timed(run_report.figures.seconds.covariances,
-                                 [&] { return consistency(*result.covariances, truth_->of(result.map), stop_).value(); });
+  const auto named = [&](const Error& error) {
+    const bool is_of_truth = error.kind == ErrorKind::kUsage;
+    return is_of_truth ? Error{error.kind, options_.truth.string() + ": " + error.message} : error;
+  };
+  run_report.consistency = timed(run_report.figures.seconds.covariances, [&] {
+    return consistency(*result.covariances, truth_->of(result.map), stop_).map_error(named).value();
+  });
 }
 
 template <int Dim>

@@ -159,6 +159,10 @@ void declare_convert(Subcommand& command) {
   command.flag("--quiet", options->quiet, "No summary");
   add_reading(command, *options);
   command.check([options] { return output_conflicts({{"IN", options->input}}, {{"OUT", options->output}}); });
+  command.check([options]() -> std::vector<std::string> {
+    if (extension_of(options->output) != ".maps") return {};
+    return unfinished_conflicts({{"IN", options->input}}, "OUT", unfinished_store(options->output));
+  });
   command.act([options](const std::stop_token& stop) { return convert_input(*options, stop); });
 }
 

@@ -239,8 +239,9 @@ void declare_covariance(Subcommand& command) {
   add_reading(command, *options);
   add_reporting(command, *options);
   command.check([options] {
+    const auto conflicts = output_conflicts(inputs_of(*options, "MAP"), outputs_of(*options));
     options->input = map_of_run(options->input);
-    return output_conflicts(inputs_of(*options, "MAP"), outputs_of(*options));
+    return conflicts;
   });
   command.act([options](const std::stop_token& stop) { return tell(*options, stop); });
 }

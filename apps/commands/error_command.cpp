@@ -97,9 +97,10 @@ void declare_error(Subcommand& command) {
   add_reading(command, *options);
   command.check([&errors] { return check_spans(errors); });
   command.check([options] {
+    const auto conflicts = output_conflicts({{"MAP", options->input}, {"TRUTH", options->truth}}, report_of(*options));
     options->input = map_of_run(options->input);
     options->truth = map_of_run(options->truth);
-    return output_conflicts({{"MAP", options->input}, {"TRUTH", options->truth}}, report_of(*options));
+    return conflicts;
   });
   command.act([options](const std::stop_token& stop) { return measure(*options, stop); });
 }

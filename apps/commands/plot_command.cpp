@@ -95,8 +95,8 @@ std::string plot_scene(const PlotOptions& options, Scene<Dim>& scene) {
   demand(write_file(options.output, drawn(options, scene)));
   Lines lines;
   for (const auto& plotted : scene.maps) {
-    lines.add("map", fmt::format("{}: {}D, {} poses, {} features, {} local maps{}", plotted.name, Dim, plotted.map.poses.size(),
-                                 plotted.map.features.size(), plotted.local_maps.size(),
+    lines.add("map", fmt::format("{}: {}D, {}, {}, {}{}", plotted.name, Dim, plural(plotted.map.poses.size(), "pose"),
+                                 plural(plotted.map.features.size(), "feature"), plural(plotted.local_maps.size(), "local map"),
                                  plotted.is_odometry ? ", from odometry alone" : ""));
   }
   lines.add("written", options.output.string());

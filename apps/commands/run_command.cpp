@@ -10,13 +10,16 @@
 #include <apps/commands/subcommand.hpp>
 #include <apps/picture/links.hpp>
 #include <apps/picture/plotted_map.hpp>
+#include <apps/report/json.hpp>
 #include <apps/report/report.hpp>
+#include <fstream>
 #include <functional>
 #include <mapjoin/check/connectivity.hpp>
 #include <mapjoin/io/files/output_file.hpp>
 #include <mapjoin/io/formats/log_format.hpp>
 #include <mapjoin/io/formats/map_text.hpp>
 #include <mapjoin/io/g2o/g2o.hpp>
+#include <mapjoin/model/lists.hpp>
 #include <mapjoin/parallel/pieces.hpp>
 #include <memory>
 #include <optional>
@@ -25,11 +28,6 @@
 
 namespace mapjoin::apps {
 namespace {
-
-/// The trajectory of one session.
-std::string trajectory_of(std::uint32_t session) {
-  return fmt::format("trajectory_{}.tum", session);
-}
 
 /// The user's sessions, of several; of one, none.
 template <int Dim>
@@ -53,12 +51,11 @@ GlobalMap<Dim> session_of(const GlobalMap<Dim>& map, std::uint32_t session) {
 }
 
 /// The files of the folder; a map may have no covariances though they are asked for.
-std::vector<std::string> names_of(const Options& options, bool has_covariances,
-                                  const std::vector<std::uint32_t>& sessions = {}) {
-  std::vector<std::string> names = {kMapOfRun, "trajectory.tum", "poses.csv", "features.csv", "map.svg"};
+std::vector<std::string> names_of(const Options& options, bool has_covariances, const std::vector<std::uint32_t>& sessions) {
+  std::vector<std::string> names(kFilesOfRun.begin(), kFilesOfRun.end());
   for (const std::uint32_t session : sessions) names.push_back(trajectory_of(session));
   for (const ExtraFile& file : extra_files(options, has_covariances)) names.emplace_back(file.in_folder);
-  names.emplace_back("report.json");
+  names.emplace_back(kReportOfRun);
   return names;
 }
 
@@ -89,6 +86,28 @@ Expected<void> write_map_files(const CommandRun& command_run, const RunResult<Di
   return parallel_try(files.size(), [&](std::size_t k) { return files[k](); });
 }
 
+/// What an earlier run wrote into a folder, by its report there, which lists itself among its files.
+std::vector<std::string> files_of_former_run(const OutputFolder& folder) {
+  const std::filesystem::path own = folder.file(kReportOfRun);
+  std::error_code ignored;
+  if (!std::filesystem::is_regular_file(std::filesystem::symlink_status(own, ignored))) return {};
+  std::ifstream file(own);
+  const Json report = Json::parse(file, nullptr, false);
+  std::vector<std::filesystem::path> written;
+  if (report.is_object()) {
+    for (const Json& path : report.value("files", Json::array()))
+      written.emplace_back(path.is_string() ? path.get<std::string>() : "");
+  }
+  const auto is_report = [](const std::filesystem::path& path) { return path.filename() == kReportOfRun; };
+  const auto of_report = std::ranges::find_if(written, is_report);
+  std::vector<std::string> names;
+  for (const std::filesystem::path& path : written) {
+    const bool is_beside = of_report != written.end() && path.parent_path() == of_report->parent_path();
+    if (is_beside && is_file_of_run(path.filename())) names.push_back(path.filename());
+  }
+  return names;
+}
+
 template <int Dim>
 void write_folder(CommandRun& command_run, const RunResult<Dim>& result, const Log<Dim>& log, OutputFolder& folder) {
   const std::vector<std::string> names = names_of(command_run.options(), result.marginals.has_value(), sessions_in(result.map));
@@ -96,9 +115,9 @@ void write_folder(CommandRun& command_run, const RunResult<Dim>& result, const L
   if (!capped.empty()) say("map.svg: " + capped);
   for (const std::string& name : names) command_run.run_report.files.push_back(folder.file(name).string());
   demand(timed(command_run.run_report.write_seconds, [&] { return write_map_files(command_run, result, log, folder); }));
-  demand(write_file(folder.aside("report.json"), report(command_run.run_report)));
+  demand(write_file(folder.aside(kReportOfRun), report(command_run.run_report)));
   command_run.check_interrupted();
-  folder.commit(names);
+  folder.commit(names, files_of_former_run(folder));
 }
 
 template <int Dim>
@@ -141,7 +160,7 @@ ExitCode run_part(const Options& options, Log<Dim> part, const std::stop_token& 
   }
 }
 
-/// Each part with the options, but for the folder: part_1 is the largest. One that has no map does not keep the others from
+/// Each part with the options, but for the folder; the largest is the first. One that has no map does not keep the others from
 /// theirs.
 ExitCode run_parts(const Options& options, const std::stop_token& stop) {
   const AnyLog log = CommandRun("run", options, stop).open_input();
@@ -150,7 +169,7 @@ ExitCode run_parts(const Options& options, const std::stop_token& stop) {
     auto parts = split_into_parts(whole);
     for (std::size_t k = 0; k < parts.size(); ++k) {
       Options of_part = options;
-      of_part.output = options.output / fmt::format("part_{}", k + 1);
+      of_part.output = options.output / folder_of_part(k);
       parts[k].source += fmt::format(", part {}", k + 1);  // for what goes wrong
       worst = std::max(worst, run_part(of_part, std::move(parts[k]), stop));
     }
@@ -167,6 +186,18 @@ ExitCode run_log(const Options& options, const FollowOptions& following, const s
   command_run.prepare(is_file ? outputs_of_map(options) : report_of(options));
   if (following.wanted) return run_followed(command_run, following, stop, folder);
   return std::visit([&](const auto& log) { return run_on(command_run, log, folder); }, command_run.read_log());
+}
+
+std::vector<std::string> check_files(const Options& options, const FollowOptions& following) {
+  const NamedFiles inputs = inputs_of(options, "LOG");
+  const bool is_folder = !options.output.empty() && !names_map_file(options.output);
+  NamedFiles outputs = is_folder ? outputs_of(options) : outputs_of_map(options);
+  if (following.steps != "-") outputs.emplace_back("--steps", following.steps);
+  std::vector<std::string> violations = output_conflicts(inputs, outputs);
+  NamedFiles all = inputs;
+  append(all, outputs);
+  if (is_folder) append(violations, conflicts_with_run(all, options.output, options.parts == Parts::kAll));
+  return violations;
 }
 
 std::vector<std::string> check_parts(const Options& options) {
@@ -212,12 +243,7 @@ void declare_run(Subcommand& command) {
   add_following(command, *following);
   add_reporting(command, *options);
   command.check([options] { return check_extension(options->output); });
-  command.check([options, following] {
-    NamedFiles files =
-        names_map_file(options->output) ? outputs_of_map(*options) : outputs_of_folder(*options, names_of(*options, true));
-    if (following->steps != "-") files.emplace_back("--steps", following->steps);
-    return output_conflicts(inputs_of(*options, "LOG"), files);
-  });
+  command.check([options, following] { return check_files(*options, *following); });
   command.check([options, following]() -> std::vector<std::string> {
     const bool is_plain =
         options->further.empty() && options->stamps.empty() && options->gps.empty() && options->parts == Parts::kRefuse;

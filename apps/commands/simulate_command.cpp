@@ -41,8 +41,8 @@ ExitCode simulate_in(const SimulateOptions& options, const std::stop_token& stop
   if (stop.stop_requested()) fail(ErrorKind::kInterrupted, "interrupted");
   demand(write_g2o(log, options.log));
   Lines lines;
-  lines.add("log", fmt::format("{}: {}D, {} poses, {} features, {} observations", options.log.string(), Dim, log.poses.size(),
-                               log.features.size(), log.observations().size()));
+  lines.add("log", fmt::format("{}: {}D, {}, {}, {}", options.log.string(), Dim, plural(log.poses.size(), "pose"),
+                               plural(log.features.size(), "feature"), plural(log.observations().size(), "observation")));
   if (!options.truth.empty()) {
     demand(write_map_file(simulation.truth, static_cast<const Log<Dim>*>(nullptr), options.truth));
     for (const auto& file : map_files(options.truth)) lines.add("truth", file.string());

@@ -81,6 +81,10 @@ void Subcommand::option(const std::string& name, const std::string& kind, const 
   grouped(*app_->add_option_function<std::string>(name, heed, help)->type_name(kind));
 }
 
+bool Subcommand::has(const std::string& name) const {
+  return app_->get_option_no_throw(name) != nullptr;
+}
+
 bool Subcommand::is_given(const std::string& name) const {
   const CLI::Option* option = app_->get_option_no_throw(name);
   return option != nullptr && option->count() > 0;

@@ -145,6 +145,8 @@ class Subcommand {
   void check(std::function<std::vector<std::string>()> violations) { checks_.push_back(std::move(violations)); }
   void act(Action action) { action_ = std::move(action); }
 
+  /// Whether there is such an option.
+  bool has(const std::string& name) const;
   /// False, too, where there is no such option.
   bool is_given(const std::string& name) const;
   bool is_chosen() const;

@@ -124,7 +124,7 @@ void add_errors(const TruthErrors& errors, Lines& lines) {
   }
   if (errors.relations.translation.count > 0) {
     add_pose_errors("relations",
-                    fmt::format("between {} pairs that edges of the truth tie", errors.relations.translation.count),
+                    "between " + plural(errors.relations.translation.count, "pair") + " that edges of the truth tie",
                     errors.relations, lines);
   }
 }

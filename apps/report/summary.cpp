@@ -21,7 +21,7 @@ std::string local_maps_in_words(const RunReport& run_report) {
   if (figures.local_maps > 0 && figures.poses_per_map > 0) {
     text += fmt::format(" of up to {}", plural(figures.poses_per_map, "step"));
   }
-  if (figures.build_iterations > 0 && !run_report.is_resumed) text += fmt::format(", {} iterations", figures.build_iterations);
+  if (figures.build_iterations > 0 && !run_report.is_resumed) text += ", " + plural(figures.build_iterations, "iteration");
   if (figures.raw_segments > 0) text += fmt::format("; {} joined as observations", plural(figures.raw_segments, "segment"));
   return text;
 }
@@ -70,6 +70,7 @@ std::string deviations_in_words(const RunReport& run_report) {
 void add_consistency(const RunReport& run_report, Lines& lines) {
   if (!run_report.consistency) return;
   const auto& [poses, features, joint] = *run_report.consistency;
+  if (joint.dimensions == 0) lines.add("NEES", "none: the truth lacks the pose that holds the map still, or has nothing else");
   for (const auto& [what, nees] : {std::pair{"poses", &poses}, {"features", &features}, {"joint", &joint}}) {
     const bool repeats = nees == &joint && (poses.dimensions == 0 || features.dimensions == 0);
     if (nees->dimensions > 0 && !repeats) lines.add("NEES", nees_in_words(what, *nees));

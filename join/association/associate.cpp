@@ -140,7 +140,7 @@ Expected<Associated<Log<Dim>>> associate(const Log<Dim>& log, const AssociationO
       matches[labels.size()] = match;
       labels.push_back(feature);
     }
-    if (stop.stop_requested()) return tl::unexpected(Error{ErrorKind::kInterrupted, "interrupted while associating"});
+    if (stop.stop_requested()) return interrupted("associating");
   }
   const auto estimate = [&](const Identities& known) { return estimate_of(renamed(log, known), split, stop); };
   return found_in(log, identities_of(log, seen, sightings_of(log, split), std::move(labels), options), std::move(matches),

@@ -36,7 +36,7 @@ Expected<void> IdentitySearch<Dim>::run() {
     const std::vector<SightingTest> tests = tests_of(*estimate, identities_);
     estimate->scale = overconfidence_of(tests, Dim);
     const bool has_changed = undo(misfits(tests, gate_ * estimate->scale)) || extend(*estimate);
-    if (stop_.stop_requested()) return tl::unexpected(Error{ErrorKind::kInterrupted, "interrupted while associating"});
+    if (stop_.stop_requested()) return interrupted("associating");
     if (has_changed || forgive()) continue;
     parts_apart_.clear();
     const auto is_tied = estimate->parts.first_poses.size() > 1 ? tie_parts(*estimate) : Expected<bool>(false);

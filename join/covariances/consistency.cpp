@@ -7,13 +7,13 @@
 namespace mapjoin {
 namespace {
 
-/// What takes the frame of the truth into that of the map.
+/// What takes the frame of the truth into that of the map; nothing where the truth lacks the pose that would tell.
 template <int Dim>
-Expected<Pose<Dim>> frame_of(const MapCovariances<Dim>& covariances, const Truth<Dim>& truth) {
+std::optional<Pose<Dim>> frame_of(const MapCovariances<Dim>& covariances, const Truth<Dim>& truth) {
   if (covariances.anchored().size() != 1) return Pose<Dim>{};
   const PoseIndex anchored = covariances.anchored().front();
   const auto& true_pose = truth.poses[anchored];
-  if (!true_pose) return tl::unexpected(Error{ErrorKind::kUsage, "the truth does not have the pose that holds the map still"});
+  if (!true_pose) return std::nullopt;
   return compose(covariances.state().pose(anchored), inverse(*true_pose));
 }
 
@@ -73,16 +73,17 @@ double Nees::probability() const {
 template <int Dim>
 Expected<Consistency> consistency(const MapCovariances<Dim>& covariances, const Truth<Dim>& truth,
                                   const std::stop_token& stop) {
-  const auto frame = frame_of(covariances, truth);
-  if (!frame) return tl::unexpected(frame.error());
-  const Errors errors = errors_of(covariances, truth, *frame);
-  if (std::none_of(errors.all.begin(), errors.all.end(), [](bool known) { return known; })) {
+  const auto has_value = [](const auto& value) { return value.has_value(); };
+  if (std::ranges::none_of(truth.poses, has_value) && std::ranges::none_of(truth.features, has_value)) {
     return tl::unexpected(Error{ErrorKind::kUsage, "the truth has no pose or feature of the map"});
   }
   Consistency result;
+  const auto frame = frame_of(covariances, truth);
+  if (!frame) return result;
+  const Errors errors = errors_of(covariances, truth, *frame);
   for (const auto& [nees, is_known] :
        {std::pair{&result.poses, &errors.poses}, {&result.features, &errors.features}, {&result.joint, &errors.all}}) {
-    if (stop.stop_requested()) return tl::unexpected(Error{ErrorKind::kInterrupted, "interrupted while weighing the errors"});
+    if (stop.stop_requested()) return interrupted("weighing the errors");
     auto value = nees_of(covariances.equations(), errors.steps, *is_known);
     if (!value) return tl::unexpected(value.error());
     *nees = *value;

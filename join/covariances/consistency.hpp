@@ -37,8 +37,8 @@ struct Consistency {
 };
 
 /// Errors are steps from the estimate to the truth. Where one pose holds the map, the truth is moved so that it agrees there,
-/// else its frame is the map's. kUsage where the truth lacks the one pose that holds the map, or has nothing of the map;
-/// kInterrupted on `stop`; else as MapCovariances.
+/// else its frame is the map's; of a truth without that pose, or with nothing but what holds the map, nothing can be said: all
+/// dimensions are 0. kUsage where the truth has nothing of the map; kInterrupted on `stop`; else as MapCovariances.
 template <int Dim>
 Expected<Consistency> consistency(const MapCovariances<Dim>& covariances, const Truth<Dim>& truth,
                                   const std::stop_token& stop = {});

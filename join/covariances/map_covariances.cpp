@@ -80,7 +80,7 @@ Expected<Marginals> MapCovariances<Dim>::on_pattern(const std::function<void(std
     if (progress) progress(done, to_do);
     return !stop.stop_requested();
   });
-  if (stop.stop_requested()) return tl::unexpected(Error{ErrorKind::kInterrupted, "interrupted while computing covariances"});
+  if (stop.stop_requested()) return interrupted("computing covariances");
   return marginals;
 }
 

@@ -16,7 +16,7 @@ namespace {
 /// Updates of closures, which others do not build upon.
 template <int Dim>
 bool may_be_left_out(const SubmapUpdate<Dim>& update) {
-  return update.segments.empty() && update.features.empty();
+  return update.segments.empty() && update.features.empty() && update.graph.fixed.empty();
 }
 
 }  // namespace
@@ -87,7 +87,7 @@ Expected<AddedUpdate> IncrementalJoin<Dim>::add(SubmapUpdate<Dim> update, const 
 template <int Dim>
 Expected<std::size_t> IncrementalJoin<Dim>::hold(SubmapUpdate<Dim> update) {
   if (!may_be_left_out(update)) {
-    return bad_input_of(update.source, "only updates without a segment and without features can be left out");
+    return bad_input_of(update.source, "only updates without a segment, features and fixed poses can be left out");
   }
   return accept(std::move(update)).map([&] {
     left_out_.insert(updates_.size() - 1);
@@ -98,9 +98,11 @@ Expected<std::size_t> IncrementalJoin<Dim>::hold(SubmapUpdate<Dim> update) {
 template <int Dim>
 AddedUpdate IncrementalJoin<Dim>::change(std::span<const std::size_t> out, std::span<const std::size_t> in,
                                          const std::stop_token& stop) {
-  const auto may_go = [&](std::size_t k) { return k < updates_.size() && may_be_left_out(updates_[k]); };
-  if (!std::ranges::all_of(out, may_go) || !std::ranges::all_of(in, may_go)) {
-    throw std::invalid_argument("there is no update of this number without a segment and without features");
+  for (const auto& numbers : {out, in}) {
+    for (const std::size_t k : numbers) {
+      if (k < updates_.size() && may_be_left_out(updates_[k])) continue;
+      throw std::invalid_argument("update " + std::to_string(k) + " is not there, or not of closures alone");
+    }
   }
   AddedUpdate changed;
   bool has_lost = false;

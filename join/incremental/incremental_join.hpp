@@ -60,8 +60,8 @@ class IncrementalJoin {
   /// The same, were these added one after the other.
   Expected<void> check(std::span<const SubmapUpdate<Dim>> updates) const;
 
-  /// Adds an update of closures, without a segment and without features, but leaves it out. Gives its number: updates count
-  /// from 0 as they were added. Bad input as of add().
+  /// Adds an update of closures, without a segment, features and fixed poses, but leaves it out. Gives its number: updates
+  /// count from 0 as they were added. Bad input as of add().
   Expected<std::size_t> hold(SubmapUpdate<Dim> update);
   /// Takes updates that hold() could take out, by their numbers, as if they had never been joined, and joins others that were
   /// left out. Where one that goes was in the estimate it may have bent this too far for steps to lead back: all others are

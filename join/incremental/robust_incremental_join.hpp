@@ -40,7 +40,7 @@ struct RobustlyAdded {
 template <int Dim>
 class RobustIncrementalJoin {
  public:
-  /// `options.odometry` is passed over. The origin is that of IncrementalJoin.
+  /// `options.odometry` is passed over. The origin is that of IncrementalJoin. Throws as that does.
   explicit RobustIncrementalJoin(const RobustOptions& options = {}, const Pose<Dim>& origin = {});
 
   /// Adds an update as IncrementalJoin does, but for closures that are held to be wrong.

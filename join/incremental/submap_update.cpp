@@ -7,7 +7,6 @@
 #include <mapjoin/localmap/segment_view.hpp>
 #include <mapjoin/model/lists.hpp>
 #include <mapjoin/model/renumber.hpp>
-#include <numeric>
 #include <set>
 #include <utility>
 
@@ -90,10 +89,7 @@ bool is_of_its_segment(const SubmapUpdate<Dim>& update) {
   const Segment& segment = update.segments.front();
   if (segment.begin < 0 || segment.end < segment.begin || !indices(update.poses).contains(segment.end)) return false;
   if (!segment.is_map) return update.graph.submaps.empty();
-  std::vector<PoseIndex> kept(static_cast<std::size_t>(segment.end - segment.begin));
-  std::iota(kept.begin(), kept.end(), segment.begin + 1);
-  const auto& maps = update.graph.submaps;
-  return maps.size() == 1 && maps.front().base == segment.begin && maps.front().poses == kept;
+  return update.graph.submaps.size() == 1 && keeps_all_of(update.graph.submaps.front(), segment);
 }
 
 /// A segment after the one whose last pose it begins with; updates without one behind all others.

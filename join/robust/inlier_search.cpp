@@ -159,7 +159,7 @@ class InlierSearch {
       observation_tests_.assign(join.observation_tests().begin(), join.observation_tests().end());
       judged_ = judge(log_, chosen, join, gates_, stop_);
       find_odds();
-      if (stop_.stop_requested()) return tl::unexpected(interrupted_search());
+      if (stop_.stop_requested()) return interrupted("rejecting");
       return {};
     });
   }

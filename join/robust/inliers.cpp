@@ -30,7 +30,7 @@ Expected<bool> fits_as_it_is(const Log<Dim>& log, const Screening<Dim>& screenin
   return started_map(log, engine, stop).and_then([&](const Values<Dim>& start) -> Expected<bool> {
     TruncatedJoin<Dim> join(log, start, {}, engine);
     join.settle(stop);
-    if (stop.stop_requested()) return tl::unexpected(interrupted_search());
+    if (stop.stop_requested()) return interrupted("rejecting");
     const OfKinds gates = screening.gates.narrow();
     return join.is_tested() && !join.drop_closures(gates.closures) && !join.drop_observations(gates.observations);
   });
@@ -56,13 +56,13 @@ std::vector<double> odds_of_first_maps(const std::vector<double>& odds) {
 template <int Dim>
 Expected<Inliers<Log<Dim>>> best_inliers(const Log<Dim>& log, const RobustOptions& options, const std::stop_token& stop) {
   const Screening<Dim> screening(log, options.confidence, stop);
-  if (stop.stop_requested()) return tl::unexpected(interrupted_search());
+  if (stop.stop_requested()) return interrupted("rejecting");
   const auto fits = fits_as_it_is(log, screening, options.engine, stop);
   if (!fits || *fits) return fits.map([&](bool) { return Inliers<Log<Dim>>{log, {}}; });
   Expected<Inliers<Log<Dim>>> best = tl::unexpected(Error{});
   for (const double first : odds_of_first_maps(screening.odds)) {
     best = fewer_rejected<Dim>(std::move(best), search_inliers(log, screening, first, options.engine, stop));
-    if (stop.stop_requested()) return tl::unexpected(interrupted_search());
+    if (stop.stop_requested()) return interrupted("rejecting");
   }
   return best;
 }

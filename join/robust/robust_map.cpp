@@ -64,7 +64,7 @@ Expected<void> settle(TruncatedJoin<Dim>& join, Gates& gates, const std::string&
     } else {
       join.settle(stop);
     }
-    if (stop.stop_requested()) return tl::unexpected(interrupted_search());
+    if (stop.stop_requested()) return interrupted("rejecting");
     if (!join.is_tested()) {
       return bad_input(source + ": the measurements that agree leave something free to move; without --robust " +
                        "the verdict names what is out of line");

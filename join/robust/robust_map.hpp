@@ -20,11 +20,6 @@ struct Gates {
   OfKinds now() const { return last.value_or(narrow()); }
 };
 
-/// Of a search for what is wrong that a stop has ended.
-inline Error interrupted_search() {
-  return {ErrorKind::kInterrupted, "interrupted while rejecting"};
-}
-
 /// A first estimate of a log, by a join; its errors are those of run(), but that edges may leave directions free.
 template <int Dim>
 Expected<Values<Dim>> started_map(Log<Dim> log, Engine engine, const std::stop_token& stop);

@@ -141,7 +141,7 @@ Expected<Basin> basin_of(const Subjects& subjects, const BasinOptions& options, 
     const std::lock_guard lock(mutex);
     if (options.progress) options.progress(++done, solves.size());
   });
-  if (stop.stop_requested()) return tl::unexpected(Error{ErrorKind::kInterrupted, "interrupted"});
+  if (stop.stop_requested()) return interrupted();
   judge(subjects, by_default, basin);
   for (std::size_t k = 0; k < basin.covariances.size(); ++k) {
     if (std::isfinite(basin.best_chi2[k])) continue;

@@ -79,7 +79,7 @@ Expected<CaseFigures> take(const Log<Dim>& log, const ComparedCase& way, const C
   const EffortMeter meter;
   auto result = map_by(log, way, options, stop);
   figures.effort = meter.so_far();
-  if (stop.stop_requested()) return tl::unexpected(Error{ErrorKind::kInterrupted, "interrupted while comparing"});
+  if (stop.stop_requested()) return interrupted("comparing");
   if (!result) {
     figures.failure = result.error().message;
     return figures;

@@ -30,10 +30,6 @@ struct Best {
   double chi2;
 };
 
-tl::unexpected<Error> interrupted() {
-  return tl::unexpected(Error{ErrorKind::kInterrupted, "interrupted"});
-}
-
 template <int Dim>
 Values<Dim> restricted(const Values<Dim>& all, const PartialMap<Dim>& partial) {
   Values<Dim> part;

@@ -118,7 +118,7 @@ QuadraticShare quadratic_share(const JoiningSystem<Dim>& system, JoinedState sta
     const Eigen::MatrixXd J = rows.J(rows.linear, Eigen::all);
     share.information += (M * J * marginals.joint(rows.free)).cwiseProduct(J).sum();
   });
-  share.information /= static_cast<double>(system.equations().size());
+  if (const Eigen::Index size = system.equations().size(); size > 0) share.information /= static_cast<double>(size);
   return share;
 }
 

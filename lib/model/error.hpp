@@ -36,6 +36,11 @@ inline tl::unexpected<Error> bad_input_of(const std::string& source, const std::
   return bad_input(source.empty() ? message : source + ": " + message);
 }
 
+/// Of work that a stop has ended; `doing` says what.
+inline tl::unexpected<Error> interrupted(const std::string& doing = "") {
+  return tl::unexpected(Error{ErrorKind::kInterrupted, doing.empty() ? "interrupted" : "interrupted while " + doing});
+}
+
 /// Throws std::invalid_argument with the first violation of `options`, where there is one: a promise broken by the caller.
 template <typename Options>
 void demand_valid(const Options& options) {

@@ -82,14 +82,15 @@ PoseFactor<Dim> without_lever(PoseFactor<Dim> prior, const Pose<Dim>& target) {
   return prior;
 }
 
-/// What is wrong with a factor, "has … that …"; nothing where its measurement and lever are finite, and its information matrix
-/// passes `check`, which may make it symmetric.
+/// What is wrong with a factor, "has … that …"; nothing where its measurement, lever and loss are valid, and its information
+/// matrix passes `check`, which may make it symmetric.
 template <typename Factor>
 std::optional<std::string> fault(Factor& factor, InformationCheck& check) {
   if (!is_valid(factor.measured)) return "has a measurement that is not finite, or no rotation";
   if constexpr (requires { factor.lever; }) {
     if (!is_valid(factor.lever)) return "has a lever that is not finite";
   }
+  if (!is_valid(factor.loss)) return "has a loss that is nowhere quadratic, or constant before that ends";
   const auto of_information = check.fault(factor.information);
   return of_information ? std::optional("has an information matrix that " + *of_information) : std::nullopt;
 }

@@ -21,6 +21,13 @@ struct Loss {
   bool operator==(const Loss&) const = default;
 };
 
+/// Whether it is quadratic everywhere or, with c² between its ends, up to some s and constant from some other on.
+inline bool is_valid(const Loss& loss) {
+  const double c4 = loss.quadratic_to * loss.constant_from;
+  return loss == Loss{} ||
+         (c4 > 0.0 && std::isfinite(c4) && loss.quadratic_to > 0.0 && loss.quadratic_to <= loss.constant_from);
+}
+
 /// A loss and its slope at one s.
 struct LossValue {
   double cost = 0.0;    ///< ρ(s), which chi2 sums up.

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <mapjoin/model/information.hpp>
 #include <mapjoin/model/submap_set.hpp>
+#include <numeric>
 #include <optional>
 #include <string>
 #include <vector>
@@ -110,27 +111,39 @@ Expected<void> check_content(const SubmapSet<Dim>& set) {
 }
 
 template <int Dim>
+bool keeps_all_of(const LocalMap<Dim>& map, const Segment& segment) {
+  std::vector<PoseIndex> behind_base(static_cast<std::size_t>(segment.end - segment.begin));
+  std::iota(behind_base.begin(), behind_base.end(), segment.begin + 1);
+  return map.base == segment.begin && map.poses == behind_base;
+}
+
+template <int Dim>
 Expected<void> check_segments(const SubmapSet<Dim>& set) {
   if (set.poses.empty()) return bad_input_of(set.source, "there are no poses");
-  const auto is_there = [&](const Segment& s) {
-    return s.begin <= s.end && is_among(set.poses, s.begin) && is_among(set.poses, s.end);
-  };
-  if (!std::ranges::all_of(set.segments, is_there)) return bad_input_of(set.source, "a segment is of poses that are not there");
   const std::size_t segments = map_segments(set.segments).size();
   if (segments != set.graph.submaps.size()) {
     return bad_input_of(set.source, plural(segments, "segment") + " for " + plural(set.graph.submaps.size(), "local map"));
   }
-  if (!std::ranges::is_sorted(set.segments, {}, &Segment::begin)) {
-    return bad_input_of(set.source, "the segments are not in the order of their first poses");
-  }
-  PoseIndex next = 0;  // behind those that hold all poses before it
+  const auto wrong = [&](PoseIndex pose, const char* what) {
+    return bad_input_of(set.source, to_string(set.poses[pose]) + what);
+  };
+  PoseIndex next = 0;
+  auto map = set.graph.submaps.begin();
   for (const Segment& s : set.segments) {
-    if (s.begin <= next) next = std::max(next, PoseIndex(s.end + 1));
+    if (!is_among(set.poses, s.begin) || !is_among(set.poses, s.end) || s.end < s.begin) {
+      return bad_input_of(set.source, fmt::format("segment {} is of poses that are not there", &s - set.segments.data() + 1));
+    }
+    if (s.begin > next) return wrong(next, " is in no segment");
+    if (s.begin + 1 < next) return wrong(s.begin, " begins a segment, but is within the one before");
+    if (s.is_map && !keeps_all_of(*map++, s))
+      return wrong(s.begin, " begins a segment, but not a local map of all its poses in their order");
+    next = s.end + 1;
   }
-  if (next == indices(set.poses).last) return {};
-  return bad_input_of(set.source, to_string(set.poses[next]) + " is in no segment");
+  return is_among(set.poses, next) ? wrong(next, " is in no segment") : Expected<void>();
 }
 
+template bool keeps_all_of(const LocalMap<2>&, const Segment&);
+template bool keeps_all_of(const LocalMap<3>&, const Segment&);
 template Expected<void> check_content(const SubmapSet<2>&);
 template Expected<void> check_content(const SubmapSet<3>&);
 template Expected<void> check_segments(const SubmapSet<2>&);

@@ -29,8 +29,12 @@ struct SubmapSet {
 template <int Dim>
 Expected<void> check_content(const SubmapSet<Dim>& set);
 
-/// Bad input unless there are poses, as many segments are maps as there are maps, and the segments, in the order of their first
-/// poses, hold all poses of the set.
+/// Whether a local map is of a segment and keeps every pose of it.
+template <int Dim>
+bool keeps_all_of(const LocalMap<Dim>& map, const Segment& segment);
+
+/// Bad input unless there are poses, each in a segment; each segment begins at the end of the one before or, as another session
+/// does, at the pose after it; and the segments that are maps are those of the local maps, which keep all their poses.
 template <int Dim>
 Expected<void> check_segments(const SubmapSet<Dim>& set);
 

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <sys/stat.h>
 
 #include <cmath>
 #include <fstream>
@@ -9,6 +10,7 @@
 #include <sstream>
 #include <tests/apps/command.hpp>
 #include <tests/support/temporary_folder.hpp>
+#include <thread>
 
 namespace mapjoin::testing {
 namespace {
@@ -147,6 +149,32 @@ TEST_F(Certainty, TheTruthIsAMapOrATrajectory) {
   EXPECT_NEAR(poses["poses"]["value"], whole["poses"]["value"], 1e-6);
   EXPECT_TRUE(poses["features"]["value"].is_null());
   EXPECT_EQ(poses["features"]["dimensions"], 0);
+}
+
+TEST_F(Certainty, ATruthThatBeginsLaterHasErrorsButNoNees) {
+  simulate("2", "truth.tum");
+  std::string later;
+  const auto lines = lines_of(content_of(path("truth.tum")));
+  for (std::size_t k = 10; k < lines.size(); ++k) later += lines[k] + "\n";
+  const std::string truth = folder.file("later.tum", later).string();
+  const Ended ended = call({"run", path("log.g2o"), "--truth", truth});
+  EXPECT_EQ(ended.exit_code, 0) << ended.err;
+  EXPECT_THAT(ended.out,
+              HasSubstr("NEES         none: the truth lacks the pose that holds the map still, or has nothing else\nATE "));
+  const std::string nowhere = folder.file("nowhere.tum", "900 0 0 0 0 0 0 1\n").string();
+  const Ended other = call({"run", path("log.g2o"), "--truth", nowhere});
+  EXPECT_EQ(other.exit_code, 2);
+  EXPECT_THAT(other.err, HasSubstr(nowhere + ": the truth has no pose or feature of the map"));
+}
+
+TEST_F(Certainty, TheTruthMayComeThroughAPipe) {
+  simulate("2", "truth.tum");
+  const std::string pipe = path("pipe");
+  ASSERT_EQ(::mkfifo(pipe.c_str(), 0600), 0);
+  std::jthread writer([&] { std::ofstream(pipe) << content_of(path("truth.tum")); });
+  const Ended ended = call({"run", path("log.g2o"), "--truth", pipe});
+  EXPECT_EQ(ended.exit_code, 0) << ended.err;
+  EXPECT_THAT(ended.out, HasSubstr("ATE          150 of 150 poses"));
 }
 
 TEST_F(Certainty, TheSummaryGivesAVerdict) {

@@ -26,6 +26,32 @@ TEST_F(Output, ARunFillsItsFolder) {
             (std::vector<std::string>{"features.csv", "map.g2o", "map.svg", "poses.csv", "report.json", "trajectory.tum"}));
 }
 
+TEST_F(Output, ARunTakesAwayWhatAnEarlierOneWroteMore) {
+  fs::create_directories(path("out/associations.csv"));
+  for (const std::string name : {"relations.csv", "notes.csv"}) folder.file("out/" + name, "mine");
+  EXPECT_EQ(call({"run", kBundledLog, "-o", path("out"), "--covariances", "--robust"}).exit_code, 0);
+  EXPECT_EQ(names_in(path("out")).size(), 12U);
+  EXPECT_EQ(call({"run", kBundledLog, "-o", path("out")}).exit_code, 0);
+  EXPECT_EQ(names_in(path("out")),
+            (std::vector<std::string>{"associations.csv", "features.csv", "map.g2o", "map.svg", "notes.csv", "poses.csv",
+                                      "relations.csv", "report.json", "trajectory.tum"}));
+  EXPECT_EQ(content_of(path("out/relations.csv")), "mine") << "no run wrote it";
+}
+
+TEST_F(Output, TakesNothingAwayOnTheWordOfAReportThatIsNone) {
+  fs::create_directories(path("out"));
+  for (const std::string report :
+       {"", "no JSON", "[]", R"({"files":5})", R"({"files":[5,"out/report.json","../notes"]})",
+        R"({"files":["out/rejected.csv"]})", R"({"files":["other/rejected.csv","out/report.json"]})"}) {
+    folder.file("notes", "mine");
+    folder.file("out/rejected.csv", "mine");
+    folder.file("out/report.json", report);
+    const Ended ended = call({"run", kBundledLog, "-o", path("out")});
+    EXPECT_EQ(ended.exit_code, 0) << ended.err;
+    EXPECT_TRUE(fs::exists(path("notes")) && fs::exists(path("out/rejected.csv"))) << report;
+  }
+}
+
 TEST_F(Output, IsTheSameBytesForAnyNumberOfThreads) {
   for (const std::string jobs : {"1", "2"})
     ASSERT_EQ(call({"run", kBundledLog, "-o", path(jobs), "--jobs", jobs}).exit_code, 0);

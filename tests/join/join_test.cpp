@@ -145,6 +145,18 @@ TYPED_TEST(JoinTest, MapsThatObserveFromOnePoseAreAllJoined) {
   EXPECT_LT(local(joined->map.poses[1], set.graph.submaps[1].pose_estimates[0]).norm(), 1e-8);
 }
 
+TYPED_TEST(JoinTest, APoseOfASetThatIsFixedTwiceAtOnePlaceIsFixedOnce) {
+  constexpr int kDim = TestFixture::kDim;
+  auto set = testing::small_submap_set(small_world<kDim>().log, 5.0);
+  set.graph.fixed = {{0, Pose<kDim>{}}};
+  const auto once = run(set, RunOptions{}).value();
+  set.graph.fixed.push_back(set.graph.fixed.front());
+  const auto twice = run(set, RunOptions{}).value();
+  EXPECT_EQ(twice.map.gauge, once.map.gauge);
+  EXPECT_EQ(twice.dof, once.dof);
+  EXPECT_EQ(twice.chi2, once.chi2);
+}
+
 TYPED_TEST(JoinTest, TakesTheMapsOfASetThatIsGivenAway) {
   constexpr int kDim = TestFixture::kDim;
   const auto world = small_world<kDim>();

@@ -78,7 +78,7 @@ Expected<PartTies> ties_between_parts(const FeatureEstimate<Dim>& estimate, cons
   std::vector<PartsApart> aligned;
   for (std::uint32_t b = 1; b < parts.size(); ++b) {
     for (std::uint32_t a = 0; a < b; ++a) {
-      if (stop.stop_requested()) return tl::unexpected(Error{ErrorKind::kInterrupted, "interrupted while associating"});
+      if (stop.stop_requested()) return interrupted("associating");
       PartsApart pair{a, b, align_maps(parts[a].map, parts[b].map, model)};
       (pair.alignment.status == AlignmentStatus::kFound ? aligned : found.apart).push_back(std::move(pair));
     }

@@ -2,10 +2,14 @@
 #pragma once
 // Comma-separated tables whose first line names their columns, as a TextScanner takes them.
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cstdint>
+#include <initializer_list>
 #include <limits>
 #include <mapjoin/io/files/text_scanner.hpp>
+#include <mapjoin/model/error.hpp>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -58,6 +62,14 @@ inline std::vector<std::string> csv_columns(std::string_view csv) {
 
 inline bool has_column(const std::vector<std::string>& columns, std::string_view name) {
   return std::ranges::find(columns, name) != columns.end();
+}
+
+/// Bad input where one of these names is that of several columns.
+inline Expected<void> check_named_once(const std::vector<std::string>& columns, std::initializer_list<const char*> names,
+                                       const std::string& file) {
+  const auto twice = std::ranges::find_if(names, [&](const char* name) { return std::ranges::count(columns, name) > 1; });
+  return twice == names.end() ? Expected<void>()
+                              : bad_input(fmt::format("{}:1: names the column {} more than once", file, *twice));
 }
 
 }  // namespace mapjoin

@@ -10,7 +10,6 @@ namespace mapjoin {
 namespace {
 
 constexpr std::size_t kBufferSize = std::size_t{1} << 18;
-constexpr const char* kUnfinished = ".mapjoin-tmp";
 
 namespace fs = std::filesystem;
 

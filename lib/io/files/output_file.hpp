@@ -9,6 +9,9 @@
 
 namespace mapjoin {
 
+/// What ends the name of a file or folder that is not finished; it is cleared by what writes the finished one.
+inline constexpr const char* kUnfinished = ".mapjoin-tmp";
+
 /// Where links lead from `path`, also where nothing is yet; not through open files (/dev/stdout).
 std::filesystem::path link_target(std::filesystem::path path);
 

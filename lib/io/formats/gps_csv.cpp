@@ -27,7 +27,8 @@ Expected<void> check(const Columns& columns, const std::string& file) {
   for (const std::string_view needed : {"latitude", "longitude", "sd_east", "sd_north"}) {
     if (!has_column(columns, needed)) return lacks(needed);
   }
-  return {};
+  return check_named_once(columns,
+                          {"time", "pose", "session", "latitude", "longitude", "height", "sd_east", "sd_north", "sd_up"}, file);
 }
 
 double coordinate(TextScanner& text, const GpsRange& range) {

@@ -64,6 +64,8 @@ Expected<AnyLog> read_pose_csv(std::string_view bytes, const std::string& file, 
   const auto follow = [&](const std::vector<std::string>& names) {
     return std::search(columns.begin(), columns.end(), names.begin(), names.end()) != columns.end();
   };
+  if (auto named = check_named_once(columns, {"session", "pose", "x", "stamp_ns"}, file); !named)
+    return tl::unexpected(named.error());
   const std::string blanks = with_blanks(bytes);
   const TextScanner text(file, blanks);
   if (has_column(columns, "pose") && follow({"x", "y", "phi"})) return read_rows<2>(columns, text);

@@ -19,9 +19,9 @@ namespace mapjoin {
 template <int Dim>
 Expected<void> read_stamps(const std::filesystem::path& path, Log<Dim>& log);
 
-/// Gives every pose the time that its id is (ns).
+/// Gives every pose the time that its id is (ns). Bad input where an id is 2^63 or more.
 template <int Dim>
-void take_ids_as_stamps(Log<Dim>& log);
+Expected<void> take_ids_as_stamps(Log<Dim>& log);
 
 /// Whether a text begins with the header of the table of a map's poses.
 bool is_pose_csv(std::string_view bytes);

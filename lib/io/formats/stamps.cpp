@@ -2,6 +2,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <limits>
 #include <map>
 #include <mapjoin/io/files/csv_text.hpp>
 #include <mapjoin/io/files/file_bytes.hpp>
@@ -56,14 +57,19 @@ Expected<void> read_stamps(const std::filesystem::path& path, Log<Dim>& log) {
 }
 
 template <int Dim>
-void take_ids_as_stamps(Log<Dim>& log) {
+Expected<void> take_ids_as_stamps(Log<Dim>& log) {
+  constexpr auto kLast = static_cast<std::uint64_t>(std::numeric_limits<std::int64_t>::max());
+  const auto late = std::ranges::find_if(log.poses, [](const PoseId& id) { return id.key > kLast; });
+  if (late != log.poses.end())
+    return bad_input_of(log.source, "the id of " + to_string(*late) + " is no time: 2^63 ns or more; --stamps gives times");
   log.stamps_ns.clear();
   for (const PoseId& id : log.poses) log.stamps_ns.push_back(static_cast<std::int64_t>(id.key));
+  return {};
 }
 
 template Expected<void> read_stamps(const std::filesystem::path&, Log<2>&);
 template Expected<void> read_stamps(const std::filesystem::path&, Log<3>&);
-template void take_ids_as_stamps(Log<2>&);
-template void take_ids_as_stamps(Log<3>&);
+template Expected<void> take_ids_as_stamps(Log<2>&);
+template Expected<void> take_ids_as_stamps(Log<3>&);
 
 }  // namespace mapjoin

@@ -4,7 +4,6 @@
 #include <cmath>
 #include <cstdint>
 #include <limits>
-#include <mapjoin/io/files/file_bytes.hpp>
 #include <mapjoin/io/formats/trajectory.hpp>
 #include <mapjoin/io/g2o/fields.hpp>
 #include <mapjoin/model/log_builder.hpp>
@@ -127,21 +126,18 @@ Expected<AnyLog> read_kitti_log(TextScanner text, const ReadOptions&) {
   });
 }
 
-Expected<std::vector<StampedPose>> read_tum(const std::filesystem::path& path) {
-  return FileBytes::read(path).and_then([&](const FileBytes& bytes) {
-    TextScanner text(path.string(), bytes.view());
-    std::vector<StampedPose> poses;
-    const auto read_line = [&] {
-      const double time = text.number();
-      const Point<3> translation = text.vector<3>();
-      Eigen::Quaterniond q(text.vector<4>());  // x, y, z, w
-      const double largest = q.coeffs().cwiseAbs().maxCoeff();
-      if (largest == 0.0) text.reject("this quaternion is zero");
-      q.coeffs() /= largest;  // Its square may be more than a double holds.
-      poses.push_back({time, {translation, Rotation<3>(q.normalized())}});
-    };
-    return text.each_line(read_line).map([&] { return std::move(poses); });
-  });
+Expected<std::vector<StampedPose>> read_tum(TextScanner text) {
+  std::vector<StampedPose> poses;
+  const auto read_line = [&] {
+    const double time = text.number();
+    const Point<3> translation = text.vector<3>();
+    Eigen::Quaterniond q(text.vector<4>());  // x, y, z, w
+    const double largest = q.coeffs().cwiseAbs().maxCoeff();
+    if (largest == 0.0) text.reject("this quaternion is zero");
+    q.coeffs() /= largest;  // Its square may be more than a double holds.
+    poses.push_back({time, {translation, Rotation<3>(q.normalized())}});
+  };
+  return text.each_line(read_line).map([&] { return std::move(poses); });
 }
 
 }  // namespace mapjoin

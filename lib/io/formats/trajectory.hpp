@@ -3,7 +3,6 @@
 // Trajectories, TUM's and KITTI's, as logs that have nothing but the values of their poses. They are written by map_text.hpp.
 
 #include <cstdint>
-#include <filesystem>
 #include <mapjoin/io/files/text_scanner.hpp>
 #include <mapjoin/io/read_options.hpp>
 #include <mapjoin/model/error.hpp>
@@ -37,6 +36,6 @@ struct StampedPose {
 
 /// The lines `time x y z qx qy qz qw` in their order; `#` starts a comment. Bad input, with the place, where a line is anything
 /// else or a quaternion is zero; quaternions are brought to unit length.
-Expected<std::vector<StampedPose>> read_tum(const std::filesystem::path& path);
+Expected<std::vector<StampedPose>> read_tum(TextScanner text);
 
 }  // namespace mapjoin

@@ -17,15 +17,17 @@
 
 namespace mapjoin {
 
+/// What a store is called until it is done: `path`.partial, beside the file that a link of this name leads to.
+std::filesystem::path unfinished_store(const std::filesystem::path& path);
+
 /// Writes a store map by map, so that a build that is killed loses little and can go on. The finished file is the same, byte
 /// for byte, however often the build was interrupted.
 template <int Dim>
 class StoreWriter {
  public:
-  /// Begins the store beside `path`, as `path`.partial. One that an interrupted build left there goes on where it holds the
+  /// Begins the store as unfinished_store(path). One that an interrupted build left there goes on where it holds the
   /// same log, segments and options; else, or where it is damaged, it is begun afresh. Of a portion, the log has all poses and
-  /// features and some of the factors. kCannotWrite where that cannot be, or where `path`.partial is another program's
-  /// database.
+  /// features and some of the factors. kCannotWrite where that cannot be, or where another program's database has that name.
   static Expected<StoreWriter> open(const std::filesystem::path& path, const Log<Dim>& log,
                                     const std::vector<Segment>& segments, const std::string& options,
                                     const Portion& portion = {});
@@ -35,7 +37,7 @@ class StoreWriter {
   std::span<const std::size_t> to_do() const { return std::span(maps_).subspan(done_); }
   /// How many of them did not determine a map.
   std::size_t undetermined() const { return undetermined_; }
-  /// Whether `path`.partial was there and damaged.
+  /// Whether an unfinished store was there and damaged.
   bool found_damaged() const { return found_damaged_; }
 
   /// The map of the first segment of to_do(); nothing where the segment turned out not to determine one, and is

@@ -22,10 +22,6 @@ using store::Statement;
 constexpr std::size_t kBatchMaps = 256;
 constexpr std::size_t kBatchBytes = std::size_t{8} << 20;
 
-fs::path partial_path(const fs::path& path) {
-  return path.string() + ".partial";
-}
-
 tl::unexpected<Error> cannot_write(const fs::path& path, const std::string& reason) {
   return tl::unexpected(Error{ErrorKind::kCannotWrite, fmt::format("{}: {}", path.string(), reason)});
 }
@@ -78,6 +74,10 @@ void sync_folder(const fs::path& path) {
 
 }  // namespace
 
+fs::path unfinished_store(const fs::path& path) {
+  return link_target(path).string() + ".partial";  // A link stays a link.
+}
+
 template <int Dim>
 StoreWriter<Dim>::StoreWriter(fs::path path, Database database, Statement insert)
     : path_(std::move(path)), database_(std::move(database)), insert_(std::move(insert)) {}
@@ -86,14 +86,14 @@ template <int Dim>
 Expected<StoreWriter<Dim>> StoreWriter<Dim>::open(const fs::path& path, const Log<Dim>& log,
                                                   const std::vector<Segment>& segments, const std::string& options,
                                                   const Portion& portion) {
-  const fs::path target = link_target(path);  // A link stays a link.
+  const fs::path target = link_target(path);
   std::error_code ignored;
   if (fs::exists(target, ignored) && !fs::is_regular_file(target, ignored)) {
     return cannot_write(path, "a store must be a plain file; give it another name");
   }
   if (has_levers(log.graph)) return cannot_write(path, "a store has no place for priors with levers");
   bool found_damaged = false;
-  auto database = open_with(partial_path(target), Contents<Dim>{log, segments, options, portion}, found_damaged);
+  auto database = open_with(unfinished_store(path), Contents<Dim>{log, segments, options, portion}, found_damaged);
   if (!database) return tl::unexpected(database.error());
   auto insert = database->prepare("INSERT INTO maps VALUES (?, ?, ?, ?, ?, ?, ?, ?)");
   if (!insert) return tl::unexpected(insert.error());
@@ -139,7 +139,7 @@ Expected<bool> StoreWriter<Dim>::insert(const LocalMap<Dim>& map) {
 template <int Dim>
 Expected<void> StoreWriter<Dim>::finish() {
   if (!to_do().empty()) throw std::logic_error("a store is finished before its maps are");
-  const fs::path partial = partial_path(path_);
+  const fs::path partial = unfinished_store(path_);
   if (auto committed = database_->execute("COMMIT; PRAGMA journal_mode = OFF"); !committed) return committed;
   insert_.reset();
   // The lock lasts until the file has its name: no other build takes it for one that was interrupted.

@@ -111,8 +111,13 @@ TYPED_TEST(ConsistencyTest, CountsWhatIsKnownOnly) {
 
   some.poses[0] = std::nullopt;
   const auto unplaced = consistency(*result->covariances, some);
-  ASSERT_FALSE(unplaced);
-  EXPECT_EQ(unplaced.error().kind, ErrorKind::kUsage);
+  ASSERT_TRUE(unplaced) << unplaced.error().message;
+  EXPECT_EQ(unplaced->joint.dimensions, 0);
+
+  std::fill(some.poses.begin(), some.poses.end(), std::nullopt);
+  const auto unknown = consistency(*result->covariances, some);
+  ASSERT_FALSE(unknown);
+  EXPECT_EQ(unknown.error().kind, ErrorKind::kUsage);
 }
 
 TEST(ConsistencyDataTest, OfTheLargeSimulationIsWithinItsGates) {

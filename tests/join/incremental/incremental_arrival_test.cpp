@@ -69,6 +69,31 @@ TYPED_TEST(IncrementalArrivalTest, WhatCannotBeDeterminedKeepsNothingElseWaiting
   }
 }
 
+TYPED_TEST(IncrementalArrivalTest, AnEarlierUpdateThatIsTiedLaterTakesTheFrame) {
+  constexpr int kDim = TestFixture::kDim;
+  const auto updates = this->submap_updates_of({.poses = 20, .features = 20}, 5.0);
+  SubmapUpdate<kDim> free;  // two poses that nothing relates
+  free.poses = {{9, 0}, {9, 1}};
+  free.segments = {{0, 1, false}};
+  IncrementalJoin<kDim> joined;
+  EXPECT_FALSE(joined.add(free).value().is_joined);
+  for (const auto& update : updates) joined.add(update).value();
+  const PoseId first = first_pose(updates[0]);
+  EXPECT_LT(local(*joined.pose(first), Pose<kDim>{}).norm(), 1e-9);
+  testing::Random random(2);
+  SubmapUpdate<kDim> ties;
+  ties.poses = {first, {9, 0}, {9, 1}};
+  for (const PoseIndex p : {PoseIndex(1), PoseIndex(2)})
+    ties.graph.pose_factors.push_back({0, p, random.pose<kDim>(), PoseMatrix<kDim>::Identity()});
+  EXPECT_TRUE(joined.add(ties).value().is_joined);
+  EXPECT_EQ(joined.waiting(), 0U);
+  EXPECT_LT(local(*joined.pose({9, 0}), Pose<kDim>{}).norm(), 1e-9);
+  for (const PoseIndex p : {PoseIndex(1), PoseIndex(2)}) {
+    const Pose<kDim> relative = compose(inverse(*joined.pose(first)), *joined.pose(ties.poses[p]));
+    EXPECT_LT(local(ties.graph.pose_factors[static_cast<std::size_t>(p.value) - 1].measured, relative).norm(), 1e-3);
+  }
+}
+
 TYPED_TEST(IncrementalArrivalTest, WhatIsNoUpdateOfClosuresCannotBeTakenOut) {
   constexpr int kDim = TestFixture::kDim;
   const auto updates = this->submap_updates_of({.poses = 20, .features = 20}, 5.0);
@@ -76,6 +101,10 @@ TYPED_TEST(IncrementalArrivalTest, WhatIsNoUpdateOfClosuresCannotBeTakenOut) {
   for (const auto& update : updates) joined.add(update).value();
   const std::vector<std::size_t> map{0};
   const std::vector<std::size_t> none{99};
+  SubmapUpdate<kDim> fixes;
+  fixes.poses = {last_pose(updates[0])};
+  fixes.graph.fixed = {{0, Pose<kDim>{}}};
+  EXPECT_TRUE(testing::error_of(joined.hold(fixes)).ends_with("can be left out"));
   EXPECT_THROW(joined.change(map, {}), std::invalid_argument);
   EXPECT_THROW(joined.change(none, {}), std::invalid_argument);
   EXPECT_THROW(joined.change({}, none), std::invalid_argument);

@@ -41,24 +41,42 @@ class SubmapSetTest : public ::testing::Test {
 };
 TYPED_TEST_SUITE(SubmapSetTest, testing::Dimensions);
 
-TYPED_TEST(SubmapSetTest, SegmentsAreThoseOfTheMaps) {
+TYPED_TEST(SubmapSetTest, SegmentsFollowEachOtherAndHoldAllPoses) {
   auto set = this->set;
-  EXPECT_EQ(testing::error_of(check_segments(set)), "in memory: 0 segments for 2 local maps");
-  set.segments = {{0, 1, true}, {1, 2, false}, {1, 2, true}};
-  EXPECT_TRUE(check_segments(set));
-  set.segments[1].end = 3;
-  EXPECT_EQ(testing::error_of(check_segments(set)), "in memory: a segment is of poses that are not there");
   set.graph.submaps.clear();
   const auto fault_of = [&](const std::vector<Segment>& segments) {
     set.segments = segments;
     return testing::error_of(check_segments(set));
   };
+  EXPECT_EQ(fault_of({{0, 1, false}, {1, 2, false}}), "");
   EXPECT_EQ(fault_of({{0, 0, false}, {1, 2, false}}), "") << "sessions share no pose";
+  EXPECT_EQ(fault_of({{0, 0, false}, {0, 0, false}, {0, 2, false}}), "") << "of features alone";
   EXPECT_EQ(fault_of({}), "in memory: pose 0 is in no segment");
+  EXPECT_EQ(fault_of({{1, 2, false}}), "in memory: pose 0 is in no segment");
   EXPECT_EQ(fault_of({{0, 1, false}}), "in memory: pose 2 is in no segment");
   EXPECT_EQ(fault_of({{0, 0, false}, {2, 2, false}}), "in memory: pose 1 is in no segment");
-  EXPECT_EQ(fault_of({{0, 1, false}, {0, 2, false}}), "") << "two maps may begin with one pose";
-  EXPECT_EQ(fault_of({{1, 2, false}, {0, 1, false}}), "in memory: the segments are not in the order of their first poses");
+  EXPECT_EQ(fault_of({{0, 2, false}, {0, 1, false}}), "in memory: pose 0 begins a segment, but is within the one before");
+  EXPECT_EQ(fault_of({{0, 1, false}, {0, 2, false}}), "in memory: pose 0 begins a segment, but is within the one before");
+  EXPECT_EQ(fault_of({{0, 3, false}}), "in memory: segment 1 is of poses that are not there");
+  EXPECT_EQ(fault_of({{0, 1, false}, {1, 0, false}}), "in memory: segment 2 is of poses that are not there");
+  set.poses.clear();
+  EXPECT_EQ(fault_of({{0, 0, false}}), "in memory: there are no poses");
+}
+
+TYPED_TEST(SubmapSetTest, SegmentsAreThoseOfTheMaps) {
+  auto set = this->set;
+  EXPECT_EQ(testing::error_of(check_segments(set)), "in memory: 0 segments for 2 local maps");
+  set.segments = {{0, 1, true}, {1, 1, false}, {1, 2, true}};
+  EXPECT_EQ(testing::error_of(check_segments(set)), "");
+  set.graph.submaps[1].base = 0;
+  const char* const wrong = "in memory: pose 1 begins a segment, but not a local map of all its poses in their order";
+  EXPECT_EQ(testing::error_of(check_segments(set)), wrong);
+  set.graph.submaps[1].base = 1;
+  set.graph.submaps[1].poses = {};
+  EXPECT_EQ(testing::error_of(check_segments(set)), wrong);
+  set.segments = {{0, 0, false}, {0, 0, true}, {1, 2, true}};
+  EXPECT_EQ(testing::error_of(check_segments(set)),
+            "in memory: pose 0 begins a segment, but not a local map of all its poses in their order");
 }
 
 TYPED_TEST(SubmapSetTest, NumbersThatAreNoneAreNamed) {
@@ -81,6 +99,11 @@ TYPED_TEST(SubmapSetTest, NumbersThatAreNoneAreNamed) {
               HasSubstr("pose observation 0 has a measurement"));
   EXPECT_THAT(this->error([](auto& s) { s.graph.pose_factors[0].lever[0] = kNan; }),
               HasSubstr("pose observation 0 has a lever that is not finite"));
+  for (const Loss& loss : {Loss{kNan, 1.0}, Loss{1.0, kNan}, Loss{2.0, 1.0}, Loss{0.0, 1.0}, Loss{-2.0, -1.0},
+                           Loss{1.0, std::numeric_limits<double>::infinity()}, Loss{1e200, 1e200}}) {
+    EXPECT_THAT(this->error([&](auto& s) { s.graph.pose_factors[0].loss = loss; }),
+                HasSubstr("pose observation 0 has a loss that is nowhere quadratic, or constant before that ends"));
+  }
   EXPECT_THAT(this->error([](auto& s) { s.graph.feature_factors[0].information *= -1.0; }),
               HasSubstr("feature observation 0 has an information matrix that is indefinite"));
   EXPECT_THAT(this->error([](auto& s) { s.graph.feature_factors[0].target = 5; }), HasSubstr("names no pose or feature"));

@@ -48,6 +48,8 @@ TEST(GpsCsv, WhatIsWrongIsNamedWithItsPlace) {
   const std::string head = "time,latitude,longitude,sd_east,sd_north\n";
   expect_refused("", "fixes.csv:1: names no column time or pose");
   expect_refused("time,latitude,longitude,sd_east\n1,2,3,4\n", "fixes.csv:1: names no column sd_north");
+  expect_refused("time,latitude,longitude,sd_east,sd_north,latitude\n",
+                 "fixes.csv:1: names the column latitude more than once");
   expect_refused("time,pose,latitude,longitude,sd_east,sd_north\n", "fixes.csv:1: names both columns time and pose");
   expect_refused(head, "fixes.csv: has no fixes behind its header");
   expect_refused(head + "1,50,8,1,1\nnoon,50,8,1,1\n", "fixes.csv:3:1: a time in seconds is expected, not 'noon'");

@@ -46,6 +46,7 @@ TEST(PoseCsv, NamesThePlaceOfWhatIsWrong) {
   const TemporaryFolder folder;
   const auto message = [&](const std::string& text) { return open_log(folder.file("map.csv", text)).error().message; };
   EXPECT_THAT(message("pose,x,y\n1,2,3\n"), EndsWith("does not name the columns pose and x,y,phi, or x,y,z,qx,qy,qz,qw"));
+  EXPECT_THAT(message("pose,x,y,phi,x\n1,2,3,0,4\n"), EndsWith("map.csv:1: names the column x more than once"));
   EXPECT_THAT(message("pose,x,y,phi\n1,2,3\n"), EndsWith(":2:6: the line ends where a number is expected"));
   EXPECT_THAT(message("pose,x,y,phi\n1,2,3,0\n-1,2,3,0\n"), EndsWith(":3:1: '-1' stands where an id is expected"));
   EXPECT_THAT(message("pose,x,y,phi\n1,,3,0\n"), EndsWith(":2:3: '(empty)' stands where a number is expected"));
@@ -56,7 +57,7 @@ TEST(PoseCsv, NamesThePlaceOfWhatIsWrong) {
 
 TEST(PoseCsv, PassesOverCellsThatAreEmpty) {
   const TemporaryFolder folder;
-  for (const std::string table : {"pose,note,x,y,phi,more\n5,,1,2,3, \n6,seen,4,5,6\n",
+  for (const std::string table : {"pose,note,x,y,phi,more,note\n5,,1,2,3, ,\n6,seen,4,5,6,,\n",
                                   "note,pose,x,y,phi\n,5,1,2,3\r\n\t,6,4,5,6\n\n", "pose,x,y,phi,note\n5,1,2,3,\n6,4,5,6,"}) {
     const auto log = std::get<Log<2>>(open_log(folder.file("map.csv", table)).value());
     EXPECT_EQ(log.initial.poses[0].translation, Point<2>(1, 2));
@@ -80,7 +81,11 @@ TEST_F(StampsTest, AreTakenByIdBehindAHeaderToTheNanosecond) {
     ASSERT_TRUE(read_stamps(folder.file("stamps", text), log));
     EXPECT_THAT(log.stamps_ns, ElementsAre(500'000'000, 1'600'000'000'000'000'001));
   }
-  take_ids_as_stamps(log);
+  ASSERT_TRUE(take_ids_as_stamps(log));
+  EXPECT_THAT(log.stamps_ns, ElementsAre(1, 2));
+  log.poses[PoseIndex(1)].key = std::uint64_t{1} << 63;
+  EXPECT_THAT(testing::error_of(take_ids_as_stamps(log)),
+              EndsWith("the id of pose 9223372036854775808 is no time: 2^63 ns or more; --stamps gives times"));
   EXPECT_THAT(log.stamps_ns, ElementsAre(1, 2));
 }
 

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <gtest/gtest.h>
 
-#include <fstream>
 #include <mapjoin/io/formats/map_text.hpp>
 #include <mapjoin/io/formats/trajectory.hpp>
 #include <tests/support/random.hpp>
@@ -10,17 +9,11 @@
 namespace mapjoin {
 namespace {
 
-class TumReader : public ::testing::Test {
- protected:
-  std::filesystem::path path() const { return folder.path() / "trajectory.tum"; }
-  Expected<std::vector<StampedPose>> read(const std::string& text) const {
-    std::ofstream(path()) << text;
-    return read_tum(path());
-  }
-  testing::TemporaryFolder folder;
-};
+Expected<std::vector<StampedPose>> trajectory_of(const std::string& text) {
+  return read_tum(TextScanner("trajectory.tum", text));
+}
 
-TEST_F(TumReader, ReadsWhatIsWritten) {
+TEST(TumReader, ReadsWhatIsWritten) {
   testing::Random random;
   GlobalMap<3> map;
   for (std::uint64_t k = 0; k < 5; ++k) {
@@ -28,8 +21,10 @@ TEST_F(TumReader, ReadsWhatIsWritten) {
     map.poses.push_back(random.pose<3>());
     map.stamps_ns.push_back(static_cast<std::int64_t>(k) * 250'000'000);
   }
-  ASSERT_TRUE(write_tum(map, path()));
-  const auto poses = read_tum(path());
+  const testing::TemporaryFolder folder;
+  const auto path = folder.path() / "trajectory.tum";
+  ASSERT_TRUE(write_tum(map, path));
+  const auto poses = trajectory_of(testing::content_of(path));
   ASSERT_TRUE(poses) << poses.error().message;
   ASSERT_EQ(poses->size(), 5U);
   for (std::size_t k = 0; k < 5; ++k) {
@@ -38,18 +33,18 @@ TEST_F(TumReader, ReadsWhatIsWritten) {
   }
 }
 
-TEST_F(TumReader, BringsQuaternionsOfAnySizeToUnitLength) {
-  const auto poses = read("0 1 2 3 0 0 1e308 1e308\n1 1 2 3 0 4.9e-324 0 0\n");
+TEST(TumReader, BringsQuaternionsOfAnySizeToUnitLength) {
+  const auto poses = trajectory_of("0 1 2 3 0 0 1e308 1e308\n1 1 2 3 0 4.9e-324 0 0\n");
   ASSERT_TRUE(poses) << poses.error().message;
   EXPECT_NEAR((*poses)[0].pose.rotation.quaternion().w(), std::sqrt(0.5), 1e-15);
   EXPECT_EQ((*poses)[1].pose.rotation.quaternion().y(), 1.0);
 }
 
-TEST_F(TumReader, NamesThePlaceOfWhatIsWrong) {
-  const auto short_line = read("# time x y z qx qy qz qw\n0 1 2 3 0 0 0 1\n1 1 2 3 0 0 0\n");
+TEST(TumReader, NamesThePlaceOfWhatIsWrong) {
+  const auto short_line = trajectory_of("# time x y z qx qy qz qw\n0 1 2 3 0 0 0 1\n1 1 2 3 0 0 0\n");
   ASSERT_FALSE(short_line);
-  EXPECT_TRUE(short_line.error().message.starts_with(path().string() + ":3:")) << short_line.error().message;
-  const auto zero = read("0 1 2 3 0 0 0 0\n");
+  EXPECT_TRUE(short_line.error().message.starts_with("trajectory.tum:3:")) << short_line.error().message;
+  const auto zero = trajectory_of("0 1 2 3 0 0 0 0\n");
   ASSERT_FALSE(zero);
   EXPECT_NE(zero.error().message.find("quaternion is zero"), std::string::npos);
 }
