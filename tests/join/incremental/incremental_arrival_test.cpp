@@ -50,12 +50,19 @@ TYPED_TEST(IncrementalArrivalTest, ASessionThatSharesNothingYetWaits) {
   EXPECT_NEAR(joined.chi2(), this->batch(cut).result.chi2, 0.5);
 }
 
+/// Two poses that nothing relates.
+template <int Dim>
+SubmapUpdate<Dim> unrelated_poses() {
+  SubmapUpdate<Dim> update;
+  update.poses = {{9, 0}, {9, 1}};
+  update.segments = {{0, 1, false}};
+  return update;
+}
+
 TYPED_TEST(IncrementalArrivalTest, WhatCannotBeDeterminedKeepsNothingElseWaiting) {
   constexpr int kDim = TestFixture::kDim;
   const auto updates = this->submap_updates_of({.poses = 20, .features = 20}, 5.0);
-  SubmapUpdate<kDim> free;  // two poses that nothing relates
-  free.poses = {{9, 0}, {9, 1}};
-  free.segments = {{0, 1, false}};
+  const SubmapUpdate<kDim> free = unrelated_poses<kDim>();
   IncrementalJoin<kDim> joined;
   EXPECT_FALSE(joined.add(free).value().is_joined);
   for (const auto& update : updates) EXPECT_TRUE(joined.add(update).value().is_joined);
@@ -72,9 +79,7 @@ TYPED_TEST(IncrementalArrivalTest, WhatCannotBeDeterminedKeepsNothingElseWaiting
 TYPED_TEST(IncrementalArrivalTest, AnEarlierUpdateThatIsTiedLaterTakesTheFrame) {
   constexpr int kDim = TestFixture::kDim;
   const auto updates = this->submap_updates_of({.poses = 20, .features = 20}, 5.0);
-  SubmapUpdate<kDim> free;  // two poses that nothing relates
-  free.poses = {{9, 0}, {9, 1}};
-  free.segments = {{0, 1, false}};
+  const SubmapUpdate<kDim> free = unrelated_poses<kDim>();
   IncrementalJoin<kDim> joined;
   EXPECT_FALSE(joined.add(free).value().is_joined);
   for (const auto& update : updates) joined.add(update).value();
