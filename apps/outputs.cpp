@@ -39,6 +39,17 @@ bool is_same(const fs::path& a, const fs::path& b) {
   return !place.empty() && place == destination(b);
 }
 
+/// What is in a folder, in the order of the names; nothing where that cannot be read.
+std::vector<fs::path> entries_of(const fs::path& folder) {
+  std::vector<fs::path> entries;
+  std::error_code failure;
+  for (fs::directory_iterator entry(folder, failure), end; !failure && entry != end; entry.increment(failure)) {
+    entries.push_back(entry->path());
+  }
+  std::ranges::sort(entries);
+  return entries;
+}
+
 /// Whether a command reads this of a folder that it is given: of a run, of local maps, or of UTIAS MRCLAM.
 bool is_read(const fs::path& file) {
   const bool is_of_run = map_of_run(file.parent_path()) != file.parent_path() && is_file_of_run(file.filename());
@@ -47,11 +58,11 @@ bool is_read(const fs::path& file) {
 
 /// The input or, where that is a folder, what is read there.
 NamedFiles files_of(const std::pair<std::string, fs::path>& input) {
-  std::error_code failure;
-  if (!fs::is_directory(input.second, failure)) return {input};
+  std::error_code ignored;
+  if (!fs::is_directory(input.second, ignored)) return {input};
   NamedFiles files;
-  for (fs::directory_iterator entry(input.second, failure), end; !failure && entry != end; entry.increment(failure)) {
-    if (is_read(entry->path())) files.emplace_back(input.first, entry->path());
+  for (const fs::path& file : entries_of(input.second)) {
+    if (is_read(file)) files.emplace_back(input.first, file);
   }
   return files;
 }
@@ -68,9 +79,8 @@ std::optional<std::uint32_t> number_between(std::string_view name, std::string_v
 std::vector<fs::path> folders_of_run(const fs::path& folder, bool parts) {
   if (!parts) return {destination(folder)};
   std::vector<fs::path> folders;
-  std::error_code failure;
-  for (fs::directory_iterator entry(folder, failure), end; !failure && entry != end; entry.increment(failure)) {
-    if (number_between(entry->path().filename().native(), "part_", "")) folders.push_back(destination(entry->path()));
+  for (const fs::path& part : entries_of(folder)) {
+    if (number_between(part.filename().native(), "part_", "")) folders.push_back(destination(part));
   }
   return folders;
 }
@@ -173,9 +183,10 @@ std::vector<std::string> output_conflicts(const NamedFiles& inputs, const NamedF
 }
 
 std::vector<std::string> unfinished_conflicts(const NamedFiles& inputs, const std::string& output, const fs::path& unfinished) {
+  const fs::path place = destination(unfinished);
   std::vector<std::string> violations;
   for (const auto& [name, path] : inputs) {
-    const bool is_there = destination(path).native().starts_with(destination(unfinished).native());
+    const bool is_there = destination(path).native().starts_with(place.native());
     if (path.empty() || !(is_there || is_same(path, unfinished))) continue;
     violations.push_back(
         fmt::format("{} {} is what {} is until it is done: give it another name", name, path.string(), output));

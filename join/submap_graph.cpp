@@ -27,13 +27,12 @@ void select(const Factors& factors, Selected& selected) {
   for (const auto& factor : factors) selected.push_back(&factor);
 }
 
-/// The submap graph of a log or a set, without its maps and what stands on its own.
+/// The submap graph of a log or a set, without its maps, its fixed poses and what stands on its own.
 template <template <int> typename Data, int Dim>
 SubmapGraph<Dim> bare_submap_graph(const Data<Dim>& data, const std::vector<Segment>& segments) {
   SubmapGraph<Dim> graph;
   graph.pose_count = data.poses.size();
   graph.feature_count = data.features.size();
-  graph.fixed = data.graph.fixed;
   graph.segments = segments;
   return graph;
 }
@@ -44,6 +43,7 @@ template <int Dim>
 SubmapGraph<Dim> submap_graph_of(const Log<Dim>& log, const Split& split, std::vector<LocalMap<Dim>> maps,
                                  Table<FeatureIndex, bool> elsewhere) {
   SubmapGraph<Dim> graph = bare_submap_graph(log, split.segments);
+  graph.fixed = log.graph.fixed;
   graph.is_joined = split.kept;
   for (const Segment& segment : split.segments) {
     if (segment.is_map) continue;

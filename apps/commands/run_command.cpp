@@ -88,21 +88,22 @@ Expected<void> write_map_files(const CommandRun& command_run, const RunResult<Di
 
 /// What an earlier run wrote into a folder, by its report there, which lists itself among its files.
 std::vector<std::string> files_of_former_run(const OutputFolder& folder) {
-  const std::filesystem::path own = folder.file(kReportOfRun);
+  namespace fs = std::filesystem;
+  const fs::path own = folder.file(kReportOfRun);
   std::error_code ignored;
-  if (!std::filesystem::is_regular_file(std::filesystem::symlink_status(own, ignored))) return {};
-  std::ifstream file(own);
-  const Json report = Json::parse(file, nullptr, false);
-  std::vector<std::filesystem::path> written;
-  if (report.is_object()) {
-    for (const Json& path : report.value("files", Json::array()))
-      written.emplace_back(path.is_string() ? path.get<std::string>() : "");
+  if (!fs::is_regular_file(fs::symlink_status(own, ignored))) return {};
+  std::vector<std::string> written;
+  try {
+    std::ifstream file(own);
+    written = Json::parse(file).at("files").get<std::vector<std::string>>();
+  } catch (const Json::exception&) {
+    return {};  // it is no report of ours
   }
-  const auto is_report = [](const std::filesystem::path& path) { return path.filename() == kReportOfRun; };
-  const auto of_report = std::ranges::find_if(written, is_report);
+  const auto is_report = [](const fs::path& path) { return path.filename() == kReportOfRun; };
+  const auto report = std::ranges::find_if(written, is_report);
   std::vector<std::string> names;
-  for (const std::filesystem::path& path : written) {
-    const bool is_beside = of_report != written.end() && path.parent_path() == of_report->parent_path();
+  for (const fs::path path : written) {
+    const bool is_beside = report != written.end() && path.parent_path() == fs::path(*report).parent_path();
     if (is_beside && is_file_of_run(path.filename())) names.push_back(path.filename());
   }
   return names;
