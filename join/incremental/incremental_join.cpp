@@ -1,9 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <algorithm>
 #include <iterator>
-#include <map>
-#include <mapjoin/graph/graph.hpp>
 #include <mapjoin/join/incremental/incremental_join.hpp>
+#include <mapjoin/join/incremental/tied_updates.hpp>
 #include <mapjoin/join/tolerances.hpp>
 #include <mapjoin/measure/statistics.hpp>
 #include <stdexcept>
@@ -232,36 +231,8 @@ void IncrementalJoin<Dim>::admit_waiting(const std::stop_token& stop, AddedUpdat
 }
 
 template <int Dim>
-std::vector<std::vector<std::size_t>> IncrementalJoin<Dim>::tied_waiting() const {
-  // Vertices are the waiting updates, the estimate with all names that it has, and other names.
-  const auto estimate = static_cast<Vertex>(waiting_.size());
-  Vertex count = estimate + 1;
-  std::map<PoseId, Vertex> poses;
-  std::map<FeatureId, Vertex> features;
-  std::vector<Edge> ties;
-  const auto tie = [&](Vertex update, const auto& id, bool is_joined, auto& names) {
-    const auto [name, is_new] = names.try_emplace(id, is_joined ? estimate : count);
-    if (is_new && !is_joined) ++count;
-    ties.emplace_back(update, name->second);
-  };
-  for (Vertex u = 0; u < estimate; ++u) {
-    const SubmapUpdate<Dim>& update = updates_[waiting_[u]];
-    for (const PoseId& id : update.poses) tie(u, id, pose(id), poses);
-    for (const FeatureId& id : update.features) tie(u, id, feature(id), features);
-  }
-  const auto part = components_of(make_graph(count, ties));
-  std::map<std::uint32_t, std::vector<std::size_t>> groups;
-  for (Vertex u = 0; u < estimate; ++u) {
-    if (estimate_.is_empty() || part[u] == part[estimate]) groups[part[u]].push_back(waiting_[u]);
-  }
-  std::vector<std::vector<std::size_t>> in_order;
-  for (auto& [number, group] : groups) in_order.push_back(std::move(group));
-  return in_order;
-}
-
-template <int Dim>
 void IncrementalJoin<Dim>::adopt_tied(const std::stop_token& stop, AddedUpdate& added) {
-  for (const std::vector<std::size_t>& tied : tied_waiting()) {
+  for (const std::vector<std::size_t>& tied : tied_updates(updates_, waiting_, estimate_)) {
     if (adopt_batch(tied, stop, added) || stop.stop_requested()) return;
   }
 }

@@ -112,14 +112,11 @@ class IncrementalJoin {
   bool has_outgrown(double chi2_before, std::int64_t dof_before) const;
   /// How many of their poses and features the waiting updates share with the estimate.
   std::size_t shared_by_waiting() const;
-  /// Waiting updates that names tie to the estimate, if only by way of each other; where there is no estimate, each group of
-  /// those that names tie to each other, in the order of their first ones.
-  std::vector<std::vector<std::size_t>> tied_waiting() const;
   void admit_waiting(const std::stop_token& stop, AddedUpdate& added);
   /// Joins all updates in the estimate and these waiting ones by join(), and takes what comes of it: where none wait only if
   /// chi2 is less. Whether it was taken.
   bool adopt_batch(const std::vector<std::size_t>& waiting, const std::stop_token& stop, AddedUpdate& added);
-  /// With the first group of tied_waiting() that can be joined.
+  /// With the first group of tied_updates() that can be joined.
   void adopt_tied(const std::stop_token& stop, AddedUpdate& added);
   void take(const std::vector<const SubmapUpdate<Dim>*>& updates, const SubmapSet<Dim>& set, const Join<Dim>& joined,
             AddedUpdate& added);

@@ -61,16 +61,15 @@ std::vector<Log<Dim>> split_into_parts(const Log<Dim>& log) {
     builder(of.feature(f))
         .add_feature(log.features[f], log.initial.features.empty() ? std::nullopt : std::optional(log.initial.features[f]));
   }
-  for (const auto& [base, target, measured, W, loss, lever] : log.graph.pose_factors) {
-    auto& part = builder(of.pose(target));
-    base == kWorld ? part.add_pose_prior(log.poses[target], measured, W, lever)
-                   : part.add_pose_edge(log.poses[base], log.poses[target], measured, W);
+  const auto base_of = [&](const auto& factor) {
+    return factor.base == kWorld ? std::nullopt : std::optional(log.poses[factor.base]);
+  };
+  for (const auto& factor : log.graph.pose_factors) {
+    builder(of.pose(factor.target)).add(base_of(factor), log.poses[factor.target], factor);
   }
-  for (const auto& [base, target, measured, W, loss] : log.graph.feature_factors) {
-    if (!poses.contains(component[of.feature(target)])) continue;
-    auto& part = builder(of.feature(target));
-    base == kWorld ? part.add_feature_prior(log.features[target], measured, W)
-                   : part.add_observation(log.poses[base], log.features[target], measured, W);
+  for (const auto& factor : log.graph.feature_factors) {
+    if (!poses.contains(component[of.feature(factor.target)])) continue;
+    builder(of.feature(factor.target)).add(base_of(factor), log.features[factor.target], factor);
   }
   for (const auto& fixed : log.graph.fixed) builder(of.pose(fixed.pose)).fix(log.poses[fixed.pose], fixed.value);
   std::vector<Log<Dim>> parts;

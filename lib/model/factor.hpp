@@ -90,7 +90,8 @@ std::optional<std::string> fault(Factor& factor, InformationCheck& check) {
   if constexpr (requires { factor.lever; }) {
     if (!is_valid(factor.lever)) return "has a lever that is not finite";
   }
-  if (!is_valid(factor.loss)) return "has a loss that is nowhere quadratic, or constant before that ends";
+  if (!is_valid(factor.loss))
+    return "has a loss whose ends are not 0 < quadratic_to <= constant_from, or have no finite product above 0";
   const auto of_information = check.fault(factor.information);
   return of_information ? std::optional("has an information matrix that " + *of_information) : std::nullopt;
 }

@@ -6,6 +6,7 @@
 #include <mapjoin/model/information.hpp>
 #include <mapjoin/model/log_builder.hpp>
 #include <mapjoin/parallel/parallel.hpp>
+#include <stdexcept>
 
 namespace mapjoin {
 namespace {
@@ -91,11 +92,20 @@ void LogBuilder<Dim>::append(const LogBuilder& other) {
 
 template <int Dim>
 void LogBuilder<Dim>::append(const Log<Dim>& log, std::uint32_t first_session) {
+  const auto is_beyond = [&](const PoseId& id) {
+    return id.session > std::numeric_limits<std::uint32_t>::max() - first_session;
+  };
+  if (std::ranges::any_of(log.poses, is_beyond)) {
+    throw std::out_of_range("the sessions of a log that is appended go beyond 2^32");
+  }
   const auto pose = [&](PoseIndex p) {
     const PoseId& id = log.poses.at(p.position());
     return PoseId{id.session + first_session, id.key};
   };
   const auto feature = [&](FeatureIndex f) { return log.features.at(f.position()); };
+  const auto base_of = [&](const auto& factor) {
+    return factor.base == kWorld ? std::nullopt : std::optional(pose(factor.base));
+  };
   const auto value = [](const auto& values, auto index) {
     return values.empty() ? std::nullopt : std::optional(values.at(index.position()));
   };
@@ -103,20 +113,8 @@ void LogBuilder<Dim>::append(const Log<Dim>& log, std::uint32_t first_session) {
   for (const PoseIndex p : indices(log.poses)) add_pose(pose(p), value(log.initial.poses, p));
   for (const FeatureIndex f : indices(log.features)) add_feature(feature(f), value(log.initial.features, f));
   for (const PoseIndex p : indices(log.stamps_ns)) add_stamp(pose(p), log.stamps_ns[p]);
-  for (const auto& [base, target, measured, information, loss, lever] : log.graph.pose_factors) {
-    if (base == kWorld) {
-      add_pose_prior(pose(target), measured, information, lever);
-    } else {
-      add_pose_edge(pose(base), pose(target), measured, information);
-    }
-  }
-  for (const auto& [base, target, measured, information, loss] : log.graph.feature_factors) {
-    if (base == kWorld) {
-      add_feature_prior(feature(target), measured, information);
-    } else {
-      add_observation(pose(base), feature(target), measured, information);
-    }
-  }
+  for (const auto& factor : log.graph.pose_factors) add(base_of(factor), pose(factor.target), factor);
+  for (const auto& factor : log.graph.feature_factors) add(base_of(factor), feature(factor.target), factor);
   for (const auto& fixed : log.graph.fixed) fix(pose(fixed.pose), fixed.value);
   add_unassociated(log.unassociated);
   for (const auto& [what, count] : log.skipped) add_skipped(what, count);

@@ -70,26 +70,29 @@ class LogBuilder {
   /// What another builder was told, as if this one was told it next.
   void append(const LogBuilder& other);
   /// What a log says, its session n as session `first_session` + n; its foreign edges are passed over. std::out_of_range where
-  /// a factor names what the log does not have.
+  /// a factor names what the log does not have, or its sessions go beyond 2^32.
   void append(const Log<Dim>& log, std::uint32_t first_session = 0);
   /// Takes out what concerns poses and features without an initial value, which it forgets.
   LeftOut<Dim> take_undeclared();
 
   /// Odometry or closure: which, finish() decides.
   void add_pose_edge(PoseId base, PoseId target, const Pose<Dim>& measured, const PoseMatrix<Dim>& information) {
-    poses_.names.mention(base);
-    poses_.add(base, target, {0, 0, measured, information});
+    add(base, target, PoseFactor<Dim>{0, 0, measured, information});
   }
   void add_observation(PoseId pose, FeatureId feature, const Point<Dim>& measured, const PointMatrix<Dim>& information) {
-    poses_.names.mention(pose);
-    features_.add(pose, feature, {0, 0, measured, information});
+    add(pose, feature, FeatureFactor<Dim>{0, 0, measured, information});
   }
   void add_pose_prior(PoseId pose, const Pose<Dim>& measured, const PoseMatrix<Dim>& information,
                       const Point<Dim>& lever = Point<Dim>::Zero()) {
-    poses_.add({}, pose, {kWorld, 0, measured, information, {}, lever});
+    add(std::nullopt, pose, PoseFactor<Dim>{kWorld, 0, measured, information, {}, lever});
   }
   void add_feature_prior(FeatureId feature, const Point<Dim>& measured, const PointMatrix<Dim>& information) {
-    features_.add({}, feature, {kWorld, 0, measured, information});
+    add(std::nullopt, feature, FeatureFactor<Dim>{kWorld, 0, measured, information});
+  }
+  /// A factor as it is, but for its ends, which are named; nothing stands for the World.
+  void add(std::optional<PoseId> base, PoseId target, const PoseFactor<Dim>& factor) { add_to(poses_, base, target, factor); }
+  void add(std::optional<PoseId> base, FeatureId target, const FeatureFactor<Dim>& factor) {
+    add_to(features_, base, target, factor);
   }
   /// The World holds the pose, which must be mentioned elsewhere, at `value` or, where none is given, at its initial value; one
   /// pose without either is anchored at the origin.
@@ -134,6 +137,12 @@ class LogBuilder {
     }
   };
 
+  template <typename Kind, typename Id, typename Factor>
+  void add_to(Kind& kind, std::optional<PoseId> base, Id target, Factor factor) {
+    if (base) poses_.names.mention(*base);
+    factor.base = base ? PoseIndex(0) : kWorld;
+    kind.add(base.value_or(PoseId{}), target, factor);
+  }
   template <typename F>
   Expected<Log<Dim>> finish_with(F&& order_poses);
   Expected<void> check_names() const;

@@ -21,7 +21,7 @@ struct Loss {
   bool operator==(const Loss&) const = default;
 };
 
-/// Whether it is quadratic everywhere or, with c² between its ends, up to some s and constant from some other on.
+/// Whether it is quadratic everywhere, or has ends 0 < quadratic_to ≤ constant_from whose product, c⁴, is a number above 0.
 inline bool is_valid(const Loss& loss) {
   const double c4 = loss.quadratic_to * loss.constant_from;
   return loss == Loss{} ||

@@ -40,10 +40,27 @@ bool has_name(int descriptor, const std::filesystem::path& path) {
          opened.st_ino == named.st_ino;
 }
 
+tl::unexpected<Error> in_the_way(const std::filesystem::path& path, const std::filesystem::path& output) {
+  const std::string words = fmt::format("{} is in the way of {}: remove it", path.string(), output.string());
+  return tl::unexpected(Error{ErrorKind::kCannotWrite, words});
+}
+
+namespace {
+
+/// Where a folder or a link has the name, says so.
+tl::unexpected<Error> cannot_open(const std::filesystem::path& path, const std::filesystem::path& output, int reason) {
+  std::error_code ignored;
+  const auto there = std::filesystem::symlink_status(path, ignored);
+  if (std::filesystem::is_directory(there) || std::filesystem::is_symlink(there)) return in_the_way(path, output);
+  return call_failed(output, reason, ErrorKind::kCannotWrite);
+}
+
+}  // namespace
+
 Expected<Descriptor> open_alone(const std::filesystem::path& path, const std::filesystem::path& output) {
   while (true) {
     Descriptor file(::open(path.c_str(), O_WRONLY | O_CLOEXEC | O_CREAT | O_NOFOLLOW, 0666));
-    if (!file.is_open()) return call_failed(output, errno, ErrorKind::kCannotWrite);
+    if (!file.is_open()) return cannot_open(path, output, errno);
     // Where a file system knows no locks, the last writer wins.
     if (::flock(file.value(), LOCK_EX | LOCK_NB) != 0 && errno == EWOULDBLOCK) {
       return tl::unexpected(Error{ErrorKind::kCannotWrite, fmt::format("{}: another process is writing it", output.string())});

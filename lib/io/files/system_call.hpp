@@ -35,9 +35,12 @@ tl::unexpected<Error> call_failed(const std::filesystem::path& path, int reason,
 /// Writes all bytes to a file descriptor. The errno of the first failure, or 0.
 int write_all(int descriptor, std::string_view bytes);
 
+/// kCannotWrite of an output, for something else has the name that it needs until it is done.
+tl::unexpected<Error> in_the_way(const std::filesystem::path& path, const std::filesystem::path& output);
+
 /// A new descriptor for writing to `path`, which is made where it is not there, locked until the descriptor is closed, and
 /// emptied: it is what a process left that was killed. To be renamed or removed before it is closed. kCannotWrite, about
-/// `output`, where that cannot be, or where another process has the file.
+/// `output`, where that cannot be, where another process has the file, or where something is in_the_way().
 Expected<Descriptor> open_alone(const std::filesystem::path& path, const std::filesystem::path& output);
 
 /// Whether the descriptor's file still has the name: it may have been renamed, removed or replaced.

@@ -5,6 +5,7 @@
 #include <charconv>
 #include <concepts>
 #include <mapjoin/geometry/pose.hpp>
+#include <mapjoin/geometry/upper_triangle.hpp>
 #include <mapjoin/io/files/output_file.hpp>
 #include <string>
 #include <string_view>
@@ -55,9 +56,7 @@ class TextLine {
   /// The upper triangle, row by row.
   template <int Size>
   TextLine& add_symmetric(const Matrix<Size>& M) {
-    for (int i = 0; i < Size; ++i) {
-      for (int j = i; j < Size; ++j) add(M(i, j));
-    }
+    each_of_upper_triangle(M, [&](double entry) { add(entry); });
     return *this;
   }
 

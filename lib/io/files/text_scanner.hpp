@@ -3,7 +3,7 @@
 // The words and numbers of a text file, line by line, with the place of each for messages.
 
 #include <cstdint>
-#include <mapjoin/geometry/rotation.hpp>
+#include <mapjoin/geometry/upper_triangle.hpp>
 #include <mapjoin/model/error.hpp>
 #include <string>
 #include <string_view>
@@ -60,11 +60,7 @@ class TextScanner {
   /// The upper triangle, row by row, of a symmetric matrix.
   template <int Size>
   Matrix<Size> symmetric() {
-    Matrix<Size> M;
-    for (int i = 0; i < Size; ++i) {
-      for (int j = i; j < Size; ++j) M(i, j) = M(j, i) = number();
-    }
-    return M;
+    return from_upper_triangle<Size>([&] { return number(); });
   }
 
   /// Lets finish_line() say `message` about the last word, unless something went wrong before.

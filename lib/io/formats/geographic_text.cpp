@@ -36,6 +36,7 @@ std::string object(std::string_view type, const std::string& coordinates, const 
 template <int Dim>
 Expected<void> write_geographic_csv(const GlobalMap<Dim>& map, const GeographicFrame& frame,
                                     const std::filesystem::path& path) {
+  demand_whole(map);
   auto file = OutputFile::create(path);
   if (!file) return tl::unexpected(file.error());
   const bool has_sessions = std::ranges::any_of(map.pose_ids, [](const PoseId& id) { return id.session != 0; });
@@ -57,6 +58,7 @@ Expected<void> write_geographic_csv(const GlobalMap<Dim>& map, const GeographicF
 
 template <int Dim>
 Expected<void> write_geojson(const GlobalMap<Dim>& map, const GeographicFrame& frame, const std::filesystem::path& path) {
+  demand_whole(map);
   auto file = OutputFile::create(path);
   if (!file) return tl::unexpected(file.error());
   file->write("{\"type\":\"FeatureCollection\",\"features\":[\n");

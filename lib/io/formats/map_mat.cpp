@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <algorithm>
+#include <mapjoin/geometry/upper_triangle.hpp>
 #include <mapjoin/io/files/mat_file.hpp>
 #include <mapjoin/io/files/output_file.hpp>
 #include <mapjoin/io/formats/mat_log.hpp>
@@ -24,9 +25,7 @@ Eigen::MatrixXd triangles(const Table<Index, Covariance>& covariances) {
   Eigen::MatrixXd rows(static_cast<Eigen::Index>(covariances.size()), kSize * (kSize + 1) / 2);
   for (const Index k : indices(covariances)) {
     Eigen::Index column = 0;
-    for (int i = 0; i < kSize; ++i) {
-      for (int j = i; j < kSize; ++j) rows(k.value, column++) = covariances[k](i, j);
-    }
+    each_of_upper_triangle(covariances[k], [&](double entry) { rows(k.value, column++) = entry; });
   }
   return rows;
 }
@@ -45,6 +44,7 @@ Expected<void> check_ids(const Ids& ids) {
 
 template <int Dim>
 Expected<void> write_mat_map(const GlobalMap<Dim>& map, const std::filesystem::path& path) {
+  demand_whole(map);
   if (auto fit = check_ids(map.pose_ids).and_then([&] { return check_ids(map.feature_ids); }); !fit) return fit;
   Eigen::MatrixXd poses(static_cast<Eigen::Index>(map.poses.size()), 2 + row_of(Pose<Dim>{}).size());
   for (const PoseIndex p : indices(map.poses)) {

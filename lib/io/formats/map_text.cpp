@@ -61,6 +61,7 @@ std::string seconds(std::int64_t nanoseconds) {
 
 template <int Dim>
 Expected<void> write_tum(const GlobalMap<Dim>& map, const std::filesystem::path& path) {
+  demand_whole(map);
   auto file = OutputFile::create(path);
   if (!file) return tl::unexpected(file.error());
   const bool has_stamps = !map.stamps_ns.empty();
@@ -80,6 +81,7 @@ Expected<void> write_tum(const GlobalMap<Dim>& map, const std::filesystem::path&
 
 template <int Dim>
 Expected<void> write_kitti(const GlobalMap<Dim>& map, const std::filesystem::path& path) {
+  demand_whole(map);
   auto file = OutputFile::create(path);
   if (!file) return tl::unexpected(file.error());
   TextLine line(' ');
@@ -94,6 +96,7 @@ Expected<void> write_kitti(const GlobalMap<Dim>& map, const std::filesystem::pat
 
 template <int Dim>
 Expected<void> write_pose_csv(const GlobalMap<Dim>& map, const std::filesystem::path& path) {
+  demand_whole(map);
   return OutputFile::create(path).and_then([&](OutputFile&& file) {
     put_poses(map, file);
     return file.commit();
@@ -102,6 +105,7 @@ Expected<void> write_pose_csv(const GlobalMap<Dim>& map, const std::filesystem::
 
 template <int Dim>
 Expected<void> write_csv(const GlobalMap<Dim>& map, const std::filesystem::path& poses, const std::filesystem::path& features) {
+  demand_whole(map);
   auto pose_file = OutputFile::create(poses);
   if (!pose_file) return tl::unexpected(pose_file.error());
   auto feature_file = OutputFile::create(features);

@@ -2,6 +2,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <mapjoin/geometry/upper_triangle.hpp>
 #include <mapjoin/io/files/mat_file.hpp>
 #include <mapjoin/io/files/output_file.hpp>
 #include <mapjoin/io/formats/edge_text.hpp>
@@ -116,9 +117,7 @@ Fault put_row(double kind, std::uint64_t base, std::uint64_t target, const Vecto
   row.head<3>() << kind, static_cast<double>(base), static_cast<double>(target);
   row.segment<Size>(3) = measured.transpose();
   Eigen::Index col = 3 + Size;
-  for (int i = 0; i < Size; ++i) {
-    for (int j = i; j < Size; ++j) row[col++] = P(i, j);
-  }
+  each_of_upper_triangle(P, [&](double entry) { row[col++] = entry; });
   return std::nullopt;
 }
 

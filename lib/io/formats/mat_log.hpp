@@ -29,7 +29,8 @@ Expected<void> write_mat_log(const Log<2>& log, const std::filesystem::path& pat
 
 /// A global map: `poses`, one row each: session, id, x, y, phi, or x, y, z, qx, qy, qz, qw (m, rad); `features`: id, x, y(, z);
 /// where the map has them, `stamps` (s) and, upper triangles row by row as in write_csv(), `pose_covariances`,
-/// `feature_covariances`. kUsage where an id is no double, from 2⁵³ on; kCannotWrite, and then no file appears.
+/// `feature_covariances`. kUsage where an id is no double, from 2⁵³ on; kCannotWrite, and then no file appears;
+/// std::invalid_argument of a map that is not whole (see demand_whole).
 template <int Dim>
 Expected<void> write_mat_map(const GlobalMap<Dim>& map, const std::filesystem::path& path);
 

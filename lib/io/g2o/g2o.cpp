@@ -136,6 +136,7 @@ Expected<void> write_g2o(const Log<Dim>& log, const std::filesystem::path& path)
 
 template <int Dim>
 Expected<void> write_g2o(const GlobalMap<Dim>& map, const Log<Dim>* log, const std::filesystem::path& path) {
+  demand_whole(map);
   if (log && (log->poses != map.pose_ids || log->features != map.feature_ids)) {
     throw std::invalid_argument("write_g2o: the log is over other poses or features than the map");
   }

@@ -29,7 +29,8 @@ template <int Dim>
 Expected<void> write_g2o(const Log<Dim>& log, const std::filesystem::path& path);
 
 /// Writes the map's poses and features as vertices, its gauge as FIX and, where `log` is given, its edges and priors. `log` is
-/// the one the map was made of: over the same poses and features, else std::invalid_argument.
+/// the one the map was made of. std::invalid_argument where it is over other poses or features, or the map is not whole (see
+/// demand_whole).
 template <int Dim>
 Expected<void> write_g2o(const GlobalMap<Dim>& map, const Log<Dim>* log, const std::filesystem::path& path);
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// What may come when: sessions that wait, edges that tie them, what the World says, robots that take turns.
+// What may come when: what the World says, fixed poses, priors, robots that take turns; and what may not come.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -19,85 +19,6 @@ namespace {
 template <typename D>
 class IncrementalArrivalTest : public testing::IncrementalJoinFixture<D> {};
 TYPED_TEST_SUITE(IncrementalArrivalTest, testing::Dimensions);
-
-TYPED_TEST(IncrementalArrivalTest, ASessionThatSharesNothingYetWaits) {
-  constexpr int kDim = TestFixture::kDim;
-  const auto updates = this->submap_updates_of({.poses = 60, .features = 60, .sessions = 2}, 6.0);
-  const auto second = static_cast<std::size_t>(std::find_if(updates.begin(), updates.end(),
-                                                            [](const auto& update) {
-                                                              return first_pose(update) == PoseId{1, 0};
-                                                            }) -
-                                               updates.begin());
-  // Of the second session only its last update shares features with the first.
-  auto cut = updates;
-  std::uint64_t next = 1000;
-  for (std::size_t k = second; k + 1 < cut.size(); ++k) {
-    for (FeatureId& feature : cut[k].features) feature = {next++};
-  }
-  IncrementalJoin<kDim> joined;
-  for (std::size_t k = 0; k < cut.size(); ++k) {
-    const bool ties = k + 1 == cut.size();
-    const AddedUpdate added = joined.add(cut[k]).value();
-    EXPECT_EQ(added.is_joined, k < second || ties) << k;
-    if (k >= second) {
-      EXPECT_EQ(added.batch_checked, ties) << k;
-    }
-    EXPECT_EQ(joined.waiting(), k < second || ties ? 0 : k - second + 1);
-    EXPECT_EQ(joined.pose({1, 0}) != nullptr, ties);
-    EXPECT_EQ(added.chi2, joined.chi2()) << "of what is joined, whatever waits";
-    EXPECT_EQ(added.dof, joined.dof());
-  }
-  EXPECT_NEAR(joined.chi2(), this->batch(cut).result.chi2, 0.5);
-}
-
-/// Two poses that nothing relates.
-template <int Dim>
-SubmapUpdate<Dim> unrelated_poses() {
-  SubmapUpdate<Dim> update;
-  update.poses = {{9, 0}, {9, 1}};
-  update.segments = {{0, 1, false}};
-  return update;
-}
-
-TYPED_TEST(IncrementalArrivalTest, WhatCannotBeDeterminedKeepsNothingElseWaiting) {
-  constexpr int kDim = TestFixture::kDim;
-  const auto updates = this->submap_updates_of({.poses = 20, .features = 20}, 5.0);
-  const SubmapUpdate<kDim> free = unrelated_poses<kDim>();
-  IncrementalJoin<kDim> joined;
-  EXPECT_FALSE(joined.add(free).value().is_joined);
-  for (const auto& update : updates) EXPECT_TRUE(joined.add(update).value().is_joined);
-  IncrementalJoin<kDim> at_once;
-  std::vector<SubmapUpdate<kDim>> all = updates;
-  all.insert(all.begin(), free);
-  at_once.add_all(all).value();
-  for (const IncrementalJoin<kDim>* join : {&joined, &at_once}) {
-    EXPECT_EQ(join->waiting(), 1U);
-    EXPECT_LT(this->difference(*join, updates), 1e-3);
-  }
-}
-
-TYPED_TEST(IncrementalArrivalTest, AnEarlierUpdateThatIsTiedLaterTakesTheFrame) {
-  constexpr int kDim = TestFixture::kDim;
-  const auto updates = this->submap_updates_of({.poses = 20, .features = 20}, 5.0);
-  const SubmapUpdate<kDim> free = unrelated_poses<kDim>();
-  IncrementalJoin<kDim> joined;
-  EXPECT_FALSE(joined.add(free).value().is_joined);
-  for (const auto& update : updates) joined.add(update).value();
-  const PoseId first = first_pose(updates[0]);
-  EXPECT_LT(local(*joined.pose(first), Pose<kDim>{}).norm(), 1e-9);
-  testing::Random random(2);
-  SubmapUpdate<kDim> ties;
-  ties.poses = {first, {9, 0}, {9, 1}};
-  for (const PoseIndex p : {PoseIndex(1), PoseIndex(2)})
-    ties.graph.pose_factors.push_back({0, p, random.pose<kDim>(), PoseMatrix<kDim>::Identity()});
-  EXPECT_TRUE(joined.add(ties).value().is_joined);
-  EXPECT_EQ(joined.waiting(), 0U);
-  EXPECT_LT(local(*joined.pose({9, 0}), Pose<kDim>{}).norm(), 1e-9);
-  for (const PoseIndex p : {PoseIndex(1), PoseIndex(2)}) {
-    const Pose<kDim> relative = compose(inverse(*joined.pose(first)), *joined.pose(ties.poses[p]));
-    EXPECT_LT(local(ties.graph.pose_factors[static_cast<std::size_t>(p.value) - 1].measured, relative).norm(), 1e-3);
-  }
-}
 
 TYPED_TEST(IncrementalArrivalTest, WhatIsNoUpdateOfClosuresCannotBeTakenOut) {
   constexpr int kDim = TestFixture::kDim;
@@ -129,27 +50,6 @@ TYPED_TEST(IncrementalArrivalTest, NamesOfWhichNothingIsSaidDoNotCount) {
   joined.rejoin();
   EXPECT_FALSE(joined.feature({999}));
   EXPECT_NEAR(joined.chi2(), without.chi2(), 1e-3 * without.chi2());
-}
-
-TYPED_TEST(IncrementalArrivalTest, AnEdgeTiesASessionEitherWay) {
-  constexpr int kDim = TestFixture::kDim;
-  const auto updates = this->submap_updates_of({.poses = 20, .features = 0, .closures = 0, .sessions = 2}, 5.0);
-  const std::size_t half = updates.size() / 2;
-  ASSERT_EQ(first_pose(updates[half]), (PoseId{1, 0}));
-  const Pose<kDim> measured{Point<kDim>::Ones(), Rotation<kDim>::exp(RotationVector<kDim>::Constant(0.3))};
-  for (const bool is_forward : {true, false}) {
-    IncrementalJoin<kDim> joined;
-    for (std::size_t k = 0; k < half; ++k) joined.add(updates[k]).value();
-    auto tied = updates[half];
-    const PoseIndex known = enter_name(tied.poses, last_pose(updates[0]));
-    PoseFactor<kDim> edge{known, tied.segments[0].begin, measured, PoseMatrix<kDim>::Identity()};
-    if (!is_forward) edge = {edge.target, edge.base, inverse(measured), edge.information};
-    tied.graph.pose_factors.push_back(edge);
-    const AddedUpdate added = joined.add(tied).value();
-    EXPECT_TRUE(added.is_joined);
-    EXPECT_FALSE(added.batch_checked);
-    EXPECT_LT(local(compose(*joined.pose(last_pose(updates[0])), measured), *joined.pose(PoseId{1, 0})).norm(), 1e-6);
-  }
 }
 
 TYPED_TEST(IncrementalArrivalTest, AMapIsPlacedByTheEdgeThatFitsBest) {
@@ -225,18 +125,6 @@ TYPED_TEST(IncrementalArrivalTest, FixedPosesMayComeOneByOne) {
   for (const auto& [id, value] : fixed) EXPECT_EQ(local(*joined.pose(id), value).norm(), 0.0) << to_string(id);
   later.graph.fixed[0].value.translation.x() += 5.0;
   EXPECT_EQ(testing::error_of(joined.check(later)), to_string(later.poses[0]) + " is fixed elsewhere already");
-}
-
-TYPED_TEST(IncrementalArrivalTest, AClosureToWhatStillWaitsTiesIt) {
-  constexpr int kDim = TestFixture::kDim;
-  const auto updates = this->submap_updates_of({.poses = 20, .features = 0, .closures = 0, .sessions = 2}, 5.0);
-  const std::size_t half = updates.size() / 2;
-  IncrementalJoin<kDim> joined;
-  for (std::size_t k = 0; k <= half; ++k) EXPECT_EQ(joined.add(updates[k]).value().is_joined, k < half);
-  const auto tie = this->closure(updates[0], updates[half], {}, PoseMatrix<kDim>::Identity());
-  EXPECT_TRUE(joined.add(tie).value().is_joined);
-  EXPECT_EQ(joined.waiting(), 0u);
-  EXPECT_TRUE(joined.pose(PoseId{1, 0}));
 }
 
 TYPED_TEST(IncrementalArrivalTest, PriorsAndSingleObservationsMayComeByThemselves) {

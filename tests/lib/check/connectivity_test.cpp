@@ -18,6 +18,7 @@ using ::testing::Not;
 template <typename D>
 class ConnectivityTest : public ::testing::Test {
  protected:
+  static constexpr int kDim = D::value;
   /// Poses 10, 11, … and features 20, 21, … with nothing between them.
   static Log<D::value> bare(std::uint64_t poses, std::uint64_t features) {
     Log<D::value> log;
@@ -35,6 +36,21 @@ TYPED_TEST(ConnectivityTest, ALogHangsTogetherByAnythingThatMentionsTwo) {
   log.graph.pose_factors = {{0, 1, {}, {}}, {2, 1, {}, {}}, {kWorld, 4, {}, {}}};
   log.graph.feature_factors = {{2, 0, {}, {}}, {3, 0, {}, {}}, {3, 1, {}, {}}, {kWorld, 1, {}, {}}};
   EXPECT_EQ(this->complaint(log), "");
+}
+
+TYPED_TEST(ConnectivityTest, PartsHaveTheirFactorsAsTheyAre) {
+  constexpr int kDim = TestFixture::kDim;
+  auto log = this->bare(4, 1);
+  log.graph.pose_factors = {{0, 1, {}, PoseMatrix<kDim>::Identity(), Loss::truncated(9.0)},
+                            {2, 3, {}, PoseMatrix<kDim>::Identity(), Loss::truncated(4.0)}};
+  log.graph.feature_factors = {{3, 0, Point<kDim>::Ones(), PointMatrix<kDim>::Identity(), Loss::truncated(1.0)}};
+  const auto parts = split_into_parts(log);
+  ASSERT_EQ(parts.size(), 2U);
+  EXPECT_EQ(parts[0].edges()[0].loss, Loss::truncated(9.0));
+  EXPECT_EQ(parts[1].edges()[0].loss, Loss::truncated(4.0));
+  ASSERT_EQ(parts[1].observations().size(), 1U);
+  EXPECT_EQ(parts[1].observations()[0].loss, Loss::truncated(1.0));
+  EXPECT_EQ(parts[1].observations()[0].measured, Point<kDim>::Ones());
 }
 
 TYPED_TEST(ConnectivityTest, OnePoseAloneHangsTogether) {

@@ -16,12 +16,13 @@ class InformationTest : public ::testing::Test {
  protected:
   static constexpr int kSize = S::value;
 
-  /// A symmetric matrix with the eigenvalues `smallest`, 1, 2, ... in random directions.
+  /// A symmetric matrix with the eigenvalues `smallest`, 1, 2, ... in the directions of the axes mirrored at a random plane.
   Matrix<kSize> with_smallest_eigenvalue(double smallest) {
-    const Matrix<kSize> Q = random.template information<kSize>().householderQr().householderQ();
+    const Vector<kSize> normal = random.template vector<kSize>().normalized();
+    const Matrix<kSize> Q = Matrix<kSize>::Identity() - 2.0 * normal * normal.transpose();
     Vector<kSize> eigenvalues;
     for (int i = 0; i < kSize; ++i) eigenvalues[i] = i == 0 ? smallest : i;
-    const Matrix<kSize> W = Q * eigenvalues.asDiagonal() * Q.transpose();
+    const Matrix<kSize> W = Q * eigenvalues.asDiagonal() * Q;
     return 0.5 * (W + W.transpose());
   }
   testing::Random random;

@@ -2,6 +2,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <limits>
 #include <mapjoin/model/log_builder.hpp>
 #include <tests/lib/model/built_log_fixture.hpp>
@@ -112,6 +113,30 @@ TYPED_TEST(LogBuilderTest, PriorsComeFromTheWorld) {
   EXPECT_EQ(log->pose_priors()[0].base, kWorld);
   EXPECT_EQ(log->pose_priors()[0].target, PoseIndex(1));
   EXPECT_EQ(log->feature_priors()[0].target, FeatureIndex(0));
+}
+
+TYPED_TEST(LogBuilderTest, AppendsALogAsItIsInSessionsOfItsOwn) {
+  constexpr int kDim = TestFixture::kDim;
+  this->edge({0, 0}, {0, 1}, 1);
+  this->edge({3, 0}, {3, 1}, 2);
+  this->edge({0, 0}, {3, 1}, 3);
+  this->builder.add_observation({0, 1}, {7}, Point<kDim>::Ones(), PointMatrix<kDim>::Identity());
+  this->builder.add_pose_prior({0, 1}, Pose<kDim>{}, PoseMatrix<kDim>::Identity(), Point<kDim>::Ones());
+  Log<kDim> log = this->finish().value();
+  const auto closure = std::ranges::find(log.graph.pose_factors, log.closures().front().measured, &PoseFactor<kDim>::measured);
+  closure->loss = Loss::truncated(9.0);
+  LogBuilder<kDim> sessions("sessions");
+  sessions.append(log, 5);
+  const Log<kDim> appended = std::move(sessions).finish().value();
+  EXPECT_THAT(appended.poses, ElementsAre(PoseId{5, 0}, PoseId{5, 1}, PoseId{8, 0}, PoseId{8, 1}));
+  EXPECT_EQ(appended.features, log.features);
+  EXPECT_THAT(marks(appended.edges()), ElementsAre(1, 2, 3));
+  EXPECT_EQ(appended.closures().front().loss, Loss::truncated(9.0));
+  EXPECT_EQ(appended.pose_priors().front().lever, Point<kDim>::Ones());
+  EXPECT_EQ(appended.observations().front().measured, Point<kDim>::Ones());
+  constexpr auto kLast = std::numeric_limits<std::uint32_t>::max();
+  EXPECT_NO_THROW(LogBuilder<kDim>("last").append(log, kLast - 3));
+  EXPECT_THROW(LogBuilder<kDim>("too far").append(log, kLast - 2), std::out_of_range);
 }
 
 TYPED_TEST(LogBuilderTest, RefusesALogWithoutPoses) {

@@ -100,9 +100,10 @@ TYPED_TEST(SubmapSetTest, NumbersThatAreNoneAreNamed) {
   EXPECT_THAT(this->error([](auto& s) { s.graph.pose_factors[0].lever[0] = kNan; }),
               HasSubstr("pose observation 0 has a lever that is not finite"));
   for (const Loss& loss : {Loss{kNan, 1.0}, Loss{1.0, kNan}, Loss{2.0, 1.0}, Loss{0.0, 1.0}, Loss{-2.0, -1.0},
-                           Loss{1.0, std::numeric_limits<double>::infinity()}, Loss{1e200, 1e200}}) {
+                           Loss{1.0, std::numeric_limits<double>::infinity()}, Loss{1e200, 1e200}, Loss{1e-200, 1e-200}}) {
     EXPECT_THAT(this->error([&](auto& s) { s.graph.pose_factors[0].loss = loss; }),
-                HasSubstr("pose observation 0 has a loss that is nowhere quadratic, or constant before that ends"));
+                HasSubstr("pose observation 0 has a loss whose ends are not 0 < quadratic_to <= constant_from, or have no "
+                          "finite product above 0"));
   }
   EXPECT_THAT(this->error([](auto& s) { s.graph.feature_factors[0].information *= -1.0; }),
               HasSubstr("feature observation 0 has an information matrix that is indefinite"));

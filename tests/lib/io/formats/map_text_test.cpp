@@ -1,8 +1,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <mapjoin/gps/geographic_frame.hpp>
 #include <mapjoin/io/formats/map_text.hpp>
+#include <mapjoin/io/formats/mat_log.hpp>
+#include <mapjoin/io/g2o/g2o.hpp>
 #include <nlohmann/json.hpp>
 #include <sstream>
 #include <string>
@@ -10,6 +13,8 @@
 
 namespace mapjoin {
 namespace {
+
+using ::testing::ThrowsMessage;
 
 class MapText : public ::testing::Test {
  protected:
@@ -133,6 +138,32 @@ TEST_F(MapText, GeoJsonHasALineOfEachSessionAndAPointOfASinglePose) {
 TEST_F(MapText, SaysWhenItCannotWrite) {
   path = folder.path() / "no" / "out";
   EXPECT_EQ(written<2>(write_tum, plane()), path.string() + ": No such file or directory");
+}
+
+TEST_F(MapText, AMapWhoseListsDoNotBelongTogetherIsRefused) {
+  const auto expect_refused = [&](const GlobalMap<3>& map, const std::string& why) {
+    EXPECT_THAT([&] { written<3>(write_tum, map); }, ThrowsMessage<std::invalid_argument>(why));
+    EXPECT_THROW(written<3>(write_kitti, map), std::invalid_argument);
+    EXPECT_THROW(written<3>(write_pose_csv, map), std::invalid_argument);
+    EXPECT_THROW(tables(map), std::invalid_argument);
+    EXPECT_THROW(write_geojson(map, GeographicFrame({50.0, 8.0, 0.0}), path), std::invalid_argument);
+    EXPECT_THROW(write_geographic_csv(map, GeographicFrame({50.0, 8.0, 0.0}), path), std::invalid_argument);
+    EXPECT_THROW(write_mat_map(map, path), std::invalid_argument);
+    EXPECT_THROW(write_g2o<3>(map, nullptr, path), std::invalid_argument);
+    EXPECT_TRUE(std::filesystem::is_empty(folder.path()));
+  };
+  const auto with = [](const auto& change) {
+    GlobalMap<3> map = space();
+    change(map);
+    return map;
+  };
+  expect_refused(with([](auto& map) { map.pose_ids.pop_back(); }), "a map has 1 names of poses, but 2 of these");
+  expect_refused(with([](auto& map) { map.feature_ids.clear(); }), "a map has 0 names of features, but 1 of these");
+  expect_refused(with([](auto& map) { map.stamps_ns.pop_back(); }), "a map has 1 stamps of poses, but 2 of these");
+  expect_refused(with([](auto& map) { map.pose_covariances.resize(1); }), "a map has 1 covariances of poses, but 2 of these");
+  expect_refused(with([](auto& map) { map.feature_covariances.resize(2); }),
+                 "a map has 2 covariances of features, but 1 of these");
+  expect_refused(with([](auto& map) { map.gauge = {2}; }), "a map is anchored at a pose that is not in it");
 }
 
 TEST_F(MapText, NeitherTableAppearsWhereOneCannot) {
