@@ -3,6 +3,7 @@
 #include <apps/certainty.hpp>
 #include <apps/report/json.hpp>
 #include <cmath>
+#include <mapjoin/geometry/upper_triangle.hpp>
 #include <mapjoin/io/files/output_file.hpp>
 #include <mapjoin/io/files/text_line.hpp>
 #include <mapjoin/measure/statistics.hpp>
@@ -53,9 +54,7 @@ void write_list(const char* key, const Table<Index, Id>& ids, const Table<Index,
   file.write(std::string(",\n\"") + key + "\": [");
   for (const Index k : indices(covariances)) {
     Json line = ids[k];
-    for (int i = 0; i < covariances[k].rows(); ++i) {
-      for (int j = i; j < covariances[k].cols(); ++j) line["covariance"].push_back(covariances[k](i, j));
-    }
+    each_of_upper_triangle(covariances[k], [&](double entry) { line["covariance"].push_back(entry); });
     file.write((k == 0 ? "\n" : ",\n") + line.dump());
   }
   file.write("\n]");

@@ -32,9 +32,11 @@ std::vector<fs::path> missing(const fs::path& path) {
 /// Makes a folder, and those on the way to it. A link is none: what is in there may be somebody's.
 void make_folder(const fs::path& folder, const fs::path& output) {
   std::error_code failure;
+  std::error_code ignored;
   fs::create_directories(folder, failure);
+  const fs::file_status there = fs::symlink_status(folder, ignored);
+  if (fs::exists(there) && !fs::is_directory(there)) demand(in_the_way(folder, output));
   demand_done(output, failure);
-  if (!fs::is_directory(fs::symlink_status(folder, failure))) refuse(output, std::errc::not_a_directory);
 }
 
 /// Removes all but the lock.

@@ -67,6 +67,14 @@ NamedFiles files_of(const std::pair<std::string, fs::path>& input) {
   return files;
 }
 
+/// Whether a path is this place, below it, or named after it, as the journal of a store is.
+bool is_within(const fs::path& path, const fs::path& place) {
+  const std::string there = destination(path).string();
+  if (!there.starts_with(place.string())) return false;
+  const std::string rest = there.substr(place.string().size());
+  return rest.empty() || rest.front() == '/' || rest == "-journal";
+}
+
 /// The number that a name has behind its beginning and before its end; nothing of another name.
 std::optional<std::uint32_t> number_between(std::string_view name, std::string_view begin, std::string_view end) {
   if (!name.starts_with(begin) || !name.ends_with(end) || name.size() < begin.size() + end.size()) return std::nullopt;
@@ -166,6 +174,8 @@ NamedFiles outputs_of_folder(const Options& options, const std::vector<std::stri
 std::vector<std::string> output_conflicts(const NamedFiles& inputs, const NamedFiles& outputs) {
   NamedFiles read;
   for (const auto& input : inputs) append(read, files_of(input));
+  NamedFiles all = inputs;
+  append(all, outputs);
   std::vector<std::string> violations;
   for (auto output = outputs.begin(); output != outputs.end(); ++output) {
     const auto& [name, file] = *output;
@@ -176,18 +186,17 @@ std::vector<std::string> output_conflicts(const NamedFiles& inputs, const NamedF
     }
     if (file.empty()) continue;
     const fs::path place = destination(file);
-    append(violations, unfinished_conflicts(inputs, name, place.string() + kUnfinished));
-    append(violations, unfinished_conflicts(inputs, name, place / kUnfinished));
+    append(violations, unfinished_conflicts(all, name, place.string() + kUnfinished));
+    append(violations, unfinished_conflicts(all, name, place / kUnfinished));
   }
   return violations;
 }
 
-std::vector<std::string> unfinished_conflicts(const NamedFiles& inputs, const std::string& output, const fs::path& unfinished) {
+std::vector<std::string> unfinished_conflicts(const NamedFiles& files, const std::string& output, const fs::path& unfinished) {
   const fs::path place = destination(unfinished);
   std::vector<std::string> violations;
-  for (const auto& [name, path] : inputs) {
-    const bool is_there = destination(path).native().starts_with(place.native());
-    if (path.empty() || !(is_there || is_same(path, unfinished))) continue;
+  for (const auto& [name, path] : files) {
+    if (path.empty() || !(is_within(path, place) || is_same(path, unfinished))) continue;
     violations.push_back(
         fmt::format("{} {} is what {} is until it is done: give it another name", name, path.string(), output));
   }
@@ -202,6 +211,8 @@ std::vector<std::string> conflicts_with_run(const NamedFiles& files, const fs::p
     violations.push_back(fmt::format(
         "{} {} is of the files that --output replaces: give it another name, or --output another folder", name, file.string()));
   }
+  if (!parts) return violations;  // output_conflicts() knows of the folder itself
+  for (const fs::path& part : folders) append(violations, unfinished_conflicts(files, "--output", part / kUnfinished));
   return violations;
 }
 
@@ -225,9 +236,13 @@ bool names_map_file(const fs::path& path) {
   return is_map && !fs::is_directory(path, ignored);
 }
 
-std::vector<std::string> check_extension(const fs::path& path) {
+bool goes_by_extension(const fs::path& path) {
   std::error_code ignored;
-  if (is_special(path) || fs::is_directory(path, ignored) || !path.has_extension() || names_map_file(path)) return {};
+  return path.has_extension() && !is_special(path) && !fs::is_directory(path, ignored);
+}
+
+std::vector<std::string> check_extension(const fs::path& path) {
+  if (!goes_by_extension(path) || names_map_file(path)) return {};
   return {fmt::format(
       "--output: {} has none of the extensions of a map, .g2o, .tum, .csv and .mat (a new folder has none, or ends in /)",
       path.string())};

@@ -33,14 +33,14 @@ NamedFiles outputs_of_map(const Options& options);
 NamedFiles outputs_of_folder(const Options& options, const std::vector<std::string>& names);
 
 /// In words, any output that is one file with an input or with another output, or would be: by links and by names, where one is
-/// yet to come; of an input that is a folder, with what is read there. And any input that is what an output is until it is
+/// yet to come; of an input that is a folder, with what is read there. And any of them that is what an output is until it is
 /// done. Empty paths and what is there but not a regular file, such as /dev/null, are like no other.
 std::vector<std::string> output_conflicts(const NamedFiles& inputs, const NamedFiles& outputs);
-/// In words, any input that is in the place which an output has until it is done, or whose name begins so, as a journal's does.
-std::vector<std::string> unfinished_conflicts(const NamedFiles& inputs, const std::string& output,
+/// In words, any file that is in the place which an output has until it is done, below it, or its journal.
+std::vector<std::string> unfinished_conflicts(const NamedFiles& files, const std::string& output,
                                               const std::filesystem::path& unfinished);
 /// In words, any of these files that a run may replace or remove in its folder or, where that is of several `parts`, in one of
-/// a part.
+/// a part; there also what is in the place of a file until it is done.
 std::vector<std::string> conflicts_with_run(const NamedFiles& files, const std::filesystem::path& folder, bool parts);
 
 /// Fails with kCannotWrite where a file cannot be made: better known before the work than after it. Devices and pipes are left
@@ -53,8 +53,12 @@ std::string extension_of(const std::filesystem::path& path);
 /// Whether a path names the file of a map, by its extension: .g2o, .tum, .csv or .mat, and there is no folder of that name.
 bool names_map_file(const std::filesystem::path& path);
 
-/// In words, an extension that is none of these, and no folder's: a folder has none, ends in / or is there already. Paths
-/// that are there and neither file nor folder, such as /dev/stdout, are left alone.
+/// Whether the extension of a path says what is to be written there: not where there is none, nor of a folder, a device or a
+/// pipe that is there.
+bool goes_by_extension(const std::filesystem::path& path);
+
+/// In words, an extension that should name the format of a map, and is none of these. A folder has none, ends in / or is there
+/// already.
 std::vector<std::string> check_extension(const std::filesystem::path& path);
 
 /// The name of the map in the folder of a run.

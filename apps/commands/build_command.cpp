@@ -9,6 +9,7 @@
 #include <mapjoin/check/connectivity.hpp>
 #include <mapjoin/io/store/store.hpp>
 #include <mapjoin/localmap/stored_build.hpp>
+#include <mapjoin/model/lists.hpp>
 #include <memory>
 #include <variant>
 
@@ -85,7 +86,9 @@ void declare_build(Subcommand& command) {
   add_reporting(command, *options);
   command.check([options] { return output_conflicts(inputs_of(*options, "LOG|MAPS"), outputs_of_store(*options)); });
   command.check([options] {
-    return unfinished_conflicts(inputs_of(*options, "LOG|MAPS"), "--output", unfinished_store(options->output));
+    NamedFiles files = inputs_of(*options, "LOG|MAPS");
+    append(files, outputs_of_store(*options));
+    return unfinished_conflicts(files, "--output", unfinished_store(options->output));
   });
   command.check([options, &command] { return check_uncut(command, *options); });
   command.check([options]() -> std::vector<std::string> {

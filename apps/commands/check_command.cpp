@@ -131,6 +131,9 @@ void fit_joined(CommandRun& command_run, const Content& content, Checked& checke
         {FindingLevel::kWarning, "not_converged", "the map that residuals are weighed at did not converge", {}});
   }
   command_run.run_report.describe(*result);
+  if (const auto apart = command_run.features_apart(content, *result)) {
+    checked.findings.push_back({FindingLevel::kWarning, "other_features", *apart, {}});
+  }
   if (result->fit.verdict == Verdict::kUntested || result->fit.verdict == Verdict::kMisfit) {
     checked.findings.push_back(verdict_on(command_run.run_report));
   }

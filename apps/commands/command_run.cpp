@@ -149,18 +149,17 @@ Expected<void> CommandRun::write_extra(Extra extra, const RunResult<Dim>& result
 }
 
 template <typename Data>
-void CommandRun::check_shared_features(const Data& data, const RunFigures& figures) const {
+std::optional<std::string> CommandRun::features_apart(const Data& data, const RunFigures& figures) const {
   const bool is_doubtful = figures.fit.verdict == Verdict::kMisfit || figures.fit.verdict == Verdict::kUnconverged;
-  if (!options_.asks_features || options_.association || !is_doubtful) return;
-  const auto fit = worst_name_fit(data, options_.confidence, stop_).value();
-  if (!fit || fit->alike > 0.5) return;
-  fail(ErrorKind::kBadInput,
-       fmt::format(
-           "{}: {} and {} name {} alike that lie differently in the map of each (of the distances between these {:.0f} % "
-           "agree): --features own where ids mean other features in each input, --features shared where they mean "
-           "the same all the same",
-           run_report.input, to_string(fit->first), to_string(fit->second), plural(fit->features, "feature"),
-           100.0 * fit->alike));
+  if (!options_.asks_features || options_.association || !is_doubtful) return std::nullopt;
+  const auto compared = worst_name_fit(data, options_.confidence, stop_);
+  if (!compared && compared.error().kind == ErrorKind::kInterrupted) demand(tl::unexpected(compared.error()));
+  const auto fit = compared.value_or(std::nullopt);  // what cannot be joined alone cannot be compared
+  if (!fit || fit->alike > 0.5) return std::nullopt;
+  return fmt::format(
+      "{} and {} name {} alike that lie differently in the map of each (of the distances between these {:.0f} % agree): "
+      "--features own where ids mean other features in each input, --features shared where they mean the same all the same",
+      to_string(fit->first), to_string(fit->second), plural(fit->features, "feature"), 100.0 * fit->alike);
 }
 
 void CommandRun::write_associations() {
@@ -201,10 +200,10 @@ void CommandRun::hand_over(const StudyOutput& output, std::optional<OutputFolder
   tell(output.json, output.text);
 }
 
-template void CommandRun::check_shared_features(const Log<2>&, const RunFigures&) const;
-template void CommandRun::check_shared_features(const Log<3>&, const RunFigures&) const;
-template void CommandRun::check_shared_features(const SubmapSet<2>&, const RunFigures&) const;
-template void CommandRun::check_shared_features(const SubmapSet<3>&, const RunFigures&) const;
+template std::optional<std::string> CommandRun::features_apart(const Log<2>&, const RunFigures&) const;
+template std::optional<std::string> CommandRun::features_apart(const Log<3>&, const RunFigures&) const;
+template std::optional<std::string> CommandRun::features_apart(const SubmapSet<2>&, const RunFigures&) const;
+template std::optional<std::string> CommandRun::features_apart(const SubmapSet<3>&, const RunFigures&) const;
 template void CommandRun::take(RunResult<2>&);
 template void CommandRun::take(RunResult<3>&);
 template Expected<void> CommandRun::write_extra(Extra, const RunResult<2>&, const Log<2>*, const std::filesystem::path&) const;

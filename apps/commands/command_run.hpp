@@ -71,10 +71,15 @@ class CommandRun {
   template <int Dim>
   void write_map(RunResult<Dim>& result, const Log<Dim>* log);
 
-  /// Bad input where a map that does not fit is of several inputs whose features lie differently under the same ids, unless the
-  /// options say what these are.
+  /// In words, of the map of several inputs which does not fit, that features of the same ids lie differently in parts of it;
+  /// nothing where the options say what ids mean.
   template <typename Data>
-  void check_shared_features(const Data& data, const RunFigures& figures) const;
+  std::optional<std::string> features_apart(const Data& data, const RunFigures& figures) const;
+  /// Bad input where features_apart() has something to say.
+  template <typename Data>
+  void check_shared_features(const Data& data, const RunFigures& figures) const {
+    if (const auto apart = features_apart(data, figures)) fail(ErrorKind::kBadInput, run_report.input + ": " + *apart);
+  }
 
   /// Writes what became of each sighting beside the output, where features were associated.
   void write_associations();

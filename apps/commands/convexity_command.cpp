@@ -156,6 +156,7 @@ void add_lines(Subcommand& command, ConvexityOptions& convexity) {
   command.number<std::size_t>("--pairs", convexity.pairs, 1, "N", "Pairs of states", 10'000);
   command.number<std::size_t>("--points", convexity.points, 3, "N", "Values of lambda from 0 to 1", 100'001);
   command.number<std::uint64_t>("--seed", convexity.seed, 0, "N", "The same seed gives the same states");
+  command.only_with("--spread", "--states drift", [&convexity] { return convexity.source == StateSource::kDrift; });
 }
 
 }  // namespace

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <apps/commands/options.hpp>
 #include <mapjoin/io/formats/log_format.hpp>
+#include <mapjoin/io/store/store.hpp>
 #include <memory>
 #include <optional>
 #include <sstream>
@@ -25,6 +26,20 @@ void add_format(Subcommand& command, Options& options) {
                    options.read.from = asked->value;
                    return std::nullopt;
                  });
+}
+
+/// In words, an input that is given twice and would count twice; stores of one log are united.
+std::vector<std::string> check_given_once(const Options& options) {
+  std::vector<std::filesystem::path> before = {options.input};
+  for (const std::filesystem::path& input : options.further) {
+    const auto is_same = [&](const std::filesystem::path& other) {
+      std::error_code ignored;
+      return std::filesystem::equivalent(other, input, ignored);
+    };
+    if (std::ranges::any_of(before, is_same) && !is_store(input)) return {input.string() + " is given twice: leave one out"};
+    before.push_back(input);
+  }
+  return {};
 }
 
 /// What files of others have that a log has no place for.
@@ -71,6 +86,7 @@ void add_further(Subcommand& command, Options& options, const std::string& kind)
     options.asks_features = !options.further.empty() && !command.is_given("--features");
     return {};
   });
+  command.check([&options] { return check_given_once(options); });
 }
 
 void add_further_logs(Subcommand& command, Options& options) {
@@ -102,13 +118,9 @@ void add_gps(Subcommand& command, Options& options) {
                  });
   command.number<double>("--gps-apart", options.of_gps.most_apart, 0.0, "S",
                          "Between a fix and the pose nearest in time; a fix that is farther from one is left out");
-  command.check([&command, &options]() -> std::vector<std::string> {
-    if (!options.gps.empty()) return {};
-    for (const char* of_gps : {"--gps-lever", "--gps-apart"}) {
-      if (command.is_given(of_gps)) return {std::string(of_gps) + " is of --gps"};
-    }
-    return {};
-  });
+  for (const char* of_gps : {"--gps-lever", "--gps-apart"}) {
+    command.only_with(of_gps, "--gps", [&options] { return !options.gps.empty(); });
+  }
 }
 
 void add_parts(Subcommand& command, Options& options) {

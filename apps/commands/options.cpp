@@ -101,6 +101,7 @@ void add_schedule(Subcommand& command, Options& options) {
                  "gradually; the latter with --state relative, unless there is a --method");
   command.number<std::uint64_t>("--seed", options.run.seed, 0, "N", "Of the random start");
   command.check([&command, &options] { return settle_batch(command, options); });
+  command.only_with("--seed", "--start random", [&options] { return options.run.start == Start::kRandom; });
 }
 
 std::vector<std::string> check_uncut(const Subcommand& command, const Options& options) {
@@ -153,10 +154,9 @@ void add_association(Subcommand& command, Options& options) {
       "--association", *method,
       "How --associate does it: whole sets by joint compatibility (jcbb), or each feature with its nearest neighbour "
       "within a gate (nn), to compare with");
-  command.check([&command, &options, wanted, method]() -> std::vector<std::string> {
-    if (!*wanted)
-      return command.is_given("--association") ? std::vector<std::string>{"--association is of --associate"}
-                                               : std::vector<std::string>{};
+  command.only_with("--association", "--associate", [wanted] { return *wanted; });
+  command.check([&options, wanted, method]() -> std::vector<std::string> {
+    if (!*wanted) return {};
     options.association.emplace() = {.confidence = options.confidence,
                                      .method = *method,
                                      .names_hold = options.merging.own_features && !options.further.empty(),
@@ -192,10 +192,7 @@ void add_confidence(Subcommand& command, Options& options, const std::string& of
     help += " features for the same that are so at least this probably";
   }
   command.number<double>("--confidence", options.confidence, 0.0, "P", help + ", below 1");
-  command.check([&command, &options, of]() -> std::vector<std::string> {
-    if (!command.is_given("--confidence") || options.robust || options.association) return {};
-    return {"--confidence is of " + of};
-  });
+  command.only_with("--confidence", of, [&options] { return options.robust || options.association; });
 }
 
 void add_certainty(Subcommand& command, Options& options) {

@@ -118,6 +118,13 @@ std::vector<std::string> check_files(const PlotOptions& options) {
   return output_conflicts(inputs, outputs_of(options));
 }
 
+/// In words, an output that is neither a picture nor a page by its extension; one without is a picture.
+std::vector<std::string> check_picture(const PlotOptions& options) {
+  if (!goes_by_extension(options.output) || extension_of(options.output) == ".svg" || is_page(options)) return {};
+  return {fmt::format("--output: {} has neither the extension of a picture, .svg, nor that of a page, .html",
+                      options.output.string())};
+}
+
 }  // namespace
 
 void declare_plot(Subcommand& command) {
@@ -133,7 +140,7 @@ void declare_plot(Subcommand& command) {
                     "The folder of a run, a map or a log (without values by its odometry), or local maps, which are joined "
                     "first; several are overlaid");
   command.path("-o,--output", options->output, "FILE",
-               "Write a picture as SVG or, where the name ends in .html, a page to look around in [plot.svg]");
+               "Write a picture (.svg), or a page to look around in (.html) [plot.svg]");
   command.path("--truth", options->truth_of_first, "FILE",
                "Draw the truth of the first map, too: .tum, else g2o with vertices");
   command.refusal("--no-align", options->align, "Overlay maps as they stand, not by what they share with the first one");
@@ -142,6 +149,7 @@ void declare_plot(Subcommand& command) {
   command.flag("--repair-information", options->read.repair_information,
                "Take the nearest semidefinite matrix for an indefinite information matrix");
   add_running(command, *options);
+  command.check([options] { return check_picture(*options); });
   command.check([options] { return check_files(*options); });
   command.act([options](const std::stop_token& stop) { return plot(*options, stop); });
 }

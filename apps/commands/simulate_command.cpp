@@ -108,6 +108,7 @@ void declare_simulate(Subcommand& command) {
   add_sensor(command, world);
   add_noise(command, world);
   command.check([options] { return options->manhattan.validate(); });
+  command.only_with("--storeys", "--dim 3", [options] { return options->dimension == 3; });
   command.check([options] { return output_conflicts({}, outputs_of(*options)); });
   command.act([options](const std::stop_token& stop) {
     return options->dimension == 2 ? simulate_in<2>(*options, stop) : simulate_in<3>(*options, stop);

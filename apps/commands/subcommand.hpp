@@ -143,6 +143,13 @@ class Subcommand {
 
   /// Called after parsing: what is wrong, in words, with options that are right one by one.
   void check(std::function<std::vector<std::string>()> violations) { checks_.push_back(std::move(violations)); }
+  /// An option that does nothing unless what it is `of` is asked for, and is then refused.
+  void only_with(const std::string& option, const std::string& of, std::function<bool()> is_asked) {
+    check([this, option, of, is_asked = std::move(is_asked)]() -> std::vector<std::string> {
+      if (!is_given(option) || is_asked()) return {};
+      return {option + " is of " + of};
+    });
+  }
   void act(Action action) { action_ = std::move(action); }
 
   /// Whether there is such an option.

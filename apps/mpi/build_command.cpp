@@ -55,6 +55,7 @@ void declare_mpi_build(Subcommand& command) {
   add_reading(command, *options);
   add_reporting(command, *options);
   command.check([options] { return output_conflicts(inputs_of(*options, "LOG"), report_of(*options)); });
+  command.check([options] { return store_conflicts(*options, "--output"); });
   command.act([options](const std::stop_token&) { return build_log(*options); });
 }
 

@@ -3,6 +3,9 @@
 
 #include <apps/mpi/by_ranks.hpp>
 #include <mapjoin/distributed/run.hpp>
+#include <mapjoin/distributed/share_maps.hpp>
+#include <mapjoin/io/store/store.hpp>
+#include <mapjoin/model/lists.hpp>
 
 namespace mapjoin::apps {
 
@@ -77,6 +80,20 @@ ExitCode make_map(const std::string& command, const MpiOptions& options,
     std::visit(write, found);
     return conclude(command_run, effort);
   });
+}
+
+std::vector<std::string> store_conflicts(const MpiOptions& options, const std::string& option) {
+  std::vector<std::string> violations;
+  if (options.stores.empty()) return violations;
+  const Communicator comm(MPI_COMM_WORLD);
+  NamedFiles files = inputs_of(options, "LOG");
+  append(files, report_of(options));
+  for (int rank = 0; rank < comm.size(); ++rank) {
+    const std::filesystem::path store = distributed::store_of(rank, comm.size(), options.stores);
+    append(violations, unfinished_conflicts(files, option, store));
+    append(violations, unfinished_conflicts(files, option, unfinished_store(store)));
+  }
+  return violations;
 }
 
 void add_way_of_ranks(Subcommand& command, MpiOptions& options) {

@@ -31,6 +31,9 @@ ExitCode conclude(CommandRun& command_run, const std::string& effort);
 ExitCode make_map(const std::string& command, const MpiOptions& options,
                   const std::function<Expected<distributed::AnyMappedLog>(const distributed::Communicator&)>& read);
 
+/// In words, a log or a report in the place of a rank's store, in the folder that `option` names.
+std::vector<std::string> store_conflicts(const MpiOptions& options, const std::string& option);
+
 /// What such a command takes beside its input: --schedule, --regions, --out-of-core, --max-memory, and options of the solver
 /// and the report.
 void add_way_of_ranks(Subcommand& command, MpiOptions& options);

@@ -3,6 +3,7 @@
 #include <apps/outputs.hpp>
 #include <apps/picture/links.hpp>
 #include <apps/picture/load.hpp>
+#include <mapjoin/geometry/upper_triangle.hpp>
 #include <mapjoin/io/files/file_bytes.hpp>
 #include <mapjoin/io/open.hpp>
 #include <mapjoin/join/relative_join.hpp>
@@ -44,15 +45,11 @@ auto from_json(const fs::path& file, Take&& take) {
   }
 }
 
-/// Symmetric, from its upper triangle, row by row; throws where there are not as many numbers.
+/// Symmetric, from its upper triangle; throws where there are not as many numbers.
 template <int Size>
 Matrix<Size> symmetric(const Json& upper) {
-  Matrix<Size> M;
   std::size_t next = 0;
-  for (int i = 0; i < Size; ++i) {
-    for (int j = i; j < Size; ++j) M(i, j) = M(j, i) = upper.at(next++).get<double>();
-  }
-  return M;
+  return from_upper_triangle<Size>([&] { return upper.at(next++).get<double>(); });
 }
 
 template <typename Index, typename Covariance>

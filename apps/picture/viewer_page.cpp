@@ -13,6 +13,7 @@
 #include <cstdint>
 #include <functional>
 #include <limits>
+#include <mapjoin/geometry/upper_triangle.hpp>
 
 namespace mapjoin::apps {
 
@@ -66,9 +67,7 @@ template <typename Covariance>
 std::string triangles_of(const std::vector<Covariance>& covariances) {
   std::vector<double> entries;
   for (const Covariance& P : covariances) {
-    for (int i = 0; i < P.rows(); ++i) {
-      for (int j = i; j < P.cols(); ++j) entries.push_back(P(i, j));
-    }
+    each_of_upper_triangle(P, [&](double entry) { entries.push_back(entry); });
   }
   return packed<float>(entries);
 }

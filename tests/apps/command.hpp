@@ -2,6 +2,8 @@
 #pragma once
 // The command as the tests call it, the logs they give it, and how they read what it writes.
 
+#include <gmock/gmock.h>
+
 #include <filesystem>
 #include <nlohmann/json.hpp>
 #include <sstream>
@@ -45,6 +47,14 @@ inline std::vector<std::string> lines_of(const std::string& text) {
   std::vector<std::string> lines;
   for (std::string line; std::getline(stream, line);) lines.push_back(line);
   return lines;
+}
+
+/// One sentence on standard error, after the command's name, and nothing on standard output.
+inline void expect_failure(const Ended& ended, int exit_code, const std::string& part) {
+  EXPECT_EQ(ended.exit_code, exit_code);
+  EXPECT_EQ(ended.out, "");
+  EXPECT_THAT(ended.err, ::testing::AllOf(::testing::StartsWith("mapjoin: "), ::testing::HasSubstr(part)));
+  EXPECT_EQ(lines_of(ended.err).size(), 1U) << ended.err;
 }
 
 /// How often `part` stands in `text`.

@@ -75,6 +75,7 @@ TEST_F(ConvexityCommand, RefusesWhatMakesNoSense) {
   for (const std::vector<std::string>& wrong : {std::vector<std::string>{"--pairs", "0"},
                                                 {"--points", "2"},
                                                 {"--spread", "0"},
+                                                {"--spread", "2"},
                                                 {"--states", "far"},
                                                 {"--points", "many"}}) {
     const Ended ended = convexity(wrong);

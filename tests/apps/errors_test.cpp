@@ -2,7 +2,6 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include <algorithm>
 #include <filesystem>
 #include <mapjoin/io/open.hpp>
 #include <mapjoin/io/store/store.hpp>
@@ -15,14 +14,6 @@ using ::testing::AllOf;
 using ::testing::EndsWith;
 using ::testing::HasSubstr;
 using ::testing::StartsWith;
-
-/// One sentence on standard error, after the command's name, and nothing on standard output.
-void expect_failure(const Ended& ended, int exit_code, const std::string& part) {
-  EXPECT_EQ(ended.exit_code, exit_code);
-  EXPECT_EQ(ended.out, "");
-  EXPECT_THAT(ended.err, AllOf(StartsWith("mapjoin: "), HasSubstr(part)));
-  EXPECT_EQ(std::count(ended.err.begin(), ended.err.end(), '\n'), 1) << ended.err;
-}
 
 class BadInput : public ::testing::Test {
  protected:
@@ -172,100 +163,6 @@ TEST(Usage, NoPathIsEmpty) {
   expect_failure(call({"run", ""}), 2, "LOG");
 }
 
-TEST(Usage, NoFileIsWrittenOverAnother) {
-  const TemporaryFolder folder;
-  const auto log = folder.file("log.g2o", kSmallLog).string();
-  const auto link = (folder.path() / "link").string();
-  const auto other = (folder.path() / "other").string();
-  std::filesystem::create_symlink("log.g2o", link);
-  for (const std::string command : {"build", "solve", "join"}) {
-    expect_failure(call({command, log, "-o", link}), 2, "--output are one file, " + link);
-    expect_failure(call({command, log, "-o", other, "--report", folder.path().string() + "/./other"}), 2, "--report");
-  }
-  expect_failure(call({"run", log, "--report", log}), 2, "LOG and --report are one file");
-  expect_failure(call({"run", log, "-o", other, "--report", other + "/map.g2o"}), 2, "is of the files that --output replaces");
-  expect_failure(call({"simulate", "-o", other, "--truth", other}), 2, "--truth");
-  EXPECT_EQ(content_of(log), kSmallLog);
-  EXPECT_FALSE(std::filesystem::exists(other));
-  EXPECT_EQ(call({"solve", log, "-o", "/dev/null", "--report", "/dev/null"}).exit_code, 0);
-}
-
-TEST(Usage, NoInputIsWhatAnOutputIsUntilItIsDone) {
-  const TemporaryFolder folder;
-  const std::string map = (folder.path() / "map.g2o").string();
-  const std::string unfinished = folder.file("map.g2o.mapjoin-tmp", kSmallLog).string();
-  expect_failure(call({"solve", unfinished, "-o", map}), 2,
-                 "LOG " + unfinished + " is what --output is until it is done: give it another name");
-  expect_failure(call({"solve", map, "--truth", unfinished, "-o", map}), 2, "--truth " + unfinished);
-  const std::string out = (folder.path() / "out").string();
-  for (const std::string name : {"/.mapjoin-tmp", "/.mapjoin-tmp/log.g2o", ".mapjoin-tmp/log.g2o"}) {
-    expect_failure(call({"run", out + name, "-o", out + "/"}), 2, "LOG " + out + name + " is what --output is");
-  }
-  const std::string hard = (folder.path() / "hard.g2o").string();
-  std::filesystem::create_hard_link(unfinished, hard);
-  expect_failure(call({"solve", hard, "-o", map}), 2, "LOG " + hard + " is what --output is until it is done");
-  const std::string store = folder.file("w.maps.partial", kSmallLog).string();
-  const std::string link = (folder.path() / "link.maps").string();
-  std::filesystem::create_symlink("w.maps", link);
-  expect_failure(call({"build", store, "-o", (folder.path() / "w.maps").string()}), 2,
-                 "LOG|MAPS " + store + " is what --output is until it is done");
-  expect_failure(call({"convert", store, (folder.path() / "w.maps").string()}), 2,
-                 "IN " + store + " is what OUT is until it is done");
-  expect_failure(call({"build", store, "-o", link}), 2, "LOG|MAPS " + store + " is what --output is until it is done");
-  ProcessOptions there;
-  there.working_folder = folder.path();
-  expect_failure(call({"solve", "map.g2o.mapjoin-tmp", "-o", "map.g2o"}, there), 2, "is what --output is until it is done");
-  expect_failure(call({"solve", unfinished, "-o", "new.g2o", "--report", "./new.g2o"}, there), 2, "are one file, ./new.g2o");
-  EXPECT_EQ(content_of(unfinished), kSmallLog);
-  EXPECT_EQ(content_of(store), kSmallLog);
-}
-
-TEST(Usage, ALinkToWhatIsYetToComeIsThatFile) {
-  const TemporaryFolder folder;
-  const auto log = folder.file("log.g2o", kSmallLog).string();
-  const std::string map = (folder.path() / "map.g2o").string();
-  const std::string link = (folder.path() / "link.g2o").string();
-  std::filesystem::create_symlink("map.g2o", link);
-  expect_failure(call({"solve", log, "-o", link, "--report", map}), 2, "--output and --report are one file");
-}
-
-TEST(Usage, NothingOfAFolderThatIsReadIsWrittenOver) {
-  const TemporaryFolder folder;
-  const std::string result = (folder.path() / "result").string();
-  ASSERT_EQ(call({"run", kBundledLog, "-o", result, "--covariances"}).exit_code, 0);
-  const std::string map = result + "/map.g2o";
-  const std::string report = result + "/report.json";
-  const std::string before = content_of(report);
-  expect_failure(call({"plot", result, "-o", report}), 2, "MAP and --output are one file, " + report);
-  expect_failure(call({"covariance", result, "5", "--report", report}), 2, "MAP and --report are one file, " + report);
-  expect_failure(call({"error", result, kBundledTruth, "--report", report}), 2, "MAP and --report are one file, " + report);
-  const std::string picture = (folder.path() / "picture.svg").string();
-  std::filesystem::create_symlink(map, picture);
-  expect_failure(call({"plot", result, "-o", picture}), 2, "MAP and --output are one file, " + picture);
-  EXPECT_EQ(content_of(report), before);
-  EXPECT_EQ(call({"plot", result, "-o", result + "/map.svg"}).exit_code, 0);
-  const std::string replaces = " is of the files that --output replaces: give it another name, or --output another folder";
-  expect_failure(call({"run", map, "-o", result}), 2, "LOG " + map + replaces);
-  const std::string link = (folder.path() / "link").string();
-  std::filesystem::create_symlink(map, link);
-  expect_failure(call({"run", link, "-o", result}), 2, "LOG " + link + replaces);
-  std::filesystem::copy(map, result + "/inliers.g2o");  // as --robust leaves it; a run without would take it away
-  expect_failure(call({"run", result + "/inliers.g2o", "-o", result}), 2, "LOG " + result + "/inliers.g2o" + replaces);
-  const std::string truth = result + "/trajectory_1.tum";
-  std::filesystem::copy(result + "/trajectory.tum", truth);
-  expect_failure(call({"run", kBundledLog, "--truth", truth, "-o", result}), 2, "--truth " + truth + replaces);
-  expect_failure(call({"run", kBundledLog, "--report", truth, "-o", result}), 2, "--report " + truth + replaces);
-  std::filesystem::rename(truth, result + "/trajectory_a.tum");
-  EXPECT_EQ(call({"run", kBundledLog, "--truth", result + "/trajectory_a.tum", "-o", result}).exit_code, 0);
-  std::filesystem::create_directory(result + "/other");
-  std::filesystem::copy(map, result + "/other/map.g2o");
-  EXPECT_EQ(call({"run", kBundledLog, "--truth", result + "/other/map.g2o", "-o", result}).exit_code, 0);
-  EXPECT_EQ(call({"run", map, "--truth", result + "/other/map.g2o", "-o", result + "/new"}).exit_code, 0) << "of one name";
-  std::filesystem::create_directory(result + "/part_2");
-  std::filesystem::copy(map, result + "/part_2/map.g2o");
-  expect_failure(call({"run", result + "/part_2/map.g2o", "--parts", "all", "-o", result}), 2, replaces);
-}
-
 TEST(Errors, ARemedyThatACommandLacksIsOfferedWithTheCommandThatHasIt) {
   const TemporaryFolder folder;
   const auto apart = folder.file("log.g2o", "EDGE_SE2 0 1 1 0 0 1 0 0 1 0 1\nEDGE_SE2 5 6 1 0 0 1 0 0 1 0 1\n").string();
@@ -273,10 +170,41 @@ TEST(Errors, ARemedyThatACommandLacksIsOfferedWithTheCommandThatHasIt) {
   EXPECT_THAT(call({"run", apart}).err, EndsWith(remedy + "\n"));
   EXPECT_THAT(call({"basin", apart}).err, EndsWith(remedy + "; --parts goes with `mapjoin run`\n"));
   const auto unknown = folder.file("unknown.g2o", "EDGE_SE2 0 1 1 0 0 1 0 0 1 0 1\nSOMETHING 1\n").string();
-  const std::string map = (folder.path() / "map.tum").string();
+  const std::string map = (folder.path() / "map.svg").string();
   EXPECT_THAT(call({"solve", unknown}).err, EndsWith("; --skip-unknown leaves such lines out\n"));
   EXPECT_THAT(call({"plot", unknown, "-o", map}).err,
               EndsWith("; --skip-unknown leaves such lines out; --skip-unknown goes with `mapjoin run`\n"));
+}
+
+TEST(Usage, AnOptionOfWhatIsNotAskedForIsNamed) {
+  expect_failure(call({"solve", "log.g2o", "--seed", "3"}), 2, "--seed is of --start random");
+  expect_failure(call({"convexity", "log.g2o", "--spread", "2"}), 2, "--spread is of --states drift");
+  expect_failure(call({"simulate", "-o", "log.g2o", "--storeys", "2"}), 2, "--storeys is of --dim 3");
+}
+
+TEST(Usage, WhatWouldCountTwiceIsGivenOnce) {
+  const TemporaryFolder folder;
+  const std::string log = folder.file("log.g2o", kSmallLog).string();
+  const std::string again = folder.path().string() + "/./log.g2o";
+  for (const std::string command : {"run", "check", "solve", "compare"}) {
+    expect_failure(call({command, log, again}), 2, again + " is given twice");
+  }
+  const std::string store = (folder.path() / "maps").string();
+  ASSERT_EQ(call({"build", log, "-o", store}).exit_code, 0);
+  EXPECT_EQ(call({"join", store, store}).exit_code, 0) << "two of one log, which are united";
+  EXPECT_EQ(call({"check", store, store}).exit_code, call({"check", store}).exit_code);
+  const std::string maps = (folder.path() / "of_others").string();
+  ASSERT_EQ(call({"convert", store, maps, "--to", "maps-text"}).exit_code, 0);
+  expect_failure(call({"join", maps, maps}), 2, maps + " is given twice: leave one out");
+}
+
+TEST(Usage, APictureHasTheExtensionOfOne) {
+  const TemporaryFolder folder;
+  const std::string log = folder.file("log.g2o", kSmallLog).string();
+  const std::string image = (folder.path() / "map.png").string();
+  expect_failure(call({"plot", log, "-o", image}), 2, image + " has neither the extension of a picture, .svg, nor");
+  EXPECT_FALSE(std::filesystem::exists(image));
+  EXPECT_EQ(call({"plot", log, "-o", (folder.path() / "picture").string()}).exit_code, 0);
 }
 
 TEST(Usage, AStartIsForTheBatchSchedule) {

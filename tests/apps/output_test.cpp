@@ -225,6 +225,18 @@ TEST_F(Output, AFolderInTheWayOfAFileIsAnErrorThatLeavesNothing) {
   EXPECT_EQ(names_in(folder.path()), (std::vector<std::string>{"map.features.csv", "out"}));
 }
 
+TEST_F(Output, WhatIsInTheWayOfAnUnfinishedFileIsNamed) {
+  ASSERT_TRUE(fs::create_directories(path("map.g2o.mapjoin-tmp")));
+  const Ended file = call({"solve", kBundledLog, "-o", path("map.g2o")});
+  EXPECT_EQ(file.exit_code, 5);
+  EXPECT_EQ(file.err, "mapjoin: " + path("map.g2o.mapjoin-tmp") + " is in the way of " + path("map.g2o") + ": remove it\n");
+  ASSERT_TRUE(fs::create_directory(path("result")));
+  folder.file("result/.mapjoin-tmp", "a file");
+  const Ended in_folder = call({"run", kBundledLog, "-o", path("result")});
+  EXPECT_EQ(in_folder.exit_code, 5);
+  EXPECT_EQ(in_folder.err, "mapjoin: " + path("result/.mapjoin-tmp") + " is in the way of " + path("result") + ": remove it\n");
+}
+
 TEST_F(Output, AReportGoesIntoTheFolderOfARun) {
   const Ended ended = call({"run", kBundledLog, "-o", path("out"), "--report", path("out/mine.json")});
   EXPECT_EQ(ended.exit_code, 0) << ended.err;

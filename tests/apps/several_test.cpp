@@ -1,8 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Several logs or stores to a command: each a session.
+#include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <fstream>
 #include <mapjoin/io/formats/log_format.hpp>
 #include <mapjoin/io/open.hpp>
 #include <mapjoin/model/log_builder.hpp>
@@ -13,6 +15,7 @@ namespace mapjoin::testing {
 namespace {
 
 using ::testing::HasSubstr;
+using ::testing::Not;
 
 class SeveralInputs : public ::testing::Test {
  protected:
@@ -112,6 +115,22 @@ TEST_F(SeveralInputs, OfMapsThatWereMergedBeforeAreSessionsOfTheirOwn) {
   EXPECT_TRUE(open_log(path("joined.csv"))) << "each pose has one name";
 }
 
+TEST_F(SeveralInputs, OfWhichOneCannotBeMappedAloneAreCheckedAllTheSame) {
+  const auto log_of = [&](const std::string& name, const std::string& heading, const std::string& from_first,
+                          const std::string& from_second) {
+    std::string text = "EDGE_SE2 0 1 1 0 0 1 0 0 1 0 " + heading + "\n";
+    for (const char id : from_first) text += fmt::format("EDGE_SE2_XY 0 {} {} {} 1 0 1\n", id, id - '0', (id - '0') % 3);
+    for (const char id : from_second) text += fmt::format("EDGE_SE2_XY 1 {} {} {} 1 0 1\n", id, id - '1', (id - '0') % 3);
+    return folder.file(name, text).string();
+  };
+  const std::string whole = log_of("whole.g2o", "1", "123456", "123456");
+  const std::string free = log_of("free.g2o", "0", "123", "456");
+  std::ofstream(free, std::ios::app) << "EDGE_SE2_XY 1 6 90 90 1 0 1\n";
+  const Ended ended = call({"check", whole, free});
+  EXPECT_EQ(ended.exit_code, 1) << ended.err;
+  EXPECT_THAT(ended.out, HasSubstr("out of line with the rest"));
+}
+
 TEST_F(SeveralInputs, FeaturesThatLieDifferentlyUnderTheSameIdsAreAskedFor) {
   const std::string other = (folder.path() / "other.g2o").string();
   ASSERT_EQ(call({"simulate", "--poses", "500", "--seed", "9", "-o", other}).exit_code, 0);
@@ -119,6 +138,8 @@ TEST_F(SeveralInputs, FeaturesThatLieDifferentlyUnderTheSameIdsAreAskedFor) {
   EXPECT_EQ(asked.exit_code, 3);
   EXPECT_THAT(asked.err, HasSubstr("--features own where ids mean other features in each input, --features shared"));
   EXPECT_THAT(call({"run", a, other, "--features", "shared"}).out, HasSubstr("if they are not, --features own"));
+  EXPECT_THAT(call({"check", a, other}).out, HasSubstr("that lie differently in the map of each"));
+  EXPECT_THAT(call({"check", a, other, "--features", "shared"}).out, Not(HasSubstr("lie differently")));
 }
 
 TEST_F(SeveralInputs, FeaturesOfTheirOwnLeaveThemApart) {

@@ -201,6 +201,21 @@ TEST_F(StoresOfRanks, HaveNoPlaceForPosesInAnotherOrderThanTheirIds) {
   EXPECT_THAT(ended.err, HasSubstr("not driven in the order of their ids"));
 }
 
+TEST_F(StoresOfRanks, AreNotTheLogNorTheReport) {
+  std::filesystem::create_directory(path("stores"));
+  for (const std::string& place : {store(2, 2), store(1, 2) + ".partial"}) {
+    std::filesystem::copy(log, place);
+    for (const std::vector<std::string>& wrong : {std::vector<std::string>{"build", place, "-o", path("stores")},
+                                                  {"build", log, "-o", path("stores"), "--report", place},
+                                                  {"run", place, "--checkpoint", path("stores")}}) {
+      const Ended ended = call_ranks(2, wrong);
+      EXPECT_EQ(ended.exit_code, 2);
+      EXPECT_THAT(ended.err, HasSubstr(place + " is what "));
+    }
+    EXPECT_EQ(content_of(place), content_of(log));
+  }
+}
+
 TEST_F(StoresOfRanks, NeedAFolder) {
   std::ofstream(path("stores")) << "a file\n";
   const Ended ended = build(2, log);
