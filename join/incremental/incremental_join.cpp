@@ -2,7 +2,6 @@
 #include <algorithm>
 #include <iterator>
 #include <mapjoin/join/incremental/incremental_join.hpp>
-#include <mapjoin/join/incremental/tied_updates.hpp>
 #include <mapjoin/join/tolerances.hpp>
 #include <mapjoin/measure/statistics.hpp>
 #include <stdexcept>

@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
-// The estimate of an incremental join under the names of poses and features, which updates enter.
+// The estimate of an incremental join under the names of poses and features, which updates enter, and which of those that wait
+// names tie to it.
 
+#include <cstddef>
 #include <deque>
 #include <map>
 #include <mapjoin/join/incremental/incremental_estimate.hpp>
@@ -74,5 +76,12 @@ class NamedEstimate {
   std::deque<LocalMap<Dim>> singles_;                                     // single observations as maps of one target
   std::map<const SubmapUpdate<Dim>*, std::vector<FactorIndex>> factors_;  // of updates without a segment
 };
+
+/// Of the updates with the numbers `waiting`, those that names tie to the estimate, if only by way of each other, in one group;
+/// where the estimate is empty, a group of each that names tie to each other, in the order of their first ones. Numbers of a
+/// group keep their order.
+template <int Dim>
+std::vector<std::vector<std::size_t>> tied_updates(const std::deque<SubmapUpdate<Dim>>& updates,
+                                                   const std::vector<std::size_t>& waiting, const NamedEstimate<Dim>& estimate);
 
 }  // namespace mapjoin

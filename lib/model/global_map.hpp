@@ -26,9 +26,4 @@ struct GlobalMap {
   Conventions conventions;
 };
 
-/// std::invalid_argument unless the lists of a map are as long as those of the poses and features that they are of, and the
-/// anchored poses are there.
-template <int Dim>
-void demand_whole(const GlobalMap<Dim>& map);
-
 }  // namespace mapjoin

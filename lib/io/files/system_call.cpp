@@ -10,6 +10,17 @@
 #include <system_error>
 
 namespace mapjoin {
+namespace {
+
+/// Where a folder or a link has the name, says so.
+tl::unexpected<Error> cannot_open(const std::filesystem::path& path, const std::filesystem::path& output, int reason) {
+  std::error_code ignored;
+  const auto there = std::filesystem::symlink_status(path, ignored);
+  if (std::filesystem::is_directory(there) || std::filesystem::is_symlink(there)) return in_the_way(path, output);
+  return call_failed(output, reason, ErrorKind::kCannotWrite);
+}
+
+}  // namespace
 
 Descriptor Descriptor::to_read(const std::filesystem::path& path) {
   return Descriptor(::open(path.c_str(), O_RDONLY | O_CLOEXEC));
@@ -44,18 +55,6 @@ tl::unexpected<Error> in_the_way(const std::filesystem::path& path, const std::f
   const std::string words = fmt::format("{} is in the way of {}: remove it", path.string(), output.string());
   return tl::unexpected(Error{ErrorKind::kCannotWrite, words});
 }
-
-namespace {
-
-/// Where a folder or a link has the name, says so.
-tl::unexpected<Error> cannot_open(const std::filesystem::path& path, const std::filesystem::path& output, int reason) {
-  std::error_code ignored;
-  const auto there = std::filesystem::symlink_status(path, ignored);
-  if (std::filesystem::is_directory(there) || std::filesystem::is_symlink(there)) return in_the_way(path, output);
-  return call_failed(output, reason, ErrorKind::kCannotWrite);
-}
-
-}  // namespace
 
 Expected<Descriptor> open_alone(const std::filesystem::path& path, const std::filesystem::path& output) {
   while (true) {

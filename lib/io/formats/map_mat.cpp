@@ -3,6 +3,7 @@
 #include <mapjoin/geometry/upper_triangle.hpp>
 #include <mapjoin/io/files/mat_file.hpp>
 #include <mapjoin/io/files/output_file.hpp>
+#include <mapjoin/io/formats/map_text.hpp>
 #include <mapjoin/io/formats/mat_log.hpp>
 #include <string>
 #include <utility>

@@ -6,6 +6,7 @@
 #include <mapjoin/io/files/output_file.hpp>
 #include <mapjoin/io/files/text_line.hpp>
 #include <mapjoin/io/formats/map_text.hpp>
+#include <stdexcept>
 
 namespace mapjoin {
 namespace {
@@ -44,6 +45,19 @@ void put_features(const GlobalMap<Dim>& map, OutputFile& file) {
   }
 }
 
+/// One for each of `all`.
+template <typename List, typename All>
+void demand_each(const List& list, const All& all, const char* what) {
+  if (list.size() == all.size()) return;
+  throw std::invalid_argument(fmt::format("a map has {} {}, but {} of these", list.size(), what, all.size()));
+}
+
+/// One for each of `all`, or none.
+template <typename List, typename All>
+void demand_all_or_none(const List& list, const All& all, const char* what) {
+  if (!list.empty()) demand_each(list, all, what);
+}
+
 }  // namespace
 
 Pose<3> in_space(const Pose<2>& pose) {
@@ -57,6 +71,17 @@ std::string seconds(std::int64_t nanoseconds) {
   const std::int64_t whole = nanoseconds / kNanosecondsPerSecond;
   const std::int64_t rest = nanoseconds % kNanosecondsPerSecond;  // Has the sign of `nanoseconds`.
   return fmt::format("{}{}.{:09}", nanoseconds < 0 ? "-" : "", std::abs(whole), std::abs(rest));
+}
+
+template <int Dim>
+void demand_whole(const GlobalMap<Dim>& map) {
+  demand_each(map.pose_ids, map.poses, "names of poses");
+  demand_each(map.feature_ids, map.features, "names of features");
+  demand_all_or_none(map.stamps_ns, map.poses, "stamps of poses");
+  demand_all_or_none(map.pose_covariances, map.poses, "covariances of poses");
+  demand_all_or_none(map.feature_covariances, map.features, "covariances of features");
+  const auto is_missing = [&](PoseIndex pose) { return pose.position() >= map.poses.size(); };
+  if (std::ranges::any_of(map.gauge, is_missing)) throw std::invalid_argument("a map is anchored at a pose that is not in it");
 }
 
 template <int Dim>
@@ -115,6 +140,8 @@ Expected<void> write_csv(const GlobalMap<Dim>& map, const std::filesystem::path&
   return pose_file->sync().and_then([&] { return feature_file->commit(); }).and_then([&] { return pose_file->commit(); });
 }
 
+template void demand_whole(const GlobalMap<2>&);
+template void demand_whole(const GlobalMap<3>&);
 template Expected<void> write_tum(const GlobalMap<2>&, const std::filesystem::path&);
 template Expected<void> write_tum(const GlobalMap<3>&, const std::filesystem::path&);
 template Expected<void> write_kitti(const GlobalMap<2>&, const std::filesystem::path&);

@@ -22,8 +22,13 @@ inline const Pose<3>& in_space(const Pose<3>& pose) {
 /// Seconds with nine decimals, exactly.
 std::string seconds(std::int64_t nanoseconds);
 
+/// std::invalid_argument unless the lists of a map are as long as those of the poses and features that they are of, and the
+/// anchored poses are there.
+template <int Dim>
+void demand_whole(const GlobalMap<Dim>& map);
+
 // Each number has the fewest digits that read back as the same bits. Files appear whole or not at all: kCannotWrite.
-// std::invalid_argument of a map that is not whole (see demand_whole).
+// std::invalid_argument of a map that is not whole.
 
 /// `time x y z qx qy qz qw` per pose, in the map's order, after a comment that names the columns. The time is in seconds to the
 /// nanosecond; where the map has no stamps it is the index of the pose, counted from 0, as the comment then says. In the plane

@@ -2,6 +2,7 @@
 #include <fmt/format.h>
 
 #include <array>
+#include <mapjoin/io/formats/map_text.hpp>
 #include <mapjoin/io/g2o/g2o.hpp>
 #include <mapjoin/io/g2o/measured.hpp>
 #include <stdexcept>
