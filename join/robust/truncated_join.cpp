@@ -17,6 +17,8 @@ namespace {
 constexpr int kFirstSteps = 5;
 /// and of a round: the next loss asks for no more.
 constexpr int kStepsARound = 2;
+/// Share of the last truncated loss: what lies on its arc, near the threshold, the tests decide.
+constexpr double kEndShare = 0.6;
 /// Decrease of chi2 (share) that a settled estimate is good for.
 constexpr double kSettled = 1e-6;
 /// What may be left free stays where it is by this share of the information of what is measured there.
@@ -138,7 +140,7 @@ void TruncatedJoin<Dim>::graduate(const OfKinds& thresholds, const std::stop_tok
   minimise(*system_, solver, stop);
   solver.max_iterations = kStepsARound;
   double share = first_share(largest_excess(thresholds));
-  while (share < kSharpShare && largest_excess(thresholds) > 1.0 && !stop.stop_requested()) {
+  while (share < kEndShare && largest_excess(thresholds) > 1.0 && !stop.stop_requested()) {
     for_each_doubtful([&](auto& factor, std::size_t k, double OfKinds::*kind) {
       factor.loss = counts_[k] ? Loss::truncated(thresholds.*kind, share) : kDropped;
     });

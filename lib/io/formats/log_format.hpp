@@ -57,7 +57,7 @@ template <int Dim>
 std::vector<std::string> losses(const Log<Dim>& log, LogFormat format);
 
 /// Writes what the format has a place for. kUsage where that cannot be: a log in space for a planar format, none of the values
-/// that it needs, and what the format's writer refuses; kCannotWrite.
+/// that it needs, neither edge nor observation for one that has nothing else, and what its writer refuses; kCannotWrite.
 template <int Dim>
 Expected<void> write_log(const Log<Dim>& log, LogFormat format, const std::filesystem::path& path);
 

@@ -155,6 +155,9 @@ TYPED_TEST(LogFormatTest, RefusesInASentenceWhatAFormatCannotSay) {
       EXPECT_THAT(this->refusal(singular, format), HasSubstr("has an information matrix that is singular"));
     }
   }
+  auto edgeless = log;
+  edgeless.graph.pose_factors.clear();
+  EXPECT_THAT(this->refusal(edgeless, LogFormat::kIsam), HasSubstr("has only edges and observations, and the log has none"));
   log.initial.poses.clear();
   for (const LogFormat format : {LogFormat::kToro, LogFormat::kTum, LogFormat::kKitti}) {
     EXPECT_THAT(this->refusal(log, format), HasSubstr("needs the values of all poses"));
