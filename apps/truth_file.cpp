@@ -87,7 +87,16 @@ void TruthFile::demand_counts() const {
   const auto* trajectory = std::get_if<std::vector<StampedPose>>(&content_);
   const auto is_count = [](const StampedPose& line) { return line.time == std::floor(line.time); };
   if (!trajectory || std::ranges::all_of(*trajectory, is_count)) return;
-  fail(ErrorKind::kUsage, path_ + ": has times, and the poses of the map have none; --stamps gives a log's");
+  fail(ErrorKind::kUsage, path_ +
+                              ": has times, and the poses of the map have none; --stamps gives a log's, and poses.csv in "
+                              "the folder of a run has them");
+}
+
+void TruthFile::demand_names() const {
+  if (!std::holds_alternative<std::vector<StampedPose>>(content_)) return;
+  fail(ErrorKind::kUsage, path_ +
+                              ": tells poses by their count, which is another one in a part of a log; --stamps gives a log "
+                              "times, and g2o and CSV name poses");
 }
 
 template <int Dim>

@@ -43,6 +43,8 @@ class TruthFile {
   Truth<Dim> of(const GlobalMap<Dim>& map) const {
     return of<Dim>(map.pose_ids, map.feature_ids, map.stamps_ns);
   }
+  /// kUsage of a trajectory, for a part of a log whose poses have no times: they would be counted from its own first one on.
+  void demand_names() const;
   /// kUsage where a trajectory has times with fractions of seconds, for poses that have none.
   void demand_counts() const;
   /// The pairs of these poses that its edges tie.

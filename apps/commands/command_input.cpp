@@ -11,6 +11,7 @@
 #include <mapjoin/io/open.hpp>
 #include <mapjoin/join/association/associate.hpp>
 #include <mapjoin/join/robust/fix_inliers.hpp>
+#include <span>
 #include <utility>
 
 namespace mapjoin::apps {
@@ -74,11 +75,14 @@ std::vector<std::filesystem::path> CommandRun::inputs() const {
   return all;
 }
 
-AnyLog CommandRun::largest(const AnyLog& any) {
-  const auto take = [](const auto& log) -> AnyLog {
+AnyLog CommandRun::largest(const AnyLog& any) const {
+  const auto take = [&](const auto& log) -> AnyLog {
     auto part = split_into_parts(log).front();
     const auto left = static_cast<std::int64_t>(log.poses.size() - part.poses.size());
-    if (left > 0) part.skipped["poses of other parts"] = left;
+    if (left == 0) return part;
+    part.skipped["poses of other parts"] = left;
+    const bool counts_as_before = std::ranges::equal(part.poses, std::span(log.poses).first(part.poses.size()));
+    if (truth_ && !has_times(part) && !counts_as_before) truth_->demand_names();
     return part;
   };
   return std::visit(take, any);

@@ -107,7 +107,7 @@ class CommandRun {
   void settle_untied(const std::vector<UntiedParts>& untied, Data& data);
   std::vector<std::filesystem::path> inputs() const;
   /// The largest part of a log.
-  static AnyLog largest(const AnyLog& any);
+  AnyLog largest(const AnyLog& any) const;
   /// Makes the fixes of --gps priors of a log, but for those that --robust finds wrong.
   template <int Dim>
   void attach_gps(Log<Dim>& log);

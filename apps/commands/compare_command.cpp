@@ -174,10 +174,21 @@ StudyOutput compare_output(const Comparison<Dim>& comparison, const OtherWeights
   return output;
 }
 
+/// Bad input where the map of several logs says that they do not share the features that their ids say, and nobody said
+/// whether they do. It is made once for that, with the weights of the files.
+template <int Dim>
+void demand_shared_features(const CommandRun& command_run, const Log<Dim>& log) {
+  if (!command_run.options().asks_features) return;
+  const auto result = run(log, {}, command_run.stop());
+  command_run.check_interrupted();
+  if (result) command_run.check_shared_features(log, *result);  // else compare() says why
+}
+
 /// `log` has the weights that the file gives.
 template <int Dim>
 ExitCode compare_on(CommandRun& command_run, const CompareOptions& options, const Log<Dim>& log,
                     std::optional<OutputFolder>& folder) {
+  demand_shared_features(command_run, log);
   Log<Dim> identity = log;
   use_identity_covariance(identity);
   const bool by_identity = options.covariance == Covariance::kIdentity;

@@ -168,6 +168,8 @@ ExitCode run_parts(const Options& options, const std::stop_token& stop) {
   ExitCode worst = ExitCode::kDone;
   const auto run_each = [&](const auto& whole) {
     auto parts = split_into_parts(whole);
+    const bool is_counted_anew = parts.size() > 1 && whole.stamps_ns.empty();
+    if (is_counted_anew && !options.truth.empty()) TruthFile(options.truth).demand_names();
     for (std::size_t k = 0; k < parts.size(); ++k) {
       Options of_part = options;
       of_part.output = options.output / folder_of_part(k);

@@ -32,7 +32,9 @@ class FixSearch {
     const auto alignment = least_median_alignment();
     if (!alignment) return std::vector<RejectedFix>();
     log_.initial = moved(*alignment, std::move(log_.initial));
-    return graduate().and_then([&] { return settle(); }).map([&] { return rejected(); });
+    return graduate().and_then([&] { return settle(); }).map([&] { return rejected(); }).map_error([&](const Error& error) {
+      return error.kind == ErrorKind::kBadInput ? too_few() : error;
+    });
   }
 
  private:
@@ -104,6 +106,13 @@ class FixSearch {
   }
 
   void take_values(RunResult<Dim>&& result) { log_.initial = {std::move(result.map.poses), std::move(result.map.features)}; }
+
+  /// Without fixes the log was solved: something is free to move because too few of them count.
+  Error too_few() const {
+    return {ErrorKind::kBadInput, log_.source +
+                                      ": too few fixes agree to hold the map; without --robust all of them do, and the "
+                                      "verdict names those that are out of line"};
+  }
 
   /// Of each fix, whatever its loss.
   std::vector<double> costs() const {

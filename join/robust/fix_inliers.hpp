@@ -20,7 +20,8 @@ struct RejectedFix {
 /// motion that brings the most of its antenna positions near their fixes (least median of squares over random pairs, in space
 /// triples); from there all is solved with losses that are cut off at what the confidence allows, by graduated non-convexity,
 /// and then again with those fixes alone that cost less; what is then too far off is wrong. None are found where too few fixes
-/// stand apart to tell. Bad input: a log that nothing but its fixes ties together; kInterrupted on `stop`.
+/// stand apart to tell. Bad input: a log that nothing but its fixes ties together, and fixes of which too few agree to hold the
+/// map; kInterrupted on `stop`.
 template <int Dim>
 Expected<std::vector<RejectedFix>> find_wrong_fixes(const Log<Dim>& log, const RobustOptions& options,
                                                     const std::stop_token& stop = {});

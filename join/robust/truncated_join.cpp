@@ -17,7 +17,8 @@ namespace {
 constexpr int kFirstSteps = 5;
 /// and of a round: the next loss asks for no more.
 constexpr int kStepsARound = 2;
-/// Share of the last truncated loss: what lies on its arc, near the threshold, the tests decide.
+/// It ends before a truncated loss of this share: of what is near the threshold, tests drop what does not fit, and later maps
+/// take in what does.
 constexpr double kEndShare = 0.6;
 /// Decrease of chi2 (share) that a settled estimate is good for.
 constexpr double kSettled = 1e-6;

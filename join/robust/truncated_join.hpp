@@ -36,8 +36,8 @@ class TruncatedJoin {
   TruncatedJoin(const TruncatedJoin&) = delete;
   TruncatedJoin& operator=(const TruncatedJoin&) = delete;
 
-  /// Lets those count that cost less than their thresholds c² at a minimum of the truncated cost, found by graduated
-  /// non-convexity: from a loss so wide that all that count pull to one that is cut off at c².
+  /// Lets those count that cost less than their thresholds c², by graduated non-convexity: from a loss so wide that all that
+  /// count pull, to one that has let go of what is far beyond c². What is kept near c² is for tests to drop.
   void graduate(const OfKinds& thresholds, const std::stop_token& stop);
   /// Minimises over those that count, and tests each doubtful factor against all others that count.
   void settle(const std::stop_token& stop);

@@ -59,7 +59,9 @@ TEST_F(ErrorCommand, SaysWhatDoesNotFit) {
   const std::string timed = folder.file("timed.tum", "0 0 0 0 0 0 0 1\n0.1 1 0 0 0 0 0 1\n").string();
   const Ended no_times = call({"error", map, timed});
   EXPECT_EQ(no_times.exit_code, 2);
-  EXPECT_THAT(no_times.err, HasSubstr("timed.tum: has times, and the poses of the map have none; --stamps gives a log's\n"));
+  EXPECT_THAT(no_times.err,
+              HasSubstr("timed.tum: has times, and the poses of the map have none; --stamps gives a log's, and poses.csv in "
+                        "the folder of a run has them\n"));
   const std::string out = (folder.path() / "out").string();
   EXPECT_THAT(call({"run", folder.file("drive.g2o", kSmallLog).string(), "-o", out, "--truth", timed}).err,
               HasSubstr("timed.tum: has times"));

@@ -138,8 +138,32 @@ TEST_F(SeveralInputs, FeaturesThatLieDifferentlyUnderTheSameIdsAreAskedFor) {
   EXPECT_EQ(asked.exit_code, 3);
   EXPECT_THAT(asked.err, HasSubstr("--features own where ids mean other features in each input, --features shared"));
   EXPECT_THAT(call({"run", a, other, "--features", "shared"}).out, HasSubstr("if they are not, --features own"));
+  const Ended compared = call({"compare", a, other});
+  EXPECT_EQ(compared.exit_code, 3);
+  EXPECT_EQ(compared.err, asked.err);
   EXPECT_THAT(call({"check", a, other}).out, HasSubstr("that lie differently in the map of each"));
   EXPECT_THAT(call({"check", a, other, "--features", "shared"}).out, Not(HasSubstr("lie differently")));
+}
+
+TEST_F(SeveralInputs, ATruthThatCountsPosesIsOfThosePartsThatCountAlike) {
+  const auto log_of = [&](const std::string& name, const std::vector<int>& steps) {
+    std::string text;
+    for (const int from : steps) text += fmt::format("EDGE_SE2 {} {} 1 0 0 1 0 0 1 0 1\n", from, from + 1);
+    return folder.file(name, text).string();
+  };
+  std::string lines;
+  for (int k = 0; k < 5; ++k) lines += fmt::format("{} {} 0 0 0 0 0 1\n", k, k);
+  const std::string truth = folder.file("truth.tum", lines).string();
+  const std::string second = log_of("second.g2o", {0, 5, 6});
+  const std::string out = (folder.path() / "out").string();
+  for (const std::vector<std::string>& parts : {std::vector<std::string>{"largest"}, {"all", "-o", out}}) {
+    std::vector<std::string> words = {"run", second, "--truth", truth, "--parts"};
+    words.insert(words.end(), parts.begin(), parts.end());
+    const Ended ended = call(words);
+    EXPECT_EQ(ended.exit_code, 2) << parts.front();
+    EXPECT_THAT(ended.err, HasSubstr("truth.tum: tells poses by their count, which is another one in a part of a log"));
+  }
+  EXPECT_EQ(call({"run", log_of("first.g2o", {0, 1, 5}), "--truth", truth, "--parts", "largest"}).exit_code, 0);
 }
 
 TEST_F(SeveralInputs, FeaturesOfTheirOwnLeaveThemApart) {

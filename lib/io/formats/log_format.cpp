@@ -281,7 +281,9 @@ Expected<void> write_log(const Log<Dim>& log, LogFormat format, const fs::path& 
   };
   if (needs_values(format) && log.initial.poses.empty()) return cannot("needs the values of all poses");
   const bool is_nothing = !row.room.pose_values && log.edges().empty() && log.observations().empty();
-  if (is_nothing) return cannot("has only edges and observations, and the log has none; g2o keeps what else there is");
+  if (is_nothing) {
+    return cannot("has only edges and observations, and the log has none; g2o keeps values, priors and fixed poses");
+  }
   if constexpr (Dim == 2) {
     return row.write_plane(log, path);
   } else {

@@ -40,7 +40,9 @@ Expected<void> read_stamps(const std::filesystem::path& path, Log<Dim>& log) {
     const auto [begin, end] = poses.equal_range(*key);
     if (begin == end) continue;
     const PoseIndex pose = begin->second;
-    if (std::next(begin) != end) return text.error(fmt::format("several sessions have a pose {}", key_text(*key)));
+    if (std::next(begin) != end)
+      return text.error(fmt::format(
+          "several sessions have a pose {}; stamp each log by itself, as mapjoin build does, and join them", key_text(*key)));
     if (stamps[pose]) return text.error(fmt::format("{} has two times", to_string(log.poses[pose])));
     const std::string_view time = text.word();
     stamps[pose] = nanoseconds(time);

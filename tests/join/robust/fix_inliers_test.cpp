@@ -1,9 +1,12 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <mapjoin/join/robust/fix_inliers.hpp>
 #include <set>
+#include <span>
 #include <tests/support/dimensions.hpp>
+#include <tests/support/error_of.hpp>
 #include <tests/support/gps_world.hpp>
 
 namespace mapjoin::testing {
@@ -72,6 +75,14 @@ TYPED_TEST(FixInliers, FixesThatDetermineNoAlignmentAreKept) {
   auto world = gps_world<TestFixture::kDim>({.between = 1000});
   ASSERT_EQ(world.log.pose_priors().size(), 1U);
   EXPECT_TRUE(this->found_in(world.log).empty());
+}
+
+TYPED_TEST(FixInliers, FixesNoTwoOfWhichAgreeAreRefused) {
+  auto world = gps_world<TestFixture::kDim>();
+  const std::size_t first = world.log.edges().size();
+  for (auto& fix : std::span(world.log.graph.pose_factors).subspan(first)) fix.measured.translation *= 1e3;
+  EXPECT_THAT(testing::error_of(find_wrong_fixes(world.log, RobustOptions{})),
+              ::testing::HasSubstr("too few fixes agree to hold the map; without --robust"));
 }
 
 TYPED_TEST(FixInliers, ALogWithoutThemKeepsTheOthersInOrder) {
