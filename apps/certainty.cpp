@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <Eigen/Geometry>
 #include <apps/certainty.hpp>
+#include <apps/picture/picture.hpp>
 #include <apps/report/json.hpp>
 #include <cmath>
 #include <mapjoin/geometry/upper_triangle.hpp>
@@ -49,11 +50,13 @@ Json head(const GlobalMap<Dim>& map, Estimate estimate) {
 }
 
 /// One line per pose or feature, written as it comes: maps can be large. Of its covariance the upper triangle, row by row.
-template <typename Index, typename Id, typename Covariance>
-void write_list(const char* key, const Table<Index, Id>& ids, const Table<Index, Covariance>& covariances, OutputFile& file) {
+template <typename Index, typename Id, typename Value, typename Covariance>
+void write_list(const char* key, const Table<Index, Id>& ids, const Table<Index, Value>& values,
+                const Table<Index, Covariance>& covariances, OutputFile& file) {
   file.write(std::string(",\n\"") + key + "\": [");
   for (const Index k : indices(covariances)) {
     Json line = ids[k];
+    for (const double coordinate : *place_of(values[k])) line["position"].push_back(coordinate);
     each_of_upper_triangle(covariances[k], [&](double entry) { line["covariance"].push_back(entry); });
     file.write((k == 0 ? "\n" : ",\n") + line.dump());
   }
@@ -118,8 +121,8 @@ Expected<void> write_covariances(const GlobalMap<Dim>& map, Estimate estimate, c
   std::string text = head(map, estimate).dump();
   text.pop_back();  // The object goes on.
   file->write(text);
-  write_list("poses", map.pose_ids, map.pose_covariances, *file);
-  write_list("features", map.feature_ids, map.feature_covariances, *file);
+  write_list("poses", map.pose_ids, map.poses, map.pose_covariances, *file);
+  write_list("features", map.feature_ids, map.features, map.feature_covariances, *file);
   file->write("}\n");
   return file->commit();
 }

@@ -104,31 +104,6 @@ bool is_special(const fs::path& path) {
   return fs::exists(path, ignored) && !fs::is_regular_file(path, ignored) && !fs::is_directory(path, ignored);
 }
 
-constexpr auto kExtraFiles =
-    std::to_array<ExtraFile>({{Extra::kCovariances, "--covariances", "covariances.json", ".covariances.json"},
-                              {Extra::kRelations, "--relations", "relations.csv", ".relations.csv"},
-                              {Extra::kAssociations, "--associate", "associations.csv", ".associations.csv"},
-                              {Extra::kRejected, "--robust", "rejected.csv", ".rejected.csv"},
-                              {Extra::kInliers, "--robust", "inliers.g2o", nullptr},
-                              {Extra::kGeographic, "--gps", "poses.geographic.csv", ".geographic.csv"},
-                              {Extra::kGeoJson, "--gps", "map.geojson", ".geojson"}});
-
-bool is_asked(Extra extra, const Options& options) {
-  switch (extra) {
-    case Extra::kCovariances:
-      return options.covariances;
-    case Extra::kRelations:
-      return options.relations;
-    case Extra::kAssociations:
-      return options.association.has_value();
-    case Extra::kRejected:
-    case Extra::kInliers:
-      return options.robust.has_value();
-    default:
-      return !options.gps.empty();
-  }
-}
-
 }  // namespace
 
 NamedFiles inputs_of(const Options& options, const std::string& argument) {
@@ -257,8 +232,7 @@ std::string folder_of_part(std::size_t part) {
 }
 
 bool is_file_of_run(const std::string& name) {
-  return name == kReportOfRun || std::ranges::find(kFilesOfRun, name) != kFilesOfRun.end() ||
-         std::ranges::find(kExtraFiles, name, &ExtraFile::in_folder) != kExtraFiles.end() ||
+  return name == kReportOfRun || std::ranges::find(kFilesOfRun, name) != kFilesOfRun.end() || is_extra_of_run(name) ||
          number_between(name, "trajectory_", ".tum");
 }
 
@@ -266,19 +240,6 @@ fs::path map_of_run(const fs::path& path) {
   std::error_code ignored;
   const fs::path map = path / kMapOfRun;
   return fs::is_regular_file(map, ignored) ? map : path;
-}
-
-std::vector<ExtraFile> extra_files(const Options& options, bool has_covariances) {
-  std::vector<ExtraFile> files;
-  for (const ExtraFile& file : kExtraFiles) {
-    const bool is_of_covariances = file.extra == Extra::kCovariances || file.extra == Extra::kRelations;
-    if (is_asked(file.extra, options) && (has_covariances || !is_of_covariances)) files.push_back(file);
-  }
-  return files;
-}
-
-fs::path extra_file(Extra extra, const fs::path& map) {
-  return fs::path(map).replace_extension(std::ranges::find(kExtraFiles, extra, &ExtraFile::extra)->beside);
 }
 
 std::vector<fs::path> map_files(const fs::path& path) {

@@ -3,6 +3,7 @@
 // The files that a command writes: how a map's are called, that they can be written, and that none is written over another.
 
 #include <apps/commands/options.hpp>
+#include <apps/extra_files.hpp>
 #include <array>
 #include <cstdint>
 #include <filesystem>
@@ -74,19 +75,6 @@ std::string trajectory_of(std::uint32_t session);
 std::string folder_of_part(std::size_t part);
 /// The map in the folder of a run, else the path as it is.
 std::filesystem::path map_of_run(const std::filesystem::path& path);
-
-/// What an option asks for beside the map: a file in the folder of a run, or beside a map that is one file.
-enum class Extra : std::uint8_t { kCovariances, kRelations, kAssociations, kRejected, kInliers, kGeographic, kGeoJson };
-struct ExtraFile {
-  Extra extra;
-  const char* option;
-  const char* in_folder;
-  const char* beside;  ///< For the extension of the map; null: only in a folder.
-};
-/// All that the options ask for; a map may have no covariances though they are asked for.
-std::vector<ExtraFile> extra_files(const Options& options, bool has_covariances = true);
-/// Beside a map that is one file: `map.covariances.json` beside `map.g2o`.
-std::filesystem::path extra_file(Extra extra, const std::filesystem::path& map);
 
 /// The files of a map: of a `.csv` its features beside it, in `.features.csv`.
 std::vector<std::filesystem::path> map_files(const std::filesystem::path& path);

@@ -24,20 +24,25 @@ Pose<Dim> in_dimension(const Pose<3>& pose) {
   }
 }
 
-/// The poses by the names that a trajectory has for them: of each the line whose time is nearest to its time stamp, if near
-/// enough (s); or, where there are no time stamps, that of its count.
+/// The poses by their count among those that are `counted`.
 template <int Dim>
-Table<PoseIndex, std::optional<Pose<Dim>>> by_time(const std::vector<StampedPose>& trajectory, std::size_t poses,
-                                                   const Table<PoseIndex, std::int64_t>& stamps_ns, double most_apart) {
-  Table<PoseIndex, std::optional<Pose<Dim>>> found(poses);
-  if (stamps_ns.empty()) {
-    for (const StampedPose& line : trajectory) {
-      if (line.time >= 0.0 && line.time < static_cast<double>(poses)) {
-        found[PoseIndex(static_cast<std::size_t>(line.time))] = in_dimension<Dim>(line.pose);
-      }
-    }
-    return found;
+Table<PoseIndex, std::optional<Pose<Dim>>> by_count(const std::vector<StampedPose>& trajectory, const PoseIds& counted,
+                                                    const PoseIds& poses) {
+  PoseIds ids;
+  Table<PoseIndex, Pose<Dim>> values;
+  for (const StampedPose& line : trajectory) {
+    if (line.time < 0.0 || line.time >= static_cast<double>(counted.size())) continue;
+    ids.push_back(counted[PoseIndex(static_cast<std::size_t>(line.time))]);
+    values.push_back(in_dimension<Dim>(line.pose));
   }
+  return by_name(ids, values, poses);
+}
+
+/// The poses by their time stamps: of each the line whose time is nearest, if near enough (s).
+template <int Dim>
+Table<PoseIndex, std::optional<Pose<Dim>>> by_time(const std::vector<StampedPose>& trajectory,
+                                                   const Table<PoseIndex, std::int64_t>& stamps_ns, double most_apart) {
+  Table<PoseIndex, std::optional<Pose<Dim>>> found(stamps_ns.size());
   std::map<double, const StampedPose*> lines;
   for (const StampedPose& line : trajectory) lines.emplace(line.time, &line);
   for (const PoseIndex p : indices(found)) {
@@ -92,19 +97,19 @@ void TruthFile::demand_counts() const {
                               "the folder of a run has them");
 }
 
-void TruthFile::demand_names() const {
-  if (!std::holds_alternative<std::vector<StampedPose>>(content_)) return;
-  fail(ErrorKind::kUsage, path_ +
-                              ": tells poses by their count, which is another one in a part of a log; --stamps gives a log "
-                              "times, and g2o and CSV name poses");
+void TruthFile::count_among(const PoseIds& poses) {
+  demand_counts();
+  counted_ = poses;
 }
 
 template <int Dim>
 Truth<Dim> TruthFile::of(const PoseIds& poses, const FeatureIds& features,
                          const Table<PoseIndex, std::int64_t>& stamps_ns) const {
   if (const auto* trajectory = std::get_if<std::vector<StampedPose>>(&content_)) {
-    if (stamps_ns.empty()) demand_counts();
-    return {by_time<Dim>(*trajectory, poses.size(), stamps_ns, most_apart_), {features.size(), std::nullopt}};
+    const Table<FeatureIndex, std::optional<Point<Dim>>> no_features(features.size());
+    if (!stamps_ns.empty()) return {by_time<Dim>(*trajectory, stamps_ns, most_apart_), no_features};
+    demand_counts();
+    return {by_count<Dim>(*trajectory, counted_.empty() ? poses : counted_, poses), no_features};
   }
   const auto* log = std::get_if<Log<Dim>>(&std::get<AnyLog>(content_));
   if (!log) fail(ErrorKind::kUsage, fmt::format("{}: the truth is not in {}D, as the map is", path_, Dim));

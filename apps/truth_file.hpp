@@ -35,25 +35,27 @@ class TruthFile {
   /// Times may be so far apart (s).
   explicit TruthFile(const std::filesystem::path& path, double most_apart = 1e-6);
 
+  /// Poses without time stamps are from now on counted among these, those of a whole log, though it be for the map of a part.
+  /// kUsage of a trajectory that has times with fractions of seconds.
+  void count_among(const PoseIds& poses);
   /// What it has of a map, or of a log, with these names: by name; the poses of a trajectory by their time stamps or, where
-  /// there are none, by their count. kUsage where the dimensions differ, and as of demand_counts().
+  /// there are none, by their count. kUsage where the dimensions differ, and as of count_among().
   template <int Dim>
   Truth<Dim> of(const PoseIds& poses, const FeatureIds& features, const Table<PoseIndex, std::int64_t>& stamps_ns) const;
   template <int Dim>
   Truth<Dim> of(const GlobalMap<Dim>& map) const {
     return of<Dim>(map.pose_ids, map.feature_ids, map.stamps_ns);
   }
-  /// kUsage of a trajectory, for a part of a log whose poses have no times: they would be counted from its own first one on.
-  void demand_names() const;
-  /// kUsage where a trajectory has times with fractions of seconds, for poses that have none.
-  void demand_counts() const;
   /// The pairs of these poses that its edges tie.
   std::vector<std::pair<PoseIndex, PoseIndex>> relations(const PoseIds& poses) const;
 
  private:
+  void demand_counts() const;
+
   std::string path_;
   double most_apart_;
   std::variant<AnyLog, std::vector<StampedPose>> content_;
+  PoseIds counted_;  ///< By count_among().
 };
 
 }  // namespace mapjoin::apps

@@ -2,6 +2,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <limits>
 #include <mapjoin/join/align/gauge.hpp>
 #include <mapjoin/join/align/joined_map.hpp>
 #include <mapjoin/join/join.hpp>
@@ -69,6 +70,31 @@ struct Task {
 /// Directions that are looked at where a system is singular.
 constexpr std::size_t kMostDirections = 60;
 
+/// The least and the largest weight that are added up, of those above zero.
+template <int Dim>
+std::pair<double, double> weights_of(const JoiningSystem<Dim>& system) {
+  std::pair range(std::numeric_limits<double>::infinity(), 0.0);
+  const auto take = [&](const auto& information) {
+    for (const double weight : information.diagonal()) {
+      if (weight > 0.0) range = {std::min(range.first, weight), std::max(range.second, weight)};
+    }
+  };
+  for (const auto& factor : system.pose_factors()) take(factor.observation->information);
+  for (const auto& factor : system.feature_factors()) take(factor.observation->information);
+  for (const auto& placed : system.maps()) take(placed.map->information);
+  return range;
+}
+
+/// How to go on where the largest weights leave no digits to the least; else "".
+template <int Dim>
+std::string lost_weights_in_words(const JoiningSystem<Dim>& system) {
+  constexpr double kFarApart = 1e12;
+  const auto [least, largest] = weights_of(system);
+  if (!(largest > kFarApart * least)) return "";
+  return fmt::format("; weights from {:.2g} to {:.2g} are too far apart to be added: bring them closer together", least,
+                     largest);
+}
+
 /// What the observations leave free to move, by name; `singular` is a variable of it.
 template <int Dim>
 std::string free_to_move(const Task<Dim>& task, const JoiningSystem<Dim>& system, Variable singular,
@@ -88,7 +114,7 @@ std::string free_to_move(const Task<Dim>& task, const JoiningSystem<Dim>& system
   }
   const std::string found = free_directions(variables, equations.null_space(kMostDirections));
   const std::string& name = std::ranges::find(variables, equations.offset(singular), &PlacedVariable<Dim>::offset)->name;
-  return found.empty() ? name + " cannot be determined" : found;
+  return (found.empty() ? name + " cannot be determined" : found) + lost_weights_in_words(system);
 }
 
 /// The last solve of the joined map, from the estimate of its system on.

@@ -1,4 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include <algorithm>
+#include <cmath>
 #include <mapjoin/check/connectivity.hpp>
 #include <mapjoin/join/assess.hpp>
 #include <mapjoin/join/run.hpp>
@@ -96,6 +98,18 @@ void refine(const Log<Dim>& log, Restored<Dim>& restored, const RunOptions& opti
   result.chi2 = log_chi2(log, state).total();
 }
 
+/// Bad input where the numbers of a log or set, or what is computed from them, are beyond all numbers.
+template <int Dim>
+Expected<Found<Dim>> if_finite(Found<Dim> found, const std::string& source) {
+  const GlobalMap<Dim>& map = found.result.map;
+  const auto is_finite = [](const auto& value) { return is_valid(value); };
+  const bool is_map_finite = std::ranges::all_of(map.poses, is_finite) && std::ranges::all_of(map.features, is_finite);
+  if (is_map_finite && std::isfinite(found.result.chi2)) return found;
+  return bad_input_of(source,
+                      "its numbers are too large: the map is not finite, or its chi2; what is unknown is left out, and what is "
+                      "exact weighs 1e4 times the others, say");
+}
+
 /// Joins local maps, recovers what they eliminated, and refines the whole.
 template <int Dim>
 Expected<Found<Dim>> join_and_refine(const Log<Dim>& log, const Split& split, std::vector<LocalMap<Dim>> maps,
@@ -123,7 +137,7 @@ Expected<Found<Dim>> join_and_refine(const Log<Dim>& log, const Split& split, st
   if (stop.stop_requested()) return interrupted("polishing");
   fill_map(log, std::move(state), joined->anchored, result);
   result.map.stamps_ns = log.stamps_ns;
-  return Found<Dim>{std::move(result), std::move(restored_join)};
+  return if_finite(Found<Dim>{std::move(result), std::move(restored_join)}, log.source);
 }
 
 template <int Dim>
@@ -155,7 +169,7 @@ Expected<Found<Dim>> join_set(SubmapSet<Dim>& set, const RunOptions& options, co
   std::optional<Restored<Dim>> restored_join;
   if (wants_assessment(options)) restored_join.emplace(restored(graph, {}, *joined, joined->state, options.solver.engine));
   fill_map(set, std::move(joined->state), joined->anchored, result);
-  return Found<Dim>{std::move(result), std::move(restored_join)};
+  return if_finite(Found<Dim>{std::move(result), std::move(restored_join)}, set.source);
 }
 
 /// Whether a log that was left to be cut as is cheapest is joined without local maps, too: where their Gaussians proved crude,

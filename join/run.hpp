@@ -108,8 +108,9 @@ struct RunResult : RunFigures {
 
 /// Splits the log, builds local maps, joins them, recovers what was eliminated, and polishes to the optimum of the whole log.
 /// Where split and schedule are kAuto, no way of joining the maps was nearly linear, and polishing shows that they are crude,
-/// it joins once without local maps, and gives the better map. Bad input: a log that falls apart or leaves something
-/// undetermined. kInterrupted on `stop`. Options that do not validate are std::invalid_argument, here and below.
+/// it joins once without local maps, and gives the better map. Bad input: a log that falls apart, leaves something
+/// undetermined, or has numbers so large that the map or its chi2 is not finite. kInterrupted on `stop`. Options that do not
+/// validate are std::invalid_argument, here and below.
 template <int Dim>
 Expected<RunResult<Dim>> run(const Log<Dim>& log, const RunOptions& options, const std::stop_token& stop = {});
 

@@ -89,7 +89,7 @@ Finding verdict_on(const RunReport& run_report) {
   for (const NamedMisfit& misfit : run_report.misfits) finding.where.names.push_back(in_words(misfit));
   finding.where.count = run_report.misfits.size();
   if (run_report.misfits.empty()) {
-    finding.text = scales_in_words(fit);
+    finding.text = scales_in_words(run_report);
     return finding;
   }
   finding.text = fmt::format("out of line with the rest: {} of {} measurements{}", finding.where.count, fit.parts,

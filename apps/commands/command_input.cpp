@@ -11,7 +11,6 @@
 #include <mapjoin/io/open.hpp>
 #include <mapjoin/join/association/associate.hpp>
 #include <mapjoin/join/robust/fix_inliers.hpp>
-#include <span>
 #include <utility>
 
 namespace mapjoin::apps {
@@ -35,16 +34,23 @@ void demand_names(const std::string& input, const AssociationOptions& associatio
 }
 
 template <int Dim>
-bool has_times(const Log<Dim>& log) {
-  return !log.stamps_ns.empty();
+Truth<Dim> truth_of(const TruthFile& file, const Log<Dim>& log) {
+  return file.of<Dim>(log.poses, log.features, log.stamps_ns);
 }
 template <int Dim>
-bool has_times(const StoredMaps<Dim>& stored) {
-  return has_times(stored.log);
+Truth<Dim> truth_of(const TruthFile& file, const StoredMaps<Dim>& stored) {
+  return truth_of(file, stored.log);
 }
 template <int Dim>
-bool has_times(const SubmapSet<Dim>&) {
-  return false;
+Truth<Dim> truth_of(const TruthFile& file, const SubmapSet<Dim>& set) {
+  return file.of<Dim>(set.poses, set.features, {});
+}
+
+template <typename Data>
+bool knows(const TruthFile& file, const Data& data) {
+  const auto truth = truth_of(file, data);
+  const auto has_value = [](const auto& value) { return value.has_value(); };
+  return std::ranges::any_of(truth.poses, has_value) || std::ranges::any_of(truth.features, has_value);
 }
 
 }  // namespace
@@ -58,8 +64,10 @@ AnyLog CommandRun::read_log() {
 AnyLog CommandRun::open_input() {
   auto log = timed(run_report.read_seconds, [&] {
     return open_logs(inputs(), options_.read, options_.merging).and_then([&](AnyLog&& any) {
-      const bool takes_largest = options_.parts == Parts::kLargest && !options_.association;
-      return stamped(std::move(any)).map([&](AnyLog&& all) { return takes_largest ? largest(all) : all; });
+      return stamped(std::move(any)).map([&](AnyLog&& all) {
+        std::visit([&](const auto& whole) { count_truth_among(whole); }, all);
+        return options_.parts == Parts::kLargest && !options_.association ? largest(all) : all;
+      });
     });
   });
   if (!log && std::ranges::any_of(inputs(), may_hold_maps)) {
@@ -75,17 +83,41 @@ std::vector<std::filesystem::path> CommandRun::inputs() const {
   return all;
 }
 
-AnyLog CommandRun::largest(const AnyLog& any) const {
+AnyLog CommandRun::largest(const AnyLog& any) {
   const auto take = [&](const auto& log) -> AnyLog {
     auto part = split_into_parts(log).front();
     const auto left = static_cast<std::int64_t>(log.poses.size() - part.poses.size());
-    if (left == 0) return part;
-    part.skipped["poses of other parts"] = left;
-    const bool counts_as_before = std::ranges::equal(part.poses, std::span(log.poses).first(part.poses.size()));
-    if (truth_ && !has_times(part) && !counts_as_before) truth_->demand_names();
+    if (left > 0) part.skipped["poses of other parts"] = left;
     return part;
   };
   return std::visit(take, any);
+}
+
+template <int Dim>
+void CommandRun::count_truth_among(const Log<Dim>& whole) {
+  if (truth_ && whole.stamps_ns.empty()) truth_->count_among(whole.poses);
+}
+
+template <typename Data>
+void CommandRun::demand_truth(const Data& data) const {
+  if (!truth_ || knows(*truth_, data)) return;
+  fail(ErrorKind::kUsage,
+       fmt::format("{}: has no pose or feature of {}, by name, time or count; leave --truth out, and `mapjoin "
+                   "error --max-time-difference S` measures the map where only times differ",
+                   options_.truth.string(), run_report.input));
+}
+
+template <typename Data>
+void CommandRun::settle_truth(const Data& data) {
+  if (options_.parts != Parts::kAll) return demand_truth(data);
+  if (!truth_ || knows(*truth_, data)) return;
+  progress_.close();
+  say(
+      fmt::format("{}: has no pose or feature of the part in {}, by name, time or count; its map is not measured against it, "
+                  "and `mapjoin error` measures it against another",
+                  options_.truth.string(), options_.output.string()));
+  truth_.reset();
+  run_options_.covariances = false;
 }
 
 Expected<AnyLog> CommandRun::stamped(AnyLog any) const {
@@ -107,8 +139,8 @@ Input CommandRun::take_input(Input input) {
       [&](auto& any) {
         take_weights(options_, any);
         run_report.describe(any);
-        if (truth_ && !has_times(any)) truth_->demand_counts();
         if (options_.association) associate_features(any);
+        settle_truth(any);
         if (options_.robust) reject_outliers(any);
       },
       input);
@@ -178,5 +210,7 @@ void CommandRun::reject_outliers(StoredMaps<Dim>&) {
 }
 
 template AnyLog CommandRun::take_input(AnyLog);
+template void CommandRun::demand_truth(const Log<2>&) const;
+template void CommandRun::demand_truth(const Log<3>&) const;
 
 }  // namespace mapjoin::apps

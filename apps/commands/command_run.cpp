@@ -7,6 +7,7 @@
 #include <apps/report/associations.hpp>
 #include <apps/report/report.hpp>
 #include <apps/report/verdict.hpp>
+#include <cmath>
 #include <mapjoin/io/files/output_file.hpp>
 #include <mapjoin/io/formats/map_text.hpp>
 #include <mapjoin/io/g2o/g2o.hpp>
@@ -68,13 +69,13 @@ CommandRun::CommandRun(const std::string& command, const Options& options, std::
   }
   run_options_.covariances = !options.truth.empty();
   run_options_.marginals = options.covariances || options.relations;
-  run_options_.most_memory = static_cast<std::int64_t>(1e6 * std::min(options.most_memory_mb, 1e12));
+  run_options_.most_memory = std::llround(1e6 * std::min(options.most_memory_mb, 1e12));
 }
 
 void CommandRun::prepare(const NamedFiles& outputs) {
   check_writable(outputs);
   if (options_.truth.empty()) return;
-  truth_ = timed(run_report.read_seconds, [&] { return TruthFile(options_.truth, options_.truth_apart); });
+  truth_ = timed(run_report.read_seconds, [&] { return TruthFile(options_.truth); });
 }
 
 void CommandRun::check_interrupted() const {
@@ -91,13 +92,8 @@ void CommandRun::certify(RunResult<Dim>& result) {
     result.map.feature_covariances = result.marginals->features;
   }
   if (!truth_) return;
-  const auto named = [&](const Error& error) {
-    const bool is_of_truth = error.kind == ErrorKind::kUsage;
-    return is_of_truth ? Error{error.kind, options_.truth.string() + ": " + error.message} : error;
-  };
-  run_report.consistency = timed(run_report.figures.seconds.covariances, [&] {
-    return consistency(*result.covariances, truth_->of(result.map), stop_).map_error(named).value();
-  });
+  run_report.consistency = timed(run_report.figures.seconds.covariances,
+                                 [&] { return consistency(*result.covariances, truth_->of(result.map), stop_).value(); });
 }
 
 template <int Dim>
@@ -123,6 +119,15 @@ void CommandRun::write_map(RunResult<Dim>& result, const Log<Dim>* log) {
     const std::filesystem::path file = extra_file(extra.extra, options_.output);
     demand(write_extra(extra.extra, result, log, file));
     run_report.files.push_back(file.string());
+  }
+  say_what_is_left();
+}
+
+void CommandRun::say_what_is_left() {
+  progress_.close();
+  for (const std::filesystem::path& file : extra_files_left(options_.output, run_report.files)) {
+    say(fmt::format("{}: was there before and is not of {}; where it is of no other map, remove it", file.string(),
+                    options_.output.string()));
   }
 }
 
@@ -151,15 +156,16 @@ Expected<void> CommandRun::write_extra(Extra extra, const RunResult<Dim>& result
 template <typename Data>
 std::optional<std::string> CommandRun::features_apart(const Data& data, const RunFigures& figures) const {
   const bool is_doubtful = figures.fit.verdict == Verdict::kMisfit || figures.fit.verdict == Verdict::kUnconverged;
-  if (!options_.asks_features || options_.association || !is_doubtful) return std::nullopt;
+  if (!asks_features() || options_.association || !is_doubtful) return std::nullopt;
   const auto compared = worst_name_fit(data, options_.confidence, stop_);
   if (!compared && compared.error().kind == ErrorKind::kInterrupted) demand(tl::unexpected(compared.error()));
   const auto fit = compared.value_or(std::nullopt);  // what cannot be joined alone cannot be compared
   if (!fit || fit->alike > 0.5) return std::nullopt;
   return fmt::format(
       "{} and {} name {} alike that lie differently in the map of each (of the distances between these {:.0f} % agree): "
-      "--features own where ids mean other features in each input, --features shared where they mean the same all the same",
-      to_string(fit->first), to_string(fit->second), plural(fit->features, "feature"), 100.0 * fit->alike);
+      "{}--features own where ids mean other features in each input, --features shared where they mean the same all the same",
+      to_string(fit->first), to_string(fit->second), plural(fit->features, "feature"), 100.0 * fit->alike,
+      options_.further.empty() ? "`mapjoin build` with " : "");
 }
 
 void CommandRun::write_associations() {

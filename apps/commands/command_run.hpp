@@ -36,6 +36,11 @@ class CommandRun {
   void prepare(const NamedFiles& outputs);
   /// Once prepared, where one is given.
   const TruthFile& truth() const { return *truth_; }
+  /// Instead of prepare(), for a run of a part: the truth as it is of the whole.
+  void take_truth_of(const CommandRun& whole) { truth_ = whole.truth_; }
+  /// kUsage where there is a truth which knows nothing of the input.
+  template <typename Data>
+  void demand_truth(const Data& data) const;
   /// The inputs as one log, as they are; of several parts the largest one, where that is asked for.
   AnyLog open_input();
   /// The inputs as one log, as take_input() makes it of them, and with fixes of --gps.
@@ -71,6 +76,8 @@ class CommandRun {
   template <int Dim>
   void write_map(RunResult<Dim>& result, const Log<Dim>* log);
 
+  /// Whether there are several inputs, be it in one store, and nobody said whether they share features: their maps have to fit.
+  bool asks_features() const { return options_.asks_features && run_report.has_several_inputs; }
   /// In words, of the map of several inputs which does not fit, that features of the same ids lie differently in parts of it;
   /// nothing where the options say what ids mean.
   template <typename Data>
@@ -107,7 +114,15 @@ class CommandRun {
   void settle_untied(const std::vector<UntiedParts>& untied, Data& data);
   std::vector<std::filesystem::path> inputs() const;
   /// The largest part of a log.
-  AnyLog largest(const AnyLog& any) const;
+  static AnyLog largest(const AnyLog& any);
+  /// Where poses have no times, the truth counts them in the whole log, also for a part of it. kUsage where it has times.
+  template <int Dim>
+  void count_truth_among(const Log<Dim>& whole);
+  /// As demand_truth(); of one part among all it is said, and the part is not compared.
+  template <typename Data>
+  void settle_truth(const Data& data);
+  /// Says which files beside a map that is one file were there before. They may be somebody's: none is removed.
+  void say_what_is_left();
   /// Makes the fixes of --gps priors of a log, but for those that --robust finds wrong.
   template <int Dim>
   void attach_gps(Log<Dim>& log);

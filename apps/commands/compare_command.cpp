@@ -39,9 +39,10 @@ std::optional<int> poses_in(const std::string& word) {
 
 /// The truth of a log, where a file of it is given: at least two poses.
 template <int Dim>
-std::optional<Truth<Dim>> truth_of(const Log<Dim>& log, const std::filesystem::path& path) {
+std::optional<Truth<Dim>> truth_of(const Log<Dim>& log, const CommandRun& command_run) {
+  const std::filesystem::path& path = command_run.options().truth;
   if (path.empty()) return std::nullopt;
-  Truth<Dim> truth = TruthFile(path).of<Dim>(log.poses, log.features, log.stamps_ns);
+  Truth<Dim> truth = command_run.truth().of<Dim>(log.poses, log.features, log.stamps_ns);
   if (std::count_if(truth.poses.begin(), truth.poses.end(), [](const auto& pose) { return pose.has_value(); }) < 2) {
     fail(ErrorKind::kUsage, fmt::format("{}: the truth has fewer than two poses of the log", path.string()));
   }
@@ -178,8 +179,10 @@ StudyOutput compare_output(const Comparison<Dim>& comparison, const OtherWeights
 /// whether they do. It is made once for that, with the weights of the files.
 template <int Dim>
 void demand_shared_features(const CommandRun& command_run, const Log<Dim>& log) {
-  if (!command_run.options().asks_features) return;
-  const auto result = run(log, {}, command_run.stop());
+  if (!command_run.asks_features()) return;
+  RunOptions options;
+  options.progress = command_run.run_options().progress;
+  const auto result = run(log, options, command_run.stop());
   command_run.check_interrupted();
   if (result) command_run.check_shared_features(log, *result);  // else compare() says why
 }
@@ -194,7 +197,7 @@ ExitCode compare_on(CommandRun& command_run, const CompareOptions& options, cons
   const bool by_identity = options.covariance == Covariance::kIdentity;
   const Log<Dim>& here = by_identity ? identity : log;
   command_run.run_report.conventions = here.conventions;
-  const Comparison<Dim> comparison = compared(command_run, options, here, truth_of(log, options.truth));
+  const Comparison<Dim> comparison = compared(command_run, options, here, truth_of(log, command_run));
   const auto other = other_weights(by_identity ? log : identity, comparison.maps[comparison.best].polished, command_run);
   for (const std::string& name : kFiles) {
     if (folder) command_run.run_report.files.push_back(folder->file(name).string());
@@ -208,7 +211,6 @@ ExitCode compare_on(CommandRun& command_run, const CompareOptions& options, cons
 ExitCode compare_log(const CompareOptions& options, const std::stop_token& stop) {
   Options as_given = options;
   as_given.covariance = Covariance::kOriginal;
-  as_given.truth.clear();
   CommandRun command_run("compare", as_given, stop);
   auto folder = output_folder(as_given.output);
   command_run.prepare(report_of(as_given));

@@ -234,8 +234,7 @@ void declare_covariance(Subcommand& command) {
                 "Poses and features: 17 or a17 or, where that could be several, pose:17, feature:17, 1:17 (of session 1)");
   command.path("-o,--output", options->output, "FILE",
                "Write the joint covariance as CSV, one line and one column a coordinate");
-  command.number<double>("--max-memory", options->most_memory_mb, 0.0, "MB",
-                         "Refuse what would take more [as much as there is]");
+  add_most_memory(command, *options, "Refuse what would take more [as much as there is]");
   add_reading(command, *options);
   add_reporting(command, *options);
   command.check([options] {

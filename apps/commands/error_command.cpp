@@ -14,6 +14,8 @@ namespace mapjoin::apps {
 namespace {
 
 struct ErrorCommandOptions : Options {
+  std::filesystem::path true_map;
+  double most_apart = 0.01;  ///< Times of the map and of the truth may be (s).
   ErrorOptions errors;
 };
 
@@ -38,19 +40,20 @@ GlobalMap<Dim> map_of(Log<Dim> log) {
 ExitCode measure(const ErrorCommandOptions& options, const std::stop_token& stop) {
   CommandRun command_run("error", options, stop);
   command_run.prepare(report_of(options));
-  const auto errors_in = [&](auto&& log) { return errors_of(map_of(std::move(log)), command_run.truth(), options.errors); };
+  const TruthFile truth(options.true_map, options.most_apart);
+  const auto errors_in = [&](auto&& log) { return errors_of(map_of(std::move(log)), truth, options.errors); };
   const TruthErrors errors = std::visit(errors_in, command_run.read_log());
   if (errors.absolute.translation.count == 0) {
     fail(ErrorKind::kBadInput,
-         options.truth.string() +
+         options.true_map.string() +
              ": has no pose of the map, neither by name nor by time; --max-time-difference widens the match");
   }
   Json json = report_head(command_run.run_report);
-  json["truth"] = options.truth.string();
+  json["truth"] = options.true_map.string();
   json["errors"] = json_of(errors);
   Lines lines;
   add_input(command_run.run_report, lines, "map");
-  lines.add("truth", options.truth.string());
+  lines.add("truth", options.true_map.string());
   add_errors(errors, lines);
   add_notes(command_run.run_report, lines);
   command_run.tell(text_of(json), lines.text());
@@ -79,27 +82,26 @@ void declare_error(Subcommand& command) {
       "  mapjoin error map.g2o data/manhattan2d.truth.tum --spans 10,50 --span-unit metres --pairs successive --report -");
   const auto options = std::make_shared<ErrorCommandOptions>();
   ErrorOptions& errors = options->errors;
-  options->truth_apart = 0.01;
   command.argument(
       "MAP", options->input,
       "A map or a trajectory, known by its content: g2o, TORO, TUM, KITTI, or the CSV table of poses; or the folder "
       "of a run");
-  command.argument("TRUTH", options->truth, "The same; poses are matched by their times, by their names, or by their count");
+  command.argument("TRUTH", options->true_map, "The same; poses are matched by their times, by their names, or by their count");
   command.choice("--align", errors.alignment, "Move the map onto the truth: by all positions, by the first pose, or not");
   command.list("--spans", "SPAN,...", "Compare the motions over these spans [1,10,100]", errors.spans, &span_in,
                "not positive numbers with commas between them");
   command.choice("--span-unit", errors.unit, "What spans are counted in; metres along the way of the map");
   command.choice("--pairs", errors.pairs, "Compare motions from every pose on, or one behind the other");
-  command.number<double>("--max-time-difference", options->truth_apart, 0.0, "S",
+  command.number<double>("--max-time-difference", options->most_apart, 0.0, "S",
                          "Between poses that are matched by their times");
   command.path("--report", options->report, "FILE|-", "Write a report in JSON; with - nothing else goes to standard output");
   command.flag("--quiet", options->quiet, "No summary");
   add_reading(command, *options);
   command.check([&errors] { return check_spans(errors); });
   command.check([options] {
-    const auto conflicts = output_conflicts({{"MAP", options->input}, {"TRUTH", options->truth}}, report_of(*options));
+    const auto conflicts = output_conflicts({{"MAP", options->input}, {"TRUTH", options->true_map}}, report_of(*options));
     options->input = map_of_run(options->input);
-    options->truth = map_of_run(options->truth);
+    options->true_map = map_of_run(options->true_map);
     return conflicts;
   });
   command.act([options](const std::stop_token& stop) { return measure(*options, stop); });

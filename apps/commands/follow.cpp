@@ -9,7 +9,9 @@
 #include <cstdio>
 #include <ctime>
 #include <mapjoin/io/files/system_call.hpp>
+#include <mapjoin/io/formats/log_format.hpp>
 #include <mapjoin/io/g2o/growing_g2o.hpp>
+#include <mapjoin/io/open.hpp>
 #include <mapjoin/join/incremental/robust_incremental_join.hpp>
 #include <mapjoin/join/incremental/submap_update_maker.hpp>
 #include <mapjoin/model/error.hpp>
@@ -172,6 +174,17 @@ class GrowingMap {
   std::size_t count_ = 0;
 };
 
+/// Bad input where a log can be read, but not as g2o.
+void demand_g2o(const Options& options) {
+  ReadOptions as_g2o = options.read;
+  as_g2o.from = LogFormat::kG2o;
+  if (open_log(options.input, as_g2o) || !open_log(options.input, options.read)) return;
+  const std::string log = options.input.string();
+  fail(ErrorKind::kBadInput,
+       fmt::format("{}: only g2o can be followed, and this is another format; `mapjoin convert {} LOG.g2o` makes g2o of it",
+                   log, log));
+}
+
 class Follower {
  public:
   Follower(const Options& options, const std::filesystem::path& steps)
@@ -215,6 +228,7 @@ class Follower {
   }
 
   FollowedLog finished() {
+    if (!has_map()) demand_g2o(options_);
     if (!has_map() && fault_) fail(fault_->kind, fault_->message);
     if (!has_map()) fail(ErrorKind::kBadInput, options_.input.string() + ": the log has no edges yet");
     if (auto* map = std::get_if<GrowingMap<2>>(&map_)) map->join_complete(true);

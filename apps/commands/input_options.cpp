@@ -83,7 +83,7 @@ void add_further(Subcommand& command, Options& options, const std::string& kind)
   command.choice("--features", options.merging.own_features, std::to_array<EnumName<bool>>({{false, "shared"}, {true, "own"}}),
                  "Whether features of the same id in different " + kind + " are the same");
   command.check([&command, &options]() -> std::vector<std::string> {
-    options.asks_features = !options.further.empty() && !command.is_given("--features");
+    options.asks_features = !command.is_given("--features");
     return {};
   });
   command.check([&options] { return check_given_once(options); });
@@ -118,6 +118,7 @@ void add_gps(Subcommand& command, Options& options) {
                  });
   command.number<double>("--gps-apart", options.of_gps.most_apart, 0.0, "S",
                          "Between a fix and the pose nearest in time; a fix that is farther from one is left out");
+  command.check([&options] { return options.of_gps.validate(); });
   for (const char* of_gps : {"--gps-lever", "--gps-apart"}) {
     command.only_with(of_gps, "--gps", [&options] { return !options.gps.empty(); });
   }

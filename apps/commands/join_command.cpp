@@ -13,7 +13,7 @@ namespace {
 
 template <int Dim>
 void join_any(CommandRun& command_run, SubmapSet<Dim> set) {
-  const std::optional<SubmapSet<Dim>> kept = command_run.options().asks_features ? std::optional(set) : std::nullopt;
+  const std::optional<SubmapSet<Dim>> kept = command_run.asks_features() ? std::optional(set) : std::nullopt;
   auto result = run(std::move(set), command_run.run_options(), command_run.stop()).value();
   if (kept) command_run.check_shared_features(*kept, result);
   command_run.write_map(result, static_cast<const Log<Dim>*>(nullptr));

@@ -203,8 +203,17 @@ void add_certainty(Subcommand& command, Options& options) {
       "Write each pose and feature relative to the pose it was measured from, with how certain that is: relations.csv");
   command.path("--truth", options.truth, "FILE",
                "Weigh the errors against this map by their covariances (NEES): .tum (poses only), else g2o with vertices");
-  command.number<double>("--max-memory", options.most_memory_mb, 0.0, "MB",
-                         "For covariances, which are refused where they take more [as much as there is]");
+  add_most_memory(command, options, "For covariances, which are refused where they take more [as much as there is]");
+}
+
+void add_most_memory(Subcommand& command, Options& options, const std::string& help) {
+  constexpr double kByte = 1e-6;
+  command.option("--max-memory", "MB", help, [&options](const std::string& word) -> std::optional<std::string> {
+    const std::optional<double> given = number_in<double>(word);
+    if (!given || *given < kByte) return "not a number from 1e-6 (a byte) on; leave it out where nothing is to be refused";
+    options.most_memory_mb = *given;
+    return std::nullopt;
+  });
 }
 
 void add_running(Subcommand& command, Options& options) {

@@ -30,7 +30,7 @@ struct Options {
   std::filesystem::path output;                ///< Empty: none.
   ReadOptions read;
   MergeOptions merging;          ///< Of several inputs.
-  bool asks_features = false;    ///< Nobody said whether these share features: their maps have to fit.
+  bool asks_features = false;    ///< Nobody said whether these share features.
   std::filesystem::path stamps;  ///< A file of times; empty: none.
   bool ids_are_nanoseconds = false;
   std::filesystem::path gps;  ///< A table of fixes; empty: none.
@@ -46,8 +46,7 @@ struct Options {
   bool covariances = false;                        ///< Write them.
   bool relations = false;                          ///< Write them.
   std::filesystem::path truth;                     ///< Empty: none.
-  double truth_apart = 1e-6;                       ///< Times of the map and of the truth may be (s).
-  double most_memory_mb = 0.0;                     ///< For covariances; 0: as much as the machine has.
+  double most_memory_mb = 0.0;                     ///< For covariances; 0: none given, as much as the machine has.
   int jobs = 0;                                    ///< Threads; 0: as many as there are processors.
   std::filesystem::path report;                    ///< Empty: none; "-": standard output.
   bool quiet = false;
@@ -113,6 +112,8 @@ void add_robust(Subcommand& command, Options& options);
 void add_confidence(Subcommand& command, Options& options, const std::string& of);
 /// --covariances, --relations, --truth, --max-memory
 void add_certainty(Subcommand& command, Options& options);
+/// --max-memory
+void add_most_memory(Subcommand& command, Options& options, const std::string& help);
 /// --jobs, --quiet
 void add_running(Subcommand& command, Options& options);
 /// --jobs, --report, --quiet

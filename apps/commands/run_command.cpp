@@ -145,13 +145,13 @@ ExitCode run_followed(CommandRun& command_run, const FollowOptions& following, c
   fail(followed.fault->kind, followed.fault->message + (is_written ? "; the map of what stands before it is written" : ""));
 }
 
-/// Of a part; says why where it has no map.
+/// Of a part of what `whole` has; says why where it has no map.
 template <int Dim>
-ExitCode run_part(const Options& options, Log<Dim> part, const std::stop_token& stop) {
+ExitCode run_part(const Options& options, const CommandRun& whole, Log<Dim> part) {
   try {
-    CommandRun command_run("run", options, stop);
+    CommandRun command_run("run", options, whole.stop());
     auto folder = output_folder(options.output);
-    command_run.prepare({});
+    command_run.take_truth_of(whole);
     const AnyLog log = command_run.take_input(AnyLog(std::move(part)));
     return std::visit([&](const auto& any) { return run_on(command_run, any, folder); }, log);
   } catch (const tl::bad_expected_access<Error>& failure) {
@@ -164,17 +164,18 @@ ExitCode run_part(const Options& options, Log<Dim> part, const std::stop_token& 
 /// Each part with the options, but for the folder; the largest is the first. One that has no map does not keep the others from
 /// theirs.
 ExitCode run_parts(const Options& options, const std::stop_token& stop) {
-  const AnyLog log = CommandRun("run", options, stop).open_input();
+  CommandRun whole("run", options, stop);
+  whole.prepare({});
+  const AnyLog log = whole.open_input();
   ExitCode worst = ExitCode::kDone;
-  const auto run_each = [&](const auto& whole) {
-    auto parts = split_into_parts(whole);
-    const bool is_counted_anew = parts.size() > 1 && whole.stamps_ns.empty();
-    if (is_counted_anew && !options.truth.empty()) TruthFile(options.truth).demand_names();
+  const auto run_each = [&](const auto& any) {
+    whole.demand_truth(any);
+    auto parts = split_into_parts(any);
     for (std::size_t k = 0; k < parts.size(); ++k) {
       Options of_part = options;
       of_part.output = options.output / folder_of_part(k);
       parts[k].source += fmt::format(", part {}", k + 1);  // for what goes wrong
-      worst = std::max(worst, run_part(of_part, std::move(parts[k]), stop));
+      worst = std::max(worst, run_part(of_part, whole, std::move(parts[k])));
     }
   };
   std::visit(run_each, log);

@@ -106,7 +106,7 @@ void add_way_of_ranks(Subcommand& command, MpiOptions& options) {
       "Regions of each rank, eliminated one after the other, of whose factors each thread holds one at a time");
   command.path("--out-of-core", options.out_of_core, "DIR",
                "Keep the factor in files in this folder, but for those of several regions");
-  command.number("--max-memory", options.most_memory_mb, 0.0, "MB", "Refuse factors that take more on any rank [no bound]");
+  add_most_memory(command, options, "Refuse factors that take more on any rank [no bound]");
   add_reporting(command, options);
 }
 

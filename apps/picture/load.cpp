@@ -3,6 +3,7 @@
 #include <apps/outputs.hpp>
 #include <apps/picture/links.hpp>
 #include <apps/picture/load.hpp>
+#include <apps/picture/log_names.hpp>
 #include <mapjoin/geometry/upper_triangle.hpp>
 #include <mapjoin/io/files/file_bytes.hpp>
 #include <mapjoin/io/open.hpp>
@@ -30,10 +31,6 @@ std::size_t between_stops(const SubmapGraph<Dim>& graph) {
   return (graph.segments.size() + stops - 1) / stops;
 }
 
-[[noreturn]] void fail_not_of_map(const fs::path& file) {
-  fail(ErrorKind::kBadInput, file.string() + ": is not of the map beside it");
-}
-
 /// What `take` makes of the JSON in a file. What it does not find there, or finds to be something else, is bad input.
 template <typename Take>
 auto from_json(const fs::path& file, Take&& take) {
@@ -41,7 +38,7 @@ auto from_json(const fs::path& file, Take&& take) {
   try {
     return take(Json::parse(bytes.view()));
   } catch (const Json::exception&) {
-    fail(ErrorKind::kBadInput, file.string() + ": is not as mapjoin writes it");
+    fail(ErrorKind::kBadInput, file.string() + ": is not as this mapjoin writes it; remove it, or make it anew with the map");
   }
 }
 
@@ -52,25 +49,32 @@ Matrix<Size> symmetric(const Json& upper) {
   return from_upper_triangle<Size>([&] { return upper.at(next++).get<double>(); });
 }
 
-template <typename Index, typename Covariance>
-Table<Index, Covariance> covariances_of(const Json& lines) {
-  Table<Index, Covariance> covariances;
-  for (const Json& line : lines) covariances.push_back(symmetric<Covariance::RowsAtCompileTime>(line.at("covariance")));
-  return covariances;
+template <int Dim>
+Point<Dim> position_of(const Json& line) {
+  Point<Dim> position;
+  for (int i = 0; i < Dim; ++i) position[i] = line.at("position").at(static_cast<std::size_t>(i)).get<double>();
+  return position;
 }
 
 PoseId pose_id(const Json& line, const char* key = "pose") {
   return {line.at("session").get<std::uint32_t>(), line.at(key).get<std::uint64_t>()};
 }
 
-/// Whether the lines are of these poses, in their order. Those of further sessions have other names in a g2o file.
-bool are_of(const Json& lines, const PoseIds& poses) {
-  if (lines.size() != poses.size()) return false;
-  for (const PoseIndex p : indices(poses)) {
-    const PoseId id = pose_id(lines[p.position()]);
-    if (id.session == 0 && id != poses[p]) return false;
+/// A map as a file of its covariances has it: without its rotations.
+template <int Dim>
+GlobalMap<Dim> map_of_covariances(const Json& json) {
+  GlobalMap<Dim> map;
+  for (const Json& line : json.at("poses")) {
+    map.pose_ids.push_back(pose_id(line));
+    map.poses.push_back({position_of<Dim>(line), {}});
+    map.pose_covariances.push_back(symmetric<kPoseDof<Dim>>(line.at("covariance")));
   }
-  return true;
+  for (const Json& line : json.at("features")) {
+    map.feature_ids.push_back({line.at("feature").get<std::uint64_t>()});
+    map.features.push_back(position_of<Dim>(line));
+    map.feature_covariances.push_back(symmetric<Dim>(line.at("covariance")));
+  }
+  return map;
 }
 
 bool is_there(const fs::path& file) {
@@ -79,37 +83,40 @@ bool is_there(const fs::path& file) {
 }
 
 /// Puts the covariances of `map.covariances.json` beside `map.g2o`, or of `covariances.json` in the folder of a run, into the
-/// map that was read from there. Nothing where there are none; bad input where they are not of this map.
+/// map that was read from there. Nothing where there are none, and for a trajectory, which has no names; bad input where they
+/// are not of this map.
 template <int Dim>
 void read_covariances_beside(const fs::path& path, GlobalMap<Dim>& map) {
   fs::path file = extra_file(Extra::kCovariances, path);
   if (path.filename() == kMapOfRun && !is_there(file)) file = path.parent_path() / "covariances.json";
-  if (!is_there(file)) return;
+  if (!is_there(file) || extension_of(path) == ".tum") return;
   from_json(file, [&](const Json& json) {
-    const Json& poses = json.at("poses");
-    const Json& features = json.at("features");
-    if (json.at("dimension") != Dim || !are_of(poses, map.pose_ids) || features.size() != map.features.size()) {
-      fail_not_of_map(file);
+    if (json.at("dimension") != Dim) fail_not_of_map(file);
+    const auto told = map_of_covariances<Dim>(json);
+    const LogNames names(file, told, map);
+    map.pose_covariances.assign(map.poses.size(), PoseMatrix<Dim>::Zero());
+    map.feature_covariances.assign(map.features.size(), PointMatrix<Dim>::Zero());
+    for (const PoseIndex p : indices(told.poses)) map.pose_covariances[*names(told.pose_ids[p])] = told.pose_covariances[p];
+    for (const FeatureIndex f : indices(told.features)) {
+      if (const auto here = names(told.feature_ids[f])) map.feature_covariances[*here] = told.feature_covariances[f];
     }
-    map.pose_covariances = covariances_of<PoseIndex, PoseMatrix<Dim>>(poses);
-    map.feature_covariances = covariances_of<FeatureIndex, PointMatrix<Dim>>(features);
   });
 }
 
-/// How the local maps of a run fit, by the `report.json` in its folder, over the poses of its map. Empty where there is none,
-/// where it does not say where they end, and where poses are of further sessions, which have other names in a g2o file. Bad
-/// input where it is not of this map.
-std::vector<MapFit> read_fits_beside(const fs::path& path, const PoseIds& poses) {
-  const fs::path file = path.parent_path() / "report.json";
-  if (path.filename() != kMapOfRun || !is_there(file)) return {};
+/// How the local maps of a run fit, by the `report.json` in its folder, over the poses of its map. Empty where there is none or
+/// it does not say where they end, and where it is not in the folder of a run. Bad input where it is not of this map.
+template <int Dim>
+std::vector<MapFit> read_fits_beside(const fs::path& path, const GlobalMap<Dim>& map) {
+  const fs::path folder = path.parent_path();
+  const fs::path file = folder / kReportOfRun;
+  if (path.filename() != kMapOfRun || !is_there(file) || !is_there(folder / "poses.csv")) return {};
   return from_json(file, [&](const Json& json) {
     std::vector<MapFit> fits;
-    const IndexOf index_of(poses);
+    const LogNames names = LogNames::of_run(folder, map);
     for (const Json& line : json.at("join").at("maps")) {
-      const PoseId id = pose_id(line);
-      if (!line.contains("end") || id.session != 0) return std::vector<MapFit>();
-      const auto base = index_of(id);
-      const auto end = index_of(pose_id(line, "end"));
+      if (!line.contains("end")) return std::vector<MapFit>();
+      const auto base = names(pose_id(line));
+      const auto end = names(pose_id(line, "end"));
       if (!base || !end || *end < *base) fail_not_of_map(file);
       fits.push_back({*base, *end, line.at("chi2").get<double>(), line.at("rows").get<std::int64_t>()});
     }
@@ -122,7 +129,7 @@ LoadedMap loaded(const Log<Dim>& log, const fs::path& path) {
   PlottedMap<Dim> out = plotted(log);
   if (!out.is_odometry) {
     read_covariances_beside(path, out.map);
-    out.local_maps = plotted_local_maps(read_fits_beside(path, log.poses), log);
+    out.local_maps = plotted_local_maps(read_fits_beside(path, out.map), log);
     if (path.filename() == kMapOfRun) add_rejected_links(path.parent_path(), out.map, out.links);
   }
   return {std::move(out)};

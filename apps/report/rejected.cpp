@@ -59,7 +59,7 @@ std::string rejected_as_csv(const RunReport& run_report) {
   if (!run_report.gps) return text;
   for (const auto& [number, pose, fix] : run_report.gps->rejected) {
     TextLine line(',');
-    line.add(kRejectedFix).add(number).add(key_text(pose.key)).add(fix.chi2).add(fix.probability);
+    line.add(kFix).add(number).add(key_text(pose.key)).add(fix.chi2).add(fix.probability);
     line.add(to_string(WhyRejected::kContradicted)).add("").add(session_text(pose)).append_to(text);
   }
   return text;

@@ -22,6 +22,20 @@ NamedMisfit named(const Misfit& misfit, const PoseIds& poses, const FeatureIds& 
   return name;
 }
 
+std::vector<std::size_t> lines_at(const GpsReport& gps, const PoseId& pose) {
+  std::vector<std::size_t> lines;
+  const auto [begin, end] = gps.lines.equal_range(pose);
+  std::transform(begin, end, std::back_inserter(lines), [](const auto& fix) { return fix.second; });
+  return lines;
+}
+
+/// How many sessions the names tell apart: of several inputs, be they in one store.
+std::size_t named_sessions(const PoseIds& poses) {
+  std::set<std::uint32_t> sessions;
+  for (const PoseId& id : poses) sessions.insert(id.session);
+  return sessions.size();
+}
+
 /// How many features poses of several sessions see.
 template <int Dim>
 std::size_t shared_features(const Log<Dim>& log) {
@@ -35,7 +49,7 @@ std::size_t shared_features(const Log<Dim>& log) {
 RunReport::RunReport(std::string command_name, const Options& given)
     : command(std::move(command_name)), input(given.input.string()), options(given.run) {
   has_several_inputs = !given.further.empty();
-  if (!given.gps.empty()) gps = GpsReport{given.gps.string(), given.of_gps.lever, {}, 0, 0, {}};
+  if (!given.gps.empty()) gps = GpsReport{given.gps.string(), given.of_gps.lever, {}, 0, 0, {}, {}};
   for (const auto& further : given.further) input += " + " + further.string();
 }
 
@@ -63,20 +77,20 @@ template <int Dim>
 void RunReport::describe(const SubmapSet<Dim>& set) {
   dimension = Dim;
   conventions = set.conventions;
-  std::set<std::uint32_t> sessions;
-  for (const PoseId& id : set.poses) sessions.insert(id.session);
-  counts = {.sessions = sessions.size(),
+  counts = {.sessions = named_sessions(set.poses),
             .poses = set.poses.size(),
             .features = set.features.size(),
             .observations = set.graph.feature_factors.size(),
             .fixed_poses = set.graph.fixed.size()};
   for (const LocalMap<Dim>& map : set.graph.submaps) counts.map_features += map.features.size();
+  has_several_inputs |= counts.sessions > 1;
   has_local_maps = true;
   figures.local_maps = set.graph.submaps.size();
 }
 
 template <int Dim>
 void RunReport::describe(const StoredMaps<Dim>& stored) {
+  has_several_inputs |= named_sessions(stored.log.poses) > 1;
   describe(stored.log);
   has_local_maps = true;
   figures.local_maps = stored.maps.size();
@@ -96,8 +110,11 @@ void RunReport::describe(const Log<Dim>& log, const AttachedFixes& attached, con
   gps->frame = attached.frame;
   gps->fixes = attached.lines.size();
   gps->left_out = attached.left_out;
-  for (const RejectedFix& fix : left_out) {
-    gps->rejected.push_back({attached.lines[fix.prior], log.poses[log.pose_priors()[fix.prior].target], fix});
+  const auto pose_of = [&](std::size_t prior) { return log.poses[log.pose_priors()[prior].target]; };
+  for (const RejectedFix& fix : left_out) gps->rejected.push_back({attached.lines[fix.prior], pose_of(fix.prior), fix});
+  for (std::size_t prior = 0; prior < attached.lines.size(); ++prior) {
+    const bool is_left_out = std::ranges::binary_search(left_out, prior, {}, &RejectedFix::prior);
+    if (!is_left_out) gps->lines.emplace(pose_of(prior), attached.lines[prior]);
   }
 }
 
@@ -108,7 +125,10 @@ void RunReport::describe(const RunResult<Dim>& result) {
   has_local_maps = is_joined = true;
   const auto& ids = result.map.pose_ids;
   for (const PoseIndex pose : result.map.gauge) anchored.push_back(ids[pose]);
-  for (const Misfit& misfit : result.fit.misfits) misfits.push_back(named(misfit, ids, result.map.feature_ids));
+  for (const Misfit& misfit : result.fit.misfits) {
+    misfits.push_back(named(misfit, ids, result.map.feature_ids));
+    if (gps && misfit.kind == PartKind::kPrior) misfits.back().lines = lines_at(*gps, std::get<PoseId>(misfits.back().to));
+  }
   for (const MapFit& fit : result.maps) {
     map_bases.push_back(ids[fit.base]);
     map_ends.push_back(ids[fit.end]);

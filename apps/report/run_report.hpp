@@ -7,6 +7,7 @@
 #include <apps/report/errors.hpp>
 #include <chrono>
 #include <cstdint>
+#include <map>
 #include <mapjoin/gps/fixes.hpp>
 #include <mapjoin/io/store/store.hpp>
 #include <mapjoin/join/covariances/consistency.hpp>
@@ -29,6 +30,7 @@ struct NamedMisfit {
   Misfit misfit;
   std::optional<PoseId> from;  ///< Nothing where it is the World.
   std::variant<PoseId, FeatureId> to;
+  std::vector<std::size_t> lines = {};  ///< Of a prior that is a fix: of its file, those at this pose.
 };
 
 /// What was rejected, under the names of the input.
@@ -49,6 +51,7 @@ struct GpsReport {
   std::size_t fixes = 0;      ///< At or near a pose,
   std::int64_t left_out = 0;  ///< and not.
   std::vector<Rejected> rejected;
+  std::multimap<PoseId, std::size_t> lines;  ///< Of the file, those of the other fixes, by pose.
 };
 
 struct RunReport {
@@ -80,7 +83,7 @@ struct RunReport {
   Clock::time_point start = Clock::now();
   std::string command;
   std::string input;
-  bool has_several_inputs = false;
+  bool has_several_inputs = false;  ///< Or a store of several.
   int dimension = 0;
   Conventions conventions;
   Counts counts;

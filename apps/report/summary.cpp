@@ -174,7 +174,7 @@ void add_notes(const RunReport& run_report, Lines& lines) {
                    plural(run_report.counts.unassociated, "observation was", "observations were")));
   note(repairs.missing > 0, fmt::format("{} without weights got the identity", plural(repairs.missing, "edge")));
   std::vector<std::string> skipped;
-  for (const auto& [what, count] : run_report.counts.skipped) skipped.push_back(fmt::format("{} {}", count, what));
+  for (const auto& [what, count] : run_report.counts.skipped) skipped.push_back(fmt::format("{} ({})", what, count));
   note(!skipped.empty(), fmt::format("left out: {}", fmt::join(skipped, ", ")));
   note(!run_report.association && run_report.counts.shared_features > 0 && run_report.is_joined &&
            run_report.figures.fit.verdict == Verdict::kMisfit,

@@ -23,7 +23,8 @@ std::string name_of(const NamedMisfit& misfit) {
     case PartKind::kObservation:
       return fmt::format("observation of {} from {}", to, from);
     case PartKind::kPrior:
-      return "prior of " + to;
+      return misfit.lines.empty() ? "prior of " + to
+                                  : fmt::format("{} of line {} at {}", kFix, fmt::join(misfit.lines, " or "), to);
     case PartKind::kMapFeature:
       return fmt::format("{} of the local map from {}", to, from);
     default:
@@ -35,11 +36,13 @@ std::string in_words(const NamedMisfit& misfit) {
   return fmt::format("{} (chi2 {:.4g} over {})", name_of(misfit), misfit.misfit.chi2, plural(misfit.misfit.rows, "row"));
 }
 
-std::string scales_in_words(const GoodnessOfFit& fit) {
+std::string scales_in_words(const RunReport& run_report) {
+  const GoodnessOfFit& fit = run_report.figures.fit;
   std::vector<std::string> words;
   for (const KindScale& kind : fit.kinds) {
     if (!kind.is_too_certain) continue;
-    words.push_back(fmt::format("{} {:.2g} times", to_string(kind.kind), std::sqrt(kind.scale)));
+    const bool is_fix = run_report.gps && kind.kind == PartKind::kPrior;
+    words.push_back(fmt::format("{} {:.2g} times", is_fix ? kFix : to_string(kind.kind), std::sqrt(kind.scale)));
   }
   if (words.empty()) return fmt::format("chi2 as a whole is too large: {:.6g} over {} degrees of freedom", fit.chi2, fit.dof);
   return fmt::format("typical residuals are larger than the covariances say: {}", fmt::join(words, ", "));
@@ -62,7 +65,7 @@ std::string verdict_in_words(const RunReport& run_report) {
     case Verdict::kMisfit:
       break;
   }
-  if (run_report.misfits.empty()) return "MISFIT: " + scales_in_words(fit);
+  if (run_report.misfits.empty()) return "MISFIT: " + scales_in_words(run_report);
   const std::size_t others = run_report.misfits.size() - 1;
   return fmt::format("MISFIT: {}{} out of line with the rest{}", in_words(run_report.misfits.front()),
                      others > 0 ? fmt::format(" and {} more are", others) : " is",
@@ -75,7 +78,7 @@ void add_verdict(const RunReport& run_report, Lines& lines) {
   for (std::size_t k = 1; k < std::min(misfits.size(), kMostShown); ++k) lines.add("", in_words(misfits[k]));
   const GoodnessOfFit& fit = run_report.figures.fit;
   const bool is_too_certain = std::ranges::any_of(fit.kinds, &KindScale::is_too_certain);
-  if (!misfits.empty() && is_too_certain) lines.add("", scales_in_words(fit));
+  if (!misfits.empty() && is_too_certain) lines.add("", scales_in_words(run_report));
 }
 
 Json verdict_of(const RunReport& run_report) {
@@ -93,6 +96,7 @@ Json verdict_of(const RunReport& run_report) {
     misfits.push_back({{"kind", misfit.misfit.kind},
                        {"from", misfit.from},
                        {"to", std::visit([](const auto& id) { return Json(id); }, misfit.to)},
+                       {"lines", misfit.lines},
                        {"chi2", misfit.misfit.chi2},
                        {"rows", misfit.misfit.rows},
                        {"probability", misfit.misfit.probability}});
@@ -110,7 +114,7 @@ Json verdict_of(const RunReport& run_report) {
 
 std::string misfits_as_csv(const RunReport& run_report) {
   std::string text = "kind,from_session,from,to_session,to,chi2,rows,probability\n";
-  for (const auto& [misfit, from, to] : run_report.misfits) {
+  for (const auto& [misfit, from, to, lines] : run_report.misfits) {
     TextLine line(',');
     line.add(to_string(misfit.kind));
     line.add(from ? session_text(*from) : "").add(from ? key_text(from->key) : "");

@@ -9,6 +9,9 @@
 
 namespace mapjoin::apps {
 
+/// The kind of a prior that is a fix of --gps, in words and among what was rejected.
+inline constexpr std::string_view kFix = "fix";
+
 /// The session of a name in a table; features have none.
 inline std::string session_text(const PoseId& id) {
   return std::to_string(id.session);
@@ -17,14 +20,15 @@ inline std::string session_text(const FeatureId&) {
   return "";
 }
 
-/// "closure from pose 17 to pose 2034", "observation of feature 9 from pose 4", "feature 9 of the local map from pose 0", …
+/// "closure from pose 17 to pose 2034", "observation of feature 9 from pose 4", "feature 9 of the local map from pose 0", "fix
+/// of line 3 at pose 2", …
 std::string name_of(const NamedMisfit& misfit);
 
 /// The same with its chi2 and rows.
 std::string in_words(const NamedMisfit& misfit);
 
 /// By how much typical residuals are too large, or chi2 as a whole where these are not.
-std::string scales_in_words(const GoodnessOfFit& fit);
+std::string scales_in_words(const RunReport& run_report);
 /// Why a map is untested.
 std::string why_untested(const RunReport& run_report);
 
@@ -46,9 +50,6 @@ std::string rejected_in_words(const RunReport& run_report);
 
 /// The key `robust` of the report: null where nothing was to be left out.
 Json robust_of(const RunReport& run_report);
-
-/// The kind of a fix among what was rejected.
-inline constexpr std::string_view kRejectedFix = "fix";
 
 /// A line for each below one of names: kind,from,to,chi2,probability,why,from_session,to_session. Features have no session, and
 /// a fix is from the line of its file.

@@ -39,6 +39,7 @@ struct AddedUpdate {
   bool batch_adopted = false;  ///< and its estimate was taken, for it was better or the only one.
 };
 
+/// Can be moved; what was moved from can only be assigned to or destroyed.
 template <int Dim>
 class IncrementalJoin {
  public:

@@ -137,15 +137,16 @@ std::vector<PriorOdds> ClosureSupport<Dim>::priors(double scale) const {
 }
 
 template <int Dim>
-Agreements ClosureSupport<Dim>::agreements(const std::vector<PriorOdds>& priors, double scale) const {
+template <typename F>
+Agreements ClosureSupport<Dim>::agreements(const std::vector<PriorOdds>& priors, const F& evidence_of_pair) const {
   Agreements later(closures_.size());  // each pair once
   const auto group = [&](std::size_t k) { return static_cast<std::uint32_t>(closures_[k].cell); };
   parallel_for(closures_.size(), [&](std::size_t k) {
     if (priors[k].is_wrong) return;
-    for (const auto& [other, evidence] : pairs_[k]) {
-      if (priors[other].is_wrong) continue;
-      const auto of_pair = static_cast<float>(evidence.at(scale, kMostOfAPair));
-      later[k].push_back({static_cast<std::uint32_t>(other), group(other), of_pair});
+    for (const Pair& pair : pairs_[k]) {
+      if (priors[pair.other].is_wrong) continue;
+      const auto evidence = static_cast<float>(evidence_of_pair(k, pair));
+      later[k].push_back({static_cast<std::uint32_t>(pair.other), group(pair.other), evidence});
     }
   });
   Agreements all = later;
@@ -158,7 +159,8 @@ Agreements ClosureSupport<Dim>::agreements(const std::vector<PriorOdds>& priors,
 
 template <int Dim>
 std::vector<double> ClosureSupport<Dim>::odds(const std::vector<PriorOdds>& priors, double scale) const {
-  return odds_by_agreement(priors, agreements(priors, scale));
+  const auto of_pair = [&](std::size_t, const Pair& pair) { return pair.evidence.at(scale, kMostOfAPair); };
+  return odds_by_agreement(priors, agreements(priors, of_pair));
 }
 
 template <int Dim>
@@ -200,14 +202,22 @@ std::vector<std::size_t> ClosureSupport<Dim>::set_sizes(const std::vector<bool>&
 }
 
 template <int Dim>
-Table<PoseIndex, double> ClosureSupport<Dim>::evidence_for_steps() const {
-  std::vector<double> right = odds(std::vector<PriorOdds>(closures_.size(), {kPriorOdds}), 1.0);
+template <typename F>
+std::vector<double> ClosureSupport<Dim>::odds_among_closures(const F& evidence_of_pair) const {
+  const std::vector<PriorOdds> priors(closures_.size(), {kPriorOdds});
+  return odds_by_agreement(priors, agreements(priors, evidence_of_pair));
+}
+
+template <int Dim>
+Table<PoseIndex, double> ClosureSupport<Dim>::evidence_for_steps(Voices voices) const {
+  const double least = voices == Voices::kFor ? 0.0 : -kMostOfAPair;
+  std::vector<double> right = odds_among_closures([&](std::size_t, const Pair& pair) { return std::max(least, said(pair)); });
   for (double& odds : right) odds = 1.0 / (1.0 + std::exp(-odds));
   Table<PoseIndex, double> evidence(chain_.pose_count() + 1, 0.0);  // to begin with, how it rises from step to step
   for (std::size_t k = 0; k < closures_.size(); ++k) {
     for (const Pair& pair : pairs_[k]) {
       const Closure &a = closures_[k], &b = closures_[pair.other];
-      const double of_pair = right[k] * right[pair.other] * pair.evidence.at(1.0, kMostOfAPair);
+      const double of_pair = right[k] * right[pair.other] * said(pair);
       for (const auto& [first, last] : {std::minmax(a.early, b.early), std::minmax(a.late, b.late)}) {
         evidence[first + 1] += of_pair;
         evidence[last + 1] -= of_pair;
@@ -217,6 +227,22 @@ Table<PoseIndex, double> ClosureSupport<Dim>::evidence_for_steps() const {
   std::partial_sum(evidence.begin(), evidence.end(), evidence.begin());
   evidence.resize(chain_.pose_count());
   return evidence;
+}
+
+template <int Dim>
+bool ClosureSupport<Dim>::goes_over(std::size_t closure, const Pair& pair, PoseIndex step) const {
+  const Closure &a = closures_[closure], &b = closures_[pair.other];
+  return (a.early < step) != (b.early < step) || (a.late < step) != (b.late < step);
+}
+
+template <int Dim>
+double ClosureSupport<Dim>::sum_of_odds(std::optional<PoseIndex> left_out) const {
+  double sum = 0.0;
+  const auto said_elsewhere = [&](std::size_t k, const Pair& pair) {
+    return left_out && goes_over(k, pair, *left_out) ? 0.0 : said(pair);
+  };
+  for (const double odds : odds_among_closures(said_elsewhere)) sum += std::max(0.0, odds);
+  return sum;
 }
 
 template class ClosureSupport<2>;

@@ -6,8 +6,10 @@
 // covariance Σ say how much likelier it is that both are right than that one of them points anywhere in the volume V:
 // e = ln(N(v; 0, Σ) V), the evidence of an Agreement.
 
+#include <cstdint>
 #include <mapjoin/join/robust/agreement.hpp>
 #include <mapjoin/join/robust/odometry_chain.hpp>
+#include <optional>
 #include <span>
 #include <stop_token>
 #include <vector>
@@ -34,9 +36,15 @@ class ClosureSupport {
   /// set where a chain of pairs joins them, the loop of each of which is evidence of kMostOfAPair, where covariances are
   /// multiplied by `scale`. Pairs that were not compared (of full cells) do not count.
   std::vector<std::size_t> set_sizes(const std::vector<bool>& is_asked, double scale) const;
+  /// What closures say of each other: all of it, or only what speaks for them.
+  enum class Voices : std::uint8_t { kAll, kFor };
   /// What closures say, by the loops that two of them make, of the steps of odometry to each pose: the sum of the evidence of
   /// the loops that the step has a part in, by the probabilities that both closures are right, whatever odometry alone says.
-  Table<PoseIndex, double> evidence_for_steps() const;
+  /// Where a step is wrong, right closures speak against each other; by what speaks for them both may be right.
+  Table<PoseIndex, double> evidence_for_steps(Voices voices) const;
+  /// The sum of the odds (logarithms) of closures that are likelier right than wrong, by what closures say of each other; where
+  /// the step of odometry to a pose is left out, all loops that it has a part in say nothing.
+  double sum_of_odds(std::optional<PoseIndex> left_out = {}) const;
 
  private:
   struct Closure {
@@ -58,7 +66,16 @@ class ClosureSupport {
   std::vector<Pair> pairs_of(std::size_t closure) const;
   UncertainPose<Dim> loop(const Closure& a, const Closure& b) const;
   Evidence evidence_of(const UncertainPose<Dim>& loop) const;
-  Agreements agreements(const std::vector<PriorOdds>& priors, double scale) const;
+  /// The evidence of a pair whose covariances are as they say.
+  static double said(const Pair& pair) { return pair.evidence.at(1.0, kMostOfAPair); }
+  /// Whether the loop of a closure with another one goes over the step of odometry to a pose.
+  bool goes_over(std::size_t closure, const Pair& pair, PoseIndex step) const;
+  /// `evidence_of_pair(closure, pair)`: a logarithm of odds.
+  template <typename F>
+  Agreements agreements(const std::vector<PriorOdds>& priors, const F& evidence_of_pair) const;
+  /// Likewise, whatever odometry says of each.
+  template <typename F>
+  std::vector<double> odds_among_closures(const F& evidence_of_pair) const;
 
   const OdometryChain<Dim>& chain_;
   double volume_;

@@ -14,8 +14,51 @@ constexpr double kDoubtful = -3.0 * kMostOfAPair;
 /// Steps to either side of a doubtful one that are innocent till it is out.
 constexpr std::int32_t kNearby = 60;
 
+/// Steps that are tried: those that are spoken against most. The odds of closures must gain more than this without the step:
+/// those of both closures of three loops.
+constexpr std::size_t kMostTried = 3;
+constexpr double kLeastGain = 6.0 * kMostOfAPair;
 /// Verdicts on maps that are asked for odometry out of line.
 constexpr int kMostVerdicts = 3;
+
+/// The poses after the steps that are doubtful by their evidence, ascending; of neighbouring ones only the worst.
+std::vector<PoseIndex> spoken_against(const Table<PoseIndex, double>& evidence) {
+  std::vector<PoseIndex> poses;
+  const auto begin = evidence.begin();
+  for (const PoseIndex p : indices(evidence)) {
+    const auto first = begin + std::max(0, p.value - kNearby);
+    const auto last = begin + std::min(static_cast<std::int32_t>(evidence.size()), p.value + kNearby + 1);
+    if (evidence[p] < kDoubtful && std::min_element(first, last) == begin + p.value) poses.push_back(p);
+  }
+  return poses;
+}
+
+/// Steps that set closures against each other which others bear out: these may be right, and the step wrong.
+template <int Dim>
+std::vector<PoseIndex> suspected_steps(const Log<Dim>& log, const std::stop_token& stop) {
+  const OdometryChain<Dim> chain(log);
+  const ClosureSupport<Dim> support(chain, log.closures(), stop);
+  const Table<PoseIndex, double> evidence = support.evidence_for_steps(ClosureSupport<Dim>::Voices::kFor);
+  std::vector<PoseIndex> poses = spoken_against(evidence);
+  std::ranges::stable_sort(poses, {}, [&](PoseIndex p) { return evidence[p]; });
+  poses.resize(std::min(poses.size(), kMostTried));
+  const double believed = support.sum_of_odds();
+  std::erase_if(poses, [&](PoseIndex p) { return support.sum_of_odds(p) - believed <= kLeastGain; });
+  return poses;
+}
+
+/// What a search has found in a log, and the log, cut where fewer are rejected for it.
+template <int Dim>
+void try_suspected_steps(Log<Dim>& cut, Inliers<Log<Dim>>& found, const SearchOf<Dim>& search, const std::stop_token& stop) {
+  if (found.rejected.empty()) return;
+  for (const PoseIndex p : suspected_steps(cut, stop)) {
+    Log<Dim> tried = cut_before(cut, {p});
+    auto without = search(tried);
+    if (!without || without->rejected.size() >= found.rejected.size()) continue;
+    cut = std::move(tried);
+    found = std::move(*without);
+  }
+}
 
 /// The poses to which the verdict on a map finds odometry out of line.
 template <int Dim>
@@ -63,15 +106,7 @@ template <int Dim>
 std::vector<PoseIndex> doubtful_steps(const Log<Dim>& log, const std::stop_token& stop) {
   const OdometryChain<Dim> chain(log);
   const ClosureSupport<Dim> support(chain, log.closures(), stop);
-  const Table<PoseIndex, double> evidence = support.evidence_for_steps();
-  std::vector<PoseIndex> poses;
-  const auto begin = evidence.begin();
-  for (const PoseIndex p : indices(evidence)) {
-    const auto first = begin + std::max(0, p.value - kNearby);
-    const auto last = begin + std::min(static_cast<std::int32_t>(evidence.size()), p.value + kNearby + 1);
-    if (evidence[p] < kDoubtful && std::min_element(first, last) == begin + p.value) poses.push_back(p);
-  }
-  return poses;
+  return spoken_against(support.evidence_for_steps(ClosureSupport<Dim>::Voices::kAll));
 }
 
 template <int Dim>
@@ -83,6 +118,8 @@ Expected<Inliers<Log<Dim>>> without_doubtful_odometry(const Log<Dim>& log, const
     for (; !doubtful.empty(); doubtful = doubtful_steps(cut, stop)) cut = cut_before(cut, doubtful);
     auto found = search(cut);
     if (!found) return found;
+    try_suspected_steps(cut, *found, search, stop);
+    if (stop.stop_requested()) return interrupted("rejecting");
     found->input.poses = log.poses;
     put_in_order(found->input);
     auto misfits = misfit_steps(found->input, options, stop);

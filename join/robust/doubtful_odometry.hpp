@@ -23,8 +23,9 @@ std::vector<PoseIndex> doubtful_steps(const Log<Dim>& log, const std::stop_token
 template <int Dim>
 using SearchOf = std::function<Expected<Inliers<Log<Dim>>>(const Log<Dim>&)>;
 
-/// The inliers of a log whose odometry may be wrong: by a search in the log cut at doubtful steps and, as long as the verdict
-/// on its map finds other ones out of line, at these, too. Errors are those of the search and of run().
+/// The inliers of a log whose odometry may be wrong: by a search in the log cut at doubtful steps, at others that set closures
+/// against each other where fewer are rejected then and, as long as the verdict on its map finds other ones out of line, at
+/// these, too. Errors are those of the search and of run().
 template <int Dim>
 Expected<Inliers<Log<Dim>>> without_doubtful_odometry(const Log<Dim>& log, const RobustOptions& options,
                                                       const SearchOf<Dim>& search, const std::stop_token& stop);

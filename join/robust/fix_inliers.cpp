@@ -17,6 +17,8 @@ namespace {
 /// So many alignments are tried: of half wrong fixes, one of two right ones is missed with a probability of 1e-37, of three
 /// 2e-17.
 constexpr int kAlignments = 300;
+/// Graduated non-convexity ends before a loss of this share, which is as good as cut off.
+constexpr double kSharpShare = 0.98;
 
 /// A log whose pose priors, all fixes, are doubtful.
 template <int Dim>

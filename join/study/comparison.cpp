@@ -2,7 +2,6 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <cmath>
 #include <mapjoin/check/connectivity.hpp>
 #include <mapjoin/join/study/comparison.hpp>
 #include <mapjoin/join/tolerances.hpp>
@@ -65,9 +64,7 @@ Expected<RunResult<Dim>> map_by(const Log<Dim>& log, const ComparedCase& way, co
     return bad_input(fmt::format("not tried: about {} maps one by one take too long", maps));
   }
   const RunOptions run_as = run_options(way, options);
-  auto result = way.is_full_slam() ? solve(log, run_as, stop) : run(log, run_as, stop);
-  if (result && !std::isfinite(result->chi2)) return bad_input("the map is not finite");
-  return result;
+  return way.is_full_slam() ? solve(log, run_as, stop) : run(log, run_as, stop);
 }
 
 /// Works through a case and keeps its maps.

@@ -69,6 +69,7 @@ std::string repeated_steps_in_words(std::size_t steps);
 ///   hold them, Dim, or by just as many.
 /// - `weak_link`, `weak_feature` (warnings): see check/weak_links.hpp.
 /// - `seen_once` (note; of a log a warning where it is most of them): features that add nothing to the map.
+/// - `stamps` (warning): poses whose time is not later than that of the pose driven before.
 /// - `breaks` (note): steps without odometry within one session of the user's.
 /// - `unassociated` (note): observations left out by the reader.
 /// - `driven_twice` (warning): see StepCounts.

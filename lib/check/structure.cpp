@@ -137,6 +137,21 @@ Findings check_ties(const Tied& tied) {
   return findings;
 }
 
+template <int Dim>
+void check_stamps(const Log<Dim>& log, Findings& findings) {
+  if (log.stamps_ns.empty()) return;
+  Places places;
+  for (const Session& session : log.sessions) {
+    for (PoseIndex p = session.begin + 1; p < session.end; ++p) {
+      if (log.stamps_ns[p] <= log.stamps_ns[p - 1]) places.add(to_string(log.poses[p]));
+    }
+  }
+  add_if_any(findings, {FindingLevel::kWarning, "stamps",
+                        fmt::format("{} no later than the pose driven before: are the times those of these ids?",
+                                    plural(places.count, "pose is", "poses are")),
+                        places});
+}
+
 }  // namespace
 
 std::size_t StepCounts::driven_twice() const {
@@ -165,6 +180,7 @@ std::string repeated_steps_in_words(std::size_t steps) {
 template <int Dim>
 Findings check_structure(const Log<Dim>& log) {
   Findings findings = check_ties<Dim>(log);
+  check_stamps(log, findings);
   Places breaks;
   for (std::size_t s = 1; s < log.sessions.size(); ++s) {
     const PoseId& before = log.poses[log.sessions[s].begin - 1];

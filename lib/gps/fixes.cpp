@@ -141,7 +141,10 @@ Expected<void> check_use(const GpsFixes& fixes, const Log<Dim>& log) {
 
 std::vector<std::string> GpsOptions::validate() const {
   std::vector<std::string> violations;
-  if (!lever.allFinite()) violations.emplace_back("the lever of the antenna must be finite");
+  if (!std::ranges::all_of(lever, [](double coordinate) { return kLevers.contains(coordinate); })) {
+    violations.push_back(
+        fmt::format("the coordinates of an antenna's lever must be from {:g} to {:g} m", kLevers.least, kLevers.most));
+  }
   if (!(most_apart >= 0.0)) violations.emplace_back("the time that a fix and a pose may be apart must not be negative");
   return violations;
 }

@@ -22,7 +22,7 @@ struct GpsFix {
   Vector<3> deviation = Vector<3>::Zero();  ///< Standard deviations east, north, up (m).
 };
 
-/// What the numbers of a fix may be.
+/// What the numbers of a fix and of a lever may be.
 struct GpsRange {
   double least;
   double most;
@@ -32,6 +32,7 @@ inline constexpr GpsRange kLatitudes{-90.0, 90.0};     ///< (°)
 inline constexpr GpsRange kLongitudes{-360.0, 360.0};  ///< (°)
 inline constexpr GpsRange kHeights{-1e7, 1e7};         ///< (m)
 inline constexpr GpsRange kDeviations{1e-6, 1e6};      ///< (m)
+inline constexpr GpsRange kLevers{-1e4, 1e4};          ///< (m)
 
 struct GpsFixes {
   std::string source;        ///< The file, for messages.

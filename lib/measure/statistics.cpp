@@ -7,6 +7,12 @@
 namespace mapjoin {
 namespace {
 
+namespace policies = boost::math::policies;
+
+/// Γ of thousands is beyond all numbers: infinite is right where others are divided by it.
+using ChiSquared =
+    boost::math::chi_squared_distribution<double, policies::policy<policies::overflow_error<policies::ignore_error>>>;
+
 /// As large a number where it is beyond all.
 double finite(double value) {
   return std::min(value, std::numeric_limits<double>::max());
@@ -16,7 +22,7 @@ double finite(double value) {
 
 double chi_squared_upper_tail(double value, double dof) {
   if (dof <= 0.0) return 1.0;
-  return boost::math::cdf(boost::math::complement(boost::math::chi_squared(dof), finite(std::max(0.0, value))));
+  return boost::math::cdf(boost::math::complement(ChiSquared(dof), finite(std::max(0.0, value))));
 }
 
 double log_chi_squared_upper_tail(double value, double dof) {
@@ -30,12 +36,12 @@ double log_chi_squared_upper_tail(double value, double dof) {
 
 double chi_squared_quantile(double p, double dof) {
   if (dof <= 0.0) return 0.0;
-  return boost::math::quantile(boost::math::chi_squared(dof), p);
+  return boost::math::quantile(ChiSquared(dof), p);
 }
 
 double chi_squared_upper_quantile(double tail, double dof) {
   if (dof <= 0.0) return 0.0;
-  return boost::math::quantile(boost::math::complement(boost::math::chi_squared(dof), tail));
+  return boost::math::quantile(boost::math::complement(ChiSquared(dof), tail));
 }
 
 }  // namespace mapjoin

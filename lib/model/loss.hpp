@@ -44,11 +44,8 @@ inline LossValue evaluate(const Loss& loss, double s) {
   return {2.0 * root * std::sqrt(s) - mu * (c2 + s), root / std::sqrt(s) - mu};
 }
 
-/// Where graduated non-convexity ends that no tests follow: a truncated loss of this share is as good as cut off.
-inline constexpr double kSharpShare = 0.98;
-
-/// Where it begins, with a worst residual of so many times c²: that is still on the arc. Beyond all numbers it is nowhere, and
-/// nothing is to be graduated.
+/// The share that graduated non-convexity begins with, with a worst residual of so many times c²: that is still on the arc.
+/// Beyond all numbers it is nowhere, and nothing is to be graduated.
 inline double first_share(double excess) {
   return std::isfinite(excess) ? 0.5 / std::max(1.0, excess) : 1.0;
 }

@@ -53,6 +53,7 @@ TEST_F(Certainty, CovariancesGoIntoTheTablesAndIntoAFileOfTheirOwn) {
   ASSERT_EQ(covariances["poses"].size(), 150U);
   const std::vector<double> row = numbers(path("out/poses.csv"), 78);
   EXPECT_EQ(covariances["poses"][77]["pose"], 77);
+  EXPECT_EQ(covariances["poses"][77]["position"], json({row[1], row[2]}));
   EXPECT_EQ(covariances["poses"][77]["covariance"], json(std::vector<double>(row.begin() + 4, row.end())));
   EXPECT_GT(row[4], 0.0);
   const json report = json::parse(content_of(path("out/report.json")));
@@ -114,6 +115,24 @@ TEST_F(Certainty, RelationsOfASingleFileStandBesideIt) {
   EXPECT_THAT(relations, HasSubstr("\npose,0,149,0,148,"));
 }
 
+TEST_F(Certainty, WhatAnEarlierMapLeftBesideIsSaidAndNeitherRemovedNorDrawn) {
+  simulate("2", "truth.g2o");
+  ASSERT_EQ(call({"solve", path("log.g2o"), "-o", path("map.g2o"), "--covariances", "--relations"}).err, "");
+  const std::string relations = content_of(path("map.relations.csv"));
+  ASSERT_EQ(call({"simulate", "--poses", "150", "--seed", "3", "-o", path("log.g2o")}).exit_code, 0);
+  const Ended again = call({"solve", path("log.g2o"), "-o", path("map.g2o"), "--quiet"});
+  EXPECT_EQ(again.exit_code, 0);
+  for (const std::string name : {"map.covariances.json", "map.relations.csv"}) {
+    EXPECT_THAT(again.err, HasSubstr("mapjoin: " + path(name) + ": was there before and is not of "));
+  }
+  EXPECT_EQ(content_of(path("map.relations.csv")), relations);
+  const Ended plotted = call({"plot", path("map.g2o"), "-o", path("map.svg")});
+  EXPECT_EQ(plotted.exit_code, 3);
+  EXPECT_THAT(plotted.err, HasSubstr("map.covariances.json: is not of the map beside it; remove it, or make both in one run"));
+  ASSERT_EQ(call({"solve", path("log.g2o"), "-o", path("map.g2o"), "--covariances"}).exit_code, 0);
+  EXPECT_EQ(call({"plot", path("map.g2o"), "-o", path("map.svg")}).exit_code, 0);
+}
+
 TEST_F(Certainty, AMapThatIsFreeToMoveIsRefusedByEveryMethod) {
   // Of the feature only one coordinate is known: Levenberg-Marquardt's damping would hold it, nothing else does.
   std::ofstream(path("log.g2o")) << "VERTEX_SE2 0 0 0 0.5\nVERTEX_SE2 1 1 0 0.5\nVERTEX_XY 2 3 1\nFIX 0\n"
@@ -164,7 +183,8 @@ TEST_F(Certainty, ATruthThatBeginsLaterHasErrorsButNoNees) {
   const std::string nowhere = folder.file("nowhere.tum", "900 0 0 0 0 0 0 1\n").string();
   const Ended other = call({"run", path("log.g2o"), "--truth", nowhere});
   EXPECT_EQ(other.exit_code, 2);
-  EXPECT_THAT(other.err, HasSubstr(nowhere + ": the truth has no pose or feature of the map"));
+  EXPECT_THAT(other.err, HasSubstr(nowhere + ": has no pose or feature of " + path("log.g2o") +
+                                   ", by name, time or count; leave --truth out"));
 }
 
 TEST_F(Certainty, TheTruthMayComeThroughAPipe) {
@@ -199,8 +219,13 @@ TEST_F(Certainty, TooMuchMemoryIsRefusedAndNothingIsWritten) {
   simulate("2", "truth.g2o");
   const Ended ended = call({"run", path("log.g2o"), "-o", path("out"), "--covariances", "--max-memory", "0.01"});
   EXPECT_EQ(ended.exit_code, 6);
-  EXPECT_THAT(ended.err, HasSubstr("more than the 0.0 MB allowed"));
+  EXPECT_THAT(ended.err, HasSubstr("more than the 0.01 MB allowed"));
   EXPECT_FALSE(std::filesystem::exists(path("out")));
+  for (const std::string none : {"0", "-1", "1e-9", "much"}) {
+    const Ended refused = call({"run", path("log.g2o"), "--covariances", "--max-memory", none});
+    EXPECT_EQ(refused.exit_code, 2);
+    EXPECT_THAT(refused.err, HasSubstr("--max-memory is \"" + none + "\", not a number from 1e-6 (a byte) on; leave it out"));
+  }
 }
 
 TEST_F(Certainty, EveryLocalMapSaysHowItFits) {

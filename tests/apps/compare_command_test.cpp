@@ -177,10 +177,20 @@ TEST_F(Compare, RefusesListsThatAreNone) {
 }
 
 TEST_F(Compare, RefusesATruthOfSomethingElse) {
-  const auto truth = folder_->file("other.tum", "5000 0 0 0 0 0 0 1\n5001 1 0 0 0 0 0 1\n");
+  const auto truth = folder_->file("other.tum", "999 0 0 0 0 0 0 1\n5001 1 0 0 0 0 0 1\n");
   const Ended ended = call({"compare", kBundledLog, "--truth", truth.string()});
   EXPECT_EQ(ended.exit_code, 2);
   EXPECT_THAT(ended.err, HasSubstr("the truth has fewer than two poses of the log"));
+}
+
+TEST_F(Compare, ShowsHowFarTheJoinIsThatTellsWhetherFeaturesAreShared) {
+  if (std::system("command -v script > /dev/null") != 0) GTEST_SKIP() << "needs script, which gives a command a terminal";
+  const std::string log = kSmallLog + "EDGE_SE2_XY 0 8 1 -1 1 0 1\nEDGE_SE2_XY 2 8 -1 -1 1 0 1\n";
+  const std::string a = folder_->file("a.g2o", log).string();
+  const std::string b = folder_->file("b.g2o", log).string();
+  Process process({"script", "-qec", kCommand + " compare " + a + " " + b + " --poses-per-map 2", "/dev/null"}, {});
+  EXPECT_EQ(process.wait(), 0) << process.standard_output();
+  EXPECT_THAT(process.standard_output(), HasSubstr("\rcovariances")) << "of its verdict, which no case has";
 }
 
 TEST_F(Compare, LeavesNothingBehindWhereTheInputIsBad) {

@@ -266,6 +266,10 @@ TEST_F(Follow, WhatCannotBeFollowedIsSaid) {
   const Ended zipped = call({"run", kCommand, "--follow", "--idle", "0"});
   EXPECT_EQ(zipped.exit_code, 3);
   EXPECT_NE(zipped.err, "");
+  const std::string isam = path("log.isam");
+  ASSERT_EQ(call({"convert", kBundledLog, isam, "--quiet"}).exit_code, 0);
+  expect_failure(call({"run", isam, "--follow", "--idle", "0"}), 3,
+                 isam + ": only g2o can be followed, and this is another format; `mapjoin convert " + isam + " LOG.g2o`");
   const Ended unfollowed = call({"run", path("none.g2o"), "--idle", "3"});
   EXPECT_EQ(unfollowed.exit_code, 2);
   EXPECT_THAT(unfollowed.err, HasSubstr("--idle is for --follow"));

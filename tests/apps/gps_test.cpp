@@ -4,6 +4,7 @@
 
 #include <fmt/format.h>
 
+#include <fstream>
 #include <mapjoin/gps/geographic_frame.hpp>
 #include <mapjoin/io/g2o/g2o.hpp>
 #include <tests/apps/command.hpp>
@@ -95,6 +96,15 @@ TEST_F(GpsCommand, RobustLeavesOutWrongFixesByTheirLine) {
   EXPECT_EQ(report["verdict"], "fits");
   EXPECT_THAT(bytes_of(out + "/rejected.csv"), HasSubstr("\nfix,3,2,"));
   EXPECT_THAT(bytes_of(out + "/inliers.g2o"), HasSubstr("EDGE_PRIOR_SE2 "));
+}
+
+TEST_F(GpsCommand, AFixThatIsOutOfLineIsNamedByItsLine) {
+  write_fixes(1);
+  std::ofstream(log, std::ios::app) << "FIX 0\n";
+  const std::string out = call(command("run", {})).out;
+  EXPECT_THAT(out, HasSubstr("MISFIT: fix of line 3 at pose 2 (chi2 "));
+  EXPECT_THAT(out, HasSubstr("left out: fixed poses, for the fixes hold the map (1)\n"));
+  EXPECT_EQ(report_of(command("run", {}))["misfits"][0]["lines"], nlohmann::json::array({3}));
 }
 
 TEST_F(GpsCommand, SaysWhatDoesNotGoTogether) {

@@ -29,6 +29,12 @@ TEST(Info, TellsWhatALogHas) {
   expect_line(text, "stamps", "none");
 }
 
+TEST(Info, RefusesALogThatIsGivenTwiceAsARunDoes) {
+  const Ended ended = call({"info", kBundledLog, kBundledLog});
+  expect_failure(ended, 2, kBundledLog + " is given twice: leave one out");
+  EXPECT_EQ(call({"run", kBundledLog, kBundledLog}).err, ended.err);
+}
+
 TEST(Info, TellsAStoreFromALog) {
   const TemporaryFolder folder;
   const std::string store = (folder.path() / "maps").string();

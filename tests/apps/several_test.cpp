@@ -145,25 +145,60 @@ TEST_F(SeveralInputs, FeaturesThatLieDifferentlyUnderTheSameIdsAreAskedFor) {
   EXPECT_THAT(call({"check", a, other, "--features", "shared"}).out, Not(HasSubstr("lie differently")));
 }
 
-TEST_F(SeveralInputs, ATruthThatCountsPosesIsOfThosePartsThatCountAlike) {
-  const auto log_of = [&](const std::string& name, const std::vector<int>& steps) {
-    std::string text;
-    for (const int from : steps) text += fmt::format("EDGE_SE2 {} {} 1 0 0 1 0 0 1 0 1\n", from, from + 1);
-    return folder.file(name, text).string();
-  };
+TEST_F(SeveralInputs, AStoreOfSeveralAsksForSuchFeaturesToo) {
+  const std::string other = (folder.path() / "other.g2o").string();
+  ASSERT_EQ(call({"simulate", "--poses", "500", "--seed", "9", "-o", other}).exit_code, 0);
+  const std::string store = (folder.path() / "both.maps").string();
+  ASSERT_EQ(call({"build", a, other, "-o", store}).exit_code, 0);
+  const Ended asked = call({"join", store});
+  EXPECT_EQ(asked.exit_code, 3);
+  EXPECT_THAT(asked.err, HasSubstr("`mapjoin build` with --features own where ids mean other features in each input"));
+  EXPECT_EQ(call({"join", store, "--features", "shared"}).exit_code, 0);
+}
+
+/// Steps of a metre from each of these poses to the next one.
+std::string steps_from(const std::vector<int>& poses) {
+  std::string text;
+  for (const int from : poses) text += fmt::format("EDGE_SE2 {} {} 1 0 0 1 0 0 1 0 1\n", from, from + 1);
+  return text;
+}
+
+TEST_F(SeveralInputs, ATruthThatCountsPosesCountsThoseOfTheWholeLog) {
   std::string lines;
-  for (int k = 0; k < 5; ++k) lines += fmt::format("{} {} 0 0 0 0 0 1\n", k, k);
+  for (const int k : {0, 1, 2, 3, 4}) lines += fmt::format("{} {} 0 0 0 0 0 1\n", k, k);
   const std::string truth = folder.file("truth.tum", lines).string();
-  const std::string second = log_of("second.g2o", {0, 5, 6});
-  const std::string out = (folder.path() / "out").string();
-  for (const std::vector<std::string>& parts : {std::vector<std::string>{"largest"}, {"all", "-o", out}}) {
-    std::vector<std::string> words = {"run", second, "--truth", truth, "--parts"};
-    words.insert(words.end(), parts.begin(), parts.end());
-    const Ended ended = call(words);
-    EXPECT_EQ(ended.exit_code, 2) << parts.front();
-    EXPECT_THAT(ended.err, HasSubstr("truth.tum: tells poses by their count, which is another one in a part of a log"));
-  }
-  EXPECT_EQ(call({"run", log_of("first.g2o", {0, 1, 5}), "--truth", truth, "--parts", "largest"}).exit_code, 0);
+  const std::string log = folder.file("log.g2o", steps_from({0, 5, 6})).string();
+  const auto largest = report_of({"run", log, "--truth", truth, "--parts", "largest"})["errors"]["ate"]["translation"];
+  EXPECT_EQ(largest["count"], 3);
+  const auto out = folder.path() / "out";
+  ASSERT_EQ(call({"run", log, "--truth", truth, "--parts", "all", "-o", out.string()}).exit_code, 0);
+  const auto errors_in = [&](const std::string& part) {
+    return nlohmann::json::parse(content_of(out / part / "report.json"))["errors"]["ate"]["translation"];
+  };
+  EXPECT_EQ(errors_in("part_1"), largest);
+  EXPECT_EQ(errors_in("part_2")["count"], 2);
+  const auto compared = report_of({"compare", log, "--truth", truth, "--parts", "largest", "--poses-per-map", "2"});
+  EXPECT_NEAR(compared["cases"][0]["polished"]["from_truth"]["ate"]["translation"]["rms"], 0.0, 1e-9);
+}
+
+TEST_F(SeveralInputs, APartThatTheTruthDoesNotKnowIsMappedAllTheSame) {
+  const std::string log = folder.file("log.g2o", steps_from({0, 5, 6})).string();
+  const std::string truth = folder.file("truth.g2o", "VERTEX_SE2 0 0 0 0\nVERTEX_SE2 1 1 0 0\n").string();
+  const auto out = folder.path() / "out";
+  const Ended ended = call({"run", log, "--truth", truth, "--parts", "all", "-o", out.string(), "--quiet"});
+  EXPECT_EQ(ended.exit_code, 0);
+  EXPECT_EQ(ended.err, "mapjoin: " + truth + ": has no pose or feature of the part in " + (out / "part_1").string() +
+                           ", by name, time or count; its map is not measured against it, and `mapjoin error` measures it "
+                           "against another\n");
+  const auto errors_in = [&](const std::string& part) {
+    return nlohmann::json::parse(content_of(out / part / "report.json"))["errors"];
+  };
+  EXPECT_TRUE(errors_in("part_1").is_null());
+  EXPECT_EQ(errors_in("part_2")["ate"]["translation"]["count"], 2);
+  const std::string none = folder.file("none.g2o", "VERTEX_SE2 9 0 0 0\n").string();
+  const Ended refused = call({"run", log, "--truth", none, "--parts", "all", "-o", (folder.path() / "no").string()});
+  EXPECT_EQ(refused.exit_code, 2) << "where it knows no part";
+  EXPECT_THAT(refused.err, HasSubstr(none + ": has no pose or feature of " + log));
 }
 
 TEST_F(SeveralInputs, FeaturesOfTheirOwnLeaveThemApart) {

@@ -13,6 +13,7 @@ namespace mapjoin {
 namespace {
 
 using ::testing::HasSubstr;
+using ::testing::Not;
 
 /// What a run says of a log in the plane; "" where it ends well.
 std::string said_of(const std::string& g2o) {
@@ -48,6 +49,21 @@ TEST(FreeToMove, AFeatureSeenAlongOneAxisMoves) {
                       "EDGE_SE2_XY 0 7 1 1 25 0 0\n"
                       "EDGE_SE2_XY 1 7 0 1 25 0 0\n"),
               HasSubstr("feature 7 cannot be determined: the observations leave it free to move"));
+}
+
+TEST(FreeToMove, WeightsTooFarApartAreNamed) {
+  EXPECT_THAT(said_of("EDGE_SE2 0 1 1 0 0 1 0 0 1 0 1\n"
+                      "EDGE_SE2 1 2 1 0 0 1e100 0 0 1e100 0 1e100\n"
+                      "EDGE_SE2 0 2 2 0 0 1 0 0 1 0 1\n"),
+              HasSubstr("weights from 1 to 1e+100 are too far apart"));
+  EXPECT_THAT(said_of("EDGE_SE2 0 1 1 0 0 1 0 0 1 0 0\n"), Not(HasSubstr("weights")));
+}
+
+TEST(FreeToMove, WeightsADozenDigitsApartAreNot) {
+  EXPECT_EQ(said_of("EDGE_SE2 0 1 1 0 0 1 0 0 1 0 1\n"
+                    "EDGE_SE2 1 2 1 0 0 1e12 0 0 1e12 0 1e12\n"
+                    "EDGE_SE2 0 2 2 0 0 1 0 0 1 0 1\n"),
+            "");
 }
 
 TEST(FreeToMove, OneEdgeIsEnough) {

@@ -37,6 +37,17 @@ TYPED_TEST(RunLimitsTest, ALogThatFallsApartIsBadInput) {
   }
 }
 
+TYPED_TEST(RunLimitsTest, NumbersTooLargeForAFiniteChi2AreBadInput) {
+  auto world = small_world<TestFixture::kDim>();
+  world.log.graph.pose_factors.back().measured.translation[0] = 1e200;
+  for (const auto& result : {run(world.log, this->short_maps()), solve(world.log, this->short_maps())}) {
+    ASSERT_FALSE(result);
+    EXPECT_EQ(result.error().kind, ErrorKind::kBadInput);
+    EXPECT_THAT(result.error().message,
+                HasSubstr("small world: its numbers are too large: the map is not finite, or its chi2"));
+  }
+}
+
 TYPED_TEST(RunLimitsTest, AFeatureThatIsNotDeterminedIsNamed) {
   auto world = small_world<TestFixture::kDim>();
   world.log.features[3].key = 4711;

@@ -3,6 +3,7 @@
 #include <fmt/ranges.h>
 
 #include <algorithm>
+#include <cmath>
 #include <mapjoin/gps/geographic_frame.hpp>
 #include <mapjoin/io/files/output_file.hpp>
 #include <mapjoin/io/files/text_line.hpp>
@@ -18,17 +19,60 @@ GeographicPoint place_of(const Point<Dim>& point, const GeographicFrame& frame) 
   return frame.to_geographic(local);
 }
 
+using Track = std::vector<GeographicPoint>;
+
 /// `[longitude,latitude]`, in space with the height.
 template <int Dim>
-std::string position(const Point<Dim>& point, const GeographicFrame& frame) {
-  const GeographicPoint place = place_of<Dim>(point, frame);
+std::string position(const GeographicPoint& place) {
   const std::string flat = fmt::format("{},{}", place.longitude, place.latitude);
   return Dim == 2 ? "[" + flat + "]" : fmt::format("[{},{}]", flat, place.height);
+}
+
+template <int Dim>
+std::string positions_of(const Track& line) {
+  std::vector<std::string> all;
+  for (const GeographicPoint& place : line) all.push_back(position<Dim>(place));
+  return fmt::format("[{}]", fmt::join(all, ",\n"));
+}
+
+/// Where the short way from one place to another crosses the antimeridian, on the side of the first one.
+GeographicPoint crossing(const GeographicPoint& from, const GeographicPoint& to) {
+  const double before = 180.0 - std::abs(from.longitude);
+  const double behind = 180.0 - std::abs(to.longitude);
+  const double share = before > 0.0 ? before / (before + behind) : 0.0;
+  return {std::lerp(from.latitude, to.latitude, share), std::copysign(180.0, from.longitude),
+          std::lerp(from.height, to.height, share)};
+}
+
+/// The lines that a trajectory becomes where none may cross the antimeridian (RFC 7946, section 3.1.9).
+std::vector<Track> cut_at_antimeridian(const Track& trajectory) {
+  std::vector<Track> lines(1);
+  for (const GeographicPoint& place : trajectory) {
+    Track& line = lines.back();
+    if (!line.empty() && std::abs(place.longitude - line.back().longitude) > 180.0) {
+      GeographicPoint cut = crossing(line.back(), place);
+      line.push_back(cut);
+      cut.longitude = -cut.longitude;
+      lines.push_back({cut});
+    }
+    lines.back().push_back(place);
+  }
+  return lines;
 }
 
 std::string object(std::string_view type, const std::string& coordinates, const std::string& properties) {
   return fmt::format(R"({{"type":"Feature","geometry":{{"type":"{}","coordinates":{}}},"properties":{{{}}}}})", type,
                      coordinates, properties);
+}
+
+template <int Dim>
+std::string trajectory_object(const Track& trajectory, std::uint32_t session) {
+  const std::string name = fmt::format("\"session\":{}", session);
+  if (trajectory.size() == 1) return object("Point", position<Dim>(trajectory.front()), name);
+  std::vector<std::string> lines;
+  for (const Track& line : cut_at_antimeridian(trajectory)) lines.push_back(positions_of<Dim>(line));
+  if (lines.size() == 1) return object("LineString", lines.front(), name);
+  return object("MultiLineString", fmt::format("[{}]", fmt::join(lines, ",\n")), name);
 }
 
 }  // namespace
@@ -62,21 +106,19 @@ Expected<void> write_geojson(const GlobalMap<Dim>& map, const GeographicFrame& f
   auto file = OutputFile::create(path);
   if (!file) return tl::unexpected(file.error());
   file->write("{\"type\":\"FeatureCollection\",\"features\":[\n");
-  std::vector<std::string> positions;
+  Track trajectory;
   for (const PoseIndex p : indices(map.poses)) {
     const std::uint32_t session = map.pose_ids[p].session;
-    positions.push_back(position<Dim>(map.poses[p].translation, frame));
+    trajectory.push_back(place_of<Dim>(map.poses[p].translation, frame));
     const bool is_last = p + 1 == indices(map.poses).last;
     if (!is_last && map.pose_ids[p + 1].session == session) continue;
-    const std::string name = fmt::format("\"session\":{}", session);
-    const std::string line = fmt::format("[{}]", fmt::join(positions, ",\n"));
-    file->write(positions.size() > 1 ? object("LineString", line, name) : object("Point", positions.front(), name));
+    file->write(trajectory_object<Dim>(trajectory, session));
     file->write(is_last && map.features.empty() ? "\n" : ",\n");
-    positions.clear();
+    trajectory.clear();
   }
   for (const FeatureIndex f : indices(map.features)) {
     const std::string name = fmt::format("\"feature\":\"{}\"", key_text(map.feature_ids[f].key));
-    file->write(object("Point", position<Dim>(map.features[f], frame), name));
+    file->write(object("Point", position<Dim>(place_of<Dim>(map.features[f], frame)), name));
     file->write(f + 1 == indices(map.features).last ? "\n" : ",\n");
   }
   file->write("]}\n");

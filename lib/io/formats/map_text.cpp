@@ -7,6 +7,7 @@
 #include <mapjoin/io/files/text_line.hpp>
 #include <mapjoin/io/formats/map_text.hpp>
 #include <stdexcept>
+#include <system_error>
 
 namespace mapjoin {
 namespace {
@@ -43,6 +44,16 @@ void put_features(const GlobalMap<Dim>& map, OutputFile& file) {
     if (has_covariances) line.template add_symmetric<Dim>(map.feature_covariances[i]);
     line.write_to(file);
   }
+}
+
+/// Whether a file that is written to one of these takes the place of that at the other.
+bool are_one_file(const std::filesystem::path& a, const std::filesystem::path& b) {
+  std::error_code ignored;
+  if (std::filesystem::exists(a, ignored) && !std::filesystem::is_regular_file(a, ignored)) return false;
+  const auto place_of = [&](const std::filesystem::path& path) {
+    return std::filesystem::weakly_canonical(std::filesystem::absolute(link_target(path), ignored), ignored);
+  };
+  return !place_of(a).empty() && place_of(a) == place_of(b);
 }
 
 /// One for each of `all`.
@@ -131,6 +142,10 @@ Expected<void> write_pose_csv(const GlobalMap<Dim>& map, const std::filesystem::
 template <int Dim>
 Expected<void> write_csv(const GlobalMap<Dim>& map, const std::filesystem::path& poses, const std::filesystem::path& features) {
   demand_whole(map);
+  if (are_one_file(poses, features)) {
+    return tl::unexpected(Error{
+        ErrorKind::kUsage, poses.string() + ": is named for the poses and for the features; each takes a file of its own"});
+  }
   auto pose_file = OutputFile::create(poses);
   if (!pose_file) return tl::unexpected(pose_file.error());
   auto feature_file = OutputFile::create(features);

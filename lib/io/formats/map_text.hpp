@@ -44,7 +44,7 @@ Expected<void> write_kitti(const GlobalMap<Dim>& map, const std::filesystem::pat
 template <int Dim>
 Expected<void> write_pose_csv(const GlobalMap<Dim>& map, const std::filesystem::path& path);
 
-/// Two tables; neither appears unless both could be written.
+/// Two tables; neither appears unless both could be written. kUsage where both paths lead to one file.
 /// - Poses: `pose,x,y,phi` or `pose,x,y,z,qx,qy,qz,qw`, under a header with these names (m, rad); before them `session,` where
 ///   any pose is of a session other than 0, behind them `,stamp_ns` where the map has stamps. Then, where the map has
 ///   covariances, the upper triangle of the pose's, row by row, as `,cov_x_x,cov_x_y,cov_x_phi,…`; in space over x, y, z and
@@ -59,7 +59,8 @@ Expected<void> write_csv(const GlobalMap<Dim>& map, const std::filesystem::path&
 template <int Dim>
 Expected<void> write_geographic_csv(const GlobalMap<Dim>& map, const GeographicFrame& frame, const std::filesystem::path& path);
 
-/// GeoJSON (RFC 7946): the trajectory of each session as a LineString, each feature as a Point.
+/// GeoJSON (RFC 7946): the trajectory of each session as a LineString, or as a MultiLineString cut at the antimeridian where it
+/// crosses that, or a single pose as a Point; each feature as a Point.
 template <int Dim>
 Expected<void> write_geojson(const GlobalMap<Dim>& map, const GeographicFrame& frame, const std::filesystem::path& path);
 

@@ -43,15 +43,15 @@ Expected<void> read_stamps(const std::filesystem::path& path, Log<Dim>& log) {
     if (std::next(begin) != end)
       return text.error(fmt::format(
           "several sessions have a pose {}; stamp each log by itself, as mapjoin build does, and join them", key_text(*key)));
-    if (stamps[pose]) return text.error(fmt::format("{} has two times", to_string(log.poses[pose])));
+    if (stamps[pose]) return text.error(fmt::format("{} has two times; keep one", to_string(log.poses[pose])));
     const std::string_view time = text.word();
     stamps[pose] = nanoseconds(time);
     if (!stamps[pose]) return text.error("a time in seconds is expected, not " + in_quotes(time));
   }
   const auto missing = std::ranges::find_if(stamps, [](const auto& stamp) { return !stamp; });
   if (missing != stamps.end()) {
-    return bad_input(
-        fmt::format("{}: has no time for {}", path.string(), to_string(log.poses[PoseIndex(missing - stamps.begin())])));
+    return bad_input(fmt::format("{}: has no time for {}; every pose takes one", path.string(),
+                                 to_string(log.poses[PoseIndex(missing - stamps.begin())])));
   }
   log.stamps_ns.clear();
   for (const auto& stamp : stamps) log.stamps_ns.push_back(*stamp);

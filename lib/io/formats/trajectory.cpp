@@ -4,6 +4,7 @@
 #include <cmath>
 #include <cstdint>
 #include <limits>
+#include <map>
 #include <mapjoin/io/formats/trajectory.hpp>
 #include <mapjoin/io/g2o/fields.hpp>
 #include <mapjoin/model/log_builder.hpp>
@@ -128,6 +129,7 @@ Expected<AnyLog> read_kitti_log(TextScanner text, const ReadOptions&) {
 
 Expected<std::vector<StampedPose>> read_tum(TextScanner text) {
   std::vector<StampedPose> poses;
+  std::map<double, Pose<3>> at_time;
   const auto read_line = [&] {
     const double time = text.number();
     const Point<3> translation = text.vector<3>();
@@ -136,6 +138,9 @@ Expected<std::vector<StampedPose>> read_tum(TextScanner text) {
     if (largest == 0.0) text.reject("this quaternion is zero");
     q.coeffs() /= largest;  // Its square may be more than a double holds.
     poses.push_back({time, {translation, Rotation<3>(q.normalized())}});
+    const Pose<3>& first = at_time.emplace(time, poses.back().pose).first->second;
+    if (first != poses.back().pose)
+      text.reject("a line before has another pose at the same time; keep one, or give a table of poses, which names sessions");
   };
   return text.each_line(read_line).map([&] { return std::move(poses); });
 }

@@ -35,7 +35,7 @@ struct StampedPose {
 };
 
 /// The lines `time x y z qx qy qz qw` in their order; `#` starts a comment. Bad input, with the place, where a line is anything
-/// else or a quaternion is zero; quaternions are brought to unit length.
+/// else, has another pose than one before at its time, or a quaternion that is zero; quaternions are brought to unit length.
 Expected<std::vector<StampedPose>> read_tum(TextScanner text);
 
 }  // namespace mapjoin

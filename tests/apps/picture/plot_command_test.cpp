@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <signal.h>
@@ -156,16 +157,50 @@ TEST_F(Plot, RefusesWhatDoesNotGoTogether) {
   EXPECT_FALSE(std::filesystem::exists(path("plot.svg")));
 }
 
+TEST_F(Plot, TheFolderOfARunOfSeveralSessionsIsReadByTheNamesOfTheirLogs) {
+  const auto log_from = [&](const std::string& name, int first) {
+    std::string text;
+    for (int k = 0; k < 20; ++k) {
+      text += fmt::format("EDGE_SE2 {} {} 1 0 0.1 100 0 0 100 0 400\n", first + k, first + k + 1);
+      for (const int f : {0, 1}) text += fmt::format("EDGE_SE2_XY {} {} 1 {} 25 0 25\n", first + k, 5000 + (k + f) / 2, f + 1);
+    }
+    return folder.file(name, text).string();
+  };
+  // The second session comes first in the g2o file, has its ids moved there, and both.
+  const std::string low = log_from("low.g2o", 0);
+  for (const auto& [a, b] : {std::pair(log_from("high.g2o", 1000), low), {low, log_from("same.g2o", 0)}}) {
+    ASSERT_EQ(
+        call({"run", a, b, "--features", "shared", "-o", path("run"), "--covariances", "--robust", "--poses-per-map", "5"})
+            .exit_code,
+        0);
+    const Ended ended = call({"plot", path("run"), "-o", path("plot.svg")});
+    EXPECT_EQ(ended.exit_code, 0) << ended.err;
+    EXPECT_THAT(ended.out, HasSubstr("42 poses, 11 features, 8 local maps"));
+    const std::string svg = content_of(path("plot.svg"));
+    EXPECT_EQ(count_of(svg, "<ellipse rx"), 8U + 11U);
+    EXPECT_EQ(count_of(svg, ">rejected<"), 1U);
+  }
+}
+
+TEST_F(Plot, TheCovariancesOfATableOfPosesAreDrawnAndOfATrajectoryNot) {
+  for (const std::string name : {"map.csv", "map.tum"}) {
+    ASSERT_EQ(call({"solve", kBundledLog, "-o", path(name), "--covariances", "--quiet"}).exit_code, 0);
+    EXPECT_EQ(count_of(picture({path(name)}), ">3σ of poses<"), name == "map.csv" ? 1U : 0U);
+  }
+}
+
 TEST_F(Plot, WhatLiesBesideAMapMustBeOfIt) {
   ASSERT_EQ(call({"run", kBundledLog, "-o", path("run"), "--covariances", "--quiet"}).exit_code, 0);
   const std::string certain = content_of(path("run/covariances.json"));
   folder.file("run/covariances.json", certain.substr(0, certain.size() / 2));
-  expect_refused({path("run"), "-o", path("plot.svg")}, 3, "covariances.json: is not as mapjoin writes it");
+  expect_refused({path("run"), "-o", path("plot.svg")}, 3, "covariances.json: is not as this mapjoin writes it; remove it");
   folder.file("run/covariances.json", R"({"dimension": 2, "poses": [], "features": []})");
   expect_refused({path("run"), "-o", path("plot.svg")}, 3, "covariances.json: is not of the map beside it");
   std::filesystem::remove(path("run/covariances.json"));
   folder.file("run/report.json", R"({"join": {"maps": [{"session": 0, "pose": 5, "end": 777777, "chi2": 1, "rows": 2}]}})");
   expect_refused({path("run"), "-o", path("plot.svg")}, 3, "report.json: is not of the map beside it");
+  ASSERT_EQ(call({"solve", kBundledLog, "--max-iterations", "1", "-o", path("run/map.g2o"), "--quiet"}).exit_code, 4);
+  expect_refused({path("run"), "-o", path("plot.svg")}, 3, "poses.csv: is not of the map beside it");
 }
 
 }  // namespace

@@ -35,16 +35,27 @@ TEST_F(ViewerPage, DrawsAndSwitchesItsLayersWithoutComplaint) {
                                      "3σ of features", "residual 2–4 × typical", "residual ≤ 2 × typical", "odometry alone"));
 }
 
+/// Of kNamedMap: all zero.
+Json covariances_of_named_map() {
+  Json covariances = {{"dimension", 2}, {"poses", Json::array()}, {"features", Json::array()}};
+  const auto add = [&](const char* things, Json line, double x, double y, std::size_t numbers) {
+    line["position"] = {x, y};
+    line["covariance"] = std::vector<double>(numbers);
+    covariances[things].push_back(line);
+  };
+  add("poses", {{"session", 0}, {"pose", 10}}, 1000000, 5, 6);
+  add("poses", {{"session", 0}, {"pose", 20}}, 1000004, 5, 6);
+  add("poses", {{"session", 0}, {"pose", 35}}, 1000004, 9, 6);
+  add("poses", {{"session", 0}, {"pose", 41}}, 1000000, 9, 6);
+  add("features", {{"feature", 700}}, 1000002, 7, 3);
+  add("features", {{"feature", 800}}, 1000006, 10, 3);
+  return covariances;
+}
+
 TEST_F(ViewerPage, DrawsEllipsesNoLargerThanTheMap) {
   folder.file("map.g2o", kNamedMap);
-  Json covariances = {{"dimension", 2}, {"poses", Json::array()}, {"features", Json::array()}};
-  for (const int pose : {10, 20, 35, 41}) {
-    const std::vector<double> P = {pose == 41 ? 1e6 : 0.0, 0, 0, pose == 41 ? 1e6 : 0.0, 0, 0};
-    covariances["poses"].push_back({{"session", 0}, {"pose", pose}, {"covariance", P}});
-  }
-  for (const int feature : {700, 800}) {
-    covariances["features"].push_back({{"feature", feature}, {"covariance", {0, 0, 0}}});
-  }
+  Json covariances = covariances_of_named_map();
+  covariances["poses"][3]["covariance"] = {1e6, 0, 0, 1e6, 0, 0};
   folder.file("map.covariances.json", covariances.dump());
   const std::string probe = "{points: pointsOf(layerNamed(\"3σ of poses (capped at the map's size)\")).map(Math.abs)}";
   const auto points = found_on(page_of({path("map.g2o")}), probe)["points"].get<std::vector<double>>();
@@ -100,12 +111,10 @@ TEST_F(ViewerPage, TellsWhatIsUnderThePointer) {
 
 TEST_F(ViewerPage, TellsHowCertainThatIs) {
   folder.file("map.g2o", kNamedMap);
-  const std::string zero = R"("covariance": [0, 0, 0, 0, 0, 0]})";
-  folder.file("map.covariances.json", R"({"dimension": 2, "poses": [{"session": 0, "pose": 10, )" + zero +
-                                          R"(, {"session": 0, "pose": 20, )" + zero + R"(, {"session": 0, "pose": 35, )" +
-                                          zero +
-                                          R"(, {"session": 0, "pose": 41, "covariance": [0.25, 0.01, 0, 0.04, 0, 0.0001]}],
-          "features": [{"feature": 700, "covariance": [1, 0.5, 4]}, {"feature": 800, "covariance": [0, 0, 0]}]})");
+  Json covariances = covariances_of_named_map();
+  covariances["poses"][3]["covariance"] = {0.25, 0.01, 0, 0.04, 0, 0.0001};
+  covariances["features"][0]["covariance"] = {1, 0.5, 4};
+  folder.file("map.covariances.json", covariances.dump());
   const Json found = found_on(page_of({path("map.g2o")}), "{pose: tipOver(1000000, 9), feature: tipOver(1000002, 7)}");
   EXPECT_THAT(found["pose"].get<std::string>(),
               AllOf(HasSubstr("pose 41"), HasSubstr("σx 0.500 m, σy 0.200 m, σφ 0.573°"), HasSubstr("1.00e-2")));

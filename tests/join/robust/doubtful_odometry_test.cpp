@@ -1,8 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <mapjoin/join/robust/doubtful_odometry.hpp>
+#include <numbers>
 #include <tests/support/closing_world.hpp>
 #include <tests/support/dimensions.hpp>
 #include <tests/support/two_drives.hpp>
@@ -11,6 +13,35 @@ namespace mapjoin {
 namespace {
 
 using testing::Crossing;
+
+/// Four laps of a square, each tied to the one before by a closure every four poses, with a slip on the way to one of them, and
+/// so many wrong closures that bear each other out.
+template <int Dim>
+Log<Dim> laps(int slip, std::uint64_t wrong = 0) {
+  constexpr std::uint64_t kPoses = 160;
+  constexpr std::uint64_t kLap = 40;
+  const PoseMatrix<Dim> W = 1e4 * PoseMatrix<Dim>::Identity();
+  const auto step = [](std::uint64_t to) {
+    Pose<Dim> pose;
+    pose.translation[0] = 1.0;
+    if (to % 10 != 0) return pose;
+    PoseVector<Dim> turn = PoseVector<Dim>::Zero();
+    turn[Dim == 2 ? 2 : 5] = 0.5 * std::numbers::pi;
+    return retract(pose, turn);
+  };
+  LogBuilder<Dim> builder("laps");
+  builder.add_pose({0, 0});
+  for (std::uint64_t p = 1; p < kPoses; ++p) {
+    Pose<Dim> measured = step(p);
+    if (PoseIndex(p) == PoseIndex(slip)) measured.translation[1] += 2.0;
+    builder.add_pose_edge({0, p - 1}, {0, p}, measured, W);
+  }
+  for (std::uint64_t p = 0; p + kLap < kPoses; p += 4) builder.add_pose_edge({0, p}, {0, p + kLap}, Pose<Dim>{}, W);
+  Pose<Dim> elsewhere;
+  elsewhere.translation[0] = 3.0;
+  for (std::uint64_t k = 0; k < wrong; ++k) builder.add_pose_edge({0, 48 + 2 * k}, {0, 98 + 2 * k}, elsewhere, W);
+  return std::move(builder).finish().value();
+}
 
 template <typename D>
 class DoubtfulOdometryTest : public ::testing::Test {
@@ -38,6 +69,11 @@ class DoubtfulOdometryTest : public ::testing::Test {
     for (std::size_t k = 1; k < steps.size(); ++k)
       EXPECT_GE(steps[k], PoseIndex(100)) << "another step of the drive that slips";
   }
+  /// Of laps(): no loop tells the steps between two closures apart.
+  static void expect_between_closures(const Rejected& step, int slip) {
+    EXPECT_EQ(step.misfit.kind, PartKind::kOdometry);
+    EXPECT_EQ((std::get<PoseIndex>(step.misfit.to).value - 1) / 4, (slip - 1) / 4);
+  }
   static RobustOptions all() { return {.odometry = true}; }
 };
 TYPED_TEST_SUITE(DoubtfulOdometryTest, testing::Dimensions);
@@ -50,6 +86,23 @@ TYPED_TEST(DoubtfulOdometryTest, IsTheStepThatLoopsSpeakAgainst) {
 /// The first of those between two closures, of which no loop tells which it is.
 TYPED_TEST(DoubtfulOdometryTest, IsNamedOnceWhereClosuresAreSteppedOver) {
   this->expect_step(doubtful_steps(this->slipping(2.0, 4)), PoseIndex(49));
+}
+
+/// Right closures on either side of the slip do not know of each other: those across it are right, and outvoted.
+TYPED_TEST(DoubtfulOdometryTest, IsNamedWhereItSetsRightClosuresAgainstEachOther) {
+  for (const int slip : {50, 70, 75, 95, 130}) {
+    const auto rejected = find_inliers(laps<TypeParam::value>(slip), this->all()).value().rejected;
+    ASSERT_EQ(rejected.size(), 1U) << slip;
+    this->expect_between_closures(rejected[0], slip);
+  }
+}
+
+TYPED_TEST(DoubtfulOdometryTest, IsNamedBesideClosuresThatAreWrongTogether) {
+  const auto rejected = find_inliers(laps<TypeParam::value>(75, 8), this->all()).value().rejected;
+  ASSERT_EQ(rejected.size(), 9U);
+  const auto is_odometry = [](const Rejected& one) { return one.misfit.kind == PartKind::kOdometry; };
+  ASSERT_EQ(std::ranges::count_if(rejected, is_odometry), 1);
+  this->expect_between_closures(*std::ranges::find_if(rejected, is_odometry), 75);
 }
 
 /// Closures a tenth as sure: no two of them speak against a step, all of them together do.

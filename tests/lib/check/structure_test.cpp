@@ -119,6 +119,24 @@ TYPED_TEST(Structure, WarnsOfFeaturesSeenOnceOnlyWhereTheyAreMost) {
   EXPECT_EQ(finding_of(most, "seen_once").where.count, 16u);
 }
 
+TYPED_TEST(Structure, WarnsOfPosesThatAreNoLaterThanTheOneBefore) {
+  constexpr int Dim = TypeParam::value;
+  const PoseIds ids = {{0, 0}, {0, 1}, {0, 2}, {0, 3}, {1, 0}, {1, 1}};
+  const auto log_at = [&](const std::vector<std::int64_t>& times) {
+    LogBuilder<Dim> builder("some.g2o");
+    for (std::size_t k = 0; k < times.size(); ++k) builder.add_stamp(ids.at(k), times[k]);
+    for (const std::size_t k : {0U, 1U, 2U, 4U})
+      builder.add_pose_edge(ids.at(k), ids.at(k + 1), {}, PoseMatrix<Dim>::Identity());
+    return std::move(builder).finish().value();
+  };
+  const auto is_of_stamps = [](const Finding& finding) { return finding.check == "stamps"; };
+  EXPECT_TRUE(std::ranges::none_of(check_structure(log_at({})), is_of_stamps));
+  EXPECT_TRUE(std::ranges::none_of(check_structure(log_at({1, 2, 3, 4, 1, 2})), is_of_stamps)) << "each session has its own";
+  const Finding finding = finding_of(check_structure(log_at({1, 2, 2, 1, 7, 6})), "stamps");
+  EXPECT_EQ(finding.level, FindingLevel::kWarning);
+  EXPECT_EQ(finding.where.names, (std::vector<std::string>{"pose 2", "pose 3", "pose 1 of session 1"}));
+}
+
 TEST(TwoLogsInOneFile, AreNoticed) {
   const auto log_of = [](std::uint64_t first_steps, std::uint64_t second_steps) {
     LogBuilder<2> builder("log");

@@ -188,9 +188,11 @@ TEST(AttachFixes, OptionsThatMakeNoSenseAreRefused) {
   GpsOptions options;
   options.most_apart = std::nan("");
   EXPECT_THROW(attach_fixes(fixes_of({fix_at(1.0)}), options, log).value(), std::invalid_argument);
-  options = {};
-  options.lever[0] = std::nan("");
-  EXPECT_THROW(attach_fixes(fixes_of({fix_at(1.0)}), options, log).value(), std::invalid_argument);
+  for (const double far : {std::nan(""), 1e300, -10001.0}) {
+    options = {};
+    options.lever[0] = far;
+    EXPECT_THROW(attach_fixes(fixes_of({fix_at(1.0)}), options, log).value(), std::invalid_argument) << far;
+  }
 }
 
 TEST(AttachFixes, SaysWhatIsMissing) {

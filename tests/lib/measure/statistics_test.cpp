@@ -22,6 +22,13 @@ TEST(ChiSquared, IsNeverBeyondAllNumbers) {
   EXPECT_LT(log_chi_squared_upper_tail(infinite, 3), log_chi_squared_upper_tail(1e300, 3));
 }
 
+TEST(ChiSquared, OfNearlyNothingIsCertainWithAnyDegreesOfFreedom) {
+  for (const double value : {0.0, 5e-324, 1e-200, 1e-20, 1e-10}) {
+    for (const double dof : {300.0, 3600.0, 1e5, 1e7})
+      EXPECT_EQ(chi_squared_upper_tail(value, dof), 1.0) << value << ' ' << dof;
+  }
+}
+
 TEST(ChiSquared, IsAnExponentialWithTwoDegreesOfFreedom) {
   for (const double value : {0.1, 1.0, 9.0, 60.0}) {
     EXPECT_NEAR(chi_squared_upper_tail(value, 2), std::exp(-0.5 * value), 1e-12 * std::exp(-0.5 * value));

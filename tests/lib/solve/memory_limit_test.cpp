@@ -12,7 +12,9 @@ TEST(MemoryLimit, IsRefusedBeyondTheLimitInASentence) {
   const auto refused = check_memory("the covariances", 3'000'000, 2'000'000);
   ASSERT_FALSE(refused);
   EXPECT_EQ(refused.error().kind, ErrorKind::kTooLarge);
-  EXPECT_EQ(refused.error().message, "the covariances would take 3.0 MB of memory, more than the 2.0 MB allowed");
+  EXPECT_EQ(refused.error().message, "the covariances would take 3 MB of memory, more than the 2 MB allowed");
+  EXPECT_EQ(check_memory("they", 12'345'678, 1200).error().message,
+            "they would take 12.3 MB of memory, more than the 0.0012 MB allowed");
   EXPECT_FALSE(check_memory("the covariances", machine_memory() + 1, 0));
 }
 

@@ -2,6 +2,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <mapjoin/gps/geographic_frame.hpp>
 #include <mapjoin/io/formats/map_text.hpp>
 #include <mapjoin/io/formats/mat_log.hpp>
@@ -10,11 +11,17 @@
 #include <sstream>
 #include <string>
 #include <tests/support/temporary_folder.hpp>
+#include <vector>
 
 namespace mapjoin {
 namespace {
 
+using ::testing::DoubleNear;
+using ::testing::Pointwise;
 using ::testing::ThrowsMessage;
+
+/// The coordinates of a MultiLineString.
+using Lines = std::vector<std::vector<std::vector<double>>>;
 
 class MapText : public ::testing::Test {
  protected:
@@ -135,6 +142,48 @@ TEST_F(MapText, GeoJsonHasALineOfEachSessionAndAPointOfASinglePose) {
   EXPECT_EQ(features[1]["properties"]["session"], 1);
 }
 
+/// Fiji: over the antimeridian to the east, and back.
+TEST_F(MapText, GeoJsonCutsATrajectoryAtTheAntimeridian) {
+  const GeographicFrame frame({-17.0, 180.0, 0.0});
+  GlobalMap<3> map;
+  map.pose_ids = {{0, 0}, {0, 1}, {0, 2}};
+  for (const GeographicPoint& place :
+       {GeographicPoint{-17.0, 179.9, 10.0}, {-17.2, -179.7, 50.0}, GeographicPoint{-17.2, 179.7, 0.0}}) {
+    map.poses.push_back({frame.to_local(place), {}});
+  }
+  ASSERT_TRUE(write_geojson(map, frame, path));
+  const auto geometry = nlohmann::json::parse(testing::content_of(path))["features"][0]["geometry"];
+  EXPECT_EQ(geometry["type"], "MultiLineString");
+  const Lines expected = {{{179.9, -17.0, 10.0}, {180.0, -17.05, 20.0}},
+                          {{-180.0, -17.05, 20.0}, {-179.7, -17.2, 50.0}, {-180.0, -17.2, 25.0}},
+                          {{180.0, -17.2, 25.0}, {179.7, -17.2, 0.0}}};
+  const auto lines = geometry["coordinates"].get<Lines>();
+  ASSERT_EQ(lines.size(), expected.size());
+  for (std::size_t k = 0; k < lines.size(); ++k) {
+    ASSERT_EQ(lines[k].size(), expected[k].size()) << "line " << k;
+    for (std::size_t i = 0; i < lines[k].size(); ++i) {
+      EXPECT_THAT(lines[k][i], Pointwise(DoubleNear(1e-6), expected[k][i])) << "line " << k << ", position " << i;
+    }
+  }
+}
+
+/// Poses on it may be at 180 as at -180 degrees.
+TEST_F(MapText, GeoJsonFollowsATrajectoryThatRestsOnTheAntimeridian) {
+  GlobalMap<2> map;
+  for (const double east : {-9.0, 0.0, 0.0, 9.0, 0.0, -9.0, 9.0}) {
+    map.pose_ids.push_back({0, map.pose_ids.size()});
+    map.poses.push_back({Point<2>(east, 0.0), {}});
+  }
+  for (const double longitude : {-180.0, 180.0}) {
+    ASSERT_TRUE(write_geojson(map, GeographicFrame({0.0, longitude, 0.0}), path));
+    const auto geometry = nlohmann::json::parse(testing::content_of(path))["features"][0]["geometry"];
+    for (const auto& line : geometry["coordinates"].get<Lines>()) {
+      ASSERT_GE(line.size(), 2U);
+      for (const auto& place : line) EXPECT_NEAR(place[0], std::copysign(180.0, line[0][0]), 1e-3);
+    }
+  }
+}
+
 TEST_F(MapText, SaysWhenItCannotWrite) {
   path = folder.path() / "no" / "out";
   EXPECT_EQ(written<2>(write_tum, plane()), path.string() + ": No such file or directory");
@@ -164,6 +213,19 @@ TEST_F(MapText, AMapWhoseListsDoNotBelongTogetherIsRefused) {
   expect_refused(with([](auto& map) { map.feature_covariances.resize(2); }),
                  "a map has 2 covariances of features, but 1 of these");
   expect_refused(with([](auto& map) { map.gauge = {2}; }), "a map is anchored at a pose that is not in it");
+}
+
+TEST_F(MapText, TwoTablesInOneFileAreRefused) {
+  std::filesystem::create_symlink(path.filename(), beside);
+  for (const std::filesystem::path& same : {path, path.parent_path() / "." / path.filename(), beside}) {
+    const auto done = write_csv(plane(), path, same);
+    ASSERT_FALSE(done) << same;
+    EXPECT_EQ(done.error().kind, ErrorKind::kUsage);
+    EXPECT_EQ(done.error().message,
+              path.string() + ": is named for the poses and for the features; each takes a file of its own");
+    EXPECT_FALSE(std::filesystem::exists(path));
+  }
+  EXPECT_TRUE(write_csv(plane(), "/dev/null", "/dev/null")) << "which keeps neither";
 }
 
 TEST_F(MapText, NeitherTableAppearsWhereOneCannot) {

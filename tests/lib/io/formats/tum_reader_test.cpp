@@ -49,5 +49,15 @@ TEST(TumReader, NamesThePlaceOfWhatIsWrong) {
   EXPECT_NE(zero.error().message.find("quaternion is zero"), std::string::npos);
 }
 
+TEST(TumReader, TakesATimeTwiceWithTheSamePoseOnly) {
+  const std::string lines = "2 5 2 3 0 0 0 1\n1 1 2 3 0 0 0 1\n1 1 2 3 0 0 0 1\n";
+  EXPECT_TRUE(trajectory_of(lines));
+  const auto other = trajectory_of(lines + "1 1 2 4 0 0 0 1\n");
+  ASSERT_FALSE(other);
+  EXPECT_TRUE(other.error().message.starts_with("trajectory.tum:4:")) << other.error().message;
+  EXPECT_TRUE(other.error().message.ends_with(
+      "a line before has another pose at the same time; keep one, or give a table of poses, which names sessions"));
+}
+
 }  // namespace
 }  // namespace mapjoin
