@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
-// How certain a map is: in four numbers, and in the files beside it.
+// The certainty of a map: four medians, and the files beside the map.
 
 #include <filesystem>
 #include <mapjoin/join/covariances/map_covariances.hpp>
@@ -13,9 +13,9 @@ namespace mapjoin::apps {
 struct Deviations {
   struct Median {
     double in_map = 0.0;
-    double relative = 0.0;  ///< To its parent.
+    double relative = 0.0;  ///< Relative to the parents.
   };
-  Median poses;  ///< But for those that are anchored.
+  Median poses;  ///< Without anchored poses.
   Median features;
 };
 
@@ -26,11 +26,11 @@ double extent_of(const GlobalMap<Dim>& map);
 template <int Dim>
 Deviations deviations_of(const MarginalCovariances<Dim>& marginals);
 
-/// The marginal covariances that `map` holds, of the estimate named; kCannotWrite.
+/// Writes the marginal covariances that `map` holds, as JSON that names their estimate; kCannotWrite.
 template <int Dim>
 Expected<void> write_covariances(const GlobalMap<Dim>& map, Estimate estimate, const std::filesystem::path& path);
 
-/// One line per pose, after that of its parent, then one per feature; kCannotWrite.
+/// Writes a CSV line per pose, after that of its parent, then one per feature; kCannotWrite.
 template <int Dim>
 Expected<void> write_relations(const GlobalMap<Dim>& map, const MarginalCovariances<Dim>& marginals,
                                const std::filesystem::path& path);

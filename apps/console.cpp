@@ -11,7 +11,7 @@
 namespace mapjoin::apps {
 namespace {
 
-constexpr std::chrono::milliseconds kPause(100);  // Between two updates of a line.
+constexpr std::chrono::milliseconds kPause(100);  // Least time between two updates of a line.
 
 }  // namespace
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
-// What the command says on its standard streams.
+// Output of the command on its standard streams.
 
 #include <chrono>
 #include <cstddef>
@@ -12,16 +12,16 @@
 
 namespace mapjoin::apps {
 
-/// kCannotWrite where the stream cannot take it. A reader that has gone away has had all it wanted: no error.
+/// Writes to standard output; kCannotWrite if that fails, except because the reader has gone away.
 Expected<void> write_stdout(std::string_view text);
 
 /// One sentence on standard error, after the command's name.
 void say(const std::string& sentence);
 
-/// Lines that end between words, of at most `width` characters where no word is longer.
+/// The text in lines broken between words, of at most `width` characters unless a word is longer.
 std::vector<std::string> wrapped(const std::string& text, std::size_t width);
 
-/// Aligned lines of a name and what there is to say of it.
+/// Aligned lines, each of a name and a text.
 class Lines {
  public:
   void add(std::string_view name, std::string_view text);
@@ -31,10 +31,10 @@ class Lines {
   std::string text_;
 };
 
-/// How far the work is: one updating line per stage on standard error, where that is a terminal.
+/// The progress of the work: one updating line per stage on standard error, if that is a terminal.
 class Progress {
  public:
-  /// What is done, and what there is to do.
+  /// Called with the numbers done and to do.
   using Count = std::function<void(std::size_t, std::size_t)>;
 
   explicit Progress(bool wanted);
@@ -42,17 +42,17 @@ class Progress {
   Progress& operator=(const Progress&) = delete;
   ~Progress() { close(); }
 
-  /// Whether anybody looks.
+  /// True if progress is wanted and standard error is a terminal.
   bool is_shown() const { return is_shown_; }
   void show(const std::string& what, std::size_t done, std::size_t to_do);
-  /// show() of these things; must not outlive this. Empty where nobody looks.
+  /// A function that shows the count of `what`; must not outlive this. Empty if progress is not shown.
   Count count(const std::string& what);
   /// Ends the line, so that something else can be written.
   void close();
 
  private:
   bool is_shown_;
-  std::string what_;  ///< The line that is open is of; empty: none is.
+  std::string what_;  ///< What the open line counts; empty: none is open.
   std::chrono::steady_clock::time_point last_;
 };
 

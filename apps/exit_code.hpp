@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
-// What the command tells the shell. A command ends with an exit code, or where it cannot go on with an Error that is thrown: by
-// fail(), by demand(), or by `.value()` of an Expected that is none.
+// Exit codes. A command returns one or, if it cannot go on, throws an Error: by fail(), by demand(), or by `.value()` of an
+// Expected without a value.
 
 #include <algorithm>
 #include <array>
@@ -16,7 +16,7 @@ namespace mapjoin::apps {
 enum class ExitCode : int {
   kDone = 0,
   kInternalError = 1,
-  kFindings = 1,  ///< Of `check`, as of its like elsewhere; an internal error is told on standard error.
+  kFindings = 1,  ///< Findings of `check`, as of linters; an internal error is told on standard error.
   kUsage = 2,
   kBadInput = 3,
   kDidNotConverge = 4,  ///< The result was written, and says so.
@@ -28,7 +28,7 @@ enum class ExitCode : int {
 
 struct ExitCodeMeaning {
   ExitCode code;
-  std::string_view text;  ///< In the help and the manual.
+  std::string_view text;  ///< Meaning in the help and the manual.
   std::optional<ErrorKind> kind = std::nullopt;
 };
 inline constexpr std::array kExitCodes = {

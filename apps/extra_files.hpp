@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
-// What options ask for beside a map: in the folder of a run, or beside a map that is one file.
+// Extra files that options ask for: in the folder of a run, or beside a map of one file.
 
 #include <apps/commands/options.hpp>
 #include <cstdint>
@@ -10,21 +10,21 @@
 
 namespace mapjoin::apps {
 
-/// What an option asks for beside the map: a file in the folder of a run, or beside a map that is one file.
+/// An extra file that an option asks for, in the folder of a run or beside a map of one file.
 enum class Extra : std::uint8_t { kCovariances, kRelations, kAssociations, kRejected, kInliers, kGeographic, kGeoJson };
 struct ExtraFile {
   Extra extra;
   const char* option;
   const char* in_folder;
-  const char* beside;  ///< For the extension of the map; null: only in a folder.
+  const char* beside;  ///< Replaces the extension of the map; null: only in a folder.
 };
-/// All that the options ask for; a map may have no covariances though they are asked for.
+/// The extra files that the options ask for, without those of covariances if the map has none.
 std::vector<ExtraFile> extra_files(const Options& options, bool has_covariances = true);
-/// Beside a map that is one file: `map.covariances.json` beside `map.g2o`.
+/// The path of an extra file beside a map of one file: `map.covariances.json` beside `map.g2o`.
 std::filesystem::path extra_file(Extra extra, const std::filesystem::path& map);
-/// Whether a file of this name in the folder of a run is one of these.
+/// True if a file of this name in the folder of a run is an extra file.
 bool is_extra_of_run(const std::string& name);
-/// What lies beside a map that is one file under the names of such files and is none of `written`: it is of an earlier map.
+/// Files that are named like extra files beside a map of one file, but are not among `written`: they are of an earlier map.
 std::vector<std::filesystem::path> extra_files_left(const std::filesystem::path& map, const std::vector<std::string>& written);
 
 }  // namespace mapjoin::apps

@@ -13,7 +13,7 @@ namespace {
 constexpr std::string_view kPose = "pose:";
 constexpr std::string_view kFeature = "feature:";
 
-/// What a word says: a key, and what it is of, as far as that is said.
+/// The parts of a word: a key and, as far as given, the session and the kind that it names.
 struct Name {
   std::optional<std::uint64_t> key;
   std::optional<std::uint64_t> session;
@@ -49,7 +49,7 @@ Expected<PoseOrFeature> find_named(std::string_view word, const PoseIds& poses, 
   const Name name = parse(word);
   if (!name.key) return wrong("names no pose and no feature: 17, a17, 1:17 (of session 1), pose:17 and feature:17 do");
   std::vector<PoseOrFeature> meant;
-  std::vector<std::string> words;  // that tell them apart
+  std::vector<std::string> words;  // names that tell them apart
   for (const PoseIndex p : indices(poses)) {
     if (!name.may_be_pose || poses[p].key != *name.key || (name.session && poses[p].session != *name.session)) continue;
     meant.emplace_back(p);

@@ -8,9 +8,9 @@
 
 namespace mapjoin::apps {
 
-/// The pose or feature that a word names: `17` or, of a GTSAM symbol, `a17`; `1:17` is pose 17 of session 1. Where the word
-/// could be either, or be a pose of several sessions, `pose:17`, `feature:17` and `1:17` tell. kUsage where it is none of them,
-/// or several.
+/// The pose or feature that a word names: `17` or, for a GTSAM symbol, `a17`; `1:17` is pose 17 of session 1. `pose:17`,
+/// `feature:17` and `1:17` tell apart a pose, a feature and poses of several sessions with this number. kUsage if the word
+/// names none, or several.
 Expected<PoseOrFeature> find_named(std::string_view word, const PoseIds& poses, const FeatureIds& features);
 
 }  // namespace mapjoin::apps

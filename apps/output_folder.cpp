@@ -19,7 +19,7 @@ void refuse(const fs::path& path, std::errc reason) {
   demand_done(path, std::make_error_code(reason));
 }
 
-/// The folders on the way to `path` that are not there, innermost first.
+/// The folders on the path that do not exist, innermost first.
 std::vector<fs::path> missing(const fs::path& path) {
   std::vector<fs::path> folders;
   std::error_code ignored;
@@ -29,7 +29,7 @@ std::vector<fs::path> missing(const fs::path& path) {
   return folders;
 }
 
-/// Makes a folder, and those on the way to it. A link is none: what is in there may be somebody's.
+/// Makes a folder and its parents. Refuses a link, whose target may belong to the user.
 void make_folder(const fs::path& folder, const fs::path& output) {
   std::error_code failure;
   std::error_code ignored;
@@ -67,13 +67,13 @@ OutputFolder OutputFolder::whole(const fs::path& path) {
   return folder;
 }
 
-/// Takes the folder aside for this process, and clears it.
+/// Locks the folder `aside_` for this process, and clears it.
 void OutputFolder::begin() {
   std::error_code failure;
   for (int tries = 0; !lock_.is_open(); ++tries) {
     make_folder(aside_, path_);
     auto lock = open_alone(aside_ / kLock, path_);
-    // Another process may have done with it, and removed it, just now.
+    // Another process may have finished, and removed it, just now.
     if (!lock && (tries == kMostTries || fs::exists(aside_, failure))) demand(tl::unexpected(lock.error()));
     if (lock) lock_ = *std::move(lock);
   }
@@ -87,9 +87,9 @@ OutputFolder::~OutputFolder() {
     clear(aside_, ignored);
     fs::remove(aside_ / kLock, ignored);
   }
-  fs::remove(aside_, ignored);  // Not where another process has it, whose lock is in it.
+  fs::remove(aside_, ignored);  // Fails if another process has it, whose lock is in it.
   lock_ = Descriptor();
-  for (const fs::path& folder : made_) fs::remove(folder, ignored);  // Not where something is in it.
+  for (const fs::path& folder : made_) fs::remove(folder, ignored);  // Fails if something is in it.
 }
 
 void OutputFolder::commit(const std::vector<std::string>& names, const std::vector<std::string>& former) {

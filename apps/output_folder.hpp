@@ -10,25 +10,25 @@
 
 namespace mapjoin::apps {
 
-/// Files are written aside and take their places on commit(). Where that does not happen, they are removed, and so are the
-/// folders that were made; what a process left aside that was killed, the next one clears. May fail() (see exit_code.hpp).
+/// A folder whose files are written aside and take their places on commit(). Without commit() they are removed, as are the
+/// folders that were made; what a killed process left aside is cleared by the next one. May fail() (see exit_code.hpp).
 class OutputFolder {
  public:
-  /// Makes the folder if it is not there; its files then replace those of their names, one after the other. Fails with
-  /// kCannotWrite where nothing can be written into it, or where another process is writing it.
+  /// Makes the folder if it does not exist; on commit() its files replace those of the same names, one after the other.
+  /// kCannotWrite if nothing can be written into it, or another process is writing it.
   explicit OutputFolder(const std::filesystem::path& path);
-  /// For files that mean something only together: the folder appears with all of them at once. kCannotWrite, too, where there
-  /// is something in it.
+  /// A folder of files that mean something only together: it appears with all of them at once. kCannotWrite, too, if there is
+  /// something in it.
   static OutputFolder whole(const std::filesystem::path& path);
   OutputFolder(OutputFolder&& other) = default;
   ~OutputFolder();
 
-  /// Where to write the file `name` until commit().
+  /// The path at which to write the file `name` before commit().
   std::filesystem::path aside(const std::string& name) const { return aside_ / name; }
-  /// Where it will be.
+  /// The path of the file `name` after commit().
   std::filesystem::path file(const std::string& name) const { return path_ / name; }
-  /// The files of these names take their places; where the folder is not a whole one, the others of `former`, which an earlier
-  /// process wrote there, are removed before. kCannotWrite.
+  /// Moves the files of these names to their places; unless the folder is a whole one, other files among `former`, which an
+  /// earlier process wrote there, are removed first. kCannotWrite.
   void commit(const std::vector<std::string>& names, const std::vector<std::string>& former = {});
 
  private:
@@ -38,13 +38,13 @@ class OutputFolder {
   void appear();
 
   std::filesystem::path path_;
-  std::filesystem::path aside_;              ///< Within the folder, or beside it. Empty once it is gone.
-  std::vector<std::filesystem::path> made_;  ///< Innermost first.
+  std::filesystem::path aside_;  ///< Folder of the files before commit(), within `path_` or beside it; empty once gone.
+  std::vector<std::filesystem::path> made_;  ///< Folders that were made, innermost first.
   bool is_whole_ = false;
   Descriptor lock_;
 };
 
-/// The folder that a command asks for, before its work; none where the path is empty.
+/// The output folder of a command, made before its work; nullopt if the path is empty.
 std::optional<OutputFolder> output_folder(const std::filesystem::path& path);
 
 }  // namespace mapjoin::apps

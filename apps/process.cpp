@@ -18,7 +18,7 @@
 #include <string_view>
 #include <thread>
 
-extern "C" {  // Null where the BLAS is not OpenBLAS.
+extern "C" {  // Null if the BLAS is not OpenBLAS.
 [[gnu::weak]] char* openblas_get_config();
 [[gnu::weak]] int openblas_get_num_threads();
 [[gnu::weak]] void openblas_set_num_threads(int);
@@ -29,18 +29,18 @@ namespace mapjoin::apps {
 namespace {
 
 constexpr std::int64_t kMegabyte = 1 << 20;
-constexpr std::int64_t kBuffer = 128 * kMegabyte;   ///< OpenBLAS's for each thread that calls it (BUFFER_SIZE of x86-64).
+constexpr std::int64_t kBuffer = 128 * kMegabyte;   ///< OpenBLAS's buffer for each calling thread (BUFFER_SIZE of x86-64).
 constexpr std::int64_t kArena = 128 * kMegabyte;    ///< Address space that malloc asks for in each thread, to keep half of it.
-constexpr std::int64_t kSmallMap = 32 * kMegabyte;  ///< What reading and mapping a small log takes beside.
+constexpr std::int64_t kSmallMap = 32 * kMegabyte;  ///< Memory for reading and mapping a small log.
 
-/// Bytes, or nothing where there is no limit.
+/// The limit of a resource in bytes; nullopt if there is none.
 std::optional<std::int64_t> limit_of(int resource) {
   ::rlimit limit{};
   if (::getrlimit(static_cast<__rlimit_resource>(resource), &limit) != 0 || limit.rlim_cur == RLIM_INFINITY) return {};
   return static_cast<std::int64_t>(limit.rlim_cur);
 }
 
-/// Address space of the program and its libraries (bytes). Not what else is mapped: OpenBLAS's threads take theirs meanwhile.
+/// Address space of the program and its libraries (bytes), without other mappings: OpenBLAS's threads take theirs meanwhile.
 std::int64_t mapped_files() {
   std::ifstream maps("/proc/self/maps");  // begin-end permissions offset device inode, and the file
   std::string word;
@@ -53,7 +53,8 @@ std::int64_t mapped_files() {
   return bytes;
 }
 
-/// Those of TBB, or OpenBLAS's own: these started before main() and take their buffers whatever is asked of them later.
+/// The number of TBB's threads or, if more, of OpenBLAS's own, which started before main() and take their buffers whatever is
+/// asked of them later.
 std::int64_t thread_count() {
   const int of_blas = openblas_get_num_threads ? openblas_get_num_threads() - 1 : 0;
   return std::max<std::int64_t>(tbb::info::default_concurrency(), of_blas);
@@ -68,11 +69,11 @@ Expected<void> check_limit(std::int64_t needed, std::optional<std::int64_t> limi
                         what, *limit / 1024, needed / 1024, thread_count(), option, needed / 1024)});
 }
 
-/// Ends the main thread's reads and writes that wait.
+/// The signal that ends waiting reads and writes of the main thread.
 constexpr int kWakes = SIGUSR1;
 constexpr ::timespec kAgainAfter{0, 50'000'000};
 
-/// Signals that come so close together are one request: `timeout` sends its own to the process and to the process's group.
+/// The time within which signals are one request: `timeout` sends its own to the process and to the process's group.
 constexpr std::chrono::milliseconds kOneRequest(200);
 
 extern "C" void on_missing_page(int) {
@@ -112,8 +113,8 @@ Interruption::Interruption() {
   waking.sa_handler = [](int) {};  // Without SA_RESTART.
   ::sigaction(kWakes, &waking, nullptr);
 
-  // Blocked in this thread and in all that it starts, and waited for in one: handlers would not do, for METIS puts its own in
-  // their place while it works, and takes SIGTERM for an error.
+  // The signals are blocked in this thread and in all that it starts, and one thread waits for them. Handlers would not do:
+  // METIS puts its own in their place while it works, and takes SIGTERM for an error.
   sigset_t signals;
   ::sigemptyset(&signals);
   for (const int signal : {SIGINT, SIGTERM}) ::sigaddset(&signals, signal);

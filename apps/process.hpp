@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
-// The command's own process: what its limits leave, the threads of its BLAS, its signals. A library leaves these to its host
-// program.
+// The command's own process: its limits, the threads of its BLAS, its signals. A library leaves these to its host program.
 
 #include <mapjoin/model/error.hpp>
 #include <stop_token>
@@ -9,25 +8,26 @@
 
 namespace mapjoin::apps {
 
-/// kTooLarge where a limit of the process (`ulimit -v`, `ulimit -d`) leaves less than the threads and their BLAS buffers take.
-/// OpenBLAS asks again for ever for a buffer that it cannot have.
+/// Checks the limits of the process (`ulimit -v`, `ulimit -d`): kTooLarge if they leave less than the threads and their BLAS
+/// buffers take, for OpenBLAS asks again for ever for a buffer that it cannot have.
 Expected<void> check_process_limits();
 
-/// Ends OpenBLAS's own threads, which are as many as processors and spin for some 30 ms from the start: all threads are
-/// TBB's. Under a limit, their buffers are taken first, so that no later call can lack one. Before the first BLAS call,
+/// Ends OpenBLAS's own threads, as many as processors, which spin for some 30 ms from the start: all threads are TBB's. Under a
+/// limit, takes the buffers of all threads first, so that no later call can lack one. To be called before the first BLAS call,
 /// and before there is an Interruption: a signal that only one thread does not block goes to that thread.
 void keep_blas_on_one_thread();
 
-/// Version and build of OpenBLAS, or "BLAS" where it is another.
+/// Version and build of OpenBLAS, or "BLAS" for another library.
 std::string blas_name();
 
-/// Files are mapped into memory, and where another process cuts one short while it is read, SIGBUS comes for the pages that are
-/// gone: from here on it ends the process with a sentence and the exit code of bad input.
+/// Makes SIGBUS end the process with a sentence and the exit code of bad input. Files are mapped into memory, and if another
+/// process cuts one short while it is read, SIGBUS comes for the missing pages.
 void end_on_truncated_input();
 
-/// From its construction to the end of the process, the first SIGINT or SIGTERM requests a stop, and ends reads and writes
-/// that wait; a second one, more than 0.2 s later, ends the process at once. To be made once, before other threads are.
-/// SIGPIPE and SIGXFSZ are ignored: a reader that has gone away, or a file that grows too large, shows when writing.
+/// Turns signals into a stop request, from its construction to the end of the process: the first SIGINT or SIGTERM requests a
+/// stop, and ends reads and writes that wait; a second one, more than 0.2 s later, ends the process at once. To be made once,
+/// before other threads are. SIGPIPE and SIGXFSZ are ignored: a reader that has gone away, or a file that grows too large,
+/// shows when writing.
 class Interruption {
  public:
   Interruption();

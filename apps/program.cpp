@@ -15,7 +15,7 @@
 namespace mapjoin::apps {
 namespace {
 
-/// A command line that is wrong, in one sentence.
+/// Fails with a sentence on a wrong command line.
 [[noreturn]] void fail_to_parse(const CLI::App& app, std::string what) {
   if (app.get_subcommands().empty()) {
     const auto words = app.remaining();
@@ -24,7 +24,7 @@ namespace {
   fail(ErrorKind::kUsage, fmt::format("{} (see {} --help)", what, app.get_name()));
 }
 
-/// The options that a sentence offers: behind a semicolon, words that begin with --.
+/// The options that a sentence offers: words behind a semicolon that begin with --.
 std::set<std::string> options_in(const std::string& sentence) {
   std::set<std::string> options;
   std::istringstream words(sentence.substr(std::min(sentence.size(), sentence.find("; "))));
@@ -35,7 +35,8 @@ std::set<std::string> options_in(const std::string& sentence) {
   return options;
 }
 
-/// A sentence that offers options, with the command that has those which this one lacks; as it is where it names a command.
+/// The sentence, followed by the commands that have the options which it offers and the chosen command lacks; unchanged if it
+/// names a command.
 std::string with_owners(std::string sentence, const Subcommand& chosen, const CommandLine& line) {
   if (sentence.find("`mapjoin ") != sentence.npos) return sentence;
   for (const std::string& option : options_in(sentence)) {
@@ -76,7 +77,7 @@ ExitCode parse_and_run(const CommandLine& line, int argc, char** argv, const std
   } catch (const tl::bad_expected_access<Error>& failure) {
     const auto& [kind, message] = failure.error();
     if (kind == ErrorKind::kInterrupted) fail(kind, "interrupted");
-    // What went wrong otherwise is said, be it after a stop: --follow ends with one.
+    // Other errors are told even after a stop: --follow ends with one.
     fail(kind, kind == ErrorKind::kUsage ? message : with_owners(message, **chosen, line));
   }
 }

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
-// What a program of ours does around its subcommands: it parses, hands over, and turns what comes of it into a sentence and an
-// exit code.
+// The frame of a program around its subcommands: parses, runs the chosen one, and turns errors into a sentence and an exit
+// code.
 
 #include <apps/commands/subcommand.hpp>
 #include <apps/exit_code.hpp>
@@ -11,13 +11,13 @@
 
 namespace mapjoin::apps {
 
-/// Before anything else of a process: its limits, its BLAS and its signals. kTooLarge where the limits leave too little.
+/// Prepares the limits, the BLAS and the signals of a process, before anything else. kTooLarge if the limits leave too little.
 Expected<void> prepare_process();
 
-/// Parses, and does what the chosen subcommand does; a wrong command line fails with kUsage.
+/// Parses the command line and runs the chosen subcommand; kUsage if the command line is wrong.
 ExitCode parse_and_run(const CommandLine& line, int argc, char** argv, const std::stop_token& stop);
 
-/// What `work` returns; what it throws is told in one sentence, and by an exit code.
+/// The exit code of `work`; whatever it throws is told in one sentence, and by an exit code.
 ExitCode with_errors_told(const std::function<ExitCode()>& work, const std::function<void(const std::string&)>& tell);
 
 }  // namespace mapjoin::apps

@@ -12,7 +12,7 @@
 namespace mapjoin::bench {
 namespace {
 
-/// A pose as Ceres keeps it: x, y, phi, or a translation and a quaternion (w, x, y, z).
+/// The size of a pose as Ceres keeps it: x, y, phi, or a translation and a quaternion (w, x, y, z).
 template <int Dim>
 inline constexpr int kPoseSize = Dim == 2 ? 3 : 7;
 template <int Dim>
@@ -37,8 +37,8 @@ Pose<Dim> pose_at(const double* values) {
   }
 }
 
-/// Poses in space by the library's steps. Its Jacobians are with respect to these, whence the identity: the column of a
-/// Jacobian that has no step is zero.
+/// Poses in space with the library's steps. Costs write their Jacobians with respect to these, with a last column of zeros, so
+/// that the Jacobian of the manifold is the identity.
 class PoseManifold : public ceres::Manifold {
  public:
   int AmbientSize() const override { return kPoseSize<3>; }
@@ -61,7 +61,7 @@ class PoseManifold : public ceres::Manifold {
   }
 };
 
-/// A with AᵀA = W.
+/// The matrix A with AᵀA = W.
 template <int Dof>
 Matrix<Dof> square_root(const Matrix<Dof>& W) {
   const Eigen::LLT<Matrix<Dof>> cholesky(W);
@@ -70,7 +70,7 @@ Matrix<Dof> square_root(const Matrix<Dof>& W) {
   return eigen.eigenvalues().cwiseMax(0.0).cwiseSqrt().asDiagonal() * eigen.eigenvectors().transpose();
 }
 
-/// -A J, as Ceres has it: the residual is X̂ - H(X).
+/// Writes -A J, as Ceres has it: the residual is X̂ - H(X).
 template <int Dof, int Size, typename Jacobian>
 void write_jacobian(const Matrix<Dof>& root, const Jacobian& J, double* jacobian) {
   Eigen::Map<Eigen::Matrix<double, Dof, Size, Eigen::RowMajor>> out(jacobian);
@@ -111,7 +111,7 @@ class Cost : public ceres::SizedCostFunction<Dof, kPoseSize<Dim>, TargetSize> {
   Matrix<Dof> root_;
 };
 
-/// The same residual, scaled by a switch variable (Sünderhauf and Protzel, IROS 2012).
+/// The whitened residual of one observation, scaled by a switch variable (Sünderhauf and Protzel, IROS 2012).
 template <int Dim, typename Target, int Dof, int TargetSize>
 class SwitchedCost : public ceres::SizedCostFunction<Dof, kPoseSize<Dim>, TargetSize, 1> {
  public:
@@ -144,7 +144,7 @@ class SwitchPrior : public ceres::SizedCostFunction<1, 1> {
   }
 };
 
-/// ρ(s) = s / (1 + s).
+/// The loss ρ(s) = s / (1 + s).
 class GemanMcClureLoss : public ceres::LossFunction {
  public:
   void Evaluate(double s, double* rho) const override {
@@ -215,7 +215,7 @@ class FullSlam {
   PoseArray<Dim> world_{};
   Table<PoseIndex, PoseArray<Dim>> poses_;
   Table<FeatureIndex, std::array<double, Dim>> features_;
-  std::deque<double> switches_;  // which stay where they are
+  std::deque<double> switches_;  // a deque, in which they stay where they are
   ceres::Problem problem_{problem_options()};
 };
 
@@ -265,7 +265,7 @@ class StopAtCost : public ceres::IterationCallback {
   double cost_;
 };
 
-/// The number of iterations.
+/// Solves; returns the number of iterations.
 template <int Dim>
 int FullSlam<Dim>::solve(const CeresOptions& options) {
   StopAtCost stop(0.5 * options.enough_chi2);

@@ -10,10 +10,10 @@
 
 namespace mapjoin::bench {
 
-/// What is done against closures and observations that are wrong.
+/// The loss against wrong closures and observations.
 enum class CeresLoss : std::uint8_t {
-  kPlain,         ///< Nothing: least squares.
-  kCauchy,        ///< ln(1 + s) of the squared residual s, as whitened.
+  kPlain,         ///< None: least squares.
+  kCauchy,        ///< ln(1 + s) of the squared whitened residual s.
   kGemanMcClure,  ///< s / (1 + s).
   kSwitchable,    ///< Switchable constraints: each residual times a variable of its own in [0, 1], with a prior of 1 ± 1.
 };
@@ -30,7 +30,7 @@ struct CeresOptions {
   CeresLoss loss = CeresLoss::kPlain;
   int most_iterations = 1000;
   double most_seconds = std::numeric_limits<double>::max();
-  double enough_chi2 = 0.0;  ///< It ends where chi2 is no larger.
+  double enough_chi2 = 0.0;  ///< The solve ends at the first chi2 that is no larger.
 };
 
 template <int Dim>

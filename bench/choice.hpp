@@ -7,7 +7,7 @@
 
 namespace mapjoin::bench {
 
-/// An option that takes the words of an enum, by default the one it has.
+/// Adds an option that takes the words of an enum; the value as it stands is the default.
 template <NamedEnum Enum>
 void add_choice(CLI::App& app, const std::string& option, Enum& value, const std::string& help = {}) {
   std::map<std::string, Enum> values;

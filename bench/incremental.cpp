@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// mapjoin_incremental: local maps joined one by one, beside one join of all of them. CPU time per map, and how far chi2 is
-// above what joining the same maps at once reaches.
+// mapjoin_incremental: local maps joined one by one, beside one join of all of them: CPU time per map, and the excess of chi2
+// over that of joining the same maps at once.
 #include <fmt/format.h>
 #include <tbb/global_control.h>
 
@@ -33,7 +33,7 @@ double cpu_seconds() {
   return static_cast<double>(std::clock()) / CLOCKS_PER_SEC;
 }
 
-/// The join of all these updates at once.
+/// The join of all updates at once.
 struct Batch {
   double chi2 = 0.0;
   double seconds = 0.0;
@@ -50,11 +50,11 @@ Expected<Batch> batch_of(const std::vector<const SubmapUpdate<Dim>*>& updates) {
 }
 
 struct Course {
-  std::vector<double> seconds;    ///< Per update.
-  std::size_t eliminated = 0;     ///< Variables, over all updates.
+  std::vector<double> seconds;    ///< CPU time per update.
+  std::size_t eliminated = 0;     ///< Variables eliminated over all updates.
   std::size_t batch_adopted = 0;  ///< Updates after which the estimate is that of a join of all.
-  double worst_excess = -std::numeric_limits<double>::infinity();  ///< Of chi2 over the batch's, as a share of it,
-  double least_room = std::numeric_limits<double>::infinity();     ///< and of 1.01 times the batch's + 0.5 over chi2.
+  double worst_excess = -std::numeric_limits<double>::infinity();  ///< Largest relative excess of chi2 over the batch's.
+  double least_room = std::numeric_limits<double>::infinity();     ///< Least room from chi2 to 1.01 times the batch's + 0.5.
   Batch last;
 };
 

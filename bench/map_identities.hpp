@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
-// Wrong identities planted into sets of local maps: which of them does robust joining name?
+// Robust joining against wrong identities planted into sets of local maps.
 
 #include <cstdint>
 #include <mapjoin/join/robust/inliers.hpp>
@@ -15,8 +15,9 @@ struct MapIdentitiesOptions {
   RobustOptions robust;
 };
 
-/// Prints a line of CSV for each share and seed, of the columns of mapjoin_outliers. Right and wrong are counted of features
-/// whose names two other maps give rightly; of wrong ones, whose true names as well. Errors are those of the robust join.
+/// Prints a line of CSV for each share and seed, with the columns of mapjoin_outliers. A feature of a map counts as right or
+/// wrong if two other maps have its name rightly and, if it is wrong, two have its true name; otherwise as undecided. Errors
+/// are those of run() and find_inliers().
 template <int Dim>
 Expected<void> print_map_identities(const std::string& name, const SubmapSet<Dim>& set, const MapIdentitiesOptions& options);
 

@@ -27,14 +27,14 @@ struct Arguments {
   std::int64_t poses = 1000;
 };
 
-/// A world is rich or poor by how far its features are apart.
+/// A kind of world, rich or poor by how far its features are apart.
 struct Surroundings {
   const char* name;
   double feature_cell;  // (m): a sensor of 3 m sees 28.3 m² at a time
 };
 constexpr std::array kSurroundings = {Surroundings{"rich", 2.17}, Surroundings{"poor", 7.5}};
 
-/// chi2 of the whole log that a method ends at; infinite where it gives up.
+/// chi2 of the whole log that a method ends at; infinite if it gives up.
 using Solver = double (*)(const Simulation<2>&);
 
 double finite(double chi2) {
@@ -108,7 +108,7 @@ Simulation<2> world_of(const Surroundings& surroundings, double level, std::size
   return simulate_manhattan<2>(options);
 }
 
-/// Per world, what each contender reaches.
+/// The chi2 of each contender in each world.
 std::vector<Chi2s> contest(const Surroundings& surroundings, double level, const Arguments& arguments) {
   std::vector<Chi2s> reached(arguments.worlds);
   parallel_for(arguments.worlds, [&](std::size_t w) {

@@ -63,7 +63,7 @@ std::filesystem::path file_of(const std::string& set) {
   return set;
 }
 
-/// What one row is about, as its first columns.
+/// The first columns of a row: what was planted.
 struct Planting {
   std::string what;
   double share = 0.0;

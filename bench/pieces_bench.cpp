@@ -47,7 +47,7 @@ void ReadG2o(benchmark::State& state) {
   state.SetBytesProcessed(state.iterations() * static_cast<std::int64_t>(std::filesystem::file_size(path)));
 }
 
-/// A whole run; the counters are the seconds of its stages, one run's mean.
+/// A whole run; the counters are the seconds of its stages, as means per run.
 template <int Dim>
 void Run(benchmark::State& state) {
   const Log<Dim> log = world<Dim>(state).log;
@@ -77,7 +77,7 @@ void Build(benchmark::State& state) {
   state.SetItemsProcessed(state.iterations() * state.range(0));
 }
 
-/// A world that is joined already; members point into it.
+/// A joined world; its members point to each other.
 template <int Dim>
 struct JoinedWorld {
   explicit JoinedWorld(const benchmark::State& state) : log(world<Dim>(state).log), parts(split(log, SplitOptions{})) {
@@ -128,7 +128,7 @@ void PolishStep(benchmark::State& state) {
   step(state, whole.system);
 }
 
-/// Of all poses and features, in the map and relative, from a factor that is there.
+/// Covariances of all poses and features, in the map and relative, from an existing factor.
 template <int Dim>
 void Covariances(benchmark::State& state) {
   const Log<Dim> log = world<Dim>(state).log;
@@ -141,7 +141,7 @@ void Covariances(benchmark::State& state) {
 }
 
 /// The covariances of all poses and features of a joined map, sim-35188 below the folder that MAPJOIN_DATA_DIR names; the
-/// counter is their time in factorisations of the same system, made by turns.
+/// counter is their time in units of a factorisation of the same system, made by turns.
 void MarginalsOfTheLargeSimulation(benchmark::State& state) {
   using Clock = std::chrono::steady_clock;
   const char* folder = std::getenv("MAPJOIN_DATA_DIR");

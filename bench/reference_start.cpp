@@ -51,7 +51,7 @@ Expected<Values<Dim>> read_g2o_vertices(const std::string& path, std::size_t pos
   return Values<Dim>{log->initial.poses, log->initial.features};
 }
 
-/// `tum:FILE` or `g2o:FILE`.
+/// The start in a file, `tum:FILE` or `g2o:FILE`.
 template <int Dim, typename Data>
 Expected<Values<Dim>> start_from_file(const Data& data, const std::string& name) {
   const std::string_view kind = std::string_view(name).substr(0, 4);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// mapjoin_soak: as many local maps as one likes joined one by one, a snapshot after each. CPU time and memory as they add up.
+// mapjoin_soak: any number of local maps joined one by one, with a snapshot after each: CPU time and memory as they add up.
 #include <fmt/format.h>
 #include <tbb/global_control.h>
 
@@ -29,7 +29,7 @@ void print_row(std::size_t maps, std::vector<double> seconds, double bytes) {
   std::fflush(stdout);
 }
 
-/// A row after each tenth of the maps, whose times are those of that tenth.
+/// Prints a row after each tenth of the maps, with the times of that tenth.
 void table(std::size_t maps) {
   fmt::print("| maps | median (ms) | mean (ms) | most (ms) | memory (MB) | bytes per map |\n|---|---|---|---|---|---|\n");
   const double before = testing::bytes_in_use();

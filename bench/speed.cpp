@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // mapjoin_speed: whole programs on the same file from the same start, dead reckoning: mapjoin, the bare Gauss-Newton, Ceres,
-// and the limit of what no solver can do without. They run in turns, on one thread; medians, and ratios of runs side by side.
+// and the limit, the work that no solver can do without. They run in turns, on one thread; figures are medians, and ratios of
+// runs side by side.
 #include <fmt/format.h>
 
 #include <CLI/CLI.hpp>
@@ -27,10 +28,10 @@ struct Arguments {
   std::vector<std::string> without;
   std::size_t limit = 150;
   std::filesystem::path folder = "build/speed";
-  std::filesystem::path json;  ///< Empty: none.
+  std::filesystem::path json;  ///< File for all figures; empty: none.
 };
 
-/// Anew at every call, so that it is the world that the hash is of.
+/// Simulates a world, anew at every call, so that the hash is that of the world.
 Expected<Data> simulated(std::int64_t poses, const Arguments& arguments, const Surroundings& surroundings) {
   const std::string name = fmt::format("manhattan {}D {}", arguments.dimension, poses);
   const std::filesystem::path file = arguments.folder / fmt::format("manhattan{}d-{}.g2o", arguments.dimension, poses);
@@ -40,7 +41,7 @@ Expected<Data> simulated(std::int64_t poses, const Arguments& arguments, const S
   return Data{name, file, file, false};
 }
 
-/// Local maps in a store of ours.
+/// Local maps in a store, which is built unless they are one.
 Expected<Data> stored(const std::filesystem::path& maps, const Arguments& arguments, const Surroundings& surroundings) {
   if (is_store(maps)) return Data{maps.filename(), maps, maps, true};
   const std::string name = std::filesystem::absolute(maps).parent_path().filename();
@@ -79,7 +80,7 @@ bool is_left_out(const Program& program, const Arguments& arguments) {
                      [&](const std::string& word) { return program.name.find(word) != std::string::npos; });
 }
 
-/// Lets the programs run in turns, so that what else the machine does is shared by all.
+/// Runs the programs in turns, so that other load of the machine is shared by all.
 Result contest(const Data& data, const Arguments& arguments, Surroundings surroundings) {
   Result result{data, sha256_of(data), std::numeric_limits<double>::infinity(), {}};
   for (Program& program : programs_for(data)) {
@@ -102,7 +103,7 @@ Result contest(const Data& data, const Arguments& arguments, Surroundings surrou
   return result;
 }
 
-/// Every program, whatever it is linked with, works on one thread but for those of its own that it is asked for.
+/// Keeps BLAS and OpenMP to one thread in every program; its own threads are those that it is asked for.
 void keep_to_one_thread() {
   for (const char* name : {"OPENBLAS_NUM_THREADS", "OMP_NUM_THREADS"}) ::setenv(name, "1", 1);
 }

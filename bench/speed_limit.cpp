@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// mapjoin_limit: what no solver of a log, or of a set of local maps, can do without: to read the file, to order and analyse the
-// final information matrix once, to factorise it once, to solve with it once. What that takes goes to standard output, as JSON.
+// mapjoin_limit: the work that no solver of a log, or of a set of local maps, can do without: reading the file and, once each,
+// ordering and analysing the final information matrix, factorising it, and solving with it. The cost goes to standard output,
+// as JSON.
 #include <fmt/format.h>
 #include <tbb/global_control.h>
 
@@ -25,7 +26,7 @@ namespace {
 
 using AnyValues = std::variant<Values<2>, Values<3>>;
 
-/// CPU seconds of each part; what is not timed is not part of the limit.
+/// CPU seconds of each part; untimed work is not part of the limit.
 struct Limit {
   double read = 0.0;
   double order = 0.0;
@@ -50,7 +51,7 @@ Expected<void> factorise_and_solve(NormalEquations& equations, Limit& limit) {
   return {};
 }
 
-/// Full SLAM: poses, but for those that are anchored, then features.
+/// The variables of full SLAM: poses, except anchored ones, then features.
 template <int Dim>
 class FullSlam {
  public:
@@ -86,7 +87,7 @@ class FullSlam {
   Variable pose(PoseIndex index) const { return index == kWorld ? kConstant : variables_[index]; }
 
   const Log<Dim>& log_;
-  Table<PoseIndex, Variable> variables_;  // kConstant where held
+  Table<PoseIndex, Variable> variables_;  // kConstant if anchored
   Variable first_feature_ = 0;
 };
 
@@ -120,7 +121,7 @@ Expected<void> measure(const StoredMaps<Dim>& stored, const Values<Dim>& state, 
   return measure(submap_graph_of(stored.log, split_along(stored.log, stored.segments), stored.maps), state, limit);
 }
 
-/// What names the poses and features of the data.
+/// The part of the data that names its poses and features.
 const auto& names_of(const auto& data) {
   return data;
 }
@@ -182,7 +183,7 @@ int main(int argc, char** argv) {
   CLI11_PARSE(app, argc, argv);
   const tbb::global_control one_thread(tbb::global_control::max_allowed_parallelism, 1);
   const auto state = mapjoin::read_state(map);
-  const mapjoin::EffortMeter from_here;  // on: the largest memory is that of the limit, and of the map that it is at
+  const mapjoin::EffortMeter from_here;  // counts the largest memory from here on: that of the limit, and of its map
   const auto limit = state.and_then([&](const auto& known) { return mapjoin::limit_of(data, known); });
   if (limit) mapjoin::print(*limit);
   if (!limit) fmt::print(stderr, "mapjoin_limit: {}\n", limit.error().message);

@@ -20,12 +20,12 @@ Words mapjoin(const Surroundings& surroundings, const Words& words) {
   return all;
 }
 
-/// Where make_map() leaves the map.
+/// The path of the map that make_map() writes.
 std::filesystem::path map_of(const Data& data, const Surroundings& surroundings) {
   return surroundings.folder / (data.is_maps ? "join.g2o" : "run.g2o");
 }
 
-/// `mapjoin run` or `join`.
+/// The command line of `mapjoin run` or `join`.
 template <int jobs>
 Words ours(const Data& data, const Surroundings& surroundings) {
   return mapjoin(surroundings, {data.is_maps ? "join" : "run", data.file, "--no-verdict", "--jobs", std::to_string(jobs)});
@@ -58,7 +58,7 @@ double seconds_of(const ::timeval& time) {
   return static_cast<double>(time.tv_sec) + 1e-6 * static_cast<double>(time.tv_usec);
 }
 
-constexpr int kKilled = 1000;  // testing::Process: and the signal
+constexpr int kKilled = 1000;  // testing::Process adds the signal
 
 std::string failure_of(const testing::Process& process, int exit_code, const Surroundings& surroundings) {
   if (exit_code == kKilled + SIGXCPU) return fmt::format("stopped after {} s", surroundings.most_seconds);

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
-// The programs that mapjoin_speed compares on one file, and what one run of each takes and reaches.
+// The programs that mapjoin_speed compares on one file, and the cost and the result of one run of each.
 
 #include <cstddef>
 #include <cstdint>
@@ -12,29 +12,29 @@
 
 namespace mapjoin::bench {
 
-/// The optimum is reached where chi2 is above it by no more than this share.
+/// The share by which chi2 may be above the optimum that counts as reached.
 inline constexpr double kAsGood = 1e-6;
 
 /// A log, or local maps to be joined.
 struct Data {
   std::string name;
-  std::filesystem::path source;  ///< As it was given or simulated.
-  std::filesystem::path file;    ///< What the programs read: of local maps, a store.
+  std::filesystem::path source;  ///< File as given or simulated.
+  std::filesystem::path file;    ///< File that the programs read; a store for local maps.
   bool is_maps = false;
 };
 
-/// What the programs are told.
+/// The settings of the programs.
 struct Surroundings {
-  std::filesystem::path programs;  ///< The folder that they are in.
-  std::filesystem::path folder;    ///< For what they write.
-  double optimum = 0.0;            ///< The least chi2 seen; infinite where there is none.
-  std::size_t most_seconds = 0;    ///< CPU that the others have.
+  std::filesystem::path programs;  ///< Folder of the programs.
+  std::filesystem::path folder;    ///< Folder for their outputs.
+  double optimum = 0.0;            ///< Least chi2 seen; infinite if none.
+  std::size_t most_seconds = 0;    ///< CPU limit of the others (s); 0: none.
 };
 
 enum class ProgramKind : std::uint8_t {
-  kOurs,   ///< As long as it takes.
+  kOurs,   ///< Run to its end.
   kOther,  ///< Stopped after Surroundings::most_seconds.
-  kLimit,  ///< Says itself what CPU and memory it took, for its start is not part of it.
+  kLimit,  ///< Reports its CPU time and memory itself, since its start-up does not count.
 };
 
 struct Program {
@@ -43,7 +43,7 @@ struct Program {
   std::vector<std::string> (*words)(const Data&, const Surroundings&);
 };
 
-/// The one to compare with first: `run` of a log, `join` of local maps.
+/// The programs for a log or local maps; the first, `run` or `join`, is the one to compare with.
 std::vector<Program> programs_for(const Data& data);
 
 /// One run of a program.
@@ -51,17 +51,17 @@ struct Trial {
   double cpu_seconds = 0.0;
   double wall_seconds = 0.0;
   double memory_mb = 0.0;      ///< The largest resident memory (10⁶ bytes).
-  std::optional<double> chi2;  ///< As all of them evaluate it; nothing where there is none.
-  std::string failure;         ///< Why there is none.
+  std::optional<double> chi2;  ///< chi2 as all of them evaluate it; nullopt on failure.
+  std::string failure;         ///< Reason why there is no chi2.
   nlohmann::json said;
 };
 
-/// Has the map made at which the limit is taken, `run` or `join` writing it.
+/// Makes the map at which the limit is measured, by `run` or `join`.
 void make_map(const Data& data, const Surroundings& surroundings);
 
 Trial try_program(const Program& program, const Data& data, const Surroundings& surroundings);
 
-/// What a program says on standard output, without a line's end; nothing where it fails.
+/// The standard output of a program; nullopt if it fails.
 std::optional<std::string> said_by(const std::vector<std::string>& words);
 
 }  // namespace mapjoin::bench

@@ -22,7 +22,7 @@ std::vector<double> all(const Runs& runs, Figure figure) {
   return values;
 }
 
-/// The median of a figure of `a` by that of `b` in the same round.
+/// The median ratio of a figure of `a` to that of `b` in the same round.
 double median_ratio(const Runs& a, const Runs& b, Figure figure) {
   std::vector<double> ratios;
   for (std::size_t round = 0; round < std::min(a.trials.size(), b.trials.size()); ++round) {
@@ -31,14 +31,14 @@ double median_ratio(const Runs& a, const Runs& b, Figure figure) {
   return median(ratios);
 }
 
-/// Where it got: to the optimum, to which chi2, or not even there.
+/// The end of the first run: "optimum", its chi2, or why there is none.
 std::string end_of(const Runs& runs, double optimum) {
   const Trial& trial = runs.trials.front();
   if (!trial.chi2) return trial.failure;
   return *trial.chi2 <= optimum * (1.0 + kAsGood) ? "optimum" : fmt::format("chi2 {:.6g}", *trial.chi2);
 }
 
-/// In Markdown.
+/// The table in Markdown.
 std::string lines_of(const apps::ReportTable& table) {
   std::string head = "|";
   std::string rule = "|";
@@ -55,7 +55,7 @@ std::string lines_of(const apps::ReportTable& table) {
   return lines;
 }
 
-/// The start of the limit is not part of it: it has no time on the wall.
+/// The row of a program. The start-up of the limit is not part of it, so that it has no wall time.
 apps::Row row_of(const Runs& runs, const Result& result) {
   const Runs& first = result.runs.front();
   const auto if_program = [&](double figure) {

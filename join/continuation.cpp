@@ -9,7 +9,7 @@
 namespace mapjoin {
 namespace {
 
-/// Copies observations, and has copies of their lists point to the copies.
+/// Copies the observations of two lists into `out`, and points the lists to the copies.
 template <typename Weighted, typename Observation>
 void copy(std::vector<const Observation*>& own, std::vector<const Observation*>& priors, std::vector<Weighted>& out) {
   out.reserve(own.size() + priors.size());  // addresses stay
@@ -36,7 +36,7 @@ Continuation<Dim>::Continuation(JoiningSystem<Dim>& join, const PartialMap<Dim>&
   take_tree();
 }
 
-/// What the tree hangs by is quadratic.
+/// Marks the observations and the rows of maps along the tree as quadratic.
 template <int Dim>
 void Continuation<Dim>::take_tree() {
   using Source = typename JoiningSystem<Dim>::Source;

@@ -57,7 +57,7 @@ Values<Dim> state_of(const SubmapGraph<Dim>& graph, const PartialMap<Dim>& joine
   return state;
 }
 
-/// A submap graph, what names its poses and features, and how it is to be joined.
+/// The arguments of join().
 template <int Dim>
 struct Task {
   const SubmapGraph<Dim>& graph;
@@ -67,10 +67,10 @@ struct Task {
   const std::stop_token& stop;
 };
 
-/// Directions that are looked at where a system is singular.
+/// The largest number of null-space directions that are examined if a system is singular.
 constexpr std::size_t kMostDirections = 60;
 
-/// The least and the largest weight that are added up, of those above zero.
+/// The least and the largest positive diagonal entry of all information matrices.
 template <int Dim>
 std::pair<double, double> weights_of(const JoiningSystem<Dim>& system) {
   std::pair range(std::numeric_limits<double>::infinity(), 0.0);
@@ -85,7 +85,7 @@ std::pair<double, double> weights_of(const JoiningSystem<Dim>& system) {
   return range;
 }
 
-/// How to go on where the largest weights leave no digits to the least; else "".
+/// Advice in words if the largest weights leave no digits to the least; "" otherwise.
 template <int Dim>
 std::string lost_weights_in_words(const JoiningSystem<Dim>& system) {
   constexpr double kFarApart = 1e12;
@@ -95,7 +95,7 @@ std::string lost_weights_in_words(const JoiningSystem<Dim>& system) {
                      largest);
 }
 
-/// What the observations leave free to move, by name; `singular` is a variable of it.
+/// The poses and features that the observations leave free to move, in words; `singular` is the variable of one of them.
 template <int Dim>
 std::string free_to_move(const Task<Dim>& task, const JoiningSystem<Dim>& system, Variable singular,
                          const PartialMap<Dim>& joined_map) {
@@ -117,7 +117,7 @@ std::string free_to_move(const Task<Dim>& task, const JoiningSystem<Dim>& system
   return (found.empty() ? name + " cannot be determined" : found) + lost_weights_in_words(system);
 }
 
-/// The last solve of the joined map, from the estimate of its system on.
+/// The last solve of the joined map, starting at the estimate of `system`.
 template <int Dim>
 Expected<Join<Dim>> solved(const Task<Dim>& task, PartialMap<Dim> joined_map, const Gauge<Dim>& gauge,
                            JoiningSystem<Dim> system, const MinimiseOptions& solver) {
@@ -167,7 +167,7 @@ Expected<Join<Dim>> join_by(Schedule schedule, const Task<Dim>& task, const Mini
   });
 }
 
-/// Goes on where a join stopped at its limit of iterations.
+/// Continues a join that stopped at its limit of iterations.
 template <int Dim>
 Expected<Join<Dim>> continued(const Task<Dim>& task, Join<Dim> join, const MinimiseOptions& solver) {
   PartialMap<Dim> joined_map = joined_map_of(task.graph);
@@ -182,7 +182,7 @@ Expected<Join<Dim>> continued(const Task<Dim>& task, Join<Dim> join, const Minim
   return further;
 }
 
-/// A way that has not converged by then is set aside, and goes on only if no other did better.
+/// Number of iterations after which a schedule that has not converged is set aside; it goes on only if no other does better.
 constexpr int kTrialIterations = 75;
 
 template <int Dim>

@@ -17,55 +17,55 @@
 
 namespace mapjoin {
 
-/// What is asked of a join, whatever the dimension.
+/// Settings of a join that do not depend on the dimension.
 struct JoinSettings {
   Schedule schedule = Schedule::kAuto;
   JoinedState state = JoinedState::kAbsolute;  ///< Coordinates of the steps.
-  MinimiseOptions solver;                      ///< Of the last join, over all original maps.
-  Start start = Start::kComposed;              ///< Another one is for the batch schedule only,
-  bool gradual = false;                        ///< and so is following a path from there (see Continuation).
-  std::uint64_t seed = 1;                      ///< Of the random start.
+  MinimiseOptions solver;                      ///< Solver of the last join, over all original maps.
+  Start start = Start::kComposed;              ///< Initial value; any other is for the batch schedule only.
+  bool gradual = false;    ///< Follow a path from the start (see Continuation); for the batch schedule only.
+  std::uint64_t seed = 1;  ///< Seed of the random start.
 };
 
 template <int Dim>
 struct JoinOptions : JoinSettings {
-  Pose<Dim> origin;                                        ///< Where the first pose is anchored when the World says nothing.
-  const Values<Dim>* values = nullptr;                     ///< For Start::kFile: of the whole submap graph.
-  std::function<void(std::size_t, std::size_t)> progress;  ///< As in ScheduleOptions.
+  Pose<Dim> origin;                     ///< Anchor of the first pose if neither priors nor fixed poses place the map.
+  const Values<Dim>* values = nullptr;  ///< Values of the whole submap graph, for Start::kFile.
+  std::function<void(std::size_t, std::size_t)> progress;  ///< Called as ScheduleOptions::progress.
 };
 
-/// How a local map fits into the join: its residual there, as an observation.
+/// The fit of a local map in the join: its chi2 there as one observation.
 struct MapFit {
-  PoseIndex base = 0;  ///< The pose that it starts from,
-  PoseIndex end = 0;   ///< and the one that it ends at.
+  PoseIndex base = 0;  ///< Start pose of the map.
+  PoseIndex end = 0;   ///< End pose of the map; its start if it keeps no other.
   double chi2 = 0.0;
-  std::int64_t rows = 0;  ///< Measured ones, submap-local features left out: their residuals follow the others'.
+  std::int64_t rows = 0;  ///< Measured rows without those of submap-local features, whose residuals follow from the others.
 
-  /// Of a larger chi2, if the map is as certain as it says. The join adapts itself to the map, so that the probability is
-  /// rather too large than too small.
+  /// The probability of a larger chi2 if the information of the map is right. It tends to be too large, as the join adapts
+  /// itself to the map.
   double probability() const;
 };
 
 template <int Dim>
 struct Join {
   MinimiseResult result;
-  std::vector<PathPoint> path;                 ///< That led to its start, where it was followed.
-  Schedule schedule = Schedule::kTree;         ///< That it was found by; of kAuto, the one of least chi2.
-  bool is_settled = false;                     ///< Of kAuto: this solve was as good as linear, or aligned from near by.
-  Values<Dim> state;                           ///< Of the whole submap graph; poses that are not joined are left at the origin.
-  Table<PoseIndex, PoseIndex> poses;           ///< The poses of the joined state, ascending, by place.
-  Table<FeatureIndex, FeatureIndex> features;  ///< Its features: all but the submap-local ones.
-  std::vector<PoseIndex> anchored;             ///< The poses that hold the map still; empty where priors do.
-  std::unique_ptr<JoiningSystem<Dim>> system;  ///< Of the last join, for polishing.
-  std::vector<MapFit> maps;                    ///< Of the submap graph's maps, in their order.
-  double largest_rotation = 0.0;  ///< The most that the last solve turned a pose (rad): how far from linear it was.
-  std::int64_t rows = 0;          ///< Measured rows of the maps and observations, submap-local features left out.
+  std::vector<PathPoint> path;          ///< Path that led to the start; empty if none was followed.
+  Schedule schedule = Schedule::kTree;  ///< Schedule that found the join; for kAuto the one of least chi2.
+  bool is_settled = false;              ///< For kAuto: this join settles the map by itself (see is_settled()).
+  Values<Dim> state;                    ///< State of the whole submap graph; poses that are not joined stay at the origin.
+  Table<PoseIndex, PoseIndex> poses;    ///< The poses of the joined state, ascending, by place.
+  Table<FeatureIndex, FeatureIndex> features;  ///< The joined features, all but the submap-local ones, ascending, by place.
+  std::vector<PoseIndex> anchored;             ///< Anchored poses, the gauge of the map; empty if priors hold it.
+  std::unique_ptr<JoiningSystem<Dim>> system;  ///< System of the last join, for polishing.
+  std::vector<MapFit> maps;                    ///< Fits of the submap graph's maps, in their order.
+  double largest_rotation = 0.0;  ///< Largest rotation of a pose in the last solve (rad): how far from linear it was.
+  std::int64_t rows = 0;          ///< Measured rows of maps and observations, without those of submap-local features.
   std::int64_t dof() const { return rows - static_cast<std::int64_t>(system->equations().size()); }
 };
 
-/// Joins a submap graph, whose parts must hang together (see check_connected). Bad input where the observations leave a pose or
-/// feature undetermined, which is named by its id; kInterrupted on `stop`. When the last solve does not converge, result.status
-/// says so and the state is the best found.
+/// Joins a submap graph, which must be connected (see check_connected). Bad input, with the id, if the observations leave a
+/// pose or feature undetermined; kInterrupted on `stop`. If the last solve does not converge, result.status says so and the
+/// state is the best found.
 template <int Dim>
 Expected<Join<Dim>> join(const SubmapGraph<Dim>& graph, const PoseIds& pose_ids, const FeatureIds& feature_ids,
                          const JoinOptions<Dim>& options, const std::stop_token& stop = {});

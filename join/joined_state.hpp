@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
-// The variables of a join, and in which coordinates its steps are taken.
+// The variables of a join, and the coordinates of its steps.
 
 #include <Eigen/Core>
 #include <algorithm>
@@ -23,7 +23,8 @@ constexpr auto enum_names(JoinedState) {
   return std::to_array<EnumName<JoinedState>>({{JoinedState::kAbsolute, "absolute"}, {JoinedState::kRelative, "relative"}});
 }
 
-/// First the poses that are not anchored, then the features, by their places in the state. Vectors are over them in this order.
+/// The variables of a joined state: first the poses that are not anchored, then the features, by place. Vectors hold their
+/// entries in this order.
 template <int Dim>
 class StateVariables {
  public:
@@ -38,7 +39,7 @@ class StateVariables {
     for (FeatureIndex place = 0; place.position() < features; ++place) places_.emplace_back(place);
   }
 
-  /// kConstant for the World and for poses that are anchored.
+  /// The variable at a place; kConstant for the World and for anchored poses.
   Variable operator()(PoseIndex place) const { return place == kWorld ? kConstant : of_pose_[place]; }
   Variable operator()(FeatureIndex place) const { return first_feature_ + place.value; }
   Variable operator()(const PoseOrFeature& placed) const {
@@ -52,7 +53,7 @@ class StateVariables {
     const Variable pose = std::min(variable, first_feature_);
     return Eigen::Index{kPoseDof<Dim>} * pose.value + Eigen::Index{Dim} * (variable - pose);
   }
-  /// Entries of vectors.
+  /// The length of vectors.
   Eigen::Index size() const { return offset(Variable(places_.size())); }
   Table<Variable, int> dofs() const {
     Table<Variable, int> dofs(first_feature_.position(), kPoseDof<Dim>);
@@ -73,7 +74,7 @@ class StateVariables {
     for (const FeatureIndex f : indices(state.features)) state.features[f] += step.template segment<Dim>(first + f.value * Dim);
     return state;
   }
-  /// The most that a step moves and turns any of them.
+  /// The largest translation and rotation of a variable in a step.
   StepSize step_size(const Eigen::Ref<const Eigen::VectorXd>& step) const {
     StepSize size;
     for (const Variable v : indices(places_)) {

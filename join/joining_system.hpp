@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
-// Joining as a least-squares problem: the joined state (30), of which each local map is one integrated observation (paper's
-// (31), (32)) beside those that stand on their own.
+// Joining as a least-squares problem over the joined state (30): each local map is one integrated observation (paper's (31),
+// (32)), beside single observations.
 
 #include <Eigen/Core>
 #include <mapjoin/join/align/gauge.hpp>
@@ -20,11 +20,11 @@ namespace mapjoin {
 template <int Dim>
 class JoiningSystem {
  public:
-  /// `partial` gives observations and start; it may go afterwards, the observations and maps must stay. `order` is that of
-  /// the elimination, by places (see place_of_variable); where it is empty, one is found.
+  /// Takes observations and start from `partial`, which may be destroyed afterwards; the observations and maps must outlive the
+  /// system. `order` is the elimination order by places (see place_of_variable); if it is empty, one is computed.
   JoiningSystem(const PartialMap<Dim>& partial, const Gauge<Dim>& gauge, Engine engine = Engine::kFronts,
                 const std::vector<PoseOrFeature>& order = {});
-  /// With a solver that leaves some variables to others: `border` are their places, in the order in which they come last.
+  /// A system with a given solver that leaves the variables at the places `border` to others; they come last, in this order.
   JoiningSystem(const PartialMap<Dim>& partial, const Gauge<Dim>& gauge, std::unique_ptr<SparseSolver> solver,
                 const std::vector<PoseOrFeature>& border, const std::vector<PoseOrFeature>& order = {});
 
@@ -37,7 +37,7 @@ class JoiningSystem {
   Eigen::VectorXd solve() const { return equations_.solve(gradient()); }
   StepSize step_size(const Eigen::VectorXd& step) const { return variables_.step_size(step); }
   double try_step(const Eigen::VectorXd& step) { return try_state(variables_.retracted(estimate_, step)); }
-  /// chi2 of a state, kept as the candidate.
+  /// The chi2 of a state, which becomes the candidate.
   double try_state(Values<Dim> candidate);
   void accept() { std::swap(estimate_, candidate_); }
 
@@ -64,18 +64,18 @@ class JoiningSystem {
   const std::vector<PlacedMap>& maps() const { return maps_; }
   /// chi2 of a local map as an observation of `state`.
   static double map_chi2(const PlacedMap& placed, const Values<Dim>& state);
-  /// Puts the observations and maps of another partial map and gauge, which differ in their numbers only, in place of these.
+  /// Replaces the observations and maps by those of another partial map and gauge, which may differ in their numbers only.
   void observe(const PartialMap<Dim>& partial, const Gauge<Dim>& gauge);
 
-  /// What a factor of the normal equations is: its list among the three, and its place there.
+  /// The origin of a factor of the normal equations: one of the three lists, and the place there.
   struct Source {
     enum Kind { kPoseFactor, kFeatureFactor, kMap } kind;
     std::size_t place;
   };
   Source source_of(std::size_t factor) const;
-  /// Rows of the measurement of a factor.
+  /// The number of rows of a factor's measurement.
   Eigen::Index rows(std::size_t factor) const;
-  /// f(the factor linearised at the estimate): a LinearObservation or a LinearMap.
+  /// Calls f with the factor linearised at the estimate, a LinearObservation or a LinearMap, and returns its result.
   template <typename F>
   auto with_linear_factor(std::size_t factor, F&& f) const {
     const auto [kind, place] = source_of(factor);
@@ -95,7 +95,7 @@ class JoiningSystem {
 
   Values<Dim>& estimate() { return estimate_; }
   const Values<Dim>& estimate() const { return estimate_; }
-  /// kConstant for the World and for poses that are anchored.
+  /// The variable at a place; kConstant for the World and for anchored poses.
   template <typename Place>
   Variable variable(Place place) const {
     return variables_(place);
@@ -104,7 +104,7 @@ class JoiningSystem {
   PoseOrFeature place_of_variable(Variable variable) const { return variables_.place(variable); }
 
  private:
-  /// The variables at these places, without those that are anchored.
+  /// The variables at these places, without anchored poses.
   std::vector<Variable> variables_at(const std::vector<PoseOrFeature>& places) const;
   NormalEquations make_equations(std::unique_ptr<SparseSolver> solver, const Ordering& ordering) const;
   double chi2(const Values<Dim>& state) const;

@@ -12,8 +12,8 @@
 
 namespace mapjoin {
 
-/// A LeastSquaresProblem: a join with its steps in relative coordinates, the same linear system, another way of applying what
-/// solves it.
+/// A LeastSquaresProblem: a join with its steps in relative coordinates. The linear system is the absolute one; only its
+/// solution is applied in another way.
 template <int Dim>
 class RelativeJoin {
  public:
@@ -27,7 +27,7 @@ class RelativeJoin {
   std::optional<Variable> factorise(double damping);
   Eigen::VectorXd solve() const { return join_.solve(); }
   StepSize step_size(const Eigen::VectorXd& step) const { return join_.step_size(step); }
-  /// The step of full Newton is one in the absolute coordinates that its H is of.
+  /// The chi2 after a step in relative coordinates. A step of full Newton is taken in absolute ones, to which its H belongs.
   double try_step(const Eigen::VectorXd& step) {
     return is_factor_curved_ ? join_.try_step(step) : join_.try_state(relative_.retracted(join_, step));
   }
@@ -38,13 +38,13 @@ class RelativeJoin {
 
   JoiningSystem<Dim>& join_;
   RelativeState<Dim> relative_;
-  bool is_weighed_ = false;  // whether the metric is that of the estimate
-  bool is_curved_ = false;   // whether the normal equations hold the curvature, too,
-  bool is_damped_ = false;   // and the damping
+  bool is_weighed_ = false;  // true if the metric is that of the estimate
+  bool is_curved_ = false;   // true if the normal equations include the curvature
+  bool is_damped_ = false;   // true if the normal equations include the damping
   bool is_factor_curved_ = false;
 };
 
-/// Minimises with steps in the coordinates of `state`.
+/// Minimises a join with steps in the coordinates of `state`.
 template <int Dim>
 MinimiseResult minimise_join(JoiningSystem<Dim>& join, JoinedState state, const MinimiseOptions& options,
                              const std::stop_token& stop = {});

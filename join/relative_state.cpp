@@ -10,7 +10,7 @@
 namespace mapjoin {
 namespace {
 
-/// The information that the observation of an edge has of its child, the parent anchored.
+/// The information about its child that the observation of an edge gives, with the parent held.
 template <int Dim>
 PoseMatrix<Dim> information_of_child(const JoiningSystem<Dim>& system, const TreeEdge<PoseIndex>& edge) {
   const auto [measured, W] = measured_pose(system, *edge.observation);
@@ -23,7 +23,7 @@ PoseMatrix<Dim> information_of_child(const JoiningSystem<Dim>& system, const Tre
   return J.transpose() * W * J;
 }
 
-/// Nothing where M is singular.
+/// The inverse of M; nullopt if M is singular.
 template <int Dof>
 std::optional<Matrix<Dof>> inverse_of(const Matrix<Dof>& M) {
   const Eigen::LLT<Matrix<Dof>> llt(M);
@@ -41,8 +41,7 @@ RelativeState<Dim>::RelativeState(const JoiningSystem<Dim>& system) {
   const SpanningTree tree = spanning_tree(system);
   for (const auto& edge : tree.poses) poses_.push_back(make_link<kPoseDof<Dim>>(system, edge));
   for (const auto& edge : tree.features) {
-    const PointMatrix<Dim> W =
-        measured_point(system, edge.observation.value()).information;  // nothing else brings in a feature
+    const PointMatrix<Dim> W = measured_point(system, edge.observation.value()).information;  // every feature has one
     features_.push_back({make_link<Dim>(system, edge), W, inverse_of<Dim>(W)});
   }
 }

@@ -8,9 +8,9 @@
 //
 //   δ_child = K δ_parent + u,   K = ∂(parent ⊕ relation)/∂parent,
 //
-// what its parent carries it along, and its own. Steps are measured by Σ uᵀMu over the edges of the tree, M the information of
-// the edge's observation: the metric D of the relative state, in which its trust region damps. T⁻ᵀDT⁻¹ adds no fill, for edges
-// are observations.
+// the step that its parent carries it along, and its own. Steps are measured by Σ uᵀMu over the edges of the tree, M being the
+// information of the edge's observation: the metric D of the relative state, in which its trust region damps. T⁻ᵀDT⁻¹ adds no
+// fill, as edges are observations.
 
 #include <Eigen/Core>
 #include <mapjoin/join/joining_system.hpp>
@@ -20,16 +20,16 @@
 
 namespace mapjoin {
 
-/// A StepMetric. Steps are in the absolute coordinates of the joining system.
+/// The StepMetric of the relative state. Steps are given in the absolute coordinates of the joining system.
 template <int Dim>
 class RelativeState {
  public:
-  /// The observations of the system stay what they are as long as this is used.
+  /// The observations of `system` must not change while this is used.
   explicit RelativeState(const JoiningSystem<Dim>& system);
 
-  /// K at the estimate of the system.
+  /// Computes K at the estimate of the system.
   void linearise(const JoiningSystem<Dim>& system);
-  /// M there, after linearise(), the normal equations being those of the observations, undamped.
+  /// Computes M at the estimate, after linearise(); the normal equations must be those of the observations, undamped.
   void weigh(const JoiningSystem<Dim>& system);
 
   double inner(const Eigen::VectorXd& a, const Eigen::VectorXd& b) const;
@@ -38,7 +38,8 @@ class RelativeState {
   /// Adds damping · T⁻ᵀ D T⁻¹ to the normal equations: the rows of the tree, weighted more.
   void damp(JoiningSystem<Dim>& system, double damping) const;
 
-  /// The estimate of the system with the step converted to relations, these moved, and all composed again from the roots.
+  /// The estimate of the system after a step: the step is converted to relations, and the moved relations are composed from the
+  /// roots.
   Values<Dim> retracted(const JoiningSystem<Dim>& system, const Eigen::VectorXd& step) const;
 
  private:
@@ -46,24 +47,25 @@ class RelativeState {
   template <int Dof>
   struct Link {
     TreeEdge<std::conditional_t<Dof == Dim, FeatureIndex, PoseIndex>> edge;
-    Eigen::Index child;   // where the step of the child begins
-    Eigen::Index parent;  // and that of its parent; kStill where that is anchored
+    Eigen::Index child;   // first entry of the child's step
+    Eigen::Index parent;  // first entry of the parent's step; kStill if the parent is anchored
     Matrix<Dof, kPoseDof<Dim>> K;
     Matrix<Dof> M;
     Matrix<Dof> M_inverse;
 
     Vector<Dof> own(const Eigen::VectorXd& step) const;
   };
-  /// Of a feature the observation is linear in the relation: its information there stays what it is.
+  /// An edge to a feature. Its observation is linear in the relation, so its information W in the frame of the parent is
+  /// constant.
   struct FeatureLink : Link<Dim> {
     PointMatrix<Dim> W;
-    std::optional<PointMatrix<Dim>> W_inverse;  // none where W is singular
+    std::optional<PointMatrix<Dim>> W_inverse;  // nullopt if W is singular
   };
   static constexpr Eigen::Index kStill = -1;
 
   template <int Dof, typename Child>
   Link<Dof> make_link(const JoiningSystem<Dim>& system, const TreeEdge<Child>& edge) const;
-  /// M where the edge does not determine its child: all that is known of it.
+  /// Sets M of an edge that does not determine its child to the child's entries of the information's `diagonal`.
   template <int Dof>
   static void weigh_by(const Eigen::VectorXd& diagonal, Link<Dof>& link);
   template <int Dof>

@@ -29,7 +29,8 @@ SubmapGraph<Dim> restored_submap_graph(const SubmapGraph<Dim>& graph, const std:
   return all;
 }
 
-/// Places of the whole: interior poses along their segment, then submap-local features, map by map; then the order of the join.
+/// The elimination order by places: map by map the interior poses along the segment, then the submap-local features; last the
+/// order of the join.
 template <int Dim>
 std::vector<PoseOrFeature> restored_order(const SubmapGraph<Dim>& graph, const std::vector<SegmentView<Dim>>& segments,
                                           const Join<Dim>& join, const PartialMap<Dim>& joined_map) {

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
-// The join with nothing marginalised: every pose and feature is a variable again. Refining minimises it, and covariances are
-// blocks of its inverse.
+// The join with nothing marginalised: every pose and feature is a variable again. Refining minimises its chi2, and covariances
+// are blocks of the inverse of its information.
 
 #include <mapjoin/join/join.hpp>
 #include <mapjoin/join/submap_graph.hpp>
@@ -10,7 +10,8 @@
 
 namespace mapjoin {
 
-/// The observations of a submap graph as they were before local maps marginalised anything. `system` points into the others.
+/// The observations of a submap graph as they were before local maps marginalised anything. `system` points into the other
+/// members.
 template <int Dim>
 struct Restored {
   SubmapGraph<Dim> graph;
@@ -18,11 +19,11 @@ struct Restored {
   JoiningSystem<Dim> system;
 };
 
-/// Full SLAM over a log (paper's (8), (9)), where `segments` are those of the submap graph's maps, in their order; over local
-/// maps of which nothing else is known, where there are none, the maps with their submap-local features. The estimate is
-/// `state`, over all poses and features of the submap graph. What a map alone holds comes first in the elimination, then the
-/// order of the join: marginalising again, now at the estimate. Without any maps nothing was marginalised, and it takes the
-/// system of the join.
+/// The join before marginalisation: full SLAM over a log (paper's (8), (9)) if `segments`, those of the submap graph's maps in
+/// their order, are given; otherwise the local maps with their submap-local features. The estimate is `state`, over all poses
+/// and features of the submap graph. Variables of one map alone are eliminated first, then the others in the order of the join:
+/// this marginalises again, now at the estimate. Without any maps nothing was marginalised, and the system of `join` is moved
+/// out of it.
 template <int Dim>
 Restored<Dim> restored(const SubmapGraph<Dim>& graph, const std::vector<SegmentView<Dim>>& segments, Join<Dim>& join,
                        const Values<Dim>& state, Engine engine = Engine::kFronts);

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
-// The front door: from a log to a global map, or from local maps to one.
+// The entry points: from a log to a global map, or from local maps to one.
 
 #include <functional>
 #include <mapjoin/join/covariances/map_covariances.hpp>
@@ -22,7 +22,7 @@
 
 namespace mapjoin {
 
-/// What a run is busy with.
+/// A stage of a run.
 enum class Stage : std::uint8_t { kBuild, kJoin, kRecover, kPolish, kCovariances };
 constexpr auto enum_names(Stage) {
   return std::to_array<EnumName<Stage>>({{Stage::kBuild, "local maps"},
@@ -32,26 +32,26 @@ constexpr auto enum_names(Stage) {
                                          {Stage::kCovariances, "covariances"}});
 }
 
-/// The solver is that of every least-squares problem, local maps to polish.
+/// The options of a run. `solver` serves every least-squares problem, from local maps to the polish.
 struct RunOptions : JoinSettings {
   SplitOptions split;
-  bool polish = true;             ///< Where local maps eliminated anything.
+  bool polish = true;             ///< Refine to the optimum of the whole log, if there are local maps.
   bool verdict = true;            ///< Test whether the map fits: RunFigures::fit.
-  std::size_t most_misfits = 20;  ///< That the fit names.
-  bool covariances = false;       ///< Of the final estimate, too: RunResult::covariances.
-  bool marginals = false;         ///< All of them, and the relations: RunResult::marginals, which take covariances.
-  std::int64_t most_memory = 0;   ///< For covariances (bytes); 0: as much as the machine has.
-  bool keep_recovered = false;    ///< RunResult::recovered.
-  /// Called with a stage, what is done of it and what there is to do; from one thread at a time.
+  std::size_t most_misfits = 20;  ///< Largest number of misfits that the fit names.
+  bool covariances = false;       ///< Provide covariances of the final estimate: RunResult::covariances.
+  bool marginals = false;         ///< Compute all marginals and relations: RunResult::marginals; implies `covariances`.
+  std::int64_t most_memory = 0;   ///< Memory limit for covariances (bytes); 0: that of the machine.
+  bool keep_recovered = false;    ///< Keep the estimate before polishing: RunResult::recovered.
+  /// Called with a stage, and the number of its items done and to do; from one thread at a time.
   std::function<void(Stage, std::size_t, std::size_t)> progress;
 
-  /// Calls `progress` of a stage; nothing where there is none.
+  /// `progress` of one stage; null if `progress` is null.
   std::function<void(std::size_t, std::size_t)> progress_of(Stage stage) const;
   /// Every violation in words; empty if there is none.
   std::vector<std::string> validate() const;
 };
 
-/// The options for a map of which no verdict is wanted: one of many that are compared, say.
+/// The options without a verdict, for one of many maps that are compared, say.
 inline RunOptions without_verdict(RunOptions options = {}) {
   options.verdict = false;
   return options;
@@ -69,62 +69,62 @@ struct RunSeconds {
   RunSeconds& operator+=(const RunSeconds& others);
 };
 
-/// What a run says of itself, whatever the dimension.
+/// The figures of a run that do not depend on the dimension.
 struct RunFigures {
   std::size_t local_maps = 0;    ///< Segments that became maps.
   std::size_t raw_segments = 0;  ///< Segments that stayed observations.
-  int poses_per_map = 0;         ///< As chosen; 0 where another rule than poses cut the log.
+  int poses_per_map = 0;         ///< Steps per map as chosen; 0 if the rule does not count poses.
   std::int64_t build_iterations = 0;
   MinimiseResult join;
-  std::vector<PathPoint> path;          ///< To the start of the join, where it was followed.
-  Schedule schedule = Schedule::kTree;  ///< That the join was found by; of kAuto, the one of least chi2.
-  bool is_settled = false;              ///< As of Join.
-  double largest_rotation = 0.0;        ///< The most that the last solve of the join turned a pose (rad).
+  std::vector<PathPoint> path;          ///< Path to the start of the join; empty if none was followed.
+  Schedule schedule = Schedule::kTree;  ///< Schedule that found the join; for kAuto the one of least chi2.
+  bool is_settled = false;              ///< Copy of Join::is_settled.
+  double largest_rotation = 0.0;        ///< Largest rotation of a pose in the last solve of the join (rad).
   std::int64_t join_dof = 0;
-  std::vector<MapFit> maps;              ///< How each local map fits into the join.
-  std::optional<double> recovered_chi2;  ///< Of the whole log before polishing.
-  std::size_t unrecovered = 0;  ///< Segments whose interior did not converge when it was recovered; polishing cures it.
+  std::vector<MapFit> maps;              ///< Fit of each local map in the join.
+  std::optional<double> recovered_chi2;  ///< chi2 of the whole log before polishing; nullopt without a log.
+  std::size_t unrecovered = 0;           ///< Segments whose interior did not converge in the recovery; polishing cures them.
   std::optional<MinimiseResult> polish;
-  double chi2 = 0.0;     ///< Of the final estimate: rᵀWr over the whole log, or over all maps where there is none.
+  double chi2 = 0.0;     ///< chi2 of the final estimate, rᵀWr, over the whole log or, without one, over all maps.
   std::int64_t dof = 0;  ///< Measured rows less free variables.
   GoodnessOfFit fit;
-  std::optional<Error> no_verdict;      ///< Why the fit is untested though a verdict was asked for: too little memory, say.
-  std::optional<Error> no_covariances;  ///< Why there are none though they were asked for: something is free to move.
+  std::optional<Error> no_verdict;      ///< Reason why a verdict that was asked for is missing: too little memory, say.
+  std::optional<Error> no_covariances;  ///< Reason why covariances that were asked for are missing: something is free to move.
   RunSeconds seconds;
-  std::int64_t joint_bytes = 0;  ///< What the last join keeps: the local maps' information matrices and its factor.
+  std::int64_t joint_bytes = 0;  ///< Memory of the last join (bytes): the local maps' information matrices and its factor.
 
   int path_iterations() const;
-  /// Whether the solves whose results are in the map converged: the polish, or else the join and the recovery.
+  /// True if the polish converged or, without one, the join and the recovery.
   bool converged() const;
 };
 
 template <int Dim>
 struct RunResult : RunFigures {
   GlobalMap<Dim> map;
-  std::optional<Values<Dim>> recovered;                    ///< Of the whole log before polishing, where it was asked for.
-  std::shared_ptr<const MapCovariances<Dim>> covariances;  ///< Where they were asked for; they own all they need.
+  std::optional<Values<Dim>> recovered;                    ///< Estimate before polishing; nullopt unless asked for.
+  std::shared_ptr<const MapCovariances<Dim>> covariances;  ///< Covariances, which own all they need; null unless asked for.
   std::optional<MarginalCovariances<Dim>> marginals;
 };
 
-/// Splits the log, builds local maps, joins them, recovers what was eliminated, and polishes to the optimum of the whole log.
-/// Where split and schedule are kAuto, no way of joining the maps was nearly linear, and polishing shows that they are crude,
-/// it joins once without local maps, and gives the better map. Bad input: a log that falls apart, leaves something
-/// undetermined, or has numbers so large that the map or its chi2 is not finite. kInterrupted on `stop`. Options that do not
-/// validate are std::invalid_argument, here and below.
+/// Splits the log, builds local maps, joins them, recovers the eliminated variables, and polishes to the optimum of the whole
+/// log. If split and schedule are kAuto, no schedule settled the join, and polishing shows that the local maps are crude, it
+/// joins once more without local maps and returns the better map. Bad input if the log is not connected, leaves a variable
+/// undetermined, or has numbers so large that the map or its chi2 is not finite; kInterrupted on `stop`. Throws
+/// std::invalid_argument if the options do not validate.
 template <int Dim>
 Expected<RunResult<Dim>> run(const Log<Dim>& log, const RunOptions& options, const std::stop_token& stop = {});
 
-/// As run(), from local maps already built: `split` and `maps` as build_local_maps left them; bad input if they are not this
-/// log's.
+/// Joins, recovers and polishes as run(), from local maps already built: `split` and `maps` are as build_local_maps left them.
+/// Errors as run(), and bad input if they are not of this log.
 template <int Dim>
 Expected<RunResult<Dim>> run_from_maps(const Log<Dim>& log, const Split& split, std::vector<LocalMap<Dim>> maps,
                                        const RunOptions& options, const std::stop_token& stop = {});
 
-/// Joins local maps of which nothing else is known: no recovery, no polish. The maps are taken out of the set.
+/// Joins local maps without their log: no recovery, no polish. Errors as run().
 template <int Dim>
 Expected<RunResult<Dim>> run(SubmapSet<Dim> set, const RunOptions& options, const std::stop_token& stop = {});
 
-/// Full SLAM: the join of one-step maps.
+/// Solves full SLAM: the join of one-step maps. Errors as run().
 template <int Dim>
 Expected<RunResult<Dim>> solve(const Log<Dim>& log, RunOptions options, const std::stop_token& stop = {});
 

@@ -14,14 +14,14 @@ namespace {
 template <int Dim>
 using Closures = std::vector<const PoseFactor<Dim>*>;
 
-/// How many partial maps are settled on the way, the leaves among them but where they come one by one.
+/// The number of times that partial maps are settled: once per join and, unless segments are joined one by one, once per leaf.
 std::size_t joins(std::size_t segments, const JoinRule& rule, std::size_t at_once) {
   if (!rule.is_map_by_map()) return 2 * segments - 1;
   return at_once == 1 ? segments : 2 * segments;
 }
 
-/// How many of at least two segments are on the left branch of a tree; those of a lot that is joined at once are in a balanced
-/// one.
+/// The number of segments on the left branch of a tree over at least two; a lot of a map-by-map schedule is joined along a
+/// balanced tree.
 std::size_t left_branch(std::size_t segments, const JoinRule& rule) {
   const double share = rule.is_map_by_map() ? 0.5 : rule.left_share;
   return std::max<std::size_t>(1, static_cast<std::size_t>(share * static_cast<double>(segments)));
@@ -45,7 +45,7 @@ class Joiner {
     return range(0, graph_.segments.size(), leaves_.closures());
   }
 
-  /// Segments one by one, or so many at once, each lot of them joined before.
+  /// Joins segments one by one, or in lots of `at_once_`, each of which is joined first.
   JoinedPartialMaps<Dim> one_after_another(const JoinWatch<Dim>& watch) {
     const std::size_t count = graph_.segments.size();
     std::vector<Closures<Dim>> within((count + at_once_ - 1) / at_once_);

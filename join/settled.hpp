@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
-// When a join that was found by one of several ways is taken for the best there is.
+// Acceptance of a join that was found by one of several schedules as the best there is.
 
 #include <algorithm>
 #include <array>
@@ -14,11 +14,11 @@
 
 namespace mapjoin {
 
-/// What kAuto tries, in the order of cost, until a map is settled: by a solve that was as good as linear, or (the first and
-/// cheapest) began near its optimum; else two have to end at the same one, one of them from near by.
+/// The schedules that kAuto tries, in the order of cost, until the map is settled: by a solve as good as linear or, for the
+/// first and cheapest, one that began near its optimum; otherwise two must end at the same optimum, one of them from near by.
 inline constexpr std::array kWays = {Schedule::kAligned, Schedule::kTree, Schedule::kUnbalanced};
 
-/// The most that a pose is turned from one state to another (rad).
+/// The largest rotation of a pose from one state to another (rad).
 template <int Dim>
 double largest_rotation_update(const Values<Dim>& from, const Values<Dim>& to) {
   double most = 0.0;
@@ -28,31 +28,33 @@ double largest_rotation_update(const Values<Dim>& from, const Values<Dim>& to) {
   return most;
 }
 
-/// Whether every step of the last solve gained what the model promised: there was no second minimum on the way.
+/// True if the last solve converged and every step gained what the model promised: there was no second minimum on the way.
 inline bool was_as_good_as_linear(const MinimiseResult& solve) {
   return solve.status == MinimiseStatus::kConverged && solve.short_steps == 0;
 }
 
-/// Whether the last solve, which turned a pose by `largest_rotation` at most, began near to where it converged.
+/// True if the last solve, which turned a pose by at most `largest_rotation` (rad), began near the optimum to which it
+/// converged.
 inline bool came_from_near_by(const MinimiseResult& solve, double largest_rotation) {
   return solve.status == MinimiseStatus::kConverged && (largest_rotation < kFarFromLinear || was_as_good_as_linear(solve));
 }
 
-/// Whether a solve settles the map by itself.
+/// True if a solve settles the map by itself.
 inline bool is_settled(Schedule way, const MinimiseResult& solve, double largest_rotation) {
   return was_as_good_as_linear(solve) || (way == kWays.front() && came_from_near_by(solve, largest_rotation));
 }
 
-/// The solve of what was found by one of the ways.
+/// The last solve of a join found by one of kWays.
 struct SolveByWay {
   const MinimiseResult& result;
-  double largest_rotation;  ///< The most that it turned a pose (rad).
+  double largest_rotation;  ///< Largest rotation of a pose in this solve (rad).
   bool& is_settled;
 };
 
-/// What is found by the first way that settles it, or else that of least chi2, once two ways have ended at the same optimum,
-/// one of them from near by, or all are tried. `find(way)` gives an Expected<Found>, `solve_of(found)` its SolveByWay. What is
-/// singular far from the optimum need not be so elsewhere: another way is tried after the first, and after one that was found.
+/// The result of the first way that settles the map, otherwise that of least chi2 once two ways have ended at the same optimum,
+/// one of them from near by, or all are tried. `find(way)` gives an Expected<Found>, `solve_of(found)` its SolveByWay. Bad
+/// input of the first way, or of one after a way that succeeded, is passed over: a system that is singular far from the optimum
+/// need not be so elsewhere.
 template <typename Found, typename Find, typename SolveOf>
 Expected<Found> best_of_ways(const Find& find, const SolveOf& solve_of) {
   std::optional<Found> best;

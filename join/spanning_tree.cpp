@@ -7,7 +7,7 @@
 namespace mapjoin {
 namespace {
 
-/// A pose observed from a pose or the World: what may become an edge.
+/// A pose observed from a pose or the World: a candidate for an edge.
 struct Relation {
   enum Rank { kChain, kClosure, kPrior } rank;
   PoseIndex base;
@@ -16,7 +16,7 @@ struct Relation {
   std::size_t number;  // among the targets of its observation
 };
 
-/// In the order in which they are wanted. What does not say how a pose is turned relates it to nothing.
+/// The relations of poses in the order of preference, without observations that do not measure a rotation.
 template <int Dim>
 std::vector<Relation> pose_relations(const JoiningSystem<Dim>& system) {
   std::vector<Relation> relations;
@@ -39,7 +39,7 @@ std::vector<Relation> pose_relations(const JoiningSystem<Dim>& system) {
   return relations;
 }
 
-/// The edge by which a pose was reached: no relation where it is the root of a tree beside that of the World.
+/// The edge by which a pose was reached; `relation` is null if the pose is the root of a tree beside that of the World.
 TreeEdge<PoseIndex> edge_of(PoseIndex pose, const Relation* relation) {
   if (!relation) return {pose, kWorld, std::nullopt};
   const bool child_is_base = relation->base == pose;
@@ -47,7 +47,7 @@ TreeEdge<PoseIndex> edge_of(PoseIndex pose, const Relation* relation) {
           TreeObservation{relation->factor, relation->number, child_is_base}};
 }
 
-/// The spanning forest of the relations, breadth first from the World; what is anchored is one with it.
+/// The spanning forest of the relations, breadth first from the World, which stands for all anchored poses.
 template <int Dim>
 std::vector<TreeEdge<PoseIndex>> pose_edges(const JoiningSystem<Dim>& system) {
   constexpr Vertex kWorldVertex = 0;
@@ -67,7 +67,7 @@ std::vector<TreeEdge<PoseIndex>> pose_edges(const JoiningSystem<Dim>& system) {
   return tree;
 }
 
-/// Each feature's first observation: that from the earliest pose; the World's only where there is no other.
+/// The edge of each feature: its observation from the earliest pose, or from the World if there is no other.
 template <int Dim>
 Table<FeatureIndex, TreeEdge<FeatureIndex>> feature_edges(const JoiningSystem<Dim>& system) {
   Table<FeatureIndex, TreeEdge<FeatureIndex>> edges(system.estimate().features.size());

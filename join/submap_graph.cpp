@@ -7,7 +7,7 @@
 namespace mapjoin {
 namespace {
 
-/// Marginalises the maps once it is known which features nothing else mentions; some are `referenced` by others.
+/// Adds the maps, with the features marginalised that nothing else mentions; `referenced` marks features that others mention.
 template <int Dim>
 void add_maps(SubmapGraph<Dim>& graph, std::vector<LocalMap<Dim>> maps, Table<FeatureIndex, bool> referenced = {}) {
   referenced.resize(graph.feature_count, false);
@@ -27,7 +27,7 @@ void select(const Factors& factors, Selected& selected) {
   for (const auto& factor : factors) selected.push_back(&factor);
 }
 
-/// The submap graph of a log or a set, without its maps, its fixed poses and what stands on its own.
+/// The submap graph of a log or a set, without maps, fixed poses and single observations.
 template <template <int> typename Data, int Dim>
 SubmapGraph<Dim> bare_submap_graph(const Data<Dim>& data, const std::vector<Segment>& segments) {
   SubmapGraph<Dim> graph;

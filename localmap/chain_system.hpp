@@ -30,9 +30,9 @@ class ChainSystem {
   Matrix<kDof>& diagonal_block(Eigen::Index k) { return D_[static_cast<std::size_t>(k)]; }
   /// The coupling of chain pose k with k + 1.
   Matrix<kDof>& coupling(Eigen::Index k) { return L_[static_cast<std::size_t>(k)]; }
-  /// The couplings of chain pose k with the border, kDof × border_size(); where there is a border.
+  /// The couplings of chain pose k with the border, kDof × border_size(); only if there is a border.
   auto border_rows(Eigen::Index k) { return E_.middleRows<kDof>(k * kDof); }
-  /// Only the upper triangle counts.
+  /// C, the block of the border; only its upper triangle counts.
   Eigen::MatrixXd& border() { return C_; }
   const Eigen::MatrixXd& border() const { return C_; }
   /// g of the chain, then of the border.
@@ -42,24 +42,24 @@ class ChainSystem {
   Eigen::VectorXd diagonal() const;
   /// vᵀ H v, before elimination.
   double curvature(const Eigen::VectorXd& v) const;
-  /// H + damping·diag(H), before elimination.
+  /// Replaces H by H + damping·diag(H), before elimination.
   void damp(double damping);
 
-  /// Eliminates the chain: the border and its gradient become their Schur complements, and with G_k G_kᵀ = D_k as far as it is
-  /// reduced, the blocks of chain pose k become G_k, G_k⁻¹ L_k and G_k⁻¹ E_k. False where a chain block is singular to working
-  /// precision. O(chain · border²).
+  /// Eliminates the chain: the border and its gradient become their Schur complements, and the blocks of chain pose k become
+  /// G_k, G_k⁻¹ L_k and G_k⁻¹ E_k, where G_k G_kᵀ is the reduced D_k. False if a chain block is singular to working precision.
+  /// O(chain · border²).
   bool eliminate_chain();
-  /// Another gradient in place of the one that was eliminated with the chain.
+  /// Eliminates another gradient in place of the one that was eliminated with the chain.
   void eliminate_gradient(const Eigen::VectorXd& gradient);
   /// The chain's part of the solution, given the border's, after eliminate_chain().
   Eigen::VectorXd chain_step(const Eigen::VectorXd& border_step) const;
 
  private:
-  std::vector<Matrix<kDof>> D_;  // after elimination: its Cholesky factor G_k
-  std::vector<Matrix<kDof>> L_;  // … G_k⁻¹ L_k
-  Eigen::MatrixXd E_;            // … G_k⁻¹ E_k
-  Eigen::MatrixXd C_;            // … its Schur complement
-  Eigen::VectorXd g_;            // … G_k⁻¹ g_k, and the border's Schur complement
+  std::vector<Matrix<kDof>> D_;  // after elimination: the Cholesky factor G_k of the reduced D_k
+  std::vector<Matrix<kDof>> L_;  // after elimination: G_k⁻¹ L_k
+  Eigen::MatrixXd E_;            // after elimination: G_k⁻¹ E_k
+  Eigen::MatrixXd C_;            // after elimination: its Schur complement
+  Eigen::VectorXd g_;            // after elimination: G_k⁻¹ g_k, and the border's Schur complement
 };
 
 }  // namespace mapjoin

@@ -9,30 +9,30 @@
 
 namespace mapjoin {
 
-/// A local map without its submap-local features. These enter (31) linearly in the frame of the base, so the joined map of the
-/// others is the same.
+/// A local map without its submap-local features, which enter (31) linearly in the frame of the base, so that the joined map of
+/// the others is the same.
 template <int Dim>
 struct MarginalisedMap {
-  LocalMap<Dim> map;  ///< W_oo - W_of W_ff⁻¹ W_fo over what stays.
+  LocalMap<Dim> map;  ///< Its information is W_oo - W_of W_ff⁻¹ W_fo over the other targets.
   std::vector<FeatureIndex> local_features;
   std::vector<Point<Dim>> local_estimates;  ///< In the frame of the base (m).
   Eigen::MatrixXd gain;  ///< W_ff⁻¹ W_fo: the residuals of the submap-local features are -gain · those of the others.
   Eigen::MatrixXd local_information;  ///< W_ff, of the submap-local features given the others.
 };
 
-/// Where the local ones are not determined within the map, all stay.
+/// Eliminates the submap-local features of a map; all stay if they are not determined within the map.
 template <int Dim>
 MarginalisedMap<Dim> marginalise(LocalMap<Dim> map, const Table<FeatureIndex, bool>& is_local);
 
-/// The map as it was, its submap-local features behind the others.
+/// The map before marginalise(), with its submap-local features behind the others.
 template <int Dim>
 LocalMap<Dim> restored(const MarginalisedMap<Dim>& marginalised);
 
-/// Puts the submap-local features where they lower chi2 most, given the joined poses and features in `state`.
+/// Sets the submap-local features to where chi2 is least, given the joined poses and features in `state`.
 template <int Dim>
 void recover_local_features(const MarginalisedMap<Dim>& marginalised, Values<Dim>& state);
 
-/// Whether one map alone mentions a feature, and no observation or prior.
+/// True for each feature that one map alone mentions, and no observation or prior.
 template <int Dim>
 Table<FeatureIndex, bool> local_features(const std::vector<LocalMap<Dim>>& maps,
                                          Table<FeatureIndex, bool> referenced_elsewhere);

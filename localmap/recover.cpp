@@ -8,7 +8,7 @@
 namespace mapjoin {
 namespace {
 
-/// Interior poses from odometry after the pose before them; what is kept stays as it is.
+/// Composes interior poses by odometry from the kept pose before them; kept poses stay as they are.
 template <int Dim>
 void compose_interior(const SegmentView<Dim>& view, Values<Dim>& values) {
   const Values<Dim> composed = composed_start(view);
@@ -26,7 +26,7 @@ void compose_interior(const SegmentView<Dim>& view, Values<Dim>& values) {
   }
 }
 
-/// Returns whether the segment's own solve converged.
+/// Recovers the interior of one segment; true if its solve converged.
 template <int Dim>
 bool recover_interior(const SegmentView<Dim>& view, const Table<FeatureIndex, bool>& is_local, const MinimiseOptions& solver,
                       const std::stop_token& stop, Values<Dim>& state) {

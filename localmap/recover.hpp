@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
-// Interior poses, eliminated when their local map was built, recovered after joining.
+// Recovery after joining of interior poses, which were eliminated when their local map was built.
 
 #include <mapjoin/localmap/segment_view.hpp>
 #include <mapjoin/model/values.hpp>
@@ -14,9 +14,9 @@ namespace mapjoin {
 template <int Dim>
 Values<Dim> values_of(const SegmentView<Dim>& view, const Values<Dim>& state);
 
-/// Re-solves every segment for its interior poses and submap-local features, what is kept and shared being held at its joined
-/// value: `state` is over the poses and features of the log. In parallel, with the same result for any number of threads.
-/// Returns the number of segments whose solve did not converge; their interior is the best found.
+/// Re-solves the segment of every local map for its interior poses and submap-local features, with kept poses and shared
+/// features held at their joined values; `state` is over the poses and features of the log. In parallel, with the same result
+/// for any number of threads. Returns the number of segments whose solve did not converge; their interior is the best found.
 template <int Dim>
 std::size_t recover_interiors(const Log<Dim>& log, const Split& split, const Table<FeatureIndex, bool>& is_local,
                               const MinimiseOptions& solver, Values<Dim>& state, const std::stop_token& stop = {});

@@ -10,7 +10,7 @@
 
 namespace mapjoin {
 
-/// Takes the blocks of an observation of one target into chain, border rows or border.
+/// Adds the blocks of an observation of one target to chain, border rows or border.
 template <int Dim>
 class SegmentProblem<Dim>::Sink {
  public:
@@ -34,7 +34,7 @@ class SegmentProblem<Dim>::Sink {
   }
 
  private:
-  /// The block at row and column, row ≤ column; the chain's entries come first.
+  /// Adds the block at row and column, row ≤ column; the chain's entries come first.
   template <typename Block>
   void add(Entry row, Entry column, const Block& block) {
     const Eigen::Index chain = equations_.chain_length() * kDof;

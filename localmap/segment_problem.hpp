@@ -12,7 +12,7 @@
 
 namespace mapjoin {
 
-/// What may move besides the interior poses.
+/// The free variables besides the interior poses.
 struct SegmentFreedom {
   bool kept = true;
   Table<FeatureIndex, bool> features;  ///< By place in the segment.
@@ -39,13 +39,13 @@ class SegmentProblem {
   void accept() { estimate_ = candidate_; }
 
   const Values<Dim>& estimate() const { return estimate_; }
-  /// The information of the border with the chain eliminated, at the estimate: W of the local map. Nothing where it is
+  /// The information of the border with the chain eliminated, at the estimate: W of the local map. nullopt if the system is
   /// singular.
   std::optional<Eigen::MatrixXd> marginal_information();
 
  private:
   static constexpr int kDof = kPoseDof<Dim>;
-  /// The entry of a variable in the step, the chain's first; kStill where it is held.
+  /// The entry of a variable in the step, the chain's first; kStill if it is held.
   using Entry = Eigen::Index;
   static constexpr Entry kStill = -1;
   class Sink;
@@ -59,11 +59,11 @@ class SegmentProblem {
   const SegmentView<Dim>* view_;
   Table<PoseIndex, Entry> pose_entries_;
   Table<FeatureIndex, Entry> feature_entries_;
-  std::vector<FeatureIndex> observed_;  // per observation, the place of its feature
+  std::vector<FeatureIndex> observed_;  // place of the feature of each observation
   ChainSystem<Dim> equations_;
   ChainSystem<Dim> factored_;
   Eigen::MatrixXd border_factor_;  // lower triangle
-  bool is_eliminated_ = false;     // whether the gradient of `factored_` is that of the estimate
+  bool is_eliminated_ = false;     // true if the gradient of `factored_` is that of the estimate
   Values<Dim> estimate_;
   Values<Dim> candidate_;
 };

@@ -10,7 +10,7 @@ FeatureIndex SegmentView<Dim>::place(FeatureIndex feature) const {
   return FeatureIndex(std::lower_bound(features.begin(), features.end(), feature) - features.begin());
 }
 
-/// Odometry is in the order of its later pose: those after `begin`, up to `end`.
+/// Odometry whose later pose is after `begin`, up to `end`; the log has it in the order of that pose.
 template <int Dim>
 std::span<const PoseFactor<Dim>> odometry_of(const Log<Dim>& log, const Segment& segment) {
   const auto by_later_pose = [](PoseIndex pose, const PoseFactor<Dim>& o) { return pose < later_pose(o); };
@@ -19,7 +19,8 @@ std::span<const PoseFactor<Dim>> odometry_of(const Log<Dim>& log, const Segment&
   return {first, last};
 }
 
-/// Observations are in the order of their pose: those from `begin` to before `end`, or to `end` where the session ends there.
+/// Observations from `begin` to before `end`, or to `end` if the session ends there; the log has them in the order of their
+/// pose.
 template <int Dim>
 std::span<const FeatureFactor<Dim>> observations_of(const Log<Dim>& log, const Segment& segment) {
   const auto before = [](const FeatureFactor<Dim>& o, PoseIndex pose) { return o.base < pose; };
@@ -33,7 +34,7 @@ std::span<const FeatureFactor<Dim>> observations_of(const Log<Dim>& log, const S
 
 namespace {
 
-/// The different features of observations, ascending.
+/// The distinct features of observations, ascending.
 template <int Dim>
 Table<FeatureIndex, FeatureIndex> features_in(std::span<const FeatureFactor<Dim>> observations) {
   Table<FeatureIndex, FeatureIndex> features;

@@ -11,22 +11,22 @@
 namespace mapjoin {
 namespace {
 
-/// Segments looked at per candidate, spread over the log.
+/// The number of segments looked at per candidate and session, spread over the session.
 constexpr int kSamples = 64;
 
-/// Assembling and factorising a dense block of `m` variables once.
+/// The cost of assembling and factorising a dense block of `m` scalar variables once.
 double block_cost(double m) {
   return 30.0 * m * m + 0.4 * m * m * m;
 }
 
-/// How often a join, and how often the making and polishing of a map, does the work that is counted here once.
+/// The numbers of times that a join, and that the building and polishing of a map, do the work counted here once.
 constexpr double kJoining = 4.0;
 constexpr double kPolishing = 5.0;
 
-/// Longer segments have to pay by more than this share of the cost: where few of them would be maps, single steps are joined.
+/// The share of the cost that longer segments have to save: if few of them would be maps, single steps are joined.
 constexpr double kAlike = 0.01;
 
-/// What one segment costs, as a map or, where it would keep most of its poses, as a raw segment of one-step maps.
+/// The cost of one segment as a map or, if it would keep most of its poses, as a raw segment of one-step maps.
 template <int Dim>
 double segment_cost(const Log<Dim>& log, const Table<PoseIndex, bool>& kept, const Segment& segment, SeenFeatures& seen) {
   constexpr double kDof = kPoseDof<Dim>;

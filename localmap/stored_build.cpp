@@ -10,7 +10,7 @@
 namespace mapjoin {
 namespace {
 
-constexpr std::size_t kMapsAtOnce = 256;  // Built before they are stored: few enough to lose little, enough for all threads.
+constexpr std::size_t kMapsAtOnce = 256;  // Maps built before they are stored: few to lose, enough for all threads.
 
 /// Builds the maps of some segments, in parallel, and stores them.
 template <int Dim>

@@ -8,23 +8,23 @@
 namespace mapjoin {
 namespace {
 
-/// The covariance of a map; of what it does not determine large, but finite.
+/// The covariance of a map, large but finite for what it does not determine.
 template <int Dim>
 Eigen::MatrixXd covariance_of(const LocalMap<Dim>& map) {
-  constexpr double kLeastShare = 1e-9;  // of the information of each coordinate
+  constexpr double kLeastShare = 1e-9;  // relative to the information of each coordinate
   Eigen::MatrixXd W = map.information;
   const double most = W.size() > 0 && W.diagonal().maxCoeff() > 0.0 ? W.diagonal().maxCoeff() : 1.0;
   for (Eigen::Index k = 0; k < W.rows(); ++k) W(k, k) += kLeastShare * (W(k, k) > 0.0 ? W(k, k) : most);
   return W.llt().solve(Eigen::MatrixXd::Identity(W.rows(), W.rows()));
 }
 
-/// By a covariance; nothing known where that is not positive definite.
+/// The information matrix of a covariance; zero if that is not positive definite.
 template <int Size>
 Matrix<Size> information_by(const Matrix<Size>& covariance) {
   return information_of_covariance<Size>(covariance).value_or(Matrix<Size>::Zero());
 }
 
-/// What a map says of pose `t` that it keeps, from the one before it or from its base.
+/// The marginal of a map on the step to pose `t` that it keeps, from the one before it or from its base.
 template <int Dim>
 PoseFactor<Dim> step_to(const LocalMap<Dim>& map, const Eigen::MatrixXd& covariance, std::size_t t) {
   constexpr int kDof = kPoseDof<Dim>;
@@ -61,7 +61,7 @@ TakenApart<Dim> taken_apart(const SubmapSet<Dim>& set) {
       sightings.push_back({{map.base, map.features[f], map.feature_estimates[f], information, {}}, {m, f}});
     }
   }
-  // As put_in_order() has them.
+  // The order of put_in_order().
   std::ranges::stable_sort(sightings, {}, [](const Sighting& s) { return std::pair(s.first.base == kWorld, s.first.base); });
   for (const auto& [observation, origin] : sightings) {
     log.graph.feature_factors.push_back(observation);

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
-// A set of local maps as a log: what a search in logs is to judge, each thing on its own.
+// A set of local maps taken apart into a log, so that searches in logs can judge each observation on its own.
 
 #include <cstddef>
 #include <mapjoin/model/log.hpp>
@@ -9,22 +9,23 @@
 
 namespace mapjoin {
 
-/// A log of what each map of a set says of each of its features alone and of its poses, one after the other, and of what
-/// stands on its own in the set.
+/// A log made from a set of maps: the marginal of each feature of a map and of each step between its poses, and the
+/// observations that stand on their own in the set.
 template <int Dim>
 struct TakenApart {
   Log<Dim> log;
-  /// Where an observation of the log is in the set: among the features of a map or, where `map` is the number of maps, among
+  /// The place of an observation of the log in the set: among the features of a map or, if `map` is the number of maps, among
   /// the observations that stand on their own.
   struct Origin {
     std::size_t map = 0;
     std::size_t place = 0;
     auto operator<=>(const Origin&) const = default;
   };
-  std::vector<Origin> origins;  ///< Of each observation.
+  std::vector<Origin> origins;  ///< By feature factor of the log.
 };
 
-/// Poses and features keep their indices. Pose factors of the set stay as they are, those of one kind (see Log) in their order.
+/// Takes a set apart. Poses and features keep their indices. Pose factors of the set stay as they are, those of one kind (see
+/// Log) in their order.
 template <int Dim>
 TakenApart<Dim> taken_apart(const SubmapSet<Dim>& set);
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// `mapjoin basin`: the experiment of the paper's Table I, and what it found: a table for people, JSON by docs/report.md and CSV
-// for programs.
+// `mapjoin basin`: the experiment of the paper's Table I, with its results as a table for people, JSON by docs/report.md and
+// CSV for programs.
 
 #include <fmt/format.h>
 
@@ -22,7 +22,7 @@ struct BasinRequest : Options {
   BasinOptions basin;
 };
 
-/// The median of the iterations of the runs that end at the optimum, or else of all.
+/// The median of the iterations of the runs that end at the optimum, or of all if none does.
 int typical_iterations(const BasinCell& cell) {
   std::vector<int> iterations;
   for (const BasinRun& run : cell.runs) {
@@ -31,7 +31,7 @@ int typical_iterations(const BasinCell& cell) {
   return median(std::move(iterations));
 }
 
-/// What the runs that miss fell into: their chi2, from the least to the largest.
+/// The least and the largest chi2 of the runs that miss the optimum.
 std::string misses_in_words(const BasinCell& cell) {
   std::vector<double> chi2;
   for (const BasinRun& run : cell.runs) {
@@ -42,14 +42,14 @@ std::string misses_in_words(const BasinCell& cell) {
   return *least == *most ? fmt::format(": {:.4g}", *least) : fmt::format(": {:.4g} to {:.4g}", *least, *most);
 }
 
-/// "yes (12)", "no (200): 2.814e+05", "17 of 20 (9): 3.1e+04 to 1.2e+09"; iterations in parentheses.
+/// A cell in words, with iterations in parentheses: "yes (12)", "no (200): 2.814e+05", "17 of 20 (9): 3.1e+04 to 1.2e+09".
 std::string cell_in_words(const BasinCell& cell) {
   std::string rate = cell.hits() == 1 ? "yes" : "no";
   if (cell.start == Start::kRandom) rate = fmt::format("{} of {}", cell.hits(), cell.runs.size());
   return fmt::format("{} ({}){}", rate, typical_iterations(cell), misses_in_words(cell));
 }
 
-/// The local maps of a cell, as --poses-per-map and its like name them: "20", "auto", "10 m", "15 features"; nothing for full
+/// The local maps of a cell, as --poses-per-map and its like name them: "20", "auto", "10 m", "15 features"; nullopt for full
 /// SLAM and for maps that were cut before.
 std::optional<std::string> split_in_words(const BasinCell& cell) {
   if (!cell.split) return std::nullopt;
@@ -109,7 +109,7 @@ std::string table_of(const Basin& basin, const RunReport& run_report) {
   return lines.text() + "\n" + aligned(table);
 }
 
-/// A row per solve, from the report's cells.
+/// CSV with a row per solve, from the cells of the report.
 std::string csv_of(const Json& cells) {
   ReportTable table;
   for (const char* key :

@@ -17,14 +17,14 @@ constexpr const char* kDescription =
     "Builds large maps from many small ones: splits a log of odometry and feature observations into local maps, joins them, "
     "and polishes the result to the optimum of the whole log.";
 
-constexpr std::size_t kWidth = 120;      ///< Of the help, in characters.
-constexpr std::size_t kNameColumn = 36;  ///< Of it, for the names of options.
+constexpr std::size_t kWidth = 120;      ///< Width of the help in characters.
+constexpr std::size_t kNameColumn = 36;  ///< Part of it for the names of options.
 
 std::string wrapped_lines(const std::string& text, std::size_t width) {
   return fmt::format("{}", fmt::join(wrapped(text, width), "\n"));
 }
 
-/// CLI11's, with lines that end between words, one blank line where it leaves two, and names as help2man knows them: "-o,
+/// CLI11's formatter, with lines that end between words, one blank line instead of two, and names as help2man knows them: "-o,
 /// --output", two spaces before the description.
 class HelpFormatter : public CLI::Formatter {
  public:
@@ -50,7 +50,7 @@ class HelpFormatter : public CLI::Formatter {
   }
 };
 
-/// In the order of the help.
+/// The subcommands in the order of the help.
 constexpr Command kCommands[] = {
     {"run", "From a log to a global map: splits, builds local maps, joins, recovers, polishes", declare_run},
     {"build", "From a log, or the files of local maps, to a store", declare_build},

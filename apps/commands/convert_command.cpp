@@ -25,11 +25,11 @@ using AnyFormat = std::variant<LogFormat, LocalMapFormat, StoreFormat>;
 
 struct Format {
   std::string word;
-  std::string extension;  ///< That asks for it; empty: none does.
+  std::string extension;  ///< Extension that asks for it; empty: none does.
   AnyFormat format;
 };
 
-/// Those of logs, then those of local maps.
+/// The formats of logs, then those of local maps.
 std::vector<Format> formats() {
   std::vector<Format> all;
   for (const auto& [format, name] : enum_names(LogFormat())) {
@@ -42,10 +42,10 @@ std::vector<Format> formats() {
 }
 
 struct ConvertOptions : Options {
-  std::optional<AnyFormat> format;  ///< As asked for, else by the output's extension.
+  std::optional<AnyFormat> format;  ///< Format asked for; if none, that of the output's extension.
 };
 
-/// The words or the extensions of all formats, where they have some.
+/// The words or the extensions of all formats that have one.
 std::string listed(std::string Format::*part, std::string_view separator) {
   std::vector<std::string> all;
   for (const Format& format : formats()) {
@@ -64,7 +64,7 @@ AnyFormat format_of(const ConvertOptions& options) {
                                       options.output.string(), listed(&Format::extension, ", ")));
 }
 
-/// What the output has no place for, in words.
+/// Data that the output has no place for, in words.
 using Losses = std::vector<std::string>;
 
 template <int Dim>
@@ -81,7 +81,7 @@ Losses convert_any(const ConvertOptions& options, AnyFormat asked, Log<Dim> log)
   return lost;
 }
 
-/// The files of local maps; `are_named` where numbers tell their poses as well as names.
+/// Writes the files of local maps; `are_named` is true if numbers tell their poses as well as names.
 template <int Dim>
 Losses write_maps(const std::vector<LocalMap<Dim>>& maps, const FeatureIds& features, LocalMapFormat format, bool are_named,
                   const std::filesystem::path& path) {
@@ -106,7 +106,7 @@ Losses convert_any(const ConvertOptions& options, AnyFormat asked, const SubmapS
   return {};
 }
 
-/// A store's log, or its maps.
+/// Converts the log or the maps of a store.
 template <int Dim>
 Losses convert_any(const ConvertOptions& options, AnyFormat asked, const StoredMaps<Dim>& stored) {
   const Log<Dim>& log = stored.log;

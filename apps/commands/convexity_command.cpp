@@ -29,7 +29,7 @@ std::string pairs_in_words(const ConvexityOptions& options) {
                      options.seed, states);
 }
 
-/// chi2 of the best estimates, a word for each problem.
+/// chi2 of the best estimate of each problem, in words.
 std::string best_in_words(const Convexity& found) {
   std::string words;
   for (std::size_t f = 0; f < found.size(); f += 2) {
@@ -96,7 +96,7 @@ std::string table_of(const Convexity& found, const Json& formulations, const Con
   return lines.text() + "\n" + aligned(table);
 }
 
-/// F at every λ: formulation, pair, lambda, F.
+/// CSV of F at every λ, with the header formulation,state,pair,lambda,F.
 std::string csv_of(const Convexity& found) {
   std::string text = "formulation,state,pair,lambda,F\n";
   for (const FormulationFigures& figures : found) {

@@ -25,17 +25,17 @@ namespace {
 
 constexpr std::chrono::milliseconds kBetweenLooks(50);
 
-/// The updates that were added at once.
+/// A step of the join: updates that were added at once.
 struct Step {
-  std::size_t first = 0;  ///< The number of its first update, from 1, and how many there are.
+  std::size_t first = 0;  ///< Number of its first update, from 1; there are `count`.
   std::size_t count = 1;
   PoseId begin = {}, end = {};
   RobustlyAdded done = {};
-  std::optional<std::size_t> left_out = {};  ///< Closures, after it, where any may be.
+  std::optional<std::size_t> left_out = {};  ///< Closures left out after it; nullopt without --robust.
   double seconds = 0.0;                      ///< CPU time.
 };
 
-/// What became of closures: "; 2 closures left out, 1 taken back".
+/// The closures left out and taken back, in words: "; 2 closures left out; 1 closure taken back".
 std::string closures_for_people(const RobustlyAdded& done) {
   std::string text;
   if (!done.rejected.empty()) text += fmt::format("; {} left out", plural(done.rejected.size(), "closure"));
@@ -87,10 +87,11 @@ std::string for_programs(const Step& step) {
   return line.dump() + '\n';
 }
 
-/// What each added map did: a line for people on standard error, where that is a terminal, and a line of JSON for programs.
+/// Reports each added map: a line for people on standard error, if that is a terminal, and a line of JSON for programs.
 class StepReport {
  public:
-  /// `path`: as FollowOptions::steps. kCannotWrite where the file cannot be made; it grows line by line, for others to follow.
+  /// Opens `path`, as of FollowOptions::steps; kCannotWrite if the file cannot be made. It grows line by line, for others to
+  /// follow.
   StepReport(const std::filesystem::path& path, bool quiet)
       : path_(path == "-" ? "standard output" : path), is_shown_(!quiet && ::isatty(STDERR_FILENO) == 1) {
     if (path == "-") file_ = File(stdout, [](std::FILE*) { return 0; });
@@ -102,7 +103,7 @@ class StepReport {
   void add(const Step& step) {
     if (is_shown_) std::fputs(for_people(step).c_str(), stderr);
     if (!file_ || (std::fputs(for_programs(step).c_str(), file_.get()) >= 0 && std::fflush(file_.get()) == 0)) return;
-    // A reader that has gone away has had all it wanted.
+    // No error if the reader has gone away: it has had all it wanted.
     if (errno != EPIPE) demand(call_failed(path_, errno, ErrorKind::kCannotWrite));
   }
 
@@ -113,14 +114,14 @@ class StepReport {
   bool is_shown_;
 };
 
-/// The estimate of a log that grows.
+/// The map of a growing log.
 template <int Dim>
 class GrowingMap {
  public:
   GrowingMap(const Options& options, StepReport& report)
       : options_(options), report_(report), maker_(new_maker()), map_(new_map()) {}
 
-  /// `whole` reads the log up to and with the news, for where these concern what is in a map already.
+  /// Adds the news of a log; `whole` reads the log up to and with them, in case they concern a map that is made already.
   template <typename Whole>
   void add(const Log<Dim>& news, Whole&& whole) {
     if (!maker_.add(news)) {
@@ -132,7 +133,8 @@ class GrowingMap {
     join_complete(false);
   }
 
-  /// Makes updates of what is complete, at the end of all, and joins them: the first ones at once, the others one by one.
+  /// Makes updates of the complete local maps, or of all at the end, and joins them: the first ones at once, the others one by
+  /// one.
   void join_complete(bool is_end) {
     std::vector<SubmapUpdate<Dim>> updates = maker_.take(is_end).value();
     if (count_ == 0 && updates.size() > 1) {
@@ -174,7 +176,7 @@ class GrowingMap {
   std::size_t count_ = 0;
 };
 
-/// Bad input where a log can be read, but not as g2o.
+/// Bad input if a log can be read, but not as g2o.
 void demand_g2o(const Options& options) {
   ReadOptions as_g2o = options.read;
   as_g2o.from = LogFormat::kG2o;
@@ -190,7 +192,8 @@ class Follower {
   Follower(const Options& options, const std::filesystem::path& steps)
       : options_(options), file_(GrowingG2o::open(options.input, options.read).value()), report_(steps, options.quiet) {}
 
-  /// Until the file has not grown for a while, a stop is requested, or something in it is wrong, which is then the fault.
+  /// Follows the file until it has not grown for a while, a stop is requested, or something in it is wrong, which is then the
+  /// fault.
   FollowedLog follow(double idle_seconds, const std::stop_token& stop) {
     using Clock = std::chrono::steady_clock;
     auto last_growth = Clock::now();
@@ -241,7 +244,7 @@ class Follower {
   const Options& options_;
   GrowingG2o file_;
   StepReport report_;
-  std::variant<std::monostate, GrowingMap<2>, GrowingMap<3>> map_;  ///< Once the dimension of the log is known.
+  std::variant<std::monostate, GrowingMap<2>, GrowingMap<3>> map_;  ///< Set once the dimension of the log is known.
   std::optional<Error> fault_;
 };
 

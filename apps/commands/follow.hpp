@@ -15,22 +15,22 @@ namespace mapjoin::apps {
 
 struct FollowOptions {
   bool wanted = false;
-  double idle_seconds = 5.0;    ///< The log is complete when it has not grown for so long.
-  std::filesystem::path steps;  ///< A line of JSON per added map; empty: none; "-": standard output.
+  double idle_seconds = 5.0;    ///< Time without growth after which the log is complete (s).
+  std::filesystem::path steps;  ///< File for a line of JSON per added map; empty: none; "-": standard output.
 };
 
 /// --follow, --idle, --steps
 void add_following(Subcommand& command, FollowOptions& options);
-/// What of these contradicts the rest.
+/// Violations, in words, between these options and the others.
 std::vector<std::string> check_following(const Subcommand& command, const Options& options, const FollowOptions& following);
 
 struct FollowedLog {
-  AnyLog log;                  ///< All that was read, with the weights of the file.
-  std::optional<Error> fault;  ///< What was wrong behind it.
+  AnyLog log;                  ///< The log as read, with the weights of the file.
+  std::optional<Error> fault;  ///< The error in the file behind it, if any.
 };
 
-/// Follows the input until it has not grown for a while or a stop is requested, and says what each added map did. Fails
-/// (see exit_code.hpp) with bad input where nothing of it can be used; kCannotWrite where the steps cannot be written.
+/// Follows the input until it has not grown for a while or a stop is requested, and reports each added map. Fails (see
+/// exit_code.hpp): bad input if nothing of it can be used; kCannotWrite if the steps cannot be written.
 FollowedLog follow(const Options& options, const FollowOptions& following, const std::stop_token& stop);
 
 }  // namespace mapjoin::apps

@@ -19,7 +19,7 @@ void join_any(CommandRun& command_run, SubmapSet<Dim> set) {
   command_run.write_map(result, static_cast<const Log<Dim>*>(nullptr));
 }
 
-/// What is wrong with the log in a store is said of the store.
+/// Joins the maps of a store; errors in its log are told of the store.
 template <int Dim>
 void join_any(CommandRun& command_run, StoredMaps<Dim> stored) {
   const auto& log = stored.log;

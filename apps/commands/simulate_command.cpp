@@ -23,7 +23,7 @@ struct SimulateOptions {
   int dimension = 2;
   ManhattanOptions manhattan;
   std::filesystem::path log;
-  std::filesystem::path truth;  ///< Empty: none.
+  std::filesystem::path truth;  ///< File of the true map; empty: none.
   bool quiet = false;
 };
 

@@ -10,7 +10,7 @@ namespace mapjoin::apps {
 
 namespace {
 
-/// For every option that names a file or a folder.
+/// Refuses the empty word; for every option that names a file or a folder.
 const CLI::Validator kPath([](const std::string& word) { return std::string(word.empty() ? "is empty" : ""); }, "");
 
 }  // namespace
@@ -58,7 +58,7 @@ void Subcommand::flag(const std::string& name, const std::string& help, Take tak
   grouped(*app_->add_flag(name, *given, help));
   check([name, given, take = std::move(take)]() -> std::vector<std::string> {
     if (given->empty()) return {};
-    const std::string word = *given == "true" ? "" : *given;  // as CLI11 has it where there is none
+    const std::string word = *given == "true" ? "" : *given;  // CLI11's word if there is none
     const auto violation = take(word);
     return violation ? std::vector{fmt::format("{} is \"{}\", {}", name, word, *violation)} : std::vector<std::string>{};
   });

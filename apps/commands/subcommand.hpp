@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
-// The command line: subcommands, with their options as they are declared, everything that is wrong with those given, and what
-// they do.
+// The command line: subcommands, their options as declared, all violations of those given, and their actions.
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
@@ -34,7 +33,7 @@ class Option;
 
 namespace mapjoin::apps {
 
-/// The whole of `word` as a number, finite where it is not whole.
+/// The number that the whole of `word` spells, if it is finite.
 template <typename T>
 std::optional<T> number_in(const std::string& word) {
   T value{};
@@ -44,12 +43,13 @@ std::optional<T> number_in(const std::string& word) {
   return value;
 }
 
-/// Values that options are bound to must outlive the subcommand; its action can own them.
+/// A subcommand. Values that options are bound to must outlive it; its action can own them.
 class Subcommand {
  public:
-  /// What it does once its options are right; may fail() (see exit_code.hpp).
+  /// The work of a subcommand, once its options are valid; may fail() (see exit_code.hpp).
   using Action = std::function<ExitCode(const std::stop_token&)>;
-  /// Takes the word given for an option; a violation, as the end of a sentence that begins with the option, where it is wrong.
+  /// Takes the word given for an option; returns a violation, as the end of a sentence that begins with the option, if it is
+  /// wrong.
   using Take = std::function<std::optional<std::string>(const std::string& word)>;
 
   Subcommand(CLI::App& parent, const std::string& name, const std::string& description);
@@ -57,20 +57,20 @@ class Subcommand {
   Subcommand& operator=(const Subcommand&) = delete;
 
   std::string name() const;
-  /// Below the options in the help.
+  /// Sets the examples below the options in the help.
   void examples(const std::string& lines);
   /// The heading of the options that follow in the help.
   void group(const std::string& heading) { group_ = heading; }
   /// An argument that must be given.
   void argument(const std::string& name, std::filesystem::path& value, const std::string& help);
-  /// One or several.
+  /// One or several paths that must be given.
   void arguments(const std::string& name, std::vector<std::filesystem::path>& values, const std::string& help);
-  /// One or several words, behind the others.
+  /// One or several words that must be given, after the other arguments.
   void words(const std::string& name, std::vector<std::string>& values, const std::string& help);
-  /// None or several, behind the others.
+  /// Any number of paths, after the other arguments.
   void further(const std::string& name, std::vector<std::filesystem::path>& values, const std::string& help);
   void flag(const std::string& name, bool& value, const std::string& help);
-  /// A flag that may bring a word along, --name=word; `take` is given none ("") where it does not.
+  /// A flag with an optional word, --name=word; `take` is given "" if there is none.
   void flag(const std::string& name, const std::string& help, Take take);
   /// A flag that makes `value` false.
   void refusal(const std::string& name, bool& value, const std::string& help);
@@ -78,8 +78,8 @@ class Subcommand {
             bool is_required = false);
   void option(const std::string& name, const std::string& kind, const std::string& help, Take take);
 
-  /// Items with commas between them, each of which `item` makes of its word; a repeated one counts once. Where it makes nothing
-  /// of a word, not even of the empty one behind a comma at the end, `violation` ends the sentence.
+  /// A list of items separated by commas, each parsed by `item`; repeated ones count once. If `item` rejects a word, also an
+  /// empty one after a final comma, `violation` ends the sentence.
   template <typename T>
   void list(const std::string& name, const std::string& kind, const std::string& help, std::vector<T>& values,
             std::optional<T> (*item)(const std::string& word), const std::string& violation) {
@@ -95,10 +95,10 @@ class Subcommand {
     });
   }
 
-  /// Former words of an option, which it still takes, and those that stand for them now.
+  /// Former words of an option, which it still accepts, and the present word for each.
   using Aliases = std::map<std::string, std::string>;
 
-  /// One of the words of an enum; the value as it stands is the default, which the help names.
+  /// An option that takes a word of an enum; the value as it stands is the default, which the help names.
   template <NamedEnum Enum>
   void choice(const std::string& name, Enum& value, const std::string& help, const Aliases& aliases = {}) {
     choice(name, value, enum_names(value), help, aliases);
@@ -123,8 +123,8 @@ class Subcommand {
            });
   }
 
-  /// A number from `least` to `most` (and finite); whole where T is. The value as it stands is the default, which the help
-  /// names unless it ends with one, as in "[all processors]".
+  /// An option that takes a finite number from `least` to `most`; whole if T is. The value as it stands is the default, which
+  /// the help names unless it ends with one, as in "[all processors]".
   template <typename T>
   void number(const std::string& name, T& value, T least, const std::string& kind, std::string help,
               T most = std::numeric_limits<T>::max()) {
@@ -141,9 +141,9 @@ class Subcommand {
     });
   }
 
-  /// Called after parsing: what is wrong, in words, with options that are right one by one.
+  /// Adds a check, called after parsing, for violations, in words, by options that are valid one by one.
   void check(std::function<std::vector<std::string>()> violations) { checks_.push_back(std::move(violations)); }
-  /// An option that does nothing unless what it is `of` is asked for, and is then refused.
+  /// Refuses an option that does nothing unless the option that it belongs to, `of`, is asked for.
   void only_with(const std::string& option, const std::string& of, std::function<bool()> is_asked) {
     check([this, option, of, is_asked = std::move(is_asked)]() -> std::vector<std::string> {
       if (!is_given(option) || is_asked()) return {};
@@ -152,12 +152,12 @@ class Subcommand {
   }
   void act(Action action) { action_ = std::move(action); }
 
-  /// Whether there is such an option.
+  /// True if there is such an option.
   bool has(const std::string& name) const;
-  /// False, too, where there is no such option.
+  /// True if the option exists and was given.
   bool is_given(const std::string& name) const;
   bool is_chosen() const;
-  /// kUsage with every violation where there is one.
+  /// Checks the options, then acts; kUsage with every violation, if there are any.
   ExitCode run(const std::stop_token& stop) const;
 
  private:
@@ -170,10 +170,10 @@ class Subcommand {
   Action action_;
 };
 
-/// `--part K/N`, one of several parts of a piece of work, each done on its own: calls take(K, N), 1 ≤ K ≤ N, where it is given.
+/// Adds `--part K/N`, one of N parts of a piece of work, each done on its own: calls take(K, N), 1 ≤ K ≤ N, if it is given.
 void add_part(Subcommand& command, const std::string& help, const std::function<void(std::size_t, std::size_t)>& take);
 
-/// Each in a file of its own.
+/// Declares the options and the action of a subcommand; each is defined in a file of its own.
 void declare_run(Subcommand& command);
 void declare_build(Subcommand& command);
 void declare_join(Subcommand& command);
@@ -191,7 +191,7 @@ void declare_covariance(Subcommand& command);
 
 struct CommandLine {
   std::shared_ptr<CLI::App> app;
-  std::vector<std::unique_ptr<Subcommand>> commands;  ///< In the order of the help.
+  std::vector<std::unique_ptr<Subcommand>> commands;  ///< Subcommands in the order of the help.
 };
 
 /// A subcommand, what it does, and the function that declares it.
@@ -201,9 +201,9 @@ struct Command {
   void (*declare)(Subcommand&);
 };
 
-/// That of a program, its subcommands in the order of the help.
+/// The command line of a program, its subcommands in the order of the help.
 CommandLine command_line(const std::string& program, const std::string& description, std::span<const Command> commands);
-/// That of `mapjoin`.
+/// The command line of `mapjoin`.
 CommandLine command_line();
 
 }  // namespace mapjoin::apps

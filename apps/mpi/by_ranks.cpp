@@ -41,14 +41,14 @@ ExitCode conclude(CommandRun& command_run, const std::string& effort) {
   return code;
 }
 
-/// What the first rank knows of what regions share, in one line.
+/// The numbers of unknowns shared by ranks and by regions, in one line; for the first rank.
 template <int Dim>
 std::string shared_in_words(const MpiOptions& options, const distributed::Found<Dim>& found) {
   return fmt::format("shared        {} unknowns by ranks, {} by regions, {} a rank\n", found.shared_by_ranks,
                      found.shared_by_regions, options.regions);
 }
 
-/// On every rank, which may be on machines of their own.
+/// Checks that the folder exists, on every rank: each may be on a machine of its own.
 Expected<void> check_folder(const std::filesystem::path& out_of_core) {
   std::error_code ignored;
   if (out_of_core.empty() || std::filesystem::is_directory(out_of_core, ignored)) return {};

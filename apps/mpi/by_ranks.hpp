@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
-// What the subcommands of `mapjoin-mpi` have in common: all ranks work, the first one tells.
+// Work that the subcommands of `mapjoin-mpi` share: all ranks work, the first one tells.
 
 #include <apps/commands/command_run.hpp>
 #include <apps/commands/subcommand.hpp>
@@ -13,29 +13,29 @@ struct MpiOptions : Options {
   MpiOptions() { jobs = 1; }
   std::filesystem::path out_of_core;
   std::int64_t regions = 1;
-  std::filesystem::path stores;  ///< A folder; empty: none.
+  std::filesystem::path stores;  ///< Folder of the ranks' stores; empty: none.
 };
 
-/// What `work` returns on the first rank, on all of them; its failure, too.
+/// Runs `work` on the first rank, and returns its result, or fails as it does, on all of them.
 ExitCode told_by_first(const distributed::Communicator& comm, const std::function<ExitCode()>& work);
 
-/// Describes a log of so many dimensions that is spread over ranks.
+/// Takes a log of this dimension that is spread over ranks into the report.
 void describe(int dimension, const distributed::LogFigures& log, RunReport& run_report);
 
-/// What ranks needed, in one line; by all ranks.
+/// The number of ranks and the largest memory of one, in one line; called by all ranks.
 std::string effort_in_words(const distributed::Communicator& comm);
-/// CommandRun::conclude(), and what ranks needed where people read; by the first rank.
+/// Concludes the run, and tells people the effort of the ranks; called by the first rank.
 ExitCode conclude(CommandRun& command_run, const std::string& effort);
 
-/// A command that makes a map of the log that `read` brings in, once for each way that is tried.
+/// Runs a command that makes a map of the log that `read` returns, called once for each way that is tried.
 ExitCode make_map(const std::string& command, const MpiOptions& options,
                   const std::function<Expected<distributed::AnyMappedLog>(const distributed::Communicator&)>& read);
 
-/// In words, a log or a report in the place of a rank's store, in the folder that `option` names.
+/// Violations, in words: a log or a report in the place of a rank's store, in the folder that `option` names.
 std::vector<std::string> store_conflicts(const MpiOptions& options, const std::string& option);
 
-/// What such a command takes beside its input: --schedule, --regions, --out-of-core, --max-memory, and options of the solver
-/// and the report.
+/// Adds the options of such a command: --schedule, --regions, --out-of-core, --max-memory, and those of the solver and the
+/// report.
 void add_way_of_ranks(Subcommand& command, MpiOptions& options);
 
 void declare_mpi_run(Subcommand& command);

@@ -15,7 +15,7 @@ constexpr std::size_t kTypical = 2;
 constexpr std::size_t kFew = 20;
 constexpr double kLeastScale = 1e-12;  // a millionth of a standard deviation: below, residuals are round-off
 
-/// Those of one kind.
+/// Adds the links of one kind.
 template <int Dim, typename Factor, typename Targets>
 void add_links(std::span<const Factor> factors, const Targets& targets, const GlobalMap<Dim>& map, std::vector<Link>& links) {
   std::vector<WeighedResidual> weighed;

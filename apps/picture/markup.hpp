@@ -9,18 +9,18 @@
 
 namespace mapjoin::apps {
 
-/// With the characters that markup is made of, &, <, > and ", as entities.
+/// The text with the characters that markup is made of, &, <, > and ", as entities.
 std::string escaped(std::string text);
 
-/// A whole page; well-formed XML where its body is.
+/// A whole HTML page; well-formed XML if its body is.
 std::string html_page(const std::string& title, std::string_view style, std::string_view body);
 
-/// Okabe and Ito's, for all kinds of colour vision; without their yellow, which is too light for a line.
+/// The colours of Okabe and Ito, for all kinds of colour vision; without their yellow, which is too light for a line.
 inline constexpr std::array kDistinctColours{"#0072b2", "#d55e00", "#009e73", "#cc79a7", "#e69f00", "#56b4e9", "#000000"};
 
 std::string base64(std::string_view bytes);
 
-/// Of numbers as they lie in memory: little-endian on every machine we build for.
+/// Base64 of numbers as they lie in memory: little-endian on every machine we build for.
 template <typename T>
 std::string base64(const std::vector<T>& numbers) {
   return base64(std::string_view(reinterpret_cast<const char*>(numbers.data()), numbers.size() * sizeof(T)));

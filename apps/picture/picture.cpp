@@ -13,18 +13,18 @@
 namespace mapjoin::apps {
 namespace {
 
-constexpr double kMargin = 40.0;             // in pixels, as all here
-constexpr double kLine = 22.0;               // of scale and legend, below the drawing
+constexpr double kMargin = 40.0;             // in pixels, as all lengths here
+constexpr double kLine = 22.0;               // height of a line of the legend, below the drawing
 constexpr double kFinest = 0.4;              // a line leaves out points nearer than this to the last one drawn
-constexpr std::size_t kMostPoints = 10'000;  // of all lines of a layer, its marks, its ellipses: beyond, more is left out
-constexpr double kLetter = 7.2;              // the mean width of one
-constexpr double kSample = 24.0;             // the width of one in the legend
-constexpr std::size_t kSampleColours = 4;    // the most that a sample shows
+constexpr std::size_t kMostPoints = 10'000;  // of all lines of a layer, of its marks, of its ellipses: the rest is left out
+constexpr double kLetter = 7.2;              // the mean width of a letter
+constexpr double kSample = 24.0;             // the width of a sample in the legend
+constexpr std::size_t kSampleColours = 4;    // the most colours that a sample shows
 
-/// The rectangle that holds all that is framed, and its place on the sheet: metres to pixels, y up.
+/// The rectangle that holds all framed layers, and its place on the sheet: metres to pixels, y up.
 class Sheet {
  public:
-  /// Where nothing is framed, or all is at one place, the sheet shows one metre around it.
+  /// The sheet shows one metre if nothing is framed or all is at one place.
   Sheet(const std::vector<Layer>& layers, double pixels) {
     for (const Layer& layer : layers) {
       if (!layer.is_framed) continue;
@@ -55,7 +55,7 @@ class Sheet {
   double scale_;
 };
 
-/// Without the points that are too near to the last one left; the last one stays.
+/// The line without points that are too near to the last one kept; its end is kept.
 FlatLine thinned(const FlatLine& points, double finest) {
   FlatLine kept;
   for (std::size_t k = 0; k < points.size(); ++k) {
@@ -64,7 +64,7 @@ FlatLine thinned(const FlatLine& points, double finest) {
   return kept;
 }
 
-/// Those of a list that are drawn, of at least so many points each: of very many some are stepped over.
+/// The items of a list that are drawn, each of at least so many points: of very many some are skipped.
 template <typename T>
 std::vector<T> some_of(const std::vector<T>& all, std::size_t points = 1) {
   std::vector<T> some;
@@ -73,7 +73,7 @@ std::vector<T> some_of(const std::vector<T>& all, std::size_t points = 1) {
   return some;
 }
 
-/// In pixels, thinned until few enough points are left of all together; of very many lines some are left out, too.
+/// The lines in pixels, thinned until few enough points are left in all; of very many lines some are left out, too.
 std::vector<FlatLine> lines_on(const Sheet& sheet, const std::vector<FlatLine>& lines) {
   std::vector<FlatLine> drawn = some_of(lines, 2);
   for (FlatLine& line : drawn) {
@@ -154,7 +154,7 @@ double scale_bar_metres(const Sheet& sheet) {
   return power;
 }
 
-/// What the layer draws, in small, its middle at the height y.
+/// A small sample of what the layer draws, with its middle at the height y.
 std::string sample(const Layer& layer, double x, double y) {
   std::string svg;
   const std::size_t colours = std::min(layer.colours.size(), kSampleColours);
@@ -174,7 +174,7 @@ std::string sample(const Layer& layer, double x, double y) {
   return svg;
 }
 
-/// Characters, where the bytes of UTF-8 that go on with one do not count.
+/// The number of characters: continuation bytes of UTF-8 do not count.
 double letters(std::string_view text) {
   return static_cast<double>(
       std::count_if(text.begin(), text.end(), [](char c) { return (static_cast<unsigned char>(c) & 0xC0U) != 0x80U; }));

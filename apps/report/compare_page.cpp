@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// One self-contained page for a browser, HTML that is well-formed XML, too: text, tables and pictures, and nothing that would
-// have to be fetched.
+// A self-contained page for a browser, in HTML that is well-formed XML, too: text, tables and pictures, and nothing to be
+// fetched.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -15,14 +15,14 @@
 namespace mapjoin::apps {
 
 namespace embedded {
-extern const std::string_view compare_style;  // By cmake/embed.cmake, from compare.css.
+extern const std::string_view compare_style;  // Embedded from compare.css by cmake/embed.cmake.
 }
 
 namespace {
 
-constexpr double kPixels = 560.0;  // of the pictures: small enough for the words in them to be read on a phone
+constexpr double kPixels = 560.0;  // longer side of the pictures: small enough for the words in them to be read on a phone
 
-/// Text as text: what looks like markup in it is none.
+/// An element with escaped text.
 std::string element(const std::string& name, const std::string& text, const std::string& attributes = "") {
   return fmt::format("<{0}{1}>{2}</{0}>", name, attributes, escaped(text));
 }
@@ -30,12 +30,12 @@ std::string element(const std::string& name, const std::string& text, const std:
 std::string paragraph(const std::string& text) {
   return element("p", text) + "\n";
 }
-/// A picture that scales to the width there is.
+/// A picture with its caption, scaled to the width of the page.
 std::string figure(const std::vector<Layer>& layers, const std::string& caption) {
   return "<figure>\n" + picture(layers, kPixels) + element("figcaption", caption) + "\n</figure>\n";
 }
 
-/// Numbers to the right, good and bad rows told apart.
+/// The table in HTML: numbers to the right, good and bad rows told apart.
 std::string table_of(const ReportTable& table) {
   std::vector<std::string> attributes;
   std::string html = "<div class=\"wide\"><table>\n<thead><tr>";
@@ -66,7 +66,7 @@ std::string introduction(const ComparisonFigures& comparison) {
       comparison.cases.size(), best.polished.chi2, best.run.dof, reached, comparison.cases.size());
 }
 
-/// Cases that end in the same map, by its chi2; the best first.
+/// Groups of cases that end in the same map, by its chi2; the best first.
 std::vector<std::vector<std::size_t>> solutions_of(const std::vector<CaseFigures>& cases) {
   std::vector<std::size_t> order;
   for (std::size_t k = 0; k < cases.size(); ++k) {

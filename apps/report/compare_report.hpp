@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
-// What `mapjoin compare` found: tables for people, from the report and for CSV, and a page with pictures.
+// The results of `mapjoin compare`: tables, made from the report, for people and for CSV, and a page with pictures.
 
 #include <algorithm>
 #include <apps/report/run_report.hpp>
@@ -11,20 +11,21 @@
 
 namespace mapjoin::apps {
 
-/// The optimum with the other weights than those compared (paper's Fig. 1).
+/// The optimum with the weights that are not compared (paper's Fig. 1).
 template <int Dim>
 struct OtherWeights {
   Covariance covariance = Covariance::kIdentity;
-  std::string failure;  ///< Why there is no map, or nothing.
+  std::string failure;  ///< Reason why there is no map; empty if there is one.
   double chi2 = 0.0;
-  MapDifference from_best;  ///< From the best map of the comparison.
+  MapDifference from_best;  ///< Difference from the best map of the comparison.
   GlobalMap<Dim> map;
 };
 
-/// "best", "another minimum", either although the join did not converge, "did not converge: …", or why there is no map.
+/// The result in words: "best" or "another minimum", with a remark if only the join did not converge; "did not converge: …"; or
+/// the reason why there is no map.
 std::string result_in_words(const CaseFigures& figures);
 
-/// Cases in groups of those that are alike, by the first of each; in their order.
+/// Groups of alike cases, each case compared with the first of a group; in their order.
 template <typename AreAlike>
 std::vector<std::vector<std::size_t>> grouped(const std::vector<std::size_t>& order, const std::vector<CaseFigures>& cases,
                                               AreAlike&& are_alike) {
@@ -39,15 +40,15 @@ std::vector<std::vector<std::size_t>> grouped(const std::vector<std::size_t>& or
 
 struct NamedTable {
   std::string name;
-  std::string note;  ///< What its columns mean.
+  std::string note;  ///< Meaning of its columns.
   ReportTable table;
 };
 
-/// For people: what each case takes, then how far its map is from the best one and from the truth, where that is known.
-/// `cases` are those of the report, here and below.
+/// Tables for people: the cost of each case, then the distance of its map from the best one and, if known, from the truth.
+/// `cases` are those of the report.
 std::vector<NamedTable> tables_of(const ComparisonFigures& comparison, const Json& cases);
 
-/// All figures in one table.
+/// All figures in one table; `cases` are those of the report.
 ReportTable whole_table(const ComparisonFigures& comparison, const Json& cases);
 
 template <int Dim>

@@ -9,8 +9,8 @@
 namespace mapjoin::apps {
 namespace {
 
-constexpr double kShownAlike = 1e-4;   // for people, as a share of it
-constexpr std::size_t kForPeople = 3;  // of 1, 2, 5, 10, …: the powers of ten
+constexpr double kShownAlike = 1e-4;   // relative difference of chi2 that people are not shown
+constexpr std::size_t kForPeople = 3;  // every third of 1, 2, 5, 10, …: the powers of ten
 
 using Columns = std::vector<Column>;
 
@@ -24,7 +24,7 @@ const Columns kCost = {{"join_chi2", "chi2 of the join", 10, "/join/chi2"},
                        {"system_mb", "system (MB)", 3, "/system_bytes", 1e-6},
                        {"memory_mb", "memory (MB)", 3, "/effort/memory_bytes", 1e-6}};
 
-/// A kind of errors, as a report has it.
+/// A kind of errors, with its place in a report.
 struct Part {
   std::string name, unit, path;
 };
@@ -32,7 +32,7 @@ const Part kPoses{"poses", "m", "poses/translation"};
 const Part kTurns{"turns", "rad", "poses/rotation"};
 const Part kFeatures{"features", "m", "features"};
 
-/// Of the joined estimate or the polished one (`side`), as they stand beside the best map.
+/// Adds the distances of the joined or the polished estimate (`side`) from the best map, as they stand.
 void add_distances(const std::string& side, const std::vector<Part>& parts, Columns& columns) {
   for (const auto& [name, unit, path] : parts) {
     for (const std::string word : {"max", "rms"}) {
@@ -43,7 +43,7 @@ void add_distances(const std::string& side, const std::vector<Part>& parts, Colu
   }
 }
 
-/// Of every span, or of every third.
+/// Adds the relative errors over every span, or over one in `every`.
 void add_spans(const std::string& side, const std::vector<std::size_t>& spans, std::size_t every, Columns& columns) {
   for (std::size_t k = 0; k < spans.size(); k += every) {
     columns.push_back({fmt::format("{}_relative_{}_m", side, spans[k]), fmt::format("{} over {} (m)", side, spans[k]), 2,
@@ -59,7 +59,7 @@ void add_truth(const std::string& side, const std::vector<std::size_t>& spans, s
   }
 }
 
-/// The problem, what tells its ways apart, figures, and what came of it.
+/// An empty table: the problem, the columns that tell its ways apart, figures, and the result.
 ReportTable table_with(const Columns& ways, const Columns& figures) {
   ReportTable table{{{"formulation", "problem"}, {"steps_per_map", "steps per map"}}, {}};
   for (const Columns& part : {ways, figures, {{"result", "result"}}}) {
@@ -72,21 +72,21 @@ RowKind kind_of(const CaseFigures& figures) {
   return figures.reaches_best ? RowKind::kGood : RowKind::kBad;
 }
 
-/// One row per case.
+/// A table with one row per case.
 ReportTable table_of(const Columns& columns, const ComparisonFigures& comparison, const Json& cases) {
   ReportTable table = table_with({{"state", "state"}, {"schedule", "schedule"}}, columns);
   for (std::size_t k = 0; k < cases.size(); ++k) table.add(cases[k], kind_of(comparison.cases[k]));
   return table;
 }
 
-/// Whether two cases give the same maps, joined and polished.
+/// True if two cases give the same maps, joined and polished.
 bool are_alike(const CaseFigures& a, const CaseFigures& b) {
   const auto is_same = [](double x, double y) { return std::abs(x - y) <= kShownAlike * std::max({1.0, x, y}); };
   return a.way.poses_per_map == b.way.poses_per_map && a.failure == b.failure && a.reaches_best == b.reaches_best &&
          is_same(a.joined.chi2, b.joined.chi2) && is_same(a.polished.chi2, b.polished.chi2);
 }
 
-/// "all", "all but …", or the names of those that are alike.
+/// The alike ways in words: "all", "all but …", or their names.
 std::string ways_in_words(const std::vector<std::size_t>& alike, const std::vector<CaseFigures>& cases) {
   std::vector<std::string> ours, others;
   for (std::size_t k = 0; k < cases.size(); ++k) {
@@ -100,7 +100,7 @@ std::string ways_in_words(const std::vector<std::size_t>& alike, const std::vect
                                      : fmt::format("{}", fmt::join(ours, ", "));
 }
 
-/// One row for all cases that are alike, with the figures of the one farthest from the best map.
+/// A table with one row for all cases that are alike, with the figures of the one farthest from the best map.
 ReportTable short_table_of(const Columns& columns, const ComparisonFigures& comparison, const Json& cases) {
   ReportTable table = table_with({{"ways", "ways"}}, columns);
   const auto distance = [&](std::size_t k) { return comparison.cases[k].polished.from_best.poses.translation.max; };

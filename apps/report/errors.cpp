@@ -12,8 +12,8 @@ template <int Dim>
 struct Matched {
   std::vector<Pose<Dim>> estimate;
   std::vector<Pose<Dim>> truth;
-  std::vector<std::size_t> session_begins;          ///< Where the poses of each session begin.
-  Table<PoseIndex, std::optional<std::size_t>> at;  ///< Of the poses of the map.
+  std::vector<std::size_t> session_begins;          ///< First pose of each session.
+  Table<PoseIndex, std::optional<std::size_t>> at;  ///< Place here of each pose of the map.
 };
 
 template <int Dim>
@@ -32,7 +32,7 @@ Matched<Dim> matched(const GlobalMap<Dim>& map, const Truth<Dim>& truth) {
   return both;
 }
 
-/// Pairs a span apart, within sessions; the way is that of the estimate, as evo takes it.
+/// Pairs of poses a span apart, within sessions; the path is that of the estimate, as evo takes it.
 template <int Dim>
 PosePairs pairs_of(const Matched<Dim>& both, double span, const ErrorOptions& options) {
   PosePairs pairs;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
-// How far a map is from the truth: its absolute and relative trajectory errors, as evo defines them.
+// The errors of a map against the truth: absolute and relative trajectory errors, as evo defines them.
 
 #include <apps/console.hpp>
 #include <apps/report/json.hpp>
@@ -26,7 +26,7 @@ inline void to_json(nlohmann::ordered_json& json, const PoseErrorSummary& errors
 
 namespace apps {
 
-/// What spans are counted in.
+/// The unit of spans.
 enum class SpanUnit : std::uint8_t { kSteps, kMetres };
 constexpr auto enum_names(SpanUnit) {
   return std::to_array<EnumName<SpanUnit>>({{SpanUnit::kSteps, "steps"}, {SpanUnit::kMetres, "metres"}});
@@ -41,18 +41,18 @@ struct ErrorOptions {
 
 struct TruthErrors {
   ErrorOptions options;
-  std::size_t poses = 0;                ///< Of the map, whether the truth has them or not.
-  PoseErrorSummary absolute;            ///< Of those that it has.
-  ErrorSummary features;                ///< Moved as the poses.
-  std::vector<PoseErrorSummary> spans;  ///< By ErrorOptions::spans; within sessions.
-  PoseErrorSummary relations;           ///< Between poses that edges of the truth tie.
+  std::size_t poses = 0;                ///< Number of poses of the map, known to the truth or not.
+  PoseErrorSummary absolute;            ///< Absolute errors of those known.
+  ErrorSummary features;                ///< Errors of features, moved as the poses.
+  std::vector<PoseErrorSummary> spans;  ///< Relative errors by ErrorOptions::spans; within sessions.
+  PoseErrorSummary relations;           ///< Relative errors between poses that edges of the truth tie.
 };
 
-/// The errors of a map; of no poses and features where the truth has none of its poses.
+/// The errors of a map; all of them empty if the truth has none of its poses.
 template <int Dim>
 TruthErrors errors_of(const GlobalMap<Dim>& map, const TruthFile& truth, const ErrorOptions& options = {});
 
-/// Null where there are none.
+/// The errors as JSON; null if there are none.
 Json json_of(const std::optional<TruthErrors>& errors);
 void add_errors(const TruthErrors& errors, Lines& lines);
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
-// JSON as the command writes it: keys in their order; enums as their words; what is not there, or not finite, as null.
+// JSON as the command writes it: keys in their order; enums as their words; missing and non-finite values as null.
 
 #include <mapjoin/model/enum_names.hpp>
 #include <mapjoin/model/ids.hpp>
@@ -35,7 +35,7 @@ namespace apps {
 
 using Json = nlohmann::ordered_json;
 
-/// The object; where what it says is not known, null under each of its keys.
+/// The object if its values are known; otherwise null under each of its keys.
 inline Json if_known(bool known, Json object) {
   for (auto& value : object) {
     if (!known) value = nullptr;

@@ -47,7 +47,7 @@ Json local_maps_of(const RunReport& run_report) {
   return json;
 }
 
-/// How each local map fits into the join.
+/// The fit of each local map in the join.
 Json map_fits_of(const RunReport& run_report) {
   Json fits = Json::array();
   for (std::size_t m = 0; m < run_report.map_bases.size(); ++m) {
@@ -59,7 +59,7 @@ Json map_fits_of(const RunReport& run_report) {
   return fits;
 }
 
-/// The optimum at each weight of what is not quadratic; null where the join was not by continuation.
+/// The optimum at each weight of the non-quadratic part; null if the join was not by continuation.
 Json path_of(const std::vector<PathPoint>& points) {
   Json path;
   for (const PathPoint& point : points) {
@@ -68,7 +68,7 @@ Json path_of(const std::vector<PathPoint>& points) {
   return path;
 }
 
-/// chi2 from the start on, and after each iteration.
+/// chi2 at the start and after each iteration.
 std::vector<double> course_of(const MinimiseResult& result) {
   std::vector<double> course = {result.start_chi2};
   course.insert(course.end(), result.course.begin(), result.course.end());
@@ -126,7 +126,7 @@ Json certainty_of(const RunReport& run_report) {
             {"joint", json_of(consistency.joint)}}}};
 }
 
-/// Null without fixes.
+/// The key `gps` of the report: null without fixes.
 Json gps_of(const std::optional<GpsReport>& gps) {
   if (!gps) return nullptr;
   const GeographicPoint& origin = gps->frame.origin();

@@ -29,14 +29,14 @@ std::vector<std::size_t> lines_at(const GpsReport& gps, const PoseId& pose) {
   return lines;
 }
 
-/// How many sessions the names tell apart: of several inputs, be they in one store.
+/// The number of sessions that the names tell apart, those of several inputs, also in one store.
 std::size_t named_sessions(const PoseIds& poses) {
   std::set<std::uint32_t> sessions;
   for (const PoseId& id : poses) sessions.insert(id.session);
   return sessions.size();
 }
 
-/// How many features poses of several sessions see.
+/// The number of features that poses of several sessions see.
 template <int Dim>
 std::size_t shared_features(const Log<Dim>& log) {
   Table<FeatureIndex, std::set<std::uint32_t>> sessions(log.features.size());
@@ -145,7 +145,7 @@ std::vector<std::pair<std::string, double>> RunReport::stages() const {
 }
 
 double peak_memory_mb() {
-  // getrusage() inherits the peak of the process that started this one: what Linux keeps per program is asked first.
+  // getrusage() inherits the peak of the process that started this one, so the one that Linux keeps per program comes first.
   if (const auto bytes = largest_resident_memory()) return 1e-6 * static_cast<double>(*bytes);
   ::rusage usage{};
   ::getrusage(RUSAGE_SELF, &usage);

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
-// What one run of the command did: what report and summary are made of.
+// The record of one run of the command, from which report and summary are made.
 
 #include <apps/certainty.hpp>
 #include <apps/commands/options.hpp>
@@ -28,30 +28,30 @@ namespace mapjoin::apps {
 /// A misfit under the names of its log.
 struct NamedMisfit {
   Misfit misfit;
-  std::optional<PoseId> from;  ///< Nothing where it is the World.
+  std::optional<PoseId> from;  ///< Base pose; nullopt: the World.
   std::variant<PoseId, FeatureId> to;
-  std::vector<std::size_t> lines = {};  ///< Of a prior that is a fix: of its file, those at this pose.
+  std::vector<std::size_t> lines = {};  ///< Lines of the fixes at this pose in their file, for a prior that is a fix.
 };
 
-/// What was rejected, under the names of the input.
+/// A rejected measurement under the names of the input.
 struct NamedRejected : NamedMisfit {
   WhyRejected why = WhyRejected::kContradicted;
 };
 
-/// Where the map stands on the earth, and by what.
+/// The place of the map on the earth, and the fixes that determine it.
 struct GpsReport {
   struct Rejected {
-    std::size_t line = 0;  ///< Of the file.
+    std::size_t line = 0;  ///< Line of the file.
     PoseId pose;
     RejectedFix fix;
   };
   std::string file;
   Point<3> lever;
-  GeographicFrame frame;      ///< Of the map.
-  std::size_t fixes = 0;      ///< At or near a pose,
-  std::int64_t left_out = 0;  ///< and not.
+  GeographicFrame frame;      ///< Frame of the map.
+  std::size_t fixes = 0;      ///< Number of fixes at or near a pose.
+  std::int64_t left_out = 0;  ///< Number of fixes at no pose.
   std::vector<Rejected> rejected;
-  std::multimap<PoseId, std::size_t> lines;  ///< Of the file, those of the other fixes, by pose.
+  std::multimap<PoseId, std::size_t> lines;  ///< Lines of the fixes that were not rejected, by pose.
 };
 
 struct RunReport {
@@ -59,20 +59,20 @@ struct RunReport {
 
   RunReport(std::string command_name, const Options& given);
 
-  /// The input.
+  /// Records the input.
   template <int Dim>
   void describe(const Log<Dim>& log);
   template <int Dim>
   void describe(const SubmapSet<Dim>& set);
   template <int Dim>
   void describe(const StoredMaps<Dim>& stored);
-  /// What of the input, a log or a set of local maps, was left out.
+  /// Records what was left out of the input, a log or a set of local maps.
   template <typename Input>
   void describe(const Input& input, const std::vector<Rejected>& left_out);
-  /// Fixes that became priors of the log, and which of them are left out again.
+  /// Records the fixes that became priors of the log, and those of them that are left out again.
   template <int Dim>
   void describe(const Log<Dim>& log, const AttachedFixes& attached, const std::vector<RejectedFix>& left_out);
-  /// The result.
+  /// Records the result.
   template <int Dim>
   void describe(const RunResult<Dim>& result);
 
@@ -83,39 +83,39 @@ struct RunReport {
   Clock::time_point start = Clock::now();
   std::string command;
   std::string input;
-  bool has_several_inputs = false;  ///< Or a store of several.
+  bool has_several_inputs = false;  ///< True for several inputs, or a store of several.
   int dimension = 0;
   Conventions conventions;
   Counts counts;
   bool has_stamps = false;
-  RunOptions options;           ///< As asked for; once joined, with the schedule that found the map.
-  bool has_local_maps = false;  ///< `figures` hold how they were built, or that they were given,
-  bool was_damaged = false;     ///< What an interrupted build had left, which is begun afresh.
-  bool is_resumed = false;      ///< The iterations in `figures` are only those since a build went on.
-  bool is_joined = false;       ///< and what came of joining them.
+  RunOptions options;           ///< Options asked for; once joined, with the schedule that found the map.
+  bool has_local_maps = false;  ///< True if `figures` hold how local maps were built or how many were given.
+  bool was_damaged = false;     ///< True if the remains of an interrupted build were damaged, so that it began afresh.
+  bool is_resumed = false;      ///< True if `figures` hold only the iterations since a build went on.
+  bool is_joined = false;       ///< True if `figures` hold the result of joining.
   RunFigures figures;
-  std::optional<AssociationOptions> association;  ///< Where features were associated:
+  std::optional<AssociationOptions> association;  ///< Options of --associate, if given.
   std::vector<AssociatedSighting> associations;
   bool association_is_settled = true;
   double association_seconds = 0.0;
-  std::optional<RobustOptions> robust;  ///< Where wrong closures and observations were left out:
+  std::optional<RobustOptions> robust;  ///< Options of --robust, if given.
   std::vector<NamedRejected> rejected;
   double robust_seconds = 0.0;
-  std::optional<GpsReport> gps;            ///< Where there are fixes.
+  std::optional<GpsReport> gps;            ///< Set if there are fixes.
   std::vector<PoseId> anchored;            ///< The gauge: anchored poses.
-  std::vector<NamedMisfit> misfits;        ///< Of `figures.fit`.
-  std::vector<PoseId> map_bases;           ///< Of `figures.maps`: the poses that they start from,
-  std::vector<PoseId> map_ends;            ///< and those that they end at.
-  std::optional<Estimate> covariances;     ///< Which estimate's were asked for, if any.
-  std::optional<Deviations> deviations;    ///< Of its marginals, if any.
-  std::optional<Consistency> consistency;  ///< With the truth, where that was given.
-  std::optional<TruthErrors> errors;       ///< Likewise.
+  std::vector<NamedMisfit> misfits;        ///< Misfits of `figures.fit`.
+  std::vector<PoseId> map_bases;           ///< Poses that `figures.maps` start from.
+  std::vector<PoseId> map_ends;            ///< Poses that `figures.maps` end at.
+  std::optional<Estimate> covariances;     ///< Estimate of the covariances, if there are any.
+  std::optional<Deviations> deviations;    ///< Medians of standard deviations, if there are marginals.
+  std::optional<Consistency> consistency;  ///< Consistency with the truth, if given.
+  std::optional<TruthErrors> errors;       ///< Errors against the truth, if given.
   double read_seconds = 0.0;
   double write_seconds = 0.0;
-  std::vector<std::string> files;  ///< Written, in their order.
+  std::vector<std::string> files;  ///< Files written, in their order.
 };
 
-/// What `work` returns; its wall-clock time is added to `seconds`.
+/// The result of `work`, whose wall-clock time is added to `seconds`.
 template <typename Work>
 auto timed(double& seconds, Work&& work) {
   const Stopwatch watch(seconds);

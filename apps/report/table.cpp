@@ -26,7 +26,7 @@ std::string csv_line(const Texts& texts) {
   return fmt::format("{}\n", fmt::join(texts, ","));
 }
 
-/// A column as the lines of a terminal: those of the heading, as many as the tallest one has, then one per row.
+/// A column as lines of a terminal: those of the heading, as many as the tallest one has, then one per row.
 struct Strip {
   std::vector<std::string> lines;
   std::size_t heading_height = 0;

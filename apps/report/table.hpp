@@ -9,22 +9,22 @@
 
 namespace mapjoin::apps {
 
-/// A word, a number, or null for nothing.
+/// A word, a number, or null.
 using Cell = Json;
 
 struct Column {
-  std::string key;               ///< In CSV.
-  std::string heading;           ///< For people.
-  int digits = 4;                ///< Significant ones of a number, for people.
-  std::string path = "/" + key;  ///< Where an object has its value, as a JSON pointer.
-  double scale = 1.0;            ///< What such a value is multiplied by.
+  std::string key;               ///< Heading in CSV.
+  std::string heading;           ///< Heading for people.
+  int digits = 4;                ///< Significant digits of a number, for people.
+  std::string path = "/" + key;  ///< Place of the value in an object, as a JSON pointer.
+  double scale = 1.0;            ///< Factor for such a value.
 };
 
-/// What a row is to be told from others by, where colours can.
+/// The kind of a row, told apart by colours.
 enum class RowKind : std::uint8_t { kPlain, kGood, kBad };
 
 struct Row {
-  std::vector<Cell> cells;  ///< By column.
+  std::vector<Cell> cells;  ///< Cells by column.
   RowKind kind = RowKind::kPlain;
 };
 
@@ -32,19 +32,19 @@ struct ReportTable {
   std::vector<Column> columns;
   std::vector<Row> rows;
 
-  /// A row of what each column names in the object; null where that is not there.
+  /// Adds a row of the values that the columns name in the object; null if missing.
   Row& add(const Json& object, RowKind kind = RowKind::kPlain);
 };
 
-/// A cell for people; nothing where it is null.
+/// A cell as text for people; empty if it is null.
 std::string shown(const Cell& cell, const Column& column);
-/// Whether all cells of a column are numbers or null.
+/// True if all cells of a column are numbers or null.
 bool is_numeric(const ReportTable& table, std::size_t column);
 
-/// Lines of equal columns, two blanks apart; numbers to the right. The heading's words stand below each other.
+/// The table as aligned lines, columns two blanks apart, numbers to the right. Words of a heading stand below each other.
 std::string aligned(const ReportTable& table);
-/// One line per row below a line of keys, by RFC 4180; numbers so that they are read back as they are, nothing where they are
-/// not finite.
+/// The table as CSV (RFC 4180): a line of keys, then one per row; numbers so that they are read back as they are, empty if not
+/// finite.
 std::string csv(const ReportTable& table);
 
 }  // namespace mapjoin::apps

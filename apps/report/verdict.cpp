@@ -11,7 +11,7 @@
 namespace mapjoin::apps {
 namespace {
 
-/// In the summary; the report has more.
+/// The most misfits shown in the summary; the report has more.
 constexpr std::size_t kMostShown = 5;
 
 }  // namespace

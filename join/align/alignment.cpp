@@ -8,11 +8,11 @@
 namespace mapjoin {
 namespace {
 
-/// The least spread of points, relative to their largest coordinate and, about their main axis, to their largest spread, that
-/// fixes a rotation.
+/// The least spread of points that fixes a rotation, relative to their largest coordinate and, about their main axis, to their
+/// largest spread.
 constexpr double kLeastSpread = 1e-6;
 
-/// Whether the points spread in at least Dim - 1 directions, so that a rotation is fixed by them.
+/// True if the points spread in at least Dim - 1 directions, and so fix a rotation.
 template <int Dim>
 bool fixes_rotation(const std::vector<Point<Dim>>& points) {
   Point<Dim> mean = Point<Dim>::Zero();
@@ -28,7 +28,7 @@ bool fixes_rotation(const std::vector<Point<Dim>>& points) {
   if constexpr (Dim == 2) {
     axes.computeDirect(scatter, Eigen::EigenvaluesOnly);
   } else {
-    axes.compute(scatter, Eigen::EigenvaluesOnly);  // in space the direct way loses half the digits
+    axes.compute(scatter, Eigen::EigenvaluesOnly);  // in 3D the direct method loses half the digits
   }
   const Vector<Dim> spread = axes.eigenvalues().cwiseMax(0.0).cwiseSqrt();  // ascending: [1] is the least of Dim - 1
   return spread[Dim - 1] > kLeastSpread * scale && spread[1] > kLeastSpread * spread[Dim - 1];
@@ -51,7 +51,7 @@ void for_each_common(const Table<Index, Index>& a, const Table<Index, Index>& b,
   }
 }
 
-/// The union of two ascending lists with their values; those of `a` hold where both have one, those of `b` are moved.
+/// The union of two ascending lists with their values; those of `b` are moved, those of `a` take precedence.
 template <typename Index, typename T, typename Moved>
 void unite(const Table<Index, Index>& a, const Table<Index, T>& a_values, const Table<Index, Index>& b,
            const Table<Index, T>& b_values, const Moved& moved, Table<Index, Index>& both, Table<Index, T>& values) {

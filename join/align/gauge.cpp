@@ -6,7 +6,7 @@
 namespace mapjoin {
 namespace {
 
-/// What ties the World (first frame) to a partial map (second frame).
+/// The correspondences between the World (first frame) and a partial map (second frame).
 template <int Dim>
 Correspondences<Dim> world_correspondences(const SubmapGraph<Dim>& graph, const PartialMap<Dim>& partial) {
   Correspondences<Dim> correspondences;
@@ -29,7 +29,7 @@ Correspondences<Dim> world_correspondences(const SubmapGraph<Dim>& graph, const 
   return correspondences;
 }
 
-/// Sum of squared distances of the tied points under an alignment.
+/// The sum of squared distances between corresponding points under an alignment (m²).
 template <int Dim>
 double misfit(const Correspondences<Dim>& correspondences, const Pose<Dim>& alignment) {
   double sum = 0.0;

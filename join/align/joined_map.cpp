@@ -34,7 +34,7 @@ template <int Dim>
 Values<Dim> composed_state(const SubmapGraph<Dim>& graph, const PartialMap<Dim>& joined_map, const Pose<Dim>& origin,
                            JoinedPartialMaps<Dim> joined) {
   Values<Dim> state = joined_map.state;
-  // What partial maps have in common is where the first of them says.
+  // Poses and features that partial maps share have their values in the first one.
   for (auto partial = joined.partials.rbegin(); partial != joined.partials.rend(); ++partial) {
     place_in_world(graph, origin, *partial);
     for (const PoseIndex p : indices(partial->poses)) {

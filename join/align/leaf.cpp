@@ -17,7 +17,7 @@ Leaves<Dim>::Leaves(const SubmapGraph<Dim>& graph)
   for (std::size_t k = 0; k < graph.segments.size(); ++k) {
     const Segment& segment = graph.segments[k];
     if (segment.is_map) maps_[k] = &(map++)->map;
-    // What two segments share is of the later one.
+    // A pose shared by two segments belongs to the later one.
     segment_of_.resize(static_cast<std::size_t>(segment.begin - graph.segments.front().begin), k - 1);
     segment_of_.resize(static_cast<std::size_t>(segment.end - graph.segments.front().begin) + 1, k);
   }
@@ -43,7 +43,7 @@ std::pair<std::size_t, std::size_t> Leaves<Dim>::segments_of(const PoseFactor<Di
   const auto [low, high] = std::minmax(observation.base, observation.target);
   const std::size_t first = segment_of(low);
   std::size_t last = segment_of(high);
-  // An end pose is of the segment before, too.
+  // The end pose of a segment belongs to that segment, too.
   if (last > first && graph_.segments[last - 1].end == high) --last;
   return {first, last};
 }

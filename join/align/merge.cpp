@@ -21,7 +21,7 @@ using Closures = std::vector<const PoseFactor<Dim>*>;
 template <typename Index>
 using Holding = std::pair<Index, Vertex>;
 
-/// What partial maps hold, in order. `list` is their poses or their features.
+/// All poses or all features, by `list`, that partial maps hold, ascending.
 template <int Dim, typename Index>
 std::vector<Holding<Index>> all_held(const std::vector<PartialMap<Dim>>& partials, Table<Index, Index> PartialMap<Dim>::*list) {
   std::vector<Holding<Index>> held;
@@ -33,7 +33,7 @@ std::vector<Holding<Index>> all_held(const std::vector<PartialMap<Dim>>& partial
 }
 
 /// The graph of submaps: an edge between every partial map and each pose, feature and closure that several partial maps share.
-/// The vertices are the partial maps, then what they share.
+/// Its vertices are the partial maps, then the shared poses, features and closures.
 template <int Dim>
 class SharingGraph {
  public:
@@ -81,8 +81,8 @@ class SharingGraph {
   Graph graph_;
 };
 
-/// The alignment of `b` in the frame of `a` that gives what ties them the least chi2, the first of equals; none where nothing
-/// ties them.
+/// The alignment of `b` in the frame of `a` with the least chi2 of their shared factors, the first of equals, or without
+/// `tries_hypotheses` the first of all; nullopt if nothing determines one.
 template <int Dim>
 std::optional<Pose<Dim>> alignment_of(const PartialMap<Dim>& b, const PartialMap<Dim>& a, const Closures<Dim>& closures,
                                       bool tries_hypotheses) {
@@ -93,7 +93,7 @@ std::optional<Pose<Dim>> alignment_of(const PartialMap<Dim>& b, const PartialMap
   return cheapest_alignment<Dim>(candidates, [&](const Pose<Dim>& alignment) { return shared.chi2(alignment); });
 }
 
-/// Partial maps of one frame that share nothing, merged.
+/// The union of partial maps in one frame that share nothing.
 template <int Dim>
 PartialMap<Dim> united(std::span<PartialMap<Dim>> partials) {
   if (partials.size() == 1) return std::move(partials.front());
@@ -101,7 +101,7 @@ PartialMap<Dim> united(std::span<PartialMap<Dim>> partials) {
   return merged(united(partials.first(half)), united(partials.subspan(half)), Pose<Dim>{});
 }
 
-/// Walks along the graph of submaps from one partial map to what shares something with it.
+/// Merges partial maps along the graph of submaps, from each to those that share something with it.
 template <int Dim>
 class Merging {
  public:
@@ -139,7 +139,8 @@ class Merging {
     return grown;
   }
 
-  /// What a partial map of the one that grows from `first` shares leads to its neighbours, unless it did before.
+  /// Marks a partial map as merged into the one that grows from `first`, and adds those that share something with it to
+  /// `neighbours`.
   void take(Vertex partial, Vertex first, std::set<Vertex>& neighbours) {
     is_merged_[partial] = true;
     for (const Vertex shared : in(partial)) {
@@ -150,7 +151,7 @@ class Merging {
     }
   }
 
-  /// Neighbours that share nothing with any other: each has its place, whatever else is merged, and all are merged at once.
+  /// Merges all neighbours at once that share nothing with any other: their alignment does not depend on further merges.
   void add_leaves(PartialMap<Dim>& grown, std::set<Vertex>& neighbours) {
     std::vector<Vertex> leaves;
     std::copy_if(neighbours.begin(), neighbours.end(), std::back_inserter(leaves), [&](Vertex v) { return is_leaf(v); });
@@ -180,13 +181,13 @@ class Merging {
     return alignment_of(partials_[partial], grown, submaps_.closures(partial), tries_hypotheses_);
   }
 
-  /// What a partial map shares, or the partial maps that share something.
+  /// The shared vertices of a partial map, or the partial maps of a shared vertex.
   auto in(Vertex v) const { return boost::make_iterator_range(adjacent_vertices(v, submaps_.graph())); }
 
   std::vector<PartialMap<Dim>> partials_;
   SharingGraph<Dim> submaps_;
   std::vector<bool> is_merged_;       // per partial map
-  std::vector<Vertex> reached_from_;  // per vertex: the first partial map of what reached it last
+  std::vector<Vertex> reached_from_;  // per vertex: the first partial map of the merged one that reached it last
   bool tries_hypotheses_;
 };
 
@@ -195,7 +196,7 @@ class Merging {
 template <int Dim>
 std::vector<PartialMap<Dim>> merge_tied(std::vector<PartialMap<Dim>> partials,
                                         const std::vector<const PoseFactor<Dim>*>& closures, bool tries_hypotheses) {
-  // What too few features tied to the one that grew may by now be tied to another by more.
+  // A partial map that shared too few features with one that grew may by now share more with another.
   for (std::size_t before = partials.size() + 1; partials.size() > 2 && partials.size() < before;) {
     before = partials.size();
     partials = Merging<Dim>(std::move(partials), closures, tries_hypotheses).all();

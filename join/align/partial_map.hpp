@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
-// A partial map of the submap graph that hangs together: its poses, features and observations, and their state in a frame of
-// its own.
+// A partial map of the submap graph: its poses, features and observations, tied together, and their state in a frame of its
+// own.
 
 #include <algorithm>
 #include <mapjoin/join/submap_graph.hpp>
@@ -13,25 +13,25 @@ namespace mapjoin {
 
 template <int Dim>
 struct PartialMap {
-  Table<PoseIndex, PoseIndex> poses;           ///< Of the submap graph, ascending, by place.
-  Table<FeatureIndex, FeatureIndex> features;  ///< Of the submap graph, ascending, by place.
-  Values<Dim> state;                           ///< By place.
+  Table<PoseIndex, PoseIndex> poses;           ///< Indices in the submap graph, ascending, by place.
+  Table<FeatureIndex, FeatureIndex> features;  ///< Indices in the submap graph, ascending, by place.
+  Values<Dim> state;                           ///< Values by place, in the map's own frame.
   FactorSelection<Dim> factors;
 };
 
-/// The place of an index in a strictly ascending list, or where it would stand. Constant time where what stands before it is
-/// consecutive.
+/// The place of an index in a strictly ascending list, or the place where it would be inserted. Takes constant time if the
+/// entries before it are consecutive.
 template <typename Index>
 Index place_of(const Table<Index, Index>& ascending, Index index) {
   if (ascending.empty() || index <= ascending.front()) return 0;
   if (index > ascending.back()) return Index(ascending.size());
-  // No later than where it stands if none is missing.
+  // The last place that the index can have, without gaps before it.
   const Index latest = std::min(Index(index - ascending.front()), Index(ascending.size() - 1));
   if (ascending[latest] == index) return latest;
   return Index(std::lower_bound(ascending.begin(), ascending.begin() + latest.value, index) - ascending.begin());
 }
 
-/// The value that stands where an index does in an ascending list, or null where the list does not hold it.
+/// The value at the place of an index in an ascending list; null if the list does not hold the index.
 template <typename Index, typename T>
 const T* find_value(const Table<Index, Index>& ascending, const Table<Index, T>& values, Index index) {
   const Index place = place_of(ascending, index);
@@ -43,7 +43,7 @@ bool holds(const Table<Index, Index>& ascending, Index index) {
   return find_value(ascending, ascending, index) != nullptr;
 }
 
-/// The place of an index in what lists its poses and features ascending, and back.
+/// The place of a pose or feature in a part that lists them ascending; index_in() is the inverse.
 template <typename Part>
 PoseIndex place_in(const Part& part, PoseIndex pose) {
   return place_of(part.poses, pose);

@@ -8,7 +8,7 @@
 namespace mapjoin {
 namespace {
 
-/// Whether a partial map holds some, but not all, of a map's poses and features.
+/// True if a partial map holds some, but not all, of a map's poses and features.
 template <int Dim>
 bool cuts(const PartialMap<Dim>& partial, const LocalMap<Dim>& map) {
   auto held = std::ranges::count_if(map.poses, [&](PoseIndex p) { return holds(partial.poses, p); });
@@ -66,7 +66,7 @@ double SharedFactors<Dim>::chi2(const Pose<Dim>& alignment) const {
     chi2 += cost(*o, pose(base), pose(target));
   }
   for (const auto& [o, base, target] : feature_factors_) {
-    // In the frame that the base is given in: a point is moved with less effort than a pose.
+    // In the frame in which the base is given: moving a point is cheaper than moving a pose.
     const Point<Dim> beside_base = base.is_placed ? transform_into(alignment, point(target)) : point(target);
     chi2 += cost(*o, base.value, beside_base);
   }

@@ -1,27 +1,27 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
-// Where two partial maps meet: the observations that tell one alignment of the second in the frame of the first from another.
+// The observations that tell alignments of one partial map in the frame of another apart.
 
 #include <mapjoin/join/align/partial_map.hpp>
 #include <vector>
 
 namespace mapjoin {
 
-/// Closures between the partial maps, and the second one's observations between what only it holds and what both hold:
-/// placing it moves one end of each. At most kMost of a kind, spread evenly: more would not change the choice.
+/// Closures between two partial maps, and the second one's observations between its own and the shared poses and features: the
+/// alignment moves one end of each. At most kMost of a kind, spread evenly: more would not change the choice.
 template <int Dim>
 class SharedFactors {
  public:
   static constexpr std::size_t kMost = 1000;
 
-  /// `closures` may hold others, too. Both partial maps must outlive it.
+  /// `closures` may include others. Both partial maps must outlive this.
   SharedFactors(const PartialMap<Dim>& a, const PartialMap<Dim>& b, const std::vector<const PoseFactor<Dim>*>& closures);
 
-  /// Their chi2 with `b` placed in the frame of `a`; what both hold keeps its value in `a`.
+  /// The chi2 of the shared factors with `b` placed in the frame of `a`; poses and features of both keep their values in `a`.
   double chi2(const Pose<Dim>& alignment) const;
 
  private:
-  /// A pose or a point, in the frame of `a`, or in that of `b` and placed with it.
+  /// A pose or a point in the frame of `a` or, if placed, in that of `b`.
   template <typename T>
   struct End {
     T value;

@@ -27,7 +27,7 @@ Rotation<Dim> random_rotation(RandomStream& random) {
   if constexpr (Dim == 2) {
     return Rotation<2>(random.uniform(-std::numbers::pi, std::numbers::pi));
   } else {
-    Eigen::Vector4d direction;  // of a normal vector: uniform on the sphere of unit quaternions
+    Eigen::Vector4d direction;  // direction of a normal vector: uniform on the sphere of unit quaternions
     for (int i = 0; i < 4; ++i) direction[i] = random.normal();
     return Rotation<3>(Eigen::Quaterniond(direction.normalized()));
   }

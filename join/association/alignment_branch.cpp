@@ -9,7 +9,8 @@
 namespace mapjoin {
 namespace {
 
-/// Pairings that tell where a map lies: the one farthest from the middle of all, then the ones farthest from those.
+/// The pairings that determine where a map lies: the one farthest from the middle of all, then those farthest from the ones
+/// chosen before.
 template <int Dim>
 std::vector<FeaturePair> far_apart(const std::vector<FeaturePair>& pairs, const CovarianceColumns<Dim>& covariances) {
   const auto position = [&](const FeaturePair& p) { return covariances.position(p.other); };
@@ -123,9 +124,9 @@ void AlignmentBranch<Dim>::place(AlignedPair placed, const CovarianceColumns<Dim
   placed_.push_back(std::move(placed));
 }
 
-/// How far pairings place a map from where it is expected, as a squared Mahalanobis distance less its mean: that of their
-/// differences and, where they are enough to tell a place, less that which no place would take away. What is left does not
-/// depend on which features, each with errors of its own, a branch happens to pair.
+/// The squared Mahalanobis distance of the alignment by pairings from its prediction, less its mean: that of the differences of
+/// the pairings and, if these determine an alignment, less the part that no rigid motion removes. The result does not depend on
+/// which features, each with errors of its own, a branch happens to pair.
 template <int Dim>
 double AlignmentBranch<Dim>::excess_of(const std::vector<FeaturePair>& pairs, const CovarianceColumns<Dim>& covariances) const {
   if (pairs.empty()) return 0.0;
@@ -154,12 +155,12 @@ double AlignmentBranch<Dim>::excess_of(const std::vector<FeaturePair>& pairs, co
   return squared(S, difference) - squared(shape * S * shape.transpose(), shape * difference) - kPoseDof<Dim>;
 }
 
-/// The covariance of the difference of two features, given what is held; nothing where that says already that they are the
-/// same.
+/// The covariance of the difference of two features, given the held differences; nullopt if these imply already that the two
+/// are the same.
 template <int Dim>
 std::optional<PointMatrix<Dim>> AlignmentBranch<Dim>::covariance_left(const FeaturePair& pair, const Eigen::MatrixXd& coupling,
                                                                       const CovarianceColumns<Dim>& covariances) const {
-  constexpr double kRounding = 1e-6;  // of a variance
+  constexpr double kRounding = 1e-6;  // share of a variance
   const PointMatrix<Dim> C = covariances.between(pair.one, pair.other);
   const PointMatrix<Dim> prior =
       covariances.between(pair.one, pair.one) + covariances.between(pair.other, pair.other) - C - C.transpose();

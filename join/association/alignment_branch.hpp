@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
-// Which features of several pairs of maps are the same: one hypothesis over all of them, and what it makes of the joined map.
+// One hypothesis on which features of several pairs of maps are the same, and the joined map given that hypothesis.
 
 #include <Eigen/Core>
 #include <mapjoin/join/association/feature_estimate.hpp>
@@ -14,18 +14,18 @@
 
 namespace mapjoin {
 
-/// Columns of the covariance of a joined map (m²), of the features that are asked for.
+/// Columns of the covariance of a joined map (m²), for requested features only.
 template <int Dim>
 class CovarianceColumns {
  public:
   explicit CovarianceColumns(const FeatureEstimate<Dim>& estimate);
 
   const Point<Dim>& position(FeatureIndex feature) const { return estimate_->covariances->state().features[feature]; }
-  /// Solves for the columns of features that it does not have yet.
+  /// Solves for those columns of the features that are missing.
   void add(std::span<const FeatureIndex> features);
-  /// Forgets all others.
+  /// Drops the columns of all other features.
   void keep(const std::vector<FeatureIndex>& features);
-  /// Of any feature with one that has its columns.
+  /// The covariance of any feature (rows) with one whose columns are present (m²).
   auto between(FeatureIndex any, FeatureIndex column) const { return columns_[column].template middleRows<Dim>(offset(any)); }
 
  private:
@@ -34,40 +34,40 @@ class CovarianceColumns {
   }
 
   const FeatureEstimate<Dim>* estimate_;
-  Table<FeatureIndex, Eigen::MatrixXd> columns_;  // empty where there are none
+  Table<FeatureIndex, Eigen::MatrixXd> columns_;  // by feature; empty if not present
 };
 
-/// A pair of maps as a branch has it.
+/// A pair of maps, with the pairings by which a branch aligns them.
 struct AlignedPair {
-  std::size_t pair = 0;  ///< By its index among the pairs of maps.
+  std::size_t pair = 0;  ///< Index among the pairs of maps.
   std::vector<FeaturePair> features;
-  std::vector<Match> matches;  ///< Of each of them, given the others.
+  std::vector<Match> matches;  ///< The match of each of `features`, given the others.
 };
 
 /// The joined map, given that some features are the same.
 template <int Dim>
 class AlignmentBranch {
  public:
-  /// Pairings that tell where a map lies.
+  /// The least number of pairings that are taken to determine where a map lies.
   static constexpr std::size_t kFewest = Dim + 1;
 
   const std::vector<FeaturePair>& held() const { return held_; }
   const std::vector<AlignedPair>& placed() const { return placed_; }
-  /// The sum of squared Mahalanobis distances of where each pair of maps lies from where it was expected by those before, less
-  /// its mean, and what was charged.
+  /// The sum over placed pairs of maps of the squared Mahalanobis distance between their alignment and the one predicted by the
+  /// pairs before, less its mean, plus all charges.
   double excess() const { return excess_; }
 
-  /// L⁻¹ C of the differences of pairs, C being their covariance with what is held and L its Cholesky factor. `above` are rows
-  /// of it that are known already.
+  /// L⁻¹ C, with C the covariance of the held differences with the differences of pairs, and L the Cholesky factor of the
+  /// covariance of the held ones. `above` are the first rows of the result, if known already.
   Eigen::MatrixXd coupling(std::span<const FeaturePair> differences, const CovarianceColumns<Dim>& covariances,
                            const Eigen::MatrixXd& above) const;
-  /// What is expected of differences with such a coupling.
+  /// The change of differences with this coupling that the held ones imply.
   Eigen::VectorXd expected(const Eigen::MatrixXd& coupling) const { return -coupling.transpose() * whitened_; }
-  /// Features as they are expected, and how certain: the known ones, then the sightings; nothing is chosen yet.
+  /// The conditional means and covariance of features, the known ones first, then the sightings; choices are still empty.
   PairingProblem<Dim> problem(std::span<const FeatureIndex> known, std::span<const FeatureIndex> sightings,
                               const CovarianceColumns<Dim>& covariances) const;
 
-  /// Takes a pair of maps, and holds pairings of it that lie far apart: so many that they tell its place.
+  /// Adds an aligned pair of maps, and holds up to kFewest of its pairings, far apart, so that they determine the alignment.
   void place(AlignedPair placed, const CovarianceColumns<Dim>& covariances);
   void charge(double excess) { excess_ += excess; }
 
@@ -79,8 +79,8 @@ class AlignmentBranch {
 
   std::vector<FeaturePair> held_;
   std::vector<AlignedPair> placed_;
-  Eigen::MatrixXd factor_;    // L Lᵀ, the covariance of the differences that are held to be zero
-  Eigen::VectorXd whitened_;  // L⁻¹ differences
+  Eigen::MatrixXd factor_;    // L, with L Lᵀ the covariance of the differences that are held at zero
+  Eigen::VectorXd whitened_;  // L⁻¹ times the held differences
   double excess_ = 0.0;
 };
 

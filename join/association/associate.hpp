@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
-// Who is who: the features of logs and local maps that have no names, or none that are trusted.
+// Data association: finds which features are the same in logs and local maps without names, or with untrusted ones.
 
 #include <functional>
 #include <mapjoin/io/store/contents.hpp>
@@ -17,67 +17,66 @@
 namespace mapjoin {
 
 struct AssociationOptions {
-  double confidence = 0.99;  ///< The least probability of a pairing that is taken; in (0, 1).
+  double confidence = 0.99;  ///< The least probability of an accepted pairing; in (0, 1).
   AssociationMethod method = AssociationMethod::kJcbb;
-  /// Names are right within whatever hangs together by them; only parts that nothing ties are matched with each other.
+  /// True if names are right within each part that they tie together; only parts that nothing ties are then matched.
   bool names_hold = false;
-  std::size_t most_joins = 100;               ///< Then the search ends, settled or not.
+  std::size_t most_joins = 100;               ///< The most joins; the search then ends, settled or not.
   std::function<void(std::size_t)> progress;  ///< Called with the number of joins so far.
 
-  /// Every violation in words; empty if there is none.
+  /// Every violation in words; empty if the options are valid.
   std::vector<std::string> validate() const;
 };
 
-/// What became of a sighting.
+/// A sighting, its feature in the result, and the match between the two.
 struct AssociatedSighting {
-  PoseId base;       ///< That it was seen from: of a local map its start.
-  FeatureId name;    ///< In the input.
-  FeatureId joined;  ///< In the result.
-  std::optional<double>
-      distance;       ///< Mahalanobis, from the feature when it was taken for it; nothing where it is the first of it.
-  double gate = 0.0;  ///< What the distance may be.
-  std::size_t alternatives = 0;  ///< Other features within the gate then.
+  PoseId base;                     ///< The pose it was seen from; for a feature of a local map, the base of the map.
+  FeatureId name;                  ///< Name of the feature in the input.
+  FeatureId joined;                ///< Name of the feature in the result.
+  std::optional<double> distance;  ///< Mahalanobis distance when matched; nullopt if never matched, as a first sighting.
+  double gate = 0.0;               ///< The largest distance allowed.
+  std::size_t alternatives = 0;    ///< Number of other features within the gate when matched.
 };
 
-/// Two parts, by their first poses, that nothing ties together, and why.
+/// Two parts, by their first poses, that nothing ties together, and the alignment that was not accepted.
 struct UntiedParts {
   PoseId first;
   PoseId second;
   MapAlignment alignment;
 };
 
-/// A log or a set with features found in it, which are called 1, 2, … in the order of their first sighting.
+/// A log or a set with its associated features, which are called 1, 2, … in the order of their first sighting.
 template <typename Data>
 struct Associated {
   Data data;
-  std::vector<AssociatedSighting> sightings;  ///< Observations of a log in their order; features of maps, then observations.
-  std::size_t joins = 0;                      ///< How often the map was joined.
-  bool is_settled = false;                    ///< The last join found nothing more to be the same, and nothing to tell apart.
-  std::vector<UntiedParts> untied;            ///< Every pair of parts; empty where all hangs together.
+  std::vector<AssociatedSighting> sightings;  ///< In order: observations of a log; features of a set's maps, then observations.
+  std::size_t joins = 0;                      ///< Number of joins.
+  bool is_settled = false;                    ///< True if the last join found nothing more to merge or to tell apart.
+  std::vector<UntiedParts> untied;            ///< Every pair of parts that stay apart; empty if there is one part only.
 };
 
-/// Finds out which observations of a log are of the same feature; their names are ignored.
+/// Finds which observations of a log are of the same feature. Names are ignored unless options.names_hold.
 ///
-/// Observations are followed within short segments (track()), whose local maps are joined. By the joined map, with its
-/// covariances, maps are matched with each other (MapMatching), first neighbours, then all that probably overlap, again and
-/// again, until nothing more is found; then those that could lie on each other in several ways, all together (JointAlignment),
-/// and those that are far apart for all that is known, the surest pair at a time. What no longer fits, by leave-one-out tests,
-/// is told apart again, and tried once more in the end. Parts that no edge ties, sessions of unknown frames say, are each taken
-/// alone first, then aligned by constellations of their features (align_maps()); what cannot be aligned stays a part. Bad
-/// input: priors of features, which mean their names. kInterrupted on `stop`. The same for any number of threads.
+/// Observations are tracked within short segments (track()), whose local maps are joined. With the joined map and its
+/// covariances, maps are matched with each other (MapMatching), first neighbours, then all that probably overlap, repeatedly
+/// until nothing more is found; then maps that could lie on each other in several ways, all together (JointAlignment), and maps
+/// whose relative pose is hardly known, the surest pair at a time. Sightings that no longer fit, by leave-one-out tests, are
+/// told apart again and get one second chance in the end. Parts that no edge ties, such as sessions of unknown frames, are
+/// first associated each by itself, then aligned by constellations of their features (align_maps()); those that cannot be
+/// aligned stay apart. kBadInput if there are no poses, or priors of features, which refer to their names; other errors as of
+/// join(); kInterrupted on `stop`. The result is the same for any number of threads.
 template <int Dim>
 Expected<Associated<Log<Dim>>> associate(const Log<Dim>& log, const AssociationOptions& options,
                                          const std::stop_token& stop = {});
 
-/// The same between local maps, of which each sees a feature once.
+/// Finds which features and observations of a set are the same, as for a log; each local map sees a feature once at most.
 template <int Dim>
 Expected<Associated<SubmapSet<Dim>>> associate(const SubmapSet<Dim>& set, const AssociationOptions& options,
                                                const std::stop_token& stop = {});
 
-/// Finds out which features of different inputs are the same, as associate() does in their logs, and calls those of the local
-/// maps by what they are found to be. A map inside which a feature was marginalised that others turn out to see, too, gives way
-/// to its observations, so that the join is that of one log. Throws std::invalid_argument unless names hold: the maps were
-/// built by them. Errors as of associate().
+/// Finds which features of different inputs are the same, as associate() does in their logs, and renames the features of the
+/// local maps accordingly; the join is then that of one log. Throws std::invalid_argument unless options.names_hold, as the
+/// maps were built by names. Errors as of associate().
 template <int Dim>
 Expected<Associated<StoredMaps<Dim>>> associate(const StoredMaps<Dim>& stored, const AssociationOptions& options,
                                                 const std::stop_token& stop = {});

@@ -6,7 +6,7 @@
 namespace mapjoin {
 namespace {
 
-/// By feature of a log, what it is called in the same log under other names.
+/// The features of `renamed`, the same log under other names, by feature of `log`.
 template <int Dim>
 Table<FeatureIndex, FeatureIndex> new_names(const Log<Dim>& log, const Log<Dim>& renamed) {
   Table<FeatureIndex, FeatureIndex> names(log.features.size(), FeatureIndex(0));

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
-// Features as the robot has them around it: a Kalman filter in the frame of its present pose.
+// A Kalman filter of the features around the robot, in the frame of its present pose.
 
 #include <Eigen/Core>
 #include <mapjoin/model/factor.hpp>
@@ -15,11 +15,11 @@ class FeatureFilter {
   const std::vector<Point<Dim>>& features() const { return features_; }
   const Eigen::MatrixXd& covariance() const { return covariance_; }
 
-  /// The robot moves on along one step of odometry, in either direction of the edge.
+  /// Predicts the features in the frame of the next pose, along an edge of odometry in either direction.
   void move(const PoseFactor<Dim>& step);
-  /// Adds what was seen for the first time.
+  /// Adds a feature by its first observation.
   void add(const FeatureFactor<Dim>& observation);
-  /// Takes an observation of a feature, by its index.
+  /// Updates the features with an observation of one of them, by its index.
   void update(std::size_t feature, const FeatureFactor<Dim>& observation);
 
  private:

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
-// Sightings paired with known features, and whether the pairs are compatible together.
+// Hypotheses: jointly compatible pairings of sightings with known features.
 
 #include <Eigen/Cholesky>
 #include <Eigen/Core>
@@ -14,45 +14,46 @@
 
 namespace mapjoin {
 
-/// A sighting and the known feature that it may be of, by their indices in a PairingProblem.
+/// A sighting and the known feature matched with it, by their indices in a PairingProblem.
 struct Pairing {
   std::size_t known = 0;
   std::size_t sighting = 0;
   bool operator==(const Pairing&) const = default;
 };
 
-/// The probability that belongs to the logarithm of odds.
+/// The probability for a logarithm of odds.
 inline double probability_of(double log_odds) {
   return 1.0 / (1.0 + std::exp(-log_odds));
 }
 
-/// Which sightings are of which known features? Both are points of one frame, uncertain together. No feature is sighted twice.
+/// The problem of matching sightings with known features: points of one frame with a joint covariance. No feature is sighted
+/// twice.
 template <int Dim>
 struct PairingProblem {
   std::vector<Point<Dim>> known;
   std::vector<Point<Dim>> sightings;
-  Eigen::MatrixXd covariance;                     ///< Of all points, the known ones first (m²).
-  std::vector<std::vector<std::size_t>> choices;  ///< By sighting, the known features that it may be of.
-  std::vector<Point<Dim>> surroundings;  ///< All features of the map that the sightings are from, where they shift together.
-  double log_tests = 0.0;                ///< The logarithm of how many such problems are tried where chance may find an answer.
+  Eigen::MatrixXd covariance;                     ///< Joint covariance of all points, the known ones first (m²).
+  std::vector<std::vector<std::size_t>> choices;  ///< Known features that a sighting may be of, by sighting.
+  std::vector<Point<Dim>> surroundings;  ///< All features of the sightings' map, to find its shifts onto itself; else empty.
+  double log_tests = 0.0;                ///< Logarithm of the number of such problems tried, if chance may solve one; else 0.
 
-  /// known - sighting, which should be zero, and its covariance with that of another pairing.
+  /// known - sighting (m), which should be zero; covariance_of() is its covariance with that of another pairing (m²).
   Point<Dim> difference(const Pairing& pairing) const { return known[pairing.known] - sightings[pairing.sighting]; }
   PointMatrix<Dim> covariance_of(const Pairing& one, const Pairing& other) const;
 };
 
-/// How much a pairing adds to a hypothesis.
+/// A pairing that can be added to a hypothesis, and its gain.
 template <int Dim>
 struct Extension {
   Pairing pairing;
   double gain = 0.0;            ///< Logarithm of the odds against another feature there that is not known yet.
-  PointMatrix<Dim> covariance;  ///< Of the difference, given the pairings before it.
-  Point<Dim> whitened;          ///< The difference, given them, in its standard deviations.
-  Eigen::MatrixXd coupling;     ///< The rows of the Cholesky factor below the others.
+  PointMatrix<Dim> covariance;  ///< Covariance of the difference, given the pairings before it (m²).
+  Point<Dim> whitened;          ///< The difference, given the pairings before it, in standard deviations.
+  Eigen::MatrixXd coupling;     ///< The new rows of the Cholesky factor below the others, transposed.
   double squared_distance() const { return whitened.squaredNorm(); }
 };
 
-/// Pairings that are compatible together: the squared Mahalanobis distance of all their differences is within its gate.
+/// Pairings that are jointly compatible: the squared Mahalanobis distance of all their differences is within its gate.
 template <int Dim>
 class Hypothesis {
  public:
@@ -63,25 +64,25 @@ class Hypothesis {
   bool takes(std::size_t known) const;
   double score() const { return score_; }  ///< The sum of all gains.
   double squared_distance() const { return whitened_.squaredNorm(); }
-  /// The squared distance less its mean, were all pairings right.
+  /// The squared distance less its mean if all pairings are right.
   double excess() const { return squared_distance() - static_cast<double>(whitened_.size()); }
 
-  /// What a pairing would add; nothing where it alone or together with the others is outside of the gates.
+  /// The extension by a pairing; nullopt if its distance given the others, or that of all together, is outside of its gate.
   std::optional<Extension<Dim>> extension(const Pairing& pairing, const NeighbourDensity<Dim>& density,
                                           ChiSquaredQuantiles& gates) const;
   void extend(const Extension<Dim>& extension);
-  /// By those of the pairings, in their order, that can be added.
+  /// Extends the hypothesis by those of the pairings, in their order, that can be added.
   void extend_by(const std::vector<Pairing>& pairings, const NeighbourDensity<Dim>& density, ChiSquaredQuantiles& gates);
 
-  /// By how much the squared distance would grow, were all known features shifted.
+  /// The growth of the squared distance if all known features were shifted.
   double growth(const Point<Dim>& shift) const;
 
  private:
   const PairingProblem<Dim>* problem_;
   std::vector<std::optional<std::size_t>> known_of_;
   std::vector<Pairing> pairings_;
-  Eigen::MatrixXd factor_;    // L Lᵀ, the covariance of all differences
-  Eigen::VectorXd whitened_;  // L⁻¹ differences
+  Eigen::MatrixXd factor_;    // L, with L Lᵀ the covariance of all differences
+  Eigen::VectorXd whitened_;  // L⁻¹ times the differences
   double score_ = 0.0;
 };
 

@@ -59,7 +59,7 @@ std::vector<std::vector<std::size_t>> Identities::merge(std::span<const std::pai
   std::vector<std::vector<std::size_t>> moved(pairs.size());
   std::vector<std::size_t> labels(sightings_.size());
   for (std::size_t k = 0; k < pairs.size(); ++k) {
-    // What was merged before in this call is one feature already, under the number of its first sighting.
+    // Features merged before in this call are one already: the first sighting of either has its number.
     const FeatureIndex a = feature_of_[members_[pairs[k].first].front()];
     const FeatureIndex b = feature_of_[members_[pairs[k].second].front()];
     if (a == b || !may_be_same(a, b)) continue;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
-// Which sightings are of the same feature.
+// The association of sightings with features.
 
 #include <cstddef>
 #include <mapjoin/model/ids.hpp>
@@ -12,8 +12,9 @@ namespace mapjoin {
 
 /// A feature of a local map, or an observation of a log.
 struct Sighting {
-  std::size_t map = 0;   ///< The local map, or the segment that the observation belongs to.
-  std::size_t scan = 0;  ///< What gives different features different labels: a local map, or the pose of an observation.
+  std::size_t map = 0;   ///< The local map or the segment; for an observation of a set, its pose.
+  std::size_t scan = 0;  ///< Unit in which different labels are different features: a local map, the pose of an observation or,
+                         ///< if names hold, a part.
 };
 
 /// A partition of sightings into features, which are numbered in the order of their first sighting.
@@ -27,22 +28,22 @@ class Identities {
   std::size_t map_count() const { return in_map_.size(); }
   const Sighting& sighting(std::size_t sighting) const { return sightings_[sighting]; }
   FeatureIndex feature_of(std::size_t sighting) const { return feature_of_[sighting]; }
-  /// Ascending.
+  /// The sightings of a feature, ascending.
   std::span<const std::size_t> sightings_of(FeatureIndex feature) const { return members_[feature]; }
-  /// Ascending; none of a map that sees nothing.
+  /// The features that a map sees, ascending; empty if it sees none.
   std::span<const FeatureIndex> features_in(std::size_t map) const {
     return map < in_map_.size() ? std::span<const FeatureIndex>(in_map_[map]) : std::span<const FeatureIndex>();
   }
 
-  /// Not where something sees both at once, or where they have been told apart.
+  /// False if a scan sees both, or if they have been told apart.
   bool may_be_same(FeatureIndex one, FeatureIndex other) const;
 
-  /// Makes one feature of each pair that may still be the same when its turn comes. Returns for each pair the sightings that
-  /// have thereby become ones of a feature that was seen before.
+  /// Merges each pair that may still be the same when its turn comes. Returns for each pair the sightings that thereby move to
+  /// a feature seen before.
   std::vector<std::vector<std::size_t>> merge(std::span<const std::pair<FeatureIndex, FeatureIndex>> pairs);
-  /// Makes sightings of one feature a feature of their own, which is not the same as the rest of it from here on.
+  /// Makes sightings of one feature a feature of their own, which is not the same as the rest of the old one from here on.
   void tell_apart(std::span<const std::size_t> sightings);
-  /// Lets what was told apart be the same again. Whether there was anything.
+  /// Lets features that were told apart be the same again. True if there were any.
   bool forgive();
 
  private:
@@ -51,9 +52,9 @@ class Identities {
   std::vector<Sighting> sightings_;
   std::vector<FeatureIndex> feature_of_;
   Table<FeatureIndex, std::vector<std::size_t>> members_;
-  Table<FeatureIndex, std::vector<std::size_t>> scans_;  // of the members, ascending
+  Table<FeatureIndex, std::vector<std::size_t>> scans_;  // scans of the members, ascending
   std::vector<std::vector<FeatureIndex>> in_map_;
-  std::vector<std::vector<std::size_t>> apart_from_;  // by sighting, others, ascending
+  std::vector<std::vector<std::size_t>> apart_from_;  // by sighting, those of other features
 };
 
 }  // namespace mapjoin

@@ -7,9 +7,9 @@
 namespace mapjoin {
 namespace {
 
-/// Maps are as good as in place where a feature may be mistaken for fewer than one other.
+/// Maps count as in place if no feature may be mistaken for more others than this.
 constexpr double kInPlace = 1.0;
-/// How much farther maps are looked for, each time that nothing is found nearer, and how often.
+/// The factor by which the reach of matching grows each time that nothing is found nearer, and the reach at which it ends.
 constexpr double kFarther = 32.0;
 constexpr double kFarthest = 1e6;
 }  // namespace
@@ -50,7 +50,7 @@ template <int Dim>
 bool IdentitySearch<Dim>::undo(const std::vector<SightingTest>& misfits) {
   std::vector<std::vector<std::size_t>> apart;
   for (const SightingTest& misfit : misfits) {
-    // Numbers change with each feature that is told apart, sightings do not.
+    // The numbers of features change with each that is told apart, those of sightings do not.
     if (auto sightings = taken_with(misfit); !sightings.empty()) apart.push_back(std::move(sightings));
   }
   for (const auto& sightings : apart) {
@@ -76,7 +76,7 @@ template <int Dim>
 bool IdentitySearch<Dim>::extend(const FeatureEstimate<Dim>& estimate) {
   const MapMatching<Dim> matching(estimate, identities_, density_, options_.method, options_.confidence);
   const bool is_first = joins_ == 1;
-  if (take(matching.propose(kInPlace, is_first, stop_).probable) || is_first) return true;  // then all maps are matched
+  if (take(matching.propose(kInPlace, is_first, stop_).probable) || is_first) return true;  // the next join matches all maps
   if (options_.method == AssociationMethod::kNearest) return false;
   return align_together(estimate, matching) || take_surest(matching);
 }

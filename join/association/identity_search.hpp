@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
-// The search for what is the same, join after join.
+// The search for features that are the same, join after join.
 
 #include <functional>
 #include <mapjoin/join/association/associate.hpp>
@@ -18,40 +18,41 @@ namespace mapjoin {
 template <int Dim>
 class IdentitySearch {
  public:
-  /// The map that is joined with what is known.
+  /// Joins the map under given identities.
   using EstimateOf = std::function<Expected<FeatureEstimate<Dim>>(const Identities&)>;
 
-  /// `matches` are by sighting, how it was found to be of its feature so far.
+  /// `matches` are by sighting, with its feature so far; nullopt if not matched.
   IdentitySearch(Identities identities, std::vector<std::optional<Match>> matches, const NeighbourDensity<Dim>& density,
                  const AssociationOptions& options, EstimateOf estimate_of, const std::stop_token& stop);
 
-  /// Until nothing changes, or the options end it.
+  /// Searches until nothing changes or most_joins is reached. Errors as of EstimateOf; kInterrupted on stop.
   Expected<void> run();
 
   const Identities& identities() const { return identities_; }
-  /// By sighting, how it was last found to be of its feature.
+  /// The last match of each sighting with its feature; nullopt if it was not matched.
   const std::vector<std::optional<Match>>& matches() const { return matches_; }
   std::size_t joins() const { return joins_; }
   bool is_settled() const { return is_settled_; }
-  /// The parts that are left, where nothing ties all together: their first poses, and why each pair stays apart.
+  /// The first poses of the parts to which parts_apart() refers, which tells why each pair stays apart.
   const std::vector<PoseIndex>& first_poses() const { return first_poses_; }
   const std::vector<PartsApart>& parts_apart() const { return parts_apart_; }
   double gate() const { return gate_; }
 
  private:
   double sightings() const { return static_cast<double>(identities_.sighting_count()); }
-  /// Gives what was told apart a second chance, once: the map may have been bent when it was.
+  /// Lets features that were told apart be the same again, once: the map may have been bent when they were.
   bool forgive() { return !std::exchange(has_forgiven_, true) && identities_.forgive(); }
   bool undo(const std::vector<SightingTest>& misfits);
-  /// The sightings of a feature that a map has of it or, where names hold, the part that the map is of: none where all are.
+  /// The sightings of a feature by the misfitting map or, if names hold, by the part of that map; empty if these are all.
   std::vector<std::size_t> taken_with(const SightingTest& misfit) const;
-  /// Takes what is probable: of maps that are in place all of it, else of the pair of maps that is the surest.
+  /// Merges probable matches: all of maps that are in place; if there are none, those of maps aligned together, or of the
+  /// surest pair of maps.
   bool extend(const FeatureEstimate<Dim>& estimate);
-  /// Takes what is probable of maps that could lie on each other in several ways, all of them together.
+  /// Merges probable matches of maps that could lie on each other in several ways, all of them together.
   bool align_together(const FeatureEstimate<Dim>& estimate, const MapMatching<Dim>& matching);
-  /// Takes what is probable of the surest pair of maps that are not in place.
+  /// Merges probable matches of the surest pair of maps that are not in place.
   bool take_surest(const MapMatching<Dim>& matching);
-  /// Aligns parts that nothing ties by constellations of their features.
+  /// Aligns parts by constellations of their features. True if any features were merged.
   Expected<bool> tie_parts(const FeatureEstimate<Dim>& estimate);
   bool take(std::vector<Proposal> proposals);
 

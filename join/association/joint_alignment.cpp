@@ -12,18 +12,19 @@
 namespace mapjoin {
 namespace {
 
-/// Branches that are followed, and how much less probable than the best one they may be.
+/// The most branches that are followed, and the least odds of a branch against the best one.
 constexpr std::size_t kMostAlignmentBranches = 64;
 constexpr double kLeastOdds = 1e-6;
-/// Pairs of maps count as about as sure as the surest one where they are confusable at most so much more.
+/// Pairs of maps count as about as sure as the surest one if they are at most this many times as confusable.
 constexpr double kAsSure = 2.0;
-/// Pairs of maps that are looked at, the surest ones, that are tried, and pairings that are held.
+/// The most pairs of maps considered, the surest ones; the most that are tried; the number of held pairings that ends the
+/// search.
 constexpr std::size_t kMostPairs = 4000;
 constexpr std::size_t kMostTried = 400;
 constexpr std::size_t kMostHeld = 300;
 
-/// How many features of two maps stand among those of the other one: sightings that are nearer to a known feature than this
-/// one's neighbours are. None where that is less than half of either map's.
+/// The number of features that two maps probably share: sightings nearer to a known feature than that one's nearest neighbour.
+/// 0 if fewer than kFewest, or than half of the features of the smaller map.
 template <int Dim>
 std::size_t overlap(const std::vector<Point<Dim>>& known, const std::vector<Point<Dim>>& sightings) {
   const auto nearest = [&](const Point<Dim>& point, std::size_t but) {
@@ -89,7 +90,7 @@ typename JointAlignment<Dim>::Features JointAlignment<Dim>::features_of(const Ma
   return features;
 }
 
-/// How far two maps overlap where the difference of their features is another one.
+/// The overlap of a pair of maps if the earlier one's features move by `moved` (m).
 template <int Dim>
 std::size_t JointAlignment<Dim>::overlap_where(const MapPair<Dim>& pair, const Point<Dim>& moved) const {
   const Features features = features_of(pair);
@@ -99,7 +100,7 @@ std::size_t JointAlignment<Dim>::overlap_where(const MapPair<Dim>& pair, const P
   return overlap<Dim>(known, sightings);
 }
 
-/// Of all pairs that were not tried, how the best branch has them.
+/// All pairs of maps not tried yet, given what the best branch holds.
 template <int Dim>
 std::vector<typename JointAlignment<Dim>::Rated> JointAlignment<Dim>::rated() {
   const Branch& best = branches_.front();
@@ -120,8 +121,9 @@ std::vector<typename JointAlignment<Dim>::Rated> JointAlignment<Dim>::rated() {
   return rated;
 }
 
-/// Of the pairs that the best branch leaves the least confusable, but does leave confusable, the one that overlaps most; where
-/// there is none, but other branches are left, the most confusable of all that overlap: it tells the most of them.
+/// The pair of maps to try next: among those that the best branch leaves confusable, the one of the least confusable that
+/// overlaps most. If no pair does, but branches disagree, the most confusable of the others that overlap, which tells most
+/// about the branches; otherwise nullopt.
 template <int Dim>
 std::optional<std::size_t> JointAlignment<Dim>::next() {
   std::vector<Rated> all = rated();
@@ -156,7 +158,7 @@ PairingProblem<Dim> JointAlignment<Dim>::problem(const Branch& branch, const Fea
   return problem;
 }
 
-/// A branch with all ways in which a pair of maps may lie; the branch itself where there is none.
+/// A branch with each possible alignment of a pair of maps; if none, the branch itself, charged if the maps overlap.
 template <int Dim>
 std::vector<AlignmentBranch<Dim>> JointAlignment<Dim>::placed(const Branch& branch, std::size_t pair,
                                                               const Features& features) const {
@@ -175,12 +177,12 @@ std::vector<AlignmentBranch<Dim>> JointAlignment<Dim>::placed(const Branch& bran
   }
   if (!found.empty()) return found;
   found.push_back(branch);
-  if (overlap<Dim>(problem.known, problem.sightings) > 0) found.back().charge(gate_ - Dim);  // nothing is within the gate
+  if (overlap<Dim>(problem.known, problem.sightings) > 0) found.back().charge(gate_ - Dim);  // no alignment is within the gate
   return found;
 }
 
-/// Lays a pair of maps on each other in all branches. One that the best branch cannot place is left alone: where noise is
-/// larger than stated, what does not fit says little of which branch is right.
+/// Aligns a pair of maps in all branches. A pair that the best branch cannot align is left alone: if noise is larger than
+/// stated, a misfit says little about which branch is right.
 template <int Dim>
 void JointAlignment<Dim>::place(std::size_t pair) {
   is_tried_[pair] = true;
@@ -211,7 +213,7 @@ void JointAlignment<Dim>::prune(std::vector<Branch> branches) {
   branches_ = std::move(branches);
 }
 
-/// The share of the branches, by their probabilities, that have a pair of maps lie so.
+/// The share of the branches, weighted by their probabilities, that align a pair of maps alike: with a pairing in common.
 template <int Dim>
 double JointAlignment<Dim>::share_of(const AlignedPair& placed) const {
   double with = 0.0;
@@ -225,7 +227,7 @@ double JointAlignment<Dim>::share_of(const AlignedPair& placed) const {
   return with / all;
 }
 
-/// Whether all branches agree with the best one.
+/// True if all branches agree with the best one.
 template <int Dim>
 bool JointAlignment<Dim>::is_sure() const {
   return std::ranges::all_of(branches_.front().placed(), [&](const AlignedPair& p) { return share_of(p) >= confidence_; });

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
-// Pairs of maps that could lie on each other in several ways, as in a regular plantation, placed all together.
+// The alignment of pairs of maps that could lie on each other in several ways, as in a regular plantation, all together.
 
 #include <mapjoin/join/association/alignment_branch.hpp>
 #include <mapjoin/join/association/map_matching.hpp>
@@ -9,31 +9,31 @@
 
 namespace mapjoin {
 
-/// Places pairs of maps one after the other, the surest first, and follows every way in which they may lie as a branch
-/// (multiple hypotheses): where one pair lies tells where the next ones do, and which of them fit tells where the first one
-/// lies.
+/// Aligns pairs of maps one after the other, the surest first, and follows every possible alignment as a branch (multiple
+/// hypotheses): the alignment of one pair predicts those of the next, and how well these fit tells which alignment of the first
+/// is right.
 template <int Dim>
 class JointAlignment {
  public:
-  /// All but `pairs` must stay.
+  /// The references must outlive this.
   JointAlignment(const FeatureEstimate<Dim>& estimate, const Identities& identities, const NeighbourDensity<Dim>& density,
                  double confidence, std::vector<MapPair<Dim>> pairs);
 
-  /// The pairings that are probable, whichever branch is right.
+  /// The pairings of the best branch that are probable, whichever branch is right.
   std::vector<Proposal> propose(const std::stop_token& stop);
 
  private:
-  /// A pair of maps, and the features of either that the other one does not have.
+  /// The features of the earlier map (known) and of the later one (sightings) of a pair that the other map does not see.
   struct Features {
     std::vector<FeatureIndex> known;
     std::vector<FeatureIndex> sightings;
   };
   using Branch = AlignmentBranch<Dim>;
-  /// A pair of maps, by its index, as a branch has it.
+  /// A pair of maps, by its index, given what the best branch holds.
   struct Rated {
     std::size_t pair = 0;
-    double confusable = 0.0;  // features that one may be mistaken for
-    Point<Dim> moved;         // that the difference of their features is expected to change
+    double confusable = 0.0;  // number of other features that one may be mistaken for
+    Point<Dim> moved;         // expected change of the difference of their features (m)
   };
 
   Features features_of(const MapPair<Dim>& pair) const;
@@ -53,14 +53,14 @@ class JointAlignment {
   const Identities& identities_;
   const NeighbourDensity<Dim>& density_;
   double confidence_;
-  double per_deviation_;  // features that one may be mistaken for, by the square root of a determinant
+  double per_deviation_;  // number of features that one may be mistaken for, per √det of a covariance
   double gate_;
   std::vector<MapPair<Dim>> pairs_;
   std::vector<bool> is_tried_;  // by pair
   CovarianceColumns<Dim> covariances_;
   std::vector<Branch> branches_;   // the best first
-  std::vector<FeaturePair> held_;  // what coupling_ was computed for
-  Eigen::MatrixXd coupling_;       // of all pairs, to what the best branch holds
+  std::vector<FeaturePair> held_;  // the pairings that coupling_ was computed for
+  Eigen::MatrixXd coupling_;       // AlignmentBranch::coupling() of all pairs of maps with held_
 };
 
 }  // namespace mapjoin

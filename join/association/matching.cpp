@@ -8,14 +8,14 @@
 namespace mapjoin {
 namespace {
 
-/// Branches that are followed from sighting to sighting.
+/// The most branches followed from sighting to sighting.
 constexpr std::size_t kMostBranches = 40;
-/// Placements that are compared.
+/// The most placements compared.
 constexpr std::size_t kMostPlacements = 8;
-/// Points count as the same under a shift within this quantile of their distance.
+/// Points count as coincident under a shift if they are within this quantile of their distance.
 constexpr double kSamePoint = 0.99;
 
-/// How many of the points fall onto one of them when all are shifted.
+/// The number of points that fall onto one of them when all are shifted.
 template <int Dim>
 std::size_t coincident(const std::vector<Point<Dim>>& points, const Point<Dim>& shift, double tolerance2) {
   return static_cast<std::size_t>(std::ranges::count_if(points, [&](const Point<Dim>& p) {
@@ -31,8 +31,8 @@ Matcher<Dim>::Matcher(const NeighbourDensity<Dim>& density, AssociationMethod me
       method_(method),
       gates_(method == AssociationMethod::kNearest ? confidence : 1.0 - (1.0 - confidence) / std::max(1.0, decisions)) {}
 
-/// Takes choices that are outside of the gates by themselves out of the problem. The sightings that are left with any: those of
-/// the fewest and most certain first.
+/// Removes choices that are outside of the gates by themselves from the problem. Returns the sightings left with any, those
+/// with the fewest and most certain ones first.
 template <int Dim>
 std::vector<std::size_t> Matcher<Dim>::gated(PairingProblem<Dim>& problem) {
   std::vector<std::pair<std::size_t, double>> rank(problem.sightings.size());
@@ -51,7 +51,7 @@ std::vector<std::size_t> Matcher<Dim>::gated(PairingProblem<Dim>& problem) {
   return order;
 }
 
-/// Mahalanobis, of a pairing that is within the gates by itself.
+/// The squared Mahalanobis distance of a pairing, which must be within the gates by itself.
 template <int Dim>
 double Matcher<Dim>::squared_distance(const PairingProblem<Dim>& problem, const Pairing& pairing) {
   return Hypothesis<Dim>(problem).extension(pairing, density_, gates_)->squared_distance();
@@ -88,8 +88,8 @@ Hypothesis<Dim> Matcher<Dim>::best(const PairingProblem<Dim>& problem, const std
   return std::move(branches.front());
 }
 
-/// The best hypothesis, then the best ones that share no pairing with those before them and explain half as much as the first,
-/// with what they leave of it.
+/// The best hypothesis, then the best ones that share no pairing with those before them and have at least half as many pairings
+/// as the first, each extended by the pairings of the first that are compatible with it.
 template <int Dim>
 std::vector<Hypothesis<Dim>> Matcher<Dim>::placements(const PairingProblem<Dim>& problem,
                                                       const std::vector<std::size_t>& order) {
@@ -139,7 +139,7 @@ Hypothesis<Dim> Matcher<Dim>::without(const PairingProblem<Dim>& problem, const 
   return others;
 }
 
-/// The odds of all shifts together under which half of the surroundings fall onto themselves, beside none.
+/// The summed odds, against no shift, of all shifts under which at least half of the surroundings fall onto themselves.
 template <int Dim>
 double Matcher<Dim>::odds_of_shifts(const PairingProblem<Dim>& problem, const Hypothesis<Dim>& best, double tolerance2) const {
   const auto& points = problem.surroundings;
@@ -165,7 +165,7 @@ void Matcher<Dim>::match_jointly(const PairingProblem<Dim>& problem, const std::
   if (found.empty()) return;
   const Hypothesis<Dim>& best = found.front();
   std::vector<std::optional<Extension<Dim>>> given_others;
-  double spread = 0.0;  // of a pairing given the others
+  double spread = 0.0;  // largest variance of a pairing along an axis, given the others (m²)
   for (const Pairing& pairing : best.pairings()) {
     given_others.push_back(without(problem, best, pairing).extension(pairing, density_, gates_));
     if (given_others.back()) spread = std::max(spread, given_others.back()->covariance.trace() / Dim);

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
-// How densely features lie, learnt from what is seen at once.
+// The density of features around a feature, learnt from points seen at once.
 
 #include <mapjoin/geometry/pose.hpp>
 #include <span>
@@ -17,13 +17,13 @@ class NeighbourDensity {
   /// Each set holds points of different features, in any frame (m).
   explicit NeighbourDensity(std::span<const std::vector<Point<Dim>>> sets);
 
-  /// The logarithm of the density (1/m in the power of Dim) of other features within a distance of a feature. Where hardly any
-  /// were seen it is as if there were one more pair, and never more than the density over whole sets.
+  /// The logarithm of the density (1/m to the power of Dim) of other features within a distance (m) of a feature. One pair more
+  /// is counted than was seen; the density is at most overall().
   double log_within(double distance) const;
   double overall() const { return overall_; }
 
  private:
-  std::vector<double> distances_;  // of pairs, ascending
+  std::vector<double> distances_;  // between all pairs of points of a set, ascending (m)
   double points_ = 0.0;
   double overall_ = 0.0;  // density over whole sets
 };

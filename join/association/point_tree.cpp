@@ -7,7 +7,7 @@
 namespace mapjoin {
 namespace {
 
-/// A set of results for nanoflann that is full once it has `most` points.
+/// A set of results for nanoflann that ends the search once it has `most` points.
 struct Some {
   double squared_distance;
   std::size_t most;

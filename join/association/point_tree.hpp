@@ -19,9 +19,9 @@ class PointTree {
 
   /// The places of all points within a distance, ascending.
   std::vector<std::size_t> within(const Point<Dim>& centre, double distance) const;
-  /// So many of them as they are found; `most` of them, where there are as many.
+  /// The places of some points within a distance, as they are found; at most `most`.
   std::vector<std::size_t> some_within(const Point<Dim>& centre, double distance, std::size_t most) const;
-  /// The places of the nearest points, the nearest first; all where there are fewer.
+  /// The places of the nearest points, the nearest first; all if there are fewer than `count`.
   std::vector<std::size_t> nearest(const Point<Dim>& centre, std::size_t count) const;
 
  private:

@@ -8,7 +8,7 @@
 namespace mapjoin {
 namespace {
 
-/// Tests below which their median tells nothing of the covariances.
+/// The fewest tests whose median tells anything about the covariances.
 constexpr std::size_t kFewestTests = 20;
 
 }  // namespace

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
-// Do sightings fit the features that they were given?
+// Leave-one-out tests of how well sightings fit the features that they were given.
 
 #include <mapjoin/join/association/feature_estimate.hpp>
 #include <mapjoin/join/association/identities.hpp>
@@ -8,18 +8,19 @@
 
 namespace mapjoin {
 
-/// What a map says of a feature that other maps see, too, against what all others say.
+/// The test of a map's measurement of a feature, which other maps see, too, against everything else.
 struct SightingTest {
   std::size_t map = 0;
   FeatureIndex feature;
   double chi2 = 0.0;  ///< Squared Mahalanobis distance, chi-square with as many degrees of freedom as dimensions.
 };
 
-/// Leave-one-out tests of the features of local maps, in the order of the maps.
+/// Leave-one-out tests of the features that several local maps see, in the order of the maps.
 template <int Dim>
 std::vector<SightingTest> tests_of(const FeatureEstimate<Dim>& estimate, const Identities& identities);
 
-/// By how much covariances are too sure: the median of the tests over what it should be, at least 1, and 1 where there are few.
+/// The factor by which covariances are too small: the median of the tests over its expectation, at least 1; 1 if there are few
+/// tests.
 double overconfidence_of(const std::vector<SightingTest>& tests, int dimensions);
 
 /// The worst test of each feature that has one beyond the gate.

@@ -60,7 +60,7 @@ class Tracker {
   Matcher<Dim>& matcher_;
   double confidence_;
   FeatureFilter<Dim> filter_;
-  std::vector<std::size_t> features_;  // the numbers of those in the filter
+  std::vector<std::size_t> features_;  // numbers of the features in the filter
   std::vector<Tracked> tracked_;
   std::size_t next_ = 0;
 };
@@ -73,7 +73,7 @@ std::vector<Tracked> track(const SegmentView<Dim>& segment, Matcher<Dim>& matche
   auto step = segment.odometry.begin();
   auto first = segment.observations.begin();
   for (PoseIndex pose = segment.begin; pose <= segment.end; ++pose) {
-    // Of repeated edges the first one counts.
+    // Only the first of repeated edges counts.
     for (bool has_moved = false; step != segment.odometry.end() && later_pose(*step) == pose; ++step) {
       if (!std::exchange(has_moved, true)) tracker.move(*step);
     }

@@ -7,7 +7,7 @@
 namespace mapjoin {
 namespace {
 
-/// What takes the frame of the truth into that of the map; nothing where the truth lacks the pose that would tell.
+/// The transformation from the frame of the truth to that of the map; nullopt if the truth lacks the anchored pose.
 template <int Dim>
 std::optional<Pose<Dim>> frame_of(const MapCovariances<Dim>& covariances, const Truth<Dim>& truth) {
   if (covariances.anchored().size() != 1) return Pose<Dim>{};

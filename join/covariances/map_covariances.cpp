@@ -117,7 +117,7 @@ Expected<Eigen::MatrixXd> MapCovariances<Dim>::joint(std::span<const PoseOrFeatu
                                  std::visit([](auto of) { return of.value; }, *missing)));
   }
   std::vector<Variable> free;
-  std::vector<Eigen::Index> places;  // of their entries in the covariance
+  std::vector<Eigen::Index> places;  // entries of the free variables in the covariance
   Eigen::Index size = 0;
   for (const PoseOrFeature& asked : variables) {
     const Variable v = std::visit([&](auto of) { return variable(of); }, asked);
@@ -154,7 +154,7 @@ Expected<PointMatrix<Dim>> MapCovariances<Dim>::relative_feature(PoseIndex base,
 template <int Dim>
 PoseMatrix<Dim> MapCovariances<Dim>::relative_pose(PoseIndex base, PoseIndex target,
                                                    const Matrix<2 * kPoseDof<Dim>>& of_both) const {
-  if (base == target) return PoseMatrix<Dim>::Zero();  // but for rounding
+  if (base == target) return PoseMatrix<Dim>::Zero();  // exactly, without the rounding of the product
   const auto J = J_relation(state_.pose(base), state_.pose(target));
   return symmetric(J * of_both * J.transpose());
 }

@@ -2,9 +2,9 @@
 #pragma once
 // A map in relative form (paper's (22), (33)): every pose and feature in the frame of its parent.
 //
-// The parents are those of the spanning tree of the whole map: of a log, a pose's parent is the pose before it, a feature's the
-// pose that observed it first; of local maps, the start of the map that holds them. Relations can be far more certain than
-// positions: errors add up along the tree.
+// Parents are those of the spanning tree of the whole map: in a log, the parent of a pose is the pose before it and that of a
+// feature the pose that observed it first; with local maps it is the start of the map that holds the child. Relations can be
+// far more certain than positions, as errors add up along the tree.
 
 #include <mapjoin/join/restored.hpp>
 #include <mapjoin/model/values.hpp>
@@ -17,7 +17,7 @@ template <int Dim>
 struct PoseRelation {
   PoseIndex parent = kWorld;  ///< A pose, or the World.
   Pose<Dim> value;
-  PoseMatrix<Dim> covariance = PoseMatrix<Dim>::Zero();  ///< Zero where the pose is anchored.
+  PoseMatrix<Dim> covariance = PoseMatrix<Dim>::Zero();  ///< Zero if the pose is anchored.
 };
 
 /// A feature in the frame of its parent (m).
@@ -28,7 +28,7 @@ struct FeatureRelation {
   PointMatrix<Dim> covariance = PointMatrix<Dim>::Zero();
 };
 
-/// By the indices of poses and features.
+/// The relations of a map, by the indices of poses and features.
 template <int Dim>
 struct Relations {
   Table<PoseIndex, PoseRelation<Dim>> poses;
@@ -40,7 +40,7 @@ struct Relations {
 template <int Dim>
 Relations<Dim> relations_of(const Restored<Dim>& restored);
 
-/// The map that the relations compose to.
+/// The map composed from its relations.
 template <int Dim>
 Values<Dim> composed(const Relations<Dim>& relations);
 

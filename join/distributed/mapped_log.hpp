@@ -9,44 +9,45 @@
 
 namespace mapjoin::distributed {
 
-/// What there is of a log, on all ranks together.
+/// Figures of a log over all ranks.
 struct LogFigures {
   Conventions conventions;
   Counts counts;
-  bool is_resumed = false;   ///< Some of the local maps were in stores before.
-  bool was_damaged = false;  ///< A store that was not finished was damaged, and is begun afresh.
+  bool is_resumed = false;   ///< True if some of the local maps were in stores before.
+  bool was_damaged = false;  ///< True if an unfinished store was damaged, and is begun afresh.
 };
 
 template <int Dim>
 struct MappedLog {
-  LogPart<Dim> whole;  ///< Whose factors are in the shares.
+  LogPart<Dim> whole;  ///< The log; its factors are in the shares.
   LogShare<Dim> share;
   ShareMaps<Dim> maps;
   LogFigures log;
-  RunFigures figures;  ///< Of the maps of all ranks.
+  RunFigures figures;  ///< Figures of the maps of all ranks.
 };
 using AnyMappedLog = std::variant<MappedLog<2>, MappedLog<3>>;
 
-/// With the figures of what all ranks hold.
+/// The mapped log with the figures of all ranks.
 template <int Dim>
 MappedLog<Dim> mapped_log(const Communicator& comm, LogPart<Dim> whole, LogShare<Dim> share, ShareMaps<Dim> maps);
 
-/// What is made of a log, by all ranks alike.
+/// The reading and mapping of a log, the same on all ranks.
 struct LogTask {
   std::filesystem::path log;
   ReadOptions read;
   Covariance covariance = Covariance::kOriginal;
-  RunOptions run;                ///< How local maps are built.
-  std::filesystem::path stores;  ///< A folder for the stores of the ranks, from which a call that was killed goes on; or empty.
+  RunOptions run;                ///< Options for building local maps.
+  std::filesystem::path stores;  ///< Folder for the stores of the ranks, from which a killed call resumes; empty: none.
 };
 
-/// Bad input, the same on all ranks, as of mapjoin::run().
+/// Reads a log and builds its local maps. Errors are the same on all ranks: kBadInput as of mapjoin::run(), and those of
+/// check_worth_it(), prepare_stores() and stored_maps().
 Expected<AnyMappedLog> mapped_log(const Communicator& comm, const LogTask& task);
 
-/// Out of stores that all ranks can read: the portions of a log, all of them, or stores of one whole log, of which the first
-/// that has a map counts. Each rank reads some of the factors, and the maps of its share, which ends where segments meet. Bad
-/// input, the same on all ranks, as of open_several_maps(); kUsage where stores are of several logs, or have too few segments
-/// for the ranks.
+/// The log and its local maps from stores that all ranks can read: all portions of a log, or stores of one whole log, of which
+/// the first that has a map counts. Each rank reads some of the factors and the maps of its share, which ends where segments
+/// meet. Errors are the same on all ranks: kBadInput as of open_several_maps(); kUsage if the stores are of several logs, have
+/// local maps alone, or have too few segments for the ranks.
 Expected<AnyMappedLog> stored_log(const Communicator& comm, const std::vector<std::filesystem::path>& paths);
 
 }  // namespace mapjoin::distributed

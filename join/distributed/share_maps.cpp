@@ -9,7 +9,7 @@
 namespace mapjoin::distributed {
 namespace {
 
-/// The map by the indices of the share; bad input where it has other features.
+/// The map by the indices of the share; kBadInput if it has a feature that is not in the share.
 template <int Dim>
 Expected<LocalMap<Dim>> in_share(LocalMap<Dim> map, const LogShare<Dim>& share) {
   const auto is_in_share = [&](FeatureIndex feature) { return holds(share.features, feature); };

@@ -20,11 +20,11 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// What the store of a rank holds beside its maps.
+/// The contents of a rank's store besides its maps.
 template <int Dim>
 struct Portioned {
   Log<Dim> log;  ///< All poses and features, by the indices of all names, and the factors of this rank.
-  Split split;   ///< The segments of all ranks, of which those of this one's maps are maps.
+  Split split;   ///< The segments of all ranks; only those of this rank may be maps.
   std::string options{};
   Portion portion{};
 };
@@ -46,8 +46,8 @@ Log<Dim> portion_of(const LogPart<Dim>& whole, const LogShare<Dim>& share) {
   return log;
 }
 
-/// The segments of all shares in their order. A pose where two shares meet is a segment of its own in neither where it is of
-/// one in the other.
+/// The segments of all shares in their order. A single pose where two shares meet is no segment if the other share has a
+/// segment there.
 template <int Dim>
 std::vector<Segment> segments_of_all(const Communicator& comm, const LogShare<Dim>& share, std::vector<Segment> mine) {
   for (Segment& segment : mine) {
@@ -67,11 +67,11 @@ std::vector<Segment> segments_of_all(const Communicator& comm, const LogShare<Di
   return segments;
 }
 
-/// The checksum of records as a store holds them, some at a time.
+/// The checksum of records as a store holds them, computed in pieces.
 template <typename List>
 std::uint64_t checksum(const List& records) {
   constexpr std::size_t kAtOnce = 4096;
-  boost::crc_optimal<64, 0x42F0E1EBA9EA3693> crc;  // of ECMA-182
+  boost::crc_optimal<64, 0x42F0E1EBA9EA3693> crc;  // polynomial of ECMA-182
   for (std::size_t k = 0; k < records.size(); k += kAtOnce) {
     const std::string bytes = store::encode_all(std::span(records).subspan(k, std::min(kAtOnce, records.size() - k)));
     crc.process_bytes(bytes.data(), bytes.size());
@@ -79,7 +79,8 @@ std::uint64_t checksum(const List& records) {
   return crc.checksum();
 }
 
-/// A fingerprint of what all ranks have: maps keep the poses that other portions mention, so that none is of another log.
+/// A fingerprint of the factors of all ranks: maps keep the poses that other portions mention, so that none may be of another
+/// log.
 template <int Dim>
 std::uint64_t fingerprint(const Communicator& comm, const Log<Dim>& log) {
   return checksum(comm.gather(std::vector{checksum(log.graph.pose_factors), checksum(log.graph.feature_factors)}));
@@ -96,7 +97,7 @@ Portioned<Dim> portioned(const Communicator& comm, const LogPart<Dim>& whole, co
   return portioned;
 }
 
-/// The finished store at `path`, where it holds this.
+/// The finished store at `path`; nullopt if it does not hold these contents.
 template <int Dim>
 std::optional<StorePieces> finished_store(const fs::path& path, const Portioned<Dim>& of) {
   auto pieces = StorePieces::open(path);
@@ -105,7 +106,7 @@ std::optional<StorePieces> finished_store(const fs::path& path, const Portioned<
   return is_this && *is_this ? std::optional(*std::move(pieces)) : std::nullopt;
 }
 
-/// Builds what is missing of the store.
+/// Builds the maps that a store lacks, and finishes it.
 template <int Dim>
 Expected<StorePieces> build_store(const fs::path& path, const Portioned<Dim>& of, const MinimiseOptions& solver,
                                   ShareMaps<Dim>& maps) {
@@ -119,13 +120,13 @@ Expected<StorePieces> build_store(const fs::path& path, const Portioned<Dim>& of
   return store->finish().and_then([&] { return StorePieces::open(path); });
 }
 
-/// Takes the maps of a share out of its store.
+/// Takes the maps of a share from its store.
 template <int Dim>
 Expected<void> take_maps(StorePieces& store, const Portioned<Dim>& of, const LogShare<Dim>& share, ShareMaps<Dim>& into) {
   return store.maps(of.log, of.split.segments).and_then([&](auto maps) { return take_maps(share, std::move(maps), into); });
 }
 
-/// The number of ranks in the name of a store.
+/// The number of ranks in the name of a store; nullopt for other names.
 std::optional<int> ranks_of(const std::string& name) {
   static const std::regex store("[0-9]+-of-([0-9]{1,9})\\.maps");
   std::smatch match;

@@ -11,17 +11,17 @@
 namespace mapjoin::distributed {
 namespace {
 
-/// A share whose local maps are joined, each part that hangs together in a frame of its own.
+/// A share whose local maps are joined, each connected part in a frame of its own.
 template <int Dim>
 struct JoinedShare {
-  Values<Dim> values;                             ///< Of all poses and features of the share.
-  Table<PoseIndex, std::size_t> part;             ///< In which part a pose is,
-  Table<FeatureIndex, std::size_t> feature_part;  ///< and a feature.
+  Values<Dim> values;                             ///< Estimates of all poses and features of the share.
+  Table<PoseIndex, std::size_t> part;             ///< The part of each pose.
+  Table<FeatureIndex, std::size_t> feature_part;  ///< The part of each feature.
   std::size_t parts = 0;
   std::vector<const PoseFactor<Dim>*> pending;  ///< Closures between parts.
 };
 
-/// What a map eliminated is of the part of its base.
+/// Assigns the poses and features that a map eliminated to the part of its base.
 template <int Dim>
 void note_interiors(const SubmapGraph<Dim>& graph, JoinedShare<Dim>& joined) {
   for (const Segment& segment : graph.segments) {
@@ -34,7 +34,7 @@ void note_interiors(const SubmapGraph<Dim>& graph, JoinedShare<Dim>& joined) {
   }
 }
 
-/// The partial maps of a share, with what was eliminated recovered.
+/// The joined share of partial maps, with what was eliminated recovered.
 template <int Dim>
 JoinedShare<Dim> recovered(const Log<Dim>& log, const Split& split, const SubmapGraph<Dim>& graph,
                            const JoinedPartialMaps<Dim>& partials, const MinimiseOptions& solver) {
@@ -45,7 +45,7 @@ JoinedShare<Dim> recovered(const Log<Dim>& log, const Split& split, const Submap
   joined.feature_part.resize(log.features.size(), 0);
   joined.parts = partials.partials.size();
   joined.pending = partials.pending;
-  for (std::size_t k = joined.parts; k-- > 0;) {  // what parts have in common is where the first of them says
+  for (std::size_t k = joined.parts; k-- > 0;) {  // the first part decides the values that parts have in common
     const PartialMap<Dim>& partial = partials.partials[k];
     write_values(partial.state, partial.poses, partial.features, joined.values);
     for (const PoseIndex p : partial.poses) joined.part[p] = k;
@@ -65,7 +65,7 @@ JoinedShare<Dim> joined_share(const LogShare<Dim>& share, ShareMaps<Dim> built, 
   return recovered(share.log, built.split, graph, partials, options.solver);
 }
 
-/// What the outlines of all shares are aligned by.
+/// The factors by which the outlines of all shares are aligned.
 template <int Dim>
 GlobalFactors<Dim> global_factors(const Communicator& comm, const LogPart<Dim>& whole, const LogShare<Dim>& share,
                                   const JoinedShare<Dim>& joined) {
@@ -80,7 +80,7 @@ GlobalFactors<Dim> global_factors(const Communicator& comm, const LogPart<Dim>& 
   return {comm.gather(evenly_chosen(closures, kMost)), comm.gather(evenly_chosen(priors, kMost)), whole.graph.fixed};
 }
 
-/// The pose of a part that no other part has, by its place in the share; any where there is none.
+/// A pose of a part that no other part has, by its place in the share; any of its poses if there is none.
 template <int Dim>
 PoseIndex anchor_of(const LogShare<Dim>& share, const JoinedShare<Dim>& joined, std::size_t part) {
   std::optional<PoseIndex> any;
@@ -92,7 +92,7 @@ PoseIndex anchor_of(const LogShare<Dim>& share, const JoinedShare<Dim>& joined, 
   return any.value();
 }
 
-/// The observations of a part by which others may see its features, by the indices of the share.
+/// The observations of a part whose features other shares may have, too, by the indices of the share.
 template <int Dim>
 std::vector<FeatureFactor<Dim>> shared_observations(const LogShare<Dim>& share, const JoinedShare<Dim>& joined,
                                                     std::size_t part) {
@@ -105,7 +105,7 @@ std::vector<FeatureFactor<Dim>> shared_observations(const LogShare<Dim>& share, 
   return evenly_chosen(shared, SharedFactors<Dim>::kMost);
 }
 
-/// The poses of a part that its outline has, by their indices among all names and in the share: those that these observations
+/// The poses of the outline of a part, by their indices among all names and in the share, ascending: those that `observations`
 /// and the factors of all refer to, those where shares meet, and the anchor.
 template <int Dim>
 std::vector<std::pair<PoseIndex, PoseIndex>> outline_poses(const LogShare<Dim>& share, const JoinedShare<Dim>& joined,

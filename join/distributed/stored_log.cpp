@@ -17,15 +17,15 @@ using Paths = std::vector<std::filesystem::path>;
 template <int Dim>
 struct Stores {
   std::vector<StorePieces> pieces;
-  StoredMaps<Dim> outline;           ///< Of the first; a segment is a map where any store has one.
-  std::vector<std::size_t> holders;  ///< By segment: the store that has its map.
+  StoredMaps<Dim> outline;           ///< Outline of the first store; a segment is a map if any store has one.
+  std::vector<std::size_t> holders;  ///< The store that has its map, by segment.
 };
 
 tl::unexpected<Error> usage(const std::string& sentence) {
   return tl::unexpected(Error{ErrorKind::kUsage, sentence});
 }
 
-/// Every store is checked by one of the ranks.
+/// Opens all stores; each is checked by one of the ranks.
 Expected<std::vector<StorePieces>> opened(const Communicator& comm, const Paths& paths) {
   std::vector<StorePieces> pieces;
   for (std::size_t k = 0; k < paths.size(); ++k) {
@@ -38,7 +38,7 @@ Expected<std::vector<StorePieces>> opened(const Communicator& comm, const Paths&
   return pieces;
 }
 
-/// All dimensions are alike.
+/// The dimension of all stores; kBadInput if they differ.
 Expected<int> dimension_of(std::vector<StorePieces>& pieces, const Paths& paths) {
   const auto first = pieces.front().dimension();
   for (std::size_t k = 1; first && k < pieces.size(); ++k) {
@@ -50,7 +50,7 @@ Expected<int> dimension_of(std::vector<StorePieces>& pieces, const Paths& paths)
   return first;
 }
 
-/// Adds which maps another store of the same log has.
+/// Adds the maps that another store of the same log has.
 template <int Dim>
 Expected<void> add_segments(Stores<Dim>& stores, const StoredMaps<Dim>& other, std::size_t k) {
   auto& segments = stores.outline.segments;
@@ -63,7 +63,7 @@ Expected<void> add_segments(Stores<Dim>& stores, const StoredMaps<Dim>& other, s
   return {};
 }
 
-/// What the stores say of one log. That it is one in each, a rank looks at some.
+/// The stores of one log. Each rank checks for some of them that they have the same log.
 template <int Dim>
 Expected<Stores<Dim>> one_log(const Communicator& comm, std::vector<StorePieces> pieces, const Paths& paths) {
   auto outline = pieces.front().outline<Dim>();
@@ -122,7 +122,7 @@ Expected<FactorGraph<Dim>> some_factors(const Communicator& comm, Stores<Dim>& s
   return graph;
 }
 
-/// Bad input where the factors of a stranger's store make no sense.
+/// Checks the factors of an untrusted store: kBadInput if they are inconsistent.
 template <int Dim>
 Expected<void> check_factors(const Log<Dim>& names, const FactorGraph<Dim>& graph) {
   if (graph.pose_factors.empty() && graph.feature_factors.empty()) return {};
@@ -160,14 +160,14 @@ Expected<std::vector<PoseIndex>> begins_of(const std::vector<Segment>& segments,
   return begins;
 }
 
-/// The maps of a share, out of the stores that have them.
+/// The maps of a share, from the stores that have them.
 template <int Dim>
 Expected<ShareMaps<Dim>> read_maps(Stores<Dim>& stores, const LogShare<Dim>& share) {
   const auto& segments = stores.outline.segments;
   const auto is_mine = [&](const Segment& s) { return share.poses.front() <= s.begin && s.end <= share.poses.back(); };
   std::vector<Segment> mine;
   std::vector<std::optional<LocalMap<Dim>>> maps;
-  std::vector<std::size_t> places(segments.size());  // of the maps, by segment
+  std::vector<std::size_t> places(segments.size());  // places of their maps in `maps`
   for (std::size_t s = 0; s < segments.size(); ++s) {
     if (!is_mine(segments[s])) continue;
     const std::int32_t first = share.poses.front().value;

@@ -11,16 +11,16 @@
 namespace mapjoin {
 namespace {
 
-/// The probability that a map that fits is called a misfit: by chi2 as a whole, and by any of its parts.
+/// The significance level of the test of chi2 as a whole, and of the tests of all parts together.
 constexpr double kLevel = 0.01 / 2;
-/// The scale of a kind is trusted only where its redundancies add up to at least so many whole parts: the odometry of one long
-/// loop has the redundancy of one edge.
+/// The sum of redundancies, in whole parts, from which on the scale of a kind is trusted: the odometry of one long loop has the
+/// redundancy of one edge.
 constexpr double kLeastParts = 20.0;
-/// What turns a pose further (rad) when it is left out changes Jacobians by a tenth: the tests of the others wait for a map
-/// without it.
+/// The rotation of a pose (rad), on leaving a part out, beyond which Jacobians change by a tenth: the other parts are then
+/// tested only in a map without it.
 constexpr double kFarFromOptimum = 0.1;
 
-/// A part that can be tested, and what came of it.
+/// A part that can be tested, and the result of its test.
 struct TestedPart {
   PartKind kind = PartKind::kClosure;
   MeasuredPart part;
@@ -38,7 +38,7 @@ PartKind kind_of(const PoseFactor<Dim>& factor, std::span<const PoseFactor<Dim>>
   return is_odometry ? PartKind::kOdometry : PartKind::kClosure;
 }
 
-/// Whole factors, and the features of local maps.
+/// The parts to test: whole factors, and the features of local maps.
 template <int Dim>
 std::vector<TestedPart> parts_of(const System<Dim>& system, std::size_t factors, std::span<const PoseFactor<Dim>> odometry) {
   std::vector<TestedPart> parts;
@@ -83,7 +83,7 @@ std::vector<KindScale> scales_of(const std::vector<TestedPart>& parts) {
   return scales;
 }
 
-/// What residuals of a kind are judged against: never more strictly than by the covariances as they are given.
+/// The scale that residuals of a kind are judged against; at least 1, so that the given covariances are the strictest.
 double tolerated_scale(const std::vector<KindScale>& scales, PartKind kind) {
   const auto found = std::ranges::find(scales, kind, &KindScale::kind);  // every tested kind has one
   return found->confirmed < kLeastParts ? 1.0 : std::max(1.0, found->scale);
@@ -110,15 +110,14 @@ Misfit misfit_of(const TestedPart& part, double scale, double probability, const
   return misfit;
 }
 
-/// How much of its chi2 a part is blamed for. An odometry edge of a loop that one closure closes fits as ill as that closure
-/// does, which is the likelier culprit; where two closures of equal certainty agree against the edge, each of them fits less
-/// than half as ill. A local map with one feature under a wrong name fits a little worse than that feature.
+/// The share of its chi2 that a part is blamed for. An odometry edge of a loop with one closure fits as badly as that closure,
+/// which is the likelier culprit; if two closures of equal certainty agree against the edge, each of them fits less than half
+/// as badly. A local map with one feature under a wrong name fits a little worse than that feature.
 double blame(PartKind kind) {
   return kind == PartKind::kOdometry || kind == PartKind::kLocalMap ? 0.5 : 1.0;
 }
 
-/// The part to be left out next: of those that chance hardly explains, the one that is to blame the most. Null where it
-/// explains all.
+/// The part to leave out next: the one most to blame among those that chance hardly explains; null if there is none.
 const TestedPart* worst_of(const std::vector<TestedPart>& parts, const std::vector<KindScale>& scales) {
   ChiSquaredQuantiles most_by_chance(1.0 - kLevel / static_cast<double>(parts.size()));
   const TestedPart* worst = nullptr;
@@ -133,7 +132,7 @@ const TestedPart* worst_of(const std::vector<TestedPart>& parts, const std::vect
   return worst;
 }
 
-/// Leaves out what does not fit, the worst first. Returns whether that is all of it.
+/// Leaves out the parts that do not fit, the worst first. Returns true if no misfit is left.
 template <int Dim>
 bool find_misfits(const Restored<Dim>& restored, LeaveOneOut<Dim>& leave_one_out, std::vector<TestedPart>& parts,
                   std::size_t most_misfits, const std::stop_token& stop, GoodnessOfFit& fit) {
@@ -153,7 +152,7 @@ bool find_misfits(const Restored<Dim>& restored, LeaveOneOut<Dim>& leave_one_out
   return true;
 }
 
-/// Marks the kinds whose residuals are the largest: those of others suffer from theirs.
+/// Marks the kinds with the largest residuals; those of other kinds suffer from theirs.
 void mark_too_certain(std::vector<KindScale>& scales) {
   const double largest = std::ranges::max_element(scales, {}, &KindScale::scale)->scale;
   for (KindScale& kind : scales) kind.is_too_certain = kind.scale > 1.0 && 2.0 * kind.scale > largest;

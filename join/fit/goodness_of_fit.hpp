@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
-// Does a map fit its measurements? Tests of chi2 as a whole and of every part, and a verdict.
+// The goodness of fit of a map to its measurements: tests of chi2 as a whole and of every part, and a verdict.
 
 #include <cstdint>
 #include <mapjoin/join/fit/leave_one_out.hpp>
@@ -15,8 +15,8 @@ namespace mapjoin {
 
 enum class Verdict : std::uint8_t {
   kFits,         ///< Nothing is out of line with the covariances.
-  kMisfit,       ///< Some part, or chi2 as a whole, is.
-  kUntested,     ///< Nothing is measured twice, so that nothing could have been out of line; or the test was left out.
+  kMisfit,       ///< Some part, or chi2 as a whole, is out of line with the covariances.
+  kUntested,     ///< Nothing is measured twice, so that nothing could be out of line; or the test was left out.
   kUnconverged,  ///< The map is no optimum: residuals tell nothing.
 };
 constexpr auto enum_names(Verdict) {
@@ -30,9 +30,9 @@ constexpr auto enum_names(Verdict) {
 enum class PartKind : std::uint8_t {
   kClosure,
   kObservation,
-  kPrior,       ///< Of a pose or a feature.
+  kPrior,       ///< A prior of a pose or a feature.
   kMapFeature,  ///< A feature of a local map.
-  kLocalMap,    ///< The whole of one.
+  kLocalMap,    ///< A local map as a whole.
   kOdometry,
 };
 constexpr auto enum_names(PartKind) {
@@ -48,38 +48,38 @@ constexpr auto enum_names(PartKind) {
 struct Misfit {
   PartKind kind = PartKind::kClosure;
   PoseIndex from = kWorld;  ///< The base of the observation or local map.
-  PoseOrFeature to;         ///< Its target; of a whole local map the end pose.
-  double chi2 = 0.0;  ///< By what chi2 falls where the part is left out, with those before it; over the scale of its kind.
+  PoseOrFeature to;         ///< Target of the observation; for a whole local map its end pose.
+  double chi2 = 0.0;        ///< Decrease of chi2 on leaving the part out after those before it, over the scale of its kind.
   int rows = 0;
-  double probability = 0.0;  ///< Of so large a chi2 in any of the parts, were all as certain as their kind.
+  double probability = 0.0;  ///< Probability of so large a chi2 in any of the parts, if all were as certain as their kind.
 };
 
-/// How large the residuals of one kind of parts are.
+/// The size of the residuals of one kind of parts.
 struct KindScale {
   PartKind kind = PartKind::kClosure;
-  std::size_t parts = 0;   ///< Those that can be tested.
-  double confirmed = 0.0;  ///< The sum of their redundancies, each as a share of its rows.
-  /// The median of the parts' leave-one-out chi2, over what it would be were the covariances right. Outliers hardly move it.
+  std::size_t parts = 0;   ///< Parts that can be tested.
+  double confirmed = 0.0;  ///< Sum of the parts' redundancies, each as a share of the part's rows.
+  /// The median of the parts' leave-one-out chi2, over its median if the covariances were right; robust against outliers.
   double scale = 1.0;
-  bool is_too_certain = false;  ///< chi2 is too large, without the misfits, too, and this kind has a share in it.
+  bool is_too_certain = false;  ///< True if chi2 is too large, even without the misfits, and this kind has a share in it.
 };
 
 struct GoodnessOfFit {
   Verdict verdict = Verdict::kUntested;
-  double chi2 = 0.0;         ///< At the optimum without the misfits.
-  std::int64_t dof = 0;      ///< The degrees of freedom of that chi2.
-  double probability = 1.0;  ///< Of a larger chi2.
-  std::size_t parts = 0;     ///< That could be tested.
+  double chi2 = 0.0;         ///< chi2 at the optimum without the misfits.
+  std::int64_t dof = 0;      ///< Degrees of freedom of `chi2`.
+  double probability = 1.0;  ///< Probability of a larger chi2.
+  std::size_t parts = 0;     ///< Parts that could be tested.
   std::vector<KindScale> kinds;
-  std::vector<Misfit> misfits;  ///< The worst first, each without those before it.
-  bool is_complete = true;      ///< There are no other misfits: else more may show in a map without these.
+  std::vector<Misfit> misfits;  ///< Misfits, the worst first, each tested without those before it.
+  bool is_complete = true;      ///< True if there are no other misfits; otherwise more may show in a map without these.
 };
 
 /// Tests a map at the estimate of `restored`, whose normal equations, linearised and factorised there, are `equations`; `dof`
-/// are the degrees of freedom of its chi2, `odometry` the odometry of its log, if it has one. What fits is called a misfit in
-/// one of a hundred cases: half of that is spent on chi2 as a whole, the other half, by Holm's correction, on all parts
-/// together. At most `most_misfits` are named, and none once a stop is requested. Residuals of a kind whose typical ones are
-/// larger than its covariances say are judged against that scale.
+/// are the degrees of freedom of its chi2, `odometry` is that of its log, empty without a log. A map that fits is called a
+/// misfit in one of a hundred cases: half of this level is spent on chi2 as a whole, the other half, by Holm's correction, on
+/// all parts together. At most `most_misfits` are named, and no more once a stop is requested. If the typical residuals of a
+/// kind are larger than its covariances say, all of the kind are judged against that scale.
 template <int Dim>
 GoodnessOfFit goodness_of_fit(const Restored<Dim>& restored, const NormalEquations& equations, const Marginals& marginals,
                               std::int64_t dof, std::span<const PoseFactor<Dim>> odometry, std::size_t most_misfits,

@@ -14,17 +14,17 @@
 namespace mapjoin {
 namespace {
 
-/// Directions with less than this share of redundancy are not tested: g is the difference of nearly equal numbers there.
+/// The share of redundancy below which a direction is not tested: g is then the difference of nearly equal numbers.
 constexpr double kLeastRedundancy = 1e-6;
-/// Eigenvalues and pivots below this share of the largest are rounding, as for information_rank().
+/// The share of the largest below which eigenvalues and pivots are rounding, as for information_rank().
 constexpr double kLeastPivot = 1e-9;
-/// A scale is believed of so many tests, at these quantiles.
+/// The number of tests from which on a scale is estimated, and the quantiles that are compared.
 constexpr std::size_t kLeastTests = 20;
 constexpr double kQuantiles[] = {0.5, 0.9, 0.95};
-/// Columns that are solved at once.
+/// The number of columns that are solved at once.
 constexpr Eigen::Index kColumnsAtOnce = 64;
 
-/// A linearised factor in one piece, of whatever kind; the columns of J are those of the base, then of the targets.
+/// A linearised factor of any kind as dense matrices; the columns of J are those of the base, then of the targets.
 struct DenseFactor {
   Eigen::VectorXd r;
   Eigen::MatrixXd W;
@@ -58,7 +58,7 @@ DenseFactor dense_factor(const JoiningSystem<Dim>& system, std::size_t factor) {
   return system.with_linear_factor(factor, [](const auto& linear) { return dense(linear); });
 }
 
-/// Calls f(v, column) for the variables of a factor, with their first column in its J; constant ones, all poses, are left out.
+/// Calls f(v, column) for the variables of a factor, with their first column in its J; skips constant ones, all poses.
 template <int Dim, typename F>
 void for_each_variable(const NormalEquations& equations, std::size_t factor, F&& f) {
   Eigen::Index column = 0;
@@ -68,7 +68,7 @@ void for_each_variable(const NormalEquations& equations, std::size_t factor, F&&
   }
 }
 
-/// J P Jᵀ, and what rounding there may add: covariances of poses that stand far off nearly cancel.
+/// J P Jᵀ plus a bound on its rounding: the covariances of poses far from the gauge nearly cancel.
 template <int Dim>
 Eigen::MatrixXd predicted_covariance(const Eigen::MatrixXd& J, std::size_t factor, const NormalEquations& equations,
                                      const Marginals& marginals) {
@@ -107,14 +107,14 @@ auto information(const LinearMap<Dim>& linear, const MeasuredPart& part) {
   return linear.map->information.block(part.row, part.row, part.rows, part.rows);
 }
 
-/// Whether M is more than kLeastRedundancy of W in all directions, which most parts' are.
+/// True if M exceeds kLeastRedundancy · W in all directions, as it does for most parts.
 bool has_all_directions(const Eigen::MatrixXd& M, const Eigen::MatrixXd& W) {
   const Eigen::LLT<Eigen::MatrixXd> llt(M - kLeastRedundancy * W);
   if (llt.info() != Eigen::Success) return false;
   return (llt.matrixLLT().diagonal().array().square() > kLeastPivot * W.diagonal().array()).all();
 }
 
-/// Eigenvectors whose eigenvalues are above `least`, over the roots of these: the columns B with Bᵀ A B = I.
+/// Eigenvectors with eigenvalues above `least`, divided by the roots of these: the columns B with Bᵀ A B = I.
 Eigen::MatrixXd scaled_eigenvectors(const Eigen::MatrixXd& A, double least) {
   if (A.rows() == 0) return A;
   const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(A);
@@ -125,7 +125,7 @@ Eigen::MatrixXd scaled_eigenvectors(const Eigen::MatrixXd& A, double least) {
 /// The columns B with Bᵀ M B = I over the directions in which M is at least kLeastRedundancy of W: M⁺ = B Bᵀ there.
 Eigen::MatrixXd testable_directions(const Eigen::MatrixXd& M, const Eigen::MatrixXd& W) {
   const Eigen::ArrayXd diagonal = W.diagonal().array();
-  const Eigen::VectorXd scale = (diagonal > 0.0).select(diagonal.rsqrt(), 0.0);  // what is not measured falls out
+  const Eigen::VectorXd scale = (diagonal > 0.0).select(diagonal.rsqrt(), 0.0);  // rows that are not measured drop out
   const Eigen::MatrixXd whitening =
       scale.asDiagonal() * scaled_eigenvectors(scale.asDiagonal() * W * scale.asDiagonal(), kLeastPivot);
   return whitening * scaled_eigenvectors(whitening.transpose() * M * whitening, kLeastRedundancy);
@@ -164,7 +164,7 @@ PartTest LeaveOneOut<Dim>::test(const MeasuredPart& part) const {
   return {(B.transpose() * g_A).squaredNorm(), static_cast<int>(B.cols()), redundancy};
 }
 
-/// As W may be singular, by (W⁻¹ + C)⁻¹ = (I + W C)⁻¹ W.
+/// Uses (W⁻¹ + C)⁻¹ = (I + W C)⁻¹ W, as W may be singular.
 template <int Dim>
 PartTest LeaveOneOut<Dim>::prediction(std::size_t factor) const {
   const auto [r, W, J] = dense_factor(system_, factor);

@@ -8,7 +8,7 @@
 namespace mapjoin {
 namespace {
 
-/// The first row of each variable, in this order; returns the row behind the last one.
+/// Sets the first row of each variable, in this order; returns the row behind the last one.
 Eigen::Index number_rows(std::map<Variable, Eigen::Index>& first_rows, Eigen::Index row, const FrontTree& tree) {
   for (auto& [v, first] : first_rows) first = std::exchange(row, row + tree.dof(v));
   return row;
@@ -65,9 +65,9 @@ void DeferredFront::solve(const FrontTree& tree) {
   front_ = std::move(front);
 }
 
-/// With half the gradient g over what the tree has, H the tree's information and S that of the deferred quadratics there, it is
-/// gᵀ(H + S)⁻¹g ≤ (1 - t)² gᵀH⁻¹g + t² gᵀS⁺g for any t. The last form is at most what these quadratics cost, which S alone
-/// could save; the best t makes the sum of the two the inverse of that of their inverses.
+/// With half the gradient g over the tree's variables, H the tree's information and S that of the deferred quadratics over
+/// them, the decrease is gᵀ(H + S)⁻¹g ≤ (1 - t)² gᵀH⁻¹g + t² gᵀS⁺g for any t. The last form is at most the cost of these
+/// quadratics, as S alone could save no more; with the best t the bound is the inverse of the sum of the two inverses.
 std::optional<double> DeferredFront::gain(const FrontTree& tree) const {
   if (front_->is_singular) return std::nullopt;
   Eigen::VectorXd at(front_->L.rows());

@@ -7,7 +7,7 @@
 namespace mapjoin {
 namespace {
 
-/// The rows of variables in a dense matrix: each that is new gets the next ones.
+/// The rows of variables in a dense matrix; each new variable gets the next ones.
 class RowNumbers {
  public:
   explicit RowNumbers(const SharedTable<Variable, FrontFactor::Eliminated>& variables) : variables_(variables) {}
@@ -18,7 +18,7 @@ class RowNumbers {
     }
   }
   bool has(Variable v) const { return first_.contains(v.value); }
-  /// One after the other.
+  /// The rows of some variables, one after the other.
   std::vector<Eigen::Index> of(std::span<const Variable> variables) const {
     std::vector<Eigen::Index> rows;
     for (const Variable v : variables) {
@@ -34,7 +34,7 @@ class RowNumbers {
   Eigen::Index size_ = 0;
 };
 
-/// The number of rows of zeros before the first other one.
+/// The number of leading rows that are all zero.
 Eigen::Index leading_zero_rows(const Eigen::MatrixXd& Y) {
   Eigen::Index count = 0;
   while (count < Y.rows() && Y.row(count).isZero(0.0)) ++count;
@@ -48,7 +48,7 @@ std::vector<const Front*> FrontFactor::way_to_root(std::span<const Variable> of,
   std::set<NodeIndex> met;
   const auto go_up_from = [&](std::span<const Variable> variables) {
     for (const Variable v : variables) {
-      std::vector<const Front*> own;  // up to where it meets the others'
+      std::vector<const Front*> own;  // up to a front that was met before
       for (NodeIndex n = this->variables[v].node; n != kNone && met.insert(n).second; n = nodes[n].parent) {
         own.push_back(nodes[n].front.get());
       }
@@ -67,7 +67,7 @@ std::optional<Eigen::MatrixXd> FrontFactor::covariance(std::span<const Variable>
   return inverse_form(of, Eigen::MatrixXd::Identity(size, size), deferred);
 }
 
-/// YᵀY with L Y = R; rows of Y are zero but on the way from the variables' fronts to the root.
+/// YᵀY with L Y = R; rows of Y are nonzero only on the way from the variables' fronts to the root.
 std::optional<Eigen::MatrixXd> FrontFactor::inverse_form(std::span<const Variable> of, const Eigen::MatrixXd& R,
                                                          const Front* deferred) const {
   const std::vector<const Front*> way = way_to_root(of, deferred);
@@ -86,7 +86,7 @@ std::optional<Eigen::MatrixXd> FrontFactor::inverse_form(std::span<const Variabl
     const Eigen::Index skipped = leading_zero_rows(Y);  // which stay zero: variables at the end of a wide front are cheap
     auto rest = Y.bottomRows(Y.rows() - skipped);
     const auto L = front->L.bottomRightCorner(front->L.rows() - skipped, rest.rows());
-    // One column after the other, for which L need not be packed.
+    // Column by column, so that L need not be packed.
     for (auto column : rest.colwise()) L.topRows(rest.rows()).triangularView<Eigen::Lower>().solveInPlace(column);
     form.noalias() += rest.transpose() * rest;
     rhs(rows.of(front->separator), Eigen::all) -= L.bottomRows(L.rows() - rest.rows()) * rest;

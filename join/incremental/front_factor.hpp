@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
-// The factor of a growing sum of quadratics: fronts, each with its parent, and what they say of variables.
+// The factor of a growing sum of quadratics: fronts, each with its parent, and the covariances that they give.
 
 #include <Eigen/Core>
 #include <mapjoin/join/incremental/shared_table.hpp>
@@ -12,18 +12,18 @@
 
 namespace mapjoin {
 
-/// Variables that are eliminated together. Once it is in the tree it stays as it is, until another one takes its place.
+/// Variables that are eliminated together. A front in the tree never changes; another one may replace it.
 struct Front {
   std::vector<Variable> frontals;
-  std::vector<Variable> separator;  ///< Of those eliminated later, the variables that the frontals depend on.
-  Eigen::MatrixXd L;                ///< Over frontals, then the separator.
-  bool is_singular = false;         ///< Eliminates what nothing determines.
+  std::vector<Variable> separator;  ///< Variables eliminated later on which the frontals depend.
+  Eigen::MatrixXd L;                ///< Columns of the factor, over frontals, then the separator.
+  bool is_singular = false;         ///< True if it eliminates a variable that nothing determines.
 
-  /// The frontals' entries where they cost least, given those of the separator.
+  /// The entries of the frontals that cost least given those of the separator.
   Eigen::VectorXd solved(const Eigen::VectorXd& separator) const;
 };
 
-/// The factor of a sum of quadratics by fronts, each with its parent. A copy by kept() stays as it is.
+/// The factor of a sum of quadratics by fronts, each with its parent. A copy by kept() never changes.
 class FrontFactor {
  public:
   using NodeIndex = StrongIndex<struct NodeTag>;
@@ -34,14 +34,14 @@ class FrontFactor {
   };
   struct Eliminated {
     int dof = 0;
-    NodeIndex node = kNone;  ///< That eliminates the variable.
+    NodeIndex node = kNone;  ///< Node that eliminates the variable.
   };
 
-  /// The joint marginal covariance of different variables, one after the other, the sum's H being the information; nothing
-  /// where a front between one of them and the root eliminates what nothing determines. With a deferred front (DeferredFront)
-  /// that of its variables, too, which are solved for by those of the tree, of which it is not yet a part.
+  /// The joint marginal covariance of different variables, one after the other, with the sum's H as the information; nullopt if
+  /// a front between one of them and the root is singular, or one of them is in no front. A deferred front (DeferredFront) adds
+  /// its own variables, as a leaf that the tree does not have yet.
   std::optional<Eigen::MatrixXd> covariance(std::span<const Variable> of, const Front* deferred = nullptr) const;
-  /// RᵀPR for that covariance P, the rows of R being those of the variables.
+  /// RᵀPR for the covariance P of different variables, R having their rows. Otherwise as covariance().
   std::optional<Eigen::MatrixXd> inverse_form(std::span<const Variable> of, const Eigen::MatrixXd& R,
                                               const Front* deferred = nullptr) const;
   FrontFactor kept() { return {variables.kept(), nodes.kept()}; }
@@ -50,7 +50,7 @@ class FrontFactor {
   SharedTable<NodeIndex, Node> nodes;
 
  private:
-  /// The fronts that eliminate these and all above them, each before those above; the deferred one first.
+  /// The fronts that eliminate variables and all fronts above them, each before those above; the deferred one first.
   std::vector<const Front*> way_to_root(std::span<const Variable> of, const Front* deferred) const;
 };
 

@@ -8,8 +8,8 @@
 namespace mapjoin {
 namespace {
 
-/// A front below is eliminated again, too, where it sends more rows than this share of those that it and all below it have
-/// eliminated: what it sends, a clique that no order can part, then costs more than it saves (docs/decisions.md).
+/// The share of the rows eliminated by a front and all below it beyond which its update is bulky, and it is eliminated again
+/// with the front above: its update, a clique that no order can part, then costs more than it saves (docs/decisions.md).
 constexpr double kBulky = 0.5;
 
 }  // namespace
@@ -17,7 +17,7 @@ constexpr double kBulky = 0.5;
 FrontTree::FrontTree() {
   add_variable(1);
   solution_.front() = 1.0;
-  add_quadratic({{kOne}, Eigen::MatrixXd::Ones(1, 1)});  // whatever others there are, its pivot is at least 1
+  add_quadratic({{kOne}, Eigen::MatrixXd::Ones(1, 1)});  // its pivot is at least 1, whatever the others
 }
 
 Variable FrontTree::add_variable(int dof) {
@@ -64,9 +64,9 @@ std::size_t FrontTree::update(std::span<const Variable> last, double no_move) {
 std::size_t FrontTree::eliminate_touched(std::span<const Variable> last) {
   const Opened opened = open_touched();
   const QuadraticSum sum = sum_of(opened, {last.begin(), last.end()});
-  remove(opened.nodes);  // first, for the memory that they give back
+  remove(opened.nodes);  // first, to free their memory
   attach(eliminate(sum), opened);
-  return opened.variables.size() - 1;  // kOne is none of the caller's
+  return opened.variables.size() - 1;  // kOne is not the caller's
 }
 
 void FrontTree::open_upwards(NodeIndex n, Opened& opened) {
@@ -217,7 +217,7 @@ Eigen::VectorXd FrontTree::solution(const std::vector<Variable>& variables) cons
 void FrontTree::solve_front(const Front& next, double no_move) {
   const Eigen::VectorXd now = next.solved(solution(next.separator));
   const auto L_JJ = next.L.topRows(now.size()).triangularView<Eigen::Lower>();
-  // The change in squared standard deviations, what lies above being held.
+  // The change in squared standard deviations, with the variables above held.
   const double change = (L_JJ.transpose() * (now - solution(next.frontals))).squaredNorm();
   if (change <= no_move * static_cast<double>(now.size())) return;
   Eigen::Index entry = 0;

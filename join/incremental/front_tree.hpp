@@ -1,10 +1,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
-// A growing sum of quadratics and its minimum, by a tree of fronts of which a change touches few: those that eliminate the
-// variables of what changed, and all above them (the Bayes tree of iSAM2: Kaess et al., IJRR 2012).
+// A growing sum of quadratics and its minimum, by a tree of fronts. A change touches few of them: those that eliminate the
+// variables of changed quadratics, and all above (the Bayes tree of iSAM2: Kaess et al., IJRR 2012).
 //
-// These, and fronts below them that send many rows for what they have eliminated, are eliminated again (QuadraticSum); the
-// other fronts below send what they sent before. Their variables are solved for again only where what lies above has moved.
+// Touched fronts are eliminated again (QuadraticSum), and so are fronts below them with updates that are large for what they
+// have eliminated; the other fronts below keep their updates. Their variables are solved for again only if variables above have
+// moved.
 
 #include <Eigen/Core>
 #include <mapjoin/join/incremental/front_factor.hpp>
@@ -23,52 +24,53 @@ class FrontTree {
   FrontTree();
   Variable add_variable(int dof);
   QuadraticIndex add_quadratic(Quadratic quadratic);
-  /// H in the place of the former one, over the same variables.
+  /// Replaces the H of a quadratic, over the same variables.
   void change_quadratic(QuadraticIndex quadratic, Eigen::MatrixXd H);
-  /// Takes one out of the sum, for good.
+  /// Removes a quadratic from the sum, for good.
   void remove_quadratic(QuadraticIndex quadratic);
 
-  /// Eliminates again what all that was added and changed since the last time touches, the variables `last` after all others,
-  /// and solves. Variables that nothing determines stay where they are, and so do those that would move, in a front of
-  /// `n` entries, by less than n `no_move` squared standard deviations. Returns how many variables were eliminated. Where it
-  /// throws, for want of memory, the tree is of no use any more; factors that were kept are.
+  /// Eliminates again all fronts touched since the last time, the variables `last` after all others, and solves. Variables that
+  /// nothing determines stay where they are, and so do those of a front of n entries that would move by no more than n
+  /// `no_move` squared standard deviations. Returns the number of variables eliminated. If it throws, for want of memory, the
+  /// tree is unusable; factors that were kept stay valid.
   std::size_t update(std::span<const Variable> last, double no_move = 1e-6);
-  /// Where the sum is least, but for what stays where it is: the entries of a variable, and of several.
+  /// The entries of a variable, or of several, at the minimum of the sum, but for those that stay where they are (see
+  /// update()).
   Eigen::Map<const Eigen::VectorXd> solution(Variable v) const;
   Eigen::VectorXd solution(const std::vector<Variable>& variables) const;
   int dof(Variable v) const { return factor_.variables[v].dof; }
-  /// Whether an update has eliminated it.
+  /// True if an update has eliminated the variable.
   bool has(Variable v) const { return node_of(v) != kNone; }
-  /// As of the last update.
+  /// The factor as of the last update.
   const FrontFactor& factor() const { return factor_; }
   FrontFactor kept_factor() { return factor_.kept(); }
-  /// The variables that the last update moved; the others stand where they stood.
+  /// The variables that the last update moved; the others are where they were.
   const std::vector<Variable>& moved() const { return moved_; }
-  /// Puts a variable elsewhere: the next update then looks at all of them, where it has this one.
+  /// Sets the entries of a variable; if the tree has it, the next update visits all fronts.
   void set_solution(Variable v, const Eigen::Ref<const Eigen::VectorXd>& entries);
 
  private:
   using NodeIndex = FrontFactor::NodeIndex;
   static constexpr NodeIndex kNone = FrontFactor::kNone;
 
-  /// What only the tree needs of a front. What solves and covariances need is in the factor, which kept states share.
+  /// The data of a front that only the tree needs. Those for solves and covariances are in the factor, which kept states share.
   struct Node {
-    Quadratic update;  // that the front sends, over its separator; nothing of the root
+    Quadratic update;  // sent to the parent, over the separator; empty for the root
     std::vector<NodeIndex> children;
-    std::vector<QuadraticIndex> quadratics;  // whose first variable it eliminates
-    Eigen::Index rows = 0;                   // that it and all below eliminate
+    std::vector<QuadraticIndex> quadratics;  // those whose first variable it eliminates
+    Eigen::Index rows = 0;                   // eliminated by the front and all below it
     bool is_open = false;                    // about to be eliminated again
     bool is_fresh = false;                   // not yet solved
   };
   struct Values {
-    Eigen::Index offset = 0;   // of its entries in the solution
+    Eigen::Index offset = 0;   // of the variable's entries in the solution
     std::size_t moved_in = 0;  // the update that moved it last
   };
   struct Summand {
-    Quadratic quadratic;     // of no variables once it is removed
-    NodeIndex node = kNone;  // that has it
+    Quadratic quadratic;     // without variables once it is removed
+    NodeIndex node = kNone;  // node that has it
   };
-  /// What is eliminated again.
+  /// The part of the tree and of the sum that is eliminated again.
   struct Opened {
     std::vector<NodeIndex> nodes;
     std::vector<Variable> variables;  // ascending
@@ -79,14 +81,14 @@ class FrontTree {
   void open_upwards(NodeIndex node, Opened& opened);
   bool is_removed(QuadraticIndex q) const { return quadratics_[q].quadratic.variables.empty(); }
   Opened open_touched();
-  /// Its variables, its quadratics, and what is below it: open, too, where it is bulky.
+  /// Takes the variables and quadratics of an open node, and opens the bulky nodes below it; the others are orphans.
   void take_open(NodeIndex node, Opened& opened);
-  /// Whether it sends much for what it and all below it have eliminated.
+  /// True if a node's update is large for what it and all below it have eliminated.
   bool is_bulky(NodeIndex node) const;
-  /// The sum to eliminate: the quadratics, then what the orphans send.
+  /// The sum to eliminate: the quadratics, then the updates of the orphans.
   QuadraticSum sum_of(const Opened& opened, const std::set<Variable>& last) const;
   std::size_t eliminate_touched(std::span<const Variable> last);
-  /// Until attach() the tree is not whole: its root, variables and orphans still name these nodes.
+  /// Removes nodes. Until attach() the tree is not whole: its root, variables and orphans still name them.
   void remove(const std::vector<NodeIndex>& nodes);
   /// Puts new nodes in the place of the open ones: above the orphans, with the quadratics.
   void attach(std::vector<SumNode> fresh, const Opened& opened);
@@ -102,7 +104,7 @@ class FrontTree {
   FrontFactor factor_;
   Table<Variable, Values> variables_;
   Table<QuadraticIndex, Summand> quadratics_;
-  std::vector<QuadraticIndex> touched_;  // since the last update, each once
+  std::vector<QuadraticIndex> touched_;  // since the last update, perhaps named twice
   Table<NodeIndex, Node> nodes_;
   std::vector<NodeIndex> unused_;
   NodeIndex root_ = kNone;

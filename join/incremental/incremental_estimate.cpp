@@ -10,11 +10,11 @@ namespace mapjoin {
 namespace {
 
 constexpr int kMostIterations = 50;
-/// A deferred front, which is dense, costs more than it saves where more entries than these are new.
+/// The number of new entries beyond which a deferred front, which is dense, costs more than it saves.
 constexpr std::int64_t kMostDeferredEntries = 64;
-/// Of what maps may err by, once some of them are linearised again.
+/// The share of the allowed error that is left once some maps are linearised again.
 constexpr double kErrorLeft = 0.5;
-/// Beyond this turn (rad) since its reference a pose gets a new one: rotation vectors are good up to π.
+/// The turn of a pose (rad) since its reference beyond which it gets a new one: rotation vectors are good up to π.
 constexpr double kMostTurn = 1.0;
 
 }  // namespace
@@ -85,7 +85,7 @@ std::optional<Settling> IncrementalEstimate<Dim>::defer() {
   auto settling = settle_new();
   if (!settling || !is_rest_content(rows)) {
     move(moved, from);
-    deferred_.take();  // linearised where nothing stands any more
+    deferred_.take();  // linearised at values that are given up
     return std::nullopt;
   }
   settling->moved = shown_.show(variables_);
@@ -104,7 +104,7 @@ std::optional<Settling> IncrementalEstimate<Dim>::settle_new() {
   return settling;
 }
 
-/// In all it may miss what it is allowed; and what is new, not a standard deviation in each row.
+/// The gain that the others miss may be as large as allowed, its expected growth one standard deviation in each row.
 template <int Dim>
 bool IncrementalEstimate<Dim>::is_rest_content(std::int64_t rows) {
   const std::optional<double> gain = deferred_.gain(tree_);
@@ -126,7 +126,7 @@ bool IncrementalEstimate<Dim>::linearise_new_again() {
   return erred;
 }
 
-/// Gives the tree the maps that it does not have, and puts their variables where they are.
+/// Gives the tree the maps that it does not have, and moves their variables in it to where they are.
 template <int Dim>
 void IncrementalEstimate<Dim>::enter_deferred() {
   std::vector<Quadratic> quadratics = deferred_.take();
@@ -181,7 +181,7 @@ Settling IncrementalEstimate<Dim>::settle(std::span<const JoinedIndex> last) {
   return settling;
 }
 
-/// Anew, without the rounding of all that was added and taken away.
+/// Sums chi2 and the errors anew, without the rounding of all that was added and taken away.
 template <int Dim>
 void IncrementalEstimate<Dim>::sum_chi2() {
   chi2_ = 0.0;
@@ -219,7 +219,7 @@ bool IncrementalEstimate<Dim>::errs(const Factor& factor) const {
   return factor.fit.error * static_cast<double>(rows_) > allowance().error() * static_cast<double>(factor.map.rows());
 }
 
-/// Until the others err by so little that the next map does not ask for it again at once.
+/// Takes the maps that err most until the others err by so little that the next map does not ask for it again at once.
 template <int Dim>
 void IncrementalEstimate<Dim>::find_stale() {
   if (error_ <= allowance().error()) return;
@@ -287,7 +287,7 @@ void IncrementalEstimate<Dim>::move(const std::vector<JoinedIndex>& variables, c
   }
 }
 
-/// A pose that has turned far gets a new reference; what it concerns is linearised again.
+/// Gives poses that have turned far a new reference; their maps are linearised again.
 template <int Dim>
 void IncrementalEstimate<Dim>::refer_turned() {
   if constexpr (Dim == 3) {

@@ -11,7 +11,7 @@
 namespace mapjoin {
 namespace {
 
-/// Updates of closures, which others do not build upon.
+/// True for an update of closures alone, on which no other builds.
 template <int Dim>
 bool may_be_left_out(const SubmapUpdate<Dim>& update) {
   return update.segments.empty() && update.features.empty() && update.graph.fixed.empty();
@@ -40,7 +40,7 @@ std::shared_ptr<const JoinedSnapshot<Dim>> IncrementalJoin<Dim>::snapshot() cons
   return published_->snapshot;
 }
 
-/// The former snapshot is let go outside the lock.
+/// Releases the former snapshot outside the lock.
 template <int Dim>
 AddedUpdate IncrementalJoin<Dim>::published(AddedUpdate added) {
   added.chi2 = estimate_.chi2();
@@ -162,7 +162,7 @@ Expected<AddedUpdate> IncrementalJoin<Dim>::add_all(std::vector<SubmapUpdate<Dim
   return published(added);
 }
 
-/// Those after the first `before` do not hang together: as far as they do.
+/// Joins the updates after the first `before` one by one, as they could not be joined at once.
 template <int Dim>
 void IncrementalJoin<Dim>::join_again_from(std::size_t before, const std::stop_token& stop, AddedUpdate& added) {
   std::vector<SubmapUpdate<Dim>> again(std::make_move_iterator(updates_.begin() + static_cast<std::ptrdiff_t>(before)),
@@ -189,14 +189,14 @@ void IncrementalJoin<Dim>::note(const Settling& settling, AddedUpdate& added) {
   is_converged_ = settling.converged;
 }
 
-/// What the frame of the estimate cannot take.
+/// True if the frame of the estimate cannot take the update, so that all must be joined again.
 template <int Dim>
 bool IncrementalJoin<Dim>::asks_for_join(const SubmapUpdate<Dim>& update) const {
   if (estimate_.is_empty() || (speaks_of_world(update) && !is_anchored_by_world_)) return true;
   return std::ranges::any_of(update.graph.fixed, [&](const FixedPose<Dim>& fixed) { return pose(update.poses[fixed.pose]); });
 }
 
-/// Whether the chi2 has grown by more than what was added can explain, the fit so far being as it is.
+/// True if chi2 has grown by more than the added measurements can explain, relative to the fit so far.
 template <int Dim>
 bool IncrementalJoin<Dim>::has_outgrown(double chi2_before, std::int64_t dof_before) const {
   const double scale = dof_before > 0 ? std::max(1.0, chi2_before / static_cast<double>(dof_before)) : 1.0;
@@ -218,7 +218,7 @@ std::size_t IncrementalJoin<Dim>::shared_by_waiting() const {
   return shared;
 }
 
-/// Tries again what could not be tied, once more is known of it.
+/// Tries waiting updates again once they share more with the estimate.
 template <int Dim>
 void IncrementalJoin<Dim>::admit_waiting(const std::stop_token& stop, AddedUpdate& added) {
   const std::size_t shared = shared_by_waiting();
@@ -262,7 +262,7 @@ bool IncrementalJoin<Dim>::adopt_batch(const std::vector<std::size_t>& waiting, 
   return true;
 }
 
-/// Starts over from a join of these updates, which are the set.
+/// Starts over from a join of these updates, of which `set` is made.
 template <int Dim>
 void IncrementalJoin<Dim>::take(const std::vector<const SubmapUpdate<Dim>*>& updates, const SubmapSet<Dim>& set,
                                 const Join<Dim>& joined, AddedUpdate& added) {

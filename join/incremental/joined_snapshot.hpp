@@ -11,14 +11,14 @@
 
 namespace mapjoin {
 
-/// The variables of poses and features. One thread enters names, and may look at its own entries; others find them.
+/// The variables of poses and features by name. One thread enters names, and may look at its own entries; others find them.
 class JoinedNames {
  public:
   void enter(const PoseId& id, JoinedIndex v) { enter(poses_, id, v); }
   void enter(const FeatureId& id, JoinedIndex v) { enter(features_, id, v); }
   std::optional<JoinedIndex> find(const PoseId& id) const { return find(poses_, id); }
   std::optional<JoinedIndex> find(const FeatureId& id) const { return find(features_, id); }
-  /// For the thread that enters them.
+  /// The names of poses, and of features, for the thread that enters them.
   const std::map<PoseId, JoinedIndex>& poses() const { return poses_; }
   const std::map<FeatureId, JoinedIndex>& features() const { return features_; }
 
@@ -40,7 +40,7 @@ class JoinedNames {
   std::map<FeatureId, JoinedIndex> features_;
 };
 
-/// An estimate that never changes; what comes later is in later snapshots. Any number of threads may ask it.
+/// An estimate that never changes; later updates are in later snapshots. Any number of threads may ask it.
 template <int Dim>
 class JoinedSnapshot {
  public:
@@ -48,19 +48,20 @@ class JoinedSnapshot {
   JoinedSnapshot(std::shared_ptr<const JoinedNames> names, KeptEstimate<Dim> estimate)
       : names_(std::move(names)), estimate_(std::move(estimate)) {}
 
-  /// The estimate of a pose or feature, or nothing where it was not in it.
+  /// The estimate of a pose or feature; nullopt if it was not in it.
   std::optional<Pose<Dim>> pose(const PoseId& id) const;
   std::optional<Point<Dim>> feature(const FeatureId& id) const;
-  /// The marginal covariance of its step, as IncrementalJoin::covariance(), at the cost of the fronts between it and the root.
+  /// The marginal covariance of the step of a pose or feature, as IncrementalJoin::covariance(), at the cost of the fronts
+  /// between it and the root.
   std::optional<PoseMatrix<Dim>> covariance(const PoseId& id) const;
   std::optional<PointMatrix<Dim>> covariance(const FeatureId& id) const;
-  /// The joint one of two different poses, those of the first before those of the second.
+  /// The joint covariance of two different poses, the rows of the first before those of the second.
   std::optional<Matrix<2 * kPoseDof<Dim>>> covariance(const PoseId& first, const PoseId& second) const;
   double chi2() const { return estimate_.chi2; }
   std::int64_t dof() const { return estimate_.dof; }
 
  private:
-  /// The variable of a name that was known already.
+  /// The variable of a name; nullopt if it was not known yet.
   template <typename Id>
   std::optional<JoinedIndex> find(const Id& id) const;
   template <typename Matrix, typename Id>

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
-// An estimate as it was when it was kept: values, and what covariances come from.
+// A kept estimate: its values, and the factor that gives covariances.
 
 #include <Eigen/Core>
 #include <mapjoin/join/incremental/front_factor.hpp>
@@ -20,36 +20,36 @@ class ShownVariables {
  public:
   struct Variable {
     bool is_pose = true;
-    Pose<Dim> value;                                         ///< Of a feature the translation.
-    RotationVector<Dim> turn = RotationVector<Dim>::Zero();  ///< Of a pose, since the reference of the linear system.
-    mapjoin::Variable column = kConstant;                    ///< Of the linear system; kConstant where it is anchored.
+    Pose<Dim> value;                                         ///< The estimate; for a feature its translation.
+    RotationVector<Dim> turn = RotationVector<Dim>::Zero();  ///< Turn of a pose since the reference of the linear system (rad).
+    mapjoin::Variable column = kConstant;                    ///< Variable of the linear system; kConstant if anchored.
 
     int dof() const { return is_pose ? kPoseDof<Dim> : Dim; }
   };
   using Kept = SharedTable<JoinedIndex, Variable>;
 
-  /// Marks one that moves.
+  /// Marks a variable that moves.
   void note_moving(JoinedIndex v);
-  /// Shows all as they are now, those that moved and new ones. Returns the most that one has moved that was shown before.
+  /// Shows the present values of variables that have moved or are new. Returns the largest move of one that was shown before.
   StepSize show(const JoinedVariables<Dim>& variables);
   Kept kept() { return shown_.kept(); }
 
  private:
   Kept shown_;
-  std::vector<JoinedIndex> moving_;  // each once, none that is new
+  std::vector<JoinedIndex> moving_;  // variables marked, each once, none that is new
   Table<JoinedIndex, bool> is_moving_;
 };
 
-/// The estimate as a settling left it. It never changes, so any thread may read it.
+/// The estimate of a settling. It never changes, so any thread may read it.
 template <int Dim>
 struct KeptEstimate {
-  /// The joint marginal covariance of the steps of different variables at their values, a row for each entry: zero where one is
-  /// anchored, nothing where one may not be determined (see FrontFactor).
+  /// The joint marginal covariance of the steps of different variables at their values, a row for each entry: zero for anchored
+  /// ones; nullopt if one may not be determined (see FrontFactor).
   std::optional<Eigen::MatrixXd> covariance(std::span<const JoinedIndex> of) const;
 
   typename ShownVariables<Dim>::Kept variables;
   FrontFactor factor;
-  std::shared_ptr<const Front> deferred;  ///< Of variables that the factor does not have yet, or null.
+  std::shared_ptr<const Front> deferred;  ///< Front of variables that the factor does not have yet, or null.
   double chi2 = 0.0;
   std::int64_t dof = 0;
 };

@@ -14,9 +14,9 @@ void turn_into_delta(const JoinedVariable<Dim>& variable, Matrix<Rows, kPoseDof<
   if constexpr (Dim == 3) J.template rightCols<3>() *= right_jacobian<3>(variable.step.template tail<3>());
 }
 
-/// Takes the blocks of one map to their rows in a quadratic, whose last row is that of FrontTree::kOne.
+/// Adds the blocks of one map at their rows of a quadratic, whose last row is that of FrontTree::kOne.
 struct QuadraticSink {
-  const std::vector<Eigen::Index>& rows;  // of each variable; -1 where it is anchored
+  const std::vector<Eigen::Index>& rows;  // first row of each variable; -1 if anchored
   Eigen::MatrixXd& H;
 
   template <typename Block>

@@ -8,7 +8,7 @@
 namespace mapjoin {
 namespace {
 
-/// The variable of a pose or feature, null where it has none.
+/// The variable of a pose or feature; null if it has none.
 template <typename Id>
 const JoinedIndex* find_variable(const std::map<Id, JoinedIndex>& directory, const Id& id) {
   const auto found = directory.find(id);
@@ -63,7 +63,7 @@ const Point<Dim>* NamedEstimate<Dim>::feature(const FeatureId& id) const {
   return v ? &estimate_.variable(*v).value.translation : nullptr;
 }
 
-/// Where the partial map may stand in the frame of the estimate.
+/// The poses at which the partial map may be in the frame of the estimate.
 template <int Dim>
 std::vector<Pose<Dim>> NamedEstimate<Dim>::alignments(const SubmapUpdate<Dim>& update, const PartialMap<Dim>& partial) const {
   if (partial.poses.empty()) return {Pose<Dim>{}};
@@ -85,7 +85,7 @@ std::vector<Pose<Dim>> NamedEstimate<Dim>::alignments(const SubmapUpdate<Dim>& u
   return correspondences.candidates();
 }
 
-/// Whether what the update observes is in the estimate or in the update's own partial map.
+/// True if all that the update observes is in the estimate or in the update's own partial map.
 template <int Dim>
 bool NamedEstimate<Dim>::knows_ends(const SubmapUpdate<Dim>& update, const PartialMap<Dim>& partial) const {
   const auto knows_pose = [&](PoseIndex p) { return p == kWorld || pose(update, p) || holds(partial.poses, p); };

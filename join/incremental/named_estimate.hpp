@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
-// The estimate of an incremental join under the names of poses and features, which updates enter, and which of those that wait
+// The estimate of an incremental join by the names of poses and features, which updates enter, and the waiting updates that
 // names tie to it.
 
 #include <cstddef>
@@ -17,7 +17,7 @@
 
 namespace mapjoin {
 
-/// Where a join has the poses and features of a set, which must stay, as both do.
+/// The poses and features of a set where a join has them; both must outlive this.
 template <int Dim>
 struct JoinedSet {
   JoinedSet(const SubmapSet<Dim>& set, const Join<Dim>& joined)
@@ -31,35 +31,36 @@ struct JoinedSet {
   Table<PoseIndex, bool> is_anchored;
 };
 
-/// Poses and features that nothing has entered yet are unknown.
+/// An incremental estimate by names. Poses and features that no update has entered are unknown.
 template <int Dim>
 class NamedEstimate {
  public:
-  /// The estimate of a pose or feature, or null where it is unknown.
+  /// The estimate of a pose or feature; null if unknown.
   const Pose<Dim>* pose(const PoseId& id) const;
   const Point<Dim>* feature(const FeatureId& id) const;
   bool is_empty() const { return estimate_.variables().empty(); }
   double chi2() const { return estimate_.chi2(); }
   std::int64_t dof() const { return estimate_.dof(); }
 
-  /// Enters what is new in an update where its measurements cost least, and its factors; `update` must stay. Gives the
-  /// variables of its partial map; nothing where the update shares too little with the estimate, which then stays as it is.
+  /// Enters the new poses and features of an update where its measurements cost least, and its factors; `update` must outlive
+  /// this. Returns the variables of its partial map; nullopt, with the estimate as it was, if the update shares too little with
+  /// it.
   std::optional<std::vector<JoinedIndex>> enter(const SubmapUpdate<Dim>& update);
-  /// Enters what is new in an update where a join of all has it, and its factors.
+  /// Enters the new poses and features of an update at their values in a join of all, and its factors.
   void enter_at(const SubmapUpdate<Dim>& update, const JoinedSet<Dim>& joined);
 
-  /// Takes the factors of an update that was entered and has no segment out again.
+  /// Removes the factors of an update that was entered and has no segment.
   void leave(const SubmapUpdate<Dim>& update);
 
   std::optional<Settling> defer() { return estimate_.defer(); }
   Settling settle(std::span<const JoinedIndex> last) { return estimate_.settle(last); }
-  /// As of the last settling.
+  /// The estimate as of the last settling or deferral.
   std::shared_ptr<const JoinedSnapshot<Dim>> snapshot();
-  /// The farthest that anything known to both has moved from there to here.
+  /// The largest move of a pose or feature from `before` to this.
   StepSize moved_from(const NamedEstimate& before) const;
 
  private:
-  /// By the update's own indices. Null also for the World, which is no pose.
+  /// The estimate of a pose by the update's own index; null if it is unknown or the World, which is no pose.
   const Pose<Dim>* pose(const SubmapUpdate<Dim>& update, PoseIndex p) const {
     return p == kWorld ? nullptr : pose(update.poses[p]);
   }
@@ -77,9 +78,9 @@ class NamedEstimate {
   std::map<const SubmapUpdate<Dim>*, std::vector<FactorIndex>> factors_;  // of updates without a segment
 };
 
-/// Of the updates with the numbers `waiting`, those that names tie to the estimate, if only by way of each other, in one group;
-/// where the estimate is empty, a group of each that names tie to each other, in the order of their first ones. Numbers of a
-/// group keep their order.
+/// The updates with the numbers `waiting` that names tie to the estimate, if only by way of each other, in one group; if the
+/// estimate is empty, groups of updates that names tie to each other, in the order of their first ones. Numbers of a group keep
+/// their order.
 template <int Dim>
 std::vector<std::vector<std::size_t>> tied_updates(const std::deque<SubmapUpdate<Dim>>& updates,
                                                    const std::vector<std::size_t>& waiting, const NamedEstimate<Dim>& estimate);

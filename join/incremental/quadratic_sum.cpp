@@ -13,9 +13,9 @@
 namespace mapjoin {
 namespace {
 
-/// The variables in blocks: those of one rank that are in the same quadratics, and so have the same neighbours. Eliminated one
-/// after the other they fill in no more than the first does, so that Elimination takes a block as one variable: a Variable
-/// named `block` is its number. A place is that of a variable in the sum.
+/// The variables of a sum in blocks: those of one rank that are in the same quadratics, and so have the same neighbours.
+/// Eliminated one after the other they fill in no more than the first does, so that Elimination takes a block as one variable:
+/// a Variable named `block` is its number. A place is that of a variable in the sum.
 class Blocks {
  public:
   explicit Blocks(const QuadraticSum& sum) : sum_(sum), block_of_(sum.variables.size()) {
@@ -39,7 +39,7 @@ class Blocks {
     for (const auto& [key, members] : alike) add_block(members);
   }
 
-  /// Of a quadratic's variables.
+  /// The places of a quadratic's variables.
   std::span<const std::size_t> places(std::size_t quadratic) const { return places_[quadratic]; }
   Variable block_of(std::size_t place) const { return block_of_[place]; }
   int dof(std::size_t place) const { return sum_.variables[place].dof; }
@@ -110,7 +110,7 @@ GivenFront given_front(const Quadratic& quadratic, std::span<const std::size_t> 
   return {std::move(columns), {nullptr, 0, 0, Eigen::OuterStride<>(0)}, std::move(write)};
 }
 
-/// Whether one of its columns is among the singular ones.
+/// True if one of the node's columns is among the singular ones.
 bool is_singular(const FactorNode& node, const std::vector<std::int64_t>& singular, const BlockLower& matrix) {
   const auto next = std::ranges::lower_bound(singular, matrix.offsets[node.columns.first]);
   return next != singular.end() && *next < matrix.offsets[node.columns.last];

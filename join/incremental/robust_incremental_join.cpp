@@ -14,10 +14,10 @@
 namespace mapjoin {
 namespace {
 
-/// So many times more updates than at the last verdict, and the next one may be asked for.
+/// The ratio of updates to those at the last verdict from which on the next one may be asked for.
 constexpr double kGrowth = 1.25;
 
-/// The closure of an update that is nothing else.
+/// The closure of an update that has nothing else.
 template <int Dim>
 const PoseFactor<Dim>& closure_of(const SubmapUpdate<Dim>& update) {
   return update.graph.pose_factors.front();
@@ -28,7 +28,7 @@ bool is_same(const PoseFactor<Dim>& a, const PoseFactor<Dim>& b) {
   return a.base == b.base && a.target == b.target && a.measured == b.measured && a.information == b.information;
 }
 
-/// What two steps of the same addition did, as one.
+/// The effect of two steps of the same addition together.
 AddedUpdate both(const AddedUpdate& first, const AddedUpdate& second) {
   AddedUpdate both = second;
   both.metres = std::max(first.metres, second.metres);
@@ -40,7 +40,8 @@ AddedUpdate both(const AddedUpdate& first, const AddedUpdate& second) {
   return both;
 }
 
-/// Which of some updates, each of one closure, find_inliers() keeps of all these, which hang together.
+/// True for each of `closures`, updates of one closure each, that find_inliers() keeps in a join with `updates`, with which
+/// they are connected.
 template <int Dim>
 Expected<std::vector<bool>> kept_closures(const std::vector<const SubmapUpdate<Dim>*>& updates,
                                           const std::vector<const SubmapUpdate<Dim>*>& closures, const RobustOptions& options,
@@ -77,7 +78,7 @@ template <int Dim>
 typename RobustIncrementalJoin<Dim>::Apart RobustIncrementalJoin<Dim>::apart(SubmapUpdate<Dim> update) {
   Apart apart;
   const Segment segment = driven_segment(update);
-  std::set<PoseIndex> driven;  // poses to which odometry is there
+  std::set<PoseIndex> driven;  // poses that odometry has reached
   std::erase_if(update.graph.pose_factors, [&](const PoseFactor<Dim>& o) {
     if (o.base == kWorld) return false;
     const auto [before, after] = std::minmax(o.base, o.target);
@@ -99,7 +100,7 @@ bool RobustIncrementalJoin<Dim>::knows_ends(const SubmapUpdate<Dim>& closure) co
   return join_.pose(closure.poses[0]) && join_.pose(closure.poses[1]);
 }
 
-/// Where the estimate leaves an end free to move, nothing contradicts.
+/// False if the estimate leaves an end free to move.
 template <int Dim>
 bool RobustIncrementalJoin<Dim>::contradicts(const SubmapUpdate<Dim>& closure) const {
   constexpr int kDof = kPoseDof<Dim>;
@@ -191,7 +192,7 @@ RobustlyAdded RobustIncrementalJoin<Dim>::judge(const std::stop_token& stop) {
   return done;
 }
 
-/// By how much chi2 grows with them at the optimum, which their distances from a prediction only tell to first order.
+/// Judges by the growth of chi2 at the optimum, which the distances from a prediction tell only to first order.
 template <int Dim>
 void RobustIncrementalJoin<Dim>::try_closures(std::span<const std::size_t> closures, const std::stop_token& stop,
                                               RobustlyAdded& done) {
@@ -216,7 +217,7 @@ void RobustIncrementalJoin<Dim>::take_verdict(const std::stop_token& stop, Robus
   judged_at_ = join_.update_count();
   std::vector<const SubmapUpdate<Dim>*> believed;
   std::vector<const SubmapUpdate<Dim>*> doubtful;
-  std::vector<std::size_t> numbers;  // of those
+  std::vector<std::size_t> numbers;  // of the doubtful
   for (std::size_t k = 0; k < join_.update_count(); ++k) {
     if (join_.is_waiting(k)) continue;
     const bool is_closure = std::ranges::binary_search(closures_, k);

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
-// A table of which states can be kept while it changes: a kept state and the table share all entries that are still the same.
+// A table whose states can be kept while it changes: a kept state and the table share all entries that are still the same.
 
 #include <array>
 #include <cstddef>
@@ -11,8 +11,8 @@
 
 namespace mapjoin {
 
-/// Entries by index, in chunks that are never written to once a state that has them is kept: a write then goes to a copy of the
-/// chunk. So a kept state may be read by any thread while this one writes on. Keeping a state costs a pointer per chunk.
+/// Entries by index, in chunks that are never written to once a kept state has them: a write then goes to a copy of the chunk.
+/// Any thread may therefore read a kept state while this one writes on. Keeping a state costs a pointer per chunk.
 template <typename Index, typename T>
 class SharedTable {
  public:
@@ -39,14 +39,14 @@ class SharedTable {
     return index;
   }
 
-  /// The table as it is now, which no later write to this one changes.
+  /// The table as it is now; no later write changes it.
   SharedTable kept() {
     ++states_;
     return *this;
   }
 
  private:
-  SharedTable(const SharedTable&) = default;  // of kept() alone: two tables must not write to the same chunks
+  SharedTable(const SharedTable&) = default;  // only for kept(): two tables must not write to the same chunks
 
   static constexpr std::size_t kChunk = 64;
   struct Chunk {

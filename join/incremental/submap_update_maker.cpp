@@ -9,7 +9,7 @@
 namespace mapjoin {
 namespace {
 
-/// Of a map, where nothing else is asked for.
+/// Poses per map if nothing else is asked for.
 constexpr double kPosesPerMap = 10.0;
 
 }  // namespace
@@ -57,7 +57,7 @@ Expected<typename SubmapUpdateMaker<Dim>::Window> SubmapUpdateMaker<Dim>::window
   auto log = std::move(builder).finish(PoseOrder::kOfIds);
   if (!log) return tl::unexpected(log.error());
   Window window{*std::move(log), {}, 0};
-  // What a closure from elsewhere mentions is kept, as what the World holds is.
+  // Poses that a closure from elsewhere mentions are kept, as fixed poses are.
   for (const Edge& closure : closures_) {
     for (const PoseId& end : {closure.base, closure.target}) {
       if (const auto pose = find_ascending(window.log.poses, end)) window.log.graph.fixed.push_back({PoseIndex(*pose), {}});
@@ -102,7 +102,7 @@ void SubmapUpdateMaker<Dim>::note_poses(const Window& window) {
   }
 }
 
-/// Closures go to the update that makes their later pose known, or to the first.
+/// Hands each closure to the update that makes its later pose known, or to the first one if that pose is known already.
 template <int Dim>
 void SubmapUpdateMaker<Dim>::hand_over_closures(std::vector<SubmapUpdate<Dim>>& updates) {
   std::erase_if(closures_, [&](const Edge& closure) {

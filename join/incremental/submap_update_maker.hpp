@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
-// Updates of a log that grows: what has come is cut into segments, and every complete one becomes an update.
+// The updates of a growing log: its new part is cut into segments, and every complete one becomes an update.
 
 #include <map>
 #include <mapjoin/join/incremental/submap_update.hpp>
@@ -11,18 +11,20 @@
 
 namespace mapjoin {
 
-/// A segment is complete when the step after it has come: then its observations have, too, in a log that is written as the
-/// robot drives. A segment that sees no feature stays raw, for only closures to its poses can tie it to others.
+/// Makes updates of a growing log. A segment is complete when the step after it has come, as its observations then have, too,
+/// in a log that is written while the robot drives. A segment that sees no feature stays raw, as only closures to its poses can
+/// tie it to others.
 template <int Dim>
 class SubmapUpdateMaker {
  public:
-  /// `split` by a number of poses, features or metres; automatic is 10 poses, for a cost model needs the whole log.
+  /// `split` is by a number of poses, features or metres; kAuto is 10 poses, as its cost model needs the whole log.
   explicit SubmapUpdateMaker(SplitOptions split, MinimiseOptions solver = {});
 
-  /// Takes odometry, closures and feature observations; priors and fixed poses are passed over. False where they concern what
-  /// is in a map already, other than its kept poses: the log must then be cut anew, from its begin, by another maker.
+  /// Takes odometry, closures and feature observations; priors and fixed poses are ignored. False if an edge concerns a pose
+  /// that a map has eliminated, or an observation is from a pose of an update: the log must then be cut anew, from its begin,
+  /// by another maker.
   bool add(const Log<Dim>& news);
-  /// The updates that are complete; at the end of the log all that is left. Bad input where a pose cannot be named.
+  /// The updates that are complete; at the end of the log all that is left. Bad input if a pose cannot be named.
   Expected<std::vector<SubmapUpdate<Dim>>> take(bool is_end);
 
  private:
@@ -36,18 +38,18 @@ class SubmapUpdateMaker {
     FeatureId feature;
     FeatureFactor<Dim> observation;
   };
-  /// What has come, and is not in an update yet, as a log of its own, cut.
+  /// The part of the log that is not in an update yet, as a log of its own, with its split.
   struct Window {
     Log<Dim> log;
     Split split;
-    PoseIndex open_begin = 0;  // its poses from here on are not complete
+    PoseIndex open_begin = 0;  // first of the poses that are not complete
   };
 
-  /// Whether the pose is in an update, and no further one begins with it.
+  /// True if the pose is in an update, and no further one begins with it.
   bool is_past(const PoseId& pose) const;
   bool is_kept(const PoseId& pose) const;
   Expected<Window> window(bool is_end) const;
-  /// Takes note of the window's poses up to the open ones.
+  /// Notes the window's poses up to the open ones.
   void note_poses(const Window& window);
   void hand_over_closures(std::vector<SubmapUpdate<Dim>>& updates);
   void forget(const Window& window);
@@ -55,9 +57,9 @@ class SubmapUpdateMaker {
   SplitOptions split_;
   MinimiseOptions solver_;
   std::vector<Edge> edges_;     // between poses that are not past
-  std::vector<Edge> closures_;  // to poses that are
+  std::vector<Edge> closures_;  // to poses that are past
   std::vector<Observation> observations_;
-  std::map<PoseId, bool> is_kept_;  // of the poses up to the last one of an update
+  std::map<PoseId, bool> is_kept_;  // true if kept; for the poses of all updates
   PoseId last_;
 };
 

@@ -8,7 +8,7 @@ namespace mapjoin {
 namespace {
 
 constexpr double kMostOfAGroup = 3.0 * kMostOfAPair;
-/// Rounds of the fixed point, and those in which decisions harden.
+/// Rounds of the fixed-point iteration; in the first kHardening of them decisions harden.
 constexpr int kRounds = 60;
 constexpr double kHardening = 20.0;
 

@@ -16,19 +16,19 @@ double squared_distance(const UncertainPose<Dim>& mismatch) {
   return covariance.info() == Eigen::Success ? v.dot(covariance.solve(v)) : std::numeric_limits<double>::max();
 }
 
-/// A relative pose from the end of a closure that was driven first to the other one, or back again.
+/// Turns a relative pose from base to target into the one from the earlier to the later end of a closure, or back.
 template <int Dim>
 Pose<Dim> turned_forward(const PoseFactor<Dim>& closure, const Pose<Dim>& relative) {
   return closure.base < closure.target ? relative : inverse(relative);
 }
 
-/// How many of the measured relative poses, turned forward, would pass the gate in the place of a closure of this mismatch;
-/// `most` where so many would.
+/// The number of measured relative poses, turned forward, that would pass the gate in the place of a closure whose mismatch has
+/// this covariance; at most `most`, and `most` if the covariance is singular.
 template <int Dim>
 std::size_t count_fitting(const std::vector<Pose<Dim>>& measured, const PoseFactor<Dim>& closure, const Values<Dim>& values,
                           const PoseMatrix<Dim>& covariance, double gate, std::size_t most) {
   const Eigen::LLT<PoseMatrix<Dim>> factor(covariance);
-  if (factor.info() != Eigen::Success) return most;  // nothing is known of what would fit
+  if (factor.info() != Eigen::Success) return most;  // what would fit is unknown
   std::size_t count = 0;
   for (auto other = measured.begin(); other != measured.end() && count < most; ++other) {
     const Pose<Dim> along = turned_forward(closure, *other);
@@ -83,8 +83,8 @@ std::vector<bool> fits_beyond_chance(const ClosureJudgement<Dim>& judgement, std
                          most);
   };
   std::vector<bool> fits(closures.size());
-  std::vector<std::size_t> open;  // beyond the narrow gate
-  std::size_t right = 0;          // that are known to lie there, too
+  std::vector<std::size_t> open;  // between the gates, and not kept
+  std::size_t right = 0;          // number between the gates that are taken as right
   for (std::size_t k = 0; k < closures.size(); ++k) {
     const bool is_kept = judgement.standing[k] == Standing::kKept;
     fits[k] = is_kept || chi2[k] < gates.narrow().closures;

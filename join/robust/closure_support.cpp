@@ -13,23 +13,23 @@
 namespace mapjoin {
 namespace {
 
-/// The variance of a rotation that nothing measured is beyond that of a turn (rad²).
+/// The variance of a whole turn (rad²): a rotation of larger variance is taken as unmeasured.
 constexpr double kAnyTurn = 4.0 * std::numbers::pi * std::numbers::pi;
-/// The odds of a closure of which nothing is known: nine in ten may be wrong.
+/// Prior log-odds of a closure: nine in ten may be wrong.
 const double kPriorOdds = std::log(1.0 / 9.0);
-/// What odometry, or a map, may say against a closure.
+/// Bound on the evidence of odometry, or of a map, against a closure (log-odds).
 constexpr double kMostAgainst = 20.0;
-/// Steps of odometry in a stretch,
+/// Odometry steps in a stretch.
 constexpr std::int32_t kStretch = 25;
-/// and in a loop of two closures: longer ones tell little.
+/// Maximum number of odometry steps in a loop of two closures: longer loops tell little.
 constexpr std::int32_t kLongestLoop = 60;
-/// Of the closures of a cell, the others are compared with so many at most: one a step.
+/// Maximum number of samples of a cell, with which others are compared: one for each step of a stretch.
 constexpr std::size_t kMostOfACell = kStretch;
-/// The scale is found by the loops of this share of the closures, the best supported ones, if there are so many loops.
+/// The share of the closures, the best supported ones, whose loops give the scale if there are at least kLeastLoops.
 constexpr double kBestShare = 0.05;
 constexpr std::size_t kLeastLoops = 100;
-/// It is the quantile of their squared mismatches for this share, over what that should be: most of the loops may be of wrong
-/// closures that bear each other out, but right ones agree most closely.
+/// The quantile of the squared mismatches of these loops that gives the scale: most of them may be of wrong closures that
+/// support each other, but right ones agree most closely.
 constexpr double kClosestShare = 0.1;
 
 }  // namespace
@@ -70,7 +70,7 @@ void ClosureSupport<Dim>::sort_into_cells() {
     sample(std::span(order_).subspan(first_[cell], first_[cell + 1] - first_[cell]));
 }
 
-/// Moves those of a cell that others are compared with to its front; they are spread over it.
+/// Moves the samples of a cell, which are spread over it, to its front.
 template <int Dim>
 void ClosureSupport<Dim>::sample(std::span<std::size_t> cell) {
   const std::size_t samples = std::min(cell.size(), kMostOfACell);
@@ -78,8 +78,8 @@ void ClosureSupport<Dim>::sample(std::span<std::size_t> cell) {
   std::stable_partition(cell.begin(), cell.end(), [&](std::size_t k) { return closures_[k].is_sampled; });
 }
 
-/// The pairs with all later closures that make a loop with this one, of full cells only if one of the two is a sample, cell by
-/// cell.
+/// The pairs of a closure with all of larger index that form a loop with it, cell by cell; in full cells only if one of the two
+/// is a sample.
 template <int Dim>
 std::vector<typename ClosureSupport<Dim>::Pair> ClosureSupport<Dim>::pairs_of(std::size_t closure) const {
   constexpr std::int32_t kReach = kLongestLoop / kStretch + 1;
@@ -102,7 +102,7 @@ std::vector<typename ClosureSupport<Dim>::Pair> ClosureSupport<Dim>::pairs_of(st
   return pairs;
 }
 
-/// From the early end of a to that of b, over b, back to the late end of a, and over a.
+/// The loop from the early end of a to that of b, over b, back to the late end of a, and over a.
 template <int Dim>
 UncertainPose<Dim> ClosureSupport<Dim>::loop(const Closure& a, const Closure& b) const {
   const UncertainPose<Dim> over_b = compose(chain_.relative(a.early, b.early), b.measured);
@@ -213,7 +213,7 @@ Table<PoseIndex, double> ClosureSupport<Dim>::evidence_for_steps(Voices voices) 
   const double least = voices == Voices::kFor ? 0.0 : -kMostOfAPair;
   std::vector<double> right = odds_among_closures([&](std::size_t, const Pair& pair) { return std::max(least, said(pair)); });
   for (double& odds : right) odds = 1.0 / (1.0 + std::exp(-odds));
-  Table<PoseIndex, double> evidence(chain_.pose_count() + 1, 0.0);  // to begin with, how it rises from step to step
+  Table<PoseIndex, double> evidence(chain_.pose_count() + 1, 0.0);  // at first its differences from step to step
   for (std::size_t k = 0; k < closures_.size(); ++k) {
     for (const Pair& pair : pairs_[k]) {
       const Closure &a = closures_[k], &b = closures_[pair.other];

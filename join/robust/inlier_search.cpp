@@ -15,12 +15,12 @@
 namespace mapjoin {
 namespace {
 
-/// Every further map asks for a fraction of the odds of the one before, down to kLeastOdds. But for the last one it is made
-/// only where the closures that the one before did not have are more than a share of those that it had.
+/// The ratio of the least log-odds of one map to those of the next, down to kLeastOdds. Except for the last one a map is made
+/// only if its new closures are more than kLeastGrowth of those of the map before.
 constexpr double kOddsRatio = 3.0;
 constexpr double kLeastGrowth = 0.05;
-/// Times that all closures are tried again: what the first time takes in may bear out others. Were they tried on and on, wrong
-/// ones that lie near would come in one after the other, each borne out by those before.
+/// Times that all closures are tried again: those taken in the first time may support others. More trials would take in wrong
+/// ones that lie near, one after the other, each supported by those before.
 constexpr int kMostTrials = 2;
 
 bool is_outvoted(double odds) {
@@ -42,7 +42,7 @@ class InlierSearch {
         judged_{std::vector(odds_.size(), Standing::kOpen), std::vector(odds_.size(), 0.0), {}, {}},
         observations_count_(screening.observations_count) {}
 
-  /// Maps of ever more closures, from the best supported ones on, without those that would add hardly any. Each judges all
+  /// Makes maps of ever more closures, from the best supported ones on, without those that would add hardly any. Each tests all
   /// closures.
   Expected<void> take_in_by_odds(double first) {
     std::vector<std::size_t> made;
@@ -60,9 +60,9 @@ class InlierSearch {
     }
   }
 
-  /// Few wrong closures that are kept may bend the map so that more right ones are rejected. Takes the largest set of rejected
-  /// closures that were as likely as those of the first map before there was one; what is kept in smaller sets is doubted if
-  /// it is, all together, fewer than that set.
+  /// Flags kept closures to be doubted: a few wrong ones may bend the map so that more right ones are rejected. Takes the
+  /// largest set of rejected closures that were as likely as those of the first map before there was one; the kept closures in
+  /// smaller sets are doubted if all together they are fewer than that set.
   std::vector<bool> outnumbered(double first) const {
     std::vector<bool> are_kept(odds_.size());
     std::vector<bool> are_rivals(odds_.size());
@@ -80,8 +80,8 @@ class InlierSearch {
     return are_fewer ? are_doubted : std::vector<bool>(odds_.size());
   }
 
-  /// Begins again from a map of what is kept without those that are doubted, which tie parts of the log only where nothing else
-  /// does.
+  /// Begins again from a map of the kept closures without the doubted ones, which are used only if nothing else connects parts
+  /// of the log.
   Expected<void> begin_again_without(const std::vector<bool>& are_doubted, double first) {
     std::vector<double> odds = screening_.odds;
     std::vector<bool> are_believed(odds_.size());
@@ -95,8 +95,8 @@ class InlierSearch {
     });
   }
 
-  /// Maps of what is kept and all other closures that pass the widest gate, and not by chance, whatever was said of them
-  /// before: at most kMostTrials, fewer where there are no others, or only those of the last map.
+  /// Makes maps of the kept closures and all others that pass the widest gate beyond chance, whatever their odds: at most
+  /// kMostTrials, fewer if there are no others, or only those of the last map; at least one if there are observations.
   Expected<void> try_all_again() {
     std::vector<std::size_t> made;
     gates_.last = gates_.widest;
@@ -135,8 +135,8 @@ class InlierSearch {
   }
 
  private:
-  /// Closures, ascending, for the next map: those kept, those that are `taken` and, where these leave the log in parts, the
-  /// likeliest others that tie them together.
+  /// The closures for the next map, ascending: the kept ones, those that are `taken` and, if these leave the log in parts, the
+  /// likeliest others that connect them.
   template <typename F>
   std::vector<std::size_t> candidates(F&& taken) const {
     std::vector<bool> is_chosen(odds_.size());
@@ -144,9 +144,9 @@ class InlierSearch {
     return tied_together(log_, odds_, std::move(is_chosen));
   }
 
-  /// Where a map starts: afresh, which takes longer, it ends in a better minimum.
+  /// The start of a map: the last map, or anew, which takes longer but ends in a better minimum.
   enum class From : std::uint8_t { kLastMap, kAnew };
-  /// Makes the map of some closures, and lets it judge all.
+  /// Makes the map of some closures, and tests all closures by it.
   Expected<void> make_map(const std::vector<std::size_t>& chosen, From from = From::kLastMap) {
     if (from == From::kAnew || judged_.values.poses.empty()) {
       auto started = start(chosen);
@@ -172,7 +172,7 @@ class InlierSearch {
     return started_map(selected(log_, chosen, {}), engine_, stop_);
   }
 
-  /// By what the last map says, and closures of each other.
+  /// Finds the odds of closures by the last map and by their agreement with each other.
   void find_odds() {
     for (std::size_t k = 0; k < priors_.size(); ++k) {
       if (!is_kept(k)) priors_[k] = screening_.support.prior(judged_.mismatches[k], gates_.scale.closures);
@@ -184,10 +184,10 @@ class InlierSearch {
 
   bool is_kept(std::size_t closure) const { return judged_.standing[closure] == Standing::kKept; }
 
-  /// Measured rows of a closure.
+  /// The number of measured rows of a closure.
   int rows_of(std::size_t closure) const { return static_cast<int>(information_rank(log_.closures()[closure].information)); }
 
-  /// The closures that are kept and, where these leave the log in parts, the nearest others that tie them together.
+  /// The kept closures and, if these leave the log in parts, the nearest others that connect them.
   std::vector<std::size_t> kept_together() const {
     std::vector<std::size_t> all(odds_.size());
     std::iota(all.begin(), all.end(), std::size_t{0});
@@ -200,7 +200,7 @@ class InlierSearch {
     return tied_together(selected(log_, all, observations_count_), nearness, std::move(are_kept));
   }
 
-  /// Squared, of each observation from its prediction; without a map all the same.
+  /// The squared distance of each observation from its prediction; zeros before the first map.
   std::vector<double> distances_of_observations() const {
     std::vector<double> distances(observations_count_.size());
     for (std::size_t k = 0; k < observation_tests_.size(); ++k) distances[k] = observation_tests_[k].chi2;

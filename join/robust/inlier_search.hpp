@@ -13,24 +13,23 @@
 
 namespace mapjoin {
 
-/// The others are for a closure or observation whose odds (a logarithm) are above this, and against it where they are below
-/// its negative.
+/// Log-odds above which the others support a closure or an observation; below the negative of this they are against it.
 inline constexpr double kLeastOdds = 3.0;
 
-/// What is known of a log before anything is solved: what odometry and closures say of each other, and observations of each
-/// other.
+/// Evidence gathered before anything is solved: how well closures agree with odometry and with each other, and observations
+/// among themselves.
 template <int Dim>
 struct Screening {
   OdometryChain<Dim> chain;
   ClosureSupport<Dim> support;
-  double doubtful_count;  ///< Closures and observations; at least 1.
+  double doubtful_count;  ///< Number of closures and observations; at least 1.
   Gates gates;
-  std::vector<PriorOdds> priors;         ///< Of closures.
-  std::vector<double> odds;              ///< Of closures, logarithms.
-  std::vector<bool> observations_count;  ///< Those that others are for, and one at least of each feature.
-  std::size_t outvoted = 0;              ///< Closures and observations that others are against.
+  std::vector<PriorOdds> priors;         ///< Prior odds of the closures.
+  std::vector<double> odds;              ///< Log-odds of the closures.
+  std::vector<bool> observations_count;  ///< True if others support it, and for at least one of each feature.
+  std::size_t outvoted = 0;              ///< Number of closures and observations that others are against.
 
-  /// Of a log whose odometry is believed; some is missing once a stop is requested. `confidence` as of RobustOptions.
+  /// Screens a log whose odometry is believed; incomplete once a stop is requested. `confidence` as in RobustOptions.
   Screening(const Log<Dim>& log, double confidence, const std::stop_token& stop);
   Screening(const Screening&) = delete;  // `support` refers to `chain`
   Screening& operator=(const Screening&) = delete;
@@ -40,14 +39,14 @@ struct Screening {
   void screen_observations(const Log<Dim>& log);
 };
 
-/// That of two results which rejects fewer, `a` where both reject as many; the other one where one has failed.
+/// The one of two results that rejects fewer, `a` on a tie; the other one if one has failed.
 template <int Dim>
 Expected<Inliers<Log<Dim>>> fewer_rejected(Expected<Inliers<Log<Dim>>> a, Expected<Inliers<Log<Dim>>> b);
 
-/// Maps of ever more closures, from those of at least `first_odds` (a logarithm) down to kLeastOdds, or one map where that is
-/// no more; each judges all of them. At the end all that was rejected is tried again. Where few that are kept are outnumbered
-/// by rejected ones, the search also goes on without them, and the result that rejects fewer is returned. `screening` is of the
-/// same log. Errors as of find_inliers(). Once a stop is requested the result is of no use.
+/// Finds inliers by maps of ever more closures, from log-odds of at least `first_odds` down to kLeastOdds, or by one map if
+/// `first_odds` is no larger; each map tests all closures. At the end all that was rejected is tried again. If a few kept
+/// closures are outnumbered by rejected ones, the search also goes on without them, and the result that rejects fewer is
+/// returned. `screening` is of the same log. Errors as of find_inliers(). Once a stop is requested the result is of no use.
 template <int Dim>
 Expected<Inliers<Log<Dim>>> search_inliers(const Log<Dim>& log, const Screening<Dim>& screening, double first_odds,
                                            Engine engine, const std::stop_token& stop);

@@ -12,7 +12,7 @@
 namespace mapjoin {
 namespace {
 
-/// What a map says of some of its targets, ascending, whatever the others are.
+/// The marginal information of some targets (ascending) of a map.
 template <int Dim>
 Eigen::MatrixXd information_of(const LocalMap<Dim>& map, const std::vector<std::size_t>& targets) {
   std::vector<Eigen::Index> rows;
@@ -26,7 +26,7 @@ Eigen::MatrixXd information_of(const LocalMap<Dim>& map, const std::vector<std::
   return marginal_information(map.information, rows, others);
 }
 
-/// The map without the features at some places.
+/// The map without the features for whose places `is_rejected` is true.
 template <typename F, int Dim>
 LocalMap<Dim> without_features(const LocalMap<Dim>& map, F&& is_rejected) {
   LocalMap<Dim> rest = map;
@@ -44,8 +44,7 @@ LocalMap<Dim> without_features(const LocalMap<Dim>& map, F&& is_rejected) {
   return rest;
 }
 
-/// Takes out of a set what was rejected of the log that it was taken apart to: features of maps, and observations that stand on
-/// their own.
+/// Removes what was rejected of the log of a set from the set: features of maps, and observations that stand on their own.
 template <int Dim>
 Inliers<SubmapSet<Dim>> without(const std::vector<Rejected>& rejected, const TakenApart<Dim>& apart, SubmapSet<Dim> set) {
   Inliers<SubmapSet<Dim>> inliers{std::move(set), {}};

@@ -15,36 +15,36 @@ template <int Dim>
 inline constexpr double kVolumeOfRotations = Dim == 2 ? 2.0 * std::numbers::pi : 8.0 * std::numbers::pi* std::numbers::pi;
 
 /// A relative pose T = Exp(ξ) T̂ with the covariance of ξ, a twist (translation, then rotation) in the frame of the base. In
-/// this form covariances add up along a chain: those of a product a b are Σ_a + Ad(a) Σ_b Ad(a)ᵀ (to first order).
+/// this form covariances add up along a chain: that of a product a b is Σ_a + Ad(a) Σ_b Ad(a)ᵀ (to first order).
 template <int Dim>
 struct UncertainPose {
   Pose<Dim> mean;
   PoseMatrix<Dim> covariance = PoseMatrix<Dim>::Zero();
 };
 
-/// The matrix Ad of a pose: T Exp(ξ) = Exp(Ad ξ) T.
+/// The adjoint matrix Ad of a pose: T Exp(ξ) = Exp(Ad ξ) T.
 template <int Dim>
 PoseMatrix<Dim> adjoint(const Pose<Dim>& pose);
 template <int Dim>
 UncertainPose<Dim> compose(const UncertainPose<Dim>& a, const UncertainPose<Dim>& b);
 template <int Dim>
 UncertainPose<Dim> inverse(const UncertainPose<Dim>& a);
-/// The inverse of the information of an observation; of what it does not measure large, but finite.
+/// The inverse of the information of an observation; large, but finite, in directions that it does not measure.
 template <int Size>
 Matrix<Size> covariance_of(const Matrix<Size>& information) {
-  constexpr double kLeastInformation = 1e-9;  // what is not measured is taken to be, with this share of the largest
+  constexpr double kLeastInformation = 1e-9;  // share of the largest that is added in every direction
   Matrix<Size> W = information;
   const double most = W.diagonal().maxCoeff();
   W.diagonal().array() += kLeastInformation * (most > 0.0 ? most : 1.0);
   return W.llt().solve(Matrix<Size>::Identity());
 }
-/// The measurement of an observation.
+/// The relative pose that an observation measures, with its covariance.
 template <int Dim>
 UncertainPose<Dim> uncertain(const PoseFactor<Dim>& observation);
-/// The measurement of an edge from the pose that was driven first to the other one.
+/// The measurement of an edge, turned to lead from its earlier pose to its later one.
 template <int Dim>
 UncertainPose<Dim> forwards(const PoseFactor<Dim>& edge);
-/// One relative pose measured twice, independently: the mean by their information (to first order).
+/// The fusion of two independent measurements of one relative pose, weighted by their information (to first order).
 template <int Dim>
 UncertainPose<Dim> fused(const UncertainPose<Dim>& a, const UncertainPose<Dim>& b);
 
@@ -55,12 +55,12 @@ class OdometryChain {
   explicit OdometryChain(const Log<Dim>& log);
 
   std::size_t pose_count() const { return poses_.size(); }
-  /// Whether odometry leads from one pose to the other.
+  /// True if odometry connects two poses.
   bool is_tied(PoseIndex a, PoseIndex b) const { return sessions_[a] == sessions_[b]; }
-  /// `target` in the frame of `base`; they must be tied.
+  /// The pose `target` in the frame of `base`, with its covariance; they must be tied.
   UncertainPose<Dim> relative(PoseIndex base, PoseIndex target) const;
-  /// The volume that relative poses between poses of the log may lie in: of the box around the largest session (m, at least 1
-  /// along every axis) times that of all rotations.
+  /// The volume of relative poses between poses of the log: the box around the largest session (m, at least 1 along every axis)
+  /// times all rotations.
   double volume() const;
 
  private:

@@ -9,7 +9,7 @@
 namespace mapjoin {
 namespace {
 
-/// Closures, by their places, that begin at one pose.
+/// The closures (by place) from one base, and their targets.
 struct OfBase {
   std::vector<std::size_t> closures;
   std::vector<Variable> targets;
@@ -41,7 +41,7 @@ std::vector<UncertainPose<Dim>> mismatches(const JoiningSystem<Dim>& system, con
     mismatches[k] = {retract(Pose<Dim>{}, r), are_near[k] ? PoseMatrix<Dim>(own + of_ends) : most};
   });
 
-  std::map<Variable, OfBase> by_base;  // what is near and has ends that may be correlated
+  std::map<Variable, OfBase> by_base;  // near closures whose ends may be correlated
   for (std::size_t k = 0; k < closures.size(); ++k) {
     const Variable base = system.variable(closures[k].base);
     const Variable target = system.variable(closures[k].target);

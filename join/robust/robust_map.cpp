@@ -8,17 +8,17 @@
 namespace mapjoin {
 namespace {
 
-/// Steps of the join that a map starts from: truncated losses go on from there.
+/// Steps of the join from which a map starts: truncated losses go on from there.
 constexpr int kStartSteps = 1;
 
-/// How closely the closures that count fit.
+/// The scale at which the closures that count fit.
 template <int Dim>
 double scale_of_closures(const TruncatedJoin<Dim>& join) {
   return scale_of(join.counting_closure_tests(), kPoseDof<Dim>);
 }
 
-/// Drops the farthest observations and all closures that are beyond their gates. That of closures is found anew from those that
-/// remain, until all are within it.
+/// Drops the farthest observations and all closures beyond their gates; that of closures is found anew from those that remain,
+/// until all are within it. True if any were dropped.
 template <int Dim>
 bool drop_misfits(TruncatedJoin<Dim>& join, Gates& gates) {
   bool any = join.drop_observations(gates.now().observations);
@@ -29,7 +29,7 @@ bool drop_misfits(TruncatedJoin<Dim>& join, Gates& gates) {
   return any;
 }
 
-/// Those of observations; no closure passes.
+/// The gates at which observations pass, and no closure does.
 OfKinds gates_of_observations(const Gates& gates) {
   return {0.0, gates.now().observations};
 }
@@ -42,7 +42,7 @@ Expected<Values<Dim>> started_map(Log<Dim> log, Engine engine, const std::stop_t
   auto& edges = log.graph.pose_factors;
   std::for_each(edges.begin(), edges.begin() + odometry, complete_weakly<Dim>);
   std::for_each(edges.begin() + odometry, edges.end(), [](PoseFactor<Dim>& edge) {
-    if (measures_rotation(edge) && measures_position(edge)) complete_weakly(edge);  // else it says nothing of the rest
+    if (measures_rotation(edge) && measures_position(edge)) complete_weakly(edge);  // otherwise the rest stays unmeasured
   });
   RunOptions options = without_verdict();
   options.schedule = Schedule::kAligned;
@@ -56,7 +56,7 @@ Expected<Values<Dim>> started_map(Log<Dim> log, Engine engine, const std::stop_t
 template <int Dim>
 Expected<void> settle(TruncatedJoin<Dim>& join, Gates& gates, const std::string& source, const std::stop_token& stop) {
   join.graduate(gates.now(), stop);
-  bool are_readmitted = false;  // those that were dropped only because something wrong bent the map
+  bool are_readmitted = false;  // true once those dropped only because outliers bent the map are back
   bool is_dropping = false;     // the last round has dropped some, and a step is enough for this one
   for (bool is_first = true;; is_first = false) {
     if (is_dropping) {

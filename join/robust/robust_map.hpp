@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
-// One map of a log some of whose measurements are wrong: its start, and what counts in it.
+// One map of a log with outliers: its start, and which measurements count in it.
 
 #include <mapjoin/join/robust/truncated_join.hpp>
 #include <mapjoin/model/error.hpp>
@@ -10,24 +10,23 @@
 
 namespace mapjoin {
 
-/// How far from its prediction a measurement may be (squared Mahalanobis distance) and still count.
+/// Gates on the squared Mahalanobis distance of a measurement from its prediction: within them it may count.
 struct Gates {
-  OfKinds widest;               ///< What the confidence allows.
-  OfKinds scale{1.0, 1.0};      ///< How closely what is right fits, as a share of that; see scale_of().
-  std::optional<OfKinds> last;  ///< In place of the narrow ones, where all are tried again.
+  OfKinds widest;               ///< The gates of the confidence.
+  OfKinds scale{1.0, 1.0};      ///< How closely inliers fit, as a share of the widest gates; see scale_of().
+  std::optional<OfKinds> last;  ///< Used in place of the narrow ones when all are tried again.
 
   OfKinds narrow() const { return {scale.closures * widest.closures, scale.observations * widest.observations}; }
   OfKinds now() const { return last.value_or(narrow()); }
 };
 
-/// A first estimate of a log, by a join; its errors are those of run(), but that edges may leave directions free.
+/// A first estimate of a log, by a join. Errors are those of run(), except that edges may leave directions undetermined.
 template <int Dim>
 Expected<Values<Dim>> started_map(Log<Dim> log, Engine engine, const std::stop_token& stop);
 
-/// Brings a join to where all that counts passes its tests. Observations that do not count and pass theirs are let in again at
-/// the first estimate, and once more when nothing is left to drop; with `gates.last` closures are this second time, too. Finds
-/// the scale of `gates`. Bad input, which names `source`, where what counts leaves something free to move; kInterrupted on
-/// `stop`.
+/// Settles a join where all that counts passes its tests. Observations that do not count and pass theirs are readmitted at the
+/// first estimate, and once more when nothing is left to drop; with `gates.last` closures are, too, this second time. Finds the
+/// scale of `gates`. kBadInput, which names `source`, if what counts leaves something undetermined; kInterrupted on stop.
 template <int Dim>
 Expected<void> settle(TruncatedJoin<Dim>& join, Gates& gates, const std::string& source, const std::stop_token& stop);
 

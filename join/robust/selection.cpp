@@ -16,7 +16,7 @@ Vertex vertex(PoseIndex pose) {
   return pose == kWorld ? kWorldVertex : static_cast<Vertex>(1 + pose.value);
 }
 
-/// What ties the log together besides closures: the World, then poses, then features, are vertices.
+/// The edges between poses and features of a log besides closures; the vertices are the World, then poses, then features.
 template <int Dim>
 std::vector<Edge> ties_without_closures(const Log<Dim>& log) {
   std::vector<Edge> edges;
@@ -29,7 +29,7 @@ std::vector<Edge> ties_without_closures(const Log<Dim>& log) {
   return edges;
 }
 
-/// The sessions that a closure ties.
+/// The sessions that a closure connects.
 using Sessions = std::pair<std::uint32_t, std::uint32_t>;
 template <int Dim>
 Sessions sessions_of(const Log<Dim>& log, const PoseFactor<Dim>& closure) {
@@ -65,7 +65,7 @@ std::vector<std::size_t> tied_together(const Log<Dim>& log, const std::vector<do
   const std::size_t first = edges.size();
   for (const std::size_t k : closures) edges.emplace_back(vertex(log.closures()[k].base), vertex(log.closures()[k].target));
   const std::size_t vertices = 1 + log.poses.size() + log.features.size();
-  std::set<Sessions> met;  // that nothing but robots which see each other tie
+  std::set<Sessions> met;  // sessions connected only by robots that see each other
   for (const Reached& reached : spanning_forest(vertices, edges, {vertex(0), kWorldVertex})) {
     if (!reached.edge || *reached.edge < first) continue;
     const std::size_t k = closures[*reached.edge - first];

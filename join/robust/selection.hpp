@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
-// Parts of a log that its measurements still tie together.
+// Selections of the closures and observations of a log that leave it connected.
 
 #include <cstddef>
 #include <mapjoin/model/log.hpp>
@@ -8,17 +8,18 @@
 
 namespace mapjoin {
 
-/// The log with some of its closures, ascending, and some of its observations; with all of these where the flags are empty.
+/// The log with some of its closures (ascending) and some of its observations; with all of its observations if the flags are
+/// empty.
 template <int Dim>
 Log<Dim> selected(const Log<Dim>& log, const std::vector<std::size_t>& closures, const std::vector<bool>& observations);
 
-/// The closures that are chosen, ascending, and, where these leave the log in parts, those of the others with the largest odds
-/// that tie them together. Observations and priors tie, too. One robot that sees another does not say how that is turned: where
-/// nothing else ties two sessions, all such closures between them are taken.
+/// The chosen closures, ascending, and, if these leave the log in parts, those of the others with the largest odds that connect
+/// them. Observations and priors connect, too. One robot that sees another does not measure its rotation: if nothing else
+/// connects two sessions, all such closures between them are taken.
 template <int Dim>
 std::vector<std::size_t> tied_together(const Log<Dim>& log, const std::vector<double>& odds, std::vector<bool> is_chosen);
 
-/// Sets the flag of one observation of each feature that has none: of that with the smallest number in `against`.
+/// Sets the flag of one observation of each feature that has none: the one with the smallest number in `against`.
 template <int Dim>
 void keep_one_of_each_feature(const Log<Dim>& log, const std::vector<double>& against, std::vector<bool>& observations);
 

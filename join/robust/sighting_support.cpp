@@ -7,17 +7,17 @@
 namespace mapjoin {
 namespace {
 
-/// Steps between two observations that are compared, and how many of the next ones an observation is compared with.
+/// An observation is compared with at most kMostCompared next ones of its feature, at most kFarthest steps away.
 constexpr std::int32_t kFarthest = 60;
 constexpr std::size_t kMostCompared = 20;
-/// Steps in which observations may be mistaken together.
+/// Steps in a stretch, in which observations may be wrong together.
 constexpr std::int32_t kStretch = 25;
 
 template <int Dim>
 double evidence_of(const OdometryChain<Dim>& chain, const FeatureFactor<Dim>& a, const FeatureFactor<Dim>& b, double volume) {
   const UncertainPose<Dim> between = chain.relative(a.base, b.base);
   const Point<Dim> by_b = transform(between.mean, b.measured);
-  PointPoseMatrix<Dim> J = PointPoseMatrix<Dim>::Zero();  // of a position with respect to a twist of its frame
+  PointPoseMatrix<Dim> J = PointPoseMatrix<Dim>::Zero();  // Jacobian of a position with respect to a twist of its frame
   J.template leftCols<Dim>().setIdentity();
   J.template rightCols<kRotationDof<Dim>>() = J_turned_rotation(by_b);
   const PointMatrix<Dim> R = between.mean.rotation.matrix();

@@ -13,21 +13,21 @@
 namespace mapjoin {
 namespace {
 
-/// Steps with all that count, before losses are cut off at all,
+/// Steps with all that count, before losses are truncated.
 constexpr int kFirstSteps = 5;
-/// and of a round: the next loss asks for no more.
+/// Steps of a round of graduated non-convexity: the next loss asks for no more.
 constexpr int kStepsARound = 2;
-/// It ends before a truncated loss of this share: of what is near the threshold, tests drop what does not fit, and later maps
-/// take in what does.
+/// Graduated non-convexity ends before this share of the truncated loss: near the threshold, tests drop what does not fit, and
+/// later maps take in what does.
 constexpr double kEndShare = 0.6;
-/// Decrease of chi2 (share) that a settled estimate is good for.
+/// The relative decrease of chi2 at which an estimate is settled.
 constexpr double kSettled = 1e-6;
-/// What may be left free stays where it is by this share of the information of what is measured there.
+/// The information of weak priors on what may be undetermined, as a share of the information measured there.
 constexpr double kWeakShare = 1e-9;
-/// Of observations beyond their threshold only those with at least this share of the largest chi2 are dropped at once: a wrong
-/// one pulls its feature away from the right ones, which then seem wrong, too.
+/// Only observations with at least this share of the largest chi2 are dropped at once: an outlier pulls its feature away from
+/// the inliers, which then seem wrong, too.
 constexpr double kDroppedShare = 0.5;
-/// What does not count.
+/// The loss of a factor that does not count.
 constexpr Loss kDropped{0.0, 0.0};
 
 }  // namespace
@@ -67,8 +67,8 @@ void TruncatedJoin<Dim>::find_factors() {
   find(system_->feature_factors(), log_.observations(), closure_count());
 }
 
-/// Holds the map where nothing else does and, weakly, what those that count may leave free: starts of sessions, features, and
-/// directions that an edge does not measure.
+/// Fixes the gauge if nothing else does, and weakly holds what the factors that count may leave undetermined: starts of
+/// sessions, features, and directions that an edge does not measure.
 template <int Dim>
 void TruncatedJoin<Dim>::take_weak_priors(const Values<Dim>& start) {
   const bool is_held = !log_.graph.fixed.empty() || !log_.pose_priors().empty() || !log_.feature_priors().empty();
@@ -93,7 +93,7 @@ void TruncatedJoin<Dim>::take_weak_priors(const Values<Dim>& start) {
   }
 }
 
-/// f(a doubtful factor, its number, its kind).
+/// Calls f(doubtful factor, its number, its kind) for each.
 template <int Dim>
 template <typename F>
 void TruncatedJoin<Dim>::for_each_doubtful(F&& f) {

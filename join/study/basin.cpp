@@ -14,7 +14,7 @@
 namespace mapjoin {
 namespace {
 
-/// A problem to be solved in each way from each start.
+/// A problem to be solved by each method from each start.
 struct Subject {
   Covariance covariance = Covariance::kOriginal;
   bool is_joining = false;
@@ -42,7 +42,7 @@ Subject full_slam(const std::shared_ptr<const Log<Dim>>& log, const std::stop_to
           [log, stop](const RunOptions& options) { return outcome(solve(*log, options, stop)); }};
 }
 
-/// Local maps are built once for all cells.
+/// The subject of joining, whose local maps are built once for all cells.
 template <int Dim>
 Expected<Subject> joining(const std::shared_ptr<const Log<Dim>>& log, Split parts, const std::optional<SplitOptions>& given,
                           const std::stop_token& stop) {
@@ -78,7 +78,7 @@ BasinRun solved(const Subject& subject, const BasinCell& cell, std::size_t run, 
   return subject.solve(solving);
 }
 
-/// The cells of one subject, their runs yet to be made.
+/// The cells of one subject, with runs yet to be made.
 std::vector<BasinCell> cells_of(const Subject& subject, int seeds) {
   std::vector<BasinCell> cells;
   for (const JoinedState state : {JoinedState::kAbsolute, JoinedState::kRelative}) {
@@ -93,7 +93,7 @@ std::vector<BasinCell> cells_of(const Subject& subject, int seeds) {
   return cells;
 }
 
-/// The best chi2 per covariance, of `others` by subject and of all cells; marks the runs that end there.
+/// Finds the best chi2 per covariance, of `others` (one per subject) and of all cells, and marks the runs that reach it.
 void judge(const Subjects& subjects, const std::vector<BasinRun>& others, Basin& basin) {
   std::map<Covariance, double> best;
   const auto offer = [&](Covariance covariance, double chi2) {
@@ -113,7 +113,7 @@ void judge(const Subjects& subjects, const std::vector<BasinRun>& others, Basin&
   }
 }
 
-/// Every run of every cell, and one per subject by the default schedule, for what is the optimum.
+/// Solves every run of every cell and, to find the optimum, each subject by the default schedule.
 Expected<Basin> basin_of(const Subjects& subjects, const BasinOptions& options, const std::stop_token& stop) {
   Basin basin;
   std::vector<BasinRun> by_default(subjects.size());
@@ -147,7 +147,7 @@ Expected<Basin> basin_of(const Subjects& subjects, const BasinOptions& options, 
   return basin;
 }
 
-/// Full SLAM, then joining along each of the splits.
+/// The subjects of a log: with each covariance full SLAM, then joining along each of the splits.
 template <int Dim>
 Expected<Subjects> subjects_of(const Log<Dim>& log, const std::vector<std::pair<Split, std::optional<SplitOptions>>>& splits,
                                const std::stop_token& stop) {

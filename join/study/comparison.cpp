@@ -31,7 +31,7 @@ std::vector<PoseErrorSummary> span_errors(const std::vector<Pose<Dim>>& estimate
   return errors;
 }
 
-/// The estimate and the truth at the poses that are known of it.
+/// The estimate and the truth at the poses that are known of the truth.
 template <int Dim>
 std::pair<std::vector<Pose<Dim>>, std::vector<Pose<Dim>>> known_poses(const Table<PoseIndex, Pose<Dim>>& estimate,
                                                                       const Truth<Dim>& truth) {
@@ -67,7 +67,7 @@ Expected<RunResult<Dim>> map_by(const Log<Dim>& log, const ComparedCase& way, co
   return way.is_full_slam() ? solve(log, run_as, stop) : run(log, run_as, stop);
 }
 
-/// Works through a case and keeps its maps.
+/// Runs a case and keeps its maps.
 template <int Dim>
 Expected<CaseFigures> take(const Log<Dim>& log, const ComparedCase& way, const ComparisonOptions<Dim>& options,
                            const std::stop_token& stop, CaseMaps<Dim>& maps) {
@@ -90,7 +90,7 @@ Expected<CaseFigures> take(const Log<Dim>& log, const ComparedCase& way, const C
   return figures;
 }
 
-/// Nothing where no case gives a map.
+/// The case of least chi2; nullopt if no case gives a map.
 std::optional<std::size_t> least_chi2(const std::vector<CaseFigures>& cases) {
   std::optional<std::size_t> best;
   for (std::size_t k = 0; k < cases.size(); ++k) {
@@ -100,7 +100,7 @@ std::optional<std::size_t> least_chi2(const std::vector<CaseFigures>& cases) {
   return best;
 }
 
-/// Fills in how far an estimate is from the best one and from the truth.
+/// Fills in the differences of an estimate from the best one and from the truth.
 template <int Dim>
 void measure(const GlobalMap<Dim>& map, const GlobalMap<Dim>& best, const std::vector<std::size_t>& spans,
              const Truth<Dim>* truth, EstimateFigures& figures) {

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
-// Joining beside full SLAM on the same data (paper's VI): what each way to the map costs, and how far its map is from the best.
+// The comparison of joining with full SLAM on the same data (paper's VI): the cost of each case, and the distance of its map
+// from the best one.
 
 #include <cstdint>
 #include <functional>
@@ -19,65 +20,64 @@
 
 namespace mapjoin {
 
-/// One way from a log to its map.
+/// One way of computing the map of a log.
 struct ComparedCase {
-  int poses_per_map = 1;  ///< Steps of a local map. 1 is full SLAM: the join of one-step maps, with nothing to polish.
+  int poses_per_map = 1;  ///< Steps per local map; 1 is full SLAM, the join of one-step maps with nothing to polish.
   JoinedState state = JoinedState::kAbsolute;
   Schedule schedule = Schedule::kTree;
-  bool gradual = false;  ///< The batch schedule by continuation.
+  bool gradual = false;  ///< True for the batch schedule by continuation.
 
   bool is_full_slam() const { return poses_per_map == 1; }
   Formulation formulation() const { return {!is_full_slam(), state}; }
   bool operator==(const ComparedCase&) const = default;
 };
 
-/// "aligned", "tree", "sequential", "batch" or "gradual batch".
+/// The schedule in words: "aligned", "tree", "sequential", "batch" or "gradual batch".
 std::string schedule_in_words(const ComparedCase& way);
-/// "full SLAM, absolute, batch", "joining, relative, maps of 20 steps, gradual batch".
+/// The case in words: "full SLAM, absolute, batch", "joining, relative, maps of 20 steps, gradual batch".
 std::string to_string(const ComparedCase& way);
 
-/// Full SLAM, at once from the composed start and along the tree, only aligned or solved on the way, then joining with each
-/// number of steps per map, along the tree likewise, map by map and at once; each in the absolute and in the relative state, in
-/// the latter also gradually.
+/// The cases to compare: full SLAM aligned, along the tree and by batch, then joining with each number of steps per map, by
+/// these schedules and sequentially; each in the absolute and the relative state, in the latter also by gradual batch.
 std::vector<ComparedCase> compared_cases(const std::vector<int>& poses_per_map);
 
-/// How far it is from the truth, over the poses that are known of it.
+/// The distance of a map from the truth, over the poses that are known of it.
 struct TruthDistance {
-  PoseErrorSummary absolute;            ///< After alignment: ATE.
-  std::vector<PoseErrorSummary> spans;  ///< By Comparison::spans; a span counts known poses.
+  PoseErrorSummary absolute;            ///< Absolute trajectory error (ATE), after alignment.
+  std::vector<PoseErrorSummary> spans;  ///< Relative pose errors by Comparison::spans; a span counts known poses.
 };
 
-/// An estimate of the whole log.
+/// The figures of an estimate of the whole log.
 struct EstimateFigures {
   double chi2 = 0.0;
-  MapDifference from_best;                   ///< From the best map, as they stand,
-  std::vector<PoseErrorSummary> best_spans;  ///< and in relative poses, by Comparison::spans.
+  MapDifference from_best;                   ///< Difference from the best map, without alignment.
+  std::vector<PoseErrorSummary> best_spans;  ///< Differences of relative poses from the best map, by Comparison::spans.
   std::optional<TruthDistance> from_truth;
 };
 
-/// What came of one case, whatever the dimension.
+/// The figures of one case that do not depend on the dimension.
 struct CaseFigures {
   ComparedCase way;
-  std::string failure;  ///< Why there is no map, in a sentence; empty where there is one, and else all that is known.
+  std::string failure;  ///< Reason why there is no map, in a sentence, and then the only result; empty if there is a map.
   RunFigures run;
   Effort effort;
-  EstimateFigures joined;     ///< Joined and recovered; of full SLAM, as the next.
-  EstimateFigures polished;   ///< The final one.
-  bool reaches_best = false;  ///< It converged, to the least chi2 of all cases (to 1e-6 of it).
+  EstimateFigures joined;     ///< The joined and recovered estimate; for full SLAM the same as `polished`.
+  EstimateFigures polished;   ///< The final estimate.
+  bool reaches_best = false;  ///< True if it converged to the least chi2 of all cases, to 1e-6 of it.
 
   bool has_map() const { return failure.empty(); }
-  /// Of the last join, with those of the path to it. Joins below the last one are not counted.
+  /// Iterations of the last join and of the path to it; joins before the last one are not counted.
   int join_iterations() const { return run.join.iterations + run.path_iterations(); }
   int polish_iterations() const { return run.polish ? run.polish->iterations : 0; }
 };
 
 struct ComparisonFigures {
-  std::vector<std::size_t> spans;  ///< In steps: 1, 2, 5, 10, …, as far as the log goes.
+  std::vector<std::size_t> spans;  ///< Spans of relative errors in steps: 1, 2, 5, 10, …, as far as the log goes.
   std::vector<CaseFigures> cases;
   std::size_t best = 0;  ///< The case whose map has the least chi2; the first of equals.
 };
 
-/// The maps of a case, empty where it gives none.
+/// The maps of a case; empty if it gives none.
 template <int Dim>
 struct CaseMaps {
   GlobalMap<Dim> joined;
@@ -86,22 +86,22 @@ struct CaseMaps {
 
 template <int Dim>
 struct Comparison : ComparisonFigures {
-  std::vector<CaseMaps<Dim>> maps;  ///< By case.
+  std::vector<CaseMaps<Dim>> maps;  ///< Maps by case.
 };
 
 template <int Dim>
 struct ComparisonOptions {
   std::vector<ComparedCase> cases;
-  MinimiseOptions solver;              ///< Of every case.
-  const Truth<Dim>* truth = nullptr;   ///< By the indices of the log; at least two poses of it.
-  std::size_t most_sequential = 2000;  ///< Maps that are joined one by one; more take too long, and the case says so.
-  /// Called with a case before it begins, by its number.
+  MinimiseOptions solver;              ///< Solver of every case.
+  const Truth<Dim>* truth = nullptr;   ///< Truth by the indices of the log, with at least two poses; null if unknown.
+  std::size_t most_sequential = 2000;  ///< Largest number of maps joined one by one; a case with more is not tried.
+  /// Called with the number of a case before it begins.
   std::function<void(std::size_t)> progress;
 };
 
-/// Works through the cases one after the other, so that each has the machine to itself. A case that gives no map says why; bad
-/// input where none gives one, or the log falls apart; kInterrupted on `stop`. But for Effort and RunFigures::seconds, the same
-/// for any number of threads. Throws std::invalid_argument without cases, or with one of no steps per map.
+/// Runs the cases one after the other, so that each has the machine to itself. A case that gives no map says why; bad input if
+/// none gives one, or the log is not connected; kInterrupted on `stop`. The result is the same for any number of threads,
+/// except for Effort and RunFigures::seconds. Throws std::invalid_argument without cases, or with one of no steps per map.
 template <int Dim>
 Expected<Comparison<Dim>> compare(const Log<Dim>& log, const ComparisonOptions<Dim>& options, const std::stop_token& stop = {});
 

@@ -16,14 +16,14 @@
 namespace mapjoin {
 namespace {
 
-/// Of the whole submap graph.
+/// A pair of states of the whole submap graph.
 template <int Dim>
 struct Pair {
   Values<Dim> X;
   Values<Dim> Y;
 };
 
-/// What the default method finds: the reference for headings, and F*.
+/// The best estimate, by the default method: the reference for headings, and F*.
 template <int Dim>
 struct Best {
   Values<Dim> state;  // of the whole submap graph
@@ -38,7 +38,8 @@ Values<Dim> restricted(const Values<Dim>& all, const PartialMap<Dim>& partial) {
   return part;
 }
 
-/// The composed start of all that a submap graph joins, with the first pose at `origin` where the World says nothing.
+/// The composed start of the joined state of a submap graph, with the first pose at `origin` if neither priors nor fixed poses
+/// place it.
 template <int Dim>
 PartialMap<Dim> composed_start(const SubmapGraph<Dim>& graph, const Pose<Dim>& origin) {
   PartialMap<Dim> joined_map = joined_map_of(graph);
@@ -47,7 +48,7 @@ PartialMap<Dim> composed_start(const SubmapGraph<Dim>& graph, const Pose<Dim>& o
   return joined_map;
 }
 
-/// One of the two least-squares problems, full SLAM or joining, ready to be looked at.
+/// One of the two least-squares problems, full SLAM or joining, ready to be evaluated.
 template <int Dim>
 class PosedProblem {
  public:
@@ -61,7 +62,7 @@ class PosedProblem {
   PosedProblem(const PosedProblem&) = delete;
   PosedProblem& operator=(const PosedProblem&) = delete;
 
-  /// The states that the options ask for, over the whole submap graph.
+  /// The pairs of states that the options ask for, over the whole submap graph.
   std::vector<Pair<Dim>> drawn_pairs(const ConvexityOptions& options) {
     const StateSampler<Dim> sampler(options.source, options.spread, composed_, join_, best_part_);
     const auto state = [&](std::size_t number) {
@@ -131,7 +132,7 @@ class PosedProblem {
   PartialMap<Dim> composed_;
   JoiningSystem<Dim> join_;
   Best<Dim> best_;
-  Values<Dim> best_part_;  // of what is posed
+  Values<Dim> best_part_;  // of the joined state alone
   bool is_joining_;
 };
 

@@ -5,12 +5,12 @@
 namespace mapjoin {
 namespace {
 
-/// φ̂ - (φ_t - φ_b).
+/// The heading residual φ̂ - (φ_t - φ_b), not wrapped.
 double plain_residual(const Pose<2>& measured, const Pose<2>& base, const Pose<2>& target) {
   return measured.rotation.angle() - (target.rotation.angle() - base.rotation.angle());
 }
 
-/// What wraps it.
+/// The turns that wrap the heading residual (rad); 0 in space.
 double turns(const Pose<2>& measured, const Pose<2>& base, const Pose<2>& target) {
   const double plain = plain_residual(measured, base, target);
   return wrap_angle(plain) - plain;

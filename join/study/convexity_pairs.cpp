@@ -7,7 +7,8 @@
 namespace mapjoin {
 namespace {
 
-/// S with S Sᵀ = W⁻¹; what W does not measure has no deviation. W is scaled to a unit diagonal: metres and radians weigh alike.
+/// S with S Sᵀ = W⁻¹, zero in directions that W does not measure. W is scaled to a unit diagonal, so that metres and radians
+/// weigh alike.
 Eigen::MatrixXd deviation(const Eigen::MatrixXd& W) {
   constexpr double kZero = 1e-9;  // as for the rank of W
   const Eigen::VectorXd diagonal = W.diagonal();

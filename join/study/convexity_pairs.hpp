@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
-// The random states between which the objective is looked at.
+// The random states between which the objective is evaluated.
 
 #include <cstdint>
 #include <mapjoin/join/align/partial_map.hpp>
@@ -13,15 +13,15 @@ namespace mapjoin {
 
 enum class StateSource : std::uint8_t {
   kBox,    ///< Start::kRandom: positions uniform over the bounding box of the composed start, rotations uniform.
-  kDrift,  ///< Composed along the spanning tree from measurements with errors of their own stated covariance, times a factor².
+  kDrift,  ///< Composed along the spanning tree from measurements with errors of their stated covariance times `spread`².
 };
 
 constexpr auto enum_names(StateSource) {
   return std::to_array<EnumName<StateSource>>({{StateSource::kBox, "box"}, {StateSource::kDrift, "drift"}});
 }
 
-/// Draws states of one joining system. Headings are within half a turn of those of `reference` (box), or have turned with the
-/// errors (drift).
+/// Draws random states of one joining system. Headings are within half a turn of those of `reference` (kBox), or have turned
+/// with the errors (kDrift).
 template <int Dim>
 class StateSampler {
  public:
@@ -29,7 +29,7 @@ class StateSampler {
   StateSampler(StateSource source, double spread, const PartialMap<Dim>& composed, const JoiningSystem<Dim>& system,
                const Values<Dim>& reference);
 
-  /// The same seed gives the same state.
+  /// A random state; the same seed gives the same one.
   Values<Dim> draw(std::uint64_t seed) const;
 
  private:

@@ -12,7 +12,8 @@
 namespace mapjoin {
 namespace {
 
-/// Which relations are coordinates of the state: from which pose each pose and feature is measured, and in which direction.
+/// The linearity of rows, by the relations that are coordinates of the state: the pose that each pose and feature is measured
+/// from, and the direction.
 template <int Dim>
 class Linearity {
  public:
@@ -24,7 +25,7 @@ class Linearity {
     features_ = std::move(tree.features);
   }
 
-  /// Whether all rows of a pose seen from `base` are linear.
+  /// True if all rows of a pose seen from `base` are linear.
   bool of_pose(PoseIndex base, PoseIndex target) const {
     if (state_ == JoinedState::kAbsolute) return is_still(base);
     return hangs(target, base, false) || (base != kWorld && hangs(base, target, true));
@@ -38,8 +39,8 @@ class Linearity {
  private:
   bool is_still(PoseIndex pose) const { return system_.variable(pose) == kConstant; }
 
-  /// Whether the relation of `child` is with `parent`, measured from the child or from the parent. From one still pose it is as
-  /// linear as from another.
+  /// True if the relation of `child` is with `parent`, measured from the child or from the parent as `from_child` says.
+  /// Constant poses are interchangeable as parents.
   bool hangs(PoseIndex child, PoseIndex parent, bool from_child) const {
     if (is_still(child)) return is_still(parent);
     const auto& edge = poses_[child];
@@ -49,18 +50,18 @@ class Linearity {
 
   const JoiningSystem<Dim>& system_;
   JoinedState state_;
-  Table<PoseIndex, std::optional<TreeEdge<PoseIndex>>> poses_;  // by place; none where held
+  Table<PoseIndex, std::optional<TreeEdge<PoseIndex>>> poses_;  // by place; nullopt if anchored
   Table<FeatureIndex, TreeEdge<FeatureIndex>> features_;
 };
 
-/// The rows of one observation or map: their Jacobian with respect to its variables that are free, and which are linear.
+/// The rows of one observation or map: their Jacobian over its free variables, and the linear ones among them.
 template <int Dim>
 struct Rows {
   static constexpr int kDof = kPoseDof<Dim>;
 
   std::vector<Variable> free;
-  std::vector<Eigen::Index> begin;  // of the columns of each variable, the base's first; -1 where it is constant
-  std::size_t targets = 0;          // whose rows are there
+  std::vector<Eigen::Index> begin;  // first column of each variable, the base first; -1 if it is constant
+  std::size_t targets = 0;          // number of targets whose rows have been added
   Eigen::MatrixXd J;
   std::vector<Eigen::Index> linear;
   std::vector<Eigen::Index> other;
@@ -75,7 +76,7 @@ struct Rows {
     }
     J.setZero(o.W.rows(), columns);
   }
-  /// The rows of the next target. In the plane its heading's is linear in any case.
+  /// Adds the rows of the next target. In the plane the row of its heading is linear in any case.
   template <int Dof>
   void add(const LinearTarget<Dim, Dof>& target, bool is_linear) {
     const Eigen::Index own = begin[++targets];

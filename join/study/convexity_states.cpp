@@ -5,7 +5,7 @@
 namespace mapjoin {
 namespace {
 
-/// The step between two rotations, headings being real numbers.
+/// The step between two rotations; headings are real numbers.
 RotationVector<2> difference(const Rotation<2>& from, const Rotation<2>& to) {
   return RotationVector<2>(to.angle() - from.angle());
 }
@@ -20,7 +20,7 @@ PoseVector<Dim> difference(const Pose<Dim>& from, const Pose<Dim>& to) {
   return delta;
 }
 
-/// A relation goes the way its observation does, for only so it is linear in it.
+/// True if the relation goes from the child to the parent, as the observation does, which is linear in it only so.
 bool is_from_child(const TreeEdge<PoseIndex>& edge) {
   return edge.observation && edge.observation->child_is_base;
 }
@@ -49,10 +49,10 @@ Values<Dim> on_line(const Values<Dim>& X, const Values<Dim>& Y, double lambda) {
 template <int Dim>
 RelativeCoordinates<Dim>::RelativeCoordinates(const JoiningSystem<Dim>& system, const Values<Dim>& reference)
     : tree_(spanning_tree(system)), anchored_(reference) {
-  // Where nothing was measured, its value in the reference.
+  // The measured relation or, without an observation, its value in the reference.
   for (const auto& edge : tree_.poses) {
     const Pose<Dim> near = relation(edge, reference);
-    // The same rotation, its heading within half a turn of the reference's.
+    // The measured rotation, its heading within half a turn of the reference's.
     poses_.push_back(edge.observation ? retract(near, local(near, measured_pose(system, *edge.observation).value)) : near);
   }
   for (const auto& edge : tree_.features) {

@@ -2,8 +2,8 @@
 #pragma once
 // Lines of states, straight in absolute or in relative coordinates.
 //
-// Headings in the plane are real numbers here, not angles: a line must not jump where one of them passes ±π. Which of the many
-// numbers of a heading is meant is said by a reference state, the best estimate.
+// Headings in the plane are real numbers here, not angles: a line must not jump where one of them passes ±π. A reference state,
+// the best estimate, selects one of the many numbers of a heading.
 
 #include <Eigen/Core>
 #include <mapjoin/join/joining_system.hpp>
@@ -12,7 +12,7 @@
 
 namespace mapjoin {
 
-/// The state with every heading within half a turn of the reference's; in space as it is.
+/// The state with every heading within half a turn of the reference's; unchanged in space.
 template <int Dim>
 Values<Dim> unwrapped_near(Values<Dim> state, const Values<Dim>& reference);
 
@@ -20,18 +20,18 @@ Values<Dim> unwrapped_near(Values<Dim> state, const Values<Dim>& reference);
 template <int Dim>
 Values<Dim> on_line(const Values<Dim>& X, const Values<Dim>& Y, double lambda);
 
-/// Of a state, how the relations along the spanning tree differ from what was measured of them (paper's (22), (33) less a
-/// constant): translation in the frame of the base (m), then rotation, in space as the rotation vector about the measured one.
-/// In these coordinates what the tree's observations say is linear, in space, too: (24), (25).
+/// The relative coordinates of a state: the differences of the relations along the spanning tree from their measured values
+/// (paper's (22), (33) less a constant), translation in the frame of the base (m), then rotation (rad), in space as the
+/// rotation vector about the measured one. The tree's observations are linear in them, in space, too: (24), (25).
 template <int Dim>
 class RelativeCoordinates {
  public:
-  /// Poses that the system holds stay where they are in `reference`.
+  /// Anchored poses of the system stay where they are in `reference`.
   RelativeCoordinates(const JoiningSystem<Dim>& system, const Values<Dim>& reference);
 
   const SpanningTree& tree() const { return tree_; }
   Eigen::Index size() const { return feature_entry(indices(tree_.features).last); }
-  /// Where the entries of an edge begin: of a pose's by its place in the tree's list, of a feature's by the feature.
+  /// The first entry of an edge: of a pose's by its place in the tree's list, of a feature's by the feature.
   Eigen::Index pose_entry(std::size_t edge) const { return static_cast<Eigen::Index>(edge) * kPoseDof<Dim>; }
   Eigen::Index feature_entry(FeatureIndex child) const { return pose_entry(tree_.poses.size()) + child.value * Dim; }
 
@@ -43,7 +43,7 @@ class RelativeCoordinates {
   Pose<Dim> relation(const TreeEdge<PoseIndex>& edge, const Values<Dim>& state) const;
 
   SpanningTree tree_;
-  Values<Dim> anchored_;          // of which only what is anchored counts
+  Values<Dim> anchored_;          // only its anchored poses count
   std::vector<Pose<Dim>> poses_;  // the relations as measured, per edge
   Table<FeatureIndex, Point<Dim>> features_;
 };

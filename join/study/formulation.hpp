@@ -9,12 +9,12 @@
 namespace mapjoin {
 
 struct Formulation {
-  bool is_joining = false;  ///< Of local maps (31), or else full SLAM (8), (9), which joins one-step maps.
+  bool is_joining = false;  ///< True for joining local maps (31), false for full SLAM (8), (9), the join of one-step maps.
   JoinedState state = JoinedState::kAbsolute;
   bool operator==(const Formulation&) const = default;
 };
 
-/// In the paper's order: (9), (24), (32), (35).
+/// The four formulations in the paper's order: (9), (24), (32), (35).
 inline constexpr std::array<Formulation, 4> kFormulations = {{
     {false, JoinedState::kAbsolute},
     {false, JoinedState::kRelative},
@@ -22,12 +22,12 @@ inline constexpr std::array<Formulation, 4> kFormulations = {{
     {true, JoinedState::kRelative},
 }};
 
-/// "full SLAM" or "joining".
+/// The problem in words: "full SLAM" or "joining".
 inline std::string problem_in_words(const Formulation& formulation) {
   return formulation.is_joining ? "joining" : "full SLAM";
 }
 
-/// "full SLAM, absolute" and so on.
+/// The formulation in words: "full SLAM, absolute" and so on.
 inline std::string to_string(const Formulation& formulation) {
   return problem_in_words(formulation) + ", " + to_string(formulation.state);
 }

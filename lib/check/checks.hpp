@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
-// What a check finds: one sentence, how often, and where. Checks of a log or a set of maps that need no estimate: what ties it
-// together, its units, and what it says more than once.
+// Findings of checks: one sentence, a count, and places. Checks of a log or a set of maps that need no estimate: structure,
+// units and repetitions.
 
 #include <cstddef>
 #include <mapjoin/model/enum_names.hpp>
@@ -16,8 +16,8 @@ namespace mapjoin {
 
 enum class FindingLevel {
   kNote,     ///< Worth knowing; nothing is wrong.
-  kWarning,  ///< Probably not what was meant, or resting on one thing that nothing confirms.
-  kError,    ///< There is no map of this.
+  kWarning,  ///< Probably not intended, or resting on one measurement that nothing confirms.
+  kError,    ///< No map can be made of this.
 };
 
 constexpr auto enum_names(FindingLevel) {
@@ -25,7 +25,7 @@ constexpr auto enum_names(FindingLevel) {
       {{FindingLevel::kNote, "note"}, {FindingLevel::kWarning, "warning"}, {FindingLevel::kError, "error"}});
 }
 
-/// How often something was found, and the names of the places, where these have any.
+/// The count of a finding, and the names of the places if they have any.
 struct Places {
   void add(std::string name) {
     ++count;
@@ -38,37 +38,39 @@ struct Places {
 
 struct Finding {
   FindingLevel level = FindingLevel::kNote;
-  std::string check;  ///< Which one, in a word: "weak_link".
-  std::string text;   ///< A sentence without its end.
+  std::string check;  ///< Name of the check in a word: "weak_link".
+  std::string text;   ///< A sentence without its full stop.
   Places where;
 };
 
 using Findings = std::vector<Finding>;
 
-/// Where it was found anywhere.
+/// Adds a finding that has at least one place.
 inline void add_if_any(Findings& findings, Finding finding) {
   if (finding.where.count > 0) findings.push_back(std::move(finding));
 }
 
-/// How many steps of odometry there are, and how many of them have several edges.
+/// The number of odometry steps, and of those among them with several edges.
 struct StepCounts {
   std::size_t all = 0;
   std::size_t repeated = 0;
-  /// How many have, where most have: as when two logs were written into one file; else 0.
+  /// The number of repeated steps if these are most of all and at least ten, as when two logs are written into one file;
+  /// otherwise 0.
   std::size_t driven_twice() const;
 };
 template <int Dim>
 StepCounts count_steps(const Log<Dim>& log);
 
-/// What to say of so many that have several edges, and how to go on.
+/// The message on so many steps with several edges, with advice.
 std::string repeated_steps_in_words(std::size_t steps);
 
+/// Checks the structure of a log or a set of maps:
 /// - `unobserved` (error): features that are declared, but never observed.
 /// - `parts` (error): several components that nothing ties together.
-/// - `loose_body` (error), `weak_body` (warning): poses that are tied to the others by features only, by fewer than it takes to
-///   hold them, Dim, or by just as many.
+/// - `loose_body` (error), `weak_body` (warning): poses that only features tie to the others: fewer than Dim, which it takes to
+///   hold them, or just as many.
 /// - `weak_link`, `weak_feature` (warnings): see check/weak_links.hpp.
-/// - `seen_once` (note; of a log a warning where it is most of them): features that add nothing to the map.
+/// - `seen_once` (note; of a log a warning if it is most of them): features that add nothing to the map.
 /// - `stamps` (warning): poses whose time is not later than that of the pose driven before.
 /// - `breaks` (note): steps without odometry within one session of the user's.
 /// - `unassociated` (note): observations left out by the reader.
@@ -78,20 +80,21 @@ Findings check_structure(const Log<Dim>& log);
 template <int Dim>
 Findings check_structure(const SubmapSet<Dim>& set);
 
-/// In the plane; in space nothing, for files give rotations there that degrees would not pass for.
-/// - `degrees` (warning): relative headings beyond a full turn, more than one in a hundred; or loops of up to ten steps, of
-///   odometry and what was seen before and after it, that close far better with headings taken as degrees; or headings of the
-///   file's values that turn 57.3 times more, or less, than its edges; or odometry whose heading is uncertain by more than a
+/// Checks the units of headings in the plane. Finds nothing in space, where files give rotations that degrees would not pass
+/// for.
+/// - `degrees` (warning): relative headings beyond a full turn, more than one in a hundred; or loops of up to ten odometry
+///   steps, closed by a closure or a feature seen again, that close far better with headings taken as degrees; or initial
+///   headings that turn 57.3 times more, or less, than the edges; or odometry with a standard deviation of heading above a
 ///   quarter turn.
 /// - `unwrapped` (note): relative headings between a half and a full turn, which are taken as they are.
 template <int Dim>
 Findings check_units(const Log<Dim>& log);
 
-/// Of edges between the same two poses, whatever their direction, and of observations of one feature from one pose:
-/// - `copies` (warning): they are alike to the last digit, so that what was measured once counts twice;
-/// - `contradiction` (warning): they differ by more than their covariances allow but once in 10⁹ times;
+/// Checks edges between the same two poses, whatever their direction, and observations of one feature from one pose; compares
+/// each with the one before it in the log. O(n log n).
+/// - `copies` (warning): equal to the last digit, so that one measurement counts twice.
+/// - `contradiction` (warning): differing by more than the covariances allow, except once in 10⁹ times.
 /// - `repeated` (note): neither; all of them count.
-/// Each is compared with the one before it in the log. O(n log n).
 template <int Dim>
 Findings check_repeats(const Log<Dim>& log);
 

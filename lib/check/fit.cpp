@@ -14,8 +14,8 @@
 namespace mapjoin {
 namespace {
 
-/// Residuals so many times larger, or smaller, than covariances say are worth a word: the first makes a map look better than it
-/// is.
+/// The ratios of residuals to what covariances say, above and below 1, that are worth a warning; the first makes a map look
+/// better than it is.
 constexpr double kLarger = 1.5;
 constexpr double kSmaller = 2.0;
 

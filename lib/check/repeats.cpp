@@ -14,25 +14,25 @@ namespace {
 
 constexpr double kLeastProbability = 1e-9;
 
-/// What was found of one kind of observations.
+/// Findings on observations of one kind.
 struct Repeats {
   Places copies;
   Places contradictions;
   Places others;
 };
 
-/// Whether two measurements of one thing, with the informations A and B, differ by more than the sum of their covariances
-/// allows. (A⁻¹ + B⁻¹)⁻¹ = A (A + B)⁻¹ B, which singular A and B have, too.
+/// True if two measurements of one thing, with the informations A and B, differ by more than the sum of their covariances
+/// allows. Uses (A⁻¹ + B⁻¹)⁻¹ = A (A + B)⁻¹ B, which exists for singular A and B, too.
 template <int Size>
 bool contradict(const Vector<Size>& difference, const Matrix<Size>& A, const Matrix<Size>& B) {
-  const Eigen::MatrixXd sum = A + B;  // Of dynamic size: a decomposition unrolled for each size takes the compiler a minute.
+  const Eigen::MatrixXd sum = A + B;  // Dynamic size: a decomposition unrolled for each size takes a minute to compile.
   const Matrix<Size> W = A * sum.completeOrthogonalDecomposition().solve(Eigen::MatrixXd(B));
   const double chi2 = difference.dot(W * difference);
   const auto rows = information_rank<Size>(Matrix<Size>(0.5 * (W + W.transpose())));
   return chi_squared_upper_tail(chi2, static_cast<double>(rows)) < kLeastProbability;
 }
 
-/// The edge as it is from its earlier pose: the residual of the inverse is -J r, to first order.
+/// The edge seen from its earlier pose: the residual of the inverse is -J r, to first order.
 template <int Dim>
 PoseFactor<Dim> forward(const PoseFactor<Dim>& edge) {
   if (edge.base < edge.target) return edge;
@@ -56,7 +56,7 @@ Point<Dim> difference(const FeatureFactor<Dim>& a, const FeatureFactor<Dim>& b) 
   return b.measured - a.measured;
 }
 
-/// What an observation is between, whatever its direction.
+/// The two ends of an observation, whatever its direction.
 template <int Dim>
 std::pair<PoseIndex, PoseIndex> ends_of(const PoseFactor<Dim>& edge) {
   return std::minmax(edge.base, edge.target);
@@ -69,7 +69,7 @@ std::pair<PoseIndex, FeatureIndex> ends_of(const FeatureFactor<Dim>& observation
 /// Compares each observation with the one before it that has the same ends. `name(ends)` names them.
 template <typename Observation, typename Name>
 Repeats repeats_among(std::span<const Observation> all, const Name& name) {
-  std::vector<std::pair<decltype(ends_of(all.front())), std::size_t>> ends;  // and whose they are
+  std::vector<std::pair<decltype(ends_of(all.front())), std::size_t>> ends;  // ends and the index of their observation
   ends.reserve(all.size());
   for (std::size_t i = 0; i < all.size(); ++i) ends.emplace_back(ends_of(all[i]), i);
   std::sort(ends.begin(), ends.end());

@@ -12,7 +12,7 @@
 namespace mapjoin {
 namespace {
 
-/// Per feature, from how many poses (by how many maps) it was seen.
+/// The number of ties of each feature: its observations, priors and maps.
 template <typename Tied>
 Table<FeatureIndex, std::size_t> times_seen(const Tied& tied) {
   const TieVertices of = vertices_of(tied);
@@ -83,7 +83,7 @@ void check_links(const Tied& tied, Findings& findings) {
                         features});
 }
 
-/// Per body, poses that edges tie together (its number in `body_of`), the features that it shares with others.
+/// The number of features that each body, a group of poses tied by edges (its number in `body_of`), shares with others.
 template <typename Tied>
 std::map<std::uint32_t, std::size_t> shared_features(const Tied& tied, const std::vector<std::uint32_t>& body_of) {
   const TieVertices of = vertices_of(tied);
@@ -101,7 +101,7 @@ std::map<std::uint32_t, std::size_t> shared_features(const Tied& tied, const std
   return shared;
 }
 
-/// Among several bodies: those that too few features hold, or just enough. One that shares none is a part of its own.
+/// Finds the bodies that too few features hold, or just enough. One that shares no feature is a part of its own (check_parts).
 template <int Dim, typename Tied>
 void check_bodies(const Tied& tied, Findings& findings) {
   const TieVertices of = vertices_of(tied);
@@ -155,7 +155,7 @@ void check_stamps(const Log<Dim>& log, Findings& findings) {
 }  // namespace
 
 std::size_t StepCounts::driven_twice() const {
-  constexpr std::size_t kLeast = 10;  // Of a log worth the name.
+  constexpr std::size_t kLeast = 10;  // Fewer prove nothing.
   return repeated >= kLeast && 2 * repeated > all ? repeated : 0;
 }
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
-// Logs and sets of maps as graphs: what ties poses, features and the World together.
+// Logs and sets of maps as graphs: the ties between poses, features and the World.
 
 #include <cstddef>
 #include <mapjoin/graph/graph.hpp>
@@ -12,7 +12,7 @@
 
 namespace mapjoin {
 
-/// The vertices of such a graph: the World, then the poses, then the features.
+/// The vertices of a log or a set of maps as a graph: the World, then the poses, then the features.
 struct TieVertices {
   static constexpr std::size_t kWorldVertex = 0;
 
@@ -28,13 +28,13 @@ struct TieVertices {
 };
 static_assert(kWorld == -1, "the World is the pose before the first");
 
-/// Of a log or a set of maps.
+/// The vertices of a log or a set of maps.
 template <typename Tied>
 TieVertices vertices_of(const Tied& tied) {
   return {tied.poses.size(), tied.features.size()};
 }
 
-/// "the World", "pose 17" or "feature 3". `names` is the log or the set.
+/// The name of a vertex, "the World", "pose 17" or "feature 3". `names` is the log or the set.
 template <typename Names>
 std::string name_of(std::size_t vertex, const Names& names) {
   if (vertex == TieVertices::kWorldVertex) return "the World";
@@ -44,7 +44,7 @@ std::string name_of(std::size_t vertex, const Names& names) {
 }
 
 /// Calls `tie(a, b)` with the two vertices of every factor of a log or a set of maps; a submap ties its base to each of its
-/// targets, the World those that it fixes.
+/// targets, the World is tied to all fixed poses.
 template <typename Data, typename Tie>
 void for_each_tie(const Data& data, Tie&& tie) {
   const TieVertices of = vertices_of(data);
@@ -57,7 +57,7 @@ void for_each_tie(const Data& data, Tie&& tie) {
   for (const auto& fixed : data.graph.fixed) tie(of.pose(kWorld), of.pose(fixed.pose));
 }
 
-/// The two vertices of every observation.
+/// The two vertices of every tie (for_each_tie).
 template <typename Tied>
 std::vector<Edge> ties_of(const Tied& tied) {
   std::vector<Edge> ties;
@@ -65,17 +65,17 @@ std::vector<Edge> ties_of(const Tied& tied) {
   return ties;
 }
 
-/// The names in a log, a set of maps, or one that is spread over ranks.
+/// The names in a log or a set of maps, or in one that is spread over ranks.
 struct Names {
   const std::string& source;
   const PoseIds& poses;
   const FeatureIds& features;
 };
 
-/// As check_connected(), by the edges between TieVertices; `advice` is what can be done where there are several components.
+/// Performs check_connected() on edges between TieVertices; `advice` ends the message if there are several components.
 Expected<void> check_tied(const Names& names, const std::vector<Edge>& ties, const std::string& advice);
 
-/// The first vertex of each connected component. The World counts only where something is tied to it.
+/// The first vertex of each connected component. The World counts only if something is tied to it.
 inline std::vector<std::size_t> component_roots(const Graph& graph) {
   const std::vector<std::uint32_t> component = components_of(graph);
   std::vector<std::size_t> roots;

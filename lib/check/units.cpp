@@ -13,7 +13,7 @@ namespace {
 
 constexpr double kPi = std::numbers::pi;
 constexpr double kDegree = kPi / 180.0;
-/// Fewer loops or turns than these prove nothing.
+/// The least number of loops or turns that prove anything.
 constexpr std::size_t kLeastSamples = 10;
 
 void warn(Findings& findings, std::string text, Places where = {}) {
@@ -31,7 +31,7 @@ void check_range(const Log<2>& log, Findings& findings) {
     (turn > 2.0 * kPi + 1e-6 ? beyond : unwrapped)
         .add(fmt::format("{} to {}", to_string(log.poses[edge.base]), to_string(log.poses[edge.target])));
   }
-  // A few may be robots that spun round unseen.
+  // A few may be right: robots that spun round unseen.
   if (100 * beyond.count > log.edges().size()) {
     warn(findings,
          fmt::format("{} beyond a full turn, up to {:.6g}: in degrees?", plural(beyond.count, "relative heading"), largest),
@@ -43,7 +43,7 @@ void check_range(const Log<2>& log, Findings& findings) {
                         unwrapped});
 }
 
-/// The steps of odometry by the pose that they start from, in the direction of the way; NaN where there is none.
+/// The steps of odometry by the pose that they start from, in driving direction; NaN if there is none.
 Table<PoseIndex, Pose<2>> steps_of(const Log<2>& log) {
   constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
   Table<PoseIndex, Pose<2>> steps(log.poses.size(), Pose<2>{Point<2>::Constant(kNone), Rotation<2>(kNone)});
@@ -54,14 +54,14 @@ Table<PoseIndex, Pose<2>> steps_of(const Log<2>& log) {
   return steps;
 }
 
-/// How far short loops miss their beginning, with headings as they are and taken as degrees: of those only that this makes a
-/// difference for.
+/// Closing errors of short loops, with headings as they are and taken as degrees; only of loops for which this makes a
+/// difference.
 struct Misses {
   std::vector<double> as_given;
   std::vector<double> as_degrees;
 };
 
-/// A point seen at pose `first` and once more at pose `last`, a few steps later.
+/// Adds the closing error of a point seen at pose `first` and once more at pose `last`, a few steps later.
 void add_miss(const Table<PoseIndex, Pose<2>>& steps, PoseIndex first, PoseIndex last, const Point<2>& seen_first,
               Point<2> seen_last, Misses& misses) {
   Point<2> by_degrees = seen_last;
@@ -73,12 +73,12 @@ void add_miss(const Table<PoseIndex, Pose<2>>& steps, PoseIndex first, PoseIndex
     size += step.translation.norm();
   }
   constexpr double kNoticeable = 0.05;
-  if (!((seen_last - by_degrees).norm() > kNoticeable * size)) return;  // Nor where a step is missing.
+  if (!((seen_last - by_degrees).norm() > kNoticeable * size)) return;  // Also if a step is missing (NaN).
   misses.as_given.push_back((seen_last - seen_first).norm());
   misses.as_degrees.push_back((by_degrees - seen_first).norm());
 }
 
-/// Features seen again after a few steps, and closures over a few steps.
+/// Closing errors of features seen again after a few steps, and of closures over a few steps.
 Misses short_loops(const Log<2>& log) {
   constexpr int kMostSteps = 10;
   const Table<PoseIndex, Pose<2>> steps = steps_of(log);

@@ -13,7 +13,7 @@
 namespace mapjoin {
 namespace {
 
-/// The edges of a graph without loops, sorted, the smaller end first.
+/// The ties as edges of a graph without loops, sorted, the smaller end first.
 template <typename Tied>
 std::vector<Edge> sorted_ties(const Tied& tied) {
   std::vector<Edge> ties = ties_of(tied);
@@ -24,7 +24,8 @@ std::vector<Edge> sorted_ties(const Tied& tied) {
   return ties;
 }
 
-/// Per vertex its degree in what is left when vertices with one edge are taken away, again and again: 0, or 2 and more.
+/// The degree of each vertex within the 2-core of the graph (what remains after vertices with one edge are removed repeatedly):
+/// 0, or 2 and more.
 std::vector<std::size_t> core_degrees(const Graph& graph) {
   std::vector<std::size_t> core(num_vertices(graph));
   core_numbers(graph, boost::make_iterator_property_map(core.begin(), get(boost::vertex_index, graph)));
@@ -43,9 +44,9 @@ std::vector<std::size_t> edge_components(const Graph& graph, std::size_t edges) 
   return component;
 }
 
-/// Bridges, in order, are in one chain where they meet at a vertex that has no other edge.
+/// The chains of bridges, which come in order: two are in one chain if they meet at a vertex that has no other edge.
 std::vector<LoneChain> chains_of(const std::vector<Edge>& bridges, const std::vector<std::size_t>& degree) {
-  std::map<std::size_t, Vertex> bridge_at;  // Of the vertices of two edges, the bridge that was there first.
+  std::map<std::size_t, Vertex> bridge_at;  // The first bridge at each vertex of degree 2.
   std::vector<Edge> meetings;
   for (Vertex b = 0; b < bridges.size(); ++b) {
     for (const std::size_t v : {bridges[b].first, bridges[b].second}) {
@@ -65,7 +66,7 @@ std::vector<LoneChain> chains_of(const std::vector<Edge>& bridges, const std::ve
   return chains;
 }
 
-/// The features in several of the components, edges outside of the core left out.
+/// The features that belong to several components, edges outside of the 2-core left out.
 std::vector<std::size_t> cut_features(const std::vector<Edge>& edges, const std::vector<std::size_t>& component,
                                       const std::vector<std::size_t>& degree, const TieVertices& vertices) {
   constexpr std::size_t kNone = std::numeric_limits<std::size_t>::max();

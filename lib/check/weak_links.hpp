@@ -1,27 +1,27 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
-// Where a log or a set of maps is one edge or one feature away from falling apart.
+// Weak links: single edges or features that alone keep a log or a set of maps connected.
 
 #include <cstddef>
 #include <vector>
 
 namespace mapjoin {
 
-/// Edges in a row, each of which would part the graph: nothing confirms any of them.
+/// A chain of bridges, edges in a row, each of which alone connects the graph: nothing confirms any of them.
 struct LoneChain {
-  std::size_t first = 0;  ///< Vertices (TieVertices): the first and
-  std::size_t last = 0;   ///< the last by index.
+  std::size_t first = 0;  ///< The first vertex (TieVertices) by index.
+  std::size_t last = 0;   ///< The last vertex by index.
   std::size_t edges = 0;
 };
 
-/// Only what parts something from something counts: on either side of a link there is a cycle. The ends of a way on which
-/// nothing closes, and features seen once, are no weak links.
+/// Bridges and cut vertices with a cycle on either side. The ends of a trajectory without closures, and features seen once, are
+/// no weak links.
 struct WeakLinks {
   std::vector<LoneChain> chains;      ///< Between poses (or the World).
-  std::vector<std::size_t> features;  ///< Vertices, ascending, without which poses fall apart.
+  std::vector<std::size_t> features;  ///< Feature vertices, ascending, without which poses fall apart.
 };
 
-/// By the biconnected components of the graph. O(ties log ties).
+/// Finds weak links by the biconnected components of the graph. O(ties log ties).
 template <typename LogOrSet>
 WeakLinks weak_links(const LogOrSet& tied);
 

@@ -13,7 +13,7 @@ Vector<3> euler_from_rotation(const Rotation<3>& rotation) {
   const Matrix<3> R = rotation.matrix();
   const double cos_pitch = std::hypot(R(0, 0), R(1, 0));
   const double yaw = std::atan2(R(1, 0), R(0, 0));
-  // Roll from Rz(yaw)ᵀ R: where pitch is ±π/2, and yaw is whatever rounding leaves, the two still give R.
+  // Roll from Rz(yaw)ᵀ R: at a pitch of ±π/2 yaw is arbitrary, but roll and yaw together still give R.
   const double s = std::sin(yaw);
   const double c = std::cos(yaw);
   const double roll = std::atan2(s * R(0, 2) - c * R(1, 2), c * R(1, 1) - s * R(0, 1));

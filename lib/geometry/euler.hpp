@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
-// Rotations in space as roll, pitch and yaw (rad), the way some files give them; inside, only the rotation vector is used.
+// Rotations in space as roll, pitch and yaw (rad), as some files give them; internally only the rotation vector is used.
 
 #include <mapjoin/geometry/rotation.hpp>
 
 namespace mapjoin {
 
-/// R = Rz(yaw) Ry(pitch) Rx(roll).
+/// The rotation R = Rz(yaw) Ry(pitch) Rx(roll).
 Rotation<3> rotation_from_euler(double roll, double pitch, double yaw);
 
 /// The roll, pitch and yaw of R, the pitch in [-π/2, π/2].

@@ -1,10 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
-// Poses and what is done with them: retract and local; compose, between, inverse and transform with their Jacobians.
+// Poses and their operations: retract and local; compose, between, inverse and transform with their Jacobians.
 //
 // A step δ of a pose is (translation, rotation): the translation is added in the parent frame, the rotation composed on the
-// right, t ← t + δ_t, R ← R Exp(δ_φ). In 2D this is the paper's (x, y, φ). A Jacobian is written only where its pointer is
-// given.
+// right, t ← t + δ_t, R ← R Exp(δ_φ). In 2D this is the paper's (x, y, φ). A Jacobian is written only if asked for.
 
 #include <cmath>
 #include <mapjoin/geometry/rotation.hpp>
@@ -17,7 +16,7 @@ struct Pose {
   Point<Dim> translation = Point<Dim>::Zero();
   Rotation<Dim> rotation;
 
-  /// Equal numbers: of the translation, and of the rotation matrix.
+  /// True if the numbers of the translation and of the rotation matrix are equal.
   bool operator==(const Pose& other) const {
     return translation == other.translation && rotation.matrix() == other.rotation.matrix();
   }
@@ -30,11 +29,11 @@ template <int Dim>
 using PoseMatrix = Matrix<kPoseDof<Dim>>;
 template <int Dim>
 using PointMatrix = Matrix<Dim>;
-/// ∂point/∂pose.
+/// The Jacobian ∂point/∂pose.
 template <int Dim>
 using PointPoseMatrix = Matrix<Dim, kPoseDof<Dim>>;
 
-/// Whether the numbers of a value make sense: all finite, a quaternion of unit length.
+/// True if the numbers of a value are valid: all finite, a quaternion of unit length.
 template <int Dim>
 bool is_valid(const Point<Dim>& point) {
   return point.allFinite();
@@ -57,7 +56,7 @@ Pose<Dim> retract(const Pose<Dim>& pose, const PoseVector<Dim>& delta) {
           pose.rotation * Rotation<Dim>::exp(delta.template tail<kRotationDof<Dim>>())};
 }
 
-/// The step from `from` to `to`: retract(from, local(from, to)) is `to`. Rotation part of length at most π.
+/// The step from `from` to `to`: retract(from, local(from, to)) is `to`. Its rotation part has length at most π.
 template <int Dim>
 PoseVector<Dim> local(const Pose<Dim>& from, const Pose<Dim>& to) {
   PoseVector<Dim> delta;

@@ -23,13 +23,13 @@ RotationVector<3> Rotation<3>::log() const {
 
 namespace {
 
-/// k(θ²) = (1/θ²)(1 - (θ/2) cot(θ/2)) of J⁻¹ = I ± ½ [v] + k [v]², θ = |v|; by its series near zero.
+/// The coefficient k(θ²) = (1/θ²)(1 - (θ/2) cot(θ/2)) of J⁻¹ = I ± ½ [v] + k [v]², θ = |v|; by its series near zero.
 double k_of(double theta2) {
   const double half = 0.5 * std::sqrt(theta2);
   return theta2 < 1e-6 ? 1.0 / 12.0 + theta2 / 720.0 : (1.0 - half / std::tan(half)) / theta2;
 }
 
-/// dk/d(θ²).
+/// The derivative dk/d(θ²).
 double k_slope(double theta2) {
   const double half = 0.5 * std::sqrt(theta2);
   if (theta2 < 1e-3) return 1.0 / 720.0 + theta2 / 15120.0 + theta2 * theta2 / 403200.0;
@@ -45,8 +45,8 @@ RotationJacobian<3> right_jacobian_inverse(const RotationVector<3>& v) {
 }
 
 Matrix<3> log_curvature(const RotationVector<3>& v, const RotationVector<3>& u) {
-  // The gradient is J⁻ᵀu = u + ½ v × u + k v × (v × u), J⁻¹ = I - ½ [v] + k [v]² for a step on the left; this is its change
-  // with v, which itself moves by J⁻¹ δ. What a change of the frame of δ adds is antisymmetric.
+  // The gradient is J⁻ᵀu = u + ½ v × u + k v × (v × u), with J⁻¹ = I - ½ [v] + k [v]² for a step δ on the left; its derivative
+  // follows from v moving by J⁻¹ δ. The term from the moving frame of δ is antisymmetric and drops out.
   const double theta2 = v.squaredNorm();
   const Matrix<3> along = v.dot(u) * Matrix<3>::Identity() + v * u.transpose() - 2.0 * u * v.transpose();
   const Matrix<3> change = -0.5 * skew(u) + k_of(theta2) * along + 2.0 * k_slope(theta2) * v.cross(v.cross(u)) * v.transpose();

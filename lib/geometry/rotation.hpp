@@ -35,7 +35,7 @@ inline double wrap_angle(double angle) {
   return std::abs(angle) <= std::numbers::pi ? angle : std::remainder(angle, 2.0 * std::numbers::pi);
 }
 
-/// The cross-product matrix: skew(a) b = a × b, in the plane the component out of it.
+/// The cross-product matrix: skew(a) b = a × b, in the plane its component along the normal.
 inline Matrix<1, 2> skew(const Vector<2>& a) {
   return {-a.y(), a.x()};
 }
@@ -46,8 +46,8 @@ inline Matrix<3> skew(const Vector<3>& a) {
 template <int Dim>
 class Rotation;
 
-/// A heading φ in the plane (rad). It is stored as given, not wrapped: a robot may turn many times; and with its cosine and
-/// sine, which many observations from one pose ask for.
+/// A heading φ in the plane (rad), stored as given, not wrapped, since a robot may turn many times; its cosine and sine are
+/// kept for the many observations from one pose.
 template <>
 class Rotation<2> {
  public:
@@ -111,7 +111,7 @@ RotationJacobian<3> right_jacobian_inverse(const RotationVector<3>& v);
 /// The second derivatives of uᵀ Log(Exp(δ) Exp(v)) with respect to δ, at δ = 0.
 Matrix<3> log_curvature(const RotationVector<3>& v, const RotationVector<3>& u);
 
-/// The matrix that turns a step of a rotation seen before `rotation` into one seen after it (the transpose of the adjoint):
+/// The matrix that takes a step on the left of `rotation` to the equal step on its right (the transpose of the adjoint):
 /// Exp(w) R = R Exp(Rᵀ w).
 inline RotationJacobian<2> J_after_before(const Rotation<2>&) {
   return RotationJacobian<2>::Ones();

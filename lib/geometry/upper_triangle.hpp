@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
-// Symmetric matrices as files have them: their upper triangle, row by row.
+// Symmetric matrices as files store them: the upper triangle, row by row.
 
 #include <mapjoin/geometry/rotation.hpp>
 
@@ -14,7 +14,7 @@ void each_of_upper_triangle(const Eigen::MatrixBase<Derived>& M, Visit&& visit) 
   }
 }
 
-/// The symmetric matrix of which each call of `next` gives an entry.
+/// The symmetric matrix whose upper triangle comes from calls of `next`, row by row.
 template <int Size, typename Next>
 Matrix<Size> from_upper_triangle(Next&& next) {
   Matrix<Size> M;

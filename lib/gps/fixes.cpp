@@ -10,7 +10,7 @@
 namespace mapjoin {
 namespace {
 
-/// Where the robot was when a fix was made: a pose, and the robot in its frame.
+/// The robot at the time of a fix: a pose, and the robot in its frame.
 template <int Dim>
 struct Carrier {
   PoseIndex pose = 0;
@@ -35,7 +35,7 @@ class Poses {
     for (const auto& step : log.odometry()) steps_[later_pose(step)] = &step;
   }
 
-  /// All that a fix may have been made from.
+  /// All carriers that a fix may have.
   std::vector<Carrier<Dim>> carriers_of(const GpsFix& fix) const {
     std::vector<Carrier<Dim>> carriers;
     if (const auto* key = std::get_if<std::uint64_t>(&fix.when)) {
@@ -70,7 +70,7 @@ class Poses {
     if (share <= 0.5) return Carrier<Dim>{before, moved};
     return Carrier<Dim>{after->second, between(*motion, moved)};
   }
-  /// By odometry.
+  /// The motion between two poses by odometry; nullopt unless one edge ties them.
   std::optional<Pose<Dim>> motion_between(PoseIndex from, PoseIndex to) const {
     const PoseFactor<Dim>* const step = to == from + 1 ? steps_[to] : nullptr;
     if (!step) return std::nullopt;
@@ -84,7 +84,7 @@ class Poses {
   Table<PoseIndex, const PoseFactor<Dim>*> steps_;  // by the later pose
 };
 
-/// The median of each coordinate: a fix that is far off does not move it.
+/// The median of each coordinate, robust to fixes that are far off.
 GeographicPoint middle_of(const std::vector<GpsFix>& fixes) {
   const auto median_of = [&](double GeographicPoint::*coordinate) {
     std::vector<double> all;
@@ -108,7 +108,7 @@ PoseFactor<Dim> prior_of(const GpsFix& fix, const Carrier<Dim>& carrier, const P
   return prior;
 }
 
-/// Whether the numbers of a fix are those of a place on the earth, known to some accuracy.
+/// True if the numbers of a fix are those of a place on the earth, known to some accuracy.
 bool is_sound(const GpsFix& fix, bool has_height) {
   return kLatitudes.contains(fix.place.latitude) && kLongitudes.contains(fix.place.longitude) &&
          kHeights.contains(fix.place.height) && kDeviations.contains(fix.deviation.x()) &&

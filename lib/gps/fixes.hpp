@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
-// Fixes of a satellite receiver beside a log, and how they become priors of its poses.
+// Fixes of a satellite receiver, and their conversion to priors of the poses of a log.
 
 #include <cstdint>
 #include <mapjoin/gps/geographic_frame.hpp>
@@ -13,16 +13,16 @@
 
 namespace mapjoin {
 
-/// Where the antenna was at a time, or at a pose.
+/// A position of the antenna at a time, or at a pose.
 struct GpsFix {
-  std::size_t line = 0;                            ///< Of its file, from 1.
-  std::variant<std::int64_t, std::uint64_t> when;  ///< Its time (ns), or the key of the pose.
-  std::optional<std::uint32_t> session;            ///< Whose antenna it was, where that is said.
+  std::size_t line = 0;                            ///< Line of its file, from 1.
+  std::variant<std::int64_t, std::uint64_t> when;  ///< Time (ns), or key of the pose.
+  std::optional<std::uint32_t> session;            ///< Session of the antenna; nullopt if not given.
   GeographicPoint place;
   Vector<3> deviation = Vector<3>::Zero();  ///< Standard deviations east, north, up (m).
 };
 
-/// What the numbers of a fix and of a lever may be.
+/// The valid range of a number of a fix or a lever.
 struct GpsRange {
   double least;
   double most;
@@ -36,31 +36,32 @@ inline constexpr GpsRange kLevers{-1e4, 1e4};          ///< (m)
 
 struct GpsFixes {
   std::string source;        ///< The file, for messages.
-  bool has_heights = false;  ///< Without them they are of use in the plane only.
+  bool has_heights = false;  ///< True if fixes have heights; without them they are of use in the plane only.
   std::vector<GpsFix> fixes;
 };
 
 struct GpsOptions {
   Point<3> lever = Point<3>::Zero();  ///< The antenna in the frame of a pose (m).
-  double most_apart = 1.0;            ///< A fix and the pose nearest to it in time may be (s).
+  double most_apart = 1.0;            ///< The longest time between a fix and the pose nearest to it in time (s).
 
   /// Every violation in words; empty if there is none.
   std::vector<std::string> validate() const;
 };
 
-/// What became of the fixes: the last pose priors of the log.
+/// The result of attaching fixes, which are the last pose priors of the log.
 struct AttachedFixes {
-  GeographicFrame frame;           ///< Of the map; its origin is the median of all fixes.
-  std::vector<std::size_t> lines;  ///< Of the file, by prior.
-  std::int64_t left_out = 0;       ///< Fixes that no pose is near.
+  GeographicFrame frame;           ///< Frame of the map; its origin is the median of all fixes.
+  std::vector<std::size_t> lines;  ///< Line in the file of each prior.
+  std::int64_t left_out = 0;       ///< Fixes without a pose near them.
 };
 
-/// Adds a prior with a lever for every fix. A fix between two poses is of the nearer one in time, its lever that of the antenna
-/// as it stood when odometry led at a constant speed from the one to the other; where no odometry leads there it is left out,
-/// as is a fix before the first pose and behind the last one. Whatever the log fixes is released, and counted as skipped: the
-/// fixes hold the map. kUsage: a log with priors, which are in another frame; fixes by time where poses have none; fixes
-/// without heights in space. Bad input: no fix is near a pose; a fix at a time that several sessions have; one whose place or
-/// standard deviations are beyond these ranges. Options that do not validate are std::invalid_argument.
+/// Adds a prior with a lever for every fix. A fix between two poses goes to the nearer one in time; its lever ends where the
+/// antenna was if the robot moved at constant speed along the odometry between them. A fix is left out if odometry does not tie
+/// the two poses, if the nearer one is more than `most_apart` away, or if it is before the first or after the last pose. Fixed
+/// poses of the log are released, and counted as skipped: the fixes hold the map. kUsage: a log with priors, which are in
+/// another frame; fixes by time if poses have no stamps; fixes without heights in space. kBadInput: no fix is near a pose; a
+/// fix that several sessions could have made; a place or standard deviations beyond these ranges. Throws std::invalid_argument
+/// if options do not validate.
 template <int Dim>
 Expected<AttachedFixes> attach_fixes(const GpsFixes& fixes, const GpsOptions& options, Log<Dim>& log);
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
-// A local frame on the earth, x east, y north, z up, and the places in it.
+// Places on the earth, and a local frame there: x east, y north, z up at its origin.
 
 #include <mapjoin/geometry/pose.hpp>
 
@@ -13,14 +13,14 @@ struct GeographicPoint {
   double height = 0.0;     ///< Above the ellipsoid (m).
 };
 
-/// The Cartesian frame that touches the ellipsoid's parallel at its origin.
+/// The local Cartesian frame at its origin: x east, y north, z up along the normal of the ellipsoid.
 class GeographicFrame {
  public:
   GeographicFrame() = default;
   explicit GeographicFrame(const GeographicPoint& origin) : origin_(origin) {}
 
   const GeographicPoint& origin() const { return origin_; }
-  /// A place in the frame (m); `R_frame_there` is that of east, north and up at the place.
+  /// A place in the frame (m); `R_frame_there` takes east, north and up at the place to the frame.
   Point<3> to_local(const GeographicPoint& place, Matrix<3>* R_frame_there = nullptr) const;
   GeographicPoint to_geographic(const Point<3>& local) const;
 

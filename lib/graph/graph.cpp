@@ -11,7 +11,7 @@
 namespace mapjoin {
 namespace {
 
-/// Lists what a walk over a forest reaches. `numbers` are those of the forest's edges among all.
+/// Lists the vertices that a walk over a forest reaches. `numbers` are the numbers of the forest's edges in the whole graph.
 class Recorder : public boost::default_bfs_visitor {
  public:
   Recorder(const std::vector<std::uint32_t>& numbers, std::vector<Reached>& reached) : numbers_(&numbers), reached_(&reached) {}

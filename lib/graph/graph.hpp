@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
-// Undirected graphs for Boost.Graph, and what is asked of them.
+// Undirected graphs for Boost.Graph: components, spanning forests, cliques and covers by paths.
 
 #include <boost/graph/compressed_sparse_row_graph.hpp>
 #include <cstddef>
@@ -32,27 +32,28 @@ std::vector<std::uint32_t> components_of(const Graph& graph);
 /// A vertex of a forest, and the edge by which it was reached.
 struct Reached {
   Vertex vertex = 0;
-  std::optional<std::uint32_t> edge;  ///< None for the root of a tree.
+  std::optional<std::uint32_t> edge;  ///< nullopt for the root of a tree.
 };
 
-/// The vertices of a spanning forest (Kruskal), breadth first. An edge is in the forest where edges of lower number do not
-/// connect its vertices. Each of `roots` that is not yet reached from those before it is a root.
+/// The vertices of a spanning forest (Kruskal), breadth first. An edge is in the forest if edges of lower number do not connect
+/// its vertices. Each of `roots` that is not reached from those before it is a root.
 std::vector<Reached> spanning_forest(std::size_t vertices, const std::vector<Edge>& edges, const std::vector<Vertex>& roots);
 
-/// The vertices of a largest set that are all adjacent to each other, ascending; of several such sets the first that is found.
-/// For graphs of at most a hundred vertices or so: the time may grow exponentially (Bron and Kerbosch, 1973).
+/// The vertices of a largest clique, ascending; of several the first that is found. For graphs of at most a hundred vertices or
+/// so: the time may grow exponentially (Bron and Kerbosch, 1973).
 std::vector<Vertex> largest_clique(std::size_t vertices, const std::vector<Edge>& edges);
 
-/// All vertices of a graph, path after path, and how many of its edges the paths take.
+/// All vertices of a graph, path after path, and the number of its edges on the paths.
 struct PathCover {
   std::vector<Vertex> order;
   std::size_t edges = 0;
 };
 
-/// Paths made of directed edges, taken one after the other where neither vertex has two already and no path closes: in the
-/// order of `edges` or, where that leaves fewer paths, those with the fewest other edges at their vertices first. A path runs
-/// as its edges point, its first edge where they disagree; paths follow each other as their starts are mentioned, vertices
-/// without a path behind them. Edges along these paths, then the others, have the same cover. O(E log E).
+/// A greedy cover by paths of directed edges. Edges are taken one after the other if neither vertex has two already and no
+/// cycle closes: in the order of `edges` or, if that leaves fewer paths, those with the fewest other edges at their vertices
+/// first. A path starts at the end that its edge leads away from; if both or neither do, at the one that edges mention first.
+/// Paths follow each other as their starts are mentioned, those without an end that an edge leads away from last, then vertices
+/// without a path. Edges along these paths, then the others, have the same cover. O(E log E).
 PathCover cover_by_paths(std::size_t vertices, const std::vector<Edge>& edges);
 
 }  // namespace mapjoin

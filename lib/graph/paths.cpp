@@ -8,9 +8,9 @@
 namespace mapjoin {
 namespace {
 
-/// Those of the edges that make paths, each taken if it can be.
+/// The edges that form paths, each taken if it can be.
 std::vector<Edge> path_edges(std::size_t vertices, const std::vector<Edge>& edges) {
-  std::vector<Vertex> other_end(vertices);  // of the path that a vertex ends
+  std::vector<Vertex> other_end(vertices);  // the other end of the path that each vertex ends
   std::iota(other_end.begin(), other_end.end(), Vertex{0});
   std::vector<int> degree(vertices, 0);
   std::vector<Edge> taken;
@@ -27,7 +27,7 @@ std::vector<Edge> path_edges(std::size_t vertices, const std::vector<Edge>& edge
   return taken;
 }
 
-/// The edges with the fewest others at their vertices first; of the order they come in only that of repeated edges counts.
+/// The edges with the fewest others at their vertices first, then by vertices; only repeated edges stay in their order.
 std::vector<Edge> loneliest_first(std::size_t vertices, std::vector<Edge> edges) {
   std::vector<std::size_t> degree(vertices, 0);
   for (const auto& [a, b] : edges) {
@@ -41,7 +41,7 @@ std::vector<Edge> loneliest_first(std::size_t vertices, std::vector<Edge> edges)
   return edges;
 }
 
-/// Where walks along the paths start: the ends that an edge leads away from, then all ends, in the order in which edges mention
+/// The starts of walks along the paths: ends that an edge leads away from, then all ends, in the order in which edges mention
 /// them, then vertices on no path.
 std::vector<Vertex> starts(std::size_t vertices, const std::vector<Edge>& edges, const std::vector<Edge>& taken) {
   std::vector<int> degree(vertices, 0);
@@ -73,7 +73,7 @@ PathCover cover_by_paths(std::size_t vertices, const std::vector<Edge>& edges) {
   if (others.size() > taken.size()) taken = std::move(others);
   PathCover cover;
   cover.edges = taken.size();
-  // Breadth first from its end, a path is walked along.
+  // A breadth-first search from its end walks along a path.
   for (const Reached& reached : spanning_forest(vertices, taken, starts(vertices, edges, taken))) {
     cover.order.push_back(reached.vertex);
   }

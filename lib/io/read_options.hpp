@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
-// How the reader of a file is to take what it says, and what it is to leave out.
+// Options of readers: how to take the content of a file, and what to leave out.
 
 #include <cstdint>
 #include <mapjoin/model/conventions.hpp>
@@ -10,23 +10,23 @@ namespace mapjoin {
 
 enum class LogFormat : std::uint8_t;
 
-/// What becomes of an edge to a pose or feature that a file with vertices does not declare.
+/// The treatment of an edge to a pose or feature that a file with vertices does not declare.
 enum class Undeclared : std::uint8_t {
-  kRefused,  ///< It is bad input.
-  kSkipped,  ///< It is left out, and counted.
-  kForeign,  ///< Between poses it is kept apart (Log::foreign), for another file may declare them; else it is bad input.
+  kRefused,  ///< Bad input.
+  kSkipped,  ///< Left out, and counted.
+  kForeign,  ///< Between poses kept apart (Log::foreign), since another file may declare them; otherwise bad input.
 };
 
-/// Whatever is left out is counted in Log::skipped.
+/// Options of readers; all that is left out is counted in Log::skipped.
 struct ReadOptions {
   PoseError pose_error = PoseError::kPaper;                                 ///< g2o files only.
   RotationInformation rotation_information = RotationInformation::kVector;  ///< 3D g2o files only.
-  bool repair_information = false;  ///< Indefinite matrices become their nearest semidefinite one, and are counted.
+  bool repair_information = false;  ///< Takes the nearest semidefinite matrix for an asymmetric or indefinite one; counted.
 
-  std::optional<LogFormat> from = {};   ///< Of a log's file; nothing: known by its content.
-  bool skip_unknown = false;            ///< Leaves out lines whose tag the format does not have.
+  std::optional<LogFormat> from = {};   ///< Format of a log's file; nullopt: known by its content.
+  bool skip_unknown = false;            ///< Leaves out lines with a tag that the format does not have.
   bool skip_self_edges = false;         ///< Leaves out edges from a pose to itself.
-  bool identity_where_missing = false;  ///< Takes the identity for the weights of an edge or observation without any.
+  bool identity_where_missing = false;  ///< Takes the identity for missing weights of an edge or observation.
   Undeclared undeclared = Undeclared::kRefused;
 };
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
-// How convex a function is along a segment (paper's (12) and Fig. 4).
+// Convexity of a function along a segment (paper's (12) and Fig. 4).
 
 #include <cstddef>
 #include <functional>
@@ -8,20 +8,20 @@
 
 namespace mapjoin {
 
-/// F at so many equally spaced λ from 0 to 1, both among them; at least three. In parallel.
+/// F at equally spaced λ from 0 to 1, both included; at least three points. In parallel.
 std::vector<double> sampled(const std::function<double(double)>& F, std::size_t points);
 
-/// What speaks against convexity, over the inner points of the samples of one or several segments. Rounding is allowed for: a
-/// difference counts where it is more than kCurvatureTolerance of the largest |F| of its segment.
+/// Evidence against convexity, over the inner points of the samples of one or several segments. To allow for rounding, a
+/// difference counts only if it exceeds kCurvatureTolerance of the largest |F| of its segment.
 struct CurvatureFigures {
   std::size_t points = 0;
-  std::size_t violations = 0;      ///< Where (12), F(λX + (1-λ)Y) ≤ λF(X) + (1-λ)F(Y), does not hold.
-  double largest_violation = 0.0;  ///< By what share F is above its chord at the most, of the larger of its ends.
-  std::size_t negative = 0;        ///< Where the second difference is below zero: the curvature d²F/dλ² is.
+  std::size_t violations = 0;      ///< Points at which (12), F(λX + (1-λ)Y) ≤ λF(X) + (1-λ)F(Y), does not hold.
+  double largest_violation = 0.0;  ///< The largest excess of F over its chord, relative to the larger of its ends.
+  std::size_t negative = 0;        ///< Points with a negative second difference: negative curvature d²F/dλ².
 
   double share_violated() const { return share(violations); }
   double share_negative() const { return share(negative); }
-  /// Those of both.
+  /// Adds the figures of other segments.
   void add(const CurvatureFigures& other);
 
  private:
@@ -30,8 +30,8 @@ struct CurvatureFigures {
 
 inline constexpr double kCurvatureTolerance = 1e-10;
 
-/// Of one segment, from equally spaced samples; `values` with fewer than three has no inner points. A value that is not finite
-/// violates, and its neighbours have no curvature to speak of.
+/// The figures of one segment, from equally spaced samples; fewer than three have no inner points. A value that is NaN or +∞
+/// violates (12), and its neighbours have no curvature that counts.
 CurvatureFigures curvature_figures(const std::vector<double>& values);
 
 }  // namespace mapjoin

@@ -10,7 +10,7 @@
 namespace mapjoin {
 namespace {
 
-/// A line of Linux's account of the process, in kB of 1024 bytes.
+/// A figure of /proc/self/status, given there in kB of 1024 bytes; nullopt if it is not there.
 std::optional<std::int64_t> status_bytes(const std::string& wanted) {
   std::ifstream status("/proc/self/status");
   for (std::string key; status >> key; status.ignore(256, '\n')) {
@@ -20,7 +20,7 @@ std::optional<std::int64_t> status_bytes(const std::string& wanted) {
   return std::nullopt;
 }
 
-/// What the allocator keeps of earlier work would hide what comes.
+/// Returns free memory to the system: what the allocator keeps of earlier work would hide later growth.
 void give_back_free_memory() {
 #ifdef __GLIBC__
   ::malloc_trim(0);

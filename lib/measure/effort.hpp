@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
-// What a piece of work takes: time, processors, and memory.
+// Effort of a piece of work: time, processors and memory.
 
 #include <chrono>
 #include <cstdint>
@@ -23,13 +23,13 @@ class Stopwatch {
 };
 
 struct Effort {
-  double seconds = 0.0;      ///< Of the clock on the wall.
-  double cpu_seconds = 0.0;  ///< Of all threads of the process together.
-  /// By how much the resident memory of the process has been larger than at the beginning (bytes), where the system tells.
+  double seconds = 0.0;      ///< Wall-clock time (s).
+  double cpu_seconds = 0.0;  ///< CPU time of all threads of the process (s).
+  /// The largest growth of the resident memory of the process since the beginning (bytes); nullopt if the system does not tell.
   std::optional<std::int64_t> memory;
 };
 
-/// Measures from its construction on; one at a time, since it makes the system forget the largest memory so far.
+/// Measures effort from its construction on; only one at a time, since it resets the system's largest memory so far.
 class EffortMeter {
  public:
   EffortMeter();
@@ -41,7 +41,7 @@ class EffortMeter {
   std::chrono::steady_clock::time_point start_;
 };
 
-/// The resident memory of the process (bytes) now, and at most since its start or the last EffortMeter's; nothing where the
+/// The resident memory of the process (bytes): now, and the largest since its start or the last EffortMeter's; nullopt if the
 /// system does not tell.
 std::optional<std::int64_t> resident_memory();
 std::optional<std::int64_t> largest_resident_memory();

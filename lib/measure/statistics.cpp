@@ -9,11 +9,12 @@ namespace {
 
 namespace policies = boost::math::policies;
 
-/// Γ of thousands is beyond all numbers: infinite is right where others are divided by it.
+/// The distribution with an infinite Γ instead of overflow: right for thousands of degrees of freedom, since others are divided
+/// by it.
 using ChiSquared =
     boost::math::chi_squared_distribution<double, policies::policy<policies::overflow_error<policies::ignore_error>>>;
 
-/// As large a number where it is beyond all.
+/// The value, or the largest double if it is infinite.
 double finite(double value) {
   return std::min(value, std::numeric_limits<double>::max());
 }

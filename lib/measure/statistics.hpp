@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
-// Values by their rank, and what a sum of squares of so many standard normal variables may be.
+// Order statistics, and the chi-squared distribution.
 
 #include <algorithm>
 #include <cstddef>
@@ -12,7 +12,7 @@
 
 namespace mapjoin {
 
-/// The value that a share p of them, 0 <= p < 1, precedes in ascending order; of at least one value.
+/// The quantile of at least one value: a share p of them, 0 <= p < 1, precedes it in ascending order.
 template <typename T>
 T sample_quantile(std::vector<T> values, double p) {
   const auto nth = values.begin() + static_cast<std::ptrdiff_t>(p * static_cast<double>(values.size()));
@@ -20,13 +20,13 @@ T sample_quantile(std::vector<T> values, double p) {
   return *nth;
 }
 
-/// The median of at least one value; of an even number the upper one of the two in the middle.
+/// The median of at least one value; the upper one of the two in the middle if their number is even.
 template <typename T>
 T median(std::vector<T> values) {
   return sample_quantile(std::move(values), 0.5);
 }
 
-/// The value that `rank` others precede in descending order; of more than `rank` values.
+/// The value that comes after `rank` others in descending order; of more than `rank` values.
 template <typename T>
 T nth_largest(std::vector<T> values, std::size_t rank) {
   const auto nth = values.begin() + static_cast<std::ptrdiff_t>(rank);
@@ -34,17 +34,17 @@ T nth_largest(std::vector<T> values, std::size_t rank) {
   return *nth;
 }
 
-/// The probability of a value larger than `value` with `dof` degrees of freedom; 1 without any.
+/// The probability that chi-squared exceeds `value` with `dof` degrees of freedom; 1 without any.
 double chi_squared_upper_tail(double value, double dof);
-/// Its logarithm, also where it is too small for a double.
+/// The logarithm of chi_squared_upper_tail(), also if that is too small for a double.
 double log_chi_squared_upper_tail(double value, double dof);
 
-/// The value that is exceeded with the probability 1 - `p`, 0 < p < 1; 0 without degrees of freedom.
+/// The chi-squared value that is exceeded with probability 1 - `p`, 0 < p < 1; 0 without degrees of freedom.
 double chi_squared_quantile(double p, double dof);
-/// The value that is exceeded with the probability `tail`, 0 < tail < 1, however small; 0 without degrees of freedom.
+/// The chi-squared value that is exceeded with probability `tail`, 0 < tail < 1, however small; 0 without degrees of freedom.
 double chi_squared_upper_quantile(double tail, double dof);
 
-/// The quantiles of one probability, each computed once.
+/// Chi-squared quantiles of one probability, computed once for each number of degrees of freedom.
 class ChiSquaredQuantiles {
  public:
   explicit ChiSquaredQuantiles(double p) : p_(p) {}

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
-// How far an estimated trajectory is from the true one (ATE, RPE), and how far two maps of the same things are apart.
+// Errors of an estimated trajectory (ATE, RPE), and differences of two maps of the same things.
 
 #include <cstddef>
 #include <cstdint>
@@ -11,33 +11,33 @@
 
 namespace mapjoin {
 
-/// The size of a set of errors.
+/// Statistics of a set of errors.
 struct ErrorSummary {
   std::size_t count = 0;
   double rms = 0.0;
   double max = 0.0;
   double mean = 0.0;
-  double median = 0.0;  ///< Of an even number the mean of the two in the middle.
+  double median = 0.0;  ///< The mean of the two in the middle if the count is even.
   double min = 0.0;
-  double deviation = 0.0;  ///< From the mean: rms² is mean² + deviation².
+  double deviation = 0.0;  ///< Standard deviation: rms² is mean² + deviation².
 };
 ErrorSummary summary_of(const std::vector<double>& errors);
 
-/// Translations in metres, rotations by their angle in radians.
+/// Errors of poses: translations in metres, rotations by their angle in radians.
 struct PoseErrorSummary {
   ErrorSummary translation;
   ErrorSummary rotation;
 };
 
-/// The rigid motion, without scale, that best takes the points `from` onto the points `to` of the same indices, in least
-/// squares (Umeyama, PAMI 1991). Throws std::invalid_argument where there are none or their numbers differ.
+/// The rigid motion, without scale, that takes the points `from` to the points `to` of the same indices, in least squares
+/// (Umeyama, PAMI 1991). Throws std::invalid_argument if there are none or their numbers differ.
 template <int Dim>
 Pose<Dim> align(const std::vector<Point<Dim>>& from, const std::vector<Point<Dim>>& to);
 
-/// How an estimate is moved into the frame of the truth.
+/// The alignment of an estimate with the frame of the truth.
 enum class TrajectoryAlignment : std::uint8_t {
-  kRigid,   ///< By align() of all positions.
-  kOrigin,  ///< So that the first poses agree.
+  kRigid,   ///< The rigid motion of align() over all positions.
+  kOrigin,  ///< The motion that makes the first poses agree.
   kNone,
 };
 constexpr auto enum_names(TrajectoryAlignment) {
@@ -48,49 +48,49 @@ constexpr auto enum_names(TrajectoryAlignment) {
 template <int Dim>
 struct AbsoluteTrajectoryError {
   Pose<Dim> alignment;      ///< Takes the frame of the estimate into the frame of the truth.
-  PoseErrorSummary errors;  ///< Of the aligned estimate; `errors.translation.rms` is what is called ATE.
+  PoseErrorSummary errors;  ///< Errors of the aligned estimate; `errors.translation.rms` is the ATE.
 };
 
-/// Differences, pose by pose, after the estimate is aligned. The preconditions of align().
+/// Errors pose by pose, after alignment of the estimate. Preconditions as of align().
 template <int Dim>
 AbsoluteTrajectoryError<Dim> absolute_trajectory_error(const std::vector<Pose<Dim>>& estimate,
                                                        const std::vector<Pose<Dim>>& truth,
                                                        TrajectoryAlignment alignment = TrajectoryAlignment::kRigid);
 
-/// Poses, by their positions in a trajectory, between which motions are compared.
+/// Pairs of poses, by their positions in a trajectory, between which motions are compared.
 using PosePairs = std::vector<std::pair<std::size_t, std::size_t>>;
 
-/// Which pairs of poses a span apart are compared.
+/// The pairs of poses a span apart that are compared.
 enum class SpanPairs : std::uint8_t {
-  kAll,         ///< From every pose.
-  kSuccessive,  ///< From the pose where the pair before ends.
+  kAll,         ///< A pair from every pose.
+  kSuccessive,  ///< A pair from the pose where the one before ends.
 };
 constexpr auto enum_names(SpanPairs) {
   return std::to_array<EnumName<SpanPairs>>({{SpanPairs::kAll, "all"}, {SpanPairs::kSuccessive, "successive"}});
 }
 
-/// The pairs of `poses` poses so many steps apart. A `span` of 0 is an std::invalid_argument.
+/// The pairs of `poses` poses that are `span` steps apart. Throws std::invalid_argument if `span` is 0.
 PosePairs pairs_by_steps(std::size_t poses, std::size_t span, SpanPairs which = SpanPairs::kAll);
-/// The pairs so many metres of the way apart: from every pose to the one that comes nearest to that, if to a tenth; or between
-/// the poses where so much, and again so much, was travelled.
+/// The pairs of poses that are `metres` of path apart: from every pose to the one whose path length comes nearest, if within a
+/// tenth; or between successive poses each of which lies `metres` or just more behind the one before.
 template <int Dim>
 PosePairs pairs_by_path(const std::vector<Pose<Dim>>& poses, double metres, SpanPairs which = SpanPairs::kAll);
 
-/// Differences of the motions between pairs of poses, whatever the frames: the drift over a span (RPE), or the metric of
-/// Kümmerle and others ("On measuring the accuracy of SLAM algorithms", 2009) where the pairs are relations of the truth.
-/// Differing numbers of poses are an std::invalid_argument.
+/// Errors of the motions between pairs of poses, independent of the frames: the drift over a span (RPE) or, if the pairs are
+/// relations of the truth, the metric of Kümmerle and others ("On measuring the accuracy of SLAM algorithms", 2009). Throws
+/// std::invalid_argument if the numbers of poses differ, or a pair has a pose that is not there.
 template <int Dim>
 PoseErrorSummary relative_pose_error(const std::vector<Pose<Dim>>& estimate, const std::vector<Pose<Dim>>& truth,
                                      const PosePairs& pairs);
 
-/// Differences of what two maps both hold, by id.
+/// Differences of the poses and features that two maps have in common, by id.
 struct MapDifference {
   PoseErrorSummary poses;
   ErrorSummary features;
-  std::size_t unmatched = 0;  ///< Poses and features that only one of them holds.
+  std::size_t unmatched = 0;  ///< Poses and features that only one of the maps has.
 };
 
-/// As the maps stand: in one frame, not aligned. Each id is taken once per map.
+/// The difference of two maps in one frame, without alignment. Ids must be unique in each map.
 template <int Dim>
 MapDifference map_difference(const GlobalMap<Dim>& a, const GlobalMap<Dim>& b);
 

@@ -15,12 +15,12 @@
 
 namespace mapjoin {
 
-/// A linearised observation of one target, its information scaled as its loss says.
+/// A linearised observation of one target; W is scaled by the slope of its loss.
 template <int Dim, int Dof>
 struct LinearObservation {
   LinearTarget<Dim, Dof> target;
   Matrix<Dof> W;
-  double loss = 0.0;  ///< ρ(rᵀWr), with the information as it was.
+  double loss = 0.0;  ///< ρ(rᵀWr), with W before scaling.
 
   static constexpr int kDim = Dim;
   template <typename F>
@@ -34,14 +34,14 @@ struct LinearObservation {
   double cost(double) const { return loss; }
 };
 
-/// W scaled by the slope of the loss at the residual (iteratively reweighted least squares).
+/// The observation with W scaled by the slope of the loss at the residual (iteratively reweighted least squares).
 template <int Dim, int Dof>
 LinearObservation<Dim, Dof> weighted(const LinearTarget<Dim, Dof>& target, const Matrix<Dof>& information, const Loss& loss) {
   const LossValue value = evaluate(loss, target.residual.dot(information * target.residual));
   return {target, value.weight * information, value.cost};
 }
 
-/// From steps of the part that a factor measures to steps of its target.
+/// Chain rule over a lever: J_target, on input with respect to the lever's end, becomes that with respect to the target.
 template <int Dim>
 void chain_lever(const PoseFactor<Dim>& factor, const Pose<Dim>& target, LinearTarget<Dim, kPoseDof<Dim>>& linear) {
   if (factor.lever.isZero(0.0)) return;
@@ -53,7 +53,8 @@ void chain_lever(const PoseFactor<Dim>& factor, const Pose<Dim>& target, LinearT
 template <int Dim>
 void chain_lever(const FeatureFactor<Dim>&, const Point<Dim>&, LinearTarget<Dim, Dim>&) {}
 
-/// An observation at the values of its base and its target, a pose or a feature; `base` is the identity where it is the World.
+/// Linearises an observation at the values of its base and its target, a pose or a feature; `base` is the identity if it is the
+/// World.
 template <template <int> typename Observation, int Dim, typename Target>
 auto linearise(const Observation<Dim>& observation, const Pose<Dim>& base, const Target& target) {
   auto linear = linearise<Dim>(observation.measured, base, measured_part(observation, target));
@@ -133,15 +134,15 @@ double accumulate(const Observation& observation, Sink&& sink) {
   return observation.cost(chi2);
 }
 
-/// The second derivatives of u · r, r the rotation's residual of a pose in space, with respect to turns of the target, of base
-/// and target, and of the base.
+/// The second derivatives of u · r, with r the rotation residual of a pose in space, with respect to rotations of the target
+/// (tt), of base and target (bt), and of the base (bb).
 struct RotationCurvature {
   Matrix<3> H_tt;
   Matrix<3> H_bt;
   Matrix<3> H_bb;
 };
 
-/// r = Log(Exp(-w_t) Exp(M w_b) Exp(r)), M = R_tᵀ R_b; two turns a, b make one of a + b + ½ a × b.
+/// The curvature of r = Log(Exp(-w_t) Exp(M w_b) Exp(r)), M = R_tᵀ R_b; two rotations a, b compose to a + b + ½ a × b.
 inline RotationCurvature rotation_curvature(const LinearTarget<3, kPoseDof<3>>& target, const Vector<3>& u) {
   const Matrix<3> J = target.J_target.bottomRightCorner<3, 3>();
   const Matrix<3> M = -J.inverse() * target.J_base.bottomRightCorner<3, 3>();
@@ -149,8 +150,8 @@ inline RotationCurvature rotation_curvature(const LinearTarget<3, kPoseDof<3>>& 
   return {Q, -M.transpose() * (Q + 0.5 * skew(Vector<3>(J.transpose() * u))), M.transpose() * Q * M};
 }
 
-/// Gives `sink` what full Newton's H has beyond Gauss-Newton's: -Σ (Wr)ᵀ ∂²H_t; nothing of how a lever bends, which is short
-/// beside a map.
+/// Gives `sink` the difference of full Newton's H from Gauss-Newton's, -Σ (Wr)ᵀ ∂²H_t, without the curvature of levers, which
+/// are short beside a map.
 template <typename Observation, typename Sink>
 void accumulate_curvature(const Observation& observation, Sink&& sink) {
   constexpr int kDim = Observation::kDim;
@@ -159,7 +160,7 @@ void accumulate_curvature(const Observation& observation, Sink&& sink) {
   Matrix<kDof> H_bb = Matrix<kDof>::Zero();
   observation.for_each_target([&]<int DofT>(int t, const LinearTarget<kDim, DofT>& target_t) {
     const Vector<DofT> Wr = weighted_residual<DofT>(observation, t, [](int, const auto&, const auto&) {});
-    // Positions: a turn w of the base turns the rows J of the Jacobians to J - w × J, whence the rows -(Wr) × J of w.
+    // Positions: a rotation w of the base changes rows J of the Jacobians to J - w × J, which gives the rows -(Wr) × J of w.
     const Matrix<kRot, kDim> minus_Wr_cross = -skew(Vector<kDim>(Wr.template head<kDim>()));
     Matrix<kDof, DofT> H_bt = Matrix<kDof, DofT>::Zero();
     H_bt.template bottomRows<kRot>() = minus_Wr_cross * target_t.J_target.template topRows<kDim>();

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
-// How the numbers of a file were taken, so that every chi2 can be reported with its meaning.
+// The conventions of a file's numbers, so that every chi2 can be reported with its meaning.
 
 #include <algorithm>
 #include <cstdint>
@@ -8,19 +8,19 @@
 
 namespace mapjoin {
 
-/// What a file's pose-pose information matrix weighs. Inside, the residual is always the paper's (10).
+/// The pose-pose residual that a file's information matrices weigh. Internally the residual is always the paper's (10).
 enum class PoseError : std::uint8_t {
   kPaper,  ///< X̂ - H(X), translation in the frame of the base.
-  kG2o,    ///< Z⁻¹ X_b⁻¹ X_t: translation turned by R_Zᵀ against the paper's; W is turned with R_Z on reading.
+  kG2o,    ///< Z⁻¹ X_b⁻¹ X_t: translation rotated by R_Zᵀ against the paper's; W is rotated by R_Z on reading.
 };
 
 constexpr auto enum_names(PoseError) {
   return std::to_array<EnumName<PoseError>>({{PoseError::kPaper, "paper"}, {PoseError::kG2o, "g2o"}});
 }
 
-/// What the rotational part of a file's 3D information matrix weighs.
+/// The rotation error that a file's 3D information matrices weigh.
 enum class RotationInformation : std::uint8_t {
-  kVector,      ///< The rotation vector (GTSAM, SE-Sync); what is used inside.
+  kVector,      ///< The rotation vector (GTSAM, SE-Sync); used internally.
   kQuaternion,  ///< The vector part of the unit quaternion, half the rotation vector (g2o).
 };
 
@@ -29,7 +29,7 @@ constexpr auto enum_names(RotationInformation) {
       {{RotationInformation::kVector, "vector"}, {RotationInformation::kQuaternion, "quaternion"}});
 }
 
-/// Which weights are in force.
+/// The information matrices in use.
 enum class Covariance : std::uint8_t {
   kOriginal,  ///< As the file gives them.
   kIdentity,  ///< Every information matrix replaced by the identity (paper's Table I).
@@ -39,12 +39,12 @@ constexpr auto enum_names(Covariance) {
   return std::to_array<EnumName<Covariance>>({{Covariance::kOriginal, "original"}, {Covariance::kIdentity, "identity"}});
 }
 
-/// Information matrices and covariances that were not taken as the input gives them.
+/// Counts of information matrices and covariances that were not taken as the input gives them.
 struct MatrixRepairs {
-  std::int64_t symmetrised = 0;    ///< Replaced by their symmetric part, where that is more than round-off.
-  double largest_asymmetry = 0.0;  ///< Of those, relative to the largest entry of the matrix.
-  std::int64_t indefinite = 0;     ///< Replaced by the nearest semidefinite, or for a covariance definite, matrix.
-  std::int64_t missing = 0;        ///< Not there, and taken as the identity.
+  std::int64_t symmetrised = 0;    ///< Replaced by their symmetric part because of asymmetry above round-off.
+  double largest_asymmetry = 0.0;  ///< The largest asymmetry among these, relative to the largest entry of its matrix.
+  std::int64_t indefinite = 0;     ///< Replaced by the nearest positive semidefinite matrix (definite for a covariance).
+  std::int64_t missing = 0;        ///< Absent, taken as the identity.
 
   MatrixRepairs& operator+=(const MatrixRepairs& other) {
     symmetrised += other.symmetrised;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
-// The cost ρ(rᵀWr) of an observation at given values: what every chi2 sums up.
+// The cost ρ(rᵀWr) of an observation at given values: the terms of every chi2.
 
 #include <Eigen/Core>
 #include <cstddef>
@@ -10,7 +10,7 @@
 
 namespace mapjoin {
 
-/// The cost of an observation of one target, a pose or a feature. `base` is the identity where it is the World.
+/// The cost of an observation of one target, a pose or a feature. `base` is the identity if it is the World.
 template <template <int> typename Observation, int Dim, typename Target>
 double cost(const Observation<Dim>& observation, const Pose<Dim>& base, const Target& target) {
   const auto r = residual<Dim>(observation.measured, base, measured_part(observation, target));
@@ -18,8 +18,7 @@ double cost(const Observation<Dim>& observation, const Pose<Dim>& base, const Ta
 }
 
 /// The residual X̂ - H(X) of a local map (paper's (31)): its poses, then its features, in the rows of its information.
-/// `pose_at(p)` and `feature_at(f)` give the value of the map's p-th pose and f-th feature in the frame that `base` is given
-/// in.
+/// `pose_at(p)` and `feature_at(f)` give the values of the map's p-th pose and f-th feature, in the same frame as `base`.
 template <int Dim, typename PoseAt, typename FeatureAt>
 Eigen::VectorXd residual(const LocalMap<Dim>& map, const Pose<Dim>& base, PoseAt&& pose_at, FeatureAt&& feature_at) {
   Eigen::VectorXd r(map.information.rows());
@@ -39,7 +38,7 @@ double cost(const LocalMap<Dim>& map, const Eigen::VectorXd& r) {
   return evaluate(Loss{}, r.dot(map.information * r)).cost;
 }
 
-/// The cost of a local map at given values, as for its residual.
+/// The cost of a local map at given values, with the arguments of residual().
 template <int Dim, typename PoseAt, typename FeatureAt>
 double cost(const LocalMap<Dim>& map, const Pose<Dim>& base, PoseAt&& pose_at, FeatureAt&& feature_at) {
   return cost(map, residual(map, base, pose_at, feature_at));

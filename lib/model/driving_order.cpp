@@ -29,7 +29,7 @@ std::vector<std::size_t> places_in(const std::vector<Vertex>& order) {
   return places;
 }
 
-/// How many of the poses in an order an edge ties to the one before.
+/// The number of poses in an order that an edge ties to the one before.
 std::size_t tied_steps(const std::vector<Edge>& edges, const std::vector<Vertex>& order) {
   const std::vector<std::size_t> place = places_in(order);
   std::vector<bool> is_tied(order.size());
@@ -46,7 +46,7 @@ std::vector<Vertex> order_of_ids(std::size_t poses) {
   return order;
 }
 
-/// In each of the user's sessions as edges name the poses for the first time; those that none names are last.
+/// The order in which edges first name the poses, within each of the user's sessions; poses that no edge names are last.
 std::vector<Vertex> order_of_mention(const std::vector<Edge>& edges, const PoseIds& poses) {
   std::vector<std::size_t> mentioned(poses.size(), 2 * edges.size());
   for (std::size_t k = edges.size(); k-- > 0;) {
@@ -68,7 +68,7 @@ std::vector<Edge> along_first(std::vector<Edge> edges, const std::vector<Vertex>
   return edges;
 }
 
-/// The steps from pose to pose of one of the user's sessions.
+/// The number of steps from pose to pose within the user's sessions.
 std::size_t steps_of(const PoseIds& poses) {
   std::size_t steps = 0;
   for (std::size_t i = 1; i < poses.size(); ++i) {
@@ -77,7 +77,7 @@ std::size_t steps_of(const PoseIds& poses) {
   return steps;
 }
 
-/// The order of mention, if it leaves at most half as many steps untied as the ids; what would cut a drive is behind the
+/// The order of mention, if it leaves at most half as many steps untied as the ids; poses that would cut a drive go behind the
 /// drives.
 std::optional<std::vector<Vertex>> better_order_of_mention(const std::vector<Edge>& edges, const PoseIds& poses,
                                                            std::size_t tied_by_ids) {
@@ -88,7 +88,7 @@ std::optional<std::vector<Vertex>> better_order_of_mention(const std::vector<Edg
   return is_better ? std::optional(order) : std::nullopt;
 }
 
-/// The order of paths along the edges, in each of the user's sessions, if they tie half of the poses or more.
+/// The order of paths along the edges, within each of the user's sessions, if these tie half of the poses or more.
 std::optional<std::vector<Vertex>> order_of_paths(const std::vector<Edge>& edges, const PoseIds& poses) {
   PathCover cover = cover_by_paths(poses.size(), edges);
   if (cover.edges < poses.size() / 2) return std::nullopt;

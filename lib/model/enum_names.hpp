@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
-// The words of enums, one table for each: options, reports, documents and tests take them from there.
+// Names of enum values, one table for each enum: options, reports, documents and tests use it.
 //
-// An enum has its table beside it, as a function that is found by its argument:
+// The table stands beside its enum, as a function found by argument-dependent lookup:
 //
 //   constexpr auto enum_names(Method) {
 //     return std::to_array<EnumName<Method>>({{Method::kDogleg, "dogleg"}, {Method::kGaussNewton, "gn"}});
@@ -15,7 +15,7 @@
 
 namespace mapjoin {
 
-/// A value of an enum and its word. Help lists them in the order of the table.
+/// A value of an enum and its name. Help lists them in the order of the table.
 template <typename Enum>
 struct EnumName {
   Enum value;
@@ -27,7 +27,7 @@ concept NamedEnum = requires(Enum value) {
   enum_names(value).front().name;
 };
 
-/// The word of the value.
+/// The name of the value; "unknown" if the table does not have it.
 template <NamedEnum Enum>
 std::string to_string(Enum value) {
   const auto names = enum_names(value);

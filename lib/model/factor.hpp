@@ -16,8 +16,8 @@
 
 namespace mapjoin {
 
-/// A relative pose: odometry, closure, or, from the World, a prior of a pose. Rows that were not measured
-/// (the rotation of a GPS position, say) have zero rows and columns in `information`. Only priors have levers.
+/// A relative pose: odometry, closure or, from the World, a prior of a pose. Coordinates that were not measured (the rotation
+/// of a GPS position, say) have zero rows and columns in `information`. Only priors have levers.
 template <int Dim>
 struct PoseFactor {
   PoseIndex base = kWorld;
@@ -25,7 +25,7 @@ struct PoseFactor {
   Pose<Dim> measured;           ///< Target in the frame of the base.
   PoseMatrix<Dim> information;  ///< W, symmetric positive semidefinite (1/m², 1/(m rad), 1/rad²).
   Loss loss = {};
-  Point<Dim> lever = Point<Dim>::Zero();  ///< The place on the target, in its frame, that is measured: an antenna, say (m).
+  Point<Dim> lever = Point<Dim>::Zero();  ///< The measured point on the target, in its frame: an antenna, say (m).
 };
 
 /// The position of a feature in the frame of the pose that saw it or, from the World, a prior of a feature.
@@ -38,13 +38,13 @@ struct FeatureFactor {
   Loss loss = {};
 };
 
-/// The pose of a factor that was driven last.
+/// The later pose of a factor in driving order.
 template <int Dim>
 PoseIndex later_pose(const PoseFactor<Dim>& factor) {
   return std::max(factor.base, factor.target);
 }
 
-/// What of its target a factor measures: the end of its lever, with the target's rotation; a feature as it is.
+/// The part of its target that a factor measures: the end of its lever with the target's rotation, or the whole feature.
 template <int Dim>
 Pose<Dim> measured_part(const PoseFactor<Dim>& factor, const Pose<Dim>& target) {
   return factor.lever.isZero(0.0) ? target : Pose<Dim>{transform(target, factor.lever), target.rotation};
@@ -54,7 +54,7 @@ const Point<Dim>& measured_part(const FeatureFactor<Dim>&, const Point<Dim>& tar
   return target;
 }
 
-/// Whether a factor, a prior or a closure, say, measures where its target is, and how it is turned.
+/// True if a factor measures its target's position (rotation): all these diagonal entries of its information are positive.
 template <int Dim>
 bool measures_position(const PoseFactor<Dim>& factor) {
   return (factor.information.diagonal().template head<Dim>().array() > 0.0).all();
@@ -64,8 +64,8 @@ bool measures_rotation(const PoseFactor<Dim>& factor) {
   return (factor.information.diagonal().template tail<kRotationDof<Dim>>().array() > 0.0).all();
 }
 
-/// The prior as one of the target itself: where the target has this value its cost, its gradient and the Gauss-Newton H stay as
-/// they are, elsewhere to the first order.
+/// The prior without its lever: cost, gradient and Gauss-Newton H are the same if the target has this value, and agree to first
+/// order elsewhere.
 template <int Dim>
 PoseFactor<Dim> without_lever(PoseFactor<Dim> prior, const Pose<Dim>& target) {
   constexpr int kRot = kRotationDof<Dim>;
@@ -82,8 +82,8 @@ PoseFactor<Dim> without_lever(PoseFactor<Dim> prior, const Pose<Dim>& target) {
   return prior;
 }
 
-/// What is wrong with a factor, "has … that …"; nothing where its measurement, lever and loss are valid, and its information
-/// matrix passes `check`, which may make it symmetric.
+/// The fault of a factor, "has … that …"; nullopt if its measurement, lever and loss are valid and its information matrix
+/// passes `check`, which may make it symmetric.
 template <typename Factor>
 std::optional<std::string> fault(Factor& factor, InformationCheck& check) {
   if (!is_valid(factor.measured)) return "has a measurement that is not finite, or no rotation";

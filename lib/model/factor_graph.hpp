@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
-// Everything that was measured: the factors of a least-squares problem over poses and features, and selections of them.
+// The factors of a least-squares problem over poses and features, and selections of them.
 
 #include <algorithm>
 #include <mapjoin/model/conventions.hpp>
@@ -12,14 +12,14 @@
 
 namespace mapjoin {
 
-/// A pose that the World holds still.
+/// A pose fixed in the World frame.
 template <int Dim>
 struct FixedPose {
   PoseIndex pose = 0;
   Pose<Dim> value;  ///< In the World frame.
 };
 
-/// These in the order of their poses, each once. Bad input where a pose is fixed at two places; `poses` names them.
+/// Fixed poses in ascending order, each once. kBadInput if a pose is fixed at two places; `poses` names them.
 template <int Dim>
 Expected<std::vector<FixedPose<Dim>>> fixed_once(std::vector<FixedPose<Dim>> fixed, const PoseIds& poses) {
   std::ranges::stable_sort(fixed, {}, &FixedPose<Dim>::pose);
@@ -31,7 +31,7 @@ Expected<std::vector<FixedPose<Dim>>> fixed_once(std::vector<FixedPose<Dim>> fix
   return fixed;
 }
 
-/// Factors over poses and features that count from 0, apart. A factor whose base is kWorld is a prior.
+/// Factors over poses and over features, each indexed from 0. A factor whose base is kWorld is a prior.
 template <int Dim>
 struct FactorGraph {
   std::vector<PoseFactor<Dim>> pose_factors;        ///< Odometry, closures, and priors of poses.
@@ -40,13 +40,13 @@ struct FactorGraph {
   std::vector<FixedPose<Dim>> fixed;                ///< Each pose once.
 };
 
-/// Whether a prior has a lever, which not all that is done with factors has a place for.
+/// True if a prior has a lever, which some algorithms on factors do not support.
 template <int Dim>
 bool has_levers(const FactorGraph<Dim>& graph) {
   return std::ranges::any_of(graph.pose_factors, [](const auto& factor) { return !factor.lever.isZero(0.0); });
 }
 
-/// Some of the factors of graphs, which must outlive it. Pointers: a log has millions of factors.
+/// A selection of the factors of graphs, which must outlive it. It holds pointers, since a log has millions of factors.
 template <int Dim>
 struct FactorSelection {
   std::vector<const PoseFactor<Dim>*> pose_factors;
@@ -56,7 +56,8 @@ struct FactorSelection {
   bool empty() const { return pose_factors.empty() && feature_factors.empty() && submaps.empty(); }
 };
 
-/// Every information matrix of a log or a set of maps replaced by the identity; the conventions say so (paper's Table I).
+/// Replaces every information matrix of a log or a set of maps by the identity, and records that in its conventions (paper's
+/// Table I).
 template <typename Data>
 void use_identity_covariance(Data& data) {
   for (auto& factor : data.graph.pose_factors) factor.information.setIdentity();

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
-// The user's names of poses and features, and the dense indices that stand for them inside.
+// The user's names of poses and features, and the dense indices that replace them internally.
 
 #include <algorithm>
 #include <compare>
@@ -15,12 +15,12 @@
 
 namespace mapjoin {
 
-/// Dense indices of poses and of features, which count from 0, apart.
+/// Dense indices of poses and of features, each from 0.
 using PoseIndex = StrongIndex<struct PoseTag>;
 using FeatureIndex = StrongIndex<struct FeatureTag>;
 using PoseOrFeature = std::variant<PoseIndex, FeatureIndex>;
 
-/// As the base of an observation: the World, the frame that fixed poses, priors and GPS positions are given in.
+/// The World as the base of an observation: the frame of fixed poses, priors and GPS positions.
 inline constexpr PoseIndex kWorld = -1;
 
 /// A pose as its log names it: keys may repeat between sessions (robots or runs), never within one.
@@ -30,7 +30,7 @@ struct PoseId {
   auto operator<=>(const PoseId&) const = default;
 };
 
-/// A feature as its log names it, in a space of its own: pose 7 and feature 7 are different things.
+/// A feature as its log names it, in a namespace of its own: pose 7 and feature 7 are different things.
 struct FeatureId {
   std::uint64_t key = 0;
   auto operator<=>(const FeatureId&) const = default;
@@ -40,8 +40,7 @@ struct FeatureId {
 using PoseIds = Table<PoseIndex, PoseId>;
 using FeatureIds = Table<FeatureIndex, FeatureId>;
 
-/// The position of `id` among ascending names; nothing where it is not there. Constant time where keys are consecutive, else
-/// logarithmic.
+/// The position of `id` among ascending names; nullopt if absent. Constant time if keys are consecutive, otherwise logarithmic.
 template <typename Id>
 std::optional<std::size_t> find_ascending(const std::vector<Id>& names, const Id& id) {
   const std::uint64_t guess = names.empty() ? 0 : id.key - names.front().key;
@@ -51,8 +50,7 @@ std::optional<std::size_t> find_ascending(const std::vector<Id>& names, const Id
   return static_cast<std::size_t>(found - names.begin());
 }
 
-/// The indices of ids among the names of a Log, SubmapSet or GlobalMap, in whatever order these are. O(n log n) once, then
-/// O(log n) each.
+/// The indices of ids among the names of a Log, SubmapSet or GlobalMap, in any order. O(n log n) once, then O(log n) each.
 template <typename Index, typename Id>
 class IndexOf {
  public:
@@ -60,7 +58,7 @@ class IndexOf {
     for (const Index index : indices(names)) indices_.emplace_back(names[index], index);
     std::ranges::sort(indices_);
   }
-  /// Nothing where no name is `id`.
+  /// The index of `id`; nullopt if no name equals it.
   std::optional<Index> operator()(const Id& id) const {
     const auto found = std::ranges::lower_bound(indices_, id, {}, &std::pair<Id, Index>::first);
     if (found == indices_.end() || found->first != id) return std::nullopt;
@@ -71,25 +69,25 @@ class IndexOf {
   std::vector<std::pair<Id, Index>> indices_;
 };
 
-/// The letter of a key that is a GTSAM symbol: a letter in the top byte, of a robot or of a kind, and an index below; else 0.
+/// The letter of a key that is a GTSAM symbol: a letter in the top byte, for a robot or a kind, above an index; otherwise 0.
 constexpr char symbol_letter(std::uint64_t key) {
   const auto letter = static_cast<char>(key >> 56);
   return (letter >= 'a' && letter <= 'z') || (letter >= 'A' && letter <= 'Z') ? letter : '\0';
 }
-/// "17", or "a17" where the key is a GTSAM symbol.
+/// A key as text: "17", or "a17" if it is a GTSAM symbol.
 inline std::string key_text(std::uint64_t key) {
   const char letter = symbol_letter(key);
   return letter == '\0' ? std::to_string(key) : letter + std::to_string(key & ((std::uint64_t{1} << 56) - 1));
 }
 
-/// The key that key_text() writes so; nothing of other words.
+/// The key whose key_text() this is; nullopt for any other text.
 std::optional<std::uint64_t> parse_key(std::string_view text);
 
-/// "pose 17", or "pose 17 of session 2" where the session is not 0.
+/// The name of a pose, "pose 17", or "pose 17 of session 2" if the session is not 0.
 inline std::string to_string(const PoseId& id) {
   return "pose " + key_text(id.key) + (id.session == 0 ? "" : " of session " + std::to_string(id.session));
 }
-/// "feature 17".
+/// The name of a feature, "feature 17".
 inline std::string to_string(const FeatureId& id) {
   return "feature " + key_text(id.key);
 }

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
-// Indices that do not mix: one type for each kind of thing that is counted from 0, and tables that only their own kind opens.
+// Indices that do not mix: one type for each kind of thing counted from 0, and tables that accept only their own kind.
 
 #include <compare>
 #include <concepts>
@@ -13,17 +13,17 @@
 
 namespace mapjoin {
 
-/// A dense index of one kind of thing: `using PoseIndex = StrongIndex<struct PoseTag>`. An integer becomes one by name,
-/// `PoseIndex(k)`, a constant also by itself, `pose == 0`; an index of another kind never does.
+/// A dense index of one kind of thing: `using PoseIndex = StrongIndex<struct PoseTag>`. Integers convert explicitly,
+/// `PoseIndex(k)`, constants also implicitly, `pose == 0`, indices of another kind never.
 template <typename Tag>
 struct StrongIndex {
-  std::int32_t value = 0;  ///< Negative only in constants with a name of their own.
+  std::int32_t value = 0;  ///< Negative only in named constants.
 
   constexpr StrongIndex() = default;
   template <std::integral Integer>
   consteval StrongIndex(Integer constant) : value(static_cast<std::int32_t>(constant)) {}
   template <std::integral Integer>
-  constexpr explicit StrongIndex(Integer number) requires true  // thus preferred to the one above where both fit
+  constexpr explicit StrongIndex(Integer number) requires true  // preferred to the one above if both fit
       : value(static_cast<std::int32_t>(number)) {}
 
   /// The position in a list that is not a Table of this kind.
@@ -40,7 +40,7 @@ struct StrongIndex {
   friend constexpr std::int32_t operator-(StrongIndex last, StrongIndex first) { return last.value - first.value; }
 };
 
-/// The position in a plain list, of numbers that have no kind.
+/// The position of a number or an index in a plain list.
 constexpr std::size_t position_of(std::size_t number) {
   return number;
 }
@@ -100,7 +100,7 @@ IndexRange<Index> indices(const Table<Index, T>& table) {
   return {Index(0), Index(table.size())};
 }
 
-/// A list of T for each index of one kind, one after the other in the same memory.
+/// A list of T for each index of one kind, stored contiguously, one after the other.
 template <typename Index, typename T>
 class Lists {
  public:
@@ -109,10 +109,10 @@ class Lists {
     const std::size_t k = position_of(index);
     return {entries_.data() + begin_[k], entries_.data() + begin_[k + 1]};
   }
-  /// All lists' entries, in order, and the position among them of the first one of a list.
+  /// All lists' entries, in order; first() is the position among them of a list's first entry.
   const std::vector<T>& entries() const { return entries_; }
   std::size_t first(Index index) const { return begin_[position_of(index)]; }
-  /// The first() of each list, and the number of all entries.
+  /// The first() of each list, then the number of all entries.
   const std::vector<std::size_t>& begins() const { return begin_; }
 
   template <typename List>

@@ -9,22 +9,21 @@
 namespace mapjoin {
 namespace {
 
-/// Relative to the largest entry or eigenvalue: above the round-off of a factorisation, below any deliberate figure.
+/// Round-off, relative to the largest entry or eigenvalue: above that of a factorisation, below any deliberate figure.
 constexpr double kRoundOff = 1e-9;
 /// The asymmetry, relative to the largest entry, that a filter's covariance update leaves after thousands of steps.
 constexpr double kMostAsymmetry = 1e-6;
 
-/// Halved first: the sum of two finite numbers may not be one.
+/// The symmetric part; halved first, since the sum of two finite numbers may overflow.
 template <int Size>
 Matrix<Size> symmetric_part(const Matrix<Size>& M) {
   return 0.5 * M + 0.5 * M.transpose();
 }
 
-/// Of dynamic size, and so are its uses: an eigensolver unrolled for each size takes the compiler long, and few matrices need
-/// it.
+/// The eigensolver, of dynamic size: one unrolled for each size takes long to compile, and few matrices need it.
 using EigenSolver = Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd>;
 
-/// The symmetric matrix with no eigenvalue below `least` of the largest that is nearest in Frobenius norm.
+/// The nearest symmetric matrix, in Frobenius norm, with no eigenvalue below `least` of the largest.
 Eigen::MatrixXd lifted(const Eigen::MatrixXd& M, double least) {
   const EigenSolver eigen(M);
   const Eigen::MatrixXd& V = eigen.eigenvectors();
@@ -32,8 +31,8 @@ Eigen::MatrixXd lifted(const Eigen::MatrixXd& M, double least) {
   return symmetric_part<Eigen::Dynamic>(V * eigen.eigenvalues().cwiseMax(floor).asDiagonal() * V.transpose());
 }
 
-/// A covariance whose correlations are positive definite: metres and radians are lifted alike. Not finite where a variance is
-/// not positive.
+/// The covariance with its correlations made positive definite, so that metres and radians are lifted alike. Not finite if a
+/// variance is not positive.
 Eigen::MatrixXd definite(const Eigen::MatrixXd& P) {
   const Eigen::VectorXd deviation = P.diagonal().cwiseSqrt();
   const Eigen::VectorXd scale = deviation.cwiseInverse();

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
-// Residual and Jacobians of one target seen from one base: the only observation model there is (paper's (10), (11), (31)).
+// Residual and Jacobians of one target seen from one base: the one observation model (paper's (10), (11), (31)).
 
 #include <mapjoin/geometry/pose.hpp>
 
@@ -15,13 +15,13 @@ struct LinearTarget {
   Matrix<Dof, kPoseDof<Dim>> J_base;
 };
 
-/// X̂ - H(X) for a point target: p̂ - R_bᵀ(p - t_b), in the frame of the base.
+/// The residual X̂ - H(X) of a point target: p̂ - R_bᵀ(p - t_b), in the frame of the base.
 template <int Dim>
 Point<Dim> residual(const Point<Dim>& measured, const Pose<Dim>& base, const Point<Dim>& target) {
   return measured - transform_into(base, target);
 }
 
-/// X̂ - H(X) for a pose target: translation as for a point, rotation Log((R_bᵀ R_t)ᵀ R̂).
+/// The residual X̂ - H(X) of a pose target: translation as for a point, rotation Log((R_bᵀ R_t)ᵀ R̂).
 template <int Dim>
 PoseVector<Dim> residual(const Pose<Dim>& measured, const Pose<Dim>& base, const Pose<Dim>& target) {
   return local(between(base, target), measured);

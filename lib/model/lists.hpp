@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
-// What is often done with lists.
+// Common operations on lists.
 
 #include <algorithm>
 #include <iterator>
@@ -13,14 +13,14 @@ void append(List& list, const More& more) {
   list.insert(list.end(), more.begin(), more.end());
 }
 
-/// Puts a list in ascending order, each value once.
+/// Sorts a list and keeps each value once.
 template <typename List>
 void make_distinct(List& list) {
   std::ranges::sort(list);
   list.erase(std::unique(list.begin(), list.end()), list.end());
 }
 
-/// At most `most` of a list, or of those in it that are wanted, spread evenly.
+/// At most `most` of the wanted elements of a list, or of all, spread evenly.
 template <typename T, typename Predicate>
 std::vector<T> evenly_chosen(const std::vector<T>& list, std::size_t most, Predicate&& is_wanted) {
   std::vector<T> chosen;

@@ -22,17 +22,17 @@ struct LocalMap {
   std::vector<Pose<Dim>> pose_estimates;      ///< In the frame of the base.
   std::vector<Point<Dim>> feature_estimates;  ///< In the frame of the base (m).
   Eigen::MatrixXd information;                ///< W, symmetric positive semidefinite.
-  double chi2 = 0.0;                          ///< Of the observations inside, at the estimate.
+  double chi2 = 0.0;                          ///< chi2 of its own observations, at the estimate.
 
-  /// The first row of a target in `information`; of the number of targets, the number of rows.
+  /// The first row of a target in `information`; the number of rows if `target` is the number of targets.
   Eigen::Index row(std::size_t target) const {
     const std::size_t before = std::min(target, poses.size());
     return static_cast<Eigen::Index>(before * kPoseDof<Dim> + (target - before) * Dim);
   }
 };
 
-/// What is wrong with the numbers of a map, "has … that …"; nothing where its estimates are finite, as many as its targets, and
-/// its information matrix is of their size and passes InformationCheck.
+/// The fault in the numbers of a map, "has … that …"; nullopt if its estimates are finite and as many as its targets, and its
+/// information matrix has their size and passes InformationCheck.
 template <int Dim>
 std::optional<std::string> fault(const LocalMap<Dim>& map);
 

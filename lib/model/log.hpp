@@ -23,24 +23,25 @@ struct Session {
   PoseIndex end = 0;
 };
 
-/// What a reader left out, and how often: "EQUIV lines", "self-edges".
+/// Counts of what a reader left out, by kind: "EQUIV lines", "self-edges".
 using SkipCounts = std::map<std::string, std::int64_t, std::less<>>;
 
-/// A pose-pose edge under the names of its ends.
+/// A pose-pose edge with its ends by name.
 template <int Dim>
 struct NamedEdge {
   PoseId base;
   PoseId target;
   Pose<Dim> measured;           ///< Target in the frame of the base.
-  PoseMatrix<Dim> information;  ///< As of PoseFactor.
+  PoseMatrix<Dim> information;  ///< As in PoseFactor.
 };
 
-/// A log over `poses.size()` poses and `features.size()` features, made by LogBuilder, which keeps what is said here.
+/// A log over `poses.size()` poses and `features.size()` features, made by LogBuilder, which establishes the invariants stated
+/// here.
 template <int Dim>
 struct Log {
   std::string source;  ///< The file it was read from, for messages.
 
-  /// Names by index, in the order in which poses were driven: that of their ids or, where they tell it better, of the edges.
+  /// Names by index, in driving order: that of the ids or, if they fit better, of the edges (see take_order_of_edges).
   PoseIds poses;
   FeatureIds features;            ///< Names by index, in ascending order.
   std::vector<Session> sessions;  ///< In order; together they hold every pose once.
@@ -48,13 +49,13 @@ struct Log {
   /// Pose factors: odometry, closures, priors. Feature factors: observations, priors. Fixed poses: in the order of their pose.
   FactorGraph<Dim> graph;
 
-  Table<PoseIndex, std::int64_t> stamps_ns;  ///< Or empty.
-  Values<Dim> initial;                       ///< The file's values; of poses, of features, or of both none unless all have one.
+  Table<PoseIndex, std::int64_t> stamps_ns;  ///< Time stamps; empty if unknown.
+  Values<Dim> initial;                       ///< The file's values: of poses, or of features, only if all of them have one.
 
   std::int64_t repeated_edges = 0;      ///< Pose-pose edges beyond the first between the same two poses.
-  std::int64_t unassociated = 0;        ///< Observations left out since the file does not say of which feature they are.
-  SkipCounts skipped;                   ///< As the reader's options said.
-  std::vector<NamedEdge<Dim>> foreign;  ///< Edges to poses of other files (see Undeclared::kForeign); not of this log.
+  std::int64_t unassociated = 0;        ///< Observations left out because the file does not name their feature.
+  SkipCounts skipped;                   ///< Entries left out as options demand, by kind.
+  std::vector<NamedEdge<Dim>> foreign;  ///< Edges to poses of other files (see Undeclared::kForeign), not part of the log.
   Conventions conventions;
 
   /// Odometry, then closures.
@@ -62,31 +63,31 @@ struct Log {
   /// Edges between successive poses of a session, either direction, in the order of their later pose. Repeated edges stand
   /// side by side and all count.
   std::span<const PoseFactor<Dim>> odometry() const;
-  /// Every other edge, in the order of the file.
+  /// Edges that are not odometry, in the order of the file.
   std::span<const PoseFactor<Dim>> closures() const;
   std::span<const PoseFactor<Dim>> pose_priors() const;
-  /// In the order of their pose, then of the file.
+  /// Observations of features, in the order of their pose, then of the file.
   std::span<const FeatureFactor<Dim>> observations() const;
   std::span<const FeatureFactor<Dim>> feature_priors() const;
 };
 
-/// The log of a file, which decides on the dimension.
+/// The log of a file, in the dimension that the file has.
 using AnyLog = std::variant<Log<2>, Log<3>>;
 
-/// Makes what is said of Log's members true of a log whose poses are in order and whose factors come in any order: sorts them
-/// stably, counts repeated edges, finds the sessions. O(n log n).
+/// Establishes Log's invariants for a log whose poses are in order and whose factors come in any order: sorts them stably,
+/// counts repeated edges, finds the sessions. O(n log n).
 template <int Dim>
 void put_in_order(Log<Dim>& log);
 
-/// Puts the poses, which are in the order of their ids, in that in which a robot drove them. Where edges tie half of the poses
-/// or more to the one before, it is the order in which edges first name the poses, if that leaves at most half as many steps
-/// without an edge as the order of ids; what stands between two poses that an edge ties goes behind the drives. Else it is that
-/// of paths along the edges, if these tie half of the poses or more (PathCover). Within each of the user's sessions; the pose
+/// Puts the poses, which are in the order of their ids, in driving order, within each of the user's sessions. If edges tie half
+/// of the poses or more to the one before, that is the order in which edges first name the poses, provided that it leaves at
+/// most half as many steps without an edge as the order of ids; poses between two that an edge ties go behind the drives.
+/// Otherwise it is the order of paths along the edges (PathCover), provided that these tie half of the poses or more. The pose
 /// factors are in the order of the file. O(n log n).
 template <int Dim>
 void take_order_of_edges(Log<Dim>& log);
 
-/// Puts the poses, which are in the order of their ids, in this order; bad input where it does not name each of them once.
+/// Puts the poses, which are in the order of their ids, in this order; kBadInput if it does not name each of them once.
 template <int Dim>
 Expected<void> take_order(const PoseIds& order, Log<Dim>& log);
 

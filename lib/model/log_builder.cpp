@@ -18,7 +18,7 @@ std::string name_of(PoseId base, FeatureId target) {
   return fmt::format("the observation of {} from {}", to_string(target), to_string(base));
 }
 
-/// Whether the numbers of all factors are sound.
+/// Checks the numbers of all factors.
 template <typename Kind>
 Expected<void> check_factors(Kind& kind, InformationCheck& check) {
   for (std::size_t i = 0; i < kind.factors.size(); ++i) {
@@ -44,7 +44,7 @@ Expected<void> check_values(const std::vector<Said>& said) {
   return bad_input(to_string(wrong->id) + " has a value that is not finite, or no rotation");
 }
 
-/// Puts what was said in the order of ids, of which each may have one `what`.
+/// Sorts values by id; kBadInput if an id has two, which `what` names.
 template <typename Said>
 Expected<void> sort_once(std::vector<Said>& said, const char* what) {
   if (!std::ranges::is_sorted(said, {}, &Said::id)) std::ranges::stable_sort(said, {}, &Said::id);
@@ -53,7 +53,7 @@ Expected<void> sort_once(std::vector<Said>& said, const char* what) {
   return bad_input(fmt::format("{} has two {}", to_string(twice->id), what));
 }
 
-/// What was said, once each and in the order of ids, by index; empty where not all `names` have it.
+/// The values of all `names` by index, given once each in the order of ids; empty if any is missing.
 template <typename Index, typename Id, typename Said>
 auto values_of_all(const Table<Index, Id>& names, const std::vector<Said>& said) {
   Table<Index, decltype(Said::value)> values;
@@ -251,7 +251,7 @@ Expected<void> LogBuilder<Dim>::resolve_values() {
 template <int Dim>
 Expected<std::vector<FixedPose<Dim>>> LogBuilder<Dim>::resolve_fixed() const {
   std::vector<FixedPose<Dim>> fixed;
-  std::optional<PoseId> at_origin;  // For want of a value.
+  std::optional<PoseId> at_origin;  // The pose without a value.
   for (const auto& [id, value] : fixed_) {
     const auto pose = find_ascending(log_.poses, id);
     if (!pose) {

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
-// Makes a Log out of what a reader finds, in whatever order it comes: sorts poses, tells odometry from closures, finds
-// sessions.
+// Builds a Log from what a reader finds, in any order: sorts poses, tells odometry from closures, finds sessions.
 
 #include <cstdint>
 #include <mapjoin/model/error.hpp>
@@ -15,28 +14,28 @@
 
 namespace mapjoin {
 
-/// Who checks the numbers of a log.
+/// The place where the numbers of a log are checked.
 enum class Numbers : std::uint8_t {
-  kUnchecked,  ///< LogBuilder::finish().
-  kChecked,    ///< A reader has, line by line.
+  kUnchecked,  ///< LogBuilder::finish() checks them.
+  kChecked,    ///< A reader has checked them, line by line.
 };
 
-/// In which order the poses of a log come.
+/// The order of the poses of a log.
 enum class PoseOrder : std::uint8_t {
-  kDriven,  ///< That of their ids or, where they tell it better, of the edges (see take_order_of_edges).
-  kOfIds,   ///< That of their ids, whatever the edges say: for a log that grows.
+  kDriven,  ///< Driving order: that of the ids or, if they fit better, of the edges (see take_order_of_edges).
+  kOfIds,   ///< The order of the ids, whatever the edges say: for a log that grows.
 };
 
 /// Edges, observations and priors that are taken out of a log.
 template <int Dim>
 struct LeftOut {
-  std::vector<NamedEdge<Dim>> edges;  ///< Between poses.
+  std::vector<NamedEdge<Dim>> edges;  ///< Pose-pose edges.
   std::int64_t others = 0;
 
   std::int64_t count() const { return static_cast<std::int64_t>(edges.size()) + others; }
 };
 
-/// Poses and features are named by the user's ids and come into being when first mentioned.
+/// Builds a log. Poses and features are named by the user's ids and created when first mentioned.
 template <int Dim>
 class LogBuilder {
  public:
@@ -46,7 +45,7 @@ class LogBuilder {
     log_.conventions = conventions;
   }
 
-  /// Makes room for so many pose-pose edges and observations, where a reader knows beforehand.
+  /// Reserves room for so many pose-pose edges and observations, if a reader knows them beforehand.
   void reserve(std::size_t pose_edges, std::size_t observations) {
     poses_.reserve(pose_edges);
     features_.reserve(observations);
@@ -58,24 +57,24 @@ class LogBuilder {
     poses_.names.mention(id);
     stamps_.push_back({id, nanoseconds});
   }
-  /// Observations that are left out since the input does not say of which feature they are.
+  /// Counts observations left out because the input does not name their feature.
   void add_unassociated(std::int64_t count = 1) { log_.unassociated += count; }
-  /// What is left out as the reader's options say.
+  /// Counts entries of the kind `what` that the reader's options leave out.
   void add_skipped(std::string_view what, std::int64_t count = 1) {
     const auto known = log_.skipped.find(what);
     (known != log_.skipped.end() ? known->second : log_.skipped[std::string(what)]) += count;
   }
-  /// What a reader did to matrices before it added them.
+  /// Adds a reader's repairs of matrices that it added.
   void add_repairs(const MatrixRepairs& repairs) { log_.conventions.repairs += repairs; }
-  /// What another builder was told, as if this one was told it next.
+  /// Appends the input of another builder, as if it were added next.
   void append(const LogBuilder& other);
-  /// What a log says, its session n as session `first_session` + n; its foreign edges are passed over. std::out_of_range where
-  /// a factor names what the log does not have, or its sessions go beyond 2^32.
+  /// Appends a log without its foreign edges, its session n as session `first_session` + n. Throws std::out_of_range if a
+  /// factor refers to what the log does not have, or its sessions go beyond 2^32.
   void append(const Log<Dim>& log, std::uint32_t first_session = 0);
-  /// Takes out what concerns poses and features without an initial value, which it forgets.
+  /// Removes poses and features without an initial value, and returns the factors that refer to them.
   LeftOut<Dim> take_undeclared();
 
-  /// Odometry or closure: which, finish() decides.
+  /// Adds odometry or a closure; finish() decides which it is.
   void add_pose_edge(PoseId base, PoseId target, const Pose<Dim>& measured, const PoseMatrix<Dim>& information) {
     add(base, target, PoseFactor<Dim>{0, 0, measured, information});
   }
@@ -89,36 +88,36 @@ class LogBuilder {
   void add_feature_prior(FeatureId feature, const Point<Dim>& measured, const PointMatrix<Dim>& information) {
     add(std::nullopt, feature, FeatureFactor<Dim>{kWorld, 0, measured, information});
   }
-  /// A factor as it is, but for its ends, which are named; nothing stands for the World.
+  /// Adds a factor as it is, except for its ends, which are given by name; `base` is nullopt for the World.
   void add(std::optional<PoseId> base, PoseId target, const PoseFactor<Dim>& factor) { add_to(poses_, base, target, factor); }
   void add(std::optional<PoseId> base, FeatureId target, const FeatureFactor<Dim>& factor) {
     add_to(features_, base, target, factor);
   }
-  /// The World holds the pose, which must be mentioned elsewhere, at `value` or, where none is given, at its initial value; one
-  /// pose without either is anchored at the origin.
+  /// Fixes a pose, which must be mentioned elsewhere, at `value` or, if none is given, at its initial value; one pose without
+  /// either is anchored at the origin.
   void fix(PoseId id, const std::optional<Pose<Dim>>& value = std::nullopt) { fixed_.push_back({id, value}); }
 
-  /// The log, with the promises of Log kept. Bad input are: an edge from a pose to itself, a pose or feature with two initial
-  /// values, a pose with two stamps, stamps on some poses only, a pose that is fixed at two places or that nothing but its
-  /// fixing mentions, a second fixed pose without a value, a log without poses; a number that is not finite, a quaternion that
-  /// is not of unit length, and an information matrix that InformationCheck refuses. O(n log n).
+  /// The log, with Log's invariants. kBadInput: an edge from a pose to itself, a pose or feature with two initial values, a
+  /// pose with two stamps, stamps on some poses only, a pose that is fixed at two places or mentioned only by its fixing, a
+  /// second fixed pose without a value, a log without poses; a number that is not finite, a quaternion that is not of unit
+  /// length, and an information matrix that InformationCheck refuses. kTooLarge from 2^31 - 1 poses or features on. O(n log n).
   Expected<Log<Dim>> finish(PoseOrder order = PoseOrder::kDriven) &&;
-  /// The same with the poses in this order; bad input where it does not name each of them once.
+  /// The log with its poses in this order; kBadInput also if it does not name each of them once.
   Expected<Log<Dim>> finish(const PoseIds& order) &&;
 
  private:
-  /// Something said of the pose or feature `id`.
+  /// A value given for the pose or feature `id`.
   template <typename Id, typename Value>
   struct Said {
     Id id;
     Value value;
   };
-  /// What was said of poses, or of features.
+  /// The input on poses, or on features.
   template <typename Id, typename Value, typename Factor>
   struct Kind {
     NameTable<Id> names;
-    std::vector<Factor> factors;                ///< In the order of the file; their ends but the World are not yet indices.
-    std::vector<std::pair<PoseId, Id>> ends{};  ///< Of the factors; the World has no name.
+    std::vector<Factor> factors;  ///< In the order of the file; their ends other than the World are not yet indices.
+    std::vector<std::pair<PoseId, Id>> ends{};  ///< Base and target of each factor; the World has no name.
     std::vector<Said<Id, Value>> initial{};
 
     void add(Id id, const std::optional<Value>& value) {

@@ -8,29 +8,28 @@
 
 namespace mapjoin {
 
-/// ρ(s): s itself up to `quadratic_to`, a constant c² from `constant_from` on, c⁴ the product of both, and between them the
-/// smooth arc 2 c √(s μ (μ + 1)) - μ (c² + s) that graduated non-convexity leads along (Yang, Antonante, Tzoumas and Carlone,
-/// "Graduated non-convexity for robust spatial perception", 2020). Least squares if nothing else is said.
+/// The loss ρ(s): s up to `quadratic_to`, the constant c² from `constant_from` on, with c⁴ the product of both, and between
+/// them the smooth arc 2 c √(s μ (μ + 1)) - μ (c² + s) of graduated non-convexity (Yang, Antonante, Tzoumas and Carlone,
+/// "Graduated non-convexity for robust spatial perception", 2020). Least squares by default.
 struct Loss {
   double quadratic_to = std::numeric_limits<double>::infinity();
   double constant_from = std::numeric_limits<double>::infinity();
 
-  /// Truncated least squares, min(s, c²), where `share` is 1; the smaller it is, 0 < share ≤ 1, the longer the arc:
-  /// [share·c², c²/share].
+  /// Truncated least squares, min(s, c²), if `share` is 1; a smaller one, above 0, gives a longer arc, [share·c², c²/share].
   static Loss truncated(double c2, double share = 1.0) { return {share * c2, c2 / share}; }
   bool operator==(const Loss&) const = default;
 };
 
-/// Whether it is quadratic everywhere, or has ends 0 < quadratic_to ≤ constant_from whose product, c⁴, is a number above 0.
+/// True if the loss is quadratic everywhere, or has ends 0 < quadratic_to ≤ constant_from with a finite product, c⁴, above 0.
 inline bool is_valid(const Loss& loss) {
   const double c4 = loss.quadratic_to * loss.constant_from;
   return loss == Loss{} ||
          (c4 > 0.0 && std::isfinite(c4) && loss.quadratic_to > 0.0 && loss.quadratic_to <= loss.constant_from);
 }
 
-/// A loss and its slope at one s.
+/// The value of a loss and its slope at one s.
 struct LossValue {
-  double cost = 0.0;    ///< ρ(s), which chi2 sums up.
+  double cost = 0.0;    ///< ρ(s), a term of chi2.
   double weight = 0.0;  ///< dρ/ds, by which Gauss-Newton scales W.
 };
 
@@ -44,13 +43,14 @@ inline LossValue evaluate(const Loss& loss, double s) {
   return {2.0 * root * std::sqrt(s) - mu * (c2 + s), root / std::sqrt(s) - mu};
 }
 
-/// The share that graduated non-convexity begins with, with a worst residual of so many times c²: that is still on the arc.
-/// Beyond all numbers it is nowhere, and nothing is to be graduated.
+/// The share that graduated non-convexity begins with if the worst s is `excess` times c²: it is then still on the arc. 1,
+/// without graduation, if `excess` is not finite.
 inline double first_share(double excess) {
   return std::isfinite(excess) ? 0.5 / std::max(1.0, excess) : 1.0;
 }
 
-/// The share after this one, more than 0: the control of graduated non-convexity, μ = share / (1 - share), is doubled.
+/// The next share after this one, which is above 0: the control parameter of graduated non-convexity, μ = share / (1 - share),
+/// is doubled.
 inline double sharper(double share) {
   const double mu = 2.0 * share / (1.0 - share);
   return mu / (1.0 + mu);

@@ -9,7 +9,7 @@
 
 namespace mapjoin {
 
-/// Collects mentions. As long as new ids come in ascending order, as they do in most logs, none is kept twice.
+/// Collects ids as they are mentioned. As long as new ids come in ascending order, as in most logs, none is stored twice.
 template <typename Id>
 class NameTable {
  public:
@@ -19,12 +19,12 @@ class NameTable {
     mentions_.push_back(id);
   }
 
-  /// The mentions of another table, in their order.
+  /// Adds the mentions of another table, in their order.
   void mention_all(const NameTable& other) {
     for (const Id& id : other.mentions_) mention(id);
   }
 
-  /// Every id once, in ascending order; the table is spent.
+  /// Takes out every id once, in ascending order; the table is spent.
   std::vector<Id> take() {
     if (!ascending_) {
       std::sort(mentions_.begin(), mentions_.end());

@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
-// Other indices for the poses and features of factors.
+// Renumbering of the poses and features of factors.
 
 #include <mapjoin/model/factor_graph.hpp>
 
 namespace mapjoin {
 
-/// A function for each kind of index, called by the kind of its argument.
+/// An overload set with a function for each kind of index.
 template <typename... Functions>
 struct EachKind : Functions... {
   using Functions::operator()...;
@@ -26,7 +26,7 @@ void renumber(LocalMap<Dim>& map, const IndexOf& index_of) {
   for (PoseIndex& pose : map.poses) pose = index_of(pose);
   for (FeatureIndex& feature : map.features) feature = index_of(feature);
 }
-/// Of a graph: submaps, pose factors, feature factors, fixed poses, one after the other.
+/// Renumbers a graph: submaps, pose factors, feature factors, then fixed poses.
 template <int Dim, typename IndexOf>
 void renumber(FactorGraph<Dim>& graph, const IndexOf& index_of) {
   for (auto& map : graph.submaps) renumber(map, index_of);

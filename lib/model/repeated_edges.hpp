@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
-// Edges that stand between the same two poses as others.
+// Repeated edges: several between the same two poses.
 
 #include <algorithm>
 #include <cstdint>

@@ -17,7 +17,7 @@ bool is_among(const Table<Index, Id>& names, Index index) {
   return indices(names).contains(index);
 }
 
-/// What a list has more than once, if anything.
+/// An element that a list has more than once, if any.
 template <typename List>
 auto repeated(const List& list) {
   std::vector sorted(list.begin(), list.end());
@@ -59,7 +59,7 @@ Expected<void> check_edges(const SubmapSet<Dim>& set) {
   return bad_input("an edge leads from " + to_string(set.poses[edge->base]) + " to itself");
 }
 
-/// A target that a map has twice, its base among them, by name.
+/// The fault of a map that has a pose, its base included, or a feature twice; nullopt if none.
 template <int Dim>
 std::optional<std::string> named_twice(const LocalMap<Dim>& map, const SubmapSet<Dim>& set) {
   std::vector<PoseIndex> poses = map.poses;
@@ -69,7 +69,7 @@ std::optional<std::string> named_twice(const LocalMap<Dim>& map, const SubmapSet
   return std::nullopt;
 }
 
-/// What is wrong with a map of the set.
+/// The fault of a map of the set; nullopt if none.
 template <int Dim>
 std::optional<std::string> fault(const LocalMap<Dim>& map, const SubmapSet<Dim>& set) {
   if (!is_within(map, set)) return "names no pose or feature";

@@ -12,7 +12,7 @@
 
 namespace mapjoin {
 
-/// What there is to join: local maps, and observations that stand on their own (one-step maps), over shared poses and features.
+/// The input of a join: local maps, and observations that stand on their own (one-step maps), over shared poses and features.
 template <int Dim>
 struct SubmapSet {
   std::string source;  ///< The file or folder it was read from, for messages.
@@ -24,17 +24,18 @@ struct SubmapSet {
   Conventions conventions;
 };
 
-/// Bad input unless a set made in memory names its poses and features once each, and its maps and observations are over poses
-/// and features of the set, over none of them twice, with sound numbers; a pose may be fixed twice only at the same place.
+/// Checks a set made in memory. kBadInput unless it names its poses and features once each, its maps and observations refer to
+/// poses and features of the set, none twice, and their numbers are valid; a pose may be fixed twice only at the same place.
 template <int Dim>
 Expected<void> check_content(const SubmapSet<Dim>& set);
 
-/// Whether a local map is of a segment and keeps every pose of it.
+/// True if a local map is of this segment and keeps all its poses.
 template <int Dim>
 bool keeps_all_of(const LocalMap<Dim>& map, const Segment& segment);
 
-/// Bad input unless there are poses, each in a segment; each segment begins at the end of the one before or, as another session
-/// does, at the pose after it; and the segments that are maps are those of the local maps, which keep all their poses.
+/// Checks the segments of a set. kBadInput unless there are poses, each in a segment; each segment begins at the end of the one
+/// before or, in another session, at the pose after it; and the segments that are maps match the local maps, which keep all
+/// their poses.
 template <int Dim>
 Expected<void> check_segments(const SubmapSet<Dim>& set);
 

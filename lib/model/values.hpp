@@ -16,7 +16,7 @@ struct Values {
   Pose<Dim> pose(PoseIndex index) const { return index == kWorld ? Pose<Dim>{} : poses[index]; }
 };
 
-/// Puts the values of a part into the state of the whole: `poses` and `features` are its indices there.
+/// Writes the values of a part into the state of the whole; `poses` and `features` are their indices there.
 template <int Dim>
 void write_values(const Values<Dim>& part, const Table<PoseIndex, PoseIndex>& poses,
                   const Table<FeatureIndex, FeatureIndex>& features, Values<Dim>& whole) {
@@ -24,7 +24,7 @@ void write_values(const Values<Dim>& part, const Table<PoseIndex, PoseIndex>& po
   for (const FeatureIndex f : indices(features)) whole.features[features[f]] = part.features[f];
 }
 
-/// `state` seen from another frame: every pose and feature moved by `frame`.
+/// `state` with every pose and feature moved by `frame`.
 template <int Dim>
 Values<Dim> moved(const Pose<Dim>& frame, Values<Dim> state) {
   for (auto& pose : state.poses) pose = compose(frame, pose);

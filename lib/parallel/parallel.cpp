@@ -18,10 +18,9 @@ namespace {
 
 #ifdef MAPJOIN_TELL_TSAN
 
-/// TBB's library is not compiled with the thread sanitizer, which so does not see how TBB hands work over and waits for it.
-/// This tells it: every piece comes after what was before the call and before what follows, every step moreover after the
-/// pieces and steps that have ended. The pieces stay unordered among themselves. This file, and with it TBB's headers, is not
-/// instrumented either.
+/// The order of work, told to the thread sanitizer, which cannot see it in TBB: that library is not instrumented. Every piece
+/// comes after what was before the call and before what follows; every step comes also after the pieces and steps that have
+/// ended. The pieces stay unordered among themselves. This file, and with it TBB's headers, is not instrumented either.
 class HandOver {
  public:
   HandOver() { __tsan_release(&begin_); }

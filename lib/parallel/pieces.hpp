@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
-// Pieces of work that may fail, and pieces that are large by themselves and share out work of their own.
+// Pieces of work that may fail, and large pieces that share out work of their own.
 
 #include <algorithm>
 #include <cstddef>
@@ -11,14 +11,14 @@
 
 namespace mapjoin {
 
-/// Calls f. A thread that waits meanwhile for what f shares out takes up no other piece of those around f, so that no more of
+/// Calls f in isolation: a thread that waits for work shared out by f takes up no other piece from around f, so that no more of
 /// these are under way than there are threads.
 void isolated(const std::function<void()>& f);
 
-/// How many pieces of work may be under way at a time: the threads of the caller.
+/// The number of pieces of work that may be under way at a time: the threads of the caller.
 std::size_t most_at_once();
 
-/// Calls f(k) for every k in [0, count), side by side. The failure of the first k that fails, or nothing.
+/// Calls f(k) for every k in [0, count), in parallel. Returns the failure of the first k that fails, if any.
 template <typename F>
 Expected<void> parallel_try(std::size_t count, F&& f) {
   std::vector<Expected<void>> done(count);

@@ -26,12 +26,13 @@ struct LatticeBox {
   LatticePoint<Dim> high;
 };
 
-/// Starts at the origin along the first axis. After each step onto a corner it goes straight on with probability 1/2 and turns
-/// on the spot otherwise: left or right, in space also up or down, alike. Ways out of the box are left out of the choice.
+/// A walk that starts at the origin along the first axis. After each step onto a corner it goes straight on with probability
+/// 1/2 and otherwise turns on the spot: left or right, in space also up or down, with equal probability. Ways out of the box
+/// are left out of the choice.
 template <int Dim>
 class LatticeWalk {
  public:
-  /// The box must be at least one block wide along the first two axes, on the far side of the first one's origin.
+  /// The box must be at least one block wide along the first two axes, along the first one on the positive side of the origin.
   LatticeWalk(std::int64_t steps_per_block, const LatticeBox<Dim>& box, const RandomStream& random)
       : steps_per_block_(steps_per_block), box_(box), random_(random) {}
 
@@ -79,7 +80,7 @@ class LatticeWalk {
   LatticeRotation<Dim> rotation_ = LatticeRotation<Dim>::Identity();
 };
 
-/// The same rotation for geometry; headings are 0, ±π/2 or π.
+/// The lattice rotation as a Rotation; headings are 0, ±π/2 or π.
 inline Rotation<2> to_rotation(const LatticeRotation<2>& rotation) {
   const auto cosine = static_cast<double>(rotation(0, 0));
   const auto sine = static_cast<double>(rotation(1, 0));

@@ -11,10 +11,10 @@
 namespace mapjoin {
 namespace {
 
-/// What each random stream is for: a change of one leaves the others alone.
+/// The random streams, one for each purpose: a change of one leaves the others alone.
 enum ManhattanStream : std::uint64_t { kPath, kOdometry, kObservation, kFeatures };
 
-/// A cell of the feature grid, or a feature by it.
+/// The hash of a cell of the feature grid, also the random stream of its feature.
 template <int Dim>
 struct CellHash {
   std::uint64_t operator()(const LatticePoint<Dim>& cell) const {
@@ -127,7 +127,7 @@ class Simulator {
         {PoseIndex(i - first_), entry->second, measured, observation_sigma_.cwiseAbs2().cwiseInverse().asDiagonal()});
   }
 
-  /// The features that the part has seen, of all that were.
+  /// Takes the features that the part has seen, of all that were seen.
   void take_features() {
     Table<FeatureIndex, FeatureIndex> own(places_.size(), -1);
     auto& observations = result_.log.graph.feature_factors;
@@ -141,7 +141,8 @@ class Simulator {
     for (auto& o : observations) o.target = own[o.target];
   }
 
-  /// As g2o's one numbering has it, where a part cannot know the others.
+  /// The first feature id: 0 or, with several parts, that of g2o's joint numbering after the poses, a power of ten that is at
+  /// least their number.
   std::uint64_t first_feature_id() const {
     std::uint64_t first = options_.parts > 1 ? 1 : 0;
     while (options_.parts > 1 && first < static_cast<std::uint64_t>(options_.poses)) first *= 10;
@@ -171,9 +172,9 @@ class Simulator {
   LatticeWalk<Dim> walk_;
   RandomStream odometry_random_;
   RandomStream observation_random_;
-  std::size_t begin_;  // the poses of the part,
+  std::size_t begin_;  // poses [begin_, end_) of the part
   std::size_t end_;
-  std::size_t first_;  // and the one that its first edge comes from
+  std::size_t first_;  // the pose that the part's first edge comes from
   std::unordered_map<LatticePoint<Dim>, FeatureIndex, CellHash<Dim>> features_;
   Table<FeatureIndex, Point<Dim>> places_;
   Simulation<Dim> result_;

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
-// Random numbers that are the same bits on every machine: a counter hashed by SplitMix64, and distributions written out, for
-// those of the standard library differ between its makers.
+// Random numbers that are the same bits on every machine: a counter hashed by SplitMix64, and distributions written out, since
+// those of the standard library differ between implementations.
 
 #include <cstdint>
 #include <optional>
@@ -15,7 +15,7 @@ class RandomStream {
   RandomStream(std::uint64_t seed, std::uint64_t stream);
 
   std::uint64_t next();
-  /// Uniform in [low, high).
+  /// A uniform deviate in [low, high).
   double uniform(double low, double high);
   /// A standard normal deviate (Marsaglia's polar method).
   double normal();

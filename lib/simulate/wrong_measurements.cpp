@@ -9,7 +9,7 @@
 namespace mapjoin {
 namespace {
 
-/// What each random stream is for: a change of one leaves the others alone.
+/// The random streams, one for each purpose: a change of one leaves the others alone.
 enum PlantingStream : std::uint64_t { kEnds, kRelativePoses, kInformations, kIdentities };
 
 constexpr std::size_t kGroup = 20;
@@ -17,8 +17,8 @@ constexpr std::size_t kMostStepsLocally = 20;
 constexpr double kTranslationSigma = 0.3;                         // (m)
 constexpr double kRotationSigma = 10.0 * std::numbers::pi / 180;  // (rad)
 
-/// The poses that the first closure of a group ties together, at least two steps apart, else it would be odometry; `starts` is
-/// the number of poses that a group can start from.
+/// The poses that the first closure of a group ties together, at least two steps apart, since otherwise it would be odometry;
+/// `starts` is the number of poses that a group can start from.
 std::pair<PoseIndex, PoseIndex> draw_ends(RandomStream& random, std::size_t starts, bool is_local) {
   while (true) {
     const std::size_t a = random.next() % starts;
@@ -39,7 +39,7 @@ Pose<Dim> draw_near_identity(RandomStream& random) {
   return retract(Pose<Dim>{}, step);
 }
 
-/// Any feature but the one given.
+/// A random feature other than the one given.
 class OtherName {
  public:
   OtherName(std::size_t features, RandomStream& random) : features_(features), random_(random) {
@@ -101,7 +101,7 @@ PlantedSet<Dim> plant_wrong_identities(const SubmapSet<Dim>& set, double share, 
   RandomStream random(seed, kIdentities);
   const OtherName other_name(set.features.size(), random);
   PlantedSet<Dim> planted{set, {}};
-  Table<FeatureIndex, int> maps(set.features.size());  // that have the feature
+  Table<FeatureIndex, int> maps(set.features.size());  // number of maps that have each feature
   for (const auto& map : set.graph.submaps) {
     for (const FeatureIndex f : map.features) ++maps[f];
   }

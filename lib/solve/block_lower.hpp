@@ -9,14 +9,14 @@
 
 namespace mapjoin {
 
-/// Block column k is one dense panel, column by column: as many columns as block k has rows, and one below the other the block
-/// rows that `rows` names. What the diagonal blocks hold above their diagonal is ignored.
+/// Block column k is one dense panel, stored column by column: the block rows that `rows` names, one below the other, with as
+/// many columns as block k has rows. Entries above the diagonal in diagonal blocks are ignored.
 struct BlockLower {
   Table<Column, Eigen::Index> offsets = {0};      ///< The first scalar row of each block, and the total.
   Lists<Column, Column> rows;                     ///< Block rows of each block column, ascending, the diagonal first.
   Table<Column, Eigen::Index> heights;            ///< Scalar rows of each panel.
-  Table<Column, std::int64_t> first_value = {0};  ///< Per panel into `values`, and the total.
-  std::vector<double> values;                     ///< Empty where the matrix is a pattern alone.
+  Table<Column, std::int64_t> first_value = {0};  ///< Begin of each panel in `values`, and the total.
+  std::vector<double> values;                     ///< Empty if the matrix is a pattern alone.
 
   IndexRange<Column> columns() const { return {0, Column(rows.size())}; }
   Eigen::Index size() const { return offsets.back(); }
@@ -25,11 +25,11 @@ struct BlockLower {
   Eigen::Map<Eigen::MatrixXd> panel(Column k) { return {values.data() + first_value[k], heights[k], dof(k)}; }
   Eigen::Map<const Eigen::MatrixXd> panel(Column k) const { return {values.data() + first_value[k], heights[k], dof(k)}; }
 
-  /// Panels of zeros for the block columns whose sizes and rows have been named.
+  /// Makes panels of zeros for the block columns whose sizes and rows are known.
   void lay_out();
   Eigen::VectorXd diagonal() const;
   void set_diagonal(const Eigen::VectorXd& diagonal);
-  /// The matrix, both triangles of it, times v.
+  /// The symmetric matrix, both triangles, times v.
   Eigen::VectorXd operator*(const Eigen::VectorXd& v) const;
   /// The matrix over the blocks that are kept.
   BlockLower principal_submatrix(const Table<Column, bool>& is_kept) const;

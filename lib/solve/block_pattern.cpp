@@ -8,7 +8,7 @@
 namespace mapjoin {
 namespace {
 
-/// Lists, each ascending, of the values that gather(index, add) adds, once or more often; on all threads.
+/// Ascending lists of the values that gather(index, add) adds, each once; built on all threads.
 template <typename Index, typename Gather>
 Lists<Index, Index> sorted_lists(std::size_t count, Gather&& gather) {
   const std::size_t per_piece = std::max<std::size_t>(100, count / 64);

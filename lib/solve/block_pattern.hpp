@@ -1,16 +1,16 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
-// What a sparse least-squares problem is made of, and the pattern of its H in the order of elimination.
+// The structure of a sparse least-squares problem, and the pattern of its H in elimination order.
 
 #include <mapjoin/solve/block_lower.hpp>
 #include <mapjoin/solve/ordering.hpp>
 
 namespace mapjoin {
 
-/// The variables that there are, and those that each factor ties together.
+/// The variables of a problem, and those that each factor ties together.
 struct BlockPattern {
   Table<Variable, int> dofs;             ///< Entries of each variable.
-  Lists<std::size_t, Variable> factors;  ///< A factor's variables, kConstant where one is held.
+  Lists<std::size_t, Variable> factors;  ///< A factor's variables, kConstant for one that is held.
 };
 
 /// An order in which the variables of a pattern are eliminated.

@@ -26,7 +26,7 @@ class Cholmod {
   cholmod_common* get() { return &common_; }
   cholmod_common* operator->() { return &common_; }
 
-  /// Throws std::bad_alloc or std::runtime_error where the last call failed; a singular matrix is no failure.
+  /// Throws std::bad_alloc or std::runtime_error if the last call failed; a singular matrix is no failure.
   void check() const {
     if (common_.status == CHOLMOD_OUT_OF_MEMORY || common_.status == CHOLMOD_TOO_LARGE) throw std::bad_alloc();
     if (common_.status < 0) throw std::runtime_error("CHOLMOD failed with status " + std::to_string(common_.status));
@@ -38,7 +38,7 @@ class Cholmod {
 
 enum class Triangle { kUpper = 1, kLower = -1 };
 
-/// One triangle of a symmetric matrix by columns, ascending or not; a pattern alone where `values` is null.
+/// One triangle of a symmetric matrix by columns, ascending or not; a pattern alone if `values` is null.
 inline cholmod_sparse sparse_view(std::vector<SuiteSparse_long>& begin, std::vector<SuiteSparse_long>& rows, double* values,
                                   Triangle triangle) {
   cholmod_sparse view{};

@@ -12,11 +12,11 @@ namespace {
 using Eigen::Lower;
 using Stride = Eigen::OuterStride<>;
 
-/// Variables whose columns of the inverse are found at once: dense products pay, and their memory stays small beside the
-/// factor's.
+/// The number of variables whose columns of the inverse are found at once: dense products pay, and their memory stays small
+/// beside the factor's.
 constexpr std::size_t kVariablesAtOnce = 16;
 
-/// The first row of L below its block, a column of its parent; none of a root.
+/// The first row of L below the block of a supernode, a column of its parent; nullopt for a root.
 std::optional<std::int64_t> first_below(const Supernode& node) {
   const auto width = static_cast<std::size_t>(node.width());
   return node.rows.size() > width ? std::optional(node.rows[width]) : std::nullopt;
@@ -153,8 +153,8 @@ std::int64_t CrossCovariances::bytes(std::span<const Variable> variables) const 
     columns += node.width();
     ++nodes;
   }
-  // The supernodes of both substitutions, the second time also on their way into a list; Yᵀ, (L⁻ᵀ Y)ᵀ and what is done at one
-  // supernode; of the variables at once what is asked for; and the covariance.
+  // Memory of the supernodes of both substitutions, the second time also on their way into a list; of Yᵀ, (L⁻ᵀ Y)ᵀ and the work
+  // at one supernode; of the rows of the variables at once; and of the covariance.
   const std::int64_t lists = 2 * 8 * (rows + nodes) + 4 * nodes * static_cast<std::int64_t>(sizeof(Supernode));
   return lists + 8 * (4 * at_once * columns + 2 * size * size);
 }

@@ -10,32 +10,33 @@
 
 namespace mapjoin {
 
-/// The blocks of H⁻¹ between any two variables. With H = L Lᵀ, the columns of H⁻¹ of some of them are
+/// The blocks of H⁻¹ between any two variables. With H = L Lᵀ and E the unit columns of some variables, the columns of H⁻¹ of
+/// these are
 ///
-///   H⁻¹ E = L⁻ᵀ Y,    Y = L⁻¹ E,
+///   H⁻¹ E = L⁻ᵀ Y,    Y = L⁻¹ E.
 ///
-/// E being their unit columns. Y is zero but in the supernodes on the paths from theirs to the root of the elimination tree,
-/// and the rows of L⁻ᵀ Y of other variables follow from those on the paths of these. No variable may be constant; any may be
-/// asked for more than once. Any threads may ask at once.
+/// Y is zero except in the supernodes on the paths from those of the variables to the root of the elimination tree, and the
+/// rows of L⁻ᵀ Y of other variables follow from the rows on the paths of these. No variable may be constant; any may be asked
+/// for more than once. Any threads may ask at once.
 class CrossCovariances {
  public:
-  /// By the last factorisation of `equations`, which must stay.
+  /// Uses the last factorisation of `equations`, which must stay.
   explicit CrossCovariances(const NormalEquations& equations) : equations_(equations) {}
 
-  /// A row for each entry of the rows' variables, a column for each of the columns'. For each row the work is that of the paths
-  /// of both.
+  /// The covariance between two lists of variables, by rows and columns in their order. The work for each row is that of the
+  /// paths of both lists.
   Eigen::MatrixXd between(std::span<const Variable> rows, std::span<const Variable> columns) const;
   /// The joint covariance of variables, in the order given.
   Eigen::MatrixXd joint(std::span<const Variable> variables) const;
-  /// What their joint covariance asks for (bytes), but for a little at each supernode.
+  /// The memory that joint() of these variables needs (bytes), except for a little at each supernode.
   std::int64_t bytes(std::span<const Variable> variables) const;
 
  private:
-  /// A few rows of a matrix with the columns of L; only the columns of some supernodes and all their ancestors, ascending, side
-  /// by side.
+  /// Rows of a matrix with the columns of L, kept only in the columns of some supernodes and all their ancestors, ascending,
+  /// side by side.
   struct RowsOnPaths {
     Supernodes nodes;
-    std::vector<Eigen::Index> first;  // of `values`: the column that each node begins with, and their number
+    std::vector<Eigen::Index> first;  // the column of `values` that each node begins with, then their number
     Eigen::MatrixXd values;
   };
   /// The supernodes of some variables and all their ancestors, ascending.

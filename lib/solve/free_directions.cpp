@@ -9,19 +9,19 @@
 namespace mapjoin {
 namespace {
 
-/// Entries of a null vector, relative to its largest, that are nothing but rounding.
+/// The largest entry of a null vector, relative to its largest, that counts as rounding.
 constexpr double kNothing = 1e-6;
-/// Parts of the map, and variables of each, that are named.
+/// The most parts of the map, and variables of each, that are named.
 constexpr std::size_t kMostNamedParts = 3;
 constexpr std::size_t kMostNames = 4;
 
-/// A rigid motion as the velocity of its centre and a turning, which in the plane is one number.
+/// A rigid motion: the velocity of its centre, then the angular velocity, one number in the plane.
 template <int Dim>
 constexpr int kMotionDof = kPoseDof<Dim>;
 template <int Dim>
 using Motion = Vector<kMotionDof<Dim>>;
 
-/// What a motion does to a point, given from its centre.
+/// The Jacobian of the velocity of a point, given relative to the centre, with respect to a motion.
 template <int Dim>
 Matrix<Dim, kMotionDof<Dim>> point_of_motion(const Point<Dim>& p) {
   Matrix<Dim, kMotionDof<Dim>> J;
@@ -31,7 +31,7 @@ Matrix<Dim, kMotionDof<Dim>> point_of_motion(const Point<Dim>& p) {
   return J;
 }
 
-/// What a motion does to a variable's entries.
+/// The Jacobian of a variable's step with respect to a motion about `centre`.
 template <int Dim>
 Eigen::MatrixXd step_of_motion(const PlacedVariable<Dim>& variable, const Point<Dim>& centre) {
   Eigen::MatrixXd J = Eigen::MatrixXd::Zero(variable.is_pose ? kPoseDof<Dim> : Dim, kMotionDof<Dim>);
@@ -57,7 +57,7 @@ struct FreePart {
   std::vector<Eigen::Index> directions;
 };
 
-/// Directions that have no variables in common are of different parts.
+/// The parts that move independently of each other: directions without variables in common are in different parts.
 template <int Dim>
 std::vector<FreePart<Dim>> parts_of(const std::vector<PlacedVariable<Dim>>& variables, const Eigen::MatrixXd& N) {
   std::vector<Eigen::Index> part_of(static_cast<std::size_t>(N.cols()));
@@ -86,7 +86,7 @@ std::vector<FreePart<Dim>> parts_of(const std::vector<PlacedVariable<Dim>>& vari
   return parts;
 }
 
-/// The directions of a part as motions of all its variables as one body; nothing where they are no such motions.
+/// The directions of a part as rigid motions of all its variables together; empty if they are not rigid.
 template <int Dim>
 std::vector<Motion<Dim>> rigid_motions(const FreePart<Dim>& part, const Point<Dim>& centre, const Eigen::MatrixXd& N) {
   Eigen::Index rows = 0;
@@ -115,7 +115,7 @@ bool stands_still(const Point<Dim>& p, const std::vector<Motion<Dim>>& motions) 
   });
 }
 
-/// "pose 5", "pose 5 and pose 6", "pose 5, pose 6 and 7 others".
+/// A list of names in words: "pose 5", "pose 5 and pose 6", "pose 5, pose 6 and 7 others".
 std::string listed(std::vector<std::string> names) {
   if (names.size() > kMostNames) {
     const std::size_t others = names.size() - kMostNames + 1;

@@ -12,12 +12,12 @@ namespace {
 using Eigen::Lower;
 using Stride = Eigen::OuterStride<>;
 
-/// A dense matrix in `room`, whatever is in there.
+/// A view of `room` as a dense matrix.
 DenseBlock block_in(std::vector<double>& room, Eigen::Index rows, Eigen::Index columns) {
   return {room.data(), rows, columns, Stride(rows)};
 }
 
-/// How much there is to keep, and the most columns of a supernode, rows below one, and entries there.
+/// Totals to store, and the most columns of a supernode, rows below one, and entries below one.
 struct Size {
   std::int64_t rows = 0;
   std::int64_t values = 0;

@@ -14,27 +14,27 @@ namespace mapjoin {
 
 /// The entries of A⁻¹ on the pattern of its Cholesky factor, without the others.
 ///
-/// From A⁻¹ = L⁻ᵀ L⁻¹ follows, for a supernode J with the rows R below it and G = L_RJ L_JJ⁻¹ (Takahashi, Fagan and Chin, 1973;
-/// Erisman and Tinney, 1975),
+/// For a supernode J with the rows R below it and G = L_RJ L_JJ⁻¹, A⁻¹ = L⁻ᵀ L⁻¹ gives (Takahashi, Fagan and Chin, 1973;
+/// Erisman and Tinney, 1975)
 ///
 ///   Z_RJ = -Z_RR G,    Z_JJ = L_JJ⁻ᵀ L_JJ⁻¹ + Gᵀ Z_RR G.
 ///
-/// Any two rows of R are in the pattern, too, in columns after J: one sweep from the last supernode to the first, of about
-/// the cost of the factorisation.
+/// Any two rows of R are in the pattern, too, in columns after J: one sweep from the last supernode to the first suffices, at
+/// about twice the cost of the factorisation.
 class InverseSubset {
  public:
-  /// Told how many supernodes are done; false ends the work there, and the rest of the subset is zero.
+  /// A callback with the number of supernodes done; false ends the work there, and the rest of the subset is zero.
   using GoOn = std::function<bool(std::size_t)>;
-  /// `factor` may go afterwards. Throws std::bad_alloc when memory runs out.
+  /// Computes the subset; `factor` may go afterwards. Throws std::bad_alloc when memory runs out.
   explicit InverseSubset(const Supernodes& factor, const GoOn& go_on = nullptr);
   InverseSubset(InverseSubset&&) = default;
   InverseSubset& operator=(InverseSubset&&) = default;
 
-  /// What the constructor asks for (bytes).
+  /// The memory that the constructor needs (bytes).
   static std::int64_t bytes(const Supernodes& factor);
 
-  /// The block of A⁻¹ over some of its columns, in the order given. Any two of them must be coupled in L, as those are that one
-  /// observation ties together; else std::out_of_range.
+  /// The block of A⁻¹ over some of its columns, in the order given. Throws std::out_of_range unless any two of them are coupled
+  /// in L, as those are that one observation ties together.
   Eigen::MatrixXd block(std::span<const std::int64_t> columns) const;
 
  private:
@@ -44,7 +44,7 @@ class InverseSubset {
     std::span<const std::int64_t> rows;  // in rows_
     double* values;                      // in values_, laid out as in Supernode; the lower triangle of Z
   };
-  /// Room for what is done at one supernode.
+  /// Workspace for one supernode.
   struct Workspace {
     std::vector<std::int64_t> positions;
     std::vector<double> U;  // L_JJ⁻ᵀ
@@ -54,7 +54,7 @@ class InverseSubset {
     std::vector<double> Z_JR;
   };
   void invert(const Supernode& L, const Node& node, Workspace& workspace) const;
-  /// The lower triangle of Z over ascending places of L, any two of which are coupled.
+  /// Gathers the lower triangle of Z over ascending columns of L that are coupled with each other.
   void gather(std::span<const std::int64_t> places, std::vector<std::int64_t>& positions, double* out) const;
 
   std::vector<std::int64_t> rows_;
@@ -66,14 +66,15 @@ class InverseSubset {
 /// The blocks of H⁻¹ on the pattern of the factor: every variable, and every pair that one observation ties together.
 class Marginals {
  public:
-  /// By the last factorisation; `equations` must outlive the marginals. See InverseSubset for memory and `go_on`.
+  /// Uses the last factorisation; `equations` must outlive the marginals. See InverseSubset for memory and `go_on`.
   explicit Marginals(const NormalEquations& equations, const InverseSubset::GoOn& go_on = nullptr)
       : equations_(&equations), subset_(equations.supernodes(), go_on) {}
 
-  /// What the constructor asks for (bytes).
+  /// The memory that the constructor needs (bytes).
   static std::int64_t bytes(const NormalEquations& equations) { return InverseSubset::bytes(equations.supernodes()); }
 
-  /// The joint covariance of variables of which every two are in the pattern (else std::out_of_range), in the order given.
+  /// The joint covariance of variables, in the order given. Throws std::out_of_range unless every two of them are in the
+  /// pattern.
   Eigen::MatrixXd joint(std::span<const Variable> variables) const;
   Eigen::MatrixXd operator[](Variable variable) const { return joint({&variable, 1}); }
 

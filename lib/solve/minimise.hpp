@@ -14,7 +14,7 @@
 
 namespace mapjoin {
 
-/// chi2(x ⊕ δ) ≈ chi2 - 2 gᵀδ + δᵀHδ.
+/// A problem with the quadratic model chi2(x ⊕ δ) ≈ chi2 - 2 gᵀδ + δᵀHδ.
 template <typename P>
 concept LeastSquaresProblem = requires(P p, const Eigen::VectorXd& v, double damping) {
   { p.linearise() } -> std::convertible_to<double>;  // makes H and g at the estimate; returns chi2 there
@@ -22,8 +22,8 @@ concept LeastSquaresProblem = requires(P p, const Eigen::VectorXd& v, double dam
   { p.gradient() } -> std::convertible_to<Eigen::VectorXd>;           // g
   { p.metric() } -> StepMetric;                                       // D, at the estimate
   { p.curvature(v) } -> std::convertible_to<double>;                  // vᵀHv
-  { p.factorise(damping) } -> std::same_as<std::optional<Variable>>;  // H + damping·D; a singular variable or nothing
-  { p.solve() } -> std::convertible_to<Eigen::VectorXd>;  // (H + damping·D)⁻¹ g by the last factor, whatever g now is
+  { p.factorise(damping) } -> std::same_as<std::optional<Variable>>;  // factor of H + damping·D; a singular variable or nullopt
+  { p.solve() } -> std::convertible_to<Eigen::VectorXd>;  // (H + damping·D)⁻¹ g by the last factor, for the present g
   { p.step_size(v) } -> std::same_as<StepSize>;
   { p.try_step(v) } -> std::convertible_to<double>;  // chi2 of the estimate moved by v, kept as the candidate
   {p.accept()};                                      // the candidate becomes the estimate
@@ -41,7 +41,7 @@ double slope(P& problem, const Eigen::VectorXd& v) {
   }
 }
 
-/// What rounding may add to chi2, as a share of it.
+/// The rounding error of chi2, as a share of it.
 constexpr double kRounding = 1e-12;
 
 /// The minimiser of the model along the direction of steepest descent; it has gᵀc = cᵀHc.
@@ -56,7 +56,7 @@ ModelStep cauchy_point(P& problem, const M& metric) {
   return point;
 }
 
-/// The solution of (H + damping·D) n = g, by the last factor.
+/// The step n of (H + damping·D) n = g, by the last factor.
 template <LeastSquaresProblem P, StepMetric M>
 ModelStep newton_step(P& problem, double damping, const M& metric) {
   ModelStep step{problem.solve()};
@@ -66,8 +66,8 @@ ModelStep newton_step(P& problem, double damping, const M& metric) {
   return step;
 }
 
-/// Factorises with `damping` or, if that may grow, the least that makes the system regular, which `damping` then is. Returns
-/// the first singular variable met where none does. `factorisations` counts.
+/// Factorises with `damping` or, if `damp_singular`, with the least larger one that makes the system regular, which it writes
+/// to `damping`. Returns the first singular variable met if none does. Counts in `factorisations`.
 template <LeastSquaresProblem P>
 std::optional<Variable> factorise_damped(P& problem, double& damping, bool damp_singular, int& factorisations) {
   const auto singular = problem.factorise(damping);
@@ -82,7 +82,7 @@ std::optional<Variable> factorise_damped(P& problem, double& damping, bool damp_
   return singular;
 }
 
-/// Makes H that of full Newton and factorises it; where it is not positive definite, makes it Gauss-Newton's again and returns
+/// Makes H that of full Newton and factorises it; if it is not positive definite, makes it Gauss-Newton's again and returns
 /// false.
 template <LeastSquaresProblem P>
 bool factorise_curved(P& problem, int& factorisations) {
@@ -97,7 +97,7 @@ inline bool is_tiny(const StepSize& size, const MinimiseOptions& options) {
   return size.metres <= options.step_metres && size.radians <= options.step_radians;
 }
 
-/// The steps of minimise(), measured in metric_of(), which is asked for once an estimate, before H is made full Newton's.
+/// The steps of minimise(). Their metric, metric_of(), is asked for once an estimate, before H is made full Newton's.
 template <LeastSquaresProblem P, typename MetricOf>
 class Steps {
  public:
@@ -120,7 +120,7 @@ class Steps {
   }
 
  private:
-  /// A step that is accepted, which is the candidate then; or how the steps end.
+  /// Finds a step that is accepted, and leaves it as the candidate; otherwise returns how the steps end.
   std::optional<MinimiseStatus> step() {
     const auto& metric = metric_of_();
     if (region_.may_repeat(result_.chi2)) region_.propose_repeated(newton_step(problem_, 0.0, metric));
@@ -157,7 +157,7 @@ class Steps {
     return std::nullopt;
   }
 
-  /// The last step may gain less than chi2 is rounded to, and still be the one to the optimum.
+  /// Takes the last step even if it gains less than the rounding of chi2: it may still lead to the optimum.
   MinimiseStatus after_last(bool is_tiny, double chi2) {
     const bool converged = (is_tiny && !region_.is_truncated()) || options_.is_converged(region_.promise(), result_.chi2);
     if (chi2 <= result_.chi2 * (1.0 + kRounding)) {
@@ -173,11 +173,11 @@ class Steps {
   const std::stop_token& stop_;
   TrustRegion region_;
   MinimiseResult result_;
-  bool is_curved_ = false;  // whether H is, once it is factorised, that of full Newton
+  bool is_curved_ = false;  // true if H is, once it is factorised, that of full Newton
 };
 
-/// What damping hides: an undamped factorisation where damped steps ended, whose step is the last one. Whether the estimate
-/// converged is said of that step, as of every other method's; and what is free is found.
+/// Ends damped steps with an undamped factorisation and its step, so that convergence is judged as by every other method, and
+/// singular variables that damping hides are found.
 template <LeastSquaresProblem P>
 MinimiseResult without_damping(P& problem, const MinimiseOptions& options, MinimiseResult result) {
   if (result.status == MinimiseStatus::kSingular || result.status == MinimiseStatus::kInterrupted) return result;

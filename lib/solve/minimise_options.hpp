@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
-// What can be asked of the nonlinear loop, and what it answers.
+// Options and results of the nonlinear loop.
 
 #include <algorithm>
 #include <cstdint>
@@ -23,9 +23,9 @@ constexpr auto enum_names(Method) {
       {{Method::kDogleg, "dogleg"}, {Method::kLevenbergMarquardt, "lm"}, {Method::kGaussNewton, "gn"}});
 }
 
-/// What factorises sparse normal equations.
+/// The factorisation of sparse normal equations.
 enum class Engine : std::uint8_t {
-  kFronts,   ///< mapjoin's tree of fronts, on all threads.
+  kFronts,   ///< mapjoin's multifrontal factorisation, on all threads.
   kCholmod,  ///< SuiteSparse's CHOLMOD on one thread: an independent factorisation to compare with.
 };
 
@@ -33,21 +33,21 @@ constexpr auto enum_names(Engine) {
   return std::to_array<EnumName<Engine>>({{Engine::kFronts, "fronts"}, {Engine::kCholmod, "cholmod"}});
 }
 
-/// An estimate has converged when the whole step from it, undamped, promises to lower chi2 by less than this
-/// share of it. Steps that are asked to go on beyond may do so as far as rounding lets chi2 tell.
+/// The relative decrease of chi2 below which an estimate has converged: that promised by the whole, undamped step. Steps that
+/// are asked to go on beyond may do so as far as rounding lets chi2 tell.
 constexpr double kConvergedShare = 1e-9;
 
 struct MinimiseOptions {
   Method method = Method::kDogleg;
   int max_iterations = 200;
-  double relative_chi2 = kConvergedShare;  ///< Share of chi2: steps end when the whole one promises less.
-  double step_metres = 1e-9;               ///< Length (m): steps end when no position moves by more and no pose turns by more
-  double step_radians = 1e-9;              ///< than this angle (rad).
-  bool damp_singular = false;              ///< Damp where the system is singular instead of stopping there.
-  Engine engine = Engine::kFronts;         ///< What factorises sparse systems.
+  double relative_chi2 = kConvergedShare;  ///< Share of chi2: steps end when the whole step promises less.
+  double step_metres = 1e-9;               ///< Steps end at moves (m) up to this and turns up to step_radians.
+  double step_radians = 1e-9;              ///< Steps end at turns (rad) up to this and moves up to step_metres.
+  bool damp_singular = false;              ///< True: damp a singular system instead of stopping.
+  Engine engine = Engine::kFronts;         ///< Factorisation of sparse systems.
 
-  /// What "converged" means, of every solve by every method: what the whole step, Gauss-Newton's or Newton's, from an estimate
-  /// of this chi2 promises is less than relative_chi2, or else kConvergedShare, of it.
+  /// True if an estimate of this chi2 has converged, for every solve by every method: the whole step from it, Gauss-Newton's or
+  /// Newton's, promises at most the larger of relative_chi2 and kConvergedShare, as a share of chi2.
   bool is_converged(double promise, double chi2) const { return promise <= std::max(relative_chi2, kConvergedShare) * chi2; }
   /// Every violation in words; empty if there is none.
   std::vector<std::string> validate() const {
@@ -79,20 +79,20 @@ constexpr auto enum_names(MinimiseStatus) {
 struct MinimiseResult {
   MinimiseStatus status = MinimiseStatus::kConverged;
   int iterations = 0;
-  int factorisations = 0;  ///< Fewer than iterations where one factor served several steps.
-  int short_steps = 0;     ///< Tried, and gained less than 0.4 of what the model promised.
+  int factorisations = 0;  ///< Fewer than iterations if one factor served several steps.
+  int short_steps = 0;     ///< Steps tried that gained less than 0.4 of what the model promised.
   double start_chi2 = 0.0;
   double chi2 = 0.0;
   std::vector<double> course;        ///< chi2 after each iteration.
   std::optional<Variable> singular;  ///< A variable that cannot be determined.
 
-  /// One iteration more, to an estimate of this chi2.
+  /// Counts one iteration more, to an estimate of this chi2.
   void moved_to(double new_chi2) {
     chi2 = new_chi2;
     ++iterations;
     course.push_back(new_chi2);
   }
-  /// What came of going on from here.
+  /// Appends the result of going on from here.
   void append(const MinimiseResult& further) {
     iterations += further.iterations;
     factorisations += further.factorisations;

@@ -9,9 +9,9 @@
 namespace mapjoin {
 namespace {
 
-/// Factors whose places are a piece of work to look up.
+/// The number of factors whose places are looked up in a piece of work.
 constexpr std::size_t kFactorsPerPiece = 100;
-/// A part has so many blocks at least, of variables with each other; there are so many parts at most.
+/// The least number of blocks of a part, of variables with each other, and the most parts.
 constexpr std::size_t kBlocksPerPart = 1500;
 constexpr std::size_t kMostParts = 16;
 
@@ -34,7 +34,7 @@ NormalEquations::NormalEquations(BlockPattern pattern, std::unique_ptr<SparseSol
 
 void NormalEquations::find_value_offsets() {
   const BlockLower& H = matrix();
-  std::vector<Eigen::Index> row_in_panel;  // of each of H's blocks
+  std::vector<Eigen::Index> row_in_panel;  // for each of H's blocks
   row_in_panel.reserve(H.rows.entries().size());
   for (const Column k : H.columns()) {
     Eigen::Index height = 0;
@@ -66,7 +66,7 @@ void NormalEquations::find_value_offsets() {
 void NormalEquations::share_out_factors() {
   const IndexRange<Column> columns = matrix().columns();
   std::vector<Column> first_column(pattern_.factors.size(), columns.last);
-  Table<Column, std::size_t> blocks(columns.size() + 1);  // of the factors that begin at each column
+  Table<Column, std::size_t> blocks(columns.size() + 1);  // number of blocks of the factors that begin at each column
   for (std::size_t f = 0; f < first_column.size(); ++f) {
     const auto variables = pattern_.factors[f];
     for (const Variable v : variables) {

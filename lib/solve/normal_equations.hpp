@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
-// Sparse normal equations H δ = g over block variables: the order and where each block goes once, values as often as needed.
+// Sparse normal equations H δ = g over block variables: order and layout once, values as often as needed.
 
 #include <Eigen/Core>
 #include <functional>
@@ -22,10 +22,10 @@ class NormalEquations {
       : NormalEquations(std::move(pattern), make_solver(engine), ordering) {}
   NormalEquations(BlockPattern pattern, std::unique_ptr<SparseSolver> solver, const Ordering& ordering);
 
-  /// Takes the blocks of one factor, over its variables in their order, to their places.
+  /// Adds the blocks of one factor, over its variables in their order, to H and g.
   class Sink {
    public:
-    /// The block of variables i ≤ j.
+    /// Adds the block of variables i ≤ j.
     template <typename Block>
     void hessian(int i, int j, const Block& block) {
       const Variable a = variables_[static_cast<std::size_t>(i)];
@@ -50,7 +50,7 @@ class NormalEquations {
 
    private:
     friend NormalEquations;
-    /// Additions to columns of others.
+    /// Additions to columns of other parts, made later.
     struct Waiting {
       struct Block {
         double* to;
@@ -85,51 +85,51 @@ class NormalEquations {
     std::span<const Variable> variables_;
     const std::int64_t* value_offsets_;
     IndexRange<Column> own_;
-    Waiting* waiting_;  // what goes to columns that are not own; null where all are
+    Waiting* waiting_;  // additions to columns that are not own; null if all are
   };
 
   void set_zero();
   Sink sink(std::size_t factor) { return {*this, factor, matrix().columns(), nullptr}; }
-  /// Calls f(factor, sink) for every factor, on all threads, and returns the sum of what it returns. All sums are the same for
-  /// any number of threads.
+  /// Calls f(factor, sink) for every factor, on all threads, and returns the sum of its results. All sums are the same for any
+  /// number of threads.
   double accumulate_factors(const std::function<double(std::size_t, Sink)>& f);
-  /// Adds to the block of one variable with itself.
+  /// Adds to the diagonal block of a variable.
   void add_diagonal(Variable v, const Eigen::MatrixXd& block);
 
   const BlockPattern& pattern() const { return pattern_; }
   const Table<Column, Variable>& order() const { return elimination_.order; }
-  /// H in the order of its elimination.
+  /// H in elimination order.
   const BlockLower& matrix() const { return elimination_.matrix; }
   IndexRange<Variable> variables() const { return indices(pattern_.dofs); }
   int dof(Variable v) const { return pattern_.dofs[v]; }
-  /// The first entry of a variable in vectors, and of the variable after the last one.
+  /// The first entry of a variable in vectors; size() for the one after the last.
   Eigen::Index offset(Variable v) const { return offsets_[v]; }
   Eigen::Index size() const { return offsets_.back(); }
   const Eigen::VectorXd& gradient() const { return gradient_; }
   Eigen::VectorXd diagonal() const { return to_variables(matrix().diagonal()); }
   /// vᵀ H v.
   double curvature(const Eigen::VectorXd& v) const;
-  /// The least wᵀ H w over all w that are v in the given variables: the squared Mahalanobis length of these entries of v under
-  /// their joint covariance, a block of H⁻¹. Nothing where that is singular. By a factorisation over the other variables.
+  /// The least wᵀ H w over all w that equal v in the given variables: the squared Mahalanobis length of these entries of v
+  /// under their joint covariance, a block of H⁻¹. Factorises H over the other variables; nullopt if that is singular.
   std::optional<double> least_curvature(const Eigen::VectorXd& v, const Table<Variable, bool>& is_given) const;
 
-  /// H + damping·diag(H) from here on.
+  /// Replaces H by H + damping·diag(H).
   void damp(double damping);
-  /// Factorises H + damping·diag(H), H staying what it is. Returns a variable at which it is singular, or nothing.
+  /// Factorises H + damping·diag(H); H stays as it is. Returns a variable at which it is singular, or nullopt.
   std::optional<Variable> factorise(double damping);
-  /// The directions in which H leaves the variables free where it is singular, as columns: at most `most_count` of a basis of
-  /// its null space. By a factorisation of its own.
+  /// The directions in which a singular H leaves the variables free, as columns: at most `most_count` of a basis of its null
+  /// space. Makes a factorisation of its own.
   Eigen::MatrixXd null_space(std::size_t most_count) const;
-  /// (H + damping·diag(H))⁻¹ b of the last factorisation.
+  /// (H + damping·diag(H))⁻¹ b by the last factorisation.
   Eigen::VectorXd solve(const Eigen::VectorXd& b) const { return solve_columns(b); }
-  /// The same for every column of B.
+  /// Performs solve() for every column of B.
   Eigen::MatrixXd solve_columns(const Eigen::MatrixXd& B) const;
 
-  /// The factor L of the last factorisation; it holds until the next one.
+  /// The factor L of the last factorisation; valid until the next one.
   Supernodes supernodes() const { return solver_->supernodes(); }
-  /// The one of its supernodes that has a column.
+  /// The supernode of L that has a column; valid until the next factorisation.
   Supernode supernode_of(std::int64_t column) const { return solver_->supernode_of(column); }
-  /// How many supernodes there are, of any factorisation.
+  /// The number of supernodes of L, the same for every factorisation.
   std::size_t supernode_count() const { return solver_->supernode_count(); }
   /// Memory of L's values (bytes).
   std::int64_t factor_bytes() const { return solver_->bytes(); }
@@ -137,21 +137,21 @@ class NormalEquations {
   std::int64_t factor_column(Variable v) const { return matrix().offsets[elimination_.column[v]]; }
 
  private:
-  /// Factors whose first column is one of the part's own.
+  /// A part of the factors: those whose first column is one of the part's own.
   struct Part {
     IndexRange<Column> own;
     std::vector<std::uint32_t> factors;
   };
   void find_value_offsets();
   void share_out_factors();
-  /// Rows over the variables in the order of the elimination, and back.
+  /// Rows over the variables, taken to elimination order, and back.
   Eigen::MatrixXd to_columns(const Eigen::MatrixXd& rows) const;
   Eigen::MatrixXd to_variables(const Eigen::MatrixXd& rows) const;
 
   BlockPattern pattern_;
   Elimination elimination_;  ///< Its matrix is H.
   Table<Variable, Eigen::Index> offsets_;
-  Lists<std::size_t, std::int64_t> value_offsets_;  ///< Per factor, in H's values: of variables i < j at j(j-1)/2 + i.
+  Lists<std::size_t, std::int64_t> value_offsets_;  ///< Per factor, of blocks in H's values: variables i < j at j(j-1)/2 + i.
   std::vector<Part> parts_;
   Eigen::VectorXd gradient_;
   std::unique_ptr<SparseSolver> solver_;

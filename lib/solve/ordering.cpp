@@ -15,7 +15,7 @@
 namespace mapjoin {
 namespace {
 
-/// Below this many variables minimum degree is as good as dissection and faster.
+/// The number of variables below which minimum degree is as good as dissection, and faster.
 constexpr std::size_t kSmall = 200;
 
 using Longs = std::vector<SuiteSparse_long>;
@@ -42,7 +42,7 @@ void check(int status, int out_of_memory, bool has_failed, const char* library) 
   if (has_failed) throw std::runtime_error(library + (" failed with status " + std::to_string(status)));
 }
 
-/// Ranks as CAMD takes them: from 0 on, none between them missing (it writes where it should not, else).
+/// Ranks as CAMD takes them: from 0 on without gaps (with gaps it writes out of bounds).
 Longs without_gaps(Longs ranks) {
   Longs distinct = ranks;
   make_distinct(distinct);
@@ -50,7 +50,7 @@ Longs without_gaps(Longs ranks) {
   return ranks;
 }
 
-/// AMD or, where there are ranks, CAMD (Amestoy, Davis & Duff, 2004).
+/// An order by AMD or, with ranks, CAMD (Amestoy, Davis & Duff, 2004).
 Table<Column, Variable> minimum_degree(const BlockGraph& graph, const Table<Variable, int>& ranks) {
   const auto n = static_cast<SuiteSparse_long>(graph.size());
   const Longs begin(graph.begins().begin(), graph.begins().end());
@@ -89,7 +89,7 @@ struct Analysis {
   Longs counts;
 };
 
-/// CHOLMOD's analysis of one triangle of a pattern, eliminated in `order`, or in the natural one where that is empty.
+/// CHOLMOD's analysis of one triangle of a pattern, eliminated in `order`, or in the natural one if that is empty.
 Analysis analysed(Longs begin, Longs rows, Triangle triangle, Longs order) {
   const std::size_t n = begin.size() - 1;
   Analysis analysis{Longs(n), Longs(n), Longs(n)};
@@ -104,10 +104,10 @@ Analysis analysed(Longs begin, Longs rows, Triangle triangle, Longs order) {
   return analysis;
 }
 
-/// The same elimination with every subtree in one run of columns: equal fill, and its supernodes are runs.
+/// The elimination order with every subtree in one run of columns: equal fill, and supernodes that are runs.
 Table<Column, Variable> postordered(const BlockGraph& graph, const Table<Column, Variable>& order) {
   Longs begin{0};
-  Longs rows;  // of each edge, the end at the column of the larger number
+  Longs rows;  // the smaller end of each edge, in the column of the larger one
   rows.reserve(graph.entries().size() / 2);
   for (Variable v = 0; v.position() < graph.size(); ++v) {
     for (const Variable neighbour : graph[v]) {
@@ -122,7 +122,7 @@ Table<Column, Variable> postordered(const BlockGraph& graph, const Table<Column,
   return result;
 }
 
-/// The graph of some of its variables, by their places.
+/// The graph of some of its variables, numbered by their places.
 BlockGraph induced_graph(const BlockGraph& graph, const std::vector<Variable>& some) {
   Table<Variable, Variable> place(graph.size(), kConstant);
   for (std::size_t k = 0; k < some.size(); ++k) place[some[k]] = Variable(k);
@@ -138,7 +138,7 @@ BlockGraph induced_graph(const BlockGraph& graph, const std::vector<Variable>& s
   return induced;
 }
 
-/// The order of all but the border, then the border.
+/// An order of all variables but the border, then the border.
 Table<Column, Variable> bordered_order(const BlockGraph& graph, const std::vector<Variable>& border,
                                        const Table<Variable, int>& weights) {
   Table<Variable, bool> is_inside(graph.size(), true);

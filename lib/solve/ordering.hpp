@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
-// Variables, the order in which they are eliminated, and what SuiteSparse and METIS say of that order.
+// Variables, their elimination orders, partitions and elimination trees (SuiteSparse, METIS).
 
 #include <cstdint>
 #include <mapjoin/model/index.hpp>
@@ -12,7 +12,7 @@ struct BlockLower;
 
 /// A block of unknowns (a pose, a feature) by the number that the problem gives it.
 using Variable = StrongIndex<struct VariableTag>;
-/// A block column of a matrix in elimination order: the variable that is eliminated so many others have been.
+/// A block column of a matrix in elimination order: the position of its variable in that order.
 using Column = StrongIndex<struct ColumnTag>;
 
 /// A variable with a constant value: it has no columns.
@@ -21,26 +21,27 @@ inline constexpr Variable kConstant = -1;
 /// The neighbours of each variable, without itself, in an undirected graph.
 using BlockGraph = Lists<Variable, Variable>;
 
-/// What is known of an elimination order beforehand.
+/// Constraints on an elimination order.
 struct Ordering {
-  Table<Column, Variable> given = {};  ///< All variables in the order to take, or none.
-  /// A variable comes after all of lower rank that it is coupled to; empty: all are of one rank.
+  Table<Column, Variable> given = {};  ///< All variables in the order to take, or empty.
+  /// Ranks of variables: each comes after all of lower rank that it is coupled to; empty: all are of one rank.
   Table<Variable, int> ranks = {};
-  Table<Variable, int> weights = {};  ///< What a variable counts for where it is dissected; empty: all the same.
-  std::vector<Variable> border = {};  ///< Variables that are not eliminated: they come last, in this order.
+  Table<Variable, int> weights = {};  ///< Weights of variables in nested dissection; empty: all the same.
+  std::vector<Variable> border = {};  ///< Variables that are not eliminated; they come last, in this order.
 };
 
-/// A fill-reducing order of elimination: nested dissection (METIS), which decides everything at scale; approximate minimum
-/// degree (AMD) for graphs too small to dissect, of which there is a constrained one (CAMD) where there are ranks; larger ones
-/// are dissected without what is not of the lowest rank. Every order, a given one too, is postordered: each subtree is one run.
-/// The order of what a border leaves is found without it. The same graph gives the same order, from any thread.
+/// A fill-reducing elimination order: nested dissection (METIS), which decides everything at scale, or approximate minimum
+/// degree (AMD; CAMD with ranks) for graphs too small to dissect. With ranks, larger graphs are dissected without the variables
+/// above the lowest rank, which follow by rank. A border is left out while the others are ordered. Orders are postordered, so
+/// that each subtree is one run; only a given order with a border is taken as it is. The same graph gives the same order, from
+/// any thread.
 Table<Column, Variable> elimination_order(const BlockGraph& graph, const Ordering& ordering = {});
 
 /// The column of each variable in an order.
 Table<Variable, Column> inverse_order(const Table<Column, Variable>& order);
 
-/// Parts of an undirected graph, from 0 on, of as much weight as each other but for a few per cent, with few edges between them
-/// (METIS, by recursive bisection). The same graph gives the same parts, from any thread.
+/// The part of each variable of an undirected graph, from 0: parts of equal weight but for a few per cent, with few edges
+/// between them (METIS, by recursive bisection). The same graph gives the same parts, from any thread.
 Table<Variable, std::int32_t> partition(const BlockGraph& graph, const Table<Variable, std::int32_t>& weights,
                                         std::int32_t parts);
 

@@ -7,7 +7,7 @@
 namespace mapjoin {
 namespace {
 
-/// The β in [0, 1] at which c + β (n - c) has length `radius`; |c| ≤ radius ≤ |n|. Given are |c|², cᵀDn and |n|².
+/// The β in [0, 1] at which c + β (n - c) has length `radius`, from |c|², cᵀDn and |n|²; |c| ≤ radius ≤ |n|.
 double dogleg_fraction(double cc, double cn, double nn, double radius) {
   const double a = nn - 2.0 * cn + cc;
   const double b = cn - cc;
@@ -18,13 +18,14 @@ double dogleg_fraction(double cc, double cn, double nn, double radius) {
   return std::clamp(beta, 0.0, 1.0);
 }
 
-/// A step that lowers chi2 by at most this share of it has moved the estimate little: the last factor may serve once more,
+/// The largest decrease of chi2, as a share of it, with which a step has moved the estimate little: the last factor may then
+/// serve once more.
 constexpr double kLittle = 0.01;
-/// if what it promises now is at most this share of what it did.
+/// The largest promise of a repeated step, as a share of that of the step before.
 constexpr double kRepeatedShare = 0.05;
 /// A step that gains less than this share of what was promised fell short: chi2 is not nearly quadratic that far.
 constexpr double kShort = 0.4;
-/// One that gains more than this share shows as well that chi2 curves otherwise than the model.
+/// A step that gains more than this share of what was promised shows, too, that chi2 curves otherwise than the model.
 constexpr double kMuchMore = 1.5;
 
 }  // namespace

@@ -12,9 +12,9 @@
 namespace mapjoin {
 namespace {
 
-/// Features of either map around a constellation.
+/// Number of features of either map around a constellation.
 constexpr std::size_t kRegion = 60;
-/// Features that a sighting may be of, the nearest ones.
+/// Number of features that a sighting may be of, the nearest ones.
 constexpr std::size_t kChoices = 4;
 
 /// The mean variance of points along an axis.
@@ -34,7 +34,7 @@ Eigen::Index row(std::size_t point) {
   return static_cast<Eigen::Index>(point) * Dim;
 }
 
-/// Pairings as a problem over some features counts these; what it does not have is passed over.
+/// The pairings by their indices in `known` and `sightings`; those not in both are left out.
 std::vector<Pairing> within(const std::vector<Pairing>& pairs, const std::vector<std::size_t>& known,
                             const std::vector<std::size_t>& sightings) {
   std::vector<Pairing> found;
@@ -47,7 +47,7 @@ std::vector<Pairing> within(const std::vector<Pairing>& pairs, const std::vector
   return found;
 }
 
-/// Where a sighting is by its nearest neighbour that is paired.
+/// The position of a sighting that its nearest paired neighbour implies (m).
 template <int Dim>
 Point<Dim> expected(const PairingProblem<Dim>& problem, std::size_t sighting, const Hypothesis<Dim>& hypothesis) {
   const Point<Dim>& there = problem.sightings[sighting];
@@ -99,8 +99,8 @@ double AlignmentCandidates<Dim>::unseen(const Point<Dim>& feature, double varian
   return std::log(1.0 - model_.sees((map.poses[nearest.front()] - feature).norm() + std::sqrt(gate_ * variance)));
 }
 
-/// Features of both maps under a relative pose that may be anything, linearised at one: its covariance is added to those of the
-/// maps.
+/// The pairing problem of features of both maps under an arbitrary relative pose, linearised at `pose`, whose prior covariance
+/// is added to those of the maps.
 template <int Dim>
 PairingProblem<Dim> AlignmentCandidates<Dim>::problem(const Features& features, const Pose<Dim>& pose) const {
   const auto& [known, sightings] = features;
@@ -116,7 +116,7 @@ PairingProblem<Dim> AlignmentCandidates<Dim>::problem(const Features& features, 
     }
   }
   const PointMatrix<Dim> R = pose.rotation.matrix();
-  constexpr double kTurnVariance = std::numbers::pi * std::numbers::pi / 3.0;  // of any angle
+  constexpr double kTurnVariance = std::numbers::pi * std::numbers::pi / 3.0;  // uniform over all angles (rad²)
   const Point<Dim> centre = problem.sightings.front();
   for (std::size_t i = 0; i < sightings.size(); ++i) {
     const auto J_i = J_turned_rotation(Point<Dim>(problem.sightings[i] - centre));
@@ -160,8 +160,8 @@ std::optional<AlignmentCandidate<Dim>> AlignmentCandidates<Dim>::grown_from(cons
   return candidate;
 }
 
-/// What corrects the gain of a pairing for which the relative pose is open: against it is the density of the whole map, not
-/// that of what is seen at once.
+/// The correction to the gain of a pairing while the relative pose is open: its odds are against the density of the whole map,
+/// not against that near a feature.
 template <int Dim>
 double AlignmentCandidates<Dim>::anywhere(const Extension<Dim>& extension) const {
   const Point<Dim> difference = extension.covariance.llt().matrixL() * extension.whitened;
@@ -169,7 +169,7 @@ double AlignmentCandidates<Dim>::anywhere(const Extension<Dim>& extension) const
   return model_.density.log_within(apart) - std::log(model_.density.overall());
 }
 
-/// By the pairing of a sighting that gains most, unless another one gains nearly as much.
+/// Extends the hypothesis by the pairing of a sighting that gains most, unless another one gains nearly as much.
 template <int Dim>
 void AlignmentCandidates<Dim>::extend(const PairingProblem<Dim>& problem, std::size_t sighting, Hypothesis<Dim>& hypothesis,
                                       ChiSquaredQuantiles& gates) const {
@@ -189,7 +189,7 @@ void AlignmentCandidates<Dim>::extend(const PairingProblem<Dim>& problem, std::s
   if (best && best->gain > std::max(0.0, second + model_.log_odds())) hypothesis.extend(*best);
 }
 
-/// What speaks against an alignment: features that have no partner in the other map, which should have seen them there.
+/// The log odds, at most 0, that features without partner in the other map, which should have seen them, add to an alignment.
 template <int Dim>
 double AlignmentCandidates<Dim>::against(const PairingProblem<Dim>& problem, const Features& features,
                                          const Hypothesis<Dim>& hypothesis, const Pose<Dim>& pose,

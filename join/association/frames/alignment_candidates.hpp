@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
-// How one map may lie on another: pairings of their features that are compatible together, whatever the relative
+// Candidate alignments of one map with another: pairings of their features that are jointly compatible, whatever the relative
 // pose.
 
 #include <mapjoin/join/association/frames/feature_map.hpp>
@@ -11,7 +11,7 @@
 
 namespace mapjoin {
 
-/// Pairings around one feature, and what they say.
+/// Pairings around one feature, the relative pose that they imply, and their score.
 template <int Dim>
 struct AlignmentCandidate {
   std::vector<Pairing> pairs;
@@ -19,16 +19,17 @@ struct AlignmentCandidate {
   double score = 0.0;  ///< The logarithm of the odds against maps that do not overlap.
 };
 
-/// The ways in which a second map may lie on a first one. The maps and what the model refers to must stay.
+/// Candidate alignments of a second map with a first one. The maps, the model and its references must outlive this.
 template <int Dim>
 class AlignmentCandidates {
  public:
   AlignmentCandidates(const FeatureMap<Dim>& first, const FeatureMap<Dim>& second, const AlignmentModel<Dim>& model);
 
-  /// The rigid motion that takes the second map's features onto those of the first; nothing where it is not determined.
+  /// The rigid motion that takes the second map's features onto those of the first; nullopt if the pairings do not determine
+  /// it.
   std::optional<Pose<Dim>> relative_pose(const std::vector<Pairing>& pairs) const;
-  /// What it says against an alignment that a map did not see a feature at a point, with a variance (m²): a logarithm of odds.
-  /// It may be as much farther from the map's poses as is not known of where it is.
+  /// The log odds, at most 0, that a feature at this point, unseen by the first map, adds to an alignment. It may be farther
+  /// from the map's poses by the gate of its variance (m²).
   double unseen_by_first(const Point<Dim>& feature, double variance) const {
     return unseen(feature, variance, first_, first_poses_);
   }
@@ -38,14 +39,14 @@ class AlignmentCandidates {
   const PointTree<Dim>& first_tree() const { return first_tree_; }
   const PointTree<Dim>& second_tree() const { return second_tree_; }
 
-  /// The alignment that a constellation leads to, its pairings extended from neighbour to neighbour; nothing where the
+  /// The alignment that a constellation leads to, its pairings extended from neighbour to neighbour; nullopt if the
   /// constellation itself is not compatible.
   std::optional<AlignmentCandidate<Dim>> grown_from(const Constellation& seed) const;
-  /// Whether most pairings of another alignment are compatible with those of the best one: then it is the same.
+  /// True if most pairings of another candidate are compatible with those of the best one: both are then the same alignment.
   bool agree(const AlignmentCandidate<Dim>& best, const AlignmentCandidate<Dim>& other) const;
 
  private:
-  /// Features of the first map and of the second one, by index in their maps; the latter's are the sightings.
+  /// Features of the first map (known) and of the second one (sightings), by index in their maps.
   struct Features {
     std::vector<std::size_t> known;
     std::vector<std::size_t> sightings;
@@ -69,7 +70,7 @@ class AlignmentCandidates {
   PointTree<Dim> first_poses_;
   PointTree<Dim> second_poses_;
   double gate_;
-  double offset_variance_;  // along an axis, of where the second map may lie (m²)
+  double offset_variance_;  // prior variance of the second map's offset along an axis (m²)
 };
 
 }  // namespace mapjoin

@@ -12,19 +12,19 @@
 namespace mapjoin {
 namespace {
 
-/// Neighbours of a feature that triangles are made of.
+/// Number of nearest neighbours of a feature that triangles are made of.
 constexpr std::size_t kNeighbours = 8;
-/// Triangles that one is compared with.
+/// The most triangles that one is compared with.
 constexpr std::size_t kMostAlike = 256;
-/// The share of triangles whose uncertainty decides how far the tree is searched; the few that are more uncertain find less.
+/// The quantile of the variances of triangles that sets the search radius in the tree; the few more uncertain ones find fewer.
 constexpr double kUncertain = 0.95;
 
-/// A feature with two of its neighbours, by their indices among these.
+/// A feature with two of its neighbours, by their indices among its neighbours.
 struct Triangle {
   std::uint32_t centre = 0;
   std::array<std::uint8_t, 2> ends{};
   Point<3> sides;      // from the centre to either end, and between the ends
-  Point<3> variances;  // of the sides
+  Point<3> variances;  // of the sides (m²)
 };
 
 /// All triangles of a map.
@@ -32,9 +32,9 @@ template <int Dim>
 struct Triangles {
   std::vector<std::vector<std::size_t>> neighbours;  // by feature
   std::vector<Triangle> all;                         // feature by feature
-  std::vector<std::size_t> begin;                    // of each feature's, and the end
+  std::vector<std::size_t> begin;                    // the first of each feature's triangles, then the end
 
-  /// With `both_ways` a triangle stands in it twice, its ends swapped, where nothing else tells them apart.
+  /// With `both_ways` a triangle is listed twice in 3D, with its ends swapped: no orientation tells these apart.
   Triangles(const FeatureMap<Dim>& map, bool both_ways) {
     const PointTree<Dim> tree(map.features);
     for (std::size_t centre = 0; centre < map.features.size(); ++centre) {
@@ -63,7 +63,7 @@ struct Triangles {
       }
     }
   }
-  /// In the plane the ends go round the centre counter-clockwise.
+  /// True if the ends go round the centre counter-clockwise in the plane.
   static bool is_left_turn(const FeatureMap<Dim>& map, std::size_t centre, std::size_t x, std::size_t y) {
     const Point<Dim> a = map.features[x] - map.features[centre];
     const Point<Dim> b = map.features[y] - map.features[centre];
@@ -74,10 +74,10 @@ struct Triangles {
 /// Two triangles that look alike, around one feature of the first map.
 struct Alike {
   std::uint32_t centre = 0;                // in the second map
-  std::array<std::uint8_t, 2> neighbours;  // each a neighbour in the first map times kNeighbours, and one in the second
+  std::array<std::uint8_t, 2> neighbours;  // each one in the first map times kNeighbours, plus one in the second
 };
 
-/// The neighbours that most triangles around two features agree on, as `Alike` has them: three at least, or none.
+/// The most neighbours that triangles around two features agree on, as `Alike` has them: at least three, or none.
 std::vector<Vertex> agreed(std::vector<Alike>::const_iterator begin, std::vector<Alike>::const_iterator end) {
   std::array<std::uint64_t, kNeighbours * kNeighbours> adjacent{};
   std::vector<Edge> edges;
@@ -92,7 +92,7 @@ std::vector<Vertex> agreed(std::vector<Alike>::const_iterator begin, std::vector
   return has_triangle ? largest_clique(kNeighbours * kNeighbours, edges) : std::vector<Vertex>();
 }
 
-/// How uncertain the sides of most triangles are at most.
+/// The kUncertain quantile of the largest variance of a side (m²).
 double usual_variance(const std::vector<Triangle>& triangles) {
   if (triangles.empty()) return 0.0;
   std::vector<double> variances;

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
-// The features of a joined map in a frame of its own: what is laid on another map whose frame is not known, and constellations
-// of them, features with their neighbours that look alike in two maps.
+// The features of a joined map in its own frame, to be aligned with another map of unknown frame, and their constellations:
+// features with neighbours that look alike in two maps.
 
 #include <Eigen/Core>
 #include <algorithm>
@@ -13,11 +13,11 @@
 
 namespace mapjoin {
 
-/// Features, uncertain together, and the poses from which they were seen.
+/// Features with their joint covariance, and the positions of the poses from which they were seen.
 template <int Dim>
 struct FeatureMap {
   std::vector<Point<Dim>> features;
-  Eigen::MatrixXd covariance;  ///< Of all features, in their order (m²).
+  Eigen::MatrixXd covariance;  ///< Joint covariance of all features, in their order (m²).
   std::vector<Point<Dim>> poses;
 
   /// The covariance between two features.
@@ -29,15 +29,15 @@ struct FeatureMap {
     const PointMatrix<Dim> C = covariance_of(i, k);
     return covariance_of(i, i) + covariance_of(k, k) - C - C.transpose();
   }
-  /// The variance of the distance of two features.
+  /// The variance of the distance between two features.
   double variance_of_distance(std::size_t i, std::size_t k) const {
     const Point<Dim> direction = (features[k] - features[i]).stableNormalized();
     return std::max(0.0, direction.dot(relative_covariance(i, k) * direction));
   }
 };
 
-/// The map of some features of an estimate, in their order, with its scale; `poses` is empty. Errors as of
-/// MapCovariances::joint().
+/// The map of some features of an estimate, in their order, with its covariances times its scale; `poses` is empty. Errors as
+/// of MapCovariances::joint().
 template <int Dim>
 Expected<FeatureMap<Dim>> feature_map_of(const FeatureEstimate<Dim>& estimate, const std::vector<FeatureIndex>& features) {
   const std::vector<PoseOrFeature> all(features.begin(), features.end());
@@ -52,12 +52,12 @@ Expected<FeatureMap<Dim>> feature_map_of(const FeatureEstimate<Dim>& estimate, c
 /// the feature itself first.
 using Constellation = std::vector<Pairing>;
 
-/// The constellations that look alike in both maps, of four features at least.
+/// The constellations that look alike in both maps, of at least four features.
 ///
 /// Triangles of a feature and two of its nearest neighbours are found in the other map by the lengths of their sides (a k-d
-/// tree), within what the covariances allow with probability `confidence`. Where several triangles of two features agree which
-/// neighbour is which, those of the largest clique are a constellation. Triangles that look like very many others, as in a
-/// regular plantation, are compared with some of these only.
+/// tree), within what the covariances allow with probability `confidence`. If several triangles around two features agree on
+/// which neighbour is which, the largest clique of them is a constellation. Triangles that look like very many others, as in a
+/// regular plantation, are compared with only some of these.
 template <int Dim>
 std::vector<Constellation> constellations_alike(const FeatureMap<Dim>& first, const FeatureMap<Dim>& second, double confidence);
 

@@ -12,13 +12,13 @@
 namespace mapjoin {
 namespace {
 
-/// Constellations that are looked at, and features that are looked at around each.
+/// The most constellations that are looked at, and the number of features that are looked at around each.
 constexpr std::size_t kMostConstellations = 20000;
 constexpr std::size_t kGlance = 24;
-/// Candidates whose pairings are extended.
+/// The most candidates whose pairings are extended.
 constexpr std::size_t kMostPlaces = 32;
 
-/// A rough score of the candidate of a constellation, and the pairings that it rests on.
+/// A rough score of the alignment by a constellation, and the pairings that it rests on.
 struct Glance {
   double score = 0.0;
   std::vector<Pairing> pairs;
@@ -57,8 +57,8 @@ class Aligner {
     return alignment;
   }
 
-  /// The score of the best candidate of the map on itself, other than the identity, that has most of `features`, or where most
-  /// are of these; 0 where there is none.
+  /// The score of the best alignment of the map with itself, other than the identity, that pairs most of `features` or pairs
+  /// mostly these; 0 if none.
   double repeat_score(const std::set<std::size_t>& features) const {
     auto constellations = constellations_alike(first_, first_, model_.confidence);
     std::erase_if(constellations,
@@ -72,12 +72,12 @@ class Aligner {
   }
 
  private:
-  /// Whether most features of a map are paired with themselves.
+  /// True if most features of a map are paired with themselves.
   static bool is_identity(const std::vector<Pairing>& pairs) {
     return 2 * std::ranges::count_if(pairs, [](const Pairing& p) { return p.known == p.sighting; }) > std::ssize(pairs);
   }
 
-  /// Whether what was paired lies so elsewhere in the larger map, too, with half the score: then it may lie so anywhere.
+  /// True if the paired features repeat elsewhere in the larger map with half the score: they may then do so anywhere.
   bool is_repeated(const MapAlignment& alignment) const {
     const bool is_first = first_.features.size() >= second_.features.size();
     const FeatureMap<Dim>& larger = is_first ? first_ : second_;
@@ -86,10 +86,10 @@ class Aligner {
     return 2.0 * Aligner(larger, larger, model_).repeat_score(paired) >= alignment.score;
   }
 
-  /// Whether no candidate that contradicts it has half its score.
+  /// True if no candidate that contradicts the best one has half its score.
   static bool is_unique(const MapAlignment& alignment) { return 2.0 * alignment.other_score < alignment.score; }
 
-  /// The constellations of the best candidates by a glance, of each candidate one.
+  /// The constellations of the best candidates by glance(), one for each candidate.
   std::vector<Constellation> promising(const std::vector<Constellation>& all) const {
     std::vector<const Constellation*> largest;
     for (const Constellation& c : all) largest.push_back(&c);
@@ -110,7 +110,7 @@ class Aligner {
     return chosen;
   }
 
-  /// How well the features around a constellation lie on those of the other map, each by itself.
+  /// Rates how well the features around a constellation fit those of the other map, each by itself.
   Glance glance(const Constellation& constellation) const {
     Glance glance{0.0, {}, &constellation};
     const auto pose = places_.relative_pose(constellation);
@@ -131,7 +131,7 @@ class Aligner {
     }
     return glance;
   }
-  /// Of the difference that two pairings should have none of.
+  /// The variance (m²) of the difference of the vectors between two pairings in the two maps, which should be zero.
   double relative_variance(const Pairing& a, const Pairing& b) const {
     return first_.relative_covariance(a.known, b.known).trace() + second_.relative_covariance(a.sighting, b.sighting).trace();
   }

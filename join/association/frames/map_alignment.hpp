@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
-// Where one map lies in another whose frame is not known, by the constellations of their features; nowhere, where that is not
-// sure.
+// The alignment of two maps of unknown relative pose by the constellations of their features, or none if it is not certain.
 
 #include <cmath>
 #include <cstdint>
@@ -13,22 +12,23 @@
 namespace mapjoin {
 
 enum class AlignmentStatus : std::uint8_t {
-  kFound,      ///< There is one way in which the maps lie on each other.
-  kNone,       ///< There is none that chance would not find as well.
-  kAmbiguous,  ///< There are several.
-  kRepeated,   ///< What was paired lies so elsewhere in the larger map, too.
+  kFound,      ///< One alignment is probable.
+  kNone,       ///< No alignment is more probable than by chance.
+  kAmbiguous,  ///< Several alignments that contradict each other are probable.
+  kRepeated,   ///< The paired features repeat elsewhere in the larger map.
 };
 
-/// Which features of two maps are the same.
+/// The best alignment of two maps, by pairings of their features.
 struct MapAlignment {
   AlignmentStatus status = AlignmentStatus::kNone;
-  std::vector<Pairing> pairs;   ///< Features of the first map (known) and of the second (sightings), of the best candidate.
-  double score = 0.0;           ///< Its logarithm of odds, against maps that do not overlap.
-  std::size_t other_pairs = 0;  ///< Of the best candidate that contradicts it; 0 where there is none.
+  std::vector<Pairing> pairs;   ///< Features of the first map (known) and of the second (sightings), of the best candidate and
+                                ///< those that agree with it.
+  double score = 0.0;           ///< Logarithm of the odds of the best candidate against maps that do not overlap.
+  std::size_t other_pairs = 0;  ///< Number of pairings of the best candidate that contradicts it; 0 if none.
   double other_score = 0.0;
 };
 
-/// What is known of features and sightings whatever the alignment.
+/// A model of features and sightings that does not depend on the alignment.
 template <int Dim>
 struct AlignmentModel {
   const NeighbourDensity<Dim>& density;
@@ -42,13 +42,13 @@ struct AlignmentModel {
 
 /// Aligns two maps.
 ///
-/// From constellations that look alike, the most promising ones first, pairings are extended from neighbour to neighbour by
-/// joint compatibility (Hypothesis), over the covariances of both maps and a relative pose that may be anything. The score is
-/// the logarithm of the odds against maps that do not overlap: each pairing counts by how much nearer it is than chance would
-/// have it, what one map should have seen of the other and did not counts against it, and so do all the relative poses that
-/// there could have been. A candidate is taken where the odds are those of `confidence` for every pairing of features that it
-/// may have begun with, and no other one that contradicts it has half its score; nor may what was paired lie so in the larger
-/// map once more, with half that score: then the world repeats itself.
+/// Pairings are extended from constellations that look alike, the most promising ones first, from neighbour to neighbour by
+/// joint compatibility (Hypothesis), over the covariances of both maps and an arbitrary relative pose. The score is the
+/// logarithm of the odds against maps that do not overlap: each pairing counts by how much nearer it is than by chance;
+/// features that the other map should have seen but did not count against it, and so do all possible relative poses. The best
+/// candidate is accepted if its odds, divided by the numbers of pairs of maps and of features that it may have begun with,
+/// reach those of `confidence`, if no candidate that contradicts it has half its score, and if its features do not repeat
+/// elsewhere in the larger map with half that score.
 template <int Dim>
 MapAlignment align_maps(const FeatureMap<Dim>& first, const FeatureMap<Dim>& second, const AlignmentModel<Dim>& model);
 

@@ -8,7 +8,7 @@
 namespace mapjoin {
 namespace {
 
-/// A part, and the features that its map is of.
+/// A part: its features, and the map of these.
 template <int Dim>
 struct Part {
   std::vector<FeatureIndex> features;
@@ -32,7 +32,7 @@ Expected<Part<Dim>> part_of(const FeatureEstimate<Dim>& estimate, std::uint32_t 
   });
 }
 
-/// From which poses of every local map which features, known by other maps, were seen.
+/// The chance of a sighting, learnt from the distances at which local maps see, or do not see, features that others know.
 template <int Dim>
 SightingChance sighting_chance(const FeatureEstimate<Dim>& estimate, const Identities& identities) {
   const Values<Dim>& state = estimate.covariances->state();

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
-// Parts of a log or a set of maps that nothing ties together, sessions of unknown frames say, tied by the features that they
-// share.
+// Ties, by shared features, between parts of a log or a set that nothing else ties together, such as sessions of unknown
+// frames.
 
 #include <mapjoin/join/association/feature_estimate.hpp>
 #include <mapjoin/join/association/frames/map_alignment.hpp>
@@ -24,8 +24,8 @@ struct PartTies {
   std::vector<PartsApart> apart;
 };
 
-/// Aligns every pair of parts. Of the alignments found those of the highest scores tie the parts into as few as they can; what
-/// the others say will be seen once these are joined. Errors as of MapCovariances::joint(); kInterrupted on `stop`.
+/// Aligns every pair of parts. A spanning forest of the alignments found, by descending score, ties the parts; the others are
+/// tested once these are joined. Errors as of MapCovariances::joint(); kInterrupted on `stop`.
 template <int Dim>
 Expected<PartTies> ties_between_parts(const FeatureEstimate<Dim>& estimate, const Identities& identities,
                                       const NeighbourDensity<Dim>& density, double confidence, const std::stop_token& stop);

@@ -5,7 +5,7 @@
 namespace mapjoin {
 namespace {
 
-/// Rings of distances, with as many trials each.
+/// Number of rings of distances, with equally many trials in each.
 constexpr std::size_t kRings = 20;
 
 }  // namespace

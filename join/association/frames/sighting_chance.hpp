@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
-// How probably a feature is seen from so far away, learnt from which map sees the features of others.
+// The probability of seeing a feature by its distance, learnt from which maps see the features of others.
 
 #include <cstddef>
 #include <utility>
@@ -11,10 +11,10 @@ namespace mapjoin {
 /// The chance that a map sees a feature, by the distance of the feature from the nearest of the map's poses.
 class SightingChance {
  public:
-  /// Of each trial the distance (m), and whether the feature was seen.
+  /// Each trial is a distance (m), and true if the feature was seen.
   explicit SightingChance(std::vector<std::pair<double, bool>> trials);
 
-  /// Between 0 and 1; what was never tried is not seen.
+  /// The probability at a distance (m); 0 beyond all trials.
   double operator()(double distance) const;
 
  private:
@@ -22,7 +22,7 @@ class SightingChance {
     double end;  // (m)
     double chance;
   };
-  std::vector<Ring> rings_;  // ascending, as many trials in each
+  std::vector<Ring> rings_;  // ascending, with equally many trials in each
 };
 
 }  // namespace mapjoin

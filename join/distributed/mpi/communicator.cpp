@@ -63,7 +63,7 @@ std::vector<std::string> Communicator::exchange(std::vector<std::string> to) con
   std::transform(to.begin(), to.end(), out.begin(), [](const std::string& bytes) { return bytes.size(); });
   MPI_Alltoall(out.data(), 1, MPI_UINT64_T, in.data(), 1, MPI_UINT64_T, comm_);
   std::vector<std::string> from(to.size());
-  // Round by round, each rank sends to one and receives from one, so that little waits at a time.
+  // Each rank sends to one and receives from one in each round, so that little waits at a time.
   for (int round = 0; round < size_; ++round) {
     const auto target = static_cast<std::size_t>((rank_ + round) % size_);
     const auto source = static_cast<std::size_t>((rank_ - round + size_) % size_);

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
-// The ranks that work together over MPI, and what they say to each other. Every function is called by all ranks alike.
+// The ranks that work together over MPI, and the messages between them. Every function is called by all ranks alike.
 
 #include <mpi.h>
 
@@ -24,23 +24,23 @@ class Communicator {
   int size() const { return size_; }
   bool is_root() const { return rank_ == 0; }
 
-  /// The sum of what the ranks give, in one order of addition: the same bits on all.
+  /// The sum over the ranks, in one order of addition: the same bits on all.
   double sum(double value) const;
   void sum(std::span<double> values) const;
   std::int64_t sum(std::int64_t value) const;
   double max(double value) const;
   bool any(bool value) const { return max(value ? 1.0 : 0.0) > 0.0; }
 
-  /// What rank `from` has, on all ranks.
+  /// The bytes of rank `from`, on all ranks.
   std::string broadcast(std::string bytes, int from) const;
-  /// What every rank has, by rank, on all ranks.
+  /// The bytes of every rank, by rank, on all ranks.
   std::vector<std::string> gather(const std::string& bytes) const;
-  /// `to[r]` goes to rank r; returns what comes from each rank.
+  /// Sends `to[r]` to rank r; returns the bytes from each rank.
   std::vector<std::string> exchange(std::vector<std::string> to) const;
-  /// What every rank has, by rank, on the first rank; on the others nothing.
+  /// The bytes of every rank, by rank, on the first rank; empty strings on the others.
   std::vector<std::string> collect(std::string bytes) const;
 
-  /// The lists of records that the ranks have, one after the other, on all ranks.
+  /// The records of all ranks, one list after the other, on all ranks.
   template <typename Record>
   std::vector<Record> gather(const std::vector<Record>& records) const {
     std::vector<Record> all;
@@ -51,7 +51,7 @@ class Communicator {
     return all;
   }
 
-  /// What went wrong on the first rank on which anything did, on all ranks; else each its own value.
+  /// The error of the first rank that has one, on all ranks; otherwise each rank's own value.
   template <typename T>
   Expected<T> agree(Expected<T> mine) const {
     const auto first = first_error(mine ? nullptr : &mine.error());

@@ -25,7 +25,7 @@ std::vector<Holding> shared_holdings(const Communicator& comm, const std::vector
     const bool as_next = k + 1 < held.size() && held[k + 1].number == held[k].number;
     if (as_before || as_next) shared.push_back(held[k]);
   }
-  return comm.gather(shared);  // those who look after lower numbers come first
+  return comm.gather(shared);  // ascending, as are the numbers that ranks look after
 }
 
 }  // namespace mapjoin::distributed

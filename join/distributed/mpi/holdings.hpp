@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
-// Which of the things that are numbered for all ranks several ranks or regions hold.
+// The numbered things that several ranks or regions hold.
 
 #include <compare>
 #include <cstdint>
@@ -9,7 +9,7 @@
 
 namespace mapjoin::distributed {
 
-/// A rank, or a region, holds a thing of this number.
+/// A thing of this number, and a rank or a region that holds it.
 struct Holding {
   std::int32_t number = 0;
   std::int32_t holder = 0;
@@ -21,8 +21,8 @@ void fields(Holding& holding, const F& f) {
   f(holding.holder);
 }
 
-/// The holdings of what at least two hold, ascending, on all ranks; `mine` are those of this rank, each of them once, of
-/// numbers below `count`. Each number is looked after by one rank, so that no rank sees what all hold (a distributed
+/// The holdings of numbers that at least two hold, ascending, on all ranks; `mine` are those of this rank, each of them once,
+/// of numbers below `count`. Each number is looked after by one rank, so that no rank sees the holdings of all (a distributed
 /// directory).
 std::vector<Holding> shared_holdings(const Communicator& comm, const std::vector<Holding>& mine, std::size_t count);
 

@@ -12,7 +12,7 @@
 
 namespace mapjoin::distributed {
 
-/// So many records are encoded or decoded at a time: beside a message there is only little of what is in it.
+/// Number of records that are encoded or decoded at a time, so that little memory is needed besides the message.
 inline constexpr std::size_t kRecordsAtOnce = 4096;
 
 class Writer {
@@ -21,7 +21,7 @@ class Writer {
   Writer& put(const List& records) {
     return put_if(records, [](const auto&) { return true; });
   }
-  /// Those of the records that are chosen, as a list of their own.
+  /// Puts the chosen records, as a list of their own.
   template <typename List, typename IsChosen>
   Writer& put_if(const List& records, const IsChosen& is_chosen) {
     using Record = typename List::value_type;
@@ -50,7 +50,7 @@ class Writer {
   std::string bytes_;
 };
 
-/// Takes the lists in the order in which they were put. `bytes` outlive it.
+/// Takes the lists in the order in which they were put. `bytes` must outlive it.
 class Reader {
  public:
   explicit Reader(std::string_view bytes) : rest_(bytes) {}
@@ -59,7 +59,7 @@ class Reader {
   std::vector<Record> take() {
     return list<Record>(count());
   }
-  /// Calls f(record) for each of a list.
+  /// Calls f(record) for each record of the next list.
   template <typename Record, typename F>
   void for_each(F&& f) {
     for (std::size_t left = count(); left > 0;) {
@@ -68,7 +68,7 @@ class Reader {
       left -= some;
     }
   }
-  /// Passes over a list, and returns how many records there are.
+  /// Skips the next list, and returns the number of its records.
   template <typename Record>
   std::size_t skip() {
     const std::size_t records = count();
@@ -96,7 +96,7 @@ class Reader {
   std::string_view rest_;
 };
 
-/// Gives up what a list or a message holds, and its memory, which `list = {}` would keep.
+/// Frees the contents of a list or a message and their memory, which `list = {}` would keep.
 template <typename List>
 void release(List& list) {
   List().swap(list);

@@ -27,7 +27,7 @@ constexpr int kSingular = -10;
 constexpr int kTooLittleMemory = -13;
 constexpr int kNotPositive = -40;
 
-/// Room beyond what the analysis says (%), and the most that is tried.
+/// Maximum room beyond the estimate of the analysis that is tried (%).
 constexpr int kMostRoom = 1000;
 
 }  // namespace

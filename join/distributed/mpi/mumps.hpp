@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
-// MUMPS (Amestoy, Duff, L'Excellent & Koster, 2001): a symmetric positive definite matrix that is spread over ranks, factorised
+// MUMPS (Amestoy, Duff, L'Excellent & Koster, 2001): factorises a symmetric positive definite matrix that is spread over ranks,
 // by all of them.
 
 #include <cstdint>
@@ -16,8 +16,8 @@ struct MumpsOptions {
   std::filesystem::path out_of_core = {};  ///< A folder for factors; empty: they stay in memory.
 };
 
-/// A = Σ A_r, of which rank r has A_r. Its rows are in the order of their elimination. What MUMPS cannot do is
-/// std::runtime_error, too little memory std::bad_alloc, on all ranks.
+/// The factorisation of A = Σ A_r, whose A_r is that of rank r; its rows are in elimination order. Failures are the same on all
+/// ranks: std::bad_alloc if memory is too little, otherwise std::runtime_error.
 class Mumps {
  public:
   Mumps(const Communicator& comm, const MumpsOptions& options);
@@ -25,23 +25,23 @@ class Mumps {
   Mumps(const Mumps&) = delete;
   Mumps& operator=(const Mumps&) = delete;
 
-  /// A_r is dense over these rows, which ascend: its lower triangle, column by column. `size` is that of A.
+  /// Analyses A, of `size` rows. A_r is dense over `rows` (ascending): its lower triangle, column by column.
   void analyse(std::size_t size, std::span<const std::int32_t> rows);
-  /// What the rank that needs most needs to factorise A (10⁶ bytes), once analysed.
+  /// Memory to factorise A (10⁶ bytes) on the rank that needs most, once analysed.
   double megabytes() const;
-  /// False where A is not positive definite.
+  /// Factorises A, given the values of A_r. False if A is not positive definite.
   bool factorise(std::span<double> lower);
-  /// A⁻¹ b in the place of b, which is the same on all ranks.
+  /// Replaces b, which is the same on all ranks, by A⁻¹ b.
   void solve(std::span<double> b);
 
  private:
   struct Instance;
-  /// Lets MUMPS do a job, and returns its status, INFOG(1).
+  /// Runs a job of MUMPS, and returns its status, INFOG(1).
   int call(int job);
 
   const Communicator& comm_;
   std::unique_ptr<Instance> mumps_;
-  std::vector<std::int32_t> rows_;  ///< Of each entry of A_r, from 1 on.
+  std::vector<std::int32_t> rows_;  ///< The row of each entry of A_r, from 1 on.
   std::vector<std::int32_t> columns_;
   std::vector<std::int32_t> order_;
 };

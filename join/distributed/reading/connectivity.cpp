@@ -7,10 +7,10 @@
 namespace mapjoin::distributed {
 namespace {
 
-/// Fewer poses than this for each region are not worth one.
+/// Minimum number of poses per region: fewer are not worth one.
 constexpr std::size_t kLeastPoses = 10;
 
-/// Of this rank's factors, links between TieVertices that connect what all of them connect.
+/// A spanning forest of this rank's factors, as links between TieVertices.
 template <int Dim>
 std::vector<Link> forest_of(const LogPart<Dim>& part) {
   const std::vector<Edge> edges = ties_of(part);
@@ -25,7 +25,7 @@ std::vector<Link> forest_of(const LogPart<Dim>& part) {
   return forest;
 }
 
-/// Of the forests of all ranks, which the first one has.
+/// Checks that the forests of all ranks, which the first rank has, connect the log.
 template <int Dim>
 Expected<void> check_forests(const std::vector<std::string>& forests, const LogPart<Dim>& part) {
   std::vector<Edge> edges;

@@ -27,7 +27,7 @@ Index index_of(const Table<Index, Id>& names, const Id& id) {
   return Index(find_ascending(names, id).value());
 }
 
-/// What the readers of all ranks left out.
+/// Counts of the lines that the readers of all ranks left out.
 SkipCounts skipped_by_all(const Communicator& comm, const SkipCounts& mine) {
   std::string lines;
   for (const auto& [what, count] : mine) lines += fmt::format("{} {}\n", count, what);
@@ -40,7 +40,7 @@ SkipCounts skipped_by_all(const Communicator& comm, const SkipCounts& mine) {
   return all;
 }
 
-/// What the readers of all ranks did to matrices.
+/// Repairs of matrices by the readers of all ranks.
 MatrixRepairs repairs_by_all(const Communicator& comm, MatrixRepairs repairs) {
   for (const auto count : {&MatrixRepairs::symmetrised, &MatrixRepairs::indefinite, &MatrixRepairs::missing}) {
     repairs.*count = comm.sum(repairs.*count);
@@ -49,7 +49,7 @@ MatrixRepairs repairs_by_all(const Communicator& comm, MatrixRepairs repairs) {
   return repairs;
 }
 
-/// Bad input where ids are declared twice or, in a file with vertices, not at all.
+/// Checks declarations: kBadInput if ids are declared twice or, in a file with vertices, not at all.
 template <typename Index, typename Id>
 Expected<void> check_declared(const Communicator& comm, const std::string& file, bool has_vertices,
                               const std::vector<std::uint64_t>& declared_here, const Table<Index, Id>& names) {
@@ -66,17 +66,17 @@ Expected<void> check_declared(const Communicator& comm, const std::string& file,
   return bad_input(fmt::format("{}: the file declares vertices, but not {}", file, to_string(*missing)));
 }
 
-/// The log in the lines of this rank; none where they say nothing of any pose.
+/// The log in the lines of this rank; nullopt if they mention no pose or feature.
 Expected<std::optional<AnyLog>> log_of(const TextPart& part, const std::string& file, const ReadOptions& options) {
   if (!part.has_graph) return std::nullopt;
   const std::string with_parameters = part.parameters.empty() ? std::string() : part.parameters + std::string(part.text);
   const auto before = static_cast<std::size_t>(std::ranges::count(part.parameters, '\n'));
-  // Lines count on from those before, but for the parameters of others, which the wrap-around of unsigned numbers allows for.
+  // Line numbers go on from those before, less the parameter lines of others; unsigned wrap-around makes that safe.
   const TextScanner text(file, with_parameters.empty() ? part.text : with_parameters, part.lines_before - before);
   return read_g2o(text, options, {.is_whole = false}).map([](AnyLog log) { return std::optional(std::move(log)); });
 }
 
-/// The poses that are fixed, at the values of their vertices.
+/// The fixed poses, at the values of their vertices.
 template <int Dim>
 Expected<std::vector<FixedPose<Dim>>> fixed_poses(const Communicator& comm, const TextPart& part, const LogPart<Dim>& log,
                                                   const std::vector<std::uint64_t>& fixed, const ReadOptions& options) {
@@ -99,7 +99,7 @@ Expected<std::vector<FixedPose<Dim>>> fixed_poses(const Communicator& comm, cons
   });
 }
 
-/// The factors of one rank's log, which gives them up, under the indices of all names.
+/// The factors of one rank's log, moved out of it, by the indices of all names.
 template <int Dim>
 FactorGraph<Dim> renumbered(Log<Dim>& log, const LogPart<Dim>& whole) {
   FactorGraph<Dim> graph{std::move(log.graph.pose_factors), std::move(log.graph.feature_factors), {}, {}};
@@ -108,8 +108,8 @@ FactorGraph<Dim> renumbered(Log<Dim>& log, const LogPart<Dim>& whole) {
   return graph;
 }
 
-/// The poses that hold the map: those of FIX lines; else, where nothing is measured from the World, the first pose of a file
-/// with vertices, at its own.
+/// Ids of the poses that fix the gauge: those of FIX lines; otherwise, if nothing is measured from the World, the first pose of
+/// a file with vertices, at its own value.
 template <int Dim>
 std::vector<std::uint64_t> poses_to_fix(const Communicator& comm, const TextPart& part, const LogPart<Dim>& log,
                                         bool has_vertices) {

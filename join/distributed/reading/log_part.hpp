@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
-// A log that is spread over ranks: the names of its poses and features, which all of them know, and of its factors those that
-// stand in the lines of one rank.
+// A log that is spread over ranks: all of them know the names of its poses and features; each has the factors that stand in its
+// lines.
 
 #include <mapjoin/distributed/reading/text_part.hpp>
 #include <mapjoin/io/read_options.hpp>
@@ -10,8 +10,8 @@
 
 namespace mapjoin::distributed {
 
-/// In this room poses and features are numbered by their names in ascending order, unless they are said to be those of one
-/// rank.
+/// One rank's part of a log. Throughout join/distributed, poses and features are numbered by all names in ascending order,
+/// unless they are said to be those of one rank.
 template <int Dim>
 struct LogPart {
   std::string source;
@@ -19,12 +19,12 @@ struct LogPart {
   SkipCounts skipped;
   PoseIds poses;
   FeatureIds features;
-  FactorGraph<Dim> graph;  ///< Factors of this rank; fixed poses of all, as everything before.
+  FactorGraph<Dim> graph;  ///< Factors of this rank; its fixed poses, as all members before, are those of all ranks.
 };
 
 using AnyLogPart = std::variant<LogPart<2>, LogPart<3>>;
 
-/// Two things that a factor ties, by their numbers in some graph.
+/// Two vertices that a factor connects, by their numbers in some graph.
 struct Link {
   std::int32_t a = 0;
   std::int32_t b = 0;
@@ -36,14 +36,15 @@ void fields(Link& link, const F& f) {
   f(link.b);
 }
 
-/// The same dimension on all ranks. Bad input as of a reader of the whole file, the same on all ranks, that of the first line
-/// that is wrong.
+/// Reads the part of this rank, of the same dimension on all ranks. kBadInput as of a reader of the whole file, the same on all
+/// ranks: that of the first wrong line.
 Expected<AnyLogPart> read_log_part(const Communicator& comm, const std::filesystem::path& path, const ReadOptions& options);
 
-/// Bad input where there are no poses; kUsage where they are too few for so many regions a rank.
+/// Checks the number of poses. kBadInput if there are none; kUsage if they are too few for so many regions per rank.
 Expected<void> check_worth_it(const Communicator& comm, const std::string& source, const PoseIds& poses, std::size_t regions);
 
-/// As mapjoin::check_connected(), the same on all ranks. Of the factors of a rank, the first rank sees a spanning forest.
+/// Checks that the log is connected, as mapjoin::check_connected(), with the same result on all ranks. The first rank sees a
+/// spanning forest of the factors of each.
 template <int Dim>
 Expected<void> check_connected(const Communicator& comm, const LogPart<Dim>& part);
 

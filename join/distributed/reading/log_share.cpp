@@ -9,16 +9,16 @@
 namespace mapjoin::distributed {
 namespace {
 
-/// Which poses are of which rank.
+/// The poses of each rank.
 class Shares {
  public:
   Shares(std::vector<PoseIndex> begins, std::size_t poses) : begin_(std::move(begins)) { begin_.emplace_back(poses); }
 
-  /// The rank to whose share a pose belongs, of two the later one.
+  /// The rank to whose share a pose belongs; the later one of two.
   std::size_t owner(PoseIndex pose) const {
     return static_cast<std::size_t>(std::upper_bound(begin_.begin(), begin_.end() - 1, pose) - begin_.begin()) - 1;
   }
-  /// The last pose of a rank's share, which is the next one's first.
+  /// The first and the last pose of a rank's share; the last one is the next share's first.
   PoseIndex first(std::size_t rank) const { return begin_[rank]; }
   PoseIndex last(std::size_t rank) const { return rank + 2 == begin_.size() ? begin_.back() - 1 : begin_[rank + 1]; }
 
@@ -26,7 +26,7 @@ class Shares {
   std::vector<PoseIndex> begin_;
 };
 
-/// What goes to one rank: pose and feature factors of its log, then those apart from it.
+/// The message to one rank: pose and feature factors of its log, then those of `apart`.
 template <int Dim>
 std::string dealt_to(std::size_t rank, const FactorGraph<Dim>& graph, const Shares& shares, std::size_t ranks) {
   const auto is_of_rank = [&](const PoseFactor<Dim>& o) {
@@ -41,7 +41,7 @@ std::string dealt_to(std::size_t rank, const FactorGraph<Dim>& graph, const Shar
       .bytes();
 }
 
-/// Makes room for what comes from the ranks.
+/// Makes room for the factors that come from the ranks.
 template <int Dim>
 void reserve(const std::vector<std::string>& messages, LogBuilder<Dim>& builder) {
   std::size_t edges = 0;
@@ -54,7 +54,7 @@ void reserve(const std::vector<std::string>& messages, LogBuilder<Dim>& builder)
   builder.reserve(edges, observations);
 }
 
-/// The share's log of all that comes from the ranks.
+/// The share made of all that comes from the ranks.
 template <int Dim>
 LogShare<Dim> received(std::vector<std::string> messages, const LogPart<Dim>& part, PoseIndex first, PoseIndex last,
                        PoseOrder order) {
@@ -74,7 +74,7 @@ LogShare<Dim> received(std::vector<std::string> messages, const LogPart<Dim>& pa
     append(share.apart.feature_factors, reader.take<FeatureFactor<Dim>>());
     release(message);
   }
-  share.log = std::move(builder).finish(order).value();  // what was checked where it was read
+  share.log = std::move(builder).finish(order).value();  // was checked when it was read
   for (PoseId& name : share.log.poses) {
     share.poses.emplace_back(name.key);
     name = part.poses[share.poses.back()];
@@ -83,7 +83,7 @@ LogShare<Dim> received(std::vector<std::string> messages, const LogPart<Dim>& pa
   return share;
 }
 
-/// Marks what others refer to.
+/// Marks the poses and features that others refer to.
 template <int Dim>
 void mark_referenced(const Communicator& comm, const LogPart<Dim>& part, const Shares& shares, LogShare<Dim>& share) {
   std::vector<PoseIndex> poses;

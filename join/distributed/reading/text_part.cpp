@@ -20,7 +20,7 @@ std::string_view take_word(std::string_view& line) {
   return word;
 }
 
-/// The id that a word is; of another word 0, which the reader of the line rejects.
+/// The id that a word is; 0 for another word, which the reader of the line rejects.
 std::uint64_t id_in(std::string_view word) {
   std::uint64_t id = 0;
   std::from_chars(word.data(), word.data() + word.size(), id);
@@ -71,7 +71,7 @@ Expected<FileBytes> plain_g2o(const std::filesystem::path& path) {
   });
 }
 
-/// What a rank finds in its lines for the others.
+/// Findings of a rank in its lines for all ranks.
 struct SaidOfAll {
   std::vector<std::uint64_t> fixed;
   std::string parameters;

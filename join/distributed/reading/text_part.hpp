@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
-// The lines of a plain g2o file whose first byte lies in the range of one rank, and what all ranks have to know of the file.
+// The lines of a plain g2o file whose first byte lies in the range of one rank, and what all ranks need to know of the file.
 
 #include <filesystem>
 #include <mapjoin/distributed/mpi/communicator.hpp>
@@ -12,21 +12,21 @@
 namespace mapjoin::distributed {
 
 struct TextPart {
-  FileBytes bytes;           ///< Mapped, not read: the memory of a rank holds what it looks at.
-  std::string_view text;     ///< Of this rank.
-  std::size_t lines_before;  ///< In the file.
-  bool has_graph = false;    ///< Whether any of its lines says something of a pose or a feature.
+  FileBytes bytes;           ///< The file, mapped and not read: only what a rank looks at takes its memory.
+  std::string_view text;     ///< The lines of this rank.
+  std::size_t lines_before;  ///< Number of lines of the file before `text`.
+  bool has_graph = false;    ///< True if any of its lines mentions a pose or a feature.
 
-  std::vector<std::uint64_t> declared_poses;     ///< By the vertices of this rank, in the order of its lines.
-  std::vector<std::uint64_t> declared_features;  ///< Likewise.
-  std::vector<std::uint64_t> fixed;              ///< What the FIX lines of all ranks name.
+  std::vector<std::uint64_t> declared_poses;     ///< Ids of the pose vertices of this rank, in the order of its lines.
+  std::vector<std::uint64_t> declared_features;  ///< Ids of the feature vertices of this rank, in the order of its lines.
+  std::vector<std::uint64_t> fixed;              ///< Ids in the FIX lines of all ranks.
   std::string parameters;                        ///< The PARAMS lines of the other ranks.
 
-  /// The vertices of some poses in the text of this rank, as it has them.
+  /// The vertex lines of some poses in the text of this rank, verbatim.
   std::string vertices_of(const std::vector<std::uint64_t>& poses) const;
 };
 
-/// Bad input, the same on all ranks, where the file cannot be read or is not a plain g2o file.
+/// Reads the lines of this rank. kBadInput, the same on all ranks, if the file cannot be read or is not a plain g2o file.
 Expected<TextPart> read_text_part(const Communicator& comm, const std::filesystem::path& path);
 
 }  // namespace mapjoin::distributed

@@ -11,15 +11,15 @@ namespace {
 
 using Holders = std::vector<std::int32_t>;
 
-/// What the same regions share.
+/// Poses and features that the same regions share.
 struct Face {
   Holders regions;
   std::vector<std::int32_t> numbers;
   std::size_t first_unknown = 0;
-  std::size_t size = 0;  ///< Unknowns.
+  std::size_t size = 0;  ///< Number of unknowns.
 };
 
-/// Without what is anchored.
+/// The faces of shared poses and features that are not anchored.
 std::vector<Face> faces_of(const std::vector<Holding>& shared, const std::vector<std::int32_t>& anchored) {
   std::map<Holders, std::vector<std::int32_t>> faces;
   for (auto first = shared.begin(); first != shared.end();) {
@@ -53,7 +53,7 @@ std::vector<Face> in_order(const std::vector<Face>& faces) {
   return ordered;
 }
 
-/// The only rank of a face, or none of many.
+/// The only rank of a face; -1 if there are several.
 template <typename RankOf>
 std::int32_t rank_of_face(const Face& face, RankOf&& rank_of) {
   const std::int32_t rank = rank_of(face.regions.front());
@@ -61,7 +61,7 @@ std::int32_t rank_of_face(const Face& face, RankOf&& rank_of) {
   return is_inner ? rank : -1;
 }
 
-/// Numbers the unknowns of faces on from `next`.
+/// Numbers the unknowns of faces from `next` on.
 template <int Dim>
 void number_unknowns(const Numbering& n, std::size_t& next, std::vector<Face>& faces) {
   for (Face& face : faces) {
@@ -72,7 +72,7 @@ void number_unknowns(const Numbering& n, std::size_t& next, std::vector<Face>& f
   }
 }
 
-/// What a region has of the faces of its rank.
+/// The border of a region: its faces among those of its rank.
 template <int Dim>
 Border border_of(const Region<Dim>& region, std::int32_t number, const Numbering& n, const std::vector<Face>& faces) {
   Border border;
@@ -88,7 +88,7 @@ Border border_of(const Region<Dim>& region, std::int32_t number, const Numbering
   return border;
 }
 
-/// The pattern of the matrix over faces of which those of a border are coupled.
+/// The pattern of the matrix over faces, in which those of each border are coupled.
 BlockLower pattern_of(const std::vector<Face>& faces, const std::vector<Border>& borders) {
   std::vector<std::vector<Column>> below(faces.size());
   for (std::size_t f = 0; f < faces.size(); ++f) below[f].emplace_back(f);

@@ -9,7 +9,7 @@ namespace {
 
 constexpr std::size_t kMostRuns = 1'000'000;
 
-/// The vertices: runs of poses, then features.
+/// The vertices of the graph: runs of poses, then features.
 struct Vertices {
   Vertices(std::size_t pose_count, std::size_t feature_count)
       : poses(pose_count),
@@ -20,7 +20,7 @@ struct Vertices {
   std::size_t size() const { return runs + features; }
   Variable run(PoseIndex pose) const { return Variable(pose.position() / run_length); }
   Variable feature(FeatureIndex feature) const { return Variable(runs + feature.position()); }
-  /// Regions are to have as many poses.
+  /// Weights of the vertices, by number of poses: regions are to have equally many.
   Table<Variable, std::int32_t> weights() const {
     Table<Variable, std::int32_t> weights(size(), 0);
     for (PoseIndex p = 0; p.position() < poses; ++p) ++weights[run(p)];
@@ -30,7 +30,7 @@ struct Vertices {
   std::size_t poses, features, run_length, runs;
 };
 
-/// The different links of a share, in both directions.
+/// The distinct links of a share, in both directions.
 template <int Dim>
 std::vector<Link> links_of(const Vertices& of, const LogShare<Dim>& share) {
   std::vector<Link> links;
@@ -48,7 +48,7 @@ std::vector<Link> links_of(const Vertices& of, const LogShare<Dim>& share) {
   return links;
 }
 
-/// The graph of all ranks' links, which are ascending.
+/// The graph of the links of all ranks.
 BlockGraph graph_of(const std::vector<std::string>& messages, std::size_t vertices) {
   std::vector<Link> links;
   for (const std::string& message : messages) append(links, Reader(message).take<Link>());

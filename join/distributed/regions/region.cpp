@@ -32,7 +32,7 @@ void list_referenced(const FactorGraph<Dim>& graph, Region<Dim>& region) {
   region.features.shrink_to_fit();
 }
 
-/// Packs the factors, whose poses and features are by the indices of all names.
+/// Packs the factors, given by the indices of all names, by places.
 template <int Dim>
 void pack(FactorGraph<Dim>& graph, Region<Dim>& region) {
   renumber(graph, [&](auto index) { return place_in(region, index); });
@@ -41,7 +41,7 @@ void pack(FactorGraph<Dim>& graph, Region<Dim>& region) {
   region.factors = Writer().put(graph.pose_factors).put(graph.feature_factors).bytes();
 }
 
-/// The values that a region was told.
+/// Flags of the poses and features whose values a region was told.
 template <int Dim>
 struct Told {
   explicit Told(const Region<Dim>& region) : poses(region.poses.size(), false), features(region.features.size(), false) {}
@@ -52,7 +52,7 @@ struct Told {
   Table<FeatureIndex, bool> features;
 };
 
-/// Takes values of what a region has: all of them, or those that it was not told yet.
+/// Takes values of the poses and features of a region: all of them, or those that it was not told yet.
 template <typename Index, typename Value>
 void take(const std::vector<Index>& some, const std::vector<Value>& given, bool takes_all, const Table<Index, Index>& listed,
           Table<Index, Value>& values, Table<Index, bool>& is_told) {
@@ -70,7 +70,7 @@ void take(const Dealt<Dim>& given, bool takes_all, Region<Dim>& region, Told<Dim
   take(given.features, given.feature_values, takes_all, region.features, region.start.features, told.features);
 }
 
-/// The region of which each rank dealt a part. Where several give a value, the first rank's counts.
+/// Adds the region of which each rank dealt a part. If several give a value, the first rank's counts.
 template <int Dim>
 void receive(std::vector<std::string> messages, std::vector<Region<Dim>>& regions, std::vector<Told<Dim>>& told) {
   FactorGraph<Dim> graph;
@@ -91,13 +91,13 @@ void receive(std::vector<std::string> messages, std::vector<Region<Dim>>& region
   pack(graph, region);
 }
 
-/// The first region of this rank.
+/// The number of the first region of this rank.
 template <int Dim>
 std::int32_t first_region(const Communicator& comm, const Regions<Dim>& regions) {
   return comm.rank() * static_cast<std::int32_t>(regions.per_rank);
 }
 
-/// What several regions have.
+/// Holdings of the poses and features that several regions have.
 template <int Dim>
 std::vector<Holding> shared_by(const Communicator& comm, const Regions<Dim>& regions) {
   std::vector<Holding> holdings;
@@ -110,7 +110,7 @@ std::vector<Holding> shared_by(const Communicator& comm, const Regions<Dim>& reg
   return shared_holdings(comm, holdings, regions.numbering.count());
 }
 
-/// The region of this rank that has it, by its number here; nothing where that is of another rank.
+/// The region of this rank of a holding, by its number here; nullopt if it is another rank's.
 template <int Dim>
 std::optional<std::size_t> own_region(const Communicator& comm, const Regions<Dim>& regions, const Holding& holding) {
   const std::int32_t number = holding.holder - first_region(comm, regions);
@@ -118,7 +118,7 @@ std::optional<std::size_t> own_region(const Communicator& comm, const Regions<Di
   return is_own ? std::optional(static_cast<std::size_t>(number)) : std::nullopt;
 }
 
-/// Of what several regions have, for each the first region that was told a value.
+/// The first region that was told a value, for each pose and feature that several regions have.
 template <int Dim>
 std::vector<Holding> first_told(const Communicator& comm, const Regions<Dim>& regions, const std::vector<Told<Dim>>& told) {
   std::vector<Holding> holdings;
@@ -137,7 +137,7 @@ std::vector<Holding> first_told(const Communicator& comm, const Regions<Dim>& re
   return holdings;
 }
 
-/// What several regions have takes the value that the first region that was told one has.
+/// Gives each pose and feature that several regions have the value of the first region that was told one.
 template <int Dim>
 void make_equal(const Communicator& comm, Regions<Dim>& regions, std::vector<Told<Dim>>& told) {
   Dealt<Dim> values;
@@ -162,7 +162,7 @@ void make_equal(const Communicator& comm, Regions<Dim>& regions, std::vector<Tol
   for (std::size_t k = 0; k < regions.own.size(); ++k) take(values, true, regions.own[k], told[k]);
 }
 
-/// Holds the map: by fixed poses and priors, else by the first pose.
+/// Fixes the gauge: by fixed poses and priors, otherwise by the first pose.
 template <int Dim>
 void anchor(const Communicator& comm, const LogPart<Dim>& whole, bool has_priors, std::vector<Region<Dim>>& regions) {
   std::vector<FixedPose<Dim>> fixed = whole.graph.fixed;

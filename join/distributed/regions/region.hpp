@@ -9,7 +9,7 @@
 
 namespace mapjoin::distributed {
 
-/// Poses and features by one number, first the poses: by the indices of all names.
+/// One numbering of poses and features, poses first, by the indices of all names.
 struct Numbering {
   std::size_t poses = 0;
   std::size_t features = 0;
@@ -23,14 +23,15 @@ struct Numbering {
   }
 };
 
-/// The poses and features that its factors refer to have places in a region. Vectors are over StateVariables of these.
+/// A region of a log: the poses and features that its factors refer to have places in it. Vectors are over the StateVariables
+/// of these.
 template <int Dim>
 struct Region {
-  Table<PoseIndex, PoseIndex> poses;           ///< By place, the index among all names, ascending.
-  Table<FeatureIndex, FeatureIndex> features;  ///< Likewise.
-  Values<Dim> start;                           ///< By place.
-  std::vector<PoseIndex> anchored;             ///< Places of poses that are not free, ascending.
-  std::string factors;                         ///< As bytes, which take two thirds of their memory; see factors_of().
+  Table<PoseIndex, PoseIndex> poses;           ///< Index among all names by place, ascending.
+  Table<FeatureIndex, FeatureIndex> features;  ///< Index among all names by place, ascending.
+  Values<Dim> start;                           ///< Initial values by place.
+  std::vector<PoseIndex> anchored;             ///< Places of anchored poses, ascending.
+  std::string factors;                         ///< Factors as bytes, in two thirds of their memory; see factors_of().
   std::int64_t measured_rows = 0;
 };
 
@@ -38,7 +39,7 @@ struct Region {
 template <int Dim>
 FactorGraph<Dim> factors_of(const Region<Dim>& region);
 
-/// A region as a partial map, by its places, with these factors of it and these values.
+/// The partial map of a region, by its places, with these values; `graph` holds the factors of the region and must outlive it.
 template <int Dim>
 PartialMap<Dim> partial_map_of(const Region<Dim>& region, const FactorGraph<Dim>& graph, Values<Dim> values);
 
@@ -47,7 +48,7 @@ StateVariables<Dim> variables_of(const Region<Dim>& region) {
   return {region.poses.size(), region.features.size(), region.anchored};
 }
 
-/// A place of a region as the index among all names.
+/// The index among all names of a place of a region.
 template <int Dim>
 PoseOrFeature index_in(const Region<Dim>& region, const PoseOrFeature& placed) {
   return std::visit([&](auto place) -> PoseOrFeature { return index_in(region, place); }, placed);
@@ -57,12 +58,12 @@ template <int Dim>
 struct Regions {
   Numbering numbering;
   std::size_t per_rank = 1;      ///< Rank r has the regions from r·per_rank on.
-  std::vector<Region<Dim>> own;  ///< Of this rank.
-  std::vector<Holding> shared;   ///< What several regions have, on all ranks; at the same value in each.
+  std::vector<Region<Dim>> own;  ///< Regions of this rank.
+  std::vector<Holding> shared;   ///< Poses and features that several regions have, at the same value in each; on all ranks.
 };
 
-/// The regions of a log, so many on each rank, whose shares and their start are given up for them. Bad input, the same on all
-/// ranks, where a feature is never observed.
+/// The regions of a log, `per_rank` on each rank; its shares and their initial values are given up. kBadInput, the same on all
+/// ranks, if a feature is never observed.
 template <int Dim>
 Expected<Regions<Dim>> regions_of(const Communicator& comm, const LogPart<Dim>& whole, LogShare<Dim> share, Values<Dim> start,
                                   std::size_t per_rank);

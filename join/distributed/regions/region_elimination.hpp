@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
-// One region's part of a least-squares problem, made from its factors, to be thrown away once it is eliminated.
+// One region's part of a least-squares problem, made from its factors, to be discarded once it is eliminated.
 
 #include <mapjoin/distributed/regions/interface.hpp>
 #include <mapjoin/join/joining_system.hpp>
@@ -8,11 +8,11 @@
 
 namespace mapjoin::distributed {
 
-/// The joining system of a region, of which all but its border is eliminated.
+/// The joining system of a region, eliminated except for its border.
 template <int Dim>
 class RegionElimination {
  public:
-  /// `order` is that of the elimination, by places, and is found where it is empty.
+  /// `order` is the elimination order, by places; it is found if empty.
   RegionElimination(const Region<Dim>& region, const Values<Dim>& estimate, const Border& border,
                     std::vector<PoseOrFeature>& order);
   RegionElimination(const RegionElimination&) = delete;
@@ -21,21 +21,21 @@ class RegionElimination {
   /// Makes H and g at the estimate, and returns chi2 there; with curvature, H is that of full Newton.
   double linearise(bool with_curvature);
   const NormalEquations& equations() const { return system_.equations(); }
-  /// A place that is singular, or nothing.
+  /// Factorises all but the border. Returns a singular place, or nullopt.
   std::optional<PoseOrFeature> factorise(double damping);
-  /// Of its factor, known before it is factorised.
+  /// Bytes of the factor, known before it is factorised.
   std::int64_t bytes() const { return solver_->bytes(); }
-  /// By its lower triangle.
+  /// The Schur complement over the border, by its lower triangle.
   ConstDenseBlock schur_complement() const { return solver_->schur_complement(); }
 
-  /// L⁻¹ b, in the order of the elimination: the border last.
+  /// L⁻¹ b, in elimination order: the border last.
   Eigen::VectorXd forward(const Eigen::VectorXd& b) const;
-  /// The solution, whose border is given in the last entries of forward().
+  /// The solution from y, which is forward() with the solution of the border in its last entries.
   Eigen::VectorXd backward(Eigen::VectorXd y) const;
 
  private:
   FactorGraph<Dim> graph_;
-  SparseCholesky* solver_;  // of the system
+  SparseCholesky* solver_;  // owned by the system
   JoiningSystem<Dim> system_;
 };
 

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
-// Lengths of vectors that are spread over regions: those of a rank are one after the other, and what several regions share
-// stands in each of them.
+// Lengths of vectors that are spread over regions: the regions of a rank stand one after the other, and entries that several
+// regions share are in each of them.
 
 #include <mapjoin/distributed/regions/interface.hpp>
 #include <mapjoin/solve/trust_region.hpp>
@@ -10,12 +10,12 @@ namespace mapjoin::distributed {
 
 /// The entries of a rank's vectors that other regions have, too.
 struct SharedEntries {
-  std::size_t size = 0;                ///< Unknowns of all interfaces.
-  std::vector<Eigen::Index> entries;   ///< In the vectors of this rank,
-  std::vector<std::int32_t> unknowns;  ///< and their numbers among all.
+  std::size_t size = 0;                ///< Number of unknowns of all interfaces.
+  std::vector<Eigen::Index> entries;   ///< Indices in the vectors of this rank.
+  std::vector<std::int32_t> unknowns;  ///< Numbers of these entries among all unknowns of interfaces.
 };
 
-/// D = diag(H), a sum over the regions like H.
+/// The metric D = diag(H), a sum over the regions like H.
 class RegionMetric {
  public:
   RegionMetric(const Communicator& comm, const SharedEntries& shared, Eigen::VectorXd diagonal)
@@ -27,7 +27,7 @@ class RegionMetric {
   }
 
  private:
-  /// The sums over all regions of what each has at the interface.
+  /// The vector with its interface entries summed over all regions.
   Eigen::VectorXd assembled(Eigen::VectorXd v) const {
     std::vector<double> sums(shared_.size, 0.0);
     const auto sum_of = [&](std::size_t k) -> double& { return sums[static_cast<std::size_t>(shared_.unknowns[k])]; };

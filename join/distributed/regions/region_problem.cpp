@@ -5,7 +5,7 @@
 namespace mapjoin::distributed {
 namespace {
 
-/// The factors, given up.
+/// The factors of a region, which gives them up.
 template <int Dim>
 FactorGraph<Dim> taken_factors(Region<Dim>& region) {
   FactorGraph<Dim> graph = factors_of(region);

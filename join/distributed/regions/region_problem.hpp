@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
-// Full SLAM over one region a rank as one least-squares problem, of which each rank holds a part.
+// Full SLAM over one region per rank, as one least-squares problem of which each rank holds a part.
 
 #include <mapjoin/distributed/regions/region_metric.hpp>
 #include <mapjoin/distributed/regions/region_solver.hpp>
@@ -9,11 +9,11 @@
 namespace mapjoin::distributed {
 
 /// A LeastSquaresProblem that all ranks solve alike. A rank's vectors are over the variables that its region mentions: steps
-/// have the same values of the interface on all ranks, the gradient is a sum over them.
+/// have the same values of the interface on all ranks, the gradient is a sum over the ranks.
 template <int Dim>
 class RegionProblem {
  public:
-  /// Each rank has one region, whose factors are given up for this.
+  /// Each rank has one region, whose factors are given up.
   RegionProblem(const Communicator& comm, Regions<Dim>& regions, const MumpsOptions& options);
   RegionProblem(const RegionProblem&) = delete;
   RegionProblem& operator=(const RegionProblem&) = delete;
@@ -35,7 +35,7 @@ class RegionProblem {
   RegionSolver& solver() { return *solver_; }
   /// Bytes of memory for the factor of this rank.
   std::int64_t factor_bytes() const { return solver_->bytes_in_memory(); }
-  /// What the last factorisation found singular in this rank's region, by its index among all names.
+  /// The pose or feature of this rank's region that the last factorisation found singular, by its index among all names.
   std::optional<PoseOrFeature> singular_here() const { return singular_here_; }
 
  private:
@@ -43,7 +43,7 @@ class RegionProblem {
   const Region<Dim>& region_;
   FactorGraph<Dim> graph_;
   Interface interface_;
-  RegionSolver* solver_;  // of the system
+  RegionSolver* solver_;  // owned by the system
   JoiningSystem<Dim> system_;
   SharedEntries shared_;
   std::optional<PoseOrFeature> singular_here_;

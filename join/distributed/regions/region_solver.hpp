@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
-// Substructuring (Przemieniecki, 1963): each rank eliminates what is its own by the fronts, MUMPS what ranks share.
+// Substructuring (Przemieniecki, 1963): each rank eliminates its own unknowns by fronts, and MUMPS those that ranks share.
 //
 //   A = Σ A_r,   A_r = ⎡ A_II  A_IB ⎤ ,   S = Σ (A_BB - A_BI A_II⁻¹ A_IB)
 //                      ⎣ A_BI  A_BB ⎦
@@ -12,8 +12,8 @@
 
 namespace mapjoin::distributed {
 
-/// The engine of one rank, for a matrix A_r whose last blocks are what it shares with others. Right-hand sides are sums over
-/// the ranks as A is; a solution has the same values of what is shared on all ranks. Called by all ranks alike.
+/// The engine of one rank, for a matrix A_r whose last blocks are shared with other ranks. Right-hand sides are sums over the
+/// ranks, as A is; a solution has the same shared values on all ranks. Called by all ranks alike.
 class RegionSolver final : public SparseSolver {
  public:
   /// `outer` are the unknowns of the last `outer_blocks` blocks.
@@ -21,24 +21,24 @@ class RegionSolver final : public SparseSolver {
 
   void analyse(const BlockLower& matrix) override { analyse(matrix, {}); }
   void analyse(const BlockLower& matrix, std::span<const GivenFront> given);
-  /// Columns of this rank's matrix; where another rank's or S is singular, the last one. S is said to be where it is not
-  /// positive definite.
+  /// Factorises; returns the singular columns of this rank's matrix, or its last one if another rank's matrix or S is singular.
+  /// S counts as singular if it is not positive definite.
   std::vector<std::int64_t> factorise(const BlockLower& matrix) override { return factorise(matrix, {}); }
   std::vector<std::int64_t> factorise(const BlockLower& matrix, std::span<const GivenFront> given);
   Eigen::MatrixXd solve_columns(Eigen::MatrixXd B) const override;
-  /// Of what this rank eliminates alone.
+  /// The supernode of a column among those that this rank eliminates alone.
   Supernode supernode_of(std::int64_t column) const override { return cholesky_.supernode_of(column); }
   std::size_t supernode_count() const override { return cholesky_.supernode_count(); }
   std::int64_t bytes() const override { return cholesky_.bytes(); }
 
-  /// Makes room for what this rank eliminates alone, once analysed. kCannotWrite, the same on all ranks, where its file cannot
-  /// be.
+  /// Makes room for the factor of what this rank eliminates alone, once analysed. kCannotWrite, the same on all ranks, if its
+  /// file cannot be made.
   Expected<void> make_room();
-  /// What of bytes() is in memory.
+  /// The part of bytes() that is in memory.
   std::int64_t bytes_in_memory() const { return is_in_file_ ? 0 : bytes(); }
-  /// What MUMPS takes on the rank that needs most (10⁶ bytes).
+  /// Memory of MUMPS (10⁶ bytes) on the rank that needs most.
   double interface_megabytes() const { return outer_.size > 0 ? mumps_->megabytes() : 0.0; }
-  /// Whether the last factorisation met something singular in what this rank eliminates alone.
+  /// True if the last factorisation found singular columns among those that this rank eliminates alone.
   bool is_singular_here() const { return is_singular_here_; }
 
  private:

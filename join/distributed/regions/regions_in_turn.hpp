@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
-// Full SLAM over several regions a rank, one after the other, so that each thread of a rank holds the factor of one of them at
-// a time beside that of what its regions share.
+// Full SLAM over several regions per rank, one after the other: each thread of a rank holds the factor of one of them at a
+// time, besides that of what its regions share.
 
 #include <mapjoin/distributed/regions/region_elimination.hpp>
 #include <mapjoin/distributed/regions/region_metric.hpp>
@@ -10,8 +10,8 @@
 namespace mapjoin::distributed {
 
 /// A LeastSquaresProblem that all ranks solve alike, as RegionProblem is. A rank's vectors are those of its regions one after
-/// the other. To linearise is to eliminate, too, for both need the region's matrix; a solve makes each region's factor once
-/// more to substitute back.
+/// the other. Linearising also eliminates, for both need the region's matrix; a solve makes each region's factor once more for
+/// back substitution.
 template <int Dim>
 class RegionsInTurn {
  public:
@@ -34,19 +34,19 @@ class RegionsInTurn {
   const Values<Dim>& estimate(std::size_t region) const { return estimates_[region]; }
   const Interface& interface() const { return interface_; }
   RegionSolver& solver() { return solver_; }
-  /// Bytes of memory for what this rank has of its factor at a time.
+  /// Bytes of memory for the part of its factor that this rank holds at a time.
   std::int64_t factor_bytes() const { return solver_.bytes_in_memory() + largest_bytes_; }
-  /// What the last factorisation found singular in a region of this rank, by its index among all names.
+  /// The pose or feature of a region of this rank that the last factorisation found singular, by its index among all names.
   std::optional<PoseOrFeature> singular_here() const;
 
  private:
-  /// What is kept of a region's elimination.
+  /// The results of a region's elimination that are kept.
   struct Eliminated {
     double chi2 = 0.0;
     Eigen::VectorXd forward;                ///< RegionElimination::forward() of the gradient.
-    std::optional<PoseOrFeature> singular;  ///< By its index among all names.
+    std::optional<PoseOrFeature> singular;  ///< Singular pose or feature, by its index among all names.
   };
-  /// Entries [first, first + size) of vectors.
+  /// The entries of a region in a vector.
   auto part(Eigen::VectorXd& v, std::size_t region) const {
     return v.segment(firsts_[region], firsts_[region + 1] - firsts_[region]);
   }
@@ -74,17 +74,17 @@ class RegionsInTurn {
   Interface interface_;
   std::vector<Values<Dim>> estimates_;
   std::vector<Values<Dim>> candidates_;
-  std::vector<Eigen::Index> firsts_;  // of each region in vectors, and the end
+  std::vector<Eigen::Index> firsts_;  // begin of each region in vectors, and the end
   SharedEntries shared_;
   std::vector<std::vector<PoseOrFeature>> orders_;
   std::vector<Eliminated> eliminated_;
-  std::vector<GivenFront> fronts_;  // the regions
-  RegionSolver solver_;             // of what they share
+  std::vector<GivenFront> fronts_;  // one for each region with a border
+  RegionSolver solver_;             // for what the regions share
   Eigen::VectorXd gradient_;
   Eigen::VectorXd diagonal_;
   Eigen::VectorXd solution_;
   double damping_ = 0.0;
-  std::int64_t largest_bytes_ = 0;  // of the factors of as many regions as there are at a time
+  std::int64_t largest_bytes_ = 0;  // of the largest factors, as many as are held at a time
   bool is_curved_ = false;
   bool is_factorised_ = false;
   bool is_solved_ = false;

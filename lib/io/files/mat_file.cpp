@@ -13,9 +13,9 @@ namespace {
 using namespace mat;
 
 constexpr std::size_t kMaxSparseSide = 10000;
-constexpr std::size_t kLeastBytesARow = 8;  // A number at least.
+constexpr std::size_t kLeastBytesARow = 8;  // One number at least.
 
-/// Version and byte order.
+/// The version and the byte order in the header.
 constexpr std::string_view kVersion5("\0\1IM", 4);
 constexpr std::string_view kVersion73("\0\2IM", 4);  // HDF5 behind the header.
 constexpr std::string_view kBigEndian5("\1\0MI", 4);
@@ -29,8 +29,8 @@ std::uint32_t word(std::string_view bytes, std::size_t at) {
 /// One part of a matrix element: its tag and its data, padded to eight bytes.
 struct Part {
   std::uint32_t type = 0;
-  std::size_t begin = 0;  ///< Of the data, in the element.
-  std::size_t size = 0;   ///< Of the data, without padding.
+  std::size_t begin = 0;  ///< Offset of the data in the element.
+  std::size_t size = 0;   ///< Bytes of data, without padding.
   std::size_t end = 0;
 };
 
@@ -41,9 +41,9 @@ double number_at(const char* bytes) {
   return static_cast<double>(number);
 }
 
-/// How a number lies in the file.
+/// The representation of a number in the file.
 struct Type {
-  std::size_t width = 0;  ///< In bytes; 0 for what is no number.
+  std::size_t width = 0;  ///< Bytes of a number; 0 for types without numbers.
   double (*number_at)(const char* bytes) = nullptr;
 };
 template <typename Number>
@@ -69,13 +69,13 @@ Type type_of(const Part& part) {
   return part.type < std::size(kTypes) ? kTypes[part.type] : Type{};
 }
 
-/// How many numbers a part has room for; nothing where its type is none of numbers.
+/// The count of numbers that a part has room for; nullopt if its type has none.
 std::optional<std::size_t> numbers(const Part& part) {
   const std::size_t width = type_of(part).width;
   return width == 0 ? std::nullopt : std::optional(part.size / width);
 }
 
-/// The parts of a matrix element: flags, dimensions, name, and data; empty where they do not fill it.
+/// The parts of a matrix element: flags, dimensions, name, and data; nullopt if they do not fill it.
 std::optional<std::vector<Part>> parts(std::string_view element) {
   std::vector<Part> all;
   for (std::size_t at = kTagSize; at < element.size(); at = all.back().end) {
@@ -92,12 +92,13 @@ std::optional<std::vector<Part>> parts(std::string_view element) {
   return all;
 }
 
-/// What a matrix element whose flags are in place holds.
+/// The class of a matrix element whose flags are in place.
 std::uint32_t class_of(std::string_view element) {
   return word(element, 2 * kTagSize) & 0xff;
 }
 
-/// Whether the parts of a sparse matrix behind its name are the rows of its values, where its columns end, and the values.
+/// True if the parts behind the name of a sparse matrix are its row indices, its column ends and its values, in sizes that
+/// agree.
 bool is_sparse(const std::vector<Part>& all, std::size_t cols) {
   const auto are_indices = [](const Part& part) { return part.type == kInt32 || part.type == kUint32; };
   if (all.size() < 6 || !are_indices(all[3]) || !are_indices(all[4])) return false;
@@ -105,7 +106,7 @@ bool is_sparse(const std::vector<Part>& all, std::size_t cols) {
   return numbers(all[4]) == cols + 1 && values && *values <= numbers(all[3]);
 }
 
-/// Whether a matrix element's parts fill it and a matrix of doubles has as many numbers as its dimensions say.
+/// True if a matrix element's parts fill it and a matrix of doubles has as many numbers as its dimensions say.
 bool sizes_agree(std::string_view element) {
   const auto all = parts(element);
   if (!all || all->size() < 3) return false;
@@ -131,7 +132,7 @@ std::vector<double> values_of(std::string_view element, const Part& part) {
   return values;
 }
 
-/// The zeros between the values filled in; bad input where an index is outside the matrix.
+/// The sparse matrix of these parts as a dense one; bad input if an index is outside the matrix.
 Expected<Eigen::MatrixXd> dense(std::string_view element, const std::vector<Part>& parts, std::size_t rows, std::size_t cols) {
   const auto row_of = [&](std::size_t k) { return std::size_t{word(element, parts[3].begin + 4 * k)}; };
   const auto begin_of = [&](std::size_t col) { return std::size_t{word(element, parts[4].begin + 4 * col)}; };
@@ -147,7 +148,7 @@ Expected<Eigen::MatrixXd> dense(std::string_view element, const std::vector<Part
   return matrix;
 }
 
-/// The matrix that an element of agreeing sizes holds, in a file of so many bytes.
+/// The matrix in an element whose sizes agree; the file has `bytes` bytes. Bad input unless it holds real doubles; kTooLarge.
 Expected<Eigen::MatrixXd> matrix_of(std::string_view element, const std::vector<Part>& parts, std::size_t bytes) {
   const bool is_complex = (word(element, 2 * kTagSize) & kComplexFlag) != 0;
   const bool sparse = class_of(element) == kSparseClass;
@@ -166,7 +167,7 @@ Expected<Eigen::MatrixXd> matrix_of(std::string_view element, const std::vector<
   return Eigen::Map<const Eigen::MatrixXd>(values.data(), static_cast<Eigen::Index>(rows), static_cast<Eigen::Index>(cols));
 }
 
-/// What a MAT file's header says of its bytes, if anything.
+/// The version and the byte order that a MAT file's header gives; empty if it is too short.
 std::string_view version_of(std::string_view bytes) {
   return bytes.size() < kHeaderSize ? std::string_view() : bytes.substr(124, 4);
 }

@@ -8,7 +8,7 @@
 namespace mapjoin::mat {
 
 inline constexpr std::size_t kHeaderSize = 128;
-inline constexpr std::size_t kTagSize = 8;  ///< Of a data element: its type and its number of bytes.
+inline constexpr std::size_t kTagSize = 8;  ///< Bytes of a data element's tag: its type and its number of bytes.
 
 /// Types of data elements.
 inline constexpr std::uint32_t kInt8 = 1;
@@ -18,8 +18,8 @@ inline constexpr std::uint32_t kDouble = 9;
 inline constexpr std::uint32_t kMatrixElement = 14;
 inline constexpr std::uint32_t kCompressedElement = 15;
 
-/// Classes of matrices. Characters or numbers are from the first to the last; other classes, cells and structures among them,
-/// hold variables in their turn.
+/// Classes of matrices. Those from the first to the last hold characters or numbers; other classes, cells and structures among
+/// them, hold further variables.
 inline constexpr std::uint32_t kFirstMatrixClass = 4;
 inline constexpr std::uint32_t kSparseClass = 5;
 inline constexpr std::uint32_t kDoubleClass = 6;

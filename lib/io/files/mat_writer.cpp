@@ -14,7 +14,7 @@ using namespace mat;
 
 static_assert(std::endian::native == std::endian::little, "the header says little-endian");
 
-/// A data element: type, number of bytes, and these, filled up to a multiple of eight.
+/// A data element: type, number of bytes, and the bytes, filled up to a multiple of eight.
 std::string element(std::uint32_t type, const void* data, std::size_t size) {
   constexpr std::size_t kMost = std::size_t{1} << 31;
   if (size >= kMost) throw std::length_error("mat_bytes: a variable is too large for a MAT file of version 5");

@@ -12,7 +12,7 @@
 namespace mapjoin {
 namespace {
 
-/// Where a folder or a link has the name, says so.
+/// The error of opening `path` for `output`: in_the_way() if a folder or a link has the name, otherwise `reason` in words.
 tl::unexpected<Error> cannot_open(const std::filesystem::path& path, const std::filesystem::path& output, int reason) {
   std::error_code ignored;
   const auto there = std::filesystem::symlink_status(path, ignored);
@@ -60,7 +60,7 @@ Expected<Descriptor> open_alone(const std::filesystem::path& path, const std::fi
   while (true) {
     Descriptor file(::open(path.c_str(), O_WRONLY | O_CLOEXEC | O_CREAT | O_NOFOLLOW, 0666));
     if (!file.is_open()) return cannot_open(path, output, errno);
-    // Where a file system knows no locks, the last writer wins.
+    // On a file system without locks the last writer wins.
     if (::flock(file.value(), LOCK_EX | LOCK_NB) != 0 && errno == EWOULDBLOCK) {
       return tl::unexpected(Error{ErrorKind::kCannotWrite, fmt::format("{}: another process is writing it", output.string())});
     }

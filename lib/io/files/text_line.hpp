@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
-// A line of a text output: words apart by one separator, numbers with the fewest digits that read back as the same bits.
+// A line of a text output: words separated by one character, numbers with the fewest digits that read back as the same bits.
 
 #include <charconv>
 #include <concepts>
@@ -13,7 +13,7 @@
 
 namespace mapjoin {
 
-/// The first `count` coordinates of a step of a pose; those of a feature are the first Dim.
+/// The names of the first `count` coordinates of a step of a pose; those of a feature are the first Dim.
 template <int Dim>
 std::vector<std::string> step_names(std::size_t count = kPoseDof<Dim>) {
   std::vector<std::string> names = {"x", "y", "phi"};
@@ -31,7 +31,7 @@ class TextLine {
     line_ += word;
     return *this;
   }
-  /// An integer or a double, whatever the locale.
+  /// Adds an integer or a double, whatever the locale.
   template <typename Number>
   requires std::integral<Number> || std::floating_point<Number> TextLine& add(Number number) {
     char digits[32];
@@ -43,17 +43,17 @@ class TextLine {
     for (int i = 0; i < Size; ++i) add(v[i]);
     return *this;
   }
-  /// `x y φ`, or `x y z qx qy qz qw`.
+  /// Adds `x y φ`, or `x y z qx qy qz qw`.
   TextLine& add(const Pose<2>& pose) { return add<2>(pose.translation).add(pose.rotation.angle()); }
   TextLine& add(const Pose<3>& pose) { return add<3>(pose.translation).add<4>(pose.rotation.quaternion().coeffs()); }
-  /// `cov_x_x`, `cov_x_y`, …: the columns of add_symmetric().
+  /// Adds `cov_x_x`, `cov_x_y`, …: the names of the columns of add_symmetric().
   TextLine& add_covariance_names(const std::vector<std::string>& coordinates) {
     for (std::size_t i = 0; i < coordinates.size(); ++i) {
       for (std::size_t j = i; j < coordinates.size(); ++j) add("cov_" + coordinates[i] + '_' + coordinates[j]);
     }
     return *this;
   }
-  /// The upper triangle, row by row.
+  /// Adds the upper triangle of a symmetric matrix, row by row.
   template <int Size>
   TextLine& add_symmetric(const Matrix<Size>& M) {
     each_of_upper_triangle(M, [&](double entry) { add(entry); });

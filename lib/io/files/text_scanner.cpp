@@ -22,7 +22,7 @@ bool ends_word(char c) {
   return c == '\n' || is_blank(c);
 }
 
-/// Whether `number`, which is out of the range of doubles, is so since it is too small.
+/// True if `number`, which is out of the range of doubles, is too small rather than too large.
 bool is_tiny(std::string_view number) {
   const std::size_t e = std::min(number.find_first_of("eE"), number.size());
   const std::string_view digits = number.substr(0, e);
@@ -36,7 +36,7 @@ bool is_tiny(std::string_view number) {
   return status == std::errc() ? exponent < first_digit - point : power.front() == '-';
 }
 
-/// The end of the number that [begin, end) opens with, or null. A number too small for a double is zero.
+/// Parses the number at the start of [begin, end): its end, or null if there is none. A number too small for a double is zero.
 const char* parse_number(const char* begin, const char* end, double& value) {
   // Most numbers of information matrices are short integers, "0" above all.
   std::int64_t integer = 0;

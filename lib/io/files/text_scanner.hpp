@@ -11,24 +11,25 @@
 
 namespace mapjoin {
 
-/// Where a word begins; both count from 1, the column in bytes.
+/// The start of a word; line and column count from 1, the column in bytes.
 struct Place {
   std::size_t line = 0;
   std::size_t column = 0;
 };
 
-/// Words are separated by blanks; `#` at the begin of a word starts a comment to the end of the line; lines end with LF or
+/// Words are separated by blanks; `#` at the start of a word starts a comment to the end of the line; lines end with LF or
 /// CRLF, the last one also without. Numbers are decimal, whatever the locale. The first failure of a number sticks: what
 /// follows gives zeros until finish_line() reports it, so that a line is parsed as if it were right. A value: a copy reads on
 /// from the same place.
 class TextScanner {
  public:
-  /// `source` is the file's name for messages. `text` outlives the scanner; so many lines of the file are before it.
+  /// `source` is the file's name for messages. `text` must outlive the scanner; `lines_before` lines of the file precede it.
   TextScanner(std::string source, std::string_view text, std::size_t lines_before = 0);
-  /// The text of a scanner that has not begun, cut at ends of lines into pieces of `bytes` at least but for the last.
+  /// The text of a scanner that has not begun, cut at ends of lines into pieces of at least `bytes`, the last one maybe
+  /// smaller.
   std::vector<TextScanner> pieces(std::size_t bytes) const;
 
-  /// On to the next line that has a word, past what is left of this one; false at the end of the file.
+  /// Moves to the next line that has a word, past the rest of this one; false at the end of the file.
   bool next_line();
   /// Calls `read` on every line from here on, until one is wrong.
   template <typename Read>
@@ -40,7 +41,7 @@ class TextScanner {
     }
     return line;
   }
-  /// Whether the line has no further word, or one went wrong, after which none counts.
+  /// True if the line has no further word, or if one went wrong, after which none counts.
   bool at_end_of_line();
 
   /// The next word of the line, empty at its end.
@@ -65,17 +66,17 @@ class TextScanner {
 
   /// Lets finish_line() say `message` about the last word, unless something went wrong before.
   void reject(std::string_view message);
-  /// What went wrong on this line so far, else a complaint about a word too many, if any.
+  /// Bad input if a word of this line went wrong, or else if the line has a word too many.
   Expected<void> finish_line();
 
   const std::string& source() const { return source_; }
   /// The bytes that are left.
   std::size_t size() const { return static_cast<std::size_t>(end_ - next_); }
-  /// Where the last word began; at the end of a line, where the next one would have.
+  /// The place where the last word began or, at the end of a line, where the next one would have begun.
   Place place() const { return {lines_before_ + line_, static_cast<std::size_t>(word_ - line_begin_) + 1}; }
   /// A bad-input error whose message begins with `file:line:column: `.
   tl::unexpected<Error> error(const Place& place, std::string_view message) const;
-  /// The same at place().
+  /// A bad-input error at place(), with `file:line:column: ` in front.
   tl::unexpected<Error> error(std::string_view message) const { return error(place(), message); }
 
  private:
@@ -85,17 +86,17 @@ class TextScanner {
 
   std::string source_;
   const char* next_;        ///< The next byte to look at.
-  const char* end_;         ///< Of the file.
-  const char* line_begin_;  ///< Of the current line.
-  const char* word_;        ///< Begin of the last word.
+  const char* end_;         ///< End of the text.
+  const char* line_begin_;  ///< Start of the current line.
+  const char* word_;        ///< Start of the last word.
   std::size_t lines_before_;
   std::size_t line_ = 0;
   std::string failure_;  ///< The first failure of this line.
 };
 
-/// A stranger's text for a message: nothing in it ends the line, or would be taken as a command by a terminal.
+/// A stranger's text for a message, with `?` for bytes that would end the line or that a terminal would take as a command.
 std::string printable(std::string_view text);
-/// `word` so, shortened and in quotes.
+/// A word as printable() gives it, shortened and in quotes.
 std::string in_quotes(std::string_view word);
 
 }  // namespace mapjoin

@@ -104,7 +104,7 @@ Pose<Dim> read_toro_vertex(TextScanner& text) {
   return read_pose_angles<Dim>(text).first;
 }
 
-/// Puts a pose, and gives J = ∂step/∂numbers.
+/// Puts a pose on the line, and gives J = ∂step/∂numbers; a fault at a pitch of a right angle.
 template <int Dim>
 Fault put_pose_angles(const Pose<Dim>& pose, TextLine& line, PoseMatrix<Dim>& J) {
   const auto angles = pose_angles(pose);
@@ -128,7 +128,7 @@ Fault put_toro_vertex(const Pose<Dim>& pose, TextLine& line) {
   return put_pose_angles(pose, line, ignored);
 }
 
-/// Equivalences of poses, and GTSAM's bearings and ranges.
+/// True for the tags of equivalences of poses and of GTSAM's bearings and ranges.
 bool is_without_place_in_toro(std::string_view tag) {
   return tag == "EQUIV" || tag == "BR";
 }
@@ -156,7 +156,7 @@ Matrix<Size> read_square_root(TextScanner& text, const TextContext& context) {
   return read_weights<Size>(text, context).template triangularView<Eigen::Upper>();
 }
 
-/// Whether weights make no square root of full rank, but an information matrix of full rank in TORO's order: TORO's files
+/// True if the weights make no square root of full rank, but in TORO's order an information matrix of full rank: TORO's files
 /// without vertices look like iSAM's.
 bool are_rather_toro(const Matrix<3>& S) {
   if (S.diagonal().array().abs().minCoeff() > 0.0) return false;
@@ -173,7 +173,7 @@ Matrix<Size> squared(const Matrix<Size>& S) {
   return 0.5 * (W + W.transpose());
 }
 
-/// The upper triangle S with SᵀS = W; rows that W does not determine are zero.
+/// The upper triangular S with SᵀS = W; rows that W does not determine are zero.
 template <int Size>
 Matrix<Size> square_root(Matrix<Size> W) {
   constexpr double kRoundOff = 1e-14;

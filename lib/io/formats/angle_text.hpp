@@ -14,11 +14,12 @@ struct PoseAngles {
   PoseMatrix<Dim> J_numbers_step;
 };
 
-/// The next numbers of the line. A pitch of a right angle, where roll and yaw are not told apart, is rejected.
+/// Reads the next numbers of the line as a pose, with J = ∂numbers/∂step. A pitch of a right angle, where roll and yaw are not
+/// told apart, is rejected.
 template <int Dim>
 std::pair<Pose<Dim>, PoseMatrix<Dim>> read_pose_angles(TextScanner& text);
 
-/// Nothing at a pitch of a right angle.
+/// The pose as numbers; nullopt at a pitch of a right angle.
 template <int Dim>
 std::optional<PoseAngles<Dim>> pose_angles(const Pose<Dim>& pose);
 
@@ -27,9 +28,9 @@ inline constexpr const char* kRightAnglePitch = "has a pitch of a right angle";
 /// Pose graphs in TORO's format, files of lines
 /// - `VERTEX2 i x y φ`, `EDGE2 i j dx dy dφ Wxx Wxy Wyy Wφφ Wxφ Wyφ` (mind the order), or
 /// - `VERTEX3 i x y z roll pitch yaw`, `EDGE3 i j dx dy dz roll pitch yaw` and the upper triangle of W, row by row, over these
-///   numbers; R = Rz(yaw) Ry(pitch) Rx(roll).
+/// numbers; R = Rz(yaw) Ry(pitch) Rx(roll).
 /// W is an information matrix; that of the three angles is turned to the rotation vector at the measurement. Poses must have
-/// values; features and their observations have no place in it.
+/// values; the format has no place for features and observations.
 extern const EdgeText<2> kToroPlane;
 extern const EdgeText<3> kToroSpace;
 
@@ -37,8 +38,8 @@ extern const EdgeText<3> kToroSpace;
 /// - `EDGE2 i j dx dy dφ S`, `LANDMARK i feature x y S`, or
 /// - `EDGE3 i j dx dy dz roll pitch yaw S`, `POINT3 i feature x y z S`, with R = Rz(yaw) Ry(pitch) Rx(roll).
 /// S is the upper triangle, row by row, of a square root of the information matrix, W = SᵀS, over the numbers of the line in
-/// their order; W of the three angles is turned to the rotation vector with the Jacobian at the measurement, which is bad input
-/// where the pitch is a right angle. What is written is rounded, and so are the angles in space.
+/// their order; W of the three angles is turned to the rotation vector with the Jacobian at the measurement. A pitch of a right
+/// angle is bad input. Written square roots are rounded, and so are the angles in space.
 extern const EdgeText<2> kIsamPlane;
 extern const EdgeText<3> kIsamSpace;
 

@@ -11,7 +11,7 @@ namespace {
 constexpr std::string_view kStep = "STEP";
 constexpr std::string_view kCircle = "LANDMARK_C";
 
-/// A quality may stand before the covariance.
+/// Reads an observation; a quality may stand before its covariance.
 MeasuredPoint<2> read_circle(TextScanner& text, const TextContext& context) {
   const Point<2> measured = text.vector<2>();
   if (is_unweighed(text, context)) return {measured, Matrix<2>::Identity()};

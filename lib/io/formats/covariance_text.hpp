@@ -16,16 +16,17 @@ extern const EdgeText<2> kOdomObs;
 /// GTSAM's text, lines
 /// - `ODOMETRY i j dx dy dφ Pxx Pxy Pxφ Pyy Pyφ Pφφ`: pose j in the frame of pose i, odometry or closure;
 /// - `LANDMARK i feature x y Pxx Pxy Pyy`: a feature in the frame of pose i.
-/// P are covariances, likewise. (GTSAM's own loader takes an observation apart into bearing and range.) What is written is in
-/// one numbering, as such files are: features are numbered from a power of ten where they would meet poses.
+/// P are covariances, which must be positive definite. (GTSAM's own loader takes an observation apart into bearing and range.)
+/// Written files have one numbering, as is usual: features are numbered from a power of ten if they would meet poses.
 extern const EdgeText<2> kGtsamText;
 
-/// Whether a line of kOdomObs or of `map.circles` may begin with `tag`.
+/// True if a line of kOdomObs or of `map.circles` may begin with `tag`.
 bool is_covariance_text_tag(std::string_view tag);
 
-/// The log in `text`, which stands at the begin of a file of kOdomObs or of `map.circles`, lines
-/// - `STEP image dx dy dφ Pxx Pxy Pyy Pxφ Pyφ Pφφ` (mind the order): leads from pose k-1 to pose k, counted from 0;
-/// - `LANDMARK_C x y quality Pxx Pxy Pyy feature`: seen at the pose that the last step leads to; of feature -1, as above.
+/// The log in `text`, which stands at the start of a file of kOdomObs or of `map.circles`, lines
+/// - `STEP image dx dy dφ Pxx Pxy Pyy Pxφ Pyφ Pφφ` (mind the order): odometry from pose k-1 to pose k, counted from 0;
+/// - `LANDMARK_C x y quality Pxx Pxy Pyy feature`: a feature in the frame of the pose to which the last step leads;
+/// observations of feature -1 are left out and counted as unassociated.
 Expected<AnyLog> read_covariance_text(TextScanner text, const ReadOptions& options);
 
 }  // namespace mapjoin

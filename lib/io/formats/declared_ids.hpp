@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
-// The ids that a text file declares by vertices, and where it does, to name repeated and missing ones.
+// The ids that the vertices of a text file declare, and their places, to name repeated and missing ones.
 
 #include <algorithm>
 #include <cstdint>
@@ -21,12 +21,12 @@ class DeclaredIds {
   void append(const DeclaredIds& later) { items_.insert(items_.end(), later.items_.begin(), later.items_.end()); }
   std::size_t size() const { return items_.size(); }
 
-  /// To be called before contains() and repetition().
+  /// Sorts the ids, before contains() and repetition() are called.
   void sort() {
     if (!std::ranges::is_sorted(items_, {}, &Item::key)) std::ranges::stable_sort(items_, {}, &Item::key);
   }
   bool contains(std::uint64_t key) const { return std::ranges::binary_search(items_, key, {}, &Item::key); }
-  /// Where an id is declared for the second time.
+  /// The second declaration of an id; nullopt if every id is declared once.
   std::optional<Item> repetition() const {
     const auto first = std::ranges::adjacent_find(items_, {}, &Item::key);
     return first == items_.end() ? std::nullopt : std::optional(*std::next(first));

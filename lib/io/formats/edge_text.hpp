@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
-// What the text formats of edges have in common: lines of a tag, two ids, a measurement and its weights, read and written by
-// one driver. A format is a table of its tags, and of functions where its numbers are its own.
+// The common part of the text formats of edges: lines of a tag, two ids, a measurement and its weights, read and written by one
+// driver. A format is a table of its tags, and of functions if its numbers are its own.
 
 #include <algorithm>
 #include <atomic>
@@ -32,21 +32,22 @@ struct MeasuredPoint {
   PointMatrix<Dim> information;
 };
 
-/// A fault, to follow the name of an edge; nothing where there is none.
+/// A fault, worded to follow the name of an edge; nullopt if none.
 using Fault = std::optional<std::string>;
 
-/// What the lines of a file mean beside what they say.
+/// The context that the lines of a file are read in.
 struct TextContext {
   const ReadOptions& options;
-  bool is_whole;       ///< Else these are some lines of a file: others may declare what they name, and `FIX` is passed over.
-  G2oOffsets offsets;  ///< Of sensors.
-  mutable std::atomic<std::int64_t> unweighed = 0;  ///< How many lines without weights got the identity.
+  bool is_whole;       ///< False for some lines of a file: others may declare what they name, and `FIX` is passed over.
+  G2oOffsets offsets;  ///< Poses of sensors, by their ids.
+  mutable std::atomic<std::int64_t> unweighed = 0;  ///< Lines without weights that got the identity.
 };
 
-/// Whether the line ends where its weights are expected, and the identity is to be taken for them; rejected where it is not.
+/// True if the line ends where its weights are expected and the identity is taken for them; the line is rejected if that is not
+/// allowed.
 bool is_unweighed(TextScanner& text, const TextContext& context);
 
-/// The upper triangle of the weights of a line, row by row; the identity where they are missing and may be.
+/// Reads the upper triangle of the weights of a line, row by row; the identity if they are missing and may be.
 template <int Size>
 Matrix<Size> read_weights(TextScanner& text, const TextContext& context) {
   return is_unweighed(text, context) ? Matrix<Size>(Matrix<Size>::Identity()) : text.symmetric<Size>();
@@ -79,57 +80,57 @@ Fault put_plain_pose(const Pose<Dim>& pose, TextLine& line) {
   return std::nullopt;
 }
 
-/// What stands in place of information matrices over the steps.
+/// The form in which a format gives information matrices over the steps.
 enum class Weights : std::uint8_t {
-  kExact,       ///< They themselves.
-  kAngles,      ///< In space, those over the angles.
-  kSquareRoot,  ///< Their square roots, over the angles.
-  kCovariance,  ///< Their inverses.
+  kExact,       ///< Information matrices as they are.
+  kAngles,      ///< Information matrices, in space over the angles.
+  kSquareRoot,  ///< Square roots of information matrices, in space over the angles.
+  kCovariance,  ///< Covariances.
 };
 
-/// Measured from the World: `tag i …`, or with a sensor `tag i offset …`.
+/// The tag of a kind of priors, measured from the World: `tag i …`, or with a sensor `tag i offset …`.
 struct PriorTag {
   enum class Kind : std::uint8_t {
     kPose,
-    kPosition,  ///< Of a pose.
+    kPosition,  ///< Position of a pose.
     kPlanar,    ///< x and y of a pose in space.
     kFeature,
   };
   enum class Sensor : std::uint8_t {
     kNone,
-    kNamed,    ///< Its pose is measured.
-    kIgnored,  ///< As g2o's own program ignores it.
+    kNamed,    ///< The pose of the named sensor is measured.
+    kIgnored,  ///< The sensor is ignored, as g2o's own program does.
   };
   std::string_view tag;
   Kind kind;
   Sensor sensor = Sensor::kNone;
 };
 
-/// One format in one dimension. What goes wrong with words is rejected on the scanner, what the format has no words for is a
-/// fault. The driver checks information matrices, and inverts covariances. A tag that is empty stands for lines that the format
-/// does not have.
+/// One format in one dimension. Malformed words are rejected on the scanner; a value that the format cannot express is a fault.
+/// The driver checks information matrices, and inverts covariances. An empty tag stands for lines that the format does not
+/// have.
 template <int Dim>
 struct EdgeText {
-  std::string_view name{};             ///< "TORO's files".
-  std::string_view comment{};          ///< The first line of what is written, without `#`.
+  std::string_view name{};             ///< In messages: "TORO's files".
+  std::string_view comment{};          ///< The first line of a written file, without `#`.
   std::string_view edge_tag{};         ///< `tag i j …`: pose j from pose i.
-  std::string_view offset_line{};      ///< Stands before the first observation that is written.
+  std::string_view offset_line{};      ///< Written before the first observation or prior of a pose.
   std::string_view observation_tag{};  ///< `tag i f …`: feature f from pose i.
   std::string_view pose_tag{};         ///< `tag i …`: the value of a pose.
   std::string_view feature_tag{};      ///< `tag f …`: the value of a feature.
-  bool one_numbering = false;          ///< Of poses and features, where it is written.
+  bool one_numbering = false;          ///< True if poses and features share one numbering in written files.
   Weights weights = Weights::kExact;
-  bool may_be_unassociated = false;  ///< An observation of feature -1 is left out, and counted.
-  bool has_g2o_lines = false;        ///< `FIX`, and `PARAMS_…` that say nothing by themselves.
+  bool may_be_unassociated = false;  ///< True if an observation of feature -1 is left out, and counted.
+  bool has_g2o_lines = false;        ///< True if lines may be `FIX`, or `PARAMS_…` that say nothing by themselves.
   std::span<const PriorTag> priors{};
-  /// Whether lines of a tag say nothing of poses and features that a log has a place for: left out, and counted; null: none do.
+  /// True for the tags of lines with no place in a log, which are left out and counted; null if there are no such tags.
   bool (*is_passed_over)(std::string_view tag) = nullptr;
-  /// Whether a tag is one of this format in the other dimension, for the message; null where nobody says.
+  /// True for the tags of this format in the other dimension, for the message; null if unknown.
   bool (*is_of_other_dimension)(std::string_view tag) = nullptr;
 
   MeasuredPose<Dim> (*read_edge)(TextScanner& text, const TextContext& context) = read_plain_edge<Dim>;
   MeasuredPoint<Dim> (*read_point)(TextScanner& text, const TextContext& context) = read_plain_point<Dim>;
-  /// Coordinates that were not measured have no weight; null where there are no priors.
+  /// Reads a prior of a pose; coordinates that were not measured have no weight. Null if the format has no priors.
   MeasuredPose<Dim> (*read_pose_prior)(const PriorTag& tag, TextScanner& text, const TextContext& context) = nullptr;
   Pose<Dim> (*read_pose)(TextScanner& text) = read_g2o_pose<Dim>;
 
@@ -146,50 +147,51 @@ struct EdgeText {
   }
 };
 
-/// The next word as the id of a feature, or nothing where it is -1.
+/// Reads the next word as the id of a feature; nullopt if it is -1.
 std::optional<FeatureId> read_feature_or_none(TextScanner& text);
 
-/// The information of the covariance that the line gives up to here; one that the check refuses is rejected.
+/// The information matrix of the covariance that the line gives up to here; a covariance that the check refuses is rejected.
 template <int Size>
 Matrix<Size> inverse_of(Matrix<Size> covariance, InformationCheck& check, TextScanner& text);
 
-/// The covariance of an information matrix; a fault where that is singular.
+/// The covariance of an information matrix; a fault if this is singular.
 template <int Size>
 Fault covariance_of(const Matrix<Size>& information, Matrix<Size>& covariance);
 
-/// How a text is read.
+/// The extent of a text, and of the pieces that it is read in.
 struct Extent {
-  bool is_whole = true;                            ///< See TextContext.
-  std::size_t piece_bytes = std::size_t{1} << 16;  ///< Of pieces that are read side by side; the log does not depend on it.
+  bool is_whole = true;                            ///< True for a whole file; see TextContext.
+  std::size_t piece_bytes = std::size_t{1} << 16;  ///< Size of pieces that are read in parallel; the log does not depend on it.
 };
 
-/// The log in `text`, which stands at the begin of a file, in the dimension of the first tag. Poses and features are named
-/// apart. Bad input, with its place, unless the options say what to do: an unknown tag, an edge from a pose to itself or
-/// without weights, information that InformationCheck refuses; a pose or feature with two values; and, in a file that gives
+/// The log in `text`, which stands at the start of a file, in the dimension of the first tag. Poses and features are named
+/// apart. Bad input, with its place, unless the options say otherwise: an unknown tag, an edge from a pose to itself or without
+/// weights, an information matrix that InformationCheck refuses; a pose or feature with two values; and, in a file that gives
 /// values, an edge to a pose or feature without one.
 Expected<AnyLog> read_edge_text(TextScanner text, const EdgeText<2>& plane, const EdgeText<3>* space,
                                 const ReadOptions& options, Extent extent = {});
 
-/// What is written, in this order. A pointer that is null, or a tag that the format does not have, leaves its lines out.
+/// The contents of a written file, in this order. A null pointer, or a tag that the format does not have, leaves its lines out.
 template <int Dim>
 struct EdgeTextContents {
   std::string_view source;  ///< For messages.
   const PoseIds& pose_ids;
   const FeatureIds& feature_ids;
-  std::vector<std::string> comments;  ///< Without `#`.
+  std::vector<std::string> comments;  ///< Lines, without `#`.
   const Table<PoseIndex, Pose<Dim>>* poses = nullptr;
   const Table<FeatureIndex, Point<Dim>>* features = nullptr;
   std::vector<PoseIndex> fixed{};
-  const Log<Dim>* log = nullptr;  ///< Its edges and observations, over these poses and features.
+  const Log<Dim>* log = nullptr;  ///< Edges, observations and priors, over these poses and features.
 };
 
-/// Further sessions are numbered from a power of ten. kUsage where the format has no words for something, or where the keys do
-/// not fit into one numbering; kCannotWrite.
+/// Writes the contents in a format; further sessions are numbered from a power of ten. kUsage if the format cannot express
+/// something, or the keys do not fit into one numbering; kCannotWrite.
 template <int Dim>
 Expected<void> write_edge_text(const EdgeTextContents<Dim>& contents, const EdgeText<Dim>& format,
                                const std::filesystem::path& path);
 
-/// A log's edges and observations, and the values of poses where the format has them, which then must be there; nothing else.
+/// Writes a log's edges and observations and, if the format has them, the values of its poses; nothing else. Errors as for
+/// EdgeTextContents; kUsage also if these values are missing.
 template <int Dim>
 Expected<void> write_edge_text(const Log<Dim>& log, const EdgeText<Dim>& format, const std::filesystem::path& path);
 

@@ -151,7 +151,7 @@ class PieceReader {
 bool is_unweighed(TextScanner& text, const TextContext& context) {
   if (!text.at_end_of_line()) return false;
   if (!context.options.identity_where_missing) {
-    text.word();  // That the message is of the end.
+    text.word();  // Moves to the end of the line, which the message is about.
     text.reject("the line ends where its weights are expected; --identity-where-missing takes the identity for them");
     return false;
   }

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
-// Some lines of a text of edges, each by itself: what they mean together is the reader's.
+// Some lines of a text of edges, each read by itself; their reader puts them together.
 
 #include <mapjoin/io/formats/declared_ids.hpp>
 #include <mapjoin/io/formats/edge_text.hpp>
@@ -15,10 +15,10 @@ struct EdgeTextPiece {
   LogBuilder<Dim> builder;
   DeclaredIds poses;
   DeclaredIds features;
-  std::optional<Error> fault;  ///< What is wrong with the line after these.
+  std::optional<Error> fault;  ///< The fault of the line behind these.
 };
 
-/// Reads `piece` as far as it is right.
+/// Reads `piece` up to its first wrong line.
 template <int Dim>
 EdgeTextPiece<Dim> read_edge_text_piece(TextScanner piece, const EdgeText<Dim>& format, const TextContext& context);
 

@@ -12,7 +12,7 @@
 namespace mapjoin {
 namespace {
 
-/// Pieces of a file are read side by side, so many at once; what they say is taken in their order.
+/// The number of pieces of a file that are read in parallel; their contents are taken in order.
 constexpr std::size_t kPiecesAtOnce = 64;
 
 template <int Dim>
@@ -61,8 +61,9 @@ class EdgeTextReader {
             .rotation_information = Dim == 3 ? options.rotation_information : RotationInformation::kVector};
   }
 
-  /// Growing the vectors of a large log costs as much as reading it. A count is believed as far as so many lines that are
-  /// complete, of two bytes a number at least, fit into the file. Returns whether lines name sensors.
+  /// Reserves room for edges and observations, since growing the vectors of a large log costs as much as reading it. Counts are
+  /// capped at the number of complete lines, of at least two bytes a number, that fit into the file. True if lines name
+  /// sensors.
   bool make_room(const std::vector<TextScanner>& pieces) {
     std::vector<std::size_t> edges(pieces.size());
     std::vector<std::size_t> observations(pieces.size());
@@ -85,7 +86,7 @@ class EdgeTextReader {
     return names_sensors || observed > 0;
   }
 
-  /// What a piece says is taken while later ones are read.
+  /// Reads pieces in parallel, and takes their contents in order meanwhile.
   Expected<void> read_and_take(const std::vector<TextScanner>& pieces) {
     std::vector<std::optional<EdgeTextPiece<Dim>>> read(pieces.size());
     std::optional<Error> fault;
@@ -106,11 +107,13 @@ class EdgeTextReader {
     declared.sort();
     const auto twice = declared.repetition();
     if (!twice) return {};
-    return begin_.error(twice->place, fmt::format("{} {} is declared a second time; two logs in one file are to be given as two files", what,
-                                                key_text(twice->key)));
+    return begin_.error(twice->place,
+                        fmt::format("{} {} is declared a second time; two logs in one file are to be given as two files", what,
+                                    key_text(twice->key)));
   }
 
-  /// In a second look at the file, the first line that names an id that no vertex declares, and that is not foreign.
+  /// The error of the first line that names an id neither declared by a vertex nor foreign, found in a second pass over the
+  /// file.
   Error first_undeclared() const {
     for (TextScanner text = begin_; text.next_line();) {
       const std::string_view tag = text.word();
@@ -126,7 +129,7 @@ class EdgeTextReader {
     return {};
   }
 
-  /// The pose or feature that a line names and no vertex declares, if any.
+  /// The pose or feature that a line names and no vertex declares; nullopt if none.
   std::optional<std::string> undeclared_in(std::string_view tag, TextScanner& text) const {
     const PriorTag* prior = format_.prior(tag);
     const bool is_edge = tag == format_.edge_tag;

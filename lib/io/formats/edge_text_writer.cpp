@@ -33,11 +33,12 @@ class EdgeTextWriter {
  private:
   const PoseId& pose_id(PoseIndex pose) const { return contents_.pose_ids[pose]; }
 
-  /// Writes a line for every k in [0, count), in order; pieces of them are filled side by side, and written by this thread,
-  /// whose writes a signal ends. `put(line, k)` gives what the format has no words for, if anything; the first such k counts.
+  /// Writes a line for every k in [0, count), in order; pieces of them are filled in parallel, and written by this thread,
+  /// whose writes a signal ends. `put(line, k)` gives the fault of a line that the format cannot express; the first fault
+  /// counts.
   template <typename Put>
   void write_each(std::size_t count, const Put& put) {
-    constexpr std::size_t kLines = 500;  // A piece.
+    constexpr std::size_t kLines = 500;  // Per piece.
     constexpr std::size_t kPiecesAtOnce = 16;
     struct Piece {
       std::string text;
@@ -108,20 +109,20 @@ class EdgeTextWriter {
     });
   }
 
-  /// The sensor that observations and priors name, once.
+  /// Writes the sensor offset that observations and priors name, once.
   void write_offset_line() {
     if (!format_.offset_line.empty() && !has_offset_) line_.add(format_.offset_line).write_to(file_);
     has_offset_ = true;
   }
 
-  /// Nothing where it has a lever, and its pose no value to take it off at.
+  /// The prior without its lever; nullopt if it has a lever and its pose no value at which to take that off.
   std::optional<PoseFactor<Dim>> without_lever(const PoseFactor<Dim>& prior) const {
     if (prior.lever.isZero(0.0)) return prior;
     if (!contents_.poses || contents_.poses->empty()) return std::nullopt;
     return mapjoin::without_lever(prior, (*contents_.poses)[prior.target]);
   }
 
-  /// Of a pose as a whole, whatever of it was measured.
+  /// Writes the priors, those of poses as priors of the whole pose, whatever part of it was measured.
   void write_priors(const Log<Dim>& log) {
     const auto pose_priors = log.pose_priors();
     if (!pose_priors.empty()) write_offset_line();
@@ -161,7 +162,7 @@ class EdgeTextWriter {
 template <int Size>
 Fault covariance_of(const Matrix<Size>& information, Matrix<Size>& covariance) {
   const auto inverse = information_of_covariance<Size>(information);
-  // Nor is it one that readers would not take.
+  // A covariance that readers would refuse is none.
   if (!inverse || !information_of_covariance<Size>(*inverse)) {
     return "has an information matrix that is singular, and so no covariance";
   }

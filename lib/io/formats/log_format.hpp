@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
-// The formats of logs: how each is called, known, read and written, and what it has no place for.
+// The formats of logs: their names, how they are recognised, read and written, and what they have no place for.
 
 #include <cstdint>
 #include <filesystem>
@@ -14,15 +14,15 @@
 
 namespace mapjoin {
 
-/// In the order in which they are recognised.
+/// The formats of logs, in the order in which they are recognised.
 enum class LogFormat : std::uint8_t {
   kG2o,
   kToro,
-  kGtsam,  ///< In the plane only, as kOdomObs and kMat.
+  kGtsam,  ///< Plane only, as kOdomObs and kMat.
   kIsam,
   kOdomObs,  ///< The text form of Victoria Park's data and, for reading, map.circles.
   kMat,      ///< Victoria Park's MAT file.
-  kTum,      ///< The values of poses only, as kKitti.
+  kTum,      ///< Values of poses only, as kKitti and kCsv.
   kKitti,
   kCsv,  ///< The table of a map's poses.
 };
@@ -39,25 +39,27 @@ constexpr auto enum_names(LogFormat) {
                                              {LogFormat::kCsv, "csv"}});
 }
 
-/// Of its files: ".g2o", ".txt", …
+/// The extension of a format's files: ".g2o", ".txt", …
 std::string_view file_extension(LogFormat format);
 
-/// The log in a file's bytes, whose format is known by its content. Bad input, in a sentence that begins with `file`.
+/// The log in a file's bytes, in the format that the options name or, without, that its content shows. Bad input, in a sentence
+/// that begins with `file`.
 Expected<AnyLog> read_log(std::string_view bytes, const std::string& file, const ReadOptions& options);
 
-/// Whether the format has nothing without the values of all poses: TORO's and trajectories.
+/// True if a log needs the values of all poses to be written: for TORO's format, trajectories and the table of poses.
 bool needs_values(LogFormat format);
 
-/// Whether these are poses 0, 1, 2, … of session 0.
+/// True if these are poses 0, 1, 2, … of session 0.
 bool are_counted(const std::vector<PoseId>& poses);
 
-/// What of the log the format has no place for, or takes down otherwise than it is, a sentence without its end for each; empty
-/// where what is written reads back as the same log, bit by bit (but for its source and conventions).
+/// The parts of the log that the format has no place for or changes, a sentence without its end for each; empty if the written
+/// file reads back as the same log, bit by bit (but for its source and conventions).
 template <int Dim>
 std::vector<std::string> losses(const Log<Dim>& log, LogFormat format);
 
-/// Writes what the format has a place for. kUsage where that cannot be: a log in space for a planar format, none of the values
-/// that it needs, neither edge nor observation for one that has nothing else, and what its writer refuses; kCannotWrite.
+/// Writes the parts of a log that the format has a place for. kUsage if the log is in space and the format planar, if it lacks
+/// values that the format needs, if it has neither edges nor observations and the format nothing else, or if the writer refuses
+/// it; kCannotWrite.
 template <int Dim>
 Expected<void> write_log(const Log<Dim>& log, LogFormat format, const std::filesystem::path& path);
 

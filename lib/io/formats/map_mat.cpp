@@ -31,7 +31,7 @@ Eigen::MatrixXd triangles(const Table<Index, Covariance>& covariances) {
   return rows;
 }
 
-/// Names that a double does not hold.
+/// kUsage if a double does not hold one of the ids.
 template <typename Ids>
 Expected<void> check_ids(const Ids& ids) {
   const auto large =

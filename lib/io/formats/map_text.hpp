@@ -13,54 +13,55 @@ namespace mapjoin {
 
 class GeographicFrame;
 
-/// A pose of the plane in space: z is 0, and the heading a turn about z.
+/// A planar pose in space: z is 0, and the heading a turn about z.
 Pose<3> in_space(const Pose<2>& pose);
 inline const Pose<3>& in_space(const Pose<3>& pose) {
   return pose;
 }
 
-/// Seconds with nine decimals, exactly.
+/// A time in seconds with nine decimals, exactly.
 std::string seconds(std::int64_t nanoseconds);
 
-/// std::invalid_argument unless the lists of a map are as long as those of the poses and features that they are of, and the
-/// anchored poses are there.
+/// Throws std::invalid_argument unless the lists of a map are as long as those of their poses and features, all values and
+/// covariances are finite, and the anchored poses are in the map.
 template <int Dim>
 void demand_whole(const GlobalMap<Dim>& map);
 
-// Each number has the fewest digits that read back as the same bits. Files appear whole or not at all: kCannotWrite.
-// std::invalid_argument of a map that is not whole.
+// Numbers have the fewest digits that read back as the same bits. Files appear whole or not at all: kCannotWrite. The writers
+// throw std::invalid_argument if the map is not whole (see demand_whole).
 
-/// `time x y z qx qy qz qw` per pose, in the map's order, after a comment that names the columns. The time is in seconds to the
-/// nanosecond; where the map has no stamps it is the index of the pose, counted from 0, as the comment then says. In the plane
-/// z is 0 and the heading a turn about z.
+/// Writes the poses in TUM's format, lines `time x y z qx qy qz qw` in the map's order, after a comment that names the columns.
+/// The time is in seconds to the nanosecond; if the map has no stamps it is the index of the pose, counted from 0, and the
+/// comment says so. In the plane z is 0 and the heading a turn about z.
 template <int Dim>
 Expected<void> write_tum(const GlobalMap<Dim>& map, const std::filesystem::path& path);
 
-/// Twelve numbers per pose, in the map's order: the rows of (R | t), as above. There are no names, no times and no comments.
+/// Writes the poses in KITTI's format, twelve numbers per line in the map's order: the rows of (R | t); in the plane z is 0 and
+/// R a turn about z. Names, times and comments have no place in the format.
 template <int Dim>
 Expected<void> write_kitti(const GlobalMap<Dim>& map, const std::filesystem::path& path);
 
-/// The first table of write_csv().
+/// Writes the table of poses, the first of write_csv().
 template <int Dim>
 Expected<void> write_pose_csv(const GlobalMap<Dim>& map, const std::filesystem::path& path);
 
-/// Two tables; neither appears unless both could be written. kUsage where both paths lead to one file.
-/// - Poses: `pose,x,y,phi` or `pose,x,y,z,qx,qy,qz,qw`, under a header with these names (m, rad); before them `session,` where
-///   any pose is of a session other than 0, behind them `,stamp_ns` where the map has stamps. Then, where the map has
-///   covariances, the upper triangle of the pose's, row by row, as `,cov_x_x,cov_x_y,cov_x_phi,…`; in space over x, y, z and
-///   the rotation vector rx, ry, rz on the right.
-/// - Features: `feature,x,y` or `feature,x,y,z`, under a header with these names (m), also where there are none; then the
-///   covariance, likewise.
+/// Writes two tables; neither appears unless both could be written. kUsage if both paths lead to one file.
+/// - Poses: `pose,x,y,phi` or `pose,x,y,z,qx,qy,qz,qw`, under a header with these names (m, rad); `session,` stands before them
+/// if any pose is of a session other than 0, `,stamp_ns` behind them if the map has stamps. If the map has covariances, the
+/// upper triangle of the pose's follows, row by row, as `,cov_x_x,cov_x_y,cov_x_phi,…`; in space over x, y, z and the rotation
+/// vector rx, ry, rz on the right.
+/// - Features: `feature,x,y` or `feature,x,y,z`, under a header with these names (m), even if there are no features; then the
+/// upper triangle of the feature's covariance in the same way.
 template <int Dim>
 Expected<void> write_csv(const GlobalMap<Dim>& map, const std::filesystem::path& poses, const std::filesystem::path& features);
 
-/// A table of poses as that of write_csv(), with `latitude,longitude` (°) and, in space, `height` (m) for the pose; in the
-/// plane places have no height.
+/// Writes the table of poses of write_csv() without covariances, with `latitude,longitude` (°) and, in space, `height` (m) for
+/// the pose.
 template <int Dim>
 Expected<void> write_geographic_csv(const GlobalMap<Dim>& map, const GeographicFrame& frame, const std::filesystem::path& path);
 
-/// GeoJSON (RFC 7946): the trajectory of each session as a LineString, or as a MultiLineString cut at the antimeridian where it
-/// crosses that, or a single pose as a Point; each feature as a Point.
+/// Writes GeoJSON (RFC 7946): the trajectory of each session as a LineString, as a MultiLineString cut at the antimeridian if
+/// it crosses that, or as a Point if it is a single pose; each feature as a Point.
 template <int Dim>
 Expected<void> write_geojson(const GlobalMap<Dim>& map, const GeographicFrame& frame, const std::filesystem::path& path);
 

@@ -18,11 +18,11 @@ constexpr const char* kVictoriaPark = "VicPark_clean_data";
 constexpr const char* kDlr = "corrected_data_circles";
 constexpr double kOdometry = 1.0;
 constexpr double kObservation = 0.0;
-/// In the first column of the DLR data: the row is a step.
+/// The mark of a step in the first column of the DLR data.
 constexpr double kDlrStep = -100.0;
 constexpr double kUnassociated = -1.0;
 
-/// What a row of the table says, or what is wrong with it in words; the first fault counts.
+/// A row of the table, and its first fault in words, if any.
 class TableRow {
  public:
   TableRow(const Eigen::MatrixXd& table, Eigen::Index row, InformationCheck& check) : table_(table), row_(row), check_(check) {
@@ -42,7 +42,7 @@ class TableRow {
   Point<2> point(Eigen::Index col) const { return {(*this)[col], (*this)[col + 1]}; }
   Pose<2> motion(Eigen::Index col) const { return {point(col), Rotation<2>((*this)[col + 2])}; }
 
-  /// Of the covariance whose upper triangle begins in this column and goes row by row, or column by column.
+  /// The information matrix of the covariance whose upper triangle begins in this column, row by row or column by column.
   template <int Size>
   Matrix<Size> information(Eigen::Index col, bool by_columns = false) {
     Matrix<Size> P;
@@ -75,7 +75,7 @@ void add_victoria_park_row(TableRow& row, LogBuilder<2>& builder) {
   }
 }
 
-/// `step` is the pose that the rows speak of.
+/// Adds a row of the DLR data; `step` is the pose to which the last step led.
 void add_dlr_row(TableRow& row, LogBuilder<2>& builder, std::uint64_t& step) {
   if (row[0] == kDlrStep) {
     builder.add_pose_edge({0, step}, {0, step + 1}, row.motion(1), row.information<3>(4, true));
@@ -87,7 +87,7 @@ void add_dlr_row(TableRow& row, LogBuilder<2>& builder, std::uint64_t& step) {
   }
 }
 
-/// The log whose builder `add` tells every row of the table; the first fault ends it.
+/// The log of a table, each row of which `add` hands to a builder; the first fault ends it.
 template <typename AddRow>
 Expected<AnyLog> log_of(const std::string& file, const char* variable, const Eigen::MatrixXd& table, Eigen::Index cols,
                         const ReadOptions& options, const AddRow& add) {
@@ -107,7 +107,7 @@ Expected<AnyLog> log_of(const std::string& file, const char* variable, const Eig
   return std::move(builder).finish();
 }
 
-/// A row of Victoria Park's table.
+/// Fills a row of Victoria Park's table; a fault if an id is 2^53 or more, or W is singular.
 template <int Size>
 Fault put_row(double kind, std::uint64_t base, std::uint64_t target, const Vector<Size>& measured, const Matrix<Size>& W,
               Eigen::MatrixXd::RowXpr row) {

@@ -15,22 +15,21 @@ namespace mapjoin {
 
 /// The planar log in the MAT file with the content `bytes`, which holds one of the variables
 /// - `VicPark_clean_data`, n × 12, with rows `1 i j dx dy dφ` and the upper triangle of a 3 × 3 covariance, row by row, or
-///   `0 i feature x y` and that of a 2 × 2 one;
+/// `0 i feature x y` and that of a 2 × 2 one;
 /// - `corrected_data_circles`, n × 10, with rows `-100 dx dy dφ Pxx Pxy Pyy Pxφ Pyφ Pφφ`, each of which begins the next pose,
-/// or
-///   `x y quality Pxx Pxy Pyy feature` of the features seen there; those of feature -1 are left out and counted as
-///   unassociated.
+/// or `x y quality Pxx Pxy Pyy feature` of the features seen there; those of feature -1 are left out and counted as
+/// unassociated.
 /// Errors name `file`, variable and row.
 Expected<AnyLog> read_mat_log(std::string_view bytes, const std::string& file, const ReadOptions& options = {});
 
-/// The variable `VicPark_clean_data` with the log's edges, then its observations. kUsage where an information matrix is
+/// Writes the variable `VicPark_clean_data` with the log's edges, then its observations. kUsage if an information matrix is
 /// singular, or an id is 2^53 or more; kCannotWrite.
 Expected<void> write_mat_log(const Log<2>& log, const std::filesystem::path& path);
 
-/// A global map: `poses`, one row each: session, id, x, y, phi, or x, y, z, qx, qy, qz, qw (m, rad); `features`: id, x, y(, z);
-/// where the map has them, `stamps` (s) and, upper triangles row by row as in write_csv(), `pose_covariances`,
-/// `feature_covariances`. kUsage where an id is no double, from 2⁵³ on; kCannotWrite, and then no file appears;
-/// std::invalid_argument of a map that is not whole (see demand_whole).
+/// Writes a global map: `poses`, one row each: session, id, x, y, phi, or x, y, z, qx, qy, qz, qw (m, rad); `features`: id, x,
+/// y(, z); if the map has them, `stamps` (s) and, upper triangles row by row as in write_csv(), `pose_covariances`,
+/// `feature_covariances`. kUsage if an id is 2⁵³ or more, which a double does not hold; kCannotWrite, and then no file appears.
+/// Throws std::invalid_argument if the map is not whole (see demand_whole).
 template <int Dim>
 Expected<void> write_mat_map(const GlobalMap<Dim>& map, const std::filesystem::path& path);
 

@@ -11,7 +11,7 @@
 namespace mapjoin {
 namespace {
 
-/// What stands on one line.
+/// One line of the table.
 template <int Dim>
 struct PoseRow {
   PoseId id;
@@ -19,7 +19,7 @@ struct PoseRow {
   std::int64_t stamp_ns = 0;
 };
 
-/// The column x stands for the whole pose.
+/// Reads a line; at the column x it reads the whole pose.
 template <int Dim>
 PoseRow<Dim> read_row(const std::vector<std::string>& columns, TextScanner& text) {
   static const std::vector<std::string> kBehindX = {"y", "z", "phi", "qx", "qy", "qz", "qw"};

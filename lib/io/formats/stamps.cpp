@@ -14,7 +14,7 @@
 namespace mapjoin {
 namespace {
 
-/// The poses of each key, of whatever session.
+/// The poses of each key, in all sessions.
 template <int Dim>
 std::multimap<std::uint64_t, PoseIndex> poses_by_key(const Log<Dim>& log) {
   std::multimap<std::uint64_t, PoseIndex> poses;

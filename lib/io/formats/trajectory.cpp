@@ -23,7 +23,7 @@ bool has_numbers(TextScanner& line, std::size_t count) {
   return line.finish_line().has_value();
 }
 
-/// The pose in the plane that a pose in space is, if it is one.
+/// The planar pose that a pose in space equals; nullopt if it is not in the plane.
 std::optional<Pose<2>> in_plane(const Pose<3>& pose) {
   const Eigen::Quaterniond& q = pose.rotation.quaternion();
   if (pose.translation.z() != 0.0 || q.x() != 0.0 || q.y() != 0.0) return std::nullopt;
@@ -39,7 +39,7 @@ Expected<AnyLog> log_of(const std::string& source, const std::vector<Pose<Dim>>&
   return std::move(builder).finish();
 }
 
-/// In the plane where every pose is.
+/// The log of these poses, in the plane if every pose is.
 Expected<AnyLog> any_log_of(const std::string& source, const std::vector<Pose<3>>& poses,
                             const std::vector<std::int64_t>& stamps) {
   std::vector<Pose<2>> planar;
@@ -136,7 +136,7 @@ Expected<std::vector<StampedPose>> read_tum(TextScanner text) {
     Eigen::Quaterniond q(text.vector<4>());  // x, y, z, w
     const double largest = q.coeffs().cwiseAbs().maxCoeff();
     if (largest == 0.0) text.reject("this quaternion is zero");
-    q.coeffs() /= largest;  // Its square may be more than a double holds.
+    q.coeffs() /= largest;  // Its square could overflow a double.
     poses.push_back({time, {translation, Rotation<3>(q.normalized())}});
     const Pose<3>& first = at_time.emplace(time, poses.back().pose).first->second;
     if (first != poses.back().pose)

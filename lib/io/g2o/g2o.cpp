@@ -11,7 +11,7 @@
 namespace mapjoin {
 namespace {
 
-/// The one sensor offset is the identity.
+/// Puts an observation from sensor offset 0, the only one written, which is the identity.
 Fault put_point_seen_from_0(const MeasuredPoint<3>& point, TextLine& line) {
   return put_plain_point<3>(point, line.add(0));
 }
@@ -19,7 +19,7 @@ Fault put_point_seen_from_0(const MeasuredPoint<3>& point, TextLine& line) {
 template <int Dim>
 bool is_tag_of(std::string_view tag);
 
-/// What programs put between the lines of a graph: scans, images, names.
+/// True for the tags of data that programs put between the lines of a graph: scans, images, names.
 bool is_sensor_data(std::string_view tag) {
   return tag.starts_with("ROBOTLASER") || tag.starts_with("RAWLASER") || tag.starts_with("DATA") || tag.ends_with("_DATA") ||
          tag == "VERTEX_TAG" || tag == "VERTEX_ELLIPSE";
@@ -29,7 +29,7 @@ using Kind = PriorTag::Kind;
 using Sensor = PriorTag::Sensor;
 constexpr std::array kPriorsOfPlane = std::to_array<PriorTag>(
     {{"EDGE_PRIOR_SE2", Kind::kPose}, {"EDGE_PRIOR_SE2_XY", Kind::kPosition}, {"EDGE_PRIOR_XY", Kind::kFeature}});
-/// g2o's, then hdl_graph_slam's.
+/// The priors of g2o, then those of hdl_graph_slam.
 constexpr std::array kPriorsOfSpace = std::to_array<PriorTag>({{"EDGE_SE3_PRIOR", Kind::kPose, Sensor::kNamed},
                                                                {"EDGE_SE3_XYZ_PRIOR", Kind::kPosition, Sensor::kIgnored},
                                                                {"EDGE_POINTXYZ_PRIOR", Kind::kFeature},
@@ -79,7 +79,7 @@ bool is_tag_of(std::string_view tag) {
   return format<Dim>().has_tag(tag);
 }
 
-/// What a g2o file holds of these names, to be filled.
+/// The contents of a g2o file over these poses and features, yet to be filled.
 template <int Dim>
 EdgeTextContents<Dim> contents_of(std::string_view source, const PoseIds& poses, const FeatureIds& features) {
   return {
@@ -92,7 +92,7 @@ EdgeTextContents<Dim> contents_of(std::string_view source, const PoseIds& poses,
        "One numbering: keys of features and of sessions beyond the first are moved by a power of ten where they met others."}};
 }
 
-/// The vertices of a log, fixed poses at the value they are fixed at; none unless every pose and feature has an initial value.
+/// The vertices of a log, fixed poses at the value they are fixed at; empty unless every pose and feature has an initial value.
 template <int Dim>
 Table<PoseIndex, Pose<Dim>> pose_vertices(const Log<Dim>& log) {
   if (log.initial.features.size() < log.features.size()) return {};

@@ -22,7 +22,7 @@ bool has_edges(std::string_view text) {
   return false;
 }
 
-/// The text with every line emptied that has no parameters.
+/// The text with every line emptied but those of parameters.
 std::string parameters_in(std::string_view text) {
   std::string lines;
   while (!text.empty()) {
@@ -82,7 +82,7 @@ Expected<std::optional<AnyLog>> GrowingG2o::rest() {
   if (fault_) return tl::unexpected(*fault_);
   auto news = take_until(text_.size());
   if (!news || *news || taken_ == text_.size()) return news;
-  // Lines without an edge have waited for one: they are the whole's.
+  // Lines without an edge have waited for one: the whole file is checked with them.
   if (const auto all = read_g2o(TextScanner(path_.string(), text_), options_); !all) {
     fault_ = all.error();
     return tl::unexpected(*fault_);
@@ -91,7 +91,7 @@ Expected<std::optional<AnyLog>> GrowingG2o::rest() {
   return news;
 }
 
-/// Lines without an edge wait for one.
+/// Takes the lines before `end`; lines without an edge wait for one.
 Expected<std::optional<AnyLog>> GrowingG2o::take_until(std::size_t end) {
   if (end <= taken_ || !has_edges(std::string_view(text_).substr(taken_, end - taken_))) return std::nullopt;
   auto log = log_until(end);
@@ -112,7 +112,7 @@ Expected<AnyLog> GrowingG2o::log_until(std::size_t end) const {
   return read_g2o(TextScanner(path_.string(), lines), options_, {.is_whole = false});
 }
 
-/// The end of the last line up to which all are right and have an edge among them, or where the last call ended.
+/// The end of the last line up to which all lines are right and one has an edge; otherwise `taken_`, where the last call ended.
 std::size_t GrowingG2o::good_until(std::size_t end) const {
   std::vector<std::size_t> ends;
   for (std::size_t next = text_.find('\n', taken_); next < end; next = text_.find('\n', next + 1)) ends.push_back(next + 1);

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
-// A g2o file that another program is still writing: what has been appended, line by whole line.
+// A g2o file that another program is still writing: the lines appended to it, as soon as they are whole.
 
 #include <filesystem>
 #include <mapjoin/io/files/system_call.hpp>
@@ -14,17 +14,17 @@ namespace mapjoin {
 
 class GrowingG2o {
  public:
-  /// Bad input where the file is not a plain file; gzip is refused, too.
+  /// Opens a file to be followed; bad input if it is not a plain file. Gzip is refused when it is read.
   static Expected<GrowingG2o> open(const std::filesystem::path& path, const ReadOptions& options);
 
-  /// The edges and observations in the lines that have come since the last call, as a log of their own; nothing where none
-  /// have. Bad input, with the line, where one is wrong: what stands before it was given by the call before, and nothing
-  /// comes any more. Bad input, too, where the file was cut, or where its name is another file's or none's: what was in it
-  /// was given by the call before.
+  /// The edges, observations and priors in the lines that have come since the last call, as a log of their own; nullopt if
+  /// there are none. Bad input, with the line, if one is wrong: the lines before it were given by the call before, and no more
+  /// are given. Bad input, too, if the file was cut, or if its name belongs to another file or to none: its content was given
+  /// by the call before.
   Expected<std::optional<AnyLog>> appended();
-  /// The same with a last line that has no end yet; there is no more to come.
+  /// The log of the lines not yet given, as appended(), including a last line without an end; for when no more is to come.
   Expected<std::optional<AnyLog>> rest();
-  /// How many bytes are in the file, of which those at the end may be half a line.
+  /// The number of bytes read so far; the last of them may be half a line.
   std::size_t size() const { return text_.size(); }
 
   /// The log of all lines given so far, as read_g2o() reads it.
@@ -41,9 +41,9 @@ class GrowingG2o {
   std::filesystem::path path_;
   ReadOptions options_;
   Descriptor descriptor_;
-  std::string text_;        // of the file so far
-  std::size_t taken_ = 0;   // bytes of it that were given
-  std::string parameters_;  // the lines of these, empty but for what later observations may name
+  std::string text_;        // Content of the file so far.
+  std::size_t taken_ = 0;   // Bytes of `text_` that were given.
+  std::string parameters_;  // Lines of the given bytes, empty but for parameters that later observations may name.
   std::optional<Error> fault_;
 };
 

@@ -21,7 +21,7 @@ Pose<3> read_sensor(TextScanner& text, const TextContext& context) {
   return {};
 }
 
-/// Of the first coordinates of a pose; the others have no weight.
+/// Reads a prior of the first `Size` coordinates of a pose; the others have no weight.
 template <int Dim, int Size>
 MeasuredPose<Dim> read_position(TextScanner& text, const TextContext& context) {
   const auto [measured, W] = read_plain_point<Size>(text, context);

@@ -19,13 +19,13 @@ std::optional<std::uint64_t> power_of_ten_above(std::uint64_t number) {
   return power;
 }
 
-/// What counts in a key: of a GTSAM symbol, the index below its letter.
+/// The index in a key: of a GTSAM symbol, the number below its letter; otherwise the key itself.
 constexpr std::uint64_t kMostIndex = (std::uint64_t{1} << 56) - 1;
 std::uint64_t index_in(std::uint64_t key) {
   return symbol_letter(key) == '\0' ? key : key & kMostIndex;
 }
 
-/// Whether poses of different sessions have the same key.
+/// True if poses of different sessions have the same key.
 bool do_keys_meet(const std::vector<PoseId>& poses) {
   const bool has_one = std::ranges::all_of(poses, [&](const PoseId& id) { return id.session == poses.front().session; });
   if (has_one) return false;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
-// How the poses of all sessions and the features share the one numbering that g2o's programs expect of a file.
+// The one numbering that g2o's programs expect of a file, shared by the poses of all sessions and the features.
 
 #include <cstdint>
 #include <mapjoin/model/error.hpp>
@@ -9,8 +9,9 @@
 
 namespace mapjoin {
 
-/// A pose's number is its key plus its session times `session_step`, a feature's is its key plus `feature_offset`. Both are
-/// powers of ten, for the user's names to shine through, or 0 where keys do not meet anyway. GTSAM symbols keep their letter.
+/// The numbers of poses and features: a pose's is its key plus its session times `session_step`, a feature's is its key plus
+/// `feature_offset`. Both are powers of ten, so that the user's names stay readable, or 0 if keys do not meet anyway. GTSAM
+/// symbols keep their letter.
 struct G2oNumbering {
   std::uint64_t session_step = 0;
   std::uint64_t feature_offset = 0;
@@ -19,7 +20,7 @@ struct G2oNumbering {
   std::uint64_t operator()(const FeatureId& id) const { return id.key + feature_offset; }
 };
 
-/// kUsage where keys are so large that no such numbers fit into 64 bits.
+/// The numbering of these poses and features; kUsage if their keys are so large that no such numbers fit into 64 bits.
 Expected<G2oNumbering> number_for_g2o(const std::vector<PoseId>& poses, const std::vector<FeatureId>& features);
 
 }  // namespace mapjoin

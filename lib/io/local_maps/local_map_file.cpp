@@ -10,7 +10,7 @@
 namespace mapjoin {
 namespace {
 
-/// Takes the next line apart with `read`.
+/// Reads the next line with `read`; bad input if the file ends where `what` is expected.
 template <typename Read>
 Expected<void> take_line(TextScanner& text, const char* what, const Read& read) {
   if (!text.next_line()) return text.error(fmt::format("the file ends where {} is expected", what));
@@ -18,8 +18,8 @@ Expected<void> take_line(TextScanner& text, const char* what, const Read& read) 
   return text.finish_line();
 }
 
-/// The first two lines: the start pose, which the file's name says too, and the number of rows, which the file must have room
-/// for.
+/// Reads the first two lines: the start pose, which must be that of the file's name, and the number of rows, which the file
+/// must have room for.
 Expected<std::size_t> parse_text_header(TextScanner& text, std::int64_t start) {
   std::size_t rows = 0;
   return take_line(text, "the start pose",
@@ -29,7 +29,7 @@ Expected<std::size_t> parse_text_header(TextScanner& text, std::int64_t start) {
       .and_then([&] {
         return take_line(text, "the number of rows", [&] {
           rows = text.key();
-          // Every number takes two bytes at least. The first comparison keeps the product from overflowing.
+          // Every number takes at least two bytes. The first comparison keeps the product from overflowing.
           const std::size_t most = text.size() / 2 + 1;
           if (rows > most || rows * rows + 2 * rows > most) text.reject("the file is too short for so many rows");
         });
@@ -37,7 +37,7 @@ Expected<std::size_t> parse_text_header(TextScanner& text, std::int64_t start) {
       .map([&] { return rows; });
 }
 
-/// Linear SLAM's text.
+/// Reads Linear SLAM's text.
 Expected<LocalMapFile> parse_text(LocalMapFile&& map, std::string_view bytes) {
   TextScanner text(map.path.string(), bytes);
   const auto header = parse_text_header(text, map.number - 1);

@@ -20,10 +20,10 @@ template <int Dim>
 struct NamedLocalMap {
   std::filesystem::path path;
   std::int64_t number = 0;
-  std::vector<FeatureId> features;  ///< As in `map.feature_estimates`.
-  /// False where the end pose is the start pose, exactly: zero motion of zero covariance. Then `map` is over the features only.
+  std::vector<FeatureId> features;  ///< In the order of `map.feature_estimates`.
+  /// False if the end pose is exactly the start pose (zero motion of zero covariance); then `map` is over the features only.
   bool moves = true;
-  LocalMap<Dim> map;  ///< All but its indices.
+  LocalMap<Dim> map;  ///< Complete but for its indices.
 };
 
 tl::unexpected<Error> row_error(const LocalMapFile& file, Eigen::Index row, const std::string& message) {
@@ -34,7 +34,7 @@ tl::unexpected<Error> file_error(const LocalMapFile& file, const std::string& me
   return bad_input(fmt::format("{}: {}", file.path.string(), message));
 }
 
-/// How many rows from `row` on carry its id.
+/// The number of rows from `row` on that carry its id.
 Eigen::Index rows_of_one_id(const Eigen::MatrixX2d& state, Eigen::Index row) {
   Eigen::Index end = row;
   while (end < state.rows() && state(end, 0) == state(row, 0)) ++end;
@@ -89,8 +89,8 @@ Pose<Dim> end_pose(const LocalMapFile& file) {
   }
 }
 
-/// In space, the Gaussian over the angles (a, b, c) = (yaw, pitch, roll) is turned to be over the step of the rotation: by J a
-/// covariance, by J⁻ᵀ an information matrix. In the plane the heading is the rotation's step already.
+/// Turns the Gaussian in space from the angles (a, b, c) = (yaw, pitch, roll) to the step of the rotation: a covariance by J,
+/// an information matrix by J⁻ᵀ. In the plane the heading is the rotation's step already.
 template <int Dim>
 Expected<void> turn_rotation(LocalMapFile& file) {
   if (Dim == 2) return {};
@@ -112,25 +112,25 @@ Expected<Eigen::MatrixXd> information(const LocalMapFile& file, InformationCheck
   return file_error(file, fmt::format("the {} of map {} {}", what, file.number, *fault));
 }
 
-/// Whether the end pose is known to be the start pose: its rows and columns of the covariance are zero, and so is its motion.
+/// True if the end pose is known to be the start pose: its motion is zero, and so are its rows and columns of the covariance.
 template <int Dim>
 bool coincides(const LocalMapFile& file) {
   return !file.is_information && file.state.col(1).head<kPoseDof<Dim>>().isZero(0.0) &&
          file.gaussian.topRows<kPoseDof<Dim>>().isZero(0.0) && file.gaussian.leftCols<kPoseDof<Dim>>().isZero(0.0);
 }
 
-/// 2 or 3, by the number of rows that the end pose takes.
+/// The dimension, 2 or 3, by the number of rows of the end pose.
 Expected<int> dimension(const LocalMapFile& file) {
   const Eigen::Index rows = file.state.rows() > 0 ? rows_of_one_id(file.state, 0) : 0;
-  // The end pose's id may be 0, and so may the first feature's.
+  // The end pose and the first feature may both have the id 0.
   if (rows == kPoseDof<2> || rows == kPoseDof<2> + 2) return 2;
   if (rows == kPoseDof<3> || rows == kPoseDof<3> + 3) return 3;
   return file_error(file, fmt::format("the state begins with {} rows of one id; an end pose has 3 or 6", rows));
 }
 
-/// Checks that the state is an end pose and features, each once, and that the Gaussian is finite, symmetric and, a covariance,
-/// positive definite or, an information matrix, positive semidefinite (see InformationCheck). Errors name the file, and the row
-/// of the state.
+/// The map of a file in the conventions used inside. Bad input, naming the file and the row of the state, unless the state is
+/// an end pose and features, each once, and the Gaussian is finite, symmetric and, if a covariance, positive definite or, if an
+/// information matrix, positive semidefinite (see InformationCheck).
 template <int Dim>
 Expected<NamedLocalMap<Dim>> named_local_map(LocalMapFile&& file, InformationCheck& check) {
   constexpr int kDof = kPoseDof<Dim>;
@@ -167,7 +167,7 @@ FeatureIds all_features(const NamedMaps<Dim>& maps) {
   return all;
 }
 
-/// Sorts the maps; their numbers must be 1, 2, ...
+/// Sorts the maps; bad input unless their numbers are 1, 2, ...
 template <int Dim>
 Expected<void> put_in_order(NamedMaps<Dim>& maps, const std::string& source) {
   std::sort(maps.begin(), maps.end(), [](const auto& a, const auto& b) { return a.number < b.number; });

@@ -12,20 +12,20 @@
 namespace mapjoin {
 namespace {
 
-/// A local map as its file has it.
+/// A local map in the rows of its file.
 struct Rows {
   std::int64_t number = 0;
-  Eigen::Index pose_rows = 0;  ///< Of the end pose, at the top; zeros where the map does not move.
-  Eigen::VectorXd ids;         ///< 0 for these.
+  Eigen::Index pose_rows = 0;  ///< Rows of the end pose, at the top; zeros if the map does not move.
+  Eigen::VectorXd ids;         ///< Id of each row; 0 in those of the end pose.
   Eigen::VectorXd values;
-  Eigen::MatrixXd information;  ///< Of all rows, or of the features' where the map does not move.
+  Eigen::MatrixXd information;  ///< Over all rows, or over the features' if the map does not move.
 };
 
-/// The numbers of the end pose, and the weights of its step turned to theirs.
+/// Puts the numbers of the end pose; in the plane its weights stay as they are.
 void put_end_pose(const Pose<2>& end, Rows& rows) {
   rows.values.head<3>() << end.translation, end.rotation.angle();
 }
-/// The file has yaw, pitch, roll.
+/// Puts the numbers of the end pose, with yaw, pitch, roll as in the file, and turns the weights of its step to them.
 void put_end_pose(const Pose<3>& end, Rows& rows) {
   const Vector<3> angles = euler_from_rotation(end.rotation);
   rows.values.head<6>() << end.translation, angles.reverse();
@@ -49,7 +49,7 @@ Rows rows_of(const LocalMap<Dim>& map, std::int64_t number, const FeatureIds& fe
   return rows;
 }
 
-/// What is wrong with a map, to follow its number; `at` is the pose that it must start from.
+/// The fault of a map, worded to follow its number; nullopt if none. The map must start from the pose `at`.
 template <int Dim>
 Fault fault_of(const LocalMap<Dim>& map, PoseIndex at, const FeatureIds& features, LocalMapFormat format) {
   constexpr auto kEnd = static_cast<std::uint64_t>(kDoubleIdEnd);
@@ -80,8 +80,8 @@ Expected<void> write_text(const Rows& rows, const std::filesystem::path& path) {
   return file->commit_unsynced();
 }
 
-/// In the plane a covariance, zero for an end pose that is the start pose; in space information. Nothing where the covariance
-/// does not exist.
+/// The bytes of a MAT file: in the plane with a covariance, zero for an end pose that is the start pose; in space with an
+/// information matrix. Nullopt if the covariance does not exist.
 template <int Dim>
 std::optional<std::string> mat_of(const Rows& rows) {
   const Eigen::Index n = rows.values.size();

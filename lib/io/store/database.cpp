@@ -11,11 +11,11 @@
 namespace mapjoin::store {
 namespace {
 
-/// What is wrong with a store, where SQLite's words are about something else.
+/// The reason of a failure: SQLite's words, or others if those are about something else.
 std::string reason_of(sqlite3* database, ErrorKind kind) {
   const int status = sqlite3_errcode(database);
   if (status == SQLITE_BUSY) return "another process is writing it";
-  // Only what writes it can bring back what was there before.
+  // Only the writer of the store can restore its state before the interruption.
   if (status == SQLITE_READONLY && kind == ErrorKind::kBadInput) return "unfinished store: its writer was interrupted";
   const int reason = status == SQLITE_IOERR ? sqlite3_system_errno(database) : 0;
   return reason != 0 ? std::generic_category().message(reason) : sqlite3_errmsg(database);
@@ -106,7 +106,7 @@ Expected<Database> Database::open(const std::filesystem::path& path) {
 }
 
 Expected<Database> Database::open_read_only(const std::filesystem::path& path) {
-  constexpr std::uintmax_t kLeast = 1 << 16;  // For the words of SQLite itself.
+  constexpr std::uintmax_t kLeast = 1 << 16;  // For the texts of SQLite itself.
   auto database = open(path, SQLITE_OPEN_READONLY, ErrorKind::kBadInput);
   if (!database) return database;
   std::error_code failure;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
-// The little of SQLite that the store needs, with errors as values.
+// The small part of SQLite that the store needs, with errors as values.
 
 #include <cstdint>
 #include <filesystem>
@@ -15,16 +15,16 @@ struct sqlite3_stmt;
 
 namespace mapjoin::store {
 
-/// A prepared statement. Values are bound in the order of its parameters; what is bound must live until the next step().
+/// A prepared statement. Values are bound in the order of its parameters, and must live until the next step().
 class Statement {
  public:
   Statement& bind(std::int64_t value);
   Statement& bind(double value);
   Statement& bind(std::string_view bytes);
-  /// To the next row, or false at the end, where the statement begins anew with nothing bound.
+  /// Moves to the next row; false at the end, where the statement begins anew with nothing bound.
   Expected<bool> step();
 
-  /// Of the current row; views live until the next step().
+  /// The value of a column of the current row; views stay valid until the next step().
   bool is_null(int column) const;
   std::int64_t integer(int column) const;
   double number(int column) const;
@@ -41,26 +41,25 @@ class Statement {
   int bound_ = 0;
 };
 
-/// A database file, in whose schema nothing is trusted. Its errors begin with its path; they are kCannotWrite where it was
-/// opened for writing and is not damaged, else bad input.
+/// A database file whose schema is not trusted. Errors begin with its path; they are kCannotWrite if it was opened for writing
+/// and is not damaged, otherwise bad input.
 class Database {
  public:
-  /// For writing; made where there is none.
+  /// Opens a database for writing, and creates it if missing.
   static Expected<Database> open(const std::filesystem::path& path);
-  /// A file from a stranger, for reading: no value is taken that is larger than the file, and all statements see one state of
-  /// it.
+  /// Opens a stranger's file for reading: values larger than the file are refused, and all statements see one state of it.
   static Expected<Database> open_read_only(const std::filesystem::path& path);
 
-  /// Statements without parameters and results.
+  /// Executes statements without parameters and results.
   Expected<void> execute(const std::string& sql);
   Expected<Statement> prepare(std::string_view sql);
-  /// Hands every row of the result to `take`, until that says false.
+  /// Hands every row of the result to `take`, until that returns false.
   Expected<void> rows(std::string_view sql, const std::function<bool(const Statement& row)>& take);
   /// The integer that is the statement's only result.
   Expected<std::int64_t> integer(std::string_view sql);
 
   const std::string& file() const { return file_; }
-  /// Bad input, in a sentence about a damaged store.
+  /// A bad-input error about a damaged store.
   tl::unexpected<Error> damaged(std::string_view what) const;
 
  private:

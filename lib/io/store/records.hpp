@@ -100,7 +100,7 @@ std::string encode_all(const Records& records) {
   return bytes;
 }
 
-/// Appends the records; false where the bytes are not whole records.
+/// Appends the records in `bytes`; false if these are not whole records.
 template <typename Record>
 bool decode_all(std::string_view bytes, std::vector<Record>& records) {
   const std::size_t size = record_size<Record>();
@@ -115,7 +115,7 @@ bool decode_all(std::string_view bytes, std::vector<Record>& records) {
   return true;
 }
 
-/// The upper triangle of a symmetric matrix, column by column.
+/// The bytes of the upper triangle of a symmetric matrix, column by column.
 inline std::string encode_upper(const Eigen::MatrixXd& matrix) {
   std::string bytes;
   for (Eigen::Index col = 0; col < matrix.cols(); ++col) {
@@ -124,7 +124,7 @@ inline std::string encode_upper(const Eigen::MatrixXd& matrix) {
   return bytes;
 }
 
-/// And back; nothing where the size is wrong.
+/// The symmetric matrix that encode_upper() encoded; nullopt if the size is wrong.
 inline std::optional<Eigen::MatrixXd> decode_upper(std::string_view bytes, Eigen::Index rows) {
   if (bytes.size() != static_cast<std::size_t>(rows * (rows + 1) / 2) * sizeof(double)) return std::nullopt;
   Eigen::MatrixXd matrix(rows, rows);

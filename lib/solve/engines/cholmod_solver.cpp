@@ -5,7 +5,7 @@
 #include <mapjoin/solve/engines/sparse_cholesky.hpp>
 #include <mutex>
 
-// Not declared where CHOLMOD was built without OpenMP.
+// Null if CHOLMOD was built without OpenMP.
 extern "C" {
 [[gnu::weak]] int omp_get_max_active_levels();
 [[gnu::weak]] void omp_set_max_active_levels(int levels);
@@ -14,7 +14,7 @@ extern "C" {
 namespace mapjoin {
 namespace {
 
-/// CHOLMOD's loops stay on the calling thread. (Debian's opens four threads whatever OMP_NUM_THREADS says.)
+/// Keeps CHOLMOD's loops on the calling thread. (Debian's opens four threads whatever OMP_NUM_THREADS says.)
 class OneThread {
  public:
   OneThread() : levels_(omp_get_max_active_levels ? omp_get_max_active_levels() : 0) { set(0); }
@@ -37,9 +37,9 @@ struct CholmodSolver::State {
   std::vector<SuiteSparse_long> begin;
   std::vector<SuiteSparse_long> rows;
   std::vector<double> values;
-  std::vector<std::int64_t> source;  ///< In the values of the blocks, per entry.
-  cholmod_factor* L = nullptr;       ///< None before analyse().
-  std::mutex solving;                ///< Solves write to CHOLMOD's workspace.
+  std::vector<std::int64_t> source;  ///< Place of each entry in the values of the blocks.
+  cholmod_factor* L = nullptr;       ///< Null before analyse().
+  std::mutex solving;                ///< Held by solves, which write to CHOLMOD's workspace.
 
   ~State() { forget_factor(); }
   void forget_factor() {
@@ -110,7 +110,7 @@ std::vector<std::int64_t> CholmodSolver::factorise(const BlockLower& matrix) {
   const auto diagonal = [&](std::int64_t column) {
     return state.values[static_cast<std::size_t>(state.begin[static_cast<std::size_t>(column)])];
   };
-  // Behind the minor that is not positive definite L is not worked out.
+  // L is not computed beyond the minor that is not positive definite.
   const auto regular = static_cast<std::int64_t>(state.L->minor);
   for (const Supernode& node : supernodes()) {
     const auto height = static_cast<std::int64_t>(node.rows.size());

@@ -6,17 +6,17 @@
 
 namespace mapjoin {
 
-/// On the calling thread, in the order of the matrix.
+/// CHOLMOD on the calling thread, in the order of the matrix.
 class CholmodSolver final : public SparseSolver {
  public:
-  /// Supernodal where the library has that, else simplicial, as when that is asked for.
+  /// Supernodal if asked for and the library has it, otherwise simplicial.
   explicit CholmodSolver(bool is_supernodal = true);
   ~CholmodSolver() override;
   CholmodSolver(const CholmodSolver&) = delete;
   CholmodSolver& operator=(const CholmodSolver&) = delete;
 
   void analyse(const BlockLower& matrix) override;
-  /// Names the first singular column alone.
+  /// Returns the first singular column alone.
   std::vector<std::int64_t> factorise(const BlockLower& matrix) override;
   Eigen::MatrixXd solve_columns(Eigen::MatrixXd B) const override;
   Supernode supernode_of(std::int64_t column) const override;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Sharing out a factorisation, and the solves with it, among threads.
+// Distribution of a factorisation, and of the solves with it, over threads.
 
 #include <algorithm>
 #include <mapjoin/parallel/parallel.hpp>
@@ -10,9 +10,9 @@
 namespace mapjoin {
 namespace {
 
-/// A task has at least this share of all work,
+/// The least share of all work in a task.
 constexpr double kLeastShare = 1.0 / 32.0;
-/// and at least so many multiplications: some tenths of a millisecond.
+/// The least number of multiplications in a task: some tenths of a millisecond.
 constexpr double kLeastWork = 5e5;
 
 class TaskCutter {
@@ -37,8 +37,8 @@ class TaskCutter {
   }
 
  private:
-  /// Shares out the subtrees of `roots`, on which the nodes of the task depend. Where only one of them is worth a task of its
-  /// own, its root becomes part of this one, and so on downwards.
+  /// Shares out the subtrees of `roots`, on which the nodes of the task depend. If only one of them is worth a task of its own,
+  /// its root becomes part of this one, and so on downwards.
   void cut(FactorTask& task, std::span<const std::size_t> roots) {
     while (true) {
       std::vector<std::size_t> large;
@@ -82,7 +82,7 @@ class TaskCutter {
   }
 
   const SupernodalTree& tree_;
-  std::vector<double> work_;  // of each subtree, and of all
+  std::vector<double> work_;  // work of each subtree, and of all
   double least_ = 0.0;
 };
 

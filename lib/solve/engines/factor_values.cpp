@@ -20,7 +20,7 @@ namespace {
       fmt::format("{}: no room for a file of {:.0f} MB", folder.string(), static_cast<double>(bytes) / 1e6));
 }
 
-/// A file without a name, all of whose bytes the disk has room for, mapped.
+/// Maps a new file without a name, with disk space allocated for all its bytes.
 double* mapped_file(const std::filesystem::path& folder, std::size_t bytes) {
   std::string name = (folder / "factor-XXXXXX").string();
   const int file = ::mkostemp(name.data(), O_CLOEXEC);
@@ -50,7 +50,7 @@ void FactorValues::set_aside(std::size_t first, std::size_t count) const {
   const auto page = static_cast<std::size_t>(::sysconf(_SC_PAGESIZE));
   const std::size_t begin = (first * sizeof(double) + page - 1) / page * page;
   const std::size_t end = (first + count) * sizeof(double) / page * page;
-  // What was written to a shared mapping stays in the file.
+  // Data written to a shared mapping stay in the file.
   if (begin < end) ::madvise(reinterpret_cast<std::byte*>(data()) + begin, end - begin, MADV_DONTNEED);
 }
 

@@ -16,7 +16,7 @@ void dsyrk_(const char* uplo, const char* trans, const int* n, const int* k, con
             const int* lda, const double* beta, double* c, const int* ldc);
 void dgemm_(const char* transa, const char* transb, const int* m, const int* n, const int* k, const double* alpha,
             const double* a, const int* lda, const double* b, const int* ldb, const double* beta, double* c, const int* ldc);
-// Null where the BLAS is not OpenBLAS, or where nothing in the process uses OpenMP.
+// Null if the BLAS is not OpenBLAS, or if nothing in the process uses OpenMP.
 [[gnu::weak]] int openblas_get_parallel();
 [[gnu::weak]] int omp_get_max_threads();
 [[gnu::weak]] void omp_set_num_threads(int);
@@ -28,8 +28,8 @@ namespace {
 constexpr double kOne = 1.0;
 constexpr double kMinusOne = -1.0;
 
-/// The duration of a BLAS call. A BLAS on OpenMP works on the calling thread alone: OpenMP's number of threads belongs to the
-/// thread that sets it. OpenBLAS built without threads is called by one thread at a time.
+/// The scope of a BLAS call. It keeps a BLAS on OpenMP on the calling thread (OpenMP's number of threads belongs to the thread
+/// that sets it), and lets only one thread at a time call an OpenBLAS built without threads.
 class BlasCall {
  public:
   BlasCall() : openmp_threads_(omp_get_max_threads ? omp_get_max_threads() : 1), alone_(mutex_, std::defer_lock) {
@@ -44,7 +44,7 @@ class BlasCall {
 
  private:
   static inline std::mutex mutex_;
-  int openmp_threads_;  ///< Before the call.
+  int openmp_threads_;  ///< OpenMP's threads before the call.
   std::unique_lock<std::mutex> alone_;
 };
 
@@ -102,8 +102,8 @@ void subtract_product(ConstDenseBlock A, ConstDenseBlock B, DenseBlock C, Into i
 
 namespace {
 
-/// Columns that are eliminated at once, and columns or rows that are a piece of work: large enough for the BLAS, small enough
-/// to be shared out.
+/// The number of columns that are eliminated at once, and of columns or rows in a piece of work: large enough for the BLAS,
+/// small enough to be shared out.
 constexpr Eigen::Index kTile = 192;
 
 DenseBlock part(DenseBlock block, Eigen::Index row, Eigen::Index column, Eigen::Index rows, Eigen::Index columns) {
@@ -119,7 +119,7 @@ void for_each_tile(Eigen::Index size, F&& f) {
   });
 }
 
-/// The lower trapezoid of C - B B_Cᵀ, over the columns that C has; B_C are the first rows of B.
+/// Computes the lower trapezoid of C - B B_Cᵀ, over the columns that C has; B_C are the first rows of B.
 void subtract_square_by_tiles(DenseBlock B, DenseBlock C, Into into) {
   for_each_tile(C.cols(), [&](Eigen::Index begin, Eigen::Index size) {
     const DenseBlock rows = part(B, begin, 0, size, B.cols());
@@ -131,7 +131,7 @@ void subtract_square_by_tiles(DenseBlock B, DenseBlock C, Into into) {
   });
 }
 
-/// L of a small matrix, column by column; singular columns become those of the identity and are noted.
+/// Factorises a small matrix column by column; singular columns become those of the identity and are noted.
 void factorise_leaving_out(DenseBlock A, const Eigen::Ref<const Eigen::VectorXd>& diagonal,
                            std::vector<Eigen::Index>& singular) {
   for (Eigen::Index j = 0; j < A.cols(); ++j) {
@@ -150,7 +150,7 @@ void factorise_leaving_out(DenseBlock A, const Eigen::Ref<const Eigen::VectorXd>
   }
 }
 
-/// The same by LAPACK where no column is singular.
+/// Performs factorise_leaving_out(), by LAPACK if no column is singular; returns the singular columns.
 std::vector<Eigen::Index> factorise_tile(DenseBlock A, const Eigen::Ref<const Eigen::VectorXd>& diagonal) {
   const Eigen::MatrixXd before = A;
   std::vector<Eigen::Index> singular;

@@ -13,16 +13,16 @@ namespace mapjoin {
 using DenseBlock = Eigen::Map<Eigen::MatrixXd, 0, Eigen::OuterStride<>>;
 using ConstDenseBlock = Eigen::Map<const Eigen::MatrixXd, 0, Eigen::OuterStride<>>;
 
-/// A block that is only read.
+/// A read-only view of a block.
 inline ConstDenseBlock constant(const DenseBlock& block) {
   return {block.data(), block.rows(), block.cols(), Eigen::OuterStride<>(block.outerStride())};
 }
 
-/// A = L Lᵀ, by lower triangles, L in the place of A. Returns the first column whose pivot is not positive, or nothing.
+/// Factorises A = L Lᵀ, by lower triangles, in place. Returns the first column whose pivot is not positive, or nullopt.
 std::optional<Eigen::Index> cholesky_in_place(DenseBlock A);
 /// B ← B L⁻ᵀ.
 void divide_by_transpose(ConstDenseBlock L, DenseBlock B);
-/// Whether a product is added to what is in a block already, or that is not even read.
+/// Treatment of the values in a block: a product is added to them, or replaces them unread.
 enum class Into { kSum, kNew };
 /// The lower triangle of C ← C - B Bᵀ, or of C ← -B Bᵀ.
 void subtract_square(ConstDenseBlock B, DenseBlock C, Into into);
@@ -34,20 +34,19 @@ void subtract_product(ConstDenseBlock A, ConstDenseBlock B, DenseBlock C, Into i
 ///   ⎡ A_JJ  .    ⎤
 ///   ⎣ A_RJ  U_RR ⎦
 ///
-/// over the rows J of a supernode and R below it; J's columns are its panel, U is what goes to its parent: -L_RJ L_RJᵀ and what
-/// came from its children. U need not be set before the elimination.
+/// over the rows J of a supernode and R below it; the columns of J are its panel, U is its update of the parent: -L_RJ L_RJᵀ
+/// plus the updates of its children. U need not be set before the elimination.
 struct FrontalMatrix {
   DenseBlock panel;
   DenseBlock update;
 };
 
-/// Adds to one of these blocks, which begins at row and column `begin` of the front, the columns that it has of what a child
-/// sends; `runs` name the child's rows.
+/// Adds the update of a child to one of these blocks, which begins at row and column `begin` of the front, in the columns that
+/// the block has; `runs` give the child's rows.
 void add_update(ConstDenseBlock update, std::span<const RowRun> runs, Eigen::Index begin, DenseBlock block);
 
-/// Eliminates J: its panel becomes [L_JJ; L_RJ], the update, whatever it was, -L_RJ L_RJᵀ. Returns the columns of J that are
-/// singular, `diagonal` being the matrix's there: they are left out, their columns of L being those of the identity. Large
-/// fronts are worked on by all threads.
+/// Eliminates J: its panel becomes [L_JJ; L_RJ], the update, whatever it was, -L_RJ L_RJᵀ. Returns the singular columns of J,
+/// judged by the matrix's `diagonal`: they are left out, with columns of the identity in L. All threads work on large fronts.
 std::vector<Eigen::Index> eliminate(FrontalMatrix front, const Eigen::VectorXd& diagonal);
 
 }  // namespace mapjoin

@@ -20,8 +20,8 @@ SupernodalTree tree_of(const BlockLower& matrix, std::span<const GivenFront> giv
   return supernodal_tree(matrix, rows, border);
 }
 
-/// One factorisation: the updates on their way from supernode to parent. L goes to `values`, and an update goes once its parent
-/// has taken it; or, without `values`, each front keeps a panel of its own and its update.
+/// One factorisation, with the updates on their way from supernode to parent. L goes to `values`, and an update goes once its
+/// parent has taken it; without `values` each front keeps a panel of its own and its update.
 class Factorisation {
  public:
   Factorisation(const SupernodalTree& tree, const BlockLower& matrix, std::span<const GivenFront> given,
@@ -33,7 +33,7 @@ class Factorisation {
         panels_(values ? 0 : tree.nodes.size()),
         updates_(tree.nodes.size()) {}
 
-  /// The singular columns.
+  /// Factorises, and returns the singular columns.
   std::vector<std::int64_t> run() {
     for_each_upwards(tree_.tasks, [this](std::size_t s) { eliminate_node(s); });
     std::sort(singular_.begin(), singular_.end());
@@ -51,9 +51,9 @@ class Factorisation {
     take_entries(node, front.panel);
     Eigen::VectorXd diagonal = front.panel.diagonal();
     add_children(node, 0, front.panel);
-    if (!given_.empty()) diagonal = front.panel.diagonal();  // of which the matrix alone holds a part
+    if (!given_.empty()) diagonal = front.panel.diagonal();  // the matrix alone holds a part of it
     note_singular(matrix_.offsets[node.columns.first], eliminate(front, diagonal));
-    add_children(node, node.width, front.update);  // which the elimination has overwritten
+    add_children(node, node.width, front.update);  // after the elimination, which overwrites the update
     free_children(node);
     if (!keeps_fronts()) set_aside(*values_, node);
   }
@@ -76,7 +76,7 @@ class Factorisation {
     return {updates_[s].data(), size, size, Stride(size)};
   }
 
-  /// The Schur complement takes the place of the border's panel.
+  /// Assembles the Schur complement in the place of the border's panel.
   void assemble_border(std::size_t s) {
     const FactorNode& node = tree_.nodes[s];
     const DenseBlock panel = new_panel(s);
@@ -87,7 +87,7 @@ class Factorisation {
 
   bool keeps_fronts() const { return !values_; }
 
-  /// Frees what the node has taken; where fronts are kept, only what given ones sent, which whoever gave them has.
+  /// Frees the updates that the node has taken; if fronts are kept, only those of given fronts, which the caller has.
   void free_children(const FactorNode& node) {
     for (const std::size_t c : tree_.children_of(node)) {
       const bool is_given = tree_.nodes[c].width == 0;
@@ -95,21 +95,21 @@ class Factorisation {
     }
   }
 
-  /// What a front sends: what it was given, or was made when its turn came.
+  /// The update of a front: given, made when its turn came, or computed.
   ConstDenseBlock update_of(std::size_t s) const {
     const FactorNode& node = tree_.nodes[s];
     if (node.width == 0 && !given_[node.given].make) return given_[node.given].update;
     return {updates_[s].data(), node.below(), node.below(), Stride(node.below())};
   }
 
-  /// What the children send, as far as it belongs to a block that begins at row and column `begin` of the front.
+  /// Adds the updates of the children, as far as they belong to a block that begins at row and column `begin` of the front.
   void add_children(const FactorNode& node, Eigen::Index begin, DenseBlock block) const {
     for (const std::size_t c : tree_.children_of(node)) {
       add_update(update_of(c), tree_.runs_of(tree_.nodes[c]), begin, block);
     }
   }
 
-  /// The panel is what the matrix has there.
+  /// Sets the panel to the entries that the matrix has there.
   void take_entries(const FactorNode& node, DenseBlock panel) const {
     panel.setZero();
     if (matrix_.values.empty()) return;
@@ -137,7 +137,7 @@ class Factorisation {
   const BlockLower& matrix_;
   std::span<const GivenFront> given_;
   const FactorValues* values_;
-  std::vector<Eigen::MatrixXd> panels_;   ///< Per supernode, where fronts are kept.
+  std::vector<Eigen::MatrixXd> panels_;   ///< Per supernode, if fronts are kept.
   std::vector<Eigen::MatrixXd> updates_;  ///< Per supernode, until free_children().
   std::mutex mutex_;
   std::vector<std::int64_t> singular_;
@@ -165,7 +165,7 @@ ConstDenseBlock SparseCholesky::panel(const FactorNode& node) const {
 }
 
 void SparseCholesky::solve_upwards(Eigen::MatrixXd& B) const {
-  std::vector<Eigen::MatrixXd> updates(tree_.nodes.size());  // what each supernode takes off the rows below it
+  std::vector<Eigen::MatrixXd> updates(tree_.nodes.size());  // per supernode, the update of the rows below it
   for_each_upwards(tree_.tasks, [&](std::size_t s) {
     const FactorNode& node = tree_.nodes[s];
     auto own = B.middleRows(offsets_[node.columns.first], node.width);
@@ -229,7 +229,7 @@ ConstDenseBlock SparseCholesky::schur_complement() const {
 }
 
 Eigen::MatrixXd SparseCholesky::null_space(const std::vector<std::int64_t>& singular) const {
-  // L without its columns of the identity is A's: where Lᵀ z, with them, is such a unit vector, A z is zero.
+  // A = L' L'ᵀ, where L' is L without its columns of the identity: if Lᵀ z is the unit vector of such a column, A z is zero.
   Eigen::MatrixXd Z = Eigen::MatrixXd::Zero(offsets_.back(), static_cast<Eigen::Index>(singular.size()));
   for (std::size_t k = 0; k < singular.size(); ++k) Z(singular[k], static_cast<Eigen::Index>(k)) = 1.0;
   solve_downwards(Z);
@@ -244,7 +244,7 @@ std::size_t SparseCholesky::supernode_count() const {
 Supernode SparseCholesky::supernode_of(std::int64_t column) const {
   const auto is_before = [&](const FactorNode& node) { return offsets_[node.columns.last] <= column; };
   auto found = std::ranges::partition_point(tree_.nodes, is_before);
-  while (found->width == 0) ++found;  // a front that is given stands before the node that it goes into
+  while (found->width == 0) ++found;  // given fronts stand before the node that they go into
   const FactorNode& node = *found;
   Supernode L;
   L.begin = offsets_[node.columns.first];

@@ -22,7 +22,8 @@ struct FundamentalSupernodes {
   std::vector<Column> rows;
 };
 
-/// A column goes on with the one before it where that is its child and has no other rows. The border is one run.
+/// The runs of columns that are a supernode each: a column goes on with the one before it if that is its child and has no other
+/// rows. The border is one run.
 std::vector<Columns> runs_of_columns(const EliminationTree& tree, Column border) {
   const Column end(tree.parent.size());
   std::vector<Columns> runs;
@@ -63,7 +64,7 @@ FundamentalSupernodes fundamental_supernodes(const BlockLower& A, Column border)
   return result;
 }
 
-/// Up to `width` scalar columns, a supernode may have this share of zeros.
+/// The share of zeros that a supernode of up to `width` scalar columns may have.
 struct Relaxation {
   Eigen::Index width;
   double zeros;
@@ -76,7 +77,7 @@ struct Group {
   Columns columns;
   Eigen::Index width = 0;
   Eigen::Index below = 0;
-  double entries = 0.0;  ///< Without the zeros.
+  double entries = 0.0;  ///< Entries of L, without the zeros.
 
   static double entries_of(Eigen::Index width, Eigen::Index below) {
     return static_cast<double>(width) * (static_cast<double>(width + 1) / 2.0 + static_cast<double>(below));
@@ -99,7 +100,7 @@ Group group_of(const Columns& supernode, const FundamentalSupernodes& of, const 
   return group;
 }
 
-/// Supernodes that are hardly larger than their children become one with the last of these: fewer and wider panels.
+/// Merges supernodes that are hardly larger than their children with the last of these: fewer and wider panels.
 std::vector<Group> relaxed(const FundamentalSupernodes& fundamental, const BlockLower& A, Column border) {
   std::vector<Group> groups;  // from the last to the first
   for (auto supernode = fundamental.supernodes.rbegin(); supernode != fundamental.supernodes.rend(); ++supernode) {
@@ -117,7 +118,7 @@ std::vector<Group> relaxed(const FundamentalSupernodes& fundamental, const Block
   return groups;
 }
 
-/// The next node, of some columns and the rows below them.
+/// Appends a node of some columns and the rows below them.
 FactorNode& append_node(SupernodalTree& tree, IndexRange<Column> columns, std::span<const Column> rows, const BlockLower& A) {
   FactorNode& node = tree.nodes.emplace_back();
   node.columns = columns;
@@ -132,7 +133,7 @@ FactorNode& append_node(SupernodalTree& tree, IndexRange<Column> columns, std::s
   return node;
 }
 
-/// Nodes with their rows and panels; given fronts stand before the node that has the first of their rows.
+/// Lays out nodes with their rows and panels; given fronts stand before the node that has the first of their rows.
 void lay_out_nodes(SupernodalTree& tree, const std::vector<Group>& groups, const std::vector<Column>& rows,
                    std::span<const std::span<const Column>> given, const BlockLower& A) {
   std::vector<std::size_t> by_first_row(given.size());
@@ -176,7 +177,7 @@ void find_children(SupernodalTree& tree) {
   }
 }
 
-/// Rows below a supernode, in one run as far as they are next to each other in the parent's front.
+/// Appends the rows below a supernode as runs, each of rows next to each other in the parent's front.
 void append_runs(SupernodalTree& tree, FactorNode& node, const BlockLower& A, const Table<Column, std::int32_t>& front_row) {
   node.runs.begin = tree.runs.size();
   RowRun run;
@@ -192,7 +193,7 @@ void append_runs(SupernodalTree& tree, FactorNode& node, const BlockLower& A, co
   node.runs.end = tree.runs.size();
 }
 
-/// Where the entries of the matrix and the rows of the children lie in each front.
+/// Finds the places of the entries of the matrix and of the rows of the children in each front.
 void lay_out_fronts(SupernodalTree& tree, const BlockLower& A) {
   tree.front_rows.resize(A.rows.entries().size());
   Table<Column, std::int32_t> front_row(A.rows.size());

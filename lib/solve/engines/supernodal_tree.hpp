@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
-// What a Cholesky factor will look like: its supernodes, the tree in which they depend on each other, and where everything
-// goes.
+// Symbolic factorisation: the supernodes of a Cholesky factor, the tree in which they depend on each other, and the layout.
 
 #include <Eigen/Core>
 #include <cstdint>
@@ -12,7 +11,7 @@
 
 namespace mapjoin {
 
-/// [begin, end) of some list.
+/// A range [begin, end) of a list.
 struct Slice {
   std::size_t begin = 0;
   std::size_t end = 0;
@@ -29,13 +28,13 @@ struct Slice {
 struct FactorNode {
   IndexRange<Column> columns;
   std::size_t parent = 0;        ///< The supernode of the first row below; the number of supernodes for a root.
-  Slice children;                ///< In SupernodalTree::children, ascending.
+  Slice children;                ///< Its children, in SupernodalTree::children, ascending.
   Slice rows;                    ///< Its block rows below, in SupernodalTree::rows, ascending.
-  Slice runs;                    ///< Where these lie in its parent's front, in SupernodalTree::runs.
+  Slice runs;                    ///< Places of its rows below in its parent's front, in SupernodalTree::runs.
   std::int64_t first_value = 0;  ///< Its panel in the values of L.
-  Eigen::Index width = 0;        ///< Scalar columns; none of a front that is given.
+  Eigen::Index width = 0;        ///< Scalar columns; 0 for a given front.
   Eigen::Index height = 0;       ///< Scalar rows of the front.
-  std::size_t given = 0;         ///< Of a front that is given, its number.
+  std::size_t given = 0;         ///< Number of a given front.
 
   Eigen::Index below() const { return height - width; }
 };
@@ -50,18 +49,18 @@ struct RowRun {
 /// Supernodes that are worked on one after the other, ascending, once the tasks that they depend on are done.
 struct FactorTask {
   std::vector<std::size_t> nodes;
-  std::vector<FactorTask> before;  ///< Independent of each other.
+  std::vector<FactorTask> before;  ///< Tasks that these depend on, independent of each other.
 };
 
 struct SupernodalTree {
-  std::vector<FactorNode> nodes;  ///< By their columns.
+  std::vector<FactorNode> nodes;  ///< In the order of their columns.
   std::vector<std::size_t> children;
   std::vector<Column> rows;
   std::vector<RowRun> runs;
-  std::vector<std::int32_t> front_rows;  ///< Of each of the entries of BlockLower::rows, its first scalar row in the front.
-  std::int64_t value_count = 0;          ///< Of L.
-  FactorTask tasks;                      ///< The same for any number of threads.
-  Column border = 0;  ///< From this column on, the matrix is not eliminated: its last node, where it has one.
+  std::vector<std::int32_t> front_rows;  ///< First scalar row in the front, for each entry of BlockLower::rows.
+  std::int64_t value_count = 0;          ///< Number of values of L.
+  FactorTask tasks;                      ///< Shares of the work, the same for any number of threads.
+  Column border = 0;                     ///< First column that is not eliminated; the border, if any, is the last node.
 
   bool is_border(const FactorNode& node) const { return node.width > 0 && node.columns.first >= border; }
 
@@ -70,16 +69,16 @@ struct SupernodalTree {
   std::span<const RowRun> runs_of(const FactorNode& node) const { return node.runs.of(runs); }
 };
 
-/// By the pattern of a matrix that is in the order of its elimination (Liu, Ng & Peyton, 1993). `given` are the block rows,
-/// ascending, of fronts that were eliminated before: any two of them are coupled in the matrix. The last `border` columns are
-/// not eliminated.
+/// The supernodal tree of a matrix in its elimination order, by its pattern (Liu, Ng & Peyton, 1993). `given` are the block
+/// rows, ascending, of fronts that were eliminated before: any two of them are coupled in the matrix. The last `border` columns
+/// are not eliminated.
 SupernodalTree supernodal_tree(const BlockLower& matrix, std::span<const std::span<const Column>> given = {},
                                std::size_t border = 0);
 
-/// Cuts the tree where independent subtrees are worth a task. Depends on the tree alone.
+/// Cuts the tree into tasks where independent subtrees are worth one. Depends on the tree alone.
 FactorTask factor_tasks(const SupernodalTree& tree);
 
-/// Calls f(supernode) for each after all its children; side by side where tasks are independent.
+/// Calls f(supernode) for each after all its children; in parallel if tasks are independent.
 void for_each_upwards(const FactorTask& tasks, const std::function<void(std::size_t)>& f);
 /// Calls f(supernode) for each after its parent.
 void for_each_downwards(const FactorTask& tasks, const std::function<void(std::size_t)>& f);
